@@ -1,0 +1,165 @@
+//! Amplitude: the drive voltage for the amplitude asked for.
+//!
+//! A voltage is passed on. A motional current (tip velocity times force factor) is held by a PI loop whatever the load
+//! does to Q: about the resonance `I_m = (V / Rm) / (1 + tau s)`, so that `Ki = 2 pi B Rm` and `Kp = Ki tau` leave a
+//! first-order loop of bandwidth `B`.
+//!
+//! The loop does not compare with the set-point itself but with what an undisturbed ring-up would show by now (the
+//! set-point through the same lag): it holds still through the edges of a burst and corrects only what the load does.
+
+use crate::block::Amplitude;
+use crate::config::{Config, Limits};
+use crate::error::{Error, in_range};
+use crate::identify::Transducer;
+
+/// Bandwidth of the loop, Hz: slower than the phase loop, so that the two do not fight.
+const BANDWIDTH_HZ: f32 = 60.0;
+/// The loop listens once the ring-up has come so far.
+const LISTEN_ABOVE: f32 = 0.8;
+
+/// The amplitude control.
+#[derive(Clone, Debug)]
+pub struct AmplitudeLoop {
+    limits: Limits,
+    start_volts: f32,
+    block_s: f32,
+    ohm: f32,
+    lag: f32,
+    /// What an undisturbed resonance would show by now, A.
+    expected: f32,
+    integral_volts: f32,
+    volts: f32,
+    limited: bool,
+}
+
+impl AmplitudeLoop {
+    /// Checks the amplitude and the limits.
+    pub fn build(config: &Config, block_s: f32) -> Result<Self, Error> {
+        in_range("limits.voltage_v", config.limits.voltage_v.into(), 1e-3, 1e5)?;
+        in_range("drive.scan_volts", config.drive.scan_volts.into(), 1e-3, config.limits.voltage_v.into())?;
+        match config.drive.amplitude {
+            Amplitude::Volts(volts) => in_range("drive.amplitude_v", volts.into(), 0.0, config.limits.voltage_v.into())?,
+            Amplitude::MotionalCurrent(amperes) => {
+                in_range("drive.motional_current_a", amperes.into(), 0.0, config.limits.current_a.into())?
+            }
+        };
+        Ok(AmplitudeLoop {
+            limits: config.limits.clone(),
+            start_volts: config.drive.scan_volts,
+            block_s,
+            ohm: 0.0,
+            lag: 0.0,
+            expected: 0.0,
+            integral_volts: config.drive.scan_volts,
+            volts: config.drive.scan_volts,
+            limited: false,
+        })
+    }
+
+    /// Starts on an identified transducer, which rings at `motional_current` amperes already.
+    pub fn seed(&mut self, transducer: &Transducer, motional_current: f32) {
+        self.ohm = transducer.rm_ohm;
+        self.lag = (self.block_s / transducer.time_constant_s()).min(1.0);
+        self.expected = motional_current;
+        self.integral_volts = self.start_volts;
+    }
+
+    /// Follows one block: what is asked for, the mean envelope of the block heard, and the motional current in it.
+    pub fn update(&mut self, wanted: Amplitude, envelope: f32, motional_current: f32) {
+        let asked = match wanted {
+            Amplitude::Volts(volts) => volts,
+            Amplitude::MotionalCurrent(amperes) => self.hold(amperes, envelope, motional_current),
+        };
+        // Written so that a not-a-number, which an order might carry, plays as silence.
+        self.limited = !(asked <= self.limits.voltage_v);
+        self.volts = if asked > 0.0 { asked.min(self.limits.voltage_v) } else { 0.0 };
+    }
+
+    /// Peak voltage to drive with, V.
+    pub fn volts(&self) -> f32 {
+        self.volts
+    }
+
+    /// What the motional current is expected to be by now, A; only while a motional current is held.
+    pub fn expected(&self) -> f32 {
+        self.expected
+    }
+
+    /// Whether the voltage limit stops the loop or the order from getting what it wants.
+    pub fn limited(&self) -> bool {
+        self.limited
+    }
+
+    fn hold(&mut self, amperes: f32, envelope: f32, motional_current: f32) -> f32 {
+        let ceiling = amperes.min(self.limits.current_a);
+        self.expected += self.lag * (envelope * ceiling - self.expected);
+        if envelope < 1.0 || self.expected < LISTEN_ABOVE * ceiling {
+            return self.integral_volts;
+        }
+        let error_volts = self.ohm * (self.expected - motional_current);
+        let integral_gain = core::f32::consts::TAU * BANDWIDTH_HZ * self.block_s;
+        self.integral_volts = (self.integral_volts + integral_gain * error_volts).clamp(0.0, self.limits.voltage_v);
+        self.integral_volts + error_volts * integral_gain / self.lag
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn transducer(q: f32, rm_ohm: f32) -> Transducer {
+        Transducer {
+            series_resonance_hz: 40e3,
+            parallel_resonance_hz: 41.3e3,
+            q,
+            rm_ohm,
+            lm_h: 0.79e-3,
+            cm_f: 20e-9,
+            c0_f: 300e-9,
+        }
+    }
+
+    fn amplitude_loop(amperes: f32) -> AmplitudeLoop {
+        let limits = Limits { voltage_v: 12.0, current_a: 3.0, belt_moving_m_per_s: 0.0, belt_stop_ms: 0.0 };
+        AmplitudeLoop {
+            limits,
+            start_volts: 1.0,
+            block_s: 32e-6,
+            ohm: 0.0,
+            lag: 0.0,
+            expected: amperes,
+            integral_volts: 1.0,
+            volts: 1.0,
+            limited: false,
+        }
+    }
+
+    #[test]
+    fn holds_the_current_when_the_load_triples_the_resistance() {
+        let mut hold = amplitude_loop(1.0);
+        hold.seed(&transducer(65.0, 3.0), 0.0);
+        let mut current = 0.0;
+        for n in 0..4000 {
+            let (ohm, q) = if n < 2000 { (3.0, 65.0) } else { (9.0, 22.0) };
+            let lag = 32e-6 * core::f32::consts::PI * 40e3 / q;
+            current += lag * (hold.volts() / ohm - current);
+            hold.update(Amplitude::MotionalCurrent(1.0), 1.0, current);
+            if n == 1999 {
+                assert!((current - 1.0).abs() < 1e-3 && (hold.volts() - 3.0).abs() < 1e-2, "{current} {}", hold.volts());
+            }
+        }
+        assert!((current - 1.0).abs() < 1e-3, "{current}");
+    }
+
+    #[test]
+    fn the_limit_is_never_exceeded_and_says_so() {
+        let mut hold = amplitude_loop(2.0);
+        hold.seed(&transducer(65.0, 3.0), 0.0);
+        for asked in [Amplitude::Volts(50.0), Amplitude::Volts(f32::NAN), Amplitude::Volts(f32::INFINITY)] {
+            hold.update(asked, 1.0, 0.0);
+            assert!(hold.volts() <= 12.0 && hold.limited(), "{asked:?}");
+        }
+        hold.update(Amplitude::Volts(-3.0), 1.0, 0.0);
+        assert_eq!(hold.volts(), 0.0);
+    }
+}

@@ -1,0 +1,171 @@
+//! What a user sets, in SI units. May be wrong: [`Controller::build`](crate::controller::Controller::build) checks it.
+
+use heapless::Vec;
+use serde::{Deserialize, Serialize};
+
+use crate::block::{Amplitude, MAX_LANES};
+
+/// The most ON windows a burst schedule can list.
+pub const MAX_WINDOWS: usize = 8;
+
+/// The whole configuration of a controller.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Config {
+    /// Samples a second, of DAC and ADC alike, Hz.
+    pub sample_hz: f32,
+    /// Samples in a block.
+    pub block_samples: u16,
+    /// Drive lanes, 1 to 4.
+    pub lanes: u8,
+    /// What a converter code is worth.
+    pub front_end: FrontEnd,
+    /// The drive.
+    pub drive: Drive,
+    /// Lane offsets and trims.
+    pub phasing: Phasing,
+    /// The ON/OFF schedule.
+    pub burst: Burst,
+    /// How the frequency is found and kept.
+    pub tracking: Tracking,
+    /// What must never be exceeded.
+    pub limits: Limits,
+}
+
+/// Scale factors of the converters; on a board they come from the settings store.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct FrontEnd {
+    /// Volts at the stack per voltage code.
+    pub volt_per_lsb: f32,
+    /// Amperes into the stack per current code.
+    pub ampere_per_lsb: f32,
+    /// The sense code at zero (before the self-test has measured the offset).
+    pub sense_mid_code: u16,
+    /// The largest sense code.
+    pub sense_max_code: u16,
+    /// Volts at the amplifier's output per drive code.
+    pub drive_volt_per_lsb: f32,
+    /// The drive code at zero volts.
+    pub drive_mid_code: u16,
+    /// The largest drive code.
+    pub drive_max_code: u16,
+}
+
+/// The drive.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Drive {
+    /// Nominal frequency, Hz: the centre of the scan, or the frequency held where nothing is tracked.
+    pub frequency_hz: f32,
+    /// The amplitude asked for while running.
+    pub amplitude: Amplitude,
+    /// Peak voltage of self-test and scan, and where the amplitude loop starts from, V.
+    pub scan_volts: f32,
+    /// The waveform of one period.
+    pub shape: ShapeKind,
+}
+
+/// The waveform of one period.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum ShapeKind {
+    /// Sine.
+    #[default]
+    Sine,
+    /// Square, band-limited.
+    Square,
+}
+
+/// Lane offsets and trims.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Phasing {
+    /// Turning direction of a four-phase drive.
+    pub direction: Direction,
+    /// Correction of each lane's phase, turns.
+    pub phase_trim_turns: Vec<f32, MAX_LANES>,
+    /// Correction of each lane's gain; 1 is none.
+    pub gain_trim: Vec<f32, MAX_LANES>,
+}
+
+/// Turning direction of a four-phase drive.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Direction {
+    /// Lanes lead one another in the order 0, 1, 2, 3.
+    #[default]
+    Forward,
+    /// The other way round.
+    Reverse,
+}
+
+/// The ON/OFF schedule, in seconds since the first sample.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Burst {
+    /// When the drive is ON.
+    pub schedule: Schedule,
+    /// How it gets there.
+    pub edge: Edge,
+}
+
+/// When the drive is ON.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub enum Schedule {
+    /// Always, while running.
+    Continuous,
+    /// In each window from `.0` to `.1`, s.
+    Windows(Vec<(f64, f64), MAX_WINDOWS>),
+    /// For the first part `duty` of every `period_s`.
+    Periodic {
+        /// Period, s.
+        period_s: f64,
+        /// Part of the period that is ON, 0 to 1.
+        duty: f64,
+    },
+}
+
+/// How the envelope gets from OFF to ON and back.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub enum Edge {
+    /// At once.
+    Hard,
+    /// Along a raised cosine of so many drive periods.
+    Soft {
+        /// Length of the edge in periods of the nominal frequency.
+        cycles: f32,
+    },
+}
+
+/// How the frequency is found and kept. The nominal values are what a user knows beforehand.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Tracking {
+    /// What is tracked.
+    pub mode: TrackingMode,
+    /// The frequency window, as a fraction of the nominal frequency on each side.
+    pub span: f32,
+    /// Bandwidth of the phase loop, Hz.
+    pub bandwidth_hz: f32,
+    /// Quality factor, within a factor of two.
+    pub nominal_q: f32,
+    /// Clamped capacitance, F, within some per cent.
+    pub nominal_c0_f: f32,
+}
+
+/// What is tracked.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum TrackingMode {
+    /// The phase of the motional current: the series resonance, at any load.
+    PhaseLock,
+    /// The phase of the total current: the plain V-I loop, kept as the reference that fails under load.
+    ZeroPhase,
+    /// Nothing: the nominal frequency is held.
+    Off,
+}
+
+/// What must never be exceeded.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Limits {
+    /// Peak drive voltage, V. More is refused, not faulted: the drive is clamped and says so.
+    pub voltage_v: f32,
+    /// Peak total current, A.
+    pub current_a: f32,
+    /// Slowest belt that counts as moving, m/s.
+    pub belt_moving_m_per_s: f32,
+    /// How long the drive may stay ON over a stopped belt, ms. Only with a belt sensor.
+    pub belt_stop_ms: f32,
+}

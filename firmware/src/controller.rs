@@ -1,0 +1,278 @@
+//! The controller: `Config -> build -> Controller`, and `process` once a block.
+//!
+//! Contract: the codes returned for sense block `k` play as block `k + 2` ([`LATENCY_BLOCKS`]). After `build` nothing can
+//! fail: trouble is a numbered fault in the telemetry, and a muted drive.
+
+use crate::amplitude::AmplitudeLoop;
+use crate::block::{Amplitude, DriveBlock, Gate, LATENCY_BLOCKS, MAX_BLOCK_SAMPLES, MAX_LANES, Orders, SenseBlock};
+use crate::burst::{Burst, Envelope};
+use crate::config::Config;
+use crate::convert::Convert;
+use crate::demod::{Sensed, demodulate};
+use crate::error::{Error, in_range};
+use crate::guard::{Driven, Guard};
+use crate::identify::Transducer;
+use crate::motional::Motional;
+use crate::nco::Nco;
+use crate::phasing::{self, Lane};
+use crate::phasor::{Phasor, magnitude};
+use crate::scan::{self, Scan};
+use crate::self_test::{self, SelfTest};
+use crate::shape::{self, Table};
+use crate::shaper;
+use crate::supervisor::{Fault, Limit, Mode, Progress, Supervisor};
+use crate::sweep::Hold;
+use crate::telemetry::Telemetry;
+use crate::tracker::PhaseDetector;
+use crate::tracker::lock_detector::{Lock, LockDetector};
+use crate::tracker::phase_loop::PhaseLoop;
+use crate::units::{Hertz, Turns, Volts};
+
+/// Longest time the loop may take to lock, blocks and time constants of the resonance.
+const LOCK_TIMEOUT: (u32, f32) = (2000, 50.0);
+/// The tracker listens while the motional current is above this part of what it was when locked.
+const LISTEN_ABOVE: f32 = 0.2;
+
+/// A block on its way from `process` to the ear: what was played when the answer arrives.
+#[derive(Clone, Copy, Debug, Default)]
+struct Played {
+    phase: u64,
+    word: u64,
+    /// Frequency relative to the nominal one.
+    relative: f32,
+    volts: f32,
+    /// Mean envelope; `flat` says whether it is that throughout.
+    envelope: f32,
+    flat: bool,
+}
+
+/// The controller.
+pub struct Controller {
+    samples: usize,
+    block_s: f32,
+    nominal_hz: f32,
+    convert: Convert,
+    table: &'static Table,
+    lanes: heapless::Vec<Lane, MAX_LANES>,
+    amplitude_asked: Amplitude,
+    scan_volts: f32,
+    detector: Option<PhaseDetector>,
+
+    block: u32,
+    nco: Nco,
+    sweep: Hold,
+    burst: Burst,
+    played: [Played; LATENCY_BLOCKS],
+    guard: Guard,
+    supervisor: Supervisor,
+    self_test: SelfTest,
+    scan: Scan,
+    motional: Motional,
+    phase_loop: PhaseLoop,
+    lock: LockDetector,
+    locking_blocks: u32,
+    amplitude: AmplitudeLoop,
+    transducer: Option<Transducer>,
+}
+
+/// What to play next, before the burst has its say.
+struct Plan {
+    volts: f32,
+    gate: Gate,
+    phase: Turns,
+    progress: Progress,
+}
+
+impl Controller {
+    /// Checks a configuration and builds its controller. Names the parameter that is out of range.
+    pub fn build(config: &Config) -> Result<Self, Error> {
+        in_range("block_samples", config.block_samples.into(), 8.0, MAX_BLOCK_SAMPLES as f64)?;
+        let sweep = Hold::build(config.drive.frequency_hz, config.sample_hz)?;
+        let block_s = f32::from(config.block_samples) / config.sample_hz;
+        let highest = config.drive.frequency_hz * (1.0 + config.tracking.span) / config.sample_hz;
+        Ok(Controller {
+            samples: config.block_samples.into(),
+            block_s,
+            nominal_hz: config.drive.frequency_hz,
+            convert: Convert::build(&config.front_end)?,
+            table: shape::table(config.drive.shape, highest),
+            lanes: phasing::build(&config.phasing, config.lanes)?,
+            amplitude_asked: config.drive.amplitude,
+            scan_volts: config.drive.scan_volts,
+            detector: PhaseDetector::of(config.tracking.mode),
+            block: 0,
+            nco: Nco::default(),
+            burst: Burst::build(&config.burst, config.drive.frequency_hz, config.sample_hz)?,
+            played: [Played { word: sweep.word(), relative: 1.0, flat: true, ..Played::default() }; LATENCY_BLOCKS],
+            guard: Guard::build(config, block_s)?,
+            supervisor: Supervisor::default(),
+            self_test: SelfTest::build(config),
+            scan: Scan::build(config)?,
+            motional: Motional::of_capacitance(config.tracking.nominal_c0_f, config.drive.frequency_hz),
+            phase_loop: PhaseLoop::build(&config.tracking, config.drive.frequency_hz, block_s)?,
+            lock: LockDetector::default(),
+            locking_blocks: 0,
+            amplitude: AmplitudeLoop::build(config, block_s)?,
+            transducer: None,
+            sweep,
+        })
+    }
+
+    /// A block of silence: what plays until the first call has returned.
+    pub fn silence(&self) -> DriveBlock {
+        DriveBlock::silent(self.lanes.len(), self.samples, self.convert.drive.silence())
+    }
+
+    /// One block: what the converters saw, what to play two blocks later, and a report.
+    pub fn process(&mut self, orders: &Orders, sense: &SenseBlock, drive: &mut DriveBlock) -> Telemetry {
+        let heard = self.played[self.block as usize % LATENCY_BLOCKS];
+        let sensed = demodulate(&self.convert, sense, heard.phase, heard.word);
+        let motional_current = self.motional.current(&sensed, heard.relative);
+
+        let driven = Driven { volts: heard.flat.then_some(heard.volts * heard.envelope) };
+        let found = self.guard.inspect(&self.convert, sense, &sensed, driven);
+        if self.supervisor.judge(orders, found) {
+            self.begin();
+        }
+        let plan = self.plan(orders, sense, &sensed, &heard, motional_current);
+        self.supervisor.advance(orders, plan.progress, self.detector.is_some());
+
+        let now = (u64::from(self.block) + LATENCY_BLOCKS as u64) * self.samples as u64;
+        let envelope = match self.supervisor.mode() {
+            Mode::Idle | Mode::Fault => self.burst.mute(),
+            _ => self.burst.envelope(plan.gate, now, self.samples),
+        };
+        let (phase, word) = (self.nco.phase(), self.sweep.word());
+        shaper::shape(drive, &self.convert.drive, self.table, &self.lanes, (phase, word, self.samples), plan.volts, &envelope);
+        self.nco.advance(word, self.samples);
+
+        self.played[self.block as usize % LATENCY_BLOCKS] = Played {
+            phase,
+            word,
+            relative: 1.0 + self.sweep.offset_hz() / self.nominal_hz,
+            volts: plan.volts,
+            envelope: envelope.mean(),
+            flat: matches!(envelope, Envelope::Flat(_)),
+        };
+        let telemetry = self.report(orders, &plan, &envelope, sensed, motional_current);
+        self.block = self.block.wrapping_add(1);
+        telemetry
+    }
+
+    /// Forgets what an earlier attempt has found.
+    fn begin(&mut self) {
+        self.self_test.restart();
+        self.scan.restart();
+        self.transducer = None;
+        self.sweep.retune(0.0);
+        self.lock.restart(0.0);
+    }
+
+    /// What this mode wants to play next.
+    fn plan(&mut self, orders: &Orders, sense: &SenseBlock, sensed: &Sensed, heard: &Played, motional: Phasor) -> Plan {
+        let silent = Plan { volts: 0.0, gate: Gate::Off, phase: Turns(0.0), progress: Progress::Busy };
+        let tone = |volts| Plan { volts, gate: Gate::On, ..silent };
+        match self.supervisor.mode() {
+            Mode::Idle | Mode::Fault => silent,
+            Mode::SelfTest => match self.self_test.step(&mut self.convert, sense, sensed) {
+                self_test::Step::Silence => silent,
+                self_test::Step::Tone { offset_hz, volts } => {
+                    self.sweep.retune(offset_hz);
+                    tone(volts)
+                }
+                self_test::Step::Passed => {
+                    self.sweep.retune(0.0);
+                    Plan { progress: Progress::Done, ..silent }
+                }
+                self_test::Step::Failed(fault) => Plan { progress: Progress::Failed(fault), ..silent },
+            },
+            Mode::Scan => match self.scan.step(sensed) {
+                scan::Step::Tune(offset_hz) => {
+                    self.sweep.retune(offset_hz);
+                    tone(self.scan_volts)
+                }
+                scan::Step::Found(transducer, branch) => {
+                    self.adopt(transducer, branch, magnitude(motional));
+                    Plan { progress: Progress::Done, ..tone(self.scan_volts) }
+                }
+                scan::Step::NotFound => Plan { progress: Progress::Failed(Fault::NoResonance), ..silent },
+            },
+            Mode::Lock => self.follow(orders, Gate::On, sensed, heard, motional),
+            Mode::Run => self.follow(orders, orders.gate, sensed, heard, motional),
+        }
+    }
+
+    /// Takes the transducer that the scan has found, and starts both loops on it.
+    fn adopt(&mut self, transducer: Transducer, branch: Motional, motional_current: f32) {
+        let tau_s = transducer.time_constant_s();
+        self.motional = branch;
+        self.phase_loop.seed(transducer.series_resonance_hz - self.nominal_hz, tau_s);
+        self.sweep.retune(self.phase_loop.offset_hz());
+        self.lock.restart(tau_s / self.block_s);
+        self.locking_blocks = 0;
+        self.amplitude.seed(&transducer, motional_current);
+        self.transducer = Some(transducer);
+    }
+
+    /// Tracks frequency and amplitude for one block.
+    fn follow(&mut self, orders: &Orders, gate: Gate, sensed: &Sensed, heard: &Played, motional: Phasor) -> Plan {
+        let envelope = if heard.flat { heard.envelope } else { heard.envelope.min(0.999) };
+        self.amplitude.update(orders.amplitude.unwrap_or(self.amplitude_asked), envelope, magnitude(motional));
+        let mut plan = Plan { volts: self.amplitude.volts(), gate, phase: Turns(0.0), progress: Progress::Busy };
+        let (Some(detector), Some(transducer)) = (self.detector, self.transducer) else { return plan };
+
+        let expected = LISTEN_ABOVE * heard.volts / transducer.rm_ohm;
+        if envelope == 1.0 && heard.volts > 0.0 && magnitude(motional) > expected {
+            plan.phase = self.phase_loop.update(detector.error(&self.motional, motional, sensed));
+            self.lock.update(plan.phase);
+        } else if envelope == 1.0 && heard.volts > 0.0 && self.lock.state() == Lock::Locked {
+            // No motional current to speak of under full drive: the resonance is elsewhere. Counts as half a turn.
+            self.lock.update(Turns(0.5));
+        } else {
+            self.phase_loop.hold();
+        }
+        self.sweep.retune(self.phase_loop.offset_hz());
+        plan.progress = self.lock_progress(transducer.time_constant_s());
+        plan
+    }
+
+    fn lock_progress(&mut self, tau_s: f32) -> Progress {
+        let locking = self.supervisor.mode() == Mode::Lock;
+        self.locking_blocks += u32::from(locking);
+        let timeout = LOCK_TIMEOUT.0 + (LOCK_TIMEOUT.1 * tau_s / self.block_s) as u32;
+        match self.lock.state() {
+            Lock::Locked => Progress::Done,
+            Lock::Lost if !locking => Progress::Failed(Fault::LossOfLock),
+            _ if locking && self.locking_blocks > timeout => Progress::Failed(Fault::NoLock),
+            _ => Progress::Busy,
+        }
+    }
+
+    fn report(&self, orders: &Orders, plan: &Plan, envelope: &Envelope, sensed: Sensed, motional_current: Phasor) -> Telemetry {
+        let mode = self.supervisor.mode();
+        let following = matches!(mode, Mode::Lock | Mode::Run);
+        let limit = match following {
+            true if self.amplitude.limited() => Some(Limit::OverVoltageRequest),
+            true if self.phase_loop.limited() => Some(Limit::FrequencyWindow),
+            _ => None,
+        };
+        Telemetry {
+            block: self.block,
+            orders_sequence: orders.sequence,
+            mode,
+            fault: self.supervisor.fault(),
+            limit,
+            locked: following && self.lock.state() == Lock::Locked,
+            tuning_word: self.sweep.word(),
+            frequency: self.sweep.frequency(),
+            resonance: Hertz(self.nominal_hz + self.phase_loop.estimate_hz()),
+            drive: Volts(plan.volts),
+            envelope: envelope.mean(),
+            v: sensed.v,
+            i: sensed.i,
+            motional_current,
+            phase: plan.phase,
+            transducer: self.transducer,
+        }
+    }
+}

@@ -1,0 +1,95 @@
+//! The guard: is it safe to go on driving? Looks at one block's raw codes, phasors and slow readings, and names the first
+//! thing that is wrong.
+
+use crate::block::SenseBlock;
+use crate::config::Config;
+use crate::convert::Convert;
+use crate::demod::Sensed;
+use crate::error::{Error, in_range};
+use crate::phasor::magnitude;
+use crate::supervisor::Fault;
+
+/// Part of a block that may stand at the end of a converter's range.
+const CLIPPED_PART: usize = 8;
+/// Blocks for which the voltage or the current may be implausible before that counts.
+const IMPLAUSIBLE_BLOCKS: u32 = 8;
+/// The voltage may be this many times smaller or larger than what was played (the source sags, edges, a square's 4 / pi).
+const VOLTAGE_FACTOR: f32 = 2.0;
+/// Smallest current, relative to what the nominal capacitance takes; at the antiresonance a healthy stack takes a fortieth.
+const OPEN_PART: f32 = 0.01;
+/// Voltages below this many codes are not judged.
+const JUDGED_CODES: f32 = 16.0;
+
+/// What is known of a block besides its codes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Driven {
+    /// Peak voltage that was played in it, V, where the envelope was flat; `None` at an edge.
+    pub volts: Option<f32>,
+}
+
+/// The guard's memory.
+#[derive(Clone, Debug)]
+pub struct Guard {
+    current_limit: f32,
+    clamped_siemens: f32,
+    judged_volts: f32,
+    belt_moving_m_per_s: f32,
+    belt_stop_blocks: u32,
+    wrong_voltage: u32,
+    no_current: u32,
+    belt_still: u32,
+}
+
+impl Guard {
+    /// Checks the limits.
+    pub fn build(config: &Config, block_s: f32) -> Result<Self, Error> {
+        let limits = &config.limits;
+        in_range("limits.current_a", limits.current_a.into(), 1e-6, 1e4)?;
+        in_range("limits.belt_moving_m_per_s", limits.belt_moving_m_per_s.into(), 0.0, 100.0)?;
+        in_range("limits.belt_stop_ms", limits.belt_stop_ms.into(), 0.0, 1e5)?;
+        Ok(Guard {
+            current_limit: limits.current_a,
+            clamped_siemens: core::f32::consts::TAU * config.drive.frequency_hz * config.tracking.nominal_c0_f,
+            judged_volts: JUDGED_CODES * config.front_end.volt_per_lsb.max(config.front_end.drive_volt_per_lsb),
+            belt_moving_m_per_s: limits.belt_moving_m_per_s,
+            belt_stop_blocks: (limits.belt_stop_ms * 1e-3 / block_s) as u32,
+            wrong_voltage: 0,
+            no_current: 0,
+            belt_still: 0,
+        })
+    }
+
+    /// What is wrong with this block, if anything.
+    pub fn inspect(&mut self, convert: &Convert, sense: &SenseBlock, sensed: &Sensed, driven: Driven) -> Option<Fault> {
+        let played = driven.volts.filter(|&volts| volts > self.judged_volts);
+        let wrong_voltage = played.is_some_and(|volts| {
+            let heard = magnitude(sensed.v);
+            heard > volts * VOLTAGE_FACTOR || heard < volts / VOLTAGE_FACTOR
+        });
+        let no_current = played.is_some_and(|volts| magnitude(sensed.i) < OPEN_PART * self.clamped_siemens * volts);
+        let still = sense.slow.belt.is_some_and(|speed| speed.abs() < self.belt_moving_m_per_s);
+        let count = |counter: u32, wrong: bool| if wrong { counter.saturating_add(1) } else { 0 };
+        self.wrong_voltage = count(self.wrong_voltage, wrong_voltage);
+        self.no_current = count(self.no_current, no_current);
+        // An edge neither starts nor ends the count of a still belt; silence ends it.
+        self.belt_still = count(self.belt_still, still && driven.volts.is_none_or(|volts| volts > 0.0));
+
+        let tripped = sense.slow.trips.is_some_and(|trips| trips.over_current);
+        let clipped = |clipped: usize, samples: usize| clipped * CLIPPED_PART > samples;
+        if sense.slow.missed_blocks.is_some_and(|missed| missed > 0) {
+            Some(Fault::LateBlock)
+        } else if tripped || magnitude(sensed.i) > self.current_limit {
+            Some(Fault::OverCurrent)
+        } else if clipped(convert.v.clipped(&sense.v), sense.v.len()) || clipped(convert.i.clipped(&sense.i), sense.i.len()) {
+            Some(Fault::SensorImplausible)
+        } else if self.wrong_voltage >= IMPLAUSIBLE_BLOCKS {
+            Some(Fault::SensorImplausible)
+        } else if self.no_current >= IMPLAUSIBLE_BLOCKS {
+            Some(Fault::LoadOpen)
+        } else if self.belt_still > self.belt_stop_blocks {
+            Some(Fault::BeltStopped)
+        } else {
+            None
+        }
+    }
+}

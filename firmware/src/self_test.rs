@@ -1,0 +1,132 @@
+//! Power-on plausibility, before any real drive: are both sense channels alive, and is there a transducer?
+//!
+//! First silence: the mean code of each channel is its offset, which must be small, and is removed from then on. Then a
+//! tone well below the resonance, where the transducer is little more than its clamped capacitance: the voltage must be
+//! what was played, the current what the capacitance takes, each within a factor.
+
+use crate::block::{LATENCY_BLOCKS, SenseBlock};
+use crate::config::Config;
+use crate::convert::Convert;
+use crate::demod::Sensed;
+use crate::phasor::magnitude;
+use crate::supervisor::Fault;
+
+/// Blocks of silence that are averaged.
+const SILENT_BLOCKS: u32 = 32;
+/// Blocks of the tone, and how many at its end are measured.
+const TONE_BLOCKS: u32 = 64;
+const MEASURED_BLOCKS: u32 = 16;
+/// The tone, relative to the nominal frequency and to the scan voltage.
+const TONE_FREQUENCY: f32 = 0.85;
+const TONE_AMPLITUDE: f32 = 0.5;
+/// Largest offset, as a part of half the range.
+const LARGEST_OFFSET: f32 = 0.05;
+/// How far the voltage may be from what was played.
+const VOLTAGE_FACTOR: f32 = 1.5;
+/// How far the current may be from what the nominal capacitance takes: 1.4 at this frequency by coupling alone.
+const CURRENT_FACTOR: f32 = 3.0;
+
+/// What the self-test wants next.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Step {
+    /// Play silence.
+    Silence,
+    /// Play a tone.
+    Tone {
+        /// Offset from the nominal frequency, Hz.
+        offset_hz: f32,
+        /// Peak voltage, V.
+        volts: f32,
+    },
+    /// All is plausible.
+    Passed,
+    /// It is not.
+    Failed(Fault),
+}
+
+/// The self-test, in progress.
+#[derive(Clone, Debug)]
+pub struct SelfTest {
+    offset_hz: f32,
+    volts: f32,
+    clamped_siemens: f32,
+    block: u32,
+    mean_codes: (f32, f32),
+    sum: (f32, f32),
+}
+
+impl SelfTest {
+    /// A test by the configured drive and nominal capacitance.
+    pub fn build(config: &Config) -> Self {
+        let hz = config.drive.frequency_hz * TONE_FREQUENCY;
+        SelfTest {
+            offset_hz: hz - config.drive.frequency_hz,
+            volts: config.drive.scan_volts * TONE_AMPLITUDE,
+            clamped_siemens: core::f32::consts::TAU * hz * config.tracking.nominal_c0_f,
+            block: 0,
+            mean_codes: (0.0, 0.0),
+            sum: (0.0, 0.0),
+        }
+    }
+
+    /// Begins again.
+    pub fn restart(&mut self) {
+        self.block = 0;
+        self.mean_codes = (0.0, 0.0);
+        self.sum = (0.0, 0.0);
+    }
+
+    /// Takes a block and says what to do next. Moves the zero of both channels when the silence is over.
+    pub fn step(&mut self, convert: &mut Convert, sense: &SenseBlock, sensed: &Sensed) -> Step {
+        const SILENCE_ENDS: u32 = LATENCY_BLOCKS as u32 + SILENT_BLOCKS;
+        const TONE_ENDS: u32 = SILENCE_ENDS + TONE_BLOCKS;
+        self.block += 1;
+        match self.block {
+            // What was played before may still sound.
+            n if n <= LATENCY_BLOCKS as u32 => Step::Silence,
+            n if n <= SILENCE_ENDS => {
+                self.mean_codes.0 += convert.v.mean_code(&sense.v) / SILENT_BLOCKS as f32;
+                self.mean_codes.1 += convert.i.mean_code(&sense.i) / SILENT_BLOCKS as f32;
+                if n == SILENCE_ENDS { self.judge_offset(convert) } else { Step::Silence }
+            }
+            n if n <= TONE_ENDS => {
+                if n > TONE_ENDS - MEASURED_BLOCKS {
+                    self.sum.0 += magnitude(sensed.v) / MEASURED_BLOCKS as f32;
+                    self.sum.1 += magnitude(sensed.i) / MEASURED_BLOCKS as f32;
+                }
+                self.tone()
+            }
+            _ => self.judge_tone(),
+        }
+    }
+
+    fn tone(&self) -> Step {
+        Step::Tone { offset_hz: self.offset_hz, volts: self.volts }
+    }
+
+    fn judge_offset(&self, convert: &mut Convert) -> Step {
+        let fits = |offset: f32, half_range: f32| offset.abs() <= LARGEST_OFFSET * half_range;
+        if !fits(self.mean_codes.0, convert.v.half_range()) || !fits(self.mean_codes.1, convert.i.half_range()) {
+            return Step::Failed(Fault::SensorImplausible);
+        }
+        convert.v.shift_zero(self.mean_codes.0);
+        convert.i.shift_zero(self.mean_codes.1);
+        self.tone()
+    }
+
+    fn judge_tone(&self) -> Step {
+        let (volts, amperes) = self.sum;
+        let expected = volts * self.clamped_siemens;
+        if volts > self.volts * VOLTAGE_FACTOR {
+            Step::Failed(Fault::SensorImplausible)
+        } else if amperes > expected * CURRENT_FACTOR {
+            Step::Failed(Fault::LoadShorted)
+        } else if volts < self.volts / VOLTAGE_FACTOR {
+            Step::Failed(Fault::SensorImplausible)
+        } else if amperes < expected / CURRENT_FACTOR {
+            Step::Failed(Fault::LoadOpen)
+        } else {
+            Step::Passed
+        }
+    }
+}

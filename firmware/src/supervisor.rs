@@ -1,0 +1,171 @@
+//! The supervisor: may we drive, and what is limiting us?
+//!
+//! ```text
+//! Idle -> SelfTest -> Scan -> Lock -> Run
+//!   ^        |          |       |      |
+//!   |        +----------+---+---+------+--> Fault (sticky; the drive is muted)
+//!   +--- order: Idle ---------------- order: clear ---+
+//! ```
+//!
+//! A [`Fault`] ends the drive and stays until it is cleared. A [`Limit`] does neither: it says why the drive does less than
+//! was asked, right now. Numbers are for the log and for other languages, and never change their meaning.
+
+use serde::{Deserialize, Serialize};
+
+use crate::block::{Orders, Request};
+
+/// What the controller is doing.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(all(feature = "defmt", target_os = "none"), derive(defmt::Format))]
+pub enum Mode {
+    /// Silent, waiting for an order.
+    #[default]
+    Idle,
+    /// Checking the sense channels and that there is a transducer.
+    SelfTest,
+    /// Looking for the resonance.
+    Scan,
+    /// Pulling in.
+    Lock,
+    /// Driving, by the burst schedule.
+    Run,
+    /// Muted by a fault.
+    Fault,
+}
+
+/// Why the drive is muted.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(all(feature = "defmt", target_os = "none"), derive(defmt::Format))]
+#[repr(u8)]
+pub enum Fault {
+    /// The slow side has asked for an emergency stop.
+    EmergencyStop = 10,
+    /// A block came late or was lost.
+    LateBlock = 11,
+    /// A sense channel is clipped, offset, or does not show what was played.
+    SensorImplausible = 20,
+    /// More current than the limit, seen here or by the comparator.
+    OverCurrent = 21,
+    /// Far more current than the clamped capacitance takes.
+    LoadShorted = 22,
+    /// Far less.
+    LoadOpen = 23,
+    /// The scan has found no resonance in the window.
+    NoResonance = 30,
+    /// The loop has not locked in time.
+    NoLock = 31,
+    /// The loop was locked and is not any more.
+    LossOfLock = 32,
+    /// The belt stands still under the drive.
+    BeltStopped = 40,
+}
+
+impl Fault {
+    /// The number of this fault.
+    pub fn code(self) -> u8 {
+        self as u8
+    }
+}
+
+/// What keeps the drive from doing what was asked.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(all(feature = "defmt", target_os = "none"), derive(defmt::Format))]
+#[repr(u8)]
+pub enum Limit {
+    /// The voltage asked for (by an order or by the amplitude loop) is over the voltage limit.
+    OverVoltageRequest = 96,
+    /// The tracker stands at the edge of the frequency window.
+    FrequencyWindow = 97,
+}
+
+/// How a stage of the way to [`Mode::Run`] is getting on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Progress {
+    /// It goes on.
+    Busy,
+    /// It is over.
+    Done,
+    /// It has failed.
+    Failed(Fault),
+}
+
+/// The mode, the fault, and what the last order was.
+#[derive(Clone, Debug, Default)]
+pub struct Supervisor {
+    mode: Mode,
+    fault: Option<Fault>,
+    obeyed: u32,
+    /// The order whose scan is done.
+    scanned: Option<u32>,
+}
+
+impl Supervisor {
+    /// What the controller is doing.
+    pub fn mode(&self) -> Mode {
+        self.mode
+    }
+
+    /// Why the drive is muted.
+    pub fn fault(&self) -> Option<Fault> {
+        self.fault
+    }
+
+    /// Takes this block's order and what the guard has found. Returns whether a new attempt begins.
+    pub fn judge(&mut self, orders: &Orders, found: Option<Fault>) -> bool {
+        let cleared = orders.clear_fault && orders.sequence != self.obeyed;
+        self.obeyed = orders.sequence;
+        if cleared && self.mode == Mode::Fault {
+            self.fault = None;
+            self.mode = Mode::Idle;
+        }
+        // Silence is judged too, except for what a muted drive cannot harm: a fault is only news while driving.
+        let driving = !matches!(self.mode, Mode::Idle | Mode::Fault);
+        if orders.emergency_stop {
+            self.raise(Fault::EmergencyStop);
+        } else if let Some(fault) = found.filter(|_| driving) {
+            self.raise(fault);
+        }
+        match (self.mode, orders.request) {
+            (Mode::Fault, _) => false,
+            (_, Request::Idle) => {
+                self.mode = Mode::Idle;
+                false
+            }
+            // A scan that was ordered once is done once: the mode returns to idle, and only a new order repeats it.
+            (Mode::Idle, Request::Scan) if !cleared && self.scanned == Some(orders.sequence) => false,
+            (Mode::Idle, _) => {
+                self.mode = Mode::SelfTest;
+                true
+            }
+            _ => false,
+        }
+    }
+
+    /// Moves on when the present stage is over.
+    pub fn advance(&mut self, orders: &Orders, progress: Progress, tracks: bool) {
+        match progress {
+            Progress::Busy => {}
+            Progress::Failed(fault) => self.raise(fault),
+            Progress::Done => {
+                self.mode = match self.mode {
+                    Mode::SelfTest if tracks || orders.request == Request::Scan => Mode::Scan,
+                    Mode::SelfTest => Mode::Run,
+                    Mode::Scan if orders.request == Request::Scan => {
+                        self.scanned = Some(orders.sequence);
+                        Mode::Idle
+                    }
+                    Mode::Scan => Mode::Lock,
+                    Mode::Lock => Mode::Run,
+                    other => other,
+                }
+            }
+        }
+    }
+
+    fn raise(&mut self, fault: Fault) {
+        if self.mode != Mode::Fault {
+            self.fault = Some(fault);
+            self.mode = Mode::Fault;
+        }
+    }
+}

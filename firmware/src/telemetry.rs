@@ -1,0 +1,53 @@
+//! What a block reports. Leaves sideways, by value; the slow side thins it out and sends it.
+
+use serde::{Deserialize, Serialize};
+
+use crate::demod::Sensed;
+use crate::identify::Transducer;
+use crate::phasor::Phasor;
+use crate::supervisor::{Fault, Limit, Mode};
+use crate::units::{Hertz, Turns, Volts};
+
+/// The report of one block.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Telemetry {
+    /// Which call this is, counted from zero.
+    pub block: u32,
+    /// The last order latched.
+    pub orders_sequence: u32,
+    /// What the controller is doing.
+    pub mode: Mode,
+    /// Why it is muted.
+    pub fault: Option<Fault>,
+    /// What keeps it from doing what was asked.
+    pub limit: Option<Limit>,
+    /// Whether the tracker is locked.
+    pub locked: bool,
+    /// Tuning word of the codes returned, 2^64 a sample rate.
+    pub tuning_word: u64,
+    /// Frequency of the codes returned.
+    pub frequency: Hertz,
+    /// The tracker's smoothed estimate of the resonance.
+    pub resonance: Hertz,
+    /// Peak voltage of the codes returned, before the envelope.
+    pub drive: Volts,
+    /// Mean envelope of the codes returned, 0 to 1.
+    pub envelope: f32,
+    /// Voltage phasor of the block heard, V peak, relative to the drive that was played in it.
+    pub v: Phasor,
+    /// Current phasor of the block heard, A peak.
+    pub i: Phasor,
+    /// Motional current of the block heard, A peak.
+    pub motional_current: Phasor,
+    /// Phase that the tracker drives to zero, of the block heard.
+    pub phase: Turns,
+    /// The transducer, once identified.
+    pub transducer: Option<Transducer>,
+}
+
+impl Telemetry {
+    /// Voltage and current of the block heard.
+    pub fn sensed(&self) -> Sensed {
+        Sensed { v: self.v, i: self.i }
+    }
+}
