@@ -1,0 +1,18 @@
+//! The converters, as one trait.
+
+use firmware::block::{DriveBlock, SenseBlock};
+
+/// Something that plays a block of drive codes and hears a block of sense codes at the same time.
+///
+/// One call is one block of virtual time: `sense` holds what was sampled **while** `drive` played. An implementer fills
+/// `sense.v` and `sense.i` with as many codes as each lane of `drive` has, and the slow readings it has sensors for.
+pub trait Analog {
+    /// Plays `drive`, and fills `sense` with what was heard meanwhile.
+    fn exchange(&mut self, drive: &DriveBlock, sense: &mut SenseBlock);
+}
+
+impl<A: Analog + ?Sized> Analog for &mut A {
+    fn exchange(&mut self, drive: &DriveBlock, sense: &mut SenseBlock) {
+        (**self).exchange(drive, sense);
+    }
+}

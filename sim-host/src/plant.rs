@@ -1,0 +1,336 @@
+//! The plant: what is behind the converters.
+//!
+//! ```text
+//! DAC hold -> amplifier -> stack <-> tip motion <-> friction contact <-> slider -> sensors -> ADC
+//! ```
+//!
+//! Plant states: five of amplifier and stack, one of the contact, two of the load cell; a rigid slider costs none. The
+//! friction at the tip comes back into the stack's motional branch. Time moves in steps of one ADC conversion (half a sample
+//! by default): the linear part by its exact flow with the friction held at its last value, the contact exactly in the slip
+//! that results, and then the stack is corrected by what the mean friction over the step was instead. Second order in the
+//! coupling, exact without it.
+//!
+//! The truth ([`Truth`]) never passes through [`Analog`]: the controller sees codes.
+
+pub mod converter;
+pub mod dahl;
+pub mod disturbance;
+pub mod energy;
+pub mod flow;
+pub mod load_cell;
+pub mod stack;
+
+use firmware::block::{DriveBlock, SenseBlock, SlowSense};
+use hal_mock::analog::Analog;
+
+use crate::plant::converter::{Adc, Dac};
+use crate::plant::dahl::Dahl;
+use crate::plant::disturbance::Change;
+use crate::plant::energy::Energy;
+use crate::plant::load_cell::LoadCell;
+use crate::plant::stack::{Circuit, Stack};
+use crate::scene::{DisturbedKey, Scene};
+
+/// The truth about one block.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Truth {
+    /// Friction: mean over the block, and its extremes at the steps, N.
+    pub friction_mean_n: f64,
+    /// Smallest friction, N.
+    pub friction_min_n: f64,
+    /// Largest friction, N.
+    pub friction_max_n: f64,
+    /// The load cell's reading at the block's end, N.
+    pub load_cell_n: f64,
+    /// Amplitude of the tip velocity at the block's end, m/s.
+    pub tip_velocity_m_per_s: f64,
+    /// Series resonance during the block, Hz.
+    pub series_resonance_hz: f64,
+    /// Phase of the motional current against the voltage, degrees; zero at the series resonance.
+    pub motional_phase_deg: f64,
+    /// Mean power into the stack, W.
+    pub power_w: f64,
+}
+
+/// The truth about one sample, for zooms and traces.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Sample {
+    /// Voltage at the stack, V.
+    pub voltage_v: f64,
+    /// Motional current, A.
+    pub motional_current_a: f64,
+    /// Tip velocity, m/s.
+    pub tip_velocity_m_per_s: f64,
+    /// Friction, mean over the sample, N.
+    pub friction_n: f64,
+}
+
+/// A contact and what moves it.
+#[derive(Clone, Debug)]
+struct Sliding {
+    dahl: Dahl,
+    mu: f64,
+    load_n: f64,
+    self_weight_n: f64,
+    speed_m_per_s: f64,
+}
+
+impl Sliding {
+    fn set_load(&mut self, load_n: f64) {
+        self.load_n = load_n;
+        self.dahl.set_coulomb_force(self.mu * (load_n + self.self_weight_n));
+    }
+}
+
+/// The plant.
+#[derive(Clone, Debug)]
+pub struct Plant {
+    dac: Dac,
+    v_adc: Adc,
+    i_adc: Adc,
+    conversions: u32,
+    step_s: f64,
+    stack: Stack,
+    sliding: Option<Sliding>,
+    load_cell: LoadCell,
+    changes: Vec<Change>,
+    time_s: f64,
+    energy: Energy,
+    truth: Truth,
+    /// Sample by sample, of the last block, where somebody looks.
+    samples: Option<Vec<Sample>>,
+}
+
+impl Plant {
+    /// The plant of a scene, at rest.
+    pub fn new(scene: &Scene) -> Self {
+        let sensors = &scene.sensors;
+        let step_s = 1.0 / (sensors.sample_hz * f64::from(sensors.oversample));
+        let sliding = scene.contact.as_ref().zip(scene.rig.as_ref()).map(|(contact, rig)| {
+            let slider = &rig.slider;
+            let mut sliding = Sliding {
+                dahl: Dahl::new(contact.dahl.stiffness_n_per_m, 0.0),
+                mu: contact.dahl.mu,
+                load_n: 0.0,
+                self_weight_n: slider.self_weight_n,
+                speed_m_per_s: slider.speed_m_per_s,
+            };
+            sliding.set_load(slider.load_n);
+            sliding
+        });
+        let block_s = f64::from(scene.controller.block_samples) / sensors.sample_hz;
+        Plant {
+            dac: Dac::new(sensors, &scene.amplifier),
+            // Two streams that never meet, whatever the seed: the halves of a 64-bit space apart.
+            v_adc: Adc::new(sensors, sensors.v_full_scale_v, scene.seed),
+            i_adc: Adc::new(sensors, sensors.i_full_scale_a, scene.seed ^ (1 << 63)),
+            conversions: sensors.oversample.into(),
+            step_s,
+            stack: Stack::new(Circuit::of(&scene.stack.bvd), &scene.amplifier, step_s, sensors.skew_s),
+            sliding,
+            load_cell: LoadCell::new(sensors.load_cell_hz, block_s),
+            changes: scene.disturbance.iter().cloned().map(Change::new).collect(),
+            time_s: 0.0,
+            energy: Energy::default(),
+            truth: Truth::default(),
+            samples: None,
+        }
+    }
+
+    /// The truth about the last block.
+    pub fn truth(&self) -> &Truth {
+        &self.truth
+    }
+
+    /// The stack's circuit as it is now.
+    pub fn circuit(&self) -> &Circuit {
+        self.stack.circuit()
+    }
+
+    /// The energy budget since the beginning.
+    pub fn energy(&self) -> Energy {
+        self.energy
+    }
+
+    /// Duration of one sample, s.
+    pub fn sample_s(&self) -> f64 {
+        self.step_s * f64::from(self.conversions)
+    }
+
+    /// States that are integrated in time.
+    pub fn states(&self) -> usize {
+        stack::STATES + 2 + usize::from(self.sliding.is_some())
+    }
+
+    /// Keeps the next blocks sample by sample, or stops doing so.
+    pub fn keep_samples(&mut self, keep: bool) {
+        if keep != self.samples.is_some() {
+            self.samples = keep.then(Vec::new);
+        }
+    }
+
+    /// The last block sample by sample, if kept.
+    pub fn samples(&self) -> &[Sample] {
+        self.samples.as_deref().unwrap_or(&[])
+    }
+
+    /// Sets what the scene's disturbances say for the block that begins now.
+    fn disturb(&mut self) {
+        let mut changes = std::mem::take(&mut self.changes);
+        for change in &mut changes {
+            if let Some(value) = change.value(self.time_s, self.value(change.key())) {
+                self.set(change.key(), value);
+            }
+        }
+        changes.retain(|change| !change.is_over());
+        self.changes = changes;
+    }
+
+    fn value(&self, key: DisturbedKey) -> f64 {
+        let circuit = self.stack.circuit();
+        let of_slider = |get: fn(&Sliding) -> f64| self.sliding.as_ref().map_or(0.0, get);
+        match key {
+            DisturbedKey::SeriesResonance => circuit.series_resonance_hz(),
+            DisturbedKey::Q => circuit.q(),
+            DisturbedKey::ClampedCapacitance => circuit.c0_f,
+            DisturbedKey::Load => of_slider(|sliding| sliding.load_n),
+            DisturbedKey::Speed => of_slider(|sliding| sliding.speed_m_per_s),
+        }
+    }
+
+    fn set(&mut self, key: DisturbedKey, value: f64) {
+        let circuit = *self.stack.circuit();
+        let stored = self.stack.stored_j();
+        match (key, &mut self.sliding) {
+            (DisturbedKey::SeriesResonance, _) => self.stack.set_circuit(circuit.with_series_resonance(value)),
+            (DisturbedKey::Q, _) => self.stack.set_circuit(circuit.with_q(value)),
+            (DisturbedKey::ClampedCapacitance, _) => self.stack.set_circuit(Circuit { c0_f: value, ..circuit }),
+            (DisturbedKey::Load, Some(sliding)) => sliding.set_load(value),
+            (DisturbedKey::Speed, Some(sliding)) => sliding.speed_m_per_s = value,
+            (DisturbedKey::Load | DisturbedKey::Speed, None) => {}
+        }
+        self.energy.disturbed_j += self.stack.stored_j() - stored;
+    }
+
+    /// One step with the DAC at `volts`. Returns the mean friction over it, N.
+    #[inline]
+    fn step(&mut self, volts: f64, sums: &mut Sums) -> f64 {
+        let (v_before, i_before) = (self.stack.voltage(), self.stack.motional_current());
+        let force = match &mut self.sliding {
+            None => {
+                self.stack.advance(volts, 0.0);
+                0.0
+            }
+            Some(sliding) => {
+                let held = sliding.dahl.force();
+                let (tip, position) = (self.stack.tip_velocity(), self.stack.tip_displacement());
+                self.stack.advance(volts, held);
+                let slip = sliding.speed_m_per_s * self.step_s + self.stack.tip_displacement() - position;
+                let (v0, v1) = (sliding.speed_m_per_s + tip, sliding.speed_m_per_s + self.stack.tip_velocity());
+                let mean = sliding.dahl.slip(v0, v1, slip, self.step_s);
+                self.stack.correct_force(mean - held);
+                mean
+            }
+        };
+        let (v, i) = (self.stack.voltage(), self.stack.motional_current());
+        sums.supplied += v_before * i_before + v * i;
+        sums.lost += i_before * i_before + i * i;
+        sums.in_phase += v * i;
+        sums.quadrature += v * self.stack.motional_voltage();
+        sums.friction += force;
+        sums.friction_on_tip += force * (i_before + i);
+        sums.friction_min = sums.friction_min.min(force);
+        sums.friction_max = sums.friction_max.max(force);
+        force
+    }
+
+    /// Closes a block of `steps` steps: work done, and the truth about it.
+    fn account(&mut self, sums: &Sums, steps: f64) {
+        let circuit = *self.stack.circuit();
+        let half_step = 0.5 * self.step_s;
+        let supplied = half_step * sums.supplied;
+        self.energy.supplied_j += supplied;
+        self.energy.lost_j += half_step * circuit.rm_ohm * sums.lost;
+        self.energy.friction_on_tip_j += half_step * sums.friction_on_tip / circuit.force_factor_n_per_v;
+        let speed = self.sliding.as_ref().map_or(0.0, |sliding| sliding.speed_m_per_s);
+        self.energy.friction_on_slider_j += self.step_s * sums.friction * speed;
+        self.energy.stored_j = self.stack.stored_j();
+
+        let block_s = steps * self.step_s;
+        let mean = sums.friction / steps;
+        self.truth = Truth {
+            friction_mean_n: mean,
+            friction_min_n: sums.friction_min,
+            friction_max_n: sums.friction_max,
+            load_cell_n: self.load_cell.feel(mean),
+            tip_velocity_m_per_s: self.stack.tip_amplitude(),
+            series_resonance_hz: circuit.series_resonance_hz(),
+            // The motional capacitor's voltage lags the current by a quarter turn: together they are the phasor.
+            motional_phase_deg: (sums.quadrature * circuit.omega() * circuit.cm_f).atan2(sums.in_phase).to_degrees(),
+            power_w: supplied / block_s,
+        };
+        self.time_s += block_s;
+    }
+}
+
+/// Sums over the steps of a block.
+struct Sums {
+    supplied: f64,
+    lost: f64,
+    in_phase: f64,
+    quadrature: f64,
+    friction: f64,
+    friction_on_tip: f64,
+    friction_min: f64,
+    friction_max: f64,
+}
+
+impl Sums {
+    fn new() -> Self {
+        Sums {
+            supplied: 0.0,
+            lost: 0.0,
+            in_phase: 0.0,
+            quadrature: 0.0,
+            friction: 0.0,
+            friction_on_tip: 0.0,
+            friction_min: f64::INFINITY,
+            friction_max: f64::NEG_INFINITY,
+        }
+    }
+}
+
+impl Analog for Plant {
+    fn exchange(&mut self, drive: &DriveBlock, sense: &mut SenseBlock) {
+        self.disturb();
+        let codes = drive.lanes.first().map_or(&[][..], |lane| lane.as_slice());
+        let mut sums = Sums::new();
+        sense.v.clear();
+        sense.i.clear();
+        sense.slow = SlowSense::default();
+        if let Some(samples) = &mut self.samples {
+            samples.clear();
+        }
+        for &code in codes {
+            let volts = self.dac.volts(code);
+            let (mut v, mut i, mut friction) = (0, 0, 0.0);
+            for _ in 0..self.conversions {
+                friction += self.step(volts, &mut sums);
+                let (voltage, current) = self.stack.sampled(volts);
+                v += self.v_adc.convert(voltage);
+                i += self.i_adc.convert(current);
+            }
+            // A sense block holds as many samples as the longest drive block.
+            let _ = (sense.v.push(v), sense.i.push(i));
+            if let Some(samples) = &mut self.samples {
+                samples.push(Sample {
+                    voltage_v: self.stack.voltage(),
+                    motional_current_a: self.stack.motional_current(),
+                    tip_velocity_m_per_s: self.stack.tip_velocity(),
+                    friction_n: friction / f64::from(self.conversions),
+                });
+            }
+        }
+        self.account(&sums, codes.len() as f64 * f64::from(self.conversions));
+    }
+}

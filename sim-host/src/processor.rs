@@ -1,0 +1,40 @@
+//! Where the controller runs: here, or as thumb code in an emulator. The rest of a run does not know which.
+
+use firmware::block::{DriveBlock, Orders, SenseBlock};
+use firmware::config::Config;
+use firmware::controller::Controller;
+use firmware::telemetry::Telemetry;
+
+/// Something that runs the controller, one block a call.
+pub trait Processor {
+    /// A block of silence, which plays until the first call has returned.
+    fn silence(&self) -> DriveBlock;
+
+    /// One block. Fails only where the controller runs elsewhere and is lost.
+    fn process(&mut self, orders: &Orders, sense: &SenseBlock, drive: &mut DriveBlock) -> Result<Telemetry, Lost>;
+}
+
+/// The processor is gone.
+#[derive(Debug, thiserror::Error)]
+#[error("the processor that runs the controller is lost: {0}")]
+pub struct Lost(pub String);
+
+/// The controller in this process.
+pub struct Here(Controller);
+
+impl Here {
+    /// Builds the controller; the error names the parameter that is out of range.
+    pub fn new(config: &Config) -> Result<Self, firmware::error::Error> {
+        Controller::build(config).map(Here)
+    }
+}
+
+impl Processor for Here {
+    fn silence(&self) -> DriveBlock {
+        self.0.silence()
+    }
+
+    fn process(&mut self, orders: &Orders, sense: &SenseBlock, drive: &mut DriveBlock) -> Result<Telemetry, Lost> {
+        Ok(self.0.process(orders, sense, drive))
+    }
+}

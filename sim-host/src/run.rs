@@ -1,0 +1,118 @@
+//! A run: one controller, one plant, block after block, and the record of it.
+
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Instant;
+
+use firmware::block::{DriveBlock, Gate, LATENCY_BLOCKS, Orders, Request, SenseBlock};
+use hal_mock::analog::Analog;
+use hal_mock::block_clock::BlockClock;
+
+use crate::plant::Plant;
+use crate::processor::{Here, Lost, Processor};
+use crate::record::{Command, DriveHash, Record, Row, Window};
+use crate::scene::Scene;
+use crate::settings;
+
+/// Why a run did not happen.
+#[derive(Debug, thiserror::Error)]
+pub enum RunError {
+    /// The firmware refuses its configuration.
+    #[error("the firmware refuses this scene's settings: {0}")]
+    Config(#[from] firmware::error::Error),
+    /// The processor was lost on the way.
+    #[error(transparent)]
+    Lost(#[from] Lost),
+}
+
+/// How far a run looks beyond its own metrics.
+#[derive(Default)]
+pub struct Watch<'a> {
+    /// Stretches to keep sample by sample.
+    pub windows: Vec<Window>,
+    /// Set from outside to stop the run.
+    pub stop: Option<&'a AtomicBool>,
+    /// Told the simulated time every now and then.
+    pub progress: Option<&'a mut dyn FnMut(f64)>,
+}
+
+/// Blocks between two looks at the stop flag and calls of the progress function.
+const LOOK_EVERY: u64 = 256;
+
+/// Runs a scene with the controller in this process.
+pub fn run(scene: &Scene, watch: Watch) -> Result<Record, RunError> {
+    let mut processor = Here::new(&settings::config(scene))?;
+    run_on(&mut processor, scene, watch)
+}
+
+/// Runs a scene with the controller on `processor`.
+pub fn run_on(processor: &mut dyn Processor, scene: &Scene, mut watch: Watch) -> Result<Record, RunError> {
+    let began = Instant::now();
+    let sample_hz = scene.sensors.sample_hz;
+    let samples = usize::from(scene.controller.block_samples);
+    let blocks = (scene.duration_s * sample_hz / samples as f64).ceil() as u64;
+    let orders = Orders { sequence: 1, request: Request::Run, gate: Gate::Scheduled, ..Orders::default() };
+
+    let mut clock = BlockClock::new(Recorder::new(Plant::new(scene), &watch.windows), &processor.silence());
+    let mut record = Record { sample_s: 1.0 / sample_hz, block_samples: samples, ..Record::default() };
+    record.rows.reserve(blocks as usize);
+    let mut pending = [Command::default(); LATENCY_BLOCKS];
+    for block in 0..blocks {
+        if block % LOOK_EVERY == 0 {
+            let time_s = block as f64 * samples as f64 / sample_hz;
+            if let Some(progress) = &mut watch.progress {
+                progress(time_s);
+            }
+            if watch.stop.is_some_and(|stop| stop.load(Ordering::Relaxed)) {
+                record.interrupted = true;
+                break;
+            }
+        }
+        let telemetry = clock.tick(|sense, drive| processor.process(&orders, sense, drive))?;
+        let played = std::mem::replace(&mut pending[(block % LATENCY_BLOCKS as u64) as usize], Command::of(&telemetry));
+        let time_s = (block + 1) as f64 * samples as f64 / sample_hz;
+        record.rows.push(Row::new(time_s, sample_hz, &played, &telemetry, clock.analog.plant.truth()));
+        record.last = telemetry;
+    }
+    let recorder = clock.analog;
+    record.circuit = Some(*recorder.plant.circuit());
+    record.energy = recorder.plant.energy();
+    record.plant_states = recorder.plant.states();
+    record.drive_hash = recorder.hash.value();
+    record.windows = recorder.windows;
+    record.wall_s = began.elapsed().as_secs_f64();
+    Ok(record)
+}
+
+/// Middleware on the converters: hashes what is played, and keeps windows sample by sample.
+struct Recorder {
+    plant: Plant,
+    hash: DriveHash,
+    windows: Vec<Window>,
+    sample_s: f64,
+    played: u64,
+}
+
+impl Recorder {
+    fn new(plant: Plant, windows: &[Window]) -> Self {
+        let sample_s = plant.sample_s();
+        Recorder { plant, hash: DriveHash::default(), windows: windows.to_vec(), sample_s, played: 0 }
+    }
+}
+
+impl Analog for Recorder {
+    fn exchange(&mut self, drive: &DriveBlock, sense: &mut SenseBlock) {
+        let samples = drive.lanes.first().map_or(0, |lane| lane.len()) as u64;
+        let (from_s, to_s) = (self.played as f64 * self.sample_s, (self.played + samples) as f64 * self.sample_s);
+        let open = |window: &Window| window.from_s < to_s && window.to_s > from_s;
+        self.plant.keep_samples(self.windows.iter().any(open));
+        self.plant.exchange(drive, sense);
+        self.hash.add(drive);
+        for window in self.windows.iter_mut().filter(|window| open(window)) {
+            if window.samples.is_empty() {
+                window.start_s = from_s + self.sample_s;
+            }
+            window.samples.extend_from_slice(self.plant.samples());
+        }
+        self.played += samples;
+    }
+}

@@ -1,0 +1,99 @@
+//! A scene's `[controller]` as the firmware's configuration. Scale factors come from the scene's converters, as they would from
+//! the settings store of a calibrated board; everything else is what the user knows beforehand, not the plant's truth.
+
+use firmware::block::Amplitude;
+use firmware::config::{
+    Burst, Config, Direction, Drive, Edge, FrontEnd, Limits, Phasing, Schedule, ShapeKind, Tracking, TrackingMode,
+};
+
+use crate::plant::converter::Dac;
+use crate::scene;
+
+/// The firmware's configuration for a scene that has passed its rules.
+pub fn config(scene: &scene::Scene) -> Config {
+    let controller = &scene.controller;
+    let drive = &controller.drive;
+    Config {
+        sample_hz: scene.sensors.sample_hz as f32,
+        block_samples: controller.block_samples,
+        lanes: drive.lanes,
+        front_end: front_end(&scene.sensors, &scene.amplifier),
+        drive: Drive {
+            frequency_hz: drive.frequency_hz as f32,
+            amplitude: amplitude(drive, &controller.tracking),
+            scan_volts: drive.scan_v.or(drive.amplitude_v).unwrap_or(1.0) as f32,
+            shape: match drive.shape {
+                scene::Shape::Sine => ShapeKind::Sine,
+                scene::Shape::Square => ShapeKind::Square,
+            },
+        },
+        phasing: Phasing {
+            direction: match controller.phasing.direction {
+                scene::Direction::Forward => Direction::Forward,
+                scene::Direction::Reverse => Direction::Reverse,
+            },
+            phase_trim_turns: controller.phasing.phase_trim_turns.iter().map(|&x| x as f32).collect(),
+            gain_trim: controller.phasing.gain_trim.iter().map(|&x| x as f32).collect(),
+        },
+        burst: burst(controller.burst.as_ref()),
+        tracking: tracking(&controller.tracking),
+        limits: Limits {
+            voltage_v: controller.limits.voltage_v as f32,
+            current_a: controller.limits.current_a as f32,
+            belt_moving_m_per_s: controller.limits.belt_moving_m_per_s as f32,
+            belt_stop_ms: controller.limits.belt_stop_ms as f32,
+        },
+    }
+}
+
+fn front_end(sensors: &scene::Sensors, amplifier: &scene::Amplifier) -> FrontEnd {
+    let dac = Dac::new(sensors, amplifier);
+    let conversions = u16::from(sensors.oversample);
+    let half = 1u16 << (sensors.adc_bits - 1);
+    let per_lsb = |full_scale: f64| (full_scale / f64::from(half) / f64::from(conversions)) as f32;
+    FrontEnd {
+        volt_per_lsb: per_lsb(sensors.v_full_scale_v),
+        ampere_per_lsb: per_lsb(sensors.i_full_scale_a),
+        sense_mid_code: half * conversions,
+        sense_max_code: (2 * half - 1) * conversions,
+        drive_volt_per_lsb: dac.volt_per_lsb() as f32,
+        drive_mid_code: dac.mid_code(),
+        drive_max_code: 2 * dac.mid_code() - 1,
+    }
+}
+
+fn amplitude(drive: &scene::Drive, tracking: &scene::Tracking) -> Amplitude {
+    match (drive.velocity_m_per_s, drive.amplitude_v) {
+        (Some(velocity), _) => {
+            Amplitude::MotionalCurrent((velocity * tracking.nominal_force_factor_n_per_v.unwrap_or(1.0)) as f32)
+        }
+        (None, volts) => Amplitude::Volts(volts.unwrap_or(0.0) as f32),
+    }
+}
+
+fn burst(burst: Option<&scene::Burst>) -> Burst {
+    let Some(burst) = burst else { return Burst { schedule: Schedule::Continuous, edge: Edge::Hard } };
+    let schedule = match (burst.period_s, burst.duty) {
+        (Some(period_s), Some(duty)) => Schedule::Periodic { period_s, duty },
+        _ => Schedule::Windows(burst.on_s.iter().copied().zip(burst.off_s.iter().copied()).collect()),
+    };
+    let edge = match burst.edge {
+        scene::Edge::Hard => Edge::Hard,
+        scene::Edge::Soft => Edge::Soft { cycles: burst.edge_cycles as f32 },
+    };
+    Burst { schedule, edge }
+}
+
+fn tracking(tracking: &scene::Tracking) -> Tracking {
+    Tracking {
+        mode: match tracking.mode {
+            scene::TrackingMode::PhaseLock => TrackingMode::PhaseLock,
+            scene::TrackingMode::ZeroPhase => TrackingMode::ZeroPhase,
+            scene::TrackingMode::Off => TrackingMode::Off,
+        },
+        span: tracking.span as f32,
+        bandwidth_hz: tracking.bandwidth_hz as f32,
+        nominal_q: tracking.nominal_q as f32,
+        nominal_c0_f: tracking.nominal_c0_f as f32,
+    }
+}
