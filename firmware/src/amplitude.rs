@@ -16,6 +16,8 @@ use crate::identify::Transducer;
 const BANDWIDTH_HZ: f32 = 60.0;
 /// The loop listens once the ring-up has come so far.
 const LISTEN_ABOVE: f32 = 0.8;
+/// Settled: within this part of what is asked for, for so many blocks.
+const SETTLED: (f32, u32) = (0.01, 32);
 
 /// The amplitude control.
 #[derive(Clone, Debug)]
@@ -30,6 +32,8 @@ pub struct AmplitudeLoop {
     integral_volts: f32,
     volts: f32,
     limited: bool,
+    /// Blocks in which the amplitude was what is asked for.
+    within: u32,
 }
 
 impl AmplitudeLoop {
@@ -53,6 +57,7 @@ impl AmplitudeLoop {
             integral_volts: config.drive.scan_volts,
             volts: config.drive.scan_volts,
             limited: false,
+            within: 0,
         })
     }
 
@@ -62,12 +67,16 @@ impl AmplitudeLoop {
         self.lag = (self.block_s / transducer.time_constant_s()).min(1.0);
         self.expected = motional_current;
         self.integral_volts = self.start_volts;
+        self.within = 0;
     }
 
     /// Follows one block: what is asked for, the mean envelope of the block heard, and the motional current in it.
     pub fn update(&mut self, wanted: Amplitude, envelope: f32, motional_current: f32) {
         let asked = match wanted {
-            Amplitude::Volts(volts) => volts,
+            Amplitude::Volts(volts) => {
+                self.within = SETTLED.1;
+                volts
+            }
             Amplitude::MotionalCurrent(amperes) => self.hold(amperes, envelope, motional_current),
         };
         // Written so that a not-a-number, which an order might carry, plays as silence.
@@ -85,6 +94,11 @@ impl AmplitudeLoop {
         self.expected
     }
 
+    /// Whether the amplitude has been reached, or cannot be.
+    pub fn settled(&self) -> bool {
+        self.within >= SETTLED.1 || self.limited
+    }
+
     /// Whether the voltage limit stops the loop or the order from getting what it wants.
     pub fn limited(&self) -> bool {
         self.limited
@@ -97,6 +111,7 @@ impl AmplitudeLoop {
             return self.integral_volts;
         }
         let error_volts = self.ohm * (self.expected - motional_current);
+        self.within = if (ceiling - motional_current).abs() < SETTLED.0 * ceiling { self.within.saturating_add(1) } else { 0 };
         let integral_gain = core::f32::consts::TAU * BANDWIDTH_HZ * self.block_s;
         self.integral_volts = (self.integral_volts + integral_gain * error_volts).clamp(0.0, self.limits.voltage_v);
         self.integral_volts + error_volts * integral_gain / self.lag
@@ -131,6 +146,7 @@ mod tests {
             integral_volts: 1.0,
             volts: 1.0,
             limited: false,
+            within: 0,
         }
     }
 

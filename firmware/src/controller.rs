@@ -30,7 +30,9 @@ use crate::units::{Hertz, Turns, Volts};
 
 /// Longest time the loop may take to lock, blocks and time constants of the resonance.
 const LOCK_TIMEOUT: (u32, f32) = (2000, 50.0);
-/// The tracker listens while the motional current is above this part of what it was when locked.
+/// After the scan, the loops wait for its last tone to ring down, time constants of the resonance.
+const RING_DOWN: f32 = 3.0;
+/// The tracker listens while the motional current is above this part of what the identified resonance would show.
 const LISTEN_ABOVE: f32 = 0.2;
 
 /// A block on its way from `process` to the ear: what was played when the answer arrives.
@@ -70,7 +72,10 @@ pub struct Controller {
     motional: Motional,
     phase_loop: PhaseLoop,
     lock: LockDetector,
+    /// Blocks since the loops were seeded; how many of them the scan rings down; how many a lock may take.
     locking_blocks: u32,
+    ring_down_blocks: u32,
+    lock_timeout_blocks: u32,
     amplitude: AmplitudeLoop,
     transducer: Option<Transducer>,
 }
@@ -112,6 +117,8 @@ impl Controller {
             phase_loop: PhaseLoop::build(&config.tracking, config.drive.frequency_hz, block_s)?,
             lock: LockDetector::default(),
             locking_blocks: 0,
+            ring_down_blocks: 0,
+            lock_timeout_blocks: 0,
             amplitude: AmplitudeLoop::build(config, block_s)?,
             transducer: None,
             sweep,
@@ -205,11 +212,14 @@ impl Controller {
     /// Takes the transducer that the scan has found, and starts both loops on it.
     fn adopt(&mut self, transducer: Transducer, branch: Motional, motional_current: f32) {
         let tau_s = transducer.time_constant_s();
+        let tau_blocks = tau_s / self.block_s;
         self.motional = branch;
         self.phase_loop.seed(transducer.series_resonance_hz - self.nominal_hz, tau_s);
         self.sweep.retune(self.phase_loop.offset_hz());
-        self.lock.restart(tau_s / self.block_s);
+        self.lock.restart(tau_blocks);
         self.locking_blocks = 0;
+        self.ring_down_blocks = LATENCY_BLOCKS as u32 + (RING_DOWN * tau_blocks) as u32;
+        self.lock_timeout_blocks = LOCK_TIMEOUT.0 + (LOCK_TIMEOUT.1 * tau_blocks) as u32;
         self.amplitude.seed(&transducer, motional_current);
         self.transducer = Some(transducer);
     }
@@ -220,6 +230,10 @@ impl Controller {
         self.amplitude.update(orders.amplitude.unwrap_or(self.amplitude_asked), envelope, magnitude(motional));
         let mut plan = Plan { volts: self.amplitude.volts(), gate, phase: Turns(0.0), progress: Progress::Busy };
         let (Some(detector), Some(transducer)) = (self.detector, self.transducer) else { return plan };
+        self.locking_blocks = self.locking_blocks.saturating_add(1);
+        if self.locking_blocks <= self.ring_down_blocks {
+            return plan;
+        }
 
         let expected = LISTEN_ABOVE * heard.volts / transducer.rm_ohm;
         if envelope == 1.0 && heard.volts > 0.0 && magnitude(motional) > expected {
@@ -232,18 +246,16 @@ impl Controller {
             self.phase_loop.hold();
         }
         self.sweep.retune(self.phase_loop.offset_hz());
-        plan.progress = self.lock_progress(transducer.time_constant_s());
+        plan.progress = self.lock_progress();
         plan
     }
 
-    fn lock_progress(&mut self, tau_s: f32) -> Progress {
+    fn lock_progress(&self) -> Progress {
         let locking = self.supervisor.mode() == Mode::Lock;
-        self.locking_blocks += u32::from(locking);
-        let timeout = LOCK_TIMEOUT.0 + (LOCK_TIMEOUT.1 * tau_s / self.block_s) as u32;
         match self.lock.state() {
-            Lock::Locked => Progress::Done,
+            Lock::Locked if self.amplitude.settled() => Progress::Done,
             Lock::Lost if !locking => Progress::Failed(Fault::LossOfLock),
-            _ if locking && self.locking_blocks > timeout => Progress::Failed(Fault::NoLock),
+            _ if locking && self.locking_blocks > self.lock_timeout_blocks => Progress::Failed(Fault::NoLock),
             _ => Progress::Busy,
         }
     }

@@ -5,8 +5,8 @@
 //! ```
 //!
 //! Plant states: five of amplifier and stack, one of the contact, two of the load cell; a rigid slider costs none. The
-//! friction at the tip comes back into the stack's motional branch. Time moves in steps of one ADC conversion (half a sample
-//! by default): the linear part by its exact flow with the friction held at its last value, the contact exactly in the slip
+//! friction at the tip comes back into the stack's motional branch. A sample is one step or
+//! several, as the contact needs: the linear part by its exact flow with the friction held at its last value, the contact exactly in the slip
 //! that results, and then the stack is corrected by what the mean friction over the step was instead. Second order in the
 //! coupling, exact without it.
 //!
@@ -28,7 +28,7 @@ use crate::plant::dahl::Dahl;
 use crate::plant::disturbance::Change;
 use crate::plant::energy::Energy;
 use crate::plant::load_cell::LoadCell;
-use crate::plant::stack::{Circuit, Stack};
+use crate::plant::stack::{Circuit, Held, Stack, Timing};
 use crate::scene::{DisturbedKey, Scene};
 
 /// The truth about one block.
@@ -88,8 +88,7 @@ pub struct Plant {
     dac: Dac,
     v_adc: Adc,
     i_adc: Adc,
-    conversions: u32,
-    step_s: f64,
+    timing: Timing,
     stack: Stack,
     sliding: Option<Sliding>,
     load_cell: LoadCell,
@@ -105,7 +104,13 @@ impl Plant {
     /// The plant of a scene, at rest.
     pub fn new(scene: &Scene) -> Self {
         let sensors = &scene.sensors;
-        let step_s = 1.0 / (sensors.sample_hz * f64::from(sensors.oversample));
+        let circuit = Circuit::of(&scene.stack.bvd);
+        let timing = Timing {
+            sample_s: 1.0 / sensors.sample_hz,
+            steps: steps_per_sample(scene, &circuit),
+            conversions: sensors.oversample.into(),
+            skew_s: sensors.skew_s,
+        };
         let sliding = scene.contact.as_ref().zip(scene.rig.as_ref()).map(|(contact, rig)| {
             let slider = &rig.slider;
             let mut sliding = Sliding {
@@ -124,9 +129,8 @@ impl Plant {
             // Two streams that never meet, whatever the seed: the halves of a 64-bit space apart.
             v_adc: Adc::new(sensors, sensors.v_full_scale_v, scene.seed),
             i_adc: Adc::new(sensors, sensors.i_full_scale_a, scene.seed ^ (1 << 63)),
-            conversions: sensors.oversample.into(),
-            step_s,
-            stack: Stack::new(Circuit::of(&scene.stack.bvd), &scene.amplifier, step_s, sensors.skew_s),
+            timing,
+            stack: Stack::new(circuit, &scene.amplifier, timing),
             sliding,
             load_cell: LoadCell::new(sensors.load_cell_hz, block_s),
             changes: scene.disturbance.iter().cloned().map(Change::new).collect(),
@@ -154,7 +158,7 @@ impl Plant {
 
     /// Duration of one sample, s.
     pub fn sample_s(&self) -> f64 {
-        self.step_s * f64::from(self.conversions)
+        self.timing.sample_s
     }
 
     /// States that are integrated in time.
@@ -212,56 +216,56 @@ impl Plant {
         self.energy.disturbed_j += self.stack.stored_j() - stored;
     }
 
-    /// One step with the DAC at `volts`. Returns the mean friction over it, N.
+    /// One step with the drive held. Returns the mean friction over it, N.
     #[inline]
-    fn step(&mut self, volts: f64, sums: &mut Sums) -> f64 {
-        let (v_before, i_before) = (self.stack.voltage(), self.stack.motional_current());
+    fn step(&mut self, drive: &Held, step_s: f64, sums: &mut Sums) -> f64 {
         let force = match &mut self.sliding {
             None => {
-                self.stack.advance(volts, 0.0);
+                self.stack.advance(drive, 0.0);
                 0.0
             }
             Some(sliding) => {
                 let held = sliding.dahl.force();
                 let (tip, position) = (self.stack.tip_velocity(), self.stack.tip_displacement());
-                self.stack.advance(volts, held);
-                let slip = sliding.speed_m_per_s * self.step_s + self.stack.tip_displacement() - position;
+                self.stack.advance(drive, held);
+                let moved = self.stack.tip_displacement() - position;
+                let slip = sliding.speed_m_per_s * step_s + moved;
                 let (v0, v1) = (sliding.speed_m_per_s + tip, sliding.speed_m_per_s + self.stack.tip_velocity());
-                let mean = sliding.dahl.slip(v0, v1, slip, self.step_s);
+                let mean = sliding.dahl.slip(v0, v1, slip, step_s);
                 self.stack.correct_force(mean - held);
+                sums.friction += mean;
+                sums.friction_on_tip += mean * moved;
+                // Not f64::min, which minds not-a-number and costs three times as much.
+                sums.friction_min = if mean < sums.friction_min { mean } else { sums.friction_min };
+                sums.friction_max = if mean > sums.friction_max { mean } else { sums.friction_max };
                 mean
             }
         };
         let (v, i) = (self.stack.voltage(), self.stack.motional_current());
-        sums.supplied += v_before * i_before + v * i;
-        sums.lost += i_before * i_before + i * i;
         sums.in_phase += v * i;
         sums.quadrature += v * self.stack.motional_voltage();
-        sums.friction += force;
-        sums.friction_on_tip += force * (i_before + i);
-        sums.friction_min = sums.friction_min.min(force);
-        sums.friction_max = sums.friction_max.max(force);
+        sums.lost += i * i;
         force
     }
 
     /// Closes a block of `steps` steps: work done, and the truth about it.
     fn account(&mut self, sums: &Sums, steps: f64) {
         let circuit = *self.stack.circuit();
-        let half_step = 0.5 * self.step_s;
-        let supplied = half_step * sums.supplied;
+        let step_s = self.timing.step_s();
+        let supplied = step_s * sums.in_phase;
         self.energy.supplied_j += supplied;
-        self.energy.lost_j += half_step * circuit.rm_ohm * sums.lost;
-        self.energy.friction_on_tip_j += half_step * sums.friction_on_tip / circuit.force_factor_n_per_v;
+        self.energy.lost_j += step_s * circuit.rm_ohm * sums.lost;
+        self.energy.friction_on_tip_j += sums.friction_on_tip;
         let speed = self.sliding.as_ref().map_or(0.0, |sliding| sliding.speed_m_per_s);
-        self.energy.friction_on_slider_j += self.step_s * sums.friction * speed;
+        self.energy.friction_on_slider_j += step_s * sums.friction * speed;
         self.energy.stored_j = self.stack.stored_j();
 
-        let block_s = steps * self.step_s;
+        let block_s = steps * step_s;
         let mean = sums.friction / steps;
         self.truth = Truth {
             friction_mean_n: mean,
-            friction_min_n: sums.friction_min,
-            friction_max_n: sums.friction_max,
+            friction_min_n: sums.friction_min.min(mean),
+            friction_max_n: sums.friction_max.max(mean),
             load_cell_n: self.load_cell.feel(mean),
             tip_velocity_m_per_s: self.stack.tip_amplitude(),
             series_resonance_hz: circuit.series_resonance_hz(),
@@ -273,9 +277,28 @@ impl Plant {
     }
 }
 
+/// Steps in a sample: as many as the contact needs, and none for a stack alone, whose flow is exact.
+///
+/// The measure is `kappa = Kt Vv / (omega Fc)`, the vibration amplitude in Dahl lengths: 16 steps a period are enough below 1, 32
+/// below 10, 64 below 100, 128 above.
+fn steps_per_sample(scene: &Scene, circuit: &Circuit) -> u32 {
+    let Some((contact, rig)) = scene.contact.as_ref().zip(scene.rig.as_ref()) else { return 1 };
+    let drive = &scene.controller.drive;
+    let by_voltage = drive.amplitude_v.unwrap_or(0.0) / circuit.rm_ohm / circuit.force_factor_n_per_v;
+    let displacement = drive.velocity_m_per_s.unwrap_or(by_voltage) / circuit.omega();
+    let coulomb = contact.dahl.mu * (rig.slider.load_n + rig.slider.self_weight_n);
+    let kappa = contact.dahl.stiffness_n_per_m * displacement / coulomb;
+    let per_period = match kappa {
+        k if k < 1.0 => 16.0,
+        k if k < 10.0 => 32.0,
+        k if k < 100.0 => 64.0,
+        _ => 128.0,
+    };
+    (per_period * circuit.series_resonance_hz() / scene.sensors.sample_hz).ceil() as u32
+}
+
 /// Sums over the steps of a block.
 struct Sums {
-    supplied: f64,
     lost: f64,
     in_phase: f64,
     quadrature: f64,
@@ -288,7 +311,6 @@ struct Sums {
 impl Sums {
     fn new() -> Self {
         Sums {
-            supplied: 0.0,
             lost: 0.0,
             in_phase: 0.0,
             quadrature: 0.0,
@@ -304,6 +326,7 @@ impl Analog for Plant {
     fn exchange(&mut self, drive: &DriveBlock, sense: &mut SenseBlock) {
         self.disturb();
         let codes = drive.lanes.first().map_or(&[][..], |lane| lane.as_slice());
+        let (steps, step_s) = (self.timing.steps as usize, self.timing.step_s());
         let mut sums = Sums::new();
         sense.v.clear();
         sense.i.clear();
@@ -313,12 +336,16 @@ impl Analog for Plant {
         }
         for &code in codes {
             let volts = self.dac.volts(code);
+            let drive = self.stack.held(volts);
             let (mut v, mut i, mut friction) = (0, 0, 0.0);
-            for _ in 0..self.conversions {
-                friction += self.step(volts, &mut sums);
-                let (voltage, current) = self.stack.sampled(volts);
-                v += self.v_adc.convert(voltage);
-                i += self.i_adc.convert(current);
+            for step in 0..steps {
+                let force = self.step(&drive, step_s, &mut sums);
+                friction += force;
+                let (v_adc, i_adc) = (&mut self.v_adc, &mut self.i_adc);
+                self.stack.sample(step, volts, force, |voltage, current| {
+                    v += v_adc.convert(voltage);
+                    i += i_adc.convert(current);
+                });
             }
             // A sense block holds as many samples as the longest drive block.
             let _ = (sense.v.push(v), sense.i.push(i));
@@ -327,10 +354,10 @@ impl Analog for Plant {
                     voltage_v: self.stack.voltage(),
                     motional_current_a: self.stack.motional_current(),
                     tip_velocity_m_per_s: self.stack.tip_velocity(),
-                    friction_n: friction / f64::from(self.conversions),
+                    friction_n: friction / steps as f64,
                 });
             }
         }
-        self.account(&sums, codes.len() as f64 * f64::from(self.conversions));
+        self.account(&sums, (codes.len() * steps) as f64);
     }
 }

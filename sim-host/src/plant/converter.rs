@@ -46,7 +46,7 @@ pub struct Adc {
     lsb_per_unit: f64,
     zero: f64,
     noise: f64,
-    top: f64,
+    top: i32,
     random: Xoshiro256PlusPlus,
 }
 
@@ -59,7 +59,7 @@ impl Adc {
             // The half makes truncation round to nearest.
             zero: mid + sensors.offset_lsb + 0.5,
             noise: sensors.noise_lsb,
-            top: 2.0 * mid - 1.0,
+            top: 2 * mid as i32 - 1,
             random: Xoshiro256PlusPlus::seed_from_u64(seed),
         }
     }
@@ -68,7 +68,8 @@ impl Adc {
     #[inline]
     pub fn convert(&mut self, value: f64) -> u16 {
         let normal: f64 = StandardNormal.sample(&mut self.random);
-        (value * self.lsb_per_unit + self.zero + self.noise * normal).clamp(0.0, self.top) as u16
+        // Truncation rounds to nearest because of the half in the zero; below zero the code is clamped anyway.
+        ((value * self.lsb_per_unit + self.zero + self.noise * normal) as i32).clamp(0, self.top) as u16
     }
 }
 

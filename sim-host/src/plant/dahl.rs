@@ -18,18 +18,21 @@ pub struct Dahl {
     kt: f64,
     /// Coulomb force mu N, N.
     fc: f64,
+    /// Kt / Fc, 1/m: one over the Dahl length.
+    per_metre: f64,
     force: f64,
 }
 
 impl Dahl {
     /// A relaxed contact of stiffness `kt`, N/m, and Coulomb force `fc`, N.
     pub fn new(kt: f64, fc: f64) -> Self {
-        Dahl { kt, fc, force: 0.0 }
+        Dahl { kt, fc, per_metre: kt / fc, force: 0.0 }
     }
 
     /// Changes the Coulomb force; the bristles keep their force, and the next slip leads it to the new bound.
     pub fn set_coulomb_force(&mut self, fc: f64) {
         self.fc = fc;
+        self.per_metre = self.kt / fc;
     }
 
     /// Friction now, N, in the direction of the slip that made it.
@@ -56,11 +59,12 @@ impl Dahl {
     #[inline]
     fn one_way(&mut self, v0: f64, v1: f64, slip: f64, step: f64) -> f64 {
         let limit = self.fc.copysign(v0 + v1);
-        let before = self.force;
-        let after = limit + (before - limit) * decay(self.kt * slip.abs() / self.fc);
-        self.force = after;
-        let slope = |force: f64, v: f64| self.kt * (1.0 - force / limit) * v;
-        0.5 * (before + after) + step / 12.0 * (slope(before, v0) - slope(after, v1))
+        let before = self.force - limit;
+        let after = before * decay(self.per_metre * slip.abs());
+        self.force = limit + after;
+        // dF/dt = Kt (1 - F / (s Fc)) V = -(Kt / Fc) (F - s Fc) |V|
+        let ends = self.per_metre * (after * v1.abs() - before * v0.abs());
+        limit + 0.5 * (before + after) + step * (1.0 / 12.0) * ends
     }
 }
 

@@ -1,8 +1,9 @@
 //! The energy budget of the stack: what the amplifier gives, what is lost, what friction takes, what is stored.
 //!
 //! `integral v0 i = integral Rm i^2 + integral (F / phi) i + change of what Lm and Cm hold`; the clamped capacitance gives back what
-//! it takes and is left out. By the trapezium rule at every step, so that the residual shows the step error of the friction
-//! coupling, and any mistake in its sign or its way back.
+//! it takes and is left out. The integrals are sums over the steps (spectrally accurate for a periodic motion, and it begins and
+//! ends at rest or in the same state), so that the residual shows the step error of the friction coupling, and any mistake in
+//! its sign or its way back.
 
 /// Sums of work since the beginning, J.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

@@ -20,6 +20,8 @@
 //! direction against positive motion, comes back into the motional branch as the voltage `F / phi`: at 10 N and mu 0.3 that is
 //! 0.5 V of a 3 V drive. Equivalent circuit: Butterworth 1915, Van Dyke 1925; force factor: Mason 1948.
 
+use wide::f64x2;
+
 use crate::plant::flow::{Matrix, exponential};
 use crate::scene::{Amplifier, Bvd};
 
@@ -30,6 +32,8 @@ const D: usize = 1;
 const V0: usize = 2;
 const I: usize = 3;
 const VC: usize = 4;
+/// A sixth row that is no state: the total current `(e - v0) / Rs`, which the flow gives for nothing.
+const TOTAL: usize = 5;
 
 /// The equivalent circuit in the form the equations need.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -100,43 +104,88 @@ impl Circuit {
     }
 }
 
-/// A vector of states, padded so that pairs fill vector registers.
-type Padded = [f64; STATES + 1];
+/// The states and the total current, in pairs that fill vector registers: (e, d), (v0, i), (vc, total).
+type Pairs = [f64x2; 3];
+
+fn pairs(rows: [f64; 6]) -> Pairs {
+    [f64x2::new([rows[E], rows[D]]), f64x2::new([rows[V0], rows[I]]), f64x2::new([rows[VC], rows[TOTAL]])]
+}
+
+/// The drive's part of a step.
+#[derive(Clone, Copy, Debug)]
+pub struct Held(Pairs);
 
 /// The network and its state.
 #[derive(Clone, Debug)]
 pub struct Stack {
     circuit: Circuit,
     amplifier: Amplifier,
-    step_s: f64,
-    skew_s: f64,
-    x: Padded,
-    /// Columns of the flow: one for each state.
-    flow: [Padded; STATES],
+    timing: Timing,
+    tip_per_ampere: f64,
+    tip_per_volt: f64,
+    x: Pairs,
+    /// Columns of the flow: one for each state. The stack does not act back on the amplifier, so that the later three
+    /// have no first pair.
+    flow: [Pairs; STATES],
     /// Response to the drive, held over the step, V.
-    drive: Padded,
+    drive: Pairs,
     /// Response to the friction, held over the step, N.
-    force: Padded,
-    /// Rows that look back by the skew: (from the state, from the drive).
-    look_back: ([f64; STATES], f64),
-    /// Whether that row is the voltage's (sampled first) or the current's.
-    voltage_first: bool,
+    force: Pairs,
+    /// For each step of a sample, the conversions that fall into it: how to look back for voltage and current.
+    conversions: Vec<Vec<(Look, Look)>>,
+}
+
+/// How a sample is divided.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Timing {
+    /// Duration of a sample, s.
+    pub sample_s: f64,
+    /// Steps of the flow in a sample.
+    pub steps: u32,
+    /// ADC conversions in a sample, evenly spaced; the last at its end.
+    pub conversions: u32,
+    /// How much later the current is converted than the voltage, s.
+    pub skew_s: f64,
+}
+
+impl Timing {
+    /// Duration of a step, s.
+    pub fn step_s(&self) -> f64 {
+        self.sample_s / f64::from(self.steps)
+    }
+
+    /// For each step, how long before its end its conversions are, s.
+    fn conversions(&self) -> Vec<Vec<f64>> {
+        let before = |step: u32, conversion: u32| {
+            let back = f64::from(step + 1) / f64::from(self.steps) - f64::from(conversion + 1) / f64::from(self.conversions);
+            (back > -1e-9 && back < 1.0 / f64::from(self.steps) - 1e-9).then(|| (back * self.sample_s).max(0.0))
+        };
+        (0..self.steps).map(|step| (0..self.conversions).filter_map(|conversion| before(step, conversion)).collect()).collect()
+    }
+}
+
+/// A look at one output some time before the end of a step, along the exact flow, with drive and friction as they were held.
+#[derive(Clone, Copy, Debug, Default)]
+struct Look {
+    state: [f64; STATES],
+    drive: f64,
+    force: f64,
 }
 
 impl Stack {
-    /// A stack at rest, moved in steps of `step_s`; the current is sampled `skew_s` after the voltage.
-    pub fn new(circuit: Circuit, amplifier: &Amplifier, step_s: f64, skew_s: f64) -> Self {
+    /// A stack at rest.
+    pub fn new(circuit: Circuit, amplifier: &Amplifier, timing: Timing) -> Self {
         let mut stack = Stack {
             circuit,
             amplifier: amplifier.clone(),
-            step_s,
-            skew_s,
-            x: Padded::default(),
+            timing,
+            tip_per_ampere: 0.0,
+            tip_per_volt: 0.0,
+            x: Pairs::default(),
             flow: Default::default(),
-            drive: Padded::default(),
-            force: Padded::default(),
-            look_back: Default::default(),
-            voltage_first: skew_s > 0.0,
+            drive: Pairs::default(),
+            force: Pairs::default(),
+            conversions: Vec::new(),
         };
         stack.remake();
         stack
@@ -149,7 +198,7 @@ impl Stack {
 
     /// Changes the circuit; the charge on the motional capacitor and the current stay.
     pub fn set_circuit(&mut self, circuit: Circuit) {
-        self.x[VC] *= self.circuit.cm_f / circuit.cm_f;
+        self.x[2] *= f64x2::new([self.circuit.cm_f / circuit.cm_f, 1.0]);
         self.circuit = circuit;
         self.remake();
     }
@@ -174,105 +223,123 @@ impl Stack {
         a[VC][I] = 1.0 / cm_f;
 
         let over = |seconds: f64| exponential(&a.map(|row| row.map(|x| x * seconds)));
-        let step = over(self.step_s);
-        let column = |c: usize| std::array::from_fn(|r| if r < STATES { step[r][c] } else { 0.0 });
+        let step = over(self.timing.step_s());
+        let total = |m: &Matrix<{ STATES + 2 }>, c: usize| (m[E][c] - m[V0][c]) / source;
+        let column = |c: usize| pairs(std::array::from_fn(|r| if r == TOTAL { total(&step, c) } else { step[r][c] }));
         self.flow = std::array::from_fn(column);
         self.drive = column(STATES);
         self.force = column(STATES + 1);
 
-        let back = over(-self.skew_s.abs());
-        let row = |r: usize| -> [f64; STATES] { std::array::from_fn(|c| back[r][c]) };
-        self.look_back = if self.voltage_first {
-            (row(V0), back[V0][STATES])
-        } else {
-            let (e, v0) = (row(E), row(V0));
-            (std::array::from_fn(|c| (e[c] - v0[c]) / source), (back[E][STATES] - back[V0][STATES]) / source)
+        // A skew is shorter than a step: the later of the two channels converts at the nominal time, the other before it.
+        let (v_early, i_early) = (self.timing.skew_s.max(0.0), (-self.timing.skew_s).max(0.0));
+        let look = |row: &dyn Fn(&Matrix<{ STATES + 2 }>, usize) -> f64, seconds: f64| {
+            let back = over(-seconds);
+            let state = std::array::from_fn(|c| row(&back, c));
+            Look { state, drive: row(&back, STATES), force: row(&back, STATES + 1) }
         };
+        let voltage = |m: &Matrix<{ STATES + 2 }>, c: usize| m[V0][c];
+        let both = |back: f64| (look(&voltage, back + v_early), look(&total, back + i_early));
+        self.conversions = self.timing.conversions().into_iter().map(|step| step.into_iter().map(both).collect()).collect();
+        self.tip_per_ampere = 1.0 / force_factor_n_per_v;
+        self.tip_per_volt = cm_f / force_factor_n_per_v;
     }
 
-    /// Moves by one step with the drive at `volts` and the friction held at `newtons`.
+    /// What the drive does in every step during which it is held at `volts`.
     #[inline]
-    pub fn advance(&mut self, volts: f64, newtons: f64) {
-        let mut next: Padded = std::array::from_fn(|r| self.drive[r] * volts + self.force[r] * newtons);
-        for (column, &x) in self.flow.iter().zip(&self.x) {
-            for (y, a) in next.iter_mut().zip(column) {
-                *y += a * x;
-            }
-        }
-        self.x = next;
+    pub fn held(&self, volts: f64) -> Held {
+        Held(self.drive.map(|row| row * volts))
+    }
+
+    /// Moves by one step with the drive held and the friction held at `newtons`.
+    #[inline]
+    pub fn advance(&mut self, drive: &Held, newtons: f64) {
+        let [[e, d], [v0, i], [vc, _]] = self.x.map(f64x2::to_array);
+        let [ce, cd, cv, ci, cc] = &self.flow;
+        let amplifier = drive.0[0] + ce[0] * e + cd[0] * d;
+        let row = |r: usize| drive.0[r] + self.force[r] * newtons + ce[r] * e + cd[r] * d + cv[r] * v0 + ci[r] * i + cc[r] * vc;
+        self.x = [amplifier, row(1), row(2)];
     }
 
     /// Adds what a friction larger by `newtons` over the step just made would have done.
     #[inline]
     pub fn correct_force(&mut self, newtons: f64) {
-        for (x, a) in self.x.iter_mut().zip(&self.force) {
-            *x += a * newtons;
-        }
+        self.x[1] += self.force[1] * newtons;
+        self.x[2] += self.force[2] * newtons;
+    }
+
+    fn state(&self, n: usize) -> f64 {
+        self.x[n / 2].to_array()[n % 2]
     }
 
     /// Voltage at the stack, V.
     #[inline]
     pub fn voltage(&self) -> f64 {
-        self.x[V0]
+        self.state(V0)
     }
 
     /// Total current into the stack, A.
     #[inline]
     pub fn current(&self) -> f64 {
-        (self.x[E] - self.x[V0]) / self.amplifier.source_ohm
+        self.state(TOTAL)
     }
 
     /// Motional current, A.
     #[inline]
     pub fn motional_current(&self) -> f64 {
-        self.x[I]
+        self.state(I)
     }
 
     /// Voltage of the motional capacitor, V: the displacement times `phi / Cm`.
     #[inline]
     pub fn motional_voltage(&self) -> f64 {
-        self.x[VC]
+        self.state(VC)
     }
 
     /// Tip velocity, m/s.
     #[inline]
     pub fn tip_velocity(&self) -> f64 {
-        self.x[I] / self.circuit.force_factor_n_per_v
+        self.motional_current() * self.tip_per_ampere
     }
 
     /// Tip displacement, m.
     #[inline]
     pub fn tip_displacement(&self) -> f64 {
-        self.x[VC] * self.circuit.cm_f / self.circuit.force_factor_n_per_v
+        self.motional_voltage() * self.tip_per_volt
     }
 
     /// Amplitude of the tip velocity, m/s: the present one and a quarter period later, taken together.
     pub fn tip_amplitude(&self) -> f64 {
-        let stored = self.x[VC] * self.circuit.cm_f * self.circuit.omega();
-        self.x[I].hypot(stored) / self.circuit.force_factor_n_per_v
+        let quarter_later = self.motional_voltage() * self.circuit.cm_f * self.circuit.omega();
+        self.motional_current().hypot(quarter_later) / self.circuit.force_factor_n_per_v
     }
 
     /// Energy that the motional branch holds, J.
     pub fn stored_j(&self) -> f64 {
-        0.5 * (self.circuit.lm_h * self.x[I].powi(2) + self.circuit.cm_f * self.x[VC].powi(2))
+        0.5 * (self.circuit.lm_h * self.motional_current().powi(2) + self.circuit.cm_f * self.motional_voltage().powi(2))
     }
 
-    /// Voltage and current as the converters sample them: the later of the two now, the other by the skew before, with the
-    /// drive at `volts` in between. A skew is shorter than a step, so the drive has not changed.
+    /// Hands voltage and current at each conversion within step `step` of a sample, which has just been made with the drive at
+    /// `volts` and a mean friction of `newtons`, to `convert`.
     #[inline]
-    pub fn sampled(&self, volts: f64) -> (f64, f64) {
-        if self.skew_s == 0.0 {
-            return (self.voltage(), self.current());
+    pub fn sample(&self, step: usize, volts: f64, newtons: f64, mut convert: impl FnMut(f64, f64)) {
+        let [[e, d], [v0, i], [vc, _]] = self.x.map(f64x2::to_array);
+        let at = |look: &Look| {
+            let [ke, kd, kv, ki, kc] = look.state;
+            ke * e + kd * d + kv * v0 + ki * i + kc * vc + look.drive * volts + look.force * newtons
+        };
+        for (v, i) in &self.conversions[step] {
+            convert(at(v), at(i));
         }
-        let (row, drive) = &self.look_back;
-        let before = row.iter().zip(&self.x).map(|(a, x)| a * x).sum::<f64>() + drive * volts;
-        if self.voltage_first { (before, self.current()) } else { (self.voltage(), before) }
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    fn timing(step_s: f64) -> Timing {
+        Timing { sample_s: step_s, steps: 1, conversions: 1, skew_s: 0.0 }
+    }
 
     const A3: Circuit = Circuit { c0_f: 300e-9, cm_f: 20e-9, lm_h: 0.7916e-3, rm_ohm: 3.08, force_factor_n_per_v: 5.566 };
 
@@ -301,13 +368,13 @@ mod tests {
         let step = 1e-8;
         let hz = 40_100.0;
         let omega = std::f64::consts::TAU * hz;
-        let mut stack = Stack::new(A3, &amplifier, step, 0.0);
+        let mut stack = Stack::new(A3, &amplifier, timing(step));
         let (mut re, mut im, mut vre, mut vim) = (0.0, 0.0, 0.0, 0.0);
         let settled = 1_000_000;
         let measured = 4 * 2494; // four periods, to a part in 2e5
         for n in 0..settled + measured {
             let t = n as f64 * step;
-            stack.advance((omega * t).sin(), 0.0);
+            stack.advance(&stack.held((omega * t).sin()), 0.0);
             if n >= settled {
                 let (s, c) = (omega * t).sin_cos();
                 (re, im) = (re + stack.current() * c, im - stack.current() * s);
@@ -324,33 +391,42 @@ mod tests {
 
     #[test]
     fn step_size_does_not_change_the_answer() {
-        let mut coarse = Stack::new(A3, &Amplifier::default(), 1e-6, 0.0);
-        let mut fine = Stack::new(A3, &Amplifier::default(), 1e-7, 0.0);
+        let mut coarse = Stack::new(A3, &Amplifier::default(), timing(1e-6));
+        let mut fine = Stack::new(A3, &Amplifier::default(), timing(1e-7));
         for n in 0..5000 {
             let volts = if (n / 12) % 2 == 0 { 3.0 } else { -3.0 };
-            coarse.advance(volts, 0.2);
-            (0..10).for_each(|_| fine.advance(volts, 0.2));
+            coarse.advance(&coarse.held(volts), 0.2);
+            (0..10).for_each(|_| fine.advance(&fine.held(volts), 0.2));
         }
         let scale = coarse.motional_current().abs().max(0.1);
         assert!((coarse.motional_current() - fine.motional_current()).abs() < 1e-10 * scale);
         assert!((coarse.voltage() - fine.voltage()).abs() < 1e-10);
     }
 
+    /// Every conversion, at any division of the sample and any skew, is what a flow of 20 ns steps shows at its time.
     #[test]
-    fn skew_looks_back_along_the_exact_flow() {
-        for skew in [80e-9, -80e-9] {
-            let mut skewed = Stack::new(A3, &Amplifier::default(), 5e-7, skew);
-            let mut before = Stack::new(A3, &Amplifier::default(), 5e-7 - 80e-9, 0.0);
-            let mut rest = Stack::new(A3, &Amplifier::default(), 80e-9, 0.0);
-            for _ in 0..40 {
-                skewed.advance(2.5, 0.0);
-                before.advance(2.5, 0.0);
-                rest.x = before.x;
-                rest.advance(2.5, 0.0);
-                let expected = if skew > 0.0 { (before.voltage(), rest.current()) } else { (rest.voltage(), before.current()) };
-                let got = skewed.sampled(2.5);
-                assert!((got.0 - expected.0).abs() < 1e-9 && (got.1 - expected.1).abs() < 1e-9, "{got:?} {expected:?}");
-                before.x = rest.x;
+    fn conversions_look_back_along_the_exact_flow() {
+        for (steps, conversions, skew_s) in [(1, 2, 0.0), (2, 2, 80e-9), (3, 4, -60e-9), (1, 1, 100e-9), (2, 3, 0.0)] {
+            let timing = Timing { sample_s: 1.2e-6, steps, conversions, skew_s };
+            let mut stack = Stack::new(A3, &Amplifier::default(), timing);
+            let mut fine = Stack::new(A3, &Amplifier::default(), super::tests::timing(20e-9));
+            for volts in [2.5, -1.0, 3.0] {
+                let (mut got, mut seen) = (Vec::new(), Vec::new());
+                for step in 0..steps as usize {
+                    stack.advance(&stack.held(volts), 0.3);
+                    stack.sample(step, volts, 0.3, |v, i| got.push((v, i)));
+                }
+                for _ in 0..60 {
+                    fine.advance(&fine.held(volts), 0.3);
+                    seen.push((fine.voltage(), fine.current()));
+                }
+                let at = |time: f64| seen[(time / 20e-9).round() as usize - 1];
+                for (k, &(v, i)) in got.iter().enumerate() {
+                    let time = 1.2e-6 * (k + 1) as f64 / f64::from(conversions);
+                    let expected = (at(time - skew_s.max(0.0)).0, at(time + skew_s.min(0.0)).1);
+                    assert!((v - expected.0).abs() < 1e-9 && (i - expected.1).abs() < 1e-9, "{k}: {v} {i} {expected:?}");
+                }
+                assert_eq!(got.len(), conversions as usize);
             }
         }
     }

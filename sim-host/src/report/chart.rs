@@ -1,0 +1,90 @@
+//! The chart proper: its frame, grid and axes, and the order in which things cover each other.
+
+use plotters::chart::{ChartBuilder, ChartContext};
+use plotters::coord::cartesian::Cartesian2d;
+use plotters::prelude::DrawingBackend;
+
+use super::axis::Scale;
+use super::clip;
+use super::figure::{Figure, Style};
+use super::sheet::{Failure, Sheet};
+use super::style::{FINE_GRID, FRAME, GRID, INK, MUTED};
+
+/// Size of the tick labels and notes in points.
+pub(super) const TICK_SIZE: f64 = 23.0;
+const AXIS_SIZE: f64 = 25.0;
+
+/// Free space at the edges of the canvas in points.
+const EDGE: f64 = 16.0;
+
+/// Edges of the plot on the canvas, in points.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Layout {
+    /// Left edge of the plot.
+    pub left: f64,
+    /// Right edge of the plot.
+    pub right: f64,
+    /// Top edge of the plot.
+    pub top: f64,
+    /// Bottom edge of the plot.
+    pub bottom: f64,
+    /// Width and height of the canvas.
+    pub canvas: (f64, f64),
+}
+
+/// A plot with its two scales.
+pub(super) type Chart<'a, DB> = ChartContext<'a, DB, Cartesian2d<Scale, Scale>>;
+
+/// A figure on its way onto a surface.
+pub(super) struct Plot<'f, 's, DB: DrawingBackend> {
+    /// What to draw.
+    pub figure: &'f Figure,
+    /// Where to draw it.
+    pub sheet: &'s Sheet<'s, DB>,
+    /// Horizontal scale.
+    pub x: Scale,
+    /// Vertical scale.
+    pub y: Scale,
+}
+
+impl<DB: DrawingBackend> Plot<'_, '_, DB> {
+    /// Draws the chart into its place on the canvas; the labels in `elsewhere` stand in the legend.
+    pub fn draw(&self, layout: &Layout, elsewhere: &[&str]) -> Result<(), Failure<DB>> {
+        let pen = self.sheet.pen;
+        let mut chart = ChartBuilder::on(self.sheet.root)
+            .margin_top(pen.px(layout.top))
+            .margin_right(pen.px(layout.canvas.0 - layout.right))
+            .margin_bottom(pen.px(EDGE))
+            .margin_left(pen.px(EDGE))
+            .x_label_area_size(pen.px(layout.canvas.1 - layout.bottom - EDGE))
+            .y_label_area_size(pen.px(layout.left - EDGE))
+            .build_cartesian_2d(self.x.clone(), self.y.clone())?;
+        self.shades(&chart)?;
+        chart
+            .configure_mesh()
+            .x_desc(self.figure.x.label.as_str())
+            .y_desc(self.figure.y.label.as_str())
+            .bold_line_style(pen.line(GRID, 1.5))
+            .light_line_style(pen.line(FINE_GRID, 1.0))
+            .axis_style(pen.line(FRAME, 1.5))
+            .label_style(pen.text(TICK_SIZE, MUTED))
+            .axis_desc_style(pen.text(AXIS_SIZE, INK))
+            .y_label_offset(pen.text_drop(TICK_SIZE))
+            .set_all_tick_mark_size(pen.px(6.0))
+            .draw()?;
+        self.reference_lines(&mut chart)?;
+        for (index, series) in self.figure.series.iter().enumerate() {
+            match series.style {
+                Style::Points => self.dots(&chart, index)?,
+                Style::Line | Style::Dashed | Style::Band { .. } => self.curve(&mut chart, index)?,
+            }
+        }
+        self.shade_labels(&chart, elsewhere)?;
+        self.markers(&chart)
+    }
+
+    /// Where a point lies; nothing if it has no place on the axes.
+    pub fn point(&self, x: f64, y: f64) -> clip::Point {
+        self.x.position(x).zip(self.y.position(y))
+    }
+}

@@ -1,0 +1,142 @@
+//! What the page's script needs to draw a figure that can be zoomed.
+//!
+//! Curves are thinned and rounded to what a screen can show; the CSV beside the page has the rest.
+
+use serde::Serialize;
+
+use super::decimate;
+use super::extent::scales;
+use super::figure::{Figure, Series, Style};
+use super::style::{css, series_color};
+
+/// A figure, as the script reads it.
+#[derive(Debug, Serialize)]
+pub(super) struct PlotData<'a> {
+    id: &'a str,
+    x: AxisData<'a>,
+    y: AxisData<'a>,
+    series: Vec<Curve<'a>>,
+    spans: Vec<(f64, f64, &'a str)>,
+    markers: Vec<(f64, f64, &'a str)>,
+    lines: Vec<(f64, &'a str)>,
+}
+
+#[derive(Debug, Serialize)]
+struct AxisData<'a> {
+    label: &'a str,
+    log: bool,
+    /// Interval shown before the reader zooms; without it the script decides.
+    range: Option<(f64, f64)>,
+}
+
+#[derive(Debug, Serialize)]
+struct Curve<'a> {
+    name: &'a str,
+    style: &'static str,
+    color: String,
+    x: Vec<f64>,
+    /// y, then the edges of a band.
+    columns: Vec<Vec<f64>>,
+}
+
+/// Whether the figure is one that can be zoomed: x must never turn back.
+pub(super) fn can_zoom(figure: &Figure) -> bool {
+    figure.interactive && !figure.is_plane() && figure.series.iter().all(|s| s.x.is_sorted())
+}
+
+/// The figure's data for the script.
+pub(super) fn plot_data(figure: &Figure) -> PlotData<'_> {
+    let curves = figure.series.iter().enumerate();
+    PlotData {
+        id: &figure.id,
+        x: AxisData { label: &figure.x.label, log: figure.x.log, range: Some(scales(figure).0.ends()) },
+        y: AxisData { label: &figure.y.label, log: figure.y.log, range: figure.y.range },
+        series: curves.map(|(index, series)| curve(figure, index, series)).collect(),
+        spans: figure.shaded.iter().map(|s| (s.from, s.to, s.label.as_str())).collect(),
+        markers: figure.markers.iter().map(|m| (m.x, m.y, m.label.as_str())).collect(),
+        lines: figure.hlines.iter().map(|(y, label)| (*y, label.as_str())).collect(),
+    }
+}
+
+fn curve<'a>(figure: &Figure, index: usize, series: &'a Series) -> Curve<'a> {
+    let (from, to) = figure.x.range.unwrap_or((f64::NEG_INFINITY, f64::INFINITY));
+    let start = series.x.partition_point(|&x| x < from).saturating_sub(1);
+    let end = (series.x.partition_point(|&x| x <= to) + 1).min(series.x.len()).max(start);
+    let shown: Vec<&[f64]> =
+        std::iter::once(series.x.as_slice()).chain(series.columns()).map(|column| &column[start..end]).collect();
+    let (xs, columns) = (shown[0], &shown[1..]);
+
+    // A position that the axis lacks would make the script reject the whole curve.
+    let placed = |x: f64| x.is_finite() && (x > 0.0 || !figure.x.log);
+    let kept: Vec<usize> = decimate::keep(&shown, decimate::LIMIT).into_iter().filter(|&i| placed(xs[i])).collect();
+    let value = |y: f64| if y > 0.0 || !figure.y.log { rounded(y) } else { f64::NAN };
+    Curve {
+        name: &series.name,
+        style: match series.style {
+            Style::Line => "line",
+            Style::Dashed => "dashed",
+            Style::Points => "points",
+            Style::Band { .. } => "band",
+        },
+        color: css(series_color(index)),
+        x: distinct(kept.iter().map(|&i| xs[i])),
+        columns: columns.iter().map(|c| kept.iter().map(|&i| value(c[i])).collect()).collect(),
+    }
+}
+
+/// The same places, each once: the script merges samples at equal x, which would flatten a step.
+fn distinct(places: impl Iterator<Item = f64>) -> Vec<f64> {
+    let mut result: Vec<f64> = Vec::new();
+    for x in places {
+        let next = result.last().map_or(x, |last| x.max(last.next_up()));
+        result.push(next);
+    }
+    result
+}
+
+/// Nine significant digits.
+fn rounded(value: f64) -> f64 {
+    format!("{value:.8e}").parse().unwrap_or(value)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn figure(x: Vec<f64>, y: Vec<f64>) -> Figure {
+        let series = vec![Series { x, y, ..Series::default() }];
+        Figure { series, interactive: true, ..Figure::default() }
+    }
+
+    fn json(figure: &Figure) -> serde_json::Value {
+        serde_json::to_value(plot_data(figure)).unwrap()
+    }
+
+    #[test]
+    fn what_is_not_finite_becomes_null() {
+        let figure = figure(vec![0.0, 1.0, 2.0], vec![f64::NAN, f64::INFINITY, 0.1 + 0.2]);
+        assert_eq!(json(&figure)["series"][0]["columns"][0].to_string(), "[null,null,0.3]");
+    }
+
+    #[test]
+    fn a_locus_is_not_for_zooming() {
+        assert!(!can_zoom(&figure(vec![0.0, 1.0, 0.5], vec![0.0; 3])));
+        assert!(!can_zoom(&figure(vec![0.0, f64::NAN], vec![0.0; 2])));
+        assert!(can_zoom(&figure(vec![0.0, 0.0, 1.0], vec![0.0; 3])));
+    }
+
+    #[test]
+    fn steps_stay_steps() {
+        let data = json(&figure(vec![1.0, 1.0, 2.0], vec![0.0, 5.0, 5.0]));
+        let x: Vec<f64> = serde_json::from_value(data["series"][0]["x"].clone()).unwrap();
+        assert!(x[0] < x[1] && x[1] < 1.000_001);
+    }
+
+    #[test]
+    fn only_what_the_range_shows_is_sent() {
+        let x: Vec<f64> = (0..100_000).map(f64::from).collect();
+        let mut figure = figure(x.clone(), x);
+        figure.x.range = Some((500.0, 600.0));
+        assert_eq!(json(&figure)["series"][0]["x"].as_array().unwrap().len(), 103);
+    }
+}
