@@ -1,1 +1,90 @@
+//! What the host may ask, and what it gets back.
+//!
+//! Nothing that a host sends can exceed a limit: a command changes the [`Orders`], and the controller clamps and judges those.
 
+use serde::{Deserialize, Serialize};
+
+use crate::block::{Amplitude, Gate, Orders, Request};
+use crate::telemetry::Telemetry;
+
+/// A command.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub enum Command {
+    /// Who are you?
+    Identify,
+    /// Fall silent.
+    Idle,
+    /// Self-test and scan, then fall silent.
+    Scan,
+    /// Self-test, scan, lock, run.
+    Run,
+    /// When to let the drive through while running.
+    Gate(Gate),
+    /// The amplitude to hold; `None` is the configured one.
+    Amplitude(Option<Amplitude>),
+    /// Forget the fault.
+    ClearFault,
+    /// Send telemetry every so many blocks; 0 is never.
+    TelemetryEvery(u32),
+}
+
+/// What the board sends.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub enum Reply {
+    /// The command with this frame's sequence number is obeyed.
+    Ack,
+    /// It is not.
+    Nak(Refusal),
+    /// Who this is.
+    Identity(Identity),
+    /// The latest block; its frame's sequence number counts telemetry frames, so that a lost one is seen.
+    Telemetry(Telemetry),
+}
+
+/// Why a command is not obeyed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Refusal {
+    /// The frame was damaged: too long, badly stuffed, or with a wrong checksum.
+    Damaged,
+    /// The frame is of another protocol version.
+    Version,
+    /// The frame is whole, but not a command that is known here.
+    Unknown,
+    /// A number in it is not a number, or negative where it must not be.
+    NotPlausible,
+    /// Earlier orders have not been taken yet: the block stream stands still.
+    Busy,
+}
+
+/// Who this is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Identity {
+    /// Version of the link's protocol.
+    pub protocol: u8,
+    /// Version of the firmware: major, minor, patch.
+    pub firmware: [u8; 3],
+}
+
+impl Command {
+    /// The orders after this command; `None` where it changes none.
+    pub fn applied_to(&self, orders: &Orders) -> Result<Option<Orders>, Refusal> {
+        let mut next = Orders { sequence: orders.sequence.wrapping_add(1), clear_fault: false, ..*orders };
+        match *self {
+            Command::Identify | Command::TelemetryEvery(_) => return Ok(None),
+            Command::Idle => next.request = Request::Idle,
+            Command::Scan => next.request = Request::Scan,
+            Command::Run => next.request = Request::Run,
+            Command::Gate(gate) => next.gate = gate,
+            Command::Amplitude(amplitude) => {
+                let plausible = |x: f32| x.is_finite() && x >= 0.0;
+                if !amplitude.is_none_or(|(Amplitude::Volts(x) | Amplitude::MotionalCurrent(x))| plausible(x)) {
+                    return Err(Refusal::NotPlausible);
+                }
+                next.amplitude = amplitude;
+            }
+            // Clearing a fault must not start the drive by itself.
+            Command::ClearFault => (next.clear_fault, next.request) = (true, Request::Idle),
+        }
+        Ok(Some(next))
+    }
+}

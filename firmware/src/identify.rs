@@ -24,7 +24,7 @@ const TAU: f32 = core::f32::consts::TAU;
 const J: Phasor = Phasor::new(0.0, 1.0);
 
 /// A transducer's equivalent circuit, as identified.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Transducer {
     /// Series (motional) resonance, Hz.
     pub series_resonance_hz: f32,

@@ -30,6 +30,7 @@ extern crate std;
 pub mod amplitude;
 pub mod app;
 pub mod block;
+pub mod block_task;
 pub mod burst;
 pub mod command;
 pub mod config;

@@ -1,1 +1,155 @@
+//! Frames: postcard, a CRC-32 over it, COBS, and a zero between frames.
+//!
+//! ```text
+//! COBS( version: u8 | sequence: varint u16 | body: postcard | crc-32/iscsi: 4 bytes, little-endian ) 00
+//! ```
+//!
+//! A zero never occurs inside a frame, so that a receiver that joins late, or after a damaged frame, is in step again at the
+//! next zero.
 
+use crc::{CRC_32_ISCSI, Crc};
+use serde::{Deserialize, Serialize};
+
+/// Version of the protocol. A frame of another version is refused, not guessed at.
+pub const VERSION: u8 = 1;
+
+/// The longest frame, stuffed, with its zero.
+pub const MAX_FRAME: usize = 256;
+
+/// Room for a frame before stuffing: COBS adds one byte in 254, and the zero is not part of it.
+const MAX_PLAIN: usize = MAX_FRAME - 3;
+
+static CRC: Crc<u32> = Crc::<u32>::new(&CRC_32_ISCSI);
+
+/// A frame.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Frame<T> {
+    /// Version of the protocol.
+    pub version: u8,
+    /// Number of this frame; a reply carries that of its command.
+    pub sequence: u16,
+    /// What it says.
+    pub body: T,
+}
+
+/// What is wrong with a frame.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FrameError {
+    /// Longer than [`MAX_FRAME`].
+    TooLong,
+    /// Badly stuffed, wrong checksum, or not of the expected form.
+    Damaged,
+    /// Of another protocol version, with the sequence number it carries.
+    Version(u16),
+}
+
+/// A frame on its way out.
+pub type Encoded = heapless::Vec<u8, MAX_FRAME>;
+
+/// Encodes one frame. Fails only on a body that does not fit into [`MAX_FRAME`].
+pub fn encode<T: Serialize>(sequence: u16, body: T) -> Result<Encoded, FrameError> {
+    let mut plain = [0; MAX_PLAIN];
+    let frame = Frame { version: VERSION, sequence, body };
+    let plain = postcard::to_slice_crc32(&frame, &mut plain, CRC.digest()).map_err(|_| FrameError::TooLong)?;
+    let mut stuffed = Encoded::new();
+    stuffed.resize(cobs::max_encoding_length(plain.len()), 0).map_err(|_| FrameError::TooLong)?;
+    let length = cobs::encode(plain, &mut stuffed);
+    stuffed.truncate(length);
+    stuffed.push(0).map_err(|_| FrameError::TooLong)?;
+    Ok(stuffed)
+}
+
+/// Takes bytes as they come and gives frames.
+#[derive(Clone, Debug, Default)]
+pub struct Receiver {
+    bytes: heapless::Vec<u8, MAX_FRAME>,
+    too_long: bool,
+}
+
+impl Receiver {
+    /// Takes one byte; a frame (or what is wrong with it) comes out at its closing zero. Empty frames are skipped.
+    pub fn take<T: for<'a> Deserialize<'a>>(&mut self, byte: u8) -> Option<Result<Frame<T>, FrameError>> {
+        if byte != 0 {
+            self.too_long |= self.bytes.push(byte).is_err();
+            return None;
+        }
+        let (empty, too_long) = (self.bytes.is_empty(), core::mem::take(&mut self.too_long));
+        let frame = if too_long { Err(FrameError::TooLong) } else { decode(&mut self.bytes) };
+        self.bytes.clear();
+        (!empty).then_some(frame)
+    }
+}
+
+fn decode<T: for<'a> Deserialize<'a>>(stuffed: &mut [u8]) -> Result<Frame<T>, FrameError> {
+    let length = cobs::decode_in_place(stuffed).map_err(|_| FrameError::Damaged)?;
+    let plain = &stuffed[..length];
+    // The head alone first: the body of another version may have any form.
+    let head: (u8, u16) = postcard::from_bytes(plain).map_err(|_| FrameError::Damaged)?;
+    match postcard::from_bytes_crc32(plain, CRC.digest()) {
+        _ if head.0 != VERSION => Err(FrameError::Version(head.1)),
+        Ok(frame) => Ok(frame),
+        Err(_) => Err(FrameError::Damaged),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::block::{Amplitude, Gate};
+    use crate::command::{Command, Reply};
+    use crate::telemetry::Telemetry;
+
+    fn receive<T: for<'a> Deserialize<'a>>(bytes: &[u8]) -> std::vec::Vec<Result<Frame<T>, FrameError>> {
+        let mut receiver = Receiver::default();
+        bytes.iter().filter_map(|&byte| receiver.take(byte)).collect()
+    }
+
+    #[test]
+    fn commands_come_through() {
+        for (n, command) in
+            [Command::Run, Command::Gate(Gate::Off), Command::Amplitude(Some(Amplitude::Volts(3.0)))].into_iter().enumerate()
+        {
+            let sequence = 300 + n as u16;
+            let frames = receive(&encode(sequence, command).unwrap());
+            assert_eq!(frames, [Ok(Frame { version: VERSION, sequence, body: command })]);
+        }
+    }
+
+    #[test]
+    fn telemetry_fits_into_a_frame() {
+        let full =
+            Telemetry { block: u32::MAX, tuning_word: u64::MAX, transducer: Some(Default::default()), ..Default::default() };
+        assert!(encode(u16::MAX, Reply::Telemetry(full)).unwrap().len() < MAX_FRAME / 2 + MAX_FRAME / 4);
+    }
+
+    #[test]
+    fn every_flipped_bit_is_seen_and_the_next_frame_is_whole() {
+        let good = encode(7, Command::Amplitude(Some(Amplitude::Volts(3.0)))).unwrap();
+        for bit in 0..8 * (good.len() - 1) {
+            let mut bytes = good.to_vec();
+            bytes[bit / 8] ^= 1 << (bit % 8);
+            bytes.extend_from_slice(&good);
+            let frames = receive::<Command>(&bytes);
+            assert!(frames[..frames.len() - 1].iter().all(Result::is_err), "bit {bit}: {frames:?}");
+            assert!(frames.last().is_some_and(Result::is_ok));
+        }
+    }
+
+    #[test]
+    fn another_version_is_named() {
+        let mut plain = [0; 64];
+        let frame = Frame { version: VERSION + 1, sequence: 9, body: 0xFFu8 };
+        let plain = postcard::to_slice_crc32(&frame, &mut plain, CRC.digest()).unwrap();
+        let mut stuffed = [0; 64];
+        let length = cobs::encode(plain, &mut stuffed);
+        stuffed[length] = 0;
+        assert_eq!(receive::<Command>(&stuffed[..=length]), [Err(FrameError::Version(9))]);
+    }
+
+    #[test]
+    fn a_flood_without_a_zero_is_bounded() {
+        let mut bytes = std::vec![0x55; 10 * MAX_FRAME];
+        bytes.push(0);
+        assert_eq!(receive::<Command>(&bytes), [Err(FrameError::TooLong)]);
+    }
+}

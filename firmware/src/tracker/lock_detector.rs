@@ -74,9 +74,9 @@ mod tests {
     #[test]
     fn locks_inside_and_forgives_a_step() {
         let mut detector = LockDetector::default();
-        (0..LOCK_BLOCKS).for_each(|_| drop(detector.update(Turns(0.01))));
+        (0..LOCK_BLOCKS).for_each(|_| assert_ne!(detector.update(Turns(0.01)), Lock::Lost));
         assert_eq!(detector.state(), Lock::Locked);
-        (0..LOST_BLOCKS - 1).for_each(|_| drop(detector.update(Turns(-0.2))));
+        (0..LOST_BLOCKS - 1).for_each(|_| assert_eq!(detector.update(Turns(-0.2)), Lock::Locked));
         assert_eq!(detector.state(), Lock::Locked);
         assert_eq!(detector.update(Turns(-0.2)), Lock::Lost);
     }
