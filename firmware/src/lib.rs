@@ -41,6 +41,7 @@ pub mod error;
 pub mod guard;
 pub mod identify;
 pub mod link;
+pub mod lockstep;
 pub mod motional;
 pub mod nco;
 pub mod phasing;

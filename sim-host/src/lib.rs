@@ -1,11 +1,28 @@
 //! Sonoglide's host side: the plant behind the converters, scenes, metrics and reports.
 //!
+//! ```text
+//! scene --> settings --> processor (the firmware's controller, here or in an emulator)
+//!   |                        ^ |
+//!   |                  codes | | codes
+//!   |                        | v
+//!   +-----------------> plant (stack, contact, rig) --> record --> metrics --> study --> findings, figures --> report
+//! ```
+//!
 //! The controller is the `firmware` crate, unchanged; this crate is what it is connected to.
 #![forbid(unsafe_code)]
 
+pub mod cli;
+pub mod figures;
+pub mod findings;
+pub mod metrics;
+pub mod output;
+pub mod pil;
 pub mod plant;
 pub mod processor;
 pub mod record;
+pub mod report;
 pub mod run;
 pub mod scene;
 pub mod settings;
+pub mod study;
+pub mod trace;

@@ -46,10 +46,17 @@ pub struct Truth {
     pub tip_velocity_m_per_s: f64,
     /// Series resonance during the block, Hz.
     pub series_resonance_hz: f64,
-    /// Phase of the motional current against the voltage, degrees; zero at the series resonance.
-    pub motional_phase_deg: f64,
-    /// Mean power into the stack, W.
+    /// Mean power into the motional branch, W.
     pub power_w: f64,
+    /// Mean product of voltage and quarter-period-later current, W: with `power_w` it makes the motional phase, which only a mean
+    /// over whole periods shows.
+    pub quadrature_w: f64,
+    /// Heat in the motional resistance, W.
+    pub lost_w: f64,
+    /// Power that the tip gives to friction, W.
+    pub friction_on_tip_w: f64,
+    /// Power that the slider's drive gives to friction, W.
+    pub friction_on_slider_w: f64,
 }
 
 /// The truth about one sample, for zooms and traces.
@@ -254,7 +261,8 @@ impl Plant {
         let step_s = self.timing.step_s();
         let supplied = step_s * sums.in_phase;
         self.energy.supplied_j += supplied;
-        self.energy.lost_j += step_s * circuit.rm_ohm * sums.lost;
+        let lost = step_s * circuit.rm_ohm * sums.lost;
+        self.energy.lost_j += lost;
         self.energy.friction_on_tip_j += sums.friction_on_tip;
         let speed = self.sliding.as_ref().map_or(0.0, |sliding| sliding.speed_m_per_s);
         self.energy.friction_on_slider_j += step_s * sums.friction * speed;
@@ -269,9 +277,12 @@ impl Plant {
             load_cell_n: self.load_cell.feel(mean),
             tip_velocity_m_per_s: self.stack.tip_amplitude(),
             series_resonance_hz: circuit.series_resonance_hz(),
-            // The motional capacitor's voltage lags the current by a quarter turn: together they are the phasor.
-            motional_phase_deg: (sums.quadrature * circuit.omega() * circuit.cm_f).atan2(sums.in_phase).to_degrees(),
             power_w: supplied / block_s,
+            // The motional capacitor's voltage lags the current by a quarter turn.
+            quadrature_w: sums.quadrature / steps * circuit.omega() * circuit.cm_f,
+            lost_w: lost / block_s,
+            friction_on_tip_w: sums.friction_on_tip / block_s,
+            friction_on_slider_w: mean * speed,
         };
         self.time_s += block_s;
     }

@@ -9,6 +9,7 @@ use firmware::telemetry::Telemetry;
 use crate::plant::energy::Energy;
 use crate::plant::stack::Circuit;
 use crate::plant::{Sample, Truth};
+use crate::trace::Tracer;
 
 /// One block.
 #[derive(Clone, Copy, Debug)]
@@ -42,10 +43,12 @@ pub struct Row {
 }
 
 /// A stretch of time kept sample by sample.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Window {
     /// What it shows.
     pub title: String,
+    /// The moment it is about, s.
+    pub edge_s: f64,
     /// From, s.
     pub from_s: f64,
     /// To, s.
@@ -67,6 +70,8 @@ pub struct Record {
     pub rows: Vec<Row>,
     /// Windows sample by sample.
     pub windows: Vec<Window>,
+    /// What the scene's `[trace]` asks for.
+    pub trace: Option<Tracer>,
     /// The last telemetry.
     pub last: Telemetry,
     /// The circuit at the end.
@@ -92,6 +97,11 @@ pub struct Command {
 }
 
 impl Command {
+    /// Frequency, Hz.
+    pub fn frequency_hz(&self, sample_hz: f64) -> f64 {
+        cycles_per_sample(self.word) * sample_hz
+    }
+
     /// What a report says of the codes that came with it.
     pub fn of(telemetry: &Telemetry) -> Self {
         Command { word: telemetry.tuning_word, drive_v: telemetry.drive.0.into(), envelope: telemetry.envelope.into() }
@@ -112,7 +122,7 @@ impl Row {
             fault: telemetry.fault.map_or(0, |fault| fault as u8),
             limit: telemetry.limit.map_or(0, |limit| limit as u8),
             locked: telemetry.locked,
-            frequency_hz: cycles_per_sample(command.word) * sample_hz,
+            frequency_hz: command.frequency_hz(sample_hz),
             drive_v: command.drive_v * command.envelope,
             envelope: command.envelope,
             resonance_estimate_hz: telemetry.resonance.0.into(),

@@ -12,6 +12,7 @@ use crate::processor::{Here, Lost, Processor};
 use crate::record::{Command, DriveHash, Record, Row, Window};
 use crate::scene::Scene;
 use crate::settings;
+use crate::trace::{Played, Tracer};
 
 /// Why a run did not happen.
 #[derive(Debug, thiserror::Error)]
@@ -52,7 +53,7 @@ pub fn run_on(processor: &mut dyn Processor, scene: &Scene, mut watch: Watch) ->
     let blocks = (scene.duration_s * sample_hz / samples as f64).ceil() as u64;
     let orders = Orders { sequence: 1, request: Request::Run, gate: Gate::Scheduled, ..Orders::default() };
 
-    let mut clock = BlockClock::new(Recorder::new(Plant::new(scene), &watch.windows), &processor.silence());
+    let mut clock = BlockClock::new(Recorder::new(scene, watch.windows), &processor.silence());
     let mut record = Record { sample_s: 1.0 / sample_hz, block_samples: samples, ..Record::default() };
     record.rows.reserve(blocks as usize);
     let mut pending = [Command::default(); LATENCY_BLOCKS];
@@ -67,8 +68,10 @@ pub fn run_on(processor: &mut dyn Processor, scene: &Scene, mut watch: Watch) ->
                 break;
             }
         }
+        let slot = &mut pending[(block % LATENCY_BLOCKS as u64) as usize];
+        clock.analog.frequency_hz = slot.frequency_hz(sample_hz);
         let telemetry = clock.tick(|sense, drive| processor.process(&orders, sense, drive))?;
-        let played = std::mem::replace(&mut pending[(block % LATENCY_BLOCKS as u64) as usize], Command::of(&telemetry));
+        let played = std::mem::replace(slot, Command::of(&telemetry));
         let time_s = (block + 1) as f64 * samples as f64 / sample_hz;
         record.rows.push(Row::new(time_s, sample_hz, &played, &telemetry, clock.analog.plant.truth()));
         record.last = telemetry;
@@ -79,23 +82,30 @@ pub fn run_on(processor: &mut dyn Processor, scene: &Scene, mut watch: Watch) ->
     record.plant_states = recorder.plant.states();
     record.drive_hash = recorder.hash.value();
     record.windows = recorder.windows;
+    record.trace = recorder.tracer;
     record.wall_s = began.elapsed().as_secs_f64();
     Ok(record)
 }
 
-/// Middleware on the converters: hashes what is played, and keeps windows sample by sample.
+/// Middleware on the converters: hashes what is played, and keeps windows and traces sample by sample.
 struct Recorder {
     plant: Plant,
     hash: DriveHash,
     windows: Vec<Window>,
+    tracer: Option<Tracer>,
     sample_s: f64,
+    /// Samples played so far.
     played: u64,
+    /// Frequency of the block that is about to play, Hz.
+    frequency_hz: f64,
 }
 
 impl Recorder {
-    fn new(plant: Plant, windows: &[Window]) -> Self {
+    fn new(scene: &Scene, windows: Vec<Window>) -> Self {
+        let plant = Plant::new(scene);
         let sample_s = plant.sample_s();
-        Recorder { plant, hash: DriveHash::default(), windows: windows.to_vec(), sample_s, played: 0 }
+        let tracer = scene.trace.as_ref().map(|trace| Tracer::new(trace, scene.duration_s, sample_s));
+        Recorder { plant, hash: DriveHash::default(), windows, tracer, sample_s, played: 0, frequency_hz: 0.0 }
     }
 }
 
@@ -104,7 +114,8 @@ impl Analog for Recorder {
         let samples = drive.lanes.first().map_or(0, |lane| lane.len()) as u64;
         let (from_s, to_s) = (self.played as f64 * self.sample_s, (self.played + samples) as f64 * self.sample_s);
         let open = |window: &Window| window.from_s < to_s && window.to_s > from_s;
-        self.plant.keep_samples(self.windows.iter().any(open));
+        let traced = self.tracer.as_mut().filter(|tracer| tracer.wants(self.played, samples));
+        self.plant.keep_samples(traced.is_some() || self.windows.iter().any(open));
         self.plant.exchange(drive, sense);
         self.hash.add(drive);
         for window in self.windows.iter_mut().filter(|window| open(window)) {
@@ -112,6 +123,10 @@ impl Analog for Recorder {
                 window.start_s = from_s + self.sample_s;
             }
             window.samples.extend_from_slice(self.plant.samples());
+        }
+        if let Some(tracer) = traced {
+            let samples = self.plant.samples();
+            tracer.keep(&Played { first: self.played, frequency_hz: self.frequency_hz, drive, sense, samples });
         }
         self.played += samples;
     }

@@ -10,6 +10,16 @@ pub mod resolved;
 pub mod rules;
 pub mod schema;
 
+mod nearest;
+mod overlay;
+mod tree;
+mod units;
+mod unknown;
+mod walk;
+
+#[cfg(test)]
+mod tests;
+
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -22,11 +32,15 @@ pub struct Scene {
     /// Where its numbers come from.
     #[serde(default)]
     pub source: String,
+    /// What a reader of the report should know, a paragraph each: what was chosen, and why.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub notes: Vec<String>,
     /// Simulated time, s.
     #[schemars(range(min = 1e-4, max = 1e5))]
     pub duration_s: f64,
     /// Seed of all noise: the same seed gives the same run, bit for bit.
     #[serde(default = "default::seed")]
+    #[schemars(range(max = 9_007_199_254_740_992_u64))] // every JSON reader keeps it exactly
     pub seed: u64,
     /// The firmware that drives, and what it is told.
     pub controller: Controller,

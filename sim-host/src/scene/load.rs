@@ -1,1 +1,234 @@
-//! x
+//! From a name, a file or standard input to a scene, or to a report of everything that is wrong with it.
+
+use std::fs::File;
+use std::io::{self, Read};
+use std::path::{Path, PathBuf};
+
+use super::diagnostic::{Problem, Report, Source};
+use super::nearest::{nearest, short};
+use super::overlay::{joined, overlay, parse_set, syntax};
+use super::schema::BASE;
+use super::tree::{Node, Origin, Value};
+use super::walk::walk;
+use super::{Scene, builtin, rules};
+
+/// A scene and where it comes from.
+#[derive(Clone, Debug)]
+pub struct Loaded {
+    /// Its name: that of a built-in scene, or of the file without folder and ending.
+    pub name: String,
+    /// What messages call its text: the built-in name, the file's path, or `<stdin>`.
+    pub origin: String,
+    /// The scene.
+    pub scene: Scene,
+    /// The text as read.
+    pub input: String,
+    /// The changes asked for, as `key=value`.
+    pub sets: Vec<String>,
+}
+
+impl Loaded {
+    /// The same scene with further changes, as for a cell of a grid or a point of a sweep.
+    pub fn with(&self, sets: &[String]) -> Result<Self, LoadError> {
+        let sets = [self.sets.as_slice(), sets].concat();
+        Ok(Self { name: self.name.clone(), ..load_text(&self.origin, &self.input, &sets)? })
+    }
+}
+
+/// Why there is no scene.
+#[derive(Debug, thiserror::Error)]
+pub enum LoadError {
+    /// Neither a built-in scene nor a file.
+    #[error("there is no scene `{name}`: {}", suggest(nearest))]
+    NotFound {
+        /// What was asked for.
+        name: String,
+        /// Built-in scenes with a similar name, or all if none is similar.
+        nearest: Vec<&'static str>,
+    },
+    /// The file cannot be read.
+    #[error("cannot read the scene `{path}`: {io}")]
+    Read {
+        /// The file.
+        path: String,
+        /// Why.
+        #[source]
+        io: io::Error,
+    },
+    /// The scene is wrong.
+    #[error("{0}")]
+    Invalid(Report),
+}
+
+fn suggest(nearest: &[&str]) -> String {
+    format!("neither a file nor built in; try {}", super::nearest::listed(nearest.iter().copied(), "or"))
+}
+
+/// Loads a built-in scene by name, a TOML file by path, or standard input (`-`), with changes as `key=value`.
+pub fn load(source: &str, sets: &[String]) -> Result<Loaded, LoadError> {
+    if source == "-" {
+        const STDIN: &str = "<stdin>";
+        let text = read_text(io::stdin().lock()).map_err(|io| LoadError::Read { path: STDIN.to_owned(), io })?;
+        return Ok(Loaded { name: "stdin".to_owned(), ..load_text(STDIN, &text, sets)? });
+    }
+    let text = read_source(source, source)?;
+    let name = match builtin::text(source) {
+        Some(_) => source.to_owned(),
+        None => Path::new(source).file_stem().map_or_else(|| source.to_owned(), |stem| stem.to_string_lossy().into_owned()),
+    };
+    Ok(Loaded { name, ..load_text(source, &text, sets)? })
+}
+
+/// Loads a scene from its text. A relative `base` is looked for beside `name`.
+pub fn load_text(name: &str, text: &str, sets: &[String]) -> Result<Loaded, LoadError> {
+    let (changes, starts) = joined(sets);
+    // The newer a text, the earlier in this list.
+    let mut sources = vec![Source { name: "--set".to_owned(), text: changes }];
+    sources.push(Source { name: name.to_owned(), text: text.to_owned() });
+    let root = match layers(&mut sources).and_then(|root| change(root, sets, &starts)) {
+        Ok(root) => root,
+        Err(problems) => return Err(LoadError::Invalid(Report::new(sources, problems))),
+    };
+    match judge(root) {
+        Ok(scene) => {
+            Ok(Loaded { name: name.to_owned(), origin: name.to_owned(), scene, input: text.to_owned(), sets: sets.to_vec() })
+        }
+        Err(problems) => Err(LoadError::Invalid(Report::new(sources, problems))),
+    }
+}
+
+fn judge(mut root: Node) -> Result<Scene, Vec<Problem>> {
+    let walked = walk(&mut root);
+    let problems = rules::check(&root, walked).problems;
+    if !problems.is_empty() {
+        return Err(problems);
+    }
+    let place = root.place.clone();
+    root.to_toml().try_into().map_err(|error: toml::de::Error| vec![Problem::new(place, error.message(), "")])
+}
+
+/// The scene laid over its base, that over its own, and so on. Adds the bases to the sources.
+fn layers(sources: &mut Vec<Source>) -> Result<Node, Vec<Problem>> {
+    let mut stack = Vec::new();
+    loop {
+        let number = sources.len() - 1;
+        let source = &sources[number];
+        let origin = Origin { source: number, offset: 0 };
+        let mut root = Node::parse(&source.text, origin).map_err(|error| vec![syntax(&error, &source.text, origin)])?;
+        let base = take_base(&mut root);
+        let empty = root.table().is_some_and(|table| table.is_empty());
+        if empty && base.is_none() {
+            let problem = Problem::new(root.place.clone(), "the scene is empty", "nothing here says what to run");
+            return Err(vec![problem.help("start from a copy: `sim-host show experiment-1 > my-scene.toml`")]);
+        }
+        stack.push(root);
+        let Some(base) = base else { break };
+        let found = find_base(&base, sources, number).map_err(|problem| vec![problem])?;
+        sources.push(found);
+    }
+    let mut problems = Vec::new();
+    let mut layers = stack.into_iter().rev();
+    let Some(mut root) = layers.next() else { return Err(Vec::new()) };
+    for over in layers {
+        let end = over.place.clone();
+        overlay(&mut root, over, "", &mut problems);
+        root.place = end;
+    }
+    if problems.is_empty() { Ok(root) } else { Err(problems) }
+}
+
+fn take_base(root: &mut Node) -> Option<Node> {
+    match &mut root.value {
+        Value::Table(table) => table.remove(BASE).map(|entry| entry.node),
+        _ => None,
+    }
+}
+
+fn find_base(base: &Node, sources: &[Source], number: usize) -> Result<Source, Problem> {
+    let problem = |message: String, label: String| Problem::new(base.place.clone(), message, label);
+    let Some(name) = base.text() else {
+        return Err(problem(
+            format!("`base` cannot be {}", base.kind()),
+            "expected a built-in name or a file, as a string".to_owned(),
+        ));
+    };
+    let beside = sources.get(number).and_then(|source| Path::new(&source.name).parent()).unwrap_or(Path::new(""));
+    let path = match builtin::text(name) {
+        Some(_) => name.to_owned(),
+        None => beside.join(name).to_string_lossy().into_owned(),
+    };
+    let same = |source: &&Source| canonical(&source.name) == canonical(&path);
+    if let Some(earlier) = sources.iter().skip(1).find(same) {
+        let message = format!("`base` goes in a circle, back to {}", short(&earlier.name));
+        return Err(problem(message, "already part of this scene".to_owned()));
+    }
+    let text = read_source(&path, name).map_err(|error| match error {
+        LoadError::NotFound { nearest, .. } => {
+            problem(format!("there is no scene `{}` to start from", short(name)), suggest(&nearest))
+        }
+        other => problem(other.to_string(), "the scene to start from".to_owned()),
+    })?;
+    Ok(Source { name: path, text })
+}
+
+fn canonical(name: &str) -> PathBuf {
+    Path::new(name).canonicalize().unwrap_or_else(|_| PathBuf::from(name))
+}
+
+/// Applies `--set` arguments, each of which begins at a byte of the first source.
+fn change(mut root: Node, sets: &[String], starts: &[usize]) -> Result<Node, Vec<Problem>> {
+    let mut problems = Vec::new();
+    for (set, &offset) in sets.iter().zip(starts) {
+        match parse_set(set, Origin { source: 0, offset }) {
+            Ok(mut over) => match take_base(&mut over) {
+                Some(base) => {
+                    let problem = Problem::new(base.place, "`base` cannot be set", "name the scene to run instead");
+                    problems.push(problem);
+                }
+                None => overlay(&mut root, over, "", &mut problems),
+            },
+            Err(problem) => problems.push(problem),
+        }
+    }
+    if problems.is_empty() { Ok(root) } else { Err(problems) }
+}
+
+/// The text of a built-in scene or of a file, which the user calls `asked`.
+fn read_source(source: &str, asked: &str) -> Result<String, LoadError> {
+    if let Some(text) = builtin::text(source) {
+        return Ok(text.to_owned());
+    }
+    let path = Path::new(source);
+    let looks_like_name = Path::new(asked).extension().is_none() && Path::new(asked).components().count() == 1;
+    match File::open(path).and_then(read_text) {
+        Ok(text) => Ok(text),
+        Err(error) if error.kind() == io::ErrorKind::NotFound && looks_like_name => {
+            let names = || builtin::all().iter().map(|(name, _)| *name);
+            let similar = nearest(asked, names());
+            let nearest = if similar.is_empty() { names().collect() } else { similar };
+            Err(LoadError::NotFound { name: asked.to_owned(), nearest })
+        }
+        Err(io) => Err(LoadError::Read { path: source.to_owned(), io }),
+    }
+}
+
+fn read_text(file: impl Read) -> io::Result<String> {
+    const LARGEST: u64 = 1 << 20;
+    let refuse = |reason: String| Err(io::Error::new(io::ErrorKind::InvalidData, reason));
+    let mut bytes = Vec::new();
+    file.take(LARGEST + 1).read_to_end(&mut bytes)?;
+    if bytes.len() as u64 > LARGEST {
+        return refuse("larger than 1 MiB, so hardly a scene".to_owned());
+    }
+    if bytes.starts_with(&[0xff, 0xfe]) || bytes.starts_with(&[0xfe, 0xff]) {
+        return refuse("encoded as UTF-16; save it as UTF-8".to_owned());
+    }
+    if bytes.contains(&0) {
+        return refuse("a binary file; a scene is TOML text".to_owned());
+    }
+    let invalid = |error: &std::string::FromUtf8Error| {
+        let before = &error.as_bytes()[..error.utf8_error().valid_up_to()];
+        1 + before.iter().filter(|byte| **byte == b'\n').count()
+    };
+    String::from_utf8(bytes).or_else(|error| refuse(format!("line {} is not UTF-8 text", invalid(&error))))
+}

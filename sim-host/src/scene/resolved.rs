@@ -1,1 +1,126 @@
-//! x
+//! A scene with all its defaults written out, for `sim-host show` and for the manifest of a run.
+
+use toml::Spanned;
+use toml::de::{DeTable, DeValue};
+
+use super::Scene;
+use super::schema::{Kind, Schema, join};
+
+/// Longest line of comment.
+const WIDTH: usize = 110;
+/// A key and its value up to this length have their comment beside them.
+const BESIDE: usize = 44;
+
+/// The scene as TOML, every key with its meaning and unit. Reads back as the same scene.
+pub fn resolved_toml(scene: &Scene) -> String {
+    // A scene holds finite numbers and integers that TOML has room for: loading sees to it.
+    let text = toml::to_string(scene).unwrap_or_default();
+    let mut out = String::new();
+    if let Ok(table) = DeTable::parse(&text) {
+        write_table(&mut out, &text, table.get_ref(), Schema::root(), "");
+    }
+    out
+}
+
+/// The scene as JSON.
+pub fn resolved_json(scene: &Scene) -> serde_json::Value {
+    serde_json::to_value(scene).unwrap_or_default()
+}
+
+fn write_table(out: &mut String, text: &str, table: &DeTable<'_>, schema: Schema, path: &str) {
+    let mut entries: Vec<_> = table.iter().collect();
+    // In the order of the types rather than of the alphabet.
+    entries.sort_by_key(|(key, _)| key.span().start);
+    let (tables, values): (Vec<_>, Vec<_>) = entries.into_iter().partition(|(_, value)| holds_tables(value.get_ref()));
+    write_values(out, text, &values, schema);
+    for (key, value) in tables {
+        let path = join(path, key.get_ref());
+        let Some(schema) = schema.property(key.get_ref()) else { continue };
+        match value.get_ref() {
+            DeValue::Table(table) => write_section(out, text, table, schema, &path, ("[", "]")),
+            DeValue::Array(list) => {
+                let Some(items) = schema.items() else { continue };
+                list.iter().filter_map(|entry| entry.get_ref().as_table()).for_each(|table| {
+                    write_section(out, text, table, items, &path, ("[[", "]]"));
+                });
+            }
+            _ => {}
+        }
+    }
+}
+
+fn holds_tables(value: &DeValue<'_>) -> bool {
+    value.is_table() || value.as_array().is_some_and(|list| list.iter().next().is_some_and(|entry| entry.get_ref().is_table()))
+}
+
+fn write_section(out: &mut String, text: &str, table: &DeTable<'_>, schema: Schema, path: &str, (open, close): (&str, &str)) {
+    let only_tables = !table.is_empty() && table.iter().all(|(_, value)| holds_tables(value.get_ref()));
+    if !only_tables {
+        out.push('\n');
+        comment(out, schema.description().unwrap_or_default());
+        *out += &format!("{open}{path}{close}\n");
+    }
+    write_table(out, text, table, schema, path);
+}
+
+fn write_values(
+    out: &mut String,
+    text: &str,
+    values: &[(&Spanned<toml::de::DeString<'_>>, &Spanned<DeValue<'_>>)],
+    schema: Schema,
+) {
+    let lines = values.iter().map(|(key, value)| {
+        let meaning = schema.property(key.get_ref()).map(meaning).unwrap_or_default();
+        (format!("{} = {}", key.get_ref(), written(text, value)), meaning)
+    });
+    let lines: Vec<_> = lines.collect();
+    let length = |text: &str| text.chars().count();
+    let beside = |line: &str, meaning: &str| length(line) <= BESIDE && length(line) + length(meaning) <= WIDTH;
+    let column = lines.iter().filter(|(line, meaning)| beside(line, meaning)).map(|(line, _)| length(line)).max().unwrap_or(0);
+    for (line, meaning) in &lines {
+        if beside(line, meaning) {
+            *out += &format!("{line:column$}  # {meaning}\n");
+        } else {
+            comment(out, meaning);
+            *out += line;
+            out.push('\n');
+        }
+    }
+}
+
+/// What the key means, and which words it takes.
+fn meaning(schema: Schema) -> String {
+    let description = schema.description().unwrap_or_default().replace('\n', " ");
+    let choices = schema.choices();
+    if schema.kind() == Kind::Choice && choices.len() <= 5 {
+        return format!("{}: {}.", description.trim_end_matches('.'), choices.join(" | "));
+    }
+    description
+}
+
+/// A value as in the text, but numbers as short as they get: `3e-7` rather than `0.0000003`.
+fn written(text: &str, value: &Spanned<DeValue<'_>>) -> String {
+    match value.get_ref() {
+        DeValue::Float(number) => {
+            number.as_str().parse::<f64>().map_or_else(|_| number.as_str().to_owned(), |n| format!("{n:?}"))
+        }
+        DeValue::Array(list) => format!("[{}]", list.iter().map(|entry| written(text, entry)).collect::<Vec<_>>().join(", ")),
+        _ => text.get(value.span()).unwrap_or_default().to_owned(),
+    }
+}
+
+/// A comment of its own, in lines of even length.
+fn comment(out: &mut String, text: &str) {
+    let mut line = String::new();
+    for word in text.split_whitespace() {
+        if !line.is_empty() && line.chars().count() + word.chars().count() + 3 > WIDTH {
+            *out += &format!("#{line}\n");
+            line.clear();
+        }
+        line.push(' ');
+        line += word;
+    }
+    if !line.is_empty() {
+        *out += &format!("#{line}\n");
+    }
+}

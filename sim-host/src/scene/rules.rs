@@ -1,1 +1,212 @@
-//! x
+//! What a schema cannot say: how the keys of a scene depend on each other.
+//!
+//! A rule reads its tables as typed values, and only where the walk found nothing wrong with them, so that one mistake does not
+//! raise a second complaint.
+
+mod drive;
+mod grid;
+mod timeline;
+
+use serde::de::DeserializeOwned;
+
+use super::Expect;
+use super::diagnostic::{Place, Problem};
+use super::nearest::{listed, nearest, short, shown};
+use super::schema::join;
+use super::tree::Node;
+use super::walk::{Findings, header, walk, within};
+use crate::metrics;
+
+/// Keys of a table that exclude each other.
+#[derive(Debug)]
+pub struct Exclusive {
+    /// Path of the table.
+    pub table: &'static str,
+    /// What one of must be given.
+    pub alternatives: &'static [Alternative],
+}
+
+/// One way to say it.
+#[derive(Debug)]
+pub struct Alternative {
+    /// The keys of this way.
+    pub keys: &'static [&'static str],
+    /// Whether all of them are needed, rather than any.
+    pub complete: bool,
+}
+
+const fn all(keys: &'static [&'static str]) -> Alternative {
+    Alternative { keys, complete: true }
+}
+
+const fn any(keys: &'static [&'static str]) -> Alternative {
+    Alternative { keys, complete: false }
+}
+
+/// All groups of keys that exclude each other. Laid over a scene, a key takes the place of those that it excludes.
+pub const EXCLUSIVE: &[Exclusive] = &[
+    Exclusive { table: "controller.drive", alternatives: &[all(&["amplitude_v"]), all(&["velocity_m_per_s"])] },
+    Exclusive { table: "controller.burst", alternatives: &[all(&["on_s", "off_s"]), all(&["period_s", "duty"])] },
+    Exclusive {
+        table: "stack.bvd",
+        alternatives: &[all(&["cm_f", "lm_h", "rm_ohm"]), all(&["series_resonance_hz", "q", "coupling"])],
+    },
+    Exclusive { table: "disturbance", alternatives: &[all(&["to"]), all(&["rate_per_s"]), all(&["sine_amplitude", "sine_hz"])] },
+    Exclusive { table: "expect", alternatives: &[any(&["min", "max"]), all(&["value", "tolerance"])] },
+];
+
+/// Checks a scene on which the walk has been: adds to what it found.
+pub(super) fn check(root: &Node, findings: Findings) -> Findings {
+    let mut rules = Rules { root, findings };
+    for group in EXCLUSIVE {
+        rules.tables(group.table).iter().for_each(|path| rules.exclusive(group, path));
+    }
+    rules.contact_and_rig();
+    rules.drive();
+    rules.burst();
+    rules.disturbances();
+    rules.faults();
+    rules.trace();
+    rules.expectations();
+    rules.grid();
+    rules.findings
+}
+
+struct Rules<'a> {
+    root: &'a Node,
+    findings: Findings,
+}
+
+impl Rules<'_> {
+    /// The value at a path, if the walk found nothing wrong with it. An absent table has its defaults.
+    fn typed<T: DeserializeOwned>(&self, path: &str) -> Option<T> {
+        if !self.findings.clean(path) {
+            return None;
+        }
+        let value = self.root.at(path).map_or_else(|| toml::Value::Table(toml::Table::new()), Node::to_toml);
+        value.try_into().ok()
+    }
+
+    /// The same, but nothing if it is absent.
+    fn present<T: DeserializeOwned>(&self, path: &str) -> Option<T> {
+        self.root.at(path)?;
+        self.typed(path)
+    }
+
+    /// A number of the scene, if it is there and right.
+    fn number(&self, path: &str) -> Option<f64> {
+        self.root.at(path).filter(|_| self.findings.clean(path))?.number()
+    }
+
+    /// The tables at a path: one, none, or the entries of a list.
+    fn tables(&self, path: &str) -> Vec<String> {
+        let Some(node) = self.root.at(path) else { return Vec::new() };
+        if node.table().is_some() {
+            return vec![path.to_owned()];
+        }
+        (0..node.list().len()).map(|index| join(path, &index.to_string())).collect()
+    }
+
+    /// Where a value stands, or else the table it would be in.
+    fn place(&self, path: &str) -> Place {
+        let mut path = path;
+        loop {
+            match (self.root.at(path), path.rsplit_once('.')) {
+                (Some(node), _) => return node.place.clone(),
+                (None, Some((table, _))) => path = table,
+                (None, None) => return self.root.place.clone(),
+            }
+        }
+    }
+
+    /// Where a key stands.
+    fn key(&self, path: &str) -> Place {
+        self.root.entry(path).map_or_else(|| self.place(path), |entry| entry.key.clone())
+    }
+
+    /// Of two values that contradict each other, the one to point at: that of the newer text, or else the first.
+    fn newer<'p>(&self, path: &'p str, other: &'p str) -> &'p str {
+        let given = self.root.at(other).is_some();
+        if given && self.place(other).source < self.place(path).source { other } else { path }
+    }
+
+    fn add(&mut self, path: &str, problem: Problem) {
+        self.findings.add(path, problem);
+    }
+
+    fn exclusive(&mut self, group: &Exclusive, path: &str) {
+        let Some(table) = self.root.at(path).filter(|_| self.findings.clean(path)).and_then(Node::table) else { return };
+        let given = |way: &Alternative| way.keys.iter().filter(|key| table.contains_key(**key)).copied().collect::<Vec<_>>();
+        let ways: Vec<_> = group.alternatives.iter().map(|way| (way, given(way))).filter(|(_, keys)| !keys.is_empty()).collect();
+        let choice = {
+            let ways =
+                group.alternatives.iter().map(|way| listed(way.keys.iter().copied(), if way.complete { "and" } else { "or" }));
+            format!("give either {}", ways.collect::<Vec<_>>().join(", or "))
+        };
+        let problem = match ways.as_slice() {
+            [] => {
+                let message = format!("{} says too little", header(path));
+                Problem::new(self.place(path), message, choice)
+            }
+            [(way, keys)] if way.complete && keys.len() < way.keys.len() => {
+                let missing = listed(way.keys.iter().copied().filter(|key| !keys.contains(key)), "and");
+                let Some(first) = keys.first() else { return };
+                let needs = if keys.len() == 1 { "needs" } else { "need" };
+                let message = format!("{} {needs} {missing}, too", listed(keys.iter().copied(), "and"));
+                Problem::new(self.key(&join(path, first)), message, format!("without {missing}")).help(choice)
+            }
+            [_] => return,
+            [(_, first), (_, second), ..] => {
+                let (Some(first), Some(second)) = (first.first(), second.first()) else { return };
+                let message = format!("`{first}` and `{second}` exclude each other {}", within(path));
+                let (one, other) = (self.key(&join(path, first)), self.key(&join(path, second)));
+                let (later, earlier) = if one < other { (other, first) } else { (one, second) };
+                Problem::new(later, message, format!("`{earlier}` is given already")).help(choice)
+            }
+        };
+        self.add(path, problem);
+    }
+
+    fn contact_and_rig(&mut self) {
+        if !self.findings.top_clean() {
+            return;
+        }
+        for (given, missing, reason) in [
+            ("contact", "rig", "nothing presses on the contact and moves it: add a rig, such as [rig.slider]"),
+            ("rig", "contact", "there is no contact to press on and move: add one, such as [contact.dahl]"),
+        ] {
+            if self.root.at(given).is_some() && self.root.at(missing).is_none() {
+                let message = format!("[{given}] without [{missing}]");
+                let problem = Problem::new(self.place(given), message, format!("needs [{missing}]"));
+                self.add(given, problem.help(reason));
+            }
+        }
+    }
+
+    fn expectations(&mut self) {
+        for path in self.tables("expect") {
+            let Some(expect) = self.typed::<Expect>(&path) else { continue };
+            self.metric(&join(&path, "metric"), &expect.metric);
+            if let (Some(min), Some(max)) = (expect.min, expect.max)
+                && min > max
+            {
+                let message = format!("nothing is at least {} and at most {}", shown(min), shown(max));
+                let (least, most) = (join(&path, "min"), join(&path, "max"));
+                let place = self.place(self.newer(&most, &least));
+                let problem = Problem::new(place, message, "`max` is less than `min`");
+                self.add(&path, problem);
+            }
+        }
+    }
+
+    fn metric(&mut self, path: &str, name: &str) {
+        if metrics::NAMES.contains(&name) {
+            return;
+        }
+        let meant = nearest(name, metrics::NAMES.iter().copied());
+        let label = meant.first().map_or("not measured".to_owned(), |meant| format!("did you mean `{meant}`?"));
+        let problem = Problem::new(self.place(path), format!("there is no metric `{}`", short(name)), label);
+        let help = format!("the metrics are {}", listed(metrics::NAMES.iter().copied(), "and"));
+        self.add(path, problem.help(help));
+    }
+}

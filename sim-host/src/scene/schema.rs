@@ -1,1 +1,212 @@
-//! x
+//! The JSON Schema of a scene, and the questions other modules ask of it.
+//!
+//! The schema is derived from the types of [`Scene`](super::Scene); nothing here names a key of a scene, except `base`, which
+//! is gone before a scene becomes a value.
+
+use std::sync::LazyLock;
+
+use schemars::generate::SchemaSettings;
+use serde_json::{Value, json};
+
+/// Top-level key that names the scene to start from.
+pub const BASE: &str = "base";
+
+/// The JSON Schema of a scene file.
+pub fn schema() -> Value {
+    ROOT.clone()
+}
+
+static ROOT: LazyLock<Value> = LazyLock::new(|| {
+    let mut settings = SchemaSettings::draft2020_12();
+    settings.inline_subschemas = true;
+    let mut schema = settings.into_generator().into_root_schema_for::<super::Scene>().to_value();
+    schema["properties"][BASE] = json!({
+        "description": "Scene to start from: a built-in name, or a file relative to this one.",
+        "type": "string",
+    });
+    schema
+});
+
+/// What a value must be.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// A table of keys.
+    Table,
+    /// A list of values or tables.
+    List,
+    /// A finite number.
+    Number,
+    /// A whole number.
+    Integer,
+    /// Any string.
+    Text,
+    /// `true` or `false`.
+    Flag,
+    /// One string out of a few.
+    Choice,
+}
+
+/// The part of the schema that describes one value.
+#[derive(Clone, Copy, Debug)]
+pub struct Schema(&'static Value);
+
+impl Schema {
+    /// The whole scene.
+    pub fn root() -> Self {
+        Self(&ROOT)
+    }
+
+    /// The value at a dotted path such as `disturbance.0.to`; a list takes any index.
+    pub fn at(self, path: &str) -> Option<Self> {
+        path.split('.').filter(|name| !name.is_empty()).try_fold(self, |schema, name| match schema.kind() {
+            Kind::List if is_index(name) => schema.items(),
+            _ => schema.property(name),
+        })
+    }
+
+    /// What the value must be.
+    pub fn kind(self) -> Kind {
+        if self.0.get("oneOf").is_some() || self.0.get("enum").is_some() {
+            return Kind::Choice;
+        }
+        let named = |name: &str| match &self.0["type"] {
+            Value::Array(types) => types.iter().any(|t| t == name),
+            single => single == name,
+        };
+        let kinds = [
+            ("object", Kind::Table),
+            ("array", Kind::List),
+            ("integer", Kind::Integer),
+            ("number", Kind::Number),
+            ("boolean", Kind::Flag),
+        ];
+        kinds.into_iter().find(|(name, _)| named(name)).map_or(Kind::Text, |(_, kind)| kind)
+    }
+
+    /// Whether it is a number, whole or not.
+    pub fn is_number(self) -> bool {
+        matches!(self.kind(), Kind::Number | Kind::Integer)
+    }
+
+    /// The keys of a table, in alphabetical order.
+    pub fn properties(self) -> impl Iterator<Item = (&'static str, Self)> {
+        self.0["properties"].as_object().into_iter().flatten().map(|(name, schema)| (name.as_str(), Self(schema).value()))
+    }
+
+    /// One key of a table.
+    pub fn property(self, name: &str) -> Option<Self> {
+        self.0.get("properties")?.get(name).map(|schema| Self(schema).value())
+    }
+
+    /// The keys a table must have.
+    pub fn required(self) -> impl Iterator<Item = &'static str> {
+        self.0["required"].as_array().into_iter().flatten().filter_map(Value::as_str)
+    }
+
+    /// What each entry of a list must be.
+    pub fn items(self) -> Option<Self> {
+        self.0.get("items").map(|schema| Self(schema).value())
+    }
+
+    /// Smallest and largest number.
+    pub fn range(self) -> (Option<f64>, Option<f64>) {
+        (self.0["minimum"].as_f64(), self.0["maximum"].as_f64())
+    }
+
+    /// Fewest and most entries of a list.
+    pub fn lengths(self) -> (Option<u64>, Option<u64>) {
+        (self.0["minItems"].as_u64(), self.0["maxItems"].as_u64())
+    }
+
+    /// The strings a choice may be, in the order of the type.
+    pub fn choices(self) -> Vec<&'static str> {
+        let own = self.0["enum"].as_array().into_iter().flatten();
+        let branches = self.0["oneOf"].as_array().into_iter().flatten();
+        let in_branches = branches.flat_map(|b| b.get("const").into_iter().chain(b["enum"].as_array().into_iter().flatten()));
+        own.chain(in_branches).filter_map(Value::as_str).collect()
+    }
+
+    /// Its documentation: meaning and unit.
+    pub fn description(self) -> Option<&'static str> {
+        self.0["description"].as_str()
+    }
+
+    /// Its default, if it has one.
+    pub fn default(self) -> Option<&'static Value> {
+        self.0.get("default")
+    }
+
+    /// Every table of a scene with its path; entries of a list of tables have the path of the list.
+    pub fn tables() -> Vec<(String, Self)> {
+        let mut found = vec![(String::new(), Self::root())];
+        let mut next = 0;
+        while let Some((path, table)) = found.get(next).cloned() {
+            next += 1;
+            for (name, schema) in table.properties() {
+                let schema = schema.items().unwrap_or(schema);
+                if schema.kind() == Kind::Table {
+                    found.push((join(&path, name), schema));
+                }
+            }
+        }
+        found
+    }
+
+    /// The paths of all numbers of a scene.
+    pub fn numbers() -> Vec<String> {
+        let keys = Self::tables().into_iter().flat_map(|(path, table)| {
+            let numbers = table.properties().filter(|(_, schema)| schema.is_number());
+            numbers.map(|(key, _)| join(&path, key)).collect::<Vec<_>>()
+        });
+        keys.collect()
+    }
+
+    /// An optional value may be described as "this or null"; this is the value.
+    fn value(self) -> Self {
+        let branches = self.0["anyOf"].as_array().into_iter().flatten();
+        branches.into_iter().find(|branch| branch["type"] != "null").map_or(self, Self)
+    }
+}
+
+/// The dotted path of a key in a table.
+pub(super) fn join(path: &str, key: &str) -> String {
+    if path.is_empty() { key.to_owned() } else { format!("{path}.{key}") }
+}
+
+/// Whether a part of a path counts entries of a list.
+pub(super) fn is_index(name: &str) -> bool {
+    !name.is_empty() && name.bytes().all(|b| b.is_ascii_digit())
+}
+
+/// A path without its indices: the path of the table's description rather than of one table.
+pub(super) fn without_indices(path: &str) -> String {
+    path.split('.').filter(|name| !is_index(name)).collect::<Vec<_>>().join(".")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn answers_come_from_the_types() {
+        let root = Schema::root();
+        let block = root.at("controller.block_samples").unwrap();
+        assert_eq!(block.kind(), Kind::Integer);
+        assert_eq!(block.range(), (Some(8.0), Some(64.0)));
+        assert_eq!(block.default(), Some(&json!(32)));
+        assert_eq!(block.description(), Some("Samples in a block."));
+        assert_eq!(root.at("controller.drive.shape").unwrap().choices(), ["sine", "square"]);
+        assert_eq!(root.at("disturbance.3.to").unwrap().kind(), Kind::Number);
+        assert_eq!(root.at("controller.burst.on_s").unwrap().lengths(), (None, Some(8)));
+        assert!(root.at("controller.drive.nothing").is_none());
+        assert!(root.at("disturbance.to").is_none());
+    }
+
+    #[test]
+    fn tables_are_all_found() {
+        let paths: Vec<_> = Schema::tables().into_iter().map(|(path, _)| path).collect();
+        for path in ["", "controller.burst", "rig.slider", "expect"] {
+            assert!(paths.iter().any(|p| p == path), "{path} is missing in {paths:?}");
+        }
+    }
+}

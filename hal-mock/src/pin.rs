@@ -1,0 +1,214 @@
+//! Digital pins whose other end a test holds.
+//!
+//! [`output`] gives a pin to drive and a [`Probe`] on it, which keeps every change and when it came. [`input`] gives a pin to
+//! read and a [`Switch`] that sets it. Either can be made to fail: a port expander that does not answer.
+
+use std::cell::RefCell;
+use std::convert::Infallible;
+use std::rc::Rc;
+use std::time::Duration;
+
+use embedded_hal::digital::{self, ErrorType, InputPin, OutputPin, StatefulOutputPin};
+
+use crate::time::Clock;
+
+/// The pin does not answer.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct PinFailed;
+
+impl digital::Error for PinFailed {
+    fn kind(&self) -> digital::ErrorKind {
+        digital::ErrorKind::Other
+    }
+}
+
+impl From<Infallible> for PinFailed {
+    fn from(never: Infallible) -> Self {
+        match never {}
+    }
+}
+
+/// A change of an output.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Change {
+    /// When.
+    pub at: Duration,
+    /// To what.
+    pub high: bool,
+}
+
+#[derive(Debug, Default)]
+struct OutputState {
+    changes: Vec<Change>,
+    fails: bool,
+}
+
+/// An output, as the one who drives it has it.
+#[derive(Debug)]
+pub struct Output {
+    state: Rc<RefCell<OutputState>>,
+    clock: Clock,
+}
+
+/// The test's end of an [`Output`].
+#[derive(Clone, Debug)]
+pub struct Probe(Rc<RefCell<OutputState>>);
+
+/// An output that nobody has driven yet, and the probe on it.
+pub fn output(clock: &Clock) -> (Output, Probe) {
+    let state = Rc::<RefCell<OutputState>>::default();
+    (Output { state: state.clone(), clock: clock.clone() }, Probe(state))
+}
+
+impl Output {
+    fn set(&mut self, high: bool) -> Result<(), PinFailed> {
+        let mut state = self.state.borrow_mut();
+        if state.fails {
+            return Err(PinFailed);
+        }
+        if state.changes.last().is_none_or(|last| last.high != high) {
+            state.changes.push(Change { at: self.clock.now(), high });
+        }
+        Ok(())
+    }
+
+    fn level(&self) -> Result<bool, PinFailed> {
+        let state = self.state.borrow();
+        if state.fails { Err(PinFailed) } else { Ok(state.changes.last().is_some_and(|last| last.high)) }
+    }
+}
+
+impl ErrorType for Output {
+    type Error = PinFailed;
+}
+
+impl OutputPin for Output {
+    fn set_low(&mut self) -> Result<(), PinFailed> {
+        self.set(false)
+    }
+
+    fn set_high(&mut self) -> Result<(), PinFailed> {
+        self.set(true)
+    }
+}
+
+impl StatefulOutputPin for Output {
+    fn is_set_high(&mut self) -> Result<bool, PinFailed> {
+        self.level()
+    }
+
+    fn is_set_low(&mut self) -> Result<bool, PinFailed> {
+        self.level().map(|high| !high)
+    }
+}
+
+impl Probe {
+    /// Whether the pin is high. One that was never driven floats, and what it enables has a pull-down.
+    pub fn is_high(&self) -> bool {
+        self.0.borrow().changes.last().is_some_and(|last| last.high)
+    }
+
+    /// Whether anybody has driven the pin yet.
+    pub fn is_driven(&self) -> bool {
+        !self.0.borrow().changes.is_empty()
+    }
+
+    /// Every change so far, the oldest first; the first is when it was first driven.
+    pub fn changes(&self) -> Vec<Change> {
+        self.0.borrow().changes.clone()
+    }
+
+    /// Whether driving the pin fails from now on. It keeps its level meanwhile.
+    pub fn set_failing(&self, fails: bool) {
+        self.0.borrow_mut().fails = fails;
+    }
+}
+
+#[derive(Debug)]
+struct InputState {
+    high: bool,
+    fails: bool,
+}
+
+/// An input, as the one who reads it has it.
+#[derive(Debug)]
+pub struct Input(Rc<RefCell<InputState>>);
+
+/// The test's end of an [`Input`].
+#[derive(Clone, Debug)]
+pub struct Switch(Rc<RefCell<InputState>>);
+
+/// An input at this level, and the switch that sets it.
+pub fn input(high: bool) -> (Input, Switch) {
+    let state = Rc::new(RefCell::new(InputState { high, fails: false }));
+    (Input(state.clone()), Switch(state))
+}
+
+impl Switch {
+    /// Sets the level.
+    pub fn set(&self, high: bool) {
+        self.0.borrow_mut().high = high;
+    }
+
+    /// Whether reading the pin fails from now on.
+    pub fn set_failing(&self, fails: bool) {
+        self.0.borrow_mut().fails = fails;
+    }
+}
+
+impl ErrorType for Input {
+    type Error = PinFailed;
+}
+
+impl InputPin for Input {
+    fn is_high(&mut self) -> Result<bool, PinFailed> {
+        let state = self.0.borrow();
+        if state.fails { Err(PinFailed) } else { Ok(state.high) }
+    }
+
+    fn is_low(&mut self) -> Result<bool, PinFailed> {
+        self.is_high().map(|high| !high)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_output_keeps_its_changes_and_when_they_came() {
+        let clock = Clock::new(1_000_000);
+        let (mut pin, probe) = output(&clock);
+        assert!(!probe.is_driven() && !probe.is_high());
+        pin.set_low().unwrap();
+        clock.advance(5);
+        pin.set_low().unwrap();
+        pin.set_high().unwrap();
+        clock.advance(2);
+        pin.toggle().unwrap();
+        let changes: Vec<_> = probe.changes().iter().map(|change| (change.at.as_micros(), change.high)).collect();
+        assert_eq!(changes, [(0, false), (5, true), (7, false)]);
+    }
+
+    #[test]
+    fn a_failing_output_keeps_its_level() {
+        let (mut pin, probe) = output(&Clock::new(1));
+        pin.set_high().unwrap();
+        probe.set_failing(true);
+        assert_eq!((pin.set_low(), pin.is_set_high()), (Err(PinFailed), Err(PinFailed)));
+        assert!(probe.is_high());
+        probe.set_failing(false);
+        pin.set_low().unwrap();
+        assert!(!probe.is_high());
+    }
+
+    #[test]
+    fn an_input_shows_what_the_switch_says() {
+        let (mut pin, switch) = input(true);
+        assert_eq!((pin.is_high(), pin.is_low()), (Ok(true), Ok(false)));
+        switch.set(false);
+        assert_eq!((pin.is_high(), pin.is_low()), (Ok(false), Ok(true)));
+        switch.set_failing(true);
+        assert_eq!(pin.is_low(), Err(PinFailed));
+    }
+}

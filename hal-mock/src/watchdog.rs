@@ -1,0 +1,77 @@
+//! A watchdog on virtual time: bites if it is not fed for longer than its time.
+//!
+//! A bite on a board is a reset; here it is a fact that a test asks for. Once bitten is bitten: feeding later does not undo it.
+
+use std::cell::Cell;
+use std::rc::Rc;
+use std::time::Duration;
+
+use crate::time::Clock;
+
+/// The watchdog. Its clones are the same watchdog, so that a test keeps one while the controller feeds the other.
+#[derive(Clone, Debug)]
+pub struct Watchdog {
+    clock: Clock,
+    time: Duration,
+    fed: Rc<Cell<Duration>>,
+    bitten: Rc<Cell<Option<Duration>>>,
+}
+
+impl Watchdog {
+    /// A watchdog that must be fed within `time`, beginning now.
+    pub fn new(clock: &Clock, time: Duration) -> Self {
+        Watchdog { clock: clock.clone(), time, fed: Rc::new(Cell::new(clock.now())), bitten: Rc::default() }
+    }
+
+    /// When it bit, if it did.
+    pub fn bitten(&self) -> Option<Duration> {
+        let due = self.fed.get() + self.time;
+        if self.bitten.get().is_none() && self.clock.now() > due {
+            self.bitten.set(Some(due));
+        }
+        self.bitten.get()
+    }
+
+    /// When it was fed for the last time.
+    pub fn fed(&self) -> Duration {
+        self.fed.get()
+    }
+}
+
+impl firmware::app::Watchdog for Watchdog {
+    fn feed(&mut self) {
+        // A bite that nobody has looked at yet must not be lost.
+        self.bitten();
+        self.fed.set(self.clock.now());
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use firmware::app::Watchdog as _;
+
+    #[test]
+    fn bites_after_its_time_and_not_before() {
+        let clock = Clock::new(1000);
+        let mut watchdog = Watchdog::new(&clock, Duration::from_millis(10));
+        for _ in 0..5 {
+            clock.advance(10);
+            assert_eq!(watchdog.bitten(), None);
+            watchdog.feed();
+        }
+        clock.advance(11);
+        assert_eq!(watchdog.bitten(), Some(Duration::from_millis(60)));
+    }
+
+    #[test]
+    fn feeding_does_not_undo_a_bite() {
+        let clock = Clock::new(1000);
+        let mut watchdog = Watchdog::new(&clock, Duration::from_millis(10));
+        let seen_by_the_test = watchdog.clone();
+        clock.advance(500);
+        watchdog.feed();
+        assert_eq!(seen_by_the_test.bitten(), Some(Duration::from_millis(10)));
+        assert_eq!(seen_by_the_test.fed(), Duration::from_millis(500));
+    }
+}

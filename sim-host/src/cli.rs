@@ -1,0 +1,197 @@
+//! The command line. Data goes to standard output, everything else to standard error.
+//!
+//! | exit code | means |
+//! |---|---|
+//! | 0 | done |
+//! | 1 | the run failed |
+//! | 2 | usage |
+//! | 3 | invalid scene |
+//! | 4 | the run finished, but an expectation was missed |
+//! | 5 | board or link not found or lost |
+//! | 130 | interrupted; what there was is kept, and marked |
+
+mod progress;
+mod run;
+mod table;
+
+use std::io::{self, IsTerminal, Write};
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use clap::{Args, ColorChoice, Parser, Subcommand, ValueEnum};
+
+use crate::scene::load::{LoadError, Loaded, load};
+use crate::scene::resolved::resolved_toml;
+use crate::scene::{builtin, schema};
+
+const RUN_FAILED: u8 = 1;
+const INVALID_SCENE: u8 = 3;
+const EXPECTATION_MISSED: u8 = 4;
+const LOST: u8 = 5;
+const INTERRUPTED: u8 = 130;
+
+/// The scene that runs if none is named.
+const FLAGSHIP: &str = "experiment-1";
+
+/// Sonoglide's simulator: the firmware's own controller against a simulated stack and friction contact.
+///
+/// Without a command it runs the flagship scene, prints its table and writes its report.
+#[derive(Parser)]
+#[command(version, arg_required_else_help = false)]
+struct CommandLine {
+    #[command(subcommand)]
+    command: Option<Command>,
+    /// When to use colour.
+    #[arg(long, global = true, value_enum, default_value_t = ColorChoice::Auto)]
+    color: ColorChoice,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    /// Run a scene, judge its expectations, and write its report.
+    Run(Box<RunArgs>),
+    /// List the built-in scenes, one line each.
+    List,
+    /// Show a scene fully resolved, as TOML with units and meanings.
+    Show {
+        #[command(flatten)]
+        scene: SceneArgs,
+    },
+    /// Validate a scene only.
+    Check {
+        #[command(flatten)]
+        scene: SceneArgs,
+    },
+    /// Print the JSON Schema of a scene, for editors.
+    Schema,
+}
+
+#[derive(Args)]
+struct SceneArgs {
+    /// A built-in scene's name, a TOML file, or `-` for standard input.
+    scene: String,
+    /// Change one value, as `a.b=v`. Repeatable.
+    #[arg(long = "set", value_name = "KEY=VALUE")]
+    sets: Vec<String>,
+}
+
+#[derive(Args)]
+struct RunArgs {
+    #[command(flatten)]
+    scene: SceneArgs,
+    /// Seed of all noise; the same as `--set seed=N`.
+    #[arg(long, value_name = "N")]
+    seed: Option<u64>,
+    /// Folder for manifest, summary, trace, report and figures. Default: `out/SCENE`.
+    #[arg(short, long = "output", value_name = "DIR")]
+    output: Option<PathBuf>,
+    /// What to print on standard output.
+    #[arg(long, value_enum, default_value_t = Format::Human)]
+    format: Format,
+    /// Write no files.
+    #[arg(long)]
+    no_report: bool,
+    /// Run the controller as thumb code in QEMU, in lockstep with the same plant.
+    #[arg(long)]
+    pil: bool,
+    /// Say nothing but the result.
+    #[arg(short, long)]
+    quiet: bool,
+    /// Say more: all metrics, and the modes that the controller goes through.
+    #[arg(short, long)]
+    verbose: bool,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Format {
+    /// Tables.
+    Human,
+    /// The summary, as JSON.
+    Json,
+}
+
+/// Parses the arguments of this process, does what they say, and gives the exit code.
+pub fn main() -> ExitCode {
+    let line = CommandLine::parse();
+    let color = Color::new(line.color);
+    let done = match line.command {
+        None => run::run(&RunArgs::of_flagship(), color),
+        Some(Command::Run(args)) => run::run(&args, color),
+        Some(Command::List) => print(&list()),
+        Some(Command::Show { scene }) => with_scene(&scene, color, |loaded| print(&resolved_toml(&loaded.scene))),
+        Some(Command::Check { scene }) => with_scene(&scene, color, |loaded| print(&format!("{}: valid\n", loaded.origin))),
+        Some(Command::Schema) => print(&format!("{:#}\n", schema::schema())),
+    };
+    done.unwrap_or_else(|error| {
+        // A reader that has gone away (`sim-host list | head -1`) is nobody's mistake.
+        if error.downcast_ref::<io::Error>().is_some_and(|io| io.kind() == io::ErrorKind::BrokenPipe) {
+            return ExitCode::SUCCESS;
+        }
+        eprintln!("error: {error:#}");
+        ExitCode::from(RUN_FAILED)
+    })
+}
+
+impl RunArgs {
+    fn of_flagship() -> Self {
+        RunArgs {
+            scene: SceneArgs { scene: FLAGSHIP.into(), sets: Vec::new() },
+            seed: None,
+            output: None,
+            format: Format::Human,
+            no_report: false,
+            pil: false,
+            quiet: false,
+            verbose: false,
+        }
+    }
+}
+
+/// Whether each stream gets colour: asked for, or a terminal with no `NO_COLOR`.
+#[derive(Clone, Copy)]
+struct Color {
+    stdout: bool,
+    stderr: bool,
+}
+
+impl Color {
+    fn new(choice: ColorChoice) -> Self {
+        let wanted = |terminal: bool| match choice {
+            ColorChoice::Always => true,
+            ColorChoice::Never => false,
+            ColorChoice::Auto => terminal && std::env::var_os("NO_COLOR").is_none_or(|value| value.is_empty()),
+        };
+        Color { stdout: wanted(io::stdout().is_terminal()), stderr: wanted(io::stderr().is_terminal()) }
+    }
+}
+
+fn print(text: &str) -> anyhow::Result<ExitCode> {
+    io::stdout().lock().write_all(text.as_bytes())?;
+    Ok(ExitCode::SUCCESS)
+}
+
+/// The scene, or its problems on standard error and the exit code of an invalid scene.
+fn with_scene(
+    args: &SceneArgs,
+    color: Color,
+    then: impl FnOnce(&Loaded) -> anyhow::Result<ExitCode>,
+) -> anyhow::Result<ExitCode> {
+    match load(&args.scene, &args.sets) {
+        Ok(loaded) => then(&loaded),
+        Err(LoadError::Invalid(report)) => {
+            eprint!("{}", report.render(color.stderr));
+            Ok(ExitCode::from(INVALID_SCENE))
+        }
+        Err(error) => {
+            eprintln!("error: {error}");
+            Ok(ExitCode::from(INVALID_SCENE))
+        }
+    }
+}
+
+/// The built-in scenes: name and title.
+fn list() -> String {
+    let width = builtin::all().iter().map(|(name, _)| name.len()).max().unwrap_or(0);
+    let title = |name: &str| load(name, &[]).map(|loaded| loaded.scene.title).unwrap_or_default();
+    builtin::all().iter().map(|(name, _)| format!("{name:width$}  {}\n", title(name))).collect()
+}

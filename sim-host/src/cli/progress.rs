@@ -1,0 +1,50 @@
+//! Progress on standard error: a bar on a terminal, else a line every ten seconds.
+
+use std::io::{self, IsTerminal};
+use std::time::{Duration, Instant};
+
+use indicatif::{ProgressBar, ProgressStyle};
+
+/// How often a line is written where there is no terminal.
+const LINE_EVERY: Duration = Duration::from_secs(10);
+/// Steps of the bar.
+const STEPS: u64 = 1000;
+
+/// Progress towards a simulated time.
+pub(super) struct Progress {
+    bar: Option<ProgressBar>,
+    began: Instant,
+    last_line: Instant,
+    duration_s: f64,
+    quiet: bool,
+}
+
+impl Progress {
+    pub(super) fn new(duration_s: f64, quiet: bool) -> Self {
+        let bar = (!quiet && io::stderr().is_terminal()).then(|| {
+            let style = ProgressStyle::with_template("{bar:40} {percent:>3} %  {elapsed} of about {duration}");
+            let bar = ProgressBar::new(STEPS);
+            style.map(|style| bar.clone().with_style(style)).unwrap_or(bar)
+        });
+        Progress { bar, began: Instant::now(), last_line: Instant::now(), duration_s, quiet }
+    }
+
+    /// The run has come to `time_s`.
+    pub(super) fn at(&mut self, time_s: f64) {
+        if let Some(bar) = &self.bar {
+            bar.set_position((STEPS as f64 * time_s / self.duration_s) as u64);
+        } else if !self.quiet && self.last_line.elapsed() >= LINE_EVERY {
+            self.last_line = Instant::now();
+            let left_s = self.began.elapsed().as_secs_f64() * (self.duration_s / time_s - 1.0);
+            eprintln!("simulated {time_s:.2} s of {} s, about {left_s:.0} s to go", self.duration_s);
+        }
+    }
+}
+
+impl Drop for Progress {
+    fn drop(&mut self) {
+        if let Some(bar) = &self.bar {
+            bar.finish_and_clear();
+        }
+    }
+}

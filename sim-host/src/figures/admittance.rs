@@ -1,0 +1,77 @@
+//! The admittance loop: what the scan measured, the circle it found, and where the drive works.
+
+use std::f64::consts::TAU;
+
+use firmware::supervisor::Mode;
+
+use super::axis;
+use crate::metrics::View;
+use crate::plant::stack::Circuit;
+use crate::record::Row;
+use crate::report::{Figure, Marker, Series, Style};
+use crate::study::Study;
+
+/// Admittance of a circuit, S, as conductance and susceptance.
+fn admittance(circuit: &Circuit, hz: f64) -> (f64, f64) {
+    let omega = TAU * hz;
+    let reactance = omega * circuit.lm_h - 1.0 / (omega * circuit.cm_f);
+    let square = circuit.rm_ohm.powi(2) + reactance.powi(2);
+    (circuit.rm_ohm / square, omega * circuit.c0_f - reactance / square)
+}
+
+fn locus_of(circuit: &Circuit, name: &str, csv_column: &str, style: Style) -> Series {
+    // Equal steps of the motional phase are equal steps along the circle.
+    let half_bandwidth = circuit.series_resonance_hz() / (2.0 * circuit.q());
+    let points = (-199..200).map(|n| {
+        let phase = std::f64::consts::FRAC_PI_2 * f64::from(n) / 205.0;
+        admittance(circuit, circuit.series_resonance_hz() + half_bandwidth * phase.tan())
+    });
+    let (x, y) = points.unzip();
+    Series { name: name.into(), csv_column: csv_column.into(), x, y, style }
+}
+
+/// The loop. Only for a study that has identified its transducer.
+pub(super) fn locus(study: &Study, view: &View) -> Option<Figure> {
+    let found = study.record.last.transducer?;
+    let identified = Circuit {
+        c0_f: found.c0_f.into(),
+        cm_f: found.cm_f.into(),
+        lm_h: found.lm_h.into(),
+        rm_ohm: found.rm_ohm.into(),
+        force_factor_n_per_v: 1.0,
+    };
+    let truth = Circuit::of(&study.scene.stack.bvd);
+    let (x, y) = settled_points(&study.record.rows);
+    let measured =
+        Series { name: "measured by the scan".into(), csv_column: "susceptance_measured_s".into(), x, y, style: Style::Points };
+    let steady: Vec<(f64, f64)> = view.steady().filter_map(|row| row.admittance_s).collect();
+    let working = (!steady.is_empty()).then(|| {
+        let (g, b) = steady.iter().fold((0.0, 0.0), |sum, y| (sum.0 + y.0, sum.1 + y.1));
+        let count = steady.len() as f64;
+        Marker { x: g / count, y: b / count, label: "working point".into() }
+    });
+    Some(Figure {
+        id: "admittance".into(),
+        title: "Admittance loop".into(),
+        caption:
+            "Dots: the last block of each frequency of the scan. The identified circle includes what the converters' images make \
+                  of the clamped capacitance. The working point is the mean over all steady blocks."
+                .into(),
+        x: axis("conductance [S]"),
+        y: axis("susceptance [S]"),
+        series: vec![
+            measured,
+            locus_of(&truth, "true circuit", "susceptance_true_s", Style::Dashed),
+            locus_of(&identified, "identified circuit", "susceptance_identified_s", Style::Line),
+        ],
+        markers: working.into_iter().collect(),
+        equal_aspect: true,
+        ..Figure::default()
+    })
+}
+
+/// The admittance at the end of each frequency of the scan, when the tone has settled.
+fn settled_points(rows: &[Row]) -> (Vec<f64>, Vec<f64>) {
+    let scanned: Vec<&Row> = rows.iter().filter(|row| row.mode == Mode::Scan && row.admittance_s.is_some()).collect();
+    scanned.windows(2).filter(|pair| pair[0].frequency_hz != pair[1].frequency_hz).filter_map(|pair| pair[0].admittance_s).unzip()
+}

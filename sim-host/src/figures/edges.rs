@@ -1,0 +1,46 @@
+//! Both edges of a burst, sample by sample.
+
+use super::axis;
+use crate::record::Window;
+use crate::report::{Figure, Series, Span, Style};
+use crate::study::Study;
+
+/// One figure for each edge that was kept.
+pub(super) fn of(study: &Study) -> Vec<Figure> {
+    study.record.windows.iter().filter(|window| !window.samples.is_empty()).map(|window| edge(study, window)).collect()
+}
+
+fn edge(study: &Study, window: &Window) -> Figure {
+    let sample_s = study.record.sample_s;
+    let time: Vec<f64> =
+        (0..window.samples.len()).map(|n| 1e3 * (window.start_s + n as f64 * sample_s - window.edge_s)).collect();
+    let largest = |value: &dyn Fn(usize) -> f64| (0..time.len()).map(value).fold(f64::MIN_POSITIVE, |a, b| a.max(b.abs()));
+    let friction = |n: usize| window.samples[n].friction_n;
+    let velocity = |n: usize| window.samples[n].tip_velocity_m_per_s;
+    let relative = |name: &str, column: &str, value: &dyn Fn(usize) -> f64| {
+        let scale = largest(value);
+        let y = (0..time.len()).map(|n| value(n) / scale).collect();
+        Series { name: name.into(), csv_column: column.into(), x: time.clone(), y, style: Style::Line }
+    };
+    let mut series = vec![relative("tip velocity", "tip_velocity_relative", &velocity)];
+    if study.scene.contact.is_some() {
+        series.push(relative("friction", "friction_relative", &friction));
+    }
+    let on = window.title == "on";
+    let (first, last) = (time.first().copied().unwrap_or(0.0), time.last().copied().unwrap_or(0.0));
+    let (from, to) = if on { (0.0, last) } else { (first, 0.0) };
+    Figure {
+        id: format!("burst-{}", window.title),
+        title: format!("Burst edge: {}", if on { "friction is switched off" } else { "friction comes back" }),
+        caption:
+            "Sample by sample, each relative to its largest value in this window. Time counts from the first DAC sample of the \
+                  edge; the stack rings with its own time constant."
+                .into(),
+        x: axis("time from the edge [ms]"),
+        y: axis("relative to its largest value"),
+        series,
+        shaded: vec![Span { from, to, label: "ON".into() }],
+        interactive: true,
+        ..Figure::default()
+    }
+}

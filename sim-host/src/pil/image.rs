@@ -1,0 +1,76 @@
+//! The image: whether it can be built and run here, and building it.
+
+use std::env;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+use super::PilError;
+
+/// The environment variable that names a ready image, which is then used instead of building one.
+pub const IMAGE_VARIABLE: &str = "SONOGLIDE_PIL_IMAGE";
+
+const TARGET: &str = "thumbv7em-none-eabihf";
+const WORKSPACE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/..");
+
+/// Set by whoever runs this process for host code; meant neither for the image nor for its directory.
+const NOT_INHERITED: [&str; 4] = ["RUSTFLAGS", "CARGO_ENCODED_RUSTFLAGS", "CARGO_BUILD_RUSTFLAGS", "CARGO_BUILD_TARGET"];
+
+/// Why there can be no processor in the loop here, and what to install. `None`: nothing is missing.
+pub fn missing() -> Option<String> {
+    if !cfg!(target_os = "linux") {
+        return Some("QEMU is fed through inherited pipes, which works on Linux only".into());
+    }
+    let path = env::var_os("PATH").unwrap_or_default();
+    if !env::split_paths(&path).any(|folder| folder.join("qemu-system-arm").is_file()) {
+        return Some(
+            "there is no `qemu-system-arm` on the PATH; install QEMU for Arm systems (Debian: `apt install qemu-system-arm`)"
+                .into(),
+        );
+    }
+    if env::var_os(IMAGE_VARIABLE).is_some() || has_core_library() {
+        return None;
+    }
+    Some(format!("the core library for {TARGET} is not installed; install it with `rustup target add {TARGET}`"))
+}
+
+/// The image to run: the one that [`IMAGE_VARIABLE`] names, or else the present source, built.
+///
+/// It is built in a target directory of its own, so that it waits for no other build.
+pub fn image() -> Result<PathBuf, PilError> {
+    if let Some(ready) = env::var_os(IMAGE_VARIABLE) {
+        let ready = PathBuf::from(ready);
+        return match ready.is_file() {
+            true => Ok(ready),
+            false => Err(PilError::Missing(format!("{IMAGE_VARIABLE} names {}, which is not there", ready.display()))),
+        };
+    }
+    if let Some(reason) = missing() {
+        return Err(PilError::Missing(reason));
+    }
+    let folder = env::var_os("CARGO_TARGET_DIR").map_or_else(|| Path::new(WORKSPACE).join("target"), PathBuf::from).join("pil");
+    let arguments = ["build", "--quiet", "-p", "qemu-m4", "--release", "--target", TARGET, "--target-dir"];
+    let built = run("CARGO", "cargo", |cargo| cargo.args(arguments).arg(&folder));
+    match built {
+        Ok(output) if output.status.success() => Ok(folder.join(TARGET).join("release/qemu-m4")),
+        Ok(output) => Err(PilError::Build(String::from_utf8_lossy(&output.stderr).into_owned())),
+        Err(error) => Err(PilError::Build(format!("cargo could not be started: {error}"))),
+    }
+}
+
+/// Whether the compiler of this workspace can build for the target.
+fn has_core_library() -> bool {
+    let asked = run("RUSTC", "rustc", |rustc| rustc.args(["--print", "target-libdir", "--target", TARGET]));
+    let Some(folder) = asked.ok().filter(|output| output.status.success()) else { return false };
+    let folder = String::from_utf8_lossy(&folder.stdout).trim().to_owned();
+    let names = std::fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.file_name());
+    names.into_iter().any(|name| name.to_string_lossy().starts_with("libcore-"))
+}
+
+/// Runs a tool of the toolchain in the workspace, where `rust-toolchain.toml` says which one.
+fn run(variable: &str, name: &str, arguments: impl Fn(&mut Command) -> &mut Command) -> std::io::Result<Output> {
+    let mut command = Command::new(env::var_os(variable).unwrap_or_else(|| name.into()));
+    for inherited in NOT_INHERITED {
+        command.env_remove(inherited);
+    }
+    arguments(command.current_dir(WORKSPACE)).output()
+}

@@ -1,0 +1,92 @@
+//! The controller under QEMU, as a processor.
+
+use std::io::{PipeReader, PipeWriter, Read, Write};
+use std::path::Path;
+use std::time::Duration;
+
+use firmware::block::{DriveBlock, Orders, SenseBlock};
+use firmware::config::Config;
+use firmware::lockstep::{self, Answer, Opening, Question};
+use firmware::telemetry::Telemetry;
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+
+use super::PilError;
+use super::emulator::Emulator;
+use super::one_core::OneCore;
+use crate::processor::{Lost, Processor};
+
+/// The controller as thumb code under QEMU.
+///
+/// While it lives, the thread that started it is pinned to one core with QEMU; it cannot move to another thread.
+pub struct Qemu {
+    pipes: Pipes,
+    silence: DriveBlock,
+    question: Question,
+    _core: OneCore,
+}
+
+impl Qemu {
+    /// Starts an [image](super::image) and builds its controller.
+    pub fn start(image: &Path, config: &Config) -> Result<Self, PilError> {
+        // Before the pipes' process is started, which inherits it.
+        let core = OneCore::pin();
+        let (emulator, to, from) = Emulator::start(image)?;
+        let mut pipes = Pipes { to, from, buffer: lockstep::BUFFER, emulator };
+        match pipes.ask::<_, Opening>(config)? {
+            Ok(silence) => Ok(Qemu { pipes, silence: silence.drive, question: Question::default(), _core: core }),
+            Err(reason) => Err(PilError::Config(reason.as_str().to_owned())),
+        }
+    }
+
+    /// Sets how long QEMU may take for an answer; 30 s unless told. Longer is for a debugger on the guest.
+    pub fn set_patience(&mut self, patience: Duration) {
+        self.pipes.emulator.set_patience(patience);
+    }
+
+    /// QEMU's process.
+    pub fn process_id(&self) -> u32 {
+        self.pipes.emulator.process_id()
+    }
+}
+
+impl Processor for Qemu {
+    fn silence(&self) -> DriveBlock {
+        self.silence.clone()
+    }
+
+    fn process(&mut self, orders: &Orders, sense: &SenseBlock, drive: &mut DriveBlock) -> Result<Telemetry, Lost> {
+        self.question.orders = *orders;
+        self.question.sense.clone_from(sense);
+        let answer: Answer = self.pipes.ask(&self.question)?;
+        *drive = answer.drive;
+        Ok(answer.telemetry)
+    }
+}
+
+/// The way to QEMU and back.
+struct Pipes {
+    to: PipeWriter,
+    from: PipeReader,
+    buffer: lockstep::Buffer,
+    emulator: Emulator,
+}
+
+impl Pipes {
+    /// Sends a record and waits for the one that answers it.
+    fn ask<Q: Serialize, A: DeserializeOwned>(&mut self, question: &Q) -> Result<A, Lost> {
+        let bytes = lockstep::encode(question, &mut self.buffer).map_err(|_| Lost("a question is too long".into()))?;
+        self.emulator.turn();
+        let answer = match self.to.write_all(bytes) {
+            Ok(()) => lockstep::receive(&mut self.buffer, |bytes| self.from.read(bytes)),
+            Err(error) => Err(error),
+        };
+        self.emulator.turn();
+        match answer {
+            Ok(Some(body)) => {
+                lockstep::decode(body).map_err(|_| Lost("its answer cannot be read: the image is not of this source".into()))
+            }
+            Ok(None) | Err(_) => Err(Lost(self.emulator.obituary())),
+        }
+    }
+}

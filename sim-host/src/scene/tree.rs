@@ -1,0 +1,163 @@
+//! A scene as written: values that remember where they come from, so that several texts can be laid over each other and every
+//! problem still points at the right one.
+
+use std::collections::BTreeMap;
+
+use toml::Spanned;
+use toml::de::{DeFloat, DeInteger, DeTable, DeValue};
+
+use super::diagnostic::Place;
+
+/// A value and its place.
+#[derive(Clone, Debug)]
+pub(super) struct Node {
+    pub(super) place: Place,
+    pub(super) value: Value,
+}
+
+/// A value of a scene file.
+#[derive(Clone, Debug)]
+pub(super) enum Value {
+    Flag(bool),
+    Integer(i64),
+    Number(f64),
+    Text(String),
+    Date(String),
+    List(Vec<Node>),
+    Table(Table),
+}
+
+/// The keys of a table.
+pub(super) type Table = BTreeMap<String, Entry>;
+
+/// A key's place, and its value.
+#[derive(Clone, Debug)]
+pub(super) struct Entry {
+    pub(super) key: Place,
+    pub(super) node: Node,
+}
+
+/// Which source a text is, and at which of its bytes the text begins.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Origin {
+    pub(super) source: usize,
+    pub(super) offset: usize,
+}
+
+impl Origin {
+    /// A span of the text, as a place in the source.
+    pub(super) fn place(self, span: std::ops::Range<usize>) -> Place {
+        Place::new(self.source, span.start + self.offset..span.end + self.offset)
+    }
+}
+
+impl Node {
+    /// Parses a text. Its root table has the place where the text ends: there a missing key would be added.
+    pub(super) fn parse(text: &str, origin: Origin) -> Result<Self, toml::de::Error> {
+        let table = DeTable::parse(text)?;
+        Ok(Self { place: origin.place(text.len()..text.len()), value: Value::Table(convert_table(table.get_ref(), origin)) })
+    }
+
+    /// The entry at a dotted path, if it is a key of a table.
+    pub(super) fn entry(&self, path: &str) -> Option<&Entry> {
+        let (table, key) = path.rsplit_once('.').map_or((self, path), |(table, key)| (self.at(table).unwrap_or(self), key));
+        table.table()?.get(key)
+    }
+
+    /// The value at a dotted path.
+    pub(super) fn at(&self, path: &str) -> Option<&Self> {
+        path.split('.').filter(|name| !name.is_empty()).try_fold(self, |node, name| match &node.value {
+            Value::Table(table) => table.get(name).map(|entry| &entry.node),
+            Value::List(list) => list.get(name.parse::<usize>().ok()?),
+            _ => None,
+        })
+    }
+
+    /// Its keys, if it is a table.
+    pub(super) fn table(&self) -> Option<&Table> {
+        match &self.value {
+            Value::Table(table) => Some(table),
+            _ => None,
+        }
+    }
+
+    /// Its entries, if it is a list.
+    pub(super) fn list(&self) -> &[Self] {
+        match &self.value {
+            Value::List(list) => list,
+            _ => &[],
+        }
+    }
+
+    /// Its number, if it is one.
+    pub(super) fn number(&self) -> Option<f64> {
+        match self.value {
+            Value::Integer(number) => Some(number as f64),
+            Value::Number(number) => Some(number),
+            _ => None,
+        }
+    }
+
+    /// Its string, if it is one.
+    pub(super) fn text(&self) -> Option<&str> {
+        match &self.value {
+            Value::Text(text) => Some(text),
+            _ => None,
+        }
+    }
+
+    /// What it is, for a message.
+    pub(super) fn kind(&self) -> &'static str {
+        match &self.value {
+            Value::Flag(_) => "true or false",
+            Value::Integer(_) => "a whole number",
+            Value::Number(_) => "a number",
+            Value::Text(_) => "a string",
+            Value::Date(_) => "a date or time",
+            Value::List(list) if !list.is_empty() && list.iter().all(|node| node.table().is_some()) => "a list of tables",
+            Value::List(_) => "a list",
+            Value::Table(_) => "a table",
+        }
+    }
+
+    /// The value without places.
+    pub(super) fn to_toml(&self) -> toml::Value {
+        match &self.value {
+            Value::Flag(flag) => toml::Value::Boolean(*flag),
+            Value::Integer(number) => toml::Value::Integer(*number),
+            Value::Number(number) => toml::Value::Float(*number),
+            Value::Text(text) | Value::Date(text) => toml::Value::String(text.clone()),
+            Value::List(list) => toml::Value::Array(list.iter().map(Self::to_toml).collect()),
+            Value::Table(table) => toml::Value::Table(table.iter().map(|(k, entry)| (k.clone(), entry.node.to_toml())).collect()),
+        }
+    }
+}
+
+fn convert_table(table: &DeTable<'_>, origin: Origin) -> Table {
+    let entry = |key: &Spanned<_>, value| Entry { key: origin.place(key.span()), node: convert(value, origin) };
+    table.iter().map(|(key, value)| (key.get_ref().to_string(), entry(key, value))).collect()
+}
+
+fn convert(value: &Spanned<DeValue<'_>>, origin: Origin) -> Node {
+    let converted = match value.get_ref() {
+        DeValue::Boolean(flag) => Value::Flag(*flag),
+        DeValue::Integer(number) => integer(number),
+        DeValue::Float(number) => Value::Number(float(number)),
+        DeValue::String(text) => Value::Text(text.to_string()),
+        DeValue::Datetime(date) => Value::Date(date.to_string()),
+        DeValue::Array(list) => Value::List(list.iter().map(|node| convert(node, origin)).collect()),
+        DeValue::Table(table) => Value::Table(convert_table(table, origin)),
+    };
+    Node { place: origin.place(value.span()), value: converted }
+}
+
+/// A number too large for an integer becomes a float, so that its range can be judged like any other.
+fn integer(number: &DeInteger<'_>) -> Value {
+    let exact = i64::from_str_radix(number.as_str(), number.radix());
+    let rounded = |_| number.as_str().parse().unwrap_or(f64::INFINITY);
+    exact.map_or_else(|error| Value::Number(rounded(error)), Value::Integer)
+}
+
+fn float(number: &DeFloat<'_>) -> f64 {
+    number.as_str().parse().unwrap_or(f64::NAN)
+}

@@ -1,0 +1,140 @@
+//! Units in key names: `speed_m_per_s` is a speed in m/s. A key with another unit is the most likely mistake of all, and the
+//! only one whose silent acceptance would spoil every number.
+
+/// A unit of measurement.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Unit {
+    /// How to write it: `m/s`.
+    pub(super) symbol: String,
+    /// How much of the base unit it is, unless the name leaves that open (`mohm`).
+    scale: Option<f64>,
+    dimension: String,
+}
+
+impl Unit {
+    /// Factor from this unit to another of the same kind.
+    pub(super) fn factor_to(&self, other: &Self) -> Option<f64> {
+        (self.dimension == other.dimension).then_some(self.scale? / other.scale?)
+    }
+
+    /// Whether both measure the same.
+    pub(super) fn measures_like(&self, other: &Self) -> bool {
+        self.dimension == other.dimension
+    }
+}
+
+/// Spelling, symbol, base unit, and how many of it.
+const UNITS: &[(&str, &str, &str, f64)] = &[
+    ("s", "s", "s", 1.0),
+    ("sec", "s", "s", 1.0),
+    ("seconds", "s", "s", 1.0),
+    ("min", "min", "s", 60.0),
+    ("hz", "Hz", "Hz", 1.0),
+    ("rpm", "rpm", "Hz", 1.0 / 60.0),
+    ("v", "V", "V", 1.0),
+    ("volts", "V", "V", 1.0),
+    ("vpp", "V peak to peak", "V", 0.5),
+    ("a", "A", "A", 1.0),
+    ("app", "A peak to peak", "A", 0.5),
+    ("n", "N", "N", 1.0),
+    ("m", "m", "m", 1.0),
+    ("f", "F", "F", 1.0),
+    ("h", "H", "H", 1.0),
+    ("ohm", "ohm", "ohm", 1.0),
+    ("ohms", "ohm", "ohm", 1.0),
+    ("w", "W", "W", 1.0),
+    ("j", "J", "J", 1.0),
+    ("lsb", "LSB", "LSB", 1.0),
+    ("turns", "turns", "turns", 1.0),
+    ("deg", "degrees", "turns", 1.0 / 360.0),
+    ("rad", "rad", "turns", 0.5 / std::f64::consts::PI),
+];
+
+/// SI prefixes as they appear in lower-case keys.
+const PREFIXES: &[(&str, f64)] = &[("p", 1e-12), ("n", 1e-9), ("u", 1e-6), ("m", 1e-3), ("c", 1e-2), ("k", 1e3), ("g", 1e9)];
+
+/// The name of a quantity and its unit, if the key ends in one.
+pub(super) fn split(key: &str) -> (&str, Option<Unit>) {
+    let cuts = key.match_indices('_').filter(|(at, _)| *at > 0);
+    cuts.filter_map(|(at, _)| Some((&key[..at], Some(unit(&key[at + 1..])?)))).next().unwrap_or((key, None))
+}
+
+fn unit(name: &str) -> Option<Unit> {
+    let (above, below) = match name.strip_prefix("per_") {
+        Some(below) => (None, Some(below)),
+        None => name.split_once("_per_").map_or((Some(name), None), |(above, below)| (Some(above), Some(below))),
+    };
+    let above = above.map_or_else(|| Some(simple("1", "1", 1.0)), single)?;
+    let Some(below) = below.map(below_the_line) else { return Some(above) };
+    let below = below?;
+    Some(Unit {
+        symbol: format!("{}/{}", above.symbol, below.symbol),
+        scale: above.scale.zip(below.scale).map(|(above, below)| above / below),
+        dimension: format!("{}/{}", above.dimension, below.dimension),
+    })
+}
+
+/// Below the line, `h` is the hour rather than the henry.
+fn below_the_line(name: &str) -> Option<Unit> {
+    if name == "h" { Some(simple("h", "s", 3600.0)) } else { single(name) }
+}
+
+fn single(name: &str) -> Option<Unit> {
+    let find = |name: &str| UNITS.iter().find(|(spelling, ..)| *spelling == name);
+    if let Some((_, symbol, base, scale)) = find(name) {
+        return Some(simple(symbol, base, *scale));
+    }
+    let (prefix, scale) = PREFIXES.iter().find(|(prefix, _)| name.starts_with(prefix))?;
+    let (_, symbol, base, _) =
+        find(name.strip_prefix(prefix)?).filter(|(spelling, _, base, _)| spelling.eq_ignore_ascii_case(base))?;
+    Some(match (*prefix, *base) {
+        // Nobody drives a transducer at millihertz.
+        ("m", "Hz") => simple("MHz", base, 1e6),
+        ("m", "ohm") => Unit { symbol: name.to_owned(), scale: None, dimension: (*base).to_owned() },
+        ("g", _) => simple(&format!("G{symbol}"), base, *scale),
+        _ => simple(&format!("{prefix}{symbol}"), base, *scale),
+    })
+}
+
+fn simple(symbol: &str, base: &str, scale: f64) -> Unit {
+    Unit { symbol: symbol.to_owned(), scale: Some(scale), dimension: base.to_owned() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn factor(from: &str, to: &str) -> Option<f64> {
+        let ((stem, from), (other, to)) = (split(from), split(to));
+        assert_eq!(stem, other);
+        from?.factor_to(&to?)
+    }
+
+    #[test]
+    fn units_convert() {
+        let near = |from, to, expected: f64| {
+            let factor = factor(from, to).unwrap();
+            assert!((factor / expected - 1.0).abs() < 1e-12, "{from} -> {to}: {factor}");
+        };
+        near("speed_mm_per_s", "speed_m_per_s", 1e-3);
+        near("speed_km_per_h", "speed_m_per_s", 1.0 / 3.6);
+        near("frequency_khz", "frequency_hz", 1e3);
+        near("frequency_mhz", "frequency_hz", 1e6);
+        near("duration_ms", "duration_s", 1e-3);
+        near("belt_stop_s", "belt_stop_ms", 1e3);
+        near("phase_trim_deg", "phase_trim_turns", 1.0 / 360.0);
+        near("amplitude_vpp", "amplitude_v", 0.5);
+        near("stiffness_n_per_um", "stiffness_n_per_m", 1e6);
+        assert_eq!(factor("rm_mohm", "rm_ohm"), None);
+        assert_eq!(factor("speed_mm", "speed_m_per_s"), None);
+    }
+
+    #[test]
+    fn names_without_units_stay_whole() {
+        for key in ["nominal_q", "mu", "adc_bits", "edge_cycles", "min", "s", "_s", "", "ä_ö"] {
+            assert_eq!(split(key), (key, None));
+        }
+        assert_eq!(split("rate_per_s").0, "rate");
+        assert_eq!(split("rate_per_s").1.unwrap().symbol, "1/s");
+    }
+}

@@ -1,0 +1,244 @@
+//! The walk through a scene, guided by the schema: every key, type, range and choice is checked, all problems are found at once.
+
+use std::collections::BTreeSet;
+
+use super::diagnostic::{Place, Problem};
+use super::nearest::{listed, nearest, short, shown};
+use super::schema::{Kind, Schema, is_index, join, without_indices};
+use super::tree::{Entry, Node, Value};
+use super::{units, unknown};
+
+/// What was found, and at which paths.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Findings {
+    pub(super) problems: Vec<Problem>,
+    bad: BTreeSet<String>,
+}
+
+impl Findings {
+    /// Adds a problem with the value at a path.
+    pub(super) fn add(&mut self, path: impl Into<String>, problem: Problem) {
+        self.bad.insert(path.into());
+        self.problems.push(problem);
+    }
+
+    /// Whether nothing is wrong with the value at a path, in it, or with what it is part of.
+    pub(super) fn clean(&self, path: &str) -> bool {
+        let inside =
+            |part: &str, whole: &str| part.strip_prefix(whole).is_some_and(|rest| rest.is_empty() || rest.starts_with('.'));
+        !self.bad.iter().any(|bad| inside(bad, path) || inside(path, bad))
+    }
+
+    /// Whether nothing is wrong with the names at the top.
+    pub(super) fn top_clean(&self) -> bool {
+        self.bad.iter().all(|bad| bad.contains('.'))
+    }
+}
+
+/// Checks a scene. A whole number written as `32.0` becomes an integer.
+pub(super) fn walk(root: &mut Node) -> Findings {
+    let mut findings = Findings::default();
+    check(root, Schema::root(), "", &mut findings);
+    findings
+}
+
+/// A table as its header would be written.
+pub(super) fn header(path: &str) -> String {
+    let table = without_indices(path);
+    let list = Schema::root().at(&table).is_some_and(|schema| schema.kind() == Kind::List);
+    match table.as_str() {
+        "" => "the top level".to_owned(),
+        _ if list => format!("[[{table}]]"),
+        _ => format!("[{table}]"),
+    }
+}
+
+fn check(node: &mut Node, schema: Schema, path: &str, findings: &mut Findings) {
+    match (schema.kind(), &mut node.value) {
+        (Kind::Table, Value::Table(_)) => check_table(node, schema, path, findings),
+        (Kind::List, Value::List(list)) => {
+            let Some(items) = schema.items() else { return };
+            for (index, item) in list.iter_mut().enumerate() {
+                check(item, items, &join(path, &index.to_string()), findings);
+            }
+            if let Some(problem) = wrong_length(node, schema, path) {
+                findings.add(path, problem);
+            }
+        }
+        (Kind::Number | Kind::Integer, Value::Integer(_) | Value::Number(_)) => {
+            if let Some(problem) = wrong_number(node, schema, path) {
+                findings.add(path, problem);
+            } else if let (Kind::Integer, Some(number)) = (schema.kind(), node.number()) {
+                node.value = match node.value {
+                    Value::Number(_) => Value::Integer(number as i64),
+                    _ => return,
+                };
+            }
+        }
+        (Kind::Choice, Value::Text(text)) => {
+            let choices = schema.choices();
+            if !choices.contains(&text.as_str()) {
+                let meant = nearest(text, choices.iter().copied());
+                let label = meant.first().map_or("none of its values".to_owned(), |meant| format!("did you mean `{meant}`?"));
+                let message = format!("`{path}` cannot be \"{}\"", short(text));
+                let help = format!("it is {}", listed(choices, "or"));
+                findings.add(path, Problem::new(node.place.clone(), message, label).help(help));
+            }
+        }
+        (Kind::Text, Value::Text(_)) | (Kind::Flag, Value::Flag(_)) => {}
+        _ => findings.add(path, wrong_type(node, schema, path)),
+    }
+}
+
+fn check_table(node: &mut Node, schema: Schema, path: &str, findings: &mut Findings) {
+    let place = node.place.clone();
+    let Value::Table(table) = &mut node.value else { return };
+    let mut meant = BTreeSet::new();
+    let mut strange_table = false;
+    for (name, entry) in table.iter_mut() {
+        let inner = join(path, name);
+        match schema.property(name) {
+            Some(schema) => check(&mut entry.node, schema, &inner, findings),
+            None => {
+                let (problem, key) = unknown::unknown(schema, path, name, entry);
+                meant.extend(key);
+                strange_table |= key.is_none() && entry.node.table().is_some();
+                findings.add(inner, problem);
+            }
+        }
+    }
+    for name in schema.required().filter(|name| !table.contains_key(*name)) {
+        let missing = join(path, name);
+        // A misspelt key is already reported where it stands; a strange table is probably there in place of the right one.
+        let instead = strange_table && schema.property(name).is_some_and(|schema| schema.kind() == Kind::Table);
+        if !meant.contains(name) && !instead {
+            findings.problems.push(missing_key(schema, path, name, &place));
+        }
+        findings.bad.insert(missing);
+    }
+}
+
+fn missing_key(table: Schema, path: &str, name: &str, place: &Place) -> Problem {
+    let inner = join(path, name);
+    let Some(schema) = table.property(name) else {
+        return Problem::new(place.clone(), format!("`{inner}` is missing"), "");
+    };
+    let meaning = schema.description().unwrap_or_default();
+    if schema.kind() != Kind::Table {
+        let message = format!("`{name}` is missing {}", within(path));
+        return Problem::new(place.clone(), message, format!("needs `{name}`, {}", expected(schema, name))).help(meaning);
+    }
+    let header = header(&inner);
+    let keys = listed(schema.required(), "and");
+    let label = if keys.is_empty() { format!("add {header}") } else { format!("add {header} with at least {keys}") };
+    Problem::new(place.clone(), format!("the table {header} is missing"), label).help(meaning)
+}
+
+fn wrong_length(node: &Node, schema: Schema, path: &str) -> Option<Problem> {
+    let length = node.list().len() as u64;
+    let (fewest, most) = schema.lengths();
+    let label = match (fewest, most) {
+        (Some(fewest), _) if length < fewest => format!("needs at least {fewest}"),
+        (_, Some(most)) if length > most => format!("takes at most {most}"),
+        _ => return None,
+    };
+    let entries = if length == 1 { "entry" } else { "entries" };
+    Some(Problem::new(node.place.clone(), format!("`{path}` has {length} {entries}"), label))
+}
+
+/// What is wrong with a number: not finite, out of range, or not whole.
+pub(super) fn wrong_number(node: &Node, schema: Schema, path: &str) -> Option<Problem> {
+    const EXACT: f64 = 9_007_199_254_740_992.0;
+    let number = node.number()?;
+    let problem = |message: String, label: String| {
+        let problem = Problem::new(node.place.clone(), message, label);
+        Some(match schema.description() {
+            Some(meaning) => problem.help(meaning),
+            None => problem,
+        })
+    };
+    if !number.is_finite() {
+        return problem(format!("`{path}` must be a finite number"), format!("expected {}", expected(schema, path)));
+    }
+    let (least, most) = schema.range();
+    if least.is_some_and(|least| number < least) || most.is_some_and(|most| number > most) {
+        let unit = unit(path).map_or(String::new(), |unit| format!(" {unit}"));
+        let label = match (least, most) {
+            (Some(least), Some(most)) => format!("must be from {} to {}{unit}", shown(least), shown(most)),
+            (Some(least), None) => format!("must be at least {}{unit}", shown(least)),
+            (None, most) => format!("must be at most {}{unit}", shown(most.unwrap_or_default())),
+        };
+        return problem(format!("`{path}` is out of range"), label);
+    }
+    let whole = matches!(node.value, Value::Integer(_)) || (number.fract() == 0.0 && number.abs() <= EXACT);
+    if schema.kind() == Kind::Integer && !whole {
+        return problem(format!("`{path}` must be a whole number"), "has a fraction, or too many digits".to_owned());
+    }
+    None
+}
+
+fn wrong_type(node: &Node, schema: Schema, path: &str) -> Problem {
+    let message = format!("`{path}` cannot be {}", node.kind());
+    let problem = Problem::new(node.place.clone(), message, format!("expected {}", expected(schema, path)));
+    let items = schema.items().map(Schema::kind);
+    let help = match (schema.kind(), &node.value) {
+        (Kind::Table, Value::List(_)) => Some(format!("there is one only: write `[{path}]`, in single brackets")),
+        (Kind::Table, _) => Some(format!("write `{}` on a line of its own, and its keys below", header(path))),
+        (Kind::List, Value::Table(_)) if items == Some(Kind::Table) => {
+            Some(format!("there may be several: write `[[{path}]]`, in double brackets"))
+        }
+        (Kind::List, Value::Integer(_) | Value::Number(_)) if items == Some(Kind::Number) => {
+            Some(format!("one value is written in brackets, too: `[{}]`", shown(node.number().unwrap_or_default())))
+        }
+        (Kind::List, Value::Text(text)) if items != Some(Kind::Table) => {
+            Some(format!("one value is written in brackets, too: `[\"{}\"]`", short(text)))
+        }
+        (Kind::Number | Kind::Integer, Value::Text(text)) if text.trim().parse::<f64>().is_ok_and(f64::is_finite) => {
+            Some(format!("without the quotes: {}", text.trim()))
+        }
+        (Kind::Number | Kind::Integer, Value::Text(_)) => {
+            unit(path).map(|unit| format!("a number only; the key's name says that it is in {unit}"))
+        }
+        (Kind::Text | Kind::Choice, Value::Integer(_) | Value::Number(_)) => Some("a string is written in quotes".to_owned()),
+        _ => None,
+    };
+    match help.as_deref().or(schema.description()) {
+        Some(help) => problem.help(help),
+        None => problem,
+    }
+}
+
+/// What a value must be, in words.
+fn expected(schema: Schema, path: &str) -> String {
+    let with_unit = |what: &str| unit(path).map_or(what.to_owned(), |unit| format!("{what} in {unit}"));
+    match schema.kind() {
+        Kind::Table => "a table".to_owned(),
+        Kind::List => match schema.items().map(Schema::kind) {
+            Some(Kind::Table) => "a list of tables".to_owned(),
+            Some(Kind::Number | Kind::Integer) => with_unit("a list of numbers"),
+            _ => "a list of strings".to_owned(),
+        },
+        Kind::Number => with_unit("a number"),
+        Kind::Integer => with_unit("a whole number"),
+        Kind::Text => "a string".to_owned(),
+        Kind::Flag => "true or false".to_owned(),
+        Kind::Choice if schema.choices().len() <= 6 => listed(schema.choices(), "or"),
+        Kind::Choice => "one of a few strings".to_owned(),
+    }
+}
+
+fn unit(path: &str) -> Option<String> {
+    let key = path.rsplit('.').find(|name| !is_index(name))?;
+    units::split(key).1.map(|unit| unit.symbol)
+}
+
+/// Where in a scene a table is.
+pub(super) fn within(path: &str) -> String {
+    if path.is_empty() { "at the top level".to_owned() } else { format!("in {}", header(path)) }
+}
+
+/// The key of an entry in messages, shortened.
+pub(super) fn named(name: &str, entry: &Entry) -> String {
+    let what = if entry.node.table().is_some() { "table" } else { "key" };
+    format!("{what} `{}`", short(name))
+}
