@@ -30,8 +30,8 @@ use crate::units::{Hertz, Turns, Volts};
 
 /// Longest time the loop may take to lock, blocks and time constants of the resonance.
 const LOCK_TIMEOUT: (u32, f32) = (2000, 50.0);
-/// After the scan, the loops wait for its last tone to ring down, time constants of the resonance.
-const RING_DOWN: f32 = 3.0;
+/// After an edge of the burst, the tracker waits for the stack to ring up, time constants of the resonance.
+const RING_UP: f32 = 1.0;
 /// The tracker listens while the motional current is above this part of what the identified resonance would show.
 const LISTEN_ABOVE: f32 = 0.2;
 
@@ -72,9 +72,11 @@ pub struct Controller {
     motional: Motional,
     phase_loop: PhaseLoop,
     lock: LockDetector,
-    /// Blocks since the loops were seeded; how many of them the scan rings down; how many a lock may take.
+    /// Blocks heard since the envelope is one, and how many of them the tracker waits.
+    on_blocks: u32,
+    ring_up_blocks: u32,
+    /// Blocks since the loops were seeded, and how many a lock may take.
     locking_blocks: u32,
-    ring_down_blocks: u32,
     lock_timeout_blocks: u32,
     amplitude: AmplitudeLoop,
     transducer: Option<Transducer>,
@@ -116,8 +118,9 @@ impl Controller {
             motional: Motional::of_capacitance(config.tracking.nominal_c0_f, config.drive.frequency_hz),
             phase_loop: PhaseLoop::build(&config.tracking, config.drive.frequency_hz, block_s)?,
             lock: LockDetector::default(),
+            on_blocks: 0,
+            ring_up_blocks: 0,
             locking_blocks: 0,
-            ring_down_blocks: 0,
             lock_timeout_blocks: 0,
             amplitude: AmplitudeLoop::build(config, block_s)?,
             transducer: None,
@@ -217,8 +220,10 @@ impl Controller {
         self.phase_loop.seed(transducer.series_resonance_hz - self.nominal_hz, tau_s);
         self.sweep.retune(self.phase_loop.offset_hz());
         self.lock.restart(tau_blocks);
+        self.ring_up_blocks = (RING_UP * tau_blocks) as u32;
+        // The scan leaves the stack ringing on its resonance.
+        self.on_blocks = self.ring_up_blocks;
         self.locking_blocks = 0;
-        self.ring_down_blocks = LATENCY_BLOCKS as u32 + (RING_DOWN * tau_blocks) as u32;
         self.lock_timeout_blocks = LOCK_TIMEOUT.0 + (LOCK_TIMEOUT.1 * tau_blocks) as u32;
         self.amplitude.seed(&transducer, motional_current);
         self.transducer = Some(transducer);
@@ -231,17 +236,18 @@ impl Controller {
         let mut plan = Plan { volts: self.amplitude.volts(), gate, phase: Turns(0.0), progress: Progress::Busy };
         let (Some(detector), Some(transducer)) = (self.detector, self.transducer) else { return plan };
         self.locking_blocks = self.locking_blocks.saturating_add(1);
-        if self.locking_blocks <= self.ring_down_blocks {
-            return plan;
-        }
 
-        let expected = LISTEN_ABOVE * heard.volts / transducer.rm_ohm;
-        if envelope == 1.0 && heard.volts > 0.0 && magnitude(motional) > expected {
-            plan.phase = self.phase_loop.update(detector.error(&self.motional, motional, sensed));
-            self.lock.update(plan.phase);
-        } else if envelope == 1.0 && heard.volts > 0.0 && self.lock.state() == Lock::Locked {
-            // No motional current to speak of under full drive: the resonance is elsewhere. Counts as half a turn.
-            self.lock.update(Turns(0.5));
+        let on = envelope == 1.0 && heard.volts > 0.0;
+        self.on_blocks = if on { self.on_blocks.saturating_add(1) } else { 0 };
+        if on && self.on_blocks > self.ring_up_blocks {
+            let rings = magnitude(motional) > LISTEN_ABOVE * heard.volts / transducer.rm_ohm;
+            if rings {
+                plan.phase = self.phase_loop.update(detector.error(&self.motional, motional, sensed));
+                self.lock.update(plan.phase);
+            } else if self.lock.state() == Lock::Locked {
+                // No motional current to speak of under full drive: the resonance is elsewhere. Counts as half a turn.
+                self.lock.update(Turns(0.5));
+            }
         } else {
             self.phase_loop.hold();
         }

@@ -8,6 +8,7 @@
 //! | middle | two nominal bandwidths about it | 5 nominal time constants | a circle fit |
 //! | fine | 1.5 identified bandwidths about that | 6 identified time constants | a circle fit: the result |
 //!
+//! Then it stays on the resonance until the last tone has rung down, so that whoever tracks from there hears one tone only.
 //! The nominal Q may be wrong by a factor of two.
 
 use crate::block::LATENCY_BLOCKS;
@@ -24,6 +25,8 @@ const FIT_POINTS: u16 = 15;
 const COARSE_POINTS: (f32, f32) = (25.0, 400.0);
 /// Blocks averaged at each point.
 const AVERAGED_BLOCKS: u32 = 8;
+/// Time constants for which the last tone rings down.
+const RING_DOWN: f32 = 4.0;
 /// The first point of a pass also has to ring up from rest.
 const FIRST_POINT_SETTLES: u32 = 3;
 
@@ -43,6 +46,7 @@ enum Stage {
     Coarse,
     Middle,
     Fine,
+    RingDown(Transducer, Motional),
 }
 
 /// The scan, in progress.
@@ -104,6 +108,10 @@ impl Scan {
     /// Takes the phasors of the block just heard and says what to do next.
     pub fn step(&mut self, sensed: &Sensed) -> Step {
         self.blocks += 1;
+        if let Stage::RingDown(transducer, motional) = self.stage {
+            let over = self.blocks > self.settle_blocks;
+            return if over { Step::Found(transducer, motional) } else { Step::Tune(self.offset_hz()) };
+        }
         let settle = self.settle_blocks * if self.point == 0 { FIRST_POINT_SETTLES } else { 1 } + LATENCY_BLOCKS as u32;
         if self.blocks > settle {
             self.sum.v += sensed.v;
@@ -166,10 +174,13 @@ impl Scan {
         let in_window = |t: &Transducer| (t.series_resonance_hz - self.nominal_hz).abs() <= self.window_hz;
         match found.filter(|(transducer, _)| in_window(transducer)) {
             None => Step::NotFound,
-            Some((transducer, motional)) if self.stage == Stage::Fine => Step::Found(transducer, motional),
-            Some((transducer, _)) => {
+            Some((transducer, motional)) => {
                 self.guess = Guess { hz: transducer.series_resonance_hz, q: transducer.q, c0_f: transducer.c0_f };
-                self.begin(Stage::Fine, 1.5 * self.guess.hz / self.guess.q, FIT_POINTS, 6.0);
+                if self.stage == Stage::Fine {
+                    self.begin(Stage::RingDown(transducer, motional), 0.0, FIT_POINTS, RING_DOWN);
+                } else {
+                    self.begin(Stage::Fine, 1.5 * self.guess.hz / self.guess.q, FIT_POINTS, 6.0);
+                }
                 Step::Tune(self.offset_hz())
             }
         }

@@ -1,7 +1,8 @@
 //! The simplest load: a capacitor on the drive, seen by both sense channels. Enough for power-up, self-test, burst,
 //! emergency stop, watchdog and late blocks; it has no resonance to find.
 
-use firmware::block::{DriveBlock, SenseBlock};
+use firmware::block::{Amplitude, DriveBlock, SenseBlock};
+use firmware::config::{Burst, Config, Drive, Edge, FrontEnd, Limits, Phasing, Schedule, ShapeKind, Tracking, TrackingMode};
 
 use crate::analog::Analog;
 
@@ -23,9 +24,46 @@ impl LoopBack {
         LoopBack { mid_code, current_per_step, belt: None, last: mid_code }
     }
 
+    /// The nominal clamped capacitance of a configuration, `i = C0 dV/dt`. Its voltage sense must have the drive's scale, as
+    /// that of [`config`] has.
+    pub fn of(config: &Config) -> Self {
+        let front_end = &config.front_end;
+        let amperes_per_step = config.tracking.nominal_c0_f * config.sample_hz * front_end.drive_volt_per_lsb;
+        LoopBack::new(front_end.sense_mid_code, amperes_per_step / front_end.ampere_per_lsb)
+    }
+
+    /// The same with so many times the capacitance: a transducer that is shorted, or hardly there.
+    pub fn times(self, factor: f32) -> Self {
+        LoopBack { current_per_step: self.current_per_step * factor, ..self }
+    }
+
     /// Sets what the belt sensor reads, m/s; `None` is no sensor.
     pub fn set_belt(&mut self, speed: Option<f32>) {
         self.belt = speed;
+    }
+}
+
+/// A configuration for which [`LoopBack::of`] is a healthy transducer: 3 V at a held 40.4 kHz and no tracking, because there is
+/// no resonance; converters of 12 bits and 10 mV, 2 mA a code.
+pub fn config() -> Config {
+    Config {
+        sample_hz: 1e6,
+        block_samples: 32,
+        lanes: 1,
+        front_end: FrontEnd {
+            volt_per_lsb: 0.01,
+            ampere_per_lsb: 0.002,
+            sense_mid_code: 2048,
+            sense_max_code: 4095,
+            drive_volt_per_lsb: 0.01,
+            drive_mid_code: 2048,
+            drive_max_code: 4095,
+        },
+        drive: Drive { frequency_hz: 40_400.0, amplitude: Amplitude::Volts(3.0), scan_volts: 1.0, shape: ShapeKind::Sine },
+        phasing: Phasing::default(),
+        burst: Burst { schedule: Schedule::Continuous, edge: Edge::Hard },
+        tracking: Tracking { mode: TrackingMode::Off, span: 0.05, bandwidth_hz: 100.0, nominal_q: 50.0, nominal_c0_f: 200e-9 },
+        limits: Limits { voltage_v: 12.0, current_a: 3.0, belt_moving_m_per_s: 0.01, belt_stop_ms: 5.0 },
     }
 }
 
@@ -41,5 +79,20 @@ impl Analog for LoopBack {
             let _ = sense.i.push((f32::from(self.mid_code) + step * self.current_per_step).clamp(0.0, 65535.0) as u16);
         }
         sense.slow = firmware::block::SlowSense { belt: self.belt, ..Default::default() };
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn draws_what_the_nominal_capacitance_does() {
+        // 200 nF, 1 V a sample of 1 us: 0.2 A.
+        let mut load = LoopBack::of(&config());
+        let mut sense = SenseBlock::default();
+        load.exchange(&DriveBlock { lanes: [[2048, 2148, 2148, 2048].into_iter().collect()].into_iter().collect() }, &mut sense);
+        assert_eq!(sense.v, [2048, 2148, 2148, 2048]);
+        assert_eq!(sense.i, [2048, 2148, 2048, 1948]);
     }
 }

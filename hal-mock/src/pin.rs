@@ -4,7 +4,6 @@
 //! read and a [`Switch`] that sets it. Either can be made to fail: a port expander that does not answer.
 
 use std::cell::RefCell;
-use std::convert::Infallible;
 use std::rc::Rc;
 use std::time::Duration;
 
@@ -19,12 +18,6 @@ pub struct PinFailed;
 impl digital::Error for PinFailed {
     fn kind(&self) -> digital::ErrorKind {
         digital::ErrorKind::Other
-    }
-}
-
-impl From<Infallible> for PinFailed {
-    fn from(never: Infallible) -> Self {
-        match never {}
     }
 }
 

@@ -21,8 +21,8 @@ pub fn of(study: &Study) -> Vec<Figure> {
     figures.extend(friction::over_time(study, &view));
     figures.extend(edges::of(study));
     figures.extend(resonance::acquisition(study, &view));
-    figures.extend(resonance::lock_in(study, &view));
-    figures.extend(resonance::over_time(study, &view));
+    figures.extend(resonance::lock_in(&view));
+    figures.extend(resonance::over_time(&view));
     figures.extend(admittance::locus(study, &view));
     figures.extend(friction::tip_velocity(study, &view));
     figures.extend(energy::budget(study, &view));

@@ -160,19 +160,27 @@ impl<'a> View<'a> {
         self.settled(1.0, SETTLE_S)
     }
 
-    /// The ON windows as they were played, s.
+    /// The ON windows as they were played while running, s.
     pub fn on_windows(&self) -> Vec<(f64, f64)> {
         let mut windows: Vec<(f64, f64)> = Vec::new();
         let mut open = false;
-        for row in self.rows.iter().filter(|row| row.mode == Mode::Run) {
-            match (open, row.envelope > 0.0) {
-                (false, true) => windows.push((row.time_s - self.block_s * row.envelope.min(1.0), row.time_s)),
-                (true, true) => windows.iter_mut().for_each(|w| w.1 = w.1.max(row.time_s)),
+        for row in self.after(self.plays_from(Mode::Run).unwrap_or(f64::INFINITY)) {
+            // A block that is ON in part begins late or ends early by the rest of it.
+            let (begins, part) = (row.time_s - self.block_s, self.block_s * row.envelope.min(1.0));
+            match (open, windows.last_mut()) {
+                (true, Some(window)) if row.envelope > 0.0 => window.1 = begins + part,
+                _ if row.envelope > 0.0 => windows.push((row.time_s - part, row.time_s)),
                 _ => {}
             }
             open = row.envelope > 0.0;
         }
         windows
+    }
+
+    /// The blocks that play entirely after a moment.
+    pub fn after(&self, time_s: f64) -> &'a [Row] {
+        let half_s = 0.5 * self.block_s;
+        &self.rows[self.rows.partition_point(|row| row.time_s - self.block_s < time_s - half_s)..]
     }
 
     /// When the first block of this mode begins to play, s.

@@ -189,7 +189,7 @@ impl Plant {
     fn disturb(&mut self) {
         let mut changes = std::mem::take(&mut self.changes);
         for change in &mut changes {
-            if let Some(value) = change.value(self.time_s, self.value(change.key())) {
+            if let Some(value) = change.next(self.time_s, self.value(change.key())) {
                 self.set(change.key(), value);
             }
         }
@@ -353,10 +353,7 @@ impl Analog for Plant {
                 let force = self.step(&drive, step_s, &mut sums);
                 friction += force;
                 let (v_adc, i_adc) = (&mut self.v_adc, &mut self.i_adc);
-                self.stack.sample(step, volts, force, |voltage, current| {
-                    v += v_adc.convert(voltage);
-                    i += i_adc.convert(current);
-                });
+                self.stack.sample(step, volts, force, |volts| v += v_adc.convert(volts), |amperes| i += i_adc.convert(amperes));
             }
             // A sense block holds as many samples as the longest drive block.
             let _ = (sense.v.push(v), sense.i.push(i));

@@ -10,7 +10,7 @@ const WIDEST: u16 = 44;
 /// A table as text, with its title above and its caption below.
 pub(super) fn render(block: &TableBlock, color: bool) -> String {
     let mut table = Table::new();
-    table.load_style(presets::UTF8_HORIZONTAL_ONLY);
+    table.load_style(presets::UTF8_BORDERS_ONLY);
     table.set_header(&block.header);
     for row in &block.rows {
         table.add_row(row.iter().map(|cell| coloured(cell, color)));

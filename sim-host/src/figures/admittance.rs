@@ -42,8 +42,13 @@ pub(super) fn locus(study: &Study, view: &View) -> Option<Figure> {
     };
     let truth = Circuit::of(&study.scene.stack.bvd);
     let (x, y) = settled_points(&study.record.rows);
-    let measured =
-        Series { name: "measured by the scan".into(), csv_column: "susceptance_measured_s".into(), x, y, style: Style::Points };
+    let measured = Series {
+        name: "measured, last pass of the scan".into(),
+        csv_column: "susceptance_measured_s".into(),
+        x,
+        y,
+        style: Style::Points,
+    };
     let steady: Vec<(f64, f64)> = view.steady().filter_map(|row| row.admittance_s).collect();
     let working = (!steady.is_empty()).then(|| {
         let (g, b) = steady.iter().fold((0.0, 0.0), |sum, y| (sum.0 + y.0, sum.1 + y.1));
@@ -54,7 +59,7 @@ pub(super) fn locus(study: &Study, view: &View) -> Option<Figure> {
         id: "admittance".into(),
         title: "Admittance loop".into(),
         caption:
-            "Dots: the last block of each frequency of the scan. The identified circle includes what the converters' images make \
+            "Dots: the last block at each frequency of the scan's last pass. The identified circle includes what the converters' images make \
                   of the clamped capacitance. The working point is the mean over all steady blocks."
                 .into(),
         x: axis("conductance [S]"),
@@ -70,8 +75,11 @@ pub(super) fn locus(study: &Study, view: &View) -> Option<Figure> {
     })
 }
 
-/// The admittance at the end of each frequency of the scan, when the tone has settled.
+/// The admittance at the end of each frequency of the scan's last pass, when the tone has settled.
 fn settled_points(rows: &[Row]) -> (Vec<f64>, Vec<f64>) {
     let scanned: Vec<&Row> = rows.iter().filter(|row| row.mode == Mode::Scan && row.admittance_s.is_some()).collect();
-    scanned.windows(2).filter(|pair| pair[0].frequency_hz != pair[1].frequency_hz).filter_map(|pair| pair[0].admittance_s).unzip()
+    // A pass runs upwards, and the next begins below where it ended.
+    let last_pass = scanned.windows(2).rposition(|pair| pair[1].frequency_hz < pair[0].frequency_hz).map_or(0, |n| n + 1);
+    let steps = scanned[last_pass..].windows(2);
+    steps.filter(|pair| pair[0].frequency_hz != pair[1].frequency_hz).filter_map(|pair| pair[0].admittance_s).unzip()
 }

@@ -12,17 +12,18 @@ fn series(name: &str, csv_column: &str, x: Vec<f64>, y: Vec<f64>, style: Style) 
     Series { name: name.into(), csv_column: csv_column.into(), x, y, style }
 }
 
-/// Rows between two moments, with time in ms from the first.
-fn between<'a>(rows: &'a [Row], from_s: f64, to_s: f64) -> (Vec<f64>, Vec<&'a Row>) {
-    let kept: Vec<&Row> = rows.iter().filter(|row| row.time_s >= from_s && row.time_s <= to_s).collect();
-    (kept.iter().map(|row| 1e3 * (row.time_s - from_s)).collect(), kept)
+/// The blocks that play between two moments, with time in ms from the first.
+fn between<'a>(view: &View<'a>, from_s: f64, to_s: f64) -> (Vec<f64>, &'a [Row]) {
+    let rows = view.after(from_s);
+    let rows = &rows[..rows.partition_point(|row| row.time_s <= to_s)];
+    (rows.iter().map(|row| 1e3 * (row.time_s - from_s)).collect(), rows)
 }
 
 /// The frequency played while the resonance is looked for: the passes of the scan, then the lock.
 pub(super) fn acquisition(study: &Study, view: &View) -> Option<Figure> {
     let from = view.plays_from(Mode::Scan)?;
     let to = view.plays_from(Mode::Run).unwrap_or(study.record.rows.last()?.time_s);
-    let (x, rows) = between(&study.record.rows, from, to + 0.02 * (to - from));
+    let (x, rows) = between(view, from, to + 0.02 * (to - from));
     let played = rows.iter().map(|row| if row.drive_v > 0.0 { row.frequency_hz } else { f64::NAN }).collect();
     let truth = rows.iter().map(|row| row.truth.series_resonance_hz).collect();
     Some(Figure {
@@ -44,10 +45,10 @@ pub(super) fn acquisition(study: &Study, view: &View) -> Option<Figure> {
 }
 
 /// How far command and estimate are from the truth, from the first sample of the lock stage on.
-pub(super) fn lock_in(study: &Study, view: &View) -> Option<Figure> {
+pub(super) fn lock_in(view: &View) -> Option<Figure> {
     let from = view.plays_from(Mode::Lock)?;
     let run = view.plays_from(Mode::Run).unwrap_or(from + 0.01);
-    let (x, rows) = between(&study.record.rows, from, run + (run - from).max(0.005));
+    let (x, rows) = between(view, from, run + (run - from).max(0.005));
     let off = |value: fn(&Row) -> f64| rows.iter().map(|row| value(row) - row.truth.series_resonance_hz).collect::<Vec<f64>>();
     Some(Figure {
         id: "lock-in".into(),
@@ -68,14 +69,16 @@ pub(super) fn lock_in(study: &Study, view: &View) -> Option<Figure> {
 }
 
 /// Command, estimate and truth over the run, from the lock on.
-pub(super) fn over_time(study: &Study, view: &View) -> Option<Figure> {
+pub(super) fn over_time(view: &View) -> Option<Figure> {
     let run = view.plays_from(Mode::Run)?;
-    let start = study.record.rows.partition_point(|row| row.time_s < run);
-    let rows = &study.record.rows[start..];
+    let rows = view.after(run);
     Some(Figure {
         id: "frequency".into(),
         title: "Frequency: command, estimate, truth".into(),
-        caption: "While the drive is OFF the frequency is held. The truth is the series resonance of the stack by itself.".into(),
+        caption:
+            "While the drive is OFF the frequency is held. The truth is the series resonance of the stack by itself; a contact \
+                  adds its stiffness, and the lock follows the two together."
+                .into(),
         x: axis("time [s]"),
         y: axis("frequency [Hz]"),
         series: vec![

@@ -2,6 +2,7 @@
 
 use std::convert::Infallible;
 use std::path::Path;
+use std::time::Duration;
 
 use firmware::block::{DriveBlock, Orders, SenseBlock};
 use firmware::config::Config;
@@ -17,6 +18,16 @@ impl Qemu {
     /// Fails, and says why.
     pub fn start(_image: &Path, _config: &Config) -> Result<Self, PilError> {
         Err(PilError::Missing(missing().unwrap_or_default()))
+    }
+
+    /// There is nothing to wait for.
+    pub fn set_patience(&mut self, _patience: Duration) {
+        match self.0 {}
+    }
+
+    /// There is no process.
+    pub fn process_id(&self) -> u32 {
+        match self.0 {}
     }
 }
 

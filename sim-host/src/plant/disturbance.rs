@@ -2,19 +2,19 @@
 
 use crate::scene::{Disturbance, DisturbedKey};
 
-/// One change, with the value that the key had when it began.
+/// One change on its way.
 #[derive(Clone, Debug)]
 pub struct Change {
     disturbance: Disturbance,
-    /// Value at the beginning; `None` before.
-    base: Option<f64>,
+    /// What a ramp or a sine has added so far. Only the difference is added next, so that changes of one key add up.
+    added: f64,
     done: bool,
 }
 
 impl Change {
     /// A change that has not begun.
     pub fn new(disturbance: Disturbance) -> Self {
-        Change { disturbance, base: None, done: false }
+        Change { disturbance, added: 0.0, done: false }
     }
 
     /// What changes.
@@ -27,20 +27,20 @@ impl Change {
         self.done
     }
 
-    /// The key's value at `time_s`, if this change sets it now; `present` is what it is so far.
-    pub fn value(&mut self, time_s: f64, present: f64) -> Option<f64> {
-        let since = time_s - self.disturbance.at_s;
+    /// The key's next value at `time_s`, if this change moves it; `present` is what it is so far.
+    pub fn next(&mut self, time_s: f64, present: f64) -> Option<f64> {
+        let change = &self.disturbance;
+        let since = time_s - change.at_s;
         if since < 0.0 || self.done {
             return None;
         }
-        let change = &self.disturbance;
         if change.to.is_some() {
             self.done = true;
             return change.to;
         }
-        let base = *self.base.get_or_insert(present);
-        let ramp = change.rate_per_s.unwrap_or(0.0) * since;
         let turns = change.sine_hz.unwrap_or(0.0) * since;
-        Some(base + ramp + change.sine_amplitude.unwrap_or(0.0) * libm::sin(std::f64::consts::TAU * turns))
+        let sine = change.sine_amplitude.unwrap_or(0.0) * libm::sin(std::f64::consts::TAU * turns);
+        let added = change.rate_per_s.unwrap_or(0.0) * since + sine;
+        Some(present + added - std::mem::replace(&mut self.added, added))
     }
 }

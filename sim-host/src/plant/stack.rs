@@ -131,8 +131,10 @@ pub struct Stack {
     drive: Pairs,
     /// Response to the friction, held over the step, N.
     force: Pairs,
-    /// For each step of a sample, the conversions that fall into it: how to look back for voltage and current.
-    conversions: Vec<Vec<(Look, Look)>>,
+    /// The state at the beginning of the last step.
+    before: Pairs,
+    /// For each step of a sample, the conversions that fall into it: of the voltage, and of the current.
+    conversions: Vec<(Vec<Look>, Vec<Look>)>,
 }
 
 /// How a sample is divided.
@@ -154,17 +156,22 @@ impl Timing {
         self.sample_s / f64::from(self.steps)
     }
 
-    /// For each step, how long before its end its conversions are, s.
-    fn conversions(&self) -> Vec<Vec<f64>> {
-        let before = |step: u32, conversion: u32| {
-            let back = f64::from(step + 1) / f64::from(self.steps) - f64::from(conversion + 1) / f64::from(self.conversions);
-            (back > -1e-9 && back < 1.0 / f64::from(self.steps) - 1e-9).then(|| (back * self.sample_s).max(0.0))
-        };
-        (0..self.steps).map(|step| (0..self.conversions).filter_map(|conversion| before(step, conversion)).collect()).collect()
+    /// For each step, how long after its beginning the conversions of a channel are that converts `early_s` before its time, s.
+    fn instants(&self, early_s: f64) -> Vec<Vec<f64>> {
+        let step_s = self.step_s();
+        let mut instants = vec![Vec::new(); self.steps as usize];
+        for conversion in 1..=self.conversions {
+            let instant = self.sample_s * f64::from(conversion) / f64::from(self.conversions) - early_s;
+            // One that falls on the seam of two steps belongs to the earlier.
+            let step = ((instant / step_s - 1e-9).floor().max(0.0) as usize).min(instants.len() - 1);
+            instants[step].push(instant - step as f64 * step_s);
+        }
+        instants
     }
 }
 
-/// A look at one output some time before the end of a step, along the exact flow, with drive and friction as they were held.
+/// A look at one output some time into a step, along the exact flow from its beginning, with drive and friction as they are held.
+/// Looking back from its end would be unstable: the clamped capacitance settles within nanoseconds.
 #[derive(Clone, Copy, Debug, Default)]
 struct Look {
     state: [f64; STATES],
@@ -185,6 +192,7 @@ impl Stack {
             flow: Default::default(),
             drive: Pairs::default(),
             force: Pairs::default(),
+            before: Pairs::default(),
             conversions: Vec::new(),
         };
         stack.remake();
@@ -230,16 +238,28 @@ impl Stack {
         self.drive = column(STATES);
         self.force = column(STATES + 1);
 
-        // A skew is shorter than a step: the later of the two channels converts at the nominal time, the other before it.
+        // The later of the two channels converts at the nominal time, the other before it.
         let (v_early, i_early) = (self.timing.skew_s.max(0.0), (-self.timing.skew_s).max(0.0));
-        let look = |row: &dyn Fn(&Matrix<{ STATES + 2 }>, usize) -> f64, seconds: f64| {
-            let back = over(-seconds);
-            let state = std::array::from_fn(|c| row(&back, c));
-            Look { state, drive: row(&back, STATES), force: row(&back, STATES + 1) }
-        };
         let voltage = |m: &Matrix<{ STATES + 2 }>, c: usize| m[V0][c];
-        let both = |back: f64| (look(&voltage, back + v_early), look(&total, back + i_early));
-        self.conversions = self.timing.conversions().into_iter().map(|step| step.into_iter().map(both).collect()).collect();
+        // Both channels usually convert at the same instants: one exponential serves them.
+        let mut known: Vec<(f64, Matrix<{ STATES + 2 }>)> = vec![(self.timing.step_s(), step)];
+        let mut looks = |early: f64, row: &dyn Fn(&Matrix<{ STATES + 2 }>, usize) -> f64| -> Vec<Vec<Look>> {
+            let mut look = |instant: f64| {
+                let matrix = match known.iter().find(|(have, _)| (have - instant).abs() < 1e-15) {
+                    Some((_, matrix)) => *matrix,
+                    None => {
+                        let matrix = over(instant);
+                        known.push((instant, matrix));
+                        matrix
+                    }
+                };
+                let state = std::array::from_fn(|c| row(&matrix, c));
+                Look { state, drive: row(&matrix, STATES), force: row(&matrix, STATES + 1) }
+            };
+            self.timing.instants(early).into_iter().map(|step| step.into_iter().map(&mut look).collect()).collect()
+        };
+        let (v, i) = (looks(v_early, &voltage), looks(i_early, &total));
+        self.conversions = v.into_iter().zip(i).collect();
         self.tip_per_ampere = 1.0 / force_factor_n_per_v;
         self.tip_per_volt = cm_f / force_factor_n_per_v;
     }
@@ -257,7 +277,7 @@ impl Stack {
         let [ce, cd, cv, ci, cc] = &self.flow;
         let amplifier = drive.0[0] + ce[0] * e + cd[0] * d;
         let row = |r: usize| drive.0[r] + self.force[r] * newtons + ce[r] * e + cd[r] * d + cv[r] * v0 + ci[r] * i + cc[r] * vc;
-        self.x = [amplifier, row(1), row(2)];
+        self.before = std::mem::replace(&mut self.x, [amplifier, row(1), row(2)]);
     }
 
     /// Adds what a friction larger by `newtons` over the step just made would have done.
@@ -318,18 +338,18 @@ impl Stack {
         0.5 * (self.circuit.lm_h * self.motional_current().powi(2) + self.circuit.cm_f * self.motional_voltage().powi(2))
     }
 
-    /// Hands voltage and current at each conversion within step `step` of a sample, which has just been made with the drive at
-    /// `volts` and a mean friction of `newtons`, to `convert`.
+    /// Hands the voltage, and the current, at each conversion within step `step` of a sample to their converters. The step has
+    /// just been made with the drive at `volts` and a mean friction of `newtons`.
     #[inline]
-    pub fn sample(&self, step: usize, volts: f64, newtons: f64, mut convert: impl FnMut(f64, f64)) {
-        let [[e, d], [v0, i], [vc, _]] = self.x.map(f64x2::to_array);
+    pub fn sample(&self, step: usize, volts: f64, newtons: f64, mut v: impl FnMut(f64), mut i: impl FnMut(f64)) {
+        let [[e, d], [v0, im], [vc, _]] = self.before.map(f64x2::to_array);
         let at = |look: &Look| {
             let [ke, kd, kv, ki, kc] = look.state;
-            ke * e + kd * d + kv * v0 + ki * i + kc * vc + look.drive * volts + look.force * newtons
+            ke * e + kd * d + kv * v0 + ki * im + kc * vc + look.drive * volts + look.force * newtons
         };
-        for (v, i) in &self.conversions[step] {
-            convert(at(v), at(i));
-        }
+        let (voltages, currents) = &self.conversions[step];
+        voltages.iter().for_each(|look| v(at(look)));
+        currents.iter().for_each(|look| i(at(look)));
     }
 }
 
@@ -405,28 +425,28 @@ mod tests {
 
     /// Every conversion, at any division of the sample and any skew, is what a flow of 20 ns steps shows at its time.
     #[test]
-    fn conversions_look_back_along_the_exact_flow() {
-        for (steps, conversions, skew_s) in [(1, 2, 0.0), (2, 2, 80e-9), (3, 4, -60e-9), (1, 1, 100e-9), (2, 3, 0.0)] {
+    fn conversions_lie_on_the_exact_flow() {
+        for (steps, conversions, skew_s) in [(1, 2, 0.0), (2, 2, 80e-9), (3, 4, -60e-9), (1, 1, 100e-9), (6, 3, 240e-9)] {
             let timing = Timing { sample_s: 1.2e-6, steps, conversions, skew_s };
             let mut stack = Stack::new(A3, &Amplifier::default(), timing);
             let mut fine = Stack::new(A3, &Amplifier::default(), super::tests::timing(20e-9));
             for volts in [2.5, -1.0, 3.0] {
-                let (mut got, mut seen) = (Vec::new(), Vec::new());
+                let (mut got_v, mut got_i, mut seen) = (Vec::new(), Vec::new(), Vec::new());
                 for step in 0..steps as usize {
                     stack.advance(&stack.held(volts), 0.3);
-                    stack.sample(step, volts, 0.3, |v, i| got.push((v, i)));
+                    stack.sample(step, volts, 0.3, |v| got_v.push(v), |i| got_i.push(i));
                 }
                 for _ in 0..60 {
                     fine.advance(&fine.held(volts), 0.3);
                     seen.push((fine.voltage(), fine.current()));
                 }
                 let at = |time: f64| seen[(time / 20e-9).round() as usize - 1];
-                for (k, &(v, i)) in got.iter().enumerate() {
+                for (k, (v, i)) in got_v.iter().zip(&got_i).enumerate() {
                     let time = 1.2e-6 * (k + 1) as f64 / f64::from(conversions);
                     let expected = (at(time - skew_s.max(0.0)).0, at(time + skew_s.min(0.0)).1);
                     assert!((v - expected.0).abs() < 1e-9 && (i - expected.1).abs() < 1e-9, "{k}: {v} {i} {expected:?}");
                 }
-                assert_eq!(got.len(), conversions as usize);
+                assert_eq!((got_v.len(), got_i.len()), (conversions as usize, conversions as usize));
             }
         }
     }

@@ -6,7 +6,19 @@ macro_rules! scenes {
     };
 }
 
-const SCENES: &[(&str, &str)] = scenes!["experiment-1"];
+const SCENES: &[(&str, &str)] = scenes![
+    "experiment-1",
+    "experiment-1-fast",
+    "lock",
+    "lock-step",
+    "lock-drift",
+    "transducer-smbltd45f40h-1",
+    "transducer-smbltd45f40h-2",
+    "transducer-gb-4540-4sh",
+    "transducer-skymen-60w",
+    "transducer-smbltd45f28h",
+    "transducer-ma40s4s"
+];
 
 /// Name and text of every built-in scene.
 pub fn all() -> &'static [(&'static str, &'static str)] {

@@ -1,0 +1,217 @@
+//! The whole driver on doubles: converters, block task, queues, slow side, pins, link, watchdog; and a host at the other end of
+//! the link. A test drives it block by block and looks at what comes out.
+//!
+//! ```
+//! use hal_mock::bench::{Bench, Queues, Setup};
+//! use hal_mock::loop_back::LoopBack;
+//! use firmware::command::{Command, Reply};
+//! use firmware::supervisor::Mode;
+//!
+//! # fn main() -> Result<(), firmware::error::Error> {
+//! let setup = Setup::default();
+//! let load = LoopBack::of(&setup.config);
+//! let mut queues = Queues::default();
+//! let mut bench = Bench::new(&mut queues, &setup, load)?;
+//!
+//! assert_eq!(bench.ask(Command::Run), Some(Reply::Ack));
+//! assert!(bench.run_until(|report| report.mode == Mode::Run, 200).is_some());
+//! assert!(bench.enable.is_high());
+//!
+//! bench.press_stop();
+//! bench.poll();
+//! assert!(!bench.enable.is_high());
+//! # Ok(())
+//! # }
+//! ```
+//!
+//! Both sides of the driver run in one thread: the block task whenever a block has been played, the slow side after every
+//! [`Setup::poll_every`] blocks or when the test says so.
+
+use std::time::Duration;
+
+use firmware::app::{App, AppError, Peripherals};
+use firmware::block::Orders;
+use firmware::block_task::BlockTask;
+use firmware::command::{Command, Reply};
+use firmware::config::Config;
+use firmware::controller::Controller;
+use firmware::error::Error;
+use firmware::supervisor::{Fault, Mode};
+use firmware::telemetry::Telemetry;
+use heapless::spsc::Queue;
+
+use crate::analog::Analog;
+use crate::block_clock::BlockClock;
+use crate::host::Host;
+use crate::link::{self, End, Wire};
+use crate::loop_back;
+use crate::pin::{self, Input, Output, Probe, Switch};
+use crate::time::{Clock, Timed};
+use crate::watchdog::Watchdog;
+
+/// Orders that may be on their way to the block task.
+pub const ORDERS_DEPTH: usize = 8;
+
+/// The queues between the two sides. They outlive the bench, as a board's statics do.
+#[derive(Default)]
+pub struct Queues {
+    // A ring of N holds N - 1.
+    orders: Queue<Orders, { ORDERS_DEPTH + 1 }>,
+    telemetry: Queue<Telemetry, 64>,
+}
+
+/// How the bench is set up.
+#[derive(Clone, Debug)]
+pub struct Setup {
+    /// The controller's configuration.
+    pub config: Config,
+    /// Blocks between two turns of the slow side.
+    pub poll_every: u32,
+    /// How long the watchdog waits.
+    pub watchdog: Duration,
+    /// The link from the board to the host.
+    pub to_host: Wire,
+}
+
+impl Default for Setup {
+    /// The configuration that fits the loop-back, a turn of the slow side after every block, 10 ms, and an endless link.
+    fn default() -> Self {
+        Setup { config: loop_back::config(), poll_every: 1, watchdog: Duration::from_millis(10), to_host: Wire::default() }
+    }
+}
+
+/// The bench.
+pub struct Bench<'a, A> {
+    /// The enable pin.
+    pub enable: Probe,
+    /// The emergency stop's contact: low is pressed.
+    pub stop: Switch,
+    /// The watchdog.
+    pub watchdog: Watchdog,
+    /// The host.
+    pub host: Host,
+    /// The time.
+    pub clock: Clock,
+    blocks: BlockClock<Timed<A>>,
+    block_samples: u64,
+    poll_every: u32,
+    task: BlockTask<'a>,
+    app: App<'a, End, Output, Input, Watchdog>,
+    errors: Vec<AppError>,
+}
+
+impl<'a, A: Analog> Bench<'a, A> {
+    /// Puts the driver on the bench, with `analog` behind its converters, the power just on and the emergency stop released.
+    pub fn new(queues: &'a mut Queues, setup: &Setup, analog: A) -> Result<Self, Error> {
+        let (orders_in, orders_out) = queues.orders.split();
+        let (telemetry_in, telemetry_out) = queues.telemetry.split();
+        let task = BlockTask::new(Controller::build(&setup.config)?, orders_out, telemetry_in);
+
+        let clock = Clock::new(setup.config.sample_hz as u32);
+        let (enable_pin, enable) = pin::output(&clock);
+        let (stop_pin, stop) = pin::input(true);
+        let watchdog = Watchdog::new(&clock, setup.watchdog);
+        let (board_end, host_end) = link::duplex(setup.to_host, Wire::default());
+        let peripherals = Peripherals { link: board_end, enable: enable_pin, stop: stop_pin, watchdog: watchdog.clone() };
+
+        Ok(Bench {
+            enable,
+            stop,
+            watchdog,
+            host: Host::new(host_end, 0),
+            blocks: BlockClock::new(Timed::new(analog, clock.clone()), &task.silence()),
+            clock,
+            block_samples: setup.config.block_samples.into(),
+            poll_every: setup.poll_every.max(1),
+            task,
+            app: App::new(peripherals, orders_in, telemetry_out),
+            errors: Vec::new(),
+        })
+    }
+
+    /// What is behind the converters.
+    pub fn analog(&mut self) -> &mut A {
+        &mut self.blocks.analog.inner
+    }
+
+    /// Plays one block, and lets the slow side have its turn if it is due.
+    pub fn block(&mut self) {
+        let task = &mut self.task;
+        self.blocks.tick(|sense, drive| task.run(sense, drive));
+        if self.blocks.blocks().is_multiple_of(self.poll_every.into()) {
+            self.poll();
+        }
+    }
+
+    /// Plays `count` blocks.
+    pub fn blocks(&mut self, count: u64) {
+        (0..count).for_each(|_| self.block());
+    }
+
+    /// Blocks played so far.
+    pub fn played(&self) -> u64 {
+        self.blocks.blocks()
+    }
+
+    /// Plays blocks until the slow side has seen a report like this; returns how many, or `None` if it was not seen in time.
+    pub fn run_until(&mut self, mut seen: impl FnMut(&Telemetry) -> bool, at_most: u64) -> Option<u64> {
+        (1..=at_most).find(|_| {
+            self.block();
+            self.app.latest().is_some_and(&mut seen)
+        })
+    }
+
+    /// Lets time pass without blocks: the block stream has died, and only the slow side goes on.
+    pub fn stall(&mut self, time: Duration) {
+        let until = self.clock.now() + time;
+        while self.clock.now() < until {
+            self.clock.advance(self.block_samples * u64::from(self.poll_every));
+            self.poll();
+        }
+    }
+
+    /// One turn of the slow side.
+    pub fn poll(&mut self) {
+        if let Err(error) = self.app.poll() {
+            self.errors.push(error);
+        }
+    }
+
+    /// What the slow side has failed with so far.
+    pub fn errors(&self) -> &[AppError] {
+        &self.errors
+    }
+
+    /// Sends a command, gives the slow side a turn, and returns its answer. Time stands still.
+    pub fn ask(&mut self, command: Command) -> Option<Reply> {
+        let sequence = self.host.send(command).ok()?;
+        self.poll();
+        self.host.receive(usize::MAX);
+        self.host.answer_to(sequence)
+    }
+
+    /// Presses the emergency stop.
+    pub fn press_stop(&mut self) {
+        self.stop.set(false);
+    }
+
+    /// Releases the emergency stop.
+    pub fn release_stop(&mut self) {
+        self.stop.set(true);
+    }
+
+    /// The latest report that the slow side has seen.
+    pub fn latest(&self) -> Option<&Telemetry> {
+        self.app.latest()
+    }
+
+    /// The mode of the latest report; idle before the first.
+    pub fn mode(&self) -> Mode {
+        self.latest().map_or(Mode::Idle, |report| report.mode)
+    }
+
+    /// The fault of the latest report.
+    pub fn fault(&self) -> Option<Fault> {
+        self.latest().and_then(|report| report.fault)
+    }
+}

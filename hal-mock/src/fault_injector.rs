@@ -1,0 +1,260 @@
+//! Middleware on the converters: breaks things between the load and the controller, on schedule or by seeded chance.
+//!
+//! What is played passes unchanged; what is heard is damaged. A scheduled fault strikes at its block and lasts until
+//! [`FaultInjector::repair`], or is over at once where it is an event ([`FaultKind::lasts`]). A fault by chance strikes single
+//! blocks. Where nothing is scheduled and no chance is set, the middleware changes nothing.
+
+use firmware::block::{DriveBlock, SenseBlock, Trips};
+use firmware::config::FrontEnd;
+
+use crate::analog::Analog;
+use crate::chance::Chance;
+
+/// What breaks.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FaultKind {
+    /// A broken lead: the current channel reads zero current.
+    Open,
+    /// The voltage channel stays at its last code.
+    SensorStuck,
+    /// The voltage channel is off by so many codes.
+    SensorOffset(i16),
+    /// Both channels read the end of their range.
+    Saturation,
+    /// The belt sensor reads zero.
+    BeltStopped,
+    /// A block arrives without codes. An event.
+    Dropout,
+    /// A block is reported missed. An event.
+    LateBlock,
+    /// The comparator on the current fires. An event.
+    OverCurrentTrip,
+}
+
+impl FaultKind {
+    /// Whether it lasts from its block on; an event strikes one block.
+    pub fn lasts(self) -> bool {
+        !matches!(self, FaultKind::Dropout | FaultKind::LateBlock | FaultKind::OverCurrentTrip)
+    }
+}
+
+/// Something that breaks at a certain block.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Scheduled {
+    /// In which block, counted from zero.
+    pub at_block: u64,
+    /// What.
+    pub kind: FaultKind,
+}
+
+/// The fault injector.
+#[derive(Clone, Debug)]
+pub struct FaultInjector<A> {
+    /// What is behind.
+    pub inner: A,
+    mid_code: u16,
+    max_code: u16,
+    chance: Chance,
+    scheduled: Vec<Scheduled>,
+    broken: Vec<FaultKind>,
+    by_chance: Vec<(FaultKind, f64)>,
+    flip: f64,
+    last_voltage_code: u16,
+    block: u64,
+}
+
+impl<A> FaultInjector<A> {
+    /// Breaks nothing until told to. The front end says where zero and the end of the range are.
+    pub fn new(inner: A, front_end: &FrontEnd, seed: u64) -> Self {
+        FaultInjector {
+            inner,
+            mid_code: front_end.sense_mid_code,
+            max_code: front_end.sense_max_code,
+            chance: Chance::new(seed),
+            scheduled: Vec::new(),
+            broken: Vec::new(),
+            by_chance: Vec::new(),
+            flip: 0.0,
+            last_voltage_code: front_end.sense_mid_code,
+            block: 0,
+        }
+    }
+
+    /// Adds a fault to the schedule. One whose block is past strikes at the next.
+    pub fn schedule(&mut self, fault: Scheduled) {
+        self.scheduled.push(fault);
+    }
+
+    /// Strikes at the next block.
+    pub fn strike(&mut self, kind: FaultKind) {
+        self.schedule(Scheduled { at_block: self.block, kind });
+    }
+
+    /// Mends a fault that lasts.
+    pub fn repair(&mut self, kind: FaultKind) {
+        self.broken.retain(|&broken| broken != kind);
+    }
+
+    /// Lets a fault strike single blocks with this probability.
+    pub fn set_chance(&mut self, kind: FaultKind, probability: f64) {
+        self.by_chance.retain(|&(other, _)| other != kind);
+        self.by_chance.push((kind, probability));
+    }
+
+    /// Flips one bit of a sense code with this probability.
+    pub fn set_bit_flips(&mut self, probability: f64) {
+        self.flip = probability;
+    }
+
+    /// Blocks that have passed.
+    pub fn blocks(&self) -> u64 {
+        self.block
+    }
+
+    /// What strikes this block, besides what is broken already.
+    fn strikes(&mut self) -> Vec<FaultKind> {
+        let block = self.block;
+        let due = self.scheduled.extract_if(.., |fault| fault.at_block <= block).map(|fault| fault.kind);
+        let (lasting, mut events): (Vec<_>, Vec<_>) = due.partition(|kind| kind.lasts());
+        self.broken.extend(lasting);
+        events.extend(self.by_chance.iter().filter(|(_, p)| self.chance.strikes(*p)).map(|&(kind, _)| kind));
+        events
+    }
+
+    fn inflict(&self, kind: FaultKind, sense: &mut SenseBlock) {
+        match kind {
+            FaultKind::Open => sense.i.fill(self.mid_code),
+            FaultKind::SensorStuck => sense.v.fill(self.last_voltage_code),
+            FaultKind::SensorOffset(codes) => {
+                sense.v.iter_mut().for_each(|code| *code = code.saturating_add_signed(codes).min(self.max_code));
+            }
+            FaultKind::Saturation => {
+                sense.v.fill(self.max_code);
+                sense.i.fill(self.max_code);
+            }
+            FaultKind::BeltStopped => sense.slow.belt = Some(0.0),
+            FaultKind::Dropout => {
+                sense.v.clear();
+                sense.i.clear();
+            }
+            FaultKind::LateBlock => sense.slow.missed_blocks = Some(sense.slow.missed_blocks.unwrap_or(0) + 1),
+            FaultKind::OverCurrentTrip => sense.slow.trips = Some(Trips { over_current: true }),
+        }
+    }
+
+    fn flip_bits(&mut self, sense: &mut SenseBlock) {
+        if self.flip == 0.0 {
+            return;
+        }
+        let bits = u64::from(u16::BITS - self.max_code.leading_zeros());
+        for code in sense.v.iter_mut().chain(&mut sense.i) {
+            if self.chance.strikes(self.flip) {
+                *code = (*code ^ (1 << self.chance.below(bits))).min(self.max_code);
+            }
+        }
+    }
+}
+
+impl<A: Analog> Analog for FaultInjector<A> {
+    fn exchange(&mut self, drive: &DriveBlock, sense: &mut SenseBlock) {
+        self.inner.exchange(drive, sense);
+        let events = self.strikes();
+        self.broken.iter().chain(&events).for_each(|&kind| self.inflict(kind, sense));
+        self.flip_bits(sense);
+        self.last_voltage_code = sense.v.last().copied().unwrap_or(self.last_voltage_code);
+        self.block += 1;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::loop_back::{self, LoopBack};
+
+    fn injector(seed: u64) -> FaultInjector<LoopBack> {
+        let config = loop_back::config();
+        FaultInjector::new(LoopBack::of(&config), &config.front_end, seed)
+    }
+
+    fn wave() -> DriveBlock {
+        DriveBlock { lanes: [(0..32).map(|n| 2000 + 7 * n).collect()].into_iter().collect() }
+    }
+
+    fn hear(analog: &mut impl Analog) -> SenseBlock {
+        let mut sense = SenseBlock::default();
+        analog.exchange(&wave(), &mut sense);
+        sense
+    }
+
+    fn heard(injector: &mut FaultInjector<LoopBack>, blocks: usize) -> Vec<SenseBlock> {
+        (0..blocks).map(|_| hear(injector)).collect()
+    }
+
+    #[test]
+    fn inactive_it_changes_nothing() {
+        let mut bare = LoopBack::of(&loop_back::config());
+        assert_eq!(heard(&mut injector(1), 5), (0..5).map(|_| hear(&mut bare)).collect::<Vec<_>>());
+    }
+
+    #[test]
+    fn lasting_faults_last_from_their_block_until_repaired() {
+        let healthy = heard(&mut injector(1), 8);
+        let cases: [(FaultKind, fn(&SenseBlock) -> bool); 5] = [
+            (FaultKind::Open, |sense| sense.i.iter().all(|&code| code == 2048) && sense.v[3] == 2021),
+            (FaultKind::SensorStuck, |sense| sense.v.iter().all(|&code| code == 2000 + 7 * 31) && sense.i[3] != 2048),
+            (FaultKind::SensorOffset(-300), |sense| sense.v[0] == 1700 && sense.v[31] == 1917),
+            (FaultKind::Saturation, |sense| sense.v.iter().chain(&sense.i).all(|&code| code == 4095)),
+            (FaultKind::BeltStopped, |sense| sense.slow.belt == Some(0.0)),
+        ];
+        for (kind, shows) in cases {
+            let mut injector = injector(1);
+            injector.schedule(Scheduled { at_block: 3, kind });
+            let got = heard(&mut injector, 6);
+            assert_eq!(got[..3], healthy[..3], "{kind:?}");
+            assert!(kind.lasts() && got[3..].iter().all(shows), "{kind:?}: {:?}", got[3]);
+            injector.repair(kind);
+            assert_eq!(heard(&mut injector, 2), healthy[6..], "{kind:?}");
+        }
+    }
+
+    #[test]
+    fn events_strike_one_block() {
+        let healthy = heard(&mut injector(1), 4);
+        let cases: [(FaultKind, fn(&SenseBlock) -> bool); 3] = [
+            (FaultKind::Dropout, |sense| sense.v.is_empty() && sense.i.is_empty()),
+            (FaultKind::LateBlock, |sense| sense.slow.missed_blocks == Some(1)),
+            (FaultKind::OverCurrentTrip, |sense| sense.slow.trips == Some(Trips { over_current: true })),
+        ];
+        for (kind, shows) in cases {
+            let mut injector = injector(1);
+            injector.schedule(Scheduled { at_block: 2, kind });
+            let got = heard(&mut injector, 4);
+            assert!(!kind.lasts() && shows(&got[2]), "{kind:?}");
+            assert_eq!((&got[..2], &got[3..]), (&healthy[..2], &healthy[3..]), "{kind:?}");
+        }
+    }
+
+    #[test]
+    fn chance_strikes_as_often_as_asked_and_the_same_blocks_again() {
+        let missed = |seed| {
+            let mut injector = injector(seed);
+            injector.set_chance(FaultKind::LateBlock, 0.1);
+            heard(&mut injector, 5000).iter().map(|sense| sense.slow.missed_blocks.is_some()).collect::<Vec<_>>()
+        };
+        let one = missed(1);
+        assert!((400..600).contains(&one.iter().filter(|&&struck| struck).count()));
+        assert_eq!(one, missed(1));
+        assert_ne!(one, missed(2));
+    }
+
+    #[test]
+    fn flips_single_bits_inside_the_range() {
+        let (healthy, mut injector) = (heard(&mut injector(1), 100), injector(1));
+        injector.set_bit_flips(0.05);
+        let got = heard(&mut injector, 100);
+        let pairs = healthy.iter().zip(&got).flat_map(|(a, b)| a.v.iter().chain(&a.i).zip(b.v.iter().chain(&b.i)));
+        let distances: Vec<u32> = pairs.map(|(a, b)| (a ^ b).count_ones()).collect();
+        assert!(distances.iter().all(|&bits| bits <= 1));
+        assert!((240..400).contains(&distances.iter().sum::<u32>()), "{}", distances.iter().sum::<u32>());
+    }
+}

@@ -1,0 +1,80 @@
+//! The host's end of the link: commands out and replies in, by the real frame format.
+
+use embedded_io::Write;
+use firmware::command::{Command, Reply};
+use firmware::link::{self, Frame, FrameError, Receiver};
+use firmware::telemetry::Telemetry;
+
+use crate::link::{End, LinkError, Noisy};
+
+/// The host.
+#[derive(Debug)]
+pub struct Host {
+    /// The host's end; set its noise to damage what the host sends.
+    pub link: Noisy<End>,
+    receiver: Receiver,
+    sequence: u16,
+    frames: Vec<Frame<Reply>>,
+    spoiled: Vec<FrameError>,
+}
+
+impl Host {
+    /// A host at this end, whose noise (none, at first) comes from `seed`.
+    pub fn new(end: End, seed: u64) -> Self {
+        let link = Noisy::new(end, seed);
+        Host { link, receiver: Receiver::default(), sequence: 0, frames: Vec::new(), spoiled: Vec::new() }
+    }
+
+    /// Sends a command and returns its frame's sequence number.
+    pub fn send(&mut self, command: Command) -> Result<u16, LinkError> {
+        self.sequence = self.sequence.wrapping_add(1);
+        // Every command fits into a frame.
+        let frame = link::encode(self.sequence, command).unwrap_or_default();
+        self.link.write_all(&frame).map(|()| self.sequence)
+    }
+
+    /// Sends bytes as they are.
+    pub fn send_bytes(&mut self, bytes: &[u8]) -> Result<(), LinkError> {
+        self.link.write_all(bytes)
+    }
+
+    /// Takes up to `bytes` of what the board has sent; `usize::MAX` takes all.
+    pub fn receive(&mut self, bytes: usize) {
+        for byte in self.link.inner.take(bytes) {
+            match self.receiver.take(byte) {
+                Some(Ok(frame)) => self.frames.push(frame),
+                Some(Err(error)) => self.spoiled.push(error),
+                None => {}
+            }
+        }
+    }
+
+    /// The telemetry received so far, with its frames' sequence numbers.
+    pub fn telemetry(&self) -> impl Iterator<Item = (u16, &Telemetry)> {
+        self.frames.iter().filter_map(|frame| match &frame.body {
+            Reply::Telemetry(telemetry) => Some((frame.sequence, telemetry)),
+            _ => None,
+        })
+    }
+
+    /// The answers received so far, with the sequence numbers of what they answer.
+    pub fn answers(&self) -> impl Iterator<Item = (u16, &Reply)> {
+        self.frames.iter().filter(|frame| !matches!(frame.body, Reply::Telemetry(_))).map(|frame| (frame.sequence, &frame.body))
+    }
+
+    /// The answer to the command with this sequence number.
+    pub fn answer_to(&self, sequence: u16) -> Option<Reply> {
+        self.answers().find(|(answered, _)| *answered == sequence).map(|(_, reply)| *reply)
+    }
+
+    /// What came damaged.
+    pub fn spoiled(&self) -> &[FrameError] {
+        &self.spoiled
+    }
+
+    /// Forgets what was received so far.
+    pub fn forget(&mut self) {
+        self.frames.clear();
+        self.spoiled.clear();
+    }
+}

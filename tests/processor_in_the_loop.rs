@@ -1,0 +1,279 @@
+//! The controller as thumb code under QEMU against the controller in this process: the same codes and the same telemetry, bit
+//! for bit. Arithmetic only; an emulator says nothing about time.
+//!
+//! Skipped, with a message, where QEMU or the target's core library is not installed. In continuous integration (`CI=true`) that
+//! is a failure, unless `SONOGLIDE_PIL_UNAVAILABLE` says that installing them was tried and was not possible.
+
+use std::path::PathBuf;
+use std::process::Command;
+use std::time::{Duration, Instant};
+
+use firmware::block::{Amplitude, Codes, DriveBlock, Gate, Orders, Request, SenseBlock, SlowSense, Trips};
+use firmware::config::{Config, Edge, Schedule, ShapeKind, TrackingMode};
+use firmware::supervisor::Mode;
+use firmware::telemetry::Telemetry;
+use hal_mock::analog::Analog;
+use hal_mock::block_clock::BlockClock;
+use hal_mock::loop_back::LoopBack;
+use rand_core::{Rng, SeedableRng};
+use rand_xoshiro::Xoshiro256PlusPlus;
+use sim_host::pil::{self, PilError, Qemu};
+use sim_host::processor::{Here, Processor};
+use sim_host::run::{Watch, run, run_on};
+use sim_host::scene::Scene;
+use sim_host::scene::load::load;
+use sim_host::settings;
+
+/// The image; `None` where there can be none, which has then been said.
+fn image() -> Option<PathBuf> {
+    let Some(reason) = pil::missing() else { return Some(pil::image().expect("the image builds")) };
+    let in_ci = std::env::var("CI").is_ok_and(|ci| ci == "true");
+    let excused = std::env::var_os("SONOGLIDE_PIL_UNAVAILABLE").is_some();
+    assert!(!in_ci || excused, "no processor in the loop in continuous integration: {reason}");
+    if excused {
+        eprintln!("========================================================================");
+        eprintln!("NOT TESTED: the thumb code of the controller; installing QEMU has failed");
+        eprintln!("========================================================================");
+    }
+    eprintln!("SKIPPED: {reason}");
+    None
+}
+
+/// The scene of experiment 1, shortened: power-up, scan, lock, one burst, and what follows it; with the converters' noise.
+fn short_scene() -> Scene {
+    let sets = ["duration_s=0.25", "controller.burst.on_s=[0.15]", "controller.burst.off_s=[0.22]"];
+    load("experiment-1", &sets.map(String::from)).expect("a valid scene").scene
+}
+
+/// Every bit of a report.
+fn bits(telemetry: &Telemetry) -> Vec<u8> {
+    postcard::to_allocvec(telemetry).expect("telemetry can be encoded")
+}
+
+#[test]
+fn host_and_thumb_play_identical_codes() {
+    let Some(image) = image() else { return };
+    let scene = short_scene();
+    let here = run(&scene, Watch::default()).expect("a run on the host");
+    let mut qemu = Qemu::start(&image, &settings::config(&scene)).expect("QEMU starts");
+    let there = run_on(&mut qemu, &scene, Watch::default()).expect("a run on QEMU");
+
+    assert_eq!(here.drive_hash, there.drive_hash, "hashes of all drive codes played");
+    assert_eq!(bits(&here.last), bits(&there.last), "{:?}\n{:?}", here.last, there.last);
+    // Agreement in silence would be worth little.
+    let driven = there.rows.iter().filter(|row| row.mode == Mode::Run && row.drive_v > 0.0).count();
+    assert!(driven > 1000, "{driven} blocks driven in a burst, of {}", there.rows.len());
+}
+
+/// Whatever the sense codes and the orders are.
+#[test]
+fn host_and_thumb_answer_random_blocks_alike() {
+    let Some(image) = image() else { return };
+    for (number, config) in configs().iter().enumerate() {
+        let mut here = Here::new(config).expect("a valid configuration");
+        let mut there = Qemu::start(&image, config).expect("QEMU starts");
+        assert_eq!(here.silence(), there.silence());
+        let mut world = World::new(number as u64);
+        let mut clock = BlockClock::new(Scrambled::new(config, number as u64), &here.silence());
+        let (mut modes, mut sounding) = (Vec::new(), 0);
+        for block in 0..4000 {
+            let orders = world.orders(block);
+            let (ours, theirs, drive) = clock.tick(|sense, drive| {
+                let mut also = DriveBlock::default();
+                let theirs = there.process(&orders, sense, &mut also).expect("QEMU lives");
+                let ours = here.process(&orders, sense, drive).expect("this process lives");
+                assert_eq!(*drive, also, "configuration {number}, block {block}: {ours:?}");
+                (ours, theirs, also)
+            });
+            assert_eq!(bits(&ours), bits(&theirs), "configuration {number}, block {block}:\n{ours:?}\n{theirs:?}");
+            sounding += usize::from(drive != there.silence());
+            if !modes.contains(&ours.mode) {
+                modes.push(ours.mode);
+            }
+        }
+        for mode in [Mode::Idle, Mode::SelfTest, Mode::Fault] {
+            assert!(modes.contains(&mode), "configuration {number} never came to {mode:?}: {modes:?}");
+        }
+        let beyond = if config.tracking.mode == TrackingMode::Off { Mode::Run } else { Mode::Scan };
+        assert!(modes.contains(&beyond), "configuration {number} never came to {beyond:?}: {modes:?}");
+        assert!(sounding > 400, "configuration {number} played {sounding} blocks only");
+    }
+}
+
+#[test]
+fn a_refused_configuration_comes_back_as_text() {
+    let Some(image) = image() else { return };
+    let mut config = settings::config(&short_scene());
+    config.tracking.nominal_q = -1.0;
+    let expected = Here::new(&config).err().expect("a refusal").to_string();
+    match Qemu::start(&image, &config).err().expect("a refusal") {
+        PilError::Config(reason) => assert_eq!(reason, expected),
+        other => panic!("{other}"),
+    }
+}
+
+#[test]
+fn a_lost_emulator_is_an_error_and_not_a_wait() {
+    let Some(image) = image() else { return };
+    for (signal, expected) in [("-KILL", "signal: 9"), ("-STOP", "no answer")] {
+        let mut qemu = Qemu::start(&image, &settings::config(&short_scene())).expect("QEMU starts");
+        qemu.set_patience(Duration::from_millis(500));
+        let killed = Command::new("kill").args([signal, &qemu.process_id().to_string()]).status().expect("kill runs");
+        assert!(killed.success());
+        // Longer than the watchdog needs to see its new patience.
+        let began = Instant::now();
+        let sense = SenseBlock::default();
+        let lost = qemu.process(&Orders::default(), &sense, &mut DriveBlock::default()).expect_err("QEMU is gone");
+        assert!(lost.to_string().contains(expected), "{lost}");
+        assert!(began.elapsed() < Duration::from_secs(20), "{:?}", began.elapsed());
+        assert!(qemu.process(&Orders::default(), &sense, &mut DriveBlock::default()).is_err(), "and stays gone");
+    }
+}
+
+/// Configurations that between them take every branch of the waveform: shapes, lanes, trims, edges, schedules, trackers.
+fn configs() -> [Config; 3] {
+    let tracked = settings::config(&short_scene());
+    let mut held = tracked.clone();
+    held.tracking.mode = TrackingMode::Off;
+    held.lanes = 4;
+    held.block_samples = 64;
+    held.drive.shape = ShapeKind::Square;
+    held.drive.amplitude = Amplitude::Volts(4.0);
+    held.phasing.phase_trim_turns = [0.01, -0.02, 0.0, 0.25].into_iter().collect();
+    held.phasing.gain_trim = [1.0, 0.93, 1.1, 0.5].into_iter().collect();
+    held.burst.schedule = Schedule::Periodic { period_s: 7.3e-3, duty: 0.4 };
+    held.burst.edge = Edge::Soft { cycles: 9.5 };
+    let mut zero_phase = tracked.clone();
+    zero_phase.tracking.mode = TrackingMode::ZeroPhase;
+    zero_phase.block_samples = 25;
+    zero_phase.lanes = 2;
+    [tracked, held, zero_phase]
+}
+
+/// Where orders and slow readings come from.
+struct World {
+    random: Xoshiro256PlusPlus,
+    orders: Orders,
+}
+
+impl World {
+    fn new(seed: u64) -> Self {
+        World { random: Xoshiro256PlusPlus::seed_from_u64(seed), orders: Orders::default() }
+    }
+
+    /// New orders every now and then; mostly to run.
+    fn orders(&mut self, block: u32) -> Orders {
+        if block == 40 || one_in(&mut self.random, 150) {
+            let random = &mut self.random;
+            self.orders = Orders {
+                sequence: self.orders.sequence.wrapping_add(1),
+                request: *pick(random, &[Request::Run, Request::Run, Request::Run, Request::Scan, Request::Idle]),
+                gate: *pick(random, &[Gate::Scheduled, Gate::On, Gate::On, Gate::Off]),
+                amplitude: *pick(random, &AMPLITUDES),
+                emergency_stop: one_in(random, 20),
+                clear_fault: !one_in(random, 4),
+            };
+        }
+        self.orders
+    }
+}
+
+/// Plausible ones, and ones that must be clamped.
+const AMPLITUDES: [Option<Amplitude>; 8] = [
+    None,
+    Some(Amplitude::Volts(0.0)),
+    Some(Amplitude::Volts(3.3)),
+    Some(Amplitude::Volts(1e30)),
+    Some(Amplitude::Volts(-1.0)),
+    Some(Amplitude::MotionalCurrent(0.5)),
+    Some(Amplitude::MotionalCurrent(1e-30)),
+    Some(Amplitude::MotionalCurrent(f32::MAX)),
+];
+
+/// What is heard at the moment.
+#[derive(Clone, Copy)]
+enum Heard {
+    /// The loop-back, with noise.
+    Load,
+    /// Any codes at all.
+    Anything,
+    /// One end of the converters' range.
+    Railed,
+    /// Fewer codes than there should be, down to none.
+    Cut,
+}
+
+/// Middleware on the converters: a capacitor with noise, and stretches of worse.
+struct Scrambled {
+    load: LoopBack,
+    random: Xoshiro256PlusPlus,
+    heard: Heard,
+    left: u32,
+    codes: u16,
+}
+
+impl Scrambled {
+    fn new(config: &Config, seed: u64) -> Self {
+        let front_end = &config.front_end;
+        // Current codes per voltage code of change in a sample: I = C dV/dt.
+        let capacitance = config.tracking.nominal_c0_f * config.sample_hz;
+        Scrambled {
+            load: LoopBack::new(front_end.sense_mid_code, capacitance * front_end.volt_per_lsb / front_end.ampere_per_lsb),
+            random: Xoshiro256PlusPlus::seed_from_u64(!seed),
+            heard: Heard::Load,
+            left: 400,
+            codes: front_end.sense_max_code + 1,
+        }
+    }
+
+    /// Mostly a load, for long enough to get somewhere.
+    fn next_stretch(&mut self) {
+        use Heard::*;
+        self.heard = *pick(&mut self.random, &[Load, Load, Load, Load, Anything, Railed, Cut]);
+        self.left = if matches!(self.heard, Load) { 300 } else { 1 + self.random.next_u32() % 12 };
+    }
+}
+
+impl Analog for Scrambled {
+    fn exchange(&mut self, drive: &DriveBlock, sense: &mut SenseBlock) {
+        self.load.exchange(drive, sense);
+        if self.left == 0 {
+            self.next_stretch();
+        }
+        self.left -= 1;
+        let (random, codes) = (&mut self.random, u32::from(self.codes));
+        let scramble = |heard: Heard, random: &mut Xoshiro256PlusPlus, channel: &mut Codes| match heard {
+            Heard::Load => {
+                for code in channel {
+                    // Sense codes are sums of two conversions where drive codes are one.
+                    let noisy = 2 * (u32::from(*code)) + random.next_u32() % 7;
+                    *code = noisy.saturating_sub(3).min(codes - 1) as u16;
+                }
+            }
+            Heard::Anything => channel.iter_mut().for_each(|code| *code = random.next_u32() as u16),
+            Heard::Railed => channel.iter_mut().for_each(|code| *code = u16::MAX * (random.next_u32() % 2) as u16),
+            Heard::Cut => channel.truncate((random.next_u32() % 8) as usize),
+        };
+        scramble(self.heard, random, &mut sense.v);
+        scramble(self.heard, random, &mut sense.i);
+        sense.slow = slow(random);
+    }
+}
+
+fn slow(random: &mut Xoshiro256PlusPlus) -> SlowSense {
+    SlowSense {
+        belt: *pick(random, &[None, Some(0.038), Some(-0.068), Some(0.0)]),
+        temperature: *pick(random, &[None, Some(21.5)]),
+        force: *pick(random, &[None, Some(0.0), Some(10.0)]),
+        trips: one_in(random, 3000).then_some(Trips { over_current: true }),
+        missed_blocks: one_in(random, 3000).then_some(1),
+    }
+}
+
+fn one_in(random: &mut Xoshiro256PlusPlus, count: u32) -> bool {
+    random.next_u32().is_multiple_of(count)
+}
+
+fn pick<'a, T>(random: &mut Xoshiro256PlusPlus, choices: &'a [T]) -> &'a T {
+    &choices[random.next_u32() as usize % choices.len()]
+}
