@@ -118,7 +118,7 @@ impl<'a, A: Analog> Bench<'a, A> {
             enable,
             stop,
             watchdog,
-            host: Host::new(host_end, 0),
+            host: Host::new(host_end),
             blocks: BlockClock::new(Timed::new(analog, clock.clone()), &task.silence()),
             clock,
             block_samples: setup.config.block_samples.into(),

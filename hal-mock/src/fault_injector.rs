@@ -171,6 +171,8 @@ mod tests {
     use super::*;
     use crate::loop_back::{self, LoopBack};
 
+    type Shows = fn(&SenseBlock) -> bool;
+
     fn injector(seed: u64) -> FaultInjector<LoopBack> {
         let config = loop_back::config();
         FaultInjector::new(LoopBack::of(&config), &config.front_end, seed)
@@ -199,7 +201,7 @@ mod tests {
     #[test]
     fn lasting_faults_last_from_their_block_until_repaired() {
         let healthy = heard(&mut injector(1), 8);
-        let cases: [(FaultKind, fn(&SenseBlock) -> bool); 5] = [
+        let cases: [(FaultKind, Shows); 5] = [
             (FaultKind::Open, |sense| sense.i.iter().all(|&code| code == 2048) && sense.v[3] == 2021),
             (FaultKind::SensorStuck, |sense| sense.v.iter().all(|&code| code == 2000 + 7 * 31) && sense.i[3] != 2048),
             (FaultKind::SensorOffset(-300), |sense| sense.v[0] == 1700 && sense.v[31] == 1917),
@@ -220,7 +222,7 @@ mod tests {
     #[test]
     fn events_strike_one_block() {
         let healthy = heard(&mut injector(1), 4);
-        let cases: [(FaultKind, fn(&SenseBlock) -> bool); 3] = [
+        let cases: [(FaultKind, Shows); 3] = [
             (FaultKind::Dropout, |sense| sense.v.is_empty() && sense.i.is_empty()),
             (FaultKind::LateBlock, |sense| sense.slow.missed_blocks == Some(1)),
             (FaultKind::OverCurrentTrip, |sense| sense.slow.trips == Some(Trips { over_current: true })),

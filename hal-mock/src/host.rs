@@ -5,12 +5,13 @@ use firmware::command::{Command, Reply};
 use firmware::link::{self, Frame, FrameError, Receiver};
 use firmware::telemetry::Telemetry;
 
-use crate::link::{End, LinkError, Noisy};
+use crate::link::{End, LinkError};
+use crate::noise::Noisy;
 
 /// The host.
 #[derive(Debug)]
 pub struct Host {
-    /// The host's end; set its noise to damage what the host sends.
+    /// The host's end; its noise damages what the host sends.
     pub link: Noisy<End>,
     receiver: Receiver,
     sequence: u16,
@@ -19,10 +20,9 @@ pub struct Host {
 }
 
 impl Host {
-    /// A host at this end, whose noise (none, at first) comes from `seed`.
-    pub fn new(end: End, seed: u64) -> Self {
-        let link = Noisy::new(end, seed);
-        Host { link, receiver: Receiver::default(), sequence: 0, frames: Vec::new(), spoiled: Vec::new() }
+    /// A host at this end.
+    pub fn new(end: End) -> Self {
+        Host { link: Noisy::new(end), receiver: Receiver::default(), sequence: 0, frames: Vec::new(), spoiled: Vec::new() }
     }
 
     /// Sends a command and returns its frame's sequence number.

@@ -2,7 +2,7 @@
 //!
 //! * [`analog`]: the converters, as one trait; [`block_clock`] drives a controller through it with the latency of a real
 //!   DMA, and is what the simulator uses too. [`loop_back`] is the simplest thing to put behind it.
-//! * [`tracer`] and [`fault_injector`]: middleware on that trait. They nest.
+//! * [`tracer`] and [`fault_injector`]: middleware on that trait. They nest. [`noise`] is middleware on the link.
 //! * [`pin`], [`link`], [`watchdog`], [`flash`]: the slow seams; [`time`] is what they share.
 //! * [`bench`]: all of it together, with a [`host`] at the other end of the link.
 //!
@@ -19,6 +19,7 @@ pub mod flash;
 pub mod host;
 pub mod link;
 pub mod loop_back;
+pub mod noise;
 pub mod pin;
 pub mod time;
 pub mod tracer;

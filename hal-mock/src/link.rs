@@ -1,7 +1,7 @@
 //! A duplex byte link in memory.
 //!
 //! [`duplex`] gives two [`End`]s; what is written to one is read from the other. Each direction is a [`Wire`]: endless, or with
-//! room for so many bytes that the reader has not taken yet. [`Noisy`] wraps an end and damages what is written through it.
+//! room for so many bytes that the reader has not taken yet. [`crate::noise`] damages what goes over it.
 //!
 //! The contract of embedded-io lets a reader of nothing and a writer into a full wire wait. Nothing here can wait, so a reader of
 //! nothing gets an error, and a full wire does as its [`WhenFull`] says.
@@ -11,8 +11,6 @@ use std::collections::VecDeque;
 use std::rc::Rc;
 
 use embedded_io::{ErrorKind, ErrorType, Read, ReadReady, Write, WriteReady};
-
-use crate::chance::Chance;
 
 /// Why an end did not do what it was asked.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -173,64 +171,6 @@ impl WriteReady for End {
     }
 }
 
-/// Middleware on a link: damages what is written through it, by chance. Reading is not touched; to damage both directions wrap
-/// both ends.
-#[derive(Debug)]
-pub struct Noisy<L> {
-    /// What is behind.
-    pub inner: L,
-    /// Probability that a byte has one bit flipped.
-    pub flip: f64,
-    /// Probability that a byte is lost.
-    pub drop: f64,
-    chance: Chance,
-}
-
-impl<L> Noisy<L> {
-    /// A link that damages nothing until told to.
-    pub fn new(inner: L, seed: u64) -> Self {
-        Noisy { inner, flip: 0.0, drop: 0.0, chance: Chance::new(seed) }
-    }
-}
-
-impl<L: ErrorType> ErrorType for Noisy<L> {
-    type Error = L::Error;
-}
-
-impl<L: Read> Read for Noisy<L> {
-    fn read(&mut self, into: &mut [u8]) -> Result<usize, L::Error> {
-        self.inner.read(into)
-    }
-}
-
-impl<L: ReadReady> ReadReady for Noisy<L> {
-    fn read_ready(&mut self) -> Result<bool, L::Error> {
-        self.inner.read_ready()
-    }
-}
-
-impl<L: Write> Write for Noisy<L> {
-    fn write(&mut self, bytes: &[u8]) -> Result<usize, L::Error> {
-        // Byte by byte, so that what the link behind refuses has not been damaged yet.
-        let Some(&byte) = bytes.first() else { return Ok(0) };
-        if self.chance.strikes(self.drop) {
-            return Ok(1);
-        }
-        let flipped = if self.chance.strikes(self.flip) { 1 << self.chance.below(8) } else { 0 };
-        self.inner.write(&[byte ^ flipped])
-    }
-
-    fn flush(&mut self) -> Result<(), L::Error> {
-        self.inner.flush()
-    }
-}
-
-impl<L: WriteReady> WriteReady for Noisy<L> {
-    fn write_ready(&mut self) -> Result<bool, L::Error> {
-        self.inner.write_ready()
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -276,21 +216,5 @@ mod tests {
         assert_eq!(host.read(&mut [0; 4]), Err(LinkError::Cut));
         host.set_cut(false);
         assert_eq!(host.read(&mut [0; 4]), Ok(1));
-    }
-
-    #[test]
-    fn noise_flips_single_bits_and_drops_bytes_as_often_as_asked_and_the_same_way_again() {
-        let damaged = |flip, drop| {
-            let (board, mut host) = duplex(Wire::default(), Wire::default());
-            let mut noisy = Noisy { flip, drop, ..Noisy::new(board, 5) };
-            noisy.write_all(&[0; 10_000]).unwrap();
-            host.take(usize::MAX)
-        };
-        assert_eq!(damaged(0.0, 0.0), [0; 10_000]);
-        let flipped = damaged(0.1, 0.0);
-        assert!(flipped.iter().all(|byte| byte.count_ones() <= 1));
-        assert!((900..1100).contains(&flipped.iter().filter(|&&byte| byte != 0).count()));
-        assert!((8900..9100).contains(&damaged(0.0, 0.1).len()));
-        assert_eq!(flipped, damaged(0.1, 0.0));
     }
 }

@@ -353,7 +353,10 @@ impl Analog for Plant {
                 let force = self.step(&drive, step_s, &mut sums);
                 friction += force;
                 let (v_adc, i_adc) = (&mut self.v_adc, &mut self.i_adc);
-                self.stack.sample(step, volts, force, |volts| v += v_adc.convert(volts), |amperes| i += i_adc.convert(amperes));
+                self.stack.sample(step, volts, force, |voltage, current| {
+                    v += v_adc.convert(voltage);
+                    i += i_adc.convert(current);
+                });
             }
             // A sense block holds as many samples as the longest drive block.
             let _ = (sense.v.push(v), sense.i.push(i));

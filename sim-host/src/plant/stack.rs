@@ -133,8 +133,8 @@ pub struct Stack {
     force: Pairs,
     /// The state at the beginning of the last step.
     before: Pairs,
-    /// For each step of a sample, the conversions that fall into it: of the voltage, and of the current.
-    conversions: Vec<(Vec<Look>, Vec<Look>)>,
+    /// For each step of a sample, the conversions that fall into it.
+    conversions: Vec<Vec<Look>>,
 }
 
 /// How a sample is divided.
@@ -156,27 +156,29 @@ impl Timing {
         self.sample_s / f64::from(self.steps)
     }
 
-    /// For each step, how long after its beginning the conversions of a channel are that converts `early_s` before its time, s.
-    fn instants(&self, early_s: f64) -> Vec<Vec<f64>> {
+    /// For each step, how long after its beginning voltage and current are converted, s. The later of the two converts at the
+    /// nominal time, the other before it; both belong to the step of the earlier.
+    fn instants(&self) -> Vec<Vec<[f64; 2]>> {
         let step_s = self.step_s();
         let mut instants = vec![Vec::new(); self.steps as usize];
         for conversion in 1..=self.conversions {
-            let instant = self.sample_s * f64::from(conversion) / f64::from(self.conversions) - early_s;
+            let nominal = self.sample_s * f64::from(conversion) / f64::from(self.conversions);
+            let both = [nominal - self.skew_s.max(0.0), nominal + self.skew_s.min(0.0)];
             // One that falls on the seam of two steps belongs to the earlier.
-            let step = ((instant / step_s - 1e-9).floor().max(0.0) as usize).min(instants.len() - 1);
-            instants[step].push(instant - step as f64 * step_s);
+            let step = (both[0].min(both[1]) / step_s - 1e-9).floor().max(0.0);
+            instants[step as usize].push(both.map(|instant| instant - step * step_s));
         }
         instants
     }
 }
 
-/// A look at one output some time into a step, along the exact flow from its beginning, with drive and friction as they are held.
-/// Looking back from its end would be unstable: the clamped capacitance settles within nanoseconds.
+/// A look at voltage and current (the two lanes) some time into a step, along the exact flow from its beginning, with drive and
+/// friction as they are held. Looking back from its end would be unstable: the clamped capacitance settles within nanoseconds.
 #[derive(Clone, Copy, Debug, Default)]
 struct Look {
-    state: [f64; STATES],
-    drive: f64,
-    force: f64,
+    state: [f64x2; STATES],
+    drive: f64x2,
+    force: f64x2,
 }
 
 impl Stack {
@@ -238,28 +240,13 @@ impl Stack {
         self.drive = column(STATES);
         self.force = column(STATES + 1);
 
-        // The later of the two channels converts at the nominal time, the other before it.
-        let (v_early, i_early) = (self.timing.skew_s.max(0.0), (-self.timing.skew_s).max(0.0));
-        let voltage = |m: &Matrix<{ STATES + 2 }>, c: usize| m[V0][c];
-        // Both channels usually convert at the same instants: one exponential serves them.
-        let mut known: Vec<(f64, Matrix<{ STATES + 2 }>)> = vec![(self.timing.step_s(), step)];
-        let mut looks = |early: f64, row: &dyn Fn(&Matrix<{ STATES + 2 }>, usize) -> f64| -> Vec<Vec<Look>> {
-            let mut look = |instant: f64| {
-                let matrix = match known.iter().find(|(have, _)| (have - instant).abs() < 1e-15) {
-                    Some((_, matrix)) => *matrix,
-                    None => {
-                        let matrix = over(instant);
-                        known.push((instant, matrix));
-                        matrix
-                    }
-                };
-                let state = std::array::from_fn(|c| row(&matrix, c));
-                Look { state, drive: row(&matrix, STATES), force: row(&matrix, STATES + 1) }
-            };
-            self.timing.instants(early).into_iter().map(|step| step.into_iter().map(&mut look).collect()).collect()
+        let look = |[v, i]: [f64; 2]| {
+            let early = over(v);
+            let late = if i == v { early } else { over(i) };
+            let column = |c: usize| f64x2::new([early[V0][c], total(&late, c)]);
+            Look { state: std::array::from_fn(column), drive: column(STATES), force: column(STATES + 1) }
         };
-        let (v, i) = (looks(v_early, &voltage), looks(i_early, &total));
-        self.conversions = v.into_iter().zip(i).collect();
+        self.conversions = self.timing.instants().into_iter().map(|step| step.into_iter().map(look).collect()).collect();
         self.tip_per_ampere = 1.0 / force_factor_n_per_v;
         self.tip_per_volt = cm_f / force_factor_n_per_v;
     }
@@ -338,18 +325,17 @@ impl Stack {
         0.5 * (self.circuit.lm_h * self.motional_current().powi(2) + self.circuit.cm_f * self.motional_voltage().powi(2))
     }
 
-    /// Hands the voltage, and the current, at each conversion within step `step` of a sample to their converters. The step has
-    /// just been made with the drive at `volts` and a mean friction of `newtons`.
+    /// Hands voltage and current at each conversion within step `step` of a sample to `convert`. The step has just been made with
+    /// the drive at `volts` and a mean friction of `newtons`.
     #[inline]
-    pub fn sample(&self, step: usize, volts: f64, newtons: f64, mut v: impl FnMut(f64), mut i: impl FnMut(f64)) {
-        let [[e, d], [v0, im], [vc, _]] = self.before.map(f64x2::to_array);
-        let at = |look: &Look| {
+    pub fn sample(&self, step: usize, volts: f64, newtons: f64, mut convert: impl FnMut(f64, f64)) {
+        let [[e, d], [v0, i], [vc, _]] = self.before.map(f64x2::to_array);
+        for look in &self.conversions[step] {
             let [ke, kd, kv, ki, kc] = look.state;
-            ke * e + kd * d + kv * v0 + ki * im + kc * vc + look.drive * volts + look.force * newtons
-        };
-        let (voltages, currents) = &self.conversions[step];
-        voltages.iter().for_each(|look| v(at(look)));
-        currents.iter().for_each(|look| i(at(look)));
+            let both = look.drive * volts + look.force * newtons + ke * e + kd * d + kv * v0 + ki * i + kc * vc;
+            let [voltage, current] = both.to_array();
+            convert(voltage, current);
+        }
     }
 }
 
@@ -431,22 +417,22 @@ mod tests {
             let mut stack = Stack::new(A3, &Amplifier::default(), timing);
             let mut fine = Stack::new(A3, &Amplifier::default(), super::tests::timing(20e-9));
             for volts in [2.5, -1.0, 3.0] {
-                let (mut got_v, mut got_i, mut seen) = (Vec::new(), Vec::new(), Vec::new());
+                let (mut got, mut seen) = (Vec::new(), Vec::new());
                 for step in 0..steps as usize {
                     stack.advance(&stack.held(volts), 0.3);
-                    stack.sample(step, volts, 0.3, |v| got_v.push(v), |i| got_i.push(i));
+                    stack.sample(step, volts, 0.3, |v, i| got.push((v, i)));
                 }
                 for _ in 0..60 {
                     fine.advance(&fine.held(volts), 0.3);
                     seen.push((fine.voltage(), fine.current()));
                 }
                 let at = |time: f64| seen[(time / 20e-9).round() as usize - 1];
-                for (k, (v, i)) in got_v.iter().zip(&got_i).enumerate() {
+                for (k, (v, i)) in got.iter().enumerate() {
                     let time = 1.2e-6 * (k + 1) as f64 / f64::from(conversions);
                     let expected = (at(time - skew_s.max(0.0)).0, at(time + skew_s.min(0.0)).1);
                     assert!((v - expected.0).abs() < 1e-9 && (i - expected.1).abs() < 1e-9, "{k}: {v} {i} {expected:?}");
                 }
-                assert_eq!((got_v.len(), got_i.len()), (conversions as usize, conversions as usize));
+                assert_eq!(got.len(), conversions as usize);
             }
         }
     }

@@ -1,0 +1,122 @@
+//! The emergency stop: the amplifier is off at once, the controller mutes, and nothing starts again by itself.
+
+use firmware::app::AppError;
+use firmware::block::{Gate, LATENCY_BLOCKS};
+use firmware::command::{Command, Refusal, Reply};
+use firmware::supervisor::{Fault, Mode};
+use hal_mock::bench::{Queues, Setup};
+
+use super::*;
+
+#[test]
+fn drops_the_enable_pin_in_the_very_same_turn() {
+    let mut queues = Queues::default();
+    let mut bench = running(&mut queues, &Setup::default());
+    let (now, blocks) = (bench.clock.now(), bench.played());
+    bench.press_stop();
+    bench.poll();
+    let last = *bench.enable.changes().last().unwrap();
+    assert_eq!((last.at, last.high, bench.played()), (now, false, blocks));
+}
+
+#[test]
+fn mutes_after_the_latency_and_stays_muted_when_released() {
+    let mut queues = Queues::default();
+    let mut bench = running(&mut queues, &Setup::default());
+    let pressed = bench.played();
+    bench.press_stop();
+    bench.poll();
+    bench.blocks(50);
+    assert_eq!((bench.mode(), bench.fault()), (Mode::Fault, Some(Fault::EmergencyStop)));
+    bench.release_stop();
+    bench.blocks(PATIENCE);
+    assert_eq!((bench.mode(), bench.fault()), (Mode::Fault, Some(Fault::EmergencyStop)));
+    bench.ask(Command::Run);
+    bench.blocks(PATIENCE);
+    assert_eq!(bench.mode(), Mode::Fault);
+    assert_eq!(last_sounding(&mut bench), Some(pressed + LATENCY_BLOCKS as u64 - 1));
+    assert!(!bench.enable.is_high());
+}
+
+#[test]
+fn clear_and_run_start_again_but_clear_alone_does_not() {
+    let mut queues = Queues::default();
+    let mut bench = running(&mut queues, &Setup::default());
+    bench.press_stop();
+    bench.blocks(10);
+    bench.release_stop();
+    bench.blocks(10);
+    assert_eq!(bench.ask(Command::ClearFault), Some(Reply::Ack));
+    let silent_from = last_sounding(&mut bench);
+    bench.blocks(PATIENCE);
+    assert_eq!((bench.mode(), bench.fault(), last_sounding(&mut bench)), (Mode::Idle, None, silent_from));
+    bench.ask(Command::Run);
+    assert!(bench.run_until(|report| report.mode == Mode::Run, PATIENCE).is_some());
+    assert!(bench.enable.is_high());
+}
+
+#[test]
+fn cannot_be_cleared_while_it_is_pressed() {
+    let mut queues = Queues::default();
+    let mut bench = running(&mut queues, &Setup::default());
+    bench.press_stop();
+    bench.blocks(10);
+    let silent_from = last_sounding(&mut bench);
+    bench.ask(Command::ClearFault);
+    bench.ask(Command::Run);
+    bench.blocks(PATIENCE);
+    assert_eq!((bench.fault(), last_sounding(&mut bench)), (Some(Fault::EmergencyStop), silent_from));
+}
+
+#[test]
+fn pressed_at_power_up_nothing_runs() {
+    let mut queues = Queues::default();
+    let mut bench = bench(&mut queues, &Setup::default());
+    bench.press_stop();
+    bench.ask(Command::Run);
+    bench.blocks(PATIENCE);
+    assert_eq!((bench.fault(), last_sounding(&mut bench)), (Some(Fault::EmergencyStop), None));
+    assert!(bench.enable.changes().iter().all(|change| !change.high));
+}
+
+#[test]
+fn a_press_shorter_than_a_block_is_not_lost() {
+    let mut queues = Queues::default();
+    let mut bench = running(&mut queues, &Setup::default());
+    bench.press_stop();
+    bench.poll();
+    bench.release_stop();
+    bench.poll();
+    bench.blocks(5);
+    assert_eq!(bench.fault(), Some(Fault::EmergencyStop));
+    // Nor is the amplifier enabled again on the word of a report from before the press.
+    assert_eq!(bench.enable.changes().iter().filter(|change| change.high).count(), 1, "{:?}", bench.enable.changes());
+}
+
+#[test]
+fn works_while_the_block_stream_stands_still_and_its_queue_is_full() {
+    let mut queues = Queues::default();
+    let mut bench = running(&mut queues, &Setup::default());
+    let busy = (0..20).find(|_| bench.ask(Command::Gate(Gate::Off)) == Some(Reply::Nak(Refusal::Busy)));
+    assert!(busy.is_some());
+    bench.press_stop();
+    for _ in 0..3 {
+        bench.poll();
+        assert!(!bench.enable.is_high());
+    }
+    // The stream comes back after the stop was released: the press was seen all the same.
+    bench.release_stop();
+    bench.poll();
+    bench.blocks(40);
+    assert_eq!((bench.fault(), bench.enable.is_high()), (Some(Fault::EmergencyStop), false));
+}
+
+#[test]
+fn a_contact_that_cannot_be_read_drops_the_enable_pin() {
+    let mut queues = Queues::default();
+    let mut bench = running(&mut queues, &Setup::default());
+    bench.stop.set_failing(true);
+    bench.blocks(3);
+    assert!(!bench.enable.is_high());
+    assert_eq!(bench.errors(), [AppError::Pin; 3]);
+}

@@ -1,0 +1,39 @@
+//! The frame format, written a second time by its documentation, bit by bit and without a table: what a host in another language
+//! would send. Also for frames that the firmware's own encoder does not make.
+
+use firmware::block::Amplitude;
+use firmware::command::Command;
+use firmware::link::{VERSION, encode};
+
+/// CRC-32/ISCSI (Castagnoli), reflected.
+fn crc(bytes: &[u8]) -> u32 {
+    !bytes.iter().fold(!0, |crc, &byte| {
+        (0..8).fold(crc ^ u32::from(byte), |crc, _| if crc & 1 == 1 { (crc >> 1) ^ 0x82F6_3B78 } else { crc >> 1 })
+    })
+}
+
+/// A frame of any version and body. Sequence numbers up to 127 are one byte.
+pub fn frame(version: u8, sequence: u8, body: &[u8]) -> Vec<u8> {
+    assert!(sequence < 0x80);
+    let mut plain = [&[version, sequence], body].concat();
+    plain.extend_from_slice(&crc(&plain).to_le_bytes());
+    // Each zero is replaced by the distance to the next; frames here are too short for the longest run.
+    assert!(plain.len() < 254);
+    let mut stuffed: Vec<u8> = plain.split(|&byte| byte == 0).flat_map(|run| [&[run.len() as u8 + 1], run].concat()).collect();
+    stuffed.push(0);
+    stuffed
+}
+
+#[test]
+fn the_documented_format_is_what_the_firmware_sends() {
+    let commands: [(Command, &[u8]); 5] = [
+        (Command::Identify, &[0]),
+        (Command::Run, &[3]),
+        (Command::Amplitude(None), &[5, 0]),
+        (Command::Amplitude(Some(Amplitude::Volts(3.0))), &[5, 1, 0, 0, 0, 0x40, 0x40]),
+        (Command::TelemetryEvery(300), &[7, 0xAC, 0x02]),
+    ];
+    for (command, body) in commands {
+        assert_eq!(encode(100, command).unwrap(), frame(VERSION, 100, body)[..], "{command:?}");
+    }
+}

@@ -1,0 +1,92 @@
+//! Limits: more than is allowed is neither played nor a fault; it is said.
+
+use firmware::block::Amplitude;
+use firmware::command::{Command, Refusal, Reply};
+use firmware::config::ShapeKind;
+use firmware::supervisor::{Limit, Mode};
+use hal_mock::bench::{Queues, Setup};
+use proptest::prelude::*;
+
+use super::*;
+
+/// Peak codes of the voltage limit, 12 V.
+const LIMIT_CODES: u16 = 1200;
+
+#[test]
+fn a_voltage_over_the_limit_is_clamped_and_reported_by_number() {
+    let mut queues = Queues::default();
+    let mut bench = running(&mut queues, &Setup::default());
+    bench.ask(Command::TelemetryEvery(1));
+    assert_eq!(bench.ask(Command::Amplitude(Some(Amplitude::Volts(50.0)))), Some(Reply::Ack));
+    bench.blocks(200);
+    bench.host.receive(usize::MAX);
+    let report = *bench.host.telemetry().last().unwrap().1;
+    assert_eq!((report.limit.map(|limit| limit as u8), report.drive.0, report.mode), (Some(96), 12.0, Mode::Run));
+    assert_eq!(peak(&played(&mut bench, 0)), LIMIT_CODES);
+
+    assert_eq!(bench.ask(Command::Amplitude(None)), Some(Reply::Ack));
+    bench.blocks(10);
+    let began = bench.played() as usize * BLOCK;
+    bench.blocks(100);
+    assert_eq!((bench.latest().unwrap().limit, peak(&played(&mut bench, 0)[began..])), (None, 300));
+}
+
+#[test]
+fn exactly_the_limit_is_no_limit() {
+    let mut queues = Queues::default();
+    let mut bench = running(&mut queues, &Setup::default());
+    bench.ask(Command::Amplitude(Some(Amplitude::Volts(12.0))));
+    bench.blocks(10);
+    assert_eq!(bench.latest().unwrap().limit, None);
+    bench.ask(Command::Amplitude(Some(Amplitude::Volts(12.01))));
+    bench.blocks(10);
+    assert_eq!(bench.latest().unwrap().limit, Some(Limit::OverVoltageRequest));
+}
+
+#[test]
+fn an_amplitude_that_is_no_amplitude_is_refused_and_changes_nothing() {
+    let mut queues = Queues::default();
+    let mut bench = running(&mut queues, &Setup::default());
+    let sequence = bench.latest().unwrap().orders_sequence;
+    for x in [f32::NAN, -f32::NAN, -1.0, f32::INFINITY, f32::NEG_INFINITY] {
+        for amplitude in [Amplitude::Volts(x), Amplitude::MotionalCurrent(x)] {
+            assert_eq!(bench.ask(Command::Amplitude(Some(amplitude))), Some(Reply::Nak(Refusal::NotPlausible)), "{amplitude:?}");
+        }
+    }
+    let began = bench.played() as usize * BLOCK;
+    bench.blocks(100);
+    assert_eq!((peak(&played(&mut bench, 0)[began..]), bench.latest().unwrap().orders_sequence), (300, sequence));
+}
+
+/// The peak codes of a run at `volts`.
+fn peak_at(setup: &Setup, amplitude: Amplitude) -> u16 {
+    let mut queues = Queues::default();
+    let mut bench = running(&mut queues, setup);
+    bench.ask(Command::Amplitude(Some(amplitude)));
+    bench.blocks(100);
+    peak(&played(&mut bench, 0))
+}
+
+#[test]
+fn the_limit_is_a_peak_for_every_shape_and_frequency() {
+    assert_eq!(peak_at(&Setup::default(), Amplitude::Volts(12.0)), LIMIT_CODES);
+    for frequency_hz in [23e3, 40.4e3, 180e3] {
+        let square = setup(|config| {
+            config.drive.shape = ShapeKind::Square;
+            config.drive.frequency_hz = frequency_hz;
+        });
+        let peak = peak_at(&square, Amplitude::Volts(12.0));
+        assert!(peak <= LIMIT_CODES, "{peak} codes at {frequency_hz} Hz");
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(64))]
+
+    #[test]
+    fn whatever_amplitude_is_sent_the_limit_holds(bits: u32, current: bool) {
+        let x = f32::from_bits(bits);
+        let amplitude = if current { Amplitude::MotionalCurrent(x) } else { Amplitude::Volts(x) };
+        prop_assert!(peak_at(&Setup::default(), amplitude) <= LIMIT_CODES);
+    }
+}

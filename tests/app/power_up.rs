@@ -1,0 +1,40 @@
+//! Power-up: nothing moves before it is ordered.
+
+use firmware::block::{Amplitude, Gate};
+use firmware::command::{Command, Identity, Reply};
+use firmware::supervisor::Mode;
+use hal_mock::bench::{Queues, Setup};
+
+use super::*;
+
+#[test]
+fn silent_at_mid_code_until_ordered() {
+    let mut queues = Queues::default();
+    let mut bench = bench(&mut queues, &Setup::default());
+    for command in [Command::Gate(Gate::On), Command::Amplitude(Some(Amplitude::Volts(5.0))), Command::ClearFault] {
+        assert_eq!(bench.ask(command), Some(Reply::Ack));
+        bench.blocks(300);
+    }
+    assert!(played(&mut bench, 0).iter().all(|&code| code == MID));
+    assert_eq!((bench.mode(), bench.fault()), (Mode::Idle, None));
+}
+
+#[test]
+fn the_enable_pin_is_driven_low_by_the_first_turn_and_stays_there() {
+    let mut queues = Queues::default();
+    let mut bench = bench(&mut queues, &Setup::default());
+    bench.poll();
+    assert!(bench.enable.is_driven() && !bench.enable.is_high());
+    bench.blocks(300);
+    assert_eq!(bench.enable.changes().len(), 1);
+}
+
+#[test]
+fn identify_is_answered_with_versions_before_any_block() {
+    let mut queues = Queues::default();
+    let mut bench = bench(&mut queues, &Setup::default());
+    let version: Vec<u8> = env!("CARGO_PKG_VERSION").split('.').map(|part| part.parse().unwrap()).collect();
+    let identity = Identity { protocol: firmware::link::VERSION, firmware: version.try_into().unwrap() };
+    assert_eq!(bench.ask(Command::Identify), Some(Reply::Identity(identity)));
+    assert_eq!(bench.played(), 0);
+}

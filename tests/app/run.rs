@@ -1,0 +1,120 @@
+//! A run from order to silence.
+
+use firmware::block::{Gate, LATENCY_BLOCKS};
+use firmware::command::{Command, Reply};
+use firmware::supervisor::Mode;
+use hal_mock::bench::{Queues, Setup};
+
+use super::*;
+
+#[test]
+fn a_run_order_leads_through_the_self_test_to_running_and_idle_back() {
+    let mut queues = Queues::default();
+    let mut bench = bench(&mut queues, &Setup::default());
+    let mut modes = vec![bench.mode()];
+    let mut note = |mode| {
+        if modes.last() != Some(&mode) {
+            modes.push(mode);
+        }
+    };
+    bench.blocks(3);
+    bench.ask(Command::Run);
+    (0..300).for_each(|_| {
+        bench.block();
+        note(bench.mode());
+    });
+    bench.ask(Command::Idle);
+    (0..5).for_each(|_| {
+        bench.block();
+        note(bench.mode());
+    });
+    assert_eq!(modes, [Mode::Idle, Mode::SelfTest, Mode::Run, Mode::Idle]);
+    assert_eq!(bench.errors(), []);
+}
+
+#[test]
+fn the_enable_pin_is_high_while_driving_and_only_then() {
+    let mut queues = Queues::default();
+    let mut bench = running(&mut queues, &Setup::default());
+    bench.blocks(50);
+    bench.ask(Command::Idle);
+    bench.blocks(50);
+    let edges: Vec<bool> = bench.enable.changes().iter().map(|change| change.high).collect();
+    assert_eq!(edges, [false, true, false]);
+    // High before the first sample that is not silent, low after the last.
+    let first = bench.analog().blocks().find(|exchange| sounds(exchange)).unwrap().block;
+    let at: Vec<u64> = bench.enable.changes().iter().map(|change| change.at.as_micros() as u64 / BLOCK as u64).collect();
+    assert!(at[1] <= first, "{at:?} {first}");
+    // Idle was ordered between two blocks; the block after reports it.
+    assert!(at[2] <= last_sounding(&mut bench).unwrap() + 1, "{at:?}");
+}
+
+#[test]
+fn the_self_test_plays_half_the_scan_voltage_and_the_run_what_is_configured() {
+    let mut queues = Queues::default();
+    let mut bench = running(&mut queues, &Setup::default());
+    let began = bench.played() as usize * BLOCK;
+    bench.blocks(1000);
+    let codes = played(&mut bench, 0);
+    // The run's own codes begin two blocks after its first report, which was four blocks and more before `began`.
+    let before: Vec<u16> = codes[..began - 8 * BLOCK].to_vec();
+    assert!(before[..34 * BLOCK].iter().all(|&code| code == MID));
+    assert_eq!(peak(&before), 50);
+    let (amplitude, _) = tone(&codes[began..], began, 40_400.0);
+    assert!((amplitude - 3.0 * CODES_PER_VOLT).abs() < 0.05, "{amplitude}");
+    assert_eq!(peak(&codes[began..]), 300);
+}
+
+#[test]
+fn idle_mutes_when_the_codes_on_their_way_have_played() {
+    let mut queues = Queues::default();
+    let mut bench = running(&mut queues, &Setup::default());
+    let ordered = bench.played();
+    assert_eq!(bench.ask(Command::Idle), Some(Reply::Ack));
+    bench.blocks(50);
+    assert_eq!(last_sounding(&mut bench), Some(ordered + LATENCY_BLOCKS as u64 - 1));
+}
+
+#[test]
+fn the_gate_closes_and_opens_by_order_and_the_phase_runs_on() {
+    let mut queues = Queues::default();
+    let setup = Setup::default();
+    let mut bench = running(&mut queues, &setup);
+    let mut ordered = Vec::new();
+    for gate in [Gate::Off, Gate::On] {
+        ordered.push((bench.played() as usize + LATENCY_BLOCKS) * BLOCK);
+        assert_eq!(bench.ask(Command::Gate(gate)), Some(Reply::Ack));
+        bench.blocks(20);
+    }
+    assert_eq!(bench.mode(), Mode::Run);
+    let codes = played(&mut bench, 0);
+    let whole = codes_of_run(&setup, bench.played());
+    for (n, (&code, &uninterrupted)) in codes.iter().zip(&whole).enumerate() {
+        assert_eq!(code, if (ordered[0]..ordered[1]).contains(&n) { MID } else { uninterrupted }, "sample {n}");
+    }
+}
+
+#[test]
+fn a_clear_and_a_run_given_between_two_blocks_are_both_obeyed() {
+    let mut queues = Queues::default();
+    let mut bench = running(&mut queues, &Setup::default());
+    bench.analog().inner.strike(FaultKind::LateBlock);
+    bench.blocks(5);
+    assert_eq!(bench.mode(), Mode::Fault);
+    assert_eq!((bench.ask(Command::ClearFault), bench.ask(Command::Run)), (Some(Reply::Ack), Some(Reply::Ack)));
+    assert!(bench.run_until(|report| report.mode == Mode::Run, PATIENCE).is_some());
+}
+
+#[test]
+fn run_alone_does_not_clear_a_fault() {
+    let mut queues = Queues::default();
+    let mut bench = running(&mut queues, &Setup::default());
+    bench.analog().inner.strike(FaultKind::LateBlock);
+    bench.blocks(5);
+    let silent_from = last_sounding(&mut bench);
+    for command in [Command::Run, Command::Idle, Command::Scan, Command::Run] {
+        bench.ask(command);
+        bench.blocks(PATIENCE);
+    }
+    assert_eq!((bench.mode(), last_sounding(&mut bench)), (Mode::Fault, silent_from));
+}
