@@ -14,6 +14,7 @@ mod link;
 mod power_up;
 mod protection;
 mod run;
+mod scan;
 mod self_test;
 mod watchdog;
 

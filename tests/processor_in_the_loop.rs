@@ -245,7 +245,8 @@ impl Scrambled {
             }
             Heard::Anything => channel.iter_mut().for_each(|code| *code = random.next_u32() as u16),
             Heard::Railed => channel.iter_mut().for_each(|code| *code = *pick(random, &[0, max])),
-            Heard::Cut => channel.truncate((random.next_u32() % 8) as usize),
+            // But not to one, which has no phase: its phasor divides by zero, and the sign of not-a-number is the processor's choice.
+            Heard::Cut => channel.truncate(*pick(random, &[0, 2, 3, 7])),
         }
     }
 }

@@ -79,9 +79,8 @@ impl AmplitudeLoop {
             }
             Amplitude::MotionalCurrent(amperes) => self.hold(amperes, envelope, motional_current),
         };
-        // Written so that a not-a-number, which an order might carry, plays as silence.
-        self.limited = !(asked <= self.limits.voltage_v);
-        self.volts = if asked > 0.0 { asked.min(self.limits.voltage_v) } else { 0.0 };
+        self.limited = asked > self.limits.voltage_v;
+        self.volts = up_to(self.limits.voltage_v, asked);
     }
 
     /// Peak voltage to drive with, V.
@@ -105,17 +104,25 @@ impl AmplitudeLoop {
     }
 
     fn hold(&mut self, amperes: f32, envelope: f32, motional_current: f32) -> f32 {
-        let ceiling = amperes.min(self.limits.current_a);
+        let ceiling = up_to(self.limits.current_a, amperes);
         self.expected += self.lag * (envelope * ceiling - self.expected);
         if envelope < 1.0 || self.expected < LISTEN_ABOVE * ceiling {
             return self.integral_volts;
         }
         let error_volts = self.ohm * (self.expected - motional_current);
         self.within = if (ceiling - motional_current).abs() < SETTLED.0 * ceiling { self.within.saturating_add(1) } else { 0 };
+        if !error_volts.is_finite() {
+            return self.integral_volts;
+        }
         let integral_gain = core::f32::consts::TAU * BANDWIDTH_HZ * self.block_s;
         self.integral_volts = (self.integral_volts + integral_gain * error_volts).clamp(0.0, self.limits.voltage_v);
         self.integral_volts + error_volts * integral_gain / self.lag
     }
+}
+
+/// `value` between zero and `limit`; a not-a-number, which an order might carry, is zero.
+fn up_to(limit: f32, value: f32) -> f32 {
+    if value > 0.0 { value.min(limit) } else { 0.0 }
 }
 
 #[cfg(test)]
@@ -171,11 +178,20 @@ mod tests {
     fn the_limit_is_never_exceeded_and_says_so() {
         let mut hold = amplitude_loop(2.0);
         hold.seed(&transducer(65.0, 3.0), 0.0);
-        for asked in [Amplitude::Volts(50.0), Amplitude::Volts(f32::NAN), Amplitude::Volts(f32::INFINITY)] {
+        for asked in [Amplitude::Volts(50.0), Amplitude::Volts(f32::INFINITY)] {
             hold.update(asked, 1.0, 0.0);
-            assert!(hold.volts() <= 12.0 && hold.limited(), "{asked:?}");
+            assert!(hold.volts() == 12.0 && hold.limited(), "{asked:?}");
         }
-        hold.update(Amplitude::Volts(-3.0), 1.0, 0.0);
-        assert_eq!(hold.volts(), 0.0);
+        for asked in [Amplitude::Volts(-3.0), Amplitude::Volts(f32::NAN)] {
+            hold.update(asked, 1.0, 0.0);
+            assert_eq!(hold.volts(), 0.0, "{asked:?}");
+        }
+        for current in [f32::NAN, f32::INFINITY, 0.0] {
+            hold.expected = 0.0;
+            hold.update(Amplitude::MotionalCurrent(f32::NAN), 1.0, current);
+            assert!(hold.volts() <= 1.0, "{current}: {}", hold.volts());
+        }
+        hold.update(Amplitude::MotionalCurrent(2.0), 1.0, f32::NAN);
+        assert!(hold.volts() <= 12.0);
     }
 }

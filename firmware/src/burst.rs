@@ -69,21 +69,26 @@ impl Schedule {
 }
 
 /// The envelope of one block.
-#[derive(Clone, Debug)]
-pub enum Envelope {
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Envelope<'a> {
     /// The same throughout.
     Flat(f32),
     /// Sample by sample.
-    Edge(Vec<f32, MAX_BLOCK_SAMPLES>),
+    Edge(&'a [f32]),
 }
 
-impl Envelope {
+impl Envelope<'_> {
     /// The envelope's mean over the block.
     pub fn mean(&self) -> f32 {
         match self {
             Envelope::Flat(level) => *level,
             Envelope::Edge(levels) => levels.iter().sum::<f32>() / levels.len().max(1) as f32,
         }
+    }
+
+    /// Whether it is the same throughout.
+    pub fn is_flat(&self) -> bool {
+        matches!(self, Envelope::Flat(_))
     }
 }
 
@@ -95,6 +100,8 @@ pub struct Burst {
     edge: u32,
     /// Where the ramp stands, 0 (OFF) to `edge` (ON).
     ramp: u32,
+    /// The envelope of the last block with an edge.
+    levels: Vec<f32, MAX_BLOCK_SAMPLES>,
 }
 
 impl Burst {
@@ -107,21 +114,27 @@ impl Burst {
                 ((cycles * sample_hz / frequency_hz) as u32).max(1)
             }
         };
-        Ok(Burst { schedule: Schedule::build(&config.schedule, sample_hz.into())?, edge, ramp: 0 })
+        Ok(Burst { schedule: Schedule::build(&config.schedule, sample_hz.into())?, edge, ramp: 0, levels: Vec::new() })
     }
 
     /// The envelope from sample `now` on, for `samples` samples.
-    pub fn envelope(&mut self, gate: Gate, now: u64, samples: usize) -> Envelope {
+    pub fn envelope(&mut self, gate: Gate, now: u64, samples: usize) -> Envelope<'_> {
         let (open, stays) = self.gate(gate, now);
         let settled = self.ramp == if open { self.edge } else { 0 };
         if settled && stays >= samples as u64 {
             return Envelope::Flat(if open { 1.0 } else { 0.0 });
         }
-        Envelope::Edge((0..samples as u64).map(|n| self.step(self.gate(gate, now + n).0)).collect())
+        self.levels.clear();
+        for n in 0..samples.min(MAX_BLOCK_SAMPLES) as u64 {
+            let level = self.step(self.gate(gate, now + n).0);
+            // There is room for as many samples as a block can have.
+            let _ = self.levels.push(level);
+        }
+        Envelope::Edge(&self.levels)
     }
 
     /// Closes at once: what a fault does.
-    pub fn mute(&mut self) -> Envelope {
+    pub fn mute(&mut self) -> Envelope<'_> {
         self.ramp = 0;
         Envelope::Flat(0.0)
     }
@@ -155,7 +168,7 @@ mod tests {
     fn levels(burst: &mut Burst, now: u64, samples: usize) -> Vec<f32, MAX_BLOCK_SAMPLES> {
         match burst.envelope(Gate::Scheduled, now, samples) {
             Envelope::Flat(level) => core::iter::repeat_n(level, samples).collect(),
-            Envelope::Edge(levels) => levels,
+            Envelope::Edge(levels) => levels.iter().copied().collect(),
         }
     }
 

@@ -5,7 +5,7 @@
 
 use crate::amplitude::AmplitudeLoop;
 use crate::block::{Amplitude, DriveBlock, Gate, LATENCY_BLOCKS, MAX_BLOCK_SAMPLES, MAX_LANES, Orders, SenseBlock};
-use crate::burst::{Burst, Envelope};
+use crate::burst::Burst;
 use crate::config::Config;
 use crate::convert::Convert;
 use crate::demod::{Sensed, demodulate};
@@ -154,6 +154,7 @@ impl Controller {
         };
         let (phase, word) = (self.nco.phase(), self.sweep.word());
         shaper::shape(drive, &self.convert.drive, self.table, &self.lanes, (phase, word, self.samples), plan.volts, &envelope);
+        let (level, flat) = (envelope.mean(), envelope.is_flat());
         self.nco.advance(word, self.samples);
 
         self.played[self.block as usize % LATENCY_BLOCKS] = Played {
@@ -161,10 +162,10 @@ impl Controller {
             word,
             relative: 1.0 + self.sweep.offset_hz() / self.nominal_hz,
             volts: plan.volts,
-            envelope: envelope.mean(),
-            flat: matches!(envelope, Envelope::Flat(_)),
+            envelope: level,
+            flat,
         };
-        let telemetry = self.report(orders, &plan, &envelope, sensed, motional_current);
+        let telemetry = self.report(orders, &plan, level, sensed, motional_current);
         self.block = self.block.wrapping_add(1);
         telemetry
     }
@@ -266,7 +267,7 @@ impl Controller {
         }
     }
 
-    fn report(&self, orders: &Orders, plan: &Plan, envelope: &Envelope, sensed: Sensed, motional_current: Phasor) -> Telemetry {
+    fn report(&self, orders: &Orders, plan: &Plan, envelope: f32, sensed: Sensed, motional_current: Phasor) -> Telemetry {
         let mode = self.supervisor.mode();
         let following = matches!(mode, Mode::Lock | Mode::Run);
         let limit = match following {
@@ -285,7 +286,7 @@ impl Controller {
             frequency: self.sweep.frequency(),
             resonance: Hertz(self.nominal_hz + self.phase_loop.estimate_hz()),
             drive: Volts(plan.volts),
-            envelope: envelope.mean(),
+            envelope,
             v: sensed.v,
             i: sensed.i,
             motional_current,

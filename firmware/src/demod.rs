@@ -27,10 +27,14 @@ pub struct Sensed {
 
 /// Voltage and current phasors of a block whose first sample has phase `phase` and whose frequency is `word` (2^64 a turn).
 ///
-/// The sine of `omega` must not vanish: the frequency lies between zero and half the sample rate.
+/// The sine of `omega` must not vanish: the frequency lies between zero and half the sample rate. A block that was cut to less
+/// than two samples determines no phasor: zero.
 pub fn demodulate(convert: &Convert, sense: &SenseBlock, phase: u64, word: u64) -> Sensed {
     let samples = sense.v.len().min(sense.i.len());
-    let count = samples.max(1) as f32;
+    if samples < 2 {
+        return Sensed::default();
+    }
+    let count = samples as f32;
     let step = sine::rotation(word).conj();
     let mut turning = sine::rotation(phase).conj();
     let (mut v, mut i) = (Phasor::default(), Phasor::default());

@@ -30,6 +30,7 @@ pub struct Driven {
 /// The guard's memory.
 #[derive(Clone, Debug)]
 pub struct Guard {
+    samples: usize,
     current_limit: f32,
     clamped_siemens: f32,
     judged_volts: f32,
@@ -48,6 +49,7 @@ impl Guard {
         in_range("limits.belt_moving_m_per_s", limits.belt_moving_m_per_s.into(), 0.0, 100.0)?;
         in_range("limits.belt_stop_ms", limits.belt_stop_ms.into(), 0.0, 1e5)?;
         Ok(Guard {
+            samples: config.block_samples.into(),
             current_limit: limits.current_a,
             clamped_siemens: core::f32::consts::TAU * config.drive.frequency_hz * config.tracking.nominal_c0_f,
             judged_volts: JUDGED_CODES * config.front_end.volt_per_lsb.max(config.front_end.drive_volt_per_lsb),
@@ -75,21 +77,17 @@ impl Guard {
         self.belt_still = count(self.belt_still, still && driven.volts.is_none_or(|volts| volts > 0.0));
 
         let tripped = sense.slow.trips.is_some_and(|trips| trips.over_current);
-        let clipped = |clipped: usize, samples: usize| clipped * CLIPPED_PART > samples;
-        if sense.slow.missed_blocks.is_some_and(|missed| missed > 0) {
-            Some(Fault::LateBlock)
-        } else if tripped || magnitude(sensed.i) > self.current_limit {
-            Some(Fault::OverCurrent)
-        } else if clipped(convert.v.clipped(&sense.v), sense.v.len()) || clipped(convert.i.clipped(&sense.i), sense.i.len()) {
-            Some(Fault::SensorImplausible)
-        } else if self.wrong_voltage >= IMPLAUSIBLE_BLOCKS {
-            Some(Fault::SensorImplausible)
-        } else if self.no_current >= IMPLAUSIBLE_BLOCKS {
-            Some(Fault::LoadOpen)
-        } else if self.belt_still > self.belt_stop_blocks {
-            Some(Fault::BeltStopped)
-        } else {
-            None
-        }
+        let missed = sense.slow.missed_blocks.is_some_and(|missed| missed > 0);
+        let cut = sense.v.len() != self.samples || sense.i.len() != self.samples;
+        let clipped = |clipped: usize| clipped * CLIPPED_PART > self.samples;
+        let faults = [
+            (missed || cut, Fault::LateBlock),
+            (tripped || magnitude(sensed.i) > self.current_limit, Fault::OverCurrent),
+            (clipped(convert.v.clipped(&sense.v)) || clipped(convert.i.clipped(&sense.i)), Fault::SensorImplausible),
+            (self.wrong_voltage >= IMPLAUSIBLE_BLOCKS, Fault::SensorImplausible),
+            (self.no_current >= IMPLAUSIBLE_BLOCKS, Fault::LoadOpen),
+            (self.belt_still > self.belt_stop_blocks, Fault::BeltStopped),
+        ];
+        faults.into_iter().find_map(|(wrong, fault)| wrong.then_some(fault))
     }
 }

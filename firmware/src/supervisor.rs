@@ -40,7 +40,7 @@ pub enum Mode {
 pub enum Fault {
     /// The slow side has asked for an emergency stop.
     EmergencyStop = 10,
-    /// A block came late or was lost.
+    /// A block came late, was lost, or was cut short.
     LateBlock = 11,
     /// A sense channel is clipped, offset, or does not show what was played.
     SensorImplausible = 20,

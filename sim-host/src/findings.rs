@@ -29,16 +29,16 @@ pub fn report(study: &Study) -> Report {
         .concat(),
         tables: tables(study),
         figures: figures::of(study),
+        appendix: vec![all_metrics(study)],
         footer: footer(study),
         interrupted: study.record.interrupted,
     }
 }
 
-/// The tables of a study: expectations, three ways, grid, all metrics.
+/// The tables that answer the scene's question: expectations, three ways, grid.
 pub fn tables(study: &Study) -> Vec<TableBlock> {
     let mut tables = vec![expectations(study), three_ways(study)];
     tables.extend(grid(study));
-    tables.push(all_metrics(study));
     tables.retain(|table| !table.rows.is_empty());
     tables
 }
@@ -164,7 +164,8 @@ fn grid(study: &Study) -> Option<TableBlock> {
     Some(TableBlock { id: "grid".into(), title: grid.title.clone(), caption, header, rows })
 }
 
-fn all_metrics(study: &Study) -> TableBlock {
+/// Every metric of a study.
+pub fn all_metrics(study: &Study) -> TableBlock {
     let rows = study.metrics.iter().map(|(name, value)| vec![name.to_owned(), number(value)]).collect();
     table("metrics", "All metrics", "", &["metric", "value"], rows)
 }

@@ -283,7 +283,7 @@ impl<'a> View<'a> {
         let at = scene.fault.iter().map(|fault| fault.at_s).reduce(f64::min)?;
         let faulted = self.rows.iter().any(|row| row.fault != 0);
         let muted = self.rows.iter().find(|row| row.time_s - self.block_s >= at && row.drive_v == 0.0)?;
-        faulted.then(|| muted.time_s - self.block_s - at)
+        faulted.then_some(muted.time_s - self.block_s - at)
     }
 }
 

@@ -120,3 +120,16 @@ fn a_contact_that_cannot_be_read_drops_the_enable_pin() {
     assert!(!bench.enable.is_high());
     assert_eq!(bench.errors(), [AppError::Pin; 3]);
 }
+
+#[test]
+fn does_not_hide_or_clear_an_earlier_fault() {
+    let mut queues = Queues::default();
+    let mut bench = running(&mut queues, &Setup::default());
+    bench.analog().inner.strike(FaultKind::LateBlock);
+    bench.blocks(5);
+    bench.press_stop();
+    bench.blocks(5);
+    bench.release_stop();
+    bench.blocks(PATIENCE);
+    assert_eq!((bench.mode(), bench.fault()), (Mode::Fault, Some(Fault::LateBlock)));
+}

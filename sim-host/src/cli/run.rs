@@ -104,7 +104,11 @@ fn human(study: &Study, args: &RunArgs, processor: &str, color: Color) -> String
     if args.verbose {
         text += &modes(study);
     }
-    for block in findings::tables(study).iter().filter(|block| args.verbose || block.id != "metrics" || study.judged.is_empty()) {
+    let mut tables = findings::tables(study);
+    if args.verbose || study.judged.is_empty() {
+        tables.push(findings::all_metrics(study));
+    }
+    for block in &tables {
         text += &table::render(block, color.stdout);
     }
     let speed = study.metrics.get("simulated_s_per_wall_s").map(findings::number).unwrap_or_default();

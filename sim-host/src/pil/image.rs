@@ -35,7 +35,8 @@ pub fn missing() -> Option<String> {
 
 /// The image to run: the one that [`IMAGE_VARIABLE`] names, or else the present source, built.
 ///
-/// It is built in a target directory of its own, so that it waits for no other build.
+/// It is built in a target directory of its own, so that it waits for no other build. Source that has changed since this program
+/// was built shows as a difference between the two.
 pub fn image() -> Result<PathBuf, PilError> {
     if let Some(ready) = env::var_os(IMAGE_VARIABLE) {
         let ready = PathBuf::from(ready);

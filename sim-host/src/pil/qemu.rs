@@ -27,7 +27,7 @@ pub struct Qemu {
 }
 
 impl Qemu {
-    /// Starts an [image](super::image) and builds its controller.
+    /// Starts an [image](fn@super::image) and builds its controller.
     pub fn start(image: &Path, config: &Config) -> Result<Self, PilError> {
         // Before the pipes' process is started, which inherits it.
         let core = OneCore::pin();

@@ -413,9 +413,9 @@ mod tests {
     #[test]
     fn conversions_lie_on_the_exact_flow() {
         for (steps, conversions, skew_s) in [(1, 2, 0.0), (2, 2, 80e-9), (3, 4, -60e-9), (1, 1, 100e-9), (6, 3, 240e-9)] {
-            let timing = Timing { sample_s: 1.2e-6, steps, conversions, skew_s };
-            let mut stack = Stack::new(A3, &Amplifier::default(), timing);
-            let mut fine = Stack::new(A3, &Amplifier::default(), super::tests::timing(20e-9));
+            let divided = Timing { sample_s: 1.2e-6, steps, conversions, skew_s };
+            let mut stack = Stack::new(A3, &Amplifier::default(), divided);
+            let mut fine = Stack::new(A3, &Amplifier::default(), timing(20e-9));
             for volts in [2.5, -1.0, 3.0] {
                 let (mut got, mut seen) = (Vec::new(), Vec::new());
                 for step in 0..steps as usize {

@@ -4,7 +4,7 @@
 //! for a README, a CSV for the reader's own tools and a panel of the HTML page, so the four can
 //! never disagree.
 
-/// One page: headline numbers, prose, tables and figures, in that order.
+/// One page: headline numbers, prose, tables, figures and an appendix, in that order.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Report {
     /// Heading of the page.
@@ -19,6 +19,8 @@ pub struct Report {
     pub tables: Vec<TableBlock>,
     /// Figures, each also written to its own files.
     pub figures: Vec<Figure>,
+    /// Tables to look things up in, shown after the figures.
+    pub appendix: Vec<TableBlock>,
     /// Where the numbers come from: label and value (version, seed, hash of the inputs).
     pub footer: Vec<(String, String)>,
     /// The run was stopped early; the page says so at its top.

@@ -29,6 +29,7 @@ pub(super) fn page(report: &Report) -> Result<String, String> {
         contents(&report.figures),
         report.tables.iter().map(table).collect(),
         report.figures.iter().map(panel).collect::<Result<_, _>>()?,
+        report.appendix.iter().map(table).collect(),
         footer(&report.footer),
         scripts(&report.figures)?,
     ]
@@ -219,6 +220,7 @@ mod tests {
                 ..TableBlock::default()
             }],
             figures: vec![figure(true)],
+            appendix: Vec::new(),
             footer: vec![(EVIL.into(), EVIL.into())],
             interrupted: true,
         };

@@ -1,0 +1,92 @@
+//! Scan and lock ordered over the link, on the simulated transducer: the loop-back has no resonance to find.
+
+use firmware::block::{Amplitude, Gate};
+use firmware::command::{Command, Reply};
+use firmware::supervisor::{Fault, Mode};
+use hal_mock::bench::{Bench, Queues, Setup};
+use hal_mock::tracer::Tracer;
+use sim_host::plant::Plant;
+use sim_host::scene::load::load;
+use sim_host::settings;
+
+use super::PATIENCE;
+
+/// Blocks that certainly suffice for a scan or for a lock, and the series resonance of the scene's stack, Hz.
+const LONG: u64 = 20_000;
+const RESONANCE_HZ: f32 = 40_520.0;
+
+fn on_transducer(queues: &mut Queues) -> Bench<'_, Tracer<Plant>> {
+    let scene = load("lock", &[]).expect("a valid scene").scene;
+    let setup = Setup { config: settings::config(&scene), ..Setup::default() };
+    Bench::new(queues, &setup, Tracer::new(Plant::new(&scene), 8)).unwrap()
+}
+
+/// A transducer that has been scanned.
+fn scanned(queues: &mut Queues) -> Bench<'_, Tracer<Plant>> {
+    let mut bench = on_transducer(queues);
+    assert_eq!(bench.ask(Command::Scan), Some(Reply::Ack));
+    assert!(bench.run_until(|report| report.mode == Mode::Scan, PATIENCE).is_some());
+    assert!(bench.run_until(|report| report.mode != Mode::Scan, LONG).is_some());
+    bench
+}
+
+fn is_silent(bench: &mut Bench<Tracer<Plant>>) -> bool {
+    bench.blocks(8);
+    bench.analog().blocks().all(|exchange| exchange.drive.lanes[0].iter().all(|&code| code == exchange.drive.lanes[0][0]))
+}
+
+#[test]
+fn a_scan_reports_the_transducer_and_falls_silent() {
+    let mut queues = Queues::default();
+    let mut bench = scanned(&mut queues);
+    let found = bench.latest().unwrap().transducer.unwrap();
+    assert!((found.series_resonance_hz - RESONANCE_HZ).abs() < 5.0, "{found:?}");
+    bench.blocks(PATIENCE);
+    assert_eq!((bench.mode(), bench.fault(), bench.enable.is_high()), (Mode::Idle, None, false));
+    assert!(is_silent(&mut bench));
+}
+
+#[test]
+fn what_is_not_a_scan_order_does_not_repeat_a_scan() {
+    let mut queues = Queues::default();
+    let mut bench = scanned(&mut queues);
+    for command in [Command::Gate(Gate::On), Command::Amplitude(Some(Amplitude::Volts(1.0))), Command::TelemetryEvery(10)] {
+        assert_eq!(bench.ask(command), Some(Reply::Ack));
+        bench.blocks(PATIENCE);
+        assert_eq!((bench.mode(), is_silent(&mut bench)), (Mode::Idle, true), "{command:?}");
+    }
+}
+
+#[test]
+fn a_scan_order_repeats_a_scan() {
+    let mut queues = Queues::default();
+    let mut bench = scanned(&mut queues);
+    assert_eq!(bench.ask(Command::Scan), Some(Reply::Ack));
+    assert!(bench.run_until(|report| report.mode == Mode::Scan, PATIENCE).is_some());
+}
+
+#[test]
+fn a_run_locks_on_the_resonance() {
+    let mut queues = Queues::default();
+    let mut bench = on_transducer(&mut queues);
+    assert_eq!((bench.ask(Command::Gate(Gate::On)), bench.ask(Command::Run)), (Some(Reply::Ack), Some(Reply::Ack)));
+    assert!(bench.run_until(|report| report.mode == Mode::Run && report.locked, LONG).is_some(), "{:?}", bench.latest());
+    bench.blocks(2000);
+    let report = bench.latest().unwrap();
+    assert!((report.frequency.0 - RESONANCE_HZ).abs() < 5.0 && report.locked && report.fault.is_none(), "{report:?}");
+    assert!(bench.enable.is_high());
+}
+
+#[test]
+fn the_emergency_stop_ends_a_scan() {
+    let mut queues = Queues::default();
+    let mut bench = on_transducer(&mut queues);
+    bench.ask(Command::Scan);
+    assert!(bench.run_until(|report| report.mode == Mode::Scan, PATIENCE).is_some());
+    bench.blocks(100);
+    bench.press_stop();
+    bench.poll();
+    assert!(!bench.enable.is_high());
+    bench.blocks(2);
+    assert_eq!((bench.fault(), is_silent(&mut bench)), (Some(Fault::EmergencyStop), true));
+}
