@@ -25,6 +25,7 @@ use hal_mock::bench::{Bench, Queues, Setup};
 use hal_mock::fault_injector::{FaultInjector, FaultKind};
 use hal_mock::loop_back::LoopBack;
 use hal_mock::tracer::{Exchange, Tracer};
+use proptest::test_runner::{Config as Cases, RngSeed};
 
 /// The drive code at zero volts, and codes for a volt.
 const MID: u16 = 2048;
@@ -50,6 +51,11 @@ fn setup(change: impl FnOnce(&mut Config)) -> Setup {
     let mut setup = Setup::default();
     change(&mut setup.config);
     setup
+}
+
+/// So many random cases, the same ones in every run.
+fn cases(count: u32) -> Cases {
+    Cases { cases: count, rng_seed: RngSeed::Fixed(1), failure_persistence: None, ..Cases::default() }
 }
 
 /// A bench on which nothing has been ordered.

@@ -170,6 +170,7 @@ impl Operator {
         if block == 40 || one_in(&mut self.random, 150) {
             let random = &mut self.random;
             self.orders = Orders {
+                attempt: block,
                 sequence: self.orders.sequence.wrapping_add(1),
                 request: *pick(random, &[Request::Run, Request::Run, Request::Run, Request::Scan, Request::Idle]),
                 gate: *pick(random, &[Gate::Scheduled, Gate::On, Gate::On, Gate::Off]),

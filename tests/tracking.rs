@@ -8,7 +8,7 @@ use sim_host::scene::load::load;
 
 /// A lock that stays ON, with changes.
 fn lock(changes: &[&str]) -> (Record, Metrics) {
-    let stays_on = ["duration_s=0.4", "controller.burst.on_s=[0.0]", "controller.burst.off_s=[1.0]"];
+    let stays_on = ["duration_s=0.4", "controller.burst.on_s=[0.0]", "controller.burst.off_s=[9.0]"];
     let sets: Vec<String> = stays_on.iter().chain(changes).map(|&set| set.to_owned()).collect();
     let scene = load("lock", &sets).unwrap_or_else(|error| panic!("{error}")).scene;
     let record = run(&scene, Watch::default()).unwrap();
@@ -42,7 +42,8 @@ fn v_i_phase_has_no_lock_point_below_m_of_two_and_says_so() {
 #[test]
 fn motional_phase_locks_at_every_q() {
     for (q, bound) in [(400, 0.2), (100, 0.3), (65, 0.5), (40, 0.6), (25, 1.0), (20, 1.5)] {
-        let bias = bias_hz(&[&format!("stack.bvd.q={q}")]).unwrap_or_else(|| panic!("no lock at Q {q}"));
+        let told = format!("controller.tracking.nominal_q={}", f64::from(q) / 1.5);
+        let bias = bias_hz(&[&format!("stack.bvd.q={q}"), &told, "duration_s=1.2"]).unwrap_or_else(|| panic!("no lock at Q {q}"));
         assert!(bias.abs() < bound, "Q {q}: {bias} Hz");
     }
 }

@@ -4,16 +4,20 @@
 //! hardware. The board calls [`App::poll`] in a loop.
 //!
 //! * The enable pin is high only while the controller is driving, has no fault, and the emergency stop is not pressed.
-//! * The emergency stop drops the enable pin here, without waiting for the controller, and orders a fault that stays.
+//! * The emergency stop drops the enable pin here, without waiting for the controller, and orders a fault that stays. The pin stays
+//!   down until the controller has fallen silent, however short the press.
 //! * The watchdog is fed only while blocks keep coming: if the block stream dies, the board resets.
+//! * Nothing here waits for the link. What is to be sent goes through a buffer; while a reply would not fit, no further command is
+//!   read, and telemetry that does not fit is left out.
 
 use embedded_hal::digital::{InputPin, OutputPin};
 use embedded_io::{Read, ReadReady, Write, WriteReady};
+use heapless::Deque;
 use heapless::spsc::{Consumer, Producer};
 
 use crate::block::Orders;
 use crate::command::{Command, Identity, Refusal, Reply};
-use crate::link::{self, Encoded, FrameError, Receiver};
+use crate::link::{self, FrameError, MAX_FRAME, Receiver};
 use crate::supervisor::Mode;
 use crate::telemetry::Telemetry;
 
@@ -35,16 +39,24 @@ pub struct Peripherals<L, E, S, W> {
     pub watchdog: W,
 }
 
+/// Room for what is to be sent: a reply always fits beside one telemetry frame.
+const OUTBOX: usize = 2 * MAX_FRAME;
+
 /// The slow side.
 pub struct App<'a, L, E, S, W> {
     peripherals: Peripherals<L, E, S, W>,
     orders: Producer<'a, Orders>,
     telemetry: Consumer<'a, Telemetry>,
     receiver: Receiver,
+    outbox: Deque<u8, OUTBOX>,
     latest: Orders,
+    /// The emergency stop was pressed, and the controller has not fallen silent since.
+    stopping: bool,
+    /// A press that the controller has not been told of yet.
+    unordered: bool,
     seen: Option<Telemetry>,
     telemetry_every: u32,
-    next_telemetry: u32,
+    last_telemetry: u32,
     telemetry_frames: u16,
 }
 
@@ -71,10 +83,13 @@ where
             orders,
             telemetry,
             receiver: Receiver::default(),
+            outbox: Deque::new(),
             latest: Orders::default(),
+            stopping: false,
+            unordered: false,
             seen: None,
             telemetry_every: 0,
-            next_telemetry: 0,
+            last_telemetry: 0,
             telemetry_frames: 0,
         }
     }
@@ -96,9 +111,10 @@ where
     fn turn(&mut self) -> Result<(), AppError> {
         let blocks_came = self.drain_telemetry();
         self.watch_stop()?;
-        self.set_enable()?;
         self.obey_link()?;
-        self.report()?;
+        self.report();
+        self.flush()?;
+        self.set_enable()?;
         if blocks_came {
             self.peripherals.watchdog.feed();
         }
@@ -114,38 +130,48 @@ where
         came
     }
 
+    fn drives(&self) -> bool {
+        self.seen.is_some_and(|seen| !matches!(seen.mode, Mode::Idle | Mode::Fault))
+    }
+
     fn watch_stop(&mut self) -> Result<(), AppError> {
         let pressed = self.peripherals.stop.is_low().map_err(|_| AppError::Pin)?;
-        if pressed {
+        self.unordered |= pressed && !self.latest.emergency_stop;
+        self.stopping = pressed || self.unordered || (self.stopping && self.drives());
+        if self.stopping {
             self.peripherals.enable.set_low().map_err(|_| AppError::Pin)?;
         }
-        if pressed != self.latest.emergency_stop {
+        let stop = pressed || self.unordered;
+        if stop != self.latest.emergency_stop {
             let sequence = self.latest.sequence.wrapping_add(1);
             // If the queue is full this is tried again at the next turn; the enable pin is down already.
-            let _ = self.order(Orders { sequence, emergency_stop: pressed, clear_fault: false, ..self.latest });
+            if self.order(Orders { sequence, emergency_stop: stop, clear_fault: false, ..self.latest }).is_ok() {
+                self.unordered = false;
+            }
         }
         Ok(())
     }
 
     fn set_enable(&mut self) -> Result<(), AppError> {
-        let driving = self.seen.is_some_and(|seen| !matches!(seen.mode, Mode::Idle | Mode::Fault));
-        let on = driving && !self.latest.emergency_stop;
+        let on = self.drives() && !self.stopping;
         self.peripherals.enable.set_state(on.into()).map_err(|_| AppError::Pin)
     }
 
     fn obey_link(&mut self) -> Result<(), AppError> {
-        let mut bytes = [0; 32];
-        while self.peripherals.link.read_ready().map_err(|_| AppError::Link)? {
-            let count = self.peripherals.link.read(&mut bytes).map_err(|_| AppError::Link)?;
-            for &byte in &bytes[..count] {
-                if let Some(frame) = self.receiver.take::<Command>(byte) {
-                    let (sequence, reply) = match frame {
-                        Ok(frame) => (frame.sequence, self.obey(&frame.body)),
-                        Err(FrameError::Version(sequence)) => (sequence, Reply::Nak(Refusal::Version)),
-                        Err(FrameError::TooLong | FrameError::Damaged) => (0, Reply::Nak(Refusal::Damaged)),
-                    };
-                    self.send(sequence, reply)?;
-                }
+        // One byte at a time: a frame that ends in this byte must find room for its reply.
+        while self.has_room() && self.peripherals.link.read_ready().map_err(|_| AppError::Link)? {
+            let mut byte = [0];
+            if self.peripherals.link.read(&mut byte).map_err(|_| AppError::Link)? == 0 {
+                break;
+            }
+            if let Some(frame) = self.receiver.take::<Command>(byte[0]) {
+                let (sequence, reply) = match frame {
+                    Ok(frame) => (frame.sequence, self.obey(&frame.body)),
+                    Err(FrameError::Version(sequence)) => (sequence, Reply::Nak(Refusal::Version)),
+                    Err(FrameError::Unknown(sequence)) => (sequence, Reply::Nak(Refusal::Unknown)),
+                    Err(FrameError::TooLong | FrameError::Damaged) => (0, Reply::Nak(Refusal::Damaged)),
+                };
+                self.send(sequence, reply);
             }
         }
         Ok(())
@@ -158,7 +184,8 @@ where
             }
             Command::TelemetryEvery(blocks) => {
                 self.telemetry_every = *blocks;
-                self.next_telemetry = self.seen.map_or(0, |seen| seen.block);
+                // The first is due at once.
+                self.last_telemetry = self.seen.map_or(0, |seen| seen.block).wrapping_sub(*blocks);
             }
             _ => {}
         }
@@ -175,24 +202,40 @@ where
         Ok(())
     }
 
-    fn report(&mut self) -> Result<(), AppError> {
-        let Some(seen) = self.seen.filter(|_| self.telemetry_every > 0) else { return Ok(()) };
-        // Wraps with the block counter; the difference is small as long as anybody polls.
-        if (seen.block.wrapping_sub(self.next_telemetry) as i32) < 0 {
-            return Ok(());
+    fn report(&mut self) {
+        let Some(seen) = self.seen.filter(|_| self.telemetry_every > 0) else { return };
+        let passed = seen.block.wrapping_sub(self.last_telemetry);
+        if passed < self.telemetry_every || !self.has_room() {
+            return;
         }
-        // Telemetry gives way: if the link is busy, the next block's will do.
-        if self.peripherals.link.write_ready().map_err(|_| AppError::Link)? {
-            self.next_telemetry = seen.block.wrapping_add(self.telemetry_every);
-            self.telemetry_frames = self.telemetry_frames.wrapping_add(1);
-            self.send(self.telemetry_frames, Reply::Telemetry(seen))?;
-        }
-        Ok(())
+        // Whole intervals, so that the rate holds on average however seldom anybody polls.
+        self.last_telemetry = self.last_telemetry.wrapping_add(passed - passed % self.telemetry_every);
+        self.telemetry_frames = self.telemetry_frames.wrapping_add(1);
+        self.send(self.telemetry_frames, Reply::Telemetry(seen));
     }
 
-    fn send(&mut self, sequence: u16, reply: Reply) -> Result<(), AppError> {
-        let frame: Encoded = link::encode(sequence, reply).map_err(|_| AppError::Link)?;
-        self.peripherals.link.write_all(&frame).map_err(|_| AppError::Link)
+    fn has_room(&self) -> bool {
+        self.outbox.len() + MAX_FRAME <= OUTBOX
+    }
+
+    /// Puts a frame into the outbox, which has room for it.
+    fn send(&mut self, sequence: u16, reply: Reply) {
+        // The largest reply fits into a frame: tested with the link.
+        if let Ok(frame) = link::encode(sequence, reply) {
+            self.outbox.extend(frame);
+        }
+    }
+
+    /// Sends as much of the outbox as the link takes now. Byte by byte: a write of more may wait for the last of them.
+    fn flush(&mut self) -> Result<(), AppError> {
+        while let Some(&byte) = self.outbox.front() {
+            let ready = self.peripherals.link.write_ready().map_err(|_| AppError::Link)?;
+            if !ready || self.peripherals.link.write(&[byte]).map_err(|_| AppError::Link)? == 0 {
+                break;
+            }
+            self.outbox.pop_front();
+        }
+        Ok(())
     }
 }
 

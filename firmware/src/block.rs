@@ -26,6 +26,8 @@ pub struct Orders {
     pub sequence: u32,
     /// What to do.
     pub request: Request,
+    /// Rises by one with every order to scan or run, so that a scan that is done is repeated only if it is ordered again.
+    pub attempt: u32,
     /// When to let the drive through, while running.
     pub gate: Gate,
     /// The amplitude asked for; `None` keeps the configured one.

@@ -72,8 +72,8 @@ impl Command {
         match *self {
             Command::Identify | Command::TelemetryEvery(_) => return Ok(None),
             Command::Idle => next.request = Request::Idle,
-            Command::Scan => next.request = Request::Scan,
-            Command::Run => next.request = Request::Run,
+            Command::Scan => (next.request, next.attempt) = (Request::Scan, orders.attempt.wrapping_add(1)),
+            Command::Run => (next.request, next.attempt) = (Request::Run, orders.attempt.wrapping_add(1)),
             Command::Gate(gate) => next.gate = gate,
             Command::Amplitude(amplitude) => {
                 let plausible = |x: f32| x.is_finite() && x >= 0.0;

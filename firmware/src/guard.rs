@@ -69,7 +69,9 @@ impl Guard {
             heard > volts * VOLTAGE_FACTOR || heard < volts / VOLTAGE_FACTOR
         });
         let no_current = played.is_some_and(|volts| magnitude(sensed.i) < OPEN_PART * self.clamped_siemens * volts);
-        let still = sense.slow.belt.is_some_and(|speed| speed.abs() < self.belt_moving_m_per_s);
+        // A reading that is not a number is no proof of motion.
+        let moves = |speed: f32| speed.abs() >= self.belt_moving_m_per_s;
+        let still = sense.slow.belt.is_some_and(|speed| !moves(speed));
         let count = |counter: u32, wrong: bool| if wrong { counter.saturating_add(1) } else { 0 };
         self.wrong_voltage = count(self.wrong_voltage, wrong_voltage);
         self.no_current = count(self.no_current, no_current);

@@ -37,10 +37,12 @@ pub struct Frame<T> {
 pub enum FrameError {
     /// Longer than [`MAX_FRAME`].
     TooLong,
-    /// Badly stuffed, wrong checksum, or not of the expected form.
+    /// Badly stuffed, or with a wrong checksum.
     Damaged,
-    /// Of another protocol version, with the sequence number it carries.
+    /// Whole, but of another protocol version; with the sequence number it carries.
     Version(u16),
+    /// Whole, but its body is nothing that is known here; with the sequence number it carries.
+    Unknown(u16),
 }
 
 /// A frame on its way out.
@@ -82,13 +84,18 @@ impl Receiver {
 
 fn decode<T: for<'a> Deserialize<'a>>(stuffed: &mut [u8]) -> Result<Frame<T>, FrameError> {
     let length = cobs::decode_in_place(stuffed).map_err(|_| FrameError::Damaged)?;
-    let plain = &stuffed[..length];
-    // The head alone first: the body of another version may have any form.
-    let head: (u8, u16) = postcard::from_bytes(plain).map_err(|_| FrameError::Damaged)?;
-    match postcard::from_bytes_crc32(plain, CRC.digest()) {
-        _ if head.0 != VERSION => Err(FrameError::Version(head.1)),
-        Ok(frame) => Ok(frame),
-        Err(_) => Err(FrameError::Damaged),
+    // First the checksum, which is the same in every version; then the version; only then the body.
+    let (plain, checksum) = stuffed[..length].split_last_chunk().ok_or(FrameError::Damaged)?;
+    if CRC.checksum(plain) != u32::from_le_bytes(*checksum) {
+        return Err(FrameError::Damaged);
+    }
+    let ((version, sequence), body): ((u8, u16), &[u8]) = postcard::take_from_bytes(plain).map_err(|_| FrameError::Damaged)?;
+    if version != VERSION {
+        return Err(FrameError::Version(sequence));
+    }
+    match postcard::take_from_bytes(body) {
+        Ok((body, [])) => Ok(Frame { version, sequence, body }),
+        _ => Err(FrameError::Unknown(sequence)),
     }
 }
 
@@ -130,7 +137,8 @@ mod tests {
             bytes[bit / 8] ^= 1 << (bit % 8);
             bytes.extend_from_slice(&good);
             let frames = receive::<Command>(&bytes);
-            assert!(frames[..frames.len() - 1].iter().all(Result::is_err), "bit {bit}: {frames:?}");
+            let damaged = |frame: &Result<_, _>| matches!(frame, Err(FrameError::Damaged));
+            assert!(frames[..frames.len() - 1].iter().all(damaged), "bit {bit}: {frames:?}");
             assert!(frames.last().is_some_and(Result::is_ok));
         }
     }

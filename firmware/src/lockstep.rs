@@ -219,6 +219,7 @@ mod tests {
         let orders = Orders {
             sequence: u32::MAX,
             request: Request::Run,
+            attempt: u32::MAX,
             gate: Gate::Off,
             amplitude: Some(Amplitude::MotionalCurrent(1.0)),
             emergency_stop: true,

@@ -1,4 +1,4 @@
-//! Phase to amplitude: the waveform of one period, peak about one.
+//! Phase to amplitude: the waveform of one period, of peak one, so that a voltage limit is a limit for every shape.
 //!
 //! Every shape is a table of one period read by linear interpolation. The error of the sine is
 //! `(2 pi / 1024)^2 / 8 = 4.7e-6`, fifty times below half a step of a 12-bit converter; 1024 entries without

@@ -95,7 +95,7 @@ pub struct Supervisor {
     mode: Mode,
     fault: Option<Fault>,
     obeyed: u32,
-    /// The order whose scan is done.
+    /// The attempt whose scan is done.
     scanned: Option<u32>,
 }
 
@@ -132,7 +132,7 @@ impl Supervisor {
                 false
             }
             // A scan that was ordered once is done once: the mode returns to idle, and only a new order repeats it.
-            (Mode::Idle, Request::Scan) if !cleared && self.scanned == Some(orders.sequence) => false,
+            (Mode::Idle, Request::Scan) if self.scanned == Some(orders.attempt) => false,
             (Mode::Idle, _) => {
                 self.mode = Mode::SelfTest;
                 true
@@ -151,7 +151,7 @@ impl Supervisor {
                     Mode::SelfTest if tracks || orders.request == Request::Scan => Mode::Scan,
                     Mode::SelfTest => Mode::Run,
                     Mode::Scan if orders.request == Request::Scan => {
-                        self.scanned = Some(orders.sequence);
+                        self.scanned = Some(orders.attempt);
                         Mode::Idle
                     }
                     Mode::Scan => Mode::Lock,

@@ -62,9 +62,9 @@ impl Host {
         self.frames.iter().filter(|frame| !matches!(frame.body, Reply::Telemetry(_))).map(|frame| (frame.sequence, &frame.body))
     }
 
-    /// The answer to the command with this sequence number.
+    /// The answer to the command with this sequence number; the latest, because numbers come round.
     pub fn answer_to(&self, sequence: u16) -> Option<Reply> {
-        self.answers().find(|(answered, _)| *answered == sequence).map(|(_, reply)| *reply)
+        self.answers().filter(|(answered, _)| *answered == sequence).last().map(|(_, reply)| *reply)
     }
 
     /// What came damaged.

@@ -51,7 +51,7 @@ pub fn run_on(processor: &mut dyn Processor, scene: &Scene, mut watch: Watch) ->
     let sample_hz = scene.sensors.sample_hz;
     let samples = usize::from(scene.controller.block_samples);
     let blocks = (scene.duration_s * sample_hz / samples as f64).ceil() as u64;
-    let orders = Orders { sequence: 1, request: Request::Run, gate: Gate::Scheduled, ..Orders::default() };
+    let orders = Orders { sequence: 1, attempt: 1, request: Request::Run, gate: Gate::Scheduled, ..Orders::default() };
 
     let mut clock = BlockClock::new(Recorder::new(scene, watch.windows), &processor.silence());
     let mut record = Record { sample_s: 1.0 / sample_hz, block_samples: samples, ..Record::default() };

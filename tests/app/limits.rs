@@ -81,7 +81,7 @@ fn the_limit_is_a_peak_for_every_shape_and_frequency() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(64))]
+    #![proptest_config(cases(64))]
 
     #[test]
     fn whatever_amplitude_is_sent_the_limit_holds(bits: u32, current: bool) {

@@ -125,7 +125,7 @@ fn a_flood_of_garbage_does_not_disturb_the_block_stream() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(64))]
+    #![proptest_config(cases(64))]
 
     #[test]
     fn over_a_noisy_link_a_run_is_never_ordered_by_mistake(seed: u64, flip in 0.05..0.5, drop in 0.0..0.3) {

@@ -28,6 +28,7 @@ fn struck(kind: FaultKind) -> (Option<Fault>, u64, u64) {
 fn what_is_certain_mutes_at_once() {
     let latency = LATENCY_BLOCKS as u64;
     assert_eq!(struck(FaultKind::LateBlock), (Some(Fault::LateBlock), 0, latency));
+    assert_eq!(struck(FaultKind::Dropout), (Some(Fault::LateBlock), 0, latency));
     assert_eq!(struck(FaultKind::Saturation), (Some(Fault::SensorImplausible), 0, latency));
     assert_eq!(struck(FaultKind::OverCurrentTrip), (Some(Fault::OverCurrent), 0, latency));
 }
@@ -40,16 +41,17 @@ fn what_may_be_an_accident_mutes_when_it_lasts() {
 }
 
 #[test]
-fn a_lost_block_of_codes_is_forgiven_eight_in_a_row_are_not() {
-    for (lost, fault) in [(1, None), (7, None), (8, Some(Fault::SensorImplausible))] {
-        let mut queues = Queues::default();
-        let mut bench = running(&mut queues, &Setup::default());
-        for _ in 0..lost {
-            bench.analog().inner.strike(FaultKind::Dropout);
-            bench.block();
+fn a_sensor_that_recovers_in_seven_blocks_is_forgiven_in_eight_it_is_not() {
+    for kind in [FaultKind::SensorStuck, FaultKind::Open] {
+        for (blocks, faulted) in [(1, false), (IMPLAUSIBLE_BLOCKS - 1, false), (IMPLAUSIBLE_BLOCKS, true)] {
+            let mut queues = Queues::default();
+            let mut bench = running(&mut queues, &Setup::default());
+            bench.analog().inner.strike(kind);
+            bench.blocks(blocks);
+            bench.analog().inner.repair(kind);
+            bench.blocks(50);
+            assert_eq!(bench.fault().is_some(), faulted, "{kind:?} for {blocks} blocks");
         }
-        bench.blocks(50);
-        assert_eq!(bench.fault(), fault, "{lost}");
     }
 }
 

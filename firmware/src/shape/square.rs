@@ -1,8 +1,8 @@
 //! The square, band-limited: the sum of its odd harmonics below half the sample rate,
-//! `(4 / pi) sum_k sin(2 pi k phase) / k`.
+//! `p sum_k sin(2 pi k phase) / k`, scaled to a peak of one.
 //!
-//! A two-level square sent through a DAC at 25 samples a period folds its upper harmonics back, -14 dBc in all. The
-//! fundamental is `4 / pi` and the flat tops are one; the ripple beside each edge exceeds them by up to 18 per cent.
+//! A two-level square sent through a DAC at 25 samples a period folds its upper harmonics back, -14 dBc in all. The peaks are the
+//! ripple beside each edge; the tops lie 15 per cent below them, and the fundamental is 1.08 with eleven harmonics.
 
 use super::sine::sine_of_turns;
 use super::{LENGTH, Table};
@@ -21,6 +21,7 @@ pub(super) fn table(cycles_per_sample: f32) -> &'static Table {
 
 const fn up_to(highest: usize) -> Table {
     let mut entries = [0.0; LENGTH + 1];
+    let mut peak = 0.0;
     let mut n = 0;
     while n <= LENGTH {
         let mut sum = 0.0;
@@ -29,10 +30,19 @@ const fn up_to(highest: usize) -> Table {
             sum += sine_of_turns(((n * k) % LENGTH) as f64 / LENGTH as f64) / k as f64;
             k += 2;
         }
-        entries[n] = (4.0 * core::f64::consts::FRAC_1_PI * sum) as f32;
+        entries[n] = sum;
+        if sum > peak {
+            peak = sum;
+        }
         n += 1;
     }
-    Table(entries)
+    let mut scaled = [0.0; LENGTH + 1];
+    n = 0;
+    while n <= LENGTH {
+        scaled[n] = (entries[n] / peak) as f32;
+        n += 1;
+    }
+    Table(scaled)
 }
 
 #[cfg(test)]
@@ -49,10 +59,16 @@ mod tests {
     }
 
     #[test]
-    fn mean_square_is_that_of_its_harmonics() {
+    fn peak_is_one_and_the_rest_are_its_harmonics() {
         let table = table(0.04);
-        let mean = (0..LENGTH).map(|n| f64::from(table.0[n]).powi(2)).sum::<f64>() / LENGTH as f64;
-        let harmonics: f64 = (1..=11).step_by(2).map(|k| 8.0 / (core::f64::consts::PI * f64::from(k)).powi(2)).sum();
-        assert!((mean - harmonics).abs() < 1e-6, "{mean} {harmonics}");
+        let peak = table.0.iter().fold(0.0f32, |peak, x| peak.max(x.abs()));
+        assert_eq!(peak, 1.0);
+        // Parseval: mean square over square of the fundamental is half the sum of 1 / k^2.
+        let sum = |f: &dyn Fn(usize) -> f64| (0..LENGTH).map(f).sum::<f64>() / LENGTH as f64;
+        let mean_square = sum(&|n| f64::from(table.0[n]).powi(2));
+        let fundamental = 2.0 * sum(&|n| f64::from(table.0[n]) * sine_of_turns(n as f64 / LENGTH as f64));
+        let harmonics: f64 = (1..=11).step_by(2).map(|k| 0.5 / f64::from(k * k)).sum();
+        assert!((mean_square / fundamental.powi(2) - harmonics).abs() < 1e-6, "{mean_square} {fundamental}");
+        assert!((1.07..1.09).contains(&fundamental), "{fundamental}");
     }
 }
