@@ -149,12 +149,13 @@ impl Write for End {
         let mut pipe = self.outward.borrow_mut();
         pipe.check()?;
         let fits = pipe.room().min(bytes.len());
-        let count = match pipe.wire.when_full {
-            WhenFull::Refuses if fits == 0 && !bytes.is_empty() => return Err(LinkError::WouldWait),
-            WhenFull::Refuses => fits,
-            WhenFull::Waits => bytes.len(),
-        };
-        pipe.waited += (count - fits) as u64;
+        let waits = fits == 0 && !bytes.is_empty();
+        if waits && pipe.wire.when_full == WhenFull::Refuses {
+            return Err(LinkError::WouldWait);
+        }
+        // Room for one byte is all that is waited for.
+        let count = if waits { 1 } else { fits };
+        pipe.waited += u64::from(waits);
         pipe.bytes.extend(&bytes[..count]);
         Ok(count)
     }

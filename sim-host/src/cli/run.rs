@@ -101,6 +101,9 @@ fn human(study: &Study, args: &RunArgs, processor: &str, color: Color) -> String
         text +=
             &format!("INTERRUPTED after {time_s:.3} s of {} s: what follows is of that part only.\n\n", study.scene.duration_s);
     }
+    if let Some(fault) = study.record.last.fault {
+        text += &format!("The controller ended in fault {}: {fault:?}.\n\n", fault.code());
+    }
     if args.verbose {
         text += &modes(study);
     }
