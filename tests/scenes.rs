@@ -60,3 +60,24 @@ fn the_same_seed_gives_the_same_run_and_another_seed_another() {
     assert_eq!(hash("3"), hash("3"));
     assert_ne!(hash("3"), hash("4"));
 }
+
+/// What breaks while the drive is ON is named by its number, and the drive is silent within the time stated: the block that shows it
+/// (32 us), two blocks on their way (64 us), and as many more as the guard takes to be sure.
+#[test]
+fn what_breaks_is_named_and_mutes_the_drive() {
+    for (kind, code, microseconds) in [
+        ("late_block", 11, 96.0),
+        ("saturation", 20, 96.0),
+        ("sensor_stuck", 20, 96.0 + 7.0 * 32.0),
+        ("open", 23, 96.0 + 7.0 * 32.0),
+        ("belt_stopped", 40, 96.0 + 4000.0),
+    ] {
+        let sets = [format!("fault.0.kind={kind}"), "fault.0.at_s=0.2".into()];
+        let loaded = load("lock", &sets).unwrap_or_else(|error| panic!("{error}"));
+        let mut here = Here::new(&settings::config(&loaded.scene)).unwrap();
+        let study = conduct(&loaded, &mut here, &AtomicBool::new(false), None).unwrap();
+        assert_eq!(study.metrics.get("fault_code"), Some(f64::from(code)), "{kind}");
+        let latency = study.metrics.get("fault_latency_us").unwrap();
+        assert!(latency <= microseconds + 0.5, "{kind}: {latency} us");
+    }
+}

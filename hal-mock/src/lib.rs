@@ -4,7 +4,7 @@
 //!   DMA, and is what the simulator uses too. [`loop_back`] is the simplest thing to put behind it.
 //! * [`tracer`] and [`fault_injector`]: middleware on that trait. They nest. [`noise`] is middleware on the link.
 //! * [`pin`], [`link`], [`watchdog`], [`flash`]: the slow seams; [`time`] is what they share.
-//! * [`bench`]: all of it together, with a [`host`] at the other end of the link.
+//! * [`mod@bench`]: all of it together, with a [`host`] at the other end of the link.
 //!
 //! Nothing here sleeps or looks at a wall clock: time is the number of samples played. What damages things does so by seeded
 //! [`chance`].

@@ -6,11 +6,12 @@ use std::time::Instant;
 use firmware::block::{DriveBlock, Gate, LATENCY_BLOCKS, Orders, Request, SenseBlock};
 use hal_mock::analog::Analog;
 use hal_mock::block_clock::BlockClock;
+use hal_mock::fault_injector::{FaultInjector, FaultKind, Scheduled};
 
 use crate::plant::Plant;
 use crate::processor::{Here, Lost, Processor};
 use crate::record::{Command, DriveHash, Record, Row, Window};
-use crate::scene::Scene;
+use crate::scene::{self, Scene};
 use crate::settings;
 use crate::trace::{Played, Tracer};
 
@@ -73,13 +74,14 @@ pub fn run_on(processor: &mut dyn Processor, scene: &Scene, mut watch: Watch) ->
         let telemetry = clock.tick(|sense, drive| processor.process(&orders, sense, drive))?;
         let played = std::mem::replace(slot, Command::of(&telemetry));
         let time_s = (block + 1) as f64 * samples as f64 / sample_hz;
-        record.rows.push(Row::new(time_s, sample_hz, &played, &telemetry, clock.analog.plant.truth()));
+        record.rows.push(Row::new(time_s, sample_hz, &played, &telemetry, clock.analog.plant.inner.truth()));
         record.last = telemetry;
     }
     let recorder = clock.analog;
-    record.circuit = Some(*recorder.plant.circuit());
-    record.energy = recorder.plant.energy();
-    record.plant_states = recorder.plant.states();
+    let plant = &recorder.plant.inner;
+    record.circuit = Some(*plant.circuit());
+    record.energy = plant.energy();
+    record.plant_states = plant.states();
     record.drive_hash = recorder.hash.value();
     record.windows = recorder.windows;
     record.trace = recorder.tracer;
@@ -89,7 +91,8 @@ pub fn run_on(processor: &mut dyn Processor, scene: &Scene, mut watch: Watch) ->
 
 /// Middleware on the converters: hashes what is played, and keeps windows and traces sample by sample.
 struct Recorder {
-    plant: Plant,
+    /// The plant, with what breaks on the way.
+    plant: FaultInjector<Plant>,
     hash: DriveHash,
     windows: Vec<Window>,
     tracer: Option<Tracer>,
@@ -104,8 +107,25 @@ impl Recorder {
     fn new(scene: &Scene, windows: Vec<Window>) -> Self {
         let plant = Plant::new(scene);
         let sample_s = plant.sample_s();
+        let front_end = settings::config(scene).front_end;
+        let mut plant = FaultInjector::new(plant, &front_end, scene.seed);
+        let block_s = sample_s * f64::from(scene.controller.block_samples);
+        for fault in &scene.fault {
+            plant.schedule(Scheduled { at_block: (fault.at_s / block_s) as u64, kind: kind(fault.kind) });
+        }
         let tracer = scene.trace.as_ref().map(|trace| Tracer::new(trace, scene.duration_s, sample_s));
         Recorder { plant, hash: DriveHash::default(), windows, tracer, sample_s, played: 0, frequency_hz: 0.0 }
+    }
+}
+
+/// A scene's fault as the injector's.
+fn kind(kind: scene::FaultKind) -> FaultKind {
+    match kind {
+        scene::FaultKind::Open => FaultKind::Open,
+        scene::FaultKind::SensorStuck => FaultKind::SensorStuck,
+        scene::FaultKind::Saturation => FaultKind::Saturation,
+        scene::FaultKind::LateBlock => FaultKind::LateBlock,
+        scene::FaultKind::BeltStopped => FaultKind::BeltStopped,
     }
 }
 
@@ -115,17 +135,17 @@ impl Analog for Recorder {
         let (from_s, to_s) = (self.played as f64 * self.sample_s, (self.played + samples) as f64 * self.sample_s);
         let open = |window: &Window| window.from_s < to_s && window.to_s > from_s;
         let traced = self.tracer.as_mut().filter(|tracer| tracer.wants(self.played, samples));
-        self.plant.keep_samples(traced.is_some() || self.windows.iter().any(open));
+        self.plant.inner.keep_samples(traced.is_some() || self.windows.iter().any(open));
         self.plant.exchange(drive, sense);
         self.hash.add(drive);
         for window in self.windows.iter_mut().filter(|window| open(window)) {
             if window.samples.is_empty() {
                 window.start_s = from_s + self.sample_s;
             }
-            window.samples.extend_from_slice(self.plant.samples());
+            window.samples.extend_from_slice(self.plant.inner.samples());
         }
         if let Some(tracer) = traced {
-            let samples = self.plant.samples();
+            let samples = self.plant.inner.samples();
             tracer.keep(&Played { first: self.played, frequency_hz: self.frequency_hz, drive, sense, samples });
         }
         self.played += samples;
