@@ -19,7 +19,7 @@ const LISTEN_ABOVE: f32 = 0.8;
 /// Settled: within this part of what is asked for, for so many blocks.
 const SETTLED: (f32, u32) = (0.01, 32);
 
-/// The amplitude control.
+/// The amplitude control. Without an identified transducer a motional current cannot be held, and plays as silence.
 #[derive(Clone, Debug)]
 pub struct AmplitudeLoop {
     limits: Limits,
@@ -47,8 +47,11 @@ impl AmplitudeLoop {
                 in_range("drive.motional_current_a", amperes.into(), 0.0, config.limits.current_a.into())?
             }
         };
+        // The limit is for the loudest lane.
+        let loudest = config.phasing.gain_trim.iter().fold(1.0, |loudest: f32, &gain| loudest.max(gain));
+        let limits = Limits { voltage_v: config.limits.voltage_v / loudest, ..config.limits.clone() };
         Ok(AmplitudeLoop {
-            limits: config.limits.clone(),
+            limits,
             start_volts: config.drive.scan_volts,
             block_s,
             ohm: 0.0,
@@ -104,6 +107,10 @@ impl AmplitudeLoop {
     }
 
     fn hold(&mut self, amperes: f32, envelope: f32, motional_current: f32) -> f32 {
+        if self.lag == 0.0 {
+            // Nothing is identified, so nobody knows which voltage that would be.
+            return 0.0;
+        }
         let ceiling = up_to(self.limits.current_a, amperes);
         self.expected += self.lag * (envelope * ceiling - self.expected);
         if envelope < 1.0 || self.expected < LISTEN_ABOVE * ceiling {

@@ -6,7 +6,7 @@
 use crate::amplitude::AmplitudeLoop;
 use crate::block::{Amplitude, DriveBlock, Gate, LATENCY_BLOCKS, MAX_BLOCK_SAMPLES, MAX_LANES, Orders, SenseBlock};
 use crate::burst::Burst;
-use crate::config::Config;
+use crate::config::{Config, TrackingMode};
 use crate::convert::Convert;
 use crate::demod::{Sensed, demodulate};
 use crate::error::{Error, in_range};
@@ -60,7 +60,7 @@ pub struct Controller {
     scan_volts: f32,
     detector: Option<PhaseDetector>,
 
-    block: u32,
+    block: u64,
     nco: Nco,
     sweep: Hold,
     burst: Burst,
@@ -94,6 +94,9 @@ impl Controller {
     /// Checks a configuration and builds its controller. Names the parameter that is out of range.
     pub fn build(config: &Config) -> Result<Self, Error> {
         in_range("block_samples", config.block_samples.into(), 8.0, MAX_BLOCK_SAMPLES as f64)?;
+        if matches!(config.drive.amplitude, Amplitude::MotionalCurrent(_)) && config.tracking.mode == TrackingMode::Off {
+            return Err(Error::CurrentWithoutTracking);
+        }
         let sweep = Hold::build(config.drive.frequency_hz, config.sample_hz)?;
         let block_s = f32::from(config.block_samples) / config.sample_hz;
         let highest = config.drive.frequency_hz * (1.0 + config.tracking.span) / config.sample_hz;
@@ -135,7 +138,8 @@ impl Controller {
 
     /// One block: what the converters saw, what to play two blocks later, and a report.
     pub fn process(&mut self, orders: &Orders, sense: &SenseBlock, drive: &mut DriveBlock) -> Telemetry {
-        let heard = self.played[self.block as usize % LATENCY_BLOCKS];
+        let slot = (self.block % LATENCY_BLOCKS as u64) as usize;
+        let heard = self.played[slot];
         let sensed = demodulate(&self.convert, sense, heard.phase, heard.word);
         let motional_current = self.motional.current(&sensed, heard.relative);
 
@@ -147,7 +151,7 @@ impl Controller {
         let plan = self.plan(orders, sense, &sensed, &heard, motional_current);
         self.supervisor.advance(orders, plan.progress, self.detector.is_some());
 
-        let now = (u64::from(self.block) + LATENCY_BLOCKS as u64) * self.samples as u64;
+        let now = (self.block + LATENCY_BLOCKS as u64) * self.samples as u64;
         let envelope = match self.supervisor.mode() {
             Mode::Idle | Mode::Fault => self.burst.mute(),
             _ => self.burst.envelope(plan.gate, now, self.samples),
@@ -157,7 +161,7 @@ impl Controller {
         let (level, flat) = (envelope.mean(), envelope.is_flat());
         self.nco.advance(word, self.samples);
 
-        self.played[self.block as usize % LATENCY_BLOCKS] = Played {
+        self.played[slot] = Played {
             phase,
             word,
             relative: 1.0 + self.sweep.offset_hz() / self.nominal_hz,
@@ -166,12 +170,14 @@ impl Controller {
             flat,
         };
         let telemetry = self.report(orders, &plan, level, sensed, motional_current);
-        self.block = self.block.wrapping_add(1);
+        self.block += 1;
         telemetry
     }
 
     /// Forgets what an earlier attempt has found.
     fn begin(&mut self) {
+        self.convert.v.restore_zero();
+        self.convert.i.restore_zero();
         self.self_test.restart();
         self.scan.restart();
         self.transducer = None;
@@ -276,7 +282,7 @@ impl Controller {
             _ => None,
         };
         Telemetry {
-            block: self.block,
+            block: self.block as u32,
             orders_sequence: orders.sequence,
             mode,
             fault: self.supervisor.fault(),

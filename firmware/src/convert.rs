@@ -8,6 +8,7 @@ use crate::phasor::Phasor;
 /// One sense channel: `x = (code - zero) * per_lsb`.
 #[derive(Clone, Debug)]
 pub struct SenseScale {
+    mid_code: u16,
     zero: f32,
     per_lsb: f32,
     max_code: u16,
@@ -17,7 +18,7 @@ impl SenseScale {
     fn build(parameter: &'static str, per_lsb: f32, mid_code: u16, max_code: u16) -> Result<Self, Error> {
         in_range(parameter, per_lsb.into(), 1e-9, 1e3)?;
         in_range("front_end.sense_mid_code", mid_code.into(), 1.0, f64::from(max_code) - 1.0)?;
-        Ok(SenseScale { zero: f32::from(mid_code), per_lsb, max_code })
+        Ok(SenseScale { mid_code, zero: f32::from(mid_code), per_lsb, max_code })
     }
 
     /// The codes of a block about zero, still in codes: scaling waits until after demodulation.
@@ -39,6 +40,11 @@ impl SenseScale {
     /// Moves the zero by a measured offset, in codes.
     pub fn shift_zero(&mut self, codes: f32) {
         self.zero += codes;
+    }
+
+    /// Forgets measured offsets.
+    pub fn restore_zero(&mut self) {
+        self.zero = f32::from(self.mid_code);
     }
 
     /// Full scale to one side, in codes.

@@ -19,6 +19,8 @@ pub enum Error {
     },
     /// Burst windows must be in order, not overlap, and have as many ends as beginnings.
     BurstWindows,
+    /// A motional current can only be held where the resonance is tracked.
+    CurrentWithoutTracking,
 }
 
 impl fmt::Display for Error {
@@ -27,6 +29,7 @@ impl fmt::Display for Error {
             Error::OutOfRange { parameter, value, min, max } => {
                 write!(f, "{parameter} = {value} is outside {min} to {max}")
             }
+            Error::CurrentWithoutTracking => f.write_str("drive.amplitude is a motional current, which needs tracking"),
             Error::BurstWindows => {
                 f.write_str("burst windows must be in order, must not overlap, and need one end for each beginning")
             }

@@ -75,8 +75,9 @@ impl Guard {
         let count = |counter: u32, wrong: bool| if wrong { counter.saturating_add(1) } else { 0 };
         self.wrong_voltage = count(self.wrong_voltage, wrong_voltage);
         self.no_current = count(self.no_current, no_current);
-        // An edge neither starts nor ends the count of a still belt; silence ends it.
-        self.belt_still = count(self.belt_still, still && driven.volts.is_none_or(|volts| volts > 0.0));
+        // Only motion ends the count: short bursts over a still belt add up.
+        let driving = driven.volts.is_none_or(|volts| volts > 0.0);
+        self.belt_still = if still { self.belt_still.saturating_add(driving.into()) } else { 0 };
 
         let tripped = sense.slow.trips.is_some_and(|trips| trips.over_current);
         let missed = sense.slow.missed_blocks.is_some_and(|missed| missed > 0);

@@ -7,6 +7,8 @@
 //!   +--- order: Idle ---------------- order: clear ---+
 //! ```
 //!
+//! An order to scan goes from anywhere to SelfTest, and from Scan back to Idle.
+//!
 //! A [`Fault`] ends the drive and stays until it is cleared. A [`Limit`] does neither: it says why the drive does less than
 //! was asked, right now. Numbers are for the log and for other languages, and never change their meaning.
 
@@ -33,8 +35,9 @@ pub enum Mode {
     Fault,
 }
 
-/// Why the drive is muted.
+/// Why the drive is muted. On the wire it is its number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(into = "u8", try_from = "u8")]
 #[cfg_attr(all(feature = "defmt", target_os = "none"), derive(defmt::Format))]
 #[repr(u8)]
 pub enum Fault {
@@ -61,14 +64,43 @@ pub enum Fault {
 }
 
 impl Fault {
+    /// Every fault.
+    pub const ALL: [Fault; 10] = [
+        Fault::EmergencyStop,
+        Fault::LateBlock,
+        Fault::SensorImplausible,
+        Fault::OverCurrent,
+        Fault::LoadShorted,
+        Fault::LoadOpen,
+        Fault::NoResonance,
+        Fault::NoLock,
+        Fault::LossOfLock,
+        Fault::BeltStopped,
+    ];
+
     /// The number of this fault.
     pub fn code(self) -> u8 {
         self as u8
     }
 }
 
-/// What keeps the drive from doing what was asked.
+impl From<Fault> for u8 {
+    fn from(fault: Fault) -> u8 {
+        fault as u8
+    }
+}
+
+impl TryFrom<u8> for Fault {
+    type Error = &'static str;
+
+    fn try_from(code: u8) -> Result<Self, Self::Error> {
+        Fault::ALL.into_iter().find(|fault| fault.code() == code).ok_or("not the number of a fault")
+    }
+}
+
+/// What keeps the drive from doing what was asked. On the wire it is its number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(into = "u8", try_from = "u8")]
 #[cfg_attr(all(feature = "defmt", target_os = "none"), derive(defmt::Format))]
 #[repr(u8)]
 pub enum Limit {
@@ -76,6 +108,23 @@ pub enum Limit {
     OverVoltageRequest = 96,
     /// The tracker stands at the edge of the frequency window.
     FrequencyWindow = 97,
+}
+
+impl From<Limit> for u8 {
+    fn from(limit: Limit) -> u8 {
+        limit as u8
+    }
+}
+
+impl TryFrom<u8> for Limit {
+    type Error = &'static str;
+
+    fn try_from(code: u8) -> Result<Self, Self::Error> {
+        [Limit::OverVoltageRequest, Limit::FrequencyWindow]
+            .into_iter()
+            .find(|&limit| limit as u8 == code)
+            .ok_or("not the number of a limit")
+    }
 }
 
 /// How a stage of the way to [`Mode::Run`] is getting on.
@@ -131,9 +180,10 @@ impl Supervisor {
                 self.mode = Mode::Idle;
                 false
             }
-            // A scan that was ordered once is done once: the mode returns to idle, and only a new order repeats it.
+            // A scan is done once for each order: the mode returns to idle, and only a new order repeats it.
             (Mode::Idle, Request::Scan) if self.scanned == Some(orders.attempt) => false,
-            (Mode::Idle, _) => {
+            // A new order to scan also ends a run.
+            (Mode::Idle, _) | (Mode::Lock | Mode::Run, Request::Scan) => {
                 self.mode = Mode::SelfTest;
                 true
             }

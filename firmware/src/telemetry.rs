@@ -11,7 +11,7 @@ use crate::units::{Hertz, Turns, Volts};
 /// The report of one block.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Telemetry {
-    /// Which call this is, counted from zero.
+    /// Which call this is, counted from zero; wraps after 38 hours of 32 us blocks.
     pub block: u32,
     /// The last order latched.
     pub orders_sequence: u32,

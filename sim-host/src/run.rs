@@ -7,10 +7,11 @@ use firmware::block::{DriveBlock, Gate, LATENCY_BLOCKS, Orders, Request, SenseBl
 use hal_mock::analog::Analog;
 use hal_mock::block_clock::BlockClock;
 use hal_mock::fault_injector::{FaultInjector, FaultKind, Scheduled};
+use hal_mock::tracer::DriveHash;
 
 use crate::plant::Plant;
 use crate::processor::{Here, Lost, Processor};
-use crate::record::{Command, DriveHash, Record, Row, Window};
+use crate::record::{Command, Record, Row, Window};
 use crate::scene::{self, Scene};
 use crate::settings;
 use crate::trace::{Played, Tracer};

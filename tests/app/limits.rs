@@ -80,6 +80,20 @@ fn the_limit_is_a_peak_for_every_shape_and_frequency() {
     }
 }
 
+#[test]
+fn the_limit_is_for_the_loudest_lane() {
+    let trimmed = setup(|config| {
+        config.lanes = 2;
+        config.phasing.gain_trim = [1.0, 1.5].into_iter().collect();
+    });
+    let mut queues = Queues::default();
+    let mut bench = running(&mut queues, &trimmed);
+    bench.ask(Command::Amplitude(Some(Amplitude::Volts(12.0))));
+    bench.blocks(100);
+    let peak = peak(&played(&mut bench, 1));
+    assert!((LIMIT_CODES - 1..=LIMIT_CODES).contains(&peak), "{peak} codes");
+}
+
 proptest! {
     #![proptest_config(cases(64))]
 

@@ -1,6 +1,6 @@
 //! Protection while running: which fault, and how many blocks later the drive is silent.
 
-use firmware::block::LATENCY_BLOCKS;
+use firmware::block::{Gate, LATENCY_BLOCKS};
 use firmware::command::Command;
 use firmware::supervisor::{Fault, Mode};
 use hal_mock::bench::{Bench, Queues, Setup};
@@ -134,6 +134,21 @@ fn a_belt_that_moves_again_either_way_begins_the_time_anew() {
     bench.blocks(BELT_BLOCKS);
     assert_eq!(bench.fault(), None);
     bench.block();
+    assert_eq!(bench.fault(), Some(Fault::BeltStopped));
+}
+
+#[test]
+fn short_bursts_over_a_still_belt_add_up() {
+    let mut queues = Queues::default();
+    let mut bench = over_belt(&mut queues, &Setup::default());
+    set_belt(&mut bench, 0.0);
+    // Half of the time ON: it takes twice as long, and no longer.
+    for _ in 0..BELT_BLOCKS / 10 {
+        bench.ask(Command::Gate(Gate::Off));
+        bench.blocks(10);
+        bench.ask(Command::Gate(Gate::On));
+        bench.blocks(10);
+    }
     assert_eq!(bench.fault(), Some(Fault::BeltStopped));
 }
 

@@ -1,0 +1,174 @@
+//! The program as a user meets it: output, exit codes, files.
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output, Stdio};
+
+use serde_json::Value;
+
+fn sim_host(arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_sim-host")).args(arguments).output().expect("sim-host starts")
+}
+
+fn code(output: &Output) -> i32 {
+    output.status.code().expect("an exit code")
+}
+
+fn stdout(output: &Output) -> String {
+    String::from_utf8(output.stdout.clone()).expect("text")
+}
+
+fn stderr(output: &Output) -> String {
+    String::from_utf8(output.stderr.clone()).expect("text")
+}
+
+/// A folder that goes with the test.
+struct Folder(PathBuf);
+
+impl Folder {
+    fn new(name: &str) -> Self {
+        let path = std::env::temp_dir().join(format!("sim-host-{name}-{}", std::process::id()));
+        std::fs::create_dir_all(&path).expect("a folder");
+        Folder(path)
+    }
+
+    fn text(&self) -> &str {
+        self.0.to_str().expect("a path in UTF-8")
+    }
+
+    fn read(&self, file: &str) -> String {
+        std::fs::read_to_string(self.0.join(file)).unwrap_or_else(|error| panic!("{file}: {error}"))
+    }
+
+    fn write(&self, file: &str, text: &str) -> String {
+        let path = self.0.join(file);
+        std::fs::write(&path, text).expect("a file");
+        path.to_str().expect("a path in UTF-8").to_owned()
+    }
+}
+
+impl Drop for Folder {
+    fn drop(&mut self) {
+        let _ = std::fs::remove_dir_all(&self.0);
+    }
+}
+
+#[test]
+fn a_run_leaves_all_its_files_and_a_page_that_needs_nothing_else() {
+    let folder = Folder::new("run");
+    let output = sim_host(&["run", "lock", "-o", folder.text()]);
+    assert_eq!(code(&output), 0, "{}", stderr(&output));
+    assert!(stdout(&output).contains("simulated seconds per wall second"));
+    for file in
+        ["manifest.json", "summary.json", "trace.csv", "frequency.csv", "frequency.svg", "frequency.png", "admittance.png"]
+    {
+        assert!(Path::new(folder.text()).join(file).metadata().is_ok_and(|file| file.len() > 100), "{file}");
+    }
+    let page = folder.read("report.html");
+    let outside = |text: &str| text.matches("src=\"http").count() + text.matches("href=\"http").count();
+    assert_eq!(outside(&page), 0);
+    let manifest: Value = serde_json::from_str(&folder.read("manifest.json")).expect("JSON");
+    assert_eq!(manifest["resolved_scene"]["stack"]["bvd"]["q"], 64.6);
+    assert_eq!(manifest["drive_hash"].as_str().map(str::len), Some(16));
+}
+
+#[test]
+fn json_goes_to_standard_output_and_nothing_else_does() {
+    let output = sim_host(&["run", "lock", "--no-report", "--format", "json", "--seed", "5", "--set", "duration_s=0.2"]);
+    let summary: Value = serde_json::from_str(&stdout(&output)).expect("JSON");
+    assert_eq!((summary["scene"].as_str(), summary["seed"].as_u64()), (Some("lock"), Some(5)));
+    assert!(summary["metrics"]["q"].as_f64().is_some_and(|q| (q - 64.6).abs() < 0.5));
+}
+
+#[test]
+fn a_missed_expectation_is_exit_code_4() {
+    let output = sim_host(&["run", "lock", "--no-report", "--set", "expect.0.value=50"]);
+    assert_eq!(code(&output), 4);
+    assert!(stdout(&output).contains("MISS"));
+}
+
+#[test]
+fn usage_is_exit_code_2_and_an_invalid_scene_3() {
+    assert_eq!(code(&sim_host(&["run"])), 2);
+    assert_eq!(code(&sim_host(&["rum", "lock"])), 2);
+    let output = sim_host(&["run", "lokc"]);
+    assert_eq!(code(&output), 3);
+    assert!(stderr(&output).contains("`lock`"), "{}", stderr(&output));
+}
+
+#[test]
+fn every_mistake_is_shown_at_once_with_line_caret_and_nearest_name() {
+    let folder = Folder::new("wrong");
+    let scene = folder.write(
+        "wrong.toml",
+        "base = \"experiment-1\"\nduration_s = -1\n[rig.slider]\nspeed_mm_per_s = 38\n[contact.dahl]\nstifness_n_per_m = 1\n",
+    );
+    let output = sim_host(&["check", &scene]);
+    let text = stderr(&output);
+    assert_eq!(code(&output), 3);
+    for part in ["wrong.toml:2:", "wrong.toml:4:", "wrong.toml:6:", "speed_m_per_s", "stiffness_n_per_m", "^^^", "3 problems"] {
+        assert!(text.contains(part), "`{part}` is missing in\n{text}");
+    }
+}
+
+#[test]
+fn what_show_prints_is_a_scene() {
+    let shown = sim_host(&["show", "experiment-1", "--set", "rig.slider.load_n=2"]);
+    let folder = Folder::new("show");
+    let scene = folder.write("shown.toml", &stdout(&shown));
+    assert_eq!(code(&sim_host(&["check", &scene])), 0);
+    assert!(stdout(&shown).contains("load_n = 2.0"));
+}
+
+#[test]
+fn list_and_schema_know_every_scene_and_key() {
+    let list = stdout(&sim_host(&["list"]));
+    assert!(["experiment-1 ", "lock-step", "transducer-skymen-60w"].iter().all(|name| list.contains(name)), "{list}");
+    let schema: Value = serde_json::from_str(&stdout(&sim_host(&["schema"]))).expect("JSON");
+    assert!(schema["properties"]["controller"].is_object());
+}
+
+#[test]
+fn a_trace_holds_the_signals_asked_for() {
+    let folder = Folder::new("trace");
+    let output = sim_host(&[
+        "run",
+        "lock",
+        "-q",
+        "-o",
+        folder.text(),
+        "--set",
+        "trace.signals=[\"drive_code_0\",\"tip_velocity_m_per_s\"]",
+        "--set",
+        "trace.from_s=0.16",
+        "--set",
+        "trace.to_s=0.161",
+        "--set",
+        "trace.every=10",
+    ]);
+    assert_eq!(code(&output), 0, "{}", stderr(&output));
+    let trace = folder.read("trace.csv");
+    let lines: Vec<&str> = trace.lines().collect();
+    assert_eq!(lines[0], "time_s,drive_code_0,tip_velocity_m_per_s");
+    assert_eq!(lines.len(), 101);
+}
+
+#[cfg(unix)]
+#[test]
+fn an_interrupted_run_keeps_what_it_has_and_says_so() {
+    let folder = Folder::new("interrupted");
+    let child = Command::new(env!("CARGO_BIN_EXE_sim-host"))
+        .args(["run", "lock", "-o", folder.text(), "--set", "duration_s=900", "--set", "controller.burst.off_s=[0.22,900]"])
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .expect("sim-host starts");
+    std::thread::sleep(std::time::Duration::from_millis(700));
+    let pid = child.id().to_string();
+    assert!(Command::new("kill").args(["-INT", &pid]).status().expect("kill").success());
+    let output = child.wait_with_output().expect("it ends");
+    assert_eq!(code(&output), 130, "{}", stderr(&output));
+    assert!(stdout(&output).contains("INTERRUPTED"));
+    let summary: Value = serde_json::from_str(&folder.read("summary.json")).expect("JSON");
+    assert_eq!(summary["interrupted"], true);
+    assert!(folder.read("report.html").to_lowercase().contains("interrupted"));
+}
