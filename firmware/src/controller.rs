@@ -49,6 +49,7 @@ struct Played {
 }
 
 /// The controller.
+#[derive(Clone)]
 pub struct Controller {
     samples: usize,
     block_s: f32,

@@ -2,10 +2,12 @@
 //!
 //! Throughput is in samples of simulated time; at 1 Msps, 10 Melem/s is ten simulated seconds a wall second, on one core.
 
-use criterion::{Criterion, Throughput, criterion_group, criterion_main};
-use firmware::block::{Orders, Request, SenseBlock};
+use criterion::{BatchSize, Criterion, Throughput, criterion_group, criterion_main};
+use firmware::block::{DriveBlock, Gate, Orders, Request, SenseBlock};
 use firmware::controller::Controller;
+use firmware::supervisor::Mode;
 use hal_mock::analog::Analog;
+use hal_mock::block_clock::BlockClock;
 use sim_host::plant::Plant;
 use sim_host::run::{Watch, run};
 use sim_host::scene::Scene;
@@ -27,28 +29,68 @@ fn experiment_1(criterion: &mut Criterion) {
     group.finish();
 }
 
-/// The two halves by themselves, a block at a time.
-fn halves(criterion: &mut Criterion) {
-    let scene = scene("experiment-1", &[]);
-    let config = settings::config(&scene);
-    let samples = u64::from(config.block_samples);
-    let orders = Orders { sequence: 1, attempt: 1, request: Request::Run, ..Orders::default() };
-    let mut group = criterion.benchmark_group("one block");
-    group.throughput(Throughput::Elements(samples));
+/// Blocks replayed in one iteration.
+const BLOCKS: usize = 500;
 
-    let mut controller = Controller::build(&config).expect("the flagship's settings");
-    let mut plant = Plant::new(&scene);
-    let (mut drive, mut sense) = (controller.silence(), SenseBlock::default());
-    // Into the scan, where every part of the controller is at work.
+/// Controller, plant, and what passed between them over [`BLOCKS`] blocks in which the drive is ON and tracked.
+struct Recorded {
+    controller: Controller,
+    plant: Plant,
+    heard: Vec<SenseBlock>,
+    played: Vec<DriveBlock>,
+}
+
+const ORDERS: Orders = Orders {
+    sequence: 1,
+    attempt: 1,
+    request: Request::Run,
+    gate: Gate::On,
+    amplitude: None,
+    emergency_stop: false,
+    clear_fault: false,
+};
+
+fn recorded(scene: &Scene) -> Recorded {
+    let mut controller = Controller::build(&settings::config(scene)).expect("a built-in scene's settings");
+    let mut clock = BlockClock::new(Plant::new(scene), &controller.silence());
+    let mut drive_into = |controller: &mut Controller, clock: &mut BlockClock<Plant>| {
+        clock.tick(|sense, drive| (controller.process(&ORDERS, sense, drive).mode, sense.clone(), drive.clone()))
+    };
+    while drive_into(&mut controller, &mut clock).0 != Mode::Run {}
     for _ in 0..1000 {
-        plant.exchange(&drive, &mut sense);
-        controller.process(&orders, &sense, &mut drive);
+        drive_into(&mut controller, &mut clock);
     }
-    let playing = drive.clone();
-    group.bench_function("controller", |bencher| bencher.iter(|| controller.process(&orders, &sense, &mut drive)));
-    group.bench_function("plant with contact", |bencher| bencher.iter(|| plant.exchange(&playing, &mut sense)));
-    let mut stack = Plant::new(&self::scene("lock", &[]));
-    group.bench_function("plant, stack alone", |bencher| bencher.iter(|| stack.exchange(&playing, &mut sense)));
+    let (start, plant) = (controller.clone(), clock.analog.clone());
+    let (heard, played) =
+        (0..BLOCKS).map(|_| drive_into(&mut controller, &mut clock)).map(|(_, sense, drive)| (sense, drive)).unzip();
+    Recorded { controller: start, plant, heard, played }
+}
+
+/// The two halves by themselves, replayed.
+fn halves(criterion: &mut Criterion) {
+    let with_contact = recorded(&scene("experiment-1", &[]));
+    let alone = recorded(&scene("lock", &[]));
+    let mut group = criterion.benchmark_group("replayed");
+    let samples = BLOCKS * with_contact.heard[0].v.len();
+    group.throughput(Throughput::Elements(samples as u64));
+    group.bench_function("controller", |bencher| {
+        let mut drive = with_contact.controller.silence();
+        bencher.iter_batched_ref(
+            || with_contact.controller.clone(),
+            |controller| with_contact.heard.iter().map(|sense| controller.process(&ORDERS, sense, &mut drive).block).last(),
+            BatchSize::SmallInput,
+        );
+    });
+    for (name, recorded) in [("plant with contact", &with_contact), ("plant, stack alone", &alone)] {
+        group.bench_function(name, |bencher| {
+            let mut sense = SenseBlock::default();
+            bencher.iter_batched_ref(
+                || recorded.plant.clone(),
+                |plant| recorded.played.iter().for_each(|drive| plant.exchange(drive, &mut sense)),
+                BatchSize::SmallInput,
+            );
+        });
+    }
     group.finish();
 }
 

@@ -257,6 +257,7 @@ impl Plant {
 
     /// Closes a block of `steps` steps: work done, and the truth about it.
     fn account(&mut self, sums: &Sums, steps: f64) {
+        self.stack.settle();
         let circuit = *self.stack.circuit();
         let step_s = self.timing.step_s();
         let supplied = step_s * sums.in_phase;

@@ -73,7 +73,7 @@ fn a_run_leaves_all_its_files_and_a_page_that_needs_nothing_else() {
 
 #[test]
 fn json_goes_to_standard_output_and_nothing_else_does() {
-    let output = sim_host(&["run", "lock", "--no-report", "--format", "json", "--seed", "5", "--set", "duration_s=0.2"]);
+    let output = sim_host(&["run", "lock", "--no-report", "--format", "json", "--seed", "5"]);
     let summary: Value = serde_json::from_str(&stdout(&output)).expect("JSON");
     assert_eq!((summary["scene"].as_str(), summary["seed"].as_u64()), (Some("lock"), Some(5)));
     assert!(summary["metrics"]["q"].as_f64().is_some_and(|q| (q - 64.6).abs() < 0.5));
