@@ -53,7 +53,7 @@ const ORDERS: Orders = Orders {
 fn recorded(scene: &Scene) -> Recorded {
     let mut controller = Controller::build(&settings::config(scene)).expect("a built-in scene's settings");
     let mut clock = BlockClock::new(Plant::new(scene), &controller.silence());
-    let mut drive_into = |controller: &mut Controller, clock: &mut BlockClock<Plant>| {
+    let drive_into = |controller: &mut Controller, clock: &mut BlockClock<Plant>| {
         clock.tick(|sense, drive| (controller.process(&ORDERS, sense, drive).mode, sense.clone(), drive.clone()))
     };
     while drive_into(&mut controller, &mut clock).0 != Mode::Run {}

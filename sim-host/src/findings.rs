@@ -2,7 +2,7 @@
 
 use crate::figures;
 use crate::metrics::View;
-use crate::plant::stack::Circuit;
+use crate::plant::circuit::Circuit;
 use crate::record::Row;
 use crate::report::{Report, TableBlock};
 use crate::study::Study;

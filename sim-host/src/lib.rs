@@ -14,6 +14,7 @@
 pub mod cli;
 pub mod figures;
 pub mod findings;
+pub mod metric_names;
 pub mod metrics;
 pub mod output;
 pub mod pil;

@@ -15,54 +15,12 @@ use firmware::supervisor::Mode;
 use crate::record::{Record, Row};
 use crate::scene::Scene;
 
-/// Every metric there is.
-pub const NAMES: &[&str] = &[
-    "friction_off_n",
-    "friction_on_n",
-    "friction_ratio",
-    "reduction_percent",
-    "load_cell_off_n",
-    "load_cell_on_n",
-    "load_cell_reduction_percent",
-    "velocity_ratio",
-    "tip_velocity_m_per_s",
-    "peak_velocity_m_per_s",
-    "overshoot_percent",
-    "rise_time_ms",
-    "fall_time_ms",
-    "acquire_time_ms",
-    "lock_time_100hz_ms",
-    "lock_time_20hz_ms",
-    "lock_time_4hz_ms",
-    "relock_time_100hz_ms",
-    "relock_time_20hz_ms",
-    "relock_time_4hz_ms",
-    "frequency_bias_hz",
-    "frequency_jitter_hz",
-    "frequency_error_max_hz",
-    "motional_phase_deg",
-    "drive_power_w",
-    "energy_residual",
-    "series_resonance_hz",
-    "series_resonance_error_hz",
-    "parallel_resonance_hz",
-    "q",
-    "rm_ohm",
-    "lm_h",
-    "cm_f",
-    "c0_f",
-    "fault_code",
-    "fault_latency_us",
-    "plant_states",
-    "simulated_s_per_wall_s",
-];
-
 /// After an edge or a disturbance, this long is not counted as steady, s.
 const SETTLE_S: f64 = 0.02;
 /// The same for the load cell.
 const CELL_SETTLE_S: f64 = 0.05;
 
-/// Named numbers, in the order of [`NAMES`].
+/// Named numbers, in the order of [`NAMES`](crate::metric_names::NAMES).
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Metrics(Vec<(&'static str, f64)>);
 

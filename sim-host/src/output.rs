@@ -1,5 +1,7 @@
 //! What a study leaves in its folder: manifest, summary, trace, report and figures.
 
+mod trace_file;
+
 use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
@@ -12,7 +14,6 @@ use crate::report::{self, ReportError};
 use crate::scene::load::Loaded;
 use crate::scene::resolved::resolved_json;
 use crate::study::Study;
-use crate::trace;
 
 /// What went wrong with the folder.
 #[derive(Debug, thiserror::Error)]
@@ -79,7 +80,7 @@ pub fn write(loaded: &Loaded, study: &Study, processor: &str, dir: &Path) -> Res
     };
     json("manifest.json", &manifest(loaded, study, processor))?;
     json("summary.json", &summary(study))?;
-    trace::write(study, &dir.join("trace.csv"))?;
+    trace_file::write(&study.record, &dir.join("trace.csv"))?;
     report::write(&findings::report(study), dir)?;
     Ok(())
 }

@@ -5,89 +5,39 @@
 //! ```
 //!
 //! Plant states: five of amplifier and stack, one of the contact, two of the load cell; a rigid slider costs none. The
-//! friction at the tip comes back into the stack's motional branch. A sample is one step or
-//! several, as the contact needs: the linear part by its exact flow with the friction held at its last value, the contact exactly in the slip
-//! that results, and then the stack is corrected by what the mean friction over the step was instead. Second order in the
-//! coupling, exact without it.
+//! friction at the tip comes back into the stack's motional branch. A sample is one step or several, as the contact needs: the
+//! linear part by its exact flow with the friction held at its last value, the contact exactly in the slip that results, and then
+//! the stack is corrected by what the mean friction over the step was instead. Second order in the coupling, exact without it.
 //!
 //! The truth ([`Truth`]) never passes through [`Analog`]: the controller sees codes.
 
+pub mod circuit;
 pub mod converter;
 pub mod dahl;
 pub mod disturbance;
 pub mod energy;
 pub mod flow;
 pub mod load_cell;
+pub mod sliding;
 pub mod stack;
+mod sums;
+pub mod timing;
+pub mod truth;
 
 use firmware::block::{DriveBlock, SenseBlock, SlowSense};
 use hal_mock::analog::Analog;
 
+use crate::plant::circuit::Circuit;
 use crate::plant::converter::{Adc, Dac};
-use crate::plant::dahl::Dahl;
 use crate::plant::disturbance::Change;
 use crate::plant::energy::Energy;
 use crate::plant::load_cell::LoadCell;
-use crate::plant::stack::{Circuit, Held, Stack, Timing};
+use crate::plant::sliding::{Sliding, steps_per_sample};
+use crate::plant::stack::{Held, Stack};
+use crate::plant::sums::Sums;
+use crate::plant::timing::Timing;
+use crate::plant::truth::{Sample, Truth};
 use crate::scene::{DisturbedKey, Scene};
-
-/// The truth about one block.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Truth {
-    /// Friction: mean over the block, and its extremes at the steps, N.
-    pub friction_mean_n: f64,
-    /// Smallest friction, N.
-    pub friction_min_n: f64,
-    /// Largest friction, N.
-    pub friction_max_n: f64,
-    /// The load cell's reading at the block's end, N.
-    pub load_cell_n: f64,
-    /// Amplitude of the tip velocity at the block's end, m/s.
-    pub tip_velocity_m_per_s: f64,
-    /// Series resonance during the block, Hz.
-    pub series_resonance_hz: f64,
-    /// Mean power into the motional branch, W.
-    pub power_w: f64,
-    /// Mean product of voltage and quarter-period-later current, W: with `power_w` it makes the motional phase, which only a mean
-    /// over whole periods shows.
-    pub quadrature_w: f64,
-    /// Heat in the motional resistance, W.
-    pub lost_w: f64,
-    /// Power that the tip gives to friction, W.
-    pub friction_on_tip_w: f64,
-    /// Power that the slider's drive gives to friction, W.
-    pub friction_on_slider_w: f64,
-}
-
-/// The truth about one sample, for zooms and traces.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Sample {
-    /// Voltage at the stack, V.
-    pub voltage_v: f64,
-    /// Motional current, A.
-    pub motional_current_a: f64,
-    /// Tip velocity, m/s.
-    pub tip_velocity_m_per_s: f64,
-    /// Friction, mean over the sample, N.
-    pub friction_n: f64,
-}
-
-/// A contact and what moves it.
-#[derive(Clone, Debug)]
-struct Sliding {
-    dahl: Dahl,
-    mu: f64,
-    load_n: f64,
-    self_weight_n: f64,
-    speed_m_per_s: f64,
-}
-
-impl Sliding {
-    fn set_load(&mut self, load_n: f64) {
-        self.load_n = load_n;
-        self.dahl.set_coulomb_force(self.mu * (load_n + self.self_weight_n));
-    }
-}
 
 /// The plant.
 #[derive(Clone, Debug)]
@@ -118,18 +68,7 @@ impl Plant {
             conversions: sensors.oversample.into(),
             skew_s: sensors.skew_s,
         };
-        let sliding = scene.contact.as_ref().zip(scene.rig.as_ref()).map(|(contact, rig)| {
-            let slider = &rig.slider;
-            let mut sliding = Sliding {
-                dahl: Dahl::new(contact.dahl.stiffness_n_per_m, 0.0),
-                mu: contact.dahl.mu,
-                load_n: 0.0,
-                self_weight_n: slider.self_weight_n,
-                speed_m_per_s: slider.speed_m_per_s,
-            };
-            sliding.set_load(slider.load_n);
-            sliding
-        });
+        let sliding = scene.contact.as_ref().zip(scene.rig.as_ref()).map(|(contact, rig)| Sliding::new(contact, rig));
         let block_s = f64::from(scene.controller.block_samples) / sensors.sample_hz;
         Plant {
             dac: Dac::new(sensors, &scene.amplifier),
@@ -204,7 +143,7 @@ impl Plant {
             DisturbedKey::SeriesResonance => circuit.series_resonance_hz(),
             DisturbedKey::Q => circuit.q(),
             DisturbedKey::ClampedCapacitance => circuit.c0_f,
-            DisturbedKey::Load => of_slider(|sliding| sliding.load_n),
+            DisturbedKey::Load => of_slider(Sliding::load_n),
             DisturbedKey::Speed => of_slider(|sliding| sliding.speed_m_per_s),
         }
     }
@@ -232,13 +171,11 @@ impl Plant {
                 0.0
             }
             Some(sliding) => {
-                let held = sliding.dahl.force();
-                let (tip, position) = (self.stack.tip_velocity(), self.stack.tip_displacement());
+                let held = sliding.force();
+                let (v0, position) = (self.stack.tip_velocity(), self.stack.tip_displacement());
                 self.stack.advance(drive, held);
                 let moved = self.stack.tip_displacement() - position;
-                let slip = sliding.speed_m_per_s * step_s + moved;
-                let (v0, v1) = (sliding.speed_m_per_s + tip, sliding.speed_m_per_s + self.stack.tip_velocity());
-                let mean = sliding.dahl.slip(v0, v1, slip, step_s);
+                let mean = sliding.slide(v0, self.stack.tip_velocity(), moved, step_s);
                 self.stack.correct_force(mean - held);
                 sums.friction += mean;
                 sums.friction_on_tip += mean * moved;
@@ -286,51 +223,6 @@ impl Plant {
             friction_on_slider_w: mean * speed,
         };
         self.time_s += block_s;
-    }
-}
-
-/// Steps in a sample: as many as the contact needs, and none for a stack alone, whose flow is exact.
-///
-/// The measure is `kappa = Kt Vv / (omega Fc)`, the vibration amplitude in Dahl lengths: 16 steps a period are enough below 1, 32
-/// below 10, 64 below 100, 128 above.
-fn steps_per_sample(scene: &Scene, circuit: &Circuit) -> u32 {
-    let Some((contact, rig)) = scene.contact.as_ref().zip(scene.rig.as_ref()) else { return 1 };
-    let drive = &scene.controller.drive;
-    let by_voltage = drive.amplitude_v.unwrap_or(0.0) / circuit.rm_ohm / circuit.force_factor_n_per_v;
-    let displacement = drive.velocity_m_per_s.unwrap_or(by_voltage) / circuit.omega();
-    let coulomb = contact.dahl.mu * (rig.slider.load_n + rig.slider.self_weight_n);
-    let kappa = contact.dahl.stiffness_n_per_m * displacement / coulomb;
-    let per_period = match kappa {
-        k if k < 1.0 => 16.0,
-        k if k < 10.0 => 32.0,
-        k if k < 100.0 => 64.0,
-        _ => 128.0,
-    };
-    (per_period * circuit.series_resonance_hz() / scene.sensors.sample_hz).ceil() as u32
-}
-
-/// Sums over the steps of a block.
-struct Sums {
-    lost: f64,
-    in_phase: f64,
-    quadrature: f64,
-    friction: f64,
-    friction_on_tip: f64,
-    friction_min: f64,
-    friction_max: f64,
-}
-
-impl Sums {
-    fn new() -> Self {
-        Sums {
-            lost: 0.0,
-            in_phase: 0.0,
-            quadrature: 0.0,
-            friction: 0.0,
-            friction_on_tip: 0.0,
-            friction_min: f64::INFINITY,
-            friction_max: f64::NEG_INFINITY,
-        }
     }
 }
 

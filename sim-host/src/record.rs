@@ -5,9 +5,9 @@ use firmware::phasor::magnitude;
 use firmware::supervisor::Mode;
 use firmware::telemetry::Telemetry;
 
+use crate::plant::circuit::Circuit;
 use crate::plant::energy::Energy;
-use crate::plant::stack::Circuit;
-use crate::plant::{Sample, Truth};
+use crate::plant::truth::{Sample, Truth};
 use crate::trace::Tracer;
 
 /// One block.

@@ -5,7 +5,7 @@ use std::sync::atomic::AtomicBool;
 use rayon::prelude::*;
 
 use crate::metrics::{self, Metrics};
-use crate::plant::stack::Circuit;
+use crate::plant::circuit::Circuit;
 use crate::processor::Processor;
 use crate::record::{Record, Window};
 use crate::run::{self, RunError, Watch};

@@ -1,16 +1,9 @@
-//! `trace.csv`: the signals that a scene's `[trace]` asks for, at the sample rate; or a table of the whole run, one row for every
-//! few blocks. Units are in the column names.
-
-use std::path::Path;
+//! The signals that a scene's `[trace]` asks for, as they are played and heard.
 
 use firmware::block::{DriveBlock, SenseBlock};
 
-use crate::plant::Sample;
+use crate::plant::truth::Sample;
 use crate::scene::{Signal, Trace};
-use crate::study::Study;
-
-/// Most rows of the table of a whole run.
-const ROWS: usize = 3000;
 
 /// Takes blocks as they are played, and keeps what the scene asks for.
 #[derive(Clone, Debug)]
@@ -49,6 +42,16 @@ impl Tracer {
         }
     }
 
+    /// The signals, in the order of the columns after the time.
+    pub fn signals(&self) -> &[Signal] {
+        &self.signals
+    }
+
+    /// What was kept: time, s, then the signals.
+    pub fn rows(&self) -> &[Vec<f64>] {
+        &self.rows
+    }
+
     /// Whether any of `samples` samples from `first` on are wanted.
     pub fn wants(&self, first: u64, samples: u64) -> bool {
         first < self.samples.end && first + samples > self.samples.start
@@ -82,64 +85,4 @@ fn value(signal: Signal, played: &Played, n: usize, sample: &Sample) -> f64 {
         Signal::TipVelocityMPerS => sample.tip_velocity_m_per_s,
         Signal::FrictionN => sample.friction_n,
     }
-}
-
-/// The name of a signal, as scenes and columns spell it.
-fn name(signal: Signal) -> String {
-    match serde_json::to_value(signal) {
-        Ok(serde_json::Value::String(name)) => name,
-        _ => format!("{signal:?}"),
-    }
-}
-
-/// Writes the trace of a study.
-pub fn write(study: &Study, path: &Path) -> Result<(), csv::Error> {
-    let mut file = csv::Writer::from_path(path)?;
-    match &study.record.trace {
-        Some(tracer) => {
-            file.write_record(std::iter::once("time_s".to_owned()).chain(tracer.signals.iter().map(|&signal| name(signal))))?;
-            for row in &tracer.rows {
-                file.write_record(row.iter().map(f64::to_string))?;
-            }
-        }
-        None => overview(study, &mut file)?,
-    }
-    file.flush()?;
-    Ok(())
-}
-
-fn overview(study: &Study, file: &mut csv::Writer<std::fs::File>) -> Result<(), csv::Error> {
-    file.write_record([
-        "time_s",
-        "mode",
-        "fault_code",
-        "frequency_command_hz",
-        "resonance_estimate_hz",
-        "series_resonance_true_hz",
-        "drive_v",
-        "envelope",
-        "motional_current_estimate_a",
-        "tip_velocity_true_m_per_s",
-        "friction_true_n",
-        "load_cell_n",
-        "power_true_w",
-    ])?;
-    let rows = &study.record.rows;
-    for row in rows.iter().step_by(rows.len().div_ceil(ROWS).max(1)) {
-        let numbers = [
-            row.frequency_hz,
-            row.resonance_estimate_hz,
-            row.truth.series_resonance_hz,
-            row.drive_v,
-            row.envelope,
-            row.motional_current_a,
-            row.truth.tip_velocity_m_per_s,
-            row.truth.friction_mean_n,
-            row.truth.load_cell_n,
-            row.truth.power_w,
-        ];
-        let head = [row.time_s.to_string(), format!("{:?}", row.mode), row.fault.to_string()];
-        file.write_record(head.into_iter().chain(numbers.map(|x| x.to_string())))?;
-    }
-    Ok(())
 }

@@ -6,7 +6,7 @@ use firmware::supervisor::Mode;
 
 use super::axis;
 use crate::metrics::View;
-use crate::plant::stack::Circuit;
+use crate::plant::circuit::Circuit;
 use crate::record::Row;
 use crate::report::{Figure, Marker, Series, Style};
 use crate::study::Study;

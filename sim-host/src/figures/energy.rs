@@ -2,7 +2,7 @@
 
 use super::{axis, binned, mean, shaded};
 use crate::metrics::View;
-use crate::plant::Truth;
+use crate::plant::truth::Truth;
 use crate::report::{Axis, Figure, Series, Style};
 use crate::study::Study;
 

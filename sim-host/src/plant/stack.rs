@@ -22,8 +22,10 @@
 
 use wide::f64x2;
 
+use crate::plant::circuit::Circuit;
 use crate::plant::flow::{Matrix, exponential};
-use crate::scene::{Amplifier, Bvd};
+use crate::plant::timing::Timing;
+use crate::scene::Amplifier;
 
 /// States of the network.
 pub const STATES: usize = 5;
@@ -34,75 +36,6 @@ const I: usize = 3;
 const VC: usize = 4;
 /// A sixth row that is no state: the total current `(e - v0) / Rs`, which the flow gives for nothing.
 const TOTAL: usize = 5;
-
-/// The equivalent circuit in the form the equations need.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Circuit {
-    /// Clamped capacitance, F.
-    pub c0_f: f64,
-    /// Motional capacitance, F.
-    pub cm_f: f64,
-    /// Motional inductance, H.
-    pub lm_h: f64,
-    /// Motional resistance, ohm.
-    pub rm_ohm: f64,
-    /// Force factor, N/V.
-    pub force_factor_n_per_v: f64,
-}
-
-impl Circuit {
-    /// From either form of a scene's stack. A scene that has passed its rules gives one of them in full.
-    pub fn of(bvd: &Bvd) -> Self {
-        let of_resonance = |hz: f64, q: f64, k: f64| {
-            let cm_f = bvd.c0_f * k * k / (1.0 - k * k);
-            let omega = std::f64::consts::TAU * hz;
-            let lm_h = 1.0 / (omega * omega * cm_f);
-            (cm_f, lm_h, omega * lm_h / q)
-        };
-        let (cm_f, lm_h, rm_ohm) = match (bvd.cm_f, bvd.lm_h, bvd.rm_ohm) {
-            (Some(cm_f), Some(lm_h), Some(rm_ohm)) => (cm_f, lm_h, rm_ohm),
-            _ => of_resonance(bvd.series_resonance_hz.unwrap_or(40e3), bvd.q.unwrap_or(50.0), bvd.coupling.unwrap_or(0.25)),
-        };
-        Circuit { c0_f: bvd.c0_f, cm_f, lm_h, rm_ohm, force_factor_n_per_v: bvd.force_factor_n_per_v }
-    }
-
-    /// Series resonance, rad/s.
-    pub fn omega(&self) -> f64 {
-        1.0 / (self.lm_h * self.cm_f).sqrt()
-    }
-
-    /// Series resonance, Hz.
-    pub fn series_resonance_hz(&self) -> f64 {
-        self.omega() / std::f64::consts::TAU
-    }
-
-    /// Quality factor at series resonance.
-    pub fn q(&self) -> f64 {
-        self.omega() * self.lm_h / self.rm_ohm
-    }
-
-    /// The same inductance and quality factor at another resonance.
-    pub fn with_series_resonance(self, hz: f64) -> Self {
-        let omega = std::f64::consts::TAU * hz;
-        let cm_f = 1.0 / (omega * omega * self.lm_h);
-        Circuit { cm_f, rm_ohm: omega * self.lm_h / self.q(), ..self }
-    }
-
-    /// The same resonance with another quality factor.
-    pub fn with_q(self, q: f64) -> Self {
-        Circuit { rm_ohm: self.omega() * self.lm_h / q, ..self }
-    }
-
-    /// Time constant of the ring-up, s.
-    pub fn time_constant_s(&self) -> f64 {
-        2.0 * self.lm_h / self.rm_ohm
-    }
-
-    /// Modal mass at the tip, kg.
-    pub fn modal_mass_kg(&self) -> f64 {
-        self.lm_h * self.force_factor_n_per_v.powi(2)
-    }
-}
 
 /// The states and the total current, in pairs that fill vector registers: (e, d), (v0, i), (vc, total).
 type Pairs = [f64x2; 3];
@@ -135,41 +68,6 @@ pub struct Stack {
     before: Pairs,
     /// For each step of a sample, the conversions that fall into it.
     conversions: Vec<Vec<Look>>,
-}
-
-/// How a sample is divided.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Timing {
-    /// Duration of a sample, s.
-    pub sample_s: f64,
-    /// Steps of the flow in a sample.
-    pub steps: u32,
-    /// ADC conversions in a sample, evenly spaced; the last at its end.
-    pub conversions: u32,
-    /// How much later the current is converted than the voltage, s.
-    pub skew_s: f64,
-}
-
-impl Timing {
-    /// Duration of a step, s.
-    pub fn step_s(&self) -> f64 {
-        self.sample_s / f64::from(self.steps)
-    }
-
-    /// For each step, how long after its beginning voltage and current are converted, s. The later of the two converts at the
-    /// nominal time, the other before it; both belong to the step of the earlier.
-    fn instants(&self) -> Vec<Vec<[f64; 2]>> {
-        let step_s = self.step_s();
-        let mut instants = vec![Vec::new(); self.steps as usize];
-        for conversion in 1..=self.conversions {
-            let nominal = self.sample_s * f64::from(conversion) / f64::from(self.conversions);
-            let both = [nominal - self.skew_s.max(0.0), nominal + self.skew_s.min(0.0)];
-            // One that falls on the seam of two steps belongs to the earlier.
-            let step = (both[0].min(both[1]) / step_s - 1e-9).floor().max(0.0);
-            instants[step as usize].push(both.map(|instant| instant - step * step_s));
-        }
-        instants
-    }
 }
 
 /// A look at voltage and current (the two lanes) some time into a step, along the exact flow from its beginning, with drive and
@@ -355,24 +253,6 @@ mod tests {
     }
 
     const A3: Circuit = Circuit { c0_f: 300e-9, cm_f: 20e-9, lm_h: 0.7916e-3, rm_ohm: 3.08, force_factor_n_per_v: 5.566 };
-
-    #[test]
-    fn both_forms_of_a_stack_are_the_same_circuit() {
-        let bvd = Bvd {
-            c0_f: 300e-9,
-            cm_f: None,
-            lm_h: None,
-            rm_ohm: None,
-            series_resonance_hz: Some(A3.series_resonance_hz()),
-            q: Some(A3.q()),
-            coupling: Some(0.25),
-            force_factor_n_per_v: 5.566,
-        };
-        let circuit = Circuit::of(&bvd);
-        assert!((circuit.cm_f / A3.cm_f - 1.0).abs() < 1e-12);
-        assert!((circuit.lm_h / A3.lm_h - 1.0).abs() < 1e-12);
-        assert!((circuit.rm_ohm / A3.rm_ohm - 1.0).abs() < 1e-12);
-    }
 
     /// Drives with a sine sampled so finely that holding it does not matter, and compares with the admittance.
     #[test]

@@ -14,8 +14,9 @@ use super::diagnostic::{Place, Problem};
 use super::nearest::{listed, nearest, short, shown};
 use super::schema::join;
 use super::tree::Node;
-use super::walk::{Findings, header, walk, within};
-use crate::metrics;
+use super::walk::{Findings, walk};
+use super::wording::{header, within};
+use crate::metric_names;
 
 /// Keys of a table that exclude each other.
 #[derive(Debug)]
@@ -200,13 +201,13 @@ impl Rules<'_> {
     }
 
     fn metric(&mut self, path: &str, name: &str) {
-        if metrics::NAMES.contains(&name) {
+        if metric_names::NAMES.contains(&name) {
             return;
         }
-        let meant = nearest(name, metrics::NAMES.iter().copied());
+        let meant = nearest(name, metric_names::NAMES.iter().copied());
         let label = meant.first().map_or("not measured".to_owned(), |meant| format!("did you mean `{meant}`?"));
         let problem = Problem::new(self.place(path), format!("there is no metric `{}`", short(name)), label);
-        let help = format!("the metrics are {}", listed(metrics::NAMES.iter().copied(), "and"));
+        let help = format!("the metrics are {}", listed(metric_names::NAMES.iter().copied(), "and"));
         self.add(path, problem.help(help));
     }
 }

@@ -5,7 +5,7 @@ use super::nearest::{listed, nearest, short, shown};
 use super::schema::{Schema, join};
 use super::tree::{Entry, Node};
 use super::units;
-use super::walk::{header, named, within};
+use super::wording::{header, named, within};
 
 /// Explains an unknown key, and says which key of the same table was probably meant.
 pub(super) fn unknown(table: Schema, path: &str, name: &str, entry: &Entry) -> (Problem, Option<&'static str>) {

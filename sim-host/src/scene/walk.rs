@@ -4,8 +4,9 @@ use std::collections::BTreeSet;
 
 use super::diagnostic::{Place, Problem};
 use super::nearest::{listed, nearest, short, shown};
-use super::schema::{Kind, Schema, is_index, join, without_indices};
-use super::tree::{Entry, Node, Value};
+use super::schema::{Kind, Schema, is_index, join};
+use super::tree::{Node, Value};
+use super::wording::{header, within};
 use super::{units, unknown};
 
 /// What was found, and at which paths.
@@ -40,17 +41,6 @@ pub(super) fn walk(root: &mut Node) -> Findings {
     let mut findings = Findings::default();
     check(root, Schema::root(), "", &mut findings);
     findings
-}
-
-/// A table as its header would be written.
-pub(super) fn header(path: &str) -> String {
-    let table = without_indices(path);
-    let list = Schema::root().at(&table).is_some_and(|schema| schema.kind() == Kind::List);
-    match table.as_str() {
-        "" => "the top level".to_owned(),
-        _ if list => format!("[[{table}]]"),
-        _ => format!("[{table}]"),
-    }
 }
 
 fn check(node: &mut Node, schema: Schema, path: &str, findings: &mut Findings) {
@@ -230,15 +220,4 @@ fn expected(schema: Schema, path: &str) -> String {
 fn unit(path: &str) -> Option<String> {
     let key = path.rsplit('.').find(|name| !is_index(name))?;
     units::split(key).1.map(|unit| unit.symbol)
-}
-
-/// Where in a scene a table is.
-pub(super) fn within(path: &str) -> String {
-    if path.is_empty() { "at the top level".to_owned() } else { format!("in {}", header(path)) }
-}
-
-/// The key of an entry in messages, shortened.
-pub(super) fn named(name: &str, entry: &Entry) -> String {
-    let what = if entry.node.table().is_some() { "table" } else { "key" };
-    format!("{what} `{}`", short(name))
 }

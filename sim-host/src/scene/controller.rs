@@ -1,0 +1,217 @@
+//! `[controller]`: the firmware that drives, and what it is told.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// The firmware that drives, and what it is told.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Controller {
+    /// Samples in a block.
+    #[serde(default = "default::block_samples")]
+    #[schemars(range(min = 8, max = 64))]
+    pub block_samples: u16,
+    /// The drive.
+    pub drive: Drive,
+    /// Lane offsets and trims of a multi-phase drive.
+    #[serde(default)]
+    pub phasing: Phasing,
+    /// When the drive is ON. Without it: always, once locked.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub burst: Option<Burst>,
+    /// How the frequency is found and kept, and what a user knows of the transducer beforehand.
+    pub tracking: Tracking,
+    /// What must never be exceeded.
+    #[serde(default)]
+    pub limits: Limits,
+}
+
+/// The drive. Give exactly one of `amplitude_v` and `velocity_m_per_s`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Drive {
+    /// Nominal frequency: the centre of the scan, Hz.
+    #[schemars(range(min = 100.0, max = 450e3))]
+    pub frequency_hz: f64,
+    /// Peak voltage, V.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 0.0, max = 1e4))]
+    pub amplitude_v: Option<f64>,
+    /// Peak tip velocity, held by the motional-current loop, m/s. Needs `tracking.nominal_force_factor_n_per_v`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 0.0, max = 100.0))]
+    pub velocity_m_per_s: Option<f64>,
+    /// Peak voltage of self-test and scan, V. Default: `amplitude_v`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 1e-3, max = 1e4))]
+    pub scan_v: Option<f64>,
+    /// Waveform of one period.
+    #[serde(default)]
+    pub shape: Shape,
+    /// Drive lanes; the stack hangs on the first.
+    #[serde(default = "default::lanes")]
+    #[schemars(range(min = 1, max = 4))]
+    pub lanes: u8,
+}
+
+/// Waveform of one period.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum Shape {
+    /// Sine.
+    #[default]
+    Sine,
+    /// Square, band-limited.
+    Square,
+}
+
+/// Lane offsets and trims of a multi-phase drive.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Phasing {
+    /// Turning direction.
+    #[serde(default)]
+    pub direction: Direction,
+    /// Phase correction of each lane, turns.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[schemars(length(max = 4), inner(range(min = -0.5, max = 0.5)))]
+    pub phase_trim_turns: Vec<f64>,
+    /// Gain correction of each lane.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[schemars(length(max = 4), inner(range(min = 0.0, max = 2.0)))]
+    pub gain_trim: Vec<f64>,
+}
+
+/// Turning direction.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum Direction {
+    /// Lane 1 leads lane 0.
+    #[default]
+    Forward,
+    /// Lane 0 leads lane 1.
+    Reverse,
+}
+
+/// When the drive is ON, counted from the first sample. Give either windows (`on_s` and `off_s`) or `period_s` and `duty`.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Burst {
+    /// Beginnings of the ON windows, s.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[schemars(length(max = 8), inner(range(min = 0.0, max = 1e5)))]
+    pub on_s: Vec<f64>,
+    /// Their ends, s.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[schemars(length(max = 8), inner(range(min = 0.0, max = 1e5)))]
+    pub off_s: Vec<f64>,
+    /// Period of a repeated burst, s.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 1e-5, max = 1e5))]
+    pub period_s: Option<f64>,
+    /// Part of the period that is ON.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 0.0, max = 1.0))]
+    pub duty: Option<f64>,
+    /// How the envelope gets there.
+    #[serde(default)]
+    pub edge: Edge,
+    /// Length of a soft edge, drive periods.
+    #[serde(default = "default::edge_cycles")]
+    #[schemars(range(min = 0.5, max = 1e4))]
+    pub edge_cycles: f64,
+}
+
+/// How the envelope gets from OFF to ON and back.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum Edge {
+    /// At once.
+    #[default]
+    Hard,
+    /// Along a raised cosine.
+    Soft,
+}
+
+/// How the frequency is found and kept. The nominal values are what a user knows beforehand, not the truth.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Tracking {
+    /// What is tracked.
+    #[serde(default)]
+    pub mode: TrackingMode,
+    /// Frequency window on each side, as a fraction of the nominal frequency.
+    #[serde(default = "default::span")]
+    #[schemars(range(min = 1e-4, max = 0.2))]
+    pub span: f64,
+    /// Bandwidth of the phase loop, Hz.
+    #[serde(default = "default::bandwidth_hz")]
+    #[schemars(range(min = 0.1, max = 1000.0))]
+    pub bandwidth_hz: f64,
+    /// Quality factor, within a factor of two.
+    #[schemars(range(min = 2.0, max = 1e5))]
+    pub nominal_q: f64,
+    /// Clamped capacitance, F.
+    #[schemars(range(min = 1e-12, max = 1e-3))]
+    pub nominal_c0_f: f64,
+    /// Force factor, N/V: tip force per volt, and ampere of motional current per m/s of tip velocity.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 1e-6, max = 1e4))]
+    pub nominal_force_factor_n_per_v: Option<f64>,
+}
+
+/// What is tracked.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum TrackingMode {
+    /// The phase of the motional current: the series resonance, at any load.
+    #[default]
+    PhaseLock,
+    /// The phase of the total current: the plain V-I loop, the reference that fails under load.
+    ZeroPhase,
+    /// Nothing: the nominal frequency is held.
+    Off,
+}
+
+/// What must never be exceeded.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct Limits {
+    /// Peak drive voltage, V.
+    #[schemars(range(min = 1e-3, max = 1e4))]
+    pub voltage_v: f64,
+    /// Peak current, A.
+    #[schemars(range(min = 1e-6, max = 1e3))]
+    pub current_a: f64,
+    /// Slowest belt that counts as moving, m/s.
+    #[schemars(range(min = 0.0, max = 100.0))]
+    pub belt_moving_m_per_s: f64,
+    /// How long the drive may stay ON over a stopped belt, ms.
+    #[schemars(range(min = 0.0, max = 1e5))]
+    pub belt_stop_ms: f64,
+}
+
+impl Default for Limits {
+    fn default() -> Self {
+        Limits { voltage_v: 15.466, current_a: 3.0, belt_moving_m_per_s: 0.001, belt_stop_ms: 4.0 }
+    }
+}
+
+/// Defaults that serde needs as functions.
+mod default {
+    pub(super) fn block_samples() -> u16 {
+        32
+    }
+    pub(super) fn lanes() -> u8 {
+        1
+    }
+    pub(super) fn edge_cycles() -> f64 {
+        5.0
+    }
+    pub(super) fn span() -> f64 {
+        0.025
+    }
+    pub(super) fn bandwidth_hz() -> f64 {
+        200.0
+    }
+}

@@ -1,0 +1,75 @@
+//! `[[disturbance]]` and `[[fault]]`: what changes and what breaks on the way.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// A change of one plant value on the way. Give `to` (a step), or `rate_per_s` (a ramp), or `sine_amplitude` and `sine_hz`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Disturbance {
+    /// When it begins, s.
+    #[schemars(range(min = 0.0, max = 1e5))]
+    pub at_s: f64,
+    /// What changes.
+    pub key: DisturbedKey,
+    /// The new value.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub to: Option<f64>,
+    /// Slope, per second.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub rate_per_s: Option<f64>,
+    /// Amplitude of a sine about the present value.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub sine_amplitude: Option<f64>,
+    /// Its frequency, Hz.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 0.0, max = 1e4))]
+    pub sine_hz: Option<f64>,
+}
+
+/// A plant value that can change on the way.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize, JsonSchema)]
+pub enum DisturbedKey {
+    /// Series resonance, Hz; the motional inductance stays.
+    #[serde(rename = "stack.bvd.series_resonance_hz")]
+    SeriesResonance,
+    /// Quality factor; the motional inductance stays.
+    #[serde(rename = "stack.bvd.q")]
+    Q,
+    /// Clamped capacitance, F.
+    #[serde(rename = "stack.bvd.c0_f")]
+    ClampedCapacitance,
+    /// Load on the slider, N.
+    #[serde(rename = "rig.slider.load_n")]
+    Load,
+    /// Sliding speed, m/s.
+    #[serde(rename = "rig.slider.speed_m_per_s")]
+    Speed,
+}
+
+/// Something that breaks on the way.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Fault {
+    /// When, s.
+    #[schemars(range(min = 0.0, max = 1e5))]
+    pub at_s: f64,
+    /// What.
+    pub kind: FaultKind,
+}
+
+/// What breaks.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum FaultKind {
+    /// The current channel reads nothing: a broken lead.
+    Open,
+    /// The voltage channel stays at its last code.
+    SensorStuck,
+    /// Both channels read the end of their range.
+    Saturation,
+    /// One block is delivered late.
+    LateBlock,
+    /// The belt sensor reads zero from now on.
+    BeltStopped,
+}

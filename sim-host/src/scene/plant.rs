@@ -1,0 +1,175 @@
+//! What the controller is connected to: amplifier, sensors, stack, contact, rig.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// The power amplifier: second-order Butterworth low-pass and a source resistance.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct Amplifier {
+    /// Output at the DAC's end of range, V; the range is this much on each side.
+    #[schemars(range(min = 0.1, max = 1e4))]
+    pub full_scale_v: f64,
+    /// Corner frequency, Hz.
+    #[schemars(range(min = 1e3, max = 1e7))]
+    pub bandwidth_hz: f64,
+    /// Source resistance, ohm.
+    #[schemars(range(min = 1e-3, max = 1e4))]
+    pub source_ohm: f64,
+}
+
+impl Default for Amplifier {
+    fn default() -> Self {
+        Amplifier { full_scale_v: 20.0, bandwidth_hz: 200e3, source_ohm: 0.3 }
+    }
+}
+
+/// The converters and the load cell.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct Sensors {
+    /// Samples a second, of DAC and ADC, Hz.
+    #[schemars(range(min = 1e5, max = 1e7))]
+    pub sample_hz: f64,
+    /// Bits of the ADC.
+    #[schemars(range(min = 6, max = 16))]
+    pub adc_bits: u8,
+    /// Bits of the DAC.
+    #[schemars(range(min = 6, max = 16))]
+    pub dac_bits: u8,
+    /// Noise of each conversion before averaging, LSB rms.
+    #[schemars(range(min = 0.0, max = 100.0))]
+    pub noise_lsb: f64,
+    /// Offset of each sense channel, LSB.
+    #[schemars(range(min = -500.0, max = 500.0))]
+    pub offset_lsb: f64,
+    /// Conversions a sample, evenly spaced and summed.
+    #[schemars(range(min = 1, max = 4))]
+    pub oversample: u8,
+    /// Voltage at the ADC's end of range, V; the range is this much on each side.
+    #[schemars(range(min = 1e-3, max = 1e4))]
+    pub v_full_scale_v: f64,
+    /// Current at the ADC's end of range, A; the range is this much on each side.
+    #[schemars(range(min = 1e-6, max = 1e3))]
+    pub i_full_scale_a: f64,
+    /// How much later the current is sampled than the voltage, s.
+    #[schemars(range(min = -2e-7, max = 2e-7))]
+    pub skew_s: f64,
+    /// Bandwidth of the load cell and its conditioner, Hz.
+    #[schemars(range(min = 0.1, max = 1e5))]
+    pub load_cell_hz: f64,
+}
+
+impl Default for Sensors {
+    fn default() -> Self {
+        Sensors {
+            sample_hz: 1e6,
+            adc_bits: 12,
+            dac_bits: 12,
+            noise_lsb: 1.0,
+            offset_lsb: 3.0,
+            oversample: 2,
+            v_full_scale_v: 20.0,
+            i_full_scale_a: 4.0,
+            skew_s: 0.0,
+            load_cell_hz: 80.0,
+        }
+    }
+}
+
+/// The piezo stack.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Stack {
+    /// Butterworth-Van Dyke equivalent circuit.
+    pub bvd: Bvd,
+}
+
+/// Butterworth-Van Dyke equivalent circuit. Give `c0_f` and either `cm_f`, `lm_h`, `rm_ohm`, or `series_resonance_hz`, `q`,
+/// `coupling`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Bvd {
+    /// Clamped capacitance, F.
+    #[schemars(range(min = 1e-13, max = 1e-3))]
+    pub c0_f: f64,
+    /// Motional capacitance, F.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 1e-16, max = 1e-3))]
+    pub cm_f: Option<f64>,
+    /// Motional inductance, H.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 1e-9, max = 1e4))]
+    pub lm_h: Option<f64>,
+    /// Motional resistance, ohm.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 1e-6, max = 1e7))]
+    pub rm_ohm: Option<f64>,
+    /// Series resonance, Hz.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 100.0, max = 450e3))]
+    pub series_resonance_hz: Option<f64>,
+    /// Quality factor at series resonance.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 1.0, max = 1e6))]
+    pub q: Option<f64>,
+    /// Effective coupling k: `k^2 = Cm / (C0 + Cm)`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 1e-4, max = 0.99))]
+    pub coupling: Option<f64>,
+    /// Force factor, N/V: tip force per volt, and ampere of motional current per m/s of tip velocity.
+    #[serde(default = "default::force_factor")]
+    #[schemars(range(min = 1e-6, max = 1e4))]
+    pub force_factor_n_per_v: f64,
+}
+
+/// The friction contact. Give exactly one model.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Contact {
+    /// Dahl's model.
+    pub dahl: Dahl,
+}
+
+/// Dahl's model with exponent one: `dF/dz = Kt (1 - F sgn(V) / Fc)`, `Fc = mu N`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Dahl {
+    /// Coefficient of friction.
+    #[schemars(range(min = 0.0, max = 5.0))]
+    pub mu: f64,
+    /// Tangential contact stiffness Kt, N/m.
+    #[schemars(range(min = 1.0, max = 1e12))]
+    pub stiffness_n_per_m: f64,
+}
+
+/// What presses on the contact and moves it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Rig {
+    /// A slider at constant speed (experiment 1).
+    pub slider: Slider,
+}
+
+/// A slider at constant speed; its tip vibrates along the motion.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Slider {
+    /// Load on the lever arm, N.
+    #[serde(default)]
+    #[schemars(range(min = 0.0, max = 1e4))]
+    pub load_n: f64,
+    /// Weight of the transducer itself, N.
+    #[schemars(range(min = 0.0, max = 1e4))]
+    pub self_weight_n: f64,
+    /// Sliding speed, m/s.
+    #[schemars(range(min = -10.0, max = 10.0))]
+    pub speed_m_per_s: f64,
+}
+
+/// Defaults that serde needs as functions.
+mod default {
+    pub(super) fn force_factor() -> f64 {
+        1.0
+    }
+}

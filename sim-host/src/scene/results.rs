@@ -1,0 +1,111 @@
+//! `[grid]`, `[trace]` and `[[expect]]`: what is to come out.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// A table of one metric over two keys; each cell is this scene, run again with two values changed.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Grid {
+    /// What the table shows.
+    pub title: String,
+    /// The metric in each cell.
+    pub metric: String,
+    /// Key that changes from row to row.
+    pub row_key: String,
+    /// Its values.
+    #[schemars(length(min = 1, max = 32))]
+    pub rows: Vec<f64>,
+    /// Key that changes from column to column.
+    pub column_key: String,
+    /// Its values.
+    #[schemars(length(min = 1, max = 32))]
+    pub columns: Vec<f64>,
+    /// Further changes for every cell, each as `key=value` (a shorter timeline, say).
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub set: Vec<String>,
+}
+
+/// What is recorded besides the standard figures, into `trace.csv`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Trace {
+    /// Names of the signals.
+    #[schemars(length(min = 1))]
+    pub signals: Vec<Signal>,
+    /// Every how many samples; 1 is the full rate.
+    #[serde(default = "default::every")]
+    #[schemars(range(min = 1, max = 1_000_000))]
+    pub every: u32,
+    /// From, s.
+    #[serde(default)]
+    #[schemars(range(min = 0.0, max = 1e5))]
+    pub from_s: f64,
+    /// To, s. Default: the end.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 0.0, max = 1e5))]
+    pub to_s: Option<f64>,
+}
+
+/// A signal that can be recorded at the sample rate.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Signal {
+    /// DAC code of the first lane.
+    #[serde(rename = "drive_code_0")]
+    DriveCode0,
+    /// DAC code of the second lane.
+    #[serde(rename = "drive_code_1")]
+    DriveCode1,
+    /// DAC code of the third lane.
+    #[serde(rename = "drive_code_2")]
+    DriveCode2,
+    /// DAC code of the fourth lane.
+    #[serde(rename = "drive_code_3")]
+    DriveCode3,
+    /// Voltage sense code.
+    VCode,
+    /// Current sense code.
+    ICode,
+    /// Frequency driven, Hz.
+    FrequencyHz,
+    /// True voltage at the stack, V.
+    StackVoltageV,
+    /// True motional current, A.
+    MotionalCurrentA,
+    /// True tip velocity, m/s.
+    TipVelocityMPerS,
+    /// True friction force, N.
+    FrictionN,
+}
+
+/// What must come out. Give `min` and/or `max`, or `value` and `tolerance`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Expect {
+    /// The metric.
+    pub metric: String,
+    /// Smallest value.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub min: Option<f64>,
+    /// Largest value.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub max: Option<f64>,
+    /// The value itself.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub value: Option<f64>,
+    /// How far from `value` it may be.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 0.0, max = 1e12))]
+    pub tolerance: Option<f64>,
+    /// Why.
+    #[serde(default)]
+    pub source: String,
+}
+
+/// Defaults that serde needs as functions.
+mod default {
+    pub(super) fn every() -> u32 {
+        1
+    }
+}
