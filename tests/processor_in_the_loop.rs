@@ -4,6 +4,7 @@
 //! Skipped, with a message, where QEMU or the target's core library is not installed. In continuous integration (`CI=true`) that
 //! is a failure, unless `SONOGLIDE_PIL_UNAVAILABLE` says that installing them was tried and was not possible.
 
+use std::io::Write as _;
 use std::path::PathBuf;
 use std::process::Command;
 use std::time::{Duration, Instant};
@@ -30,19 +31,16 @@ fn image() -> Option<PathBuf> {
     let in_ci = std::env::var("CI").is_ok_and(|ci| ci == "true");
     let excused = std::env::var_os("SONOGLIDE_PIL_UNAVAILABLE").is_some();
     assert!(!in_ci || excused, "no processor in the loop in continuous integration: {reason}");
-    if excused {
-        eprintln!("========================================================================");
-        eprintln!("NOT TESTED: the thumb code of the controller; installing QEMU has failed");
-        eprintln!("========================================================================");
-    }
-    eprintln!("SKIPPED: {reason}");
+    // Straight to the stream: what a passing test prints by macro is never shown.
+    let loudly = "========================================================================";
+    let banner = format!("{loudly}\nNOT TESTED: the thumb code of the controller; installing QEMU has failed\n{loudly}\n");
+    let text = format!("\n{}SKIPPED, processor in the loop: {reason}\n", if excused { &banner } else { "" });
+    std::io::stderr().write_all(text.as_bytes()).expect("standard error");
     None
 }
 
-/// The scene of experiment 1, shortened: power-up, scan, lock, one burst, and what follows it; with the converters' noise.
-fn short_scene() -> Scene {
-    let sets = ["duration_s=0.25", "controller.burst.on_s=[0.15]", "controller.burst.off_s=[0.22]"];
-    load("experiment-1", &sets.map(String::from)).expect("a valid scene").scene
+fn scene(name: &str) -> Scene {
+    load(name, &[]).expect("a built-in scene").scene
 }
 
 /// Every bit of a report.
@@ -53,7 +51,8 @@ fn bits(telemetry: &Telemetry) -> Vec<u8> {
 #[test]
 fn host_and_thumb_play_identical_codes() {
     let Some(image) = image() else { return };
-    let scene = short_scene();
+    // Power-up, self-test, scan, lock, and two bursts; with the converters' noise.
+    let scene = scene("lock");
     let here = run(&scene, Watch::default()).expect("a run on the host");
     let mut qemu = Qemu::start(&image, &settings::config(&scene)).expect("QEMU starts");
     let there = run_on(&mut qemu, &scene, Watch::default()).expect("a run on QEMU");
@@ -103,7 +102,7 @@ fn host_and_thumb_answer_random_blocks_alike() {
 #[test]
 fn a_refused_configuration_comes_back_as_text() {
     let Some(image) = image() else { return };
-    let mut config = settings::config(&short_scene());
+    let mut config = settings::config(&scene("experiment-1"));
     config.tracking.nominal_q = -1.0;
     let expected = Here::new(&config).err().expect("a refusal").to_string();
     match Qemu::start(&image, &config).err().expect("a refusal") {
@@ -116,7 +115,7 @@ fn a_refused_configuration_comes_back_as_text() {
 fn a_lost_emulator_is_an_error_and_not_a_wait() {
     let Some(image) = image() else { return };
     for (signal, expected) in [("-KILL", "signal: 9"), ("-STOP", "no answer")] {
-        let mut qemu = Qemu::start(&image, &settings::config(&short_scene())).expect("QEMU starts");
+        let mut qemu = Qemu::start(&image, &settings::config(&scene("experiment-1"))).expect("QEMU starts");
         qemu.set_patience(Duration::from_millis(500));
         let killed = Command::new("kill").args([signal, &qemu.process_id().to_string()]).status().expect("kill runs");
         assert!(killed.success());
@@ -136,7 +135,7 @@ fn a_lost_emulator_is_an_error_and_not_a_wait() {
 
 /// Configurations that between them take every branch of the waveform: shapes, lanes, trims, edges, schedules, trackers.
 fn configs() -> [Config; 3] {
-    let tracked = settings::config(&short_scene());
+    let tracked = settings::config(&scene("experiment-1"));
     let mut held = tracked.clone();
     held.tracking.mode = TrackingMode::Off;
     held.lanes = 4;
@@ -246,8 +245,7 @@ impl Scrambled {
             }
             Heard::Anything => channel.iter_mut().for_each(|code| *code = random.next_u32() as u16),
             Heard::Railed => channel.iter_mut().for_each(|code| *code = *pick(random, &[0, max])),
-            // But not to one, which has no phase: its phasor divides by zero, and the sign of not-a-number is the processor's choice.
-            Heard::Cut => channel.truncate(*pick(random, &[0, 2, 3, 7])),
+            Heard::Cut => channel.truncate(*pick(random, &[0, 1, 2, 3, 7])),
         }
     }
 }
