@@ -179,7 +179,7 @@ fn with_scene(
     match load(&args.scene, &args.sets) {
         Ok(loaded) => then(&loaded),
         Err(LoadError::Invalid(report)) => {
-            eprint!("{}", report.render(color.stderr));
+            eprintln!("{}", report.render(color.stderr));
             Ok(ExitCode::from(INVALID_SCENE))
         }
         Err(error) => {

@@ -19,7 +19,7 @@ use crate::study::Study;
 #[derive(Debug, thiserror::Error)]
 pub enum OutputError {
     /// A file.
-    #[error("cannot write `{path}`: {io}")]
+    #[error("cannot write `{path}`")]
     Write {
         /// The file or folder.
         path: PathBuf,
@@ -31,7 +31,7 @@ pub enum OutputError {
     #[error(transparent)]
     Report(#[from] ReportError),
     /// The trace.
-    #[error("cannot write the trace: {0}")]
+    #[error("cannot write the trace")]
     Trace(#[from] csv::Error),
 }
 

@@ -34,7 +34,7 @@ pub use figure::{Axis, Figure, Marker, Report, Series, Span, Style, TableBlock};
 #[derive(Debug, thiserror::Error)]
 pub enum ReportError {
     /// The directory or a file cannot be written.
-    #[error("cannot write {}: {source}", path.display())]
+    #[error("cannot write {}", path.display())]
     Write {
         /// The directory or file.
         path: PathBuf,
