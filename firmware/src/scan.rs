@@ -59,7 +59,8 @@ pub struct Scan {
     block_s: f32,
     stage: Stage,
     guess: Guess,
-    half_span_hz: f32,
+    /// First and last frequency of this pass, as offsets from the nominal one, Hz.
+    span_hz: (f32, f32),
     points: u16,
     settle_blocks: u32,
     point: u16,
@@ -85,7 +86,7 @@ impl Scan {
             block_s: f32::from(config.block_samples) / config.sample_hz,
             stage: Stage::Coarse,
             guess: nominal,
-            half_span_hz: 0.0,
+            span_hz: (0.0, 0.0),
             points: 0,
             settle_blocks: 0,
             point: 0,
@@ -133,8 +134,11 @@ impl Scan {
 
     fn begin(&mut self, stage: Stage, half_span_hz: f32, points: u16, settle_time_constants: f32) {
         let tau_s = self.guess.q / (core::f32::consts::PI * self.guess.hz);
+        // A resonance near the edge of the window is looked at from one side.
+        let centre_hz = self.guess.hz - self.nominal_hz;
+        let inside = |offset_hz: f32| offset_hz.clamp(-self.window_hz, self.window_hz);
+        self.span_hz = (inside(centre_hz - half_span_hz), inside(centre_hz + half_span_hz));
         self.stage = stage;
-        self.half_span_hz = half_span_hz;
         self.points = points;
         self.settle_blocks = (settle_time_constants * tau_s / self.block_s) as u32 + 1;
         self.point = 0;
@@ -143,10 +147,10 @@ impl Scan {
         self.fit = CircleFit::new(self.guess, half_span_hz);
     }
 
-    /// Offset of the present point from the nominal frequency, kept inside the window.
+    /// Offset of the present point from the nominal frequency.
     fn offset_hz(&self) -> f32 {
-        let from_centre = self.half_span_hz * (2.0 * f32::from(self.point) / f32::from(self.points - 1) - 1.0);
-        (self.guess.hz - self.nominal_hz + from_centre).clamp(-self.window_hz, self.window_hz)
+        let part = f32::from(self.point) / f32::from(self.points - 1);
+        self.span_hz.0 + part * (self.span_hz.1 - self.span_hz.0)
     }
 
     fn take_point(&mut self) {

@@ -19,7 +19,7 @@ pub fn of(study: &Study) -> Vec<Figure> {
     let view = View::new(&study.scene, &study.record);
     let mut figures = Vec::new();
     figures.extend(friction::over_time(study, &view));
-    figures.extend(edges::of(study));
+    figures.extend(edges::of(study, &view));
     figures.extend(resonance::acquisition(study, &view));
     figures.extend(resonance::lock_in(&view));
     figures.extend(resonance::over_time(&view));

@@ -11,6 +11,9 @@ use crate::record::Row;
 use crate::report::{Figure, Marker, Series, Style};
 use crate::study::Study;
 
+/// Blocks over which the working point is averaged.
+const WORKING_BLOCKS: usize = 1000;
+
 /// Admittance of a circuit, S, as conductance and susceptance.
 fn admittance(circuit: &Circuit, hz: f64) -> (f64, f64) {
     let omega = TAU * hz;
@@ -50,17 +53,17 @@ pub(super) fn locus(study: &Study, view: &View) -> Option<Figure> {
         style: Style::Points,
     };
     let steady: Vec<(f64, f64)> = view.steady().filter_map(|row| row.admittance_s).collect();
-    let working = (!steady.is_empty()).then(|| {
-        let (g, b) = steady.iter().fold((0.0, 0.0), |sum, y| (sum.0 + y.0, sum.1 + y.1));
-        let count = steady.len() as f64;
-        Marker { x: g / count, y: b / count, label: "working point".into() }
+    let last = &steady[steady.len().saturating_sub(WORKING_BLOCKS)..];
+    let working = (!last.is_empty()).then(|| {
+        let (g, b) = last.iter().fold((0.0, 0.0), |sum, y| (sum.0 + y.0, sum.1 + y.1));
+        Marker { x: g / last.len() as f64, y: b / last.len() as f64, label: "working point".into() }
     });
     Some(Figure {
         id: "admittance".into(),
         title: "Admittance loop".into(),
         caption:
             "Dots: the last block at each frequency of the scan's last pass. The identified circle includes what the converters' images make \
-                  of the clamped capacitance. The working point is the mean over all steady blocks."
+                  of the clamped capacitance. The working point is the mean over the last steady blocks; a load moves it inwards."
                 .into(),
         x: axis("conductance [S]"),
         y: axis("susceptance [S]"),
@@ -78,8 +81,10 @@ pub(super) fn locus(study: &Study, view: &View) -> Option<Figure> {
 /// The admittance at the end of each frequency of the scan's last pass, when the tone has settled.
 fn settled_points(rows: &[Row]) -> (Vec<f64>, Vec<f64>) {
     let scanned: Vec<&Row> = rows.iter().filter(|row| row.mode == Mode::Scan && row.admittance_s.is_some()).collect();
-    // A pass runs upwards, and the next begins below where it ended.
-    let last_pass = scanned.windows(2).rposition(|pair| pair[1].frequency_hz < pair[0].frequency_hz).map_or(0, |n| n + 1);
-    let steps = scanned[last_pass..].windows(2);
-    steps.filter(|pair| pair[0].frequency_hz != pair[1].frequency_hz).filter_map(|pair| pair[0].admittance_s).unzip()
+    // A pass runs upwards, and the next begins below where it ended; so does the ring-down, which has one frequency only.
+    let passes = scanned.chunk_by(|before, after| after.frequency_hz >= before.frequency_hz);
+    let moves = |pass: &[&Row]| pass.last().zip(pass.first()).is_some_and(|(last, first)| last.frequency_hz > first.frequency_hz);
+    let last_pass = passes.filter(|pass| moves(pass)).last().unwrap_or(&[]);
+    let tones = last_pass.chunk_by(|before, after| after.frequency_hz == before.frequency_hz);
+    tones.filter_map(|tone| tone.last()?.admittance_s).unzip()
 }

@@ -1,13 +1,19 @@
 //! Both edges of a burst, sample by sample.
 
 use super::axis;
+use crate::metrics::View;
 use crate::record::Window;
 use crate::report::{Figure, Series, Span, Style};
 use crate::study::Study;
 
-/// One figure for each edge that was kept.
-pub(super) fn of(study: &Study) -> Vec<Figure> {
-    study.record.windows.iter().filter(|window| !window.samples.is_empty()).map(|window| edge(study, window)).collect()
+/// One figure for each edge that was kept, and really played: an ON window may begin before there is a lock.
+pub(super) fn of(study: &Study, view: &View) -> Vec<Figure> {
+    let block_s = study.record.sample_s * study.record.block_samples as f64;
+    let played = |window: &&Window| {
+        let at = |time_s: f64| (time_s - window.edge_s).abs() < block_s;
+        view.on_windows().into_iter().any(|(on, off)| at(if window.title == "on" { on } else { off }))
+    };
+    study.record.windows.iter().filter(played).map(|window| edge(study, window)).collect()
 }
 
 fn edge(study: &Study, window: &Window) -> Figure {
@@ -27,11 +33,17 @@ fn edge(study: &Study, window: &Window) -> Figure {
         series.push(relative("friction", "friction_relative", &friction));
     }
     let on = window.title == "on";
+    let what = match (on, study.scene.contact.is_some()) {
+        (true, true) => "friction is switched off",
+        (false, true) => "friction comes back",
+        (true, false) => "the stack rings up",
+        (false, false) => "the stack rings down",
+    };
     let (first, last) = (time.first().copied().unwrap_or(0.0), time.last().copied().unwrap_or(0.0));
     let (from, to) = if on { (0.0, last) } else { (first, 0.0) };
     Figure {
         id: format!("burst-{}", window.title),
-        title: format!("Burst edge: {}", if on { "friction is switched off" } else { "friction comes back" }),
+        title: format!("Burst edge: {what}"),
         caption:
             "Sample by sample, each relative to its largest value in this window. Time counts from the first DAC sample of the \
                   edge; the stack rings with its own time constant."
