@@ -16,7 +16,13 @@
     return sign + whole + (fraction ? "." + fraction : "");
   }
 
-  const decimalsOf = (step) => Math.max(0, Math.min(12, Math.ceil(-Math.log10(step) - 1e-9)));
+  // As many decimals as the step itself needs: a quarter needs two.
+  const decimalsOf = (step) => {
+    const whole = (x) => Math.abs(x - Math.round(x)) < 1e-6 * x;
+    let decimals = 0;
+    while (decimals < 12 && !whole(step * 10 ** decimals)) decimals += 1;
+    return decimals;
+  };
 
   const power = (mantissa, exponent) => `${mantissa}·10${raise(String(exponent))}`;
 

@@ -28,7 +28,7 @@ mod tests;
 pub use controller::{Burst, Controller, Direction, Drive, Edge, Limits, Phasing, Shape, Tracking, TrackingMode};
 pub use course::{Disturbance, DisturbedKey, Fault, FaultKind};
 pub use plant::{Amplifier, Bvd, Contact, Dahl, Rig, Sensors, Slider, Stack};
-pub use results::{Expect, Grid, Signal, Trace};
+pub use results::{Expect, Grid, Signal, Trace, TraceFormat};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 

@@ -9,6 +9,7 @@ macro_rules! scenes {
 const SCENES: &[(&str, &str)] = scenes![
     "experiment-1",
     "experiment-1-fast",
+    "experiment-1-fitted",
     "lock",
     "lock-step",
     "lock-drift",

@@ -37,6 +37,9 @@ pub struct Trace {
     #[serde(default = "default::every")]
     #[schemars(range(min = 1, max = 1_000_000))]
     pub every: u32,
+    /// Form of the file.
+    #[serde(default)]
+    pub format: TraceFormat,
     /// From, s.
     #[serde(default)]
     #[schemars(range(min = 0.0, max = 1e5))]
@@ -45,6 +48,15 @@ pub struct Trace {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 0.0, max = 1e5))]
     pub to_s: Option<f64>,
+}
+
+/// Form of a trace file.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum TraceFormat {
+    /// `trace.csv`, a column a signal.
+    #[default]
+    Csv,
 }
 
 /// A signal that can be recorded at the sample rate.
