@@ -109,6 +109,18 @@ fn energy_is_conserved_at_every_load() {
     }
 }
 
+/// Eight times finer steps than the stiffness asks for move the reduction by less than a hundredth of a point.
+#[test]
+fn steps_are_fine_enough() {
+    for (stiffness, load, finer) in [("0.056e6", "0", 200), ("2e6", "10", 256), ("6e7", "10", 512)] {
+        let contact = [format!("contact.dahl.stiffness_n_per_m={stiffness}"), format!("rig.slider.load_n={load}")];
+        let steps = format!("integrator.steps_per_period={finer}");
+        let usual = experiment(&[&contact[0], &contact[1]]).get("reduction_percent").unwrap();
+        let fine = experiment(&[&contact[0], &contact[1], &steps]).get("reduction_percent").unwrap();
+        assert!((usual - fine).abs() < 0.01, "Kt {stiffness}, {load} N: {usual} % and {fine} %");
+    }
+}
+
 #[test]
 fn the_load_cell_keeps_the_mean_and_hides_the_edge() {
     let metrics = experiment(&[]);

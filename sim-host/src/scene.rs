@@ -27,7 +27,7 @@ mod tests;
 
 pub use controller::{Burst, Controller, Direction, Drive, Edge, Limits, Phasing, Shape, Tracking, TrackingMode};
 pub use course::{Disturbance, DisturbedKey, Fault, FaultKind};
-pub use plant::{Amplifier, Bvd, Contact, Dahl, Rig, Sensors, Slider, Stack};
+pub use plant::{Amplifier, Bvd, Contact, Dahl, Integrator, Rig, Sensors, Slider, Stack};
 pub use results::{Expect, Grid, Signal, Trace, TraceFormat};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -67,6 +67,9 @@ pub struct Scene {
     /// What presses on the contact and moves it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub rig: Option<Rig>,
+    /// How finely the contact is stepped.
+    #[serde(default)]
+    pub integrator: Integrator,
     /// What changes on the way.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub disturbance: Vec<Disturbance>,

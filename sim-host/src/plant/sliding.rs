@@ -57,7 +57,7 @@ impl Sliding {
 /// Steps in a sample: as many as the contact needs, and none for a stack alone, whose flow is exact.
 ///
 /// The measure is `kappa = Kt Vv / (omega Fc)`, the vibration amplitude in Dahl lengths: 16 steps a period are enough below 1, 32
-/// below 10, 64 below 100, 128 above.
+/// below 10, 64 below 100, 128 above. A scene may ask for more, or for fewer.
 pub fn steps_per_sample(scene: &Scene, circuit: &Circuit) -> u32 {
     let Some((contact, rig)) = scene.contact.as_ref().zip(scene.rig.as_ref()) else { return 1 };
     let drive = &scene.controller.drive;
@@ -65,11 +65,12 @@ pub fn steps_per_sample(scene: &Scene, circuit: &Circuit) -> u32 {
     let displacement = drive.velocity_m_per_s.unwrap_or(by_voltage) / circuit.omega();
     let coulomb = contact.dahl.mu * (rig.slider.load_n + rig.slider.self_weight_n);
     let kappa = contact.dahl.stiffness_n_per_m * displacement / coulomb;
-    let per_period = match kappa {
-        k if k < 1.0 => 16.0,
-        k if k < 10.0 => 32.0,
-        k if k < 100.0 => 64.0,
-        _ => 128.0,
+    let by_stiffness = match kappa {
+        k if k < 1.0 => 16,
+        k if k < 10.0 => 32,
+        k if k < 100.0 => 64,
+        _ => 128,
     };
+    let per_period = f64::from(scene.integrator.steps_per_period.unwrap_or(by_stiffness));
     (per_period * circuit.series_resonance_hz() / scene.sensors.sample_hz).ceil() as u32
 }

@@ -143,6 +143,16 @@ pub struct Dahl {
     pub stiffness_n_per_m: f64,
 }
 
+/// How finely the contact is stepped.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct Integrator {
+    /// Steps in a period of the series resonance, at least; a sample holds a whole number of them. Default: by the contact's stiffness.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 4, max = 4096))]
+    pub steps_per_period: Option<u32>,
+}
+
 /// What presses on the contact and moves it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
