@@ -11,6 +11,7 @@ use crate::block::Amplitude;
 use crate::config::{Config, Limits};
 use crate::error::{Error, in_range};
 use crate::identify::Transducer;
+use crate::phasing;
 
 /// Bandwidth of the loop, Hz: slower than the phase loop, so that the two do not fight.
 const BANDWIDTH_HZ: f32 = 60.0;
@@ -40,16 +41,14 @@ impl AmplitudeLoop {
     /// Checks the amplitude and the limits.
     pub fn build(config: &Config, block_s: f32) -> Result<Self, Error> {
         in_range("limits.voltage_v", config.limits.voltage_v.into(), 1e-3, 1e5)?;
-        in_range("drive.scan_volts", config.drive.scan_volts.into(), 1e-3, config.limits.voltage_v.into())?;
+        let limits = Limits { voltage_v: config.limits.voltage_v / phasing::loudest(&config.phasing), ..config.limits.clone() };
+        in_range("drive.scan_volts", config.drive.scan_volts.into(), 1e-3, limits.voltage_v.into())?;
         match config.drive.amplitude {
-            Amplitude::Volts(volts) => in_range("drive.amplitude_v", volts.into(), 0.0, config.limits.voltage_v.into())?,
+            Amplitude::Volts(volts) => in_range("drive.amplitude_v", volts.into(), 1e-3, limits.voltage_v.into())?,
             Amplitude::MotionalCurrent(amperes) => {
-                in_range("drive.motional_current_a", amperes.into(), 0.0, config.limits.current_a.into())?
+                in_range("drive.motional_current_a", amperes.into(), 1e-6, limits.current_a.into())?
             }
         };
-        // The limit is for the loudest lane.
-        let loudest = config.phasing.gain_trim.iter().fold(1.0, |loudest: f32, &gain| loudest.max(gain));
-        let limits = Limits { voltage_v: config.limits.voltage_v / loudest, ..config.limits.clone() };
         Ok(AmplitudeLoop {
             limits,
             start_volts: config.drive.scan_volts,
@@ -62,6 +61,13 @@ impl AmplitudeLoop {
             limited: false,
             within: 0,
         })
+    }
+
+    /// Forgets the transducer.
+    pub fn restart(&mut self) {
+        self.lag = 0.0;
+        self.integral_volts = self.start_volts;
+        self.within = 0;
     }
 
     /// Starts on an identified transducer, which rings at `motional_current` amperes already.
@@ -89,11 +95,6 @@ impl AmplitudeLoop {
     /// Peak voltage to drive with, V.
     pub fn volts(&self) -> f32 {
         self.volts
-    }
-
-    /// What the motional current is expected to be by now, A; only while a motional current is held.
-    pub fn expected(&self) -> f32 {
-        self.expected
     }
 
     /// Whether the amplitude has been reached, or cannot be.

@@ -3,7 +3,8 @@
 //! Generic over embedded-hal and embedded-io, and as slow as it likes to be: what must be fast is in the block task or in
 //! hardware. The board calls [`App::poll`] in a loop.
 //!
-//! * The enable pin is high only while the controller is driving, has no fault, and the emergency stop is not pressed.
+//! * The enable pin is high only while the controller is driving or has just been told to, has no fault, and the emergency stop is
+//!   not pressed.
 //! * The emergency stop drops the enable pin here, without waiting for the controller, and orders a fault that stays. The pin stays
 //!   down until the controller has fallen silent, however short the press.
 //! * The watchdog is fed only while blocks keep coming: if the block stream dies, the board resets.
@@ -15,7 +16,7 @@ use embedded_io::{Read, ReadReady, Write, WriteReady};
 use heapless::Deque;
 use heapless::spsc::{Consumer, Producer};
 
-use crate::block::Orders;
+use crate::block::{Orders, Request};
 use crate::command::{Command, Identity, Refusal, Reply};
 use crate::link::{self, FrameError, MAX_FRAME, Receiver};
 use crate::supervisor::Mode;
@@ -77,7 +78,14 @@ where
     W: Watchdog,
 {
     /// A slow side that leaves orders in one queue and takes telemetry from the other.
-    pub fn new(peripherals: Peripherals<L, E, S, W>, orders: Producer<'a, Orders>, telemetry: Consumer<'a, Telemetry>) -> Self {
+    ///
+    /// Drops the enable pin; if that fails, the first [`App::poll`] will say so.
+    pub fn new(
+        mut peripherals: Peripherals<L, E, S, W>,
+        orders: Producer<'a, Orders>,
+        telemetry: Consumer<'a, Telemetry>,
+    ) -> Self {
+        let _ = peripherals.enable.set_low();
         App {
             peripherals,
             orders,
@@ -153,7 +161,11 @@ where
     }
 
     fn set_enable(&mut self) -> Result<(), AppError> {
-        let on = self.drives() && !self.stopping;
+        // An order to drive that the controller has not answered yet counts: the amplifier must be on before the first tone.
+        let ordered =
+            self.latest.request != Request::Idle && self.seen.is_none_or(|seen| seen.orders_sequence != self.latest.sequence);
+        let faulted = self.seen.is_some_and(|seen| seen.mode == Mode::Fault);
+        let on = (self.drives() || (ordered && !faulted)) && !self.stopping;
         self.peripherals.enable.set_state(on.into()).map_err(|_| AppError::Pin)
     }
 

@@ -133,10 +133,10 @@ impl Burst {
         Envelope::Edge(&self.levels)
     }
 
-    /// Closes at once: what a fault does.
-    pub fn mute(&mut self) -> Envelope<'_> {
-        self.ramp = 0;
-        Envelope::Flat(0.0)
+    /// Opens or closes at once, without an edge: for tones outside the schedule, and for faults.
+    pub fn snap(&mut self, open: bool) -> Envelope<'_> {
+        self.ramp = if open { self.edge } else { 0 };
+        Envelope::Flat(if open { 1.0 } else { 0.0 })
     }
 
     fn gate(&self, gate: Gate, now: u64) -> (bool, u64) {

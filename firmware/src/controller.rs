@@ -23,17 +23,8 @@ use crate::shaper;
 use crate::supervisor::{Fault, Limit, Mode, Progress, Supervisor};
 use crate::sweep::Hold;
 use crate::telemetry::Telemetry;
-use crate::tracker::PhaseDetector;
-use crate::tracker::lock_detector::{Lock, LockDetector};
-use crate::tracker::phase_loop::PhaseLoop;
+use crate::tracker::{Heard, State, Tracker};
 use crate::units::{Hertz, Turns, Volts};
-
-/// Longest time the loop may take to lock, blocks and time constants of the resonance.
-const LOCK_TIMEOUT: (u32, f32) = (2000, 50.0);
-/// After an edge of the burst, the tracker waits for the stack to ring up, time constants of the resonance.
-const RING_UP: f32 = 1.0;
-/// The tracker listens while the motional current is above this part of what the identified resonance would show.
-const LISTEN_ABOVE: f32 = 0.2;
 
 /// A block on its way from `process` to the ear: what was played when the answer arrives.
 #[derive(Clone, Copy, Debug, Default)]
@@ -52,14 +43,12 @@ struct Played {
 #[derive(Clone)]
 pub struct Controller {
     samples: usize,
-    block_s: f32,
     nominal_hz: f32,
     convert: Convert,
     table: &'static Table,
     lanes: heapless::Vec<Lane, MAX_LANES>,
     amplitude_asked: Amplitude,
     scan_volts: f32,
-    detector: Option<PhaseDetector>,
 
     block: u64,
     nco: Nco,
@@ -70,15 +59,7 @@ pub struct Controller {
     supervisor: Supervisor,
     self_test: SelfTest,
     scan: Scan,
-    motional: Motional,
-    phase_loop: PhaseLoop,
-    lock: LockDetector,
-    /// Blocks heard since the envelope is one, and how many of them the tracker waits.
-    on_blocks: u32,
-    ring_up_blocks: u32,
-    /// Blocks since the loops were seeded, and how many a lock may take.
-    locking_blocks: u32,
-    lock_timeout_blocks: u32,
+    tracker: Tracker,
     amplitude: AmplitudeLoop,
     transducer: Option<Transducer>,
 }
@@ -103,14 +84,12 @@ impl Controller {
         let highest = config.drive.frequency_hz * (1.0 + config.tracking.span) / config.sample_hz;
         Ok(Controller {
             samples: config.block_samples.into(),
-            block_s,
             nominal_hz: config.drive.frequency_hz,
             convert: Convert::build(&config.front_end)?,
             table: shape::table(config.drive.shape, highest),
             lanes: phasing::build(&config.phasing, config.lanes)?,
             amplitude_asked: config.drive.amplitude,
             scan_volts: config.drive.scan_volts,
-            detector: PhaseDetector::of(config.tracking.mode),
             block: 0,
             nco: Nco::default(),
             burst: Burst::build(&config.burst, config.drive.frequency_hz, config.sample_hz)?,
@@ -119,13 +98,7 @@ impl Controller {
             supervisor: Supervisor::default(),
             self_test: SelfTest::build(config),
             scan: Scan::build(config)?,
-            motional: Motional::of_capacitance(config.tracking.nominal_c0_f, config.drive.frequency_hz),
-            phase_loop: PhaseLoop::build(&config.tracking, config.drive.frequency_hz, block_s)?,
-            lock: LockDetector::default(),
-            on_blocks: 0,
-            ring_up_blocks: 0,
-            locking_blocks: 0,
-            lock_timeout_blocks: 0,
+            tracker: Tracker::build(config, block_s)?,
             amplitude: AmplitudeLoop::build(config, block_s)?,
             transducer: None,
             sweep,
@@ -142,7 +115,7 @@ impl Controller {
         let slot = (self.block % LATENCY_BLOCKS as u64) as usize;
         let heard = self.played[slot];
         let sensed = demodulate(&self.convert, sense, heard.phase, heard.word);
-        let motional_current = self.motional.current(&sensed, heard.relative);
+        let motional_current = self.tracker.motional_current(&sensed, heard.relative);
 
         let driven = Driven { volts: heard.flat.then_some(heard.volts * heard.envelope) };
         let found = self.guard.inspect(&self.convert, sense, &sensed, driven);
@@ -150,12 +123,13 @@ impl Controller {
             self.begin();
         }
         let plan = self.plan(orders, sense, &sensed, &heard, motional_current);
-        self.supervisor.advance(orders, plan.progress, self.detector.is_some());
+        self.supervisor.advance(orders, plan.progress, self.tracker.tracks());
 
         let now = (self.block + LATENCY_BLOCKS as u64) * self.samples as u64;
         let envelope = match self.supervisor.mode() {
-            Mode::Idle | Mode::Fault => self.burst.mute(),
-            _ => self.burst.envelope(plan.gate, now, self.samples),
+            Mode::Idle | Mode::Fault => self.burst.snap(false),
+            Mode::SelfTest | Mode::Scan => self.burst.snap(plan.gate == Gate::On),
+            Mode::Lock | Mode::Run => self.burst.envelope(plan.gate, now, self.samples),
         };
         let (phase, word) = (self.nco.phase(), self.sweep.word());
         shaper::shape(drive, &self.convert.drive, self.table, &self.lanes, (phase, word, self.samples), plan.volts, &envelope);
@@ -183,7 +157,8 @@ impl Controller {
         self.scan.restart();
         self.transducer = None;
         self.sweep.retune(0.0);
-        self.lock.restart(0.0);
+        self.tracker.restart();
+        self.amplitude.restart();
     }
 
     /// What this mode wants to play next.
@@ -222,54 +197,33 @@ impl Controller {
 
     /// Takes the transducer that the scan has found, and starts both loops on it.
     fn adopt(&mut self, transducer: Transducer, branch: Motional, motional_current: f32) {
-        let tau_s = transducer.time_constant_s();
-        let tau_blocks = tau_s / self.block_s;
-        self.motional = branch;
-        self.phase_loop.seed(transducer.series_resonance_hz - self.nominal_hz, tau_s);
-        self.sweep.retune(self.phase_loop.offset_hz());
-        self.lock.restart(tau_blocks);
-        self.ring_up_blocks = (RING_UP * tau_blocks) as u32;
-        // The scan leaves the stack ringing on its resonance.
-        self.on_blocks = self.ring_up_blocks;
-        self.locking_blocks = 0;
-        self.lock_timeout_blocks = LOCK_TIMEOUT.0 + (LOCK_TIMEOUT.1 * tau_blocks) as u32;
+        self.tracker.seed(&transducer, branch);
+        self.sweep.retune(self.tracker.offset_hz());
         self.amplitude.seed(&transducer, motional_current);
         self.transducer = Some(transducer);
     }
 
-    /// Tracks frequency and amplitude for one block.
-    fn follow(&mut self, orders: &Orders, gate: Gate, sensed: &Sensed, heard: &Played, motional: Phasor) -> Plan {
-        let envelope = if heard.flat { heard.envelope } else { heard.envelope.min(0.999) };
-        self.amplitude.update(orders.amplitude.unwrap_or(self.amplitude_asked), envelope, magnitude(motional));
-        let mut plan = Plan { volts: self.amplitude.volts(), gate, phase: Turns(0.0), progress: Progress::Busy };
-        let (Some(detector), Some(transducer)) = (self.detector, self.transducer) else { return plan };
-        self.locking_blocks = self.locking_blocks.saturating_add(1);
-
-        let on = envelope == 1.0 && heard.volts > 0.0;
-        self.on_blocks = if on { self.on_blocks.saturating_add(1) } else { 0 };
-        if on && self.on_blocks > self.ring_up_blocks {
-            let rings = magnitude(motional) > LISTEN_ABOVE * heard.volts / transducer.rm_ohm;
-            if rings {
-                plan.phase = self.phase_loop.update(detector.error(&self.motional, motional, sensed));
-                self.lock.update(plan.phase);
-            } else if self.lock.state() == Lock::Locked {
-                // No motional current to speak of under full drive: the resonance is elsewhere. Counts as half a turn.
-                self.lock.update(Turns(0.5));
-            }
-        } else {
-            self.phase_loop.hold();
+    /// Follows frequency and amplitude for one block.
+    fn follow(&mut self, orders: &Orders, gate: Gate, sensed: &Sensed, played: &Played, motional: Phasor) -> Plan {
+        let on = played.flat && played.envelope == 1.0 && played.volts > 0.0;
+        let heard = Heard { volts: played.volts, on, driven: played.envelope > 0.0 };
+        let phase = self.tracker.follow(sensed, motional, &heard);
+        if self.tracker.tracks() {
+            self.sweep.retune(self.tracker.offset_hz());
         }
-        self.sweep.retune(self.phase_loop.offset_hz());
-        plan.progress = self.lock_progress();
-        plan
+        // An edge is never quite one, whatever its mean rounds to.
+        let envelope = if played.flat { played.envelope } else { played.envelope.min(0.999) };
+        self.amplitude.update(orders.amplitude.unwrap_or(self.amplitude_asked), envelope, magnitude(motional));
+        Plan { volts: self.amplitude.volts(), gate, phase, progress: self.lock_progress() }
     }
 
     fn lock_progress(&self) -> Progress {
         let locking = self.supervisor.mode() == Mode::Lock;
-        match self.lock.state() {
-            Lock::Locked if self.amplitude.settled() => Progress::Done,
-            Lock::Lost if !locking => Progress::Failed(Fault::LossOfLock),
-            _ if locking && self.locking_blocks > self.lock_timeout_blocks => Progress::Failed(Fault::NoLock),
+        match self.tracker.state() {
+            _ if !self.tracker.tracks() => Progress::Busy,
+            State::Lost if !locking => Progress::Failed(Fault::LossOfLock),
+            State::TimedOut | State::Lost if locking => Progress::Failed(Fault::NoLock),
+            State::Locked if self.amplitude.settled() => Progress::Done,
             _ => Progress::Busy,
         }
     }
@@ -279,7 +233,8 @@ impl Controller {
         let following = matches!(mode, Mode::Lock | Mode::Run);
         let limit = match following {
             true if self.amplitude.limited() => Some(Limit::OverVoltageRequest),
-            true if self.phase_loop.limited() => Some(Limit::FrequencyWindow),
+            true if self.tracker.limited() => Some(Limit::FrequencyWindow),
+            true if self.tracker.state() == State::Unheard => Some(Limit::NotTracking),
             _ => None,
         };
         Telemetry {
@@ -288,10 +243,10 @@ impl Controller {
             mode,
             fault: self.supervisor.fault(),
             limit,
-            locked: following && self.lock.state() == Lock::Locked,
+            locked: following && self.tracker.state() == State::Locked,
             tuning_word: self.sweep.word(),
             frequency: self.sweep.frequency(),
-            resonance: Hertz(self.nominal_hz + self.phase_loop.estimate_hz()),
+            resonance: Hertz(self.nominal_hz + self.tracker.estimate_hz()),
             drive: Volts(plan.volts),
             envelope,
             v: sensed.v,

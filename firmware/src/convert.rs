@@ -37,6 +37,23 @@ impl SenseScale {
         self.centred(codes).sum::<f32>() / codes.len().max(1) as f32
     }
 
+    /// Rms of a block about its own mean, in codes.
+    pub fn rms_code(&self, codes: &Codes) -> f32 {
+        let mean = self.mean_code(codes);
+        libm::sqrtf(self.centred(codes).map(|code| (code - mean) * (code - mean)).sum::<f32>() / codes.len().max(1) as f32)
+    }
+
+    /// How many codes a value in SI is.
+    pub fn codes(&self, value: f32) -> f32 {
+        value / self.per_lsb
+    }
+
+    /// How many samples of a block are beyond `limit` (in SI) on either side of zero.
+    pub fn beyond(&self, codes: &Codes, limit: f32) -> usize {
+        let limit = self.codes(limit);
+        self.centred(codes).filter(|code| code.abs() > limit).count()
+    }
+
     /// Moves the zero by a measured offset, in codes.
     pub fn shift_zero(&mut self, codes: f32) {
         self.zero += codes;

@@ -11,6 +11,8 @@ use crate::supervisor::Fault;
 
 /// Part of a block that may stand at the end of a converter's range.
 const CLIPPED_PART: usize = 8;
+/// Samples of a block over the current limit that make a fault: one may be a glitch of the converter.
+const OVER_CURRENT_SAMPLES: usize = 2;
 /// Blocks for which the voltage or the current may be implausible before that counts.
 const IMPLAUSIBLE_BLOCKS: u32 = 8;
 /// The voltage may be this many times smaller or larger than what was played (the source sags, edges, a square's 4 / pi).
@@ -39,6 +41,8 @@ pub struct Guard {
     wrong_voltage: u32,
     no_current: u32,
     belt_still: u32,
+    /// A belt sensor has been heard of.
+    has_belt: bool,
 }
 
 impl Guard {
@@ -58,6 +62,7 @@ impl Guard {
             wrong_voltage: 0,
             no_current: 0,
             belt_still: 0,
+            has_belt: false,
         })
     }
 
@@ -71,7 +76,9 @@ impl Guard {
         let no_current = played.is_some_and(|volts| magnitude(sensed.i) < OPEN_PART * self.clamped_siemens * volts);
         // A reading that is not a number is no proof of motion.
         let moves = |speed: f32| speed.abs() >= self.belt_moving_m_per_s;
-        let still = sense.slow.belt.is_some_and(|speed| !moves(speed));
+        // Nor is a sensor that was there and is gone.
+        self.has_belt |= sense.slow.belt.is_some();
+        let still = self.has_belt && !sense.slow.belt.is_some_and(moves);
         let count = |counter: u32, wrong: bool| if wrong { counter.saturating_add(1) } else { 0 };
         self.wrong_voltage = count(self.wrong_voltage, wrong_voltage);
         self.no_current = count(self.no_current, no_current);
@@ -85,8 +92,9 @@ impl Guard {
         let clipped = |clipped: usize| clipped * CLIPPED_PART > self.samples;
         let faults = [
             (missed || cut, Fault::LateBlock),
-            (tripped || magnitude(sensed.i) > self.current_limit, Fault::OverCurrent),
-            (clipped(convert.v.clipped(&sense.v)) || clipped(convert.i.clipped(&sense.i)), Fault::SensorImplausible),
+            (clipped(convert.v.clipped(&sense.v)), Fault::SensorImplausible),
+            (tripped || convert.i.beyond(&sense.i, self.current_limit) >= OVER_CURRENT_SAMPLES, Fault::OverCurrent),
+            (clipped(convert.i.clipped(&sense.i)), Fault::SensorImplausible),
             (self.wrong_voltage >= IMPLAUSIBLE_BLOCKS, Fault::SensorImplausible),
             (self.no_current >= IMPLAUSIBLE_BLOCKS, Fault::LoadOpen),
             (self.belt_still > self.belt_stop_blocks, Fault::BeltStopped),

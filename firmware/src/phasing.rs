@@ -23,6 +23,11 @@ fn phase_of_turns(turns: f32) -> u32 {
     (f64::from(turns) * 4_294_967_296.0) as i64 as u32
 }
 
+/// The gain of the loudest lane, at least one: a voltage limit is for that lane.
+pub fn loudest(phasing: &Phasing) -> f32 {
+    phasing.gain_trim.iter().fold(1.0, |loudest: f32, &gain| loudest.max(gain))
+}
+
 /// The lanes of a drive. Trims that are not given are none.
 pub fn build(phasing: &Phasing, lanes: u8) -> Result<Vec<Lane, MAX_LANES>, Error> {
     in_range("lanes", lanes.into(), 1.0, MAX_LANES as f64)?;

@@ -127,11 +127,6 @@ impl Scan {
         if self.point < self.points { Step::Tune(self.offset_hz()) } else { self.finish_pass() }
     }
 
-    /// Points taken so far, of the whole of this pass: for a progress display.
-    pub fn progress(&self) -> (u16, u16) {
-        (self.point, self.points)
-    }
-
     fn begin(&mut self, stage: Stage, half_span_hz: f32, points: u16, settle_time_constants: f32) {
         let tau_s = self.guess.q / (core::f32::consts::PI * self.guess.hz);
         // A resonance near the edge of the window is looked at from one side.

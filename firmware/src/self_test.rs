@@ -1,7 +1,7 @@
 //! Power-on plausibility, before any real drive: are both sense channels alive, and is there a transducer?
 //!
-//! First silence: the mean code of each channel is its offset, which must be small, and is removed from then on. Then a
-//! tone well below the resonance, where the transducer is little more than its clamped capacitance: the voltage must be
+//! First silence, until nothing rings any more; then the mean code of each channel is its offset, which must be small, and is
+//! removed from then on. Then a tone well below the resonance, where the transducer is little more than its clamped capacitance: the voltage must be
 //! what was played, the current what the capacitance takes, each within a factor.
 
 use crate::block::{LATENCY_BLOCKS, SenseBlock};
@@ -13,6 +13,10 @@ use crate::supervisor::Fault;
 
 /// Blocks of silence that are averaged.
 const SILENT_BLOCKS: u32 = 32;
+/// Quiet: the current's rms about its mean is below this part of what the tone will draw, or below so many codes.
+const QUIET: (f32, f32) = (0.25, 4.0);
+/// How long an earlier run may ring, nominal time constants and at least, in blocks. Q may be twice what was told.
+const RING_DOWN: (f32, u32) = (40.0, 1000);
 /// Blocks of the tone, and how many at its end are measured.
 const TONE_BLOCKS: u32 = 64;
 const MEASURED_BLOCKS: u32 = 16;
@@ -50,7 +54,10 @@ pub struct SelfTest {
     offset_hz: f32,
     volts: f32,
     clamped_siemens: f32,
+    ring_down_blocks: u32,
+    /// Blocks of the present phase, and whether it is quiet.
     block: u32,
+    quiet: bool,
     mean_codes: (f32, f32),
     sum: (f32, f32),
 }
@@ -59,11 +66,15 @@ impl SelfTest {
     /// A test by the configured drive and nominal capacitance.
     pub fn build(config: &Config) -> Self {
         let hz = config.drive.frequency_hz * TONE_FREQUENCY;
+        let tau_s = config.tracking.nominal_q / (core::f32::consts::PI * config.drive.frequency_hz);
+        let block_s = f32::from(config.block_samples) / config.sample_hz;
         SelfTest {
             offset_hz: hz - config.drive.frequency_hz,
             volts: config.drive.scan_volts * TONE_AMPLITUDE,
             clamped_siemens: core::f32::consts::TAU * hz * config.tracking.nominal_c0_f,
+            ring_down_blocks: RING_DOWN.1 + (RING_DOWN.0 * tau_s / block_s) as u32,
             block: 0,
+            quiet: false,
             mean_codes: (0.0, 0.0),
             sum: (0.0, 0.0),
         }
@@ -72,22 +83,23 @@ impl SelfTest {
     /// Begins again.
     pub fn restart(&mut self) {
         self.block = 0;
+        self.quiet = false;
         self.mean_codes = (0.0, 0.0);
         self.sum = (0.0, 0.0);
     }
 
     /// Takes a block and says what to do next. Moves the zero of both channels when the silence is over.
     pub fn step(&mut self, convert: &mut Convert, sense: &SenseBlock, sensed: &Sensed) -> Step {
-        const SILENCE_ENDS: u32 = LATENCY_BLOCKS as u32 + SILENT_BLOCKS;
-        const TONE_ENDS: u32 = SILENCE_ENDS + TONE_BLOCKS;
+        const TONE_ENDS: u32 = SILENT_BLOCKS + TONE_BLOCKS;
         self.block += 1;
+        if !self.quiet {
+            return self.wait_for_quiet(convert, sense);
+        }
         match self.block {
-            // What was played before may still sound.
-            n if n <= LATENCY_BLOCKS as u32 => Step::Silence,
-            n if n <= SILENCE_ENDS => {
+            n if n <= SILENT_BLOCKS => {
                 self.mean_codes.0 += convert.v.mean_code(&sense.v) / SILENT_BLOCKS as f32;
                 self.mean_codes.1 += convert.i.mean_code(&sense.i) / SILENT_BLOCKS as f32;
-                if n == SILENCE_ENDS { self.judge_offset(convert) } else { Step::Silence }
+                if n == SILENT_BLOCKS { self.judge_offset(convert) } else { Step::Silence }
             }
             n if n <= TONE_ENDS => {
                 if n > TONE_ENDS - MEASURED_BLOCKS {
@@ -98,6 +110,19 @@ impl SelfTest {
             }
             _ => self.judge_tone(),
         }
+    }
+
+    fn wait_for_quiet(&mut self, convert: &Convert, sense: &SenseBlock) -> Step {
+        let (part, codes) = QUIET;
+        let tone_codes = convert.i.codes(self.volts * self.clamped_siemens);
+        // What was played before may still sound.
+        self.quiet = self.block > LATENCY_BLOCKS as u32 && convert.i.rms_code(&sense.i) < codes.max(part * tone_codes);
+        if self.quiet {
+            self.block = 0;
+        } else if self.block > self.ring_down_blocks {
+            return Step::Failed(Fault::SensorImplausible);
+        }
+        Step::Silence
     }
 
     fn tone(&self) -> Step {

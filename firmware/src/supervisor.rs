@@ -64,37 +64,9 @@ pub enum Fault {
 }
 
 impl Fault {
-    /// Every fault.
-    pub const ALL: [Fault; 10] = [
-        Fault::EmergencyStop,
-        Fault::LateBlock,
-        Fault::SensorImplausible,
-        Fault::OverCurrent,
-        Fault::LoadShorted,
-        Fault::LoadOpen,
-        Fault::NoResonance,
-        Fault::NoLock,
-        Fault::LossOfLock,
-        Fault::BeltStopped,
-    ];
-
     /// The number of this fault.
     pub fn code(self) -> u8 {
         self as u8
-    }
-}
-
-impl From<Fault> for u8 {
-    fn from(fault: Fault) -> u8 {
-        fault as u8
-    }
-}
-
-impl TryFrom<u8> for Fault {
-    type Error = &'static str;
-
-    fn try_from(code: u8) -> Result<Self, Self::Error> {
-        Fault::ALL.into_iter().find(|fault| fault.code() == code).ok_or("not the number of a fault")
     }
 }
 
@@ -108,24 +80,31 @@ pub enum Limit {
     OverVoltageRequest = 96,
     /// The tracker stands at the edge of the frequency window.
     FrequencyWindow = 97,
+    /// The drive has been ON for long, in bursts too short for the tracker to hear the resonance.
+    NotTracking = 98,
 }
 
-impl From<Limit> for u8 {
-    fn from(limit: Limit) -> u8 {
-        limit as u8
-    }
+/// A number on the wire, and back: a variant that is added later does not change the meaning of the others.
+macro_rules! numbered {
+    ($name:ident, $($variant:ident)*) => {
+        impl From<$name> for u8 {
+            fn from(value: $name) -> u8 {
+                value as u8
+            }
+        }
+
+        impl TryFrom<u8> for $name {
+            type Error = &'static str;
+
+            fn try_from(code: u8) -> Result<Self, Self::Error> {
+                [$($name::$variant),*].into_iter().find(|&known| known as u8 == code).ok_or("a number without a meaning")
+            }
+        }
+    };
 }
 
-impl TryFrom<u8> for Limit {
-    type Error = &'static str;
-
-    fn try_from(code: u8) -> Result<Self, Self::Error> {
-        [Limit::OverVoltageRequest, Limit::FrequencyWindow]
-            .into_iter()
-            .find(|&limit| limit as u8 == code)
-            .ok_or("not the number of a limit")
-    }
-}
+numbered!(Fault, EmergencyStop LateBlock SensorImplausible OverCurrent LoadShorted LoadOpen NoResonance NoLock LossOfLock BeltStopped);
+numbered!(Limit, OverVoltageRequest FrequencyWindow NotTracking);
 
 /// How a stage of the way to [`Mode::Run`] is getting on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -2,7 +2,6 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::demod::Sensed;
 use crate::identify::Transducer;
 use crate::phasor::Phasor;
 use crate::supervisor::{Fault, Limit, Mode};
@@ -43,11 +42,4 @@ pub struct Telemetry {
     pub phase: Turns,
     /// The transducer, once identified.
     pub transducer: Option<Transducer>,
-}
-
-impl Telemetry {
-    /// Voltage and current of the block heard.
-    pub fn sensed(&self) -> Sensed {
-        Sensed { v: self.v, i: self.i }
-    }
 }
