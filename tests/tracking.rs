@@ -1,10 +1,113 @@
 //! Scan and lock, with the plant behind the converters: what the motional phase can do that the V-I phase cannot.
 
-use firmware::supervisor::{Fault, Mode};
+use firmware::block::{Gate, Orders, Request};
+use firmware::controller::Controller;
+use firmware::supervisor::{Fault, Limit, Mode};
+use firmware::telemetry::Telemetry;
+use hal_mock::block_clock::BlockClock;
 use sim_host::metrics::{self, Metrics};
+use sim_host::plant::Plant;
 use sim_host::record::Record;
 use sim_host::run::{Watch, run};
 use sim_host::scene::load::load;
+use sim_host::settings;
+
+/// A driver whose orders change on the way.
+struct Rig {
+    controller: Controller,
+    clock: BlockClock<Plant>,
+    orders: Orders,
+}
+
+impl Rig {
+    fn new(name: &str, changes: &[&str]) -> Self {
+        let sets: Vec<String> = changes.iter().map(|&set| set.to_owned()).collect();
+        let scene = load(name, &sets).unwrap_or_else(|error| panic!("{error}")).scene;
+        let controller = Controller::build(&settings::config(&scene)).unwrap();
+        let clock = BlockClock::new(Plant::new(&scene), &controller.silence());
+        Rig { controller, clock, orders: Orders { gate: Gate::On, ..Orders::default() } }
+    }
+
+    fn order(&mut self, request: Request) {
+        let Orders { sequence, attempt, .. } = self.orders;
+        self.orders = Orders { sequence: sequence + 1, attempt: attempt + 1, request, ..self.orders };
+    }
+
+    fn blocks(&mut self, blocks: u32) -> Telemetry {
+        (0..blocks).map(|_| self.clock.tick(|sense, drive| self.controller.process(&self.orders, sense, drive))).last().unwrap()
+    }
+
+    /// Until the mode is reached, or a fault.
+    fn until(&mut self, mode: Mode) -> Telemetry {
+        (0..100_000).map(|_| self.blocks(1)).find(|report| report.mode == mode || report.fault.is_some()).expect("an end")
+    }
+}
+
+/// The stack still rings from the run before: at a Q of 900 for tens of milliseconds, with more current than the self-test expects.
+#[test]
+fn a_run_can_follow_a_run_at_once() {
+    for name in ["transducer-skymen-60w", "transducer-gb-4540-4sh", "transducer-smbltd45f28h", "lock"] {
+        for pause in [1, 4, 100] {
+            let mut rig = Rig::new(name, &[]);
+            rig.order(Request::Run);
+            assert_eq!(rig.until(Mode::Run).fault, None, "{name}");
+            rig.blocks(2000);
+            rig.order(Request::Idle);
+            rig.blocks(pause);
+            rig.order(Request::Run);
+            let again = rig.until(Mode::Run);
+            assert_eq!((again.mode, again.fault), (Mode::Run, None), "{name}, after {pause} blocks");
+        }
+        let mut rig = Rig::new(name, &[]);
+        rig.order(Request::Run);
+        rig.until(Mode::Run);
+        rig.blocks(2000);
+        rig.order(Request::Scan);
+        assert_eq!(rig.blocks(1).mode, Mode::SelfTest);
+        let scanned = rig.until(Mode::Idle);
+        assert!(scanned.fault.is_none() && scanned.transducer.is_some(), "{name}: {scanned:?}");
+    }
+}
+
+/// At 1 kHz and half a millisecond of ring-up, each burst is heard for a few blocks only.
+#[test]
+fn short_bursts_are_tracked() {
+    let scene = load(
+        "lock",
+        &[
+            "duration_s=0.8",
+            "controller.burst.period_s=1e-3",
+            "controller.burst.duty=0.5",
+            "disturbance.0.at_s=0.3",
+            "disturbance.0.key=stack.bvd.series_resonance_hz",
+            "disturbance.0.to=40700",
+        ]
+        .map(String::from),
+    );
+    let scene = scene.unwrap_or_else(|error| panic!("{error}")).scene;
+    let record = run(&scene, Watch::default()).unwrap();
+    let last = record.rows.last().unwrap();
+    assert_eq!((last.mode, last.fault, last.locked), (Mode::Run, 0, true));
+    assert!((last.frequency_hz - 40_700.0).abs() < 5.0, "{} Hz", last.frequency_hz);
+}
+
+/// Bursts of four periods tell nothing: the frequency is held, and the telemetry says that nobody listens.
+#[test]
+fn bursts_too_short_to_hear_are_a_limit_and_no_lock() {
+    let sets = ["duration_s=0.5", "controller.burst.period_s=1e-3", "controller.burst.duty=0.1"].map(String::from);
+    let scene = load("lock", &sets).unwrap_or_else(|error| panic!("{error}")).scene;
+    let record = run(&scene, Watch::default()).unwrap();
+    let last = record.rows.last().unwrap();
+    assert_eq!((last.mode, last.locked, last.limit), (Mode::Run, false, Limit::NotTracking as u8));
+    assert!((last.frequency_hz - 40_520.0).abs() < 2.0, "{} Hz", last.frequency_hz);
+}
+
+#[test]
+fn long_soft_edges_do_not_disturb_the_way_to_the_lock() {
+    let (record, metrics) = lock(&["controller.burst.edge=soft", "controller.burst.edge_cycles=2000"]);
+    assert_eq!(record.rows.last().unwrap().fault, 0);
+    assert!(metrics.get("frequency_bias_hz").unwrap().abs() < 0.5);
+}
 
 /// A lock that stays ON, with changes.
 fn lock(changes: &[&str]) -> (Record, Metrics) {
@@ -62,7 +165,7 @@ fn too_much_current_on_the_way_is_a_fault() {
 fn it_finds_the_resonance_anywhere_in_the_window() {
     for hz in [39_200, 39_700, 40_000, 40_300, 40_800] {
         let bias = bias_hz(&[&format!("stack.bvd.series_resonance_hz={hz}")]).unwrap_or_else(|| panic!("no lock at {hz} Hz"));
-        assert!(bias.abs() < 0.5, "{hz} Hz: {bias} Hz");
+        assert!(bias.abs() < 0.25, "{hz} Hz: {bias} Hz");
     }
 }
 
@@ -70,7 +173,7 @@ fn it_finds_the_resonance_anywhere_in_the_window() {
 fn what_the_controller_is_told_may_be_wrong() {
     for told in ["nominal_q=32", "nominal_q=129", "nominal_c0_f=285e-9", "nominal_c0_f=315e-9"] {
         let bias = bias_hz(&[&format!("controller.tracking.{told}")]).unwrap_or_else(|| panic!("no lock with {told}"));
-        assert!(bias.abs() < 0.5, "{told}: {bias} Hz");
+        assert!(bias.abs() < 0.25, "{told}: {bias} Hz");
     }
 }
 
@@ -79,7 +182,7 @@ fn what_the_controller_is_told_may_be_wrong() {
 fn skew_between_the_converters_does_not_move_the_lock() {
     for skew in ["-1e-7", "-2e-8", "2e-8", "1e-7"] {
         let bias = bias_hz(&[&format!("sensors.skew_s={skew}")]).unwrap();
-        assert!(bias.abs() < 0.5, "{skew} s: {bias} Hz");
+        assert!(bias.abs() < 0.25, "{skew} s: {bias} Hz");
     }
 }
 
@@ -89,7 +192,7 @@ fn seeds_do_not_matter() {
         let (record, metrics) = lock(&[&format!("seed={seed}"), "duration_s=0.25"]);
         assert_eq!(record.rows.last().unwrap().fault, 0, "seed {seed}");
         let bias = metrics.get("frequency_bias_hz").unwrap();
-        assert!(bias.abs() < 0.7, "seed {seed}: {bias} Hz");
+        assert!(bias.abs() < 0.25, "seed {seed}: {bias} Hz");
     }
 }
 

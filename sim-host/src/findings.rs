@@ -19,12 +19,11 @@ pub fn report(study: &Study) -> Report {
         summary: headline(study),
         paragraphs: [
             scene.notes.clone(),
-            vec![
-                "Software in the loop: the firmware's own controller, on the host, against a simulated stack and contact. Command is \
-                 what the controller played, estimate what it believed, truth what the simulated plant did; the controller sees \
-                 converter codes only."
-                    .into(),
-            ],
+            vec![format!(
+                "{}, against a simulated stack and contact. Command is what the controller played, estimate what it believed, \
+                     truth what the simulated plant did; the controller sees converter codes only.",
+                study.level
+            )],
         ]
         .concat(),
         tables: tables(study),
@@ -73,7 +72,7 @@ fn footer(study: &Study) -> Vec<(String, String)> {
         ("drive hash", format!("{:016x}", study.record.drive_hash)),
         ("plant states", study.record.plant_states.to_string()),
         ("sim-host", VERSION.to_owned()),
-        ("level", "SIL (software in the loop)".to_owned()),
+        ("level", study.level.to_string()),
     ]
     .map(|(label, value)| (label.to_owned(), value))
     .to_vec()
@@ -160,7 +159,7 @@ fn grid(study: &Study) -> Option<TableBlock> {
         std::iter::once(value.to_string()).chain(cells).collect()
     };
     let rows = grid.rows.iter().zip(&result.cells).map(row).collect();
-    let caption = format!("{}; each cell is a run of its own", grid.metric);
+    let caption = format!("{}; each cell is a run of its own, with the controller on the host (SIL)", grid.metric);
     Some(TableBlock { id: "grid".into(), title: grid.title.clone(), caption, header, rows })
 }
 

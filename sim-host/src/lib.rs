@@ -24,6 +24,8 @@ pub mod record;
 pub mod report;
 pub mod run;
 pub mod scene;
-pub mod settings;
+pub mod schedule;
 pub mod study;
 pub mod trace;
+
+pub use scene::settings;

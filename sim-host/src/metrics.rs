@@ -3,17 +3,20 @@
 //! | metric | over |
 //! |---|---|
 //! | `friction_off_n` | true friction while the drive is OFF, from 20 ms after the edge |
-//! | `friction_on_n`, `frequency_*`, `motional_phase_deg`, … | **steady** blocks: running, envelope one, from 20 ms after an edge or a disturbance |
+//! | `friction_on_n`, `tip_velocity_m_per_s`, `frequency_*`, `motional_phase_deg`, … | **steady** blocks: running, envelope one, from 20 ms after an edge, after the last step disturbance |
 //! | `load_cell_*` | the same by the cell's reading, from 50 ms after the edge |
 //! | `lock_time_B_ms` | from the first DAC sample of the lock stage to the last moment that the frequency played is more than B off the true one, before the first disturbance |
 //! | `relock_time_B_ms` | from the last step disturbance to the same |
 //! | `acquire_time_ms` | from the first DAC sample of the scan to the first of the run |
-//! | `rise_time_ms`, `fall_time_ms` | from the edge's first DAC sample to 90 % (10 %) of the steady true tip velocity |
+//! | `rise_time_ms`, `fall_time_ms` | from the edge's first DAC sample, as ordered, to 90 % (10 %) of the steady true tip velocity; of the first ON window after the lock |
+//! | `overshoot_percent` | the largest true tip velocity of the run over the steady one; not where a step disturbance makes two steady states |
+//! | `fault_latency_us` | from the scene's first fault to the first block without drive once the controller has faulted |
 
 use firmware::supervisor::Mode;
 
 use crate::record::{Record, Row};
 use crate::scene::Scene;
+use crate::schedule::first_window;
 
 /// After an edge or a disturbance, this long is not counted as steady, s.
 const SETTLE_S: f64 = 0.02;
@@ -47,7 +50,7 @@ pub fn of(scene: &Scene, record: &Record) -> Metrics {
     let mut metrics = Metrics::default();
     let view = View::new(scene, record);
     view.friction(scene, &mut metrics);
-    view.edges(&mut metrics);
+    view.edges(scene, &mut metrics);
     view.lock(&mut metrics);
     view.steady_state(&mut metrics);
     metrics.put("energy_residual", (record.energy.supplied_j != 0.0).then(|| record.energy.residual()));
@@ -85,7 +88,7 @@ impl<'a> View<'a> {
     pub fn new(scene: &Scene, record: &'a Record) -> Self {
         let steps_s = scene.disturbance.iter().filter(|d| d.to.is_some()).map(|d| d.at_s).collect();
         let disturbed_s = scene.disturbance.iter().map(|d| d.at_s).collect::<Vec<_>>();
-        let block_s = record.sample_s * record.block_samples as f64;
+        let block_s = record.sample_s * record.block_samples as f64 * record.every as f64;
         let mut view = View { rows: &record.rows, block_s, calm_s: Vec::new(), disturbed_s, steps_s };
         view.calm_s = view.calm_times();
         view
@@ -109,11 +112,14 @@ impl<'a> View<'a> {
     }
 
     fn settled(&self, envelope: f64, settle_s: f64) -> impl Iterator<Item = &'a Row> + '_ {
-        let kept = move |row: &Row, calm: f64| row.mode == Mode::Run && row.envelope == envelope && calm > settle_s;
+        let last_step_s = self.steps_s.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        let kept = move |row: &Row, calm: f64| {
+            row.mode == Mode::Run && row.envelope == envelope && calm > settle_s && row.time_s > last_step_s
+        };
         self.rows.iter().zip(&self.calm_s).filter(move |&(row, &calm)| kept(row, calm)).map(|(row, _)| row)
     }
 
-    /// Running, envelope one, and some time after the last edge or disturbance.
+    /// Running, envelope one, some time after the last edge, and after the last step disturbance.
     pub fn steady(&self) -> impl Iterator<Item = &'a Row> + '_ {
         self.settled(1.0, SETTLE_S)
     }
@@ -169,13 +175,13 @@ impl<'a> View<'a> {
         metrics.put("velocity_ratio", tip.map(|tip| rig.slider.speed_m_per_s / tip));
     }
 
-    fn edges(&self, metrics: &mut Metrics) {
+    fn edges(&self, scene: &Scene, metrics: &mut Metrics) {
         let tip = |row: &Row| row.truth.tip_velocity_m_per_s;
         let Some(steady) = mean(self.steady().map(tip)) else { return };
         let peak = self.rows.iter().filter(|row| row.mode == Mode::Run).map(tip).fold(0.0, f64::max);
         metrics.put("tip_velocity_m_per_s", steady);
         metrics.put("peak_velocity_m_per_s", peak);
-        metrics.put("overshoot_percent", 100.0 * (peak / steady - 1.0).max(0.0));
+        metrics.put("overshoot_percent", self.steps_s.is_empty().then(|| 100.0 * (peak / steady - 1.0).max(0.0)));
         let run_from = self.plays_from(Mode::Run).unwrap_or(0.0);
         let reaches = |from: f64, there: &dyn Fn(f64) -> bool| {
             let mut before: Option<&Row> = None;
@@ -187,8 +193,7 @@ impl<'a> View<'a> {
             }
             None
         };
-        // An ON window that was open when the run began has no edge of its own.
-        let window = self.on_windows().into_iter().find(|window| window.0 > run_from + 2.0 * self.block_s);
+        let window = scene.controller.burst.as_ref().and_then(|burst| first_window(burst, run_from));
         metrics.put("rise_time_ms", window.and_then(|(on, _)| reaches(on, &|v| v >= 0.9 * steady)).map(|s| 1e3 * s));
         metrics.put("fall_time_ms", window.and_then(|(_, off)| reaches(off, &|v| v <= 0.1 * steady)).map(|s| 1e3 * s));
     }
@@ -239,9 +244,9 @@ impl<'a> View<'a> {
     /// From the first fault of the scene to the first block without drive.
     fn fault_latency_s(&self, scene: &Scene) -> Option<f64> {
         let at = scene.fault.iter().map(|fault| fault.at_s).reduce(f64::min)?;
-        let faulted = self.rows.iter().any(|row| row.fault != 0);
-        let muted = self.rows.iter().find(|row| row.time_s - self.block_s >= at && row.drive_v == 0.0)?;
-        faulted.then_some(muted.time_s - self.block_s - at)
+        let faulted = self.rows.iter().position(|row| row.fault != 0)?;
+        let muted = self.rows[faulted..].iter().find(|row| row.drive_v == 0.0)?;
+        Some(muted.time_s - self.block_s - at)
     }
 }
 

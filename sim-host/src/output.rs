@@ -62,23 +62,23 @@ pub fn summary(study: &Study) -> Value {
 }
 
 /// The manifest: everything that the run depended on.
-fn manifest(loaded: &Loaded, study: &Study, processor: &str) -> Value {
+fn manifest(loaded: &Loaded, study: &Study) -> Value {
     json!({
-        "program": "sim-host", "version": findings::VERSION, "scene": study.name, "seed": study.scene.seed, "processor": processor,
+        "program": "sim-host", "version": findings::VERSION, "scene": study.name, "seed": study.scene.seed, "level": study.level.to_string(),
         "input_hash": format!("{:016x}", text_hash(&loaded.input)), "set": loaded.sets,
         "drive_hash": format!("{:016x}", study.record.drive_hash), "interrupted": study.record.interrupted,
         "resolved_scene": resolved_json(&study.scene),
     })
 }
 
-/// Writes everything into `dir`, which is made if it is not there. `processor` says where the controller ran.
-pub fn write(loaded: &Loaded, study: &Study, processor: &str, dir: &Path) -> Result<(), OutputError> {
+/// Writes everything into `dir`, which is made if it is not there.
+pub fn write(loaded: &Loaded, study: &Study, dir: &Path) -> Result<(), OutputError> {
     fs::create_dir_all(dir).map_err(|io| OutputError::Write { path: dir.into(), io })?;
     let json = |name: &str, value: &Value| {
         let path = dir.join(name);
         fs::write(&path, format!("{value:#}\n")).map_err(|io| OutputError::Write { path, io })
     };
-    json("manifest.json", &manifest(loaded, study, processor))?;
+    json("manifest.json", &manifest(loaded, study))?;
     json("summary.json", &summary(study))?;
     trace_file::write(&study.record, &dir.join("trace.csv"))?;
     report::write(&findings::report(study), dir)?;

@@ -65,7 +65,9 @@ pub struct Record {
     pub sample_s: f64,
     /// Samples in a block.
     pub block_samples: usize,
-    /// Every block.
+    /// Blocks from one row to the next: one, unless the run is long.
+    pub every: u64,
+    /// Every block, or every few.
     pub rows: Vec<Row>,
     /// Windows sample by sample.
     pub windows: Vec<Window>,

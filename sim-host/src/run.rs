@@ -38,6 +38,8 @@ pub struct Watch<'a> {
     pub progress: Option<&'a mut dyn FnMut(f64)>,
 }
 
+/// Most rows of a record: half a minute of blocks. A longer run keeps every second block, or third, …
+const MAX_ROWS: u64 = 1_000_000;
 /// Blocks between two looks at the stop flag and calls of the progress function.
 const LOOK_EVERY: u64 = 256;
 
@@ -56,8 +58,9 @@ pub fn run_on(processor: &mut dyn Processor, scene: &Scene, mut watch: Watch) ->
     let orders = Orders { sequence: 1, attempt: 1, request: Request::Run, gate: Gate::Scheduled, ..Orders::default() };
 
     let mut clock = BlockClock::new(Recorder::new(scene, watch.windows), &processor.silence());
-    let mut record = Record { sample_s: 1.0 / sample_hz, block_samples: samples, ..Record::default() };
-    record.rows.reserve(blocks as usize);
+    let every = blocks.div_ceil(MAX_ROWS).max(1);
+    let mut record = Record { sample_s: 1.0 / sample_hz, block_samples: samples, every, ..Record::default() };
+    record.rows.reserve((blocks / every) as usize + 1);
     let mut pending = [Command::default(); LATENCY_BLOCKS];
     for block in 0..blocks {
         if block % LOOK_EVERY == 0 {
@@ -75,7 +78,9 @@ pub fn run_on(processor: &mut dyn Processor, scene: &Scene, mut watch: Watch) ->
         let telemetry = clock.tick(|sense, drive| processor.process(&orders, sense, drive))?;
         let played = std::mem::replace(slot, Command::of(&telemetry));
         let time_s = (block + 1) as f64 * samples as f64 / sample_hz;
-        record.rows.push(Row::new(time_s, sample_hz, &played, &telemetry, clock.analog.plant.inner.truth()));
+        if (block + 1).is_multiple_of(every) {
+            record.rows.push(Row::new(time_s, sample_hz, &played, &telemetry, clock.analog.plant.inner.truth()));
+        }
         record.last = telemetry;
     }
     let recorder = clock.analog;

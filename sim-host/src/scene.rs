@@ -12,6 +12,7 @@ pub mod resolved;
 mod results;
 pub mod rules;
 pub mod schema;
+pub mod settings;
 
 mod nearest;
 mod overlay;

@@ -1,6 +1,6 @@
 //! A study: a scene, run; its metrics held against what was expected; and its grid, if it has one.
 
-use std::sync::atomic::AtomicBool;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use rayon::prelude::*;
 
@@ -11,6 +11,7 @@ use crate::record::{Record, Window};
 use crate::run::{self, RunError, Watch};
 use crate::scene::load::{LoadError, Loaded};
 use crate::scene::{Expect, Grid, Scene};
+use crate::schedule::first_window;
 
 /// Why a study has no result.
 #[derive(Debug, thiserror::Error)]
@@ -23,11 +24,31 @@ pub enum StudyError {
     Run(#[from] RunError),
 }
 
+/// Where the controller of a study ran, and so what its result can show.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Level {
+    /// On the host.
+    Sil,
+    /// As thumb code in an emulator.
+    Pil,
+}
+
+impl std::fmt::Display for Level {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Level::Sil => "SIL (software in the loop: the controller on the host)",
+            Level::Pil => "PIL (processor in the loop: the controller as thumb code in QEMU)",
+        })
+    }
+}
+
 /// The result of a study.
 #[derive(Clone, Debug)]
 pub struct Study {
     /// Name of the scene.
     pub name: String,
+    /// Where the controller ran.
+    pub level: Level,
     /// The scene as it was run.
     pub scene: Scene,
     /// What was recorded.
@@ -74,40 +95,39 @@ impl Study {
 /// Runs a loaded scene with the controller on `processor`, and its grid with the controller in this process.
 pub fn conduct<'a>(
     loaded: &Loaded,
-    processor: &mut dyn Processor,
+    (level, processor): (Level, &mut dyn Processor),
     stop: &'a AtomicBool,
     progress: Option<&'a mut dyn FnMut(f64)>,
 ) -> Result<Study, StudyError> {
     let scene = &loaded.scene;
     let watch = Watch { windows: edge_windows(scene), stop: Some(stop), progress };
-    let record = run::run_on(processor, scene, watch)?;
+    let mut record = run::run_on(processor, scene, watch)?;
     let metrics = metrics::of(scene, &record);
     let judged = scene.expect.iter().map(|expect| judge(expect, &metrics)).collect();
-    let grid = scene.grid.as_ref().filter(|_| !record.interrupted).map(|grid| cells(loaded, grid)).transpose()?;
-    Ok(Study { name: loaded.name.clone(), scene: scene.clone(), record, metrics, judged, grid })
+    let grid = match &scene.grid {
+        Some(grid) if !record.interrupted => cells(loaded, grid, stop)?,
+        _ => None,
+    };
+    // Stopped within the grid: the scene is whole, and the grid is missing.
+    record.interrupted |= stop.load(Ordering::Relaxed);
+    Ok(Study { name: loaded.name.clone(), level, scene: scene.clone(), record, metrics, judged, grid })
 }
 
-/// The first ON edge and the first OFF edge, sample by sample: a little before, and five time constants after.
+/// Both edges of the first ON window, sample by sample: a little before, and five time constants after. Of a repeated burst the
+/// last period, because the first ones find the stack not yet locked.
 fn edge_windows(scene: &Scene) -> Vec<Window> {
     let after_s = 5.0 * Circuit::of(&scene.stack.bvd).time_constant_s();
     let Some(burst) = &scene.controller.burst else { return Vec::new() };
-    let first = |title: &str, at_s: Option<f64>| {
-        let at_s = at_s.filter(|&at_s| at_s < scene.duration_s)?;
-        Some(Window {
-            title: title.into(),
-            edge_s: at_s,
-            from_s: at_s - 0.2 * after_s,
-            to_s: at_s + after_s,
-            ..Window::default()
-        })
+    let late = burst.period_s.map_or(0.0, |period_s| scene.duration_s - 2.0 * period_s);
+    let window = first_window(burst, late).filter(|window| window.0 < scene.duration_s);
+    let edge = |title: &str, at_s: f64| Window {
+        title: title.into(),
+        edge_s: at_s,
+        from_s: at_s - 0.2 * after_s,
+        to_s: at_s + after_s,
+        ..Window::default()
     };
-    let periodic = || Some((burst.period_s?, burst.period_s? * burst.duty?));
-    let (on, off) = (burst.on_s.first().copied(), burst.off_s.first().copied());
-    // A periodic burst begins before there is a lock; its last period is as good as any.
-    let last_period = || periodic().map(|(period, on)| ((scene.duration_s / period - 1.0).floor() * period, on));
-    let on = on.or_else(|| last_period().map(|(start, _)| start));
-    let off = off.or_else(|| last_period().map(|(start, length)| start + length));
-    [first("on", on), first("off", off)].into_iter().flatten().collect()
+    window.map_or_else(Vec::new, |(on, off)| vec![edge("on", on), edge("off", off)])
 }
 
 fn judge(expect: &Expect, metrics: &Metrics) -> Judged {
@@ -129,19 +149,19 @@ fn judge(expect: &Expect, metrics: &Metrics) -> Judged {
     Judged { metric: expect.metric.clone(), value, limit, pass: value.is_some_and(holds), source: expect.source.clone() }
 }
 
-/// Runs every cell of a grid, in parallel. Each is a scene of its own, seeded as the scene is, so that the result does not depend
+/// Runs every cell of a grid, in parallel, with the controller on the host; nothing if it is stopped. Each is a scene of its own, seeded as the scene is, so that the result does not depend
 /// on the number of threads.
-fn cells(loaded: &Loaded, grid: &Grid) -> Result<GridResult, StudyError> {
+fn cells(loaded: &Loaded, grid: &Grid, stop: &AtomicBool) -> Result<Option<GridResult>, StudyError> {
     let places: Vec<(f64, f64)> =
         grid.rows.iter().flat_map(|&row| grid.columns.iter().map(move |&column| (row, column))).collect();
     let run_cell = |&(row, column): &(f64, f64)| {
         let place = [format!("{}={row}", grid.row_key), format!("{}={column}", grid.column_key)];
         let sets = [grid.set.as_slice(), &place].concat();
         let scene = loaded.with(&sets).map_err(|error| StudyError::Cell(place.join(", "), error))?.scene;
-        let record = run::run(&scene, Watch::default())?;
+        let record = run::run(&scene, Watch { stop: Some(stop), ..Watch::default() })?;
         Ok(metrics::of(&scene, &record).get(&grid.metric))
     };
     let values = places.par_iter().map(run_cell).collect::<Result<Vec<_>, StudyError>>()?;
     let cells = values.chunks(grid.columns.len()).map(<[_]>::to_vec).collect();
-    Ok(GridResult { grid: grid.clone(), cells })
+    Ok((!stop.load(Ordering::Relaxed)).then(|| GridResult { grid: grid.clone(), cells }))
 }

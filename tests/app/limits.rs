@@ -3,6 +3,8 @@
 use firmware::block::Amplitude;
 use firmware::command::{Command, Refusal, Reply};
 use firmware::config::ShapeKind;
+use firmware::controller::Controller;
+use firmware::error::Error;
 use firmware::supervisor::{Limit, Mode};
 use hal_mock::bench::{Queues, Setup};
 use proptest::prelude::*;
@@ -92,6 +94,18 @@ fn the_limit_is_for_the_loudest_lane() {
     bench.blocks(100);
     let peak = peak(&played(&mut bench, 1));
     assert!((LIMIT_CODES - 1..=LIMIT_CODES).contains(&peak), "{peak} codes");
+}
+
+#[test]
+fn the_scan_obeys_the_limit_of_the_loudest_lane() {
+    let trimmed = setup(|config| {
+        config.lanes = 2;
+        config.phasing.gain_trim = [1.0, 2.0].into_iter().collect();
+        config.limits.voltage_v = 6.0;
+        config.drive.scan_volts = 6.0;
+    });
+    let refused = Controller::build(&trimmed.config).err();
+    assert!(matches!(refused, Some(Error::OutOfRange { parameter: "drive.scan_volts", max: 3.0, .. })), "{refused:?}");
 }
 
 proptest! {

@@ -162,6 +162,15 @@ fn a_belt_sensor_that_reads_not_a_number_does_not_count_as_moving() {
 }
 
 #[test]
+fn a_belt_sensor_that_is_gone_does_not_count_as_moving() {
+    let mut queues = Queues::default();
+    let mut bench = over_belt(&mut queues, &Setup::default());
+    bench.analog().inner.inner.set_belt(None);
+    bench.blocks(BELT_BLOCKS + 1);
+    assert_eq!(bench.fault(), Some(Fault::BeltStopped));
+}
+
+#[test]
 fn without_a_belt_sensor_the_belt_is_not_judged() {
     let mut queues = Queues::default();
     let mut bench = running(&mut queues, &Setup::default());

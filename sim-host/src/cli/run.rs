@@ -16,7 +16,7 @@ use crate::pil::{self, PilError, Qemu};
 use crate::processor::{Here, Processor};
 use crate::run::RunError;
 use crate::scene::load::Loaded;
-use crate::study::{self, Study, StudyError};
+use crate::study::{self, Level, Study, StudyError};
 use crate::{findings, output, settings};
 
 /// Set by Ctrl-C.
@@ -38,9 +38,9 @@ pub(super) fn run(args: &RunArgs, color: Color) -> anyhow::Result<ExitCode> {
 
 fn run_loaded(args: &RunArgs, loaded: &Loaded, color: Color) -> anyhow::Result<ExitCode> {
     let config = settings::config(&loaded.scene);
-    let (mut processor, name) = if args.pil {
+    let (mut processor, level) = if args.pil {
         match emulated(&config) {
-            Ok(processor) => (processor, "thumbv7em in QEMU (PIL)"),
+            Ok(processor) => (processor, Level::Pil),
             Err(error) => {
                 eprintln!("error: {error}");
                 return Ok(ExitCode::from(LOST));
@@ -48,7 +48,7 @@ fn run_loaded(args: &RunArgs, loaded: &Loaded, color: Color) -> anyhow::Result<E
         }
     } else {
         match Here::new(&config) {
-            Ok(here) => (Box::new(here) as Box<dyn Processor>, "host (SIL)"),
+            Ok(here) => (Box::new(here) as Box<dyn Processor>, Level::Sil),
             Err(error) => {
                 eprintln!("error: the firmware refuses this scene's settings: {error}");
                 return Ok(ExitCode::from(INVALID_SCENE));
@@ -56,7 +56,7 @@ fn run_loaded(args: &RunArgs, loaded: &Loaded, color: Color) -> anyhow::Result<E
         }
     };
     let mut progress = Progress::new(loaded.scene.duration_s, args.quiet);
-    let study = study::conduct(loaded, processor.as_mut(), &STOP, Some(&mut |time_s| progress.at(time_s)));
+    let study = study::conduct(loaded, (level, processor.as_mut()), &STOP, Some(&mut |time_s| progress.at(time_s)));
     drop(progress);
     let study = match study {
         Ok(study) => study,
@@ -71,10 +71,10 @@ fn run_loaded(args: &RunArgs, loaded: &Loaded, color: Color) -> anyhow::Result<E
     };
     let dir = (!args.no_report).then(|| args.output.clone().unwrap_or_else(|| PathBuf::from("out").join(&study.name)));
     if let Some(dir) = &dir {
-        output::write(loaded, &study, name, dir)?;
+        output::write(loaded, &study, dir)?;
     }
     super::print(&match args.format {
-        Format::Human => human(&study, args, name, color),
+        Format::Human => human(&study, args, color),
         Format::Json => format!("{:#}\n", output::summary(&study)),
     })?;
     if let Some(dir) = dir.filter(|_| !args.quiet) {
@@ -94,7 +94,7 @@ fn emulated(config: &Config) -> Result<Box<dyn Processor>, PilError> {
     Ok(Box::new(Qemu::start(&pil::image()?, config)?))
 }
 
-fn human(study: &Study, args: &RunArgs, processor: &str, color: Color) -> String {
+fn human(study: &Study, args: &RunArgs, color: Color) -> String {
     let mut text = format!("{}\n\n", study.scene.title);
     if study.record.interrupted {
         let time_s = study.record.rows.last().map_or(0.0, |row| row.time_s);
@@ -117,8 +117,8 @@ fn human(study: &Study, args: &RunArgs, processor: &str, color: Color) -> String
     let speed = study.metrics.get("simulated_s_per_wall_s").map(findings::number).unwrap_or_default();
     let _ = writeln!(
         text,
-        "controller on {processor}; {speed} simulated seconds per wall second, {} plant states; drive hash {:016x}",
-        study.record.plant_states, study.record.drive_hash
+        "{}; {speed} simulated seconds per wall second, {} plant states; drive hash {:016x}",
+        study.level, study.record.plant_states, study.record.drive_hash
     );
     text
 }

@@ -84,7 +84,7 @@ fn settled_points(rows: &[Row]) -> (Vec<f64>, Vec<f64>) {
     // A pass runs upwards, and the next begins below where it ended; so does the ring-down, which has one frequency only.
     let passes = scanned.chunk_by(|before, after| after.frequency_hz >= before.frequency_hz);
     let moves = |pass: &[&Row]| pass.last().zip(pass.first()).is_some_and(|(last, first)| last.frequency_hz > first.frequency_hz);
-    let last_pass = passes.filter(|pass| moves(pass)).last().unwrap_or(&[]);
+    let last_pass = passes.rev().find(|pass| moves(pass)).unwrap_or(&[]);
     let tones = last_pass.chunk_by(|before, after| after.frequency_hz == before.frequency_hz);
     tones.filter_map(|tone| tone.last()?.admittance_s).unzip()
 }

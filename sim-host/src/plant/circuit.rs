@@ -1,6 +1,6 @@
 //! The stack's equivalent circuit (Butterworth 1915, Van Dyke 1925), in either of the forms a scene may state it.
 //!
-//! `omega^2 = 1 / (Lm Cm)`, `Q = omega Lm / Rm`, `k^2 = Cm / (C0 + Cm)`, modal mass `Lm phi^2` (Mason 1948).
+//! `omega^2 = 1 / (Lm Cm)`, `Q = omega Lm / Rm`, `k^2 = Cm / (C0 + Cm)`.
 
 use crate::scene::Bvd;
 
@@ -65,11 +65,6 @@ impl Circuit {
     /// Time constant of the ring-up, s.
     pub fn time_constant_s(&self) -> f64 {
         2.0 * self.lm_h / self.rm_ohm
-    }
-
-    /// Modal mass at the tip, kg.
-    pub fn modal_mass_kg(&self) -> f64 {
-        self.lm_h * self.force_factor_n_per_v.powi(2)
     }
 }
 

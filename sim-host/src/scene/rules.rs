@@ -1,18 +1,19 @@
 //! What a schema cannot say: how the keys of a scene depend on each other.
 //!
-//! A rule reads its tables as typed values, and only where the walk found nothing wrong with them, so that one mistake does not
-//! raise a second complaint.
+//! A rule reads the keys it looks at, and is silent if one of them is itself wrong, so that one mistake neither raises a second
+//! complaint nor hides another one.
 
+mod converters;
+mod disturbance;
 mod drive;
+mod firmware;
 mod grid;
 mod timeline;
+mod tracking;
 
-use serde::de::DeserializeOwned;
-
-use super::Expect;
 use super::diagnostic::{Place, Problem};
 use super::nearest::{listed, nearest, short, shown};
-use super::schema::join;
+use super::schema::{Schema, join};
 use super::tree::Node;
 use super::walk::{Findings, walk};
 use super::wording::{header, within};
@@ -63,13 +64,18 @@ pub(super) fn check(root: &Node, findings: Findings) -> Findings {
         rules.tables(group.table).iter().for_each(|path| rules.exclusive(group, path));
     }
     rules.contact_and_rig();
+    rules.converters();
     rules.drive();
+    rules.tracking();
     rules.burst();
     rules.disturbances();
     rules.faults();
     rules.trace();
     rules.expectations();
-    rules.grid();
+    rules.axes();
+    // The last two judge a scene in which nothing else is wrong: first this one, then the cells made of it.
+    rules.firmware();
+    rules.cells();
     rules.findings
 }
 
@@ -78,25 +84,49 @@ struct Rules<'a> {
     findings: Findings,
 }
 
-impl Rules<'_> {
-    /// The value at a path, if the walk found nothing wrong with it. An absent table has its defaults.
-    fn typed<T: DeserializeOwned>(&self, path: &str) -> Option<T> {
-        if !self.findings.clean(path) {
-            return None;
-        }
-        let value = self.root.at(path).map_or_else(|| toml::Value::Table(toml::Table::new()), Node::to_toml);
-        value.try_into().ok()
+impl<'a> Rules<'a> {
+    /// Whether nothing is wrong with a value, or with its absence: not if it is there under another name.
+    fn clean(&self, path: &str) -> bool {
+        self.findings.clean(path) && (self.given(path) || !self.findings.meant(path))
     }
 
-    /// The same, but nothing if it is absent.
-    fn present<T: DeserializeOwned>(&self, path: &str) -> Option<T> {
-        self.root.at(path)?;
-        self.typed(path)
+    fn given(&self, path: &str) -> bool {
+        self.root.at(path).is_some()
     }
 
-    /// A number of the scene, if it is there and right.
+    /// Whether a key is rightly absent and has no default.
+    fn lacks(&self, path: &str) -> bool {
+        !self.given(path) && self.clean(path)
+    }
+
+    /// The value at a path, if it is there and right.
+    fn value(&self, path: &str) -> Option<&'a Node> {
+        self.root.at(path).filter(|_| self.clean(path))
+    }
+
+    /// A number of the scene, or its default, if it is right.
     fn number(&self, path: &str) -> Option<f64> {
-        self.root.at(path).filter(|_| self.findings.clean(path))?.number()
+        match self.root.at(path) {
+            Some(_) => self.value(path)?.number(),
+            None => self.default(path)?.as_f64(),
+        }
+    }
+
+    /// A string of the scene, or its default, if it is right.
+    fn text(&self, path: &str) -> Option<&'a str> {
+        match self.root.at(path) {
+            Some(_) => self.value(path)?.text(),
+            None => self.default(path)?.as_str(),
+        }
+    }
+
+    /// A list of numbers, if it is right; nothing in it if it is absent.
+    fn numbers(&self, path: &str) -> Option<Vec<f64>> {
+        self.clean(path).then(|| self.root.at(path).into_iter().flat_map(Node::list).filter_map(Node::number).collect())
+    }
+
+    fn default(&self, path: &str) -> Option<&'static serde_json::Value> {
+        Schema::root().at(path).filter(|_| self.clean(path))?.default()
     }
 
     /// The tables at a path: one, none, or the entries of a list.
@@ -127,8 +157,7 @@ impl Rules<'_> {
 
     /// Of two values that contradict each other, the one to point at: that of the newer text, or else the first.
     fn newer<'p>(&self, path: &'p str, other: &'p str) -> &'p str {
-        let given = self.root.at(other).is_some();
-        if given && self.place(other).source < self.place(path).source { other } else { path }
+        if self.given(other) && self.place(other).source < self.place(path).source { other } else { path }
     }
 
     fn add(&mut self, path: &str, problem: Problem) {
@@ -136,7 +165,10 @@ impl Rules<'_> {
     }
 
     fn exclusive(&mut self, group: &Exclusive, path: &str) {
-        let Some(table) = self.root.at(path).filter(|_| self.findings.clean(path)).and_then(Node::table) else { return };
+        let keys: Vec<_> = group.alternatives.iter().flat_map(|way| way.keys).map(|key| join(path, key)).collect();
+        let Some(table) = self.root.at(path).filter(|_| keys.iter().all(|key| self.clean(key))).and_then(Node::table) else {
+            return;
+        };
         let given = |way: &Alternative| way.keys.iter().filter(|key| table.contains_key(**key)).copied().collect::<Vec<_>>();
         let ways: Vec<_> = group.alternatives.iter().map(|way| (way, given(way))).filter(|(_, keys)| !keys.is_empty()).collect();
         let choice = {
@@ -165,45 +197,41 @@ impl Rules<'_> {
                 Problem::new(later, message, format!("`{earlier}` is given already")).help(choice)
             }
         };
-        self.add(path, problem);
+        self.findings.problems.push(problem);
+        keys.into_iter().for_each(|key| self.findings.mark(key));
     }
 
     fn contact_and_rig(&mut self) {
-        if !self.findings.top_clean() {
-            return;
-        }
         for (given, missing, reason) in [
             ("contact", "rig", "nothing presses on the contact and moves it: add a rig, such as [rig.slider]"),
             ("rig", "contact", "there is no contact to press on and move: add one, such as [contact.dahl]"),
         ] {
-            if self.root.at(given).is_some() && self.root.at(missing).is_none() {
+            // What is wrong inside the table that is given does not matter here.
+            if self.root.at(given).and_then(Node::table).is_some() && self.lacks(missing) {
                 let message = format!("[{given}] without [{missing}]");
                 let problem = Problem::new(self.place(given), message, format!("needs [{missing}]"));
-                self.add(given, problem.help(reason));
+                self.add(missing, problem.help(reason));
             }
         }
     }
 
     fn expectations(&mut self) {
         for path in self.tables("expect") {
-            let Some(expect) = self.typed::<Expect>(&path) else { continue };
-            self.metric(&join(&path, "metric"), &expect.metric);
-            if let (Some(min), Some(max)) = (expect.min, expect.max)
+            self.metric(&join(&path, "metric"));
+            let (least, most) = (join(&path, "min"), join(&path, "max"));
+            if let (Some(min), Some(max)) = (self.number(&least), self.number(&most))
                 && min > max
             {
                 let message = format!("nothing is at least {} and at most {}", shown(min), shown(max));
-                let (least, most) = (join(&path, "min"), join(&path, "max"));
                 let place = self.place(self.newer(&most, &least));
                 let problem = Problem::new(place, message, "`max` is less than `min`");
-                self.add(&path, problem);
+                self.add(&most, problem);
             }
         }
     }
 
-    fn metric(&mut self, path: &str, name: &str) {
-        if metric_names::NAMES.contains(&name) {
-            return;
-        }
+    fn metric(&mut self, path: &str) {
+        let Some(name) = self.text(path).filter(|name| !metric_names::NAMES.contains(name)) else { return };
         let meant = nearest(name, metric_names::NAMES.iter().copied());
         let label = meant.first().map_or("not measured".to_owned(), |meant| format!("did you mean `{meant}`?"));
         let problem = Problem::new(self.place(path), format!("there is no metric `{}`", short(name)), label);

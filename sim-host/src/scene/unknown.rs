@@ -7,30 +7,28 @@ use super::tree::{Entry, Node};
 use super::units;
 use super::wording::{header, named, within};
 
-/// Explains an unknown key, and says which key of the same table was probably meant.
-pub(super) fn unknown(table: Schema, path: &str, name: &str, entry: &Entry) -> (Problem, Option<&'static str>) {
+/// Explains an unknown key, and says which keys of the scene were probably meant, as paths.
+pub(super) fn unknown(table: Schema, path: &str, name: &str, entry: &Entry) -> (Problem, Vec<String>) {
     if let Some((problem, meant)) = wrong_unit(table, name, entry) {
-        return (problem, Some(meant));
+        return (problem, vec![join(path, meant)]);
     }
     let homes: Vec<_> = Schema::tables().into_iter().filter(|(_, table)| table.property(name).is_some()).collect();
     if let [(home, _), ..] = homes.as_slice() {
-        let homes = homes.iter().map(|(path, _)| within(path)).collect::<Vec<_>>().join(" or ");
+        let places = homes.iter().map(|(path, _)| within(path)).collect::<Vec<_>>().join(" or ");
         let message = format!("{} is misplaced {}", named(name, entry), within(path));
-        let problem = Problem::new(entry.key.clone(), message, format!("belongs {homes}"));
+        let problem = Problem::new(entry.key.clone(), message, format!("belongs {places}"));
         let help = if home.is_empty() { "write it above the first table header".to_owned() } else { allowed(table, path) };
-        return (problem.help(help), None);
+        return (problem.help(help), homes.iter().map(|(home, _)| join(home, name)).collect());
     }
     let message = format!("unknown {} {}", named(name, entry), within(path));
     if let Some(meant) = nearest(name, table.properties().map(|(name, _)| name)).first().copied() {
         let problem = Problem::new(entry.key.clone(), message, format!("did you mean `{meant}`?"));
-        return (problem.help(allowed(table, path)), Some(meant));
+        return (problem.help(allowed(table, path)), vec![join(path, meant)]);
     }
     let elsewhere = Schema::tables().into_iter().find_map(|(path, table)| Some((path, wrong_unit(table, name, entry)?.1)));
-    let label = match elsewhere {
-        Some((home, meant)) => format!("did you mean `{}`?", join(&home, meant)),
-        None => "not known here".to_owned(),
-    };
-    (Problem::new(entry.key.clone(), message, label).help(allowed(table, path)), None)
+    let meant: Vec<_> = elsewhere.into_iter().map(|(home, key)| join(&home, key)).collect();
+    let label = meant.first().map_or("not known here".to_owned(), |meant| format!("did you mean `{meant}`?"));
+    (Problem::new(entry.key.clone(), message, label).help(allowed(table, path)), meant)
 }
 
 fn allowed(table: Schema, path: &str) -> String {

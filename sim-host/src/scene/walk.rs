@@ -4,16 +4,18 @@ use std::collections::BTreeSet;
 
 use super::diagnostic::{Place, Problem};
 use super::nearest::{listed, nearest, short, shown};
-use super::schema::{Kind, Schema, is_index, join};
+use super::schema::{Kind, Schema, join};
 use super::tree::{Node, Value};
-use super::wording::{header, within};
-use super::{units, unknown};
+use super::unknown;
+use super::wording::{header, range, unit, within};
 
 /// What was found, and at which paths.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Findings {
     pub(super) problems: Vec<Problem>,
     bad: BTreeSet<String>,
+    /// Keys and tables that are there under another name, or in another table.
+    meant: BTreeSet<String>,
 }
 
 impl Findings {
@@ -23,17 +25,25 @@ impl Findings {
         self.problems.push(problem);
     }
 
+    /// Marks a path that a problem with another one is about, too.
+    pub(super) fn mark(&mut self, path: impl Into<String>) {
+        self.bad.insert(path.into());
+    }
+
     /// Whether nothing is wrong with the value at a path, in it, or with what it is part of.
     pub(super) fn clean(&self, path: &str) -> bool {
-        let inside =
-            |part: &str, whole: &str| part.strip_prefix(whole).is_some_and(|rest| rest.is_empty() || rest.starts_with('.'));
         !self.bad.iter().any(|bad| inside(bad, path) || inside(path, bad))
     }
 
-    /// Whether nothing is wrong with the names at the top.
-    pub(super) fn top_clean(&self) -> bool {
-        self.bad.iter().all(|bad| bad.contains('.'))
+    /// Whether a path, or a part of it, is probably there under another name: if it is absent, that has been said.
+    pub(super) fn meant(&self, path: &str) -> bool {
+        self.meant.iter().any(|meant| inside(meant, path) || inside(path, meant))
     }
+}
+
+/// Whether a path is another one or a part of it.
+fn inside(part: &str, whole: &str) -> bool {
+    part.strip_prefix(whole).is_some_and(|rest| rest.is_empty() || rest.starts_with('.'))
 }
 
 /// Checks a scene. A whole number written as `32.0` becomes an integer.
@@ -83,16 +93,15 @@ fn check(node: &mut Node, schema: Schema, path: &str, findings: &mut Findings) {
 fn check_table(node: &mut Node, schema: Schema, path: &str, findings: &mut Findings) {
     let place = node.place.clone();
     let Value::Table(table) = &mut node.value else { return };
-    let mut meant = BTreeSet::new();
     let mut strange_table = false;
     for (name, entry) in table.iter_mut() {
         let inner = join(path, name);
         match schema.property(name) {
             Some(schema) => check(&mut entry.node, schema, &inner, findings),
             None => {
-                let (problem, key) = unknown::unknown(schema, path, name, entry);
-                meant.extend(key);
-                strange_table |= key.is_none() && entry.node.table().is_some();
+                let (problem, meant) = unknown::unknown(schema, path, name, entry);
+                strange_table |= meant.is_empty() && entry.node.table().is_some();
+                findings.meant.extend(meant);
                 findings.add(inner, problem);
             }
         }
@@ -101,10 +110,10 @@ fn check_table(node: &mut Node, schema: Schema, path: &str, findings: &mut Findi
         let missing = join(path, name);
         // A misspelt key is already reported where it stands; a strange table is probably there in place of the right one.
         let instead = strange_table && schema.property(name).is_some_and(|schema| schema.kind() == Kind::Table);
-        if !meant.contains(name) && !instead {
+        if !findings.meant(&missing) && !instead {
             findings.problems.push(missing_key(schema, path, name, &place));
         }
-        findings.bad.insert(missing);
+        findings.mark(missing);
     }
 }
 
@@ -152,13 +161,7 @@ pub(super) fn wrong_number(node: &Node, schema: Schema, path: &str) -> Option<Pr
     }
     let (least, most) = schema.range();
     if least.is_some_and(|least| number < least) || most.is_some_and(|most| number > most) {
-        let unit = unit(path).map_or(String::new(), |unit| format!(" {unit}"));
-        let label = match (least, most) {
-            (Some(least), Some(most)) => format!("must be from {} to {}{unit}", shown(least), shown(most)),
-            (Some(least), None) => format!("must be at least {}{unit}", shown(least)),
-            (None, most) => format!("must be at most {}{unit}", shown(most.unwrap_or_default())),
-        };
-        return problem(format!("`{path}` is out of range"), label);
+        return problem(format!("`{path}` is out of range"), format!("must be {}", range((least, most), path)));
     }
     let whole = matches!(node.value, Value::Integer(_)) || (number.fract() == 0.0 && number.abs() <= EXACT);
     if schema.kind() == Kind::Integer && !whole {
@@ -215,9 +218,4 @@ fn expected(schema: Schema, path: &str) -> String {
         Kind::Choice if schema.choices().len() <= 6 => listed(schema.choices(), "or"),
         Kind::Choice => "one of a few strings".to_owned(),
     }
-}
-
-fn unit(path: &str) -> Option<String> {
-    let key = path.rsplit('.').find(|name| !is_index(name))?;
-    units::split(key).1.map(|unit| unit.symbol)
 }

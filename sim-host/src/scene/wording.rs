@@ -1,8 +1,9 @@
 //! How messages call the places of a scene.
 
-use super::nearest::short;
-use super::schema::{Kind, Schema, without_indices};
+use super::nearest::{short, shown};
+use super::schema::{Kind, Schema, is_index, without_indices};
 use super::tree::Entry;
+use super::units;
 
 /// A table as its header would be written.
 pub(super) fn header(path: &str) -> String {
@@ -24,4 +25,50 @@ pub(super) fn within(path: &str) -> String {
 pub(super) fn named(name: &str, entry: &Entry) -> String {
     let what = if entry.node.table().is_some() { "table" } else { "key" };
     format!("{what} `{}`", short(name))
+}
+
+/// The unit in which a key is given.
+pub(super) fn unit(path: &str) -> Option<String> {
+    let key = path.rsplit('.').find(|name| !is_index(name))?;
+    units::split(key).1.map(|unit| unit.symbol)
+}
+
+/// A number with the unit of its key.
+pub(super) fn quantity(number: f64, path: &str) -> String {
+    format!("{}{}", shown(number), unit(path).map_or(String::new(), |unit| format!(" {unit}")))
+}
+
+/// What a number may be, from the smallest to the largest, with the unit of its key.
+pub(super) fn range((least, most): (Option<f64>, Option<f64>), path: &str) -> String {
+    match (least, most) {
+        (Some(least), Some(most)) => format!("from {} to {}", shown(least), quantity(most, path)),
+        (Some(least), None) => format!("at least {}", quantity(least, path)),
+        (None, Some(most)) => format!("at most {}", quantity(most, path)),
+        (None, None) => "any number".to_owned(),
+    }
+}
+
+/// The end of a range in six digits, rounded so that it is still allowed; `inward` is the sign of the way into the range.
+pub(super) fn bound(end: f64, inward: f64, allowed: impl Fn(f64) -> bool) -> f64 {
+    let six_digits = |number: f64| format!("{number:.5e}").parse().unwrap_or(number);
+    let near = six_digits(end);
+    if allowed(near) || near == 0.0 {
+        return near;
+    }
+    let last_digit = 10f64.powi(near.abs().log10().floor() as i32 - 5);
+    six_digits(near + inward * last_digit)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn bounds_are_rounded_inward() {
+        assert_eq!(bound(2000.0 / 3.0, -1.0, |x| x <= 2000.0 / 3.0), 666.666);
+        assert_eq!(bound(2000.0 / 3.0, 1.0, |x| x >= 2000.0 / 3.0), 666.667);
+        assert_eq!(bound(-0.1 - 0.2, 1.0, |x| x >= -0.1 - 0.2), -0.3);
+        assert_eq!(bound(0.2, -1.0, |x| x < 0.2), 0.199999);
+        assert_eq!(bound(0.0, -1.0, |_| false), 0.0);
+    }
 }

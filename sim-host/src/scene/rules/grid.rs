@@ -10,26 +10,22 @@ use crate::scene::tree::{Node, Origin, Value};
 use crate::scene::walk::wrong_number;
 
 impl Rules<'_> {
-    pub(super) fn grid(&mut self) {
-        let Some(grid) = self.present::<Grid>("grid") else { return };
-        self.metric("grid.metric", &grid.metric);
-        for (key, name, values) in
-            [("grid.row_key", &grid.row_key, "grid.rows"), ("grid.column_key", &grid.column_key, "grid.columns")]
-        {
-            self.axis(key, name, values);
-        }
-        if grid.row_key == grid.column_key {
+    /// The metric, and what rows and columns change.
+    pub(super) fn axes(&mut self) {
+        self.metric("grid.metric");
+        let (row, column) = (self.text("grid.row_key"), self.text("grid.column_key"));
+        self.axis("grid.row_key", "grid.rows");
+        self.axis("grid.column_key", "grid.columns");
+        if row.is_some() && row == column {
             let problem =
                 Problem::new(self.place("grid.column_key"), "rows and columns change the same key", "same as `row_key`");
             self.add("grid.column_key", problem);
         }
-        if self.findings.problems.is_empty() {
-            self.cells(&grid);
-        }
     }
 
     /// An axis changes a number of the scene, to values which that number may have.
-    fn axis(&mut self, key: &str, name: &str, values: &str) {
+    fn axis(&mut self, key: &str, values: &str) {
+        let Some(name) = self.text(key) else { return };
         let Some(schema) = Schema::root().at(name).filter(|schema| schema.is_number()) else {
             let numbers = Schema::numbers();
             let meant = nearest(name, numbers.iter().map(String::as_str));
@@ -37,13 +33,15 @@ impl Rules<'_> {
             let problem = Problem::new(self.place(key), format!("`{}` is no number of a scene", short(name)), label);
             return self.add(key, problem.help("tables and key, with points between: \"rig.slider.load_n\""));
         };
-        let wrong: Vec<_> =
-            self.root.at(values).into_iter().flat_map(Node::list).filter_map(|n| wrong_number(n, schema, name)).collect();
+        let list = self.value(values).map_or(&[][..], Node::list);
+        let wrong: Vec<_> = list.iter().filter_map(|number| wrong_number(number, schema, name)).collect();
         wrong.into_iter().for_each(|problem| self.add(values, problem));
     }
 
     /// Makes the first cell. The scene is right by itself, so all that is wrong now is the grid's doing.
-    fn cells(&mut self, grid: &Grid) {
+    pub(super) fn cells(&mut self) {
+        let grid = self.root.at("grid").filter(|_| self.findings.problems.is_empty());
+        let Some(grid) = grid.and_then(|grid| grid.to_toml().try_into::<Grid>().ok()) else { return };
         let mut cell = self.root.clone();
         if let Value::Table(table) = &mut cell.value {
             table.remove("grid");

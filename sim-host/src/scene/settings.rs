@@ -6,7 +6,6 @@ use firmware::config::{
     Burst, Config, Direction, Drive, Edge, FrontEnd, Limits, Phasing, Schedule, ShapeKind, Tracking, TrackingMode,
 };
 
-use crate::plant::converter::Dac;
 use crate::scene;
 
 /// The firmware's configuration for a scene that has passed its rules.
@@ -47,19 +46,23 @@ pub fn config(scene: &scene::Scene) -> Config {
 }
 
 fn front_end(sensors: &scene::Sensors, amplifier: &scene::Amplifier) -> FrontEnd {
-    let dac = Dac::new(sensors, amplifier);
-    let conversions = u16::from(sensors.oversample);
-    let half = 1u16 << (sensors.adc_bits - 1);
-    let per_lsb = |full_scale: f64| (full_scale / f64::from(half) / f64::from(conversions)) as f32;
+    let conversions = u32::from(sensors.oversample);
+    let (sense_half, drive_half) = (1u32 << (sensors.adc_bits - 1), 1u32 << (sensors.dac_bits - 1));
+    let sense = |full_scale: f64| (full_scale / f64::from(sense_half) / f64::from(conversions)) as f32;
     FrontEnd {
-        volt_per_lsb: per_lsb(sensors.v_full_scale_v),
-        ampere_per_lsb: per_lsb(sensors.i_full_scale_a),
-        sense_mid_code: half * conversions,
-        sense_max_code: (2 * half - 1) * conversions,
-        drive_volt_per_lsb: dac.volt_per_lsb() as f32,
-        drive_mid_code: dac.mid_code(),
-        drive_max_code: 2 * dac.mid_code() - 1,
+        volt_per_lsb: sense(sensors.v_full_scale_v),
+        ampere_per_lsb: sense(sensors.i_full_scale_a),
+        sense_mid_code: code(sense_half * conversions),
+        sense_max_code: code((2 * sense_half - 1) * conversions),
+        drive_volt_per_lsb: (amplifier.full_scale_v / f64::from(drive_half)) as f32,
+        drive_mid_code: code(drive_half),
+        drive_max_code: code(2 * drive_half - 1),
     }
+}
+
+/// A code as the firmware has it. It fits: the rules see to the sense codes, and a DAC has 16 bits at most.
+fn code(code: u32) -> u16 {
+    u16::try_from(code).unwrap_or(u16::MAX)
 }
 
 fn amplitude(drive: &scene::Drive, tracking: &scene::Tracking) -> Amplitude {
@@ -95,5 +98,37 @@ fn tracking(tracking: &scene::Tracking) -> Tracking {
         bandwidth_hz: tracking.bandwidth_hz as f32,
         nominal_q: tracking.nominal_q as f32,
         nominal_c0_f: tracking.nominal_c0_f as f32,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::plant::converter::Dac;
+
+    fn of_bits(adc_bits: u8, dac_bits: u8, oversample: u8) -> FrontEnd {
+        let sensors = scene::Sensors { adc_bits, dac_bits, oversample, ..scene::Sensors::default() };
+        front_end(&sensors, &scene::Amplifier::default())
+    }
+
+    #[test]
+    fn codes_of_every_width_are_exact() {
+        for (bits, oversample) in (6..=16).flat_map(|bits| (1..=4).map(move |oversample| (bits, oversample))) {
+            let (max, mid) = (((1u32 << bits) - 1) * u32::from(oversample), (1u32 << (bits - 1)) * u32::from(oversample));
+            let made = of_bits(bits, bits, oversample);
+            assert_eq!(u32::from(made.drive_max_code), (1 << bits) - 1);
+            if max <= 65535 {
+                assert_eq!((u32::from(made.sense_max_code), u32::from(made.sense_mid_code)), (max, mid), "{bits} x {oversample}");
+            }
+        }
+    }
+
+    #[test]
+    fn the_firmware_and_the_plant_have_the_same_dac() {
+        for dac_bits in 6..=16 {
+            let sensors = scene::Sensors { dac_bits, ..scene::Sensors::default() };
+            let (made, dac) = (of_bits(12, dac_bits, 2), Dac::new(&sensors, &scene::Amplifier::default()));
+            assert_eq!((made.drive_mid_code, made.drive_volt_per_lsb), (dac.mid_code(), dac.volt_per_lsb() as f32));
+        }
     }
 }
