@@ -94,7 +94,7 @@ impl<'a> Rules<'a> {
         self.root.at(path).is_some()
     }
 
-    /// Whether a key is rightly absent and has no default.
+    /// Whether nothing is given at a path, under this name or another.
     fn lacks(&self, path: &str) -> bool {
         !self.given(path) && self.clean(path)
     }
