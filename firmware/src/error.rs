@@ -39,7 +39,9 @@ impl fmt::Display for Error {
 
 impl core::error::Error for Error {}
 
-/// `value`, if it lies in `min..=max`; not-a-number never does.
+/// `value`, if it lies in `min..=max`; not-a-number never does. Compared in f32, in which the values of a configuration are: a
+/// limit that is stated exactly must not be refused for its rounding.
 pub(crate) fn in_range(parameter: &'static str, value: f64, min: f64, max: f64) -> Result<f64, Error> {
-    if value >= min && value <= max { Ok(value) } else { Err(Error::OutOfRange { parameter, value, min, max }) }
+    let within = (min as f32..=max as f32).contains(&(value as f32));
+    if within { Ok(value) } else { Err(Error::OutOfRange { parameter, value, min, max }) }
 }

@@ -35,11 +35,11 @@ pub struct Drive {
     pub frequency_hz: f64,
     /// Peak voltage, V.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[schemars(range(min = 0.0, max = 1e4))]
+    #[schemars(range(min = 1e-3, max = 1e4))]
     pub amplitude_v: Option<f64>,
     /// Peak tip velocity, held by the motional-current loop, m/s. Needs `tracking.nominal_force_factor_n_per_v`.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[schemars(range(min = 0.0, max = 100.0))]
+    #[schemars(range(min = 1e-6, max = 100.0))]
     pub velocity_m_per_s: Option<f64>,
     /// Peak voltage of self-test and scan, V. Default: `amplitude_v`.
     #[serde(skip_serializing_if = "Option::is_none")]
