@@ -22,6 +22,8 @@ use crate::units::Turns;
 const RING_UP: f32 = 0.5;
 /// The stack rings while the motional current is above this part of what the identified resonance would show.
 const RINGS_ABOVE: f32 = 0.2;
+/// A phase that neither makes a lock nor loses one.
+const UNDECIDED: Turns = Turns(20.0 / 360.0);
 /// Longest time the loop may take to lock, blocks and time constants of the resonance.
 const LOCK_TIMEOUT: (u32, f32) = (2000, 50.0);
 /// Longest time under drive without hearing anything, in the same terms.
@@ -159,7 +161,8 @@ impl Tracker {
                 PhaseDetector::Total => sensed.i,
             };
             let phase = self.phase_loop.update(self.motional.phase_of(current, sensed.v));
-            self.lock.update(phase);
+            // At the edge of the window a small phase is no lock; nor is a lock lost there that was one.
+            self.lock.update(if self.phase_loop.limited() { UNDECIDED } else { phase });
             return phase;
         }
         if self.lock.state() == Lock::Locked {

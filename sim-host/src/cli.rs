@@ -24,6 +24,8 @@ use crate::scene::load::{LoadError, Loaded, load};
 use crate::scene::resolved::resolved_toml;
 use crate::scene::{builtin, schema};
 
+const EXIT_CODES: &str = "Exit codes: 0 done; 1 the run failed; 2 usage; 3 invalid scene; 4 the run finished but an expectation was \
+missed; 5 QEMU or board not found or lost; 130 interrupted, with what there was kept and marked.";
 const RUN_FAILED: u8 = 1;
 const INVALID_SCENE: u8 = 3;
 const EXPECTATION_MISSED: u8 = 4;
@@ -49,6 +51,7 @@ struct CommandLine {
 #[derive(Subcommand)]
 enum Command {
     /// Run a scene, judge its expectations, and write its report.
+    #[command(after_help = EXIT_CODES)]
     Run(Box<RunArgs>),
     /// List the built-in scenes, one line each.
     List,
@@ -82,7 +85,7 @@ struct RunArgs {
     /// Seed of all noise; the same as `--set seed=N`.
     #[arg(long, value_name = "N")]
     seed: Option<u64>,
-    /// Folder for manifest, summary, trace, report and figures. Default: `out/SCENE`.
+    /// Folder for manifest, summary, trace, report and figures. Default: `out/SCENE`, or `out/SCENE-pil`.
     #[arg(short, long = "output", value_name = "DIR")]
     output: Option<PathBuf>,
     /// What to print on standard output.

@@ -1,5 +1,7 @@
 //! A study in words and tables: the same for the terminal and for the report.
 
+use firmware::supervisor::{Limit, Mode};
+
 use crate::figures;
 use crate::metrics::View;
 use crate::plant::circuit::Circuit;
@@ -18,6 +20,7 @@ pub fn report(study: &Study) -> Report {
         subtitle: if scene.source.is_empty() { String::new() } else { format!("Source: {}", scene.source) },
         summary: headline(study),
         paragraphs: [
+            remarks(study),
             scene.notes.clone(),
             vec![format!(
                 "{}, against a simulated stack and contact. Command is what the controller played, estimate what it believed, \
@@ -42,8 +45,30 @@ pub fn tables(study: &Study) -> Vec<TableBlock> {
     tables
 }
 
+/// What a reader must know before the numbers.
+pub fn remarks(study: &Study) -> Vec<String> {
+    let mut remarks = Vec::new();
+    if !study.changes.is_empty() {
+        let changes = study.changes.join(", ");
+        remarks.push(format!("Changed by hand: {changes}. Title, notes and expectations are those of the unchanged scene."));
+    }
+    if let Some(fault) = study.record.last.fault {
+        remarks.push(format!("The controller ended in fault {}: {fault:?}.", fault.code()));
+    }
+    let limit = study.record.rows.iter().rfind(|row| row.drive_v > 0.0).map(|row| row.limit);
+    if let Some(limit) = limit.and_then(|code| Limit::try_from(code).ok()) {
+        remarks.push(format!("In its last block under drive the controller was under limit {}: {limit:?}.", limit as u8));
+    }
+    let view = View::new(&study.scene, &study.record);
+    if study.record.last.fault.is_none() && view.steady().next().is_none() {
+        let running = view.plays_from(Mode::Run).map_or("was not reached".to_owned(), |s| format!("began at {s:.3} s"));
+        remarks.push(format!("There is no steady block with the drive ON, so most metrics are missing: the run {running}."));
+    }
+    remarks
+}
+
 /// The numbers that come first.
-fn headline(study: &Study) -> Vec<(String, String)> {
+pub fn headline(study: &Study) -> Vec<(String, String)> {
     let tile = |label: &str, metric: &str, unit: &str| {
         study.metrics.get(metric).map(|value| (label.to_owned(), format!("{} {unit}", number(value)).trim_end().to_owned()))
     };
@@ -52,8 +77,8 @@ fn headline(study: &Study) -> Vec<(String, String)> {
     [
         fault,
         tile("friction reduction", "reduction_percent", "%"),
-        tile("friction OFF", "friction_off_n", "N"),
-        tile("friction ON", "friction_on_n", "N"),
+        tile("friction, drive OFF", "friction_off_n", "N"),
+        tile("friction, drive ON", "friction_on_n", "N"),
         tile("frequency bias", "frequency_bias_hz", "Hz"),
         tile("acquired in", "acquire_time_ms", "ms"),
         tile("relocked to 20 Hz in", "relock_time_20hz_ms", "ms"),
@@ -159,7 +184,8 @@ fn grid(study: &Study) -> Option<TableBlock> {
         std::iter::once(value.to_string()).chain(cells).collect()
     };
     let rows = grid.rows.iter().zip(&result.cells).map(row).collect();
-    let caption = format!("{}; each cell is a run of its own, with the controller on the host (SIL)", grid.metric);
+    let caption =
+        format!("{}; each cell is a run of its own, with these two keys set and the controller on the host (SIL)", grid.metric);
     Some(TableBlock { id: "grid".into(), title: grid.title.clone(), caption, header, rows })
 }
 

@@ -39,6 +39,7 @@ pub const NAMES: &[&str] = &[
     "c0_f",
     "fault_code",
     "fault_latency_us",
+    "limit_code",
     "plant_states",
     "simulated_s_per_wall_s",
 ];

@@ -10,12 +10,13 @@
 //! | `acquire_time_ms` | from the first DAC sample of the scan to the first of the run |
 //! | `rise_time_ms`, `fall_time_ms` | from the edge's first DAC sample, as ordered, to 90 % (10 %) of the steady true tip velocity; of the first ON window after the lock |
 //! | `overshoot_percent` | the largest true tip velocity of the run over the steady one; not where a step disturbance makes two steady states |
+//! | `fault_code`, `limit_code` | the fault at the end of the run; the limit in its last block under drive; 0 is none |
 //! | `fault_latency_us` | from the scene's first fault to the first block without drive once the controller has faulted |
 
 use firmware::supervisor::Mode;
 
 use crate::record::{Record, Row};
-use crate::scene::Scene;
+use crate::scene::{Rig, Scene};
 use crate::schedule::first_window;
 
 /// After an edge or a disturbance, this long is not counted as steady, s.
@@ -67,6 +68,7 @@ pub fn of(scene: &Scene, record: &Record) -> Metrics {
     }
     metrics.put("fault_code", record.rows.last().map(|row| f64::from(row.fault)));
     metrics.put("fault_latency_us", view.fault_latency_s(scene).map(|s| s * 1e6));
+    metrics.put("limit_code", record.rows.iter().rfind(|row| row.drive_v > 0.0).map(|row| f64::from(row.limit)));
     metrics.put("plant_states", record.plant_states as f64);
     let simulated_s = record.rows.last().map_or(0.0, |row| row.time_s);
     metrics.put("simulated_s_per_wall_s", simulated_s / record.wall_s);
@@ -158,7 +160,9 @@ impl<'a> View<'a> {
     }
 
     fn friction(&self, scene: &Scene, metrics: &mut Metrics) {
-        let Some(rig) = scene.rig.as_ref().filter(|_| scene.contact.is_some()) else { return };
+        // A slider at rest has a force, and no friction to speak of.
+        let sliding = |rig: &&Rig| scene.contact.is_some() && rig.slider.speed_m_per_s != 0.0;
+        let Some(rig) = scene.rig.as_ref().filter(sliding) else { return };
         let force = |row: &Row| row.truth.friction_mean_n;
         let cell = |row: &Row| row.truth.load_cell_n;
         let (off, on) = (mean(self.settled(0.0, SETTLE_S).map(force)), mean(self.steady().map(force)));

@@ -47,6 +47,8 @@ impl std::fmt::Display for Level {
 pub struct Study {
     /// Name of the scene.
     pub name: String,
+    /// What was changed by hand, as `key=value`.
+    pub changes: Vec<String>,
     /// Where the controller ran.
     pub level: Level,
     /// The scene as it was run.
@@ -110,7 +112,16 @@ pub fn conduct<'a>(
     };
     // Stopped within the grid: the scene is whole, and the grid is missing.
     record.interrupted |= stop.load(Ordering::Relaxed);
-    Ok(Study { name: loaded.name.clone(), level, scene: scene.clone(), record, metrics, judged, grid })
+    Ok(Study {
+        name: loaded.name.clone(),
+        changes: loaded.sets.clone(),
+        level,
+        scene: scene.clone(),
+        record,
+        metrics,
+        judged,
+        grid,
+    })
 }
 
 /// Both edges of the first ON window, sample by sample: a little before, and five time constants after. Of a repeated burst the

@@ -69,7 +69,8 @@ fn run_loaded(args: &RunArgs, loaded: &Loaded, color: Color) -> anyhow::Result<E
             return Ok(ExitCode::from(RUN_FAILED));
         }
     };
-    let dir = (!args.no_report).then(|| args.output.clone().unwrap_or_else(|| PathBuf::from("out").join(&study.name)));
+    let default_dir = || PathBuf::from("out").join(format!("{}{}", study.name, if args.pil { "-pil" } else { "" }));
+    let dir = (!args.no_report).then(|| args.output.clone().unwrap_or_else(default_dir));
     if let Some(dir) = &dir {
         output::write(loaded, &study, dir)?;
     }
@@ -101,9 +102,11 @@ fn human(study: &Study, args: &RunArgs, color: Color) -> String {
         text +=
             &format!("INTERRUPTED after {time_s:.3} s of {} s: what follows is of that part only.\n\n", study.scene.duration_s);
     }
-    if let Some(fault) = study.record.last.fault {
-        text += &format!("The controller ended in fault {}: {fault:?}.\n\n", fault.code());
+    for remark in findings::remarks(study) {
+        text += &format!("{remark}\n\n");
     }
+    let headline: Vec<String> = findings::headline(study).iter().map(|(label, value)| format!("{label} {value}")).collect();
+    text += &format!("{}\n\n", headline.join(" | "));
     if args.verbose {
         text += &modes(study);
     }

@@ -1,5 +1,7 @@
 //! Both edges of a burst, sample by sample.
 
+use firmware::supervisor::Mode;
+
 use super::axis;
 use crate::metrics::View;
 use crate::record::Window;
@@ -8,11 +10,8 @@ use crate::study::Study;
 
 /// One figure for each edge that was kept, and really played: an ON window may begin before there is a lock.
 pub(super) fn of(study: &Study, view: &View) -> Vec<Figure> {
-    let block_s = study.record.sample_s * study.record.block_samples as f64;
-    let played = |window: &&Window| {
-        let at = |time_s: f64| (time_s - window.edge_s).abs() < block_s;
-        view.on_windows().into_iter().any(|(on, off)| at(if window.title == "on" { on } else { off }))
-    };
+    let Some(run_s) = view.plays_from(Mode::Run) else { return Vec::new() };
+    let played = |window: &&Window| window.edge_s > run_s && !window.samples.is_empty();
     study.record.windows.iter().filter(played).map(|window| edge(study, window)).collect()
 }
 
@@ -34,10 +33,10 @@ fn edge(study: &Study, window: &Window) -> Figure {
     }
     let on = window.title == "on";
     let what = match (on, study.scene.contact.is_some()) {
-        (true, true) => "friction is switched off",
-        (false, true) => "friction comes back",
-        (true, false) => "the stack rings up",
-        (false, false) => "the stack rings down",
+        (true, true) => "drive ON, friction falls",
+        (false, true) => "drive OFF, friction comes back",
+        (true, false) => "drive ON, the stack rings up",
+        (false, false) => "drive OFF, the stack rings down",
     };
     let (first, last) = (time.first().copied().unwrap_or(0.0), time.last().copied().unwrap_or(0.0));
     let (from, to) = if on { (0.0, last) } else { (first, 0.0) };

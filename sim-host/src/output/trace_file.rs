@@ -38,6 +38,7 @@ fn overview(record: &Record, file: &mut csv::Writer<std::fs::File>) -> Result<()
         "time_s",
         "mode",
         "fault_code",
+        "limit_code",
         "frequency_command_hz",
         "resonance_estimate_hz",
         "series_resonance_true_hz",
@@ -63,7 +64,7 @@ fn overview(record: &Record, file: &mut csv::Writer<std::fs::File>) -> Result<()
             row.truth.load_cell_n,
             row.truth.power_w,
         ];
-        let head = [row.time_s.to_string(), format!("{:?}", row.mode), row.fault.to_string()];
+        let head = [row.time_s.to_string(), format!("{:?}", row.mode), row.fault.to_string(), row.limit.to_string()];
         file.write_record(head.into_iter().chain(numbers.map(|x| x.to_string())))?;
     }
     Ok(())

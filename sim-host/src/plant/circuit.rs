@@ -1,4 +1,4 @@
-//! The stack's equivalent circuit (Butterworth 1915, Van Dyke 1925), in either of the forms a scene may state it.
+//! The stack's equivalent circuit (Butterworth 1914, Van Dyke 1928), in either of the forms a scene may state it.
 //!
 //! `omega^2 = 1 / (Lm Cm)`, `Q = omega Lm / Rm`, `k^2 = Cm / (C0 + Cm)`.
 

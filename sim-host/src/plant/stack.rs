@@ -18,7 +18,7 @@
 //!
 //! `phi` is the force factor, N/V: tip velocity `i / phi`, tip displacement `Cm vc / phi`. `F`, the friction on the tip in the
 //! direction against positive motion, comes back into the motional branch as the voltage `F / phi`: at 10 N and mu 0.3 that is
-//! 0.5 V of a 3 V drive. Equivalent circuit: Butterworth 1915, Van Dyke 1925; force factor: Mason 1948.
+//! 0.5 V of a 3 V drive. Equivalent circuit: Butterworth 1914, Van Dyke 1928; force factor: Mason 1948.
 
 use wide::f64x2;
 
