@@ -9,7 +9,7 @@
 //! X  = (2 / N) (r - conj(r) S2 / N) / (1 - |S2|^2 / N^2)
 //! ```
 //!
-//! Its noise is the Cramer-Rao bound. A boxcar of about one period errs by 0.4 degrees at 40.4 kHz where this errs by 0.03.
+//! Being the least-squares fit, it is at the Cramer-Rao bound in white noise.
 
 use crate::block::SenseBlock;
 use crate::convert::Convert;

@@ -3,7 +3,7 @@
 //!
 //! The image (package `qemu-m4`) reads what the converters saw from one inherited pipe and writes the codes to another, by
 //! semihosting, one [record](firmware::lockstep) a block. Host and emulator take turns, so both are pinned to one core: a
-//! context switch there takes a microsecond, a wake-up across cores ten. While the guest waits it executes nothing, so that a
+//! switch there takes less than waking another core. While the guest waits it executes nothing, so that a
 //! run is the same, instruction for instruction, however busy the machine is.
 //!
 //! What it shows is arithmetic and code generation: that the thumb code returns the codes that the host returns, bit for bit. It

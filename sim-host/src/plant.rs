@@ -18,6 +18,7 @@ pub mod disturbance;
 pub mod energy;
 pub mod flow;
 pub mod load_cell;
+pub mod network;
 pub mod sliding;
 pub mod stack;
 mod sums;
@@ -109,7 +110,7 @@ impl Plant {
 
     /// States that are integrated in time.
     pub fn states(&self) -> usize {
-        stack::STATES + 2 + usize::from(self.sliding.is_some())
+        network::STATES + 2 + usize::from(self.sliding.is_some())
     }
 
     /// Keeps the next blocks sample by sample, or stops doing so.
@@ -203,7 +204,6 @@ impl Plant {
         self.energy.lost_j += lost;
         self.energy.friction_on_tip_j += sums.friction_on_tip;
         let speed = self.sliding.as_ref().map_or(0.0, |sliding| sliding.speed_m_per_s);
-        self.energy.friction_on_slider_j += step_s * sums.friction * speed;
         self.energy.stored_j = self.stack.stored_j();
 
         let block_s = steps * step_s;

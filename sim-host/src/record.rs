@@ -5,7 +5,6 @@ use firmware::phasor::magnitude;
 use firmware::supervisor::Mode;
 use firmware::telemetry::Telemetry;
 
-use crate::plant::circuit::Circuit;
 use crate::plant::energy::Energy;
 use crate::plant::truth::{Sample, Truth};
 use crate::trace::Tracer;
@@ -75,8 +74,6 @@ pub struct Record {
     pub trace: Option<Tracer>,
     /// The last telemetry.
     pub last: Telemetry,
-    /// The circuit at the end.
-    pub circuit: Option<Circuit>,
     /// The energy budget.
     pub energy: Energy,
     /// States that were integrated.

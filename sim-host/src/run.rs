@@ -85,7 +85,6 @@ pub fn run_on(processor: &mut dyn Processor, scene: &Scene, mut watch: Watch) ->
     }
     let recorder = clock.analog;
     let plant = &recorder.plant.inner;
-    record.circuit = Some(*plant.circuit());
     record.energy = plant.energy();
     record.plant_states = plant.states();
     record.drive_hash = recorder.hash.value();

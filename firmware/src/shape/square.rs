@@ -1,7 +1,7 @@
 //! The square, band-limited: the sum of its odd harmonics below half the sample rate,
 //! `p sum_k sin(2 pi k phase) / k`, scaled to a peak of one.
 //!
-//! A two-level square sent through a DAC at 25 samples a period folds its upper harmonics back, -14 dBc in all. The peaks are the
+//! A two-level square sent through a DAC at 25 samples a period folds its upper harmonics back into the band. The peaks are the
 //! ripple beside each edge; the tops lie 15 per cent below them, and the fundamental is 1.08 with eleven harmonics.
 
 use super::sine::sine_of_turns;

@@ -9,9 +9,7 @@ use anyhow::Context;
 use firmware::config::Config;
 
 use super::progress::Progress;
-use super::{
-    Color, EXPECTATION_MISSED, Format, INTERRUPTED, INVALID_SCENE, LOST, RUN_FAILED, RunArgs, SceneArgs, table, with_scene,
-};
+use super::{Color, EXPECTATION_MISSED, Format, INTERRUPTED, LOST, RUN_FAILED, RunArgs, SceneArgs, table, with_scene};
 use crate::pil::{self, PilError, Qemu};
 use crate::processor::{Here, Processor};
 use crate::run::RunError;
@@ -47,13 +45,8 @@ fn run_loaded(args: &RunArgs, loaded: &Loaded, color: Color) -> anyhow::Result<E
             }
         }
     } else {
-        match Here::new(&config) {
-            Ok(here) => (Box::new(here) as Box<dyn Processor>, Level::Sil),
-            Err(error) => {
-                eprintln!("error: the firmware refuses this scene's settings: {error}");
-                return Ok(ExitCode::from(INVALID_SCENE));
-            }
-        }
+        // The scene's rules have built a controller from these settings already.
+        (Box::new(Here::new(&config)?) as Box<dyn Processor>, Level::Sil)
     };
     let mut progress = Progress::new(loaded.scene.duration_s, args.quiet);
     let study = study::conduct(loaded, (level, processor.as_mut()), &STOP, Some(&mut |time_s| progress.at(time_s)));

@@ -14,8 +14,6 @@ pub struct Energy {
     pub lost_j: f64,
     /// Work that the tip does against friction.
     pub friction_on_tip_j: f64,
-    /// Work of the slider's drive against friction.
-    pub friction_on_slider_j: f64,
     /// What the motional branch holds now; it began at rest.
     pub stored_j: f64,
     /// What changing the circuit itself has added to that.

@@ -1,41 +1,18 @@
 //! Amplifier and stack: a linear network of five states, moved by its exact flow.
 //!
-//! ```text
-//!  DAC (held) -> Butterworth low-pass -> e --[ Rs ]--+------ v0 ------+
-//!                                                    |                |
-//!                                                   C0        Lm - Cm - Rm - (F / phi)
-//!                                                    |                |
-//!                                                   gnd              gnd
-//! ```
-//!
-//! | state | unit | equation |
-//! |---|---|---|
-//! | `e` amplifier output | V | `e' = w_a d` |
-//! | `d` its scaled slope | V | `d' = w_a (u - e - sqrt(2) d)` |
-//! | `v0` stack voltage | V | `C0 v0' = (e - v0) / Rs - i` |
-//! | `i` motional current | A | `Lm i' = v0 - Rm i - vc - F / phi` |
-//! | `vc` motional capacitor | V | `Cm vc' = i` |
-//!
-//! `phi` is the force factor, N/V: tip velocity `i / phi`, tip displacement `Cm vc / phi`. `F`, the friction on the tip in the
-//! direction against positive motion, comes back into the motional branch as the voltage `F / phi`: at 10 N and mu 0.3 that is
-//! 0.5 V of a 3 V drive. Equivalent circuit: Butterworth 1914, Van Dyke 1928; force factor: Mason 1948.
+//! [`network`](crate::plant::network) has the equations. Everything that the network does within a step follows from one matrix
+//! exponential; what the converters see between two steps, from others.
 
 use wide::f64x2;
 
 use crate::plant::circuit::Circuit;
-use crate::plant::flow::{Matrix, exponential};
+use crate::plant::flow::exponential;
+use crate::plant::network::{D, DRIVE, E, FORCE, I, Network, STATES, V0, VC, network};
 use crate::plant::timing::Timing;
 use crate::scene::Amplifier;
 
-/// States of the network.
-pub const STATES: usize = 5;
-const E: usize = 0;
-const D: usize = 1;
-const V0: usize = 2;
-const I: usize = 3;
-const VC: usize = 4;
 /// A sixth row that is no state: the total current `(e - v0) / Rs`, which the flow gives for nothing.
-const TOTAL: usize = 5;
+const TOTAL: usize = STATES;
 
 /// The states and the total current, in pairs that fill vector registers: (e, d), (v0, i), (vc, total).
 type Pairs = [f64x2; 3];
@@ -112,37 +89,22 @@ impl Stack {
     }
 
     fn remake(&mut self) {
-        let Circuit { c0_f, cm_f, lm_h, rm_ohm, force_factor_n_per_v } = self.circuit;
-        let corner = std::f64::consts::TAU * self.amplifier.bandwidth_hz;
+        let Circuit { cm_f, force_factor_n_per_v, .. } = self.circuit;
         let source = self.amplifier.source_ohm;
-        // Rows: states, then the two inputs (drive, force), which do not change during a step.
-        let mut a: Matrix<{ STATES + 2 }> = Default::default();
-        a[E][D] = corner;
-        a[D][E] = -corner;
-        a[D][D] = -corner * std::f64::consts::SQRT_2;
-        a[D][STATES] = corner;
-        a[V0][E] = 1.0 / (source * c0_f);
-        a[V0][V0] = -1.0 / (source * c0_f);
-        a[V0][I] = -1.0 / c0_f;
-        a[I][V0] = 1.0 / lm_h;
-        a[I][I] = -rm_ohm / lm_h;
-        a[I][VC] = -1.0 / lm_h;
-        a[I][STATES + 1] = -1.0 / (lm_h * force_factor_n_per_v);
-        a[VC][I] = 1.0 / cm_f;
-
+        let a = network(&self.circuit, &self.amplifier);
         let over = |seconds: f64| exponential(&a.map(|row| row.map(|x| x * seconds)));
         let step = over(self.timing.step_s());
-        let total = |m: &Matrix<{ STATES + 2 }>, c: usize| (m[E][c] - m[V0][c]) / source;
+        let total = |m: &Network, c: usize| (m[E][c] - m[V0][c]) / source;
         let column = |c: usize| pairs(std::array::from_fn(|r| if r == TOTAL { total(&step, c) } else { step[r][c] }));
         self.flow = std::array::from_fn(column);
-        self.drive = column(STATES);
-        self.force = column(STATES + 1);
+        self.drive = column(DRIVE);
+        self.force = column(FORCE);
 
         let look = |[v, i]: [f64; 2]| {
             let early = over(v);
             let late = if i == v { early } else { over(i) };
             let column = |c: usize| f64x2::new([early[V0][c], total(&late, c)]);
-            Look { state: std::array::from_fn(column), drive: column(STATES), force: column(STATES + 1) }
+            Look { state: std::array::from_fn(column), drive: column(DRIVE), force: column(FORCE) }
         };
         self.conversions = self.timing.instants().into_iter().map(|step| step.into_iter().map(look).collect()).collect();
         self.tip_per_ampere = 1.0 / force_factor_n_per_v;
