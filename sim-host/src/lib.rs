@@ -12,6 +12,7 @@
 #![forbid(unsafe_code)]
 
 pub mod cli;
+pub mod contact;
 pub mod figures;
 pub mod findings;
 pub mod metric_names;

@@ -1,0 +1,168 @@
+//! What a contact study is about: a motion, a friction law, a forcing; all in SI units.
+//!
+//! ```text
+//! kinematic:  x' = Vv w(t)                                        (no system dynamics)
+//! SDOF:       m x'' + c x' + Ks x = F0 w(t) - F                   (thesis 4.14, 4.36; c is ours)
+//! slip:       V = Vt + x'   passive (4.2, 4.25, 4.27)
+//!             V = Vt - x'   literal (4.16), with which friction pumps the oscillator
+//! ```
+
+use super::tally::State;
+use super::waveform::Waveform;
+
+/// A contact study.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Problem {
+    /// What moves the contact besides the sliding.
+    pub motion: Motion,
+    /// The friction law.
+    pub law: Law,
+    /// Coulomb force Fc = mu N, N.
+    pub coulomb_n: f64,
+    /// Sliding speed Vt, m/s.
+    pub sliding_m_per_s: f64,
+    /// Which way the vibration counts in the slip.
+    pub sign: Sign,
+    /// Force on the oscillator, N; or, in a kinematic motion, the vibration velocity itself, m/s.
+    pub waveform: Waveform,
+    /// Where it begins.
+    pub start: State,
+    /// New Coulomb forces on the way: time, s, and force, N; in ascending order of time.
+    pub load_steps: Vec<(f64, f64)>,
+    /// The means are over this window, s.
+    pub window_s: (f64, f64),
+    /// The end, s.
+    pub duration_s: f64,
+}
+
+/// What moves the contact besides the sliding.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Motion {
+    /// The vibration velocity is given: no system dynamics.
+    Kinematic,
+    /// One mass on a spring.
+    Sdof {
+        /// Mass m, kg.
+        mass_kg: f64,
+        /// Stiffness Ks, N/m.
+        stiffness_n_per_m: f64,
+        /// Damping c, N s/m.
+        damping_n_s_per_m: f64,
+    },
+}
+
+/// A friction law between slip and force.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Law {
+    /// `F = Fc sgn V` (4.1).
+    Coulomb,
+    /// `dF/dt = Kt V (1 - (F / Fc) sgn V)`, exponent one (4.15).
+    Dahl {
+        /// Tangential stiffness Kt, N/m.
+        stiffness_n_per_m: f64,
+    },
+    /// `z' = V - |V| z / G(V)`, `F = Kt z + sigma1 z' + sigma2 V`,
+    /// `Kt G(V) = Fc (1 + (Fs/Fc - 1) exp(-(V/Vs)^2))` (4.7, 4.9, 4.10).
+    Lugre {
+        /// Bristle stiffness Kt, N/m.
+        stiffness_n_per_m: f64,
+        /// Static over kinetic friction, Fs / Fc.
+        static_ratio: f64,
+        /// Stribeck velocity Vs, m/s.
+        stribeck_m_per_s: f64,
+        /// Bristle damping, N s/m.
+        sigma1: f64,
+        /// Viscous friction, N s/m.
+        sigma2: f64,
+    },
+}
+
+/// Which way the vibration counts in the slip velocity.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Sign {
+    /// `V = Vt + x'`: friction takes energy out.
+    #[default]
+    Passive,
+    /// `V = Vt - x'` with `- F` on the mass, as 4.14 and 4.16 are printed: friction pumps the oscillator.
+    Literal,
+}
+
+impl Sign {
+    /// Factor of x' in the slip velocity.
+    pub fn factor(self) -> f64 {
+        match self {
+            Sign::Passive => 1.0,
+            Sign::Literal => -1.0,
+        }
+    }
+}
+
+impl Motion {
+    /// Undamped natural frequency, Hz; none without dynamics.
+    pub fn natural_hz(&self) -> Option<f64> {
+        match *self {
+            Motion::Kinematic => None,
+            Motion::Sdof { mass_kg, stiffness_n_per_m, .. } => Some((stiffness_n_per_m / mass_kg).sqrt() / std::f64::consts::TAU),
+        }
+    }
+}
+
+impl Problem {
+    /// Steady vibration velocity Vv of the sine of this amplitude and frequency, friction apart, m/s: `w F0 / |Ks - m w^2 + i w c|`.
+    ///
+    /// Infinite at an undamped resonance.
+    pub fn vibration_m_per_s(&self) -> f64 {
+        let omega = std::f64::consts::TAU * self.waveform.frequency_hz();
+        match self.motion {
+            Motion::Kinematic => self.waveform.amplitude(),
+            Motion::Sdof { mass_kg, stiffness_n_per_m, damping_n_s_per_m } => {
+                let reactance = stiffness_n_per_m - mass_kg * omega * omega;
+                omega * self.waveform.amplitude() / reactance.hypot(omega * damping_n_s_per_m)
+            }
+        }
+    }
+
+    /// `kappa = Kt Vv / (w Fc)`: vibration amplitude in Dahl lengths. Infinite for Coulomb friction.
+    pub fn kappa(&self) -> f64 {
+        let omega = std::f64::consts::TAU * self.waveform.frequency_hz();
+        match self.law {
+            Law::Coulomb => f64::INFINITY,
+            Law::Dahl { stiffness_n_per_m } | Law::Lugre { stiffness_n_per_m, .. } => {
+                stiffness_n_per_m * self.vibration_m_per_s() / (omega * self.coulomb_n)
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+pub(crate) mod tests {
+    use super::*;
+    use crate::contact::Shape;
+
+    /// Table 4.1 with 384 N at a velocity ratio, from rest, over some periods; means over the second half.
+    pub(crate) fn table_4_1(velocity_ratio: f64, periods: f64) -> Problem {
+        let hz = 60e3;
+        let mut problem = Problem {
+            motion: Motion::Sdof { mass_kg: 0.02, stiffness_n_per_m: 133e6, damping_n_s_per_m: 0.0 },
+            law: Law::Dahl { stiffness_n_per_m: 0.056e6 },
+            coulomb_n: 0.1 * 0.02 * 9.81,
+            sliding_m_per_s: 0.0,
+            sign: Sign::Passive,
+            waveform: Waveform::new(Shape::Sine, 384.0, hz, periods / hz),
+            start: State::default(),
+            load_steps: Vec::new(),
+            window_s: (0.5 * periods / hz, periods / hz),
+            duration_s: periods / hz,
+        };
+        problem.sliding_m_per_s = velocity_ratio * problem.vibration_m_per_s();
+        problem
+    }
+
+    #[test]
+    fn scales_of_table_4_1() {
+        let problem = table_4_1(0.5, 10.0);
+        assert!((problem.vibration_m_per_s() - 0.053_429_6).abs() < 1e-7);
+        assert!((problem.kappa() - 0.404_52).abs() < 1e-5);
+        assert!((problem.motion.natural_hz().unwrap() - 12_978.69).abs() < 0.01);
+    }
+}

@@ -1,0 +1,194 @@
+//! What is added up over the window, and the ratios that come of it.
+//!
+//! | ratio | is | thesis |
+//! |---|---|---|
+//! | friction ratio r | mean F / Fc | 4.17 |
+//! | power ratio phi | mean F V / (Fc Vt) | 4.18, 4.27 |
+//! | input ratio phi_iu | mean Fe x' / (Fc Vt) | 4.31 |
+//! | printed power ratio | `1 + phi_iu - phi_su`, phi_su of the mean stored energy | 4.35: wrong, kept to be shown |
+//!
+//! From `m x'' + c x' + Ks x = Fe - F` and `V = Vt + s x'` (s = 1 passive, -1 literal) follows, without approximation,
+//!
+//! ```text
+//! phi = r + s (phi_iu - phi_c - dE / (Fc Vt T))
+//! ```
+//!
+//! with the loss in the damper phi_c and the energy gained by mass and spring dE. What is missing on one side is the **residual**.
+
+use super::problem::{Motion, Problem};
+use super::timeline::Stretch;
+
+/// A moment of a run.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct State {
+    /// Time, s.
+    pub time_s: f64,
+    /// Displacement x, m.
+    pub x_m: f64,
+    /// Velocity x', m/s.
+    pub v_m_per_s: f64,
+    /// Friction F, N. At the beginning of a LuGre run: the force in the bristles.
+    pub force_n: f64,
+}
+
+/// Integrals over time.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Totals {
+    /// Of friction, N s.
+    pub friction_n_s: f64,
+    /// Of friction times slip velocity, J.
+    pub friction_work_j: f64,
+    /// Of friction as the oscillator felt it, N s. A method that hands friction over at chosen moments does not hand over exactly
+    /// the integral above.
+    pub felt_n_s: f64,
+    /// Of friction times slip velocity, as the oscillator felt it, J.
+    pub felt_work_j: f64,
+    /// Of forcing times x', J; in a kinematic motion of friction times x', which is what moves it.
+    pub input_j: f64,
+    /// Lost in the damper, J.
+    pub damping_j: f64,
+    /// Of the kinetic energy m x'^2 / 2, J s.
+    pub kinetic_j_s: f64,
+    /// Of the potential energy Ks x^2 / 2, J s.
+    pub potential_j_s: f64,
+}
+
+/// The sums of a window.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Tally {
+    /// Length of the window, s.
+    pub time_s: f64,
+    /// Integrals over the window.
+    pub totals: Totals,
+    /// State at the window's beginning.
+    pub first: State,
+    /// State at its end.
+    pub last: State,
+    /// Coulomb force at its end, N: what friction is compared with.
+    pub coulomb_n: f64,
+    /// Largest |x'| at a step's end within the whole run, m/s.
+    pub peak_velocity_m_per_s: f64,
+    /// Largest |x| at a step's end within the whole run, m.
+    pub peak_displacement_m: f64,
+    /// Largest |F| / Fc at a step's end within the whole run, Fc being that of the moment.
+    pub peak_force_ratio: f64,
+    /// Steps of the whole run.
+    pub steps: u64,
+    /// Reversals of the slip that were located, in the whole run.
+    pub reversals: u64,
+}
+
+/// Adds up while a method runs.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Meter {
+    /// Integrals since the beginning of the run.
+    pub totals: Totals,
+    /// What comes out.
+    pub tally: Tally,
+    opened: Option<(Totals, State)>,
+    closed: bool,
+}
+
+impl Meter {
+    /// A stretch begins in this state.
+    pub fn at(&mut self, stretch: &Stretch, state: &State, coulomb_n: f64) {
+        if stretch.opens {
+            self.opened = Some((self.totals, *state));
+        }
+        if stretch.closes {
+            self.close(state, coulomb_n);
+        }
+    }
+
+    /// A step has ended in this state.
+    #[inline]
+    pub fn step(&mut self, state: &State, coulomb_n: f64) {
+        let tally = &mut self.tally;
+        tally.peak_velocity_m_per_s = tally.peak_velocity_m_per_s.max(state.v_m_per_s.abs());
+        tally.peak_displacement_m = tally.peak_displacement_m.max(state.x_m.abs());
+        tally.peak_force_ratio = tally.peak_force_ratio.max(state.force_n.abs() / coulomb_n);
+        tally.steps += 1;
+    }
+
+    /// The run is over.
+    pub fn finish(mut self, state: &State, coulomb_n: f64) -> Tally {
+        self.close(state, coulomb_n);
+        self.tally
+    }
+
+    fn close(&mut self, state: &State, coulomb_n: f64) {
+        let Some((before, first)) = self.opened.filter(|_| !self.closed) else { return };
+        self.closed = true;
+        self.tally.time_s = state.time_s - first.time_s;
+        self.tally.totals = self.totals.since(&before);
+        (self.tally.first, self.tally.last, self.tally.coulomb_n) = (first, *state, coulomb_n);
+    }
+}
+
+impl Totals {
+    fn since(&self, before: &Totals) -> Totals {
+        Totals {
+            friction_n_s: self.friction_n_s - before.friction_n_s,
+            friction_work_j: self.friction_work_j - before.friction_work_j,
+            felt_n_s: self.felt_n_s - before.felt_n_s,
+            felt_work_j: self.felt_work_j - before.felt_work_j,
+            input_j: self.input_j - before.input_j,
+            damping_j: self.damping_j - before.damping_j,
+            kinetic_j_s: self.kinetic_j_s - before.kinetic_j_s,
+            potential_j_s: self.potential_j_s - before.potential_j_s,
+        }
+    }
+}
+
+/// The ratios of a window.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Ratios {
+    /// Mean friction over Coulomb force.
+    pub friction: f64,
+    /// Power dissipated over what Coulomb friction dissipates without vibration. None without sliding.
+    pub power: Option<f64>,
+    /// Power that the forcing brings in, over the same.
+    pub input: Option<f64>,
+    /// Energy that mass and spring have gained, over the same energy.
+    pub stored: Option<f64>,
+    /// What the damper takes, over the same.
+    pub damping: Option<f64>,
+    /// The thesis's `1 + phi_iu - phi_su` (4.35).
+    pub power_as_printed: Option<f64>,
+    /// What the energy identity misses, over the energy of Coulomb friction without vibration.
+    pub energy_residual: Option<f64>,
+}
+
+impl Ratios {
+    /// The ratios of a tally.
+    pub fn of(problem: &Problem, tally: &Tally) -> Self {
+        let totals = &tally.totals;
+        let friction = totals.friction_n_s / (tally.coulomb_n * tally.time_s);
+        let sliding_j = tally.coulomb_n * problem.sliding_m_per_s * tally.time_s;
+        if sliding_j == 0.0 {
+            return Ratios { friction, ..Ratios::default() };
+        }
+        let (stored_j, moved_j_s) = match problem.motion {
+            Motion::Kinematic => (0.0, 0.0),
+            Motion::Sdof { mass_kg: m, stiffness_n_per_m: k, .. } => {
+                let energy = |state: &State| 0.5 * m * state.v_m_per_s * state.v_m_per_s + 0.5 * k * state.x_m * state.x_m;
+                let moved = m * problem.sliding_m_per_s * (tally.last.x_m - tally.first.x_m);
+                (energy(&tally.last) - energy(&tally.first), moved)
+            }
+        };
+        let s = problem.sign.factor();
+        let left = totals.felt_work_j - problem.sliding_m_per_s * totals.felt_n_s;
+        let right = s * (totals.input_j - totals.damping_j - stored_j);
+        let printed_j = (totals.kinetic_j_s + moved_j_s + totals.potential_j_s) / tally.time_s;
+        let over = |joule: f64| Some(joule / sliding_j);
+        Ratios {
+            friction,
+            power: over(totals.friction_work_j),
+            input: over(totals.input_j),
+            stored: over(stored_j),
+            damping: over(totals.damping_j),
+            power_as_printed: over(sliding_j + totals.input_j - printed_j),
+            energy_residual: over(left - right),
+        }
+    }
+}

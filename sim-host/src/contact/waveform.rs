@@ -1,0 +1,370 @@
+//! Forcing over time, in smooth pieces.
+//!
+//! Every waveform is, piece by piece, a cosine of linearly changing frequency or a straight line; jumps and corners are where pieces
+//! meet. A method that steps from piece to piece therefore never integrates across a jump.
+//!
+//! | shape | pieces | w(t) |
+//! |---|---|---|
+//! | sine | one a period | `cos(w t)` |
+//! | square | two a period | `+1`, then `-1` |
+//! | sawtooth | one a period | rises from `-1` to `+1`, then falls at once |
+//! | triangle | two a period | rises from `-1` to `+1`, then falls back |
+//! | random | one a hold | uniform in `[-1, 1]`, held |
+//! | chirp | one a cycle | `cos` of a phase whose frequency runs linearly from start to stop over the sweep, and stays |
+//! | still | one a period | `0` |
+
+use std::f64::consts::TAU;
+
+use rand_core::SeedableRng;
+use rand_distr::{Distribution, Uniform};
+use rand_xoshiro::Xoshiro256PlusPlus;
+
+/// Shape of a forcing of peak one.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Shape {
+    /// Cosine.
+    Sine,
+    /// Square of duty one half.
+    Square,
+    /// Rising sawtooth.
+    Sawtooth,
+    /// Symmetric triangle.
+    Triangle,
+    /// Uniformly distributed values, each held.
+    Random {
+        /// Hold time, s.
+        hold_s: f64,
+        /// Seed of the values.
+        seed: u64,
+    },
+    /// Linear chirp.
+    Chirp {
+        /// First frequency, Hz.
+        start_hz: f64,
+        /// Last frequency, Hz.
+        stop_hz: f64,
+        /// From the first to the last, s.
+        sweep_s: f64,
+    },
+    /// Nothing.
+    Still,
+}
+
+/// A shape with its size and frequency.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Waveform {
+    shape: Shape,
+    amplitude: f64,
+    frequency_hz: f64,
+    /// Values of a random waveform.
+    held: Vec<f64>,
+}
+
+/// A smooth piece.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Piece {
+    /// Beginning, s.
+    pub start_s: f64,
+    /// Length, s.
+    pub length_s: f64,
+    /// Which of the pieces of a period this is; none if no other is like it.
+    pub template: Option<usize>,
+    /// The forcing, from the piece's beginning on.
+    pub forcing: Forcing,
+}
+
+/// The forcing within a piece, as a function of the time since its beginning.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Forcing {
+    /// `size cos(2 pi (turns + hz s + hz_per_s s^2 / 2))`.
+    Cosine {
+        /// Peak.
+        size: f64,
+        /// Phase at the beginning, turns.
+        turns: f64,
+        /// Frequency at the beginning, Hz.
+        hz: f64,
+        /// Its slope, Hz/s.
+        hz_per_s: f64,
+    },
+    /// `value + slope s`.
+    Line {
+        /// At the beginning.
+        value: f64,
+        /// Per second.
+        slope: f64,
+    },
+}
+
+impl Waveform {
+    /// A waveform of a peak (N or m/s) and a frequency, Hz, good for `duration_s` seconds.
+    pub fn new(shape: Shape, amplitude: f64, frequency_hz: f64, duration_s: f64) -> Self {
+        let held = match shape {
+            Shape::Random { hold_s, seed } => {
+                let count = (duration_s / hold_s).ceil() as usize + 1;
+                let mut chance = Xoshiro256PlusPlus::seed_from_u64(seed);
+                let values =
+                    Uniform::new_inclusive(-1.0, 1.0).map(|uniform| uniform.sample_iter(&mut chance).take(count).collect());
+                values.unwrap_or_default()
+            }
+            _ => Vec::new(),
+        };
+        Waveform { shape, amplitude, frequency_hz, held }
+    }
+
+    /// Its shape.
+    pub fn shape(&self) -> Shape {
+        self.shape
+    }
+
+    /// Its peak: N on an oscillator, m/s in a kinematic motion.
+    pub fn amplitude(&self) -> f64 {
+        self.amplitude
+    }
+
+    /// Its frequency, Hz; of a random waveform or a chirp, the one that periods are counted by.
+    pub fn frequency_hz(&self) -> f64 {
+        self.frequency_hz
+    }
+
+    /// Root mean square of the shape at a peak of one.
+    pub fn shape_rms(shape: Shape) -> f64 {
+        match shape {
+            Shape::Sine | Shape::Chirp { .. } => 0.5f64.sqrt(),
+            Shape::Square => 1.0,
+            Shape::Sawtooth | Shape::Triangle | Shape::Random { .. } => (1.0f64 / 3.0).sqrt(),
+            Shape::Still => 0.0,
+        }
+    }
+
+    /// Piece number `index`.
+    pub fn piece(&self, index: u64) -> Piece {
+        let (count, period_s) = (index as f64, 1.0 / self.frequency_hz);
+        let (a, half_s) = (self.amplitude, 0.5 * period_s);
+        let even = index.is_multiple_of(2);
+        let (start_s, length_s, template, forcing) = match self.shape {
+            Shape::Sine => {
+                let forcing = Forcing::Cosine { size: a, turns: 0.0, hz: self.frequency_hz, hz_per_s: 0.0 };
+                (count * period_s, period_s, Some(0), forcing)
+            }
+            Shape::Square => {
+                let value = if even { a } else { -a };
+                (count * half_s, half_s, Some(usize::from(!even)), Forcing::Line { value, slope: 0.0 })
+            }
+            Shape::Sawtooth => (count * period_s, period_s, Some(0), Forcing::Line { value: -a, slope: 2.0 * a / period_s }),
+            Shape::Triangle => {
+                let (value, slope) = if even { (-a, 2.0 * a / half_s) } else { (a, -2.0 * a / half_s) };
+                (count * half_s, half_s, Some(usize::from(!even)), Forcing::Line { value, slope })
+            }
+            Shape::Random { hold_s, .. } => {
+                let value = a * self.held.get(index as usize).copied().unwrap_or(0.0);
+                (count * hold_s, hold_s, None, Forcing::Line { value, slope: 0.0 })
+            }
+            Shape::Chirp { start_hz, stop_hz, sweep_s } => {
+                let chirp = Sweep { start_hz, stop_hz, sweep_s };
+                let (start_s, end_s) = (chirp.at_turns(count), chirp.at_turns(count + 1.0));
+                // One part of the sweep ends where its frequency stays: a cycle with the end inside is cut there by the timeline.
+                let forcing = chirp.forcing(a, start_s);
+                (start_s, end_s - start_s, None, forcing)
+            }
+            Shape::Still => (count * period_s, period_s, Some(0), Forcing::Line { value: 0.0, slope: 0.0 }),
+        };
+        Piece { start_s, length_s, template, forcing }
+    }
+
+    /// Moments at which the forcing changes its form inside a piece, s: the end of a sweep.
+    pub fn breaks(&self) -> Vec<f64> {
+        match self.shape {
+            Shape::Chirp { sweep_s, .. } => vec![sweep_s],
+            _ => Vec::new(),
+        }
+    }
+
+    /// The piece that begins anew at a moment within piece `index`: the same forcing, seen from there.
+    pub fn forcing_from(&self, index: u64, time_s: f64) -> Forcing {
+        match self.shape {
+            Shape::Chirp { start_hz, stop_hz, sweep_s } => Sweep { start_hz, stop_hz, sweep_s }.forcing(self.amplitude, time_s),
+            _ => {
+                let piece = self.piece(index);
+                piece.forcing.later(time_s - piece.start_s)
+            }
+        }
+    }
+
+    /// The forcing at a moment; at a jump, what comes after it.
+    pub fn value(&self, time_s: f64) -> f64 {
+        let index = match self.shape {
+            Shape::Sine => return self.amplitude * (TAU * (self.frequency_hz * time_s).fract()).cos(),
+            Shape::Chirp { start_hz, stop_hz, sweep_s } => {
+                return Sweep { start_hz, stop_hz, sweep_s }.forcing(self.amplitude, time_s).value(0.0);
+            }
+            Shape::Still => return 0.0,
+            Shape::Square | Shape::Triangle => (2.0 * self.frequency_hz * time_s).floor(),
+            Shape::Sawtooth => (self.frequency_hz * time_s).floor(),
+            Shape::Random { hold_s, .. } => (time_s / hold_s).floor(),
+        };
+        let piece = self.piece(index as u64);
+        piece.forcing.value(time_s - piece.start_s)
+    }
+}
+
+/// A linear sweep of frequency that stays at its end.
+struct Sweep {
+    start_hz: f64,
+    stop_hz: f64,
+    sweep_s: f64,
+}
+
+impl Sweep {
+    fn slope(&self) -> f64 {
+        (self.stop_hz - self.start_hz) / self.sweep_s
+    }
+
+    /// Phase at a moment, turns.
+    fn turns(&self, time_s: f64) -> f64 {
+        let swept = time_s.min(self.sweep_s);
+        swept * (self.start_hz + 0.5 * self.slope() * swept) + self.stop_hz * (time_s - swept)
+    }
+
+    /// When the phase comes to a number of turns, s.
+    fn at_turns(&self, turns: f64) -> f64 {
+        let whole = self.turns(self.sweep_s);
+        if turns >= whole {
+            return self.sweep_s + (turns - whole) / self.stop_hz;
+        }
+        // start t + slope t^2 / 2 = turns, in the form that does not cancel
+        2.0 * turns / (self.start_hz + (self.start_hz * self.start_hz + 2.0 * self.slope() * turns).max(0.0).sqrt())
+    }
+
+    fn forcing(&self, size: f64, time_s: f64) -> Forcing {
+        let turns = self.turns(time_s).fract();
+        if time_s >= self.sweep_s {
+            Forcing::Cosine { size, turns, hz: self.stop_hz, hz_per_s: 0.0 }
+        } else {
+            Forcing::Cosine { size, turns, hz: self.start_hz + self.slope() * time_s, hz_per_s: self.slope() }
+        }
+    }
+}
+
+impl Forcing {
+    /// The forcing `s` seconds after the beginning.
+    pub fn value(&self, s: f64) -> f64 {
+        match *self {
+            Forcing::Cosine { size, turns, hz, hz_per_s } => size * (TAU * (turns + s * (hz + 0.5 * hz_per_s * s))).cos(),
+            Forcing::Line { value, slope } => value + slope * s,
+        }
+    }
+
+    /// The same forcing with its beginning `s` seconds later.
+    pub fn later(&self, s: f64) -> Forcing {
+        match *self {
+            Forcing::Cosine { size, turns, hz, hz_per_s } => {
+                let turns = turns + s * (hz + 0.5 * hz_per_s * s);
+                Forcing::Cosine { size, turns, hz: hz + hz_per_s * s, hz_per_s }
+            }
+            Forcing::Line { value, slope } => Forcing::Line { value: value + slope * s, slope },
+        }
+    }
+
+    /// Largest frequency within `length_s` seconds from the beginning, Hz; zero for a line.
+    pub fn fastest_hz(&self, length_s: f64) -> f64 {
+        match *self {
+            Forcing::Cosine { hz, hz_per_s, .. } => hz.max(hz + hz_per_s * length_s),
+            Forcing::Line { .. } => 0.0,
+        }
+    }
+
+    /// Taylor coefficients about `s`: the forcing at `s + d` is the sum of `out[k] d^k`.
+    ///
+    /// Of a cosine with phase p and p' = w + r d: y = cos p, z = sin p, (k+1) y_{k+1} = -(w z_k + r z_{k-1}),
+    /// (k+1) z_{k+1} = w y_k + r y_{k-1}.
+    pub fn taylor<const N: usize>(&self, s: f64) -> [f64; N] {
+        let mut out = [0.0; N];
+        match *self {
+            Forcing::Cosine { size, turns, hz, hz_per_s } => {
+                let (omega, rate) = (TAU * (hz + hz_per_s * s), TAU * hz_per_s);
+                let (sine, cosine) = (TAU * (turns + s * (hz + 0.5 * hz_per_s * s))).sin_cos();
+                let (mut y, mut z) = (size * cosine, size * sine);
+                let (mut y_before, mut z_before) = (0.0, 0.0);
+                for (k, coefficient) in out.iter_mut().enumerate() {
+                    *coefficient = y;
+                    let over = 1.0 / (k + 1) as f64;
+                    let next = (-(omega * z + rate * z_before) * over, (omega * y + rate * y_before) * over);
+                    (y_before, z_before) = (y, z);
+                    (y, z) = next;
+                }
+            }
+            Forcing::Line { value, slope } => {
+                out[0] = value + slope * s;
+                if let Some(first) = out.get_mut(1) {
+                    *first = slope;
+                }
+            }
+        }
+        out
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const SHAPES: [Shape; 7] = [
+        Shape::Sine,
+        Shape::Square,
+        Shape::Sawtooth,
+        Shape::Triangle,
+        Shape::Random { hold_s: 1.3e-6, seed: 3 },
+        Shape::Chirp { start_hz: 20e3, stop_hz: 200e3, sweep_s: 0.4e-3 },
+        Shape::Still,
+    ];
+
+    #[test]
+    fn pieces_follow_each_other_and_agree_with_the_value() {
+        for shape in SHAPES {
+            let waveform = Waveform::new(shape, 2.5, 60e3, 1e-3);
+            for index in 0..60 {
+                let (piece, next) = (waveform.piece(index), waveform.piece(index + 1));
+                assert!((piece.start_s + piece.length_s - next.start_s).abs() < 1e-16, "{shape:?} {index}");
+                for part in [0.01, 0.3, 0.99] {
+                    let s = part * piece.length_s;
+                    let (direct, by_piece) = (waveform.value(piece.start_s + s), piece.forcing.value(s));
+                    let swept_in_it = matches!(shape, Shape::Chirp { sweep_s, .. } if piece.start_s + s > sweep_s);
+                    assert!((direct - by_piece).abs() < 1e-9 || swept_in_it, "{shape:?} {index}: {direct} {by_piece}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn taylor_coefficients_continue_the_forcing() {
+        for shape in SHAPES {
+            let forcing = Waveform::new(shape, 1.0, 60e3, 1e-3).piece(3).forcing;
+            let (s, d) = (0.4e-6, 1e-6);
+            let coefficients: [f64; 20] = forcing.taylor(s);
+            let sum = coefficients.iter().rev().fold(0.0, |sum, c| sum * d + c);
+            assert!((sum - forcing.value(s + d)).abs() < 1e-12, "{shape:?}");
+            assert!((forcing.later(s).value(d) - forcing.value(s + d)).abs() < 1e-12, "{shape:?}");
+        }
+    }
+
+    #[test]
+    fn a_sweep_has_its_frequencies_at_its_ends() {
+        let shape = Shape::Chirp { start_hz: 20e3, stop_hz: 200e3, sweep_s: 1e-3 };
+        let sweep = Sweep { start_hz: 20e3, stop_hz: 200e3, sweep_s: 1e-3 };
+        // 110 cycles by the mean frequency.
+        assert!((sweep.turns(1e-3) - 110.0).abs() < 1e-9 && (sweep.at_turns(110.0) - 1e-3).abs() < 1e-15);
+        let waveform = Waveform::new(shape, 1.0, 60e3, 1e-3);
+        assert!((waveform.piece(109).forcing.fastest_hz(waveform.piece(109).length_s) - 200e3).abs() < 1.0);
+    }
+
+    #[test]
+    fn rms_is_that_of_the_shape() {
+        for shape in [Shape::Sine, Shape::Square, Shape::Sawtooth, Shape::Triangle] {
+            let waveform = Waveform::new(shape, 1.0, 1.0, 1.0);
+            let n = 100_000;
+            let mean = (0..n).map(|i| waveform.value((f64::from(i) + 0.5) / f64::from(n)).powi(2)).sum::<f64>() / f64::from(n);
+            assert!((mean.sqrt() - Waveform::shape_rms(shape)).abs() < 1e-9, "{shape:?}");
+        }
+    }
+}
