@@ -10,13 +10,19 @@
 //! [`tally`]; which one meets a tolerance at the least cost is chosen in [`auto`](mod@auto).
 
 pub mod auto;
+mod forcing;
+pub mod linexp;
+pub mod oscillator;
+mod polynomial;
 pub mod problem;
 pub mod rk4;
 pub mod tally;
+pub mod taylor;
 pub mod timeline;
 pub mod waveform;
 
 pub use auto::{Method, Numerics, Solution, solve};
+pub use forcing::Forcing;
 pub use problem::{Law, Motion, Problem, Sign};
 pub use tally::{State, Tally};
 pub use waveform::{Shape, Waveform};

@@ -22,6 +22,7 @@ pub fn run(problem: &Problem, steps_per_period: u32, watch: &mut impl FnMut(&Sta
     let natural_hz = problem.motion.natural_hz().unwrap_or(0.0);
     let mut rates = Rates { problem, coulomb_n: problem.coulomb_n };
     let mut meter = Meter::default();
+    meter.tally.accounted = true;
     let mut state = problem.start;
     let mut y: Y = [state.x_m, state.v_m_per_s, state.force_n / rates.coulomb_n, 0.0, 0.0, 0.0, 0.0];
     for stretch in Timeline::new(problem) {

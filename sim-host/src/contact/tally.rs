@@ -76,6 +76,8 @@ pub struct Tally {
     pub steps: u64,
     /// Reversals of the slip that were located, in the whole run.
     pub reversals: u64,
+    /// Whether the energies were added up, too; otherwise they are zero.
+    pub accounted: bool,
 }
 
 /// Adds up while a method runs.
@@ -176,14 +178,18 @@ impl Ratios {
                 (energy(&tally.last) - energy(&tally.first), moved)
             }
         };
+        let over = |joule: f64| Some(joule / sliding_j);
+        let power = over(totals.friction_work_j);
+        if !tally.accounted {
+            return Ratios { friction, power, ..Ratios::default() };
+        }
         let s = problem.sign.factor();
         let left = totals.felt_work_j - problem.sliding_m_per_s * totals.felt_n_s;
         let right = s * (totals.input_j - totals.damping_j - stored_j);
         let printed_j = (totals.kinetic_j_s + moved_j_s + totals.potential_j_s) / tally.time_s;
-        let over = |joule: f64| Some(joule / sliding_j);
         Ratios {
             friction,
-            power: over(totals.friction_work_j),
+            power,
             input: over(totals.input_j),
             stored: over(stored_j),
             damping: over(totals.damping_j),

@@ -1,7 +1,7 @@
 //! A problem's time as stretches: each has one smooth forcing, one Coulomb force, and lies inside or outside the window.
 
+use super::forcing::Forcing;
 use super::problem::Problem;
-use super::waveform::Forcing;
 
 /// A smooth stretch of time.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -14,6 +14,8 @@ pub struct Stretch {
     pub template: Option<usize>,
     /// The forcing, from the stretch's beginning on.
     pub forcing: Forcing,
+    /// The fastest frequency of the forcing, Hz: a cosine's own, or that of the waveform which a line is a piece of.
+    pub forcing_hz: f64,
     /// The Coulomb force that takes over at its beginning, N.
     pub load: Option<f64>,
     /// Whether the window of the means begins here.
@@ -25,7 +27,7 @@ pub struct Stretch {
 impl Stretch {
     /// Steps in this stretch at so many a period, counted by the fastest of forcing and oscillator.
     pub fn steps(&self, per_period: u32, natural_hz: f64) -> u32 {
-        let hz = self.forcing.fastest_hz(self.length_s).max(natural_hz);
+        let hz = self.forcing_hz.max(natural_hz);
         // A stretch of exactly a period, within round-off, has exactly as many.
         ((f64::from(per_period) * hz * self.length_s - 1e-6).ceil() as u32).max(1)
     }
@@ -98,7 +100,8 @@ impl Iterator for Timeline<'_> {
             _ => (cut.unwrap_or(piece_end_s) - start_s, None),
         };
         self.now_s = cut.unwrap_or(piece_end_s);
-        Some(Stretch { start_s, length_s, template, forcing, load, opens, closes })
+        let forcing_hz = forcing.fastest_hz(length_s).unwrap_or(self.problem.waveform.frequency_hz());
+        Some(Stretch { start_s, length_s, template, forcing, forcing_hz, load, opens, closes })
     }
 }
 

@@ -1,0 +1,311 @@
+//! The careful way of [`linexp`](super): a step in parts, each of which ends at a reversal, or before the friction law gets
+//! steep, or at the step's end.
+//!
+//! In a part the motion is a polynomial, made with the first terms of the friction's own series; kicks at the nodes then carry only what
+//! friction differs from these, so the reversal is where the true slip velocity is zero. The sign of the slip is a state of its own: it
+//! flips at a reversal and is never taken from the round-off of a velocity near zero.
+
+use wide::f64x4;
+
+use super::Extent;
+use super::decay::decay;
+use super::quadrature::Nodes;
+use crate::contact::forcing::Forcing;
+use crate::contact::oscillator::{KERNEL, Oscillator};
+use crate::contact::polynomial::{first_reversal, slope, value, values};
+use crate::contact::problem::Problem;
+use crate::contact::tally::{Meter, State};
+
+/// Steepest part, times the steps a period: the exponent of friction over one part is at most this over the steps.
+const STEEPEST: f64 = 64.0;
+/// Longest part in units of the time constant of mass and contact stiffness, sqrt(m / Kt).
+const LONGEST: f64 = 0.5;
+/// Friction this close to its bound does not change any more.
+const SATURATED: f64 = 1e-15;
+/// Below this the third power is round-off.
+pub(super) const SMALL: f64 = 1e-5;
+/// Most kicks in a part: those of two pieces, before and after a reversal.
+const KICKS: usize = 6;
+
+/// State and sums of a run; the motion within a part has `N` coefficients.
+pub(super) struct Careful<const K: usize, const N: usize> {
+    pub oscillator: Oscillator,
+    /// Displacement, m; velocity, m/s; friction over Fc.
+    pub x: f64,
+    pub v: f64,
+    pub f: f64,
+    /// Sign of the slip velocity.
+    pub sense: f64,
+    /// Slip velocity, m/s, and its rate, m/s^2.
+    pub slip_velocity: f64,
+    pub a: f64,
+    /// Sliding speed, m/s, and the sign of x' in the slip velocity.
+    pub sliding: f64,
+    pub sign: f64,
+    pub coulomb_n: f64,
+    /// Kt / Fc, 1/m.
+    pub per_metre: f64,
+    /// Fc / m, m/s^2; zero without dynamics.
+    pub push: f64,
+    /// Largest exponent of friction over a part.
+    pub steepest: f64,
+    /// Distance from the bound below which friction does not change any more.
+    pub saturated: f64,
+    pub meter: Meter,
+    kt: f64,
+    kernel: [f64; KERNEL],
+    accounted: bool,
+    /// Whether friction acts on the motion.
+    coupled: bool,
+}
+
+/// The motion over one part, and what friction differs from its first terms.
+pub(super) struct Part<const N: usize> {
+    pub unit_s: f64,
+    /// What the forcing and friction's first terms do to displacement, m, and velocity, m/s; and the forcing alone, m/s^2 or m/s.
+    pub x: [f64; N],
+    pub v: [f64; N],
+    pub u: [f64; N],
+    /// The first terms of friction over Fc.
+    pub f: [f64; 3],
+    /// Kicks, m/s, each at a moment in units of `unit_s`; in order.
+    pub kicks: [(f64, f64); KICKS],
+    pub count: usize,
+}
+
+impl<const N: usize> Part<N> {
+    /// A part without kicks.
+    pub fn new(unit_s: f64, (x, v): ([f64; N], [f64; N]), u: [f64; N], f: [f64; 3]) -> Self {
+        Part { unit_s, x, v, u, f, kicks: [(0.0, 0.0); KICKS], count: 0 }
+    }
+}
+
+impl<const K: usize, const N: usize> Careful<K, N> {
+    pub fn new(problem: &Problem, kt: f64, steps_per_period: u32, extent: Extent) -> Self {
+        let accounted = extent == Extent::Accounted;
+        let oscillator = Oscillator::of(problem);
+        let mut meter = Meter::default();
+        meter.tally.accounted = accounted;
+        let mut run = Careful {
+            oscillator,
+            x: problem.start.x_m,
+            v: problem.start.v_m_per_s,
+            f: 0.0,
+            sense: 0.0,
+            slip_velocity: 0.0,
+            a: 0.0,
+            sliding: problem.sliding_m_per_s,
+            sign: problem.sign.factor(),
+            coulomb_n: problem.coulomb_n,
+            per_metre: 0.0,
+            push: 0.0,
+            steepest: STEEPEST / f64::from(steps_per_period),
+            saturated: SATURATED,
+            meter,
+            kt,
+            kernel: oscillator.kernel(),
+            accounted,
+            coupled: !oscillator.kinematic && extent != Extent::Frozen,
+        };
+        run.set_coulomb_force(problem.coulomb_n);
+        run.f = problem.start.force_n / problem.coulomb_n;
+        run
+    }
+
+    /// Another Coulomb force, N; the bristles keep their force.
+    pub fn set_coulomb_force(&mut self, coulomb_n: f64) {
+        self.f *= self.coulomb_n / coulomb_n;
+        self.coulomb_n = coulomb_n;
+        self.per_metre = self.kt / coulomb_n;
+        self.push = if self.coupled { coulomb_n * self.oscillator.per_mass } else { 0.0 };
+    }
+
+    pub fn state(&self, time_s: f64) -> State {
+        State { time_s, x_m: self.x, v_m_per_s: self.v, force_n: self.coulomb_n * self.f }
+    }
+
+    /// Whether a step of `h` seconds is too long for the contact spring at its stiffest.
+    pub fn is_stiff(&self, h: f64) -> bool {
+        h * h * self.push * self.per_metre * 2.0 > LONGEST * LONGEST
+    }
+
+    /// Acceleration, m/s^2, under `u`; of a kinematic motion, `u` itself.
+    #[inline]
+    pub fn acceleration(&self, u: f64, x: f64, v: f64, f: f64) -> f64 {
+        u - self.oscillator.damping * v - self.oscillator.stiffness * x - self.push * f
+    }
+
+    /// A stretch begins: its forcing may have jumped.
+    pub fn face(&mut self, forcing: &Forcing, length_s: f64) {
+        // A cosine goes on where the last one ended.
+        if self.sense != 0.0 && !self.oscillator.kinematic && matches!(forcing, Forcing::Cosine { .. }) {
+            return;
+        }
+        let part = self.part(forcing, 0.0, 1e-3 * length_s);
+        if self.oscillator.kinematic {
+            self.v = part.v[0];
+        }
+        self.slip_velocity = self.sliding + self.sign * self.v;
+        self.a = self.sign * part.v[1] / part.unit_s;
+        // The sign of the slip is a matter of history, except at the start and where a given velocity jumps. A slip that is zero,
+        // but for round-off, goes where its first derivative that is not zero leads.
+        if self.sense == 0.0 || self.oscillator.kinematic {
+            let size = self.sliding.abs() + part.v.iter().map(|c| c.abs()).fold(0.0, f64::max);
+            let slip = |(k, c): (usize, &f64)| self.sign * c + if k == 0 { self.sliding } else { 0.0 };
+            self.sense = part.v.iter().enumerate().map(slip).find(|c| c.abs() > 1e-12 * size).map_or(1.0, f64::signum);
+        }
+    }
+
+    /// One step of `h` seconds from `from_s` on, of which `done_s` are behind.
+    pub fn step(&mut self, forcing: &Forcing, from_s: f64, h: f64, mut done_s: f64) {
+        // The last part ends at the step's end within round-off.
+        while h - done_s > 1e-13 * h {
+            let left_s = h - done_s;
+            let unit_s = left_s.min(self.longest());
+            let end = self.go(self.part(forcing, from_s + done_s, unit_s));
+            done_s = if end == 1.0 && unit_s == left_s { h } else { done_s + end * unit_s };
+        }
+    }
+
+    /// Goes along a part, across one reversal at most; tells how far, from 0 to 1.
+    pub fn go(&mut self, mut part: Part<N>) -> f64 {
+        let mut slip_velocity = part.v;
+        slip_velocity.iter_mut().for_each(|c| *c *= self.sign);
+        slip_velocity[0] += self.sliding;
+        let reversal = first_reversal(&slip_velocity, self.sense);
+        let end = reversal.unwrap_or(1.0);
+        if end > 0.0 {
+            let piece = self.piece(&mut part, 0.0, end);
+            self.take(&part, piece);
+        }
+        if reversal.is_none() {
+            return 1.0;
+        }
+        self.sense = -self.sense;
+        self.meter.tally.reversals += 1;
+        // The same polynomial goes on, if nothing more happens on it.
+        let rest = self.piece(&mut part, end, 1.0);
+        if rest.slip_velocity * self.sense > 0.0 && rest.steepness <= self.steepest {
+            self.take(&part, rest);
+            return 1.0;
+        }
+        end
+    }
+
+    /// The longest part from here on, s: friction's exponent stays bounded, and the contact spring is resolved.
+    pub fn longest(&self) -> f64 {
+        if (self.f - self.sense).abs() <= self.saturated {
+            return f64::INFINITY;
+        }
+        let slip = self.steepest / self.per_metre;
+        let v = self.slip_velocity.abs();
+        let by_slip = 2.0 * slip / (v + (v * v + 2.0 * self.a.abs() * slip).sqrt());
+        let spring = self.push * self.per_metre * (1.0 - self.sense * self.f).abs();
+        by_slip.min(LONGEST / spring.sqrt())
+    }
+
+    /// The first terms of friction over Fc, over `unit_s` seconds.
+    pub fn friction_terms(&self, unit_s: f64) -> [f64; 3] {
+        let (v, s) = (self.slip_velocity, self.sense);
+        let free = 1.0 - s * self.f;
+        let rate = self.per_metre * v * free;
+        [self.f, unit_s * rate, 0.5 * unit_s * unit_s * self.per_metre * (self.a * free - v * s * rate)]
+    }
+
+    /// The motion over `unit_s` seconds, with friction as its own series begins.
+    fn part(&self, forcing: &Forcing, at_s: f64, unit_s: f64) -> Part<N> {
+        let u: [f64; N] = self.oscillator.forcing(forcing, at_s, unit_s);
+        let f = self.friction_terms(unit_s);
+        let mut driven = u;
+        if !self.oscillator.kinematic {
+            driven.iter_mut().zip(&f).for_each(|(u, f)| *u -= self.push * f);
+        }
+        let (x, v) = self.oscillator.series(self.x, self.v, &driven, unit_s);
+        Part::new(unit_s, (x, v), u, f)
+    }
+
+    /// Slips from one moment of a part to another; the state is that at `from`.
+    fn piece(&self, part: &mut Part<N>, from: f64, to: f64) -> Piece<K> {
+        let (length, s, excess) = (to - from, self.sense, self.f - self.sense);
+        let mut at = [to; 4];
+        at.iter_mut().zip(Nodes::<K>::AT).for_each(|(at, node)| *at = from + length * node);
+        let places = f64x4::new(at);
+        // The slip by the polynomial, and what friction is then; kicks of this part come on top, to second order.
+        let slide = (places - f64x4::splat(from)) * (self.sliding * part.unit_s);
+        let there = values(&part.x, places);
+        let slips = slide + (there - f64x4::splat(self.x)) * self.sign;
+        let (slips, decays) = (slips.to_array(), decay(slips * (self.per_metre * s)).to_array());
+        let predicted = values(&part.f, places).to_array();
+        let force = |lane: usize, back: f64| {
+            let late = self.per_metre * s * self.sign * back;
+            if late.abs() < SMALL {
+                s + excess * decays[lane] * (1.0 + late * (1.0 + 0.5 * late))
+            } else {
+                s + excess * (late - self.per_metre * s * slips[lane]).exp()
+            }
+        };
+        let mut forces = [0.0; K];
+        for lane in 0..K {
+            forces[lane] = force(lane, self.answer(part, at[lane]));
+            let weight = Nodes::<K>::WEIGHT[lane] * length * part.unit_s;
+            part.kicks[part.count] = (at[lane], weight * self.push * (forces[lane] - predicted[lane]));
+            part.count += 1;
+        }
+        let back = self.answer(part, to);
+        let (x, v) = (there.to_array()[3] - back, value(&part.v, to) - self.answer_velocity(part, to));
+        let slip = slips[3] - self.sign * back;
+        let steepness = self.per_metre * s * slip;
+        Piece { from, to, forces, x, v, f: force(3, back), slip, slip_velocity: self.sliding + self.sign * v, steepness }
+    }
+
+    /// Goes to the end of a piece.
+    fn take(&mut self, part: &Part<N>, piece: Piece<K>) {
+        let length_s = (piece.to - piece.from) * part.unit_s;
+        self.add_friction(length_s, &piece.forces, piece.f, piece.slip_velocity, piece.slip);
+        if self.accounted {
+            self.account(part, &piece);
+        }
+        (self.x, self.v, self.f, self.slip_velocity) = (piece.x, piece.v, piece.f, piece.slip_velocity);
+        let u = if self.oscillator.kinematic { slope(&part.v, piece.to) / part.unit_s } else { value(&part.u, piece.to) };
+        self.a = self.sign * self.acceleration(u, self.x, self.v, self.f);
+    }
+
+    /// How far the kicks so far have set the motion back at a moment of the part, m.
+    pub fn answer(&self, part: &Part<N>, at: f64) -> f64 {
+        let since = |when: f64| (at - when) * part.unit_s;
+        part.kicks[..part.count].iter().map(|(when, kick)| kick * value(&self.kernel, since(*when))).sum()
+    }
+
+    /// The same of the velocity, m/s.
+    pub fn answer_velocity(&self, part: &Part<N>, at: f64) -> f64 {
+        let since = |when: f64| (at - when) * part.unit_s;
+        part.kicks[..part.count].iter().map(|(when, kick)| kick * slope(&self.kernel, since(*when))).sum()
+    }
+
+    /// Adds up the friction over a step or part that ends with friction `f_end`, and slips by `slip`, m.
+    ///
+    /// The work is exact in slip: the integral of F dz is `Fc (s z - s (f_end - f) Fc / Kt)`.
+    #[inline]
+    pub fn add_friction(&mut self, length_s: f64, forces: &[f64; K], f_end: f64, slip_velocity_end: f64, slip: f64) {
+        let s = self.sense;
+        let rate = |v: f64, f: f64| self.per_metre * v * (1.0 - s * f);
+        let slopes = (rate(self.slip_velocity, self.f), rate(slip_velocity_end, f_end));
+        let mean = Nodes::<K>::mean(forces, (self.f, f_end), slopes, length_s);
+        let totals = &mut self.meter.totals;
+        totals.friction_n_s += self.coulomb_n * length_s * mean;
+        totals.friction_work_j += self.coulomb_n * s * (slip - (f_end - self.f) / self.per_metre);
+    }
+}
+
+/// A stretch of a part without a reversal, and the state at its end.
+pub(super) struct Piece<const K: usize> {
+    pub from: f64,
+    pub to: f64,
+    pub forces: [f64; K],
+    pub x: f64,
+    pub v: f64,
+    pub f: f64,
+    pub slip: f64,
+    pub slip_velocity: f64,
+    pub steepness: f64,
+}

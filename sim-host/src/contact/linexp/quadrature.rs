@@ -1,0 +1,93 @@
+//! Gauss-Legendre nodes on a step from 0 to 1, and the weights by which a time mean is had from what is known there anyway.
+
+/// `K` Gauss-Legendre nodes, for K from 1 to 3.
+pub struct Nodes<const K: usize>;
+
+/// `sqrt(1/3) / 2` and `sqrt(3/5) / 2`.
+const TWO: f64 = 0.288_675_134_594_812_88;
+const THREE: f64 = 0.387_298_334_620_741_7;
+
+impl<const K: usize> Nodes<K> {
+    /// Where they are.
+    pub const AT: [f64; K] = pick([0.5], [0.5 - TWO, 0.5 + TWO], [0.5 - THREE, 0.5, 0.5 + THREE]);
+    /// Their weights.
+    pub const WEIGHT: [f64; K] = pick([1.0], [0.5, 0.5], [5.0 / 18.0, 8.0 / 18.0, 5.0 / 18.0]);
+    /// Weights of a mean that knows the ends and their slopes, too; exact for degree 5, 5 and 7.
+    const MEAN: [f64; K] = pick([8.0 / 15.0], [0.6, 0.6], [25.0 / 63.0, 128.0 / 315.0, 25.0 / 63.0]);
+    const END: f64 = if K == 1 { 7.0 / 30.0 } else { -0.1 };
+    const SLOPE: f64 = match K {
+        1 => 1.0 / 60.0,
+        2 => -1.0 / 60.0,
+        _ => -1.0 / 140.0,
+    };
+
+    /// The mean over a step of length `h` of what has these values at its nodes, and these values and slopes at its ends.
+    #[inline]
+    pub fn mean(nodes: &[f64; K], ends: (f64, f64), slopes: (f64, f64), h: f64) -> f64 {
+        let inner: f64 = nodes.iter().zip(Self::MEAN).map(|(value, weight)| value * weight).sum();
+        inner + Self::END * (ends.0 + ends.1) + Self::SLOPE * h * (slopes.0 - slopes.1)
+    }
+}
+
+/// That of the three lists which has as many entries.
+const fn pick<const K: usize>(one: [f64; 1], two: [f64; 2], three: [f64; 3]) -> [f64; K] {
+    let mut out = [0.0; K];
+    let mut i = 0;
+    while i < K {
+        out[i] = match K {
+            1 => one[i],
+            2 => two[i],
+            _ => three[i],
+        };
+        i += 1;
+    }
+    out
+}
+
+/// Eight Gauss-Legendre nodes from `a` to `b` (exact for degree 15): where, and with what weight.
+#[inline]
+pub fn nodes(a: f64, b: f64) -> [(f64, f64); 8] {
+    const HALF: [(f64, f64); 4] = [
+        (0.183_434_642_495_649_8, 0.362_683_783_378_362),
+        (0.525_532_409_916_329, 0.313_706_645_877_887_27),
+        (0.796_666_477_413_626_7, 0.222_381_034_453_374_48),
+        (0.960_289_856_497_536_3, 0.101_228_536_290_376_26),
+    ];
+    let (middle, half) = (0.5 * (a + b), 0.5 * (b - a));
+    std::array::from_fn(|i| {
+        let (at, weight) = HALF[i / 2];
+        (if i % 2 == 0 { middle - half * at } else { middle + half * at }, half * weight)
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The mean of s^degree over 0 to 1, by the rule.
+    fn power<const K: usize>(degree: i32) -> f64 {
+        let slope_at_0 = if degree == 1 { 1.0 } else { 0.0 };
+        let start = if degree == 0 { 1.0 } else { 0.0 };
+        Nodes::<K>::mean(&Nodes::<K>::AT.map(|s| s.powi(degree)), (start, 1.0), (slope_at_0, f64::from(degree)), 1.0)
+    }
+
+    #[test]
+    fn rules_have_their_degree() {
+        for degree in 0..=7 {
+            let exact = 1.0 / f64::from(degree + 1);
+            for (value, highest) in [(power::<1>(degree), 5), (power::<2>(degree), 5), (power::<3>(degree), 7)] {
+                assert_eq!((value - exact).abs() < 1e-14, degree <= highest, "degree {degree}: {value} {exact}");
+            }
+        }
+    }
+
+    #[test]
+    fn eight_nodes_have_degree_fifteen() {
+        let error = |degree: i32| {
+            let exact = 10f64.powi(degree + 1) / f64::from(degree + 1);
+            let sum: f64 = nodes(0.0, 10.0).iter().map(|(at, weight)| weight * at.powi(degree)).sum();
+            (sum / exact - 1.0).abs()
+        };
+        assert!((0..=15).all(|degree| error(degree) < 1e-14) && error(16) > 1e-10, "{:e}", error(16));
+    }
+}

@@ -1,0 +1,180 @@
+//! Polynomials over one step, `p(s) = sum of c[k] s^k` for s from 0 to 1: values, roots, and the first reversal of a velocity.
+
+use wide::f64x4;
+
+/// The value at `s`, by its even and its odd part: two short chains rather than a long one.
+#[inline]
+pub fn value<const N: usize>(c: &[f64; N], s: f64) -> f64 {
+    let square = s * s;
+    let part = |first: usize| c.iter().skip(first).step_by(2).rev().fold(0.0, |sum, c| sum * square + c);
+    part(0) + s * part(1)
+}
+
+/// The values at four places.
+#[inline]
+pub fn values<const N: usize>(c: &[f64; N], s: f64x4) -> f64x4 {
+    let square = s * s;
+    let part = |first: usize| c.iter().skip(first).step_by(2).rev().fold(f64x4::ZERO, |sum, c| sum * square + f64x4::splat(*c));
+    part(0) + s * part(1)
+}
+
+/// The slope at `s`.
+#[inline]
+pub fn slope<const N: usize>(c: &[f64; N], s: f64) -> f64 {
+    let square = s * s;
+    let term = |(k, c): (usize, &f64)| k as f64 * c;
+    let part = |first: usize| c.iter().enumerate().skip(first).step_by(2).rev().map(term).fold(0.0, |sum, c| sum * square + c);
+    part(1) + s * part(2)
+}
+
+/// The integral from 0 to `s`.
+#[inline]
+pub fn integral<const N: usize>(c: &[f64; N], s: f64) -> f64 {
+    c.iter().enumerate().rev().fold(0.0, |sum, (k, c)| sum * s + c / (k + 1) as f64) * s
+}
+
+/// The product, cut after as many coefficients.
+#[inline]
+pub fn product<const N: usize>(a: &[f64; N], b: &[f64; N]) -> [f64; N] {
+    std::array::from_fn(|k| (0..=k).map(|j| a[j] * b[k - j]).sum())
+}
+
+/// The slope, as a polynomial.
+fn derivative<const N: usize>(c: &[f64; N]) -> [f64; N] {
+    std::array::from_fn(|k| c.get(k + 1).map_or(0.0, |c| c * (k + 1) as f64))
+}
+
+/// A place, the value there, and the slope.
+#[derive(Clone, Copy)]
+struct Point {
+    at: f64,
+    value: f64,
+    slope: f64,
+}
+
+/// The root between a point and `high`, where the polynomial has the value `last` of opposite sign: Newton's method, kept within the
+/// bracket.
+///
+/// It begins on the parabola through both values with the slope at the point, and ends with a step so small that its square is
+/// round-off.
+fn root<const N: usize>(c: &[f64; N], from: Point, high: f64, last: f64) -> f64 {
+    let (mut low, mut high, first) = (from.at, high, from.value);
+    let (falls, steep) = (first > 0.0, from.slope * (high - low));
+    let bend = last - first - steep;
+    // first + steep p + bend p^2 = 0. As the values differ in sign, one root is inside: that by the larger denominator, or the other.
+    let under = (steep * steep - 4.0 * bend * first).max(0.0).sqrt().copysign(steep);
+    let far = -0.5 * (steep + under);
+    let inside = |part: &f64| *part > 0.0 && *part < 1.0;
+    let part = Some(first / far).filter(inside).or(Some(far / bend).filter(inside)).unwrap_or(0.5);
+    let mut s = low + (high - low) * part;
+    for _ in 0..80 {
+        let here = value(c, s);
+        if (here > 0.0) == falls {
+            low = s
+        } else {
+            high = s
+        }
+        let newton = s - here / slope(c, s);
+        // At the root itself round-off decides the side, and Newton's step ends on the bracket's edge: that is inside.
+        let inside = newton >= low && newton <= high;
+        let next = if inside { newton } else { 0.5 * (low + high) };
+        if inside && (next - s).abs() <= 1e-8 || high - low <= 2e-16 {
+            return next;
+        }
+        s = next;
+    }
+    s
+}
+
+/// Parts of a step that are looked at one by one: between two of them a velocity turns at most once.
+const PARTS: u32 = 2;
+
+/// The first moment of the step at which a velocity of sign `sense` goes through zero.
+///
+/// The sign at the beginning is what `sense` says, never what round-off has left of a velocity that is zero there. A velocity that dips
+/// below zero and comes back within the step reverses, too: that is looked for at its turning points, not at the ends.
+pub fn first_reversal<const N: usize>(velocity: &[f64; N], sense: f64) -> Option<f64> {
+    let height = sense * velocity[0];
+    // No term falls further than its own size.
+    let fall: f64 = velocity.iter().skip(1).map(|c| (sense * c).min(0.0)).sum();
+    if height + fall > 0.0 {
+        return None;
+    }
+    let at = |s: f64| sense * value(velocity, s);
+    let begin = Point { at: 0.0, value: velocity[0], slope: velocity.get(1).copied().unwrap_or(0.0) };
+    let end = value(velocity, 1.0);
+    if sense * end < 0.0 {
+        return Some(crossing(velocity, sense, begin, 1.0, end));
+    }
+    let mut low = begin;
+    for part in 1..=PARTS {
+        let at_s = f64::from(part) / f64::from(PARTS);
+        let high = Point { at: at_s, value: value(velocity, at_s), slope: slope(velocity, at_s) };
+        if sense * high.value < 0.0 {
+            return Some(crossing(velocity, sense, low, at_s, high.value));
+        }
+        if sense * low.slope < 0.0 && sense * high.slope > 0.0 {
+            let bend = derivative(velocity);
+            let turn = Point { at: low.at, value: low.slope, slope: slope(&bend, low.at) };
+            let bottom = root(&bend, turn, high.at, high.slope);
+            if at(bottom) < 0.0 {
+                return Some(crossing(velocity, sense, low, bottom, value(velocity, bottom)));
+            }
+        }
+        low = high;
+    }
+    None
+}
+
+/// The root in a bracket whose upper end is beyond it and whose lower end may be a root itself.
+fn crossing<const N: usize>(velocity: &[f64; N], sense: f64, low: Point, high: f64, last: f64) -> f64 {
+    let (mut above, mut width) = (low, high - low.at);
+    while sense * above.value <= 0.0 {
+        width *= 0.5;
+        if width < 1e-15 {
+            // It goes the other way from the beginning.
+            return low.at;
+        }
+        let at = low.at + width;
+        above = Point { at, value: value(velocity, at), slope: slope(velocity, at) };
+    }
+    root(velocity, above, high, last)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn reversals_are_found_where_they_are() {
+        // (0.3 - s)(0.7 - s)
+        let twice = [0.21, -1.0, 1.0];
+        assert!((first_reversal(&twice, 1.0).unwrap() - 0.3).abs() < 1e-15);
+        // From the root itself on: up, over and down through 0.6.
+        let arch = [0.0, 0.6, -1.0];
+        assert!((first_reversal(&arch, 1.0).unwrap() - 0.6).abs() < 1e-15);
+        // Round-off of the wrong sign at the beginning is no reversal.
+        assert_eq!(first_reversal(&[-1e-18, 0.5, 0.1], 1.0), None);
+        assert_eq!(first_reversal(&[0.0, 0.5, 0.1], 1.0), None);
+        // Going the other way at once is.
+        assert_eq!(first_reversal(&[0.0, -0.5, 0.1], 1.0), Some(0.0));
+    }
+
+    #[test]
+    fn a_dip_inside_the_step_is_seen() {
+        for depth in [1e-3, 1e-6, 1e-9, 1e-12] {
+            // (s - 0.55)^2 - depth
+            let c = [0.3025 - depth, -1.1, 1.0];
+            let found = first_reversal(&c, 1.0).unwrap();
+            assert!((found - (0.55 - depth.sqrt())).abs() < 1e-9, "{depth}: {found}");
+        }
+        assert_eq!(first_reversal(&[0.3025 + 1e-12, -1.1, 1.0], 1.0), None);
+    }
+
+    #[test]
+    fn products_and_integrals() {
+        let p = product(&[1.0, 2.0, 0.0, 0.0], &[3.0, 0.0, 1.0, 0.0]);
+        assert_eq!(p, [3.0, 6.0, 1.0, 2.0]);
+        assert!((integral(&p, 0.5) - (1.5 + 0.75 + 1.0 / 24.0 + 1.0 / 32.0)).abs() < 1e-15);
+    }
+}
