@@ -11,7 +11,9 @@
 
 pub mod auto;
 pub mod problem;
+pub mod rates;
 pub mod rk4;
+pub mod rk4_tabulated;
 pub mod tally;
 pub mod timeline;
 pub mod waveform;
