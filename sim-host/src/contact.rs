@@ -12,7 +12,9 @@
 pub mod auto;
 pub mod problem;
 pub mod rates;
+pub mod reversal;
 pub mod rk4;
+pub mod rk4_events;
 pub mod rk4_tabulated;
 pub mod tally;
 pub mod timeline;
