@@ -10,6 +10,8 @@
 //! [`tally`]; which one meets a tolerance at the least cost is chosen in [`auto`](mod@auto).
 
 pub mod auto;
+pub mod bristle;
+pub mod midpoint;
 pub mod problem;
 pub mod rates;
 pub mod reversal;
@@ -19,6 +21,13 @@ pub mod rk4_tabulated;
 pub mod tally;
 pub mod timeline;
 pub mod waveform;
+
+#[cfg(test)]
+mod convergence;
+#[cfg(test)]
+mod energetics;
+#[cfg(test)]
+mod limits;
 
 pub use auto::{Method, Numerics, Solution, solve};
 pub use problem::{Law, Motion, Problem, Sign};

@@ -158,6 +158,12 @@ pub fn level(static_ratio: f64, stribeck_m_per_s: f64, slip: f64) -> f64 {
     1.0 + (static_ratio - 1.0) * (-ratio * ratio).exp()
 }
 
+/// Frequency that the steps of a period are counted by where the forcing has none higher, Hz: the oscillator's or the waveform's own,
+/// whose pieces may be straight lines.
+pub fn counted_hz(problem: &Problem) -> f64 {
+    problem.motion.natural_hz().unwrap_or(0.0).max(problem.waveform.frequency_hz())
+}
+
 /// The integrals since the beginning; of a lean state only that of friction.
 #[inline]
 pub fn totals<const N: usize>(y: &[f64; N]) -> Totals {

@@ -13,7 +13,7 @@ pub use super::rk4_tabulated::run as run_tabulated;
 
 use super::Trouble;
 use super::problem::{Law, Problem};
-use super::rates::{FULL, LEAN, Rates, totals};
+use super::rates::{FULL, LEAN, Rates, counted_hz, totals};
 use super::tally::{Meter, State, Tally};
 use super::timeline::Timeline;
 
@@ -34,7 +34,7 @@ fn go<const N: usize>(problem: &Problem, steps_per_period: u32, watch: &mut impl
         let reason = "Coulomb friction has a jump at every reversal, which needs located events".into();
         return Err(Trouble::Unsuited { method: METHOD, reason });
     }
-    let natural_hz = problem.motion.natural_hz().unwrap_or(0.0);
+    let counted_hz = counted_hz(problem);
     let (mut rates, mut y) = Rates::new::<N>(problem);
     let mut meter = Meter::default();
     let mut state = problem.start;
@@ -48,7 +48,7 @@ fn go<const N: usize>(problem: &Problem, steps_per_period: u32, watch: &mut impl
         state = rates.state(&y, forcing(0.0), stretch.start_s);
         meter.totals = totals(&y);
         meter.at(&stretch, &state, rates.coulomb_n);
-        let steps = stretch.steps(steps_per_period, natural_hz);
+        let steps = stretch.steps(steps_per_period, counted_hz);
         let h = stretch.length_s / f64::from(steps);
         for step in 0..steps {
             let s = f64::from(step) * h;
@@ -105,21 +105,5 @@ mod tests {
             let result = run(&problem, 1000, &mut |_| ());
             assert!(matches!(result, Err(Trouble::Diverged { .. })), "{factor}: {result:?}");
         }
-    }
-
-    #[test]
-    fn cost_of_a_step() {
-        fn best(name: &str, mut run: impl FnMut()) {
-            let ns = (0..15).map(|_| {
-                let began = std::time::Instant::now();
-                run();
-                began.elapsed().as_secs_f64() * 1e9 / 200e3
-            });
-            println!("{name} {:.1} ns/step", ns.fold(f64::INFINITY, f64::min));
-        }
-        let problem = std::hint::black_box(table_4_1(0.5, 200.0));
-        best("full", || drop(std::hint::black_box(run(&problem, 1000, &mut |_| ()))));
-        best("plain", || drop(std::hint::black_box(run_plain(&problem, 1000, &mut |_| ()))));
-        best("fair", || drop(std::hint::black_box(run_tabulated(&problem, 1000, &mut |_| ()))));
     }
 }

@@ -7,7 +7,7 @@
 
 use super::Trouble;
 use super::problem::{Law, Motion, Problem};
-use super::rates::{FULL, LEAN, Rates, totals};
+use super::rates::{FULL, LEAN, Rates, counted_hz, totals};
 use super::reversal::{Point, Verdict, between};
 use super::tally::{Meter, State, Tally};
 use super::timeline::Timeline;
@@ -36,7 +36,7 @@ fn go<const N: usize>(problem: &Problem, steps_per_period: u32, watch: &mut impl
         let reason = "Coulomb friction jumps at a reversal and may then stick".into();
         return Err(Trouble::Unsuited { method: METHOD, reason });
     }
-    let natural_hz = problem.motion.natural_hz().unwrap_or(0.0);
+    let counted_hz = counted_hz(problem);
     let (rates, y) = Rates::new::<N>(problem);
     let mut walk = Walk { rates, kinematic: problem.motion == Motion::Kinematic, y, sign: 1.0, now: 0.0, k: [0.0; N] };
     let mut meter = Meter::default();
@@ -45,7 +45,7 @@ fn go<const N: usize>(problem: &Problem, steps_per_period: u32, watch: &mut impl
         if let Some(force) = stretch.load {
             walk.rates.load(&mut walk.y, force);
         }
-        let steps = stretch.steps(steps_per_period, natural_hz);
+        let steps = stretch.steps(steps_per_period, counted_hz);
         let h = stretch.length_s / f64::from(steps);
         let starts = stretch.start_s == 0.0;
         let turned = walk.enter(&stretch.forcing, h, starts);
@@ -219,54 +219,5 @@ impl<const N: usize> Walk<N> {
             }
         }
         None
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::contact::problem::tests::table_4_1;
-    use crate::contact::tally::Ratios;
-
-    #[test]
-    fn cost_of_a_step() {
-        fn best(name: &str, mut run: impl FnMut()) {
-            let ns = (0..15).map(|_| {
-                let began = std::time::Instant::now();
-                run();
-                began.elapsed().as_secs_f64() * 1e9 / 20e3
-            });
-            println!("{name} {:.1} ns/step", ns.fold(f64::INFINITY, f64::min));
-        }
-        let problem = std::hint::black_box(table_4_1(0.5, 200.0));
-        best("full", || drop(std::hint::black_box(run(&problem, 100, &mut |_| ()))));
-        best("plain", || drop(std::hint::black_box(run_plain(&problem, 100, &mut |_| ()))));
-    }
-
-    #[test]
-    fn orders() {
-        let problem = table_4_1(0.5, 20.0);
-        let at = |n: u32, naive: bool| {
-            let mut out = Vec::new();
-            let watch = &mut |s: &State| {
-                let q = s.time_s * 240e3;
-                if (q - q.round()).abs() < 1e-7 {
-                    out.push(*s)
-                }
-            };
-            let tally = if naive { crate::contact::rk4::run(&problem, n, watch) } else { run(&problem, n, watch) }.unwrap();
-            (out, tally)
-        };
-        let (reference, _) = at(32768, false);
-        println!("{}", reference.len());
-        for naive in [true, false] {
-            for n in [16, 32, 64, 128, 256, 512, 1024, 2048] {
-                let (out, tally) = at(n, naive);
-                assert_eq!(out.len(), reference.len());
-                let e = out.iter().zip(&reference).map(|(a, b)| (a.force_n - b.force_n).abs()).fold(0.0, f64::max)
-                    / problem.coulomb_n;
-                println!("{naive} {n} {e:.3e} {} {:e}", tally.reversals, Ratios::of(&problem, &tally).energy_residual.unwrap());
-            }
-        }
     }
 }

@@ -12,6 +12,7 @@ use std::f64::consts::TAU;
 
 use super::Trouble;
 use super::problem::{Law, Motion, Problem};
+use super::rates::counted_hz;
 use super::tally::{Meter, State, Tally};
 use super::timeline::{Stretch, Timeline};
 use super::waveform::Shape;
@@ -23,7 +24,7 @@ pub fn run(problem: &Problem, steps_per_period: u32, watch: &mut impl FnMut(&Sta
     let (Law::Dahl { .. }, Motion::Sdof { .. }, Shape::Sine) = (problem.law, problem.motion, problem.waveform.shape()) else {
         return unsuited("only for a Dahl contact on an oscillator under a sine");
     };
-    let natural_hz = problem.motion.natural_hz().unwrap_or(0.0);
+    let counted_hz = counted_hz(problem);
     let mut table: Vec<f64> = Vec::new();
     let mut meter = Meter::default();
     let mut coulomb_n = problem.coulomb_n;
@@ -33,7 +34,7 @@ pub fn run(problem: &Problem, steps_per_period: u32, watch: &mut impl FnMut(&Sta
             return unsuited("a stretch is no whole period");
         }
         coulomb_n = stretch.load.unwrap_or(coulomb_n);
-        let steps = stretch.steps(steps_per_period, natural_hz);
+        let steps = stretch.steps(steps_per_period, counted_hz);
         if table.is_empty() || stretch.load.is_some() {
             let scales = Scales::new(problem, coulomb_n, stretch.length_s / f64::from(steps));
             let half_step = TAU / f64::from(2 * steps);
