@@ -135,7 +135,7 @@ fn cost(n: u32, run: impl Fn(&Problem, u32) -> Result<Tally, Trouble>) -> f64 {
     (0..40).map(once).fold(f64::INFINITY, f64::min)
 }
 
-/// `cargo test --release -p sim-host --lib contact::convergence -- --ignored --nocapture`
+/// `cargo test -p sim-host --lib contact::convergence -- --ignored --nocapture`
 #[test]
 #[ignore = "prints times, for a quiet machine"]
 fn work_and_precision() {

@@ -73,9 +73,12 @@ fn friction_takes_energy_and_with_the_literal_sign_it_does_not() {
     }
 }
 
+/// A method's entry at one number of steps.
+type Run = fn(&Problem, &mut dyn FnMut(&State)) -> Result<Tally, Trouble>;
+
 #[test]
 fn an_oscillator_let_go_decays_and_with_the_literal_sign_it_grows() {
-    let grown = |run: &dyn Fn(&Problem, &mut dyn FnMut(&State)) -> Tally, sign: Sign| {
+    let grown = |run: Run, sign: Sign| {
         let problem = let_go(lugre(0.0, 0.0), sign);
         let Motion::Sdof { mass_kg: m, stiffness_n_per_m: k, .. } = problem.motion else { panic!() };
         let energy = |s: &State| 0.5 * (m * s.v_m_per_s.powi(2) + k * s.x_m.powi(2) + s.force_n.powi(2) / STIFFNESS);
@@ -83,12 +86,15 @@ fn an_oscillator_let_go_decays_and_with_the_literal_sign_it_grows() {
         run(&problem, &mut |state| {
             assert!(sign == Sign::Literal || energy(state) <= energy(&last) * (1.0 + 1e-8), "{state:?}");
             last = *state;
-        });
+        })
+        .unwrap();
         energy(&last) / energy(&problem.start) - 1.0
     };
-    let by_events = |problem: &Problem, mut watch: &mut dyn FnMut(&State)| rk4_events::run(problem, 400, &mut watch).unwrap();
-    let by_midpoint = |problem: &Problem, mut watch: &mut dyn FnMut(&State)| midpoint::run(problem, 400, &mut watch).unwrap();
-    for run in [&by_events as &dyn Fn(&Problem, &mut dyn FnMut(&State)) -> Tally, &by_midpoint] {
+    let runs: [Run; 2] = [
+        |problem, mut watch| rk4_events::run(problem, 400, &mut watch),
+        |problem, mut watch| midpoint::run(problem, 400, &mut watch),
+    ];
+    for run in runs {
         let (passive, literal) = (grown(run, Sign::Passive), grown(run, Sign::Literal));
         println!("{passive:e} {literal:e}");
         assert!(passive < -1e-4 && literal > 1e-4);
@@ -113,11 +119,11 @@ fn beyond_the_bound_on_sigma1_bristles_give_back_more_than_they_hold() {
         let expected = unit * (1.0 + 0.5 * fallen + slip / coulomb * (sigma2 - 0.5 * sigma1 * fallen));
         let held = 0.5 * 1.5 * 1.5 * unit;
         for (tally, tolerance) in [
-            (rk4_events::run(&problem, 2_000, &mut |_| ()).unwrap(), 1e-9),
-            (midpoint::run(&problem, 2_000, &mut |_| ()).unwrap(), 1e-4),
+            (rk4_events::run(&problem, 4_000, &mut |_| ()).unwrap(), 5e-10),
+            (midpoint::run(&problem, 4_000, &mut |_| ()).unwrap(), 5e-10),
         ] {
             let work = tally.totals.friction_work_j;
-            println!("{} steps: work {work:e}, expected {expected:e}, held {held:e}", tally.steps);
+            println!("{} steps: work {work:e} J, off by {:e}, held {held:e} J", tally.steps, work / expected - 1.0);
             assert!((work / expected - 1.0).abs() < tolerance);
             assert_eq!(work >= -held, passive);
         }
@@ -133,6 +139,7 @@ fn bent_bristles_release() {
     })
     .unwrap();
     println!("{least:e} W");
-    // Found by another program: -7e-4 W.
-    assert!((-8e-4..-5e-4).contains(&least));
+    // A good part of Fc Vv, which it can never exceed by more than Fs does Fc.
+    let most = problem.coulomb_n * problem.vibration_m_per_s();
+    assert!(least < -0.3 * most && least > -1.5 * most);
 }

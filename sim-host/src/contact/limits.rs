@@ -71,7 +71,8 @@ fn viscous_friction_adds_its_slip_to_the_mean() {
         let problem = steady(lugre(1.5, 0.0, 0.0));
         let added = mean(0.3) - mean(0.0) - 0.3 * problem.sliding_m_per_s / problem.coulomb_n;
         println!("{name} {added:e}");
-        assert!(added.abs() < 1e-14);
+        // By rk4-events the slip itself is integrated in uneven steps.
+        assert!(added.abs() < if name == "rk4-events" { 2e-10 } else { 1e-13 });
     }
 }
 
@@ -121,16 +122,17 @@ fn a_lighter_load_lets_friction_decay_to_its_bound() {
         let mut problem = table_4_1(0.5, 200.0);
         let coulomb_n = 0.2 * problem.coulomb_n;
         problem.load_steps = vec![(100.0 / 60e3, coulomb_n)];
+        problem.window_s.0 = 150.0 / 60e3;
         let (seen, tally) = states(&problem, 200, run);
         let after: Vec<f64> = seen.iter().filter(|s| s.time_s > 100.0 / 60e3).map(|s| s.force_n.abs() / coulomb_n).collect();
         println!("{name}: {} -> {}", after[0], after[after.len() - 1]);
         assert!(after[0] > 2.0);
         assert!(after.windows(2).all(|pair| pair[1] <= pair[0] || pair[1] <= 1.0), "{name}");
         assert!(after[after.len() / 2..].iter().all(|ratio| *ratio <= 1.0), "{name}");
-        // The mean by a Taylor series of another program.
+        // The mean by a Taylor series in another program.
         let friction = Ratios::of(&problem, &tally).friction;
         println!("{name}: {friction:.9}");
-        assert!((friction - 0.500253255).abs() < if name == "rk4" { 3e-6 } else { 5e-9 });
+        assert!((friction - 0.500253255).abs() < if name == "rk4" { 2e-6 } else { 5e-9 });
     }
 }
 
@@ -190,5 +192,18 @@ fn midpoint_is_bounded_at_any_stiffness_and_damping() {
         let tally = midpoint::run(&problem, 100, &mut |_| ()).unwrap();
         println!("{sigma1:e}: {:e} {:e}", tally.peak_velocity_m_per_s, tally.peak_displacement_m);
         assert!(tally.peak_velocity_m_per_s <= 1.01 * problem.sliding_m_per_s, "{tally:?}");
+    }
+}
+
+#[test]
+fn a_dahl_contact_near_coulomb_friction() {
+    // Ten thousand times the stiffness of Table 4.1; the classical method needs 20000 steps to stay.
+    let problem = Problem { law: Law::Dahl { stiffness_n_per_m: 560e6 }, ..table_4_1(0.5, 20.0) };
+    let friction = |tally: Tally| Ratios::of(&problem, &tally).friction;
+    let reference = friction(states(&problem, 20_000, RUNS[1].1).1);
+    for (n, bound) in [(200, 3e-5), (1000, 5e-8), (5000, 1e-9)] {
+        let tally = states(&problem, n, RUNS[2].1).1;
+        println!("{n}: {:e}, peak {}", friction(tally) - reference, tally.peak_force_ratio);
+        assert!((friction(tally) - reference).abs() < bound && tally.peak_force_ratio <= 1.0);
     }
 }

@@ -258,7 +258,9 @@ impl Walk {
         let mut work = self.coulomb_n * part.work;
         if self.sigma1 != 0.0 || self.sigma2 != 0.0 {
             let damped = |f: f64, slip: f64| slip * (self.sigma1 * self.deflecting(f, slip) + self.sigma2 * slip);
-            work += simpson(damped(self.f, slip[0]), damped(0.5 * (self.f + part.end), slip[1]), damped(part.end, slip[2]));
+            // In the middle, what gives the mean by Simpson's rule.
+            let middle = 1.5 * part.impulse / h - 0.25 * (self.f + part.end);
+            work += simpson(damped(self.f, slip[0]), damped(middle, slip[1]), damped(part.end, slip[2]));
         }
         let mean_slip = self.sliding + self.sign * (self.x - x0) / h;
         let totals = &mut self.totals;
