@@ -238,7 +238,7 @@ impl Walk {
             mean = now;
             rounds += 1;
             let scale = self.sliding.abs() + v0.abs() + v1.abs();
-            if rounds == 8 || moved.abs() <= 1e-8 * scale {
+            if rounds == 8 || moved.abs() <= 1e-7 * scale {
                 let (x, v) = (self.x + h * self.sign * (mean - self.sliding), free_v - flow.held[1] * force);
                 (self.x, self.v) = (x, v);
                 return (slip, part, force);
