@@ -10,16 +10,29 @@
 //! [`tally`]; which one meets a tolerance at the least cost is chosen in [`auto`](mod@auto).
 
 pub mod auto;
+pub mod bristle;
 mod forcing;
 pub mod linexp;
+pub mod midpoint;
 pub mod oscillator;
 mod polynomial;
 pub mod problem;
+pub mod rates;
+pub mod reversal;
 pub mod rk4;
+pub mod rk4_events;
+pub mod rk4_tabulated;
 pub mod tally;
 pub mod taylor;
 pub mod timeline;
 pub mod waveform;
+
+#[cfg(test)]
+mod convergence;
+#[cfg(test)]
+mod energetics;
+#[cfg(test)]
+mod limits;
 
 pub use auto::{Method, Numerics, Solution, solve};
 pub use forcing::Forcing;

@@ -90,7 +90,6 @@ impl<'a, const K: usize, const N: usize> Run<'a, K, N> {
     }
 
     fn all(mut self, watch: &mut impl FnMut(&State)) -> Result<Tally, Trouble> {
-        let natural_hz = self.problem.motion.natural_hz().unwrap_or(0.0);
         let mut state = self.problem.start;
         for stretch in Timeline::new(self.problem) {
             let careful = &mut self.careful;
@@ -99,7 +98,7 @@ impl<'a, const K: usize, const N: usize> Run<'a, K, N> {
             }
             careful.face(&stretch.forcing, stretch.length_s);
             careful.meter.at(&stretch, &state, careful.coulomb_n);
-            let steps = stretch.steps(self.steps_per_period, natural_hz);
+            let steps = stretch.steps(self.steps_per_period);
             let h = stretch.length_s / f64::from(steps);
             let table = match stretch.template {
                 Some(template) if !self.accounted && !careful.is_stiff(h) => Some(self.table(template, &stretch, steps, h)),

@@ -179,7 +179,8 @@ impl Ratios {
             }
         };
         let over = |joule: f64| Some(joule / sliding_j);
-        let power = over(totals.friction_work_j);
+        // A lean run does not add up the work, which is never zero where there is friction and sliding.
+        let power = over(totals.friction_work_j).filter(|power| *power != 0.0);
         if !tally.accounted {
             return Ratios { friction, power, ..Ratios::default() };
         }

@@ -78,7 +78,6 @@ impl<'a, const N: usize> Run<'a, N> {
     }
 
     fn all(mut self, steps_per_period: u32, watch: &mut impl FnMut(&State)) -> Result<Tally, Trouble> {
-        let natural_hz = self.problem.motion.natural_hz().unwrap_or(0.0);
         let mut state = self.state(0.0);
         for stretch in Timeline::new(self.problem) {
             if let Some(force) = stretch.load {
@@ -87,7 +86,7 @@ impl<'a, const N: usize> Run<'a, N> {
             }
             self.face(&stretch.forcing, stretch.length_s);
             self.meter.at(&stretch, &state, self.coulomb_n);
-            let steps = stretch.steps(steps_per_period, natural_hz);
+            let steps = stretch.steps(steps_per_period);
             let h = stretch.length_s / f64::from(steps);
             for step in 0..steps {
                 self.step(&stretch.forcing, f64::from(step) * h, h);

@@ -14,8 +14,8 @@ pub struct Stretch {
     pub template: Option<usize>,
     /// The forcing, from the stretch's beginning on.
     pub forcing: Forcing,
-    /// The fastest frequency of the forcing, Hz: a cosine's own, or that of the waveform which a line is a piece of.
-    pub forcing_hz: f64,
+    /// The fastest frequency in it, Hz: of the oscillator, of a cosine, or of the waveform which a line is a piece of.
+    pub fastest_hz: f64,
     /// The Coulomb force that takes over at its beginning, N.
     pub load: Option<f64>,
     /// Whether the window of the means begins here.
@@ -25,11 +25,10 @@ pub struct Stretch {
 }
 
 impl Stretch {
-    /// Steps in this stretch at so many a period, counted by the fastest of forcing and oscillator.
-    pub fn steps(&self, per_period: u32, natural_hz: f64) -> u32 {
-        let hz = self.forcing_hz.max(natural_hz);
+    /// Steps in this stretch at so many a period of the fastest.
+    pub fn steps(&self, per_period: u32) -> u32 {
         // A stretch of exactly a period, within round-off, has exactly as many.
-        ((f64::from(per_period) * hz * self.length_s - 1e-6).ceil() as u32).max(1)
+        ((f64::from(per_period) * self.fastest_hz * self.length_s - 1e-6).ceil() as u32).max(1)
     }
 }
 
@@ -101,7 +100,8 @@ impl Iterator for Timeline<'_> {
         };
         self.now_s = cut.unwrap_or(piece_end_s);
         let forcing_hz = forcing.fastest_hz(length_s).unwrap_or(self.problem.waveform.frequency_hz());
-        Some(Stretch { start_s, length_s, template, forcing, forcing_hz, load, opens, closes })
+        let fastest_hz = forcing_hz.max(self.problem.motion.natural_hz().unwrap_or(0.0));
+        Some(Stretch { start_s, length_s, template, forcing, fastest_hz, load, opens, closes })
     }
 }
 
@@ -109,7 +109,7 @@ impl Iterator for Timeline<'_> {
 mod tests {
     use super::*;
     use crate::contact::problem::tests::table_4_1;
-    use crate::contact::{Shape, Waveform};
+    use crate::contact::{Motion, Shape, Waveform};
 
     fn stretches(shape: Shape, change: impl Fn(&mut Problem)) -> Vec<Stretch> {
         let mut problem = table_4_1(0.5, 20.0);
@@ -157,8 +157,13 @@ mod tests {
 
     #[test]
     fn steps_follow_the_fastest() {
-        let all = stretches(Shape::Sine, |_| ());
-        assert_eq!(all[0].steps(16, 12e3), 16);
-        assert_eq!(all[0].steps(16, 90e3), 24);
+        for (shape, natural, steps) in [(Shape::Sine, 12e3, 16), (Shape::Sine, 90e3, 24), (Shape::Square, 12e3, 8)] {
+            let set = |problem: &mut Problem| {
+                let stiffness_n_per_m = 0.02 * (std::f64::consts::TAU * natural).powi(2);
+                problem.motion = Motion::Sdof { mass_kg: 0.02, stiffness_n_per_m, damping_n_s_per_m: 0.0 };
+            };
+            assert_eq!(stretches(shape, set)[0].steps(16), steps);
+        }
+        assert_eq!(stretches(Shape::Square, |problem| problem.motion = Motion::Kinematic)[0].steps(16), 8);
     }
 }
