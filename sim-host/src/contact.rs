@@ -10,6 +10,7 @@
 //! [`tally`]; which one meets a tolerance at the least cost is chosen in [`auto`](mod@auto).
 
 pub mod auto;
+pub mod closed;
 pub mod problem;
 pub mod rk4;
 pub mod tally;
