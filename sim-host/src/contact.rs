@@ -11,6 +11,7 @@
 
 pub mod auto;
 pub mod closed;
+pub mod coulomb;
 pub mod problem;
 pub mod rk4;
 pub mod tally;
