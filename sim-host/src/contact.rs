@@ -13,6 +13,7 @@ pub mod auto;
 pub mod closed;
 pub mod coulomb;
 pub mod hertz;
+pub mod lanes;
 pub mod problem;
 pub mod rk4;
 pub mod tally;

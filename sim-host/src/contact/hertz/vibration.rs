@@ -177,11 +177,11 @@ mod tests {
             let mut most = 0.0f64;
             for step in 1..=60 {
                 let force_ratio = 0.02 * f64::from(step) * if frequency_ratio == 0.9 { 0.2 } else { 1.0 };
-                let motion = run(&DrivenContact { force_ratio, frequency_ratio, steps_per_period: 100, ..RESONANT });
+                let motion = run(&DrivenContact { force_ratio, frequency_ratio, steps_per_period: 200, ..RESONANT });
                 if motion.reach.1 > 0.0 {
                     most = most.max(1.0 - motion.friction_ratio);
+                    assert!((motion.force_balance - 1.0).abs() < 1e-3 && motion.energy_residual.abs() < 1e-5, "{motion:?}");
                 }
-                assert!((motion.force_balance - 1.0).abs() < 0.02 && motion.energy_residual.abs() < 1e-3, "{motion:?}");
             }
             println!("{frequency_ratio}: {most}");
             assert!((0.05..0.13).contains(&most), "{frequency_ratio}: {most}");
