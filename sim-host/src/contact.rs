@@ -11,8 +11,13 @@
 
 pub mod auto;
 pub mod bristle;
+pub mod closed;
+pub mod coulomb;
 mod forcing;
+pub mod hertz;
+pub mod lanes;
 pub mod linexp;
+pub mod method;
 pub mod midpoint;
 pub mod oscillator;
 mod polynomial;
@@ -34,8 +39,9 @@ mod energetics;
 #[cfg(test)]
 mod limits;
 
-pub use auto::{Method, Numerics, Solution, solve};
+pub use auto::{Numerics, Solution, solve};
 pub use forcing::Forcing;
+pub use method::Method;
 pub use problem::{Law, Motion, Problem, Sign};
 pub use tally::{State, Tally};
 pub use waveform::{Shape, Waveform};

@@ -31,8 +31,7 @@ pub fn run(problem: &Problem, steps_per_period: u32, watch: &mut impl FnMut(&Sta
         return Err(Trouble::Unsuited { method: METHOD, reason });
     };
     let mut walk = Walk::new(problem, bristle);
-    let mut meter = Meter::default();
-    meter.tally.accounted = true;
+    let mut meter = Meter::new(true);
     let mut state = problem.start;
     for stretch in Timeline::new(problem) {
         if let Some(force) = stretch.load {

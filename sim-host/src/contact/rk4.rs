@@ -35,8 +35,7 @@ fn go<const N: usize>(problem: &Problem, steps_per_period: u32, watch: &mut impl
         return Err(Trouble::Unsuited { method: METHOD, reason });
     }
     let (mut rates, mut y) = Rates::new::<N>(problem);
-    let mut meter = Meter::default();
-    meter.tally.accounted = N == FULL;
+    let mut meter = Meter::new(N == FULL);
     let mut state = problem.start;
     let mut timeline = Timeline::new(problem).peekable();
     while let Some(stretch) = timeline.next() {

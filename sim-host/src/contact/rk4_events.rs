@@ -38,8 +38,7 @@ fn go<const N: usize>(problem: &Problem, steps_per_period: u32, watch: &mut impl
     }
     let (rates, y) = Rates::new::<N>(problem);
     let mut walk = Walk { rates, kinematic: problem.motion == Motion::Kinematic, y, sign: 1.0, now: 0.0, k: [0.0; N] };
-    let mut meter = Meter::default();
-    meter.tally.accounted = N == FULL;
+    let mut meter = Meter::new(N == FULL);
     let mut state = problem.start;
     for stretch in Timeline::new(problem) {
         if let Some(force) = stretch.load {

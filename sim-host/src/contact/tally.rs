@@ -92,6 +92,11 @@ pub struct Meter {
 }
 
 impl Meter {
+    /// A meter at zero; whether the method adds up the energies, too.
+    pub fn new(accounted: bool) -> Self {
+        Meter { tally: Tally { accounted, ..Tally::default() }, ..Meter::default() }
+    }
+
     /// A stretch begins in this state.
     pub fn at(&mut self, stretch: &Stretch, state: &State, coulomb_n: f64) {
         if stretch.opens {

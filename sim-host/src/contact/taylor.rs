@@ -72,8 +72,7 @@ impl<'a, const N: usize> Run<'a, N> {
         };
         let State { x_m, v_m_per_s, force_n, .. } = problem.start;
         let coulomb_n = problem.coulomb_n;
-        let mut meter = Meter::default();
-        meter.tally.accounted = true;
+        let meter = Meter::new(true);
         Ok(Run { problem, kt, coulomb_n, x: x_m, v: v_m_per_s, f: force_n / coulomb_n, sense: 0.0, meter })
     }
 

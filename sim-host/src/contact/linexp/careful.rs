@@ -84,8 +84,7 @@ impl<const K: usize, const N: usize> Careful<K, N> {
     pub fn new(problem: &Problem, kt: f64, steps_per_period: u32, extent: Extent) -> Self {
         let accounted = extent == Extent::Accounted;
         let oscillator = Oscillator::of(problem);
-        let mut meter = Meter::default();
-        meter.tally.accounted = accounted;
+        let meter = Meter::new(accounted);
         let mut run = Careful {
             oscillator,
             x: problem.start.x_m,

@@ -1,0 +1,167 @@
+//! Steady friction of a given vibration, without a time step: `V = Vt + Vv cos(w t)`, Coulomb or Dahl.
+//!
+//! In units of the vibration velocity Vv, the phase `p = w t` and the slip `Vv / w`, the steady state depends on two numbers only,
+//!
+//! ```text
+//! xi    = Vt / Vv               velocity ratio
+//! kappa = Kt Vv / (w Fc)        vibration amplitude in Dahl lengths; infinite for Coulomb friction
+//! ```
+//!
+//! For |xi| < 1 the slip goes forward over the angle 2 a and backward over 2 b, with b = acos xi and a = pi - b, and each way is the
+//! same function of its half angle ([`swing`]). Dahl's law (thesis 4.15) is linear in slip, so that with the exponents
+//! `A = 2 kappa (sin a - a cos a) / 2`, `B` likewise, and the integrals I of `exp(-kappa slip)` over either way
+//!
+//! ```text
+//! friction at the end of forward    f1 = (1 - 2 e^-2A + e^-2(A+B)) / (1 - e^-2(A+B))
+//! friction ratio   r   = (2/pi) asin xi + [ (1 - e^-2A) I_b - (1 - e^-2B) I_a ] / (pi (1 - e^-2(A+B)))
+//! power ratio      phi = [ (A - tanh A) + (B - tanh B) + (tanh A - tanh B)^2 / (tanh A + tanh B) ] / (pi xi kappa)
+//! ```
+//!
+//! The power ratio is elementary and, in this form, a sum of positive terms. The friction ratio is the time mean, whose integrals
+//! are not elementary (of the kind of incomplete Anger functions); they take 6 to 20 Gauss-Legendre nodes ([`gauss`]) for round-off
+//! at any kappa. From |xi| = 1 on nothing reverses and both ratios are one.
+//!
+//! Limits: `kappa -> 0` r = phi = (pi/2) xi / (xi asin xi + sqrt(1 - xi^2)); Coulomb r = (2/pi) asin xi (Kumar and Hutchings 2004)
+//! and phi = (2/pi) (asin xi + sqrt(1 - xi^2) / xi). For every xi, r falls from the one to the other with kappa, and phi rises.
+
+pub(super) mod gauss;
+mod lines;
+mod solve;
+mod steady;
+pub(super) mod swing;
+
+use std::f64::consts::{FRAC_2_PI, FRAC_PI_2, PI};
+
+pub use solve::{ClosedForm, solve};
+pub use steady::Steady;
+use swing::Swing;
+
+/// Below this kappa both ratios are their limit to round-off.
+pub(super) const NO_MEMORY_LOST: f64 = 1e-17;
+
+/// Mean friction over Coulomb force of steady Dahl friction: odd in xi; kappa >= 0, infinite for Coulomb friction.
+///
+/// Absolute error below 1e-14 for any kappa.
+pub fn friction_ratio(xi: f64, kappa: f64) -> f64 {
+    let size = xi.abs();
+    if !in_range(kappa) {
+        return f64::NAN;
+    }
+    if size >= 1.0 || xi.is_nan() {
+        return xi.signum();
+    }
+    if kappa < NO_MEMORY_LOST {
+        return limit_ratio(xi);
+    }
+    if kappa == f64::INFINITY {
+        return coulomb_friction_ratio(xi);
+    }
+    let [forward, backward] = Swing::both(size, kappa);
+    let difference = forward.forgotten() * backward.integral() - backward.forgotten() * forward.integral();
+    (FRAC_2_PI * size.asin() + difference / (PI * both_forgotten(&forward, &backward))).copysign(xi)
+}
+
+/// Power that steady Dahl friction dissipates, over that of Coulomb friction without vibration: even in xi, none at xi = 0.
+///
+/// Relative error below 1e-14 for any kappa.
+pub fn power_ratio(xi: f64, kappa: f64) -> Option<f64> {
+    let size = xi.abs();
+    if size == 0.0 || xi.is_nan() || !in_range(kappa) {
+        return None;
+    }
+    if size >= 1.0 {
+        return Some(1.0);
+    }
+    if kappa < NO_MEMORY_LOST {
+        return Some(limit_ratio(size));
+    }
+    if kappa == f64::INFINITY {
+        return coulomb_power_ratio(xi);
+    }
+    let [forward, backward] = Swing::both(size, kappa);
+    let (a, b) = (forward.exponent(), backward.exponent());
+    let (tanh_a, tanh_b) = (a.tanh(), b.tanh());
+    // tanh A - tanh B, where A - B = pi xi kappa
+    let apart = (PI * size * kappa).tanh() * (1.0 - tanh_a * tanh_b);
+    let sum = over_tanh(a, tanh_a) + over_tanh(b, tanh_b) + apart * apart / (tanh_a + tanh_b);
+    Some(sum / (PI * size * kappa))
+}
+
+/// Power that keeps the vibration going against steady Dahl friction, `mean(F x') / (Fc Vt)`, by quadrature of its own: what is
+/// missing in `phi = r + phi_iu` is the error of the integrals. None at xi = 0.
+pub fn input_ratio(xi: f64, kappa: f64) -> Option<f64> {
+    let size = xi.abs();
+    if size == 0.0 || xi.is_nan() || !in_range(kappa) {
+        return None;
+    }
+    if size >= 1.0 || kappa < NO_MEMORY_LOST {
+        return Some(0.0);
+    }
+    let sine = ((1.0 - size) * (1.0 + size)).sqrt();
+    if kappa == f64::INFINITY {
+        return Some(FRAC_2_PI * sine / size);
+    }
+    let [forward, backward] = Swing::both(size, kappa);
+    let lost = backward.forgotten() * forward.cosine_integral() + forward.forgotten() * backward.cosine_integral();
+    Some((2.0 * sine - lost / both_forgotten(&forward, &backward)) / (PI * size))
+}
+
+/// Mean of `sgn V`: friction ratio of Coulomb friction (thesis 4.3).
+pub fn coulomb_friction_ratio(xi: f64) -> f64 {
+    FRAC_2_PI * xi.clamp(-1.0, 1.0).asin()
+}
+
+/// Mean of `|V| / Vt`: power ratio of Coulomb friction. None at xi = 0.
+pub fn coulomb_power_ratio(xi: f64) -> Option<f64> {
+    let size = xi.abs();
+    match size {
+        _ if size == 0.0 || xi.is_nan() => None,
+        _ if size >= 1.0 => Some(1.0),
+        _ => Some(FRAC_2_PI * (size.asin() + ((1.0 - size) * (1.0 + size)).sqrt() / size)),
+    }
+}
+
+/// Both ratios as kappa goes to zero, where friction is constant: net slip over slip, `(pi/2) xi / (xi asin xi + sqrt(1 - xi^2))`.
+pub fn limit_ratio(xi: f64) -> f64 {
+    if xi.abs() >= 1.0 {
+        return xi.signum();
+    }
+    FRAC_PI_2 * xi / (xi * xi.asin() + ((1.0 - xi) * (1.0 + xi)).sqrt())
+}
+
+/// What one period leaves of a difference in friction: `exp(-kappa slip)`, the slip there and back. After N periods the start counts
+/// `forget^N`, so a window that opens then is steady to that part of Fc.
+pub fn forget(xi: f64, kappa: f64) -> f64 {
+    let size = xi.abs();
+    let slip = if size >= 1.0 { 2.0 * PI * size } else { 4.0 * (size * size.asin() + ((1.0 - size) * (1.0 + size)).sqrt()) };
+    (-kappa * slip).exp()
+}
+
+fn in_range(kappa: f64) -> bool {
+    kappa >= 0.0
+}
+
+/// `1 - exp(-2 (A + B))`.
+fn both_forgotten(forward: &Swing, backward: &Swing) -> f64 {
+    -(-2.0 * (forward.exponent() + backward.exponent())).exp_m1()
+}
+
+/// `x - tanh x` of an x >= 0.
+fn over_tanh(x: f64, tanh: f64) -> f64 {
+    if x > 1.0 {
+        return x - tanh;
+    }
+    // x cosh x - sinh x = sum of 2 k x^(2k+1) / (2k+1)!, all positive; the tenth is below 1e-17 of the first
+    let square = x * x;
+    let mut term = x;
+    let mut sum = 0.0;
+    for k in 1..10 {
+        let k = f64::from(k);
+        term *= square / (2.0 * k * (2.0 * k + 1.0));
+        sum += 2.0 * k * term;
+    }
+    sum / x.cosh()
+}
+
+#[cfg(test)]
+mod tests;

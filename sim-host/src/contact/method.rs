@@ -1,0 +1,116 @@
+//! The methods by name: what each is for, what it starts with, and how it is run.
+
+use super::linexp::{self, Extent};
+use super::problem::{Law, Motion, Problem};
+use super::tally::{State, Tally};
+use super::{Trouble, coulomb, midpoint, rk4, rk4_events, taylor};
+
+/// A way to solve a problem.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Method {
+    /// The cheapest that meets the tolerance.
+    #[default]
+    Auto,
+    /// Steady state in closed form: kinematic, Coulomb or Dahl.
+    Closed,
+    /// Friction on the motion that the oscillator has without it.
+    Frozen,
+    /// Exact linear flow, friction exact in slip, coupled at Gauss-Legendre nodes. Of Coulomb friction: exact from reversal to reversal.
+    Linexp,
+    /// Taylor series of high order with located reversals.
+    Taylor,
+    /// The thesis's Runge-Kutta of fixed step.
+    Rk4,
+    /// Runge-Kutta with located reversals.
+    Rk4Events,
+    /// Friction exact in slip at the midpoint, for stiff bristles.
+    Midpoint,
+}
+
+impl Method {
+    /// Its name in a scene.
+    pub fn name(self) -> &'static str {
+        match self {
+            Method::Auto => "auto",
+            Method::Closed => "closed",
+            Method::Frozen => "frozen",
+            Method::Linexp => "linexp",
+            Method::Taylor => "taylor",
+            Method::Rk4 => "rk4",
+            Method::Rk4Events => "rk4-events",
+            Method::Midpoint => "midpoint",
+        }
+    }
+
+    /// Steps a period to begin with; none in closed form. `kappa` is the vibration amplitude in Dahl lengths.
+    ///
+    /// Friction's exponent over a step is to be below one, so the step follows from kappa.
+    pub fn steps(self, kappa: f64) -> Option<u32> {
+        let by_stiffness = |least: u32| match kappa {
+            k if k < 1.0 => least,
+            k if k < 10.0 => 2 * least,
+            k if k < 100.0 => 4 * least,
+            _ => 8 * least,
+        };
+        match self {
+            Method::Auto | Method::Closed => None,
+            Method::Frozen | Method::Linexp => Some(by_stiffness(8)),
+            Method::Taylor => Some(by_stiffness(16)),
+            Method::Rk4 => Some(1000),
+            Method::Rk4Events => Some(by_stiffness(64)),
+            Method::Midpoint => Some(by_stiffness(128)),
+        }
+    }
+
+    /// Order to begin with, where it can be chosen.
+    pub fn order(self) -> Option<u32> {
+        match self {
+            Method::Frozen | Method::Linexp => Some(6),
+            Method::Taylor => Some(16),
+            _ => None,
+        }
+    }
+
+    /// Runs a problem; with `accounted`, the energies are added up, too.
+    pub fn run(
+        self,
+        problem: &Problem,
+        (steps, order): (u32, Option<u32>),
+        accounted: bool,
+        watch: &mut impl FnMut(&State),
+    ) -> Result<Tally, Trouble> {
+        let order = order.or(self.order()).unwrap_or(0);
+        let extent = match (self, accounted) {
+            (Method::Frozen, _) => Extent::Frozen,
+            (_, true) => Extent::Accounted,
+            (_, false) => Extent::Swift,
+        };
+        match self {
+            Method::Linexp if problem.law == Law::Coulomb => coulomb::run(problem, steps, watch),
+            Method::Linexp | Method::Frozen => linexp::run(problem, steps, order, extent, watch),
+            Method::Taylor => taylor::run(problem, steps, order, watch),
+            Method::Rk4 if accounted => rk4::run(problem, steps, watch),
+            Method::Rk4 => rk4::run_plain(problem, steps, watch),
+            Method::Rk4Events if accounted => rk4_events::run(problem, steps, watch),
+            Method::Rk4Events => rk4_events::run_plain(problem, steps, watch),
+            Method::Midpoint => midpoint::run(problem, steps, watch),
+            Method::Auto | Method::Closed => {
+                let reason = "it has no steps".into();
+                Err(Trouble::Unsuited { method: self.name(), reason })
+            }
+        }
+    }
+
+    /// States that it integrates.
+    pub fn states(self, problem: &Problem) -> usize {
+        let motion = match problem.motion {
+            Motion::Kinematic => 0,
+            Motion::Sdof { .. } => 2,
+        };
+        match (self, problem.law) {
+            (Method::Closed, _) => 0,
+            (_, Law::Coulomb) => motion,
+            _ => motion + 1,
+        }
+    }
+}
