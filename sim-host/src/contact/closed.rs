@@ -164,4 +164,6 @@ fn over_tanh(x: f64, tanh: f64) -> f64 {
 }
 
 #[cfg(test)]
+mod laws;
+#[cfg(test)]
 mod tests;
