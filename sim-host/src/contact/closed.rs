@@ -8,8 +8,8 @@
 //! ```
 //!
 //! For |xi| < 1 the slip goes forward over the angle 2 a and backward over 2 b, with b = acos xi and a = pi - b, and each way is the
-//! same function of its half angle ([`swing`]). Dahl's law (thesis 4.15) is linear in slip, so that with the exponents
-//! `A = 2 kappa (sin a - a cos a) / 2`, `B` likewise, and the integrals I of `exp(-kappa slip)` over either way
+//! same function of its half angle ([`swing`]). Dahl's law (thesis 4.15) is linear in slip, so that with `A = kappa (sin a - a cos a)`,
+//! half of kappa times the slip forward, `B` likewise backward, and the integrals I of `exp(-kappa slip)` over either way
 //!
 //! ```text
 //! friction at the end of forward    f1 = (1 - 2 e^-2A + e^-2(A+B)) / (1 - e^-2(A+B))
