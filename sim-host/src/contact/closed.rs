@@ -8,7 +8,7 @@
 //! ```
 //!
 //! For |xi| < 1 the slip goes forward over the angle 2 a and backward over 2 b, with b = acos xi and a = pi - b, and each way is the
-//! same function of its half angle ([`swing`]). Dahl's law (thesis 4.15) is linear in slip, so that with `A = kappa (sin a - a cos a)`,
+//! same function of its half angle (`swing`). Dahl's law (thesis 4.15) is linear in slip, so that with `A = kappa (sin a - a cos a)`,
 //! half of kappa times the slip forward, `B` likewise backward, and the integrals I of `exp(-kappa slip)` over either way
 //!
 //! ```text
@@ -18,7 +18,7 @@
 //! ```
 //!
 //! The power ratio is elementary and, in this form, a sum of positive terms. The friction ratio is the time mean, whose integrals
-//! are not elementary (of the kind of incomplete Anger functions); they take 6 to 20 Gauss-Legendre nodes ([`gauss`]) for round-off
+//! are not elementary (of the kind of incomplete Anger functions); they take 6 to 20 Gauss-Legendre nodes (`gauss`) for round-off
 //! at any kappa. From |xi| = 1 on nothing reverses and both ratios are one.
 //!
 //! Limits: `kappa -> 0` r = phi = (pi/2) xi / (xi asin xi + sqrt(1 - xi^2)); Coulomb r = (2/pi) asin xi (Kumar and Hutchings 2004)

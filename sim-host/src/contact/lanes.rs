@@ -1,6 +1,6 @@
 //! The closed form for many points at once: friction and power ratio of steady Dahl friction, several points abreast in SIMD lanes.
 //!
-//! The same equations as in [`closed`], word for word but for the functions ([`functions`]): every lane
+//! The same equations as in [`closed`], word for word but for the functions (`functions`): every lane
 //! carries its own velocity ratio and kappa, and all go through the rule of the lane that needs most nodes. Points out of the ordinary
 //! (|xi| of zero, one or more, kappa of nothing or infinity) are left to the scalar form. What comes out is equal to the scalar result
 //! to 1e-13; how much faster it is, the bench says: `cargo bench -p sim-host --bench contact`.
@@ -78,7 +78,7 @@ fn power(xi: Lanes, kappa: Lanes) -> Lanes {
     (over + difference * difference / (tanh_a + tanh_b)) / apart
 }
 
-/// One way of the slip, as [`closed::swing`] has it.
+/// One way of the slip, as `closed::swing` has it.
 #[derive(Clone, Copy)]
 struct Way {
     half: Lanes,
