@@ -8,8 +8,8 @@
 //! ```
 //!
 //! For |xi| < 1 the slip goes forward over the angle 2 a and backward over 2 b, with b = acos xi and a = pi - b, and each way is the
-//! same function of its half angle ([`swing`]). Dahl's law (thesis 4.15) is linear in slip, so that with the exponents
-//! `A = 2 kappa (sin a - a cos a) / 2`, `B` likewise, and the integrals I of `exp(-kappa slip)` over either way
+//! same function of its half angle (`swing`). Dahl's law (thesis 4.15) is linear in slip, so that with `A = kappa (sin a - a cos a)`,
+//! half of kappa times the slip forward, `B` likewise backward, and the integrals I of `exp(-kappa slip)` over either way
 //!
 //! ```text
 //! friction at the end of forward    f1 = (1 - 2 e^-2A + e^-2(A+B)) / (1 - e^-2(A+B))
@@ -18,7 +18,7 @@
 //! ```
 //!
 //! The power ratio is elementary and, in this form, a sum of positive terms. The friction ratio is the time mean, whose integrals
-//! are not elementary (of the kind of incomplete Anger functions); they take 6 to 20 Gauss-Legendre nodes ([`gauss`]) for round-off
+//! are not elementary (of the kind of incomplete Anger functions); they take 6 to 20 Gauss-Legendre nodes (`gauss`) for round-off
 //! at any kappa. From |xi| = 1 on nothing reverses and both ratios are one.
 //!
 //! Limits: `kappa -> 0` r = phi = (pi/2) xi / (xi asin xi + sqrt(1 - xi^2)); Coulomb r = (2/pi) asin xi (Kumar and Hutchings 2004)
@@ -163,5 +163,7 @@ fn over_tanh(x: f64, tanh: f64) -> f64 {
     sum / x.cosh()
 }
 
+#[cfg(test)]
+mod laws;
 #[cfg(test)]
 mod tests;

@@ -1,7 +1,7 @@
 //! Coulomb friction, exactly, from event to event.
 //!
 //! Between reversals of the slip the friction is constant, so that the oscillator is linear with a smooth forcing: its Taylor series is
-//! the exact flow ([`arc`]). Reversals are zeros of that polynomial, located to round-off ([`crossing`]). Nowhere is the response at
+//! the exact flow (`arc`). Reversals are zeros of that polynomial, located to round-off (`crossing`). Nowhere is the response at
 //! resonance divided by what vanishes there: `F0 / (Ks - m w^2)` does not occur.
 //!
 //! At a reversal (V = 0) the law `F = Fc sgn V` leaves F open, and Filippov's solution (1988) closes it. With the force needed to hold

@@ -30,8 +30,13 @@ static WHOLE: LazyLock<Vec<Node>> =
 /// The half from 0 to 1 of a rule over 0 to 2, for integrands that are even about 1: those that decay from 0 to 1 as `exp(-A ...)`.
 #[inline]
 pub(in crate::contact) fn half(exponent: f64) -> &'static [Node] {
-    let index = HALF_RULES.iter().position(|rule| exponent <= rule.1).unwrap_or(HALF_RULES.len() - 1);
-    &HALVES[index]
+    &HALVES[rule(exponent)]
+}
+
+/// Which of [`HALF_RULES`] an exponent takes.
+#[inline]
+pub(in crate::contact) fn rule(exponent: f64) -> usize {
+    HALF_RULES.iter().position(|rule| exponent <= rule.1).unwrap_or(HALF_RULES.len() - 1)
 }
 
 /// A rule of 40 nodes over 0 to 1.

@@ -66,7 +66,7 @@ impl Swing {
     }
 
     /// Phase of the whole way, rad.
-    pub(super) fn length_rad(&self) -> f64 {
+    pub(in crate::contact) fn length_rad(&self) -> f64 {
         2.0 * self.half_rad
     }
 
@@ -122,7 +122,7 @@ impl Swing {
 
     /// Slip at a phase u since the beginning, up to the middle of the way.
     #[inline]
-    fn slip(&self, u: f64) -> f64 {
+    pub(in crate::contact) fn slip(&self, u: f64) -> f64 {
         let (one, other) = self.series(u * u);
         u * u * (self.sine * one - self.cosine * u * other)
     }
