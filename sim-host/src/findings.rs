@@ -118,7 +118,9 @@ fn expectations(study: &Study) -> TableBlock {
         .judged
         .iter()
         .map(|judged| {
-            let value = judged.value.map_or_else(|| "no such value in this run".to_owned(), number);
+            let fine = judged.tolerance.zip(judged.value).is_some_and(|(tolerance, value)| tolerance < 1e-4 * value.abs());
+            let shown = if fine { precise } else { number };
+            let value = judged.value.map_or_else(|| "no such value in this run".to_owned(), shown);
             let verdict = if judged.pass { "PASS" } else { "MISS" };
             vec![verdict.into(), judged.metric.clone(), value, judged.limit.clone(), judged.source.clone()]
         })

@@ -16,7 +16,7 @@ use crate::metrics::Metrics;
 use crate::processor::Processor;
 use crate::run::RunError;
 use crate::scene::load::{LoadError, Loaded};
-use crate::scene::{Expect, Grid, Kind, Scene};
+use crate::scene::{Expect, Grid, Kind, Scene, shown};
 
 /// Why a study has no result.
 #[derive(Debug, thiserror::Error)]
@@ -77,6 +77,8 @@ pub struct Judged {
     pub value: Option<f64>,
     /// The limit, as text.
     pub limit: String,
+    /// How far from a value it may be, if that is the limit.
+    pub tolerance: Option<f64>,
     /// Whether it holds. A metric that the run does not have holds nothing.
     pub pass: bool,
     /// Where the limit comes from.
@@ -143,18 +145,25 @@ fn judge(expect: &Expect, metrics: &Metrics) -> Judged {
     let limit = match (expect.value, expect.tolerance) {
         (Some(value), Some(tolerance)) => {
             (min, max) = (Some(value - tolerance), Some(value + tolerance));
-            format!("{value} ± {tolerance}")
+            format!("{} ± {}", shown(value), shown(tolerance))
         }
         _ => match (min, max) {
-            (Some(min), Some(max)) => format!("{min} to {max}"),
-            (Some(min), None) => format!("at least {min}"),
-            (None, Some(max)) => format!("at most {max}"),
+            (Some(min), Some(max)) => format!("{} to {}", shown(min), shown(max)),
+            (Some(min), None) => format!("at least {}", shown(min)),
+            (None, Some(max)) => format!("at most {}", shown(max)),
             (None, None) => "anything".into(),
         },
     };
     let value = metrics.get(&expect.metric);
     let holds = |value: f64| min.is_none_or(|min| value >= min) && max.is_none_or(|max| value <= max);
-    Judged { metric: expect.metric.clone(), value, limit, pass: value.is_some_and(holds), source: expect.source.clone() }
+    Judged {
+        metric: expect.metric.clone(),
+        value,
+        limit,
+        tolerance: expect.tolerance,
+        pass: value.is_some_and(holds),
+        source: expect.source.clone(),
+    }
 }
 
 /// Runs every cell of a grid, in parallel; nothing if it is stopped. Each is a scene of its own, seeded as the scene is, so that the

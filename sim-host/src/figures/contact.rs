@@ -6,6 +6,8 @@ use crate::report::{Axis, Figure, Series, Style};
 use crate::study::contact::Solved;
 use crate::study::film::{Bin, Range};
 
+const TIME: &str = "time [periods of the excitation]";
+
 /// All figures that this study has something to show in, the most telling first.
 pub(super) fn of(solved: &Solved) -> Vec<Figure> {
     let mut figures = Vec::new();
@@ -26,13 +28,13 @@ pub(super) fn of(solved: &Solved) -> Vec<Figure> {
 struct Last<'a> {
     problem: &'a Problem,
     states: &'a [State],
-    time_us: Vec<f64>,
+    periods: Vec<f64>,
 }
 
 impl<'a> Last<'a> {
     fn new(problem: &'a Problem, states: &'a [State]) -> Self {
-        let begin_s = states.first().map_or(0.0, |state| state.time_s);
-        Last { problem, states, time_us: states.iter().map(|state| 1e6 * (state.time_s - begin_s)).collect() }
+        let hz = problem.waveform.frequency_hz();
+        Last { problem, states, periods: states.iter().map(|state| hz * state.time_s).collect() }
     }
 
     fn values(&self, value: impl Fn(&State) -> f64) -> Vec<f64> {
@@ -49,7 +51,7 @@ impl<'a> Last<'a> {
             id: id.into(),
             title: title.into(),
             caption: caption.into(),
-            x: axis("time [µs]"),
+            x: axis(TIME),
             y: axis(y),
             series: vec![series],
             interactive: true,
@@ -58,14 +60,18 @@ impl<'a> Last<'a> {
     }
 
     fn series(&self, name: &str, csv_column: &str, value: impl Fn(&State) -> f64) -> Series {
-        line(name, csv_column, self.time_us.clone(), self.values(value))
+        line(name, csv_column, self.periods.clone(), self.values(value))
     }
 
     fn friction(&self) -> Figure {
-        let texts = ("friction", "Friction over the last periods", "Dashed: the Coulomb force, which is the friction without vibration.");
+        let texts =
+            ("friction", "Friction over the last periods", "Dashed: the Coulomb force, which is the friction without vibration.");
         let mut figure = self.over_time(texts, "friction [N]", self.series("friction", "friction_n", |state| state.force_n));
         let coulomb_n = self.coulomb_n();
-        figure.hlines = vec![(coulomb_n, "mu N".into()), (0.0, String::new()), (-coulomb_n, "-mu N".into())];
+        figure.hlines = vec![(coulomb_n, "mu N".into()), (0.0, String::new())];
+        if self.states.iter().any(|state| state.force_n < 0.0) {
+            figure.hlines.push((-coulomb_n, "-mu N".into()));
+        }
         figure
     }
 
@@ -80,7 +86,7 @@ impl<'a> Last<'a> {
 
     fn motion(&self) -> Figure {
         let texts = ("displacement", "Displacement over the last periods", "Displacement of the vibration, without the sliding.");
-        self.over_time(texts, "displacement [m]", self.series("displacement x", "displacement_m", |state| state.x_m))
+        self.over_time(texts, "displacement [µm]", self.series("displacement x", "displacement_um", |state| 1e6 * state.x_m))
     }
 
     fn power(&self) -> Figure {
@@ -90,18 +96,18 @@ impl<'a> Last<'a> {
             "Friction times slip velocity. Negative where the contact gives back what it had stored elastically. Dashed: what Coulomb \
              friction dissipates without vibration.",
         );
-        let power = self.series("F V", "power_w", |state| state.force_n * self.slip(state));
-        let mut figure = self.over_time(texts, "power [W]", power);
-        figure.hlines = vec![(self.coulomb_n() * self.problem.sliding_m_per_s, "mu N Vt".into()), (0.0, String::new())];
+        let power = self.series("F V", "power_mw", |state| 1e3 * state.force_n * self.slip(state));
+        let mut figure = self.over_time(texts, "power [mW]", power);
+        figure.hlines = vec![(1e3 * self.coulomb_n() * self.problem.sliding_m_per_s, "mu N Vt".into()), (0.0, String::new())];
         figure
     }
 
     /// The loop in displacement: its area is the work of friction on the vibration.
     fn against_displacement(&self) -> Figure {
-        let (x, y) = (self.values(|state| state.x_m), self.values(|state| state.force_n));
+        let (x, y) = (self.values(|state| 1e6 * state.x_m), self.values(|state| state.force_n));
         loop_of(
             ("hysteresis", "Friction against displacement", "Its area is the work of friction on the vibration in a period."),
-            axis("displacement x [m]"),
+            axis("displacement x [µm]"),
             line("friction", "friction_n", x, y),
         )
     }
@@ -141,21 +147,17 @@ fn loop_of((id, title, caption): (&str, &str, &str), x: Axis, series: Series) ->
 /// Friction, velocity and displacement over the whole run, by their extremes.
 fn whole_run(solved: &Solved) -> [Figure; 3] {
     let bins = solved.film.bins();
-    let x: Vec<f64> = bins.iter().map(|bin| 1e3 * bin.end_s).collect();
+    let hz = solved.scene.excitation.frequency_hz;
+    let x: Vec<f64> = bins.iter().map(|bin| hz * bin.end_s).collect();
     let figure = |(id, title): (&str, &str), y: &str, name: &str, column: &str, middle: Vec<f64>, range: fn(&Bin) -> Range| {
         let (lower, upper) = bins.iter().map(|bin| (range(bin).least, range(bin).most)).unzip();
-        let series = Series {
-            name: name.into(),
-            csv_column: column.into(),
-            x: x.clone(),
-            y: middle,
-            style: Style::Band { lower, upper },
-        };
+        let series =
+            Series { name: name.into(), csv_column: column.into(), x: x.clone(), y: middle, style: Style::Band { lower, upper } };
         Figure {
             id: id.into(),
             title: title.into(),
             caption: "The band holds all values within each part of the run.".into(),
-            x: axis("time [ms]"),
+            x: axis(TIME),
             y: axis(y),
             series: vec![series],
             interactive: true,
@@ -164,7 +166,8 @@ fn whole_run(solved: &Solved) -> [Figure; 3] {
     };
     let means = bins.iter().map(Bin::mean_friction_n).collect();
     let middle = |range: fn(&Bin) -> Range| bins.iter().map(|bin| 0.5 * (range(bin).least + range(bin).most)).collect();
-    let (velocity, displacement): (fn(&Bin) -> Range, fn(&Bin) -> Range) = (|bin| bin.velocity_m_per_s, |bin| bin.displacement_m);
+    let (velocity, displacement): (fn(&Bin) -> Range, fn(&Bin) -> Range) =
+        (|bin| bin.velocity_m_per_s, |bin| bin.displacement_m.times(1e6));
     [
         figure(
             ("friction-run", "Friction over the whole run"),
@@ -184,9 +187,9 @@ fn whole_run(solved: &Solved) -> [Figure; 3] {
         ),
         figure(
             ("displacement-run", "Displacement over the whole run"),
-            "displacement [m]",
+            "displacement [µm]",
             "displacement x: middle and extremes",
-            "displacement_middle_m",
+            "displacement_middle_um",
             middle(displacement),
             displacement,
         ),

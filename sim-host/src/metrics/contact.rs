@@ -7,7 +7,7 @@
 //! | `velocity_ratio` | Vt / Vv, Vv being the steady velocity of the sine of this force and frequency without friction |
 //! | `peak_velocity_m_per_s`, `peak_displacement_m` | largest velocity and displacement at a step's end within the whole run |
 //! | `peak_force_ratio` | largest friction at a step's end within the whole run, over the Fc of that moment |
-//! | `reversals` | reversals of the slip that were located, in the whole run |
+//! | `reversals` | reversals of the slip in the whole run; of methods that locate them |
 //! | `power_ratio` | power into friction, over Fc Vt (4.18) |
 //! | `input_ratio` | power from the forcing, over Fc Vt (4.31); of a given motion, the power that keeps it up |
 //! | `stored_ratio`, `damper_ratio` | energy gained by mass and spring, and lost in the damper, over Fc Vt times the window |
@@ -18,7 +18,7 @@
 //! | `steps_per_period`, `plant_states`, `ns_per_period` | what the solution took |
 
 use super::Metrics;
-use crate::contact::{Problem, Solution};
+use crate::contact::{Method, Problem, Solution};
 use crate::scene::{Excited, problem};
 
 /// The numbers of a solved study.
@@ -35,7 +35,8 @@ pub fn of(study: &Excited, problem: &Problem, solution: &Solution) -> Metrics {
     metrics.put("peak_velocity_m_per_s", tally.map(|tally| tally.peak_velocity_m_per_s));
     metrics.put("peak_displacement_m", tally.map(|tally| tally.peak_displacement_m));
     metrics.put("peak_force_ratio", tally.map(|tally| tally.peak_force_ratio));
-    metrics.put("reversals", tally.filter(|tally| tally.reversals > 0).map(|tally| tally.reversals as f64));
+    let locates = !matches!(solution.method, Method::Rk4 | Method::Midpoint);
+    metrics.put("reversals", tally.filter(|_| locates).map(|tally| tally.reversals as f64));
     metrics.put("power_ratio", ratios.power);
     metrics.put("input_ratio", ratios.input);
     metrics.put("stored_ratio", ratios.stored);

@@ -47,12 +47,7 @@ pub fn problem(study: &Excited, law: Law) -> Result<Problem, Trouble> {
             Sign::Literal => contact::Sign::Literal,
         },
         waveform: waveform(study, shape(study), matched_peak(study)),
-        start: State {
-            time_s: 0.0,
-            x_m: excitation.x0_m,
-            v_m_per_s: excitation.v0_m_per_s,
-            force_n: excitation.friction0_n,
-        },
+        start: State { time_s: 0.0, x_m: excitation.x0_m, v_m_per_s: excitation.v0_m_per_s, force_n: excitation.friction0_n },
         load_steps,
         window_s: window_s(study),
         duration_s: study.duration_s,

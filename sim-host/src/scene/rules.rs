@@ -30,10 +30,10 @@ use kind::Kind;
 pub(super) fn check(root: &Node, findings: Findings) -> Findings {
     let mut rules = Rules { root, findings, kind: None };
     rules.kind();
+    rules.belonging();
     for group in EXCLUSIVE {
         rules.tables(group.table).iter().for_each(|path| rules.exclusive(group, path));
     }
-    rules.belonging();
     rules.contact();
     match rules.kind {
         Some(Kind::Driven) => rules.driven(),

@@ -57,6 +57,11 @@ pub struct Bin {
 impl Range {
     const NOTHING: Range = Range { least: f64::INFINITY, most: f64::NEG_INFINITY };
 
+    /// The range of a multiple of the value.
+    pub fn times(self, factor: f64) -> Range {
+        Range { least: factor * self.least, most: factor * self.most }
+    }
+
     #[inline]
     fn take(&mut self, value: f64) {
         // Not f64::min, which minds not-a-number and costs three times as much.
@@ -68,14 +73,7 @@ impl Range {
 impl Bin {
     fn until(end_s: f64) -> Self {
         let nothing = Range::NOTHING;
-        Bin {
-            end_s,
-            friction_n: nothing,
-            velocity_m_per_s: nothing,
-            displacement_m: nothing,
-            friction_n_s: 0.0,
-            seen_s: 0.0,
-        }
+        Bin { end_s, friction_n: nothing, velocity_m_per_s: nothing, displacement_m: nothing, friction_n_s: 0.0, seen_s: 0.0 }
     }
 
     /// Mean friction, N.
@@ -88,8 +86,7 @@ impl Film {
     /// An empty film for a run of so long, with periods of this frequency.
     pub fn new(duration_s: f64, frequency_hz: f64) -> Self {
         let periods = duration_s * frequency_hz;
-        let bin_s =
-            if periods < FEW_PERIODS { duration_s / BINS } else { (periods / BINS).ceil().max(1.0) / frequency_hz };
+        let bin_s = if periods < FEW_PERIODS { duration_s / BINS } else { (periods / BINS).ceil().max(1.0) / frequency_hz };
         Film {
             duration_s,
             frequency_hz,

@@ -33,7 +33,8 @@ impl Rules<'_> {
         }
         let moves = self.text(WAVEFORM).is_some_and(|waveform| waveform != "still");
         if self.given("rig.sdof") && moves && self.lacks(FORCE) {
-            let problem = Problem::new(self.place(EXCITATION), "`force_n` is missing in [excitation]", "needs `force_n`, a number in N");
+            let problem =
+                Problem::new(self.place(EXCITATION), "`force_n` is missing in [excitation]", "needs `force_n`, a number in N");
             self.add(FORCE, problem.help("the peak force that shakes the mass of [rig.sdof]"));
         }
     }
@@ -42,7 +43,10 @@ impl Rules<'_> {
         let Some(waveform) = self.text(WAVEFORM) else { return };
         let needed: &[(&str, &str)] = match waveform {
             "random" => &[("hold_time_s", "how long each random value is held decides what it does to friction")],
-            "chirp" => &[("start_hz", "a chirp runs from `start_hz` to `stop_hz`"), ("stop_hz", "a chirp runs from `start_hz` to `stop_hz`")],
+            "chirp" => &[
+                ("start_hz", "a chirp runs from `start_hz` to `stop_hz`"),
+                ("stop_hz", "a chirp runs from `start_hz` to `stop_hz`"),
+            ],
             _ => &[],
         };
         for (key, why) in needed {

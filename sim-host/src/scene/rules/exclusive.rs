@@ -91,8 +91,8 @@ impl Rules<'_> {
 
     /// Whether nothing is wrong with a key, or with its absence. What is wrong inside a table does not matter here.
     fn sound(&self, path: &str) -> bool {
-        let table = Schema::root().at(path).is_some_and(|schema| schema.kind() == Kind::Table);
-        if table && self.root.at(path).and_then(Node::table).is_some() { true } else { self.clean(path) }
+        let table = self.root.at(path).and_then(Node::table).is_some();
+        if table { !self.findings.marked(path) } else { self.clean(path) }
     }
 }
 

@@ -8,8 +8,8 @@ use super::drive::{AMPLITUDE, FREQUENCY, SCAN, VELOCITY};
 use crate::scene::diagnostic::Problem;
 use crate::scene::load::scene_of;
 use crate::scene::schema::{Schema, join};
-use crate::scene::wording::{bound, quantity, range};
 use crate::scene::settings;
+use crate::scene::wording::{bound, quantity, range};
 
 const MODE: &str = "controller.tracking.mode";
 const BEGINNINGS: &str = "controller.burst.on_s";

@@ -100,7 +100,9 @@ impl Rules<'_> {
             _ => ("a scene with [controller]", EXCITATION),
         };
         let help = match table {
-            "rig.slider" => "a contact study has [rig.sdof] or [rig.kinematic]; it slides by `excitation.velocity_ratio` or `sliding_m_per_s`",
+            "rig.slider" => {
+                "a contact study has [rig.sdof] or [rig.kinematic]; it slides by `excitation.velocity_ratio` or `sliding_m_per_s`"
+            }
             "rig.kinematic" | "rig.sdof" => "the stack vibrates along the motion of [rig.slider]",
             _ if table.starts_with("contact.") => "the contact at a stack's tip is Dahl's: [contact.dahl]",
             _ => "[excitation] shakes the contact itself: no controller, converter or stack is simulated",

@@ -30,6 +30,9 @@ impl Rules<'_> {
             format!("must be at least {} s", shown(to / hz))
         };
         let problem = Problem::new(self.place(at), message, label);
-        self.add(WINDOW, problem.help(format!("`duration_s` of {} holds {} periods of {} Hz", shown(duration), shown(periods), shown(hz))));
+        self.add(
+            WINDOW,
+            problem.help(format!("`duration_s` of {} holds {} periods of {} Hz", shown(duration), shown(periods), shown(hz))),
+        );
     }
 }
