@@ -168,3 +168,66 @@ fn peak_without_friction_m_per_s(problem: &Problem) -> Result<f64, Trouble> {
     let start = problem.start.v_m_per_s.abs();
     Ok(solution.tally.map_or(start, |tally| tally.peak_velocity_m_per_s.max(start)))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::load::load;
+
+    /// What becomes of the built-in scene with changes.
+    fn of(changes: &[&str]) -> Problem {
+        let sets: Vec<String> = changes.iter().map(|&change| change.to_owned()).collect();
+        let scene = load("contact", &sets).unwrap_or_else(|error| panic!("{error}")).scene;
+        let study = scene.excited().unwrap();
+        problem(&study, law(&study.model).unwrap()).unwrap()
+    }
+
+    #[test]
+    fn table_4_1_is_the_kernel_s() {
+        let mut kernels = contact::problem::tests::table_4_1(0.5, 200.0);
+        kernels.coulomb_n = 0.1 * (0.02 * GRAVITY_M_PER_S2);
+        assert_eq!(of(&[]), kernels);
+    }
+
+    #[test]
+    fn the_ratio_is_of_the_sine_whatever_the_waveform() {
+        let sine = of(&[]).sliding_m_per_s;
+        for waveform in ["square", "still", "triangle"] {
+            let square = of(&[&format!("excitation.waveform={waveform}"), "excitation.match=rms"]);
+            assert_eq!(square.sliding_m_per_s, sine, "{waveform}");
+        }
+        assert_eq!(of(&["excitation.waveform=square", "excitation.match=rms"]).waveform.amplitude(), 384.0 * 0.5f64.sqrt());
+        assert_eq!(of(&["excitation.sliding_m_per_s=0.1"]).sliding_m_per_s, 0.1);
+    }
+
+    /// From rest the mass swings at its own frequency too: x' = F0 w / (Ks - m w^2) (sin w t - (wn / w) sin wn t), in a denser
+    /// sampling than the method's.
+    #[test]
+    fn the_peak_is_that_of_the_run_without_friction() {
+        let (wn, w) = ((133e6f64 / 0.02).sqrt(), TAU * 60e3);
+        let amplitude = 384.0 * w / (133e6 - 0.02 * w * w);
+        let steps = 5_000_000;
+        let at = |step: u32| f64::from(step) / f64::from(steps) * 200.0 / 60e3;
+        let velocity = |t: f64| amplitude * (wn / w * (wn * t).sin() - (w * t).sin());
+        let peak = (0..=steps).map(|step| velocity(at(step)).abs()).fold(0.0, f64::max);
+        let sliding = of(&["excitation.velocity_ratio_of=peak"]).sliding_m_per_s;
+        assert!((sliding / (0.5 * peak) - 1.0).abs() < 1e-5, "{sliding} {}", 0.5 * peak);
+    }
+
+    #[test]
+    fn loads_step_in_order() {
+        let step = |number: u8, at: &str, to: &str| {
+            let key = |key: &str, value: &str| format!("disturbance.{number}.{key}={value}");
+            [key("at_s", at), key("key", "contact.normal_n"), key("to", to)]
+        };
+        let sets = [step(0, "2e-3", "0.5"), step(1, "1e-3", "2")].concat();
+        let sets: Vec<&str> = sets.iter().map(String::as_str).collect();
+        assert_eq!(of(&sets).load_steps, [(1e-3, 0.2), (2e-3, 0.05)]);
+    }
+
+    #[test]
+    fn damping_is_a_part_of_the_critical() {
+        let Motion::Sdof { damping_n_s_per_m, .. } = of(&["rig.sdof.damping_ratio=0.01"]).motion else { panic!("no mass") };
+        assert!((damping_n_s_per_m - 2.0 * 0.01 * 0.02 * TAU * 12_978.69).abs() < 1e-5, "{damping_n_s_per_m}");
+    }
+}

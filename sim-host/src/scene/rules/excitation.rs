@@ -103,17 +103,18 @@ impl Rules<'_> {
         let (message, label, help) = match (oscillator, self.number(FREQUENCY)) {
             _ if nothing => (
                 "there is no vibration that the velocity ratio could be of".to_owned(),
-                "a ratio to zero",
+                "`velocity_ratio` is of zero velocity",
                 "give `sliding_m_per_s` instead",
             ),
             ([Some(mass), Some(stiffness), Some(damping)], Some(hz)) if resonates(mass, stiffness, damping, hz) => (
                 format!("at {} Hz, the resonance of a mass without damping, the vibration grows without bound", shown(hz)),
-                "a ratio to infinity",
+                "`velocity_ratio` is of no finite velocity",
                 "give `rig.sdof.damping_ratio`, or `sliding_m_per_s` instead of the ratio",
             ),
             _ => return,
         };
-        let problem = Problem::new(self.key(RATIO), message, label);
+        let at = if nothing { self.newer(RATIO, peak) } else { self.newer(RATIO, FREQUENCY) };
+        let problem = Problem::new(self.place(at), message, label);
         self.add(RATIO, problem.help(help));
     }
 }

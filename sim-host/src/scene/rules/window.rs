@@ -3,8 +3,11 @@
 use super::Rules;
 use crate::scene::diagnostic::Problem;
 use crate::scene::nearest::shown;
+use crate::scene::wording::bound;
 
 const WINDOW: &str = "integrator.window_periods";
+const DURATION: &str = "duration_s";
+const FREQUENCY: &str = "excitation.frequency_hz";
 /// Rounding, relative to the length of the run.
 const ROUNDING: f64 = 1e-9;
 
@@ -17,22 +20,20 @@ impl Rules<'_> {
             let problem = Problem::new(self.place(WINDOW), message, format!("the second must be more than {}", shown(from)));
             return self.add(WINDOW, problem.help("the means are over periods of the excitation: from, to"));
         }
-        let (Some(duration), Some(hz)) = (self.number("duration_s"), self.number("excitation.frequency_hz")) else { return };
+        let (Some(duration), Some(hz)) = (self.number(DURATION), self.number(FREQUENCY)) else { return };
         let periods = duration * hz;
         if to <= periods * (1.0 + ROUNDING) {
             return;
         }
         let message = format!("the window ends at period {}, but the run has {}", shown(to), shown(periods));
-        let at = self.newer(WINDOW, "duration_s");
-        let label = if at == WINDOW {
-            format!("the second must be at most {}", shown(periods))
-        } else {
-            format!("must be at least {} s", shown(to / hz))
+        let at = self.newer(self.newer(WINDOW, DURATION), FREQUENCY);
+        let longer = format!("{} s", shown(bound(to / hz, 1.0, |seconds| seconds >= to / hz)));
+        let label = match at {
+            WINDOW => format!("the second must be at most {}", shown(periods)),
+            DURATION => format!("must be at least {longer}"),
+            _ => format!("makes {} periods of the run", shown(periods)),
         };
         let problem = Problem::new(self.place(at), message, label);
-        self.add(
-            WINDOW,
-            problem.help(format!("`duration_s` of {} holds {} periods of {} Hz", shown(duration), shown(periods), shown(hz))),
-        );
+        self.add(WINDOW, problem.help(format!("give a `{DURATION}` of at least {longer}, or another `{WINDOW}`")));
     }
 }

@@ -111,12 +111,12 @@ fn waveforms_have_what_they_need() {
 #[test]
 fn a_velocity_ratio_is_of_a_finite_vibration() {
     let resonance = "excitation.frequency_hz=12978.69";
-    says(&report(&[resonance]), &["grows without bound", "`rig.sdof.damping_ratio`, or `sliding_m_per_s`", "a.toml:8:1"]);
+    says(&report(&[resonance]), &["grows without bound", "`rig.sdof.damping_ratio`, or `sliding_m_per_s`", "--set:1:25"]);
     assert!(loaded(&[resonance, "rig.sdof.damping_ratio=0.01"]).excited().is_some());
     assert!(loaded(&[resonance, "excitation.sliding_m_per_s=0.1"]).excited().is_some());
     assert!(loaded(&[resonance, "excitation.velocity_ratio_of=peak"]).excited().is_some());
     assert!(loaded(&["excitation.frequency_hz=12990"]).excited().is_some());
-    says(&report(&["excitation.force_n=0"]), &["no vibration that the velocity ratio could be of"]);
+    says(&report(&["excitation.force_n=0"]), &["no vibration that the velocity ratio could be of", "--set:1:20"]);
 }
 
 #[test]
@@ -135,7 +135,9 @@ fn the_window_is_within_the_run() {
     says(&report(&["integrator.window_periods=[50, 50]"]), &["ends at period 50, but begins at 50 only"]);
     says(&report(&["integrator.window_periods=[50]"]), &["has 1 entry", "needs at least 2"]);
     let shorter = with_line("duration_s", "integrator.window_periods = [1, 100]\nduration_s = 1e-3");
-    says(&shorter, &["but the run has 60"]);
+    says(&shorter, &["but the run has 60", "give a `duration_s` of at least 0.001666"]);
+    let slower = report(&["integrator.window_periods=[10, 100]", "excitation.frequency_hz=20e3"]);
+    says(&slower, &["ends at period 100, but the run has 40", "at most 40"]);
     assert!(loaded(&["integrator.window_periods=[0, 120]"]).excited().is_some());
 }
 
