@@ -213,9 +213,16 @@ fn a_trace_holds_the_signals_asked_for() {
 #[cfg(unix)]
 #[test]
 fn an_interrupted_run_keeps_what_it_has_and_says_so() {
-    let folder = Folder::new("interrupted");
+    interrupted("lock", &["duration_s=900", "controller.burst.off_s=[0.22,900]"]);
+    interrupted("contact", &["duration_s=900", "integrator.method=rk4"]);
+}
+
+#[cfg(unix)]
+fn interrupted(scene: &str, sets: &[&str]) {
+    let folder = Folder::new(&format!("interrupted-{scene}"));
     let child = Command::new(env!("CARGO_BIN_EXE_sim-host"))
-        .args(["run", "lock", "-o", folder.text(), "--set", "duration_s=900", "--set", "controller.burst.off_s=[0.22,900]"])
+        .args(["run", scene, "-o", folder.text()])
+        .args(sets.iter().flat_map(|set| ["--set", set]))
         .stdout(Stdio::piped())
         .stderr(Stdio::piped())
         .spawn()

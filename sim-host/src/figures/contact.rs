@@ -1,5 +1,8 @@
 //! The figures of a contact study: the last periods in full, and the whole run by its extremes.
 
+mod between;
+
+use self::between::{coulomb_n, filled};
 use super::axis;
 use crate::contact::{Problem, State};
 use crate::report::{Axis, Figure, Series, Style};
@@ -27,14 +30,14 @@ pub(super) fn of(solved: &Solved) -> Vec<Figure> {
 /// A quantity over the last periods.
 struct Last<'a> {
     problem: &'a Problem,
-    states: &'a [State],
+    states: Vec<State>,
     periods: Vec<f64>,
 }
 
 impl<'a> Last<'a> {
-    fn new(problem: &'a Problem, states: &'a [State]) -> Self {
-        let hz = problem.waveform.frequency_hz();
-        Last { problem, states, periods: states.iter().map(|state| hz * state.time_s).collect() }
+    fn new(problem: &'a Problem, states: &[State]) -> Self {
+        let (hz, states) = (problem.waveform.frequency_hz(), filled(problem, states));
+        Last { problem, periods: states.iter().map(|state| hz * state.time_s).collect(), states }
     }
 
     fn values(&self, value: impl Fn(&State) -> f64) -> Vec<f64> {
@@ -123,7 +126,7 @@ impl<'a> Last<'a> {
 
     /// The Coulomb force at the end, N.
     fn coulomb_n(&self) -> f64 {
-        self.problem.load_steps.last().map_or(self.problem.coulomb_n, |&(_, force)| force)
+        coulomb_n(self.problem, self.states.last().map_or(0.0, |state| state.time_s))
     }
 }
 

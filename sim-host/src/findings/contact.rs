@@ -1,7 +1,6 @@
 //! A contact study in words and tables.
 
 use super::{Line, number, precise, table};
-use crate::contact::tally::Ratios;
 use crate::contact::{Method, Solution};
 use crate::report::TableBlock;
 use crate::scene::{Body, VibrationVelocity, problem};
@@ -107,7 +106,6 @@ pub(super) fn tables(study: &Study, solved: &Solved) -> Vec<TableBlock> {
 }
 
 fn ratios(study: &Study, solved: &Solved, solution: &Solution) -> TableBlock {
-    let Ratios { power, input, stored, damping, power_as_printed, .. } = solution.ratios;
     let own = |metric: &str| study.metrics.get(metric).map(precise);
     let (from_s, to_s) = solved.answer.as_ref().map_or((0.0, 0.0), |answer| answer.problem.window_s);
     let hz = solved.scene.excitation.frequency_hz;
@@ -120,11 +118,11 @@ fn ratios(study: &Study, solved: &Solved, solution: &Solution) -> TableBlock {
     };
     let rows = [
         ("friction ratio", Some(with_error(solution)), "mean friction / Fc (4.17)"),
-        ("power ratio", power.map(precise), "mean F V / (Fc Vt) (4.18)"),
-        ("input ratio", input.map(precise), "power that the excitation brings in / (Fc Vt) (4.31)"),
-        ("stored ratio", stored.map(precise), "energy gained by mass and spring / (Fc Vt T)"),
-        ("damper ratio", damping.filter(|&damping| damping != 0.0).map(precise), "loss in the damper / (Fc Vt T)"),
-        ("power ratio as printed", power_as_printed.map(precise), "1 + phi_iu - phi_su (4.35): wrong, see the errata"),
+        ("power ratio", own("power_ratio"), "mean F V / (Fc Vt) (4.18)"),
+        ("input ratio", own("input_ratio"), "power that the excitation brings in / (Fc Vt) (4.31)"),
+        ("stored ratio", own("stored_ratio"), "energy gained by mass and spring / (Fc Vt T)"),
+        ("damper ratio", own("damper_ratio"), "loss in the damper / (Fc Vt T)"),
+        ("power ratio as printed", own("power_ratio_as_printed"), "1 + phi_iu - phi_su (4.35): wrong, see the errata"),
         ("energy residual", own("energy_residual"), "what the energy identity misses / (Fc Vt T)"),
         ("velocity ratio", own("velocity_ratio"), vv),
         ("sliding speed Vt [m/s]", sliding, ""),

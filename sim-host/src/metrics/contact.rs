@@ -18,7 +18,7 @@
 //! | `steps_per_period`, `plant_states`, `ns_per_period` | what the solution took |
 
 use super::Metrics;
-use crate::contact::{Method, Problem, Solution};
+use crate::contact::{Method, Motion, Problem, Solution};
 use crate::scene::{Excited, problem};
 
 /// The numbers of a solved study.
@@ -39,8 +39,10 @@ pub fn of(study: &Excited, problem: &Problem, solution: &Solution) -> Metrics {
     metrics.put("reversals", tally.filter(|_| locates).map(|tally| tally.reversals as f64));
     metrics.put("power_ratio", ratios.power);
     metrics.put("input_ratio", ratios.input);
-    metrics.put("stored_ratio", ratios.stored);
-    metrics.put("damper_ratio", ratios.damping);
+    if let Motion::Sdof { damping_n_s_per_m, .. } = problem.motion {
+        metrics.put("stored_ratio", ratios.stored);
+        metrics.put("damper_ratio", ratios.damping.filter(|_| damping_n_s_per_m > 0.0));
+    }
     metrics.put("power_ratio_as_printed", ratios.power_as_printed);
     metrics.put("energy_residual", ratios.energy_residual);
     metrics.put("kappa", sine.kappa());
