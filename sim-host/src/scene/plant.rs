@@ -113,7 +113,8 @@ pub struct Bvd {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 1.0, max = 1e6))]
     pub q: Option<f64>,
-    /// Effective coupling k: `k^2 = Cm / (C0 + Cm)`.
+    /// Effective coupling k: `k^2 = Cm / (C0 + Cm)`, which is below one whatever the capacitances. Data that give more contradict
+    /// each other: such a stack would be a source of energy.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 1e-4, max = 0.99))]
     pub coupling: Option<f64>,

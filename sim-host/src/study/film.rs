@@ -6,7 +6,7 @@ use crate::contact::State;
 /// Periods that are kept step by step.
 const LAST_PERIODS: f64 = 4.0;
 /// Most states of the last periods: beyond, every second is dropped, then every second of what is left, and so on.
-const MOST_STATES: usize = 1 << 15;
+const MOST_STATES: usize = 1 << 14;
 /// Most bins of the whole run, about.
 const BINS: f64 = 1000.0;
 /// With fewer periods than this, a bin is a part of a period.
@@ -25,7 +25,17 @@ pub struct Film {
     bin_s: f64,
     bins: Vec<Bin>,
     open: Bin,
-    before: Option<State>,
+    /// The open bin is full after this moment, s.
+    full_s: f64,
+    /// When the last periods begin, s.
+    last_from_s: f64,
+    /// The last state; before the first, at no time.
+    before: State,
+}
+
+/// When a bin is full: a step that ends with it, within round-off, is still in it.
+fn full_s(bin: &Bin, bin_s: f64) -> f64 {
+    bin.end_s + 1e-9 * bin_s
 }
 
 /// Smallest and largest value.
@@ -87,6 +97,7 @@ impl Film {
     pub fn new(duration_s: f64, frequency_hz: f64) -> Self {
         let periods = duration_s * frequency_hz;
         let bin_s = if periods < FEW_PERIODS { duration_s / BINS } else { (periods / BINS).ceil().max(1.0) / frequency_hz };
+        let open = Bin::until(bin_s);
         Film {
             duration_s,
             frequency_hz,
@@ -96,20 +107,25 @@ impl Film {
             in_last_periods: false,
             bin_s,
             bins: Vec::new(),
-            open: Bin::until(bin_s),
-            before: None,
+            full_s: full_s(&open, bin_s),
+            open,
+            last_from_s: duration_s - (LAST_PERIODS + 1e-9) / frequency_hz,
+            before: State { time_s: f64::NAN, ..State::default() },
         }
     }
 
     /// Takes a state; says whether a bin is full. Time that goes back is a run that begins anew.
     #[inline]
     pub fn see(&mut self, state: &State) -> bool {
-        let before = self.before.replace(*state);
-        if before.is_some_and(|before| state.time_s < before.time_s) {
-            *self = Film { before: self.before, ..Film::new(self.duration_s, self.frequency_hz) };
+        let step_s = state.time_s - self.before.time_s;
+        if step_s < 0.0 {
+            *self = Film::new(self.duration_s, self.frequency_hz);
         }
-        self.keep(state);
-        let full = state.time_s > self.open.end_s + 1e-9 * self.bin_s;
+        self.skipped += 1;
+        if self.skipped >= self.every || (state.time_s >= self.last_from_s && !self.in_last_periods) {
+            self.keep(state);
+        }
+        let full = state.time_s > self.full_s;
         if full {
             self.turn(state.time_s);
         }
@@ -117,17 +133,18 @@ impl Film {
         open.friction_n.take(state.force_n);
         open.velocity_m_per_s.take(state.v_m_per_s);
         open.displacement_m.take(state.x_m);
-        if let Some(before) = before.filter(|before| before.time_s < state.time_s) {
-            let step_s = state.time_s - before.time_s;
-            open.friction_n_s += 0.5 * step_s * (before.force_n + state.force_n);
+        // Neither at the first state, before which there is none.
+        if step_s > 0.0 {
+            open.friction_n_s += 0.5 * step_s * (self.before.force_n + state.force_n);
             open.seen_s += step_s;
         }
+        self.before = *state;
         full
     }
 
     /// The run is over, or stopped.
     pub fn finish(&mut self) {
-        let end_s = self.before.map_or(0.0, |last| last.time_s);
+        let end_s = self.before.time_s;
         if self.open.seen_s > 0.0 {
             self.bins.push(Bin { end_s, ..self.open });
             self.open = Bin::until(end_s + self.bin_s);
@@ -147,15 +164,10 @@ impl Film {
     }
 
     fn keep(&mut self, state: &State) {
-        let in_last_periods = state.time_s >= self.duration_s - (LAST_PERIODS + 1e-9) / self.frequency_hz;
-        if in_last_periods && !self.in_last_periods {
+        if state.time_s >= self.last_from_s && !self.in_last_periods {
+            self.in_last_periods = true;
             self.last.clear();
-            (self.every, self.skipped) = (1, 0);
-        }
-        self.in_last_periods = in_last_periods;
-        self.skipped += 1;
-        if self.skipped < self.every {
-            return;
+            self.every = 1;
         }
         self.skipped = 0;
         self.last.push(*state);
@@ -177,6 +189,7 @@ impl Film {
         // A step may be longer than a bin.
         let ahead = ((time_s - bin.end_s) / self.bin_s - 1e-9).floor().max(0.0) + 1.0;
         self.open = Bin::until(bin.end_s + ahead * self.bin_s);
+        self.full_s = full_s(&self.open, self.bin_s);
     }
 }
 

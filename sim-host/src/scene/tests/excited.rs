@@ -105,6 +105,7 @@ fn waveforms_have_what_they_need() {
     says(&report(&["excitation.waveform=random", "excitation.hold_time_s=1e-9", "duration_s=1"]), &["1e9 values", "1e-8 s"]);
     let chirp = report(&["excitation.waveform=chirp", "excitation.start_hz=1e4"]);
     says(&chirp, &["a chirp excitation without `stop_hz`", "1 problem"]);
+    says(&report(&["rig.sdof.mass_kg=-1"]), &["`rig.sdof.mass_kg` is out of range", "from 1e-9 to 1e6 kg", "--set:1:18"]);
     says(&report(&["excitation.waveform=sqare"]), &["did you mean `square`?"]);
 }
 

@@ -17,6 +17,8 @@ fn the_drive_is_complete_and_within_its_limits() {
     says(&with_line("frequency_hz", "frequency_hz = 445e3"), &["too fast for the converters"]);
     says(&with_line("lm_h", ""), &["`cm_f` and `rm_ohm` need `lm_h`, too"]);
     says(&with_line("lm_h", "q = 50"), &["`cm_f` and `q` exclude each other"]);
+    let coupled = ["stack.bvd.coupling=1.2", "stack.bvd.q=50", "stack.bvd.series_resonance_hz=4e4"];
+    says(&report(example(), &coupled), &["`stack.bvd.coupling` is out of range", "from 1e-4 to 0.99", "a source of energy"]);
 }
 
 #[test]
