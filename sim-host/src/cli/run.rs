@@ -86,7 +86,7 @@ fn emulated(config: &Config) -> Result<Qemu, PilError> {
     if let Some(missing) = pil::missing() {
         return Err(PilError::Missing(missing));
     }
-    Ok(Qemu::start(&pil::image()?, config)?)
+    Qemu::start(&pil::image()?, config)
 }
 
 fn human(study: &Study, args: &RunArgs, color: Color) -> String {

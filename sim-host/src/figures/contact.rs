@@ -1,13 +1,13 @@
 //! The figures of a contact study: the last periods in full, and the whole run by its extremes.
 
 mod between;
+mod whole_run;
 
 use self::between::{coulomb_n, filled};
 use super::axis;
 use crate::contact::{Problem, State};
 use crate::report::{Axis, Figure, Series, Style};
 use crate::study::contact::Solved;
-use crate::study::film::{Bin, Range};
 
 const TIME: &str = "time [periods of the excitation]";
 
@@ -21,9 +21,7 @@ pub(super) fn of(solved: &Solved) -> Vec<Figure> {
         figures.extend([last.friction(), last.against_displacement(), last.against_slip(), last.motion(), last.velocity()]);
         figures.push(last.power());
     }
-    if solved.film.bins().len() > 1 {
-        figures.extend(whole_run(solved));
-    }
+    figures.extend(whole_run::of(solved));
     figures
 }
 
@@ -145,56 +143,4 @@ fn loop_of((id, title, caption): (&str, &str, &str), x: Axis, series: Series) ->
         hlines: vec![(0.0, String::new())],
         ..Figure::default()
     }
-}
-
-/// Friction, velocity and displacement over the whole run, by their extremes.
-fn whole_run(solved: &Solved) -> [Figure; 3] {
-    let bins = solved.film.bins();
-    let hz = solved.scene.excitation.frequency_hz;
-    let x: Vec<f64> = bins.iter().map(|bin| hz * bin.end_s).collect();
-    let figure = |(id, title): (&str, &str), y: &str, name: &str, column: &str, middle: Vec<f64>, range: fn(&Bin) -> Range| {
-        let (lower, upper) = bins.iter().map(|bin| (range(bin).least, range(bin).most)).unzip();
-        let series =
-            Series { name: name.into(), csv_column: column.into(), x: x.clone(), y: middle, style: Style::Band { lower, upper } };
-        Figure {
-            id: id.into(),
-            title: title.into(),
-            caption: "The band holds all values within each part of the run.".into(),
-            x: axis(TIME),
-            y: axis(y),
-            series: vec![series],
-            interactive: true,
-            ..Figure::default()
-        }
-    };
-    let means = bins.iter().map(Bin::mean_friction_n).collect();
-    let middle = |range: fn(&Bin) -> Range| bins.iter().map(|bin| 0.5 * (range(bin).least + range(bin).most)).collect();
-    let (velocity, displacement): (fn(&Bin) -> Range, fn(&Bin) -> Range) =
-        (|bin| bin.velocity_m_per_s, |bin| bin.displacement_m.times(1e6));
-    [
-        figure(
-            ("friction-run", "Friction over the whole run"),
-            "friction [N]",
-            "friction: mean and extremes",
-            "friction_mean_n",
-            means,
-            |bin| bin.friction_n,
-        ),
-        figure(
-            ("velocity-run", "Velocity over the whole run"),
-            "velocity [m/s]",
-            "velocity x': middle and extremes",
-            "velocity_middle_m_per_s",
-            middle(velocity),
-            velocity,
-        ),
-        figure(
-            ("displacement-run", "Displacement over the whole run"),
-            "displacement [µm]",
-            "displacement x: middle and extremes",
-            "displacement_middle_um",
-            middle(displacement),
-            displacement,
-        ),
-    ]
 }

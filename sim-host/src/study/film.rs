@@ -67,8 +67,13 @@ pub struct Bin {
 impl Range {
     const NOTHING: Range = Range { least: f64::INFINITY, most: f64::NEG_INFINITY };
 
+    /// Half way between the two.
+    pub fn middle(&self) -> f64 {
+        0.5 * (self.least + self.most)
+    }
+
     /// The range of a multiple of the value.
-    pub fn times(self, factor: f64) -> Range {
+    pub fn times(&self, factor: f64) -> Range {
         Range { least: factor * self.least, most: factor * self.most }
     }
 

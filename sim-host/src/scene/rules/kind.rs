@@ -81,7 +81,7 @@ impl Rules<'_> {
             if self.root.at(given).and_then(Node::table).is_some() && self.lacks(missing) {
                 let message = format!("[{given}] without [{missing}]");
                 let problem = Problem::new(self.place(given), message, format!("needs [{missing}]"));
-                self.add(*missing, problem.help(*reason));
+                self.add(missing, problem.help(*reason));
             }
         }
         let foreign = match self.kind {
