@@ -3,7 +3,7 @@
 use super::{Line, number, precise, table};
 use crate::contact::{Method, Solution};
 use crate::report::TableBlock;
-use crate::scene::{Body, VibrationVelocity, problem};
+use crate::scene::{Body, Sign, VibrationVelocity, problem};
 use crate::study::Study;
 use crate::study::contact::Solved;
 
@@ -22,6 +22,9 @@ pub(super) fn remarks(solved: &Solved) -> Vec<String> {
              the window. Give `rig.sdof.damping_ratio` for a steady state."
                 .into(),
         );
+    }
+    if solved.scene.model.sign() == Sign::Literal && matches!(solved.scene.body, Body::Sdof(_)) {
+        remarks.push("With the literal sign of 4.14 and 4.16 friction pumps the oscillator: its own motion grows.".into());
     }
     remarks.extend(solved.answer.iter().flat_map(|answer| answer.solution.warnings.iter().map(|warning| sentence(warning))));
     remarks
