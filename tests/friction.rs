@@ -1,6 +1,6 @@
 //! Friction through the whole chain, against numbers that do not come from this code.
 
-use sim_host::metrics::{self, Metrics};
+use sim_host::metrics::{Metrics, driven};
 use sim_host::run::{Watch, run};
 use sim_host::scene::load::load;
 
@@ -8,7 +8,8 @@ fn experiment(changes: &[&str]) -> Metrics {
     let short = ["duration_s=0.7", "controller.burst.on_s=[0.4]", "controller.burst.off_s=[0.6]"];
     let sets: Vec<String> = short.iter().chain(changes).map(|&set| set.to_owned()).collect();
     let scene = load("experiment-1", &sets).unwrap_or_else(|error| panic!("{error}")).scene;
-    metrics::of(&scene, &run(&scene, Watch::default()).unwrap())
+    let scene = scene.driven().unwrap();
+    driven::of(&scene, &run(&scene, Watch::default()).unwrap())
 }
 
 /// A separate study of the coupled equations (ideal source of 3 V, no weight but the load, relocked by the motional phase):

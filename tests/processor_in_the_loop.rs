@@ -43,6 +43,11 @@ fn scene(name: &str) -> Scene {
     load(name, &[]).expect("a built-in scene").scene
 }
 
+/// What the firmware is told in a built-in scene.
+fn config(name: &str) -> Config {
+    settings::config(&scene(name).driven().expect("a driven scene"))
+}
+
 /// Every bit of a report.
 fn bits(telemetry: &Telemetry) -> Vec<u8> {
     postcard::to_allocvec(telemetry).expect("telemetry can be encoded")
@@ -53,6 +58,7 @@ fn host_and_thumb_play_identical_codes() {
     let Some(image) = image() else { return };
     // Power-up, self-test, scan, lock, and two bursts; with the converters' noise.
     let scene = scene("lock");
+    let scene = scene.driven().expect("a driven scene");
     let here = run(&scene, Watch::default()).expect("a run on the host");
     let mut qemu = Qemu::start(&image, &settings::config(&scene)).expect("QEMU starts");
     let there = run_on(&mut qemu, &scene, Watch::default()).expect("a run on QEMU");
@@ -102,7 +108,7 @@ fn host_and_thumb_answer_random_blocks_alike() {
 #[test]
 fn a_refused_configuration_comes_back_as_text() {
     let Some(image) = image() else { return };
-    let mut config = settings::config(&scene("experiment-1"));
+    let mut config = config("experiment-1");
     config.tracking.nominal_q = -1.0;
     let expected = Here::new(&config).err().expect("a refusal").to_string();
     match Qemu::start(&image, &config).err().expect("a refusal") {
@@ -115,7 +121,7 @@ fn a_refused_configuration_comes_back_as_text() {
 fn a_lost_emulator_is_an_error_and_not_a_wait() {
     let Some(image) = image() else { return };
     for (signal, expected) in [("-KILL", "signal: 9"), ("-STOP", "no answer")] {
-        let mut qemu = Qemu::start(&image, &settings::config(&scene("experiment-1"))).expect("QEMU starts");
+        let mut qemu = Qemu::start(&image, &config("experiment-1")).expect("QEMU starts");
         qemu.set_patience(Duration::from_millis(500));
         let killed = Command::new("kill").args([signal, &qemu.process_id().to_string()]).status().expect("kill runs");
         assert!(killed.success());
@@ -135,7 +141,7 @@ fn a_lost_emulator_is_an_error_and_not_a_wait() {
 
 /// Configurations that between them take every branch of the waveform: shapes, lanes, trims, edges, schedules, trackers.
 fn configs() -> [Config; 3] {
-    let tracked = settings::config(&scene("experiment-1"));
+    let tracked = config("experiment-1");
     let mut held = tracked.clone();
     held.tracking.mode = TrackingMode::Off;
     held.lanes = 4;

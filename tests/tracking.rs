@@ -5,7 +5,7 @@ use firmware::controller::Controller;
 use firmware::supervisor::{Fault, Limit, Mode};
 use firmware::telemetry::Telemetry;
 use hal_mock::block_clock::BlockClock;
-use sim_host::metrics::{self, Metrics};
+use sim_host::metrics::{Metrics, driven};
 use sim_host::plant::Plant;
 use sim_host::record::Record;
 use sim_host::run::{Watch, run};
@@ -23,6 +23,7 @@ impl Rig {
     fn new(name: &str, changes: &[&str]) -> Self {
         let sets: Vec<String> = changes.iter().map(|&set| set.to_owned()).collect();
         let scene = load(name, &sets).unwrap_or_else(|error| panic!("{error}")).scene;
+        let scene = scene.driven().unwrap();
         let controller = Controller::build(&settings::config(&scene)).unwrap();
         let clock = BlockClock::new(Plant::new(&scene), &controller.silence());
         Rig { controller, clock, orders: Orders { gate: Gate::On, ..Orders::default() } }
@@ -85,6 +86,7 @@ fn short_bursts_are_tracked() {
         .map(String::from),
     );
     let scene = scene.unwrap_or_else(|error| panic!("{error}")).scene;
+    let scene = scene.driven().unwrap();
     let record = run(&scene, Watch::default()).unwrap();
     let last = record.rows.last().unwrap();
     assert_eq!((last.mode, last.fault, last.locked), (Mode::Run, 0, true));
@@ -96,6 +98,7 @@ fn short_bursts_are_tracked() {
 fn bursts_too_short_to_hear_are_a_limit_and_no_lock() {
     let sets = ["duration_s=0.5", "controller.burst.period_s=1e-3", "controller.burst.duty=0.1"].map(String::from);
     let scene = load("lock", &sets).unwrap_or_else(|error| panic!("{error}")).scene;
+    let scene = scene.driven().unwrap();
     let record = run(&scene, Watch::default()).unwrap();
     let last = record.rows.last().unwrap();
     assert_eq!((last.mode, last.locked, last.limit), (Mode::Run, false, Limit::NotTracking as u8));
@@ -114,8 +117,9 @@ fn lock(changes: &[&str]) -> (Record, Metrics) {
     let stays_on = ["duration_s=0.4", "controller.burst.on_s=[0.0]", "controller.burst.off_s=[9.0]"];
     let sets: Vec<String> = stays_on.iter().chain(changes).map(|&set| set.to_owned()).collect();
     let scene = load("lock", &sets).unwrap_or_else(|error| panic!("{error}")).scene;
+    let scene = scene.driven().unwrap();
     let record = run(&scene, Watch::default()).unwrap();
-    let metrics = metrics::of(&scene, &record);
+    let metrics = driven::of(&scene, &record);
     (record, metrics)
 }
 

@@ -22,6 +22,7 @@ fn scene(name: &str, sets: &[&str]) -> Scene {
 /// The flagship, whole: controller, stack and contact live.
 fn experiment_1(criterion: &mut Criterion) {
     let scene = scene("experiment-1", &[]);
+    let scene = scene.driven().expect("a driven scene");
     let mut group = criterion.benchmark_group("whole scene");
     group.throughput(Throughput::Elements((scene.duration_s * scene.sensors.sample_hz) as u64)).sample_size(10);
     group
@@ -51,6 +52,7 @@ const ORDERS: Orders = Orders {
 };
 
 fn recorded(scene: &Scene) -> Recorded {
+    let scene = &scene.driven().expect("a driven scene");
     let mut controller = Controller::build(&settings::config(scene)).expect("a built-in scene's settings");
     let mut clock = BlockClock::new(Plant::new(scene), &controller.silence());
     let drive_into = |controller: &mut Controller, clock: &mut BlockClock<Plant>| {

@@ -27,6 +27,7 @@ use crate::scene::{builtin, schema};
 const EXIT_CODES: &str = "Exit codes: 0 done; 1 the run failed; 2 usage; 3 invalid scene; 4 the run finished but an expectation was \
 missed; 5 QEMU or board not found or lost; 130 interrupted, with what there was kept and marked.";
 const RUN_FAILED: u8 = 1;
+const USAGE: u8 = 2;
 const INVALID_SCENE: u8 = 3;
 const EXPECTATION_MISSED: u8 = 4;
 const LOST: u8 = 5;

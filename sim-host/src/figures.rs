@@ -1,58 +1,19 @@
-//! The figures of a study: what was commanded, what the controller believed, what was true.
+//! The figures of a study.
 
-mod admittance;
-mod edges;
-mod energy;
-mod friction;
-mod resonance;
+mod contact;
+mod driven;
 
-use crate::metrics::View;
-use crate::record::Row;
-use crate::report::{Axis, Figure, Series, Span, Style};
-use crate::study::Study;
-
-/// Most points of a curve over the whole run.
-const BINS: usize = 3000;
+use crate::report::{Axis, Figure};
+use crate::study::{Outcome, Study};
 
 /// All figures that this study has something to show in, the most telling first.
 pub fn of(study: &Study) -> Vec<Figure> {
-    let view = View::new(&study.scene, &study.record);
-    let mut figures = Vec::new();
-    figures.extend(friction::over_time(study, &view));
-    figures.extend(edges::of(study, &view));
-    figures.extend(resonance::acquisition(study, &view));
-    figures.extend(resonance::lock_in(&view));
-    figures.extend(resonance::over_time(&view));
-    figures.extend(admittance::locus(study, &view));
-    figures.extend(friction::tip_velocity(study, &view));
-    figures.extend(energy::budget(study, &view));
-    figures
-}
-
-/// Rows in at most [`BINS`] groups of equal length.
-fn binned(rows: &[Row]) -> impl Iterator<Item = &[Row]> {
-    rows.chunks(rows.len().div_ceil(BINS).max(1))
-}
-
-fn mean(rows: &[Row], value: impl Fn(&Row) -> f64) -> f64 {
-    rows.iter().map(value).sum::<f64>() / rows.len() as f64
-}
-
-/// A curve of bin means over time, s.
-fn curve(rows: &[Row], name: &str, csv_column: &str, style: Style, value: impl Fn(&Row) -> f64) -> Series {
-    let (x, y) = binned(rows).map(|bin| (mean(bin, |row| row.time_s), mean(bin, &value))).unzip();
-    Series { name: name.into(), csv_column: csv_column.into(), x, y, style }
+    match &study.outcome {
+        Outcome::Driven(run) => driven::of(run),
+        Outcome::Contact(solved) => contact::of(solved),
+    }
 }
 
 fn axis(label: &str) -> Axis {
     Axis { label: label.into(), ..Axis::default() }
-}
-
-/// The ON windows as shaded spans. A schedule of many short bursts is not shaded: it would be one grey field.
-fn shaded(view: &View) -> Vec<Span> {
-    let windows = view.on_windows();
-    if windows.len() > 12 {
-        return Vec::new();
-    }
-    windows.into_iter().map(|(from, to)| Span { from, to, label: "ON".into() }).collect()
 }

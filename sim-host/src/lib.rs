@@ -1,11 +1,13 @@
-//! Sonoglide's host side: the plant behind the converters, scenes, metrics and reports.
+//! Sonoglide's host side: the plant behind the converters, contact studies, scenes, metrics and reports.
 //!
 //! ```text
-//! scene --> settings --> processor (the firmware's controller, here or in an emulator)
-//!   |                        ^ |
-//!   |                  codes | | codes
-//!   |                        | v
-//!   +-----------------> plant (stack, contact, rig) --> record --> metrics --> study --> findings, figures --> report
+//! scene [controller] --> settings --> processor (the firmware's controller, here or in an emulator)
+//!   |                                     ^ |
+//!   |                               codes | | codes
+//!   |                                     | v
+//!   +------------------------------> plant (stack, contact, rig) --> record ---+
+//!                                                                              v
+//! scene [excitation] --> problem --> contact (solved by itself) --> film --> metrics --> study --> findings, figures --> report
 //! ```
 //!
 //! The controller is the `firmware` crate, unchanged; this crate is what it is connected to.

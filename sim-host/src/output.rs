@@ -13,7 +13,8 @@ use crate::record::text_hash;
 use crate::report::{self, ReportError};
 use crate::scene::load::Loaded;
 use crate::scene::resolved::resolved_json;
-use crate::study::Study;
+use crate::study::contact::Answer;
+use crate::study::{Outcome, Study};
 
 /// What went wrong with the folder.
 #[derive(Debug, thiserror::Error)]
@@ -55,20 +56,38 @@ pub fn summary(study: &Study) -> Value {
             "column_key": result.grid.column_key, "columns": result.grid.columns, "cells": result.cells,
         })
     });
-    json!({
+    let summary = json!({
         "scene": study.name, "seed": study.scene.seed, "metrics": metrics, "expect": expect, "grid": grid,
-        "drive_hash": format!("{:016x}", study.record.drive_hash), "interrupted": study.record.interrupted,
-    })
+        "interrupted": study.interrupted,
+    });
+    with_own(summary, study)
+}
+
+/// Adds what only this kind of study has: the hash of what was played, or how the answer was come by.
+fn with_own(mut of: Value, study: &Study) -> Value {
+    match &study.outcome {
+        Outcome::Driven(run) => of["drive_hash"] = json!(format!("{:016x}", run.record.drive_hash)),
+        Outcome::Contact(solved) => {
+            of["solution"] = json!(solved.answer.as_ref().map(|Answer { solution, .. }| {
+                json!({
+                    "method": findings::method_name(solution.method), "why": solution.why, "order": solution.order,
+                    "steps_per_period": solution.steps_per_period, "error_estimate": solution.error_estimate,
+                    "warnings": solution.warnings,
+                })
+            }));
+        }
+    }
+    of
 }
 
 /// The manifest: everything that the run depended on.
 fn manifest(loaded: &Loaded, study: &Study) -> Value {
-    json!({
-        "program": "sim-host", "version": findings::VERSION, "scene": study.name, "seed": study.scene.seed, "level": study.level.to_string(),
-        "input_hash": format!("{:016x}", text_hash(&loaded.input)), "set": loaded.sets,
-        "drive_hash": format!("{:016x}", study.record.drive_hash), "interrupted": study.record.interrupted,
-        "resolved_scene": resolved_json(&study.scene),
-    })
+    let manifest = json!({
+        "program": "sim-host", "version": findings::VERSION, "scene": study.name, "seed": study.scene.seed,
+        "level": findings::level(study), "input_hash": format!("{:016x}", text_hash(&loaded.input)), "set": loaded.sets,
+        "interrupted": study.interrupted, "resolved_scene": resolved_json(study.scene),
+    });
+    with_own(manifest, study)
 }
 
 /// Writes everything into `dir`, which is made if it is not there.
@@ -80,7 +99,7 @@ pub fn write(loaded: &Loaded, study: &Study, dir: &Path) -> Result<(), OutputErr
     };
     json("manifest.json", &manifest(loaded, study))?;
     json("summary.json", &summary(study))?;
-    trace_file::write(&study.record, &dir.join("trace.csv"))?;
+    trace_file::write(study, &dir.join("trace.csv"))?;
     report::write(&findings::report(study), dir)?;
     Ok(())
 }

@@ -38,7 +38,7 @@ use crate::plant::stack::{Held, Stack};
 use crate::plant::sums::Sums;
 use crate::plant::timing::Timing;
 use crate::plant::truth::{Sample, Truth};
-use crate::scene::{DisturbedKey, Scene};
+use crate::scene::{DisturbedKey, Driven};
 
 /// The plant.
 #[derive(Clone, Debug)]
@@ -60,8 +60,8 @@ pub struct Plant {
 
 impl Plant {
     /// The plant of a scene, at rest.
-    pub fn new(scene: &Scene) -> Self {
-        let sensors = &scene.sensors;
+    pub fn new(scene: &Driven) -> Self {
+        let sensors = scene.sensors;
         let circuit = Circuit::of(&scene.stack.bvd);
         let timing = Timing {
             sample_s: 1.0 / sensors.sample_hz,
@@ -69,15 +69,15 @@ impl Plant {
             conversions: sensors.oversample.into(),
             skew_s: sensors.skew_s,
         };
-        let sliding = scene.contact.as_ref().zip(scene.rig.as_ref()).map(|(contact, rig)| Sliding::new(contact, rig));
+        let sliding = scene.sliding.map(|(contact, slider)| Sliding::new(contact, slider));
         let block_s = f64::from(scene.controller.block_samples) / sensors.sample_hz;
         Plant {
-            dac: Dac::new(sensors, &scene.amplifier),
+            dac: Dac::new(sensors, scene.amplifier),
             // Two streams that never meet, whatever the seed: the halves of a 64-bit space apart.
             v_adc: Adc::new(sensors, sensors.v_full_scale_v, scene.seed),
             i_adc: Adc::new(sensors, sensors.i_full_scale_a, scene.seed ^ (1 << 63)),
             timing,
-            stack: Stack::new(circuit, &scene.amplifier, timing),
+            stack: Stack::new(circuit, scene.amplifier, timing),
             sliding,
             load_cell: LoadCell::new(sensors.load_cell_hz, block_s),
             changes: scene.disturbance.iter().cloned().map(Change::new).collect(),
@@ -146,6 +146,8 @@ impl Plant {
             DisturbedKey::ClampedCapacitance => circuit.c0_f,
             DisturbedKey::Load => of_slider(Sliding::load_n),
             DisturbedKey::Speed => of_slider(|sliding| sliding.speed_m_per_s),
+            // Of contact studies only, which have no plant.
+            DisturbedKey::Normal => 0.0,
         }
     }
 
@@ -158,7 +160,7 @@ impl Plant {
             (DisturbedKey::ClampedCapacitance, _) => self.stack.set_circuit(Circuit { c0_f: value, ..circuit }),
             (DisturbedKey::Load, Some(sliding)) => sliding.set_load(value),
             (DisturbedKey::Speed, Some(sliding)) => sliding.speed_m_per_s = value,
-            (DisturbedKey::Load | DisturbedKey::Speed, None) => {}
+            (DisturbedKey::Load | DisturbedKey::Speed, None) | (DisturbedKey::Normal, _) => {}
         }
         self.energy.disturbed_j += self.stack.stored_j() - stored;
     }

@@ -12,7 +12,7 @@ use hal_mock::tracer::DriveHash;
 use crate::plant::Plant;
 use crate::processor::{Here, Lost, Processor};
 use crate::record::{Command, Record, Row, Window};
-use crate::scene::{self, Scene};
+use crate::scene::{self, Driven};
 use crate::settings;
 use crate::trace::{Played, Tracer};
 
@@ -44,13 +44,13 @@ const MAX_ROWS: u64 = 1_000_000;
 const LOOK_EVERY: u64 = 256;
 
 /// Runs a scene with the controller in this process.
-pub fn run(scene: &Scene, watch: Watch) -> Result<Record, RunError> {
+pub fn run(scene: &Driven, watch: Watch) -> Result<Record, RunError> {
     let mut processor = Here::new(&settings::config(scene))?;
     run_on(&mut processor, scene, watch)
 }
 
 /// Runs a scene with the controller on `processor`.
-pub fn run_on(processor: &mut dyn Processor, scene: &Scene, mut watch: Watch) -> Result<Record, RunError> {
+pub fn run_on(processor: &mut dyn Processor, scene: &Driven, mut watch: Watch) -> Result<Record, RunError> {
     let began = Instant::now();
     let sample_hz = scene.sensors.sample_hz;
     let samples = usize::from(scene.controller.block_samples);
@@ -109,7 +109,7 @@ struct Recorder {
 }
 
 impl Recorder {
-    fn new(scene: &Scene, windows: Vec<Window>) -> Self {
+    fn new(scene: &Driven, windows: Vec<Window>) -> Self {
         let plant = Plant::new(scene);
         let sample_s = plant.sample_s();
         let front_end = settings::config(scene).front_end;

@@ -4,12 +4,17 @@
 //! the comments of `sim-host show` are all derived from them; [`rules`] adds what a schema cannot say.
 
 pub mod builtin;
+mod contact;
 mod controller;
 mod course;
 pub mod diagnostic;
+mod excitation;
+mod integrator;
 pub mod load;
+pub mod problem;
 pub mod resolved;
 mod results;
+mod rig;
 pub mod rules;
 pub mod schema;
 pub mod settings;
@@ -20,20 +25,27 @@ mod plant;
 mod tree;
 mod units;
 mod unknown;
+mod views;
 mod walk;
 mod wording;
 
 #[cfg(test)]
 mod tests;
 
+pub use contact::{Contact, Coulomb, Dahl, Hertz, Lugre, Model, Sign};
 pub use controller::{Burst, Controller, Direction, Drive, Edge, Limits, Phasing, Shape, Tracking, TrackingMode};
 pub use course::{Disturbance, DisturbedKey, Fault, FaultKind};
-pub use plant::{Amplifier, Bvd, Contact, Dahl, Integrator, Rig, Sensors, Slider, Stack};
+pub use excitation::{Excitation, Match, VibrationVelocity, Waveform};
+pub use integrator::{Integrator, Method};
+pub(crate) use nearest::shown;
+pub use plant::{Amplifier, Bvd, Sensors, Stack};
 pub use results::{Expect, Grid, Signal, Trace, TraceFormat};
+pub use rig::{Kinematic, Rig, Sdof, Slider};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+pub use views::{Body, Driven, Excited, Kind};
 
-/// A scene.
+/// A scene: either the firmware drives a stack, or a contact is studied by itself.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Scene {
@@ -52,17 +64,22 @@ pub struct Scene {
     #[serde(default = "default::seed")]
     #[schemars(range(max = 9_007_199_254_740_992_u64))] // every JSON reader keeps it exactly
     pub seed: u64,
-    /// The firmware that drives, and what it is told.
-    pub controller: Controller,
+    /// The firmware that drives, and what it is told. A scene has this, or `[excitation]`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub controller: Option<Controller>,
+    /// What shakes the contact of a contact study. A scene has this, or `[controller]`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub excitation: Option<Excitation>,
     /// The power amplifier between DAC and stack.
-    #[serde(default)]
-    pub amplifier: Amplifier,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub amplifier: Option<Amplifier>,
     /// The converters and the load cell.
-    #[serde(default)]
-    pub sensors: Sensors,
-    /// The piezo stack.
-    pub stack: Stack,
-    /// The friction contact at the stack's tip. Needs a rig that presses on it and moves it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub sensors: Option<Sensors>,
+    /// The piezo stack that the firmware drives.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub stack: Option<Stack>,
+    /// The friction contact. Needs a rig that presses on it and moves it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub contact: Option<Contact>,
     /// What presses on the contact and moves it.

@@ -1,66 +1,71 @@
 //! A study: a scene, run; its metrics held against what was expected; and its grid, if it has one.
 
+pub mod contact;
+pub mod driven;
+pub mod film;
+mod stopped;
+
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use rayon::prelude::*;
 
-use crate::metrics::{self, Metrics};
-use crate::plant::circuit::Circuit;
+use self::contact::Solved;
+use self::driven::Run;
+use crate::contact::Trouble;
+use crate::metrics::Metrics;
 use crate::processor::Processor;
-use crate::record::{Record, Window};
-use crate::run::{self, RunError, Watch};
+use crate::run::RunError;
 use crate::scene::load::{LoadError, Loaded};
-use crate::scene::{Expect, Grid, Scene};
-use crate::schedule::first_window;
+use crate::scene::{Expect, Grid, Kind, Scene, shown};
 
 /// Why a study has no result.
 #[derive(Debug, thiserror::Error)]
 pub enum StudyError {
+    /// The scene was not loaded, and lacks what loading would have asked for.
+    #[error("the scene is neither a driven one nor a contact study")]
+    Incomplete,
     /// The scene of a grid's cell is invalid.
     #[error("the grid's cell {0} is not a valid scene")]
     Cell(String, #[source] LoadError),
+    /// A grid's cell has no result.
+    #[error("the grid's cell {0} has no result")]
+    EmptyCell(String, #[source] Box<StudyError>),
     /// The run did not happen.
     #[error(transparent)]
     Run(#[from] RunError),
-}
-
-/// Where the controller of a study ran, and so what its result can show.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Level {
-    /// On the host.
-    Sil,
-    /// As thumb code in an emulator.
-    Pil,
-}
-
-impl std::fmt::Display for Level {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(match self {
-            Level::Sil => "SIL (software in the loop: the controller on the host)",
-            Level::Pil => "PIL (processor in the loop: the controller as thumb code in QEMU)",
-        })
-    }
+    /// The contact study has no answer.
+    #[error("the contact study has no answer")]
+    Contact(#[from] Trouble),
 }
 
 /// The result of a study.
 #[derive(Clone, Debug)]
-pub struct Study {
+pub struct Study<'a> {
     /// Name of the scene.
     pub name: String,
     /// What was changed by hand, as `key=value`.
     pub changes: Vec<String>,
-    /// Where the controller ran.
-    pub level: Level,
     /// The scene as it was run.
-    pub scene: Scene,
-    /// What was recorded.
-    pub record: Record,
+    pub scene: &'a Scene,
+    /// What came of it.
+    pub outcome: Outcome<'a>,
     /// The numbers.
     pub metrics: Metrics,
     /// The expectations, judged.
     pub judged: Vec<Judged>,
     /// The grid, run.
     pub grid: Option<GridResult>,
+    /// Whether it was stopped before its end.
+    pub interrupted: bool,
+}
+
+/// What came of a scene, by its kind.
+#[derive(Clone, Debug)]
+pub enum Outcome<'a> {
+    /// The firmware drove.
+    Driven(Box<Run<'a>>),
+    /// A contact was studied by itself.
+    Contact(Box<Solved<'a>>),
 }
 
 /// An expectation and how it came out.
@@ -72,6 +77,8 @@ pub struct Judged {
     pub value: Option<f64>,
     /// The limit, as text.
     pub limit: String,
+    /// How far from a value it may be, if that is the limit.
+    pub tolerance: Option<f64>,
     /// Whether it holds. A metric that the run does not have holds nothing.
     pub pass: bool,
     /// Where the limit comes from.
@@ -87,58 +94,50 @@ pub struct GridResult {
     pub cells: Vec<Vec<Option<f64>>>,
 }
 
-impl Study {
+impl Study<'_> {
     /// Whether every expectation holds.
     pub fn passes(&self) -> bool {
         self.judged.iter().all(|judged| judged.pass)
     }
+
+    /// The driven run, if it was one.
+    pub fn run(&self) -> Option<&Run<'_>> {
+        match &self.outcome {
+            Outcome::Driven(run) => Some(run),
+            Outcome::Contact(_) => None,
+        }
+    }
 }
 
-/// Runs a loaded scene with the controller on `processor`, and its grid with the controller in this process.
-pub fn conduct<'a>(
-    loaded: &Loaded,
-    (level, processor): (Level, &mut dyn Processor),
-    stop: &'a AtomicBool,
-    progress: Option<&'a mut dyn FnMut(f64)>,
-) -> Result<Study, StudyError> {
+/// Runs a loaded scene and its grid. The controller of the scene itself runs on `emulator`, or without one in this process; those of
+/// the grid, always in this process.
+pub fn conduct<'a, 'w>(
+    loaded: &'a Loaded,
+    emulator: Option<&mut dyn Processor>,
+    stop: &'w AtomicBool,
+    progress: Option<&'w mut dyn FnMut(f64)>,
+) -> Result<Study<'a>, StudyError> {
     let scene = &loaded.scene;
-    let watch = Watch { windows: edge_windows(scene), stop: Some(stop), progress };
-    let mut record = run::run_on(processor, scene, watch)?;
-    let metrics = metrics::of(scene, &record);
+    let (outcome, metrics, cut) = match scene.kind().ok_or(StudyError::Incomplete)? {
+        Kind::Driven(scene) => {
+            let (run, metrics) = driven::conduct(scene, emulator, stop, progress)?;
+            let cut = run.record.interrupted;
+            (Outcome::Driven(Box::new(run)), metrics, cut)
+        }
+        Kind::Excited(scene) => {
+            let (solved, metrics) = contact::conduct(scene, stop, progress)?;
+            let cut = solved.answer.is_none();
+            (Outcome::Contact(Box::new(solved)), metrics, cut)
+        }
+    };
     let judged = scene.expect.iter().map(|expect| judge(expect, &metrics)).collect();
     let grid = match &scene.grid {
-        Some(grid) if !record.interrupted => cells(loaded, grid, stop)?,
+        Some(grid) if !cut => cells(loaded, grid, stop)?,
         _ => None,
     };
     // Stopped within the grid: the scene is whole, and the grid is missing.
-    record.interrupted |= stop.load(Ordering::Relaxed);
-    Ok(Study {
-        name: loaded.name.clone(),
-        changes: loaded.sets.clone(),
-        level,
-        scene: scene.clone(),
-        record,
-        metrics,
-        judged,
-        grid,
-    })
-}
-
-/// Both edges of the first ON window, sample by sample: a little before, and five time constants after. Of a repeated burst the
-/// last period, because the first ones find the stack not yet locked.
-fn edge_windows(scene: &Scene) -> Vec<Window> {
-    let after_s = 5.0 * Circuit::of(&scene.stack.bvd).time_constant_s();
-    let Some(burst) = &scene.controller.burst else { return Vec::new() };
-    let late = burst.period_s.map_or(0.0, |period_s| scene.duration_s - 2.0 * period_s);
-    let window = first_window(burst, late).filter(|window| window.0 < scene.duration_s);
-    let edge = |title: &str, at_s: f64| Window {
-        title: title.into(),
-        edge_s: at_s,
-        from_s: at_s - 0.2 * after_s,
-        to_s: at_s + after_s,
-        ..Window::default()
-    };
-    window.map_or_else(Vec::new, |(on, off)| vec![edge("on", on), edge("off", off)])
+    let interrupted = cut || stop.load(Ordering::Relaxed);
+    Ok(Study { name: loaded.name.clone(), changes: loaded.sets.clone(), scene, outcome, metrics, judged, grid, interrupted })
 }
 
 fn judge(expect: &Expect, metrics: &Metrics) -> Judged {
@@ -146,31 +145,42 @@ fn judge(expect: &Expect, metrics: &Metrics) -> Judged {
     let limit = match (expect.value, expect.tolerance) {
         (Some(value), Some(tolerance)) => {
             (min, max) = (Some(value - tolerance), Some(value + tolerance));
-            format!("{value} ± {tolerance}")
+            format!("{} ± {}", shown(value), shown(tolerance))
         }
         _ => match (min, max) {
-            (Some(min), Some(max)) => format!("{min} to {max}"),
-            (Some(min), None) => format!("at least {min}"),
-            (None, Some(max)) => format!("at most {max}"),
+            (Some(min), Some(max)) => format!("{} to {}", shown(min), shown(max)),
+            (Some(min), None) => format!("at least {}", shown(min)),
+            (None, Some(max)) => format!("at most {}", shown(max)),
             (None, None) => "anything".into(),
         },
     };
     let value = metrics.get(&expect.metric);
     let holds = |value: f64| min.is_none_or(|min| value >= min) && max.is_none_or(|max| value <= max);
-    Judged { metric: expect.metric.clone(), value, limit, pass: value.is_some_and(holds), source: expect.source.clone() }
+    Judged {
+        metric: expect.metric.clone(),
+        value,
+        limit,
+        tolerance: expect.tolerance,
+        pass: value.is_some_and(holds),
+        source: expect.source.clone(),
+    }
 }
 
-/// Runs every cell of a grid, in parallel, with the controller on the host; nothing if it is stopped. Each is a scene of its own, seeded as the scene is, so that the result does not depend
-/// on the number of threads.
+/// Runs every cell of a grid, in parallel; nothing if it is stopped. Each is a scene of its own, seeded as the scene is, so that the
+/// result does not depend on the number of threads.
 fn cells(loaded: &Loaded, grid: &Grid, stop: &AtomicBool) -> Result<Option<GridResult>, StudyError> {
     let places: Vec<(f64, f64)> =
         grid.rows.iter().flat_map(|&row| grid.columns.iter().map(move |&column| (row, column))).collect();
     let run_cell = |&(row, column): &(f64, f64)| {
         let place = [format!("{}={row}", grid.row_key), format!("{}={column}", grid.column_key)];
         let sets = [grid.set.as_slice(), &place].concat();
-        let scene = loaded.with(&sets).map_err(|error| StudyError::Cell(place.join(", "), error))?.scene;
-        let record = run::run(&scene, Watch { stop: Some(stop), ..Watch::default() })?;
-        Ok(metrics::of(&scene, &record).get(&grid.metric))
+        let cell = loaded.with(&sets).map_err(|error| StudyError::Cell(place.join(", "), error))?;
+        let metrics = match cell.scene.kind().ok_or(StudyError::Incomplete)? {
+            Kind::Driven(scene) => driven::cell(&scene, stop),
+            Kind::Excited(scene) => contact::cell(&scene, stop),
+        };
+        let metrics = metrics.map_err(|error| StudyError::EmptyCell(place.join(", "), Box::new(error)))?;
+        Ok(metrics.get(&grid.metric))
     };
     let values = places.par_iter().map(run_cell).collect::<Result<Vec<_>, StudyError>>()?;
     let cells = values.chunks(grid.columns.len()).map(<[_]>::to_vec).collect();

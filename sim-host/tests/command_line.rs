@@ -80,6 +80,64 @@ fn json_goes_to_standard_output_and_nothing_else_does() {
 }
 
 #[test]
+fn a_contact_study_has_its_numbers_and_nothing_of_a_controller() {
+    let folder = Folder::new("contact");
+    let output = sim_host(&["run", "contact", "--format", "json", "-o", folder.text()]);
+    assert_eq!(code(&output), 0, "{}", stderr(&output));
+    let summary: Value = serde_json::from_str(&stdout(&output)).expect("JSON");
+    for metric in ["friction_ratio", "power_ratio", "velocity_ratio", "kappa", "error_estimate", "ns_per_period", "plant_states"]
+    {
+        assert!(summary["metrics"][metric].is_number(), "{metric} in {summary}");
+    }
+    assert!(summary["solution"]["method"].is_string() && summary.get("drive_hash").is_none(), "{summary}");
+    for file in ["report.html", "friction.png", "hysteresis.svg", "power.csv", "friction-run.csv", "trace.csv"] {
+        assert!(Path::new(folder.text()).join(file).metadata().is_ok_and(|file| file.len() > 100), "{file}");
+    }
+    let manifest: Value = serde_json::from_str(&folder.read("manifest.json")).expect("JSON");
+    assert!(manifest["resolved_scene"].get("sensors").is_none() && manifest["resolved_scene"]["excitation"].is_object());
+    let pil = sim_host(&["run", "contact", "--pil", "--no-report"]);
+    assert!(code(&pil) == 2 && stderr(&pil).contains("`contact` has no [controller]"), "{}", stderr(&pil));
+}
+
+#[test]
+fn a_contact_study_says_how_it_was_solved() {
+    let sets = ["excitation.sliding_m_per_s=0.02", "excitation.frequency_hz=12978.69", "duration_s=2e-3"];
+    let sets = sets.iter().flat_map(|set| ["--set", set]);
+    let arguments: Vec<&str> = ["run", "contact", "--no-report", "-q", "--set", "integrator.window_periods=[10,20]"].into();
+    let output = sim_host(&arguments.into_iter().chain(sets).collect::<Vec<_>>());
+    let text = stdout(&output);
+    for part in ["grows without bound", "Means over periods 10 to 20", "method ", "error estimate of the friction ratio", "MISS"]
+    {
+        assert!(text.contains(part), "`{part}` is missing in\n{text}");
+    }
+    assert_eq!(code(&output), 4);
+}
+
+#[test]
+fn a_contact_study_without_an_answer_fails_with_the_reason() {
+    let stiff = ["contact.dahl.stiffness_n_per_m=56e9", "integrator.method=rk4", "integrator.steps_per_period=100"];
+    let sets = stiff.iter().flat_map(|set| ["--set", set]);
+    let output = sim_host(&["run", "contact", "--no-report"].into_iter().chain(sets).collect::<Vec<_>>());
+    assert_eq!(code(&output), 1, "{}", stdout(&output));
+    assert!(stderr(&output).contains("the contact study has no answer: rk4 diverged at"), "{}", stderr(&output));
+}
+
+#[test]
+fn a_wrong_contact_study_is_told_what_to_do() {
+    for (change, parts) in [
+        ("rig.sdof.stiffness_n_per_m=2842446067", ["contact:13:18", "grows without bound", "damping_ratio"]),
+        ("integrator.window_periods=[100,300]", ["--set:1:27", "the run has 200", "at most 200"]),
+        ("contact.dahl.mu=0", ["--set:1:17", "without friction there is no friction ratio", "more than 0"]),
+    ] {
+        let output = sim_host(&["run", "contact", "--no-report", "--set", change]);
+        assert_eq!(code(&output), 3, "{change}");
+        for part in parts {
+            assert!(stderr(&output).contains(part), "`{part}` is missing in\n{}", stderr(&output));
+        }
+    }
+}
+
+#[test]
 fn a_missed_expectation_is_exit_code_4() {
     let output = sim_host(&["run", "lock", "--no-report", "--set", "expect.0.value=50"]);
     assert_eq!(code(&output), 4);
@@ -155,9 +213,16 @@ fn a_trace_holds_the_signals_asked_for() {
 #[cfg(unix)]
 #[test]
 fn an_interrupted_run_keeps_what_it_has_and_says_so() {
-    let folder = Folder::new("interrupted");
+    interrupted("lock", &["duration_s=900", "controller.burst.off_s=[0.22,900]"]);
+    interrupted("contact", &["duration_s=900", "integrator.method=rk4"]);
+}
+
+#[cfg(unix)]
+fn interrupted(scene: &str, sets: &[&str]) {
+    let folder = Folder::new(&format!("interrupted-{scene}"));
     let child = Command::new(env!("CARGO_BIN_EXE_sim-host"))
-        .args(["run", "lock", "-o", folder.text(), "--set", "duration_s=900", "--set", "controller.burst.off_s=[0.22,900]"])
+        .args(["run", scene, "-o", folder.text()])
+        .args(sets.iter().flat_map(|set| ["--set", set]))
         .stdout(Stdio::piped())
         .stderr(Stdio::piped())
         .spawn()

@@ -17,6 +17,7 @@ const RESONANCE_HZ: f32 = 40_520.0;
 
 fn on_transducer(queues: &mut Queues) -> Bench<'_, Tracer<Plant>> {
     let scene = load("lock", &[]).expect("a valid scene").scene;
+    let scene = scene.driven().expect("a driven scene");
     let setup = Setup { config: settings::config(&scene), ..Setup::default() };
     Bench::new(queues, &setup, Tracer::new(Plant::new(&scene), 8)).unwrap()
 }

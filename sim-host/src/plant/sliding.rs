@@ -2,7 +2,7 @@
 
 use crate::plant::circuit::Circuit;
 use crate::plant::dahl::Dahl;
-use crate::scene::{Contact, Rig, Scene};
+use crate::scene::{self, Driven, Slider};
 
 /// A contact and what moves it: `V = speed + tip velocity`, `N = load + own weight`.
 #[derive(Clone, Debug)]
@@ -17,11 +17,10 @@ pub struct Sliding {
 
 impl Sliding {
     /// The contact of a scene, relaxed.
-    pub fn new(contact: &Contact, rig: &Rig) -> Self {
-        let slider = &rig.slider;
+    pub fn new(contact: &scene::Dahl, slider: &Slider) -> Self {
         let mut sliding = Sliding {
-            dahl: Dahl::new(contact.dahl.stiffness_n_per_m, 0.0),
-            mu: contact.dahl.mu,
+            dahl: Dahl::new(contact.stiffness_n_per_m, 0.0),
+            mu: contact.mu,
             self_weight_n: slider.self_weight_n,
             load_n: 0.0,
             speed_m_per_s: slider.speed_m_per_s,
@@ -58,13 +57,13 @@ impl Sliding {
 ///
 /// The measure is `kappa = Kt Vv / (omega Fc)`, the vibration amplitude in Dahl lengths: 16 steps a period are enough below 1, 32
 /// below 10, 64 below 100, 128 above. A scene may ask for more, or for fewer.
-pub fn steps_per_sample(scene: &Scene, circuit: &Circuit) -> u32 {
-    let Some((contact, rig)) = scene.contact.as_ref().zip(scene.rig.as_ref()) else { return 1 };
+pub fn steps_per_sample(scene: &Driven, circuit: &Circuit) -> u32 {
+    let Some((contact, slider)) = scene.sliding else { return 1 };
     let drive = &scene.controller.drive;
     let by_voltage = drive.amplitude_v.unwrap_or(0.0) / circuit.rm_ohm / circuit.force_factor_n_per_v;
     let displacement = drive.velocity_m_per_s.unwrap_or(by_voltage) / circuit.omega();
-    let coulomb = contact.dahl.mu * (rig.slider.load_n + rig.slider.self_weight_n);
-    let kappa = contact.dahl.stiffness_n_per_m * displacement / coulomb;
+    let coulomb = contact.mu * (slider.load_n + slider.self_weight_n);
+    let kappa = contact.stiffness_n_per_m * displacement / coulomb;
     let by_stiffness = match kappa {
         k if k < 1.0 => 16,
         k if k < 10.0 => 32,

@@ -45,6 +45,9 @@ pub enum DisturbedKey {
     /// Sliding speed, m/s.
     #[serde(rename = "rig.slider.speed_m_per_s")]
     Speed,
+    /// Normal force of a contact study, N; a step only.
+    #[serde(rename = "contact.normal_n")]
+    Normal,
 }
 
 /// Something that breaks on the way.

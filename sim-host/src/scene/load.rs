@@ -103,8 +103,12 @@ fn judge(mut root: Node) -> Result<Scene, Vec<Problem>> {
     if !problems.is_empty() {
         return Err(problems);
     }
-    let place = root.place.clone();
-    root.to_toml().try_into().map_err(|error: toml::de::Error| vec![Problem::new(place, error.message(), "")])
+    scene_of(&root).map_err(|error| vec![Problem::new(root.place.clone(), error.message(), "")])
+}
+
+/// The scene that a tree is, with the defaults of its kind.
+pub(super) fn scene_of(root: &Node) -> Result<Scene, toml::de::Error> {
+    root.to_toml().try_into().map(Scene::complete)
 }
 
 /// The scene laid over its base, that over its own, and so on. Adds the bases to the sources.

@@ -35,7 +35,7 @@ pub(super) fn short(text: &str) -> String {
 }
 
 /// A number as a person would write it.
-pub(super) fn shown(number: f64) -> String {
+pub fn shown(number: f64) -> String {
     let rounded: f64 = format!("{number:.9e}").parse().unwrap_or(number);
     if rounded == 0.0 || (1e-3..1e6).contains(&rounded.abs()) { rounded.to_string() } else { format!("{rounded:e}") }
 }

@@ -1,4 +1,4 @@
-//! What the controller is connected to: amplifier, sensors, stack, contact, rig.
+//! What the controller is connected to: amplifier, sensors, stack.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -113,7 +113,8 @@ pub struct Bvd {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 1.0, max = 1e6))]
     pub q: Option<f64>,
-    /// Effective coupling k: `k^2 = Cm / (C0 + Cm)`.
+    /// Effective coupling k: `k^2 = Cm / (C0 + Cm)`, which is below one whatever the capacitances. Data that give more contradict
+    /// each other: such a stack would be a source of energy.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 1e-4, max = 0.99))]
     pub coupling: Option<f64>,
@@ -121,60 +122,6 @@ pub struct Bvd {
     #[serde(default = "default::force_factor")]
     #[schemars(range(min = 1e-6, max = 1e4))]
     pub force_factor_n_per_v: f64,
-}
-
-/// The friction contact. Give exactly one model.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct Contact {
-    /// Dahl's model.
-    pub dahl: Dahl,
-}
-
-/// Dahl's model with exponent one: `dF/dz = Kt (1 - F sgn(V) / Fc)`, `Fc = mu N`.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct Dahl {
-    /// Coefficient of friction.
-    #[schemars(range(min = 0.0, max = 5.0))]
-    pub mu: f64,
-    /// Tangential contact stiffness Kt, N/m.
-    #[schemars(range(min = 1.0, max = 1e12))]
-    pub stiffness_n_per_m: f64,
-}
-
-/// How finely the contact is stepped.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, default)]
-pub struct Integrator {
-    /// Steps in a period of the series resonance, at least; a sample holds a whole number of them. Default: by the contact's stiffness.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    #[schemars(range(min = 4, max = 4096))]
-    pub steps_per_period: Option<u32>,
-}
-
-/// What presses on the contact and moves it.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct Rig {
-    /// A slider at constant speed (experiment 1).
-    pub slider: Slider,
-}
-
-/// A slider at constant speed; its tip vibrates along the motion.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct Slider {
-    /// Load on the lever arm, N.
-    #[serde(default)]
-    #[schemars(range(min = 0.0, max = 1e4))]
-    pub load_n: f64,
-    /// Weight of the transducer itself, N.
-    #[schemars(range(min = 0.0, max = 1e4))]
-    pub self_weight_n: f64,
-    /// Sliding speed, m/s.
-    #[schemars(range(min = -10.0, max = 10.0))]
-    pub speed_m_per_s: f64,
 }
 
 /// Defaults that serde needs as functions.

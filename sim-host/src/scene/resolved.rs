@@ -11,6 +11,9 @@ const WIDTH: usize = 110;
 /// A key and its value up to this length have their comment beside them.
 const BESIDE: usize = 44;
 
+/// Most words of a choice that are listed beside it.
+const MOST_CHOICES: usize = 8;
+
 /// The scene as TOML, every key with its meaning and unit. Reads back as the same scene.
 pub fn resolved_toml(scene: &Scene) -> String {
     // A scene holds finite numbers and integers that TOML has room for: loading sees to it.
@@ -92,7 +95,7 @@ fn write_values(
 fn meaning(schema: Schema) -> String {
     let description = schema.description().unwrap_or_default().replace('\n', " ");
     let choices = schema.choices();
-    if schema.kind() == Kind::Choice && choices.len() <= 5 {
+    if schema.kind() == Kind::Choice && choices.len() <= MOST_CHOICES {
         return format!("{}: {}.", description.trim_end_matches('.'), choices.join(" | "));
     }
     description

@@ -3,67 +3,43 @@
 //! A rule reads the keys it looks at, and is silent if one of them is itself wrong, so that one mistake neither raises a second
 //! complaint nor hides another one.
 
+mod contact;
 mod converters;
 mod disturbance;
 mod drive;
+mod excitation;
+mod exclusive;
 mod firmware;
 mod grid;
+mod kind;
 mod timeline;
 mod tracking;
+mod window;
 
 use super::diagnostic::{Place, Problem};
 use super::nearest::{listed, nearest, short, shown};
 use super::schema::{Schema, join};
 use super::tree::Node;
 use super::walk::{Findings, walk};
-use super::wording::{header, within};
 use crate::metric_names;
 
-/// Keys of a table that exclude each other.
-#[derive(Debug)]
-pub struct Exclusive {
-    /// Path of the table.
-    pub table: &'static str,
-    /// What one of must be given.
-    pub alternatives: &'static [Alternative],
-}
-
-/// One way to say it.
-#[derive(Debug)]
-pub struct Alternative {
-    /// The keys of this way.
-    pub keys: &'static [&'static str],
-    /// Whether all of them are needed, rather than any.
-    pub complete: bool,
-}
-
-const fn all(keys: &'static [&'static str]) -> Alternative {
-    Alternative { keys, complete: true }
-}
-
-const fn any(keys: &'static [&'static str]) -> Alternative {
-    Alternative { keys, complete: false }
-}
-
-/// All groups of keys that exclude each other. Laid over a scene, a key takes the place of those that it excludes.
-pub const EXCLUSIVE: &[Exclusive] = &[
-    Exclusive { table: "controller.drive", alternatives: &[all(&["amplitude_v"]), all(&["velocity_m_per_s"])] },
-    Exclusive { table: "controller.burst", alternatives: &[all(&["on_s", "off_s"]), all(&["period_s", "duty"])] },
-    Exclusive {
-        table: "stack.bvd",
-        alternatives: &[all(&["cm_f", "lm_h", "rm_ohm"]), all(&["series_resonance_hz", "q", "coupling"])],
-    },
-    Exclusive { table: "disturbance", alternatives: &[all(&["to"]), all(&["rate_per_s"]), all(&["sine_amplitude", "sine_hz"])] },
-    Exclusive { table: "expect", alternatives: &[any(&["min", "max"]), all(&["value", "tolerance"])] },
-];
+pub use exclusive::{Alternative, EXCLUSIVE, Exclusive};
+use kind::Kind;
 
 /// Checks a scene on which the walk has been: adds to what it found.
 pub(super) fn check(root: &Node, findings: Findings) -> Findings {
-    let mut rules = Rules { root, findings };
+    let mut rules = Rules { root, findings, kind: None };
+    rules.kind();
+    rules.belonging();
     for group in EXCLUSIVE {
         rules.tables(group.table).iter().for_each(|path| rules.exclusive(group, path));
     }
-    rules.contact_and_rig();
+    rules.contact();
+    match rules.kind {
+        Some(Kind::Driven) => rules.driven(),
+        Some(Kind::Excited) => rules.excited(),
+        None => {}
+    }
     rules.converters();
     rules.drive();
     rules.tracking();
@@ -82,6 +58,8 @@ pub(super) fn check(root: &Node, findings: Findings) -> Findings {
 struct Rules<'a> {
     root: &'a Node,
     findings: Findings,
+    /// What kind of scene it is, if that can be said.
+    kind: Option<Kind>,
 }
 
 impl<'a> Rules<'a> {
@@ -162,57 +140,6 @@ impl<'a> Rules<'a> {
 
     fn add(&mut self, path: &str, problem: Problem) {
         self.findings.add(path, problem);
-    }
-
-    fn exclusive(&mut self, group: &Exclusive, path: &str) {
-        let keys: Vec<_> = group.alternatives.iter().flat_map(|way| way.keys).map(|key| join(path, key)).collect();
-        let Some(table) = self.root.at(path).filter(|_| keys.iter().all(|key| self.clean(key))).and_then(Node::table) else {
-            return;
-        };
-        let given = |way: &Alternative| way.keys.iter().filter(|key| table.contains_key(**key)).copied().collect::<Vec<_>>();
-        let ways: Vec<_> = group.alternatives.iter().map(|way| (way, given(way))).filter(|(_, keys)| !keys.is_empty()).collect();
-        let choice = {
-            let ways =
-                group.alternatives.iter().map(|way| listed(way.keys.iter().copied(), if way.complete { "and" } else { "or" }));
-            format!("give either {}", ways.collect::<Vec<_>>().join(", or "))
-        };
-        let problem = match ways.as_slice() {
-            [] => {
-                let message = format!("{} says too little", header(path));
-                Problem::new(self.place(path), message, choice)
-            }
-            [(way, keys)] if way.complete && keys.len() < way.keys.len() => {
-                let missing = listed(way.keys.iter().copied().filter(|key| !keys.contains(key)), "and");
-                let Some(first) = keys.first() else { return };
-                let needs = if keys.len() == 1 { "needs" } else { "need" };
-                let message = format!("{} {needs} {missing}, too", listed(keys.iter().copied(), "and"));
-                Problem::new(self.key(&join(path, first)), message, format!("without {missing}")).help(choice)
-            }
-            [_] => return,
-            [(_, first), (_, second), ..] => {
-                let (Some(first), Some(second)) = (first.first(), second.first()) else { return };
-                let message = format!("`{first}` and `{second}` exclude each other {}", within(path));
-                let (one, other) = (self.key(&join(path, first)), self.key(&join(path, second)));
-                let (later, earlier) = if one < other { (other, first) } else { (one, second) };
-                Problem::new(later, message, format!("`{earlier}` is given already")).help(choice)
-            }
-        };
-        self.findings.problems.push(problem);
-        keys.into_iter().for_each(|key| self.findings.mark(key));
-    }
-
-    fn contact_and_rig(&mut self) {
-        for (given, missing, reason) in [
-            ("contact", "rig", "nothing presses on the contact and moves it: add a rig, such as [rig.slider]"),
-            ("rig", "contact", "there is no contact to press on and move: add one, such as [contact.dahl]"),
-        ] {
-            // What is wrong inside the table that is given does not matter here.
-            if self.root.at(given).and_then(Node::table).is_some() && self.lacks(missing) {
-                let message = format!("[{given}] without [{missing}]");
-                let problem = Problem::new(self.place(given), message, format!("needs [{missing}]"));
-                self.add(missing, problem.help(reason));
-            }
-        }
     }
 
     fn expectations(&mut self) {

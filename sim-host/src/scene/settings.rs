@@ -9,14 +9,14 @@ use firmware::config::{
 use crate::scene;
 
 /// The firmware's configuration for a scene that has passed its rules.
-pub fn config(scene: &scene::Scene) -> Config {
-    let controller = &scene.controller;
+pub fn config(scene: &scene::Driven) -> Config {
+    let controller = scene.controller;
     let drive = &controller.drive;
     Config {
         sample_hz: scene.sensors.sample_hz as f32,
         block_samples: controller.block_samples,
         lanes: drive.lanes,
-        front_end: front_end(&scene.sensors, &scene.amplifier),
+        front_end: front_end(scene.sensors, scene.amplifier),
         drive: Drive {
             frequency_hz: drive.frequency_hz as f32,
             amplitude: amplitude(drive, &controller.tracking),

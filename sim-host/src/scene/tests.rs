@@ -1,12 +1,14 @@
 //! Scenes that are wrong in every way, and what a user reads about them.
 
+mod excited;
 mod keys;
+mod kinds;
 mod layers;
 mod rules;
 mod whole;
 
-use super::Scene;
 use super::load::load_text;
+use super::{Controller, Scene};
 
 /// A scene of these tests' own, so that line numbers stay what they are.
 fn example() -> &'static str {
@@ -19,6 +21,11 @@ fn sets(sets: &[&str]) -> Vec<String> {
 
 fn loaded(changes: &[&str]) -> Scene {
     load_text("experiment-1", example(), &sets(changes)).unwrap_or_else(|error| panic!("{error}")).scene
+}
+
+/// The controller of the example with changes.
+fn driven(changes: &[&str]) -> Controller {
+    loaded(changes).controller.unwrap()
 }
 
 /// The report on a text.

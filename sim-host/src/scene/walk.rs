@@ -35,6 +35,11 @@ impl Findings {
         !self.bad.iter().any(|bad| inside(bad, path) || inside(path, bad))
     }
 
+    /// Whether something is wrong with the value at a path itself, rather than in it or with what it is part of.
+    pub(super) fn marked(&self, path: &str) -> bool {
+        self.bad.contains(path)
+    }
+
     /// Whether a path, or a part of it, is probably there under another name: if it is absent, that has been said.
     pub(super) fn meant(&self, path: &str) -> bool {
         self.meant.iter().any(|meant| inside(meant, path) || inside(path, meant))
@@ -215,7 +220,7 @@ fn expected(schema: Schema, path: &str) -> String {
         Kind::Integer => with_unit("a whole number"),
         Kind::Text => "a string".to_owned(),
         Kind::Flag => "true or false".to_owned(),
-        Kind::Choice if schema.choices().len() <= 6 => listed(schema.choices(), "or"),
+        Kind::Choice if schema.choices().len() <= 8 => listed(schema.choices(), "or"),
         Kind::Choice => "one of a few strings".to_owned(),
     }
 }

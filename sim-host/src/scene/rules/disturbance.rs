@@ -1,10 +1,13 @@
 //! Disturbances: what they change must be there, and must stay in its range to the end of the run.
 
+use super::kind::Kind;
 use super::{Rules, shown};
 use crate::scene::diagnostic::Problem;
 use crate::scene::schema::{Schema, join};
 use crate::scene::walk::wrong_number;
 use crate::scene::wording::{bound, range};
+
+const NORMAL: &str = "contact.normal_n";
 
 /// What a disturbance does to its key.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -28,20 +31,50 @@ impl Rules<'_> {
                 self.within_the_run(&at_s, time);
             }
             let Some(target) = self.text(&key) else { continue };
-            let table = target.split('.').next().unwrap_or_default();
-            if self.lacks(table) {
+            // A table lacks only if the one that it would be in is there.
+            let tables = target.match_indices('.').map(|(at, _)| &target[..at]);
+            if let Some(table) = tables.into_iter().find(|table| self.lacks(table)) {
                 let message = format!("`{target}` cannot change: the scene has no [{table}]");
                 let problem = Problem::new(self.place(&key), message, format!("needs [{table}]"));
                 self.add(&key, problem);
             }
-            if let (Some(value), Some(schema)) = (self.value(&to), Schema::root().at(target))
-                && let Some(problem) = wrong_number(value, schema, target)
+            if target == NORMAL {
+                self.normal_force(&path);
+            }
+            let changed = self.changed(target);
+            if let (Some(value), Some(schema)) = (self.value(&to), Schema::root().at(&changed))
+                && let Some(problem) = wrong_number(value, schema, &changed)
             {
                 self.add(&to, problem);
             }
         }
         for target in Schema::root().at("disturbance.0.key").map(Schema::choices).unwrap_or_default() {
             self.course(target);
+        }
+    }
+
+    /// The normal force of a contact study steps; that of a slider is its load.
+    fn normal_force(&mut self, path: &str) {
+        if self.kind == Some(Kind::Driven) {
+            let key = join(path, "key");
+            let message = format!("`{NORMAL}` has no place in a scene with [controller]");
+            let problem = Problem::new(self.place(&key), message, "belongs to [excitation]");
+            self.add(&key, problem.help("the load of a slider is `rig.slider.load_n`"));
+        }
+        for key in ["rate_per_s", "sine_amplitude"].map(|key| join(path, key)) {
+            if self.value(&key).is_some() {
+                let message = format!("`{NORMAL}` changes in steps only");
+                let problem = Problem::new(self.key(&key), message, "give `to` instead");
+                self.add(&key, problem);
+            }
+        }
+    }
+
+    /// The path of the key that a disturbance changes: the normal force is one of the contact's model.
+    fn changed(&self, target: &str) -> String {
+        match self.model() {
+            Some(model) if target == NORMAL => join(&model, "normal_n"),
+            _ => target.to_owned(),
         }
     }
 

@@ -6,9 +6,10 @@ use firmware::error::Error;
 use super::Rules;
 use super::drive::{AMPLITUDE, FREQUENCY, SCAN, VELOCITY};
 use crate::scene::diagnostic::Problem;
+use crate::scene::load::scene_of;
 use crate::scene::schema::{Schema, join};
+use crate::scene::settings;
 use crate::scene::wording::{bound, quantity, range};
-use crate::scene::{Scene, settings};
 
 const MODE: &str = "controller.tracking.mode";
 const BEGINNINGS: &str = "controller.burst.on_s";
@@ -42,7 +43,8 @@ impl Rules<'_> {
         if !self.findings.problems.is_empty() {
             return;
         }
-        let Ok(scene) = self.root.to_toml().try_into::<Scene>() else { return };
+        let Ok(scene) = scene_of(self.root) else { return };
+        let Some(scene) = scene.driven() else { return };
         let Err(error) = Controller::build(&settings::config(&scene)) else { return };
         match error {
             Error::OutOfRange { parameter, value, min, max } => match self.source_of(parameter) {

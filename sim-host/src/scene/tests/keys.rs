@@ -50,7 +50,7 @@ fn what_is_missing_is_named_where_it_belongs() {
         &with_line("frequency_hz", ""),
         &["`frequency_hz` is missing in [controller.drive]", "--> a.toml:5:1", "a number in Hz"],
     );
-    says(&report("title = \"x\"\nduration_s = 1\n", &[]), &["the table [controller] is missing", "the table [stack] is missing"]);
+    says(&report("title = \"x\"\nduration_s = 1\n", &[]), &["a scene needs [controller] or [excitation]", "1 problem"]);
     says(&report("", &[]), &["the scene is empty", "sim-host show experiment-1"]);
     says(&report("# nothing\n", &[]), &["the scene is empty"]);
 }

@@ -1,6 +1,6 @@
 //! One text over another, and where they come from.
 
-use super::{example, loaded, report, says, sets};
+use super::{driven, example, loaded, report, says, sets};
 use crate::scene::load::{LoadError, load, load_text};
 
 #[test]
@@ -8,13 +8,13 @@ fn changes_replace_add_and_count() {
     assert_eq!(loaded(&["duration_s = 7"]).duration_s, 7.0);
     assert_eq!(loaded(&["title=No quotes: needed"]).title, "No quotes: needed");
     assert_eq!(loaded(&["expect.0.min=1"]).expect[0].min, Some(1.0));
-    assert_eq!(loaded(&["controller.block_samples=16.0"]).controller.block_samples, 16);
-    assert_eq!(loaded(&["controller.burst.on_s.0=2"]).controller.burst.unwrap().on_s, [2.0]);
+    assert_eq!(driven(&["controller.block_samples=16.0"]).block_samples, 16);
+    assert_eq!(driven(&["controller.burst.on_s.0=2"]).burst.unwrap().on_s, [2.0]);
     let new = ["grid.set=[]", "disturbance.0.at_s=1", "disturbance.0.key=rig.slider.load_n", "disturbance.0.to=5"];
     assert_eq!(loaded(&new).disturbance[0].to, Some(5.0));
-    let drive = loaded(&["controller.drive.amplitude_v=3"]).controller.drive;
+    let drive = driven(&["controller.drive.amplitude_v=3"]).drive;
     assert_eq!((drive.amplitude_v, drive.velocity_m_per_s), (Some(3.0), None));
-    let burst = loaded(&["controller.burst.period_s=0.01", "controller.burst.duty=0.5"]).controller.burst.unwrap();
+    let burst = driven(&["controller.burst.period_s=0.01", "controller.burst.duty=0.5"]).burst.unwrap();
     assert_eq!((burst.period_s, burst.on_s.len()), (Some(0.01), 0));
 }
 
@@ -37,8 +37,8 @@ fn wrong_changes_are_reported_in_their_own_text() {
 #[test]
 fn a_base_is_laid_under() {
     let scene = load_text("a.toml", "base = \"experiment-1\"\n[controller.drive]\namplitude_v = 3\n", &[]).unwrap().scene;
-    assert_eq!(scene.controller.drive.amplitude_v, Some(3.0));
-    assert_eq!(scene.controller.drive.velocity_m_per_s, None);
+    let drive = &scene.controller.as_ref().unwrap().drive;
+    assert_eq!((drive.amplitude_v, drive.velocity_m_per_s), (Some(3.0), None));
     assert_eq!(scene.stack, loaded(&[]).stack);
     says(&report("base = \"experimnt-1\"", &[]), &["no scene `experimnt-1` to start from", "try `experiment-1`"]);
     says(&report("base = 3", &[]), &["`base` cannot be a whole number"]);

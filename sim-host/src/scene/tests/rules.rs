@@ -1,6 +1,6 @@
 //! How keys depend on each other.
 
-use super::{example, loaded, report, says, with_line};
+use super::{driven, example, loaded, report, says, with_line};
 use crate::scene::load::load_text;
 
 #[test]
@@ -17,6 +17,8 @@ fn the_drive_is_complete_and_within_its_limits() {
     says(&with_line("frequency_hz", "frequency_hz = 445e3"), &["too fast for the converters"]);
     says(&with_line("lm_h", ""), &["`cm_f` and `rm_ohm` need `lm_h`, too"]);
     says(&with_line("lm_h", "q = 50"), &["`cm_f` and `q` exclude each other"]);
+    let coupled = ["stack.bvd.coupling=1.2", "stack.bvd.q=50", "stack.bvd.series_resonance_hz=4e4"];
+    says(&report(example(), &coupled), &["`stack.bvd.coupling` is out of range", "from 1e-4 to 0.99", "a source of energy"]);
 }
 
 #[test]
@@ -111,7 +113,7 @@ fn a_sample_fits_into_sixteen_bits() {
     says(&report(example(), &["sensors.adc_bits=16", "sensors.oversample=1", "sensors.flavour=1"]), &["1 problem"]);
     let sixteen = format!("{}\n[sensors]\nadc_bits = 15\n", example());
     says(&report(&sixteen, &["sensors.oversample=3"]), &["--set:1:20", "must be at most 2 with 15 bits"]);
-    assert_eq!(loaded(&["sensors.dac_bits=16"]).sensors.dac_bits, 16);
+    assert_eq!(loaded(&["sensors.dac_bits=16"]).sensors.unwrap().dac_bits, 16);
 }
 
 #[test]
@@ -120,9 +122,9 @@ fn the_scan_and_the_lock_in_can_work() {
         &with_line("nominal_q", "nominal_q = 8001"),
         &["a.toml:15:13", "401 steps", "at most 8000 with a span of 0.025", "0.0249968"],
     );
-    assert_eq!(loaded(&["controller.tracking.nominal_q=8000"]).controller.tracking.nominal_q, 8000.0);
+    assert_eq!(driven(&["controller.tracking.nominal_q=8000"]).tracking.nominal_q, 8000.0);
     let off = ["controller.tracking.nominal_q=9000", "controller.tracking.mode=off", "controller.drive.amplitude_v=3"];
-    assert_eq!(loaded(&off).controller.tracking.nominal_q, 9000.0);
+    assert_eq!(driven(&off).tracking.nominal_q, 9000.0);
     says(
         &with_line("frequency_hz", "frequency_hz = 10e3"),
         &["less than half a period of 9750 Hz", "must be at least 16025.7 Hz", "or give `controller.block_samples` 52 at least"],

@@ -3,20 +3,20 @@
 use firmware::supervisor::Mode;
 
 use super::axis;
-use crate::metrics::View;
+use crate::metrics::driven::View;
 use crate::record::Window;
 use crate::report::{Figure, Series, Span, Style};
-use crate::study::Study;
+use crate::study::driven::Run;
 
 /// One figure for each edge that was kept, and really played: an ON window may begin before there is a lock.
-pub(super) fn of(study: &Study, view: &View) -> Vec<Figure> {
+pub(super) fn of(run: &Run, view: &View) -> Vec<Figure> {
     let Some(run_s) = view.plays_from(Mode::Run) else { return Vec::new() };
     let played = |window: &&Window| window.edge_s > run_s && !window.samples.is_empty();
-    study.record.windows.iter().filter(played).map(|window| edge(study, window)).collect()
+    run.record.windows.iter().filter(played).map(|window| edge(run, window)).collect()
 }
 
-fn edge(study: &Study, window: &Window) -> Figure {
-    let sample_s = study.record.sample_s;
+fn edge(run: &Run, window: &Window) -> Figure {
+    let sample_s = run.record.sample_s;
     let time: Vec<f64> =
         (0..window.samples.len()).map(|n| 1e3 * (window.start_s + n as f64 * sample_s - window.edge_s)).collect();
     let largest = |value: &dyn Fn(usize) -> f64| (0..time.len()).map(value).fold(f64::MIN_POSITIVE, |a, b| a.max(b.abs()));
@@ -28,11 +28,11 @@ fn edge(study: &Study, window: &Window) -> Figure {
         Series { name: name.into(), csv_column: column.into(), x: time.clone(), y, style: Style::Line }
     };
     let mut series = vec![relative("tip velocity", "tip_velocity_relative", &velocity)];
-    if study.scene.contact.is_some() {
+    if run.scene.contact.is_some() {
         series.push(relative("friction", "friction_relative", &friction));
     }
     let on = window.title == "on";
-    let what = match (on, study.scene.contact.is_some()) {
+    let what = match (on, run.scene.contact.is_some()) {
         (true, true) => "drive ON, friction falls",
         (false, true) => "drive OFF, friction comes back",
         (true, false) => "drive ON, the stack rings up",

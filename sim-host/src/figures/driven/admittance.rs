@@ -5,11 +5,11 @@ use std::f64::consts::TAU;
 use firmware::supervisor::Mode;
 
 use super::axis;
-use crate::metrics::View;
+use crate::metrics::driven::View;
 use crate::plant::circuit::Circuit;
 use crate::record::Row;
 use crate::report::{Figure, Marker, Series, Style};
-use crate::study::Study;
+use crate::study::driven::Run;
 
 /// Blocks over which the working point is averaged.
 const WORKING_BLOCKS: usize = 1000;
@@ -34,8 +34,8 @@ fn locus_of(circuit: &Circuit, name: &str, csv_column: &str, style: Style) -> Se
 }
 
 /// The loop. Only for a study that has identified its transducer.
-pub(super) fn locus(study: &Study, view: &View) -> Option<Figure> {
-    let found = study.record.last.transducer?;
+pub(super) fn locus(run: &Run, view: &View) -> Option<Figure> {
+    let found = run.record.last.transducer?;
     let identified = Circuit {
         c0_f: found.c0_f.into(),
         cm_f: found.cm_f.into(),
@@ -43,8 +43,8 @@ pub(super) fn locus(study: &Study, view: &View) -> Option<Figure> {
         rm_ohm: found.rm_ohm.into(),
         force_factor_n_per_v: 1.0,
     };
-    let truth = Circuit::of(&study.scene.stack.bvd);
-    let (x, y) = settled_points(&study.record.rows);
+    let truth = Circuit::of(&run.scene.stack.bvd);
+    let (x, y) = settled_points(&run.record.rows);
     let measured = Series {
         name: "measured, last pass of the scan".into(),
         csv_column: "susceptance_measured_s".into(),

@@ -3,10 +3,10 @@
 use firmware::supervisor::Mode;
 
 use super::{axis, curve, shaded};
-use crate::metrics::View;
+use crate::metrics::driven::View;
 use crate::record::Row;
 use crate::report::{Figure, Series, Style};
-use crate::study::Study;
+use crate::study::driven::Run;
 
 fn series(name: &str, csv_column: &str, x: Vec<f64>, y: Vec<f64>, style: Style) -> Series {
     Series { name: name.into(), csv_column: csv_column.into(), x, y, style }
@@ -20,9 +20,9 @@ fn between<'a>(view: &View<'a>, from_s: f64, to_s: f64) -> (Vec<f64>, &'a [Row])
 }
 
 /// The frequency played while the resonance is looked for: the passes of the scan, then the lock.
-pub(super) fn acquisition(study: &Study, view: &View) -> Option<Figure> {
+pub(super) fn acquisition(run: &Run, view: &View) -> Option<Figure> {
     let from = view.plays_from(Mode::Scan)?;
-    let to = view.plays_from(Mode::Run).unwrap_or(study.record.rows.last()?.time_s);
+    let to = view.plays_from(Mode::Run).unwrap_or(run.record.rows.last()?.time_s);
     let (x, rows) = between(view, from, to + 0.02 * (to - from));
     let played = rows.iter().map(|row| if row.drive_v > 0.0 { row.frequency_hz } else { f64::NAN }).collect();
     let truth = rows.iter().map(|row| row.truth.series_resonance_hz).collect();

@@ -1,21 +1,21 @@
 //! Where the energy goes.
 
 use super::{axis, binned, mean, shaded};
-use crate::metrics::View;
+use crate::metrics::driven::View;
 use crate::plant::truth::Truth;
 use crate::report::{Axis, Figure, Series, Style};
-use crate::study::Study;
+use crate::study::driven::Run;
 
 /// Work since the beginning, on a logarithmic scale: the friction that is switched takes a thousandth of what the stack's own loss
 /// takes.
-pub(super) fn budget(study: &Study, view: &View) -> Option<Figure> {
-    let rows = &study.record.rows;
+pub(super) fn budget(run: &Run, view: &View) -> Option<Figure> {
+    let rows = &run.record.rows;
     let lost = |truth: &Truth| truth.lost_w;
     let cumulative = |name: &str, csv_column: &str, style: Style, power: &dyn Fn(&Truth) -> f64| {
         let mut work = 0.0;
         let (x, y) = binned(rows)
             .map(|bin| {
-                let length_s = bin.len() as f64 * study.record.sample_s * study.record.block_samples as f64;
+                let length_s = bin.len() as f64 * run.record.sample_s * run.record.block_samples as f64;
                 work += mean(bin, |row| power(&row.truth)) * length_s;
                 // From nothing on a logarithmic scale: a gap.
                 (mean(bin, |row| row.time_s), if work > 1e-9 { work } else { f64::NAN })
@@ -27,16 +27,16 @@ pub(super) fn budget(study: &Study, view: &View) -> Option<Figure> {
         cumulative("from the amplifier", "supplied_j", Style::Line, &|truth| truth.power_w),
         cumulative("heat in the stack", "lost_j", Style::Dashed, &lost),
     ];
-    if study.scene.contact.is_some() {
+    if run.scene.contact.is_some() {
         series.push(cumulative("slider against friction", "friction_on_slider_j", Style::Line, &|t| t.friction_on_slider_w));
         series.push(cumulative("tip against friction", "friction_on_tip_j", Style::Line, &|t| t.friction_on_tip_w));
     }
-    (study.record.energy.supplied_j > 0.0).then(|| Figure {
+    (run.record.energy.supplied_j > 0.0).then(|| Figure {
         id: "energy".into(),
         title: "Energy budget".into(),
         caption: format!(
             "Work since the beginning. What the sums do not account for is {:.1e} of what was supplied.",
-            study.record.energy.residual().abs()
+            run.record.energy.residual().abs()
         ),
         x: axis("time [s]"),
         y: Axis { label: "work [J]".into(), log: true, range: None },

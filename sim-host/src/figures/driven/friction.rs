@@ -1,14 +1,14 @@
 //! Friction and tip velocity over the whole run.
 
 use super::{axis, binned, curve, mean, shaded};
-use crate::metrics::View;
+use crate::metrics::driven::View;
 use crate::report::{Figure, Series, Style};
-use crate::study::Study;
+use crate::study::driven::Run;
 
 /// Friction over time: the true force with its extremes in each bin, and the slow load cell beside it.
-pub(super) fn over_time(study: &Study, view: &View) -> Option<Figure> {
-    study.scene.contact.as_ref()?;
-    let rows = &study.record.rows;
+pub(super) fn over_time(run: &Run, view: &View) -> Option<Figure> {
+    run.scene.contact.as_ref()?;
+    let rows = &run.record.rows;
     let (lower, upper) = binned(rows)
         .map(|bin| {
             let min = bin.iter().map(|row| row.truth.friction_min_n).fold(f64::INFINITY, f64::min);
@@ -21,7 +21,7 @@ pub(super) fn over_time(study: &Study, view: &View) -> Option<Figure> {
             row.truth.friction_mean_n
         });
     let truth = Series { style: Style::Band { lower, upper }, ..truth };
-    let cell_hz = study.scene.sensors.load_cell_hz;
+    let cell_hz = run.scene.sensors.load_cell_hz;
     let cell = curve(rows, &format!("load cell ({cell_hz} Hz)"), "load_cell_n", Style::Dashed, |row| row.truth.load_cell_n);
     Some(Figure {
         id: "friction".into(),
@@ -40,11 +40,11 @@ pub(super) fn over_time(study: &Study, view: &View) -> Option<Figure> {
 }
 
 /// Tip velocity three ways.
-pub(super) fn tip_velocity(study: &Study, view: &View) -> Option<Figure> {
-    let rows = &study.record.rows;
-    let told = study.scene.controller.tracking.nominal_force_factor_n_per_v?;
+pub(super) fn tip_velocity(run: &Run, view: &View) -> Option<Figure> {
+    let rows = &run.record.rows;
+    let told = run.scene.controller.tracking.nominal_force_factor_n_per_v?;
     let mut series = Vec::new();
-    if let Some(velocity) = study.scene.controller.drive.velocity_m_per_s {
+    if let Some(velocity) = run.scene.controller.drive.velocity_m_per_s {
         series.push(curve(rows, "command", "tip_velocity_command_m_per_s", Style::Dashed, |row| velocity * row.envelope));
     }
     series.push(curve(rows, "controller's estimate", "tip_velocity_estimate_m_per_s", Style::Line, |row| {

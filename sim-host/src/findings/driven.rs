@@ -1,0 +1,146 @@
+//! A driven run in words and tables.
+
+use std::fmt::Write as _;
+
+use firmware::supervisor::{Limit, Mode};
+
+use super::{Line, precise, table};
+use crate::metrics::driven::View;
+use crate::plant::circuit::Circuit;
+use crate::record::Row;
+use crate::report::TableBlock;
+use crate::study::Study;
+use crate::study::driven::Run;
+
+/// Where the controller ran, and what the three ways are.
+pub(super) fn preface(run: &Run) -> String {
+    format!(
+        "{}, against a simulated stack and contact. Command is what the controller played, estimate what it believed, truth what the \
+         simulated plant did; the controller sees converter codes only.",
+        run.level
+    )
+}
+
+/// What a reader must know before the numbers.
+pub(super) fn remarks(run: &Run) -> Vec<String> {
+    let mut remarks = Vec::new();
+    if let Some(fault) = run.record.last.fault {
+        remarks.push(format!("The controller ended in fault {}: {fault:?}.", fault.code()));
+    }
+    let limit = run.record.rows.iter().rfind(|row| row.drive_v > 0.0).map(|row| row.limit);
+    if let Some(limit) = limit.and_then(|code| Limit::try_from(code).ok()) {
+        remarks.push(format!("In its last block under drive the controller was under limit {}: {limit:?}.", limit as u8));
+    }
+    let view = View::new(&run.scene, &run.record);
+    if run.record.last.fault.is_none() && view.steady().next().is_none() {
+        let running = view.plays_from(Mode::Run).map_or("was not reached".to_owned(), |s| format!("began at {s:.3} s"));
+        remarks.push(format!("There is no steady block with the drive ON, so most metrics are missing: the run {running}."));
+    }
+    remarks
+}
+
+/// The numbers that come first: label, metric, unit.
+pub(super) const HEADLINE: &[Line] = &[
+    ("friction reduction", "reduction_percent", "%"),
+    ("friction, drive OFF", "friction_off_n", "N"),
+    ("friction, drive ON", "friction_on_n", "N"),
+    ("frequency bias", "frequency_bias_hz", "Hz"),
+    ("acquired in", "acquire_time_ms", "ms"),
+    ("relocked to 20 Hz in", "relock_time_20hz_ms", "ms"),
+    ("tip velocity", "tip_velocity_m_per_s", "m/s"),
+    ("simulated s per wall s", "simulated_s_per_wall_s", ""),
+];
+
+/// The fault that the run ended in, as a headline.
+pub(super) fn fault(run: &Run) -> Option<(String, String)> {
+    run.record.rows.last().filter(|row| row.fault != 0).map(|row| ("ended in fault".to_owned(), row.fault.to_string()))
+}
+
+/// Where the numbers come from.
+pub(super) fn footer(run: &Run) -> Vec<(&'static str, String)> {
+    vec![
+        ("drive hash", format!("{:016x}", run.record.drive_hash)),
+        ("plant states", run.record.plant_states.to_string()),
+        ("level", run.level.to_string()),
+    ]
+}
+
+/// How it was run, in one line.
+pub(super) fn manner(study: &Study, run: &Run) -> String {
+    let speed = study.metrics.get("simulated_s_per_wall_s").map(super::number).unwrap_or_default();
+    format!(
+        "{}; {speed} simulated seconds per wall second, {} plant states; drive hash {:016x}",
+        run.level, run.record.plant_states, run.record.drive_hash
+    )
+}
+
+/// How far an interrupted run came, s.
+pub(super) fn reached_s(run: &Run) -> f64 {
+    run.record.rows.last().map_or(0.0, |row| row.time_s)
+}
+
+/// The modes that the controller went through, and when.
+pub(super) fn modes(run: &Run) -> String {
+    let mut text = String::new();
+    let mut last = None;
+    for row in &run.record.rows {
+        if last != Some((row.mode, row.fault)) {
+            last = Some((row.mode, row.fault));
+            let fault = if row.fault == 0 { String::new() } else { format!(" {}", row.fault) };
+            let _ = writeln!(text, "{:12.6} s  {:?}{fault}", row.time_s, row.mode);
+        }
+    }
+    text
+}
+
+/// Command (or what the controller was told), estimate, truth.
+pub(super) fn three_ways(study: &Study, run: &Run) -> TableBlock {
+    let view = View::new(&run.scene, &run.record);
+    let steady: Vec<&Row> = view.steady().collect();
+    let mean = |value: &dyn Fn(&Row) -> f64| {
+        (!steady.is_empty()).then(|| steady.iter().map(|row| value(row)).sum::<f64>() / steady.len() as f64)
+    };
+    let controller = run.scene.controller;
+    let tracking = &controller.tracking;
+    let found = run.record.last.transducer;
+    let truth = Circuit::of(&run.scene.stack.bvd);
+    let identified = |value: fn(&firmware::identify::Transducer) -> f32| found.as_ref().map(|found| f64::from(value(found)));
+    let velocity_estimate =
+        tracking.nominal_force_factor_n_per_v.and_then(|told| mean(&|row| row.motional_current_a).map(|amperes| amperes / told));
+    let mut rows = vec![
+        (
+            "drive frequency, steady [Hz]",
+            mean(&|row| row.frequency_hz),
+            mean(&|row| row.resonance_estimate_hz),
+            mean(&|row| row.truth.series_resonance_hz),
+        ),
+        (
+            "tip velocity, steady [m/s]",
+            controller.drive.velocity_m_per_s,
+            velocity_estimate,
+            study.metrics.get("tip_velocity_m_per_s"),
+        ),
+        (
+            "series resonance [Hz]",
+            Some(controller.drive.frequency_hz),
+            identified(|t| t.series_resonance_hz),
+            Some(truth.series_resonance_hz()),
+        ),
+        ("Q", Some(tracking.nominal_q), identified(|t| t.q), Some(truth.q())),
+        ("Rm [ohm]", None, identified(|t| t.rm_ohm), Some(truth.rm_ohm)),
+        ("Lm [mH]", None, identified(|t| t.lm_h * 1e3), Some(truth.lm_h * 1e3)),
+        ("Cm [nF]", None, identified(|t| t.cm_f * 1e9), Some(truth.cm_f * 1e9)),
+        ("C0 [nF]", Some(tracking.nominal_c0_f * 1e9), identified(|t| t.c0_f * 1e9), Some(truth.c0_f * 1e9)),
+    ];
+    rows.retain(|row| row.2.is_some());
+    let cell = |value: Option<f64>| value.map_or_else(|| "–".to_owned(), precise);
+    let rows =
+        rows.into_iter().map(|(what, told, found, truth)| vec![what.into(), cell(told), cell(found), cell(truth)]).collect();
+    table(
+        "three-ways",
+        "Command, estimate, truth",
+        "The circuit is the stack's by itself, at the beginning of the run; a contact adds its stiffness and loss.",
+        &["", "command, or told", "controller's estimate", "plant's truth"],
+        rows,
+    )
+}

@@ -1,0 +1,104 @@
+//! `[excitation]`: a contact study, in which a given force or velocity shakes the contact instead of a driven stack.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// A contact study (thesis chapter 4): a given force or velocity shakes the contact; there is no controller, converter or stack. Give
+/// exactly one of `velocity_ratio` and `sliding_m_per_s`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Excitation {
+    /// Waveform over time.
+    pub waveform: Waveform,
+    /// Peak force F0 on the mass of `rig.sdof`, N.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 0.0, max = 1e9))]
+    pub force_n: Option<f64>,
+    /// Frequency, Hz. Of random and chirp: what periods and the velocity ratio are counted by.
+    #[schemars(range(min = 1e-3, max = 1e8))]
+    pub frequency_hz: f64,
+    /// Sliding speed over vibration velocity, Vt / Vv.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 0.0, max = 1e6))]
+    pub velocity_ratio: Option<f64>,
+    /// Which vibration velocity Vv `velocity_ratio` is of.
+    #[serde(default)]
+    pub velocity_ratio_of: VibrationVelocity,
+    /// Sliding speed Vt, m/s.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 0.0, max = 1e4))]
+    pub sliding_m_per_s: Option<f64>,
+    /// What is equal between waveforms: the peak, or the root mean square of the sine of that peak.
+    #[serde(default, rename = "match")]
+    pub matched: Match,
+    /// How long each value of a random waveform is held, s.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 1e-9, max = 1e5))]
+    pub hold_time_s: Option<f64>,
+    /// First frequency of a chirp, Hz.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 1e-3, max = 1e8))]
+    pub start_hz: Option<f64>,
+    /// Last frequency of a chirp, Hz.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 1e-3, max = 1e8))]
+    pub stop_hz: Option<f64>,
+    /// How long a chirp sweeps, s; then it stays. Default: the whole run.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 1e-9, max = 1e5))]
+    pub sweep_s: Option<f64>,
+    /// Displacement at the beginning, m.
+    #[serde(default)]
+    #[schemars(range(min = -1e3, max = 1e3))]
+    pub x0_m: f64,
+    /// Velocity at the beginning, m/s.
+    #[serde(default)]
+    #[schemars(range(min = -1e4, max = 1e4))]
+    pub v0_m_per_s: f64,
+    /// Friction at the beginning, N; of a LuGre contact, the force in the bristles.
+    #[serde(default)]
+    #[schemars(range(min = -1e9, max = 1e9))]
+    pub friction0_n: f64,
+}
+
+/// Waveform over time.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum Waveform {
+    /// Cosine.
+    Sine,
+    /// Square of duty one half.
+    Square,
+    /// Rising sawtooth.
+    Sawtooth,
+    /// Symmetric triangle.
+    Triangle,
+    /// Uniformly distributed values, each held for `hold_time_s`.
+    Random,
+    /// Linear chirp from `start_hz` to `stop_hz`.
+    Chirp,
+    /// Nothing.
+    Still,
+}
+
+/// What is equal between waveforms.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum Match {
+    /// The peak.
+    #[default]
+    Peak,
+    /// The root mean square.
+    Rms,
+}
+
+/// Which vibration velocity a velocity ratio is of.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum VibrationVelocity {
+    /// The steady forced amplitude of the sine of this force and frequency, w F0 / |Ks - m w^2 + i w c|.
+    #[default]
+    Steady,
+    /// The largest velocity of the run without friction.
+    Peak,
+}

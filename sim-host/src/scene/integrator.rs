@@ -1,0 +1,52 @@
+//! `[integrator]`: how finely the contact is stepped, and by what.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// How finely the contact is stepped; in a contact study also by which method, and what is averaged.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Integrator {
+    /// Method of a contact study. Default: auto.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub method: Option<Method>,
+    /// Steps in a period, at least: of the series resonance, or of the excitation. Default: by the contact's stiffness.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 4, max = 100_000))]
+    pub steps_per_period: Option<u32>,
+    /// Order of the Taylor series, or number of nodes of linexp, in a contact study. Default: the method's own choice.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 1, max = 64))]
+    pub order: Option<u32>,
+    /// Largest error of the mean friction ratio of a contact study. Default: 1e-7.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 1e-13, max = 0.1))]
+    pub tolerance: Option<f64>,
+    /// The means of a contact study are over these periods of the excitation: from, to. Default: the second half of the run.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(length(min = 2, max = 2), inner(range(min = 0.0, max = 1e12)))]
+    pub window_periods: Option<Vec<f64>>,
+}
+
+/// Method of a contact study.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum Method {
+    /// The cheapest that meets the tolerance.
+    #[default]
+    Auto,
+    /// Steady state in closed form.
+    Closed,
+    /// Friction on the motion that the oscillator has without it.
+    Frozen,
+    /// Exact linear flow, friction exact in slip.
+    Linexp,
+    /// Taylor series of high order.
+    Taylor,
+    /// The thesis's Runge-Kutta of fixed step.
+    Rk4,
+    /// Runge-Kutta with located reversals.
+    Rk4Events,
+    /// Exponential midpoint, for stiff LuGre contacts.
+    Midpoint,
+}

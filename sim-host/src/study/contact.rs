@@ -1,0 +1,77 @@
+//! A study of a contact by itself.
+
+use std::sync::atomic::AtomicBool;
+
+use super::StudyError;
+use super::film::Film;
+use super::stopped::{leave_if, unless_stopped};
+use crate::contact::{self, Law, Problem, Solution, State, Trouble};
+use crate::metrics::{self, Metrics};
+use crate::scene::{Excited, Model, problem};
+
+/// A contact study, solved.
+#[derive(Clone, Debug)]
+pub struct Solved<'a> {
+    /// The scene.
+    pub scene: Excited<'a>,
+    /// The answer; none if it was stopped before there was one.
+    pub answer: Option<Answer>,
+    /// What was seen on the way.
+    pub film: Film,
+}
+
+/// A problem and its solution.
+#[derive(Clone, Debug)]
+pub struct Answer {
+    /// The problem.
+    pub problem: Problem,
+    /// Its solution.
+    pub solution: Solution,
+}
+
+/// Solves a scene, films it and measures it.
+pub(super) fn conduct<'a>(
+    scene: Excited<'a>,
+    stop: &AtomicBool,
+    mut progress: Option<&mut dyn FnMut(f64)>,
+) -> Result<(Solved<'a>, Metrics), StudyError> {
+    let mut film = Film::new(scene.duration_s, scene.excitation.frequency_hz);
+    let watch = &mut |state: &State| {
+        if film.see(state) {
+            leave_if(stop);
+            if let Some(progress) = &mut progress {
+                progress(state.time_s);
+            }
+        }
+    };
+    let answer = unless_stopped(|| answer(&scene, watch)).transpose()?;
+    film.finish();
+    let metrics = measured(&scene, answer.as_ref());
+    Ok((Solved { scene, answer, film }, metrics))
+}
+
+/// The numbers of a scene that is a cell of a grid; none of them if it is stopped.
+pub(super) fn cell(scene: &Excited, stop: &AtomicBool) -> Result<Metrics, StudyError> {
+    let answer = unless_stopped(|| answer(scene, &mut |_: &State| leave_if(stop))).transpose()?;
+    Ok(measured(scene, answer.as_ref()))
+}
+
+fn measured(scene: &Excited, answer: Option<&Answer>) -> Metrics {
+    answer.map_or_else(Metrics::default, |answer| metrics::contact::of(scene, &answer.problem, &answer.solution))
+}
+
+fn answer(scene: &Excited, watch: &mut impl FnMut(&State)) -> Result<Answer, Trouble> {
+    // A Hertzian contact has Coulomb's law between its normal force and its friction.
+    let problem = problem::problem(scene, problem::law(&scene.model).unwrap_or(Law::Coulomb))?;
+    let solution = match scene.model {
+        Model::Hertz(_) => hertz(&problem)?,
+        _ => contact::solve(&problem, &problem::numerics(scene), watch)?,
+    };
+    Ok(Answer { problem, solution })
+}
+
+/// Vibration across the surface.
+fn hertz(_problem: &Problem) -> Result<Solution, Trouble> {
+    let reason = "vibration across the surface has no solution here yet".into();
+    Err(Trouble::Unsuited { method: "hertz", reason })
+}

@@ -1,0 +1,81 @@
+//! A study in which the firmware drives.
+
+use std::sync::atomic::AtomicBool;
+
+use super::StudyError;
+use crate::metrics::{self, Metrics};
+use crate::plant::circuit::Circuit;
+use crate::processor::Processor;
+use crate::record::{Record, Window};
+use crate::run::{self, Watch};
+use crate::scene::Driven;
+use crate::schedule::first_window;
+
+/// Where the controller of a study ran, and so what its result can show.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Level {
+    /// On the host.
+    Sil,
+    /// As thumb code in an emulator.
+    Pil,
+}
+
+impl std::fmt::Display for Level {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Level::Sil => "SIL (software in the loop: the controller on the host)",
+            Level::Pil => "PIL (processor in the loop: the controller as thumb code in QEMU)",
+        })
+    }
+}
+
+/// A driven run.
+#[derive(Clone, Debug)]
+pub struct Run<'a> {
+    /// The scene.
+    pub scene: Driven<'a>,
+    /// Where the controller ran.
+    pub level: Level,
+    /// What was recorded.
+    pub record: Record,
+}
+
+/// Runs a scene with the controller on `emulator`, or in this process, and measures it.
+pub(super) fn conduct<'a, 'w>(
+    scene: Driven<'a>,
+    emulator: Option<&mut dyn Processor>,
+    stop: &'w AtomicBool,
+    progress: Option<&'w mut dyn FnMut(f64)>,
+) -> Result<(Run<'a>, Metrics), StudyError> {
+    let level = if emulator.is_some() { Level::Pil } else { Level::Sil };
+    let watch = Watch { windows: edge_windows(&scene), stop: Some(stop), progress };
+    let record = match emulator {
+        Some(processor) => run::run_on(processor, &scene, watch)?,
+        None => run::run(&scene, watch)?,
+    };
+    let metrics = metrics::driven::of(&scene, &record);
+    Ok((Run { scene, level, record }, metrics))
+}
+
+/// The numbers of a scene that is a cell of a grid.
+pub(super) fn cell(scene: &Driven, stop: &AtomicBool) -> Result<Metrics, StudyError> {
+    let record = run::run(scene, Watch { stop: Some(stop), ..Watch::default() })?;
+    Ok(metrics::driven::of(scene, &record))
+}
+
+/// Both edges of the first ON window, sample by sample: a little before, and five time constants after. Of a repeated burst the
+/// last period, because the first ones find the stack not yet locked.
+fn edge_windows(scene: &Driven) -> Vec<Window> {
+    let after_s = 5.0 * Circuit::of(&scene.stack.bvd).time_constant_s();
+    let Some(burst) = &scene.controller.burst else { return Vec::new() };
+    let late = burst.period_s.map_or(0.0, |period_s| scene.duration_s - 2.0 * period_s);
+    let window = first_window(burst, late).filter(|window| window.0 < scene.duration_s);
+    let edge = |title: &str, at_s: f64| Window {
+        title: title.into(),
+        edge_s: at_s,
+        from_s: at_s - 0.2 * after_s,
+        to_s: at_s + after_s,
+        ..Window::default()
+    };
+    window.map_or_else(Vec::new, |(on, off)| vec![edge("on", on), edge("off", off)])
+}
