@@ -11,8 +11,8 @@ use crate::peer::Family;
 pub const TARGETS: [(Quantity, f64); 5] =
     [(Quantity::Mean, 1e-4), (Quantity::Mean, 1e-6), (Quantity::Mean, 1e-8), (Quantity::Force, 1e-6), (Quantity::Force, 1e-8)];
 
-/// A peer whose mean is never this good is of no use.
-const USELESS: f64 = 1e-2;
+/// A peer whose mean is never this good is of no use: the coarsest target.
+const USELESS: f64 = 1e-4;
 
 /// One peer's cell of the comparison.
 pub struct Cell {
