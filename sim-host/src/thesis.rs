@@ -20,6 +20,7 @@ mod json;
 mod kinematic_claims;
 mod kinematic_waveforms;
 mod load;
+mod model_claims;
 mod models;
 mod oscillator_claims;
 mod oscillator_waveforms;

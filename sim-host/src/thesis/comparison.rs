@@ -17,13 +17,13 @@ pub fn study() -> Result<Part, Trouble> {
     let from_rest = |xi: f64, duration_s: f64| Ok(sweep::ratios(&TABLE_4_1.at_ratio(xi, duration_s))?.friction);
     let short = sweep::each(&xi, |&xi| from_rest(xi, SHORT_S))?;
     let medium = sweep::each(&xi, |&xi| from_rest(xi, 10.0 * SHORT_S))?;
-    let dahl = sweep::each(&xi, |&xi| Ok(steady::dahl(xi, kappa)?.friction))?;
+    let dahl = xi.iter().map(|&xi| steady::dahl(xi, kappa).friction).collect();
     let caption = "Table 4.1, 384 N. The thesis compares its model with measurements of Littmann et al.; its text gives no measured \
                    value, so none is shown. Declared here: from rest, passive sign, the window named, velocity ratio by the steady \
                    vibration velocity. In the steady state the oscillator's curve is Dahl's."
         .into();
     let series = vec![
-        line("Coulomb", "coulomb", &xi, xi.iter().map(|&xi| steady::coulomb(xi).friction).collect()),
+        line("Coulomb", "coulomb", &xi, xi.iter().map(|&xi| steady::coulomb(xi)).collect()),
         line("Dahl", "dahl", &xi, dahl),
         dashed("oscillator with Dahl, 0-1 ms", "oscillator_1_ms", &xi, short),
         dashed("oscillator with Dahl, 0-10 ms", "oscillator_10_ms", &xi, medium),
@@ -42,8 +42,8 @@ pub fn settled(velocity_ratio: f64) -> Result<f64, Trouble> {
 
 fn conforms() -> Result<Claim, Trouble> {
     let labels = LOW_RATIOS.map(|xi| format!("{xi}"));
-    let coulomb = LOW_RATIOS.map(|xi| steady::coulomb(xi).friction);
-    let dahl = sweep::each(&LOW_RATIOS, |&xi| Ok(steady::dahl(xi, TABLE_4_1.kappa())?.friction))?;
+    let coulomb = LOW_RATIOS.map(steady::coulomb);
+    let dahl = LOW_RATIOS.map(|xi| steady::dahl(xi, TABLE_4_1.kappa()).friction);
     let short = sweep::each(&LOW_RATIOS, |&xi| Ok(sweep::ratios(&TABLE_4_1.at_ratio(xi, SHORT_S))?.friction))?;
     let long = sweep::each(&LOW_RATIOS, |&xi| settled(xi))?;
     let check = |condition: &str, ours: &[f64], theirs: &[f64]| {
@@ -86,11 +86,11 @@ fn zero() -> Result<Claim, Trouble> {
                 "oscillator from rest, first ms",
                 sweep::each(&ratios, |&xi| Ok(sweep::ratios(&TABLE_4_1.at_ratio(xi, SHORT_S))?.friction))?,
             ),
-            check("Dahl, steady", sweep::each(&ratios, |&xi| Ok(steady::dahl(xi, TABLE_4_1.kappa())?.friction))?),
+            check("Dahl, steady", ratios.map(|xi| steady::dahl(xi, TABLE_4_1.kappa()).friction).to_vec()),
         ],
     };
     if let Some(steady) = claim.checks.last_mut() {
-        steady.numbers.push(number("slope r/xi at 0.001", steady::dahl(1e-3, TABLE_4_1.kappa())?.friction / 1e-3));
+        steady.numbers.push(number("slope r/xi at 0.001", steady::dahl(1e-3, TABLE_4_1.kappa()).friction / 1e-3));
     }
     Ok(claim)
 }

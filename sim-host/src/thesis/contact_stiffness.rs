@@ -5,7 +5,7 @@ use super::claim::{Check, Claim, series};
 use super::friction_coefficient::stored_as_printed;
 use super::picture::{FRICTION_RATIO, POWER_RATIO, axis, column, figure, line, log_axis, ranged};
 use super::sweep::{self, falls, rises};
-use super::{Part, self_excitation};
+use super::{Part, self_excitation, steady};
 use crate::contact::tally::Ratios;
 use crate::contact::{Problem, Shape, Trouble};
 use crate::report::{Axis, Figure};
@@ -27,8 +27,26 @@ struct Unexcited {
 /// Figure 4.14 with its claims.
 pub fn study() -> Result<Part, Trouble> {
     let data = Unexcited::new()?;
-    let claims = vec![data.reduces(), data.mean_friction(), data.below_unity(), data.power_falls(), data.stored()];
+    let claims = vec![data.reduces(), excited()?, data.mean_friction(), data.below_unity(), data.power_falls(), data.stored()];
     Ok(Part { figures: data.figures(), claims: [claims, self_excitation::claims()?].concat() })
+}
+
+/// The same question with excitation.
+fn excited() -> Result<Claim, Trouble> {
+    let labels = STIFFNESSES.map(|k| format!("Kt {} N/mm", k / 1e3));
+    let cases = STIFFNESSES.map(|contact_n_per_m| Case { contact_n_per_m, ..TABLE_4_1 });
+    let settled = cases.map(|case| steady::dahl(JUDGED, case.kappa()).friction);
+    let first = sweep::each(&cases, |case| Ok(sweep::ratios(&case.at_ratio(JUDGED, SHORT_S))?.friction))?;
+    let check = |condition: &str, r: &[f64]| Check::new(condition, falls(r), series("r", &labels, r));
+    Ok(Claim {
+        id: "hard-contact-helps",
+        section: "4.3.3.4, 5.2",
+        says: "Surfaces should be hard: a stiffer contact lets vibration reduce friction more.",
+        checks: vec![
+            check("excited with 384 N, velocity ratio 0.5, steady", &settled),
+            check("excited with 384 N, velocity ratio 0.5, first ms from rest", &first),
+        ],
+    })
 }
 
 /// Nothing but friction acts; the mass begins with a velocity.

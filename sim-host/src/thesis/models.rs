@@ -1,10 +1,11 @@
-//! Coulomb's and Dahl's friction under a given vibration: Figures 4.6 and 4.7, and how LuGre's becomes Dahl's.
+//! Coulomb's and Dahl's friction under a given vibration: Figures 4.6 and 4.7.
 
-use super::case::{Case, SHORT_S, TABLE_4_1};
+use super::case::{SHORT_S, TABLE_4_1};
 use super::claim::{Check, Claim, number};
 use super::picture::{FRICTION_RATIO, STEADY, VELOCITY_RATIO, axis, dashed, figure, line, ranged};
-use super::{Part, steady, sweep, trace};
-use crate::contact::{Law, Shape, State, Trouble};
+use super::{Part, model_claims, steady, sweep, trace};
+use crate::contact::{Shape, State, Trouble};
+use crate::report::Figure;
 
 /// Velocity ratio of the thesis's time plots (4.3.1).
 pub const PLOTTED_RATIO: f64 = 0.5;
@@ -13,19 +14,19 @@ pub const PLOTTED_RATIO: f64 = 0.5;
 pub fn study() -> Result<Part, Trouble> {
     let instant = Instant::new()?;
     Ok(Part {
-        figures: vec![ratios()?, instant.coulomb_figure(), instant.dahl_figure()],
-        claims: vec![coulomb_reduces_more()?, dahl_depends()?, instant.pulses(), lugre_becomes_dahl()?],
+        figures: vec![ratios(), instant.coulomb_figure(), instant.dahl_figure()],
+        claims: [model_claims::of()?, vec![instant.pulses()]].concat(),
     })
 }
 
-fn ratios() -> Result<crate::report::Figure, Trouble> {
+fn ratios() -> Figure {
     let xi = sweep::spaced(0.01, 1.0, 100);
     let kappa = TABLE_4_1.kappa();
-    let dahl = |kappa: f64| sweep::each(&xi, |&xi| Ok(steady::dahl(xi, kappa)?.friction));
+    let dahl = |kappa: f64| xi.iter().map(|&xi| steady::dahl(xi, kappa).friction).collect();
     let series = vec![
-        line("Coulomb", "coulomb", &xi, xi.iter().map(|&xi| steady::coulomb(xi).friction).collect()),
-        line(format!("Dahl, 384 N (κ = {kappa:.3})"), "dahl_384_n", &xi, dahl(kappa)?),
-        line(format!("Dahl, 1920 N (κ = {:.2})", 5.0 * kappa), "dahl_1920_n", &xi, dahl(5.0 * kappa)?),
+        line("Coulomb", "coulomb", &xi, xi.iter().map(|&xi| steady::coulomb(xi)).collect()),
+        line(format!("Dahl, 384 N (κ = {kappa:.3})"), "dahl_384_n", &xi, dahl(kappa)),
+        line(format!("Dahl, 1920 N (κ = {:.2})", 5.0 * kappa), "dahl_1920_n", &xi, dahl(5.0 * kappa)),
         dashed("Dahl, κ → 0", "dahl_limit", &xi, xi.iter().map(|&xi| steady::compliant(xi)).collect()),
     ];
     let caption = format!(
@@ -33,53 +34,7 @@ fn ratios() -> Result<crate::report::Figure, Trouble> {
          lies between it and the limit for κ → 0. {STEADY}"
     );
     let axes = [ranged(VELOCITY_RATIO, 0.0, 1.0), ranged(FRICTION_RATIO, 0.0, 1.0)];
-    Ok(figure("fig-4-06", "Figure 4.6: Coulomb and Dahl, friction ratio over velocity ratio", caption, axes, series))
-}
-
-fn coulomb_reduces_more() -> Result<Claim, Trouble> {
-    let grid: Vec<(f64, f64)> = [0.05, 0.1, 0.2, TABLE_4_1.kappa(), 1.0, 2.0, 4.0, 10.0, 20.0]
-        .into_iter()
-        .flat_map(|kappa| (1..=19).map(move |i| (0.05 * f64::from(i), kappa)))
-        .collect();
-    let excess = sweep::each(&grid, |&(xi, kappa)| Ok(steady::dahl(xi, kappa)?.friction - steady::coulomb(xi).friction))?;
-    let least = excess.iter().copied().fold(f64::INFINITY, f64::min);
-    let here = steady::dahl(PLOTTED_RATIO, TABLE_4_1.kappa())?.friction;
-    let numbers = vec![
-        number("r Dahl(0.5)", here),
-        number("r Coulomb(0.5)", steady::coulomb(PLOTTED_RATIO).friction),
-        number("least r Dahl - r Coulomb on the grid", least),
-    ];
-    let condition = format!("{} points, velocity ratios 0.05 to 0.95, kappa 0.05 to 20", grid.len());
-    Ok(Claim {
-        id: "coulomb-reduces-more",
-        section: "4.3, Fig. 4.6",
-        says: "Without system dynamics, Coulomb friction is reduced more than Dahl friction.",
-        checks: vec![Check::new(condition, least > 0.0, numbers)],
-    })
-}
-
-fn dahl_depends() -> Result<Claim, Trouble> {
-    let base = TABLE_4_1;
-    let ratio = |kappa: f64| Ok(steady::dahl(PLOTTED_RATIO, kappa)?.friction);
-    let here = ratio(base.kappa())?;
-    let doubled = [
-        ("m", Case { mass_kg: 2.0 * base.mass_kg, ..base }),
-        ("mu", Case { mu: 2.0 * base.mu, ..base }),
-        ("Kt", Case { contact_n_per_m: 2.0 * base.contact_n_per_m, ..base }),
-    ];
-    let mut numbers = vec![number("r", here)];
-    for (name, case) in doubled {
-        // The vibration velocity is given here: the mass acts through the load only.
-        let kappa = case.contact_n_per_m * base.vibration_m_per_s() / (base.omega() * case.coulomb_n());
-        numbers.push(number(format!("r, {name} doubled"), ratio(kappa)?));
-    }
-    let all_differ = numbers[1..].iter().all(|(_, r)| (r - here).abs() > 1e-3);
-    Ok(Claim {
-        id: "dahl-depends-on-m-mu-kt",
-        section: "4.3",
-        says: "With Dahl friction the reduction depends on mass, coefficient of friction and contact stiffness too.",
-        checks: vec![Check::new("velocity ratio 0.5, through kappa = Kt Vv / (w mu m g) only", all_differ, numbers)],
-    })
+    figure("fig-4-06", "Figure 4.6: Coulomb and Dahl, friction ratio over velocity ratio", caption, axes, series)
 }
 
 /// Force over time under a given vibration, steady.
@@ -110,7 +65,7 @@ impl Instant {
         })
     }
 
-    fn coulomb_figure(&self) -> crate::report::Figure {
+    fn coulomb_figure(&self) -> Figure {
         let y = coulomb_force(&self.states, self.vibration);
         let caption = format!("F = Fc sgn(Vt + Vv cos ωt) (4.3) at a velocity ratio of 0.5, 60 kHz, three periods. {STEADY}");
         let axes = [axis("time [µs]"), ranged("friction / Fc", -1.1, 1.1)];
@@ -118,7 +73,7 @@ impl Instant {
         figure("fig-4-07a", "Figure 4.7(a): instantaneous friction force, Coulomb", caption, axes, series)
     }
 
-    fn dahl_figure(&self) -> crate::report::Figure {
+    fn dahl_figure(&self) -> Figure {
         let fc = TABLE_4_1.coulomb_n();
         let y = self.states.iter().map(|state| state.force_n / fc).collect();
         let caption = format!(
@@ -152,36 +107,4 @@ impl Instant {
 
 fn coulomb_force(states: &[State], vibration: f64) -> Vec<f64> {
     states.iter().map(|state| (PLOTTED_RATIO * vibration + state.v_m_per_s).signum()).collect()
-}
-
-fn lugre_becomes_dahl() -> Result<Claim, Trouble> {
-    let dahl = TABLE_4_1.at_ratio(PLOTTED_RATIO, SHORT_S);
-    let reference = sweep::ratios(&dahl)?.friction;
-    let lugre = |static_ratio: f64, stribeck_over_vv: f64, sigma1: f64| {
-        let law = Law::Lugre {
-            stiffness_n_per_m: TABLE_4_1.contact_n_per_m,
-            static_ratio,
-            stribeck_m_per_s: stribeck_over_vv * TABLE_4_1.vibration_m_per_s(),
-            sigma1,
-            sigma2: 0.0,
-        };
-        let mut problem = dahl.clone();
-        problem.law = law;
-        Ok::<_, Trouble>(sweep::ratios(&problem)?.friction)
-    };
-    let (plain, fast, slow) = (lugre(1.0, 0.01, 0.0)?, lugre(1.5, 0.01, 0.0)?, lugre(1.5, 1.0, 0.0)?);
-    let check = |condition: &str, r: f64, within: f64| {
-        let numbers = vec![number("r LuGre", r), number("r Dahl", reference)];
-        Check::new(condition, (r / reference - 1.0).abs() < within, numbers)
-    };
-    Ok(Claim {
-        id: "lugre-becomes-dahl",
-        section: "4.1.3, 4.13",
-        says: "Without bristle damping and with a Stribeck velocity far below the slip velocity, LuGre friction is Dahl friction.",
-        checks: vec![
-            check("no static peak, no damping (equal within 1e-6)", plain, 1e-6),
-            check("static peak 1.5 Fc, Stribeck velocity Vv/100 (equal within 1 %)", fast, 0.01),
-            check("static peak 1.5 Fc, Stribeck velocity Vv (equal within 1 %)", slow, 0.01),
-        ],
-    })
 }

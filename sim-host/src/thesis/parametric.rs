@@ -41,7 +41,7 @@ impl Parametric {
         let speed = JUDGED * TABLE_4_1.vibration_m_per_s();
         Ok(Parametric {
             labels: cases.iter().map(|(label, _)| label.clone()).collect(),
-            steady: sweep::curves(cases, &ratios, |(_, case), xi| steady::dahl(xi, case.kappa()))?,
+            steady: cases.iter().map(|(_, case)| ratios.iter().map(|&xi| steady::dahl(xi, case.kappa())).collect()).collect(),
             from_rest: sweep::curves(cases, &ratios, |(_, case), xi| sweep::ratios(&case.at_ratio(xi, SHORT_S)))?,
             fixed_speed: sweep::each(cases, |(_, case)| {
                 let velocity_ratio = speed / case.vibration_m_per_s();

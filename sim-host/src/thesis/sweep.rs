@@ -3,11 +3,11 @@
 use rayon::prelude::*;
 
 use crate::contact::tally::Ratios;
-use crate::contact::{Method, Numerics, Problem, Solution, Trouble, solve};
+use crate::contact::{Numerics, Problem, Solution, Trouble, solve};
 
 /// How all problems of the thesis are solved: the cheapest method whose mean friction is good to six decimals.
 pub fn numerics() -> Numerics {
-    Numerics { method: Method::Auto, steps_per_period: None, order: None, tolerance: 1e-6 }
+    Numerics { tolerance: 1e-6, ..Numerics::default() }
 }
 
 /// Solves a problem.

@@ -1,7 +1,7 @@
 //! What happens over time, on an even grid of moments, whatever steps the method takes.
 
 use super::sweep::numerics;
-use crate::contact::{Problem, State, Trouble, solve};
+use crate::contact::{Method, Numerics, Problem, State, Trouble, solve};
 
 /// States at each multiple of `every_s` in a part of the run.
 pub fn trace(problem: &Problem, every_s: f64, from_s: f64, to_s: f64) -> Result<Vec<State>, Trouble> {
@@ -19,7 +19,9 @@ pub fn trace(problem: &Problem, every_s: f64, from_s: f64, to_s: f64) -> Result<
         states.push(problem.start);
     }
     let same_s = 1e-3 * every_s;
-    solve(&gridded, &numerics(), &mut |state| {
+    // One that steps through the whole run, whatever the problem: a closed form would show one steady period.
+    let stepping = Numerics { method: Method::Rk4Events, ..numerics() };
+    solve(&gridded, &stepping, &mut |state| {
         if ahead.next_if(|&at_s| state.time_s >= at_s - same_s).is_some() {
             states.push(*state);
         }

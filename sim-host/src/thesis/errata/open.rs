@@ -50,7 +50,7 @@ fn oscillator() -> Result<Vec<Choice>, Trouble> {
                 number("0-1 ms", short),
                 number("0-10 ms", first(10.0 * SHORT_S)?),
                 number("1.8-2 s", settled(PLOTTED_RATIO)?),
-                number("steady, closed form", steady::dahl(PLOTTED_RATIO, case.kappa())?.friction),
+                number("steady, closed form", steady::dahl(PLOTTED_RATIO, case.kappa()).friction),
             ],
         },
         Choice {
@@ -95,9 +95,9 @@ fn waveforms() -> Result<Vec<Choice>, Trouble> {
     let coupled = |named: &Named, duration_s: f64| {
         Ok::<_, Trouble>(sweep::ratios(&oscillator_waveforms::problem(named, PLOTTED_RATIO, duration_s))?.friction)
     };
-    let vibration = TABLE_4_1.vibration_m_per_s();
-    let mut falling = TABLE_4_1.kinematic(Shape::Sawtooth, -vibration, PLOTTED_RATIO * vibration, kinematic_waveforms::RUN_S);
-    falling.window_s.0 = SHORT_S;
+    // Turned round, a given rising sawtooth is a falling one.
+    let turned = Case { sign: Sign::Literal, ..TABLE_4_1 };
+    let falling = kinematic_waveforms::problem(&turned, Shape::Sawtooth, Match::Peak, PLOTTED_RATIO);
     let [_, _, _, chirp, tenth] = all(SHORT_S, Hold::TenthPeriod);
     let [_, _, _, chirp_5, _] = all(5.0 * SHORT_S, Hold::TenthPeriod);
     let [_, _, _, _, stepped] = all(SHORT_S, Hold::SolverStep);
