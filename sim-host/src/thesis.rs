@@ -26,6 +26,7 @@ mod oscillator_claims;
 mod oscillator_waveforms;
 mod parametric;
 mod picture;
+mod power_claims;
 mod self_excitation;
 mod spectrum;
 mod steady;
@@ -68,10 +69,11 @@ pub struct Findings {
 type Study = fn() -> Result<Part, Trouble>;
 
 /// The studies with the figures they draw, in the thesis's order.
-const STUDIES: [(&str, Study); 11] = [
+const STUDIES: [(&str, Study); 12] = [
     ("4.6, 4.7", models::study),
     ("4.8, 4.9", transient::study),
     ("4.10", frequencies::study),
+    ("none; 4.3.2", power_claims::study),
     ("4.11", control_force::study),
     ("4.12", friction_coefficient::study),
     ("4.13", load::study),

@@ -2,14 +2,14 @@
 
 use super::case::{Case, TABLE_4_1};
 use super::claim::{Check, Claim, number, series};
-use super::kinematic_waveforms::{Curves, Match, STIFFER, Traces, problem};
+use super::kinematic_waveforms::{self, Curves, Match, STIFFER, Traces, problem};
 use super::models::PLOTTED_RATIO;
 use super::spectrum::Spectrum;
 use super::sweep;
-use super::trace::power_w;
+use super::trace::{power_w, trace};
 use super::waveforms::CHIRP_HZ;
 use crate::contact::tally::Ratios;
-use crate::contact::{Problem, State, Trouble};
+use crate::contact::{Problem, Shape, State, Trouble};
 
 /// Places of the waveforms in [`super::waveforms::all`].
 const SINE: usize = 0;
@@ -27,6 +27,7 @@ pub fn of(curves: &Curves, traces: &Traces) -> Result<Vec<Claim>, Trouble> {
         resembles_coulomb(curves, traces, &stiff_traces),
         sawtooth(curves),
         chirp(traces),
+        fourier()?,
         many_frequencies(curves, traces),
         square_best(curves),
         square_power(curves, &stiff_ratios),
@@ -105,6 +106,46 @@ fn chirp(traces: &Traces) -> Claim {
         says: "Under a chirp the frequency of the friction force changes with time as the chirp's does.",
         checks: vec![Check::new("1.0 to 1.3 ms, by the distance of zero crossings (within 3 %)", follows, numbers)],
     }
+}
+
+/// Whether Fourier transforms can say when a chirp's force had which frequency.
+fn fourier() -> Result<Claim, Trouble> {
+    let (window_s, every_s) = (0.25e-3, 1.0 / (64.0 * TABLE_4_1.frequency_hz));
+    let sweep_s = kinematic_waveforms::RUN_S;
+    let shape = Shape::Chirp { start_hz: CHIRP_HZ.0, stop_hz: CHIRP_HZ.1, sweep_s };
+    let states = trace(&problem(&TABLE_4_1, shape, Match::Peak, PLOTTED_RATIO), every_s, 0.0, sweep_s)?;
+    let force: Vec<f64> = states.iter().map(|state| state.force_n).collect();
+    let count = (window_s / every_s).round() as usize;
+    let strongest = |spectrum: &Spectrum| {
+        let lines = spectrum.lines(CHIRP_HZ.0 - 5e3, CHIRP_HZ.1 + 5e3, 0.0);
+        lines.into_iter().max_by(|a, b| a.amplitude.total_cmp(&b.amplitude)).map_or(f64::NAN, |line| line.hz)
+    };
+    let off = |(index, part): (usize, &[f64])| {
+        let middle_s = (index as f64 + 0.5) * window_s;
+        strongest(&Spectrum::of(part, every_s)) - (CHIRP_HZ.0 + (CHIRP_HZ.1 - CHIRP_HZ.0) * middle_s / sweep_s)
+    };
+    let most = force.chunks_exact(count).enumerate().map(|part| off(part).abs()).fold(0.0, f64::max);
+    let whole = Spectrum::of(&force, every_s);
+    let bins = (CHIRP_HZ.0 / whole.bin_hz) as usize..(CHIRP_HZ.1 / whole.bin_hz) as usize;
+    let mean = whole.amplitude[bins.clone()].iter().sum::<f64>() / bins.len() as f64;
+    let top = whole.amplitude[bins].iter().copied().fold(0.0, f64::max);
+    Ok(Claim {
+        id: "fourier-fails-for-chirp",
+        section: "4.4.1, 4.5",
+        says: "The response to a chirp cannot be analysed by Fourier transforms.",
+        checks: vec![
+            Check::new(
+                "one transform of the whole run: no line stands out (peak below ten times the mean)",
+                top < 10.0 * mean,
+                vec![number("largest over mean amplitude, 20-200 kHz", top / mean)],
+            ),
+            Check::new(
+                "transforms of 0.25 ms each: the strongest line misses the chirp by more than a bin of 4 kHz",
+                most > 1.0 / window_s,
+                vec![number("farthest from the chirp's frequency [kHz]", most / 1e3)],
+            ),
+        ],
+    })
 }
 
 fn many_frequencies(curves: &Curves, traces: &Traces) -> Claim {

@@ -19,7 +19,12 @@ const RANDOM_STEP: usize = 5;
 pub fn of(results: &Results) -> Result<Vec<Claim>, Trouble> {
     let displacement = results.largest(|_, state| 1e6 * state.x_m.abs());
     let velocity = results.largest(|_, state| state.v_m_per_s.abs());
-    let lowest: Vec<f64> = results.largest(|problem, state| -state.force_n / problem.coulomb_n).iter().map(|low| -low).collect();
+    let settled = |time_s: f64| time_s > 0.1 * SHORT_S;
+    let lowest: Vec<f64> = results
+        .largest(|problem, state| if settled(state.time_s) { -state.force_n / problem.coulomb_n } else { f64::MIN })
+        .iter()
+        .map(|low| -low)
+        .collect();
     let power = results.largest(|problem, state| 1e3 * power_w(problem, state));
     let largest: fn(&[f64], usize) -> bool = |values, index| values.iter().all(|&value| value <= values[index]);
     let least: fn(&[f64], usize) -> bool = |values, index| values.iter().all(|&value| value >= values[index]);
@@ -96,6 +101,8 @@ fn chirp_best(results: &Results) -> Result<Claim, Trouble> {
         let condition = format!("first {} ms, the chirp ending with them, random held for a solver step", 1e3 * duration_s);
         checks.push(Check::new(condition, r.iter().all(|&r_i| r_i >= r[CHIRP]), series("r", &labels(&without_tenth), &r)));
     }
+    checks.push(many_seeds(SHORT_S)?);
+    checks.push(many_seeds(10.0 * SHORT_S)?);
     checks.push(same_peak_velocity(results)?);
     checks.push(against_low_sine(friction[CHIRP])?);
     Ok(Claim {
@@ -104,6 +111,27 @@ fn chirp_best(results: &Results) -> Result<Claim, Trouble> {
         says: "With system dynamics the chirp reduces friction most.",
         checks,
     })
+}
+
+/// One random waveform proves little: many of them.
+fn many_seeds(duration_s: f64) -> Result<Check, Trouble> {
+    let all = waveforms(duration_s);
+    let of = |shape: Shape| {
+        Ok::<_, Trouble>(sweep::ratios(&problem(&Named { shape, ..all[CHIRP] }, PLOTTED_RATIO, duration_s))?.friction)
+    };
+    let Shape::Random { hold_s, .. } = all[RANDOM_TENTH].shape else { return Ok(Check::new("", false, Vec::new())) };
+    let seeds: Vec<u64> = (1..=32).collect();
+    let random = sweep::each(&seeds, |&seed| of(Shape::Random { hold_s, seed }))?;
+    let chirp = of(all[CHIRP].shape)?;
+    let count = random.len() as f64;
+    let mean = random.iter().sum::<f64>() / count;
+    let numbers = vec![
+        number("r chirp", chirp),
+        number("r random, mean", mean),
+        number("share of the seeds in which random is lower", random.iter().filter(|&&r| r < chirp).count() as f64 / count),
+    ];
+    let condition = format!("first {} ms, random held for a tenth of a period, mean of 32 seeds", 1e3 * duration_s);
+    Ok(Check::new(condition, mean > chirp, numbers))
 }
 
 /// Each waveform with the sliding speed at half of its own peak velocity.

@@ -32,8 +32,8 @@ pub fn claims() -> Result<Vec<Claim>, Trouble> {
         "Dahl, from rest, literal sign",
         "Dahl, from x' = 0.0534 m/s, passive sign",
         "Dahl, from x' = 0.0534 m/s, literal sign",
-        "LuGre with a falling Stribeck curve, from rest, passive sign",
-        "LuGre with a falling Stribeck curve, from rest, literal sign",
+        "LuGre, falling Stribeck curve, Kt a thousandfold, from rest, passive sign",
+        "LuGre, falling Stribeck curve, Kt a thousandfold, from rest, literal sign",
     ];
     let excited = Claim {
         id: "self-excited-oscillation",
@@ -56,11 +56,11 @@ pub fn first_and_last() -> Result<[f64; 2], Trouble> {
     Ok([change(Sign::Passive)?, change(Sign::Literal)?])
 }
 
-/// A contact whose friction falls with speed, slid at where it falls steepest.
+/// A contact whose friction falls with speed, slid at where it falls steepest; stiff, so that friction follows the speed at once.
 fn stribeck(sign: Sign) -> Problem {
     let stribeck_m_per_s = 1e-3;
+    let stiffness_n_per_m = 1000.0 * TABLE_4_1.contact_n_per_m;
     let mut problem = unexcited(&Case { sign, ..TABLE_4_1 }, 0.0, stribeck_m_per_s / 2f64.sqrt(), RUN_S);
-    let stiffness_n_per_m = TABLE_4_1.contact_n_per_m;
     problem.law = Law::Lugre { stiffness_n_per_m, static_ratio: 1.5, stribeck_m_per_s, sigma1: 0.0, sigma2: 0.0 };
     problem
 }
@@ -72,7 +72,8 @@ fn grows(condition: &str, amplitudes: &[f64]) -> Check {
         number("natural part, 190-200 ms [m/s]", last),
         number("last/first", last / first),
     ];
-    Check::new(condition, last > first, numbers)
+    // Less is numerical noise: where nothing reverses, the amplitude stays as it is.
+    Check::new(condition, last > 1.01 * first, numbers)
 }
 
 fn small(amplitude: f64, vibration: f64) -> Claim {
