@@ -12,7 +12,7 @@ const LOW_RATIOS: [f64; 3] = [0.1, 0.2, 0.3];
 
 /// Figure 4.16 with its claims.
 pub fn study() -> Result<Part, Trouble> {
-    let xi = sweep::spaced(0.05, 1.0, 20);
+    let xi = sweep::spaced(0.01, 1.0, 100);
     let kappa = TABLE_4_1.kappa();
     let from_rest = |xi: f64, duration_s: f64| Ok(sweep::ratios(&TABLE_4_1.at_ratio(xi, duration_s))?.friction);
     let short = sweep::each(&xi, |&xi| from_rest(xi, SHORT_S))?;

@@ -61,8 +61,8 @@ pub fn unexcited(case: &Case, start_m_per_s: f64, sliding_m_per_s: f64, duration
 impl Unexcited {
     fn new() -> Result<Self, Trouble> {
         let cases = STIFFNESSES.map(|contact_n_per_m| Case { contact_n_per_m, ..TABLE_4_1 });
-        let speeds = sweep::geometric(1e-6, JUDGED * TABLE_4_1.vibration_m_per_s(), 25);
-        let ratios = sweep::spaced(0.05, 1.0, 20);
+        let speeds = sweep::geometric(1e-6, JUDGED * TABLE_4_1.vibration_m_per_s(), 50);
+        let ratios = sweep::velocity_ratios();
         let left = TABLE_4_1.vibration_m_per_s();
         Ok(Unexcited {
             labels: STIFFNESSES.iter().map(|k| format!("Kt {} N/mm", k / 1e3)).collect(),

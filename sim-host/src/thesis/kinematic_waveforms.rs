@@ -63,7 +63,7 @@ pub struct Traces {
 /// Figures 4.17 to 4.20 with their claims.
 pub fn study() -> Result<Part, Trouble> {
     let waveforms = all(RUN_S, Hold::TenthPeriod);
-    let ratios = sweep::spaced(0.05, 1.0, 20);
+    let ratios = sweep::velocity_ratios();
     let curves = |matched: Match| {
         sweep::curves(&waveforms, &ratios, |named, xi| sweep::ratios(&problem(&TABLE_4_1, named.shape, matched, xi)))
     };

@@ -37,7 +37,7 @@ pub struct Names {
 impl Parametric {
     /// All curves of these cases.
     pub fn new(cases: &[(String, Case)]) -> Result<Self, Trouble> {
-        let ratios = sweep::spaced(0.05, 1.0, 20);
+        let ratios = sweep::velocity_ratios();
         let speed = JUDGED * TABLE_4_1.vibration_m_per_s();
         Ok(Parametric {
             labels: cases.iter().map(|(label, _)| label.clone()).collect(),

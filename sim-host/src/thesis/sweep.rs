@@ -39,6 +39,11 @@ pub fn spaced(from: f64, to: f64, count: usize) -> Vec<f64> {
     (0..count).map(|i| from + (to - from) * i as f64 / (count - 1) as f64).collect()
 }
 
+/// The velocity ratios that curves are drawn over.
+pub fn velocity_ratios() -> Vec<f64> {
+    spaced(0.025, 1.0, 40)
+}
+
 /// Values in a geometric series, both ends included.
 pub fn geometric(from: f64, to: f64, count: usize) -> Vec<f64> {
     spaced(from.ln(), to.ln(), count).into_iter().map(f64::exp).collect()

@@ -41,7 +41,7 @@ impl Stiffnesses {
     fn new() -> Result<Self, Trouble> {
         let resonant = resonant_n_per_m();
         let values = [1e6, TABLE_4_1.stiffness_n_per_m, 1.33e9, resonant, 1.33e10];
-        let ratios = sweep::spaced(0.05, 1.0, 20);
+        let ratios = sweep::velocity_ratios();
         let base = TABLE_4_1.vibration_m_per_s();
         let results = sweep::curves(&values, &ratios, |&stiffness_n_per_m, xi| {
             let case = Case { stiffness_n_per_m, ..TABLE_4_1 };

@@ -1,8 +1,8 @@
 //! The results as tables.
 
-use super::Findings;
 use super::case::{LARGEST_FORCE_N, STEP_S, TABLE_4_1};
 use super::claim::Check;
+use super::{Erratum, Findings};
 use crate::report::TableBlock;
 
 /// A number with four significant digits.
@@ -77,7 +77,7 @@ pub fn claims(findings: &Findings) -> TableBlock {
 
 /// The contradictions.
 pub fn errata(findings: &Findings) -> TableBlock {
-    let row = |erratum: &super::Erratum| {
+    let row = |erratum: &Erratum| {
         let Check { condition, holds, numbers: values } = &erratum.evidence;
         let shown = if *holds { "shown" } else { "not shown" };
         let says = format!("{} Instead: {}", erratum.printed, erratum.instead);
@@ -95,22 +95,32 @@ pub fn choices(findings: &Findings) -> TableBlock {
     block("open", "What the thesis leaves open", caption, &["open", "chosen here", "numbers"], rows)
 }
 
-/// The contradictions and open choices as Markdown, for the documentation.
+/// Contradictions, open choices and verdicts as Markdown, for the documentation.
 pub fn markdown(findings: &Findings) -> String {
-    let mut text = String::from("| where | printed | instead | numbers |\n|---|---|---|---|\n");
+    let mut text = String::from("| where | printed | instead | evidence |\n|---|---|---|---|\n");
     for erratum in &findings.errata {
-        let values = numbers(&erratum.evidence.numbers);
-        let condition = &erratum.evidence.condition;
-        text += &format!(
-            "| `{}` ({}) | {} | {} | {condition}: {values} |\n",
-            erratum.id, erratum.places, erratum.printed, erratum.instead
-        );
+        let Check { condition, numbers: values, .. } = &erratum.evidence;
+        let Erratum { id, places, printed, instead, .. } = erratum;
+        text += &format!("| `{id}`: {places} | {printed} | {instead} | {condition}: {} |\n", numbers(values));
     }
     text += "\n| open | chosen here | friction ratio |\n|---|---|---|\n";
     for choice in &findings.choices {
         text += &format!("| {} | {} | {} |\n", choice.what, choice.here, numbers(&choice.numbers));
     }
-    text.replace("|Ks - m w^2|", "\\|Ks - m w^2\\|")
+    text += "\n| claim | thesis | verdict | holds | fails |\n|---|---|---|---|---|\n";
+    for claim in &findings.claims {
+        let conditions = |holds: bool| claim.conditions(holds).join("; ");
+        let verdict = claim.verdict().word();
+        text += &format!(
+            "| `{}`: {} | {} | **{verdict}** | {} | {} |\n",
+            claim.id,
+            claim.says,
+            claim.section,
+            conditions(true),
+            conditions(false)
+        );
+    }
+    text.replace("|Ks - m w^2|", "abs(Ks - m w^2)")
 }
 
 #[cfg(test)]

@@ -73,7 +73,11 @@ impl Long {
                        velocity ratio 0.5. With V = Vt + x' (4.2, 4.25, 4.27) friction damps it; with 4.14 and 4.16 as printed it \
                        grows without bound."
             .into();
-        let name = |word: &str, values: &[f64]| format!("{word}, time constant {:.3} s", time_constant_s(&self.time_s, values));
+        let name = |word: &str, values: &[f64]| {
+            let tau = time_constant_s(&self.time_s, values);
+            let does = if tau > 0.0 { "falls" } else { "grows" };
+            format!("{word}: {does} by e in {:.3} s", tau.abs())
+        };
         let series = vec![
             line(name("passive sign", &self.passive), "natural_passive_m_per_s", &self.time_s, self.passive.clone()),
             line(name("literal sign", &self.literal), "natural_literal_m_per_s", &self.time_s, self.literal.clone()),
