@@ -6,8 +6,8 @@ use super::picture::{FRICTION_RATIO, VELOCITY_RATIO, dashed, figure, line, range
 use super::{Part, steady, sweep};
 use crate::contact::Trouble;
 
-/// Long enough for the start to be forgotten, s: thirteen time constants of the natural part.
-const SETTLED_S: f64 = 2.0;
+/// Long enough for the start to be forgotten, s: five time constants of the natural part, whose square is what counts.
+const SETTLED_S: f64 = 0.8;
 const LOW_RATIOS: [f64; 3] = [0.1, 0.2, 0.3];
 
 /// Figure 4.16 with its claims.

@@ -20,7 +20,7 @@ pub fn trace(problem: &Problem, every_s: f64, from_s: f64, to_s: f64) -> Result<
     }
     let same_s = 1e-3 * every_s;
     // One that steps through the whole run, whatever the problem: a closed form would show one steady period.
-    let stepping = Numerics { method: Method::Rk4Events, ..numerics() };
+    let stepping = Numerics { method: Method::Linexp, ..numerics() };
     solve(&gridded, &stepping, &mut |state| {
         if ahead.next_if(|&at_s| state.time_s >= at_s - same_s).is_some() {
             states.push(*state);

@@ -49,7 +49,7 @@ fn oscillator() -> Result<Vec<Choice>, Trouble> {
             numbers: vec![
                 number("0-1 ms", short),
                 number("0-10 ms", first(10.0 * SHORT_S)?),
-                number("1.8-2 s", settled(PLOTTED_RATIO)?),
+                number("0.72-0.8 s", settled(PLOTTED_RATIO)?),
                 number("steady, closed form", steady::dahl(PLOTTED_RATIO, case.kappa()).friction),
             ],
         },

@@ -49,8 +49,8 @@ fn self_excitation() -> Result<Erratum, Trouble> {
         id: "self-excitation",
         places: "4.2 and 4.3.1, against 4.15",
         printed: "Friction alone excites an oscillation.",
-        instead: "Dahl friction rises with slip and falls with nothing: with the passive sign an oscillation only decays. It grows with \
-                  the literal sign, and would with a friction that falls with speed, which 4.15 leaves out.",
+        instead: "Dahl friction (4.15) does not fall with speed, so with the passive sign an oscillation never grows. It grows with the \
+                  literal sign, and with LuGre friction on a falling Stribeck curve, which 4.15 leaves out.",
         evidence: Check::new("no excitation, from x' = 0.0534 m/s at 0.0267 m/s", passive < 1.0 && literal > 1.0, numbers),
     })
 }
