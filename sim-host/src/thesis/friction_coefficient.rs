@@ -29,7 +29,7 @@ fn friction(data: &Parametric) -> Claim {
         says: "The friction ratio rises with the coefficient of friction.",
         checks: vec![
             check("velocity ratio 0.5, steady", data.steady(JUDGED, |steady| steady.friction)),
-            check("velocity ratio 0.5, first ms from rest", data.from_rest(JUDGED, |ratios| Some(ratios.friction))),
+            check("velocity ratio 0.5, first ms from rest", data.first_ms(JUDGED, |ratios| Some(ratios.friction))),
         ],
     }
 }
@@ -42,8 +42,8 @@ fn power(data: &Parametric) -> Claim {
         says: "The power dissipation ratio falls as the coefficient of friction rises.",
         checks: vec![
             check("velocity ratio 0.5, steady, mean(F V)/(Fc Vt)", data.steady(JUDGED, |steady| steady.power)),
-            check("velocity ratio 0.5, first ms, mean(F V)/(Fc Vt)", data.from_rest(JUDGED, |ratios| ratios.power)),
-            check("velocity ratio 0.5, first ms, by 4.35 as printed", data.from_rest(JUDGED, |ratios| ratios.power_as_printed)),
+            check("velocity ratio 0.5, first ms, mean(F V)/(Fc Vt)", data.first_ms(JUDGED, |ratios| ratios.power)),
+            check("velocity ratio 0.5, first ms, by 4.35 as printed", data.first_ms(JUDGED, |ratios| ratios.power_as_printed)),
         ],
     }
 }
@@ -56,8 +56,8 @@ fn parts(data: &Parametric) -> Claim {
         says: "A high coefficient of friction means a low input ratio phi_iu and a low stored ratio phi_su.",
         checks: vec![
             check("phi_iu, velocity ratio 0.5, steady", "phi_iu", data.steady(JUDGED, |steady| steady.input())),
-            check("phi_iu, velocity ratio 0.5, first ms from rest", "phi_iu", data.from_rest(JUDGED, |ratios| ratios.input)),
-            check("phi_su (4.30), velocity ratio 0.5, first ms from rest", "phi_su", data.from_rest(JUDGED, stored_as_printed)),
+            check("phi_iu, velocity ratio 0.5, first ms from rest", "phi_iu", data.first_ms(JUDGED, |ratios| ratios.input)),
+            check("phi_su (4.30), velocity ratio 0.5, first ms from rest", "phi_su", data.first_ms(JUDGED, stored_as_printed)),
         ],
     }
 }

@@ -57,7 +57,7 @@ impl Parametric {
     }
 
     /// A quantity of the first millisecond at a velocity ratio, curve by curve.
-    pub fn from_rest(&self, velocity_ratio: f64, of: impl Fn(&Ratios) -> Option<f64>) -> Vec<f64> {
+    pub fn first_ms(&self, velocity_ratio: f64, of: impl Fn(&Ratios) -> Option<f64>) -> Vec<f64> {
         self.from_rest.iter().map(|curve| of(&curve[self.index(velocity_ratio)]).unwrap_or(f64::NAN)).collect()
     }
 
