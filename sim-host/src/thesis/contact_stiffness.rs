@@ -61,9 +61,8 @@ pub fn unexcited(case: &Case, start_m_per_s: f64, sliding_m_per_s: f64, duration
 impl Unexcited {
     fn new() -> Result<Self, Trouble> {
         let cases = STIFFNESSES.map(|contact_n_per_m| Case { contact_n_per_m, ..TABLE_4_1 });
-        // Twelve a decade, so that the judged ones are among them; the last is that of the excited plots.
-        let mut speeds = sweep::geometric(1e-6, 1e-2, 49);
-        speeds.push(JUDGED * TABLE_4_1.vibration_m_per_s());
+        // Twelve a decade, so that the judged ones are among them.
+        let speeds = sweep::geometric(1e-6, 1e-1, 61);
         let ratios = sweep::velocity_ratios();
         let left = TABLE_4_1.vibration_m_per_s();
         Ok(Unexcited {

@@ -40,7 +40,9 @@ pub fn amplitude_over_time(problem: &Problem, hz: f64, bin_s: f64) -> Result<(Ve
     let bins = (problem.duration_s / bin_s).round() as usize;
     let mut sums = vec![(0.0, 0.0, 0.0); bins];
     let mut last = problem.start;
-    solve(problem, &numerics(), &mut |state| {
+    // The method may need fewer steps than the trapezoid rule does.
+    let fine = Numerics { steps_per_period: Some(64), ..numerics() };
+    solve(problem, &fine, &mut |state| {
         let step_s = state.time_s - last.time_s;
         if let Some((real, imaginary, total_s)) = sums.get_mut((state.time_s / bin_s) as usize) {
             // The trapezoid rule, with each end at its own phase.
