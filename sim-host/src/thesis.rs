@@ -68,28 +68,28 @@ pub struct Findings {
 
 type Study = fn() -> Result<Part, Trouble>;
 
-/// The studies with the figures they draw, in the thesis's order.
+/// The studies with what they are about, in the thesis's order.
 const STUDIES: [(&str, Study); 12] = [
-    ("4.6, 4.7", models::study),
-    ("4.8, 4.9", transient::study),
-    ("4.10", frequencies::study),
-    ("none; 4.3.2", power_claims::study),
-    ("4.11", control_force::study),
-    ("4.12", friction_coefficient::study),
-    ("4.13", load::study),
-    ("4.14", contact_stiffness::study),
-    ("4.15", system_stiffness::study),
-    ("4.16", comparison::study),
-    ("4.17-4.20", kinematic_waveforms::study),
-    ("4.21-4.26", oscillator_waveforms::study),
+    ("figures 4.6, 4.7", models::study),
+    ("figures 4.8, 4.9", transient::study),
+    ("figures 4.10", frequencies::study),
+    ("power ratio (4.3.2)", power_claims::study),
+    ("figures 4.11", control_force::study),
+    ("figures 4.12", friction_coefficient::study),
+    ("figures 4.13", load::study),
+    ("figures 4.14", contact_stiffness::study),
+    ("figures 4.15", system_stiffness::study),
+    ("figures 4.16", comparison::study),
+    ("figures 4.17-4.20", kinematic_waveforms::study),
+    ("figures 4.21-4.26", oscillator_waveforms::study),
 ];
 
 /// Computes everything; `progress` hears what comes next, and how far it is of how much.
 pub fn conduct(progress: &mut dyn FnMut(&str, usize, usize)) -> Result<Findings, Trouble> {
     let steps = STUDIES.len() + 1;
     let mut findings = Findings::default();
-    for (done, (figures, study)) in STUDIES.into_iter().enumerate() {
-        progress(&format!("figures {figures}"), done, steps);
+    for (done, (what, study)) in STUDIES.into_iter().enumerate() {
+        progress(what, done, steps);
         let part = study()?;
         findings.figures.extend(part.figures);
         findings.claims.extend(part.claims);

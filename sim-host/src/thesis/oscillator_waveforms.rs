@@ -49,7 +49,7 @@ pub fn problem(named: &Named, velocity_ratio: f64, duration_s: f64) -> Problem {
 impl Results {
     fn new() -> Result<Self, Trouble> {
         let waveforms = waveforms(SHORT_S);
-        let ratios = sweep::velocity_ratios();
+        let ratios = sweep::spaced(0.05, 1.0, 20);
         let curves = sweep::curves(&waveforms, &ratios, |named, xi| sweep::ratios(&problem(named, xi, SHORT_S)))?;
         let problems: Vec<Problem> = waveforms.iter().map(|named| problem(named, PLOTTED_RATIO, SHORT_S)).collect();
         let every_s = 1.0 / (SAMPLES * TABLE_4_1.frequency_hz);

@@ -41,7 +41,7 @@ pub fn amplitude_over_time(problem: &Problem, hz: f64, bin_s: f64) -> Result<(Ve
     let mut sums = vec![(0.0, 0.0, 0.0); bins];
     let mut last = problem.start;
     // The method may need fewer steps than the trapezoid rule does.
-    let fine = Numerics { steps_per_period: Some(64), ..numerics() };
+    let fine = Numerics { steps_per_period: Some(32), ..numerics() };
     solve(problem, &fine, &mut |state| {
         let step_s = state.time_s - last.time_s;
         if let Some((real, imaginary, total_s)) = sums.get_mut((state.time_s / bin_s) as usize) {
