@@ -46,8 +46,21 @@ pub fn dashed(name: impl Into<String>, column: impl Into<String>, x: &[f64], y: 
     Series { style: Style::Dashed, ..line(name, column, x, y) }
 }
 
-/// A label as the name of a column: lower case, everything else an underscore.
+/// A quantity and a label as the name of a column: lower case, everything else an underscore.
 pub fn column(quantity: &str, label: &str) -> String {
-    let plain = label.chars().map(|c| if c.is_ascii_alphanumeric() { c.to_ascii_lowercase() } else { '_' });
-    format!("{quantity}_{}", plain.collect::<String>())
+    let name = format!("{quantity}_{label}").replace("µ ", "mu ").replace('µ', "u");
+    let plain = name.chars().map(|c| if c.is_ascii_alphanumeric() { c.to_ascii_lowercase() } else { '_' });
+    plain.collect::<String>().trim_matches('_').to_owned()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::column;
+
+    #[test]
+    fn columns_are_plain() {
+        assert_eq!(column("control force", "192 N"), "control_force_192_n");
+        assert_eq!(column("ks", "2842 N/µm (resonance)"), "ks_2842_n_um__resonance");
+        assert_eq!(column("friction coefficient", "µ 0.1"), "friction_coefficient_mu_0_1");
+    }
 }

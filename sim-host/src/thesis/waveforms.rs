@@ -1,7 +1,7 @@
 //! The thesis's excitation waveforms (4.4), with what it leaves open about them.
 
 use super::case::STEP_S;
-use super::picture::{axis, figure, line};
+use super::picture::{axis, column, figure, line};
 use crate::contact::{Shape, Waveform};
 use crate::report::Figure;
 
@@ -74,8 +74,7 @@ pub fn two_figures(
     curves: &[(&str, Vec<f64>)],
 ) -> [Figure; 2] {
     let draw = |id: String, title: String, curves: &[(&str, Vec<f64>)]| {
-        let column = |name: &str| name.replace([' ', ','], "_").replace('/', "_").to_lowercase();
-        let series = curves.iter().map(|(name, y)| line(*name, column(name), time.1, y.clone())).collect();
+        let series = curves.iter().map(|(name, y)| line(*name, column("waveform", name), time.1, y.clone())).collect();
         figure(&id, &title, caption.into(), [axis(time.0), axis(label)], series)
     };
     let (periodic, others) = curves.split_at(3);
