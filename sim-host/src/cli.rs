@@ -13,6 +13,7 @@
 mod progress;
 mod run;
 mod table;
+mod thesis;
 
 use std::io::{self, IsTerminal, Write};
 use std::path::PathBuf;
@@ -68,6 +69,9 @@ enum Command {
     },
     /// Print the JSON Schema of a scene, for editors.
     Schema,
+    /// Compute every figure, claim and contradiction of the thesis's chapter 4.
+    #[command(after_help = EXIT_CODES)]
+    Thesis(thesis::ThesisArgs),
 }
 
 #[derive(Args)]
@@ -124,6 +128,7 @@ pub fn main() -> ExitCode {
         Some(Command::List) => print(&list()),
         Some(Command::Show { scene }) => with_scene(&scene, color, |loaded| print(&resolved_toml(&loaded.scene))),
         Some(Command::Check { scene }) => with_scene(&scene, color, |loaded| print(&format!("{}: valid\n", loaded.origin))),
+        Some(Command::Thesis(args)) => thesis::run(&args, color),
         Some(Command::Schema) => print(&format!("{:#}\n", schema::schema())),
     };
     done.unwrap_or_else(|error| {

@@ -29,6 +29,7 @@ pub mod run;
 pub mod scene;
 pub mod schedule;
 pub mod study;
+pub mod thesis;
 pub mod trace;
 
 pub use scene::settings;

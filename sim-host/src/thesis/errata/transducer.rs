@@ -1,0 +1,103 @@
+//! The transducer of Table 3.1.
+
+use std::f64::consts::TAU;
+
+use super::Erratum;
+use crate::thesis::claim::{Check, number};
+
+/// Table 3.1 as printed.
+const DISCS: f64 = 62.0;
+const D33_M_PER_V: f64 = 730e-12;
+const REQUIRED_M: f64 = 0.7e-6;
+const FREQUENCY_HZ: f64 = 40e3;
+const CAPACITANCE_F: f64 = 300e-9;
+const PRINTED_CURRENT_A: f64 = 1.75;
+const PRINTED_IMPEDANCE_OHM: f64 = 8.84;
+const STACK_N_PER_M: f64 = 3.14e8;
+const BOLT_N_PER_M: f64 = 3.7e7;
+const NOMINAL_M: f64 = 36e-6;
+/// Drive of experiment 1 (3.1.4), peak to peak.
+const DRIVE_V: f64 = 6.0;
+const DRIVE_A: f64 = 2.0;
+/// Power that 5.2 states, W.
+const PRINTED_POWER_W: f64 = 6.0;
+
+/// What is wrong with it.
+pub fn errata() -> Vec<Erratum> {
+    vec![frequency(), coupling(), displacement(), power()]
+}
+
+fn voltage_v() -> f64 {
+    REQUIRED_M / (D33_M_PER_V * DISCS)
+}
+
+fn frequency() -> Erratum {
+    let current = |hz: f64| TAU * hz * CAPACITANCE_F * voltage_v();
+    let impedance = |hz: f64| 1.0 / (TAU * hz * CAPACITANCE_F);
+    let other_hz = 60e3;
+    let fits = |hz: f64| {
+        (current(hz) / PRINTED_CURRENT_A - 1.0).abs() < 0.01 && (impedance(hz) / PRINTED_IMPEDANCE_OHM - 1.0).abs() < 0.01
+    };
+    let numbers = vec![
+        number("I at 40 kHz [A]", current(FREQUENCY_HZ)),
+        number("I at 60 kHz [A]", current(other_hz)),
+        number("Z at 40 kHz [ohm]", impedance(FREQUENCY_HZ)),
+        number("Z at 60 kHz [ohm]", impedance(other_hz)),
+        number("C for 8.84 ohm at 40 kHz [nF]", 1e9 / (TAU * FREQUENCY_HZ * PRINTED_IMPEDANCE_OHM)),
+    ];
+    Erratum {
+        id: "transducer-frequency",
+        places: "Table 3.1",
+        printed: "At 40 kHz and 300 nF: 1.75 A and 8.84 ohm.",
+        instead: "Both are values for 60 kHz (or for 450 nF).",
+        evidence: Check::new("2 pi f C V and 1/(2 pi f C)", fits(other_hz) && !fits(FREQUENCY_HZ), numbers),
+    }
+}
+
+fn coupling() -> Erratum {
+    // Force factor d33 n K; k^2 = (d33 n)^2 K / C is the share of energy that is converted.
+    let factor = D33_M_PER_V * DISCS * STACK_N_PER_M;
+    let k2 = D33_M_PER_V * DISCS * factor / CAPACITANCE_F;
+    let numbers = vec![number("force factor d33 n K [N/V]", factor), number("k^2 = (d33 n)^2 K/C", k2)];
+    Erratum {
+        id: "transducer-coupling",
+        places: "Table 3.1",
+        printed: "d33 n = 45.3 nm/V, stack stiffness 3.14e8 N/m and 300 nF.",
+        instead: "The three cannot all hold: the coupling would exceed one, and a passive stack would convert more energy than it gets.",
+        evidence: Check::new("of the free stack", k2 > 1.0, numbers),
+    }
+}
+
+fn displacement() -> Erratum {
+    let maximum = NOMINAL_M * STACK_N_PER_M / (STACK_N_PER_M + BOLT_N_PER_M);
+    let numbers = vec![
+        number("maximum displacement by the table's formula [um]", 1e6 * maximum),
+        number("voltage for the nominal 36 um [V]", NOMINAL_M / (D33_M_PER_V * DISCS)),
+        number("voltage for the required 0.7 um, the table's maximum [V]", voltage_v()),
+        number("nominal over required", NOMINAL_M / REQUIRED_M),
+    ];
+    Erratum {
+        id: "transducer-displacement",
+        places: "Table 3.1",
+        printed: "Maximum displacement 32.2 um at a maximum voltage of 15.466 V.",
+        instead: "At that voltage d33 n gives 0.7 um; 36 um would take some 800 V.",
+        evidence: Check::new("quasi-static", NOMINAL_M > 10.0 * REQUIRED_M, numbers),
+    }
+}
+
+fn power() -> Erratum {
+    // Peak values are half of peak to peak; the mean of two sines in phase is half the product of the peaks.
+    let most = 0.5 * (0.5 * DRIVE_V) * (0.5 * DRIVE_A);
+    let numbers = vec![
+        number("most that 6 V and 2 A peak to peak can carry [W]", most),
+        number("5.2 states [W]", PRINTED_POWER_W),
+        number("Vpp Ipp/2 [W]", 0.5 * DRIVE_V * DRIVE_A),
+    ];
+    Erratum {
+        id: "transducer-power",
+        places: "5.2, against 3.1.4",
+        printed: "6 W for a reduction of 68 % at 6 V and 2 A peak to peak.",
+        instead: "At most 1.5 W; 6 W is half the product of the peak-to-peak values.",
+        evidence: Check::new("sines in phase", PRINTED_POWER_W > 1.01 * most, numbers),
+    }
+}
