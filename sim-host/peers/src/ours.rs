@@ -3,8 +3,9 @@
 use std::time::Instant;
 
 use anyhow::ensure;
+use sim_host::contact::linexp::{self, Extent};
 use sim_host::contact::tally::Ratios;
-use sim_host::contact::{Problem, State, Tally, Trouble, rk4};
+use sim_host::contact::{Problem, State, Tally, Trouble, rk4, rk4_events, rk4_tabulated, taylor};
 
 use crate::case::Case;
 use crate::peer::{Family, Outcome, Peer, Setting};
@@ -17,11 +18,43 @@ pub struct Ours {
 }
 
 /// All of them: a new method is a new entry here. Steps a period are multiples of four, so that quarter periods end steps.
-pub const METHODS: &[Ours] = &[Ours {
-    name: "rk4 as the thesis steps it",
-    steps: &[20, 40, 100, 200, 400, 1000, 2000, 4000, 10_000],
-    run: |problem, steps, quarters| rk4::run(problem, steps, &mut |state| quarters.see(state)),
-}];
+pub const METHODS: &[Ours] = &[
+    Ours {
+        name: "linexp of order 2",
+        steps: &[4, 8, 12, 16, 24, 32, 64],
+        run: |problem, steps, quarters| linexp::run(problem, steps, 2, Extent::Swift, &mut |state| quarters.see(state)),
+    },
+    Ours {
+        name: "linexp of order 4",
+        steps: &[4, 8, 12, 16, 24, 32, 64],
+        run: |problem, steps, quarters| linexp::run(problem, steps, 4, Extent::Swift, &mut |state| quarters.see(state)),
+    },
+    Ours {
+        name: "linexp of order 6",
+        steps: &[4, 8, 12, 16, 24, 32],
+        run: |problem, steps, quarters| linexp::run(problem, steps, 6, Extent::Swift, &mut |state| quarters.see(state)),
+    },
+    Ours {
+        name: "Taylor of order 16",
+        steps: &[4, 8, 12, 16],
+        run: |problem, steps, quarters| taylor::run(problem, steps, 16, &mut |state| quarters.see(state)),
+    },
+    Ours {
+        name: "rk4 with events",
+        steps: &[20, 40, 100, 200, 400, 1000],
+        run: |problem, steps, quarters| rk4_events::run_plain(problem, steps, &mut |state| quarters.see(state)),
+    },
+    Ours {
+        name: "rk4 as the thesis steps it",
+        steps: &[20, 40, 100, 200, 400, 1000, 2000, 4000, 10_000],
+        run: |problem, steps, quarters| rk4::run_plain(problem, steps, &mut |state| quarters.see(state)),
+    },
+    Ours {
+        name: "the same, cosines from a table",
+        steps: &[20, 40, 100, 200, 400, 1000, 2000, 4000, 10_000],
+        run: |problem, steps, quarters| rk4_tabulated::run(problem, steps, &mut |state| quarters.see(state)),
+    },
+];
 
 /// Friction at the ends of those steps that end at quarter periods.
 pub struct Quarters {

@@ -29,11 +29,13 @@ pub struct Numerics {
     pub order: Option<u32>,
     /// Largest error of the mean friction ratio.
     pub tolerance: f64,
+    /// Whether the energies are added up, too, in a run of their own; without them there are friction and power ratio.
+    pub energies: bool,
 }
 
 impl Default for Numerics {
     fn default() -> Self {
-        Numerics { method: Method::Auto, steps_per_period: None, order: None, tolerance: 1e-7 }
+        Numerics { method: Method::Auto, steps_per_period: None, order: None, tolerance: 1e-7, energies: true }
     }
 }
 
@@ -67,7 +69,7 @@ const FINEST: u32 = 1 << 14;
 /// Error of the closed forms.
 const ROUND_OFF: f64 = 1e-15;
 /// A run is timed again until this much time has gone by, s, or this many times.
-const TIMED_S: f64 = 5e-3;
+const TIMED_S: f64 = 1e-3;
 const TIMED: u32 = 5;
 
 /// Solves a problem. `watch` sees the state after every step; in closed form, over one steady period.
@@ -154,14 +156,12 @@ fn in_steps(
     let mut steps = numerics.steps_per_period.unwrap_or(own);
     let ratio = |tally: &Tally| Ratios::of(problem, tally).friction;
     let run = |steps: u32| method.run(problem, (steps, order), false, &mut |_| ());
-    let (mut tally, mut ns) = timed(|| run(steps))?;
-    let (mut half, mut half_ns) = timed(|| run(2 * steps))?;
+    let (mut tally, mut half) = (run(steps)?, run(2 * steps)?);
     let error = |tally: &Tally, half: &Tally| (ratio(tally) - ratio(half)).abs();
     let may_refine = numerics.steps_per_period.is_none() && method != Method::Rk4;
     while may_refine && error(&tally, &half) > numerics.tolerance && 4 * steps <= FINEST {
         steps *= 2;
-        (tally, ns) = (half, half_ns);
-        (half, half_ns) = timed(|| run(2 * steps))?;
+        (tally, half) = (half, run(2 * steps)?);
     }
     let estimate = error(&tally, &half);
     let mut warnings = Vec::new();
@@ -171,8 +171,9 @@ fn in_steps(
             numerics.tolerance
         ));
     }
+    let (_, ns) = timed(|| run(steps))?;
     // What is shown and accounted for is the same run, once more.
-    let accounted = method.run(problem, (steps, order), true, watch)?;
+    let accounted = method.run(problem, (steps, order), numerics.energies, watch)?;
     let ratios = Ratios { friction: ratio(&tally), ..Ratios::of(problem, &accounted) };
     let order = order.filter(|_| problem.law != Law::Coulomb);
     Ok(Solution {

@@ -74,7 +74,7 @@ pub fn run(problem: &Problem, steps_per_period: u32, watch: &mut impl FnMut(&Sta
         for step in 0..steps {
             runner.step(&stretch, f64::from(step) * h, h, step == 0)?;
             runner.state.time_s = stretch.start_s + f64::from(step + 1) * h;
-            runner.meter.step(&runner.state, runner.coulomb_n);
+            runner.meter.step(&runner.state, runner.state.force_n / runner.coulomb_n);
             watch(&runner.state);
         }
     }

@@ -110,18 +110,18 @@ impl<'a, const K: usize, const N: usize> Run<'a, K, N> {
                 // How much of the step the table can do: all of it, or with one reversal, or nothing.
                 let done = match table {
                     Some(table) if swift(careful, table, step as usize) => 1.0,
-                    Some(table) => table.part(careful, step as usize).map_or(0.0, |part| careful.go(part)),
+                    Some(table) => table.part(careful, step as usize).map_or(0.0, |mut part| careful.go(&mut part)),
                     None => 0.0,
                 };
                 if done < 1.0 {
                     careful.step(&stretch.forcing, f64::from(step) * h, h, done * h);
                 }
                 state = careful.state(stretch.start_s + f64::from(step + 1) * h);
-                if !(state.x_m.is_finite() && state.force_n.is_finite()) {
-                    return Err(Trouble::Diverged { method: METHOD, time_s: state.time_s });
-                }
-                careful.meter.step(&state, careful.coulomb_n);
+                careful.meter.step(&state, careful.f);
                 watch(&state);
+            }
+            if !(state.x_m.is_finite() && state.force_n.is_finite()) {
+                return Err(Trouble::Diverged { method: METHOD, time_s: state.time_s });
             }
         }
         let careful = self.careful;

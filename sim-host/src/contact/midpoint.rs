@@ -49,7 +49,7 @@ pub fn run(problem: &Problem, steps_per_period: u32, watch: &mut impl FnMut(&Sta
             if !(state.force_n.is_finite() && state.x_m.is_finite() && state.v_m_per_s.is_finite()) {
                 return Err(Trouble::Diverged { method: METHOD, time_s: state.time_s });
             }
-            meter.step(&state, walk.coulomb_n);
+            meter.step(&state, state.force_n / walk.coulomb_n);
             watch(&state);
         }
     }

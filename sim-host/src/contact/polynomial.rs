@@ -41,7 +41,11 @@ pub fn product<const N: usize>(a: &[f64; N], b: &[f64; N]) -> [f64; N] {
 
 /// The slope, as a polynomial.
 fn derivative<const N: usize>(c: &[f64; N]) -> [f64; N] {
-    std::array::from_fn(|k| c.get(k + 1).map_or(0.0, |c| c * (k + 1) as f64))
+    let mut slopes = [0.0; N];
+    for k in 1..N {
+        slopes[k - 1] = c[k] * k as f64;
+    }
+    slopes
 }
 
 /// A place, the value there, and the slope.
@@ -55,9 +59,9 @@ struct Point {
 /// The root between a point and `high`, where the polynomial has the value `last` of opposite sign: Newton's method, kept within the
 /// bracket.
 ///
-/// It begins on the parabola through both values with the slope at the point, and ends with a step so small that its square is
-/// round-off.
-fn root<const N: usize>(c: &[f64; N], from: Point, high: f64, last: f64) -> f64 {
+/// It begins on the parabola through both values with the slope at the point, and ends with a step shorter than `enough`, of which the
+/// square is left.
+fn root<const N: usize>(c: &[f64; N], from: Point, high: f64, last: f64, enough: f64) -> f64 {
     let (mut low, mut high, first) = (from.at, high, from.value);
     let (falls, steep) = (first > 0.0, from.slope * (high - low));
     let bend = last - first - steep;
@@ -67,6 +71,7 @@ fn root<const N: usize>(c: &[f64; N], from: Point, high: f64, last: f64) -> f64 
     let inside = |part: &f64| *part > 0.0 && *part < 1.0;
     let part = Some(first / far).filter(inside).or(Some(far / bend).filter(inside)).unwrap_or(0.5);
     let mut s = low + (high - low) * part;
+    let slopes = derivative(c);
     for _ in 0..80 {
         let here = value(c, s);
         if (here > 0.0) == falls {
@@ -74,11 +79,11 @@ fn root<const N: usize>(c: &[f64; N], from: Point, high: f64, last: f64) -> f64 
         } else {
             high = s
         }
-        let newton = s - here / slope(c, s);
+        let newton = s - here / value(&slopes, s);
         // At the root itself round-off decides the side, and Newton's step ends on the bracket's edge: that is inside.
         let inside = newton >= low && newton <= high;
         let next = if inside { newton } else { 0.5 * (low + high) };
-        if inside && (next - s).abs() <= 1e-8 || high - low <= 2e-16 {
+        if inside && (next - s).abs() <= enough || high - low <= 2e-16 {
             return next;
         }
         s = next;
@@ -93,32 +98,34 @@ const PARTS: u32 = 2;
 ///
 /// The sign at the beginning is what `sense` says, never what round-off has left of a velocity that is zero there. A velocity that dips
 /// below zero and comes back within the step reverses, too: that is looked for at its turning points, not at the ends.
-pub fn first_reversal<const N: usize>(velocity: &[f64; N], sense: f64) -> Option<f64> {
-    let height = sense * velocity[0];
-    // No term falls further than its own size.
-    let fall: f64 = velocity.iter().skip(1).map(|c| (sense * c).min(0.0)).sum();
-    if height + fall > 0.0 {
-        return None;
-    }
-    let at = |s: f64| sense * value(velocity, s);
+///
+/// The moment is good to the square of `enough`, as a part of the step.
+pub fn first_reversal<const N: usize>(velocity: &[f64; N], sense: f64, enough: f64) -> Option<f64> {
     let begin = Point { at: 0.0, value: velocity[0], slope: velocity.get(1).copied().unwrap_or(0.0) };
     let end = value(velocity, 1.0);
     if sense * end < 0.0 {
-        return Some(crossing(velocity, sense, begin, 1.0, end));
+        return Some(crossing(velocity, sense, begin, (1.0, end), enough));
     }
+    // No term falls further than its own size.
+    let fall: f64 = velocity.iter().skip(1).map(|c| (sense * c).min(0.0)).sum();
+    if sense * velocity[0] + fall > 0.0 {
+        return None;
+    }
+    let at = |s: f64| sense * value(velocity, s);
     let mut low = begin;
     for part in 1..=PARTS {
         let at_s = f64::from(part) / f64::from(PARTS);
         let high = Point { at: at_s, value: value(velocity, at_s), slope: slope(velocity, at_s) };
         if sense * high.value < 0.0 {
-            return Some(crossing(velocity, sense, low, at_s, high.value));
+            return Some(crossing(velocity, sense, low, (at_s, high.value), enough));
         }
         if sense * low.slope < 0.0 && sense * high.slope > 0.0 {
             let bend = derivative(velocity);
             let turn = Point { at: low.at, value: low.slope, slope: slope(&bend, low.at) };
-            let bottom = root(&bend, turn, high.at, high.slope);
+            // A dip that only grazes zero is seen by its depth: its place has to be good to round-off.
+            let bottom = root(&bend, turn, high.at, high.slope, 1e-8);
             if at(bottom) < 0.0 {
-                return Some(crossing(velocity, sense, low, bottom, value(velocity, bottom)));
+                return Some(crossing(velocity, sense, low, (bottom, value(velocity, bottom)), enough));
             }
         }
         low = high;
@@ -127,7 +134,7 @@ pub fn first_reversal<const N: usize>(velocity: &[f64; N], sense: f64) -> Option
 }
 
 /// The root in a bracket whose upper end is beyond it and whose lower end may be a root itself.
-fn crossing<const N: usize>(velocity: &[f64; N], sense: f64, low: Point, high: f64, last: f64) -> f64 {
+fn crossing<const N: usize>(velocity: &[f64; N], sense: f64, low: Point, (high, last): (f64, f64), enough: f64) -> f64 {
     let (mut above, mut width) = (low, high - low.at);
     while sense * above.value <= 0.0 {
         width *= 0.5;
@@ -138,7 +145,7 @@ fn crossing<const N: usize>(velocity: &[f64; N], sense: f64, low: Point, high: f
         let at = low.at + width;
         above = Point { at, value: value(velocity, at), slope: slope(velocity, at) };
     }
-    root(velocity, above, high, last)
+    root(velocity, above, high, last, enough)
 }
 
 #[cfg(test)]
@@ -149,15 +156,15 @@ mod tests {
     fn reversals_are_found_where_they_are() {
         // (0.3 - s)(0.7 - s)
         let twice = [0.21, -1.0, 1.0];
-        assert!((first_reversal(&twice, 1.0).unwrap() - 0.3).abs() < 1e-15);
+        assert!((first_reversal(&twice, 1.0, 1e-8).unwrap() - 0.3).abs() < 1e-15);
         // From the root itself on: up, over and down through 0.6.
         let arch = [0.0, 0.6, -1.0];
-        assert!((first_reversal(&arch, 1.0).unwrap() - 0.6).abs() < 1e-15);
+        assert!((first_reversal(&arch, 1.0, 1e-8).unwrap() - 0.6).abs() < 1e-15);
         // Round-off of the wrong sign at the beginning is no reversal.
-        assert_eq!(first_reversal(&[-1e-18, 0.5, 0.1], 1.0), None);
-        assert_eq!(first_reversal(&[0.0, 0.5, 0.1], 1.0), None);
+        assert_eq!(first_reversal(&[-1e-18, 0.5, 0.1], 1.0, 1e-8), None);
+        assert_eq!(first_reversal(&[0.0, 0.5, 0.1], 1.0, 1e-8), None);
         // Going the other way at once is.
-        assert_eq!(first_reversal(&[0.0, -0.5, 0.1], 1.0), Some(0.0));
+        assert_eq!(first_reversal(&[0.0, -0.5, 0.1], 1.0, 1e-8), Some(0.0));
     }
 
     #[test]
@@ -165,10 +172,10 @@ mod tests {
         for depth in [1e-3, 1e-6, 1e-9, 1e-12] {
             // (s - 0.55)^2 - depth
             let c = [0.3025 - depth, -1.1, 1.0];
-            let found = first_reversal(&c, 1.0).unwrap();
+            let found = first_reversal(&c, 1.0, 1e-8).unwrap();
             assert!((found - (0.55 - depth.sqrt())).abs() < 1e-9, "{depth}: {found}");
         }
-        assert_eq!(first_reversal(&[0.3025 + 1e-12, -1.1, 1.0], 1.0), None);
+        assert_eq!(first_reversal(&[0.3025 + 1e-12, -1.1, 1.0], 1.0, 1e-8), None);
     }
 
     #[test]

@@ -60,7 +60,7 @@ fn go<const N: usize>(problem: &Problem, steps_per_period: u32, watch: &mut impl
             }
             state = rates.state(&y, at_end, time_s);
             if N == FULL {
-                meter.step(&state, rates.coulomb_n);
+                meter.step(&state, state.force_n / rates.coulomb_n);
             } else {
                 meter.tally.steps += 1;
             }

@@ -57,7 +57,7 @@ fn go<const N: usize>(problem: &Problem, steps_per_period: u32, watch: &mut impl
             let seen = &mut |walk: &Walk<N>, s: f64, reversed: bool| {
                 state = walk.rates.state(&walk.y, walk.now, stretch.start_s + s);
                 meter.tally.reversals += u64::from(reversed);
-                meter.step(&state, walk.rates.coulomb_n);
+                meter.step(&state, state.force_n / walk.rates.coulomb_n);
                 watch(&state);
             };
             if !walk.step(&stretch.forcing, from, to, seen) {

@@ -107,13 +107,13 @@ impl Meter {
         }
     }
 
-    /// A step has ended in this state.
+    /// A step has ended in this state, with friction so large a part of the Coulomb force.
     #[inline]
-    pub fn step(&mut self, state: &State, coulomb_n: f64) {
+    pub fn step(&mut self, state: &State, force_ratio: f64) {
         let tally = &mut self.tally;
         tally.peak_velocity_m_per_s = tally.peak_velocity_m_per_s.max(state.v_m_per_s.abs());
         tally.peak_displacement_m = tally.peak_displacement_m.max(state.x_m.abs());
-        tally.peak_force_ratio = tally.peak_force_ratio.max(state.force_n.abs() / coulomb_n);
+        tally.peak_force_ratio = tally.peak_force_ratio.max(force_ratio.abs());
         tally.steps += 1;
     }
 

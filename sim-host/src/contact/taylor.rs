@@ -23,6 +23,8 @@ const METHOD: &str = "taylor";
 pub const ORDERS: [u32; 7] = [8, 12, 16, 20, 24, 28, 32];
 /// Where the last coefficients of friction over Fc are larger than this, the step is too long for the series.
 const LARGEST_LAST_TERM: f64 = 1e-9;
+/// A reversal is located to the square of this part of a step.
+const LOCATED: f64 = 1e-8;
 /// Friction this close to its bound does not change any more; at the bound itself its series ends after the first term.
 const SATURATED: f64 = 1e-15;
 
@@ -95,7 +97,7 @@ impl<'a, const N: usize> Run<'a, N> {
                 if !(self.x.is_finite() && self.v.is_finite() && self.f.is_finite()) {
                     return Err(Trouble::Diverged { method: METHOD, time_s: state.time_s });
                 }
-                self.meter.step(&state, self.coulomb_n);
+                self.meter.step(&state, state.force_n / self.coulomb_n);
                 watch(&state);
             }
         }
@@ -129,7 +131,7 @@ impl<'a, const N: usize> Run<'a, N> {
             }
             let mut series = self.expand(forcing, from_s + done_s, h - done_s);
             let part = series.shorten();
-            let reversal = first_reversal(&series.slip, self.sense);
+            let reversal = first_reversal(&series.slip, self.sense, LOCATED);
             self.advance(&series, reversal.unwrap_or(1.0));
             if reversal.is_some() {
                 self.sense = -self.sense;

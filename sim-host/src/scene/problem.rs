@@ -83,6 +83,7 @@ pub fn numerics(study: &Excited) -> Numerics {
         steps_per_period: integrator.steps_per_period,
         order: integrator.order,
         tolerance: integrator.tolerance.unwrap_or(default.tolerance),
+        energies: default.energies,
     }
 }
 

@@ -9,7 +9,7 @@ use wide::f64x4;
 
 use super::Extent;
 use super::decay::decay;
-use super::quadrature::Nodes;
+use super::quadrature::{End, Nodes};
 use crate::contact::forcing::Forcing;
 use crate::contact::oscillator::{KERNEL, Oscillator};
 use crate::contact::polynomial::{first_reversal, slope, value, values};
@@ -20,6 +20,8 @@ use crate::contact::tally::{Meter, State};
 const STEEPEST: f64 = 64.0;
 /// Longest part in units of the time constant of mass and contact stiffness, sqrt(m / Kt).
 const LONGEST: f64 = 0.5;
+/// A reversal is located to the square of this part of a step; friction, which is level there, is then off by the fourth power.
+const LOCATED: f64 = 3e-4;
 /// Friction this close to its bound does not change any more.
 const SATURATED: f64 = 1e-15;
 /// Below this the third power is round-off.
@@ -34,6 +36,8 @@ pub(super) struct Careful<const K: usize, const N: usize> {
     pub x: f64,
     pub v: f64,
     pub f: f64,
+    /// Friction with its first two rates, as the present sign of the slip has them.
+    pub here: End,
     /// Sign of the slip velocity.
     pub sense: f64,
     /// Slip velocity, m/s, and its rate, m/s^2.
@@ -90,6 +94,7 @@ impl<const K: usize, const N: usize> Careful<K, N> {
             x: problem.start.x_m,
             v: problem.start.v_m_per_s,
             f: 0.0,
+            here: End { value: 0.0, slope: 0.0, curvature: 0.0 },
             sense: 0.0,
             slip_velocity: 0.0,
             a: 0.0,
@@ -138,6 +143,7 @@ impl<const K: usize, const N: usize> Careful<K, N> {
     pub fn face(&mut self, forcing: &Forcing, length_s: f64) {
         // A cosine goes on where the last one ended.
         if self.sense != 0.0 && !self.oscillator.kinematic && matches!(forcing, Forcing::Cosine { .. }) {
+            self.here = self.end(self.f, self.slip_velocity, self.a);
             return;
         }
         let part = self.part(forcing, 0.0, 1e-3 * length_s);
@@ -153,6 +159,7 @@ impl<const K: usize, const N: usize> Careful<K, N> {
             let slip = |(k, c): (usize, &f64)| self.sign * c + if k == 0 { self.sliding } else { 0.0 };
             self.sense = part.v.iter().enumerate().map(slip).find(|c| c.abs() > 1e-12 * size).map_or(1.0, f64::signum);
         }
+        self.here = self.end(self.f, self.slip_velocity, self.a);
     }
 
     /// One step of `h` seconds from `from_s` on, of which `done_s` are behind.
@@ -161,31 +168,32 @@ impl<const K: usize, const N: usize> Careful<K, N> {
         while h - done_s > 1e-13 * h {
             let left_s = h - done_s;
             let unit_s = left_s.min(self.longest());
-            let end = self.go(self.part(forcing, from_s + done_s, unit_s));
+            let end = self.go(&mut self.part(forcing, from_s + done_s, unit_s));
             done_s = if end == 1.0 && unit_s == left_s { h } else { done_s + end * unit_s };
         }
     }
 
     /// Goes along a part, across one reversal at most; tells how far, from 0 to 1.
-    pub fn go(&mut self, mut part: Part<N>) -> f64 {
+    pub fn go(&mut self, part: &mut Part<N>) -> f64 {
         let mut slip_velocity = part.v;
         slip_velocity.iter_mut().for_each(|c| *c *= self.sign);
         slip_velocity[0] += self.sliding;
-        let reversal = first_reversal(&slip_velocity, self.sense);
+        let reversal = first_reversal(&slip_velocity, self.sense, LOCATED);
         let end = reversal.unwrap_or(1.0);
         if end > 0.0 {
-            let piece = self.piece(&mut part, 0.0, end);
-            self.take(&part, piece);
+            let piece = self.piece(part, 0.0, end);
+            self.take(part, piece);
         }
         if reversal.is_none() {
             return 1.0;
         }
         self.sense = -self.sense;
+        self.here = self.end(self.f, self.slip_velocity, self.a);
         self.meter.tally.reversals += 1;
         // The same polynomial goes on, if nothing more happens on it.
-        let rest = self.piece(&mut part, end, 1.0);
+        let rest = self.piece(part, end, 1.0);
         if rest.slip_velocity * self.sense > 0.0 && rest.steepness <= self.steepest {
-            self.take(&part, rest);
+            self.take(part, rest);
             return 1.0;
         }
         end
@@ -205,10 +213,8 @@ impl<const K: usize, const N: usize> Careful<K, N> {
 
     /// The first terms of friction over Fc, over `unit_s` seconds.
     pub fn friction_terms(&self, unit_s: f64) -> [f64; 3] {
-        let (v, s) = (self.slip_velocity, self.sense);
-        let free = 1.0 - s * self.f;
-        let rate = self.per_metre * v * free;
-        [self.f, unit_s * rate, 0.5 * unit_s * unit_s * self.per_metre * (self.a * free - v * s * rate)]
+        let End { value, slope, curvature } = self.here;
+        [value, unit_s * slope, 0.5 * unit_s * unit_s * curvature]
     }
 
     /// The motion over `unit_s` seconds, with friction as its own series begins.
@@ -260,13 +266,13 @@ impl<const K: usize, const N: usize> Careful<K, N> {
     /// Goes to the end of a piece.
     fn take(&mut self, part: &Part<N>, piece: Piece<K>) {
         let length_s = (piece.to - piece.from) * part.unit_s;
-        self.add_friction(length_s, &piece.forces, piece.f, piece.slip_velocity, piece.slip);
+        let u = if self.oscillator.kinematic { slope(&part.v, piece.to) / part.unit_s } else { value(&part.u, piece.to) };
+        let a = self.sign * self.acceleration(u, piece.x, piece.v, piece.f);
         if self.accounted {
             self.account(part, &piece);
         }
-        (self.x, self.v, self.f, self.slip_velocity) = (piece.x, piece.v, piece.f, piece.slip_velocity);
-        let u = if self.oscillator.kinematic { slope(&part.v, piece.to) / part.unit_s } else { value(&part.u, piece.to) };
-        self.a = self.sign * self.acceleration(u, self.x, self.v, self.f);
+        (self.x, self.v) = (piece.x, piece.v);
+        self.add_friction(length_s, &piece.forces, (piece.f, piece.slip_velocity, a), piece.slip);
     }
 
     /// How far the kicks so far have set the motion back at a moment of the part, m.
@@ -281,18 +287,27 @@ impl<const K: usize, const N: usize> Careful<K, N> {
         part.kicks[..part.count].iter().map(|(when, kick)| kick * slope(&self.kernel, since(*when))).sum()
     }
 
-    /// Adds up the friction over a step or part that ends with friction `f_end`, and slips by `slip`, m.
+    /// Adds up the friction over a step or piece with a slip of `slip`, m, and goes to its end: friction over Fc, slip velocity and the
+    /// rate of that.
     ///
     /// The work is exact in slip: the integral of F dz is `Fc (s z - s (f_end - f) Fc / Kt)`.
     #[inline]
-    pub fn add_friction(&mut self, length_s: f64, forces: &[f64; K], f_end: f64, slip_velocity_end: f64, slip: f64) {
+    pub fn add_friction(&mut self, length_s: f64, forces: &[f64; K], (f, slip_velocity, a): (f64, f64, f64), slip: f64) {
         let s = self.sense;
-        let rate = |v: f64, f: f64| self.per_metre * v * (1.0 - s * f);
-        let slopes = (rate(self.slip_velocity, self.f), rate(slip_velocity_end, f_end));
-        let mean = Nodes::<K>::mean(forces, (self.f, f_end), slopes, length_s);
+        let there = self.end(f, slip_velocity, a);
+        let ends = [self.here, there];
         let totals = &mut self.meter.totals;
-        totals.friction_n_s += self.coulomb_n * length_s * mean;
-        totals.friction_work_j += self.coulomb_n * s * (slip - (f_end - self.f) / self.per_metre);
+        totals.friction_n_s += self.coulomb_n * length_s * Nodes::<K>::mean(forces, ends, length_s);
+        totals.friction_work_j += self.coulomb_n * s * (slip - (f - self.f) / self.per_metre);
+        (self.f, self.slip_velocity, self.a, self.here) = (f, slip_velocity, a, there);
+    }
+
+    /// Friction over Fc and its first two rates: `f' = (Kt / Fc) V (1 - s f)`.
+    #[inline]
+    fn end(&self, f: f64, v: f64, a: f64) -> End {
+        let free = self.per_metre * (1.0 - self.sense * f);
+        let slope = v * free;
+        End { value: f, slope, curvature: a * free - self.per_metre * v * self.sense * slope }
     }
 }
 

@@ -12,21 +12,35 @@ impl<const K: usize> Nodes<K> {
     pub const AT: [f64; K] = pick([0.5], [0.5 - TWO, 0.5 + TWO], [0.5 - THREE, 0.5, 0.5 + THREE]);
     /// Their weights.
     pub const WEIGHT: [f64; K] = pick([1.0], [0.5, 0.5], [5.0 / 18.0, 8.0 / 18.0, 5.0 / 18.0]);
-    /// Weights of a mean that knows the ends and their slopes, too; exact for degree 5, 5 and 7.
-    const MEAN: [f64; K] = pick([8.0 / 15.0], [0.6, 0.6], [25.0 / 63.0, 128.0 / 315.0, 25.0 / 63.0]);
-    const END: f64 = if K == 1 { 7.0 / 30.0 } else { -0.1 };
-    const SLOPE: f64 = match K {
-        1 => 1.0 / 60.0,
-        2 => -1.0 / 60.0,
-        _ => -1.0 / 140.0,
+    /// Weights of a mean that knows the ends, their slopes and their curvatures, too; exact for degree 7, 7 and 9.
+    const MEAN: [f64; K] = pick([16.0 / 35.0], [27.0 / 35.0; 2], [125.0 / 189.0, 352.0 / 945.0, 125.0 / 189.0]);
+    /// The same of the ends, and of slopes and curvatures there: one number for each K.
+    const OUTER: (f64, f64, f64) = match K {
+        1 => (19.0 / 70.0, 1.0 / 35.0, 1.0 / 840.0),
+        2 => (-19.0 / 70.0, -1.0 / 20.0, -1.0 / 420.0),
+        _ => (-73.0 / 210.0, -13.0 / 420.0, -1.0 / 1260.0),
     };
 
-    /// The mean over a step of length `h` of what has these values at its nodes, and these values and slopes at its ends.
+    /// The mean over a step of length `h` of what has these values at its nodes, and these values, slopes and curvatures at its ends.
     #[inline]
-    pub fn mean(nodes: &[f64; K], ends: (f64, f64), slopes: (f64, f64), h: f64) -> f64 {
+    pub fn mean(nodes: &[f64; K], ends: [End; 2], h: f64) -> f64 {
+        let [first, last] = ends;
         let inner: f64 = nodes.iter().zip(Self::MEAN).map(|(value, weight)| value * weight).sum();
-        inner + Self::END * (ends.0 + ends.1) + Self::SLOPE * h * (slopes.0 - slopes.1)
+        let (value, slope, curvature) = Self::OUTER;
+        let outer = value * (first.value + last.value) + slope * h * (first.slope - last.slope);
+        inner + outer + curvature * h * h * (first.curvature + last.curvature)
     }
+}
+
+/// What is known at an end of a step.
+#[derive(Clone, Copy, Debug)]
+pub struct End {
+    /// Value.
+    pub value: f64,
+    /// Its rate.
+    pub slope: f64,
+    /// The rate of that.
+    pub curvature: f64,
 }
 
 /// That of the three lists which has as many entries.
@@ -66,16 +80,18 @@ mod tests {
 
     /// The mean of s^degree over 0 to 1, by the rule.
     fn power<const K: usize>(degree: i32) -> f64 {
-        let slope_at_0 = if degree == 1 { 1.0 } else { 0.0 };
-        let start = if degree == 0 { 1.0 } else { 0.0 };
-        Nodes::<K>::mean(&Nodes::<K>::AT.map(|s| s.powi(degree)), (start, 1.0), (slope_at_0, f64::from(degree)), 1.0)
+        let p = f64::from(degree);
+        let start = [(0, [1.0, 0.0, 0.0]), (1, [0.0, 1.0, 0.0]), (2, [0.0, 0.0, 2.0])];
+        let [value, slope, curvature] = start.into_iter().find(|(of, _)| *of == degree).map_or([0.0; 3], |(_, start)| start);
+        let ends = [End { value, slope, curvature }, End { value: 1.0, slope: p, curvature: p * (p - 1.0) }];
+        Nodes::<K>::mean(&Nodes::<K>::AT.map(|s| s.powi(degree)), ends, 1.0)
     }
 
     #[test]
     fn rules_have_their_degree() {
-        for degree in 0..=7 {
+        for degree in 0..=9 {
             let exact = 1.0 / f64::from(degree + 1);
-            for (value, highest) in [(power::<1>(degree), 5), (power::<2>(degree), 5), (power::<3>(degree), 7)] {
+            for (value, highest) in [(power::<1>(degree), 7), (power::<2>(degree), 7), (power::<3>(degree), 9)] {
                 assert_eq!((value - exact).abs() < 1e-14, degree <= highest, "degree {degree}: {value} {exact}");
             }
         }

@@ -139,8 +139,7 @@ pub(super) fn swift<const K: usize, const N: usize>(run: &mut Careful<K, N>, tab
     let (x, v, s) = (run.x, run.v, run.sense);
     let excess = run.f - s;
     let steep = run.per_metre * s;
-    // dF/dt = (Kt / Fc) V (1 - s F) in units of Fc
-    let rate = -steep * run.slip_velocity * excess;
+    let rate = run.here.slope;
     let (push, push_rate) = (run.push * run.f, run.push * rate);
     let [by_x, by_v, by_push, by_rate] = table.v_end;
     let v_free = by_x * x + by_v * v + forced.v_end - by_push * push - by_rate * push_rate;
@@ -175,8 +174,7 @@ pub(super) fn swift<const K: usize, const N: usize>(run: &mut Careful<K, N>, tab
     if slip_velocity * s < 0.0 || dips || too_steep || late.abs() > SMALL {
         return false;
     }
-    run.add_friction(table.h, &forces, f_end, slip_velocity, slip);
-    (run.x, run.v, run.f, run.a) = (x_end, v_end, f_end, a_end);
-    run.slip_velocity = slip_velocity;
+    (run.x, run.v) = (x_end, v_end);
+    run.add_friction(table.h, &forces, (f_end, slip_velocity, a_end), slip);
     true
 }
