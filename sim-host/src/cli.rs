@@ -10,6 +10,7 @@
 //! | 5 | board or link not found or lost |
 //! | 130 | interrupted; what there was is kept, and marked |
 
+mod precision;
 mod progress;
 mod run;
 mod table;
@@ -67,6 +68,9 @@ enum Command {
     },
     /// Print the JSON Schema of a scene, for editors.
     Schema,
+    /// Measure speed against error of every contact method, judge the claims, and run the hard cases.
+    #[command(after_help = EXIT_CODES)]
+    Precision(precision::PrecisionArgs),
 }
 
 #[derive(Args)]
@@ -123,6 +127,7 @@ pub fn main() -> ExitCode {
         Some(Command::List) => print(&list()),
         Some(Command::Show { scene }) => with_scene(&scene, color, |loaded| print(&resolved_toml(&loaded.scene))),
         Some(Command::Check { scene }) => with_scene(&scene, color, |loaded| print(&format!("{}: valid\n", loaded.origin))),
+        Some(Command::Precision(args)) => precision::run(&args, color),
         Some(Command::Schema) => print(&format!("{:#}\n", schema::schema())),
     };
     done.unwrap_or_else(|error| {
