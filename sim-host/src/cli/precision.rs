@@ -51,7 +51,7 @@ pub(super) fn run(args: &PrecisionArgs, color: Color) -> anyhow::Result<ExitCode
             let blocks = [
                 tables::reference(&study.reference),
                 tables::work(&study),
-                tables::hard(&study.hard),
+                tables::hard_in_short(&study.hard),
                 tables::claims(&study.claims),
             ];
             blocks.iter().map(|block| table::render(block, color.stdout)).collect()

@@ -95,7 +95,7 @@ fn thesis_step(curves: &[Curve]) -> Claim {
     }
 }
 
-/// The steady kinematic question, which needs no steps.
+/// The steady kinematic question, which needs no steps. The one place where a closed form is timed.
 fn closed_form() -> Claim {
     Claim {
         what: "steady kinematic Dahl friction ratio in closed form, ns in all".into(),

@@ -20,6 +20,12 @@ pub fn of(study: &Study) -> Vec<Figure> {
     ]
 }
 
+/// From a little below the cheapest to a little above the dearest.
+fn cost_range(study: &Study) -> Option<(f64, f64)> {
+    let costs = || study.curves.iter().flat_map(|curve| curve.points.iter().map(|point| point.ns));
+    Some((0.7 * costs().reduce(f64::min)?, 1.4 * costs().reduce(f64::max)?))
+}
+
 fn figure(study: &Study, id: &str, title: &str, y: &str, error: fn(&Point) -> f64) -> Figure {
     Figure {
         id: id.into(),
@@ -27,7 +33,7 @@ fn figure(study: &Study, id: &str, title: &str, y: &str, error: fn(&Point) -> f6
         caption: "Table 4.1, 384 N at 60 kHz, velocity ratio 0.5, from rest, periods 100 to 200. Lower and further left is better. \
                   Solid: the methods for a Dahl contact; dashed: Runge-Kutta, midpoint, and the motion without friction's feedback."
             .into(),
-        x: Axis { label: "time for a drive period [ns]".into(), log: true, range: None },
+        x: Axis { label: "time for a drive period [ns]".into(), log: true, range: cost_range(study) },
         y: Axis { label: y.into(), log: true, range: Some((LEAST, 1.0)) },
         series: study.curves.iter().map(|curve| series(curve, error)).collect(),
         ..Figure::default()

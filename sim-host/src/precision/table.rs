@@ -102,6 +102,26 @@ pub fn verdict(holds: Option<bool>) -> &'static str {
     }
 }
 
+/// The hard cases for a terminal: what was done, how many invariants hold, and those that do not.
+pub fn hard_in_short(cases: &[(&'static Case, Result<Found, Trouble>)]) -> TableBlock {
+    let row = |(case, found): &(&'static Case, Result<Found, Trouble>)| match found {
+        Ok(found) => {
+            let missed: Vec<String> = found.checks.iter().filter(|check| !check.holds()).map(ToString::to_string).collect();
+            let count = format!("{} of {}", found.checks.len() - missed.len(), found.checks.len());
+            let chosen = if missed.is_empty() { found.chosen.clone() } else { missed.join("; ") };
+            vec![case.name.into(), found.naive.clone(), chosen, count, verdict(Some(found.holds())).into()]
+        }
+        Err(trouble) => vec![case.name.into(), "-".into(), trouble.to_string(), "-".into(), verdict(Some(false)).into()],
+    };
+    block(
+        "hard",
+        "Hard cases",
+        "Naive is Runge-Kutta as the thesis steps it. Means are friction ratios. The invariants are in report.html.".into(),
+        &["case", "naive", "chosen method, or what it misses", "holds", ""],
+        cases.iter().map(row).collect(),
+    )
+}
+
 /// The hard cases.
 pub fn hard(cases: &[(&'static Case, Result<Found, Trouble>)]) -> TableBlock {
     let row = |(case, found): &(&'static Case, Result<Found, Trouble>)| match found {

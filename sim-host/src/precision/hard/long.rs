@@ -56,6 +56,6 @@ pub fn drift(scale: Scale) -> Result<Found, Trouble> {
             (naive.x_m - naive_m) / forced_m
         ),
         chosen: format!("x off by {:.1e} of its forced part", (end.x_m - exact_m) / forced_m),
-        checks: vec![Check::at_most("x off the closed form", (end.x_m - exact_m) / forced_m, 1e-8)],
+        checks: vec![Check::at_most("x off the closed form", (end.x_m - exact_m) / forced_m, 1e-13 * periods)],
     })
 }

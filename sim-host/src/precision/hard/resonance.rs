@@ -43,10 +43,7 @@ pub fn undamped_without_friction() -> Result<Found, Trouble> {
         problem: "w = wn, no damping, mu 1e-13: grows by F0 / 2m",
         naive: thesis(&problem, 0.0)?,
         chosen: format!("linexp-4, n = 16: v {:.9} m/s, exact {v:.9} m/s", end.v_m_per_s),
-        checks: vec![
-            Check::at_most("velocity off the exact", end.v_m_per_s / v - 1.0, 1e-10),
-            Check::at_most("excess of |F| over Fc", tally.peak_force_ratio - 1.0, 1e-12),
-        ],
+        checks: vec![Check::at_most("velocity off the exact", end.v_m_per_s / v - 1.0, 1e-10), Check::bounded(&tally)],
     })
 }
 
@@ -62,13 +59,13 @@ pub fn undamped_with_friction() -> Result<Found, Trouble> {
         naive: thesis(&problem, truth_r)?,
         chosen: format!("linexp-4, n = 64: v {:.6} m/s, taylor {:.6} m/s", end.v_m_per_s, truth.v_m_per_s),
         checks: vec![
-            Check::at_most("velocity off taylor", end.v_m_per_s / truth.v_m_per_s - 1.0, 1e-8),
-            Check::at_most("mean off taylor", r - truth_r, 1e-6),
+            Check::at_most("velocity off taylor", end.v_m_per_s / truth.v_m_per_s - 1.0, 5e-10),
+            Check::at_most("mean off taylor", r - truth_r, 3e-10),
             Check::between(
                 "loss over (4 / pi) Fc / F0",
                 (1.0 - end.v_m_per_s / free) / (4.0 / std::f64::consts::PI * problem.coulomb_n / FORCE_N),
-                0.9,
-                1.1,
+                0.99,
+                1.01,
             ),
             Check::same("thesis survives", u64::from(thesis_survives(&problem)), 0),
         ],
@@ -89,7 +86,7 @@ pub fn damped_without_friction() -> Result<Found, Trouble> {
         problem: "w = wn, zeta 0.05, mu 1e-13: F0 / c",
         naive: thesis(&problem, 0.0)?,
         chosen: format!("linexp-4, n = 16: v {:.12} m/s, exact {v:.12} m/s", end.v_m_per_s),
-        checks: vec![Check::at_most("velocity off F0 / c", end.v_m_per_s / v - 1.0, 1e-11)],
+        checks: vec![Check::at_most("velocity off F0 / c", end.v_m_per_s / v - 1.0, 1e-12)],
     })
 }
 
@@ -106,7 +103,7 @@ pub fn damped_with_friction() -> Result<Found, Trouble> {
         naive: thesis(&problem, truth)?,
         chosen: format!("linexp-4, n = 64: v {:.7} m/s of {v:.7} m/s", end.v_m_per_s),
         checks: vec![
-            Check::at_most("mean off taylor", r - truth, 1e-7),
+            Check::at_most("mean off taylor", r - truth, 5e-7),
             Check::between("loss in Fc / F0, 4 / pi of a full square", loss, 1.2, 1.28),
         ],
     })

@@ -29,9 +29,9 @@ pub fn square() -> Result<Found, Trouble> {
         chosen: format!("linexp-6, n = 16: mean off by {:.1e}", r - truth),
         checks: vec![
             Check::between("order of the naive method", naive_order, 0.9, 1.1),
-            Check::at_most("mean off taylor", r - truth, 1e-9),
-            Check::at_most("taylor off rk4-events", truth - events, 1e-10),
-            Check::at_most("motion off the exact, piece by piece", off_exact / size, 1e-11),
+            Check::at_most("mean off taylor", r - truth, 3e-11),
+            Check::at_most("taylor off rk4-events", truth - events, 1e-12),
+            Check::at_most("motion off the exact, piece by piece", off_exact / size, 5e-12),
         ],
     })
 }
@@ -66,8 +66,8 @@ pub fn chirp() -> Result<Found, Trouble> {
         naive: format!("{}; {}", thesis(&problem, truth)?, naive(&problem, 100, truth)?),
         chosen: format!("linexp-4, n = 64: r {r:.8}, largest velocity {:.3} m/s", tally.peak_velocity_m_per_s),
         checks: vec![
-            Check::at_most("mean off taylor", r - truth, 1e-7),
-            Check::at_most("taylor off rk4-events", truth - mean(&problem, &other), 1e-9),
+            Check::at_most("mean off taylor", r - truth, 5e-8),
+            Check::at_most("taylor off rk4-events", truth - mean(&problem, &other), 5e-10),
             Check::between("largest velocity over the Fresnel limit", tally.peak_velocity_m_per_s / fresnel, 1.1, 1.25),
         ],
     })
