@@ -62,3 +62,25 @@ pub fn make(problem: &Problem) -> Result<Reference, NoReference> {
 const FINE: Watched = |problem, n, mut watch| taylor::run(problem, n, SETTINGS[0].1, &mut watch);
 const OTHER: Watched = |problem, n, mut watch| taylor::run(problem, n, SETTINGS[1].1, &mut watch);
 const INDEPENDENT: Watched = |problem, n, mut watch| rk4_events::run(problem, n, &mut watch);
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::contact::Law;
+    use crate::precision::case::{CONTACT_N_PER_M, standard, table_4_1};
+
+    #[test]
+    fn the_standard_case_has_a_reference() {
+        let reference = make(&standard()).unwrap();
+        // Another program, in 34 digits: 0.664066.
+        assert!((reference.sample.mean - 0.664_066).abs() < 5e-7);
+        assert_eq!(reference.sample.quarters.len(), 401);
+    }
+
+    #[test]
+    fn what_does_not_agree_is_refused() {
+        // A contact so stiff that 2000 steps of the independent method are far too few.
+        let law = Law::Dahl { stiffness_n_per_m: 1e3 * CONTACT_N_PER_M };
+        assert!(make(&Problem { law, ..table_4_1(0.5, 20.0) }).is_err());
+    }
+}

@@ -87,3 +87,36 @@ fn once(problem: &Problem, method: &Method, steps: u32) -> Result<f64, Trouble> 
     black_box((method.run)(black_box(problem), black_box(steps))?);
     Ok(began.elapsed().as_secs_f64() * 1e9 / PERIODS)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::precision::reference;
+
+    #[test]
+    fn methods_have_the_orders_they_are_known_by() {
+        let reference = reference::make(&standard()).unwrap();
+        let curves = errors(&reference, true).unwrap();
+        let of = |name: &str| curves.iter().find(|curve| curve.method.name == name).unwrap();
+        let known = [("rk4-plain", 1.9, 2.1), ("rk4-fair", 1.9, 2.1), ("rk4-events", 3.9, 4.5), ("linexp-4", 3.9, 4.5)];
+        for (name, least, most) in known {
+            let order = of(name).order(|point| point.errors.force).unwrap();
+            assert!((least..most).contains(&order), "{name}: {order}");
+        }
+        // Without feedback the error does not fall with the step: it is friction's share of the motion.
+        assert!(of("frozen").points.iter().all(|point| (5e-3..1e-2).contains(&point.errors.force)));
+        // The same steps, scaled: the same errors.
+        for (plain, fair) in of("rk4-plain").points.iter().zip(&of("rk4-fair").points) {
+            assert!((plain.errors.force / fair.errors.force - 1.0).abs() < 1e-3, "{plain:?} {fair:?}");
+        }
+    }
+
+    #[test]
+    fn a_round_times_every_setting() {
+        let method = &METHODS[0];
+        let points = vec![Point { steps: 8, ns: f64::INFINITY, instructions: None, errors: Errors::default() }];
+        let mut curves = [Curve { method, points }];
+        round(&mut curves).unwrap();
+        assert!(curves[0].points[0].ns > 1.0 && curves[0].points[0].ns < 1e6);
+    }
+}

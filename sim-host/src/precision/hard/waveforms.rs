@@ -43,7 +43,7 @@ fn piecewise(time_s: f64) -> f64 {
     // The sum of the steps' answers: a step of height u at a moment leaves u / Ks (1 - cos(wn (t - moment))).
     let whole = (time_s / half_s + 1e-9).floor() as u32;
     let step = |index: u32| {
-        let height = if index == 0 { FORCE_N } else { 2.0 * FORCE_N * if index % 2 == 0 { 1.0 } else { -1.0 } };
+        let height = if index == 0 { FORCE_N } else { 2.0 * FORCE_N * if index.is_multiple_of(2) { 1.0 } else { -1.0 } };
         height / STIFFNESS_N_PER_M * (1.0 - (natural * (time_s - f64::from(index) * half_s)).cos())
     };
     (0..=whole).map(step).sum()
