@@ -10,6 +10,7 @@
 //! | 5 | board or link not found or lost |
 //! | 130 | interrupted; what there was is kept, and marked |
 
+mod precision;
 mod progress;
 mod run;
 mod table;
@@ -72,6 +73,9 @@ enum Command {
     /// Compute every figure, claim and contradiction of the thesis's chapter 4.
     #[command(after_help = EXIT_CODES)]
     Thesis(thesis::ThesisArgs),
+    /// Measure speed against error of every contact method, judge the claims, and run the hard cases.
+    #[command(after_help = EXIT_CODES)]
+    Precision(precision::PrecisionArgs),
 }
 
 #[derive(Args)]
@@ -129,6 +133,7 @@ pub fn main() -> ExitCode {
         Some(Command::Show { scene }) => with_scene(&scene, color, |loaded| print(&resolved_toml(&loaded.scene))),
         Some(Command::Check { scene }) => with_scene(&scene, color, |loaded| print(&format!("{}: valid\n", loaded.origin))),
         Some(Command::Thesis(args)) => thesis::run(&args, color),
+        Some(Command::Precision(args)) => precision::run(&args, color),
         Some(Command::Schema) => print(&format!("{:#}\n", schema::schema())),
     };
     done.unwrap_or_else(|error| {

@@ -22,6 +22,7 @@ pub mod metrics;
 pub mod output;
 pub mod pil;
 pub mod plant;
+pub mod precision;
 pub mod processor;
 pub mod record;
 pub mod report;

@@ -1,0 +1,43 @@
+//! The problem that speed and error are measured on: Table 4.1 of the thesis, 384 N at 60 kHz, passive sign, from rest.
+
+use crate::contact::{Law, Motion, Problem, Shape, Sign, State, Waveform};
+
+/// Drive frequency, Hz.
+pub const DRIVE_HZ: f64 = 60e3;
+/// Peak force, N.
+pub const FORCE_N: f64 = 384.0;
+/// Mass, kg.
+pub const MASS_KG: f64 = 0.02;
+/// Stiffness Ks, N/m.
+pub const STIFFNESS_N_PER_M: f64 = 133e6;
+/// Tangential stiffness Kt, N/m.
+pub const CONTACT_N_PER_M: f64 = 0.056e6;
+/// Coulomb force mu m g, N.
+pub const COULOMB_N: f64 = 0.1 * MASS_KG * 9.81;
+/// Velocity ratio Vt / Vv of the standard case.
+pub const VELOCITY_RATIO: f64 = 0.5;
+/// Periods of the standard case; the means are over the second half.
+pub const PERIODS: f64 = 200.0;
+
+/// Table 4.1 at a velocity ratio over some drive periods; means over the second half.
+pub fn table_4_1(velocity_ratio: f64, periods: f64) -> Problem {
+    let mut problem = Problem {
+        motion: Motion::Sdof { mass_kg: MASS_KG, stiffness_n_per_m: STIFFNESS_N_PER_M, damping_n_s_per_m: 0.0 },
+        law: Law::Dahl { stiffness_n_per_m: CONTACT_N_PER_M },
+        coulomb_n: COULOMB_N,
+        sliding_m_per_s: 0.0,
+        sign: Sign::Passive,
+        waveform: Waveform::new(Shape::Sine, FORCE_N, DRIVE_HZ, periods / DRIVE_HZ),
+        start: State::default(),
+        load_steps: Vec::new(),
+        window_s: (0.5 * periods / DRIVE_HZ, periods / DRIVE_HZ),
+        duration_s: periods / DRIVE_HZ,
+    };
+    problem.sliding_m_per_s = velocity_ratio * problem.vibration_m_per_s();
+    problem
+}
+
+/// The standard case.
+pub fn standard() -> Problem {
+    table_4_1(VELOCITY_RATIO, PERIODS)
+}
