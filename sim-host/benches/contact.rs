@@ -6,7 +6,8 @@ use std::hint::black_box;
 use std::time::Instant;
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
-use sim_host::contact::{Law, Motion, Problem, Shape, Sign, State, Waveform, closed, coulomb, lanes};
+use sim_host::contact::table_4_1::{PERIODS, standard};
+use sim_host::contact::{Law, Problem, closed, coulomb, lanes};
 
 /// kappa of the thesis's contact (table 4.1).
 const THESIS: f64 = 0.404_517;
@@ -66,22 +67,9 @@ fn closed_form(criterion: &mut Criterion) {
 
 /// The thesis's oscillator with Coulomb friction, 200 periods.
 fn located_events(criterion: &mut Criterion) {
-    let (hz, periods) = (60e3, 200u32);
-    let duration_s = f64::from(periods) / hz;
-    let problem = Problem {
-        motion: Motion::Sdof { mass_kg: 0.02, stiffness_n_per_m: 133e6, damping_n_s_per_m: 0.0 },
-        law: Law::Coulomb,
-        coulomb_n: 0.019_62,
-        sliding_m_per_s: 0.026_714_8,
-        sign: Sign::Passive,
-        waveform: Waveform::new(Shape::Sine, 384.0, hz, duration_s),
-        start: State::default(),
-        load_steps: Vec::new(),
-        window_s: (0.5 * duration_s, duration_s),
-        duration_s,
-    };
+    let problem = Problem { law: Law::Coulomb, ..standard() };
     let mut group = criterion.benchmark_group("Coulomb with located reversals, a period");
-    group.throughput(Throughput::Elements(u64::from(periods))).sample_size(20);
+    group.throughput(Throughput::Elements(PERIODS as u64)).sample_size(20);
     group.bench_function("table 4.1, 16 steps", |bencher| bencher.iter(|| coulomb::run(&problem, 16, &mut |_| ())));
     group.finish();
 }

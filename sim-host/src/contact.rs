@@ -27,6 +27,7 @@ pub mod reversal;
 pub mod rk4;
 pub mod rk4_events;
 pub mod rk4_tabulated;
+pub mod table_4_1;
 pub mod tally;
 pub mod taylor;
 pub mod timeline;

@@ -8,7 +8,6 @@
 //!                  +--> claims (ratios at equal error)      hard: cases with their invariants
 //! ```
 
-pub mod case;
 pub mod claims;
 pub mod folder;
 pub mod hard;

@@ -11,16 +11,8 @@
 
 use std::f64::consts::{FRAC_PI_2, TAU};
 
-use sim_host::contact::{Law, Motion, Problem, Shape, Sign, State, Waveform};
-
-/// Velocity ratio xi = Vt / Vv.
-const VELOCITY_RATIO: f64 = 0.5;
-const MASS_KG: f64 = 0.02;
-const STIFFNESS_N_PER_M: f64 = 133e6;
-const CONTACT_N_PER_M: f64 = 0.056e6;
-const COULOMB_N: f64 = 0.1 * MASS_KG * 9.81;
-const FORCING_N: f64 = 384.0;
-const FREQUENCY_HZ: f64 = 60e3;
+use sim_host::contact::Problem;
+use sim_host::contact::table_4_1::{COULOMB_N, DRIVE_HZ, FORCE_N, MASS_KG, STIFFNESS_N_PER_M, VELOCITY_RATIO, table_4_1};
 
 /// The case over a number of periods.
 #[derive(Clone, Debug)]
@@ -54,29 +46,15 @@ impl Case {
     /// The case over so many periods, means over the second half.
     pub fn new(periods: u32) -> Self {
         let periods = periods.max(2).next_multiple_of(2);
-        let duration_s = f64::from(periods) / FREQUENCY_HZ;
-        let motion = Motion::Sdof { mass_kg: MASS_KG, stiffness_n_per_m: STIFFNESS_N_PER_M, damping_n_s_per_m: 0.0 };
-        let mut problem = Problem {
-            motion,
-            law: Law::Dahl { stiffness_n_per_m: CONTACT_N_PER_M },
-            coulomb_n: COULOMB_N,
-            sliding_m_per_s: 0.0,
-            sign: Sign::Passive,
-            waveform: Waveform::new(Shape::Sine, FORCING_N, FREQUENCY_HZ, duration_s),
-            start: State::default(),
-            load_steps: Vec::new(),
-            window_s: (0.5 * duration_s, duration_s),
-            duration_s,
-        };
-        let omega = TAU * FREQUENCY_HZ;
+        let problem = table_4_1(VELOCITY_RATIO, f64::from(periods));
+        let omega = TAU * DRIVE_HZ;
         let vibration = problem.vibration_m_per_s();
-        problem.sliding_m_per_s = VELOCITY_RATIO * vibration;
         let momentum_rate_n = MASS_KG * omega * vibration;
         let scaled = Scaled {
             sliding: VELOCITY_RATIO,
             kappa: problem.kappa(),
             spring: STIFFNESS_N_PER_M / (MASS_KG * omega * omega),
-            forcing: FORCING_N / momentum_rate_n,
+            forcing: FORCE_N / momentum_rate_n,
             friction: COULOMB_N / momentum_rate_n,
             share: 1.0 / (TAU * f64::from(periods)),
         };
@@ -159,7 +137,7 @@ mod tests {
     fn scales_of_table_4_1() {
         // Friction is 5.1e-5 of the forcing; kappa 0.40452.
         let scaled = Case::new(10).scaled;
-        assert!((scaled.friction / scaled.forcing - COULOMB_N / FORCING_N).abs() < 1e-15);
+        assert!((scaled.friction / scaled.forcing - COULOMB_N / FORCE_N).abs() < 1e-15);
         assert!((scaled.kappa - 0.404_52).abs() < 1e-5);
         assert!((scaled.forcing - (1.0 - scaled.spring)).abs() < 1e-12);
     }

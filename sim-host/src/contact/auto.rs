@@ -209,7 +209,7 @@ fn timed<T>(mut run: impl FnMut() -> Result<T, Trouble>) -> Result<(T, f64), Tro
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::contact::problem::tests::table_4_1;
+    use crate::contact::table_4_1::table_4_1;
     use crate::contact::taylor;
 
     fn with(change: impl Fn(&mut Problem)) -> Problem {

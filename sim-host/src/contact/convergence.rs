@@ -3,7 +3,7 @@
 use std::hint::black_box;
 use std::time::Instant;
 
-use super::problem::tests::table_4_1;
+use super::table_4_1::table_4_1;
 use super::tally::Ratios;
 use super::*;
 

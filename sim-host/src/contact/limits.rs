@@ -1,6 +1,6 @@
 //! What the stepping methods agree on where the laws coincide, in symmetry, and at their edges.
 
-use super::problem::tests::table_4_1;
+use super::table_4_1::table_4_1;
 use super::tally::Ratios;
 use super::*;
 

@@ -143,7 +143,7 @@ impl<'a, const K: usize, const N: usize> Run<'a, K, N> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::contact::problem::tests::table_4_1;
+    use crate::contact::table_4_1::table_4_1;
     use crate::contact::tally::Ratios;
     use crate::contact::{Motion, Shape, Sign, Waveform, taylor};
 

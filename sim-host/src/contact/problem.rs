@@ -133,36 +133,3 @@ impl Problem {
         }
     }
 }
-
-#[cfg(test)]
-pub(crate) mod tests {
-    use super::*;
-    use crate::contact::Shape;
-
-    /// Table 4.1 with 384 N at a velocity ratio, from rest, over some periods; means over the second half.
-    pub(crate) fn table_4_1(velocity_ratio: f64, periods: f64) -> Problem {
-        let hz = 60e3;
-        let mut problem = Problem {
-            motion: Motion::Sdof { mass_kg: 0.02, stiffness_n_per_m: 133e6, damping_n_s_per_m: 0.0 },
-            law: Law::Dahl { stiffness_n_per_m: 0.056e6 },
-            coulomb_n: 0.1 * 0.02 * 9.81,
-            sliding_m_per_s: 0.0,
-            sign: Sign::Passive,
-            waveform: Waveform::new(Shape::Sine, 384.0, hz, periods / hz),
-            start: State::default(),
-            load_steps: Vec::new(),
-            window_s: (0.5 * periods / hz, periods / hz),
-            duration_s: periods / hz,
-        };
-        problem.sliding_m_per_s = velocity_ratio * problem.vibration_m_per_s();
-        problem
-    }
-
-    #[test]
-    fn scales_of_table_4_1() {
-        let problem = table_4_1(0.5, 10.0);
-        assert!((problem.vibration_m_per_s() - 0.053_429_6).abs() < 1e-7);
-        assert!((problem.kappa() - 0.404_52).abs() < 1e-5);
-        assert!((problem.motion.natural_hz().unwrap() - 12_978.69).abs() < 0.01);
-    }
-}

@@ -74,7 +74,7 @@ fn go<const N: usize>(problem: &Problem, steps_per_period: u32, watch: &mut impl
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::contact::problem::tests::table_4_1;
+    use crate::contact::table_4_1::table_4_1;
     use crate::contact::tally::Ratios;
 
     #[test]

@@ -134,7 +134,7 @@ impl Scales {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::contact::problem::tests::table_4_1;
+    use crate::contact::table_4_1::table_4_1;
     use crate::contact::tally::Ratios;
     use crate::contact::{Sign, rk4};
 

@@ -108,7 +108,7 @@ impl Iterator for Timeline<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::contact::problem::tests::table_4_1;
+    use crate::contact::table_4_1::table_4_1;
     use crate::contact::{Motion, Shape, Waveform};
 
     fn stretches(shape: Shape, change: impl Fn(&mut Problem)) -> Vec<Stretch> {

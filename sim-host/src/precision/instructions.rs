@@ -8,10 +8,10 @@ use std::process::{Command, Stdio};
 
 use rayon::prelude::*;
 
-use super::case::{VELOCITY_RATIO, table_4_1};
 use super::method::by_name;
 use super::work::Curve;
 use crate::contact::Trouble;
+use crate::contact::table_4_1::{VELOCITY_RATIO, table_4_1};
 
 /// Periods of the two runs.
 pub const FEW: u32 = 4;

@@ -67,7 +67,7 @@ const INDEPENDENT: Watched = |problem, n, mut watch| rk4_events::run(problem, n,
 mod tests {
     use super::*;
     use crate::contact::Law;
-    use crate::precision::case::{CONTACT_N_PER_M, standard, table_4_1};
+    use crate::contact::table_4_1::{CONTACT_N_PER_M, standard, table_4_1};
 
     #[test]
     fn the_standard_case_has_a_reference() {

@@ -1,7 +1,7 @@
 //! States at the quarter periods of the drive within the window, and how far they are from the reference.
 
-use super::case::DRIVE_HZ;
 use super::method::Watched;
+use crate::contact::table_4_1::DRIVE_HZ;
 use crate::contact::tally::Ratios;
 use crate::contact::{Problem, State, Trouble};
 

@@ -3,7 +3,7 @@
 //! Runge-Kutta of fourth order with the signum in the right-hand side, in SI units, on a Dahl oscillator under a cosine. State is
 //! displacement, velocity and friction over Fc; never the belt's position.
 
-use super::case::{CONTACT_N_PER_M, COULOMB_N, DRIVE_HZ, FORCE_N, MASS_KG, STIFFNESS_N_PER_M};
+use crate::contact::table_4_1::{CONTACT_N_PER_M, COULOMB_N, DRIVE_HZ, FORCE_N, MASS_KG, STIFFNESS_N_PER_M};
 
 /// Where the phase of the forcing comes from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -5,11 +5,11 @@
 use std::hint::black_box;
 use std::time::{Duration, Instant};
 
-use super::case::{PERIODS, standard};
 use super::interpolate;
 use super::method::{METHODS, Method};
 use super::reference::Reference;
 use super::sample::{Errors, take};
+use crate::contact::table_4_1::{PERIODS, standard};
 use crate::contact::{Problem, Trouble};
 
 /// A method at one setting.

@@ -185,7 +185,7 @@ mod tests {
 
     #[test]
     fn table_4_1_is_the_kernel_s() {
-        let mut kernels = contact::problem::tests::table_4_1(0.5, 200.0);
+        let mut kernels = contact::table_4_1::table_4_1(0.5, 200.0);
         kernels.coulomb_n = 0.1 * (0.02 * GRAVITY_M_PER_S2);
         assert_eq!(of(&[]), kernels);
     }

@@ -3,14 +3,14 @@
 //! What the table leaves open is settled here: gravity, and a start from rest with the means over the whole run unless a study says
 //! otherwise.
 
-use crate::contact::{Law, Motion, Problem, Shape, Sign, State, Waveform};
+use crate::contact::{Law, Motion, Problem, Shape, Sign, State, Waveform, table_4_1};
 
 /// Gravity, m/s^2.
 pub const GRAVITY: f64 = 9.81;
 /// Length of a run from rest, s: sixty periods. The thesis names neither a simulation time nor an averaging window.
 pub const SHORT_S: f64 = 1e-3;
 /// Control force of the thesis's time and frequency plots, N (4.3.1).
-pub const PLOTTED_FORCE_N: f64 = 384.0;
+pub const PLOTTED_FORCE_N: f64 = table_4_1::FORCE_N;
 /// Largest control force, N (Table 4.1).
 pub const LARGEST_FORCE_N: f64 = 1920.0;
 /// Fixed step of the thesis's solver, s (Table 4.1).
@@ -39,12 +39,12 @@ pub struct Case {
 
 /// Table 4.1 with the control force of the thesis's time plots.
 pub const TABLE_4_1: Case = Case {
-    mass_kg: 0.02,
-    stiffness_n_per_m: 133e6,
+    mass_kg: table_4_1::MASS_KG,
+    stiffness_n_per_m: table_4_1::STIFFNESS_N_PER_M,
     damping_ratio: 0.0,
-    frequency_hz: 60e3,
+    frequency_hz: table_4_1::DRIVE_HZ,
     force_n: PLOTTED_FORCE_N,
-    contact_n_per_m: 0.056e6,
+    contact_n_per_m: table_4_1::CONTACT_N_PER_M,
     mu: 0.1,
     sign: Sign::Passive,
 };

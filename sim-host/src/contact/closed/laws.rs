@@ -4,7 +4,7 @@
 
 use proptest::prelude::*;
 
-use super::super::problem::tests::table_4_1;
+use super::super::table_4_1::table_4_1;
 use super::super::tally::Ratios;
 use super::super::{Law, Motion, Problem, Shape, Sign, Waveform, coulomb, hertz, lanes};
 use super::*;

@@ -141,7 +141,7 @@ fn displacement(shape: Shape, turns: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::contact::problem::tests::table_4_1;
+    use crate::contact::table_4_1::table_4_1;
     use crate::contact::{Sign, Waveform};
     use crate::plant::dahl::Dahl;
 

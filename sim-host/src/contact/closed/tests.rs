@@ -68,7 +68,7 @@ fn sixteen_digits() {
 /// The table of the thesis's contact, kappa = 0.404517: friction of 40 digits, printed to nine.
 #[test]
 fn thesis_contact() {
-    let kappa = crate::contact::problem::tests::table_4_1(0.5, 1.0).kappa();
+    let kappa = crate::contact::table_4_1::table_4_1(0.5, 1.0).kappa();
     let table =
         [0.148749778, 0.293831556, 0.431811610, 0.559678336, 0.674948667, 0.775674567, 0.860340906, 0.927626168, 0.975847159];
     for (step, ratio) in (1..).zip(table) {

@@ -3,7 +3,7 @@
 use std::f64::consts::{PI, TAU};
 
 use super::*;
-use crate::contact::problem::tests::table_4_1;
+use crate::contact::table_4_1::table_4_1;
 use crate::contact::tally::Ratios;
 use crate::contact::{Shape, Waveform, closed, rk4};
 

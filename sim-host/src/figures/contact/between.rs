@@ -85,8 +85,8 @@ pub(super) fn coulomb_n(problem: &Problem, time_s: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::contact::problem::tests::table_4_1;
     use crate::contact::rk4;
+    use crate::contact::table_4_1::table_4_1;
 
     /// Every 60th of 960 steps a period, filled again, against the steps between.
     #[test]

@@ -77,7 +77,7 @@ pub fn of(problem: &Problem) -> Option<Limit> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::precision::case::table_4_1;
+    use crate::contact::table_4_1::table_4_1;
 
     #[test]
     fn a_steady_motion_has_the_arcsine_law() {

@@ -2,8 +2,8 @@
 
 use super::{Check, Found, linexp, mean, thesis};
 use crate::contact::linexp::Extent;
+use crate::contact::table_4_1::{DRIVE_HZ, table_4_1};
 use crate::contact::{Problem, State, Trouble, linexp as method, taylor};
-use crate::precision::case::{DRIVE_HZ, table_4_1};
 
 /// Table 4.1 with its load changed by a factor at period 100; `published` is the mean over periods 150 to 200 by another program, and
 /// `tolerance` what the step leaves of an error, which is much where the new kappa is 400.

@@ -4,8 +4,8 @@ use std::time::Instant;
 
 use super::{Check, Found, Scale, last, linexp};
 use crate::contact::linexp::Extent;
+use crate::contact::table_4_1::{DRIVE_HZ, FORCE_N, MASS_KG, STIFFNESS_N_PER_M, table_4_1};
 use crate::contact::{Problem, Trouble, linexp as method, rk4};
-use crate::precision::case::{DRIVE_HZ, FORCE_N, MASS_KG, STIFFNESS_N_PER_M, table_4_1};
 
 /// Kinematic steady friction ratio at Table 4.1 and velocity ratio 0.5, in 40 digits by another program.
 const STEADY: f64 = 0.674_948_67;

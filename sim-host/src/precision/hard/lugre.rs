@@ -1,8 +1,8 @@
 //! Bristles with a Stribeck curve or a damping that the classical method cannot follow.
 
 use super::{Check, Found, mean, thesis, thesis_survives};
+use crate::contact::table_4_1::{CONTACT_N_PER_M, table_4_1};
 use crate::contact::{Law, Problem, Trouble, midpoint, rk4_events};
-use crate::precision::case::{CONTACT_N_PER_M, table_4_1};
 
 fn law(stiffness_n_per_m: f64, sigma1: f64) -> Law {
     Law::Lugre { stiffness_n_per_m, static_ratio: 1.5, stribeck_m_per_s: 0.01, sigma1, sigma2: 0.0 }

@@ -1,8 +1,8 @@
 //! Single precision: fit for use if the phase begins anew every period, and not if the time is added up.
 
 use super::{Check, Found, last, linexp};
+use crate::contact::table_4_1::{FORCE_N, MASS_KG, STIFFNESS_N_PER_M, table_4_1};
 use crate::contact::{Trouble, rk4, taylor};
-use crate::precision::case::{FORCE_N, MASS_KG, STIFFNESS_N_PER_M, table_4_1};
 use crate::precision::single::{Clock, run};
 
 /// Steps a period in single precision.

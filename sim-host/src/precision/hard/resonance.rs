@@ -5,8 +5,8 @@
 
 use super::{Check, Found, last, linexp, mean, thesis, thesis_survives};
 use crate::contact::linexp::Extent;
+use crate::contact::table_4_1::{FORCE_N, MASS_KG, STIFFNESS_N_PER_M, table_4_1};
 use crate::contact::{Motion, Problem, Shape, Trouble, Waveform, linexp as method, taylor};
-use crate::precision::case::{FORCE_N, MASS_KG, STIFFNESS_N_PER_M, table_4_1};
 
 /// Table 4.1, driven at its natural frequency over some periods, with so many times its friction and some damping.
 fn driven(periods: f64, friction: f64, zeta: f64) -> Problem {

@@ -1,8 +1,8 @@
 //! Slip that hardly reverses, or reverses about nothing: where a sign taken from round-off, or a missed touch, does harm.
 
 use super::{Check, Found, linexp, mean, thesis};
+use crate::contact::table_4_1::{DRIVE_HZ, FORCE_N, MASS_KG, STIFFNESS_N_PER_M, table_4_1};
 use crate::contact::{Motion, Problem, Shape, State, Trouble, Waveform, rk4_events, taylor};
-use crate::precision::case::{DRIVE_HZ, FORCE_N, MASS_KG, STIFFNESS_N_PER_M, table_4_1};
 
 /// No sliding speed, from rest: the slip is the vibration alone.
 pub fn no_sliding_from_rest() -> Result<Found, Trouble> {

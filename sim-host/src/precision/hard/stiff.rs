@@ -2,8 +2,8 @@
 
 use super::limit;
 use super::{Check, Found, linexp, mean, thesis, thesis_survives};
+use crate::contact::table_4_1::{CONTACT_N_PER_M, table_4_1};
 use crate::contact::{Law, Problem, Trouble, rk4_events};
-use crate::precision::case::{CONTACT_N_PER_M, table_4_1};
 
 /// Periods.
 const PERIODS: f64 = 20.0;

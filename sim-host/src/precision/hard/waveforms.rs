@@ -2,8 +2,8 @@
 
 use super::{Check, Found, THESIS_STEPS, linexp, mean, naive, thesis};
 use crate::contact::linexp::Extent;
+use crate::contact::table_4_1::{DRIVE_HZ, FORCE_N, MASS_KG, STIFFNESS_N_PER_M, table_4_1};
 use crate::contact::{Problem, Shape, State, Trouble, Waveform, linexp as method, rk4, rk4_events, taylor};
-use crate::precision::case::{DRIVE_HZ, FORCE_N, MASS_KG, STIFFNESS_N_PER_M, table_4_1};
 use crate::precision::interpolate::order;
 
 /// A square force: its jumps lie between steps, but the last stage of the naive step already samples what comes after.

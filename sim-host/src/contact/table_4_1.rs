@@ -1,6 +1,6 @@
-//! The problem that speed and error are measured on: Table 4.1 of the thesis, 384 N at 60 kHz, passive sign, from rest.
+//! The thesis's Table 4.1 as a problem: 384 N at 60 kHz, passive sign, from rest. What speed and error are measured on.
 
-use crate::contact::{Law, Motion, Problem, Shape, Sign, State, Waveform};
+use super::{Law, Motion, Problem, Shape, Sign, State, Waveform};
 
 /// Drive frequency, Hz.
 pub const DRIVE_HZ: f64 = 60e3;
@@ -40,4 +40,17 @@ pub fn table_4_1(velocity_ratio: f64, periods: f64) -> Problem {
 /// The standard case.
 pub fn standard() -> Problem {
     table_4_1(VELOCITY_RATIO, PERIODS)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn scales() {
+        let problem = table_4_1(0.5, 10.0);
+        assert!((problem.vibration_m_per_s() - 0.053_429_6).abs() < 1e-7);
+        assert!((problem.kappa() - 0.404_52).abs() < 1e-5);
+        assert!((problem.motion.natural_hz().unwrap() - 12_978.69).abs() < 0.01);
+    }
 }
