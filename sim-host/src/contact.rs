@@ -10,39 +10,20 @@
 //! [`tally`]; which one meets a tolerance at the least cost is chosen in [`auto`](mod@auto).
 
 pub mod auto;
-pub mod bristle;
 pub mod closed;
-pub mod coulomb;
 mod forcing;
 pub mod hertz;
 pub mod lanes;
-pub mod linexp;
 pub mod method;
-pub mod midpoint;
-pub mod oscillator;
-mod polynomial;
 pub mod problem;
-pub mod rates;
-pub mod reversal;
-pub mod rk4;
-pub mod rk4_events;
-pub mod rk4_tabulated;
 pub mod table_4_1;
 pub mod tally;
-pub mod taylor;
 pub mod timeline;
 pub mod waveform;
 
-#[cfg(test)]
-mod convergence;
-#[cfg(test)]
-mod energetics;
-#[cfg(test)]
-mod limits;
-
 pub use auto::{Numerics, Solution, solve};
 pub use forcing::Forcing;
-pub use method::Method;
+pub use method::{Method, coulomb, linexp, midpoint, rk4, rk4_events, rk4_tabulated, taylor};
 pub use problem::{Law, Motion, Problem, Sign};
 pub use tally::{State, Tally};
 pub use waveform::{Shape, Waveform};

@@ -1,9 +1,30 @@
 //! The methods by name: what each is for, what it starts with, and how it is run.
 
-use super::linexp::{self, Extent};
+pub mod bristle;
+pub mod coulomb;
+pub mod linexp;
+pub mod midpoint;
+pub mod oscillator;
+mod polynomial;
+pub mod rates;
+pub mod reversal;
+pub mod rk4;
+pub mod rk4_events;
+pub mod rk4_tabulated;
+pub mod taylor;
+
+#[cfg(test)]
+mod convergence;
+#[cfg(test)]
+mod energetics;
+#[cfg(test)]
+mod limits;
+
+use linexp::Extent;
+
+use super::Trouble;
 use super::problem::{Law, Motion, Problem};
 use super::tally::{State, Tally};
-use super::{Trouble, coulomb, midpoint, rk4, rk4_events, taylor};
 
 /// A way to solve a problem.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

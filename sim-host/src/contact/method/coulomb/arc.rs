@@ -6,8 +6,8 @@
 //! (k + 1) (k + 2) x_{k+2} = L^2 / m (Fe_k - F_k) - L c / m (k + 1) x_{k+1} - L^2 Ks / m x_k
 //! ```
 
-use super::super::problem::Motion;
-use super::super::tally::State;
+use crate::contact::problem::Motion;
+use crate::contact::tally::State;
 
 /// Terms of a series.
 pub(super) const TERMS: usize = 22;

@@ -5,8 +5,9 @@
 //! `G >= Fc / Kt`, `sigma1 z' V + sigma2 V^2 >= (sigma2 - sigma1 (Fs/Fc - 1)) V^2`); beyond, a bristle bent by a slow slip can give
 //! back more than it holds. F V itself may be negative: bent bristles release.
 
-use super::table_4_1::table_4_1;
 use super::*;
+use crate::contact::table_4_1::table_4_1;
+use crate::contact::{Shape, Sign, Waveform};
 
 const STIFFNESS: f64 = 56e3;
 

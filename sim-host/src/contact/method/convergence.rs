@@ -3,9 +3,10 @@
 use std::hint::black_box;
 use std::time::Instant;
 
-use super::table_4_1::table_4_1;
-use super::tally::Ratios;
 use super::*;
+use crate::contact::table_4_1::table_4_1;
+use crate::contact::tally::Ratios;
+use crate::contact::{Shape, Waveform};
 
 /// A method's entry, without anybody watching but the collector.
 type Run = fn(&Problem, u32, &mut dyn FnMut(&State)) -> Result<Tally, Trouble>;

@@ -9,10 +9,11 @@ use wide::f64x4;
 
 use super::Extent;
 use super::decay::decay;
+use super::part::{Part, Piece};
 use super::quadrature::{End, Nodes};
 use crate::contact::forcing::Forcing;
-use crate::contact::oscillator::{KERNEL, Oscillator};
-use crate::contact::polynomial::{first_reversal, slope, value, values};
+use crate::contact::method::oscillator::{KERNEL, Oscillator};
+use crate::contact::method::polynomial::{first_reversal, slope, value, values};
 use crate::contact::problem::Problem;
 use crate::contact::tally::{Meter, State};
 
@@ -26,8 +27,6 @@ const LOCATED: f64 = 3e-4;
 const SATURATED: f64 = 1e-15;
 /// Below this the third power is round-off.
 pub(super) const SMALL: f64 = 1e-5;
-/// Most kicks in a part: those of two pieces, before and after a reversal.
-const KICKS: usize = 6;
 
 /// State and sums of a run; the motion within a part has `N` coefficients.
 pub(super) struct Careful<const K: usize, const N: usize> {
@@ -61,27 +60,6 @@ pub(super) struct Careful<const K: usize, const N: usize> {
     accounted: bool,
     /// Whether friction acts on the motion.
     coupled: bool,
-}
-
-/// The motion over one part, and what friction differs from its first terms.
-pub(super) struct Part<const N: usize> {
-    pub unit_s: f64,
-    /// What the forcing and friction's first terms do to displacement, m, and velocity, m/s; and the forcing alone, m/s^2 or m/s.
-    pub x: [f64; N],
-    pub v: [f64; N],
-    pub u: [f64; N],
-    /// The first terms of friction over Fc.
-    pub f: [f64; 3],
-    /// Kicks, m/s, each at a moment in units of `unit_s`; in order.
-    pub kicks: [(f64, f64); KICKS],
-    pub count: usize,
-}
-
-impl<const N: usize> Part<N> {
-    /// A part without kicks.
-    pub fn new(unit_s: f64, (x, v): ([f64; N], [f64; N]), u: [f64; N], f: [f64; 3]) -> Self {
-        Part { unit_s, x, v, u, f, kicks: [(0.0, 0.0); KICKS], count: 0 }
-    }
 }
 
 impl<const K: usize, const N: usize> Careful<K, N> {
@@ -309,17 +287,4 @@ impl<const K: usize, const N: usize> Careful<K, N> {
         let slope = v * free;
         End { value: f, slope, curvature: a * free - self.per_metre * v * self.sense * slope }
     }
-}
-
-/// A stretch of a part without a reversal, and the state at its end.
-pub(super) struct Piece<const K: usize> {
-    pub from: f64,
-    pub to: f64,
-    pub forces: [f64; K],
-    pub x: f64,
-    pub v: f64,
-    pub f: f64,
-    pub slip: f64,
-    pub slip_velocity: f64,
-    pub steepness: f64,
 }

@@ -4,11 +4,12 @@
 
 use wide::f64x4;
 
-use super::careful::{Careful, Part, SMALL};
+use super::careful::{Careful, SMALL};
 use super::decay::decay;
+use super::part::Part;
 use super::quadrature::Nodes;
-use crate::contact::oscillator::Oscillator;
-use crate::contact::polynomial::{slope, value};
+use crate::contact::method::oscillator::Oscillator;
+use crate::contact::method::polynomial::{slope, value};
 use crate::contact::problem::Problem;
 use crate::contact::timeline::Stretch;
 

@@ -10,8 +10,8 @@
 //! would overshoot, for a T that is linear in each half, which is a mean of f and T with positive weights. So at any stiffness `|f|`
 //! never exceeds the larger of Fs / Fc and where it began. The step is cut where the slip crosses zero.
 
-use super::problem::Law;
 use super::rates::level;
+use crate::contact::problem::Law;
 
 /// From this length on, what a step began with has faded at its end, and rules for smooth functions of time do not hold.
 const FADING: f64 = 2.0;

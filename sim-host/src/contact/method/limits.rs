@@ -1,8 +1,9 @@
 //! What the stepping methods agree on where the laws coincide, in symmetry, and at their edges.
 
-use super::table_4_1::table_4_1;
-use super::tally::Ratios;
 use super::*;
+use crate::contact::table_4_1::table_4_1;
+use crate::contact::tally::Ratios;
+use crate::contact::{Shape, Waveform};
 
 /// A method's entry.
 type Run = fn(&Problem, u32, &mut dyn FnMut(&State)) -> Result<Tally, Trouble>;

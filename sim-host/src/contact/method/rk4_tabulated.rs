@@ -10,11 +10,11 @@
 
 use std::f64::consts::TAU;
 
-use super::Trouble;
-use super::problem::{Law, Motion, Problem};
-use super::tally::{Meter, State, Tally};
-use super::timeline::{Stretch, Timeline};
-use super::waveform::Shape;
+use crate::contact::Trouble;
+use crate::contact::problem::{Law, Motion, Problem};
+use crate::contact::tally::{Meter, State, Tally};
+use crate::contact::timeline::{Stretch, Timeline};
+use crate::contact::waveform::Shape;
 
 const METHOD: &str = "rk4 tabulated";
 

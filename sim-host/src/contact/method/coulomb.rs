@@ -20,10 +20,10 @@
 mod arc;
 mod crossing;
 
-use super::Trouble;
-use super::problem::{Law, Motion, Problem, Sign};
-use super::tally::{Meter, State, Tally};
-use super::timeline::{Stretch, Timeline};
+use crate::contact::Trouble;
+use crate::contact::problem::{Law, Motion, Problem, Sign};
+use crate::contact::tally::{Meter, State, Tally};
+use crate::contact::timeline::{Stretch, Timeline};
 use arc::{Arc, TERMS};
 
 const METHOD: &str = "coulomb";

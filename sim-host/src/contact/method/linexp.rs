@@ -18,16 +18,17 @@
 mod accounts;
 mod careful;
 mod decay;
+mod part;
 mod quadrature;
 mod swift;
 
 use careful::Careful;
 use swift::{Table, swift};
 
-use super::Trouble;
-use super::problem::{Law, Problem};
-use super::tally::{State, Tally};
-use super::timeline::{Stretch, Timeline};
+use crate::contact::Trouble;
+use crate::contact::problem::{Law, Problem};
+use crate::contact::tally::{State, Tally};
+use crate::contact::timeline::{Stretch, Timeline};
 
 const METHOD: &str = "linexp";
 /// Orders there are.

@@ -8,8 +8,8 @@
 //! The flow is exact for any forcing that is given by its Taylor coefficients. It has no particular solution `F0 / (Ks - m W^2)` in
 //! it, so resonance is a case like any other.
 
-use super::forcing::Forcing;
-use super::problem::{Motion, Problem};
+use crate::contact::forcing::Forcing;
+use crate::contact::problem::{Motion, Problem};
 
 /// The linear part of a problem.
 #[derive(Clone, Copy, Debug)]
@@ -93,7 +93,7 @@ const INVERSE: [f64; LARGEST] = {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::contact::polynomial::value;
+    use crate::contact::method::polynomial::value;
 
     #[test]
     fn undamped_resonance_grows_by_half_f_t_over_m() {

@@ -5,13 +5,13 @@
 //! no sign is ever taken from its round-off. A step whose slip falls first and rises afterwards is searched for a dip below zero.
 //! Order four, where the thesis's method has two. No step straddles two stretches of the timeline.
 
-use super::Trouble;
-use super::forcing::Forcing;
-use super::problem::{Law, Motion, Problem};
 use super::rates::{FULL, LEAN, Rates, totals};
 use super::reversal::{Point, Verdict, between};
-use super::tally::{Meter, State, Tally};
-use super::timeline::Timeline;
+use crate::contact::Trouble;
+use crate::contact::forcing::Forcing;
+use crate::contact::problem::{Law, Motion, Problem};
+use crate::contact::tally::{Meter, State, Tally};
+use crate::contact::timeline::Timeline;
 
 const METHOD: &str = "rk4-events";
 

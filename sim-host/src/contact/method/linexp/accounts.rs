@@ -4,9 +4,10 @@
 //! the velocities before and after it, exactly; all else is smooth from kick to kick and integrated by Gauss-Legendre quadrature, which
 //! is independent of the flow. So the account closes to round-off if, and only if, flow, signs and kicks are right, at any step.
 
-use super::careful::{Careful, Part, Piece};
+use super::careful::Careful;
+use super::part::{Part, Piece};
 use super::quadrature;
-use crate::contact::polynomial::value;
+use crate::contact::method::polynomial::value;
 
 impl<const K: usize, const N: usize> Careful<K, N> {
     /// Adds up a piece of a part; the state is that at its beginning.

@@ -14,12 +14,12 @@
 //! weak coupling is small. With sigma1 h / m or sigma2 h / m far above one the motion and the means hold, but the friction at a
 //! moment, which is then the difference of far larger forces, does not.
 
-use super::Trouble;
 use super::bristle::{Bristle, Part, means_left};
-use super::forcing::Forcing;
-use super::problem::{Law, Motion, Problem};
-use super::tally::{Meter, State, Tally, Totals};
-use super::timeline::Timeline;
+use crate::contact::Trouble;
+use crate::contact::forcing::Forcing;
+use crate::contact::problem::{Law, Motion, Problem};
+use crate::contact::tally::{Meter, State, Tally, Totals};
+use crate::contact::timeline::Timeline;
 use crate::plant::flow::exponential;
 
 const METHOD: &str = "midpoint";

@@ -11,11 +11,11 @@
 
 pub use super::rk4_tabulated::run as run_tabulated;
 
-use super::Trouble;
-use super::problem::{Law, Problem};
 use super::rates::{FULL, LEAN, Rates, totals};
-use super::tally::{Meter, State, Tally};
-use super::timeline::Timeline;
+use crate::contact::Trouble;
+use crate::contact::problem::{Law, Problem};
+use crate::contact::tally::{Meter, State, Tally};
+use crate::contact::timeline::Timeline;
 
 const METHOD: &str = "rk4";
 

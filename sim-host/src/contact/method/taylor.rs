@@ -10,12 +10,12 @@
 //! (Barrio 2005; Jorba and Zou 2005). A reversal is the first root of the polynomial V; there the sign flips, V is zero exactly, and
 //! the series begins anew. All integrals are those of the polynomials.
 
-use super::Trouble;
-use super::forcing::Forcing;
 use super::polynomial::{first_reversal, integral, product, value};
-use super::problem::{Law, Motion, Problem};
-use super::tally::{Meter, State, Tally};
-use super::timeline::Timeline;
+use crate::contact::Trouble;
+use crate::contact::forcing::Forcing;
+use crate::contact::problem::{Law, Motion, Problem};
+use crate::contact::tally::{Meter, State, Tally};
+use crate::contact::timeline::Timeline;
 
 const METHOD: &str = "taylor";
 

@@ -1,4 +1,4 @@
-//! The right-hand side that the Runge-Kutta methods share: motion, friction law, and the integrals of the [`tally`](super::tally).
+//! The right-hand side that the Runge-Kutta methods share: motion, friction law, and the integrals of the [`tally`](crate::contact::tally).
 //!
 //! ```text
 //! x' = v,   m v' = Fe - c v - Ks x - F,   V = Vt + s v                       (4.14, 4.16)
@@ -8,8 +8,8 @@
 //!
 //! `|V|` comes from the caller: by the slip's own size, or by a sign that the caller keeps.
 
-use super::problem::{Law, Motion, Problem};
-use super::tally::{State, Totals};
+use crate::contact::problem::{Law, Motion, Problem};
+use crate::contact::tally::{State, Totals};
 
 /// What the thesis's solver carries: x, m; x', m/s; bristle force over Fc; integral of F, N s.
 pub const LEAN: usize = 4;
