@@ -71,9 +71,15 @@ macro_rules! method {
 
 /// All of them.
 pub static METHODS: [Method; 12] = [
-    method!("linexp-2", Ours, [8, 12, 16, 24, 32, 64, 128, 256], [8, 16, 64], |p, n, w| linexp::run(p, n, 2, Extent::Swift, w)),
-    method!("linexp-4", Ours, [8, 12, 16, 24, 32, 64, 128], [8, 16, 32], |p, n, w| linexp::run(p, n, 4, Extent::Swift, w)),
-    method!("linexp-6", Ours, [8, 12, 16, 24, 32], [8, 16, 32], |p, n, w| linexp::run(p, n, 6, Extent::Swift, w)),
+    method!("linexp-2", Ours, [4, 8, 12, 16, 24, 32, 64, 128, 256], [8, 16, 64], |p, n, w| linexp::run(
+        p,
+        n,
+        2,
+        Extent::Swift,
+        w
+    )),
+    method!("linexp-4", Ours, [4, 8, 12, 16, 24, 32, 64, 128], [8, 16, 32], |p, n, w| linexp::run(p, n, 4, Extent::Swift, w)),
+    method!("linexp-6", Ours, [4, 8, 12, 16, 24, 32], [8, 16, 32], |p, n, w| linexp::run(p, n, 6, Extent::Swift, w)),
     method!("taylor-8", Ours, [8, 12, 16, 24, 32, 48, 64], [8, 16, 32], |p, n, w| taylor::run(p, n, 8, w)),
     method!("taylor-12", Ours, [8, 12, 16, 20, 24, 32], [8, 16, 24], |p, n, w| taylor::run(p, n, 12, w)),
     method!("taylor-16", Ours, [8, 12, 16, 20], [8, 12, 16], |p, n, w| taylor::run(p, n, 16, w)),

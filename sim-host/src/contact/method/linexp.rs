@@ -15,6 +15,7 @@
 //!
 //! The flows of whole periods are made once: a step costs a few multiplications and one exponential a node, one more at its end.
 
+mod abreast;
 mod accounts;
 mod careful;
 mod decay;
@@ -22,7 +23,9 @@ mod part;
 mod quadrature;
 mod swift;
 
+use abreast::Places;
 use careful::Careful;
+use quadrature::Nodes;
 use swift::{Table, swift};
 
 use crate::contact::Trouble;
@@ -75,7 +78,10 @@ pub fn run(
 const SWIFT: usize = 12;
 const ACCOUNTED: usize = 20;
 
-struct Run<'a, const K: usize, const N: usize> {
+struct Run<'a, const K: usize, const N: usize>
+where
+    Nodes<K>: Places,
+{
     problem: &'a Problem,
     careful: Careful<K, N>,
     steps_per_period: u32,
@@ -83,7 +89,10 @@ struct Run<'a, const K: usize, const N: usize> {
     tables: Vec<Option<Table<K, N>>>,
 }
 
-impl<'a, const K: usize, const N: usize> Run<'a, K, N> {
+impl<'a, const K: usize, const N: usize> Run<'a, K, N>
+where
+    Nodes<K>: Places,
+{
     fn new(problem: &'a Problem, kt: f64, steps_per_period: u32, extent: Extent) -> Self {
         let careful = Careful::new(problem, kt, steps_per_period, extent);
         let accounted = extent == Extent::Accounted;

@@ -1,20 +1,10 @@
 //! Polynomials over one step, `p(s) = sum of c[k] s^k` for s from 0 to 1: values, roots, and the first reversal of a velocity.
 
-use wide::f64x4;
-
 /// The value at `s`, by its even and its odd part: two short chains rather than a long one.
 #[inline]
 pub fn value<const N: usize>(c: &[f64; N], s: f64) -> f64 {
     let square = s * s;
     let part = |first: usize| c.iter().skip(first).step_by(2).rev().fold(0.0, |sum, c| sum * square + c);
-    part(0) + s * part(1)
-}
-
-/// The values at four places.
-#[inline]
-pub fn values<const N: usize>(c: &[f64; N], s: f64x4) -> f64x4 {
-    let square = s * s;
-    let part = |first: usize| c.iter().skip(first).step_by(2).rev().fold(f64x4::ZERO, |sum, c| sum * square + f64x4::splat(*c));
     part(0) + s * part(1)
 }
 

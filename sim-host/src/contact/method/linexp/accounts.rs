@@ -4,12 +4,16 @@
 //! the velocities before and after it, exactly; all else is smooth from kick to kick and integrated by Gauss-Legendre quadrature, which
 //! is independent of the flow. So the account closes to round-off if, and only if, flow, signs and kicks are right, at any step.
 
+use super::abreast::Places;
 use super::careful::Careful;
 use super::part::{Part, Piece};
-use super::quadrature;
+use super::quadrature::{self, Nodes};
 use crate::contact::method::polynomial::value;
 
-impl<const K: usize, const N: usize> Careful<K, N> {
+impl<const K: usize, const N: usize> Careful<K, N>
+where
+    Nodes<K>: Places,
+{
     /// Adds up a piece of a part; the state is that at its beginning.
     pub(super) fn account(&mut self, part: &Part<N>, piece: &Piece<K>) {
         if self.oscillator.kinematic {

@@ -5,15 +5,14 @@
 //! friction differs from these, so the reversal is where the true slip velocity is zero. The sign of the slip is a state of its own: it
 //! flips at a reversal and is never taken from the round-off of a velocity near zero.
 
-use wide::f64x4;
-
 use super::Extent;
+use super::abreast::{Abreast, Lanes, Places, place, values};
 use super::decay::decay;
 use super::part::{Part, Piece};
 use super::quadrature::{End, Nodes};
 use crate::contact::forcing::Forcing;
 use crate::contact::method::oscillator::{KERNEL, Oscillator};
-use crate::contact::method::polynomial::{first_reversal, slope, value, values};
+use crate::contact::method::polynomial::{first_reversal, slope, value};
 use crate::contact::problem::Problem;
 use crate::contact::tally::{Meter, State};
 
@@ -62,7 +61,10 @@ pub(super) struct Careful<const K: usize, const N: usize> {
     coupled: bool,
 }
 
-impl<const K: usize, const N: usize> Careful<K, N> {
+impl<const K: usize, const N: usize> Careful<K, N>
+where
+    Nodes<K>: Places,
+{
     pub fn new(problem: &Problem, kt: f64, steps_per_period: u32, extent: Extent) -> Self {
         let accounted = extent == Extent::Accounted;
         let oscillator = Oscillator::of(problem);
@@ -210,35 +212,34 @@ impl<const K: usize, const N: usize> Careful<K, N> {
     /// Slips from one moment of a part to another; the state is that at `from`.
     fn piece(&self, part: &mut Part<N>, from: f64, to: f64) -> Piece<K> {
         let (length, s, excess) = (to - from, self.sense, self.f - self.sense);
-        let mut at = [to; 4];
-        at.iter_mut().zip(Nodes::<K>::AT).for_each(|(at, node)| *at = from + length * node);
-        let places = f64x4::new(at);
+        let end = Lanes::<K>::END;
+        let places = Lanes::<K>::each(|lane| if lane == end { to } else { from + length * place::<K>(lane) });
         // The slip by the polynomial, and what friction is then; kicks of this part come on top, to second order.
-        let slide = (places - f64x4::splat(from)) * (self.sliding * part.unit_s);
+        let slide = (places - Lanes::<K>::all(from)) * Lanes::<K>::all(self.sliding * part.unit_s);
         let there = values(&part.x, places);
-        let slips = slide + (there - f64x4::splat(self.x)) * self.sign;
-        let (slips, decays) = (slips.to_array(), decay(slips * (self.per_metre * s)).to_array());
-        let predicted = values(&part.f, places).to_array();
+        let slips = slide + (there - Lanes::<K>::all(self.x)) * Lanes::<K>::all(self.sign);
+        let decays = decay(slips * Lanes::<K>::all(self.per_metre * s));
+        let predicted = values(&part.f, places);
         let force = |lane: usize, back: f64| {
             let late = self.per_metre * s * self.sign * back;
             if late.abs() < SMALL {
-                s + excess * decays[lane] * (1.0 + late * (1.0 + 0.5 * late))
+                s + excess * decays.lane(lane) * (1.0 + late * (1.0 + 0.5 * late))
             } else {
-                s + excess * (late - self.per_metre * s * slips[lane]).exp()
+                s + excess * (late - self.per_metre * s * slips.lane(lane)).exp()
             }
         };
         let mut forces = [0.0; K];
-        for lane in 0..K {
-            forces[lane] = force(lane, self.answer(part, at[lane]));
+        for (lane, slot) in forces.iter_mut().enumerate() {
+            *slot = force(lane, self.answer(part, places.lane(lane)));
             let weight = Nodes::<K>::WEIGHT[lane] * length * part.unit_s;
-            part.kicks[part.count] = (at[lane], weight * self.push * (forces[lane] - predicted[lane]));
+            part.kicks[part.count] = (places.lane(lane), weight * self.push * (*slot - predicted.lane(lane)));
             part.count += 1;
         }
         let back = self.answer(part, to);
-        let (x, v) = (there.to_array()[3] - back, value(&part.v, to) - self.answer_velocity(part, to));
-        let slip = slips[3] - self.sign * back;
+        let (x, v) = (there.lane(end) - back, value(&part.v, to) - self.answer_velocity(part, to));
+        let slip = slips.lane(end) - self.sign * back;
         let steepness = self.per_metre * s * slip;
-        Piece { from, to, forces, x, v, f: force(3, back), slip, slip_velocity: self.sliding + self.sign * v, steepness }
+        Piece { from, to, forces, x, v, f: force(end, back), slip, slip_velocity: self.sliding + self.sign * v, steepness }
     }
 
     /// Goes to the end of a piece.

@@ -1,27 +1,26 @@
-//! `exp(-x)` of four numbers at once, for exponents that are small.
+//! `exp(-x)` of several numbers at once, for exponents that are small.
 //!
-//! The slip of one step is a fraction of the Dahl length, so the short series is the usual way: it costs a third of four calls of
+//! The slip of one step is a fraction of the Dahl length, so the short series is the usual way: it costs a third of as many calls of
 //! the library's function (`cargo bench -p sim-host --bench contact`, group `decay`).
 
-use wide::f64x4;
+use super::abreast::Abreast;
 
 /// Up to here the series is good to a few units of the last place: the term left out is below 1e-15.
 const SHORT: f64 = 0.5;
 
 /// `exp(-x)` of each.
 #[inline]
-pub(super) fn decay(x: f64x4) -> f64x4 {
-    let values = x.to_array();
-    if values[0].abs().max(values[1].abs()).max(values[2].abs().max(values[3].abs())) > SHORT {
-        return f64x4::new(values.map(|x| (-x).exp()));
+pub(super) fn decay<L: Abreast>(x: L) -> L {
+    if (0..=L::END).any(|lane| x.lane(lane).abs() > SHORT) {
+        return L::each(|lane| (-x.lane(lane)).exp());
     }
     // The series to the thirteenth power, in pairs (Estrin) for short chains.
-    let pair = |even: f64, odd: f64| f64x4::splat(even) - x * odd;
+    let pair = |even: usize| L::all(INVERSE[even]) - x * L::all(INVERSE[even + 1]);
     let x2 = x * x;
     let x4 = x2 * x2;
-    let low = pair(INVERSE[0], INVERSE[1]) + x2 * pair(INVERSE[2], INVERSE[3]);
-    let low = low + x4 * (pair(INVERSE[4], INVERSE[5]) + x2 * pair(INVERSE[6], INVERSE[7]));
-    let high = pair(INVERSE[8], INVERSE[9]) + x2 * pair(INVERSE[10], INVERSE[11]) + x4 * pair(INVERSE[12], INVERSE[13]);
+    let low = pair(0) + x2 * pair(2);
+    let low = low + x4 * (pair(4) + x2 * pair(6));
+    let high = pair(8) + x2 * pair(10) + x4 * pair(12);
     low + (x4 * x4) * high
 }
 
@@ -38,6 +37,8 @@ const INVERSE: [f64; 14] = {
 
 #[cfg(test)]
 mod tests {
+    use wide::f64x4;
+
     use super::*;
 
     #[test]
