@@ -18,13 +18,13 @@ pub fn contact(factor: f64) -> Result<Found, Trouble> {
     let problem = Problem { law, ..table_4_1(0.5, PERIODS) };
     let (coarse, fine) = (linexp(&problem, 64, 4)?, linexp(&problem, 128, 4)?);
     let limit = limit::of(&problem).ok_or_else(|| unsuited("no oscillator"))?;
-    let mut checks = vec![Check::bounded(&coarse.0), Check::at_most("half step", coarse.1 - fine.1, (1e-3 / factor).max(5e-9))];
+    let mut checks = vec![Check::bounded(&coarse.0), Check::at_most("half step", coarse.1 - fine.1, (1e-4 / factor).max(2e-9))];
     let beyond = problem.kappa() * (fine.1 - limit.lagging);
     let reference = if factor <= 1e4 {
         // As many steps as the classical method needs to stay, and then some.
         let steps = 4_000 * (factor / 1e3) as u32;
         let reference = mean(&problem, &rk4_events::run(&problem, steps, &mut |_| ())?);
-        checks.push(Check::at_most(format!("off rk4-events at n = {steps}"), coarse.1 - reference, 1e-3 / factor));
+        checks.push(Check::at_most(format!("off rk4-events at n = {steps}"), coarse.1 - reference, 1e-4 / factor));
         reference
     } else {
         checks.push(Check::between("kappa (r - limit)", beyond, 0.12, 0.18));

@@ -66,7 +66,7 @@ pub fn chirp() -> Result<Found, Trouble> {
         naive: format!("{}; {}", thesis(&problem, truth)?, naive(&problem, 100, truth)?),
         chosen: format!("linexp-4, n = 64: r {r:.8}, largest velocity {:.3} m/s", tally.peak_velocity_m_per_s),
         checks: vec![
-            Check::at_most("mean off taylor", r - truth, 5e-8),
+            Check::at_most("mean off taylor", r - truth, 3e-10),
             Check::at_most("taylor off rk4-events", truth - mean(&problem, &other), 5e-10),
             Check::between("largest velocity over the Fresnel limit", tally.peak_velocity_m_per_s / fresnel, 1.1, 1.25),
         ],
