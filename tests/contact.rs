@@ -44,6 +44,11 @@ fn motion() -> impl Strategy<Value = Motion> {
     prop_oneof![1 => Just(Motion::Kinematic), 3 => oscillator]
 }
 
+/// kappa; velocity ratio; friction over the spring's force; friction at the beginning over its bound.
+type Contact = (f64, f64, f64, f64);
+/// Sign; period at which the window opens; period and factor of a load step.
+type Course = (Sign, f64, Option<(f64, f64)>);
+
 /// A Dahl contact from kappa 0.1 to 4 and velocity ratio 0 to 1.3 of the sine away from resonance. Friction is at most a hundredth of
 /// the spring's force; it begins within its bound, and the load rises on the way, if at all.
 fn problem() -> impl Strategy<Value = Problem> {
@@ -51,8 +56,7 @@ fn problem() -> impl Strategy<Value = Problem> {
     let run =
         (prop_oneof![3 => Just(Sign::Passive), 1 => Just(Sign::Literal)], 0.0..11.0, proptest::option::of((0.0..23.0, 1.0..5.0)));
     (shape(), motion(), contact, run).prop_map(|(shape, motion, contact, run)| {
-        let ((kappa, xi, weak, bent), (sign, opens, load)): ((f64, f64, f64, f64), (Sign, f64, Option<(f64, f64)>)) =
-            (contact, run);
+        let ((kappa, xi, weak, bent), (sign, opens, load)): (Contact, Course) = (contact, run);
         let standard = table_4_1(0.5, PERIODS);
         let omega = std::f64::consts::TAU * 60e3;
         let swing_m = standard.vibration_m_per_s() / omega;
