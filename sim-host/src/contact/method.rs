@@ -75,11 +75,11 @@ impl Method {
         };
         match self {
             Method::Auto | Method::Closed => None,
-            Method::Frozen | Method::Linexp => Some(by_stiffness(8)),
-            Method::Taylor => Some(by_stiffness(16)),
+            Method::Frozen | Method::Linexp => Some(by_stiffness(4)),
+            Method::Taylor => Some(by_stiffness(8)),
             Method::Rk4 => Some(1000),
-            Method::Rk4Events => Some(by_stiffness(64)),
-            Method::Midpoint => Some(by_stiffness(128)),
+            Method::Rk4Events => Some(by_stiffness(32)),
+            Method::Midpoint => Some(by_stiffness(64)),
         }
     }
 

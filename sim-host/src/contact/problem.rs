@@ -107,6 +107,18 @@ impl Motion {
     }
 }
 
+impl Motion {
+    /// The fastest of the oscillator by itself, Hz: its natural frequency, or the rate c / m of its damper over 2 pi.
+    pub fn fastest_hz(&self) -> f64 {
+        match *self {
+            Motion::Kinematic => 0.0,
+            Motion::Sdof { mass_kg, damping_n_s_per_m, .. } => {
+                self.natural_hz().unwrap_or(0.0).max(damping_n_s_per_m / mass_kg / std::f64::consts::TAU)
+            }
+        }
+    }
+}
+
 impl Problem {
     /// Steady vibration velocity Vv of the sine of this amplitude and frequency, friction apart, m/s: `w F0 / |Ks - m w^2 + i w c|`.
     ///

@@ -14,7 +14,7 @@ pub struct Stretch {
     pub template: Option<usize>,
     /// The forcing, from the stretch's beginning on.
     pub forcing: Forcing,
-    /// The fastest frequency in it, Hz: of the oscillator, of a cosine, or of the waveform which a line is a piece of.
+    /// The fastest frequency in it, Hz: of the oscillator or its damper, of a cosine, or of the waveform which a line is a piece of.
     pub fastest_hz: f64,
     /// The Coulomb force that takes over at its beginning, N.
     pub load: Option<f64>,
@@ -100,7 +100,7 @@ impl Iterator for Timeline<'_> {
         };
         self.now_s = cut.unwrap_or(piece_end_s);
         let forcing_hz = forcing.fastest_hz(length_s).unwrap_or(self.problem.waveform.frequency_hz());
-        let fastest_hz = forcing_hz.max(self.problem.motion.natural_hz().unwrap_or(0.0));
+        let fastest_hz = forcing_hz.max(self.problem.motion.fastest_hz());
         Some(Stretch { start_s, length_s, template, forcing, fastest_hz, load, opens, closes })
     }
 }

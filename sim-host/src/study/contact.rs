@@ -48,7 +48,7 @@ pub(super) fn conduct<'a>(
             }
         }
     };
-    let answer = unless_stopped(|| answer(&scene, watch)).transpose()?;
+    let answer = unless_stopped(|| answer(&scene, stop, watch)).transpose()?;
     film.finish();
     let metrics = measured(&scene, answer.as_ref());
     Ok((Solved { scene, answer, film }, metrics))
@@ -56,7 +56,7 @@ pub(super) fn conduct<'a>(
 
 /// The numbers of a scene that is a cell of a grid; none of them if it is stopped.
 pub(super) fn cell(scene: &Excited, stop: &AtomicBool) -> Result<Metrics, StudyError> {
-    let answer = unless_stopped(|| answer(scene, &mut |_: &State| leave_if(stop))).transpose()?;
+    let answer = unless_stopped(|| answer(scene, stop, &mut |_: &State| leave_if(stop))).transpose()?;
     Ok(measured(scene, answer.as_ref()))
 }
 
@@ -64,12 +64,12 @@ fn measured(scene: &Excited, answer: Option<&Answer>) -> Metrics {
     answer.map_or_else(Metrics::default, |answer| metrics::contact::of(scene, &answer.problem, &answer.solution))
 }
 
-fn answer(scene: &Excited, watch: &mut impl FnMut(&State)) -> Result<Answer, Trouble> {
+fn answer(scene: &Excited, stop: &AtomicBool, watch: &mut impl FnMut(&State)) -> Result<Answer, Trouble> {
     // A Hertzian contact has Coulomb's law between its normal force and its friction.
     let problem = problem::problem(scene, problem::law(&scene.model).unwrap_or(Law::Coulomb))?;
     let solution = match scene.model {
         Model::Hertz(model) => hertz(&problem, model, watch)?,
-        _ => contact::solve(&problem, &problem::numerics(scene), watch)?,
+        _ => contact::solve_with(&problem, &problem::numerics(scene), &|| leave_if(stop), watch)?,
     };
     Ok(Answer { problem, solution })
 }

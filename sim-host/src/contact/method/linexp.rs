@@ -58,8 +58,9 @@ pub fn run(
     watch: &mut impl FnMut(&State),
 ) -> Result<Tally, Trouble> {
     let Law::Dahl { stiffness_n_per_m: kt } = problem.law else {
-        let reason = "its friction is a function of the slip alone, as Dahl's is; LuGre's is not".into();
-        return Err(Trouble::Unsuited { method: METHOD, reason });
+        let method = if extent == Extent::Frozen { "frozen" } else { METHOD };
+        let reason = "it needs friction that is a function of the slip alone, as Dahl's is".into();
+        return Err(Trouble::Unsuited { method, reason });
     };
     let n = steps_per_period;
     match (order, extent == Extent::Accounted) {

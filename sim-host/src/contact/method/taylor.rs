@@ -23,6 +23,8 @@ const METHOD: &str = "taylor";
 pub const ORDERS: [u32; 7] = [8, 12, 16, 20, 24, 28, 32];
 /// Where the last coefficients of friction over Fc are larger than this, the step is too long for the series.
 const LARGEST_LAST_TERM: f64 = 1e-9;
+/// Most parts of a step.
+const MOST_PARTS: u32 = 100_000;
 /// A reversal is located to the square of this part of a step.
 const LOCATED: f64 = 1e-8;
 /// Friction this close to its bound does not change any more; at the bound itself its series ends after the first term.
@@ -92,7 +94,7 @@ impl<'a, const N: usize> Run<'a, N> {
             let steps = stretch.steps(steps_per_period);
             let h = stretch.length_s / f64::from(steps);
             for step in 0..steps {
-                self.step(&stretch.forcing, f64::from(step) * h, h);
+                self.step(&stretch.forcing, f64::from(step) * h, h)?;
                 state = self.state(stretch.start_s + f64::from(step + 1) * h);
                 if !(self.x.is_finite() && self.v.is_finite() && self.f.is_finite()) {
                     return Err(Trouble::Diverged { method: METHOD, time_s: state.time_s });
@@ -122,9 +124,9 @@ impl<'a, const N: usize> Run<'a, N> {
     }
 
     /// One step, in as many parts as it has reversals, or as the series needs.
-    fn step(&mut self, forcing: &Forcing, from_s: f64, h: f64) {
+    fn step(&mut self, forcing: &Forcing, from_s: f64, h: f64) -> Result<(), Trouble> {
         let mut done_s = 0.0;
-        let mut flips = 0;
+        let (mut flips, mut parts) = (0, 0u32);
         // The last part ends at the step's end within round-off.
         while h - done_s > 1e-13 * h {
             if (self.f - self.sense).abs() <= SATURATED {
@@ -132,6 +134,13 @@ impl<'a, const N: usize> Run<'a, N> {
             }
             let mut series = self.expand(forcing, from_s + done_s, h - done_s);
             let part = series.shorten();
+            parts += 1;
+            if parts > MOST_PARTS {
+                let reason =
+                    "the contact is too stiff for a series, which needs a hundred thousand parts a step; linexp follows it"
+                        .into();
+                return Err(Trouble::Unsuited { method: METHOD, reason });
+            }
             let mut reversal = first_reversal(&series.slip, self.sense, LOCATED);
             flips = if reversal == Some(0.0) { flips + 1 } else { 0 };
             if flips > 1 {
@@ -152,6 +161,7 @@ impl<'a, const N: usize> Run<'a, N> {
             let whole = reversal.is_none() && part == 1.0;
             done_s = if whole { h } else { done_s + reversal.unwrap_or(1.0) * series.unit_s };
         }
+        Ok(())
     }
 
     /// The series from the present state on.

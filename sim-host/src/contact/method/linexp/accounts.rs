@@ -33,7 +33,6 @@ where
             totals.felt_n_s += impulse;
             totals.input_j += impulse * value(&part.v, at);
         }
-        totals.felt_work_j = totals.friction_work_j;
     }
 
     fn account_oscillator(&mut self, part: &Part<N>, piece: &Piece<K>) {

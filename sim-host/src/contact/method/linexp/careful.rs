@@ -20,6 +20,8 @@ use crate::contact::tally::{Meter, State};
 const STEEPEST: f64 = 64.0;
 /// Longest part in units of the time constant of mass and contact stiffness, sqrt(m / Kt).
 const LONGEST: f64 = 0.5;
+/// Shortest part of a step.
+const SHORTEST: f64 = 1e-12;
 /// A reversal is located to the square of this part of a step; friction, which is level there, is then off by the fourth power.
 const LOCATED: f64 = 3e-4;
 /// Friction this close to its bound does not change any more.
@@ -147,7 +149,13 @@ where
         // The last part ends at the step's end within round-off.
         while h - done_s > 1e-13 * h {
             let left_s = h - done_s;
-            let unit_s = left_s.min(self.longest());
+            let longest = self.longest();
+            let unit_s = left_s.min(longest);
+            if longest.is_nan() || longest <= SHORTEST * h {
+                // The motion has run away: no part is short enough for it.
+                self.x = f64::NAN;
+                return;
+            }
             let end = self.go(&mut self.part(forcing, from_s + done_s, unit_s));
             done_s = if end == 1.0 && unit_s == left_s { h } else { done_s + end * unit_s };
         }
@@ -278,6 +286,10 @@ where
         let totals = &mut self.meter.totals;
         totals.friction_n_s += self.coulomb_n * length_s * Nodes::<K>::mean(forces, ends, length_s);
         totals.friction_work_j += self.coulomb_n * s * (slip - (f - self.f) / self.per_metre);
+        if self.oscillator.kinematic {
+            // What moves it feels all of it.
+            totals.felt_work_j = totals.friction_work_j;
+        }
         (self.f, self.slip_velocity, self.a, self.here) = (f, slip_velocity, a, there);
     }
 
