@@ -11,6 +11,7 @@ mod excitation;
 mod exclusive;
 mod firmware;
 mod grid;
+mod integrator;
 mod kind;
 mod timeline;
 mod tracking;
@@ -37,7 +38,10 @@ pub(super) fn check(root: &Node, findings: Findings) -> Findings {
     rules.contact();
     match rules.kind {
         Some(Kind::Driven) => rules.driven(),
-        Some(Kind::Excited) => rules.excited(),
+        Some(Kind::Excited) => {
+            rules.excited();
+            rules.integrator();
+        }
         None => {}
     }
     rules.converters();

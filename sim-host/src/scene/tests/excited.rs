@@ -161,3 +161,13 @@ fn a_hertzian_contact_vibrates_across_under_a_sine() {
     let on_a_mass = ["contact.hertz.mu=0.3", "contact.hertz.stiffness_n_per_m15=1e9"];
     says(&report(&on_a_mass), &["studied under a given vibration only", "a.toml:14:6"]);
 }
+
+#[test]
+fn a_method_is_made_for_the_contact_and_has_its_orders() {
+    says(&report(&["integrator.order=5"]), &["no order 5", "its orders are `2`, `4` and `6`", "1 problem"]);
+    says(&report(&["integrator.method=taylor", "integrator.order=6"]), &["no order 6", "`32`"]);
+    says(&report(&["integrator.method=midpoint", "integrator.order=4"]), &["midpoint has no choice of order", "leave it out"]);
+    says(&report(&["integrator.method=closed"]), &["closed cannot do this", "no closed form", "1 problem"]);
+    says(&report(&["contact.coulomb.mu=0.1", "integrator.method=rk4"]), &["rk4 cannot do this", "linexp follows it exactly"]);
+    assert!(loaded(&["integrator.method=taylor", "integrator.order=28"]).excited().is_some());
+}
