@@ -24,7 +24,7 @@ pub const ORDERS: [u32; 7] = [8, 12, 16, 20, 24, 28, 32];
 /// Where the last coefficients of friction over Fc are larger than this, the step is too long for the series.
 const LARGEST_LAST_TERM: f64 = 1e-9;
 /// Most parts of a step.
-const MOST_PARTS: u32 = 100_000;
+const MOST_PARTS: u32 = 5_000;
 /// A reversal is located to the square of this part of a step.
 const LOCATED: f64 = 1e-8;
 /// Friction this close to its bound does not change any more; at the bound itself its series ends after the first term.
@@ -137,8 +137,7 @@ impl<'a, const N: usize> Run<'a, N> {
             parts += 1;
             if parts > MOST_PARTS {
                 let reason =
-                    "the contact is too stiff for a series, which needs a hundred thousand parts a step; linexp follows it"
-                        .into();
+                    "the contact is too stiff for a series, which needs thousands of parts a step; linexp follows it".into();
                 return Err(Trouble::Unsuited { method: METHOD, reason });
             }
             let mut reversal = first_reversal(&series.slip, self.sense, LOCATED);
