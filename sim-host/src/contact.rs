@@ -16,6 +16,7 @@ pub mod hertz;
 pub mod lanes;
 pub mod method;
 pub mod problem;
+pub mod state;
 pub mod table_4_1;
 pub mod tally;
 pub mod timeline;
@@ -25,7 +26,8 @@ pub use auto::{Numerics, Solution, solve, solve_with};
 pub use forcing::Forcing;
 pub use method::{Method, coulomb, linexp, midpoint, rk4, rk4_events, rk4_tabulated, taylor};
 pub use problem::{Law, Motion, Problem, Sign};
-pub use tally::{State, Tally};
+pub use state::State;
+pub use tally::Tally;
 pub use waveform::{Shape, Waveform};
 
 /// Why a method has no answer.

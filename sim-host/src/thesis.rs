@@ -80,8 +80,8 @@ const STUDIES: [(&str, Study); 12] = [
     ("figures 4.14", contact_stiffness::study),
     ("figures 4.15", system_stiffness::study),
     ("figures 4.16", comparison::study),
-    ("figures 4.17-4.20", kinematic_waveforms::study),
-    ("figures 4.21-4.26", oscillator_waveforms::study),
+    ("figures 4.17-4.20", kinematic_claims::study),
+    ("figures 4.21-4.26", oscillator_claims::study),
 ];
 
 /// Computes everything; `progress` hears what comes next, and how far it is of how much.

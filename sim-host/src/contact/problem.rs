@@ -7,7 +7,7 @@
 //!             V = Vt - x'   literal (4.16), with which friction pumps the oscillator
 //! ```
 
-use super::tally::State;
+use super::state::State;
 use super::waveform::Waveform;
 
 /// A contact study.

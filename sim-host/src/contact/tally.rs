@@ -16,20 +16,8 @@
 //! with the loss in the damper phi_c and the energy gained by mass and spring dE. What is missing on one side is the **residual**.
 
 use super::problem::{Motion, Problem};
+pub use super::state::State;
 use super::timeline::Stretch;
-
-/// A moment of a run.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct State {
-    /// Time, s.
-    pub time_s: f64,
-    /// Displacement x, m.
-    pub x_m: f64,
-    /// Velocity x', m/s.
-    pub v_m_per_s: f64,
-    /// Friction F, N. At the beginning of a LuGre run: the force in the bristles.
-    pub force_n: f64,
-}
 
 /// Integrals over time.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

@@ -11,6 +11,8 @@ pub const GRAVITY: f64 = 9.81;
 pub const SHORT_S: f64 = 1e-3;
 /// Control force of the thesis's time and frequency plots, N (4.3.1).
 pub const PLOTTED_FORCE_N: f64 = table_4_1::FORCE_N;
+/// Velocity ratio of the thesis's time plots (4.3.1).
+pub const PLOTTED_RATIO: f64 = 0.5;
 /// Largest control force, N (Table 4.1).
 pub const LARGEST_FORCE_N: f64 = 1920.0;
 /// Fixed step of the thesis's solver, s (Table 4.1).
@@ -50,6 +52,13 @@ pub const TABLE_4_1: Case = Case {
 };
 
 impl Case {
+    /// Nothing but friction acts; the mass begins with a velocity, m/s.
+    pub fn unexcited(&self, start_m_per_s: f64, sliding_m_per_s: f64, duration_s: f64) -> Problem {
+        let mut problem = Case { force_n: 0.0, ..*self }.oscillator(Shape::Still, sliding_m_per_s, duration_s);
+        problem.start.v_m_per_s = start_m_per_s;
+        problem
+    }
+
     /// Coulomb force Fc = mu m g, N.
     pub fn coulomb_n(&self) -> f64 {
         self.mu * self.mass_kg * GRAVITY

@@ -6,8 +6,8 @@ use super::friction_coefficient::stored_as_printed;
 use super::picture::{FRICTION_RATIO, POWER_RATIO, axis, column, figure, line, log_axis, ranged};
 use super::sweep::{self, falls, rises};
 use super::{Part, self_excitation, steady};
+use crate::contact::Trouble;
 use crate::contact::tally::Ratios;
-use crate::contact::{Problem, Shape, Trouble};
 use crate::report::{Axis, Figure};
 
 /// Contact stiffnesses, N/m: Table 4.1's and decades about it.
@@ -51,13 +51,6 @@ fn excited() -> Result<Claim, Trouble> {
     })
 }
 
-/// Nothing but friction acts; the mass begins with a velocity.
-pub fn unexcited(case: &Case, start_m_per_s: f64, sliding_m_per_s: f64, duration_s: f64) -> Problem {
-    let mut problem = Case { force_n: 0.0, ..*case }.oscillator(Shape::Still, sliding_m_per_s, duration_s);
-    problem.start.v_m_per_s = start_m_per_s;
-    problem
-}
-
 impl Unexcited {
     fn new() -> Result<Self, Trouble> {
         let cases = STIFFNESSES.map(|contact_n_per_m| Case { contact_n_per_m, ..TABLE_4_1 });
@@ -67,12 +60,12 @@ impl Unexcited {
         let left = TABLE_4_1.vibration_m_per_s();
         Ok(Unexcited {
             labels: STIFFNESSES.iter().map(|k| format!("Kt {} N/mm", k / 1e3)).collect(),
-            from_rest: sweep::curves(&cases, &speeds, |case, speed| sweep::ratios(&unexcited(case, 0.0, speed, SHORT_S)))?,
+            from_rest: sweep::curves(&cases, &speeds, |case, speed| sweep::ratios(&case.unexcited(0.0, speed, SHORT_S)))?,
             energy_j: sweep::each(&cases, |case| {
-                let tally = sweep::solution(&unexcited(case, 0.0, 1e-4, SHORT_S))?.tally.unwrap_or_default();
+                let tally = sweep::solution(&case.unexcited(0.0, 1e-4, SHORT_S))?.tally.unwrap_or_default();
                 Ok((tally.totals.kinetic_j_s + tally.totals.potential_j_s) / tally.time_s)
             })?,
-            leftover: sweep::curves(&cases, &ratios, |case, xi| sweep::ratios(&unexcited(case, left, xi * left, SHORT_S)))?,
+            leftover: sweep::curves(&cases, &ratios, |case, xi| sweep::ratios(&case.unexcited(left, xi * left, SHORT_S)))?,
             speeds,
             ratios,
         })

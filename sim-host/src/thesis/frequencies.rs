@@ -1,9 +1,9 @@
 //! Which frequencies there are in velocity and friction: Figure 4.10.
 
 use super::Part;
+use super::case::PLOTTED_RATIO;
 use super::case::TABLE_4_1;
 use super::claim::{Check, Claim, number};
-use super::models::PLOTTED_RATIO;
 use super::picture::{figure, line, log_axis, ranged};
 use super::spectrum::{Line, Spectrum};
 use super::trace::trace;

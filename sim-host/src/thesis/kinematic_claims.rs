@@ -1,13 +1,13 @@
 //! What the thesis says about waveforms on Dahl's equation (4.4.1).
 
+use super::case::PLOTTED_RATIO;
 use super::case::{Case, TABLE_4_1};
 use super::claim::{Check, Claim, number, series};
 use super::kinematic_waveforms::{self, Curves, Match, STIFFER, Traces, problem};
-use super::models::PLOTTED_RATIO;
 use super::spectrum::Spectrum;
-use super::sweep;
 use super::trace::{power_w, trace};
 use super::waveforms::CHIRP_HZ;
+use super::{Part, sweep};
 use crate::contact::tally::Ratios;
 use crate::contact::{Problem, Shape, State, Trouble};
 
@@ -17,8 +17,14 @@ const SQUARE: usize = 1;
 const SAWTOOTH: usize = 2;
 const CHIRP: usize = 3;
 
+/// Figures 4.17 to 4.20 with their claims.
+pub fn study() -> Result<Part, Trouble> {
+    let (curves, traces, figures) = kinematic_waveforms::results()?;
+    Ok(Part { figures, claims: of(&curves, &traces)? })
+}
+
 /// All claims.
-pub fn of(curves: &Curves, traces: &Traces) -> Result<Vec<Claim>, Trouble> {
+fn of(curves: &Curves, traces: &Traces) -> Result<Vec<Claim>, Trouble> {
     let stiff = Case { contact_n_per_m: STIFFER * TABLE_4_1.contact_n_per_m, ..TABLE_4_1 };
     let stiff_traces = Traces::new(&curves.waveforms, &stiff)?;
     let stiff_ratios =

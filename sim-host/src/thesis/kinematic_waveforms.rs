@@ -1,11 +1,11 @@
 //! Waveforms on Dahl's equation, system dynamics apart: Figures 4.17 to 4.20 (4.4.1).
 
+use super::case::PLOTTED_RATIO;
 use super::case::{Case, TABLE_4_1};
-use super::models::PLOTTED_RATIO;
 use super::picture::{FRICTION_RATIO, POWER_RATIO, VELOCITY_RATIO, axis, column, figure, line, ranged};
+use super::sweep;
 use super::trace::{power_w, trace};
 use super::waveforms::{Hold, Named, all, labels, rms_matched_peak, two_figures};
-use super::{Part, kinematic_claims, sweep};
 use crate::contact::tally::Ratios;
 use crate::contact::{Problem, Shape, State, Trouble};
 use crate::report::Figure;
@@ -60,8 +60,8 @@ pub struct Traces {
     pub problems: Vec<Problem>,
 }
 
-/// Figures 4.17 to 4.20 with their claims.
-pub fn study() -> Result<Part, Trouble> {
+/// Figures 4.17 to 4.20, and what they are drawn from.
+pub fn results() -> Result<(Curves, Traces, Vec<Figure>), Trouble> {
     let waveforms = all(RUN_S, Hold::TenthPeriod);
     let ratios = sweep::velocity_ratios();
     let curves = |matched: Match| {
@@ -70,7 +70,7 @@ pub fn study() -> Result<Part, Trouble> {
     let curves = Curves { peak: curves(Match::Peak)?, rms: curves(Match::Rms)?, waveforms, ratios };
     let traces = Traces::new(&waveforms, &TABLE_4_1)?;
     let figures = [traces.figures(&waveforms), curves.figures()].concat();
-    Ok(Part { figures, claims: kinematic_claims::of(&curves, &traces)? })
+    Ok((curves, traces, figures))
 }
 
 impl Traces {

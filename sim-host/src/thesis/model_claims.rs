@@ -1,8 +1,8 @@
 //! What the thesis says about the friction models themselves (4.1, 4.3).
 
+use super::case::PLOTTED_RATIO;
 use super::case::{Case, SHORT_S, TABLE_4_1};
 use super::claim::{Check, Claim, number, series};
-use super::models::PLOTTED_RATIO;
 use super::{steady, sweep};
 use crate::contact::{Law, Problem, Shape, Trouble};
 

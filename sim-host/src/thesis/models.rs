@@ -1,14 +1,11 @@
 //! Coulomb's and Dahl's friction under a given vibration: Figures 4.6 and 4.7.
 
-use super::case::{SHORT_S, TABLE_4_1};
+use super::case::{PLOTTED_RATIO, SHORT_S, TABLE_4_1};
 use super::claim::{Check, Claim, number};
 use super::picture::{FRICTION_RATIO, STEADY, VELOCITY_RATIO, axis, dashed, figure, line, ranged};
 use super::{Part, model_claims, steady, sweep, trace};
 use crate::contact::{Shape, State, Trouble};
 use crate::report::Figure;
-
-/// Velocity ratio of the thesis's time plots (4.3.1).
-pub const PLOTTED_RATIO: f64 = 0.5;
 
 /// Figures 4.6 and 4.7 with their claims.
 pub fn study() -> Result<Part, Trouble> {

@@ -1,12 +1,12 @@
 //! What the thesis says about waveforms on the oscillator (4.4.2).
 
+use super::case::PLOTTED_RATIO;
 use super::case::{Case, SHORT_S, TABLE_4_1};
 use super::claim::{Check, Claim, number, series};
-use super::models::PLOTTED_RATIO;
 use super::oscillator_waveforms::{Results, problem, waveforms};
-use super::sweep;
 use super::trace::power_w;
 use super::waveforms::{CHIRP_HZ, Named, labels};
+use super::{Part, sweep};
 use crate::contact::{Shape, Trouble};
 
 /// Places of the waveforms in [`waveforms`].
@@ -15,8 +15,14 @@ const CHIRP: usize = 3;
 const RANDOM_TENTH: usize = 4;
 const RANDOM_STEP: usize = 5;
 
+/// Figures 4.21 to 4.26 with their claims.
+pub fn study() -> Result<Part, Trouble> {
+    let results = Results::new()?;
+    Ok(Part { figures: results.figures(), claims: of(&results)? })
+}
+
 /// All claims.
-pub fn of(results: &Results) -> Result<Vec<Claim>, Trouble> {
+fn of(results: &Results) -> Result<Vec<Claim>, Trouble> {
     let displacement = results.largest(|_, state| 1e6 * state.x_m.abs());
     let velocity = results.largest(|_, state| state.v_m_per_s.abs());
     let settled = |time_s: f64| time_s > 0.1 * SHORT_S;

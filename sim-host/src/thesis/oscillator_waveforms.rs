@@ -1,11 +1,11 @@
 //! Waveforms on the oscillator: Figures 4.21 to 4.26 (4.4.2).
 
+use super::case::PLOTTED_RATIO;
 use super::case::{SHORT_S, TABLE_4_1};
-use super::models::PLOTTED_RATIO;
 use super::picture::{FRICTION_RATIO, POWER_RATIO, VELOCITY_RATIO, axis, column, figure, line, log_axis, ranged};
+use super::sweep;
 use super::trace::{power_w, trace};
 use super::waveforms::{Hold, Named, all, labels, two_figures};
-use super::{Part, oscillator_claims, sweep};
 use crate::contact::tally::Ratios;
 use crate::contact::{Problem, State, Trouble};
 use crate::report::Figure;
@@ -35,19 +35,14 @@ pub struct Results {
     pub problems: Vec<Problem>,
 }
 
-/// Figures 4.21 to 4.26 with their claims.
-pub fn study() -> Result<Part, Trouble> {
-    let results = Results::new()?;
-    Ok(Part { figures: results.figures(), claims: oscillator_claims::of(&results)? })
-}
-
 /// A waveform's run at a velocity ratio by the sine's steady velocity.
 pub fn problem(named: &Named, velocity_ratio: f64, duration_s: f64) -> Problem {
     TABLE_4_1.oscillator(named.shape, velocity_ratio * TABLE_4_1.vibration_m_per_s(), duration_s)
 }
 
 impl Results {
-    fn new() -> Result<Self, Trouble> {
+    /// Runs all waveforms.
+    pub fn new() -> Result<Self, Trouble> {
         let waveforms = waveforms(SHORT_S);
         let ratios = sweep::spaced(0.05, 1.0, 20);
         let curves = sweep::curves(&waveforms, &ratios, |named, xi| sweep::ratios(&problem(named, xi, SHORT_S)))?;
@@ -75,7 +70,8 @@ impl Results {
         labels(&self.waveforms)
     }
 
-    fn figures(&self) -> Vec<Figure> {
+    /// Figures 4.21 to 4.26.
+    pub fn figures(&self) -> Vec<Figure> {
         let time: Vec<f64> = self.states[0].iter().map(|state| 1e3 * state.time_s).collect();
         let caption = format!("{DECLARED}. Velocity ratio 0.5.");
         let over_time = |id: &str, title: &str, label: &str, value: &dyn Fn(&Problem, &State) -> f64| {

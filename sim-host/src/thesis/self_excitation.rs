@@ -1,9 +1,8 @@
 //! Whether sliding friction excites the oscillator by itself (4.2, 4.3.1).
 
+use super::case::PLOTTED_RATIO;
 use super::case::{Case, TABLE_4_1};
 use super::claim::{Check, Claim, number};
-use super::contact_stiffness::unexcited;
-use super::models::PLOTTED_RATIO;
 use super::sweep;
 use super::trace::amplitude_over_time;
 use crate::contact::{Law, Problem, Sign, Trouble};
@@ -19,10 +18,10 @@ pub fn claims() -> Result<Vec<Claim>, Trouble> {
     let speed = PLOTTED_RATIO * vibration;
     let literal = Case { sign: Sign::Literal, ..TABLE_4_1 };
     let runs = [
-        unexcited(&TABLE_4_1, 0.0, speed, RUN_S),
-        unexcited(&literal, 0.0, speed, RUN_S),
-        unexcited(&TABLE_4_1, vibration, speed, RUN_S),
-        unexcited(&literal, vibration, speed, RUN_S),
+        TABLE_4_1.unexcited(0.0, speed, RUN_S),
+        literal.unexcited(0.0, speed, RUN_S),
+        TABLE_4_1.unexcited(vibration, speed, RUN_S),
+        literal.unexcited(vibration, speed, RUN_S),
         stribeck(Sign::Passive),
         stribeck(Sign::Literal),
     ];
@@ -49,7 +48,7 @@ pub fn claims() -> Result<Vec<Claim>, Trouble> {
 pub fn first_and_last() -> Result<[f64; 2], Trouble> {
     let vibration = TABLE_4_1.vibration_m_per_s();
     let change = |sign: Sign| {
-        let problem = unexcited(&Case { sign, ..TABLE_4_1 }, vibration, PLOTTED_RATIO * vibration, RUN_S);
+        let problem = Case { sign, ..TABLE_4_1 }.unexcited(vibration, PLOTTED_RATIO * vibration, RUN_S);
         let (_, amplitudes) = amplitude_over_time(&problem, TABLE_4_1.natural_hz(), BIN_S)?;
         Ok::<_, Trouble>(amplitudes.last().copied().unwrap_or(f64::NAN) / amplitudes.first().copied().unwrap_or(f64::NAN))
     };
@@ -60,7 +59,7 @@ pub fn first_and_last() -> Result<[f64; 2], Trouble> {
 fn stribeck(sign: Sign) -> Problem {
     let stribeck_m_per_s = 1e-3;
     let stiffness_n_per_m = 1000.0 * TABLE_4_1.contact_n_per_m;
-    let mut problem = unexcited(&Case { sign, ..TABLE_4_1 }, 0.0, stribeck_m_per_s / 2f64.sqrt(), RUN_S);
+    let mut problem = Case { sign, ..TABLE_4_1 }.unexcited(0.0, stribeck_m_per_s / 2f64.sqrt(), RUN_S);
     problem.law = Law::Lugre { stiffness_n_per_m, static_ratio: 1.5, stribeck_m_per_s, sigma1: 0.0, sigma2: 0.0 };
     problem
 }
@@ -105,7 +104,7 @@ fn friction_sets_amplitude(speed: f64) -> Result<Claim, Trouble> {
         ("Kt a thousandfold", Case { contact_n_per_m: 1000.0 * case.contact_n_per_m, ..case }),
     ];
     let amplitudes = sweep::each(&cases, |(_, case)| {
-        let (_, amplitudes) = amplitude_over_time(&unexcited(case, 0.0, speed, BIN_S), case.natural_hz(), BIN_S)?;
+        let (_, amplitudes) = amplitude_over_time(&case.unexcited(0.0, speed, BIN_S), case.natural_hz(), BIN_S)?;
         Ok(amplitudes.first().copied().unwrap_or(f64::NAN))
     })?;
     let numbers =

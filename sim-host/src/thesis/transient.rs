@@ -1,8 +1,8 @@
 //! What the oscillator does over time: Figures 4.8 and 4.9, and where it goes in the long run.
 
+use super::case::PLOTTED_RATIO;
 use super::case::{Case, SHORT_S, TABLE_4_1};
 use super::claim::{Check, Claim, number, series};
-use super::models::PLOTTED_RATIO;
 use super::picture::{axis, figure, line, log_axis};
 use super::trace::{amplitude_over_time, power_w, trace};
 use super::{Part, steady, sweep};

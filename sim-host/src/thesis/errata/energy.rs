@@ -2,9 +2,9 @@
 
 use super::Erratum;
 use crate::contact::Trouble;
+use crate::thesis::case::PLOTTED_RATIO;
 use crate::thesis::case::{SHORT_S, TABLE_4_1};
 use crate::thesis::claim::{Check, number};
-use crate::thesis::models::PLOTTED_RATIO;
 use crate::thesis::sweep;
 
 /// The balance and its dimensions.

@@ -2,11 +2,11 @@
 
 use crate::contact::Trouble;
 use crate::contact::{Shape, Sign};
+use crate::thesis::case::PLOTTED_RATIO;
 use crate::thesis::case::{Case, SHORT_S, TABLE_4_1};
 use crate::thesis::claim::number;
 use crate::thesis::comparison::settled;
 use crate::thesis::kinematic_waveforms::{self, Match};
-use crate::thesis::models::PLOTTED_RATIO;
 use crate::thesis::oscillator_waveforms;
 use crate::thesis::waveforms::{Hold, Named, all};
 use crate::thesis::{steady, sweep};

@@ -2,9 +2,9 @@
 
 use super::Erratum;
 use crate::contact::{Sign, Trouble};
+use crate::thesis::case::PLOTTED_RATIO;
 use crate::thesis::case::{Case, TABLE_4_1};
 use crate::thesis::claim::{Check, number};
-use crate::thesis::models::PLOTTED_RATIO;
 use crate::thesis::self_excitation::first_and_last;
 use crate::thesis::sweep;
 

@@ -7,7 +7,7 @@
 //! ```
 
 use crate::contact::problem::Motion;
-use crate::contact::tally::State;
+use crate::contact::state::State;
 
 /// Terms of a series.
 pub(super) const TERMS: usize = 22;

@@ -1,0 +1,14 @@
+//! What a study sees of a run at one moment.
+
+/// A moment of a run.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct State {
+    /// Time, s.
+    pub time_s: f64,
+    /// Displacement x, m.
+    pub x_m: f64,
+    /// Velocity x', m/s.
+    pub v_m_per_s: f64,
+    /// Friction F, N. At the beginning of a LuGre run: the force in the bristles.
+    pub force_n: f64,
+}
