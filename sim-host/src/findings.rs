@@ -7,8 +7,6 @@ use crate::figures;
 use crate::report::{Report, TableBlock};
 use crate::study::{Outcome, Study};
 
-pub use contact::name as method_name;
-
 /// Version of this program.
 pub const VERSION: &str = env!("CARGO_PKG_VERSION");
 

@@ -70,7 +70,7 @@ fn with_own(mut of: Value, study: &Study) -> Value {
         Outcome::Contact(solved) => {
             of["solution"] = json!(solved.answer.as_ref().map(|Answer { solution, .. }| {
                 json!({
-                    "method": findings::method_name(solution.method), "why": solution.why, "order": solution.order,
+                    "method": solution.method.name(), "why": solution.why, "order": solution.order,
                     "steps_per_period": solution.steps_per_period, "error_estimate": solution.error_estimate,
                     "warnings": solution.warnings,
                 })

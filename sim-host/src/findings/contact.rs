@@ -1,7 +1,7 @@
 //! A contact study in words and tables.
 
 use super::{Line, number, precise, table};
-use crate::contact::{Method, Solution};
+use crate::contact::Solution;
 use crate::report::TableBlock;
 use crate::scene::{Body, Sign, VibrationVelocity, problem};
 use crate::study::Study;
@@ -62,7 +62,7 @@ fn with_error(solution: &Solution) -> String {
 
 /// Where the numbers come from.
 pub(super) fn footer(solved: &Solved) -> Vec<(&'static str, String)> {
-    let method = solved.answer.as_ref().map_or_else(String::new, |answer| name(answer.solution.method).to_owned());
+    let method = solved.answer.as_ref().map_or_else(String::new, |answer| answer.solution.method.name().to_owned());
     vec![("method", method), ("level", LEVEL.to_owned())]
 }
 
@@ -77,7 +77,7 @@ pub(super) fn manner(solved: &Solved) -> String {
     let order = solution.order.map_or_else(String::new, |order| format!(", order {order}"));
     format!(
         "{LEVEL}; method {}{steps}{order}: {} ns a period, {} states",
-        name(solution.method),
+        solution.method.name(),
         number(solution.ns_per_period),
         solution.states
     )
@@ -86,20 +86,6 @@ pub(super) fn manner(solved: &Solved) -> String {
 /// How far an interrupted study came, s.
 pub(super) fn reached_s(solved: &Solved) -> f64 {
     solved.film.bins().last().map_or(0.0, |bin| bin.end_s)
-}
-
-/// The name of a method, as a scene spells it.
-pub fn name(method: Method) -> &'static str {
-    match method {
-        Method::Auto => "auto",
-        Method::Closed => "closed",
-        Method::Frozen => "frozen",
-        Method::Linexp => "linexp",
-        Method::Taylor => "taylor",
-        Method::Rk4 => "rk4",
-        Method::Rk4Events => "rk4-events",
-        Method::Midpoint => "midpoint",
-    }
 }
 
 /// The answer and how it was come by.
@@ -141,7 +127,7 @@ fn solution(solution: &Solution) -> TableBlock {
     let or_none = |number: Option<u32>| number.map_or_else(|| "–".to_owned(), |number| number.to_string());
     let error = solution.error_estimate.map_or_else(|| "–".to_owned(), |error| format!("{error:.1e}"));
     let rows = [
-        ("method", name(solution.method).to_owned()),
+        ("method", solution.method.name().to_owned()),
         ("why", solution.why.clone()),
         ("steps a period", or_none(solution.steps_per_period)),
         ("order", or_none(solution.order)),

@@ -1,7 +1,6 @@
 //! `exp(-x)` of several numbers at once, for exponents that are small.
 //!
-//! The slip of one step is a fraction of the Dahl length, so the short series is the usual way: it costs a third of as many calls of
-//! the library's function (`cargo bench -p sim-host --bench contact`, group `decay`).
+//! The slip of one step is a fraction of the Dahl length, so the short series is the usual way: all lanes at once, and nothing to call.
 
 use super::abreast::Abreast;
 
