@@ -70,7 +70,7 @@ enum Command {
     },
     /// Print the JSON Schema of a scene, for editors.
     Schema,
-    /// Compute every figure, claim and contradiction of the thesis's chapter 4.
+    /// Compute every figure, claim and contradiction of the thesis's chapter 4 and appendix B.
     #[command(after_help = EXIT_CODES)]
     Thesis(thesis::ThesisArgs),
     /// Measure speed against error of every contact method, judge the claims, and run the hard cases.
