@@ -1,0 +1,66 @@
+//! The generators of the drive, each in blocks, and the loop without one.
+
+use core::hint::black_box;
+
+use candidates::{Generator, Pair, Visitor};
+use firmware::nco::tuning_word;
+
+use crate::counter::Counter;
+use crate::image::line;
+
+/// Samples in a block; the generators do not know.
+const SAMPLES: usize = 32;
+const REPETITIONS: u32 = 2000;
+/// Libm takes a hundred times as long, and the timer has 24 bits.
+const SLOW_REPETITIONS: u32 = 100;
+
+pub fn count(counter: &Counter) {
+    candidates::each(&mut Counting { counter });
+    line("empty loop", SAMPLES, REPETITIONS, blocks::<Empty>(counter, REPETITIONS));
+}
+
+struct Counting<'a> {
+    counter: &'a Counter,
+}
+
+impl Visitor for Counting<'_> {
+    fn visit<G: Generator>(&mut self) {
+        let repetitions = if G::NAME == "libm" { SLOW_REPETITIONS } else { REPETITIONS };
+        line(G::NAME, SAMPLES, repetitions, blocks::<G>(self.counter, repetitions));
+    }
+}
+
+/// Counts blocks, with the phase going on from block to block as in the controller.
+#[inline(never)]
+fn blocks<G: Generator>(counter: &Counter, repetitions: u32) -> crate::counter::Ticks {
+    let word = tuning_word(40_400.0 / 1e6);
+    let mut phase = 0;
+    counter.count(repetitions, || {
+        let (samples, word) = (black_box(SAMPLES), black_box(word));
+        G::block(phase, word, samples, |pair| {
+            black_box(pair.sin);
+            black_box(pair.cos);
+        });
+        phase = phase.wrapping_add(word.wrapping_mul(samples as u64));
+    })
+}
+
+/// Nothing: the loop and the sink, which are no part of a generator.
+struct Empty;
+
+impl Generator for Empty {
+    type Number = f32;
+    const ONE: f64 = 1.0;
+    const NAME: &'static str = "empty";
+    const HOW: &'static str = "";
+
+    fn pair(_: u64) -> Pair<f32> {
+        Pair::default()
+    }
+
+    #[inline]
+    fn block(phase: u64, word: u64, samples: usize, mut sink: impl FnMut(Pair<f32>)) {
+        let pair = Pair { sin: phase as u32 as f32, cos: word as u32 as f32 };
+        (0..samples).for_each(|_| sink(pair));
+    }
+}
