@@ -64,6 +64,8 @@ pub struct Answer {
     pub drive: DriveBlock,
     /// The report.
     pub telemetry: Telemetry,
+    /// Instructions that the call has taken, to within a tick of the processor's timer (about 6); `None` where it cannot count them.
+    pub instructions: Option<u32>,
 }
 
 /// A record that does not fit into [`MAX_RECORD`], or is not of the expected form.
@@ -246,7 +248,8 @@ mod tests {
             transducer: Some(Transducer::default()),
             ..Telemetry::default()
         };
-        Answer { drive: DriveBlock { lanes: core::iter::repeat_n(codes(), MAX_LANES).collect() }, telemetry }
+        let drive = DriveBlock { lanes: core::iter::repeat_n(codes(), MAX_LANES).collect() };
+        Answer { drive, telemetry, instructions: Some(u32::MAX) }
     }
 
     fn longest_config() -> Config {

@@ -1,4 +1,4 @@
-//! The generators of the drive, each in blocks, and the loop without one.
+//! The generators of the drive, each in blocks, net of a loop that does nothing but hand out numbers.
 
 use core::hint::black_box;
 
@@ -7,35 +7,36 @@ use firmware::nco::tuning_word;
 
 use crate::counter::Counter;
 use crate::image::line;
+use crate::repeat::repeat;
 
 /// Samples in a block; the generators do not know.
 const SAMPLES: usize = 32;
-const REPETITIONS: u32 = 2000;
-/// Libm takes a hundred times as long, and the timer has 24 bits.
-const SLOW_REPETITIONS: u32 = 100;
+const REPETITIONS: u32 = 600;
 
+/// Counts every candidate.
 pub fn count(counter: &Counter) {
-    candidates::each(&mut Counting { counter });
-    line("empty loop", SAMPLES, REPETITIONS, blocks::<Empty>(counter, REPETITIONS));
+    let empty = blocks::<Empty>(counter);
+    candidates::each(&mut Counting { counter, empty });
 }
 
 struct Counting<'a> {
     counter: &'a Counter,
+    /// Ticks of the empty loop.
+    empty: i64,
 }
 
 impl Visitor for Counting<'_> {
     fn visit<G: Generator>(&mut self) {
-        let repetitions = if G::NAME == "libm" { SLOW_REPETITIONS } else { REPETITIONS };
-        line(G::NAME, SAMPLES, repetitions, blocks::<G>(self.counter, repetitions));
+        line("generator", G::NAME, SAMPLES, REPETITIONS, blocks::<G>(self.counter) - self.empty);
     }
 }
 
-/// Counts blocks, with the phase going on from block to block as in the controller.
+/// Ticks of blocks, with the phase going on from block to block as in the controller.
 #[inline(never)]
-fn blocks<G: Generator>(counter: &Counter, repetitions: u32) -> crate::counter::Ticks {
+fn blocks<G: Generator>(counter: &Counter) -> i64 {
     let word = tuning_word(40_400.0 / 1e6);
     let mut phase = 0;
-    counter.count(repetitions, || {
+    repeat(counter, REPETITIONS, || {
         let (samples, word) = (black_box(SAMPLES), black_box(word));
         G::block(phase, word, samples, |pair| {
             black_box(pair.sin);
@@ -51,7 +52,7 @@ struct Empty;
 impl Generator for Empty {
     type Number = f32;
     const ONE: f64 = 1.0;
-    const NAME: &'static str = "empty";
+    const NAME: &'static str = "";
     const HOW: &'static str = "";
 
     fn pair(_: u64) -> Pair<f32> {

@@ -6,13 +6,18 @@
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
 #[cfg(target_os = "none")]
-mod controller;
+mod bench;
 #[cfg(target_os = "none")]
+#[path = "../counter.rs"]
 mod counter;
 #[cfg(target_os = "none")]
 mod generators;
 #[cfg(target_os = "none")]
 mod image;
+#[cfg(target_os = "none")]
+mod power_up;
+#[cfg(target_os = "none")]
+mod repeat;
 #[cfg(target_os = "none")]
 mod stages;
 
