@@ -42,6 +42,7 @@ impl Generator for Degree5 {
     type Number = f32;
     const ONE: f64 = 1.0;
     const NAME: &'static str = "polynomial 5";
+    const FAMILY: &'static str = "polynomial";
     const HOW: &'static str = "folded, degrees 5 and 4";
 
     #[inline]
@@ -59,6 +60,7 @@ impl Generator for Degree7 {
     type Number = f32;
     const ONE: f64 = 1.0;
     const NAME: &'static str = "polynomial 7";
+    const FAMILY: &'static str = "polynomial";
     const HOW: &'static str = "folded, degrees 7 and 6";
 
     #[inline]
@@ -76,6 +78,7 @@ impl Generator for Degree9 {
     type Number = f32;
     const ONE: f64 = 1.0;
     const NAME: &'static str = "polynomial 9";
+    const FAMILY: &'static str = "polynomial";
     const HOW: &'static str = "folded, degrees 9 and 8";
 
     #[inline]
@@ -93,20 +96,22 @@ impl Generator for Integer {
     type Number = i32;
     const ONE: f64 = (1u32 << 30) as f64;
     const NAME: &'static str = "polynomial 7, integer";
+    const FAMILY: &'static str = "polynomial";
     const HOW: &'static str = "folded, degrees 7 and 6, Q30";
 
     #[inline]
     fn pair(phase: u64) -> Pair<i32> {
-        const SINE: [i32; 4] = [843_314_845, -86_699_678, 2_673_480, -38_523];
-        const COSINE: [i32; 4] = [1_073_741_794, -331_168_021, 17_018_717, -342_395];
+        const SINE: [i32; 4] = [843_314_845, 86_699_678, 2_673_480, 38_523];
+        const COSINE: [i32; 4] = [1_073_741_794, 331_168_021, 17_018_717, 342_395];
         let (quarter, rest) = fold(phase);
         // The high word of a product.
         let times = |a: i32, b: i32| ((i64::from(a) * i64::from(b)) >> 32) as i32;
-        // Q31: an eighth of a turn itself would overflow. Its square is Q30.
+        // Q31: an eighth of a turn itself would overflow. Its square is Q30, here less than zero: of a number that cannot be,
+        // the compiler makes an unsigned product, which takes twice as long.
         let u = (rest << 2).max(-i32::MAX);
-        let square = times(u, u);
+        let minus_square = -times(u, u);
         // Q30 times Q30 is Q28 in the high word.
-        let horner = |c: &[i32; 4]| c.iter().rev().fold(0, |sum, c| (times(sum, square) << 2) + c);
+        let horner = |c: &[i32; 4]| c.iter().rev().fold(0, |sum, c| (times(sum, minus_square) << 2) + c);
         // Q30 times Q31 is Q29.
         let (s, c) = (times(horner(&SINE), u) << 1, horner(&COSINE));
         let (sin, cos) = if quarter & 1 == 0 { (s, c) } else { (c, s) };

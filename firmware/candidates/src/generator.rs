@@ -17,6 +17,8 @@ pub trait Generator {
     const ONE: f64;
     /// Its name in tables and plots.
     const NAME: &'static str;
+    /// What it belongs with.
+    const FAMILY: &'static str;
     /// How it works, in a few words.
     const HOW: &'static str;
 

@@ -2,8 +2,6 @@
 
 use core::f32::consts::TAU;
 
-use micromath::F32Ext as _;
-
 use crate::generator::{Generator, Pair};
 
 /// Radians from half a turn before zero to half a turn after.
@@ -19,6 +17,7 @@ impl Generator for Idsp {
     type Number = i32;
     const ONE: f64 = i32::MAX as f64;
     const NAME: &'static str = "idsp cossin";
+    const FAMILY: &'static str = "another crate";
     const HOW: &'static str = "octant table, interpolated, integer";
 
     #[inline]
@@ -35,12 +34,14 @@ impl Generator for Micromath {
     type Number = f32;
     const ONE: f64 = 1.0;
     const NAME: &'static str = "micromath";
+    const FAMILY: &'static str = "another crate";
     const HOW: &'static str = "sin_cos";
 
     #[inline]
     fn pair(phase: u64) -> Pair<f32> {
-        let (sin, cos) = radians(phase).sin_cos();
-        Pair { sin, cos }
+        // By name: as a trait's method it would be std's on the host.
+        let (sin, cos) = micromath::F32(radians(phase)).sin_cos();
+        Pair { sin: sin.0, cos: cos.0 }
     }
 }
 
@@ -51,6 +52,7 @@ impl Generator for Libm {
     type Number = f32;
     const ONE: f64 = 1.0;
     const NAME: &'static str = "libm";
+    const FAMILY: &'static str = "another crate";
     const HOW: &'static str = "sinf and cosf, f64 inside";
 
     #[inline]

@@ -28,6 +28,7 @@ impl Generator for Nearest {
     type Number = f32;
     const ONE: f64 = 1.0;
     const NAME: &'static str = "table 1024";
+    const FAMILY: &'static str = "table";
     const HOW: &'static str = "entry below the phase";
 
     #[inline]
@@ -45,6 +46,7 @@ impl Generator for Interpolated {
     type Number = f32;
     const ONE: f64 = 1.0;
     const NAME: &'static str = "table 1024, linear";
+    const FAMILY: &'static str = "table";
     const HOW: &'static str = "straight line between two entries";
 
     #[inline]

@@ -61,6 +61,7 @@ macro_rules! of_pairs {
             type Number = f32;
             const ONE: f64 = 1.0;
             const NAME: &'static str = $name;
+            const FAMILY: &'static str = "table of pairs";
             const HOW: &'static str = $how;
 
             #[inline]

@@ -11,6 +11,7 @@ impl Generator for Rotation {
     type Number = f32;
     const ONE: f64 = 1.0;
     const NAME: &'static str = "firmware rotation";
+    const FAMILY: &'static str = "the controller";
     const HOW: &'static str = "what the controller turns its lock-in by";
 
     #[inline]

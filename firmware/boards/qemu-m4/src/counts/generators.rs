@@ -53,6 +53,7 @@ impl Generator for Empty {
     type Number = f32;
     const ONE: f64 = 1.0;
     const NAME: &'static str = "";
+    const FAMILY: &'static str = "";
     const HOW: &'static str = "";
 
     fn pair(_: u64) -> Pair<f32> {
