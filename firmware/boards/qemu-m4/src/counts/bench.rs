@@ -1,7 +1,7 @@
 //! What the controller is tried on: a configuration, and a transducer that answers in sense codes.
 
 use firmware::block::{Amplitude, DriveBlock, SenseBlock};
-use firmware::config::{Burst, Config, Drive, Edge, FrontEnd, Limits, Phasing, Schedule, ShapeKind, Tracking, TrackingMode};
+use firmware::config::{Burst, Config, Drive, Edge, FrontEnd, Limits, Phasing, Schedule, Sweep, Tracking, TrackingMode};
 use firmware::shape::sine;
 
 /// Samples in a block.
@@ -23,8 +23,10 @@ pub fn config(lanes: u8) -> Config {
             drive_volt_per_lsb: 0.01,
             drive_mid_code: MID_CODE,
             drive_max_code: 4095,
+            drive_lanes: 4,
         },
-        drive: Drive { frequency_hz: 40e3, amplitude: Amplitude::MotionalCurrent(0.5), scan_volts: 1.0, shape: ShapeKind::Sine },
+        drive: Drive::sine(40e3, Amplitude::MotionalCurrent(0.5), 1.0),
+        sweep: Sweep::Hold,
         phasing: Phasing::default(),
         burst: Burst { schedule: Schedule::Periodic { period_s: 10e-3, duty: 0.7 }, edge: Edge::Soft { cycles: 8.0 } },
         tracking: Tracking {

@@ -37,7 +37,7 @@ fn kind(mode: Mode, report: &Telemetry) -> usize {
     match mode {
         Mode::Idle | Mode::Fault => 0,
         Mode::SelfTest => 1,
-        Mode::Scan => 2,
+        Mode::Scan | Mode::Calibrate => 2,
         Mode::Lock => 3,
         Mode::Run if report.envelope == 1.0 => 4,
         Mode::Run if report.envelope > 0.0 => 5,

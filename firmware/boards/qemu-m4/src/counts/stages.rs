@@ -1,21 +1,22 @@
 //! Stages of the controller, by their public functions.
 
-use core::fmt::Write as _;
 use core::hint::black_box;
 
 use firmware::block::{DriveBlock, SenseBlock};
 use firmware::burst::Envelope;
-use firmware::config::ShapeKind;
+use firmware::config::{Config, Drive, ShapeKind};
 use firmware::convert::Convert;
-use firmware::demod::{Sensed, demodulate};
+use firmware::demod::{OutOfOrder, Sensed, demodulate};
 use firmware::guard::{Driven, Guard};
 use firmware::identify;
 use firmware::motional::Motional;
-use firmware::nco::tuning_word;
+use firmware::nco::{Stretch, tuning_word};
+use firmware::phasing::Phasing;
 use firmware::phasor::Phasor;
+use firmware::shape::Shape;
 use firmware::shape::sine;
+use firmware::shaper::{Play, Shaper};
 use firmware::tracker::{Heard, Tracker};
-use firmware::{phasing, shape, shaper};
 
 use crate::bench::{SAMPLES, Transducer, config};
 use crate::counter::Counter;
@@ -32,17 +33,25 @@ pub fn count(counter: &Counter) {
     let print = |kernel: &str, work: &mut dyn FnMut()| {
         line("stage", kernel, SAMPLES, REPETITIONS, repeat(counter, REPETITIONS, work) - empty);
     };
-    let config = config(4);
-    let convert = Convert::build(&config.front_end).expect("a valid front end");
-    let word = tuning_word(40_400.0 / 1e6);
-    let sense = sense();
+    listening(&print);
+    shapes(&print);
+}
 
+/// A stage's name, and the stage.
+type Print<'a> = &'a dyn Fn(&str, &mut dyn FnMut());
+
+/// What looks at the sense codes and at what is heard in them.
+fn listening(print: Print) {
+    let config = config(4);
+    let convert = convert(&config);
+    let sense = sense();
+    let tone = Stretch { phase: 1 << 60, word: tuning_word(40_400.0 / 1e6), step: 0 };
     print("lock-in", &mut || {
-        black_box(demodulate(black_box(&convert), black_box(&sense), black_box(1 << 60), black_box(word)));
+        black_box(demodulate(black_box(&convert), black_box(&sense), black_box(&tone)));
     });
     let sensed = Sensed { v: Phasor::new(3.0, 0.0), i: Phasor::new(1.0, 0.15) };
     let mut guard = Guard::build(&config, BLOCK_S).expect("valid limits");
-    let driven = Driven { volts: Some(3.0) };
+    let driven = Driven { volts: Some(3.0), outside: OutOfOrder::default() };
     print("guard", &mut || {
         black_box(guard.inspect(black_box(&convert), black_box(&sense), black_box(&sensed), black_box(driven)));
     });
@@ -53,25 +62,53 @@ pub fn count(counter: &Counter) {
     print("tracker", &mut || {
         black_box(tracker.follow(black_box(&sensed), black_box(current), black_box(&heard)));
     });
+}
 
-    let mut drive = DriveBlock::default();
+/// The shaper, for every shape.
+fn shapes(print: Print) {
+    let held = Stretch { phase: 1 << 60, word: tuning_word(40_400.0 / 1e6), step: 0 };
+    let chirp = Stretch { step: 1 << 40, ..held };
     let levels = [0.5; SAMPLES];
-    for (kind, of) in [("sine", ShapeKind::Sine), ("square", ShapeKind::Square)] {
-        let table = shape::table(of, 0.0424);
-        for lanes in [1, 4] {
-            let of = phasing::build(&config.phasing, lanes).expect("lanes");
-            for (when, envelope) in [("flat", Envelope::Flat(1.0)), ("at an edge", Envelope::Edge(&levels))] {
-                let mut name = heapless::String::<48>::new();
-                // The longest of the names fits.
-                let _ = write!(name, "shaper, {kind}, {lanes} lanes, {when}");
-                print(&name, &mut || {
-                    let at = (black_box(1 << 60), black_box(word), black_box(SAMPLES));
-                    shaper::shape(&mut drive, &convert.drive, table, &of, at, black_box(3.0), black_box(&envelope));
-                    black_box(&drive);
-                });
-            }
-        }
+    let (flat, edge) = (Envelope::Flat(1.0), Envelope::Edge(&levels));
+    use ShapeKind::{Noise, Sawtooth, Sine, Square};
+    for (name, shape, dither, lanes, stretch, envelope) in [
+        ("sine, one lane", Sine, false, 1, held, flat),
+        ("sine, two lanes", Sine, false, 2, held, flat),
+        ("sine, four lanes", Sine, false, 4, held, flat),
+        ("sine, one lane, at an edge", Sine, false, 1, held, edge),
+        ("sine, four lanes, at an edge", Sine, false, 4, held, edge),
+        ("sine, one lane, chirp", Sine, false, 1, chirp, flat),
+        ("sine, four lanes, chirp", Sine, false, 4, chirp, flat),
+        ("sine, one lane, dither", Sine, true, 1, held, flat),
+        ("square, one lane", Square, false, 1, held, flat),
+        ("square, four lanes", Square, false, 4, held, flat),
+        ("sawtooth, one lane", Sawtooth, false, 1, held, flat),
+        ("sawtooth, four lanes", Sawtooth, false, 4, held, flat),
+        ("noise, one lane", Noise, false, 1, held, flat),
+        ("noise, four lanes", Noise, false, 4, held, flat),
+        ("silence, one lane", Sine, false, 1, held, Envelope::Flat(0.0)),
+        ("silence, four lanes", Sine, false, 4, held, Envelope::Flat(0.0)),
+    ] {
+        let config = config(lanes);
+        let config = Config { drive: Drive { shape, dither, ..config.drive.clone() }, ..config };
+        let convert = convert(&config);
+        let mut phasing = Phasing::build(&config).expect("lanes");
+        let lanes = phasing.lanes(40_400.0, 0.25);
+        let mut shape = Shape::build(&config).expect("a shape");
+        let (mut shaper, mut drive) = (Shaper::build(&config), DriveBlock::default());
+        print(name, &mut || {
+            let (scale, stretch, samples, volts, envelope) =
+                (&convert.drive, black_box(stretch), black_box(SAMPLES), black_box(3.0), black_box(envelope));
+            shaper.shape(&mut shape, &Play { scale, lanes, stretch, samples, volts, envelope }, &mut drive);
+            black_box(&drive);
+        });
     }
+}
+
+fn convert(config: &Config) -> Convert {
+    let mut convert = Convert::build(&config.front_end).expect("a valid front end");
+    convert.i.set_limit(config.limits.current_a);
+    convert
 }
 
 /// A block of 3 V, and what the stack takes.
