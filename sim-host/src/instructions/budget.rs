@@ -54,16 +54,16 @@ const fn block(kernel: &'static str, name: &'static str, at_most: f64) -> Bound 
 
 /// Every bound. Half a step of a 14-bit converter is 6.1e-5 of its half range.
 pub const BUDGET: [Bound; 10] = [
-    sample("process", "1 lanes, run", "process, one lane, tracked, ON", 60.0),
-    sample("process", "4 lanes, run", "process, four lanes, tracked, ON", 100.0),
+    sample("process", "one lane, run", "process, one lane, tracked, ON", 60.0),
+    sample("process", "four lanes, run", "process, four lanes, tracked, ON", 100.0),
     sample("generator", "firmware rotation", "sine and cosine of the controller", 24.0),
     Bound { of: ("generator", "firmware rotation"), name: "error of the same", unit: Unit::Error, at_most: 3.2e-5 },
     sample("stage", "lock-in", "lock-in of voltage and current", 24.0),
     sample("stage", "guard", "guard", 20.0),
     sample("stage", "tracker", "tracker", 12.0),
-    block("1 lanes, run", "worst block ON, one lane", 2400.0),
-    block("4 lanes, run", "worst block ON, four lanes", 3600.0),
-    block("4 lanes, run at an edge", "worst block at an edge, four lanes", 5440.0),
+    block("one lane, run", "worst block ON, one lane", 2400.0),
+    block("four lanes, run", "worst block ON, four lanes", 3600.0),
+    block("four lanes, run at an edge", "worst block at an edge, four lanes", 5440.0),
 ];
 
 /// Holds what was counted against the budget.

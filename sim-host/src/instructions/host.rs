@@ -10,13 +10,13 @@ use crate::spectrum::Spectrum;
 /// Samples in a block, as on the target.
 const SAMPLES: usize = 32;
 /// Samples of a spectrum.
-const RECORD: usize = 1 << 17;
+const RECORD: usize = 1 << 16;
 /// The tone of the spectrum: 40.4 kHz and a bit, at 1 Msps.
 const TONE: f64 = 0.040_412_345;
 /// Where errors are looked for, cycles a sample.
 const FREQUENCIES: [f64; 6] = [0.02, 0.028_3, 0.040_4, 0.060_7, 0.1, 0.25];
 /// Blocks at each, from phases all over the turn.
-const BLOCKS: u64 = 8192;
+const BLOCKS: u64 = 2048;
 /// The golden ratio of 2^64: phases that are multiples of it lie evenly.
 const GOLDEN: u64 = 0x9e37_79b9_7f4a_7c15;
 /// Full scale of a 12-bit converter about its middle.
@@ -103,10 +103,14 @@ fn largest_error<G: Generator>() -> f64 {
 
 #[cfg(test)]
 mod tests {
+    use std::sync::LazyLock;
+
     use super::*;
 
+    static QUALITIES: LazyLock<Vec<(Known, Quality)>> = LazyLock::new(qualities);
+
     fn of(name: &str) -> Quality {
-        qualities().into_iter().find(|(known, _)| known.name == name).unwrap().1
+        QUALITIES.iter().find(|(known, _)| known.name == name).unwrap().1
     }
 
     /// What theory says of each: a step, its square over eight, half the square and a sixth of the cube of half a step.
@@ -137,7 +141,7 @@ mod tests {
     /// Rounded to 12 bits, every generator but the coarse ones is as good as the exact sine: 74.0 dB.
     #[test]
     fn twelve_bits_hide_what_is_finer() {
-        for (known, quality) in qualities() {
+        for (known, quality) in QUALITIES.iter() {
             let coarse = ["table 1024", "micromath"].contains(&known.name);
             assert_eq!(quality.sndr_12_bit_db < 73.5, coarse, "{known:?}: {quality:?}");
         }

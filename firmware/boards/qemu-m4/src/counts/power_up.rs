@@ -22,10 +22,10 @@ const MOST_BLOCKS: u32 = 30_000;
 
 /// Counts power-ups with one lane and with four.
 pub fn count(counter: &Counter) {
-    for lanes in [1, 4] {
+    for (name, lanes) in [("one lane", 1), ("four lanes", 4)] {
         let tallies = power_up(counter, lanes);
-        for (mode, tally) in NAMES.iter().zip(&tallies) {
-            tally.print(lanes, mode);
+        for (kind, tally) in NAMES.iter().zip(&tallies) {
+            tally.print(name, kind);
         }
     }
 }
@@ -60,10 +60,10 @@ impl Tally {
         self.worst = self.worst.max(ticks);
     }
 
-    fn print(&self, lanes: u8, kind: &str) {
+    fn print(&self, lanes: &str, kind: &str) {
         let mut name = heapless::String::<48>::new();
         // The longest of the names fits.
-        let _ = write!(name, "{lanes} lanes, {kind}");
+        let _ = write!(name, "{lanes}, {kind}");
         line("process", &name, SAMPLES, self.blocks, self.ticks.into());
         line("worst block", &name, SAMPLES, 1, self.worst.into());
     }
