@@ -30,7 +30,7 @@ pub fn each(visitor: &mut impl Visitor) {
     visitor.visit::<table::Nearest>();
     visitor.visit::<table::Interpolated>();
     visitor.visit::<today::Rotation>();
-    visitor.visit::<today::Turning>();
+    visitor.visit::<today::Swung>();
     visitor.visit::<table_of_pairs::FirstOrder256>();
     visitor.visit::<table_of_pairs::FirstOrder512>();
     visitor.visit::<table_of_pairs::FirstOrder1024>();

@@ -1,7 +1,8 @@
 //! What the controller itself uses.
 
 use firmware::nco::Stretch;
-use firmware::shape::sine::{self, Rotor};
+use firmware::phasor::Phasor;
+use firmware::shape::sine::{self, Steady};
 
 use crate::generator::{Generator, Pair};
 
@@ -22,15 +23,15 @@ impl Generator for Rotation {
     }
 }
 
-/// [`Rotor`], which is seeded by it.
-pub struct Turning;
+/// Two of [`sine::Swing`], one a quarter turn ahead of the other.
+pub struct Swung;
 
-impl Generator for Turning {
+impl Generator for Swung {
     type Number = f32;
     const ONE: f64 = 1.0;
-    const NAME: &'static str = "firmware rotor";
+    const NAME: &'static str = "firmware swing";
     const FAMILY: &'static str = "the controller";
-    const HOW: &'static str = "z w, set anew each block";
+    const HOW: &'static str = "y + d, d - c y, set anew each block";
 
     #[inline]
     fn pair(phase: u64) -> Pair<f32> {
@@ -39,6 +40,8 @@ impl Generator for Turning {
 
     #[inline]
     fn block(phase: u64, word: u64, samples: usize, mut sink: impl FnMut(Pair<f32>)) {
-        Rotor::new(&Stretch { phase, word, step: 0 }).each(samples, |z| sink(Pair { sin: z.im, cos: z.re }));
+        let steady = Steady::new(&Stretch { phase, word, step: 0 });
+        let (mut sine, mut cosine) = (steady.swing(Phasor::new(1.0, 0.0)), steady.swing(Phasor::new(0.0, 1.0)));
+        (0..samples).for_each(|_| sink(Pair { sin: sine.next(), cos: cosine.next() }));
     }
 }
