@@ -20,6 +20,17 @@ fn turned(value: f32, bit: u32) -> f32 {
     f32::from_bits(value.to_bits() ^ (bit << 31))
 }
 
+/// Coefficients in single precision.
+const fn single<const N: usize>(coefficients: [f64; N]) -> [f32; N] {
+    let mut rounded = [0.0; N];
+    let mut n = 0;
+    while n < N {
+        rounded[n] = coefficients[n] as f32;
+        n += 1;
+    }
+    rounded
+}
+
 /// `((c3 x + c2) x + c1) x + c0`, of any length.
 #[inline]
 fn horner<const N: usize>(coefficients: &[f32; N], x: f32) -> f32 {
@@ -47,8 +58,8 @@ impl Generator for Degree5 {
 
     #[inline]
     fn pair(phase: u64) -> Pair<f32> {
-        const SINE: [f32; 3] = [0.785_394_234, -0.080_713_998_8, 0.002_427_106_05];
-        const COSINE: [f32; 3] = [0.999_990_035, -0.308_245_104, 0.015_371_815_1];
+        const SINE: [f32; 3] = single([0.785_394_234_491, -0.080_713_998_773, 0.002_427_106_051]);
+        const COSINE: [f32; 3] = single([0.999_990_034_959, -0.308_245_103_867, 0.015_371_815_135]);
         folded(&SINE, &COSINE, phase)
     }
 }
@@ -65,8 +76,8 @@ impl Generator for Degree7 {
 
     #[inline]
     fn pair(phase: u64) -> Pair<f32> {
-        const SINE: [f32; 4] = [0.785_398_152_5, -0.080_745_367_3, 0.002_489_871_97, -3.587_725_85e-5];
-        const COSINE: [f32; 4] = [0.999_999_972, -0.308_424_254, 0.015_849_915_3, -3.188_805_08e-4];
+        const SINE: [f32; 4] = single([0.785_398_152_543, -0.080_745_367_271, 0.002_489_871_968, -3.587_725_85e-5]);
+        const COSINE: [f32; 4] = single([0.999_999_972_423, -0.308_424_253_562, 0.015_849_915_257, -3.188_805_084e-4]);
         folded(&SINE, &COSINE, phase)
     }
 }
@@ -83,8 +94,10 @@ impl Generator for Degree9 {
 
     #[inline]
     fn pair(phase: u64) -> Pair<f32> {
-        const SINE: [f32; 5] = [0.785_398_163_4, -0.080_745_511_8, 0.002_490_392_48, -3.657_141_77e-5, 3.085_634_17e-7];
-        const COSINE: [f32; 5] = [1.0, -0.308_425_135, 0.015_854_325_2, -3.259_386_14e-4, 3.529_811_34e-6];
+        const SINE: [f32; 5] =
+            single([0.785_398_163_379, -0.080_745_511_815, 0.002_490_392_479, -3.657_141_767e-5, 3.085_634_17e-7]);
+        const COSINE: [f32; 5] =
+            single([0.999_999_999_953, -0.308_425_135_162, 0.015_854_325_246, -3.259_386_144e-4, 3.529_811_341e-6]);
         folded(&SINE, &COSINE, phase)
     }
 }
