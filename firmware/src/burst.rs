@@ -380,7 +380,7 @@ mod tests {
         for (q, headroom) in [(65.0, 1.0), (65.0, 5.16), (20.0, 1.5), (200.0, 2.0)] {
             let periods = q / core::f32::consts::PI;
             let brake = Brake::of(periods, headroom);
-            assert!(brake.level <= headroom && brake.half_cycles % 2 == 0, "{brake:?}");
+            assert!(brake.level <= headroom && brake.half_cycles.is_multiple_of(2), "{brake:?}");
             let t = brake.half_cycles as f32 / (2.0 * periods);
             let left = libm::expf(-t) * (1.0 + brake.level) - brake.level;
             assert!(left.abs() < 1e-5, "{left}");
