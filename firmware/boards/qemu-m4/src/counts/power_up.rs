@@ -81,8 +81,9 @@ fn power_up(counter: &Counter, lanes: u8) -> [Tally; NAMES.len()] {
         transducer.exchange(drive, &mut sense);
         let request = if block < IDLE_BLOCKS { Request::Idle } else { Request::Run };
         let orders = Orders { sequence: 1, request, attempt: 1, ..Orders::default() };
-        let mut report = Telemetry::default();
-        let ticks = counter.ticks(|| report = controller.process(&orders, &sense, drive));
+        let before = counter.now();
+        let report = controller.process(&orders, &sense, drive);
+        let ticks = counter.since(before);
         tallies[kind(mode, &report)].add(ticks);
         mode = report.mode;
         assert!(mode != Mode::Fault, "{:?} in block {block}", report.fault);
