@@ -13,7 +13,7 @@ impl Generator for Rotation {
     type Number = f32;
     const ONE: f64 = 1.0;
     const NAME: &'static str = "firmware rotation";
-    const FAMILY: &'static str = "the controller";
+    const FAMILY: &'static str = "firmware rotation";
     const HOW: &'static str = "512 pairs, second order";
 
     #[inline]
@@ -30,7 +30,7 @@ impl Generator for Swung {
     type Number = f32;
     const ONE: f64 = 1.0;
     const NAME: &'static str = "firmware swing";
-    const FAMILY: &'static str = "the controller";
+    const FAMILY: &'static str = "firmware swing";
     const HOW: &'static str = "y + d, d - c y, set anew each block";
 
     #[inline]
