@@ -42,6 +42,6 @@ impl Generator for Swung {
     fn block(phase: u64, word: u64, samples: usize, mut sink: impl FnMut(Pair<f32>)) {
         let steady = Steady::new(&Stretch { phase, word, step: 0 });
         let (mut sine, mut cosine) = (steady.swing(Phasor::new(1.0, 0.0)), steady.swing(Phasor::new(0.0, 1.0)));
-        (0..samples).for_each(|_| sink(Pair { sin: sine.next(), cos: cosine.next() }));
+        (0..samples).for_each(|_| sink(Pair { sin: sine.take(), cos: cosine.take() }));
     }
 }

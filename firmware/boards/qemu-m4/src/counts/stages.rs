@@ -6,7 +6,7 @@ use firmware::block::{DriveBlock, SenseBlock};
 use firmware::burst::Envelope;
 use firmware::config::{Config, Drive, ShapeKind};
 use firmware::convert::Convert;
-use firmware::demod::{OutOfOrder, Sensed, demodulate};
+use firmware::demod::{Sensed, Suspect, demodulate};
 use firmware::guard::{Driven, Guard};
 use firmware::identify;
 use firmware::motional::Motional;
@@ -51,7 +51,7 @@ fn listening(print: Print) {
     });
     let sensed = Sensed { v: Phasor::new(3.0, 0.0), i: Phasor::new(1.0, 0.15) };
     let mut guard = Guard::build(&config, BLOCK_S).expect("valid limits");
-    let driven = Driven { volts: Some(3.0), outside: OutOfOrder::default() };
+    let driven = Driven { volts: Some(3.0), suspect: Suspect::default() };
     print("guard", &mut || {
         black_box(guard.inspect(black_box(&convert), black_box(&sense), black_box(&sensed), black_box(driven)));
     });
