@@ -1,40 +1,169 @@
-//! The shaper: phase, shape, lane and envelope to codes.
+//! The shaper: phase, shape, lanes and envelope to codes.
 //! `drive(n, lane) = mid + envelope(n) * volts * gain(lane) * shape(phase(n) + offset(lane))`.
+//!
+//! Amplitudes are limited here to what the converter has, once a block, so that no code can run over. What a burst leaves in volt-seconds
+//! (its sampling, its rounding, the shape of its edges) is counted in codes and paid back in the silence after it, a small part of the
+//! amplitude a sample: over burst and silence the codes of every lane add up to nothing.
 
 use heapless::Vec;
 
-use crate::block::{Codes, DriveBlock, MAX_LANES};
+use crate::block::{Codes, DriveBlock, MAX_BLOCK_SAMPLES, MAX_LANES};
 use crate::burst::Envelope;
+use crate::config::Config;
 use crate::convert::DriveScale;
+use crate::nco::{Stretch, cycles_per_sample};
 use crate::phasing::Lane;
-use crate::shape::Table;
+use crate::shape::Shape;
+use crate::shape::bands::Blend;
+use crate::shape::noise::Dither;
+use crate::shape::sine::{self, Steady};
 
-/// Writes one block of codes, of `samples` samples from `phase` on with tuning word `word` (2^64 a turn).
-pub fn shape(
-    drive: &mut DriveBlock,
-    scale: &DriveScale,
-    table: &Table,
-    lanes: &Vec<Lane, MAX_LANES>,
-    (phase, word, samples): (u64, u64, usize),
-    volts: f32,
-    envelope: &Envelope,
-) {
-    drive.lanes.clear();
-    for lane in lanes {
-        let lsb = volts * lane.gain * scale.lsb_per_volt();
-        let at = |n: usize| {
-            let turning = phase.wrapping_add(word.wrapping_mul(n as u64));
-            table.at(((turning >> 32) as u32).wrapping_add(lane.offset))
-        };
-        let codes: Codes = match envelope {
-            Envelope::Flat(level) if *level * lsb == 0.0 => core::iter::repeat_n(scale.silence(), samples).collect(),
-            Envelope::Flat(level) => {
-                let lsb = lsb * level;
-                (0..samples).map(|n| scale.code(lsb * at(n))).collect()
+/// The most that is paid back in a sample, codes; no more than the converter has.
+const PAYBACK: f32 = 32.0;
+
+/// The shaper.
+#[derive(Clone, Debug)]
+pub struct Shaper {
+    dither: Option<Dither>,
+    /// What each lane has played too much since it was last even, codes times samples.
+    owed: [i32; MAX_LANES],
+}
+
+/// What is to be played.
+pub struct Play<'a> {
+    /// The converter.
+    pub scale: &'a DriveScale,
+    /// The lanes.
+    pub lanes: &'a Vec<Lane, MAX_LANES>,
+    /// The phase.
+    pub stretch: Stretch,
+    /// Samples.
+    pub samples: usize,
+    /// Peak voltage before the envelope, V.
+    pub volts: f32,
+    /// The envelope.
+    pub envelope: Envelope<'a>,
+}
+
+impl Play<'_> {
+    /// Codes for a lane's gain of one; no more than the converter has room for at the lane's own gain.
+    fn codes(&self, gain: f32) -> f32 {
+        let (codes, room) = (self.volts * self.scale.lsb_per_volt(), self.scale.headroom());
+        if codes * gain > room { room / gain } else { codes }
+    }
+}
+
+impl Shaper {
+    /// The configured shaper.
+    pub fn build(config: &Config) -> Self {
+        Shaper { dither: config.drive.dither.then(|| Dither::new(config.drive.seed)), owed: [0; MAX_LANES] }
+    }
+
+    /// A block of mid-code, whatever is owed: for a drive that must be silent.
+    pub fn mute(&mut self, play: &Play, drive: &mut DriveBlock) {
+        self.owed = [0; MAX_LANES];
+        fit(play, drive);
+        self.silence(play, drive);
+    }
+
+    /// Writes one block of codes.
+    pub fn shape(&mut self, shape: &mut Shape, play: &Play, drive: &mut DriveBlock) {
+        fit(play, drive);
+        if play.volts == 0.0 || play.envelope == Envelope::Flat(0.0) {
+            return self.silence(play, drive);
+        }
+        let stretch = &play.stretch;
+        let each = play.lanes.iter().zip(&mut drive.lanes).enumerate();
+        match shape {
+            Shape::Sine if stretch.step == 0 => {
+                let steady = Steady::new(stretch);
+                each.for_each(|(n, (lane, codes))| {
+                    let mut swing = steady.swing(lane.row * play.codes(lane.gain));
+                    self.write(n, play, codes, || swing.next());
+                });
             }
-            Envelope::Edge(levels) => levels.iter().enumerate().map(|(n, level)| scale.code(lsb * level * at(n))).collect(),
+            Shape::Sine => each.for_each(|(n, (lane, codes))| {
+                let (row, mut phases) = (lane.row * play.codes(lane.gain), stretch.phases());
+                self.write(n, play, codes, || {
+                    let z = sine::rotation(phases.next());
+                    z.im * row.re + z.re * row.im
+                });
+            }),
+            Shape::Harmonics(bands) => {
+                let Blend { lower, upper, weight } = bands.at(cycles_per_sample(stretch.word) as f32);
+                each.for_each(|(n, (lane, codes))| {
+                    let (peak, mut phases) = (play.codes(lane.gain) * lane.gain, stretch.phases());
+                    let mut phase = || ((phases.next() >> 32) as u32).wrapping_add(lane.offset);
+                    if weight == 1.0 {
+                        return self.write(n, play, codes, || peak * upper.at(phase()));
+                    }
+                    self.write(n, play, codes, || {
+                        let phase = phase();
+                        let (low, high) = (lower.at(phase), upper.at(phase));
+                        peak * (low + weight * (high - low))
+                    });
+                });
+            }
+            Shape::Noise(noise) => {
+                let mut wave = [0.0; MAX_BLOCK_SAMPLES];
+                wave.iter_mut().take(play.samples).for_each(|value| *value = noise.next());
+                each.for_each(|(n, (lane, codes))| {
+                    let (peak, mut values) = (play.codes(lane.gain) * lane.gain, wave.iter());
+                    self.write(n, play, codes, || peak * values.next().copied().unwrap_or(0.0));
+                });
+            }
+        }
+    }
+
+    /// Rounds a waveform to the codes of a lane. Amplitudes are limited where they are made, so that every sum is a code.
+    #[inline(always)]
+    fn write(&mut self, lane: usize, play: &Play, codes: &mut Codes, mut next: impl FnMut() -> f32) {
+        let base = play.scale.rounding_base();
+        let mut sum = 0;
+        let mut put = |place: &mut u16, value: f32| {
+            let code = (base + value) as i32;
+            sum += code;
+            *place = code as u16;
         };
-        // There are as many lanes in the block as in the configuration, at most MAX_LANES.
-        let _ = drive.lanes.push(codes);
+        match (&mut self.dither, play.envelope) {
+            (None, Envelope::Flat(level)) if level == 1.0 => codes.iter_mut().for_each(|place| put(place, next())),
+            (None, Envelope::Flat(level)) => codes.iter_mut().for_each(|place| put(place, level * next())),
+            (None, Envelope::Edge(levels)) => codes.iter_mut().zip(levels).for_each(|(place, level)| put(place, level * next())),
+            (Some(dither), Envelope::Flat(level)) => {
+                codes.iter_mut().for_each(|place| put(place, level * next() + dither.next()));
+            }
+            (Some(dither), Envelope::Edge(levels)) => codes.iter_mut().zip(levels).for_each(|(place, level)| {
+                // Silence is silent.
+                let dithered = if *level == 0.0 { 0.0 } else { dither.next() };
+                put(place, level * next() + dithered);
+            }),
+        }
+        let silent = i32::from(play.scale.silence()) * play.samples as i32;
+        self.owed[lane] = self.owed[lane].wrapping_add(sum - silent);
+    }
+
+    /// Mid-code, but for what is owed.
+    fn silence(&mut self, play: &Play, drive: &mut DriveBlock) {
+        let (mid, most) = (play.scale.silence(), play.scale.headroom().min(PAYBACK) as i32);
+        for (codes, owed) in drive.lanes.iter_mut().zip(&mut self.owed) {
+            codes.fill(mid);
+            for code in codes {
+                if *owed == 0 {
+                    break;
+                }
+                let back = (*owed).clamp(-most, most);
+                *owed -= back;
+                *code = (i32::from(mid) - back) as u16;
+            }
+        }
+    }
+}
+
+/// Gives the block its lanes and samples.
+fn fit(play: &Play, drive: &mut DriveBlock) {
+    // There are never more of either than there is room for: the configuration was checked.
+    let _ = drive.lanes.resize_default(play.lanes.len());
+    for lane in &mut drive.lanes {
+        let _ = lane.resize_default(play.samples);
     }
 }

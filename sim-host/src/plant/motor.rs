@@ -244,7 +244,8 @@ impl Analog for Motor {
     fn exchange(&mut self, drive: &DriveBlock, sense: &mut SenseBlock) {
         self.disturb();
         let count = drive.lanes.first().map_or(0, |lane| lane.len());
-        let listen = 0;
+        // As the board's multiplexer stands while these codes play.
+        let listen = usize::from(drive.listen).min(MAX_LANES - 1);
         let (steps, step_s) = (self.timing.steps as usize, self.timing.step_s());
         let mut block = Block { sums: Sums::new(), tone: Tone::default(), normal: 0.0, rotor_work: 0.0 };
         sense.v.clear();

@@ -25,6 +25,9 @@ pub struct Amplifier {
     #[serde(skip_serializing_if = "Vec::is_empty")]
     #[schemars(length(max = 4), inner(range(min = -0.5, max = 0.5)))]
     pub lane_gain_error: Vec<f64>,
+    /// Lanes that the board has: a converter and an amplifier each.
+    #[schemars(range(min = 1, max = 4))]
+    pub lanes: u8,
 }
 
 impl Default for Amplifier {
@@ -35,6 +38,7 @@ impl Default for Amplifier {
             source_ohm: 0.3,
             lane_phase_error_deg: Vec::new(),
             lane_gain_error: Vec::new(),
+            lanes: 4,
         }
     }
 }
