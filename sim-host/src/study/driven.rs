@@ -91,7 +91,9 @@ fn wave_window(scene: &Driven) -> Vec<Window> {
         return Vec::new();
     }
     let window = scene.controller.burst.as_ref().and_then(|burst| first_window(burst, 0.0));
-    let to_s = window.map_or(scene.duration_s, |(_, off)| off.min(scene.duration_s));
-    let from_s = to_s - WAVE_PERIODS / scene.controller.drive.frequency_hz;
+    let end_s = window.map_or(scene.duration_s, |(_, off)| off.min(scene.duration_s));
+    // An edge may be moved to the end of a period.
+    let period_s = 1.0 / scene.controller.drive.frequency_hz;
+    let (from_s, to_s) = (end_s - (WAVE_PERIODS + 2.0) * period_s, end_s - 2.0 * period_s);
     vec![Window { title: WAVE.into(), edge_s: from_s, from_s, to_s, ..Window::default() }]
 }

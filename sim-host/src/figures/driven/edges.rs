@@ -27,7 +27,8 @@ fn edge(run: &Run, window: &Window) -> Figure {
         let y = (0..time.len()).map(|n| value(n) / scale).collect();
         Series { name: name.into(), csv_column: column.into(), x: time.clone(), y, style: Style::Line }
     };
-    let mut series = vec![relative("tip velocity", "tip_velocity_relative", &velocity)];
+    let what_moves = if run.scene.stator().is_some() { "crest velocity" } else { "tip velocity" };
+    let mut series = vec![relative(what_moves, "tip_velocity_relative", &velocity)];
     if run.scene.contact.is_some() {
         series.push(relative("friction", "friction_relative", &friction));
     }

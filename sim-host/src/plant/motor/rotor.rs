@@ -14,7 +14,7 @@
 //! step of it could stop what it acts on (a wave that has rung down, a rotor that stands), it is taken at the end instead, and is at
 //! most what stops it: standstill is exact, and holds any load torque less than `mu N r`.
 
-use crate::plant::motor::crest::{Crest, Layer, Pull};
+use crate::plant::motor::crest::{Crest, Layer, Pull, length};
 use crate::plant::motor::linear::Linear;
 use crate::plant::motor::model::Model;
 use crate::plant::motor::participation::MODES;
@@ -60,7 +60,7 @@ pub struct Rotor {
 /// The wave's crest, and cosine and sine of its phase.
 fn crest(linear: &Linear, slope: f64, rotor_m: f64) -> (Crest, f64, f64) {
     let ([qs, qc], [ss, sc]) = (linear.amplitudes(), linear.velocities());
-    let height_m = qs.hypot(qc);
+    let height_m = length(qs, qc);
     let (cos, sin) = if height_m == 0.0 { (1.0, 0.0) } else { (qc / height_m, qs / height_m) };
     let crest =
         Crest { height_m, rotor_m, along_m_per_s: -slope * (ss * cos - sc * sin), across_m_per_s: slope * (ss * sin + sc * cos) };
@@ -155,14 +155,14 @@ impl Rotor {
         let per_newton = step_s / self.mass_kg;
         let load = self.torque_nm / self.radius_m;
         let free = linear.velocities();
-        let moving = free[0].hypot(free[1]);
+        let moving = length(free[0], free[1]);
 
         linear.push(self.last.modes_n);
         let (wave, cos, sin) = crest(linear, self.slope, self.height_m);
         let ahead = self.speed + per_newton * (self.last.force_n - load);
         let pull = wave.friction(&self.layer, ahead);
         let end = Dragged { force_n: pull.force_n, modes_n: self.on_modes(&pull, cos, sin), normal_n: pull.normal_n };
-        let size = |newtons: [f64; MODES]| newtons[0].hypot(newtons[1]);
+        let size = |newtons: [f64; MODES]| length(newtons[0], newtons[1]);
         let mean = |a: f64, b: f64| 0.5 * (a + b);
         let mut dragged = Dragged {
             modes_n: [0, 1].map(|mode| mean(self.last.modes_n[mode], end.modes_n[mode])),
@@ -179,7 +179,7 @@ impl Rotor {
         }
         linear.push([0, 1].map(|mode| dragged.modes_n[mode] - self.last.modes_n[mode]));
 
-        let surface = wave.along_m_per_s.hypot(wave.across_m_per_s);
+        let surface = length(wave.along_m_per_s, wave.across_m_per_s);
         let most = self.layer.mu * pull.normal_n;
         let near = self.speed.abs() <= surface + 2.0 * per_newton * (most + load.abs());
         if near && per_newton * most > STIFF * surface {
@@ -197,7 +197,7 @@ impl Rotor {
 
     /// The friction that agrees with the speed it leads to: of a rotor near standstill.
     fn holding(&self, wave: &Crest, per_newton: f64, load: f64, most: f64) -> f64 {
-        let surface = wave.along_m_per_s.hypot(wave.across_m_per_s);
+        let surface = length(wave.along_m_per_s, wave.across_m_per_s);
         if surface < STANDSTILL {
             return (load - self.speed / per_newton).clamp(-most, most);
         }

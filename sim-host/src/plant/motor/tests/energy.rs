@@ -17,6 +17,9 @@ fn energy_closes() {
         &["rig.rotor.mu=0"],
         &["amplifier.lane_phase_error_deg=[0, 10, -5, 7]", "amplifier.lane_gain_error=[0, 0.06, -0.03, 0.04]"],
         &["stator.split_hz=100", "rig.rotor.torque_nm=8e-3"],
+        &["disturbance.0.at_s=0.015", "disturbance.0.key=stator.series_resonance_hz", "disturbance.0.to=40100"],
+        &["disturbance.0.at_s=0.01", "disturbance.0.key=stator.series_resonance_hz", "disturbance.0.rate_per_s=5e3"],
+        &["disturbance.0.at_s=0.01", "disturbance.0.key=rig.rotor.preload_n", "disturbance.0.to=8"],
     ] {
         let left = residual(sets);
         assert!(left.abs() < 1e-4, "{sets:?}: {left:e}"); // 4e-5 measured

@@ -81,3 +81,12 @@ fn the_mean_normal_force_is_the_preload() {
         assert!((normal / 5.0 - 1.0).abs() < 2e-3, "{sets:?}: {normal}");
     }
 }
+
+/// A load that changes on the way leads to the speed of the new one.
+#[test]
+fn a_load_step_leads_to_the_new_speed() {
+    let step = ["disturbance.0.at_s=0.01", "disturbance.0.key=rig.rotor.torque_nm", "disturbance.0.to=6e-3"];
+    let speed = |sets: &[&str]| mean(&Bench::new(sets).play(SETTLED_S), LAST, |motor| motor.rotor_rad_per_s);
+    let (stepped, steady) = (speed(&step), speed(&["rig.rotor.torque_nm=6e-3"]));
+    assert!((stepped / steady - 1.0).abs() < 1e-6, "{stepped} {steady}");
+}
