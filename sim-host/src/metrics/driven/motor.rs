@@ -16,7 +16,7 @@
 
 use super::{View, crossing, mean};
 use crate::metrics::Metrics;
-use crate::plant::motor::steady;
+use crate::plant::motor::steady::Steady;
 use crate::plant::truth::MotorTruth;
 use crate::record::Row;
 use crate::scene::{Direction, Driven};
@@ -59,9 +59,9 @@ impl View<'_> {
         let ratio = speed.zip(wave).map(|(speed, (_, surface))| speed.abs() * rotor.radius_m / surface);
         metrics.put("rotor_speed_ratio", ratio);
         let closed = torque.zip(speed).zip(wave).map(|((torque, speed), (amplitude, _))| {
-            let zone = steady::zone(amplitude, rotor.contact_stiffness_n_per_m, rotor.preload_n);
             let most = rotor.mu * rotor.preload_n * rotor.radius_m;
-            steady::speed_ratio(zone, torque * speed.signum() / most)
+            let steady = Steady::new(amplitude, rotor.contact_stiffness_n_per_m, rotor.preload_n);
+            steady.speed_ratio(torque * speed.signum() / most)
         });
         metrics.put("rotor_speed_ratio_closed_form", closed);
         metrics.put("rotor_torque_nm", torque);

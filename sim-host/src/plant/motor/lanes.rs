@@ -71,10 +71,9 @@ impl Lanes {
     #[inline]
     pub fn play(&mut self, volts: &[f64; MAX_LANES]) -> Played {
         let mut played = Played::default();
-        for lane in 0..MAX_LANES {
-            let line = &mut self.lines[lane];
+        for (lane, (line, volts)) in self.lines.iter_mut().zip(volts).enumerate() {
             line.pop_back();
-            line.push_front(volts[lane]);
+            line.push_front(*volts);
             let whole = self.whole[lane];
             played.before[lane] = self.gain[lane] * line[whole + 1];
             played.after[lane] = self.gain[lane] * line[whole];

@@ -99,7 +99,7 @@ impl Linear {
     pub fn remake(&mut self, model: &Model, amplifier: &Amplifier, timing: Timing, change: [f64; MAX_LANES]) {
         let mut flows = Flows { network: network(model, amplifier), made: Vec::new() };
         let step_s = timing.step_s();
-        let step = flows.over(step_s).clone();
+        let step = *flows.over(step_s);
         let column = |c: usize| fours(|r| step[r][c]);
         self.flow = std::array::from_fn(|c| [column(c)[0], column(c)[1]]);
         self.force = std::array::from_fn(|mode| [column(FORCE + mode)[0], column(FORCE + mode)[1]]);
@@ -116,7 +116,7 @@ impl Linear {
             .collect();
         let source = amplifier.source_ohm;
         let mut look = |step: usize, lane: usize, [v, i]: [f64; 2]| {
-            let (early, late) = (flows.over(v).clone(), flows.over(i).clone());
+            let (early, late) = (*flows.over(v), *flows.over(i));
             // The total current is (e - v) / Rs.
             let total = |column: usize| (late[E + lane][column] - late[V + lane][column]) / source;
             let both = |column: usize| f64x2::new([early[V + lane][column], total(column)]);

@@ -14,9 +14,9 @@ fn ratios(sets: &[&str]) -> (f64, f64, f64) {
     let scene = usm(sets);
     let rotor = scene.rig.unwrap().rotor.unwrap();
     let amplitude = mean(&truths, LAST, |motor| motor.forward_m);
-    let zone = steady::zone(amplitude, rotor.contact_stiffness_n_per_m, rotor.preload_n);
+    let steady = steady::Steady::new(amplitude, rotor.contact_stiffness_n_per_m, rotor.preload_n);
     let part = rotor.torque_nm / (rotor.radius_m * rotor.mu * rotor.preload_n);
-    (speed, steady::speed_ratio(zone, part), zone.to_degrees())
+    (speed, steady.speed_ratio(part), steady.zone().to_degrees())
 }
 
 #[test]
