@@ -37,7 +37,7 @@ pub fn report(study: &Study) -> Report {
 pub fn tables(study: &Study) -> Vec<TableBlock> {
     let mut tables = vec![expectations(study)];
     match &study.outcome {
-        Outcome::Driven(run) => tables.push(driven::three_ways(study, run)),
+        Outcome::Driven(run) => tables.extend(driven::tables(study, run)),
         Outcome::Contact(solved) => tables.extend(contact::tables(study, solved)),
     }
     tables.extend(grid(study));
