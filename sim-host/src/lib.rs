@@ -30,7 +30,9 @@ pub mod run;
 pub mod scene;
 pub mod schedule;
 pub mod study;
+pub mod swing;
 pub mod thesis;
+pub mod time_frequency;
 pub mod trace;
 
 pub use scene::settings;

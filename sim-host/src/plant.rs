@@ -192,6 +192,7 @@ impl Plant {
         sums.in_phase += v * i;
         sums.quadrature += v * self.stack.motional_voltage();
         sums.lost += i * i;
+        sums.current_peak = if i.abs() > sums.current_peak { i.abs() } else { sums.current_peak };
         force
     }
 
@@ -216,6 +217,8 @@ impl Plant {
             friction_max_n: sums.friction_max.max(mean),
             load_cell_n: self.load_cell.feel(mean),
             tip_velocity_m_per_s: self.stack.tip_amplitude(),
+            tip_square_m2_per_s2: sums.lost / steps / circuit.force_factor_n_per_v.powi(2),
+            tip_peak_m_per_s: sums.current_peak / circuit.force_factor_n_per_v,
             series_resonance_hz: circuit.series_resonance_hz(),
             power_w: supplied / block_s,
             // The motional capacitor's voltage lags the current by a quarter turn.

@@ -7,6 +7,7 @@ use firmware::telemetry::Telemetry;
 
 use crate::plant::energy::Energy;
 use crate::plant::truth::{Sample, Truth};
+use crate::swing::Swing;
 use crate::trace::Tracer;
 
 /// One block.
@@ -28,6 +29,8 @@ pub struct Row {
     pub drive_v: f64,
     /// Command: mean envelope that was playing.
     pub envelope: f64,
+    /// What the codes that were playing drive.
+    pub swing: Swing,
     /// Estimate: resonance, Hz.
     pub resonance_estimate_hz: f64,
     /// Estimate: motional current, A.
@@ -108,7 +111,7 @@ impl Command {
 
 impl Row {
     /// The row of a block in which `command` played.
-    pub fn new(time_s: f64, sample_hz: f64, command: &Command, telemetry: &Telemetry, truth: &Truth) -> Self {
+    pub fn new(time_s: f64, sample_hz: f64, command: &Command, telemetry: &Telemetry, (swing, truth): (Swing, &Truth)) -> Self {
         let voltage = magnitude(telemetry.v);
         let admittance = || {
             let y = telemetry.i / telemetry.v;
@@ -123,6 +126,7 @@ impl Row {
             frequency_hz: command.frequency_hz(sample_hz),
             drive_v: command.drive_v * command.envelope,
             envelope: command.envelope,
+            swing,
             resonance_estimate_hz: telemetry.resonance.0.into(),
             motional_current_a: magnitude(telemetry.motional_current).into(),
             phase_deg: telemetry.phase.degrees().into(),

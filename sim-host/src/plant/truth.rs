@@ -13,6 +13,10 @@ pub struct Truth {
     pub load_cell_n: f64,
     /// Amplitude of the tip velocity at the block's end, m/s.
     pub tip_velocity_m_per_s: f64,
+    /// Mean square of the tip velocity over the block, m²/s².
+    pub tip_square_m2_per_s2: f64,
+    /// Largest tip velocity to either side within the block, at the steps, m/s.
+    pub tip_peak_m_per_s: f64,
     /// Series resonance during the block, Hz.
     pub series_resonance_hz: f64,
     /// Mean power into the motional branch, W.

@@ -1,0 +1,164 @@
+//! A comparison: cases beside each other, at equal peak, rms or power.
+
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use rayon::prelude::*;
+
+use super::matching::{Found, Target, find};
+use super::{StudyError, cell};
+use crate::metrics::Metrics;
+use crate::scene::load::Loaded;
+use crate::scene::resolved::resolved_json;
+use crate::scene::schema::Schema;
+use crate::scene::{Case, Comparison, Equal};
+
+/// A comparison, run.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ComparisonResult {
+    /// The comparison asked for.
+    pub comparison: Comparison,
+    /// For each of what is made equal, its cases.
+    pub matches: Vec<Matched>,
+}
+
+/// The cases at equal peak, rms or power.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Matched {
+    /// What is equal.
+    pub equal: Equal,
+    /// The metric that is equal, of the first case.
+    pub target: Option<f64>,
+    /// The cases, in the order of the scene.
+    pub cases: Vec<CaseResult>,
+}
+
+/// A case at equal peak, rms or power.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CaseResult {
+    /// Its name.
+    pub name: String,
+    /// Its amplitude, in the unit of the amplitude key.
+    pub amplitude: f64,
+    /// Its metrics at that amplitude.
+    pub metrics: Metrics,
+    /// How it was matched.
+    pub standing: Standing,
+}
+
+/// How a case compares with the first.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Standing {
+    /// It is equal, to so much of a part.
+    Equal {
+        /// Its metric over the first case's, less one.
+        off: f64,
+    },
+    /// It would take more than is allowed; amplitude and metrics are those of the most that is.
+    Beyond {
+        /// The amplitude that it would take.
+        needs: f64,
+    },
+    /// It cannot be matched: it has no such metric, because its run ended in a fault, say. Amplitude and metrics are unmatched.
+    Unmeasured,
+}
+
+impl ComparisonResult {
+    /// A case, by its name.
+    pub fn case(&self, name: &str, equal: Equal) -> Option<&CaseResult> {
+        self.matches.iter().find(|matched| matched.equal == equal)?.cases.iter().find(|case| case.name == name)
+    }
+}
+
+impl CaseResult {
+    /// A metric, if the case is equal to the first.
+    pub fn metric(&self, name: &str) -> Option<f64> {
+        matches!(self.standing, Standing::Equal { .. }).then(|| self.metrics.get(name)).flatten()
+    }
+}
+
+/// What all cases have in common.
+struct Bench<'a> {
+    loaded: &'a Loaded,
+    comparison: &'a Comparison,
+    stop: &'a AtomicBool,
+}
+
+/// Runs every case of a comparison, in parallel; nothing if it is stopped.
+pub(super) fn conduct(loaded: &Loaded, comparison: &Comparison, stop: &AtomicBool) -> Result<Option<ComparisonResult>, StudyError> {
+    let bench = Bench { loaded, comparison, stop };
+    let peaks = comparison.case.par_iter().map(|case| bench.peak(case)).collect::<Result<Vec<_>, StudyError>>()?;
+    let Some(first) = peaks.first() else { return Ok(None) };
+    let pairs: Vec<(Equal, usize)> =
+        comparison.matched.iter().flat_map(|&equal| (0..peaks.len()).map(move |case| (equal, case))).collect();
+    let matched = |&(equal, case): &(Equal, usize)| bench.matched(equal, &comparison.case[case], &peaks[case], first);
+    let cases = pairs.par_iter().map(matched).collect::<Result<Vec<_>, StudyError>>()?;
+    if stop.load(Ordering::Relaxed) {
+        return Ok(None);
+    }
+    let matches = comparison.matched.iter().zip(cases.chunks(peaks.len())).map(|(&equal, cases)| Matched {
+        equal,
+        target: equal.metric().and_then(|metric| first.metrics.get(metric)),
+        cases: cases.to_vec(),
+    });
+    Ok(Some(ComparisonResult { comparison: comparison.clone(), matches: matches.collect() }))
+}
+
+impl Bench<'_> {
+    /// A case's scene, at an amplitude or at the scene's own.
+    fn load(&self, case: &Case, amplitude: Option<f64>) -> Result<(String, Loaded), StudyError> {
+        let key = &self.comparison.amplitude_key;
+        let scaled = amplitude.map(|amplitude| format!("{key}={amplitude}"));
+        let place = scaled.iter().fold(format!("`{}`", case.name), |place, scaled| format!("{place}, {scaled}"));
+        let sets: Vec<String> = self.comparison.set.iter().chain(&case.set).chain(&scaled).cloned().collect();
+        let loaded = cell::load(self.loaded, &place, &sets)?;
+        Ok((place, loaded))
+    }
+
+    /// A case at the scene's amplitude.
+    fn peak(&self, case: &Case) -> Result<CaseResult, StudyError> {
+        let (place, loaded) = self.load(case, None)?;
+        let amplitude = number(&loaded, &self.comparison.amplitude_key).ok_or(StudyError::Incomplete)?;
+        let metrics = cell::run(&loaded, &place, self.stop)?;
+        Ok(CaseResult { name: case.name.clone(), amplitude, metrics, standing: Standing::Equal { off: 0.0 } })
+    }
+
+    /// A case scaled until it equals the first.
+    fn matched(&self, equal: Equal, case: &Case, peak: &CaseResult, first: &CaseResult) -> Result<CaseResult, StudyError> {
+        let Some(metric) = equal.metric() else { return Ok(peak.clone()) };
+        let unmeasured = || CaseResult { standing: Standing::Unmeasured, ..peak.clone() };
+        let Some(goal) = first.metrics.get(metric) else { return Ok(unmeasured()) };
+        let (_, loaded) = self.load(case, None)?;
+        let target =
+            Target { metric: goal, exponent: equal.exponent(), allowed: allowed(&loaded, &self.comparison.amplitude_key) };
+        let mut runs = vec![(peak.amplitude, peak.metrics.clone())];
+        let found = find(peak.metrics.get(metric), peak.amplitude, target, |amplitude| {
+            let (place, loaded) = self.load(case, Some(amplitude))?;
+            let metrics = cell::run(&loaded, &place, self.stop)?;
+            let measured = metrics.get(metric);
+            runs.push((amplitude, metrics));
+            Ok::<_, StudyError>(measured)
+        })?;
+        let (point, standing) = match found {
+            Found::At(point) => (point, Standing::Equal { off: point.metric / goal - 1.0 }),
+            Found::Beyond { needs, reached } => (reached, Standing::Beyond { needs }),
+            Found::Unmeasured => return Ok(unmeasured()),
+        };
+        let (amplitude, metrics) = runs.into_iter().find(|(amplitude, _)| *amplitude == point.amplitude).ok_or(StudyError::Incomplete)?;
+        Ok(CaseResult { name: case.name.clone(), amplitude, metrics, standing })
+    }
+}
+
+/// A number of a scene.
+fn number(loaded: &Loaded, key: &str) -> Option<f64> {
+    resolved_json(&loaded.scene).pointer(&format!("/{}", key.replace('.', "/")))?.as_f64()
+}
+
+/// The least and the largest amplitude that a scene may have: the range of its key, and what limits the drive.
+fn allowed(loaded: &Loaded, key: &str) -> (f64, f64) {
+    let (least, most) = Schema::root().at(key).map_or((None, None), Schema::range);
+    let drive = loaded.scene.driven().map_or(f64::INFINITY, |scene| {
+        let loudest = scene.controller.phasing.gain_trim.iter().copied().fold(1.0, f64::max);
+        scene.controller.limits.voltage_v.min(scene.amplifier.full_scale_v) / loudest
+    });
+    (least.unwrap_or(0.0), most.unwrap_or(f64::MAX).min(drive))
+}
