@@ -44,7 +44,7 @@ pub struct Row {
 }
 
 /// A stretch of time kept sample by sample.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Window {
     /// What it shows.
     pub title: String,

@@ -8,6 +8,7 @@ pub mod film;
 pub mod grid;
 pub mod matching;
 mod stopped;
+pub mod swept;
 
 use std::sync::atomic::{AtomicBool, Ordering};
 

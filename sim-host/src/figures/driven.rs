@@ -5,6 +5,7 @@ mod edges;
 mod energy;
 mod friction;
 mod resonance;
+pub(super) mod time_frequency;
 
 use super::axis;
 use crate::metrics::driven::View;

@@ -69,7 +69,8 @@ impl<DB: DrawingBackend> Plot<'_, '_, DB> {
         let px = |points| self.sheet.pen.px(points);
         for (value, label) in &self.figure.hlines {
             let Some(y) = self.y.position(*value).filter(|&y| self.y.shows(y)) else { continue };
-            self.dashes(chart, vec![(self.x.low, y), (self.x.high, y)], MUTED, 2.0)?;
+            let ink = if self.figure.map.is_some() { WHITE } else { MUTED };
+            self.dashes(chart, vec![(self.x.low, y), (self.x.high, y)], ink, 2.0)?;
             let (right, height) = chart.backend_coord(&(self.x.high, y));
             self.sheet.note(label, look, WHITE, (right - px(10.0), height - px(17.0)))?;
         }

@@ -1,0 +1,179 @@
+//! The time-frequency pictures of a sweep, which thesis 4.4 asks for: the short-time transform of the whole sweep, and the Wigner-Ville
+//! distribution of the stretch in which it passes the resonance.
+
+use super::axis;
+use crate::plant::truth::Sample;
+use crate::report::{Figure, HeatMap};
+use crate::study::swept::Swept;
+use crate::time_frequency::{Map, Smoothing, stft, wigner_ville, window_for};
+
+/// Most columns of a picture.
+const COLUMNS: usize = 640;
+/// Where the colours end below the strongest cell, dB: short-time transform, Wigner-Ville. The latter has side lobes of either sign.
+const FLOOR_DB: [f64; 2] = [60.0, 40.0];
+/// The stretch around the resonance, time constants before and after.
+const STRETCH: [f64; 2] = [1.5, 5.0];
+/// Lags and times of the smoothing, samples: frequency to a part in 500 of the sample rate, and no cross term between components
+/// further apart than about a fiftieth of it.
+const ROWS: usize = 1024;
+const TIMES: usize = 101;
+
+/// A signal of the plant.
+struct Signal {
+    id: &'static str,
+    name: &'static str,
+    of: fn(&Sample) -> f64,
+}
+
+const DRIVE: Signal = Signal { id: "drive", name: "voltage at the stack", of: |sample| sample.voltage_v };
+const TIP: Signal = Signal { id: "tip-velocity", name: "tip velocity", of: |sample| sample.tip_velocity_m_per_s };
+const FRICTION: Signal = Signal { id: "friction", name: "friction", of: |sample| sample.friction_n };
+
+/// The pictures of a sweep; none if nothing of it was recorded.
+pub(in crate::figures) fn of(swept: &Swept) -> Vec<Figure> {
+    let signals: &[Signal] = if swept.rubs { &[DRIVE, TIP, FRICTION] } else { &[DRIVE, TIP] };
+    let whole = signals.iter().filter_map(|signal| short_time(swept, signal));
+    let near = signals.iter().filter_map(|signal| near_resonance(swept, signal, TIMES));
+    whole.chain(near).chain(near_resonance(swept, &TIP, 1)).collect()
+}
+
+/// The whole sweep, through windows.
+fn short_time(swept: &Swept, signal: &Signal) -> Option<Figure> {
+    let samples: Vec<f64> = swept.window.samples.iter().map(signal.of).collect();
+    let window = window_for(swept.slowest_hz_per_s(), swept.sample_s).min(samples.len() / 4);
+    let hop = samples.len().div_ceil(COLUMNS).max(1);
+    let map = stft(&samples, swept.sample_s, window, hop);
+    let kilohertz = map.bin_hz / 1e3;
+    Some(Figure {
+        id: id(swept, "stft", signal),
+        title: format!("{}: short-time spectrum of the sweep", heading(swept, signal)),
+        caption: format!(
+            "Power in dB of the strongest cell, through Hann windows of {window} samples: a window blurs each time by about half its \
+             length and each frequency by about two rows of {kilohertz:.2} kHz. Where the sweep meets the resonance the tip answers; \
+             it rings on at its own frequency while the sweep goes on."
+        ),
+        ..picture(swept, &map, 0.0, FLOOR_DB[0])?
+    })
+}
+
+/// The stretch in which the sweep passes the resonance.
+fn near_resonance(swept: &Swept, signal: &Signal, times: usize) -> Option<Figure> {
+    let passes_s = swept.passes_s(swept.resonance_hz)?;
+    let from_s = (passes_s - STRETCH[0] * swept.time_constant_s).max(0.0);
+    let to_s = (passes_s + STRETCH[1] * swept.time_constant_s).min(swept.time_s);
+    let samples = &swept.window.samples;
+    let place = |seconds: f64| ((seconds / swept.sample_s) as usize).min(samples.len());
+    let stretch: Vec<f64> = samples[place(from_s)..place(to_s)].iter().map(signal.of).collect();
+    let mean = stretch.iter().sum::<f64>() / stretch.len().max(1) as f64;
+    let swinging: Vec<f64> = stretch.iter().map(|value| value - mean).collect();
+    let hop = swinging.len().div_ceil(COLUMNS).max(1);
+    let smoothed = times > 1;
+    let map = wigner_ville(&swinging, swept.sample_s, Smoothing { rows: ROWS, lag_window: true, times, hop });
+    let (kind, what) = if smoothed {
+        let microseconds = times as f64 * swept.sample_s * 1e6;
+        (
+            "wigner",
+            format!(
+                "Smoothed pseudo Wigner-Ville distribution about the mean, in dB of the strongest cell. The window of times, \
+                 {microseconds:.0} us, removes the terms between components further apart than some {:.0} kHz.",
+                2e3 / microseconds
+            ),
+        )
+    } else {
+        (
+            "wigner-unsmoothed",
+            "The same without a window of times: sharper, and with a third term halfway between any two components, which swings \
+             about zero and is no power of the signal."
+                .to_owned(),
+        )
+    };
+    Some(Figure {
+        id: id(swept, kind, signal),
+        title: format!("{}: Wigner-Ville, past the resonance", heading(swept, signal)),
+        caption: what,
+        ..picture(swept, &map, from_s, FLOOR_DB[1])?
+    })
+}
+
+/// A map as a figure, up to the frequency of interest; its time begins `from_s` after the sweep.
+fn picture(swept: &Swept, map: &Map, from_s: f64, floor_db: f64) -> Option<Figure> {
+    let nyquist_hz = 0.5 / swept.sample_s;
+    let highest_hz = (1.5 * swept.start_hz.max(swept.stop_hz)).max(4.0 * swept.resonance_hz).min(nyquist_hz);
+    let rows = (highest_hz / map.bin_hz) as usize + 1;
+    let peak = map.peak();
+    if map.columns.is_empty() || peak <= 0.0 {
+        return None;
+    }
+    // Two digits after the point: finer than any colour, and than what the window lets through.
+    let decibel = |power: f64| (100.0 * 10.0 * (power.max(peak * 1e-12) / peak).log10()).round() / 100.0;
+    let columns: Vec<Vec<f64>> =
+        map.columns.iter().map(|column| column.iter().take(rows).map(|&power| decibel(power)).collect()).collect();
+    let shown = columns.first().map_or(0, Vec::len) as f64;
+    let edge_ms = |column: f64| 1e3 * (from_s + map.first_s + (column - 0.5) * map.every_s);
+    let edge_khz = |row: f64| 1e-3 * (row - 0.5) * map.bin_hz;
+    Some(Figure {
+        x: axis("time from the sweep's beginning [ms]"),
+        y: axis("frequency [kHz]"),
+        map: Some(HeatMap {
+            x: (edge_ms(0.0), edge_ms(columns.len() as f64)),
+            y: (edge_khz(0.0), edge_khz(shown)),
+            columns,
+            range: (-floor_db, 0.0),
+            label: "power [dB]".into(),
+            csv_column: "power_db".into(),
+        }),
+        hlines: vec![(swept.resonance_hz / 1e3, "series resonance".into())],
+        ..Figure::default()
+    })
+}
+
+fn id(swept: &Swept, kind: &str, signal: &Signal) -> String {
+    // A file's name has letters, digits and hyphens.
+    let plain: String = swept.name.chars().map(|c| if c.is_ascii_alphanumeric() { c.to_ascii_lowercase() } else { '-' }).collect();
+    let words: Vec<&str> = plain.split('-').filter(|word| !word.is_empty()).collect();
+    [&[kind, signal.id][..], &words].concat().join("-")
+}
+
+fn heading(swept: &Swept, signal: &Signal) -> String {
+    let mut letters = signal.name.chars();
+    let capital: String = letters.next().into_iter().flat_map(char::to_uppercase).chain(letters).collect();
+    if swept.name.is_empty() { capital } else { format!("{}, {}", swept.name, signal.name) }
+}
+
+#[cfg(test)]
+mod temporary {
+    use super::*;
+    use crate::plant::Plant;
+    use crate::plant::circuit::Circuit;
+    use crate::record::Window;
+    use firmware::block::{DriveBlock, SenseBlock};
+    use hal_mock::analog::Analog;
+
+    #[test]
+    fn draws() {
+        for (name, start, stop, time, base) in [("thesis chirp", 20e3, 200e3, 10e-3, "/tmp/waves-sq.toml"), ("narrow", 38e3, 42e3, 10e-3, "/tmp/waves-sq.toml"),("one ms", 20e3, 200e3, 1e-3, "/tmp/waves-sq.toml")] {
+            let loaded = crate::scene::load::load(base, &[]).unwrap();
+            let scene = loaded.scene.driven().unwrap();
+            let mut plant = Plant::new(&scene);
+            plant.keep_samples(true);
+            let mut samples = Vec::new();
+            let mut phase: f64 = 0.0;
+            let n = (time / 1e-6 / 32.0) as usize * 32;
+            let mut sense = SenseBlock::default();
+            for b in 0..n / 32 {
+                let mut drive = DriveBlock::silent(1, 32, 2048);
+                for k in 0..32 {
+                    let t = (b * 32 + k) as f64 * 1e-6;
+                    phase += (start + (stop - start) * t / time) * 1e-6;
+                    drive.lanes[0][k] = (2048.0 + 3.0 / 20.0 * 2048.0 * (std::f64::consts::TAU * phase).sin()).round() as u16;
+                }
+                plant.exchange(&drive, &mut sense);
+                samples.extend_from_slice(plant.samples());
+            }
+            let circuit = Circuit::of(&scene.stack.bvd);
+            let swept = Swept { name: name.into(), window: Window { samples, ..Window::default() }, sample_s: 1e-6, start_hz: start, stop_hz: stop, time_s: time, exponential: false, resonance_hz: circuit.series_resonance_hz(), time_constant_s: circuit.time_constant_s(), rubs: true };
+            let report = crate::report::Report { figures: of(&swept), ..Default::default() };
+            crate::report::write(&report, std::path::Path::new("/tmp/waves-figures")).unwrap();
+        }
+    }
+}
