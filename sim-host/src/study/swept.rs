@@ -28,6 +28,16 @@ pub struct Swept {
 }
 
 impl Swept {
+    /// Its frequency so long after its beginning, Hz.
+    pub fn frequency_hz(&self, after_s: f64) -> f64 {
+        let share = after_s / self.time_s;
+        if self.exponential {
+            self.start_hz * (self.stop_hz / self.start_hz).powf(share)
+        } else {
+            self.start_hz + share * (self.stop_hz - self.start_hz)
+        }
+    }
+
     /// When the sweep passes a frequency, s from its beginning; nothing if it does not.
     pub fn passes_s(&self, hz: f64) -> Option<f64> {
         let share = if self.exponential {
@@ -72,6 +82,7 @@ mod tests {
         near(sweep(true).passes_s(40e3), 0.01 * 2f64.log10());
         let down = Swept { start_hz: 200e3, stop_hz: 20e3, ..sweep(false) };
         near(down.passes_s(40e3), 0.08 / 9.0);
+        assert!((sweep(true).frequency_hz(sweep(true).passes_s(123e3).unwrap()) - 123e3).abs() < 1e-6);
         assert_eq!((down.passes_s(19e3), down.passes_s(201e3)), (None, None));
     }
 

@@ -13,9 +13,9 @@ const COLUMNS: usize = 640;
 const FLOOR_DB: [f64; 2] = [60.0, 40.0];
 /// The stretch around the resonance, time constants before and after.
 const STRETCH: [f64; 2] = [1.5, 5.0];
-/// Lags and times of the smoothing, samples: frequency to a part in 500 of the sample rate, and no cross term between components
-/// further apart than about a fiftieth of it.
-const ROWS: usize = 1024;
+/// Rows of a Wigner-Ville distribution, to half the sample rate, and so the samples that it looks at around each.
+const ROWS: usize = 2048;
+/// Length of its window of times, samples: no cross term between components further apart than about a fiftieth of the sample rate.
 const TIMES: usize = 101;
 
 /// A signal of the plant.
@@ -23,11 +23,12 @@ struct Signal {
     id: &'static str,
     name: &'static str,
     of: fn(&Sample) -> f64,
+    harmonics: bool,
 }
 
-const DRIVE: Signal = Signal { id: "drive", name: "voltage at the stack", of: |sample| sample.voltage_v };
-const TIP: Signal = Signal { id: "tip-velocity", name: "tip velocity", of: |sample| sample.tip_velocity_m_per_s };
-const FRICTION: Signal = Signal { id: "friction", name: "friction", of: |sample| sample.friction_n };
+const DRIVE: Signal = Signal { id: "drive", name: "voltage at the stack", of: |sample| sample.voltage_v, harmonics: false };
+const TIP: Signal = Signal { id: "tip-velocity", name: "tip velocity", of: |sample| sample.tip_velocity_m_per_s, harmonics: false };
+const FRICTION: Signal = Signal { id: "friction", name: "friction", of: |sample| sample.friction_n, harmonics: true };
 
 /// The pictures of a sweep; none if nothing of it was recorded.
 pub(in crate::figures) fn of(swept: &Swept) -> Vec<Figure> {
@@ -39,7 +40,7 @@ pub(in crate::figures) fn of(swept: &Swept) -> Vec<Figure> {
 
 /// The whole sweep, through windows.
 fn short_time(swept: &Swept, signal: &Signal) -> Option<Figure> {
-    let samples: Vec<f64> = swept.window.samples.iter().map(signal.of).collect();
+    let samples = swinging(&swept.window.samples, signal);
     let window = window_for(swept.slowest_hz_per_s(), swept.sample_s).min(samples.len() / 4);
     let hop = samples.len().div_ceil(COLUMNS).max(1);
     let map = stft(&samples, swept.sample_s, window, hop);
@@ -48,11 +49,11 @@ fn short_time(swept: &Swept, signal: &Signal) -> Option<Figure> {
         id: id(swept, "stft", signal),
         title: format!("{}: short-time spectrum of the sweep", heading(swept, signal)),
         caption: format!(
-            "Power in dB of the strongest cell, through Hann windows of {window} samples: a window blurs each time by about half its \
+            "Power about the mean in dB of the strongest cell, through Hann windows of {window} samples: a window blurs each time by about half its \
              length and each frequency by about two rows of {kilohertz:.2} kHz. Where the sweep meets the resonance the tip answers; \
              it rings on at its own frequency while the sweep goes on."
         ),
-        ..picture(swept, &map, 0.0, FLOOR_DB[0])?
+        ..picture(swept, &map, &Frame { from_s: 0.0, from_hz: 0.0, to_hz: reach_hz(swept), floor_db: FLOOR_DB[0] })?
     })
 }
 
@@ -63,12 +64,20 @@ fn near_resonance(swept: &Swept, signal: &Signal, times: usize) -> Option<Figure
     let to_s = (passes_s + STRETCH[1] * swept.time_constant_s).min(swept.time_s);
     let samples = &swept.window.samples;
     let place = |seconds: f64| ((seconds / swept.sample_s) as usize).min(samples.len());
-    let stretch: Vec<f64> = samples[place(from_s)..place(to_s)].iter().map(signal.of).collect();
-    let mean = stretch.iter().sum::<f64>() / stretch.len().max(1) as f64;
-    let swinging: Vec<f64> = stretch.iter().map(|value| value - mean).collect();
-    let hop = swinging.len().div_ceil(COLUMNS).max(1);
+    let (first, end) = (place(from_s), place(to_s));
+    let hop = (end - first).div_ceil(COLUMNS).max(1);
+    // The distribution looks around itself: what lies beside the stretch goes in, and its columns are left out.
+    let before = (ROWS / 2).min(first) / hop * hop;
+    let around = swinging(&samples[first - before..(end + ROWS / 2).min(samples.len())], signal);
     let smoothed = times > 1;
-    let map = wigner_ville(&swinging, swept.sample_s, Smoothing { rows: ROWS, lag_window: true, times, hop });
+    let mut map = wigner_ville(&around, swept.sample_s, Smoothing { rows: ROWS, lag_window: true, times, hop });
+    map.columns.drain(..before / hop);
+    map.columns.truncate((end - first) / hop);
+    // Friction has harmonics; the others have the sweep's frequency and the stack's own.
+    let ends = [from_s, to_s].map(|s| swept.frequency_hz(s));
+    let (lowest, highest) = ends.into_iter().fold((swept.resonance_hz, swept.resonance_hz), |(a, b), hz| (a.min(hz), b.max(hz)));
+    let (from_hz, to_hz) = if signal.harmonics { (0.0, reach_hz(swept)) } else { (0.6 * lowest, 1.3 * highest) };
+    let frame = Frame { from_s, from_hz, to_hz, floor_db: FLOOR_DB[1] };
     let (kind, what) = if smoothed {
         let microseconds = times as f64 * swept.sample_s * 1e6;
         (
@@ -91,15 +100,33 @@ fn near_resonance(swept: &Swept, signal: &Signal, times: usize) -> Option<Figure
         id: id(swept, kind, signal),
         title: format!("{}: Wigner-Ville, past the resonance", heading(swept, signal)),
         caption: what,
-        ..picture(swept, &map, from_s, FLOOR_DB[1])?
+        ..picture(swept, &map, &frame)?
     })
 }
 
-/// A map as a figure, up to the frequency of interest; its time begins `from_s` after the sweep.
-fn picture(swept: &Swept, map: &Map, from_s: f64, floor_db: f64) -> Option<Figure> {
-    let nyquist_hz = 0.5 / swept.sample_s;
-    let highest_hz = (1.5 * swept.start_hz.max(swept.stop_hz)).max(4.0 * swept.resonance_hz).min(nyquist_hz);
-    let rows = (highest_hz / map.bin_hz) as usize + 1;
+/// A signal about its mean, so that the mean does not outshine what swings.
+fn swinging(samples: &[Sample], signal: &Signal) -> Vec<f64> {
+    let mean = samples.iter().map(signal.of).sum::<f64>() / samples.len().max(1) as f64;
+    samples.iter().map(|sample| (signal.of)(sample) - mean).collect()
+}
+
+/// What a picture shows of a map.
+struct Frame {
+    /// When its first sample was, s from the sweep's beginning.
+    from_s: f64,
+    from_hz: f64,
+    to_hz: f64,
+    floor_db: f64,
+}
+
+/// As far up as the sweep reaches, and the friction's harmonics at resonance.
+fn reach_hz(swept: &Swept) -> f64 {
+    (1.5 * swept.start_hz.max(swept.stop_hz)).max(4.0 * swept.resonance_hz)
+}
+
+/// A map as a figure.
+fn picture(swept: &Swept, map: &Map, frame: &Frame) -> Option<Figure> {
+    let (first, end) = ((frame.from_hz / map.bin_hz) as usize, (frame.to_hz / map.bin_hz) as usize + 1);
     let peak = map.peak();
     if map.columns.is_empty() || peak <= 0.0 {
         return None;
@@ -107,18 +134,18 @@ fn picture(swept: &Swept, map: &Map, from_s: f64, floor_db: f64) -> Option<Figur
     // Two digits after the point: finer than any colour, and than what the window lets through.
     let decibel = |power: f64| (100.0 * 10.0 * (power.max(peak * 1e-12) / peak).log10()).round() / 100.0;
     let columns: Vec<Vec<f64>> =
-        map.columns.iter().map(|column| column.iter().take(rows).map(|&power| decibel(power)).collect()).collect();
+        map.columns.iter().map(|column| column.iter().take(end).skip(first).map(|&power| decibel(power)).collect()).collect();
     let shown = columns.first().map_or(0, Vec::len) as f64;
-    let edge_ms = |column: f64| 1e3 * (from_s + map.first_s + (column - 0.5) * map.every_s);
+    let edge_ms = |column: f64| 1e3 * (frame.from_s + map.first_s + (column - 0.5) * map.every_s);
     let edge_khz = |row: f64| 1e-3 * (row - 0.5) * map.bin_hz;
     Some(Figure {
         x: axis("time from the sweep's beginning [ms]"),
         y: axis("frequency [kHz]"),
         map: Some(HeatMap {
             x: (edge_ms(0.0), edge_ms(columns.len() as f64)),
-            y: (edge_khz(0.0), edge_khz(shown)),
+            y: (edge_khz(first as f64), edge_khz(first as f64 + shown)),
             columns,
-            range: (-floor_db, 0.0),
+            range: (-frame.floor_db, 0.0),
             label: "power [dB]".into(),
             csv_column: "power_db".into(),
         }),
