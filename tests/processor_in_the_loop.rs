@@ -9,10 +9,13 @@ use std::path::PathBuf;
 use std::process::Command;
 use std::time::{Duration, Instant};
 
-use firmware::block::{Amplitude, Codes, DriveBlock, Gate, Orders, Request, SenseBlock, SlowSense, Trips};
-use firmware::config::{Config, Edge, FrontEnd, Schedule, ShapeKind, TrackingMode};
+use firmware::block::{Amplitude, Codes, DriveBlock, Gate, MAX_LANES, Orders, Request, SenseBlock, SlowSense, Trips};
+use firmware::config::{
+    Around, Chirp, ChirpKind, Config, Edge, FrontEnd, Schedule, ShapeKind, Sweep, Then, TrackingMode, Trim, TrimPoint,
+};
 use firmware::supervisor::Mode;
 use firmware::telemetry::Telemetry;
+use firmware::units::{Hertz, Turns};
 use hal_mock::analog::Analog;
 use hal_mock::block_clock::BlockClock;
 use hal_mock::loop_back::LoopBack;
@@ -140,7 +143,7 @@ fn a_lost_emulator_is_an_error_and_not_a_wait() {
 }
 
 /// Configurations that between them take every branch of the waveform: shapes, lanes, trims, edges, schedules, trackers.
-fn configs() -> [Config; 3] {
+fn configs() -> [Config; 6] {
     let tracked = config("experiment-1");
     let mut held = tracked.clone();
     held.tracking.mode = TrackingMode::Off;
@@ -156,7 +159,31 @@ fn configs() -> [Config; 3] {
     zero_phase.tracking.mode = TrackingMode::ZeroPhase;
     zero_phase.block_samples = 25;
     zero_phase.lanes = 2;
-    [tracked, held, zero_phase]
+    let mut noise = held.clone();
+    noise.drive.shape = ShapeKind::Noise;
+    noise.drive.dither = true;
+    let mut sawtooth = tracked.clone();
+    sawtooth.lanes = 3;
+    sawtooth.drive.shape = ShapeKind::Sawtooth;
+    let chirp = Chirp {
+        kind: ChirpKind::Linear,
+        start_hz: -400.0,
+        stop_hz: 600.0,
+        time_s: 0.05,
+        then: Then::UpDown,
+        around: Around::Resonance,
+    };
+    sawtooth.sweep = Sweep::Chirp(chirp.clone());
+    let mut chirping = held.clone();
+    chirping.drive.shape = ShapeKind::Sine;
+    chirping.phasing.calibration = [point(35e3, 0.01), point(45e3, -0.02)].into_iter().collect();
+    let (kind, around) = (ChirpKind::Exponential, Around::Zero);
+    chirping.sweep = Sweep::Chirp(Chirp { kind, start_hz: 20e3, stop_hz: 200e3, time_s: 0.03, then: Then::Repeat, around });
+    [tracked, held, zero_phase, noise, sawtooth, chirping]
+}
+
+fn point(hz: f32, phase_turns: f32) -> TrimPoint {
+    TrimPoint { hz, lanes: [Trim { phase_turns, gain: 1.0 - phase_turns }; MAX_LANES] }
 }
 
 /// Where orders come from.
@@ -178,8 +205,10 @@ impl Operator {
                 attempt: block,
                 sequence: self.orders.sequence.wrapping_add(1),
                 request: *pick(random, &[Request::Run, Request::Run, Request::Run, Request::Scan, Request::Idle]),
-                gate: *pick(random, &[Gate::Scheduled, Gate::On, Gate::On, Gate::Off]),
+                gate: *pick(random, &[Gate::Scheduled, Gate::On, Gate::On, Gate::Off, Gate::Brake]),
                 amplitude: *pick(random, &AMPLITUDES),
+                detune: Hertz(*pick(random, &[0.0, 0.0, 123.4, -3e5, f32::NAN])),
+                quadrature: *pick(random, &[None, None, Some(Turns(0.1)), Some(Turns(-7.0))]),
                 emergency_stop: one_in(random, 20),
                 clear_fault: !one_in(random, 4),
             };

@@ -12,6 +12,7 @@ use crate::config::{Config, Limits};
 use crate::error::{Error, in_range};
 use crate::identify::Transducer;
 use crate::phasing;
+use crate::phasor::{Phasor, magnitude};
 
 /// Bandwidth of the loop, Hz: slower than the phase loop, so that the two do not fight.
 const BANDWIDTH_HZ: f32 = 60.0;
@@ -80,13 +81,13 @@ impl AmplitudeLoop {
     }
 
     /// Follows one block: what is asked for, the mean envelope of the block heard, and the motional current in it.
-    pub fn update(&mut self, wanted: Amplitude, envelope: f32, motional_current: f32) {
+    pub fn update(&mut self, wanted: Amplitude, envelope: f32, motional_current: Phasor) {
         let asked = match wanted {
             Amplitude::Volts(volts) => {
                 self.within = SETTLED.1;
                 volts
             }
-            Amplitude::MotionalCurrent(amperes) => self.hold(amperes, envelope, motional_current),
+            Amplitude::MotionalCurrent(amperes) => self.hold(amperes, envelope, magnitude(motional_current)),
         };
         self.limited = asked > self.limits.voltage_v;
         self.volts = up_to(self.limits.voltage_v, asked);
@@ -95,6 +96,11 @@ impl AmplitudeLoop {
     /// Peak voltage to drive with, V.
     pub fn volts(&self) -> f32 {
         self.volts
+    }
+
+    /// How many times the present voltage the limit is; at least one.
+    pub fn headroom(&self) -> f32 {
+        if self.volts > 0.0 { (self.limits.voltage_v / self.volts).max(1.0) } else { 1.0 }
     }
 
     /// Whether the amplitude has been reached, or cannot be.
@@ -174,7 +180,7 @@ mod tests {
             let (ohm, q) = if n < 2000 { (3.0, 65.0) } else { (9.0, 22.0) };
             let lag = 32e-6 * core::f32::consts::PI * 40e3 / q;
             current += lag * (hold.volts() / ohm - current);
-            hold.update(Amplitude::MotionalCurrent(1.0), 1.0, current);
+            hold.update(Amplitude::MotionalCurrent(1.0), 1.0, current.into());
             if n == 1999 {
                 assert!((current - 1.0).abs() < 1e-3 && (hold.volts() - 3.0).abs() < 1e-2, "{current} {}", hold.volts());
             }
@@ -187,19 +193,19 @@ mod tests {
         let mut hold = amplitude_loop(2.0);
         hold.seed(&transducer(65.0, 3.0), 0.0);
         for asked in [Amplitude::Volts(50.0), Amplitude::Volts(f32::INFINITY)] {
-            hold.update(asked, 1.0, 0.0);
+            hold.update(asked, 1.0, Phasor::default());
             assert!(hold.volts() == 12.0 && hold.limited(), "{asked:?}");
         }
         for asked in [Amplitude::Volts(-3.0), Amplitude::Volts(f32::NAN)] {
-            hold.update(asked, 1.0, 0.0);
+            hold.update(asked, 1.0, Phasor::default());
             assert_eq!(hold.volts(), 0.0, "{asked:?}");
         }
         for current in [f32::NAN, f32::INFINITY, 0.0] {
             hold.expected = 0.0;
-            hold.update(Amplitude::MotionalCurrent(f32::NAN), 1.0, current);
+            hold.update(Amplitude::MotionalCurrent(f32::NAN), 1.0, current.into());
             assert!(hold.volts() <= 1.0, "{current}: {}", hold.volts());
         }
-        hold.update(Amplitude::MotionalCurrent(2.0), 1.0, f32::NAN);
+        hold.update(Amplitude::MotionalCurrent(2.0), 1.0, f32::NAN.into());
         assert!(hold.volts() <= 12.0);
     }
 }

@@ -6,6 +6,8 @@
 use heapless::Vec;
 use serde::{Deserialize, Serialize};
 
+use crate::units::{Hertz, Turns};
+
 /// The longest block a controller can be built for, in samples.
 pub const MAX_BLOCK_SAMPLES: usize = 64;
 
@@ -32,6 +34,11 @@ pub struct Orders {
     pub gate: Gate,
     /// The amplitude asked for; `None` keeps the configured one.
     pub amplitude: Option<Amplitude>,
+    /// How far to drive beside the resonance, or beside the configured frequency where nothing is tracked, Hz: a motor's speed by frequency.
+    pub detune: Hertz,
+    /// How far lanes 1 and 3 lead lanes 0 and 2: a quarter turn forward, minus a quarter in reverse, zero a standing wave, and speeds in
+    /// between. `None` is the configured direction.
+    pub quadrature: Option<Turns>,
     /// The emergency stop is pressed.
     pub emergency_stop: bool,
     /// Forget the fault of an earlier order. Acts once per sequence number.
@@ -48,6 +55,8 @@ pub enum Request {
     Scan,
     /// Self-test, scan, lock, and run.
     Run,
+    /// Self-test, and measure what each lane adds; then fall silent with the lanes trimmed.
+    Calibrate,
 }
 
 /// When the drive is let through while running.
@@ -60,6 +69,8 @@ pub enum Gate {
     On,
     /// Never; the frequency is held.
     Off,
+    /// Never, and what rings is stopped by as much drive against it.
+    Brake,
 }
 
 /// The amplitude asked for.
@@ -109,6 +120,8 @@ pub struct Trips {
 pub struct DriveBlock {
     /// DAC codes of each lane.
     pub lanes: Vec<Codes, MAX_LANES>,
+    /// The lane that the sense channels are connected to while these codes play, by the board's multiplexer.
+    pub listen: u8,
 }
 
 impl DriveBlock {
@@ -117,6 +130,6 @@ impl DriveBlock {
     /// Lanes beyond [`MAX_LANES`] and samples beyond [`MAX_BLOCK_SAMPLES`] are left out.
     pub fn silent(lanes: usize, samples: usize, code: u16) -> Self {
         let lane: Codes = core::iter::repeat_n(code, samples.min(MAX_BLOCK_SAMPLES)).collect();
-        DriveBlock { lanes: core::iter::repeat_n(lane, lanes.min(MAX_LANES)).collect() }
+        DriveBlock { lanes: core::iter::repeat_n(lane, lanes.min(MAX_LANES)).collect(), listen: 0 }
     }
 }

@@ -1,14 +1,20 @@
-//! The ON/OFF envelope: when the drive is let through, to the sample, and how it gets there.
+//! The ON/OFF envelope: when the drive is let through, to the half cycle, and how it gets there.
 //!
-//! A gate (scheduled, or ordered) is followed by a ramp that moves one step a sample while it is open and back while it
-//! is closed, so that an edge may be interrupted at any time. `envelope = (1 - cos(pi ramp)) / 2`, or the ramp itself
-//! where it has a single step (hard edge).
+//! A gate (scheduled, or ordered) says when. What follows it depends on the edge:
+//!
+//! * hard: the burst begins at the next passage of the first lane through zero, in either direction, and ends at the first passage in the
+//!   same direction after the gate has closed: it lasts a whole number of periods, so that its volt-seconds cancel (to the sample; what
+//!   sampling and rounding leave, the [shaper](crate::shaper) pays back).
+//! * soft: the envelope follows the gate along a ramp, which an opposite order turns round: `envelope = (1 - cos(pi ramp)) / 2`.
+//!
+//! A burst that is ended by a brake goes on for some half cycles against its own phase, so that what it has rung up is rung down.
 
 use heapless::Vec;
 
 use crate::block::{Gate, MAX_BLOCK_SAMPLES};
 use crate::config::{Burst as Config, Edge, MAX_WINDOWS, Schedule as ScheduleConfig};
 use crate::error::{Error, in_range};
+use crate::nco::Stretch;
 use crate::shape::sine;
 
 /// The longest time a schedule can name, s (three years).
@@ -92,14 +98,52 @@ impl Envelope<'_> {
     }
 }
 
+/// How a ringing resonance is stopped: by whole half cycles of drive against it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Brake {
+    /// Half cycles; even, so that their volt-seconds cancel.
+    pub half_cycles: u32,
+    /// Amplitude, relative to the drive that is braked.
+    pub level: f32,
+}
+
+impl Brake {
+    /// The shortest brake for a resonance with a time constant of `periods` periods that has rung up under the drive, with up to `headroom`
+    /// times that drive: `level = 1 / (exp(t / tau) - 1)` over `t` stops it in full.
+    pub fn of(periods: f32, headroom: f32) -> Self {
+        // Two half cycles are a period: t / tau = half_cycles / (2 periods).
+        let shortest = 2.0 * periods * libm::log1pf(1.0 / headroom.max(1e-3));
+        let half_cycles = 2 * (libm::ceilf(0.5 * shortest).clamp(1.0, 1e6) as u32);
+        Brake { half_cycles, level: 1.0 / libm::expm1f(half_cycles as f32 / (2.0 * periods)) }
+    }
+}
+
+/// Where the envelope stands.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum State {
+    Closed,
+    /// Open since a passage through zero in this direction (whether falling).
+    Open {
+        falling: bool,
+    },
+    /// Against the drive, for so many half cycles more.
+    Braking {
+        left: u32,
+    },
+}
+
 /// The envelope generator.
 #[derive(Clone, Debug)]
 pub struct Burst {
     schedule: Schedule,
-    /// Samples an edge takes; 1 is a hard edge.
-    edge: u32,
-    /// Where the ramp stands, 0 (OFF) to `edge` (ON).
+    /// Samples a soft edge takes; none where the edge is hard.
+    edge: Option<u32>,
+    /// Where the ramp of a soft edge stands, 0 (OFF) to `edge` (ON).
     ramp: u32,
+    state: State,
+    /// Direction of the last passage through zero.
+    falling: bool,
+    brake: Option<Brake>,
     /// The envelope of the last block with an edge.
     levels: Vec<f32, MAX_BLOCK_SAMPLES>,
 }
@@ -108,25 +152,54 @@ impl Burst {
     /// `frequency_hz` is the nominal drive frequency, by which soft edges are measured.
     pub fn build(config: &Config, frequency_hz: f32, sample_hz: f32) -> Result<Self, Error> {
         let edge = match config.edge {
-            Edge::Hard => 1,
+            Edge::Hard => None,
             Edge::Soft { cycles } => {
                 in_range("burst.edge.cycles", cycles.into(), 0.5, 1e4)?;
-                ((cycles * sample_hz / frequency_hz) as u32).max(1)
+                Some(((cycles * sample_hz / frequency_hz) as u32).max(1))
             }
         };
-        Ok(Burst { schedule: Schedule::build(&config.schedule, sample_hz.into())?, edge, ramp: 0, levels: Vec::new() })
+        Ok(Burst {
+            schedule: Schedule::build(&config.schedule, sample_hz.into())?,
+            edge,
+            ramp: 0,
+            state: State::Closed,
+            falling: false,
+            brake: None,
+            levels: Vec::new(),
+        })
     }
 
-    /// The envelope from sample `now` on, for `samples` samples.
-    pub fn envelope(&mut self, gate: Gate, now: u64, samples: usize) -> Envelope<'_> {
-        let (open, stays) = self.gate(gate, now);
-        let settled = self.ramp == if open { self.edge } else { 0 };
-        if settled && stays >= samples as u64 {
-            return Envelope::Flat(if open { 1.0 } else { 0.0 });
+    /// The brake for a burst that is closed by [`Gate::Brake`]. Nothing is braked without one.
+    pub fn set_brake(&mut self, brake: Option<Brake>) {
+        self.brake = brake;
+    }
+
+    /// The brake in use.
+    pub fn brake(&self) -> Option<Brake> {
+        self.brake
+    }
+
+    /// The envelope from sample `now` on, for `samples` samples of a stretch.
+    pub fn envelope(&mut self, gate: Gate, now: u64, stretch: &Stretch, samples: usize) -> Envelope<'_> {
+        let (mut open, mut stays) = self.gate(gate, now);
+        let flat = match self.state {
+            State::Open { .. } if open && self.ramp == self.edge.unwrap_or(0) => Some(1.0),
+            State::Closed if !open && self.ramp == 0 => Some(0.0),
+            _ => None,
+        };
+        if let Some(level) = flat.filter(|_| stays >= samples as u64) {
+            self.falling = falling(stretch.phase_at(samples.saturating_sub(1)));
+            return Envelope::Flat(level);
         }
         self.levels.clear();
-        for n in 0..samples.min(MAX_BLOCK_SAMPLES) as u64 {
-            let level = self.step(self.gate(gate, now + n).0);
+        for n in 0..samples.min(MAX_BLOCK_SAMPLES) {
+            if stays == 0 {
+                (open, stays) = self.gate(gate, now + n as u64);
+            }
+            stays -= 1;
+            let falling = falling(stretch.phase_at(n));
+            let passes = falling != core::mem::replace(&mut self.falling, falling);
+            let level = self.step(open, passes, gate == Gate::Brake);
             // There is room for as many samples as a block can have.
             let _ = self.levels.push(level);
         }
@@ -135,7 +208,8 @@ impl Burst {
 
     /// Opens or closes at once, without an edge: for tones outside the schedule, and for faults.
     pub fn snap(&mut self, open: bool) -> Envelope<'_> {
-        self.ramp = if open { self.edge } else { 0 };
+        self.ramp = if open { self.edge.unwrap_or(0) } else { 0 };
+        self.state = if open { State::Open { falling: self.falling } } else { State::Closed };
         Envelope::Flat(if open { 1.0 } else { 0.0 })
     }
 
@@ -143,57 +217,121 @@ impl Burst {
         match gate {
             Gate::Scheduled => self.schedule.gate(now),
             Gate::On => (true, u64::MAX),
-            Gate::Off => (false, u64::MAX),
+            Gate::Off | Gate::Brake => (false, u64::MAX),
         }
     }
 
-    fn step(&mut self, open: bool) -> f32 {
-        self.ramp = if open { (self.ramp + 1).min(self.edge) } else { self.ramp.saturating_sub(1) };
-        if self.edge == 1 {
-            return self.ramp as f32;
+    /// One sample: whether the gate is open, whether the first lane passes zero here, and whether to brake.
+    fn step(&mut self, open: bool, passes: bool, brake: bool) -> f32 {
+        let brake = self.brake.filter(|_| brake);
+        match (self.state, self.edge) {
+            (State::Closed, edge) if open && (passes || edge.is_some()) => self.state = State::Open { falling: self.falling },
+            (State::Open { falling }, edge) if !open => {
+                let whole = passes && falling == self.falling;
+                let up = self.ramp == edge.unwrap_or(0);
+                match brake {
+                    Some(brake) if whole && up => {
+                        self.ramp = 0;
+                        self.state = State::Braking { left: brake.half_cycles };
+                    }
+                    Some(_) if up => {}
+                    _ if whole && edge.is_none() => self.state = State::Closed,
+                    _ if edge.is_some() && self.ramp == 0 => self.state = State::Closed,
+                    _ => {}
+                }
+            }
+            (State::Braking { left }, _) if passes => {
+                self.state = if left > 1 { State::Braking { left: left - 1 } } else { State::Closed };
+            }
+            _ => {}
         }
-        let half_turns = (u64::from(self.ramp) << 32) / u64::from(self.edge);
-        0.5 - 0.5 * sine::rotation(half_turns << 31).re
+        match (self.state, self.edge) {
+            (State::Closed, _) => 0.0,
+            (State::Braking { .. }, _) => -self.brake.map_or(0.0, |brake| brake.level),
+            (State::Open { .. }, None) => 1.0,
+            (State::Open { .. }, Some(edge)) => {
+                // Up to the last moment before a brake, the drive stays.
+                let holds = brake.is_some() && self.ramp == edge;
+                self.ramp = if open || holds { (self.ramp + 1).min(edge) } else { self.ramp.saturating_sub(1) };
+                let half_turns = (u64::from(self.ramp) << 32) / u64::from(edge);
+                0.5 - 0.5 * sine::rotation(half_turns << 31).re
+            }
+        }
     }
+}
+
+/// Whether the sine falls below zero after this phase: the second half of the turn.
+fn falling(phase: u64) -> bool {
+    phase >> 63 == 1
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::nco::tuning_word;
 
     fn burst(schedule: ScheduleConfig, edge: Edge) -> Burst {
         Burst::build(&Config { schedule, edge }, 40e3, 1e6).unwrap()
     }
 
-    fn levels(burst: &mut Burst, now: u64, samples: usize) -> Vec<f32, MAX_BLOCK_SAMPLES> {
-        match burst.envelope(Gate::Scheduled, now, samples) {
-            Envelope::Flat(level) => core::iter::repeat_n(level, samples).collect(),
-            Envelope::Edge(levels) => levels.iter().copied().collect(),
+    fn window(on_s: f64, off_s: f64) -> ScheduleConfig {
+        ScheduleConfig::Windows([(on_s, off_s)].into_iter().collect())
+    }
+
+    /// A tone whose period is 24.75 samples, from phase zero at sample zero.
+    fn tone(now: u64) -> Stretch {
+        let word = tuning_word(40_404.0 / 1e6);
+        Stretch { phase: word.wrapping_mul(now), word, step: 0 }
+    }
+
+    fn levels(burst: &mut Burst, gate: Gate, now: u64, samples: usize) -> std::vec::Vec<f32> {
+        match burst.envelope(gate, now, &tone(now), samples) {
+            Envelope::Flat(level) => std::vec![level; samples],
+            Envelope::Edge(levels) => levels.to_vec(),
+        }
+    }
+
+    fn run(burst: &mut Burst, gate: Gate, blocks: core::ops::Range<u64>) -> std::vec::Vec<f32> {
+        blocks.flat_map(|k| levels(burst, gate, 32 * k, 32)).collect()
+    }
+
+    #[test]
+    fn a_hard_burst_lasts_whole_periods_from_a_passage_through_zero() {
+        for (on, off) in [(3e-6, 200e-6), (14e-6, 200e-6), (100e-6, 101e-6), (32e-6, 640e-6), (77e-6, 640e-6)] {
+            let got = run(&mut burst(window(on, off), Edge::Hard), Gate::Scheduled, 0..40);
+            let first = got.iter().position(|&level| level == 1.0).unwrap();
+            let last = got.iter().rposition(|&level| level == 1.0).unwrap() + 1;
+            assert!(got[first..last].iter().all(|&level| level == 1.0));
+            assert!(got[..first].iter().chain(&got[last..]).all(|&level| level == 0.0));
+            assert_ne!(falling(tone(0).phase_at(first - 1)), falling(tone(0).phase_at(first)));
+            assert!(first as f64 >= on * 1e6 && (first as f64) < on * 1e6 + 13.0, "{first} for {on}");
+            assert!(last as f64 >= off * 1e6 && (last as f64) < off * 1e6 + 25.0, "{last} for {off}");
+            let periods = (last - first) as f64 / (1e6 / 40_404.0);
+            assert!((periods - libm::round(periods)).abs() < 1.0 / 24.0 && periods > 0.9, "{periods}");
         }
     }
 
     #[test]
-    fn hard_window_opens_and_closes_at_the_sample() {
-        let windows = [(10e-6, 20e-6)].into_iter().collect();
-        let got = levels(&mut burst(ScheduleConfig::Windows(windows), Edge::Hard), 0, 32);
-        let on = |n: usize| (10..20).contains(&n);
-        assert!(got.iter().enumerate().all(|(n, &level)| level == if on(n) { 1.0 } else { 0.0 }), "{got:?}");
+    fn a_gate_that_closes_before_zero_is_passed_opens_nothing() {
+        // The first passage after the beginning is at sample 13.
+        let got = run(&mut burst(window(2e-6, 9e-6), Edge::Hard), Gate::Scheduled, 0..4);
+        assert!(got.iter().all(|&level| level == 0.0));
     }
 
     #[test]
     fn blocks_join_without_a_seam() {
-        let windows: Vec<_, MAX_WINDOWS> = [(13e-6, 90e-6)].into_iter().collect();
-        let mut whole = burst(ScheduleConfig::Windows(windows.clone()), Edge::Soft { cycles: 1.0 });
-        let mut parts = whole.clone();
-        let got: std::vec::Vec<f32> = (0..4).flat_map(|k| levels(&mut parts, 32 * k, 32)).collect();
-        let expected: std::vec::Vec<f32> = (0..2).flat_map(|k| levels(&mut whole, 64 * k, 64)).collect();
-        assert_eq!(got, expected);
+        for edge in [Edge::Hard, Edge::Soft { cycles: 1.0 }] {
+            let mut whole = burst(window(13e-6, 90e-6), edge);
+            let mut parts = whole.clone();
+            let got: std::vec::Vec<f32> = (0..8).flat_map(|k| levels(&mut parts, Gate::Scheduled, 16 * k, 16)).collect();
+            let expected: std::vec::Vec<f32> = (0..2).flat_map(|k| levels(&mut whole, Gate::Scheduled, 64 * k, 64)).collect();
+            assert_eq!(got, expected);
+        }
     }
 
     #[test]
     fn soft_edge_is_a_raised_cosine() {
-        let windows = [(0.0, 1.0)].into_iter().collect();
-        let got = levels(&mut burst(ScheduleConfig::Windows(windows), Edge::Soft { cycles: 1.0 }), 0, 40);
+        let got = run(&mut burst(window(0.0, 1.0), Edge::Soft { cycles: 1.0 }), Gate::Scheduled, 0..2);
         assert!((got[11] - 0.468_6).abs() < 1e-3, "{got:?}");
         assert!(got.windows(2).all(|pair| pair[1] >= pair[0]));
         assert_eq!(got[24], 1.0);
@@ -201,9 +339,30 @@ mod tests {
 
     #[test]
     fn periodic_schedule_repeats() {
-        let mut periodic = burst(ScheduleConfig::Periodic { period_s: 20e-6, duty: 0.25 }, Edge::Hard);
-        let ones = levels(&mut periodic, 1_000_000, 60).iter().filter(|&&level| level == 1.0).count();
-        assert_eq!(ones, 15);
+        let mut periodic = burst(ScheduleConfig::Periodic { period_s: 1e-3, duty: 0.25 }, Edge::Hard);
+        let ones = run(&mut periodic, Gate::Scheduled, 31_250..31_250 + 625).iter().filter(|&&level| level == 1.0).count();
+        assert!((20 * 250 - 250..20 * 250 + 300).contains(&ones), "{ones}");
+    }
+
+    /// A resonance `y' = (drive - y) / tau` in envelope: after the brake nothing is left, whatever the headroom.
+    #[test]
+    fn a_brake_stops_what_rings() {
+        for (q, headroom) in [(65.0, 1.0), (65.0, 5.16), (20.0, 1.5), (200.0, 2.0)] {
+            let periods = q / core::f32::consts::PI;
+            let brake = Brake::of(periods, headroom);
+            assert!(brake.level <= headroom && brake.half_cycles % 2 == 0, "{brake:?}");
+            let t = brake.half_cycles as f32 / (2.0 * periods);
+            let left = libm::expf(-t) * (1.0 + brake.level) - brake.level;
+            assert!(left.abs() < 1e-5, "{left}");
+        }
+        let mut braked = burst(ScheduleConfig::Continuous, Edge::Hard);
+        braked.set_brake(Some(Brake { half_cycles: 4, level: 0.7 }));
+        run(&mut braked, Gate::On, 0..5);
+        let got = run(&mut braked, Gate::Brake, 5..12);
+        let against = got.iter().filter(|&&level| level == -0.7).count();
+        assert!((49..=50).contains(&against), "{against} samples");
+        let end = got.iter().rposition(|&level| level == -0.7).unwrap();
+        assert!(got[end + 1..].iter().all(|&level| level == 0.0) && end < 80);
     }
 
     #[test]

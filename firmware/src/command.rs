@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::block::{Amplitude, Gate, Orders, Request};
 use crate::telemetry::Telemetry;
+use crate::units::{Hertz, Turns};
 
 /// A command.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -18,10 +19,16 @@ pub enum Command {
     Scan,
     /// Self-test, scan, lock, run.
     Run,
+    /// Self-test, and trim the lanes by what they are measured to be; then fall silent.
+    Calibrate,
     /// When to let the drive through while running.
     Gate(Gate),
     /// The amplitude to hold; `None` is the configured one.
     Amplitude(Option<Amplitude>),
+    /// How far beside the resonance to drive.
+    Detune(Hertz),
+    /// How far lanes 1 and 3 lead lanes 0 and 2; `None` is the configured direction.
+    Quadrature(Option<Turns>),
     /// Forget the fault.
     ClearFault,
     /// Send telemetry every so many blocks; 0 is never.
@@ -74,7 +81,12 @@ impl Command {
             Command::Idle => next.request = Request::Idle,
             Command::Scan => (next.request, next.attempt) = (Request::Scan, orders.attempt.wrapping_add(1)),
             Command::Run => (next.request, next.attempt) = (Request::Run, orders.attempt.wrapping_add(1)),
+            Command::Calibrate => (next.request, next.attempt) = (Request::Calibrate, orders.attempt.wrapping_add(1)),
             Command::Gate(gate) => next.gate = gate,
+            Command::Detune(Hertz(hz)) if !hz.is_finite() => return Err(Refusal::NotPlausible),
+            Command::Detune(detune) => next.detune = detune,
+            Command::Quadrature(Some(Turns(turns))) if !turns.is_finite() => return Err(Refusal::NotPlausible),
+            Command::Quadrature(quadrature) => next.quadrature = quadrature,
             Command::Amplitude(amplitude) => {
                 let plausible = |x: f32| x.is_finite() && x >= 0.0;
                 if !amplitude.is_none_or(|(Amplitude::Volts(x) | Amplitude::MotionalCurrent(x))| plausible(x)) {

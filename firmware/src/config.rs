@@ -8,6 +8,9 @@ use crate::block::{Amplitude, MAX_LANES};
 /// The most ON windows a burst schedule can list.
 pub const MAX_WINDOWS: usize = 8;
 
+/// The most frequencies at which lanes are calibrated.
+pub const MAX_TRIM_POINTS: usize = 5;
+
 /// The whole configuration of a controller.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Config {
@@ -21,6 +24,8 @@ pub struct Config {
     pub front_end: FrontEnd,
     /// The drive.
     pub drive: Drive,
+    /// What the frequency does while running.
+    pub sweep: Sweep,
     /// Lane offsets and trims.
     pub phasing: Phasing,
     /// The ON/OFF schedule.
@@ -48,6 +53,8 @@ pub struct FrontEnd {
     pub drive_mid_code: u16,
     /// The largest drive code.
     pub drive_max_code: u16,
+    /// Drive converters, each with its amplifier, that the board has.
+    pub drive_lanes: u8,
 }
 
 /// The drive.
@@ -59,11 +66,25 @@ pub struct Drive {
     pub amplitude: Amplitude,
     /// Peak voltage of self-test and scan, and where the amplitude loop starts from, V.
     pub scan_volts: f32,
-    /// The waveform of one period.
+    /// The waveform while running; self-test, scan and calibration are by sines.
     pub shape: ShapeKind,
+    /// The band of a noise, from and to, Hz.
+    pub noise_band_hz: (f32, f32),
+    /// Adds random steps of up to one code before rounding, so that rounding leaves noise in place of harmonics.
+    pub dither: bool,
+    /// Of noise and dither.
+    pub seed: u64,
 }
 
-/// The waveform of one period.
+impl Drive {
+    /// A plain sine; the band of a noise is as wide as half the frequency.
+    pub fn sine(frequency_hz: f32, amplitude: Amplitude, scan_volts: f32) -> Self {
+        let noise_band_hz = (0.75 * frequency_hz, 1.25 * frequency_hz);
+        Drive { frequency_hz, amplitude, scan_volts, shape: ShapeKind::Sine, noise_band_hz, dither: false, seed: 1 }
+    }
+}
+
+/// The waveform.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum ShapeKind {
     /// Sine.
@@ -71,6 +92,69 @@ pub enum ShapeKind {
     Sine,
     /// Square, band-limited.
     Square,
+    /// Sawtooth, rising, band-limited.
+    Sawtooth,
+    /// Gaussian noise within a band, clipped at the peak: four times its rms.
+    Noise,
+}
+
+/// What the frequency does while running.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub enum Sweep {
+    /// It stays where it is tracked, or where it was put.
+    #[default]
+    Hold,
+    /// It moves by itself.
+    Chirp(Chirp),
+}
+
+/// A chirp.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Chirp {
+    /// How it gets from one end to the other.
+    pub kind: ChirpKind,
+    /// Where it begins, Hz; about a resonance, as an offset from it.
+    pub start_hz: f32,
+    /// Where it ends, Hz.
+    pub stop_hz: f32,
+    /// How long that takes, s; whole blocks.
+    pub time_s: f64,
+    /// What follows.
+    pub then: Then,
+    /// What its frequencies count from.
+    pub around: Around,
+}
+
+/// How a chirp gets from one end to the other.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum ChirpKind {
+    /// By equal steps.
+    #[default]
+    Linear,
+    /// By equal ratios.
+    Exponential,
+}
+
+/// What follows the end of a chirp.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Then {
+    /// The last frequency.
+    #[default]
+    Hold,
+    /// The same chirp again.
+    Repeat,
+    /// The way back, and so on.
+    UpDown,
+}
+
+/// What the frequencies of a chirp count from.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Around {
+    /// From 0 Hz: nothing is tracked.
+    #[default]
+    Zero,
+    /// From the resonance, which is tracked meanwhile.
+    Resonance,
 }
 
 /// Lane offsets and trims.
@@ -82,6 +166,35 @@ pub struct Phasing {
     pub phase_trim_turns: Vec<f32, MAX_LANES>,
     /// Correction of each lane's gain; 1 is none.
     pub gain_trim: Vec<f32, MAX_LANES>,
+    /// What a calibration has found, on top of these.
+    pub calibration: LaneTrims,
+}
+
+/// Trims of all lanes at rising frequencies; straight lines between them, and the nearest beyond.
+pub type LaneTrims = Vec<TrimPoint, MAX_TRIM_POINTS>;
+
+/// Trims of all lanes at one frequency.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct TrimPoint {
+    /// Frequency, Hz.
+    pub hz: f32,
+    /// Trims, lane by lane.
+    pub lanes: [Trim; MAX_LANES],
+}
+
+/// Correction of one lane.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Trim {
+    /// Added to the lane's phase, turns.
+    pub phase_turns: f32,
+    /// Multiplies its gain.
+    pub gain: f32,
+}
+
+impl Default for Trim {
+    fn default() -> Self {
+        Trim { phase_turns: 0.0, gain: 1.0 }
+    }
 }
 
 /// Turning direction of a four-phase drive.
@@ -122,7 +235,7 @@ pub enum Schedule {
 /// How the envelope gets from OFF to ON and back.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Edge {
-    /// At once.
+    /// At once, where the first lane passes zero, and for whole periods.
     Hard,
     /// Along a raised cosine of so many drive periods.
     Soft {

@@ -12,19 +12,31 @@ pub struct SenseScale {
     zero: f32,
     per_lsb: f32,
     max_code: u16,
+    /// The largest value that is in order, in SI, and the codes that it makes of that.
+    limit: f32,
+    /// The first code in order, and how many more there are.
+    in_order: (u32, u32),
 }
 
 impl SenseScale {
     fn build(parameter: &'static str, per_lsb: f32, mid_code: u16, max_code: u16) -> Result<Self, Error> {
         in_range(parameter, per_lsb.into(), 1e-9, 1e3)?;
         in_range("front_end.sense_mid_code", mid_code.into(), 1.0, f64::from(max_code) - 1.0)?;
-        Ok(SenseScale { mid_code, zero: f32::from(mid_code), per_lsb, max_code })
+        let mut scale =
+            SenseScale { mid_code, zero: f32::from(mid_code), per_lsb, max_code, limit: f32::INFINITY, in_order: (0, 0) };
+        scale.set_limit(f32::INFINITY);
+        Ok(scale)
     }
 
-    /// The codes of a block about zero, still in codes: scaling waits until after demodulation.
-    pub fn centred<'a>(&self, codes: &'a Codes) -> impl Iterator<Item = f32> + 'a {
-        let zero = self.zero;
-        codes.iter().map(move |&code| f32::from(code) - zero)
+    /// A code about zero, still in codes: scaling waits until after demodulation.
+    #[inline]
+    pub fn centre(&self, code: u16) -> f32 {
+        f32::from(code) - self.zero
+    }
+
+    /// The codes of a block about zero.
+    fn centred<'a>(&'a self, codes: &'a Codes) -> impl Iterator<Item = f32> + 'a {
+        codes.iter().map(|&code| self.centre(code))
     }
 
     /// A phasor in codes, in SI.
@@ -48,6 +60,23 @@ impl SenseScale {
         value / self.per_lsb
     }
 
+    /// Sets the largest value that is in order, in SI.
+    pub fn set_limit(&mut self, limit: f32) {
+        self.limit = limit;
+        let half = self.codes(limit);
+        // Becoming an integer, a float goes to the nearest that there is.
+        let (least, most) = (libm::ceilf(self.zero - half) as u16, libm::floorf(self.zero + half) as u16);
+        let (least, most) = (least.max(1), most.min(self.max_code - 1));
+        // Where nothing is in order, only a code that no converter has is.
+        self.in_order = most.checked_sub(least).map_or((1 << 16, 0), |more| (least.into(), more.into()));
+    }
+
+    /// Whether a code is an end of the converter's range, or beyond the limit.
+    #[inline]
+    pub fn is_out_of_order(&self, code: u16) -> bool {
+        u32::from(code).wrapping_sub(self.in_order.0) > self.in_order.1
+    }
+
     /// How many samples of a block are beyond `limit` (in SI) on either side of zero.
     pub fn beyond(&self, codes: &Codes, limit: f32) -> usize {
         let limit = self.codes(limit);
@@ -57,11 +86,13 @@ impl SenseScale {
     /// Moves the zero by a measured offset, in codes.
     pub fn shift_zero(&mut self, codes: f32) {
         self.zero += codes;
+        self.set_limit(self.limit);
     }
 
     /// Forgets measured offsets.
     pub fn restore_zero(&mut self) {
         self.zero = f32::from(self.mid_code);
+        self.set_limit(self.limit);
     }
 
     /// Full scale to one side, in codes.
@@ -81,16 +112,19 @@ pub struct DriveScale {
     mid_code: u16,
     lsb_per_volt: f32,
     max_code: f32,
+    headroom: f32,
 }
 
 impl DriveScale {
     fn build(front_end: &FrontEnd) -> Result<Self, Error> {
         in_range("front_end.drive_volt_per_lsb", front_end.drive_volt_per_lsb.into(), 1e-9, 1e3)?;
-        in_range("front_end.drive_mid_code", front_end.drive_mid_code.into(), 1.0, f64::from(front_end.drive_max_code) - 1.0)?;
+        in_range("front_end.drive_mid_code", front_end.drive_mid_code.into(), 8.0, f64::from(front_end.drive_max_code) - 8.0)?;
         Ok(DriveScale {
             mid_code: front_end.drive_mid_code,
             lsb_per_volt: 1.0 / front_end.drive_volt_per_lsb,
             max_code: f32::from(front_end.drive_max_code),
+            // Less one for rounding and one for dither.
+            headroom: f32::from(front_end.drive_mid_code.min(front_end.drive_max_code - front_end.drive_mid_code)) - 2.0,
         })
     }
 
@@ -102,6 +136,17 @@ impl DriveScale {
     /// Codes for one volt.
     pub fn lsb_per_volt(&self) -> f32 {
         self.lsb_per_volt
+    }
+
+    /// The largest amplitude that is free of clipping, codes.
+    pub fn headroom(&self) -> f32 {
+        self.headroom
+    }
+
+    /// What to add to a value in codes so that truncation rounds it to the nearest code, as long as it stays within the headroom.
+    #[inline]
+    pub fn rounding_base(&self) -> f32 {
+        f32::from(self.mid_code) + 0.5
     }
 
     /// The code nearest to `lsb` codes above zero volts.

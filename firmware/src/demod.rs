@@ -10,9 +10,12 @@
 //! ```
 //!
 //! Being the least-squares fit, it is at the Cramer-Rao bound in white noise.
+//!
+//! The same walk over the codes counts those that are out of order, so that the [guard](crate::guard) has to look closer only where there are any.
 
 use crate::block::SenseBlock;
 use crate::convert::Convert;
+use crate::nco::Stretch;
 use crate::phasor::Phasor;
 use crate::shape::sine;
 
@@ -25,29 +28,43 @@ pub struct Sensed {
     pub i: Phasor,
 }
 
-/// Voltage and current phasors of a block whose first sample has phase `phase` and whose frequency is `word` (2^64 a turn).
+/// Codes of a block that are an end of the converter's range, or beyond the channel's limit.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct OutOfOrder {
+    /// Of the voltage.
+    pub v: u32,
+    /// Of the current.
+    pub i: u32,
+}
+
+/// Voltage and current phasors of a block in which a tone was played (a chirp's [chord](Stretch::chord)), and what is out of order in it.
 ///
 /// The sine of `omega` must not vanish: the frequency lies between zero and half the sample rate. A block that was cut to less
 /// than two samples determines no phasor: zero.
-pub fn demodulate(convert: &Convert, sense: &SenseBlock, phase: u64, word: u64) -> Sensed {
+pub fn demodulate(convert: &Convert, sense: &SenseBlock, tone: &Stretch) -> (Sensed, OutOfOrder) {
     let samples = sense.v.len().min(sense.i.len());
+    let mut outside = OutOfOrder::default();
     if samples < 2 {
-        return Sensed::default();
+        return (Sensed::default(), outside);
     }
     let count = samples as f32;
-    let step = sine::rotation(word).conj();
-    let mut turning = sine::rotation(phase).conj();
+    let turn = sine::rotation(tone.word);
+    let step = turn.conj();
+    let mut turning = sine::rotation(tone.phase).conj();
     let (mut v, mut i) = (Phasor::default(), Phasor::default());
-    for (volt, ampere) in convert.v.centred(&sense.v).zip(convert.i.centred(&sense.i)) {
-        v += turning * volt;
-        i += turning * ampere;
+    for (&volt, &ampere) in sense.v.iter().zip(&sense.i) {
+        outside.v += u32::from(convert.v.is_out_of_order(volt));
+        outside.i += u32::from(convert.i.is_out_of_order(ampere));
+        v += turning * convert.v.centre(volt);
+        i += turning * convert.i.centre(ampere);
         turning *= step;
     }
-    let span = word.wrapping_mul(samples as u64);
-    let twice_middle = phase.wrapping_add(phase).wrapping_add(span.wrapping_sub(word));
-    let image = sine::rotation(twice_middle).conj() * (sine::rotation(span).im / (sine::rotation(word).im * count));
-    let solve = |r: Phasor| (r - r.conj() * image) * (2.0 / (count * (1.0 - image.norm_sqr())));
-    Sensed { v: convert.v.scale(solve(v)), i: convert.i.scale(solve(i)) }
+    let span = tone.word.wrapping_mul(samples as u64);
+    let twice_middle = tone.phase.wrapping_add(tone.phase).wrapping_add(span.wrapping_sub(tone.word));
+    let image = sine::rotation(twice_middle).conj() * (sine::rotation(span).im / (turn.im * count));
+    let scale = 2.0 / (count * (1.0 - image.norm_sqr()));
+    let solve = |r: Phasor| (r - r.conj() * image) * scale;
+    (Sensed { v: convert.v.scale(solve(v)), i: convert.i.scale(solve(i)) }, outside)
 }
 
 #[cfg(test)]
@@ -66,6 +83,7 @@ mod tests {
         drive_volt_per_lsb: 0.01,
         drive_mid_code: 2048,
         drive_max_code: 4095,
+        drive_lanes: 4,
     };
 
     fn tone(amplitude: f64, turns: f64, hz: f64, samples: usize) -> Codes {
@@ -84,7 +102,9 @@ mod tests {
                     i: tone(900.0, phase - 0.1, hz, samples),
                     ..SenseBlock::default()
                 };
-                let sensed = demodulate(&convert, &sense, tuning_word(phase), tuning_word(hz / 1e6));
+                let played = Stretch { phase: tuning_word(phase), word: tuning_word(hz / 1e6), step: 0 };
+                let (sensed, outside) = demodulate(&convert, &sense, &played);
+                assert_eq!(outside, OutOfOrder::default());
                 // Half a step of rounding over a few samples bounds both; short blocks of 20 kHz hold a third of a period.
                 let bound = if (samples as f64) * hz < 0.7e6 { 2.5e-3 } else { 4e-4 };
                 assert!((magnitude(sensed.v) / 15.0 - 1.0).abs() < bound, "{samples} {hz} {sensed:?}");

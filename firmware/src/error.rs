@@ -21,6 +21,16 @@ pub enum Error {
     BurstWindows,
     /// A motional current can only be held where the resonance is tracked.
     CurrentWithoutTracking,
+    /// A noise has no phase by which anything could be tracked.
+    NoiseWithTracking,
+    /// A chirp between two frequencies goes where it is told, not where the resonance is.
+    ChirpAgainstTracking,
+    /// A chirp about the resonance needs one that is tracked.
+    ResonanceWithoutTracking,
+    /// A chirp about the resonance passes its own zero, which an exponential one cannot.
+    ExponentialAroundResonance,
+    /// The frequencies of a calibration must rise.
+    TrimOrder,
 }
 
 impl fmt::Display for Error {
@@ -30,6 +40,17 @@ impl fmt::Display for Error {
                 write!(f, "{parameter} = {value} is outside {min} to {max}")
             }
             Error::CurrentWithoutTracking => f.write_str("drive.amplitude is a motional current, which needs tracking"),
+            Error::NoiseWithTracking => {
+                f.write_str("drive.shape is a noise, which has no phase to track by: tracking must be off")
+            }
+            Error::ChirpAgainstTracking => {
+                f.write_str("sweep is a chirp from one frequency to another, and tracking would move it: tracking must be off")
+            }
+            Error::ResonanceWithoutTracking => f.write_str("sweep is a chirp about the resonance, which must be tracked"),
+            Error::ExponentialAroundResonance => {
+                f.write_str("sweep is a chirp about the resonance, from offset to offset through zero: it must be linear")
+            }
+            Error::TrimOrder => f.write_str("phasing.calibration must be at rising frequencies"),
             Error::BurstWindows => {
                 f.write_str("burst windows must be in order, must not overlap, and need one end for each beginning")
             }

@@ -1,12 +1,11 @@
-//! The guard: is it safe to go on driving? Looks at one block's raw codes, phasors and slow readings, and names the first
-//! thing that is wrong.
+//! The guard: is it safe to go on driving? Looks at one block's phasors and slow readings, at its raw codes where the lock-in has seen some
+//! that are out of order, and names the first thing that is wrong.
 
-use crate::block::SenseBlock;
+use crate::block::{Codes, SenseBlock};
 use crate::config::Config;
-use crate::convert::Convert;
-use crate::demod::Sensed;
+use crate::convert::{Convert, SenseScale};
+use crate::demod::{OutOfOrder, Sensed};
 use crate::error::{Error, in_range};
-use crate::phasor::magnitude;
 use crate::supervisor::Fault;
 
 /// Part of a block that may stand at the end of a converter's range.
@@ -25,8 +24,10 @@ const JUDGED_CODES: f32 = 16.0;
 /// What is known of a block besides its codes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Driven {
-    /// Peak voltage that was played in it, V, where the envelope was flat; `None` at an edge.
+    /// Peak voltage that was played in it, V, where it was the same throughout; `None` at an edge, and of a noise.
     pub volts: Option<f32>,
+    /// Codes of it that are out of order.
+    pub outside: OutOfOrder,
 }
 
 /// The guard's memory.
@@ -69,11 +70,13 @@ impl Guard {
     /// What is wrong with this block, if anything.
     pub fn inspect(&mut self, convert: &Convert, sense: &SenseBlock, sensed: &Sensed, driven: Driven) -> Option<Fault> {
         let played = driven.volts.filter(|&volts| volts > self.judged_volts);
+        // Squares are compared: a root takes as long as a period of the lock-in.
+        let square = |x: f32| x * x;
         let wrong_voltage = played.is_some_and(|volts| {
-            let heard = magnitude(sensed.v);
-            heard > volts * VOLTAGE_FACTOR || heard < volts / VOLTAGE_FACTOR
+            let heard = sensed.v.norm_sqr();
+            heard > square(volts * VOLTAGE_FACTOR) || heard < square(volts / VOLTAGE_FACTOR)
         });
-        let no_current = played.is_some_and(|volts| magnitude(sensed.i) < OPEN_PART * self.clamped_siemens * volts);
+        let no_current = played.is_some_and(|volts| sensed.i.norm_sqr() < square(OPEN_PART * self.clamped_siemens * volts));
         // A reading that is not a number is no proof of motion.
         let moves = |speed: f32| speed.abs() >= self.belt_moving_m_per_s;
         // Nor is a sensor that was there and is gone.
@@ -89,12 +92,15 @@ impl Guard {
         let tripped = sense.slow.trips.is_some_and(|trips| trips.over_current);
         let missed = sense.slow.missed_blocks.is_some_and(|missed| missed > 0);
         let cut = sense.v.len() != self.samples || sense.i.len() != self.samples;
-        let clipped = |clipped: usize| clipped * CLIPPED_PART > self.samples;
+        // Clipping and over-current are looked for where there can be any.
+        let (v_outside, i_outside) = (driven.outside.v > 0, driven.outside.i > 0);
+        let clipped = |scale: &SenseScale, codes: &Codes| scale.clipped(codes) * CLIPPED_PART > self.samples;
+        let over_current = i_outside && convert.i.beyond(&sense.i, self.current_limit) >= OVER_CURRENT_SAMPLES;
         let faults = [
             (missed || cut, Fault::LateBlock),
-            (clipped(convert.v.clipped(&sense.v)), Fault::SensorImplausible),
-            (tripped || convert.i.beyond(&sense.i, self.current_limit) >= OVER_CURRENT_SAMPLES, Fault::OverCurrent),
-            (clipped(convert.i.clipped(&sense.i)), Fault::SensorImplausible),
+            (v_outside && clipped(&convert.v, &sense.v), Fault::SensorImplausible),
+            (tripped || over_current, Fault::OverCurrent),
+            (i_outside && clipped(&convert.i, &sense.i), Fault::SensorImplausible),
             (self.wrong_voltage >= IMPLAUSIBLE_BLOCKS, Fault::SensorImplausible),
             (self.no_current >= IMPLAUSIBLE_BLOCKS, Fault::LoadOpen),
             (self.belt_still > self.belt_stop_blocks, Fault::BeltStopped),

@@ -120,6 +120,7 @@ struct RawSense {
 struct RawDrive {
     #[serde(with = "raw_lanes")]
     lanes: Vec<Codes, MAX_LANES>,
+    listen: u8,
 }
 
 /// Codes as little-endian bytes.
@@ -192,6 +193,7 @@ mod tests {
     use crate::config::*;
     use crate::identify::Transducer;
     use crate::supervisor::{Fault, Limit, Mode};
+    use crate::units::{Hertz, Turns};
 
     /// Sends `record` in pieces of `piece` bytes, and checks that it comes back.
     fn comes_back<T>(record: &T, piece: usize)
@@ -222,6 +224,8 @@ mod tests {
             attempt: u32::MAX,
             gate: Gate::Off,
             amplitude: Some(Amplitude::MotionalCurrent(1.0)),
+            detune: Hertz(1.0),
+            quadrature: Some(Turns(0.1)),
             emergency_stop: true,
             clear_fault: true,
         };
@@ -246,7 +250,7 @@ mod tests {
             transducer: Some(Transducer::default()),
             ..Telemetry::default()
         };
-        Answer { drive: DriveBlock { lanes: core::iter::repeat_n(codes(), MAX_LANES).collect() }, telemetry }
+        Answer { drive: DriveBlock { lanes: core::iter::repeat_n(codes(), MAX_LANES).collect(), listen: 3 }, telemetry }
     }
 
     fn longest_config() -> Config {
@@ -263,9 +267,31 @@ mod tests {
                 drive_volt_per_lsb: 1.0,
                 drive_mid_code: u16::MAX,
                 drive_max_code: u16::MAX,
+                drive_lanes: u8::MAX,
             },
-            drive: Drive { frequency_hz: 40e3, amplitude: Amplitude::Volts(1.0), scan_volts: 1.0, shape: ShapeKind::Square },
-            phasing: Phasing { direction: Direction::Reverse, phase_trim_turns: most(0.0), gain_trim: most(1.0) },
+            drive: Drive {
+                frequency_hz: 40e3,
+                amplitude: Amplitude::Volts(1.0),
+                scan_volts: 1.0,
+                shape: ShapeKind::Noise,
+                noise_band_hz: (1.0, 2.0),
+                dither: true,
+                seed: u64::MAX,
+            },
+            sweep: Sweep::Chirp(Chirp {
+                kind: ChirpKind::Exponential,
+                start_hz: 1.0,
+                stop_hz: 2.0,
+                time_s: 1.0,
+                then: Then::UpDown,
+                around: Around::Resonance,
+            }),
+            phasing: Phasing {
+                direction: Direction::Reverse,
+                phase_trim_turns: most(0.0),
+                gain_trim: most(1.0),
+                calibration: core::iter::repeat_n(TrimPoint::default(), MAX_TRIM_POINTS).collect(),
+            },
             burst: Burst {
                 schedule: Schedule::Windows(core::iter::repeat_n((0.0, 1.0), MAX_WINDOWS).collect()),
                 edge: Edge::Soft { cycles: 1.0 },

@@ -1,13 +1,28 @@
-//! Lane offsets and trims: where each lane stands in the period, and how large it is.
+//! Lanes: where each stands in the period, how large it is, and how that is made of one cosine and one sine.
 //!
-//! Four-phase motor signals are sine, cosine, -sine, -cosine: a quarter turn from lane to lane. Two lanes make the
-//! quadrature pair of a two-phase motor, also a quarter turn apart; the wave runs from lane 0 towards lane 1 when it leads.
+//! Lanes 0 and 2 are each other's opposites, and so are 1 and 3, which lead them by the quadrature: a quarter turn makes the four phases of
+//! a travelling-wave motor (sine, cosine, -sine, -cosine), minus a quarter turns it round, zero makes a standing wave.
+//!
+//! ```text
+//! offset(lane) = (0, quadrature, 1/2, 1/2 + quadrature) + trim(lane, f)
+//! sin(theta + offset) = sin(theta) cos(offset) + cos(theta) sin(offset)
+//! ```
+//!
+//! so that a sine's lanes are the rows of a matrix, times one pair a sample, and a trim costs nothing.
 
 use heapless::Vec;
 
 use crate::block::MAX_LANES;
-use crate::config::{Direction, Phasing};
+use crate::config::{Config, Direction, LaneTrims, Phasing as PhasingConfig, Trim};
 use crate::error::{Error, in_range};
+use crate::phasor::Phasor;
+use crate::shape::sine;
+use crate::units::Turns;
+
+/// Largest quadrature: beyond a quarter turn a motor would turn the other way again.
+pub const MAX_QUADRATURE: f32 = 0.25;
+/// Trims are looked up anew when the frequency has moved by this part of itself.
+const RETRIM: f32 = 1e-4;
 
 /// One lane, ready to be applied.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -16,52 +31,170 @@ pub struct Lane {
     pub offset: u32,
     /// Gain.
     pub gain: f32,
+    /// The gain in the direction of the offset.
+    pub row: Phasor,
+}
+
+/// The lanes of a drive.
+#[derive(Clone, Debug)]
+pub struct Phasing {
+    /// What the configuration corrects.
+    fixed: Vec<Trim, MAX_LANES>,
+    calibration: LaneTrims,
+    forward: f32,
+    /// As of the last call of [`lanes`](Phasing::lanes), and what they were for.
+    lanes: Vec<Lane, MAX_LANES>,
+    quadrature: f32,
+    hz: f32,
 }
 
 /// Turns to 2^32 a turn, wrapping.
 fn phase_of_turns(turns: f32) -> u32 {
-    (f64::from(turns) * 4_294_967_296.0) as i64 as u32
+    // In halves, so that every offset from minus two turns to two fits.
+    ((turns * 1_073_741_824.0) as i32 as u32) << 2
 }
 
 /// The gain of the loudest lane, at least one: a voltage limit is for that lane.
-pub fn loudest(phasing: &Phasing) -> f32 {
-    phasing.gain_trim.iter().fold(1.0, |loudest: f32, &gain| loudest.max(gain))
+pub fn loudest(phasing: &PhasingConfig) -> f32 {
+    let fixed = |lane: usize| phasing.gain_trim.get(lane).copied().unwrap_or(1.0);
+    let calibrated = |lane: usize| phasing.calibration.iter().map(|point| point.lanes[lane].gain).fold(1.0, f32::max);
+    (0..MAX_LANES).map(|lane| fixed(lane) * calibrated(lane)).fold(1.0, f32::max)
 }
 
-/// The lanes of a drive. Trims that are not given are none.
-pub fn build(phasing: &Phasing, lanes: u8) -> Result<Vec<Lane, MAX_LANES>, Error> {
-    in_range("lanes", lanes.into(), 1.0, MAX_LANES as f64)?;
-    let quarter = match phasing.direction {
-        Direction::Forward => 0.25,
-        Direction::Reverse => -0.25,
-    };
-    (0..usize::from(lanes))
-        .map(|lane| {
-            let trim = phasing.phase_trim_turns.get(lane).copied().unwrap_or(0.0);
-            let gain = phasing.gain_trim.get(lane).copied().unwrap_or(1.0);
-            in_range("phasing.phase_trim_turns", trim.into(), -0.5, 0.5)?;
-            in_range("phasing.gain_trim", gain.into(), 0.0, 2.0)?;
-            Ok(Lane { offset: phase_of_turns(quarter * lane as f32 + trim), gain })
-        })
-        .collect()
+impl Phasing {
+    /// Checks lanes and trims. Trims that are not given are none.
+    pub fn build(config: &Config) -> Result<Self, Error> {
+        let phasing = &config.phasing;
+        in_range("front_end.drive_lanes", config.front_end.drive_lanes.into(), 1.0, MAX_LANES as f64)?;
+        in_range("lanes", config.lanes.into(), 1.0, config.front_end.drive_lanes.into())?;
+        let checked = |trim: Trim| {
+            in_range("phasing.phase_trim_turns", trim.phase_turns.into(), -0.5, 0.5)?;
+            in_range("phasing.gain_trim", trim.gain.into(), 0.0, 2.0)?;
+            Ok(trim)
+        };
+        let fixed = |lane: usize| Trim {
+            phase_turns: phasing.phase_trim_turns.get(lane).copied().unwrap_or(0.0),
+            gain: phasing.gain_trim.get(lane).copied().unwrap_or(1.0),
+        };
+        let fixed = (0..usize::from(config.lanes)).map(|lane| checked(fixed(lane))).collect::<Result<_, Error>>()?;
+        if !phasing.calibration.windows(2).all(|pair| pair[0].hz < pair[1].hz) {
+            return Err(Error::TrimOrder);
+        }
+        for trim in phasing.calibration.iter().flat_map(|point| point.lanes) {
+            checked(trim)?;
+        }
+        let forward = match phasing.direction {
+            Direction::Forward => MAX_QUADRATURE,
+            Direction::Reverse => -MAX_QUADRATURE,
+        };
+        let calibration = phasing.calibration.clone();
+        Ok(Phasing { fixed, calibration, forward, lanes: Vec::new(), quadrature: 0.0, hz: 0.0 })
+    }
+
+    /// How many lanes there are.
+    pub fn count(&self) -> usize {
+        self.fixed.len()
+    }
+
+    /// The quadrature asked for, or the configured one; and whether it had to be limited. A not-a-number is the configured one.
+    pub fn quadrature(&self, asked: Option<Turns>) -> (f32, bool) {
+        let asked = asked.map(|turns| turns.0).filter(|turns| !turns.is_nan()).unwrap_or(self.forward);
+        (asked.clamp(-MAX_QUADRATURE, MAX_QUADRATURE), asked.abs() > MAX_QUADRATURE)
+    }
+
+    /// The trims of a calibration, and new ones.
+    pub fn calibration(&mut self) -> &mut LaneTrims {
+        // Whatever is done to it, the lanes are made anew.
+        self.lanes.clear();
+        &mut self.calibration
+    }
+
+    /// The lanes at a frequency and a quadrature.
+    pub fn lanes(&mut self, hz: f32, quadrature: f32) -> &Vec<Lane, MAX_LANES> {
+        let moved = !self.calibration.is_empty() && (hz - self.hz).abs() > RETRIM * hz;
+        if self.lanes.is_empty() || quadrature != self.quadrature || moved {
+            (self.hz, self.quadrature) = (hz, quadrature);
+            let offsets = [0.0, quadrature, 0.5, 0.5 + quadrature];
+            self.lanes = (0..self.fixed.len()).map(|lane| self.lane(lane, offsets[lane])).collect();
+        }
+        &self.lanes
+    }
+
+    fn lane(&self, lane: usize, offset_turns: f32) -> Lane {
+        let (fixed, found) = (self.fixed[lane], self.calibrated(lane));
+        let gain = fixed.gain * found.gain;
+        let offset = phase_of_turns(offset_turns + fixed.phase_turns + found.phase_turns);
+        Lane { offset, gain, row: sine::rotation(u64::from(offset) << 32) * gain }
+    }
+
+    /// What the calibration says of a lane, on a straight line between its neighbours in frequency.
+    fn calibrated(&self, lane: usize) -> Trim {
+        let above = self.calibration.iter().position(|point| point.hz >= self.hz).unwrap_or(self.calibration.len());
+        let at = |point: usize| self.calibration.get(point).map(|point| (point.hz, point.lanes[lane]));
+        match (above.checked_sub(1).and_then(at), at(above)) {
+            (Some((low_hz, low)), Some((high_hz, high))) => {
+                let part = (self.hz - low_hz) / (high_hz - low_hz);
+                let between = |low: f32, high: f32| low + part * (high - low);
+                Trim { phase_turns: between(low.phase_turns, high.phase_turns), gain: between(low.gain, high.gain) }
+            }
+            (Some((_, trim)), None) | (None, Some((_, trim))) => trim,
+            (None, None) => Trim::default(),
+        }
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::config::TrimPoint;
 
-    #[test]
-    fn four_lanes_are_a_quarter_turn_apart() {
-        let lanes = build(&Phasing::default(), 4).unwrap();
-        let offsets: Vec<u32, 4> = lanes.iter().map(|lane| lane.offset).collect();
-        assert_eq!(offsets, [0, 1 << 30, 2 << 30, 3 << 30]);
+    fn phasing(lanes: usize) -> Phasing {
+        let fixed = core::iter::repeat_n(Trim::default(), lanes).collect();
+        Phasing { fixed, calibration: Vec::new(), forward: 0.25, lanes: Vec::new(), quadrature: 0.0, hz: 0.0 }
+    }
+
+    fn offsets(phasing: &mut Phasing, hz: f32, quadrature: f32) -> std::vec::Vec<u32> {
+        phasing.lanes(hz, quadrature).iter().map(|lane| lane.offset).collect()
     }
 
     #[test]
-    fn reverse_runs_the_other_way_and_trims_add() {
-        let mut phasing = Phasing { direction: Direction::Reverse, ..Phasing::default() };
-        phasing.phase_trim_turns = [0.0, 0.125].into_iter().collect();
-        let lanes = build(&phasing, 2).unwrap();
-        assert_eq!(lanes[1].offset, (3 << 30) + (1 << 29));
+    fn four_lanes_are_a_quarter_turn_apart_and_reverse_runs_the_other_way() {
+        assert_eq!(offsets(&mut phasing(4), 40e3, 0.25), [0, 1 << 30, 2 << 30, 3 << 30]);
+        assert_eq!(offsets(&mut phasing(4), 40e3, -0.25), [0, 3 << 30, 2 << 30, 1 << 30]);
+        assert_eq!(offsets(&mut phasing(4), 40e3, 0.0), [0, 0, 2 << 30, 2 << 30]);
+    }
+
+    #[test]
+    fn a_row_is_the_lane_s_gain_and_direction() {
+        let mut phasing = phasing(2);
+        phasing.fixed[1] = Trim { phase_turns: 0.125, gain: 0.5 };
+        let lane = phasing.lanes(40e3, -0.25)[1];
+        assert_eq!(lane.offset, (3 << 30) + (1 << 29));
+        assert!((lane.row - Phasor::new(0.353_553, -0.353_553)).norm_sqr() < 1e-11, "{lane:?}");
+    }
+
+    #[test]
+    fn trims_lie_on_straight_lines_between_calibrated_frequencies() {
+        let mut phasing = phasing(2);
+        let point = |hz, phase_turns, gain| {
+            let mut lanes = [Trim::default(); MAX_LANES];
+            lanes[1] = Trim { phase_turns, gain };
+            TrimPoint { hz, lanes }
+        };
+        *phasing.calibration() = [point(39e3, 0.01, 1.0), point(41e3, 0.03, 1.2)].into_iter().collect();
+        for (hz, phase_turns, gain) in [(30e3, 0.01, 1.0), (39.5e3, 0.015, 1.05), (41e3, 0.03, 1.2), (50e3, 0.03, 1.2)] {
+            let lane = phasing.lanes(hz, 0.0)[1];
+            assert!((lane.offset as f32 / 4_294_967_296.0 - phase_turns).abs() < 1e-6, "{hz} {lane:?}");
+            assert!((lane.gain - gain).abs() < 1e-6, "{hz} {lane:?}");
+        }
+    }
+
+    #[test]
+    fn a_quadrature_is_limited_and_says_so() {
+        let phasing = phasing(4);
+        assert_eq!(phasing.quadrature(None), (0.25, false));
+        assert_eq!(phasing.quadrature(Some(Turns(0.1))), (0.1, false));
+        assert_eq!(phasing.quadrature(Some(Turns(-0.3))), (-0.25, true));
+        assert_eq!(phasing.quadrature(Some(Turns(f32::NAN))), (0.25, false));
     }
 }

@@ -1,13 +1,13 @@
 //! The supervisor: may we drive, and what is limiting us?
 //!
 //! ```text
-//! Idle -> SelfTest -> Scan -> Lock -> Run
-//!   ^        |          |       |      |
-//!   |        +----------+---+---+------+--> Fault (sticky; the drive is muted)
-//!   +--- order: Idle ---------------- order: clear ---+
+//! Idle -> SelfTest -> Scan | Calibrate -> Lock -> Run
+//!   ^        |          |        |          |      |
+//!   |        +----------+--------+--+-------+------+--> Fault (sticky; the drive is muted)
+//!   +--- order: Idle -------------------- order: clear ---+
 //! ```
 //!
-//! An order to scan goes from anywhere to SelfTest, and from Scan back to Idle.
+//! An order to scan or to calibrate goes from anywhere to SelfTest, and from Scan or Calibrate back to Idle.
 //!
 //! A [`Fault`] ends the drive and stays until it is cleared. A [`Limit`] does neither: it says why the drive does less than
 //! was asked, right now. Numbers are for the log and for other languages, and never change their meaning.
@@ -27,6 +27,8 @@ pub enum Mode {
     SelfTest,
     /// Looking for the resonance.
     Scan,
+    /// Measuring what each lane adds.
+    Calibrate,
     /// Pulling in.
     Lock,
     /// Driving, by the burst schedule.
@@ -78,10 +80,12 @@ impl Fault {
 pub enum Limit {
     /// The voltage asked for (by an order or by the amplitude loop) is over the voltage limit.
     OverVoltageRequest = 96,
-    /// The tracker stands at the edge of the frequency window.
+    /// The tracker stands at the edge of the frequency window, or an order asks for more.
     FrequencyWindow = 97,
     /// The drive has been ON for long, in bursts too short for the tracker to hear the resonance.
     NotTracking = 98,
+    /// The quadrature asked for is over a quarter turn.
+    QuadratureRequest = 99,
 }
 
 /// A number on the wire, and back: a variant that is added later does not change the meaning of the others.
@@ -104,7 +108,7 @@ macro_rules! numbered {
 }
 
 numbered!(Fault, EmergencyStop LateBlock SensorImplausible OverCurrent LoadShorted LoadOpen NoResonance NoLock LossOfLock BeltStopped);
-numbered!(Limit, OverVoltageRequest FrequencyWindow NotTracking);
+numbered!(Limit, OverVoltageRequest FrequencyWindow NotTracking QuadratureRequest);
 
 /// How a stage of the way to [`Mode::Run`] is getting on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -123,8 +127,8 @@ pub struct Supervisor {
     mode: Mode,
     fault: Option<Fault>,
     obeyed: u32,
-    /// The attempt whose scan is done.
-    scanned: Option<u32>,
+    /// The attempt that is done.
+    done: Option<u32>,
 }
 
 impl Supervisor {
@@ -159,10 +163,10 @@ impl Supervisor {
                 self.mode = Mode::Idle;
                 false
             }
-            // A scan is done once for each order: the mode returns to idle, and only a new order repeats it.
-            (Mode::Idle, Request::Scan) if self.scanned == Some(orders.attempt) => false,
-            // A new order to scan also ends a run.
-            (Mode::Idle, _) | (Mode::Lock | Mode::Run, Request::Scan) => {
+            // Both are done once for each order: the mode returns to idle, and only a new order repeats them.
+            (Mode::Idle, Request::Scan | Request::Calibrate) if self.done == Some(orders.attempt) => false,
+            // A new order of either also ends a run.
+            (Mode::Idle, _) | (Mode::Lock | Mode::Run, Request::Scan | Request::Calibrate) => {
                 self.mode = Mode::SelfTest;
                 true
             }
@@ -177,18 +181,23 @@ impl Supervisor {
             Progress::Failed(fault) => self.raise(fault),
             Progress::Done => {
                 self.mode = match self.mode {
+                    Mode::SelfTest if orders.request == Request::Calibrate => Mode::Calibrate,
                     Mode::SelfTest if tracks || orders.request == Request::Scan => Mode::Scan,
                     Mode::SelfTest => Mode::Run,
-                    Mode::Scan if orders.request == Request::Scan => {
-                        self.scanned = Some(orders.attempt);
-                        Mode::Idle
-                    }
+                    Mode::Calibrate => self.end(orders),
+                    Mode::Scan if orders.request == Request::Scan => self.end(orders),
                     Mode::Scan => Mode::Lock,
                     Mode::Lock => Mode::Run,
                     other => other,
                 }
             }
         }
+    }
+
+    /// The order is carried out.
+    fn end(&mut self, orders: &Orders) -> Mode {
+        self.done = Some(orders.attempt);
+        Mode::Idle
     }
 
     fn raise(&mut self, fault: Fault) {

@@ -12,7 +12,7 @@ use crate::demod::Sensed;
 use crate::error::Error;
 use crate::identify::Transducer;
 use crate::motional::Motional;
-use crate::phasor::{Phasor, magnitude};
+use crate::phasor::Phasor;
 use crate::tracker::lock_detector::{Lock, LockDetector};
 use crate::tracker::phase_loop::PhaseLoop;
 use crate::units::Turns;
@@ -75,6 +75,8 @@ pub struct Tracker {
     phase_loop: PhaseLoop,
     lock: LockDetector,
     rm_ohm: f32,
+    /// `2 pi tau`: how much a hertz of detuning is of the phase's own scale, 1/Hz.
+    turn_per_hz: f32,
     /// Blocks heard since the envelope is one, and how many of them it waits.
     on_blocks: u32,
     ring_up_blocks: u32,
@@ -103,6 +105,7 @@ impl Tracker {
             phase_loop: PhaseLoop::build(&config.tracking, config.drive.frequency_hz, block_s)?,
             lock: LockDetector::default(),
             rm_ohm: 0.0,
+            turn_per_hz: 0.0,
             on_blocks: 0,
             ring_up_blocks: 0,
             unheard_blocks: 0,
@@ -133,6 +136,7 @@ impl Tracker {
         self.phase_loop.seed(transducer.series_resonance_hz - self.nominal_hz, tau_s);
         self.lock.restart(tau_blocks);
         self.rm_ohm = transducer.rm_ohm;
+        self.turn_per_hz = core::f32::consts::TAU * tau_s;
         self.ring_up_blocks = (RING_UP * tau_blocks) as u32;
         self.on_blocks = self.ring_up_blocks;
         (self.unheard_blocks, self.unheard_limit) = (0, limit(UNHEARD));
@@ -144,7 +148,16 @@ impl Tracker {
         self.motional.current(sensed, relative)
     }
 
-    /// Follows one block. Returns the phase that is driven to zero, which is zero where nothing was heard.
+    /// What the motional current would be at the lock point: beside it, a resonance answers with `1 / (1 + j 2 pi tau df)` of that.
+    pub fn at_lock_point(&self, motional_current: Phasor, detune_hz: f32) -> Phasor {
+        if detune_hz == 0.0 {
+            return motional_current;
+        }
+        motional_current * Phasor::new(1.0, self.turn_per_hz * detune_hz)
+    }
+
+    /// Follows one block, whose motional current is given [at the lock point](Self::at_lock_point). Returns the phase that is driven to zero,
+    /// which is zero where nothing was heard.
     pub fn follow(&mut self, sensed: &Sensed, motional_current: Phasor, heard: &Heard) -> Turns {
         let Some(detector) = self.detector else { return Turns(0.0) };
         self.blocks = self.blocks.saturating_add(1);
@@ -155,7 +168,8 @@ impl Tracker {
             return Turns(0.0);
         }
         self.unheard_blocks = 0;
-        if magnitude(motional_current) > RINGS_ABOVE * heard.volts / self.rm_ohm {
+        let rings_above = RINGS_ABOVE * heard.volts / self.rm_ohm;
+        if motional_current.norm_sqr() > rings_above * rings_above {
             let current = match detector {
                 PhaseDetector::Motional => motional_current,
                 PhaseDetector::Total => sensed.i,
@@ -186,6 +200,11 @@ impl Tracker {
     /// The frequency to drive, as an offset from the nominal one, Hz.
     pub fn offset_hz(&self) -> f32 {
         self.phase_loop.offset_hz()
+    }
+
+    /// The largest offset, Hz.
+    pub fn window_hz(&self) -> f32 {
+        self.phase_loop.window_hz()
     }
 
     /// The smoothed estimate of the resonance, as an offset from the nominal frequency, Hz.

@@ -179,7 +179,7 @@ mod tests {
     }
 
     fn wave() -> DriveBlock {
-        DriveBlock { lanes: [(0..32).map(|n| 2000 + 7 * n).collect()].into_iter().collect() }
+        DriveBlock { lanes: [(0..32).map(|n| 2000 + 7 * n).collect()].into_iter().collect(), listen: 0 }
     }
 
     fn hear(analog: &mut impl Analog) -> SenseBlock {

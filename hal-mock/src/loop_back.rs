@@ -2,7 +2,7 @@
 //! emergency stop, watchdog and late blocks; it has no resonance to find.
 
 use firmware::block::{Amplitude, DriveBlock, SenseBlock};
-use firmware::config::{Burst, Config, Drive, Edge, FrontEnd, Limits, Phasing, Schedule, ShapeKind, Tracking, TrackingMode};
+use firmware::config::{Burst, Config, Drive, Edge, FrontEnd, Limits, Phasing, Schedule, Sweep, Tracking, TrackingMode};
 
 use crate::analog::Analog;
 
@@ -58,8 +58,10 @@ pub fn config() -> Config {
             drive_volt_per_lsb: 0.01,
             drive_mid_code: 2048,
             drive_max_code: 4095,
+            drive_lanes: 4,
         },
-        drive: Drive { frequency_hz: 40_400.0, amplitude: Amplitude::Volts(3.0), scan_volts: 1.0, shape: ShapeKind::Sine },
+        drive: Drive::sine(40_400.0, Amplitude::Volts(3.0), 1.0),
+        sweep: Sweep::Hold,
         phasing: Phasing::default(),
         burst: Burst { schedule: Schedule::Continuous, edge: Edge::Hard },
         tracking: Tracking { mode: TrackingMode::Off, span: 0.05, bandwidth_hz: 100.0, nominal_q: 50.0, nominal_c0_f: 200e-9 },
@@ -91,7 +93,10 @@ mod tests {
         // 200 nF, 1 V a sample of 1 us: 0.2 A.
         let mut load = LoopBack::of(&config());
         let mut sense = SenseBlock::default();
-        load.exchange(&DriveBlock { lanes: [[2048, 2148, 2148, 2048].into_iter().collect()].into_iter().collect() }, &mut sense);
+        load.exchange(
+            &DriveBlock { lanes: [[2048, 2148, 2148, 2048].into_iter().collect()].into_iter().collect(), listen: 0 },
+            &mut sense,
+        );
         assert_eq!(sense.v, [2048, 2148, 2148, 2048]);
         assert_eq!(sense.i, [2048, 2148, 2048, 1948]);
     }

@@ -6,6 +6,7 @@ use criterion::{BatchSize, Criterion, Throughput, criterion_group, criterion_mai
 use firmware::block::{DriveBlock, Gate, Orders, Request, SenseBlock};
 use firmware::controller::Controller;
 use firmware::supervisor::Mode;
+use firmware::units::Hertz;
 use hal_mock::analog::Analog;
 use hal_mock::block_clock::BlockClock;
 use sim_host::plant::Plant;
@@ -47,6 +48,8 @@ const ORDERS: Orders = Orders {
     request: Request::Run,
     gate: Gate::On,
     amplitude: None,
+    detune: Hertz(0.0),
+    quadrature: None,
     emergency_stop: false,
     clear_fault: false,
 };

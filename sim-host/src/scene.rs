@@ -35,7 +35,9 @@ mod tests;
 
 pub use comparison::{Case, Comparison, Equal};
 pub use contact::{Contact, Coulomb, Dahl, Hertz, Lugre, Model, Sign};
-pub use controller::{Burst, Controller, Direction, Drive, Edge, Limits, Phasing, Shape, Tracking, TrackingMode};
+pub use controller::{
+    Around, Burst, ChirpKind, Controller, Direction, Drive, Edge, Limits, Phasing, Shape, Sweep, Then, Tracking, TrackingMode,
+};
 pub use course::{Disturbance, DisturbedKey, Fault, FaultKind};
 pub use excitation::{Excitation, Match, VibrationVelocity, Waveform};
 pub use integrator::{Integrator, Method};

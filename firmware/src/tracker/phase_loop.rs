@@ -58,6 +58,11 @@ impl PhaseLoop {
         self.offset_hz = self.integral_hz;
     }
 
+    /// The largest offset, Hz.
+    pub fn window_hz(&self) -> f32 {
+        self.window_hz
+    }
+
     /// The frequency to drive, as an offset from the nominal one, Hz.
     pub fn offset_hz(&self) -> f32 {
         self.offset_hz

@@ -13,6 +13,9 @@ pub struct Controller {
     pub block_samples: u16,
     /// The drive.
     pub drive: Drive,
+    /// A chirp while running. Without it the frequency is the tracked one, or stays.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub sweep: Option<Sweep>,
     /// Lane offsets and trims of a multi-phase drive.
     #[serde(default)]
     pub phasing: Phasing,
@@ -45,16 +48,27 @@ pub struct Drive {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 1e-3, max = 1e4))]
     pub scan_v: Option<f64>,
-    /// Waveform of one period.
+    /// Waveform while running.
     #[serde(default)]
     pub shape: Shape,
+    /// Lower end of a noise's band, Hz. Default: 0.75 of `frequency_hz`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 100.0, max = 450e3))]
+    pub noise_low_hz: Option<f64>,
+    /// Upper end of a noise's band, Hz. Default: 1.25 of `frequency_hz`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 100.0, max = 450e3))]
+    pub noise_high_hz: Option<f64>,
+    /// Adds random steps of up to one code before rounding, so that rounding leaves noise in place of harmonics.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub dither: bool,
     /// Drive lanes; the stack hangs on the first.
     #[serde(default = "default::lanes")]
     #[schemars(range(min = 1, max = 4))]
     pub lanes: u8,
 }
 
-/// Waveform of one period.
+/// Waveform while running; self-test and scan are by sines.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum Shape {
@@ -63,6 +77,69 @@ pub enum Shape {
     Sine,
     /// Square, band-limited.
     Square,
+    /// Sawtooth, rising, band-limited.
+    Sawtooth,
+    /// Gaussian noise within a band, clipped at the peak, which is four times its rms. Nothing can be tracked by it.
+    Noise,
+}
+
+/// A chirp while running.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Sweep {
+    /// How it gets from one end to the other.
+    #[serde(default)]
+    pub kind: ChirpKind,
+    /// Where it begins, Hz; about a resonance, as an offset from it.
+    #[schemars(range(min = -450e3, max = 450e3))]
+    pub start_hz: f64,
+    /// Where it ends, Hz.
+    #[schemars(range(min = -450e3, max = 450e3))]
+    pub stop_hz: f64,
+    /// How long that takes, s; whole blocks.
+    #[schemars(range(min = 1e-5, max = 1e5))]
+    pub time_s: f64,
+    /// What follows.
+    #[serde(default)]
+    pub then: Then,
+    /// What the frequencies count from.
+    #[serde(default)]
+    pub around: Around,
+}
+
+/// How a chirp gets from one end to the other.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum ChirpKind {
+    /// By equal steps.
+    #[default]
+    Linear,
+    /// By equal ratios.
+    Exponential,
+}
+
+/// What follows the end of a chirp.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum Then {
+    /// The last frequency.
+    #[default]
+    Hold,
+    /// The same chirp again.
+    Repeat,
+    /// The way back, and so on.
+    Updown,
+}
+
+/// What the frequencies of a chirp count from.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum Around {
+    /// From 0 Hz. Nothing is tracked.
+    #[default]
+    Zero,
+    /// From the resonance, which is tracked meanwhile. Linear only.
+    Resonance,
 }
 
 /// Lane offsets and trims of a multi-phase drive.

@@ -16,11 +16,14 @@ pub struct Amplifier {
     /// Source resistance, ohm.
     #[schemars(range(min = 1e-3, max = 1e4))]
     pub source_ohm: f64,
+    /// Lanes that the board has: a converter and an amplifier each.
+    #[schemars(range(min = 1, max = 4))]
+    pub lanes: u8,
 }
 
 impl Default for Amplifier {
     fn default() -> Self {
-        Amplifier { full_scale_v: 20.0, bandwidth_hz: 200e3, source_ohm: 0.3 }
+        Amplifier { full_scale_v: 20.0, bandwidth_hz: 200e3, source_ohm: 0.3, lanes: 4 }
     }
 }
 

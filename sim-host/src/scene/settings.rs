@@ -3,7 +3,8 @@
 
 use firmware::block::Amplitude;
 use firmware::config::{
-    Burst, Config, Direction, Drive, Edge, FrontEnd, Limits, Phasing, Schedule, ShapeKind, Tracking, TrackingMode,
+    Around, Burst, Chirp, ChirpKind, Config, Direction, Drive, Edge, FrontEnd, LaneTrims, Limits, Phasing, Schedule, ShapeKind,
+    Sweep, Then, Tracking, TrackingMode,
 };
 
 use crate::scene;
@@ -24,8 +25,17 @@ pub fn config(scene: &scene::Driven) -> Config {
             shape: match drive.shape {
                 scene::Shape::Sine => ShapeKind::Sine,
                 scene::Shape::Square => ShapeKind::Square,
+                scene::Shape::Sawtooth => ShapeKind::Sawtooth,
+                scene::Shape::Noise => ShapeKind::Noise,
             },
+            noise_band_hz: (
+                drive.noise_low_hz.unwrap_or(0.75 * drive.frequency_hz) as f32,
+                drive.noise_high_hz.unwrap_or(1.25 * drive.frequency_hz) as f32,
+            ),
+            dither: drive.dither,
+            seed: scene.seed,
         },
+        sweep: sweep(controller.sweep.as_ref()),
         phasing: Phasing {
             direction: match controller.phasing.direction {
                 scene::Direction::Forward => Direction::Forward,
@@ -33,6 +43,7 @@ pub fn config(scene: &scene::Driven) -> Config {
             },
             phase_trim_turns: controller.phasing.phase_trim_turns.iter().map(|&x| x as f32).collect(),
             gain_trim: controller.phasing.gain_trim.iter().map(|&x| x as f32).collect(),
+            calibration: LaneTrims::new(),
         },
         burst: burst(controller.burst.as_ref()),
         tracking: tracking(&controller.tracking),
@@ -57,6 +68,7 @@ fn front_end(sensors: &scene::Sensors, amplifier: &scene::Amplifier) -> FrontEnd
         drive_volt_per_lsb: (amplifier.full_scale_v / f64::from(drive_half)) as f32,
         drive_mid_code: code(drive_half),
         drive_max_code: code(2 * drive_half - 1),
+        drive_lanes: amplifier.lanes,
     }
 }
 
@@ -72,6 +84,28 @@ fn amplitude(drive: &scene::Drive, tracking: &scene::Tracking) -> Amplitude {
         }
         (None, volts) => Amplitude::Volts(volts.unwrap_or(0.0) as f32),
     }
+}
+
+fn sweep(sweep: Option<&scene::Sweep>) -> Sweep {
+    let Some(sweep) = sweep else { return Sweep::Hold };
+    Sweep::Chirp(Chirp {
+        kind: match sweep.kind {
+            scene::ChirpKind::Linear => ChirpKind::Linear,
+            scene::ChirpKind::Exponential => ChirpKind::Exponential,
+        },
+        start_hz: sweep.start_hz as f32,
+        stop_hz: sweep.stop_hz as f32,
+        time_s: sweep.time_s,
+        then: match sweep.then {
+            scene::Then::Hold => Then::Hold,
+            scene::Then::Repeat => Then::Repeat,
+            scene::Then::Updown => Then::UpDown,
+        },
+        around: match sweep.around {
+            scene::Around::Zero => Around::Zero,
+            scene::Around::Resonance => Around::Resonance,
+        },
+    })
 }
 
 fn burst(burst: Option<&scene::Burst>) -> Burst {

@@ -12,15 +12,19 @@ use crate::scene::settings;
 use crate::scene::wording::{bound, quantity, range};
 
 const MODE: &str = "controller.tracking.mode";
+const SHAPE: &str = "controller.drive.shape";
+const AROUND: &str = "controller.sweep.around";
 const BEGINNINGS: &str = "controller.burst.on_s";
 const SCALE: &str = "one code must be worth something the firmware can calculate with";
+const CARRIED: &str =
+    "no chirp through 0 Hz, nor above 0.45 of `sensors.sample_hz`; about a resonance, as offsets from `drive.frequency_hz`";
 const LOUDEST: &str = "the loudest lane, with its `gain_trim`, must stay within `controller.limits.voltage_v`";
 
 /// Parameters of the firmware, the keys that they come from, and on what their ranges depend. Others have the name of their key
 /// in `[controller]`, and a range of their own.
 const PARAMETERS: &[(&str, &str, &str)] = &[
     ("sample_hz", "sensors.sample_hz", ""),
-    ("lanes", "controller.drive.lanes", ""),
+    ("lanes", "controller.drive.lanes", "the board has so many: `amplifier.lanes`"),
     ("front_end.volt_per_lsb", "sensors.v_full_scale_v", SCALE),
     ("front_end.ampere_per_lsb", "sensors.i_full_scale_a", SCALE),
     ("front_end.drive_volt_per_lsb", "amplifier.full_scale_v", SCALE),
@@ -29,6 +33,16 @@ const PARAMETERS: &[(&str, &str, &str)] = &[
     ("drive.scan_volts", SCAN, LOUDEST),
     ("drive.scan_volts", AMPLITUDE, "without `scan_v`, self-test and scan have this voltage, too"),
     ("drive.motional_current_a", VELOCITY, "motional current = force factor x velocity, within `controller.limits.current_a`"),
+    ("front_end.drive_lanes", "amplifier.lanes", ""),
+    ("drive.noise_low_hz", "controller.drive.noise_low_hz", "the band must lie within what `sensors.sample_hz` carries"),
+    (
+        "drive.noise_high_hz",
+        "controller.drive.noise_high_hz",
+        "above `noise_low_hz`, and within what `sensors.sample_hz` carries",
+    ),
+    ("sweep.start_hz", "controller.sweep.start_hz", CARRIED),
+    ("sweep.stop_hz", "controller.sweep.stop_hz", CARRIED),
+    ("sweep.time_s", "controller.sweep.time_s", "a block at least; about a resonance so long that its phase can follow"),
     ("burst.edge.cycles", "controller.burst.edge_cycles", ""),
     (
         "tracking.bandwidth_hz",
@@ -62,6 +76,16 @@ impl Rules<'_> {
                 let problem = Problem::new(self.place(at), message, label);
                 self.add(at, problem.help("give `amplitude_v` instead, or a mode other than `off`"));
             }
+            Error::NoiseWithTracking => self.contradicts(SHAPE, &error, "needs `controller.tracking.mode = \"off\"`"),
+            Error::ChirpAgainstTracking => {
+                self.contradicts(AROUND, &error, "needs `controller.tracking.mode = \"off\"`, or `around = \"resonance\"`")
+            }
+            Error::ResonanceWithoutTracking => {
+                self.contradicts(AROUND, &error, "needs a `controller.tracking.mode` other than `off`")
+            }
+            Error::ExponentialAroundResonance => self.contradicts("controller.sweep.kind", &error, "must be `linear`"),
+            // Calibrations are measured, and no scene states one.
+            Error::TrimOrder => {}
             Error::BurstWindows => {
                 let message = format!("the firmware refuses the burst: {error}");
                 let label = format!("each must last a sample at least, {}", quantity(1.0 / scene.sensors.sample_hz, BEGINNINGS));
@@ -69,6 +93,13 @@ impl Rules<'_> {
                 self.add(BEGINNINGS, problem);
             }
         }
+    }
+
+    /// Two settings that do not go together.
+    fn contradicts(&mut self, key: &str, error: &Error, label: &str) {
+        let at = self.newer(key, MODE);
+        let problem = Problem::new(self.place(at), format!("the firmware refuses these settings: {error}"), label.to_owned());
+        self.add(at, problem);
     }
 
     /// The key that a parameter comes from, and on what its range depends.

@@ -1,0 +1,147 @@
+//! What each mode wants to play next.
+
+use super::{Controller, Played};
+use crate::block::{Gate, Orders, SenseBlock};
+use crate::burst::Brake;
+use crate::demod::Sensed;
+use crate::identify::Transducer;
+use crate::motional::Motional;
+use crate::phasor::{Phasor, magnitude};
+use crate::scan;
+use crate::self_test;
+use crate::supervisor::{Fault, Mode, Progress};
+use crate::tracker::{Heard, State};
+use crate::units::Turns;
+
+/// What to play next, before the burst has its say.
+#[derive(Clone, Copy)]
+pub(super) struct Plan {
+    pub(super) volts: f32,
+    pub(super) gate: Gate,
+    /// The lane to listen to.
+    pub(super) listen: u8,
+    /// Phase that is driven to zero.
+    pub(super) phase: Turns,
+    pub(super) progress: Progress,
+}
+
+impl Plan {
+    const SILENT: Plan = Plan { volts: 0.0, gate: Gate::Off, listen: 0, phase: Turns(0.0), progress: Progress::Busy };
+
+    fn tone(volts: f32) -> Self {
+        Plan { volts, gate: Gate::On, ..Plan::SILENT }
+    }
+
+    fn and(self, progress: Progress) -> Self {
+        Plan { progress, ..self }
+    }
+}
+
+impl Controller {
+    /// Forgets what an earlier attempt has found.
+    pub(super) fn begin(&mut self) {
+        self.convert.v.restore_zero();
+        self.convert.i.restore_zero();
+        self.self_test.restart();
+        self.scan.restart();
+        self.transducer = None;
+        self.sweep.hold.retune(0.0);
+        self.sweep.restart();
+        self.tracker.restart();
+        self.amplitude.restart();
+    }
+
+    /// What this mode wants to play next.
+    pub(super) fn plan(
+        &mut self,
+        orders: &Orders,
+        sense: &SenseBlock,
+        sensed: &Sensed,
+        heard: &Played,
+        motional: Phasor,
+    ) -> Plan {
+        match self.supervisor.mode() {
+            Mode::Idle | Mode::Fault => Plan::SILENT,
+            Mode::SelfTest => match self.self_test.step(&mut self.convert, sense, sensed) {
+                self_test::Step::Silence => Plan::SILENT,
+                self_test::Step::Tone { offset_hz, volts } => {
+                    self.sweep.hold.retune(offset_hz);
+                    Plan::tone(volts)
+                }
+                self_test::Step::Passed => {
+                    self.sweep.hold.retune(0.0);
+                    Plan::SILENT.and(Progress::Done)
+                }
+                self_test::Step::Failed(fault) => Plan::SILENT.and(Progress::Failed(fault)),
+            },
+            Mode::Scan => match self.scan.step(sensed) {
+                scan::Step::Tune(offset_hz) => {
+                    self.sweep.hold.retune(offset_hz);
+                    Plan::tone(self.scan_volts)
+                }
+                scan::Step::Found(transducer, branch) => {
+                    self.adopt(transducer, branch, magnitude(motional));
+                    Plan::tone(self.scan_volts).and(Progress::Done)
+                }
+                scan::Step::NotFound => Plan::SILENT.and(Progress::Failed(Fault::NoResonance)),
+            },
+            Mode::Calibrate => Plan::SILENT.and(Progress::Done),
+            Mode::Lock => self.follow(&Orders { gate: Gate::On, ..*orders }, sensed, heard, motional),
+            Mode::Run => self.follow(orders, sensed, heard, motional),
+        }
+    }
+
+    /// Takes the transducer that the scan has found, and starts both loops on it.
+    fn adopt(&mut self, transducer: Transducer, branch: Motional, motional_current: f32) {
+        self.tracker.seed(&transducer, branch);
+        self.sweep.hold.retune(self.tracker.offset_hz());
+        self.amplitude.seed(&transducer, motional_current);
+        self.transducer = Some(transducer);
+    }
+
+    /// Follows frequency and amplitude for one block.
+    fn follow(&mut self, orders: &Orders, sensed: &Sensed, played: &Played, motional: Phasor) -> Plan {
+        let on = played.flat && played.envelope == 1.0 && played.volts > 0.0;
+        let driven = played.envelope != 0.0;
+        let heard = Heard { volts: played.volts, on, driven };
+        let motional = self.tracker.at_lock_point(motional, played.detune_hz);
+        let phase = self.tracker.follow(sensed, motional, &heard);
+        self.sweep.hold.retune(self.detune(orders).0);
+        // An edge is never quite one, whatever its mean rounds to.
+        let envelope = if played.flat { played.envelope } else { played.envelope.min(0.999) };
+        self.amplitude.update(orders.amplitude.unwrap_or(self.amplitude_asked), envelope, motional);
+        self.prepare_brake(orders.gate);
+        Plan { volts: self.amplitude.volts(), gate: orders.gate, listen: 0, phase, progress: self.lock_progress() }
+    }
+
+    /// Where to drive, as an offset from the nominal frequency, Hz, and whether the order had to be limited. Only what runs is moved
+    /// away from the resonance.
+    pub(super) fn detune(&self, orders: &Orders) -> (f32, bool) {
+        let window = self.tracker.window_hz();
+        let asked = if self.supervisor.mode() == Mode::Run && orders.detune.0.is_finite() { orders.detune.0 } else { 0.0 };
+        let offset = if self.tracker.tracks() { self.tracker.offset_hz() } else { 0.0 };
+        let wanted = offset + asked;
+        (wanted.clamp(-window, window), wanted.abs() > window)
+    }
+
+    /// The brake for what rings when the order to brake comes.
+    fn prepare_brake(&mut self, gate: Gate) {
+        if gate != Gate::Brake {
+            self.burst.set_brake(None);
+        } else if self.burst.brake().is_none() {
+            let periods = self.transducer.map_or(self.nominal_periods, |transducer| transducer.q / core::f32::consts::PI);
+            self.burst.set_brake(Some(Brake::of(periods, self.amplitude.headroom())));
+        }
+    }
+
+    fn lock_progress(&self) -> Progress {
+        let locking = self.supervisor.mode() == Mode::Lock;
+        match self.tracker.state() {
+            _ if !self.tracker.tracks() => Progress::Busy,
+            State::Lost if !locking => Progress::Failed(Fault::LossOfLock),
+            State::TimedOut | State::Lost if locking => Progress::Failed(Fault::NoLock),
+            State::Locked if self.amplitude.settled() => Progress::Done,
+            _ => Progress::Busy,
+        }
+    }
+}
