@@ -54,10 +54,26 @@ pub struct Window {
     pub from_s: f64,
     /// To, s.
     pub to_s: f64,
+    /// Waits, from `from_s` on, for the first block that begins at this frequency, Hz, and then takes as long as it is.
+    pub trigger_hz: Option<f64>,
     /// Time of the first sample's end, s.
     pub start_s: f64,
     /// Samples.
     pub samples: Vec<Sample>,
+}
+
+impl Window {
+    /// Nearer than this counts as the trigger's frequency, Hz.
+    const NEAR_HZ: f64 = 0.5;
+
+    /// Told that a block begins at this time, s, and frequency, Hz: pulls the trigger if it is that.
+    pub fn pull(&mut self, begins_s: f64, frequency_hz: f64) {
+        let met = |hz: f64| begins_s >= self.from_s && (frequency_hz - hz).abs() < Self::NEAR_HZ;
+        if self.trigger_hz.is_some_and(met) {
+            self.to_s += begins_s - self.from_s;
+            (self.from_s, self.trigger_hz) = (begins_s, None);
+        }
+    }
 }
 
 /// The record of a run.

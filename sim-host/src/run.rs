@@ -153,7 +153,10 @@ impl Analog for Recorder {
     fn exchange(&mut self, drive: &DriveBlock, sense: &mut SenseBlock) {
         let samples = drive.lanes.first().map_or(0, |lane| lane.len()) as u64;
         let (from_s, to_s) = (self.played as f64 * self.sample_s, (self.played + samples) as f64 * self.sample_s);
-        let open = |window: &Window| window.from_s < to_s && window.to_s > from_s;
+        for window in &mut self.windows {
+            window.pull(from_s, self.frequency_hz);
+        }
+        let open = |window: &Window| window.trigger_hz.is_none() && window.from_s < to_s && window.to_s > from_s;
         let traced = self.tracer.as_mut().filter(|tracer| tracer.wants(self.played, samples));
         self.plant.inner.keep_samples(traced.is_some() || self.windows.iter().any(open));
         self.plant.exchange(drive, sense);

@@ -3,6 +3,7 @@
 
 use std::sync::atomic::AtomicBool;
 
+use super::swept::Swept;
 use super::{StudyError, contact, driven};
 use crate::metrics::Metrics;
 use crate::scene::Kind;
@@ -19,5 +20,17 @@ pub(super) fn run(cell: &Loaded, place: &str, stop: &AtomicBool) -> Result<Metri
         Kind::Driven(scene) => driven::cell(&scene, stop),
         Kind::Excited(scene) => contact::cell(&scene, stop),
     };
-    metrics.map_err(|error| StudyError::EmptyCell(place.to_owned(), Box::new(error)))
+    metrics.map_err(empty(place))
+}
+
+/// Runs a cell, measures it, and keeps its sweep.
+pub(super) fn pictured(cell: &Loaded, place: &str, stop: &AtomicBool) -> Result<(Metrics, Option<Swept>), StudyError> {
+    match cell.scene.driven() {
+        Some(scene) => driven::pictured(&scene, place, stop).map_err(empty(place)),
+        None => Ok((run(cell, place, stop)?, None)),
+    }
+}
+
+fn empty(place: &str) -> impl FnOnce(StudyError) -> StudyError {
+    |error| StudyError::EmptyCell(place.to_owned(), Box::new(error))
 }

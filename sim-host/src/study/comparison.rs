@@ -5,6 +5,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use rayon::prelude::*;
 
 use super::matching::{Found, Target, find};
+use super::swept::Swept;
 use super::{StudyError, cell};
 use crate::metrics::Metrics;
 use crate::scene::load::Loaded;
@@ -19,6 +20,8 @@ pub struct ComparisonResult {
     pub comparison: Comparison,
     /// For each of what is made equal, its cases.
     pub matches: Vec<Matched>,
+    /// The sweeps of those cases whose pictures are drawn, at equal peak.
+    pub sweeps: Vec<Swept>,
 }
 
 /// The cases at equal peak, rms or power.
@@ -87,6 +90,7 @@ struct Bench<'a> {
 pub(super) fn conduct(loaded: &Loaded, comparison: &Comparison, stop: &AtomicBool) -> Result<Option<ComparisonResult>, StudyError> {
     let bench = Bench { loaded, comparison, stop };
     let peaks = comparison.case.par_iter().map(|case| bench.peak(case)).collect::<Result<Vec<_>, StudyError>>()?;
+    let (peaks, sweeps): (Vec<_>, Vec<_>) = peaks.into_iter().unzip();
     let Some(first) = peaks.first() else { return Ok(None) };
     let pairs: Vec<(Equal, usize)> =
         comparison.matched.iter().flat_map(|&equal| (0..peaks.len()).map(move |case| (equal, case))).collect();
@@ -100,7 +104,8 @@ pub(super) fn conduct(loaded: &Loaded, comparison: &Comparison, stop: &AtomicBoo
         target: equal.metric().and_then(|metric| first.metrics.get(metric)),
         cases: cases.to_vec(),
     });
-    Ok(Some(ComparisonResult { comparison: comparison.clone(), matches: matches.collect() }))
+    let (matches, sweeps) = (matches.collect(), sweeps.into_iter().flatten().collect());
+    Ok(Some(ComparisonResult { comparison: comparison.clone(), matches, sweeps }))
 }
 
 impl Bench<'_> {
@@ -114,12 +119,16 @@ impl Bench<'_> {
         Ok((place, loaded))
     }
 
-    /// A case at the scene's amplitude.
-    fn peak(&self, case: &Case) -> Result<CaseResult, StudyError> {
+    /// A case at the scene's amplitude, and its sweep if that is to be drawn.
+    fn peak(&self, case: &Case) -> Result<(CaseResult, Option<Swept>), StudyError> {
         let (place, loaded) = self.load(case, None)?;
         let amplitude = number(&loaded, &self.comparison.amplitude_key).ok_or(StudyError::Incomplete)?;
-        let metrics = cell::run(&loaded, &place, self.stop)?;
-        Ok(CaseResult { name: case.name.clone(), amplitude, metrics, standing: Standing::Equal { off: 0.0 } })
+        let (metrics, swept) = match case.picture {
+            true => cell::pictured(&loaded, &case.name, self.stop)?,
+            false => (cell::run(&loaded, &place, self.stop)?, None),
+        };
+        let result = CaseResult { name: case.name.clone(), amplitude, metrics, standing: Standing::Equal { off: 0.0 } };
+        Ok((result, swept))
     }
 
     /// A case scaled until it equals the first.

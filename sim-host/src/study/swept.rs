@@ -1,6 +1,14 @@
 //! One sweep of a run, sample by sample.
 
-use crate::record::Window;
+use crate::plant::circuit::Circuit;
+use crate::record::{Record, Window};
+use crate::scene::{Around, ChirpKind, Driven, Sweep, Then};
+use crate::schedule::first_window;
+
+/// Title of the window that holds a sweep.
+pub const TITLE: &str = "sweep";
+/// After the edge of a burst, the stack rings up; a sweep that comes again is taken later, s.
+const SETTLE_S: f64 = 0.02;
 
 /// A sweep as it was played, and what the plant made of it.
 #[derive(Clone, Debug, PartialEq)]
@@ -27,7 +35,40 @@ pub struct Swept {
     pub rubs: bool,
 }
 
+/// The sweep of a scene whose frequencies are known beforehand.
+fn sweep<'a>(scene: &Driven<'a>) -> Option<&'a Sweep> {
+    scene.controller.sweep.as_ref().filter(|sweep| sweep.around == Around::Zero)
+}
+
+/// The window that holds the first whole sweep under drive, or of one that comes only once, that one.
+pub fn window(scene: &Driven) -> Option<Window> {
+    let sweep = sweep(scene)?;
+    let on_s = scene.controller.burst.as_ref().and_then(|burst| first_window(burst, 0.0)).map_or(0.0, |(on, _)| on);
+    let from_s = if sweep.then == Then::Hold { 0.0 } else { on_s + SETTLE_S };
+    let to_s = from_s + sweep.time_s;
+    Some(Window { title: TITLE.into(), from_s, to_s, trigger_hz: Some(sweep.start_hz), ..Window::default() })
+}
+
 impl Swept {
+    /// What a run has recorded of its sweep, if it has one and came to it.
+    pub fn of(name: &str, scene: &Driven, record: &Record) -> Option<Self> {
+        let sweep = sweep(scene)?;
+        let window = record.windows.iter().find(|window| window.title == TITLE && !window.samples.is_empty())?;
+        let circuit = Circuit::of(&scene.stack.bvd);
+        Some(Swept {
+            name: name.to_owned(),
+            window: window.clone(),
+            sample_s: record.sample_s,
+            start_hz: sweep.start_hz,
+            stop_hz: sweep.stop_hz,
+            time_s: window.samples.len() as f64 * record.sample_s,
+            exponential: sweep.kind == ChirpKind::Exponential,
+            resonance_hz: circuit.series_resonance_hz(),
+            time_constant_s: circuit.time_constant_s(),
+            rubs: scene.sliding.is_some(),
+        })
+    }
+
     /// Its frequency so long after its beginning, Hz.
     pub fn frequency_hz(&self, after_s: f64) -> f64 {
         let share = after_s / self.time_s;

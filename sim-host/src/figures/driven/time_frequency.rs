@@ -76,7 +76,8 @@ fn near_resonance(swept: &Swept, signal: &Signal, times: usize) -> Option<Figure
     // Friction has harmonics; the others have the sweep's frequency and the stack's own.
     let ends = [from_s, to_s].map(|s| swept.frequency_hz(s));
     let (lowest, highest) = ends.into_iter().fold((swept.resonance_hz, swept.resonance_hz), |(a, b), hz| (a.min(hz), b.max(hz)));
-    let (from_hz, to_hz) = if signal.harmonics { (0.0, reach_hz(swept)) } else { (0.6 * lowest, 1.3 * highest) };
+    let room_hz = 0.3 * (highest - lowest) + 0.05 * swept.resonance_hz;
+    let (from_hz, to_hz) = if signal.harmonics { (0.0, reach_hz(swept)) } else { (lowest - room_hz, highest + room_hz) };
     let frame = Frame { from_s, from_hz, to_hz, floor_db: FLOOR_DB[1] };
     let (kind, what) = if smoothed {
         let microseconds = times as f64 * swept.sample_s * 1e6;
@@ -165,42 +166,4 @@ fn heading(swept: &Swept, signal: &Signal) -> String {
     let mut letters = signal.name.chars();
     let capital: String = letters.next().into_iter().flat_map(char::to_uppercase).chain(letters).collect();
     if swept.name.is_empty() { capital } else { format!("{}, {}", swept.name, signal.name) }
-}
-
-#[cfg(test)]
-mod temporary {
-    use super::*;
-    use crate::plant::Plant;
-    use crate::plant::circuit::Circuit;
-    use crate::record::Window;
-    use firmware::block::{DriveBlock, SenseBlock};
-    use hal_mock::analog::Analog;
-
-    #[test]
-    fn draws() {
-        for (name, start, stop, time, base) in [("thesis chirp", 20e3, 200e3, 10e-3, "/tmp/waves-sq.toml"), ("narrow", 38e3, 42e3, 10e-3, "/tmp/waves-sq.toml"),("one ms", 20e3, 200e3, 1e-3, "/tmp/waves-sq.toml")] {
-            let loaded = crate::scene::load::load(base, &[]).unwrap();
-            let scene = loaded.scene.driven().unwrap();
-            let mut plant = Plant::new(&scene);
-            plant.keep_samples(true);
-            let mut samples = Vec::new();
-            let mut phase: f64 = 0.0;
-            let n = (time / 1e-6 / 32.0) as usize * 32;
-            let mut sense = SenseBlock::default();
-            for b in 0..n / 32 {
-                let mut drive = DriveBlock::silent(1, 32, 2048);
-                for k in 0..32 {
-                    let t = (b * 32 + k) as f64 * 1e-6;
-                    phase += (start + (stop - start) * t / time) * 1e-6;
-                    drive.lanes[0][k] = (2048.0 + 3.0 / 20.0 * 2048.0 * (std::f64::consts::TAU * phase).sin()).round() as u16;
-                }
-                plant.exchange(&drive, &mut sense);
-                samples.extend_from_slice(plant.samples());
-            }
-            let circuit = Circuit::of(&scene.stack.bvd);
-            let swept = Swept { name: name.into(), window: Window { samples, ..Window::default() }, sample_s: 1e-6, start_hz: start, stop_hz: stop, time_s: time, exponential: false, resonance_hz: circuit.series_resonance_hz(), time_constant_s: circuit.time_constant_s(), rubs: true };
-            let report = crate::report::Report { figures: of(&swept), ..Default::default() };
-            crate::report::write(&report, std::path::Path::new("/tmp/waves-figures")).unwrap();
-        }
-    }
 }

@@ -29,8 +29,8 @@ pub(super) struct Cell<'a> {
 
 impl Rules<'_> {
     /// Makes a cell, each change with the place it stands at. The scene is right by itself, so all that is wrong now is the doing of
-    /// these changes.
-    pub(super) fn cell(&mut self, cell: &Cell, sets: impl IntoIterator<Item = (String, Place)>) {
+    /// these changes. Returns what it made, unless it is wrong.
+    pub(super) fn cell(&mut self, cell: &Cell, sets: impl IntoIterator<Item = (String, Place)>) -> Option<Node> {
         let mut root = self.root.clone();
         alone(&mut root);
         let mut problems = Vec::new();
@@ -47,9 +47,11 @@ impl Rules<'_> {
             let walked = walk(&mut root);
             problems = check(&root, walked).problems;
         }
+        let made = problems.is_empty().then_some(root);
         for problem in problems {
             self.blame(cell, problem);
         }
+        made
     }
 
     fn blame(&mut self, cell: &Cell, problem: Problem) {

@@ -5,7 +5,7 @@ use super::drive::AMPLITUDE;
 use super::kind::Kind;
 use super::{Rules, join, listed, nearest, short};
 use crate::scene::diagnostic::Problem;
-use crate::scene::tree::Node;
+use crate::scene::tree::{Node, Value};
 
 const KEY: &str = "comparison.amplitude_key";
 const MATCH: &str = "comparison.match";
@@ -138,7 +138,18 @@ impl Rules<'_> {
                 whole: if own.is_empty() { table } else { self.key(&join(&path, "set")) },
                 help: "each case is this scene with `comparison.set` and its own `set` laid over it: make them fit",
             };
-            self.cell(&cell, self.sets("comparison.set").into_iter().chain(own));
+            let made = self.cell(&cell, self.sets("comparison.set").into_iter().chain(own));
+            self.picture(&join(&path, "picture"), made.as_ref());
+        }
+    }
+
+    /// A picture is of a sweep whose frequencies are known.
+    fn picture(&mut self, path: &str, made: Option<&Node>) {
+        let Some(made) = made.filter(|_| matches!(self.value(path).map(|node| &node.value), Some(Value::Flag(true)))) else { return };
+        let about_resonance = made.at("controller.sweep.around").and_then(Node::text) == Some("resonance");
+        if made.at("controller.sweep").is_none() || about_resonance {
+            let problem = Problem::new(self.place(path), "a picture without a sweep", "this case has no sweep of known frequencies");
+            self.add(path, problem.help("time-frequency pictures are of a [controller.sweep] that is not about the resonance"));
         }
     }
 }

@@ -88,6 +88,7 @@ fn cases_have_names_of_their_own_and_are_scenes() {
         "in the case `square`: `controller.burst.on_s.0` is 0.4 s, but the run is over at 0.3 s",
         "--> a.toml:56:",
     ]);
+    says(&wrong(&[("name = \"sine\"", "name = \"sine\"\npicture = true")]), &["a picture without a sweep", "a.toml:60:11"]);
     says(&wrong(&[("[[comparison.case]]\nname = \"square\"\nset = [\"controller.drive.shape=square\"]\n", "")]), &[
         "`comparison.case` has 1 entry",
         "needs at least 2",
