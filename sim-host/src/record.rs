@@ -54,24 +54,37 @@ pub struct Window {
     pub from_s: f64,
     /// To, s.
     pub to_s: f64,
-    /// Waits, from `from_s` on, for the first block that begins at this frequency, Hz, and then takes as long as it is.
-    pub trigger_hz: Option<f64>,
+    /// What it waits for, from `from_s` on; then it takes as long as it was to.
+    pub trigger: Option<Trigger>,
     /// Time of the first sample's end, s.
     pub start_s: f64,
     /// Samples.
     pub samples: Vec<Sample>,
 }
 
-impl Window {
-    /// Nearer than this counts as the trigger's frequency, Hz.
-    const NEAR_HZ: f64 = 0.5;
+/// The beginning of a sweep: a block of this mean frequency that does not follow one of that.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Trigger {
+    /// Mean frequency of a sweep's first block, Hz.
+    pub first_hz: f64,
+    /// Of its second, Hz. A sweep that comes back has its first and second block at its end, too, the other way round.
+    pub second_hz: f64,
+    /// Mean frequency of the block before, Hz.
+    pub before_hz: f64,
+}
 
-    /// Told that a block begins at this time, s, and frequency, Hz: pulls the trigger if it is that.
-    pub fn pull(&mut self, begins_s: f64, frequency_hz: f64) {
-        let met = |hz: f64| begins_s >= self.from_s && (frequency_hz - hz).abs() < Self::NEAR_HZ;
-        if self.trigger_hz.is_some_and(met) {
+impl Window {
+    /// Told when a block begins, s, and its mean frequency, Hz: opens if that is what it waited for.
+    pub fn tell(&mut self, begins_s: f64, frequency_hz: f64) {
+        let Some(trigger) = &mut self.trigger else { return };
+        let near_hz = 0.25 * (trigger.second_hz - trigger.first_hz).abs();
+        let near = |hz: f64, other_hz: f64| (hz - other_hz).abs() <= near_hz;
+        let begins = near(frequency_hz, trigger.first_hz) && !near(trigger.before_hz, trigger.second_hz);
+        trigger.before_hz = frequency_hz;
+        // The time of a block is a product, and that of the window a sum of others.
+        if begins && begins_s > self.from_s - 1e-9 {
             self.to_s += begins_s - self.from_s;
-            (self.from_s, self.trigger_hz) = (begins_s, None);
+            (self.from_s, self.trigger) = (begins_s, None);
         }
     }
 }
@@ -155,4 +168,26 @@ impl Row {
 /// The hash of a text, by the same function as the drive's: identifies an input.
 pub fn text_hash(text: &str) -> u64 {
     crc::Crc::<u64>::new(&crc::CRC_64_XZ).checksum(text.as_bytes())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Opens at the first block of a sweep up, however it got there; 1 kHz a block from 20 kHz.
+    #[test]
+    fn a_window_opens_where_a_sweep_begins() {
+        let trigger = Trigger { first_hz: 20.5e3, second_hz: 21.5e3, before_hz: 0.0 };
+        let opens = |frequencies: &[f64]| {
+            let mut window = Window { from_s: 2.0, to_s: 5.0, trigger: Some(trigger), ..Window::default() };
+            frequencies.iter().enumerate().for_each(|(block, &hz)| window.tell(block as f64, hz));
+            (window.trigger.is_none()).then_some((window.from_s, window.to_s))
+        };
+        let repeated = [20.5e3, 21.5e3, 22.5e3, 20.5e3, 21.5e3];
+        let back_and_forth = [20.5e3, 21.5e3, 22.5e3, 22.5e3, 21.5e3, 20.5e3, 20.5e3, 21.5e3];
+        assert_eq!(opens(&repeated), Some((3.0, 6.0)));
+        assert_eq!(opens(&back_and_forth), Some((6.0, 9.0)));
+        assert_eq!(opens(&[40e3, 40e3, 40e3, 20.5e3]), Some((3.0, 6.0)));
+        assert_eq!(opens(&[20.5e3, 21.5e3, 22.5e3, 40e3]), None);
+    }
 }

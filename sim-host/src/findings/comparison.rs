@@ -34,7 +34,8 @@ fn amplitude(case: &CaseResult) -> String {
     match case.standing {
         Standing::Equal { .. } => number(case.amplitude),
         Standing::Beyond { needs } => format!("needs {}, at most {}", number(needs), number(case.amplitude)),
-        Standing::Unmeasured => "cannot be matched".to_owned(),
+        Standing::Unmeasured { fault: Some(fault) } => format!("fault {}: {fault:?} at {}", fault.code(), number(case.amplitude)),
+        Standing::Unmeasured { fault: None } => "cannot be matched".to_owned(),
     }
 }
 

@@ -1,5 +1,6 @@
 //! A comparison in the summary: for each of what is equal, and each case, its amplitude, how it was matched, and its metrics.
 
+use firmware::supervisor::Fault;
 use serde_json::{Map, Value, json};
 
 use crate::study::comparison::{CaseResult, ComparisonResult, Matched, Standing};
@@ -10,12 +11,14 @@ pub(super) fn json(result: &ComparisonResult) -> Value {
     let case = |case: &CaseResult| {
         let metrics: Map<String, Value> =
             comparison.metrics.iter().map(|name| (name.clone(), json!(case.metric(name)))).collect();
-        let (off, needs) = match case.standing {
-            Standing::Equal { off } => (Some(off), None),
-            Standing::Beyond { needs } => (None, Some(needs)),
-            Standing::Unmeasured => (None, None),
+        let (off, needs, fault) = match case.standing {
+            Standing::Equal { off } => (Some(off), None, None),
+            Standing::Beyond { needs } => (None, Some(needs), None),
+            Standing::Unmeasured { fault } => (None, None, fault.map(Fault::code)),
         };
-        json!({ "name": case.name, "amplitude": case.amplitude, "off": off, "needs": needs, "metrics": metrics })
+        json!({
+            "name": case.name, "amplitude": case.amplitude, "off": off, "needs": needs, "fault": fault, "metrics": metrics,
+        })
     };
     let matched = |matched: &Matched| {
         let cases: Vec<Value> = matched.cases.iter().map(case).collect();

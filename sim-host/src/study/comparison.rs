@@ -2,6 +2,7 @@
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
+use firmware::supervisor::Fault;
 use rayon::prelude::*;
 
 use super::matching::{Found, Target, find};
@@ -61,8 +62,11 @@ pub enum Standing {
         /// The amplitude that it would take.
         needs: f64,
     },
-    /// It cannot be matched: it has no such metric, because its run ended in a fault, say. Amplitude and metrics are unmatched.
-    Unmeasured,
+    /// It cannot be matched: a run of it has no such metric. The amplitude is that run's.
+    Unmeasured {
+        /// The fault that the run ended in, if that is why.
+        fault: Option<Fault>,
+    },
 }
 
 impl ComparisonResult {
@@ -127,15 +131,21 @@ impl Bench<'_> {
             true => cell::pictured(&loaded, &case.name, self.stop)?,
             false => (cell::run(&loaded, &place, self.stop)?, None),
         };
-        let result = CaseResult { name: case.name.clone(), amplitude, metrics, standing: Standing::Equal { off: 0.0 } };
+        let standing = fault(&metrics).map_or(Standing::Equal { off: 0.0 }, |fault| Standing::Unmeasured { fault: Some(fault) });
+        let result = CaseResult { name: case.name.clone(), amplitude, metrics, standing };
         Ok((result, swept))
     }
 
     /// A case scaled until it equals the first.
     fn matched(&self, equal: Equal, case: &Case, peak: &CaseResult, first: &CaseResult) -> Result<CaseResult, StudyError> {
         let Some(metric) = equal.metric() else { return Ok(peak.clone()) };
-        let unmeasured = || CaseResult { standing: Standing::Unmeasured, ..peak.clone() };
-        let Some(goal) = first.metrics.get(metric) else { return Ok(unmeasured()) };
+        let unmeasured = |amplitude: f64, metrics: &Metrics| CaseResult {
+            name: case.name.clone(),
+            amplitude,
+            metrics: metrics.clone(),
+            standing: Standing::Unmeasured { fault: fault(metrics) },
+        };
+        let Some(goal) = first.metrics.get(metric) else { return Ok(unmeasured(peak.amplitude, &peak.metrics)) };
         let (_, loaded) = self.load(case, None)?;
         let target =
             Target { metric: goal, exponent: equal.exponent(), allowed: allowed(&loaded, &self.comparison.amplitude_key) };
@@ -150,11 +160,19 @@ impl Bench<'_> {
         let (point, standing) = match found {
             Found::At(point) => (point, Standing::Equal { off: point.metric / goal - 1.0 }),
             Found::Beyond { needs, reached } => (reached, Standing::Beyond { needs }),
-            Found::Unmeasured => return Ok(unmeasured()),
+            Found::Unmeasured => {
+                let last = runs.pop().unwrap_or_else(|| (peak.amplitude, peak.metrics.clone()));
+                return Ok(unmeasured(last.0, &last.1));
+            }
         };
         let (amplitude, metrics) = runs.into_iter().find(|(amplitude, _)| *amplitude == point.amplitude).ok_or(StudyError::Incomplete)?;
         Ok(CaseResult { name: case.name.clone(), amplitude, metrics, standing })
     }
+}
+
+/// The fault that a run ended in.
+fn fault(metrics: &Metrics) -> Option<Fault> {
+    metrics.get("fault_code").and_then(|code| Fault::try_from(code as u8).ok())
 }
 
 /// A number of a scene.

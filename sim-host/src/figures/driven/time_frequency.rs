@@ -41,7 +41,7 @@ pub(in crate::figures) fn of(swept: &Swept) -> Vec<Figure> {
 /// The whole sweep, through windows.
 fn short_time(swept: &Swept, signal: &Signal) -> Option<Figure> {
     let samples = swinging(&swept.window.samples, signal);
-    let window = window_for(swept.slowest_hz_per_s(), swept.sample_s).min(samples.len() / 4);
+    let window = window_for(swept.law.slowest_hz_per_s(), swept.sample_s).min(samples.len() / 4);
     let hop = samples.len().div_ceil(COLUMNS).max(1);
     let map = stft(&samples, swept.sample_s, window, hop);
     let kilohertz = map.bin_hz / 1e3;
@@ -59,9 +59,9 @@ fn short_time(swept: &Swept, signal: &Signal) -> Option<Figure> {
 
 /// The stretch in which the sweep passes the resonance.
 fn near_resonance(swept: &Swept, signal: &Signal, times: usize) -> Option<Figure> {
-    let passes_s = swept.passes_s(swept.resonance_hz)?;
+    let passes_s = swept.law.passes_s(swept.resonance_hz)?;
     let from_s = (passes_s - STRETCH[0] * swept.time_constant_s).max(0.0);
-    let to_s = (passes_s + STRETCH[1] * swept.time_constant_s).min(swept.time_s);
+    let to_s = (passes_s + STRETCH[1] * swept.time_constant_s).min(swept.law.time_s);
     let samples = &swept.window.samples;
     let place = |seconds: f64| ((seconds / swept.sample_s) as usize).min(samples.len());
     let (first, end) = (place(from_s), place(to_s));
@@ -74,7 +74,7 @@ fn near_resonance(swept: &Swept, signal: &Signal, times: usize) -> Option<Figure
     map.columns.drain(..before / hop);
     map.columns.truncate((end - first) / hop);
     // Friction has harmonics; the others have the sweep's frequency and the stack's own.
-    let ends = [from_s, to_s].map(|s| swept.frequency_hz(s));
+    let ends = [from_s, to_s].map(|s| swept.law.frequency_hz(s));
     let (lowest, highest) = ends.into_iter().fold((swept.resonance_hz, swept.resonance_hz), |(a, b), hz| (a.min(hz), b.max(hz)));
     let room_hz = 0.3 * (highest - lowest) + 0.05 * swept.resonance_hz;
     let (from_hz, to_hz) = if signal.harmonics { (0.0, reach_hz(swept)) } else { (lowest - room_hz, highest + room_hz) };
@@ -122,7 +122,7 @@ struct Frame {
 
 /// As far up as the sweep reaches, and the friction's harmonics at resonance.
 fn reach_hz(swept: &Swept) -> f64 {
-    (1.5 * swept.start_hz.max(swept.stop_hz)).max(4.0 * swept.resonance_hz)
+    (1.5 * swept.law.start_hz.max(swept.law.stop_hz)).max(4.0 * swept.resonance_hz)
 }
 
 /// A map as a figure.
