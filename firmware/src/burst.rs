@@ -136,8 +136,9 @@ enum State {
 #[derive(Clone, Debug)]
 pub struct Burst {
     schedule: Schedule,
-    /// Samples a soft edge takes; none where the edge is hard.
+    /// Samples a soft edge takes, and the half turn of its cosine in as many steps; none where the edge is hard.
     edge: Option<u32>,
+    half_turn_step: u64,
     /// Where the ramp of a soft edge stands, 0 (OFF) to `edge` (ON).
     ramp: u32,
     state: State,
@@ -161,6 +162,7 @@ impl Burst {
         Ok(Burst {
             schedule: Schedule::build(&config.schedule, sample_hz.into())?,
             edge,
+            half_turn_step: (1 << 63) / u64::from(edge.unwrap_or(1)),
             ramp: 0,
             state: State::Closed,
             falling: false,
@@ -253,8 +255,10 @@ impl Burst {
                 // Up to the last moment before a brake, the drive stays.
                 let holds = brake.is_some() && self.ramp == edge;
                 self.ramp = if open || holds { (self.ramp + 1).min(edge) } else { self.ramp.saturating_sub(1) };
-                let half_turns = (u64::from(self.ramp) << 32) / u64::from(edge);
-                0.5 - 0.5 * sine::rotation(half_turns << 31).re
+                if self.ramp == edge {
+                    return 1.0;
+                }
+                0.5 - 0.5 * sine::rotation(self.half_turn_step * u64::from(self.ramp)).re
             }
         }
     }

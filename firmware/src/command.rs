@@ -8,7 +8,7 @@ use crate::block::{Amplitude, Gate, Orders, Request};
 use crate::telemetry::Telemetry;
 use crate::units::{Hertz, Turns};
 
-/// A command.
+/// A command. On the wire it is its place in this list, so that new ones stand at its end.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Command {
     /// Who are you?
@@ -19,20 +19,20 @@ pub enum Command {
     Scan,
     /// Self-test, scan, lock, run.
     Run,
-    /// Self-test, and trim the lanes by what they are measured to be; then fall silent.
-    Calibrate,
     /// When to let the drive through while running.
     Gate(Gate),
     /// The amplitude to hold; `None` is the configured one.
     Amplitude(Option<Amplitude>),
-    /// How far beside the resonance to drive.
-    Detune(Hertz),
-    /// How far lanes 1 and 3 lead lanes 0 and 2; `None` is the configured direction.
-    Quadrature(Option<Turns>),
     /// Forget the fault.
     ClearFault,
     /// Send telemetry every so many blocks; 0 is never.
     TelemetryEvery(u32),
+    /// How far beside the resonance to drive.
+    Detune(Hertz),
+    /// How far lanes 1 and 3 lead lanes 0 and 2; `None` is the configured direction.
+    Quadrature(Option<Turns>),
+    /// Self-test, and trim the lanes by what they are measured to be; then fall silent.
+    Calibrate,
 }
 
 /// What the board sends.

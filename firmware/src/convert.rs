@@ -111,18 +111,17 @@ impl SenseScale {
 pub struct DriveScale {
     mid_code: u16,
     lsb_per_volt: f32,
-    max_code: f32,
     headroom: f32,
 }
 
 impl DriveScale {
-    fn build(front_end: &FrontEnd) -> Result<Self, Error> {
+    /// Checks the scale factor.
+    pub fn build(front_end: &FrontEnd) -> Result<Self, Error> {
         in_range("front_end.drive_volt_per_lsb", front_end.drive_volt_per_lsb.into(), 1e-9, 1e3)?;
         in_range("front_end.drive_mid_code", front_end.drive_mid_code.into(), 8.0, f64::from(front_end.drive_max_code) - 8.0)?;
         Ok(DriveScale {
             mid_code: front_end.drive_mid_code,
             lsb_per_volt: 1.0 / front_end.drive_volt_per_lsb,
-            max_code: f32::from(front_end.drive_max_code),
             // Less one for rounding and one for dither.
             headroom: f32::from(front_end.drive_mid_code.min(front_end.drive_max_code - front_end.drive_mid_code)) - 2.0,
         })
@@ -143,29 +142,15 @@ impl DriveScale {
         self.headroom
     }
 
+    /// The same in volts, rounded down.
+    pub fn range_v(&self) -> f32 {
+        self.headroom / self.lsb_per_volt
+    }
+
     /// What to add to a value in codes so that truncation rounds it to the nearest code, as long as it stays within the headroom.
     #[inline]
     pub fn rounding_base(&self) -> f32 {
         f32::from(self.mid_code) + 0.5
-    }
-
-    /// The code nearest to `lsb` codes above zero volts.
-    #[inline]
-    pub fn code(&self, lsb: f32) -> u16 {
-        // Adding a half and truncating rounds to nearest, because the sum is clamped to be positive.
-        (f32::from(self.mid_code) + lsb).clamp(0.0, self.max_code).round_half_up()
-    }
-}
-
-trait RoundHalfUp {
-    fn round_half_up(self) -> u16;
-}
-
-impl RoundHalfUp for f32 {
-    #[inline]
-    fn round_half_up(self) -> u16 {
-        // Through i32: one instruction on every target, where a cast to u16 saturates by branches.
-        (self + 0.5) as i32 as u16
     }
 }
 

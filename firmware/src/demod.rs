@@ -9,12 +9,18 @@
 //! X  = (2 / N) (r - conj(r) S2 / N) / (1 - |S2|^2 / N^2)
 //! ```
 //!
-//! Being the least-squares fit, it is at the Cramer-Rao bound in white noise.
+//! Being the least-squares fit, it is at the Cramer-Rao bound in white noise. The sum `r` comes from a resonator that the codes ring up
+//! (G. Goertzel 1958), in the form that rounding spares at low frequencies (C. Reinsch):
+//!
+//! ```text
+//! d(n) = d(n - 1) + x(n) - c s(n - 1),    s(n) = s(n - 1) + d(n),    c = 4 sin^2(omega / 2)
+//! r    = exp(-j theta(N - 1)) (s (1 - exp(-j omega)) + d exp(-j omega))    of the last s and d
+//! ```
 //!
 //! The same walk over the codes counts those that are out of order, so that the [guard](crate::guard) has to look closer only where there are any.
 
 use crate::block::SenseBlock;
-use crate::convert::Convert;
+use crate::convert::{Convert, SenseScale};
 use crate::nco::Stretch;
 use crate::phasor::Phasor;
 use crate::shape::sine;
@@ -43,28 +49,40 @@ pub struct OutOfOrder {
 /// than two samples determines no phasor: zero.
 pub fn demodulate(convert: &Convert, sense: &SenseBlock, tone: &Stretch) -> (Sensed, OutOfOrder) {
     let samples = sense.v.len().min(sense.i.len());
-    let mut outside = OutOfOrder::default();
     if samples < 2 {
-        return (Sensed::default(), outside);
+        return Default::default();
     }
     let count = samples as f32;
-    let turn = sine::rotation(tone.word);
-    let step = turn.conj();
-    let mut turning = sine::rotation(tone.phase).conj();
-    let (mut v, mut i) = (Phasor::default(), Phasor::default());
-    for (&volt, &ampere) in sense.v.iter().zip(&sense.i) {
-        outside.v += u32::from(convert.v.is_out_of_order(volt));
-        outside.i += u32::from(convert.i.is_out_of_order(ampere));
-        v += turning * convert.v.centre(volt);
-        i += turning * convert.i.centre(ampere);
-        turning *= step;
-    }
+    let half = sine::rotation(tone.word / 2);
+    let turn = half * half;
+    let c = 4.0 * half.im * half.im;
+    let (v, v_outside) = ring(&convert.v, &sense.v[..samples], c);
+    let (i, i_outside) = ring(&convert.i, &sense.i[..samples], c);
+
     let span = tone.word.wrapping_mul(samples as u64);
+    let last = sine::rotation(tone.phase.wrapping_add(span.wrapping_sub(tone.word))).conj();
+    let (of_s, of_d) = (last * Phasor::new(2.0 * half.im * half.im, 2.0 * half.im * half.re), last * turn.conj());
     let twice_middle = tone.phase.wrapping_add(tone.phase).wrapping_add(span.wrapping_sub(tone.word));
     let image = sine::rotation(twice_middle).conj() * (sine::rotation(span).im / (turn.im * count));
     let scale = 2.0 / (count * (1.0 - image.norm_sqr()));
-    let solve = |r: Phasor| (r - r.conj() * image) * scale;
-    (Sensed { v: convert.v.scale(solve(v)), i: convert.i.scale(solve(i)) }, outside)
+    let solve = |(s, d): (f32, f32)| {
+        let r = of_s * s + of_d * d;
+        (r - r.conj() * image) * scale
+    };
+    let sensed = Sensed { v: convert.v.scale(solve(v)), i: convert.i.scale(solve(i)) };
+    (sensed, OutOfOrder { v: v_outside, i: i_outside })
+}
+
+/// What the codes of a channel ring up, as value and difference; and how many of them are out of order.
+#[inline]
+fn ring(channel: &SenseScale, codes: &[u16], c: f32) -> ((f32, f32), u32) {
+    let (mut s, mut d, mut outside) = (0.0, 0.0, 0);
+    for &code in codes {
+        outside += u32::from(channel.is_out_of_order(code));
+        d = d + channel.centre(code) - c * s;
+        s += d;
+    }
+    ((s, d), outside)
 }
 
 #[cfg(test)]

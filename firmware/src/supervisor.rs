@@ -27,14 +27,14 @@ pub enum Mode {
     SelfTest,
     /// Looking for the resonance.
     Scan,
-    /// Measuring what each lane adds.
-    Calibrate,
     /// Pulling in.
     Lock,
     /// Driving, by the burst schedule.
     Run,
     /// Muted by a fault.
     Fault,
+    /// Measuring what each lane adds.
+    Calibrate,
 }
 
 /// Why the drive is muted. On the wire it is its number.
