@@ -8,7 +8,7 @@ use crate::study::swept::Swept;
 use crate::time_frequency::{Map, Smoothing, stft, wigner_ville, window_for};
 
 /// Most columns of a picture.
-const COLUMNS: usize = 640;
+const COLUMNS: usize = 480;
 /// Where the colours end below the strongest cell, dB: short-time transform, Wigner-Ville. The latter has side lobes of either sign.
 const FLOOR_DB: [f64; 2] = [60.0, 40.0];
 /// The stretch around the resonance, time constants before and after.
