@@ -36,7 +36,7 @@ pub struct Case {
     /// What is changed in it, each as `key=value`.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub set: Vec<String>,
-    /// Whether its time-frequency pictures are drawn, at equal peak. It needs a sweep.
+    /// Whether its time-frequency pictures are drawn, at the last `match`. It needs a sweep.
     #[serde(default)]
     pub picture: bool,
 }

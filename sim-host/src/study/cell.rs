@@ -23,12 +23,9 @@ pub(super) fn run(cell: &Loaded, place: &str, stop: &AtomicBool) -> Result<Metri
     metrics.map_err(empty(place))
 }
 
-/// Runs a cell, measures it, and keeps its sweep.
-pub(super) fn pictured(cell: &Loaded, place: &str, stop: &AtomicBool) -> Result<(Metrics, Option<Swept>), StudyError> {
-    match cell.scene.driven() {
-        Some(scene) => driven::pictured(&scene, place, stop).map_err(empty(place)),
-        None => Ok((run(cell, place, stop)?, None)),
-    }
+/// Runs a cell for its sweep, which is to be called `name`; nothing if it has none.
+pub(super) fn sweep(cell: &Loaded, place: &str, name: &str, stop: &AtomicBool) -> Result<Option<Swept>, StudyError> {
+    cell.scene.driven().map_or(Ok(None), |scene| driven::sweep(&scene, name, stop).map_err(empty(place)))
 }
 
 fn empty(place: &str) -> impl FnOnce(StudyError) -> StudyError {

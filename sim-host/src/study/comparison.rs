@@ -21,7 +21,7 @@ pub struct ComparisonResult {
     pub comparison: Comparison,
     /// For each of what is made equal, its cases.
     pub matches: Vec<Matched>,
-    /// The sweeps of those cases whose pictures are drawn, at equal peak.
+    /// The sweeps of those cases whose pictures are drawn, at the last match.
     pub sweeps: Vec<Swept>,
 }
 
@@ -94,12 +94,14 @@ struct Bench<'a> {
 pub(super) fn conduct(loaded: &Loaded, comparison: &Comparison, stop: &AtomicBool) -> Result<Option<ComparisonResult>, StudyError> {
     let bench = Bench { loaded, comparison, stop };
     let peaks = comparison.case.par_iter().map(|case| bench.peak(case)).collect::<Result<Vec<_>, StudyError>>()?;
-    let (peaks, sweeps): (Vec<_>, Vec<_>) = peaks.into_iter().unzip();
     let Some(first) = peaks.first() else { return Ok(None) };
     let pairs: Vec<(Equal, usize)> =
         comparison.matched.iter().flat_map(|&equal| (0..peaks.len()).map(move |case| (equal, case))).collect();
     let matched = |&(equal, case): &(Equal, usize)| bench.matched(equal, &comparison.case[case], &peaks[case], first);
     let cases = pairs.par_iter().map(matched).collect::<Result<Vec<_>, StudyError>>()?;
+    let last = &cases[cases.len().saturating_sub(peaks.len())..];
+    let drawn: Vec<_> = comparison.case.iter().zip(last).filter(|(case, _)| case.picture).collect();
+    let sweeps = drawn.par_iter().map(|(case, result)| bench.sweep(case, result)).collect::<Result<Vec<_>, StudyError>>()?;
     if stop.load(Ordering::Relaxed) {
         return Ok(None);
     }
@@ -123,17 +125,19 @@ impl Bench<'_> {
         Ok((place, loaded))
     }
 
-    /// A case at the scene's amplitude, and its sweep if that is to be drawn.
-    fn peak(&self, case: &Case) -> Result<(CaseResult, Option<Swept>), StudyError> {
+    /// A case at the scene's amplitude.
+    fn peak(&self, case: &Case) -> Result<CaseResult, StudyError> {
         let (place, loaded) = self.load(case, None)?;
         let amplitude = number(&loaded, &self.comparison.amplitude_key).ok_or(StudyError::Incomplete)?;
-        let (metrics, swept) = match case.picture {
-            true => cell::pictured(&loaded, &case.name, self.stop)?,
-            false => (cell::run(&loaded, &place, self.stop)?, None),
-        };
+        let metrics = cell::run(&loaded, &place, self.stop)?;
         let standing = fault(&metrics).map_or(Standing::Equal { off: 0.0 }, |fault| Standing::Unmeasured { fault: Some(fault) });
-        let result = CaseResult { name: case.name.clone(), amplitude, metrics, standing };
-        Ok((result, swept))
+        Ok(CaseResult { name: case.name.clone(), amplitude, metrics, standing })
+    }
+
+    /// The sweep of a case as it came out.
+    fn sweep(&self, case: &Case, result: &CaseResult) -> Result<Option<Swept>, StudyError> {
+        let (place, loaded) = self.load(case, Some(result.amplitude))?;
+        cell::sweep(&loaded, &place, &case.name, self.stop)
     }
 
     /// A case scaled until it equals the first.

@@ -65,11 +65,11 @@ pub(super) fn cell(scene: &Driven, stop: &AtomicBool) -> Result<Metrics, StudyEr
     Ok(metrics::driven::of(scene, &record))
 }
 
-/// The numbers of a scene that is a cell, and its sweep.
-pub(super) fn pictured(scene: &Driven, name: &str, stop: &AtomicBool) -> Result<(Metrics, Option<Swept>), StudyError> {
+/// The sweep of a scene that is a cell, sample by sample.
+pub(super) fn sweep(scene: &Driven, name: &str, stop: &AtomicBool) -> Result<Option<Swept>, StudyError> {
     let windows = swept::window(scene).into_iter().collect();
     let record = run::run(scene, Watch { windows, stop: Some(stop), ..Watch::default() })?;
-    Ok((metrics::driven::of(scene, &record), Swept::of(name, scene, &record)))
+    Ok(Swept::of(name, scene, &record))
 }
 
 /// Both edges of the first ON window, sample by sample: a little before, and five time constants after. Of a repeated burst the

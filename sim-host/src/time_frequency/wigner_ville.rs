@@ -1,10 +1,10 @@
 //! Wigner-Ville distribution (Ville 1948) of the analytic signal `z`, smoothed or not.
 //!
 //! ```text
-//! W(n, k) = sum_m h(m) sum_p g(p) z(n + p + m) z*(n + p - m) exp(-2 pi i k m / L),    frequency k fs / (2 L)
+//! W(n, k) = sum_m h(m) sum_p g(p) z(n + p + m) z*(n + p - m) exp(-2 pi i k m / R),    frequency k fs / (2 R)
 //! ```
 //!
-//! `m` runs over the lags, `|m| < L / 2`, `L` rows; `z` is zero outside. With `h = 1` over all lags and no `g` it is the distribution
+//! `m` runs over the lags, `|m| < R / 2` and no further than `h`, `R` rows; `z` is zero outside. With `h = 1` over all lags and no `g` it is the distribution
 //! itself; with a window `h` of lags, pseudo; with a window `g` of times as well, smoothed pseudo (Flandrin and Martin 1984).
 //!
 //! What holds exactly: the mean over the rows is `sum_p g(p) |z(n + p)|^2` (the time marginal), because all rows together leave the
@@ -24,10 +24,10 @@ use super::{Map, analytic};
 /// How the distribution is smoothed, and how finely it is wanted.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Smoothing {
-    /// Rows, and so lags: those of `|m| < rows / 2`.
+    /// Rows, from zero to half the sample rate.
     pub rows: usize,
-    /// Whether the lags are weighed by a Hann window; else by one.
-    pub lag_window: bool,
+    /// Half the length of the Hann window of lags, samples; none: all lags that there are rows for weigh the same.
+    pub lags: Option<usize>,
     /// Length of the Hann window of times, samples; at most one: none.
     pub times: usize,
     /// Samples from column to column.
@@ -38,7 +38,7 @@ pub struct Smoothing {
 pub fn wigner_ville(samples: &[f64], sample_s: f64, smoothing: Smoothing) -> Map {
     let z = analytic(samples);
     let rows = smoothing.rows.max(1);
-    let lags = lag_weights(rows, smoothing.lag_window);
+    let lags = lag_weights(rows.div_ceil(2), smoothing.lags);
     let times = time_weights(smoothing.times);
     let transform = FftPlanner::new().plan_fft_forward(rows);
     let hop = smoothing.hop.max(1);
@@ -69,11 +69,12 @@ fn lagged(z: &[Complex<f64>], n: i64, m: i64) -> Complex<f64> {
     at(n + m).zip(at(n - m)).map_or(Complex::new(0.0, 0.0), |(later, earlier)| later * earlier.conj())
 }
 
-/// Weights of the lags from zero on.
-fn lag_weights(rows: usize, window: bool) -> Vec<f64> {
-    let count = rows.div_ceil(2);
-    let hann = |m: usize| 0.5 + 0.5 * (TAU * m as f64 / rows as f64).cos();
-    (0..count).map(|m| if window { hann(m) } else { 1.0 }).collect()
+/// Weights of at most `most` lags, from zero on.
+fn lag_weights(most: usize, window: Option<usize>) -> Vec<f64> {
+    match window {
+        None => vec![1.0; most],
+        Some(half) => (0..most.min(half.max(1))).map(|m| 0.5 + 0.5 * (0.5 * TAU * m as f64 / half as f64).cos()).collect(),
+    }
 }
 
 /// Places and weights of the times, with a sum of one.
@@ -89,7 +90,7 @@ mod tests {
     use super::*;
 
     const SAMPLE_S: f64 = 1e-6;
-    const PLAIN: Smoothing = Smoothing { rows: 1024, lag_window: false, times: 1, hop: 1 };
+    const PLAIN: Smoothing = Smoothing { rows: 1024, lags: None, times: 1, hop: 1 };
 
     /// Tones in one Gaussian envelope, which fades to 1e-14 within the samples.
     fn tones(count: usize, hz: &[f64]) -> Vec<f64> {
@@ -114,7 +115,7 @@ mod tests {
                 (TAU * (50e3 * t + 0.5 * rate * t * t)).cos()
             })
             .collect();
-        for smoothing in [PLAIN, Smoothing { rows: 256, lag_window: true, times: 9, hop: 4 }] {
+        for smoothing in [PLAIN, Smoothing { rows: 256, lags: Some(128), times: 9, hop: 4 }] {
             let map = wigner_ville(&samples, SAMPLE_S, smoothing);
             // At the ends a window of lags has nothing to look at.
             for (column, hz) in map.ridge_hz().into_iter().enumerate() {
@@ -132,7 +133,7 @@ mod tests {
     fn time_marginal_and_energy_are_exact() {
         let samples = tones(600, &[40e3, 130e3]);
         let z = analytic(&samples);
-        for smoothing in [PLAIN, Smoothing { rows: 128, lag_window: true, ..PLAIN }, Smoothing { rows: 255, ..PLAIN }] {
+        for smoothing in [PLAIN, Smoothing { rows: 128, lags: Some(40), ..PLAIN }, Smoothing { rows: 255, ..PLAIN }] {
             let map = wigner_ville(&samples, SAMPLE_S, smoothing);
             let means: Vec<f64> = map.columns.iter().map(|column| column.iter().sum::<f64>() / column.len() as f64).collect();
             let worst = means.iter().zip(&z).map(|(mean, z)| (mean - z.norm_sqr()).abs()).fold(0.0, f64::max);
@@ -140,7 +141,7 @@ mod tests {
             assert!((means.iter().sum::<f64>() / energy(&z) - 1.0).abs() < 1e-13);
         }
         // Smoothed over time, each power is the mean of its neighbours', so that the sum is the same.
-        let smoothed = wigner_ville(&samples, SAMPLE_S, Smoothing { times: 33, lag_window: true, rows: 256, hop: 1 });
+        let smoothed = wigner_ville(&samples, SAMPLE_S, Smoothing { times: 33, lags: Some(128), rows: 256, hop: 1 });
         let sum: f64 = smoothed.columns.iter().map(|column| column.iter().sum::<f64>() / column.len() as f64).sum();
         assert!((sum / energy(&z) - 1.0).abs() < 1e-12, "{sum}");
     }
@@ -173,7 +174,7 @@ mod tests {
             let middle = &map.columns[map.columns.len() / 3..2 * map.columns.len() / 3];
             middle.iter().map(|column| column[bin].abs()).fold(0.0, f64::max)
         };
-        let plain = Smoothing { rows: 500, lag_window: true, times: 1, hop: 1 };
+        let plain = Smoothing { rows: 500, lags: Some(250), times: 1, hop: 1 };
         let (tone, cross) = (height(plain, 60e3), height(plain, 100e3));
         assert!((cross / tone - 2.0).abs() < 1e-3, "{cross} {tone}");
         // Its period is 12.5 samples, and the transform of a Hann window at nu bins is sinc(nu) / (1 - nu^2): here 53 dB down.

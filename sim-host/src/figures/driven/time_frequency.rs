@@ -13,10 +13,16 @@ const COLUMNS: usize = 480;
 const FLOOR_DB: [f64; 2] = [60.0, 40.0];
 /// The stretch around the resonance, time constants before and after.
 const STRETCH: [f64; 2] = [1.5, 5.0];
-/// Rows of a Wigner-Ville distribution, to half the sample rate, and so the samples that it looks at around each.
-const ROWS: usize = 2048;
+/// Samples to each side that a Wigner-Ville distribution looks at.
+const LAGS: usize = 1024;
+/// Rows of it that a picture shows at least, if they need not be finer than this part of half the sample rate.
+const ROWS: f64 = 300.0;
+const FINEST: usize = 1 << 14;
 /// Length of its window of times, samples: no cross term between components further apart than about a fiftieth of the sample rate.
 const TIMES: usize = 101;
+
+/// A swing below this part of the mean is rounding.
+const STILL: f64 = 1e-9;
 
 /// A signal of the plant.
 struct Signal {
@@ -64,22 +70,22 @@ fn near_resonance(swept: &Swept, signal: &Signal, times: usize) -> Option<Figure
     let to_s = (passes_s + STRETCH[1] * swept.time_constant_s).min(swept.law.time_s);
     let samples = &swept.window.samples;
     let place = |seconds: f64| ((seconds / swept.sample_s) as usize).min(samples.len());
-    let (first, end) = (place(from_s), place(to_s));
-    let hop = (end - first).div_ceil(COLUMNS).max(1);
-    // The distribution looks around itself: what lies beside the stretch goes in, and its columns are left out.
-    let before = (ROWS / 2).min(first) / hop * hop;
-    let around = swinging(&samples[first - before..(end + ROWS / 2).min(samples.len())], signal);
-    let smoothed = times > 1;
-    let mut map = wigner_ville(&around, swept.sample_s, Smoothing { rows: ROWS, lag_window: true, times, hop });
-    map.columns.drain(..before / hop);
-    map.columns.truncate((end - first) / hop);
     // Friction has harmonics; the others have the sweep's frequency and the stack's own.
     let ends = [from_s, to_s].map(|s| swept.law.frequency_hz(s));
     let (lowest, highest) = ends.into_iter().fold((swept.resonance_hz, swept.resonance_hz), |(a, b), hz| (a.min(hz), b.max(hz)));
     let room_hz = 0.3 * (highest - lowest) + 0.05 * swept.resonance_hz;
     let (from_hz, to_hz) = if signal.harmonics { (0.0, reach_hz(swept)) } else { (lowest - room_hz, highest + room_hz) };
     let frame = Frame { from_s, from_hz, to_hz, floor_db: FLOOR_DB[1] };
-    let (kind, what) = if smoothed {
+    let (first, end) = (place(from_s), place(to_s));
+    let hop = (end - first).div_ceil(COLUMNS).max(1);
+    // The distribution looks around itself: what lies beside the stretch goes in, and its columns are left out.
+    let before = LAGS.min(first) / hop * hop;
+    let around = swinging(&samples[first - before..(end + LAGS).min(samples.len())], signal);
+    let rows = ((ROWS * 0.5 / swept.sample_s / (frame.to_hz - frame.from_hz)) as usize).next_power_of_two().clamp(2 * LAGS, FINEST);
+    let mut map = wigner_ville(&around, swept.sample_s, Smoothing { rows, lags: Some(LAGS), times, hop });
+    map.columns.drain(..before / hop);
+    map.columns.truncate((end - first) / hop);
+    let (kind, what) = if times > 1 {
         let microseconds = times as f64 * swept.sample_s * 1e6;
         (
             "wigner",
@@ -105,10 +111,11 @@ fn near_resonance(swept: &Swept, signal: &Signal, times: usize) -> Option<Figure
     })
 }
 
-/// A signal about its mean, so that the mean does not outshine what swings.
+/// A signal about its mean, so that the mean does not outshine what swings. What swings by no more than rounding is still.
 fn swinging(samples: &[Sample], signal: &Signal) -> Vec<f64> {
     let mean = samples.iter().map(signal.of).sum::<f64>() / samples.len().max(1) as f64;
-    samples.iter().map(|sample| (signal.of)(sample) - mean).collect()
+    let swing = |sample: &Sample| Some((signal.of)(sample) - mean).filter(|swing| swing.abs() > STILL * mean.abs());
+    samples.iter().map(|sample| swing(sample).unwrap_or(0.0)).collect()
 }
 
 /// What a picture shows of a map.
