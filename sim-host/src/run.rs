@@ -77,6 +77,7 @@ pub fn run_on(processor: &mut dyn Processor, scene: &Driven, mut watch: Watch) -
         let slot = &mut pending[(block % LATENCY_BLOCKS as u64) as usize];
         clock.analog.frequency_hz = slot.frequency_hz(sample_hz);
         let telemetry = clock.tick(|sense, drive| processor.process(&orders, sense, drive))?;
+        record.worst_block_instructions = record.worst_block_instructions.max(processor.instructions());
         let played = std::mem::replace(slot, Command::of(&telemetry));
         let time_s = (block + 1) as f64 * samples as f64 / sample_hz;
         if (block + 1).is_multiple_of(every) {
