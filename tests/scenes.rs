@@ -51,7 +51,8 @@ fn golden(study: &Study) -> String {
                     Standing::Beyond { needs } => format!("{needs:.2e} needed"),
                     Standing::Unmeasured { .. } => "unmeasured".into(),
                 };
-                let cells: String = metrics.iter().map(|name| format!("{:>10}", case.metric(name).map_or("-".into(), rounded))).collect();
+                let cells: String =
+                    metrics.iter().map(|name| format!("{:>10}", case.metric(name).map_or("-".into(), rounded))).collect();
                 table += &format!("{:36}{amplitude:>15}{cells}\n", case.name);
             }
         }

@@ -60,7 +60,8 @@ impl<DB: DrawingBackend> Plot<'_, '_, DB> {
         if map.size().0 == 0 || map.size().1 == 0 {
             return Ok(());
         }
-        let picture = BitMapElement::with_owned_buffer((columns.start, rows.start), (size.0 as u32, size.1 as u32), map.pixels(size));
+        let picture =
+            BitMapElement::with_owned_buffer((columns.start, rows.start), (size.0 as u32, size.1 as u32), map.pixels(size));
         picture.map_or(Ok(()), |picture| self.sheet.root.draw(&picture))
     }
 }

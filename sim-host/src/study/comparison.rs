@@ -91,7 +91,11 @@ struct Bench<'a> {
 }
 
 /// Runs every case of a comparison, in parallel; nothing if it is stopped.
-pub(super) fn conduct(loaded: &Loaded, comparison: &Comparison, stop: &AtomicBool) -> Result<Option<ComparisonResult>, StudyError> {
+pub(super) fn conduct(
+    loaded: &Loaded,
+    comparison: &Comparison,
+    stop: &AtomicBool,
+) -> Result<Option<ComparisonResult>, StudyError> {
     let bench = Bench { loaded, comparison, stop };
     let peaks = comparison.case.par_iter().map(|case| bench.peak(case)).collect::<Result<Vec<_>, StudyError>>()?;
     let Some(first) = peaks.first() else { return Ok(None) };
@@ -169,7 +173,8 @@ impl Bench<'_> {
                 return Ok(unmeasured(last.0, &last.1));
             }
         };
-        let (amplitude, metrics) = runs.into_iter().find(|(amplitude, _)| *amplitude == point.amplitude).ok_or(StudyError::Incomplete)?;
+        let (amplitude, metrics) =
+            runs.into_iter().find(|(amplitude, _)| *amplitude == point.amplitude).ok_or(StudyError::Incomplete)?;
         Ok(CaseResult { name: case.name.clone(), amplitude, metrics, standing })
     }
 }
@@ -192,4 +197,72 @@ fn allowed(loaded: &Loaded, key: &str) -> (f64, f64) {
         scene.controller.limits.voltage_v.min(scene.amplifier.full_scale_v) / loudest
     });
     (least.unwrap_or(0.0), most.unwrap_or(f64::MAX).min(drive))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::load::load_text;
+    use crate::study;
+
+    /// A stack without contact, on its resonance, by a square, far off it, and far off it with little current allowed.
+    const SCENE: &str = r#"
+        title = "Stack"
+        duration_s = 0.05
+        [controller.drive]
+        frequency_hz = 40e3
+        amplitude_v = 1.0
+        [controller.tracking]
+        mode = "off"
+        nominal_q = 50
+        nominal_c0_f = 300e-9
+        [stack.bvd]
+        c0_f = 300e-9
+        cm_f = 20e-9
+        lm_h = 0.7916e-3
+        rm_ohm = 3.08
+        force_factor_n_per_v = 5.566
+        [comparison]
+        title = "Tones"
+        metrics = ["drive_rms_v", "input_power_w"]
+        amplitude_key = "controller.drive.amplitude_v"
+        match = ["peak", "rms", "power"]
+        [[comparison.case]]
+        name = "sine"
+        [[comparison.case]]
+        name = "square"
+        set = ["controller.drive.shape=square"]
+        [[comparison.case]]
+        name = "off"
+        set = ["controller.drive.frequency_hz=60e3"]
+        [[comparison.case]]
+        name = "weak"
+        set = ["controller.drive.frequency_hz=60e3", "controller.limits.current_a=1"]
+    "#;
+
+    #[test]
+    fn cases_are_equal_or_say_why_not() {
+        let loaded = load_text("a.toml", SCENE, &[]).unwrap_or_else(|error| panic!("{error}"));
+        let study = study::conduct(&loaded, None, &AtomicBool::new(false), None).unwrap();
+        let result = study.comparison.unwrap();
+        let case = |name: &str, equal| result.case(name, equal).unwrap();
+        let power = |name: &str| case(name, Equal::Peak).metric("input_power_w").unwrap();
+        let equal =
+            |case: &CaseResult| matches!(case.standing, Standing::Equal { off } if off.abs() <= super::super::matching::CLOSE);
+        assert!(["sine", "square", "off", "weak"].iter().all(|name| case(name, Equal::Peak).amplitude == 1.0));
+
+        // The rms of codes is in proportion to the peak, to the rounding of codes.
+        let (sine, square) = (case("sine", Equal::Rms), case("square", Equal::Rms));
+        let ratio = case("sine", Equal::Peak).metrics.get("drive_rms_v").unwrap()
+            / case("square", Equal::Peak).metrics.get("drive_rms_v").unwrap();
+        assert!(equal(sine) && equal(square) && (square.amplitude / ratio - 1.0).abs() < 2e-3, "{square:?}");
+
+        // Without a contact the plant is linear: power as the square of the amplitude.
+        assert!(equal(case("square", Equal::Power)));
+        let Standing::Beyond { needs } = case("off", Equal::Power).standing else { panic!("{:?}", case("off", Equal::Power)) };
+        assert!((needs / (power("sine") / power("off")).sqrt() - 1.0).abs() < 0.01, "{needs}");
+        assert_eq!(case("off", Equal::Power).amplitude, 15.466);
+        assert_eq!(case("off", Equal::Power).metric("input_power_w"), None);
+        assert_eq!(case("weak", Equal::Power).standing, Standing::Unmeasured { fault: Some(Fault::OverCurrent) });
+    }
 }

@@ -88,13 +88,7 @@ mod tests {
 
     use super::*;
 
-    fn counted(
-        amplitude: f64,
-        target: f64,
-        exponent: f64,
-        most: f64,
-        plant: impl Fn(f64) -> Option<f64>,
-    ) -> (Found, usize) {
+    fn counted(amplitude: f64, target: f64, exponent: f64, most: f64, plant: impl Fn(f64) -> Option<f64>) -> (Found, usize) {
         let mut runs = 0;
         let target = Target { metric: target, exponent, allowed: (1e-3, most) };
         let found = find(plant(amplitude), amplitude, target, |amplitude| {

@@ -9,14 +9,19 @@ use realfft::RealFftPlanner;
 
 use super::Map;
 
+/// Rows for each that the window resolves: a window is transformed with as many zeros behind it, which interpolates its spectrum.
+const ROWS_PER_BIN: usize = 2;
+
 /// The power of each frequency over time: a sine of amplitude `a` has a peak of `a^2 / 2`. Windows of `window` samples begin every
 /// `hop` samples; nothing where there are fewer samples than one window.
 pub fn stft(samples: &[f64], sample_s: f64, window: usize, hop: usize) -> Map {
     let weights: Vec<f64> = (0..window).map(|n| 0.5 - 0.5 * (TAU * (n as f64 + 0.5) / window as f64).cos()).collect();
     let sum: f64 = weights.iter().sum();
-    let transform = RealFftPlanner::<f64>::new().plan_fft_forward(window.max(1));
+    let length = ROWS_PER_BIN * window.max(1);
+    let transform = RealFftPlanner::<f64>::new().plan_fft_forward(length);
     let (mut windowed, mut bins) = (transform.make_input_vec(), transform.make_output_vec());
     let column = |start: usize| {
+        windowed.fill(0.0);
         for (to, (sample, weight)) in windowed.iter_mut().zip(samples[start..start + window].iter().zip(&weights)) {
             *to = sample * weight;
         }
@@ -27,7 +32,7 @@ pub fn stft(samples: &[f64], sample_s: f64, window: usize, hop: usize) -> Map {
     Map {
         first_s: 0.5 * (window as f64 - 1.0) * sample_s,
         every_s: hop.max(1) as f64 * sample_s,
-        bin_hz: 1.0 / (window.max(1) as f64 * sample_s),
+        bin_hz: 1.0 / (length as f64 * sample_s),
         columns: starts.map(column).collect(),
     }
 }
@@ -71,7 +76,11 @@ mod tests {
     fn a_sine_has_its_power() {
         let samples: Vec<f64> = (0..4096).map(|n| 0.7 * (TAU * f64::from(n) * 20.0 / 512.0).sin()).collect();
         let map = stft(&samples, SAMPLE_S, 512, 256);
-        assert!(map.columns.iter().all(|column| (column[20] / 0.245 - 1.0).abs() < 1e-12), "{}", map.columns[3][20]);
+        assert!(
+            map.columns.iter().all(|column| (column[20 * ROWS_PER_BIN] / 0.245 - 1.0).abs() < 1e-12),
+            "{}",
+            map.columns[3][20 * ROWS_PER_BIN]
+        );
         assert_eq!((map.columns.len(), map.time_s(0)), (15, 255.5e-6));
     }
 

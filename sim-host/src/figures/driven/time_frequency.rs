@@ -33,7 +33,8 @@ struct Signal {
 }
 
 const DRIVE: Signal = Signal { id: "drive", name: "voltage at the stack", of: |sample| sample.voltage_v, harmonics: false };
-const TIP: Signal = Signal { id: "tip-velocity", name: "tip velocity", of: |sample| sample.tip_velocity_m_per_s, harmonics: false };
+const TIP: Signal =
+    Signal { id: "tip-velocity", name: "tip velocity", of: |sample| sample.tip_velocity_m_per_s, harmonics: false };
 const FRICTION: Signal = Signal { id: "friction", name: "friction", of: |sample| sample.friction_n, harmonics: true };
 
 /// The pictures of a sweep; none if nothing of it was recorded.
@@ -50,16 +51,18 @@ fn short_time(swept: &Swept, signal: &Signal) -> Option<Figure> {
     let window = window_for(swept.law.slowest_hz_per_s(), swept.sample_s).min(samples.len() / 4);
     let hop = samples.len().div_ceil(COLUMNS).max(1);
     let map = stft(&samples, swept.sample_s, window, hop);
-    let kilohertz = map.bin_hz / 1e3;
+    let (from_hz, to_hz) = band_hz(swept, signal, [swept.law.start_hz, swept.law.stop_hz], 0.1);
+    let frame = Frame { from_s: 0.0, from_hz, to_hz, floor_db: FLOOR_DB[0] };
+    let kilohertz = 2e-3 / (window as f64 * swept.sample_s);
     Some(Figure {
         id: id(swept, "stft", signal),
         title: format!("{}: short-time spectrum of the sweep", heading(swept, signal)),
         caption: format!(
             "Power about the mean in dB of the strongest cell, through Hann windows of {window} samples: a window blurs each time by about half its \
-             length and each frequency by about two rows of {kilohertz:.2} kHz. Where the sweep meets the resonance the tip answers; \
+             length and each frequency by about {kilohertz:.2} kHz. Where the sweep meets the resonance the tip answers; \
              it rings on at its own frequency while the sweep goes on."
         ),
-        ..picture(swept, &map, &Frame { from_s: 0.0, from_hz: 0.0, to_hz: reach_hz(swept), floor_db: FLOOR_DB[0] })?
+        ..picture(swept, &map, &frame)?
     })
 }
 
@@ -70,18 +73,16 @@ fn near_resonance(swept: &Swept, signal: &Signal, times: usize) -> Option<Figure
     let to_s = (passes_s + STRETCH[1] * swept.time_constant_s).min(swept.law.time_s);
     let samples = &swept.window.samples;
     let place = |seconds: f64| ((seconds / swept.sample_s) as usize).min(samples.len());
-    // Friction has harmonics; the others have the sweep's frequency and the stack's own.
     let ends = [from_s, to_s].map(|s| swept.law.frequency_hz(s));
-    let (lowest, highest) = ends.into_iter().fold((swept.resonance_hz, swept.resonance_hz), |(a, b), hz| (a.min(hz), b.max(hz)));
-    let room_hz = 0.3 * (highest - lowest) + 0.05 * swept.resonance_hz;
-    let (from_hz, to_hz) = if signal.harmonics { (0.0, reach_hz(swept)) } else { (lowest - room_hz, highest + room_hz) };
+    let (from_hz, to_hz) = band_hz(swept, signal, ends, 0.3);
     let frame = Frame { from_s, from_hz, to_hz, floor_db: FLOOR_DB[1] };
     let (first, end) = (place(from_s), place(to_s));
     let hop = (end - first).div_ceil(COLUMNS).max(1);
     // The distribution looks around itself: what lies beside the stretch goes in, and its columns are left out.
     let before = LAGS.min(first) / hop * hop;
     let around = swinging(&samples[first - before..(end + LAGS).min(samples.len())], signal);
-    let rows = ((ROWS * 0.5 / swept.sample_s / (frame.to_hz - frame.from_hz)) as usize).next_power_of_two().clamp(2 * LAGS, FINEST);
+    let rows =
+        ((ROWS * 0.5 / swept.sample_s / (frame.to_hz - frame.from_hz)) as usize).next_power_of_two().clamp(2 * LAGS, FINEST);
     let mut map = wigner_ville(&around, swept.sample_s, Smoothing { rows, lags: Some(LAGS), times, hop });
     map.columns.drain(..before / hop);
     map.columns.truncate((end - first) / hop);
@@ -127,9 +128,16 @@ struct Frame {
     floor_db: f64,
 }
 
-/// As far up as the sweep reaches, and the friction's harmonics at resonance.
-fn reach_hz(swept: &Swept) -> f64 {
-    (1.5 * swept.law.start_hz.max(swept.law.stop_hz)).max(4.0 * swept.resonance_hz)
+/// What to show of a signal: friction from zero to its third harmonic at resonance; the others have the sweep's frequencies, with so
+/// much of them beside, and the stack's own.
+fn band_hz(swept: &Swept, signal: &Signal, ends_hz: [f64; 2], beside: f64) -> (f64, f64) {
+    let own_hz = swept.resonance_hz;
+    if signal.harmonics {
+        return (0.0, 3.3 * own_hz);
+    }
+    let (lowest, highest) = ends_hz.into_iter().fold((own_hz, own_hz), |(a, b), hz| (a.min(hz), b.max(hz)));
+    let room_hz = beside * (highest - lowest) + 0.05 * own_hz;
+    ((lowest - room_hz).max(0.0), highest + room_hz)
 }
 
 /// A map as a figure.
@@ -164,7 +172,8 @@ fn picture(swept: &Swept, map: &Map, frame: &Frame) -> Option<Figure> {
 
 fn id(swept: &Swept, kind: &str, signal: &Signal) -> String {
     // A file's name has letters, digits and hyphens.
-    let plain: String = swept.name.chars().map(|c| if c.is_ascii_alphanumeric() { c.to_ascii_lowercase() } else { '-' }).collect();
+    let plain: String =
+        swept.name.chars().map(|c| if c.is_ascii_alphanumeric() { c.to_ascii_lowercase() } else { '-' }).collect();
     let words: Vec<&str> = plain.split('-').filter(|word| !word.is_empty()).collect();
     [&[kind, signal.id][..], &words].concat().join("-")
 }

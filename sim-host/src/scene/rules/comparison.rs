@@ -57,13 +57,15 @@ impl Rules<'_> {
         self.each_once(&names, "is another case's name");
         for (path, name) in &names {
             if name.trim().is_empty() {
-                let problem = Problem::new(self.place(path), "a case without a name", "needs a name, for tables and expectations");
+                let problem =
+                    Problem::new(self.place(path), "a case without a name", "needs a name, for tables and expectations");
                 self.add(path, problem);
             }
         }
         let Some(key) = self.text(KEY) else { return };
         for path in self.tables(CASES) {
-            let scaled = self.sets(&join(&path, "set")).into_iter().find(|(set, _)| set.split('=').next().map(str::trim) == Some(key));
+            let scaled =
+                self.sets(&join(&path, "set")).into_iter().find(|(set, _)| set.split('=').next().map(str::trim) == Some(key));
             if let Some((_, place)) = scaled {
                 let message = format!("a case cannot set `{key}`, by which it is scaled");
                 let problem = Problem::new(place, message, "the comparison sets it");
@@ -145,10 +147,13 @@ impl Rules<'_> {
 
     /// A picture is of a sweep whose frequencies are known.
     fn picture(&mut self, path: &str, made: Option<&Node>) {
-        let Some(made) = made.filter(|_| matches!(self.value(path).map(|node| &node.value), Some(Value::Flag(true)))) else { return };
+        let Some(made) = made.filter(|_| matches!(self.value(path).map(|node| &node.value), Some(Value::Flag(true)))) else {
+            return;
+        };
         let about_resonance = made.at("controller.sweep.around").and_then(Node::text) == Some("resonance");
         if made.at("controller.sweep").is_none() || about_resonance {
-            let problem = Problem::new(self.place(path), "a picture without a sweep", "this case has no sweep of known frequencies");
+            let problem =
+                Problem::new(self.place(path), "a picture without a sweep", "this case has no sweep of known frequencies");
             self.add(path, problem.help("time-frequency pictures are of a [controller.sweep] that is not about the resonance"));
         }
     }
