@@ -71,10 +71,11 @@ pub(super) fn bar<DB: DrawingBackend>(map: &HeatMap, layout: &Layout, sheet: &Sh
     let (area, pen) = (sheet.root, sheet.pen);
     let (left, right) = (pen.px(layout.right + BAR_GAP), pen.px(layout.right + BAR_GAP + BAR_WIDTH));
     let height = |share: f64| pen.px(layout.bottom - share * (layout.bottom - layout.top));
-    for step in 0..BAR_STEPS {
-        let (from, to) = (f64::from(step) / f64::from(BAR_STEPS), f64::from(step + 1) / f64::from(BAR_STEPS));
-        let shade = colour(0.5 * (from + to)).filled();
-        area.draw(&Rectangle::new([(left, height(to)), (right, height(from))], shade))?;
+    // Each down to the bottom, and the next over it: between steps that only touch, a renderer would let the ground shine through.
+    for step in (0..BAR_STEPS).rev() {
+        let part = |steps: f64| steps / f64::from(BAR_STEPS);
+        let shade = colour(part(f64::from(step) + 0.5)).filled();
+        area.draw(&Rectangle::new([(left, height(part(f64::from(step) + 1.0))), (right, height(0.0))], shade))?;
     }
     area.draw(&Rectangle::new([(left, height(1.0)), (right, height(0.0))], pen.line(FRAME, 1.5)))?;
     let scale = Scale::fit(&Axis { range: Some(map.range), ..Axis::default() }, &[], [0.0, 0.0], false).with_ticks(8);
