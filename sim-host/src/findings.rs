@@ -39,7 +39,7 @@ pub fn tables(study: &Study) -> Vec<TableBlock> {
     let mut tables = vec![expectations(study)];
     tables.extend(comparison::tables(study));
     match &study.outcome {
-        Outcome::Driven(run) => tables.push(driven::three_ways(study, run)),
+        Outcome::Driven(run) => tables.extend(driven::tables(study, run)),
         Outcome::Contact(solved) => tables.extend(contact::tables(study, solved)),
     }
     tables.extend(grid(study));

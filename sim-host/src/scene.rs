@@ -23,6 +23,7 @@ pub mod settings;
 mod nearest;
 mod overlay;
 mod plant;
+mod stator;
 mod tree;
 mod units;
 mod unknown;
@@ -44,10 +45,11 @@ pub use integrator::{Integrator, Method};
 pub(crate) use nearest::shown;
 pub use plant::{Amplifier, Bvd, Sensors, Stack};
 pub use results::{Expect, Grid, Signal, Trace, TraceFormat};
-pub use rig::{Kinematic, Rig, Sdof, Slider};
+pub use rig::{Kinematic, Rig, Rotor, Sdof, Slider};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-pub use views::{Body, Driven, Excited, Kind};
+pub use stator::Stator;
+pub use views::{Body, Driven, Excited, Kind, Transducer};
 
 /// A scene: either the firmware drives a stack, or a contact is studied by itself.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -83,6 +85,9 @@ pub struct Scene {
     /// The piezo stack that the firmware drives.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub stack: Option<Stack>,
+    /// The stator of a travelling-wave motor that the firmware drives. A driven scene has this, or `[stack]`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub stator: Option<Stator>,
     /// The friction contact. Needs a rig that presses on it and moves it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub contact: Option<Contact>,

@@ -4,6 +4,7 @@ mod admittance;
 mod edges;
 mod energy;
 mod friction;
+mod motor;
 mod resonance;
 pub(super) mod time_frequency;
 
@@ -20,7 +21,7 @@ const BINS: usize = 3000;
 /// All figures that this run has something to show in, the most telling first.
 pub(super) fn of(run: &Run) -> Vec<Figure> {
     let view = View::new(&run.scene, &run.record);
-    let mut figures = Vec::new();
+    let mut figures = motor::of(run, &view);
     figures.extend(friction::over_time(run, &view));
     figures.extend(edges::of(run, &view));
     figures.extend(resonance::acquisition(run, &view));

@@ -22,7 +22,9 @@ const SCENES: &[(&str, &str)] = scenes![
     "transducer-gb-4540-4sh",
     "transducer-skymen-60w",
     "transducer-smbltd45f28h",
-    "transducer-ma40s4s"
+    "transducer-ma40s4s",
+    "usm",
+    "usm-miscalibrated"
 ];
 
 /// Name and text of every built-in scene.

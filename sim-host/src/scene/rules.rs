@@ -15,6 +15,7 @@ mod firmware;
 mod grid;
 mod integrator;
 mod kind;
+mod motor;
 mod timeline;
 mod tracking;
 mod window;
@@ -40,7 +41,10 @@ pub(super) fn check(root: &Node, findings: Findings) -> Findings {
     }
     rules.contact();
     match rules.kind {
-        Some(Kind::Driven) => rules.driven(),
+        Some(Kind::Driven) => {
+            rules.driven();
+            rules.motor();
+        }
         Some(Kind::Excited) => {
             rules.excited();
             rules.integrator();

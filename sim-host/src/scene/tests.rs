@@ -5,6 +5,7 @@ mod excited;
 mod keys;
 mod kinds;
 mod layers;
+mod motor;
 mod rules;
 mod whole;
 

@@ -98,7 +98,7 @@ impl Swept {
     pub fn of(name: &str, scene: &Driven, record: &Record) -> Option<Self> {
         let (law, _) = law(scene)?;
         let window = record.windows.iter().find(|window| window.title == TITLE && !window.samples.is_empty())?;
-        let circuit = Circuit::of(&scene.stack.bvd);
+        let circuit = Circuit::of_scene(scene);
         Some(Swept {
             name: name.to_owned(),
             window: window.clone(),
@@ -106,7 +106,7 @@ impl Swept {
             law,
             resonance_hz: circuit.series_resonance_hz(),
             time_constant_s: circuit.time_constant_s(),
-            rubs: scene.sliding.is_some(),
+            rubs: scene.sliding().is_some(),
         })
     }
 }

@@ -1,5 +1,6 @@
 //! What was driven, what it cost, and how the tip moved, by root mean square and peak: numbers that hold for any waveform, where an
-//! amplitude is a sine's only. All are over the steady blocks, as the friction is.
+//! amplitude is a sine's only. All are over the steady blocks, as the friction is; those of the drive are of the first lane, and those of
+//! the tip of a stack's only.
 //!
 //! The power into the terminals is that into the motional branch and that into the clamped capacitance, which gives back over a
 //! period what it took: its mean is the motional branch's.
@@ -19,6 +20,9 @@ pub(super) fn add(view: &View, metrics: &mut Metrics) {
     metrics.put("drive_peak_v", largest(&|row| row.swing.peak_v));
     metrics.put("drive_rms_v", mean(&|row| row.swing.square_v2).sqrt());
     metrics.put("input_power_w", mean(&|row| row.truth.power_w));
-    metrics.put("tip_velocity_rms_m_per_s", mean(&|row| row.truth.tip_square_m2_per_s2).sqrt());
-    metrics.put("tip_velocity_peak_m_per_s", largest(&|row| row.truth.tip_peak_m_per_s));
+    if rows.iter().all(|row| row.truth.tip.is_some()) {
+        let tip = |row: &Row| row.truth.tip.unwrap_or_default();
+        metrics.put("tip_velocity_rms_m_per_s", mean(&|row| tip(row).square_m2_per_s2).sqrt());
+        metrics.put("tip_velocity_peak_m_per_s", largest(&|row| tip(row).peak_m_per_s));
+    }
 }
