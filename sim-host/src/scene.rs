@@ -4,6 +4,7 @@
 //! the comments of `sim-host show` are all derived from them; [`rules`] adds what a schema cannot say.
 
 pub mod builtin;
+mod comparison;
 mod contact;
 mod controller;
 mod course;
@@ -33,6 +34,7 @@ mod wording;
 #[cfg(test)]
 mod tests;
 
+pub use comparison::{Case, Comparison, Equal};
 pub use contact::{Contact, Coulomb, Dahl, Hertz, Lugre, Model, Sign};
 pub use controller::{
     Around, Burst, ChirpKind, Controller, Direction, Drive, Edge, Limits, Phasing, Shape, Sweep, Then, Tracking, TrackingMode,
@@ -104,6 +106,9 @@ pub struct Scene {
     /// A table of one metric over two keys, run after the scene itself.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub grid: Option<Grid>,
+    /// Cases beside each other, at equal peak, rms or power; run after the scene itself.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub comparison: Option<Comparison>,
     /// What is recorded besides the standard figures.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub trace: Option<Trace>,

@@ -6,12 +6,14 @@ mod energy;
 mod friction;
 mod motor;
 mod resonance;
+pub(super) mod time_frequency;
 
 use super::axis;
 use crate::metrics::driven::View;
 use crate::record::Row;
 use crate::report::{Figure, Series, Span, Style};
 use crate::study::driven::Run;
+use crate::study::swept::Swept;
 
 /// Most points of a curve over the whole run.
 const BINS: usize = 3000;
@@ -26,6 +28,7 @@ pub(super) fn of(run: &Run) -> Vec<Figure> {
     figures.extend(resonance::lock_in(&view));
     figures.extend(resonance::over_time(&view));
     figures.extend(admittance::locus(run, &view));
+    figures.extend(Swept::of("", &run.scene, &run.record).iter().flat_map(time_frequency::of));
     figures.extend(friction::tip_velocity(run, &view));
     figures.extend(energy::budget(run, &view));
     figures

@@ -21,7 +21,7 @@ use crate::plant::sliding::{Sliding, steps_per_sample};
 use crate::plant::stack::{Held, Stack};
 use crate::plant::sums::Sums;
 use crate::plant::timing::Timing;
-use crate::plant::truth::{Sample, Truth};
+use crate::plant::truth::{Sample, TipMotion, Truth};
 use crate::scene;
 use crate::scene::{Dahl, DisturbedKey, Driven, Slider};
 
@@ -178,6 +178,7 @@ impl DrivenStack {
         sums.in_phase += v * i;
         sums.quadrature += v * self.stack.motional_voltage();
         sums.lost += i * i;
+        sums.current_peak = if i.abs() > sums.current_peak { i.abs() } else { sums.current_peak };
         force
     }
 
@@ -209,6 +210,10 @@ impl DrivenStack {
             lost_w: lost / block_s,
             friction_on_tip_w: sums.friction_on_tip / block_s,
             friction_on_slider_w: mean * speed,
+            tip: Some(TipMotion {
+                square_m2_per_s2: sums.lost / steps / circuit.force_factor_n_per_v.powi(2),
+                peak_m_per_s: sums.current_peak / circuit.force_factor_n_per_v,
+            }),
             motor: None,
         };
         self.time_s += block_s;

@@ -26,8 +26,19 @@ pub struct Truth {
     pub friction_on_tip_w: f64,
     /// Power that the slider's drive gives to friction, W; a rotor takes power, which is less than zero here.
     pub friction_on_slider_w: f64,
+    /// What only a stack has.
+    pub tip: Option<TipMotion>,
     /// What only a motor has.
     pub motor: Option<MotorTruth>,
+}
+
+/// How the tip of a stack moved within a block, whatever the waveform.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct TipMotion {
+    /// Mean square of its velocity, m²/s².
+    pub square_m2_per_s2: f64,
+    /// Largest velocity to either side, at the steps, m/s.
+    pub peak_m_per_s: f64,
 }
 
 /// The truth about one block of a travelling-wave motor.

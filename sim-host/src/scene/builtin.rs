@@ -15,6 +15,8 @@ const SCENES: &[(&str, &str)] = scenes![
     "lock",
     "lock-step",
     "lock-drift",
+    "waveforms",
+    "waveforms-fast",
     "transducer-smbltd45f40h-1",
     "transducer-smbltd45f40h-2",
     "transducer-gb-4540-4sh",

@@ -3,6 +3,7 @@
 use std::sync::atomic::AtomicBool;
 
 use super::StudyError;
+use super::swept::{self, Swept};
 use crate::metrics::{self, Metrics};
 use crate::plant::circuit::Circuit;
 use crate::processor::Processor;
@@ -53,7 +54,9 @@ pub(super) fn conduct<'a, 'w>(
     progress: Option<&'w mut dyn FnMut(f64)>,
 ) -> Result<(Run<'a>, Metrics), StudyError> {
     let level = if emulator.is_some() { Level::Pil } else { Level::Sil };
-    let watch = Watch { windows: [edge_windows(&scene), wave_window(&scene)].concat(), stop: Some(stop), progress };
+    let mut windows = [edge_windows(&scene), wave_window(&scene)].concat();
+    windows.extend(swept::window(&scene));
+    let watch = Watch { windows, stop: Some(stop), progress };
     let record = match emulator {
         Some(processor) => run::run_on(processor, &scene, watch)?,
         None => run::run(&scene, watch)?,
@@ -62,10 +65,17 @@ pub(super) fn conduct<'a, 'w>(
     Ok((Run { scene, level, record }, metrics))
 }
 
-/// The numbers of a scene that is a cell of a grid.
+/// The numbers of a scene that is a cell.
 pub(super) fn cell(scene: &Driven, stop: &AtomicBool) -> Result<Metrics, StudyError> {
     let record = run::run(scene, Watch { stop: Some(stop), ..Watch::default() })?;
     Ok(metrics::driven::of(scene, &record))
+}
+
+/// The sweep of a scene that is a cell, sample by sample.
+pub(super) fn sweep(scene: &Driven, name: &str, stop: &AtomicBool) -> Result<Option<Swept>, StudyError> {
+    let windows = swept::window(scene).into_iter().collect();
+    let record = run::run(scene, Watch { windows, stop: Some(stop), ..Watch::default() })?;
+    Ok(Swept::of(name, scene, &record))
 }
 
 /// Both edges of the first ON window, sample by sample: a little before, and five time constants after. Of a repeated burst the

@@ -7,11 +7,13 @@ use crate::metrics::driven::View;
 use crate::record::Window;
 use crate::report::{Figure, Series, Span, Style};
 use crate::study::driven::{Run, WAVE};
+use crate::study::swept::TITLE;
 
 /// One figure for each edge that was kept, and really played: an ON window may begin before there is a lock.
 pub(super) fn of(run: &Run, view: &View) -> Vec<Figure> {
     let Some(run_s) = view.plays_from(Mode::Run) else { return Vec::new() };
-    let played = |window: &&Window| window.edge_s > run_s && window.title != WAVE && !window.samples.is_empty();
+    let whole = |window: &Window| window.title == TITLE || window.title == WAVE;
+    let played = |window: &&Window| window.edge_s > run_s && !whole(window) && !window.samples.is_empty();
     run.record.windows.iter().filter(played).map(|window| edge(run, window)).collect()
 }
 
