@@ -23,7 +23,7 @@ fn changed(change: impl FnOnce(&mut Config)) -> Config {
     // Nearly all of the converter's range: 2040 of 2047 codes.
     (config.drive.amplitude, config.limits.voltage_v) = (Amplitude::Volts(20.4), 20.46);
     // The loop-back's current follows the voltage's steps, which are large here.
-    config.tracking.nominal_c0_f = 5e-9;
+    (config.tracking.nominal_c0_f, config.drive.scan_volts) = (20e-9, 10.0);
     config.drive.frequency_hz = TONE_HZ as f32;
     change(&mut config);
     config
