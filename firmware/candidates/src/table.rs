@@ -1,6 +1,7 @@
 //! One period in 1024 entries, read at two places.
 //!
-//! Error of the nearest entry to the left: up to one step, `2 pi / 1024 = 6.1e-3`. Of a straight line between two: `(2 pi / 1024)^2 / 8 = 4.7e-6`.
+//! Error of the nearest entry to the left: up to one step, `2 pi / 1024 = 6.1e-3`. Of a straight line between two:
+//! `(2 pi / 1024)^2 / 8 = 4.7e-6`.
 
 use crate::generator::{Generator, Pair};
 use crate::sines::sine_and_cosine;

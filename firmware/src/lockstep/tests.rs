@@ -1,0 +1,149 @@
+//! The longest records, whole and in pieces, and what is refused.
+
+use super::*;
+use crate::block::{Amplitude, Gate, MAX_BLOCK_SAMPLES, Request, Trips};
+use crate::config::*;
+use crate::identify::Transducer;
+use crate::supervisor::{Fault, Limit, Mode};
+use crate::units::{Hertz, Turns};
+
+/// Sends `record` in pieces of `piece` bytes, and checks that it comes back.
+fn comes_back<T>(record: &T, piece: usize)
+where
+    T: Serialize + for<'a> Deserialize<'a> + PartialEq + core::fmt::Debug,
+{
+    let mut sent = BUFFER;
+    let mut rest = encode(record, &mut sent).expect("it fits");
+    let mut received = BUFFER;
+    let read = |bytes: &mut [u8]| {
+        let (now, later) = rest.split_at(piece.min(rest.len()));
+        bytes[..now.len()].copy_from_slice(now);
+        rest = later;
+        Ok::<_, ()>(now.len())
+    };
+    let body = receive(&mut received, read).unwrap().expect("a whole record");
+    assert_eq!(decode::<T>(body).as_ref(), Ok(record));
+}
+
+fn codes() -> Codes {
+    (0..MAX_BLOCK_SAMPLES as u16).map(|n| 0xffff - n).collect()
+}
+
+fn longest_question() -> Question {
+    let orders = Orders {
+        sequence: u32::MAX,
+        request: Request::Run,
+        attempt: u32::MAX,
+        gate: Gate::Off,
+        amplitude: Some(Amplitude::MotionalCurrent(1.0)),
+        detune: Hertz(1.0),
+        quadrature: Some(Turns(0.1)),
+        emergency_stop: true,
+        clear_fault: true,
+    };
+    let slow = SlowSense {
+        belt: Some(1.0),
+        temperature: Some(1.0),
+        force: Some(1.0),
+        trips: Some(Trips { over_current: true }),
+        missed_blocks: Some(u32::MAX),
+    };
+    Question { orders, sense: SenseBlock { v: codes(), i: codes(), slow } }
+}
+
+fn longest_answer() -> Answer {
+    let telemetry = Telemetry {
+        block: u32::MAX,
+        orders_sequence: u32::MAX,
+        mode: Mode::Fault,
+        fault: Some(Fault::BeltStopped),
+        limit: Some(Limit::FrequencyWindow),
+        tuning_word: u64::MAX,
+        transducer: Some(Transducer::default()),
+        ..Telemetry::default()
+    };
+    let drive = DriveBlock { lanes: core::iter::repeat_n(codes(), MAX_LANES).collect(), listen: 3 };
+    Answer { drive, telemetry, instructions: Some(u32::MAX) }
+}
+
+fn longest_config() -> Config {
+    let most = |x: f32| core::iter::repeat_n(x, MAX_LANES).collect();
+    Config {
+        sample_hz: 1e6,
+        block_samples: u16::MAX,
+        lanes: 4,
+        front_end: FrontEnd {
+            volt_per_lsb: 1.0,
+            ampere_per_lsb: 1.0,
+            sense_mid_code: u16::MAX,
+            sense_max_code: u16::MAX,
+            drive_volt_per_lsb: 1.0,
+            drive_mid_code: u16::MAX,
+            drive_max_code: u16::MAX,
+            drive_lanes: u8::MAX,
+        },
+        drive: Drive {
+            frequency_hz: 40e3,
+            amplitude: Amplitude::Volts(1.0),
+            scan_volts: 1.0,
+            shape: ShapeKind::Noise,
+            noise_band_hz: (1.0, 2.0),
+            dither: true,
+            seed: u64::MAX,
+        },
+        sweep: Sweep::Chirp(Chirp {
+            kind: ChirpKind::Exponential,
+            start_hz: 1.0,
+            stop_hz: 2.0,
+            time_s: 1.0,
+            then: Then::UpDown,
+            around: Around::Resonance,
+        }),
+        phasing: Phasing {
+            direction: Direction::Reverse,
+            phase_trim_turns: most(0.0),
+            gain_trim: most(1.0),
+            calibration: core::iter::repeat_n(TrimPoint::default(), MAX_TRIM_POINTS).collect(),
+        },
+        burst: Burst {
+            schedule: Schedule::Windows(core::iter::repeat_n((0.0, 1.0), MAX_WINDOWS).collect()),
+            edge: Edge::Soft { cycles: 1.0 },
+        },
+        tracking: Tracking { mode: TrackingMode::Off, span: 1.0, bandwidth_hz: 1.0, nominal_q: 1.0, nominal_c0_f: 1.0 },
+        limits: Limits { voltage_v: 1.0, current_a: 1.0, belt_moving_m_per_s: 1.0, belt_stop_ms: 1.0 },
+    }
+}
+
+#[test]
+fn the_longest_records_come_back_whole_or_in_pieces() {
+    for piece in [1, 7, MAX_RECORD] {
+        comes_back(&longest_config(), piece);
+        comes_back(&longest_question(), piece);
+        comes_back(&longest_answer(), piece);
+        comes_back(&Opening::Ok(Silence { drive: longest_answer().drive }), piece);
+        comes_back(&Opening::Err("x".repeat(MAX_REASON).as_str().try_into().unwrap()), piece);
+    }
+}
+
+#[test]
+fn an_end_inside_a_record_is_an_end() {
+    let mut pieces = [3usize, 0].into_iter();
+    let read = |bytes: &mut [u8]| {
+        bytes[..3].copy_from_slice(&[9, 0, 1]);
+        pieces.next().ok_or(())
+    };
+    assert_eq!(receive(&mut BUFFER.clone(), read), Ok(None));
+}
+
+#[test]
+fn codes_that_are_no_pairs_or_too_many_are_refused() {
+    #[derive(Serialize)]
+    struct Bytes<'a>(&'a [u8]);
+    #[derive(Debug, PartialEq, Deserialize)]
+    struct Read(#[serde(with = "raw_codes")] Codes);
+    let mut buffer = BUFFER;
+    for (length, fits) in [(128, true), (127, false), (130, false)] {
+        let bytes = encode(&Bytes(&BUFFER[..length]), &mut buffer).unwrap();
+        assert_eq!(decode::<Read>(&bytes[LENGTH_BYTES..]).is_ok(), fits, "{length} bytes");
+    }
+}
