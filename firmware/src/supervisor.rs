@@ -27,14 +27,14 @@ pub enum Mode {
     SelfTest,
     /// Looking for the resonance.
     Scan,
-    /// Measuring what each lane adds.
-    Calibrate,
     /// Pulling in.
     Lock,
     /// Driving, by the burst schedule.
     Run,
     /// Muted by a fault.
     Fault,
+    /// Measuring what each lane adds. Here, because it came later: on the wire the others keep their places.
+    Calibrate,
 }
 
 /// Why the drive is muted. On the wire it is its number.
@@ -55,6 +55,8 @@ pub enum Fault {
     LoadShorted = 22,
     /// Far less.
     LoadOpen = 23,
+    /// A lane is not heard, is further off than a trim can be for, or does not do what its trim should make it do.
+    LaneImplausible = 24,
     /// The scan has found no resonance in the window.
     NoResonance = 30,
     /// The loop has not locked in time.
@@ -107,7 +109,7 @@ macro_rules! numbered {
     };
 }
 
-numbered!(Fault, EmergencyStop LateBlock SensorImplausible OverCurrent LoadShorted LoadOpen NoResonance NoLock LossOfLock BeltStopped);
+numbered!(Fault, EmergencyStop LateBlock SensorImplausible OverCurrent LoadShorted LoadOpen LaneImplausible NoResonance NoLock LossOfLock BeltStopped);
 numbered!(Limit, OverVoltageRequest FrequencyWindow NotTracking QuadratureRequest);
 
 /// How a stage of the way to [`Mode::Run`] is getting on.
@@ -184,7 +186,9 @@ impl Supervisor {
                     Mode::SelfTest if orders.request == Request::Calibrate => Mode::Calibrate,
                     Mode::SelfTest if tracks || orders.request == Request::Scan => Mode::Scan,
                     Mode::SelfTest => Mode::Run,
-                    Mode::Calibrate => self.end(orders),
+                    Mode::Calibrate if orders.request == Request::Calibrate => self.end(orders),
+                    // Another order has come meanwhile, and is carried out from there.
+                    Mode::Calibrate => Mode::Idle,
                     Mode::Scan if orders.request == Request::Scan => self.end(orders),
                     Mode::Scan => Mode::Lock,
                     Mode::Lock => Mode::Run,
