@@ -5,6 +5,7 @@
 //! says otherwise.
 
 mod burst;
+mod calibration;
 mod determinism;
 mod emergency_stop;
 mod frame;
@@ -16,6 +17,7 @@ mod protection;
 mod run;
 mod scan;
 mod self_test;
+mod settings;
 mod watchdog;
 
 use firmware::command::{Command, Reply};

@@ -7,7 +7,8 @@
 //!   +--- order: Idle -------------------- order: clear ---+
 //! ```
 //!
-//! An order to scan or to calibrate goes from anywhere to SelfTest, and from Scan or Calibrate back to Idle.
+//! An order to scan or to calibrate goes from anywhere to SelfTest, and from Scan or Calibrate back to Idle. A calibration that another order
+//! ends has changed nothing.
 //!
 //! A [`Fault`] ends the drive and stays until it is cleared. A [`Limit`] does neither: it says why the drive does less than
 //! was asked, right now. Numbers are for the log and for other languages, and never change their meaning.
@@ -167,8 +168,11 @@ impl Supervisor {
             }
             // Both are done once for each order: the mode returns to idle, and only a new order repeats them.
             (Mode::Idle, Request::Scan | Request::Calibrate) if self.done == Some(orders.attempt) => false,
-            // A new order of either also ends a run.
-            (Mode::Idle, _) | (Mode::Lock | Mode::Run, Request::Scan | Request::Calibrate) => {
+            // A new order of either also ends a run, and any other a calibration.
+            (Mode::Idle, _)
+            | (Mode::Lock | Mode::Run, Request::Scan | Request::Calibrate)
+            | (Mode::Scan, Request::Calibrate)
+            | (Mode::Calibrate, Request::Scan | Request::Run) => {
                 self.mode = Mode::SelfTest;
                 true
             }
@@ -186,9 +190,7 @@ impl Supervisor {
                     Mode::SelfTest if orders.request == Request::Calibrate => Mode::Calibrate,
                     Mode::SelfTest if tracks || orders.request == Request::Scan => Mode::Scan,
                     Mode::SelfTest => Mode::Run,
-                    Mode::Calibrate if orders.request == Request::Calibrate => self.end(orders),
-                    // Another order has come meanwhile, and is carried out from there.
-                    Mode::Calibrate => Mode::Idle,
+                    Mode::Calibrate => self.end(orders),
                     Mode::Scan if orders.request == Request::Scan => self.end(orders),
                     Mode::Scan => Mode::Lock,
                     Mode::Lock => Mode::Run,

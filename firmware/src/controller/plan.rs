@@ -45,6 +45,7 @@ impl Controller {
         self.convert.v.restore_zero();
         self.convert.i.restore_zero();
         self.self_test.restart();
+        self.calibrate.abandon(&mut self.phasing);
         self.scan.restart();
         self.transducer = None;
         self.sweep.hold.retune(0.0);
