@@ -81,14 +81,14 @@ pub struct Setup {
 }
 
 impl Default for Setup {
-    /// The configuration that fits the loop-back, a turn of the slow side after every block, 10 ms, an endless link, and two empty pages.
+    /// The configuration that fits the loop-back, a turn of the slow side after every block, 10 ms, an endless link, and four empty pages.
     fn default() -> Self {
         Setup {
             config: loop_back::config(),
             poll_every: 1,
             watchdog: Duration::from_millis(10),
             to_host: Wire::default(),
-            flash: Flash::new(2, 1),
+            flash: Flash::new(4, 1),
         }
     }
 }

@@ -32,7 +32,7 @@ struct Amplifier {
 }
 
 /// Lanes as the thesis found them: 5 to 10 degrees apart, and several per cent.
-const THESIS: [Amplifier; 4] = [amplifier(1.0, 2e6), amplifier(1.05, 330e3), amplifier(0.94, 220e3), amplifier(1.08, 480e3)];
+const THESIS: [Amplifier; 4] = [amplifier(1.0, 2e6), amplifier(1.05, 200e3), amplifier(0.98, 130e3), amplifier(1.08, 300e3)];
 
 const fn amplifier(gain: f64, pole: f64) -> Amplifier {
     Amplifier { gain, pole, volts: 0.0 }
