@@ -24,8 +24,8 @@
 //! * Ring-up. A resonant load pulls the source. At each frequency 16 nominal time constants pass first: a Q of twice what was told leaves
 //!   0.03 % of that pull.
 //! * What is folded onto the carrier (images of the DAC) is common to all lanes, and cancels.
-//! * Between the frequencies, straight lines: exact for a delay; for a gain that falls as one pole at twice the frequency does, 0.01 % off
-//!   in the widest window.
+//! * Between the frequencies, straight lines: exact for a delay; in the widest window, and for one pole at twice the frequency, 0.02 degrees
+//!   and 0.018 % off.
 //! * What is trimmed is the voltage at the terminals under the load of this calibration. A lane whose load differs from the others' pulls its
 //!   source differently, and that changes with the load.
 
