@@ -9,6 +9,7 @@
 
 use crate::block::Amplitude;
 use crate::config::{Config, Limits};
+use crate::convert::DriveScale;
 use crate::error::{Error, in_range};
 use crate::identify::Transducer;
 use crate::phasing;
@@ -45,7 +46,9 @@ impl AmplitudeLoop {
     /// Checks the amplitude and the limits.
     pub fn build(config: &Config, block_s: f32) -> Result<Self, Error> {
         in_range("limits.voltage_v", config.limits.voltage_v.into(), 1e-3, 1e5)?;
-        let limits = Limits { voltage_v: config.limits.voltage_v / phasing::loudest(&config.phasing), ..config.limits.clone() };
+        let converter_v = DriveScale::build(&config.front_end)?.range_v();
+        let voltage_v = config.limits.voltage_v.min(converter_v) / phasing::loudest(&config.phasing);
+        let limits = Limits { voltage_v, ..config.limits.clone() };
         in_range("drive.scan_volts", config.drive.scan_volts.into(), 1e-3, limits.voltage_v.into())?;
         match config.drive.amplitude {
             Amplitude::Volts(volts) => in_range("drive.amplitude_v", volts.into(), 1e-3, limits.voltage_v.into())?,
@@ -146,7 +149,11 @@ impl AmplitudeLoop {
 
 /// `value` between zero and `limit`; a not-a-number, which an order might carry, is zero.
 fn up_to(limit: f32, value: f32) -> f32 {
-    if value > 0.0 { value.min(limit) } else { 0.0 }
+    match value {
+        value if value > limit => limit,
+        value if value > 0.0 => value,
+        _ => 0.0,
+    }
 }
 
 #[cfg(test)]

@@ -10,7 +10,7 @@ use crate::settings::Kept;
 use crate::telemetry::Telemetry;
 use crate::units::{Hertz, Turns};
 
-/// A command. On the wire it is its place in this list: new ones come last.
+/// A command. On the wire it is its place in this list, so that new ones stand at its end.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Command {
     /// Who are you?
@@ -29,12 +29,12 @@ pub enum Command {
     ClearFault,
     /// Send telemetry every so many blocks; 0 is never.
     TelemetryEvery(u32),
-    /// Self-test, and trim the lanes by what they are measured to be; then fall silent.
-    Calibrate,
     /// How far beside the resonance to drive.
     Detune(Hertz),
     /// How far lanes 1 and 3 lead lanes 0 and 2; `None` is the configured direction.
     Quadrature(Option<Turns>),
+    /// Self-test, and trim the lanes by what they are measured to be; then fall silent.
+    Calibrate,
     /// What to do with the lane trims, and with what is kept of them over power-off.
     Settings(Verb),
 }

@@ -64,6 +64,8 @@ pub struct Answer {
     pub drive: DriveBlock,
     /// The report.
     pub telemetry: Telemetry,
+    /// Instructions that the call has taken, to within a tick of the processor's timer (about 6); `None` where it cannot count them.
+    pub instructions: Option<u32>,
 }
 
 /// A record that does not fit into [`MAX_RECORD`], or is not of the expected form.
@@ -250,7 +252,8 @@ mod tests {
             transducer: Some(Transducer::default()),
             ..Telemetry::default()
         };
-        Answer { drive: DriveBlock { lanes: core::iter::repeat_n(codes(), MAX_LANES).collect(), listen: 3 }, telemetry }
+        let drive = DriveBlock { lanes: core::iter::repeat_n(codes(), MAX_LANES).collect(), listen: 3 };
+        Answer { drive, telemetry, instructions: Some(u32::MAX) }
     }
 
     fn longest_config() -> Config {

@@ -51,6 +51,28 @@ impl Stretch {
     }
 }
 
+/// The phases of a stretch, sample after sample.
+#[derive(Clone, Copy, Debug)]
+pub struct Phases(Stretch);
+
+impl Stretch {
+    /// Its phases, from the first sample on.
+    pub fn phases(&self) -> Phases {
+        Phases(*self)
+    }
+}
+
+impl Phases {
+    /// The next phase.
+    #[inline]
+    pub fn take(&mut self) -> u64 {
+        let phase = self.0.phase;
+        self.0.phase = phase.wrapping_add(self.0.word);
+        self.0.word = self.0.word.wrapping_add(self.0.step);
+        phase
+    }
+}
+
 /// The oscillator's phase.
 #[derive(Clone, Debug, Default)]
 pub struct Nco {

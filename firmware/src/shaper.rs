@@ -13,17 +13,13 @@ use crate::config::Config;
 use crate::convert::DriveScale;
 use crate::nco::{Stretch, cycles_per_sample};
 use crate::phasing::Lane;
-use crate::phasor::Phasor;
 use crate::shape::Shape;
-use crate::shape::bands::{Bands, Blend};
+use crate::shape::bands::Blend;
 use crate::shape::noise::Dither;
-use crate::shape::sine::Rotor;
+use crate::shape::sine::{self, Steady};
 
 /// The most that is paid back in a sample, codes; no more than the converter has.
 const PAYBACK: f32 = 32.0;
-
-/// A block of a waveform, in codes about zero.
-type Wave = [f32; MAX_BLOCK_SAMPLES];
 
 /// The shaper.
 #[derive(Clone, Debug)]
@@ -50,21 +46,10 @@ pub struct Play<'a> {
 }
 
 impl Play<'_> {
-    /// Peak of a lane of this gain before its gain, codes: no more than the converter has.
-    fn peak(&self, gain: f32) -> f32 {
+    /// Codes for a lane's gain of one; no more than the converter has room for at the lane's own gain.
+    fn codes(&self, gain: f32) -> f32 {
         let (codes, room) = (self.volts * self.scale.lsb_per_volt(), self.scale.headroom());
         if codes * gain > room { room / gain } else { codes }
-    }
-
-    /// A block of a waveform, times the envelope.
-    fn wave(&self, mut at: impl FnMut(usize) -> f32) -> Wave {
-        let mut wave = [0.0; MAX_BLOCK_SAMPLES];
-        let level = |n: usize| match self.envelope {
-            Envelope::Flat(level) => level,
-            Envelope::Edge(levels) => levels.get(n).copied().unwrap_or(0.0),
-        };
-        wave.iter_mut().take(self.samples).enumerate().for_each(|(n, value)| *value = at(n) * level(n));
-        wave
     }
 }
 
@@ -87,99 +72,96 @@ impl Shaper {
         if play.volts == 0.0 || play.envelope == Envelope::Flat(0.0) {
             return self.silence(play, drive);
         }
+        let stretch = &play.stretch;
+        let each = play.lanes.iter().zip(&mut drive.lanes).enumerate();
         match shape {
-            Shape::Sine => match (&mut *drive.lanes, play.envelope, &self.dither) {
-                ([one], Envelope::Flat(1.0), None) => self.sines(play, [one]),
-                ([one, two], Envelope::Flat(1.0), None) => self.sines(play, [one, two]),
-                ([one, two, three], Envelope::Flat(1.0), None) => self.sines(play, [one, two, three]),
-                ([one, two, three, four], Envelope::Flat(1.0), None) => self.sines(play, [one, two, three, four]),
-                (lanes, ..) => self.sine_by_sine(play, lanes),
-            },
-            Shape::Harmonics(bands) => self.harmonics(bands, play, &mut drive.lanes),
+            Shape::Sine if stretch.step == 0 => {
+                let steady = Steady::new(stretch);
+                each.for_each(|(n, (lane, codes))| {
+                    let mut swing = steady.swing(lane.row * play.codes(lane.gain));
+                    self.write(n, play, codes, || swing.take());
+                });
+            }
+            Shape::Sine => each.for_each(|(n, (lane, codes))| {
+                let (row, mut phases) = (lane.row * play.codes(lane.gain), stretch.phases());
+                self.write(n, play, codes, || {
+                    let z = sine::rotation(phases.take());
+                    z.im * row.re + z.re * row.im
+                });
+            }),
+            Shape::Harmonics(bands) => {
+                let Blend { lower, upper, weight } = bands.at(cycles_per_sample(stretch.word) as f32);
+                each.for_each(|(n, (lane, codes))| {
+                    let (peak, mut phases) = (play.codes(lane.gain) * lane.gain, stretch.phases());
+                    let mut phase = || ((phases.take() >> 32) as u32).wrapping_add(lane.offset);
+                    if weight == 1.0 {
+                        return self.write(n, play, codes, || peak * upper.at(phase()));
+                    }
+                    self.write(n, play, codes, || {
+                        let phase = phase();
+                        let (low, high) = (lower.at(phase), upper.at(phase));
+                        peak * (low + weight * (high - low))
+                    });
+                });
+            }
             Shape::Noise(noise) => {
-                let wave = play.wave(|_| noise.next());
-                for (n, lane) in play.lanes.iter().enumerate() {
-                    let peak = play.peak(lane.gain) * lane.gain;
-                    self.write(n, &wave.map(|value| peak * value), play, &mut drive.lanes[n]);
-                }
+                let mut wave = [0.0; MAX_BLOCK_SAMPLES];
+                wave.iter_mut().take(play.samples).for_each(|value| *value = noise.take());
+                each.for_each(|(n, (lane, codes))| {
+                    let (peak, mut values) = (play.codes(lane.gain) * lane.gain, wave.iter());
+                    self.write(n, play, codes, || peak * values.next().copied().unwrap_or(0.0));
+                });
             }
         }
     }
 
-    /// Steady sines, all lanes at once: two products a lane and sample.
-    #[inline]
-    fn sines<const LANES: usize>(&mut self, play: &Play, lanes: [&mut Codes; LANES]) {
-        let rows: [Phasor; LANES] = core::array::from_fn(|n| play.lanes[n].row * play.peak(play.lanes[n].gain));
-        let mut sums = [0; LANES];
-        let mut codes = lanes.map(|lane| lane.iter_mut());
+    /// Rounds a waveform to the codes of a lane. Amplitudes are limited where they are made, so that every sum is a code.
+    #[inline(always)]
+    fn write(&mut self, lane: usize, play: &Play, codes: &mut Codes, mut next: impl FnMut() -> f32) {
         let base = play.scale.rounding_base();
-        Rotor::new(&play.stretch).each(play.samples, |z| {
-            for lane in 0..LANES {
-                // The amplitude leaves room at both ends, so that the code is one.
-                let code = (base + z.im * rows[lane].re + z.re * rows[lane].im) as i32;
-                sums[lane] += code;
-                if let Some(place) = codes[lane].next() {
-                    *place = code as u16;
-                }
-            }
-        });
-        let silent = i32::from(play.scale.silence()) * play.samples as i32;
-        for (owed, sum) in self.owed.iter_mut().zip(sums) {
-            *owed = owed.wrapping_add(sum - silent);
-        }
-    }
-
-    /// Sines at an edge, or with dither.
-    fn sine_by_sine(&mut self, play: &Play, drive: &mut [Codes]) {
-        let mut pairs = [Phasor::default(); MAX_BLOCK_SAMPLES];
-        let mut places = pairs.iter_mut();
-        Rotor::new(&play.stretch).each(play.samples, |z| {
-            if let Some(place) = places.next() {
-                *place = z;
-            }
-        });
-        for (n, lane) in play.lanes.iter().enumerate() {
-            let row = lane.row * play.peak(lane.gain);
-            self.write(n, &play.wave(|n| pairs[n].im * row.re + pairs[n].re * row.im), play, &mut drive[n]);
-        }
-    }
-
-    fn harmonics(&mut self, bands: &Bands, play: &Play, drive: &mut [Codes]) {
-        let Blend { lower, upper, weight } = bands.at(cycles_per_sample(play.stretch.word) as f32);
-        for (n, lane) in play.lanes.iter().enumerate() {
-            let peak = play.peak(lane.gain) * lane.gain;
-            let phase = |n: usize| ((play.stretch.phase_at(n) >> 32) as u32).wrapping_add(lane.offset);
-            let wave = match weight {
-                1.0 => play.wave(|n| peak * upper.at(phase(n))),
-                _ => play.wave(|n| {
-                    let (low, high) = (lower.at(phase(n)), upper.at(phase(n)));
-                    peak * (low + weight * (high - low))
-                }),
-            };
-            self.write(n, &wave, play, &mut drive[n]);
-        }
-    }
-
-    /// Rounds a waveform to the codes of a lane.
-    fn write(&mut self, lane: usize, wave: &Wave, play: &Play, codes: &mut Codes) {
-        let silent = i32::from(play.scale.silence());
         let mut sum = 0;
-        for (code, value) in codes.iter_mut().zip(wave) {
-            let dither = self.dither.as_mut().map_or(0.0, Dither::next);
-            *code = play.scale.code(value + dither);
-            sum += i32::from(*code) - silent;
+        let mut put = |place: &mut u16, value: f32| {
+            let code = (base + value) as i32;
+            sum += code;
+            *place = code as u16;
+        };
+        match (&mut self.dither, play.envelope) {
+            (None, Envelope::Flat(1.0)) => {
+                // Two by two: most of the time is spent here.
+                let (pairs, rest) = codes.as_chunks_mut::<2>();
+                for [first, second] in pairs {
+                    put(first, next());
+                    put(second, next());
+                }
+                rest.iter_mut().for_each(|place| put(place, next()));
+            }
+            (None, Envelope::Flat(level)) => codes.iter_mut().for_each(|place| put(place, level * next())),
+            (None, Envelope::Edge(levels)) => codes.iter_mut().zip(levels).for_each(|(place, level)| put(place, level * next())),
+            (Some(dither), Envelope::Flat(level)) => {
+                codes.iter_mut().for_each(|place| put(place, level * next() + dither.take()));
+            }
+            (Some(dither), Envelope::Edge(levels)) => codes.iter_mut().zip(levels).for_each(|(place, level)| {
+                // Silence is silent.
+                let dithered = if *level == 0.0 { 0.0 } else { dither.take() };
+                put(place, level * next() + dithered);
+            }),
         }
-        self.owed[lane] = self.owed[lane].wrapping_add(sum);
+        let silent = i32::from(play.scale.silence()) * play.samples as i32;
+        self.owed[lane] = self.owed[lane].wrapping_add(sum - silent);
     }
 
     /// Mid-code, but for what is owed.
     fn silence(&mut self, play: &Play, drive: &mut DriveBlock) {
-        let (mid, most) = (i32::from(play.scale.silence()), play.scale.headroom().min(PAYBACK) as i32);
+        let (mid, most) = (play.scale.silence(), play.scale.headroom().min(PAYBACK) as i32);
         for (codes, owed) in drive.lanes.iter_mut().zip(&mut self.owed) {
+            codes.fill(mid);
             for code in codes {
+                if *owed == 0 {
+                    break;
+                }
                 let back = (*owed).clamp(-most, most);
                 *owed -= back;
-                *code = (mid - back) as u16;
+                *code = (i32::from(mid) - back) as u16;
             }
         }
     }
@@ -188,8 +170,10 @@ impl Shaper {
 /// Gives the block its lanes and samples.
 fn fit(play: &Play, drive: &mut DriveBlock) {
     // There are never more of either than there is room for: the configuration was checked.
-    let _ = drive.lanes.resize_default(play.lanes.len());
-    for lane in &mut drive.lanes {
+    if drive.lanes.len() != play.lanes.len() {
+        let _ = drive.lanes.resize_default(play.lanes.len());
+    }
+    for lane in drive.lanes.iter_mut().filter(|lane| lane.len() != play.samples) {
         let _ = lane.resize_default(play.samples);
     }
 }

@@ -34,7 +34,7 @@ pub enum Mode {
     Run,
     /// Muted by a fault.
     Fault,
-    /// Measuring what each lane adds. Here, because it came later: on the wire the others keep their places.
+    /// Measuring what each lane adds.
     Calibrate,
 }
 

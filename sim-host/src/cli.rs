@@ -10,6 +10,7 @@
 //! | 5 | board or link not found or lost |
 //! | 130 | interrupted; what there was is kept, and marked |
 
+mod instructions;
 mod precision;
 mod progress;
 mod run;
@@ -70,12 +71,15 @@ enum Command {
     },
     /// Print the JSON Schema of a scene, for editors.
     Schema,
-    /// Compute every figure, claim and contradiction of the thesis's chapter 4.
+    /// Compute every figure, claim and contradiction of the thesis's chapter 4 and appendix B.
     #[command(after_help = EXIT_CODES)]
     Thesis(thesis::ThesisArgs),
     /// Measure speed against error of every contact method, judge the claims, and run the hard cases.
     #[command(after_help = EXIT_CODES)]
     Precision(precision::PrecisionArgs),
+    /// Count the instructions of the generators and of the controller on an emulated Cortex-M4F, and hold them against the budget.
+    #[command(after_help = EXIT_CODES)]
+    Instructions(instructions::InstructionsArgs),
 }
 
 #[derive(Args)]
@@ -134,6 +138,7 @@ pub fn main() -> ExitCode {
         Some(Command::Check { scene }) => with_scene(&scene, color, |loaded| print(&format!("{}: valid\n", loaded.origin))),
         Some(Command::Thesis(args)) => thesis::run(&args, color),
         Some(Command::Precision(args)) => precision::run(&args, color),
+        Some(Command::Instructions(args)) => instructions::run(&args, color),
         Some(Command::Schema) => print(&format!("{:#}\n", schema::schema())),
     };
     done.unwrap_or_else(|error| {

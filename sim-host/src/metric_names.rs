@@ -50,6 +50,7 @@ pub const NAMES: &[&str] = &[
     "fault_code",
     "fault_latency_us",
     "limit_code",
+    "worst_block_instructions",
     "steps_per_period",
     "plant_states",
     "ns_per_period",

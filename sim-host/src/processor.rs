@@ -12,6 +12,11 @@ pub trait Processor {
 
     /// One block. Fails only where the controller runs elsewhere and is lost.
     fn process(&mut self, orders: &Orders, sense: &SenseBlock, drive: &mut DriveBlock) -> Result<Telemetry, Lost>;
+
+    /// Instructions that the latest block has taken, where they are counted.
+    fn instructions(&self) -> Option<u32> {
+        None
+    }
 }
 
 /// The processor is gone.

@@ -78,6 +78,8 @@ pub struct Record {
     pub energy: Energy,
     /// States that were integrated.
     pub plant_states: usize,
+    /// The most instructions that a block has taken, where they are counted.
+    pub worst_block_instructions: Option<u32>,
     /// Hash of every drive code played.
     pub drive_hash: u64,
     /// Whether the run was stopped before its end.

@@ -78,6 +78,7 @@ pub fn run_on(processor: &mut dyn Processor, scene: &Driven, mut watch: Watch) -
         clock.analog.frequency_hz = slot.frequency_hz(sample_hz);
         let telemetry = clock.tick(|sense, drive| processor.process(&script.orders, sense, drive))?;
         script.follow(telemetry.mode);
+        record.worst_block_instructions = record.worst_block_instructions.max(processor.instructions());
         let played = std::mem::replace(slot, Command::of(&telemetry));
         let time_s = (block + 1) as f64 * samples as f64 / sample_hz;
         if (block + 1).is_multiple_of(every) {

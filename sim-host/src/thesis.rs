@@ -1,4 +1,4 @@
-//! Chapter 4 of the thesis, computed anew: every figure, every claim in words, every contradiction.
+//! Chapter 4 and appendix B of the thesis, computed anew: every figure, every claim in words, every contradiction.
 //!
 //! ```text
 //! case (Table 4.1) --> problems --> contact::solve, in parallel --> curves --> figures (numbered as in the thesis)
@@ -22,6 +22,7 @@ mod kinematic_waveforms;
 mod load;
 mod model_claims;
 mod models;
+mod motor;
 mod oscillator_claims;
 mod oscillator_waveforms;
 mod parametric;
@@ -41,7 +42,7 @@ mod waveforms;
 mod tests;
 
 use crate::contact::Trouble;
-use crate::report::{Figure, Report};
+use crate::report::{Figure, Report, TableBlock};
 
 pub use claim::{Claim, Verdict};
 pub use errata::{Choice, Erratum};
@@ -56,7 +57,7 @@ struct Part {
 /// Everything that was found.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Findings {
-    /// Figures 4.6 to 4.26, in order.
+    /// Figures 4.6 to 4.26 and those of appendix B, in order.
     pub figures: Vec<Figure>,
     /// The claims, in the thesis's order.
     pub claims: Vec<Claim>,
@@ -69,7 +70,7 @@ pub struct Findings {
 type Study = fn() -> Result<Part, Trouble>;
 
 /// The studies with what they are about, in the thesis's order.
-const STUDIES: [(&str, Study); 12] = [
+const STUDIES: [(&str, Study); 15] = [
     ("figures 4.6, 4.7", models::study),
     ("figures 4.8, 4.9", transient::study),
     ("figures 4.10", frequencies::study),
@@ -82,6 +83,9 @@ const STUDIES: [(&str, Study); 12] = [
     ("figures 4.16", comparison::study),
     ("figures 4.17-4.20", kinematic_claims::study),
     ("figures 4.21-4.26", oscillator_claims::study),
+    ("appendix B: sheet, wave, particle", motor::wave_study),
+    ("appendix B: electrodes, mode shapes", motor::shape_study),
+    ("appendix B: rotor", motor::rotor_study),
 ];
 
 /// Computes everything; `progress` hears what comes next, and how far it is of how much.
@@ -106,13 +110,19 @@ impl Findings {
         self.claims.iter().filter(|claim| claim.verdict() == verdict).count()
     }
 
+    /// Parameters, claims, contradictions, and what is left open.
+    pub fn tables(&self) -> Vec<TableBlock> {
+        let parameters = [table::table_4_1(), motor::table(), errata::equations()];
+        parameters.into_iter().chain([table::claims(self), table::errata(self), table::choices(self)]).collect()
+    }
+
     /// The report.
     pub fn report(&self) -> Report {
         let count =
             |verdict: Verdict| (verdict.word().to_owned(), format!("{} of {} claims", self.count(verdict), self.claims.len()));
         Report {
-            title: "Thesis, chapter 4: figures, claims and contradictions".into(),
-            subtitle: "Every figure of the analytical model computed anew, every claim in words judged by its numbers".into(),
+            title: "Thesis, chapter 4 and appendix B: figures, claims and contradictions".into(),
+            subtitle: "Every figure of the analytical model computed anew, every claim in words judged by its numbers; so for the ultrasonic motor".into(),
             summary: [Verdict::Reproduced, Verdict::Conditional, Verdict::Refuted].map(count).to_vec(),
             paragraphs: vec![
                 "The thesis leaves open the averaging window, the initial conditions, the definition of the velocity ratio where the \
@@ -121,7 +131,7 @@ impl Findings {
                  where a claim depends on the choice, there is a figure for each."
                     .into(),
             ],
-            tables: vec![table::table_4_1(), table::claims(self), table::errata(self), table::choices(self)],
+            tables: self.tables(),
             figures: self.figures.clone(),
             footer: vec![
                 ("version".into(), env!("CARGO_PKG_VERSION").into()),

@@ -1,53 +1,106 @@
-//! Bursts, to the sample: a burst run plays what an uninterrupted run plays, times the envelope.
+//! Bursts, to the sample: a burst run plays what an uninterrupted run plays, times the envelope, and leaves no volt-seconds behind.
 
-use firmware::config::{Edge, Schedule};
+use firmware::config::{Config, Edge, Schedule, ShapeKind};
 use hal_mock::bench::Setup;
 
 use super::*;
 
-/// Samples of the windows: ends inside blocks, at a block's edge, and one of a single sample.
-const WINDOWS: [(usize, usize); 3] = [(5003, 6217), (6400, 6432), (8001, 8002)];
+/// Samples of the windows: ends inside blocks, and at a block's edge.
+const WINDOWS: [(usize, usize); 3] = [(5003, 6217), (6400, 6432), (8001, 8100)];
 const BLOCKS: u64 = 300;
+/// Half a period of 40.4 kHz in samples, rounded up.
+const HALF_PERIOD: usize = 13;
+/// The most codes that are paid back in a sample.
+const PAYBACK: i32 = 32;
 
-fn windowed(edge: Edge) -> Setup {
+fn windowed(edge: Edge, change: impl FnOnce(&mut Config)) -> Setup {
     setup(|config| {
         let seconds = |samples: usize| samples as f64 * 1e-6;
         config.burst.schedule = Schedule::Windows(WINDOWS.iter().map(|&(on, off)| (seconds(on), seconds(off))).collect());
         config.burst.edge = edge;
+        change(config);
     })
 }
 
-/// Samples that belong to the run, and not to its self-test.
-fn of_run(codes: Vec<u16>) -> impl Iterator<Item = (usize, u16)> {
-    codes.into_iter().enumerate().skip(4000)
+fn about_zero(code: u16) -> i32 {
+    i32::from(code) - i32::from(MID)
+}
+
+/// The codes of every lane of a run of its windows, and of the same run without them.
+fn with_and_without(edge: Edge, change: fn(&mut Config)) -> Vec<(Vec<u16>, Vec<u16>)> {
+    let lanes = |setup: &Setup| {
+        let mut queues = Queues::default();
+        let mut bench = ordered_to_run_with(&mut queues, setup, &[]);
+        bench.blocks(BLOCKS);
+        (0..usize::from(setup.config.lanes)).map(|lane| played(&mut bench, lane)).collect::<Vec<_>>()
+    };
+    lanes(&windowed(edge, change)).into_iter().zip(lanes(&setup(change))).collect()
+}
+
+/// From the first to the last sample of a window that is played, whole periods of the first lane.
+fn sounding(burst: &[u16], whole: &[u16], (on, off): (usize, usize)) -> (usize, usize) {
+    let first = (on..on + 2 * HALF_PERIOD).find(|&n| about_zero(burst[n]).abs() > PAYBACK).unwrap();
+    let last =
+        (off..off + 3 * HALF_PERIOD).rfind(|&n| burst[n] == whole[n] && about_zero(burst[n]).abs() > PAYBACK).unwrap_or(off);
+    (first, last)
 }
 
 #[test]
-fn hard_windows_play_exactly_their_samples() {
-    let whole = codes_of_run(&Setup::default(), BLOCKS);
-    let got = codes_of_run(&windowed(Edge::Hard), BLOCKS);
-    let on = |n: usize| WINDOWS.iter().any(|window| (window.0..window.1).contains(&n));
-    for (n, code) in of_run(got.clone()) {
-        assert_eq!(code, if on(n) { whole[n] } else { MID }, "sample {n}");
+fn hard_bursts_play_whole_periods_of_the_uninterrupted_wave() {
+    let lanes = with_and_without(Edge::Hard, |_| ());
+    let (burst, whole) = &lanes[0];
+    for window in WINDOWS {
+        let (first, last) = sounding(burst, whole, window);
+        assert!((first..=last).all(|n| burst[n] == whole[n]), "{window:?}");
+        // It begins at a passage through zero: within a sample the wave is as small as that allows.
+        let begins = (first - 1..=first).any(|n| about_zero(whole[n - 1]).signum() != about_zero(whole[n]).signum());
+        assert!(begins && first < window.0 + HALF_PERIOD + 1, "{window:?} begins at {first}");
+        let periods = (last + 1 - first) as f64 * 40_400e-6;
+        assert!((periods - periods.round()).abs() < 0.09 && last < window.1 + 2 * HALF_PERIOD, "{window:?}: {periods} periods");
     }
-    // The sine passes through zero once in a while, but not more often.
-    let sounding = of_run(got).filter(|&(_, code)| code != MID).count();
-    let scheduled: usize = WINDOWS.iter().map(|window| window.1 - window.0).sum();
-    assert!((scheduled - 12..=scheduled).contains(&sounding), "{sounding} of {scheduled}");
+}
+
+#[test]
+fn a_burst_leaves_no_volt_seconds() {
+    let cases: [fn(&mut Config); 4] = [
+        |_| (),
+        |config| config.lanes = 4,
+        |config| {
+            config.drive.shape = ShapeKind::Sawtooth;
+            config.drive.dither = true;
+        },
+        |config| config.drive.shape = ShapeKind::Noise,
+    ];
+    for edge in [Edge::Hard, Edge::Soft { cycles: 1.5 }] {
+        for change in cases {
+            for (burst, _) in with_and_without(edge, change) {
+                for (n, window) in WINDOWS.iter().enumerate() {
+                    let next = WINDOWS.get(n + 1).map_or(BLOCKS as usize * BLOCK, |next| next.0);
+                    let sum: i32 = burst[window.0..next].iter().map(|&code| about_zero(code)).sum();
+                    assert_eq!(sum, 0, "{edge:?} {window:?}");
+                    // What is paid back is small, and over when it is paid.
+                    assert!(burst[next - BLOCK..next].iter().all(|&code| code == MID), "{edge:?} {window:?}");
+                }
+            }
+        }
+    }
 }
 
 #[test]
 fn soft_windows_rise_and_fall_along_a_raised_cosine() {
-    let whole = codes_of_run(&Setup::default(), BLOCKS);
-    let got = codes_of_run(&windowed(Edge::Soft { cycles: 4.0 }), BLOCKS);
+    let lanes = with_and_without(Edge::Soft { cycles: 4.0 }, |_| ());
+    let (burst, whole) = &lanes[0];
     // Four periods of 40.4 kHz, and the ramp moves one step a sample.
     let (edge, mut ramp) = (99_i32, 0_i32);
-    for (n, code) in of_run(got) {
+    for n in 4000..burst.len() {
         let on = WINDOWS.iter().any(|window| (window.0..window.1).contains(&n));
         ramp = (ramp + if on { 1 } else { -1 }).clamp(0, edge);
+        if ramp == 0 {
+            assert!(about_zero(burst[n]).abs() <= PAYBACK);
+            continue;
+        }
         let envelope = 0.5 - 0.5 * (std::f64::consts::PI * f64::from(ramp) / f64::from(edge)).cos();
-        let expected = envelope * (f64::from(whole[n]) - f64::from(MID));
-        let got = f64::from(code) - f64::from(MID);
+        let (got, expected) = (f64::from(about_zero(burst[n])), envelope * f64::from(about_zero(whole[n])));
         assert!((got - expected).abs() <= 1.01, "sample {n}: {got} for {expected}");
     }
 }
@@ -56,8 +109,14 @@ fn soft_windows_rise_and_fall_along_a_raised_cosine() {
 fn a_periodic_burst_keeps_its_period_from_the_first_sample_on() {
     let (period, on) = (417, 100);
     let periodic = setup(|config| config.burst.schedule = Schedule::Periodic { period_s: 417e-6, duty: 0.24 });
-    let whole = codes_of_run(&Setup::default(), BLOCKS);
-    for (n, code) in of_run(codes_of_run(&periodic, BLOCKS)) {
-        assert_eq!(code, if n % period < on { whole[n] } else { MID }, "sample {n}");
+    let (burst, whole) = (codes_of_run(&periodic, BLOCKS), codes_of_run(&Setup::default(), BLOCKS));
+    for n in 4100..burst.len() {
+        // Within half a period of an edge, or a whole one after its end, either is right.
+        match n % period {
+            0..HALF_PERIOD => {}
+            phase if phase < on => assert_eq!(burst[n], whole[n], "sample {n}"),
+            phase if phase < on + 2 * HALF_PERIOD => {}
+            _ => assert!(about_zero(burst[n]).abs() <= PAYBACK, "sample {n}"),
+        }
     }
 }

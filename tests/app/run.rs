@@ -76,7 +76,7 @@ fn idle_mutes_when_the_codes_on_their_way_have_played() {
 }
 
 #[test]
-fn the_gate_closes_and_opens_by_order_and_the_phase_runs_on() {
+fn the_gate_closes_and_opens_by_order_on_whole_periods_and_the_phase_runs_on() {
     let mut queues = Queues::default();
     let setup = Setup::default();
     let mut bench = running(&mut queues, &setup);
@@ -90,7 +90,14 @@ fn the_gate_closes_and_opens_by_order_and_the_phase_runs_on() {
     let codes = played(&mut bench, 0);
     let whole = codes_of_run(&setup, bench.played());
     for (n, (&code, &uninterrupted)) in codes.iter().zip(&whole).enumerate() {
-        assert_eq!(code, if (ordered[0]..ordered[1]).contains(&n) { MID } else { uninterrupted }, "sample {n}");
+        // It closes within a period, pays back what that has left, and opens within half a period.
+        match n {
+            n if (ordered[0]..ordered[0] + 25).contains(&n) => {}
+            n if (ordered[0] + 25..ordered[0] + 80).contains(&n) => assert!(code.abs_diff(MID) <= 32, "sample {n}"),
+            n if (ordered[0] + 80..ordered[1]).contains(&n) => assert_eq!(code, MID, "sample {n}"),
+            n if (ordered[1]..ordered[1] + 13).contains(&n) => {}
+            _ => assert_eq!(code, uninterrupted, "sample {n}"),
+        }
     }
 }
 

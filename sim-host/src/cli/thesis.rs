@@ -8,7 +8,7 @@ use clap::Args;
 
 use super::{Color, Format, table};
 use crate::report;
-use crate::thesis::{self, Findings, Verdict, table as tables};
+use crate::thesis::{self, Findings, Verdict};
 
 /// Arguments of `sim-host thesis`.
 #[derive(Args)]
@@ -48,8 +48,7 @@ pub(super) fn run(args: &ThesisArgs, color: Color) -> anyhow::Result<ExitCode> {
 }
 
 fn human(findings: &Findings, color: Color) -> String {
-    let blocks = [tables::table_4_1(), tables::claims(findings), tables::errata(findings), tables::choices(findings)];
-    let text: String = blocks.iter().map(|block| table::render(block, color.stdout)).collect();
+    let text: String = findings.tables().iter().map(|block| table::render(block, color.stdout)).collect();
     let [reproduced, conditional, refuted] =
         [Verdict::Reproduced, Verdict::Conditional, Verdict::Refuted].map(|verdict| findings.count(verdict));
     format!("{text}{} claims: {reproduced} reproduced, {conditional} conditional, {refuted} refuted\n", findings.claims.len())

@@ -12,6 +12,7 @@
 //! | `overshoot_percent` | the largest true tip velocity of the run over the steady one; not where a step disturbance makes two steady states |
 //! | `fault_code`, `limit_code` | the fault at the end of the run; the limit in its last block under drive; 0 is none |
 //! | `fault_latency_us` | from the scene's first fault to the first block without drive once the controller has faulted |
+//! | `worst_block_instructions` | the most instructions that one call of `process` has taken, to within 6; only of a run in QEMU |
 
 use firmware::supervisor::Mode;
 
@@ -48,6 +49,7 @@ pub fn of(scene: &Driven, record: &Record) -> Metrics {
     metrics.put("fault_code", record.rows.last().map(|row| f64::from(row.fault)));
     metrics.put("fault_latency_us", view.fault_latency_s(scene).map(|s| s * 1e6));
     metrics.put("limit_code", record.rows.iter().rfind(|row| row.drive_v > 0.0).map(|row| f64::from(row.limit)));
+    metrics.put("worst_block_instructions", record.worst_block_instructions.map(f64::from));
     metrics.put("plant_states", record.plant_states as f64);
     let simulated_s = record.rows.last().map_or(0.0, |row| row.time_s);
     metrics.put("simulated_s_per_wall_s", simulated_s / record.wall_s);

@@ -12,19 +12,7 @@ use std::time::{Duration, Instant};
 
 use command_fds::{CommandFdExt, FdMapping};
 
-/// The machine: an STM32F405, with flash and RAM where the reference board has them, and semihosting on this host's files.
-const ARGUMENTS: [&str; 10] = [
-    "-M",
-    "netduinoplus2",
-    "-nographic",
-    "-monitor",
-    "none",
-    "-serial",
-    "null",
-    "-semihosting-config",
-    "enable=on,target=native",
-    "-kernel",
-];
+use super::machine::{ARGUMENTS, PROGRAM};
 
 /// How long QEMU may take for an answer, at first.
 const PATIENCE: Duration = Duration::from_secs(30);
@@ -155,7 +143,7 @@ impl Shared {
 /// Starts QEMU with the pipes as its files 3 and 4. This process's ends of them close with the command, so that a pipe ends when
 /// QEMU does.
 fn spawn(image: &Path, reads: OwnedFd, writes: OwnedFd) -> io::Result<Child> {
-    let mut command = Command::new("qemu-system-arm");
+    let mut command = Command::new(PROGRAM);
     command.args(ARGUMENTS).arg(image).stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::piped());
     let pipes = vec![FdMapping { parent_fd: reads, child_fd: 3 }, FdMapping { parent_fd: writes, child_fd: 4 }];
     command.fd_mappings(pipes).map_err(io::Error::other)?;

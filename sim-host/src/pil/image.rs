@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
 use super::PilError;
+use super::machine::PROGRAM;
 
 /// The environment variable that names a ready image, which is then used instead of building one.
 pub const IMAGE_VARIABLE: &str = "SONOGLIDE_PIL_IMAGE";
@@ -21,7 +22,7 @@ pub fn missing() -> Option<String> {
         return Some("QEMU is fed through inherited pipes, which works on Linux only".into());
     }
     let path = env::var_os("PATH").unwrap_or_default();
-    if !env::split_paths(&path).any(|folder| folder.join("qemu-system-arm").is_file()) {
+    if !env::split_paths(&path).any(|folder| folder.join(PROGRAM).is_file()) {
         return Some(
             "there is no `qemu-system-arm` on the PATH; install QEMU for Arm systems (Debian: `apt install qemu-system-arm`)"
                 .into(),
@@ -48,11 +49,24 @@ pub fn image() -> Result<PathBuf, PilError> {
     if let Some(reason) = missing() {
         return Err(PilError::Missing(reason));
     }
+    build("qemu-m4")
+}
+
+/// The image that counts the instructions of kernels, built from the present source.
+pub fn counting_image() -> Result<PathBuf, PilError> {
+    match missing() {
+        Some(reason) => Err(PilError::Missing(reason)),
+        None => build("counts"),
+    }
+}
+
+/// Builds one image of the package `qemu-m4`.
+fn build(image: &str) -> Result<PathBuf, PilError> {
     let folder = env::var_os("CARGO_TARGET_DIR").map_or_else(|| Path::new(WORKSPACE).join("target"), PathBuf::from).join("pil");
-    let arguments = ["build", "--quiet", "-p", "qemu-m4", "--release", "--target", TARGET, "--target-dir"];
+    let arguments = ["build", "--quiet", "-p", "qemu-m4", "--bin", image, "--release", "--target", TARGET, "--target-dir"];
     let built = run("CARGO", "cargo", |cargo| cargo.args(arguments).arg(&folder));
     match built {
-        Ok(output) if output.status.success() => Ok(folder.join(TARGET).join("release/qemu-m4")),
+        Ok(output) if output.status.success() => Ok(folder.join(TARGET).join("release").join(image)),
         Ok(output) => Err(PilError::Build(String::from_utf8_lossy(&output.stderr).into_owned())),
         Err(error) => Err(PilError::Build(format!("cargo could not be started: {error}"))),
     }

@@ -23,6 +23,8 @@ pub struct Qemu {
     pipes: Pipes,
     silence: DriveBlock,
     question: Question,
+    /// What the latest block has taken.
+    instructions: Option<u32>,
     _core: OneCore,
 }
 
@@ -34,7 +36,9 @@ impl Qemu {
         let (emulator, to, from) = Emulator::start(image)?;
         let mut pipes = Pipes { to, from, buffer: lockstep::BUFFER, emulator };
         match pipes.ask::<_, Opening>(config)? {
-            Ok(silence) => Ok(Qemu { pipes, silence: silence.drive, question: Question::default(), _core: core }),
+            Ok(silence) => {
+                Ok(Qemu { pipes, silence: silence.drive, question: Question::default(), instructions: None, _core: core })
+            }
             Err(reason) => Err(PilError::Config(reason.as_str().to_owned())),
         }
     }
@@ -60,7 +64,12 @@ impl Processor for Qemu {
         self.question.sense.clone_from(sense);
         let answer: Answer = self.pipes.ask(&self.question)?;
         *drive = answer.drive;
+        self.instructions = answer.instructions;
         Ok(answer.telemetry)
+    }
+
+    fn instructions(&self) -> Option<u32> {
+        self.instructions
     }
 }
 

@@ -14,7 +14,7 @@ const LOW_RATIOS: [f64; 3] = [0.1, 0.2, 0.3];
 pub fn study() -> Result<Part, Trouble> {
     let xi = sweep::spaced(0.01, 1.0, 100);
     let kappa = TABLE_4_1.kappa();
-    let from_rest = |xi: f64, duration_s: f64| Ok(sweep::ratios(&TABLE_4_1.at_ratio(xi, duration_s))?.friction);
+    let from_rest = |xi: f64, duration_s: f64| sweep::friction(&TABLE_4_1.at_ratio(xi, duration_s));
     let short = sweep::each(&xi, |&xi| from_rest(xi, SHORT_S))?;
     let medium = sweep::each(&xi, |&xi| from_rest(xi, 10.0 * SHORT_S))?;
     let dahl = xi.iter().map(|&xi| steady::dahl(xi, kappa).friction).collect();
@@ -37,14 +37,14 @@ pub fn study() -> Result<Part, Trouble> {
 pub fn settled(velocity_ratio: f64) -> Result<f64, Trouble> {
     let mut problem = TABLE_4_1.at_ratio(velocity_ratio, SETTLED_S);
     problem.window_s.0 = 0.9 * SETTLED_S;
-    Ok(sweep::ratios(&problem)?.friction)
+    sweep::friction(&problem)
 }
 
 fn conforms() -> Result<Claim, Trouble> {
     let labels = LOW_RATIOS.map(|xi| format!("{xi}"));
     let coulomb = LOW_RATIOS.map(steady::coulomb);
     let dahl = LOW_RATIOS.map(|xi| steady::dahl(xi, TABLE_4_1.kappa()).friction);
-    let short = sweep::each(&LOW_RATIOS, |&xi| Ok(sweep::ratios(&TABLE_4_1.at_ratio(xi, SHORT_S))?.friction))?;
+    let short = sweep::each(&LOW_RATIOS, |&xi| sweep::friction(&TABLE_4_1.at_ratio(xi, SHORT_S)))?;
     let long = sweep::each(&LOW_RATIOS, |&xi| settled(xi))?;
     let check = |condition: &str, ours: &[f64], theirs: &[f64]| {
         let above = ours.iter().zip(theirs).all(|(ours, theirs)| *ours > theirs + 1e-4);
@@ -74,7 +74,7 @@ fn zero() -> Result<Claim, Trouble> {
     let late = |xi: f64| {
         let mut problem = TABLE_4_1.at_ratio(xi, 20.0 * SHORT_S);
         problem.window_s.0 = 10.0 * SHORT_S;
-        Ok(sweep::ratios(&problem)?.friction)
+        sweep::friction(&problem)
     };
     let mut claim = Claim {
         id: "zero-friction-unattainable",
@@ -84,7 +84,7 @@ fn zero() -> Result<Claim, Trouble> {
             check("oscillator from rest, 10-20 ms", sweep::each(&ratios, |&xi| late(xi))?),
             check(
                 "oscillator from rest, first ms",
-                sweep::each(&ratios, |&xi| Ok(sweep::ratios(&TABLE_4_1.at_ratio(xi, SHORT_S))?.friction))?,
+                sweep::each(&ratios, |&xi| sweep::friction(&TABLE_4_1.at_ratio(xi, SHORT_S)))?,
             ),
             check("Dahl, steady", ratios.map(|xi| steady::dahl(xi, TABLE_4_1.kappa()).friction).to_vec()),
         ],

@@ -38,7 +38,7 @@ fn excited() -> Result<Claim, Trouble> {
     let labels = STIFFNESSES.map(|k| format!("Kt {} N/mm", k / 1e3));
     let cases = STIFFNESSES.map(|contact_n_per_m| Case { contact_n_per_m, ..TABLE_4_1 });
     let settled = cases.map(|case| steady::dahl(JUDGED, case.kappa()).friction);
-    let first = sweep::each(&cases, |case| Ok(sweep::ratios(&case.at_ratio(JUDGED, SHORT_S))?.friction))?;
+    let first = sweep::each(&cases, |case| sweep::friction(&case.at_ratio(JUDGED, SHORT_S)))?;
     let check = |condition: &str, r: &[f64]| Check::new(condition, falls(r), series("r", &labels, r));
     Ok(Claim {
         id: "hard-contact-helps",

@@ -3,12 +3,14 @@
 mod beam;
 mod energy;
 mod open;
+mod sheet;
 mod sign;
 mod transducer;
 
 use super::claim::Check;
 use crate::contact::Trouble;
 
+pub use beam::table as equations;
 pub use open::{Choice, choices};
 
 /// A contradiction.
@@ -28,5 +30,5 @@ pub struct Erratum {
 
 /// All contradictions.
 pub fn all() -> Result<Vec<Erratum>, Trouble> {
-    Ok([sign::errata()?, energy::errata()?, transducer::errata(), beam::errata()].concat())
+    Ok([sign::errata()?, energy::errata()?, transducer::errata(), beam::errata(), sheet::errata()].concat())
 }

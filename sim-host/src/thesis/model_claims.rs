@@ -21,7 +21,7 @@ fn coulomb_knows_one_ratio() -> Result<Claim, Trouble> {
         ("20 kHz", Case { frequency_hz: 20e3, ..base }),
     ];
     let labels = cases.map(|(name, _)| name.to_owned());
-    let coulomb = |problem: Problem| Ok(sweep::ratios(&Problem { law: Law::Coulomb, ..problem })?.friction);
+    let coulomb = |problem: Problem| sweep::friction(&Problem { law: Law::Coulomb, ..problem });
     let check = |condition: &str, problem: &(dyn Fn(&Case) -> Problem + Sync)| {
         let r = sweep::each(&cases, |(_, case)| coulomb(problem(case)))?;
         let spread = r.iter().map(|r_i| (r_i - r[0]).abs()).fold(0.0, f64::max);
@@ -91,7 +91,7 @@ fn dahl_depends() -> Claim {
 
 fn lugre_becomes_dahl() -> Result<Claim, Trouble> {
     let dahl = TABLE_4_1.at_ratio(PLOTTED_RATIO, SHORT_S);
-    let reference = sweep::ratios(&dahl)?.friction;
+    let reference = sweep::friction(&dahl)?;
     let lugre = |static_ratio: f64, stribeck_over_vv: f64, sigma1: f64| {
         let law = Law::Lugre {
             stiffness_n_per_m: TABLE_4_1.contact_n_per_m,
@@ -102,7 +102,7 @@ fn lugre_becomes_dahl() -> Result<Claim, Trouble> {
         };
         let mut problem = dahl.clone();
         problem.law = law;
-        Ok::<_, Trouble>(sweep::ratios(&problem)?.friction)
+        sweep::friction(&problem)
     };
     let (plain, fast, slow) = (lugre(1.0, 0.01, 0.0)?, lugre(1.5, 0.01, 0.0)?, lugre(1.5, 1.0, 0.0)?);
     let check = |condition: &str, r: f64, within: f64| {

@@ -103,7 +103,7 @@ fn chirp_best(results: &Results) -> Result<Claim, Trouble> {
     for duration_s in [0.5e-3, 2e-3, 5e-3, 10e-3] {
         let without_tenth: Vec<Named> =
             waveforms(duration_s).into_iter().enumerate().filter(|(i, _)| *i != RANDOM_TENTH).map(|(_, named)| named).collect();
-        let r = sweep::each(&without_tenth, |named| Ok(sweep::ratios(&problem(named, PLOTTED_RATIO, duration_s))?.friction))?;
+        let r = sweep::each(&without_tenth, |named| sweep::friction(&problem(named, PLOTTED_RATIO, duration_s)))?;
         let condition = format!("first {} ms, the chirp ending with them, random held for a solver step", 1e3 * duration_s);
         checks.push(Check::new(condition, r.iter().all(|&r_i| r_i >= r[CHIRP]), series("r", &labels(&without_tenth), &r)));
     }
@@ -122,9 +122,7 @@ fn chirp_best(results: &Results) -> Result<Claim, Trouble> {
 /// One random waveform proves little: many of them.
 fn many_seeds(duration_s: f64) -> Result<Check, Trouble> {
     let all = waveforms(duration_s);
-    let of = |shape: Shape| {
-        Ok::<_, Trouble>(sweep::ratios(&problem(&Named { shape, ..all[CHIRP] }, PLOTTED_RATIO, duration_s))?.friction)
-    };
+    let of = |shape: Shape| sweep::friction(&problem(&Named { shape, ..all[CHIRP] }, PLOTTED_RATIO, duration_s));
     let Shape::Random { hold_s, .. } = all[RANDOM_TENTH].shape else { return Ok(Check::new("", false, Vec::new())) };
     let seeds: Vec<u64> = (1..=32).collect();
     let random = sweep::each(&seeds, |&seed| of(Shape::Random { hold_s, seed }))?;
@@ -144,9 +142,8 @@ fn many_seeds(duration_s: f64) -> Result<Check, Trouble> {
 fn same_peak_velocity(results: &Results) -> Result<Check, Trouble> {
     let peak = results.largest(|_, state| state.v_m_per_s.abs());
     let paired: Vec<(Named, f64)> = results.waveforms.iter().copied().zip(peak).collect();
-    let r = sweep::each(&paired, |(named, peak)| {
-        Ok(sweep::ratios(&TABLE_4_1.oscillator(named.shape, PLOTTED_RATIO * peak, SHORT_S))?.friction)
-    })?;
+    let r =
+        sweep::each(&paired, |(named, peak)| sweep::friction(&TABLE_4_1.oscillator(named.shape, PLOTTED_RATIO * peak, SHORT_S)))?;
     let best = r.iter().all(|&r_i| r_i >= r[CHIRP]);
     Ok(Check::new("velocity ratio 0.5 by each waveform's own peak velocity, first ms", best, series("r", &results.labels(), &r)))
 }
@@ -155,7 +152,7 @@ fn same_peak_velocity(results: &Results) -> Result<Check, Trouble> {
 fn against_low_sine(chirp: f64) -> Result<Check, Trouble> {
     let low = Case { frequency_hz: CHIRP_HZ.0, ..TABLE_4_1 };
     let speed = PLOTTED_RATIO * TABLE_4_1.vibration_m_per_s();
-    let sine = sweep::ratios(&low.oscillator(Shape::Sine, speed, SHORT_S))?.friction;
+    let sine = sweep::friction(&low.oscillator(Shape::Sine, speed, SHORT_S))?;
     let compliance = |case: &Case| 1.0 / (case.stiffness_n_per_m - case.mass_kg * case.omega().powi(2)).abs();
     let numbers = vec![
         number("r chirp", chirp),

@@ -20,6 +20,12 @@ pub fn ratios(problem: &Problem) -> Result<Ratios, Trouble> {
     Ok(solution(problem)?.ratios)
 }
 
+/// The friction ratio of a problem: no energies are added up, and the ratio is the same.
+pub fn friction(problem: &Problem) -> Result<f64, Trouble> {
+    let lean = Numerics { energies: false, ..numerics() };
+    Ok(solve(problem, &lean, &mut |_| ())?.ratios.friction)
+}
+
 /// One result for each item, in parallel.
 pub fn each<T: Sync, R: Send>(items: &[T], of: impl Fn(&T) -> Result<R, Trouble> + Sync + Send) -> Result<Vec<R>, Trouble> {
     items.par_iter().map(of).collect()

@@ -141,7 +141,7 @@ impl Stiffnesses {
         let peak = self.at(JUDGED, |(_, tally)| tally.peak_velocity_m_per_s);
         let r = |stiffness_n_per_m: f64, peak: f64| {
             let case = Case { stiffness_n_per_m, ..TABLE_4_1 };
-            Ok::<_, Trouble>(sweep::ratios(&case.oscillator(Shape::Sine, JUDGED * peak, SHORT_S))?.friction)
+            sweep::friction(&case.oscillator(Shape::Sine, JUDGED * peak, SHORT_S))
         };
         let (base, resonant) = (r(TABLE_4_1.stiffness_n_per_m, peak[1])?, r(resonant_n_per_m(), peak[Self::RESONANCE])?);
         let numbers = vec![

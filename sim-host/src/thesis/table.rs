@@ -25,7 +25,8 @@ pub fn numbers(numbers: &[(String, f64)]) -> String {
     numbers.iter().map(|(name, value)| format!("{name} {}", significant(*value))).collect::<Vec<_>>().join("; ")
 }
 
-fn block(id: &str, title: &str, caption: &str, header: &[&str], rows: Vec<Vec<String>>) -> TableBlock {
+/// A table of these cells.
+pub(super) fn block(id: &str, title: &str, caption: &str, header: &[&str], rows: Vec<Vec<String>>) -> TableBlock {
     let header = header.iter().map(|&text| text.into()).collect();
     TableBlock { id: id.into(), title: title.into(), caption: caption.into(), header, rows }
 }
@@ -72,7 +73,7 @@ pub fn claims(findings: &Findings) -> TableBlock {
     let caption = "Reproduced: holds in every check. Conditional: on the conditions under which it holds. Refuted: holds in none. The \
                    verdicts are computed from the numbers.";
     let header = ["claim", "thesis", "verdict", "check", "numbers"];
-    block("claims", "Claims of chapter 4", caption, &header, rows)
+    block("claims", "Claims of chapter 4 and appendix B", caption, &header, rows)
 }
 
 /// The contradictions.

@@ -36,7 +36,7 @@ fn verdicts() {
 }
 
 /// r: reproduced, c: conditional, x: refuted.
-const VERDICTS: [(&str, char); 56] = [
+const VERDICTS: [(&str, char); 72] = [
     ("coulomb-knows-one-ratio", 'c'),
     ("lugre-becomes-dahl", 'c'),
     ("coulomb-reduces-more", 'r'),
@@ -93,6 +93,22 @@ const VERDICTS: [(&str, char); 56] = [
     ("chirp-power-peaks-higher", 'c'),
     ("chirp-best-oscillator", 'c'),
     ("chirp-highest-power", 'c'),
+    ("bending-wave-number", 'r'),
+    ("particle-ellipse", 'r'),
+    ("rotor-towards-source", 'r'),
+    ("tens-and-hundreds", 'c'),
+    ("twenty-nanometres", 'r'),
+    ("teeth-amplify", 'c'),
+    ("tabs-fill-sheet", 'r'),
+    ("four-signals-travel", 'c'),
+    ("all-pass-quadrature", 'c'),
+    ("charge-makes-erratic", 'x'),
+    ("amplifier-makes-erratic", 'x'),
+    ("shapes-are-erratic", 'c'),
+    ("voltage-raises-speed", 'c'),
+    ("opposing-waves-turn", 'c'),
+    ("friction-prevents-slip", 'c'),
+    ("low-torque", 'c'),
 ];
 
 #[test]
@@ -120,6 +136,9 @@ fn every_figure_of_the_thesis_is_there_and_has_curves() {
         let stem = format!("fig-4-{number:02}");
         assert!(ids.iter().any(|id| id.starts_with(&stem)), "{stem} is none of {ids:?}");
     }
+    for id in ["fig-b-06", "app-b-wave-number", "app-b-pattern", "app-b-pattern-groups", "app-b-backward", "app-b-causes"] {
+        assert!(ids.contains(&id), "{id} is none of {ids:?}");
+    }
     for figure in &FINDINGS.figures {
         let finite = |y: &[f64]| y.iter().all(|value| value.is_finite());
         assert!(!figure.series.is_empty() && figure.series.iter().all(|s| s.x.len() > 10 && finite(&s.y)), "{}", figure.id);
@@ -139,6 +158,20 @@ fn numbers_agree_with_an_independent_study() {
     near(value("square-best-kinematic", 1, "r(square)"), 0.455_98, 1e-5);
     near(value("square-best-kinematic", 1, "r(sawtooth)"), 0.743_81, 1e-5);
     near(value("chirp-best-oscillator", 0, "r(chirp)"), 0.1538, 5e-5);
+}
+
+/// Appendix B, computed by hand or by the study that went before.
+#[test]
+fn numbers_of_appendix_b_agree_with_an_independent_study() {
+    let near = |found: f64, expected: f64, within: f64| assert!((found - expected).abs() < within, "{found} {expected}");
+    near(value("bending-wave-number", 0, "k at 20 kHz [rad/m]"), 384.0, 0.5);
+    near(value("bending-wave-number", 0, "k at 40 kHz [rad/m]"), 543.0, 0.5);
+    near(value("rotor-towards-source", 0, "40 kHz [mm/s]"), -1.39, 5e-3);
+    // 390e-12 m/V times 60 V; 190e-12 m/V times 60 V times 2.85/0.040.
+    near(value("tens-and-hundreds", 0, "d33 V [nm]"), 23.4, 1e-9);
+    near(value("tens-and-hundreds", 0, "d31 V L/t [nm]"), -812.25, 1e-9);
+    near(value("amplifier-makes-erratic", 1, "by projection of samples"), 0.0875, 5e-5);
+    near(value("charge-makes-erratic", 0, "lag of the far end [deg]"), 0.41, 5e-3);
 }
 
 /// `UPDATE_DOCS=1 cargo test -p sim-host thesis` writes the tables anew.

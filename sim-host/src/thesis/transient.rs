@@ -152,7 +152,7 @@ fn lowers_friction() -> Result<Claim, Trouble> {
     let with = sweep::each(&xi, |&xi| {
         let mut problem = TABLE_4_1.at_ratio(xi, 20.0 * SHORT_S);
         problem.window_s.0 = 10.0 * SHORT_S;
-        Ok(sweep::ratios(&problem)?.friction)
+        sweep::friction(&problem)
     })?;
     let without = xi.map(|xi| steady::dahl(xi, TABLE_4_1.kappa()).friction);
     let holds = with.iter().zip(&without).all(|(with, without)| with < without);

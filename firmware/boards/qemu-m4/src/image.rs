@@ -21,6 +21,8 @@ use semihosting::{eprintln, process};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
+use crate::counter::Counter;
+
 #[entry]
 fn main() -> ! {
     match serve() {
@@ -56,9 +58,16 @@ fn serve() -> Result<(), &'static str> {
         Err(error) => return pipes.send(&Opening::Err(reason(&error))),
     };
     pipes.send(&Opening::Ok(Silence { drive: controller.silence() }))?;
+    // Started otherwise than by sim-host, QEMU may let time pass by the host's clock: then nothing is counted.
+    let counter = Counter::start();
+    let counts = counter.calibrate().is_ok();
     let mut answer = Answer::default();
     while let Some(question) = pipes.receive::<Question>()? {
-        answer.telemetry = controller.process(&question.orders, &question.sense, &mut answer.drive);
+        let before = counter.now();
+        let telemetry = controller.process(&question.orders, &question.sense, &mut answer.drive);
+        let ticks = counter.since(before);
+        answer.telemetry = telemetry;
+        answer.instructions = counts.then(|| ticks * 125 / 21);
         pipes.send(&answer)?;
     }
     Ok(())

@@ -29,7 +29,7 @@ pub fn choices() -> Result<Vec<Choice>, Trouble> {
 
 fn oscillator() -> Result<Vec<Choice>, Trouble> {
     let case = TABLE_4_1;
-    let first = |duration_s: f64| Ok::<_, Trouble>(sweep::ratios(&case.at_ratio(PLOTTED_RATIO, duration_s))?.friction);
+    let first = |duration_s: f64| sweep::friction(&case.at_ratio(PLOTTED_RATIO, duration_s));
     let short = first(SHORT_S)?;
     let mut forced = case.at_ratio(PLOTTED_RATIO, SHORT_S);
     forced.start.x_m = case.force_n / (case.stiffness_n_per_m - case.mass_kg * case.omega().powi(2));
@@ -37,11 +37,11 @@ fn oscillator() -> Result<Vec<Choice>, Trouble> {
     slid.start.force_n = case.coulomb_n();
     let solution = sweep::solution(&case.at_ratio(PLOTTED_RATIO, SHORT_S))?;
     let peak = solution.tally.unwrap_or_default().peak_velocity_m_per_s;
-    let by_peak = sweep::ratios(&case.oscillator(Shape::Sine, PLOTTED_RATIO * peak, SHORT_S))?.friction;
+    let by_peak = sweep::friction(&case.oscillator(Shape::Sine, PLOTTED_RATIO * peak, SHORT_S))?;
     let literal = Case { sign: Sign::Literal, ..case };
     let mut sliding_only = case.oscillator(Shape::Still, PLOTTED_RATIO * case.vibration_m_per_s(), SHORT_S);
     sliding_only.window_s = (0.0, SHORT_S);
-    let without = sweep::ratios(&sliding_only)?.friction;
+    let without = sweep::friction(&sliding_only)?;
     Ok(vec![
         Choice {
             what: "simulation time and averaging window",
@@ -58,8 +58,8 @@ fn oscillator() -> Result<Vec<Choice>, Trouble> {
             here: "rest: x = x' = F = 0",
             numbers: vec![
                 number("rest", short),
-                number("forced motion, F = 0", sweep::ratios(&forced)?.friction),
-                number("forced motion, F = Fc", sweep::ratios(&slid)?.friction),
+                number("forced motion, F = 0", sweep::friction(&forced)?),
+                number("forced motion, F = Fc", sweep::friction(&slid)?),
             ],
         },
         Choice {
@@ -76,7 +76,7 @@ fn oscillator() -> Result<Vec<Choice>, Trouble> {
             here: "V = Vt + x'",
             numbers: vec![
                 number("passive", short),
-                number("literal", sweep::ratios(&literal.at_ratio(PLOTTED_RATIO, SHORT_S))?.friction),
+                number("literal", sweep::friction(&literal.at_ratio(PLOTTED_RATIO, SHORT_S))?),
             ],
         },
         Choice {
@@ -90,11 +90,10 @@ fn oscillator() -> Result<Vec<Choice>, Trouble> {
 fn waveforms() -> Result<Vec<Choice>, Trouble> {
     let kinematic = |shape: Shape, matched: Match| {
         let problem = kinematic_waveforms::problem(&TABLE_4_1, shape, matched, PLOTTED_RATIO);
-        Ok::<_, Trouble>(sweep::ratios(&problem)?.friction)
+        sweep::friction(&problem)
     };
-    let coupled = |named: &Named, duration_s: f64| {
-        Ok::<_, Trouble>(sweep::ratios(&oscillator_waveforms::problem(named, PLOTTED_RATIO, duration_s))?.friction)
-    };
+    let coupled =
+        |named: &Named, duration_s: f64| sweep::friction(&oscillator_waveforms::problem(named, PLOTTED_RATIO, duration_s));
     // Turned round, a given rising sawtooth is a falling one.
     let turned = Case { sign: Sign::Literal, ..TABLE_4_1 };
     let falling = kinematic_waveforms::problem(&turned, Shape::Sawtooth, Match::Peak, PLOTTED_RATIO);
@@ -117,7 +116,7 @@ fn waveforms() -> Result<Vec<Choice>, Trouble> {
             here: "rising; one half",
             numbers: vec![
                 number("rising", kinematic(Shape::Sawtooth, Match::Peak)?),
-                number("falling", sweep::ratios(&falling)?.friction),
+                number("falling", sweep::friction(&falling)?),
             ],
         },
         Choice {

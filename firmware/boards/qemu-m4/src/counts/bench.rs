@@ -1,0 +1,85 @@
+//! What the controller is tried on: a configuration, and a transducer that answers in sense codes.
+
+use firmware::block::{Amplitude, DriveBlock, SenseBlock};
+use firmware::config::{Burst, Config, Drive, Edge, FrontEnd, Limits, Phasing, Schedule, Sweep, Tracking, TrackingMode};
+use firmware::shape::sine;
+
+/// Samples in a block.
+pub const SAMPLES: usize = 32;
+/// The code of zero, of all converters.
+const MID_CODE: u16 = 2048;
+
+/// A tracked drive at constant motional current, in bursts with soft edges; converters of 12 bits, 10 mV and 2 mA a code.
+pub fn config(lanes: u8) -> Config {
+    Config {
+        sample_hz: 1e6,
+        block_samples: SAMPLES as u16,
+        lanes,
+        front_end: FrontEnd {
+            volt_per_lsb: 0.01,
+            ampere_per_lsb: 0.002,
+            sense_mid_code: MID_CODE,
+            sense_max_code: 4095,
+            drive_volt_per_lsb: 0.01,
+            drive_mid_code: MID_CODE,
+            drive_max_code: 4095,
+            drive_lanes: 4,
+        },
+        drive: Drive::sine(40e3, Amplitude::MotionalCurrent(0.5), 1.0),
+        sweep: Sweep::Hold,
+        phasing: Phasing::default(),
+        burst: Burst { schedule: Schedule::Periodic { period_s: 10e-3, duty: 0.7 }, edge: Edge::Soft { cycles: 8.0 } },
+        tracking: Tracking {
+            mode: TrackingMode::PhaseLock,
+            span: 0.025,
+            bandwidth_hz: 200.0,
+            nominal_q: 50.0,
+            nominal_c0_f: 290e-9,
+        },
+        limits: Limits { voltage_v: 12.0, current_a: 3.0, belt_moving_m_per_s: 0.01, belt_stop_ms: 5.0 },
+    }
+}
+
+/// A stack with one resonance, in f32 and one complex state:
+///
+/// ```text
+/// i = Re s + C0 dv/dt,    s(n + 1) = p s(n) + g v(n),    p = exp((-pi f / Q + 2 pi j f) T),    g = T / Lm
+/// ```
+#[derive(Clone)]
+pub struct Transducer {
+    s: (f32, f32),
+    last: f32,
+}
+
+/// `p` of 40 520 Hz and Q 64.6 at 1 Msps: magnitude `1 - pi f T / Q`, and the angle as a phase of 2^64 a turn.
+const DECAY: f32 = 1.0 - core::f32::consts::PI * 40_520.0 / 64.6 * 1e-6;
+const TURN: u64 = (40_520.0 / 1e6 * 18_446_744_073_709_551_616.0) as u64;
+/// `T / Lm` for 0.79 mH: `Rm = 2 pi f Lm / Q = 3.1` ohm.
+const AMPERES_PER_VOLT: f32 = 1e-6 / 0.79e-3;
+/// `C0 / T` for 300 nF.
+const AMPERES_PER_STEP: f32 = 300e-9 / 1e-6;
+
+impl Transducer {
+    /// At rest.
+    pub fn new() -> Self {
+        Transducer { s: (0.0, 0.0), last: 0.0 }
+    }
+
+    /// Takes one block of the first lane.
+    pub fn exchange(&mut self, drive: &DriveBlock, sense: &mut SenseBlock) {
+        let turn = sine::rotation(TURN);
+        let p = (DECAY * turn.re, DECAY * turn.im);
+        sense.v.clone_from(&drive.lanes[0]);
+        sense.i.clear();
+        for &code in &drive.lanes[0] {
+            let volts = (f32::from(code) - f32::from(MID_CODE)) * 0.01;
+            let (re, im) = self.s;
+            let amperes = re + AMPERES_PER_STEP * (volts - self.last);
+            self.s = (p.0 * re - p.1 * im + AMPERES_PER_VOLT * volts, p.0 * im + p.1 * re);
+            self.last = volts;
+            let code = f32::from(MID_CODE) + amperes / 0.002 + 0.5;
+            // As many as there are voltage codes, which fit.
+            let _ = sense.i.push(code.clamp(0.0, 4095.0) as u16);
+        }
+    }
+}

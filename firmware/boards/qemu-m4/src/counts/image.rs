@@ -1,0 +1,34 @@
+//! The image: calibrates, counts every kernel, and ends.
+//!
+//! | exit | means |
+//! |---|---|
+//! | 0 | all lines are printed |
+//! | 1 | the timer does not count instructions here |
+//! | 101 | a panic; its message is on standard error |
+//!
+//! A line is `group,"kernel",samples,repetitions,ticks`: the ticks of all repetitions of a kernel, which handles so many samples in each.
+
+use cortex_m_rt::entry;
+use semihosting::{eprintln, println, process};
+
+use crate::counter::Counter;
+use crate::{generators, power_up, stages};
+
+#[entry]
+fn main() -> ! {
+    let counter = Counter::start();
+    if let Err(ticks) = counter.calibrate() {
+        eprintln!("the timer took {ticks} ticks for a loop of known length: QEMU is started with `-icount shift=0` for this");
+        process::exit(1)
+    }
+    println!("group,kernel,samples,repetitions,ticks");
+    generators::count(&counter);
+    stages::count(&counter);
+    power_up::count(&counter);
+    process::exit(0)
+}
+
+/// Prints one kernel.
+pub fn line(group: &str, kernel: &str, samples: usize, repetitions: u32, ticks: i64) {
+    println!("{group},\"{kernel}\",{samples},{repetitions},{ticks}");
+}

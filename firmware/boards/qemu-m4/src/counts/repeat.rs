@@ -1,0 +1,16 @@
+//! A kernel, so often that a tick is nothing.
+
+use core::hint::black_box;
+
+use crate::counter::Counter;
+
+/// The ticks that `repetitions` of a kernel take: of twice as many less of as many, which has nothing of what stands around the loop.
+pub fn repeat(counter: &Counter, repetitions: u32, mut kernel: impl FnMut()) -> i64 {
+    // One loop in the code, and not two that might be compiled differently.
+    let mut run = |count: u32| counter.ticks(|| (0..black_box(count)).for_each(|_| kernel()));
+    let mut ticks = [0; 2];
+    for (ticks, count) in ticks.iter_mut().zip([repetitions, 2 * repetitions]) {
+        *ticks = run(count);
+    }
+    i64::from(ticks[1]) - i64::from(ticks[0])
+}

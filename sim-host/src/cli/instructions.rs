@@ -1,0 +1,46 @@
+//! `sim-host instructions`.
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use clap::Args;
+
+use super::{Color, RUN_FAILED, table};
+use crate::instructions::{self, Measurement, plot, table as tables};
+use crate::report::{self, Report};
+
+/// Arguments of the command.
+#[derive(Args)]
+pub(super) struct InstructionsArgs {
+    /// Folder for the tables and the plot.
+    #[arg(short, long = "output", value_name = "DIR", default_value = "out/instructions")]
+    output: PathBuf,
+    /// Write no files.
+    #[arg(long)]
+    no_report: bool,
+}
+
+/// Counts, prints, writes, and fails where a budget is exceeded.
+pub(super) fn run(args: &InstructionsArgs, color: Color) -> anyhow::Result<ExitCode> {
+    let measurement = instructions::conduct()?;
+    super::print(&tables::tables(&measurement).iter().map(|block| table::render(block, color.stdout)).collect::<String>())?;
+    if !args.no_report {
+        report::write(&page(&measurement), &args.output)?;
+        eprintln!("report: {}", args.output.join("report.html").display());
+    }
+    for judged in measurement.judged.iter().filter(|judged| !judged.holds()) {
+        eprintln!("error: over budget: {}", judged.bound.name);
+    }
+    Ok(if measurement.holds() { ExitCode::SUCCESS } else { ExitCode::from(RUN_FAILED) })
+}
+
+fn page(measurement: &Measurement) -> Report {
+    Report {
+        title: "Instructions: speed against error on the target".into(),
+        subtitle: "Counted by an emulated Cortex-M4F; instructions, not cycles".into(),
+        tables: tables::tables(measurement),
+        figures: vec![plot::figure(measurement)],
+        footer: vec![("sim-host".into(), crate::findings::VERSION.to_owned())],
+        ..Report::default()
+    }
+}

@@ -1,0 +1,87 @@
+//! What may be spent: a bound for each kernel, in instructions, and for the error of the sine that it buys.
+//!
+//! A block of 32 samples at 1 Msps lasts 32 us, 5440 cycles of the reference board's 170 MHz: 170 a sample. What the controller takes
+//! of it must leave room for what an instruction is not: wait states, taken branches, the interrupt itself, and the slow side.
+
+use super::target::{Counted, find};
+use super::{Row, Trouble};
+
+/// A bound.
+pub struct Bound {
+    /// What is bounded: the group and the kernel, as counted.
+    pub of: (&'static str, &'static str),
+    /// Its name in the table.
+    pub name: &'static str,
+    /// In what.
+    pub unit: Unit,
+    /// The most that it may be.
+    pub at_most: f64,
+    /// What is aimed at, where that is less: the bound follows as the controller gets there, and never rises.
+    pub aim: Option<f64>,
+}
+
+/// What a bound is in.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Unit {
+    /// Instructions a sample.
+    Sample,
+    /// Instructions a block of 32 samples.
+    Block,
+    /// The largest error of a generator of amplitude one.
+    Error,
+}
+
+/// A bound, with what was counted.
+pub struct Judged {
+    /// The bound.
+    pub bound: &'static Bound,
+    /// What was counted.
+    pub found: f64,
+}
+
+impl Judged {
+    /// Whether it is kept.
+    pub fn holds(&self) -> bool {
+        self.found <= self.bound.at_most
+    }
+}
+
+const fn bound(of: (&'static str, &'static str), name: &'static str, unit: Unit, at_most: f64) -> Bound {
+    Bound { of, name, unit, at_most, aim: None }
+}
+
+const fn aiming(of: (&'static str, &'static str), name: &'static str, unit: Unit, at_most: f64, aim: f64) -> Bound {
+    Bound { of, name, unit, at_most, aim: Some(aim) }
+}
+
+/// Every bound. Half a step of a 14-bit converter is 6.1e-5 of its half range.
+pub const BUDGET: [Bound; 10] = [
+    aiming(("process", "one lane, run"), "process, one lane, tracked, ON", Unit::Sample, 95.0, 60.0),
+    aiming(("process", "four lanes, run"), "process, four lanes, tracked, ON", Unit::Sample, 125.0, 100.0),
+    bound(("generator", "firmware rotation"), "sine and cosine of the controller", Unit::Sample, 24.0),
+    bound(("generator", "firmware rotation"), "error of the same", Unit::Error, 3.2e-5),
+    bound(("stage", "lock-in"), "lock-in of voltage and current", Unit::Sample, 32.0),
+    bound(("stage", "guard"), "guard", Unit::Sample, 8.0),
+    bound(("stage", "tracker"), "tracker", Unit::Sample, 8.0),
+    bound(("worst block", "one lane, run"), "worst block ON, one lane", Unit::Block, 3000.0),
+    bound(("worst block", "four lanes, run"), "worst block ON, four lanes", Unit::Block, 4000.0),
+    aiming(("worst block", "four lanes, run at an edge"), "worst block at an edge, four lanes", Unit::Block, 8200.0, 5440.0),
+];
+
+/// Holds what was counted against the budget.
+pub fn judge(counted: &[Counted], generators: &[Row]) -> Result<Vec<Judged>, Trouble> {
+    let judge = |bound: &'static Bound| {
+        let (group, kernel) = bound.of;
+        let counted = find(counted, group, kernel)?;
+        let found = match bound.unit {
+            Unit::Sample => counted.per_sample(),
+            Unit::Block => counted.per_block(),
+            Unit::Error => {
+                let row = generators.iter().find(|row| row.known.name == kernel);
+                row.ok_or_else(|| Trouble::Printed(format!("{kernel:?} is no generator")))?.quality.largest_error
+            }
+        };
+        Ok(Judged { bound, found })
+    };
+    BUDGET.iter().map(judge).collect()
+}

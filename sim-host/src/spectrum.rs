@@ -1,0 +1,169 @@
+//! The spectrum of a sequence of codes or samples, and how clean its tone is.
+//!
+//! ```text
+//! P(k) = |sum x(n) w(n) exp(-2 pi j k n / N)|^2,    w(n) = sin(pi n / N)^8
+//!
+//! SNDR   tone over everything else but the mean             SFDR   tone over the strongest line that is not the tone
+//! alias  the strongest harmonic that the sample rate has folded back, relative to the tone
+//! ```
+//!
+//! The window's side lobes fall by 54 dB an octave (Nuttall 1981, IEEE Trans. ASSP 29, "Some windows with very good sidelobe
+//! behavior"), to 200 dB at [`LOBE`] bins and fast from there, which is below what f32 rounds: neither tone nor lines need a whole number
+//! of periods. The power of a line is the sum of so many bins to either side. Noise of a full-scale sine rounded to N bits:
+//! `SNDR = 6.02 N + 1.76 dB`.
+
+use std::f64::consts::PI;
+
+use realfft::RealFftPlanner;
+
+/// A line's bins to either side.
+const LOBE: usize = 24;
+/// Harmonics up to this one are looked for among the aliases.
+const HIGHEST_HARMONIC: u32 = 1024;
+
+/// The power spectrum of one record, with its tone.
+pub struct Spectrum {
+    /// Power of each bin, from zero to half the sample rate.
+    power: Vec<f64>,
+    /// Samples.
+    count: usize,
+    /// Cycles of the tone in a sample.
+    tone: f64,
+}
+
+impl Spectrum {
+    /// Looks at `samples`, which hold a tone of `cycles_per_sample`: at least a few hundred, better 2^16; an even number.
+    pub fn new(samples: &[f64], cycles_per_sample: f64) -> Self {
+        let count = samples.len() & !1;
+        let mut windowed: Vec<f64> = samples[..count].iter().enumerate().map(|(n, x)| x * window(n, count)).collect();
+        let transform = RealFftPlanner::<f64>::new().plan_fft_forward(count);
+        let mut bins = transform.make_output_vec();
+        // The lengths are those the plan was made for.
+        let done = transform.process(&mut windowed, &mut bins);
+        debug_assert!(done.is_ok());
+        Spectrum { power: bins.iter().map(|bin| bin.norm_sqr()).collect(), count, tone: cycles_per_sample }
+    }
+
+    /// Tone over noise and distortion, dB.
+    pub fn sndr_db(&self) -> f64 {
+        let tone = self.line(self.tone);
+        let rest: f64 = self.rest().map(|bin| self.power[bin]).sum();
+        decibel(tone / rest)
+    }
+
+    /// Tone over the strongest other line, dB.
+    pub fn sfdr_db(&self) -> f64 {
+        let strongest = self.rest().map(|bin| self.lobe(bin, |other| !self.is_tone(other) && other > LOBE)).fold(0.0, f64::max);
+        decibel(self.line(self.tone) / strongest)
+    }
+
+    /// The strongest folded harmonic, dB relative to the tone.
+    ///
+    /// A harmonic `k` beyond half the sample rate is heard at `|k f - m fs|`. One that falls on the tone, on the mean, or on a
+    /// harmonic that is not folded cannot be told from them, and is left out. `None` if all are.
+    pub fn alias_dbc(&self) -> Option<f64> {
+        let own: Vec<usize> = (1..).map(|k| f64::from(k) * self.tone).take_while(|&f| f <= 0.5).map(|f| self.bin(f)).collect();
+        let apart = |bin: usize| bin > 2 * LOBE && own.iter().all(|&other| bin.abs_diff(other) > 2 * LOBE);
+        let folded = (1..=HIGHEST_HARMONIC).map(|k| f64::from(k) * self.tone).filter(|&f| f > 0.5).map(fold);
+        let strongest = folded.map(|f| self.bin(f)).filter(|&bin| apart(bin)).map(|bin| self.lobe(bin, |_| true));
+        strongest.reduce(f64::max).map(|strongest| decibel(strongest / self.line(self.tone)))
+    }
+
+    /// Bins that are neither the tone nor the mean.
+    fn rest(&self) -> impl Iterator<Item = usize> + '_ {
+        (LOBE + 1..self.power.len()).filter(|&bin| !self.is_tone(bin))
+    }
+
+    fn is_tone(&self, bin: usize) -> bool {
+        bin.abs_diff(self.bin(self.tone)) <= LOBE
+    }
+
+    fn bin(&self, cycles_per_sample: f64) -> usize {
+        (cycles_per_sample * self.count as f64).round() as usize
+    }
+
+    fn line(&self, cycles_per_sample: f64) -> f64 {
+        self.lobe(self.bin(cycles_per_sample), |_| true)
+    }
+
+    /// Power of the bins around one, as far as they count.
+    fn lobe(&self, bin: usize, counts: impl Fn(usize) -> bool) -> f64 {
+        let (from, to) = (bin.saturating_sub(LOBE), (bin + LOBE + 1).min(self.power.len()));
+        (from..to).filter(|&other| counts(other)).map(|other| self.power[other]).sum()
+    }
+}
+
+/// Where a frequency is heard, in 0 to 0.5 cycles a sample.
+fn fold(cycles_per_sample: f64) -> f64 {
+    (cycles_per_sample - cycles_per_sample.round()).abs()
+}
+
+fn window(n: usize, count: usize) -> f64 {
+    (PI * n as f64 / count as f64).sin().powi(8)
+}
+
+fn decibel(power_ratio: f64) -> f64 {
+    10.0 * power_ratio.log10()
+}
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::TAU;
+
+    use super::*;
+
+    const COUNT: usize = 1 << 16;
+    /// No whole number of periods.
+    const TONE: f64 = 0.040_412_345;
+
+    fn samples(x: impl Fn(f64) -> f64) -> Vec<f64> {
+        (0..COUNT).map(|n| x(n as f64)).collect()
+    }
+
+    fn tone(n: f64) -> f64 {
+        (TAU * TONE * n).sin()
+    }
+
+    fn near(found: f64, expected: f64, within: f64) {
+        assert!((found - expected).abs() < within, "{found} is not {expected}");
+    }
+
+    #[test]
+    fn a_spur_is_found_at_its_level_wherever_it_is() {
+        for (db, at) in [(-40.0, 0.123_456), (-80.0, 0.3), (-120.0, 0.499_3), (-150.0, 2.0 * TONE)] {
+            let spur = 10f64.powf(db / 20.0);
+            let spectrum = Spectrum::new(&samples(|n| tone(n) + spur * (TAU * at * n).cos()), TONE);
+            near(spectrum.sfdr_db(), -db, 0.01);
+            near(spectrum.sndr_db(), -db, 0.01);
+        }
+    }
+
+    /// What is left of a pure tone are the window's side lobes.
+    #[test]
+    fn a_pure_tone_is_clean_and_an_offset_is_no_spur() {
+        let spectrum = Spectrum::new(&samples(|n| tone(n) + 0.7), TONE);
+        assert!(spectrum.sfdr_db() > 195.0, "{}", spectrum.sfdr_db());
+        assert!(spectrum.sndr_db() > 195.0, "{}", spectrum.sndr_db());
+    }
+
+    /// `6.02 N + 1.76`, which is for an error spread evenly within a step: the phase runs through it.
+    #[test]
+    fn rounding_to_n_bits_leaves_what_it_must() {
+        for bits in [8, 10, 12, 14, 16] {
+            let full = 2f64.powi(bits - 1);
+            let sndr = Spectrum::new(&samples(|n| (full * tone(n)).round()), TONE).sndr_db();
+            near(sndr, 20.0 * 2f64.log10() * f64::from(bits) + 10.0 * 1.5f64.log10(), 0.2);
+        }
+    }
+
+    #[test]
+    fn only_what_is_folded_is_an_alias() {
+        // 13 f = 0.525 is heard at 0.475; 3 f is no alias, however strong.
+        let wave = |n: f64| tone(n) + 0.3 * (3.0 * TAU * TONE * n).sin() + 1e-3 * (13.0 * TAU * TONE * n).sin();
+        let spectrum = Spectrum::new(&samples(wave), TONE);
+        near(spectrum.alias_dbc().unwrap(), -60.0, 0.01);
+        near(spectrum.sfdr_db(), -20.0 * 0.3f64.log10(), 0.01);
+        // A quarter of the sample rate: every folded harmonic falls on one that is not, or on the mean.
+        assert_eq!(Spectrum::new(&samples(|n| (TAU * 0.25 * n).sin()), 0.25).alias_dbc(), None);
+    }
+}
