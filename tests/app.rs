@@ -4,6 +4,7 @@
 //! Drive codes are in samples since the first one played; the order of a run is given before the first block, unless a scenario
 //! says otherwise.
 
+mod bank;
 mod burst;
 mod calibration;
 mod determinism;
