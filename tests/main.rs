@@ -2,6 +2,7 @@
 
 mod app;
 mod contact;
+mod drive;
 mod friction;
 mod processor_in_the_loop;
 mod scenes;

@@ -7,6 +7,7 @@ use std::sync::atomic::AtomicBool;
 
 use sim_host::scene::builtin;
 use sim_host::scene::load::{Loaded, load};
+use sim_host::study::comparison::Standing;
 use sim_host::study::{Study, conduct};
 
 /// What depends on the machine, and what is round-off only.
@@ -38,6 +39,22 @@ fn golden(study: &Study) -> String {
         for (row, cells) in result.grid.rows.iter().zip(&result.cells) {
             let cells: String = cells.iter().map(|cell| format!("{:>10}", cell.map_or("-".into(), in_a_grid))).collect();
             table += &format!("{row:>6}{cells}\n");
+        }
+    }
+    if let Some(result) = &study.comparison {
+        let metrics = &result.comparison.metrics;
+        for matched in &result.matches {
+            table += &format!("\nequal {}: amplitude, {}\n", matched.equal.name(), metrics.join(", "));
+            for case in &matched.cases {
+                let amplitude = match case.standing {
+                    Standing::Equal { .. } => format!("{:.2e}", case.amplitude),
+                    Standing::Beyond { needs } => format!("{needs:.2e} needed"),
+                    Standing::Unmeasured { .. } => "unmeasured".into(),
+                };
+                let cells: String =
+                    metrics.iter().map(|name| format!("{:>10}", case.metric(name).map_or("-".into(), rounded))).collect();
+                table += &format!("{:36}{amplitude:>15}{cells}\n", case.name);
+            }
         }
     }
     table

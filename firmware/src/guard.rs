@@ -14,8 +14,10 @@ const CLIPPED_PART: usize = 8;
 const OVER_CURRENT_SAMPLES: usize = 2;
 /// Blocks for which the voltage or the current may be implausible before that counts.
 const IMPLAUSIBLE_BLOCKS: u32 = 8;
-/// The voltage may be this many times smaller or larger than what was played (the source sags, edges, a square's 4 / pi).
-const VOLTAGE_FACTOR: f32 = 2.0;
+/// The voltage may be this many times larger than the peak that was played (edges, a square's 4 / pi).
+const VOLTAGE_RISES: f32 = 2.0;
+/// And this many times smaller (the source sags; the fundamental of a sawtooth is 0.54 of its peak, and its harmonics leak into the lock-in).
+const VOLTAGE_SAGS: f32 = 3.0;
 /// Smallest current, relative to what the nominal capacitance takes; at the antiresonance a healthy stack takes a fortieth.
 const OPEN_PART: f32 = 0.01;
 /// Voltages below this many codes are not judged.
@@ -74,7 +76,7 @@ impl Guard {
         let square = |x: f32| x * x;
         let wrong_voltage = played.is_some_and(|volts| {
             let heard = sensed.v.norm_sqr();
-            heard > square(volts * VOLTAGE_FACTOR) || heard < square(volts / VOLTAGE_FACTOR)
+            heard > square(volts * VOLTAGE_RISES) || heard < square(volts / VOLTAGE_SAGS)
         });
         let no_current = played.is_some_and(|volts| sensed.i.norm_sqr() < square(OPEN_PART * self.clamped_siemens * volts));
         // A reading that is not a number is no proof of motion.

@@ -90,7 +90,9 @@ impl Phasing {
             phase_turns: phasing.phase_trim_turns.get(lane).copied().unwrap_or(0.0),
             gain: phasing.gain_trim.get(lane).copied().unwrap_or(1.0),
         };
-        let fixed = (0..usize::from(config.lanes)).map(|lane| checked(fixed(lane))).collect::<Result<_, Error>>()?;
+        // A trim is checked whether its lane is there or not.
+        let mut fixed = (0..MAX_LANES).map(|lane| checked(fixed(lane))).collect::<Result<Vec<_, MAX_LANES>, Error>>()?;
+        fixed.truncate(config.lanes.into());
         check_calibration(&phasing.calibration)?;
         let forward = match phasing.direction {
             Direction::Forward => MAX_QUADRATURE,

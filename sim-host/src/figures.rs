@@ -8,10 +8,12 @@ use crate::study::{Outcome, Study};
 
 /// All figures that this study has something to show in, the most telling first.
 pub fn of(study: &Study) -> Vec<Figure> {
-    match &study.outcome {
+    let own = match &study.outcome {
         Outcome::Driven(run) => driven::of(run),
         Outcome::Contact(solved) => contact::of(solved),
-    }
+    };
+    let sweeps = study.comparison.iter().flat_map(|comparison| &comparison.sweeps);
+    own.into_iter().chain(sweeps.flat_map(driven::time_frequency::of)).collect()
 }
 
 fn axis(label: &str) -> Axis {

@@ -1,5 +1,6 @@
 //! A study in words and tables: the same for the terminal and for the report.
 
+mod comparison;
 mod contact;
 mod driven;
 
@@ -33,11 +34,12 @@ pub fn report(study: &Study) -> Report {
     }
 }
 
-/// The tables that answer the scene's question: expectations, what was found, grid.
+/// The tables that answer the scene's question: expectations, comparison, what was found, grid.
 pub fn tables(study: &Study) -> Vec<TableBlock> {
     let mut tables = vec![expectations(study)];
+    tables.extend(comparison::tables(study));
     match &study.outcome {
-        Outcome::Driven(run) => tables.push(driven::three_ways(study, run)),
+        Outcome::Driven(run) => tables.extend(driven::tables(study, run)),
         Outcome::Contact(solved) => tables.extend(contact::tables(study, solved)),
     }
     tables.extend(grid(study));
@@ -120,7 +122,11 @@ fn expectations(study: &Study) -> TableBlock {
             let shown = if fine { precise } else { number };
             let value = judged.value.map_or_else(|| "no such value in this run".to_owned(), shown);
             let verdict = if judged.pass { "PASS" } else { "MISS" };
-            vec![verdict.into(), judged.metric.clone(), value, judged.limit.clone(), judged.source.clone()]
+            let metric = match &judged.case {
+                Some((case, equal)) => format!("{} ({case}, equal {})", judged.metric, equal.name()),
+                None => judged.metric.clone(),
+            };
+            vec![verdict.into(), metric, value, judged.limit.clone(), judged.source.clone()]
         })
         .collect();
     table("expectations", "Expected", "", &["", "metric", "value", "expected", "source"], rows)

@@ -32,7 +32,9 @@ pub mod scene;
 pub mod schedule;
 pub mod spectrum;
 pub mod study;
+pub mod swing;
 pub mod thesis;
+pub mod time_frequency;
 pub mod trace;
 
 pub use scene::settings;

@@ -1,5 +1,6 @@
 //! What a study leaves in its folder: manifest, summary, trace, report and figures.
 
+mod comparison;
 mod trace_file;
 
 use std::fs;
@@ -44,10 +45,14 @@ pub fn summary(study: &Study) -> Value {
         .judged
         .iter()
         .map(|judged| {
-            json!({
+            let mut expect = json!({
                 "metric": judged.metric, "value": judged.value, "limit": judged.limit,
                 "pass": judged.pass, "source": judged.source,
-            })
+            });
+            if let Some((case, equal)) = &judged.case {
+                (expect["case"], expect["match"]) = (json!(case), json!(equal));
+            }
+            expect
         })
         .collect();
     let grid = study.grid.as_ref().map(|result| {
@@ -56,9 +61,10 @@ pub fn summary(study: &Study) -> Value {
             "column_key": result.grid.column_key, "columns": result.grid.columns, "cells": result.cells,
         })
     });
+    let comparison = study.comparison.as_ref().map(comparison::json);
     let summary = json!({
         "scene": study.name, "seed": study.scene.seed, "metrics": metrics, "expect": expect, "grid": grid,
-        "interrupted": study.interrupted,
+        "comparison": comparison, "interrupted": study.interrupted,
     });
     with_own(summary, study)
 }

@@ -7,6 +7,7 @@ use firmware::telemetry::Telemetry;
 
 use crate::plant::energy::Energy;
 use crate::plant::truth::{Sample, Truth};
+use crate::swing::Swing;
 use crate::trace::Tracer;
 
 /// One block.
@@ -28,6 +29,8 @@ pub struct Row {
     pub drive_v: f64,
     /// Command: mean envelope that was playing.
     pub envelope: f64,
+    /// What the codes that were playing drive.
+    pub swing: Swing,
     /// Estimate: resonance, Hz.
     pub resonance_estimate_hz: f64,
     /// Estimate: motional current, A.
@@ -41,7 +44,7 @@ pub struct Row {
 }
 
 /// A stretch of time kept sample by sample.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Window {
     /// What it shows.
     pub title: String,
@@ -51,10 +54,39 @@ pub struct Window {
     pub from_s: f64,
     /// To, s.
     pub to_s: f64,
+    /// What it waits for, from `from_s` on; then it takes as long as it was to.
+    pub trigger: Option<Trigger>,
     /// Time of the first sample's end, s.
     pub start_s: f64,
     /// Samples.
     pub samples: Vec<Sample>,
+}
+
+/// The beginning of a sweep: a block of this mean frequency that does not follow one of that.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Trigger {
+    /// Mean frequency of a sweep's first block, Hz.
+    pub first_hz: f64,
+    /// Of its second, Hz. A sweep that comes back has its first and second block at its end, too, the other way round.
+    pub second_hz: f64,
+    /// Mean frequency of the block before, Hz.
+    pub before_hz: f64,
+}
+
+impl Window {
+    /// Told when a block begins, s, and its mean frequency, Hz: opens if that is what it waited for.
+    pub fn tell(&mut self, begins_s: f64, frequency_hz: f64) {
+        let Some(trigger) = &mut self.trigger else { return };
+        let near_hz = 0.25 * (trigger.second_hz - trigger.first_hz).abs();
+        let near = |hz: f64, other_hz: f64| (hz - other_hz).abs() <= near_hz;
+        let begins = near(frequency_hz, trigger.first_hz) && !near(trigger.before_hz, trigger.second_hz);
+        trigger.before_hz = frequency_hz;
+        // The time of a block is a product, and that of the window a sum of others.
+        if begins && begins_s > self.from_s - 1e-9 {
+            self.to_s += begins_s - self.from_s;
+            (self.from_s, self.trigger) = (begins_s, None);
+        }
+    }
 }
 
 /// The record of a run.
@@ -110,7 +142,7 @@ impl Command {
 
 impl Row {
     /// The row of a block in which `command` played.
-    pub fn new(time_s: f64, sample_hz: f64, command: &Command, telemetry: &Telemetry, truth: &Truth) -> Self {
+    pub fn new(time_s: f64, sample_hz: f64, command: &Command, telemetry: &Telemetry, (swing, truth): (Swing, &Truth)) -> Self {
         let voltage = magnitude(telemetry.v);
         let admittance = || {
             let y = telemetry.i / telemetry.v;
@@ -125,6 +157,7 @@ impl Row {
             frequency_hz: command.frequency_hz(sample_hz),
             drive_v: command.drive_v * command.envelope,
             envelope: command.envelope,
+            swing,
             resonance_estimate_hz: telemetry.resonance.0.into(),
             motional_current_a: magnitude(telemetry.motional_current).into(),
             phase_deg: telemetry.phase.degrees().into(),
@@ -137,4 +170,26 @@ impl Row {
 /// The hash of a text, by the same function as the drive's: identifies an input.
 pub fn text_hash(text: &str) -> u64 {
     crc::Crc::<u64>::new(&crc::CRC_64_XZ).checksum(text.as_bytes())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Opens at the first block of a sweep up, however it got there; 1 kHz a block from 20 kHz.
+    #[test]
+    fn a_window_opens_where_a_sweep_begins() {
+        let trigger = Trigger { first_hz: 20.5e3, second_hz: 21.5e3, before_hz: 0.0 };
+        let opens = |frequencies: &[f64]| {
+            let mut window = Window { from_s: 2.0, to_s: 5.0, trigger: Some(trigger), ..Window::default() };
+            frequencies.iter().enumerate().for_each(|(block, &hz)| window.tell(block as f64, hz));
+            (window.trigger.is_none()).then_some((window.from_s, window.to_s))
+        };
+        let repeated = [20.5e3, 21.5e3, 22.5e3, 20.5e3, 21.5e3];
+        let back_and_forth = [20.5e3, 21.5e3, 22.5e3, 22.5e3, 21.5e3, 20.5e3, 20.5e3, 21.5e3];
+        assert_eq!(opens(&repeated), Some((3.0, 6.0)));
+        assert_eq!(opens(&back_and_forth), Some((6.0, 9.0)));
+        assert_eq!(opens(&[40e3, 40e3, 40e3, 20.5e3]), Some((3.0, 6.0)));
+        assert_eq!(opens(&[20.5e3, 21.5e3, 22.5e3, 40e3]), None);
+    }
 }

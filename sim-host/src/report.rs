@@ -9,12 +9,14 @@
 mod axis;
 mod chart;
 mod clip;
+mod colour_map;
 mod curve;
 mod data_file;
 mod decimate;
 mod draw;
 mod extent;
 mod figure;
+mod heat_map;
 mod legend;
 mod marks;
 mod number;
@@ -28,7 +30,7 @@ use std::fs::{self, File};
 use std::io;
 use std::path::{Path, PathBuf};
 
-pub use figure::{Axis, Figure, Marker, Report, Series, Span, Style, TableBlock};
+pub use figure::{Axis, Figure, HeatMap, Marker, Report, Series, Span, Style, TableBlock};
 
 /// Why a report could not be written.
 #[derive(Debug, thiserror::Error)]
@@ -54,6 +56,12 @@ pub enum ReportError {
     Id {
         /// The id.
         id: String,
+    },
+    /// A map has no cells, or columns of different lengths, or curves above it that its table has no room for.
+    #[error("figure {figure}: the columns of the map differ in length, or there are none, or curves above them")]
+    Map {
+        /// The figure's id.
+        figure: String,
     },
     /// A series has more samples in one column than in another.
     #[error("figure {figure}: the columns of series {series:?} differ in length")]
@@ -107,6 +115,13 @@ fn check(figures: &[Figure]) -> Result<(), ReportError> {
         if !usable || !ids.insert(figure.id.as_str()) {
             return Err(ReportError::Id { id: figure.id.clone() });
         }
+        let sound = |map: &HeatMap| {
+            let rows = map.size().1;
+            rows > 0 && map.columns.iter().all(|column| column.len() == rows) && figure.series.is_empty()
+        };
+        if figure.map.as_ref().is_some_and(|map| !sound(map)) {
+            return Err(ReportError::Map { figure: figure.id.clone() });
+        }
         for series in &figure.series {
             if series.columns().iter().any(|column| column.len() != series.x.len()) {
                 let (figure, series) = (figure.id.clone(), series.name.clone());
@@ -133,11 +148,15 @@ mod tests {
     fn malformed_figures_are_refused_before_anything_is_written() {
         let dir = std::env::temp_dir().join("report-that-must-not-exist");
         let figure = |id: &str| Figure { id: id.into(), ..Figure::default() };
+        let map = |columns: Vec<Vec<f64>>| Figure { map: Some(HeatMap { columns, ..HeatMap::default() }), ..figure("map") };
         let ragged = Series { x: vec![1.0], ..Series::default() };
         for figures in [
             vec![figure("../escape")],
             vec![figure("")],
             vec![figure("twice"), figure("twice")],
+            vec![map(Vec::new())],
+            vec![map(vec![vec![1.0, 2.0], vec![1.0]])],
+            vec![Figure { series: vec![Series::default()], ..map(vec![vec![1.0]]) }],
             vec![Figure { series: vec![ragged], ..figure("ragged") }],
         ] {
             assert!(write(&Report { figures, ..Report::default() }, &dir).is_err());

@@ -15,6 +15,7 @@ use crate::processor::{Here, Lost, Processor};
 use crate::record::{Command, Record, Row, Window};
 use crate::scene::{self, Driven};
 use crate::settings;
+use crate::swing::{Swing, SwingMeter};
 use crate::trace::{Played, Tracer};
 
 /// Why a run did not happen.
@@ -82,7 +83,8 @@ pub fn run_on(processor: &mut dyn Processor, scene: &Driven, mut watch: Watch) -
         let played = std::mem::replace(slot, Command::of(&telemetry));
         let time_s = (block + 1) as f64 * samples as f64 / sample_hz;
         if (block + 1).is_multiple_of(every) {
-            record.rows.push(Row::new(time_s, sample_hz, &played, &telemetry, clock.analog.plant.inner.truth()));
+            let happened = (clock.analog.swing, clock.analog.plant.inner.truth());
+            record.rows.push(Row::new(time_s, sample_hz, &played, &telemetry, happened));
         }
         record.last = telemetry;
     }
@@ -126,6 +128,9 @@ struct Recorder {
     /// The plant, with what breaks on the way.
     plant: FaultInjector<Plant>,
     hash: DriveHash,
+    meter: SwingMeter,
+    /// How far the last block swung.
+    swing: Swing,
     windows: Vec<Window>,
     tracer: Option<Tracer>,
     sample_s: f64,
@@ -146,7 +151,17 @@ impl Recorder {
             plant.schedule(Scheduled { at_block: (fault.at_s / block_s) as u64, kind: kind(fault.kind) });
         }
         let tracer = scene.trace.as_ref().map(|trace| Tracer::new(trace, scene.duration_s, sample_s));
-        Recorder { plant, hash: DriveHash::default(), windows, tracer, sample_s, played: 0, frequency_hz: 0.0 }
+        Recorder {
+            plant,
+            hash: DriveHash::default(),
+            meter: SwingMeter::new(scene),
+            swing: Swing::default(),
+            windows,
+            tracer,
+            sample_s,
+            played: 0,
+            frequency_hz: 0.0,
+        }
     }
 }
 
@@ -165,11 +180,15 @@ impl Analog for Recorder {
     fn exchange(&mut self, drive: &DriveBlock, sense: &mut SenseBlock) {
         let samples = drive.lanes.first().map_or(0, |lane| lane.len()) as u64;
         let (from_s, to_s) = (self.played as f64 * self.sample_s, (self.played + samples) as f64 * self.sample_s);
-        let open = |window: &Window| window.from_s < to_s && window.to_s > from_s;
+        for window in &mut self.windows {
+            window.tell(from_s, self.frequency_hz);
+        }
+        let open = |window: &Window| window.trigger.is_none() && window.from_s < to_s && window.to_s > from_s;
         let traced = self.tracer.as_mut().filter(|tracer| tracer.wants(self.played, samples));
         self.plant.inner.keep_samples(traced.is_some() || self.windows.iter().any(open));
         self.plant.exchange(drive, sense);
         self.hash.add(drive);
+        self.swing = self.meter.measure(drive);
         for window in self.windows.iter_mut().filter(|window| open(window)) {
             if window.samples.is_empty() {
                 window.start_s = from_s + self.sample_s;

@@ -4,6 +4,7 @@
 //! the comments of `sim-host show` are all derived from them; [`rules`] adds what a schema cannot say.
 
 pub mod builtin;
+mod comparison;
 mod contact;
 mod controller;
 mod course;
@@ -22,6 +23,7 @@ pub mod settings;
 mod nearest;
 mod overlay;
 mod plant;
+mod stator;
 mod tree;
 mod units;
 mod unknown;
@@ -32,6 +34,7 @@ mod wording;
 #[cfg(test)]
 mod tests;
 
+pub use comparison::{Case, Comparison, Equal};
 pub use contact::{Contact, Coulomb, Dahl, Hertz, Lugre, Model, Sign};
 pub use controller::{
     Around, Burst, ChirpKind, Controller, Direction, Drive, Edge, Limits, Phasing, Shape, Sweep, Then, Tracking, TrackingMode,
@@ -42,10 +45,11 @@ pub use integrator::{Integrator, Method};
 pub(crate) use nearest::shown;
 pub use plant::{Amplifier, Bvd, Sensors, Stack};
 pub use results::{Expect, Grid, Signal, Trace, TraceFormat};
-pub use rig::{Kinematic, Rig, Sdof, Slider};
+pub use rig::{Kinematic, Rig, Rotor, Sdof, Slider};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-pub use views::{Body, Driven, Excited, Kind};
+pub use stator::Stator;
+pub use views::{Body, Driven, Excited, Kind, Transducer};
 
 /// A scene: either the firmware drives a stack, or a contact is studied by itself.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -81,6 +85,9 @@ pub struct Scene {
     /// The piezo stack that the firmware drives.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub stack: Option<Stack>,
+    /// The stator of a travelling-wave motor that the firmware drives. A driven scene has this, or `[stack]`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub stator: Option<Stator>,
     /// The friction contact. Needs a rig that presses on it and moves it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub contact: Option<Contact>,
@@ -99,6 +106,9 @@ pub struct Scene {
     /// A table of one metric over two keys, run after the scene itself.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub grid: Option<Grid>,
+    /// Cases beside each other, at equal peak, rms or power; run after the scene itself.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub comparison: Option<Comparison>,
     /// What is recorded besides the standard figures.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub trace: Option<Trace>,

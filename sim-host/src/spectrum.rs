@@ -69,6 +69,20 @@ impl Spectrum {
         strongest.reduce(f64::max).map(|strongest| decibel(strongest / self.line(self.tone)))
     }
 
+    /// Everything that is neither the mean nor a harmonic below half the sample rate, dB relative to the tone: folded harmonics and noise
+    /// together.
+    pub fn foreign_dbc(&self) -> f64 {
+        let own: Vec<usize> = (1..).map(|k| f64::from(k) * self.tone).take_while(|&f| f < 0.5).map(|f| self.bin(f)).collect();
+        let foreign = (LOBE + 1..self.power.len()).filter(|&bin| own.iter().all(|&harmonic| bin.abs_diff(harmonic) > LOBE));
+        decibel(foreign.map(|bin| self.power[bin]).sum::<f64>() / self.line(self.tone))
+    }
+
+    /// Power within a band, as a part of all but the mean; from and to in cycles a sample.
+    pub fn part_within(&self, from: f64, to: f64) -> f64 {
+        let all: f64 = self.power[LOBE + 1..].iter().sum();
+        self.power[self.bin(from)..=self.bin(to)].iter().sum::<f64>() / all
+    }
+
     /// Bins that are neither the tone nor the mean.
     fn rest(&self) -> impl Iterator<Item = usize> + '_ {
         (LOBE + 1..self.power.len()).filter(|&bin| !self.is_tone(bin))
@@ -129,6 +143,14 @@ mod tests {
     }
 
     #[test]
+    fn what_is_foreign_is_not_harmonic() {
+        let harmonics = |n: f64| tone(n) + 0.3 * (TAU * 3.0 * TONE * n).sin() + 0.1 * (TAU * 11.0 * TONE * n).sin();
+        near(Spectrum::new(&samples(|n| harmonics(n) + 1e-3 * (TAU * 0.2 * n).sin()), TONE).foreign_dbc(), -60.0, 0.01);
+        let spectrum = Spectrum::new(&samples(|n| tone(n) + (TAU * 0.2 * n).sin()), TONE);
+        near(spectrum.part_within(0.03, 0.05), 0.5, 1e-6);
+    }
+
+    #[test]
     fn a_spur_is_found_at_its_level_wherever_it_is() {
         for (db, at) in [(-40.0, 0.123_456), (-80.0, 0.3), (-120.0, 0.499_3), (-150.0, 2.0 * TONE)] {
             let spur = 10f64.powf(db / 20.0);
@@ -152,7 +174,8 @@ mod tests {
         for bits in [8, 10, 12, 14, 16] {
             let full = 2f64.powi(bits - 1);
             let sndr = Spectrum::new(&samples(|n| (full * tone(n)).round()), TONE).sndr_db();
-            near(sndr, 20.0 * 2f64.log10() * f64::from(bits) + 10.0 * 1.5f64.log10(), 0.2);
+            // At 8 bits the error is not quite even: 0.1 dB; at 16 it is one record's noise.
+            near(sndr, 20.0 * 2f64.log10() * f64::from(bits) + 10.0 * 1.5f64.log10(), 0.12);
         }
     }
 

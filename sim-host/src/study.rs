@@ -1,22 +1,27 @@
-//! A study: a scene, run; its metrics held against what was expected; and its grid, if it has one.
+//! A study: a scene, run; its metrics held against what was expected; and its grid and its comparison, if it has them.
 
+mod cell;
+pub mod comparison;
 pub mod contact;
 pub mod driven;
 pub mod film;
+pub mod grid;
+pub mod matching;
 mod stopped;
+pub mod swept;
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use rayon::prelude::*;
-
+use self::comparison::ComparisonResult;
 use self::contact::Solved;
 use self::driven::Run;
+use self::grid::GridResult;
 use crate::contact::Trouble;
 use crate::metrics::Metrics;
 use crate::processor::Processor;
 use crate::run::RunError;
 use crate::scene::load::{LoadError, Loaded};
-use crate::scene::{Expect, Grid, Kind, Scene, shown};
+use crate::scene::{Equal, Expect, Kind, Scene, shown};
 
 /// Why a study has no result.
 #[derive(Debug, thiserror::Error)]
@@ -24,11 +29,11 @@ pub enum StudyError {
     /// The scene was not loaded, and lacks what loading would have asked for.
     #[error("the scene is neither a driven one nor a contact study")]
     Incomplete,
-    /// The scene of a grid's cell is invalid.
-    #[error("the grid's cell {0} is not a valid scene")]
+    /// The scene of a grid's cell or of a comparison's case is invalid.
+    #[error("the cell {0} is not a valid scene")]
     Cell(String, #[source] LoadError),
-    /// A grid's cell has no result.
-    #[error("the grid's cell {0} has no result")]
+    /// A grid's cell or a comparison's case has no result.
+    #[error("the cell {0} has no result")]
     EmptyCell(String, #[source] Box<StudyError>),
     /// The run did not happen.
     #[error(transparent)]
@@ -55,6 +60,8 @@ pub struct Study<'a> {
     pub judged: Vec<Judged>,
     /// The grid, run.
     pub grid: Option<GridResult>,
+    /// The comparison, run.
+    pub comparison: Option<ComparisonResult>,
     /// Whether it was stopped before its end.
     pub interrupted: bool,
 }
@@ -73,6 +80,8 @@ pub enum Outcome<'a> {
 pub struct Judged {
     /// The metric.
     pub metric: String,
+    /// The case it is of, and what is equal there; none of the scene's own run.
+    pub case: Option<(String, Equal)>,
     /// Its value, if the run has one.
     pub value: Option<f64>,
     /// The limit, as text.
@@ -83,15 +92,6 @@ pub struct Judged {
     pub pass: bool,
     /// Where the limit comes from.
     pub source: String,
-}
-
-/// A metric over two keys.
-#[derive(Clone, Debug, PartialEq)]
-pub struct GridResult {
-    /// The grid asked for.
-    pub grid: Grid,
-    /// For each row, the metric in each column.
-    pub cells: Vec<Vec<Option<f64>>>,
 }
 
 impl Study<'_> {
@@ -109,8 +109,8 @@ impl Study<'_> {
     }
 }
 
-/// Runs a loaded scene and its grid. The controller of the scene itself runs on `emulator`, or without one in this process; those of
-/// the grid, always in this process.
+/// Runs a loaded scene, its grid and its comparison. The controller of the scene itself runs on `emulator`, or without one in this
+/// process; those of the cells, always in this process.
 pub fn conduct<'a, 'w>(
     loaded: &'a Loaded,
     emulator: Option<&mut dyn Processor>,
@@ -130,17 +130,22 @@ pub fn conduct<'a, 'w>(
             (Outcome::Contact(Box::new(solved)), metrics, cut)
         }
     };
-    let judged = scene.expect.iter().map(|expect| judge(expect, &metrics)).collect();
     let grid = match &scene.grid {
-        Some(grid) if !cut => cells(loaded, grid, stop)?,
+        Some(grid) if !cut => grid::conduct(loaded, grid, stop)?,
         _ => None,
     };
-    // Stopped within the grid: the scene is whole, and the grid is missing.
+    let comparison = match &scene.comparison {
+        Some(comparison) if !cut => comparison::conduct(loaded, comparison, stop)?,
+        _ => None,
+    };
+    let judged = scene.expect.iter().map(|expect| judge(expect, &metrics, comparison.as_ref())).collect();
+    // Stopped within the grid or the comparison: the scene is whole, and they are missing.
     let interrupted = cut || stop.load(Ordering::Relaxed);
-    Ok(Study { name: loaded.name.clone(), changes: loaded.sets.clone(), scene, outcome, metrics, judged, grid, interrupted })
+    let (name, changes) = (loaded.name.clone(), loaded.sets.clone());
+    Ok(Study { name, changes, scene, outcome, metrics, judged, grid, comparison, interrupted })
 }
 
-fn judge(expect: &Expect, metrics: &Metrics) -> Judged {
+fn judge(expect: &Expect, metrics: &Metrics, comparison: Option<&ComparisonResult>) -> Judged {
     let (mut min, mut max) = (expect.min, expect.max);
     let limit = match (expect.value, expect.tolerance) {
         (Some(value), Some(tolerance)) => {
@@ -154,35 +159,19 @@ fn judge(expect: &Expect, metrics: &Metrics) -> Judged {
             (None, None) => "anything".into(),
         },
     };
-    let value = metrics.get(&expect.metric);
+    let case = expect.case.clone().zip(expect.matched);
+    let value = match &case {
+        Some((name, equal)) => comparison.and_then(|found| found.case(name, *equal)?.metric(&expect.metric)),
+        None => metrics.get(&expect.metric),
+    };
     let holds = |value: f64| min.is_none_or(|min| value >= min) && max.is_none_or(|max| value <= max);
     Judged {
         metric: expect.metric.clone(),
+        case,
         value,
         limit,
         tolerance: expect.tolerance,
         pass: value.is_some_and(holds),
         source: expect.source.clone(),
     }
-}
-
-/// Runs every cell of a grid, in parallel; nothing if it is stopped. Each is a scene of its own, seeded as the scene is, so that the
-/// result does not depend on the number of threads.
-fn cells(loaded: &Loaded, grid: &Grid, stop: &AtomicBool) -> Result<Option<GridResult>, StudyError> {
-    let places: Vec<(f64, f64)> =
-        grid.rows.iter().flat_map(|&row| grid.columns.iter().map(move |&column| (row, column))).collect();
-    let run_cell = |&(row, column): &(f64, f64)| {
-        let place = [format!("{}={row}", grid.row_key), format!("{}={column}", grid.column_key)];
-        let sets = [grid.set.as_slice(), &place].concat();
-        let cell = loaded.with(&sets).map_err(|error| StudyError::Cell(place.join(", "), error))?;
-        let metrics = match cell.scene.kind().ok_or(StudyError::Incomplete)? {
-            Kind::Driven(scene) => driven::cell(&scene, stop),
-            Kind::Excited(scene) => contact::cell(&scene, stop),
-        };
-        let metrics = metrics.map_err(|error| StudyError::EmptyCell(place.join(", "), Box::new(error)))?;
-        Ok(metrics.get(&grid.metric))
-    };
-    let values = places.par_iter().map(run_cell).collect::<Result<Vec<_>, StudyError>>()?;
-    let cells = values.chunks(grid.columns.len()).map(<[_]>::to_vec).collect();
-    Ok((!stop.load(Ordering::Relaxed)).then(|| GridResult { grid: grid.clone(), cells }))
 }

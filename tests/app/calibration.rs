@@ -8,6 +8,7 @@ use firmware::supervisor::{Fault, Mode};
 use firmware::units::{Hertz, Turns};
 use hal_mock::bench::{Bench, Queues, Setup};
 use hal_mock::flash::Flash;
+use sim_host::metrics::{Metrics, driven};
 use sim_host::run::Watch;
 use sim_host::scene::load::load;
 
@@ -282,4 +283,35 @@ fn a_scene_that_asks_for_it_calibrates_and_then_runs() {
     modes.dedup();
     let calibration = [Mode::SelfTest, Mode::Calibrate, Mode::Idle];
     assert_eq!(modes, [&calibration[..], &[Mode::SelfTest, Mode::Scan, Mode::Lock, Mode::Run]].concat());
+}
+
+/// A run of the motor with lanes that are off, and changes.
+fn motor(changes: &[&str]) -> Metrics {
+    let later = ["duration_s=0.62", "controller.burst.on_s=[0.5]", "controller.burst.off_s=[0.6]"];
+    let sets: Vec<String> = later.iter().chain(changes).map(|&set| set.to_owned()).collect();
+    let scene = load("usm-miscalibrated", &sets).unwrap_or_else(|error| panic!("{error}")).scene;
+    let scene = scene.driven().expect("a driven scene");
+    let record = sim_host::run::run(&scene, Watch::default()).unwrap();
+    assert_eq!((record.last.mode, record.last.fault), (Mode::Run, None), "{changes:?}");
+    driven::of(&scene, &record)
+}
+
+#[test]
+fn the_wave_of_the_motor_is_put_right() {
+    for changes in [
+        &[][..],
+        &["rig.rotor.mu=0", "rig.rotor.torque_nm=0"],
+        &["controller.phasing.direction=reverse", "rig.rotor.torque_nm=0"],
+    ] {
+        let [before, after] = ["controller.phasing.calibrate=false", "controller.phasing.calibrate=true"].map(|calibrate| {
+            let metrics = motor(&[changes, &[calibrate]].concat());
+            ["lane_phase_error_deg_max", "lane_gain_error_percent_max", "backward_wave_percent"]
+                .map(|name| metrics.get(name).expect("a motor's metric"))
+        });
+        println!("{changes:?}: degrees, %, and backward wave in %: {before:.3?} before, {after:.3?} after");
+        assert!(before[0] > 9.9 && before[1] > 5.9 && before[2] > 4.0, "{before:?}");
+        assert!(after[0] < LEFT.0 && after[1] < 100.0 * LEFT.1, "{after:?}");
+        // What two lanes that are off by that much can make of it together.
+        assert!(after[2] < 0.2, "{after:?}");
+    }
 }

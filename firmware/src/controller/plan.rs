@@ -5,7 +5,6 @@ use crate::block::{Gate, Orders, SenseBlock};
 use crate::burst::Brake;
 use crate::calibrate;
 use crate::demod::Sensed;
-
 use crate::identify::Transducer;
 use crate::motional::Motional;
 use crate::phasor::{Phasor, magnitude};

@@ -4,13 +4,16 @@ mod admittance;
 mod edges;
 mod energy;
 mod friction;
+mod motor;
 mod resonance;
+pub(super) mod time_frequency;
 
 use super::axis;
 use crate::metrics::driven::View;
 use crate::record::Row;
 use crate::report::{Figure, Series, Span, Style};
 use crate::study::driven::Run;
+use crate::study::swept::Swept;
 
 /// Most points of a curve over the whole run.
 const BINS: usize = 3000;
@@ -18,13 +21,14 @@ const BINS: usize = 3000;
 /// All figures that this run has something to show in, the most telling first.
 pub(super) fn of(run: &Run) -> Vec<Figure> {
     let view = View::new(&run.scene, &run.record);
-    let mut figures = Vec::new();
+    let mut figures = motor::of(run, &view);
     figures.extend(friction::over_time(run, &view));
     figures.extend(edges::of(run, &view));
     figures.extend(resonance::acquisition(run, &view));
     figures.extend(resonance::lock_in(&view));
     figures.extend(resonance::over_time(&view));
     figures.extend(admittance::locus(run, &view));
+    figures.extend(Swept::of("", &run.scene, &run.record).iter().flat_map(time_frequency::of));
     figures.extend(friction::tip_velocity(run, &view));
     figures.extend(energy::budget(run, &view));
     figures

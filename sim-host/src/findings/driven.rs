@@ -1,5 +1,7 @@
 //! A driven run in words and tables.
 
+mod motor;
+
 use std::fmt::Write as _;
 
 use firmware::supervisor::{Limit, Mode};
@@ -15,9 +17,10 @@ use crate::study::driven::Run;
 /// Where the controller ran, and what the three ways are.
 pub(super) fn preface(run: &Run) -> String {
     format!(
-        "{}, against a simulated stack and contact. Command is what the controller played, estimate what it believed, truth what the \
+        "{}, against a simulated {}. Command is what the controller played, estimate what it believed, truth what the \
          simulated plant did; the controller sees converter codes only.",
-        run.level
+        run.level,
+        if run.scene.stator().is_some() { "stator and rotor" } else { "stack and contact" },
     )
 }
 
@@ -48,12 +51,21 @@ pub(super) const HEADLINE: &[Line] = &[
     ("acquired in", "acquire_time_ms", "ms"),
     ("relocked to 20 Hz in", "relock_time_20hz_ms", "ms"),
     ("tip velocity", "tip_velocity_m_per_s", "m/s"),
+    ("rotor speed", "rotor_speed_rad_per_s", "rad/s"),
+    ("backward wave", "backward_wave_percent", "%"),
+    ("rotor over surface speed", "rotor_speed_ratio", ""),
+    ("stops in", "stop_time_ms", "ms"),
     ("simulated s per wall s", "simulated_s_per_wall_s", ""),
 ];
 
 /// The fault that the run ended in, as a headline.
 pub(super) fn fault(run: &Run) -> Option<(String, String)> {
     run.record.rows.last().filter(|row| row.fault != 0).map(|row| ("ended in fault".to_owned(), row.fault.to_string()))
+}
+
+/// The tables of a driven run.
+pub(super) fn tables(study: &Study, run: &Run) -> Vec<TableBlock> {
+    std::iter::once(three_ways(study, run)).chain(motor::closed_forms(study, &run.scene)).collect()
 }
 
 /// Where the numbers come from.
@@ -94,7 +106,7 @@ pub(super) fn modes(run: &Run) -> String {
 }
 
 /// Command (or what the controller was told), estimate, truth.
-pub(super) fn three_ways(study: &Study, run: &Run) -> TableBlock {
+fn three_ways(study: &Study, run: &Run) -> TableBlock {
     let view = View::new(&run.scene, &run.record);
     let steady: Vec<&Row> = view.steady().collect();
     let mean = |value: &dyn Fn(&Row) -> f64| {
@@ -103,7 +115,7 @@ pub(super) fn three_ways(study: &Study, run: &Run) -> TableBlock {
     let controller = run.scene.controller;
     let tracking = &controller.tracking;
     let found = run.record.last.transducer;
-    let truth = Circuit::of(&run.scene.stack.bvd);
+    let truth = Circuit::of_scene(&run.scene);
     let identified = |value: fn(&firmware::identify::Transducer) -> f32| found.as_ref().map(|found| f64::from(value(found)));
     let velocity_estimate =
         tracking.nominal_force_factor_n_per_v.and_then(|told| mean(&|row| row.motional_current_a).map(|amperes| amperes / told));
@@ -139,7 +151,12 @@ pub(super) fn three_ways(study: &Study, run: &Run) -> TableBlock {
     table(
         "three-ways",
         "Command, estimate, truth",
-        "The circuit is the stack's by itself, at the beginning of the run; a contact adds its stiffness and loss.",
+        if run.scene.stator().is_some() {
+            "The circuit is what the first lane shows of the stator without its rotor; friction adds its loss. The tip velocity is the \
+             crests', across the ring."
+        } else {
+            "The circuit is the stack's by itself, at the beginning of the run; a contact adds its stiffness and loss."
+        },
         &["", "command, or told", "controller's estimate", "plant's truth"],
         rows,
     )

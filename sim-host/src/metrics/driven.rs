@@ -10,9 +10,15 @@
 //! | `acquire_time_ms` | from the first DAC sample of the scan to the first of the run |
 //! | `rise_time_ms`, `fall_time_ms` | from the edge's first DAC sample, as ordered, to 90 % (10 %) of the steady true tip velocity; of the first ON window after the lock |
 //! | `overshoot_percent` | the largest true tip velocity of the run over the steady one; not where a step disturbance makes two steady states |
+//! | `drive_peak_v`, `drive_rms_v`, `input_power_w`, `tip_velocity_rms_…`, `tip_velocity_peak_…` | steady blocks, any waveform: see [`electrical`] |
 //! | `fault_code`, `limit_code` | the fault at the end of the run; the limit in its last block under drive; 0 is none |
 //! | `fault_latency_us` | from the scene's first fault to the first block without drive once the controller has faulted |
 //! | `worst_block_instructions` | the most instructions that one call of `process` has taken, to within 6; only of a run in QEMU |
+//!
+//! The tip velocity of a stator is that of its crests, across the ring. What only a motor has stands in [`motor`].
+
+mod electrical;
+mod motor;
 
 use firmware::supervisor::Mode;
 
@@ -34,6 +40,8 @@ pub fn of(scene: &Driven, record: &Record) -> Metrics {
     view.edges(scene, &mut metrics);
     view.lock(&mut metrics);
     view.steady_state(&mut metrics);
+    electrical::add(&view, &mut metrics);
+    view.motor(scene, &mut metrics);
     metrics.put("energy_residual", (record.energy.supplied_j != 0.0).then(|| record.energy.residual()));
     if let Some(transducer) = record.last.transducer {
         let found_hz = f64::from(transducer.series_resonance_hz);
@@ -143,7 +151,7 @@ impl<'a> View<'a> {
     fn friction(&self, scene: &Driven, metrics: &mut Metrics) {
         // A slider at rest has a force, and no friction to speak of.
         let sliding = |slider: &&Slider| slider.speed_m_per_s != 0.0;
-        let Some(slider) = scene.sliding.map(|(_, slider)| slider).filter(sliding) else { return };
+        let Some(slider) = scene.sliding().map(|(_, slider)| slider).filter(sliding) else { return };
         let force = |row: &Row| row.truth.friction_mean_n;
         let cell = |row: &Row| row.truth.load_cell_n;
         let (off, on) = (mean(self.settled(0.0, SETTLE_S).map(force)), mean(self.steady().map(force)));

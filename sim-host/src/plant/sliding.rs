@@ -57,8 +57,8 @@ impl Sliding {
 ///
 /// The measure is `kappa = Kt Vv / (omega Fc)`, the vibration amplitude in Dahl lengths: 16 steps a period are enough below 1, 32
 /// below 10, 64 below 100, 128 above. A scene may ask for more, or for fewer.
-pub fn steps_per_sample(scene: &Driven, circuit: &Circuit) -> u32 {
-    let Some((contact, slider)) = scene.sliding else { return 1 };
+pub fn steps_per_sample(scene: &Driven, sliding: Option<(&scene::Dahl, &Slider)>, circuit: &Circuit) -> u32 {
+    let Some((contact, slider)) = sliding else { return 1 };
     let drive = &scene.controller.drive;
     let by_voltage = drive.amplitude_v.unwrap_or(0.0) / circuit.rm_ohm / circuit.force_factor_n_per_v;
     let displacement = drive.velocity_m_per_s.unwrap_or(by_voltage) / circuit.omega();

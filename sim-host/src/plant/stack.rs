@@ -219,7 +219,7 @@ mod tests {
     /// Drives with a sine sampled so finely that holding it does not matter, and compares with the admittance.
     #[test]
     fn steady_state_is_the_admittance() {
-        let amplifier = Amplifier { full_scale_v: 20.0, bandwidth_hz: 1e7, source_ohm: 0.3, lanes: 1 };
+        let amplifier = Amplifier { bandwidth_hz: 1e7, ..Amplifier::default() };
         let step = 1e-8;
         let hz = 40_100.0;
         let omega = std::f64::consts::TAU * hz;

@@ -3,6 +3,7 @@
 /// Sums over the steps of a block.
 pub(super) struct Sums {
     pub(super) lost: f64,
+    pub(super) current_peak: f64,
     pub(super) in_phase: f64,
     pub(super) quadrature: f64,
     pub(super) friction: f64,
@@ -15,6 +16,7 @@ impl Sums {
     pub(super) fn new() -> Self {
         Sums {
             lost: 0.0,
+            current_peak: 0.0,
             in_phase: 0.0,
             quadrature: 0.0,
             friction: 0.0,

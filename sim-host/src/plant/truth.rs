@@ -24,8 +24,50 @@ pub struct Truth {
     pub lost_w: f64,
     /// Power that the tip gives to friction, W.
     pub friction_on_tip_w: f64,
-    /// Power that the slider's drive gives to friction, W.
+    /// Power that the slider's drive gives to friction, W; a rotor takes power, which is less than zero here.
     pub friction_on_slider_w: f64,
+    /// What only a stack has.
+    pub tip: Option<TipMotion>,
+    /// What only a motor has.
+    pub motor: Option<MotorTruth>,
+}
+
+/// How the tip of a stack moved within a block, whatever the waveform.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct TipMotion {
+    /// Mean square of its velocity, m²/s².
+    pub square_m2_per_s2: f64,
+    /// Largest velocity to either side, at the steps, m/s.
+    pub peak_m_per_s: f64,
+}
+
+/// The truth about one block of a travelling-wave motor.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct MotorTruth {
+    /// Amplitude of the wave that turns the rotor forwards, m, at the block's end.
+    pub forward_m: f64,
+    /// Amplitude of the wave that runs the other way, m.
+    pub backward_m: f64,
+    /// Surface speed at the crests of the forward wave alone, m/s.
+    pub forward_m_per_s: f64,
+    /// Surface speed at the crests of the backward wave alone, m/s.
+    pub backward_m_per_s: f64,
+    /// Speed of the rotor, rad/s.
+    pub rotor_rad_per_s: f64,
+    /// Surface speed of the rotor, m/s.
+    pub rotor_m_per_s: f64,
+    /// Torque of the friction on the rotor, mean over the block, N m.
+    pub torque_nm: f64,
+    /// Half angle over which the crests of the stronger wave touch, degrees.
+    pub contact_deg: f64,
+    /// Normal force, mean over the block, N.
+    pub normal_n: f64,
+    /// How far the contact's spring, which is left out, would move the resonance, Hz.
+    pub normal_shift_hz: f64,
+    /// Largest phase error of a lane as played, degrees; not of silence.
+    pub lane_phase_error_deg: Option<f64>,
+    /// Largest amplitude error of a lane as played, per cent.
+    pub lane_gain_error_percent: Option<f64>,
 }
 
 /// The truth about one sample, for zooms and traces.
@@ -39,4 +81,17 @@ pub struct Sample {
     pub tip_velocity_m_per_s: f64,
     /// Friction, mean over the sample, N.
     pub friction_n: f64,
+    /// What only a motor has.
+    pub motor: Option<MotorSample>,
+}
+
+/// The truth about one sample of a motor.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct MotorSample {
+    /// Voltages of the lanes, V.
+    pub lanes_v: [f64; 4],
+    /// Displacement of the surface under the first tab across and along the ring, m.
+    pub surface_m: [f64; 2],
+    /// Speed of the rotor, rad/s.
+    pub rotor_rad_per_s: f64,
 }

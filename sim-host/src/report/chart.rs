@@ -7,6 +7,7 @@ use plotters::prelude::DrawingBackend;
 use super::axis::Scale;
 use super::clip;
 use super::figure::{Figure, Style};
+use super::heat_map;
 use super::sheet::{Failure, Sheet};
 use super::style::{FINE_GRID, FRAME, GRID, INK, MUTED};
 
@@ -49,7 +50,9 @@ pub(super) struct Plot<'f, 's, DB: DrawingBackend> {
 
 impl<DB: DrawingBackend> Plot<'_, '_, DB> {
     /// Draws the chart into its place on the canvas; the labels in `elsewhere` stand in the legend.
-    pub fn draw(&self, layout: &Layout, elsewhere: &[&str]) -> Result<(), Failure<DB>> {
+    ///
+    /// Says how many pixels wide and high its plot is.
+    pub fn draw(&self, layout: &Layout, elsewhere: &[&str]) -> Result<(i32, i32), Failure<DB>> {
         let pen = self.sheet.pen;
         let mut chart = ChartBuilder::on(self.sheet.root)
             .margin_top(pen.px(layout.top))
@@ -72,6 +75,10 @@ impl<DB: DrawingBackend> Plot<'_, '_, DB> {
             .y_label_offset(pen.text_drop(TICK_SIZE))
             .set_all_tick_mark_size(pen.px(6.0))
             .draw()?;
+        if let Some(map) = &self.figure.map {
+            self.heat(&chart, map)?;
+            heat_map::bar(map, layout, self.sheet)?;
+        }
         self.reference_lines(&mut chart)?;
         for (index, series) in self.figure.series.iter().enumerate() {
             match series.style {
@@ -80,7 +87,9 @@ impl<DB: DrawingBackend> Plot<'_, '_, DB> {
             }
         }
         self.shade_labels(&chart, elsewhere)?;
-        self.markers(&chart)
+        self.markers(&chart)?;
+        let (columns, rows) = chart.plotting_area().get_pixel_range();
+        Ok((columns.end - columns.start, rows.end - rows.start))
     }
 
     /// Where a point lies; nothing if it has no place on the axes.

@@ -5,15 +5,18 @@
 
 use std::io::Write;
 
-use super::figure::{Figure, Series, Style};
+use super::figure::{Figure, HeatMap, Series, Style};
 
 /// Writes the figure's series.
 ///
 /// Series over the same x share one table: x first, then a column for each. Series over different x
-/// are written one below the other, with the name of the series in the first column.
+/// are written one below the other, with the name of the series in the first column. A map is a table of a line for each of its
+/// columns: the middle in x, then the values, whose headings say the middle in y.
 pub(super) fn write(figure: &Figure, target: impl Write) -> csv::Result<()> {
     let mut out = csv::Writer::from_writer(target);
-    if let Some(x) = shared_x(&figure.series) {
+    if let Some(map) = &figure.map {
+        write_map(figure, map, &mut out)?;
+    } else if let Some(x) = shared_x(&figure.series) {
         write_wide(figure, x, &mut out)?;
     } else {
         write_long(figure, &mut out)?;
@@ -61,6 +64,21 @@ fn write_long<W: Write>(figure: &Figure, out: &mut csv::Writer<W>) -> csv::Resul
             record.resize(header.len(), String::new());
             out.write_record(&record)?;
         }
+    }
+    Ok(())
+}
+
+fn write_map<W: Write>(figure: &Figure, map: &HeatMap, out: &mut csv::Writer<W>) -> csv::Result<()> {
+    let (columns, rows) = map.size();
+    // Six digits: the middles are computed, and their last digits are rounding.
+    let middle = |(from, to): (f64, f64), n: usize, of: usize| {
+        let value = from + (to - from) * (n as f64 + 0.5) / of as f64;
+        cell(format!("{value:.5e}").parse().unwrap_or(value))
+    };
+    let headings = (0..rows).map(|row| format!("{}_at_{}", map.csv_column, middle(map.y, row, rows)));
+    out.write_record(std::iter::once(column_name(&figure.x.label)).chain(headings))?;
+    for (index, values) in map.columns.iter().enumerate() {
+        out.write_record(std::iter::once(middle(map.x, index, columns)).chain(values.iter().copied().map(cell)))?;
     }
     Ok(())
 }
@@ -124,6 +142,24 @@ mod tests {
         assert_eq!(
             text(vec![series("a_n", &[0.0, 0.5], &[1.0, 0.1]), banded]),
             "time_ms,a_n,b,b_lower,b_upper\n0,1,,-1,1\n0.5,0.1,1e-9,0,2\n"
+        );
+    }
+
+    #[test]
+    fn a_map_is_a_table_of_its_middles() {
+        let map = HeatMap {
+            x: (0.0, 0.3),
+            y: (0.0, 100.0),
+            columns: vec![vec![-1.0, -2.0], vec![-3.5, f64::NAN], vec![0.0, 1.0]],
+            csv_column: "power_db".into(),
+            ..HeatMap::default()
+        };
+        let figure = Figure { x: Axis { label: "time [ms]".into(), ..Axis::default() }, map: Some(map), ..Figure::default() };
+        let mut bytes = Vec::new();
+        write(&figure, &mut bytes).unwrap();
+        assert_eq!(
+            String::from_utf8(bytes).unwrap(),
+            "time_ms,power_db_at_25,power_db_at_75\n0.05,-1,-2\n0.15,-3.5,\n0.25,0,1\n"
         );
     }
 

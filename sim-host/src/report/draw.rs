@@ -17,6 +17,7 @@ use super::axis::Scale;
 use super::chart::{Layout, Plot, TICK_SIZE};
 use super::extent::scales;
 use super::figure::Figure;
+use super::heat_map;
 use super::legend::Legend;
 use super::marks;
 use super::sheet::{Failure, Lettering, Sheet};
@@ -42,9 +43,12 @@ pub(super) fn svg(figure: &Figure, titled: bool) -> Result<String, String> {
     let (width, height) = size(figure);
     let fine = (width * SVG_ZOOM, height * SVG_ZOOM);
     let mut document = String::new();
-    {
+    let plot = {
         let root = SVGBackend::with_string(&mut document, fine).into_drawing_area();
-        paint(&root, figure, Pen::vector(SVG_ZOOM), titled).map_err(|e| e.to_string())?;
+        paint(&root, figure, Pen::vector(SVG_ZOOM), titled).map_err(|e| e.to_string())?
+    };
+    if let Some(map) = &figure.map {
+        document = heat_map::stretched(document, map, plot);
     }
     let fine = format!("width=\"{}\" height=\"{}\"", fine.0, fine.1);
     Ok(document.replacen(&fine, &format!("width=\"{width}\" height=\"{height}\""), 1))
@@ -89,15 +93,20 @@ fn average(fine: &[u8], fine_width: usize, zoom: usize) -> Vec<u8> {
     coarse
 }
 
-/// Paints title, legend and chart from top to bottom.
-fn paint<DB: DrawingBackend>(root: &DrawingArea<DB, Shift>, figure: &Figure, pen: Pen, titled: bool) -> Result<(), Failure<DB>> {
+/// Paints title, legend and chart from top to bottom. Says how many pixels wide and high the plot is.
+fn paint<DB: DrawingBackend>(
+    root: &DrawingArea<DB, Shift>,
+    figure: &Figure,
+    pen: Pen,
+    titled: bool,
+) -> Result<(i32, i32), Failure<DB>> {
     root.fill(&WHITE)?;
     let (width, height) = size(figure);
     let sheet = Sheet { root, pen };
     let (x, y) = scales(figure);
     let labels = y.ticks().into_iter().map(|tick| sheet.text_width(&y.label(tick), TICK_SIZE));
     let left = 76.0 + labels.fold(0.0, f64::max);
-    let right = f64::from(width) - 40.0;
+    let right = f64::from(width) - if figure.map.is_some() { heat_map::BAR_ROOM } else { 40.0 };
 
     let mut top = HEAD;
     if titled && !figure.title.is_empty() {
@@ -113,13 +122,15 @@ fn paint<DB: DrawingBackend>(root: &DrawingArea<DB, Shift>, figure: &Figure, pen
     let layout = Layout {
         left,
         right,
-        top: top + 12.0 + legend.height(),
+        // The bar of a map has its title above it.
+        top: top + if figure.map.is_some() { 40.0 } else { 12.0 } + legend.height(),
         bottom: f64::from(height) - 92.0,
         canvas: (f64::from(width), f64::from(height)),
     };
     let (x, y) = if figure.is_plane() { equalize(x, y, &layout) } else { (x, y) };
-    Plot { figure, sheet: &sheet, x, y }.draw(&layout, &elsewhere)?;
-    root.present()
+    let plot = Plot { figure, sheet: &sheet, x, y }.draw(&layout, &elsewhere)?;
+    root.present()?;
+    Ok(plot)
 }
 
 /// Widens one of the scales so that a unit of either has the same length.
@@ -134,7 +145,7 @@ fn equalize(mut x: Scale, mut y: Scale, layout: &Layout) -> (Scale, Scale) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::report::figure::{Axis, Series, Span};
+    use crate::report::figure::{Axis, HeatMap, Series, Span};
 
     fn figure() -> Figure {
         let x: Vec<f64> = (0..500).map(|i| f64::from(i) * 0.01).collect();
@@ -168,6 +179,21 @@ mod tests {
         assert_eq!(&bytes[16..24], [0, 0, 0x06, 0x40, 0, 0, 0x03, 0x84]);
         // A blank sheet of this size compresses to less than this.
         assert!(bytes.len() > 20_000, "only {} bytes", bytes.len());
+    }
+
+    #[test]
+    fn a_map_is_one_stretched_bitmap() {
+        let columns = (0..40).map(|x| (0..20).map(|y| f64::from(x * y)).collect()).collect();
+        let map =
+            HeatMap { x: (0.0, 4.0), y: (0.0, 1.0), columns, range: (0.0, 600.0), label: "value".into(), ..HeatMap::default() };
+        let figure = Figure { map: Some(map), ..Figure::default() };
+        let document = svg(&figure, true).unwrap();
+        let image = document.split("<image ").nth(1).unwrap().split("/>").next().unwrap();
+        assert!(
+            image.contains("preserveAspectRatio=\"none\"") && image.contains("href=\"data:image/png;base64,iVBOR"),
+            "{image}"
+        );
+        assert!(!image.contains("width=\"40\"") && document.len() < 60_000, "{}", document.len());
     }
 
     #[test]

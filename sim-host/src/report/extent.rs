@@ -5,6 +5,9 @@ use super::figure::{Figure, Style};
 
 /// Ranges that show everything the figure holds.
 pub(super) fn scales(figure: &Figure) -> (Scale, Scale) {
+    if let Some(map) = &figure.map {
+        return map.scales();
+    }
     let dots = figure.series.iter().any(|s| s.style == Style::Points);
     let mut xs: Vec<f64> = figure.series.iter().flat_map(|s| s.x.iter().copied()).collect();
     xs.extend(figure.markers.iter().map(|m| m.x));

@@ -45,7 +45,7 @@ pub struct TableBlock {
     pub rows: Vec<Vec<String>>,
 }
 
-/// One plot: curves over two axes, with the marks that explain them.
+/// One plot: curves over two axes, or a map of values, with the marks that explain them.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Figure {
     /// Stem of the figure's file names and its anchor in the page.
@@ -60,6 +60,8 @@ pub struct Figure {
     pub y: Axis,
     /// Curves, drawn in this order, coloured by their place in the list.
     pub series: Vec<Series>,
+    /// Values over the plane, instead of curves.
+    pub map: Option<HeatMap>,
     /// Intervals of x shaded behind the curves.
     pub shaded: Vec<Span>,
     /// Single labelled points, drawn on top.
@@ -74,6 +76,23 @@ pub struct Figure {
     ///
     /// Needs x in ascending order; a locus stays static whatever is asked.
     pub interactive: bool,
+}
+
+/// Values over a plane as colours, in cells of equal size. Both axes are linear, and end where the map does.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct HeatMap {
+    /// Outer edges of the first and the last column.
+    pub x: (f64, f64),
+    /// Outer edges of the lowest and the highest row.
+    pub y: (f64, f64),
+    /// For each column, the values from the lowest row to the highest; what is not finite is drawn as the floor.
+    pub columns: Vec<Vec<f64>>,
+    /// Values of the darkest and the lightest colour; what lies beyond has the colour of the end.
+    pub range: (f64, f64),
+    /// Quantity and unit of the values, such as `power [dB]`.
+    pub label: String,
+    /// Name of the columns in the CSV, with the unit; the row's place on the vertical axis follows it.
+    pub csv_column: String,
 }
 
 /// One axis of a [`Figure`].

@@ -69,7 +69,12 @@ impl<DB: DrawingBackend> Plot<'_, '_, DB> {
         let px = |points| self.sheet.pen.px(points);
         for (value, label) in &self.figure.hlines {
             let Some(y) = self.y.position(*value).filter(|&y| self.y.shows(y)) else { continue };
-            self.dashes(chart, vec![(self.x.low, y), (self.x.high, y)], MUTED, 2.0)?;
+            // A line across a map would cover what lies on it, so it is an end only.
+            let (ink, from) = match self.figure.map {
+                Some(_) => (WHITE, self.x.high - 0.16 * self.x.extent()),
+                None => (MUTED, self.x.low),
+            };
+            self.dashes(chart, vec![(from, y), (self.x.high, y)], ink, 2.0)?;
             let (right, height) = chart.backend_coord(&(self.x.high, y));
             self.sheet.note(label, look, WHITE, (right - px(10.0), height - px(17.0)))?;
         }

@@ -41,7 +41,7 @@ struct Curve<'a> {
 
 /// Whether the figure is one that can be zoomed: x must never turn back.
 pub(super) fn can_zoom(figure: &Figure) -> bool {
-    figure.interactive && !figure.is_plane() && figure.series.iter().all(|s| s.x.is_sorted())
+    figure.interactive && figure.map.is_none() && !figure.is_plane() && figure.series.iter().all(|s| s.x.is_sorted())
 }
 
 /// The figure's data for the script.

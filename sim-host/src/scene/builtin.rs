@@ -15,12 +15,16 @@ const SCENES: &[(&str, &str)] = scenes![
     "lock",
     "lock-step",
     "lock-drift",
+    "waveforms",
+    "waveforms-fast",
     "transducer-smbltd45f40h-1",
     "transducer-smbltd45f40h-2",
     "transducer-gb-4540-4sh",
     "transducer-skymen-60w",
     "transducer-smbltd45f28h",
-    "transducer-ma40s4s"
+    "transducer-ma40s4s",
+    "usm",
+    "usm-miscalibrated"
 ];
 
 /// Name and text of every built-in scene.

@@ -45,6 +45,15 @@ pub enum DisturbedKey {
     /// Sliding speed, m/s.
     #[serde(rename = "rig.slider.speed_m_per_s")]
     Speed,
+    /// Series resonance of a stator, Hz; its modal mass and damping stay.
+    #[serde(rename = "stator.series_resonance_hz")]
+    StatorResonance,
+    /// Load torque on the rotor, N m.
+    #[serde(rename = "rig.rotor.torque_nm")]
+    Torque,
+    /// Force that presses the rotor on, N.
+    #[serde(rename = "rig.rotor.preload_n")]
+    Preload,
     /// Normal force of a contact study, N; a step only.
     #[serde(rename = "contact.normal_n")]
     Normal,

@@ -28,10 +28,10 @@ pub struct Loaded {
 }
 
 impl Loaded {
-    /// The same scene with further changes, as for a cell of a grid or a point of a sweep.
-    pub fn with(&self, sets: &[String]) -> Result<Self, LoadError> {
+    /// The same scene with further changes and nothing run beside it: a cell of its grid, or a case of its comparison.
+    pub fn cell(&self, sets: &[String]) -> Result<Self, LoadError> {
         let sets = [self.sets.as_slice(), sets].concat();
-        Ok(Self { name: self.name.clone(), ..load_text(&self.origin, &self.input, &sets)? })
+        Ok(Self { name: self.name.clone(), ..loaded(&self.origin, &self.input, &sets, rules::alone)? })
     }
 }
 
@@ -81,14 +81,19 @@ pub fn load(source: &str, sets: &[String]) -> Result<Loaded, LoadError> {
 
 /// Loads a scene from its text. A relative `base` is looked for beside `name`.
 pub fn load_text(name: &str, text: &str, sets: &[String]) -> Result<Loaded, LoadError> {
+    loaded(name, text, sets, |_| ())
+}
+
+fn loaded(name: &str, text: &str, sets: &[String], prepare: fn(&mut Node)) -> Result<Loaded, LoadError> {
     let (changes, starts) = joined(sets);
     // The newer a text, the earlier in this list.
     let mut sources = vec![Source { name: "--set".to_owned(), text: changes }];
     sources.push(Source { name: name.to_owned(), text: text.to_owned() });
-    let root = match layers(&mut sources).and_then(|root| change(root, sets, &starts)) {
+    let mut root = match layers(&mut sources).and_then(|root| change(root, sets, &starts)) {
         Ok(root) => root,
         Err(problems) => return Err(LoadError::Invalid(Report::new(sources, problems))),
     };
+    prepare(&mut root);
     match judge(root) {
         Ok(scene) => {
             Ok(Loaded { name: name.to_owned(), origin: name.to_owned(), scene, input: text.to_owned(), sets: sets.to_vec() })

@@ -16,6 +16,15 @@ pub struct Amplifier {
     /// Source resistance, ohm.
     #[schemars(range(min = 1e-3, max = 1e4))]
     pub source_ohm: f64,
+    /// How far each lane of a stator leads what it should play, degrees at `controller.drive.frequency_hz`; in proportion to the
+    /// frequency elsewhere.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    #[schemars(length(max = 4), inner(range(min = -45.0, max = 45.0)))]
+    pub lane_phase_error_deg: Vec<f64>,
+    /// By which part each lane of a stator plays more than it should.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    #[schemars(length(max = 4), inner(range(min = -0.5, max = 0.5)))]
+    pub lane_gain_error: Vec<f64>,
     /// Lanes that the board has: a converter and an amplifier each.
     #[schemars(range(min = 1, max = 4))]
     pub lanes: u8,
@@ -23,7 +32,14 @@ pub struct Amplifier {
 
 impl Default for Amplifier {
     fn default() -> Self {
-        Amplifier { full_scale_v: 20.0, bandwidth_hz: 200e3, source_ohm: 0.3, lanes: 4 }
+        Amplifier {
+            full_scale_v: 20.0,
+            bandwidth_hz: 200e3,
+            source_ohm: 0.3,
+            lane_phase_error_deg: Vec::new(),
+            lane_gain_error: Vec::new(),
+            lanes: 4,
+        }
     }
 }
 

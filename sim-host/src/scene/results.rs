@@ -3,6 +3,8 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use super::Equal;
+
 /// A table of one metric over two keys; each cell is this scene, run again with two values changed.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
@@ -97,6 +99,12 @@ pub enum Signal {
 pub struct Expect {
     /// The metric.
     pub metric: String,
+    /// Of this case of the comparison, rather than of the scene's own run. With `match`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub case: Option<String>,
+    /// At equal peak, rms or power. With `case`.
+    #[serde(rename = "match", skip_serializing_if = "Option::is_none")]
+    pub matched: Option<Equal>,
     /// Smallest value.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub min: Option<f64>,

@@ -16,6 +16,9 @@ pub struct Rig {
     /// One mass on a spring.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub sdof: Option<Sdof>,
+    /// The rotor of a travelling-wave motor.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub rotor: Option<Rotor>,
 }
 
 /// A slider at constant speed; the tip of a driven stack vibrates along the motion. For scenes with `[controller]`.
@@ -57,4 +60,30 @@ pub struct Sdof {
     #[serde(default)]
     #[schemars(range(min = 0.0, max = 10.0))]
     pub damping_ratio: f64,
+}
+
+/// A rigid rotor pressed on the crests of a stator through a compliant layer, and driven by their friction. For scenes with
+/// `[stator]`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Rotor {
+    /// Moment of inertia, kg m^2.
+    #[schemars(range(min = 1e-12, max = 1e3))]
+    pub inertia_kg_m2: f64,
+    /// Load torque against forward rotation, as of a weight on a drum, N m.
+    #[serde(default)]
+    #[schemars(range(min = -1e3, max = 1e3))]
+    pub torque_nm: f64,
+    /// Force that presses the rotor on, N.
+    #[schemars(range(min = 1e-3, max = 1e5))]
+    pub preload_n: f64,
+    /// Coefficient of friction.
+    #[schemars(range(min = 0.0, max = 2.0))]
+    pub mu: f64,
+    /// Mean radius of the contact, m.
+    #[schemars(range(min = 1e-4, max = 10.0))]
+    pub radius_m: f64,
+    /// Stiffness of the contact layer if it touched all round, N/m. With the preload it sets the angle over which a crest touches.
+    #[schemars(range(min = 1e3, max = 1e12))]
+    pub contact_stiffness_n_per_m: f64,
 }

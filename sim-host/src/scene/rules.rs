@@ -3,6 +3,8 @@
 //! A rule reads the keys it looks at, and is silent if one of them is itself wrong, so that one mistake neither raises a second
 //! complaint nor hides another one.
 
+mod cells;
+mod comparison;
 mod contact;
 mod converters;
 mod disturbance;
@@ -13,6 +15,7 @@ mod firmware;
 mod grid;
 mod integrator;
 mod kind;
+mod motor;
 mod timeline;
 mod tracking;
 mod window;
@@ -24,6 +27,7 @@ use super::tree::Node;
 use super::walk::{Findings, walk};
 use crate::metric_names;
 
+pub(super) use cells::alone;
 pub use exclusive::{Alternative, EXCLUSIVE, Exclusive};
 use kind::Kind;
 
@@ -37,7 +41,10 @@ pub(super) fn check(root: &Node, findings: Findings) -> Findings {
     }
     rules.contact();
     match rules.kind {
-        Some(Kind::Driven) => rules.driven(),
+        Some(Kind::Driven) => {
+            rules.driven();
+            rules.motor();
+        }
         Some(Kind::Excited) => {
             rules.excited();
             rules.integrator();
@@ -53,9 +60,11 @@ pub(super) fn check(root: &Node, findings: Findings) -> Findings {
     rules.trace();
     rules.expectations();
     rules.axes();
-    // The last two judge a scene in which nothing else is wrong: first this one, then the cells made of it.
+    rules.comparison();
+    // The last three judge a scene in which nothing else is wrong: first this one, then what is made of it.
     rules.firmware();
     rules.cells();
+    rules.cases();
     rules.findings
 }
 
@@ -149,6 +158,7 @@ impl<'a> Rules<'a> {
     fn expectations(&mut self) {
         for path in self.tables("expect") {
             self.metric(&join(&path, "metric"));
+            self.of_a_case(&path);
             let (least, most) = (join(&path, "min"), join(&path, "max"));
             if let (Some(min), Some(max)) = (self.number(&least), self.number(&most))
                 && min > max

@@ -195,7 +195,7 @@ mod tests {
         assert_eq!(block.range(), (Some(8.0), Some(64.0)));
         assert_eq!(block.default(), Some(&json!(32)));
         assert_eq!(block.description(), Some("Samples in a block."));
-        assert_eq!(root.at("controller.drive.shape").unwrap().choices(), ["sine", "square"]);
+        assert_eq!(root.at("controller.drive.shape").unwrap().choices(), ["sine", "square", "sawtooth", "noise"]);
         assert_eq!(root.at("disturbance.3.to").unwrap().kind(), Kind::Number);
         assert_eq!(root.at("controller.burst.on_s").unwrap().lengths(), (None, Some(8)));
         assert!(root.at("controller.drive.nothing").is_none());

@@ -1,9 +1,11 @@
 //! Scenes that are wrong in every way, and what a user reads about them.
 
+mod comparison;
 mod excited;
 mod keys;
 mod kinds;
 mod layers;
+mod motor;
 mod rules;
 mod whole;
 

@@ -3,7 +3,7 @@
 use std::ops::Deref;
 
 use super::contact::Model;
-use super::{Amplifier, Controller, Dahl, Excitation, Kinematic, Method, Scene, Sdof, Sensors, Slider, Stack};
+use super::{Amplifier, Controller, Dahl, Excitation, Kinematic, Method, Rotor, Scene, Sdof, Sensors, Slider, Stack, Stator};
 
 /// Largest error of the mean friction ratio of a contact study that names none.
 const TOLERANCE: f64 = 1e-7;
@@ -17,7 +17,7 @@ pub enum Kind<'a> {
     Excited(Excited<'a>),
 }
 
-/// A scene in which the firmware drives a stack.
+/// A scene in which the firmware drives a stack, or the stator of a motor.
 #[derive(Clone, Copy, Debug)]
 pub struct Driven<'a> {
     scene: &'a Scene,
@@ -27,10 +27,43 @@ pub struct Driven<'a> {
     pub amplifier: &'a Amplifier,
     /// The converters and the load cell.
     pub sensors: &'a Sensors,
-    /// The stack.
-    pub stack: &'a Stack,
-    /// The contact at its tip and what moves it, if there are any.
-    pub sliding: Option<(&'a Dahl, &'a Slider)>,
+    /// What it drives.
+    pub transducer: Transducer<'a>,
+}
+
+/// What the firmware drives.
+#[derive(Clone, Copy, Debug)]
+pub enum Transducer<'a> {
+    /// A stack, and the contact at its tip with what moves it, if there are any.
+    Stack(&'a Stack, Option<(&'a Dahl, &'a Slider)>),
+    /// The stator of a motor, and its rotor, if there is one.
+    Stator(&'a Stator, Option<&'a Rotor>),
+}
+
+impl<'a> Driven<'a> {
+    /// The contact at a stack's tip and what moves it.
+    pub fn sliding(&self) -> Option<(&'a Dahl, &'a Slider)> {
+        match self.transducer {
+            Transducer::Stack(_, sliding) => sliding,
+            Transducer::Stator(..) => None,
+        }
+    }
+
+    /// The stator of a motor.
+    pub fn stator(&self) -> Option<&'a Stator> {
+        match self.transducer {
+            Transducer::Stack(..) => None,
+            Transducer::Stator(stator, _) => Some(stator),
+        }
+    }
+
+    /// The rotor of a motor.
+    pub fn rotor(&self) -> Option<&'a Rotor> {
+        match self.transducer {
+            Transducer::Stack(..) => None,
+            Transducer::Stator(_, rotor) => rotor,
+        }
+    }
 }
 
 /// A scene in which a contact is studied by itself.
@@ -64,13 +97,15 @@ impl Scene {
     pub fn driven(&self) -> Option<Driven<'_>> {
         let dahl = self.contact.as_ref().and_then(|contact| contact.dahl.as_ref());
         let slider = self.rig.as_ref().and_then(|rig| rig.slider.as_ref());
+        let rotor = self.rig.as_ref().and_then(|rig| rig.rotor.as_ref());
+        let stack = self.stack.as_ref().map(|stack| Transducer::Stack(stack, dahl.zip(slider)));
+        let stator = || self.stator.as_ref().map(|stator| Transducer::Stator(stator, rotor));
         Some(Driven {
             scene: self,
             controller: self.controller.as_ref()?,
             amplifier: self.amplifier.as_ref()?,
             sensors: self.sensors.as_ref()?,
-            stack: self.stack.as_ref()?,
-            sliding: dahl.zip(slider),
+            transducer: stack.or_else(stator)?,
         })
     }
 

@@ -3,6 +3,7 @@
 use std::sync::atomic::AtomicBool;
 
 use super::StudyError;
+use super::swept::{self, Swept};
 use crate::metrics::{self, Metrics};
 use crate::plant::circuit::Circuit;
 use crate::processor::Processor;
@@ -10,6 +11,11 @@ use crate::record::{Record, Window};
 use crate::run::{self, Watch};
 use crate::scene::Driven;
 use crate::schedule::first_window;
+
+/// Title of the window that shows a motor's wave and lanes in their last periods.
+pub const WAVE: &str = "wave";
+/// Length of that window, drive periods.
+const WAVE_PERIODS: f64 = 10.0;
 
 /// Where the controller of a study ran, and so what its result can show.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -48,7 +54,9 @@ pub(super) fn conduct<'a, 'w>(
     progress: Option<&'w mut dyn FnMut(f64)>,
 ) -> Result<(Run<'a>, Metrics), StudyError> {
     let level = if emulator.is_some() { Level::Pil } else { Level::Sil };
-    let watch = Watch { windows: edge_windows(&scene), stop: Some(stop), progress };
+    let mut windows = [edge_windows(&scene), wave_window(&scene)].concat();
+    windows.extend(swept::window(&scene));
+    let watch = Watch { windows, stop: Some(stop), progress };
     let record = match emulator {
         Some(processor) => run::run_on(processor, &scene, watch)?,
         None => run::run(&scene, watch)?,
@@ -57,16 +65,23 @@ pub(super) fn conduct<'a, 'w>(
     Ok((Run { scene, level, record }, metrics))
 }
 
-/// The numbers of a scene that is a cell of a grid.
+/// The numbers of a scene that is a cell.
 pub(super) fn cell(scene: &Driven, stop: &AtomicBool) -> Result<Metrics, StudyError> {
     let record = run::run(scene, Watch { stop: Some(stop), ..Watch::default() })?;
     Ok(metrics::driven::of(scene, &record))
 }
 
+/// The sweep of a scene that is a cell, sample by sample.
+pub(super) fn sweep(scene: &Driven, name: &str, stop: &AtomicBool) -> Result<Option<Swept>, StudyError> {
+    let windows = swept::window(scene).into_iter().collect();
+    let record = run::run(scene, Watch { windows, stop: Some(stop), ..Watch::default() })?;
+    Ok(Swept::of(name, scene, &record))
+}
+
 /// Both edges of the first ON window, sample by sample: a little before, and five time constants after. Of a repeated burst the
 /// last period, because the first ones find the stack not yet locked.
 fn edge_windows(scene: &Driven) -> Vec<Window> {
-    let after_s = 5.0 * Circuit::of(&scene.stack.bvd).time_constant_s();
+    let after_s = 5.0 * Circuit::of_scene(scene).time_constant_s();
     let Some(burst) = &scene.controller.burst else { return Vec::new() };
     let late = burst.period_s.map_or(0.0, |period_s| scene.duration_s - 2.0 * period_s);
     let window = first_window(burst, late).filter(|window| window.0 < scene.duration_s);
@@ -78,4 +93,17 @@ fn edge_windows(scene: &Driven) -> Vec<Window> {
         ..Window::default()
     };
     window.map_or_else(Vec::new, |(on, off)| vec![edge("on", on), edge("off", off)])
+}
+
+/// The last periods of a motor's first ON window, or of its run.
+fn wave_window(scene: &Driven) -> Vec<Window> {
+    if scene.stator().is_none() {
+        return Vec::new();
+    }
+    let window = scene.controller.burst.as_ref().and_then(|burst| first_window(burst, 0.0));
+    let end_s = window.map_or(scene.duration_s, |(_, off)| off.min(scene.duration_s));
+    // An edge may be moved to the end of a period.
+    let period_s = 1.0 / scene.controller.drive.frequency_hz;
+    let (from_s, to_s) = (end_s - (WAVE_PERIODS + 2.0) * period_s, end_s - 2.0 * period_s);
+    vec![Window { title: WAVE.into(), edge_s: from_s, from_s, to_s, ..Window::default() }]
 }

@@ -43,7 +43,7 @@ pub(super) fn locus(run: &Run, view: &View) -> Option<Figure> {
         rm_ohm: found.rm_ohm.into(),
         force_factor_n_per_v: 1.0,
     };
-    let truth = Circuit::of(&run.scene.stack.bvd);
+    let truth = Circuit::of_scene(&run.scene);
     let (x, y) = settled_points(&run.record.rows);
     let measured = Series {
         name: "measured, last pass of the scan".into(),

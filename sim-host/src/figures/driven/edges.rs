@@ -6,12 +6,14 @@ use super::axis;
 use crate::metrics::driven::View;
 use crate::record::Window;
 use crate::report::{Figure, Series, Span, Style};
-use crate::study::driven::Run;
+use crate::study::driven::{Run, WAVE};
+use crate::study::swept::TITLE;
 
 /// One figure for each edge that was kept, and really played: an ON window may begin before there is a lock.
 pub(super) fn of(run: &Run, view: &View) -> Vec<Figure> {
     let Some(run_s) = view.plays_from(Mode::Run) else { return Vec::new() };
-    let played = |window: &&Window| window.edge_s > run_s && !window.samples.is_empty();
+    let whole = |window: &Window| window.title == TITLE || window.title == WAVE;
+    let played = |window: &&Window| window.edge_s > run_s && !whole(window) && !window.samples.is_empty();
     run.record.windows.iter().filter(played).map(|window| edge(run, window)).collect()
 }
 
@@ -27,16 +29,23 @@ fn edge(run: &Run, window: &Window) -> Figure {
         let y = (0..time.len()).map(|n| value(n) / scale).collect();
         Series { name: name.into(), csv_column: column.into(), x: time.clone(), y, style: Style::Line }
     };
-    let mut series = vec![relative("tip velocity", "tip_velocity_relative", &velocity)];
+    let what_moves = if run.scene.stator().is_some() { "crest velocity" } else { "tip velocity" };
+    let mut series = vec![relative(what_moves, "tip_velocity_relative", &velocity)];
     if run.scene.contact.is_some() {
         series.push(relative("friction", "friction_relative", &friction));
     }
+    if run.scene.rotor().is_some() {
+        let speed = |n: usize| window.samples[n].motor.map_or(0.0, |motor| motor.rotor_rad_per_s);
+        series.push(relative("rotor speed", "rotor_speed_relative", &speed));
+    }
     let on = window.title == "on";
-    let what = match (on, run.scene.contact.is_some()) {
-        (true, true) => "drive ON, friction falls",
-        (false, true) => "drive OFF, friction comes back",
-        (true, false) => "drive ON, the stack rings up",
-        (false, false) => "drive OFF, the stack rings down",
+    let what = match (on, run.scene.contact.is_some(), run.scene.rotor().is_some()) {
+        (true, _, true) => "drive ON, the rotor starts",
+        (false, _, true) => "drive OFF, the rotor stops",
+        (true, true, _) => "drive ON, friction falls",
+        (false, true, _) => "drive OFF, friction comes back",
+        (true, false, _) => "drive ON, it rings up",
+        (false, false, _) => "drive OFF, it rings down",
     };
     let (first, last) = (time.first().copied().unwrap_or(0.0), time.last().copied().unwrap_or(0.0));
     let (from, to) = if on { (0.0, last) } else { (first, 0.0) };

@@ -23,10 +23,15 @@ pub(super) fn budget(run: &Run, view: &View) -> Option<Figure> {
             .unzip();
         Series { name: name.into(), csv_column: csv_column.into(), x, y, style }
     };
+    let transducer = if run.scene.stator().is_some() { "stator" } else { "stack" };
     let mut series = vec![
         cumulative("from the amplifier", "supplied_j", Style::Line, &|truth| truth.power_w),
-        cumulative("heat in the stack", "lost_j", Style::Dashed, &lost),
+        cumulative(&format!("heat in the {transducer}"), "lost_j", Style::Dashed, &lost),
     ];
+    if run.scene.rotor().is_some() {
+        series.push(cumulative("wave against friction", "friction_on_wave_j", Style::Line, &|t| t.friction_on_tip_w));
+        series.push(cumulative("friction on the rotor", "friction_on_rotor_j", Style::Line, &|t| -t.friction_on_slider_w));
+    }
     if run.scene.contact.is_some() {
         series.push(cumulative("slider against friction", "friction_on_slider_j", Style::Line, &|t| t.friction_on_slider_w));
         series.push(cumulative("tip against friction", "friction_on_tip_j", Style::Line, &|t| t.friction_on_tip_w));

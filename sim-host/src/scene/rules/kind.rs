@@ -20,7 +20,7 @@ pub(super) enum Kind {
 }
 
 /// Tables that only a driven scene has.
-const DRIVEN_ONLY: &[&str] = &["amplifier", "sensors", "stack", "trace", "fault", "rig.slider"];
+const DRIVEN_ONLY: &[&str] = &["amplifier", "sensors", "stack", "stator", "trace", "fault", "rig.slider", "rig.rotor"];
 /// Tables that only a contact study has.
 const EXCITED_ONLY: &[&str] = &["rig.kinematic", "rig.sdof", "contact.coulomb", "contact.lugre", "contact.hertz"];
 /// Keys of the integrator that only a contact study has.
@@ -63,7 +63,7 @@ impl Rules<'_> {
     pub(super) fn belonging(&mut self) {
         let needed: &[(&str, &str, &str)] = match self.kind {
             Some(Kind::Driven) => &[
-                (CONTROLLER, "stack", "there is nothing to drive: add a stack, [stack.bvd]"),
+                (CONTROLLER, "stack", "there is nothing to drive: add a stack, [stack.bvd], or a motor's [stator]"),
                 ("contact", "rig", "nothing presses on the contact and moves it: add a rig, such as [rig.slider]"),
                 ("rig", "contact", "there is no contact to press on and move: add one, such as [contact.dahl]"),
             ],
@@ -77,6 +77,10 @@ impl Rules<'_> {
             ],
         };
         for (given, missing, reason) in needed {
+            // A stator is driven instead of a stack, and its rotor has a contact of its own.
+            if (*missing == "stack" && !self.lacks("stator")) || (*given == "rig" && !self.lacks("rig.rotor")) {
+                continue;
+            }
             // What is wrong inside the table that is given does not matter here.
             if self.root.at(given).and_then(Node::table).is_some() && self.lacks(missing) {
                 let message = format!("[{given}] without [{missing}]");
@@ -103,6 +107,7 @@ impl Rules<'_> {
             "rig.slider" => {
                 "a contact study has [rig.sdof] or [rig.kinematic]; it slides by `excitation.velocity_ratio` or `sliding_m_per_s`"
             }
+            "rig.rotor" => "a rotor turns on a [stator], which the firmware drives",
             "rig.kinematic" | "rig.sdof" => "the stack vibrates along the motion of [rig.slider]",
             _ if table.starts_with("contact.") => "the contact at a stack's tip is Dahl's: [contact.dahl]",
             _ => "[excitation] shakes the contact itself: no controller, converter or stack is simulated",

@@ -61,7 +61,7 @@ fn files_are_found_read_or_refused() {
     says(&refused(&derived), &["under.toml:28:6", "under.toml", "1 problem in"]);
     let fixed = load(&derived, &sets(&["contact.dahl.mu=0.2"])).unwrap();
     assert_eq!((fixed.name.as_str(), fixed.scene.seed), ("my-scene", 2));
-    assert_eq!(fixed.with(&sets(&["seed=3"])).unwrap().scene.seed, 3);
+    assert_eq!(fixed.cell(&sets(&["seed=3"])).unwrap().scene.seed, 3);
     write("left.toml", b"base = \"right.toml\"");
     says(&refused(&write("right.toml", b"base = \"left.toml\"")), &["`base` goes in a circle"]);
     says(&refused(&write("latin.toml", b"title = \"x\"\n\xff")), &["line 2 is not UTF-8 text"]);

@@ -42,7 +42,7 @@ type Print<'a> = &'a dyn Fn(&str, &mut dyn FnMut());
 
 /// What looks at the sense codes and at what is heard in them.
 fn listening(print: Print) {
-    let config = config(4);
+    let config = config(4, SAMPLES);
     let convert = convert(&config);
     let sense = sense();
     let tone = Stretch { phase: 1 << 60, word: tuning_word(40_400.0 / 1e6), step: 0 };
@@ -89,7 +89,7 @@ fn shapes(print: Print) {
         ("silence, one lane", Sine, false, 1, held, Envelope::Flat(0.0)),
         ("silence, four lanes", Sine, false, 4, held, Envelope::Flat(0.0)),
     ] {
-        let config = config(lanes);
+        let config = config(lanes, SAMPLES);
         let config = Config { drive: Drive { shape, dither, ..config.drive.clone() }, ..config };
         let convert = convert(&config);
         let mut phasing = Phasing::build(&config).expect("lanes");

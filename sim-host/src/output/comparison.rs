@@ -1,0 +1,31 @@
+//! A comparison in the summary: for each of what is equal, and each case, its amplitude, how it was matched, and its metrics.
+
+use firmware::supervisor::Fault;
+use serde_json::{Map, Value, json};
+
+use crate::study::comparison::{CaseResult, ComparisonResult, Matched, Standing};
+
+/// The comparison as JSON. A case that could not be matched has no metrics; one that would need more than is allowed says how much.
+pub(super) fn json(result: &ComparisonResult) -> Value {
+    let comparison = &result.comparison;
+    let case = |case: &CaseResult| {
+        let metrics: Map<String, Value> =
+            comparison.metrics.iter().map(|name| (name.clone(), json!(case.metric(name)))).collect();
+        let (off, needs, fault) = match case.standing {
+            Standing::Equal { off } => (Some(off), None, None),
+            Standing::Beyond { needs } => (None, Some(needs), None),
+            Standing::Unmeasured { fault } => (None, None, fault.map(Fault::code)),
+        };
+        json!({
+            "name": case.name, "amplitude": case.amplitude, "off": off, "needs": needs, "fault": fault, "metrics": metrics,
+        })
+    };
+    let matched = |matched: &Matched| {
+        let cases: Vec<Value> = matched.cases.iter().map(case).collect();
+        json!({ "match": matched.equal, "metric": matched.equal.metric(), "target": matched.target, "cases": cases })
+    };
+    let matches: Vec<Value> = result.matches.iter().map(matched).collect();
+    json!({
+        "title": comparison.title, "amplitude_key": comparison.amplitude_key, "metrics": comparison.metrics, "matches": matches,
+    })
+}

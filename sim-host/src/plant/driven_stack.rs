@@ -1,0 +1,262 @@
+//! A stack and what its tip rubs on.
+//!
+//! ```text
+//! DAC hold -> amplifier -> stack <-> tip motion <-> friction contact <-> slider -> sensors -> ADC
+//! ```
+//!
+//! Plant states: five of amplifier and stack, one of the contact, two of the load cell; a rigid slider costs none. The
+//! friction at the tip comes back into the stack's motional branch. A sample is one step or several, as the contact needs: the
+//! linear part by its exact flow with the friction held at its last value, the contact exactly in the slip that results, and then
+//! the stack is corrected by what the mean friction over the step was instead. Second order in the coupling, exact without it.
+
+use firmware::block::{DriveBlock, SenseBlock, SlowSense};
+use hal_mock::analog::Analog;
+
+use crate::plant::circuit::Circuit;
+use crate::plant::converter::{Adc, Dac};
+use crate::plant::disturbance::Change;
+use crate::plant::energy::Energy;
+use crate::plant::load_cell::LoadCell;
+use crate::plant::sliding::{Sliding, steps_per_sample};
+use crate::plant::stack::{Held, Stack};
+use crate::plant::sums::Sums;
+use crate::plant::timing::Timing;
+use crate::plant::truth::{Sample, TipMotion, Truth};
+use crate::scene;
+use crate::scene::{Dahl, DisturbedKey, Driven, Slider};
+
+/// The plant around a stack.
+#[derive(Clone, Debug)]
+pub struct DrivenStack {
+    dac: Dac,
+    v_adc: Adc,
+    i_adc: Adc,
+    timing: Timing,
+    stack: Stack,
+    sliding: Option<Sliding>,
+    load_cell: LoadCell,
+    changes: Vec<Change>,
+    time_s: f64,
+    energy: Energy,
+    truth: Truth,
+    /// Sample by sample, of the last block, where somebody looks.
+    samples: Option<Vec<Sample>>,
+}
+
+impl DrivenStack {
+    /// The stack of a scene, at rest, with the contact at its tip.
+    pub fn new(scene: &Driven, stack: &scene::Stack, sliding: Option<(&Dahl, &Slider)>) -> Self {
+        let sensors = scene.sensors;
+        let circuit = Circuit::of(&stack.bvd);
+        let timing = Timing {
+            sample_s: 1.0 / sensors.sample_hz,
+            steps: steps_per_sample(scene, sliding, &circuit),
+            conversions: sensors.oversample.into(),
+            skew_s: sensors.skew_s,
+        };
+        let sliding = sliding.map(|(contact, slider)| Sliding::new(contact, slider));
+        let block_s = f64::from(scene.controller.block_samples) / sensors.sample_hz;
+        DrivenStack {
+            dac: Dac::new(sensors, scene.amplifier),
+            // Two streams that never meet, whatever the seed: the halves of a 64-bit space apart.
+            v_adc: Adc::new(sensors, sensors.v_full_scale_v, scene.seed),
+            i_adc: Adc::new(sensors, sensors.i_full_scale_a, scene.seed ^ (1 << 63)),
+            timing,
+            stack: Stack::new(circuit, scene.amplifier, timing),
+            sliding,
+            load_cell: LoadCell::new(sensors.load_cell_hz, block_s),
+            changes: scene.disturbance.iter().cloned().map(Change::new).collect(),
+            time_s: 0.0,
+            energy: Energy::default(),
+            truth: Truth::default(),
+            samples: None,
+        }
+    }
+
+    /// The truth about the last block.
+    pub fn truth(&self) -> &Truth {
+        &self.truth
+    }
+
+    /// The stack's circuit as it is now.
+    pub fn circuit(&self) -> Circuit {
+        *self.stack.circuit()
+    }
+
+    /// The energy budget since the beginning.
+    pub fn energy(&self) -> Energy {
+        self.energy
+    }
+
+    /// Duration of one sample, s.
+    pub fn sample_s(&self) -> f64 {
+        self.timing.sample_s
+    }
+
+    /// States that are integrated in time.
+    pub fn states(&self) -> usize {
+        crate::plant::network::STATES + 2 + usize::from(self.sliding.is_some())
+    }
+
+    /// Keeps the next blocks sample by sample, or stops doing so.
+    pub fn keep_samples(&mut self, keep: bool) {
+        if keep != self.samples.is_some() {
+            self.samples = keep.then(Vec::new);
+        }
+    }
+
+    /// The last block sample by sample, if kept.
+    pub fn samples(&self) -> &[Sample] {
+        self.samples.as_deref().unwrap_or(&[])
+    }
+
+    /// Sets what the scene's disturbances say for the block that begins now.
+    fn disturb(&mut self) {
+        let mut changes = std::mem::take(&mut self.changes);
+        for change in &mut changes {
+            if let Some(value) = change.next(self.time_s, self.value(change.key())) {
+                self.set(change.key(), value);
+            }
+        }
+        changes.retain(|change| !change.is_over());
+        self.changes = changes;
+    }
+
+    fn value(&self, key: DisturbedKey) -> f64 {
+        let circuit = self.stack.circuit();
+        let of_slider = |get: fn(&Sliding) -> f64| self.sliding.as_ref().map_or(0.0, get);
+        match key {
+            DisturbedKey::SeriesResonance => circuit.series_resonance_hz(),
+            DisturbedKey::Q => circuit.q(),
+            DisturbedKey::ClampedCapacitance => circuit.c0_f,
+            DisturbedKey::Load => of_slider(Sliding::load_n),
+            DisturbedKey::Speed => of_slider(|sliding| sliding.speed_m_per_s),
+            // Of a motor, and of contact studies, which have no plant.
+            DisturbedKey::StatorResonance | DisturbedKey::Torque | DisturbedKey::Preload | DisturbedKey::Normal => 0.0,
+        }
+    }
+
+    fn set(&mut self, key: DisturbedKey, value: f64) {
+        let circuit = *self.stack.circuit();
+        let stored = self.stack.stored_j();
+        match (key, &mut self.sliding) {
+            (DisturbedKey::SeriesResonance, _) => self.stack.set_circuit(circuit.with_series_resonance(value)),
+            (DisturbedKey::Q, _) => self.stack.set_circuit(circuit.with_q(value)),
+            (DisturbedKey::ClampedCapacitance, _) => self.stack.set_circuit(Circuit { c0_f: value, ..circuit }),
+            (DisturbedKey::Load, Some(sliding)) => sliding.set_load(value),
+            (DisturbedKey::Speed, Some(sliding)) => sliding.speed_m_per_s = value,
+            (DisturbedKey::Load | DisturbedKey::Speed, None) => {}
+            (DisturbedKey::StatorResonance | DisturbedKey::Torque | DisturbedKey::Preload | DisturbedKey::Normal, _) => {}
+        }
+        self.energy.disturbed_j += self.stack.stored_j() - stored;
+    }
+
+    /// One step with the drive held. Returns the mean friction over it, N.
+    #[inline]
+    fn step(&mut self, drive: &Held, step_s: f64, sums: &mut Sums) -> f64 {
+        let force = match &mut self.sliding {
+            None => {
+                self.stack.advance(drive, 0.0);
+                0.0
+            }
+            Some(sliding) => {
+                let held = sliding.force();
+                let (v0, position) = (self.stack.tip_velocity(), self.stack.tip_displacement());
+                self.stack.advance(drive, held);
+                let moved = self.stack.tip_displacement() - position;
+                let mean = sliding.slide(v0, self.stack.tip_velocity(), moved, step_s);
+                self.stack.correct_force(mean - held);
+                sums.friction += mean;
+                sums.friction_on_tip += mean * moved;
+                // Not f64::min, which minds not-a-number and costs three times as much.
+                sums.friction_min = if mean < sums.friction_min { mean } else { sums.friction_min };
+                sums.friction_max = if mean > sums.friction_max { mean } else { sums.friction_max };
+                mean
+            }
+        };
+        let (v, i) = (self.stack.voltage(), self.stack.motional_current());
+        sums.in_phase += v * i;
+        sums.quadrature += v * self.stack.motional_voltage();
+        sums.lost += i * i;
+        sums.current_peak = if i.abs() > sums.current_peak { i.abs() } else { sums.current_peak };
+        force
+    }
+
+    /// Closes a block of `steps` steps: work done, and the truth about it.
+    fn account(&mut self, sums: &Sums, steps: f64) {
+        self.stack.settle();
+        let circuit = *self.stack.circuit();
+        let step_s = self.timing.step_s();
+        let supplied = step_s * sums.in_phase;
+        self.energy.supplied_j += supplied;
+        let lost = step_s * circuit.rm_ohm * sums.lost;
+        self.energy.lost_j += lost;
+        self.energy.friction_on_tip_j += sums.friction_on_tip;
+        let speed = self.sliding.as_ref().map_or(0.0, |sliding| sliding.speed_m_per_s);
+        self.energy.stored_j = self.stack.stored_j();
+
+        let block_s = steps * step_s;
+        let mean = sums.friction / steps;
+        self.truth = Truth {
+            friction_mean_n: mean,
+            friction_min_n: sums.friction_min.min(mean),
+            friction_max_n: sums.friction_max.max(mean),
+            load_cell_n: self.load_cell.feel(mean),
+            tip_velocity_m_per_s: self.stack.tip_amplitude(),
+            series_resonance_hz: circuit.series_resonance_hz(),
+            power_w: supplied / block_s,
+            // The motional capacitor's voltage lags the current by a quarter turn.
+            quadrature_w: sums.quadrature / steps * circuit.omega() * circuit.cm_f,
+            lost_w: lost / block_s,
+            friction_on_tip_w: sums.friction_on_tip / block_s,
+            friction_on_slider_w: mean * speed,
+            tip: Some(TipMotion {
+                square_m2_per_s2: sums.lost / steps / circuit.force_factor_n_per_v.powi(2),
+                peak_m_per_s: sums.current_peak / circuit.force_factor_n_per_v,
+            }),
+            motor: None,
+        };
+        self.time_s += block_s;
+    }
+}
+
+impl Analog for DrivenStack {
+    fn exchange(&mut self, drive: &DriveBlock, sense: &mut SenseBlock) {
+        self.disturb();
+        let codes = drive.lanes.first().map_or(&[][..], |lane| lane.as_slice());
+        let (steps, step_s) = (self.timing.steps as usize, self.timing.step_s());
+        let mut sums = Sums::new();
+        sense.v.clear();
+        sense.i.clear();
+        sense.slow = SlowSense::default();
+        if let Some(samples) = &mut self.samples {
+            samples.clear();
+        }
+        for &code in codes {
+            let volts = self.dac.volts(code);
+            let drive = self.stack.held(volts);
+            let (mut v, mut i, mut friction) = (0, 0, 0.0);
+            for step in 0..steps {
+                let force = self.step(&drive, step_s, &mut sums);
+                friction += force;
+                let (v_adc, i_adc) = (&mut self.v_adc, &mut self.i_adc);
+                self.stack.sample(step, volts, force, |voltage, current| {
+                    v += v_adc.convert(voltage);
+                    i += i_adc.convert(current);
+                });
+            }
+            // A sense block holds as many samples as the longest drive block.
+            let _ = (sense.v.push(v), sense.i.push(i));
+            if let Some(samples) = &mut self.samples {
+                samples.push(Sample {
+                    voltage_v: self.stack.voltage(),
+                    motional_current_a: self.stack.motional_current(),
+                    tip_velocity_m_per_s: self.stack.tip_velocity(),
+                    friction_n: friction / steps as f64,
+                    ..Sample::default()
+                });
+            }
+        }
+        self.account(&sums, (codes.len() * steps) as f64);
+    }
+}

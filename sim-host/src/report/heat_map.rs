@@ -1,0 +1,101 @@
+//! Heat maps: values over a plane as colours, and the bar that tells which.
+//!
+//! The cells are drawn as one bitmap, a pixel each, and not as rectangles: of a map of 400 by 200 cells those make 7 MB of SVG. A vector
+//! surface stretches the bitmap ([`stretched`]); a bitmap has its pixels repeated.
+
+use plotters::element::{BitMapElement, PathElement, Rectangle};
+use plotters::prelude::DrawingBackend;
+use plotters::style::Color;
+use plotters::style::text_anchor::HPos;
+
+use super::axis::Scale;
+use super::chart::{Chart, Layout, Plot, TICK_SIZE};
+use super::colour_map::colour;
+use super::figure::{Axis, HeatMap};
+use super::sheet::{Failure, Lettering, Sheet};
+use super::style::{FRAME, INK, MUTED};
+
+/// Room beside the plot for the bar with its numbers, in points.
+pub(super) const BAR_ROOM: f64 = 150.0;
+const BAR_GAP: f64 = 26.0;
+const BAR_WIDTH: f64 = 26.0;
+/// Steps of the bar: more than a screen can show side by side.
+const BAR_STEPS: u32 = 128;
+
+impl HeatMap {
+    /// Columns and rows.
+    pub(super) fn size(&self) -> (usize, usize) {
+        (self.columns.len(), self.columns.first().map_or(0, Vec::len))
+    }
+
+    /// The axes' scales: exactly the map.
+    pub(super) fn scales(&self) -> (Scale, Scale) {
+        let scale = |range| Scale::fit(&Axis { range: Some(range), ..Axis::default() }, &[], [0.0, 0.0], false);
+        (scale(self.x).with_ticks(10), scale(self.y).with_ticks(8))
+    }
+
+    /// How far up the colours a value lies, from 0 to 1.
+    fn share(&self, value: f64) -> f64 {
+        (value - self.range.0) / (self.range.1 - self.range.0)
+    }
+
+    /// Red, green and blue of `width` by `height` pixels, from the top left.
+    fn pixels(&self, (width, height): (usize, usize)) -> Vec<u8> {
+        let (columns, rows) = self.size();
+        let pixel = |x: usize, y: usize| {
+            let (column, row) = (x * columns / width, (height - 1 - y) * rows / height);
+            let shade = colour(self.share(self.columns[column][row]));
+            [shade.0, shade.1, shade.2]
+        };
+        (0..height).flat_map(|y| (0..width).flat_map(move |x| pixel(x, y))).collect()
+    }
+}
+
+impl<DB: DrawingBackend> Plot<'_, '_, DB> {
+    /// The map, over the whole plot.
+    pub(super) fn heat(&self, chart: &Chart<DB>, map: &HeatMap) -> Result<(), Failure<DB>> {
+        let (columns, rows) = chart.plotting_area().get_pixel_range();
+        let whole = ((columns.end - columns.start).max(1) as usize, (rows.end - rows.start).max(1) as usize);
+        let size = if self.sheet.pen.whole_paths { map.size() } else { whole };
+        if map.size().0 == 0 || map.size().1 == 0 {
+            return Ok(());
+        }
+        let picture =
+            BitMapElement::with_owned_buffer((columns.start, rows.start), (size.0 as u32, size.1 as u32), map.pixels(size));
+        picture.map_or(Ok(()), |picture| self.sheet.root.draw(&picture))
+    }
+}
+
+/// The bar of colours right of the plot, with its own axis.
+pub(super) fn bar<DB: DrawingBackend>(map: &HeatMap, layout: &Layout, sheet: &Sheet<DB>) -> Result<(), Failure<DB>> {
+    let (area, pen) = (sheet.root, sheet.pen);
+    let (left, right) = (pen.px(layout.right + BAR_GAP), pen.px(layout.right + BAR_GAP + BAR_WIDTH));
+    let height = |share: f64| pen.px(layout.bottom - share * (layout.bottom - layout.top));
+    // Each down to the bottom, and the next over it: between steps that only touch, a renderer would let the ground shine through.
+    for step in (0..BAR_STEPS).rev() {
+        let part = |steps: f64| steps / f64::from(BAR_STEPS);
+        let shade = colour(part(f64::from(step) + 0.5)).filled();
+        area.draw(&Rectangle::new([(left, height(part(f64::from(step) + 1.0))), (right, height(0.0))], shade))?;
+    }
+    area.draw(&Rectangle::new([(left, height(1.0)), (right, height(0.0))], pen.line(FRAME, 1.5)))?;
+    let scale = Scale::fit(&Axis { range: Some(map.range), ..Axis::default() }, &[], [0.0, 0.0], false).with_ticks(8);
+    let look = Lettering { size: TICK_SIZE, color: MUTED, hold: HPos::Left };
+    for tick in scale.ticks() {
+        let y = height(map.share(tick));
+        area.draw(&PathElement::new(vec![(right, y), (right + pen.px(6.0), y)], pen.line(FRAME, 1.5)))?;
+        sheet.write(&scale.label(tick), look, (right + pen.px(12.0), y))?;
+    }
+    let title = Lettering { size: TICK_SIZE, color: INK, hold: HPos::Right };
+    sheet.write(&map.label, title, (pen.px(layout.canvas.0 - 20.0), pen.px(layout.top - 22.0)))
+}
+
+/// An SVG whose bitmap, of a pixel a cell, covers `plot` instead; and its address in the form that strict readers ask for.
+pub(super) fn stretched(document: String, map: &HeatMap, plot: (i32, i32)) -> String {
+    let (columns, rows) = map.size();
+    let own = format!("width=\"{columns}\" height=\"{rows}\" href=\"data:png;");
+    let whole = format!(
+        "width=\"{}\" height=\"{}\" preserveAspectRatio=\"none\" style=\"image-rendering:pixelated\" href=\"data:image/png;",
+        plot.0, plot.1
+    );
+    document.replacen(&own, &whole, 1)
+}
