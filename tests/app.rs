@@ -4,7 +4,9 @@
 //! Drive codes are in samples since the first one played; the order of a run is given before the first block, unless a scenario
 //! says otherwise.
 
+mod bank;
 mod burst;
+mod calibration;
 mod determinism;
 mod emergency_stop;
 mod frame;
@@ -16,6 +18,7 @@ mod protection;
 mod run;
 mod scan;
 mod self_test;
+mod settings;
 mod watchdog;
 
 use firmware::command::{Command, Reply};

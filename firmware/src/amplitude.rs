@@ -25,7 +25,10 @@ const SETTLED: (f32, u32) = (0.01, 32);
 /// The amplitude control. Without an identified transducer a motional current cannot be held, and plays as silence.
 #[derive(Clone, Debug)]
 pub struct AmplitudeLoop {
+    /// The voltage limit is that of the loudest lane.
     limits: Limits,
+    /// As configured, V.
+    voltage_limit: f32,
     start_volts: f32,
     block_s: f32,
     ohm: f32,
@@ -55,6 +58,7 @@ impl AmplitudeLoop {
         };
         Ok(AmplitudeLoop {
             limits,
+            voltage_limit: config.limits.voltage_v,
             start_volts: config.drive.scan_volts,
             block_s,
             ohm: 0.0,
@@ -72,6 +76,12 @@ impl AmplitudeLoop {
         self.lag = 0.0;
         self.integral_volts = self.start_volts;
         self.within = 0;
+    }
+
+    /// The loudest lane now has this gain, and the limit is for that lane. Returns what is left for the others, V.
+    pub fn set_loudest(&mut self, gain: f32) -> f32 {
+        self.limits.voltage_v = self.voltage_limit / gain;
+        self.limits.voltage_v
     }
 
     /// Starts on an identified transducer, which rings at `motional_current` amperes already.
@@ -166,6 +176,7 @@ mod tests {
         let limits = Limits { voltage_v: 12.0, current_a: 3.0, belt_moving_m_per_s: 0.0, belt_stop_ms: 0.0 };
         AmplitudeLoop {
             limits,
+            voltage_limit: 12.0,
             start_volts: 1.0,
             block_s: 32e-6,
             ohm: 0.0,

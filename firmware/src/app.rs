@@ -1,6 +1,6 @@
-//! The slow side: commands in, telemetry out, the enable pin, the emergency stop, the watchdog.
+//! The slow side: commands in, telemetry out, the enable pin, the emergency stop, the watchdog, and what is kept over power-off.
 //!
-//! Generic over embedded-hal and embedded-io, and as slow as it likes to be: what must be fast is in the block task or in
+//! Generic over embedded-hal, embedded-io and embedded-storage, and as slow as it likes to be: what must be fast is in the block task or in
 //! hardware. The board calls [`App::poll`] in a loop.
 //!
 //! * The enable pin is high only while the controller is driving or has just been told to, has no fault, and the emergency stop is
@@ -8,17 +8,21 @@
 //! * The emergency stop drops the enable pin here, without waiting for the controller, and orders a fault that stays. The pin stays
 //!   down until the controller has fallen silent, however short the press.
 //! * The watchdog is fed only while blocks keep coming: if the block stream dies, the board resets.
+//! * What a calibration has found is [kept](settings). That waits until the drive is silent: an erase of the flash may stall the processor.
 //! * Nothing here waits for the link. What is to be sent goes through a buffer; while a reply would not fit, no further command is
 //!   read, and telemetry that does not fit is left out.
 
 use embedded_hal::digital::{InputPin, OutputPin};
 use embedded_io::{Read, ReadReady, Write, WriteReady};
+use embedded_storage::nor_flash::NorFlash;
 use heapless::Deque;
 use heapless::spsc::{Consumer, Producer};
 
 use crate::block::{Orders, Request};
 use crate::command::{Command, Identity, Refusal, Reply};
+use crate::keeper::Keeper;
 use crate::link::{self, FrameError, MAX_FRAME, Receiver};
+use crate::settings::Settings;
 use crate::supervisor::Mode;
 use crate::telemetry::Telemetry;
 
@@ -29,7 +33,7 @@ pub trait Watchdog {
 }
 
 /// The board's peripherals that the slow side needs.
-pub struct Peripherals<L, E, S, W> {
+pub struct Peripherals<L, E, S, W, F: NorFlash> {
     /// The link to the host.
     pub link: L,
     /// Enables the power amplifier; high is on.
@@ -38,16 +42,19 @@ pub struct Peripherals<L, E, S, W> {
     pub stop: S,
     /// The watchdog.
     pub watchdog: W,
+    /// What is kept over power-off.
+    pub settings: Settings<F>,
 }
 
 /// Room for what is to be sent: a reply always fits beside one telemetry frame.
 const OUTBOX: usize = 2 * MAX_FRAME;
 
 /// The slow side.
-pub struct App<'a, L, E, S, W> {
-    peripherals: Peripherals<L, E, S, W>,
+pub struct App<'a, L, E, S, W, F: NorFlash> {
+    peripherals: Peripherals<L, E, S, W, F>,
     orders: Producer<'a, Orders>,
     telemetry: Consumer<'a, Telemetry>,
+    keeper: Keeper<'a>,
     receiver: Receiver,
     outbox: Deque<u8, OUTBOX>,
     latest: Orders,
@@ -70,26 +77,29 @@ pub enum AppError {
     Link,
 }
 
-impl<'a, L, E, S, W> App<'a, L, E, S, W>
+impl<'a, L, E, S, W, F> App<'a, L, E, S, W, F>
 where
     L: Read + ReadReady + Write + WriteReady,
     E: OutputPin,
     S: InputPin,
     W: Watchdog,
+    F: NorFlash,
 {
-    /// A slow side that leaves orders in one queue and takes telemetry from the other.
+    /// A slow side that leaves orders in one queue, takes telemetry from another, and keeps trims.
     ///
     /// Drops the enable pin; if that fails, the first [`App::poll`] will say so.
     pub fn new(
-        mut peripherals: Peripherals<L, E, S, W>,
+        mut peripherals: Peripherals<L, E, S, W, F>,
         orders: Producer<'a, Orders>,
         telemetry: Consumer<'a, Telemetry>,
+        keeper: Keeper<'a>,
     ) -> Self {
         let _ = peripherals.enable.set_low();
         App {
             peripherals,
             orders,
             telemetry,
+            keeper,
             receiver: Receiver::default(),
             outbox: Deque::new(),
             latest: Orders::default(),
@@ -111,6 +121,11 @@ where
         turn
     }
 
+    /// Gives the peripherals back, as they are.
+    pub fn into_peripherals(self) -> Peripherals<L, E, S, W, F> {
+        self.peripherals
+    }
+
     /// The report of the latest block.
     pub fn latest(&self) -> Option<&Telemetry> {
         self.seen.as_ref()
@@ -126,6 +141,7 @@ where
         if blocks_came {
             self.peripherals.watchdog.feed();
         }
+        self.keeper.keep(self.is_silent(), &mut self.peripherals.settings);
         Ok(())
     }
 
@@ -140,6 +156,11 @@ where
 
     fn drives(&self) -> bool {
         self.seen.is_some_and(|seen| !matches!(seen.mode, Mode::Idle | Mode::Fault))
+    }
+
+    /// Whether the drive is silent and has not been told to be anything else.
+    fn is_silent(&self) -> bool {
+        self.seen.is_some_and(|seen| seen.orders_sequence == self.latest.sequence) && !self.drives()
     }
 
     fn watch_stop(&mut self) -> Result<(), AppError> {
@@ -199,6 +220,7 @@ where
                 // The first is due at once.
                 self.last_telemetry = self.seen.map_or(0, |seen| seen.block).wrapping_sub(*blocks);
             }
+            Command::Settings(verb) => return self.keeper.obey(*verb, self.is_silent(), &mut self.peripherals.settings),
             _ => {}
         }
         match command.applied_to(&self.latest) {

@@ -5,6 +5,8 @@
 use serde::{Deserialize, Serialize};
 
 use crate::block::{Amplitude, Gate, Orders, Request};
+use crate::config::TrimPoint;
+use crate::settings::Kept;
 use crate::telemetry::Telemetry;
 use crate::units::{Hertz, Turns};
 
@@ -33,6 +35,21 @@ pub enum Command {
     Quadrature(Option<Turns>),
     /// Self-test, and trim the lanes by what they are measured to be; then fall silent.
     Calibrate,
+    /// What to do with the lane trims, and with what is kept of them over power-off.
+    Settings(Verb),
+}
+
+/// What to do with the lane trims. What acts and what is kept are two things: each verb says which it is about.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Verb {
+    /// Report what acts, at the calibrated frequency with this number, and what is kept.
+    Get(u8),
+    /// Keep what acts. A calibration does so by itself.
+    Store,
+    /// Keep nothing. What acts stays.
+    Clear,
+    /// Trim by nothing from now on. What is kept stays.
+    Defaults,
 }
 
 /// What the board sends.
@@ -46,6 +63,19 @@ pub enum Reply {
     Identity(Identity),
     /// The latest block; its frame's sequence number counts telemetry frames, so that a lost one is seen.
     Telemetry(Telemetry),
+    /// The lane trims.
+    Settings(TrimReport),
+}
+
+/// The lane trims, one frequency at a time.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct TrimReport {
+    /// What is kept over power-off.
+    pub kept: Kept,
+    /// How many calibrated frequencies there are; none is no trims.
+    pub points: u8,
+    /// The one that was asked for.
+    pub point: Option<TrimPoint>,
 }
 
 /// Why a command is not obeyed.
@@ -61,6 +91,10 @@ pub enum Refusal {
     NotPlausible,
     /// Earlier orders have not been taken yet: the block stream stands still.
     Busy,
+    /// Only while the drive is silent.
+    Driving,
+    /// The flash does not do it.
+    Flash,
 }
 
 /// Who this is.
@@ -77,7 +111,7 @@ impl Command {
     pub fn applied_to(&self, orders: &Orders) -> Result<Option<Orders>, Refusal> {
         let mut next = Orders { sequence: orders.sequence.wrapping_add(1), clear_fault: false, ..*orders };
         match *self {
-            Command::Identify | Command::TelemetryEvery(_) => return Ok(None),
+            Command::Identify | Command::TelemetryEvery(_) | Command::Settings(_) => return Ok(None),
             Command::Idle => next.request = Request::Idle,
             Command::Scan => (next.request, next.attempt) = (Request::Scan, orders.attempt.wrapping_add(1)),
             Command::Run => (next.request, next.attempt) = (Request::Run, orders.attempt.wrapping_add(1)),

@@ -4,10 +4,12 @@
 //! fail: trouble is a numbered fault in the telemetry, and a muted drive.
 
 mod plan;
+mod trims;
 
 use crate::amplitude::AmplitudeLoop;
 use crate::block::{Amplitude, DriveBlock, Gate, LATENCY_BLOCKS, MAX_BLOCK_SAMPLES, Orders, SenseBlock};
 use crate::burst::Burst;
+use crate::calibrate::Calibrate;
 use crate::config::{Config, ShapeKind, TrackingMode};
 use crate::controller::plan::Plan;
 use crate::convert::Convert;
@@ -38,10 +40,12 @@ struct Played {
     /// How far beside the lock point that was on purpose, Hz.
     detune_hz: f32,
     volts: f32,
+    /// Gain of the lane that was listened to.
+    gain: f32,
     /// Mean envelope; `flat` says whether it is that throughout.
     envelope: f32,
     flat: bool,
-    /// The voltage is what can be heard of it: not so of a noise.
+    /// The voltage is what must be heard of it: not so of a noise, nor of a lane that is being calibrated.
     audible: bool,
 }
 
@@ -67,6 +71,7 @@ pub struct Controller {
     supervisor: Supervisor,
     self_test: SelfTest,
     scan: Scan,
+    calibrate: Calibrate,
     tracker: Tracker,
     amplitude: AmplitudeLoop,
     transducer: Option<Transducer>,
@@ -100,11 +105,12 @@ impl Controller {
             nco: Nco::default(),
             burst: Burst::build(&config.burst, config.drive.frequency_hz, config.sample_hz)?,
             shaper: Shaper::build(config),
-            played: [Played { tone, relative: 1.0, flat: true, audible: true, ..Played::default() }; LATENCY_BLOCKS],
+            played: [Played { tone, relative: 1.0, gain: 1.0, flat: true, audible: true, ..Played::default() }; LATENCY_BLOCKS],
             guard: Guard::build(config, block_s)?,
             supervisor: Supervisor::default(),
             self_test: SelfTest::build(config),
             scan: Scan::build(config)?,
+            calibrate: Calibrate::build(config),
             tracker: Tracker::build(config, block_s)?,
             amplitude: AmplitudeLoop::build(config, block_s)?,
             transducer: None,
@@ -124,7 +130,8 @@ impl Controller {
         let (sensed, suspect) = demodulate(&self.convert, sense, &heard.tone);
         let motional_current = self.tracker.motional_current(&sensed, heard.relative);
 
-        let driven = Driven { volts: (heard.flat && heard.audible).then_some(heard.volts * heard.envelope), suspect };
+        let driven =
+            Driven { volts: (heard.flat && heard.audible).then_some(heard.volts * heard.gain * heard.envelope), suspect };
         let found = self.guard.inspect(&self.convert, sense, &sensed, driven);
         if self.supervisor.judge(orders, found) {
             self.begin();
@@ -153,8 +160,9 @@ impl Controller {
             Mode::Lock | Mode::Run => self.burst.envelope(plan.gate, now, &stretch, self.samples),
         };
         let (level, flat) = (envelope.mean(), envelope.is_flat());
-        let (quadrature, _) = self.phasing.quadrature(orders.quadrature);
+        let (quadrature, _) = self.phasing.quadrature(orders.quadrature.filter(|_| mode != Mode::Calibrate));
         let lanes = self.phasing.lanes(hz, quadrature);
+        let gain = lanes.get(usize::from(plan.listen)).map_or(1.0, |lane| lane.gain);
         let play = Play { scale: &self.convert.drive, lanes, stretch, samples: self.samples, volts: plan.volts, envelope };
         match mode {
             Mode::Idle | Mode::Fault => self.shaper.mute(&play, drive),
@@ -167,9 +175,10 @@ impl Controller {
             relative: hz / self.sweep.hold.nominal_hz(),
             detune_hz: if running && self.tracker.tracks() { offset_hz - self.tracker.offset_hz() } else { 0.0 },
             volts: plan.volts,
+            gain,
             envelope: level,
             flat,
-            audible: !(running && matches!(self.shape, Shape::Noise(_))),
+            audible: plan.listen == 0 && !(running && matches!(self.shape, Shape::Noise(_))),
         }
     }
 

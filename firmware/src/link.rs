@@ -103,7 +103,8 @@ fn decode<T: for<'a> Deserialize<'a>>(stuffed: &mut [u8]) -> Result<Frame<T>, Fr
 mod tests {
     use super::*;
     use crate::block::{Amplitude, Gate};
-    use crate::command::{Command, Reply};
+    use crate::command::{Command, Reply, TrimReport};
+    use crate::settings::Kept;
     use crate::telemetry::Telemetry;
 
     fn receive<T: for<'a> Deserialize<'a>>(bytes: &[u8]) -> std::vec::Vec<Result<Frame<T>, FrameError>> {
@@ -123,10 +124,12 @@ mod tests {
     }
 
     #[test]
-    fn telemetry_fits_into_a_frame() {
+    fn telemetry_and_the_other_reports_fit_into_a_frame() {
         let full =
             Telemetry { block: u32::MAX, tuning_word: u64::MAX, transducer: Some(Default::default()), ..Default::default() };
         assert!(encode(u16::MAX, Reply::Telemetry(full)).unwrap().len() < MAX_FRAME / 2 + MAX_FRAME / 4);
+        let report = TrimReport { kept: Kept::Version(255), points: 5, point: Some(Default::default()) };
+        assert!(encode(u16::MAX, Reply::Settings(report)).unwrap().len() < MAX_FRAME / 4);
     }
 
     #[test]

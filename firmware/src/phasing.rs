@@ -21,6 +21,8 @@ use crate::units::Turns;
 
 /// Largest quadrature: beyond a quarter turn a motor would turn the other way again.
 pub const MAX_QUADRATURE: f32 = 0.25;
+/// Where the lanes stand: turns, and quadratures.
+const OFFSETS: [(f32, f32); MAX_LANES] = [(0.0, 0.0), (0.0, 1.0), (0.5, 0.0), (0.5, 1.0)];
 /// Trims are looked up anew when the frequency has moved by this part of itself.
 const RETRIM: f32 = 1e-4;
 
@@ -56,9 +58,26 @@ fn phase_of_turns(turns: f32) -> u32 {
 
 /// The gain of the loudest lane, at least one: a voltage limit is for that lane.
 pub fn loudest(phasing: &PhasingConfig) -> f32 {
-    let fixed = |lane: usize| phasing.gain_trim.get(lane).copied().unwrap_or(1.0);
-    let calibrated = |lane: usize| phasing.calibration.iter().map(|point| point.lanes[lane].gain).fold(1.0, f32::max);
+    loudest_of(|lane| phasing.gain_trim.get(lane).copied().unwrap_or(1.0), &phasing.calibration)
+}
+
+fn loudest_of(fixed: impl Fn(usize) -> f32, calibration: &LaneTrims) -> f32 {
+    let calibrated = |lane: usize| calibration.iter().map(|point| point.lanes[lane].gain).fold(1.0, f32::max);
     (0..MAX_LANES).map(|lane| fixed(lane) * calibrated(lane)).fold(1.0, f32::max)
+}
+
+fn checked(trim: Trim) -> Result<Trim, Error> {
+    in_range("phasing.phase_trim_turns", trim.phase_turns.into(), -0.5, 0.5)?;
+    in_range("phasing.gain_trim", trim.gain.into(), 0.0, 2.0)?;
+    Ok(trim)
+}
+
+/// Checks what a calibration is said to have found.
+pub fn check_calibration(calibration: &LaneTrims) -> Result<(), Error> {
+    if !calibration.windows(2).all(|pair| pair[0].hz < pair[1].hz) {
+        return Err(Error::TrimOrder);
+    }
+    calibration.iter().flat_map(|point| point.lanes).try_for_each(|trim| checked(trim).map(|_| ()))
 }
 
 impl Phasing {
@@ -67,11 +86,6 @@ impl Phasing {
         let phasing = &config.phasing;
         in_range("front_end.drive_lanes", config.front_end.drive_lanes.into(), 1.0, MAX_LANES as f64)?;
         in_range("lanes", config.lanes.into(), 1.0, config.front_end.drive_lanes.into())?;
-        let checked = |trim: Trim| {
-            in_range("phasing.phase_trim_turns", trim.phase_turns.into(), -0.5, 0.5)?;
-            in_range("phasing.gain_trim", trim.gain.into(), 0.0, 2.0)?;
-            Ok(trim)
-        };
         let fixed = |lane: usize| Trim {
             phase_turns: phasing.phase_trim_turns.get(lane).copied().unwrap_or(0.0),
             gain: phasing.gain_trim.get(lane).copied().unwrap_or(1.0),
@@ -79,12 +93,7 @@ impl Phasing {
         // A trim is checked whether its lane is there or not.
         let mut fixed = (0..MAX_LANES).map(|lane| checked(fixed(lane))).collect::<Result<Vec<_, MAX_LANES>, Error>>()?;
         fixed.truncate(config.lanes.into());
-        if !phasing.calibration.windows(2).all(|pair| pair[0].hz < pair[1].hz) {
-            return Err(Error::TrimOrder);
-        }
-        for trim in phasing.calibration.iter().flat_map(|point| point.lanes) {
-            checked(trim)?;
-        }
+        check_calibration(&phasing.calibration)?;
         let forward = match phasing.direction {
             Direction::Forward => MAX_QUADRATURE,
             Direction::Reverse => -MAX_QUADRATURE,
@@ -104,11 +113,25 @@ impl Phasing {
         (asked.clamp(-MAX_QUADRATURE, MAX_QUADRATURE), asked.abs() > MAX_QUADRATURE)
     }
 
-    /// The trims of a calibration, and new ones.
-    pub fn calibration(&mut self) -> &mut LaneTrims {
-        // Whatever is done to it, the lanes are made anew.
+    /// Where each lane ought to stand, 2^32 a turn.
+    pub fn offsets(quadrature: f32) -> [u32; MAX_LANES] {
+        OFFSETS.map(|(turns, quadratures)| phase_of_turns(turns + quadratures * quadrature))
+    }
+
+    /// The trims of a calibration.
+    pub fn calibration(&self) -> &LaneTrims {
+        &self.calibration
+    }
+
+    /// Trims the lanes by a calibration from now on, and returns what they were trimmed by.
+    pub fn trim(&mut self, calibration: LaneTrims) -> LaneTrims {
         self.lanes.clear();
-        &mut self.calibration
+        core::mem::replace(&mut self.calibration, calibration)
+    }
+
+    /// The gain of the loudest lane with the present trims, at least one.
+    pub fn loudest(&self) -> f32 {
+        loudest_of(|lane| self.fixed.get(lane).map_or(1.0, |trim| trim.gain), &self.calibration)
     }
 
     /// The lanes at a frequency and a quadrature.
@@ -116,8 +139,8 @@ impl Phasing {
         let moved = !self.calibration.is_empty() && (hz - self.hz).abs() > RETRIM * hz;
         if self.lanes.is_empty() || quadrature != self.quadrature || moved {
             (self.hz, self.quadrature) = (hz, quadrature);
-            let offsets = [0.0, quadrature, 0.5, 0.5 + quadrature];
-            self.lanes = (0..self.fixed.len()).map(|lane| self.lane(lane, offsets[lane])).collect();
+            let offset = |lane: usize| OFFSETS[lane].0 + OFFSETS[lane].1 * quadrature;
+            self.lanes = (0..self.fixed.len()).map(|lane| self.lane(lane, offset(lane))).collect();
         }
         &self.lanes
     }
@@ -183,7 +206,7 @@ mod tests {
             lanes[1] = Trim { phase_turns, gain };
             TrimPoint { hz, lanes }
         };
-        *phasing.calibration() = [point(39e3, 0.01, 1.0), point(41e3, 0.03, 1.2)].into_iter().collect();
+        phasing.trim([point(39e3, 0.01, 1.0), point(41e3, 0.03, 1.2)].into_iter().collect());
         for (hz, phase_turns, gain) in [(30e3, 0.01, 1.0), (39.5e3, 0.015, 1.05), (41e3, 0.03, 1.2), (50e3, 0.03, 1.2)] {
             let lane = phasing.lanes(hz, 0.0)[1];
             assert!((lane.offset as f32 / 4_294_967_296.0 - phase_turns).abs() < 1e-6, "{hz} {lane:?}");

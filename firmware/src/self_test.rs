@@ -88,8 +88,8 @@ impl SelfTest {
         self.sum = (0.0, 0.0);
     }
 
-    /// Takes a block and says what to do next. Moves the zero of both channels when the silence is over.
-    pub fn step(&mut self, convert: &mut Convert, sense: &SenseBlock, sensed: &Sensed) -> Step {
+    /// Takes a block, in which `played` volts were, and says what to do next. Moves the zero of both channels when the silence is over.
+    pub fn step(&mut self, convert: &mut Convert, sense: &SenseBlock, sensed: &Sensed, played: f32) -> Step {
         const TONE_ENDS: u32 = SILENT_BLOCKS + TONE_BLOCKS;
         self.block += 1;
         if !self.quiet {
@@ -108,7 +108,7 @@ impl SelfTest {
                 }
                 self.tone()
             }
-            _ => self.judge_tone(),
+            _ => self.judge_tone(played),
         }
     }
 
@@ -139,14 +139,14 @@ impl SelfTest {
         self.tone()
     }
 
-    fn judge_tone(&self) -> Step {
+    fn judge_tone(&self, played: f32) -> Step {
         let (volts, amperes) = self.sum;
         let expected = volts * self.clamped_siemens;
-        if volts > self.volts * VOLTAGE_FACTOR {
+        if volts > played * VOLTAGE_FACTOR {
             Step::Failed(Fault::SensorImplausible)
         } else if amperes > expected * CURRENT_FACTOR {
             Step::Failed(Fault::LoadShorted)
-        } else if volts < self.volts / VOLTAGE_FACTOR {
+        } else if volts < played / VOLTAGE_FACTOR {
             Step::Failed(Fault::SensorImplausible)
         } else if amperes < expected / CURRENT_FACTOR {
             Step::Failed(Fault::LoadOpen)

@@ -7,7 +7,8 @@
 //!   +--- order: Idle -------------------- order: clear ---+
 //! ```
 //!
-//! An order to scan or to calibrate goes from anywhere to SelfTest, and from Scan or Calibrate back to Idle.
+//! An order to scan or to calibrate goes from anywhere to SelfTest, and from Scan or Calibrate back to Idle. A calibration that another order
+//! ends has changed nothing.
 //!
 //! A [`Fault`] ends the drive and stays until it is cleared. A [`Limit`] does neither: it says why the drive does less than
 //! was asked, right now. Numbers are for the log and for other languages, and never change their meaning.
@@ -55,6 +56,8 @@ pub enum Fault {
     LoadShorted = 22,
     /// Far less.
     LoadOpen = 23,
+    /// A lane is not heard, is further off than a trim can be for, or does not do what its trim should make it do.
+    LaneImplausible = 24,
     /// The scan has found no resonance in the window.
     NoResonance = 30,
     /// The loop has not locked in time.
@@ -107,7 +110,7 @@ macro_rules! numbered {
     };
 }
 
-numbered!(Fault, EmergencyStop LateBlock SensorImplausible OverCurrent LoadShorted LoadOpen NoResonance NoLock LossOfLock BeltStopped);
+numbered!(Fault, EmergencyStop LateBlock SensorImplausible OverCurrent LoadShorted LoadOpen LaneImplausible NoResonance NoLock LossOfLock BeltStopped);
 numbered!(Limit, OverVoltageRequest FrequencyWindow NotTracking QuadratureRequest);
 
 /// How a stage of the way to [`Mode::Run`] is getting on.
@@ -165,8 +168,11 @@ impl Supervisor {
             }
             // Both are done once for each order: the mode returns to idle, and only a new order repeats them.
             (Mode::Idle, Request::Scan | Request::Calibrate) if self.done == Some(orders.attempt) => false,
-            // A new order of either also ends a run.
-            (Mode::Idle, _) | (Mode::Lock | Mode::Run, Request::Scan | Request::Calibrate) => {
+            // A new order of either also ends a run, and any other a calibration.
+            (Mode::Idle, _)
+            | (Mode::Lock | Mode::Run, Request::Scan | Request::Calibrate)
+            | (Mode::Scan, Request::Calibrate)
+            | (Mode::Calibrate, Request::Scan | Request::Run) => {
                 self.mode = Mode::SelfTest;
                 true
             }

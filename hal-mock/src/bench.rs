@@ -31,17 +31,20 @@ use std::time::Duration;
 
 use firmware::app::{App, AppError, Peripherals};
 use firmware::block::Orders;
-use firmware::block_task::BlockTask;
+use firmware::block_task::{BlockTask, Exchange};
 use firmware::command::{Command, Reply};
-use firmware::config::Config;
+use firmware::config::{Config, LaneTrims};
 use firmware::controller::Controller;
 use firmware::error::Error;
+use firmware::keeper::Keeper;
+use firmware::settings::{Kept, Settings};
 use firmware::supervisor::{Fault, Mode};
 use firmware::telemetry::Telemetry;
 use heapless::spsc::Queue;
 
 use crate::analog::Analog;
 use crate::block_clock::BlockClock;
+use crate::flash::Flash;
 use crate::host::Host;
 use crate::link::{self, End, Wire};
 use crate::loop_back;
@@ -58,6 +61,8 @@ pub struct Queues {
     // A ring of N holds N - 1.
     orders: Queue<Orders, { ORDERS_DEPTH + 1 }>,
     telemetry: Queue<Telemetry, 64>,
+    found: Queue<LaneTrims, 2>,
+    taken: Queue<LaneTrims, 2>,
 }
 
 /// How the bench is set up.
@@ -71,12 +76,20 @@ pub struct Setup {
     pub watchdog: Duration,
     /// The link from the board to the host.
     pub to_host: Wire,
+    /// The flash for settings, with what an earlier bench has left in it.
+    pub flash: Flash,
 }
 
 impl Default for Setup {
-    /// The configuration that fits the loop-back, a turn of the slow side after every block, 10 ms, and an endless link.
+    /// The configuration that fits the loop-back, a turn of the slow side after every block, 10 ms, an endless link, and four empty pages.
     fn default() -> Self {
-        Setup { config: loop_back::config(), poll_every: 1, watchdog: Duration::from_millis(10), to_host: Wire::default() }
+        Setup {
+            config: loop_back::config(),
+            poll_every: 1,
+            watchdog: Duration::from_millis(10),
+            to_host: Wire::default(),
+            flash: Flash::new(4, 1),
+        }
     }
 }
 
@@ -96,23 +109,36 @@ pub struct Bench<'a, A> {
     block_samples: u64,
     poll_every: u32,
     task: BlockTask<'a>,
-    app: App<'a, End, Output, Input, Watchdog>,
+    app: App<'a, End, Output, Input, Watchdog, Flash>,
     errors: Vec<AppError>,
 }
 
 impl<'a, A: Analog> Bench<'a, A> {
-    /// Puts the driver on the bench, with `analog` behind its converters, the power just on and the emergency stop released.
+    /// Puts the driver on the bench, with `analog` behind its converters, the power just on and the emergency stop released. What is kept in
+    /// the flash goes before what the configuration says.
     pub fn new(queues: &'a mut Queues, setup: &Setup, analog: A) -> Result<Self, Error> {
         let (orders_in, orders_out) = queues.orders.split();
         let (telemetry_in, telemetry_out) = queues.telemetry.split();
-        let task = BlockTask::new(Controller::build(&setup.config)?, orders_out, telemetry_in);
+        let (found_in, found_out) = queues.found.split();
+        let (taken_in, taken_out) = queues.taken.split();
+
+        let mut settings = Settings::new(setup.flash.clone())?;
+        let (trims, kept) = settings.lane_trims();
+        let mut config = setup.config.clone();
+        if kept == Kept::Stored {
+            config.phasing.calibration = trims;
+        }
+        let controller = Controller::build(&config)?;
+        let keeper = Keeper::new(found_out, taken_in, config.phasing.calibration, kept);
+        let task = BlockTask::new(controller, orders_out, telemetry_in, Exchange { found: found_in, taken: taken_out });
 
         let clock = Clock::new(setup.config.sample_hz as u32);
         let (enable_pin, enable) = pin::output(&clock);
         let (stop_pin, stop) = pin::input(true);
         let watchdog = Watchdog::new(&clock, setup.watchdog);
         let (board_end, host_end) = link::duplex(setup.to_host, Wire::default());
-        let peripherals = Peripherals { link: board_end, enable: enable_pin, stop: stop_pin, watchdog: watchdog.clone() };
+        let peripherals =
+            Peripherals { link: board_end, enable: enable_pin, stop: stop_pin, watchdog: watchdog.clone(), settings };
 
         Ok(Bench {
             enable,
@@ -124,9 +150,14 @@ impl<'a, A: Analog> Bench<'a, A> {
             block_samples: setup.config.block_samples.into(),
             poll_every: setup.poll_every.max(1),
             task,
-            app: App::new(peripherals, orders_in, telemetry_out),
+            app: App::new(peripherals, orders_in, telemetry_out, keeper),
             errors: Vec::new(),
         })
+    }
+
+    /// Turns everything off; what is left is the flash.
+    pub fn power_off(self) -> Flash {
+        self.app.into_peripherals().settings.release()
     }
 
     /// What is behind the converters.

@@ -4,6 +4,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
 use firmware::block::{DriveBlock, Gate, LATENCY_BLOCKS, Orders, Request, SenseBlock};
+use firmware::supervisor::Mode;
 use hal_mock::analog::Analog;
 use hal_mock::block_clock::BlockClock;
 use hal_mock::fault_injector::{FaultInjector, FaultKind, Scheduled};
@@ -56,7 +57,7 @@ pub fn run_on(processor: &mut dyn Processor, scene: &Driven, mut watch: Watch) -
     let sample_hz = scene.sensors.sample_hz;
     let samples = usize::from(scene.controller.block_samples);
     let blocks = (scene.duration_s * sample_hz / samples as f64).ceil() as u64;
-    let orders = Orders { sequence: 1, attempt: 1, request: Request::Run, gate: Gate::Scheduled, ..Orders::default() };
+    let mut script = Script::new(scene.controller.phasing.calibrate);
 
     let mut clock = BlockClock::new(Recorder::new(scene, watch.windows), &processor.silence());
     let every = blocks.div_ceil(MAX_ROWS).max(1);
@@ -76,7 +77,8 @@ pub fn run_on(processor: &mut dyn Processor, scene: &Driven, mut watch: Watch) -
         }
         let slot = &mut pending[(block % LATENCY_BLOCKS as u64) as usize];
         clock.analog.frequency_hz = slot.frequency_hz(sample_hz);
-        let telemetry = clock.tick(|sense, drive| processor.process(&orders, sense, drive))?;
+        let telemetry = clock.tick(|sense, drive| processor.process(&script.orders, sense, drive))?;
+        script.follow(telemetry.mode);
         record.worst_block_instructions = record.worst_block_instructions.max(processor.instructions());
         let played = std::mem::replace(slot, Command::of(&telemetry));
         let time_s = (block + 1) as f64 * samples as f64 / sample_hz;
@@ -95,6 +97,30 @@ pub fn run_on(processor: &mut dyn Processor, scene: &Driven, mut watch: Watch) -
     record.trace = recorder.tracer;
     record.wall_s = began.elapsed().as_secs_f64();
     Ok(record)
+}
+
+/// What is ordered: a run, if wanted after a calibration.
+struct Script {
+    orders: Orders,
+    /// The calibration has begun.
+    calibrating: bool,
+}
+
+impl Script {
+    fn new(calibrate: bool) -> Self {
+        let request = if calibrate { Request::Calibrate } else { Request::Run };
+        let orders = Orders { sequence: 1, attempt: 1, request, gate: Gate::Scheduled, ..Orders::default() };
+        Script { orders, calibrating: false }
+    }
+
+    /// Orders the run once the calibration is over. After a fault nothing follows.
+    fn follow(&mut self, mode: Mode) {
+        self.calibrating |= mode == Mode::Calibrate;
+        if self.calibrating && mode == Mode::Idle {
+            self.calibrating = false;
+            self.orders = Orders { sequence: 2, attempt: 2, request: Request::Run, ..self.orders };
+        }
+    }
 }
 
 /// Middleware on the converters: hashes what is played, and keeps windows and traces sample by sample.

@@ -3,6 +3,7 @@
 use super::{Controller, Played};
 use crate::block::{Gate, Orders, SenseBlock};
 use crate::burst::Brake;
+use crate::calibrate;
 use crate::demod::Sensed;
 use crate::identify::Transducer;
 use crate::motional::Motional;
@@ -43,6 +44,7 @@ impl Controller {
         self.convert.v.restore_zero();
         self.convert.i.restore_zero();
         self.self_test.restart();
+        self.calibrate.abandon(&mut self.phasing);
         self.scan.restart();
         self.transducer = None;
         self.sweep.hold.retune(0.0);
@@ -61,8 +63,11 @@ impl Controller {
         motional: Phasor,
     ) -> Plan {
         match self.supervisor.mode() {
-            Mode::Idle | Mode::Fault => Plan::SILENT,
-            Mode::SelfTest => match self.self_test.step(&mut self.convert, sense, sensed) {
+            Mode::Idle | Mode::Fault => {
+                self.calibrate.abandon(&mut self.phasing);
+                Plan::SILENT
+            }
+            Mode::SelfTest => match self.self_test.step(&mut self.convert, sense, sensed, heard.volts * heard.gain) {
                 self_test::Step::Silence => Plan::SILENT,
                 self_test::Step::Tone { offset_hz, volts } => {
                     self.sweep.hold.retune(offset_hz);
@@ -85,7 +90,18 @@ impl Controller {
                 }
                 scan::Step::NotFound => Plan::SILENT.and(Progress::Failed(Fault::NoResonance)),
             },
-            Mode::Calibrate => Plan::SILENT.and(Progress::Done),
+            Mode::Calibrate => match self.calibrate.step(&mut self.phasing, sensed) {
+                calibrate::Step::Listen { offset_hz, lane } => {
+                    self.sweep.hold.retune(offset_hz);
+                    Plan { listen: lane, ..Plan::tone(self.scan_volts) }
+                }
+                calibrate::Step::Done => {
+                    self.sweep.hold.retune(0.0);
+                    self.amplitude.set_loudest(self.phasing.loudest());
+                    Plan::SILENT.and(Progress::Done)
+                }
+                calibrate::Step::Failed(fault) => Plan::SILENT.and(Progress::Failed(fault)),
+            },
             Mode::Lock => self.follow(&Orders { gate: Gate::On, ..*orders }, sensed, heard, motional),
             Mode::Run => self.follow(orders, sensed, heard, motional),
         }

@@ -157,6 +157,10 @@ pub struct Phasing {
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     #[schemars(length(max = 4), inner(range(min = 0.0, max = 2.0)))]
     pub gain_trim: Vec<f64>,
+    /// First measure what each lane adds, and trim the lanes by it; then run. The controller listens to one lane after the other, at
+    /// `drive.scan_v` and over the window of `tracking.span`. Windows of a burst count from the first sample all the same.
+    #[serde(default)]
+    pub calibrate: bool,
 }
 
 /// Turning direction.

@@ -1,0 +1,277 @@
+//! Settings: what is kept in flash over power-off.
+//!
+//! Two maps of keys to values (`sequential-storage`), each in its half of the flash, and written in turns: whenever power goes, and however
+//! often, what was kept before is in the half that was not being written. One map alone survives one cut: what a cut has left it repairs by
+//! erasing the page that it was writing to, and a second cut then finds neither the old nor the new. Pages are used in turns too, which spreads
+//! the wear.
+//!
+//! ```text
+//! key: u8 | version of the value: u8 | number of the write: u32, little-endian | value: postcard
+//! ```
+//!
+//! What cannot be read, is of another version, or cannot be trims, is as if there were nothing, and says why. A page's erase stalls a processor
+//! that runs from the same flash (25 ms on an STM32G4): store in silence only.
+
+use core::future::Future;
+use core::pin::pin;
+use core::task::{Context, Poll, Waker};
+
+use embedded_storage::nor_flash::{ErrorType, NorFlash};
+use embedded_storage_async::nor_flash as waiting;
+use sequential_storage::cache::{Cache, Uncached};
+use sequential_storage::map::{MapConfig, MapStorage};
+use serde::{Deserialize, Serialize};
+
+use crate::config::LaneTrims;
+use crate::error::{Error, in_range};
+use crate::phasing::check_calibration;
+
+/// Keys. A number never changes its meaning.
+const LANE_TRIMS: u8 = 1;
+/// Version of the lane trims as they are written now.
+const VERSION: u8 = 1;
+/// Version and number.
+const HEAD: usize = 5;
+/// Room for the longest value with its key and version, bytes: a multiple of any flash's word.
+const LONGEST: usize = 256;
+
+/// What is kept.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Kept {
+    /// Nothing.
+    #[default]
+    Nothing,
+    /// What acted when it was stored, or came from there at power-up.
+    Stored,
+    /// Something that cannot be read, or cannot be trims.
+    Damaged,
+    /// Trims of this other version.
+    Version(u8),
+    /// What acts is to be kept, as soon as the drive is silent.
+    Due,
+    /// The flash does not take it.
+    Failed,
+}
+
+/// The flash has failed, and settings are not kept.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct NotKept;
+
+/// The store.
+pub struct Settings<F> {
+    flash: F,
+    /// Bytes of each half.
+    half: u32,
+}
+
+/// One half, for as long as it is read or written.
+type Map<'a, F> = MapStorage<u8, Blocking<&'a mut F>, Cache<Uncached, Uncached, Uncached, u8>>;
+
+/// What a half has.
+struct Found {
+    /// Which write it was.
+    number: u32,
+    trims: LaneTrims,
+    kept: Kept,
+}
+
+impl Found {
+    fn is_newer_than(&self, other: &Found) -> bool {
+        match (self.kept, other.kept) {
+            // What cannot be read has no number.
+            (Kept::Nothing, _) => false,
+            (_, Kept::Nothing) => true,
+            (Kept::Damaged, _) => false,
+            (_, Kept::Damaged) => true,
+            // Numbers come round.
+            _ => (self.number.wrapping_sub(other.number) as i32) > 0,
+        }
+    }
+}
+
+impl<F: NorFlash> Settings<F> {
+    /// A store in all of this flash: a board gives the part of its own that is meant for it, four pages at least.
+    pub fn new(flash: F) -> Result<Self, Error> {
+        let (page, word) = (F::ERASE_SIZE, F::WRITE_SIZE.max(F::READ_SIZE));
+        in_range("settings.flash_page_bytes", page as f64, 2.0 * LONGEST as f64, 1e9)?;
+        in_range("settings.flash_word_bytes", word as f64, 1.0, 32.0)?;
+        let half = flash.capacity() / (2 * page) * page;
+        in_range("settings.flash_bytes", 2.0 * half as f64, 4.0 * page as f64, f64::from(u32::MAX))?;
+        Ok(Settings { flash, half: half as u32 })
+    }
+
+    /// The lane trims that are kept; none where there is nothing that can be used, and why.
+    pub fn lane_trims(&mut self) -> (LaneTrims, Kept) {
+        let found = self.latest().1;
+        // That there are none is kept as such.
+        let nothing = found.kept == Kept::Stored && found.trims.is_empty();
+        (found.trims, if nothing { Kept::Nothing } else { found.kept })
+    }
+
+    /// Keeps lane trims. What is kept already is not written again.
+    pub fn store(&mut self, trims: &LaneTrims) -> Result<(), NotKept> {
+        let (half, latest) = self.latest();
+        if latest.trims == *trims && matches!(latest.kept, Kept::Stored | Kept::Nothing) {
+            return Ok(());
+        }
+        let mut value = [0; LONGEST];
+        value[0] = VERSION;
+        value[1..HEAD].copy_from_slice(&latest.number.wrapping_add(1).to_le_bytes());
+        let length = postcard::to_slice(trims, &mut value[HEAD..]).map_err(|_| NotKept)?.len();
+        let value = &value[..HEAD + length];
+        // Into the other half. If it is beyond repair it is erased first: what is kept stands in this one.
+        self.write(1 - half, value).or_else(|NotKept| {
+            let mut map = self.map(1 - half).ok_or(NotKept)?;
+            wait(map.erase_all()).map_err(|_| NotKept)?;
+            self.write(1 - half, value)
+        })
+    }
+
+    /// Keeps nothing.
+    pub fn clear(&mut self) -> Result<(), NotKept> {
+        // Written over by nothing rather than erased: whenever power goes, it is all there or all gone.
+        self.store(&LaneTrims::new())
+    }
+
+    /// Gives the flash back.
+    pub fn release(self) -> F {
+        self.flash
+    }
+
+    /// The half that was written last, and what it has.
+    fn latest(&mut self) -> (u32, Found) {
+        let (first, second) = (self.read(0), self.read(1));
+        if second.is_newer_than(&first) { (1, second) } else { (0, first) }
+    }
+
+    fn map(&mut self, half: u32) -> Option<Map<'_, F>> {
+        let config = MapConfig::try_new(half * self.half..(half + 1) * self.half).ok()?;
+        Some(MapStorage::new(Blocking(&mut self.flash), config, Cache::new_uncached()))
+    }
+
+    fn read(&mut self, half: u32) -> Found {
+        let mut buffer = [0; LONGEST];
+        let damaged = Found { number: 0, trims: LaneTrims::new(), kept: Kept::Damaged };
+        let Some(mut map) = self.map(half) else { return damaged };
+        match wait(map.fetch_item::<&[u8]>(&mut buffer, &LANE_TRIMS)) {
+            Ok(Some(bytes)) => parse(bytes).unwrap_or(damaged),
+            Ok(None) => Found { kept: Kept::Nothing, ..damaged },
+            Err(_) => damaged,
+        }
+    }
+
+    fn write(&mut self, half: u32, value: &[u8]) -> Result<(), NotKept> {
+        let mut buffer = [0; LONGEST];
+        let mut map = self.map(half).ok_or(NotKept)?;
+        wait(map.store_item(&mut buffer, &LANE_TRIMS, &value)).map_err(|_| NotKept)
+    }
+}
+
+/// Version, number and value; `None` where it is damaged.
+fn parse(bytes: &[u8]) -> Option<Found> {
+    let (head, value) = bytes.split_at_checked(HEAD)?;
+    let number = u32::from_le_bytes(head[1..].try_into().ok()?);
+    if head[0] != VERSION {
+        return Some(Found { number, trims: LaneTrims::new(), kept: Kept::Version(head[0]) });
+    }
+    let trims = postcard::from_bytes::<LaneTrims>(value).ok().filter(|trims| check_calibration(trims).is_ok())?;
+    Some(Found { number, trims, kept: Kept::Stored })
+}
+
+/// A flash that makes its caller wait, as one that is waited for.
+struct Blocking<F>(F);
+
+impl<F: ErrorType> ErrorType for Blocking<F> {
+    type Error = F::Error;
+}
+
+impl<F: NorFlash> waiting::ReadNorFlash for Blocking<F> {
+    const READ_SIZE: usize = F::READ_SIZE;
+
+    async fn read(&mut self, offset: u32, bytes: &mut [u8]) -> Result<(), F::Error> {
+        self.0.read(offset, bytes)
+    }
+
+    fn capacity(&self) -> usize {
+        self.0.capacity()
+    }
+}
+
+impl<F: NorFlash> waiting::NorFlash for Blocking<F> {
+    const WRITE_SIZE: usize = F::WRITE_SIZE;
+    const ERASE_SIZE: usize = F::ERASE_SIZE;
+
+    async fn erase(&mut self, from: u32, to: u32) -> Result<(), F::Error> {
+        self.0.erase(from, to)
+    }
+
+    async fn write(&mut self, offset: u32, bytes: &[u8]) -> Result<(), F::Error> {
+        self.0.write(offset, bytes)
+    }
+}
+
+/// What a future comes to. Those of a blocking flash never have to be asked twice.
+fn wait<T>(future: impl Future<Output = T>) -> T {
+    let mut future = pin!(future);
+    let mut context = Context::from_waker(Waker::noop());
+    loop {
+        if let Poll::Ready(value) = future.as_mut().poll(&mut context) {
+            return value;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::config::{Trim, TrimPoint};
+
+    fn value(version: u8, number: u32, trims: &LaneTrims) -> std::vec::Vec<u8> {
+        let mut buffer = [0; LONGEST];
+        let body = postcard::to_slice(trims, &mut buffer).unwrap();
+        [&[version], &number.to_le_bytes()[..], body].concat()
+    }
+
+    fn longest() -> LaneTrims {
+        (0..5).map(|n| TrimPoint { hz: 40e3 + n as f32, lanes: [Trim { phase_turns: -0.1, gain: 0.9 }; 4] }).collect()
+    }
+
+    #[test]
+    fn the_longest_value_fits_and_reads_back() {
+        let bytes = value(VERSION, 7, &longest());
+        // Its key before it, and words of 32 bytes.
+        assert!(bytes.len() + 1 + 32 <= LONGEST, "{}", bytes.len());
+        let found = parse(&bytes).unwrap();
+        assert_eq!((found.number, found.trims, found.kept), (7, longest(), Kept::Stored));
+    }
+
+    #[test]
+    fn another_version_is_named_and_not_read() {
+        let found = parse(&value(VERSION + 1, 9, &longest())).unwrap();
+        assert_eq!((found.number, found.trims.len(), found.kept), (9, 0, Kept::Version(VERSION + 1)));
+        // Nor is what was kept before it taken for what is kept now.
+        let before = parse(&value(VERSION, 8, &longest())).unwrap();
+        assert!(found.is_newer_than(&before) && !before.is_newer_than(&found));
+    }
+
+    #[test]
+    fn what_is_cut_short_is_damaged() {
+        let bytes = value(VERSION, 7, &longest());
+        assert!((0..bytes.len()).all(|length| parse(&bytes[..length]).is_none()));
+    }
+
+    #[test]
+    fn numbers_come_round_and_what_cannot_be_read_is_older_than_what_can() {
+        let found = |number, kept| Found { number, trims: LaneTrims::new(), kept };
+        let rows = [
+            found(0, Kept::Nothing),
+            found(0, Kept::Damaged),
+            found(u32::MAX - 1, Kept::Stored),
+            found(u32::MAX, Kept::Version(3)),
+            found(0, Kept::Stored),
+        ];
+        for (n, newer) in rows.iter().enumerate() {
+            assert!(rows[..n].iter().all(|older| newer.is_newer_than(older) && !older.is_newer_than(newer)), "{n}");
+        }
+    }
+}

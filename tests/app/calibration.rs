@@ -1,0 +1,317 @@
+//! Lane calibration, whole: amplifiers that differ, a multiplexer, noise; and the trims that are found, kept, and act after a restart.
+
+use firmware::command::{Command, Refusal, Reply, TrimReport, Verb};
+use firmware::config::Direction;
+use firmware::phasing::Phasing;
+use firmware::settings::Kept;
+use firmware::supervisor::{Fault, Mode};
+use firmware::units::{Hertz, Turns};
+use hal_mock::bench::{Bench, Queues, Setup};
+use hal_mock::flash::Flash;
+use sim_host::metrics::{Metrics, driven};
+use sim_host::run::Watch;
+use sim_host::scene::load::load;
+
+use super::bank::{Bank, THESIS, tone_of};
+use super::*;
+
+/// Blocks that certainly suffice for a calibration of four lanes.
+const LONG: u64 = 60_000;
+/// What is left, at most: degrees, and a part.
+const LEFT: (f64, f64) = (0.1, 1e-3);
+
+fn four_lanes(direction: Direction) -> Setup {
+    setup(|config| {
+        config.lanes = 4;
+        config.phasing.direction = direction;
+        config.drive.scan_volts = 3.0;
+    })
+}
+
+fn bench_of<'a>(queues: &'a mut Queues, setup: &Setup, bank: Bank) -> Bench<'a, Bank> {
+    Bench::new(queues, setup, bank).unwrap()
+}
+
+/// Orders a calibration and sees it through; returns how many blocks it took.
+fn calibrated(bench: &mut Bench<Bank>) -> u64 {
+    assert_eq!(bench.ask(Command::Calibrate), Some(Reply::Ack));
+    bench.run_until(|report| report.mode == Mode::Calibrate, PATIENCE).expect("a calibration begins");
+    let took = bench.run_until(|report| report.mode != Mode::Calibrate, LONG).expect("a calibration ends");
+    bench.blocks(4);
+    took
+}
+
+fn run(bench: &mut Bench<Bank>) {
+    assert_eq!(bench.ask(Command::Run), Some(Reply::Ack));
+    assert!(bench.run_until(|report| report.mode == Mode::Run, PATIENCE).is_some(), "{:?}", bench.latest());
+}
+
+/// The largest errors over the window and between the calibrated frequencies, of lanes that run: degrees, and a part.
+fn errors(bench: &mut Bench<Bank>, quadrature: f32) -> (f64, f64) {
+    let offsets = Phasing::offsets(quadrature).map(|offset| f64::from(offset) / 4_294_967_296.0);
+    let mut worst = (0.0_f64, 0.0_f64);
+    for step in -10..=10 {
+        // A little beside round numbers, so that rounding averages out here too.
+        assert_eq!(bench.ask(Command::Detune(Hertz(2020.0 * step as f32 / 10.01))), Some(Reply::Ack));
+        bench.blocks(610);
+        let hz = f64::from(bench.latest().unwrap().frequency.0);
+        let tones: Vec<(f64, f64)> = bench.analog().outputs.iter().map(|volts| tone_of(volts, hz)).collect();
+        for (tone, offset) in tones.iter().zip(offsets) {
+            let turns = (tone.1 - tones[0].1 - offset + 2.5).fract() - 0.5;
+            worst = (worst.0.max(360.0 * turns.abs()), worst.1.max((tone.0 / tones[0].0 - 1.0).abs()));
+        }
+    }
+    worst
+}
+
+fn report(bench: &mut Bench<Bank>, point: u8) -> TrimReport {
+    match bench.ask(Command::Settings(Verb::Get(point))) {
+        Some(Reply::Settings(report)) => report,
+        other => panic!("{other:?}"),
+    }
+}
+
+#[test]
+fn the_lanes_of_the_thesis_are_within_a_tenth_of_a_degree_and_of_a_per_cent_afterwards() {
+    for (direction, quadrature) in [(Direction::Forward, 0.25), (Direction::Reverse, -0.25)] {
+        let mut queues = Queues::default();
+        let mut bench = bench_of(&mut queues, &four_lanes(direction), Bank::new(THESIS, 1.0));
+        run(&mut bench);
+        let before = errors(&mut bench, quadrature);
+        assert!(before.0 > 8.0 && before.1 > 0.06, "{before:?}");
+        let took = calibrated(&mut bench);
+        assert_eq!((bench.mode(), bench.fault()), (Mode::Idle, None));
+        run(&mut bench);
+        let after = errors(&mut bench, quadrature);
+        println!(
+            "{direction:?}: {:.2} degrees and {:.2} % before, {:.3} degrees and {:.3} % after {took} blocks",
+            before.0,
+            100.0 * before.1,
+            after.0,
+            100.0 * after.1
+        );
+        assert!(after.0 < LEFT.0 && after.1 < LEFT.1, "{after:?}");
+        // The trims hold for the other direction, too.
+        assert_eq!(bench.ask(Command::Quadrature(Some(Turns(-quadrature)))), Some(Reply::Ack));
+        let other = errors(&mut bench, -quadrature);
+        assert!(other.0 < LEFT.0 && other.1 < LEFT.1, "{other:?}");
+    }
+}
+
+#[test]
+fn trims_are_kept_over_a_restart_and_act_from_the_first_block() {
+    let mut setup = four_lanes(Direction::Forward);
+    let mut queues = Queues::default();
+    let mut bench = bench_of(&mut queues, &setup, Bank::new(THESIS, 1.0));
+    assert_eq!(report(&mut bench, 0), TrimReport { kept: Kept::Nothing, points: 0, point: None });
+    calibrated(&mut bench);
+    let found: Vec<TrimReport> = (0..6).map(|point| report(&mut bench, point)).collect();
+    assert!(found.iter().all(|report| (report.kept, report.points) == (Kept::Stored, 5)) && found[5].point.is_none());
+
+    setup.flash = bench.power_off();
+    let mut queues = Queues::default();
+    let mut bench = bench_of(&mut queues, &setup, Bank::new(THESIS, 1.0));
+    assert!((0..6).all(|point| report(&mut bench, point) == found[usize::from(point)]));
+    run(&mut bench);
+    let after = errors(&mut bench, 0.25);
+    assert!(after.0 < LEFT.0 && after.1 < LEFT.1, "{after:?}");
+}
+
+#[test]
+fn defaults_and_clear_each_do_their_half() {
+    let mut setup = four_lanes(Direction::Forward);
+    let mut queues = Queues::default();
+    let mut bench = bench_of(&mut queues, &setup, Bank::new(THESIS, 0.0));
+    calibrated(&mut bench);
+    // No trims act from now on, and what is kept stays.
+    assert_eq!(bench.ask(Command::Settings(Verb::Defaults)), Some(Reply::Ack));
+    run(&mut bench);
+    assert!(errors(&mut bench, 0.25).0 > 8.0);
+    setup.flash = bench.power_off();
+    let mut queues = Queues::default();
+    let mut bench = bench_of(&mut queues, &setup, Bank::new(THESIS, 0.0));
+    assert_eq!(report(&mut bench, 0).kept, Kept::Stored);
+    bench.blocks(4);
+    // Nothing is kept from now on, and what acts stays.
+    assert_eq!(bench.ask(Command::Settings(Verb::Clear)), Some(Reply::Ack));
+    assert_eq!((report(&mut bench, 0).kept, report(&mut bench, 0).points), (Kept::Nothing, 5));
+    let mut cleared = setup.clone();
+    cleared.flash = {
+        run(&mut bench);
+        assert!(errors(&mut bench, 0.25).0 < LEFT.0);
+        bench.power_off()
+    };
+    let mut queues = Queues::default();
+    let mut bench = bench_of(&mut queues, &cleared, Bank::new(THESIS, 0.0));
+    assert_eq!(report(&mut bench, 0), TrimReport { kept: Kept::Nothing, points: 0, point: None });
+}
+
+#[test]
+fn while_it_drives_nothing_is_written() {
+    let setup = four_lanes(Direction::Forward);
+    let mut queues = Queues::default();
+    let mut bench = bench_of(&mut queues, &setup, Bank::new(THESIS, 0.0));
+    run(&mut bench);
+    for verb in [Verb::Store, Verb::Clear, Verb::Defaults] {
+        assert_eq!(bench.ask(Command::Settings(verb)), Some(Reply::Nak(Refusal::Driving)), "{verb:?}");
+    }
+    // Nor between an order to drive and its first block.
+    assert_eq!(bench.ask(Command::Idle), Some(Reply::Ack));
+    bench.blocks(4);
+    assert_eq!(bench.ask(Command::Run), Some(Reply::Ack));
+    assert_eq!(bench.ask(Command::Settings(Verb::Store)), Some(Reply::Nak(Refusal::Driving)));
+    assert_eq!(bench.power_off().operations(), 0);
+}
+
+#[test]
+fn a_lane_that_is_not_heard_or_too_far_off_is_a_fault_and_changes_nothing() {
+    let cases: [fn(&mut Bank); 4] = [
+        |bank| bank.deaf = Some(2),
+        |bank| bank.amplifiers[1].gain = 0.6,
+        |bank| bank.amplifiers[3].pole = 30e3,
+        |bank| bank.amplifiers[2].gain = -1.0,
+    ];
+    for (n, change) in cases.into_iter().enumerate() {
+        let mut queues = Queues::default();
+        let mut bench = bench_of(&mut queues, &four_lanes(Direction::Forward), Bank::new(THESIS, 1.0));
+        calibrated(&mut bench);
+        let found = report(&mut bench, 2);
+        change(bench.analog());
+        calibrated(&mut bench);
+        assert_eq!(
+            (bench.mode(), bench.fault(), bench.fault().map(Fault::code)),
+            (Mode::Fault, Some(Fault::LaneImplausible), Some(24)),
+            "{n}"
+        );
+        assert!(!bench.analog().sounds && !bench.enable.is_high(), "{n}");
+        assert_eq!(report(&mut bench, 2), found, "{n}");
+    }
+    // Lane 0 is what the self-test listens to.
+    let mut queues = Queues::default();
+    let mut bench = bench_of(&mut queues, &four_lanes(Direction::Forward), Bank::new(THESIS, 1.0));
+    bench.analog().deaf = Some(0);
+    bench.ask(Command::Calibrate);
+    bench.blocks(PATIENCE);
+    assert_eq!(bench.fault(), Some(Fault::SensorImplausible));
+}
+
+#[test]
+fn another_order_ends_a_calibration_and_the_trims_are_what_they_were() {
+    let orders = [(Command::Idle, Mode::Idle), (Command::Run, Mode::Run), (Command::Scan, Mode::Scan)];
+    for (order, mode) in orders {
+        let mut queues = Queues::default();
+        let mut bench = bench_of(&mut queues, &four_lanes(Direction::Forward), Bank::new(THESIS, 0.0));
+        calibrated(&mut bench);
+        let found = report(&mut bench, 2);
+        bench.ask(Command::Calibrate);
+        assert!(bench.run_until(|report| report.mode == Mode::Calibrate, PATIENCE).is_some());
+        bench.blocks(3000);
+        bench.ask(order);
+        assert!(bench.run_until(|report| report.mode == mode, 2 * PATIENCE).is_some(), "{order:?} {:?}", bench.latest());
+        bench.ask(Command::Idle);
+        bench.blocks(PATIENCE);
+        assert_eq!((report(&mut bench, 2), bench.analog().sounds), (found, false), "{order:?}");
+        run(&mut bench);
+        let after = errors(&mut bench, 0.25);
+        assert!(after.0 < LEFT.0 && after.1 < LEFT.1, "{order:?} {after:?}");
+    }
+}
+
+#[test]
+fn a_stop_in_a_calibration_is_a_stop() {
+    let mut queues = Queues::default();
+    let mut bench = bench_of(&mut queues, &four_lanes(Direction::Forward), Bank::new(THESIS, 0.0));
+    bench.ask(Command::Calibrate);
+    assert!(bench.run_until(|report| report.mode == Mode::Calibrate, PATIENCE).is_some());
+    bench.press_stop();
+    bench.blocks(4);
+    assert_eq!((bench.fault(), bench.enable.is_high(), bench.analog().sounds), (Some(Fault::EmergencyStop), false, false));
+    assert_eq!(report(&mut bench, 0).points, 0);
+}
+
+#[test]
+fn a_calibration_is_done_once_for_each_order_and_one_lane_needs_none() {
+    let mut queues = Queues::default();
+    let mut one = bench_of(&mut queues, &Setup::default(), Bank::new(THESIS, 0.0));
+    assert_eq!(one.ask(Command::Calibrate), Some(Reply::Ack));
+    assert!(one.run_until(|report| report.mode == Mode::Calibrate, PATIENCE).is_some());
+    one.blocks(PATIENCE);
+    assert_eq!((one.mode(), one.fault(), report(&mut one, 0).kept), (Mode::Idle, None, Kept::Nothing));
+    assert_eq!(one.power_off().operations(), 0);
+
+    let mut queues = Queues::default();
+    let mut four = bench_of(&mut queues, &four_lanes(Direction::Forward), Bank::new(THESIS, 0.0));
+    calibrated(&mut four);
+    for command in [Command::Detune(Hertz(10.0)), Command::TelemetryEvery(10), Command::Settings(Verb::Store)] {
+        assert_eq!(four.ask(command), Some(Reply::Ack));
+        four.blocks(PATIENCE);
+        assert_eq!((four.mode(), four.analog().sounds), (Mode::Idle, false), "{command:?}");
+    }
+    // What is kept already is not written again.
+    let words = four.power_off().words_written();
+    assert!((20..40).contains(&words), "{words}");
+}
+
+#[test]
+fn a_flash_that_fails_is_reported_and_the_trims_act_all_the_same() {
+    let mut setup = four_lanes(Direction::Forward);
+    setup.flash.cut_power_after(3);
+    let mut queues = Queues::default();
+    let mut bench = bench_of(&mut queues, &setup, Bank::new(THESIS, 1.0));
+    calibrated(&mut bench);
+    assert_eq!((report(&mut bench, 0).kept, bench.fault()), (Kept::Failed, None));
+    assert_eq!(bench.ask(Command::Settings(Verb::Store)), Some(Reply::Nak(Refusal::Flash)));
+    run(&mut bench);
+    assert!(errors(&mut bench, 0.25).0 < LEFT.0);
+    // The next power-up finds nothing that is whole, says so or has nothing, and runs.
+    let mut flash: Flash = bench.power_off();
+    flash.restore_power();
+    setup.flash = flash;
+    let mut queues = Queues::default();
+    let mut bench = bench_of(&mut queues, &setup, Bank::new(THESIS, 1.0));
+    assert!(matches!(report(&mut bench, 0), TrimReport { kept: Kept::Nothing | Kept::Damaged, points: 0, point: None }));
+    calibrated(&mut bench);
+    assert_eq!(report(&mut bench, 0).kept, Kept::Stored);
+}
+
+#[test]
+fn a_scene_that_asks_for_it_calibrates_and_then_runs() {
+    let sets = ["controller.phasing.calibrate=true".to_owned()];
+    let scene = load("lock", &sets).expect("a valid scene").scene;
+    let record = sim_host::run::run(&scene.driven().expect("a driven scene"), Watch::default()).unwrap();
+    let mut modes: Vec<Mode> = record.rows.iter().map(|row| row.mode).collect();
+    modes.dedup();
+    let calibration = [Mode::SelfTest, Mode::Calibrate, Mode::Idle];
+    assert_eq!(modes, [&calibration[..], &[Mode::SelfTest, Mode::Scan, Mode::Lock, Mode::Run]].concat());
+}
+
+/// A run of the motor with lanes that are off, and changes.
+fn motor(changes: &[&str]) -> Metrics {
+    let later = ["duration_s=0.62", "controller.burst.on_s=[0.5]", "controller.burst.off_s=[0.6]"];
+    let sets: Vec<String> = later.iter().chain(changes).map(|&set| set.to_owned()).collect();
+    let scene = load("usm-miscalibrated", &sets).unwrap_or_else(|error| panic!("{error}")).scene;
+    let scene = scene.driven().expect("a driven scene");
+    let record = sim_host::run::run(&scene, Watch::default()).unwrap();
+    assert_eq!((record.last.mode, record.last.fault), (Mode::Run, None), "{changes:?}");
+    driven::of(&scene, &record)
+}
+
+#[test]
+fn the_wave_of_the_motor_is_put_right() {
+    for changes in [
+        &[][..],
+        &["rig.rotor.mu=0", "rig.rotor.torque_nm=0"],
+        &["controller.phasing.direction=reverse", "rig.rotor.torque_nm=0"],
+    ] {
+        let [before, after] = ["controller.phasing.calibrate=false", "controller.phasing.calibrate=true"].map(|calibrate| {
+            let metrics = motor(&[changes, &[calibrate]].concat());
+            ["lane_phase_error_deg_max", "lane_gain_error_percent_max", "backward_wave_percent"]
+                .map(|name| metrics.get(name).expect("a motor's metric"))
+        });
+        println!("{changes:?}: degrees, %, and backward wave in %: {before:.3?} before, {after:.3?} after");
+        assert!(before[0] > 9.9 && before[1] > 5.9 && before[2] > 4.0, "{before:?}");
+        assert!(after[0] < LEFT.0 && after[1] < 100.0 * LEFT.1, "{after:?}");
+        // What two lanes that are off by that much can make of it together.
+        assert!(after[2] < 0.2, "{after:?}");
+    }
+}

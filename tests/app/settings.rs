@@ -1,0 +1,184 @@
+//! What is kept in flash, whenever power goes and whatever is in it.
+
+use embedded_storage::nor_flash::{NorFlash, ReadNorFlash};
+use firmware::config::{LaneTrims, Trim, TrimPoint};
+use firmware::error::Error;
+use firmware::settings::{Kept, NotKept, Settings};
+use hal_mock::chance::Chance;
+use hal_mock::flash::{Flash, PAGE_BYTES};
+
+/// Trims that are told from others by a number.
+fn trims(number: u16) -> LaneTrims {
+    let lane = |lane: usize| Trim { phase_turns: 1e-5 * f32::from(number) + 0.01 * lane as f32, gain: 0.9 };
+    (0..5).map(|point| TrimPoint { hz: 39e3 + 500.0 * point as f32, lanes: std::array::from_fn(lane) }).collect()
+}
+
+fn kept(flash: &Flash) -> (LaneTrims, Kept) {
+    Settings::new(flash.clone()).unwrap().lane_trims()
+}
+
+#[test]
+fn an_empty_flash_has_nothing_and_looking_writes_nothing() {
+    let flash = Flash::new(4, 1);
+    let mut settings = Settings::new(flash).unwrap();
+    assert_eq!(settings.lane_trims(), (LaneTrims::new(), Kept::Nothing));
+    assert_eq!(settings.clear(), Ok(()));
+    assert_eq!(settings.release().operations(), 0);
+}
+
+#[test]
+fn the_latest_is_what_is_kept_however_often_pages_go_round() {
+    for pages in [4, 6, 10] {
+        let mut settings = Settings::new(Flash::new(pages, 1)).unwrap();
+        for number in 0..200 {
+            settings.store(&trims(number)).unwrap();
+            assert_eq!(settings.lane_trims(), (trims(number), Kept::Stored), "{pages} {number}");
+        }
+        settings.clear().unwrap();
+        assert_eq!(settings.lane_trims(), (LaneTrims::new(), Kept::Nothing));
+        let flash = settings.release();
+        let wear: Vec<u32> = (0..pages).map(|page| flash.erases(page)).collect();
+        println!("{pages} pages, 201 writes: erased {wear:?} times");
+        // Ten values a page, and every page as often as any other.
+        assert!(wear.iter().max().unwrap() - wear.iter().min().unwrap() <= 1, "{wear:?}");
+        assert!(wear.iter().sum::<u32>() <= 201 / 9, "{wear:?}");
+    }
+}
+
+#[test]
+fn what_is_kept_already_wears_nothing() {
+    let mut settings = Settings::new(Flash::new(4, 1)).unwrap();
+    settings.store(&trims(1)).unwrap();
+    let mut flash = settings.release();
+    let operations = flash.operations();
+    for _ in 0..100 {
+        let mut settings = Settings::new(flash).unwrap();
+        settings.store(&trims(1)).unwrap();
+        flash = settings.release();
+    }
+    assert_eq!(flash.operations(), operations);
+}
+
+/// A flash that has been written so often that the next write comes to `filled` values in its pages.
+fn filled(writes: u16, seed: u64) -> Flash {
+    let mut settings = Settings::new(Flash::new(4, seed)).unwrap();
+    (0..writes).for_each(|number| settings.store(&trims(number)).unwrap());
+    settings.release()
+}
+
+#[test]
+fn whenever_power_goes_the_old_or_the_new_is_there_and_the_next_write_is_whole() {
+    let mut cuts = 0;
+    // Every state of the pages: none, the first of a page, its last, and the change to the next, with and without an erase.
+    for writes in (0..4).chain(16..24).chain(36..48).chain(76..88) {
+        for seed in 0..4 {
+            let flash = filled(writes, seed);
+            let (old, _) = kept(&flash);
+            for operations in 0.. {
+                let mut cut = flash.clone();
+                cut.cut_power_after(operations);
+                let mut settings = Settings::new(cut).unwrap();
+                let stored = settings.store(&trims(1000));
+                let mut cut = settings.release();
+                if stored.is_ok() {
+                    break;
+                }
+                assert_eq!((stored, cut.is_off()), (Err(NotKept), true));
+                cuts += 1;
+                cut.restore_power();
+                let mut settings = Settings::new(cut).unwrap();
+                let (now, state) = settings.lane_trims();
+                let whole = match state {
+                    Kept::Stored => now == old || now == trims(1000),
+                    // Before the first write there was nothing to lose.
+                    _ => writes == 0 && now.is_empty(),
+                };
+                assert!(whole, "{writes} writes, cut after {operations}: {state:?}");
+                settings.store(&trims(1001)).unwrap();
+                assert_eq!(kept(&settings.release()), (trims(1001), Kept::Stored), "{writes} writes, cut after {operations}");
+            }
+        }
+    }
+    println!("{cuts} cuts");
+    assert!(cuts > 3000, "{cuts}");
+}
+
+#[test]
+fn power_that_goes_again_and_again_loses_nothing() {
+    for seed in 0..12 {
+        let mut chance = Chance::new(seed);
+        let mut flash = filled(7, seed);
+        let mut last = trims(6);
+        for number in 100..500 {
+            // Often before a value is whole, and sometimes after it.
+            flash.cut_power_after(chance.below(40));
+            let mut settings = Settings::new(flash).unwrap();
+            let stored = settings.store(&trims(number));
+            flash = settings.release();
+            flash.restore_power();
+            let (now, state) = kept(&flash);
+            assert_eq!(state, Kept::Stored, "{seed} {number}");
+            assert!(now == trims(number) || (now == last && stored.is_err()), "{seed} {number}");
+            last = now;
+        }
+    }
+}
+
+#[test]
+fn whatever_is_in_the_flash_it_is_read_without_harm_and_can_be_written() {
+    for seed in 0..400 {
+        let mut chance = Chance::new(seed);
+        let mut flash = if seed % 2 == 0 { Flash::new(4, seed) } else { filled(seed as u16 % 83, seed) };
+        if seed % 2 == 0 {
+            let bytes: Vec<u8> = (0..flash.capacity()).map(|_| if seed % 4 == 0 { chance.byte() } else { 0 }).collect();
+            flash.write(0, &bytes).unwrap();
+        } else {
+            // A page that another program has used.
+            let page = chance.below(4) as usize;
+            flash.erase((page * PAGE_BYTES) as u32, ((page + 1) * PAGE_BYTES) as u32).unwrap();
+            let bytes: Vec<u8> = (0..PAGE_BYTES).map(|_| chance.byte()).collect();
+            flash.write((page * PAGE_BYTES) as u32, &bytes).unwrap();
+        }
+        let mut settings = Settings::new(flash).unwrap();
+        let (found, state) = settings.lane_trims();
+        assert!(found.is_empty() || state == Kept::Stored, "{seed}: {state:?}");
+        settings.store(&trims(9)).unwrap();
+        assert_eq!(kept(&settings.release()), (trims(9), Kept::Stored), "{seed}");
+    }
+}
+
+#[test]
+fn a_flipped_bit_is_seen() {
+    let flash = filled(1, 1);
+    let bytes = flash.bytes().to_vec();
+    let used = bytes.iter().rposition(|&byte| byte != 0xFF).unwrap().min(250);
+    for bit in 0..8 * (used + 1) {
+        let mut damaged = Flash::new(4, 1);
+        let mut bytes = bytes.clone();
+        bytes[bit / 8] ^= 1 << (bit % 8);
+        for (word, value) in bytes.chunks_exact(8).enumerate().filter(|(_, value)| value.iter().any(|&byte| byte != 0xFF)) {
+            damaged.write(8 * word as u32, value).unwrap();
+        }
+        let mut settings = Settings::new(damaged).unwrap();
+        let (found, state) = settings.lane_trims();
+        assert!(found == trims(0) || (found.is_empty() && state != Kept::Stored), "bit {bit}: {state:?}");
+        settings.store(&trims(2)).unwrap();
+        assert_eq!(settings.lane_trims(), (trims(2), Kept::Stored), "bit {bit}");
+    }
+}
+
+#[test]
+fn trims_that_cannot_be_are_damaged_and_a_flash_that_is_too_small_is_refused() {
+    let wrong = [
+        LaneTrims::from_iter([TrimPoint { hz: 40e3, lanes: [Trim { phase_turns: f32::NAN, gain: 1.0 }; 4] }]),
+        LaneTrims::from_iter([TrimPoint { hz: 40e3, lanes: [Trim { phase_turns: 0.0, gain: 3.0 }; 4] }]),
+        LaneTrims::from_iter([TrimPoint { hz: 41e3, ..Default::default() }, TrimPoint { hz: 40e3, ..Default::default() }]),
+    ];
+    for trims in wrong {
+        let mut settings = Settings::new(Flash::new(4, 1)).unwrap();
+        settings.store(&trims).unwrap();
+        assert_eq!(settings.lane_trims(), (LaneTrims::new(), Kept::Damaged), "{trims:?}");
+    }
+    let refused = Settings::new(Flash::new(3, 1)).err();
+    assert!(matches!(refused, Some(Error::OutOfRange { parameter: "settings.flash_bytes", value: 4096.0, min: 8192.0, .. })));
+}
