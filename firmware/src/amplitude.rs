@@ -139,7 +139,11 @@ impl AmplitudeLoop {
 
 /// `value` between zero and `limit`; a not-a-number, which an order might carry, is zero.
 fn up_to(limit: f32, value: f32) -> f32 {
-    if value > 0.0 { value.min(limit) } else { 0.0 }
+    match value {
+        value if value > limit => limit,
+        value if value > 0.0 => value,
+        _ => 0.0,
+    }
 }
 
 #[cfg(test)]

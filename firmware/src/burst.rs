@@ -9,6 +9,8 @@
 //!
 //! A burst that is ended by a brake goes on for some half cycles against its own phase, so that what it has rung up is rung down.
 
+use core::ops::Range;
+
 use heapless::Vec;
 
 use crate::block::{Gate, MAX_BLOCK_SAMPLES};
@@ -25,7 +27,12 @@ const LONGEST_S: f64 = 1e8;
 enum Schedule {
     Continuous,
     Windows(Vec<(u64, u64), MAX_WINDOWS>),
-    Periodic { period: u64, on: u64 },
+    Periodic {
+        period: u64,
+        on: u64,
+        /// A beginning of a period, the last that was needed.
+        begins: u64,
+    },
 }
 
 impl Schedule {
@@ -49,13 +56,13 @@ impl Schedule {
                 in_range("burst.duty", duty, 0.0, 1.0)?;
                 in_range("burst.period_s", period_s, 1.0 / sample_hz, LONGEST_S)?;
                 let period = samples("burst.period_s", period_s)?;
-                Schedule::Periodic { period, on: libm::round(duty * period as f64) as u64 }
+                Schedule::Periodic { period, on: libm::round(duty * period as f64) as u64, begins: 0 }
             }
         })
     }
 
     /// Whether the gate is open at sample `now`, and for how many samples it stays so.
-    fn gate(&self, now: u64) -> (bool, u64) {
+    fn gate(&mut self, now: u64) -> (bool, u64) {
         match self {
             Schedule::Continuous => (true, u64::MAX),
             Schedule::Windows(windows) => windows
@@ -66,9 +73,14 @@ impl Schedule {
                     _ => None,
                 })
                 .unwrap_or((false, u64::MAX)),
-            &Schedule::Periodic { period, on } => {
-                let phase = now % period;
-                if phase < on { (true, on - phase) } else { (false, period - phase) }
+            Schedule::Periodic { period, on, begins } => {
+                // Mostly the same period, or the next: a division of 64 bits takes longer than the rest.
+                let mut phase = now.wrapping_sub(*begins);
+                if phase >= *period {
+                    phase = if phase < 2 * *period { phase - *period } else { now % *period };
+                    *begins = now - phase;
+                }
+                if phase < *on { (true, *on - phase) } else { (false, *period - phase) }
             }
         }
     }
@@ -136,9 +148,9 @@ enum State {
 #[derive(Clone, Debug)]
 pub struct Burst {
     schedule: Schedule,
-    /// Samples a soft edge takes, and the half turn of its cosine in as many steps; none where the edge is hard.
+    /// Samples a soft edge takes, and the half turn of its cosine in as many steps (2^32 a turn); none where the edge is hard.
     edge: Option<u32>,
-    half_turn_step: u64,
+    half_turn_step: u32,
     /// Where the ramp of a soft edge stands, 0 (OFF) to `edge` (ON).
     ramp: u32,
     state: State,
@@ -162,7 +174,7 @@ impl Burst {
         Ok(Burst {
             schedule: Schedule::build(&config.schedule, sample_hz.into())?,
             edge,
-            half_turn_step: (1 << 63) / u64::from(edge.unwrap_or(1)),
+            half_turn_step: (1 << 31) / edge.unwrap_or(1),
             ramp: 0,
             state: State::Closed,
             falling: false,
@@ -194,18 +206,72 @@ impl Burst {
             return Envelope::Flat(level);
         }
         self.levels.clear();
-        for n in 0..samples.min(MAX_BLOCK_SAMPLES) {
-            if stays == 0 {
-                (open, stays) = self.gate(gate, now + n as u64);
+        let mut done = 0;
+        loop {
+            let span = stays.min((samples.min(MAX_BLOCK_SAMPLES) - done) as u64) as usize;
+            self.span(open, gate == Gate::Brake, stretch, done..done + span);
+            done += span;
+            if done == samples.min(MAX_BLOCK_SAMPLES) {
+                return Envelope::Edge(&self.levels);
             }
-            stays -= 1;
-            let falling = falling(stretch.phase_at(n));
-            let passes = falling != core::mem::replace(&mut self.falling, falling);
-            let level = self.step(open, passes, gate == Gate::Brake);
-            // There is room for as many samples as a block can have.
-            let _ = self.levels.push(level);
+            (open, stays) = self.gate(gate, now + done as u64);
         }
-        Envelope::Edge(&self.levels)
+    }
+
+    /// The envelope of some samples of a block, during which the gate does not change.
+    fn span(&mut self, open: bool, brake: bool, stretch: &Stretch, span: Range<usize>) {
+        let brake = self.brake.filter(|_| brake);
+        let braking = matches!(self.state, State::Braking { .. });
+        match self.edge {
+            // Up to the last moment before a brake, the drive stays.
+            Some(edge) if !braking && (brake.is_none() || self.ramp < edge) => {
+                let levels = &mut self.levels;
+                let (mut ramp, step) = (self.ramp, self.half_turn_step);
+                for _ in 0..span.len() {
+                    ramp = if open { (ramp + 1).min(edge) } else { ramp.saturating_sub(1) };
+                    let whole = sine::rotation(u64::from(step * ramp) << 32).re;
+                    // There is room for as many samples as a block can have.
+                    let _ = levels.push(if ramp == edge { 1.0 } else { 0.5 - 0.5 * whole });
+                }
+                self.ramp = ramp;
+                self.falling = falling(stretch.phase_at(span.end - 1));
+                self.state = if ramp == 0 { State::Closed } else { State::Open { falling: self.falling } };
+            }
+            _ => {
+                let mut level = self.level();
+                for n in span {
+                    let falling = falling(stretch.phase_at(n));
+                    if falling != self.falling {
+                        self.falling = falling;
+                        self.pass(open, brake);
+                        level = self.level();
+                    }
+                    let _ = self.levels.push(level);
+                }
+            }
+        }
+    }
+
+    fn level(&self) -> f32 {
+        match self.state {
+            State::Closed => 0.0,
+            State::Open { .. } => 1.0,
+            State::Braking { .. } => self.brake.map_or(0.0, |brake| -brake.level),
+        }
+    }
+
+    /// The first lane passes zero.
+    fn pass(&mut self, open: bool, brake: Option<Brake>) {
+        self.state = match self.state {
+            State::Closed if open => State::Open { falling: self.falling },
+            State::Open { falling } if !open && falling == self.falling => {
+                self.ramp = 0;
+                brake.map_or(State::Closed, |brake| State::Braking { left: brake.half_cycles })
+            }
+            State::Braking { left } if left > 1 => State::Braking { left: left - 1 },
+            State::Braking { .. } => State::Closed,
+            unchanged => unchanged,
+        };
     }
 
     /// Opens or closes at once, without an edge: for tones outside the schedule, and for faults.
@@ -215,51 +281,11 @@ impl Burst {
         Envelope::Flat(if open { 1.0 } else { 0.0 })
     }
 
-    fn gate(&self, gate: Gate, now: u64) -> (bool, u64) {
+    fn gate(&mut self, gate: Gate, now: u64) -> (bool, u64) {
         match gate {
             Gate::Scheduled => self.schedule.gate(now),
             Gate::On => (true, u64::MAX),
             Gate::Off | Gate::Brake => (false, u64::MAX),
-        }
-    }
-
-    /// One sample: whether the gate is open, whether the first lane passes zero here, and whether to brake.
-    fn step(&mut self, open: bool, passes: bool, brake: bool) -> f32 {
-        let brake = self.brake.filter(|_| brake);
-        match (self.state, self.edge) {
-            (State::Closed, edge) if open && (passes || edge.is_some()) => self.state = State::Open { falling: self.falling },
-            (State::Open { falling }, edge) if !open => {
-                let whole = passes && falling == self.falling;
-                let up = self.ramp == edge.unwrap_or(0);
-                match brake {
-                    Some(brake) if whole && up => {
-                        self.ramp = 0;
-                        self.state = State::Braking { left: brake.half_cycles };
-                    }
-                    Some(_) if up => {}
-                    _ if whole && edge.is_none() => self.state = State::Closed,
-                    _ if edge.is_some() && self.ramp == 0 => self.state = State::Closed,
-                    _ => {}
-                }
-            }
-            (State::Braking { left }, _) if passes => {
-                self.state = if left > 1 { State::Braking { left: left - 1 } } else { State::Closed };
-            }
-            _ => {}
-        }
-        match (self.state, self.edge) {
-            (State::Closed, _) => 0.0,
-            (State::Braking { .. }, _) => -self.brake.map_or(0.0, |brake| brake.level),
-            (State::Open { .. }, None) => 1.0,
-            (State::Open { .. }, Some(edge)) => {
-                // Up to the last moment before a brake, the drive stays.
-                let holds = brake.is_some() && self.ramp == edge;
-                self.ramp = if open || holds { (self.ramp + 1).min(edge) } else { self.ramp.saturating_sub(1) };
-                if self.ramp == edge {
-                    return 1.0;
-                }
-                0.5 - 0.5 * sine::rotation(self.half_turn_step * u64::from(self.ramp)).re
-            }
         }
     }
 }
@@ -295,7 +321,7 @@ mod tests {
         }
     }
 
-    fn run(burst: &mut Burst, gate: Gate, blocks: core::ops::Range<u64>) -> std::vec::Vec<f32> {
+    fn run(burst: &mut Burst, gate: Gate, blocks: Range<u64>) -> std::vec::Vec<f32> {
         blocks.flat_map(|k| levels(burst, gate, 32 * k, 32)).collect()
     }
 
@@ -354,7 +380,7 @@ mod tests {
         for (q, headroom) in [(65.0, 1.0), (65.0, 5.16), (20.0, 1.5), (200.0, 2.0)] {
             let periods = q / core::f32::consts::PI;
             let brake = Brake::of(periods, headroom);
-            assert!(brake.level <= headroom && brake.half_cycles % 2 == 0, "{brake:?}");
+            assert!(brake.level <= headroom && brake.half_cycles.is_multiple_of(2), "{brake:?}");
             let t = brake.half_cycles as f32 / (2.0 * periods);
             let left = libm::expf(-t) * (1.0 + brake.level) - brake.level;
             assert!(left.abs() < 1e-5, "{left}");

@@ -121,10 +121,10 @@ impl Controller {
     pub fn process(&mut self, orders: &Orders, sense: &SenseBlock, drive: &mut DriveBlock) -> Telemetry {
         let slot = (self.block % LATENCY_BLOCKS as u64) as usize;
         let heard = self.played[slot];
-        let (sensed, outside) = demodulate(&self.convert, sense, &heard.tone);
+        let (sensed, suspect) = demodulate(&self.convert, sense, &heard.tone);
         let motional_current = self.tracker.motional_current(&sensed, heard.relative);
 
-        let driven = Driven { volts: (heard.flat && heard.audible).then_some(heard.volts * heard.envelope), outside };
+        let driven = Driven { volts: (heard.flat && heard.audible).then_some(heard.volts * heard.envelope), suspect };
         let found = self.guard.inspect(&self.convert, sense, &sensed, driven);
         if self.supervisor.judge(orders, found) {
             self.begin();
@@ -132,11 +132,9 @@ impl Controller {
         let plan = self.plan(orders, sense, &sensed, &heard, motional_current);
         self.supervisor.advance(orders, plan.progress, self.tracker.tracks());
 
-        let played = self.play(orders, &plan, drive);
-        let telemetry = self.report(orders, &plan, &played, sensed, motional_current);
-        self.played[slot] = played;
+        self.played[slot] = self.play(orders, &plan, drive);
         self.block += 1;
-        telemetry
+        self.report(orders, &plan, slot, sensed, motional_current)
     }
 
     /// Writes the codes of a plan, and remembers what they are.
@@ -175,7 +173,8 @@ impl Controller {
         }
     }
 
-    fn report(&self, orders: &Orders, plan: &Plan, played: &Played, sensed: Sensed, motional_current: Phasor) -> Telemetry {
+    fn report(&self, orders: &Orders, plan: &Plan, slot: usize, sensed: Sensed, motional_current: Phasor) -> Telemetry {
+        let played = &self.played[slot];
         let mode = self.supervisor.mode();
         let following = matches!(mode, Mode::Lock | Mode::Run);
         let limit = match following {
@@ -186,7 +185,7 @@ impl Controller {
             _ => None,
         };
         Telemetry {
-            block: self.block as u32,
+            block: (self.block - 1) as u32,
             orders_sequence: orders.sequence,
             mode,
             fault: self.supervisor.fault(),

@@ -12,31 +12,24 @@ pub struct SenseScale {
     zero: f32,
     per_lsb: f32,
     max_code: u16,
-    /// The largest value that is in order, in SI, and the codes that it makes of that.
+    /// The largest value that is in order, in SI.
     limit: f32,
-    /// The first code in order, and how many more there are.
-    in_order: (u32, u32),
+    /// How far from zero a code certainly is neither an end of the range nor beyond the limit.
+    reach: f32,
 }
 
 impl SenseScale {
     fn build(parameter: &'static str, per_lsb: f32, mid_code: u16, max_code: u16) -> Result<Self, Error> {
         in_range(parameter, per_lsb.into(), 1e-9, 1e3)?;
         in_range("front_end.sense_mid_code", mid_code.into(), 1.0, f64::from(max_code) - 1.0)?;
-        let mut scale =
-            SenseScale { mid_code, zero: f32::from(mid_code), per_lsb, max_code, limit: f32::INFINITY, in_order: (0, 0) };
+        let mut scale = SenseScale { mid_code, zero: f32::from(mid_code), per_lsb, max_code, limit: f32::INFINITY, reach: 0.0 };
         scale.set_limit(f32::INFINITY);
         Ok(scale)
     }
 
-    /// A code about zero, still in codes: scaling waits until after demodulation.
-    #[inline]
-    pub fn centre(&self, code: u16) -> f32 {
-        f32::from(code) - self.zero
-    }
-
     /// The codes of a block about zero.
     fn centred<'a>(&'a self, codes: &'a Codes) -> impl Iterator<Item = f32> + 'a {
-        codes.iter().map(|&code| self.centre(code))
+        codes.iter().map(|&code| f32::from(code) - self.zero)
     }
 
     /// A phasor in codes, in SI.
@@ -63,18 +56,22 @@ impl SenseScale {
     /// Sets the largest value that is in order, in SI.
     pub fn set_limit(&mut self, limit: f32) {
         self.limit = limit;
-        let half = self.codes(limit);
-        // Becoming an integer, a float goes to the nearest that there is.
-        let (least, most) = (libm::ceilf(self.zero - half) as u16, libm::floorf(self.zero + half) as u16);
-        let (least, most) = (least.max(1), most.min(self.max_code - 1));
-        // Where nothing is in order, only a code that no converter has is.
-        self.in_order = most.checked_sub(least).map_or((1 << 16, 0), |more| (least.into(), more.into()));
+        let ends = (self.zero - 1.0).min(f32::from(self.max_code) - 1.0 - self.zero);
+        self.reach = self.codes(limit).min(ends);
     }
 
-    /// Whether a code is an end of the converter's range, or beyond the limit.
-    #[inline]
-    pub fn is_out_of_order(&self, code: u16) -> bool {
-        u32::from(code).wrapping_sub(self.in_order.0) > self.in_order.1
+    /// Whether no code of a block can be out of order: of a tone with this square of its amplitude, and with so much energy beside it (both in
+    /// codes). `a + e <= reach`, in squares, because a root takes as long as two periods of the lock-in.
+    pub fn holds(&self, amplitude_square: f32, energy: f32) -> bool {
+        // What rounding may have taken from the energy.
+        let energy = energy + 1e-5 * amplitude_square + 1.0;
+        let rest = self.reach * self.reach - amplitude_square - energy;
+        self.reach > 0.0 && rest >= 0.0 && rest * rest >= 4.0 * amplitude_square * energy
+    }
+
+    /// The code of zero, to a fraction.
+    pub fn zero(&self) -> f32 {
+        self.zero
     }
 
     /// How many samples of a block are beyond `limit` (in SI) on either side of zero.

@@ -10,14 +10,14 @@
 //! ```
 //!
 //! Being the least-squares fit, it is at the Cramer-Rao bound in white noise. The sum `r` comes from a resonator that the codes ring up
-//! (G. Goertzel 1958), in the form that rounding spares at low frequencies (C. Reinsch):
+//! (G. Goertzel 1958):
 //!
 //! ```text
-//! d(n) = d(n - 1) + x(n) - c s(n - 1),    s(n) = s(n - 1) + d(n),    c = 4 sin^2(omega / 2)
-//! r    = exp(-j theta(N - 1)) (s (1 - exp(-j omega)) + d exp(-j omega))    of the last s and d
+//! s(n) = x(n) + 2 cos(omega) s(n - 1) - s(n - 2),    r = exp(-j theta(N - 1)) (s(N - 1) - exp(-j omega) s(N - 2))
 //! ```
 //!
-//! The same walk over the codes counts those that are out of order, so that the [guard](crate::guard) has to look closer only where there are any.
+//! The same walk over the codes tells the [guard](crate::guard) where it need not look: with `E = sum x^2 - Re{X conj(r)}`, the energy that the
+//! tone leaves unexplained, no sample is larger than `|X| + sqrt(E)`.
 
 use crate::block::SenseBlock;
 use crate::convert::{Convert, SenseScale};
@@ -34,55 +34,64 @@ pub struct Sensed {
     pub i: Phasor,
 }
 
-/// Codes of a block that are an end of the converter's range, or beyond the channel's limit.
+/// Whether codes of a block may be an end of the converter's range, or beyond the channel's limit.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct OutOfOrder {
+pub struct Suspect {
     /// Of the voltage.
-    pub v: u32,
+    pub v: bool,
     /// Of the current.
-    pub i: u32,
+    pub i: bool,
 }
 
 /// Voltage and current phasors of a block in which a tone was played (a chirp's [chord](Stretch::chord)), and what is out of order in it.
 ///
 /// The sine of `omega` must not vanish: the frequency lies between zero and half the sample rate. A block that was cut to less
 /// than two samples determines no phasor: zero.
-pub fn demodulate(convert: &Convert, sense: &SenseBlock, tone: &Stretch) -> (Sensed, OutOfOrder) {
+pub fn demodulate(convert: &Convert, sense: &SenseBlock, tone: &Stretch) -> (Sensed, Suspect) {
     let samples = sense.v.len().min(sense.i.len());
     if samples < 2 {
-        return Default::default();
+        return (Sensed::default(), Suspect { v: true, i: true });
     }
     let count = samples as f32;
-    let half = sine::rotation(tone.word / 2);
-    let turn = half * half;
-    let c = 4.0 * half.im * half.im;
-    let (v, v_outside) = ring(&convert.v, &sense.v[..samples], c);
-    let (i, i_outside) = ring(&convert.i, &sense.i[..samples], c);
-
+    let turn = sine::rotation(tone.word);
     let span = tone.word.wrapping_mul(samples as u64);
-    let last = sine::rotation(tone.phase.wrapping_add(span.wrapping_sub(tone.word))).conj();
-    let (of_s, of_d) = (last * Phasor::new(2.0 * half.im * half.im, 2.0 * half.im * half.re), last * turn.conj());
-    let twice_middle = tone.phase.wrapping_add(tone.phase).wrapping_add(span.wrapping_sub(tone.word));
-    let image = sine::rotation(twice_middle).conj() * (sine::rotation(span).im / (turn.im * count));
+    // The phase in the middle of the block leads to the last sample's, and twice of it is that of S2.
+    let half = sine::rotation(span / 2);
+    let middle = sine::rotation(tone.phase.wrapping_add(span / 2).wrapping_sub(tone.word / 2)).conj();
+    let last = sine::rotation(tone.phase.wrapping_add(span).wrapping_sub(tone.word)).conj();
+    let image = middle * middle * (2.0 * half.im * half.re / (turn.im * count));
     let scale = 2.0 / (count * (1.0 - image.norm_sqr()));
-    let solve = |(s, d): (f32, f32)| {
-        let r = of_s * s + of_d * d;
-        (r - r.conj() * image) * scale
+    let channel = |channel: &SenseScale, codes: &[u16]| {
+        let (rung, energy) = ring(channel, codes, turn);
+        let r = last * rung;
+        let x = (r - r.conj() * image) * scale;
+        let left = energy - (x.re * r.re + x.im * r.im);
+        (channel.scale(x), !channel.holds(x.norm_sqr(), left))
     };
-    let sensed = Sensed { v: convert.v.scale(solve(v)), i: convert.i.scale(solve(i)) };
-    (sensed, OutOfOrder { v: v_outside, i: i_outside })
+    let (v, v_suspect) = channel(&convert.v, &sense.v[..samples]);
+    let (i, i_suspect) = channel(&convert.i, &sense.i[..samples]);
+    (Sensed { v, i }, Suspect { v: v_suspect, i: i_suspect })
 }
 
-/// What the codes of a channel ring up, as value and difference; and how many of them are out of order.
+/// What the codes of a channel ring up, against the phase of the last; and their energy.
 #[inline]
-fn ring(channel: &SenseScale, codes: &[u16], c: f32) -> ((f32, f32), u32) {
-    let (mut s, mut d, mut outside) = (0.0, 0.0, 0);
-    for &code in codes {
-        outside += u32::from(channel.is_out_of_order(code));
-        d = d + channel.centre(code) - c * s;
-        s += d;
+fn ring(channel: &SenseScale, codes: &[u16], turn: Phasor) -> (Phasor, f32) {
+    let (k, zero) = (2.0 * turn.re, channel.zero());
+    let (mut late, mut early, mut energy) = (0.0, 0.0, 0.0);
+    let mut step = |code: u16, late: f32, early: f32| {
+        let x = f32::from(code) - zero;
+        energy += x * x;
+        x - early + k * late
+    };
+    let (pairs, rest) = codes.as_chunks::<2>();
+    for &[first, second] in pairs {
+        early = step(first, late, early);
+        late = step(second, early, late);
     }
-    ((s, d), outside)
+    for &code in rest {
+        (late, early) = (step(code, late, early), late);
+    }
+    (Phasor::new(late - turn.re * early, turn.im * early), energy)
 }
 
 #[cfg(test)]
@@ -121,13 +130,32 @@ mod tests {
                     ..SenseBlock::default()
                 };
                 let played = Stretch { phase: tuning_word(phase), word: tuning_word(hz / 1e6), step: 0 };
-                let (sensed, outside) = demodulate(&convert, &sense, &played);
-                assert_eq!(outside, OutOfOrder::default());
+                let (sensed, suspect) = demodulate(&convert, &sense, &played);
+                assert_eq!(suspect, Suspect::default());
                 // Half a step of rounding over a few samples bounds both; short blocks of 20 kHz hold a third of a period.
                 let bound = if (samples as f64) * hz < 0.7e6 { 2.5e-3 } else { 4e-4 };
                 assert!((magnitude(sensed.v) / 15.0 - 1.0).abs() < bound, "{samples} {hz} {sensed:?}");
                 assert!((magnitude(sensed.i) / 1.8 - 1.0).abs() < bound, "{samples} {hz} {sensed:?}");
                 assert!((argument(sensed.i * sensed.v.conj()).0 + 0.1).abs() < bound / 5.0, "{samples} {hz} {sensed:?}");
+            }
+        }
+    }
+
+    /// One code at an end of the range is never overlooked, wherever it stands and however large the tone is.
+    #[test]
+    fn no_code_out_of_order_is_overlooked() {
+        let mut convert = Convert::build(&FRONT_END).unwrap();
+        convert.i.set_limit(3.0);
+        let played = Stretch { phase: tuning_word(0.3), word: tuning_word(0.0404), step: 0 };
+        for amplitude in [0.0, 10.0, 700.0, 1400.0] {
+            for (n, code, v) in (0..32).flat_map(|n| [(n, 0, true), (n, 4095, true), (n, 3549, false), (n, 547, false)]) {
+                let clean = tone(amplitude, 0.3, 40_400.0, 32);
+                let mut sense = SenseBlock { v: clean.clone(), i: clean, ..SenseBlock::default() };
+                assert_eq!(demodulate(&convert, &sense, &played).1, Suspect::default(), "{amplitude}");
+                let channel = if v { &mut sense.v } else { &mut sense.i };
+                channel[n] = code;
+                let suspect = demodulate(&convert, &sense, &played).1;
+                assert!(if v { suspect.v } else { suspect.i }, "{amplitude} {n} {code}: {suspect:?}");
             }
         }
     }

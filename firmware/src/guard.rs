@@ -1,10 +1,10 @@
 //! The guard: is it safe to go on driving? Looks at one block's phasors and slow readings, at its raw codes where the lock-in has seen some
-//! that are out of order, and names the first thing that is wrong.
+//! that may be out of order, and names the first thing that is wrong.
 
 use crate::block::{Codes, SenseBlock};
 use crate::config::Config;
 use crate::convert::{Convert, SenseScale};
-use crate::demod::{OutOfOrder, Sensed};
+use crate::demod::{Sensed, Suspect};
 use crate::error::{Error, in_range};
 use crate::supervisor::Fault;
 
@@ -26,8 +26,8 @@ const JUDGED_CODES: f32 = 16.0;
 pub struct Driven {
     /// Peak voltage that was played in it, V, where it was the same throughout; `None` at an edge, and of a noise.
     pub volts: Option<f32>,
-    /// Codes of it that are out of order.
-    pub outside: OutOfOrder,
+    /// Whether codes of it may be out of order.
+    pub suspect: Suspect,
 }
 
 /// The guard's memory.
@@ -93,18 +93,18 @@ impl Guard {
         let missed = sense.slow.missed_blocks.is_some_and(|missed| missed > 0);
         let cut = sense.v.len() != self.samples || sense.i.len() != self.samples;
         // Clipping and over-current are looked for where there can be any.
-        let (v_outside, i_outside) = (driven.outside.v > 0, driven.outside.i > 0);
+        let Suspect { v: look_at_v, i: look_at_i } = driven.suspect;
         let clipped = |scale: &SenseScale, codes: &Codes| scale.clipped(codes) * CLIPPED_PART > self.samples;
-        let over_current = i_outside && convert.i.beyond(&sense.i, self.current_limit) >= OVER_CURRENT_SAMPLES;
-        let faults = [
-            (missed || cut, Fault::LateBlock),
-            (v_outside && clipped(&convert.v, &sense.v), Fault::SensorImplausible),
-            (tripped || over_current, Fault::OverCurrent),
-            (i_outside && clipped(&convert.i, &sense.i), Fault::SensorImplausible),
-            (self.wrong_voltage >= IMPLAUSIBLE_BLOCKS, Fault::SensorImplausible),
-            (self.no_current >= IMPLAUSIBLE_BLOCKS, Fault::LoadOpen),
-            (self.belt_still > self.belt_stop_blocks, Fault::BeltStopped),
-        ];
-        faults.into_iter().find_map(|(wrong, fault)| wrong.then_some(fault))
+        let over_current = look_at_i && convert.i.beyond(&sense.i, self.current_limit) >= OVER_CURRENT_SAMPLES;
+        match () {
+            () if missed || cut => Some(Fault::LateBlock),
+            () if look_at_v && clipped(&convert.v, &sense.v) => Some(Fault::SensorImplausible),
+            () if tripped || over_current => Some(Fault::OverCurrent),
+            () if look_at_i && clipped(&convert.i, &sense.i) => Some(Fault::SensorImplausible),
+            () if self.wrong_voltage >= IMPLAUSIBLE_BLOCKS => Some(Fault::SensorImplausible),
+            () if self.no_current >= IMPLAUSIBLE_BLOCKS => Some(Fault::LoadOpen),
+            () if self.belt_still > self.belt_stop_blocks => Some(Fault::BeltStopped),
+            () => None,
+        }
     }
 }

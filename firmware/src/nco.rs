@@ -65,7 +65,7 @@ impl Stretch {
 impl Phases {
     /// The next phase.
     #[inline]
-    pub fn next(&mut self) -> u64 {
+    pub fn take(&mut self) -> u64 {
         let phase = self.0.phase;
         self.0.phase = phase.wrapping_add(self.0.word);
         self.0.word = self.0.word.wrapping_add(self.0.step);

@@ -152,7 +152,8 @@ mod tests {
         for bits in [8, 10, 12, 14, 16] {
             let full = 2f64.powi(bits - 1);
             let sndr = Spectrum::new(&samples(|n| (full * tone(n)).round()), TONE).sndr_db();
-            near(sndr, 20.0 * 2f64.log10() * f64::from(bits) + 10.0 * 1.5f64.log10(), 0.2);
+            // At 8 bits the error is not quite even: 0.1 dB; at 16 it is one record's noise.
+            near(sndr, 20.0 * 2f64.log10() * f64::from(bits) + 10.0 * 1.5f64.log10(), 0.12);
         }
     }
 

@@ -53,7 +53,7 @@ impl Generator for Degree5 {
     type Number = f32;
     const ONE: f64 = 1.0;
     const NAME: &'static str = "polynomial 5";
-    const FAMILY: &'static str = "polynomial";
+    const FAMILY: &'static str = "polynomials of degree 5, 7, 9";
     const HOW: &'static str = "folded, degrees 5 and 4";
 
     #[inline]
@@ -71,7 +71,7 @@ impl Generator for Degree7 {
     type Number = f32;
     const ONE: f64 = 1.0;
     const NAME: &'static str = "polynomial 7";
-    const FAMILY: &'static str = "polynomial";
+    const FAMILY: &'static str = "polynomials of degree 5, 7, 9";
     const HOW: &'static str = "folded, degrees 7 and 6";
 
     #[inline]
@@ -89,7 +89,7 @@ impl Generator for Degree9 {
     type Number = f32;
     const ONE: f64 = 1.0;
     const NAME: &'static str = "polynomial 9";
-    const FAMILY: &'static str = "polynomial";
+    const FAMILY: &'static str = "polynomials of degree 5, 7, 9";
     const HOW: &'static str = "folded, degrees 9 and 8";
 
     #[inline]
@@ -109,7 +109,7 @@ impl Generator for Integer {
     type Number = i32;
     const ONE: f64 = (1u32 << 30) as f64;
     const NAME: &'static str = "polynomial 7, integer";
-    const FAMILY: &'static str = "polynomial";
+    const FAMILY: &'static str = "polynomial 7, integer";
     const HOW: &'static str = "folded, degrees 7 and 6, Q30";
 
     #[inline]

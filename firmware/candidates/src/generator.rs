@@ -17,7 +17,7 @@ pub trait Generator {
     const ONE: f64;
     /// Its name in tables and plots.
     const NAME: &'static str;
-    /// What it belongs with.
+    /// What it shares a curve with in the plot.
     const FAMILY: &'static str;
     /// How it works, in a few words.
     const HOW: &'static str;

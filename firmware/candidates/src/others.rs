@@ -17,7 +17,7 @@ impl Generator for Idsp {
     type Number = i32;
     const ONE: f64 = i32::MAX as f64;
     const NAME: &'static str = "idsp cossin";
-    const FAMILY: &'static str = "another crate";
+    const FAMILY: &'static str = "idsp cossin";
     const HOW: &'static str = "octant table, interpolated, integer";
 
     #[inline]
@@ -34,7 +34,7 @@ impl Generator for Micromath {
     type Number = f32;
     const ONE: f64 = 1.0;
     const NAME: &'static str = "micromath";
-    const FAMILY: &'static str = "another crate";
+    const FAMILY: &'static str = "micromath";
     const HOW: &'static str = "sin_cos";
 
     #[inline]
@@ -52,7 +52,7 @@ impl Generator for Libm {
     type Number = f32;
     const ONE: f64 = 1.0;
     const NAME: &'static str = "libm";
-    const FAMILY: &'static str = "another crate";
+    const FAMILY: &'static str = "libm";
     const HOW: &'static str = "sinf and cosf, f64 inside";
 
     #[inline]

@@ -17,7 +17,7 @@ impl Generator for RotatingPhasor {
     type Number = f32;
     const ONE: f64 = 1.0;
     const NAME: &'static str = "rotating phasor";
-    const FAMILY: &'static str = "from sample to sample";
+    const FAMILY: &'static str = "rotating phasor";
     const HOW: &'static str = "z w, set anew each block";
 
     #[inline]
@@ -43,7 +43,7 @@ impl Generator for Recurrence {
     type Number = f32;
     const ONE: f64 = 1.0;
     const NAME: &'static str = "recurrence";
-    const FAMILY: &'static str = "from sample to sample";
+    const FAMILY: &'static str = "recurrence";
     const HOW: &'static str = "2 cos(omega) y1 - y2, set anew each block";
 
     #[inline]

@@ -27,8 +27,8 @@ pub struct Nearest;
 impl Generator for Nearest {
     type Number = f32;
     const ONE: f64 = 1.0;
-    const NAME: &'static str = "table 1024";
-    const FAMILY: &'static str = "table";
+    const NAME: &'static str = "table 1024, nearest";
+    const FAMILY: &'static str = "table 1024, nearest";
     const HOW: &'static str = "entry below the phase";
 
     #[inline]
@@ -46,7 +46,7 @@ impl Generator for Interpolated {
     type Number = f32;
     const ONE: f64 = 1.0;
     const NAME: &'static str = "table 1024, linear";
-    const FAMILY: &'static str = "table";
+    const FAMILY: &'static str = "table 1024, linear";
     const HOW: &'static str = "straight line between two entries";
 
     #[inline]

@@ -53,7 +53,7 @@ fn second_order<const N: usize>(table: &[(f32, f32); N], phase: u64) -> Pair<f32
 }
 
 macro_rules! of_pairs {
-    ($($(#[$doc:meta])* $type:ident $name:literal $how:literal $order:ident $table:ident;)*) => {$(
+    ($($(#[$doc:meta])* $type:ident $name:literal $family:literal $how:literal $order:ident $table:ident;)*) => {$(
         $(#[$doc])*
         pub struct $type;
 
@@ -61,7 +61,7 @@ macro_rules! of_pairs {
             type Number = f32;
             const ONE: f64 = 1.0;
             const NAME: &'static str = $name;
-            const FAMILY: &'static str = "table of pairs";
+            const FAMILY: &'static str = $family;
             const HOW: &'static str = $how;
 
             #[inline]
@@ -74,13 +74,13 @@ macro_rules! of_pairs {
 
 of_pairs! {
     /// 256 pairs, first order: 7.5e-5.
-    FirstOrder256 "256 pairs, first order" "s + c d" first_order OF_256;
+    FirstOrder256 "256 pairs, first order" "256, 512, 1024 pairs, first order" "s + c d" first_order OF_256;
     /// 512 pairs, first order: 1.9e-5.
-    FirstOrder512 "512 pairs, first order" "s + c d" first_order OF_512;
+    FirstOrder512 "512 pairs, first order" "256, 512, 1024 pairs, first order" "s + c d" first_order OF_512;
     /// 1024 pairs, first order: 4.7e-6.
-    FirstOrder1024 "1024 pairs, first order" "s + c d" first_order OF_1024;
+    FirstOrder1024 "1024 pairs, first order" "256, 512, 1024 pairs, first order" "s + c d" first_order OF_1024;
     /// 256 pairs, second order: 3.1e-7.
-    SecondOrder256 "256 pairs, second order" "s + c d - s d^2 / 2" second_order OF_256;
+    SecondOrder256 "256 pairs, second order" "256, 512 pairs, second order" "s + c d - s d^2 / 2" second_order OF_256;
     /// 512 pairs, second order: 3.9e-8, below what f32 rounds.
-    SecondOrder512 "512 pairs, second order" "s + c d - s d^2 / 2" second_order OF_512;
+    SecondOrder512 "512 pairs, second order" "256, 512 pairs, second order" "s + c d - s d^2 / 2" second_order OF_512;
 }

@@ -13,7 +13,7 @@ impl Generator for Rotation {
     type Number = f32;
     const ONE: f64 = 1.0;
     const NAME: &'static str = "firmware rotation";
-    const FAMILY: &'static str = "the controller";
+    const FAMILY: &'static str = "firmware rotation";
     const HOW: &'static str = "512 pairs, second order";
 
     #[inline]
@@ -30,7 +30,7 @@ impl Generator for Swung {
     type Number = f32;
     const ONE: f64 = 1.0;
     const NAME: &'static str = "firmware swing";
-    const FAMILY: &'static str = "the controller";
+    const FAMILY: &'static str = "firmware swing";
     const HOW: &'static str = "y + d, d - c y, set anew each block";
 
     #[inline]
@@ -42,6 +42,6 @@ impl Generator for Swung {
     fn block(phase: u64, word: u64, samples: usize, mut sink: impl FnMut(Pair<f32>)) {
         let steady = Steady::new(&Stretch { phase, word, step: 0 });
         let (mut sine, mut cosine) = (steady.swing(Phasor::new(1.0, 0.0)), steady.swing(Phasor::new(0.0, 1.0)));
-        (0..samples).for_each(|_| sink(Pair { sin: sine.next(), cos: cosine.next() }));
+        (0..samples).for_each(|_| sink(Pair { sin: sine.take(), cos: cosine.take() }));
     }
 }

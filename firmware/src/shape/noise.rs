@@ -85,7 +85,7 @@ impl Noise {
 
     /// The next sample, -1 to 1.
     #[inline]
-    pub fn next(&mut self) -> f32 {
+    pub fn take(&mut self) -> f32 {
         let white = self.white.next() * self.scale;
         self.filter(white).clamp(-1.0, 1.0)
     }
@@ -142,7 +142,7 @@ impl Dither {
 
     /// The next value, in codes.
     #[inline]
-    pub fn next(&mut self) -> f32 {
+    pub fn take(&mut self) -> f32 {
         let next = 0.5 * self.white.next();
         next - core::mem::replace(&mut self.last, next)
     }

@@ -82,7 +82,7 @@ impl Steady {
 impl Swing {
     /// The next sample.
     #[inline]
-    pub fn next(&mut self) -> f32 {
+    pub fn take(&mut self) -> f32 {
         let y = self.y;
         self.y += self.d;
         self.d -= self.c * self.y;
@@ -136,7 +136,7 @@ mod tests {
             for at in 0..samples {
                 let phase = core::f64::consts::TAU * (stretch.phase_at(at) as f64 / 18_446_744_073_709_551_616.0);
                 let (re, im) = (f64::from(row.re), f64::from(row.im));
-                worst = worst.max((f64::from(swing.next()) - im * libm::cos(phase) - re * libm::sin(phase)).abs());
+                worst = worst.max((f64::from(swing.take()) - im * libm::cos(phase) - re * libm::sin(phase)).abs());
             }
         }
         worst

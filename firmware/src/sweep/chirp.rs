@@ -129,10 +129,10 @@ impl Chirp {
         match leg.law {
             Law::Linear { step: exact } => {
                 (word, step) = (self.word, (exact >> 32) as i64);
-                self.word = leg.from.wrapping_add((exact * i128::from(self.block) * i128::from(self.samples) >> 32) as i64);
+                self.word = leg.from.wrapping_add(((exact * i128::from(self.block) * i128::from(self.samples)) >> 32) as i64);
             }
             Law::Exponential { growth, lead } => {
-                let part = |of: i128| (i128::from(self.word) * of >> 64) as i64;
+                let part = |of: i128| ((i128::from(self.word) * of) >> 64) as i64;
                 step = part(growth) / self.samples;
                 word = self.word + part(lead) - step * (self.samples - 1) / 2;
                 self.word += part(growth);

@@ -4,12 +4,16 @@ use crate::error::{Error, in_range};
 use crate::nco::{cycles_per_sample, tuning_word};
 use crate::sweep::HIGHEST;
 
+/// Offsets are rounded to 2^30 words, 6e-5 Hz at 1 Msps, so that they fit into 32 bits up to an eighth of the sample rate.
+const COARSE: u32 = 30;
+
 /// A held frequency, as an offset from the nominal one.
 #[derive(Clone, Debug)]
 pub struct Hold {
     nominal_hz: f32,
     nominal_word: u64,
-    words_per_hz: f32,
+    /// Of an offset: steps of [`COARSE`] words in a hertz.
+    steps_per_hz: f32,
     hz_per_high_word: f32,
     offset_hz: f32,
     word: u64,
@@ -24,7 +28,7 @@ impl Hold {
         Ok(Hold {
             nominal_hz: frequency_hz,
             nominal_word,
-            words_per_hz: (1.0 / (f64::from(sample_hz) * cycles_per_sample(1))) as f32,
+            steps_per_hz: (1.0 / (f64::from(sample_hz) * cycles_per_sample(1 << COARSE))) as f32,
             hz_per_high_word: (f64::from(sample_hz) * cycles_per_sample(1 << 32)) as f32,
             offset_hz: 0.0,
             word: nominal_word,
@@ -36,7 +40,7 @@ impl Hold {
         if offset_hz != self.offset_hz {
             self.offset_hz = offset_hz;
             // The offset alone goes through f32, so that its rounding is relative to the offset and not to the frequency.
-            self.word = self.nominal_word.wrapping_add_signed((offset_hz * self.words_per_hz) as i64);
+            self.word = self.nominal_word.wrapping_add_signed(i64::from((offset_hz * self.steps_per_hz) as i32) << COARSE);
         }
     }
 
@@ -47,7 +51,7 @@ impl Hold {
 
     /// How far the frequency of a tuning word is from the nominal one, Hz, in steps of 2e-4.
     pub fn offset_of(&self, word: u64) -> f32 {
-        (word.wrapping_sub(self.nominal_word) as i64 >> 32) as f32 * self.hz_per_high_word
+        (word.wrapping_sub(self.nominal_word) >> 32) as i32 as f32 * self.hz_per_high_word
     }
 
     /// The nominal frequency, Hz.

@@ -40,7 +40,7 @@ pub struct Quality {
 pub struct Known {
     /// Its name.
     pub name: &'static str,
-    /// What it belongs with.
+    /// What it shares a curve with in the plot.
     pub family: &'static str,
     /// How it works.
     pub how: &'static str,
@@ -118,7 +118,7 @@ mod tests {
     fn tables_err_as_they_must() {
         let step = |entries: f64| TAU / entries;
         for (name, expected) in [
-            ("table 1024", step(1024.0)),
+            ("table 1024, nearest", step(1024.0)),
             ("table 1024, linear", step(1024.0).powi(2) / 8.0),
             ("256 pairs, first order", step(512.0).powi(2) / 2.0),
             ("1024 pairs, first order", step(2048.0).powi(2) / 2.0),
@@ -142,7 +142,7 @@ mod tests {
     #[test]
     fn twelve_bits_hide_what_is_finer() {
         for (known, quality) in QUALITIES.iter() {
-            let coarse = ["table 1024", "micromath"].contains(&known.name);
+            let coarse = ["table 1024, nearest", "micromath"].contains(&known.name);
             assert_eq!(quality.sndr_12_bit_db < 73.5, coarse, "{known:?}: {quality:?}");
         }
     }

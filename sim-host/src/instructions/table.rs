@@ -100,9 +100,11 @@ fn budget(measurement: &Measurement) -> TableBlock {
             Unit::Error => "of amplitude one",
         };
         let verdict = if judged.holds() { "PASS" } else { "MISS" };
-        let numbers = [number(unit, judged.found), number(unit, judged.bound.at_most)];
+        let aim = judged.bound.aim.map_or_else(String::new, |aim| number(unit, aim));
+        let numbers = [number(unit, judged.found), number(unit, judged.bound.at_most), aim];
         [vec![judged.bound.name.to_owned(), name.to_owned()], numbers.into(), vec![verdict.to_owned()]].concat()
     };
-    let header = ["what", "in", "found", "at most", "budget"];
-    block("budget", "Budget", "", &header, measurement.judged.iter().map(row).collect())
+    let caption = "Where less is aimed at, the bound follows as the controller gets there.";
+    let header = ["what", "in", "found", "at most", "aimed at", "budget"];
+    block("budget", "Budget", caption, &header, measurement.judged.iter().map(row).collect())
 }

@@ -20,7 +20,7 @@ pub fn trace(problem: &Problem, every_s: f64, from_s: f64, to_s: f64) -> Result<
     }
     let same_s = 1e-3 * every_s;
     // One that steps through the whole run, whatever the problem: a closed form would show one steady period.
-    let stepping = Numerics { method: Method::Linexp, ..numerics() };
+    let stepping = Numerics { method: Method::Linexp, energies: false, ..numerics() };
     solve(&gridded, &stepping, &mut |state| {
         if ahead.next_if(|&at_s| state.time_s >= at_s - same_s).is_some() {
             states.push(*state);
@@ -40,8 +40,8 @@ pub fn amplitude_over_time(problem: &Problem, hz: f64, bin_s: f64) -> Result<(Ve
     let bins = (problem.duration_s / bin_s).round() as usize;
     let mut sums = vec![(0.0, 0.0, 0.0); bins];
     let mut last = problem.start;
-    // The method may need fewer steps than the trapezoid rule does.
-    let fine = Numerics { steps_per_period: Some(32), ..numerics() };
+    // The method may need fewer steps than the trapezoid rule does; of energies nothing is asked.
+    let fine = Numerics { steps_per_period: Some(32), energies: false, ..numerics() };
     solve(problem, &fine, &mut |state| {
         let step_s = state.time_s - last.time_s;
         if let Some((real, imaginary, total_s)) = sums.get_mut((state.time_s / bin_s) as usize) {

@@ -46,8 +46,18 @@ impl Counter {
     /// The ticks that `work` takes: at most [`RELOAD`].
     #[inline(never)]
     pub fn ticks(&self, work: impl FnOnce()) -> u32 {
-        let before = SYST::get_current();
+        let before = self.now();
         work();
+        self.since(before)
+    }
+
+    /// The timer.
+    pub fn now(&self) -> u32 {
+        SYST::get_current()
+    }
+
+    /// The ticks since then: at most [`RELOAD`].
+    pub fn since(&self, before: u32) -> u32 {
         before.wrapping_sub(SYST::get_current()) & RELOAD
     }
 }

@@ -63,9 +63,10 @@ fn serve() -> Result<(), &'static str> {
     let counts = counter.calibrate().is_ok();
     let mut answer = Answer::default();
     while let Some(question) = pipes.receive::<Question>()? {
-        let ticks = counter.ticks(|| {
-            answer.telemetry = controller.process(&question.orders, &question.sense, &mut answer.drive);
-        });
+        let before = counter.now();
+        let telemetry = controller.process(&question.orders, &question.sense, &mut answer.drive);
+        let ticks = counter.since(before);
+        answer.telemetry = telemetry;
         answer.instructions = counts.then(|| ticks * 125 / 21);
         pipes.send(&answer)?;
     }

@@ -4,16 +4,16 @@ use firmware::block::{Amplitude, DriveBlock, SenseBlock};
 use firmware::config::{Burst, Config, Drive, Edge, FrontEnd, Limits, Phasing, Schedule, Sweep, Tracking, TrackingMode};
 use firmware::shape::sine;
 
-/// Samples in a block.
+/// Samples in a block, mostly.
 pub const SAMPLES: usize = 32;
 /// The code of zero, of all converters.
 const MID_CODE: u16 = 2048;
 
 /// A tracked drive at constant motional current, in bursts with soft edges; converters of 12 bits, 10 mV and 2 mA a code.
-pub fn config(lanes: u8) -> Config {
+pub fn config(lanes: u8, samples: usize) -> Config {
     Config {
         sample_hz: 1e6,
-        block_samples: SAMPLES as u16,
+        block_samples: samples as u16,
         lanes,
         front_end: FrontEnd {
             volt_per_lsb: 0.01,

@@ -6,7 +6,7 @@ use firmware::block::{DriveBlock, SenseBlock};
 use firmware::burst::Envelope;
 use firmware::config::{Config, Drive, ShapeKind};
 use firmware::convert::Convert;
-use firmware::demod::{OutOfOrder, Sensed, demodulate};
+use firmware::demod::{Sensed, Suspect, demodulate};
 use firmware::guard::{Driven, Guard};
 use firmware::identify;
 use firmware::motional::Motional;
@@ -42,7 +42,7 @@ type Print<'a> = &'a dyn Fn(&str, &mut dyn FnMut());
 
 /// What looks at the sense codes and at what is heard in them.
 fn listening(print: Print) {
-    let config = config(4);
+    let config = config(4, SAMPLES);
     let convert = convert(&config);
     let sense = sense();
     let tone = Stretch { phase: 1 << 60, word: tuning_word(40_400.0 / 1e6), step: 0 };
@@ -51,7 +51,7 @@ fn listening(print: Print) {
     });
     let sensed = Sensed { v: Phasor::new(3.0, 0.0), i: Phasor::new(1.0, 0.15) };
     let mut guard = Guard::build(&config, BLOCK_S).expect("valid limits");
-    let driven = Driven { volts: Some(3.0), outside: OutOfOrder::default() };
+    let driven = Driven { volts: Some(3.0), suspect: Suspect::default() };
     print("guard", &mut || {
         black_box(guard.inspect(black_box(&convert), black_box(&sense), black_box(&sensed), black_box(driven)));
     });
@@ -89,7 +89,7 @@ fn shapes(print: Print) {
         ("silence, one lane", Sine, false, 1, held, Envelope::Flat(0.0)),
         ("silence, four lanes", Sine, false, 4, held, Envelope::Flat(0.0)),
     ] {
-        let config = config(lanes);
+        let config = config(lanes, SAMPLES);
         let config = Config { drive: Drive { shape, dither, ..config.drive.clone() }, ..config };
         let convert = convert(&config);
         let mut phasing = Phasing::build(&config).expect("lanes");
