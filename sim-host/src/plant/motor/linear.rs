@@ -34,7 +34,7 @@ struct Look {
 #[derive(Clone, Debug)]
 pub struct Linear {
     x: Fours,
-    /// State and played voltages at the beginning of the last step.
+    /// The state at the beginning of the last step.
     before: Fours,
     /// Columns of the flow that voltages and modes feel.
     flow: [[f64x4; 2]; STATES],

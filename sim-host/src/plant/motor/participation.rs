@@ -10,7 +10,7 @@
 //!
 //! Divided by what the tabs of a lane would give if each stood on a crest, so that a lane that does has participation one. Tabs a
 //! quarter wave apart put lanes 0 and 2 on one mode and lanes 1 and 3 on the other, with opposite signs; any other pitch mixes
-//! them, and the sum over twelve tabs cancels.
+//! them.
 
 use std::f64::consts::TAU;
 
