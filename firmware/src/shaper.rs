@@ -11,8 +11,9 @@ use crate::block::{Codes, DriveBlock, MAX_BLOCK_SAMPLES, MAX_LANES};
 use crate::burst::Envelope;
 use crate::config::Config;
 use crate::convert::DriveScale;
-use crate::nco::{Stretch, cycles_per_sample};
+use crate::nco::Stretch;
 use crate::phasing::Lane;
+use crate::phasor::Phasor;
 use crate::shape::Shape;
 use crate::shape::bands::Blend;
 use crate::shape::noise::Dither;
@@ -82,23 +83,24 @@ impl Shaper {
                     self.write(n, play, codes, || swing.take());
                 });
             }
-            Shape::Sine => each.for_each(|(n, (lane, codes))| {
-                let (row, mut phases) = (lane.row * play.codes(lane.gain), stretch.phases());
-                self.write(n, play, codes, || {
-                    let z = sine::rotation(phases.take());
-                    z.im * row.re + z.re * row.im
-                });
-            }),
-            Shape::Harmonics(bands) => {
-                let Blend { lower, upper, weight } = bands.at(cycles_per_sample(stretch.word) as f32);
+            Shape::Sine => {
+                // One pair a sample, for all lanes.
+                let (mut pairs, mut phases) = ([Phasor::default(); MAX_BLOCK_SAMPLES], stretch.phases(0));
+                pairs.iter_mut().take(play.samples).for_each(|z| *z = sine::rotation(u64::from(phases.take()) << 32));
                 each.for_each(|(n, (lane, codes))| {
-                    let (peak, mut phases) = (play.codes(lane.gain) * lane.gain, stretch.phases());
-                    let mut phase = || ((phases.take() >> 32) as u32).wrapping_add(lane.offset);
+                    let (row, mut pairs) = (lane.row * play.codes(lane.gain), pairs.iter());
+                    self.write(n, play, codes, || pairs.next().map_or(0.0, |z| z.im * row.re + z.re * row.im));
+                });
+            }
+            Shape::Harmonics(bands) => {
+                let Blend { lower, upper, weight } = bands.at(stretch.frequency());
+                each.for_each(|(n, (lane, codes))| {
+                    let (peak, mut phases) = (play.codes(lane.gain) * lane.gain, stretch.phases(lane.offset));
                     if weight == 1.0 {
-                        return self.write(n, play, codes, || peak * upper.at(phase()));
+                        return self.write(n, play, codes, || peak * upper.at(phases.take()));
                     }
                     self.write(n, play, codes, || {
-                        let phase = phase();
+                        let phase = phases.take();
                         let (low, high) = (lower.at(phase), upper.at(phase));
                         peak * (low + weight * (high - low))
                     });
