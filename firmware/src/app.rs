@@ -8,7 +8,7 @@
 //! * The emergency stop drops the enable pin here, without waiting for the controller, and orders a fault that stays. The pin stays
 //!   down until the controller has fallen silent, however short the press.
 //! * The watchdog is fed only while blocks keep coming: if the block stream dies, the board resets.
-//! * What a calibration has found is [kept](settings). That waits until the drive is silent: an erase of the flash may stall the processor.
+//! * What a calibration has found is [kept](crate::settings). That waits until the drive is silent: an erase of the flash may stall the processor.
 //! * Nothing here waits for the link. What is to be sent goes through a buffer; while a reply would not fit, no further command is
 //!   read, and telemetry that does not fit is left out.
 
