@@ -37,7 +37,10 @@ fn types_ranges_and_choices_are_checked() {
     says(&with_line("on_s", "on_s = 3.0"), &["expected a list of numbers in s", "`[3]`"]);
     says(&with_line("off_s", "off_s = [5.0, \"six\"]"), &["`controller.burst.off_s.1` cannot be a string"]);
     says(&with_line("off_s", "off_s = [1,2,3,4,5,6,7,8,9]"), &["has 9 entries", "takes at most 8"]);
-    says(&with_line("scan_v", "scan_v = 3\nshape = \"sqare\""), &["did you mean `square`?", "it is `sine`, `square`, `sawtooth` or `noise`"]);
+    says(
+        &with_line("scan_v", "scan_v = 3\nshape = \"sqare\""),
+        &["did you mean `square`?", "it is `sine`, `square`, `sawtooth` or `noise`"],
+    );
     says(&with_line("[controller.drive]", "[controller]\nblock_samples = 12.5\n[controller.drive]"), &["must be a whole number"]);
     says(&with_line("[contact.dahl]", "[[contact]]"), &["`contact` cannot be a list of tables", "write `[contact]`"]);
     says(&report("controller = \"on\"", &[]), &["`controller` cannot be a string", "write `[controller]`"]);
