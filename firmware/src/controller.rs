@@ -40,13 +40,12 @@ struct Played {
     /// How far beside the lock point that was on purpose, Hz.
     detune_hz: f32,
     volts: f32,
-    /// Gain of the lane that was listened to.
-    gain: f32,
+    /// What can be heard of the voltage: the gain of the lane that was listened to, times the fundamental of the shape. Nothing is known of a
+    /// noise, nor of a lane that is being calibrated.
+    audible: Option<f32>,
     /// Mean envelope; `flat` says whether it is that throughout.
     envelope: f32,
     flat: bool,
-    /// The voltage is what must be heard of it: not so of a noise, nor of a lane that is being calibrated.
-    audible: bool,
 }
 
 /// The controller.
@@ -105,7 +104,7 @@ impl Controller {
             nco: Nco::default(),
             burst: Burst::build(&config.burst, config.drive.frequency_hz, config.sample_hz)?,
             shaper: Shaper::build(config),
-            played: [Played { tone, relative: 1.0, gain: 1.0, flat: true, audible: true, ..Played::default() }; LATENCY_BLOCKS],
+            played: [Played { tone, relative: 1.0, flat: true, ..Played::default() }; LATENCY_BLOCKS],
             guard: Guard::build(config, block_s)?,
             supervisor: Supervisor::default(),
             self_test: SelfTest::build(config),
@@ -131,7 +130,7 @@ impl Controller {
         let motional_current = self.tracker.motional_current(&sensed, heard.relative);
 
         let driven =
-            Driven { volts: (heard.flat && heard.audible).then_some(heard.volts * heard.gain * heard.envelope), suspect };
+            Driven { volts: heard.audible.filter(|_| heard.flat).map(|part| part * heard.volts * heard.envelope), suspect };
         let found = self.guard.inspect(&self.convert, sense, &sensed, driven);
         if self.supervisor.judge(orders, found) {
             self.begin();
@@ -162,23 +161,24 @@ impl Controller {
         let (level, flat) = (envelope.mean(), envelope.is_flat());
         let (quadrature, _) = self.phasing.quadrature(orders.quadrature.filter(|_| mode != Mode::Calibrate));
         let lanes = self.phasing.lanes(hz, quadrature);
-        let gain = lanes.get(usize::from(plan.listen)).map_or(1.0, |lane| lane.gain);
+        let gain = lanes.first().map_or(1.0, |lane| lane.gain);
         let play = Play { scale: &self.convert.drive, lanes, stretch, samples: self.samples, volts: plan.volts, envelope };
+        let mut plain = Shape::Sine;
+        let shape = if matches!(mode, Mode::Lock | Mode::Run) { &mut self.shape } else { &mut plain };
         match mode {
             Mode::Idle | Mode::Fault => self.shaper.mute(&play, drive),
-            Mode::SelfTest | Mode::Scan | Mode::Calibrate => self.shaper.shape(&mut Shape::Sine, &play, drive),
-            Mode::Lock | Mode::Run => self.shaper.shape(&mut self.shape, &play, drive),
+            _ => self.shaper.shape(shape, &play, drive),
         }
+        let fundamental = shape.fundamental(tone.frequency()).filter(|_| plan.listen == 0);
         drive.listen = plan.listen;
         Played {
             tone,
             relative: hz / self.sweep.hold.nominal_hz(),
             detune_hz: if running && self.tracker.tracks() { offset_hz - self.tracker.offset_hz() } else { 0.0 },
             volts: plan.volts,
-            gain,
+            audible: fundamental.map(|part| part * gain),
             envelope: level,
             flat,
-            audible: plan.listen == 0 && !(running && matches!(self.shape, Shape::Noise(_))),
         }
     }
 

@@ -14,10 +14,8 @@ const CLIPPED_PART: usize = 8;
 const OVER_CURRENT_SAMPLES: usize = 2;
 /// Blocks for which the voltage or the current may be implausible before that counts.
 const IMPLAUSIBLE_BLOCKS: u32 = 8;
-/// The voltage may be this many times larger than the peak that was played (edges, a square's 4 / pi).
-const VOLTAGE_RISES: f32 = 2.0;
-/// And this many times smaller (the source sags; the fundamental of a sawtooth is 0.54 of its peak, and its harmonics leak into the lock-in).
-const VOLTAGE_SAGS: f32 = 3.0;
+/// The voltage may be this many times smaller or larger than the fundamental that was played (the source sags, harmonics leak into the lock-in).
+const VOLTAGE_FACTOR: f32 = 2.0;
 /// Smallest current, relative to what the nominal capacitance takes; at the antiresonance a healthy stack takes a fortieth.
 const OPEN_PART: f32 = 0.01;
 /// Voltages below this many codes are not judged.
@@ -26,7 +24,7 @@ const JUDGED_CODES: f32 = 16.0;
 /// What is known of a block besides its codes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Driven {
-    /// Peak voltage that was played in it, V, where it was the same throughout; `None` at an edge, and of a noise.
+    /// Fundamental of what was played in it, V peak, where it was the same throughout; `None` at an edge, and of a noise.
     pub volts: Option<f32>,
     /// Whether codes of it may be out of order.
     pub suspect: Suspect,
@@ -76,7 +74,7 @@ impl Guard {
         let square = |x: f32| x * x;
         let wrong_voltage = played.is_some_and(|volts| {
             let heard = sensed.v.norm_sqr();
-            heard > square(volts * VOLTAGE_RISES) || heard < square(volts / VOLTAGE_SAGS)
+            heard > square(volts * VOLTAGE_FACTOR) || heard < square(volts / VOLTAGE_FACTOR)
         });
         let no_current = played.is_some_and(|volts| sensed.i.norm_sqr() < square(OPEN_PART * self.clamped_siemens * volts));
         // A reading that is not a number is no proof of motion.

@@ -67,18 +67,20 @@ impl Controller {
                 self.calibrate.abandon(&mut self.phasing);
                 Plan::SILENT
             }
-            Mode::SelfTest => match self.self_test.step(&mut self.convert, sense, sensed, heard.volts * heard.gain) {
-                self_test::Step::Silence => Plan::SILENT,
-                self_test::Step::Tone { offset_hz, volts } => {
-                    self.sweep.hold.retune(offset_hz);
-                    Plan::tone(volts)
+            Mode::SelfTest => {
+                match self.self_test.step(&mut self.convert, sense, sensed, heard.volts * heard.audible.unwrap_or(1.0)) {
+                    self_test::Step::Silence => Plan::SILENT,
+                    self_test::Step::Tone { offset_hz, volts } => {
+                        self.sweep.hold.retune(offset_hz);
+                        Plan::tone(volts)
+                    }
+                    self_test::Step::Passed => {
+                        self.sweep.hold.retune(0.0);
+                        Plan::SILENT.and(Progress::Done)
+                    }
+                    self_test::Step::Failed(fault) => Plan::SILENT.and(Progress::Failed(fault)),
                 }
-                self_test::Step::Passed => {
-                    self.sweep.hold.retune(0.0);
-                    Plan::SILENT.and(Progress::Done)
-                }
-                self_test::Step::Failed(fault) => Plan::SILENT.and(Progress::Failed(fault)),
-            },
+            }
             Mode::Scan => match self.scan.step(sensed) {
                 scan::Step::Tune(offset_hz) => {
                     self.sweep.hold.retune(offset_hz);

@@ -17,9 +17,9 @@ const FRACTION_SCALE: f32 = 1.0 / (1u32 << FRACTION_BITS) as f32;
 /// A harmonic is whole up to the first of these frequencies (cycles a sample), and gone from the second on.
 const FADE: (f32, f32) = (0.46, 0.5);
 
-/// One period of a waveform; the first entry stands again at the end, for interpolation.
+/// One period of a waveform; the first entry stands again at the end, for interpolation. And the amplitude of its fundamental.
 #[derive(Debug)]
-pub struct Table([f32; LENGTH + 1]);
+pub struct Table([f32; LENGTH + 1], f32);
 
 impl Table {
     /// The waveform at a phase of `phase / 2^32` turns.
@@ -48,6 +48,13 @@ pub struct Blend {
     pub upper: &'static Table,
     /// The weight of the upper, 0 to 1.
     pub weight: f32,
+}
+
+impl Blend {
+    /// Amplitude of the fundamental.
+    pub fn fundamental(&self) -> f32 {
+        self.lower.1 + self.weight * (self.upper.1 - self.lower.1)
+    }
 }
 
 impl Bands {
@@ -107,7 +114,7 @@ pub(super) const fn additive(highest: usize, every: usize, alternating: bool) ->
         scaled[n] = (entries[n] / peak) as f32;
         n += 1;
     }
-    Table(scaled)
+    Table(scaled, (1.0 / peak) as f32)
 }
 
 #[cfg(test)]
@@ -131,6 +138,7 @@ mod tests {
             for cycles in [0.001, 0.02, 0.04, 0.0401, 0.046, 0.11, 0.2, 0.4] {
                 let blend = bands.at(cycles);
                 let fundamental = harmonic(&blend, 1);
+                assert!((fundamental - f64::from(blend.fundamental())).abs() < 2e-5, "{cycles}: {fundamental}");
                 for k in 2..26 {
                     let expected = if k % 2 == 0 { even / k as f64 } else { 1.0 / k as f64 };
                     let found = harmonic(&blend, k) / fundamental;
