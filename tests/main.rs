@@ -4,6 +4,7 @@ mod app;
 mod contact;
 mod drive;
 mod friction;
+mod motor;
 mod processor_in_the_loop;
 mod scenes;
 mod tracking;

@@ -240,3 +240,33 @@ fn a_square_drive_locks_on_its_fundamental() {
     let bias = bias_hz(&["controller.drive.shape=square"]).expect("a lock");
     assert!(bias.abs() < 1.0, "{bias} Hz");
 }
+
+/// Swept about the resonance by half a bandwidth to each side, the controller still knows where it is; and follows it when it moves.
+#[test]
+fn a_chirp_about_the_resonance_follows_it() {
+    let chirp = [
+        "duration_s=0.6",
+        "controller.burst.on_s=[0.15]",
+        "controller.burst.off_s=[0.6]",
+        "controller.sweep.around=resonance",
+        "controller.sweep.start_hz=-300",
+        "controller.sweep.stop_hz=300",
+        "controller.sweep.time_s=0.02",
+        "controller.sweep.then=updown",
+        "disturbance.0.at_s=0.35",
+        "disturbance.0.key=stack.bvd.series_resonance_hz",
+        "disturbance.0.to=40650",
+    ];
+    let scene = load("lock", &chirp.map(String::from)).unwrap_or_else(|error| panic!("{error}")).scene;
+    let scene = scene.driven().unwrap();
+    let record = run(&scene, Watch::default()).unwrap();
+    for (from_s, to_s, resonance_hz) in [(0.2, 0.34, 40_520.0), (0.45, 0.6, 40_650.0)] {
+        let rows: Vec<_> = record.rows.iter().filter(|row| row.time_s > from_s && row.time_s < to_s).collect();
+        let worst = rows.iter().map(|row| (row.resonance_estimate_hz - resonance_hz).abs()).fold(0.0, f64::max);
+        let (low, high) =
+            rows.iter().fold((f64::MAX, 0.0f64), |(low, high), row| (low.min(row.frequency_hz), high.max(row.frequency_hz)));
+        assert!(worst < 15.0, "{worst} Hz off {resonance_hz}");
+        assert!((low - resonance_hz + 300.0).abs() < 20.0 && (high - resonance_hz - 300.0).abs() < 20.0, "{low} to {high}");
+        assert!(rows.iter().all(|row| row.locked && row.fault == 0));
+    }
+}

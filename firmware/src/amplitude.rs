@@ -116,6 +116,11 @@ impl AmplitudeLoop {
         if self.volts > 0.0 { (self.limits.voltage_v / self.volts).max(1.0) } else { 1.0 }
     }
 
+    /// So much of a voltage that `louder` times as much is within the limit.
+    pub fn within(&self, volts: f32, louder: f32) -> f32 {
+        if volts * louder > self.limits.voltage_v { self.limits.voltage_v / louder } else { volts }
+    }
+
     /// Whether the amplitude has been reached, or cannot be.
     pub fn settled(&self) -> bool {
         self.within >= SETTLED.1 || self.limited

@@ -9,82 +9,20 @@
 //!
 //! A burst that is ended by a brake goes on for some half cycles against its own phase, so that what it has rung up is rung down.
 
+mod schedule;
+#[cfg(test)]
+mod tests;
+
 use core::ops::Range;
 
 use heapless::Vec;
 
 use crate::block::{Gate, MAX_BLOCK_SAMPLES};
-use crate::config::{Burst as Config, Edge, MAX_WINDOWS, Schedule as ScheduleConfig};
+use crate::burst::schedule::Schedule;
+use crate::config::{Burst as Config, Edge};
 use crate::error::{Error, in_range};
 use crate::nco::Stretch;
 use crate::shape::sine;
-
-/// The longest time a schedule can name, s (three years).
-const LONGEST_S: f64 = 1e8;
-
-/// The gate's schedule, in samples.
-#[derive(Clone, Debug)]
-enum Schedule {
-    Continuous,
-    Windows(Vec<(u64, u64), MAX_WINDOWS>),
-    Periodic {
-        period: u64,
-        on: u64,
-        /// A beginning of a period, the last that was needed.
-        begins: u64,
-    },
-}
-
-impl Schedule {
-    fn build(config: &ScheduleConfig, sample_hz: f64) -> Result<Self, Error> {
-        let samples =
-            |parameter, seconds| in_range(parameter, seconds, 0.0, LONGEST_S).map(|s| libm::round(s * sample_hz) as u64);
-        Ok(match config {
-            ScheduleConfig::Continuous => Schedule::Continuous,
-            ScheduleConfig::Windows(windows) => {
-                let windows = windows
-                    .iter()
-                    .map(|&(on, off)| Ok((samples("burst.on_s", on)?, samples("burst.off_s", off)?)))
-                    .collect::<Result<Vec<_, MAX_WINDOWS>, Error>>()?;
-                let in_order = windows.iter().all(|w| w.0 < w.1) && windows.windows(2).all(|pair| pair[0].1 <= pair[1].0);
-                if !in_order {
-                    return Err(Error::BurstWindows);
-                }
-                Schedule::Windows(windows)
-            }
-            &ScheduleConfig::Periodic { period_s, duty } => {
-                in_range("burst.duty", duty, 0.0, 1.0)?;
-                in_range("burst.period_s", period_s, 1.0 / sample_hz, LONGEST_S)?;
-                let period = samples("burst.period_s", period_s)?;
-                Schedule::Periodic { period, on: libm::round(duty * period as f64) as u64, begins: 0 }
-            }
-        })
-    }
-
-    /// Whether the gate is open at sample `now`, and for how many samples it stays so.
-    fn gate(&mut self, now: u64) -> (bool, u64) {
-        match self {
-            Schedule::Continuous => (true, u64::MAX),
-            Schedule::Windows(windows) => windows
-                .iter()
-                .find_map(|&(on, off)| match now {
-                    n if n < on => Some((false, on - n)),
-                    n if n < off => Some((true, off - n)),
-                    _ => None,
-                })
-                .unwrap_or((false, u64::MAX)),
-            Schedule::Periodic { period, on, begins } => {
-                // Mostly the same period, or the next: a division of 64 bits takes longer than the rest.
-                let mut phase = now.wrapping_sub(*begins);
-                if phase >= *period {
-                    phase = if phase < 2 * *period { phase - *period } else { now % *period };
-                    *begins = now - phase;
-                }
-                if phase < *on { (true, *on - phase) } else { (false, *period - phase) }
-            }
-        }
-    }
-}
 
 /// The envelope of one block.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -101,6 +39,14 @@ impl Envelope<'_> {
         match self {
             Envelope::Flat(level) => *level,
             Envelope::Edge(levels) => levels.iter().sum::<f32>() / levels.len().max(1) as f32,
+        }
+    }
+
+    /// How much louder than the drive it gets; at least one, and more only where it brakes.
+    pub fn loudest(&self) -> f32 {
+        match self {
+            Envelope::Flat(_) => 1.0,
+            Envelope::Edge(levels) => levels.iter().fold(1.0, |most, level| if -level > most { -level } else { most }),
         }
     }
 
@@ -157,6 +103,8 @@ pub struct Burst {
     /// Direction of the last passage through zero.
     falling: bool,
     brake: Option<Brake>,
+    /// Every burst ends with a brake, not only those that an order ends.
+    brakes: bool,
     /// The envelope of the last block with an edge.
     levels: Vec<f32, MAX_BLOCK_SAMPLES>,
 }
@@ -179,11 +127,17 @@ impl Burst {
             state: State::Closed,
             falling: false,
             brake: None,
+            brakes: config.brake,
             levels: Vec::new(),
         })
     }
 
-    /// The brake for a burst that is closed by [`Gate::Brake`]. Nothing is braked without one.
+    /// Whether a burst that ends under this gate ends with a brake.
+    pub fn brakes(&self, gate: Gate) -> bool {
+        self.brakes || gate == Gate::Brake
+    }
+
+    /// The brake for bursts that end with one. Nothing is braked without one.
     pub fn set_brake(&mut self, brake: Option<Brake>) {
         self.brake = brake;
     }
@@ -209,7 +163,7 @@ impl Burst {
         let mut done = 0;
         loop {
             let span = stays.min((samples.min(MAX_BLOCK_SAMPLES) - done) as u64) as usize;
-            self.span(open, gate == Gate::Brake, stretch, done..done + span);
+            self.span(open, self.brakes(gate), stretch, done..done + span);
             done += span;
             if done == samples.min(MAX_BLOCK_SAMPLES) {
                 return Envelope::Edge(&self.levels);
@@ -293,112 +247,4 @@ impl Burst {
 /// Whether the sine falls below zero after this phase: the second half of the turn.
 fn falling(phase: u64) -> bool {
     phase >> 63 == 1
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::nco::tuning_word;
-
-    fn burst(schedule: ScheduleConfig, edge: Edge) -> Burst {
-        Burst::build(&Config { schedule, edge }, 40e3, 1e6).unwrap()
-    }
-
-    fn window(on_s: f64, off_s: f64) -> ScheduleConfig {
-        ScheduleConfig::Windows([(on_s, off_s)].into_iter().collect())
-    }
-
-    /// A tone whose period is 24.75 samples, from phase zero at sample zero.
-    fn tone(now: u64) -> Stretch {
-        let word = tuning_word(40_404.0 / 1e6);
-        Stretch { phase: word.wrapping_mul(now), word, step: 0 }
-    }
-
-    fn levels(burst: &mut Burst, gate: Gate, now: u64, samples: usize) -> std::vec::Vec<f32> {
-        match burst.envelope(gate, now, &tone(now), samples) {
-            Envelope::Flat(level) => std::vec![level; samples],
-            Envelope::Edge(levels) => levels.to_vec(),
-        }
-    }
-
-    fn run(burst: &mut Burst, gate: Gate, blocks: Range<u64>) -> std::vec::Vec<f32> {
-        blocks.flat_map(|k| levels(burst, gate, 32 * k, 32)).collect()
-    }
-
-    #[test]
-    fn a_hard_burst_lasts_whole_periods_from_a_passage_through_zero() {
-        for (on, off) in [(3e-6, 200e-6), (14e-6, 200e-6), (100e-6, 101e-6), (32e-6, 640e-6), (77e-6, 640e-6)] {
-            let got = run(&mut burst(window(on, off), Edge::Hard), Gate::Scheduled, 0..40);
-            let first = got.iter().position(|&level| level == 1.0).unwrap();
-            let last = got.iter().rposition(|&level| level == 1.0).unwrap() + 1;
-            assert!(got[first..last].iter().all(|&level| level == 1.0));
-            assert!(got[..first].iter().chain(&got[last..]).all(|&level| level == 0.0));
-            assert_ne!(falling(tone(0).phase_at(first - 1)), falling(tone(0).phase_at(first)));
-            assert!(first as f64 >= on * 1e6 && (first as f64) < on * 1e6 + 13.0, "{first} for {on}");
-            assert!(last as f64 >= off * 1e6 && (last as f64) < off * 1e6 + 25.0, "{last} for {off}");
-            let periods = (last - first) as f64 / (1e6 / 40_404.0);
-            assert!((periods - libm::round(periods)).abs() < 1.0 / 24.0 && periods > 0.9, "{periods}");
-        }
-    }
-
-    #[test]
-    fn a_gate_that_closes_before_zero_is_passed_opens_nothing() {
-        // The first passage after the beginning is at sample 13.
-        let got = run(&mut burst(window(2e-6, 9e-6), Edge::Hard), Gate::Scheduled, 0..4);
-        assert!(got.iter().all(|&level| level == 0.0));
-    }
-
-    #[test]
-    fn blocks_join_without_a_seam() {
-        for edge in [Edge::Hard, Edge::Soft { cycles: 1.0 }] {
-            let mut whole = burst(window(13e-6, 90e-6), edge);
-            let mut parts = whole.clone();
-            let got: std::vec::Vec<f32> = (0..8).flat_map(|k| levels(&mut parts, Gate::Scheduled, 16 * k, 16)).collect();
-            let expected: std::vec::Vec<f32> = (0..2).flat_map(|k| levels(&mut whole, Gate::Scheduled, 64 * k, 64)).collect();
-            assert_eq!(got, expected);
-        }
-    }
-
-    #[test]
-    fn soft_edge_is_a_raised_cosine() {
-        let got = run(&mut burst(window(0.0, 1.0), Edge::Soft { cycles: 1.0 }), Gate::Scheduled, 0..2);
-        assert!((got[11] - 0.468_6).abs() < 1e-3, "{got:?}");
-        assert!(got.windows(2).all(|pair| pair[1] >= pair[0]));
-        assert_eq!(got[24], 1.0);
-    }
-
-    #[test]
-    fn periodic_schedule_repeats() {
-        let mut periodic = burst(ScheduleConfig::Periodic { period_s: 1e-3, duty: 0.25 }, Edge::Hard);
-        let ones = run(&mut periodic, Gate::Scheduled, 31_250..31_250 + 625).iter().filter(|&&level| level == 1.0).count();
-        assert!((20 * 250 - 250..20 * 250 + 300).contains(&ones), "{ones}");
-    }
-
-    /// A resonance `y' = (drive - y) / tau` in envelope: after the brake nothing is left, whatever the headroom.
-    #[test]
-    fn a_brake_stops_what_rings() {
-        for (q, headroom) in [(65.0, 1.0), (65.0, 5.16), (20.0, 1.5), (200.0, 2.0)] {
-            let periods = q / core::f32::consts::PI;
-            let brake = Brake::of(periods, headroom);
-            assert!(brake.level <= headroom && brake.half_cycles.is_multiple_of(2), "{brake:?}");
-            let t = brake.half_cycles as f32 / (2.0 * periods);
-            let left = libm::expf(-t) * (1.0 + brake.level) - brake.level;
-            assert!(left.abs() < 1e-5, "{left}");
-        }
-        let mut braked = burst(ScheduleConfig::Continuous, Edge::Hard);
-        braked.set_brake(Some(Brake { half_cycles: 4, level: 0.7 }));
-        run(&mut braked, Gate::On, 0..5);
-        let got = run(&mut braked, Gate::Brake, 5..12);
-        let against = got.iter().filter(|&&level| level == -0.7).count();
-        assert!((49..=50).contains(&against), "{against} samples");
-        let end = got.iter().rposition(|&level| level == -0.7).unwrap();
-        assert!(got[end + 1..].iter().all(|&level| level == 0.0) && end < 80);
-    }
-
-    #[test]
-    fn windows_out_of_order_are_refused() {
-        let windows = [(2.0, 3.0), (1.0, 1.5)].into_iter().collect();
-        let config = Config { schedule: ScheduleConfig::Windows(windows), edge: Edge::Hard };
-        assert_eq!(Burst::build(&config, 40e3, 1e6).unwrap_err(), Error::BurstWindows);
-    }
 }

@@ -214,6 +214,8 @@ pub struct Burst {
     pub schedule: Schedule,
     /// How it gets there.
     pub edge: Edge,
+    /// What has rung up is rung down at the end of each burst, by drive against it.
+    pub brake: bool,
 }
 
 /// When the drive is ON.

@@ -59,6 +59,8 @@ pub struct Controller {
     /// Time constant of the resonance in periods, as told.
     nominal_periods: f32,
     scan_volts: f32,
+    /// The drive that the present brake is for, V.
+    braked_volts: f32,
 
     block: u64,
     nco: Nco,
@@ -100,6 +102,7 @@ impl Controller {
             amplitude_asked: config.drive.amplitude,
             nominal_periods: config.tracking.nominal_q / core::f32::consts::PI,
             scan_volts: config.drive.scan_volts,
+            braked_volts: 0.0,
             block: 0,
             nco: Nco::default(),
             burst: Burst::build(&config.burst, config.drive.frequency_hz, config.sample_hz)?,
@@ -159,10 +162,12 @@ impl Controller {
             Mode::Lock | Mode::Run => self.burst.envelope(plan.gate, now, &stretch, self.samples),
         };
         let (level, flat) = (envelope.mean(), envelope.is_flat());
+        // A brake may be louder than the drive, but not than the limit, whatever has become of the drive since it began.
+        let volts = self.amplitude.within(plan.volts, envelope.loudest());
         let (quadrature, _) = self.phasing.quadrature(orders.quadrature.filter(|_| mode != Mode::Calibrate));
         let lanes = self.phasing.lanes(hz, quadrature);
         let gain = lanes.first().map_or(1.0, |lane| lane.gain);
-        let play = Play { scale: &self.convert.drive, lanes, stretch, samples: self.samples, volts: plan.volts, envelope };
+        let play = Play { scale: &self.convert.drive, lanes, stretch, samples: self.samples, volts, envelope };
         let mut plain = Shape::Sine;
         let shape = if matches!(mode, Mode::Lock | Mode::Run) { &mut self.shape } else { &mut plain };
         match mode {

@@ -5,6 +5,7 @@ use std::time::Instant;
 
 use firmware::block::{DriveBlock, Gate, LATENCY_BLOCKS, Orders, Request, SenseBlock};
 use firmware::supervisor::Mode;
+use firmware::units::{Hertz, Turns};
 use hal_mock::analog::Analog;
 use hal_mock::block_clock::BlockClock;
 use hal_mock::fault_injector::{FaultInjector, FaultKind, Scheduled};
@@ -57,7 +58,7 @@ pub fn run_on(processor: &mut dyn Processor, scene: &Driven, mut watch: Watch) -
     let sample_hz = scene.sensors.sample_hz;
     let samples = usize::from(scene.controller.block_samples);
     let blocks = (scene.duration_s * sample_hz / samples as f64).ceil() as u64;
-    let mut script = Script::new(scene.controller.phasing.calibrate);
+    let mut script = Script::new(scene.controller);
 
     let mut clock = BlockClock::new(Recorder::new(scene, watch.windows), &processor.silence());
     let every = blocks.div_ceil(MAX_ROWS).max(1);
@@ -107,9 +108,17 @@ struct Script {
 }
 
 impl Script {
-    fn new(calibrate: bool) -> Self {
-        let request = if calibrate { Request::Calibrate } else { Request::Run };
-        let orders = Orders { sequence: 1, attempt: 1, request, gate: Gate::Scheduled, ..Orders::default() };
+    fn new(controller: &scene::Controller) -> Self {
+        let request = if controller.phasing.calibrate { Request::Calibrate } else { Request::Run };
+        let orders = Orders {
+            sequence: 1,
+            attempt: 1,
+            request,
+            gate: Gate::Scheduled,
+            detune: Hertz(controller.drive.detune_hz as f32),
+            quadrature: controller.phasing.quadrature_turns.map(|turns| Turns(turns as f32)),
+            ..Orders::default()
+        };
         Script { orders, calibrating: false }
     }
 

@@ -142,13 +142,16 @@ impl Controller {
         (wanted.clamp(-window, window), wanted.abs() > window)
     }
 
-    /// The brake for what rings when the order to brake comes.
+    /// The brake for what rings. It is made anew where the drive has changed, because its level counts from the drive.
     fn prepare_brake(&mut self, gate: Gate) {
-        if gate != Gate::Brake {
+        const SAME: f32 = 0.01;
+        let volts = self.amplitude.volts();
+        if !self.burst.brakes(gate) || volts == 0.0 {
             self.burst.set_brake(None);
-        } else if self.burst.brake().is_none() {
+        } else if self.burst.brake().is_none() || (volts - self.braked_volts).abs() > SAME * volts {
             let periods = self.transducer.map_or(self.nominal_periods, |transducer| transducer.q / core::f32::consts::PI);
             self.burst.set_brake(Some(Brake::of(periods, self.amplitude.headroom())));
+            self.braked_volts = volts;
         }
     }
 

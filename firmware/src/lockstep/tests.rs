@@ -108,6 +108,7 @@ fn longest_config() -> Config {
         burst: Burst {
             schedule: Schedule::Windows(core::iter::repeat_n((0.0, 1.0), MAX_WINDOWS).collect()),
             edge: Edge::Soft { cycles: 1.0 },
+            brake: true,
         },
         tracking: Tracking { mode: TrackingMode::Off, span: 1.0, bandwidth_hz: 1.0, nominal_q: 1.0, nominal_c0_f: 1.0 },
         limits: Limits { voltage_v: 1.0, current_a: 1.0, belt_moving_m_per_s: 1.0, belt_stop_ms: 1.0 },

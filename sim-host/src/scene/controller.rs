@@ -48,6 +48,10 @@ pub struct Drive {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 1e-3, max = 1e4))]
     pub scan_v: Option<f64>,
+    /// How far beside the resonance to drive while running, Hz; beside `frequency_hz` where nothing is tracked. Limited to the span.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    #[schemars(range(min = -450e3, max = 450e3))]
+    pub detune_hz: f64,
     /// Waveform while running.
     #[serde(default)]
     pub shape: Shape,
@@ -149,6 +153,11 @@ pub struct Phasing {
     /// Turning direction.
     #[serde(default)]
     pub direction: Direction,
+    /// How far lanes 1 and 3 lead lanes 0 and 2, turns: a quarter is forward, minus a quarter reverse, zero a standing wave. Default: by
+    /// `direction`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = -0.25, max = 0.25))]
+    pub quadrature_turns: Option<f64>,
     /// Phase correction of each lane, turns.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     #[schemars(length(max = 4), inner(range(min = -0.5, max = 0.5)))]
@@ -201,6 +210,9 @@ pub struct Burst {
     #[serde(default = "default::edge_cycles")]
     #[schemars(range(min = 0.5, max = 1e4))]
     pub edge_cycles: f64,
+    /// What has rung up is rung down at the end of each burst, by drive against it within `limits.voltage_v`.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub brake: bool,
 }
 
 /// How the envelope gets from OFF to ON and back.
@@ -276,6 +288,10 @@ impl Default for Limits {
     fn default() -> Self {
         Limits { voltage_v: 15.466, current_a: 3.0, belt_moving_m_per_s: 0.001, belt_stop_ms: 4.0 }
     }
+}
+
+fn is_zero(value: &f64) -> bool {
+    *value == 0.0
 }
 
 /// Defaults that serde needs as functions.

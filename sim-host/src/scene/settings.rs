@@ -109,7 +109,7 @@ fn sweep(sweep: Option<&scene::Sweep>) -> Sweep {
 }
 
 fn burst(burst: Option<&scene::Burst>) -> Burst {
-    let Some(burst) = burst else { return Burst { schedule: Schedule::Continuous, edge: Edge::Hard } };
+    let Some(burst) = burst else { return Burst { schedule: Schedule::Continuous, edge: Edge::Hard, brake: false } };
     let schedule = match (burst.period_s, burst.duty) {
         (Some(period_s), Some(duty)) => Schedule::Periodic { period_s, duty },
         _ => Schedule::Windows(burst.on_s.iter().copied().zip(burst.off_s.iter().copied()).collect()),
@@ -118,7 +118,7 @@ fn burst(burst: Option<&scene::Burst>) -> Burst {
         scene::Edge::Hard => Edge::Hard,
         scene::Edge::Soft => Edge::Soft { cycles: burst.edge_cycles as f32 },
     };
-    Burst { schedule, edge }
+    Burst { schedule, edge, brake: burst.brake }
 }
 
 fn tracking(tracking: &scene::Tracking) -> Tracking {

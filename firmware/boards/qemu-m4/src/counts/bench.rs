@@ -28,7 +28,11 @@ pub fn config(lanes: u8, samples: usize) -> Config {
         drive: Drive::sine(40e3, Amplitude::MotionalCurrent(0.5), 1.0),
         sweep: Sweep::Hold,
         phasing: Phasing::default(),
-        burst: Burst { schedule: Schedule::Periodic { period_s: 10e-3, duty: 0.7 }, edge: Edge::Soft { cycles: 8.0 } },
+        burst: Burst {
+            schedule: Schedule::Periodic { period_s: 10e-3, duty: 0.7 },
+            edge: Edge::Soft { cycles: 8.0 },
+            brake: false,
+        },
         tracking: Tracking {
             mode: TrackingMode::PhaseLock,
             span: 0.025,

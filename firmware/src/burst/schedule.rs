@@ -1,0 +1,73 @@
+//! When the gate is open, in samples since the first.
+
+use heapless::Vec;
+
+use crate::config::{MAX_WINDOWS, Schedule as ScheduleConfig};
+use crate::error::{Error, in_range};
+
+/// The longest time a schedule can name, s (three years).
+const LONGEST_S: f64 = 1e8;
+
+/// The gate's schedule, in samples.
+#[derive(Clone, Debug)]
+pub(super) enum Schedule {
+    Continuous,
+    Windows(Vec<(u64, u64), MAX_WINDOWS>),
+    Periodic {
+        period: u64,
+        on: u64,
+        /// A beginning of a period, the last that was needed.
+        begins: u64,
+    },
+}
+
+impl Schedule {
+    pub(super) fn build(config: &ScheduleConfig, sample_hz: f64) -> Result<Self, Error> {
+        let samples =
+            |parameter, seconds| in_range(parameter, seconds, 0.0, LONGEST_S).map(|s| libm::round(s * sample_hz) as u64);
+        Ok(match config {
+            ScheduleConfig::Continuous => Schedule::Continuous,
+            ScheduleConfig::Windows(windows) => {
+                let windows = windows
+                    .iter()
+                    .map(|&(on, off)| Ok((samples("burst.on_s", on)?, samples("burst.off_s", off)?)))
+                    .collect::<Result<Vec<_, MAX_WINDOWS>, Error>>()?;
+                let in_order = windows.iter().all(|w| w.0 < w.1) && windows.windows(2).all(|pair| pair[0].1 <= pair[1].0);
+                if !in_order {
+                    return Err(Error::BurstWindows);
+                }
+                Schedule::Windows(windows)
+            }
+            &ScheduleConfig::Periodic { period_s, duty } => {
+                in_range("burst.duty", duty, 0.0, 1.0)?;
+                in_range("burst.period_s", period_s, 1.0 / sample_hz, LONGEST_S)?;
+                let period = samples("burst.period_s", period_s)?;
+                Schedule::Periodic { period, on: libm::round(duty * period as f64) as u64, begins: 0 }
+            }
+        })
+    }
+
+    /// Whether the gate is open at sample `now`, and for how many samples it stays so.
+    pub(super) fn gate(&mut self, now: u64) -> (bool, u64) {
+        match self {
+            Schedule::Continuous => (true, u64::MAX),
+            Schedule::Windows(windows) => windows
+                .iter()
+                .find_map(|&(on, off)| match now {
+                    n if n < on => Some((false, on - n)),
+                    n if n < off => Some((true, off - n)),
+                    _ => None,
+                })
+                .unwrap_or((false, u64::MAX)),
+            Schedule::Periodic { period, on, begins } => {
+                // Mostly the same period, or the next: a division of 64 bits takes longer than the rest.
+                let mut phase = now.wrapping_sub(*begins);
+                if phase >= *period {
+                    phase = if phase < 2 * *period { phase - *period } else { now % *period };
+                    *begins = now - phase;
+                }
+                if phase < *on { (true, *on - phase) } else { (false, *period - phase) }
+            }
+        }
+    }
+}
