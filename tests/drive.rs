@@ -96,6 +96,7 @@ fn spectrum(config: &Config) -> Spectrum {
 #[test]
 fn a_sine_is_clean_to_the_converter_s_last_bit() {
     let spectrum = spectrum(&changed(|_| ()));
+    println!("sine: SFDR {:.1} dB, SNDR {:.1} dB", spectrum.sfdr_db(), spectrum.sndr_db());
     // 12 bits at 2040 of 2048 codes: 6.02 * 12 + 1.76 - 0.03 = 73.97 dB.
     assert!(spectrum.sfdr_db() > 90.0, "SFDR {}", spectrum.sfdr_db());
     assert!((73.5..74.3).contains(&spectrum.sndr_db()), "SNDR {}", spectrum.sndr_db());
@@ -107,6 +108,8 @@ fn dither_turns_the_harmonics_of_rounding_into_noise() {
     let on_a_divisor =
         |dither: bool| spectrum(&changed(|config| (config.drive.frequency_hz, config.drive.dither) = (40e3, dither)));
     let (plain, dithered) = (on_a_divisor(false), on_a_divisor(true));
+    let both = |of: fn(&Spectrum) -> f64| (of(&plain), of(&dithered));
+    println!("40 kHz, plain and dithered: SFDR {:.1?} dB, SNDR {:.1?} dB", both(Spectrum::sfdr_db), both(Spectrum::sndr_db));
     assert!(plain.sfdr_db() < 86.0 && dithered.sfdr_db() > 90.0, "SFDR {} and {}", plain.sfdr_db(), dithered.sfdr_db());
     assert!((67.0..71.0).contains(&dithered.sndr_db()), "SNDR {}", dithered.sndr_db());
 }
@@ -116,12 +119,14 @@ fn square_and_sawtooth_fold_nothing_into_the_band() {
     for shape in [ShapeKind::Square, ShapeKind::Sawtooth] {
         for hz in [20_061.7, TONE_HZ as f32, 61_234.5, 200_123.0] {
             let clean = spectrum(&changed(|config| (config.drive.shape, config.drive.frequency_hz) = (shape, hz))).foreign_dbc();
+            println!("{shape:?} at {hz} Hz: {clean:.1} dBc");
             assert!(clean < -65.0, "{shape:?} at {hz} Hz: {clean} dBc");
         }
     }
     // What the tables are for: the same square in two levels.
     let naive: Vec<f64> = (0..RECORD).map(|n| if (n as f64 * TONE_HZ * 1e-6).fract() < 0.5 { 1.0 } else { -1.0 }).collect();
     let folded = Spectrum::new(&naive, TONE_HZ * 1e-6).foreign_dbc();
+    println!("square of two levels at {TONE_HZ} Hz: {folded:.1} dBc");
     assert!((-15.0..-12.0).contains(&folded), "{folded} dBc");
 }
 
@@ -137,6 +142,7 @@ fn a_noise_keeps_to_its_band_and_its_peak_and_is_the_seed_s() {
     // A Butterworth of eighth order has 3 dB at its corners: what is beyond them is a twentieth.
     assert!(spectrum.part_within(0.028, 0.052) > 0.95, "{}", spectrum.part_within(0.028, 0.052));
     assert!(spectrum.part_within(0.02, 0.07) > 0.999, "{}", spectrum.part_within(0.02, 0.07));
+    println!("noise 30 to 50 kHz: {:.4} of the power in 28 to 52 kHz", spectrum.part_within(0.028, 0.052));
     let rms = (samples.iter().map(|x| x * x).sum::<f64>() / samples.len() as f64).sqrt();
     let peak = samples.iter().fold(0.0f64, |peak, x| peak.max(x.abs()));
     assert!((rms / (2040.0 / 4.0) - 1.0).abs() < 0.02 && (2000.0..=2041.0).contains(&peak), "rms {rms}, peak {peak}");

@@ -42,14 +42,6 @@ impl Envelope<'_> {
         }
     }
 
-    /// How much louder than the drive it gets; at least one, and more only where it brakes.
-    pub fn loudest(&self) -> f32 {
-        match self {
-            Envelope::Flat(_) => 1.0,
-            Envelope::Edge(levels) => levels.iter().fold(1.0, |most, level| if -level > most { -level } else { most }),
-        }
-    }
-
     /// Whether it is the same throughout.
     pub fn is_flat(&self) -> bool {
         matches!(self, Envelope::Flat(_))
@@ -140,6 +132,14 @@ impl Burst {
     /// The brake for bursts that end with one. Nothing is braked without one.
     pub fn set_brake(&mut self, brake: Option<Brake>) {
         self.brake = brake;
+    }
+
+    /// How much louder than the drive the envelope may get: at least one, and more only by a brake.
+    pub fn loudest(&self) -> f32 {
+        match self.brake {
+            Some(brake) if brake.level > 1.0 => brake.level,
+            _ => 1.0,
+        }
     }
 
     /// The brake in use.

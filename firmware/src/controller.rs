@@ -156,6 +156,7 @@ impl Controller {
         let hz = self.sweep.hold.nominal_hz() + offset_hz;
 
         let now = (self.block + LATENCY_BLOCKS as u64) * self.samples as u64;
+        let louder = self.burst.loudest();
         let envelope = match mode {
             Mode::Idle | Mode::Fault => self.burst.snap(false),
             Mode::SelfTest | Mode::Scan | Mode::Calibrate => self.burst.snap(plan.gate == Gate::On),
@@ -163,7 +164,7 @@ impl Controller {
         };
         let (level, flat) = (envelope.mean(), envelope.is_flat());
         // A brake may be louder than the drive, but not than the limit, whatever has become of the drive since it began.
-        let volts = self.amplitude.within(plan.volts, envelope.loudest());
+        let volts = self.amplitude.within(plan.volts, louder);
         let (quadrature, _) = self.phasing.quadrature(orders.quadrature.filter(|_| mode != Mode::Calibrate));
         let lanes = self.phasing.lanes(hz, quadrature);
         let gain = lanes.first().map_or(1.0, |lane| lane.gain);
