@@ -244,6 +244,8 @@ fn what_cannot_be_is_refused_by_name() {
         })
     };
     assert_eq!(tracked(|config| config.drive.shape = ShapeKind::Noise), Some(Error::NoiseWithTracking));
+    let swept_noise = |config: &mut Config| (config.drive.shape, config.sweep) = (ShapeKind::Noise, chirp(20e3, 30e3));
+    assert_eq!(contradiction(&swept_noise), Some(Error::NoiseWithSweep));
     assert_eq!(
         contradiction(&|config| {
             config.tracking.mode = TrackingMode::PhaseLock;

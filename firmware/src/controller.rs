@@ -89,6 +89,9 @@ impl Controller {
         if config.drive.shape == ShapeKind::Noise && tracked {
             return Err(Error::NoiseWithTracking);
         }
+        if config.drive.shape == ShapeKind::Noise && config.sweep != crate::config::Sweep::Hold {
+            return Err(Error::NoiseWithSweep);
+        }
         let sweep = Sweep::build(config)?;
         let block_s = f32::from(config.block_samples) / config.sample_hz;
         let mut convert = Convert::build(&config.front_end)?;

@@ -23,6 +23,8 @@ pub enum Error {
     CurrentWithoutTracking,
     /// A noise has no phase by which anything could be tracked.
     NoiseWithTracking,
+    /// A noise has no frequency that could be swept.
+    NoiseWithSweep,
     /// A chirp between two frequencies goes where it is told, not where the resonance is.
     ChirpAgainstTracking,
     /// A chirp about the resonance needs one that is tracked.
@@ -43,6 +45,7 @@ impl fmt::Display for Error {
             Error::NoiseWithTracking => {
                 f.write_str("drive.shape is a noise, which has no phase to track by: tracking must be off")
             }
+            Error::NoiseWithSweep => f.write_str("drive.shape is a noise, whose band does not move: there can be no sweep"),
             Error::ChirpAgainstTracking => {
                 f.write_str("sweep is a chirp from one frequency to another, and tracking would move it: tracking must be off")
             }

@@ -144,7 +144,8 @@ fn grid(study: &Study) -> Option<TableBlock> {
     };
     let rows = grid.rows.iter().zip(&result.cells).map(row).collect();
     let host = if study.run().is_some() { " and the controller on the host (SIL)" } else { "" };
-    let caption = format!("{}; each cell is a run of its own, with these two keys set{host}", grid.metric);
+    let besides = if grid.set.is_empty() { String::new() } else { format!(", besides {}", grid.set.join(", ")) };
+    let caption = format!("{}; each cell is a run of its own, with these two keys set{besides}{host}", grid.metric);
     Some(TableBlock { id: "grid".into(), title: grid.title.clone(), caption, header, rows })
 }
 

@@ -8,7 +8,7 @@
 //! ```
 //!
 //! The window's side lobes fall by 54 dB an octave (Nuttall 1981, IEEE Trans. ASSP 29, "Some windows with very good sidelobe
-//! behavior"), to 200 dB at [`LOBE`] bins and fast from there, which is below what f32 rounds: neither tone nor lines need a whole number
+//! behavior"), to 200 dB at 24 bins and fast from there, which is below what f32 rounds: neither tone nor lines need a whole number
 //! of periods. The power of a line is the sum of so many bins to either side. Noise of a full-scale sine rounded to N bits:
 //! `SNDR = 6.02 N + 1.76 dB`.
 

@@ -10,12 +10,12 @@
 //! | `acquire_time_ms` | from the first DAC sample of the scan to the first of the run |
 //! | `rise_time_ms`, `fall_time_ms` | from the edge's first DAC sample, as ordered, to 90 % (10 %) of the steady true tip velocity; of the first ON window after the lock |
 //! | `overshoot_percent` | the largest true tip velocity of the run over the steady one; not where a step disturbance makes two steady states |
-//! | `drive_peak_v`, `drive_rms_v`, `input_power_w`, `tip_velocity_rms_…`, `tip_velocity_peak_…` | steady blocks, any waveform: see [`electrical`] |
+//! | `drive_peak_v`, `drive_rms_v`, `input_power_w`, `tip_velocity_rms_…`, `tip_velocity_peak_…` | steady blocks, any waveform: see `electrical.rs` |
 //! | `fault_code`, `limit_code` | the fault at the end of the run; the limit in its last block under drive; 0 is none |
 //! | `fault_latency_us` | from the scene's first fault to the first block without drive once the controller has faulted |
 //! | `worst_block_instructions` | the most instructions that one call of `process` has taken, to within 6; only of a run in QEMU |
 //!
-//! The tip velocity of a stator is that of its crests, across the ring. What only a motor has stands in [`motor`].
+//! The tip velocity of a stator is that of its crests, across the ring. What only a motor has stands in `motor.rs`.
 
 mod electrical;
 mod motor;

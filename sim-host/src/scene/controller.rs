@@ -48,7 +48,7 @@ pub struct Drive {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 1e-3, max = 1e4))]
     pub scan_v: Option<f64>,
-    /// How far beside the resonance to drive while running, Hz; beside `frequency_hz` where nothing is tracked. Limited to the span.
+    /// How far beside the resonance to drive while running, Hz; beside `frequency_hz` where nothing is tracked.
     #[serde(default, skip_serializing_if = "is_zero")]
     #[schemars(range(min = -450e3, max = 450e3))]
     pub detune_hz: f64,
@@ -153,8 +153,7 @@ pub struct Phasing {
     /// Turning direction.
     #[serde(default)]
     pub direction: Direction,
-    /// How far lanes 1 and 3 lead lanes 0 and 2, turns: a quarter is forward, minus a quarter reverse, zero a standing wave. Default: by
-    /// `direction`.
+    /// How far lanes 1 and 3 lead lanes 0 and 2, turns: a quarter runs forward, zero stands. Takes the place of `direction`.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = -0.25, max = 0.25))]
     pub quadrature_turns: Option<f64>,

@@ -63,7 +63,7 @@ pub(super) fn locus(run: &Run, view: &View) -> Option<Figure> {
         title: "Admittance loop".into(),
         caption:
             "Dots: the last block at each frequency of the scan's last pass. The identified circle includes what the converters' images make \
-                  of the clamped capacitance. The working point is the mean over the last steady blocks; a load moves it inwards."
+                  of the clamped capacitance. The working point is the mean over the last steady blocks; a load and friction move it."
                 .into(),
         x: axis("conductance [S]"),
         y: axis("susceptance [S]"),

@@ -54,7 +54,7 @@ fn edge(run: &Run, window: &Window) -> Figure {
         title: format!("Burst edge: {what}"),
         caption:
             "Sample by sample, each relative to its largest value in this window. Time counts from the first DAC sample of the \
-                  edge; the stack rings with its own time constant."
+                  edge; what resonates rings with its own time constant."
                 .into(),
         x: axis("time from the edge [ms]"),
         y: axis("relative to its largest value"),

@@ -59,8 +59,12 @@ fn short_time(swept: &Swept, signal: &Signal) -> Option<Figure> {
         title: format!("{}: short-time spectrum of the sweep", heading(swept, signal)),
         caption: format!(
             "Power about the mean in dB of the strongest cell, through Hann windows of {window} samples: a window blurs each time by about half its \
-             length and each frequency by about {kilohertz:.2} kHz. Where the sweep meets the resonance the tip answers; \
-             it rings on at its own frequency while the sweep goes on."
+             length and each frequency by about {kilohertz:.2} kHz. {}",
+            if signal.id == TIP.id {
+                "Where the sweep meets the resonance the tip answers, and rings on at its own frequency."
+            } else {
+                ""
+            }
         ),
         ..picture(swept, &map, &frame)?
     })
@@ -99,14 +103,18 @@ fn near_resonance(swept: &Swept, signal: &Signal, times: usize) -> Option<Figure
     } else {
         (
             "wigner-unsmoothed",
-            "The same without a window of times: sharper, and with a third term halfway between any two components, which swings \
-             about zero and is no power of the signal."
+            "The same without a window of times: a third term stands halfway between any two components, swings about zero, and is no \
+             power of the signal; where there is one component at a time, the two pictures are the same."
                 .to_owned(),
         )
     };
     Some(Figure {
         id: id(swept, kind, signal),
-        title: format!("{}: Wigner-Ville, past the resonance", heading(swept, signal)),
+        title: format!(
+            "{}: Wigner-Ville about the resonance{}",
+            heading(swept, signal),
+            if times > 1 { ", smoothed" } else { "" }
+        ),
         caption: what,
         ..picture(swept, &map, &frame)?
     })

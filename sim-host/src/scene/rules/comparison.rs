@@ -130,8 +130,10 @@ impl Rules<'_> {
         if !self.findings.problems.is_empty() {
             return;
         }
-        for path in self.tables(CASES) {
-            let name = self.text(&join(&path, "name")).unwrap_or_default().to_owned();
+        // Before any of them is found wrong, because what is wrong is not read again.
+        let cases = self.tables(CASES);
+        let names: Vec<String> = cases.iter().map(|path| self.text(&join(path, "name")).unwrap_or_default().to_owned()).collect();
+        for (path, name) in cases.into_iter().zip(names) {
             let own = self.sets(&join(&path, "set"));
             let table = self.root.at(&path).map_or_else(|| self.place(CASES), |node: &Node| node.place.clone());
             let cell = Cell {

@@ -77,6 +77,7 @@ impl Rules<'_> {
                 self.add(at, problem.help("give `amplitude_v` instead, or a mode other than `off`"));
             }
             Error::NoiseWithTracking => self.contradicts(SHAPE, &error, "needs `controller.tracking.mode = \"off\"`"),
+            Error::NoiseWithSweep => self.contradicts(SHAPE, &error, "needs a scene without [controller.sweep]"),
             Error::ChirpAgainstTracking => {
                 self.contradicts(AROUND, &error, "needs `controller.tracking.mode = \"off\"`, or `around = \"resonance\"`")
             }
