@@ -209,6 +209,37 @@ fn what_an_order_asks_too_much_of_is_limited_and_reported_by_number() {
     assert_eq!(driver.blocks(2).limit, None);
 }
 
+/// A brake is louder than the drive it stops, as loud as the limit allows: whatever is ordered meanwhile, the limit holds in every sample.
+#[test]
+fn no_order_takes_a_brake_over_the_limit() {
+    let limited = changed(|config| {
+        (config.drive.amplitude, config.limits.voltage_v) = (Amplitude::Volts(3.0), 12.0);
+        config.drive.scan_volts = 3.0;
+        config.tracking.nominal_c0_f = 100e-9;
+    });
+    for (first, then) in [(3.0, 12.0), (12.0, 3.0), (1.0, 1e9), (3.0, 0.0)] {
+        for pause in 1..12 {
+            let mut driver = Driver::running(&limited);
+            driver.order(|orders| orders.amplitude = Some(Amplitude::Volts(first)));
+            driver.blocks(20);
+            driver.order(|orders| orders.gate = Gate::Brake);
+            driver.blocks(pause);
+            driver.order(|orders| orders.amplitude = Some(Amplitude::Volts(then)));
+            let samples = driver.samples(3200);
+            let most = samples.iter().fold(0.0f64, |most, x| most.max(x.abs()));
+            assert!(most <= 1201.0, "{first} V, then {then} V after {pause} blocks: {most} codes");
+            assert!(samples[2000..].iter().all(|&x| x == 0.0), "{first} V, then {then} V after {pause} blocks");
+        }
+    }
+    // An order that brakes and lowers the drive at once brakes what rings.
+    let mut driver = Driver::running(&limited);
+    driver.order(|orders| orders.amplitude = Some(Amplitude::Volts(10.0)));
+    driver.blocks(20);
+    driver.order(|orders| (orders.gate, orders.amplitude) = (Gate::Brake, Some(Amplitude::Volts(1.0))));
+    let against = driver.samples(1600).iter().fold(0.0f64, |most, x| most.max(x.abs()));
+    assert!(against > 1000.0 && against <= 1201.0, "{against} codes");
+}
+
 #[test]
 fn what_cannot_be_is_refused_by_name() {
     let chirp = |start_hz: f32, stop_hz: f32| {

@@ -58,7 +58,7 @@ impl AmplitudeLoop {
         };
         Ok(AmplitudeLoop {
             limits,
-            voltage_limit: config.limits.voltage_v,
+            voltage_limit: config.limits.voltage_v.min(converter_v),
             start_volts: config.drive.scan_volts,
             block_s,
             ohm: 0.0,

@@ -134,6 +134,8 @@ where
     fn turn(&mut self) -> Result<(), AppError> {
         let blocks_came = self.drain_telemetry();
         self.watch_stop()?;
+        // Before the link: an order to forget comes after what was found.
+        self.keeper.keep(self.is_silent(), &mut self.peripherals.settings);
         self.obey_link()?;
         self.report();
         self.flush()?;
@@ -141,7 +143,6 @@ where
         if blocks_came {
             self.peripherals.watchdog.feed();
         }
-        self.keeper.keep(self.is_silent(), &mut self.peripherals.settings);
         Ok(())
     }
 

@@ -28,7 +28,7 @@ pub struct Orders {
     pub sequence: u32,
     /// What to do.
     pub request: Request,
-    /// Rises by one with every order to scan or run, so that a scan that is done is repeated only if it is ordered again.
+    /// Rises by one with every order to scan, to calibrate or to run, so that what is done is repeated only if it is ordered again.
     pub attempt: u32,
     /// When to let the drive through, while running.
     pub gate: Gate,
@@ -69,7 +69,7 @@ pub enum Gate {
     On,
     /// Never; the frequency is held.
     Off,
-    /// Never, and what rings is stopped by as much drive against it.
+    /// Never, and what rings is stopped by drive against it, as loud as the limit allows.
     Brake,
 }
 

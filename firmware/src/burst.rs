@@ -24,6 +24,9 @@ use crate::error::{Error, in_range};
 use crate::nco::Stretch;
 use crate::shape::sine;
 
+/// The longest soft edge, samples: its cosine has 2^32 steps a turn.
+const LONGEST_EDGE: f32 = (1 << 20) as f32;
+
 /// The envelope of one block.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Envelope<'a> {
@@ -107,7 +110,7 @@ impl Burst {
         let edge = match config.edge {
             Edge::Hard => None,
             Edge::Soft { cycles } => {
-                in_range("burst.edge.cycles", cycles.into(), 0.5, 1e4)?;
+                in_range("burst.edge.cycles", cycles.into(), 0.5, (LONGEST_EDGE * frequency_hz / sample_hz).min(1e4).into())?;
                 Some(((cycles * sample_hz / frequency_hz) as u32).max(1))
             }
         };
@@ -140,6 +143,12 @@ impl Burst {
             Some(brake) if brake.level > 1.0 => brake.level,
             _ => 1.0,
         }
+    }
+
+    /// Whether what plays under this gate is the end of a burst with a brake: the drive stays what it was until that is over.
+    pub fn is_ending(&self, gate: Gate) -> bool {
+        let ordered = gate == Gate::Brake && matches!(self.state, State::Open { .. });
+        self.brake.is_some() && (ordered || matches!(self.state, State::Braking { .. }))
     }
 
     /// The brake in use.
@@ -217,7 +226,8 @@ impl Burst {
     /// The first lane passes zero.
     fn pass(&mut self, open: bool, brake: Option<Brake>) {
         self.state = match self.state {
-            State::Closed if open => State::Open { falling: self.falling },
+            // A soft edge opens by its ramp.
+            State::Closed if open && self.edge.is_none() => State::Open { falling: self.falling },
             State::Open { falling } if !open && falling == self.falling => {
                 self.ramp = 0;
                 brake.map_or(State::Closed, |brake| State::Braking { left: brake.half_cycles })

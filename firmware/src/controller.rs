@@ -171,11 +171,12 @@ impl Controller {
         let (quadrature, _) = self.phasing.quadrature(orders.quadrature.filter(|_| mode != Mode::Calibrate));
         let lanes = self.phasing.lanes(hz, quadrature);
         let gain = lanes.first().map_or(1.0, |lane| lane.gain);
-        let play = Play { scale: &self.convert.drive, lanes, stretch, samples: self.samples, volts, envelope };
+        let play = Play { scale: &self.convert.drive, lanes, stretch, samples: self.samples, volts, louder, envelope };
         let mut plain = Shape::Sine;
         let shape = if matches!(mode, Mode::Lock | Mode::Run) { &mut self.shape } else { &mut plain };
         match mode {
             Mode::Idle | Mode::Fault => self.shaper.mute(&play, drive),
+            Mode::SelfTest if plan.volts == 0.0 => self.shaper.mute(&play, drive),
             _ => self.shaper.shape(shape, &play, drive),
         }
         let fundamental = shape.fundamental(tone.frequency()).filter(|_| plan.listen == 0);

@@ -103,7 +103,7 @@ impl SenseScale {
     }
 }
 
-/// The drive converter: `code = mid + volts / volt_per_lsb`, rounded to nearest and saturating.
+/// The drive converter: `code = mid + volts / volt_per_lsb`, rounded to nearest. Whoever makes a drive keeps within the headroom.
 #[derive(Clone, Debug)]
 pub struct DriveScale {
     mid_code: u16,

@@ -25,6 +25,9 @@ use crate::nco::Stretch;
 use crate::phasor::Phasor;
 use crate::shape::sine;
 
+/// Beyond this `|S2|^2 / N^2` single precision has not much to say of a phasor.
+const BLIND: f32 = 0.95;
+
 /// Voltage and current of one block.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Sensed {
@@ -59,14 +62,16 @@ pub fn demodulate(convert: &Convert, sense: &SenseBlock, tone: &Stretch) -> (Sen
     let half = sine::rotation(span / 2);
     let middle = sine::rotation(tone.phase.wrapping_add(span / 2).wrapping_sub(tone.word / 2)).conj();
     let last = sine::rotation(tone.phase.wrapping_add(span).wrapping_sub(tone.word)).conj();
+    // Where the block shows so little of a period that the fit cannot tell sine from cosine, the guard looks for itself.
     let image = middle * middle * (2.0 * half.im * half.re / (turn.im * count));
     let scale = 2.0 / (count * (1.0 - image.norm_sqr()));
+    let blind = image.norm_sqr() > BLIND;
     let channel = |channel: &SenseScale, codes: &[u16]| {
         let (rung, energy) = ring(channel, codes, turn);
         let r = last * rung;
         let x = (r - r.conj() * image) * scale;
         let left = energy - (x.re * r.re + x.im * r.im);
-        (channel.scale(x), !channel.holds(x.norm_sqr(), left))
+        (channel.scale(x), blind || !channel.holds(x.norm_sqr(), left))
     };
     let (v, v_suspect) = channel(&convert.v, &sense.v[..samples]);
     let (i, i_suspect) = channel(&convert.i, &sense.i[..samples]);

@@ -120,11 +120,18 @@ impl<F: NorFlash> Settings<F> {
         let length = postcard::to_slice(trims, &mut value[HEAD..]).map_err(|_| NotKept)?.len();
         let value = &value[..HEAD + length];
         // Into the other half. If it is beyond repair it is erased first: what is kept stands in this one.
-        self.write(1 - half, value).or_else(|NotKept| {
-            let mut map = self.map(1 - half).ok_or(NotKept)?;
-            wait(map.erase_all()).map_err(|_| NotKept)?;
-            self.write(1 - half, value)
-        })
+        if self.write(1 - half, value).is_ok() && self.keeps(trims) {
+            return Ok(());
+        }
+        let mut map = self.map(1 - half).ok_or(NotKept)?;
+        wait(map.erase_all()).map_err(|_| NotKept)?;
+        self.write(1 - half, value)?;
+        if self.keeps(trims) { Ok(()) } else { Err(NotKept) }
+    }
+
+    /// Whether these are the trims that would be read now: damage elsewhere in the flash may hide what was written.
+    fn keeps(&mut self, trims: &LaneTrims) -> bool {
+        self.latest().1.trims == *trims
     }
 
     /// Keeps nothing.

@@ -2,8 +2,8 @@
 //! `drive(n, lane) = mid + envelope(n) * volts * gain(lane) * shape(phase(n) + offset(lane))`.
 //!
 //! Amplitudes are limited here to what the converter has, once a block, so that no code can run over. What a burst leaves in volt-seconds
-//! (its sampling, its rounding, the shape of its edges) is counted in codes and paid back in the silence after it, a small part of the
-//! amplitude a sample: over burst and silence the codes of every lane add up to nothing.
+//! (its sampling, its rounding, the shape of its edges) is counted in codes and paid back in the silence after it, an eighth of the
+//! amplitude a sample at most: over burst and silence the codes of every lane add up to nothing.
 
 use heapless::Vec;
 
@@ -19,8 +19,10 @@ use crate::shape::bands::Blend;
 use crate::shape::noise::Dither;
 use crate::shape::sine::{self, Steady};
 
-/// The most that is paid back in a sample, codes; no more than the converter has.
-const PAYBACK: f32 = 32.0;
+/// The most that is paid back in a sample: codes, and a part of the amplitude.
+const PAYBACK: (f32, f32) = (32.0, 0.125);
+/// The most that is ever owed, codes times samples: what rounding adds up over hours of steady drive is no volt-second of a burst.
+const MOST_OWED: i32 = 1 << 14;
 
 /// The shaper.
 #[derive(Clone, Debug)]
@@ -28,6 +30,8 @@ pub struct Shaper {
     dither: Option<Dither>,
     /// What each lane has played too much since it was last even, codes times samples.
     owed: [i32; MAX_LANES],
+    /// The most that is paid back in a sample, codes.
+    payback: i32,
 }
 
 /// What is to be played.
@@ -40,8 +44,10 @@ pub struct Play<'a> {
     pub stretch: Stretch,
     /// Samples.
     pub samples: usize,
-    /// Peak voltage before the envelope, V.
+    /// Peak voltage before the envelope, V, and how many times louder the envelope may get.
     pub volts: f32,
+    /// At least one.
+    pub louder: f32,
     /// The envelope.
     pub envelope: Envelope<'a>,
 }
@@ -49,7 +55,7 @@ pub struct Play<'a> {
 impl Play<'_> {
     /// Codes for a lane's gain of one; no more than the converter has room for at the lane's own gain.
     fn codes(&self, gain: f32) -> f32 {
-        let (codes, room) = (self.volts * self.scale.lsb_per_volt(), self.scale.headroom());
+        let (codes, room) = (self.volts * self.scale.lsb_per_volt(), self.scale.headroom() / self.louder);
         if codes * gain > room { room / gain } else { codes }
     }
 }
@@ -57,10 +63,10 @@ impl Play<'_> {
 impl Shaper {
     /// The configured shaper.
     pub fn build(config: &Config) -> Self {
-        Shaper { dither: config.drive.dither.then(|| Dither::new(config.drive.seed)), owed: [0; MAX_LANES] }
+        Shaper { dither: config.drive.dither.then(|| Dither::new(config.drive.seed)), owed: [0; MAX_LANES], payback: 0 }
     }
 
-    /// A block of mid-code, whatever is owed: for a drive that must be silent.
+    /// A block of mid-code, whatever is owed: for a drive that must be silent, or is listened to in silence.
     pub fn mute(&mut self, play: &Play, drive: &mut DriveBlock) {
         self.owed = [0; MAX_LANES];
         fit(play, drive);
@@ -73,6 +79,9 @@ impl Shaper {
         if play.volts == 0.0 || play.envelope == Envelope::Flat(0.0) {
             return self.silence(play, drive);
         }
+        let (codes, part) = PAYBACK;
+        let payback = play.codes(1.0) * part;
+        self.payback = if payback > codes { codes as i32 } else { payback as i32 + 1 };
         let stretch = &play.stretch;
         let each = play.lanes.iter().zip(&mut drive.lanes).enumerate();
         match shape {
@@ -149,12 +158,12 @@ impl Shaper {
             }),
         }
         let silent = i32::from(play.scale.silence()) * play.samples as i32;
-        self.owed[lane] = self.owed[lane].wrapping_add(sum - silent);
+        self.owed[lane] = (self.owed[lane] + (sum - silent)).clamp(-MOST_OWED, MOST_OWED);
     }
 
     /// Mid-code, but for what is owed.
     fn silence(&mut self, play: &Play, drive: &mut DriveBlock) {
-        let (mid, most) = (play.scale.silence(), play.scale.headroom().min(PAYBACK) as i32);
+        let (mid, most) = (play.scale.silence(), self.payback);
         for (codes, owed) in drive.lanes.iter_mut().zip(&mut self.owed) {
             codes.fill(mid);
             for code in codes {

@@ -127,9 +127,11 @@ impl Controller {
         self.sweep.hold.retune(self.detune(orders).0);
         // An edge is never quite one, whatever its mean rounds to.
         let envelope = if played.flat { played.envelope } else { played.envelope.min(0.999) };
-        self.amplitude.update(orders.amplitude.unwrap_or(self.amplitude_asked), envelope, motional);
+        // Before the order's own amplitude: what rings was driven by the one before.
         self.prepare_brake(orders.gate);
-        Plan { volts: self.amplitude.volts(), gate: orders.gate, listen: 0, phase, progress: self.lock_progress() }
+        self.amplitude.update(orders.amplitude.unwrap_or(self.amplitude_asked), envelope, motional);
+        let volts = if self.burst.is_ending(orders.gate) { self.braked_volts } else { self.amplitude.volts() };
+        Plan { volts, gate: orders.gate, listen: 0, phase, progress: self.lock_progress() }
     }
 
     /// Where to drive, as an offset from the nominal frequency, Hz, and whether the order had to be limited. Only what runs is moved
@@ -146,6 +148,9 @@ impl Controller {
     fn prepare_brake(&mut self, gate: Gate) {
         const SAME: f32 = 0.01;
         let volts = self.amplitude.volts();
+        if self.burst.is_ending(gate) && self.burst.brake().is_some() {
+            return;
+        }
         if !self.burst.brakes(gate) || volts == 0.0 {
             self.burst.set_brake(None);
         } else if self.burst.brake().is_none() || (volts - self.braked_volts).abs() > SAME * volts {
