@@ -52,11 +52,21 @@ pub struct Play<'a> {
     pub envelope: Envelope<'a>,
 }
 
-impl Play<'_> {
-    /// Codes for a lane's gain of one; no more than the converter has room for at the lane's own gain.
-    fn codes(&self, gain: f32) -> f32 {
-        let (codes, room) = (self.volts * self.scale.lsb_per_volt(), self.scale.headroom() / self.louder);
-        if codes * gain > room { room / gain } else { codes }
+/// How large the waveform may be, codes.
+#[derive(Clone, Copy)]
+struct Size {
+    wanted: f32,
+    room: f32,
+}
+
+impl Size {
+    fn of(play: &Play) -> Self {
+        Size { wanted: play.volts * play.scale.lsb_per_volt(), room: play.scale.headroom() / play.louder }
+    }
+
+    /// For a lane's gain of one; no more than the converter has room for at the lane's own gain.
+    fn at(&self, gain: f32) -> f32 {
+        if self.wanted * gain > self.room { self.room / gain } else { self.wanted }
     }
 }
 
@@ -79,16 +89,15 @@ impl Shaper {
         if play.volts == 0.0 || play.envelope == Envelope::Flat(0.0) {
             return self.silence(play, drive);
         }
-        let (codes, part) = PAYBACK;
-        let payback = play.codes(1.0) * part;
-        self.payback = if payback > codes { codes as i32 } else { payback as i32 + 1 };
+        let (size, (codes, part)) = (Size::of(play), PAYBACK);
+        self.payback = (size.wanted * part).clamp(1.0, codes) as i32;
         let stretch = &play.stretch;
         let each = play.lanes.iter().zip(&mut drive.lanes).enumerate();
         match shape {
             Shape::Sine if stretch.step == 0 => {
                 let steady = Steady::new(stretch);
                 each.for_each(|(n, (lane, codes))| {
-                    let mut swing = steady.swing(lane.row * play.codes(lane.gain));
+                    let mut swing = steady.swing(lane.row * size.at(lane.gain));
                     self.write(n, play, codes, || swing.take());
                 });
             }
@@ -97,14 +106,14 @@ impl Shaper {
                 let (mut pairs, mut phases) = ([Phasor::default(); MAX_BLOCK_SAMPLES], stretch.phases(0));
                 pairs.iter_mut().take(play.samples).for_each(|z| *z = sine::rotation(u64::from(phases.take()) << 32));
                 each.for_each(|(n, (lane, codes))| {
-                    let (row, mut pairs) = (lane.row * play.codes(lane.gain), pairs.iter());
+                    let (row, mut pairs) = (lane.row * size.at(lane.gain), pairs.iter());
                     self.write(n, play, codes, || pairs.next().map_or(0.0, |z| z.im * row.re + z.re * row.im));
                 });
             }
             Shape::Harmonics(bands) => {
                 let Blend { lower, upper, weight } = bands.at(stretch.frequency());
                 each.for_each(|(n, (lane, codes))| {
-                    let (peak, mut phases) = (play.codes(lane.gain) * lane.gain, stretch.phases(lane.offset));
+                    let (peak, mut phases) = (size.at(lane.gain) * lane.gain, stretch.phases(lane.offset));
                     if weight == 1.0 {
                         return self.write(n, play, codes, || peak * upper.at(phases.take()));
                     }
@@ -119,7 +128,7 @@ impl Shaper {
                 let mut wave = [0.0; MAX_BLOCK_SAMPLES];
                 wave.iter_mut().take(play.samples).for_each(|value| *value = noise.take());
                 each.for_each(|(n, (lane, codes))| {
-                    let (peak, mut values) = (play.codes(lane.gain) * lane.gain, wave.iter());
+                    let (peak, mut values) = (size.at(lane.gain) * lane.gain, wave.iter());
                     self.write(n, play, codes, || peak * values.next().copied().unwrap_or(0.0));
                 });
             }

@@ -68,8 +68,8 @@ pub const BUDGET: [Bound; 14] = [
         Unit::Sample,
         60.0,
     ),
-    aiming(&[("process", "four lanes, run")], "the whole controller, four lanes, tracked, ON", Unit::Sample, 109.0, 100.0),
-    aiming(&[("process", "one lane, run")], "the whole controller, one lane, tracked, ON", Unit::Sample, 79.0, 60.0),
+    aiming(&[("process", "four lanes, run")], "the whole controller, four lanes, tracked, ON", Unit::Sample, 112.0, 100.0),
+    aiming(&[("process", "one lane, run")], "the whole controller, one lane, tracked, ON", Unit::Sample, 81.0, 60.0),
     bound(&[("process", "four lanes, run, 64 samples a block")], "the same in blocks of 64, four lanes", Unit::Sample, 78.0),
     bound(&[("process", "one lane, run, 64 samples a block")], "the same in blocks of 64, one lane", Unit::Sample, 51.0),
     bound(&[("generator", "firmware rotation")], "sine and cosine of the controller", Unit::Sample, 24.0),
@@ -77,8 +77,8 @@ pub const BUDGET: [Bound; 14] = [
     bound(&[("stage", "lock-in")], "lock-in of voltage and current", Unit::Sample, 27.0),
     bound(&[("stage", "guard")], "guard", Unit::Sample, 5.0),
     bound(&[("stage", "tracker")], "tracker", Unit::Sample, 7.0),
-    bound(&[("worst block", "one lane, run")], "worst block ON, one lane", Unit::Block, 2560.0),
-    bound(&[("worst block", "four lanes, run")], "worst block ON, four lanes", Unit::Block, 3550.0),
+    bound(&[("worst block", "one lane, run")], "worst block ON, one lane", Unit::Block, 2650.0),
+    bound(&[("worst block", "four lanes, run")], "worst block ON, four lanes", Unit::Block, 3650.0),
     bound(&[("worst block", "four lanes, run at an edge")], "worst block at an edge, four lanes", Unit::Block, 5440.0),
 ];
 

@@ -99,7 +99,7 @@ fn shapes(print: Print) {
         print(name, &mut || {
             let (scale, stretch, samples, volts, envelope) =
                 (&convert.drive, black_box(stretch), black_box(SAMPLES), black_box(3.0), black_box(envelope));
-            shaper.shape(&mut shape, &Play { scale, lanes, stretch, samples, volts, envelope }, &mut drive);
+            shaper.shape(&mut shape, &Play { scale, lanes, stretch, samples, volts, louder: 1.0, envelope }, &mut drive);
             black_box(&drive);
         });
     }
