@@ -4,21 +4,19 @@
 //! Skipped, with a message, where QEMU or the target's core library is not installed. In continuous integration (`CI=true`) that
 //! is a failure, unless `SONOGLIDE_PIL_UNAVAILABLE` says that installing them was tried and was not possible.
 
+mod scrambled;
+
 use std::io::Write as _;
 use std::path::PathBuf;
 use std::process::Command;
 use std::time::{Duration, Instant};
 
-use firmware::block::{Amplitude, Codes, DriveBlock, Gate, MAX_LANES, Orders, Request, SenseBlock, SlowSense, Trips};
-use firmware::config::{
-    Around, Chirp, ChirpKind, Config, Edge, FrontEnd, Schedule, ShapeKind, Sweep, Then, TrackingMode, Trim, TrimPoint,
-};
+use firmware::block::{Amplitude, DriveBlock, Gate, MAX_LANES, Orders, Request, SenseBlock};
+use firmware::config::{Around, Chirp, ChirpKind, Config, Edge, Schedule, ShapeKind, Sweep, Then, TrackingMode, Trim, TrimPoint};
 use firmware::supervisor::Mode;
 use firmware::telemetry::Telemetry;
 use firmware::units::{Hertz, Turns};
-use hal_mock::analog::Analog;
 use hal_mock::block_clock::BlockClock;
-use hal_mock::loop_back::LoopBack;
 use rand_core::{Rng, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
 use sim_host::pil::{self, PilError, Qemu};
@@ -27,6 +25,8 @@ use sim_host::run::{Watch, run, run_on};
 use sim_host::scene::Scene;
 use sim_host::scene::load::load;
 use sim_host::settings;
+
+use self::scrambled::Scrambled;
 
 /// The image; `None` where there can be none, which has then been said.
 fn image() -> Option<PathBuf> {
@@ -228,90 +228,6 @@ const AMPLITUDES: [Option<Amplitude>; 8] = [
     Some(Amplitude::MotionalCurrent(1e-30)),
     Some(Amplitude::MotionalCurrent(f32::MAX)),
 ];
-
-/// What is heard at the moment.
-#[derive(Clone, Copy)]
-enum Heard {
-    /// The loop-back, with noise.
-    Load,
-    /// Any codes at all.
-    Anything,
-    /// One end of the converters' range.
-    Railed,
-    /// Fewer codes than there should be, down to none.
-    Cut,
-}
-
-/// Middleware on the converters: a capacitor with noise, and stretches of worse.
-struct Scrambled {
-    load: LoopBack,
-    front_end: FrontEnd,
-    random: Xoshiro256PlusPlus,
-    heard: Heard,
-    left: u32,
-}
-
-impl Scrambled {
-    fn new(config: &Config, seed: u64) -> Self {
-        let front_end = config.front_end.clone();
-        // Current codes for a drive code of change in a sample: I = C dV/dt.
-        let amperes = config.tracking.nominal_c0_f * config.sample_hz * front_end.drive_volt_per_lsb;
-        Scrambled {
-            load: LoopBack::new(front_end.sense_mid_code, amperes / front_end.ampere_per_lsb),
-            front_end,
-            random: Xoshiro256PlusPlus::seed_from_u64(!seed),
-            heard: Heard::Load,
-            left: 400,
-        }
-    }
-
-    /// Mostly a load, for long enough to get somewhere.
-    fn next_stretch(&mut self) {
-        use Heard::*;
-        self.heard = *pick(&mut self.random, &[Load, Load, Load, Load, Anything, Railed, Cut]);
-        self.left = if matches!(self.heard, Load) { 300 } else { 1 + self.random.next_u32() % 12 };
-    }
-
-    fn scramble(&mut self, channel: &mut Codes) {
-        let (random, max) = (&mut self.random, self.front_end.sense_max_code);
-        match self.heard {
-            Heard::Load => {
-                channel.iter_mut().for_each(|code| *code = code.saturating_add(random.next_u32() as u16 % 7).min(max));
-            }
-            Heard::Anything => channel.iter_mut().for_each(|code| *code = random.next_u32() as u16),
-            Heard::Railed => channel.iter_mut().for_each(|code| *code = *pick(random, &[0, max])),
-            Heard::Cut => channel.truncate(*pick(random, &[0, 1, 2, 3, 7])),
-        }
-    }
-}
-
-impl Analog for Scrambled {
-    fn exchange(&mut self, drive: &DriveBlock, sense: &mut SenseBlock) {
-        self.load.exchange(drive, sense);
-        let front_end = &self.front_end;
-        let volts = |code: u16| (f32::from(code) - f32::from(front_end.drive_mid_code)) * front_end.drive_volt_per_lsb;
-        for code in &mut sense.v {
-            *code = (f32::from(front_end.sense_mid_code) + volts(*code) / front_end.volt_per_lsb) as u16;
-        }
-        if self.left == 0 {
-            self.next_stretch();
-        }
-        self.left -= 1;
-        self.scramble(&mut sense.v);
-        self.scramble(&mut sense.i);
-        sense.slow = slow(&mut self.random);
-    }
-}
-
-fn slow(random: &mut Xoshiro256PlusPlus) -> SlowSense {
-    SlowSense {
-        belt: *pick(random, &[None, Some(0.038), Some(-0.068), Some(0.0)]),
-        temperature: *pick(random, &[None, Some(21.5)]),
-        force: *pick(random, &[None, Some(0.0), Some(10.0)]),
-        trips: one_in(random, 3000).then_some(Trips { over_current: true }),
-        missed_blocks: one_in(random, 3000).then_some(1),
-    }
-}
 
 fn one_in(random: &mut Xoshiro256PlusPlus, count: u32) -> bool {
     random.next_u32().is_multiple_of(count)

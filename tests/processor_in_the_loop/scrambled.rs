@@ -1,0 +1,94 @@
+//! Converters that mostly hear a load, and now and then anything.
+
+use firmware::block::{Codes, DriveBlock, SenseBlock, SlowSense, Trips};
+use firmware::config::{Config, FrontEnd};
+use hal_mock::analog::Analog;
+use hal_mock::loop_back::LoopBack;
+use rand_core::{Rng, SeedableRng};
+use rand_xoshiro::Xoshiro256PlusPlus;
+
+use super::{one_in, pick};
+
+/// What is heard at the moment.
+#[derive(Clone, Copy)]
+enum Heard {
+    /// The loop-back, with noise.
+    Load,
+    /// Any codes at all.
+    Anything,
+    /// One end of the converters' range.
+    Railed,
+    /// Fewer codes than there should be, down to none.
+    Cut,
+}
+
+/// Middleware on the converters: a capacitor with noise, and stretches of worse.
+pub(super) struct Scrambled {
+    load: LoopBack,
+    front_end: FrontEnd,
+    random: Xoshiro256PlusPlus,
+    heard: Heard,
+    left: u32,
+}
+
+impl Scrambled {
+    pub(super) fn new(config: &Config, seed: u64) -> Self {
+        let front_end = config.front_end.clone();
+        // Current codes for a drive code of change in a sample: I = C dV/dt.
+        let amperes = config.tracking.nominal_c0_f * config.sample_hz * front_end.drive_volt_per_lsb;
+        Scrambled {
+            load: LoopBack::new(front_end.sense_mid_code, amperes / front_end.ampere_per_lsb),
+            front_end,
+            random: Xoshiro256PlusPlus::seed_from_u64(!seed),
+            heard: Heard::Load,
+            left: 400,
+        }
+    }
+
+    /// Mostly a load, for long enough to get somewhere.
+    fn next_stretch(&mut self) {
+        use Heard::*;
+        self.heard = *pick(&mut self.random, &[Load, Load, Load, Load, Anything, Railed, Cut]);
+        self.left = if matches!(self.heard, Load) { 300 } else { 1 + self.random.next_u32() % 12 };
+    }
+
+    fn scramble(&mut self, channel: &mut Codes) {
+        let (random, max) = (&mut self.random, self.front_end.sense_max_code);
+        match self.heard {
+            Heard::Load => {
+                channel.iter_mut().for_each(|code| *code = code.saturating_add(random.next_u32() as u16 % 7).min(max));
+            }
+            Heard::Anything => channel.iter_mut().for_each(|code| *code = random.next_u32() as u16),
+            Heard::Railed => channel.iter_mut().for_each(|code| *code = *pick(random, &[0, max])),
+            Heard::Cut => channel.truncate(*pick(random, &[0, 1, 2, 3, 7])),
+        }
+    }
+}
+
+impl Analog for Scrambled {
+    fn exchange(&mut self, drive: &DriveBlock, sense: &mut SenseBlock) {
+        self.load.exchange(drive, sense);
+        let front_end = &self.front_end;
+        let volts = |code: u16| (f32::from(code) - f32::from(front_end.drive_mid_code)) * front_end.drive_volt_per_lsb;
+        for code in &mut sense.v {
+            *code = (f32::from(front_end.sense_mid_code) + volts(*code) / front_end.volt_per_lsb) as u16;
+        }
+        if self.left == 0 {
+            self.next_stretch();
+        }
+        self.left -= 1;
+        self.scramble(&mut sense.v);
+        self.scramble(&mut sense.i);
+        sense.slow = slow(&mut self.random);
+    }
+}
+
+fn slow(random: &mut Xoshiro256PlusPlus) -> SlowSense {
+    SlowSense {
+        belt: *pick(random, &[None, Some(0.038), Some(-0.068), Some(0.0)]),
+        temperature: *pick(random, &[None, Some(21.5)]),
+        force: *pick(random, &[None, Some(0.0), Some(10.0)]),
+        trips: one_in(random, 3000).then_some(Trips { over_current: true }),
+        missed_blocks: one_in(random, 3000).then_some(1),
+    }
+}
