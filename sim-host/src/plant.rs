@@ -28,8 +28,19 @@ use crate::plant::circuit::Circuit;
 use crate::plant::driven_stack::DrivenStack;
 use crate::plant::energy::Energy;
 use crate::plant::motor::Motor;
+use crate::plant::motor::model::Model;
 use crate::plant::truth::{Sample, Truth};
 use crate::scene::{Driven, Transducer};
+
+/// The circuit of what a scene drives, at the beginning of its run: of a stator, what its first lane shows while all play.
+pub fn circuit_of(scene: &Driven) -> Circuit {
+    match scene.transducer {
+        Transducer::Stack(stack, _) => Circuit::of(&stack.bvd),
+        Transducer::Stator(stator, _) => {
+            Model::of(stator).circuit(scene.controller.drive.lanes, scene.controller.phasing.direction)
+        }
+    }
+}
 
 /// The plant.
 #[derive(Clone, Debug)]

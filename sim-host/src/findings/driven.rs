@@ -8,7 +8,7 @@ use firmware::supervisor::{Limit, Mode};
 
 use super::{Line, precise, table};
 use crate::metrics::driven::View;
-use crate::plant::circuit::Circuit;
+use crate::plant::circuit_of;
 use crate::record::Row;
 use crate::report::TableBlock;
 use crate::study::Study;
@@ -115,7 +115,7 @@ fn three_ways(study: &Study, run: &Run) -> TableBlock {
     let controller = run.scene.controller;
     let tracking = &controller.tracking;
     let found = run.record.last.transducer;
-    let truth = Circuit::of_scene(&run.scene);
+    let truth = circuit_of(&run.scene);
     let identified = |value: fn(&firmware::identify::Transducer) -> f32| found.as_ref().map(|found| f64::from(value(found)));
     let velocity_estimate =
         tracking.nominal_force_factor_n_per_v.and_then(|told| mean(&|row| row.motional_current_a).map(|amperes| amperes / told));

@@ -2,8 +2,7 @@
 //!
 //! `omega^2 = 1 / (Lm Cm)`, `Q = omega Lm / Rm`, `k^2 = Cm / (C0 + Cm)`.
 
-use crate::plant::motor::model::Model;
-use crate::scene::{Bvd, Driven, Transducer};
+use crate::scene::Bvd;
 
 /// The equivalent circuit in the form the equations need.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -21,16 +20,6 @@ pub struct Circuit {
 }
 
 impl Circuit {
-    /// Of what a scene drives, at the beginning of its run: of a stator, what its first lane shows while all play.
-    pub fn of_scene(scene: &Driven) -> Self {
-        match scene.transducer {
-            Transducer::Stack(stack, _) => Circuit::of(&stack.bvd),
-            Transducer::Stator(stator, _) => {
-                Model::of(stator).circuit(scene.controller.drive.lanes, scene.controller.phasing.direction)
-            }
-        }
-    }
-
     /// From either form of a scene's stack. A scene that has passed its rules gives one of them in full.
     pub fn of(bvd: &Bvd) -> Self {
         let of_resonance = |hz: f64, q: f64, k: f64| {

@@ -7,7 +7,6 @@ use plotters::prelude::DrawingBackend;
 use super::axis::Scale;
 use super::clip;
 use super::figure::{Figure, Style};
-use super::heat_map;
 use super::sheet::{Failure, Sheet};
 use super::style::{FINE_GRID, FRAME, GRID, INK, MUTED};
 
@@ -77,7 +76,7 @@ impl<DB: DrawingBackend> Plot<'_, '_, DB> {
             .draw()?;
         if let Some(map) = &self.figure.map {
             self.heat(&chart, map)?;
-            heat_map::bar(map, layout, self.sheet)?;
+            self.colour_bar(map, layout)?;
         }
         self.reference_lines(&mut chart)?;
         for (index, series) in self.figure.series.iter().enumerate() {

@@ -12,7 +12,7 @@ use super::axis::Scale;
 use super::chart::{Chart, Layout, Plot, TICK_SIZE};
 use super::colour_map::colour;
 use super::figure::{Axis, HeatMap};
-use super::sheet::{Failure, Lettering, Sheet};
+use super::sheet::{Failure, Lettering};
 use super::style::{FRAME, INK, MUTED};
 
 /// Room beside the plot for the bar with its numbers, in points.
@@ -64,29 +64,30 @@ impl<DB: DrawingBackend> Plot<'_, '_, DB> {
             BitMapElement::with_owned_buffer((columns.start, rows.start), (size.0 as u32, size.1 as u32), map.pixels(size));
         picture.map_or(Ok(()), |picture| self.sheet.root.draw(&picture))
     }
-}
 
-/// The bar of colours right of the plot, with its own axis.
-pub(super) fn bar<DB: DrawingBackend>(map: &HeatMap, layout: &Layout, sheet: &Sheet<DB>) -> Result<(), Failure<DB>> {
-    let (area, pen) = (sheet.root, sheet.pen);
-    let (left, right) = (pen.px(layout.right + BAR_GAP), pen.px(layout.right + BAR_GAP + BAR_WIDTH));
-    let height = |share: f64| pen.px(layout.bottom - share * (layout.bottom - layout.top));
-    // Each down to the bottom, and the next over it: between steps that only touch, a renderer would let the ground shine through.
-    for step in (0..BAR_STEPS).rev() {
-        let part = |steps: f64| steps / f64::from(BAR_STEPS);
-        let shade = colour(part(f64::from(step) + 0.5)).filled();
-        area.draw(&Rectangle::new([(left, height(part(f64::from(step) + 1.0))), (right, height(0.0))], shade))?;
+    /// The bar of colours right of the plot, with its own axis.
+    pub(super) fn colour_bar(&self, map: &HeatMap, layout: &Layout) -> Result<(), Failure<DB>> {
+        let sheet = self.sheet;
+        let (area, pen) = (sheet.root, sheet.pen);
+        let (left, right) = (pen.px(layout.right + BAR_GAP), pen.px(layout.right + BAR_GAP + BAR_WIDTH));
+        let height = |share: f64| pen.px(layout.bottom - share * (layout.bottom - layout.top));
+        // Each down to the bottom, and the next over it: between steps that only touch, a renderer would let the ground shine through.
+        for step in (0..BAR_STEPS).rev() {
+            let part = |steps: f64| steps / f64::from(BAR_STEPS);
+            let shade = colour(part(f64::from(step) + 0.5)).filled();
+            area.draw(&Rectangle::new([(left, height(part(f64::from(step) + 1.0))), (right, height(0.0))], shade))?;
+        }
+        area.draw(&Rectangle::new([(left, height(1.0)), (right, height(0.0))], pen.line(FRAME, 1.5)))?;
+        let scale = Scale::fit(&Axis { range: Some(map.range), ..Axis::default() }, &[], [0.0, 0.0], false).with_ticks(8);
+        let look = Lettering { size: TICK_SIZE, color: MUTED, hold: HPos::Left };
+        for tick in scale.ticks() {
+            let y = height(map.share(tick));
+            area.draw(&PathElement::new(vec![(right, y), (right + pen.px(6.0), y)], pen.line(FRAME, 1.5)))?;
+            sheet.write(&scale.label(tick), look, (right + pen.px(12.0), y))?;
+        }
+        let title = Lettering { size: TICK_SIZE, color: INK, hold: HPos::Right };
+        sheet.write(&map.label, title, (pen.px(layout.canvas.0 - 20.0), pen.px(layout.top - 22.0)))
     }
-    area.draw(&Rectangle::new([(left, height(1.0)), (right, height(0.0))], pen.line(FRAME, 1.5)))?;
-    let scale = Scale::fit(&Axis { range: Some(map.range), ..Axis::default() }, &[], [0.0, 0.0], false).with_ticks(8);
-    let look = Lettering { size: TICK_SIZE, color: MUTED, hold: HPos::Left };
-    for tick in scale.ticks() {
-        let y = height(map.share(tick));
-        area.draw(&PathElement::new(vec![(right, y), (right + pen.px(6.0), y)], pen.line(FRAME, 1.5)))?;
-        sheet.write(&scale.label(tick), look, (right + pen.px(12.0), y))?;
-    }
-    let title = Lettering { size: TICK_SIZE, color: INK, hold: HPos::Right };
-    sheet.write(&map.label, title, (pen.px(layout.canvas.0 - 20.0), pen.px(layout.top - 22.0)))
 }
 
 /// An SVG whose bitmap, of a pixel a cell, covers `plot` instead; and its address in the form that strict readers ask for.

@@ -5,7 +5,7 @@ use std::sync::atomic::AtomicBool;
 use super::StudyError;
 use super::swept::{self, Swept};
 use crate::metrics::{self, Metrics};
-use crate::plant::circuit::Circuit;
+use crate::plant::circuit_of;
 use crate::processor::Processor;
 use crate::record::{Record, Window};
 use crate::run::{self, Watch};
@@ -81,7 +81,7 @@ pub(super) fn sweep(scene: &Driven, name: &str, stop: &AtomicBool) -> Result<Opt
 /// Both edges of the first ON window, sample by sample: a little before, and five time constants after. Of a repeated burst the
 /// last period, because the first ones find the stack not yet locked.
 fn edge_windows(scene: &Driven) -> Vec<Window> {
-    let after_s = 5.0 * Circuit::of_scene(scene).time_constant_s();
+    let after_s = 5.0 * circuit_of(scene).time_constant_s();
     let Some(burst) = &scene.controller.burst else { return Vec::new() };
     let late = burst.period_s.map_or(0.0, |period_s| scene.duration_s - 2.0 * period_s);
     let window = first_window(burst, late).filter(|window| window.0 < scene.duration_s);

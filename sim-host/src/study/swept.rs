@@ -1,6 +1,6 @@
 //! One sweep of a run, sample by sample.
 
-use crate::plant::circuit::Circuit;
+use crate::plant::circuit_of;
 use crate::record::{Record, Trigger, Window};
 use crate::scene::{Around, ChirpKind, Driven, Then};
 use crate::schedule::first_window;
@@ -98,7 +98,7 @@ impl Swept {
     pub fn of(name: &str, scene: &Driven, record: &Record) -> Option<Self> {
         let (law, _) = law(scene)?;
         let window = record.windows.iter().find(|window| window.title == TITLE && !window.samples.is_empty())?;
-        let circuit = Circuit::of_scene(scene);
+        let circuit = circuit_of(scene);
         Some(Swept {
             name: name.to_owned(),
             window: window.clone(),

@@ -7,6 +7,7 @@ use firmware::supervisor::Mode;
 use super::axis;
 use crate::metrics::driven::View;
 use crate::plant::circuit::Circuit;
+use crate::plant::circuit_of;
 use crate::record::Row;
 use crate::report::{Figure, Marker, Series, Style};
 use crate::study::driven::Run;
@@ -43,7 +44,7 @@ pub(super) fn locus(run: &Run, view: &View) -> Option<Figure> {
         rm_ohm: found.rm_ohm.into(),
         force_factor_n_per_v: 1.0,
     };
-    let truth = Circuit::of_scene(&run.scene);
+    let truth = circuit_of(&run.scene);
     let (x, y) = settled_points(&run.record.rows);
     let measured = Series {
         name: "measured, last pass of the scan".into(),

@@ -6,7 +6,7 @@ use candidates::{Generator, Pair, Visitor};
 use firmware::nco::tuning_word;
 
 use crate::counter::Counter;
-use crate::image::line;
+use crate::csv::line;
 use crate::repeat::repeat;
 
 /// Samples in a block; the generators do not know.

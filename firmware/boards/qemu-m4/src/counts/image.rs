@@ -27,8 +27,3 @@ fn main() -> ! {
     power_up::count(&counter);
     process::exit(0)
 }
-
-/// Prints one kernel.
-pub fn line(group: &str, kernel: &str, samples: usize, repetitions: u32, ticks: i64) {
-    println!("{group},\"{kernel}\",{samples},{repetitions},{ticks}");
-}

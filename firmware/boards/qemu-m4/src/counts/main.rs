@@ -11,6 +11,8 @@ mod bench;
 #[path = "../counter.rs"]
 mod counter;
 #[cfg(target_os = "none")]
+mod csv;
+#[cfg(target_os = "none")]
 mod generators;
 #[cfg(target_os = "none")]
 mod image;

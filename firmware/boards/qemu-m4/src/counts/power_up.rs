@@ -11,7 +11,7 @@ use firmware::telemetry::Telemetry;
 
 use crate::bench::{SAMPLES, Transducer, config};
 use crate::counter::Counter;
-use crate::image::line;
+use crate::csv::line;
 
 /// Blocks without orders.
 const IDLE_BLOCKS: u32 = 100;

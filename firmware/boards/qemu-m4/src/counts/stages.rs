@@ -20,7 +20,7 @@ use firmware::tracker::{Heard, Tracker};
 
 use crate::bench::{SAMPLES, Transducer, config};
 use crate::counter::Counter;
-use crate::image::line;
+use crate::csv::line;
 use crate::repeat::repeat;
 
 const REPETITIONS: u32 = 500;
