@@ -150,6 +150,21 @@ fn a_noise_keeps_to_its_band_and_its_peak_and_is_the_seed_s() {
     assert_ne!(samples[..1000], Driver::running(&noise(2)).samples(1000));
 }
 
+/// Also the first one, which follows the self-test's tone at another frequency.
+#[test]
+fn the_first_burst_begins_at_zero() {
+    for n in 0..60 {
+        let hz = 40e3 + 137.0 * n as f32;
+        let config = changed(|config| config.drive.frequency_hz = hz);
+        let mut driver = Driver::running(&config);
+        driver.blocks(10);
+        let codes = &driver.clock.analog.codes;
+        let silence = codes.windows(24).rposition(|codes| codes.iter().all(|&code| code == 2048)).unwrap();
+        let first = codes[silence + 24].abs_diff(2048);
+        assert!(f64::from(first) <= largest_step(hz.into(), 2040.0), "{hz} Hz: {first}");
+    }
+}
+
 /// The largest step between neighbours that a tone of this frequency and amplitude makes, with rounding.
 fn largest_step(hz: f64, amplitude: f64) -> f64 {
     amplitude * 2.0 * (std::f64::consts::PI * hz * 1e-6).sin() + 1.0

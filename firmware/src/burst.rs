@@ -239,7 +239,8 @@ impl Burst {
     }
 
     /// Opens or closes at once, without an edge: for tones outside the schedule, and for faults.
-    pub fn snap(&mut self, open: bool) -> Envelope<'_> {
+    pub fn snap(&mut self, open: bool, stretch: &Stretch, samples: usize) -> Envelope<'_> {
+        self.falling = falling(stretch.phase_at(samples.saturating_sub(1)));
         self.ramp = if open { self.edge.unwrap_or(0) } else { 0 };
         self.state = if open { State::Open { falling: self.falling } } else { State::Closed };
         Envelope::Flat(if open { 1.0 } else { 0.0 })

@@ -161,8 +161,8 @@ impl Controller {
         let now = (self.block + LATENCY_BLOCKS as u64) * self.samples as u64;
         let louder = self.burst.loudest();
         let envelope = match mode {
-            Mode::Idle | Mode::Fault => self.burst.snap(false),
-            Mode::SelfTest | Mode::Scan | Mode::Calibrate => self.burst.snap(plan.gate == Gate::On),
+            Mode::Idle | Mode::Fault => self.burst.snap(false, &stretch, self.samples),
+            Mode::SelfTest | Mode::Scan | Mode::Calibrate => self.burst.snap(plan.gate == Gate::On, &stretch, self.samples),
             Mode::Lock | Mode::Run => self.burst.envelope(plan.gate, now, &stretch, self.samples),
         };
         let (level, flat) = (envelope.mean(), envelope.is_flat());

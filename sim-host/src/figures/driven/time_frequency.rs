@@ -96,7 +96,8 @@ fn near_resonance(swept: &Swept, signal: &Signal, times: usize) -> Option<Figure
             "wigner",
             format!(
                 "Smoothed pseudo Wigner-Ville distribution about the mean, in dB of the strongest cell. The window of times, \
-                 {microseconds:.0} us, removes the terms between components further apart than some {:.0} kHz.",
+                 {microseconds:.0} us, removes the terms between components further apart than some {:.0} kHz. \
+                 Stripes beside a ridge are side lobes of the window of lags, and no lines of the signal.",
                 2e3 / microseconds
             ),
         )
