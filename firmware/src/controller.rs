@@ -163,6 +163,8 @@ impl Controller {
         let envelope = match mode {
             Mode::Idle | Mode::Fault => self.burst.snap(false, &stretch, self.samples),
             Mode::SelfTest | Mode::Scan | Mode::Calibrate => self.burst.snap(plan.gate == Gate::On, &stretch, self.samples),
+            // Without a voltage there is no burst: the next one begins at zero.
+            Mode::Lock | Mode::Run if plan.volts == 0.0 => self.burst.snap(false, &stretch, self.samples),
             Mode::Lock | Mode::Run => self.burst.envelope(plan.gate, now, &stretch, self.samples),
         };
         let (level, flat) = (envelope.mean(), envelope.is_flat());
