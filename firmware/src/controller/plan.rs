@@ -148,10 +148,9 @@ impl Controller {
     fn prepare_brake(&mut self, gate: Gate) {
         const SAME: f32 = 0.01;
         let volts = self.amplitude.volts();
-        if self.burst.is_ending(gate) && self.burst.brake().is_some() {
-            return;
-        }
-        if !self.burst.brakes(gate) || volts == 0.0 {
+        if self.burst.is_ending(gate) {
+            // It brakes what it was made for.
+        } else if !self.burst.brakes(gate) || volts == 0.0 {
             self.burst.set_brake(None);
         } else if self.burst.brake().is_none() || (volts - self.braked_volts).abs() > SAME * volts {
             let periods = self.transducer.map_or(self.nominal_periods, |transducer| transducer.q / core::f32::consts::PI);
