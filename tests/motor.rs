@@ -21,14 +21,14 @@ fn speed(changes: &[&str]) -> f64 {
 #[test]
 fn it_turns_either_way_at_the_same_speed() {
     let (forward, reverse) = (speed(&[]), speed(&["controller.phasing.direction=reverse"]));
-    assert!(forward > 5.0 && (forward + reverse).abs() < 2e-3 * forward, "{forward} {reverse}");
+    assert!(forward > 5.0 && (forward + reverse).abs() < 1e-4 * forward, "{forward} {reverse}");
 }
 
-/// Without a load the speed follows the wave: proportional to the amplitude.
+/// Without a load the speed follows the wave, which is all but proportional to the voltage: friction takes the same from either.
 #[test]
 fn speed_by_amplitude() {
     let (whole, half) = (speed(&[]), speed(&["controller.drive.amplitude_v=5"]));
-    assert!((half / whole - 0.5).abs() < 0.05, "{half} of {whole}");
+    assert!((half / whole - 0.5).abs() < 0.04, "{half} of {whole}");
 }
 
 /// Beside the resonance the wave is `1 / |1 + j 2 Q df / f|` of what it is there; the rotor's friction widens that.
@@ -38,10 +38,10 @@ fn speed_by_frequency() {
     let (on, beside, far) = (at(0.0), at(300.0), at(600.0));
     let expected = |hz: f64| 1.0 / (1.0 + (2.0 * 80.0 * hz / 40e3).powi(2)).sqrt();
     assert!(on > beside && beside > far, "{on} {beside} {far}");
-    assert!((beside / on - expected(300.0)).abs() < 0.1 && (far / on - expected(600.0)).abs() < 0.1, "{on} {beside} {far}");
+    assert!((beside / on - expected(300.0)).abs() < 0.02 && (far / on - expected(600.0)).abs() < 0.02, "{on} {beside} {far}");
     // The phase is followed all the same: the estimate of the resonance stays.
     let bias = usm(&["controller.drive.detune_hz=300"]).get("series_resonance_error_hz");
-    assert!(bias.is_some_and(|bias| bias.abs() < 10.0), "{bias:?}");
+    assert!(bias.is_some_and(|bias| bias.abs() < 0.5), "{bias:?}");
 }
 
 /// A quadrature between none and a quarter turn makes a wave that runs and one that stands: slower, through zero, and back.
@@ -50,7 +50,7 @@ fn speed_by_phase() {
     let at = |turns: f64| speed(&[&format!("controller.phasing.quadrature_turns={turns}")]);
     let speeds: Vec<f64> = [-0.25, -0.125, 0.0, 0.125, 0.25].into_iter().map(at).collect();
     assert!(speeds.windows(2).all(|pair| pair[1] > pair[0]), "{speeds:?}");
-    assert!(speeds[2].abs() < 0.02 * speeds[4] && (speeds[1] + speeds[3]).abs() < 0.02 * speeds[4], "{speeds:?}");
+    assert!(speeds[2].abs() < 1e-3 * speeds[4] && (speeds[1] + speeds[3]).abs() < 1e-3 * speeds[4], "{speeds:?}");
 }
 
 #[test]
@@ -58,8 +58,8 @@ fn it_starts_softly_and_stops_sooner_with_a_brake() {
     let time = |name: &str, changes: &[&str]| usm(changes).get(name).unwrap();
     let (hard, soft) = (&[][..], &["controller.burst.edge=soft", "controller.burst.edge_cycles=400"][..]);
     let (sudden, gentle) = (time("start_time_ms", hard), time("start_time_ms", soft));
-    assert!(gentle > sudden + 3.0, "{sudden} ms and {gentle} ms");
+    assert!(gentle > sudden + 6.0, "{sudden} ms and {gentle} ms");
     // The stator rings down within a period or two of the brake, and the rotor's friction has the rest to itself.
     let (free, braked) = (time("stop_time_ms", hard), time("stop_time_ms", &["controller.burst.brake=true"]));
-    assert!(braked < free - 0.3, "{free} ms and {braked} ms");
+    assert!(braked < free - 0.9, "{free} ms and {braked} ms");
 }

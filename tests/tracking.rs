@@ -266,7 +266,7 @@ fn a_chirp_about_the_resonance_follows_it() {
         let (low, high) =
             rows.iter().fold((f64::MAX, 0.0f64), |(low, high), row| (low.min(row.frequency_hz), high.max(row.frequency_hz)));
         assert!(worst < 15.0, "{worst} Hz off {resonance_hz}");
-        assert!((low - resonance_hz + 300.0).abs() < 20.0 && (high - resonance_hz - 300.0).abs() < 20.0, "{low} to {high}");
+        assert!((low - resonance_hz + 300.0).abs() < 6.0 && (high - resonance_hz - 300.0).abs() < 6.0, "{low} to {high}");
         assert!(rows.iter().all(|row| row.locked && row.fault == 0));
     }
 }
