@@ -257,6 +257,8 @@ pub struct Tracking {
     pub bandwidth_hz: f32,
     /// Quality factor, within a factor of two.
     pub nominal_q: f32,
+    /// Motional inductance, H, within a tenth; `None`: what the power-on calibration finds.
+    pub nominal_lm_h: Option<f32>,
     /// Clamped capacitance, F, within some per cent.
     pub nominal_c0_f: f32,
 }
@@ -264,6 +266,8 @@ pub struct Tracking {
 /// What is tracked.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum TrackingMode {
+    /// The resonance itself, from how the motional current changes: does not wait for the ring-up.
+    Observer,
     /// The phase of the motional current: the series resonance, at any load.
     PhaseLock,
     /// The phase of the total current: the plain V-I loop, kept as the reference that fails under load.

@@ -58,12 +58,24 @@ pub enum Fault {
     LoadOpen = 23,
     /// A lane is not heard, is further off than a trim can be for, or does not do what its trim should make it do.
     LaneImplausible = 24,
+    /// The clamped capacitance is not what it was told to be: a stack that has depoled, or another stack.
+    CapacitanceShifted = 25,
+    /// The resonance is damped more than it was told, or has company it should not have: a crack.
+    ResonanceDamaged = 26,
+    /// The current leads where the voltage should: the two sense channels are swapped.
+    SenseSwapped = 27,
+    /// A sense channel stands at the end of its range.
+    SenseSaturated = 28,
     /// The scan has found no resonance in the window.
     NoResonance = 30,
     /// The loop has not locked in time.
     NoLock = 31,
     /// The loop was locked and is not any more.
     LossOfLock = 32,
+    /// The observer and the motional phase, which it does not use, say different frequencies.
+    TrackersDisagree = 33,
+    /// It has locked to a resonance that is not the one it was told of.
+    WrongMode = 34,
     /// The belt stands still under the drive.
     BeltStopped = 40,
 }
@@ -110,7 +122,7 @@ macro_rules! numbered {
     };
 }
 
-numbered!(Fault, EmergencyStop LateBlock SensorImplausible OverCurrent LoadShorted LoadOpen LaneImplausible NoResonance NoLock LossOfLock BeltStopped);
+numbered!(Fault, EmergencyStop LateBlock SensorImplausible OverCurrent LoadShorted LoadOpen LaneImplausible CapacitanceShifted ResonanceDamaged SenseSwapped SenseSaturated NoResonance NoLock LossOfLock TrackersDisagree WrongMode BeltStopped);
 numbered!(Limit, OverVoltageRequest FrequencyWindow NotTracking QuadratureRequest);
 
 /// How a stage of the way to [`Mode::Run`] is getting on.

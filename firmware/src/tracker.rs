@@ -94,7 +94,7 @@ impl Tracker {
         let nominal = Motional::of_capacitance(config.tracking.nominal_c0_f, config.drive.frequency_hz);
         Ok(Tracker {
             detector: match config.tracking.mode {
-                TrackingMode::PhaseLock => Some(PhaseDetector::Motional),
+                TrackingMode::Observer | TrackingMode::PhaseLock => Some(PhaseDetector::Motional),
                 TrackingMode::ZeroPhase => Some(PhaseDetector::Total),
                 TrackingMode::Off => None,
             },

@@ -64,7 +64,14 @@ pub fn config() -> Config {
         sweep: Sweep::Hold,
         phasing: Phasing::default(),
         burst: Burst { schedule: Schedule::Continuous, edge: Edge::Hard, brake: false },
-        tracking: Tracking { mode: TrackingMode::Off, span: 0.05, bandwidth_hz: 100.0, nominal_q: 50.0, nominal_c0_f: 200e-9 },
+        tracking: Tracking {
+            mode: TrackingMode::Off,
+            span: 0.05,
+            bandwidth_hz: 100.0,
+            nominal_q: 50.0,
+            nominal_lm_h: None,
+            nominal_c0_f: 200e-9,
+        },
         limits: Limits { voltage_v: 12.0, current_a: 3.0, belt_moving_m_per_s: 0.01, belt_stop_ms: 5.0 },
     }
 }

@@ -110,7 +110,14 @@ fn longest_config() -> Config {
             edge: Edge::Soft { cycles: 1.0 },
             brake: true,
         },
-        tracking: Tracking { mode: TrackingMode::Off, span: 1.0, bandwidth_hz: 1.0, nominal_q: 1.0, nominal_c0_f: 1.0 },
+        tracking: Tracking {
+            mode: TrackingMode::Off,
+            span: 1.0,
+            bandwidth_hz: 1.0,
+            nominal_q: 1.0,
+            nominal_lm_h: None,
+            nominal_c0_f: 1.0,
+        },
         limits: Limits { voltage_v: 1.0, current_a: 1.0, belt_moving_m_per_s: 1.0, belt_stop_ms: 1.0 },
     }
 }

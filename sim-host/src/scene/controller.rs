@@ -243,6 +243,10 @@ pub struct Tracking {
     /// Quality factor, within a factor of two.
     #[schemars(range(min = 2.0, max = 1e5))]
     pub nominal_q: f64,
+    /// Motional inductance, H, within a tenth. Default: what the power-on calibration finds.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 1e-9, max = 1e4))]
+    pub nominal_lm_h: Option<f64>,
     /// Clamped capacitance, F.
     #[schemars(range(min = 1e-12, max = 1e-3))]
     pub nominal_c0_f: f64,
@@ -256,6 +260,8 @@ pub struct Tracking {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum TrackingMode {
+    /// The resonance itself, from how the motional current changes: does not wait for the ring-up.
+    Observer,
     /// The phase of the motional current: the series resonance, at any load.
     #[default]
     PhaseLock,

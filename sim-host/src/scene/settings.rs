@@ -124,6 +124,7 @@ fn burst(burst: Option<&scene::Burst>) -> Burst {
 fn tracking(tracking: &scene::Tracking) -> Tracking {
     Tracking {
         mode: match tracking.mode {
+            scene::TrackingMode::Observer => TrackingMode::Observer,
             scene::TrackingMode::PhaseLock => TrackingMode::PhaseLock,
             scene::TrackingMode::ZeroPhase => TrackingMode::ZeroPhase,
             scene::TrackingMode::Off => TrackingMode::Off,
@@ -131,6 +132,7 @@ fn tracking(tracking: &scene::Tracking) -> Tracking {
         span: tracking.span as f32,
         bandwidth_hz: tracking.bandwidth_hz as f32,
         nominal_q: tracking.nominal_q as f32,
+        nominal_lm_h: tracking.nominal_lm_h.map(|henry| henry as f32),
         nominal_c0_f: tracking.nominal_c0_f as f32,
     }
 }
