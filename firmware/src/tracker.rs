@@ -5,6 +5,7 @@
 //! not while the envelope is at an edge or the stack rings up, and not when it does not ring at all.
 
 pub mod lock_detector;
+pub mod observer;
 pub mod phase_loop;
 
 use crate::config::{Config, TrackingMode};
