@@ -41,7 +41,7 @@ const ABOVE: [f32; 4] = [0.0, 0.0717, 0.1131, 0.1711];
 const HIGHEST: f32 = 0.4;
 /// Periods of a tone, and the part of them in which it rises, and in which it falls.
 const TONE_PERIODS: f32 = 200.0;
-const EDGE: f32 = 0.25;
+const EDGE: f32 = 0.2;
 /// Noise of a sense channel that is reckoned with, codes rms: one of each of two conversions.
 const NOISE_CODES: f32 = 1.5;
 /// What the model leaves at best, relative to the clamped susceptance: ringing, rounding.
@@ -50,6 +50,8 @@ const FLOOR: f32 = 3e-4;
 const CAPACITANCE_SHIFT: f32 = 0.2;
 /// Smallest Q, relative to the nominal one, which may be wrong by two. A crack leaves a fifth.
 const SMALLEST_Q: f32 = 0.4;
+/// Rms of what two resonances leave, in standard deviations, beyond which the transducer is not one that could be tracked. Healthy ones leave 4 at most.
+const LARGEST_MISFIT: f32 = 20.0;
 /// Deviations that a judgement leaves room for.
 const SIGMAS: f32 = 3.0;
 /// A second resonance that is as near as this to the first, and this strong, relative to the first, is the company of a crack.
@@ -218,13 +220,16 @@ impl PowerOn {
     fn judge(&self, solution: &Solution) -> Step {
         let found = self.read(solution);
         let q_at_most = found.q.value + SIGMAS * found.q.deviation;
-        let cracked = found.company.is_some_and(|(hz, strength)| {
-            (hz / found.resonance_hz.value - 1.0).abs() < CRACK.0 && strength > CRACK.1
-        });
+        let cracked = found
+            .company
+            .is_some_and(|(hz, strength)| (hz / found.resonance_hz.value - 1.0).abs() < CRACK.0 && strength > CRACK.1);
+        // A deviation that is no number is none to go by.
         let shift = (found.c0_f.value - self.nominal_c0_f).abs() - SIGMAS * found.c0_f.deviation;
+        let holds =
+            fit::is_plausible(&solution.elements) && found.lock_deviation_hz.is_finite() && solution.misfit < LARGEST_MISFIT;
         match () {
-            () if !found.lock_deviation_hz.is_finite() => Step::Failed(Fault::ResonanceDamaged),
             () if shift > CAPACITANCE_SHIFT * self.nominal_c0_f => Step::Failed(Fault::CapacitanceShifted),
+            () if !holds => Step::Failed(Fault::ResonanceDamaged),
             () if cracked || q_at_most < SMALLEST_Q * self.nominal_q => Step::Failed(Fault::ResonanceDamaged),
             () => Step::Found(found),
         }

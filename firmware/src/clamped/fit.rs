@@ -1,27 +1,34 @@
 //! The elements of the [model] from admittances at some frequencies: Gauss and Newton's iteration, one equation a block.
 //!
-//! Started by a linear fit without losses, `Z v = w Z - (c w + k) + c v` with `Z = Im Y / u`, `v = u^2 - 1`, `w = us^2 - 1` (Levy 1959), so that nobody
-//! needs to know where the resonance is. What one resonance cannot explain is tried with two.
+//! Started by a linear fit without losses (Levy 1959), so that nobody needs to know where the resonance is: with `Z = Im Y / u`, `v = u^2 - 1`,
+//!
+//! ```text
+//! one resonance:  Z v   = w Z - p + c v,              us^2 - 1 = w,  k = p - c w
+//! two:            Z v^2 = -a Z v - b Z + c v^2 + e v + p,   us^2 - 1 and u2^2 - 1 the roots of v^2 + a v + b
+//! ```
+//!
+//! What one resonance cannot explain is tried with two: first with another one above, then, where that does not explain it either, from such a start.
 
 use heapless::Vec;
 
-use crate::clamped::model::{C, D, Elements, H, K, K2, THETA, UNKNOWNS, X2, XS, admittance};
+use crate::clamped::model::{C, D, Elements, G, H, K, K2, THETA, UNKNOWNS, X2, XS, admittance};
 use crate::clamped::triangle::Triangle;
 use crate::phasor::Phasor;
 
 /// The most admittances there can be.
 pub const MAX_POINTS: usize = 8;
 /// Iterations with one resonance, and with two. They square the error from 1e-2 on, or nearly so.
-const ROUNDS: (u32, u32) = (5, 10);
+const ROUNDS: (u32, u32) = (5, 8);
 /// Beyond this rms residual, in standard deviations, one resonance does not explain what was measured.
 const MISFIT: f32 = 4.0;
-/// Where a second resonance is looked for, relative to the first: above, and as a companion by a crack.
-const SECOND: [f32; 2] = [0.06, -0.018];
-/// Strength that it is thought to have at first, relative to the first.
-const SECOND_STRENGTH: f32 = 0.15;
-/// What is known beforehand, as standard deviations: loss of the clamped branch by its slope, resonance, loss relative to what was told,
-/// what sensing turns (rad; 400 ns at 40 kHz), where the second resonance is relative to where it is looked for.
-const KNOWN: [(usize, f32); 5] = [(H, 0.05), (XS, 0.1), (D, 4.0), (THETA, 0.1), (X2, 0.03)];
+/// Where a second resonance is looked for first, above the first, and how strong, relative to it.
+const SECOND: (f32, f32) = (0.06, 0.15);
+/// What is known beforehand: an element, and its standard deviation about zero. Of loss, about what was told, relative to that. `theta` of 0.1 rad
+/// is 400 ns at 40 kHz.
+const KNOWN: [(usize, f32); 4] = [(XS, 0.1), (D, 4.0), (THETA, 0.1), (X2, 0.2)];
+/// How the loss of the clamped branch rises with the frequency: between that of a dielectric (1) and of images (2), and to what part of the
+/// clamped susceptance that is known.
+const LOSS_RISES: (f32, f32) = (1.5, 0.02);
 /// The most that a resonance may move in one iteration.
 const LONGEST_STEP: f32 = 0.01;
 
@@ -39,10 +46,12 @@ pub struct Point {
 /// What is fitted at present.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Stage {
-    Start,
+    StartOne,
     One,
-    /// With a second resonance, looked for there.
-    Two(usize),
+    /// With a second resonance above.
+    Above,
+    StartTwo,
+    Two,
 }
 
 /// Elements that explain the points, and how well.
@@ -82,11 +91,11 @@ impl Fit {
         Fit {
             loss,
             points: Vec::new(),
-            stage: Stage::Start,
+            stage: Stage::StartOne,
             round: 0,
             row: 0,
             elements: Elements::default(),
-            triangle: Triangle::new(),
+            triangle: Triangle::default(),
             best: None,
         }
     }
@@ -98,23 +107,18 @@ impl Fit {
 
     /// Folds one equation. Returns the solution when it is found.
     pub fn advance(&mut self) -> Option<Solution> {
-        let rows = match self.stage {
-            Stage::Start => self.points.len(),
-            _ => 2 * self.points.len(),
-        };
-        if let Some(point) = self.points.get(if self.stage == Stage::Start { self.row } else { self.row / 2 }) {
-            match self.stage {
-                Stage::Start => self.fold_linear(*point),
-                _ => self.fold(*point, self.row % 2 == 1),
-            }
+        let starts = matches!(self.stage, Stage::StartOne | Stage::StartTwo);
+        let parts = if starts { 1 } else { 2 };
+        if let Some(&point) = self.points.get(self.row / parts) {
+            if starts { self.fold_linear(point) } else { self.fold(point, self.row % 2 == 1) }
         }
         self.row += 1;
-        if self.row < rows {
+        if self.row < parts * self.points.len() {
             return None;
         }
         self.row = 0;
-        if self.stage == Stage::Start {
-            self.begin(Stage::One);
+        if starts {
+            self.start();
             return None;
         }
         self.finish_round()
@@ -123,51 +127,61 @@ impl Fit {
     fn fold_linear(&mut self, point: Point) {
         let v = point.x * (2.0 + point.x);
         let z = point.y.im / (1.0 + point.x);
-        let weight = 1.0 / (v * point.deviation);
         let mut row = [0.0; UNKNOWNS];
-        (row[0], row[1], row[2]) = (z * weight, -weight, v * weight);
-        self.triangle.fold(row, z * v * weight);
+        let (weight, right) = if self.stage == Stage::StartOne {
+            row[..3].copy_from_slice(&[z, -1.0, v]);
+            (1.0 / (v * point.deviation), z * v)
+        } else {
+            row[..5].copy_from_slice(&[-z * v, -z, v * v, v, 1.0]);
+            (1.0 / (v * v * point.deviation), z * v * v)
+        };
+        self.triangle.fold(row.map(|x| x * weight), right * weight);
     }
 
     fn fold(&mut self, point: Point, imaginary: bool) {
         let (y, by) = admittance(&self.elements, point.x);
         let part = |y: Phasor| if imaginary { y.im } else { y.re } / point.deviation;
-        let unknown = if let Stage::Two(_) = self.stage { UNKNOWNS } else { K2 };
+        let unknown = if self.stage == Stage::One { K2 } else { UNKNOWNS };
         self.triangle.fold(core::array::from_fn(|n| if n < unknown { part(by[n]) } else { 0.0 }), part(point.y - y));
     }
 
-    /// Begins a stage where the last has ended.
-    fn begin(&mut self, stage: Stage) {
-        match (stage, &self.best) {
-            (Stage::Two(n), Some(best)) => {
-                self.elements = best.elements;
-                self.elements[K2] = SECOND_STRENGTH * self.elements[K];
-                self.elements[X2] = self.elements[XS] + SECOND[n];
-            }
-            _ => {
-                let [w, p, c, ..] = self.triangle.solve();
-                let xs = libm::sqrtf((1.0 + w).clamp(0.7, 1.4)) - 1.0;
-                self.elements = Elements::default();
-                (self.elements[C], self.elements[K], self.elements[XS]) = (c, p - c * w, xs);
-                self.elements[D] = self.loss;
-            }
+    /// Begins the iteration where the linear fit has ended.
+    fn start(&mut self) {
+        let resonance = |w: f32| libm::sqrtf((1.0 + w).clamp(0.6, 1.6)) - 1.0;
+        let mut e = Elements::default();
+        e[D] = self.loss;
+        if self.stage == Stage::StartOne {
+            let [w, p, c, ..] = self.triangle.solve();
+            (e[C], e[K], e[XS]) = (c, p - c * w, resonance(w));
+            self.stage = Stage::One;
+        } else {
+            let [a, b, c, slope, p, ..] = self.triangle.solve();
+            let apart = libm::sqrtf((a * a - 4.0 * b).max(1e-4));
+            let roots = [0.5 * (-a - apart), 0.5 * (-a + apart)];
+            let strength = |w: f32, other: f32| (c * w * w + slope * w + p) / (other - w);
+            let strengths = [strength(roots[0], roots[1]), strength(roots[1], roots[0])];
+            let main = usize::from(strengths[1] > strengths[0]);
+            (e[C], e[K], e[XS]) = (c, strengths[main], resonance(roots[main]));
+            (e[K2], e[X2]) = (strengths[1 - main], resonance(roots[1 - main]));
+            self.stage = Stage::Two;
         }
-        (self.stage, self.round) = (stage, 0);
-        self.triangle = Triangle::new();
+        (self.elements, self.round, self.triangle) = (e, 0, Triangle::default());
     }
 
     fn finish_round(&mut self) -> Option<Solution> {
         for (n, deviation) in KNOWN {
-            let (expected, deviation) = match (n, self.stage) {
-                (D, _) => (self.loss, deviation * self.loss),
-                (X2, Stage::Two(second)) => (self.elements[XS] + SECOND[second], deviation),
-                (X2, _) => continue,
+            let (expected, deviation) = match n {
+                D => (self.loss, deviation * self.loss),
+                X2 if self.stage == Stage::One => continue,
                 _ => (0.0, deviation),
             };
             let mut row = [0.0; UNKNOWNS];
             row[n] = 1.0 / deviation;
             self.triangle.fold(row, (expected - self.elements[n]) / deviation);
         }
+        let mut rises = [0.0; UNKNOWNS];
+        (rises[H], rises[G]) = (1.0 / LOSS_RISES.1, -LOSS_RISES.0 / LOSS_RISES.1);
+        self.triangle.fold(rises, (LOSS_RISES.0 * self.elements[G] - self.elements[H]) / LOSS_RISES.1);
         let (step, d) = (self.triangle.solve(), self.elements[D]);
         for n in 0..UNKNOWNS {
             self.elements[n] += if n == XS || n == X2 { step[n].clamp(-LONGEST_STEP, LONGEST_STEP) } else { step[n] };
@@ -176,23 +190,33 @@ impl Fit {
         self.round += 1;
         let (rounds, unknowns) = if self.stage == Stage::One { (ROUNDS.0, K2) } else { (ROUNDS.1, UNKNOWNS) };
         if self.round < rounds {
-            self.triangle = Triangle::new();
+            self.triangle = Triangle::default();
             return None;
         }
         let freedom = (2 * self.points.len()).saturating_sub(unknowns).max(1) as f32;
         let misfit = libm::sqrtf(self.triangle.rest() / freedom);
-        if self.best.as_ref().is_none_or(|best| misfit < best.misfit) {
+        let better = self.best.as_ref().is_none_or(|best| misfit < best.misfit && is_plausible(&self.elements));
+        if better {
             self.best = Some(Solution { elements: self.elements, triangle: self.triangle.clone(), misfit });
         }
-        // What is no number is not better, and ends it.
-        let next = match self.stage {
-            Stage::Two(n) => n + 1,
-            _ => 0,
-        };
-        if self.best.as_ref().is_some_and(|best| best.misfit > MISFIT) && next < SECOND.len() {
-            self.begin(Stage::Two(next));
-            return None;
+        let best = self.best.take()?;
+        self.triangle = Triangle::default();
+        // What is no number ends it, too.
+        match self.stage {
+            Stage::One if best.misfit > MISFIT => {
+                (self.elements, self.round, self.stage) = (best.elements, 0, Stage::Above);
+                self.elements[K2] = SECOND.1 * self.elements[K];
+                self.elements[X2] = self.elements[XS] + SECOND.0;
+            }
+            Stage::Above if best.misfit > MISFIT => self.stage = Stage::StartTwo,
+            _ => return Some(best),
         }
-        self.best.take()
+        self.best = Some(best);
+        None
     }
+}
+
+/// Whether a passive circuit can be so.
+pub fn is_plausible(e: &Elements) -> bool {
+    e[C] > 0.0 && e[K] > 0.0 && e[K2] >= 0.0 && e[XS].abs() < 0.25 && e[X2].abs() < 0.5 && e[D] > 0.0
 }

@@ -17,15 +17,23 @@ const J: Phasor = Phasor::new(0.0, 1.0);
 
 /// Unknowns of the model.
 pub const UNKNOWNS: usize = 9;
-/// The elements by their place.
+/// Place of the clamped capacitance, `c`.
 pub const C: usize = 0;
+/// Place of the clamped branch's loss at the nominal frequency, `g`.
 pub const G: usize = 1;
+/// Place of its slope, `h`.
 pub const H: usize = 2;
+/// Place of the strength of the resonance, `k`.
 pub const K: usize = 3;
+/// Place of the resonance, `us - 1`.
 pub const XS: usize = 4;
+/// Place of its loss, `d`.
 pub const D: usize = 5;
+/// Place of what sensing turns, `theta`, rad at the nominal frequency.
 pub const THETA: usize = 6;
+/// Place of the strength of a second resonance, `k2`.
 pub const K2: usize = 7;
+/// Place of the second resonance, `u2 - 1`.
 pub const X2: usize = 8;
 
 /// The elements. Resonances are kept as `us - 1`, which f32 resolves to 1e-9.

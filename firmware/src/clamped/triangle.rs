@@ -3,7 +3,7 @@
 //! Nothing is stored but the factor, and the condition number is not squared, which is what makes f32 enough.
 
 /// A triangular factor of `N` unknowns and its right-hand side.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Triangle<const N: usize> {
     rows: [[f32; N]; N],
     right: [f32; N],
@@ -11,12 +11,13 @@ pub struct Triangle<const N: usize> {
     rest: f32,
 }
 
-impl<const N: usize> Triangle<N> {
-    /// Without a row.
-    pub fn new() -> Self {
+impl<const N: usize> Default for Triangle<N> {
+    fn default() -> Self {
         Triangle { rows: [[0.0; N]; N], right: [0.0; N], rest: 0.0 }
     }
+}
 
+impl<const N: usize> Triangle<N> {
     /// Folds in one equation `row . unknowns = right`, divided by its standard deviation.
     pub fn fold(&mut self, mut row: [f32; N], mut right: f32) {
         for (n, (kept, kept_right)) in self.rows.iter_mut().zip(&mut self.right).enumerate() {
@@ -67,7 +68,7 @@ mod tests {
     /// A straight line through four points, with one unknown of which nothing is said.
     #[test]
     fn a_line_and_its_error_bars() {
-        let mut triangle = Triangle::<3>::new();
+        let mut triangle = Triangle::<3>::default();
         for (x, y) in [(0.0, 1.1), (1.0, 2.9), (2.0, 5.1), (3.0, 6.9)] {
             triangle.fold([1.0 / 0.1, x / 0.1, 0.0], y / 0.1);
         }
