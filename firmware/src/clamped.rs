@@ -18,6 +18,7 @@
 
 pub mod fit;
 pub mod model;
+pub mod online;
 pub mod triangle;
 
 use crate::block::LATENCY_BLOCKS;
@@ -26,7 +27,7 @@ use crate::clamped::model::{C, D, G, H, K, K2, THETA, UNKNOWNS, X2, XS};
 use crate::config::Config;
 use crate::demod::Sensed;
 use crate::motional::Motional;
-use crate::phasor::{Phasor, magnitude};
+use crate::phasor::Phasor;
 use crate::shape::sine;
 use crate::supervisor::Fault;
 
@@ -228,8 +229,8 @@ impl PowerOn {
         let holds =
             fit::is_plausible(&solution.elements) && found.lock_deviation_hz.is_finite() && solution.misfit < LARGEST_MISFIT;
         match () {
-            () if shift > CAPACITANCE_SHIFT * self.nominal_c0_f => Step::Failed(Fault::CapacitanceShifted),
             () if !holds => Step::Failed(Fault::ResonanceDamaged),
+            () if shift > CAPACITANCE_SHIFT * self.nominal_c0_f => Step::Failed(Fault::CapacitanceShifted),
             () if cracked || q_at_most < SMALLEST_Q * self.nominal_q => Step::Failed(Fault::ResonanceDamaged),
             () => Step::Found(found),
         }

@@ -220,3 +220,45 @@ impl Fit {
 pub fn is_plausible(e: &Elements) -> bool {
     e[C] > 0.0 && e[K] > 0.0 && e[K2] >= 0.0 && e[XS].abs() < 0.25 && e[X2].abs() < 0.5 && e[D] > 0.0
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const TONES: [f32; MAX_POINTS] = [-0.0413, 0.0413, -0.0692, 0.113, -0.1126, 0.1544, -0.171, 0.2124];
+
+    fn solve(told_loss: f32, elements: &Elements) -> Solution {
+        let mut fit = Fit::new(told_loss);
+        for x in TONES {
+            fit.add(Point { x, y: admittance(elements, x).0, deviation: 4e-4 });
+        }
+        (0..1000).find_map(|_| fit.advance()).expect("a solution")
+    }
+
+    #[test]
+    fn finds_one_resonance_wherever_it_is() {
+        for (xs, q) in [(-0.02, 20.0), (0.0, 65.0), (0.019, 1600.0)] {
+            let exact: Elements = [1.04, 0.01, 0.015, 0.067, xs, 1.0 / q, 0.01, 0.0, 0.0];
+            let found = solve(2.0 / q, &exact);
+            // Measured: 2e-6 of c, 4e-6 of the resonance, 1.3e-5 rad: rounding, and what is known beforehand.
+            assert!((found.elements[C] - exact[C]).abs() < 2e-5, "{xs}: {:?}", found.elements);
+            assert!((found.elements[XS] - xs).abs() < 1e-5, "{xs}: {:?}", found.elements);
+            assert!((found.elements[THETA] - exact[THETA]).abs() < 1e-4, "{xs}: {:?}", found.elements);
+            assert!(found.misfit < 0.5 && found.elements[K2] == 0.0, "{xs}: {}", found.misfit);
+        }
+    }
+
+    #[test]
+    fn finds_two_where_one_does_not_explain_it() {
+        for (x2, k2, q) in [(0.07, 0.02, 20.0), (0.08, 0.007, 65.0), (0.065, 0.02, 500.0)] {
+            let exact: Elements = [0.97, 0.01, 0.015, 0.067, -0.01, 1.0 / q, -0.01, k2, x2];
+            let found = solve(0.6 / q, &exact);
+            assert!(
+                (found.elements[X2] - x2).abs() < 2e-4 && (found.elements[K2] / k2 - 1.0).abs() < 0.02,
+                "{:?}",
+                found.elements
+            );
+            assert!((found.elements[C] - exact[C]).abs() < 1e-3 && found.misfit < 1.0, "{:?}", found.elements);
+        }
+    }
+}
