@@ -53,6 +53,10 @@ const CAPACITANCE_SHIFT: f32 = 0.2;
 const SMALLEST_Q: f32 = 0.4;
 /// Rms of what two resonances leave, in standard deviations, beyond which the transducer is not one that could be tracked. Healthy ones leave 4 at most.
 const LARGEST_MISFIT: f32 = 20.0;
+/// Deviation of the motional phase at the lock point, rad, beyond which there is nothing to lock to. Healthy transducers leave 2e-3 at most.
+const LARGEST_TURN: f32 = 0.1;
+/// Deviations of the strength of the resonance that it must have: noise alone makes one of four.
+const SIGNIFICANT: f32 = 10.0;
 /// Deviations that a judgement leaves room for.
 const SIGMAS: f32 = 3.0;
 /// A second resonance that is as near as this to the first, and this strong, relative to the first, is the company of a crack.
@@ -224,10 +228,12 @@ impl PowerOn {
         let cracked = found
             .company
             .is_some_and(|(hz, strength)| (hz / found.resonance_hz.value - 1.0).abs() < CRACK.0 && strength > CRACK.1);
-        // A deviation that is no number is none to go by.
         let shift = (found.c0_f.value - self.nominal_c0_f).abs() - SIGMAS * found.c0_f.deviation;
-        let holds =
-            fit::is_plausible(&solution.elements) && found.lock_deviation_hz.is_finite() && solution.misfit < LARGEST_MISFIT;
+        let turn = 2.0 * found.lock_deviation_hz * found.q.value / found.resonance_hz.value;
+        let explained = fit::is_plausible(&solution.elements) && solution.misfit < LARGEST_MISFIT;
+        // What is no number does not hold, either.
+        let resonates = found.lm_h.value > SIGNIFICANT * found.lm_h.deviation;
+        let holds = explained && resonates && turn < LARGEST_TURN;
         match () {
             () if !holds => Step::Failed(Fault::ResonanceDamaged),
             () if shift > CAPACITANCE_SHIFT * self.nominal_c0_f => Step::Failed(Fault::CapacitanceShifted),

@@ -67,7 +67,8 @@ pub enum Fault {
     /// The voltage leads where the current should: the two sense channels are swapped, or one of them is reversed. Known 4 blocks after the
     /// self-test's tone is heard.
     SenseSwapped = 27,
-    /// A sense channel stands at the end of its range, for an eighth of a block: known with that block.
+    /// A sense channel stands at the end of its range, for more than an eighth of a block: known with that block. Of the current, where the limit is
+    /// beyond the range.
     SenseSaturated = 28,
     /// The scan has found no resonance in the window.
     NoResonance = 30,

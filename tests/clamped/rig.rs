@@ -188,8 +188,7 @@ impl Rig {
             [omega * lm_h / case.q, lm_h, cm_f]
         });
         let (sensors, front_end) = (scene.sensors, &config.front_end);
-        let truth =
-            Truth { circuit, second, loss: case.loss, amplifier: scene.amplifier.clone(), sensors: sensors.clone() };
+        let truth = Truth { circuit, second, loss: case.loss, amplifier: scene.amplifier.clone(), sensors: sensors.clone() };
         let bench = Bench {
             plant,
             conductance: 0.0,

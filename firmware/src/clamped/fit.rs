@@ -183,8 +183,9 @@ impl Fit {
         (rises[H], rises[G]) = (1.0 / LOSS_RISES.1, -LOSS_RISES.0 / LOSS_RISES.1);
         self.triangle.fold(rises, (LOSS_RISES.0 * self.elements[G] - self.elements[H]) / LOSS_RISES.1);
         let (step, d) = (self.triangle.solve(), self.elements[D]);
-        for n in 0..UNKNOWNS {
-            self.elements[n] += if n == XS || n == X2 { step[n].clamp(-LONGEST_STEP, LONGEST_STEP) } else { step[n] };
+        for (n, (element, step)) in self.elements.iter_mut().zip(step).enumerate() {
+            let resonance = n == XS || n == X2;
+            *element += if resonance { step.clamp(-LONGEST_STEP, LONGEST_STEP) } else { step };
         }
         self.elements[D] = self.elements[D].clamp(d / 3.0, d * 3.0);
         self.round += 1;
