@@ -98,9 +98,9 @@ impl Guard {
         let over_current = look_at_i && convert.i.beyond(&sense.i, self.current_limit) >= OVER_CURRENT_SAMPLES;
         match () {
             () if missed || cut => Some(Fault::LateBlock),
-            () if look_at_v && clipped(&convert.v, &sense.v) => Some(Fault::SensorImplausible),
+            () if look_at_v && clipped(&convert.v, &sense.v) => Some(Fault::SenseSaturated),
             () if tripped || over_current => Some(Fault::OverCurrent),
-            () if look_at_i && clipped(&convert.i, &sense.i) => Some(Fault::SensorImplausible),
+            () if look_at_i && clipped(&convert.i, &sense.i) => Some(Fault::SenseSaturated),
             () if self.wrong_voltage >= IMPLAUSIBLE_BLOCKS => Some(Fault::SensorImplausible),
             () if self.no_current >= IMPLAUSIBLE_BLOCKS => Some(Fault::LoadOpen),
             () if self.belt_still > self.belt_stop_blocks => Some(Fault::BeltStopped),

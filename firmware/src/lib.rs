@@ -33,6 +33,7 @@ pub mod block;
 pub mod block_task;
 pub mod burst;
 pub mod calibrate;
+pub mod clamped;
 pub mod command;
 pub mod config;
 pub mod controller;

@@ -1,14 +1,17 @@
 //! Power-on plausibility, before any real drive: are both sense channels alive, and is there a transducer?
 //!
 //! First silence, until nothing rings any more; then the mean code of each channel is its offset, which must be small, and is
-//! removed from then on. Then a tone well below the resonance, where the transducer is little more than its clamped capacitance: the voltage must be
-//! what was played, the current what the capacitance takes, each within a factor.
+//! removed from then on. Then a tone well below the resonance, where the transducer is little more than its clamped capacitance: the current must lead
+//! the voltage, the voltage must be what was played, the current what the capacitance takes, each within a factor.
+//!
+//! It takes 96 blocks from silence, and 1000 and 40 nominal time constants more where something still rings. A swapped pair of channels is known
+//! 4 blocks after the tone is heard, the rest at its end.
 
 use crate::block::{LATENCY_BLOCKS, SenseBlock};
 use crate::config::Config;
 use crate::convert::Convert;
 use crate::demod::Sensed;
-use crate::phasor::magnitude;
+use crate::phasor::{Phasor, magnitude};
 use crate::supervisor::Fault;
 
 /// Blocks of silence that are averaged.
@@ -20,6 +23,10 @@ const RING_DOWN: (f32, u32) = (40.0, 1000);
 /// Blocks of the tone, and how many at its end are measured.
 const TONE_BLOCKS: u32 = 64;
 const MEASURED_BLOCKS: u32 = 16;
+/// Blocks of the tone, from its first on, by whose phase swapped channels are told: before the guard finds the voltage implausible.
+const PHASE_BLOCKS: u32 = 4;
+/// Smallest amplitude whose phase is judged, codes: noise alone leaves a quarter of one.
+const PHASE_CODES: f32 = 4.0;
 /// The tone, relative to the nominal frequency and to the scan voltage.
 const TONE_FREQUENCY: f32 = 0.85;
 const TONE_AMPLITUDE: f32 = 0.5;
@@ -60,6 +67,10 @@ pub struct SelfTest {
     quiet: bool,
     mean_codes: (f32, f32),
     sum: (f32, f32),
+    /// The first blocks' voltage and current.
+    first: (f32, f32),
+    /// Their current against their voltage.
+    lead: Phasor,
 }
 
 impl SelfTest {
@@ -77,6 +88,8 @@ impl SelfTest {
             quiet: false,
             mean_codes: (0.0, 0.0),
             sum: (0.0, 0.0),
+            first: (0.0, 0.0),
+            lead: Phasor::default(),
         }
     }
 
@@ -86,11 +99,14 @@ impl SelfTest {
         self.quiet = false;
         self.mean_codes = (0.0, 0.0);
         self.sum = (0.0, 0.0);
+        self.first = (0.0, 0.0);
+        self.lead = Phasor::default();
     }
 
     /// Takes a block, in which `played` volts were, and says what to do next. Moves the zero of both channels when the silence is over.
     pub fn step(&mut self, convert: &mut Convert, sense: &SenseBlock, sensed: &Sensed, played: f32) -> Step {
         const TONE_ENDS: u32 = SILENT_BLOCKS + TONE_BLOCKS;
+        const FIRST_HEARD: u32 = SILENT_BLOCKS + LATENCY_BLOCKS as u32;
         self.block += 1;
         if !self.quiet {
             return self.wait_for_quiet(convert, sense);
@@ -100,6 +116,15 @@ impl SelfTest {
                 self.mean_codes.0 += convert.v.mean_code(&sense.v) / SILENT_BLOCKS as f32;
                 self.mean_codes.1 += convert.i.mean_code(&sense.i) / SILENT_BLOCKS as f32;
                 if n == SILENT_BLOCKS { self.judge_offset(convert) } else { Step::Silence }
+            }
+            n if (FIRST_HEARD..FIRST_HEARD + PHASE_BLOCKS).contains(&n) => {
+                self.first.0 += magnitude(sensed.v) / PHASE_BLOCKS as f32;
+                self.first.1 += magnitude(sensed.i) / PHASE_BLOCKS as f32;
+                self.lead += sensed.i * sensed.v.conj();
+                if n + 1 == FIRST_HEARD + PHASE_BLOCKS && self.is_swapped(convert) {
+                    return Step::Failed(Fault::SenseSwapped);
+                }
+                self.tone()
             }
             n if n <= TONE_ENDS => {
                 if n > TONE_ENDS - MEASURED_BLOCKS {
@@ -137,6 +162,12 @@ impl SelfTest {
         convert.v.shift_zero(self.mean_codes.0);
         convert.i.shift_zero(self.mean_codes.1);
         self.tone()
+    }
+
+    /// Whether the current lags where it must lead.
+    fn is_swapped(&self, convert: &Convert) -> bool {
+        let heard = convert.v.codes(self.first.0) > PHASE_CODES && convert.i.codes(self.first.1) > PHASE_CODES;
+        heard && self.lead.im < -self.lead.re.abs()
     }
 
     fn judge_tone(&self, played: f32) -> Step {

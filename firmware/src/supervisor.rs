@@ -48,7 +48,7 @@ pub enum Fault {
     EmergencyStop = 10,
     /// A block came late, was lost, or was cut short.
     LateBlock = 11,
-    /// A sense channel is clipped, offset, or does not show what was played.
+    /// A sense channel is offset, stuck, or does not show what was played: 8 blocks, or the self-test's 96.
     SensorImplausible = 20,
     /// More current than the limit, seen here or by the comparator.
     OverCurrent = 21,
@@ -58,13 +58,17 @@ pub enum Fault {
     LoadOpen = 23,
     /// A lane is not heard, is further off than a trim can be for, or does not do what its trim should make it do.
     LaneImplausible = 24,
-    /// The clamped capacitance is not what it was told to be: a stack that has depoled, or another stack.
+    /// The clamped capacitance is more than 20 % off what it was told to be: a stack that has depoled, or another stack. Known at the end of the
+    /// calibration at power-on, 45 ms at 40 kHz.
     CapacitanceShifted = 25,
-    /// The resonance is damped more than it was told, or has company it should not have: a crack.
+    /// The resonance is missing, damped more than it was told, or has company it should not have: a crack. Known at the end of the calibration at
+    /// power-on, 55 ms at 40 kHz.
     ResonanceDamaged = 26,
-    /// The current leads where the voltage should: the two sense channels are swapped.
+    /// The voltage leads where the current should: the two sense channels are swapped, or one of them is reversed. Known 4 blocks after the
+    /// self-test's tone is heard.
     SenseSwapped = 27,
-    /// A sense channel stands at the end of its range.
+    /// A sense channel stands at the end of its range, for more than an eighth of a block: known with that block. Of the current, where the limit is
+    /// beyond the range.
     SenseSaturated = 28,
     /// The scan has found no resonance in the window.
     NoResonance = 30,

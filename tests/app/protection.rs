@@ -29,7 +29,7 @@ fn what_is_certain_mutes_at_once() {
     let latency = LATENCY_BLOCKS as u64;
     assert_eq!(struck(FaultKind::LateBlock), (Some(Fault::LateBlock), 0, latency));
     assert_eq!(struck(FaultKind::Dropout), (Some(Fault::LateBlock), 0, latency));
-    assert_eq!(struck(FaultKind::Saturation), (Some(Fault::SensorImplausible), 0, latency));
+    assert_eq!(struck(FaultKind::Saturation), (Some(Fault::SenseSaturated), 0, latency));
     assert_eq!(struck(FaultKind::OverCurrentTrip), (Some(Fault::OverCurrent), 0, latency));
 }
 

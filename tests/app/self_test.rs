@@ -56,10 +56,14 @@ fn a_hundredfold_current_is_a_shorted_load() {
 }
 
 #[test]
-fn a_sensor_that_is_stuck_off_or_at_its_end_is_implausible() {
+fn a_sensor_that_stands_at_its_end_is_saturated() {
+    assert_eq!(end_with(&[FaultKind::Saturation]), Some(28));
+}
+
+#[test]
+fn a_sensor_that_is_stuck_or_off_is_implausible() {
     assert_eq!(end_with(&[FaultKind::SensorStuck]), Some(20));
     assert_eq!((end_with(&[FaultKind::SensorOffset(110)]), end_with(&[FaultKind::SensorOffset(-110)])), (Some(20), Some(20)));
-    assert_eq!(end_with(&[FaultKind::Saturation]), Some(20));
 }
 
 #[test]

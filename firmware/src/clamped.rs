@@ -1,0 +1,285 @@
+//! The clamped branch at power-on, from tones beside the resonance: before anything has rung up, whatever the resonance is.
+//!
+//! What a tracker must know before it starts is the clamped branch `Y0` and the direction of the motional admittance, both as the converters
+//! see them. A clamped capacitance that is wrong by `e`, and a sensing chain that turns by `a` more than was thought, move the lock point by
+//!
+//! ```text
+//! df = fs / (2 Q) (e / M + a),    M = 1 / (w C0 Rm)
+//! ```
+//!
+//! which at 40 kHz and C0 / Cm = 15 is 7.5 Hz per % and 2.5 Hz per 10 ns at Q 20, 0.7 Hz and 0.8 Hz at Q 65.
+//!
+//! Eight tones, four on each side of the window in which the resonance may be, each of 200 periods. The stack hears each tone rise and fall; what
+//! its start leaves ringing at the resonance is beside the tone, and a Hann window over the tone does not see it: nothing waits for a ring-down,
+//! whatever Q is. A [model](model) of the whole admittance is then [fitted](fit), one equation a block, while the drive is silent.
+//!
+//! What images of the DAC add to C0 changes with the frequency; between both sides it is right at the resonance. A second resonance that one
+//! cannot explain is fitted as such; what then is left makes the stated deviations larger.
+
+pub mod fit;
+pub mod model;
+pub mod online;
+pub mod triangle;
+
+use crate::block::LATENCY_BLOCKS;
+use crate::clamped::fit::{Fit, MAX_POINTS, Point, Solution};
+use crate::clamped::model::{C, D, G, H, K, K2, THETA, UNKNOWNS, X2, XS};
+use crate::config::Config;
+use crate::demod::Sensed;
+use crate::motional::Motional;
+use crate::phasor::Phasor;
+use crate::shape::sine;
+use crate::supervisor::Fault;
+
+const TAU: f32 = core::f32::consts::TAU;
+
+/// Distance of the nearest tones from the window's end, and of the others from the nearest, below and above; relative to the nominal frequency.
+/// Nearest first: what a tone leaves ringing is then the least at the end. Above there is room for a second resonance at +7 %.
+const NEAREST: f32 = 0.0213;
+const BELOW: [f32; 4] = [0.0, 0.0279, 0.0713, 0.1297];
+const ABOVE: [f32; 4] = [0.0, 0.0717, 0.1131, 0.1711];
+/// The highest tone, as a part of the sample rate.
+const HIGHEST: f32 = 0.4;
+/// Periods of a tone, and the part of them in which it rises, and in which it falls.
+const TONE_PERIODS: f32 = 200.0;
+const EDGE: f32 = 0.2;
+/// Noise of a sense channel that is reckoned with, codes rms: one of each of two conversions.
+const NOISE_CODES: f32 = 1.5;
+/// What the model leaves at best, relative to the clamped susceptance: ringing, rounding.
+const FLOOR: f32 = 3e-4;
+/// How far the capacitance may be from what was told.
+const CAPACITANCE_SHIFT: f32 = 0.2;
+/// Smallest Q, relative to the nominal one, which may be wrong by two. A crack leaves a fifth.
+const SMALLEST_Q: f32 = 0.4;
+/// Rms of what two resonances leave, in standard deviations, beyond which the transducer is not one that could be tracked. Healthy ones leave 4 at most.
+const LARGEST_MISFIT: f32 = 20.0;
+/// Deviation of the motional phase at the lock point, rad, beyond which there is nothing to lock to. Healthy transducers leave 2e-3 at most.
+const LARGEST_TURN: f32 = 0.1;
+/// Deviations of the strength of the resonance that it must have: noise alone makes one of four.
+const SIGNIFICANT: f32 = 10.0;
+/// Deviations that a judgement leaves room for.
+const SIGMAS: f32 = 3.0;
+/// A second resonance that is as near as this to the first, and this strong, relative to the first, is the company of a crack.
+const CRACK: (f32, f32) = (0.035, 0.1);
+
+/// What the calibration wants next.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Step {
+    /// Play a tone.
+    Tone {
+        /// Offset from the nominal frequency, Hz.
+        offset_hz: f32,
+        /// Peak voltage, V.
+        volts: f32,
+    },
+    /// Play silence.
+    Silence,
+    /// The clamped branch is known.
+    Found(Clamped),
+    /// The transducer is not what it was told to be.
+    Failed(Fault),
+}
+
+/// A value and its standard deviation.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Measured {
+    /// The value.
+    pub value: f32,
+    /// Its standard deviation.
+    pub deviation: f32,
+}
+
+/// What the tones have told.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Clamped {
+    /// The clamped branch and the axis, for tracking.
+    pub motional: Motional,
+    /// Clamped capacitance as the converters see it, F.
+    pub c0_f: Measured,
+    /// What sensing turns the motional admittance by, rad: the axis.
+    pub turn_rad: Measured,
+    /// Motional inductance, H.
+    pub lm_h: Measured,
+    /// Series resonance, Hz.
+    pub resonance_hz: Measured,
+    /// Quality factor.
+    pub q: Measured,
+    /// Standard deviation of the lock point that follows from [`Clamped::motional`], Hz.
+    pub lock_deviation_hz: f32,
+    /// Rms of what the model leaves, in standard deviations: about one.
+    pub misfit: f32,
+    /// A second resonance, Hz, and its strength relative to the first.
+    pub company: Option<(f32, f32)>,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Stage {
+    Tones,
+    Fit,
+}
+
+/// The calibration, in progress.
+#[derive(Clone, Debug)]
+pub struct PowerOn {
+    nominal_hz: f32,
+    nominal_c0_f: f32,
+    nominal_q: f32,
+    volts: f32,
+    /// Of a current and of a voltage, relative to what the scan voltage makes, over one block.
+    noise: (f32, f32),
+    offsets: [f32; MAX_POINTS],
+    tone_blocks: u32,
+    stage: Stage,
+    block: u32,
+    iv: Phasor,
+    vv: f32,
+    fit: Fit,
+}
+
+impl PowerOn {
+    /// A calibration by the configured drive and window, which the scan has checked.
+    pub fn build(config: &Config) -> Self {
+        let (drive, tracking) = (&config.drive, &config.tracking);
+        let susceptance = TAU * drive.frequency_hz * tracking.nominal_c0_f;
+        let block_periods = drive.frequency_hz * f32::from(config.block_samples) / config.sample_hz;
+        let nearest = tracking.span + NEAREST;
+        let highest = HIGHEST * config.sample_hz / drive.frequency_hz - 1.0;
+        let per_block = NOISE_CODES / libm::sqrtf(f32::from(config.block_samples));
+        PowerOn {
+            nominal_hz: drive.frequency_hz,
+            nominal_c0_f: tracking.nominal_c0_f,
+            nominal_q: tracking.nominal_q,
+            volts: drive.scan_volts,
+            noise: (
+                per_block * config.front_end.ampere_per_lsb / (drive.scan_volts * susceptance),
+                per_block * config.front_end.volt_per_lsb / drive.scan_volts,
+            ),
+            // Below and above in turns.
+            offsets: core::array::from_fn(|n| match n % 2 {
+                0 => -nearest - BELOW[n / 2],
+                _ => (nearest + ABOVE[n / 2]).min(highest),
+            }),
+            tone_blocks: (TONE_PERIODS / block_periods) as u32 + 1,
+            stage: Stage::Tones,
+            block: 0,
+            iv: Phasor::default(),
+            vv: 0.0,
+            fit: Fit::new(1.0 / tracking.nominal_q),
+        }
+    }
+
+    /// Begins again.
+    pub fn restart(&mut self) {
+        (self.stage, self.block) = (Stage::Tones, 0);
+        (self.iv, self.vv) = (Phasor::default(), 0.0);
+        self.fit = Fit::new(1.0 / self.nominal_q);
+    }
+
+    /// Takes the phasors of the block just heard and says what to do next.
+    pub fn step(&mut self, sensed: &Sensed) -> Step {
+        match self.stage {
+            Stage::Tones => {
+                if let Some(block) = self.block.checked_sub(LATENCY_BLOCKS as u32) {
+                    self.hear(block, sensed);
+                }
+                let tone = (self.block / self.tone_blocks) as usize;
+                self.block += 1;
+                if self.block == self.tone_blocks * MAX_POINTS as u32 + LATENCY_BLOCKS as u32 {
+                    self.stage = Stage::Fit;
+                }
+                match self.offsets.get(tone) {
+                    Some(offset) => Step::Tone { offset_hz: offset * self.nominal_hz, volts: self.volts * self.level() },
+                    None => Step::Silence,
+                }
+            }
+            Stage::Fit => match self.fit.advance() {
+                None => Step::Silence,
+                Some(solution) => self.judge(&solution),
+            },
+        }
+    }
+
+    /// Amplitude of the tone in the block that is about to be ordered, relative to the scan voltage.
+    fn level(&self) -> f32 {
+        let part = ((self.block - 1) % self.tone_blocks) as f32 / self.tone_blocks as f32;
+        hann((part.min(1.0 - part) / (2.0 * EDGE)).min(0.5))
+    }
+
+    fn hear(&mut self, block: u32, sensed: &Sensed) {
+        let within = block % self.tone_blocks;
+        let weight = hann((within as f32 + 0.5) / self.tone_blocks as f32);
+        self.iv += sensed.i * sensed.v.conj() * weight;
+        self.vv += sensed.v.norm_sqr() * weight;
+        if within + 1 < self.tone_blocks {
+            return;
+        }
+        let (iv, vv) = (core::mem::take(&mut self.iv), core::mem::take(&mut self.vv));
+        let x = self.offsets[((block / self.tone_blocks) as usize).min(MAX_POINTS - 1)];
+        let y = iv / (vv * TAU * self.nominal_hz * self.nominal_c0_f);
+        let square = |x: f32| x * x;
+        // A Hann window hears as much noise as two thirds of its length without.
+        let noise = 1.5 * (square(self.noise.0) + y.norm_sqr() * square(self.noise.1)) / self.tone_blocks as f32;
+        self.fit.add(Point { x, y, deviation: libm::sqrtf(noise + square(FLOOR)) });
+    }
+
+    fn judge(&self, solution: &Solution) -> Step {
+        let found = self.read(solution);
+        let q_at_most = found.q.value + SIGMAS * found.q.deviation;
+        let cracked = found
+            .company
+            .is_some_and(|(hz, strength)| (hz / found.resonance_hz.value - 1.0).abs() < CRACK.0 && strength > CRACK.1);
+        let shift = (found.c0_f.value - self.nominal_c0_f).abs() - SIGMAS * found.c0_f.deviation;
+        let turn = 2.0 * found.lock_deviation_hz * found.q.value / found.resonance_hz.value;
+        let explained = fit::is_plausible(&solution.elements) && solution.misfit < LARGEST_MISFIT;
+        // What is no number does not hold, either.
+        let resonates = found.lm_h.value > SIGNIFICANT * found.lm_h.deviation;
+        let holds = explained && resonates && turn < LARGEST_TURN;
+        match () {
+            () if !holds => Step::Failed(Fault::ResonanceDamaged),
+            () if shift > CAPACITANCE_SHIFT * self.nominal_c0_f => Step::Failed(Fault::CapacitanceShifted),
+            () if cracked || q_at_most < SMALLEST_Q * self.nominal_q => Step::Failed(Fault::ResonanceDamaged),
+            () => Step::Found(found),
+        }
+    }
+
+    fn read(&self, solution: &Solution) -> Clamped {
+        let e = &solution.elements;
+        let us = 1.0 + e[XS];
+        let of = |n: usize, scale: f32| {
+            let one = core::array::from_fn(|k| if k == n { scale } else { 0.0 });
+            solution.deviation(&one)
+        };
+        let axis = Phasor::new(libm::cosf(e[THETA] * us), libm::sinf(e[THETA] * us));
+        // Without its motional branch.
+        let mut clamped = *e;
+        clamped[K] = 0.0;
+        let (y0, by) = model::admittance(&clamped, e[XS]);
+        let susceptance = TAU * self.nominal_hz * self.nominal_c0_f;
+        let y0 = y0 * susceptance;
+        // What an error of an element turns the motional phase by: that of Y0 against the motional conductance, and that of the axis.
+        let conductance = e[K] / (e[D] * us);
+        let mut turns: [f32; UNKNOWNS] = core::array::from_fn(|n| match n {
+            C | G | H | THETA | K2 | X2 => (by[n] * axis.conj()).im / conductance,
+            _ => 0.0,
+        });
+        turns[THETA] += us;
+        let lm_h = 1.0 / (TAU * TAU * self.nominal_hz * self.nominal_hz * e[K] * self.nominal_c0_f);
+        let hz = self.nominal_hz * us;
+        Clamped {
+            motional: Motional { y0: Phasor::new(y0.re, y0.im / us), axis },
+            c0_f: Measured { value: e[C] * self.nominal_c0_f, deviation: of(C, self.nominal_c0_f) },
+            turn_rad: Measured { value: e[THETA] * us, deviation: of(THETA, us) },
+            lm_h: Measured { value: lm_h, deviation: of(K, lm_h / e[K]) },
+            resonance_hz: Measured { value: hz, deviation: of(XS, self.nominal_hz) },
+            q: Measured { value: 1.0 / e[D], deviation: of(D, 1.0 / (e[D] * e[D])) },
+            lock_deviation_hz: 0.5 * hz * e[D] * solution.deviation(&turns),
+            misfit: solution.misfit,
+            company: (e[K2] != 0.0).then(|| (self.nominal_hz * (1.0 + e[X2]), e[K2] / e[K])),
+        }
+    }
+}
+
+/// `(1 - cos(2 pi part)) / 2`.
+fn hann(part: f32) -> f32 {
+    0.5 - 0.5 * sine::rotation(((part * 4_294_967_296.0) as u64) << 32).re
+}

@@ -1,0 +1,265 @@
+//! The elements of the [model] from admittances at some frequencies: Gauss and Newton's iteration, one equation a block.
+//!
+//! Started by a linear fit without losses (Levy 1959), so that nobody needs to know where the resonance is: with `Z = Im Y / u`, `v = u^2 - 1`,
+//!
+//! ```text
+//! one resonance:  Z v   = w Z - p + c v,              us^2 - 1 = w,  k = p - c w
+//! two:            Z v^2 = -a Z v - b Z + c v^2 + e v + p,   us^2 - 1 and u2^2 - 1 the roots of v^2 + a v + b
+//! ```
+//!
+//! What one resonance cannot explain is tried with two: first with another one above, then, where that does not explain it either, from such a start.
+
+use heapless::Vec;
+
+use crate::clamped::model::{C, D, Elements, G, H, K, K2, THETA, UNKNOWNS, X2, XS, admittance};
+use crate::clamped::triangle::Triangle;
+use crate::phasor::Phasor;
+
+/// The most admittances there can be.
+pub const MAX_POINTS: usize = 8;
+/// Iterations with one resonance, and with two. They square the error from 1e-2 on, or nearly so.
+const ROUNDS: (u32, u32) = (5, 8);
+/// Beyond this rms residual, in standard deviations, one resonance does not explain what was measured.
+const MISFIT: f32 = 4.0;
+/// Where a second resonance is looked for first, above the first, and how strong, relative to it.
+const SECOND: (f32, f32) = (0.06, 0.15);
+/// What is known beforehand: an element, and its standard deviation about zero. Of loss, about what was told, relative to that. `theta` of 0.1 rad
+/// is 400 ns at 40 kHz.
+const KNOWN: [(usize, f32); 4] = [(XS, 0.1), (D, 4.0), (THETA, 0.1), (X2, 0.2)];
+/// How the loss of the clamped branch rises with the frequency: between that of a dielectric (1) and of images (2), and to what part of the
+/// clamped susceptance that is known.
+const LOSS_RISES: (f32, f32) = (1.5, 0.02);
+/// The most that a resonance may move in one iteration.
+const LONGEST_STEP: f32 = 0.01;
+
+/// An admittance, relative to the nominal clamped susceptance.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Point {
+    /// Offset from the nominal frequency, relative to it.
+    pub x: f32,
+    /// The admittance.
+    pub y: Phasor,
+    /// Its standard deviation, of either part.
+    pub deviation: f32,
+}
+
+/// What is fitted at present.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Stage {
+    StartOne,
+    One,
+    /// With a second resonance above.
+    Above,
+    StartTwo,
+    Two,
+}
+
+/// Elements that explain the points, and how well.
+#[derive(Clone, Debug)]
+pub struct Solution {
+    /// The elements.
+    pub elements: Elements,
+    /// Their triangular factor.
+    pub triangle: Triangle<UNKNOWNS>,
+    /// Root of what is left in the mean of the degrees of freedom, in standard deviations: one, if the model holds.
+    pub misfit: f32,
+}
+
+impl Solution {
+    /// Standard deviation of a sum of elements, larger where the model does not hold.
+    pub fn deviation(&self, of: &[f32; UNKNOWNS]) -> f32 {
+        self.triangle.deviation(of) * self.misfit.max(1.0)
+    }
+}
+
+/// The fit, in progress.
+#[derive(Clone, Debug)]
+pub struct Fit {
+    loss: f32,
+    points: Vec<Point, MAX_POINTS>,
+    stage: Stage,
+    round: u32,
+    row: usize,
+    elements: Elements,
+    triangle: Triangle<UNKNOWNS>,
+    best: Option<Solution>,
+}
+
+impl Fit {
+    /// Without a point. `loss`: the nominal one, `1 / Q`.
+    pub fn new(loss: f32) -> Self {
+        Fit {
+            loss,
+            points: Vec::new(),
+            stage: Stage::StartOne,
+            round: 0,
+            row: 0,
+            elements: Elements::default(),
+            triangle: Triangle::default(),
+            best: None,
+        }
+    }
+
+    /// Adds a point; no more than there is room for.
+    pub fn add(&mut self, point: Point) {
+        let _ = self.points.push(point);
+    }
+
+    /// Folds one equation. Returns the solution when it is found.
+    pub fn advance(&mut self) -> Option<Solution> {
+        let starts = matches!(self.stage, Stage::StartOne | Stage::StartTwo);
+        let parts = if starts { 1 } else { 2 };
+        if let Some(&point) = self.points.get(self.row / parts) {
+            if starts { self.fold_linear(point) } else { self.fold(point, self.row % 2 == 1) }
+        }
+        self.row += 1;
+        if self.row < parts * self.points.len() {
+            return None;
+        }
+        self.row = 0;
+        if starts {
+            self.start();
+            return None;
+        }
+        self.finish_round()
+    }
+
+    fn fold_linear(&mut self, point: Point) {
+        let v = point.x * (2.0 + point.x);
+        let z = point.y.im / (1.0 + point.x);
+        let mut row = [0.0; UNKNOWNS];
+        let (weight, right) = if self.stage == Stage::StartOne {
+            row[..3].copy_from_slice(&[z, -1.0, v]);
+            (1.0 / (v * point.deviation), z * v)
+        } else {
+            row[..5].copy_from_slice(&[-z * v, -z, v * v, v, 1.0]);
+            (1.0 / (v * v * point.deviation), z * v * v)
+        };
+        self.triangle.fold(row.map(|x| x * weight), right * weight);
+    }
+
+    fn fold(&mut self, point: Point, imaginary: bool) {
+        let (y, by) = admittance(&self.elements, point.x);
+        let part = |y: Phasor| if imaginary { y.im } else { y.re } / point.deviation;
+        let unknown = if self.stage == Stage::One { K2 } else { UNKNOWNS };
+        self.triangle.fold(core::array::from_fn(|n| if n < unknown { part(by[n]) } else { 0.0 }), part(point.y - y));
+    }
+
+    /// Begins the iteration where the linear fit has ended.
+    fn start(&mut self) {
+        let resonance = |w: f32| libm::sqrtf((1.0 + w).clamp(0.6, 1.6)) - 1.0;
+        let mut e = Elements::default();
+        e[D] = self.loss;
+        if self.stage == Stage::StartOne {
+            let [w, p, c, ..] = self.triangle.solve();
+            (e[C], e[K], e[XS]) = (c, p - c * w, resonance(w));
+            self.stage = Stage::One;
+        } else {
+            let [a, b, c, slope, p, ..] = self.triangle.solve();
+            let apart = libm::sqrtf((a * a - 4.0 * b).max(1e-4));
+            let roots = [0.5 * (-a - apart), 0.5 * (-a + apart)];
+            let strength = |w: f32, other: f32| (c * w * w + slope * w + p) / (other - w);
+            let strengths = [strength(roots[0], roots[1]), strength(roots[1], roots[0])];
+            let main = usize::from(strengths[1] > strengths[0]);
+            (e[C], e[K], e[XS]) = (c, strengths[main], resonance(roots[main]));
+            (e[K2], e[X2]) = (strengths[1 - main], resonance(roots[1 - main]));
+            self.stage = Stage::Two;
+        }
+        (self.elements, self.round, self.triangle) = (e, 0, Triangle::default());
+    }
+
+    fn finish_round(&mut self) -> Option<Solution> {
+        for (n, deviation) in KNOWN {
+            let (expected, deviation) = match n {
+                D => (self.loss, deviation * self.loss),
+                X2 if self.stage == Stage::One => continue,
+                _ => (0.0, deviation),
+            };
+            let mut row = [0.0; UNKNOWNS];
+            row[n] = 1.0 / deviation;
+            self.triangle.fold(row, (expected - self.elements[n]) / deviation);
+        }
+        let mut rises = [0.0; UNKNOWNS];
+        (rises[H], rises[G]) = (1.0 / LOSS_RISES.1, -LOSS_RISES.0 / LOSS_RISES.1);
+        self.triangle.fold(rises, (LOSS_RISES.0 * self.elements[G] - self.elements[H]) / LOSS_RISES.1);
+        let (step, d) = (self.triangle.solve(), self.elements[D]);
+        for (n, (element, step)) in self.elements.iter_mut().zip(step).enumerate() {
+            let resonance = n == XS || n == X2;
+            *element += if resonance { step.clamp(-LONGEST_STEP, LONGEST_STEP) } else { step };
+        }
+        self.elements[D] = self.elements[D].clamp(d / 3.0, d * 3.0);
+        self.round += 1;
+        let (rounds, unknowns) = if self.stage == Stage::One { (ROUNDS.0, K2) } else { (ROUNDS.1, UNKNOWNS) };
+        if self.round < rounds {
+            self.triangle = Triangle::default();
+            return None;
+        }
+        let freedom = (2 * self.points.len()).saturating_sub(unknowns).max(1) as f32;
+        let misfit = libm::sqrtf(self.triangle.rest() / freedom);
+        let better = self.best.as_ref().is_none_or(|best| misfit < best.misfit && is_plausible(&self.elements));
+        if better {
+            self.best = Some(Solution { elements: self.elements, triangle: self.triangle.clone(), misfit });
+        }
+        let best = self.best.take()?;
+        self.triangle = Triangle::default();
+        // What is no number ends it, too.
+        match self.stage {
+            Stage::One if best.misfit > MISFIT => {
+                (self.elements, self.round, self.stage) = (best.elements, 0, Stage::Above);
+                self.elements[K2] = SECOND.1 * self.elements[K];
+                self.elements[X2] = self.elements[XS] + SECOND.0;
+            }
+            Stage::Above if best.misfit > MISFIT => self.stage = Stage::StartTwo,
+            _ => return Some(best),
+        }
+        self.best = Some(best);
+        None
+    }
+}
+
+/// Whether a passive circuit can be so.
+pub fn is_plausible(e: &Elements) -> bool {
+    e[C] > 0.0 && e[K] > 0.0 && e[K2] >= 0.0 && e[XS].abs() < 0.25 && e[X2].abs() < 0.5 && e[D] > 0.0
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const TONES: [f32; MAX_POINTS] = [-0.0413, 0.0413, -0.0692, 0.113, -0.1126, 0.1544, -0.171, 0.2124];
+
+    fn solve(told_loss: f32, elements: &Elements) -> Solution {
+        let mut fit = Fit::new(told_loss);
+        for x in TONES {
+            fit.add(Point { x, y: admittance(elements, x).0, deviation: 4e-4 });
+        }
+        (0..1000).find_map(|_| fit.advance()).expect("a solution")
+    }
+
+    #[test]
+    fn finds_one_resonance_wherever_it_is() {
+        for (xs, q) in [(-0.02, 20.0), (0.0, 65.0), (0.019, 1600.0)] {
+            let exact: Elements = [1.04, 0.01, 0.015, 0.067, xs, 1.0 / q, 0.01, 0.0, 0.0];
+            let found = solve(2.0 / q, &exact);
+            // Measured: 2e-6 of c, 4e-6 of the resonance, 1.3e-5 rad: rounding, and what is known beforehand.
+            assert!((found.elements[C] - exact[C]).abs() < 2e-5, "{xs}: {:?}", found.elements);
+            assert!((found.elements[XS] - xs).abs() < 1e-5, "{xs}: {:?}", found.elements);
+            assert!((found.elements[THETA] - exact[THETA]).abs() < 1e-4, "{xs}: {:?}", found.elements);
+            assert!(found.misfit < 0.5 && found.elements[K2] == 0.0, "{xs}: {}", found.misfit);
+        }
+    }
+
+    #[test]
+    fn finds_two_where_one_does_not_explain_it() {
+        for (x2, k2, q) in [(0.07, 0.02, 20.0), (0.08, 0.007, 65.0), (0.065, 0.02, 500.0)] {
+            let exact: Elements = [0.97, 0.01, 0.015, 0.067, -0.01, 1.0 / q, -0.01, k2, x2];
+            let found = solve(0.6 / q, &exact);
+            assert!(
+                (found.elements[X2] - x2).abs() < 2e-4 && (found.elements[K2] / k2 - 1.0).abs() < 0.02,
+                "{:?}",
+                found.elements
+            );
+            assert!((found.elements[C] - exact[C]).abs() < 1e-3 && found.misfit < 1.0, "{:?}", found.elements);
+        }
+    }
+}

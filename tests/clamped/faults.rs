@@ -1,0 +1,109 @@
+//! What is wrong with a transducer or its wiring, by its own number, and how soon.
+
+use firmware::block::{DriveBlock, Gate, Orders, Request, SenseBlock};
+use firmware::controller::Controller;
+use firmware::supervisor::{Fault, Mode};
+use hal_mock::analog::Analog;
+use hal_mock::block_clock::BlockClock;
+use sim_host::plant::Plant;
+use sim_host::scene::load::load;
+use sim_host::settings;
+
+use super::power_on::calibrate;
+use super::rig::{Case, Rig};
+
+const SEEDS: u64 = 12;
+
+/// Each seed must end with this fault. Returns the most blocks that took.
+fn ends_with(fault: Fault, case: &Case) -> u64 {
+    let ends = (1..=SEEDS).map(|seed| {
+        let (found, blocks) = calibrate(&mut Rig::new(case, seed));
+        assert_eq!(found.err(), Some(fault), "seed {seed} of {case:?}");
+        blocks
+    });
+    let blocks = ends.max().unwrap();
+    println!("{fault:?}: {:.1} ms", blocks as f64 * 0.032);
+    blocks
+}
+
+#[test]
+fn a_depoled_stack_has_shifted_its_capacitance() {
+    for told_c0 in [1.3, 0.78] {
+        for q in [20.0, 65.0, 500.0] {
+            assert!(ends_with(Fault::CapacitanceShifted, &Case { told_c0, q, ..Case::default() }) < 1400);
+        }
+    }
+    for told_c0 in [1.18, 0.86] {
+        let (found, _) = calibrate(&mut Rig::new(&Case { told_c0, ..Case::default() }, 1));
+        assert!(found.is_ok(), "{found:?}");
+    }
+}
+
+/// Q down to a fifth, a second resonance at -1.5 % with a fifth of the strength.
+#[test]
+fn a_cracked_stack_is_damaged() {
+    for q in [65.0, 200.0, 500.0] {
+        let case = Case { q: q / 5.0, told_q: 5.0, second: Some((0.2, 0.985)), ..Case::default() };
+        assert!(ends_with(Fault::ResonanceDamaged, &case) < 1700);
+    }
+}
+
+#[test]
+fn a_stack_without_its_resonance_is_damaged() {
+    for cm_f in [20e-13, 20e-15] {
+        assert!(ends_with(Fault::ResonanceDamaged, &Case { cm_f, ..Case::default() }) < 1700);
+    }
+}
+
+/// Does something to the sense codes.
+struct Wired<F> {
+    plant: Plant,
+    wiring: F,
+}
+
+impl<F: FnMut(&mut SenseBlock)> Analog for Wired<F> {
+    fn exchange(&mut self, drive: &DriveBlock, sense: &mut SenseBlock) {
+        self.plant.exchange(drive, sense);
+        (self.wiring)(sense);
+    }
+}
+
+/// The fault that a run ends with, and blocks from the first one driven.
+fn end_of_run(wiring: impl FnMut(&mut SenseBlock)) -> (Option<Fault>, u64) {
+    let scene = load("lock", &[]).unwrap_or_else(|error| panic!("{error}")).scene;
+    let scene = scene.driven().unwrap();
+    let mut controller = Controller::build(&settings::config(&scene)).unwrap();
+    let mut clock = BlockClock::new(Wired { plant: Plant::new(&scene), wiring }, &controller.silence());
+    let orders = Orders { gate: Gate::On, sequence: 1, attempt: 1, request: Request::Run, ..Orders::default() };
+    let mut driven = 0;
+    loop {
+        let report = clock.tick(|sense, drive| controller.process(&orders, sense, drive));
+        driven += u64::from(report.drive.0 > 0.0 || driven > 0);
+        if report.fault.is_some() || matches!(report.mode, Mode::Scan | Mode::Run) {
+            return (report.fault, driven);
+        }
+    }
+}
+
+#[test]
+fn swapped_channels_are_named_before_the_voltage_is_implausible() {
+    let swapped = end_of_run(|sense| std::mem::swap(&mut sense.v, &mut sense.i));
+    // Four blocks, after the two that are on their way.
+    assert_eq!(swapped, (Some(Fault::SenseSwapped), 6), "{swapped:?}");
+    let reversed = end_of_run(|sense| sense.i.iter_mut().for_each(|code| *code = 8190 - *code));
+    assert_eq!(reversed, (Some(Fault::SenseSwapped), 6), "{reversed:?}");
+    assert_eq!(end_of_run(|_| ()).0, None);
+}
+
+#[test]
+fn a_saturated_channel_is_named_with_its_block() {
+    let mut blocks = 0;
+    let saturated = end_of_run(|sense| {
+        blocks += 1;
+        if blocks > 50 {
+            sense.v.iter_mut().take(5).for_each(|code| *code = 8190);
+        }
+    });
+    assert_eq!(saturated.0, Some(Fault::SenseSaturated));
+    assert_eq!(blocks, 51);
+}
