@@ -10,7 +10,7 @@ const LOCK: [(&str, &str); 3] = [("100 Hz", "lock_time_100hz_ms"), ("20 Hz", "lo
 const RELOCK: [(&str, &str); 3] =
     [("100 Hz", "relock_time_100hz_ms"), ("20 Hz", "relock_time_20hz_ms"), ("4 Hz", "relock_time_4hz_ms")];
 /// What lies below is drawn here, Hz: a logarithmic axis has no zero.
-const FLOOR_HZ: f64 = 1e-3;
+const FLOOR_HZ: f64 = 1e-2;
 /// The bounds that the lock times are counted to, Hz.
 const BOUNDS_HZ: [f64; 3] = [100.0, 20.0, 4.0];
 
@@ -60,16 +60,28 @@ fn within(runs: &MonteCarlo, texts: &Texts, bounds: &[(&str, &str)]) -> Option<F
 /// The frequency error over time: median and the middle nine tenths of the runs. Laid over it: `limits`, each an error in Hz rms over a
 /// time in ms.
 fn error(runs: &MonteCarlo, limits: Vec<Series>) -> Option<Figure> {
-    let bands: Vec<(f64, [f64; 3])> =
+    let bands: Vec<(f64, Band)> =
         runs.times_ms.iter().enumerate().filter_map(|(place, &ms)| Some((ms, band(&runs.runs, place)?))).collect();
-    if bands.iter().all(|(_, band)| !band[1].is_finite()) {
+    if bands.iter().all(|(_, band)| !band.median.is_finite()) {
         return None;
     }
-    let column = |which: usize| bands.iter().map(|(_, band)| band[which]).collect::<Vec<f64>>();
-    let style = Style::Band { lower: column(0), upper: column(2) };
-    let x = bands.iter().map(|(ms, _)| *ms).collect();
-    let series =
-        Series { name: "median, 5 to 95 % of the runs".into(), csv_column: "frequency_error_hz".into(), x, y: column(1), style };
+    let column = |value: fn(&Band) -> f64| bands.iter().map(|(_, band)| value(band)).collect::<Vec<f64>>();
+    let style = Style::Band { lower: column(|band| band.low), upper: column(|band| band.high) };
+    let x: Vec<f64> = bands.iter().map(|(ms, _)| *ms).collect();
+    let rms = Series {
+        name: "rms of all runs".into(),
+        csv_column: "frequency_error_rms_hz".into(),
+        x: x.clone(),
+        y: column(|band| band.rms),
+        style: Style::Line,
+    };
+    let series = Series {
+        name: "median, 5 to 95 % of the runs".into(),
+        csv_column: "frequency_error_hz".into(),
+        x,
+        y: column(|band| band.median),
+        style,
+    };
     Some(Figure {
         id: "frequency-error".into(),
         title: "Frequency error after the lock stage begins".into(),
@@ -79,19 +91,67 @@ fn error(runs: &MonteCarlo, limits: Vec<Series>) -> Option<Figure> {
             .into(),
         x: Axis { log: true, ..axis("time from the first sample of the lock stage [ms]") },
         y: Axis { log: true, ..axis("off the true resonance [Hz]") },
-        series: std::iter::once(series).chain(limits).collect(),
+        series: [series, rms].into_iter().chain(limits).collect(),
         hlines: BOUNDS_HZ.map(|hz| (hz, format!("{hz} Hz"))).to_vec(),
         ..Figure::default()
     })
 }
 
-/// 5th percentile, median and 95th percentile of the errors at one moment, Hz; nothing once fewer than half of the runs are left.
-fn band(runs: &[OneRun], place: usize) -> Option<[f64; 3]> {
+/// The errors of all runs at one moment, Hz.
+struct Band {
+    low: f64,
+    median: f64,
+    high: f64,
+    rms: f64,
+}
+
+/// 5th percentile, median, 95th percentile and rms; nothing once fewer than half of the runs are left.
+fn band(runs: &[OneRun], place: usize) -> Option<Band> {
     let errors = runs.iter().filter_map(|run| run.error_hz.get(place).map(|&hz| f64::from(hz))).filter(|hz| !hz.is_nan());
     let mut errors: Vec<f64> = errors.map(|hz| hz.max(FLOOR_HZ)).collect();
-    if 2 * errors.len() < runs.len() {
+    if errors.is_empty() || 2 * errors.len() < runs.len() {
         return None;
     }
     errors.sort_by(f64::total_cmp);
-    Some([percentile(&errors, 0.05), median(&errors), percentile(&errors, 0.95)])
+    let rms = (errors.iter().map(|hz| hz * hz).sum::<f64>() / errors.len() as f64).sqrt();
+    Some(Band { low: percentile(&errors, 0.05), median: median(&errors), high: percentile(&errors, 0.95), rms })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::metrics::Metrics;
+    use crate::study::monte_carlo::draw::Draw;
+
+    fn runs(errors_hz: &[f32], times_ms: &[Option<f64>]) -> MonteCarlo {
+        let run = |(n, (&hz, &ms)): (usize, (&f32, &Option<f64>))| {
+            let mut metrics = Metrics::default();
+            metrics.put("lock_time_20hz_ms", ms);
+            let draw = Draw { number: n as u32 + 1, seed: 1, values: Vec::new() };
+            OneRun { draw, metrics, locked: true, drive_hash: None, error_hz: vec![hz] }
+        };
+        let runs: Vec<OneRun> = errors_hz.iter().zip(times_ms).enumerate().map(run).collect();
+        let asked = runs.len() as u32;
+        MonteCarlo { keys: Vec::new(), asked, runs, endless: Vec::new(), times_ms: vec![1.0], wall_s: 1.0 }
+    }
+
+    #[test]
+    fn the_distribution_ends_where_runs_never_lock() {
+        let figures = of(&runs(&[1.0, 2.0, 3.0, 4.0], &[Some(3.0), None, Some(1.0), Some(2.0)]));
+        let figure = figures.iter().find(|figure| figure.id == "lock-times").unwrap();
+        assert_eq!(figure.series.len(), 1);
+        let points: Vec<(f64, f64)> = figure.series[0].x.iter().copied().zip(figure.series[0].y.iter().copied()).collect();
+        let steps = [(0.0, 0.0), (1.0, 0.0), (1.0, 25.0), (2.0, 25.0), (2.0, 50.0), (3.0, 50.0), (3.0, 75.0), (1.05 * 3.0, 75.0)];
+        assert_eq!(points, steps);
+    }
+
+    #[test]
+    fn errors_are_of_the_runs_that_are_left() {
+        let nan = f32::NAN;
+        let band = |errors: &[f32]| band(&runs(errors, &[None; 4]).runs, 0).map(|band| (band.median, band.rms));
+        assert_eq!(band(&[3.0, 4.0, nan, nan]), Some((3.5, 12.5f64.sqrt())));
+        assert!(band(&[3.0, nan, nan, nan]).is_none());
+        assert_eq!(band(&[0.0, 0.0, 0.0, 0.0]), Some((FLOOR_HZ, FLOOR_HZ)));
+        assert_eq!(band(&[1.0, 1.0, 1.0, f32::INFINITY]), Some((1.0, f64::INFINITY)));
+    }
 }

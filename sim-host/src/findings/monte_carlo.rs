@@ -100,7 +100,8 @@ pub(super) fn tables(study: &Study, runs: &MonteCarlo) -> Vec<TableBlock> {
     let mut tables = vec![spreads(study, runs), counts(study, runs)];
     if study.metrics.get("runs_locked").is_some() {
         let rows = PUBLISHED.iter().map(|row| row.map(str::to_owned).to_vec()).collect();
-        let caption = "Measured on hardware, of other loads, and over what each source calls locked; simulated times are no match for that.";
+        let caption =
+            "Measured on hardware, of other loads, and by what each source calls locked. What stands above is simulated.";
         tables.push(table("published", "Published figures", caption, &["", "time", "frequency", "source"], rows));
     }
     tables

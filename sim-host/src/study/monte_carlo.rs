@@ -7,6 +7,9 @@
 pub mod draw;
 pub mod error;
 
+#[cfg(test)]
+mod tests;
+
 use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 use std::sync::{Mutex, PoisonError};
 use std::time::Instant;
@@ -25,6 +28,25 @@ use crate::scene::load::{Loaded, Template};
 
 /// The one metric that depends on the machine.
 const WALL: &str = "simulated_s_per_wall_s";
+
+/// What it is called, and whether a run has it.
+type Flaw = (&'static str, fn(&OneRun) -> bool);
+
+/// What makes a run the worst, the gravest first.
+const FLAWS: [Flaw; 4] = [
+    ("a false lock", |run| run.metrics.get("false_locks") == Some(1.0)),
+    ("a loss of lock that was not noticed", |run| run.metrics.get("undetected_losses") == Some(1.0)),
+    ("a fault", OneRun::faulted),
+    ("no lock", |run| !run.locked),
+];
+/// What the worst run has most of, where none has a flaw.
+const MEASURES: [(&str, &str); 5] = [
+    ("lock_time_20hz_ms", "longest to within 20 Hz"),
+    ("relock_time_20hz_ms", "longest to within 20 Hz again"),
+    ("lock_time_4hz_ms", "longest to within 4 Hz"),
+    ("relock_time_4hz_ms", "longest to within 4 Hz again"),
+    ("frequency_bias_hz", "largest bias"),
+];
 
 /// A scene that was run many times.
 #[derive(Clone, Debug)]
@@ -69,23 +91,20 @@ impl OneRun {
 impl MonteCarlo {
     /// The run that did worst, and in what; none of a contact study.
     pub fn worst(&self) -> Option<(&OneRun, &'static str)> {
-        let one = |name: &'static str| move |run: &&OneRun| run.metrics.get(name) == Some(1.0);
-        let runs = || self.runs.iter();
-        let most = |name: &str| {
-            let valued = runs().filter_map(|run| Some((run.metrics.get(name)?.abs(), run)));
-            valued.max_by(|a, b| a.0.total_cmp(&b.0).then(b.1.draw.number.cmp(&a.1.draw.number))).filter(|worst| worst.0 > 0.0)
-        };
         if self.times_ms.is_empty() {
             return None;
         }
-        let flawed = runs().find(one("false_locks")).map(|run| (run, "a false lock"));
-        let flawed =
-            flawed.or_else(|| runs().find(one("undetected_losses")).map(|run| (run, "a loss of lock that is not noticed")));
-        let flawed = flawed.or_else(|| runs().find(|run| run.faulted()).map(|run| (run, "a fault")));
-        let flawed = flawed.or_else(|| runs().find(|run| !run.locked).map(|run| (run, "no lock")));
-        let flawed = flawed.or_else(|| most("lock_time_20hz_ms").map(|worst| (worst.1, "the longest time to within 20 Hz")));
-        let flawed = flawed.or_else(|| most("lock_time_4hz_ms").map(|worst| (worst.1, "the longest time to within 4 Hz")));
-        flawed.or_else(|| most("frequency_bias_hz").map(|worst| (worst.1, "the largest bias")))
+        let flawed = FLAWS.iter().find_map(|(flaw, has)| Some((self.runs.iter().find(|run| has(run))?, *flaw)));
+        flawed.or_else(|| MEASURES.iter().find_map(|(metric, measure)| Some((self.most(metric)?, *measure))))
+    }
+
+    /// The first run that lacks a metric which others have, or else has the most of it; none if all have nothing of it.
+    fn most(&self, metric: &str) -> Option<&OneRun> {
+        let size = |run: &OneRun| run.metrics.get(metric).map_or(f64::INFINITY, f64::abs);
+        let has = |run: &&OneRun| run.metrics.get(metric).is_some();
+        self.runs.iter().find(has)?;
+        let worst = self.runs.iter().rev().max_by(|a, b| size(a).total_cmp(&size(b)));
+        worst.filter(|run| size(run) > 0.0)
     }
 
     /// A hash of what all runs played, in order.
@@ -114,12 +133,12 @@ pub(super) fn conduct(
     };
     let (done, progress) = (AtomicU32::new(0), Mutex::new(progress));
     let one = |number: u32| {
-        let run = bench.run(number)?;
+        let Some(run) = bench.run(number)? else { return Ok(None) };
         let ended = f64::from(done.fetch_add(1, Ordering::Relaxed) + 1);
         if let Some(progress) = progress.lock().unwrap_or_else(PoisonError::into_inner).as_mut() {
             progress(ended);
         }
-        Ok(run)
+        Ok(Some(run))
     };
     let runs = (1..=scene.runs).into_par_iter().map(one).collect::<Result<Vec<_>, StudyError>>()?;
     let runs: Vec<OneRun> = runs.into_iter().flatten().collect();
