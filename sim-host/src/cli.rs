@@ -98,7 +98,10 @@ struct RunArgs {
     /// Seed of all noise; the same as `--set seed=N`.
     #[arg(long, value_name = "N")]
     seed: Option<u64>,
-    /// Folder for manifest, summary, trace, report and figures. Default: `out/SCENE`, or `out/SCENE-pil`.
+    /// Of a scene with several `runs`: only this one of them, from 1, with its full report.
+    #[arg(long, value_name = "R")]
+    run: Option<u32>,
+    /// Folder for manifest, summary, trace, report and figures. Default: `out/SCENE`, with `-run-R` or `-pil` behind.
     #[arg(short, long = "output", value_name = "DIR")]
     output: Option<PathBuf>,
     /// What to print on standard output.
@@ -156,6 +159,7 @@ impl RunArgs {
         RunArgs {
             scene: SceneArgs { scene: FLAGSHIP.into(), sets: Vec::new() },
             seed: None,
+            run: None,
             output: None,
             format: Format::Human,
             no_report: false,
@@ -197,15 +201,17 @@ fn with_scene(
 ) -> anyhow::Result<ExitCode> {
     match load(&args.scene, &args.sets) {
         Ok(loaded) => then(&loaded),
-        Err(LoadError::Invalid(report)) => {
-            eprintln!("{}", report.render(color.stderr));
-            Ok(ExitCode::from(INVALID_SCENE))
-        }
-        Err(error) => {
-            eprintln!("error: {error}");
-            Ok(ExitCode::from(INVALID_SCENE))
-        }
+        Err(error) => Ok(invalid(&error, color)),
     }
+}
+
+/// Says what is wrong with a scene.
+fn invalid(error: &LoadError, color: Color) -> ExitCode {
+    match error {
+        LoadError::Invalid(report) => eprintln!("{}", report.render(color.stderr)),
+        error => eprintln!("error: {error}"),
+    }
+    ExitCode::from(INVALID_SCENE)
 }
 
 /// The built-in scenes: name and title.

@@ -2,6 +2,7 @@
 
 mod contact;
 mod driven;
+mod monte_carlo;
 
 use crate::report::{Axis, Figure};
 use crate::study::{Outcome, Study};
@@ -11,6 +12,7 @@ pub fn of(study: &Study) -> Vec<Figure> {
     let own = match &study.outcome {
         Outcome::Driven(run) => driven::of(run),
         Outcome::Contact(solved) => contact::of(solved),
+        Outcome::MonteCarlo(runs) => monte_carlo::of(runs),
     };
     let sweeps = study.comparison.iter().flat_map(|comparison| &comparison.sweeps);
     own.into_iter().chain(sweeps.flat_map(driven::time_frequency::of)).collect()

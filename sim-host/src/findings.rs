@@ -3,6 +3,7 @@
 mod comparison;
 mod contact;
 mod driven;
+mod monte_carlo;
 
 use crate::figures;
 use crate::report::{Report, TableBlock};
@@ -20,6 +21,7 @@ pub fn report(study: &Study) -> Report {
     let preface = match &study.outcome {
         Outcome::Driven(run) => driven::preface(run),
         Outcome::Contact(_) => contact::PREFACE.to_owned(),
+        Outcome::MonteCarlo(runs) => monte_carlo::preface(runs),
     };
     Report {
         title: scene.title.clone(),
@@ -41,6 +43,7 @@ pub fn tables(study: &Study) -> Vec<TableBlock> {
     match &study.outcome {
         Outcome::Driven(run) => tables.extend(driven::tables(study, run)),
         Outcome::Contact(solved) => tables.extend(contact::tables(study, solved)),
+        Outcome::MonteCarlo(runs) => tables.extend(monte_carlo::tables(study, runs)),
     }
     tables.extend(grid(study));
     tables.retain(|table| !table.rows.is_empty());
@@ -50,13 +53,16 @@ pub fn tables(study: &Study) -> Vec<TableBlock> {
 /// What a reader must know before the numbers.
 pub fn remarks(study: &Study) -> Vec<String> {
     let mut remarks = Vec::new();
-    if !study.changes.is_empty() {
-        let changes = study.changes.join(", ");
+    let changes = study.changes.join(", ");
+    if let Some(number) = study.run_number {
+        remarks.push(format!("Run {number} of the scene's runs, by itself, as drawn: {changes}. Notes are those of all runs."));
+    } else if !changes.is_empty() {
         remarks.push(format!("Changed by hand: {changes}. Title, notes and expectations are those of the unchanged scene."));
     }
     remarks.extend(match &study.outcome {
         Outcome::Driven(run) => driven::remarks(run),
         Outcome::Contact(solved) => contact::remarks(solved),
+        Outcome::MonteCarlo(runs) => monte_carlo::remarks(study, runs),
     });
     remarks
 }
@@ -66,6 +72,7 @@ pub fn headline(study: &Study) -> Vec<(String, String)> {
     let (first, lines) = match &study.outcome {
         Outcome::Driven(run) => (driven::fault(run), driven::HEADLINE),
         Outcome::Contact(solved) => (contact::ratio(solved), contact::HEADLINE),
+        Outcome::MonteCarlo(runs) => (Some(monte_carlo::count(runs)), monte_carlo::HEADLINE),
     };
     let tile = |&(label, metric, unit): &Line| {
         study.metrics.get(metric).map(|value| (label.to_owned(), format!("{} {unit}", number(value)).trim_end().to_owned()))
@@ -78,15 +85,18 @@ pub fn manner(study: &Study) -> String {
     match &study.outcome {
         Outcome::Driven(run) => driven::manner(study, run),
         Outcome::Contact(solved) => contact::manner(solved),
+        Outcome::MonteCarlo(runs) => monte_carlo::manner(runs),
     }
 }
 
-/// How far the study came, s.
-pub fn reached_s(study: &Study) -> f64 {
-    match &study.outcome {
+/// How far the study came, and of what.
+pub fn reached(study: &Study) -> String {
+    let reached_s = match &study.outcome {
         Outcome::Driven(run) => driven::reached_s(run),
         Outcome::Contact(solved) => contact::reached_s(solved),
-    }
+        Outcome::MonteCarlo(runs) => return monte_carlo::reached(runs),
+    };
+    format!("{} s of {} s", number(reached_s), study.scene.duration_s)
 }
 
 /// The modes that a controller went through, and when.
@@ -96,13 +106,18 @@ pub fn modes(study: &Study) -> Option<String> {
 
 /// Where the controller ran, and so what the result can show.
 pub fn level(study: &Study) -> String {
-    study.run().map_or_else(|| contact::LEVEL.to_owned(), |run| run.level.to_string())
+    match &study.outcome {
+        Outcome::Driven(run) => run.level.to_string(),
+        Outcome::MonteCarlo(_) if study.scene.controller.is_some() => monte_carlo::LEVEL.to_owned(),
+        Outcome::Contact(_) | Outcome::MonteCarlo(_) => contact::LEVEL.to_owned(),
+    }
 }
 
 fn footer(study: &Study) -> Vec<(String, String)> {
     let own = match &study.outcome {
         Outcome::Driven(run) => driven::footer(run),
         Outcome::Contact(solved) => contact::footer(solved),
+        Outcome::MonteCarlo(runs) => monte_carlo::footer(runs),
     };
     let all = [("scene", study.name.clone()), ("seed", study.scene.seed.to_string()), ("sim-host", VERSION.to_owned())];
     all.into_iter().chain(own).map(|(label, value)| (label.to_owned(), value)).collect()

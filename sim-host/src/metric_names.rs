@@ -1,7 +1,9 @@
 //! The names of all metrics: a contract, units last. What each one means stands in [`metrics`](crate::metrics); a scene's
 //! expectations are checked against this list before anything is run.
 
-/// Every metric there is.
+use std::sync::LazyLock;
+
+/// Every metric there is, as of one run.
 pub const NAMES: &[&str] = &[
     "friction_off_n",
     "friction_on_n",
@@ -29,6 +31,11 @@ pub const NAMES: &[&str] = &[
     "frequency_bias_hz",
     "frequency_jitter_hz",
     "frequency_error_max_hz",
+    "false_locks",
+    "undetected_losses",
+    "runs_completed",
+    "runs_locked",
+    "runs_faulted",
     "motional_phase_deg",
     "drive_power_w",
     "drive_peak_v",
@@ -77,3 +84,37 @@ pub const NAMES: &[&str] = &[
     "ns_per_period",
     "simulated_s_per_wall_s",
 ];
+
+/// Metrics that may have either sign and should be near zero: of several runs, percentile and maximum are of the absolute value.
+pub const SIGNED: &[&str] =
+    &["frequency_bias_hz", "motional_phase_deg", "series_resonance_error_hz", "energy_residual", "normal_shift_hz"];
+
+/// Metrics that are 0 or 1 of one run, and of several the number of runs that have them.
+pub const COUNTED: &[&str] = &["false_locks", "undetected_losses"];
+
+/// What several runs make of a metric besides its median.
+#[derive(Debug)]
+pub struct OfRuns {
+    /// Name of the metric of one run, and of the median.
+    pub name: &'static str,
+    /// Name of the 95th percentile.
+    pub p95: String,
+    /// Name of the maximum.
+    pub max: String,
+}
+
+/// For each metric, the names of what several runs make of it.
+pub static OF_RUNS: LazyLock<Vec<OfRuns>> = LazyLock::new(|| {
+    let of = |&name: &&'static str| OfRuns { name, p95: format!("{name}_p95"), max: format!("{name}_max") };
+    NAMES.iter().map(of).collect()
+});
+
+/// Whether there is such a metric, of one run or of several.
+pub fn is_known(name: &str) -> bool {
+    NAMES.contains(&name) || of_one_run(name).is_some()
+}
+
+/// The metric of one run that a percentile or maximum of several is made of.
+pub fn of_one_run(name: &str) -> Option<&'static str> {
+    OF_RUNS.iter().find(|of| of.p95 == name || of.max == name).map(|of| of.name)
+}

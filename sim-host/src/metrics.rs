@@ -1,8 +1,9 @@
 //! Numbers from a study. Names are a contract (units last); what cannot be said of a study is left out, never zero. What each one
-//! means stands in [`driven`] and [`contact`].
+//! means stands in [`driven`] and [`contact`], and what several runs make of it in [`over_runs`].
 
 pub mod contact;
 pub mod driven;
+pub mod over_runs;
 
 /// Named numbers, in the order of [`NAMES`](crate::metric_names::NAMES).
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -19,7 +20,13 @@ impl Metrics {
         self.0.iter().copied()
     }
 
-    fn put(&mut self, name: &'static str, value: impl Into<Option<f64>>) {
+    /// The same without one of them.
+    pub(crate) fn without(mut self, name: &str) -> Self {
+        self.0.retain(|(have, _)| *have != name);
+        self
+    }
+
+    pub(crate) fn put(&mut self, name: &'static str, value: impl Into<Option<f64>>) {
         if let Some(value) = value.into().filter(|value| value.is_finite()) {
             self.0.push((name, value));
         }

@@ -1,6 +1,7 @@
 //! What a study leaves in its folder: manifest, summary, trace, report and figures.
 
 mod comparison;
+mod runs_file;
 mod trace_file;
 
 use std::fs;
@@ -35,12 +36,16 @@ pub enum OutputError {
     /// The trace.
     #[error("cannot write the trace")]
     Trace(#[from] csv::Error),
+    /// The table of several runs.
+    #[error("cannot write the table of the runs")]
+    Runs(#[source] csv::Error),
 }
 
 /// The summary: what `--format json` prints, and `summary.json` holds.
 pub fn summary(study: &Study) -> Value {
+    let endless = study.monte_carlo().into_iter().flat_map(|runs| &runs.endless).map(|&name| (name.to_owned(), Value::Null));
     let metrics: serde_json::Map<String, Value> =
-        study.metrics.iter().map(|(name, value)| (name.to_owned(), json!(value))).collect();
+        study.metrics.iter().map(|(name, value)| (name.to_owned(), json!(value))).chain(endless).collect();
     let expect: Vec<Value> = study
         .judged
         .iter()
@@ -73,6 +78,10 @@ pub fn summary(study: &Study) -> Value {
 fn with_own(mut of: Value, study: &Study) -> Value {
     match &study.outcome {
         Outcome::Driven(run) => of["drive_hash"] = json!(format!("{:016x}", run.record.drive_hash)),
+        Outcome::MonteCarlo(runs) => {
+            of["runs"] = json!(runs.runs.len());
+            of["drive_hash"] = json!(runs.drive_hash().map(|hash| format!("{hash:016x}")));
+        }
         Outcome::Contact(solved) => {
             of["solution"] = json!(solved.answer.as_ref().map(|Answer { solution, .. }| {
                 json!({
@@ -105,7 +114,10 @@ pub fn write(loaded: &Loaded, study: &Study, dir: &Path) -> Result<(), OutputErr
     };
     json("manifest.json", &manifest(loaded, study))?;
     json("summary.json", &summary(study))?;
-    trace_file::write(study, &dir.join("trace.csv"))?;
+    match study.monte_carlo() {
+        Some(runs) => runs_file::write(runs, &dir.join("runs.csv")).map_err(OutputError::Runs)?,
+        None => trace_file::write(study, &dir.join("trace.csv"))?,
+    }
     report::write(&findings::report(study), dir)?;
     Ok(())
 }

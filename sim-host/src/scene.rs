@@ -27,6 +27,7 @@ mod stator;
 mod tree;
 mod units;
 mod unknown;
+mod vary;
 mod views;
 mod walk;
 mod wording;
@@ -49,6 +50,7 @@ pub use rig::{Kinematic, Rig, Rotor, Sdof, Slider};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 pub use stator::Stator;
+pub use vary::Vary;
 pub use views::{Body, Driven, Excited, Kind, Transducer};
 
 /// A scene: either the firmware drives a stack, or a contact is studied by itself.
@@ -70,6 +72,11 @@ pub struct Scene {
     #[serde(default = "default::seed")]
     #[schemars(range(max = 9_007_199_254_740_992_u64))] // every JSON reader keeps it exactly
     pub seed: u64,
+    /// How often the scene is run. More than once: each run has a seed of its own and draws what `[[vary]]` names; metrics are
+    /// medians and 95th percentiles.
+    #[serde(default = "default::runs", skip_serializing_if = "is_one")]
+    #[schemars(range(min = 1, max = 100_000))]
+    pub runs: u32,
     /// The firmware that drives, and what it is told. A scene has this, or `[excitation]`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub controller: Option<Controller>,
@@ -103,6 +110,9 @@ pub struct Scene {
     /// What breaks on the way.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub fault: Vec<Fault>,
+    /// What differs from run to run, if there are several.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub vary: Vec<Vary>,
     /// A table of one metric over two keys, run after the scene itself.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub grid: Option<Grid>,
@@ -117,8 +127,17 @@ pub struct Scene {
     pub expect: Vec<Expect>,
 }
 
+/// Serde asks by reference.
+fn is_one(runs: &u32) -> bool {
+    *runs == 1
+}
+
 /// Defaults that serde needs as functions.
 mod default {
+    pub(super) fn runs() -> u32 {
+        1
+    }
+
     pub(super) fn seed() -> u64 {
         1
     }

@@ -7,6 +7,7 @@ pub mod driven;
 pub mod film;
 pub mod grid;
 pub mod matching;
+pub mod monte_carlo;
 mod stopped;
 pub mod swept;
 
@@ -16,7 +17,9 @@ use self::comparison::ComparisonResult;
 use self::contact::Solved;
 use self::driven::Run;
 use self::grid::GridResult;
+use self::monte_carlo::MonteCarlo;
 use crate::contact::Trouble;
+use crate::metric_names;
 use crate::metrics::Metrics;
 use crate::processor::Processor;
 use crate::run::RunError;
@@ -29,11 +32,11 @@ pub enum StudyError {
     /// The scene was not loaded, and lacks what loading would have asked for.
     #[error("the scene is neither a driven one nor a contact study")]
     Incomplete,
-    /// The scene of a grid's cell or of a comparison's case is invalid.
-    #[error("the cell {0} is not a valid scene")]
+    /// The scene of a grid's cell, of a comparison's case or of one of several runs is invalid.
+    #[error("the scene {0} is not valid")]
     Cell(String, #[source] LoadError),
-    /// A grid's cell or a comparison's case has no result.
-    #[error("the cell {0} has no result")]
+    /// A grid's cell, a comparison's case or one of several runs has no result.
+    #[error("the scene {0} has no result")]
     EmptyCell(String, #[source] Box<StudyError>),
     /// The run did not happen.
     #[error(transparent)]
@@ -48,8 +51,12 @@ pub enum StudyError {
 pub struct Study<'a> {
     /// Name of the scene.
     pub name: String,
+    /// Name, file or `<stdin>`, as a user calls the scene.
+    pub origin: String,
     /// What was changed by hand, as `key=value`.
     pub changes: Vec<String>,
+    /// Which of the scene's runs it is, if it is one of several.
+    pub run_number: Option<u32>,
     /// The scene as it was run.
     pub scene: &'a Scene,
     /// What came of it.
@@ -73,6 +80,8 @@ pub enum Outcome<'a> {
     Driven(Box<Run<'a>>),
     /// A contact was studied by itself.
     Contact(Box<Solved<'a>>),
+    /// Either, many times.
+    MonteCarlo(Box<MonteCarlo>),
 }
 
 /// An expectation and how it came out.
@@ -104,28 +113,43 @@ impl Study<'_> {
     pub fn run(&self) -> Option<&Run<'_>> {
         match &self.outcome {
             Outcome::Driven(run) => Some(run),
-            Outcome::Contact(_) => None,
+            Outcome::Contact(_) | Outcome::MonteCarlo(_) => None,
+        }
+    }
+
+    /// The runs, if there were many.
+    pub fn monte_carlo(&self) -> Option<&MonteCarlo> {
+        match &self.outcome {
+            Outcome::MonteCarlo(runs) => Some(runs),
+            Outcome::Driven(_) | Outcome::Contact(_) => None,
         }
     }
 }
 
 /// Runs a loaded scene, its grid and its comparison. The controller of the scene itself runs on `emulator`, or without one in this
-/// process; those of the cells, always in this process.
+/// process; those of the cells and of several runs, always in this process. `progress` is told the simulated time, s, or of several
+/// runs how many have come to their end.
 pub fn conduct<'a, 'w>(
     loaded: &'a Loaded,
     emulator: Option<&mut dyn Processor>,
     stop: &'w AtomicBool,
-    progress: Option<&'w mut dyn FnMut(f64)>,
+    progress: Option<&'w mut (dyn FnMut(f64) + Send)>,
 ) -> Result<Study<'a>, StudyError> {
     let scene = &loaded.scene;
+    let alone = |progress: Option<&'w mut (dyn FnMut(f64) + Send)>| progress.map(|progress| progress as &mut dyn FnMut(f64));
     let (outcome, metrics, cut) = match scene.kind().ok_or(StudyError::Incomplete)? {
+        _ if scene.runs > 1 => {
+            let (runs, metrics) = monte_carlo::conduct(loaded, stop, progress)?;
+            let cut = runs.runs.len() < scene.runs as usize;
+            (Outcome::MonteCarlo(Box::new(runs)), metrics, cut)
+        }
         Kind::Driven(scene) => {
-            let (run, metrics) = driven::conduct(scene, emulator, stop, progress)?;
+            let (run, metrics) = driven::conduct(scene, emulator, stop, alone(progress))?;
             let cut = run.record.interrupted;
             (Outcome::Driven(Box::new(run)), metrics, cut)
         }
         Kind::Excited(scene) => {
-            let (solved, metrics) = contact::conduct(scene, stop, progress)?;
+            let (solved, metrics) = contact::conduct(scene, stop, alone(progress))?;
             let cut = solved.answer.is_none();
             (Outcome::Contact(Box::new(solved)), metrics, cut)
         }
@@ -138,11 +162,14 @@ pub fn conduct<'a, 'w>(
         Some(comparison) if !cut => comparison::conduct(loaded, comparison, stop)?,
         _ => None,
     };
-    let judged = scene.expect.iter().map(|expect| judge(expect, &metrics, comparison.as_ref())).collect();
+    // How many runs come out in some way is nothing that one run has.
+    let has = |expect: &&Expect| scene.runs > 1 || !expect.metric.starts_with("runs_");
+    let judged = scene.expect.iter().filter(has).map(|expect| judge(expect, &metrics, comparison.as_ref())).collect();
     // Stopped within the grid or the comparison: the scene is whole, and they are missing.
     let interrupted = cut || stop.load(Ordering::Relaxed);
-    let (name, changes) = (loaded.name.clone(), loaded.sets.clone());
-    Ok(Study { name, changes, scene, outcome, metrics, judged, grid, comparison, interrupted })
+    let (name, origin, changes) = (loaded.name.clone(), loaded.origin.clone(), loaded.sets.clone());
+    let run_number = loaded.run;
+    Ok(Study { name, origin, changes, run_number, scene, outcome, metrics, judged, grid, comparison, interrupted })
 }
 
 fn judge(expect: &Expect, metrics: &Metrics, comparison: Option<&ComparisonResult>) -> Judged {
@@ -162,7 +189,11 @@ fn judge(expect: &Expect, metrics: &Metrics, comparison: Option<&ComparisonResul
     let case = expect.case.clone().zip(expect.matched);
     let value = match &case {
         Some((name, equal)) => comparison.and_then(|found| found.case(name, *equal)?.metric(&expect.metric)),
-        None => metrics.get(&expect.metric),
+        // Of one run, percentile and maximum of a metric are the metric.
+        None => metrics.get(&expect.metric).or_else(|| {
+            let once = metrics.get("runs_completed").is_none();
+            metric_names::of_one_run(&expect.metric).filter(|_| once).and_then(|name| metrics.get(name))
+        }),
     };
     let holds = |value: f64| min.is_none_or(|min| value >= min) && max.is_none_or(|max| value <= max);
     Judged {

@@ -145,6 +145,29 @@ fn a_missed_expectation_is_exit_code_4() {
 }
 
 #[test]
+fn many_runs_leave_a_table_and_any_of_them_runs_by_itself() {
+    let folder = Folder::new("runs");
+    let many = ["run", "lock-cold", "--set", "runs=3"];
+    let output = sim_host(&[&many[..], &["--format", "json", "-o", folder.text()]].concat());
+    let summary: Value = serde_json::from_str(&stdout(&output)).expect("JSON");
+    assert_eq!((&summary["metrics"]["runs_completed"], &summary["runs"]), (&Value::from(3.0), &Value::from(3)));
+    let report = folder.read("report.html");
+    assert!(report.contains("--run ") && report.contains("Published figures"), "the worst run and its command");
+    let table = folder.read("runs.csv");
+    let rows: Vec<Vec<&str>> = table.lines().map(|line| line.split(',').collect()).collect();
+    let column = |name: &str| rows[0].iter().position(|head| *head == name).unwrap_or_else(|| panic!("no {name} in {table}"));
+    assert_eq!((rows.len(), rows[2][column("run")]), (4, "2"));
+    let alone = sim_host(&[&many[..], &["--format", "json", "--no-report", "--run", "2"]].concat());
+    let alone: Value = serde_json::from_str(&stdout(&alone)).expect("JSON");
+    assert_eq!(alone["seed"].to_string(), rows[2][column("seed")]);
+    assert_eq!(alone["metrics"]["frequency_bias_hz"].to_string(), rows[2][column("frequency_bias_hz")]);
+    for wrong in [["--run", "4"], ["--run", "0"], ["--pil", "-q"]] {
+        assert_eq!(code(&sim_host(&[&many[..], &["--no-report"], &wrong[..]].concat())), 2, "{wrong:?}");
+    }
+    assert_eq!(code(&sim_host(&["run", "lock", "--no-report", "--run", "1"])), 2);
+}
+
+#[test]
 fn usage_is_exit_code_2_and_an_invalid_scene_3() {
     assert_eq!(code(&sim_host(&["run"])), 2);
     assert_eq!(code(&sim_host(&["rum", "lock"])), 2);

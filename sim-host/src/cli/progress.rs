@@ -1,4 +1,4 @@
-//! Progress on standard error: a bar on a terminal, else a line every ten seconds.
+//! Progress on standard error, of simulated seconds or of runs: a bar on a terminal, else a line every ten seconds.
 
 use std::io::{self, IsTerminal};
 use std::time::{Duration, Instant};
@@ -10,33 +10,38 @@ const LINE_EVERY: Duration = Duration::from_secs(10);
 /// Steps of the bar.
 const STEPS: u64 = 1000;
 
-/// Progress towards a simulated time.
+/// Progress towards a simulated time, s, or towards so many runs.
 pub(super) struct Progress {
     bar: Option<ProgressBar>,
     began: Instant,
     last_line: Instant,
-    duration_s: f64,
+    whole: f64,
+    runs: bool,
     quiet: bool,
 }
 
 impl Progress {
-    pub(super) fn new(duration_s: f64, quiet: bool) -> Self {
+    pub(super) fn new(duration_s: f64, runs: u32, quiet: bool) -> Self {
         let bar = (!quiet && io::stderr().is_terminal()).then(|| {
             let style = ProgressStyle::with_template("{bar:40} {percent:>3} %  {elapsed} of about {duration}");
             let bar = ProgressBar::new(STEPS);
             style.map(|style| bar.clone().with_style(style)).unwrap_or(bar)
         });
-        Progress { bar, began: Instant::now(), last_line: Instant::now(), duration_s, quiet }
+        let (runs, whole) = (runs > 1, if runs > 1 { runs.into() } else { duration_s });
+        Progress { bar, began: Instant::now(), last_line: Instant::now(), whole, runs, quiet }
     }
 
-    /// The run has come to `time_s`.
-    pub(super) fn at(&mut self, time_s: f64) {
+    /// It has come so far.
+    pub(super) fn at(&mut self, reached: f64) {
         if let Some(bar) = &self.bar {
-            bar.set_position((STEPS as f64 * time_s / self.duration_s) as u64);
+            bar.set_position((STEPS as f64 * reached / self.whole) as u64);
         } else if !self.quiet && self.last_line.elapsed() >= LINE_EVERY {
             self.last_line = Instant::now();
-            let left_s = self.began.elapsed().as_secs_f64() * (self.duration_s / time_s - 1.0);
-            eprintln!("simulated {time_s:.2} s of {} s, about {left_s:.0} s to go", self.duration_s);
+            let left_s = self.began.elapsed().as_secs_f64() * (self.whole / reached - 1.0);
+            match self.runs {
+                true => eprintln!("{reached} of {} runs, about {left_s:.0} s to go", self.whole),
+                false => eprintln!("simulated {reached:.2} s of {} s, about {left_s:.0} s to go", self.whole),
+            }
         }
     }
 }

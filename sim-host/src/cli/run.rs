@@ -8,11 +8,14 @@ use anyhow::Context;
 use firmware::config::Config;
 
 use super::progress::Progress;
-use super::{Color, EXPECTATION_MISSED, Format, INTERRUPTED, LOST, RUN_FAILED, RunArgs, SceneArgs, USAGE, table, with_scene};
+use super::{
+    Color, EXPECTATION_MISSED, Format, INTERRUPTED, LOST, RUN_FAILED, RunArgs, SceneArgs, USAGE, invalid, table, with_scene,
+};
 use crate::pil::{self, PilError, Qemu};
 use crate::processor::Processor;
 use crate::run::RunError;
-use crate::scene::load::Loaded;
+use crate::scene::load::{LoadError, Loaded};
+use crate::study::monte_carlo::draw::Draws;
 use crate::study::{self, Study, StudyError};
 use crate::{findings, output, settings};
 
@@ -30,7 +33,26 @@ pub(super) fn run(args: &RunArgs, color: Color) -> anyhow::Result<ExitCode> {
     ctrlc::set_handler(first).context("cannot listen for Ctrl-C")?;
     let mut sets = args.scene.sets.clone();
     sets.extend(args.seed.map(|seed| format!("seed={seed}")));
-    with_scene(&SceneArgs { scene: args.scene.scene.clone(), sets }, color, |loaded| run_loaded(args, loaded, color))
+    with_scene(&SceneArgs { scene: args.scene.scene.clone(), sets }, color, |loaded| match args.run {
+        None => run_loaded(args, loaded, color),
+        Some(number) if loaded.scene.runs == 1 || !(1..=loaded.scene.runs).contains(&number) => {
+            let have = if loaded.scene.runs == 1 { "is run once" } else { "has runs 1 to " };
+            let last = if loaded.scene.runs == 1 { String::new() } else { loaded.scene.runs.to_string() };
+            eprintln!("error: there is no run {number}: `{}` {have}{last}", loaded.name);
+            Ok(ExitCode::from(USAGE))
+        }
+        Some(number) => match one_of(loaded, number) {
+            Ok(one) => run_loaded(args, &one, color),
+            Err(error) => Ok(invalid(&error, color)),
+        },
+    })
+}
+
+/// One of a scene's runs as a scene of its own.
+fn one_of(loaded: &Loaded, number: u32) -> Result<Loaded, LoadError> {
+    let draws = Draws::of(&loaded.scene);
+    let one = loaded.cell(&draws.draw(number).sets(&draws.keys))?;
+    Ok(Loaded { run: Some(number), ..one })
 }
 
 fn run_loaded(args: &RunArgs, loaded: &Loaded, color: Color) -> anyhow::Result<ExitCode> {
@@ -38,6 +60,13 @@ fn run_loaded(args: &RunArgs, loaded: &Loaded, color: Color) -> anyhow::Result<E
         (false, _) => None,
         (true, None) => {
             eprintln!("error: --pil runs the controller in QEMU, and `{}` has no [controller]", loaded.name);
+            return Ok(ExitCode::from(USAGE));
+        }
+        (true, Some(scene)) if scene.runs > 1 => {
+            eprintln!(
+                "error: --pil runs the controller once, and `{}` has {} runs: name one with --run",
+                loaded.name, scene.runs
+            );
             return Ok(ExitCode::from(USAGE));
         }
         (true, Some(scene)) => match emulated(&settings::config(&scene)) {
@@ -49,8 +78,8 @@ fn run_loaded(args: &RunArgs, loaded: &Loaded, color: Color) -> anyhow::Result<E
         },
     };
     let emulator = emulator.as_mut().map(|emulator| emulator as &mut dyn Processor);
-    let mut progress = Progress::new(loaded.scene.duration_s, args.quiet);
-    let study = study::conduct(loaded, emulator, &STOP, Some(&mut |time_s| progress.at(time_s)));
+    let mut progress = Progress::new(loaded.scene.duration_s, loaded.scene.runs, args.quiet);
+    let study = study::conduct(loaded, emulator, &STOP, Some(&mut |reached| progress.at(reached)));
     drop(progress);
     let study = match study {
         Ok(study) => study,
@@ -63,7 +92,8 @@ fn run_loaded(args: &RunArgs, loaded: &Loaded, color: Color) -> anyhow::Result<E
             return Ok(ExitCode::from(RUN_FAILED));
         }
     };
-    let default_dir = || PathBuf::from("out").join(format!("{}{}", study.name, if args.pil { "-pil" } else { "" }));
+    let run = args.run.map_or_else(String::new, |number| format!("-run-{number}"));
+    let default_dir = || PathBuf::from("out").join(format!("{}{run}{}", study.name, if args.pil { "-pil" } else { "" }));
     let dir = (!args.no_report).then(|| args.output.clone().unwrap_or_else(default_dir));
     if let Some(dir) = &dir {
         output::write(loaded, &study, dir)?;
@@ -92,8 +122,7 @@ fn emulated(config: &Config) -> Result<Qemu, PilError> {
 fn human(study: &Study, args: &RunArgs, color: Color) -> String {
     let mut text = format!("{}\n\n", study.scene.title);
     if study.interrupted {
-        let (reached, whole) = (findings::number(findings::reached_s(study)), study.scene.duration_s);
-        text += &format!("INTERRUPTED after {reached} s of {whole} s: what follows is of that part only.\n\n");
+        text += &format!("INTERRUPTED after {}: what follows is of that part only.\n\n", findings::reached(study));
     }
     for remark in findings::remarks(study) {
         text += &format!("{remark}\n\n");

@@ -21,6 +21,9 @@ use super::Metrics;
 use crate::contact::{Method, Motion, Problem, Solution};
 use crate::scene::{Excited, problem};
 
+/// The one metric that depends on the machine.
+pub const WALL: &str = "ns_per_period";
+
 /// The numbers of a solved study.
 pub fn of(study: &Excited, problem: &Problem, solution: &Solution) -> Metrics {
     let mut metrics = Metrics::default();
@@ -49,6 +52,6 @@ pub fn of(study: &Excited, problem: &Problem, solution: &Solution) -> Metrics {
     metrics.put("error_estimate", solution.error_estimate);
     metrics.put("steps_per_period", solution.steps_per_period.map(f64::from));
     metrics.put("plant_states", solution.states as f64);
-    metrics.put("ns_per_period", solution.ns_per_period);
+    metrics.put(WALL, solution.ns_per_period);
     metrics
 }

@@ -2,11 +2,12 @@
 //!
 //! | metric | over |
 //! |---|---|
-//! | `friction_off_n` | true friction while the drive is OFF, from 20 ms after the edge |
-//! | `friction_on_n`, `tip_velocity_m_per_s`, `frequency_*`, `motional_phase_deg`, … | **steady** blocks: running, envelope one, from 20 ms after an edge, after the last step disturbance |
+//! | `friction_off_n` | true friction while the drive is OFF, settled |
+//! | `friction_on_n`, `tip_velocity_m_per_s`, `frequency_*`, `motional_phase_deg`, … | **steady** blocks: running, envelope one, settled, after the last step disturbance |
 //! | `load_cell_*` | the same by the cell's reading, from 50 ms after the edge |
 //! | `lock_time_B_ms` | from the first DAC sample of the lock stage to the last moment that the frequency played is more than B off the true one, before the first disturbance |
 //! | `relock_time_B_ms` | from the last step disturbance to the same |
+//! | `false_locks`, `undetected_losses` | 1 if the controller said that it was locked and was not, 0 if not: see `lock_claims.rs` |
 //! | `acquire_time_ms` | from the first DAC sample of the scan to the first of the run |
 //! | `rise_time_ms`, `fall_time_ms` | from the edge's first DAC sample, as ordered, to 90 % (10 %) of the steady true tip velocity; of the first ON window after the lock |
 //! | `overshoot_percent` | the largest true tip velocity of the run over the steady one; not where a step disturbance makes two steady states |
@@ -15,9 +16,13 @@
 //! | `fault_latency_us` | from the scene's first fault to the first block without drive once the controller has faulted |
 //! | `worst_block_instructions` | the most instructions that one call of `process` has taken, to within 6; only of a run in QEMU |
 //!
+//! **Settled** is what comes 20 ms after an edge; or a third of what is left of the run from its first block of running, or from its last
+//! step disturbance, if that is less.
+//!
 //! The tip velocity of a stator is that of its crests, across the ring. What only a motor has stands in `motor.rs`.
 
 mod electrical;
+pub mod lock_claims;
 mod motor;
 
 use firmware::supervisor::Mode;
@@ -27,8 +32,10 @@ use crate::record::{Record, Row};
 use crate::scene::{Driven, Slider};
 use crate::schedule::first_window;
 
-/// After an edge or a disturbance, this long is not counted as steady, s.
+/// After an edge or a disturbance, this long is not counted as steady, s,
 const SETTLE_S: f64 = 0.02;
+/// or this part of what is left of the run, if that is less.
+const SETTLE_PART: f64 = 1.0 / 3.0;
 /// The same for the load cell.
 const CELL_SETTLE_S: f64 = 0.05;
 
@@ -54,6 +61,9 @@ pub fn of(scene: &Driven, record: &Record) -> Metrics {
         metrics.put("cm_f", f64::from(transducer.cm_f));
         metrics.put("c0_f", f64::from(transducer.c0_f));
     }
+    let claims = lock_claims::of(scene, record);
+    metrics.put("false_locks", claims.map(|claims| f64::from(u8::from(claims.false_lock))));
+    metrics.put("undetected_losses", claims.map(|claims| f64::from(u8::from(claims.undetected_loss))));
     metrics.put("fault_code", record.rows.last().map(|row| f64::from(row.fault)));
     metrics.put("fault_latency_us", view.fault_latency_s(scene).map(|s| s * 1e6));
     metrics.put("limit_code", record.rows.iter().rfind(|row| row.drive_v > 0.0).map(|row| f64::from(row.limit)));
@@ -72,6 +82,8 @@ pub struct View<'a> {
     calm_s: Vec<f64>,
     disturbed_s: Vec<f64>,
     steps_s: Vec<f64>,
+    /// What is settled comes so long after an edge, s.
+    settle_s: f64,
 }
 
 impl<'a> View<'a> {
@@ -80,9 +92,17 @@ impl<'a> View<'a> {
         let steps_s = scene.disturbance.iter().filter(|d| d.to.is_some()).map(|d| d.at_s).collect();
         let disturbed_s = scene.disturbance.iter().map(|d| d.at_s).collect::<Vec<_>>();
         let block_s = record.sample_s * record.block_samples as f64 * record.every as f64;
-        let mut view = View { rows: &record.rows, block_s, calm_s: Vec::new(), disturbed_s, steps_s };
+        let mut view = View { rows: &record.rows, block_s, calm_s: Vec::new(), disturbed_s, steps_s, settle_s: SETTLE_S };
         view.calm_s = view.calm_times();
+        view.settle_s = view.settling_s();
         view
+    }
+
+    fn settling_s(&self) -> f64 {
+        let running_s = self.plays_from(Mode::Run).unwrap_or(f64::NEG_INFINITY);
+        let from_s = self.steps_s.iter().copied().fold(running_s, f64::max);
+        let left_s = self.rows.last().map_or(0.0, |row| row.time_s - from_s);
+        if left_s > 0.0 { SETTLE_S.min(SETTLE_PART * left_s) } else { SETTLE_S }
     }
 
     fn calm_times(&self) -> Vec<f64> {
@@ -112,7 +132,7 @@ impl<'a> View<'a> {
 
     /// Running, envelope one, some time after the last edge, and after the last step disturbance.
     pub fn steady(&self) -> impl Iterator<Item = &'a Row> + '_ {
-        self.settled(1.0, SETTLE_S)
+        self.settled(1.0, self.settle_s)
     }
 
     /// The ON windows as they were played while running, s.
@@ -154,7 +174,7 @@ impl<'a> View<'a> {
         let Some(slider) = scene.sliding().map(|(_, slider)| slider).filter(sliding) else { return };
         let force = |row: &Row| row.truth.friction_mean_n;
         let cell = |row: &Row| row.truth.load_cell_n;
-        let (off, on) = (mean(self.settled(0.0, SETTLE_S).map(force)), mean(self.steady().map(force)));
+        let (off, on) = (mean(self.settled(0.0, self.settle_s).map(force)), mean(self.steady().map(force)));
         metrics.put("friction_off_n", off);
         metrics.put("friction_on_n", on);
         let ratio = off.zip(on).map(|(off, on)| on / off);

@@ -31,6 +31,8 @@ pub(super) fn write(study: &Study, path: &Path) -> Result<(), csv::Error> {
             None => overview(&run.record, &mut file)?,
         },
         Outcome::Contact(solved) => last_periods(solved, &mut file)?,
+        // What several runs leave is `runs.csv`.
+        Outcome::MonteCarlo(_) => {}
     }
     file.flush()?;
     Ok(())

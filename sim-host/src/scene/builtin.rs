@@ -13,6 +13,7 @@ const SCENES: &[(&str, &str)] = scenes![
     "contact",
     "contact-kinematic",
     "lock",
+    "lock-cold",
     "lock-step",
     "lock-drift",
     "waveforms",

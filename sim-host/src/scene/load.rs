@@ -25,9 +25,43 @@ pub struct Loaded {
     pub input: String,
     /// The changes asked for, as `key=value`.
     pub sets: Vec<String>,
+    /// Which of the scene's runs it is, if it is one of several.
+    pub run: Option<u32>,
+}
+
+/// A scene without what is run beside it, to be made anew with some values changed; its text is read only once.
+#[derive(Debug)]
+pub struct Template<'a> {
+    loaded: &'a Loaded,
+    root: Node,
+}
+
+impl Template<'_> {
+    /// The scene with these changes, as [`Loaded::cell`] makes it.
+    pub fn scene(&self, sets: &[String]) -> Result<Scene, LoadError> {
+        let origin = Origin { source: 0, offset: 0 };
+        let mut root = self.root.clone();
+        let mut problems = Vec::new();
+        for over in sets.iter().filter_map(|set| parse_set(set, origin).ok()) {
+            overlay(&mut root, over, "", &mut problems);
+        }
+        match judge(root) {
+            Ok(scene) if problems.is_empty() => Ok(scene),
+            // Only a text that is read anew has the places that a report points at.
+            _ => self.loaded.cell(sets).map(|cell| cell.scene),
+        }
+    }
 }
 
 impl Loaded {
+    /// The scene as one to be made anew many times.
+    pub fn template(&self) -> Result<Template<'_>, LoadError> {
+        let (sources, read) = read(&self.origin, &self.input, &self.sets);
+        let mut root = read.map_err(|problems| LoadError::Invalid(Report::new(sources, problems)))?;
+        rules::alone(&mut root);
+        Ok(Template { loaded: self, root })
+    }
+
     /// The same scene with further changes and nothing run beside it: a cell of its grid, or a case of its comparison.
     pub fn cell(&self, sets: &[String]) -> Result<Self, LoadError> {
         let sets = [self.sets.as_slice(), sets].concat();
@@ -84,20 +118,32 @@ pub fn load_text(name: &str, text: &str, sets: &[String]) -> Result<Loaded, Load
     loaded(name, text, sets, |_| ())
 }
 
-fn loaded(name: &str, text: &str, sets: &[String], prepare: fn(&mut Node)) -> Result<Loaded, LoadError> {
+/// The texts that a scene is made of, and the tree that they make with its changes.
+fn read(name: &str, text: &str, sets: &[String]) -> (Vec<Source>, Result<Node, Vec<Problem>>) {
     let (changes, starts) = joined(sets);
     // The newer a text, the earlier in this list.
     let mut sources = vec![Source { name: "--set".to_owned(), text: changes }];
     sources.push(Source { name: name.to_owned(), text: text.to_owned() });
-    let mut root = match layers(&mut sources).and_then(|root| change(root, sets, &starts)) {
+    let root = layers(&mut sources).and_then(|root| change(root, sets, &starts));
+    (sources, root)
+}
+
+fn loaded(name: &str, text: &str, sets: &[String], prepare: fn(&mut Node)) -> Result<Loaded, LoadError> {
+    let (sources, read) = read(name, text, sets);
+    let mut root = match read {
         Ok(root) => root,
         Err(problems) => return Err(LoadError::Invalid(Report::new(sources, problems))),
     };
     prepare(&mut root);
     match judge(root) {
-        Ok(scene) => {
-            Ok(Loaded { name: name.to_owned(), origin: name.to_owned(), scene, input: text.to_owned(), sets: sets.to_vec() })
-        }
+        Ok(scene) => Ok(Loaded {
+            name: name.to_owned(),
+            origin: name.to_owned(),
+            scene,
+            input: text.to_owned(),
+            sets: sets.to_vec(),
+            run: None,
+        }),
         Err(problems) => Err(LoadError::Invalid(Report::new(sources, problems))),
     }
 }

@@ -18,6 +18,7 @@ mod kind;
 mod motor;
 mod timeline;
 mod tracking;
+mod vary;
 mod window;
 
 use super::diagnostic::{Place, Problem};
@@ -61,10 +62,12 @@ pub(super) fn check(root: &Node, findings: Findings) -> Findings {
     rules.expectations();
     rules.axes();
     rules.comparison();
-    // The last three judge a scene in which nothing else is wrong: first this one, then what is made of it.
+    rules.variations();
+    // The last four judge a scene in which nothing else is wrong: first this one, then what is made of it.
     rules.firmware();
     rules.cells();
     rules.cases();
+    rules.ends();
     rules.findings
 }
 
@@ -172,11 +175,12 @@ impl<'a> Rules<'a> {
     }
 
     fn metric(&mut self, path: &str) {
-        let Some(name) = self.text(path).filter(|name| !metric_names::NAMES.contains(name)) else { return };
+        let Some(name) = self.text(path).filter(|name| !metric_names::is_known(name)) else { return };
         let meant = nearest(name, metric_names::NAMES.iter().copied());
         let label = meant.first().map_or("not measured".to_owned(), |meant| format!("did you mean `{meant}`?"));
         let problem = Problem::new(self.place(path), format!("there is no metric `{}`", short(name)), label);
-        let help = format!("the metrics are {}", listed(metric_names::NAMES.iter().copied(), "and"));
+        let names = listed(metric_names::NAMES.iter().copied(), "and");
+        let help = format!("the metrics are {names}; of several runs also with `_p95` or `_max` behind");
         self.add(path, problem.help(help));
     }
 }

@@ -7,6 +7,7 @@ mod kinds;
 mod layers;
 mod motor;
 mod rules;
+mod vary;
 mod whole;
 
 use super::load::load_text;

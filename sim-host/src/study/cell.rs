@@ -28,6 +28,6 @@ pub(super) fn sweep(cell: &Loaded, place: &str, name: &str, stop: &AtomicBool) -
     cell.scene.driven().map_or(Ok(None), |scene| driven::sweep(&scene, name, stop).map_err(empty(place)))
 }
 
-fn empty(place: &str) -> impl FnOnce(StudyError) -> StudyError {
+pub(super) fn empty(place: &str) -> impl FnOnce(StudyError) -> StudyError {
     |error| StudyError::EmptyCell(place.to_owned(), Box::new(error))
 }

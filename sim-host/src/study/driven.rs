@@ -67,8 +67,14 @@ pub(super) fn conduct<'a, 'w>(
 
 /// The numbers of a scene that is a cell.
 pub(super) fn cell(scene: &Driven, stop: &AtomicBool) -> Result<Metrics, StudyError> {
+    measured(scene, stop).map(|(_, metrics)| metrics)
+}
+
+/// Runs a scene with the controller in this process, and measures it.
+pub(super) fn measured(scene: &Driven, stop: &AtomicBool) -> Result<(Record, Metrics), StudyError> {
     let record = run::run(scene, Watch { stop: Some(stop), ..Watch::default() })?;
-    Ok(metrics::driven::of(scene, &record))
+    let metrics = metrics::driven::of(scene, &record);
+    Ok((record, metrics))
 }
 
 /// The sweep of a scene that is a cell, sample by sample.

@@ -5,8 +5,8 @@ use crate::scene::diagnostic::{Place, Problem};
 use crate::scene::overlay::{overlay, parse_set, put_all_at};
 use crate::scene::tree::{Node, Origin, Value};
 
-/// Tables and lists of a scene that a cell of it does not have: what is run beside it, and what is expected of it.
-const NOT_IN_A_CELL: [&str; 3] = ["grid", "comparison", "expect"];
+/// What a scene has and a cell of it does not: how often it is run, what is run beside it, and what is expected of it.
+pub(super) const NOT_IN_A_CELL: [&str; 5] = ["runs", "vary", "grid", "comparison", "expect"];
 
 /// Leaves of a scene what a cell of it has.
 pub(in crate::scene) fn alone(root: &mut Node) {

@@ -1,0 +1,88 @@
+//! Several runs and what varies between them, and what is said about mistakes in it.
+
+use super::{example, load_text, loaded, report, says, sets};
+
+/// The example with more text behind.
+fn with(text: &str) -> String {
+    report(&format!("{}\n{text}", example()), &[])
+}
+
+fn vary(key: &str, how: &str) -> String {
+    with(&format!("[[vary]]\nkey = \"{key}\"\n{how}\n"))
+}
+
+#[test]
+fn a_key_that_there_is_not_has_a_nearest_name() {
+    says(
+        &vary("stack.bvd.serie_resonance_hz", "spread = 0.02"),
+        &[
+            "`stack.bvd.serie_resonance_hz` is no number of a scene",
+            "did you mean `stack.bvd.series_resonance_hz`?",
+            "key = \"stack.bvd.serie_resonance_hz\"",
+            "^^^",
+            "\n1 problem in a.toml",
+        ],
+    );
+    says(&vary("controller.drive.shape", "spread = 0.1"), &["`controller.drive.shape` is no number of a scene"]);
+}
+
+#[test]
+fn an_optional_key_that_the_scene_does_not_have_is_named_so() {
+    says(
+        &vary("controller.tracking.nominal_lm_h", "spread = 0.1"),
+        &["`controller.tracking.nominal_lm_h` is varied, but the scene does not have it", "give it a value first", "1 problem"],
+    );
+    // The same of a key that has a default is no mistake.
+    let text = format!("{}\n[[vary]]\nkey = \"sensors.noise_lsb\"\nfactor = 2\n", example());
+    assert!(load_text("a.toml", &text, &[]).is_ok());
+}
+
+#[test]
+fn how_it_varies_is_said_once_and_in_order() {
+    says(&vary("contact.dahl.mu", "spread = 0.1\nfactor = 2"), &["vary", "exclude each other", "1 problem"]);
+    says(&vary("contact.dahl.mu", ""), &["[[vary]] says too little", "give either `spread`, or `factor`, or `from` and `to`"]);
+    says(&vary("contact.dahl.mu", "from = 0.3\nto = 0.2"), &["nothing is from 0.3 to 0.2", "`to` must be more than `from`"]);
+    says(&vary("contact.dahl.mu", "factor = 0.5"), &["`vary.0.factor` is out of range", "must be from 1 to 1000"]);
+    let twice = "[[vary]]\nkey = \"contact.dahl.mu\"\nspread = 0.1\n".repeat(2);
+    says(&with(&twice), &["`contact.dahl.mu` is varied twice"]);
+    says(&vary("seed", "from = 1\nto = 5"), &["`seed` cannot be varied"]);
+    says(&vary("runs", "from = 1\nto = 5"), &["`runs` cannot be varied"]);
+    says(&vary("sensors.skew_s", "spread = 0.1"), &["a part of 0 is 0", "give `from` and `to` instead"]);
+}
+
+/// Both ends are scenes of their own: out of range, or against a rule.
+#[test]
+fn both_ends_must_be_scenes() {
+    says(
+        &vary("contact.dahl.mu", "from = 0.1\nto = 7"),
+        &["`contact.dahl.mu` varied to 7: `contact.dahl.mu` is out of range", "a.toml"],
+    );
+    says(
+        &vary("controller.drive.scan_v", "factor = 100"),
+        &["`controller.drive.scan_v` varied to 300: `controller.drive.scan_v` is 300 V, more than"],
+    );
+}
+
+#[test]
+fn a_scene_of_several_runs_has_nothing_run_beside_it() {
+    says(&report(example(), &["runs=2"]), &["a scene of several `runs` has no [grid]", "must be 1", "1 problem in --set"]);
+    says(&report(example(), &["runs=0"]), &["`runs` is out of range", "must be from 1 to 100000"]);
+}
+
+#[test]
+fn a_way_laid_over_takes_the_place_of_another() {
+    let changes = ["vary.0.key=contact.dahl.mu", "vary.0.spread=0.1", "vary.0.from=0.1", "vary.0.to=0.2"];
+    says(&report(example(), &changes), &["exclude each other"]);
+    let text = format!("{}\n[[vary]]\nkey = \"contact.dahl.mu\"\nspread = 0.1\n", example());
+    let scene = load_text("a.toml", &text, &sets(&["vary.0.from=0.1", "vary.0.to=0.2"])).unwrap().scene;
+    assert_eq!((scene.vary[0].spread, scene.vary[0].from), (None, Some(0.1)));
+    assert_eq!(loaded(&[]).runs, 1);
+}
+
+/// What is expected of several runs is measured of several.
+#[test]
+fn percentiles_are_metrics() {
+    let expect = |metric: &str| format!("{}\n[[expect]]\nmetric = \"{metric}\"\nmax = 1\n", example());
+    assert!(load_text("a.toml", &expect("lock_time_20hz_ms_p95"), &[]).is_ok());
+    says(&report(&expect("lock_time_20hz_ms_p96"), &[]), &["there is no metric", "did you mean `lock_time_20hz_ms`?", "`_p95`"]);
+}

@@ -1,0 +1,65 @@
+//! `[[vary]]`: what differs from run to run of a scene with several `runs`: truth of the plant, or what the controller is told.
+//!
+//! Of a number `x` of the scene and a part `u`, uniform in `[0, 1)`:
+//!
+//! ```text
+//! spread = s      x (1 + s (2 u - 1))      uniform within so much of the value
+//! factor = k      x k^(2 u - 1)            log-uniform from x / k to x k
+//! from, to        from + (to - from) u     uniform
+//! ```
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// A number of the scene that each of its `runs` draws anew. Give `spread`, or `factor`, or `from` and `to`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Vary {
+    /// The number: tables and key, with points between. Of the plant, or of what the controller is told.
+    pub key: String,
+    /// Uniform within this part of the scene's value, to either side.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 1e-9, max = 10.0))]
+    pub spread: Option<f64>,
+    /// Log-uniform, from the scene's value divided by this to the value times this.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 1.0, max = 1e3))]
+    pub factor: Option<f64>,
+    /// Uniform from here, in the unit of the key.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub from: Option<f64>,
+    /// To here, in the unit of the key.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub to: Option<f64>,
+}
+
+impl Vary {
+    /// The number at a part of its range, from 0 to 1; `own` is the scene's own value.
+    pub fn value(&self, own: f64, part: f64) -> f64 {
+        let sided = 2.0 * part - 1.0;
+        match (self.spread, self.factor, self.from, self.to) {
+            (Some(spread), ..) => own * (1.0 + spread * sided),
+            (None, Some(factor), ..) => own * libm::pow(factor, sided),
+            (None, None, Some(from), Some(to)) => from + (to - from) * part,
+            _ => own,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn vary(spread: Option<f64>, factor: Option<f64>, range: Option<(f64, f64)>) -> Vary {
+        let (from, to) = range.unzip();
+        Vary { key: "stack.bvd.q".into(), spread, factor, from, to }
+    }
+
+    #[test]
+    fn ends_and_middles_are_those_of_the_definition() {
+        let at = |vary: &Vary| [0.0, 0.5, 1.0].map(|part| vary.value(-50.0, part));
+        assert_eq!(at(&vary(Some(0.1), None, None)), [-45.0, -50.0, -55.00000000000001]);
+        assert_eq!(at(&vary(None, Some(2.0), None)), [-25.0, -50.0, -100.0]);
+        assert_eq!(at(&vary(None, None, Some((1.0, 4.0)))), [1.0, 2.5, 4.0]);
+    }
+}
