@@ -10,6 +10,7 @@ use crate::amplitude::AmplitudeLoop;
 use crate::block::{Amplitude, DriveBlock, Gate, LATENCY_BLOCKS, MAX_BLOCK_SAMPLES, Orders, SenseBlock};
 use crate::burst::Burst;
 use crate::calibrate::Calibrate;
+use crate::clamped::PowerOn;
 use crate::config::{Config, ShapeKind, TrackingMode};
 use crate::controller::plan::Plan;
 use crate::convert::Convert;
@@ -35,8 +36,9 @@ use crate::units::{Hertz, Volts};
 struct Played {
     /// The tone, or the chord of what moves.
     tone: Stretch,
-    /// Frequency relative to the nominal one.
+    /// Frequency relative to the nominal one, and as an offset from it, Hz.
     relative: f32,
+    offset_hz: f32,
     /// How far beside the lock point that was on purpose, Hz.
     detune_hz: f32,
     volts: f32,
@@ -58,6 +60,8 @@ pub struct Controller {
     amplitude_asked: Amplitude,
     /// Time constant of the resonance in periods, as told.
     nominal_periods: f32,
+    /// Motional inductance as told, H.
+    nominal_lm_h: Option<f32>,
     scan_volts: f32,
     /// The drive that the present brake is for, V.
     braked_volts: f32,
@@ -73,6 +77,7 @@ pub struct Controller {
     self_test: SelfTest,
     scan: Scan,
     calibrate: Calibrate,
+    power_on: PowerOn,
     tracker: Tracker,
     amplitude: AmplitudeLoop,
     transducer: Option<Transducer>,
@@ -104,6 +109,7 @@ impl Controller {
             phasing: Phasing::build(config)?,
             amplitude_asked: config.drive.amplitude,
             nominal_periods: config.tracking.nominal_q / core::f32::consts::PI,
+            nominal_lm_h: config.tracking.nominal_lm_h,
             scan_volts: config.drive.scan_volts,
             braked_volts: 0.0,
             block: 0,
@@ -116,6 +122,7 @@ impl Controller {
             self_test: SelfTest::build(config),
             scan: Scan::build(config)?,
             calibrate: Calibrate::build(config),
+            power_on: PowerOn::build(config),
             tracker: Tracker::build(config, block_s)?,
             amplitude: AmplitudeLoop::build(config, block_s)?,
             transducer: None,
@@ -142,7 +149,7 @@ impl Controller {
             self.begin();
         }
         let plan = self.plan(orders, sense, &sensed, &heard, motional_current);
-        self.supervisor.advance(orders, plan.progress, self.tracker.tracks());
+        self.supervisor.advance(orders, plan.progress, self.acquisition());
 
         self.played[slot] = self.play(orders, &plan, drive);
         self.block += 1;
@@ -162,7 +169,9 @@ impl Controller {
         let louder = self.burst.loudest();
         let envelope = match mode {
             Mode::Idle | Mode::Fault => self.burst.snap(false, &stretch, self.samples),
-            Mode::SelfTest | Mode::Scan | Mode::Calibrate => self.burst.snap(plan.gate == Gate::On, &stretch, self.samples),
+            Mode::SelfTest | Mode::Scan | Mode::Calibrate | Mode::Clamped => {
+                self.burst.snap(plan.gate == Gate::On, &stretch, self.samples)
+            }
             // Without a voltage there is no burst: the next one begins at zero.
             Mode::Lock | Mode::Run if plan.volts == 0.0 => self.burst.snap(false, &stretch, self.samples),
             Mode::Lock | Mode::Run => self.burst.envelope(plan.gate, now, &stretch, self.samples),
@@ -178,7 +187,7 @@ impl Controller {
         let shape = if matches!(mode, Mode::Lock | Mode::Run) { &mut self.shape } else { &mut plain };
         match mode {
             Mode::Idle | Mode::Fault => self.shaper.mute(&play, drive),
-            Mode::SelfTest if plan.volts == 0.0 => self.shaper.mute(&play, drive),
+            Mode::SelfTest | Mode::Clamped if plan.volts == 0.0 => self.shaper.mute(&play, drive),
             _ => self.shaper.shape(shape, &play, drive),
         }
         let fundamental = shape.fundamental(tone.frequency()).filter(|_| plan.listen == 0);
@@ -186,6 +195,7 @@ impl Controller {
         Played {
             tone,
             relative: hz / self.sweep.hold.nominal_hz(),
+            offset_hz,
             detune_hz: if running && self.tracker.tracks() { offset_hz - self.tracker.offset_hz() } else { 0.0 },
             volts,
             audible: fundamental.map(|part| part * gain),

@@ -48,6 +48,11 @@ impl SenseScale {
         libm::sqrtf(self.centred(codes).map(|code| (code - mean) * (code - mean)).sum::<f32>() / codes.len().max(1) as f32)
     }
 
+    /// Variance of a phasor that is fitted to `samples` codes of this variance, both components, in SI. Rounding adds a twelfth.
+    pub fn phasor_variance(&self, code_variance: f32, samples: usize) -> f32 {
+        4.0 / samples as f32 * (code_variance + 1.0 / 12.0) * self.per_lsb * self.per_lsb
+    }
+
     /// How many codes a value in SI is.
     pub fn codes(&self, value: f32) -> f32 {
         value / self.per_lsb

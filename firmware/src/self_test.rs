@@ -71,6 +71,8 @@ pub struct SelfTest {
     first: (f32, f32),
     /// Their current against their voltage.
     lead: Phasor,
+    /// Mean square of both channels in silence, codes.
+    noise: (f32, f32),
 }
 
 impl SelfTest {
@@ -90,7 +92,13 @@ impl SelfTest {
             sum: (0.0, 0.0),
             first: (0.0, 0.0),
             lead: Phasor::default(),
+            noise: (0.0, 0.0),
         }
+    }
+
+    /// Mean square of the noise of voltage and current, codes, as heard in silence.
+    pub fn noise(&self) -> (f32, f32) {
+        self.noise
     }
 
     /// Begins again.
@@ -101,6 +109,7 @@ impl SelfTest {
         self.sum = (0.0, 0.0);
         self.first = (0.0, 0.0);
         self.lead = Phasor::default();
+        self.noise = (0.0, 0.0);
     }
 
     /// Takes a block, in which `played` volts were, and says what to do next. Moves the zero of both channels when the silence is over.
@@ -115,6 +124,12 @@ impl SelfTest {
             n if n <= SILENT_BLOCKS => {
                 self.mean_codes.0 += convert.v.mean_code(&sense.v) / SILENT_BLOCKS as f32;
                 self.mean_codes.1 += convert.i.mean_code(&sense.i) / SILENT_BLOCKS as f32;
+                if n > SILENT_BLOCKS / 2 {
+                    // What rings has died away further by then.
+                    let square = |rms: f32| rms * rms / (SILENT_BLOCKS - SILENT_BLOCKS / 2) as f32;
+                    self.noise.0 += square(convert.v.rms_code(&sense.v));
+                    self.noise.1 += square(convert.i.rms_code(&sense.i));
+                }
                 if n == SILENT_BLOCKS { self.judge_offset(convert) } else { Step::Silence }
             }
             n if (FIRST_HEARD..FIRST_HEARD + PHASE_BLOCKS).contains(&n) => {

@@ -1,7 +1,7 @@
 //! The supervisor: may we drive, and what is limiting us?
 //!
 //! ```text
-//! Idle -> SelfTest -> Scan | Calibrate -> Lock -> Run
+//! Idle -> SelfTest -> Scan | Clamped | Calibrate -> Lock -> Run
 //!   ^        |          |        |          |      |
 //!   |        +----------+--------+--+-------+------+--> Fault (sticky; the drive is muted)
 //!   +--- order: Idle -------------------- order: clear ---+
@@ -36,6 +36,19 @@ pub enum Mode {
     Fault,
     /// Measuring what each lane adds.
     Calibrate,
+    /// Measuring the clamped branch, beside the resonance.
+    Clamped,
+}
+
+/// How a run comes to its frequency.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Acquisition {
+    /// It is told.
+    Told,
+    /// By a scan.
+    Scanned,
+    /// By an observer, which needs the clamped branch.
+    Observed,
 }
 
 /// Why the drive is muted. On the wire it is its number.
@@ -136,6 +149,8 @@ pub enum Progress {
     Busy,
     /// It is over.
     Done,
+    /// It has to go back to an earlier one.
+    Back(Mode),
     /// It has failed.
     Failed(Fault),
 }
@@ -187,7 +202,8 @@ impl Supervisor {
             // A new order of either also ends a run, and any other a calibration.
             (Mode::Idle, _)
             | (Mode::Lock | Mode::Run, Request::Scan | Request::Calibrate)
-            | (Mode::Scan, Request::Calibrate)
+            | (Mode::Scan | Mode::Clamped, Request::Calibrate)
+            | (Mode::Clamped, Request::Scan)
             | (Mode::Calibrate, Request::Scan | Request::Run) => {
                 self.mode = Mode::SelfTest;
                 true
@@ -197,15 +213,21 @@ impl Supervisor {
     }
 
     /// Moves on when the present stage is over.
-    pub fn advance(&mut self, orders: &Orders, progress: Progress, tracks: bool) {
+    pub fn advance(&mut self, orders: &Orders, progress: Progress, acquisition: Acquisition) {
         match progress {
             Progress::Busy => {}
             Progress::Failed(fault) => self.raise(fault),
+            Progress::Back(mode) => self.mode = mode,
             Progress::Done => {
                 self.mode = match self.mode {
                     Mode::SelfTest if orders.request == Request::Calibrate => Mode::Calibrate,
-                    Mode::SelfTest if tracks || orders.request == Request::Scan => Mode::Scan,
-                    Mode::SelfTest => Mode::Run,
+                    Mode::SelfTest if orders.request == Request::Scan => Mode::Scan,
+                    Mode::SelfTest => match acquisition {
+                        Acquisition::Told => Mode::Run,
+                        Acquisition::Scanned => Mode::Scan,
+                        Acquisition::Observed => Mode::Clamped,
+                    },
+                    Mode::Clamped => Mode::Lock,
                     Mode::Calibrate => self.end(orders),
                     Mode::Scan if orders.request == Request::Scan => self.end(orders),
                     Mode::Scan => Mode::Lock,

@@ -1,10 +1,12 @@
 //! Phasors to frequency: keeps the drive at the resonance while it moves.
 //!
-//! The motional current is taken out of the total ([`Motional`]); the phase of one of the two is driven to zero by
-//! [`phase_loop`]; [`lock_detector`] says whether to believe it. In between the tracker decides when there is anything to hear:
-//! not while the envelope is at an edge or the stack rings up, and not when it does not ring at all.
+//! The motional current is taken out of the total ([`Motional`]). The [`observer`] tells the resonance from how it changes, as far as it is
+//! [believed](observed); or the phase of one of the two currents is driven to zero by [`phase_loop`], and [`lock_detector`] says whether to
+//! believe that. The motional phase, of which the observer knows nothing, is also the judge of the observer. In between the tracker decides
+//! when there is any phase to hear: not while the envelope is at an edge or the stack rings up, and not when it does not ring at all.
 
 pub mod lock_detector;
+pub mod observed;
 pub mod observer;
 pub mod phase_loop;
 
@@ -15,6 +17,8 @@ use crate::identify::Transducer;
 use crate::motional::Motional;
 use crate::phasor::Phasor;
 use crate::tracker::lock_detector::{Lock, LockDetector};
+use crate::tracker::observed::{Observed, Seek};
+use crate::tracker::observer::Prior;
 use crate::tracker::phase_loop::PhaseLoop;
 use crate::units::Turns;
 
@@ -27,6 +31,8 @@ const RINGS_ABOVE: f32 = 0.2;
 const UNDECIDED: Turns = Turns(20.0 / 360.0);
 /// Longest time the loop may take to lock, blocks and time constants of the resonance.
 const LOCK_TIMEOUT: (u32, f32) = (2000, 50.0);
+/// Where a scan has found the resonance, it is within this part of the bandwidth.
+const SCANNED: f32 = 0.1;
 /// Longest time under drive without hearing anything, in the same terms.
 const UNHEARD: (u32, f32) = (500, 20.0);
 
@@ -50,6 +56,8 @@ pub enum State {
     Unheard,
     /// It was locked, and is no more.
     Lost,
+    /// The observer is sure of itself, and the motional phase says otherwise.
+    Disagree,
     /// It has taken too long.
     TimedOut,
 }
@@ -57,8 +65,12 @@ pub enum State {
 /// What was played in the block that is heard.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Heard {
+    /// Frequency, as an offset from the nominal one, Hz.
+    pub offset_hz: f32,
     /// Peak voltage before the envelope, V.
     pub volts: f32,
+    /// The envelope, where it was the same throughout.
+    pub envelope: Option<f32>,
     /// The envelope was one throughout.
     pub on: bool,
     /// There was drive at all.
@@ -74,6 +86,7 @@ pub struct Tracker {
     nominal: Motional,
     motional: Motional,
     phase_loop: PhaseLoop,
+    observed: Option<Observed>,
     lock: LockDetector,
     rm_ohm: f32,
     /// `2 pi tau`: how much a hertz of detuning is of the phase's own scale, 1/Hz.
@@ -104,6 +117,7 @@ impl Tracker {
             nominal,
             motional: nominal,
             phase_loop: PhaseLoop::build(&config.tracking, config.drive.frequency_hz, block_s)?,
+            observed: (config.tracking.mode == TrackingMode::Observer).then(|| Observed::new(config.drive.frequency_hz, block_s)),
             lock: LockDetector::default(),
             rm_ohm: 0.0,
             turn_per_hz: 0.0,
@@ -126,20 +140,79 @@ impl Tracker {
         self.motional = self.nominal;
         self.lock.restart(0.0);
         self.phase_loop.seed(0.0, f32::INFINITY);
+        self.rm_ohm = 0.0;
     }
 
-    /// Starts on a transducer that rings at its resonance.
-    pub fn seed(&mut self, transducer: &Transducer, branch: Motional) {
-        let tau_s = transducer.time_constant_s();
-        let tau_blocks = tau_s / self.block_s;
-        let limit = |(blocks, time_constants): (u32, f32)| blocks + (time_constants * tau_blocks) as u32;
+    /// Whether an observer tracks.
+    pub fn observes(&self) -> bool {
+        self.observed.is_some()
+    }
+
+    /// Lets the observer begin on a transducer that nobody has seen ring yet.
+    pub fn observe(&mut self, branch: Motional, prior: &Prior) {
         self.motional = branch;
-        self.phase_loop.seed(transducer.series_resonance_hz - self.nominal_hz, tau_s);
-        self.lock.restart(tau_blocks);
+        if let Some(observed) = &mut self.observed {
+            observed.start(prior, Seek::Window);
+        }
+    }
+
+    /// Begins again where there is more hope, and says where; without an observer, or after the last, nowhere.
+    pub fn seek_on(&mut self, was_locked: bool) -> Option<Seek> {
+        let next = self.observed.as_mut()?.seek_on(was_locked);
+        self.restart_clock(0.0);
+        next
+    }
+
+    /// Whether an observer is sure of its resonance.
+    pub fn is_sure(&self) -> bool {
+        self.observed.as_ref().is_some_and(Observed::is_sure)
+    }
+
+    /// What the observer knows of the transducer by now.
+    pub fn identify(&self) -> Option<Transducer> {
+        let observer = self.observed.as_ref()?.observer();
+        let hz = self.nominal_hz + observer.offset_hz();
+        let omega = core::f32::consts::TAU * hz;
+        let (lm_h, c0_f) = (observer.lm_h(), self.motional.y0.im / (core::f32::consts::TAU * self.nominal_hz));
+        let cm_f = 1.0 / (omega * omega * lm_h);
+        Some(Transducer {
+            series_resonance_hz: hz,
+            parallel_resonance_hz: hz * libm::sqrtf(1.0 + cm_f / c0_f),
+            q: omega / (2.0 * observer.damping()),
+            rm_ohm: 2.0 * observer.damping() * lm_h,
+            lm_h,
+            cm_f,
+            c0_f,
+        })
+    }
+
+    /// Starts on a transducer that a scan has found, and that rings at its resonance. `noise_a` is the rms noise of a block's current.
+    pub fn seed(&mut self, transducer: &Transducer, branch: Motional, noise_a: f32) {
+        self.motional = branch;
+        let offset_hz = transducer.series_resonance_hz - self.nominal_hz;
+        self.phase_loop.seed(offset_hz, transducer.time_constant_s());
+        self.set_resonance(transducer);
+        self.restart_clock(transducer.time_constant_s() / self.block_s);
+        self.on_blocks = self.ring_up_blocks;
+        if let Some(observed) = &mut self.observed {
+            let spread_hz = SCANNED * transducer.series_resonance_hz / transducer.q;
+            let (q, lm_h, axis) = (transducer.q, transducer.lm_h, branch.axis);
+            observed.start(&Prior { offset_hz: (offset_hz, spread_hz), q, lm_h, axis, noise_a }, Seek::Scan);
+        }
+    }
+
+    /// Takes what is known of the resonance.
+    pub fn set_resonance(&mut self, transducer: &Transducer) {
+        let tau_s = transducer.time_constant_s();
         self.rm_ohm = transducer.rm_ohm;
         self.turn_per_hz = core::f32::consts::TAU * tau_s;
-        self.ring_up_blocks = (RING_UP * tau_blocks) as u32;
-        self.on_blocks = self.ring_up_blocks;
+        self.ring_up_blocks = (RING_UP * tau_s / self.block_s) as u32;
+        self.phase_loop.set_time_constant(tau_s);
+    }
+
+    fn restart_clock(&mut self, tau_blocks: f32) {
+        let limit = |(blocks, time_constants): (u32, f32)| blocks + (time_constants * tau_blocks) as u32;
+        self.lock.restart(tau_blocks);
         (self.unheard_blocks, self.unheard_limit) = (0, limit(UNHEARD));
         (self.blocks, self.timeout_blocks) = (0, limit(LOCK_TIMEOUT));
     }
@@ -157,25 +230,32 @@ impl Tracker {
         motional_current * Phasor::new(1.0, self.turn_per_hz * detune_hz)
     }
 
-    /// Follows one block, whose motional current is given [at the lock point](Self::at_lock_point). Returns the phase that is driven to zero,
-    /// which is zero where nothing was heard.
-    pub fn follow(&mut self, sensed: &Sensed, motional_current: Phasor, heard: &Heard) -> Turns {
+    /// Follows one block. `at_lock_point` is its motional current [at the lock point](Self::at_lock_point). Returns the phase that is driven to
+    /// zero, which is zero where nothing was heard.
+    pub fn follow(&mut self, sensed: &Sensed, motional_current: Phasor, at_lock_point: Phasor, heard: &Heard) -> Turns {
         let Some(detector) = self.detector else { return Turns(0.0) };
         self.blocks = self.blocks.saturating_add(1);
         self.unheard_blocks = self.unheard_blocks.saturating_add(heard.driven.into());
         self.on_blocks = if heard.on { self.on_blocks.saturating_add(1) } else { 0 };
+        if let Some(observed) = &mut self.observed {
+            observed.follow(motional_current, sensed.v, heard);
+        }
         if self.on_blocks <= self.ring_up_blocks || !heard.on {
             self.phase_loop.hold();
             return Turns(0.0);
         }
         self.unheard_blocks = 0;
         let rings_above = RINGS_ABOVE * heard.volts / self.rm_ohm;
-        if motional_current.norm_sqr() > rings_above * rings_above {
+        if at_lock_point.norm_sqr() > rings_above * rings_above {
             let current = match detector {
-                PhaseDetector::Motional => motional_current,
+                PhaseDetector::Motional => at_lock_point,
                 PhaseDetector::Total => sensed.i,
             };
-            let phase = self.phase_loop.update(self.motional.phase_of(current, sensed.v));
+            let error = self.motional.phase_of(current, sensed.v);
+            let phase = match self.observed.as_ref().and_then(Observed::offset_hz) {
+                Some(offset_hz) => self.phase_loop.accompany(error, offset_hz),
+                None => self.phase_loop.update(error),
+            };
             // At the edge of the window a small phase is no lock; nor is a lock lost there that was one.
             self.lock.update(if self.phase_loop.limited() { UNDECIDED } else { phase });
             return phase;
@@ -189,18 +269,25 @@ impl Tracker {
 
     /// How the lock is.
     pub fn state(&self) -> State {
-        match self.lock.state() {
-            Lock::Locked if self.unheard_blocks > self.unheard_limit => State::Unheard,
-            Lock::Locked => State::Locked,
-            Lock::Lost => State::Lost,
-            Lock::Seeking if self.blocks > self.timeout_blocks => State::TimedOut,
-            Lock::Seeking => State::Seeking,
+        let locked = if self.unheard_blocks > self.unheard_limit { State::Unheard } else { State::Locked };
+        match (&self.observed, self.lock.state()) {
+            (Some(observed), Lock::Lost) if observed.is_sure() => State::Disagree,
+            (Some(_), Lock::Lost) | (None, Lock::Lost) => State::Lost,
+            (Some(observed), _) if observed.locked() => locked,
+            (Some(observed), _) if observed.timed_out() => State::TimedOut,
+            (None, Lock::Locked) => locked,
+            (None, Lock::Seeking) if self.blocks > self.timeout_blocks => State::TimedOut,
+            _ => State::Seeking,
         }
     }
 
     /// The frequency to drive, as an offset from the nominal one, Hz.
     pub fn offset_hz(&self) -> f32 {
-        self.phase_loop.offset_hz()
+        let window = self.window_hz();
+        match self.observed.as_ref().and_then(Observed::offset_hz) {
+            Some(offset_hz) => offset_hz.clamp(-window, window),
+            None => self.phase_loop.offset_hz(),
+        }
     }
 
     /// The largest offset, Hz.
@@ -208,13 +295,16 @@ impl Tracker {
         self.phase_loop.window_hz()
     }
 
-    /// The smoothed estimate of the resonance, as an offset from the nominal frequency, Hz.
+    /// The estimate of the resonance, as an offset from the nominal frequency, Hz.
     pub fn estimate_hz(&self) -> f32 {
-        self.phase_loop.estimate_hz()
+        self.observed.as_ref().map_or_else(|| self.phase_loop.estimate_hz(), |observed| observed.observer().offset_hz())
     }
 
     /// Whether the frequency window stops it from going where it wants.
     pub fn limited(&self) -> bool {
-        self.phase_loop.limited()
+        match self.observed.as_ref().and_then(Observed::offset_hz) {
+            Some(offset_hz) => offset_hz.abs() >= self.window_hz(),
+            None => self.phase_loop.limited(),
+        }
     }
 }

@@ -4,15 +4,23 @@ use super::{Controller, Played};
 use crate::block::{Gate, Orders, SenseBlock};
 use crate::burst::Brake;
 use crate::calibrate;
+use crate::clamped::{self, Clamped};
 use crate::demod::Sensed;
 use crate::identify::Transducer;
 use crate::motional::Motional;
 use crate::phasor::{Phasor, magnitude};
 use crate::scan;
 use crate::self_test;
-use crate::supervisor::{Fault, Mode, Progress};
+use crate::supervisor::{Acquisition, Fault, Mode, Progress};
+use crate::tracker::observed::Seek;
+use crate::tracker::observer::Prior;
 use crate::tracker::{Heard, State};
 use crate::units::Turns;
+
+/// A resonance whose motional inductance is this many times smaller or larger than was told is another one.
+const SAME_MODE: f32 = 2.0;
+/// How often what the observer knows of the transducer is taken, blocks.
+const LEARN_BLOCKS: u64 = 64;
 
 /// What to play next, before the burst has its say.
 #[derive(Clone, Copy)]
@@ -46,6 +54,7 @@ impl Controller {
         self.self_test.restart();
         self.calibrate.abandon(&mut self.phasing);
         self.scan.restart();
+        self.power_on.restart();
         self.transducer = None;
         self.sweep.hold.retune(0.0);
         self.sweep.restart();
@@ -92,6 +101,19 @@ impl Controller {
                 }
                 scan::Step::NotFound => Plan::SILENT.and(Progress::Failed(Fault::NoResonance)),
             },
+            Mode::Clamped => match self.power_on.step(sensed) {
+                clamped::Step::Tone { offset_hz, volts } => {
+                    self.sweep.hold.retune(offset_hz);
+                    Plan::tone(volts)
+                }
+                clamped::Step::Silence => Plan::SILENT,
+                clamped::Step::Found(clamped) => {
+                    self.sweep.hold.retune(0.0);
+                    self.observe(&clamped);
+                    Plan::SILENT.and(Progress::Done)
+                }
+                clamped::Step::Failed(fault) => Plan::SILENT.and(Progress::Failed(fault)),
+            },
             Mode::Calibrate => match self.calibrate.step(&mut self.phasing, sensed) {
                 calibrate::Step::Listen { offset_hz, lane } => {
                     self.sweep.hold.retune(offset_hz);
@@ -109,11 +131,53 @@ impl Controller {
         }
     }
 
+    /// How a run comes to its frequency.
+    pub(super) fn acquisition(&self) -> Acquisition {
+        match (self.tracker.tracks(), self.tracker.observes()) {
+            (false, _) => Acquisition::Told,
+            (true, false) => Acquisition::Scanned,
+            (true, true) => Acquisition::Observed,
+        }
+    }
+
+    /// Takes the clamped branch, and lets the observer begin anywhere in the window.
+    fn observe(&mut self, clamped: &Clamped) {
+        let window_hz = self.tracker.window_hz();
+        let prior = Prior {
+            offset_hz: (0.0, window_hz),
+            q: core::f32::consts::PI * self.nominal_periods,
+            lm_h: self.nominal_lm_h.unwrap_or(clamped.lm_h.value),
+            axis: clamped.motional.axis,
+            noise_a: self.noise_a(&clamped.motional),
+        };
+        self.tracker.observe(clamped.motional, &prior);
+    }
+
+    /// Rms noise of a block's motional current, A.
+    fn noise_a(&self, branch: &Motional) -> f32 {
+        let (v, i) = self.self_test.noise();
+        let (v, i) = (self.convert.v.phasor_variance(v, self.samples), self.convert.i.phasor_variance(i, self.samples));
+        libm::sqrtf(i + branch.y0.norm_sqr() * v)
+    }
+
     /// Takes the transducer that the scan has found, and starts both loops on it.
     fn adopt(&mut self, transducer: Transducer, branch: Motional, motional_current: f32) {
-        self.tracker.seed(&transducer, branch);
+        self.tracker.seed(&transducer, branch, self.noise_a(&branch));
         self.sweep.hold.retune(self.tracker.offset_hz());
         self.amplitude.seed(&transducer, motional_current);
+        self.transducer = Some(transducer);
+    }
+
+    /// Takes what the observer knows of the transducer: when it has locked, and while it is sure.
+    fn learn(&mut self, motional_current: f32) {
+        if !self.tracker.is_sure() || (self.transducer.is_some() && !self.block.is_multiple_of(LEARN_BLOCKS)) {
+            return;
+        }
+        let Some(transducer) = self.tracker.identify() else { return };
+        self.tracker.set_resonance(&transducer);
+        if self.transducer.is_none() {
+            self.amplitude.seed(&transducer, motional_current);
+        }
         self.transducer = Some(transducer);
     }
 
@@ -121,16 +185,30 @@ impl Controller {
     fn follow(&mut self, orders: &Orders, sensed: &Sensed, played: &Played, motional: Phasor) -> Plan {
         let on = played.flat && played.envelope == 1.0 && played.volts > 0.0;
         let driven = played.envelope != 0.0;
-        let heard = Heard { volts: played.volts, on, driven };
-        let motional = self.tracker.at_lock_point(motional, played.detune_hz);
-        let phase = self.tracker.follow(sensed, motional, &heard);
+        let heard = Heard {
+            offset_hz: played.offset_hz,
+            volts: played.volts,
+            envelope: played.flat.then_some(played.envelope),
+            on,
+            driven,
+        };
+        let at_lock_point = self.tracker.at_lock_point(motional, played.detune_hz);
+        let phase = self.tracker.follow(sensed, motional, at_lock_point, &heard);
+        self.learn(magnitude(motional));
         self.sweep.hold.retune(self.detune(orders).0);
         // An edge is never quite one, whatever its mean rounds to.
         let envelope = if played.flat { played.envelope } else { played.envelope.min(0.999) };
         // Before the order's own amplitude: what rings was driven by the one before.
         self.prepare_brake(orders.gate);
-        self.amplitude.update(orders.amplitude.unwrap_or(self.amplitude_asked), envelope, motional);
-        let volts = if self.burst.is_ending(orders.gate) { self.braked_volts } else { self.amplitude.volts() };
+        let known = self.transducer.is_some() || !self.tracker.observes();
+        if known {
+            self.amplitude.update(orders.amplitude.unwrap_or(self.amplitude_asked), envelope, at_lock_point);
+        }
+        let volts = match () {
+            () if !known => self.scan_volts,
+            () if self.burst.is_ending(orders.gate) => self.braked_volts,
+            () => self.amplitude.volts(),
+        };
         Plan { volts, gate: orders.gate, listen: 0, phase, progress: self.lock_progress() }
     }
 
@@ -159,14 +237,34 @@ impl Controller {
         }
     }
 
-    fn lock_progress(&self) -> Progress {
+    fn lock_progress(&mut self) -> Progress {
         let locking = self.supervisor.mode() == Mode::Lock;
         match self.tracker.state() {
             _ if !self.tracker.tracks() => Progress::Busy,
-            State::Lost if !locking => Progress::Failed(Fault::LossOfLock),
-            State::TimedOut | State::Lost if locking => Progress::Failed(Fault::NoLock),
+            State::Disagree => Progress::Failed(Fault::TrackersDisagree),
+            State::Locked if self.is_another_mode() => Progress::Failed(Fault::WrongMode),
             State::Locked if self.amplitude.settled() => Progress::Done,
+            State::Lost if !locking => self.seek_on(Fault::LossOfLock),
+            State::TimedOut | State::Lost if locking => self.seek_on(Fault::NoLock),
             _ => Progress::Busy,
         }
+    }
+
+    /// Seeks the lock where there is more hope, if there is any left.
+    fn seek_on(&mut self, fault: Fault) -> Progress {
+        match self.tracker.seek_on(fault == Fault::LossOfLock) {
+            Some(Seek::Nearby | Seek::Window) => Progress::Back(Mode::Lock),
+            Some(Seek::Scan) => {
+                self.scan.restart();
+                Progress::Back(Mode::Scan)
+            }
+            None => Progress::Failed(fault),
+        }
+    }
+
+    /// Whether what it has locked to is not the resonance it was told of, by its inductance.
+    fn is_another_mode(&self) -> bool {
+        let strength = |told: f32| self.transducer.map_or(1.0, |transducer| told / transducer.lm_h);
+        self.nominal_lm_h.is_some_and(|told| !(1.0 / SAME_MODE..SAME_MODE).contains(&strength(told)))
     }
 }

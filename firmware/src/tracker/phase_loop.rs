@@ -53,6 +53,18 @@ impl PhaseLoop {
         phase
     }
 
+    /// The resonance now has another time constant.
+    pub fn set_time_constant(&mut self, time_constant_s: f32) {
+        self.integral_gain = self.block_s / time_constant_s;
+    }
+
+    /// Goes along with who leads, so that it could take over at any time, and returns one block's phase error.
+    pub fn accompany(&mut self, error: Phasor, offset_hz: f32) -> Turns {
+        self.integral_hz = offset_hz.clamp(-self.window_hz, self.window_hz);
+        self.offset_hz = self.integral_hz;
+        argument(error)
+    }
+
     /// Forgets the proportional part: the frequency to hold while there is nothing to follow.
     pub fn hold(&mut self) {
         self.offset_hz = self.integral_hz;

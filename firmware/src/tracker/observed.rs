@@ -1,0 +1,150 @@
+//! Whom to believe: the observer, from when on, and when no longer.
+//!
+//! It leads as soon as its deviation is small enough to be worth following, and is locked when that has been within 5 degrees of motional phase for
+//! 8 blocks. Where its gate opens again and again, its model does not hold, and the [phase loop](super::phase_loop) leads until it does.
+//!
+//! A lock that is lost, or not found in time, is sought again: nearby, then in the whole window, then by a scan.
+
+use crate::phasor::Phasor;
+use crate::tracker::Heard;
+use crate::tracker::lock_detector::LOCK_BLOCKS;
+use crate::tracker::observer::{Observer, Played, Prior};
+
+const TAU: f32 = core::f32::consts::TAU;
+/// Deviation, relative to the nominal frequency, below which the estimate is worth following.
+const WORTH: f32 = 5e-3;
+/// A lock is within 5 degrees of motional phase, or within this part of the frequency if that is more.
+const INNER: (f32, f32) = (0.087_488_66, 1e-4);
+/// What an opening of the gate adds to the doubt, which fades by one a block; and how much of it ends the belief.
+const DOUBT: (u32, u32) = (16, 96);
+/// The phase loop leads until the doubt is down to this.
+const TRUSTED: u32 = 8;
+/// Blocks that the observer may take to lock.
+const TIMEOUT: u32 = 128;
+/// A lock that was lost sooner than this, in blocks, is not sought the same way again.
+const LASTED: u32 = 3000;
+/// How far from where it was a lost resonance is sought first, relative to the frequency.
+const NEARBY: f32 = 5e-3;
+
+/// Where a lock is sought.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Seek {
+    /// Where it was when it was lost.
+    Nearby,
+    /// In the whole window.
+    Window,
+    /// By a scan.
+    Scan,
+}
+
+/// The observer, and how far it is believed.
+#[derive(Clone, Debug)]
+pub struct Observed {
+    observer: Observer,
+    nominal_hz: f32,
+    prior: Prior,
+    seek: Seek,
+    shown_hz: f32,
+    /// Blocks since it began, and those at the end of which it was within the bound of a lock.
+    blocks: u32,
+    inside: u32,
+    locked: bool,
+    opened: u32,
+    doubt: u32,
+    doubted: bool,
+}
+
+impl Observed {
+    /// For a nominal frequency, told a block every `block_s` seconds.
+    pub fn new(nominal_hz: f32, block_s: f32) -> Self {
+        let prior = Prior { offset_hz: (0.0, 0.0), q: 1.0, lm_h: 1.0, axis: Phasor::new(1.0, 0.0), noise_a: 1.0 };
+        Observed {
+            observer: Observer::new(nominal_hz, block_s),
+            nominal_hz,
+            prior,
+            seek: Seek::Scan,
+            shown_hz: 0.0,
+            blocks: 0,
+            inside: 0,
+            locked: false,
+            opened: 0,
+            doubt: 0,
+            doubted: false,
+        }
+    }
+
+    /// Begins with what is known; `seek` says how that has come about.
+    pub fn start(&mut self, prior: &Prior, seek: Seek) {
+        self.observer.start(prior);
+        (self.seek, self.shown_hz) = (seek, prior.offset_hz.0);
+        if seek == Seek::Window {
+            self.prior = *prior;
+        }
+        (self.blocks, self.inside, self.locked) = (0, 0, false);
+        (self.opened, self.doubt, self.doubted) = (self.observer.opened(), 0, false);
+    }
+
+    /// Begins again where there is more hope, and says where; nowhere after a scan.
+    pub fn seek_on(&mut self, was_locked: bool) -> Option<Seek> {
+        let next = match self.seek {
+            _ if was_locked && self.blocks > LASTED => Seek::Nearby,
+            Seek::Nearby => Seek::Window,
+            Seek::Window => Seek::Scan,
+            Seek::Scan => return None,
+        };
+        let nearby = (self.observer.offset_hz(), NEARBY * self.nominal_hz);
+        match next {
+            Seek::Nearby => self.start(&Prior { offset_hz: nearby, ..self.prior }, next),
+            Seek::Window => self.start(&{ self.prior }, next),
+            Seek::Scan => {}
+        }
+        Some(next)
+    }
+
+    /// Follows one block.
+    pub fn follow(&mut self, motional_current: Phasor, v: Phasor, heard: &Heard) {
+        let steady_v = heard.envelope.map(|envelope| heard.volts * envelope);
+        self.observer.follow(motional_current, v, Played { offset_hz: heard.offset_hz, steady_v });
+        self.blocks = self.blocks.saturating_add(heard.driven.into());
+        if self.observer.is_within(WORTH * self.nominal_hz) {
+            self.shown_hz = self.observer.ahead_hz();
+        }
+        let opened = self.observer.opened();
+        self.doubt = if opened == self.opened { self.doubt.saturating_sub(1) } else { self.doubt + DOUBT.0 };
+        self.opened = opened;
+        self.doubted = self.doubt > if self.doubted { TRUSTED } else { DOUBT.1 };
+        let within = self.observer.is_within(self.inner_hz()) && !self.doubted;
+        self.inside = if within { self.inside.saturating_add(heard.driven.into()) } else { 0 };
+        self.locked |= self.inside >= LOCK_BLOCKS;
+    }
+
+    /// How far off the resonance still is a lock, Hz.
+    fn inner_hz(&self) -> f32 {
+        (INNER.0 * self.observer.damping() / TAU).max(INNER.1 * self.nominal_hz)
+    }
+
+    /// The frequency to drive, as an offset from the nominal one, Hz; `None` where the phase loop is to lead.
+    pub fn offset_hz(&self) -> Option<f32> {
+        (!self.doubted).then_some(self.shown_hz)
+    }
+
+    /// It has locked.
+    pub fn locked(&self) -> bool {
+        self.locked
+    }
+
+    /// It is sure of itself.
+    pub fn is_sure(&self) -> bool {
+        self.inside >= LOCK_BLOCKS
+    }
+
+    /// It has taken too long.
+    pub fn timed_out(&self) -> bool {
+        self.blocks > TIMEOUT
+    }
+
+    /// The observer.
+    pub fn observer(&self) -> &Observer {
+        &self.observer
+    }
+}
