@@ -81,7 +81,7 @@ impl Controller {
                     self_test::Step::Failed(fault) => Plan::SILENT.and(Progress::Failed(fault)),
                 }
             }
-            Mode::Scan => match self.scan.step(sensed) {
+            Mode::Scan => match self.scan.step(&self.convert, sense, sensed) {
                 scan::Step::Tune(offset_hz) => {
                     self.sweep.hold.retune(offset_hz);
                     Plan::tone(self.scan_volts)
@@ -90,7 +90,7 @@ impl Controller {
                     self.adopt(transducer, branch, magnitude(motional));
                     Plan::tone(self.scan_volts).and(Progress::Done)
                 }
-                scan::Step::NotFound => Plan::SILENT.and(Progress::Failed(Fault::NoResonance)),
+                scan::Step::Failed(fault) => Plan::SILENT.and(Progress::Failed(fault)),
             },
             Mode::Calibrate => match self.calibrate.step(&mut self.phasing, sensed) {
                 calibrate::Step::Listen { offset_hz, lane } => {

@@ -1,0 +1,83 @@
+//! A pass of the scan: which frequencies are swept, how fast and how often.
+//!
+//! ```text
+//! f(block) = centre + width ((n + 1/2) / period - 1/2),    n = block modulo period
+//! ```
+//!
+//! The offsets of a period from its centre add up to nothing, so that it repeats itself against a reference at the centre.
+
+use crate::scan::spectrum::{MOST_LINES, Spectrum};
+
+/// Fewest lines of a spectrum; there are five unknowns.
+const FEWEST_LINES: f32 = 14.0;
+/// Fewest blocks of a period, and the widest sweep as a part of the block rate: beyond that the filter is too narrow.
+const FEWEST_BLOCKS: u32 = 64;
+const WIDEST: f32 = 0.3;
+
+/// A pass.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Pass {
+    /// Middle, as an offset from the nominal frequency, Hz.
+    pub centre_hz: f32,
+    /// From end to end, Hz.
+    pub width_hz: f32,
+    /// Blocks from end to end.
+    pub period_blocks: u32,
+    /// How often.
+    pub repeats: u32,
+}
+
+impl Pass {
+    /// From `low_hz` to `high_hz`, offsets from the nominal frequency, in `shortest_s` to `longest_s`: as short as shows enough lines. A sweep
+    /// is as wide as it has to be for those in the longest time, and not wider than it can be.
+    pub fn between(low_hz: f32, high_hz: f32, (shortest_s, longest_s): (f32, f32), block_s: f32) -> Self {
+        let width_hz = (high_hz - low_hz).max(FEWEST_LINES / longest_s);
+        let period_s = (FEWEST_LINES / width_hz).clamp(shortest_s, longest_s);
+        let period_blocks = ((period_s / block_s) as u32 + 1).max(FEWEST_BLOCKS);
+        let width_hz = width_hz.min(Pass::widest_hz(period_blocks, block_s));
+        Pass { centre_hz: 0.5 * (low_hz + high_hz), width_hz, period_blocks, repeats: 1 }
+    }
+
+    /// The widest sweep of so many blocks whose lines there is room for, Hz.
+    pub fn widest_hz(period_blocks: u32, block_s: f32) -> f32 {
+        ((MOST_LINES - 2) as f32 / (period_blocks as f32 * block_s)).min(WIDEST / block_s)
+    }
+
+    /// Offset from the nominal frequency in a block of it, Hz.
+    pub fn offset_hz(&self, block: u32) -> f32 {
+        let part = ((block % self.period_blocks) as f32 + 0.5) / self.period_blocks as f32;
+        self.centre_hz + self.width_hz * (part - 0.5)
+    }
+
+    /// Blocks of all of it.
+    pub fn blocks(&self) -> u32 {
+        self.period_blocks * self.repeats
+    }
+
+    /// An empty spectrum for it.
+    pub fn spectrum(&self, block_s: f32) -> Spectrum {
+        Spectrum::new(self.centre_hz, self.width_hz, self.period_blocks, block_s)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_period_returns_to_its_phase_and_keeps_within_its_ends() {
+        let pass = Pass::between(-1100.0, 1100.0, (8e-3, 16e-3), 32e-6);
+        assert_eq!(pass.period_blocks, 251);
+        let offsets = (0..251).map(|block| pass.offset_hz(block));
+        assert!(offsets.clone().sum::<f32>().abs() < 0.1);
+        assert!(offsets.clone().all(|hz| hz.abs() < 1100.0) && offsets.fold(0.0, f32::max) > 1090.0);
+    }
+
+    #[test]
+    fn a_narrow_one_is_widened_and_a_wide_one_cut() {
+        let narrow = Pass::between(-4.0, 4.0, (8e-3, 16e-3), 32e-6);
+        assert!((narrow.width_hz - 875.0).abs() < 1.0, "{narrow:?}");
+        let wide = Pass::between(-20e3, 20e3, (8e-3, 16e-3), 32e-6);
+        assert!(wide.width_hz < 5e3 && wide.spectrum(32e-6).lines() <= MOST_LINES, "{wide:?}");
+    }
+}
