@@ -6,10 +6,14 @@
 pub mod choice;
 pub mod mode_search;
 pub mod pole_fit;
+pub mod ring_up;
+mod scatter;
 
 pub mod triangle;
 
 use serde::{Deserialize, Serialize};
+
+pub use crate::identify::scatter::Scatter;
 
 const TAU: f32 = core::f32::consts::TAU;
 
@@ -82,6 +86,17 @@ pub struct Resonance {
     pub lm_h: f32,
     /// Motional conductance at the resonance, S.
     pub conductance_s: f32,
+}
+
+/// One of the resonances of a list, on its way with the telemetry: a list comes one a block.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Listed {
+    /// Its place in the list, from zero.
+    pub place: u8,
+    /// How many the list has.
+    pub of: u8,
+    /// The resonance.
+    pub resonance: Resonance,
 }
 
 /// The resonances that a scan has found, at rising frequencies.

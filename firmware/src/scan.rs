@@ -26,7 +26,7 @@ use crate::error::{Error, in_range};
 use crate::identify::choice::Choice;
 use crate::identify::mode_search::{ModeSearch, Told};
 use crate::identify::pole_fit::{Circuit, Pole};
-use crate::identify::{Deviations, MOST_MODES, Resonance, Resonances, Transducer};
+use crate::identify::{Deviations, Listed, MOST_MODES, Resonance, Resonances, Transducer};
 use crate::motional::Motional;
 use crate::phasor::magnitude;
 use crate::scan::baseband::Baseband;
@@ -97,6 +97,7 @@ pub struct Scan {
     search: ModeSearch,
     /// At rising frequencies.
     found: Vec<(Pole, Deviations), MOST_MODES>,
+    listed: Resonances,
     chosen: usize,
 }
 
@@ -143,6 +144,7 @@ impl Scan {
             baseband: Baseband::default(),
             spectrum,
             found: Vec::new(),
+            listed: Resonances::new(),
             chosen: 0,
         };
         scan.restart();
@@ -152,12 +154,20 @@ impl Scan {
     /// Begins again from the window.
     pub fn restart(&mut self) {
         self.found.clear();
+        self.listed.clear();
         self.begin_part(0);
     }
 
     /// The resonances found by the last scan, at rising frequencies.
-    pub fn resonances(&self) -> Resonances {
-        self.found.iter().map(|(pole, _)| resonance(pole, self.nominal_hz)).collect()
+    pub fn resonances(&self) -> &[Resonance] {
+        &self.listed
+    }
+
+    /// One of them, each in the turn of a block.
+    pub fn listed(&self, block: usize) -> Option<Listed> {
+        let place = block % MOST_MODES % self.listed.len().max(1);
+        let resonance = *self.listed.get(place)?;
+        Some(Listed { place: place as u8, of: self.listed.len() as u8, resonance })
     }
 
     /// Takes the block just heard and says what to do next.
@@ -269,11 +279,16 @@ impl Scan {
             let _ = self.found.push((*pole, *deviations));
         }
         self.found.sort_unstable_by(|a, b| a.0.offset_hz.total_cmp(&b.0.offset_hz));
+        self.list();
+    }
+
+    fn list(&mut self) {
+        self.listed = self.found.iter().map(|(pole, _)| resonance(pole, self.nominal_hz)).collect();
     }
 
     /// Chooses the wanted resonance, and decides whether it is known well enough.
     fn choose(&mut self) -> Step {
-        match self.choice.of(&self.resonances()) {
+        match self.choice.of(&self.listed) {
             Err(fault) => return Step::Failed(fault),
             Ok(chosen) => self.chosen = chosen,
         }
@@ -325,6 +340,7 @@ impl Scan {
         match (circuit.poles.first(), deviations.first()) {
             (Some(pole), Some(deviations)) if pole.offset_hz.abs() <= self.window_hz => {
                 self.found[self.chosen] = (*pole, *deviations);
+                self.list();
                 self.take(0)
             }
             _ => Step::Failed(Fault::NoResonance),

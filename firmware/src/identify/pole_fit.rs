@@ -24,7 +24,7 @@ use heapless::Vec;
 
 use crate::demod::Sensed;
 use crate::identify::triangle::Triangle;
-use crate::identify::{Deviations, MOST_MODES, Transducer};
+use crate::identify::{Deviations, MOST_MODES, Scatter, Transducer};
 use crate::motional::Motional;
 use crate::phasor::{Phasor, direction, magnitude};
 
@@ -258,7 +258,6 @@ impl PoleFit {
     pub fn deviations(&self, found: &Circuit, which: usize) -> Deviations {
         let t = found.transducer(which);
         let Some(pole) = found.poles.get(which) else { return Deviations::default() };
-        // Resonance and damping, the strength of the branch G / Q, and the clamped branch, by the unknowns.
         let at = CLAMPED + EACH * which;
         let of = |parts: &[(usize, Phasor)]| {
             let mut gradient = [NONE; MOST];
@@ -266,33 +265,12 @@ impl PoleFit {
             self.triangle.spread(&gradient)
         };
         let background = found.y0 + found.beside(which);
-        let of_pole = of(&[(at + 2, J / pole.q)]);
-        let of_strength = of(&[(at, pole.conductance.inv()), (at + 2, -background / pole.conductance)]);
-        let of_y0 = of(&[(0, ONE)]);
-        // Relative changes, as the factors of those three.
-        let series = [Phasor::new(0.5, 0.0), NONE, NONE];
-        let q = [J * t.q, NONE, NONE];
-        let lm = [NONE, -ONE, NONE];
-        let c0 = [NONE, NONE, -J / (TAU * t.series_resonance_hz * t.c0_f)];
-        let sum =
-            |parts: &[([Phasor; 3], f32)]| parts.iter().fold([NONE; 3], |sum, (of, by)| [0, 1, 2].map(|n| sum[n] + of[n] * *by));
-        let deviation = |by: [Phasor; 3]| {
-            let parts = of_pole.iter().zip(&of_strength).zip(&of_y0);
-            libm::sqrtf(0.5 * parts.map(|((p, g), y)| (p * by[0] + g * by[1] + y * by[2]).norm_sqr()).sum::<f32>())
+        let scatter = Scatter {
+            pole: of(&[(at + 2, J / pole.q)]),
+            strength: of(&[(at, pole.conductance.inv()), (at + 2, -background / pole.conductance)]),
+            y0: of(&[(0, ONE)]),
         };
-        let cm = sum(&[(lm, -1.0), (series, -2.0)]);
-        let ratio = sum(&[(cm, 1.0), (c0, -1.0)]);
-        let part = t.cm_f / (t.c0_f + t.cm_f);
-        Deviations {
-            series_resonance_hz: deviation(series) * t.series_resonance_hz,
-            parallel_resonance_hz: deviation(sum(&[(series, 1.0), (ratio, 0.5 * part)])) * t.parallel_resonance_hz,
-            q: deviation(q) * t.q,
-            rm_ohm: deviation(sum(&[(lm, 1.0), (series, 1.0), (q, -1.0)])) * t.rm_ohm,
-            lm_h: deviation(lm) * t.lm_h,
-            cm_f: deviation(cm) * t.cm_f,
-            c0_f: deviation(c0) * t.c0_f,
-            coupling: deviation(ratio) * 0.5 * (1.0 - part) * t.coupling,
-        }
+        scatter.deviations(&t)
     }
 }
 

@@ -6,7 +6,13 @@
 //!
 //! Unlike the [lock-in](crate::demod), which follows the drive's own phase, this is the same linear filter for all that is heard, whatever
 //! the drive does: what voltage and current have to do with one another stays exactly what it was before the filter, and its droop is the
-//! same in both. The triangle, two blocks long, takes from the image at twice the frequency what a boxcar would fold into the band.
+//! same in both. Of a tone at the reference the triangle leaves the image
+//!
+//! ```text
+//! k exp(-2 j theta) X*,    k = (sin(N omega) / (N sin(omega)))^2
+//! ```
+//!
+//! (L. Fejer 1900), 1.4 % for 32 samples of 40 kHz, which is subtracted; of what changes slowly there remains little.
 
 use crate::block::SenseBlock;
 use crate::convert::{Convert, SenseScale};
@@ -32,7 +38,8 @@ impl Baseband {
     pub fn take(&mut self, convert: &Convert, sense: &SenseBlock) -> Sensed {
         let samples = sense.v.len().min(sense.i.len());
         let turn = sine::rotation(self.word).conj();
-        let mut reference = sine::rotation(self.phase).conj();
+        let first = sine::rotation(self.phase).conj();
+        let mut reference = first;
         let (mut v, mut i) = (Moments::default(), Moments::default());
         let (v_zero, i_zero) = (convert.v.zero(), convert.i.zero());
         for (&v_code, &i_code) in sense.v.iter().zip(&sense.i) {
@@ -42,7 +49,11 @@ impl Baseband {
         }
         self.phase = self.phase.wrapping_add(self.word.wrapping_mul(samples as u64));
         let ((v_falling, v_rising), (i_falling, i_rising)) = (v.halves(samples, &convert.v), i.halves(samples, &convert.i));
-        let heard = Sensed { v: self.rising.v + v_falling, i: self.rising.i + i_falling };
+        let part = sine::rotation(self.word.wrapping_mul(samples as u64)).im / (samples.max(1) as f32 * turn.im);
+        let image = first * first * (part * part);
+        let scale = 1.0 / (1.0 - image.norm_sqr());
+        let whole = |x: Phasor| (x - x.conj() * image) * scale;
+        let heard = Sensed { v: whole(self.rising.v + v_falling), i: whole(self.rising.i + i_falling) };
         self.rising = Sensed { v: v_rising, i: i_rising };
         heard
     }
@@ -81,29 +92,34 @@ mod tests {
     use crate::phasor::magnitude;
     use crate::scan::bench::front_end;
 
-    fn heard(hz: f64, reference_hz: f64) -> Phasor {
+    /// What a tone leaves at an offset from the reference, over 4 ms.
+    fn heard(hz: f64, reference_hz: f64, offset_hz: f64) -> Phasor {
         let convert = Convert::build(&front_end()).unwrap();
         let mut baseband = Baseband::default();
         baseband.restart(tuning_word(reference_hz / 1e6));
-        let mut last = Sensed::default();
-        for block in 0..3 {
+        let mut sum = Phasor::default();
+        for block in 0..126 {
             let wave = |n: usize| 1500.0 * libm::cos(core::f64::consts::TAU * hz * 1e-6 * (32 * block + n) as f64);
             let codes: Codes = (0..32).map(|n| libm::round(2048.0 + wave(n)) as u16).collect();
-            last = baseband.take(&convert, &SenseBlock { v: codes.clone(), i: codes, ..SenseBlock::default() });
+            let x = baseband.take(&convert, &SenseBlock { v: codes.clone(), i: codes, ..SenseBlock::default() }).v;
+            if block > 0 {
+                sum += x * sine::rotation(tuning_word((offset_hz * 32e-6 * block as f64).rem_euclid(1.0))).conj();
+            }
         }
-        last.v / (1500.0 * front_end().volt_per_lsb)
+        sum / (125.0 * 1500.0 * front_end().volt_per_lsb)
     }
 
     #[test]
     fn a_tone_at_the_reference_is_one() {
-        // The image at 80 kHz leaves 1.4 %.
-        assert!((heard(40_000.0, 40_000.0) - Phasor::new(1.0, 0.0)).norm_sqr() < 0.02 * 0.02);
+        let x = heard(40_000.0, 40_000.0, 0.0);
+        assert!((x - Phasor::new(1.0, 0.0)).norm_sqr() < 1e-4 * 1e-4, "{x}");
     }
 
-    /// Twice 46.875 kHz is three times the block rate: there the image of one side of the band would fold onto the other.
+    /// Twice 46.875 kHz is three times the block rate: there the image of one side of the band folds onto the other.
     #[test]
     fn an_image_that_folds_into_the_band_is_small() {
-        let image = magnitude(heard(-2.0 * 46_875.0 + 47_875.0, 46_875.0));
-        assert!(image < 2e-3, "{image}");
+        let (there, image) = (heard(47_875.0, 46_875.0, 1000.0), magnitude(heard(47_875.0, 46_875.0, -1000.0)));
+        // 1.2e-4; a boxcar leaves 1.1 %.
+        assert!(magnitude(there) > 0.99 && image < 2e-4, "{there} {image}");
     }
 }

@@ -135,7 +135,7 @@ fn scan(case: &Case, seed: u64) -> Scanned {
             playing[slot].1.lanes[0][n] = code(n);
         }
     }
-    result.list = scan.resonances();
+    result.list = scan.resonances().iter().copied().collect();
     result
 }
 
