@@ -1,10 +1,12 @@
 //! A pass of the scan: which frequencies are swept, how fast and how often.
 //!
 //! ```text
-//! f(block) = centre + width ((n + 1/2) / period - 1/2),    n = block modulo period
+//! f(block) = centre + width (x / 0.75 - 1/2)              x = (n + 1/2) / period < 0.75,    n = block modulo period
+//!            centre + width ((1 - x) / 0.25 - 1/2)        from there on
 //! ```
 //!
-//! The offsets of a period from its centre add up to nothing, so that it repeats itself against a reference at the centre.
+//! Up in three quarters of the time, and down in one, so that what stands at the upper end still has time to be heard. The offsets of a
+//! period from its centre add up to nothing, so that it repeats itself against a reference at the centre.
 
 use crate::scan::spectrum::{MOST_LINES, Spectrum};
 
@@ -45,8 +47,10 @@ impl Pass {
 
     /// Offset from the nominal frequency in a block of it, Hz.
     pub fn offset_hz(&self, block: u32) -> f32 {
-        let part = ((block % self.period_blocks) as f32 + 0.5) / self.period_blocks as f32;
-        self.centre_hz + self.width_hz * (part - 0.5)
+        let up_blocks = self.period_blocks - self.period_blocks / 4;
+        let n = block % self.period_blocks;
+        let (done, of) = if n < up_blocks { (n, up_blocks) } else { (self.period_blocks - 1 - n, self.period_blocks / 4) };
+        self.centre_hz + self.width_hz * ((done as f32 + 0.5) / of as f32 - 0.5)
     }
 
     /// Blocks of all of it.

@@ -46,10 +46,8 @@ fn stack(hz: f64, q: f64) -> Case {
 struct Scanned {
     found: Result<(Transducer, Motional), Fault>,
     list: Resonances,
-    /// Until the window is searched, and until the end, s.
+    /// Until the window is searched, s, and what was known then.
     searched_s: f32,
-    ended_s: f32,
-    fine_s: f32,
     first: Option<Transducer>,
 }
 
@@ -81,14 +79,7 @@ fn scan(case: &Case, seed: u64) -> Scanned {
     let silence = (Stretch { word: hold.word(), ..Stretch::default() }, DriveBlock::silent(1, SAMPLES, 2048));
     let mut playing = [silence.clone(), silence];
     let mut sense = SenseBlock::default();
-    let mut result = Scanned {
-        found: Err(Fault::EmergencyStop),
-        list: Resonances::new(),
-        searched_s: 0.0,
-        ended_s: 0.0,
-        fine_s: 0.0,
-        first: None,
-    };
+    let mut result = Scanned { found: Err(Fault::EmergencyStop), list: Resonances::new(), searched_s: 0.0, first: None };
     for block in 0..40_000 {
         let slot = block % LATENCY_BLOCKS;
         bench.exchange(&playing[slot].1, &mut sense);
@@ -104,9 +95,6 @@ fn scan(case: &Case, seed: u64) -> Scanned {
                 result.first = Some(Transducer { deviations, ..scan.search.found().0.transducer(place) });
             }
         }
-        if matches!(scan.stage, Stage::Fine) {
-            result.fine_s = scan.pass.blocks() as f32 * 32e-6;
-        }
         let done = match step {
             Step::Tune(offset_hz) => {
                 hold.retune(offset_hz);
@@ -121,7 +109,6 @@ fn scan(case: &Case, seed: u64) -> Scanned {
                 true
             }
         };
-        result.ended_s = now_s;
         if done {
             break;
         }
@@ -137,53 +124,6 @@ fn scan(case: &Case, seed: u64) -> Scanned {
     }
     result.list = scan.resonances().iter().copied().collect();
     result
-}
-
-#[test]
-#[ignore]
-fn explore() {
-    for span in [0.025, 0.05] {
-        for q in [20.0, 40.0, 65.0, 200.0, 500.0, 1600.0] {
-            for hz in [39_300.0, 40_020.0, 40_700.0] {
-                let mut case = stack(hz, q);
-                case.span = span;
-                let got = scan(&case, 1);
-                let first = got.first.map(|t| {
-                    (
-                        f64::from(t.series_resonance_hz) - hz,
-                        t.deviations.series_resonance_hz,
-                        100.0 * (f64::from(t.q) / q - 1.0),
-                        100.0 * t.deviations.q / t.q,
-                        100.0 * (f64::from(t.c0_f) / 300e-9 - 1.0),
-                    )
-                });
-                std::println!(
-                    "{span} Q {q} {hz}: modes {} searched {:.1} ms fine {:.1} end {:.1} first {:.3?}",
-                    got.list.len(),
-                    1e3 * got.searched_s,
-                    1e3 * got.fine_s,
-                    1e3 * got.ended_s,
-                    first
-                );
-                match got.found {
-                    Ok((t, m)) => std::println!(
-                        "      df {:.3} sd {:.3}  dQ {:.3} % sd {:.3}  dLm {:.3} % sd {:.3} dC0 {:.3} % sd {:.3} g0 {:.5} axis {:.5}",
-                        f64::from(t.series_resonance_hz) - hz,
-                        t.deviations.series_resonance_hz,
-                        100.0 * (f64::from(t.q) / q - 1.0),
-                        100.0 * t.deviations.q / t.q,
-                        100.0 * (f64::from(t.lm_h) / 791.6e-6 - 1.0),
-                        100.0 * t.deviations.lm_h / t.lm_h,
-                        100.0 * (f64::from(t.c0_f) / 300e-9 - 1.0),
-                        100.0 * t.deviations.c0_f / t.c0_f,
-                        m.y0.re,
-                        m.axis.im
-                    ),
-                    Err(fault) => std::println!("      {fault:?}"),
-                }
-            }
-        }
-    }
 }
 
 /// Mean and standard deviation.
@@ -207,126 +147,151 @@ fn welder(hz: f64, q: f64) -> Case {
     }
 }
 
-fn ratios(case: &Case, seeds: u64, of: impl Fn(&Scanned) -> Option<Transducer>) -> List<(f64, f64, f64, f64)> {
-    let branch = case.branches[0];
-    let (cm, c0) = (branch.cm_f(), case.c0_f);
-    let truth = [
-        branch.hz,
-        branch.hz * libm::sqrt(1.0 + cm / c0),
-        branch.q,
-        branch.rm_ohm(),
-        branch.lm_h,
-        cm,
-        c0,
-        libm::sqrt(cm / (c0 + cm)),
-    ];
-    let mut all: [List<f64>; 8] = Default::default();
-    let mut errors: [List<f64>; 8] = Default::default();
-    let mut sds: [f64; 8] = [0.0; 8];
-    for seed in 1..=seeds {
-        let Some(t) = of(&scan(case, seed)) else {
-            std::println!("none, seed {seed}");
-            continue;
-        };
+fn scans(case: &Case, seeds: u64) -> List<Scanned> {
+    (1..=seeds).map(|seed| scan(case, seed)).collect()
+}
+
+/// The window is swept and searched in 20 ms, whatever Q, and the resonance is then known to 1 Hz and Q to 1 %; at Q 20 to 5 Hz.
+#[test]
+fn twenty_milliseconds_suffice_for_the_window() {
+    let mut cases = List::new();
+    for span in [0.025, 0.05] {
+        for q in [20.0, 40.0, 65.0, 200.0, 500.0] {
+            cases.extend([39_300.0, 40_020.0, 40_700.0].map(|hz| Case { span, ..stack(hz, q) }));
+        }
+        for q in [57.0, 100.0, 330.0, 1600.0] {
+            cases.extend([19_600.0, 20_010.0, 20_400.0].map(|hz| Case { span, ..welder(hz, q) }));
+        }
+    }
+    let (mut longest_s, mut worst_hz, mut worst_low_hz, mut worst_q) = (0.0, 0.0, 0.0, 0.0);
+    for case in &cases {
+        let Branch { hz, q, .. } = case.branches[0];
+        let got = scan(case, 1);
+        let first = got.first.unwrap_or_else(|| panic!("{hz} Hz, Q {q}: {:?}", got.found));
+        let off_hz = (f64::from(first.series_resonance_hz) - hz).abs();
+        let worst = if q < 50.0 { &mut worst_low_hz } else { &mut worst_hz };
+        *worst = off_hz.max(*worst);
+        worst_q = (f64::from(first.q) / q - 1.0).abs().max(worst_q);
+        longest_s = got.searched_s.max(longest_s);
+    }
+    std::println!("longest {longest_s} s, {worst_hz} Hz, {worst_low_hz} Hz at Q below 50, Q {worst_q}");
+    // 15.3 ms, 0.68 Hz, 1.74 Hz and 0.67 %.
+    assert!(longest_s < 18e-3 && worst_hz < 0.9 && worst_low_hz < 3.0 && worst_q < 9e-3);
+}
+
+/// Error over stated deviation: its standard deviation is one, but for what so few seeds leave.
+#[test]
+fn deviations_are_honest() {
+    const SEEDS: u64 = 100;
+    let cases = [("Q 20", stack(40_300.0, 20.0)), ("Q 65", stack(40_300.0, 65.0)), ("Q 330", welder(20_100.0, 330.0))];
+    for (name, case) in &cases {
+        let scans = scans(case, SEEDS);
+        let of_window = |scanned: &Scanned| scanned.first.expect("a resonance");
+        let of_end = |scanned: &Scanned| scanned.found.as_ref().expect("a resonance").0;
+        for (stage, of) in [("window", &of_window as &dyn Fn(&Scanned) -> Transducer), ("end", &of_end)] {
+            let ratios = ratios(&scans.iter().map(of).collect::<List<_>>());
+            std::println!("{name}, {stage}: {ratios:.2?}");
+            // 0.77 to 1.23 here; over 200 seeds 0.87 to 1.13.
+            assert!(ratios.iter().all(|ratio| (0.7..1.4).contains(ratio)), "{name}, {stage}: {ratios:?}");
+        }
+    }
+}
+
+/// The same over as many seeds as it is stated for, of more cases.
+#[test]
+#[ignore = "200 seeds take a minute"]
+fn deviations_are_honest_over_200_seeds() {
+    let at_40k = [20.0, 40.0, 65.0, 200.0, 500.0].map(|q| stack(40_300.0, q));
+    let at_20k = [57.0, 330.0, 1600.0].map(|q| welder(20_100.0, q));
+    for case in at_40k.iter().chain(&at_20k) {
+        let scans = scans(case, 200);
+        let window: List<_> = scans.iter().filter_map(|scanned| scanned.first).collect();
+        let end: List<_> = scans.iter().filter_map(|scanned| scanned.found.as_ref().ok().map(|found| found.0)).collect();
+        std::println!("{:?}: window {:.2?}, end {:.2?}", case.branches[0], ratios(&window), ratios(&end));
+    }
+}
+
+/// Standard deviation over the transducers of (number - mean) / deviation, for each number.
+fn ratios(found: &[Transducer]) -> [f64; 8] {
+    let numbers = |t: &Transducer| {
+        [t.series_resonance_hz, t.parallel_resonance_hz, t.q, t.rm_ohm, t.lm_h, t.cm_f, t.c0_f, t.coupling].map(f64::from)
+    };
+    let stated = |t: &Transducer| {
         let d = t.deviations;
-        let got = [t.series_resonance_hz, t.parallel_resonance_hz, t.q, t.rm_ohm, t.lm_h, t.cm_f, t.c0_f, t.coupling];
-        let sd = [d.series_resonance_hz, d.parallel_resonance_hz, d.q, d.rm_ohm, d.lm_h, d.cm_f, d.c0_f, d.coupling];
-        for n in 0..8 {
-            all[n].push((f64::from(got[n]) - truth[n]) / f64::from(sd[n]));
-            errors[n].push(f64::from(got[n]) - truth[n]);
-            sds[n] += f64::from(sd[n]) / seeds as f64;
-        }
-    }
-    (0..8)
-        .map(|n| {
-            let (m, s) = moments(&errors[n]);
-            (
-                moments(&all[n].iter().zip(&errors[n]).map(|(a, e)| a * (e - m) / e).collect::<List<_>>()).1,
-                m / truth[n],
-                s / truth[n],
-                sds[n] / truth[n],
-            )
-        })
-        .collect()
+        [d.series_resonance_hz, d.parallel_resonance_hz, d.q, d.rm_ohm, d.lm_h, d.cm_f, d.c0_f, d.coupling].map(f64::from)
+    };
+    core::array::from_fn(|n| {
+        let mean = moments(&found.iter().map(|t| numbers(t)[n]).collect::<List<_>>()).0;
+        moments(&found.iter().map(|t| (numbers(t)[n] - mean) / stated(t)[n]).collect::<List<_>>()).1
+    })
 }
 
+/// A second branch inside the window or beside it: both are listed, the stronger is chosen, and it is known as well as by itself.
 #[test]
-#[ignore]
-fn explore_deviations() {
-    for (name, case) in [
-        ("40k Q20", stack(40_300.0, 20.0)),
-        ("Q65", stack(40_300.0, 65.0)),
-        ("Q500", stack(40_300.0, 500.0)),
-        ("20k Q57", welder(20_100.0, 57.0)),
-        ("20k Q1592", welder(20_100.0, 1592.0)),
-        ("20k 19.7 Q1592", welder(19_700.0, 1592.0)),
-    ] {
-        for (which, r) in
-            [("window", ratios(&case, 100, |s| s.first)), ("final", ratios(&case, 100, |s| s.found.as_ref().ok().map(|f| f.0)))]
-        {
-            std::print!("{name} {which}: ratio");
-            for x in &r {
-                std::print!(" {:.2}", x.0);
-            }
-            std::println!();
-            for (n, x) in ["fs", "fp", "Q", "Rm", "Lm", "Cm", "C0", "k"].iter().zip(&r) {
-                std::print!("  {n} bias {:.1e} sd {:.1e} stated {:.1e};", x.1, x.2, x.3);
-            }
-            std::println!();
-        }
-    }
-}
-
-#[test]
-#[ignore]
-fn explore_modes() {
+fn a_second_mode_is_listed_and_not_chosen() {
     for q in [20.0, 65.0, 200.0] {
-        for (second, factor) in
-            [(41_500.0, 3.3), (41_500.0, 10.0), (38_800.0, 3.3), (40_700.0, 10.0), (42_800.0, 3.3), (42_800.0, 10.0)]
-        {
-            let mut case = stack(40_100.0, q);
-            case.span = 0.05;
-            case.branches.push(Branch { hz: second, q: 1.5 * q, lm_h: 791.6e-6 * factor });
-            for seed in 1..4 {
-                let got = scan(&case, seed);
-                std::println!(
-                    "Q {q} second {second} x{factor}: searched {:.1} end {:.1} {:?}",
-                    1e3 * got.searched_s,
-                    1e3 * got.ended_s,
-                    got.list.iter().map(|r| (r.hz, r.q, r.lm_h * 1e3)).collect::<List<_>>()
-                );
-                match got.found {
-                    Ok((t, m)) => std::println!(
-                        "    df {:.3} sd {:.3} Q {:.2} % sd {:.2} Lm {:.2} % C0 {:.2} % y0 {:.5}",
-                        t.series_resonance_hz - 40100.0,
-                        t.deviations.series_resonance_hz,
-                        100.0 * (t.q / q as f32 - 1.0),
-                        100.0 * t.deviations.q / t.q,
-                        100.0 * (t.lm_h / 791.6e-6 - 1.0),
-                        100.0 * (t.c0_f / 300e-9 - 1.0),
-                        m.y0.re
-                    ),
-                    Err(f) => std::println!("    {f:?}"),
-                }
-            }
+        for (hz, weaker) in [(41_500.0, 3.3), (41_500.0, 10.0), (38_800.0, 3.3), (42_800.0, 3.3)] {
+            let mut case = Case { span: 0.05, ..stack(40_100.0, q) };
+            case.branches.push(Branch { hz, q: 1.5 * q, lm_h: weaker * 791.6e-6 });
+            let got = scan(&case, 1);
+            let what = std::format!("Q {q}, {hz} Hz, {weaker} times weaker: {:?}", got.list);
+            let (found, _) = got.found.unwrap_or_else(|fault| panic!("{what}: {fault:?}"));
+            let second = got.list.iter().find(|listed| (f64::from(listed.hz) - hz).abs() < 100.0).expect(&what);
+            assert!((f64::from(second.lm_h) / (weaker * 791.6e-6) - 1.0).abs() < 0.1, "{what}");
+            assert_eq!(got.list[usize::from(found.chosen)].hz, found.series_resonance_hz);
+            let off_hz = (found.series_resonance_hz - 40_100.0).abs();
+            // 2 Hz at Q 20, 0.7 Hz at 65 and 0.02 Hz at 200.
+            assert!(
+                off_hz < if q < 50.0 { 3.0 } else { 1.0 } && (f64::from(found.q) / q - 1.0).abs() < 4e-3,
+                "{what}: {found:?}"
+            );
         }
     }
 }
 
 #[test]
-#[ignore]
-fn explore_nothing() {
-    for seed in 1..40 {
-        let mut case = stack(40_100.0, 65.0);
-        case.span = if seed % 2 == 0 { 0.025 } else { 0.05 };
-        case.branches[0].lm_h = 1e4;
-        let got = scan(&case, seed);
-        std::println!("{:?} {:?} ended {}", got.list, got.found.is_ok(), got.ended_s);
-    }
-    for hz in [38_000.0, 42_000.0, 41_050.0, 38_900.0, 44_000.0, 36_000.0] {
-        for q in [20.0, 65.0, 200.0] {
-            let got = scan(&stack(hz, q), 3);
-            std::println!("outside {hz} Q {q}: {:?} {:?}", got.list, got.found.map(|f| f.0.series_resonance_hz));
+fn the_told_inductance_decides_which_mode() {
+    let mut case = Case { span: 0.05, ..stack(40_100.0, 65.0) };
+    case.branches.push(Branch { hz: 41_500.0, q: 100.0, lm_h: 3.3 * 791.6e-6 });
+    for (told, expected) in [(2.6e-3, Ok(41_500.0)), (0.8e-3, Ok(40_100.0)), (0.1, Err(Fault::WrongMode))] {
+        let case = Case { nominal_lm_h: Some(told), branches: case.branches.clone(), front_end: front_end(), ..case };
+        let found = scan(&case, 1).found.map(|(found, _)| found.series_resonance_hz);
+        match (found, expected) {
+            (Ok(hz), Ok(expected)) => assert!((hz - expected).abs() < 1.0, "{told}: {hz}"),
+            (found, expected) => assert_eq!(found, expected, "{told}"),
         }
+    }
+}
+
+#[test]
+fn neither_a_capacitor_nor_what_is_outside_the_window_is_a_resonance() {
+    for seed in 1..10 {
+        let mut case = Case { span: if seed % 2 == 0 { 0.025 } else { 0.05 }, ..stack(40_100.0, 65.0) };
+        case.branches[0].lm_h = 1e4;
+        assert_eq!(scan(&case, seed).found.map(|found| found.0), Err(Fault::NoResonance));
+    }
+    for (hz, q) in [(36_000.0, 65.0), (38_000.0, 200.0), (38_900.0, 20.0), (41_050.0, 65.0), (44_000.0, 20.0)] {
+        assert_eq!(scan(&stack(hz, q), 3).found.map(|found| found.0), Err(Fault::NoResonance), "{hz} Hz");
+    }
+}
+
+/// A window of many spectra: the resonance is where it is, once, and at a seam, too.
+#[test]
+fn a_wide_window_is_searched_part_by_part() {
+    for hz in [33_000.0, 38_100.0, 40_000.0, 46_500.0] {
+        let case = Case { span: 0.2, ..stack(hz, 65.0) };
+        let got = scan(&case, 2);
+        assert_eq!(got.list.len(), 1, "{hz} Hz: {:?}", got.list);
+        let off_hz = f64::from(got.found.expect("a resonance").0.series_resonance_hz) - hz;
+        assert!(off_hz.abs() < 0.3, "{hz} Hz: {off_hz}");
+    }
+}
+
+#[test]
+fn the_nominal_q_may_be_wrong_by_four() {
+    for (told, q) in [(16.0, 65.0), (260.0, 65.0), (80.0, 20.0), (5.0, 20.0)] {
+        let case = Case { nominal_q: told, ..stack(40_300.0, q) };
+        let found = scan(&case, 5).found.expect("a resonance").0;
+        assert!((found.series_resonance_hz - 40_300.0).abs() < 2.0 && (f64::from(found.q) / q - 1.0).abs() < 5e-3, "{found:?}");
     }
 }
