@@ -151,7 +151,7 @@ impl Controller {
 
     /// The resonances that the last scan has found, at rising frequencies.
     pub fn resonances(&self) -> &[Resonance] {
-        self.scan.resonances()
+        self.scan.roster().listed()
     }
 
     /// Writes the codes of a plan, and remembers what they are.
@@ -227,7 +227,7 @@ impl Controller {
             motional_current,
             phase: plan.phase,
             transducer: self.transducer,
-            listed: self.scan.listed(self.block as usize),
+            listed: self.scan.roster().in_turn(self.block as usize),
         }
     }
 }

@@ -12,8 +12,10 @@
 
 pub mod baseband;
 #[cfg(test)]
-pub mod bench;
+pub(crate) mod bench;
 pub mod pass;
+pub mod ring_down;
+pub mod roster;
 pub mod spectrum;
 
 use heapless::Vec;
@@ -23,35 +25,25 @@ use crate::config::Config;
 use crate::convert::Convert;
 use crate::demod::Sensed;
 use crate::error::{Error, in_range};
+use crate::identify::Transducer;
 use crate::identify::choice::Choice;
 use crate::identify::mode_search::{ModeSearch, Told};
 use crate::identify::pole_fit::{Circuit, Pole};
-use crate::identify::{Deviations, Listed, MOST_MODES, Resonance, Resonances, Transducer};
 use crate::motional::Motional;
-use crate::phasor::magnitude;
 use crate::scan::baseband::Baseband;
-use crate::scan::pass::Pass;
+use crate::scan::pass::{Pass, Seen};
+use crate::scan::ring_down::RingDown;
+use crate::scan::roster::Roster;
 use crate::scan::spectrum::Spectrum;
 use crate::supervisor::Fault;
 use crate::sweep::hold::Hold;
 
 /// How far the sweep goes over the ends of the window, as a part of it: what stands there is seen, and not taken for something inside.
 const MARGIN: f32 = 0.1;
-/// Shortest and longest sweep of the window, and of the fine pass, s.
+/// Shortest and longest sweep of the window, s.
 const WINDOW_S: (f32, f32) = (8e-3, 16e-3);
-const FINE_S: (f32, f32) = (4e-3, 20e-3);
-/// Width of the fine pass in bandwidths of the resonance.
-const FINE_BANDWIDTHS: f32 = 3.0;
-/// The deviation of the resonance that is wanted, in bandwidths, or in parts of the frequency if that is more; and the longest fine pass, s.
-const WANTED: (f32, f32) = (1e-4, 5e-7);
-const LONGEST_S: f32 = 0.04;
 /// Blocks that are heard before a sweep's own: the latency, and the rising half of the first triangle.
 const BEFORE: u32 = LATENCY_BLOCKS as u32 + 1;
-/// Time constants after which the sweep has certainly rung down.
-const RING_DOWN: f32 = 4.0;
-/// It has rung down once the motional phase is within so many radians for so many blocks.
-const IN_PHASE: (f32, u32) = (0.01, 8);
-
 /// What the scan wants next.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Step {
@@ -70,7 +62,7 @@ enum Stage {
     Search(u32),
     Fine,
     Fit,
-    RingDown(Transducer, Motional),
+    RingDown(RingDown),
 }
 
 /// The scan, in progress.
@@ -91,14 +83,10 @@ pub struct Scan {
     /// Blocks of this stage, and since the last sweep ended.
     blocks: u32,
     still_blocks: u32,
-    in_phase: u32,
     baseband: Baseband,
     spectrum: Spectrum,
     search: ModeSearch,
-    /// At rising frequencies.
-    found: Vec<(Pole, Deviations), MOST_MODES>,
-    listed: Resonances,
-    chosen: usize,
+    roster: Roster,
 }
 
 impl Scan {
@@ -140,12 +128,9 @@ impl Scan {
             pass: whole,
             blocks: 0,
             still_blocks: 0,
-            in_phase: 0,
             baseband: Baseband::default(),
             spectrum,
-            found: Vec::new(),
-            listed: Resonances::new(),
-            chosen: 0,
+            roster: Roster::new(nominal_hz),
         };
         scan.restart();
         Ok(scan)
@@ -153,21 +138,13 @@ impl Scan {
 
     /// Begins again from the window.
     pub fn restart(&mut self) {
-        self.found.clear();
-        self.listed.clear();
+        self.roster = Roster::new(self.nominal_hz);
         self.begin_part(0);
     }
 
-    /// The resonances found by the last scan, at rising frequencies.
-    pub fn resonances(&self) -> &[Resonance] {
-        &self.listed
-    }
-
-    /// One of them, each in the turn of a block.
-    pub fn listed(&self, block: usize) -> Option<Listed> {
-        let place = block % MOST_MODES % self.listed.len().max(1);
-        let resonance = *self.listed.get(place)?;
-        Some(Listed { place: place as u8, of: self.listed.len() as u8, resonance })
+    /// The resonances found by the last scan.
+    pub fn roster(&self) -> &Roster {
+        &self.roster
     }
 
     /// Takes the block just heard and says what to do next.
@@ -206,7 +183,13 @@ impl Scan {
                 }
                 self.tune()
             }
-            Stage::RingDown(transducer, motional) => self.ring_down(sensed, transducer, motional),
+            Stage::RingDown(mut result) => {
+                if result.is_over(sensed, 1.0 + self.resonance_hz() / self.nominal_hz) {
+                    return Step::Found(result.transducer, result.motional);
+                }
+                self.stage = Stage::RingDown(result);
+                self.tune()
+            }
         }
     }
 
@@ -239,13 +222,13 @@ impl Scan {
         Step::Tune(match self.stage {
             Stage::Window(_) | Stage::Fine => self.pass.offset_hz(self.blocks),
             Stage::Search(_) => self.pass.centre_hz,
-            Stage::Fit | Stage::RingDown(..) => self.resonance_hz(),
+            Stage::Fit | Stage::RingDown(_) => self.resonance_hz(),
         })
     }
 
     /// Offset of the wanted resonance, as far as it is known, Hz.
     fn resonance_hz(&self) -> f32 {
-        self.found.get(self.chosen).map_or(0.0, |(pole, _)| pole.offset_hz)
+        self.roster.wanted().map_or(0.0, |(pole, _)| pole.offset_hz)
     }
 
     /// Takes a block of a sweep. Returns whether it was the last.
@@ -263,54 +246,35 @@ impl Scan {
     /// Lists what a part of the window shows, at rising frequencies; the weakest are left out.
     fn take_part(&mut self, part: u32) {
         let width_hz = 2.0 * self.window_hz * (1.0 + MARGIN) / self.parts as f32;
-        let low_hz = part as f32 * width_hz - self.window_hz * (1.0 + MARGIN);
-        let own = |hz: f32| self.parts == 1 || (hz >= low_hz && hz < low_hz + width_hz);
+        let middle_hz = (part as f32 + 0.5) * width_hz - self.window_hz * (1.0 + MARGIN);
+        // What stands at a seam is seen from both sides, and taken once.
+        let reach_hz = 0.5 * width_hz * (1.0 + MARGIN);
+        let own = |hz: f32| self.parts == 1 || (hz - middle_hz).abs() < reach_hz;
         let (circuit, deviations) = self.search.found();
         for (pole, deviations) in circuit.poles.iter().zip(deviations).filter(|(pole, _)| own(pole.offset_hz)) {
-            let weakest =
-                (0..self.found.len()).min_by(|&a, &b| strength(&self.found[a].0).total_cmp(&strength(&self.found[b].0)));
-            if let (true, Some(weakest)) = (self.found.is_full(), weakest) {
-                if strength(&self.found[weakest].0) > strength(pole) {
-                    continue;
-                }
-                self.found.remove(weakest);
-            }
-            // There is room.
-            let _ = self.found.push((*pole, *deviations));
+            self.roster.add(*pole, *deviations, self.parts > 1);
         }
-        self.found.sort_unstable_by(|a, b| a.0.offset_hz.total_cmp(&b.0.offset_hz));
-        self.list();
-    }
-
-    fn list(&mut self) {
-        self.listed = self.found.iter().map(|(pole, _)| resonance(pole, self.nominal_hz)).collect();
     }
 
     /// Chooses the wanted resonance, and decides whether it is known well enough.
     fn choose(&mut self) -> Step {
-        match self.choice.of(&self.listed) {
-            Err(fault) => return Step::Failed(fault),
-            Ok(chosen) => self.chosen = chosen,
+        if let Err(fault) = self.roster.choose(&self.choice) {
+            return Step::Failed(fault);
         }
-        let (pole, deviations) = self.found[self.chosen];
-        let bandwidth_hz = (self.nominal_hz + pole.offset_hz) / pole.q;
-        let excess = deviations.series_resonance_hz / (WANTED.0 * bandwidth_hz).max(WANTED.1 * self.nominal_hz);
-        if excess <= 1.0 && self.parts == 1 {
-            let wanted = |other: &Pole| other.offset_hz == pole.offset_hz;
-            return self.take(self.search.found().0.poles.iter().position(wanted).unwrap_or(0));
-        }
-        // A resonance near the edge of the window is looked at from one side.
+        let Some(&(pole, deviations)) = self.roster.wanted() else { return Step::Failed(Fault::NoResonance) };
         let reach_hz = self.window_hz * (1.0 + MARGIN);
-        let inside = |hz: f32| hz.clamp(-reach_hz, reach_hz);
-        let half_hz = 0.5 * FINE_BANDWIDTHS * bandwidth_hz;
-        let (low_hz, high_hz) = (inside(pole.offset_hz - half_hz), inside(pole.offset_hz + half_hz));
-        let fine = Pass::between(low_hz, high_hz, FINE_S, self.block_s);
-        // The time that the first pass has spent there, for a deviation that falls with the root of it.
-        let there_s = self.pass.blocks() as f32 * self.block_s * (fine.width_hz / self.pass.width_hz).min(1.0);
-        let wanted_s = (there_s * excess * excess).min(LONGEST_S);
-        let repeats = (wanted_s / (fine.period_blocks as f32 * self.block_s)) as u32 + 1;
-        self.begin_pass(Pass { repeats, ..fine }, Stage::Fine);
-        self.tune()
+        let hz = self.nominal_hz + pole.offset_hz;
+        let fine = self.pass.fine(
+            &Seen { hz, offset_hz: pole.offset_hz, q: pole.q, deviation_hz: deviations.series_resonance_hz },
+            reach_hz,
+            self.block_s,
+        );
+        if fine.repeats > 0 || self.parts > 1 {
+            self.begin_pass(Pass { repeats: fine.repeats.max(1), ..fine }, Stage::Fine);
+            return self.tune();
+        }
+        let wanted = |other: &Pole| other.offset_hz == pole.offset_hz;
+        self.take(self.search.found().0.poles.iter().position(wanted).unwrap_or(0))
     }
 
     /// Blocks and samples of the spectrum.
@@ -321,11 +285,10 @@ impl Scan {
     /// Fits the wanted resonance, and with it what else is in the fine pass.
     fn begin_fit(&mut self) {
         let mut circuit = Circuit { poles: Vec::new(), ..self.search.found().0.clone() };
-        let wanted = self.found[self.chosen].0;
         let (centre_hz, half_hz) = (self.pass.centre_hz, 0.5 * self.pass.width_hz);
         // There is room: no more are found than fit in.
-        let _ = circuit.poles.push(wanted);
-        for (_, (pole, _)) in self.found.iter().enumerate().filter(|(n, _)| *n != self.chosen) {
+        circuit.poles.extend(self.roster.wanted().map(|(pole, _)| *pole));
+        for pole in self.roster.others() {
             let inside = (pole.offset_hz - centre_hz).abs() < half_hz;
             let _ = if inside { circuit.poles.push(*pole) } else { circuit.known.push(*pole) };
         }
@@ -339,8 +302,7 @@ impl Scan {
         let (circuit, deviations) = self.search.found();
         match (circuit.poles.first(), deviations.first()) {
             (Some(pole), Some(deviations)) if pole.offset_hz.abs() <= self.window_hz => {
-                self.found[self.chosen] = (*pole, *deviations);
-                self.list();
+                self.roster.refine(*pole, *deviations);
                 self.take(0)
             }
             _ => Step::Failed(Fault::NoResonance),
@@ -352,35 +314,15 @@ impl Scan {
         let (circuit, deviations) = self.search.found();
         let transducer = Transducer {
             deviations: deviations.get(place).copied().unwrap_or_default(),
-            modes: self.found.len() as u8,
-            chosen: self.chosen as u8,
+            modes: self.roster.listed().len() as u8,
+            chosen: self.roster.place() as u8,
             ..circuit.transducer(place)
         };
-        let motional = circuit.motional(place);
-        self.in_phase = 0;
-        self.begin(Stage::RingDown(transducer, motional));
+        // During the search it was not the resonance that was driven.
+        let still_blocks = if self.stage == Stage::Fit { self.still_blocks } else { 0 };
+        self.begin(Stage::RingDown(RingDown::new(transducer, circuit.motional(place), still_blocks, self.block_s)));
         self.tune()
     }
-
-    fn ring_down(&mut self, sensed: &Sensed, transducer: Transducer, motional: Motional) -> Step {
-        let current = motional.current(sensed, 1.0 + self.resonance_hz() / self.nominal_hz);
-        let phase = motional.phase_of(current, sensed.v);
-        let heard = self.blocks > LATENCY_BLOCKS as u32;
-        self.in_phase = if heard && phase.re > 0.0 && phase.im.abs() < IN_PHASE.0 * phase.re { self.in_phase + 1 } else { 0 };
-        let longest = (RING_DOWN * transducer.time_constant_s() / self.block_s) as u32 + LATENCY_BLOCKS as u32;
-        if self.in_phase >= IN_PHASE.1 || self.still_blocks > longest { Step::Found(transducer, motional) } else { self.tune() }
-    }
-}
-
-/// `G / Q`, which is how much of the drive's energy a resonance takes up.
-fn strength(pole: &Pole) -> f32 {
-    magnitude(pole.conductance) / pole.q
-}
-
-fn resonance(pole: &Pole, nominal_hz: f32) -> Resonance {
-    let hz = nominal_hz + pole.offset_hz;
-    let conductance_s = magnitude(pole.conductance);
-    Resonance { hz, q: pole.q, lm_h: pole.q / (core::f32::consts::TAU * hz * conductance_s), conductance_s }
 }
 
 #[cfg(test)]

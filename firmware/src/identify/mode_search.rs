@@ -43,7 +43,6 @@ enum Stage {
     },
     /// States the deviations of what has been fitted, one resonance after the other.
     State {
-        solution: Solution,
         next: usize,
     },
     Done,
@@ -61,6 +60,7 @@ pub struct ModeSearch {
     line: usize,
     fit: PoleFit,
     /// Of the present fit.
+    fitted: Circuit,
     deviations: Vec<Deviations, MOST_MODES>,
     found: Circuit,
     found_deviations: Vec<Deviations, MOST_MODES>,
@@ -99,6 +99,7 @@ impl ModeSearch {
             stage: Stage::Fit { iterations: ITERATIONS },
             line: 0,
             fit: PoleFit::new(found.clone(), noise_ohm),
+            fitted: Circuit::default(),
             deviations: Vec::new(),
             found: Circuit { poles: Vec::new(), ..found },
             found_deviations: Vec::new(),
@@ -111,7 +112,7 @@ impl ModeSearch {
         match &self.stage {
             &Stage::Seek { best, sum, largest } => self.seek(spectrum, best, sum, largest),
             &Stage::Fit { iterations } => self.fit(spectrum, iterations),
-            Stage::State { solution, next } => self.state(solution.clone(), *next, spectrum),
+            &Stage::State { next } => self.state(next, spectrum),
             Stage::Done => {}
         }
         self.stage == Stage::Done
@@ -167,33 +168,34 @@ impl ModeSearch {
             Some(Solution { circuit, moved }) if iterations > 1 && moved > STANDS_STILL => self.begin(circuit, iterations - 1),
             Some(solution) => {
                 self.deviations.clear();
-                self.stage = Stage::State { solution, next: 0 };
+                self.fitted = solution.circuit;
+                self.stage = Stage::State { next: 0 };
             }
         }
     }
 
-    fn state(&mut self, solution: Solution, next: usize, spectrum: &Spectrum) {
-        let deviations = self.fit.deviations(&solution.circuit, next);
-        let lm_h = solution.circuit.transducer(next).lm_h;
+    fn state(&mut self, next: usize, spectrum: &Spectrum) {
+        let deviations = self.fit.deviations(&self.fitted, next);
+        let lm_h = self.fitted.transducer(next).lm_h;
         let reach_hz = 0.5 * spectrum.lines() as f32 * spectrum.spacing_hz();
-        let beside_hz = (solution.circuit.poles[next].offset_hz - spectrum.centre_hz()).abs();
+        let beside_hz = (self.fitted.poles[next].offset_hz - spectrum.centre_hz()).abs();
         // There is room: there are as many as poles.
         let _ = self.deviations.push(deviations);
-        let count = solution.circuit.poles.len();
+        let count = self.fitted.poles.len();
         if SIGNIFICANT * deviations.lm_h > lm_h || (count > 1 && beside_hz > BEYOND * reach_hz) {
             self.stage = Stage::Done;
         } else if next + 1 < count {
-            self.stage = Stage::State { solution, next: next + 1 };
+            self.stage = Stage::State { next: next + 1 };
         } else {
-            self.keep(solution.circuit);
+            self.keep();
         }
     }
 
-    fn keep(&mut self, circuit: Circuit) {
+    fn keep(&mut self) {
         let variance = self.fit.variance();
         self.stage = Stage::Done;
         if variance <= HALVES * self.found_variance {
-            self.found = circuit;
+            self.found.clone_from(&self.fitted);
             self.found_deviations.clone_from(&self.deviations);
             self.found_variance = variance;
             self.line = 0;

@@ -120,7 +120,7 @@ mod tests {
             for n in 0..12 {
                 let x = n as f32 / 11.0;
                 let row = [Phasor::new(1.0, 0.0), Phasor::new(x, x * x), Phasor::default()];
-                let error = Phasor::new(noise.next() as f32, noise.next() as f32) * 0.01;
+                let error = Phasor::new(noise.normal() as f32, noise.normal() as f32) * 0.01;
                 triangle.add(row, row[0] * truth[0] + row[1] * truth[1] + error);
                 while !triangle.fold(1) {}
             }

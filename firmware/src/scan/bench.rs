@@ -16,7 +16,7 @@ impl Noise {
         ((self.0 >> 11) as f64 + 0.5) / (1u64 << 53) as f64
     }
 
-    pub fn next(&mut self) -> f64 {
+    pub fn normal(&mut self) -> f64 {
         libm::sqrt(-2.0 * libm::log(self.uniform())) * libm::cos(core::f64::consts::TAU * self.uniform())
     }
 }
@@ -55,7 +55,6 @@ impl Branch {
 
 /// What is driven: source of one pole and some resistance, capacitance, branches; sampled at 1 Msps.
 pub struct Bench {
-    pub c0_f: f64,
     pub noise_lsb: f64,
     noise: Noise,
     /// Amplifier, voltage, and two a branch.
@@ -85,7 +84,7 @@ impl Bench {
         let exact = exponential(&a, 1e-6 / OVERSAMPLE as f64);
         let mut flow = [[0.0; STATES + 1]; STATES];
         flow.copy_from_slice(&exact[..STATES]);
-        Bench { c0_f, noise_lsb: 1.0, noise: Noise::new(seed), x: [0.0; STATES], flow, source_ohm, front_end }
+        Bench { noise_lsb: 1.0, noise: Noise::new(seed), x: [0.0; STATES], flow, source_ohm, front_end }
     }
 
     /// Plays a block, and hears it.
@@ -103,7 +102,7 @@ impl Bench {
                     self.x[n] = row[..STATES].iter().zip(&x).map(|(a, x)| a * x).sum::<f64>() + row[STATES] * volts;
                 }
             }
-            let mut adc = |x: f64| libm::round(2048.0 + x + self.noise_lsb * self.noise.next()).clamp(0.0, 4095.0) as u16;
+            let mut adc = |x: f64| libm::round(2048.0 + x + self.noise_lsb * self.noise.normal()).clamp(0.0, 4095.0) as u16;
             sense.v.push(adc(v / f64::from(self.front_end.volt_per_lsb))).unwrap();
             sense.i.push(adc(i / f64::from(self.front_end.ampere_per_lsb))).unwrap();
         }

@@ -16,6 +16,27 @@ const FEWEST_LINES: f32 = 14.0;
 const FEWEST_BLOCKS: u32 = 64;
 const WIDEST: f32 = 0.3;
 
+/// Shortest and longest sweep of the fine pass, and the longest fine pass, s.
+const FINE_S: (f32, f32) = (4e-3, 20e-3);
+const LONGEST_S: f32 = 0.04;
+/// Width of the fine pass in bandwidths of the resonance.
+const FINE_BANDWIDTHS: f32 = 3.0;
+/// The deviation of the resonance that is wanted, in bandwidths, or in parts of the frequency if that is more.
+const WANTED: (f32, f32) = (1e-4, 5e-7);
+
+/// What a pass has shown of a resonance.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Seen {
+    /// Series resonance, Hz.
+    pub hz: f32,
+    /// The same, as an offset from the nominal frequency, Hz.
+    pub offset_hz: f32,
+    /// Quality factor.
+    pub q: f32,
+    /// Standard deviation of the resonance, Hz.
+    pub deviation_hz: f32,
+}
+
 /// A pass.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pass {
@@ -38,6 +59,21 @@ impl Pass {
         let period_blocks = ((period_s / block_s) as u32 + 1).max(FEWEST_BLOCKS);
         let width_hz = width_hz.min(Pass::widest_hz(period_blocks, block_s));
         Pass { centre_hz: 0.5 * (low_hz + high_hz), width_hz, period_blocks, repeats: 1 }
+    }
+
+    /// The fine pass about a resonance that this one has shown, within `reach_hz` of the nominal frequency: as long as the wanted deviation
+    /// takes, which is not at all if it is reached already.
+    pub fn fine(&self, seen: &Seen, reach_hz: f32, block_s: f32) -> Self {
+        let bandwidth_hz = seen.hz / seen.q;
+        // A resonance near the edge of the window is looked at from one side.
+        let end_hz = |bandwidths: f32| (seen.offset_hz + bandwidths * bandwidth_hz).clamp(-reach_hz, reach_hz);
+        let fine = Pass::between(end_hz(-0.5 * FINE_BANDWIDTHS), end_hz(0.5 * FINE_BANDWIDTHS), FINE_S, block_s);
+        let excess = seen.deviation_hz / (WANTED.0 * bandwidth_hz).max(WANTED.1 * seen.hz);
+        // The time that this pass has spent there, for a deviation that falls with the root of it.
+        let there_s = self.blocks() as f32 * block_s * (fine.width_hz / self.width_hz).min(1.0);
+        let wanted_s = (there_s * excess * excess).min(LONGEST_S);
+        let repeats = if excess > 1.0 { (wanted_s / (fine.period_blocks as f32 * block_s)) as u32 + 1 } else { 0 };
+        Pass { repeats, ..fine }
     }
 
     /// The widest sweep of so many blocks whose lines there is room for, Hz.
@@ -75,6 +111,15 @@ mod tests {
         let offsets = (0..251).map(|block| pass.offset_hz(block));
         assert!(offsets.clone().sum::<f32>().abs() < 0.1);
         assert!(offsets.clone().all(|hz| hz.abs() < 1100.0) && offsets.fold(0.0, f32::max) > 1090.0);
+    }
+
+    #[test]
+    fn the_fine_pass_is_as_long_as_the_deviation_requires() {
+        let window = Pass::between(-1100.0, 1100.0, (8e-3, 16e-3), 32e-6);
+        let repeats =
+            |deviation_hz: f32| window.fine(&Seen { hz: 40e3, offset_hz: 0.0, q: 65.0, deviation_hz }, 1100.0, 32e-6).repeats;
+        // Wanted are 0.0615 Hz; a period of 7.6 ms.
+        assert_eq!([0.05, 0.07, 0.1, 0.2].map(repeats), [0, 2, 3, 6]);
     }
 
     #[test]

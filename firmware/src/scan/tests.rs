@@ -7,6 +7,7 @@ use crate::block::{DriveBlock, LATENCY_BLOCKS};
 use crate::config;
 use crate::config::{Drive, FrontEnd, Limits, Phasing, Tracking, TrackingMode};
 use crate::demod::demodulate;
+use crate::identify::Resonances;
 use crate::nco::{Nco, Stretch};
 use crate::shape::sine;
 use std::vec::Vec as List;
@@ -52,7 +53,7 @@ struct Scanned {
 }
 
 fn scan(case: &Case, seed: u64) -> Scanned {
-    let config = config::Config {
+    let config = Config {
         sample_hz: 1e6,
         block_samples: SAMPLES as u16,
         lanes: 1,
@@ -89,7 +90,7 @@ fn scan(case: &Case, seed: u64) -> Scanned {
         let now_s = (block + 1) as f32 * 32e-6;
         if matches!(before, Stage::Search(_)) && !matches!(scan.stage, Stage::Search(_) | Stage::Window(_)) {
             result.searched_s = now_s;
-            if let Some(found) = scan.found.get(scan.chosen) {
+            if let Some(found) = scan.roster.wanted() {
                 let deviations = found.1;
                 let place = scan.search.found().0.poles.iter().position(|pole| *pole == found.0).unwrap_or(0);
                 result.first = Some(Transducer { deviations, ..scan.search.found().0.transducer(place) });
@@ -122,7 +123,7 @@ fn scan(case: &Case, seed: u64) -> Scanned {
             playing[slot].1.lanes[0][n] = code(n);
         }
     }
-    result.list = scan.resonances().iter().copied().collect();
+    result.list = scan.roster().listed().iter().copied().collect();
     result
 }
 
