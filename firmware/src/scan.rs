@@ -4,7 +4,7 @@
 //! |---|---|---|
 //! | window | a sweep over the window and a tenth more, in 8 to 16 ms | its [spectrum](spectrum) |
 //! | search | the middle of the window | [all resonances](crate::identify::mode_search), one line of the spectrum a block |
-//! | fine | sweeps over three bandwidths about the [wanted](crate::identify::choice) one, as often as the deviations require | a spectrum, and a fit: the result |
+//! | fine | slow sweeps over two bandwidths about the [wanted](crate::identify::choice) one, as often as the deviations require | a spectrum, and a fit: the result |
 //! | ring-down | the resonance | until what the sweep has left no longer turns the phase, so that whoever tracks from there hears one tone only |
 //!
 //! A window that is too wide for the lines of one spectrum is swept and searched part by part. The nominal Q may be wrong by a factor of

@@ -20,7 +20,7 @@ const WIDEST: f32 = 0.3;
 const FINE_S: (f32, f32) = (4e-3, 20e-3);
 const LONGEST_S: f32 = 0.04;
 /// Width of the fine pass in bandwidths of the resonance.
-const FINE_BANDWIDTHS: f32 = 3.0;
+const FINE_BANDWIDTHS: f32 = 2.0;
 /// The deviation of the resonance that is wanted, in bandwidths, or in parts of the frequency if that is more.
 const WANTED: (f32, f32) = (1e-4, 5e-7);
 
@@ -68,6 +68,9 @@ impl Pass {
         // A resonance near the edge of the window is looked at from one side.
         let end_hz = |bandwidths: f32| (seen.offset_hz + bandwidths * bandwidth_hz).clamp(-reach_hz, reach_hz);
         let fine = Pass::between(end_hz(-0.5 * FINE_BANDWIDTHS), end_hz(0.5 * FINE_BANDWIDTHS), FINE_S, block_s);
+        // Slow, so that a load that depends on amplitude shows what it shows when it has settled.
+        let slow_s = ((MOST_LINES - 4) as f32 / fine.width_hz).min(40e-3);
+        let fine = Pass { period_blocks: fine.period_blocks.max((slow_s / block_s) as u32), ..fine };
         let excess = seen.deviation_hz / (WANTED.0 * bandwidth_hz).max(WANTED.1 * seen.hz);
         // The time that this pass has spent there, for a deviation that falls with the root of it.
         let there_s = self.blocks() as f32 * block_s * (fine.width_hz / self.width_hz).min(1.0);

@@ -31,7 +31,7 @@ pub(super) fn acquisition(run: &Run, view: &View) -> Option<Figure> {
         title: "Acquisition: scan, then lock".into(),
         caption:
             "A sweep over the window and a tenth more, from whose spectrum all resonances are found; then, if the wanted one is not known \
-                  well enough, sweeps over three bandwidths about it. Nothing settles in between."
+                  well enough, slow sweeps over two bandwidths about it. Nothing settles in between."
                 .into(),
         x: axis("time from the first sample of the scan [ms]"),
         y: axis("frequency [Hz]"),
