@@ -174,6 +174,7 @@ mod tests {
             lm_h: 0.79e-3,
             cm_f: 20e-9,
             c0_f: 300e-9,
+            ..Transducer::default()
         }
     }
 

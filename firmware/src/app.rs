@@ -19,7 +19,8 @@ use heapless::Deque;
 use heapless::spsc::{Consumer, Producer};
 
 use crate::block::{Orders, Request};
-use crate::command::{Command, Identity, Refusal, Reply};
+use crate::command::{Command, Identity, Refusal, Reply, ResonanceReport};
+use crate::identify::{MOST_MODES, Resonance};
 use crate::keeper::Keeper;
 use crate::link::{self, FrameError, MAX_FRAME, Receiver};
 use crate::settings::Settings;
@@ -66,6 +67,8 @@ pub struct App<'a, L, E, S, W, F: NorFlash> {
     telemetry_every: u32,
     last_telemetry: u32,
     telemetry_frames: u16,
+    /// What the telemetry has told of the last scan.
+    resonances: [Option<Resonance>; MOST_MODES],
 }
 
 /// A slow peripheral has failed; the drive is disabled.
@@ -109,6 +112,7 @@ where
             telemetry_every: 0,
             last_telemetry: 0,
             telemetry_frames: 0,
+            resonances: Default::default(),
         }
     }
 
@@ -149,10 +153,24 @@ where
     fn drain_telemetry(&mut self) -> bool {
         let mut came = false;
         while let Some(telemetry) = self.telemetry.dequeue() {
+            match telemetry.listed {
+                None => self.resonances = Default::default(),
+                Some(listed) => {
+                    // A longer or shorter list is another one.
+                    let (places, rest) = self.resonances.split_at_mut(usize::from(listed.of).min(MOST_MODES));
+                    rest.fill(None);
+                    places.get_mut(usize::from(listed.place)).into_iter().for_each(|place| *place = Some(listed.resonance));
+                }
+            }
             self.seen = Some(telemetry);
             came = true;
         }
         came
+    }
+
+    fn resonances(&self) -> ResonanceReport {
+        let chosen = self.seen.and_then(|seen| seen.transducer).map(|transducer| transducer.chosen);
+        ResonanceReport { chosen, found: self.resonances }
     }
 
     fn drives(&self) -> bool {
@@ -221,6 +239,7 @@ where
                 // The first is due at once.
                 self.last_telemetry = self.seen.map_or(0, |seen| seen.block).wrapping_sub(*blocks);
             }
+            Command::Resonances => return Reply::Resonances(self.resonances()),
             Command::Settings(verb) => return self.keeper.obey(*verb, self.is_silent(), &mut self.peripherals.settings),
             _ => {}
         }

@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::block::{Amplitude, Gate, Orders, Request};
 use crate::config::TrimPoint;
+use crate::identify::{MOST_MODES, Resonance};
 use crate::settings::Kept;
 use crate::telemetry::Telemetry;
 use crate::units::{Hertz, Turns};
@@ -37,6 +38,8 @@ pub enum Command {
     Calibrate,
     /// What to do with the lane trims, and with what is kept of them over power-off.
     Settings(Verb),
+    /// Which resonances has the last scan found?
+    Resonances,
 }
 
 /// What to do with the lane trims. What acts and what is kept are two things: each verb says which it is about.
@@ -65,6 +68,8 @@ pub enum Reply {
     Telemetry(Telemetry),
     /// The lane trims.
     Settings(TrimReport),
+    /// The resonances of the last scan, those that were heard of since.
+    Resonances(ResonanceReport),
 }
 
 /// The lane trims, one frequency at a time.
@@ -76,6 +81,15 @@ pub struct TrimReport {
     pub points: u8,
     /// The one that was asked for.
     pub point: Option<TrimPoint>,
+}
+
+/// The resonances of the last scan.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct ResonanceReport {
+    /// The one that was chosen; none is that the scan has not ended, or has failed.
+    pub chosen: Option<u8>,
+    /// At rising frequencies.
+    pub found: [Option<Resonance>; MOST_MODES],
 }
 
 /// Why a command is not obeyed.
@@ -111,7 +125,7 @@ impl Command {
     pub fn applied_to(&self, orders: &Orders) -> Result<Option<Orders>, Refusal> {
         let mut next = Orders { sequence: orders.sequence.wrapping_add(1), clear_fault: false, ..*orders };
         match *self {
-            Command::Identify | Command::TelemetryEvery(_) | Command::Settings(_) => return Ok(None),
+            Command::Identify | Command::TelemetryEvery(_) | Command::Settings(_) | Command::Resonances => return Ok(None),
             Command::Idle => next.request = Request::Idle,
             Command::Scan => (next.request, next.attempt) = (Request::Scan, orders.attempt.wrapping_add(1)),
             Command::Run => (next.request, next.attempt) = (Request::Run, orders.attempt.wrapping_add(1)),

@@ -17,7 +17,7 @@ use crate::convert::Convert;
 use crate::demod::{Sensed, demodulate};
 use crate::error::{Error, in_range};
 use crate::guard::{Driven, Guard};
-use crate::identify::Transducer;
+use crate::identify::{Resonance, Transducer};
 use crate::nco::{Nco, Stretch};
 use crate::phasing::Phasing;
 use crate::phasor::Phasor;
@@ -156,6 +156,11 @@ impl Controller {
         self.report(orders, &plan, slot, sensed, motional_current)
     }
 
+    /// The resonances that the last scan has found, at rising frequencies.
+    pub fn resonances(&self) -> &[Resonance] {
+        self.scan.roster().listed()
+    }
+
     /// Writes the codes of a plan, and remembers what they are.
     fn play(&mut self, orders: &Orders, plan: &Plan, drive: &mut DriveBlock) -> Played {
         let mode = self.supervisor.mode();
@@ -232,6 +237,7 @@ impl Controller {
             motional_current,
             phase: plan.phase,
             transducer: self.transducer,
+            listed: self.scan.roster().in_turn(self.block as usize),
         }
     }
 }

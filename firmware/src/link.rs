@@ -103,7 +103,7 @@ fn decode<T: for<'a> Deserialize<'a>>(stuffed: &mut [u8]) -> Result<Frame<T>, Fr
 mod tests {
     use super::*;
     use crate::block::{Amplitude, Gate};
-    use crate::command::{Command, Reply, TrimReport};
+    use crate::command::{Command, Reply, ResonanceReport, TrimReport};
     use crate::settings::Kept;
     use crate::telemetry::Telemetry;
 
@@ -125,9 +125,16 @@ mod tests {
 
     #[test]
     fn telemetry_and_the_other_reports_fit_into_a_frame() {
-        let full =
-            Telemetry { block: u32::MAX, tuning_word: u64::MAX, transducer: Some(Default::default()), ..Default::default() };
+        let full = Telemetry {
+            block: u32::MAX,
+            tuning_word: u64::MAX,
+            transducer: Some(Default::default()),
+            listed: Some(Default::default()),
+            ..Default::default()
+        };
         assert!(encode(u16::MAX, Reply::Telemetry(full)).unwrap().len() < MAX_FRAME / 2 + MAX_FRAME / 4);
+        let found = [Some(Default::default()); 4];
+        assert!(encode(u16::MAX, Reply::Resonances(ResonanceReport { chosen: Some(3), found })).unwrap().len() < MAX_FRAME / 2);
         let report = TrimReport { kept: Kept::Version(255), points: 5, point: Some(Default::default()) };
         assert!(encode(u16::MAX, Reply::Settings(report)).unwrap().len() < MAX_FRAME / 4);
     }

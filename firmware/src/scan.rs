@@ -1,36 +1,49 @@
-//! Acquisition by admittance scan: where is the resonance, and what does the transducer look like?
+//! Acquisition: where is the resonance, and what does the transducer look like? By sweeps in which nothing has to settle.
 //!
-//! Three passes, each a row of frequencies on which the drive dwells, settles and averages:
+//! | stage | what is driven | for |
+//! |---|---|---|
+//! | window | a sweep over the window and a tenth more, in 8 to 16 ms | its [spectrum](spectrum) |
+//! | search | the middle of the window | [all resonances](crate::identify::mode_search), one line of the spectrum a block |
+//! | fine | slow sweeps over two bandwidths about the [wanted](crate::identify::choice) one, as often as the deviations require | a spectrum, and a fit: the result |
+//! | ring-down | the resonance | until what the sweep has left no longer turns the phase, so that whoever tracks from there hears one tone only |
 //!
-//! | pass | span | dwell | takes |
-//! |---|---|---|---|
-//! | coarse | the whole window, one nominal bandwidth a step | 1.5 nominal time constants | the highest motional conductance |
-//! | middle | two nominal bandwidths about it | 5 nominal time constants | a circle fit |
-//! | fine | 1.5 identified bandwidths about that | 6 identified time constants | a circle fit: the result |
-//!
-//! Then it stays on the resonance until the last tone has rung down, so that whoever tracks from there hears one tone only.
-//! The nominal Q may be wrong by a factor of two.
+//! A window that is too wide for the lines of one spectrum is swept and searched part by part. The nominal Q may be wrong by a factor of
+//! four.
 
-use crate::block::LATENCY_BLOCKS;
+pub mod baseband;
+#[cfg(test)]
+pub(crate) mod bench;
+pub mod pass;
+pub mod ring_down;
+pub mod roster;
+pub mod spectrum;
+
+use heapless::Vec;
+
+use crate::block::{LATENCY_BLOCKS, SenseBlock};
 use crate::config::Config;
+use crate::convert::Convert;
 use crate::demod::Sensed;
 use crate::error::{Error, in_range};
-use crate::identify::{CircleFit, Guess, Transducer};
+use crate::identify::Transducer;
+use crate::identify::choice::Choice;
+use crate::identify::mode_search::{ModeSearch, Told};
+use crate::identify::pole_fit::{Circuit, Pole};
 use crate::motional::Motional;
-use crate::phasor::Phasor;
+use crate::scan::baseband::Baseband;
+use crate::scan::pass::{Pass, Seen};
+use crate::scan::ring_down::RingDown;
+use crate::scan::roster::Roster;
+use crate::scan::spectrum::Spectrum;
+use crate::supervisor::Fault;
+use crate::sweep::hold::Hold;
 
-/// Points of a pass that is fitted.
-const FIT_POINTS: u16 = 15;
-/// Fewest and most points of the coarse pass.
-const COARSE_POINTS: (f32, f32) = (25.0, 400.0);
-/// Blocks averaged at each point of the coarse pass, and of a pass that is fitted. Four times as many halve the noise of the fit.
-const COARSE_AVERAGE: u32 = 8;
-const FIT_AVERAGE: u32 = 32;
-/// Time constants for which the last tone rings down.
-const RING_DOWN: f32 = 4.0;
-/// The first point of a pass also has to ring up from rest.
-const FIRST_POINT_SETTLES: u32 = 3;
-
+/// How far the sweep goes over the ends of the window, as a part of it: what stands there is seen, and not taken for something inside.
+const MARGIN: f32 = 0.1;
+/// Shortest and longest sweep of the window, s.
+const WINDOW_S: (f32, f32) = (8e-3, 16e-3);
+/// Blocks that are heard before a sweep's own: the latency, and the rising half of the first triangle.
+const BEFORE: u32 = LATENCY_BLOCKS as u32 + 1;
 /// What the scan wants next.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Step {
@@ -38,36 +51,42 @@ pub enum Step {
     Tune(f32),
     /// The transducer is identified.
     Found(Transducer, Motional),
-    /// No resonance in the window.
-    NotFound,
+    /// No resonance in the window, or not the one that is wanted.
+    Failed(Fault),
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Stage {
-    Coarse,
-    Middle,
+    /// Of this part of the window.
+    Window(u32),
+    Search(u32),
     Fine,
-    RingDown(Transducer, Motional),
+    Fit,
+    RingDown(RingDown),
 }
 
 /// The scan, in progress.
 #[derive(Clone, Debug)]
 pub struct Scan {
+    told: Told,
+    /// The clamped capacitance, as told.
+    bare: Circuit,
     nominal_hz: f32,
-    nominal: Guess,
+    choice: Choice,
     window_hz: f32,
+    parts: u32,
     block_s: f32,
+    block_samples: u32,
+    hold: Hold,
     stage: Stage,
-    guess: Guess,
-    /// First and last frequency of this pass, as offsets from the nominal one, Hz.
-    span_hz: (f32, f32),
-    points: u16,
-    settle_blocks: u32,
-    point: u16,
+    pass: Pass,
+    /// Blocks of this stage, and since the last sweep ended.
     blocks: u32,
-    sum: Sensed,
-    fit: CircleFit,
-    best: (f32, f32),
+    still_blocks: u32,
+    baseband: Baseband,
+    spectrum: Spectrum,
+    search: ModeSearch,
+    roster: Roster,
 }
 
 impl Scan {
@@ -77,113 +96,234 @@ impl Scan {
         in_range("tracking.span", tracking.span.into(), 1e-4, 0.2)?;
         in_range("tracking.nominal_q", tracking.nominal_q.into(), 2.0, 1e5)?;
         in_range("tracking.nominal_c0_f", tracking.nominal_c0_f.into(), 1e-12, 1e-3)?;
+        if let Some(lm_h) = tracking.nominal_lm_h {
+            in_range("tracking.nominal_lm_h", lm_h.into(), 1e-9, 1e6)?;
+        }
         let nominal_hz = config.drive.frequency_hz;
-        let nominal = Guess { hz: nominal_hz, q: tracking.nominal_q, c0_f: tracking.nominal_c0_f };
+        let told = Told { steps: (config.front_end.volt_per_lsb, config.front_end.ampere_per_lsb), q: tracking.nominal_q };
+        let bare = Circuit::bare(nominal_hz, tracking.nominal_c0_f);
+        let block_s = f32::from(config.block_samples) / config.sample_hz;
+        let window_hz = tracking.span * nominal_hz;
+        let reach_hz = window_hz * (1.0 + MARGIN);
+        let whole = Pass::between(-reach_hz, reach_hz, WINDOW_S, block_s);
+        let parts = if whole.width_hz < 1.99 * reach_hz {
+            // Neighbours overlap by as much as the sweep goes over the ends.
+            (2.0 * reach_hz * (1.0 + MARGIN) / whole.width_hz) as u32 + 1
+        } else {
+            1
+        };
+        let spectrum = whole.spectrum(block_s);
         let mut scan = Scan {
+            told,
+            search: ModeSearch::new(&told, bare.clone(), 1, 1),
+            bare,
             nominal_hz,
-            nominal,
-            window_hz: tracking.span * nominal_hz,
-            block_s: f32::from(config.block_samples) / config.sample_hz,
-            stage: Stage::Coarse,
-            guess: nominal,
-            span_hz: (0.0, 0.0),
-            points: 0,
-            settle_blocks: 0,
-            point: 0,
+            choice: Choice { window_hz: (nominal_hz, window_hz), nominal_lm_h: tracking.nominal_lm_h },
+            window_hz,
+            parts,
+            block_s,
+            block_samples: config.block_samples.into(),
+            hold: Hold::build(nominal_hz, config.sample_hz)?,
+            stage: Stage::Window(0),
+            pass: whole,
             blocks: 0,
-            sum: Sensed::default(),
-            fit: CircleFit::new(nominal, 1.0),
-            best: (0.0, f32::MIN),
+            still_blocks: 0,
+            baseband: Baseband::default(),
+            spectrum,
+            roster: Roster::new(nominal_hz),
         };
         scan.restart();
         Ok(scan)
     }
 
-    /// Begins again from the coarse pass.
+    /// Begins again from the window.
     pub fn restart(&mut self) {
-        let bandwidths = 2.0 * self.window_hz * self.nominal.q / self.nominal_hz;
-        self.best = (0.0, f32::MIN);
-        self.guess = self.nominal;
-        self.begin(Stage::Coarse, self.window_hz, (bandwidths + 1.0).clamp(COARSE_POINTS.0, COARSE_POINTS.1) as u16, 1.5);
+        self.roster = Roster::new(self.nominal_hz);
+        self.begin_part(0);
     }
 
-    /// Takes the phasors of the block just heard and says what to do next.
-    pub fn step(&mut self, sensed: &Sensed) -> Step {
+    /// The resonances found by the last scan.
+    pub fn roster(&self) -> &Roster {
+        &self.roster
+    }
+
+    /// Takes the block just heard and says what to do next.
+    pub fn step(&mut self, convert: &Convert, sense: &SenseBlock, sensed: &Sensed) -> Step {
         self.blocks += 1;
-        if let Stage::RingDown(transducer, motional) = self.stage {
-            let over = self.blocks > self.settle_blocks;
-            return if over { Step::Found(transducer, motional) } else { Step::Tune(self.offset_hz()) };
-        }
-        let settle = self.settle_blocks * if self.point == 0 { FIRST_POINT_SETTLES } else { 1 } + LATENCY_BLOCKS as u32;
-        if self.blocks > settle {
-            self.sum.v += sensed.v;
-            self.sum.i += sensed.i;
-        }
-        let averaged = if self.stage == Stage::Coarse { COARSE_AVERAGE } else { FIT_AVERAGE };
-        if self.blocks < settle + averaged {
-            return Step::Tune(self.offset_hz());
-        }
-        self.take_point();
-        if self.point < self.points { Step::Tune(self.offset_hz()) } else { self.finish_pass() }
-    }
-
-    fn begin(&mut self, stage: Stage, half_span_hz: f32, points: u16, settle_time_constants: f32) {
-        let tau_s = self.guess.q / (core::f32::consts::PI * self.guess.hz);
-        // A resonance near the edge of the window is looked at from one side.
-        let centre_hz = self.guess.hz - self.nominal_hz;
-        let inside = |offset_hz: f32| offset_hz.clamp(-self.window_hz, self.window_hz);
-        self.span_hz = (inside(centre_hz - half_span_hz), inside(centre_hz + half_span_hz));
-        self.stage = stage;
-        self.points = points;
-        self.settle_blocks = (settle_time_constants * tau_s / self.block_s) as u32 + 1;
-        self.point = 0;
-        self.blocks = 0;
-        self.sum = Sensed::default();
-        self.fit = CircleFit::new(self.guess, half_span_hz);
-    }
-
-    /// Offset of the present point from the nominal frequency.
-    fn offset_hz(&self) -> f32 {
-        let part = f32::from(self.point) / f32::from(self.points - 1);
-        self.span_hz.0 + part * (self.span_hz.1 - self.span_hz.0)
-    }
-
-    fn take_point(&mut self) {
-        let offset = self.offset_hz();
-        let hz = self.nominal_hz + offset;
-        if self.sum.v.norm_sqr() > 0.0 {
-            let y: Phasor = self.sum.i / self.sum.v;
-            if y.re > self.best.1 {
-                self.best = (hz, y.re);
-            }
-            if self.stage != Stage::Coarse {
-                self.fit.add(hz, y);
-            }
-        }
-        self.point += 1;
-        self.blocks = 0;
-        self.sum = Sensed::default();
-    }
-
-    fn finish_pass(&mut self) -> Step {
-        if self.stage == Stage::Coarse {
-            self.guess.hz = self.best.0;
-            self.begin(Stage::Middle, 2.0 * self.guess.hz / self.guess.q, FIT_POINTS, 5.0);
-            return Step::Tune(self.offset_hz());
-        }
-        let found = self.fit.solve(self.nominal_hz);
-        let in_window = |t: &Transducer| (t.series_resonance_hz - self.nominal_hz).abs() <= self.window_hz;
-        match found.filter(|(transducer, _)| in_window(transducer)) {
-            None => Step::NotFound,
-            Some((transducer, motional)) => {
-                self.guess = Guess { hz: transducer.series_resonance_hz, q: transducer.q, c0_f: transducer.c0_f };
-                if self.stage == Stage::Fine {
-                    self.begin(Stage::RingDown(transducer, motional), 0.0, FIT_POINTS, RING_DOWN);
-                } else {
-                    self.begin(Stage::Fine, 1.5 * self.guess.hz / self.guess.q, FIT_POINTS, 6.0);
+        self.still_blocks += 1;
+        match self.stage {
+            Stage::Window(part) => {
+                if self.sweep(convert, sense) {
+                    let (blocks, samples) = self.heard();
+                    self.search = ModeSearch::new(&self.told, self.bare.clone(), blocks, samples);
+                    self.begin(Stage::Search(part));
                 }
-                Step::Tune(self.offset_hz())
+                self.tune()
+            }
+            Stage::Search(part) => {
+                if !self.search.step(&self.spectrum) {
+                    return self.tune();
+                }
+                self.take_part(part);
+                if part + 1 < self.parts {
+                    self.begin_part(part + 1);
+                    return self.tune();
+                }
+                self.choose()
+            }
+            Stage::Fine => {
+                if self.sweep(convert, sense) {
+                    self.begin_fit();
+                }
+                self.tune()
+            }
+            Stage::Fit => {
+                if self.search.step(&self.spectrum) {
+                    return self.take_fit();
+                }
+                self.tune()
+            }
+            Stage::RingDown(mut result) => {
+                if result.is_over(sensed, 1.0 + self.resonance_hz() / self.nominal_hz) {
+                    return Step::Found(result.transducer, result.motional);
+                }
+                self.stage = Stage::RingDown(result);
+                self.tune()
             }
         }
+    }
+
+    fn begin(&mut self, stage: Stage) {
+        self.stage = stage;
+        self.blocks = 0;
+    }
+
+    fn begin_part(&mut self, part: u32) {
+        let reach_hz = self.window_hz * (1.0 + MARGIN);
+        let width_hz = 2.0 * reach_hz / self.parts as f32;
+        let low_hz = part as f32 * width_hz - reach_hz;
+        let over_hz = if self.parts > 1 { MARGIN * width_hz * 0.5 } else { 0.0 };
+        self.begin_pass(
+            Pass::between(low_hz - over_hz, low_hz + width_hz + over_hz, WINDOW_S, self.block_s),
+            Stage::Window(part),
+        );
+    }
+
+    fn begin_pass(&mut self, pass: Pass, stage: Stage) {
+        self.pass = pass;
+        self.hold.retune(pass.centre_hz);
+        self.baseband.restart(self.hold.word());
+        self.spectrum = pass.spectrum(self.block_s);
+        self.begin(stage);
+    }
+
+    /// What is to be driven next.
+    fn tune(&self) -> Step {
+        Step::Tune(match self.stage {
+            Stage::Window(_) | Stage::Fine => self.pass.offset_hz(self.blocks),
+            Stage::Search(_) => self.pass.centre_hz,
+            Stage::Fit | Stage::RingDown(_) => self.resonance_hz(),
+        })
+    }
+
+    /// Offset of the wanted resonance, as far as it is known, Hz.
+    fn resonance_hz(&self) -> f32 {
+        self.roster.wanted().map_or(0.0, |(pole, _)| pole.offset_hz)
+    }
+
+    /// Takes a block of a sweep. Returns whether it was the last.
+    fn sweep(&mut self, convert: &Convert, sense: &SenseBlock) -> bool {
+        if self.blocks >= BEFORE {
+            let heard = self.baseband.take(convert, sense);
+            if self.blocks > BEFORE {
+                self.spectrum.add(&heard);
+            }
+        }
+        self.still_blocks = 0;
+        self.blocks == BEFORE + self.pass.blocks()
+    }
+
+    /// Lists what a part of the window shows, at rising frequencies; the weakest are left out.
+    fn take_part(&mut self, part: u32) {
+        let width_hz = 2.0 * self.window_hz * (1.0 + MARGIN) / self.parts as f32;
+        let middle_hz = (part as f32 + 0.5) * width_hz - self.window_hz * (1.0 + MARGIN);
+        // What stands at a seam is seen from both sides, and taken once.
+        let reach_hz = 0.5 * width_hz * (1.0 + MARGIN);
+        let own = |hz: f32| self.parts == 1 || (hz - middle_hz).abs() < reach_hz;
+        let (circuit, deviations) = self.search.found();
+        for (pole, deviations) in circuit.poles.iter().zip(deviations).filter(|(pole, _)| own(pole.offset_hz)) {
+            self.roster.add(*pole, *deviations, self.parts > 1);
+        }
+    }
+
+    /// Chooses the wanted resonance, and decides whether it is known well enough.
+    fn choose(&mut self) -> Step {
+        if let Err(fault) = self.roster.choose(&self.choice) {
+            return Step::Failed(fault);
+        }
+        let Some(&(pole, deviations)) = self.roster.wanted() else { return Step::Failed(Fault::NoResonance) };
+        let reach_hz = self.window_hz * (1.0 + MARGIN);
+        let hz = self.nominal_hz + pole.offset_hz;
+        let fine = self.pass.fine(
+            &Seen { hz, offset_hz: pole.offset_hz, q: pole.q, deviation_hz: deviations.series_resonance_hz },
+            reach_hz,
+            self.block_s,
+        );
+        if fine.repeats > 0 || self.parts > 1 {
+            self.begin_pass(Pass { repeats: fine.repeats.max(1), ..fine }, Stage::Fine);
+            return self.tune();
+        }
+        let wanted = |other: &Pole| other.offset_hz == pole.offset_hz;
+        self.take(self.search.found().0.poles.iter().position(wanted).unwrap_or(0))
+    }
+
+    /// Blocks and samples of the spectrum.
+    fn heard(&self) -> (u32, u32) {
+        (self.pass.blocks(), self.pass.blocks() * self.block_samples)
+    }
+
+    /// Fits the wanted resonance, and with it what else is in the fine pass.
+    fn begin_fit(&mut self) {
+        let mut circuit = Circuit { poles: Vec::new(), ..self.search.found().0.clone() };
+        let (centre_hz, half_hz) = (self.pass.centre_hz, 0.5 * self.pass.width_hz);
+        // There is room: no more are found than fit in.
+        circuit.poles.extend(self.roster.wanted().map(|(pole, _)| *pole));
+        for pole in self.roster.others() {
+            let inside = (pole.offset_hz - centre_hz).abs() < half_hz;
+            let _ = if inside { circuit.poles.push(*pole) } else { circuit.known.push(*pole) };
+        }
+        let (blocks, samples) = self.heard();
+        self.search = ModeSearch::again(&self.told, circuit, blocks, samples);
+        self.begin(Stage::Fit);
+    }
+
+    /// Takes the fit of the fine pass.
+    fn take_fit(&mut self) -> Step {
+        let (circuit, deviations) = self.search.found();
+        match (circuit.poles.first(), deviations.first()) {
+            (Some(pole), Some(deviations)) if pole.offset_hz.abs() <= self.window_hz => {
+                self.roster.refine(*pole, *deviations);
+                self.take(0)
+            }
+            _ => Step::Failed(Fault::NoResonance),
+        }
+    }
+
+    /// Takes this resonance of the latest fit as the result.
+    fn take(&mut self, place: usize) -> Step {
+        let (circuit, deviations) = self.search.found();
+        let transducer = Transducer {
+            deviations: deviations.get(place).copied().unwrap_or_default(),
+            modes: self.roster.listed().len() as u8,
+            chosen: self.roster.place() as u8,
+            ..circuit.transducer(place)
+        };
+        // During the search it was not the resonance that was driven.
+        let still_blocks = if self.stage == Stage::Fit { self.still_blocks } else { 0 };
+        self.begin(Stage::RingDown(RingDown::new(transducer, circuit.motional(place), still_blocks, self.block_s)));
+        self.tune()
     }
 }
+
+#[cfg(test)]
+mod tests;

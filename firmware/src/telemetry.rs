@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::identify::Transducer;
+use crate::identify::{Listed, Transducer};
 use crate::phasor::Phasor;
 use crate::supervisor::{Fault, Limit, Mode};
 use crate::units::{Hertz, Turns, Volts};
@@ -42,4 +42,6 @@ pub struct Telemetry {
     pub phase: Turns,
     /// The transducer, once identified.
     pub transducer: Option<Transducer>,
+    /// One of the resonances that the scan has found, each in its turn.
+    pub listed: Option<Listed>,
 }

@@ -5,6 +5,7 @@
 //! believe that. The motional phase, of which the observer knows nothing, is also the judge of the observer. In between the tracker decides
 //! when there is any phase to hear: not while the envelope is at an edge or the stack rings up, and not when it does not ring at all.
 
+pub mod identified;
 pub mod lock_detector;
 pub mod observed;
 pub mod observer;
@@ -16,6 +17,7 @@ use crate::error::Error;
 use crate::identify::Transducer;
 use crate::motional::Motional;
 use crate::phasor::Phasor;
+use crate::tracker::identified::Known;
 use crate::tracker::lock_detector::{Lock, LockDetector};
 use crate::tracker::observed::{Observed, Seek};
 use crate::tracker::observer::Prior;
@@ -87,6 +89,7 @@ pub struct Tracker {
     motional: Motional,
     phase_loop: PhaseLoop,
     observed: Option<Observed>,
+    known: Known,
     lock: LockDetector,
     rm_ohm: f32,
     /// `2 pi tau`: how much a hertz of detuning is of the phase's own scale, 1/Hz.
@@ -118,6 +121,7 @@ impl Tracker {
             motional: nominal,
             phase_loop: PhaseLoop::build(&config.tracking, config.drive.frequency_hz, block_s)?,
             observed: (config.tracking.mode == TrackingMode::Observer).then(|| Observed::new(config.drive.frequency_hz, block_s)),
+            known: Known::default(),
             lock: LockDetector::default(),
             rm_ohm: 0.0,
             turn_per_hz: 0.0,
@@ -149,8 +153,8 @@ impl Tracker {
     }
 
     /// Lets the observer begin on a transducer that nobody has seen ring yet.
-    pub fn observe(&mut self, branch: Motional, prior: &Prior) {
-        self.motional = branch;
+    pub fn observe(&mut self, branch: Motional, known: Known, prior: &Prior) {
+        (self.motional, self.known) = (branch, known);
         if let Some(observed) = &mut self.observed {
             observed.start(prior, Seek::Window);
         }
@@ -170,25 +174,13 @@ impl Tracker {
 
     /// What the observer knows of the transducer by now.
     pub fn identify(&self) -> Option<Transducer> {
-        let observer = self.observed.as_ref()?.observer();
-        let hz = self.nominal_hz + observer.offset_hz();
-        let omega = core::f32::consts::TAU * hz;
-        let (lm_h, c0_f) = (observer.lm_h(), self.motional.y0.im / (core::f32::consts::TAU * self.nominal_hz));
-        let cm_f = 1.0 / (omega * omega * lm_h);
-        Some(Transducer {
-            series_resonance_hz: hz,
-            parallel_resonance_hz: hz * libm::sqrtf(1.0 + cm_f / c0_f),
-            q: omega / (2.0 * observer.damping()),
-            rm_ohm: 2.0 * observer.damping() * lm_h,
-            lm_h,
-            cm_f,
-            c0_f,
-        })
+        self.observed.as_ref().map(|observed| identified::circuit(observed.observer(), self.nominal_hz, &self.known))
     }
 
     /// Starts on a transducer that a scan has found, and that rings at its resonance. `noise_a` is the rms noise of a block's current.
     pub fn seed(&mut self, transducer: &Transducer, branch: Motional, noise_a: f32) {
         self.motional = branch;
+        self.known = Known { c0_f: (transducer.c0_f, transducer.deviations.c0_f), modes: (transducer.modes, transducer.chosen) };
         let offset_hz = transducer.series_resonance_hz - self.nominal_hz;
         self.phase_loop.seed(offset_hz, transducer.time_constant_s());
         self.set_resonance(transducer);

@@ -1,7 +1,7 @@
 //! Scan and lock ordered over the link, on the simulated transducer: the loop-back has no resonance to find.
 
 use firmware::block::{Amplitude, Gate};
-use firmware::command::{Command, Reply};
+use firmware::command::{Command, Reply, ResonanceReport};
 use firmware::supervisor::{Fault, Mode};
 use hal_mock::bench::{Bench, Queues, Setup};
 use hal_mock::tracer::Tracer;
@@ -45,6 +45,20 @@ fn a_scan_reports_the_transducer_and_falls_silent() {
     bench.blocks(PATIENCE);
     assert_eq!((bench.mode(), bench.fault(), bench.enable.is_high()), (Mode::Idle, None, false));
     assert!(is_silent(&mut bench));
+}
+
+#[test]
+fn the_resonances_are_listed_over_the_link() {
+    let mut queues = Queues::default();
+    let mut bench = on_transducer(&mut queues);
+    assert_eq!(bench.ask(Command::Resonances), Some(Reply::Resonances(ResonanceReport::default())));
+    assert_eq!(bench.ask(Command::Scan), Some(Reply::Ack));
+    assert!(bench.run_until(|report| report.transducer.is_some(), LONG).is_some());
+    bench.blocks(PATIENCE);
+    let Some(Reply::Resonances(report)) = bench.ask(Command::Resonances) else { panic!("no list") };
+    let found = report.found[0].unwrap();
+    assert!((found.hz - RESONANCE_HZ).abs() < 1.0 && (found.q - 64.6).abs() < 0.5, "{report:?}");
+    assert_eq!((report.chosen, report.found[1]), (Some(0), None));
 }
 
 #[test]

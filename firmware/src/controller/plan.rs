@@ -12,6 +12,7 @@ use crate::phasor::{Phasor, magnitude};
 use crate::scan;
 use crate::self_test;
 use crate::supervisor::{Acquisition, Fault, Mode, Progress};
+use crate::tracker::identified::Known;
 use crate::tracker::observed::Seek;
 use crate::tracker::observer::Prior;
 use crate::tracker::{Heard, State};
@@ -90,7 +91,7 @@ impl Controller {
                     self_test::Step::Failed(fault) => Plan::SILENT.and(Progress::Failed(fault)),
                 }
             }
-            Mode::Scan => match self.scan.step(sensed) {
+            Mode::Scan => match self.scan.step(&self.convert, sense, sensed) {
                 scan::Step::Tune(offset_hz) => {
                     self.sweep.hold.retune(offset_hz);
                     Plan::tone(self.scan_volts)
@@ -99,7 +100,7 @@ impl Controller {
                     self.adopt(transducer, branch, magnitude(motional));
                     Plan::tone(self.scan_volts).and(Progress::Done)
                 }
-                scan::Step::NotFound => Plan::SILENT.and(Progress::Failed(Fault::NoResonance)),
+                scan::Step::Failed(fault) => Plan::SILENT.and(Progress::Failed(fault)),
             },
             Mode::Clamped => match self.power_on.step(sensed) {
                 clamped::Step::Tone { offset_hz, volts } => {
@@ -150,7 +151,9 @@ impl Controller {
             axis: clamped.motional.axis,
             noise_a: self.noise_a(&clamped.motional),
         };
-        self.tracker.observe(clamped.motional, &prior);
+        let modes = 1 + u8::from(clamped.company.is_some());
+        let known = Known { c0_f: (clamped.c0_f.value, clamped.c0_f.deviation), modes: (modes, 0) };
+        self.tracker.observe(clamped.motional, known, &prior);
     }
 
     /// Rms noise of a block's motional current, A.

@@ -60,6 +60,7 @@ fn longest_answer() -> Answer {
         limit: Some(Limit::FrequencyWindow),
         tuning_word: u64::MAX,
         transducer: Some(Transducer::default()),
+        listed: Some(Default::default()),
         ..Telemetry::default()
     };
     let drive = DriveBlock { lanes: core::iter::repeat_n(codes(), MAX_LANES).collect(), listen: 3 };

@@ -291,9 +291,9 @@ impl Observer {
         self.lm_h / self.strength.max(1e-3)
     }
 
-    /// The motional inductance that was told, over the one that is seen.
-    pub fn strength(&self) -> f32 {
-        self.strength
+    /// Standard deviation of the inductance, relative.
+    pub fn strength_deviation(&self) -> f32 {
+        libm::sqrtf(self.covariance.strength)
     }
 
     /// Times the gate has opened; wraps.

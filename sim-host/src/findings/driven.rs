@@ -4,6 +4,7 @@ mod motor;
 
 use std::fmt::Write as _;
 
+use firmware::identify::Deviations;
 use firmware::supervisor::{Limit, Mode};
 
 use super::{Line, precise, table};
@@ -138,16 +139,26 @@ fn three_ways(study: &Study, run: &Run) -> TableBlock {
             identified(|t| t.series_resonance_hz),
             Some(truth.series_resonance_hz()),
         ),
+        (
+            "parallel resonance [Hz]",
+            None,
+            identified(|t| t.parallel_resonance_hz),
+            Some(truth.series_resonance_hz() * (1.0 + truth.cm_f / truth.c0_f).sqrt()),
+        ),
         ("Q", Some(tracking.nominal_q), identified(|t| t.q), Some(truth.q())),
         ("Rm [ohm]", None, identified(|t| t.rm_ohm), Some(truth.rm_ohm)),
         ("Lm [mH]", None, identified(|t| t.lm_h * 1e3), Some(truth.lm_h * 1e3)),
         ("Cm [nF]", None, identified(|t| t.cm_f * 1e9), Some(truth.cm_f * 1e9)),
         ("C0 [nF]", Some(tracking.nominal_c0_f * 1e9), identified(|t| t.c0_f * 1e9), Some(truth.c0_f * 1e9)),
+        ("coupling", None, identified(|t| t.coupling), Some((truth.cm_f / (truth.c0_f + truth.cm_f)).sqrt())),
     ];
     rows.retain(|row| row.2.is_some());
     let cell = |value: Option<f64>| value.map_or_else(|| "–".to_owned(), precise);
-    let rows =
-        rows.into_iter().map(|(what, told, found, truth)| vec![what.into(), cell(told), cell(found), cell(truth)]).collect();
+    let deviation = |what: &str| found.as_ref().and_then(|found| stated(what, &found.deviations));
+    let rows = rows
+        .into_iter()
+        .map(|(what, told, found, truth)| vec![what.into(), cell(told), cell(found), cell(deviation(what)), cell(truth)])
+        .collect();
     table(
         "three-ways",
         "Command, estimate, truth",
@@ -157,7 +168,23 @@ fn three_ways(study: &Study, run: &Run) -> TableBlock {
         } else {
             "The circuit is the stack's by itself, at the beginning of the run; a contact adds its stiffness and loss."
         },
-        &["", "command, or told", "controller's estimate", "plant's truth"],
+        &["", "command, or told", "controller's estimate", "its standard deviation", "plant's truth"],
         rows,
     )
+}
+
+/// The standard deviation that the controller states of an identified number, in the unit of its row.
+fn stated(what: &str, deviations: &Deviations) -> Option<f64> {
+    let sd = match what {
+        "series resonance [Hz]" => deviations.series_resonance_hz,
+        "parallel resonance [Hz]" => deviations.parallel_resonance_hz,
+        "Q" => deviations.q,
+        "Rm [ohm]" => deviations.rm_ohm,
+        "Lm [mH]" => deviations.lm_h * 1e3,
+        "Cm [nF]" => deviations.cm_f * 1e9,
+        "C0 [nF]" => deviations.c0_f * 1e9,
+        "coupling" => deviations.coupling,
+        _ => return None,
+    };
+    Some(sd.into())
 }

@@ -8,6 +8,8 @@
 //! | `lock_time_B_ms` | from the first DAC sample of the lock stage to the last moment that the frequency played is more than B off the true one, before the first disturbance |
 //! | `relock_time_B_ms` | from the last step disturbance to the same |
 //! | `false_locks`, `undetected_losses` | 1 if the controller said that it was locked and was not, 0 if not: see `lock_claims.rs` |
+//! | `series_resonance_hz`, `q`, `coupling`, … | what scan or observer has identified; with `_sd`, the standard deviation that it states |
+//! | `modes_found` | resonances that the scan has listed, in the window and beside it |
 //! | `acquire_time_ms` | from the first DAC sample of the scan to the first of the run |
 //! | `rise_time_ms`, `fall_time_ms` | from the edge's first DAC sample, as ordered, to 90 % (10 %) of the steady true tip velocity; of the first ON window after the lock |
 //! | `overshoot_percent` | the largest true tip velocity of the run over the steady one; not where a step disturbance makes two steady states |
@@ -60,6 +62,17 @@ pub fn of(scene: &Driven, record: &Record) -> Metrics {
         metrics.put("lm_h", f64::from(transducer.lm_h));
         metrics.put("cm_f", f64::from(transducer.cm_f));
         metrics.put("c0_f", f64::from(transducer.c0_f));
+        metrics.put("coupling", f64::from(transducer.coupling));
+        let sd = transducer.deviations;
+        metrics.put("series_resonance_sd_hz", f64::from(sd.series_resonance_hz));
+        metrics.put("parallel_resonance_sd_hz", f64::from(sd.parallel_resonance_hz));
+        metrics.put("q_sd", f64::from(sd.q));
+        metrics.put("rm_sd_ohm", f64::from(sd.rm_ohm));
+        metrics.put("lm_sd_h", f64::from(sd.lm_h));
+        metrics.put("cm_sd_f", f64::from(sd.cm_f));
+        metrics.put("c0_sd_f", f64::from(sd.c0_f));
+        metrics.put("coupling_sd", f64::from(sd.coupling));
+        metrics.put("modes_found", f64::from(transducer.modes));
     }
     let claims = lock_claims::of(scene, record);
     metrics.put("false_locks", claims.map(|claims| f64::from(u8::from(claims.false_lock))));

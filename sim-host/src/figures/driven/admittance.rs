@@ -45,9 +45,9 @@ pub(super) fn locus(run: &Run, view: &View) -> Option<Figure> {
         force_factor_n_per_v: 1.0,
     };
     let truth = circuit_of(&run.scene);
-    let (x, y) = settled_points(&run.record.rows);
+    let (x, y) = swept_points(&run.record.rows);
     let measured = Series {
-        name: "measured, last pass of the scan".into(),
+        name: "played, last sweep of the scan".into(),
         csv_column: "susceptance_measured_s".into(),
         x,
         y,
@@ -63,7 +63,7 @@ pub(super) fn locus(run: &Run, view: &View) -> Option<Figure> {
         id: "admittance".into(),
         title: "Admittance loop".into(),
         caption:
-            "Dots: the last block at each frequency of the scan's last pass. The identified circle includes what the converters' images make \
+            "Dots: block by block, the scan's last sweep, in which nothing settles: the further off the circle, the higher Q. The identified circle includes what the converters' images make \
                   of the clamped capacitance. The working point is the mean over the last steady blocks; a load and friction move it."
                 .into(),
         x: axis("conductance [S]"),
@@ -79,10 +79,10 @@ pub(super) fn locus(run: &Run, view: &View) -> Option<Figure> {
     })
 }
 
-/// The admittance at the end of each frequency of the scan's last pass, when the tone has settled.
-fn settled_points(rows: &[Row]) -> (Vec<f64>, Vec<f64>) {
+/// Current over voltage in each block of the scan's last sweep.
+fn swept_points(rows: &[Row]) -> (Vec<f64>, Vec<f64>) {
     let scanned: Vec<&Row> = rows.iter().filter(|row| row.mode == Mode::Scan && row.admittance_s.is_some()).collect();
-    // A pass runs upwards, and the next begins below where it ended; so does the ring-down, which has one frequency only.
+    // A sweep runs upwards, and the next begins below where it ended; so does the ring-down, which has one frequency only.
     let passes = scanned.chunk_by(|before, after| after.frequency_hz >= before.frequency_hz);
     let moves = |pass: &[&Row]| pass.last().zip(pass.first()).is_some_and(|(last, first)| last.frequency_hz > first.frequency_hz);
     let last_pass = passes.rev().find(|pass| moves(pass)).unwrap_or(&[]);

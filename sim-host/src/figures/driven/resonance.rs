@@ -30,8 +30,8 @@ pub(super) fn acquisition(run: &Run, view: &View) -> Option<Figure> {
         id: "acquisition".into(),
         title: "Acquisition: scan, then lock".into(),
         caption:
-            "Three passes: the whole window, two nominal bandwidths about its highest conductance, and one and a half identified \
-                  bandwidths about the circle fitted there. The last fit gives the resonance and the clamped branch."
+            "A sweep over the window and a tenth more, from whose spectrum all resonances are found; then, if the wanted one is not known \
+                  well enough, slow sweeps over two bandwidths about it. Nothing settles in between."
                 .into(),
         x: axis("time from the first sample of the scan [ms]"),
         y: axis("frequency [Hz]"),
@@ -53,8 +53,8 @@ pub(super) fn lock_in(view: &View) -> Option<Figure> {
     Some(Figure {
         id: "lock-in".into(),
         title: "Lock-in".into(),
-        caption: "Distance from the true series resonance. The loop waits for the last tone of the scan to ring down before it \
-                  listens. A contact adds its own stiffness to the stack: under load the lock lies a little above the unloaded truth."
+        caption: "Distance from the true series resonance. The scan ends when what its sweep has left \
+                  no longer turns the phase. A contact adds its own stiffness to the stack: under load the lock lies a little above the unloaded truth."
             .into(),
         x: axis("time from the first sample of the lock stage [ms]"),
         y: axis("off the true resonance [Hz]"),

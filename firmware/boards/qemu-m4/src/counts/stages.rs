@@ -130,4 +130,17 @@ const STACK: identify::Transducer = identify::Transducer {
     lm_h: 0.79e-3,
     cm_f: 20e-9,
     c0_f: 300e-9,
+    coupling: 0.25,
+    deviations: identify::Deviations {
+        series_resonance_hz: 0.0,
+        parallel_resonance_hz: 0.0,
+        q: 0.0,
+        rm_ohm: 0.0,
+        lm_h: 0.0,
+        cm_f: 0.0,
+        c0_f: 0.0,
+        coupling: 0.0,
+    },
+    modes: 1,
+    chosen: 0,
 };
