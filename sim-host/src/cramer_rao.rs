@@ -173,9 +173,9 @@ impl Setting {
     fn heard(&self) -> impl Iterator<Item = (f64, Information)> {
         let response = Response::new(&self.circuit, &self.drive, &self.start);
         let (current, voltage) = (self.current_noise_a.powi(2), self.voltage_noise_v.powi(2));
-        let (mut information, sample_s) = (Information::default(), self.sample_hz.recip());
+        let (mut information, sample_hz) = (Information::default(), self.sample_hz);
         (1u32..).map(move |n| {
-            let time_s = f64::from(n) * sample_s;
+            let time_s = f64::from(n) / sample_hz;
             information.add(&response.current(time_s).1, current);
             let mut by = [0.0; PARAMETERS];
             [by[Parameter::Voltage as usize], by[Parameter::Phase as usize]] = response.voltage(time_s).1;

@@ -5,9 +5,9 @@
 //! ```
 //!
 //! The least-squares estimate of a resonance that is taken for constant is the true one at the moment m, the window's centre as its
-//! information is weighted: `m = (F^-1 F_r)_f`, `F_r` the information shared with the rate. Short windows see a change only by how the
-//! current rings; so the first state is a nuisance, and m lies before the window's middle. An estimate that fits the slope, too, has no lag
-//! but more jitter.
+//! information is weighted: `m = (F^-1 F_r)_f`, `F_r` the information shared with the rate. What the current was when the window began is
+//! not known: a short window tells the resonance by how the current changes in it, and no more. An estimate that fits the slope, too, has
+//! no lag but more jitter.
 
 use super::information::Knowledge;
 use super::response::{PARAMETERS, Parameter};

@@ -144,13 +144,13 @@ impl Response {
             -push,
         ];
         let mut by = [Term::default(); PARAMETERS];
-        for n in 0..3 {
-            let steady = steady_by[n];
-            by[n].steady = steady;
+        for (n, parameter) in [Parameter::Resonance, Parameter::Q, Parameter::Lm].into_iter().enumerate() {
+            let (steady, term) = (steady_by[n], &mut by[parameter as usize]);
+            term.steady = steady;
             if !is_settled {
                 let rest = slope_by[n] - (j * omega * steady).re + alpha_by[n] * free.re + ringing_by[n] * free.im;
-                by[n].free = poles.free(-steady.re, rest);
-                by[n].free_rate = free * Complex64::new(-alpha_by[n], ringing_by[n]);
+                term.free = poles.free(-steady.re, rest);
+                term.free_rate = free * Complex64::new(-alpha_by[n], ringing_by[n]);
             }
         }
 

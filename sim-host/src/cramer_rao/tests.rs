@@ -40,7 +40,7 @@ pub(super) fn load_step(told: Told, oversample: u8) -> Setting {
 /// Current and voltage at the end of each sample by Runge and Kutta's rule, of a circuit that may change, from this motional current and
 /// charge. Nothing of the closed form is in it.
 pub(super) fn simulated(circuit: impl Fn(f64) -> Circuit, drive: &Drive, state: [f64; 2], samples: u32) -> Vec<[f64; 2]> {
-    const STEPS: u32 = 16;
+    const STEPS: u32 = 64;
     let omega = std::f64::consts::TAU * drive.hz;
     let angle = |t: f64| omega * t + drive.phase_rad;
     let slope = |t: f64, [current, charge]: [f64; 2]| {

@@ -17,19 +17,22 @@ fn time_s(n: usize) -> f64 {
 
 #[test]
 fn the_current_is_that_of_the_differential_equation() {
+    let mut worst: f64 = 0.0;
     for setting in cases() {
         let response = Response::new(&setting.circuit, &setting.drive, &setting.start);
         for (n, heard) in simulated(|_| setting.circuit, &setting.drive, first_state(&setting), 1000).iter().enumerate() {
             let t = time_s(n);
-            // 1.1e-8 A of up to 1 A: what is left are Runge and Kutta's steps.
-            assert!((response.current(t).0 - heard[0]).abs() < 2e-8, "{n} {:e}", response.current(t).0 - heard[0]);
             assert!((response.voltage(t).0 - heard[1]).abs() < 1e-11);
+            worst = worst.max((response.current(t).0 - heard[0]).abs());
         }
     }
+    // 1.2e-10 A of up to 1 A: what is left are Runge and Kutta's steps.
+    assert!(worst < 2e-10, "{worst:e}");
 }
 
 #[test]
 fn derivatives_are_limits_of_differences() {
+    let mut worst: f64 = 0.0;
     let steps = [1e-2, 1e-5, 1e-5, 1e-5, 1e-5, 1e-5];
     for setting in cases() {
         let response = Response::new(&setting.circuit, &setting.drive, &setting.start);
@@ -62,28 +65,30 @@ fn derivatives_are_limits_of_differences() {
             let scale = (0..500).map(|n| time_s(n)).map(|t| response.current(t).1[n].abs()).fold(0.0, f64::max);
             for t in (0..500).map(time_s) {
                 let difference = (current(&above, t) - current(&below, t)) / (2.0 * steps[n]);
-                let error = (difference - response.current(t).1[n]).abs() / scale;
-                // 2e-9 at most: rounding over the step.
-                assert!(error < 1e-8, "parameter {n} at {t}: {error:e}");
+                worst = worst.max((difference - response.current(t).1[n]).abs() / scale);
             }
         }
     }
+    // 9.3e-10: rounding over the step.
+    assert!(worst < 2e-9, "{worst:e}");
 }
 
 /// Unit current or charge that is left to itself.
 #[test]
 fn the_first_state_rings_down() {
+    let mut worst: f64 = 0.0;
     for setting in cases() {
         let omega = std::f64::consts::TAU * setting.drive.hz;
         let response = Response::new(&setting.circuit, &setting.drive, &setting.start);
         let silent = Drive { volts: 0.0, ..setting.drive };
         for (parameter, state) in [(Parameter::State, [1.0, 0.0]), (Parameter::StateQuadrature, [0.0, 1.0 / omega])] {
             for (n, heard) in simulated(|_| setting.circuit, &silent, state, 500).iter().enumerate() {
-                let error = response.current(time_s(n)).1[parameter as usize] - heard[0];
-                assert!(error.abs() < 2e-8, "{n} {error:e}");
+                worst = worst.max((response.current(time_s(n)).1[parameter as usize] - heard[0]).abs());
             }
         }
     }
+    // 9.4e-11.
+    assert!(worst < 2e-10, "{worst:e}");
 }
 
 /// The sum before the jump is known: with more C0 less of it was motional.
@@ -99,10 +104,13 @@ fn what_c0_took_before_a_jump_was_not_motional() {
         let state = [first[0] - sign * clamped.re, first[1] - sign * clamped.im / omega];
         simulated(|_| circuit, &setting.drive, state, 300)
     };
+    let mut worst: f64 = 0.0;
     for (n, (above, below)) in at(1.0).iter().zip(at(-1.0)).enumerate() {
         let error = (above[0] - below[0]) / (2.0 * part) - response.current(time_s(n)).1[Parameter::C0 as usize];
-        assert!(error.abs() < 1e-8, "{n} {error:e}");
+        worst = worst.max(error.abs());
     }
+    // 1.8e-11 A.
+    assert!(worst < 4e-11, "{worst:e}");
 }
 
 /// The slope's derivative is a solution up to a free oscillation, which the first state takes.
@@ -126,9 +134,11 @@ fn a_slope_of_the_resonance_is_heard_as_a_difference_of_ramps() {
     let (x, y) = (difference(0), difference(6));
     let of = [(x * d - y * b) / (a * d - b * c), (a * y - c * x) / (a * d - b * c)];
     let scale = response.current(1.5e-3).1[Parameter::Rate as usize].abs();
+    let mut worst: f64 = 0.0;
     for n in 0..1500 {
         let error = difference(n) - of[0] * free(n)[0] - of[1] * free(n)[1];
-        // The square of the ramp: 1.5 Hz of a half bandwidth of 308 Hz.
-        assert!(error.abs() < 1e-4 * scale, "{n} {:e}", error / scale);
+        worst = worst.max(error.abs() / scale);
     }
+    // 7.7e-6: the third power of a ramp of up to 1.5 Hz, in a half bandwidth of 308 Hz.
+    assert!(worst < 1e-5, "{worst:e}");
 }
