@@ -97,7 +97,7 @@ impl Poles {
     }
 
     /// What leaves from a state with nothing driving it.
-    fn from_state(&self, state: State) -> Complex64 {
+    fn left_by(&self, state: State) -> Complex64 {
         self.free(state.current, -2.0 * self.alpha * state.current - self.square * state.charge)
     }
 }
@@ -157,7 +157,7 @@ impl Response {
         // What was heard before a jump is the sum of both branches: the less C0 takes, the more was motional.
         by[Parameter::C0 as usize].steady = clamped;
         if matches!(start, Start::Jump(_)) {
-            by[Parameter::C0 as usize].free = poles.from_state(State::of(-clamped, omega));
+            by[Parameter::C0 as usize].free = poles.left_by(State::of(-clamped, omega));
         }
         for (parameter, turn) in [(Parameter::Voltage, Complex64::new(1.0, 0.0)), (Parameter::Phase, j)] {
             let motional = turn * steady;
@@ -167,8 +167,8 @@ impl Response {
                 by[parameter as usize].free = poles.free(-motional.re, slope);
             }
         }
-        by[Parameter::State as usize].free = poles.from_state(State { current: 1.0, charge: 0.0 });
-        by[Parameter::StateQuadrature as usize].free = poles.from_state(State { current: 0.0, charge: 1.0 / omega });
+        by[Parameter::State as usize].free = poles.left_by(State { current: 1.0, charge: 0.0 });
+        by[Parameter::StateQuadrature as usize].free = poles.left_by(State { current: 0.0, charge: 1.0 / omega });
         if is_settled {
             // D(d/dt) y = t exp(s t) has the solution y = (t / D - D' / D^2) exp(s t); the current is its slope.
             let charge = steady / (j * omega);

@@ -62,7 +62,7 @@ fn derivatives_are_limits_of_differences() {
                 response.current(t).0 + rest
             };
             let (above, below) = (of(at(1.0)), of(at(-1.0)));
-            let scale = (0..500).map(|n| time_s(n)).map(|t| response.current(t).1[n].abs()).fold(0.0, f64::max);
+            let scale = (0..500).map(time_s).map(|t| response.current(t).1[n].abs()).fold(0.0, f64::max);
             for t in (0..500).map(time_s) {
                 let difference = (current(&above, t) - current(&below, t)) / (2.0 * steps[n]);
                 worst = worst.max((difference - response.current(t).1[n]).abs() / scale);
