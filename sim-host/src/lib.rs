@@ -15,6 +15,7 @@
 
 pub mod cli;
 pub mod contact;
+pub mod cramer_rao;
 pub mod figures;
 pub mod findings;
 pub mod instructions;

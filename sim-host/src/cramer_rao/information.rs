@@ -1,0 +1,101 @@
+//! Fisher's information (Fisher 1922) of a few parameters, and what it says about one of them.
+//!
+//! Samples `x(n) + noise` of independent noise with standard deviation s add `sum (dx/da)(dx/db) / s^2`; what was known beforehand with
+//! standard deviation p adds `1 / p^2` (van Trees 1968, section 2.4). No unbiased estimate has a smaller covariance than the inverse
+//! (Rao 1945, Cramer 1946).
+
+use super::response::PARAMETERS;
+
+/// What is known of a parameter beforehand.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Knowledge {
+    /// Nothing.
+    Unknown,
+    /// Its standard deviation, in the parameter's unit.
+    Within(f64),
+    /// Everything.
+    Known,
+}
+
+impl Knowledge {
+    /// That it lies within so much to either side, anywhere as likely: as wide as a Gaussian of the same variance.
+    pub fn either_side(half_width: f64) -> Self {
+        Knowledge::Within(half_width / 3f64.sqrt())
+    }
+}
+
+/// The smallest pivot, of a matrix with ones on its diagonal, that is not rounding.
+const ROUNDING: f64 = 1e-12;
+
+/// Information about all parameters.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Information([[f64; PARAMETERS]; PARAMETERS]);
+
+impl Information {
+    /// Adds one sample, whose noise has this variance.
+    pub(super) fn add(&mut self, by: &[f64; PARAMETERS], variance: f64) {
+        for (row, a) in self.0.iter_mut().zip(by) {
+            for (sum, b) in row.iter_mut().zip(by) {
+                *sum += a * b / variance;
+            }
+        }
+    }
+
+    /// What it says about each pair with one parameter.
+    pub(super) fn column(&self, n: usize) -> [f64; PARAMETERS] {
+        self.0[n]
+    }
+
+    /// With what was known beforehand: no row or column for what is known.
+    pub(super) fn with(mut self, known: &[Knowledge; PARAMETERS]) -> Self {
+        for (n, knowledge) in known.iter().enumerate() {
+            match knowledge {
+                Knowledge::Unknown => {}
+                Knowledge::Within(deviation) => self.0[n][n] += deviation.powi(-2),
+                Knowledge::Known => {
+                    self.0[n] = [0.0; PARAMETERS];
+                    self.0.iter_mut().for_each(|row| row[n] = 0.0);
+                }
+            }
+        }
+        self
+    }
+
+    /// The inverse times a vector, by Cholesky's factors; what is known stays zero. `None` if something cannot be told.
+    pub(super) fn solve(&self, vector: &[f64; PARAMETERS], known: &[Knowledge; PARAMETERS]) -> Option<[f64; PARAMETERS]> {
+        let is_known = |n: usize| known[n] == Knowledge::Known;
+        // Ones on the diagonal: the units differ by orders.
+        let scale: [f64; PARAMETERS] = std::array::from_fn(|n| if is_known(n) { 0.0 } else { self.0[n][n].sqrt().recip() });
+        if !scale.iter().all(|x| x.is_finite()) {
+            return None;
+        }
+        let mut lower = [[0.0; PARAMETERS]; PARAMETERS];
+        for row in 0..PARAMETERS {
+            for column in 0..=row {
+                let scaled = if row == column { 1.0 } else { self.0[row][column] * scale[row] * scale[column] };
+                let rest = scaled - (0..column).map(|n| lower[row][n] * lower[column][n]).sum::<f64>();
+                lower[row][column] = if row > column {
+                    rest / lower[column][column]
+                } else if rest > ROUNDING {
+                    rest.sqrt()
+                } else {
+                    return None;
+                };
+            }
+        }
+        let mut x = [0.0; PARAMETERS];
+        for row in 0..PARAMETERS {
+            x[row] = (vector[row] * scale[row] - (0..row).map(|n| lower[row][n] * x[n]).sum::<f64>()) / lower[row][row];
+        }
+        for row in (0..PARAMETERS).rev() {
+            x[row] = (x[row] - (row + 1..PARAMETERS).map(|n| lower[n][row] * x[n]).sum::<f64>()) / lower[row][row];
+        }
+        Some(std::array::from_fn(|n| x[n] * scale[n]))
+    }
+
+    /// The least standard deviation of a weighted sum of the parameters; infinite if it cannot be told.
+    pub(super) fn deviation(&self, weight: &[f64; PARAMETERS], known: &[Knowledge; PARAMETERS]) -> f64 {
+        let Some(x) = self.solve(weight, known) else { return f64::INFINITY };
+        x.iter().zip(weight).map(|(x, weight)| x * weight).sum::<f64>().sqrt()
+    }
+}
