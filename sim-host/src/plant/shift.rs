@@ -3,9 +3,9 @@
 //! `fs = fs0 + a T + d |Im|^2`, `C0 = C00 (1 + c T)`: `T` is the rise over ambient, `|Im|` the amplitude of the motional current. The
 //! motional inductance and the quality factor stay, so that `Cm = 1 / (omega_s^2 Lm)`. To first order in the shift this is the
 //! cubic spring of Duffing (1918): `d` in Hz/A^2 is three eighths of the cubic over the linear stiffness, times `fs`, times the square of the
-//! displacement of one ampere. Piezoceramics soften: `d < 0` (-900 Hz/A^2 in the stack of the scenes).
+//! displacement of one ampere. Piezoceramics soften: `d < 0`.
 //!
-//! The amplitude is that of the block's beginning; between two blocks of 32 us it moves by 6 % at most in a ring-up of 0.5 ms. A sum
+//! The amplitude is that of the block's beginning; within a block it moves by the block's part of the ring-up time. A sum
 //! beyond [`FARTHEST`] of the resonance is held there: the laws are first terms of series.
 
 use crate::plant::circuit::Circuit;

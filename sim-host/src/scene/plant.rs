@@ -104,12 +104,12 @@ impl Default for Sensors {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Stack {
-    /// Butterworth-Van Dyke equivalent circuit.
-    pub bvd: Bvd,
     /// Temperature over ambient, K.
     #[serde(default)]
     #[schemars(range(min = -300.0, max = 1000.0))]
     pub temperature_k: f64,
+    /// Butterworth-Van Dyke equivalent circuit.
+    pub bvd: Bvd,
     /// Further modes, which are not wanted.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     #[schemars(length(max = 3))]
