@@ -147,7 +147,7 @@ impl DrivenStack {
         match (key, &mut self.sliding) {
             (DisturbedKey::Load, Some(sliding)) => sliding.set_load(value),
             (DisturbedKey::Speed, Some(sliding)) => sliding.speed_m_per_s = value,
-            _ => self.elements.set(key, value, &mut self.stack),
+            _ => self.elements.set(key, value, &self.stack),
         }
     }
 

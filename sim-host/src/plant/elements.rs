@@ -17,6 +17,8 @@ pub struct Elements {
     shift: Option<Shift>,
     temperature_k: f64,
     breaks: Vec<Scheduled>,
+    /// What the disturbances of a block have made of the further modes and the leak.
+    disturbed: Option<Parts>,
     /// What changing the elements has added to the energy in the stack, J.
     pub disturbed_j: f64,
 }
@@ -35,19 +37,35 @@ impl Elements {
             .fault
             .iter()
             .filter_map(|fault| Some(Scheduled { at_block: (fault.at_s / block_s) as u64, breakage: breakage(fault.kind)? }));
-        let elements = Elements { rest, shift, temperature_k: stack.temperature_k, breaks: breaks.collect(), disturbed_j: 0.0 };
+        let elements = Elements {
+            rest,
+            shift,
+            temperature_k: stack.temperature_k,
+            breaks: breaks.collect(),
+            disturbed: None,
+            disturbed_j: 0.0,
+        };
         (elements, parts)
     }
 
-    /// Breaks what breaks in block `block`, and moves what the amplitude moves.
+    /// Gives the stack what the disturbances have set, what breaks in block `block`, and what temperature and amplitude make of it: once
+    /// for all of it.
     pub fn begin(&mut self, block: u64, stack: &mut Stack) {
-        if !self.breaks.is_empty() {
-            let due: Vec<_> = self.breaks.extract_if(.., |scheduled| scheduled.at_block <= block).collect();
-            due.into_iter().for_each(|scheduled| self.strike(scheduled.breakage, stack));
+        let due = self.breaks.extract_if(.., |scheduled| scheduled.at_block <= block).map(|scheduled| scheduled.breakage);
+        let due: Vec<Breakage> = due.collect();
+        if self.disturbed.is_none() && due.is_empty() && self.shift.is_none() {
+            return;
         }
-        if self.shift.is_some() {
-            self.set_parts(stack.parts().clone(), stack);
+        let mut parts = self.disturbed.take().unwrap_or_else(|| stack.parts().clone());
+        for breakage in due {
+            parts = breakage.of(Parts { circuit: self.rest, ..parts });
+            self.rest = parts.circuit;
         }
+        let shifted = |shift: Shift| shift.apply(&self.rest, self.temperature_k, stack.oscillation_a());
+        let circuit = self.shift.map_or(self.rest, shifted);
+        let stored = stack.stored_j();
+        stack.set(Parts { circuit, ..parts });
+        self.disturbed_j += stack.stored_j() - stored;
     }
 
     /// The present value of a key, if it is one of a stack.
@@ -57,39 +75,25 @@ impl Elements {
             DisturbedKey::Q => Some(self.rest.q()),
             DisturbedKey::ClampedCapacitance => Some(self.rest.c0_f),
             DisturbedKey::Temperature => Some(self.temperature_k),
-            _ => stack.parts().further.get(further(key)?).map(Branch::series_resonance_hz),
+            _ => self.disturbed.as_ref().unwrap_or(stack.parts()).further.get(further(key)?).map(Branch::series_resonance_hz),
         }
     }
 
-    /// Sets a key, if it is one of a stack.
-    pub fn set(&mut self, key: DisturbedKey, value: f64, stack: &mut Stack) {
-        let mut parts = stack.parts().clone();
+    /// Sets a key, if it is one of a stack, for the block that is about to begin.
+    pub fn set(&mut self, key: DisturbedKey, value: f64, stack: &Stack) {
+        let mut parts = self.disturbed.take().unwrap_or_else(|| stack.parts().clone());
         match key {
             DisturbedKey::SeriesResonance => self.rest = self.rest.with_series_resonance(value),
             DisturbedKey::Q => self.rest = self.rest.with_q(value),
             DisturbedKey::ClampedCapacitance => self.rest.c0_f = value,
             DisturbedKey::Temperature => self.temperature_k = value,
-            _ => match further(key).and_then(|k| parts.further.get_mut(k)) {
-                Some(branch) => *branch = branch.with_series_resonance(value),
-                None => return,
-            },
+            _ => {
+                if let Some(branch) = further(key).and_then(|k| parts.further.get_mut(k)) {
+                    *branch = branch.with_series_resonance(value);
+                }
+            }
         }
-        self.set_parts(parts, stack);
-    }
-
-    fn strike(&mut self, breakage: Breakage, stack: &mut Stack) {
-        let parts = breakage.of(Parts { circuit: self.rest, ..stack.parts().clone() });
-        self.rest = parts.circuit;
-        self.set_parts(parts, stack);
-    }
-
-    /// Sets the elements; those of the wanted mode are what temperature and amplitude make of it.
-    fn set_parts(&mut self, parts: Parts, stack: &mut Stack) {
-        let shifted = |shift: Shift| shift.apply(&self.rest, self.temperature_k, stack.motional_amplitude());
-        let circuit = self.shift.map_or(self.rest, shifted);
-        let stored = stack.stored_j();
-        stack.set(Parts { circuit, ..parts });
-        self.disturbed_j += stack.stored_j() - stored;
+        self.disturbed = Some(parts);
     }
 }
 

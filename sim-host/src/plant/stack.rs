@@ -90,6 +90,9 @@ impl Stack {
 
     /// Changes the elements, of as many modes or more; a new one is at rest. Of every mode what it moves goes on as it did.
     pub fn set(&mut self, parts: Parts) {
+        if self.parts == parts {
+            return;
+        }
         let (old, new) = (&self.parts.circuit, &parts.circuit);
         let factor = new.force_factor_n_per_v / old.force_factor_n_per_v;
         self.x[1] *= f64x2::new([1.0, factor]);
@@ -254,6 +257,15 @@ impl Stack {
     pub fn motional_amplitude(&self) -> f64 {
         let circuit = &self.parts.circuit;
         self.motional_current().hypot(self.motional_voltage() * circuit.cm_f * circuit.omega())
+    }
+
+    /// Amplitude of the motional current, A, of an oscillation at any frequency: `Im^2 = i^2 - q i'`, with the charge `q` (Kaiser 1990).
+    /// What resonates need not oscillate at its resonance.
+    pub fn oscillation_a(&self) -> f64 {
+        let Circuit { cm_f, lm_h, rm_ohm, .. } = self.parts.circuit;
+        let (i, vc) = (self.motional_current(), self.motional_voltage());
+        let slope = (self.voltage() - rm_ohm * i - vc) / lm_h;
+        (i * i - cm_f * vc * slope).max(0.0).sqrt()
     }
 
     /// Amplitude of the tip velocity, m/s.

@@ -29,6 +29,7 @@ fn a_fraction_turns_the_phase() {
     for delay_s in [0.37e-6, 2.81e-6] {
         let late_s = -(phasor(delay_s) / prompt).arg() / std::f64::consts::TAU / 40_000.0;
         println!("late by {delay_s:e} s: {:.2} ns more", (late_s - delay_s) * 1e9);
-        assert!((late_s - delay_s).abs() < 1e-9, "{late_s:e}");
+        // Measured 0.02 ns: the codes are rounded.
+        assert!((late_s - delay_s).abs() < 5e-11, "{late_s:e}");
     }
 }

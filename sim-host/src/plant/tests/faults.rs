@@ -40,5 +40,6 @@ fn a_short_takes_the_voltage() {
     let source = scene(&[]).scene.amplifier.unwrap().source_ohm;
     let expected = 3.0 * SHORT_OHM / (SHORT_OHM + source);
     println!("{peak} V of {expected} V");
-    assert!((peak / expected - 1.0).abs() < 0.02, "{peak} {expected}");
+    // Measured 0.9933 of it: the amplifier at 40 kHz, the hold, the branch beside.
+    assert!((peak / expected - 1.0).abs() < 0.01, "{peak} {expected}");
 }
