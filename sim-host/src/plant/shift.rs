@@ -5,7 +5,7 @@
 //! cubic spring of Duffing (1918): `d` in Hz/A^2 is three eighths of the cubic over the linear stiffness, times `fs`, times the square of the
 //! displacement of one ampere. Piezoceramics soften: `d < 0`.
 //!
-//! The amplitude is that of the block's beginning; within a block it moves by the block's part of the ring-up time. A sum
+//! The amplitude is that of the block's beginning, at any frequency; within a block it moves by the block's part of the ring-up time. A sum
 //! beyond [`FARTHEST`] of the resonance is held there: the laws are first terms of series.
 
 use crate::plant::circuit::Circuit;

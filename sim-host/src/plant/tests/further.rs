@@ -24,7 +24,7 @@ fn states_are_counted() {
 #[test]
 fn energy_closes() {
     // Fine and smooth enough that the sums over the samples do not see the staircase of the drive.
-    let smooth = ["sensors.sample_hz=4e6", "amplifier.bandwidth_hz=50e3"];
+    let smooth = ["sensors.sample_hz=2e6", "amplifier.bandwidth_hz=50e3"];
     let drifting = [
         "stack.bvd.loss_tangent=0.02",
         "stack.bvd.duffing_hz_per_a2=-900",

@@ -67,8 +67,9 @@ fn the_bent_resonance_is_its_closed_form() {
         let present_hz = REST_HZ + DUFFING_HZ_PER_A2 * current.norm_sqr();
         let reported_hz = bench.plant.truth().series_resonance_hz;
         println!("{hz} Hz {volts} V: {:.6} A of {expected:.6?}, {reported_hz:.2} Hz of {present_hz:.2}", current.norm());
-        let near = expected.get(which).is_some_and(|amplitude| (current.norm() / amplitude - 1.0).abs() < 5e-3);
-        if expected.len() != all || !near || (reported_hz - present_hz).abs() > 2.0 {
+        // Measured 1.4e-4 and 0.01 Hz: the elements stand still within a block.
+        let near = expected.get(which).is_some_and(|amplitude| (current.norm() / amplitude - 1.0).abs() < 3e-4);
+        if expected.len() != all || !near || (reported_hz - present_hz).abs() > 0.03 {
             wrong.push((hz, volts, from));
         }
     }
