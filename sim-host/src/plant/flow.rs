@@ -73,7 +73,14 @@ fn identity<const M: usize>() -> Matrix<M> {
 }
 
 fn product<const M: usize>(a: &Matrix<M>, b: &Matrix<M>) -> Matrix<M> {
-    std::array::from_fn(|r| std::array::from_fn(|c| (0..M).map(|k| a[r][k] * b[k][c]).sum()))
+    let mut product = [[0.0; M]; M];
+    // A row at a time fills vector registers.
+    for (row, factors) in product.iter_mut().zip(a) {
+        for (factor, other) in factors.iter().zip(b) {
+            row.iter_mut().zip(other).for_each(|(x, y)| *x += factor * y);
+        }
+    }
+    product
 }
 
 #[cfg(test)]
