@@ -15,6 +15,8 @@ use crate::chance::Chance;
 pub enum FaultKind {
     /// A broken lead: the current channel reads zero current.
     Open,
+    /// Voltage and current channel are exchanged.
+    Swapped,
     /// The voltage channel stays at its last code.
     SensorStuck,
     /// The voltage channel is off by so many codes.
@@ -124,6 +126,7 @@ impl<A> FaultInjector<A> {
     fn inflict(&self, kind: FaultKind, sense: &mut SenseBlock) {
         match kind {
             FaultKind::Open => sense.i.fill(self.mid_code),
+            FaultKind::Swapped => std::mem::swap(&mut sense.v, &mut sense.i),
             FaultKind::SensorStuck => sense.v.fill(self.last_voltage_code),
             FaultKind::SensorOffset(codes) => {
                 sense.v.iter_mut().for_each(|code| *code = code.saturating_add_signed(codes).min(self.max_code));
@@ -201,8 +204,9 @@ mod tests {
     #[test]
     fn lasting_faults_last_from_their_block_until_repaired() {
         let healthy = heard(&mut injector(1), 8);
-        let cases: [(FaultKind, Shows); 5] = [
+        let cases: [(FaultKind, Shows); 6] = [
             (FaultKind::Open, |sense| sense.i.iter().all(|&code| code == 2048) && sense.v[3] == 2021),
+            (FaultKind::Swapped, |sense| sense.i[31] == 2000 + 7 * 31 && sense.v[31] != sense.i[31]),
             (FaultKind::SensorStuck, |sense| sense.v.iter().all(|&code| code == 2000 + 7 * 31) && sense.i[3] != 2048),
             (FaultKind::SensorOffset(-300), |sense| sense.v[0] == 1700 && sense.v[31] == 1917),
             (FaultKind::Saturation, |sense| sense.v.iter().chain(&sense.i).all(|&code| code == 4095)),

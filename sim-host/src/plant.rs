@@ -5,21 +5,31 @@
 //!
 //! The truth ([`Truth`]) never passes through [`Analog`]: the controller sees codes.
 
+pub mod breakage;
 pub mod circuit;
 pub mod converter;
 pub mod dahl;
+pub mod delay;
 pub mod disturbance;
 pub mod driven_stack;
+pub mod elements;
 pub mod energy;
+pub mod expansion;
 pub mod flow;
 pub mod load_cell;
 pub mod motor;
 pub mod network;
+pub mod parts;
+pub mod shift;
 pub mod sliding;
 pub mod stack;
+pub mod step_flow;
 mod sums;
 pub mod timing;
 pub mod truth;
+
+#[cfg(test)]
+mod tests;
 
 use firmware::block::{DriveBlock, SenseBlock};
 use hal_mock::analog::Analog;
@@ -29,13 +39,17 @@ use crate::plant::driven_stack::DrivenStack;
 use crate::plant::energy::Energy;
 use crate::plant::motor::Motor;
 use crate::plant::motor::model::Model;
+use crate::plant::shift::Shift;
 use crate::plant::truth::{Sample, Truth};
 use crate::scene::{Driven, Transducer};
 
 /// The circuit of what a scene drives, at the beginning of its run: of a stator, what its first lane shows while all play.
 pub fn circuit_of(scene: &Driven) -> Circuit {
     match scene.transducer {
-        Transducer::Stack(stack, _) => Circuit::of(&stack.bvd),
+        Transducer::Stack(stack, _) => {
+            let rest = Circuit::of(&stack.bvd);
+            Shift::of(&stack.bvd).map_or(rest, |shift| shift.apply(&rest, stack.temperature_k, 0.0))
+        }
         Transducer::Stator(stator, _) => {
             Model::of(stator).circuit(scene.controller.drive.lanes, scene.controller.phasing.direction)
         }

@@ -157,7 +157,9 @@ impl Recorder {
         let mut plant = FaultInjector::new(plant, &front_end, scene.seed);
         let block_s = sample_s * f64::from(scene.controller.block_samples);
         for fault in &scene.fault {
-            plant.schedule(Scheduled { at_block: (fault.at_s / block_s) as u64, kind: kind(fault.kind) });
+            if let Some(kind) = kind(fault.kind) {
+                plant.schedule(Scheduled { at_block: (fault.at_s / block_s) as u64, kind });
+            }
         }
         let tracer = scene.trace.as_ref().map(|trace| Tracer::new(trace, scene.duration_s, sample_s));
         Recorder {
@@ -174,14 +176,17 @@ impl Recorder {
     }
 }
 
-/// A scene's fault as the injector's.
-fn kind(kind: scene::FaultKind) -> FaultKind {
+/// A scene's fault as the injector's; none if it breaks the plant itself.
+fn kind(kind: scene::FaultKind) -> Option<FaultKind> {
     match kind {
-        scene::FaultKind::Open => FaultKind::Open,
-        scene::FaultKind::SensorStuck => FaultKind::SensorStuck,
-        scene::FaultKind::Saturation => FaultKind::Saturation,
-        scene::FaultKind::LateBlock => FaultKind::LateBlock,
-        scene::FaultKind::BeltStopped => FaultKind::BeltStopped,
+        scene::FaultKind::Open => Some(FaultKind::Open),
+        scene::FaultKind::Swapped => Some(FaultKind::Swapped),
+        scene::FaultKind::SensorStuck => Some(FaultKind::SensorStuck),
+        scene::FaultKind::Saturation => Some(FaultKind::Saturation),
+        scene::FaultKind::Dropout => Some(FaultKind::Dropout),
+        scene::FaultKind::LateBlock => Some(FaultKind::LateBlock),
+        scene::FaultKind::BeltStopped => Some(FaultKind::BeltStopped),
+        scene::FaultKind::Short | scene::FaultKind::Depoled | scene::FaultKind::Cracked => None,
     }
 }
 

@@ -44,7 +44,7 @@ pub use course::{Disturbance, DisturbedKey, Fault, FaultKind};
 pub use excitation::{Excitation, Match, VibrationVelocity, Waveform};
 pub use integrator::{Integrator, Method};
 pub(crate) use nearest::shown;
-pub use plant::{Amplifier, Bvd, Sensors, Stack};
+pub use plant::{Amplifier, Bvd, Mode, Sensors, Stack};
 pub use results::{Expect, Grid, Signal, Trace, TraceFormat};
 pub use rig::{Kinematic, Rig, Rotor, Sdof, Slider};
 use schemars::JsonSchema;

@@ -85,6 +85,10 @@ mod tests {
             q: Some(A3.q()),
             coupling: Some(0.25),
             force_factor_n_per_v: 5.566,
+            loss_tangent: 0.0,
+            temperature_hz_per_k: 0.0,
+            temperature_c0_per_k: 0.0,
+            duffing_hz_per_a2: 0.0,
         };
         let circuit = Circuit::of(&bvd);
         assert!((circuit.cm_f / A3.cm_f - 1.0).abs() < 1e-12);

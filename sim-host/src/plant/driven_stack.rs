@@ -4,7 +4,7 @@
 //! DAC hold -> amplifier -> stack <-> tip motion <-> friction contact <-> slider -> sensors -> ADC
 //! ```
 //!
-//! Plant states: five of amplifier and stack, one of the contact, two of the load cell; a rigid slider costs none. The
+//! Plant states: five of amplifier and stack and two of each further mode, one of the contact, two of the load cell; a rigid slider costs none. The
 //! friction at the tip comes back into the stack's motional branch. A sample is one step or several, as the contact needs: the
 //! linear part by its exact flow with the friction held at its last value, the contact exactly in the slip that results, and then
 //! the stack is corrected by what the mean friction over the step was instead. Second order in the coupling, exact without it.
@@ -14,7 +14,9 @@ use hal_mock::analog::Analog;
 
 use crate::plant::circuit::Circuit;
 use crate::plant::converter::{Adc, Dac};
+use crate::plant::delay::Delay;
 use crate::plant::disturbance::Change;
+use crate::plant::elements::Elements;
 use crate::plant::energy::Energy;
 use crate::plant::load_cell::LoadCell;
 use crate::plant::sliding::{Sliding, steps_per_sample};
@@ -31,8 +33,11 @@ pub struct DrivenStack {
     dac: Dac,
     v_adc: Adc,
     i_adc: Adc,
+    delay: Option<Delay>,
     timing: Timing,
     stack: Stack,
+    elements: Elements,
+    block_s: f64,
     sliding: Option<Sliding>,
     load_cell: LoadCell,
     changes: Vec<Change>,
@@ -47,22 +52,27 @@ impl DrivenStack {
     /// The stack of a scene, at rest, with the contact at its tip.
     pub fn new(scene: &Driven, stack: &scene::Stack, sliding: Option<(&Dahl, &Slider)>) -> Self {
         let sensors = scene.sensors;
-        let circuit = Circuit::of(&stack.bvd);
+        let (elements, parts) = Elements::new(scene, stack);
         let timing = Timing {
             sample_s: 1.0 / sensors.sample_hz,
-            steps: steps_per_sample(scene, sliding, &circuit),
+            steps: steps_per_sample(scene, sliding, &parts.circuit),
             conversions: sensors.oversample.into(),
             skew_s: sensors.skew_s,
         };
         let sliding = sliding.map(|(contact, slider)| Sliding::new(contact, slider));
         let block_s = f64::from(scene.controller.block_samples) / sensors.sample_hz;
+        let delay = Delay::of(scene.amplifier.delay_s * sensors.sample_hz);
+        let late_s = delay.as_ref().map_or(0.0, Delay::fraction) / sensors.sample_hz;
         DrivenStack {
             dac: Dac::new(sensors, scene.amplifier),
             // Two streams that never meet, whatever the seed: the halves of a 64-bit space apart.
             v_adc: Adc::new(sensors, sensors.v_full_scale_v, scene.seed),
             i_adc: Adc::new(sensors, sensors.i_full_scale_a, scene.seed ^ (1 << 63)),
             timing,
-            stack: Stack::new(circuit, scene.amplifier, timing),
+            delay,
+            stack: Stack::with_late_drive(parts, scene.amplifier, timing, late_s),
+            elements,
+            block_s,
             sliding,
             load_cell: LoadCell::new(sensors.load_cell_hz, block_s),
             changes: scene.disturbance.iter().cloned().map(Change::new).collect(),
@@ -95,7 +105,7 @@ impl DrivenStack {
 
     /// States that are integrated in time.
     pub fn states(&self) -> usize {
-        crate::plant::network::STATES + 2 + usize::from(self.sliding.is_some())
+        self.stack.states() + 2 + usize::from(self.sliding.is_some())
     }
 
     /// Keeps the next blocks sample by sample, or stops doing so.
@@ -120,35 +130,25 @@ impl DrivenStack {
         }
         changes.retain(|change| !change.is_over());
         self.changes = changes;
+        self.elements.begin((self.time_s / self.block_s).round() as u64, &mut self.stack);
+        self.energy.disturbed_j = self.elements.disturbed_j;
     }
 
     fn value(&self, key: DisturbedKey) -> f64 {
-        let circuit = self.stack.circuit();
-        let of_slider = |get: fn(&Sliding) -> f64| self.sliding.as_ref().map_or(0.0, get);
-        match key {
-            DisturbedKey::SeriesResonance => circuit.series_resonance_hz(),
-            DisturbedKey::Q => circuit.q(),
-            DisturbedKey::ClampedCapacitance => circuit.c0_f,
-            DisturbedKey::Load => of_slider(Sliding::load_n),
-            DisturbedKey::Speed => of_slider(|sliding| sliding.speed_m_per_s),
-            // Of a motor, and of contact studies, which have no plant.
-            DisturbedKey::StatorResonance | DisturbedKey::Torque | DisturbedKey::Preload | DisturbedKey::Normal => 0.0,
+        match (key, &self.sliding) {
+            (DisturbedKey::Load, Some(sliding)) => sliding.load_n(),
+            (DisturbedKey::Speed, Some(sliding)) => sliding.speed_m_per_s,
+            // Keys of a motor and of contact studies are nothing here.
+            _ => self.elements.value(key, &self.stack).unwrap_or(0.0),
         }
     }
 
     fn set(&mut self, key: DisturbedKey, value: f64) {
-        let circuit = *self.stack.circuit();
-        let stored = self.stack.stored_j();
         match (key, &mut self.sliding) {
-            (DisturbedKey::SeriesResonance, _) => self.stack.set_circuit(circuit.with_series_resonance(value)),
-            (DisturbedKey::Q, _) => self.stack.set_circuit(circuit.with_q(value)),
-            (DisturbedKey::ClampedCapacitance, _) => self.stack.set_circuit(Circuit { c0_f: value, ..circuit }),
             (DisturbedKey::Load, Some(sliding)) => sliding.set_load(value),
             (DisturbedKey::Speed, Some(sliding)) => sliding.speed_m_per_s = value,
-            (DisturbedKey::Load | DisturbedKey::Speed, None) => {}
-            (DisturbedKey::StatorResonance | DisturbedKey::Torque | DisturbedKey::Preload | DisturbedKey::Normal, _) => {}
+            _ => self.elements.set(key, value, &self.stack),
         }
-        self.energy.disturbed_j += self.stack.stored_j() - stored;
     }
 
     /// One step with the drive held. Returns the mean friction over it, N.
@@ -179,6 +179,10 @@ impl DrivenStack {
         sums.quadrature += v * self.stack.motional_voltage();
         sums.lost += i * i;
         sums.current_peak = if i.abs() > sums.current_peak { i.abs() } else { sums.current_peak };
+        if let Some((current, lost)) = self.stack.further() {
+            sums.further_supplied += v * current;
+            sums.further_lost += lost;
+        }
         force
     }
 
@@ -188,9 +192,9 @@ impl DrivenStack {
         let circuit = *self.stack.circuit();
         let step_s = self.timing.step_s();
         let supplied = step_s * sums.in_phase;
-        self.energy.supplied_j += supplied;
+        self.energy.supplied_j += supplied + step_s * sums.further_supplied;
         let lost = step_s * circuit.rm_ohm * sums.lost;
-        self.energy.lost_j += lost;
+        self.energy.lost_j += lost + step_s * sums.further_lost;
         self.energy.friction_on_tip_j += sums.friction_on_tip;
         let speed = self.sliding.as_ref().map_or(0.0, |sliding| sliding.speed_m_per_s);
         self.energy.stored_j = self.stack.stored_j();
@@ -234,13 +238,17 @@ impl Analog for DrivenStack {
         }
         for &code in codes {
             let volts = self.dac.volts(code);
-            let drive = self.stack.held(volts);
+            let (volts, before) = self.delay.as_mut().map_or((volts, volts), |delay| delay.pass(volts));
+            let mut drive = self.stack.held(volts);
             let (mut v, mut i, mut friction) = (0, 0, 0.0);
             for step in 0..steps {
+                if before != volts {
+                    drive = self.stack.held_late(step, volts, before);
+                }
                 let force = self.step(&drive, step_s, &mut sums);
                 friction += force;
                 let (v_adc, i_adc) = (&mut self.v_adc, &mut self.i_adc);
-                self.stack.sample(step, volts, force, |voltage, current| {
+                self.stack.sample(step, &drive, force, |voltage, current| {
                     v += v_adc.convert(voltage);
                     i += i_adc.convert(current);
                 });

@@ -39,6 +39,18 @@ pub enum DisturbedKey {
     /// Clamped capacitance, F.
     #[serde(rename = "stack.bvd.c0_f")]
     ClampedCapacitance,
+    /// Temperature of the stack over ambient, K.
+    #[serde(rename = "stack.temperature_k")]
+    Temperature,
+    /// Series resonance of the first further mode, Hz; its inductance and quality factor stay.
+    #[serde(rename = "stack.mode.0.series_resonance_hz")]
+    FurtherResonance0,
+    /// Series resonance of the second further mode, Hz.
+    #[serde(rename = "stack.mode.1.series_resonance_hz")]
+    FurtherResonance1,
+    /// Series resonance of the third further mode, Hz.
+    #[serde(rename = "stack.mode.2.series_resonance_hz")]
+    FurtherResonance2,
     /// Load on the slider, N.
     #[serde(rename = "rig.slider.load_n")]
     Load,
@@ -63,7 +75,7 @@ pub enum DisturbedKey {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Fault {
-    /// When, s.
+    /// When, s: from the block that it falls into; at 0 it has been so from the beginning.
     #[schemars(range(min = 0.0, max = 1e5))]
     pub at_s: f64,
     /// What.
@@ -76,10 +88,20 @@ pub struct Fault {
 pub enum FaultKind {
     /// The current channel reads nothing: a broken lead.
     Open,
+    /// A short of 50 milliohm across the stack.
+    Short,
+    /// The stack has lost its polarisation: C0 down by a third, the coupling down to a tenth.
+    Depoled,
+    /// The stack has a crack: Q down to a fifth, and a further mode 1.5 % below with a fifth of the motional capacitance.
+    Cracked,
+    /// Voltage and current channel are exchanged.
+    Swapped,
     /// The voltage channel stays at its last code.
     SensorStuck,
     /// Both channels read the end of their range.
     Saturation,
+    /// One block arrives without codes.
+    Dropout,
     /// One block is delivered late.
     LateBlock,
     /// The belt sensor reads zero from now on.

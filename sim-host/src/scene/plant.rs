@@ -16,6 +16,9 @@ pub struct Amplifier {
     /// Source resistance, ohm.
     #[schemars(range(min = 1e-3, max = 1e4))]
     pub source_ohm: f64,
+    /// Pure delay between DAC and amplifier, s; of a stack.
+    #[schemars(range(min = 0.0, max = 1e-3))]
+    pub delay_s: f64,
     /// How far each lane of a stator leads what it should play, degrees at `controller.drive.frequency_hz`; in proportion to the
     /// frequency elsewhere.
     #[serde(skip_serializing_if = "Vec::is_empty")]
@@ -36,6 +39,7 @@ impl Default for Amplifier {
             full_scale_v: 20.0,
             bandwidth_hz: 200e3,
             source_ohm: 0.3,
+            delay_s: 0.0,
             lane_phase_error_deg: Vec::new(),
             lane_gain_error: Vec::new(),
             lanes: 4,
@@ -100,8 +104,31 @@ impl Default for Sensors {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Stack {
+    /// Temperature over ambient, K.
+    #[serde(default)]
+    #[schemars(range(min = -300.0, max = 1000.0))]
+    pub temperature_k: f64,
     /// Butterworth-Van Dyke equivalent circuit.
     pub bvd: Bvd,
+    /// Further modes, which are not wanted.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[schemars(length(max = 3))]
+    pub mode: Vec<Mode>,
+}
+
+/// A further mode: a series branch in parallel with that of the wanted one. It moves no tip along the friction.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Mode {
+    /// Series resonance, Hz.
+    #[schemars(range(min = 100.0, max = 450e3))]
+    pub series_resonance_hz: f64,
+    /// Quality factor at series resonance.
+    #[schemars(range(min = 1.0, max = 1e6))]
+    pub q: f64,
+    /// Motional inductance, H.
+    #[schemars(range(min = 1e-9, max = 1e4))]
+    pub lm_h: f64,
 }
 
 /// Butterworth-Van Dyke equivalent circuit. Give `c0_f` and either `cm_f`, `lm_h`, `rm_ohm`, or `series_resonance_hz`, `q`,
@@ -141,6 +168,22 @@ pub struct Bvd {
     #[serde(default = "default::force_factor")]
     #[schemars(range(min = 1e-6, max = 1e4))]
     pub force_factor_n_per_v: f64,
+    /// Dielectric loss tangent of `c0_f` at the series resonance: a conductance in parallel with it, which keeps its value.
+    #[serde(default)]
+    #[schemars(range(min = 0.0, max = 1.0))]
+    pub loss_tangent: f64,
+    /// What a kelvin of `stack.temperature_k` adds to the series resonance, Hz/K. Temperature and amplitude together move it by 20 % at most.
+    #[serde(default)]
+    #[schemars(range(min = -1e4, max = 1e4))]
+    pub temperature_hz_per_k: f64,
+    /// By which part a kelvin of `stack.temperature_k` changes `c0_f`, 1/K.
+    #[serde(default)]
+    #[schemars(range(min = -0.1, max = 0.1))]
+    pub temperature_c0_per_k: f64,
+    /// What the square of the motional current's amplitude adds to the series resonance, Hz/A^2; negative of a stack that softens.
+    #[serde(default)]
+    #[schemars(range(min = -1e12, max = 1e12))]
+    pub duffing_hz_per_a2: f64,
 }
 
 /// Defaults that serde needs as functions.

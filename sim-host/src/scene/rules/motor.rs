@@ -2,11 +2,14 @@
 
 use super::Rules;
 use crate::scene::diagnostic::Problem;
+use crate::scene::schema::join;
 use crate::scene::wording::header;
 
 const STACK: &str = "stack";
 const STATOR: &str = "stator";
 const ROTOR: &str = "rig.rotor";
+/// Faults of a stack itself.
+const STACK_FAULTS: [&str; 3] = ["short", "depoled", "cracked"];
 
 impl Rules<'_> {
     pub(super) fn motor(&mut self) {
@@ -24,6 +27,7 @@ impl Rules<'_> {
                 let problem = Problem::new(self.key(table), message, "belongs to [stack]");
                 self.add(table, problem.help("what a stator moves is [rig.rotor], which has its contact in its own keys"));
             }
+            self.of_a_stack();
             return;
         }
         if self.given(ROTOR) && self.lacks(STATOR) {
@@ -34,6 +38,22 @@ impl Rules<'_> {
             if self.value(key).is_some_and(|list| !list.list().is_empty()) && self.given(STACK) {
                 let problem = Problem::new(self.key(key), format!("`{key}` has no place beside [stack]"), "belongs to [stator]");
                 self.add(key, problem.help("a stack hangs on the first lane alone, so that no lane can differ from another"));
+            }
+        }
+    }
+
+    /// What only a stack has, in a scene with a stator.
+    fn of_a_stack(&mut self) {
+        let delay = "amplifier.delay_s";
+        if self.number(delay).is_some_and(|delay_s| delay_s != 0.0) {
+            let problem = Problem::new(self.key(delay), format!("`{delay}` has no place beside [stator]"), "belongs to [stack]");
+            self.add(delay, problem.help("the lanes of a stator are late by `amplifier.lane_phase_error_deg`"));
+        }
+        for kind in self.tables("fault").into_iter().map(|path| join(&path, "kind")).collect::<Vec<_>>() {
+            if let Some(broken) = self.text(&kind).filter(|broken| STACK_FAULTS.contains(broken)) {
+                let message = format!("a stator cannot be `{broken}`");
+                let problem = Problem::new(self.place(&kind), message, "happens to a [stack]");
+                self.add(&kind, problem.help("the simulated stator has no such fault"));
             }
         }
     }

@@ -50,3 +50,44 @@ fn a_key_of_a_motor_can_be_disturbed() {
     let stack = ["disturbance.0.at_s=0.1", "disturbance.0.key=stack.bvd.q", "disturbance.0.to=50"];
     says(&told(USM, &stack), &["`stack.bvd.q` cannot change: the scene has no [stack]"]);
 }
+
+#[test]
+fn what_only_a_stack_can_do_has_no_place_beside_a_stator() {
+    says(&told(USM, &["amplifier.delay_s=1e-6"]), &["`amplifier.delay_s` has no place beside [stator]", "1 problem"]);
+    for kind in ["short", "depoled", "cracked"] {
+        let fault = ["fault.0.at_s=0.1".to_owned(), format!("fault.0.kind={kind}")];
+        let fault: Vec<&str> = fault.iter().map(String::as_str).collect();
+        says(&told(USM, &fault), &[&format!("a stator cannot be `{kind}`"), "happens to a [stack]", "1 problem"]);
+    }
+    for kind in ["swapped", "dropout", "open"] {
+        let fault = ["fault.0.at_s=0.1".to_owned(), format!("fault.0.kind={kind}")];
+        let fault: Vec<&str> = fault.iter().map(String::as_str).collect();
+        assert!(load_text("usm", USM, &sets(&fault)).is_ok(), "{kind}");
+    }
+    let mode = ["disturbance.0.at_s=0.1", "disturbance.0.key=stack.mode.0.series_resonance_hz", "disturbance.0.to=5e4"];
+    says(&told(USM, &mode), &["cannot change: the scene has no [stack]"]);
+    says(&told(example(), &mode), &["cannot change: the scene has no [stack.mode]", "1 problem"]);
+}
+
+#[test]
+fn a_stack_with_everything_reads_back() {
+    let changes = [
+        "stack.temperature_k=12",
+        "stack.bvd.temperature_hz_per_k=-10",
+        "stack.bvd.temperature_c0_per_k=0.003",
+        "stack.bvd.duffing_hz_per_a2=-900",
+        "stack.bvd.loss_tangent=0.02",
+        "stack.mode.0.series_resonance_hz=43e3",
+        "stack.mode.0.q=50",
+        "stack.mode.0.lm_h=4e-3",
+        "amplifier.delay_s=1.3e-6",
+        "disturbance.0.at_s=0.1",
+        "disturbance.0.key=stack.mode.0.series_resonance_hz",
+        "disturbance.0.rate_per_s=-1e3",
+    ];
+    let scene = load_text("all", example(), &sets(&changes)).unwrap().scene;
+    let text = crate::scene::resolved::resolved_toml(&scene);
+    assert!(text.contains("[[stack.mode]]") && text.contains("temperature_k = 12.0"), "{text}");
+    assert_eq!(load_text("all", &text, &[]).unwrap().scene, scene);
+    says(&told(example(), &["stack.bvd.duffing_hz_per_ma2=-1"]), &["did you mean `duffing_hz_per_a2`?"]);
+}
