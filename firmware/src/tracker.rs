@@ -155,6 +155,7 @@ impl Tracker {
     /// Lets the observer begin on a transducer that nobody has seen ring yet.
     pub fn observe(&mut self, branch: Motional, known: Known, prior: &Prior) {
         (self.motional, self.known) = (branch, known);
+        self.restart_clock(prior.q / (core::f32::consts::PI * self.nominal_hz * self.block_s));
         if let Some(observed) = &mut self.observed {
             observed.start(prior, Seek::Window);
         }

@@ -23,7 +23,7 @@
 //! * An innovation of more than five deviations is no noise: the load has jumped. The **gate** opens: frequency and damping may be anything
 //!   nearby again, and the rate is forgotten.
 //! * A second integrator follows a resonance that moves steadily, but not before the frequency has settled.
-//! * Without drive nothing special happens: the ring-down is heard while there is any, and then only the deviation grows.
+//! * Without drive the ring-down is heard while there is any, and then only the deviation grows.
 //!
 //! The same idea tells the detuning of superconducting cavities, with exponential forgetting in place of the filter (e.g. R. Rybaniec et al.
 //! 2017); the study behind this controller took 0.5 ms that way.
@@ -50,6 +50,8 @@ const TOLD: f32 = 0.1;
 const LEARNED: f32 = 1e-8;
 /// The model holds to this part of the current.
 const MODEL: f32 = 5e-4;
+/// A current below so many deviations of its noise is none.
+const SILENT: f32 = 8.0;
 /// The drive is the same as long as its voltage changes by no more than this part a block.
 const SAME: f32 = 0.02;
 /// The estimate may pass what was told by so much, on its way.
@@ -177,8 +179,9 @@ impl Observer {
         let mean_v = (core::mem::replace(&mut self.voltage, voltage) + voltage) * 0.5;
         let same = |(now, then): (f32, f32)| (now - then).abs() <= SAME * now.max(then);
         self.calm = self.calm.saturating_add(1);
-        if !played.steady_v.zip(before.steady_v).is_some_and(same) {
-            // An edge of the drive: nothing follows from the block before.
+        let silent = played.steady_v == Some(0.0) && current.norm_sqr() < SILENT * SILENT * self.noise;
+        if silent || !played.steady_v.zip(before.steady_v).is_some_and(same) {
+            // Noise, whose turns would be taken for those of a current; or an edge of the drive, where nothing follows from the block before.
             let grows = (self.told * voltage).norm_sqr();
             return self.jump(current, self.noise + LEAK * LEAK * grows);
         }
@@ -221,7 +224,9 @@ impl Observer {
             pole_strength: p.pole_strength - row_pole.conj() * row_strength * (1.0 / total),
             strength: (p.strength - row_strength.norm_sqr() / total).max(LEARNED),
         };
-        if self.calm > ARMED && told < SETTLED * self.wander {
+        // A ring-down tells too little for a rate that would go on when nothing is heard any more.
+        let driven = played.steady_v.is_some_and(|volts| volts > 0.0);
+        if driven && self.calm > ARMED && told < SETTLED * self.wander {
             let weight = dot(gain_pole.conj(), per_pole).clamp(0.0, 1.0);
             self.rate += RATE * weight * correction.im;
         }

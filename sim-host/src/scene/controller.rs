@@ -260,10 +260,10 @@ pub struct Tracking {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum TrackingMode {
-    /// The resonance itself, from how the motional current changes: does not wait for the ring-up.
-    Observer,
-    /// The phase of the motional current: the series resonance, at any load.
+    /// The resonance itself, from how the motional current changes: does not wait for the ring-up, and needs no scan.
     #[default]
+    Observer,
+    /// The phase of the motional current, after a scan: the series resonance, at any load.
     PhaseLock,
     /// The phase of the total current: the plain V-I loop, the reference that fails under load.
     ZeroPhase,
