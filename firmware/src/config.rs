@@ -261,6 +261,8 @@ pub struct Tracking {
     pub nominal_lm_h: Option<f32>,
     /// Clamped capacitance, F, within some per cent.
     pub nominal_c0_f: f32,
+    /// How fast the clamped capacitance may drift, relative, 1/s: the observer measures it anew as often as that demands. Zero: never.
+    pub c0_drift_per_s: f32,
 }
 
 /// What is tracked.

@@ -11,6 +11,7 @@ use crate::block::{Amplitude, DriveBlock, Gate, LATENCY_BLOCKS, MAX_BLOCK_SAMPLE
 use crate::burst::Burst;
 use crate::calibrate::Calibrate;
 use crate::clamped::PowerOn;
+use crate::clamped::online::Online;
 use crate::config::{Config, ShapeKind, TrackingMode};
 use crate::controller::plan::Plan;
 use crate::convert::Convert;
@@ -78,6 +79,9 @@ pub struct Controller {
     scan: Scan,
     calibrate: Calibrate,
     power_on: PowerOn,
+    online: Online,
+    /// How far beside the resonance to drive to measure the clamped capacitance, Hz.
+    probe_hz: f32,
     tracker: Tracker,
     amplitude: AmplitudeLoop,
     transducer: Option<Transducer>,
@@ -123,6 +127,8 @@ impl Controller {
             scan: Scan::build(config)?,
             calibrate: Calibrate::build(config),
             power_on: PowerOn::build(config),
+            online: Online::build(config),
+            probe_hz: 0.0,
             tracker: Tracker::build(config, block_s)?,
             amplitude: AmplitudeLoop::build(config, block_s)?,
             transducer: None,

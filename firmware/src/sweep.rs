@@ -31,6 +31,11 @@ impl Sweep {
         Ok(Sweep { hold, chirp })
     }
 
+    /// Whether there is no chirp.
+    pub fn holds(&self) -> bool {
+        self.chirp.is_none()
+    }
+
     /// Begins the chirp anew.
     pub fn restart(&mut self) {
         self.chirp.iter_mut().for_each(Chirp::restart);

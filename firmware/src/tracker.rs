@@ -194,6 +194,12 @@ impl Tracker {
         }
     }
 
+    /// Takes a clamped branch that was measured anew, and the standard deviation of its capacitance, relative.
+    pub fn set_branch(&mut self, branch: Motional, deviation: f32) {
+        let c0_f = branch.y0.im / (core::f32::consts::TAU * self.nominal_hz);
+        (self.motional, self.known.c0_f) = (branch, (c0_f, deviation * c0_f));
+    }
+
     /// Takes what is known of the resonance.
     pub fn set_resonance(&mut self, transducer: &Transducer) {
         let tau_s = transducer.time_constant_s();

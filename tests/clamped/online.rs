@@ -83,7 +83,9 @@ fn by_steps(case: &Case, seed: u64, blocks: usize) -> (f64, f64) {
     let mut locked = Locked::new(case, seed);
     let exact = locked.motional;
     let wrong = Motional { y0: exact.y0 * Phasor::new(1.02, 0.0), ..exact };
-    let mut online = Online::build(&locked.rig.config);
+    let mut config = locked.rig.config.clone();
+    config.tracking.c0_drift_per_s = 0.1;
+    let mut online = Online::build(&config);
     online.seed(wrong, 0.05, case.nominal_hz as f32, case.q as f32);
     locked.motional = wrong;
     let (undisturbed, mut taken) = (locked.velocity(), 0.0f64);
@@ -186,7 +188,9 @@ fn a_capacitance_that_drifts_does_not_take_the_lock_with_it() {
             let mut squares = Vec::new();
             for seed in 1..=4 {
                 let mut locked = Locked::new(&case, seed);
-                let mut online = Online::build(&locked.rig.config);
+                let mut config = locked.rig.config.clone();
+                config.tracking.c0_drift_per_s = 0.1;
+                let mut online = Online::build(&config);
                 online.seed(locked.motional, 1e-3, case.nominal_hz as f32, q as f32);
                 for block in 0..(1.1e3 / BLOCK_MS) as usize {
                     locked.block(Some(&mut online).filter(|_| with));

@@ -28,8 +28,6 @@ const QUARTER: (f32, f32) = (20.0, 1.0);
 const SETTLES: f32 = 4.0;
 /// Deviation of a C0 that was told and not measured, relative.
 const TOLD: f32 = 0.05;
-/// How fast C0 may wander, relative, 1/s: 10 % in a second.
-const WANDERS: f32 = 0.1;
 /// Deviation of C0, relative, from which on a round is made.
 const WANTED: f32 = 7e-4;
 /// A result that differs from what was expected by more of its standard deviations than this, and is then made again before it counts.
@@ -107,6 +105,8 @@ impl Side {
 #[derive(Clone, Debug)]
 pub struct Online {
     block_s: f32,
+    /// How fast C0 may drift, relative, 1/s; zero where it is not measured while running.
+    drift_per_s: f32,
     motional: Motional,
     /// Variance of the susceptance, relative to it.
     variance: f32,
@@ -132,12 +132,14 @@ impl Online {
             Motional::of_capacitance(tracking.nominal_c0_f, config.drive.frequency_hz),
             config.drive.frequency_hz,
             tracking.nominal_q,
+            tracking.c0_drift_per_s,
         )
     }
 
-    fn new(block_s: f32, motional: Motional, resonance_hz: f32, q: f32) -> Self {
+    fn new(block_s: f32, motional: Motional, resonance_hz: f32, q: f32, drift_per_s: f32) -> Self {
         let mut online = Online {
             block_s,
+            drift_per_s,
             motional,
             variance: TOLD * TOLD,
             step_hz: 0.0,
@@ -170,6 +172,11 @@ impl Online {
         self.quarter_blocks = QUARTER.0.max(QUARTER.1 * tau_blocks) as u32;
     }
 
+    /// Whether it is measured while running.
+    pub fn drifts(&self) -> bool {
+        self.drift_per_s > 0.0
+    }
+
     /// The clamped branch, as all that is known says.
     pub fn motional(&self) -> Motional {
         self.motional
@@ -182,7 +189,7 @@ impl Online {
 
     /// Takes a block and says what to do next.
     pub fn step(&mut self, heard: &Heard) -> Wanted {
-        let wandered = WANDERS * self.block_s;
+        let wandered = self.drift_per_s * self.block_s;
         // As a walk whose standard deviation after a round is what a steady drift would make in it.
         self.variance += wandered * wandered * self.round_blocks() as f32;
         let stepped = (heard.detune_hz - self.last_hz).abs() > 0.5 * self.step_hz;

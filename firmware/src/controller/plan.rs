@@ -4,13 +4,14 @@ use super::{Controller, Played};
 use crate::block::{Gate, Orders, SenseBlock};
 use crate::burst::Brake;
 use crate::calibrate;
-use crate::clamped::{self, Clamped};
+use crate::clamped::{self, Clamped, online};
 use crate::demod::Sensed;
 use crate::identify::Transducer;
 use crate::motional::Motional;
 use crate::phasor::{Phasor, magnitude};
 use crate::scan;
 use crate::self_test;
+use crate::shape::Shape;
 use crate::supervisor::{Acquisition, Fault, Mode, Progress};
 use crate::tracker::identified::Known;
 use crate::tracker::observed::Seek;
@@ -56,6 +57,7 @@ impl Controller {
         self.calibrate.abandon(&mut self.phasing);
         self.scan.restart();
         self.power_on.restart();
+        self.probe_hz = 0.0;
         self.transducer = None;
         self.sweep.hold.retune(0.0);
         self.sweep.restart();
@@ -154,6 +156,8 @@ impl Controller {
         let modes = 1 + u8::from(clamped.company.is_some());
         let known = Known { c0_f: (clamped.c0_f.value, clamped.c0_f.deviation), modes: (modes, 0) };
         self.tracker.observe(clamped.motional, known, &prior);
+        let (c0, hz, q) = (clamped.c0_f, clamped.resonance_hz.value, clamped.q.value);
+        self.online.seed(clamped.motional, c0.deviation / c0.value, hz, q);
     }
 
     /// Rms noise of a block's motional current, A.
@@ -166,6 +170,8 @@ impl Controller {
     /// Takes the transducer that the scan has found, and starts both loops on it.
     fn adopt(&mut self, transducer: Transducer, branch: Motional, motional_current: f32) {
         self.tracker.seed(&transducer, branch, self.noise_a(&branch));
+        let deviation = transducer.deviations.c0_f / transducer.c0_f;
+        self.online.seed(branch, deviation, transducer.series_resonance_hz, transducer.q);
         self.sweep.hold.retune(self.tracker.offset_hz());
         self.amplitude.seed(&transducer, motional_current);
         self.transducer = Some(transducer);
@@ -178,10 +184,30 @@ impl Controller {
         }
         let Some(transducer) = self.tracker.identify() else { return };
         self.tracker.set_resonance(&transducer);
+        self.online.set_resonance(transducer.series_resonance_hz, transducer.q);
         if self.transducer.is_none() {
             self.amplitude.seed(&transducer, motional_current);
         }
         self.transducer = Some(transducer);
+    }
+
+    /// Measures the clamped capacitance anew, where it may drift, by small steps of a drive that is otherwise left alone.
+    fn probe(&mut self, orders: &Orders, sensed: &Sensed, played: &Played) {
+        if !self.online.drifts() || !self.tracker.observes() {
+            return;
+        }
+        let alone = matches!(self.shape, Shape::Sine)
+            && self.sweep.holds()
+            && orders.detune.0 == 0.0
+            && self.supervisor.mode() == Mode::Run;
+        let whole = played.flat && played.envelope == 1.0 && !self.amplitude.limited() && !self.tracker.limited();
+        let steady = alone && whole && self.tracker.state() == State::Locked;
+        let heard = online::Heard { sensed, relative: played.relative, detune_hz: played.detune_hz, steady };
+        let wanted = self.online.step(&heard);
+        self.probe_hz = wanted.detune_hz;
+        if let Some(update) = wanted.update {
+            self.tracker.set_branch(update.motional, update.deviation);
+        }
     }
 
     /// Follows frequency and amplitude for one block.
@@ -198,6 +224,7 @@ impl Controller {
         let at_lock_point = self.tracker.at_lock_point(motional, played.detune_hz);
         let phase = self.tracker.follow(sensed, motional, at_lock_point, &heard);
         self.learn(magnitude(motional));
+        self.probe(orders, sensed, played);
         self.sweep.hold.retune(self.detune(orders).0);
         // An edge is never quite one, whatever its mean rounds to.
         let envelope = if played.flat { played.envelope } else { played.envelope.min(0.999) };
@@ -221,7 +248,7 @@ impl Controller {
         let window = self.tracker.window_hz();
         let asked = if self.supervisor.mode() == Mode::Run && orders.detune.0.is_finite() { orders.detune.0 } else { 0.0 };
         let offset = if self.tracker.tracks() { self.tracker.offset_hz() } else { 0.0 };
-        let wanted = offset + asked;
+        let wanted = offset + asked + self.probe_hz;
         (wanted.clamp(-window, window), wanted.abs() > window)
     }
 

@@ -117,6 +117,7 @@ fn longest_config() -> Config {
             bandwidth_hz: 1.0,
             nominal_q: 1.0,
             nominal_lm_h: None,
+            c0_drift_per_s: 0.0,
             nominal_c0_f: 1.0,
         },
         limits: Limits { voltage_v: 1.0, current_a: 1.0, belt_moving_m_per_s: 1.0, belt_stop_ms: 1.0 },

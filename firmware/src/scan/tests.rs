@@ -68,6 +68,7 @@ fn scan(case: &Case, seed: u64) -> Scanned {
             bandwidth_hz: 200.0,
             nominal_q: case.nominal_q,
             nominal_lm_h: case.nominal_lm_h,
+            c0_drift_per_s: 0.0,
             nominal_c0_f: case.told_c0,
         },
         limits: Limits { voltage_v: 15.0, current_a: 4.0, belt_moving_m_per_s: 1e-3, belt_stop_ms: 5.0 },

@@ -107,6 +107,7 @@ mod tests {
             bandwidth_hz: 200.0,
             nominal_q: q,
             nominal_lm_h: None,
+            c0_drift_per_s: 0.0,
             nominal_c0_f: 300e-9,
         };
         let mut pll = PhaseLoop::build(&tracking, 40e3, BLOCK_S).unwrap();

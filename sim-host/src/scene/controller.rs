@@ -250,6 +250,11 @@ pub struct Tracking {
     /// Clamped capacitance, F.
     #[schemars(range(min = 1e-12, max = 1e-3))]
     pub nominal_c0_f: f64,
+    /// How fast the clamped capacitance may drift, relative, per second: the observer then measures it anew while running, as often as that demands,
+    /// by small steps of the frequency. Zero: never.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    #[schemars(range(min = 0.0, max = 10.0))]
+    pub c0_drift_per_s: f64,
     /// Force factor, N/V: tip force per volt, and ampere of motional current per m/s of tip velocity.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 1e-6, max = 1e4))]

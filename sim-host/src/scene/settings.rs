@@ -134,6 +134,7 @@ fn tracking(tracking: &scene::Tracking) -> Tracking {
         nominal_q: tracking.nominal_q as f32,
         nominal_lm_h: tracking.nominal_lm_h.map(|henry| henry as f32),
         nominal_c0_f: tracking.nominal_c0_f as f32,
+        c0_drift_per_s: tracking.c0_drift_per_s as f32,
     }
 }
 

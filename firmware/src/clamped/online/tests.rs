@@ -18,7 +18,7 @@ fn admittance(c0_f: f32, q: f32, hz: f32, turn: f32) -> Phasor {
 fn first_update(c0_f: f32, q: f32, beside: f32, turn: f32) -> (Update, u32) {
     let axis = Phasor::new(libm::cosf(turn), libm::sinf(turn));
     let told = Motional { y0: axis * Phasor::new(0.0, TAU * NOMINAL_HZ * 300e-9), axis };
-    let mut online = Online::new(32e-6, told, NOMINAL_HZ, q);
+    let mut online = Online::new(32e-6, told, NOMINAL_HZ, q, 0.1);
     let mut detunes = [0.0; LATENCY_BLOCKS];
     for block in 0..5000_u32 {
         let detune_hz = detunes[block as usize % LATENCY_BLOCKS];
@@ -48,7 +48,7 @@ fn a_capacitance_is_found_beside_the_lock_point_and_behind_skew() {
 #[test]
 fn it_does_not_disturb_what_is_not_steady_nor_what_is_known() {
     let told = Motional::of_capacitance(300e-9, NOMINAL_HZ);
-    let mut online = Online::new(32e-6, told, NOMINAL_HZ, 20.0);
+    let mut online = Online::new(32e-6, told, NOMINAL_HZ, 20.0, 0.1);
     let sensed = Sensed { v: Phasor::new(3.0, 0.0), i: admittance(300e-9, 20.0, NOMINAL_HZ, 0.0) * 3.0 };
     let heard = Heard { sensed: &sensed, relative: 1.0, detune_hz: 0.0, steady: false };
     assert_eq!(online.step(&heard).detune_hz, 0.0);

@@ -39,6 +39,7 @@ pub fn config(lanes: u8, samples: usize) -> Config {
             bandwidth_hz: 200.0,
             nominal_q: 50.0,
             nominal_lm_h: None,
+            c0_drift_per_s: 0.0,
             nominal_c0_f: 290e-9,
         },
         limits: Limits { voltage_v: 12.0, current_a: 3.0, belt_moving_m_per_s: 0.01, belt_stop_ms: 5.0 },
