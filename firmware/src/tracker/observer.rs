@@ -177,6 +177,7 @@ impl Observer {
     }
 
     /// Takes the motional current and the voltage of a block, both peak and against the drive's own phase, and what was played in it.
+    #[inline]
     pub fn follow(&mut self, current: Phasor, voltage: Phasor, played: Played) {
         let before = core::mem::replace(&mut self.played, played);
         let mean_v = (core::mem::replace(&mut self.voltage, voltage) + voltage) * 0.5;
@@ -245,6 +246,7 @@ impl Observer {
     }
 
     /// Forgets how the current has come about.
+    #[inline(never)]
     fn jump(&mut self, current: Phasor, variance: f32) {
         self.current = current;
         self.covariance = Covariance {
@@ -258,6 +260,7 @@ impl Observer {
     }
 
     /// The gate opens.
+    #[inline(never)]
     fn open(&mut self, current: Phasor, noise: f32) {
         self.jump(current, 4.0 * noise);
         let spread = TAU * OPENS * self.nominal_hz * self.block_s;
@@ -285,6 +288,14 @@ impl Observer {
     /// Whether the deviation of the resonance is below `hz`.
     pub fn is_within(&self, hz: f32) -> bool {
         let bound = self.radian_per_hz * hz;
+        self.covariance.pole < 2.0 * bound * bound
+    }
+
+    /// Whether the deviation is below `phase` radians of the resonance's own phase, or below `hz`, if that is more.
+    #[inline]
+    pub fn is_as_good_as(&self, phase: f32, hz: f32) -> bool {
+        // A detuning of `alpha` turns it by 45 degrees; `-pole.re` is `alpha T`.
+        let bound = larger(-self.pole.re * phase, self.radian_per_hz * hz);
         self.covariance.pole < 2.0 * bound * bound
     }
 
