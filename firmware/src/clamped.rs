@@ -11,7 +11,7 @@
 //!
 //! Eight tones, four on each side of the window in which the resonance may be, each of 200 periods. The stack hears each tone rise and fall; what
 //! its start leaves ringing at the resonance is beside the tone, and a Hann window over the tone does not see it: nothing waits for a ring-down,
-//! whatever Q is. A [model](model) of the whole admittance is then [fitted](fit), one equation a block, while the drive is silent.
+//! whatever Q is. A [model](model) of the whole admittance is then [fitted](fit), one admittance a block, while the drive is silent.
 //!
 //! What images of the DAC add to C0 changes with the frequency; between both sides it is right at the resonance. A second resonance that one
 //! cannot explain is fitted as such; what then is left makes the stated deviations larger.
@@ -23,7 +23,7 @@ pub mod triangle;
 
 use crate::block::LATENCY_BLOCKS;
 use crate::clamped::fit::{Fit, MAX_POINTS, Point, Solution};
-use crate::clamped::model::{C, D, G, H, K, K2, THETA, UNKNOWNS, X2, XS};
+use crate::clamped::model::{C, D, G, H, K, K2, THETA, UNKNOWNS, X2, XS, turn};
 use crate::config::Config;
 use crate::demod::Sensed;
 use crate::motional::Motional;
@@ -116,6 +116,7 @@ pub struct Clamped {
 enum Stage {
     Tones,
     Fit,
+    Judge,
 }
 
 /// The calibration, in progress.
@@ -134,6 +135,7 @@ pub struct PowerOn {
     iv: Phasor,
     vv: f32,
     fit: Fit,
+    solution: Option<Solution>,
 }
 
 impl PowerOn {
@@ -165,6 +167,7 @@ impl PowerOn {
             iv: Phasor::default(),
             vv: 0.0,
             fit: Fit::new(1.0 / tracking.nominal_q),
+            solution: None,
         }
     }
 
@@ -173,6 +176,7 @@ impl PowerOn {
         (self.stage, self.block) = (Stage::Tones, 0);
         (self.iv, self.vv) = (Phasor::default(), 0.0);
         self.fit = Fit::new(1.0 / self.nominal_q);
+        self.solution = None;
     }
 
     /// Takes the phasors of the block just heard and says what to do next.
@@ -194,8 +198,13 @@ impl PowerOn {
             }
             Stage::Fit => match self.fit.advance() {
                 None => Step::Silence,
-                Some(solution) => self.judge(&solution),
+                Some(solution) => {
+                    (self.stage, self.solution) = (Stage::Judge, Some(solution));
+                    Step::Silence
+                }
             },
+            // There is one.
+            Stage::Judge => self.solution.as_ref().map_or(Step::Silence, |solution| self.judge(solution)),
         }
     }
 
@@ -249,7 +258,7 @@ impl PowerOn {
             let one = core::array::from_fn(|k| if k == n { scale } else { 0.0 });
             solution.deviation(&one)
         };
-        let axis = Phasor::new(libm::cosf(e[THETA] * us), libm::sinf(e[THETA] * us));
+        let axis = turn(e[THETA] * us);
         // Without its motional branch.
         let mut clamped = *e;
         clamped[K] = 0.0;

@@ -1,4 +1,5 @@
-//! The elements of the [model] from admittances at some frequencies: Gauss and Newton's iteration, one equation a block.
+//! The elements of the [model] from admittances at some frequencies: Gauss and Newton's iteration, one admittance a block, then what is known
+//! beforehand, then the solution.
 //!
 //! Started by a linear fit without losses (Levy 1959), so that nobody needs to know where the resonance is: with `Z = Im Y / u`, `v = u^2 - 1`,
 //!
@@ -105,23 +106,25 @@ impl Fit {
         let _ = self.points.push(point);
     }
 
-    /// Folds one equation. Returns the solution when it is found.
+    /// Does a block's worth of it. Returns the solution when it is found.
     pub fn advance(&mut self) -> Option<Solution> {
         let starts = matches!(self.stage, Stage::StartOne | Stage::StartTwo);
-        let parts = if starts { 1 } else { 2 };
-        if let Some(&point) = self.points.get(self.row / parts) {
-            if starts { self.fold_linear(point) } else { self.fold(point, self.row % 2 == 1) }
-        }
+        let row = self.row;
         self.row += 1;
-        if self.row < parts * self.points.len() {
-            return None;
+        match self.points.get(row) {
+            Some(&point) if starts => self.fold_linear(point),
+            Some(&point) => self.fold(point),
+            None if starts => {
+                self.row = 0;
+                self.start();
+            }
+            None if row == self.points.len() => self.fold_known(),
+            None => {
+                self.row = 0;
+                return self.finish_round();
+            }
         }
-        self.row = 0;
-        if starts {
-            self.start();
-            return None;
-        }
-        self.finish_round()
+        None
     }
 
     fn fold_linear(&mut self, point: Point) {
@@ -138,11 +141,15 @@ impl Fit {
         self.triangle.fold(row.map(|x| x * weight), right * weight);
     }
 
-    fn fold(&mut self, point: Point, imaginary: bool) {
+    /// Folds both parts of an admittance.
+    fn fold(&mut self, point: Point) {
         let (y, by) = admittance(&self.elements, point.x);
-        let part = |y: Phasor| if imaginary { y.im } else { y.re } / point.deviation;
-        let unknown = if self.stage == Stage::One { K2 } else { UNKNOWNS };
-        self.triangle.fold(core::array::from_fn(|n| if n < unknown { part(by[n]) } else { 0.0 }), part(point.y - y));
+        let weight = 1.0 / point.deviation;
+        let (left, unknown) = (point.y - y, if self.stage == Stage::One { K2 } else { UNKNOWNS });
+        for part in [|y: Phasor| y.re, |y: Phasor| y.im] {
+            let row = core::array::from_fn(|n| if n < unknown { part(by[n]) * weight } else { 0.0 });
+            self.triangle.fold(row, part(left) * weight);
+        }
     }
 
     /// Begins the iteration where the linear fit has ended.
@@ -168,7 +175,7 @@ impl Fit {
         (self.elements, self.round, self.triangle) = (e, 0, Triangle::default());
     }
 
-    fn finish_round(&mut self) -> Option<Solution> {
+    fn fold_known(&mut self) {
         for (n, deviation) in KNOWN {
             let (expected, deviation) = match n {
                 D => (self.loss, deviation * self.loss),
@@ -182,6 +189,9 @@ impl Fit {
         let mut rises = [0.0; UNKNOWNS];
         (rises[H], rises[G]) = (1.0 / LOSS_RISES.1, -LOSS_RISES.0 / LOSS_RISES.1);
         self.triangle.fold(rises, (LOSS_RISES.0 * self.elements[G] - self.elements[H]) / LOSS_RISES.1);
+    }
+
+    fn finish_round(&mut self) -> Option<Solution> {
         let (step, d) = (self.triangle.solve(), self.elements[D]);
         for (n, (element, step)) in self.elements.iter_mut().zip(step).enumerate() {
             let resonance = n == XS || n == X2;

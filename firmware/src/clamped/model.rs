@@ -12,6 +12,7 @@
 //! clamped part only and skew the motional part as well; that is what tells them apart.
 
 use crate::phasor::Phasor;
+use crate::shape::sine;
 
 const J: Phasor = Phasor::new(0.0, 1.0);
 
@@ -39,6 +40,13 @@ pub const X2: usize = 8;
 /// The elements. Resonances are kept as `us - 1`, which f32 resolves to 1e-9.
 pub type Elements = [f32; UNKNOWNS];
 
+/// `exp(j angle)` of an angle of less than half a turn, rad. Error: 2e-7.
+pub fn turn(angle: f32) -> Phasor {
+    /// 2^32 a turn.
+    const STEPS_PER_RADIAN: f32 = 4_294_967_296.0 / core::f32::consts::TAU;
+    sine::rotation(u64::from((angle * STEPS_PER_RADIAN) as i32 as u32) << 32)
+}
+
 /// A motional branch `j u / (ur^2 - u^2 + j d u ur)`, and its derivatives by `ur` and `d`.
 fn branch(x: f32, resonance: f32, d: f32) -> (Phasor, Phasor, Phasor) {
     let (u, ur) = (1.0 + x, 1.0 + resonance);
@@ -52,7 +60,7 @@ fn branch(x: f32, resonance: f32, d: f32) -> (Phasor, Phasor, Phasor) {
 /// The admittance at `1 + x`, and its derivatives by the elements.
 pub fn admittance(e: &Elements, x: f32) -> (Phasor, [Phasor; UNKNOWNS]) {
     let u = 1.0 + x;
-    let turned = Phasor::new(libm::cosf(e[THETA] * u), libm::sinf(e[THETA] * u));
+    let turned = turn(e[THETA] * u);
     let (first, first_by_x, first_by_d) = branch(x, e[XS], e[D]);
     let (second, second_by_x, second_by_d) = branch(x, e[X2], e[D]);
     let y = turned * (Phasor::new(e[G] + e[H] * x, e[C] * u) + first * e[K] + second * e[K2]);

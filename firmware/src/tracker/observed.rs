@@ -10,10 +10,9 @@ use crate::tracker::Heard;
 use crate::tracker::lock_detector::LOCK_BLOCKS;
 use crate::tracker::observer::{Observer, Played, Prior};
 
-const TAU: f32 = core::f32::consts::TAU;
 /// Deviation, relative to the nominal frequency, below which the estimate is worth following.
 const WORTH: f32 = 5e-3;
-/// A lock is within 5 degrees of motional phase, or within this part of the frequency if that is more.
+/// A lock is within 5 degrees of motional phase, rad, or within this part of the frequency if that is more.
 const INNER: (f32, f32) = (0.087_488_66, 1e-4);
 /// What an opening of the gate adds to the doubt, which fades by one a block; and how much of it ends the belief.
 const DOUBT: (u32, u32) = (16, 96);
@@ -102,6 +101,7 @@ impl Observed {
     }
 
     /// Follows one block.
+    #[inline]
     pub fn follow(&mut self, motional_current: Phasor, v: Phasor, heard: &Heard) {
         let steady_v = heard.envelope.map(|envelope| heard.volts * envelope);
         self.observer.follow(motional_current, v, Played { offset_hz: heard.offset_hz, steady_v });
@@ -113,14 +113,9 @@ impl Observed {
         self.doubt = if opened == self.opened { self.doubt.saturating_sub(1) } else { self.doubt + DOUBT.0 };
         self.opened = opened;
         self.doubted = self.doubt > if self.doubted { TRUSTED } else { DOUBT.1 };
-        let within = self.observer.is_within(self.inner_hz()) && !self.doubted;
+        let within = self.observer.is_as_good_as(INNER.0, INNER.1 * self.nominal_hz) && !self.doubted;
         self.inside = if within { self.inside.saturating_add(heard.driven.into()) } else { 0 };
         self.locked |= self.inside >= LOCK_BLOCKS;
-    }
-
-    /// How far off the resonance still is a lock, Hz.
-    fn inner_hz(&self) -> f32 {
-        (INNER.0 * self.observer.damping() / TAU).max(INNER.1 * self.nominal_hz)
     }
 
     /// The frequency to drive, as an offset from the nominal one, Hz; `None` where the phase loop is to lead.

@@ -81,6 +81,9 @@ pub struct Observer {
     block_s: f32,
     /// Half a block's phase of a hertz, 2^32 a turn.
     half_block_per_hz: f32,
+    /// What a block's radian is, and one over it, Hz.
+    hz_per_radian: f32,
+    radian_per_hz: f32,
     wander: f32,
     /// How far the pole may be from the nominal frequency.
     window: f32,
@@ -140,6 +143,8 @@ impl Observer {
             nominal_hz,
             block_s,
             half_block_per_hz: 0.5 * block_s * STEPS_PER_TURN,
+            hz_per_radian: 1.0 / (TAU * block_s),
+            radian_per_hz: TAU * block_s,
             wander: 2.0 * wander * wander * block_s,
             window: 0.0,
             noise: 1.0,
@@ -174,10 +179,11 @@ impl Observer {
     }
 
     /// Takes the motional current and the voltage of a block, both peak and against the drive's own phase, and what was played in it.
+    #[inline]
     pub fn follow(&mut self, current: Phasor, voltage: Phasor, played: Played) {
         let before = core::mem::replace(&mut self.played, played);
         let mean_v = (core::mem::replace(&mut self.voltage, voltage) + voltage) * 0.5;
-        let same = |(now, then): (f32, f32)| (now - then).abs() <= SAME * now.max(then);
+        let same = |(now, then): (f32, f32)| (now - then).abs() <= SAME * larger(now, then);
         self.calm = self.calm.saturating_add(1);
         let silent = played.steady_v == Some(0.0) && current.norm_sqr() < SILENT * SILENT * self.noise;
         if silent || !played.steady_v.zip(before.steady_v).is_some_and(same) {
@@ -194,35 +200,37 @@ impl Observer {
         let per_pole = a * self.current + driven * 0.5;
         let expected = a * self.current + driven;
 
-        // How well it says so: the rows of `F P`, then `F P F^H`.
+        // How well it says so: the rows of `F P` (of the first, only what all of it adds), then `F P F^H`.
         let p = self.covariance;
-        let row_current = a * p.current + per_pole * p.current_pole.conj() + per_strength * p.current_strength.conj();
-        let row_pole = a * p.current_pole + per_pole * p.pole + per_strength * p.pole_strength.conj();
-        let row_strength = a * p.current_strength + per_pole * p.pole_strength + per_strength * p.strength;
-        let variance = dot(row_current, a) + dot(row_pole, per_pole) + dot(row_strength, per_strength);
+        let (turned_pole, turned_strength) = (a * p.current_pole, a * p.current_strength);
+        let row_pole = turned_pole + per_pole * p.pole + per_strength * p.pole_strength.conj();
+        let row_strength = turned_strength + per_pole * p.pole_strength + per_strength * p.strength;
+        let variance =
+            a.norm_sqr() * p.current + dot(turned_pole + row_pole, per_pole) + dot(turned_strength + row_strength, per_strength);
 
         let moved = (current - self.current).norm_sqr();
         let noise = self.noise + LEAK * LEAK * moved + MODEL * MODEL * current.norm_sqr();
         let total = variance + noise;
         let innovation = current - expected;
-        let surprise = innovation.norm_sqr() / total;
-        if surprise > GATE * GATE && self.calm > ARMED {
+        if self.calm > ARMED && innovation.norm_sqr() > GATE * GATE * total {
             return self.open(current, noise);
         }
 
-        let gain_pole = row_pole.conj() * (1.0 / total);
+        let part = 1.0 / total;
+        let kept = noise * part;
+        let gain_pole = row_pole.conj() * part;
         let correction = gain_pole * innovation;
-        let told = row_pole.norm_sqr() / total;
-        self.current = expected + innovation * (variance / total);
+        let told = row_pole.norm_sqr() * part;
+        self.current = current - innovation * kept;
         self.pole += correction;
-        self.strength += dot(innovation, row_strength) / total;
+        self.strength += dot(innovation, row_strength) * part;
         self.covariance = Covariance {
-            current: variance * (noise / total),
-            current_pole: row_pole * (noise / total),
-            current_strength: row_strength * (noise / total),
-            pole: (p.pole - told).max(0.0) + self.wander,
-            pole_strength: p.pole_strength - row_pole.conj() * row_strength * (1.0 / total),
-            strength: (p.strength - row_strength.norm_sqr() / total).max(LEARNED),
+            current: variance * kept,
+            current_pole: row_pole * kept,
+            current_strength: row_strength * kept,
+            pole: larger(p.pole - told, 0.0) + self.wander,
+            pole_strength: p.pole_strength - gain_pole * row_strength,
+            strength: larger(p.strength - row_strength.norm_sqr() * part, LEARNED),
         };
         // A ring-down tells too little for a rate that would go on when nothing is heard any more.
         let driven = played.steady_v.is_some_and(|volts| volts > 0.0);
@@ -243,6 +251,7 @@ impl Observer {
     }
 
     /// Forgets how the current has come about.
+    #[inline(never)]
     fn jump(&mut self, current: Phasor, variance: f32) {
         self.current = current;
         self.covariance = Covariance {
@@ -256,6 +265,7 @@ impl Observer {
     }
 
     /// The gate opens.
+    #[inline(never)]
     fn open(&mut self, current: Phasor, noise: f32) {
         self.jump(current, 4.0 * noise);
         let spread = TAU * OPENS * self.nominal_hz * self.block_s;
@@ -267,22 +277,30 @@ impl Observer {
 
     /// The resonance, as an offset from the nominal frequency, Hz.
     pub fn offset_hz(&self) -> f32 {
-        self.pole.im / (TAU * self.block_s)
+        self.pole.im * self.hz_per_radian
     }
 
     /// Where the resonance will be when the block plays that is decided on now, as an offset from the nominal frequency, Hz.
     pub fn ahead_hz(&self) -> f32 {
-        (self.pole.im + AHEAD_BLOCKS * self.rate) / (TAU * self.block_s)
+        (self.pole.im + AHEAD_BLOCKS * self.rate) * self.hz_per_radian
     }
 
     /// Standard deviation of the resonance, Hz.
     pub fn deviation_hz(&self) -> f32 {
-        libm::sqrtf(0.5 * self.covariance.pole) / (TAU * self.block_s)
+        libm::sqrtf(0.5 * self.covariance.pole) * self.hz_per_radian
     }
 
     /// Whether the deviation of the resonance is below `hz`.
     pub fn is_within(&self, hz: f32) -> bool {
-        let bound = TAU * self.block_s * hz;
+        let bound = self.radian_per_hz * hz;
+        self.covariance.pole < 2.0 * bound * bound
+    }
+
+    /// Whether the deviation is below `phase` radians of the resonance's own phase, or below `hz`, if that is more.
+    #[inline]
+    pub fn is_as_good_as(&self, phase: f32, hz: f32) -> bool {
+        // A detuning of `alpha` turns it by 45 degrees; `-pole.re` is `alpha T`.
+        let bound = larger(-self.pole.re * phase, self.radian_per_hz * hz);
         self.covariance.pole < 2.0 * bound * bound
     }
 
@@ -305,6 +323,12 @@ impl Observer {
     pub fn opened(&self) -> u32 {
         self.opened
     }
+}
+
+/// The larger of two numbers; the second where the first is none. `f32::max` is a call on the target, which in a block counts.
+#[inline]
+pub(super) fn larger(x: f32, y: f32) -> f32 {
+    if x > y { x } else { y }
 }
 
 /// Real part of `x` times the conjugate of `y`.

@@ -9,8 +9,8 @@ pub const SAMPLES: usize = 32;
 /// The code of zero, of all converters.
 const MID_CODE: u16 = 2048;
 
-/// A tracked drive at constant motional current, in bursts with soft edges; converters of 12 bits, 10 mV and 2 mA a code.
-pub fn config(lanes: u8, samples: usize) -> Config {
+/// A drive at constant motional current, tracked like this, in bursts with soft edges; converters of 12 bits, 10 mV and 2 mA a code.
+pub fn config(mode: TrackingMode, lanes: u8, samples: usize) -> Config {
     Config {
         sample_hz: 1e6,
         block_samples: samples as u16,
@@ -34,7 +34,7 @@ pub fn config(lanes: u8, samples: usize) -> Config {
             brake: false,
         },
         tracking: Tracking {
-            mode: TrackingMode::PhaseLock,
+            mode,
             span: 0.025,
             bandwidth_hz: 200.0,
             nominal_q: 50.0,
@@ -53,6 +53,7 @@ pub fn config(lanes: u8, samples: usize) -> Config {
 /// ```
 #[derive(Clone)]
 pub struct Transducer {
+    turn: u64,
     s: (f32, f32),
     last: f32,
 }
@@ -60,6 +61,8 @@ pub struct Transducer {
 /// `p` of 40 520 Hz and Q 64.6 at 1 Msps: magnitude `1 - pi f T / Q`, and the angle as a phase of 2^64 a turn.
 const DECAY: f32 = 1.0 - core::f32::consts::PI * 40_520.0 / 64.6 * 1e-6;
 const TURN: u64 = (40_520.0 / 1e6 * 18_446_744_073_709_551_616.0) as u64;
+/// The same under a load that moves the resonance by -200 Hz.
+const LOADED_TURN: u64 = (40_320.0 / 1e6 * 18_446_744_073_709_551_616.0) as u64;
 /// `T / Lm` for 0.79 mH: `Rm = 2 pi f Lm / Q = 3.1` ohm.
 const AMPERES_PER_VOLT: f32 = 1e-6 / 0.79e-3;
 /// `C0 / T` for 300 nF.
@@ -68,12 +71,17 @@ const AMPERES_PER_STEP: f32 = 300e-9 / 1e-6;
 impl Transducer {
     /// At rest.
     pub fn new() -> Self {
-        Transducer { s: (0.0, 0.0), last: 0.0 }
+        Transducer { turn: TURN, s: (0.0, 0.0), last: 0.0 }
+    }
+
+    /// From now on under a load.
+    pub fn load(&mut self) {
+        self.turn = LOADED_TURN;
     }
 
     /// Takes one block of the first lane.
     pub fn exchange(&mut self, drive: &DriveBlock, sense: &mut SenseBlock) {
-        let turn = sine::rotation(TURN);
+        let turn = sine::rotation(self.turn);
         let p = (DECAY * turn.re, DECAY * turn.im);
         sense.v.clone_from(&drive.lanes[0]);
         sense.i.clear();

@@ -5,6 +5,7 @@
 use core::fmt::Write as _;
 
 use firmware::block::{DriveBlock, Orders, Request, SenseBlock};
+use firmware::config::TrackingMode;
 use firmware::controller::Controller;
 use firmware::supervisor::Mode;
 use firmware::telemetry::Telemetry;
@@ -22,32 +23,55 @@ const LONG_BLOCK: usize = 64;
 /// A power-up ends before this.
 const MOST_BLOCKS: u32 = 30_000;
 
-/// Counts power-ups with one lane and with four; of longer blocks only the run.
+/// The block of the run in which the load comes, and how many blocks are told apart from then on. It comes where a burst is on.
+const LOAD: (u32, u32) = (1000, 64);
+
+/// Counts power-ups with one lane and with four; of longer blocks, and of the phase loop behind a scan, only what differs.
 pub fn count(counter: &Counter) {
     for (name, lanes) in [("one lane", 1), ("four lanes", 4)] {
-        let tallies = power_up(counter, lanes, SAMPLES);
+        let tallies = power_up(counter, TrackingMode::Observer, lanes, SAMPLES);
         for (kind, tally) in NAMES.iter().zip(&tallies) {
             tally.print(name, kind, SAMPLES);
         }
-        power_up(counter, lanes, LONG_BLOCK)[RUN].print(name, "run, 64 samples a block", LONG_BLOCK);
+        power_up(counter, TrackingMode::Observer, lanes, LONG_BLOCK)[RUN].print(name, "run, 64 samples a block", LONG_BLOCK);
+        let tallies = power_up(counter, TrackingMode::PhaseLock, lanes, SAMPLES);
+        for (kind, tally) in PHASE_LOOP_NAMES.iter().zip(&tallies) {
+            tally.print(name, kind, SAMPLES);
+        }
     }
 }
 
 /// What is told apart: the mode a block begins in, and in a run what the envelope is.
-const NAMES: [&str; 7] = ["idle", "self-test", "scan", "lock", "run", "run at an edge", "run between bursts"];
+const NAMES: [&str; 9] = [
+    "idle",
+    "self-test",
+    "clamped branch",
+    "lock",
+    "run",
+    "run at an edge",
+    "run between bursts",
+    "run after a step of the load",
+    "",
+];
+/// The same, behind a scan and with the phase loop.
+const PHASE_LOOP_NAMES: [&str; 9] =
+    ["", "", "", "phase loop, lock", "phase loop, run", "phase loop, run at an edge", "", "", "scan"];
 
 /// Running, the envelope one.
 const RUN: usize = 4;
+/// The load has just come.
+const LOADED: usize = 7;
 
 fn kind(mode: Mode, report: &Telemetry) -> usize {
     match mode {
         Mode::Idle | Mode::Fault => 0,
         Mode::SelfTest => 1,
-        Mode::Scan | Mode::Calibrate => 2,
+        Mode::Clamped => 2,
         Mode::Lock => 3,
         Mode::Run if report.envelope == 1.0 => RUN,
         Mode::Run if report.envelope > 0.0 => 5,
         Mode::Run => 6,
+        Mode::Scan | Mode::Calibrate => 8,
     }
 }
 
@@ -66,7 +90,11 @@ impl Tally {
         self.worst = self.worst.max(ticks);
     }
 
+    /// Prints it, unless it has no name or there were none.
     fn print(&self, lanes: &str, kind: &str, samples: usize) {
+        if kind.is_empty() || self.blocks == 0 {
+            return;
+        }
         let mut name = heapless::String::<48>::new();
         // The longest of the names fits.
         let _ = write!(name, "{lanes}, {kind}");
@@ -76,21 +104,25 @@ impl Tally {
 }
 
 /// Powers up and runs.
-fn power_up(counter: &Counter, lanes: u8, samples: usize) -> [Tally; NAMES.len()] {
+fn power_up(counter: &Counter, tracking: TrackingMode, lanes: u8, samples: usize) -> [Tally; NAMES.len()] {
     let mut tallies = [Tally::default(); NAMES.len()];
-    let mut controller = Controller::build(&config(lanes, samples)).expect("a valid configuration");
+    let mut controller = Controller::build(&config(tracking, lanes, samples)).expect("a valid configuration");
     let mut playing = [controller.silence(), controller.silence()];
     let (mut transducer, mut sense) = (Transducer::new(), SenseBlock::default());
     let (mut mode, mut running) = (Mode::Idle, 0);
     for block in 0..MOST_BLOCKS {
         let drive: &mut DriveBlock = &mut playing[block as usize % 2];
+        if running == LOAD.0 {
+            transducer.load();
+        }
         transducer.exchange(drive, &mut sense);
         let request = if block < IDLE_BLOCKS { Request::Idle } else { Request::Run };
         let orders = Orders { sequence: 1, request, attempt: 1, ..Orders::default() };
         let before = counter.now();
         let report = controller.process(&orders, &sense, drive);
         let ticks = counter.since(before);
-        tallies[kind(mode, &report)].add(ticks);
+        let loaded = (LOAD.0..LOAD.0 + LOAD.1).contains(&running);
+        tallies[if loaded { LOADED } else { kind(mode, &report) }].add(ticks);
         mode = report.mode;
         assert!(mode != Mode::Fault, "{:?} in block {block}", report.fault);
         running += u32::from(mode == Mode::Run);

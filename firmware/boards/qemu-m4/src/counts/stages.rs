@@ -4,7 +4,7 @@ use core::hint::black_box;
 
 use firmware::block::{DriveBlock, SenseBlock};
 use firmware::burst::Envelope;
-use firmware::config::{Config, Drive, ShapeKind};
+use firmware::config::{Config, Drive, ShapeKind, TrackingMode};
 use firmware::convert::Convert;
 use firmware::demod::{Sensed, Suspect, demodulate};
 use firmware::guard::{Driven, Guard};
@@ -16,7 +16,8 @@ use firmware::phasor::Phasor;
 use firmware::shape::Shape;
 use firmware::shape::sine;
 use firmware::shaper::{Play, Shaper};
-use firmware::tracker::{Heard, Tracker};
+use firmware::tracker::observer::{Observer, Played, Prior};
+use firmware::tracker::{Heard, State, Tracker};
 
 use crate::bench::{SAMPLES, Transducer, config};
 use crate::counter::Counter;
@@ -26,6 +27,18 @@ use crate::repeat::repeat;
 const REPETITIONS: u32 = 500;
 /// Length of a block, s.
 const BLOCK_S: f32 = 32e-6;
+
+/// What a tracker hears at the resonance of [`STACK`], A and V: `V / Rm`.
+const VOLTS: f32 = 3.0;
+const CURRENT: Phasor = Phasor::new(VOLTS / STACK.rm_ohm, 0.01);
+const AT_RESONANCE: Sensed = Sensed { v: Phasor::new(VOLTS, 0.0), i: Phasor::new(1.0, 0.228) };
+/// Rms noise of a block's current, A.
+const NOISE_A: f32 = 5e-4;
+const NOMINAL_HZ: f32 = 40e3;
+const HEARD: Heard =
+    Heard { offset_hz: STACK.series_resonance_hz - NOMINAL_HZ, volts: VOLTS, envelope: Some(1.0), on: true, driven: true };
+/// Blocks until every tracker has locked.
+const SETTLING_BLOCKS: u32 = 200;
 
 /// Counts every stage, net of a loop that does nothing.
 pub fn count(counter: &Counter) {
@@ -42,7 +55,7 @@ type Print<'a> = &'a dyn Fn(&str, &mut dyn FnMut());
 
 /// What looks at the sense codes and at what is heard in them.
 fn listening(print: Print) {
-    let config = config(4, SAMPLES);
+    let config = config(TrackingMode::PhaseLock, 4, SAMPLES);
     let convert = convert(&config);
     let sense = sense();
     let tone = Stretch { phase: 1 << 60, word: tuning_word(40_400.0 / 1e6), step: 0 };
@@ -55,13 +68,40 @@ fn listening(print: Print) {
     print("guard", &mut || {
         black_box(guard.inspect(black_box(&convert), black_box(&sense), black_box(&sensed), black_box(driven)));
     });
-    let mut tracker = Tracker::build(&config, BLOCK_S).expect("valid tracking");
-    tracker.seed(&STACK, Motional::of_capacitance(STACK.c0_f, STACK.series_resonance_hz));
-    let heard = Heard { volts: 3.0, on: true, driven: true };
-    let current = Phasor::new(1.0, 0.01);
-    print("tracker", &mut || {
-        black_box(tracker.follow(black_box(&sensed), black_box(current), black_box(&heard)));
-    });
+    tracking(print, TrackingMode::PhaseLock, "tracker, phase loop");
+    tracking(print, TrackingMode::Observer, "tracker, observer");
+    observing(print);
+}
+
+/// What follows the resonance, locked and under full drive.
+fn tracking(print: Print, mode: TrackingMode, name: &str) {
+    let branch = Motional::of_capacitance(STACK.c0_f, STACK.series_resonance_hz);
+    let mut tracker = Tracker::build(&config(mode, 4, SAMPLES), BLOCK_S).expect("valid tracking");
+    tracker.seed(&STACK, branch, NOISE_A);
+    let follow = |tracker: &mut Tracker| {
+        let (sensed, current, heard) = (black_box(&AT_RESONANCE), black_box(CURRENT), black_box(&HEARD));
+        black_box(tracker.follow(sensed, current, current, heard));
+    };
+    // Until it has locked.
+    (0..SETTLING_BLOCKS).for_each(|_| follow(&mut tracker));
+    assert!(tracker.state() == State::Locked, "{:?}", tracker.state());
+    print(name, &mut || follow(&mut tracker));
+}
+
+/// The observer alone: a block that it follows, and one in which its drive has changed.
+fn observing(print: Print) {
+    let mut observer = Observer::new(NOMINAL_HZ, BLOCK_S);
+    let offset_hz = STACK.series_resonance_hz - NOMINAL_HZ;
+    let spread_hz = 60.0;
+    let (q, lm_h, axis) = (STACK.q, STACK.lm_h, Phasor::new(1.0, 0.0));
+    observer.start(&Prior { offset_hz: (offset_hz, spread_hz), q, lm_h, axis, noise_a: NOISE_A });
+    let follow = |observer: &mut Observer, steady_v: Option<f32>| {
+        let (current, voltage) = (black_box(CURRENT), black_box(AT_RESONANCE.v));
+        observer.follow(current, voltage, black_box(Played { offset_hz, steady_v }));
+    };
+    (0..SETTLING_BLOCKS).for_each(|_| follow(&mut observer, Some(VOLTS)));
+    print("observer alone", &mut || follow(&mut observer, Some(VOLTS)));
+    print("observer alone, at an edge", &mut || follow(&mut observer, None));
 }
 
 /// The shaper, for every shape.
@@ -89,7 +129,7 @@ fn shapes(print: Print) {
         ("silence, one lane", Sine, false, 1, held, Envelope::Flat(0.0)),
         ("silence, four lanes", Sine, false, 4, held, Envelope::Flat(0.0)),
     ] {
-        let config = config(lanes, SAMPLES);
+        let config = config(TrackingMode::PhaseLock, lanes, SAMPLES);
         let config = Config { drive: Drive { shape, dither, ..config.drive.clone() }, ..config };
         let convert = convert(&config);
         let mut phasing = Phasing::build(&config).expect("lanes");
