@@ -336,3 +336,6 @@ pub(super) fn larger(x: f32, y: f32) -> f32 {
 fn dot(x: Phasor, y: Phasor) -> f32 {
     x.re * y.re + x.im * y.im
 }
+
+#[cfg(test)]
+mod tests;
