@@ -12,6 +12,8 @@ const LM_H: f64 = 0.7916e-3;
 const VOLTS: f64 = 3.0;
 /// One code of two conversions, as a phasor of 32 samples: 4 A are 2048 codes.
 const NOISE_A: f64 = 5e-4;
+/// The same of the voltage: 20 V.
+const NOISE_V: f64 = 2.6e-3;
 
 fn exp(x: Complex64) -> Complex64 {
     Complex64::new(x.im.cos(), x.im.sin()) * x.re.exp()
@@ -71,7 +73,8 @@ impl Loop {
         let heard = middle + noise;
         let steady_v = (self.block > 0).then_some(self.volts as f32);
         let phasor = Phasor::new(heard.re as f32, heard.im as f32);
-        let voltage = Phasor::new(self.volts as f32, 0.0);
+        let noise_v = Complex64::new(self.normal(), self.normal()) * (NOISE_V / 2f64.sqrt());
+        let voltage = Phasor::new((self.volts + noise_v.re) as f32, noise_v.im as f32);
         self.observer.follow(phasor, voltage, Played { offset_hz: played as f32, steady_v });
         if self.observer.is_within(200.0) {
             self.shown_hz = f64::from(self.observer.ahead_hz());
@@ -87,14 +90,14 @@ impl Loop {
     }
 }
 
-/// 0.26 to 0.29 ms to 20 Hz, and 0.35 ms at most to 4 Hz, whatever Q is.
+/// At most 11 blocks to 20 Hz, 0.35 ms, and 40 to 4 Hz, whatever Q is.
 #[test]
 fn a_cold_start_takes_a_dozen_blocks() {
     for q in [20.0, 65.0, 200.0, 500.0] {
         for resonance_hz in [39_300.0, 39_900.0, 40_600.0] {
             let mut cold = Loop::new(resonance_hz, q, 1.0);
             let (to_20, to_4) = (cold.settle(40, 20.0), cold.settle(300, 4.0));
-            assert!(to_20 <= 10 && to_4 == 0, "Q {q} {resonance_hz}: {to_20} {to_4}");
+            assert!(to_20 <= 11 && to_4 == 0, "Q {q} {resonance_hz}: {to_20} {to_4}");
         }
     }
 }
@@ -120,7 +123,7 @@ fn a_step_opens_the_gate() {
     let blocks = run.settle(200, 20.0);
     assert!(blocks <= 6 && run.observer.opened() == 1, "{blocks} blocks, {} times", run.observer.opened());
     let alpha = std::f64::consts::PI * run.resonance_hz / run.q;
-    assert!((f64::from(run.observer.damping()) / alpha - 1.0).abs() < 2e-3, "{} of {alpha}", run.observer.damping());
+    assert!((f64::from(run.observer.damping()) / alpha - 1.0).abs() < 3e-3, "{} of {alpha}", run.observer.damping());
 }
 
 /// A rate that was learned must not outlive a step: it would take a millisecond to unlearn.
