@@ -125,6 +125,8 @@ pub struct PowerOn {
     nominal_hz: f32,
     nominal_c0_f: f32,
     nominal_q: f32,
+    /// Where the resonance may be, relative to the nominal frequency, with what the estimate may be off by.
+    window: f32,
     volts: f32,
     /// Of a current and of a voltage, relative to what the scan voltage makes, over one block.
     noise: (f32, f32),
@@ -151,6 +153,7 @@ impl PowerOn {
             nominal_hz: drive.frequency_hz,
             nominal_c0_f: tracking.nominal_c0_f,
             nominal_q: tracking.nominal_q,
+            window: tracking.span + 0.5 * NEAREST,
             volts: drive.scan_volts,
             noise: (
                 per_block * config.front_end.ampere_per_lsb / (drive.scan_volts * susceptance),
@@ -244,6 +247,9 @@ impl PowerOn {
         let resonates = found.lm_h.value > SIGNIFICANT * found.lm_h.deviation;
         let holds = explained && resonates && turn < LARGEST_TURN;
         match () {
+            () if resonates && (found.resonance_hz.value / self.nominal_hz - 1.0).abs() > self.window => {
+                Step::Failed(Fault::NoResonance)
+            }
             () if !holds => Step::Failed(Fault::ResonanceDamaged),
             () if shift > CAPACITANCE_SHIFT * self.nominal_c0_f => Step::Failed(Fault::CapacitanceShifted),
             () if cracked || q_at_most < SMALLEST_Q * self.nominal_q => Step::Failed(Fault::ResonanceDamaged),

@@ -49,6 +49,8 @@ struct Played {
     /// Mean envelope; `flat` says whether it is that throughout.
     envelope: f32,
     flat: bool,
+    /// It was a sine.
+    pure: bool,
 }
 
 /// The controller.
@@ -120,7 +122,7 @@ impl Controller {
             nco: Nco::default(),
             burst: Burst::build(&config.burst, config.drive.frequency_hz, config.sample_hz)?,
             shaper: Shaper::build(config),
-            played: [Played { tone, relative: 1.0, flat: true, ..Played::default() }; LATENCY_BLOCKS],
+            played: [Played { tone, relative: 1.0, flat: true, pure: true, ..Played::default() }; LATENCY_BLOCKS],
             guard: Guard::build(config, block_s)?,
             supervisor: Supervisor::default(),
             self_test: SelfTest::build(config),
@@ -195,7 +197,10 @@ impl Controller {
         let gain = lanes.first().map_or(1.0, |lane| lane.gain);
         let play = Play { scale: &self.convert.drive, lanes, stretch, samples: self.samples, volts, louder, envelope };
         let mut plain = Shape::Sine;
-        let shape = if matches!(mode, Mode::Lock | Mode::Run) { &mut self.shape } else { &mut plain };
+        // An observer locks by a sine, whatever the shape.
+        let shaped = mode == Mode::Run || mode == Mode::Lock && !self.tracker.observes();
+        let pure = !shaped || matches!(self.shape, Shape::Sine);
+        let shape = if shaped { &mut self.shape } else { &mut plain };
         match mode {
             Mode::Idle | Mode::Fault => self.shaper.mute(&play, drive),
             Mode::SelfTest | Mode::Clamped if plan.volts == 0.0 => self.shaper.mute(&play, drive),
@@ -212,6 +217,7 @@ impl Controller {
             audible: fundamental.map(|part| part * gain),
             envelope: level,
             flat,
+            pure,
         }
     }
 

@@ -73,6 +73,8 @@ pub struct Heard {
     pub volts: f32,
     /// The envelope, where it was the same throughout.
     pub envelope: Option<f32>,
+    /// It was a sine: harmonics leak into the lock-in, by another part in every block.
+    pub pure: bool,
     /// The envelope was one throughout.
     pub on: bool,
     /// There was drive at all.
@@ -168,9 +170,9 @@ impl Tracker {
         next
     }
 
-    /// Whether an observer is sure of its resonance.
+    /// Whether an observer is sure of its resonance, and the phase, as far as it was heard, agrees.
     pub fn is_sure(&self) -> bool {
-        self.observed.as_ref().is_some_and(Observed::is_sure)
+        self.lock.agrees() && self.observed.as_ref().is_some_and(Observed::is_sure)
     }
 
     /// What the observer knows of the transducer by now.
@@ -255,8 +257,10 @@ impl Tracker {
                 Some(offset_hz) => self.phase_loop.accompany(error, offset_hz),
                 None => self.phase_loop.update(error),
             };
-            // At the edge of the window a small phase is no lock; nor is a lock lost there that was one.
-            self.lock.update(if self.phase_loop.limited() { UNDECIDED } else { phase });
+            // At the edge of the window a small phase is no lock; nor is a lock of the loop's lost there that was one. An observer would
+            // go on beyond the edge.
+            let undecided = self.limited() && (self.observed.is_none() || phase.0.abs() < UNDECIDED.0);
+            self.lock.update(if undecided { UNDECIDED } else { phase });
             return phase;
         }
         if self.lock.state() == Lock::Locked {

@@ -218,6 +218,7 @@ impl Controller {
             offset_hz: played.offset_hz,
             volts: played.volts,
             envelope: played.flat.then_some(played.envelope),
+            pure: played.pure,
             on,
             driven,
         };

@@ -61,6 +61,11 @@ impl LockDetector {
         self.state
     }
 
+    /// Whether the last phase was within the outer bound.
+    pub fn agrees(&self) -> bool {
+        self.outside == 0
+    }
+
     /// The verdict so far.
     pub fn state(&self) -> Lock {
         self.state

@@ -1,7 +1,8 @@
 //! Whom to believe: the observer, from when on, and when no longer.
 //!
 //! It leads as soon as its deviation is small enough to be worth following, and is locked when that has been within 5 degrees of motional phase for
-//! 8 blocks. Where its gate opens again and again, its model does not hold, and the [phase loop](super::phase_loop) leads until it does.
+//! 8 blocks. Where its gate opens again and again, its model does not hold, and the [phase loop](super::phase_loop) leads until it does; and
+//! wherever the drive is no sine.
 //!
 //! A lock that is lost, or not found in time, is sought again: nearby, then in the whole window, then by a scan.
 
@@ -103,7 +104,7 @@ impl Observed {
     /// Follows one block.
     #[inline]
     pub fn follow(&mut self, motional_current: Phasor, v: Phasor, heard: &Heard) {
-        let steady_v = heard.envelope.map(|envelope| heard.volts * envelope);
+        let steady_v = heard.envelope.filter(|_| heard.pure).map(|envelope| heard.volts * envelope);
         self.observer.follow(motional_current, v, Played { offset_hz: heard.offset_hz, steady_v });
         self.blocks = self.blocks.saturating_add(heard.driven.into());
         if self.observer.is_within(WORTH * self.nominal_hz) {
@@ -112,7 +113,8 @@ impl Observed {
         let opened = self.observer.opened();
         self.doubt = if opened == self.opened { self.doubt.saturating_sub(1) } else { self.doubt + DOUBT.0 };
         self.opened = opened;
-        self.doubted = self.doubt > if self.doubted { TRUSTED } else { DOUBT.1 };
+        let limit = if self.doubted { TRUSTED } else { DOUBT.1 };
+        self.doubted = self.doubt > limit || !heard.pure;
         let within = self.observer.is_as_good_as(INNER.0, INNER.1 * self.nominal_hz) && !self.doubted;
         self.inside = if within { self.inside.saturating_add(heard.driven.into()) } else { 0 };
         self.locked |= self.inside >= LOCK_BLOCKS;
