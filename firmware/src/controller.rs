@@ -26,7 +26,7 @@ use crate::scan::Scan;
 use crate::self_test::SelfTest;
 use crate::shape::Shape;
 use crate::shaper::{Play, Shaper};
-use crate::supervisor::{Limit, Mode, Supervisor};
+use crate::supervisor::{Fault, Limit, Mode, Supervisor};
 use crate::sweep::Sweep;
 use crate::telemetry::Telemetry;
 use crate::tracker::{State, Tracker};
@@ -152,7 +152,7 @@ impl Controller {
 
         let driven =
             Driven { volts: heard.audible.filter(|_| heard.flat).map(|part| part * heard.volts * heard.envelope), suspect };
-        let found = self.guard.inspect(&self.convert, sense, &sensed, driven);
+        let found = self.guard.inspect(&self.convert, sense, &sensed, driven).map(|fault| self.named(fault));
         if self.supervisor.judge(orders, found) {
             self.begin();
         }
@@ -167,6 +167,12 @@ impl Controller {
     /// The resonances that the last scan has found, at rising frequencies.
     pub fn resonances(&self) -> &[Resonance] {
         self.scan.roster().listed()
+    }
+
+    /// Nothing but a short takes more current than the limit from the tone of the self-test.
+    fn named(&self, fault: Fault) -> Fault {
+        let short = self.supervisor.mode() == Mode::SelfTest && fault == Fault::OverCurrent;
+        if short { Fault::LoadShorted } else { fault }
     }
 
     /// Writes the codes of a plan, and remembers what they are.

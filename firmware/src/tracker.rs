@@ -147,6 +147,7 @@ impl Tracker {
         self.lock.restart(0.0);
         self.phase_loop.seed(0.0, f32::INFINITY);
         self.rm_ohm = 0.0;
+        self.observed.iter_mut().for_each(Observed::restart);
     }
 
     /// Whether an observer tracks.
@@ -159,7 +160,7 @@ impl Tracker {
         (self.motional, self.known) = (branch, known);
         self.restart_clock(prior.q / (core::f32::consts::PI * self.nominal_hz * self.block_s));
         if let Some(observed) = &mut self.observed {
-            observed.start(prior, Seek::Window);
+            observed.start_cold(prior);
         }
     }
 
@@ -274,7 +275,7 @@ impl Tracker {
     pub fn state(&self) -> State {
         let locked = if self.unheard_blocks > self.unheard_limit { State::Unheard } else { State::Locked };
         match (&self.observed, self.lock.state()) {
-            (Some(observed), Lock::Lost) if observed.is_sure() => State::Disagree,
+            (Some(observed), Lock::Lost) if observed.is_sure() && !self.limited() => State::Disagree,
             (Some(_), Lock::Lost) | (None, Lock::Lost) => State::Lost,
             (Some(observed), _) if observed.locked() => locked,
             (Some(observed), _) if observed.timed_out() => State::TimedOut,

@@ -51,18 +51,23 @@ impl Plan {
 impl Controller {
     /// Forgets what an earlier attempt has found.
     pub(super) fn begin(&mut self) {
-        self.convert.v.restore_zero();
-        self.convert.i.restore_zero();
-        self.self_test.restart();
+        self.test_again();
         self.calibrate.abandon(&mut self.phasing);
         self.scan.restart();
-        self.power_on.restart();
-        self.probe_hz = 0.0;
         self.transducer = None;
         self.sweep.hold.retune(0.0);
         self.sweep.restart();
         self.tracker.restart();
         self.amplitude.restart();
+    }
+
+    /// Prepares the self-test and the measurement of the clamped branch that follows it.
+    fn test_again(&mut self) {
+        self.convert.v.restore_zero();
+        self.convert.i.restore_zero();
+        self.self_test.restart();
+        self.power_on.restart();
+        self.probe_hz = 0.0;
     }
 
     /// What this mode wants to play next.
@@ -285,6 +290,10 @@ impl Controller {
     fn seek_on(&mut self, fault: Fault) -> Progress {
         match self.tracker.seek_on(fault == Fault::LossOfLock) {
             Some(Seek::Nearby | Seek::Window) => Progress::Back(Mode::Lock),
+            Some(Seek::Anew) => {
+                self.test_again();
+                Progress::Back(Mode::SelfTest)
+            }
             Some(Seek::Scan) => {
                 self.scan.restart();
                 Progress::Back(Mode::Scan)

@@ -4,7 +4,8 @@
 //! 8 blocks. Where its gate opens again and again, its model does not hold, and the [phase loop](super::phase_loop) leads until it does; and
 //! wherever the drive is no sine.
 //!
-//! A lock that is lost, or not found in time, is sought again: nearby, then in the whole window, then by a scan.
+//! A lock that is lost, or not found in time, is sought again: nearby, then in the whole window, then from the self-test on, which names what
+//! has broken, and then by a scan.
 
 use crate::phasor::Phasor;
 use crate::tracker::Heard;
@@ -33,6 +34,8 @@ pub enum Seek {
     Nearby,
     /// In the whole window.
     Window,
+    /// In the whole window, after another self-test and another measurement of the clamped branch.
+    Anew,
     /// By a scan.
     Scan,
 }
@@ -77,7 +80,7 @@ impl Observed {
     pub fn start(&mut self, prior: &Prior, seek: Seek) {
         self.observer.start(prior);
         (self.seek, self.shown_hz) = (seek, prior.offset_hz.0);
-        if seek == Seek::Window {
+        if matches!(seek, Seek::Window | Seek::Anew) {
             self.prior = *prior;
         }
         (self.blocks, self.inside, self.locked) = (0, 0, false);
@@ -89,16 +92,29 @@ impl Observed {
         let next = match self.seek {
             _ if was_locked && self.blocks > LASTED => Seek::Nearby,
             Seek::Nearby => Seek::Window,
-            Seek::Window => Seek::Scan,
+            Seek::Window => Seek::Anew,
+            Seek::Anew => Seek::Scan,
             Seek::Scan => return None,
         };
         let nearby = (self.observer.offset_hz(), NEARBY * self.nominal_hz);
         match next {
             Seek::Nearby => self.start(&Prior { offset_hz: nearby, ..self.prior }, next),
             Seek::Window => self.start(&{ self.prior }, next),
-            Seek::Scan => {}
+            Seek::Anew | Seek::Scan => self.seek = next,
         }
         Some(next)
+    }
+
+    /// Begins in the whole window with what the clamped branch has told.
+    pub fn start_cold(&mut self, prior: &Prior) {
+        // The second time after a lock was lost.
+        let seek = if self.seek == Seek::Anew { Seek::Anew } else { Seek::Window };
+        self.start(prior, seek);
+    }
+
+    /// Forgets what it was seeking.
+    pub fn restart(&mut self) {
+        (self.seek, self.locked, self.inside) = (Seek::Scan, false, 0);
     }
 
     /// Follows one block.
