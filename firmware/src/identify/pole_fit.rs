@@ -157,6 +157,24 @@ pub struct PoleFit {
     /// Noise of the voltage over that of the current, ohm.
     noise_ohm: f32,
     triangle: Triangle<MOST>,
+    /// What has been solved so far, and how many parts of the solution are done.
+    unknowns: [Phasor; MOST],
+    zeros: [Phasor; MOST_MODES],
+    solved: usize,
+    /// The same of the deviations of a resonance.
+    scatter: Scatter<MOST>,
+    scattered: usize,
+}
+
+/// What a block's worth of solving has come to.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Solving {
+    /// It takes more blocks.
+    More,
+    /// The lines do not determine the circuit, or it is no resonance.
+    Nothing,
+    /// The circuit.
+    Found(Solution),
 }
 
 /// What a fit has found.
@@ -173,7 +191,23 @@ impl PoleFit {
     /// converters are alike.
     pub fn new(assumed: Circuit, noise_ohm: f32) -> Self {
         let unknowns = CLAMPED + EACH * assumed.poles.len();
-        PoleFit { assumed, noise_ohm, triangle: Triangle::new(unknowns) }
+        PoleFit {
+            assumed,
+            noise_ohm,
+            triangle: Triangle::new(unknowns),
+            unknowns: [NONE; MOST],
+            zeros: [NONE; MOST_MODES],
+            solved: 0,
+            scatter: Scatter { pole: [NONE; MOST], strength: [NONE; MOST], y0: [NONE; MOST] },
+            scattered: 0,
+        }
+    }
+
+    /// Begins again about what is assumed now.
+    pub fn restart(&mut self, assumed: &Circuit) {
+        self.assumed.clone_from(assumed);
+        self.triangle.restart(CLAMPED + EACH * assumed.poles.len());
+        (self.solved, self.scattered) = (0, 0);
     }
 
     /// Adds a line, as far as a block has time for. Returns whether it is done with it.
@@ -203,27 +237,52 @@ impl PoleFit {
         self.triangle.add(row, i);
     }
 
-    /// What the lines say; `None` if they do not determine it, or if it is no resonance.
-    pub fn solve(&self) -> Option<Solution> {
-        let unknowns = self.triangle.solve()?;
+    /// What the lines say, as far as a block has time for.
+    pub fn solve(&mut self) -> Solving {
+        loop {
+            let part = self.solved;
+            self.solved += 1;
+            match part {
+                0 => match self.triangle.solve() {
+                    Some(unknowns) => self.begin_zeros(unknowns),
+                    None => return Solving::Nothing,
+                },
+                1..=STEPS => self.move_zeros(),
+                _ => return self.finish().map_or(Solving::Nothing, Solving::Found),
+            }
+            // A block has time for all that follows only where there is no more than one resonance.
+            if part == 0 || self.assumed.poles.len() > 1 {
+                return Solving::More;
+            }
+        }
+    }
+
+    fn begin_zeros(&mut self, unknowns: [Phasor; MOST]) {
+        self.unknowns = unknowns;
+        for (zero, pole) in self.zeros.iter_mut().zip(&self.assumed.poles) {
+            *zero = self.assumed.complex_hz(pole, J / pole.q);
+        }
+    }
+
+    /// One step towards the zeros.
+    fn move_zeros(&mut self) {
+        let (assumed, unknowns) = (&self.assumed, &self.unknowns);
+        let s = |n: usize| unknowns[CLAMPED + EACH * n + 2];
+        for (n, (zero, pole)) in self.zeros.iter_mut().zip(&assumed.poles).enumerate() {
+            let others = assumed.poles.iter().enumerate().filter(|(k, _)| *k != n);
+            let rest: Phasor = others.map(|(k, other)| s(k) * assumed.answer(other, *zero)).sum();
+            // 1 + j Q w = -s / (1 + others), hence w.
+            let w = J * (ONE + s(n) / (ONE + rest)) / pole.q;
+            *zero = assumed.complex_hz(pole, w);
+        }
+    }
+
+    fn finish(&self) -> Option<Solution> {
         let of = |n: usize| CLAMPED + EACH * n;
-        let assumed = &self.assumed;
+        let (assumed, unknowns, zeros) = (&self.assumed, &self.unknowns, &self.zeros);
         let mut circuit = assumed.clone();
         (circuit.y0, circuit.rest) = (unknowns[0], unknowns[1]);
         let s = |n: usize| unknowns[of(n) + 2];
-        let mut zeros = [NONE; MOST_MODES];
-        for (zero, pole) in zeros.iter_mut().zip(&assumed.poles) {
-            *zero = assumed.complex_hz(pole, J / pole.q);
-        }
-        for _ in 0..STEPS {
-            for (n, pole) in assumed.poles.iter().enumerate() {
-                let others = assumed.poles.iter().enumerate().filter(|(k, _)| *k != n);
-                let rest: Phasor = others.map(|(k, other)| s(k) * assumed.answer(other, zeros[n])).sum();
-                // 1 + j Q w = -s / (1 + others), hence w.
-                let w = J * (ONE + s(n) / (ONE + rest)) / pole.q;
-                zeros[n] = assumed.complex_hz(pole, w);
-            }
-        }
         let mut moved: f32 = 0.0;
         for (n, pole) in assumed.poles.iter().enumerate() {
             // The resonance is as far from zero as the pole. What would grow is taken for what decays as fast.
@@ -232,7 +291,7 @@ impl PoleFit {
             let hz = assumed.nominal_hz + offset_hz;
             let q = 0.5 * hz / damping_hz;
             // The strength G / Q of a pole that has moved.
-            let background = assumed.background_at(zeros[n], n, &unknowns);
+            let background = assumed.background_at(zeros[n], n, unknowns);
             let conductance = (unknowns[of(n)] - background * s(n)) * (q / pole.q);
             let new = Pole { offset_hz, q, conductance, transient: unknowns[of(n) + 1] - unknowns[1] * s(n) };
             moved = moved.max((new.offset_hz - pole.offset_hz).abs() * q / hz).max((q / pole.q - 1.0).abs());
@@ -254,23 +313,31 @@ impl PoleFit {
         self.triangle.variance()
     }
 
-    /// By how much the numbers of one resonance of what was found scatter.
-    pub fn deviations(&self, found: &Circuit, which: usize) -> Deviations {
-        let t = found.transducer(which);
-        let Some(pole) = found.poles.get(which) else { return Deviations::default() };
+    /// By how much the numbers of one resonance of what was found scatter; `None` while that takes more blocks.
+    pub fn deviations(&mut self, found: &Circuit, which: usize) -> Option<Deviations> {
+        let Some(pole) = found.poles.get(which) else { return Some(Deviations::default()) };
         let at = CLAMPED + EACH * which;
+        let part = self.scattered;
+        self.scattered += 1;
         let of = |parts: &[(usize, Phasor)]| {
             let mut gradient = [NONE; MOST];
             parts.iter().for_each(|&(n, by)| gradient[n] = by);
             self.triangle.spread(&gradient)
         };
-        let background = found.y0 + found.beside(which);
-        let scatter = Scatter {
-            pole: of(&[(at + 2, J / pole.q)]),
-            strength: of(&[(at, pole.conductance.inv()), (at + 2, -background / pole.conductance)]),
-            y0: of(&[(0, ONE)]),
-        };
-        scatter.deviations(&t)
+        match part {
+            0 => self.scatter.pole = of(&[(at + 2, J / pole.q)]),
+            1 => {
+                let background = found.y0 + found.beside(which);
+                let by_strength = [(at, pole.conductance.inv()), (at + 2, -background / pole.conductance)];
+                self.scatter.strength = of(&by_strength);
+            }
+            2 => self.scatter.y0 = of(&[(0, ONE)]),
+            _ => {
+                self.scattered = 0;
+                return Some(self.scatter.deviations(&found.transducer(which)));
+            }
+        }
+        None
     }
 }
 

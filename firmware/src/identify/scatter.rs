@@ -31,20 +31,49 @@ impl<const N: usize> Scatter<N> {
         let cm = sum(&[(lm, -1.0), (series, -2.0)]);
         let ratio = sum(&[(cm, 1.0), (c0, -1.0)]);
         let part = t.cm_f / (t.c0_f + t.cm_f);
+        let common = self.products();
         Deviations {
-            series_resonance_hz: self.of(series) * t.series_resonance_hz,
-            parallel_resonance_hz: self.of(sum(&[(series, 1.0), (ratio, 0.5 * part)])) * t.parallel_resonance_hz,
-            q: self.of(q) * t.q,
-            rm_ohm: self.of(sum(&[(lm, 1.0), (series, 1.0), (q, -1.0)])) * t.rm_ohm,
-            lm_h: self.of(lm) * t.lm_h,
-            cm_f: self.of(cm) * t.cm_f,
-            c0_f: self.of(c0) * t.c0_f,
-            coupling: self.of(ratio) * 0.5 * (1.0 - part) * t.coupling,
+            series_resonance_hz: common.of(series) * t.series_resonance_hz,
+            parallel_resonance_hz: common.of(sum(&[(series, 1.0), (ratio, 0.5 * part)])) * t.parallel_resonance_hz,
+            q: common.of(q) * t.q,
+            rm_ohm: common.of(sum(&[(lm, 1.0), (series, 1.0), (q, -1.0)])) * t.rm_ohm,
+            lm_h: common.of(lm) * t.lm_h,
+            cm_f: common.of(cm) * t.cm_f,
+            c0_f: common.of(c0) * t.c0_f,
+            coupling: common.of(ratio) * 0.5 * (1.0 - part) * t.coupling,
         }
     }
 
+    /// What the parts of these three have in common.
+    fn products(&self) -> Products {
+        let product = |x: &[Phasor; N], y: &[Phasor; N]| x.iter().zip(y).map(|(x, y)| x * y.conj()).sum::<Phasor>();
+        let square = |x: &[Phasor; N]| x.iter().map(|x| x.norm_sqr()).sum::<f32>();
+        Products {
+            squares: [square(&self.pole), square(&self.strength), square(&self.y0)],
+            pole_strength: product(&self.pole, &self.strength),
+            pole_y0: product(&self.pole, &self.y0),
+            strength_y0: product(&self.strength, &self.y0),
+        }
+    }
+}
+
+/// `sum x y*` over the parts of each two of the three.
+struct Products {
+    squares: [f32; 3],
+    pole_strength: Phasor,
+    pole_y0: Phasor,
+    strength_y0: Phasor,
+}
+
+impl Products {
+    /// Deviation of what follows from the three by these factors: the parts need not be gone through for each number.
     fn of(&self, by: [Phasor; 3]) -> f32 {
-        let parts = self.pole.iter().zip(&self.strength).zip(&self.y0);
-        libm::sqrtf(0.5 * parts.map(|((p, g), y)| (p * by[0] + g * by[1] + y * by[2]).norm_sqr()).sum::<f32>())
+        let [p, g, y] = by;
+        let squares = [p, g, y].iter().zip(self.squares).map(|(by, square)| by.norm_sqr() * square).sum::<f32>();
+        let crossed = |x: Phasor, y: Phasor, product: Phasor| (x * y.conj() * product).re;
+        let both = crossed(p, g, self.pole_strength) + crossed(p, y, self.pole_y0) + crossed(g, y, self.strength_y0);
+        let variance = 0.5 * squares + both;
+        // Rounding may leave less than nothing.
+        if variance > 0.0 { libm::sqrtf(variance) } else { 0.0 }
     }
 }
