@@ -41,6 +41,9 @@ pub enum Seek {
 pub struct Observed {
     observer: Observer,
     nominal_hz: f32,
+    /// [`WORTH`] and [`INNER`] of it, Hz.
+    worth_hz: f32,
+    inner_hz: f32,
     prior: Prior,
     seek: Seek,
     shown_hz: f32,
@@ -60,6 +63,8 @@ impl Observed {
         Observed {
             observer: Observer::new(nominal_hz, block_s),
             nominal_hz,
+            worth_hz: WORTH * nominal_hz,
+            inner_hz: INNER.1 * nominal_hz,
             prior,
             seek: Seek::Scan,
             shown_hz: 0.0,
@@ -106,14 +111,14 @@ impl Observed {
         let steady_v = heard.envelope.map(|envelope| heard.volts * envelope);
         self.observer.follow(motional_current, v, Played { offset_hz: heard.offset_hz, steady_v });
         self.blocks = self.blocks.saturating_add(heard.driven.into());
-        if self.observer.is_within(WORTH * self.nominal_hz) {
+        if self.observer.is_within(self.worth_hz) {
             self.shown_hz = self.observer.ahead_hz();
         }
         let opened = self.observer.opened();
         self.doubt = if opened == self.opened { self.doubt.saturating_sub(1) } else { self.doubt + DOUBT.0 };
         self.opened = opened;
         self.doubted = self.doubt > if self.doubted { TRUSTED } else { DOUBT.1 };
-        let within = self.observer.is_as_good_as(INNER.0, INNER.1 * self.nominal_hz) && !self.doubted;
+        let within = self.observer.is_as_good_as(INNER.0, self.inner_hz) && !self.doubted;
         self.inside = if within { self.inside.saturating_add(heard.driven.into()) } else { 0 };
         self.locked |= self.inside >= LOCK_BLOCKS;
     }
