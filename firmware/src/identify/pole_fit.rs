@@ -23,8 +23,9 @@
 use heapless::Vec;
 
 use crate::demod::Sensed;
+use crate::identify::scatter::{Products, Scatter};
 use crate::identify::triangle::Triangle;
-use crate::identify::{Deviations, MOST_MODES, Scatter, Transducer};
+use crate::identify::{Deviations, MOST_MODES, Transducer};
 use crate::motional::Motional;
 use crate::phasor::{Phasor, direction, magnitude};
 
@@ -163,6 +164,7 @@ pub struct PoleFit {
     solved: usize,
     /// The same of the deviations of a resonance.
     scatter: Scatter<MOST>,
+    products: Products,
     scattered: usize,
 }
 
@@ -199,6 +201,7 @@ impl PoleFit {
             zeros: [NONE; MOST_MODES],
             solved: 0,
             scatter: Scatter { pole: [NONE; MOST], strength: [NONE; MOST], y0: [NONE; MOST] },
+            products: Products::default(),
             scattered: 0,
         }
     }
@@ -332,9 +335,10 @@ impl PoleFit {
                 self.scatter.strength = of(&by_strength);
             }
             2 => self.scatter.y0 = of(&[(0, ONE)]),
+            3 => self.products = self.scatter.products(),
             _ => {
                 self.scattered = 0;
-                return Some(self.scatter.deviations(&found.transducer(which)));
+                return Some(self.products.deviations(&found.transducer(which)));
             }
         }
         None

@@ -21,31 +21,11 @@ pub struct Scatter<const N: usize> {
 impl<const N: usize> Scatter<N> {
     /// The deviations of a circuit.
     pub fn deviations(&self, t: &Transducer) -> Deviations {
-        // Relative changes, as the factors of those three.
-        let series = [Phasor::new(0.5, 0.0), NONE, NONE];
-        let q = [J * t.q, NONE, NONE];
-        let lm = [NONE, Phasor::new(-1.0, 0.0), NONE];
-        let c0 = [NONE, NONE, -J / (core::f32::consts::TAU * t.series_resonance_hz * t.c0_f)];
-        let sum =
-            |parts: &[([Phasor; 3], f32)]| parts.iter().fold([NONE; 3], |sum, (of, by)| [0, 1, 2].map(|n| sum[n] + of[n] * *by));
-        let cm = sum(&[(lm, -1.0), (series, -2.0)]);
-        let ratio = sum(&[(cm, 1.0), (c0, -1.0)]);
-        let part = t.cm_f / (t.c0_f + t.cm_f);
-        let common = self.products();
-        Deviations {
-            series_resonance_hz: common.of(series) * t.series_resonance_hz,
-            parallel_resonance_hz: common.of(sum(&[(series, 1.0), (ratio, 0.5 * part)])) * t.parallel_resonance_hz,
-            q: common.of(q) * t.q,
-            rm_ohm: common.of(sum(&[(lm, 1.0), (series, 1.0), (q, -1.0)])) * t.rm_ohm,
-            lm_h: common.of(lm) * t.lm_h,
-            cm_f: common.of(cm) * t.cm_f,
-            c0_f: common.of(c0) * t.c0_f,
-            coupling: common.of(ratio) * 0.5 * (1.0 - part) * t.coupling,
-        }
+        self.products().deviations(t)
     }
 
     /// What the parts of these three have in common.
-    fn products(&self) -> Products {
+    pub fn products(&self) -> Products {
         let product = |x: &[Phasor; N], y: &[Phasor; N]| x.iter().zip(y).map(|(x, y)| x * y.conj()).sum::<Phasor>();
         let square = |x: &[Phasor; N]| x.iter().map(|x| x.norm_sqr()).sum::<f32>();
         Products {
@@ -58,7 +38,8 @@ impl<const N: usize> Scatter<N> {
 }
 
 /// `sum x y*` over the parts of each two of the three.
-struct Products {
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Products {
     squares: [f32; 3],
     pole_strength: Phasor,
     pole_y0: Phasor,
@@ -66,6 +47,30 @@ struct Products {
 }
 
 impl Products {
+    /// The deviations of a circuit.
+    pub fn deviations(&self, t: &Transducer) -> Deviations {
+        // Relative changes, as the factors of those three.
+        let series = [Phasor::new(0.5, 0.0), NONE, NONE];
+        let q = [J * t.q, NONE, NONE];
+        let lm = [NONE, Phasor::new(-1.0, 0.0), NONE];
+        let c0 = [NONE, NONE, -J / (core::f32::consts::TAU * t.series_resonance_hz * t.c0_f)];
+        let sum =
+            |parts: &[([Phasor; 3], f32)]| parts.iter().fold([NONE; 3], |sum, (of, by)| [0, 1, 2].map(|n| sum[n] + of[n] * *by));
+        let cm = sum(&[(lm, -1.0), (series, -2.0)]);
+        let ratio = sum(&[(cm, 1.0), (c0, -1.0)]);
+        let part = t.cm_f / (t.c0_f + t.cm_f);
+        Deviations {
+            series_resonance_hz: self.of(series) * t.series_resonance_hz,
+            parallel_resonance_hz: self.of(sum(&[(series, 1.0), (ratio, 0.5 * part)])) * t.parallel_resonance_hz,
+            q: self.of(q) * t.q,
+            rm_ohm: self.of(sum(&[(lm, 1.0), (series, 1.0), (q, -1.0)])) * t.rm_ohm,
+            lm_h: self.of(lm) * t.lm_h,
+            cm_f: self.of(cm) * t.cm_f,
+            c0_f: self.of(c0) * t.c0_f,
+            coupling: self.of(ratio) * 0.5 * (1.0 - part) * t.coupling,
+        }
+    }
+
     /// Deviation of what follows from the three by these factors: the parts need not be gone through for each number.
     fn of(&self, by: [Phasor; 3]) -> f32 {
         let [p, g, y] = by;
