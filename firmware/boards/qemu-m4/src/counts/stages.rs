@@ -79,8 +79,8 @@ fn tracking(print: Print, mode: TrackingMode, name: &str) {
     let mut tracker = Tracker::build(&config(mode, 4, SAMPLES), BLOCK_S).expect("valid tracking");
     tracker.seed(&STACK, branch, NOISE_A);
     let follow = |tracker: &mut Tracker| {
-        let (sensed, current, heard) = (black_box(&AT_RESONANCE), black_box(CURRENT), black_box(&HEARD));
-        black_box(tracker.follow(sensed, current, current, heard));
+        let (sensed, current, heard) = black_box(&(AT_RESONANCE, CURRENT, HEARD));
+        black_box(tracker.follow(sensed, *current, *current, heard));
     };
     // Until it has locked.
     (0..SETTLING_BLOCKS).for_each(|_| follow(&mut tracker));
@@ -96,8 +96,9 @@ fn observing(print: Print) {
     let (q, lm_h, axis) = (STACK.q, STACK.lm_h, Phasor::new(1.0, 0.0));
     observer.start(&Prior { offset_hz: (offset_hz, spread_hz), q, lm_h, axis, noise_a: NOISE_A });
     let follow = |observer: &mut Observer, steady_v: Option<f32>| {
-        let (current, voltage) = (black_box(CURRENT), black_box(AT_RESONANCE.v));
-        observer.follow(current, voltage, black_box(Played { offset_hz, steady_v }));
+        let heard = (CURRENT, AT_RESONANCE.v, Played { offset_hz, steady_v });
+        let (current, voltage, played) = black_box(&heard);
+        observer.follow(*current, *voltage, *played);
     };
     (0..SETTLING_BLOCKS).for_each(|_| follow(&mut observer, Some(VOLTS)));
     print("observer alone", &mut || follow(&mut observer, Some(VOLTS)));
