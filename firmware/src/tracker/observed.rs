@@ -115,9 +115,12 @@ impl Observed {
             self.shown_hz = self.observer.ahead_hz();
         }
         let opened = self.observer.opened();
-        self.doubt = if opened == self.opened { self.doubt.saturating_sub(1) } else { self.doubt + DOUBT.0 };
-        self.opened = opened;
-        self.doubted = self.doubt > if self.doubted { TRUSTED } else { DOUBT.1 };
+        // Without a doubt nothing changes.
+        if opened != self.opened || self.doubt > 0 {
+            self.doubt = if opened == self.opened { self.doubt - 1 } else { self.doubt + DOUBT.0 };
+            self.opened = opened;
+            self.doubted = self.doubt > if self.doubted { TRUSTED } else { DOUBT.1 };
+        }
         let within = self.observer.is_as_good_as(INNER.0, self.inner_hz) && !self.doubted;
         self.inside = if within { self.inside.saturating_add(heard.driven.into()) } else { 0 };
         self.locked |= self.inside >= LOCK_BLOCKS;

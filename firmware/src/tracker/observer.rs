@@ -30,6 +30,8 @@
 
 use crate::phasor::Phasor;
 use crate::shape::sine;
+use crate::tracker::compare::{larger, smaller};
+pub use crate::tracker::prior::Prior;
 
 const TAU: f32 = core::f32::consts::TAU;
 /// 2^32 as a number.
@@ -116,21 +118,6 @@ struct Covariance {
     pole: f32,
     pole_strength: Phasor,
     strength: f32,
-}
-
-/// What is known before the start.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Prior {
-    /// Offset from the nominal frequency, Hz, and how far off that may be.
-    pub offset_hz: (f32, f32),
-    /// Quality factor, within a factor of two.
-    pub q: f32,
-    /// Motional inductance, H.
-    pub lm_h: f32,
-    /// Direction of the motional admittance at resonance.
-    pub axis: Phasor,
-    /// Rms of a block's motional current by noise, A, both components.
-    pub noise_a: f32,
 }
 
 impl Observer {
@@ -324,18 +311,6 @@ impl Observer {
     pub fn opened(&self) -> u32 {
         self.opened
     }
-}
-
-/// The larger of two numbers; the second where the first is none. `f32::max` is a call on the target, which in a block counts.
-#[inline]
-pub(super) fn larger(x: f32, y: f32) -> f32 {
-    if x > y { x } else { y }
-}
-
-/// The smaller of two numbers; the second where the first is none.
-#[inline]
-fn smaller(x: f32, y: f32) -> f32 {
-    if x < y { x } else { y }
 }
 
 /// Real part of `x` times the conjugate of `y`.

@@ -43,10 +43,16 @@ const SETTLING_BLOCKS: u32 = 200;
 /// Counts every stage, net of a loop that does nothing.
 pub fn count(counter: &Counter) {
     let empty = repeat(counter, REPETITIONS, || ());
-    let print = |kernel: &str, work: &mut dyn FnMut()| {
-        line("stage", kernel, SAMPLES, REPETITIONS, repeat(counter, REPETITIONS, work) - empty);
+    let print = |samples: usize, kernel: &str, work: &mut dyn FnMut()| {
+        line("stage", kernel, samples, REPETITIONS, repeat(counter, REPETITIONS, work) - empty);
     };
+    let print_long = |kernel: &str, work: &mut dyn FnMut()| print(2 * SAMPLES, kernel, work);
+    let print = |kernel: &str, work: &mut dyn FnMut()| print(SAMPLES, kernel, work);
     listening(&print);
+    tracking(&print, TrackingMode::PhaseLock, BLOCK_S, "tracker, phase loop");
+    tracking(&print, TrackingMode::Observer, BLOCK_S, "tracker, observer");
+    tracking(&print_long, TrackingMode::Observer, 2.0 * BLOCK_S, "tracker, observer, 64 samples a block");
+    observing(&print);
     shapes(&print);
 }
 
@@ -68,15 +74,12 @@ fn listening(print: Print) {
     print("guard", &mut || {
         black_box(guard.inspect(black_box(&convert), black_box(&sense), black_box(&sensed), black_box(driven)));
     });
-    tracking(print, TrackingMode::PhaseLock, "tracker, phase loop");
-    tracking(print, TrackingMode::Observer, "tracker, observer");
-    observing(print);
 }
 
 /// What follows the resonance, locked and under full drive.
-fn tracking(print: Print, mode: TrackingMode, name: &str) {
+fn tracking(print: Print, mode: TrackingMode, block_s: f32, name: &str) {
     let branch = Motional::of_capacitance(STACK.c0_f, STACK.series_resonance_hz);
-    let mut tracker = Tracker::build(&config(mode, 4, SAMPLES), BLOCK_S).expect("valid tracking");
+    let mut tracker = Tracker::build(&config(mode, 4, SAMPLES), block_s).expect("valid tracking");
     tracker.seed(&STACK, branch, NOISE_A);
     let follow = |tracker: &mut Tracker| {
         let (sensed, current, heard) = black_box(&(AT_RESONANCE, CURRENT, HEARD));
