@@ -6,7 +6,7 @@
 
 use heapless::Vec;
 
-use crate::identify::pole_fit::{Circuit, Pole, PoleFit, Solution, Solving};
+use crate::identify::pole_fit::{Circuit, Pole, PoleFit, Solution};
 use crate::identify::{Deviations, MOST_MODES};
 use crate::scan::spectrum::Spectrum;
 
@@ -193,15 +193,15 @@ impl ModeSearch {
     }
 
     fn solve(&mut self, iterations: u8) {
+        if !self.fit.solve() {
+            return;
+        }
         let hopeless = iterations <= ITERATIONS - PATIENCE && self.fit.variance() > BEGUN * self.found_variance;
-        match self.fit.solve() {
-            Solving::More => {}
-            Solving::Nothing => self.stage = Stage::Done,
-            Solving::Found(_) if hopeless => self.stage = Stage::Done,
-            Solving::Found(Solution { circuit, moved }) if iterations > 1 && moved > STANDS_STILL => {
-                self.begin(&circuit, iterations - 1);
-            }
-            Solving::Found(solution) => {
+        match self.fit.solution() {
+            None => self.stage = Stage::Done,
+            Some(_) if hopeless => self.stage = Stage::Done,
+            Some(Solution { circuit, moved }) if iterations > 1 && moved > STANDS_STILL => self.begin(&circuit, iterations - 1),
+            Some(solution) => {
                 self.deviations.clear();
                 self.fitted = solution.circuit;
                 self.stage = Stage::State { next: 0 };

@@ -52,22 +52,12 @@ pub struct PoleFit {
     /// What has been solved so far, and how many parts of the solution are done.
     unknowns: [Phasor; MOST],
     zeros: [Phasor; MOST_MODES],
+    determined: bool,
     solved: usize,
     /// The same of the deviations of a resonance.
     scatter: Scatter<MOST>,
     products: Products,
     scattered: usize,
-}
-
-/// What a block's worth of solving has come to.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Solving {
-    /// It takes more blocks.
-    More,
-    /// The lines do not determine the circuit, or it is no resonance.
-    Nothing,
-    /// The circuit.
-    Found(Solution),
 }
 
 /// What a fit has found.
@@ -90,6 +80,7 @@ impl PoleFit {
             triangle: Triangle::new(unknowns),
             unknowns: [NONE; MOST],
             zeros: [NONE; MOST_MODES],
+            determined: false,
             solved: 0,
             scatter: Scatter { pole: [NONE; MOST], strength: [NONE; MOST], y0: [NONE; MOST] },
             products: Products::default(),
@@ -131,24 +122,22 @@ impl PoleFit {
         self.triangle.add(row, i);
     }
 
-    /// What the lines say, as far as a block has time for.
-    pub fn solve(&mut self) -> Solving {
-        loop {
-            let part = self.solved;
-            self.solved += 1;
-            match part {
-                0 => match self.triangle.solve() {
-                    Some(unknowns) => self.begin_zeros(unknowns),
-                    None => return Solving::Nothing,
-                },
-                1..=STEPS => self.move_zeros(),
-                _ => return self.finish().map_or(Solving::Nothing, Solving::Found),
-            }
-            // A block has time for all that follows only where there is no more than one resonance.
-            if part == 0 || self.assumed.poles.len() > 1 {
-                return Solving::More;
-            }
+    /// Solves for what the lines say, as far as a block has time for. Returns whether there is a [solution](Self::solution) now, if any.
+    pub fn solve(&mut self) -> bool {
+        if self.solved == 0 {
+            self.solved = 1;
+            let unknowns = self.triangle.solve();
+            self.determined = unknowns.is_some();
+            self.begin_zeros(unknowns.unwrap_or_default());
+            return !self.determined;
         }
+        // A block has time for all steps only where there is no more than one resonance.
+        let steps = if self.assumed.poles.len() > 1 { 1 } else { STEPS };
+        if self.solved <= STEPS {
+            (0..steps).for_each(|_| self.move_zeros());
+            self.solved += steps;
+        }
+        self.solved > STEPS
     }
 
     fn begin_zeros(&mut self, unknowns: [Phasor; MOST]) {
@@ -171,7 +160,11 @@ impl PoleFit {
         }
     }
 
-    fn finish(&self) -> Option<Solution> {
+    /// What the lines say; `None` if they do not determine it, or if it is no resonance.
+    pub fn solution(&self) -> Option<Solution> {
+        if !self.determined {
+            return None;
+        }
         let of = |n: usize| CLAMPED + EACH * n;
         let (assumed, unknowns, zeros) = (&self.assumed, &self.unknowns, &self.zeros);
         let mut circuit = assumed.clone();
