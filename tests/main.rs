@@ -6,6 +6,7 @@ mod contact;
 mod drive;
 mod friction;
 mod motor;
+mod observer;
 mod processor_in_the_loop;
 mod scenes;
 mod tracking;

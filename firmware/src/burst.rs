@@ -22,7 +22,8 @@ use crate::burst::schedule::Schedule;
 use crate::config::{Burst as Config, Edge};
 use crate::error::{Error, in_range};
 use crate::nco::Stretch;
-use crate::shape::sine;
+use crate::phasor::Phasor;
+use crate::shape::sine::Steady;
 
 /// The longest soft edge, samples: its cosine has 2^32 steps a turn.
 const LONGEST_EDGE: f32 = (1 << 20) as f32;
@@ -181,6 +182,32 @@ impl Burst {
         }
     }
 
+    /// Goes along the edge for some samples, up where the gate is open, and stays at its end. Returns how far it has come.
+    ///
+    /// The level is `(1 - cos(x)) / 2 = sin^2(x / 2)`, whose sine is swung; down, it is that of `-x`.
+    fn rise(&mut self, open: bool, edge: u32, samples: usize) -> u32 {
+        let half_angle = u64::from(self.half_turn_step * self.ramp) << 31;
+        let word = u64::from(self.half_turn_step) << 31;
+        let (start, room, end) =
+            if open { (half_angle, edge - self.ramp, 1.0) } else { (half_angle.wrapping_neg(), self.ramp, 0.0) };
+        let moving = samples.min(room as usize);
+        let mut sine = Steady::new(&Stretch { phase: start.wrapping_add(word), word, step: 0 }).swing(Phasor::new(1.0, 0.0));
+        for _ in 0..moving {
+            let half = sine.take();
+            let level = half * half;
+            // There is room for as many samples as a block can have. Rounding may not make it louder than one.
+            let _ = self.levels.push(if level < 1.0 { level } else { 1.0 });
+        }
+        if moving == room as usize {
+            if let Some(last) = self.levels.last_mut().filter(|_| moving > 0) {
+                *last = end;
+            }
+            self.levels.extend((moving..samples).map(|_| end));
+        }
+        self.ramp = if open { self.ramp + moving as u32 } else { self.ramp - moving as u32 };
+        self.ramp
+    }
+
     /// The envelope of some samples of a block, during which the gate does not change.
     fn span(&mut self, open: bool, brake: bool, stretch: &Stretch, span: Range<usize>) {
         let brake = self.brake.filter(|_| brake);
@@ -188,15 +215,7 @@ impl Burst {
         match self.edge {
             // Up to the last moment before a brake, the drive stays.
             Some(edge) if !braking && (brake.is_none() || self.ramp < edge) => {
-                let levels = &mut self.levels;
-                let (mut ramp, step) = (self.ramp, self.half_turn_step);
-                for _ in 0..span.len() {
-                    ramp = if open { (ramp + 1).min(edge) } else { ramp.saturating_sub(1) };
-                    let whole = sine::rotation(u64::from(step * ramp) << 32).re;
-                    // There is room for as many samples as a block can have.
-                    let _ = levels.push(if ramp == edge { 1.0 } else { 0.5 - 0.5 * whole });
-                }
-                self.ramp = ramp;
+                let ramp = self.rise(open, edge, span.len());
                 self.falling = falling(stretch.phase_at(span.end - 1));
                 self.state = if ramp == 0 { State::Closed } else { State::Open { falling: self.falling } };
             }

@@ -87,6 +87,8 @@ pub struct Controller {
     tracker: Tracker,
     amplitude: AmplitudeLoop,
     transducer: Option<Transducer>,
+    /// The block in which that was learned.
+    learned: u64,
 }
 
 impl Controller {
@@ -134,6 +136,7 @@ impl Controller {
             tracker: Tracker::build(config, block_s)?,
             amplitude: AmplitudeLoop::build(config, block_s)?,
             transducer: None,
+            learned: 0,
             sweep,
         })
     }
@@ -160,6 +163,10 @@ impl Controller {
         self.supervisor.advance(orders, plan.progress, self.acquisition());
 
         self.played[slot] = self.play(orders, &plan, drive);
+        // An edge takes all the time that there is.
+        if self.played[slot].flat {
+            self.learn_on();
+        }
         self.block += 1;
         self.report(orders, &plan, slot, sensed, motional_current)
     }
@@ -233,7 +240,7 @@ impl Controller {
         let following = matches!(mode, Mode::Lock | Mode::Run);
         let limit = match following {
             true if self.amplitude.limited() => Some(Limit::OverVoltageRequest),
-            true if self.tracker.limited() || self.detune(orders).1 => Some(Limit::FrequencyWindow),
+            true if self.tracker.limited() || plan.limited => Some(Limit::FrequencyWindow),
             true if self.phasing.quadrature(orders.quadrature).1 => Some(Limit::QuadratureRequest),
             true if self.tracker.state() == State::Unheard => Some(Limit::NotTracking),
             _ => None,

@@ -4,6 +4,7 @@
 //! [`ring_up`]: one resonance from the first moments of a burst. [`triangle`]: the least squares that both use.
 
 pub mod choice;
+pub mod circuit;
 pub mod mode_search;
 pub mod pole_fit;
 pub mod ring_up;

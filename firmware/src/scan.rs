@@ -68,7 +68,6 @@ enum Stage {
 /// The scan, in progress.
 #[derive(Clone, Debug)]
 pub struct Scan {
-    told: Told,
     /// The clamped capacitance, as told.
     bare: Circuit,
     nominal_hz: f32,
@@ -114,7 +113,6 @@ impl Scan {
         };
         let spectrum = whole.spectrum(block_s);
         let mut scan = Scan {
-            told,
             search: ModeSearch::new(&told, bare.clone(), 1, 1),
             bare,
             nominal_hz,
@@ -155,7 +153,7 @@ impl Scan {
             Stage::Window(part) => {
                 if self.sweep(convert, sense) {
                     let (blocks, samples) = self.heard();
-                    self.search = ModeSearch::new(&self.told, self.bare.clone(), blocks, samples);
+                    self.search.restart(&self.bare, blocks, samples);
                     self.begin(Stage::Search(part));
                 }
                 self.tune()
@@ -173,12 +171,15 @@ impl Scan {
             }
             Stage::Fine => {
                 if self.sweep(convert, sense) {
-                    self.begin_fit();
+                    self.begin(Stage::Fit);
                 }
                 self.tune()
             }
             Stage::Fit => {
-                if self.search.step(&self.spectrum) {
+                // The last block of the sweep had enough to do.
+                if self.blocks == 1 {
+                    self.begin_fit();
+                } else if self.search.step(&self.spectrum) {
                     return self.take_fit();
                 }
                 self.tune()
@@ -293,8 +294,7 @@ impl Scan {
             let _ = if inside { circuit.poles.push(*pole) } else { circuit.known.push(*pole) };
         }
         let (blocks, samples) = self.heard();
-        self.search = ModeSearch::again(&self.told, circuit, blocks, samples);
-        self.begin(Stage::Fit);
+        self.search.again(&circuit, blocks, samples);
     }
 
     /// Takes the fit of the fine pass.

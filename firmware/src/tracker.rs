@@ -5,11 +5,13 @@
 //! believe that. The motional phase, of which the observer knows nothing, is also the judge of the observer. In between the tracker decides
 //! when there is any phase to hear: not while the envelope is at an edge or the stack rings up, and not when it does not ring at all.
 
+pub mod compare;
 pub mod identified;
 pub mod lock_detector;
 pub mod observed;
 pub mod observer;
 pub mod phase_loop;
+pub mod prior;
 
 use crate::config::{Config, TrackingMode};
 use crate::demod::Sensed;
@@ -102,7 +104,7 @@ pub struct Tracker {
     /// Blocks under drive since anything was heard, and how many that may be.
     unheard_blocks: u32,
     unheard_limit: u32,
-    /// Blocks since it was seeded, and how many a lock may take.
+    /// Blocks since it was seeded, and how many a lock may take; without an observer, which counts for itself.
     blocks: u32,
     timeout_blocks: u32,
 }
@@ -171,9 +173,9 @@ impl Tracker {
         next
     }
 
-    /// Whether an observer is sure of its resonance, and the phase, as far as it was heard, agrees.
+    /// Whether an observer is sure of its resonance, and nothing speaks against it.
     pub fn is_sure(&self) -> bool {
-        self.lock.agrees() && self.observed.as_ref().is_some_and(Observed::is_sure)
+        self.observed.as_ref().is_some_and(Observed::is_sure)
     }
 
     /// What the observer knows of the transducer by now.
@@ -236,11 +238,13 @@ impl Tracker {
     /// zero, which is zero where nothing was heard.
     pub fn follow(&mut self, sensed: &Sensed, motional_current: Phasor, at_lock_point: Phasor, heard: &Heard) -> Turns {
         let Some(detector) = self.detector else { return Turns(0.0) };
-        self.blocks = self.blocks.saturating_add(1);
         self.unheard_blocks = self.unheard_blocks.saturating_add(heard.driven.into());
         self.on_blocks = if heard.on { self.on_blocks.saturating_add(1) } else { 0 };
+        let fits = self.lock.agrees() && !self.limited();
         if let Some(observed) = &mut self.observed {
-            observed.follow(motional_current, sensed.v, heard);
+            observed.follow(motional_current, sensed.v, heard, fits);
+        } else {
+            self.blocks = self.blocks.saturating_add(1);
         }
         if self.on_blocks <= self.ring_up_blocks || !heard.on {
             self.phase_loop.hold();
@@ -275,7 +279,7 @@ impl Tracker {
     pub fn state(&self) -> State {
         let locked = if self.unheard_blocks > self.unheard_limit { State::Unheard } else { State::Locked };
         match (&self.observed, self.lock.state()) {
-            (Some(observed), Lock::Lost) if observed.is_sure() && !self.limited() => State::Disagree,
+            (Some(observed), Lock::Lost) if observed.is_confident() && !self.limited() => State::Disagree,
             (Some(_), Lock::Lost) | (None, Lock::Lost) => State::Lost,
             (Some(observed), _) if observed.locked() => locked,
             (Some(observed), _) if observed.timed_out() => State::TimedOut,

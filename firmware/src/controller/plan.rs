@@ -33,11 +33,14 @@ pub(super) struct Plan {
     pub(super) listen: u8,
     /// Phase that is driven to zero.
     pub(super) phase: Turns,
+    /// The window has limited what the order asks for.
+    pub(super) limited: bool,
     pub(super) progress: Progress,
 }
 
 impl Plan {
-    const SILENT: Plan = Plan { volts: 0.0, gate: Gate::Off, listen: 0, phase: Turns(0.0), progress: Progress::Busy };
+    const SILENT: Plan =
+        Plan { volts: 0.0, gate: Gate::Off, listen: 0, phase: Turns(0.0), limited: false, progress: Progress::Busy };
 
     fn tone(volts: f32) -> Self {
         Plan { volts, gate: Gate::On, ..Plan::SILENT }
@@ -182,18 +185,21 @@ impl Controller {
         self.transducer = Some(transducer);
     }
 
-    /// Takes what the observer knows of the transducer: when it has locked, and while it is sure.
-    fn learn(&mut self, motional_current: f32) {
-        if !self.tracker.is_sure() || (self.transducer.is_some() && !self.block.is_multiple_of(LEARN_BLOCKS)) {
-            return;
-        }
-        let Some(transducer) = self.tracker.identify() else { return };
+    /// Takes what the observer knows of the transducer, which is sure of it.
+    fn learn(&mut self) -> Option<Transducer> {
+        let transducer = self.tracker.identify()?;
         self.tracker.set_resonance(&transducer);
         self.online.set_resonance(transducer.series_resonance_hz, transducer.q);
-        if self.transducer.is_none() {
-            self.amplitude.seed(&transducer, motional_current);
+        (self.transducer, self.learned) = (Some(transducer), self.block);
+        Some(transducer)
+    }
+
+    /// The same again, now and then.
+    pub(super) fn learn_on(&mut self) {
+        let following = matches!(self.supervisor.mode(), Mode::Lock | Mode::Run);
+        if following && self.transducer.is_some() && self.block - self.learned >= LEARN_BLOCKS && self.tracker.is_sure() {
+            self.learn();
         }
-        self.transducer = Some(transducer);
     }
 
     /// Measures the clamped capacitance anew, where it may drift, by small steps of a drive that is otherwise left alone.
@@ -229,9 +235,15 @@ impl Controller {
         };
         let at_lock_point = self.tracker.at_lock_point(motional, played.detune_hz);
         let phase = self.tracker.follow(sensed, motional, at_lock_point, &heard);
-        self.learn(magnitude(motional));
+        if self.transducer.is_none()
+            && self.tracker.is_sure()
+            && let Some(transducer) = self.learn()
+        {
+            self.amplitude.seed(&transducer, magnitude(motional));
+        }
         self.probe(orders, sensed, played);
-        self.sweep.hold.retune(self.detune(orders).0);
+        let (offset_hz, limited) = self.detune(orders);
+        self.sweep.hold.retune(offset_hz);
         // An edge is never quite one, whatever its mean rounds to.
         let envelope = if played.flat { played.envelope } else { played.envelope.min(0.999) };
         // Before the order's own amplitude: what rings was driven by the one before.
@@ -245,12 +257,12 @@ impl Controller {
             () if self.burst.is_ending(orders.gate) => self.braked_volts,
             () => self.amplitude.volts(),
         };
-        Plan { volts, gate: orders.gate, listen: 0, phase, progress: self.lock_progress() }
+        Plan { volts, gate: orders.gate, listen: 0, phase, limited, progress: self.lock_progress() }
     }
 
     /// Where to drive, as an offset from the nominal frequency, Hz, and whether the order had to be limited. Only what runs is moved
     /// away from the resonance.
-    pub(super) fn detune(&self, orders: &Orders) -> (f32, bool) {
+    fn detune(&self, orders: &Orders) -> (f32, bool) {
         let window = self.tracker.window_hz();
         let asked = if self.supervisor.mode() == Mode::Run && orders.detune.0.is_finite() { orders.detune.0 } else { 0.0 };
         let offset = if self.tracker.tracks() { self.tracker.offset_hz() } else { 0.0 };

@@ -37,14 +37,24 @@ enum Stage {
         sum: f32,
         largest: f32,
     },
+    /// Assumes one more resonance, at this line.
+    Assume {
+        line: usize,
+    },
     /// So many iterations are left.
     Fit {
+        iterations: u8,
+    },
+    /// Solves what has been gathered.
+    Solve {
         iterations: u8,
     },
     /// States the deviations of what has been fitted, one resonance after the other.
     State {
         next: usize,
     },
+    /// Keeps all of it, if it explains enough.
+    Keep,
     Done,
 }
 
@@ -52,7 +62,8 @@ enum Stage {
 #[derive(Clone, Debug)]
 pub struct ModeSearch {
     told_q: f32,
-    noise_ohm: f32,
+    /// Noise of a sample's current that needs no explanation, A.
+    amperes: f32,
     /// Variance of a line's current that needs no explanation, A^2.
     unexplained: f32,
     most: usize,
@@ -79,40 +90,53 @@ pub struct Told {
 impl ModeSearch {
     /// A search from scratch, by a bare capacitance. `samples` are all that the spectrum has heard, in `blocks`.
     pub fn new(told: &Told, bare: Circuit, blocks: u32, samples: u32) -> Self {
-        let mut search = ModeSearch::again(told, bare, blocks, samples);
-        search.most = MOST_MODES;
-        search.stage = Stage::Seek { best: (0.0, 0), sum: 0.0, largest: 0.0 };
+        let mut search = ModeSearch {
+            told_q: told.q,
+            amperes: NOISE_STEPS * told.steps.1,
+            unexplained: 0.0,
+            most: 0,
+            stage: Stage::Done,
+            line: 0,
+            fit: PoleFit::new(bare.clone(), told.steps.0 / told.steps.1),
+            fitted: Circuit::default(),
+            deviations: Vec::new(),
+            found: Circuit::default(),
+            found_deviations: Vec::new(),
+            found_variance: f32::INFINITY,
+        };
+        search.restart(&bare, blocks, samples);
         search
     }
 
+    /// Begins again from scratch.
+    pub fn restart(&mut self, bare: &Circuit, blocks: u32, samples: u32) {
+        self.again(bare, blocks, samples);
+        self.most = MOST_MODES;
+        self.stage = Stage::Seek { best: (0.0, 0), sum: 0.0, largest: 0.0 };
+    }
+
     /// Fits anew what another spectrum has shown.
-    pub fn again(told: &Told, found: Circuit, blocks: u32, samples: u32) -> Self {
-        let noise_ohm = told.steps.0 / told.steps.1;
-        let amperes = NOISE_STEPS * told.steps.1;
+    pub fn again(&mut self, found: &Circuit, blocks: u32, samples: u32) {
         // Of noise of variance s^2, a sum of B phasors of N samples each has 4 B s^2 / N.
-        let unexplained = 4.0 * amperes * amperes * (blocks as f32) * (blocks as f32) / samples.max(1) as f32;
-        ModeSearch {
-            told_q: told.q,
-            noise_ohm,
-            unexplained,
-            most: found.poles.len(),
-            stage: Stage::Fit { iterations: ITERATIONS },
-            line: 0,
-            fit: PoleFit::new(found.clone(), noise_ohm),
-            fitted: Circuit::default(),
-            deviations: Vec::new(),
-            found: Circuit { poles: Vec::new(), ..found },
-            found_deviations: Vec::new(),
-            found_variance: f32::INFINITY,
-        }
+        self.unexplained = 4.0 * self.amperes * self.amperes * (blocks as f32) * (blocks as f32) / samples.max(1) as f32;
+        self.most = found.poles.len();
+        self.begin(found, ITERATIONS);
+        self.found.clone_from(found);
+        self.found.poles.clear();
+        self.deviations.clear();
+        self.found_deviations.clear();
+        self.found_variance = f32::INFINITY;
     }
 
     /// Does a block's worth of it. Returns whether it is over.
     pub fn step(&mut self, spectrum: &Spectrum) -> bool {
         match &self.stage {
             &Stage::Seek { best, sum, largest } => self.seek(spectrum, best, sum, largest),
+            &Stage::Assume { line } => self.assume(spectrum, line),
             &Stage::Fit { iterations } => self.fit(spectrum, iterations),
+            &Stage::Solve { iterations } => self.solve(iterations),
             &Stage::State { next } => self.state(next, spectrum),
+            Stage::Keep => self.keep(),
             Stage::Done => {}
         }
         self.stage == Stage::Done
@@ -138,18 +162,22 @@ impl ModeSearch {
         let shows = self.found_variance > unexplained || best.0 > unexplained.max(STANDS_OUT * others);
         self.stage = Stage::Done;
         if self.found.poles.len() < self.most && shows {
-            let offset_hz = spectrum.offset_hz(best.1);
-            // As it was told, or as wide as two lines, whichever is less sharp.
-            let q = self.told_q.min(0.5 * (self.found.nominal_hz + offset_hz) / spectrum.spacing_hz());
-            let mut assumed = self.found.clone();
-            // There is room: there are less than the most.
-            let _ = assumed.poles.push(Pole { offset_hz, q, ..Pole::default() });
-            self.begin(assumed, ITERATIONS);
+            self.stage = Stage::Assume { line: best.1 };
         }
     }
 
-    fn begin(&mut self, assumed: Circuit, iterations: u8) {
-        self.fit = PoleFit::new(assumed, self.noise_ohm);
+    fn assume(&mut self, spectrum: &Spectrum, line: usize) {
+        let offset_hz = spectrum.offset_hz(line);
+        // As it was told, or as wide as two lines, whichever is less sharp.
+        let q = self.told_q.min(0.5 * (self.found.nominal_hz + offset_hz) / spectrum.spacing_hz());
+        let mut assumed = self.found.clone();
+        // There is room: there are less than the most.
+        let _ = assumed.poles.push(Pole { offset_hz, q, ..Pole::default() });
+        self.begin(&assumed, ITERATIONS);
+    }
+
+    fn begin(&mut self, assumed: &Circuit, iterations: u8) {
+        self.fit.restart(assumed);
         self.line = 0;
         self.stage = Stage::Fit { iterations };
     }
@@ -161,11 +189,18 @@ impl ModeSearch {
         if self.line < spectrum.lines() {
             return;
         }
+        self.stage = Stage::Solve { iterations };
+    }
+
+    fn solve(&mut self, iterations: u8) {
+        if !self.fit.solve() {
+            return;
+        }
         let hopeless = iterations <= ITERATIONS - PATIENCE && self.fit.variance() > BEGUN * self.found_variance;
-        match self.fit.solve() {
+        match self.fit.solution() {
             None => self.stage = Stage::Done,
             Some(_) if hopeless => self.stage = Stage::Done,
-            Some(Solution { circuit, moved }) if iterations > 1 && moved > STANDS_STILL => self.begin(circuit, iterations - 1),
+            Some(Solution { circuit, moved }) if iterations > 1 && moved > STANDS_STILL => self.begin(&circuit, iterations - 1),
             Some(solution) => {
                 self.deviations.clear();
                 self.fitted = solution.circuit;
@@ -175,7 +210,7 @@ impl ModeSearch {
     }
 
     fn state(&mut self, next: usize, spectrum: &Spectrum) {
-        let deviations = self.fit.deviations(&self.fitted, next);
+        let Some(deviations) = self.fit.deviations(&self.fitted, next) else { return };
         let lm_h = self.fitted.transducer(next).lm_h;
         let reach_hz = 0.5 * spectrum.lines() as f32 * spectrum.spacing_hz();
         let beside_hz = (self.fitted.poles[next].offset_hz - spectrum.centre_hz()).abs();
@@ -187,7 +222,7 @@ impl ModeSearch {
         } else if next + 1 < count {
             self.stage = Stage::State { next: next + 1 };
         } else {
-            self.keep();
+            self.stage = Stage::Keep;
         }
     }
 

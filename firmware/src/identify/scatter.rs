@@ -21,6 +21,34 @@ pub struct Scatter<const N: usize> {
 impl<const N: usize> Scatter<N> {
     /// The deviations of a circuit.
     pub fn deviations(&self, t: &Transducer) -> Deviations {
+        self.products().deviations(t)
+    }
+
+    /// What the parts of these three have in common.
+    pub fn products(&self) -> Products {
+        let product = |x: &[Phasor; N], y: &[Phasor; N]| x.iter().zip(y).map(|(x, y)| x * y.conj()).sum::<Phasor>();
+        let square = |x: &[Phasor; N]| x.iter().map(|x| x.norm_sqr()).sum::<f32>();
+        Products {
+            squares: [square(&self.pole), square(&self.strength), square(&self.y0)],
+            pole_strength: product(&self.pole, &self.strength),
+            pole_y0: product(&self.pole, &self.y0),
+            strength_y0: product(&self.strength, &self.y0),
+        }
+    }
+}
+
+/// `sum x y*` over the parts of each two of the three.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Products {
+    squares: [f32; 3],
+    pole_strength: Phasor,
+    pole_y0: Phasor,
+    strength_y0: Phasor,
+}
+
+impl Products {
+    /// The deviations of a circuit.
+    pub fn deviations(&self, t: &Transducer) -> Deviations {
         // Relative changes, as the factors of those three.
         let series = [Phasor::new(0.5, 0.0), NONE, NONE];
         let q = [J * t.q, NONE, NONE];
@@ -43,8 +71,14 @@ impl<const N: usize> Scatter<N> {
         }
     }
 
+    /// Deviation of what follows from the three by these factors: the parts need not be gone through for each number.
     fn of(&self, by: [Phasor; 3]) -> f32 {
-        let parts = self.pole.iter().zip(&self.strength).zip(&self.y0);
-        libm::sqrtf(0.5 * parts.map(|((p, g), y)| (p * by[0] + g * by[1] + y * by[2]).norm_sqr()).sum::<f32>())
+        let [p, g, y] = by;
+        let squares = [p, g, y].iter().zip(self.squares).map(|(by, square)| by.norm_sqr() * square).sum::<f32>();
+        let crossed = |x: Phasor, y: Phasor, product: Phasor| (x * y.conj() * product).re;
+        let both = crossed(p, g, self.pole_strength) + crossed(p, y, self.pole_y0) + crossed(g, y, self.strength_y0);
+        let variance = 0.5 * squares + both;
+        // Rounding may leave less than nothing.
+        if variance > 0.0 { libm::sqrtf(variance) } else { 0.0 }
     }
 }

@@ -33,6 +33,16 @@ impl<const N: usize> Triangle<N> {
         Triangle { unknowns, rows, right, left: 0.0, count: 0, row: none, row_right: Phasor::default(), pivot: unknowns }
     }
 
+    /// Empties it, for so many unknowns.
+    pub fn restart(&mut self, unknowns: usize) {
+        self.unknowns = unknowns.min(N);
+        for row in &mut self.rows[..self.unknowns] {
+            row[..self.unknowns].fill(Phasor::default());
+        }
+        self.right[..self.unknowns].fill(Phasor::default());
+        (self.left, self.count, self.pivot) = (0.0, 0, self.unknowns);
+    }
+
     /// Whether no row is being folded in.
     pub fn is_idle(&self) -> bool {
         self.pivot == self.unknowns

@@ -20,6 +20,8 @@ const INNER: (f32, f32) = (0.087_488_66, 1e-4);
 const DOUBT: (u32, u32) = (16, 96);
 /// The phase loop leads until the doubt is down to this.
 const TRUSTED: u32 = 8;
+/// So many times below the Q that was told, which may be wrong by two and loaded by a few, there is nothing left to lock to.
+const LEAST_Q: f32 = 10.0;
 /// Blocks that the observer may take to lock.
 const TIMEOUT: u32 = 128;
 /// A lock that was lost sooner than this, in blocks, is not sought the same way again.
@@ -45,6 +47,9 @@ pub enum Seek {
 pub struct Observed {
     observer: Observer,
     nominal_hz: f32,
+    /// [`WORTH`] and [`INNER`] of it, Hz.
+    worth_hz: f32,
+    inner_hz: f32,
     prior: Prior,
     seek: Seek,
     shown_hz: f32,
@@ -55,6 +60,11 @@ pub struct Observed {
     opened: u32,
     doubt: u32,
     doubted: bool,
+    confident: bool,
+    /// The last block was of a sine.
+    pure: bool,
+    /// Damping of the least Q that may be locked to, 1/s.
+    most_damping: f32,
 }
 
 impl Observed {
@@ -64,6 +74,8 @@ impl Observed {
         Observed {
             observer: Observer::new(nominal_hz, block_s),
             nominal_hz,
+            worth_hz: WORTH * nominal_hz,
+            inner_hz: INNER.1 * nominal_hz,
             prior,
             seek: Seek::Scan,
             shown_hz: 0.0,
@@ -73,6 +85,9 @@ impl Observed {
             opened: 0,
             doubt: 0,
             doubted: false,
+            confident: false,
+            pure: true,
+            most_damping: f32::INFINITY,
         }
     }
 
@@ -80,6 +95,7 @@ impl Observed {
     pub fn start(&mut self, prior: &Prior, seek: Seek) {
         self.observer.start(prior);
         (self.seek, self.shown_hz) = (seek, prior.offset_hz.0);
+        self.most_damping = LEAST_Q * core::f32::consts::PI * self.nominal_hz / prior.q;
         if matches!(seek, Seek::Window | Seek::Anew) {
             self.prior = *prior;
         }
@@ -117,28 +133,37 @@ impl Observed {
         (self.seek, self.locked, self.inside) = (Seek::Scan, false, 0);
     }
 
-    /// Follows one block.
+    /// Follows one block. `fits`: neither the motional phase, as far as it was heard, nor the window speaks against a lock.
     #[inline]
-    pub fn follow(&mut self, motional_current: Phasor, v: Phasor, heard: &Heard) {
+    pub fn follow(&mut self, motional_current: Phasor, v: Phasor, heard: &Heard, fits: bool) {
+        self.pure = heard.pure;
         let steady_v = heard.envelope.filter(|_| heard.pure).map(|envelope| heard.volts * envelope);
         self.observer.follow(motional_current, v, Played { offset_hz: heard.offset_hz, steady_v });
         self.blocks = self.blocks.saturating_add(heard.driven.into());
-        if self.observer.is_within(WORTH * self.nominal_hz) {
+        if self.observer.is_within(self.worth_hz) {
             self.shown_hz = self.observer.ahead_hz();
         }
         let opened = self.observer.opened();
-        self.doubt = if opened == self.opened { self.doubt.saturating_sub(1) } else { self.doubt + DOUBT.0 };
-        self.opened = opened;
-        let limit = if self.doubted { TRUSTED } else { DOUBT.1 };
-        self.doubted = self.doubt > limit || !heard.pure;
-        let within = self.observer.is_as_good_as(INNER.0, INNER.1 * self.nominal_hz) && !self.doubted;
+        // Without a doubt nothing changes.
+        if opened != self.opened || self.doubt > 0 {
+            self.doubt = if opened == self.opened { self.doubt - 1 } else { self.doubt + DOUBT.0 };
+            self.opened = opened;
+            self.doubted = self.doubt > if self.doubted { TRUSTED } else { DOUBT.1 };
+        }
+        self.confident = self.leads() && self.observer.is_as_good_as(INNER.0, self.inner_hz);
+        let within = self.confident && fits && self.observer.damping() < self.most_damping;
         self.inside = if within { self.inside.saturating_add(heard.driven.into()) } else { 0 };
         self.locked |= self.inside >= LOCK_BLOCKS;
     }
 
     /// The frequency to drive, as an offset from the nominal one, Hz; `None` where the phase loop is to lead.
     pub fn offset_hz(&self) -> Option<f32> {
-        (!self.doubted).then_some(self.shown_hz)
+        self.leads().then_some(self.shown_hz)
+    }
+
+    /// It leads, not the phase loop.
+    fn leads(&self) -> bool {
+        self.pure && !self.doubted
     }
 
     /// It has locked.
@@ -146,7 +171,12 @@ impl Observed {
         self.locked
     }
 
-    /// It is sure of itself.
+    /// It is sure of itself, whatever else speaks against it.
+    pub fn is_confident(&self) -> bool {
+        self.confident
+    }
+
+    /// It is sure of itself, and has been for some blocks in which nothing spoke against it.
     pub fn is_sure(&self) -> bool {
         self.inside >= LOCK_BLOCKS
     }

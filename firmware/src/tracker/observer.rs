@@ -30,6 +30,8 @@
 
 use crate::phasor::Phasor;
 use crate::shape::sine;
+use crate::tracker::compare::{larger, smaller};
+pub use crate::tracker::prior::Prior;
 
 const TAU: f32 = core::f32::consts::TAU;
 /// 2^32 as a number.
@@ -118,21 +120,6 @@ struct Covariance {
     pole: f32,
     pole_strength: Phasor,
     strength: f32,
-}
-
-/// What is known before the start.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Prior {
-    /// Offset from the nominal frequency, Hz, and how far off that may be.
-    pub offset_hz: (f32, f32),
-    /// Quality factor, within a factor of two.
-    pub q: f32,
-    /// Motional inductance, H.
-    pub lm_h: f32,
-    /// Direction of the motional admittance at resonance.
-    pub axis: Phasor,
-    /// Rms of a block's motional current by noise, A, both components.
-    pub noise_a: f32,
 }
 
 impl Observer {
@@ -238,8 +225,10 @@ impl Observer {
             let weight = dot(gain_pole.conj(), per_pole).clamp(0.0, 1.0);
             self.rate += RATE * weight * correction.im;
         }
+        // What is no number goes to the lower end.
+        let within = |x: f32, least: f32, most: f32| smaller(larger(x, least), most);
         self.pole =
-            Phasor::new(self.pole.re.clamp(DAMPING.0, DAMPING.1), (self.pole.im + self.rate).clamp(-self.window, self.window));
+            Phasor::new(within(self.pole.re, DAMPING.0, DAMPING.1), within(self.pole.im + self.rate, -self.window, self.window));
     }
 
     /// `exp((-alpha + j (w0 - w)) T / 2)` at a drive `offset_hz` beside the nominal frequency.
@@ -291,16 +280,20 @@ impl Observer {
     }
 
     /// Whether the deviation of the resonance is below `hz`.
+    #[inline]
     pub fn is_within(&self, hz: f32) -> bool {
-        let bound = self.radian_per_hz * hz;
-        self.covariance.pole < 2.0 * bound * bound
+        self.is_within_radians(self.radian_per_hz * hz)
     }
 
     /// Whether the deviation is below `phase` radians of the resonance's own phase, or below `hz`, if that is more.
     #[inline]
     pub fn is_as_good_as(&self, phase: f32, hz: f32) -> bool {
         // A detuning of `alpha` turns it by 45 degrees; `-pole.re` is `alpha T`.
-        let bound = larger(-self.pole.re * phase, self.radian_per_hz * hz);
+        self.is_within_radians(larger(-self.pole.re * phase, self.radian_per_hz * hz))
+    }
+
+    #[inline]
+    fn is_within_radians(&self, bound: f32) -> bool {
         self.covariance.pole < 2.0 * bound * bound
     }
 
@@ -323,12 +316,6 @@ impl Observer {
     pub fn opened(&self) -> u32 {
         self.opened
     }
-}
-
-/// The larger of two numbers; the second where the first is none. `f32::max` is a call on the target, which in a block counts.
-#[inline]
-pub(super) fn larger(x: f32, y: f32) -> f32 {
-    if x > y { x } else { y }
 }
 
 /// Real part of `x` times the conjugate of `y`.

@@ -7,6 +7,7 @@
 use crate::config::Tracking;
 use crate::error::{Error, in_range};
 use crate::phasor::{Phasor, argument};
+use crate::tracker::compare::{larger, smaller};
 use crate::units::Turns;
 
 /// The loop.
@@ -60,7 +61,7 @@ impl PhaseLoop {
 
     /// Goes along with who leads, so that it could take over at any time, and returns one block's phase error.
     pub fn accompany(&mut self, error: Phasor, offset_hz: f32) -> Turns {
-        self.integral_hz = offset_hz.clamp(-self.window_hz, self.window_hz);
+        self.integral_hz = smaller(larger(offset_hz, -self.window_hz), self.window_hz);
         self.offset_hz = self.integral_hz;
         argument(error)
     }

@@ -6,6 +6,9 @@
 use super::target::{Counted, find};
 use super::{Row, Trouble};
 
+/// Cycles of a block: nothing may take more instructions.
+const BLOCK: f64 = 5440.0;
+
 /// A bound.
 pub struct Bound {
     /// What is bounded: group and kernel, as counted; of several, the sum.
@@ -55,31 +58,58 @@ const fn aiming(of: &'static [(&'static str, &'static str)], name: &'static str,
 }
 
 /// Every bound. Half a step of a 14-bit converter is 6.1e-5 of its half range.
-pub const BUDGET: [Bound; 14] = [
+pub const BUDGET: [Bound; 25] = [
     bound(
-        &[("stage", "sine, four lanes"), ("stage", "lock-in"), ("stage", "tracker")],
+        &[("stage", "sine, four lanes"), ("stage", "lock-in"), ("stage", "tracker, observer")],
         "sine on four lanes, lock-in and tracker",
         Unit::Sample,
         100.0,
     ),
     bound(
-        &[("stage", "sine, one lane"), ("stage", "lock-in"), ("stage", "tracker")],
+        &[("stage", "sine, one lane"), ("stage", "lock-in"), ("stage", "tracker, observer")],
         "sine on one lane, lock-in and tracker",
         Unit::Sample,
         60.0,
     ),
-    aiming(&[("process", "four lanes, run")], "the whole controller, four lanes, tracked, ON", Unit::Sample, 112.0, 100.0),
-    aiming(&[("process", "one lane, run")], "the whole controller, one lane, tracked, ON", Unit::Sample, 81.0, 60.0),
-    bound(&[("process", "four lanes, run, 64 samples a block")], "the same in blocks of 64, four lanes", Unit::Sample, 78.0),
-    bound(&[("process", "one lane, run, 64 samples a block")], "the same in blocks of 64, one lane", Unit::Sample, 51.0),
+    aiming(&[("process", "four lanes, run")], "the whole controller, four lanes, tracked, ON", Unit::Sample, 131.0, 100.0),
+    aiming(&[("process", "one lane, run")], "the whole controller, one lane, tracked, ON", Unit::Sample, 99.0, 60.0),
+    aiming(
+        &[("process", "four lanes, run, 64 samples a block")],
+        "the same in blocks of 64, four lanes",
+        Unit::Sample,
+        88.0,
+        78.0,
+    ),
+    aiming(&[("process", "one lane, run, 64 samples a block")], "the same in blocks of 64, one lane", Unit::Sample, 61.0, 51.0),
+    bound(&[("process", "four lanes, phase loop, run")], "the whole controller, four lanes, phase loop, ON", Unit::Sample, 119.0),
+    bound(&[("process", "one lane, phase loop, run")], "the whole controller, one lane, phase loop, ON", Unit::Sample, 88.0),
     bound(&[("generator", "firmware rotation")], "sine and cosine of the controller", Unit::Sample, 24.0),
     bound(&[("generator", "firmware rotation")], "error of the same", Unit::Error, 3.2e-5),
     bound(&[("stage", "lock-in")], "lock-in of voltage and current", Unit::Sample, 27.0),
     bound(&[("stage", "guard")], "guard", Unit::Sample, 5.0),
-    bound(&[("stage", "tracker")], "tracker", Unit::Sample, 7.0),
-    bound(&[("worst block", "one lane, run")], "worst block ON, one lane", Unit::Block, 2650.0),
-    bound(&[("worst block", "four lanes, run")], "worst block ON, four lanes", Unit::Block, 3650.0),
-    bound(&[("worst block", "four lanes, run at an edge")], "worst block at an edge, four lanes", Unit::Block, 5440.0),
+    aiming(&[("stage", "tracker, observer")], "tracker, led by the observer", Unit::Sample, 16.6, 10.0),
+    bound(&[("stage", "tracker, observer, 64 samples a block")], "the same in blocks of 64", Unit::Sample, 10.0),
+    bound(&[("stage", "observer alone")], "the observer of it", Unit::Sample, 10.5),
+    bound(&[("stage", "tracker, phase loop")], "tracker, led by the phase loop", Unit::Sample, 7.0),
+    bound(&[("worst block", "one lane, run")], "worst block ON, one lane", Unit::Block, 3850.0),
+    bound(&[("worst block", "four lanes, run")], "worst block ON, four lanes", Unit::Block, 4850.0),
+    bound(&[("worst block", "four lanes, run at an edge")], "worst block at an edge, four lanes", Unit::Block, BLOCK),
+    bound(&[("worst block", "four lanes, self-test")], "worst block of the self-test, four lanes", Unit::Block, BLOCK),
+    bound(&[("worst block", "four lanes, clamped branch")], "worst block of the clamped branch, four lanes", Unit::Block, BLOCK),
+    bound(&[("worst block", "four lanes, lock")], "worst block until the lock, four lanes", Unit::Block, BLOCK),
+    bound(
+        &[("worst block", "four lanes, run after a step of the load")],
+        "worst block after a step of the load, four lanes",
+        Unit::Block,
+        BLOCK,
+    ),
+    bound(
+        &[("worst block", "four lanes, phase loop, run at an edge")],
+        "worst block at an edge, four lanes, phase loop",
+        Unit::Block,
+        BLOCK,
+    ),
+    bound(&[("worst block", "four lanes, scan")], "worst block of the scan, four lanes", Unit::Block, BLOCK),
 ];
 
 /// Holds what was counted against the budget.

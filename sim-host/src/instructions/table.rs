@@ -79,8 +79,9 @@ fn process(measurement: &Measurement) -> TableBlock {
     block(
         "process",
         "The whole controller, `Controller::process`",
-        "A power-up on a stack of 40.5 kHz, phase lock at constant motional current, in bursts with soft edges of 8 periods, and with codes of \
-         12 bits. A block is counted to within a tick of the timer, 6 instructions.",
+        "A power-up on a stack of 40.5 kHz, tracked by the observer behind the calibration of the clamped branch (where it says so, by the phase \
+         loop behind a scan), at constant motional current, in bursts with soft edges of 8 periods, and with codes of 12 bits. The load takes \
+         200 Hz off the resonance at once. A block is counted to within a tick of the timer, 6 instructions.",
         &["blocks", "how many", "instructions a block, mean", "a sample", "worst block"],
         of("process").zip(of("worst block")).map(row).collect(),
     )

@@ -43,10 +43,16 @@ const SETTLING_BLOCKS: u32 = 200;
 /// Counts every stage, net of a loop that does nothing.
 pub fn count(counter: &Counter) {
     let empty = repeat(counter, REPETITIONS, || ());
-    let print = |kernel: &str, work: &mut dyn FnMut()| {
-        line("stage", kernel, SAMPLES, REPETITIONS, repeat(counter, REPETITIONS, work) - empty);
+    let print = |samples: usize, kernel: &str, work: &mut dyn FnMut()| {
+        line("stage", kernel, samples, REPETITIONS, repeat(counter, REPETITIONS, work) - empty);
     };
+    let print_long = |kernel: &str, work: &mut dyn FnMut()| print(2 * SAMPLES, kernel, work);
+    let print = |kernel: &str, work: &mut dyn FnMut()| print(SAMPLES, kernel, work);
     listening(&print);
+    tracking(&print, TrackingMode::PhaseLock, BLOCK_S, "tracker, phase loop");
+    tracking(&print, TrackingMode::Observer, BLOCK_S, "tracker, observer");
+    tracking(&print_long, TrackingMode::Observer, 2.0 * BLOCK_S, "tracker, observer, 64 samples a block");
+    observing(&print);
     shapes(&print);
 }
 
@@ -68,19 +74,16 @@ fn listening(print: Print) {
     print("guard", &mut || {
         black_box(guard.inspect(black_box(&convert), black_box(&sense), black_box(&sensed), black_box(driven)));
     });
-    tracking(print, TrackingMode::PhaseLock, "tracker, phase loop");
-    tracking(print, TrackingMode::Observer, "tracker, observer");
-    observing(print);
 }
 
 /// What follows the resonance, locked and under full drive.
-fn tracking(print: Print, mode: TrackingMode, name: &str) {
+fn tracking(print: Print, mode: TrackingMode, block_s: f32, name: &str) {
     let branch = Motional::of_capacitance(STACK.c0_f, STACK.series_resonance_hz);
-    let mut tracker = Tracker::build(&config(mode, 4, SAMPLES), BLOCK_S).expect("valid tracking");
+    let mut tracker = Tracker::build(&config(mode, 4, SAMPLES), block_s).expect("valid tracking");
     tracker.seed(&STACK, branch, NOISE_A);
     let follow = |tracker: &mut Tracker| {
-        let (sensed, current, heard) = (black_box(&AT_RESONANCE), black_box(CURRENT), black_box(&HEARD));
-        black_box(tracker.follow(sensed, current, current, heard));
+        let (sensed, current, heard) = black_box(&(AT_RESONANCE, CURRENT, HEARD));
+        black_box(tracker.follow(sensed, *current, *current, heard));
     };
     // Until it has locked.
     (0..SETTLING_BLOCKS).for_each(|_| follow(&mut tracker));
@@ -96,8 +99,9 @@ fn observing(print: Print) {
     let (q, lm_h, axis) = (STACK.q, STACK.lm_h, Phasor::new(1.0, 0.0));
     observer.start(&Prior { offset_hz: (offset_hz, spread_hz), q, lm_h, axis, noise_a: NOISE_A });
     let follow = |observer: &mut Observer, steady_v: Option<f32>| {
-        let (current, voltage) = (black_box(CURRENT), black_box(AT_RESONANCE.v));
-        observer.follow(current, voltage, black_box(Played { offset_hz, steady_v }));
+        let heard = (CURRENT, AT_RESONANCE.v, Played { offset_hz, steady_v });
+        let (current, voltage, played) = black_box(&heard);
+        observer.follow(*current, *voltage, *played);
     };
     (0..SETTLING_BLOCKS).for_each(|_| follow(&mut observer, Some(VOLTS)));
     print("observer alone", &mut || follow(&mut observer, Some(VOLTS)));
