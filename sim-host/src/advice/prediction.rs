@@ -121,7 +121,9 @@ pub fn predict(case: &Case) -> Option<Prediction> {
     let bandwidth_hz = bandwidth_hz(&locked.0, &rig);
     let memory_s = bandwidth_hz.map_or(SETTLED_S, |hz| 1.0 / (std::f64::consts::PI * hz));
     let mut without_rate = rig.start_without_rate();
-    (0..rig.blocks(SETTLED_S)).for_each(|_| drop(without_rate.step(&rig.circuit)));
+    (0..rig.blocks(SETTLED_S)).for_each(|_| {
+        without_rate.step(&rig.circuit);
+    });
     let ramps = RAMPS_HZ_PER_S.map(|hz_per_s| Ramp {
         hz_per_s,
         lag_hz: lag_hz(&rig, locked.0.clone(), hz_per_s),
@@ -174,7 +176,9 @@ fn jitter(rig: &Rig) -> (f64, f64) {
     let (length_s, rehearsals) = JITTER;
     let one = |number: u64| {
         let mut rehearsal = rig.start(rig.bench, Some(Xoshiro256PlusPlus::seed_from_u64(number)));
-        (0..rig.blocks(SETTLED_S)).for_each(|_| drop(rehearsal.step(&rig.circuit)));
+        (0..rig.blocks(SETTLED_S)).for_each(|_| {
+            rehearsal.step(&rig.circuit);
+        });
         let blocks: Vec<_> = (0..rig.blocks(length_s)).map(|_| rehearsal.step(&rig.circuit)).collect();
         let mean = |of: &dyn Fn(f64) -> f64| blocks.iter().map(|block| of(block.played_hz)).sum::<f64>() / blocks.len() as f64;
         let centre = mean(&|hz| hz);

@@ -20,8 +20,8 @@ pub const LEAST_PERIODS: f64 = 0.6;
 const BLOCKS: [u16; 6] = [8, 16, 24, 32, 48, 64];
 /// Cold starts for each.
 const DRAWS: u64 = 100;
-/// A block that locks so much later than the best, at most, is kept.
-const KEPT: f64 = 1.1;
+/// A block that locks so much later than the best, at most, is kept: a shorter one takes more of the processor.
+const KEPT: f64 = 1.25;
 /// Part of a sensor's range, and of a limit, that is used.
 const USED: f64 = 0.9;
 /// Phase that the fall-back loop may lose by its delay, rad.
@@ -86,6 +86,8 @@ pub struct Drive {
     pub voltage_lsb: f64,
     /// End of the converter's range, LSB.
     pub full_scale_lsb: f64,
+    /// Part of the drive that is left at the stack at the resonance, behind the amplifier's source resistance.
+    pub left_at_stack: f64,
     /// Rms noise of a block's motional current, A, and against the current, parts per million.
     pub block_noise_a: f64,
     /// Against the current at the resonance.
@@ -129,6 +131,7 @@ pub fn advise(case: &Case) -> Result<Option<(Settings, Case)>, CaseError> {
         current_lsb: current_a / parts.sensors.i_full_scale_a * lsb,
         voltage_lsb: advised_v / parts.sensors.v_full_scale_v * lsb,
         full_scale_lsb: lsb,
+        left_at_stack: (ohm_alone(&parts) / ohm).min(1.0),
         block_noise_a: rig.noise_a(),
         block_noise_ppm: 1e6 * rig.noise_a() * (parts.circuit.rm_ohm + parts.amplifier.source_ohm) / advised_v,
     };
@@ -150,6 +153,12 @@ fn ohm(parts: &Parts<'_>) -> f64 {
     let circuit = &parts.circuit;
     let admittance = Complex64::new(1.0 / circuit.rm_ohm, circuit.omega() * circuit.c0_f);
     (admittance.inv() + parts.amplifier.source_ohm).norm()
+}
+
+/// The stack at its series resonance, ohm.
+fn ohm_alone(parts: &Parts<'_>) -> f64 {
+    let circuit = &parts.circuit;
+    Complex64::new(1.0 / circuit.rm_ohm, circuit.omega() * circuit.c0_f).inv().norm()
 }
 
 /// The largest peak voltage, V, and what bounds it.

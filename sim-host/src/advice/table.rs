@@ -118,7 +118,7 @@ fn steady(advice: &Advice) -> TableBlock {
             "bound: jitter of a fit with slope",
         ));
         let note = "bound: lag and jitter of a fit without slope";
-        rows.push(line(format!("the same without rate integrator"), hz(ramp.lag_without_rate_hz), constant, note));
+        rows.push(line("the same without rate integrator".into(), hz(ramp.lag_without_rate_hz), constant, note));
     }
     rows.push(line(
         "lock point per % of C0".into(),

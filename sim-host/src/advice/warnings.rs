@@ -13,6 +13,8 @@ const GONE: f64 = 4.6;
 const DEVIATIONS: f64 = 4.0;
 /// The tightest lock that is asked for, Hz.
 const TIGHTEST_HZ: f64 = 4.0;
+/// The guard wants this part of the drive at the stack, else it takes its sensor for broken (fault 20).
+const LEFT: f64 = 0.5;
 /// A block that uses less of the sensor's range than this is little, parts.
 const LITTLE: f64 = 0.05;
 
@@ -31,6 +33,15 @@ pub fn of(case: &Case, parts: &Parts<'_>, full: &Full, settings: &Settings, pred
         said.push(format!(
             "{} V would draw {:.2} A at the resonance, which is too much: {} allows {} V, and that is what everything below is for.",
             drive.asked_v, drive.asked_current_a, drive.bounded_by, drive.largest_v
+        ));
+    }
+    if drive.left_at_stack < LEFT {
+        said.push(format!(
+            "At the resonance the amplifier's {} ohm leave {:.0} % of the drive at a stack of {:.3} ohm. Below half of it the guard takes the voltage \
+             sensor for broken (fault 20), whatever the voltage: this stack needs an amplifier of less source resistance.",
+            parts.amplifier.source_ohm,
+            100.0 * drive.left_at_stack,
+            full.rm_ohm
         ));
     }
     if full.time_constant_ms > LONG_MS {
