@@ -10,6 +10,7 @@
 //! | 5 | board or link not found or lost |
 //! | 130 | interrupted; what there was is kept, and marked |
 
+mod advise;
 mod instructions;
 mod precision;
 mod progress;
@@ -38,6 +39,8 @@ const INTERRUPTED: u8 = 130;
 
 /// The scene that runs if none is named.
 const FLAGSHIP: &str = "experiment-1";
+/// The scene that lends sensors, amplifier and limits to a transducer that is given by its numbers.
+const LENDER: &str = "lock-cold";
 
 /// Sonoglide's simulator: the firmware's own controller against a simulated stack and friction contact.
 ///
@@ -69,6 +72,9 @@ enum Command {
         #[command(flatten)]
         scene: SceneArgs,
     },
+    /// Advise on a transducer, by a scene or by its numbers: settings to paste, and the lock time, jitter and bandwidth to expect.
+    #[command(after_help = EXIT_CODES)]
+    Advise(advise::AdviseArgs),
     /// Print the JSON Schema of a scene, for editors.
     Schema,
     /// Compute every figure, claim and contradiction of the thesis's chapter 4 and appendix B.
@@ -139,6 +145,7 @@ pub fn main() -> ExitCode {
         Some(Command::List) => print(&list()),
         Some(Command::Show { scene }) => with_scene(&scene, color, |loaded| print(&resolved_toml(&loaded.scene))),
         Some(Command::Check { scene }) => with_scene(&scene, color, |loaded| print(&format!("{}: valid\n", loaded.origin))),
+        Some(Command::Advise(args)) => advise::run(&args, color),
         Some(Command::Thesis(args)) => thesis::run(&args, color),
         Some(Command::Precision(args)) => precision::run(&args, color),
         Some(Command::Instructions(args)) => instructions::run(&args, color),

@@ -13,6 +13,7 @@
 //! The controller is the `firmware` crate, unchanged; this crate is what it is connected to.
 #![forbid(unsafe_code)]
 
+pub mod advice;
 pub mod cli;
 pub mod contact;
 pub mod cramer_rao;

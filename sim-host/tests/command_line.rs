@@ -191,6 +191,48 @@ fn every_mistake_is_shown_at_once_with_line_caret_and_nearest_name() {
     }
 }
 
+/// A transducer by its numbers, as JSON: the keys are a contract.
+#[test]
+fn advice_has_its_keys() {
+    let numbers = ["--frequency-hz", "40e3", "--q", "65", "--c0-f", "300e-9", "--lm-h", "0.7916e-3"];
+    let output = sim_host(&[&["advise"], &numbers[..], &["--format", "json"]].concat());
+    assert_eq!(code(&output), 0, "{}", stderr(&output));
+    let advice: Value = serde_json::from_str(&stdout(&output)).expect("JSON");
+    let keys = |value: &Value| value.as_object().map(|table| table.keys().cloned().collect::<Vec<_>>().join(" "));
+    assert_eq!(keys(&advice).as_deref(), Some("prediction settings transducer warnings"));
+    assert_eq!(
+        keys(&advice["transducer"]).as_deref(),
+        Some(
+            "c0_f cm_f coupling figure_of_merit lm_h parallel_resonance_hz q rm_ohm series_resonance_hz time_constant_ms \
+             zero_phase_bias_hz"
+        )
+    );
+    assert_eq!(keys(&advice["settings"]).as_deref(), Some("bandwidth_hz block_samples blocks drive snippet span"));
+    assert_eq!(
+        keys(&advice["prediction"]).as_deref(),
+        Some(
+            "bandwidth_hz bias_hz_per_ns_skew bias_hz_per_percent_c0 draws jitter_bound_hz jitter_hz jitter_stated_hz lock \
+             loss_noticed_ms ramps"
+        )
+    );
+    let lock = &advice["prediction"]["lock"][2];
+    assert_eq!(keys(lock).as_deref(), Some("bound_median_ms bound_p95_ms median_ms p95_ms within_hz"));
+    assert!(lock["p95_ms"].as_f64().is_some_and(|ms| ms < 1.0), "{lock}");
+}
+
+#[test]
+fn advice_on_what_is_no_transducer_says_what_would_be() {
+    let with = |arguments: &[&str]| sim_host(&[&["advise"], arguments].concat());
+    let said = |output: &Output, wanted: i32, part: &str| {
+        assert!(code(output) == wanted && stderr(output).contains(part), "{} {}", code(output), stderr(output));
+    };
+    said(&with(&[]), 2, "--frequency-hz");
+    said(&with(&["--frequency-hz", "40e3", "--q", "65"]), 2, "--c0-f");
+    said(&with(&["--frequency-hz", "40e3", "--q", "0", "--c0-f", "3e-7", "--lm-h", "1e-3"]), 2, "between 2 and 100000");
+    said(&with(&["contact"]), 3, "drives no transducer");
+    said(&with(&["lokc"]), 3, "`lock`");
+}
+
 #[test]
 fn what_show_prints_is_a_scene() {
     let shown = sim_host(&["show", "experiment-1", "--set", "rig.slider.load_n=2"]);

@@ -312,6 +312,11 @@ impl Observer {
         libm::sqrtf(self.covariance.strength)
     }
 
+    /// Forgets that the resonance moves. After every block of a study this shows what the second integrator is good for.
+    pub fn forget_rate(&mut self) {
+        self.rate = 0.0;
+    }
+
     /// Times the gate has opened; wraps.
     pub fn opened(&self) -> u32 {
         self.opened

@@ -1,0 +1,118 @@
+//! `sim-host advise`.
+
+use std::process::ExitCode;
+
+use clap::Args;
+
+use super::progress::Progress;
+use super::{Color, Format, INVALID_SCENE, LENDER, invalid, table};
+use crate::advice::case::{Case, CaseError, Numbers, Wishes};
+use crate::advice::verification::verify;
+use crate::advice::{Advice, AdviceError, advise, table as tables};
+use crate::scene::load::load;
+
+/// Arguments of the command.
+#[derive(Args)]
+pub(super) struct AdviseArgs {
+    /// A scene: its stack, sensors, amplifier and limits. With the numbers of a transducer it lends all but the stack; without a name, the
+    /// defaults do.
+    #[arg(required_unless_present = "frequency_hz")]
+    scene: Option<String>,
+    /// Change one value of the scene, as `a.b=v`. Repeatable.
+    #[arg(long = "set", value_name = "KEY=VALUE")]
+    sets: Vec<String>,
+    /// Series resonance of the transducer, Hz.
+    #[arg(long, value_name = "HZ", value_parser = frequency, requires_all = ["q", "c0_f", "lm_h"])]
+    frequency_hz: Option<f64>,
+    /// Its quality factor.
+    #[arg(long, value_name = "Q", value_parser = quality, requires = "frequency_hz")]
+    q: Option<f64>,
+    /// Its clamped capacitance, F.
+    #[arg(long, value_name = "F", value_parser = farad, requires = "frequency_hz")]
+    c0_f: Option<f64>,
+    /// Its motional inductance, H.
+    #[arg(long, value_name = "H", value_parser = henry, requires = "frequency_hz")]
+    lm_h: Option<f64>,
+    /// Peak drive voltage asked for, V. Default: the scene's.
+    #[arg(long, value_name = "V", value_parser = volts)]
+    volts: Option<f64>,
+    /// Noise of a conversion, LSB rms. Default: the scene's.
+    #[arg(long, value_name = "LSB", value_parser = lsb)]
+    noise_lsb: Option<f64>,
+    /// Samples in a block. Default: as advised.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(8..=64))]
+    block_samples: Option<u16>,
+    /// Run the whole controller so many times, and print the results beside the prediction.
+    #[arg(long, value_name = "RUNS", value_parser = clap::value_parser!(u32).range(2..=100_000))]
+    verify: Option<u32>,
+    /// What to print on standard output.
+    #[arg(long, value_enum, default_value_t = Format::Human)]
+    format: Format,
+}
+
+/// Advises, and prints.
+pub(super) fn run(args: &AdviseArgs, color: Color) -> anyhow::Result<ExitCode> {
+    let loaded = match load(args.scene.as_deref().unwrap_or(LENDER), &args.sets) {
+        Ok(loaded) => loaded,
+        Err(error) => return Ok(invalid(&error, color)),
+    };
+    let numbers = args.frequency_hz.zip(args.q).zip(args.c0_f.zip(args.lm_h));
+    let numbers = numbers.map(|((frequency_hz, q), (c0_f, lm_h))| Numbers { frequency_hz, q, c0_f, lm_h });
+    let wishes = Wishes { volts: args.volts, noise_lsb: args.noise_lsb, block_samples: args.block_samples };
+    let (mut advice, advised) =
+        match Case::of(&loaded, numbers, &wishes).map_err(AdviceError::from).and_then(|case| advise(&case)) {
+            Ok(advice) => advice,
+            Err(AdviceError::Case(CaseError::Scene(error))) => return Ok(invalid(&error, color)),
+            Err(error) => {
+                eprintln!("error: {error}");
+                return Ok(ExitCode::from(INVALID_SCENE));
+            }
+        };
+    if let Some(runs) = args.verify {
+        let mut progress = Progress::new(0.0, runs, false);
+        advice.verified = Some(verify(&advised, runs, &mut |reached| progress.at(reached))?);
+    }
+    match args.format {
+        Format::Human => super::print(&human(&advice, color)),
+        Format::Json => super::print(&format!("{:#}\n", serde_json::to_value(&advice)?)),
+    }
+}
+
+fn human(advice: &Advice, color: Color) -> String {
+    let tables: String = tables::tables(advice).iter().map(|block| table::render(block, color.stdout)).collect();
+    let warnings: String = advice.warnings.iter().map(|warning| format!("note: {warning}\n")).collect();
+    format!("{tables}{warnings}\nTo paste into a scene:\n\n{}", advice.settings.snippet)
+}
+
+/// A number within a range, or what it should have been.
+fn within(text: &str, what: &str, unit: &str, (least, most): (f64, f64)) -> Result<f64, String> {
+    let value: f64 = text.parse().map_err(|_| format!("{what} is a number{unit}, such as {least:e}"))?;
+    match (least..=most).contains(&value) {
+        true => Ok(value),
+        false => Err(format!("{what} is between {least} and {most}{unit}")),
+    }
+}
+
+fn frequency(text: &str) -> Result<f64, String> {
+    within(text, "a series resonance", " Hz", (100.0, 450e3))
+}
+
+fn quality(text: &str) -> Result<f64, String> {
+    within(text, "a quality factor", "", (2.0, 1e5))
+}
+
+fn farad(text: &str) -> Result<f64, String> {
+    within(text, "a clamped capacitance", " F (300e-9 is 300 nF)", (1e-12, 1e-3))
+}
+
+fn henry(text: &str) -> Result<f64, String> {
+    within(text, "a motional inductance", " H (0.8e-3 is 0.8 mH)", (1e-9, 1e4))
+}
+
+fn volts(text: &str) -> Result<f64, String> {
+    within(text, "a drive voltage", " V", (1e-3, 1e4))
+}
+
+fn lsb(text: &str) -> Result<f64, String> {
+    within(text, "noise", " LSB", (0.0, 100.0))
+}
