@@ -17,6 +17,7 @@ mod progress;
 mod run;
 mod table;
 mod thesis;
+mod tracking;
 
 use std::io::{self, IsTerminal, Write};
 use std::path::PathBuf;
@@ -86,6 +87,9 @@ enum Command {
     /// Count the instructions of the generators and of the controller on an emulated Cortex-M4F, and hold them against the budget.
     #[command(after_help = EXIT_CODES)]
     Instructions(instructions::InstructionsArgs),
+    /// Run every tracking case over many seeds, and hold it against its targets, its bound and its faults.
+    #[command(after_help = EXIT_CODES)]
+    Tracking(tracking::TrackingArgs),
 }
 
 #[derive(Args)]
@@ -149,6 +153,7 @@ pub fn main() -> ExitCode {
         Some(Command::Thesis(args)) => thesis::run(&args, color),
         Some(Command::Precision(args)) => precision::run(&args, color),
         Some(Command::Instructions(args)) => instructions::run(&args, color),
+        Some(Command::Tracking(args)) => tracking::run(&args, color),
         Some(Command::Schema) => print(&format!("{:#}\n", schema::schema())),
     };
     done.unwrap_or_else(|error| {

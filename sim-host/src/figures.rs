@@ -12,7 +12,7 @@ pub fn of(study: &Study) -> Vec<Figure> {
     let own = match &study.outcome {
         Outcome::Driven(run) => driven::of(run),
         Outcome::Contact(solved) => contact::of(solved),
-        Outcome::MonteCarlo(runs) => monte_carlo::of(runs),
+        Outcome::MonteCarlo(runs) => monte_carlo::of(study.scene, runs),
     };
     let sweeps = study.comparison.iter().flat_map(|comparison| &comparison.sweeps);
     own.into_iter().chain(sweeps.flat_map(driven::time_frequency::of)).collect()

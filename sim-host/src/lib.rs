@@ -38,5 +38,6 @@ pub mod swing;
 pub mod thesis;
 pub mod time_frequency;
 pub mod trace;
+pub mod tracking;
 
 pub use scene::settings;

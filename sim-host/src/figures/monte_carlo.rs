@@ -1,9 +1,12 @@
 //! The figures of several runs: how soon they lock, and how their frequency error falls.
 
 use super::axis;
+use crate::cramer_rao::{Setting, bound};
 use crate::metrics::over_runs::{median, percentile};
 use crate::report::{Axis, Figure, Series, Style};
+use crate::scene::{Scene, TrackingMode};
 use crate::study::monte_carlo::{MonteCarlo, OneRun};
+use crate::tracking::bounds::PLAYED_BLOCKS;
 
 /// Bounds of the lock times, Hz, and how their metrics are called.
 const LOCK: [(&str, &str); 3] = [("100 Hz", "lock_time_100hz_ms"), ("20 Hz", "lock_time_20hz_ms"), ("4 Hz", "lock_time_4hz_ms")];
@@ -14,12 +17,23 @@ const FLOOR_HZ: f64 = 1e-2;
 /// The bounds that the lock times are counted to, Hz.
 const BOUNDS_HZ: [f64; 3] = [100.0, 20.0, 4.0];
 
-/// All figures that these runs have something to show in. What is known of how the error could fall at best stands here as further curves.
-pub(super) fn of(runs: &MonteCarlo) -> Vec<Figure> {
-    let limits = Vec::new();
+/// All figures that these runs of a scene have something to show in.
+pub(super) fn of(scene: &Scene, runs: &MonteCarlo) -> Vec<Figure> {
+    let limits = limit(scene).into_iter().collect();
     let lock = Texts { id: "lock-times", title: "Time to lock", x: "time from the first sample of the lock stage [ms]" };
     let relock = Texts { id: "relock-times", title: "Time to lock again", x: "time from the last step [ms]" };
     [error(runs, limits), within(runs, &lock, &LOCK), within(runs, &relock, &RELOCK)].into_iter().flatten().collect()
+}
+
+/// The Cramer-Rao bound of a cold start of the scene itself, each point as late as what was heard can be played. Only of an observer, whose
+/// lock stage begins from rest; a loop's begins where a scan has ended.
+fn limit(scene: &Scene) -> Option<Series> {
+    let driven = scene.driven().filter(|driven| driven.controller.tracking.mode == TrackingMode::Observer)?;
+    let setting = Setting::of(&driven)?;
+    let late_s = PLAYED_BLOCKS * setting.block_s;
+    let (x, y) = bound(&setting).into_iter().filter(|(_, hz)| hz.is_finite()).map(|(s, hz)| (1e3 * (s + late_s), hz)).unzip();
+    let (name, csv_column) = ("bound (Cramer-Rao), rms".into(), "cramer_rao_hz".into());
+    Some(Series { name, csv_column, x, y, style: Style::Line })
 }
 
 struct Texts {
@@ -87,7 +101,8 @@ fn error(runs: &MonteCarlo, limits: Vec<Series>) -> Option<Figure> {
         title: "Frequency error after the lock stage begins".into(),
         caption: "Distance of the drive from the true series resonance, at the same moment of all runs. Runs that have ended, and blocks \
                   without drive, are left out; a run that is muted by a fault, or never comes to lock, is infinitely far off, and \
-                  where that is true of more than a twentieth of them the band has no upper edge."
+                  where that is true of more than a twentieth of them the band has no upper edge. The bound is that of the scene's own values, for an \
+                  unbiased estimate, and as late as it can be played."
             .into(),
         x: Axis { log: true, ..axis("time from the first sample of the lock stage [ms]") },
         y: Axis { log: true, ..axis("off the true resonance [Hz]") },
@@ -135,9 +150,22 @@ mod tests {
         MonteCarlo { keys: Vec::new(), asked, runs, endless: Vec::new(), times_ms: vec![1.0], wall_s: 1.0 }
     }
 
+    fn lock_cold() -> Scene {
+        crate::scene::load::load("lock-cold", &[]).unwrap().scene
+    }
+
+    /// 2 blocks of 32 us after the first 25 us; a loop begins elsewhere.
+    #[test]
+    fn the_bound_is_laid_over_what_an_observer_does() {
+        let series = limit(&lock_cold()).unwrap();
+        assert!((series.x[0] - 0.089).abs() < 1e-9 && series.y.is_sorted_by(|a, b| a >= b), "{series:?}");
+        let looped = crate::scene::load::load("lock-cold", &["controller.tracking.mode=phase_lock".into()]).unwrap().scene;
+        assert!(limit(&looped).is_none());
+    }
+
     #[test]
     fn the_distribution_ends_where_runs_never_lock() {
-        let figures = of(&runs(&[1.0, 2.0, 3.0, 4.0], &[Some(3.0), None, Some(1.0), Some(2.0)]));
+        let figures = of(&lock_cold(), &runs(&[1.0, 2.0, 3.0, 4.0], &[Some(3.0), None, Some(1.0), Some(2.0)]));
         let figure = figures.iter().find(|figure| figure.id == "lock-times").unwrap();
         assert_eq!(figure.series.len(), 1);
         let points: Vec<(f64, f64)> = figure.series[0].x.iter().copied().zip(figure.series[0].y.iter().copied()).collect();

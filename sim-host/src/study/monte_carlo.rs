@@ -107,6 +107,11 @@ impl MonteCarlo {
         worst.filter(|run| size(run) > 0.0)
     }
 
+    /// No runs.
+    pub fn none() -> Self {
+        MonteCarlo { keys: Vec::new(), asked: 0, runs: Vec::new(), endless: Vec::new(), times_ms: Vec::new(), wall_s: 0.0 }
+    }
+
     /// A hash of what all runs played, in order.
     pub fn drive_hash(&self) -> Option<u64> {
         let hashes: Option<Vec<String>> = self.runs.iter().map(|run| Some(format!("{:016x}", run.drive_hash?))).collect();

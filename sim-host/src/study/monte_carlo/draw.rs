@@ -128,8 +128,8 @@ mod tests {
     #[test]
     fn a_draw_depends_on_seed_run_and_key_only() {
         let all = draws(&[]);
-        let one = draws(&["vary=[]", "vary.0.key=stack.bvd.series_resonance_hz", "vary.0.spread=0.02", "runs=3"]);
-        let place = all.keys.iter().position(|key| key == "stack.bvd.series_resonance_hz").unwrap();
+        let one = draws(&["vary=[]", "vary.0.key=controller.drive.frequency_hz", "vary.0.spread=0.02", "runs=3"]);
+        let place = all.keys.iter().position(|key| key == "controller.drive.frequency_hz").unwrap();
         assert_eq!(one.draw(3).values, [all.draw(3).values[place]]);
         assert_eq!(one.draw(3).seed, all.draw(3).seed);
         assert_ne!(all.draw(3), all.draw(4));

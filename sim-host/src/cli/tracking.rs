@@ -1,0 +1,51 @@
+//! `sim-host tracking`.
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use clap::Args;
+
+use super::{Color, EXPECTATION_MISSED, table};
+use crate::report::{self, Report};
+use crate::tracking::cases::CASES;
+use crate::tracking::{self, Extent, table as tables};
+
+/// Arguments of the command.
+#[derive(Args)]
+pub(super) struct TrackingArgs {
+    /// Fewer runs of each case, for continuous integration.
+    #[arg(long)]
+    quick: bool,
+    /// Say how each case is run by itself, and run nothing.
+    #[arg(long)]
+    list: bool,
+    /// Folder for the tables.
+    #[arg(short, long = "output", value_name = "DIR", default_value = "out/tracking")]
+    output: PathBuf,
+    /// Write no files.
+    #[arg(long)]
+    no_report: bool,
+}
+
+/// Runs, prints, writes, and fails where a target is missed.
+pub(super) fn run(args: &TrackingArgs, color: Color) -> anyhow::Result<ExitCode> {
+    if args.list {
+        return super::print(&CASES.iter().map(|case| format!("{}: {}\n", case.name, case.command())).collect::<String>());
+    }
+    let extent = if args.quick { Extent::QUICK } else { Extent::FULL };
+    let campaign = tracking::conduct(extent, &mut |next| eprintln!("{next}"))?;
+    let tables = tables::tables(&campaign);
+    super::print(&tables.iter().map(|block| table::render(block, color.stdout)).collect::<String>())?;
+    if !args.no_report {
+        let page = Report {
+            title: "Tracking: every case over many runs".into(),
+            subtitle: "Simulated: the controller on the host (SIL)".into(),
+            tables,
+            footer: vec![("sim-host".into(), crate::findings::VERSION.to_owned())],
+            ..Report::default()
+        };
+        report::write(&page, &args.output)?;
+        eprintln!("report: {}", args.output.join("report.html").display());
+    }
+    Ok(if campaign.holds() { ExitCode::SUCCESS } else { ExitCode::from(EXPECTATION_MISSED) })
+}
