@@ -1,10 +1,17 @@
 //! The observer with the plant behind the converters: cold starts, loads that change, locks that are lost, and what breaks.
 
+use firmware::demod::Sensed;
+use firmware::motional::Motional;
+use firmware::phasor::Phasor;
 use firmware::supervisor::{Fault, Limit, Mode};
+use firmware::tracker::identified::Known;
+use firmware::tracker::observer::Prior;
+use firmware::tracker::{Heard, State, Tracker};
 use sim_host::metrics::{Metrics, driven};
 use sim_host::record::{Record, Row};
 use sim_host::run::{Watch, run};
 use sim_host::scene::load::load;
+use sim_host::settings;
 
 /// The scene `lock` by the observer, ON throughout, with changes.
 fn observed(changes: &[&str]) -> (Record, Metrics) {
@@ -175,4 +182,30 @@ fn a_square_drive_is_left_to_the_phase_loop() {
     let (record, metrics) = observed(&["controller.drive.shape=square"]);
     let bias = of(&metrics, "frequency_bias_hz");
     assert!(last(&record).locked && bias.abs() < 1.0, "{bias} Hz");
+}
+
+/// A current that stands still, of which the observer is sure; and a motional phase of 60 degrees, which says that this is no resonance.
+#[test]
+fn the_phase_is_the_judge_of_the_observer() {
+    let scene = load("lock", &["controller.tracking.mode=observer".to_owned()]).unwrap_or_else(|error| panic!("{error}")).scene;
+    let config = settings::config(&scene.driven().unwrap());
+    let mut tracker = Tracker::build(&config, 32e-6).unwrap();
+    let one = Phasor::new(1.0, 0.0);
+    let prior = Prior { offset_hz: (0.0, 1000.0), q: 65.0, lm_h: 0.7916e-3, axis: one, noise_a: 5e-4 };
+    tracker.observe(Motional { y0: Phasor::new(0.0, 0.075), axis: one }, Known { c0_f: (300e-9, 1e-9), modes: (1, 0) }, &prior);
+    let sensed = Sensed { v: one * 3.0, i: one };
+    let heard = Heard { offset_hz: 0.0, volts: 3.0, envelope: Some(1.0), pure: true, on: true, driven: true };
+    let mut follow = |phase: f32, blocks: usize| {
+        let turned = Phasor::new(phase.to_radians().cos(), phase.to_radians().sin());
+        for _ in 0..blocks {
+            tracker.follow(&sensed, one, turned, &heard);
+            if let Some(transducer) = tracker.identify().filter(|_| tracker.is_sure()) {
+                tracker.set_resonance(&transducer);
+            }
+        }
+        tracker.state()
+    };
+    assert_eq!(follow(0.0, 100), State::Locked);
+    assert_eq!(follow(60.0, 90), State::Locked);
+    assert_eq!(follow(60.0, 50), State::Disagree);
 }
