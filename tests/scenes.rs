@@ -103,7 +103,7 @@ fn the_same_seed_gives_the_same_run_and_another_seed_another() {
 fn what_breaks_is_named_and_mutes_the_drive() {
     for (kind, code, microseconds) in [
         ("late_block", 11, 96.0),
-        ("saturation", 20, 96.0),
+        ("saturation", 28, 96.0),
         ("sensor_stuck", 20, 96.0 + 7.0 * 32.0),
         ("open", 23, 96.0 + 7.0 * 32.0),
         ("belt_stopped", 40, 96.0 + 4000.0),
