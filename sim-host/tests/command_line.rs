@@ -228,7 +228,13 @@ fn advice_on_what_is_no_transducer_says_what_would_be() {
     };
     said(&with(&[]), 2, "--frequency-hz");
     said(&with(&["--frequency-hz", "40e3", "--q", "65"]), 2, "--c0-f");
-    said(&with(&["--frequency-hz", "40e3", "--q", "0", "--c0-f", "3e-7", "--lm-h", "1e-3"]), 2, "between 2 and 100000");
+    said(
+        &with(&["--frequency-hz", "40e3", "--q", "0", "--c0-f", "3e-7", "--lm-h", "1e-3"]),
+        2,
+        "a quality factor from 2e0 to 1e5",
+    );
+    let tiny = ["--frequency-hz", "40e3", "--q", "65", "--c0-f", "3e-7", "--lm-h", "1e-9"];
+    said(&with(&tiny), 3, "the numbers contradict each other");
     said(&with(&["contact"]), 3, "drives no transducer");
     said(&with(&["lokc"]), 3, "`lock`");
 }

@@ -8,6 +8,8 @@ use crate::scene::{Amplifier, Bvd, Controller, Driven, Scene, Sensors, Stack, Tr
 
 /// How far off what is told beforehand may be: the resonance and the inductance relative, Q by a factor.
 pub const TOLD: Spread = Spread { resonance: 0.02, q: 2.0, lm: 0.1 };
+/// Coupling that a stack can have.
+const COUPLING: std::ops::RangeInclusive<f64> = 1e-4..=0.99;
 /// Nominal values are told with so many digits.
 const DIGITS: i32 = 4;
 
@@ -57,6 +59,23 @@ pub enum CaseError {
     /// The scene has a motor.
     #[error("`{0}` drives the stator of a motor, whose two modes this advice does not know. Name a scene with a [stack]")]
     Stator(String),
+    /// The numbers contradict each other.
+    #[error(
+        "the numbers contradict each other: at {frequency_hz} Hz, Lm = {lm_h:e} H rings with Cm = {cm_f:.3e} F, which with C0 = {c0_f:e} F is a \
+         coupling of {coupling:.4}; a transducer has 0.0001 to 0.99. Check the units: farads and henries"
+    )]
+    Coupling {
+        /// Series resonance, Hz.
+        frequency_hz: f64,
+        /// Motional inductance, H.
+        lm_h: f64,
+        /// Motional capacitance, F.
+        cm_f: f64,
+        /// Clamped capacitance, F.
+        c0_f: f64,
+        /// Coupling.
+        coupling: f64,
+    },
     /// What comes out is no scene.
     #[error(transparent)]
     Scene(#[from] LoadError),
@@ -94,8 +113,14 @@ impl Case {
         let Some(driven) = loaded.scene.driven() else { return Err(CaseError::NoController(loaded.name.clone())) };
         let Transducer::Stack(stack, _) = driven.transducer else { return Err(CaseError::Stator(loaded.name.clone())) };
         let circuit = numbers.map_or_else(|| circuit_of(&driven), |numbers| numbers.circuit(stack.bvd.force_factor_n_per_v));
+        let Circuit { cm_f, c0_f, lm_h, .. } = circuit;
+        let coupling = (cm_f / (c0_f + cm_f)).sqrt();
+        if !COUPLING.contains(&coupling) {
+            return Err(CaseError::Coupling { frequency_hz: circuit.series_resonance_hz(), lm_h, cm_f, c0_f, coupling });
+        }
         let drive = &driven.controller.drive;
         let asked_v = wishes.volts.or(drive.amplitude_v).or(drive.scan_v).unwrap_or(1.0);
+        let most_v = driven.controller.limits.voltage_v.min(driven.amplifier.full_scale_v);
         let modes = if numbers.is_some() { 0 } else { stack.mode.len() };
         let block_samples = wishes.block_samples.unwrap_or(driven.controller.block_samples);
         let mut scene = alone(&loaded.scene, driven, circuit);
@@ -103,7 +128,8 @@ impl Case {
             sensors.noise_lsb = noise_lsb;
         }
         let case = Case { scene, asked_v, block_samples: (block_samples, wishes.block_samples.is_some()), modes };
-        case.with(block_samples, asked_v)
+        // What is too much for a scene is advised against later.
+        case.with(block_samples, asked_v.min(most_v))
     }
 
     /// The same with another length of a block and another voltage.

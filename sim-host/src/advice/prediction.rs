@@ -9,8 +9,9 @@
 //! | bias | what a clamped capacitance that is 1 % more than was calibrated, or a current that is sampled 1 ns later, adds to the lock point |
 //! | loss | from the moment that nothing rings any more until the lock is called lost |
 //!
-//! The bound of the jitter is that of a window which forgets as the observer does: `1 / (pi bandwidth)` long. The bound of a ramp is the best
-//! compromise of lag and jitter that takes the resonance for constant within a window; or the jitter of one that fits the slope, too.
+//! The bound of the jitter is that of a window of something that goes on, whose middle lies as far back as the observer is behind on a ramp
+//! without its second integrator; Lm and C0 are known, because what is wrong with them is bias. The bound of a ramp is the best compromise of
+//! lag and jitter that takes the resonance for constant within a window; or the jitter of one that fits the slope, too.
 
 use firmware::block::LATENCY_BLOCKS;
 use firmware::tracker::State;
@@ -23,7 +24,7 @@ use super::case::{Case, TOLD};
 use super::rehearsal::{Bench, Rehearsal};
 use super::response::bandwidth_hz;
 use super::rig::Rig;
-use crate::cramer_rao::{DEVIATIONS_95, Setting, Told, ramp, ramp_with_slope, steady, time_to};
+use crate::cramer_rao::{DEVIATIONS_95, Knowledge, Setting, Told, ramp, ramp_with_slope, steady, time_to};
 use crate::plant::circuit::Circuit;
 
 /// Cold starts of a prediction.
@@ -32,6 +33,8 @@ pub const DRAWS: u64 = 400;
 pub const BOUNDS_HZ: [f64; 3] = [100.0, 20.0, 4.0];
 /// Rates of a ramp, Hz/s.
 const RAMPS_HZ_PER_S: [f64; 2] = [1e3, 10e3];
+/// The block in which the controller decides for the lock stage is the first that counts, and silent.
+const SILENT_BLOCKS: usize = 1;
 /// A cold start is watched for so long, s.
 const WATCHED_S: f64 = 8e-3;
 /// Steady is what comes after so long, s; a ramp lasts as long.
@@ -119,17 +122,20 @@ pub fn predict(case: &Case) -> Option<Prediction> {
     let (jitter_hz, jitter_stated_hz) = jitter(&rig);
     let locked = settle(&rig, rig.bench);
     let bandwidth_hz = bandwidth_hz(&locked.0, &rig);
-    let memory_s = bandwidth_hz.map_or(SETTLED_S, |hz| 1.0 / (std::f64::consts::PI * hz));
     let mut without_rate = rig.start_without_rate();
     (0..rig.blocks(SETTLED_S)).for_each(|_| {
         without_rate.step(&rig.circuit);
     });
+    let heard = Told { voltage: Knowledge::Unknown, state: Knowledge::Unknown, ..Told::LM_AND_C0 };
+    let heard = Setting { told: heard, ..setting };
+    let behind_s = lag_hz(&rig, without_rate.clone(), RAMPS_HZ_PER_S[0]) / RAMPS_HZ_PER_S[0];
+    let memory_s = 2.0 * (behind_s - latency * rig.block_s).max(rig.block_s);
     let ramps = RAMPS_HZ_PER_S.map(|hz_per_s| Ramp {
         hz_per_s,
         lag_hz: lag_hz(&rig, locked.0.clone(), hz_per_s),
         lag_without_rate_hz: lag_hz(&rig, without_rate.clone(), hz_per_s),
-        bound_constant_hz: ramp(&setting, hz_per_s, latency).map(|best| best.error_hz()),
-        bound_slope_hz: ramp_with_slope(&setting, memory_s, latency),
+        bound_constant_hz: ramp(&heard, hz_per_s, latency).map(|best| best.error_hz()),
+        bound_slope_hz: ramp_with_slope(&heard, memory_s, latency),
     });
     let bias = |bench: Bench| settle(&rig, bench).1 - locked.1;
     Some(Prediction {
@@ -137,7 +143,7 @@ pub fn predict(case: &Case) -> Option<Prediction> {
         lock,
         jitter_hz,
         jitter_stated_hz,
-        jitter_bound_hz: steady(&setting, memory_s),
+        jitter_bound_hz: steady(&heard, memory_s),
         bandwidth_hz,
         ramps: ramps.to_vec(),
         bias_hz_per_percent_c0: bias(Bench { c0_error: ONE_PERCENT, ..rig.bench }),
@@ -154,7 +160,7 @@ pub fn lock_times(rig: &Rig, draws: u64) -> [Vec<f64>; 3] {
         let errors: Vec<f64> = (0..blocks).map(|_| rehearsal.step(&circuit).error_hz().abs()).collect();
         BOUNDS_HZ.map(|bound| {
             let inside = errors.iter().rposition(|&error| error > bound).map_or(0, |last| last + 1);
-            if inside < blocks { inside as f64 * rig.block_s } else { f64::INFINITY }
+            if inside < blocks { (inside + SILENT_BLOCKS) as f64 * rig.block_s } else { f64::INFINITY }
         })
     };
     let all: Vec<[f64; 3]> = (1..=draws).into_par_iter().map(one).collect();

@@ -91,7 +91,8 @@ fn lock(advice: &Advice) -> TableBlock {
     };
     let caption = format!(
         "Rehearsed: {} cold starts of the firmware's tracker on the linear model; told are the resonance within 2 %, Q within a factor of 2, Lm \
-         within 10 %. Bound: Cramer-Rao, with two blocks until what was heard is played.",
+         within 10 %. The first block is silent. Bound: Cramer-Rao, from the \
+         first sample of the drive, with two blocks until what was heard is played.",
         advice.prediction.draws
     );
     let header = ["to within [Hz]", "median [ms]", "bound [ms]", "95 % [ms]", "bound [ms]"];

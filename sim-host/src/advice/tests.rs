@@ -13,22 +13,22 @@ fn of_q(q: f64, volts: f64) -> (Advice, Case) {
     advise(&case).unwrap()
 }
 
-/// 40 runs each: every lock time is within two blocks of what was predicted, 64 us (one block over 200 runs), and the jitter within 8 %
-/// (docs/advise.md).
+/// The runs of docs/advise.md: every lock time is within one block, 32 us, of what was predicted, and the jitter within 7 %. Of 40 runs, a
+/// median scatters by two blocks more.
 #[test]
 fn the_prediction_is_what_the_whole_controller_does() {
     for q in [20.0, 65.0, 500.0] {
         let (advice, advised) = of_q(q, 3.0);
-        let verified = verify(&advised, 40, &mut |_| ()).unwrap();
-        assert_eq!((verified.locked, verified.faulted, verified.false_locks), (40.0, 0.0, 0.0), "Q {q}");
+        let verified = verify(&advised, 200, &mut |_| ()).unwrap();
+        assert_eq!((verified.locked, verified.faulted, verified.false_locks), (200.0, 0.0, 0.0), "Q {q}");
         for (predicted, found) in advice.prediction.lock.iter().zip(&verified.lock) {
             for (predicted, found) in [(predicted.median_ms, found.median_ms), (predicted.p95_ms, found.p95_ms)] {
                 let off = (predicted.unwrap() - found.unwrap()).abs();
-                assert!(off <= 0.065, "Q {q}: {predicted:?} {found:?} of {verified:?}");
+                assert!(off < 0.033, "Q {q}: {predicted:?} {found:?} of {verified:?}");
             }
         }
         let jitter = verified.jitter_hz.unwrap() / advice.prediction.jitter_hz;
-        assert!((jitter - 1.0).abs() < 0.12, "Q {q}: {jitter}");
+        assert!((jitter - 1.0).abs() < 0.08, "Q {q}: {jitter}");
     }
 }
 
@@ -53,11 +53,11 @@ fn the_lock_point_moves_as_theory_says() {
     assert!((prediction.bias_hz_per_ns_skew / by_skew - 1.0).abs() < 0.01, "{} {by_skew}", prediction.bias_hz_per_ns_skew);
 }
 
-/// The second integrator takes the lag away: 2.4 Hz at 10 kHz/s become 0.04 Hz.
+/// The second integrator takes the lag away: 2.8 Hz behind at 10 kHz/s become 0.16 Hz ahead.
 #[test]
 fn the_rate_integrator_takes_the_lag_away() {
     let fast = of_q(65.0, 3.0).0.prediction.ramps[1];
-    assert!(fast.lag_hz.abs() < 0.1 && fast.lag_without_rate_hz > 2.0, "{fast:?}");
+    assert!(fast.lag_hz.abs() < 0.17 && fast.lag_without_rate_hz > 2.0, "{fast:?}");
 }
 
 /// 3 V at Q 500 would be 4.3 A: beyond the limit of 3 A and the sensor's 4 A.

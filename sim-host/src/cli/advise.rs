@@ -5,7 +5,7 @@ use std::process::ExitCode;
 use clap::Args;
 
 use super::progress::Progress;
-use super::{Color, Format, INVALID_SCENE, LENDER, invalid, table};
+use super::{Color, Format, INVALID_SCENE, LENDER, USAGE, invalid, table};
 use crate::advice::case::{Case, CaseError, Numbers, Wishes};
 use crate::advice::verification::verify;
 use crate::advice::{Advice, AdviceError, advise, table as tables};
@@ -16,7 +16,6 @@ use crate::scene::load::load;
 pub(super) struct AdviseArgs {
     /// A scene: its stack, sensors, amplifier and limits. With the numbers of a transducer it lends all but the stack; without a name, the
     /// defaults do.
-    #[arg(required_unless_present = "frequency_hz")]
     scene: Option<String>,
     /// Change one value of the scene, as `a.b=v`. Repeatable.
     #[arg(long = "set", value_name = "KEY=VALUE")]
@@ -52,6 +51,12 @@ pub(super) struct AdviseArgs {
 
 /// Advises, and prints.
 pub(super) fn run(args: &AdviseArgs, color: Color) -> anyhow::Result<ExitCode> {
+    if args.scene.is_none() && args.frequency_hz.is_none() {
+        eprintln!(
+            "error: which transducer? Name a scene (`sim-host list`), or give its numbers: --frequency-hz 40e3 --q 65 --c0-f 300e-9 --lm-h 0.79e-3"
+        );
+        return Ok(ExitCode::from(USAGE));
+    }
     let loaded = match load(args.scene.as_deref().unwrap_or(LENDER), &args.sets) {
         Ok(loaded) => loaded,
         Err(error) => return Ok(invalid(&error, color)),
@@ -85,34 +90,31 @@ fn human(advice: &Advice, color: Color) -> String {
 }
 
 /// A number within a range, or what it should have been.
-fn within(text: &str, what: &str, unit: &str, (least, most): (f64, f64)) -> Result<f64, String> {
-    let value: f64 = text.parse().map_err(|_| format!("{what} is a number{unit}, such as {least:e}"))?;
-    match (least..=most).contains(&value) {
-        true => Ok(value),
-        false => Err(format!("{what} is between {least} and {most}{unit}")),
-    }
+fn within(text: &str, what: &str, (least, most): (f64, f64)) -> Result<f64, String> {
+    let value: f64 = text.parse().map_err(|_| format!("not a number; give {what} from {least:e} to {most:e}"))?;
+    if (least..=most).contains(&value) { Ok(value) } else { Err(format!("give {what} from {least:e} to {most:e}")) }
 }
 
 fn frequency(text: &str) -> Result<f64, String> {
-    within(text, "a series resonance", " Hz", (100.0, 450e3))
+    within(text, "a series resonance in Hz, as 40e3,", (100.0, 450e3))
 }
 
 fn quality(text: &str) -> Result<f64, String> {
-    within(text, "a quality factor", "", (2.0, 1e5))
+    within(text, "a quality factor", (2.0, 1e5))
 }
 
 fn farad(text: &str) -> Result<f64, String> {
-    within(text, "a clamped capacitance", " F (300e-9 is 300 nF)", (1e-12, 1e-3))
+    within(text, "a clamped capacitance in farads, as 300e-9,", (1e-12, 1e-3))
 }
 
 fn henry(text: &str) -> Result<f64, String> {
-    within(text, "a motional inductance", " H (0.8e-3 is 0.8 mH)", (1e-9, 1e4))
+    within(text, "a motional inductance in henries, as 0.8e-3,", (1e-9, 1e4))
 }
 
 fn volts(text: &str) -> Result<f64, String> {
-    within(text, "a drive voltage", " V", (1e-3, 1e4))
+    within(text, "a peak voltage in volts", (1e-3, 1e4))
 }
 
 fn lsb(text: &str) -> Result<f64, String> {
-    within(text, "noise", " LSB", (0.0, 100.0))
+    within(text, "noise in LSB rms", (0.0, 100.0))
 }
