@@ -43,8 +43,6 @@ const HIGHEST: f32 = 0.4;
 /// Periods of a tone, and the part of them in which it rises, and in which it falls.
 const TONE_PERIODS: f32 = 200.0;
 const EDGE: f32 = 0.2;
-/// Noise of a sense channel that is reckoned with, codes rms: one of each of two conversions.
-const NOISE_CODES: f32 = 1.5;
 /// What the model leaves at best, relative to the clamped susceptance: ringing, rounding.
 const FLOOR: f32 = 3e-4;
 /// How far the capacitance may be from what was told.
@@ -128,8 +126,10 @@ pub struct PowerOn {
     /// Where the resonance may be, relative to the nominal frequency, with what the estimate may be off by.
     window: f32,
     volts: f32,
-    /// Of a current and of a voltage, relative to what the scan voltage makes, over one block.
+    /// Variance of a current and of a voltage, relative to what the scan voltage makes, of one part of a block's phasor.
     noise: (f32, f32),
+    /// What the scan voltage drives through the clamped capacitance as told, A.
+    amperes: f32,
     offsets: [f32; MAX_POINTS],
     tone_blocks: u32,
     stage: Stage,
@@ -148,17 +148,14 @@ impl PowerOn {
         let block_periods = drive.frequency_hz * f32::from(config.block_samples) / config.sample_hz;
         let nearest = tracking.span + NEAREST;
         let highest = HIGHEST * config.sample_hz / drive.frequency_hz - 1.0;
-        let per_block = NOISE_CODES / libm::sqrtf(f32::from(config.block_samples));
         PowerOn {
             nominal_hz: drive.frequency_hz,
             nominal_c0_f: tracking.nominal_c0_f,
             nominal_q: tracking.nominal_q,
             window: tracking.span + 0.5 * NEAREST,
             volts: drive.scan_volts,
-            noise: (
-                per_block * config.front_end.ampere_per_lsb / (drive.scan_volts * susceptance),
-                per_block * config.front_end.volt_per_lsb / drive.scan_volts,
-            ),
+            noise: (0.0, 0.0),
+            amperes: drive.scan_volts * susceptance,
             // Below and above in turns.
             offsets: core::array::from_fn(|n| match n % 2 {
                 0 => -nearest - BELOW[n / 2],
@@ -180,6 +177,11 @@ impl PowerOn {
         (self.iv, self.vv) = (Phasor::default(), 0.0);
         self.fit = Fit::new(1.0 / self.nominal_q);
         self.solution = None;
+    }
+
+    /// Takes the variances of the phasors of a block's voltage and current by noise, both components, V² and A².
+    pub fn set_noise(&mut self, v: f32, i: f32) {
+        self.noise = (0.5 * i / (self.amperes * self.amperes), 0.5 * v / (self.volts * self.volts));
     }
 
     /// Takes the phasors of the block just heard and says what to do next.
@@ -230,7 +232,7 @@ impl PowerOn {
         let y = iv / (vv * TAU * self.nominal_hz * self.nominal_c0_f);
         let square = |x: f32| x * x;
         // A Hann window hears as much noise as two thirds of its length without.
-        let noise = 1.5 * (square(self.noise.0) + y.norm_sqr() * square(self.noise.1)) / self.tone_blocks as f32;
+        let noise = 1.5 * (self.noise.0 + y.norm_sqr() * self.noise.1) / self.tone_blocks as f32;
         self.fit.add(Point { x, y, deviation: libm::sqrtf(noise + square(FLOOR)) });
     }
 

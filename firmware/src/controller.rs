@@ -155,7 +155,8 @@ impl Controller {
 
         let driven =
             Driven { volts: heard.audible.filter(|_| heard.flat).map(|part| part * heard.volts * heard.envelope), suspect };
-        let found = self.guard.inspect(&self.convert, sense, &sensed, driven).map(|fault| self.named(fault));
+        let found =
+            self.guard.inspect(&self.convert, sense, &sensed, driven).map(|fault| self.named(fault, &sensed, heard.volts));
         if self.supervisor.judge(orders, found) {
             self.begin();
         }
@@ -176,9 +177,10 @@ impl Controller {
         self.scan.roster().listed()
     }
 
-    /// Nothing but a short takes more current than the limit from the tone of the self-test.
-    fn named(&self, fault: Fault) -> Fault {
-        let short = self.supervisor.mode() == Mode::SelfTest && fault == Fault::OverCurrent;
+    /// Nothing but a short takes more current than the limit from the tone of the self-test, or lets the voltage collapse under it.
+    fn named(&self, fault: Fault, sensed: &Sensed, volts: f32) -> Fault {
+        let collapses = fault == Fault::SensorImplausible && self.self_test.is_short(sensed, volts);
+        let short = self.supervisor.mode() == Mode::SelfTest && (fault == Fault::OverCurrent || collapses);
         if short { Fault::LoadShorted } else { fault }
     }
 

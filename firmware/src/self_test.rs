@@ -17,7 +17,7 @@ use crate::supervisor::Fault;
 /// Blocks of silence that are averaged.
 const SILENT_BLOCKS: u32 = 32;
 /// Quiet: the current's rms about its mean is below this part of what the tone will draw, or below so many codes.
-const QUIET: (f32, f32) = (0.25, 4.0);
+const QUIET: (f32, f32) = (0.25, 16.0);
 /// How long an earlier run may ring, nominal time constants and at least, in blocks. Q may be twice what was told.
 const RING_DOWN: (f32, u32) = (40.0, 1000);
 /// Blocks of the tone, and how many at its end are measured.
@@ -94,6 +94,12 @@ impl SelfTest {
             lead: Phasor::default(),
             noise: (0.0, 0.0),
         }
+    }
+
+    /// Whether the tone, of which `played` volts are, draws more current than any transducer would.
+    pub fn is_short(&self, sensed: &Sensed, played: f32) -> bool {
+        let most = CURRENT_FACTOR * self.clamped_siemens * played;
+        sensed.i.norm_sqr() > most * most
     }
 
     /// Mean square of the noise of voltage and current, codes, as heard in silence.

@@ -194,7 +194,8 @@ impl Tracker {
         self.on_blocks = self.ring_up_blocks;
         if let Some(observed) = &mut self.observed {
             let spread_hz = SCANNED * transducer.series_resonance_hz / transducer.q;
-            let (q, lm_h, axis) = (transducer.q, transducer.lm_h, branch.axis);
+            let (q, axis) = (transducer.q, branch.axis);
+            let lm_h = (transducer.lm_h, transducer.deviations.lm_h);
             observed.start(&Prior { offset_hz: (offset_hz, spread_hz), q, lm_h, axis, noise_a }, Seek::Scan);
         }
     }

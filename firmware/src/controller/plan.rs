@@ -95,6 +95,8 @@ impl Controller {
                         Plan::tone(volts)
                     }
                     self_test::Step::Passed => {
+                        let (v, i) = self.noise();
+                        self.power_on.set_noise(v, i);
                         self.sweep.hold.retune(0.0);
                         Plan::SILENT.and(Progress::Done)
                     }
@@ -121,7 +123,7 @@ impl Controller {
                 clamped::Step::Found(clamped) => {
                     self.sweep.hold.retune(0.0);
                     self.observe(&clamped);
-                    Plan::SILENT.and(Progress::Done)
+                    Plan::tone(self.scan_volts).and(Progress::Done)
                 }
                 clamped::Step::Failed(fault) => Plan::SILENT.and(Progress::Failed(fault)),
             },
@@ -157,7 +159,8 @@ impl Controller {
         let prior = Prior {
             offset_hz: (0.0, window_hz),
             q: core::f32::consts::PI * self.nominal_periods,
-            lm_h: self.nominal_lm_h.unwrap_or(clamped.lm_h.value),
+            // Measured to a part in five hundred; what was told is what it is held against once it has locked.
+            lm_h: (clamped.lm_h.value, clamped.lm_h.deviation),
             axis: clamped.motional.axis,
             noise_a: self.noise_a(&clamped.motional),
         };
@@ -168,10 +171,15 @@ impl Controller {
         self.online.seed(clamped.motional, c0.deviation / c0.value, hz, q);
     }
 
+    /// Variances of a block's voltage and current by noise, both components, V² and A².
+    fn noise(&self) -> (f32, f32) {
+        let (v, i) = self.self_test.noise();
+        (self.convert.v.phasor_variance(v, self.samples), self.convert.i.phasor_variance(i, self.samples))
+    }
+
     /// Rms noise of a block's motional current, A.
     fn noise_a(&self, branch: &Motional) -> f32 {
-        let (v, i) = self.self_test.noise();
-        let (v, i) = (self.convert.v.phasor_variance(v, self.samples), self.convert.i.phasor_variance(i, self.samples));
+        let (v, i) = self.noise();
         libm::sqrtf(i + branch.y0.norm_sqr() * v)
     }
 

@@ -71,7 +71,7 @@ mod tests {
     fn the_deviations_are_those_of_the_scatter() {
         let mut observer = Observer::new(40e3, 32e-6);
         let axis = Phasor::new(1.0, 0.0);
-        observer.start(&Prior { offset_hz: (300.0, 25.0), q: 30.0, lm_h: 0.8e-3, axis, noise_a: 1e-3 });
+        observer.start(&Prior { offset_hz: (300.0, 25.0), q: 30.0, lm_h: (0.8e-3, 0.08e-3), axis, noise_a: 1e-3 });
         let known = Known { c0_f: (290e-9, 4e-9), modes: (1, 0) };
         let found = circuit(&observer, 40e3, &known);
         // `w = f / fs - fs / f` changes twice as much as the frequency does, and a part has a variance of one half each way.

@@ -70,7 +70,7 @@ pub struct Observed {
 impl Observed {
     /// For a nominal frequency, told a block every `block_s` seconds.
     pub fn new(nominal_hz: f32, block_s: f32) -> Self {
-        let prior = Prior { offset_hz: (0.0, 0.0), q: 1.0, lm_h: 1.0, axis: Phasor::new(1.0, 0.0), noise_a: 1.0 };
+        let prior = Prior { offset_hz: (0.0, 0.0), q: 1.0, lm_h: (1.0, 0.1), axis: Phasor::new(1.0, 0.0), noise_a: 1.0 };
         Observed {
             observer: Observer::new(nominal_hz, block_s),
             nominal_hz,

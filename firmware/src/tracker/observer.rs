@@ -46,10 +46,10 @@ const GATE: f32 = 5.0;
 const ARMED: u32 = 16;
 /// What the gate opens to, Hz at a nominal frequency of 40 kHz.
 const OPENS: f32 = 300.0 / 40e3;
-/// How well the inductance is known that was told.
-const TOLD: f32 = 0.1;
-/// Smallest variance of what has been learned of it, so that its row stays regular.
-const LEARNED: f32 = 1e-8;
+/// How well the inductance is known at best, relative.
+const KNOWN_AT_BEST: f32 = 2e-3;
+/// Deviation of the inductance, relative, from which on there is nothing to learn of it: its row of the covariance is half of the work.
+const KNOWN: f32 = 5e-3;
 /// The model holds to this part of the current.
 const MODEL: f32 = 5e-4;
 /// A current below so many deviations of its noise is none.
@@ -154,13 +154,16 @@ impl Observer {
         let spread = TAU * spread_hz * self.block_s;
         self.window = self.window.max(offset_hz.abs() * TAU * self.block_s + WINDOW * spread);
         self.noise = prior.noise_a * prior.noise_a;
-        self.lm_h = prior.lm_h;
-        self.told = prior.axis * (self.block_s / (2.0 * prior.lm_h));
+        let (lm_h, deviation) = prior.lm_h;
+        let spread_of_strength = larger(deviation / lm_h, KNOWN_AT_BEST);
+        self.lm_h = lm_h;
+        self.told = prior.axis * (self.block_s / (2.0 * lm_h));
         let damping = -core::f32::consts::PI * self.nominal_hz / prior.q * self.block_s;
         self.pole = Phasor::new(damping.max(DAMPING.0), TAU * offset_hz * self.block_s);
         self.strength = 1.0;
         self.rate = 0.0;
-        self.covariance = Covariance { pole: spread * spread, strength: TOLD * TOLD, ..Covariance::default() };
+        self.covariance =
+            Covariance { pole: spread * spread, strength: spread_of_strength * spread_of_strength, ..Covariance::default() };
         self.played = Played { offset_hz, steady_v: None };
         self.calm = 0;
     }
@@ -189,11 +192,20 @@ impl Observer {
 
         // How well it says so: the rows of `F P` (of the first, only what all of it adds), then `F P F^H`.
         let p = self.covariance;
-        let (turned_pole, turned_strength) = (a * p.current_pole, a * p.current_strength);
-        let row_pole = turned_pole + per_pole * p.pole + per_strength * p.pole_strength.conj();
-        let row_strength = turned_strength + per_pole * p.pole_strength + per_strength * p.strength;
-        let variance =
-            a.norm_sqr() * p.current + dot(turned_pole + row_pole, per_pole) + dot(turned_strength + row_strength, per_strength);
+        let turned_pole = a * p.current_pole;
+        let mut row_pole = turned_pole + per_pole * p.pole;
+        let mut variance = a.norm_sqr() * p.current;
+        let learns = p.strength > KNOWN * KNOWN;
+        let row_strength = if learns {
+            let turned_strength = a * p.current_strength;
+            row_pole += per_strength * p.pole_strength.conj();
+            let row = turned_strength + per_pole * p.pole_strength + per_strength * p.strength;
+            variance += dot(turned_strength + row, per_strength);
+            row
+        } else {
+            Phasor::new(0.0, 0.0)
+        };
+        variance += dot(turned_pole + row_pole, per_pole);
 
         let moved = (current - self.current).norm_sqr();
         let noise = self.noise + LEAK * LEAK * moved + MODEL * MODEL * current.norm_sqr();
@@ -210,15 +222,18 @@ impl Observer {
         let told = row_pole.norm_sqr() * part;
         self.current = current - innovation * kept;
         self.pole += correction;
-        self.strength += dot(innovation, row_strength) * part;
         self.covariance = Covariance {
             current: variance * kept,
             current_pole: row_pole * kept,
-            current_strength: row_strength * kept,
             pole: larger(p.pole - told, 0.0) + self.wander,
-            pole_strength: p.pole_strength - gain_pole * row_strength,
-            strength: larger(p.strength - row_strength.norm_sqr() * part, LEARNED),
+            ..p
         };
+        if learns {
+            self.strength += dot(innovation, row_strength) * part;
+            self.covariance.current_strength = row_strength * kept;
+            self.covariance.pole_strength -= gain_pole * row_strength;
+            self.covariance.strength = larger(p.strength - row_strength.norm_sqr() * part, 0.0);
+        }
         // A ring-down tells too little for a rate that would go on when nothing is heard any more.
         let driven = played.steady_v.is_some_and(|volts| volts > 0.0);
         if driven && self.calm > ARMED && told < SETTLED * self.wander {

@@ -9,8 +9,8 @@ pub struct Prior {
     pub offset_hz: (f32, f32),
     /// Quality factor, within a factor of two.
     pub q: f32,
-    /// Motional inductance, H.
-    pub lm_h: f32,
+    /// Motional inductance, H, and its standard deviation.
+    pub lm_h: (f32, f32),
     /// Direction of the motional admittance at resonance.
     pub axis: Phasor,
     /// Rms of a block's motional current by noise, A, both components.

@@ -33,8 +33,6 @@ pub const DRAWS: u64 = 400;
 pub const BOUNDS_HZ: [f64; 3] = [100.0, 20.0, 4.0];
 /// Rates of a ramp, Hz/s.
 const RAMPS_HZ_PER_S: [f64; 2] = [1e3, 10e3];
-/// The block in which the controller decides for the lock stage is the first that counts, and silent.
-const SILENT_BLOCKS: usize = 1;
 /// A cold start is watched for so long, s.
 const WATCHED_S: f64 = 8e-3;
 /// Steady is what comes after so long, s; a ramp lasts as long.
@@ -160,7 +158,7 @@ pub fn lock_times(rig: &Rig, draws: u64) -> [Vec<f64>; 3] {
         let errors: Vec<f64> = (0..blocks).map(|_| rehearsal.step(&circuit).error_hz().abs()).collect();
         BOUNDS_HZ.map(|bound| {
             let inside = errors.iter().rposition(|&error| error > bound).map_or(0, |last| last + 1);
-            if inside < blocks { (inside + SILENT_BLOCKS) as f64 * rig.block_s } else { f64::INFINITY }
+            if inside < blocks { inside as f64 * rig.block_s } else { f64::INFINITY }
         })
     };
     let all: Vec<[f64; 3]> = (1..=draws).into_par_iter().map(one).collect();

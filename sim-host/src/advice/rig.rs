@@ -14,6 +14,9 @@ use crate::cramer_rao::noise;
 use crate::plant::circuit::Circuit;
 use crate::settings;
 
+/// How well the inductance is known by the measurement of the clamped branch, relative.
+const LM_MEASURED: f64 = 2e-3;
+
 /// A case made ready to rehearse.
 #[derive(Clone, Debug)]
 pub struct Rig {
@@ -56,7 +59,7 @@ impl Rig {
         let prior = Prior {
             offset_hz: (0.0, (tracking.span * nominal_hz) as f32),
             q: tracking.nominal_q as f32,
-            lm_h: tracking.nominal_lm_h.unwrap_or(parts.circuit.lm_h) as f32,
+            lm_h: (parts.circuit.lm_h as f32, (LM_MEASURED * parts.circuit.lm_h) as f32),
             axis: Phasor::new(1.0, 0.0),
             noise_a: variance.sqrt() as f32,
         };
@@ -96,7 +99,7 @@ impl Rig {
         let circuit = Circuit { lm_h, ..self.circuit }.with_q(self.circuit.q());
         let prior = Prior {
             q: (f64::from(self.prior.q) * TOLD.q.powf(q)) as f32,
-            lm_h: (f64::from(self.prior.lm_h) * (1.0 + TOLD.lm * lm)) as f32,
+            lm_h: ((f64::from(self.prior.lm_h.0) * (1.0 + LM_MEASURED * lm)) as f32, self.prior.lm_h.1),
             ..self.prior
         };
         let follower = Follower::Tracker(Box::new(self.tracker.clone()));

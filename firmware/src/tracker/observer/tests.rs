@@ -37,7 +37,13 @@ impl Loop {
         let mut observer = Observer::new(NOMINAL_HZ as f32, BLOCK_S as f32);
         let axis = Phasor::new(1.0, 0.0);
         let offset_hz = (0.0, 1000.0);
-        observer.start(&Prior { offset_hz, q: q as f32, lm_h: (LM_H * told_lm) as f32, axis, noise_a: NOISE_A as f32 });
+        observer.start(&Prior {
+            offset_hz,
+            q: q as f32,
+            lm_h: ((LM_H * told_lm) as f32, (0.1 * LM_H) as f32),
+            axis,
+            noise_a: NOISE_A as f32,
+        });
         Loop {
             observer,
             resonance_hz,

@@ -96,7 +96,8 @@ fn observing(print: Print) {
     let mut observer = Observer::new(NOMINAL_HZ, BLOCK_S);
     let offset_hz = STACK.series_resonance_hz - NOMINAL_HZ;
     let spread_hz = 60.0;
-    let (q, lm_h, axis) = (STACK.q, STACK.lm_h, Phasor::new(1.0, 0.0));
+    let (q, axis) = (STACK.q, Phasor::new(1.0, 0.0));
+    let lm_h = (STACK.lm_h, 2e-3 * STACK.lm_h);
     observer.start(&Prior { offset_hz: (offset_hz, spread_hz), q, lm_h, axis, noise_a: NOISE_A });
     let follow = |observer: &mut Observer, steady_v: Option<f32>| {
         let heard = (CURRENT, AT_RESONANCE.v, Played { offset_hz, steady_v });
