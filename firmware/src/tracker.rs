@@ -252,8 +252,15 @@ impl Tracker {
             return Turns(0.0);
         }
         self.unheard_blocks = 0;
-        let rings_above = RINGS_ABOVE * heard.volts / self.rm_ohm;
-        if at_lock_point.norm_sqr() > rings_above * rings_above {
+        let rings = match self.observed.as_ref().filter(|observed| observed.is_confident()) {
+            // A load that comes down leaves less of the current than what it was identified by.
+            Some(observed) => observed.observer().rings(at_lock_point, RINGS_ABOVE, heard.volts),
+            None => {
+                let above = RINGS_ABOVE * heard.volts / self.rm_ohm;
+                at_lock_point.norm_sqr() > above * above
+            }
+        };
+        if self.rm_ohm > 0.0 && rings {
             let current = match detector {
                 PhaseDetector::Motional => at_lock_point,
                 PhaseDetector::Total => sensed.i,

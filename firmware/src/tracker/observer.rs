@@ -37,7 +37,7 @@ const TAU: f32 = core::f32::consts::TAU;
 /// 2^32 as a number.
 const STEPS_PER_TURN: f32 = 4_294_967_296.0;
 /// How the resonance may wander: after a second its deviation is this part of the frequency. The damping likewise.
-const WANDER: f32 = 5e-4;
+const WANDER: f32 = 6e-4;
 /// A change of the envelope within a block leaks into its phasor; this part of it counts as noise.
 const LEAK: f32 = 0.03;
 /// Innovation, in deviations, beyond which it is no noise.
@@ -310,6 +310,13 @@ impl Observer {
     #[inline]
     fn is_within_radians(&self, bound: f32) -> bool {
         self.covariance.pole < 2.0 * bound * bound
+    }
+
+    /// Whether a motional current is above `part` of what a voltage, V, would drive in steady state: `V / Rm`, `Rm = 2 alpha Lm`.
+    pub fn rings(&self, current: Phasor, part: f32, volts: f32) -> bool {
+        let drop = self.pole.re * 2.0 * self.lm_h / self.block_s;
+        let most = part * volts * self.strength;
+        current.norm_sqr() * drop * drop > most * most
     }
 
     /// Damping `alpha`, 1/s.

@@ -115,14 +115,14 @@ fn an_inductance_that_was_told_wrong_is_learned() {
         assert!(cold.settle(40, 20.0) <= 14, "{told}");
         cold.settle(300, 20.0);
         let (found, deviation) = (f64::from(cold.observer.lm_h()) / LM_H - 1.0, f64::from(cold.observer.strength_deviation()));
-        assert!(found.abs() < 5.0 * deviation && deviation < 4e-3, "{told}: {found} {deviation}");
+        assert!(found.abs() < 5.0 * deviation && deviation < 5e-3, "{told}: {found} {deviation}");
     }
 }
 
 /// The load comes down: the gate opens once, and frequency and damping are known again six blocks after the block of the step.
 #[test]
 fn a_step_opens_the_gate() {
-    let mut run = Loop::new(40_300.0, 65.0, 1.05);
+    let mut run = Loop::new(40_300.0, 65.0, 1.0);
     run.settle(300, 4.0);
     assert_eq!(run.observer.opened(), 0);
     (run.resonance_hz, run.q) = (40_500.0, 20.0);
