@@ -3,6 +3,8 @@
 //! Contract: the codes returned for sense block `k` play as block `k + 2` ([`LATENCY_BLOCKS`]). After `build` nothing can
 //! fail: trouble is a numbered fault in the telemetry, and a muted drive.
 
+mod acquire;
+mod follow;
 mod plan;
 mod trims;
 

@@ -1,0 +1,118 @@
+//! What is done in each block of a lock and of a run.
+
+use super::plan::Plan;
+use super::{Controller, Played};
+use crate::block::{Gate, Orders};
+use crate::burst::Brake;
+use crate::clamped::online;
+use crate::demod::Sensed;
+use crate::identify::Transducer;
+use crate::phasor::{Phasor, magnitude};
+use crate::shape::Shape;
+use crate::supervisor::Mode;
+use crate::tracker::{Heard, State};
+
+/// How often what the observer knows of the transducer is taken, blocks.
+const LEARN_BLOCKS: u64 = 64;
+
+impl Controller {
+    /// Takes what the observer knows of the transducer, which is sure of it.
+    fn learn(&mut self) -> Option<Transducer> {
+        let transducer = self.tracker.identify()?;
+        self.tracker.set_resonance(&transducer);
+        self.online.set_resonance(transducer.series_resonance_hz, transducer.q);
+        (self.transducer, self.learned) = (Some(transducer), self.block);
+        Some(transducer)
+    }
+
+    /// The same again, now and then.
+    pub(super) fn learn_on(&mut self) {
+        let following = matches!(self.supervisor.mode(), Mode::Lock | Mode::Run);
+        if following && self.transducer.is_some() && self.block - self.learned >= LEARN_BLOCKS && self.tracker.is_sure() {
+            self.learn();
+        }
+    }
+
+    /// Measures the clamped capacitance anew, where it may drift, by small steps of a drive that is otherwise left alone.
+    fn probe(&mut self, orders: &Orders, sensed: &Sensed, played: &Played) {
+        if !self.online.drifts() || !self.tracker.observes() {
+            return;
+        }
+        let alone = matches!(self.shape, Shape::Sine)
+            && self.sweep.holds()
+            && orders.detune.0 == 0.0
+            && self.supervisor.mode() == Mode::Run;
+        let whole = played.flat && played.envelope == 1.0 && !self.amplitude.limited() && !self.tracker.limited();
+        let steady = alone && whole && self.tracker.state() == State::Locked;
+        let heard = online::Heard { sensed, relative: played.relative, detune_hz: played.detune_hz, steady };
+        let wanted = self.online.step(&heard);
+        self.probe_hz = wanted.detune_hz;
+        if let Some(update) = wanted.update {
+            self.tracker.set_branch(update.motional, update.deviation);
+        }
+    }
+
+    /// Follows frequency and amplitude for one block.
+    pub(super) fn follow(&mut self, orders: &Orders, sensed: &Sensed, played: &Played, motional: Phasor) -> Plan {
+        let on = played.flat && played.envelope == 1.0 && played.volts > 0.0;
+        let driven = played.envelope != 0.0;
+        let heard = Heard {
+            offset_hz: played.offset_hz,
+            volts: played.volts,
+            envelope: played.flat.then_some(played.envelope),
+            pure: played.pure,
+            on,
+            driven,
+        };
+        let at_lock_point = self.tracker.at_lock_point(motional, played.detune_hz);
+        let phase = self.tracker.follow(sensed, motional, at_lock_point, &heard);
+        if self.transducer.is_none()
+            && self.tracker.is_sure()
+            && let Some(transducer) = self.learn()
+        {
+            self.amplitude.seed(&transducer, magnitude(motional));
+        }
+        self.probe(orders, sensed, played);
+        let (offset_hz, limited) = self.detune(orders);
+        self.sweep.hold.retune(offset_hz);
+        // An edge is never quite one, whatever its mean rounds to.
+        let envelope = if played.flat { played.envelope } else { played.envelope.min(0.999) };
+        // Before the order's own amplitude: what rings was driven by the one before.
+        self.prepare_brake(orders.gate);
+        let known = self.transducer.is_some() || !self.tracker.observes();
+        if known {
+            self.amplitude.update(orders.amplitude.unwrap_or(self.amplitude_asked), envelope, at_lock_point);
+        }
+        let volts = match () {
+            () if !known => self.scan_volts,
+            () if self.burst.is_ending(orders.gate) => self.braked_volts,
+            () => self.amplitude.volts(),
+        };
+        Plan { volts, gate: orders.gate, listen: 0, phase, limited, progress: self.lock_progress() }
+    }
+
+    /// Where to drive, as an offset from the nominal frequency, Hz, and whether the order had to be limited. Only what runs is moved
+    /// away from the resonance.
+    fn detune(&self, orders: &Orders) -> (f32, bool) {
+        let window = self.tracker.window_hz();
+        let asked = if self.supervisor.mode() == Mode::Run && orders.detune.0.is_finite() { orders.detune.0 } else { 0.0 };
+        let offset = if self.tracker.tracks() { self.tracker.offset_hz() } else { 0.0 };
+        let wanted = offset + asked + self.probe_hz;
+        (wanted.clamp(-window, window), wanted.abs() > window)
+    }
+
+    /// The brake for what rings. It is made anew where the drive has changed, because its level counts from the drive.
+    fn prepare_brake(&mut self, gate: Gate) {
+        const SAME: f32 = 0.01;
+        let volts = self.amplitude.volts();
+        if self.burst.is_ending(gate) {
+            // It brakes what it was made for.
+        } else if !self.burst.brakes(gate) || volts == 0.0 {
+            self.burst.set_brake(None);
+        } else if self.burst.brake().is_none() || (volts - self.braked_volts).abs() > SAME * volts {
+            let periods = self.transducer.map_or(self.nominal_periods, |transducer| transducer.q / core::f32::consts::PI);
+            self.burst.set_brake(Some(Brake::of(periods, self.amplitude.headroom())));
+            self.braked_volts = volts;
+        }
+    }
+}
