@@ -12,6 +12,8 @@ const OUTER_TURNS: f32 = 45.0 / 360.0;
 /// How long the phase may be beyond the outer bound, in time constants of the resonance and at least, in blocks.
 const LOST_TIME_CONSTANTS: f32 = 4.0;
 const LOST_BLOCKS: u32 = 96;
+/// Blocks outside that one between the bounds makes up for.
+const FORGIVEN: u32 = 4;
 
 /// What the phase says.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -52,7 +54,12 @@ impl LockDetector {
     pub fn update(&mut self, phase: Turns) -> Lock {
         let size = phase.0.abs();
         self.inside = if size < INNER_TURNS { self.inside.saturating_add(1) } else { 0 };
-        self.outside = if size > OUTER_TURNS { self.outside.saturating_add(1) } else { 0 };
+        self.outside = match size {
+            size if size > OUTER_TURNS => self.outside.saturating_add(1),
+            size if size < INNER_TURNS => 0,
+            // A phase that passes by on its way from one side to the other forgives little.
+            _ => self.outside.saturating_sub(FORGIVEN),
+        };
         if self.inside >= LOCK_BLOCKS {
             self.state = Lock::Locked;
         } else if self.outside >= self.lost_blocks {

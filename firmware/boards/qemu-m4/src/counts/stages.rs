@@ -35,8 +35,14 @@ const AT_RESONANCE: Sensed = Sensed { v: Phasor::new(VOLTS, 0.0), i: Phasor::new
 /// Rms noise of a block's current, A.
 const NOISE_A: f32 = 5e-4;
 const NOMINAL_HZ: f32 = 40e3;
-const HEARD: Heard =
-    Heard { offset_hz: STACK.series_resonance_hz - NOMINAL_HZ, volts: VOLTS, envelope: Some(1.0), on: true, driven: true };
+const HEARD: Heard = Heard {
+    offset_hz: STACK.series_resonance_hz - NOMINAL_HZ,
+    volts: VOLTS,
+    envelope: Some(1.0),
+    pure: true,
+    on: true,
+    driven: true,
+};
 /// Blocks until every tracker has locked.
 const SETTLING_BLOCKS: u32 = 200;
 
