@@ -115,6 +115,7 @@ enum Stage {
     Tones,
     Fit,
     Judge,
+    Tell,
 }
 
 /// The calibration, in progress.
@@ -138,6 +139,7 @@ pub struct PowerOn {
     vv: f32,
     fit: Fit,
     solution: Option<Solution>,
+    verdict: Option<Step>,
 }
 
 impl PowerOn {
@@ -168,6 +170,7 @@ impl PowerOn {
             vv: 0.0,
             fit: Fit::new(1.0 / tracking.nominal_q),
             solution: None,
+            verdict: None,
         }
     }
 
@@ -209,7 +212,12 @@ impl PowerOn {
                 }
             },
             // There is one.
-            Stage::Judge => self.solution.as_ref().map_or(Step::Silence, |solution| self.judge(solution)),
+            Stage::Judge => {
+                // What follows from it takes a block of its own.
+                (self.stage, self.verdict) = (Stage::Tell, self.solution.as_ref().map(|solution| self.judge(solution)));
+                Step::Silence
+            }
+            Stage::Tell => self.verdict.unwrap_or(Step::Silence),
         }
     }
 

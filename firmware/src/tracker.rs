@@ -124,7 +124,8 @@ impl Tracker {
             nominal,
             motional: nominal,
             phase_loop: PhaseLoop::build(&config.tracking, config.drive.frequency_hz, block_s)?,
-            observed: (config.tracking.mode == TrackingMode::Observer).then(|| Observed::new(config.drive.frequency_hz, block_s)),
+            observed: (config.tracking.mode == TrackingMode::Observer)
+                .then(|| Observed::new(config.drive.frequency_hz, block_s, config.tracking.span * config.drive.frequency_hz)),
             known: Known::default(),
             lock: LockDetector::default(),
             rm_ohm: 0.0,
@@ -241,7 +242,7 @@ impl Tracker {
         let Some(detector) = self.detector else { return Turns(0.0) };
         self.unheard_blocks = self.unheard_blocks.saturating_add(heard.driven.into());
         self.on_blocks = if heard.on { self.on_blocks.saturating_add(1) } else { 0 };
-        let fits = self.lock.agrees() && !self.limited();
+        let fits = self.lock.agrees();
         if let Some(observed) = &mut self.observed {
             observed.follow(motional_current, sensed.v, heard, fits);
         } else {

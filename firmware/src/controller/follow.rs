@@ -35,7 +35,7 @@ impl Controller {
 
     /// Measures the clamped capacitance anew, where it may drift, by small steps of a drive that is otherwise left alone.
     fn probe(&mut self, orders: &Orders, sensed: &Sensed, played: &Played) {
-        if !self.online.drifts() || !self.tracker.observes() {
+        if !self.tracker.observes() {
             return;
         }
         let alone = matches!(self.shape, Shape::Sine)
@@ -72,7 +72,9 @@ impl Controller {
         {
             self.amplitude.seed(&transducer, magnitude(motional));
         }
-        self.probe(orders, sensed, played);
+        if self.online.drifts() {
+            self.probe(orders, sensed, played);
+        }
         let (offset_hz, limited) = self.detune(orders);
         self.sweep.hold.retune(offset_hz);
         // An edge is never quite one, whatever its mean rounds to.

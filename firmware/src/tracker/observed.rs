@@ -47,6 +47,7 @@ pub enum Seek {
 pub struct Observed {
     observer: Observer,
     nominal_hz: f32,
+    window_hz: f32,
     /// [`WORTH`] and [`INNER`] of it, Hz.
     worth_hz: f32,
     inner_hz: f32,
@@ -68,12 +69,13 @@ pub struct Observed {
 }
 
 impl Observed {
-    /// For a nominal frequency, told a block every `block_s` seconds.
-    pub fn new(nominal_hz: f32, block_s: f32) -> Self {
+    /// For a nominal frequency and a window of `window_hz` to each side, told a block every `block_s` seconds.
+    pub fn new(nominal_hz: f32, block_s: f32, window_hz: f32) -> Self {
         let prior = Prior { offset_hz: (0.0, 0.0), q: 1.0, lm_h: (1.0, 0.1), axis: Phasor::new(1.0, 0.0), noise_a: 1.0 };
         Observed {
             observer: Observer::new(nominal_hz, block_s),
             nominal_hz,
+            window_hz,
             worth_hz: WORTH * nominal_hz,
             inner_hz: INNER.1 * nominal_hz,
             prior,
@@ -133,7 +135,7 @@ impl Observed {
         (self.seek, self.locked, self.inside) = (Seek::Scan, false, 0);
     }
 
-    /// Follows one block. `fits`: neither the motional phase, as far as it was heard, nor the window speaks against a lock.
+    /// Follows one block. `fits`: the motional phase, as far as it was heard, does not speak against a lock.
     #[inline]
     pub fn follow(&mut self, motional_current: Phasor, v: Phasor, heard: &Heard, fits: bool) {
         self.pure = heard.pure;
@@ -151,7 +153,8 @@ impl Observed {
             self.doubted = self.doubt > if self.doubted { TRUSTED } else { DOUBT.1 };
         }
         self.confident = self.leads() && self.observer.is_as_good_as(INNER.0, self.inner_hz);
-        let within = self.confident && fits && self.observer.damping() < self.most_damping;
+        let within =
+            self.confident && fits && self.observer.damping() < self.most_damping && self.shown_hz.abs() < self.window_hz;
         self.inside = if within { self.inside.saturating_add(heard.driven.into()) } else { 0 };
         self.locked |= self.inside >= LOCK_BLOCKS;
     }

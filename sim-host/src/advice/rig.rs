@@ -14,8 +14,11 @@ use crate::cramer_rao::noise;
 use crate::plant::circuit::Circuit;
 use crate::settings;
 
-/// How well the inductance is known by the measurement of the clamped branch, relative.
+/// How well the inductance is known by the measurement of the clamped branch, relative: as it is stated, and as it is.
 const LM_MEASURED: f64 = 2e-3;
+const LM_ERROR: f64 = 7e-4;
+/// How well the clamped capacitance is, relative.
+const C0_ERROR: f64 = 1e-3;
 
 /// A case made ready to rehearse.
 #[derive(Clone, Debug)]
@@ -92,18 +95,19 @@ impl Rig {
     pub fn draw(&self, number: u64) -> (Rehearsal, Circuit) {
         let mut random = Xoshiro256PlusPlus::seed_from_u64(number);
         let mut side = || Uniform::new(-1.0, 1.0).map_or(0.0, |uniform| uniform.sample(&mut random));
-        let [hz, q, lm, phase] = [side(), side(), side(), side()];
+        let [hz, q, lm, phase, c0] = [side(), side(), side(), side(), side()];
         // At the same coupling.
         let hz = self.circuit.series_resonance_hz() * (1.0 + TOLD.resonance * hz);
         let lm_h = 1.0 / ((std::f64::consts::TAU * hz).powi(2) * self.circuit.cm_f);
         let circuit = Circuit { lm_h, ..self.circuit }.with_q(self.circuit.q());
         let prior = Prior {
             q: (f64::from(self.prior.q) * TOLD.q.powf(q)) as f32,
-            lm_h: ((f64::from(self.prior.lm_h.0) * (1.0 + LM_MEASURED * lm)) as f32, self.prior.lm_h.1),
+            lm_h: ((lm_h * (1.0 + LM_ERROR * lm)) as f32, (LM_MEASURED * lm_h) as f32),
             ..self.prior
         };
         let follower = Follower::Tracker(Box::new(self.tracker.clone()));
-        (self.begin(self.bench, follower, &prior, 0.5 + 0.5 * phase, Some(random)), circuit)
+        let bench = Bench { c0_error: C0_ERROR * c0, ..self.bench };
+        (self.begin(bench, follower, &prior, 0.5 + 0.5 * phase, Some(random)), circuit)
     }
 
     fn begin(
