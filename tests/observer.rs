@@ -207,6 +207,6 @@ fn the_phase_is_the_judge_of_the_observer() {
         tracker.state()
     };
     assert_eq!(follow(0.0, 100), State::Locked);
-    assert_eq!(follow(60.0, 90), State::Locked);
+    assert_eq!(follow(60.0, 70), State::Locked);
     assert_eq!(follow(60.0, 50), State::Disagree);
 }

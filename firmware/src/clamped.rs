@@ -43,6 +43,8 @@ const HIGHEST: f32 = 0.4;
 /// Periods of a tone, and the part of them in which it rises, and in which it falls.
 const TONE_PERIODS: f32 = 200.0;
 const EDGE: f32 = 0.2;
+/// Least noise of a sense channel that is reckoned with, codes squared: one code of each of two conversions.
+const LEAST_NOISE: f32 = 2.25;
 /// What the model leaves at best, relative to the clamped susceptance: ringing, rounding.
 const FLOOR: f32 = 3e-4;
 /// How far the capacitance may be from what was told.
@@ -72,8 +74,10 @@ pub enum Step {
     },
     /// Play silence.
     Silence,
-    /// The clamped branch is known.
+    /// The clamped branch is known. Silence while it is taken in.
     Found(Clamped),
+    /// It has been told; the drive may begin.
+    Over,
     /// The transducer is not what it was told to be.
     Failed(Fault),
 }
@@ -116,6 +120,7 @@ enum Stage {
     Fit,
     Judge,
     Tell,
+    Over,
 }
 
 /// The calibration, in progress.
@@ -149,6 +154,8 @@ impl PowerOn {
         let susceptance = TAU * drive.frequency_hz * tracking.nominal_c0_f;
         let block_periods = drive.frequency_hz * f32::from(config.block_samples) / config.sample_hz;
         let nearest = tracking.span + NEAREST;
+        let square = |x: f32| x * x;
+        let per_block = LEAST_NOISE / f32::from(config.block_samples);
         let highest = HIGHEST * config.sample_hz / drive.frequency_hz - 1.0;
         PowerOn {
             nominal_hz: drive.frequency_hz,
@@ -156,7 +163,10 @@ impl PowerOn {
             nominal_q: tracking.nominal_q,
             window: tracking.span + 0.5 * NEAREST,
             volts: drive.scan_volts,
-            noise: (0.0, 0.0),
+            noise: (
+                per_block * square(config.front_end.ampere_per_lsb / (drive.scan_volts * susceptance)),
+                per_block * square(config.front_end.volt_per_lsb / drive.scan_volts),
+            ),
             amperes: drive.scan_volts * susceptance,
             // Below and above in turns.
             offsets: core::array::from_fn(|n| match n % 2 {
@@ -184,7 +194,8 @@ impl PowerOn {
 
     /// Takes the variances of the phasors of a block's voltage and current by noise, both components, V² and A².
     pub fn set_noise(&mut self, v: f32, i: f32) {
-        self.noise = (0.5 * i / (self.amperes * self.amperes), 0.5 * v / (self.volts * self.volts));
+        let (i, v) = (0.5 * i / (self.amperes * self.amperes), 0.5 * v / (self.volts * self.volts));
+        self.noise = (self.noise.0.max(i), self.noise.1.max(v));
     }
 
     /// Takes the phasors of the block just heard and says what to do next.
@@ -217,7 +228,11 @@ impl PowerOn {
                 (self.stage, self.verdict) = (Stage::Tell, self.solution.as_ref().map(|solution| self.judge(solution)));
                 Step::Silence
             }
-            Stage::Tell => self.verdict.unwrap_or(Step::Silence),
+            Stage::Tell => {
+                self.stage = Stage::Over;
+                self.verdict.unwrap_or(Step::Silence)
+            }
+            Stage::Over => Step::Over,
         }
     }
 

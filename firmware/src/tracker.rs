@@ -273,7 +273,7 @@ impl Tracker {
             };
             // At the edge of the window a small phase is no lock; nor is a lock of the loop's lost there that was one. An observer would
             // go on beyond the edge.
-            let undecided = self.limited() && (self.observed.is_none() || phase.0.abs() < UNDECIDED.0);
+            let undecided = self.phase_loop.limited() && (self.observed.is_none() || phase.0.abs() < UNDECIDED.0);
             self.lock.update(if undecided { UNDECIDED } else { phase });
             return phase;
         }

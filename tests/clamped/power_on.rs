@@ -17,7 +17,7 @@ pub fn calibrate(rig: &mut Rig) -> (Result<Clamped, Fault>, u64) {
         let mut end = None;
         rig.block(|heard| match power_on.step(&heard.sensed) {
             Step::Tone { offset_hz, volts } => (offset_hz, volts),
-            Step::Silence => (0.0, 0.0),
+            Step::Silence | Step::Over => (0.0, 0.0),
             Step::Found(found) => {
                 end = Some(Ok(found));
                 (0.0, 0.0)

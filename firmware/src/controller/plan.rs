@@ -110,8 +110,9 @@ impl Controller {
                 clamped::Step::Found(clamped) => {
                     self.sweep.hold.retune(0.0);
                     self.observe(&clamped);
-                    Plan::tone(self.scan_volts).and(Progress::Done)
+                    Plan::SILENT
                 }
+                clamped::Step::Over => Plan::tone(self.scan_volts).and(Progress::Done),
                 clamped::Step::Failed(fault) => Plan::SILENT.and(Progress::Failed(fault)),
             },
             Mode::Calibrate => match self.calibrate.step(&mut self.phasing, sensed) {

@@ -11,7 +11,7 @@ const INNER_TURNS: f32 = 5.0 / 360.0;
 const OUTER_TURNS: f32 = 45.0 / 360.0;
 /// How long the phase may be beyond the outer bound, in time constants of the resonance and at least, in blocks.
 const LOST_TIME_CONSTANTS: f32 = 4.0;
-const LOST_BLOCKS: u32 = 96;
+const LOST_BLOCKS: u32 = 80;
 /// Blocks outside that one between the bounds makes up for.
 const FORGIVEN: u32 = 4;
 

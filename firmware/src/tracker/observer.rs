@@ -93,8 +93,9 @@ pub struct Observer {
     window: f32,
     /// Variance of a block's phasor by noise alone, A².
     noise: f32,
-    /// Inductance as told, H.
+    /// Inductance as told, H; and twice that by the block, ohm.
     lm_h: f32,
+    ohm_per_pole: f32,
     /// `beta T` as told, along the axis of the sensing chain, A/V.
     told: Phasor,
     current: Phasor,
@@ -138,6 +139,7 @@ impl Observer {
             window: 0.0,
             noise: 1.0,
             lm_h: 1.0,
+            ohm_per_pole: 0.0,
             told: Phasor::new(0.0, 0.0),
             current: Phasor::new(0.0, 0.0),
             pole: Phasor::new(0.0, 0.0),
@@ -159,6 +161,7 @@ impl Observer {
         let (lm_h, deviation) = prior.lm_h;
         let spread_of_strength = larger(deviation / lm_h, KNOWN_AT_BEST);
         self.lm_h = lm_h;
+        self.ohm_per_pole = 2.0 * lm_h / self.block_s;
         self.told = prior.axis * (self.block_s / (2.0 * lm_h));
         let damping = -core::f32::consts::PI * self.nominal_hz / prior.q * self.block_s;
         self.pole = Phasor::new(damping.max(DAMPING.0), TAU * offset_hz * self.block_s);

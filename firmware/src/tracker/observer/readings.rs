@@ -40,7 +40,7 @@ impl Observer {
 
     /// Whether a motional current is above `part` of what a voltage, V, would drive in steady state: `V / Rm`, `Rm = 2 alpha Lm`.
     pub fn rings(&self, current: Phasor, part: f32, volts: f32) -> bool {
-        let drop = self.pole.re * 2.0 * self.lm_h / self.block_s;
+        let drop = self.pole.re * self.ohm_per_pole;
         let most = part * volts * self.strength;
         current.norm_sqr() * drop * drop > most * most
     }
