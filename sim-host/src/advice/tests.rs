@@ -13,7 +13,7 @@ fn of_q(q: f64, volts: f64) -> (Advice, Case) {
     advise(&case).unwrap()
 }
 
-/// The runs of docs/advise.md: every lock time is within one block, 32 us, of what was predicted, and the jitter within 7 %. Of 40 runs, a
+/// The runs of docs/advise.md: every lock time is within two blocks, 64 us, of what was predicted, and the jitter within 7 %. Of 40 runs, a
 /// median scatters by two blocks more.
 #[test]
 fn the_prediction_is_what_the_whole_controller_does() {
@@ -24,7 +24,7 @@ fn the_prediction_is_what_the_whole_controller_does() {
         for (predicted, found) in advice.prediction.lock.iter().zip(&verified.lock) {
             for (predicted, found) in [(predicted.median_ms, found.median_ms), (predicted.p95_ms, found.p95_ms)] {
                 let off = (predicted.unwrap() - found.unwrap()).abs();
-                assert!(off < 0.033, "Q {q}: {predicted:?} {found:?} of {verified:?}");
+                assert!(off < 0.065, "Q {q}: {predicted:?} {found:?} of {verified:?}");
             }
         }
         let jitter = verified.jitter_hz.unwrap() / advice.prediction.jitter_hz;
