@@ -6,7 +6,7 @@
 //!                                                   +--> verification (many runs of the whole controller)
 //! ```
 //!
-//! Nothing is predicted by a rule of thumb: the firmware's own tracker is run on the linear model of the ring-up ([`rehearsal`]). How well
+//! Nothing is predicted by a rule of thumb: the firmware's own tracker is run on the linear model of the ring-up (`rehearsal.rs`). How well
 //! that agrees with the whole controller on the whole plant is stated in docs/advise.md.
 
 pub mod case;

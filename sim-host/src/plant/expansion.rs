@@ -3,7 +3,7 @@
 //! What drifts is one thing at a time: a resonance (by temperature, amplitude, load), a damping, the clamped capacitance. Along such a
 //! path the network is a polynomial in the relative change `s`, and so its exponential has a series in `s` that converges for
 //! any change. The coefficients up to the fourth are exact ([`exponential_series`]); the fifth says how far they
-//! reach: up to where its term is [`NEGLECTED`]. Beyond, a new series is made.
+//! reach: up to where its term is `NEGLECTED`. Beyond, a new series is made.
 
 use wide::f64x2;
 

@@ -40,7 +40,7 @@ pub(super) const FORCE: usize = STATES + 1;
 /// The first state of the first further mode, its current; that of its capacitor follows, and then the next mode.
 pub(super) const FURTHER: usize = STATES + 2;
 
-/// `x' = A x` for states and inputs together; the rows of the inputs are zero. `N` is [`FURTHER`] and two for each further mode.
+/// `x' = A x` for states and inputs together; the rows of the inputs are zero. `N` is `FURTHER` and two for each further mode.
 pub fn network<const N: usize>(parts: &Parts, amplifier: &Amplifier) -> Matrix<N> {
     let Circuit { c0_f, cm_f, lm_h, rm_ohm, force_factor_n_per_v } = parts.circuit;
     let corner = std::f64::consts::TAU * amplifier.bandwidth_hz;
