@@ -2,7 +2,7 @@
 //!
 //! | | is |
 //! |---|---|
-//! | lock time to B | from the first sample of the lock stage to the last moment that the frequency played is more than B off: median and 95th percentile of noisy cold starts over what may be told ([`TOLD`](super::case::TOLD)) |
+//! | lock time to B | from the first sample of the lock stage to the last moment that the frequency played is more than B off: median and 95th percentile of noisy cold starts over what may be told ([`TOLD`]) |
 //! | jitter | standard deviation of the frequency played, steady |
 //! | bandwidth | from a swing of the true resonance to the frequency played, down by 3 dB; without noise |
 //! | lag | true resonance less the frequency played, on a ramp; without noise |
