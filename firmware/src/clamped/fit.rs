@@ -1,4 +1,4 @@
-//! The elements of the [model] from admittances at some frequencies: Gauss and Newton's iteration, one admittance a block, then what is known
+//! The elements of the [model](super::model) from admittances at some frequencies: Gauss and Newton's iteration, one admittance a block, then what is known
 //! beforehand, then the solution.
 //!
 //! Started by a linear fit without losses (Levy 1959), so that nobody needs to know where the resonance is: with `Z = Im Y / u`, `v = u^2 - 1`,

@@ -4,7 +4,7 @@
 //! 2. If the motional inductance was told (`tracking.nominal_lm_h`): it is within a factor of two of that. If none is, what is there is another
 //!    one (fault 34).
 //! 3. Of those that are left, the one of the largest motional capacitance, which does not depend on how much it is damped. If the
-//!    inductance was not told, and another has more than [`ALIKE`] of that, nobody can say which is wanted (fault 34).
+//!    inductance was not told, and another has more than `ALIKE` of that, nobody can say which is wanted (fault 34).
 
 use crate::identify::Resonance;
 use crate::supervisor::Fault;

@@ -2,7 +2,7 @@
 //!
 //! The frequencies are `b` over the period of the sweep, so that a sweep that is repeated puts all its energy there, and a tone that rings
 //! freely begins and ends with the same phase in all of them: what rings at the beginning of a record, and what at its end, is one and
-//! the same smooth function of frequency ([`crate::identify::resonance_fit`]).
+//! the same smooth function of frequency ([`crate::identify::pole_fit`]).
 
 use crate::demod::Sensed;
 use crate::phasor::Phasor;
