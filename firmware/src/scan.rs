@@ -2,7 +2,7 @@
 //!
 //! | stage | what is driven | for |
 //! |---|---|---|
-//! | window | a sweep over the window and a tenth more, in 8 to 16 ms | its [spectrum](spectrum) |
+//! | window | a sweep over the window and a tenth more, in 8 to 16 ms | its [spectrum] |
 //! | search | the middle of the window | [all resonances](crate::identify::mode_search), one line of the spectrum a block |
 //! | fine | slow sweeps over two bandwidths about the [wanted](crate::identify::choice) one, as often as the deviations require | a spectrum, and a fit: the result |
 //! | ring-down | the resonance | until what the sweep has left no longer turns the phase, so that whoever tracks from there hears one tone only |
