@@ -28,7 +28,7 @@ use crate::scan::Scan;
 use crate::self_test::SelfTest;
 use crate::shape::Shape;
 use crate::shaper::{Play, Shaper};
-use crate::supervisor::{Fault, Limit, Mode, Supervisor};
+use crate::supervisor::{Acquisition, Fault, Limit, Mode, Supervisor};
 use crate::sweep::Sweep;
 use crate::telemetry::Telemetry;
 use crate::tracker::{State, Tracker};
@@ -82,6 +82,7 @@ pub struct Controller {
     self_test: SelfTest,
     scan: Scan,
     calibrate: Calibrate,
+    acquisition: Acquisition,
     power_on: PowerOn,
     online: Online,
     /// How far beside the resonance to drive to measure the clamped capacitance, Hz.
@@ -132,6 +133,7 @@ impl Controller {
             self_test: SelfTest::build(config),
             scan: Scan::build(config)?,
             calibrate: Calibrate::build(config),
+            acquisition: Acquisition::of(config.tracking.mode),
             power_on: PowerOn::build(config),
             online: Online::build(config),
             probe_hz: 0.0,
@@ -163,7 +165,7 @@ impl Controller {
             self.begin();
         }
         let plan = self.plan(orders, sense, &sensed, &heard, motional_current);
-        self.supervisor.advance(orders, plan.progress, self.acquisition());
+        self.supervisor.advance(orders, plan.progress, self.acquisition);
 
         self.played[slot] = self.play(orders, &plan, drive);
         // An edge takes all the time that there is.

@@ -16,6 +16,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::block::{Orders, Request};
+use crate::config::TrackingMode;
 
 /// What the controller is doing.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -49,6 +50,17 @@ pub enum Acquisition {
     Scanned,
     /// By an observer, which needs the clamped branch.
     Observed,
+}
+
+impl Acquisition {
+    /// What a mode of tracking begins with.
+    pub fn of(mode: TrackingMode) -> Self {
+        match mode {
+            TrackingMode::Observer => Acquisition::Observed,
+            TrackingMode::PhaseLock | TrackingMode::ZeroPhase => Acquisition::Scanned,
+            TrackingMode::Off => Acquisition::Told,
+        }
+    }
 }
 
 /// Why the drive is muted. On the wire it is its number.

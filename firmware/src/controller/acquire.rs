@@ -4,7 +4,7 @@ use super::Controller;
 use crate::clamped::Clamped;
 use crate::identify::Transducer;
 use crate::motional::Motional;
-use crate::supervisor::{Acquisition, Fault, Mode, Progress};
+use crate::supervisor::{Fault, Mode, Progress};
 use crate::tracker::State;
 use crate::tracker::identified::Known;
 use crate::tracker::observed::Seek;
@@ -14,15 +14,6 @@ use crate::tracker::observer::Prior;
 const SAME_MODE: f32 = 2.0;
 
 impl Controller {
-    /// How a run comes to its frequency.
-    pub(super) fn acquisition(&self) -> Acquisition {
-        match (self.tracker.tracks(), self.tracker.observes()) {
-            (false, _) => Acquisition::Told,
-            (true, false) => Acquisition::Scanned,
-            (true, true) => Acquisition::Observed,
-        }
-    }
-
     /// Takes the clamped branch, and lets the observer begin anywhere in the window.
     pub(super) fn observe(&mut self, clamped: &Clamped) {
         let window_hz = self.tracker.window_hz();

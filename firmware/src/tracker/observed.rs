@@ -98,8 +98,9 @@ impl Observed {
         self.observer.start(prior);
         (self.seek, self.shown_hz) = (seek, prior.offset_hz.0);
         self.most_damping = LEAST_Q * core::f32::consts::PI * self.nominal_hz / prior.q;
-        if matches!(seek, Seek::Window | Seek::Anew) {
-            self.prior = *prior;
+        if seek != Seek::Nearby {
+            // For the next time: the same, anywhere in the window.
+            self.prior = Prior { offset_hz: (0.0, self.window_hz), ..*prior };
         }
         (self.blocks, self.inside, self.locked) = (0, 0, false);
         (self.opened, self.doubt, self.doubted) = (self.observer.opened(), 0, false);

@@ -13,9 +13,9 @@
 //! ```
 //!
 //! to second order in `(w0 - w) T`. A Kalman filter (R. E. Kalman 1960; extended, because `a` multiplies `Im`) follows three unknowns: `Im`,
-//! `p = (-alpha + j (w0 - wn)) T` about the nominal frequency, and how `b` compares with what was told. `Im` and `p` are complex, and everything is
-//! analytic in them, so that each has one complex row of the covariance; `b` is real up to the axis of the sensing chain, and takes the real
-//! part of its correction. While the current builds up, its curvature tells the detuning; once it stands, its phase does: the filter's weights
+//! `p = (-alpha + j (w0 - wn)) T` about the nominal frequency, and, as long as it is not known well, how `b` compares with what was told. `Im` and
+//! `p` are complex, and everything is analytic in them, so that each has one complex row of the covariance; `b` is real up to the axis of the sensing
+//! chain, and takes the real part of its correction. While the current builds up, its curvature tells the detuning; once it stands, its phase does: the filter's weights
 //! go from one to the other by themselves.
 //!
 //! * Noise is that of the converters, which is measured beforehand, with what an envelope that changes within a block leaks into its phasor, and
@@ -25,8 +25,7 @@
 //! * A second integrator follows a resonance that moves steadily, but not before the frequency has settled.
 //! * Without drive the ring-down is heard while there is any, and then only the deviation grows.
 //!
-//! The same idea tells the detuning of superconducting cavities, with exponential forgetting in place of the filter (e.g. R. Rybaniec et al.
-//! 2017); the study behind this controller took 0.5 ms that way.
+//! The same equation tells detuning and half bandwidth of superconducting cavities.
 
 mod readings;
 
@@ -152,6 +151,7 @@ impl Observer {
             opened: 0,
         }
     }
+
     /// Begins with what is known. The next blocks are of a resonance whose current may be anything.
     pub fn start(&mut self, prior: &Prior) {
         let (offset_hz, spread_hz) = prior.offset_hz;
