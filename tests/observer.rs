@@ -88,7 +88,7 @@ fn a_lock_that_is_lost_is_found_again() {
     assert_eq!((last(&record).mode, last(&record).fault, last(&record).locked), (Mode::Run, 0, true), "{back_s}");
     assert!((last(&record).frequency_hz - 40_400.0).abs() < 1.0, "{back_s}: {} Hz", last(&record).frequency_hz);
     assert_eq!(of(&metrics, "undetected_losses"), 0.0);
-    println!("beyond the window for 5 ms: within 20 Hz again {:.2} ms after the jump away", of(&metrics, "relock_time_20hz_ms"));
+    println!("beyond the window for 5 ms: within 20 Hz again {:.2} ms after it is back", of(&metrics, "relock_time_20hz_ms"));
     let again = record.rows.iter().find(|row| row.time_s > 0.16 && row.mode == Mode::Run && row.locked).unwrap();
     assert!(again.time_s < by, "{back_s}: {} s", again.time_s);
 }
