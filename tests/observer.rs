@@ -80,17 +80,18 @@ fn jumps_within_the_window_are_followed_without_losing_the_lock() {
     }
 }
 
-/// Away for 5 ms: it is sought nearby and in the window until it is back.
+/// Away for 5 ms it is found in the window; for 15 ms, from the self-test on, whose calibration it has disturbed by coming back.
 #[test]
 fn a_lock_that_is_lost_is_found_again() {
-    let (back_s, by) = ("0.155", 0.17);
-    let (record, metrics) = jump("45000", Some((back_s, "40400")), &["duration_s=0.3"]);
-    assert_eq!((last(&record).mode, last(&record).fault, last(&record).locked), (Mode::Run, 0, true), "{back_s}");
-    assert!((last(&record).frequency_hz - 40_400.0).abs() < 1.0, "{back_s}: {} Hz", last(&record).frequency_hz);
-    assert_eq!(of(&metrics, "undetected_losses"), 0.0);
-    println!("beyond the window for 5 ms: within 20 Hz again {:.2} ms after it is back", of(&metrics, "relock_time_20hz_ms"));
-    let again = record.rows.iter().find(|row| row.time_s > 0.16 && row.mode == Mode::Run && row.locked).unwrap();
-    assert!(again.time_s < by, "{back_s}: {} s", again.time_s);
+    for (back_s, by) in [("0.155", 0.17), ("0.165", 0.27)] {
+        let (record, metrics) = jump("45000", Some((back_s, "40400")), &["duration_s=0.3"]);
+        assert_eq!((last(&record).mode, last(&record).fault, last(&record).locked), (Mode::Run, 0, true), "{back_s}");
+        assert!((last(&record).frequency_hz - 40_400.0).abs() < 1.0, "{back_s}: {} Hz", last(&record).frequency_hz);
+        assert_eq!(of(&metrics, "undetected_losses"), 0.0);
+        println!("back at {back_s} s: within 20 Hz again {:.2} ms after that", of(&metrics, "relock_time_20hz_ms"));
+        let again = record.rows.iter().find(|row| row.time_s > 0.16 && row.mode == Mode::Run && row.locked).unwrap();
+        assert!(again.time_s < by, "{back_s}: {} s", again.time_s);
+    }
 }
 
 #[test]

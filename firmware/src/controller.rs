@@ -84,6 +84,8 @@ pub struct Controller {
     calibrate: Calibrate,
     acquisition: Acquisition,
     power_on: PowerOn,
+    /// A resonance that comes back in the middle of the calibration looks like none, or like a broken one: it is made once more.
+    calibrates_again: bool,
     online: Online,
     /// How far beside the resonance to drive to measure the clamped capacitance, Hz.
     probe_hz: f32,
@@ -135,6 +137,7 @@ impl Controller {
             calibrate: Calibrate::build(config),
             acquisition: Acquisition::of(config.tracking.mode),
             power_on: PowerOn::build(config),
+            calibrates_again: false,
             online: Online::build(config),
             probe_hz: 0.0,
             tracker: Tracker::build(config, block_s)?,

@@ -73,6 +73,7 @@ impl Controller {
             Some(Seek::Nearby | Seek::Window) => Progress::Back(Mode::Lock),
             Some(Seek::Anew) => {
                 self.test_again();
+                self.calibrates_again = true;
                 Progress::Back(Mode::SelfTest)
             }
             Some(Seek::Scan) => {

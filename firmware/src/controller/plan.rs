@@ -8,7 +8,7 @@ use crate::demod::Sensed;
 use crate::phasor::{Phasor, magnitude};
 use crate::scan;
 use crate::self_test;
-use crate::supervisor::{Mode, Progress};
+use crate::supervisor::{Fault, Mode, Progress};
 use crate::units::Turns;
 
 /// What to play next, before the burst has its say.
@@ -42,6 +42,7 @@ impl Controller {
     /// Forgets what an earlier attempt has found.
     pub(super) fn begin(&mut self) {
         self.test_again();
+        self.calibrates_again = false;
         self.calibrate.abandon(&mut self.phasing);
         self.scan.restart();
         self.transducer = None;
@@ -113,6 +114,11 @@ impl Controller {
                     Plan::SILENT
                 }
                 clamped::Step::Over => Plan::tone(self.scan_volts).and(Progress::Done),
+                clamped::Step::Failed(Fault::NoResonance | Fault::ResonanceDamaged) if self.calibrates_again => {
+                    self.calibrates_again = false;
+                    self.power_on.restart();
+                    Plan::SILENT
+                }
                 clamped::Step::Failed(fault) => Plan::SILENT.and(Progress::Failed(fault)),
             },
             Mode::Calibrate => match self.calibrate.step(&mut self.phasing, sensed) {
