@@ -19,14 +19,14 @@
 pub mod fit;
 pub mod model;
 pub mod online;
+pub mod reading;
 pub mod triangle;
 
 use crate::block::LATENCY_BLOCKS;
 use crate::clamped::fit::{Fit, MAX_POINTS, Point, Solution};
-use crate::clamped::model::{C, D, G, H, K, K2, THETA, UNKNOWNS, X2, XS, turn};
+pub use crate::clamped::reading::{Clamped, Measured};
 use crate::config::Config;
 use crate::demod::Sensed;
-use crate::motional::Motional;
 use crate::phasor::Phasor;
 use crate::shape::sine;
 use crate::supervisor::Fault;
@@ -80,38 +80,6 @@ pub enum Step {
     Over,
     /// The transducer is not what it was told to be.
     Failed(Fault),
-}
-
-/// A value and its standard deviation.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Measured {
-    /// The value.
-    pub value: f32,
-    /// Its standard deviation.
-    pub deviation: f32,
-}
-
-/// What the tones have told.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Clamped {
-    /// The clamped branch and the axis, for tracking.
-    pub motional: Motional,
-    /// Clamped capacitance as the converters see it, F.
-    pub c0_f: Measured,
-    /// What sensing turns the motional admittance by, rad: the axis.
-    pub turn_rad: Measured,
-    /// Motional inductance, H.
-    pub lm_h: Measured,
-    /// Series resonance, Hz.
-    pub resonance_hz: Measured,
-    /// Quality factor.
-    pub q: Measured,
-    /// Standard deviation of the lock point that follows from [`Clamped::motional`], Hz.
-    pub lock_deviation_hz: f32,
-    /// Rms of what the model leaves, in standard deviations: about one.
-    pub misfit: f32,
-    /// A second resonance, Hz, and its strength relative to the first.
-    pub company: Option<(f32, f32)>,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -222,7 +190,6 @@ impl PowerOn {
                     Step::Silence
                 }
             },
-            // There is one.
             Stage::Judge => {
                 // What follows from it takes a block of its own.
                 (self.stage, self.verdict) = (Stage::Tell, self.solution.as_ref().map(|solution| self.judge(solution)));
@@ -260,7 +227,7 @@ impl PowerOn {
     }
 
     fn judge(&self, solution: &Solution) -> Step {
-        let found = self.read(solution);
+        let found = reading::read(solution, self.nominal_hz, self.nominal_c0_f);
         let q_at_most = found.q.value + SIGMAS * found.q.deviation;
         let cracked = found
             .company
@@ -279,42 +246,6 @@ impl PowerOn {
             () if shift > CAPACITANCE_SHIFT * self.nominal_c0_f => Step::Failed(Fault::CapacitanceShifted),
             () if cracked || q_at_most < SMALLEST_Q * self.nominal_q => Step::Failed(Fault::ResonanceDamaged),
             () => Step::Found(found),
-        }
-    }
-
-    fn read(&self, solution: &Solution) -> Clamped {
-        let e = &solution.elements;
-        let us = 1.0 + e[XS];
-        let of = |n: usize, scale: f32| {
-            let one = core::array::from_fn(|k| if k == n { scale } else { 0.0 });
-            solution.deviation(&one)
-        };
-        let axis = turn(e[THETA] * us);
-        // Without its motional branch.
-        let mut clamped = *e;
-        clamped[K] = 0.0;
-        let (y0, by) = model::admittance(&clamped, e[XS]);
-        let susceptance = TAU * self.nominal_hz * self.nominal_c0_f;
-        let y0 = y0 * susceptance;
-        // What an error of an element turns the motional phase by: that of Y0 against the motional conductance, and that of the axis.
-        let conductance = e[K] / (e[D] * us);
-        let mut turns: [f32; UNKNOWNS] = core::array::from_fn(|n| match n {
-            C | G | H | THETA | K2 | X2 => (by[n] * axis.conj()).im / conductance,
-            _ => 0.0,
-        });
-        turns[THETA] += us;
-        let lm_h = 1.0 / (TAU * TAU * self.nominal_hz * self.nominal_hz * e[K] * self.nominal_c0_f);
-        let hz = self.nominal_hz * us;
-        Clamped {
-            motional: Motional { y0: Phasor::new(y0.re, y0.im / us), axis },
-            c0_f: Measured { value: e[C] * self.nominal_c0_f, deviation: of(C, self.nominal_c0_f) },
-            turn_rad: Measured { value: e[THETA] * us, deviation: of(THETA, us) },
-            lm_h: Measured { value: lm_h, deviation: of(K, lm_h / e[K]) },
-            resonance_hz: Measured { value: hz, deviation: of(XS, self.nominal_hz) },
-            q: Measured { value: 1.0 / e[D], deviation: of(D, 1.0 / (e[D] * e[D])) },
-            lock_deviation_hz: 0.5 * hz * e[D] * solution.deviation(&turns),
-            misfit: solution.misfit,
-            company: (e[K2] != 0.0).then(|| (self.nominal_hz * (1.0 + e[X2]), e[K2] / e[K])),
         }
     }
 }

@@ -1,5 +1,5 @@
 //! The elements of the [model](super::model) from admittances at some frequencies: Gauss and Newton's iteration, one admittance a block, then what is known
-//! beforehand, then the solution.
+//! beforehand, then the solution. With two resonances, whose rows are longer, one part of an admittance a block.
 //!
 //! Started by a linear fit without losses (Levy 1959), so that nobody needs to know where the resonance is: with `Z = Im Y / u`, `v = u^2 - 1`,
 //!
@@ -44,6 +44,10 @@ pub struct Point {
     pub deviation: f32,
 }
 
+/// A part of an admittance.
+type Part = fn(Phasor) -> f32;
+const PARTS: [Part; 2] = [|y| y.re, |y| y.im];
+
 /// What is fitted at present.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Stage {
@@ -80,7 +84,7 @@ pub struct Fit {
     points: Vec<Point, MAX_POINTS>,
     stage: Stage,
     round: u32,
-    row: usize,
+    block: usize,
     elements: Elements,
     triangle: Triangle<UNKNOWNS>,
     best: Option<Solution>,
@@ -94,7 +98,7 @@ impl Fit {
             points: Vec::new(),
             stage: Stage::StartOne,
             round: 0,
-            row: 0,
+            block: 0,
             elements: Elements::default(),
             triangle: Triangle::default(),
             best: None,
@@ -109,18 +113,27 @@ impl Fit {
     /// Does a block's worth of it. Returns the solution when it is found.
     pub fn advance(&mut self) -> Option<Solution> {
         let starts = matches!(self.stage, Stage::StartOne | Stage::StartTwo);
-        let row = self.row;
-        self.row += 1;
+        let blocks = if matches!(self.stage, Stage::Above | Stage::Two) { 2 } else { 1 };
+        let (row, part) = (self.block / blocks, self.block % blocks);
+        self.block += 1;
         match self.points.get(row) {
             Some(&point) if starts => self.fold_linear(point),
-            Some(&point) => self.fold(point),
+            Some(&point) if blocks == 1 => self.fold(point, &PARTS),
+            Some(&point) => self.fold(point, &PARTS[part..=part]),
             None if starts => {
-                self.row = 0;
+                self.block = 0;
                 self.start();
             }
-            None if row == self.points.len() => self.fold_known(),
+            None if row == self.points.len() => {
+                if part == 0 {
+                    self.fold_known();
+                }
+                if part + 1 == blocks {
+                    self.fold_loss();
+                }
+            }
             None => {
-                self.row = 0;
+                self.block = 0;
                 return self.finish_round();
             }
         }
@@ -141,12 +154,12 @@ impl Fit {
         self.triangle.fold(row.map(|x| x * weight), right * weight);
     }
 
-    /// Folds both parts of an admittance.
-    fn fold(&mut self, point: Point) {
+    /// Folds parts of an admittance.
+    fn fold(&mut self, point: Point, parts: &[Part]) {
         let (y, by) = admittance(&self.elements, point.x);
         let weight = 1.0 / point.deviation;
         let (left, unknown) = (point.y - y, if self.stage == Stage::One { K2 } else { UNKNOWNS });
-        for part in [|y: Phasor| y.re, |y: Phasor| y.im] {
+        for part in parts {
             let row = core::array::from_fn(|n| if n < unknown { part(by[n]) * weight } else { 0.0 });
             self.triangle.fold(row, part(left) * weight);
         }
@@ -186,6 +199,9 @@ impl Fit {
             row[n] = 1.0 / deviation;
             self.triangle.fold(row, (expected - self.elements[n]) / deviation);
         }
+    }
+
+    fn fold_loss(&mut self) {
         let mut rises = [0.0; UNKNOWNS];
         (rises[H], rises[G]) = (1.0 / LOSS_RISES.1, -LOSS_RISES.0 / LOSS_RISES.1);
         self.triangle.fold(rises, (LOSS_RISES.0 * self.elements[G] - self.elements[H]) / LOSS_RISES.1);

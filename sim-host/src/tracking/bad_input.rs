@@ -21,13 +21,18 @@ const DURATION_S: f64 = 0.4;
 /// What is wrong: as scenes call it, in words, and the faults that it is, from the beginning and while running.
 ///
 /// A short that takes more than the current limit is an over-current before anything else. Exchanged channels can come while running only
-/// as a fault of the multiplexer: the tracker then finds a motional phase that its observer contradicts.
+/// as a fault of the multiplexer: the voltage is then not what was played, or the lock is lost and the self-test, which is repeated, names them.
 const DEFECTS: [Kind; 7] = [
     Kind { key: "open", name: "open", from_start: &[Fault::LoadOpen], running: &[Fault::LoadOpen] },
     Kind { key: "short", name: "short of 50 milliohm", from_start: SHORTED, running: SHORTED },
     Kind { key: "depoled", name: "depoled", from_start: &[Fault::CapacitanceShifted], running: &[Fault::CapacitanceShifted] },
     Kind { key: "cracked", name: "cracked", from_start: &[Fault::ResonanceDamaged], running: &[Fault::ResonanceDamaged] },
-    Kind { key: "swapped", name: "V and I swapped", from_start: &[Fault::SenseSwapped], running: &[Fault::TrackersDisagree] },
+    Kind {
+        key: "swapped",
+        name: "V and I swapped",
+        from_start: &[Fault::SenseSwapped],
+        running: &[Fault::SenseSwapped, Fault::SensorImplausible],
+    },
     Kind {
         key: "saturation",
         name: "both channels saturated",

@@ -46,50 +46,71 @@ pub fn config(mode: TrackingMode, lanes: u8, samples: usize) -> Config {
     }
 }
 
-/// A stack with one resonance, in f32 and one complex state:
+/// A stack, in f32 and one complex state a resonance:
 ///
 /// ```text
-/// i = Re s + C0 dv/dt,    s(n + 1) = p s(n) + g v(n),    p = exp((-pi f / Q + 2 pi j f) T),    g = T / Lm
+/// i = sum Re s + C0 dv/dt,    s(n + 1) = p s(n) + g v(n),    p = exp((-pi f / Q + 2 pi j f) T),    g = T / Lm
 /// ```
 #[derive(Clone)]
 pub struct Transducer {
-    turn: u64,
-    s: (f32, f32),
+    branches: [Branch; 2],
     last: f32,
 }
 
-/// `p` of 40 520 Hz and Q 64.6 at 1 Msps: magnitude `1 - pi f T / Q`, and the angle as a phase of 2^64 a turn.
+/// A resonance.
+#[derive(Clone, Copy, Default)]
+struct Branch {
+    turn: u64,
+    gain: f32,
+    s: (f32, f32),
+}
+
+/// Magnitude of `p` of 40 520 Hz and Q 64.6 at 1 Msps, `1 - pi f T / Q`; the second resonance decays as soon.
 const DECAY: f32 = 1.0 - core::f32::consts::PI * 40_520.0 / 64.6 * 1e-6;
-const TURN: u64 = (40_520.0 / 1e6 * 18_446_744_073_709_551_616.0) as u64;
-/// The same under a load that moves the resonance by -200 Hz.
-const LOADED_TURN: u64 = (40_320.0 / 1e6 * 18_446_744_073_709_551_616.0) as u64;
 /// `T / Lm` for 0.79 mH: `Rm = 2 pi f Lm / Q = 3.1` ohm.
 const AMPERES_PER_VOLT: f32 = 1e-6 / 0.79e-3;
+/// The second resonance, Hz, and its strength relative to the first.
+const COMPANY: (f64, f32) = (43_350.0, 0.15);
 /// `C0 / T` for 300 nF.
 const AMPERES_PER_STEP: f32 = 300e-9 / 1e-6;
 
+/// The angle of `p` as a phase of 2^64 a turn.
+const fn turn(hz: f64) -> u64 {
+    (hz / 1e6 * 18_446_744_073_709_551_616.0) as u64
+}
+
 impl Transducer {
-    /// At rest.
+    /// With one resonance, at rest.
     pub fn new() -> Self {
-        Transducer { turn: TURN, s: (0.0, 0.0), last: 0.0 }
+        let only = Branch { turn: turn(40_520.0), gain: AMPERES_PER_VOLT, ..Branch::default() };
+        Transducer { branches: [only, Branch::default()], last: 0.0 }
     }
 
-    /// From now on under a load.
+    /// With a second one.
+    pub fn in_company() -> Self {
+        let mut both = Transducer::new();
+        both.branches[1] = Branch { turn: turn(COMPANY.0), gain: COMPANY.1 * AMPERES_PER_VOLT, ..Branch::default() };
+        both
+    }
+
+    /// From now on under a load that moves the resonance by -200 Hz.
     pub fn load(&mut self) {
-        self.turn = LOADED_TURN;
+        self.branches[0].turn = turn(40_320.0);
     }
 
     /// Takes one block of the first lane.
     pub fn exchange(&mut self, drive: &DriveBlock, sense: &mut SenseBlock) {
-        let turn = sine::rotation(self.turn);
-        let p = (DECAY * turn.re, DECAY * turn.im);
+        let poles = self.branches.map(|branch| sine::rotation(branch.turn) * DECAY);
         sense.v.clone_from(&drive.lanes[0]);
         sense.i.clear();
         for &code in &drive.lanes[0] {
             let volts = (f32::from(code) - f32::from(MID_CODE)) * 0.01;
-            let (re, im) = self.s;
-            let amperes = re + AMPERES_PER_STEP * (volts - self.last);
-            self.s = (p.0 * re - p.1 * im + AMPERES_PER_VOLT * volts, p.0 * im + p.1 * re);
+            let mut amperes = AMPERES_PER_STEP * (volts - self.last);
+            for (branch, p) in self.branches.iter_mut().zip(poles) {
+                let (re, im) = branch.s;
+                amperes += re;
+                branch.s = (p.re * re - p.im * im + branch.gain * volts, p.re * im + p.im * re);
+            }
             self.last = volts;
             let code = f32::from(MID_CODE) + amperes / 0.002 + 0.5;
             // As many as there are voltage codes, which fit.

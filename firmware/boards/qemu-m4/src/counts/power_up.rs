@@ -26,15 +26,18 @@ const MOST_BLOCKS: u32 = 30_000;
 /// The block of the run in which the load comes, and how many blocks are told apart from then on. It comes where a burst is on.
 const LOAD: (u32, u32) = (1000, 64);
 
-/// Counts power-ups with one lane and with four; of longer blocks, and of the phase loop behind a scan, only what differs.
+/// Counts power-ups with one lane and with four; of longer blocks, of a second resonance, and of the phase loop behind a scan, only what differs.
 pub fn count(counter: &Counter) {
     for (name, lanes) in [("one lane", 1), ("four lanes", 4)] {
-        let tallies = power_up(counter, TrackingMode::Observer, lanes, SAMPLES);
+        let tallies = power_up(counter, Transducer::new(), TrackingMode::Observer, lanes, SAMPLES);
         for (kind, tally) in NAMES.iter().zip(&tallies) {
             tally.print(name, kind, SAMPLES);
         }
-        power_up(counter, TrackingMode::Observer, lanes, LONG_BLOCK)[RUN].print(name, "run, 64 samples a block", LONG_BLOCK);
-        let tallies = power_up(counter, TrackingMode::PhaseLock, lanes, SAMPLES);
+        let tallies = power_up(counter, Transducer::new(), TrackingMode::Observer, lanes, LONG_BLOCK);
+        tallies[RUN].print(name, "run, 64 samples a block", LONG_BLOCK);
+        let tallies = power_up(counter, Transducer::in_company(), TrackingMode::Observer, lanes, SAMPLES);
+        tallies[CLAMPED].print(name, "clamped branch, two resonances", SAMPLES);
+        let tallies = power_up(counter, Transducer::new(), TrackingMode::PhaseLock, lanes, SAMPLES);
         for (kind, tally) in PHASE_LOOP_NAMES.iter().zip(&tallies) {
             tally.print(name, kind, SAMPLES);
         }
@@ -57,6 +60,8 @@ const NAMES: [&str; 9] = [
 const PHASE_LOOP_NAMES: [&str; 9] =
     ["", "", "", "phase loop, lock", "phase loop, run", "phase loop, run at an edge", "", "", "scan"];
 
+/// The clamped branch is measured.
+const CLAMPED: usize = 2;
 /// Running, the envelope one.
 const RUN: usize = 4;
 /// The load has just come.
@@ -66,7 +71,7 @@ fn kind(mode: Mode, report: &Telemetry) -> usize {
     match mode {
         Mode::Idle | Mode::Fault => 0,
         Mode::SelfTest => 1,
-        Mode::Clamped => 2,
+        Mode::Clamped => CLAMPED,
         Mode::Lock => 3,
         Mode::Run if report.envelope == 1.0 => RUN,
         Mode::Run if report.envelope > 0.0 => 5,
@@ -104,11 +109,17 @@ impl Tally {
 }
 
 /// Powers up and runs.
-fn power_up(counter: &Counter, tracking: TrackingMode, lanes: u8, samples: usize) -> [Tally; NAMES.len()] {
+fn power_up(
+    counter: &Counter,
+    mut transducer: Transducer,
+    tracking: TrackingMode,
+    lanes: u8,
+    samples: usize,
+) -> [Tally; NAMES.len()] {
     let mut tallies = [Tally::default(); NAMES.len()];
     let mut controller = Controller::build(&config(tracking, lanes, samples)).expect("a valid configuration");
     let mut playing = [controller.silence(), controller.silence()];
-    let (mut transducer, mut sense) = (Transducer::new(), SenseBlock::default());
+    let mut sense = SenseBlock::default();
     let (mut mode, mut running) = (Mode::Idle, 0);
     for block in 0..MOST_BLOCKS {
         let drive: &mut DriveBlock = &mut playing[block as usize % 2];
