@@ -40,6 +40,8 @@ pub struct AmplitudeLoop {
     limited: bool,
     /// Blocks in which the amplitude was what is asked for.
     within: u32,
+    /// What was asked for last, A.
+    asked: Option<f32>,
 }
 
 impl AmplitudeLoop {
@@ -68,6 +70,7 @@ impl AmplitudeLoop {
             volts: config.drive.scan_volts,
             limited: false,
             within: 0,
+            asked: None,
         })
     }
 
@@ -91,6 +94,7 @@ impl AmplitudeLoop {
         self.expected = motional_current;
         self.integral_volts = self.start_volts;
         self.within = 0;
+        self.asked = None;
     }
 
     /// Follows one block: what is asked for, the mean envelope of the block heard, and the motional current in it.
@@ -131,12 +135,24 @@ impl AmplitudeLoop {
         self.limited
     }
 
+    /// As much more is asked for, as much more voltage it takes: the loop corrects only what that is wrong by.
+    fn follow(&mut self, asked: f32) {
+        if let Some(before) = self.asked.filter(|&before| before != asked && before > 0.0) {
+            self.integral_volts = up_to(self.limits.voltage_v, self.integral_volts * (asked / before));
+        }
+        // Nothing can be scaled from nothing.
+        if asked > 0.0 {
+            self.asked = Some(asked);
+        }
+    }
+
     fn hold(&mut self, amperes: f32, envelope: f32, motional_current: f32) -> f32 {
         if self.lag == 0.0 {
             // Nothing is identified, so nobody knows which voltage that would be.
             return 0.0;
         }
         let ceiling = up_to(self.limits.current_a, amperes);
+        self.follow(ceiling);
         self.expected += self.lag * (envelope * ceiling - self.expected);
         if envelope < 1.0 || self.expected < LISTEN_ABOVE * ceiling {
             return self.integral_volts;
@@ -192,6 +208,7 @@ mod tests {
             volts: 1.0,
             limited: false,
             within: 0,
+            asked: None,
         }
     }
 

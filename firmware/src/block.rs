@@ -6,6 +6,7 @@
 use heapless::Vec;
 use serde::{Deserialize, Serialize};
 
+use crate::friction::Target;
 use crate::units::{Hertz, Turns};
 
 /// The longest block a controller can be built for, in samples.
@@ -39,6 +40,8 @@ pub struct Orders {
     /// How far lanes 1 and 3 lead lanes 0 and 2: a quarter turn forward, minus a quarter in reverse, zero a standing wave, and speeds in
     /// between. `None` is the configured direction.
     pub quadrature: Option<Turns>,
+    /// What is wanted of the friction; `None` is the configured target. Nothing where no friction switch is configured.
+    pub friction: Option<Target>,
     /// The emergency stop is pressed.
     pub emergency_stop: bool,
     /// Forget the fault of an earlier order. Acts once per sequence number.

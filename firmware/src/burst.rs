@@ -93,6 +93,8 @@ pub struct Burst {
     /// Samples a soft edge takes, and the half turn of its cosine in as many steps (2^32 a turn); none where the edge is hard.
     edge: Option<u32>,
     half_turn_step: u32,
+    /// Of the drive, samples.
+    period_of_drive: f32,
     /// Where the ramp of a soft edge stands, 0 (OFF) to `edge` (ON).
     ramp: u32,
     state: State,
@@ -119,6 +121,7 @@ impl Burst {
             schedule: Schedule::build(&config.schedule, sample_hz.into())?,
             edge,
             half_turn_step: (1 << 31) / edge.unwrap_or(1),
+            period_of_drive: sample_hz / frequency_hz,
             ramp: 0,
             state: State::Closed,
             falling: false,
@@ -131,6 +134,16 @@ impl Burst {
     /// Whether a burst that ends under this gate ends with a brake.
     pub fn brakes(&self, gate: Gate) -> bool {
         self.brakes || gate == Gate::Brake
+    }
+
+    /// Whether the schedule repeats a burst.
+    pub fn repeats(&self) -> bool {
+        matches!(self.schedule, Schedule::Periodic { .. })
+    }
+
+    /// From the next period on, bursts of a schedule that repeats are ON for so many samples on an average.
+    pub fn set_on(&mut self, samples: f32) {
+        self.schedule.set_on(samples, self.period_of_drive);
     }
 
     /// The brake for bursts that end with one. Nothing is braked without one.

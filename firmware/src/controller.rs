@@ -5,6 +5,7 @@
 
 mod acquire;
 mod follow;
+mod friction;
 mod plan;
 mod trims;
 
@@ -19,6 +20,7 @@ use crate::controller::plan::Plan;
 use crate::convert::Convert;
 use crate::demod::{Sensed, demodulate};
 use crate::error::{Error, in_range};
+use crate::friction::FrictionSwitch;
 use crate::guard::{Driven, Guard};
 use crate::identify::{Resonance, Transducer};
 use crate::nco::{Nco, Stretch};
@@ -89,6 +91,7 @@ pub struct Controller {
     probe_hz: f32,
     tracker: Tracker,
     amplitude: AmplitudeLoop,
+    friction: Option<FrictionSwitch>,
     transducer: Option<Transducer>,
     /// The block in which that was learned.
     learned: u64,
@@ -139,6 +142,7 @@ impl Controller {
             probe_hz: 0.0,
             tracker: Tracker::build(config, block_s)?,
             amplitude: AmplitudeLoop::build(config, block_s)?,
+            friction: FrictionSwitch::build(config, block_s)?,
             transducer: None,
             learned: 0,
             sweep,
@@ -248,6 +252,7 @@ impl Controller {
             true if self.amplitude.limited() => Some(Limit::OverVoltageRequest),
             true if self.tracker.limited() || plan.limited => Some(Limit::FrequencyWindow),
             true if self.phasing.quadrature(orders.quadrature).1 => Some(Limit::QuadratureRequest),
+            true if self.friction_limit(orders).is_some() => self.friction_limit(orders),
             true if self.tracker.state() == State::Unheard => Some(Limit::NotTracking),
             _ => None,
         };
@@ -269,6 +274,7 @@ impl Controller {
             phase: plan.phase,
             transducer: self.transducer,
             listed: self.scan.roster().in_turn(self.block as usize),
+            friction: self.friction.as_ref().and_then(FrictionSwitch::belief),
         }
     }
 }

@@ -33,6 +33,8 @@ pub enum Error {
     ExponentialAroundResonance,
     /// The frequencies of a calibration must rise.
     TrimOrder,
+    /// The friction switch sets a tip velocity, so that the drive's amplitude must be a motional current.
+    FrictionWithoutCurrent,
 }
 
 impl fmt::Display for Error {
@@ -52,6 +54,9 @@ impl fmt::Display for Error {
             Error::ResonanceWithoutTracking => f.write_str("sweep is a chirp about the resonance, which must be tracked"),
             Error::ExponentialAroundResonance => {
                 f.write_str("sweep is a chirp about the resonance, from offset to offset through zero: it must be linear")
+            }
+            Error::FrictionWithoutCurrent => {
+                f.write_str("friction is switched by tip velocity: drive.amplitude must be a motional current")
             }
             Error::TrimOrder => f.write_str("phasing.calibration must be at rising frequencies"),
             Error::BurstWindows => {

@@ -40,6 +40,7 @@ pub mod controller;
 pub mod convert;
 pub mod demod;
 pub mod error;
+pub mod friction;
 pub mod guard;
 pub mod identify;
 pub mod keeper;

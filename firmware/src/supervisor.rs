@@ -130,6 +130,10 @@ pub enum Limit {
     NotTracking = 98,
     /// The quadrature asked for is over a quarter turn.
     QuadratureRequest = 99,
+    /// The belt is faster than the tip can be: vibration does not change the friction.
+    NoAuthority = 102,
+    /// The friction ratio asked for is below what the loudest drive does, above one, or nobody knows what it is.
+    RatioUnreachable = 103,
 }
 
 /// A number on the wire, and back: a variant that is added later does not change the meaning of the others.
@@ -152,7 +156,7 @@ macro_rules! numbered {
 }
 
 numbered!(Fault, EmergencyStop LateBlock SensorImplausible OverCurrent LoadShorted LoadOpen LaneImplausible CapacitanceShifted ResonanceDamaged SenseSwapped SenseSaturated NoResonance NoLock LossOfLock TrackersDisagree WrongMode BeltStopped);
-numbered!(Limit, OverVoltageRequest FrequencyWindow NotTracking QuadratureRequest);
+numbered!(Limit, OverVoltageRequest FrequencyWindow NotTracking QuadratureRequest NoAuthority RatioUnreachable);
 
 /// How a stage of the way to [`Mode::Run`] is getting on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

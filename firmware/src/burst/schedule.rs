@@ -18,7 +18,29 @@ pub(super) enum Schedule {
         on: u64,
         /// A beginning of a period, the last that was needed.
         begins: u64,
+        /// What `on` is to be on an average, where that is set while running.
+        dithered: Option<Dithered>,
     },
+}
+
+/// An ON time that is spread from period to period. A burst lasts whole periods of the drive, which may keep step with those of the schedule: what is
+/// spread evenly over one of them is rounded right on an average.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Dithered {
+    /// Samples, on an average and from the least to the most.
+    mean: f32,
+    spread: f32,
+    /// In steps of the golden section, 2^32 a turn: evenly spread over any number of periods.
+    turn: u32,
+}
+
+impl Dithered {
+    fn next(&mut self, period: u64) -> u64 {
+        const GOLDEN: u32 = 0x9e37_79b9;
+        self.turn = self.turn.wrapping_add(GOLDEN);
+        let part = (self.turn >> 8) as f32 / (1 << 24) as f32;
+        libm::roundf(self.mean + (part - 0.5) * self.spread).clamp(0.0, period as f32) as u64
+    }
 }
 
 impl Schedule {
@@ -42,9 +64,17 @@ impl Schedule {
                 in_range("burst.duty", duty, 0.0, 1.0)?;
                 in_range("burst.period_s", period_s, 1.0 / sample_hz, LONGEST_S)?;
                 let period = samples("burst.period_s", period_s)?;
-                Schedule::Periodic { period, on: libm::round(duty * period as f64) as u64, begins: 0 }
+                Schedule::Periodic { period, on: libm::round(duty * period as f64) as u64, begins: 0, dithered: None }
             }
         })
+    }
+
+    /// From the next period on, a gate that repeats is open for so many samples on an average, spread over `spread`.
+    pub(super) fn set_on(&mut self, samples: f32, spread: f32) {
+        if let Schedule::Periodic { dithered, .. } = self {
+            let turn = dithered.map_or(0, |dithered| dithered.turn);
+            *dithered = Some(Dithered { mean: samples, spread, turn });
+        }
     }
 
     /// Whether the gate is open at sample `now`, and for how many samples it stays so.
@@ -59,12 +89,15 @@ impl Schedule {
                     _ => None,
                 })
                 .unwrap_or((false, u64::MAX)),
-            Schedule::Periodic { period, on, begins } => {
+            Schedule::Periodic { period, on, begins, dithered } => {
                 // Mostly the same period, or the next: a division of 64 bits takes longer than the rest.
                 let mut phase = now.wrapping_sub(*begins);
                 if phase >= *period {
                     phase = if phase < 2 * *period { phase - *period } else { now % *period };
                     *begins = now - phase;
+                    if let Some(dithered) = dithered {
+                        *on = dithered.next(*period);
+                    }
                 }
                 if phase < *on { (true, *on - phase) } else { (false, *period - phase) }
             }

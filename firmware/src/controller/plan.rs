@@ -49,6 +49,7 @@ impl Controller {
         self.sweep.restart();
         self.tracker.restart();
         self.amplitude.restart();
+        self.restart_friction();
     }
 
     /// Prepares the self-test and the measurement of the clamped branch that follows it.
@@ -128,7 +129,7 @@ impl Controller {
                 calibrate::Step::Failed(fault) => Plan::SILENT.and(Progress::Failed(fault)),
             },
             Mode::Lock => self.follow(&Orders { gate: Gate::On, ..*orders }, sensed, heard, motional),
-            Mode::Run => self.follow(orders, sensed, heard, motional),
+            Mode::Run => self.follow(&self.switch_friction(orders, sense, heard, motional), sensed, heard, motional),
         }
     }
 }
