@@ -20,12 +20,14 @@ pub mod fit;
 pub mod inverse;
 pub mod regime;
 pub mod survey;
+mod terms;
 #[cfg(test)]
 mod tests;
 
-use serde::{Deserialize, Serialize};
+pub use terms::{Belief, Sensed, Target, Wanted};
 
-use crate::config::{self, Config, FrictionLaw};
+use crate::block::Amplitude;
+use crate::config::{Config, FrictionLaw, Schedule};
 use crate::error::{Error, in_range};
 use crate::friction::average::LowPass;
 use crate::friction::dahl::Evaluation;
@@ -43,69 +45,6 @@ const FORCE_S: f32 = 20e-3;
 const REST_BLOCKS: u32 = 32;
 /// Amplitude and force sensor settle in this time, s.
 const SETTLE_S: f32 = 30e-3;
-
-/// What is wanted of the friction.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub enum Target {
-    /// This part of the friction without vibration, 0 to 1.
-    Ratio(f32),
-    /// This friction, N. Needs a force sensor.
-    Force(f32),
-}
-
-impl Target {
-    /// A number that can be wanted.
-    pub fn is_plausible(&self) -> bool {
-        match *self {
-            Target::Ratio(ratio) => (0.0..=1.0).contains(&ratio),
-            Target::Force(newtons) => newtons.is_finite() && newtons >= 0.0,
-        }
-    }
-}
-
-/// What the switch believes of the contact.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Belief {
-    /// The survey is over, and has found the contact; if not, it is as told.
-    pub identified: bool,
-    /// Friction ratio, by the law and the tip velocity that is measured.
-    pub ratio: f32,
-    /// Friction ratio by the force sensor; not before there is something to compare with.
-    pub force_ratio: Option<f32>,
-    /// Vibration amplitude at the loudest drive, in Dahl lengths: kappa there.
-    pub kappa: f32,
-    /// Standard deviation of kappa, relative.
-    pub kappa_deviation: f32,
-    /// The least ratio at this speed.
-    pub floor: f32,
-}
-
-/// What is to be played.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Wanted {
-    /// Nothing.
-    Silence,
-    /// This motional current, A.
-    Current(f32),
-    /// This motional current, A, for so many samples of each burst.
-    Bursts {
-        /// Peak, A.
-        amperes: f32,
-        /// ON time of a burst, samples.
-        on_samples: f32,
-    },
-}
-
-/// What one block has to say.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Sensed {
-    /// Belt speed, m/s; none without a sensor.
-    pub belt_m_per_s: Option<f32>,
-    /// Friction, N; none without a sensor.
-    pub force_n: Option<f32>,
-    /// Motional current of a block that was ON throughout, A peak.
-    pub motional_a: Option<f32>,
-}
 
 #[derive(Clone, Debug)]
 enum Work {
@@ -143,7 +82,7 @@ pub struct FrictionSwitch {
     solution: Solution,
     choice: Choice,
     ratio: f32,
-    /// The ratio that was wanted last.
+    /// The ratio that is being solved for, or was last.
     last: f32,
 }
 
@@ -151,7 +90,7 @@ impl FrictionSwitch {
     /// Checks the settings of a switch; none, if none is wanted.
     pub fn build(config: &Config, block_s: f32) -> Result<Option<Self>, Error> {
         let Some(friction) = &config.friction else { return Ok(None) };
-        let crate::block::Amplitude::MotionalCurrent(most_amperes) = config.drive.amplitude else {
+        let Amplitude::MotionalCurrent(most_amperes) = config.drive.amplitude else {
             return Err(Error::FrictionWithoutCurrent);
         };
         match friction.target {
@@ -163,7 +102,7 @@ impl FrictionSwitch {
         in_range("friction.dahl_length_m", friction.dahl_length_m.into(), 1e-9, 1e-3)?;
         in_range("friction.average_s", friction.average_s.into(), 1e-3, 100.0)?;
         let period = match config.burst.schedule {
-            config::Schedule::Periodic { period_s, .. } => Some((period_s * f64::from(config.sample_hz)) as f32),
+            Schedule::Periodic { period_s, .. } => Some((period_s * f64::from(config.sample_hz)) as f32),
             _ => None,
         };
         let prefer = if friction.prefer_bursts { Prefer::Bursts } else { Prefer::Amplitude };
@@ -197,8 +136,7 @@ impl FrictionSwitch {
     /// Forgets the contact, and surveys it anew.
     pub fn restart(&mut self) {
         let loudest = self.most_amperes / self.force_factor;
-        self.survey =
-            Some(Survey::new(self.omega, loudest, self.settle_blocks, self.average_blocks, self.period.is_some()));
+        self.survey = Some(Survey::new(self.omega, loudest, self.settle_blocks, self.average_blocks, self.period.is_some()));
         (self.play, self.found, self.implausible) = (Play::Silence, None, false);
         self.work = Work::Rest(0);
         self.solution = Solution { xi: 1.0, ratio: 1.0, floor: 1.0 };
@@ -224,9 +162,7 @@ impl FrictionSwitch {
         match self.choice.regime() {
             Regime::Silent => Wanted::Silence,
             Regime::Amplitude(xi) => self.current(self.contact().scale * self.speed.value / xi),
-            Regime::Bursts(on) => {
-                Wanted::Bursts { amperes: self.most_amperes, on_samples: on * self.period.unwrap_or(0.0) }
-            }
+            Regime::Bursts(on) => Wanted::Bursts { amperes: self.most_amperes, on_samples: on * self.period.unwrap_or(0.0) },
         }
     }
 
@@ -319,12 +255,14 @@ impl FrictionSwitch {
 
     /// Goes on with what is being calculated, or begins with what is next.
     fn step_work(&mut self, wanted: f32) {
-        let new = wanted != self.last && !(wanted.is_nan() && self.last.is_nan());
-        self.last = wanted;
+        let new = wanted.to_bits() != self.last.to_bits();
         match &mut self.work {
             Work::Rest(left) if *left > 0 && !new => *left -= 1,
-            Work::Rest(_) => self.work = self.solve(wanted),
-            _ if new => self.work = self.solve(wanted),
+            Work::Rest(_) => {
+                // What is begun is ended: a wanted ratio that moves all the time must not keep it from that.
+                self.last = wanted;
+                self.work = self.solve(wanted);
+            }
             Work::Solve { wanted, least_xi, inverse } => {
                 let Some(solution) = inverse.step() else { return };
                 let (wanted, least_xi) = (*wanted, *least_xi);

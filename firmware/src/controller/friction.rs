@@ -8,17 +8,11 @@ use crate::supervisor::Limit;
 
 impl Controller {
     /// The orders as the friction switch makes them, once a block of a run.
-    pub(super) fn switch_friction(
-        &mut self,
-        orders: &Orders,
-        sense: &SenseBlock,
-        heard: &Played,
-        motional: Phasor,
-    ) -> Orders {
+    pub(super) fn switch_friction(&mut self, orders: &Orders, sense: &SenseBlock, heard: &Played, motional: Phasor) -> Orders {
         let Some(friction) = self.friction.as_mut().filter(|_| is_free(orders)) else { return *orders };
         let on = heard.flat && heard.envelope == 1.0 && heard.volts > 0.0;
         let sensed = Sensed {
-            belt_m_per_s: sense.slow.belt,
+            belt_m_per_s: self.belt.speed_m_per_s(),
             force_n: sense.slow.force,
             motional_a: on.then(|| magnitude(motional)),
         };

@@ -129,7 +129,10 @@ impl Controller {
                 calibrate::Step::Failed(fault) => Plan::SILENT.and(Progress::Failed(fault)),
             },
             Mode::Lock => self.follow(&Orders { gate: Gate::On, ..*orders }, sensed, heard, motional),
-            Mode::Run => self.follow(&self.switch_friction(orders, sense, heard, motional), sensed, heard, motional),
+            Mode::Run => {
+                let orders = self.switch_friction(orders, sense, heard, motional);
+                self.follow(&orders, sensed, heard, motional)
+            }
         }
     }
 }

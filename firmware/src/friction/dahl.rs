@@ -211,7 +211,8 @@ pub fn coulomb(xi: f32) -> f32 {
 
 /// The ratio as kappa goes to zero, where the friction is constant: net slip over slip, `(pi/2) xi / (xi asin xi + sqrt(1 - xi^2))`.
 fn limit(xi: f32) -> f32 {
-    0.5 * PI * xi / (xi * libm::asinf(xi) + libm::sqrtf((1.0 - xi) * (1.0 + xi)))
+    let ratio = 0.5 * PI * xi / (xi * libm::asinf(xi) + libm::sqrtf((1.0 - xi) * (1.0 + xi)));
+    if ratio < 1.0 { ratio } else { 1.0 }
 }
 
 #[cfg(test)]
@@ -260,7 +261,8 @@ mod tests {
     /// Nothing that can be asked is not a number, or outside zero to one.
     #[test]
     fn holds_at_the_ends_of_single_precision() {
-        let odd = [0.0, f32::MIN_POSITIVE, 1e-30, 1e-7, 1e-3, 0.5, 0.999, 1.0 - f32::EPSILON / 2.0, 1.0, 2.0, f32::INFINITY, f32::NAN];
+        let odd =
+            [0.0, f32::MIN_POSITIVE, 1e-30, 1e-7, 1e-3, 0.5, 0.999, 1.0 - f32::EPSILON / 2.0, 1.0, 2.0, f32::INFINITY, f32::NAN];
         for xi in odd {
             for kappa in odd.into_iter().chain([10.0, 1e3, 9.9e5, 1e6, 1e20, 1e38]) {
                 let ratio = friction_ratio(xi, kappa);

@@ -143,7 +143,8 @@ impl Fit {
                 if which == 0 { self.slope(1) } else { self.go() }
             }
             Stage::Trial => {
-                let moved = self.trial.place.iter().zip(&self.best.place).fold(0.0f32, |most, (to, from)| most.max((to - from).abs()));
+                let moved =
+                    self.trial.place.iter().zip(&self.best.place).fold(0.0f32, |most, (to, from)| most.max((to - from).abs()));
                 let better = self.keep_better();
                 self.damping *= if better { 0.1 } else { 10.0 };
                 self.trials += 1;

@@ -269,7 +269,10 @@ mod tests {
     fn finds_the_contact_and_the_dead_time() {
         let (progress, blocks) = survey(true, |_, force| Some(force));
         let Progress::Found(found) = progress else { panic!("{progress:?}") };
-        assert!((found.contact.dahl_length_m / 0.5e-6 - 1.0).abs() < 0.01 && (found.contact.scale - 1.0).abs() < 2e-3, "{found:?}");
+        assert!(
+            (found.contact.dahl_length_m / 0.5e-6 - 1.0).abs() < 0.01 && (found.contact.scale - 1.0).abs() < 2e-3,
+            "{found:?}"
+        );
         assert!((found.coulomb_n - 0.144).abs() < 1e-5 && (found.dead - 0.03).abs() < 1e-3, "{found:?}");
         assert!(blocks < 5 * 120 + 600, "{blocks}");
     }

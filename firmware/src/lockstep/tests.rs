@@ -3,6 +3,7 @@
 use super::*;
 use crate::block::{Amplitude, BeltSense, Gate, MAX_BLOCK_SAMPLES, Request, Trips};
 use crate::config::*;
+use crate::friction::{Belief, Target};
 use crate::identify::Transducer;
 use crate::supervisor::{Fault, Limit, Mode};
 use crate::units::{Hertz, Turns};
@@ -38,6 +39,7 @@ fn longest_question() -> Question {
         amplitude: Some(Amplitude::MotionalCurrent(1.0)),
         detune: Hertz(1.0),
         quadrature: Some(Turns(0.1)),
+        friction: Some(Target::Force(1.0)),
         emergency_stop: true,
         clear_fault: true,
     };
@@ -61,6 +63,7 @@ fn longest_answer() -> Answer {
         tuning_word: u64::MAX,
         transducer: Some(Transducer::default()),
         listed: Some(Default::default()),
+        friction: Some(Belief { force_ratio: Some(1.0), ..Belief::default() }),
         ..Telemetry::default()
     };
     let drive = DriveBlock { lanes: core::iter::repeat_n(codes(), MAX_LANES).collect(), listen: 3 };
@@ -132,6 +135,15 @@ fn longest_config() -> Config {
             energy_j_per_m: Some(1.0),
             on_time_s: Some(1.0),
         },
+        friction: Some(Friction {
+            target: Target::Ratio(1.0),
+            law: FrictionLaw::Coulomb,
+            prefer_bursts: true,
+            force_factor_n_per_v: 1.0,
+            speed_m_per_s: 1.0,
+            dahl_length_m: 1.0,
+            average_s: 1.0,
+        }),
     }
 }
 
