@@ -1,5 +1,6 @@
 //! What a run leaves behind: one row a block, three ways (command, estimate, truth), and a few windows sample by sample.
 
+use firmware::friction::Belief;
 use firmware::nco::cycles_per_sample;
 use firmware::phasor::magnitude;
 use firmware::supervisor::Mode;
@@ -37,6 +38,8 @@ pub struct Row {
     pub motional_current_a: f64,
     /// Estimate: phase that the tracker drives to zero, degrees.
     pub phase_deg: f64,
+    /// Estimate: the friction, where it is switched.
+    pub friction: Option<Belief>,
     /// Sensed: admittance, S; only where there was a voltage.
     pub admittance_s: Option<(f64, f64)>,
     /// Truth.
@@ -161,6 +164,7 @@ impl Row {
             resonance_estimate_hz: telemetry.resonance.0.into(),
             motional_current_a: magnitude(telemetry.motional_current).into(),
             phase_deg: telemetry.phase.degrees().into(),
+            friction: telemetry.friction,
             admittance_s: (command.drive_v * command.envelope > 0.0 && voltage > 0.0).then(admittance),
             truth: *truth,
         }

@@ -4,6 +4,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
 use firmware::block::{DriveBlock, Gate, LATENCY_BLOCKS, Orders, Request, SenseBlock};
+use firmware::friction::Target;
 use firmware::supervisor::Mode;
 use firmware::units::{Hertz, Turns};
 use hal_mock::analog::Analog;
@@ -76,6 +77,7 @@ pub fn run_on(processor: &mut dyn Processor, scene: &Driven, mut watch: Watch) -
                 break;
             }
         }
+        script.order_friction(block as f64 * samples as f64 / sample_hz);
         let slot = &mut pending[(block % LATENCY_BLOCKS as u64) as usize];
         clock.analog.frequency_hz = slot.frequency_hz(sample_hz);
         let telemetry = clock.tick(|sense, drive| processor.process(&script.orders, sense, drive))?;
@@ -103,6 +105,8 @@ pub fn run_on(processor: &mut dyn Processor, scene: &Driven, mut watch: Watch) -
 /// What is ordered: a run, if wanted after a calibration.
 struct Script {
     orders: Orders,
+    /// Friction ratios to be ordered, and when, s; the last one first.
+    friction: Vec<(f64, f64)>,
     /// The calibration has begun.
     calibrating: bool,
 }
@@ -119,7 +123,18 @@ impl Script {
             quadrature: controller.phasing.quadrature_turns.map(|turns| Turns(turns as f32)),
             ..Orders::default()
         };
-        Script { orders, calibrating: false }
+        let friction = controller.friction.iter();
+        let friction =
+            friction.flat_map(|friction| friction.step_s.iter().copied().zip(friction.step_ratio.iter().copied()).rev());
+        Script { orders, friction: friction.collect(), calibrating: false }
+    }
+
+    /// Orders the friction that is due.
+    fn order_friction(&mut self, time_s: f64) {
+        while let Some((_, ratio)) = self.friction.pop_if(|(at_s, _)| *at_s <= time_s) {
+            let sequence = self.orders.sequence + 1;
+            self.orders = Orders { sequence, friction: Some(Target::Ratio(ratio as f32)), ..self.orders };
+        }
     }
 
     /// Orders the run once the calibration is over. After a fault nothing follows.
@@ -127,7 +142,7 @@ impl Script {
         self.calibrating |= mode == Mode::Calibrate;
         if self.calibrating && mode == Mode::Idle {
             self.calibrating = false;
-            self.orders = Orders { sequence: 2, attempt: 2, request: Request::Run, ..self.orders };
+            self.orders = Orders { sequence: self.orders.sequence + 1, attempt: 2, request: Request::Run, ..self.orders };
         }
     }
 }

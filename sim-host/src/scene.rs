@@ -10,6 +10,7 @@ mod controller;
 mod course;
 pub mod diagnostic;
 mod excitation;
+mod friction;
 mod integrator;
 pub mod load;
 pub mod problem;
@@ -43,6 +44,7 @@ pub use controller::{
 };
 pub use course::{Disturbance, DisturbedKey, Fault, FaultKind};
 pub use excitation::{Excitation, Match, VibrationVelocity, Waveform};
+pub use friction::{Friction, FrictionLaw, Prefer};
 pub use integrator::{Integrator, Method};
 pub(crate) use nearest::shown;
 pub use plant::{Amplifier, Bvd, Mode, Sensors, Stack};

@@ -177,6 +177,7 @@ fn from_amplitude_to_bursts_and_back_without_a_bump() {
     told.friction.as_mut().unwrap().prefer_bursts = true;
     let mut bench = Bench::new(&told, 0.5e-6, 1.0);
     bench.run(10_000, None);
+    bench.run(500, Some(Target::Ratio(0.95)));
     let (mut worst, mut changes) = (0.0f32, 0);
     for n in 0..60_000 {
         let wanted = 0.3 + 0.65 * (n as f32 / 30e3 - 1.0).abs();
@@ -185,8 +186,7 @@ fn from_amplitude_to_bursts_and_back_without_a_bump() {
         changes += u32::from(core::mem::discriminant(&bench.wanted) != before);
         worst = worst.max((bench.ratio() - wanted).abs());
     }
-    // Out of the bursts of the configured target, besides.
-    assert!(changes == 5, "{changes} changes");
+    assert!(changes == 4, "{changes} changes");
     // Measured: 0.0033, the most that the wanted ratio moves while a solution is sought.
     assert!(worst < 0.005, "{worst}");
 }

@@ -22,6 +22,7 @@ const BINS: usize = 3000;
 pub(super) fn of(run: &Run) -> Vec<Figure> {
     let view = View::new(&run.scene, &run.record);
     let mut figures = motor::of(run, &view);
+    figures.extend(friction::ratio(run, &view));
     figures.extend(friction::over_time(run, &view));
     figures.extend(edges::of(run, &view));
     figures.extend(resonance::acquisition(run, &view));

@@ -21,11 +21,15 @@
 //! **Settled** is what comes 20 ms after an edge; or a third of what is left of the run from its first block of running, or from its last
 //! step disturbance, if that is less.
 //!
+//! Where the friction is switched (`switch.rs`), `friction_on_n` and what follows from it are means over whole burst periods, from 50 ms after the
+//! survey or the last step of what is wanted, and steady blocks are those from there on.
+//!
 //! The tip velocity of a stator is that of its crests, across the ring. What only a motor has stands in `motor.rs`.
 
 mod electrical;
 pub mod lock_claims;
 mod motor;
+mod switch;
 
 use firmware::supervisor::Mode;
 
@@ -51,6 +55,7 @@ pub fn of(scene: &Driven, record: &Record) -> Metrics {
     view.steady_state(&mut metrics);
     electrical::add(&view, &mut metrics);
     view.motor(scene, &mut metrics);
+    view.switch(scene, &mut metrics);
     metrics.put("energy_residual", (record.energy.supplied_j != 0.0).then(|| record.energy.residual()));
     if let Some(transducer) = record.last.transducer {
         let found_hz = f64::from(transducer.series_resonance_hz);
@@ -97,6 +102,8 @@ pub struct View<'a> {
     steps_s: Vec<f64>,
     /// What is settled comes so long after an edge, s.
     settle_s: f64,
+    /// The friction switch holds what was wanted last from here on, s.
+    held_from_s: f64,
 }
 
 impl<'a> View<'a> {
@@ -105,9 +112,18 @@ impl<'a> View<'a> {
         let steps_s = scene.disturbance.iter().filter(|d| d.to.is_some()).map(|d| d.at_s).collect();
         let disturbed_s = scene.disturbance.iter().map(|d| d.at_s).collect::<Vec<_>>();
         let block_s = record.sample_s * record.block_samples as f64 * record.every as f64;
-        let mut view = View { rows: &record.rows, block_s, calm_s: Vec::new(), disturbed_s, steps_s, settle_s: SETTLE_S };
+        let mut view = View {
+            rows: &record.rows,
+            block_s,
+            calm_s: Vec::new(),
+            disturbed_s,
+            steps_s,
+            settle_s: SETTLE_S,
+            held_from_s: f64::NEG_INFINITY,
+        };
         view.calm_s = view.calm_times();
         view.settle_s = view.settling_s();
+        view.held_from_s = view.held_from_s(scene);
         view
     }
 
@@ -145,7 +161,7 @@ impl<'a> View<'a> {
 
     /// Running, envelope one, some time after the last edge, and after the last step disturbance.
     pub fn steady(&self) -> impl Iterator<Item = &'a Row> + '_ {
-        self.settled(1.0, self.settle_s)
+        self.settled(1.0, self.settle_s).filter(|row| row.time_s > self.held_from_s)
     }
 
     /// The ON windows as they were played while running, s.
@@ -187,7 +203,8 @@ impl<'a> View<'a> {
         let Some(slider) = scene.sliding().map(|(_, slider)| slider).filter(sliding) else { return };
         let force = |row: &Row| row.truth.friction_mean_n;
         let cell = |row: &Row| row.truth.load_cell_n;
-        let (off, on) = (mean(self.settled(0.0, self.settle_s).map(force)), mean(self.steady().map(force)));
+        let off = mean(self.settled(0.0, self.settle_s).map(force));
+        let on = self.held(scene).map_or_else(|| mean(self.steady().map(force)), |held| mean(held.iter().map(force)));
         metrics.put("friction_off_n", off);
         metrics.put("friction_on_n", on);
         let ratio = off.zip(on).map(|(off, on)| on / off);

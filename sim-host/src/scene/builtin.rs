@@ -10,6 +10,8 @@ const SCENES: &[(&str, &str)] = scenes![
     "experiment-1",
     "experiment-1-fast",
     "experiment-1-fitted",
+    "friction-ratio",
+    "friction-burst",
     "contact",
     "contact-kinematic",
     "lock",

@@ -3,6 +3,8 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use super::Friction;
+
 /// The firmware that drives, and what it is told.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
@@ -22,6 +24,9 @@ pub struct Controller {
     /// When the drive is ON. Without it: always, once locked.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub burst: Option<Burst>,
+    /// The friction that is wanted. Without it amplitude and bursts are what they are told to be.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub friction: Option<Friction>,
     /// How the frequency is found and kept, and what a user knows of the transducer beforehand.
     pub tracking: Tracking,
     /// The stack as a thermometer of itself.

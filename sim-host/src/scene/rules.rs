@@ -12,6 +12,7 @@ mod drive;
 mod excitation;
 mod exclusive;
 mod firmware;
+mod friction;
 mod grid;
 mod integrator;
 mod kind;
@@ -56,6 +57,7 @@ pub(super) fn check(root: &Node, findings: Findings) -> Findings {
     rules.drive();
     rules.tracking();
     rules.burst();
+    rules.friction_switch();
     rules.disturbances();
     rules.faults();
     rules.trace();

@@ -3,9 +3,10 @@
 
 use firmware::block::Amplitude;
 use firmware::config::{
-    Around, Burst, Chirp, ChirpKind, Config, Direction, Drive, Edge, FrontEnd, LaneTrims, Limits, Phasing, Schedule, ShapeKind,
-    Sweep, Then, Thermometer, Tracking, TrackingMode,
+    Around, Burst, Chirp, ChirpKind, Config, Direction, Drive, Edge, Friction, FrictionLaw, FrontEnd, LaneTrims, Limits, Phasing,
+    Schedule, ShapeKind, Sweep, Then, Thermometer, Tracking, TrackingMode,
 };
+use firmware::friction::Target;
 
 use crate::scene;
 
@@ -53,6 +54,26 @@ pub fn config(scene: &scene::Driven) -> Config {
             ambient_c: controller.thermometer.ambient_c as f32,
         },
         limits: limits(&controller.limits),
+        friction: controller.friction.as_ref().map(|told| friction(told, &controller.tracking)),
+    }
+}
+
+fn friction(told: &scene::Friction, tracking: &scene::Tracking) -> Friction {
+    let target = match (told.target_ratio, told.target_force_n) {
+        (None, Some(newtons)) => Target::Force(newtons as f32),
+        (ratio, _) => Target::Ratio(ratio.unwrap_or(1.0) as f32),
+    };
+    Friction {
+        target,
+        law: match told.law {
+            scene::FrictionLaw::Dahl => FrictionLaw::Dahl,
+            scene::FrictionLaw::Coulomb => FrictionLaw::Coulomb,
+        },
+        prefer_bursts: told.prefer == scene::Prefer::Bursts,
+        force_factor_n_per_v: tracking.nominal_force_factor_n_per_v.unwrap_or(1.0) as f32,
+        speed_m_per_s: told.speed_m_per_s as f32,
+        dahl_length_m: told.dahl_length_m as f32,
+        average_s: told.average_s as f32,
     }
 }
 

@@ -44,6 +44,7 @@ const PARAMETERS: &[(&str, &str, &str)] = &[
     ("sweep.stop_hz", "controller.sweep.stop_hz", CARRIED),
     ("sweep.time_s", "controller.sweep.time_s", "a block at least; about a resonance so long that its phase can follow"),
     ("burst.edge.cycles", "controller.burst.edge_cycles", ""),
+    ("friction.force_factor_n_per_v", "controller.tracking.nominal_force_factor_n_per_v", ""),
     (
         "tracking.bandwidth_hz",
         "controller.tracking.bandwidth_hz",
@@ -85,6 +86,9 @@ impl Rules<'_> {
                 self.contradicts(AROUND, &error, "needs a `controller.tracking.mode` other than `off`")
             }
             Error::ExponentialAroundResonance => self.contradicts("controller.sweep.kind", &error, "must be `linear`"),
+            Error::FrictionWithoutCurrent => {
+                self.contradicts("controller.friction", &error, "needs `controller.drive.velocity_m_per_s`")
+            }
             // Calibrations are measured, and no scene states one.
             Error::TrimOrder => {}
             Error::BurstWindows => {
