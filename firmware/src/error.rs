@@ -33,6 +33,12 @@ pub enum Error {
     ExponentialAroundResonance,
     /// The frequencies of a calibration must rise.
     TrimOrder,
+    /// A boost is planned from the resonance, which must be tracked.
+    BoostWithoutTracking,
+    /// A boost is by half cycles of a sine.
+    BoostOfShape,
+    /// A boost is at the resonance, and a chirp is not.
+    BoostWithSweep,
 }
 
 impl fmt::Display for Error {
@@ -54,6 +60,11 @@ impl fmt::Display for Error {
                 f.write_str("sweep is a chirp about the resonance, from offset to offset through zero: it must be linear")
             }
             Error::TrimOrder => f.write_str("phasing.calibration must be at rising frequencies"),
+            Error::BoostWithoutTracking => f.write_str(
+                "burst.edge is a boost, which is planned from the tracked resonance: tracking must be an observer or a phase lock",
+            ),
+            Error::BoostOfShape => f.write_str("burst.edge is a boost, by half cycles of a sine: drive.shape must be one"),
+            Error::BoostWithSweep => f.write_str("burst.edge is a boost, at the resonance: there can be no sweep"),
             Error::BurstWindows => {
                 f.write_str("burst windows must be in order, must not overlap, and need one end for each beginning")
             }

@@ -49,6 +49,8 @@ impl Controller {
         self.sweep.restart();
         self.tracker.restart();
         self.amplitude.restart();
+        self.edges.restart();
+        self.burst.restart();
     }
 
     /// Prepares the self-test and the measurement of the clamped branch that follows it.
