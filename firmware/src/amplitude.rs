@@ -120,6 +120,16 @@ impl AmplitudeLoop {
         if self.volts > 0.0 { (self.limits.voltage_v / self.volts).max(1.0) } else { 1.0 }
     }
 
+    /// The voltage limit, of the loudest lane, V.
+    pub fn most_volts(&self) -> f32 {
+        self.limits.voltage_v
+    }
+
+    /// The current limit, A.
+    pub fn most_amperes(&self) -> f32 {
+        self.limits.current_a
+    }
+
     /// So much of a voltage that `louder` times as much is within the limit.
     pub fn within(&self, volts: f32, louder: f32) -> f32 {
         if volts * louder > self.limits.voltage_v { self.limits.voltage_v / louder } else { volts }
@@ -154,7 +164,7 @@ impl AmplitudeLoop {
         let ceiling = up_to(self.limits.current_a, amperes);
         self.follow(ceiling);
         self.expected += self.lag * (envelope * ceiling - self.expected);
-        if envelope < 1.0 || self.expected < LISTEN_ABOVE * ceiling {
+        if envelope != 1.0 || self.expected < LISTEN_ABOVE * ceiling {
             return self.integral_volts;
         }
         let error_volts = self.ohm * (self.expected - motional_current);

@@ -253,6 +253,9 @@ pub enum Edge {
         /// Length of the edge in periods of the nominal frequency.
         cycles: f32,
     },
+    /// As fast as the voltage limit allows: rung up by louder drive, and rung down by drive against it, from what is tracked. For sines whose
+    /// resonance is tracked.
+    Boost,
 }
 
 /// How the frequency is found and kept. The nominal values are what a user knows beforehand.

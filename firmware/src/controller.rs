@@ -4,6 +4,7 @@
 //! fail: trouble is a numbered fault in the telemetry, and a muted drive.
 
 mod acquire;
+mod edges;
 mod follow;
 mod friction;
 mod plan;
@@ -13,10 +14,12 @@ use crate::amplitude::AmplitudeLoop;
 use crate::belt::Belt;
 use crate::block::{Amplitude, DriveBlock, Gate, LATENCY_BLOCKS, MAX_BLOCK_SAMPLES, Orders, SenseBlock};
 use crate::burst::Burst;
+use crate::burst::boost::EdgeTimes;
 use crate::calibrate::Calibrate;
 use crate::clamped::PowerOn;
 use crate::clamped::online::Online;
 use crate::config::{Config, ShapeKind, TrackingMode};
+use crate::controller::edges::Edges;
 use crate::controller::plan::Plan;
 use crate::convert::Convert;
 use crate::demod::{Sensed, demodulate};
@@ -56,6 +59,8 @@ struct Played {
     flat: bool,
     /// It was a sine.
     pure: bool,
+    /// What it drives had rung up before.
+    rung_up: bool,
 }
 
 /// The controller.
@@ -71,8 +76,9 @@ pub struct Controller {
     /// Motional inductance as told, H.
     nominal_lm_h: Option<f32>,
     scan_volts: f32,
-    /// The drive that the present brake is for, V.
+    /// The drive that the present brake or boost is for, V.
     braked_volts: f32,
+    edges: Edges,
 
     block: u64,
     nco: Nco,
@@ -113,6 +119,7 @@ impl Controller {
         if config.drive.shape == ShapeKind::Noise && config.sweep != crate::config::Sweep::Hold {
             return Err(Error::NoiseWithSweep);
         }
+        edges::check(config)?;
         let sweep = Sweep::build(config)?;
         let block_s = f32::from(config.block_samples) / config.sample_hz;
         let mut convert = Convert::build(&config.front_end)?;
@@ -128,6 +135,7 @@ impl Controller {
             nominal_lm_h: config.tracking.nominal_lm_h,
             scan_volts: config.drive.scan_volts,
             braked_volts: 0.0,
+            edges: Edges::build(config),
             block: 0,
             nco: Nco::default(),
             burst: Burst::build(&config.burst, config.drive.frequency_hz, config.sample_hz)?,
@@ -165,7 +173,7 @@ impl Controller {
         let motional_current = self.tracker.motional_current(&sensed, heard.relative);
 
         let driven =
-            Driven { volts: heard.audible.filter(|_| heard.flat).map(|part| part * heard.volts * heard.envelope), suspect };
+            Driven { volts: heard.audible.filter(|_| heard.flat).map(|part| part * heard.volts * heard.envelope.abs()), suspect };
         self.belt.hear(sense.slow.belt);
         let found = self
             .guard
@@ -184,6 +192,11 @@ impl Controller {
         }
         self.block += 1;
         self.report(orders, &plan, slot, sensed, motional_current)
+    }
+
+    /// How long the edges of a boosted burst take, as they are planned now; `None` where they are not boosted.
+    pub fn edge_times(&self) -> Option<EdgeTimes> {
+        self.burst.edge_times()
     }
 
     /// The resonances that the last scan has found, at rising frequencies.
@@ -208,7 +221,8 @@ impl Controller {
         let hz = self.sweep.hold.nominal_hz() + offset_hz;
 
         let now = (self.block + LATENCY_BLOCKS as u64) * self.samples as u64;
-        let louder = self.burst.loudest();
+        let louder = self.burst.loudest(plan.volts);
+        let rung_up = self.burst.is_rung_up(plan.volts);
         let envelope = match mode {
             Mode::Idle | Mode::Fault => self.burst.snap(false, &stretch, self.samples),
             Mode::SelfTest | Mode::Scan | Mode::Calibrate | Mode::Clamped => {
@@ -216,7 +230,7 @@ impl Controller {
             }
             // Without a voltage there is no burst: the next one begins at zero.
             Mode::Lock | Mode::Run if plan.volts == 0.0 => self.burst.snap(false, &stretch, self.samples),
-            Mode::Lock | Mode::Run => self.burst.envelope(plan.gate, now, &stretch, self.samples),
+            Mode::Lock | Mode::Run => self.burst.envelope(plan.gate, now, &stretch, self.samples, plan.volts),
         };
         let (level, flat) = (envelope.mean(), envelope.is_flat());
         // A brake may be louder than the drive, but not than the limit, whatever has become of the drive since it began.
@@ -247,6 +261,7 @@ impl Controller {
             envelope: level,
             flat,
             pure,
+            rung_up,
         }
     }
 
@@ -260,6 +275,7 @@ impl Controller {
             true if self.phasing.quadrature(orders.quadrature).1 => Some(Limit::QuadratureRequest),
             true if self.friction_limit(orders).is_some() => self.friction_limit(orders),
             true if self.tracker.state() == State::Unheard => Some(Limit::NotTracking),
+            true if mode == Mode::Run && self.burst.limited() => Some(Limit::BoostLimited),
             _ => None,
         };
         Telemetry {

@@ -35,6 +35,12 @@ pub enum Error {
     TrimOrder,
     /// The friction switch sets a tip velocity, so that the drive's amplitude must be a motional current.
     FrictionWithoutCurrent,
+    /// A boost is planned from the resonance, which must be tracked.
+    BoostWithoutTracking,
+    /// A boost is by half cycles of a sine.
+    BoostOfShape,
+    /// A boost is at the resonance, and a chirp is not.
+    BoostWithSweep,
 }
 
 impl fmt::Display for Error {
@@ -59,6 +65,11 @@ impl fmt::Display for Error {
                 f.write_str("friction is switched by tip velocity: drive.amplitude must be a motional current")
             }
             Error::TrimOrder => f.write_str("phasing.calibration must be at rising frequencies"),
+            Error::BoostWithoutTracking => f.write_str(
+                "burst.edge is a boost, which is planned from the tracked resonance: tracking must be an observer or a phase lock",
+            ),
+            Error::BoostOfShape => f.write_str("burst.edge is a boost, by half cycles of a sine: drive.shape must be one"),
+            Error::BoostWithSweep => f.write_str("burst.edge is a boost, at the resonance: there can be no sweep"),
             Error::BurstWindows => {
                 f.write_str("burst windows must be in order, must not overlap, and need one end for each beginning")
             }

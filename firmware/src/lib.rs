@@ -56,6 +56,7 @@ pub mod self_test;
 pub mod settings;
 pub mod shape;
 pub mod shaper;
+pub mod source;
 pub mod supervisor;
 pub mod sweep;
 pub mod telemetry;

@@ -134,6 +134,8 @@ pub enum Limit {
     NoAuthority = 102,
     /// The friction ratio asked for is below what the loudest drive does, above one, or nobody knows what it is.
     RatioUnreachable = 103,
+    /// The limits leave too little above the drive for a boosted edge: it ends below its level, or it is left out beside the resonance.
+    BoostLimited = 104,
 }
 
 /// A number on the wire, and back: a variant that is added later does not change the meaning of the others.
@@ -156,7 +158,7 @@ macro_rules! numbered {
 }
 
 numbered!(Fault, EmergencyStop LateBlock SensorImplausible OverCurrent LoadShorted LoadOpen LaneImplausible CapacitanceShifted ResonanceDamaged SenseSwapped SenseSaturated NoResonance NoLock LossOfLock TrackersDisagree WrongMode BeltStopped);
-numbered!(Limit, OverVoltageRequest FrequencyWindow NotTracking QuadratureRequest NoAuthority RatioUnreachable);
+numbered!(Limit, OverVoltageRequest FrequencyWindow NotTracking QuadratureRequest NoAuthority RatioUnreachable BoostLimited);
 
 /// How a stage of the way to [`Mode::Run`] is getting on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

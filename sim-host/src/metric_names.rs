@@ -29,6 +29,7 @@ pub const NAMES: &[&str] = &[
     "overshoot_percent",
     "rise_time_ms",
     "fall_time_ms",
+    "residual_percent",
     "acquire_time_ms",
     "lock_time_100hz_ms",
     "lock_time_20hz_ms",

@@ -6,6 +6,7 @@ use firmware::phasor::magnitude;
 use firmware::supervisor::Mode;
 use firmware::telemetry::Telemetry;
 
+use crate::edge_meter::Edges;
 use crate::plant::energy::Energy;
 use crate::plant::truth::{Sample, Truth};
 use crate::swing::Swing;
@@ -105,6 +106,8 @@ pub struct Record {
     pub rows: Vec<Row>,
     /// Windows sample by sample.
     pub windows: Vec<Window>,
+    /// The edges of bursts.
+    pub edges: Vec<Edges>,
     /// What the scene's `[trace]` asks for.
     pub trace: Option<Tracer>,
     /// The last telemetry.

@@ -12,7 +12,8 @@ use hal_mock::block_clock::BlockClock;
 use hal_mock::fault_injector::{FaultInjector, FaultKind, Scheduled};
 use hal_mock::tracer::DriveHash;
 
-use crate::plant::Plant;
+use crate::edge_meter::EdgeMeter;
+use crate::plant::{Plant, circuit_of};
 use crate::processor::{Here, Lost, Processor};
 use crate::record::{Command, Record, Row, Window};
 use crate::scene::{self, Driven};
@@ -82,6 +83,7 @@ pub fn run_on(processor: &mut dyn Processor, scene: &Driven, mut watch: Watch) -
         clock.analog.frequency_hz = slot.frequency_hz(sample_hz);
         let telemetry = clock.tick(|sense, drive| processor.process(&script.orders, sense, drive))?;
         script.follow(telemetry.mode);
+        clock.analog.running = telemetry.mode == Mode::Run;
         record.worst_block_instructions = record.worst_block_instructions.max(processor.instructions());
         let played = std::mem::replace(slot, Command::of(&telemetry));
         let time_s = (block + 1) as f64 * samples as f64 / sample_hz;
@@ -97,6 +99,7 @@ pub fn run_on(processor: &mut dyn Processor, scene: &Driven, mut watch: Watch) -
     record.plant_states = plant.states();
     record.drive_hash = recorder.hash.value();
     record.windows = recorder.windows;
+    record.edges = recorder.edges.finish();
     record.trace = recorder.tracer;
     record.wall_s = began.elapsed().as_secs_f64();
     Ok(record)
@@ -156,12 +159,15 @@ struct Recorder {
     /// How far the last block swung.
     swing: Swing,
     windows: Vec<Window>,
+    edges: EdgeMeter,
     tracer: Option<Tracer>,
     sample_s: f64,
     /// Samples played so far.
     played: u64,
     /// Frequency of the block that is about to play, Hz.
     frequency_hz: f64,
+    /// The controller was running when it had heard the block before.
+    running: bool,
 }
 
 impl Recorder {
@@ -183,10 +189,12 @@ impl Recorder {
             meter: SwingMeter::new(scene),
             swing: Swing::default(),
             windows,
+            edges: EdgeMeter::new(scene, circuit_of(scene).time_constant_s()),
             tracer,
             sample_s,
             played: 0,
             frequency_hz: 0.0,
+            running: false,
         }
     }
 }
@@ -219,9 +227,14 @@ impl Analog for Recorder {
         }
         let open = |window: &Window| window.trigger.is_none() && window.from_s < to_s && window.to_s > from_s;
         let traced = self.tracer.as_mut().filter(|tracer| tracer.wants(self.played, samples));
-        self.plant.inner.keep_samples(traced.is_some() || self.windows.iter().any(open));
+        let edge = self.edges.wants(self.played, samples, self.running);
+        self.plant.inner.keep_samples(edge || traced.is_some() || self.windows.iter().any(open));
         self.plant.exchange(drive, sense);
         self.hash.add(drive);
+        if let Some(codes) = drive.lanes.first().filter(|_| edge) {
+            let envelope = self.plant.inner.samples().iter().map(|sample| sample.tip_envelope_m_per_s);
+            self.edges.take(self.played, codes, envelope, self.frequency_hz);
+        }
         self.swing = self.meter.measure(drive);
         for window in self.windows.iter_mut().filter(|window| open(window)) {
             if window.samples.is_empty() {

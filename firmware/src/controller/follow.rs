@@ -2,8 +2,7 @@
 
 use super::plan::Plan;
 use super::{Controller, Played};
-use crate::block::{Gate, Orders};
-use crate::burst::Brake;
+use crate::block::Orders;
 use crate::clamped::online;
 use crate::demod::Sensed;
 use crate::identify::Transducer;
@@ -63,6 +62,7 @@ impl Controller {
             pure: played.pure,
             on,
             driven,
+            rung_up: played.rung_up,
         };
         let at_lock_point = self.tracker.at_lock_point(motional, played.detune_hz);
         let phase = self.tracker.follow(sensed, motional, at_lock_point, &heard);
@@ -78,16 +78,16 @@ impl Controller {
         let (offset_hz, limited) = self.detune(orders);
         self.sweep.hold.retune(offset_hz);
         // An edge is never quite one, whatever its mean rounds to.
-        let envelope = if played.flat { played.envelope } else { played.envelope.min(0.999) };
+        let envelope = if played.flat || played.envelope > 1.0 { played.envelope } else { played.envelope.min(0.999) };
         // Before the order's own amplitude: what rings was driven by the one before.
-        self.prepare_brake(orders.gate);
+        self.prepare_edges(orders, sensed, played, motional);
         let known = self.transducer.is_some() || !self.tracker.observes();
         if known {
             self.amplitude.update(orders.amplitude.unwrap_or(self.amplitude_asked), envelope, at_lock_point);
         }
         let volts = match () {
             () if !known => self.scan_volts,
-            () if self.burst.is_ending(orders.gate) => self.braked_volts,
+            () if self.burst.is_under_way(orders.gate) => self.braked_volts,
             () => self.amplitude.volts(),
         };
         Plan { volts, gate: orders.gate, listen: 0, phase, limited, progress: self.lock_progress() }
@@ -101,20 +101,5 @@ impl Controller {
         let offset = if self.tracker.tracks() { self.tracker.offset_hz() } else { 0.0 };
         let wanted = offset + asked + self.probe_hz;
         (wanted.clamp(-window, window), wanted.abs() > window)
-    }
-
-    /// The brake for what rings. It is made anew where the drive has changed, because its level counts from the drive.
-    fn prepare_brake(&mut self, gate: Gate) {
-        const SAME: f32 = 0.01;
-        let volts = self.amplitude.volts();
-        if self.burst.is_ending(gate) {
-            // It brakes what it was made for.
-        } else if !self.burst.brakes(gate) || volts == 0.0 {
-            self.burst.set_brake(None);
-        } else if self.burst.brake().is_none() || (volts - self.braked_volts).abs() > SAME * volts {
-            let periods = self.transducer.map_or(self.nominal_periods, |transducer| transducer.q / core::f32::consts::PI);
-            self.burst.set_brake(Some(Brake::of(periods, self.amplitude.headroom())));
-            self.braked_volts = volts;
-        }
     }
 }

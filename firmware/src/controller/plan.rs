@@ -50,6 +50,8 @@ impl Controller {
         self.tracker.restart();
         self.amplitude.restart();
         self.restart_friction();
+        self.edges.restart();
+        self.burst.restart();
     }
 
     /// Prepares the self-test and the measurement of the clamped branch that follows it.

@@ -11,8 +11,9 @@
 //! | `series_resonance_hz`, `q`, `coupling`, … | what scan or observer has identified; with `_sd`, the standard deviation that it states |
 //! | `modes_found` | resonances that the scan has listed, in the window and beside it |
 //! | `acquire_time_ms` | from the first DAC sample of the scan to the first of the run |
-//! | `rise_time_ms`, `fall_time_ms` | from the edge's first DAC sample, as ordered, to 90 % (10 %) of the steady true tip velocity; of the first ON window after the lock |
-//! | `overshoot_percent` | the largest true tip velocity of the run over the steady one; not where a step disturbance makes two steady states |
+//! | `rise_time_ms`, `fall_time_ms` | from the burst's first DAC sample to 95 % of the steady envelope of the true tip velocity, and from its end (the first sample of a brake) to 5 %; of all bursts while running the worst, of the first 64: see `edges.rs` |
+//! | `residual_percent` | the largest envelope after a burst's last sample, that of a brake included, of the steady one; the worst likewise |
+//! | `overshoot_percent` | the largest envelope of the run over the steady one; not where a step disturbance makes two steady states |
 //! | `drive_peak_v`, `drive_rms_v`, `input_power_w`, `tip_velocity_rms_…`, `tip_velocity_peak_…` | steady blocks, any waveform: see `electrical.rs` |
 //! | `fault_code`, `limit_code` | the fault at the end of the run; the limit in its last block under drive; 0 is none |
 //! | `fault_latency_us` | from the scene's first fault to the first block without drive once the controller has faulted |
@@ -26,6 +27,7 @@
 //!
 //! The tip velocity of a stator is that of its crests, across the ring. What only a motor has stands in `motor.rs`.
 
+mod edges;
 mod electrical;
 pub mod lock_claims;
 mod motor;
@@ -36,7 +38,6 @@ use firmware::supervisor::Mode;
 use super::Metrics;
 use crate::record::{Record, Row};
 use crate::scene::{Driven, Slider};
-use crate::schedule::first_window;
 
 /// After an edge or a disturbance, this long is not counted as steady, s,
 const SETTLE_S: f64 = 0.02;
@@ -50,7 +51,7 @@ pub fn of(scene: &Driven, record: &Record) -> Metrics {
     let mut metrics = Metrics::default();
     let view = View::new(scene, record);
     view.friction(scene, &mut metrics);
-    view.edges(scene, &mut metrics);
+    view.edges(record, &mut metrics);
     view.lock(&mut metrics);
     view.steady_state(&mut metrics);
     electrical::add(&view, &mut metrics);
@@ -218,27 +219,14 @@ impl<'a> View<'a> {
         metrics.put("velocity_ratio", tip.map(|tip| slider.speed_m_per_s / tip));
     }
 
-    fn edges(&self, scene: &Driven, metrics: &mut Metrics) {
+    fn edges(&self, record: &Record, metrics: &mut Metrics) {
         let tip = |row: &Row| row.truth.tip_velocity_m_per_s;
         let Some(steady) = mean(self.steady().map(tip)) else { return };
-        let peak = self.rows.iter().filter(|row| row.mode == Mode::Run).map(tip).fold(0.0, f64::max);
+        let at_edges = edges::add(self, &record.edges, record.sample_s, metrics).unwrap_or(0.0);
+        let peak = self.rows.iter().filter(|row| row.mode == Mode::Run).map(tip).fold(at_edges, f64::max);
         metrics.put("tip_velocity_m_per_s", steady);
         metrics.put("peak_velocity_m_per_s", peak);
         metrics.put("overshoot_percent", self.steps_s.is_empty().then(|| 100.0 * (peak / steady - 1.0).max(0.0)));
-        let run_from = self.plays_from(Mode::Run).unwrap_or(0.0);
-        let reaches = |from: f64, there: &dyn Fn(f64) -> bool| {
-            let mut before: Option<&Row> = None;
-            for row in self.rows.iter().filter(|row| row.time_s >= from) {
-                if there(tip(row)) {
-                    return before.map(|last| crossing(last, row, there, tip) - from);
-                }
-                before = Some(row);
-            }
-            None
-        };
-        let window = scene.controller.burst.as_ref().and_then(|burst| first_window(burst, run_from));
-        metrics.put("rise_time_ms", window.and_then(|(on, _)| reaches(on, &|v| v >= 0.9 * steady)).map(|s| 1e3 * s));
-        metrics.put("fall_time_ms", window.and_then(|(_, off)| reaches(off, &|v| v <= 0.1 * steady)).map(|s| 1e3 * s));
     }
 
     fn lock(&self, metrics: &mut Metrics) {

@@ -290,6 +290,7 @@ impl Analog for DrivenStack {
                     voltage_v: self.stack.voltage(),
                     motional_current_a: self.stack.motional_current(),
                     tip_velocity_m_per_s: self.stack.tip_velocity(),
+                    tip_envelope_m_per_s: self.stack.tip_amplitude(),
                     friction_n: friction / steps as f64,
                     ..Sample::default()
                 });

@@ -83,6 +83,8 @@ pub struct Sample {
     pub motional_current_a: f64,
     /// Tip velocity, m/s.
     pub tip_velocity_m_per_s: f64,
+    /// Its envelope, `sqrt(v^2 + (w_s x)^2)`; of a stator that of the stronger wave's crests, m/s.
+    pub tip_envelope_m_per_s: f64,
     /// Friction, mean over the sample, N.
     pub friction_n: f64,
     /// What only a motor has.

@@ -21,6 +21,7 @@ const SCENES: &[(&str, &str)] = scenes![
     "lock-any",
     "lock-step",
     "lock-drift",
+    "burst",
     "waveforms",
     "waveforms-fast",
     "transducer-smbltd45f40h-1",

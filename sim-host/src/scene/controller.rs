@@ -231,6 +231,8 @@ pub enum Edge {
     Hard,
     /// Along a raised cosine.
     Soft,
+    /// As fast as `limits.voltage_v` allows, up by louder drive and down by drive against what rings. For sines whose resonance is tracked.
+    Boost,
 }
 
 /// How the frequency is found and kept. The nominal values are what a user knows beforehand, not the truth.

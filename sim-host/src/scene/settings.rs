@@ -153,6 +153,7 @@ fn burst(burst: Option<&scene::Burst>) -> Burst {
     let edge = match burst.edge {
         scene::Edge::Hard => Edge::Hard,
         scene::Edge::Soft => Edge::Soft { cycles: burst.edge_cycles as f32 },
+        scene::Edge::Boost => Edge::Boost,
     };
     Burst { schedule, edge, brake: burst.brake }
 }

@@ -14,6 +14,7 @@ use crate::scene::wording::{bound, quantity, range};
 const MODE: &str = "controller.tracking.mode";
 const SHAPE: &str = "controller.drive.shape";
 const AROUND: &str = "controller.sweep.around";
+const EDGE: &str = "controller.burst.edge";
 const BEGINNINGS: &str = "controller.burst.on_s";
 const SCALE: &str = "one code must be worth something the firmware can calculate with";
 const CARRIED: &str =
@@ -89,6 +90,11 @@ impl Rules<'_> {
             Error::FrictionWithoutCurrent => {
                 self.contradicts("controller.friction", &error, "needs `controller.drive.velocity_m_per_s`")
             }
+            Error::BoostWithoutTracking => {
+                self.contradicts(EDGE, &error, "needs `controller.tracking.mode` `observer` or `phase_lock`")
+            }
+            Error::BoostOfShape => self.contradicts(EDGE, &error, "needs `controller.drive.shape = \"sine\"`"),
+            Error::BoostWithSweep => self.contradicts(EDGE, &error, "needs a scene without [controller.sweep]"),
             // Calibrations are measured, and no scene states one.
             Error::TrimOrder => {}
             Error::BurstWindows => {

@@ -42,6 +42,7 @@ const HEARD: Heard = Heard {
     pure: true,
     on: true,
     driven: true,
+    rung_up: false,
 };
 /// Blocks until every tracker has locked.
 const SETTLING_BLOCKS: u32 = 200;
