@@ -5,6 +5,7 @@ mod clamped;
 mod contact;
 mod drive;
 mod friction;
+mod friction_switch;
 mod motor;
 mod observer;
 mod processor_in_the_loop;

@@ -20,6 +20,7 @@ pub mod cramer_rao;
 pub mod edge_meter;
 pub mod figures;
 pub mod findings;
+pub mod friction;
 pub mod instructions;
 pub mod metric_names;
 pub mod metrics;

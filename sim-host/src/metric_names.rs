@@ -12,6 +12,7 @@ pub const NAMES: &[&str] = &[
     "friction_ratio_estimate",
     "friction_ratio_sensed",
     "friction_ratio_error",
+    "ratios_refused",
     "friction_floor_estimate",
     "kappa_estimate",
     "kappa_deviation",

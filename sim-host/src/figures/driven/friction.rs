@@ -4,6 +4,7 @@ use firmware::friction::Belief;
 
 use super::{axis, binned, curve, mean, shaded};
 use crate::metrics::driven::View;
+use crate::metrics::driven::switch::configured;
 use crate::record::Row;
 use crate::report::{Figure, Series, Style};
 use crate::study::driven::Run;
@@ -78,9 +79,10 @@ pub(super) fn ratio(run: &Run, view: &View) -> Option<Figure> {
     let begins_s = rows.iter().find(|row| row.friction.is_some())?.time_s;
     let coulomb_n = view.silent_friction_n()?;
     let held = &rows[rows.partition_point(|row| row.time_s < begins_s)..];
+    let first = configured(friction, coulomb_n).unwrap_or(1.0);
     let wanted = |row: &Row| {
         let step = friction.step_s.iter().zip(&friction.step_ratio).rfind(|(at_s, _)| **at_s <= row.time_s);
-        step.map(|(_, ratio)| *ratio).or(friction.target_ratio).or(friction.target_force_n.map(|n| n / coulomb_n)).unwrap_or(1.0)
+        step.map_or(first, |(_, ratio)| *ratio)
     };
     let belief = |of: fn(&Belief) -> f32| move |row: &Row| row.friction.as_ref().map_or(1.0, |belief| f64::from(of(belief)));
     Some(Figure {
