@@ -126,7 +126,8 @@ fn without_authority_it_says_so_and_is_silent() {
 #[test]
 fn without_a_force_channel_it_goes_by_what_it_was_told() {
     let told = ["controller.friction.dahl_length_m=0.5e-6", "controller.friction.speed_m_per_s=0.038"];
-    let text = include_str!("../sim-host/scenes/friction-ratio.toml").replace("force_hz = 500", "").replace("force_noise_n = 0.003", "");
+    let text =
+        include_str!("../sim-host/scenes/friction-ratio.toml").replace("force_hz = 500", "").replace("force_noise_n = 0.003", "");
     let sets = ["duration_s=0.4", "controller.friction.step_s=[]", "controller.friction.step_ratio=[]"];
     let sets: Vec<String> = sets.iter().chain(&told).map(|&set| set.to_owned()).collect();
     let loaded = sim_host::scene::load::load_text("without", &text, &sets).unwrap_or_else(|error| panic!("{error}"));

@@ -41,6 +41,8 @@ pub enum Error {
     BoostOfShape,
     /// A boost is at the resonance, and a chirp is not.
     BoostWithSweep,
+    /// Energy for each metre of belt is known only where the belt has an encoder.
+    EnergyWithoutBelt,
 }
 
 impl fmt::Display for Error {
@@ -64,6 +66,7 @@ impl fmt::Display for Error {
             Error::FrictionWithoutCurrent => {
                 f.write_str("friction is switched by tip velocity: drive.amplitude must be a motional current")
             }
+            Error::EnergyWithoutBelt => f.write_str("limits.energy_j_per_m needs a belt encoder, front_end.metre_per_count"),
             Error::TrimOrder => f.write_str("phasing.calibration must be at rising frequencies"),
             Error::BoostWithoutTracking => f.write_str(
                 "burst.edge is a boost, which is planned from the tracked resonance: tracking must be an observer or a phase lock",

@@ -84,6 +84,8 @@ pub struct FrictionSwitch {
     ratio: f32,
     /// The ratio that is being solved for, or was last.
     last: f32,
+    /// What is to be played.
+    ordered: Wanted,
 }
 
 impl FrictionSwitch {
@@ -128,6 +130,7 @@ impl FrictionSwitch {
             choice: Choice::new(prefer),
             ratio: 1.0,
             last: 1.0,
+            ordered: Wanted::Silence,
         };
         switch.restart();
         Ok(Some(switch))
@@ -138,7 +141,7 @@ impl FrictionSwitch {
         let loudest = self.most_amperes / self.force_factor;
         self.survey = Some(Survey::new(self.omega, loudest, self.settle_blocks, self.average_blocks, self.period.is_some()));
         (self.play, self.found, self.implausible) = (Play::Silence, None, false);
-        self.work = Work::Rest(0);
+        (self.work, self.ordered) = (Work::Rest(0), Wanted::Silence);
         self.solution = Solution { xi: 1.0, ratio: 1.0, floor: 1.0 };
     }
 
@@ -155,15 +158,22 @@ impl FrictionSwitch {
         }
         if self.survey.is_some() {
             self.step_survey(sensed);
-            return self.surveyed();
+            self.ordered = self.surveyed();
+            return self.ordered;
         }
-        let wanted = self.wanted(ordered.unwrap_or(self.target));
+        let wanted = self.ratio_of(ordered.unwrap_or(self.target));
         self.step_work(wanted);
-        match self.choice.regime() {
+        self.ordered = match self.choice.regime() {
             Regime::Silent => Wanted::Silence,
             Regime::Amplitude(xi) => self.current(self.contact().scale * self.speed.value / xi),
             Regime::Bursts(on) => Wanted::Bursts { amperes: self.most_amperes, on_samples: on * self.period.unwrap_or(0.0) },
-        }
+        };
+        self.ordered
+    }
+
+    /// What is to be played, as the last step has said.
+    pub fn wanted(&self) -> Wanted {
+        self.ordered
     }
 
     /// Why the friction is not what is wanted, if it is not.
@@ -245,7 +255,7 @@ impl FrictionSwitch {
     }
 
     /// The ratio that is wanted. A force of which nobody knows what part it is, is not a number.
-    fn wanted(&self, target: Target) -> f32 {
+    fn ratio_of(&self, target: Target) -> f32 {
         match (target, self.found) {
             (Target::Ratio(ratio), _) => ratio,
             (Target::Force(newtons), Some(found)) => newtons / found.coulomb_n,

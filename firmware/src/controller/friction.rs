@@ -1,33 +1,45 @@
 //! The friction switch in the controller: it orders amplitude and gate, where nobody else does.
 
+use super::plan::Plan;
 use super::{Controller, Played};
 use crate::block::{Amplitude, Gate, Orders, SenseBlock};
-use crate::friction::{Sensed, Wanted};
+use crate::friction::{FrictionSwitch, Sensed, Wanted};
 use crate::phasor::{Phasor, magnitude};
-use crate::supervisor::Limit;
+use crate::supervisor::{Fault, Limit, Mode, Progress};
 
 impl Controller {
-    /// The orders as the friction switch makes them, once a block of a run.
-    pub(super) fn switch_friction(&mut self, orders: &Orders, sense: &SenseBlock, heard: &Played, motional: Phasor) -> Orders {
-        let Some(friction) = self.friction.as_mut().filter(|_| is_free(orders)) else { return *orders };
+    /// Lets the friction switch hear one block of a run.
+    pub(super) fn switch_friction(&mut self, orders: &Orders, sense: &SenseBlock, heard: &Played, motional: Phasor) {
+        let Some(friction) = self.friction.as_mut().filter(|_| is_free(orders)) else { return };
         let on = heard.flat && heard.envelope == 1.0 && heard.volts > 0.0;
         let sensed = Sensed {
             belt_m_per_s: self.belt.speed_m_per_s(),
             force_n: sense.slow.force,
             motional_a: on.then(|| magnitude(motional)),
         };
-        let wanted = friction.step(orders.friction, &sensed);
+        if let Wanted::Bursts { on_samples, .. } = friction.step(orders.friction, &sensed) {
+            self.burst.set_on(on_samples);
+        }
+    }
+
+    /// The orders as the friction switch has made them last.
+    pub(super) fn as_switched(&self, orders: &Orders) -> Orders {
+        let running = self.supervisor.mode() == Mode::Run;
+        let Some(friction) = self.friction.as_ref().filter(|_| running && is_free(orders)) else { return *orders };
         // A schedule that repeats is the switch's own; windows are the user's, except while surveying.
         let on = if self.burst.repeats() || friction.is_surveying() { Gate::On } else { Gate::Scheduled };
-        let (amplitude, gate) = match wanted {
+        let (amplitude, gate) = match friction.wanted() {
             Wanted::Silence => (None, Gate::Off),
             Wanted::Current(amperes) => (Some(amperes), on),
-            Wanted::Bursts { amperes, on_samples } => {
-                self.burst.set_on(on_samples);
-                (Some(amperes), Gate::Scheduled)
-            }
+            Wanted::Bursts { amperes, .. } => (Some(amperes), Gate::Scheduled),
         };
         Orders { amplitude: amplitude.map(Amplitude::MotionalCurrent), gate, ..*orders }
+    }
+
+    /// A survey in which the force sensor has said what cannot be friction ends the run.
+    pub(super) fn trust_survey(&self, plan: Plan) -> Plan {
+        let refused = self.friction.as_ref().is_some_and(FrictionSwitch::is_implausible);
+        if refused { plan.and(Progress::Failed(Fault::ForceSensorImplausible)) } else { plan }
     }
 
     /// Surveys the contact anew.
@@ -39,7 +51,7 @@ impl Controller {
 
     /// Why the friction is not what is wanted.
     pub(super) fn friction_limit(&self, orders: &Orders) -> Option<Limit> {
-        self.friction.as_ref().filter(|_| is_free(orders)).and_then(|friction| friction.limit())
+        self.friction.as_ref().filter(|_| is_free(orders)).and_then(FrictionSwitch::limit)
     }
 }
 

@@ -33,7 +33,7 @@ impl Plan {
         Plan { volts, gate: Gate::On, ..Plan::SILENT }
     }
 
-    fn and(self, progress: Progress) -> Self {
+    pub(super) fn and(self, progress: Progress) -> Self {
         Plan { progress, ..self }
     }
 }
@@ -41,6 +41,7 @@ impl Plan {
 impl Controller {
     /// Forgets what an earlier attempt has found.
     pub(super) fn begin(&mut self) {
+        self.guard.begin();
         self.test_again();
         self.calibrate.abandon(&mut self.phasing);
         self.scan.restart();
@@ -130,10 +131,18 @@ impl Controller {
                 }
                 calibrate::Step::Failed(fault) => Plan::SILENT.and(Progress::Failed(fault)),
             },
+            // What has nothing to lock to waits.
+            Mode::Lock if self.guard.is_muted() => Plan::SILENT,
+            // Silent within the block, whatever the edge: a burst without a voltage ends at once, and begins anew.
+            Mode::Run if self.guard.is_muted() => {
+                let plan = self.follow(&Orders { gate: Gate::Off, ..*orders }, sensed, heard, motional);
+                Plan { volts: 0.0, ..plan }
+            }
             Mode::Lock => self.follow(&Orders { gate: Gate::On, ..*orders }, sensed, heard, motional),
             Mode::Run => {
-                let orders = self.switch_friction(orders, sense, heard, motional);
-                self.follow(&orders, sensed, heard, motional)
+                self.switch_friction(orders, sense, heard, motional);
+                let plan = self.follow(&self.as_switched(orders), sensed, heard, motional);
+                self.trust_survey(plan)
             }
         }
     }

@@ -212,7 +212,8 @@ impl<'a> View<'a> {
         metrics.put("friction_ratio", ratio);
         metrics.put("reduction_percent", ratio.map(|ratio| 100.0 * (1.0 - ratio)));
         let off = mean(self.settled(0.0, CELL_SETTLE_S).map(cell));
-        let on = self.held(scene).map_or_else(|| mean(self.settled(1.0, CELL_SETTLE_S).map(cell)), |held| mean(held.iter().map(cell)));
+        let on =
+            self.held(scene).map_or_else(|| mean(self.settled(1.0, CELL_SETTLE_S).map(cell)), |held| mean(held.iter().map(cell)));
         metrics.put("load_cell_off_n", off);
         metrics.put("load_cell_on_n", on);
         metrics.put("load_cell_reduction_percent", off.zip(on).map(|(off, on)| 100.0 * (1.0 - on / off)));

@@ -105,7 +105,8 @@ impl<'a> View<'a> {
                 sensed: mean(believed().filter_map(|belief| belief.force_ratio).map(f64::from)),
                 truth: mean(rows.iter().map(|row| row.truth.friction_mean_n))? / coulomb_n,
                 limit: rows.last()?.limit,
-                bursts: mean(rows.iter().map(|row| f64::from(u8::from(row.envelope == 0.0)))).is_some_and(|off| off > 0.0 && off < 1.0),
+                bursts: mean(rows.iter().map(|row| f64::from(u8::from(row.envelope == 0.0))))
+                    .is_some_and(|off| off > 0.0 && off < 1.0),
             })
         };
         all.iter().zip(ends).filter_map(step).collect()
@@ -121,7 +122,8 @@ impl<'a> View<'a> {
         let errors = steps.iter().filter(|step| !step.is_refused()).map(Step::error);
         metrics.put("friction_ratio_error", errors.max_by(|one, other| one.abs().total_cmp(&other.abs())));
         metrics.put("ratios_refused", steps.iter().filter(|step| step.is_refused()).count() as f64);
-        metrics.put("friction_floor_estimate", mean(held.iter().filter_map(|row| row.friction).map(|belief| belief.floor.into())));
+        metrics
+            .put("friction_floor_estimate", mean(held.iter().filter_map(|row| row.friction).map(|belief| belief.floor.into())));
         let last = held.last().and_then(|row| row.friction);
         metrics.put("kappa_estimate", last.map(|belief| f64::from(belief.kappa)));
         metrics.put("kappa_deviation", last.map(|belief| f64::from(belief.kappa_deviation)));
