@@ -4,6 +4,7 @@ mod app;
 mod clamped;
 mod contact;
 mod drive;
+mod edges;
 mod friction;
 mod friction_switch;
 mod motor;
