@@ -13,6 +13,7 @@
 
 pub mod boost;
 mod brake;
+mod duty;
 mod ring;
 mod schedule;
 pub mod stroke;
@@ -129,16 +130,6 @@ impl Burst {
     /// Whether a burst that ends under this gate ends with a brake.
     pub fn brakes(&self, gate: Gate) -> bool {
         self.brakes || gate == Gate::Brake
-    }
-
-    /// Whether the schedule repeats a burst.
-    pub fn repeats(&self) -> bool {
-        matches!(self.schedule, Schedule::Periodic { .. })
-    }
-
-    /// From the next period on, bursts of a schedule that repeats are ON for so many samples on an average.
-    pub fn set_on(&mut self, samples: f32) {
-        self.schedule.set_on(samples, self.period_of_drive);
     }
 
     /// The brake for bursts that end with one. Nothing is braked without one.

@@ -2,6 +2,7 @@
 
 use heapless::Vec;
 
+use super::duty::Dithered;
 use crate::config::{MAX_WINDOWS, Schedule as ScheduleConfig};
 use crate::error::{Error, in_range};
 
@@ -21,26 +22,6 @@ pub(super) enum Schedule {
         /// What `on` is to be on an average, where that is set while running.
         dithered: Option<Dithered>,
     },
-}
-
-/// An ON time that is spread from period to period. A burst lasts whole periods of the drive, which may keep step with those of the schedule: what is
-/// spread evenly over one of them is rounded right on an average.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Dithered {
-    /// Samples, on an average and from the least to the most.
-    mean: f32,
-    spread: f32,
-    /// In steps of the golden section, 2^32 a turn: evenly spread over any number of periods.
-    turn: u32,
-}
-
-impl Dithered {
-    fn next(&mut self, period: u64) -> u64 {
-        const GOLDEN: u32 = 0x9e37_79b9;
-        self.turn = self.turn.wrapping_add(GOLDEN);
-        let part = (self.turn >> 8) as f32 / (1 << 24) as f32;
-        libm::roundf(self.mean + (part - 0.5) * self.spread).clamp(0.0, period as f32) as u64
-    }
 }
 
 impl Schedule {
@@ -72,8 +53,7 @@ impl Schedule {
     /// From the next period on, a gate that repeats is open for so many samples on an average, spread over `spread`.
     pub(super) fn set_on(&mut self, samples: f32, spread: f32) {
         if let Schedule::Periodic { dithered, .. } = self {
-            let turn = dithered.map_or(0, |dithered| dithered.turn);
-            *dithered = Some(Dithered { mean: samples, spread, turn });
+            *dithered = Some(Dithered::after(*dithered, samples, spread));
         }
     }
 
