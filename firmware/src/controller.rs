@@ -61,6 +61,10 @@ struct Played {
     pure: bool,
     /// What it drives had rung up before.
     rung_up: bool,
+    /// It tells the tracker something: not a short stroke of a boosted burst, nor the silence after one.
+    telling: bool,
+    /// Nothing was paid back in it.
+    even: bool,
 }
 
 /// The controller.
@@ -140,7 +144,8 @@ impl Controller {
             nco: Nco::default(),
             burst: Burst::build(&config.burst, config.drive.frequency_hz, config.sample_hz)?,
             shaper: Shaper::build(config),
-            played: [Played { tone, relative: 1.0, flat: true, pure: true, ..Played::default() }; LATENCY_BLOCKS],
+            played: [Played { tone, relative: 1.0, flat: true, pure: true, telling: true, even: true, ..Played::default() };
+                LATENCY_BLOCKS],
             belt: Belt::build(config, block_s)?,
             guard: Guard::build(config, block_s)?,
             supervisor: Supervisor::default(),
@@ -238,6 +243,7 @@ impl Controller {
         let now = (self.block + LATENCY_BLOCKS as u64) * self.samples as u64;
         let louder = self.burst.loudest(plan.volts);
         let rung_up = self.burst.is_rung_up(plan.volts);
+        let even = self.shaper.is_even();
         let envelope = match mode {
             Mode::Idle | Mode::Fault => self.burst.snap(false, &stretch, self.samples),
             Mode::SelfTest | Mode::Scan | Mode::Calibrate | Mode::Clamped => {
@@ -277,6 +283,8 @@ impl Controller {
             flat,
             pure,
             rung_up,
+            telling: self.burst.is_telling(),
+            even: even || level != 0.0,
         }
     }
 

@@ -1,8 +1,8 @@
 //! The source as the stack's terminals see it: `V = g u - z I_m`, for a drive of `u`.
 //!
 //! `g` is what amplifier, hold and delay make of the drive, loaded by the clamped capacitance; `z` is the source's impedance, so loaded. Both are
-//! fitted by least squares to all blocks that are played throughout: in a ring-up the current changes under a constant drive, in a ring-down there
-//! is no drive at all. Where neither has been heard for long, `z` is what it was.
+//! fitted by least squares to all blocks that are driven throughout: in a ring-up the current changes under a constant drive. Where none has been
+//! heard for long, `z` is what it was.
 //!
 //! The source damps what rings: in the frame of the drive `I_m' = -alpha I_m + beta V` becomes `I_m' = -(alpha + beta z) I_m + beta g u`.
 

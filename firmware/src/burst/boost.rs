@@ -13,6 +13,9 @@ const LIMITED: f32 = 0.01;
 /// Strokes for a drive that differs by less than this part need not be made anew.
 const SAME: f32 = 0.01;
 
+/// A stroke of so many half cycles is long enough for a tracker to listen to.
+const LONG: u32 = 64;
+
 /// How long the edges of a boosted burst take, for who counts on them.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct EdgeTimes {
@@ -161,6 +164,9 @@ impl Burst {
         self.boost.as_ref().is_some_and(Boost::limited)
     }
 
+    /// A stroke of so many half cycles is long enough for a tracker to listen to.
+    const LONG: u32 = 64;
+
     /// How long the edges take that are planned now; `None` where they are not boosted.
     pub fn edge_times(&self) -> Option<EdgeTimes> {
         self.boost.as_ref().and_then(Boost::times)
@@ -189,6 +195,15 @@ impl Burst {
     /// Whether a boosted burst has rung up to a drive of `volts` already.
     pub fn is_rung_up(&self, volts: f32) -> bool {
         self.boost.as_ref().is_some_and(|boost| boost.ring.is_rung_up(volts))
+    }
+
+    /// Whether what plays now tells a tracker something: the drive, and a long boost of it. What a brake and its payback leave is nearly nothing.
+    pub fn is_telling(&self) -> bool {
+        self.boost.as_ref().is_none_or(|boost| match self.state {
+            State::Open { .. } => true,
+            State::Rising { .. } => boost.stroke >= LONG,
+            State::Closed | State::Braking { .. } => false,
+        })
     }
 
     /// Forgets what rings, of another transducer or of another time.

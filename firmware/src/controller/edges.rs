@@ -60,8 +60,11 @@ impl Controller {
         if !self.burst.boosts() {
             return self.prepare_brake(orders.gate);
         }
-        if played.flat && played.pure {
-            self.edges.source.hear(played.volts * played.envelope, sensed.v, motional);
+        if played.flat && played.pure && played.even {
+            // Silence tells nothing but noise.
+            if played.envelope != 0.0 {
+                self.edges.source.hear(played.volts * played.envelope, sensed.v, motional);
+            }
             if let Some(per_ampere) = self.edges.per_ampere {
                 self.burst.hear((motional * per_ampere).re, self.samples);
             }

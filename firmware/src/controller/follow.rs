@@ -63,7 +63,7 @@ impl Controller {
         let heard = Heard {
             offset_hz: played.offset_hz,
             volts: played.volts,
-            envelope: played.flat.then_some(played.envelope),
+            envelope: (played.flat && played.telling).then_some(played.envelope),
             pure: played.pure,
             on,
             driven,
