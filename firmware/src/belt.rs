@@ -55,7 +55,7 @@ impl Belt {
     /// Checks what a count is worth.
     pub fn build(config: &Config, block_s: f32) -> Result<Self, Error> {
         if let Some(metre) = config.front_end.metre_per_count {
-            in_range("front_end.metre_per_count", metre.into(), 1e-7, 1e-2)?;
+            in_range("front_end.metre_per_count", metre.into(), 0.9e-7, 1.1e-2)?;
         }
         Ok(Belt::of(config.front_end.metre_per_count.unwrap_or(0.0), block_s))
     }

@@ -12,6 +12,7 @@
 
 mod advise;
 mod friction;
+mod guard;
 mod instructions;
 mod precision;
 mod progress;
@@ -94,6 +95,9 @@ enum Command {
     /// Hold friction ratios over contacts, by amplitude and by bursts, and hold them against what is wanted.
     #[command(after_help = EXIT_CODES)]
     Friction(friction::FrictionArgs),
+    /// Stop, slow, break and belie the belt under the drive a thousand times each, and hold the weld guard against its targets.
+    #[command(after_help = EXIT_CODES)]
+    Guard(guard::GuardArgs),
 }
 
 #[derive(Args)]
@@ -159,6 +163,7 @@ pub fn main() -> ExitCode {
         Some(Command::Instructions(args)) => instructions::run(&args, color),
         Some(Command::Tracking(args)) => tracking::run(&args, color),
         Some(Command::Friction(args)) => friction::run(&args, color),
+        Some(Command::Guard(args)) => guard::run(&args, color),
         Some(Command::Schema) => print(&format!("{:#}\n", schema::schema())),
     };
     done.unwrap_or_else(|error| {

@@ -21,6 +21,7 @@ pub mod edge_meter;
 pub mod figures;
 pub mod findings;
 pub mod friction;
+pub mod guard;
 pub mod instructions;
 pub mod metric_names;
 pub mod metrics;

@@ -3,7 +3,7 @@
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
-use firmware::block::{DriveBlock, Gate, LATENCY_BLOCKS, Orders, Request, SenseBlock};
+use firmware::block::{DriveBlock, Gate, LATENCY_BLOCKS, Orders, Request, SenseBlock, SlowSense};
 use firmware::friction::Target;
 use firmware::supervisor::Mode;
 use firmware::units::{Hertz, Turns};
@@ -88,7 +88,7 @@ pub fn run_on(processor: &mut dyn Processor, scene: &Driven, mut watch: Watch) -
         let played = std::mem::replace(slot, Command::of(&telemetry));
         let time_s = (block + 1) as f64 * samples as f64 / sample_hz;
         if (block + 1).is_multiple_of(every) {
-            let happened = (clock.analog.swing, clock.analog.plant.inner.truth());
+            let happened = (clock.analog.swing, clock.analog.slow, clock.analog.plant.inner.truth());
             record.rows.push(Row::new(time_s, sample_hz, &played, &telemetry, happened));
         }
         record.last = telemetry;
@@ -158,6 +158,8 @@ struct Recorder {
     meter: SwingMeter,
     /// How far the last block swung.
     swing: Swing,
+    /// What the slow sensors have said of it.
+    slow: SlowSense,
     windows: Vec<Window>,
     edges: EdgeMeter,
     tracer: Option<Tracer>,
@@ -188,6 +190,7 @@ impl Recorder {
             hash: DriveHash::default(),
             meter: SwingMeter::new(scene),
             swing: Swing::default(),
+            slow: SlowSense::default(),
             windows,
             edges: EdgeMeter::new(scene, circuit_of(scene).time_constant_s()),
             tracer,
@@ -230,6 +233,7 @@ impl Analog for Recorder {
         let edge = self.edges.wants(self.played, samples, self.running);
         self.plant.inner.keep_samples(edge || traced.is_some() || self.windows.iter().any(open));
         self.plant.exchange(drive, sense);
+        self.slow = sense.slow;
         self.hash.add(drive);
         if let Some(codes) = drive.lanes.first().filter(|_| edge) {
             let envelope = self.plant.inner.samples().iter().map(|sample| sample.tip_envelope_m_per_s);

@@ -35,7 +35,6 @@ pub struct Thermometers {
 /// The watch over temperature and power.
 #[derive(Clone, Debug)]
 pub struct Heat {
-    /// Infinite without a limit.
     most_c: f32,
     kelvin_per_hz: f32,
     kelvin_per_part: f32,
@@ -56,9 +55,7 @@ impl Heat {
     /// Checks limits and coefficients.
     pub fn build(config: &Config, block_s: f32) -> Result<Self, Error> {
         let (limits, told) = (&config.limits, &config.thermometer);
-        if let Some(celsius) = limits.temperature_c {
-            in_range("limits.temperature_c", celsius.into(), 0.0, 500.0)?;
-        }
+        in_range("limits.temperature_c", limits.temperature_c.into(), 0.0, 500.0)?;
         if let Some(watt) = limits.power_w {
             in_range("limits.power_w", watt.into(), 1e-3, 1e5)?;
         }
@@ -67,7 +64,7 @@ impl Heat {
         in_range("thermometer.ambient_c", told.ambient_c.into(), -100.0, 500.0)?;
         let inverse = |per_k: f32| if per_k == 0.0 { 0.0 } else { 1.0 / per_k };
         Ok(Heat {
-            most_c: limits.temperature_c.unwrap_or(f32::INFINITY),
+            most_c: limits.temperature_c,
             kelvin_per_hz: inverse(told.hz_per_k),
             kelvin_per_part: inverse(told.c0_per_k),
             board_c: told.ambient_c,
@@ -84,6 +81,9 @@ impl Heat {
 
     /// Takes what the tracker knows of the stack.
     pub(super) fn feel(&mut self, now: &Thermometers) {
+        if self.kelvin_per_hz == 0.0 && self.kelvin_per_part == 0.0 {
+            return;
+        }
         let (cold, cold_c) = *self.cold.get_or_insert((*now, self.board_c));
         let by_resonance = (now.resonance_hz - cold.resonance_hz) * self.kelvin_per_hz;
         let by_capacitance = (now.susceptance / cold.susceptance - 1.0) * self.kelvin_per_part;
@@ -97,10 +97,10 @@ impl Heat {
             let factor = self.by_power + self.gain * (1.0 - self.mean_w / self.most_w);
             self.by_power = factor.clamp(LEAST, 1.0);
         }
-        self.board_c = board_c.unwrap_or(self.board_c);
-        if self.most_c == f32::INFINITY {
+        if board_c.is_none() && self.cold.is_none() {
             return None;
         }
+        self.board_c = board_c.unwrap_or(self.board_c);
         // A reading that is not a number is no proof of being cool.
         let hottest = if self.stack_c > self.board_c { self.stack_c } else { self.board_c };
         let left_k = self.most_c - hottest;
@@ -108,7 +108,7 @@ impl Heat {
         (left_k.is_nan() || left_k < 0.0).then_some(Fault::OverTemperature)
     }
 
-    /// What is left of the amplitude asked for.
+    /// What is left of the amplitude asked for, a tenth to one.
     pub(super) fn factor(&self) -> f32 {
         self.by_heat.min(self.by_power)
     }
@@ -164,7 +164,7 @@ mod tests {
 
     #[test]
     fn the_mean_power_is_held_at_its_limit() {
-        let mut heat = Heat { most_w: 2.0, most_c: f32::INFINITY, ..heat() };
+        let mut heat = Heat { most_w: 2.0, ..heat() };
         // 8 W at full amplitude: half of it is left.
         for _ in 0..10_000 {
             let factor = heat.factor();

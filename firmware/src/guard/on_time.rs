@@ -21,7 +21,7 @@ impl OnTime {
     }
 
     /// Takes one block.
-    pub(super) fn inspect(&mut self, driving: bool) -> Option<Fault> {
+    pub fn inspect(&mut self, driving: bool) -> Option<Fault> {
         self.on = if driving { self.on.saturating_add(1) } else { self.on.saturating_sub(1) };
         (self.on > self.most).then_some(Fault::OnTimeExceeded)
     }

@@ -95,6 +95,12 @@ impl Rules<'_> {
             }
             Error::BoostOfShape => self.contradicts(EDGE, &error, "needs `controller.drive.shape = \"sine\"`"),
             Error::BoostWithSweep => self.contradicts(EDGE, &error, "needs a scene without [controller.sweep]"),
+            Error::EnergyWithoutBelt => {
+                const ENERGY: &str = "controller.limits.energy_j_per_m";
+                let message = "energy for each metre of belt is known only where the belt has an encoder";
+                let problem = Problem::new(self.place(ENERGY), message, "needs `sensors.encoder_counts_per_mm`");
+                self.add(ENERGY, problem);
+            }
             // Calibrations are measured, and no scene states one.
             Error::TrimOrder => {}
             Error::BurstWindows => {

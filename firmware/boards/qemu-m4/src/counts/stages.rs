@@ -2,7 +2,8 @@
 
 use core::hint::black_box;
 
-use firmware::block::{DriveBlock, SenseBlock};
+use firmware::belt::Belt;
+use firmware::block::{BeltSense, DriveBlock, SenseBlock};
 use firmware::burst::Envelope;
 use firmware::config::{Config, Drive, Limits, ShapeKind, TrackingMode};
 use firmware::convert::Convert;
@@ -95,13 +96,7 @@ fn listening(print: Print) {
 /// The same with an encoder, a force channel and every limit, over a belt that moves; and the belt itself.
 fn watching_a_belt(print: Print, mut config: Config, convert: &Convert, sense: &SenseBlock, sensed: &Sensed, driven: &Driven) {
     (config.front_end.metre_per_count, config.front_end.force_hz) = (Some(1e-5), Some(500.0));
-    config.limits = Limits {
-        power_w: Some(9.0),
-        temperature_c: Some(80.0),
-        energy_j_per_m: Some(1e3),
-        on_time_s: Some(1e4),
-        ..config.limits
-    };
+    config.limits = Limits { power_w: Some(9.0), energy_j_per_m: Some(1e3), on_time_s: Some(1e4), ..config.limits };
     let mut guard = Guard::build(&config, BLOCK_S).expect("valid limits");
     let mut belt = Belt::build(&config, BLOCK_S).expect("a valid belt");
     let mut sense = sense.clone();
