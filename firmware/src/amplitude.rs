@@ -97,6 +97,13 @@ impl AmplitudeLoop {
         self.asked = None;
     }
 
+    /// What is heard next had been rung up by a boost: there is nothing to wait for.
+    pub fn has_rung_up(&mut self) {
+        if let Some(asked) = self.asked {
+            self.expected = asked;
+        }
+    }
+
     /// Follows one block: what is asked for, the mean envelope of the block heard, and the motional current in it.
     pub fn update(&mut self, wanted: Amplitude, envelope: f32, motional_current: Phasor) {
         let asked = match wanted {

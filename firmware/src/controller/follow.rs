@@ -88,6 +88,9 @@ impl Controller {
         self.prepare_edges(orders, sensed, played, motional);
         let known = self.transducer.is_some() || !self.tracker.observes();
         if known {
+            if on && played.rung_up {
+                self.amplitude.has_rung_up();
+            }
             self.amplitude.update(self.asked(orders).0, envelope, at_lock_point);
         }
         let volts = match () {

@@ -61,6 +61,6 @@ pub struct Sensed {
     pub belt_m_per_s: Option<f32>,
     /// Friction, N; none without a sensor.
     pub force_n: Option<f32>,
-    /// Motional current of a block that was ON throughout, A peak.
+    /// Motional current of a block that was ON throughout, and had rung up before it where a boost has done that, A peak.
     pub motional_a: Option<f32>,
 }
