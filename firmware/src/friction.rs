@@ -69,6 +69,8 @@ pub struct FrictionSwitch {
     period: Option<f32>,
     settle_blocks: u32,
     average_blocks: u32,
+    /// Whole bursts, in about that time.
+    burst_blocks: Option<u32>,
     nominal: Contact,
     survey: Option<Survey>,
     play: Play,
@@ -107,6 +109,10 @@ impl FrictionSwitch {
             Schedule::Periodic { period_s, .. } => Some((period_s * f64::from(config.sample_hz)) as f32),
             _ => None,
         };
+        let whole_bursts = |samples: f32| {
+            let bursts = libm::roundf(friction.average_s * config.sample_hz / samples).max(1.0);
+            libm::roundf(bursts * samples / f32::from(config.block_samples)) as u32
+        };
         let prefer = if friction.prefer_bursts { Prefer::Bursts } else { Prefer::Amplitude };
         let mut switch = FrictionSwitch {
             law: friction.law,
@@ -117,6 +123,7 @@ impl FrictionSwitch {
             period,
             settle_blocks: (SETTLE_S / block_s) as u32,
             average_blocks: (friction.average_s / block_s) as u32,
+            burst_blocks: period.map(whole_bursts),
             nominal: Contact::nominal(friction.dahl_length_m),
             survey: None,
             play: Play::Silence,
@@ -139,7 +146,8 @@ impl FrictionSwitch {
     /// Forgets the contact, and surveys it anew.
     pub fn restart(&mut self) {
         let loudest = self.most_amperes / self.force_factor;
-        self.survey = Some(Survey::new(self.omega, loudest, self.settle_blocks, self.average_blocks, self.period.is_some()));
+        let blocks = (self.settle_blocks, self.average_blocks, self.burst_blocks);
+        self.survey = Some(Survey::new(self.omega, loudest, blocks.0, blocks.1, blocks.2));
         (self.play, self.found, self.implausible) = (Play::Silence, None, false);
         (self.work, self.ordered) = (Work::Rest(0), Wanted::Silence);
         self.solution = Solution { xi: 1.0, ratio: 1.0, floor: 1.0 };

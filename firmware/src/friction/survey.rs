@@ -119,7 +119,8 @@ pub struct Survey {
     loudest: f32,
     settle_blocks: u32,
     average_blocks: u32,
-    bursts: bool,
+    /// The same of bursts, if there are any: whole ones.
+    burst_blocks: Option<u32>,
     place: Place,
     /// Blocks at this place.
     blocks: u32,
@@ -133,14 +134,15 @@ pub struct Survey {
 }
 
 impl Survey {
-    /// A survey with a drive of `omega` rad/s up to a tip velocity of `loudest` m/s, so many blocks a place; with `bursts`, these too.
-    pub fn new(omega: f32, loudest: f32, settle_blocks: u32, average_blocks: u32, bursts: bool) -> Self {
+    /// A survey with a drive of `omega` rad/s up to a tip velocity of `loudest` m/s, so many blocks a place to settle and to average; and bursts,
+    /// where there are any, over so many blocks.
+    pub fn new(omega: f32, loudest: f32, settle_blocks: u32, average_blocks: u32, burst_blocks: Option<u32>) -> Self {
         Survey {
             omega,
             loudest,
             settle_blocks,
             average_blocks: average_blocks.max(1),
-            bursts,
+            burst_blocks,
             place: Place::Silent,
             blocks: 0,
             means: Means::default(),
@@ -161,7 +163,8 @@ impl Survey {
         if self.blocks > self.settle_blocks {
             self.means.take(heard);
         }
-        if self.blocks < self.settle_blocks + self.average_blocks {
+        let average_blocks = self.burst_blocks.filter(|_| self.place == Place::Bursts).unwrap_or(self.average_blocks);
+        if self.blocks < self.settle_blocks + average_blocks {
             return Progress::Busy(self.play());
         }
         let means = core::mem::take(&mut self.means);
@@ -208,7 +211,7 @@ impl Survey {
     fn step_fit(&mut self) -> Progress {
         let Some(contact) = self.fit.as_mut().and_then(Fit::step) else { return Progress::Busy(Play::Same) };
         (self.fit, self.contact) = (None, Some(contact));
-        if !self.bursts {
+        if self.burst_blocks.is_none() {
             return Progress::Found(Found { contact, coulomb_n: self.coulomb_n.abs(), dead: 0.0 });
         }
         self.place = Place::Bursts;
@@ -244,7 +247,7 @@ mod tests {
 
     /// A survey of a contact of 0.5 um whose force is told by `force`: what is played, and the true friction.
     fn survey(bursts: bool, force: impl Fn(Play, f32) -> Option<f32>) -> (Progress, u32) {
-        let mut survey = Survey::new(OMEGA, 0.175, 20, 100, bursts);
+        let mut survey = Survey::new(OMEGA, 0.175, 20, 100, bursts.then_some(120));
         let mut play = Play::Silence;
         for n in 1..5000 {
             let tip = match play {
@@ -274,7 +277,7 @@ mod tests {
             "{found:?}"
         );
         assert!((found.coulomb_n - 0.144).abs() < 1e-5 && (found.dead - 0.03).abs() < 1e-3, "{found:?}");
-        assert!(blocks < 5 * 120 + 600, "{blocks}");
+        assert!(blocks < 5 * 120 + 620, "{blocks}");
     }
 
     /// A sensor that is mounted the other way round, or of another gain, says the same.

@@ -90,7 +90,8 @@ impl Case {
     fn changes(&self) -> Vec<String> {
         let wanted = self.wanted();
         let list = |values: Vec<f64>| format!("[{}]", values.iter().map(f64::to_string).collect::<Vec<_>>().join(", "));
-        let times = (0..wanted.len()).map(|n| SURVEYED_S + HELD_S * n as f64).map(|s| (1e3 * s).round() / 1e3).collect();
+        // The first is wanted from the beginning, and held from the survey on.
+        let times = (1..wanted.len()).map(|n| SURVEYED_S + HELD_S * n as f64).map(|s| (1e3 * s).round() / 1e3).collect();
         let set = |key: &str, value: &dyn std::fmt::Display| format!("{key}={value}");
         let mut changes = vec![
             set("contact.dahl.stiffness_n_per_m", &(COULOMB_N / self.length_m).round()),
@@ -98,7 +99,8 @@ impl Case {
             set("controller.friction.speed_m_per_s", &((1e6 * self.told * self.speed_m_per_s).round() / 1e6)),
             set("controller.friction.step_s", &list(times)),
             set("duration_s", &((1e3 * (SURVEYED_S + HELD_S * wanted.len() as f64)).round() / 1e3)),
-            set("controller.friction.step_ratio", &list(wanted)),
+            set("controller.friction.target_ratio", &wanted[0]),
+            set("controller.friction.step_ratio", &list(wanted[1..].to_vec())),
         ];
         match self.way {
             Way::Amplitude => {}
