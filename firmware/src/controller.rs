@@ -193,6 +193,7 @@ impl Controller {
         // An edge takes all the time that there is.
         if self.played[slot].flat {
             self.learn_on();
+            self.work_friction();
         }
         self.block += 1;
         self.report(orders, &plan, slot, sensed, motional_current)

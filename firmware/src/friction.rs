@@ -86,6 +86,8 @@ pub struct FrictionSwitch {
     ratio: f32,
     /// The ratio that is being solved for, or was last.
     last: f32,
+    /// The ratio that is wanted now.
+    asked: f32,
     /// What is to be played.
     ordered: Wanted,
 }
@@ -137,6 +139,7 @@ impl FrictionSwitch {
             choice: Choice::new(prefer),
             ratio: 1.0,
             last: 1.0,
+            asked: 1.0,
             ordered: Wanted::Silence,
         };
         switch.restart();
@@ -169,8 +172,7 @@ impl FrictionSwitch {
             self.ordered = self.surveyed();
             return self.ordered;
         }
-        let wanted = self.ratio_of(ordered.unwrap_or(self.target));
-        self.step_work(wanted);
+        self.asked = self.ratio_of(ordered.unwrap_or(self.target));
         self.ordered = match self.choice.regime() {
             Regime::Silent => Wanted::Silence,
             Regime::Amplitude(xi) => self.current(self.contact().scale * self.speed.value / xi),
@@ -271,8 +273,12 @@ impl FrictionSwitch {
         }
     }
 
-    /// Goes on with what is being calculated, or begins with what is next.
-    fn step_work(&mut self, wanted: f32) {
+    /// Goes on with what is being calculated, or begins with what is next: a few hundred instructions, for blocks that have time for them.
+    pub fn work(&mut self) {
+        if let Some(survey) = &mut self.survey {
+            return survey.work();
+        }
+        let wanted = self.asked;
         let new = wanted.to_bits() != self.last.to_bits();
         match &mut self.work {
             Work::Rest(left) if *left > 0 && !new => *left -= 1,

@@ -13,7 +13,7 @@ use crate::supervisor::Mode;
 use crate::tracker::{Heard, State};
 
 /// How often what the observer knows of the transducer is taken, blocks.
-const LEARN_BLOCKS: u64 = 64;
+pub(super) const LEARN_BLOCKS: u64 = 64;
 
 impl Controller {
     /// Takes what the observer knows of the transducer, which is sure of it.

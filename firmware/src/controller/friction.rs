@@ -1,5 +1,6 @@
 //! The friction switch in the controller: it orders amplitude and gate, where nobody else does.
 
+use super::follow::LEARN_BLOCKS;
 use super::plan::Plan;
 use super::{Controller, Played};
 use crate::block::{Amplitude, Gate, Orders, SenseBlock};
@@ -19,6 +20,14 @@ impl Controller {
         };
         if let Wanted::Bursts { on_samples, .. } = friction.step(orders.friction, &sensed) {
             self.burst.set_on(on_samples);
+        }
+    }
+
+    /// Lets the switch calculate, in a block that has time for it: nothing has been learned in it.
+    pub(super) fn work_friction(&mut self) {
+        let busy = self.learned == self.block || self.block.is_multiple_of(LEARN_BLOCKS);
+        if let Some(friction) = self.friction.as_mut().filter(|_| !busy && self.supervisor.mode() == Mode::Run) {
+            friction.work();
         }
     }
 

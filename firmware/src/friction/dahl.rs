@@ -25,7 +25,7 @@
 //! An evaluation takes [`STEPS`] calls, about 400 instructions each, so that it can be spread over as many blocks.
 
 /// Calls of [`Evaluation::step`] that an evaluation takes.
-pub const STEPS: u32 = 5;
+pub const STEPS: u32 = 6;
 
 const FRAC_2_PI: f32 = core::f32::consts::FRAC_2_PI;
 const PI: f32 = core::f32::consts::PI;
@@ -85,7 +85,8 @@ struct Way {
     exponent: f32,
     /// How far the integral goes: the middle, or the cut.
     reach: f32,
-    /// What a difference in friction keeps over the whole way.
+    /// `1 - exp(-2A)`: how much of a difference in friction the way takes off; and what is left of it.
+    forgotten: f32,
     kept: f32,
     integral: f32,
 }
@@ -94,7 +95,8 @@ impl Way {
     fn new(half: f32, sine: f32, cosine: f32, kappa: f32) -> Self {
         let mut way = Way { half, sine, cosine, kappa, ..Way::default() };
         way.exponent = kappa * way.slip(half).0;
-        way.kept = libm::expf(-2.0 * way.exponent);
+        way.forgotten = -libm::expm1f(-2.0 * way.exponent);
+        way.kept = 1.0 - way.forgotten;
         way.reach = way.reach();
         way
     }
@@ -128,11 +130,6 @@ impl Way {
             let kept = libm::expf(-self.kappa * self.slip(self.reach * at).0);
             self.integral += self.reach * weight * (kept + self.kept / kept);
         }
-    }
-
-    /// `1 - exp(-2A)`: how much of a difference in friction the way takes off.
-    fn forgotten(&self) -> f32 {
-        -libm::expm1f(-2.0 * self.exponent)
     }
 }
 
@@ -170,11 +167,14 @@ impl Evaluation {
             1 => {
                 let (xi, kappa) = (self.xi, self.ways[0].kappa);
                 let sine = libm::sqrtf((1.0 - xi) * (1.0 + xi));
-                let backward = libm::atan2f(sine, xi);
-                self.ways = [Way::new(PI - backward, sine, -xi, kappa), Way::new(backward, sine, xi, kappa)];
+                self.ways[1] = Way::new(libm::atan2f(sine, xi), sine, xi, kappa);
+            }
+            2 => {
+                let Way { half, sine, cosine, kappa, .. } = self.ways[1];
+                self.ways[0] = Way::new(PI - half, sine, -cosine, kappa);
             }
             part => {
-                let (way, place) = (((part - 2) / 2) as usize, ((part - 2) % 2) as usize);
+                let (way, place) = (((part - 3) / 2) as usize, ((part - 3) % 2) as usize);
                 self.ways[way].add(&NODES[place * NODES_A_STEP..(place + 1) * NODES_A_STEP]);
             }
         }
@@ -186,8 +186,10 @@ impl Evaluation {
 
     fn ratio(&self) -> f32 {
         let [forward, backward] = &self.ways;
-        let both = -libm::expm1f(-2.0 * (forward.exponent + backward.exponent));
-        let difference = forward.forgotten() * backward.integral - backward.forgotten() * forward.integral;
+        let (a, b) = (forward.forgotten, backward.forgotten);
+        // 1 - exp(-2 (A + B)), without a difference.
+        let both = a + b * forward.kept;
+        let difference = a * backward.integral - b * forward.integral;
         let ratio = coulomb(self.xi) + difference / (PI * both);
         if ratio < 1.0 { ratio } else { 1.0 }
     }

@@ -115,19 +115,19 @@ impl Fit {
         fit
     }
 
-    /// Goes on by one step, one evaluation of the law at most; the contact, once it is found.
+    /// Goes on by one step of an evaluation, or of the fit itself; the contact, once it is found.
     pub fn step(&mut self) -> Option<Contact> {
+        if self.at >= self.observations.len() {
+            self.trial.cost = self.cost();
+            return self.judge();
+        }
         let ratio = self.evaluation.step()?;
         if let Some(predicted) = self.trial.ratios.get_mut(self.at) {
             *predicted = ratio;
         }
         self.at += 1;
-        if self.at < self.observations.len() {
-            self.evaluate();
-            return None;
-        }
-        self.trial.cost = self.cost();
-        self.judge()
+        self.evaluate();
+        None
     }
 
     fn judge(&mut self) -> Option<Contact> {

@@ -157,7 +157,7 @@ impl Survey {
     /// Takes one block.
     pub fn step(&mut self, heard: &Heard) -> Progress {
         if self.place == Place::Fit {
-            return self.step_fit();
+            return self.fitted();
         }
         self.blocks += 1;
         if self.blocks > self.settle_blocks {
@@ -208,9 +208,15 @@ impl Survey {
         Progress::Busy(self.play())
     }
 
-    fn step_fit(&mut self) -> Progress {
-        let Some(contact) = self.fit.as_mut().and_then(Fit::step) else { return Progress::Busy(Play::Same) };
-        (self.fit, self.contact) = (None, Some(contact));
+    /// Goes on with the fit, if it is its time: for blocks that have time.
+    pub fn work(&mut self) {
+        if let Some(contact) = self.fit.as_mut().and_then(Fit::step) {
+            (self.fit, self.contact) = (None, Some(contact));
+        }
+    }
+
+    fn fitted(&mut self) -> Progress {
+        let Some(contact) = self.contact else { return Progress::Busy(Play::Same) };
         if self.burst_blocks.is_none() {
             return Progress::Found(Found { contact, coulomb_n: self.coulomb_n.abs(), dead: 0.0 });
         }
@@ -259,6 +265,7 @@ mod tests {
             // A dead time of 0.03 of the period.
             let ratio = if play == Play::Bursts { 1.0 - (TRIAL_DUTY + 0.03) * (1.0 - ratio) } else { ratio };
             let heard = Heard { speed_m_per_s: 0.038, tip_m_per_s: tip, force_n: force(play, 0.144 * ratio) };
+            survey.work();
             match survey.step(&heard) {
                 Progress::Busy(Play::Same) => {}
                 Progress::Busy(next) => play = next,

@@ -85,6 +85,7 @@ impl Bench {
             force_n: Some(self.coulomb_n * self.ratio()),
             motional_a: amperes.map(|_| self.tip),
         };
+        self.switch.work();
         self.wanted = self.switch.step(order, &sensed);
     }
 
@@ -157,6 +158,7 @@ fn without_a_force_sensor_it_goes_by_what_it_was_told() {
     let mut run = |target: Target| {
         let mut wanted = Wanted::Silence;
         for _ in 0..5000 {
+            switch.work();
             wanted = switch.step(Some(target), &Sensed { motional_a: Some(0.5), ..Sensed::default() });
         }
         (wanted, switch.limit(), switch.belief().unwrap())
@@ -207,6 +209,7 @@ fn no_sensor_can_make_it_play_nonsense() {
                         force_n: Some(if odd { force } else { 0.1 }),
                         motional_a: Some(if odd { motional } else { 0.9 }),
                     };
+                    switch.work();
                     match switch.step(None, &sensed) {
                         Wanted::Silence => {}
                         Wanted::Current(amperes) | Wanted::Bursts { amperes, .. } => {

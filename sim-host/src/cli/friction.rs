@@ -19,6 +19,9 @@ pub(super) struct FrictionArgs {
     /// Say how each case is run by itself, and run nothing.
     #[arg(long)]
     list: bool,
+    /// Print the tables as docs/friction.md has them.
+    #[arg(long)]
+    markdown: bool,
     /// Folder for the tables and the plot.
     #[arg(short, long = "output", value_name = "DIR", default_value = "out/friction")]
     output: PathBuf,
@@ -34,8 +37,10 @@ pub(super) fn run(args: &FrictionArgs, color: Color) -> anyhow::Result<ExitCode>
         return super::print(&cases.iter().map(|case| format!("{}: {}\n", case.name(), case.command())).collect::<String>());
     }
     let campaign = friction::conduct(cases)?;
+    let text = if args.markdown { tables::markdown(&campaign) } else { String::new() };
     let tables = tables::tables(&campaign);
-    super::print(&tables.iter().map(|block| table::render(block, color.stdout)).collect::<String>())?;
+    let rendered = || tables.iter().map(|block| table::render(block, color.stdout)).collect::<String>();
+    super::print(&if args.markdown { text } else { rendered() })?;
     if !args.no_report {
         let page = Report {
             title: "The friction switch: what is wanted and what is had".into(),
