@@ -84,6 +84,7 @@ pub struct FrictionSwitch {
     solution: Solution,
     choice: Choice,
     ratio: f32,
+    belief: Option<Belief>,
     /// The ratio that is being solved for, or was last.
     last: f32,
     /// The ratio that is wanted now.
@@ -138,6 +139,7 @@ impl FrictionSwitch {
             solution: Solution { xi: 1.0, ratio: 1.0, floor: 1.0 },
             choice: Choice::new(prefer),
             ratio: 1.0,
+            belief: None,
             last: 1.0,
             asked: 1.0,
             ordered: Wanted::Silence,
@@ -151,7 +153,7 @@ impl FrictionSwitch {
         let loudest = self.most_amperes / self.force_factor;
         let blocks = (self.settle_blocks, self.average_blocks, self.burst_blocks);
         self.survey = Some(Survey::new(self.omega, loudest, blocks.0, blocks.1, blocks.2));
-        (self.play, self.found, self.implausible) = (Play::Silence, None, false);
+        (self.play, self.found, self.implausible, self.belief) = (Play::Silence, None, false, None);
         (self.work, self.ordered) = (Work::Rest(0), Wanted::Silence);
         self.solution = Solution { xi: 1.0, ratio: 1.0, floor: 1.0 };
     }
@@ -206,25 +208,26 @@ impl FrictionSwitch {
         self.implausible
     }
 
-    /// What is believed of the contact; nothing while it is being surveyed.
+    /// What is believed of the contact, since the last calculation; nothing before the survey is over.
     pub fn belief(&self) -> Option<Belief> {
-        if self.survey.is_some() {
-            return None;
-        }
+        self.belief
+    }
+
+    fn believe(&self) -> Belief {
         let contact = self.contact();
         let ratio = match self.choice.regime() {
             Regime::Silent => 1.0,
             Regime::Amplitude(_) => self.ratio,
             Regime::Bursts(on) => 1.0 - (1.0 - self.ratio) * (on + self.dead().unwrap_or(0.0)),
         };
-        Some(Belief {
+        Belief {
             identified: self.found.is_some(),
             ratio,
             force_ratio: self.found.map(|found| self.force.value / found.coulomb_n),
             kappa: self.most_amperes / (self.force_factor * self.omega * contact.dahl_length_m),
             kappa_deviation: contact.length_deviation,
             floor: self.solution.floor,
-        })
+        }
     }
 
     fn contact(&self) -> Contact {
@@ -299,6 +302,7 @@ impl FrictionSwitch {
             Work::Believe(evaluation) => {
                 let Some(ratio) = evaluation.step() else { return };
                 self.ratio = ratio;
+                self.belief = Some(self.believe());
                 self.work = Work::Rest(REST_BLOCKS);
             }
         }
