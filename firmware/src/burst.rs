@@ -7,9 +7,16 @@
 //!   sampling and rounding leave, the [shaper](crate::shaper) pays back).
 //! * soft: the envelope follows the gate along a ramp, which an opposite order turns round: `envelope = (1 - cos(pi ramp)) / 2`.
 //!
+//! * boost: by whole half cycles of louder drive up, and of drive against what rings down, as fast as the limits allow ([`boost`]).
+//!
 //! A burst that is ended by a brake goes on for some half cycles against its own phase, so that what it has rung up is rung down.
 
+pub mod boost;
+mod brake;
+mod duty;
+mod ring;
 mod schedule;
+pub mod stroke;
 #[cfg(test)]
 mod tests;
 
@@ -18,6 +25,8 @@ use core::ops::Range;
 use heapless::Vec;
 
 use crate::block::{Gate, MAX_BLOCK_SAMPLES};
+use crate::burst::boost::Boost;
+pub use crate::burst::brake::Brake;
 use crate::burst::schedule::Schedule;
 use crate::config::{Burst as Config, Edge};
 use crate::error::{Error, in_range};
@@ -52,26 +61,6 @@ impl Envelope<'_> {
     }
 }
 
-/// How a ringing resonance is stopped: by whole half cycles of drive against it.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Brake {
-    /// Half cycles; even, so that their volt-seconds cancel.
-    pub half_cycles: u32,
-    /// Amplitude, relative to the drive that is braked.
-    pub level: f32,
-}
-
-impl Brake {
-    /// The shortest brake for a resonance with a time constant of `periods` periods that has rung up under the drive, with up to `headroom`
-    /// times that drive: `level = 1 / (exp(t / tau) - 1)` over `t` stops it in full.
-    pub fn of(periods: f32, headroom: f32) -> Self {
-        // Two half cycles are a period: t / tau = half_cycles / (2 periods).
-        let shortest = 2.0 * periods * libm::log1pf(1.0 / headroom.max(1e-3));
-        let half_cycles = 2 * (libm::ceilf(0.5 * shortest).clamp(1.0, 1e6) as u32);
-        Brake { half_cycles, level: 1.0 / libm::expm1f(half_cycles as f32 / (2.0 * periods)) }
-    }
-}
-
 /// Where the envelope stands.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum State {
@@ -79,6 +68,11 @@ enum State {
     /// Open since a passage through zero in this direction (whether falling).
     Open {
         falling: bool,
+    },
+    /// Boosted since a passage through zero in this direction, for so many half cycles more.
+    Rising {
+        falling: bool,
+        left: u32,
     },
     /// Against the drive, for so many half cycles more.
     Braking {
@@ -93,12 +87,15 @@ pub struct Burst {
     /// Samples a soft edge takes, and the half turn of its cosine in as many steps (2^32 a turn); none where the edge is hard.
     edge: Option<u32>,
     half_turn_step: u32,
+    /// Of the drive, samples.
+    period_of_drive: f32,
     /// Where the ramp of a soft edge stands, 0 (OFF) to `edge` (ON).
     ramp: u32,
     state: State,
     /// Direction of the last passage through zero.
     falling: bool,
     brake: Option<Brake>,
+    boost: Option<Boost>,
     /// Every burst ends with a brake, not only those that an order ends.
     brakes: bool,
     /// The envelope of the last block with an edge.
@@ -109,7 +106,7 @@ impl Burst {
     /// `frequency_hz` is the nominal drive frequency, by which soft edges are measured.
     pub fn build(config: &Config, frequency_hz: f32, sample_hz: f32) -> Result<Self, Error> {
         let edge = match config.edge {
-            Edge::Hard => None,
+            Edge::Hard | Edge::Boost => None,
             Edge::Soft { cycles } => {
                 in_range("burst.edge.cycles", cycles.into(), 0.5, (LONGEST_EDGE * frequency_hz / sample_hz).min(1e4).into())?;
                 Some(((cycles * sample_hz / frequency_hz) as u32).max(1))
@@ -119,10 +116,12 @@ impl Burst {
             schedule: Schedule::build(&config.schedule, sample_hz.into())?,
             edge,
             half_turn_step: (1 << 31) / edge.unwrap_or(1),
+            period_of_drive: sample_hz / frequency_hz,
             ramp: 0,
             state: State::Closed,
             falling: false,
             brake: None,
+            boost: (config.edge == Edge::Boost).then(Boost::default),
             brakes: config.brake,
             levels: Vec::new(),
         })
@@ -138,18 +137,22 @@ impl Burst {
         self.brake = brake;
     }
 
-    /// How much louder than the drive the envelope may get: at least one, and more only by a brake.
-    pub fn loudest(&self) -> f32 {
-        match self.brake {
-            Some(brake) if brake.level > 1.0 => brake.level,
+    /// How much louder than a drive of `volts` the envelope may get: at least one, and more only by a brake or a boost.
+    pub fn loudest(&self, volts: f32) -> f32 {
+        match (&self.boost, self.brake) {
+            (Some(boost), _) => boost.loudest(volts),
+            (None, Some(brake)) if brake.level > 1.0 => brake.level,
             _ => 1.0,
         }
     }
 
-    /// Whether what plays under this gate is the end of a burst with a brake: the drive stays what it was until that is over.
-    pub fn is_ending(&self, gate: Gate) -> bool {
-        let ordered = gate == Gate::Brake && matches!(self.state, State::Open { .. });
-        self.brake.is_some() && (ordered || matches!(self.state, State::Braking { .. }))
+    /// Whether what plays under this gate is an edge that was planned for a drive, which stays what it was until that is over: the end of a burst
+    /// with a brake, or a boost.
+    pub fn is_under_way(&self, gate: Gate) -> bool {
+        let ends = gate == Gate::Brake || gate == Gate::Off && self.boost.is_some();
+        let ordered = ends && matches!(self.state, State::Open { .. });
+        let moves = matches!(self.state, State::Braking { .. } | State::Rising { .. });
+        (self.brake.is_some() || self.boost.is_some()) && (ordered || moves)
     }
 
     /// The brake in use.
@@ -157,16 +160,22 @@ impl Burst {
         self.brake
     }
 
-    /// The envelope from sample `now` on, for `samples` samples of a stretch.
-    pub fn envelope(&mut self, gate: Gate, now: u64, stretch: &Stretch, samples: usize) -> Envelope<'_> {
+    /// Whether the drive is wanted under this gate at sample `now`.
+    pub fn is_wanted(&mut self, gate: Gate, now: u64) -> bool {
+        self.gate(gate, now).0
+    }
+
+    /// The envelope from sample `now` on, for `samples` samples of a stretch, of a drive of `volts`.
+    pub fn envelope(&mut self, gate: Gate, now: u64, stretch: &Stretch, samples: usize, volts: f32) -> Envelope<'_> {
+        if let Some(boost) = &mut self.boost {
+            boost.set_volts(volts);
+        }
         let (mut open, mut stays) = self.gate(gate, now);
-        let flat = match self.state {
-            State::Open { .. } if open && self.ramp == self.edge.unwrap_or(0) => Some(1.0),
-            State::Closed if !open && self.ramp == 0 => Some(0.0),
-            _ => None,
-        };
-        if let Some(level) = flat.filter(|_| stays >= samples as u64) {
+        if stays >= samples as u64
+            && let Some(level) = self.flat(open, stretch, samples)
+        {
             self.falling = falling(stretch.phase_at(samples.saturating_sub(1)));
+            self.ends_flat(level, samples);
             return Envelope::Flat(level);
         }
         self.levels.clear();
@@ -176,9 +185,31 @@ impl Burst {
             self.span(open, self.brakes(gate), stretch, done..done + span);
             done += span;
             if done == samples.min(MAX_BLOCK_SAMPLES) {
+                if let Some(boost) = &mut self.boost {
+                    boost.ring.end_block();
+                }
                 return Envelope::Edge(&self.levels);
             }
             (open, stays) = self.gate(gate, now + done as u64);
+        }
+    }
+
+    /// The level, if it is the same throughout a block in which the gate stays; a long stroke moves on.
+    fn flat(&mut self, open: bool, stretch: &Stretch, samples: usize) -> Option<f32> {
+        match &mut self.state {
+            State::Open { .. } if open && self.ramp == self.edge.unwrap_or(0) => Some(Some(1.0)),
+            State::Closed if !open && self.ramp == 0 => Some(Some(0.0)),
+            State::Rising { left, .. } if open => goes_on(left, stretch, samples).then_some(None),
+            State::Braking { left } if !open && self.boost.is_some() => goes_on(left, stretch, samples).then_some(None),
+            _ => None,
+        }
+        .map(|level| level.unwrap_or_else(|| self.boost.as_ref().map_or(0.0, Boost::level)))
+    }
+
+    fn ends_flat(&mut self, level: f32, samples: usize) {
+        if let Some(boost) = &mut self.boost {
+            boost.advance(level, samples);
+            boost.ring.end_block();
         }
     }
 
@@ -220,15 +251,22 @@ impl Burst {
                 self.state = if ramp == 0 { State::Closed } else { State::Open { falling: self.falling } };
             }
             _ => {
-                let mut level = self.level();
+                let (mut level, mut since, end) = (self.level(), span.start, span.end);
                 for n in span {
                     let falling = falling(stretch.phase_at(n));
                     if falling != self.falling {
                         self.falling = falling;
+                        if let Some(boost) = &mut self.boost {
+                            boost.advance(level, n - since);
+                            since = n;
+                        }
                         self.pass(open, brake);
                         level = self.level();
                     }
                     let _ = self.levels.push(level);
+                }
+                if let Some(boost) = &mut self.boost {
+                    boost.advance(level, end - since);
                 }
             }
         }
@@ -238,12 +276,20 @@ impl Burst {
         match self.state {
             State::Closed => 0.0,
             State::Open { .. } => 1.0,
-            State::Braking { .. } => self.brake.map_or(0.0, |brake| -brake.level),
+            State::Rising { .. } => self.boost.as_ref().map_or(1.0, Boost::level),
+            State::Braking { .. } => match &self.boost {
+                Some(boost) => boost.level(),
+                None => self.brake.map_or(0.0, |brake| -brake.level),
+            },
         }
     }
 
     /// The first lane passes zero.
     fn pass(&mut self, open: bool, brake: Option<Brake>) {
+        if let Some(boost) = &mut self.boost {
+            self.state = boost.pass(self.state, open, self.falling);
+            return;
+        }
         self.state = match self.state {
             // A soft edge opens by its ramp.
             State::Closed if open && self.edge.is_none() => State::Open { falling: self.falling },
@@ -259,6 +305,10 @@ impl Burst {
 
     /// Opens or closes at once, without an edge: for tones outside the schedule, and for faults.
     pub fn snap(&mut self, open: bool, stretch: &Stretch, samples: usize) -> Envelope<'_> {
+        if let Some(boost) = &mut self.boost {
+            boost.snap();
+        }
+        self.ends_flat(f32::from(u8::from(open)), samples);
         self.falling = falling(stretch.phase_at(samples.saturating_sub(1)));
         self.ramp = if open { self.edge.unwrap_or(0) } else { 0 };
         self.state = if open { State::Open { falling: self.falling } } else { State::Closed };
@@ -272,6 +322,16 @@ impl Burst {
             Gate::Off | Gate::Brake => (false, u64::MAX),
         }
     }
+}
+
+/// Whether a stroke goes on for longer than a block, of which as many half cycles are taken off it then.
+fn goes_on(left: &mut u32, stretch: &Stretch, samples: usize) -> bool {
+    // From the last sample of the block before to its own last.
+    let before = u128::from(stretch.phase.wrapping_sub(stretch.word));
+    let passed = (((before + u128::from(stretch.word) * samples as u128) >> 63) - (before >> 63)) as u32;
+    let longer = *left > passed;
+    *left -= if longer { passed } else { 0 };
+    longer
 }
 
 /// Whether the sine falls below zero after this phase: the second half of the turn.

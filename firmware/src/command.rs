@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::block::{Amplitude, Gate, Orders, Request};
 use crate::config::TrimPoint;
+use crate::friction::Target;
 use crate::identify::{MOST_MODES, Resonance};
 use crate::settings::Kept;
 use crate::telemetry::Telemetry;
@@ -40,6 +41,8 @@ pub enum Command {
     Settings(Verb),
     /// Which resonances has the last scan found?
     Resonances,
+    /// The friction to hold; `None` is the configured target.
+    Friction(Option<Target>),
 }
 
 /// What to do with the lane trims. What acts and what is kept are two things: each verb says which it is about.
@@ -142,6 +145,8 @@ impl Command {
                 }
                 next.amplitude = amplitude;
             }
+            Command::Friction(Some(target)) if !target.is_plausible() => return Err(Refusal::NotPlausible),
+            Command::Friction(target) => next.friction = target,
             // Clearing a fault must not start the drive by itself.
             Command::ClearFault => (next.clear_fault, next.request) = (true, Request::Idle),
         }

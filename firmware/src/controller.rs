@@ -4,22 +4,28 @@
 //! fail: trouble is a numbered fault in the telemetry, and a muted drive.
 
 mod acquire;
+mod edges;
 mod follow;
+mod friction;
 mod plan;
 mod trims;
 
 use crate::amplitude::AmplitudeLoop;
+use crate::belt::Belt;
 use crate::block::{Amplitude, DriveBlock, Gate, LATENCY_BLOCKS, MAX_BLOCK_SAMPLES, Orders, SenseBlock};
 use crate::burst::Burst;
+use crate::burst::boost::EdgeTimes;
 use crate::calibrate::Calibrate;
 use crate::clamped::PowerOn;
 use crate::clamped::online::Online;
 use crate::config::{Config, ShapeKind, TrackingMode};
+use crate::controller::edges::Edges;
 use crate::controller::plan::Plan;
 use crate::convert::Convert;
-use crate::demod::{Sensed, demodulate};
+use crate::demod::{Sensed, Suspect, demodulate};
 use crate::error::{Error, in_range};
-use crate::guard::{Driven, Guard};
+use crate::friction::FrictionSwitch;
+use crate::guard::{Driven, Guard, Stage};
 use crate::identify::{Resonance, Transducer};
 use crate::nco::{Nco, Stretch};
 use crate::phasing::Phasing;
@@ -53,6 +59,12 @@ struct Played {
     flat: bool,
     /// It was a sine.
     pure: bool,
+    /// What it drives had rung up before.
+    rung_up: bool,
+    /// It tells the tracker something: not a short stroke of a boosted burst, nor the silence after one.
+    telling: bool,
+    /// Nothing was paid back in it.
+    even: bool,
 }
 
 /// The controller.
@@ -68,8 +80,9 @@ pub struct Controller {
     /// Motional inductance as told, H.
     nominal_lm_h: Option<f32>,
     scan_volts: f32,
-    /// The drive that the present brake is for, V.
+    /// The drive that the present brake or boost is for, V.
     braked_volts: f32,
+    edges: Edges,
 
     block: u64,
     nco: Nco,
@@ -77,6 +90,7 @@ pub struct Controller {
     burst: Burst,
     shaper: Shaper,
     played: [Played; LATENCY_BLOCKS],
+    belt: Belt,
     guard: Guard,
     supervisor: Supervisor,
     self_test: SelfTest,
@@ -91,6 +105,7 @@ pub struct Controller {
     probe_hz: f32,
     tracker: Tracker,
     amplitude: AmplitudeLoop,
+    friction: Option<FrictionSwitch>,
     transducer: Option<Transducer>,
     /// The block in which that was learned.
     learned: u64,
@@ -110,6 +125,7 @@ impl Controller {
         if config.drive.shape == ShapeKind::Noise && config.sweep != crate::config::Sweep::Hold {
             return Err(Error::NoiseWithSweep);
         }
+        edges::check(config)?;
         let sweep = Sweep::build(config)?;
         let block_s = f32::from(config.block_samples) / config.sample_hz;
         let mut convert = Convert::build(&config.front_end)?;
@@ -125,11 +141,14 @@ impl Controller {
             nominal_lm_h: config.tracking.nominal_lm_h,
             scan_volts: config.drive.scan_volts,
             braked_volts: 0.0,
+            edges: Edges::build(config),
             block: 0,
             nco: Nco::default(),
             burst: Burst::build(&config.burst, config.drive.frequency_hz, config.sample_hz)?,
             shaper: Shaper::build(config),
-            played: [Played { tone, relative: 1.0, flat: true, pure: true, ..Played::default() }; LATENCY_BLOCKS],
+            played: [Played { tone, relative: 1.0, flat: true, pure: true, telling: true, even: true, ..Played::default() };
+                LATENCY_BLOCKS],
+            belt: Belt::build(config, block_s)?,
             guard: Guard::build(config, block_s)?,
             supervisor: Supervisor::default(),
             self_test: SelfTest::build(config),
@@ -142,6 +161,7 @@ impl Controller {
             probe_hz: 0.0,
             tracker: Tracker::build(config, block_s)?,
             amplitude: AmplitudeLoop::build(config, block_s)?,
+            friction: FrictionSwitch::build(config, block_s)?,
             transducer: None,
             learned: 0,
             sweep,
@@ -160,10 +180,12 @@ impl Controller {
         let (sensed, suspect) = demodulate(&self.convert, sense, &heard.tone);
         let motional_current = self.tracker.motional_current(&sensed, heard.relative);
 
-        let driven =
-            Driven { volts: heard.audible.filter(|_| heard.flat).map(|part| part * heard.volts * heard.envelope), suspect };
-        let found =
-            self.guard.inspect(&self.convert, sense, &sensed, driven).map(|fault| self.named(fault, &sensed, heard.volts));
+        self.belt.hear(sense.slow.belt);
+        let driven = self.driven(orders, &heard, suspect);
+        let found = self
+            .guard
+            .inspect(&self.convert, sense, &sensed, &self.belt, &driven)
+            .map(|fault| self.named(fault, &sensed, heard.volts));
         if self.supervisor.judge(orders, found) {
             self.begin();
         }
@@ -174,9 +196,15 @@ impl Controller {
         // An edge takes all the time that there is.
         if self.played[slot].flat {
             self.learn_on();
+            self.work_friction();
         }
         self.block += 1;
         self.report(orders, &plan, slot, sensed, motional_current)
+    }
+
+    /// How long the edges of a boosted burst take, as they are planned now; `None` where they are not boosted.
+    pub fn edge_times(&self) -> Option<EdgeTimes> {
+        self.burst.edge_times()
     }
 
     /// The resonances that the last scan has found, at rising frequencies.
@@ -191,6 +219,22 @@ impl Controller {
         if short { Fault::LoadShorted } else { fault }
     }
 
+    /// What the guard has to know of the block just heard.
+    fn driven(&mut self, orders: &Orders, heard: &Played, suspect: Suspect) -> Driven {
+        let mode = self.supervisor.mode();
+        let now = (self.block + LATENCY_BLOCKS as u64) * self.samples as u64;
+        let orders = &self.as_switched(orders);
+        let wanted = mode == Mode::Lock || mode == Mode::Run && self.burst.is_wanted(orders.gate, now);
+        Driven {
+            volts: heard.audible.filter(|_| heard.flat).map(|part| part * heard.volts * heard.envelope.abs()),
+            suspect,
+            stage: Stage::from(mode),
+            wanted,
+            full: heard.flat && heard.envelope == 1.0 && heard.volts > 0.0,
+            asked: self.asked(orders).1,
+        }
+    }
+
     /// Writes the codes of a plan, and remembers what they are.
     fn play(&mut self, orders: &Orders, plan: &Plan, drive: &mut DriveBlock) -> Played {
         let mode = self.supervisor.mode();
@@ -201,7 +245,9 @@ impl Controller {
         let hz = self.sweep.hold.nominal_hz() + offset_hz;
 
         let now = (self.block + LATENCY_BLOCKS as u64) * self.samples as u64;
-        let louder = self.burst.loudest();
+        let louder = self.burst.loudest(plan.volts);
+        let rung_up = self.burst.is_rung_up(plan.volts);
+        let even = self.shaper.is_even();
         let envelope = match mode {
             Mode::Idle | Mode::Fault => self.burst.snap(false, &stretch, self.samples),
             Mode::SelfTest | Mode::Scan | Mode::Calibrate | Mode::Clamped => {
@@ -209,7 +255,7 @@ impl Controller {
             }
             // Without a voltage there is no burst: the next one begins at zero.
             Mode::Lock | Mode::Run if plan.volts == 0.0 => self.burst.snap(false, &stretch, self.samples),
-            Mode::Lock | Mode::Run => self.burst.envelope(plan.gate, now, &stretch, self.samples),
+            Mode::Lock | Mode::Run => self.burst.envelope(plan.gate, now, &stretch, self.samples, plan.volts),
         };
         let (level, flat) = (envelope.mean(), envelope.is_flat());
         // A brake may be louder than the drive, but not than the limit, whatever has become of the drive since it began.
@@ -240,6 +286,9 @@ impl Controller {
             envelope: level,
             flat,
             pure,
+            rung_up,
+            telling: self.burst.is_telling(),
+            even: even || level != 0.0,
         }
     }
 
@@ -248,10 +297,14 @@ impl Controller {
         let mode = self.supervisor.mode();
         let following = matches!(mode, Mode::Lock | Mode::Run);
         let limit = match following {
+            true if self.guard.mutes() => Some(Limit::BeltMuted),
+            true if self.guard.derating() < 1.0 => Some(Limit::Derated),
             true if self.amplitude.limited() => Some(Limit::OverVoltageRequest),
             true if self.tracker.limited() || plan.limited => Some(Limit::FrequencyWindow),
             true if self.phasing.quadrature(orders.quadrature).1 => Some(Limit::QuadratureRequest),
+            true if self.friction_limit(orders).is_some() => self.friction_limit(orders),
             true if self.tracker.state() == State::Unheard => Some(Limit::NotTracking),
+            true if mode == Mode::Run && self.burst.limited() => Some(Limit::BoostLimited),
             _ => None,
         };
         Telemetry {
@@ -272,6 +325,7 @@ impl Controller {
             phase: plan.phase,
             transducer: self.transducer,
             listed: self.scan.roster().in_turn(self.block as usize),
+            friction: self.friction.as_ref().and_then(FrictionSwitch::belief),
         }
     }
 }

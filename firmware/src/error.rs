@@ -33,6 +33,16 @@ pub enum Error {
     ExponentialAroundResonance,
     /// The frequencies of a calibration must rise.
     TrimOrder,
+    /// The friction switch sets a tip velocity, so that the drive's amplitude must be a motional current.
+    FrictionWithoutCurrent,
+    /// A boost is planned from the resonance, which must be tracked.
+    BoostWithoutTracking,
+    /// A boost is by half cycles of a sine.
+    BoostOfShape,
+    /// A boost is at the resonance, and a chirp is not.
+    BoostWithSweep,
+    /// Energy for each metre of belt is known only where the belt has an encoder.
+    EnergyWithoutBelt,
 }
 
 impl fmt::Display for Error {
@@ -53,7 +63,16 @@ impl fmt::Display for Error {
             Error::ExponentialAroundResonance => {
                 f.write_str("sweep is a chirp about the resonance, from offset to offset through zero: it must be linear")
             }
+            Error::FrictionWithoutCurrent => {
+                f.write_str("friction is switched by tip velocity: drive.amplitude must be a motional current")
+            }
+            Error::EnergyWithoutBelt => f.write_str("limits.energy_j_per_m needs a belt encoder, front_end.metre_per_count"),
             Error::TrimOrder => f.write_str("phasing.calibration must be at rising frequencies"),
+            Error::BoostWithoutTracking => f.write_str(
+                "burst.edge is a boost, which is planned from the tracked resonance: tracking must be an observer or a phase lock",
+            ),
+            Error::BoostOfShape => f.write_str("burst.edge is a boost, by half cycles of a sine: drive.shape must be one"),
+            Error::BoostWithSweep => f.write_str("burst.edge is a boost, at the resonance: there can be no sweep"),
             Error::BurstWindows => {
                 f.write_str("burst windows must be in order, must not overlap, and need one end for each beginning")
             }

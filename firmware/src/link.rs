@@ -130,6 +130,7 @@ mod tests {
             tuning_word: u64::MAX,
             transducer: Some(Default::default()),
             listed: Some(Default::default()),
+            friction: Some(crate::friction::Belief { force_ratio: Some(1.0), ..Default::default() }),
             ..Default::default()
         };
         assert!(encode(u16::MAX, Reply::Telemetry(full)).unwrap().len() < MAX_FRAME / 2 + MAX_FRAME / 4);

@@ -21,8 +21,9 @@ use crate::shape::sine::{self, Steady};
 
 /// The most that is paid back in a sample: codes, and a part of the amplitude.
 const PAYBACK: (f32, f32) = (32.0, 0.125);
-/// The most that is ever owed, codes times samples: what rounding adds up over hours of steady drive is no volt-second of a burst.
-const MOST_OWED: i32 = 1 << 14;
+/// The most that is ever owed, codes times samples, or that many half cycles of the loudest drive of an edge, if that is more: what rounding adds up
+/// over hours of steady drive is no volt-second of a burst.
+const MOST_OWED: (i32, f32) = (1 << 14, 2.0);
 
 /// The shaper.
 #[derive(Clone, Debug)]
@@ -30,6 +31,7 @@ pub struct Shaper {
     dither: Option<Dither>,
     /// What each lane has played too much since it was last even, codes times samples.
     owed: [i32; MAX_LANES],
+    most_owed: i32,
     /// The most that is paid back in a sample, codes.
     payback: i32,
 }
@@ -73,7 +75,17 @@ impl Size {
 impl Shaper {
     /// The configured shaper.
     pub fn build(config: &Config) -> Self {
-        Shaper { dither: config.drive.dither.then(|| Dither::new(config.drive.seed)), owed: [0; MAX_LANES], payback: 0 }
+        Shaper {
+            dither: config.drive.dither.then(|| Dither::new(config.drive.seed)),
+            owed: [0; MAX_LANES],
+            most_owed: MOST_OWED.0,
+            payback: 0,
+        }
+    }
+
+    /// Whether nothing is owed.
+    pub fn is_even(&self) -> bool {
+        self.owed.iter().all(|&owed| owed == 0)
     }
 
     /// A block of mid-code, whatever is owed: for a drive that must be silent, or is listened to in silence.
@@ -92,6 +104,10 @@ impl Shaper {
         let (size, (codes, part)) = (Size::of(play), PAYBACK);
         self.payback = (size.wanted * part).clamp(1.0, codes) as i32;
         let stretch = &play.stretch;
+        if !play.envelope.is_flat() {
+            let half_cycle = size.wanted * play.louder / (core::f32::consts::PI * stretch.frequency());
+            self.most_owed = ((MOST_OWED.1 * half_cycle).min(1e8) as i32).max(MOST_OWED.0);
+        }
         let each = play.lanes.iter().zip(&mut drive.lanes).enumerate();
         match shape {
             Shape::Sine if stretch.step == 0 => {
@@ -167,7 +183,7 @@ impl Shaper {
             }),
         }
         let silent = i32::from(play.scale.silence()) * play.samples as i32;
-        self.owed[lane] = (self.owed[lane] + (sum - silent)).clamp(-MOST_OWED, MOST_OWED);
+        self.owed[lane] = (self.owed[lane] + (sum - silent)).clamp(-self.most_owed, self.most_owed);
     }
 
     /// Mid-code, but for what is owed.

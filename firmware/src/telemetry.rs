@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::friction::Belief;
 use crate::identify::{Listed, Transducer};
 use crate::phasor::Phasor;
 use crate::supervisor::{Fault, Limit, Mode};
@@ -44,4 +45,6 @@ pub struct Telemetry {
     pub transducer: Option<Transducer>,
     /// One of the resonances that the scan has found, each in its turn.
     pub listed: Option<Listed>,
+    /// What the friction switch believes, once its survey is over.
+    pub friction: Option<Belief>,
 }

@@ -81,6 +81,8 @@ pub struct Heard {
     pub on: bool,
     /// There was drive at all.
     pub driven: bool,
+    /// What is driven has rung up already, by a boost.
+    pub rung_up: bool,
 }
 
 /// The tracker.
@@ -228,6 +230,11 @@ impl Tracker {
         self.motional.current(sensed, relative)
     }
 
+    /// The clamped branch, and the axis of the sensing chain.
+    pub fn branch(&self) -> &Motional {
+        &self.motional
+    }
+
     /// What the motional current would be at the lock point: beside it, a resonance answers with `1 / (1 + j 2 pi tau df)` of that.
     pub fn at_lock_point(&self, motional_current: Phasor, detune_hz: f32) -> Phasor {
         if detune_hz == 0.0 {
@@ -241,7 +248,11 @@ impl Tracker {
     pub fn follow(&mut self, sensed: &Sensed, motional_current: Phasor, at_lock_point: Phasor, heard: &Heard) -> Turns {
         let Some(detector) = self.detector else { return Turns(0.0) };
         self.unheard_blocks = self.unheard_blocks.saturating_add(heard.driven.into());
-        self.on_blocks = if heard.on { self.on_blocks.saturating_add(1) } else { 0 };
+        self.on_blocks = match heard.on {
+            true if heard.rung_up => self.on_blocks.max(self.ring_up_blocks) + 1,
+            true => self.on_blocks.saturating_add(1),
+            false => 0,
+        };
         let fits = self.lock.agrees();
         if let Some(observed) = &mut self.observed {
             observed.follow(motional_current, sensed.v, heard, fits);

@@ -1,10 +1,13 @@
 //! What a run leaves behind: one row a block, three ways (command, estimate, truth), and a few windows sample by sample.
 
+use firmware::block::SlowSense;
+use firmware::friction::Belief;
 use firmware::nco::cycles_per_sample;
 use firmware::phasor::magnitude;
 use firmware::supervisor::Mode;
 use firmware::telemetry::Telemetry;
 
+use crate::edge_meter::Edges;
 use crate::plant::energy::Energy;
 use crate::plant::truth::{Sample, Truth};
 use crate::swing::Swing;
@@ -37,8 +40,14 @@ pub struct Row {
     pub motional_current_a: f64,
     /// Estimate: phase that the tracker drives to zero, degrees.
     pub phase_deg: f64,
+    /// Estimate: the friction, where it is switched.
+    pub friction: Option<Belief>,
     /// Sensed: admittance, S; only where there was a voltage.
     pub admittance_s: Option<(f64, f64)>,
+    /// Sensed: counts of the belt's encoder, if there is one whose lines are whole.
+    pub belt_counts: Option<i32>,
+    /// Sensed: force channel, N.
+    pub force_n: Option<f64>,
     /// Truth.
     pub truth: Truth,
 }
@@ -102,6 +111,8 @@ pub struct Record {
     pub rows: Vec<Row>,
     /// Windows sample by sample.
     pub windows: Vec<Window>,
+    /// The edges of bursts.
+    pub edges: Vec<Edges>,
     /// What the scene's `[trace]` asks for.
     pub trace: Option<Tracer>,
     /// The last telemetry.
@@ -142,7 +153,13 @@ impl Command {
 
 impl Row {
     /// The row of a block in which `command` played.
-    pub fn new(time_s: f64, sample_hz: f64, command: &Command, telemetry: &Telemetry, (swing, truth): (Swing, &Truth)) -> Self {
+    pub fn new(
+        time_s: f64,
+        sample_hz: f64,
+        command: &Command,
+        telemetry: &Telemetry,
+        (swing, slow, truth): (Swing, SlowSense, &Truth),
+    ) -> Self {
         let voltage = magnitude(telemetry.v);
         let admittance = || {
             let y = telemetry.i / telemetry.v;
@@ -161,7 +178,10 @@ impl Row {
             resonance_estimate_hz: telemetry.resonance.0.into(),
             motional_current_a: magnitude(telemetry.motional_current).into(),
             phase_deg: telemetry.phase.degrees().into(),
+            friction: telemetry.friction,
             admittance_s: (command.drive_v * command.envelope > 0.0 && voltage > 0.0).then(admittance),
+            belt_counts: slow.belt.filter(|belt| !belt.broken).map(|belt| belt.counts),
+            force_n: slow.force.map(f64::from),
             truth: *truth,
         }
     }

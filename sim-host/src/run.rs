@@ -3,7 +3,8 @@
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
-use firmware::block::{DriveBlock, Gate, LATENCY_BLOCKS, Orders, Request, SenseBlock};
+use firmware::block::{DriveBlock, Gate, LATENCY_BLOCKS, Orders, Request, SenseBlock, SlowSense};
+use firmware::friction::Target;
 use firmware::supervisor::Mode;
 use firmware::units::{Hertz, Turns};
 use hal_mock::analog::Analog;
@@ -11,7 +12,8 @@ use hal_mock::block_clock::BlockClock;
 use hal_mock::fault_injector::{FaultInjector, FaultKind, Scheduled};
 use hal_mock::tracer::DriveHash;
 
-use crate::plant::Plant;
+use crate::edge_meter::EdgeMeter;
+use crate::plant::{Plant, circuit_of};
 use crate::processor::{Here, Lost, Processor};
 use crate::record::{Command, Record, Row, Window};
 use crate::scene::{self, Driven};
@@ -76,15 +78,17 @@ pub fn run_on(processor: &mut dyn Processor, scene: &Driven, mut watch: Watch) -
                 break;
             }
         }
+        script.order_friction(block as f64 * samples as f64 / sample_hz);
         let slot = &mut pending[(block % LATENCY_BLOCKS as u64) as usize];
         clock.analog.frequency_hz = slot.frequency_hz(sample_hz);
         let telemetry = clock.tick(|sense, drive| processor.process(&script.orders, sense, drive))?;
         script.follow(telemetry.mode);
+        clock.analog.running = telemetry.mode == Mode::Run;
         record.worst_block_instructions = record.worst_block_instructions.max(processor.instructions());
         let played = std::mem::replace(slot, Command::of(&telemetry));
         let time_s = (block + 1) as f64 * samples as f64 / sample_hz;
         if (block + 1).is_multiple_of(every) {
-            let happened = (clock.analog.swing, clock.analog.plant.inner.truth());
+            let happened = (clock.analog.swing, clock.analog.slow, clock.analog.plant.inner.truth());
             record.rows.push(Row::new(time_s, sample_hz, &played, &telemetry, happened));
         }
         record.last = telemetry;
@@ -95,6 +99,7 @@ pub fn run_on(processor: &mut dyn Processor, scene: &Driven, mut watch: Watch) -
     record.plant_states = plant.states();
     record.drive_hash = recorder.hash.value();
     record.windows = recorder.windows;
+    record.edges = recorder.edges.finish();
     record.trace = recorder.tracer;
     record.wall_s = began.elapsed().as_secs_f64();
     Ok(record)
@@ -103,6 +108,8 @@ pub fn run_on(processor: &mut dyn Processor, scene: &Driven, mut watch: Watch) -
 /// What is ordered: a run, if wanted after a calibration.
 struct Script {
     orders: Orders,
+    /// Friction ratios to be ordered, and when, s; the last one first.
+    friction: Vec<(f64, f64)>,
     /// The calibration has begun.
     calibrating: bool,
 }
@@ -119,7 +126,18 @@ impl Script {
             quadrature: controller.phasing.quadrature_turns.map(|turns| Turns(turns as f32)),
             ..Orders::default()
         };
-        Script { orders, calibrating: false }
+        let friction = controller.friction.iter();
+        let friction =
+            friction.flat_map(|friction| friction.step_s.iter().copied().zip(friction.step_ratio.iter().copied()).rev());
+        Script { orders, friction: friction.collect(), calibrating: false }
+    }
+
+    /// Orders the friction that is due.
+    fn order_friction(&mut self, time_s: f64) {
+        while let Some((_, ratio)) = self.friction.pop_if(|(at_s, _)| *at_s <= time_s) {
+            let sequence = self.orders.sequence + 1;
+            self.orders = Orders { sequence, friction: Some(Target::Ratio(ratio as f32)), ..self.orders };
+        }
     }
 
     /// Orders the run once the calibration is over. After a fault nothing follows.
@@ -127,7 +145,7 @@ impl Script {
         self.calibrating |= mode == Mode::Calibrate;
         if self.calibrating && mode == Mode::Idle {
             self.calibrating = false;
-            self.orders = Orders { sequence: 2, attempt: 2, request: Request::Run, ..self.orders };
+            self.orders = Orders { sequence: self.orders.sequence + 1, attempt: 2, request: Request::Run, ..self.orders };
         }
     }
 }
@@ -140,13 +158,18 @@ struct Recorder {
     meter: SwingMeter,
     /// How far the last block swung.
     swing: Swing,
+    /// What the slow sensors have said of it.
+    slow: SlowSense,
     windows: Vec<Window>,
+    edges: EdgeMeter,
     tracer: Option<Tracer>,
     sample_s: f64,
     /// Samples played so far.
     played: u64,
     /// Frequency of the block that is about to play, Hz.
     frequency_hz: f64,
+    /// The controller was running when it had heard the block before.
+    running: bool,
 }
 
 impl Recorder {
@@ -167,11 +190,14 @@ impl Recorder {
             hash: DriveHash::default(),
             meter: SwingMeter::new(scene),
             swing: Swing::default(),
+            slow: SlowSense::default(),
             windows,
+            edges: EdgeMeter::new(scene, circuit_of(scene).time_constant_s()),
             tracer,
             sample_s,
             played: 0,
             frequency_hz: 0.0,
+            running: false,
         }
     }
 }
@@ -186,6 +212,11 @@ fn kind(kind: scene::FaultKind) -> Option<FaultKind> {
         scene::FaultKind::Dropout => Some(FaultKind::Dropout),
         scene::FaultKind::LateBlock => Some(FaultKind::LateBlock),
         scene::FaultKind::BeltStopped => Some(FaultKind::BeltStopped),
+        scene::FaultKind::EncoderStuck => Some(FaultKind::EncoderStuck),
+        scene::FaultKind::EncoderLost => Some(FaultKind::EncoderLost),
+        scene::FaultKind::EncoderLies => Some(FaultKind::EncoderLies),
+        scene::FaultKind::ForceStuck => Some(FaultKind::ForceStuck),
+        scene::FaultKind::Overtemperature => Some(FaultKind::Overtemperature),
         scene::FaultKind::Short | scene::FaultKind::Depoled | scene::FaultKind::Cracked => None,
     }
 }
@@ -199,9 +230,15 @@ impl Analog for Recorder {
         }
         let open = |window: &Window| window.trigger.is_none() && window.from_s < to_s && window.to_s > from_s;
         let traced = self.tracer.as_mut().filter(|tracer| tracer.wants(self.played, samples));
-        self.plant.inner.keep_samples(traced.is_some() || self.windows.iter().any(open));
+        let edge = self.edges.wants(self.played, samples, self.running);
+        self.plant.inner.keep_samples(edge || traced.is_some() || self.windows.iter().any(open));
         self.plant.exchange(drive, sense);
+        self.slow = sense.slow;
         self.hash.add(drive);
+        if let Some(codes) = drive.lanes.first().filter(|_| edge) {
+            let envelope = self.plant.inner.samples().iter().map(|sample| sample.tip_envelope_m_per_s);
+            self.edges.take(self.played, codes, envelope, self.frequency_hz);
+        }
         self.swing = self.meter.measure(drive);
         for window in self.windows.iter_mut().filter(|window| open(window)) {
             if window.samples.is_empty() {

@@ -10,6 +10,7 @@ mod controller;
 mod course;
 pub mod diagnostic;
 mod excitation;
+mod friction;
 mod integrator;
 pub mod load;
 pub mod problem;
@@ -38,10 +39,12 @@ mod tests;
 pub use comparison::{Case, Comparison, Equal};
 pub use contact::{Contact, Coulomb, Dahl, Hertz, Lugre, Model, Sign};
 pub use controller::{
-    Around, Burst, ChirpKind, Controller, Direction, Drive, Edge, Limits, Phasing, Shape, Sweep, Then, Tracking, TrackingMode,
+    Around, Burst, ChirpKind, Controller, Direction, Drive, Edge, Limits, Phasing, Shape, Sweep, Then, Thermometer, Tracking,
+    TrackingMode,
 };
 pub use course::{Disturbance, DisturbedKey, Fault, FaultKind};
 pub use excitation::{Excitation, Match, VibrationVelocity, Waveform};
+pub use friction::{Friction, FrictionLaw, Prefer};
 pub use integrator::{Integrator, Method};
 pub(crate) use nearest::shown;
 pub use plant::{Amplifier, Bvd, Mode, Sensors, Stack};

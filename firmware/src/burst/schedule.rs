@@ -2,6 +2,7 @@
 
 use heapless::Vec;
 
+use super::duty::Dithered;
 use crate::config::{MAX_WINDOWS, Schedule as ScheduleConfig};
 use crate::error::{Error, in_range};
 
@@ -18,6 +19,8 @@ pub(super) enum Schedule {
         on: u64,
         /// A beginning of a period, the last that was needed.
         begins: u64,
+        /// What `on` is to be on an average, where that is set while running.
+        dithered: Option<Dithered>,
     },
 }
 
@@ -42,9 +45,16 @@ impl Schedule {
                 in_range("burst.duty", duty, 0.0, 1.0)?;
                 in_range("burst.period_s", period_s, 1.0 / sample_hz, LONGEST_S)?;
                 let period = samples("burst.period_s", period_s)?;
-                Schedule::Periodic { period, on: libm::round(duty * period as f64) as u64, begins: 0 }
+                Schedule::Periodic { period, on: libm::round(duty * period as f64) as u64, begins: 0, dithered: None }
             }
         })
+    }
+
+    /// From the next period on, a gate that repeats is open for so many samples on an average, spread over `spread`.
+    pub(super) fn set_on(&mut self, samples: f32, spread: f32) {
+        if let Schedule::Periodic { dithered, .. } = self {
+            *dithered = Some(Dithered::after(*dithered, samples, spread));
+        }
     }
 
     /// Whether the gate is open at sample `now`, and for how many samples it stays so.
@@ -59,12 +69,15 @@ impl Schedule {
                     _ => None,
                 })
                 .unwrap_or((false, u64::MAX)),
-            Schedule::Periodic { period, on, begins } => {
+            Schedule::Periodic { period, on, begins, dithered } => {
                 // Mostly the same period, or the next: a division of 64 bits takes longer than the rest.
                 let mut phase = now.wrapping_sub(*begins);
                 if phase >= *period {
                     phase = if phase < 2 * *period { phase - *period } else { now % *period };
                     *begins = now - phase;
+                    if let Some(dithered) = dithered {
+                        *on = dithered.next(*period);
+                    }
                 }
                 if phase < *on { (true, *on - phase) } else { (false, *period - phase) }
             }

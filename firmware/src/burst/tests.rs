@@ -17,7 +17,7 @@ fn tone(now: u64) -> Stretch {
 }
 
 fn levels(burst: &mut Burst, gate: Gate, now: u64, samples: usize) -> std::vec::Vec<f32> {
-    match burst.envelope(gate, now, &tone(now), samples) {
+    match burst.envelope(gate, now, &tone(now), samples, 3.0) {
         Envelope::Flat(level) => std::vec![level; samples],
         Envelope::Edge(levels) => levels.to_vec(),
     }

@@ -2,10 +2,10 @@
 
 use super::plan::Plan;
 use super::{Controller, Played};
-use crate::block::{Gate, Orders};
-use crate::burst::Brake;
+use crate::block::{Amplitude, Orders};
 use crate::clamped::online;
 use crate::demod::Sensed;
+use crate::guard::heat::Thermometers;
 use crate::identify::Transducer;
 use crate::phasor::{Phasor, magnitude};
 use crate::shape::Shape;
@@ -13,7 +13,7 @@ use crate::supervisor::Mode;
 use crate::tracker::{Heard, State};
 
 /// How often what the observer knows of the transducer is taken, blocks.
-const LEARN_BLOCKS: u64 = 64;
+pub(super) const LEARN_BLOCKS: u64 = 64;
 
 impl Controller {
     /// Takes what the observer knows of the transducer, which is sure of it.
@@ -30,6 +30,10 @@ impl Controller {
         let following = matches!(self.supervisor.mode(), Mode::Lock | Mode::Run);
         if following && self.transducer.is_some() && self.block - self.learned >= LEARN_BLOCKS && self.tracker.is_sure() {
             self.learn();
+        }
+        if following && self.block.is_multiple_of(LEARN_BLOCKS) && self.tracker.state() == State::Locked {
+            let susceptance = self.online.motional().y0.im;
+            self.guard.feel(&Thermometers { resonance_hz: self.tracker.estimate_hz(), susceptance });
         }
     }
 
@@ -59,10 +63,11 @@ impl Controller {
         let heard = Heard {
             offset_hz: played.offset_hz,
             volts: played.volts,
-            envelope: played.flat.then_some(played.envelope),
+            envelope: (played.flat && played.telling).then_some(played.envelope),
             pure: played.pure,
             on,
             driven,
+            rung_up: played.rung_up,
         };
         let at_lock_point = self.tracker.at_lock_point(motional, played.detune_hz);
         let phase = self.tracker.follow(sensed, motional, at_lock_point, &heard);
@@ -78,19 +83,31 @@ impl Controller {
         let (offset_hz, limited) = self.detune(orders);
         self.sweep.hold.retune(offset_hz);
         // An edge is never quite one, whatever its mean rounds to.
-        let envelope = if played.flat { played.envelope } else { played.envelope.min(0.999) };
+        let envelope = if played.flat || played.envelope > 1.0 { played.envelope } else { played.envelope.min(0.999) };
         // Before the order's own amplitude: what rings was driven by the one before.
-        self.prepare_brake(orders.gate);
+        self.prepare_edges(orders, sensed, played, motional);
         let known = self.transducer.is_some() || !self.tracker.observes();
         if known {
-            self.amplitude.update(orders.amplitude.unwrap_or(self.amplitude_asked), envelope, at_lock_point);
+            if on && played.rung_up {
+                self.amplitude.has_rung_up();
+            }
+            self.amplitude.update(self.asked(orders).0, envelope, at_lock_point);
         }
         let volts = match () {
             () if !known => self.scan_volts,
-            () if self.burst.is_ending(orders.gate) => self.braked_volts,
+            () if self.burst.is_under_way(orders.gate) => self.braked_volts,
             () => self.amplitude.volts(),
         };
         Plan { volts, gate: orders.gate, listen: 0, phase, limited, progress: self.lock_progress() }
+    }
+
+    /// The amplitude asked for, as far as it is not derated; and as a number, before that.
+    pub(super) fn asked(&self, orders: &Orders) -> (Amplitude, f32) {
+        let left = self.guard.derating();
+        match orders.amplitude.unwrap_or(self.amplitude_asked) {
+            Amplitude::Volts(volts) => (Amplitude::Volts(left * volts), volts),
+            Amplitude::MotionalCurrent(amperes) => (Amplitude::MotionalCurrent(left * amperes), amperes),
+        }
     }
 
     /// Where to drive, as an offset from the nominal frequency, Hz, and whether the order had to be limited. Only what runs is moved
@@ -101,20 +118,5 @@ impl Controller {
         let offset = if self.tracker.tracks() { self.tracker.offset_hz() } else { 0.0 };
         let wanted = offset + asked + self.probe_hz;
         (wanted.clamp(-window, window), wanted.abs() > window)
-    }
-
-    /// The brake for what rings. It is made anew where the drive has changed, because its level counts from the drive.
-    fn prepare_brake(&mut self, gate: Gate) {
-        const SAME: f32 = 0.01;
-        let volts = self.amplitude.volts();
-        if self.burst.is_ending(gate) {
-            // It brakes what it was made for.
-        } else if !self.burst.brakes(gate) || volts == 0.0 {
-            self.burst.set_brake(None);
-        } else if self.burst.brake().is_none() || (volts - self.braked_volts).abs() > SAME * volts {
-            let periods = self.transducer.map_or(self.nominal_periods, |transducer| transducer.q / core::f32::consts::PI);
-            self.burst.set_brake(Some(Brake::of(periods, self.amplitude.headroom())));
-            self.braked_volts = volts;
-        }
     }
 }

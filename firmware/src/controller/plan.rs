@@ -33,7 +33,7 @@ impl Plan {
         Plan { volts, gate: Gate::On, ..Plan::SILENT }
     }
 
-    fn and(self, progress: Progress) -> Self {
+    pub(super) fn and(self, progress: Progress) -> Self {
         Plan { progress, ..self }
     }
 }
@@ -41,6 +41,7 @@ impl Plan {
 impl Controller {
     /// Forgets what an earlier attempt has found.
     pub(super) fn begin(&mut self) {
+        self.guard.begin();
         self.test_again();
         self.calibrates_again = false;
         self.calibrate.abandon(&mut self.phasing);
@@ -50,6 +51,9 @@ impl Controller {
         self.sweep.restart();
         self.tracker.restart();
         self.amplitude.restart();
+        self.restart_friction();
+        self.edges.restart();
+        self.burst.restart();
     }
 
     /// Prepares the self-test and the measurement of the clamped branch that follows it.
@@ -133,8 +137,19 @@ impl Controller {
                 }
                 calibrate::Step::Failed(fault) => Plan::SILENT.and(Progress::Failed(fault)),
             },
+            // What has nothing to lock to waits.
+            Mode::Lock if self.guard.is_muted() => Plan::SILENT,
+            // Silent within the block, whatever the edge: a burst without a voltage ends at once, and begins anew.
+            Mode::Run if self.guard.is_muted() => {
+                let plan = self.follow(&Orders { gate: Gate::Off, ..*orders }, sensed, heard, motional);
+                Plan { volts: 0.0, ..plan }
+            }
             Mode::Lock => self.follow(&Orders { gate: Gate::On, ..*orders }, sensed, heard, motional),
-            Mode::Run => self.follow(orders, sensed, heard, motional),
+            Mode::Run => {
+                self.switch_friction(orders, sense, heard, motional);
+                let plan = self.follow(&self.as_switched(orders), sensed, heard, motional);
+                self.trust_survey(plan)
+            }
         }
     }
 }

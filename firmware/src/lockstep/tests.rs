@@ -1,8 +1,9 @@
 //! The longest records, whole and in pieces, and what is refused.
 
 use super::*;
-use crate::block::{Amplitude, Gate, MAX_BLOCK_SAMPLES, Request, Trips};
+use crate::block::{Amplitude, BeltSense, Gate, MAX_BLOCK_SAMPLES, Request, Trips};
 use crate::config::*;
+use crate::friction::{Belief, Target};
 use crate::identify::Transducer;
 use crate::supervisor::{Fault, Limit, Mode};
 use crate::units::{Hertz, Turns};
@@ -38,11 +39,12 @@ fn longest_question() -> Question {
         amplitude: Some(Amplitude::MotionalCurrent(1.0)),
         detune: Hertz(1.0),
         quadrature: Some(Turns(0.1)),
+        friction: Some(Target::Force(1.0)),
         emergency_stop: true,
         clear_fault: true,
     };
     let slow = SlowSense {
-        belt: Some(1.0),
+        belt: Some(BeltSense { counts: i32::MIN, broken: true }),
         temperature: Some(1.0),
         force: Some(1.0),
         trips: Some(Trips { over_current: true }),
@@ -61,6 +63,7 @@ fn longest_answer() -> Answer {
         tuning_word: u64::MAX,
         transducer: Some(Transducer::default()),
         listed: Some(Default::default()),
+        friction: Some(Belief { force_ratio: Some(1.0), ..Belief::default() }),
         ..Telemetry::default()
     };
     let drive = DriveBlock { lanes: core::iter::repeat_n(codes(), MAX_LANES).collect(), listen: 3 };
@@ -82,6 +85,8 @@ fn longest_config() -> Config {
             drive_mid_code: u16::MAX,
             drive_max_code: u16::MAX,
             drive_lanes: u8::MAX,
+            metre_per_count: Some(1.0),
+            force_hz: Some(1.0),
         },
         drive: Drive {
             frequency_hz: 40e3,
@@ -120,7 +125,25 @@ fn longest_config() -> Config {
             c0_drift_per_s: 0.0,
             nominal_c0_f: 1.0,
         },
-        limits: Limits { voltage_v: 1.0, current_a: 1.0, belt_moving_m_per_s: 1.0, belt_stop_ms: 1.0 },
+        thermometer: Thermometer { hz_per_k: 1.0, c0_per_k: 1.0, ambient_c: 1.0 },
+        limits: Limits {
+            voltage_v: 1.0,
+            current_a: 1.0,
+            power_w: Some(1.0),
+            temperature_c: 1.0,
+            belt_stop_ms: 1.0,
+            energy_j_per_m: Some(1.0),
+            on_time_s: Some(1.0),
+        },
+        friction: Some(Friction {
+            target: Target::Ratio(1.0),
+            law: FrictionLaw::Coulomb,
+            prefer_bursts: true,
+            force_factor_n_per_v: 1.0,
+            speed_m_per_s: 1.0,
+            dahl_length_m: 1.0,
+            average_s: 1.0,
+        }),
     }
 }
 

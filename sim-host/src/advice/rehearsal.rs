@@ -136,8 +136,15 @@ impl Rehearsal {
         let sensed = self.play(circuit, played_hz);
         let volts = self.bench.volts as f32;
         let relative = (played_hz / self.bench.nominal_hz) as f32;
-        let heard =
-            Heard { offset_hz: offset_hz as f32, volts, envelope: whole.then_some(1.0), pure: true, on: whole, driven: true };
+        let heard = Heard {
+            offset_hz: offset_hz as f32,
+            volts,
+            envelope: whole.then_some(1.0),
+            pure: true,
+            on: whole,
+            driven: true,
+            rung_up: false,
+        };
         let current = self.branch.current(&sensed, relative);
         let (next_hz, stated_hz, state) = match &mut self.follower {
             Follower::Tracker(tracker) => {

@@ -11,28 +11,35 @@
 //! | `series_resonance_hz`, `q`, `coupling`, … | what scan or observer has identified; with `_sd`, the standard deviation that it states |
 //! | `modes_found` | resonances that the scan has listed, in the window and beside it |
 //! | `acquire_time_ms` | from the first DAC sample of the scan to the first of the run |
-//! | `rise_time_ms`, `fall_time_ms` | from the edge's first DAC sample, as ordered, to 90 % (10 %) of the steady true tip velocity; of the first ON window after the lock |
-//! | `overshoot_percent` | the largest true tip velocity of the run over the steady one; not where a step disturbance makes two steady states |
+//! | `rise_time_ms`, `fall_time_ms` | from the burst's first DAC sample to 95 % of the steady envelope of the true tip velocity, and from its end (the first sample of a brake) to 5 %; of all bursts while running the worst, of the first 64: see `edges.rs` |
+//! | `residual_percent` | the largest envelope after a burst's last sample, that of a brake included, of the steady one; the worst likewise |
+//! | `overshoot_percent` | the largest envelope of the run over the steady one; not where a step disturbance makes two steady states |
 //! | `drive_peak_v`, `drive_rms_v`, `input_power_w`, `tip_velocity_rms_…`, `tip_velocity_peak_…` | steady blocks, any waveform: see `electrical.rs` |
 //! | `fault_code`, `limit_code` | the fault at the end of the run; the limit in its last block under drive; 0 is none |
-//! | `fault_latency_us` | from the scene's first fault to the first block without drive once the controller has faulted |
+//! | `fault_latency_us` | from the scene's first fault to the first block without drive once the controller has faulted, or has been muted (limit 101) until it did |
+//! | `belt_stop_to_mute_ms`, `ring_down_ms`, `exposure_j_per_mm` | only with a belt encoder: see `weld.rs` |
 //! | `worst_block_instructions` | the most instructions that one call of `process` has taken, to within 6; only of a run in QEMU |
 //!
 //! **Settled** is what comes 20 ms after an edge; or a third of what is left of the run from its first block of running, or from its last
 //! step disturbance, if that is less.
 //!
+//! Where the friction is switched (`switch.rs`), `friction_on_n` and what follows from it are means over whole burst periods, from 50 ms after the
+//! survey or the last step of what is wanted, and steady blocks are those from there on.
+//!
 //! The tip velocity of a stator is that of its crests, across the ring. What only a motor has stands in `motor.rs`.
 
+mod edges;
 mod electrical;
 pub mod lock_claims;
 mod motor;
+pub mod switch;
+mod weld;
 
-use firmware::supervisor::Mode;
+use firmware::supervisor::{Limit, Mode};
 
 use super::Metrics;
 use crate::record::{Record, Row};
 use crate::scene::{Driven, Slider};
-use crate::schedule::first_window;
 
 /// After an edge or a disturbance, this long is not counted as steady, s,
 const SETTLE_S: f64 = 0.02;
@@ -46,11 +53,13 @@ pub fn of(scene: &Driven, record: &Record) -> Metrics {
     let mut metrics = Metrics::default();
     let view = View::new(scene, record);
     view.friction(scene, &mut metrics);
-    view.edges(scene, &mut metrics);
+    view.edges(record, &mut metrics);
     view.lock(&mut metrics);
     view.steady_state(&mut metrics);
     electrical::add(&view, &mut metrics);
     view.motor(scene, &mut metrics);
+    view.switch(scene, &mut metrics);
+    view.weld(scene, &mut metrics);
     metrics.put("energy_residual", (record.energy.supplied_j != 0.0).then(|| record.energy.residual()));
     if let Some(transducer) = record.last.transducer {
         let found_hz = f64::from(transducer.series_resonance_hz);
@@ -97,6 +106,8 @@ pub struct View<'a> {
     steps_s: Vec<f64>,
     /// What is settled comes so long after an edge, s.
     settle_s: f64,
+    /// The friction switch holds what was wanted last from here on, s.
+    held_from_s: f64,
 }
 
 impl<'a> View<'a> {
@@ -105,9 +116,18 @@ impl<'a> View<'a> {
         let steps_s = scene.disturbance.iter().filter(|d| d.to.is_some()).map(|d| d.at_s).collect();
         let disturbed_s = scene.disturbance.iter().map(|d| d.at_s).collect::<Vec<_>>();
         let block_s = record.sample_s * record.block_samples as f64 * record.every as f64;
-        let mut view = View { rows: &record.rows, block_s, calm_s: Vec::new(), disturbed_s, steps_s, settle_s: SETTLE_S };
+        let mut view = View {
+            rows: &record.rows,
+            block_s,
+            calm_s: Vec::new(),
+            disturbed_s,
+            steps_s,
+            settle_s: SETTLE_S,
+            held_from_s: f64::NEG_INFINITY,
+        };
         view.calm_s = view.calm_times();
         view.settle_s = view.settling_s();
+        view.held_from_s = view.held_from_s(scene);
         view
     }
 
@@ -145,7 +165,7 @@ impl<'a> View<'a> {
 
     /// Running, envelope one, some time after the last edge, and after the last step disturbance.
     pub fn steady(&self) -> impl Iterator<Item = &'a Row> + '_ {
-        self.settled(1.0, self.settle_s)
+        self.settled(1.0, self.settle_s).filter(|row| row.time_s > self.held_from_s)
     }
 
     /// The ON windows as they were played while running, s.
@@ -187,13 +207,16 @@ impl<'a> View<'a> {
         let Some(slider) = scene.sliding().map(|(_, slider)| slider).filter(sliding) else { return };
         let force = |row: &Row| row.truth.friction_mean_n;
         let cell = |row: &Row| row.truth.load_cell_n;
-        let (off, on) = (mean(self.settled(0.0, self.settle_s).map(force)), mean(self.steady().map(force)));
+        let off = mean(self.settled(0.0, self.settle_s).map(force));
+        let on = self.held(scene).map_or_else(|| mean(self.steady().map(force)), |held| mean(held.iter().map(force)));
         metrics.put("friction_off_n", off);
         metrics.put("friction_on_n", on);
         let ratio = off.zip(on).map(|(off, on)| on / off);
         metrics.put("friction_ratio", ratio);
         metrics.put("reduction_percent", ratio.map(|ratio| 100.0 * (1.0 - ratio)));
-        let (off, on) = (mean(self.settled(0.0, CELL_SETTLE_S).map(cell)), mean(self.settled(1.0, CELL_SETTLE_S).map(cell)));
+        let off = mean(self.settled(0.0, CELL_SETTLE_S).map(cell));
+        let on =
+            self.held(scene).map_or_else(|| mean(self.settled(1.0, CELL_SETTLE_S).map(cell)), |held| mean(held.iter().map(cell)));
         metrics.put("load_cell_off_n", off);
         metrics.put("load_cell_on_n", on);
         metrics.put("load_cell_reduction_percent", off.zip(on).map(|(off, on)| 100.0 * (1.0 - on / off)));
@@ -201,27 +224,14 @@ impl<'a> View<'a> {
         metrics.put("velocity_ratio", tip.map(|tip| slider.speed_m_per_s / tip));
     }
 
-    fn edges(&self, scene: &Driven, metrics: &mut Metrics) {
+    fn edges(&self, record: &Record, metrics: &mut Metrics) {
         let tip = |row: &Row| row.truth.tip_velocity_m_per_s;
         let Some(steady) = mean(self.steady().map(tip)) else { return };
-        let peak = self.rows.iter().filter(|row| row.mode == Mode::Run).map(tip).fold(0.0, f64::max);
+        let at_edges = edges::add(self, &record.edges, record.sample_s, metrics).unwrap_or(0.0);
+        let peak = self.rows.iter().filter(|row| row.mode == Mode::Run).map(tip).fold(at_edges, f64::max);
         metrics.put("tip_velocity_m_per_s", steady);
         metrics.put("peak_velocity_m_per_s", peak);
         metrics.put("overshoot_percent", self.steps_s.is_empty().then(|| 100.0 * (peak / steady - 1.0).max(0.0)));
-        let run_from = self.plays_from(Mode::Run).unwrap_or(0.0);
-        let reaches = |from: f64, there: &dyn Fn(f64) -> bool| {
-            let mut before: Option<&Row> = None;
-            for row in self.rows.iter().filter(|row| row.time_s >= from) {
-                if there(tip(row)) {
-                    return before.map(|last| crossing(last, row, there, tip) - from);
-                }
-                before = Some(row);
-            }
-            None
-        };
-        let window = scene.controller.burst.as_ref().and_then(|burst| first_window(burst, run_from));
-        metrics.put("rise_time_ms", window.and_then(|(on, _)| reaches(on, &|v| v >= 0.9 * steady)).map(|s| 1e3 * s));
-        metrics.put("fall_time_ms", window.and_then(|(_, off)| reaches(off, &|v| v <= 0.1 * steady)).map(|s| 1e3 * s));
     }
 
     fn lock(&self, metrics: &mut Metrics) {
@@ -270,8 +280,15 @@ impl<'a> View<'a> {
     /// From the first fault of the scene to the first block without drive.
     fn fault_latency_s(&self, scene: &Driven) -> Option<f64> {
         let at = scene.fault.iter().map(|fault| fault.at_s).reduce(f64::min)?;
-        let faulted = self.rows.iter().position(|row| row.fault != 0)?;
-        let muted = self.rows[faulted..].iter().find(|row| row.drive_v == 0.0)?;
+        let faulted = self.rows.iter().position(|row| row.fault != 0).filter(|&row| row > 0)?;
+        let muted = faulted + self.rows[faulted..].iter().position(|row| row.drive_v == 0.0)?;
+        // What was muted until it faulted has been silent for longer.
+        let silent = self.rows[..=muted]
+            .iter()
+            .rev()
+            .take_while(|row| row.drive_v == 0.0 && row.time_s - self.block_s >= at - 1e-9)
+            .last()?;
+        let muted = if self.rows[faulted - 1].limit == Limit::BeltMuted as u8 { silent } else { &self.rows[muted] };
         Some(muted.time_s - self.block_s - at)
     }
 }

@@ -26,6 +26,10 @@ pub struct Truth {
     pub friction_on_tip_w: f64,
     /// Power that the slider's drive gives to friction, W; a rotor takes power, which is less than zero here.
     pub friction_on_slider_w: f64,
+    /// How far belt or slider have come at the block's end, m.
+    pub belt_position_m: f64,
+    /// Their speed, m/s.
+    pub belt_speed_m_per_s: f64,
     /// What only a stack has.
     pub tip: Option<TipMotion>,
     /// What only a motor has.
@@ -79,6 +83,8 @@ pub struct Sample {
     pub motional_current_a: f64,
     /// Tip velocity, m/s.
     pub tip_velocity_m_per_s: f64,
+    /// Its envelope, `sqrt(v^2 + (w_s x)^2)`; of a stator that of the stronger wave's crests, m/s.
+    pub tip_envelope_m_per_s: f64,
     /// Friction, mean over the sample, N.
     pub friction_n: f64,
     /// What only a motor has.

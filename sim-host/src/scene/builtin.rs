@@ -10,6 +10,8 @@ const SCENES: &[(&str, &str)] = scenes![
     "experiment-1",
     "experiment-1-fast",
     "experiment-1-fitted",
+    "friction-ratio",
+    "friction-burst",
     "contact",
     "contact-kinematic",
     "lock",
@@ -19,6 +21,7 @@ const SCENES: &[(&str, &str)] = scenes![
     "lock-any",
     "lock-step",
     "lock-drift",
+    "burst",
     "waveforms",
     "waveforms-fast",
     "transducer-smbltd45f40h-1",
@@ -27,6 +30,11 @@ const SCENES: &[(&str, &str)] = scenes![
     "transducer-skymen-60w",
     "transducer-smbltd45f28h",
     "transducer-ma40s4s",
+    "belt-stop",
+    "belt-stop-stuck",
+    "belt-stop-lost",
+    "belt-stop-lies",
+    "belt-stop-slow",
     "usm",
     "usm-miscalibrated"
 ];

@@ -3,6 +3,7 @@
 //! A rule reads the keys it looks at, and is silent if one of them is itself wrong, so that one mistake neither raises a second
 //! complaint nor hides another one.
 
+mod belt;
 mod cells;
 mod comparison;
 mod contact;
@@ -12,6 +13,7 @@ mod drive;
 mod excitation;
 mod exclusive;
 mod firmware;
+mod friction;
 mod grid;
 mod integrator;
 mod kind;
@@ -53,9 +55,11 @@ pub(super) fn check(root: &Node, findings: Findings) -> Findings {
         None => {}
     }
     rules.converters();
+    rules.belt();
     rules.drive();
     rules.tracking();
     rules.burst();
+    rules.friction_switch();
     rules.disturbances();
     rules.faults();
     rules.trace();

@@ -3,9 +3,10 @@
 
 use firmware::block::Amplitude;
 use firmware::config::{
-    Around, Burst, Chirp, ChirpKind, Config, Direction, Drive, Edge, FrontEnd, LaneTrims, Limits, Phasing, Schedule, ShapeKind,
-    Sweep, Then, Tracking, TrackingMode,
+    Around, Burst, Chirp, ChirpKind, Config, Direction, Drive, Edge, Friction, FrictionLaw, FrontEnd, LaneTrims, Limits, Phasing,
+    Schedule, ShapeKind, Sweep, Then, Thermometer, Tracking, TrackingMode,
 };
+use firmware::friction::Target;
 
 use crate::scene;
 
@@ -47,12 +48,45 @@ pub fn config(scene: &scene::Driven) -> Config {
         },
         burst: burst(controller.burst.as_ref()),
         tracking: tracking(&controller.tracking),
-        limits: Limits {
-            voltage_v: controller.limits.voltage_v as f32,
-            current_a: controller.limits.current_a as f32,
-            belt_moving_m_per_s: controller.limits.belt_moving_m_per_s as f32,
-            belt_stop_ms: controller.limits.belt_stop_ms as f32,
+        thermometer: Thermometer {
+            hz_per_k: controller.thermometer.hz_per_k as f32,
+            c0_per_k: controller.thermometer.c0_per_k as f32,
+            ambient_c: controller.thermometer.ambient_c as f32,
         },
+        limits: limits(&controller.limits),
+        friction: controller.friction.as_ref().map(|told| friction(told, &controller.tracking)),
+    }
+}
+
+fn friction(told: &scene::Friction, tracking: &scene::Tracking) -> Friction {
+    let target = match (told.target_ratio, told.target_force_n) {
+        (None, Some(newtons)) => Target::Force(newtons as f32),
+        (ratio, _) => Target::Ratio(ratio.unwrap_or(1.0) as f32),
+    };
+    Friction {
+        target,
+        law: match told.law {
+            scene::FrictionLaw::Dahl => FrictionLaw::Dahl,
+            scene::FrictionLaw::Coulomb => FrictionLaw::Coulomb,
+        },
+        prefer_bursts: told.prefer == scene::Prefer::Bursts,
+        force_factor_n_per_v: tracking.nominal_force_factor_n_per_v.unwrap_or(1.0) as f32,
+        speed_m_per_s: told.speed_m_per_s as f32,
+        dahl_length_m: told.dahl_length_m as f32,
+        average_s: told.average_s as f32,
+    }
+}
+
+fn limits(limits: &scene::Limits) -> Limits {
+    let single = |limit: Option<f64>| limit.map(|limit| limit as f32);
+    Limits {
+        voltage_v: limits.voltage_v as f32,
+        current_a: limits.current_a as f32,
+        power_w: single(limits.power_w),
+        temperature_c: limits.temperature_c as f32,
+        belt_stop_ms: limits.belt_stop_ms as f32,
+        energy_j_per_m: single(limits.energy_j_per_m),
+        on_time_s: single(limits.on_time_s),
     }
 }
 
@@ -69,6 +103,8 @@ fn front_end(sensors: &scene::Sensors, amplifier: &scene::Amplifier) -> FrontEnd
         drive_mid_code: code(drive_half),
         drive_max_code: code(2 * drive_half - 1),
         drive_lanes: amplifier.lanes,
+        metre_per_count: sensors.encoder_counts_per_mm.map(|counts| (1e-3 / counts) as f32),
+        force_hz: sensors.force_hz.map(|hz| hz as f32),
     }
 }
 
@@ -117,6 +153,7 @@ fn burst(burst: Option<&scene::Burst>) -> Burst {
     let edge = match burst.edge {
         scene::Edge::Hard => Edge::Hard,
         scene::Edge::Soft => Edge::Soft { cycles: burst.edge_cycles as f32 },
+        scene::Edge::Boost => Edge::Boost,
     };
     Burst { schedule, edge, brake: burst.brake }
 }

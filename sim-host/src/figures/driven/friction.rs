@@ -1,7 +1,11 @@
 //! Friction and tip velocity over the whole run.
 
+use firmware::friction::Belief;
+
 use super::{axis, binned, curve, mean, shaded};
 use crate::metrics::driven::View;
+use crate::metrics::driven::switch::configured;
+use crate::record::Row;
 use crate::report::{Figure, Series, Style};
 use crate::study::driven::Run;
 
@@ -63,6 +67,39 @@ pub(super) fn tip_velocity(run: &Run, view: &View) -> Option<Figure> {
         y: axis("tip velocity [m/s]"),
         series,
         shaded: shaded(view),
+        interactive: true,
+        ..Figure::default()
+    })
+}
+
+/// The friction ratio three ways, where it is switched.
+pub(super) fn ratio(run: &Run, view: &View) -> Option<Figure> {
+    let friction = run.scene.controller.friction.as_ref()?;
+    let rows = &run.record.rows;
+    let begins_s = rows.iter().find(|row| row.friction.is_some())?.time_s;
+    let coulomb_n = view.silent_friction_n()?;
+    let held = &rows[rows.partition_point(|row| row.time_s < begins_s)..];
+    let first = configured(friction, coulomb_n).unwrap_or(1.0);
+    let wanted = |row: &Row| {
+        let step = friction.step_s.iter().zip(&friction.step_ratio).rfind(|(at_s, _)| **at_s <= row.time_s);
+        step.map_or(first, |(_, ratio)| *ratio)
+    };
+    let belief = |of: fn(&Belief) -> f32| move |row: &Row| row.friction.as_ref().map_or(1.0, |belief| f64::from(of(belief)));
+    Some(Figure {
+        id: "friction-ratio".into(),
+        title: "Friction ratio: command, estimate, truth".into(),
+        caption: "Friction over that without vibration, after the survey. The estimate is the law's, at the tip velocity that the controller measures; the \
+                  truth is the simulated contact's, each point a mean over some blocks. Below the floor nothing is to be had: the loudest drive is what is \
+                  played, and the controller says so."
+            .into(),
+        x: axis("time [s]"),
+        y: axis("friction ratio"),
+        series: vec![
+            curve(held, "truth", "friction_ratio_true", Style::Line, |row| row.truth.friction_mean_n / coulomb_n),
+            curve(held, "controller's estimate", "friction_ratio_estimate", Style::Line, belief(|belief| belief.ratio)),
+            curve(held, "command", "friction_ratio_wanted", Style::Dashed, wanted),
+            curve(held, "floor, estimated", "friction_floor_estimate", Style::Dashed, belief(|belief| belief.floor)),
+        ],
         interactive: true,
         ..Figure::default()
     })

@@ -37,6 +37,7 @@ const fn any(keys: &'static [&'static str]) -> Alternative {
 pub const EXCLUSIVE: &[Exclusive] = &[
     Exclusive { table: "controller.drive", alternatives: &[all(&["amplitude_v"]), all(&["velocity_m_per_s"])] },
     Exclusive { table: "controller.burst", alternatives: &[all(&["on_s", "off_s"]), all(&["period_s", "duty"])] },
+    Exclusive { table: "controller.friction", alternatives: &[all(&["target_ratio"]), all(&["target_force_n"])] },
     Exclusive { table: "excitation", alternatives: &[all(&["velocity_ratio"]), all(&["sliding_m_per_s"])] },
     Exclusive {
         table: "stack.bvd",

@@ -14,6 +14,7 @@ use crate::scene::wording::{bound, quantity, range};
 const MODE: &str = "controller.tracking.mode";
 const SHAPE: &str = "controller.drive.shape";
 const AROUND: &str = "controller.sweep.around";
+const EDGE: &str = "controller.burst.edge";
 const BEGINNINGS: &str = "controller.burst.on_s";
 const SCALE: &str = "one code must be worth something the firmware can calculate with";
 const CARRIED: &str =
@@ -44,6 +45,7 @@ const PARAMETERS: &[(&str, &str, &str)] = &[
     ("sweep.stop_hz", "controller.sweep.stop_hz", CARRIED),
     ("sweep.time_s", "controller.sweep.time_s", "a block at least; about a resonance so long that its phase can follow"),
     ("burst.edge.cycles", "controller.burst.edge_cycles", ""),
+    ("friction.force_factor_n_per_v", "controller.tracking.nominal_force_factor_n_per_v", ""),
     (
         "tracking.bandwidth_hz",
         "controller.tracking.bandwidth_hz",
@@ -85,6 +87,20 @@ impl Rules<'_> {
                 self.contradicts(AROUND, &error, "needs a `controller.tracking.mode` other than `off`")
             }
             Error::ExponentialAroundResonance => self.contradicts("controller.sweep.kind", &error, "must be `linear`"),
+            Error::FrictionWithoutCurrent => {
+                self.contradicts("controller.friction", &error, "needs `controller.drive.velocity_m_per_s`")
+            }
+            Error::BoostWithoutTracking => {
+                self.contradicts(EDGE, &error, "needs `controller.tracking.mode` `observer` or `phase_lock`")
+            }
+            Error::BoostOfShape => self.contradicts(EDGE, &error, "needs `controller.drive.shape = \"sine\"`"),
+            Error::BoostWithSweep => self.contradicts(EDGE, &error, "needs a scene without [controller.sweep]"),
+            Error::EnergyWithoutBelt => {
+                const ENERGY: &str = "controller.limits.energy_j_per_m";
+                let message = "energy for each metre of belt is known only where the belt has an encoder";
+                let problem = Problem::new(self.place(ENERGY), message, "needs `sensors.encoder_counts_per_mm`");
+                self.add(ENERGY, problem);
+            }
             // Calibrations are measured, and no scene states one.
             Error::TrimOrder => {}
             Error::BurstWindows => {

@@ -1,0 +1,195 @@
+//! The inverse law: the velocity ratio at which the friction is what is wanted, a piece at a time.
+//!
+//! Of a contact at a given sliding speed, velocity ratio and kappa are not independent: `kappa = lambda / xi` with
+//!
+//! ```text
+//! lambda = Kt Vt / (w Fc) = Vt / (w l),    l = Fc / Kt  the Dahl length, m
+//! ```
+//!
+//! so that the friction ratio falls with the tip velocity alone, from one at `xi = 1` to the **floor** at the loudest drive. In between it is
+//! found by the Illinois rule (Dowell and Jarratt 1971), which keeps what is sought between two values. What is sought is
+//! `u = sqrt(1 - xi)`, over which the ratio has no infinite slope: `(2/pi) asin xi` goes as `1 - (2/pi) sqrt(2) u` near one.
+//!
+//! Coulomb friction is `lambda = infinity`, and takes the same way to `Vv / Vt = 1 / sin(pi r / 2)`.
+
+use super::dahl::Evaluation;
+
+/// A solution is one within this of the wanted ratio.
+const NEAR: f32 = 1e-4;
+/// Evaluations that are enough for any contact: see the tests.
+const MOST_EVALUATIONS: u32 = 24;
+
+/// What is found.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Solution {
+    /// Velocity ratio Vt / Vv to drive at.
+    pub xi: f32,
+    /// The friction ratio there.
+    pub ratio: f32,
+    /// The least friction ratio, that of the loudest drive; one without authority.
+    pub floor: f32,
+}
+
+/// A solution that is being sought.
+#[derive(Clone, Debug)]
+pub struct Inverse {
+    wanted: f32,
+    lambda: f32,
+    floor: f32,
+    /// `u` and what the ratio there is above the wanted one: not below zero, and below it.
+    above: (f32, f32),
+    below: (f32, f32),
+    /// Where the ratio is being evaluated, and how.
+    at: f32,
+    evaluation: Evaluation,
+    evaluations: u32,
+    /// The side that was replaced last.
+    replaced: Option<Side>,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Side {
+    Above,
+    Below,
+}
+
+impl Inverse {
+    /// Begins to seek where the ratio is `wanted`, for `xi` from `least_xi`, that of the loudest drive, to one. What is not a number is one.
+    pub fn new(wanted: f32, lambda: f32, least_xi: f32) -> Self {
+        let wanted = if wanted < 1.0 { wanted } else { 1.0 };
+        let least_xi = if least_xi < 1.0 { least_xi.max(0.0) } else { 1.0 };
+        let at = libm::sqrtf(1.0 - least_xi);
+        let evaluation = evaluation(at, lambda);
+        let above = (0.0, 1.0 - wanted);
+        Inverse { wanted, lambda, floor: 1.0, above, below: (at, 0.0), at, evaluation, evaluations: 0, replaced: None }
+    }
+
+    /// Goes on by one step; the solution, once it is found.
+    pub fn step(&mut self) -> Option<Solution> {
+        let ratio = self.evaluation.step()?;
+        let excess = ratio - self.wanted;
+        self.evaluations += 1;
+        if self.evaluations == 1 {
+            self.floor = ratio;
+            if excess >= -NEAR || self.above.1 <= NEAR {
+                // The loudest is not enough, or just so; or nothing at all is wanted.
+                let xi = if excess >= -NEAR { 1.0 - self.at * self.at } else { 1.0 };
+                return Some(Solution { xi, ratio: if excess >= -NEAR { ratio } else { 1.0 }, floor: ratio });
+            }
+            self.below.1 = excess;
+        } else {
+            if excess.abs() < NEAR || self.evaluations >= MOST_EVALUATIONS {
+                return Some(Solution { xi: 1.0 - self.at * self.at, ratio, floor: self.floor });
+            }
+            self.narrow(excess);
+        }
+        let part = self.above.1 / (self.above.1 - self.below.1);
+        self.at = self.above.0 + part * (self.below.0 - self.above.0);
+        self.evaluation = evaluation(self.at, self.lambda);
+        None
+    }
+
+    /// Replaces one end. The other one's value is halved when it has stayed twice, so that it is left in the end.
+    fn narrow(&mut self, excess: f32) {
+        let side = if excess > 0.0 { Side::Above } else { Side::Below };
+        let again = self.replaced == Some(side);
+        match side {
+            Side::Above => {
+                self.above = (self.at, excess);
+                self.below.1 *= if again { 0.5 } else { 1.0 };
+            }
+            Side::Below => {
+                self.below = (self.at, excess);
+                self.above.1 *= if again { 0.5 } else { 1.0 };
+            }
+        }
+        self.replaced = Some(side);
+    }
+}
+
+fn evaluation(u: f32, lambda: f32) -> Evaluation {
+    let xi = 1.0 - u * u;
+    Evaluation::new(xi, lambda / xi)
+}
+
+/// The solution, at once.
+pub fn solve(wanted: f32, lambda: f32, least_xi: f32) -> Solution {
+    let mut inverse = Inverse::new(wanted, lambda, least_xi);
+    loop {
+        if let Some(solution) = inverse.step() {
+            return solution;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::dahl::{STEPS, friction_ratio};
+    use super::*;
+
+    fn lambdas() -> impl Iterator<Item = f32> {
+        [0.0, f32::INFINITY].into_iter().chain((-24..=32).map(|n| libm::powf(10.0, 0.25 * n as f32)))
+    }
+
+    #[test]
+    fn the_ratio_there_is_the_wanted_one() {
+        for lambda in lambdas() {
+            for least_xi in [0.0, 0.05, 0.217, 0.6, 0.95] {
+                for n in 1..100 {
+                    let wanted = 0.01 * n as f32;
+                    let solution = solve(wanted, lambda, least_xi);
+                    let ratio = friction_ratio(solution.xi, lambda / solution.xi);
+                    assert!((least_xi - 1e-6..=1.0).contains(&solution.xi), "{wanted} {lambda} {least_xi}: {solution:?}");
+                    if wanted >= solution.floor {
+                        assert!((ratio - wanted).abs() <= 1.01 * NEAR, "{wanted} {lambda} {least_xi}: {solution:?} {ratio}");
+                    } else {
+                        assert!((solution.xi - least_xi).abs() < 1e-6 && solution.ratio == solution.floor, "{solution:?}");
+                    }
+                }
+            }
+        }
+    }
+
+    /// Measured: 11 evaluations at most.
+    #[test]
+    fn takes_few_evaluations() {
+        let mut most = 0;
+        for lambda in lambdas() {
+            for least_xi in [0.0, 0.05, 0.217, 0.6, 0.95] {
+                for n in 1..100 {
+                    let mut inverse = Inverse::new(0.01 * n as f32, lambda, least_xi);
+                    while inverse.step().is_none() {}
+                    most = most.max(inverse.evaluations);
+                }
+            }
+        }
+        assert!(most <= 11, "{most} evaluations of {STEPS} steps");
+    }
+
+    /// More friction takes less vibration, whatever the contact.
+    #[test]
+    fn is_monotone() {
+        for lambda in lambdas() {
+            let ratios: std::vec::Vec<f32> = (20..100).map(|n| solve(0.01 * n as f32, lambda, 0.05).xi).collect();
+            assert!(ratios.windows(2).all(|pair| pair[1] > pair[0] - 1e-6), "{lambda}: {ratios:?}");
+        }
+    }
+
+    #[test]
+    fn what_cannot_be_is_the_nearest_that_can() {
+        let loudest = solve(0.05, 0.3, 0.2);
+        assert!((loudest.xi - 0.2).abs() < 1e-6 && loudest.ratio > 0.05 && loudest.ratio == loudest.floor, "{loudest:?}");
+        for wanted in [1.0, 1.5, f32::NAN, f32::INFINITY] {
+            let silent = solve(wanted, 0.3, 0.2);
+            assert!(silent.xi == 1.0 && silent.ratio == 1.0 && silent.floor < 0.5, "{wanted}: {silent:?}");
+        }
+        for least_xi in [1.0, 3.0, f32::NAN, f32::INFINITY] {
+            assert_eq!(solve(0.3, 0.3, least_xi), Solution { xi: 1.0, ratio: 1.0, floor: 1.0 }, "{least_xi}");
+        }
+        for wanted in [-1.0, 0.0, f32::NEG_INFINITY] {
+            assert!((solve(wanted, 0.3, 0.2).xi - 0.2).abs() < 1e-6, "{wanted}");
+        }
+        // A speed of zero leaves nothing to slide, and no kappa.
+        assert!(solve(0.5, 0.0, 0.0).xi > 0.0 && solve(0.5, f32::NAN, 0.2).ratio <= 1.0);
+    }
+}

@@ -1,0 +1,66 @@
+//! What the switch is asked, what it hears, what it orders, and what it believes.
+
+use serde::{Deserialize, Serialize};
+
+/// What is wanted of the friction.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub enum Target {
+    /// This part of the friction without vibration, 0 to 1.
+    Ratio(f32),
+    /// This friction, N. Needs a force sensor.
+    Force(f32),
+}
+
+impl Target {
+    /// A number that can be wanted.
+    pub fn is_plausible(&self) -> bool {
+        match *self {
+            Target::Ratio(ratio) => (0.0..=1.0).contains(&ratio),
+            Target::Force(newtons) => newtons.is_finite() && newtons >= 0.0,
+        }
+    }
+}
+
+/// What the switch believes of the contact.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Belief {
+    /// The survey is over, and has found the contact; if not, it is as told.
+    pub identified: bool,
+    /// Friction ratio, by the law and the tip velocity that is measured.
+    pub ratio: f32,
+    /// Friction ratio by the force sensor; not before there is something to compare with.
+    pub force_ratio: Option<f32>,
+    /// Vibration amplitude at the loudest drive, in Dahl lengths: kappa there.
+    pub kappa: f32,
+    /// Standard deviation of kappa, relative.
+    pub kappa_deviation: f32,
+    /// The least ratio at this speed.
+    pub floor: f32,
+}
+
+/// What is to be played.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Wanted {
+    /// Nothing.
+    Silence,
+    /// This motional current, A.
+    Current(f32),
+    /// This motional current, A, for so many samples of each burst.
+    Bursts {
+        /// Peak, A.
+        amperes: f32,
+        /// ON time of a burst, samples.
+        on_samples: f32,
+    },
+}
+
+/// What one block has to say.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Sensed {
+    /// Belt speed, m/s; none without a sensor.
+    pub belt_m_per_s: Option<f32>,
+    /// Friction, N; none without a sensor.
+    pub force_n: Option<f32>,
+    /// Motional current of a block that was ON throughout, and had rung up before it where a boost has done that, A peak.
+    pub motional_a: Option<f32>,
+}

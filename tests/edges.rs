@@ -1,0 +1,164 @@
+//! Boosted edges with the plant behind the converters: how fast and how cleanly, at any Q and headroom; what bursts of any rate come to; that their
+//! volt-seconds cancel to the last code; and what the tracker makes of them.
+
+use sim_host::metrics::{Metrics, driven};
+use sim_host::record::Record;
+use sim_host::run::{Watch, run};
+use sim_host::scene::load::{load, load_text};
+
+/// The scene `burst`, with changes.
+fn boosted(changes: &[String]) -> (Record, Metrics) {
+    let loaded = load("burst", changes).unwrap_or_else(|error| panic!("{error}"));
+    let scene = loaded.scene.driven().unwrap();
+    let record = run(&scene, Watch::default()).unwrap();
+    let metrics = driven::of(&scene, &record);
+    (record, metrics)
+}
+
+fn sets(changes: &[&str]) -> Vec<String> {
+    changes.iter().map(|&set| set.to_owned()).collect()
+}
+
+fn of(metrics: &Metrics, name: &str) -> f64 {
+    metrics.get(name).unwrap_or(f64::NAN)
+}
+
+/// A stack of another Q, of which the controller is told half as much again, under another limit.
+fn stack(q: f64, limit_v: f64) -> Vec<String> {
+    // Its windows as many time constants apart as those of Q 65.
+    let longer = (q / 65.0).max(1.0);
+    let times = |times: [f64; 2]| times.map(|s| 0.09 + s * longer);
+    vec![
+        format!("stack.bvd.q={q}"),
+        format!("controller.tracking.nominal_q={}", 1.5 * q),
+        format!("controller.limits.voltage_v={limit_v}"),
+        format!("controller.burst.on_s={:?}", times([0.0, 0.03])),
+        format!("controller.burst.off_s={:?}", times([0.025, 0.05])),
+        format!("duration_s={}", 0.09 + 0.06 * longer),
+    ]
+}
+
+/// Against the time-optimal (bang-bang) edges of the same resonance, damped by the source, too: `-tau ln(1 - 0.95 / H)` and
+/// `tau ln((1 + H) / (0.05 + H))`. Half cycles, the amplifier's lag and its delay come on top.
+#[test]
+fn edges_are_near_the_time_optimum_at_any_q() {
+    println!("| Q | limit V | rise ms | bang-bang | fall ms | bang-bang | overshoot % | residual % | limit |");
+    println!("|---|---|---|---|---|---|---|---|---|");
+    for (q, limit_v) in [(20.0, 15.466), (65.0, 15.466), (200.0, 15.466), (500.0, 15.466), (65.0, 6.0), (65.0, 4.5)] {
+        let (_, metrics) = boosted(&stack(q, limit_v));
+        let rm_ohm = std::f64::consts::TAU * 40_320.0 * 0.7790e-3 / q;
+        let tau_ms = 1e3 * 2.0 * 0.7790e-3 / (rm_ohm + 0.3);
+        let headroom = limit_v / 3.0;
+        let bounds = (-tau_ms * (1.0 - 0.95 / headroom).ln(), tau_ms * ((1.0 + headroom) / (0.05 + headroom)).ln());
+        let names = ["rise_time_ms", "fall_time_ms", "overshoot_percent", "residual_percent", "limit_code"];
+        let [rise, fall, over, left, limit] = names.map(|name| of(&metrics, name));
+        println!(
+            "| {q} | {limit_v} | {rise:.4} | {:.4} | {fall:.4} | {:.4} | {over:.2} | {left:.2} | {limit} |",
+            bounds.0, bounds.1
+        );
+    }
+}
+
+/// What bursts of any rate come to: the mean of the true envelope, and of its square, for each part of the time that the gate is open.
+#[test]
+fn bursts_of_any_rate_are_as_long_as_they_are_ordered() {
+    let mean = |hz: f64, duty: f64| {
+        let periodic = [
+            "controller.burst.on_s=[]".to_owned(),
+            "controller.burst.off_s=[]".to_owned(),
+            format!("controller.burst.period_s={}", 1.0 / hz),
+            format!("controller.burst.duty={duty}"),
+            "duration_s=0.16".to_owned(),
+        ];
+        let (record, metrics) = boosted(&periodic);
+        assert_eq!(of(&metrics, "fault_code"), 0.0, "{hz} Hz, {duty}");
+        let rows = record.rows.iter().filter(|row| row.time_s > 0.06);
+        let (sum, square, count) = rows.fold((0.0, 0.0, 0.0), |(sum, square, count), row| {
+            let v = row.truth.tip_velocity_m_per_s;
+            (sum + v, square + v * v, count + 1.0)
+        });
+        (sum / count, square / count, of(&metrics, "limit_code"), record.rows.last().map_or(0.0, |row| row.frequency_hz))
+    };
+    let (level, square, ..) = mean(100.0, 1.0);
+    println!("| bursts a second | duty | mean of the envelope | of its square | limit | frequency |");
+    println!("|---|---|---|---|---|---|");
+    for hz in [100.0, 500.0, 1000.0, 2000.0] {
+        for duty in [0.1, 0.5, 0.9] {
+            let (v, v2, limit, frequency) = mean(hz, duty);
+            println!("| {hz} | {duty} | {:.3} | {:.3} | {limit} | {frequency:.1} |", v / level, v2 / square);
+        }
+    }
+}
+
+#[test]
+fn volt_seconds_cancel_to_the_last_code_in_every_lane() {
+    let (on, off) = ([0.09, 0.15, 0.2, 0.202, 0.2035, 0.2045, 0.205, 0.21], 0.23);
+    let trace = sets(&[
+        "controller.drive.lanes=4",
+        "trace.signals=[\"drive_code_0\", \"drive_code_1\", \"drive_code_2\", \"drive_code_3\"]",
+        "trace.every=1",
+        "trace.from_s=0.0895",
+    ]);
+    let (record, _) = boosted(&trace);
+    let rows = record.trace.as_ref().unwrap().rows().to_vec();
+    for (n, begins) in on.iter().enumerate() {
+        let ends = on.get(n + 1).copied().unwrap_or(off + 0.005);
+        let played: Vec<_> = rows.iter().filter(|row| row[0] > begins + 0.5e-6 && row[0] < ends + 0.5e-6).collect();
+        for lane in 1..=4 {
+            let sum: f64 = played.iter().map(|row| row[lane] - 2048.0).sum();
+            let most = played.iter().map(|row| (row[lane] - 2048.0).abs()).fold(0.0, f64::max);
+            assert_eq!(sum, 0.0, "lane {} of the burst at {begins} s", lane - 1);
+            assert!(most > 1000.0 && most <= 1548.0, "{most} codes in lane {}", lane - 1);
+        }
+    }
+}
+
+/// The resonance moves by 0.9 % between bursts of half a millisecond, 1000 a second.
+#[test]
+fn a_resonance_is_tracked_through_boosted_bursts() {
+    let moved = sets(&[
+        "controller.burst.on_s=[]",
+        "controller.burst.off_s=[]",
+        "controller.burst.period_s=1e-3",
+        "controller.burst.duty=0.5",
+        "duration_s=0.3",
+        "disturbance.0.at_s=0.15",
+        "disturbance.0.key=stack.bvd.series_resonance_hz",
+        "disturbance.0.to=40680",
+    ]);
+    let (record, metrics) = boosted(&moved);
+    let last = record.rows.last().unwrap();
+    assert_eq!((of(&metrics, "fault_code"), of(&metrics, "limit_code")), (0.0, 0.0));
+    println!("{} Hz", last.frequency_hz);
+    assert!((last.frequency_hz - 40_680.0).abs() < 2.0, "{} Hz", last.frequency_hz);
+}
+
+#[test]
+fn without_headroom_it_says_so_by_number() {
+    for (limit_v, limit) in [(3.0, 104.0), (3.1, 104.0), (3.3, 0.0)] {
+        let (_, metrics) = boosted(&sets(&[&format!("controller.limits.voltage_v={limit_v}")]));
+        assert_eq!((of(&metrics, "fault_code"), of(&metrics, "limit_code")), (0.0, limit), "{limit_v} V");
+    }
+}
+
+#[test]
+fn what_cannot_be_boosted_is_refused_by_name() {
+    let refused = |changes: &[&str]| load("burst", &sets(changes)).err().map(|error| error.to_string()).unwrap_or_default();
+    let says = |changes: &[&str], words: &[&str]| {
+        let text = refused(changes);
+        assert!(words.iter().all(|word| text.contains(word)), "{text}");
+    };
+    says(&["controller.tracking.mode=off"], &["burst.edge is a boost", "observer"]);
+    says(&["controller.tracking.mode=zero_phase"], &["burst.edge is a boost", "phase_lock"]);
+    says(&["controller.drive.shape=square"], &["burst.edge is a boost", "sine"]);
+    says(&["controller.burst.edge=bost"], &["bost", "did you mean `boost`?"]);
+    // Typed by hand: the place, and what would be right.
+    let typed = |on: &str, off: &str| {
+        let text = format!("base = \"burst\"\n\n[controller.burst]\non_s = {on}\noff_s = {off}\n");
+        load_text("mine.toml", &text, &[]).err().map(|error| error.to_string()).unwrap_or_default()
+    };
+    let overlap = typed("[0.1, 0.12]", "[0.13, 0.14]");
+    assert!(overlap.contains("begins at 0.12 s") && overlap.contains("mine.toml:4") && overlap.contains("0.13"), "{overlap}");
+    let backwards = typed("[0.1]", "[0.09]");
+    assert!(backwards.contains("ends at 0.09 s, but begins at 0.1 s only") && backwards.contains("mine.toml:5"), "{backwards}");
+}
