@@ -108,7 +108,7 @@ fn passed(campaign: &Campaign) -> TableBlock {
     let row = |found: &Passed| {
         let passage = found.passage;
         let rate = |rate: f64| match rate {
-            rate if rate == 0.0 => "0".into(),
+            0.0 => "0".into(),
             rate if rate < 1e-6 => format!("{rate:.0e}"),
             rate if rate < 1e-2 => format!("{rate:.1e}"),
             rate if rate.is_finite() => format!("{rate:.3}"),
