@@ -155,6 +155,9 @@ fn configs() -> [Config; 6] {
     held.phasing.gain_trim = [1.0, 0.93, 1.1, 0.5].into_iter().collect();
     held.burst.schedule = Schedule::Periodic { period_s: 7.3e-3, duty: 0.4 };
     held.burst.edge = Edge::Soft { cycles: 9.5 };
+    held.front_end.metre_per_count = Some(1e-5);
+    held.front_end.force_hz = Some(500.0);
+    (held.limits.energy_j_per_m, held.limits.power_w, held.limits.on_time_s) = (Some(1e4), Some(2.0), Some(0.2));
     let mut zero_phase = tracked.clone();
     zero_phase.tracking.mode = TrackingMode::ZeroPhase;
     zero_phase.block_samples = 25;

@@ -224,7 +224,9 @@ impl Controller {
         let mode = self.supervisor.mode();
         let now = (self.block + LATENCY_BLOCKS as u64) * self.samples as u64;
         let orders = &self.as_switched(orders);
-        let wanted = mode == Mode::Lock || mode == Mode::Run && self.burst.is_wanted(orders.gate, now);
+        // Without a belt nobody asks.
+        let wanted =
+            self.belt.is_expected() && (mode == Mode::Lock || mode == Mode::Run && self.burst.is_wanted(orders.gate, now));
         Driven {
             volts: heard.audible.filter(|_| heard.flat).map(|part| part * heard.volts * heard.envelope.abs()),
             suspect,

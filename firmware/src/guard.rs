@@ -7,8 +7,8 @@
 //! | [`heat`] | temperature of board and stack, mean power | derates (limit 100); fault 44 |
 //! | [`on_time`] | how long the drive is ON | fault 45 |
 //!
-//! Each looks at every block and names what it finds; the first of them is reported. Where there is no such sensor or limit, a part costs a
-//! comparison.
+//! Each looks at every block and names what it finds; the first of them is reported. A board without such sensors and limits pays for
+//! three comparisons.
 
 mod electrical;
 pub mod heat;
@@ -73,6 +73,8 @@ pub struct Guard {
     weld: Weld,
     heat: Heat,
     on_time: OnTime,
+    /// Power or ON time have a limit.
+    limited: bool,
 }
 
 impl Guard {
@@ -83,6 +85,7 @@ impl Guard {
             weld: Weld::build(config, block_s)?,
             heat: Heat::build(config, block_s)?,
             on_time: OnTime::build(config, block_s)?,
+            limited: config.limits.power_w.is_some() || config.limits.on_time_s.is_some(),
         })
     }
 
@@ -101,13 +104,23 @@ impl Guard {
         driven: &Driven,
     ) -> Option<Fault> {
         let electrical = self.electrical.inspect(convert, sense, sensed, driven.volts, driven.suspect);
+        // Most boards have no more to look at.
+        if self.limited || belt.is_expected() || sense.slow.temperature.is_some() || self.heat.knows_the_stack() {
+            return electrical.or(self.watch(sense, sensed, belt, driven));
+        }
+        electrical
+    }
+
+    /// What needs more sensors than voltage and current, or has a limit of its own.
+    #[inline(never)]
+    fn watch(&mut self, sense: &SenseBlock, sensed: &Sensed, belt: &Belt, driven: &Driven) -> Option<Fault> {
         // At an edge it is not known, and something is driven.
         let driving = driven.stage != Stage::Silent && driven.volts.is_none_or(|volts| volts > 0.0);
         let power_w = if driving { 0.5 * (sensed.v.re * sensed.i.re + sensed.v.im * sensed.i.im) } else { 0.0 };
         let weld = self.weld.inspect(belt, sense.slow.force, &weld::Driving { driving, power_w, driven });
         let heat = self.heat.inspect(sense.slow.temperature, driving, power_w);
         let on_time = self.on_time.inspect(driving);
-        electrical.or(weld).or(heat).or(on_time)
+        weld.or(heat).or(on_time)
     }
 
     /// Whether the drive must be silent until the belt moves again.

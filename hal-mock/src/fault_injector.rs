@@ -4,11 +4,14 @@
 //! [`FaultInjector::repair`], or is over at once where it is an event ([`FaultKind::lasts`]). A fault by chance strikes single
 //! blocks. Where nothing is scheduled and no chance is set, the middleware changes nothing.
 
+mod encoder;
+
 use firmware::block::{BeltSense, DriveBlock, SenseBlock, Trips};
 use firmware::config::FrontEnd;
 
 use crate::analog::Analog;
 use crate::chance::Chance;
+use crate::fault_injector::encoder::Encoder;
 
 /// What breaks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -46,9 +49,6 @@ pub enum FaultKind {
 /// What a board reads that is on fire, degrees Celsius.
 pub const OVERTEMPERATURE_C: f32 = 200.0;
 
-/// The pace of an encoder is the mean over so many blocks.
-const PACE_BLOCKS: u32 = 1024;
-
 impl FaultKind {
     /// Whether it lasts from its block on; an event strikes one block.
     pub fn lasts(self) -> bool {
@@ -81,39 +81,6 @@ pub struct FaultInjector<A> {
     last_force: Option<f32>,
     encoder: Encoder,
     block: u64,
-}
-
-/// What the belt's encoder has said, and how it would go on.
-#[derive(Clone, Copy, Debug, Default)]
-struct Encoder {
-    last: BeltSense,
-    /// Mean pace, counts a block, over `blocks` blocks from `first` on.
-    first: i32,
-    blocks: u32,
-    pace: f64,
-    /// Counts that a lie has added, and is about to add.
-    lied: f64,
-}
-
-impl Encoder {
-    fn hear(&mut self, sense: BeltSense) {
-        if self.blocks.is_multiple_of(PACE_BLOCKS) {
-            if self.blocks > 0 {
-                self.pace = f64::from(sense.counts.wrapping_sub(self.first)) / f64::from(self.blocks);
-            }
-            (self.first, self.blocks) = (sense.counts, 0);
-        }
-        self.blocks += 1;
-        self.last = sense;
-    }
-
-    fn lie(&mut self) -> BeltSense {
-        if self.pace == 0.0 && self.blocks > 0 {
-            self.pace = f64::from(self.last.counts.wrapping_sub(self.first)) / f64::from(self.blocks);
-        }
-        self.lied += self.pace;
-        BeltSense { counts: self.last.counts.wrapping_add(self.lied as i32), ..self.last }
-    }
 }
 
 impl<A> FaultInjector<A> {
@@ -188,9 +155,9 @@ impl<A> FaultInjector<A> {
                 sense.v.fill(self.max_code);
                 sense.i.fill(self.max_code);
             }
-            FaultKind::BeltStopped | FaultKind::EncoderStuck => sense.slow.belt = Some(self.encoder.last),
+            FaultKind::BeltStopped | FaultKind::EncoderStuck => sense.slow.belt = Some(self.encoder.last()),
             FaultKind::EncoderLies => sense.slow.belt = Some(self.encoder.lie()),
-            FaultKind::EncoderLost => sense.slow.belt = Some(BeltSense { broken: true, ..self.encoder.last }),
+            FaultKind::EncoderLost => sense.slow.belt = Some(BeltSense { broken: true, ..self.encoder.last() }),
             FaultKind::ForceStuck => sense.slow.force = self.last_force,
             FaultKind::Overtemperature => sense.slow.temperature = Some(OVERTEMPERATURE_C),
             FaultKind::Dropout => {
@@ -267,13 +234,14 @@ mod tests {
     #[test]
     fn lasting_faults_last_from_their_block_until_repaired() {
         let healthy = heard(&mut injector(1), 8);
-        let cases: [(FaultKind, Shows); 6] = [
+        let cases: [(FaultKind, Shows); 7] = [
             (FaultKind::Open, |sense| sense.i.iter().all(|&code| code == 2048) && sense.v[3] == 2021),
             (FaultKind::Swapped, |sense| sense.i[31] == 2000 + 7 * 31 && sense.v[31] != sense.i[31]),
             (FaultKind::SensorStuck, |sense| sense.v.iter().all(|&code| code == 2000 + 7 * 31) && sense.i[3] != 2048),
             (FaultKind::SensorOffset(-300), |sense| sense.v[0] == 1700 && sense.v[31] == 1917),
             (FaultKind::Saturation, |sense| sense.v.iter().chain(&sense.i).all(|&code| code == 4095)),
             (FaultKind::BeltStopped, |sense| sense.slow.belt == Some(BeltSense::default())),
+            (FaultKind::Overtemperature, |sense| sense.slow.temperature == Some(OVERTEMPERATURE_C)),
         ];
         for (kind, shows) in cases {
             let mut injector = injector(1);
@@ -284,6 +252,24 @@ mod tests {
             injector.repair(kind);
             assert_eq!(heard(&mut injector, 2), healthy[6..], "{kind:?}");
         }
+    }
+
+    /// A belt of three counts a block.
+    #[test]
+    fn an_encoder_sticks_lies_and_breaks() {
+        let counts_after = |kind: FaultKind| {
+            let mut injector = injector(1);
+            injector.inner.set_belt(Some(3));
+            injector.schedule(Scheduled { at_block: 10, kind });
+            heard(&mut injector, 10);
+            // It stands, or so it would say.
+            injector.inner.set_belt(Some(0));
+            let heard = heard(&mut injector, 5);
+            heard.iter().map(|sense| sense.slow.belt.unwrap()).map(|belt| (belt.counts, belt.broken)).collect::<Vec<_>>()
+        };
+        assert_eq!(counts_after(FaultKind::EncoderStuck), [(30, false); 5]);
+        assert_eq!(counts_after(FaultKind::EncoderLost), [(30, true); 5]);
+        assert_eq!(counts_after(FaultKind::EncoderLies), [33, 36, 39, 42, 45].map(|counts| (counts, false)));
     }
 
     #[test]

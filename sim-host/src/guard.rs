@@ -54,7 +54,7 @@ pub struct Stopped {
     pub missed: u32,
     /// From the event to the first block without drive, ms.
     pub off_ms: Spread,
-    /// Energy into any one millimetre of belt, J.
+    /// Energy from the event to the first block without drive, J.
     pub exposure_j: Spread,
     /// From the first block without drive to 5 % of the tip velocity, ms.
     pub ring_down_ms: Spread,
@@ -89,7 +89,7 @@ pub struct Passed {
     pub passage: &'static Passage,
     /// Seconds of belt.
     pub seconds: f64,
-    /// Mutes and faults.
+    /// Mutes and faults; a fault ends a part.
     pub trips: u32,
     /// Mutes a second that Rice's formula expects of the belt's speed alone.
     pub expected_per_s: f64,
@@ -180,6 +180,7 @@ pub fn pass(plan: &Plan, passage: &'static Passage, seconds: u32) -> Result<Pass
     let parts = seconds.div_ceil(PART_S);
     let part_s = f64::from(seconds) / f64::from(parts);
     let trips = (0..parts).into_par_iter().map(|part| Ok(Rig::new(plan, &passage.build(part))?.pass(part_s)));
-    let trips = trips.collect::<Result<Vec<u32>, firmware::error::Error>>()?;
-    Ok(Passed { passage, seconds: seconds.into(), trips: trips.iter().sum(), expected_per_s: passage.expected_per_s() })
+    let trips = trips.collect::<Result<Vec<(u32, f64)>, firmware::error::Error>>()?;
+    let (trips, seconds) = trips.iter().fold((0, 0.0), |sum, part| (sum.0 + part.0, sum.1 + part.1));
+    Ok(Passed { passage, seconds, trips, expected_per_s: passage.expected_per_s() })
 }

@@ -12,6 +12,7 @@ pub mod diagnostic;
 mod excitation;
 mod friction;
 mod integrator;
+mod limits;
 pub mod load;
 pub mod problem;
 pub mod resolved;
@@ -39,13 +40,13 @@ mod tests;
 pub use comparison::{Case, Comparison, Equal};
 pub use contact::{Contact, Coulomb, Dahl, Hertz, Lugre, Model, Sign};
 pub use controller::{
-    Around, Burst, ChirpKind, Controller, Direction, Drive, Edge, Limits, Phasing, Shape, Sweep, Then, Thermometer, Tracking,
-    TrackingMode,
+    Around, Burst, ChirpKind, Controller, Direction, Drive, Edge, Phasing, Shape, Sweep, Then, Tracking, TrackingMode,
 };
 pub use course::{Disturbance, DisturbedKey, Fault, FaultKind};
 pub use excitation::{Excitation, Match, VibrationVelocity, Waveform};
 pub use friction::{Friction, FrictionLaw, Prefer};
 pub use integrator::{Integrator, Method};
+pub use limits::{Limits, Thermometer};
 pub(crate) use nearest::shown;
 pub use plant::{Amplifier, Bvd, Mode, Sensors, Stack};
 pub use results::{Expect, Grid, Signal, Trace, TraceFormat};

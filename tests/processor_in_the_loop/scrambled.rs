@@ -29,6 +29,8 @@ pub(super) struct Scrambled {
     random: Xoshiro256PlusPlus,
     heard: Heard,
     left: u32,
+    /// Of the belt.
+    counts: i32,
 }
 
 impl Scrambled {
@@ -42,6 +44,7 @@ impl Scrambled {
             random: Xoshiro256PlusPlus::seed_from_u64(!seed),
             heard: Heard::Load,
             left: 400,
+            counts: i32::MAX - 3000,
         }
     }
 
@@ -79,19 +82,17 @@ impl Analog for Scrambled {
         self.left -= 1;
         self.scramble(&mut sense.v);
         self.scramble(&mut sense.i);
-        sense.slow = slow(&mut self.random);
+        sense.slow = slow(&mut self.random, &mut self.counts);
     }
 }
 
-fn counts(counts: i32) -> BeltSense {
-    BeltSense { counts, broken: false }
-}
-
-fn slow(random: &mut Xoshiro256PlusPlus) -> SlowSense {
+/// A belt that mostly moves, and sensors that mostly say something.
+fn slow(random: &mut Xoshiro256PlusPlus, counts: &mut i32) -> SlowSense {
+    *counts = counts.wrapping_add(*pick(random, &[0, 0, 1, 2, 7, -1]));
     SlowSense {
-        belt: *pick(random, &[None, Some(counts(7)), Some(counts(-3)), Some(BeltSense { broken: true, ..counts(9) })]),
+        belt: (!one_in(random, 5000)).then_some(BeltSense { counts: *counts, broken: one_in(random, 5000) }),
         temperature: *pick(random, &[None, Some(21.5)]),
-        force: *pick(random, &[None, Some(0.0), Some(10.0)]),
+        force: (!one_in(random, 5000)).then(|| (random.next_u32() % 1000) as f32 * 0.01),
         trips: one_in(random, 3000).then_some(Trips { over_current: true }),
         missed_blocks: one_in(random, 3000).then_some(1),
     }

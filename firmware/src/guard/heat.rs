@@ -90,6 +90,11 @@ impl Heat {
         self.stack_c = cold_c + by_resonance.max(by_capacitance);
     }
 
+    /// Whether the stack has told its temperature.
+    pub(super) fn knows_the_stack(&self) -> bool {
+        self.cold.is_some()
+    }
+
     /// Takes one block: the board's temperature, and the power in it, W.
     pub(super) fn inspect(&mut self, board_c: Option<f32>, driving: bool, power_w: f32) -> Option<Fault> {
         if self.most_w < f32::INFINITY && driving {

@@ -57,8 +57,10 @@ pub const EVENTS: &[Event] = &[
     Event { at_most_ms: None, ..event("lies, force channel of 500 Hz", What::Lies) },
     Event { at_most_ms: None, force_hz: Some(2000.0), ..event("lies, 2 kHz", What::Lies) },
     Event { at_most_ms: None, force_hz: Some(80.0), ..event("lies, 80 Hz", What::Lies) },
-    Event { at_most_ms: None, stop_ms: 4.0, ..event("stop, 4 ms", What::Stops) },
-    Event { at_most_ms: None, stop_ms: 4.0, ..event("slow, 4 ms", What::Slows) },
+    Event { force_hz: None, ..event("stop, encoder alone", What::Stops) },
+    Event { force_hz: None, ..event("slow, encoder alone", What::Slows) },
+    Event { at_most_ms: None, force_hz: None, stop_ms: 4.0, ..event("stop, encoder alone, 4 ms", What::Stops) },
+    Event { at_most_ms: None, force_hz: None, stop_ms: 4.0, ..event("slow, encoder alone, 4 ms", What::Slows) },
 ];
 
 impl Event {

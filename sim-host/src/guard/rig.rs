@@ -107,7 +107,7 @@ pub struct Ended {
     pub off_ms: Option<f64>,
     /// From there to 5 % of the tip velocity, ms.
     pub ring_down_ms: Option<f64>,
-    /// Energy into any one millimetre of belt, J.
+    /// Energy from the event to the first block without drive, J: all of it into one millimetre of belt.
     pub exposure_j: f64,
     /// The fault, or zero.
     pub fault: u8,
@@ -254,7 +254,7 @@ impl Rig {
         let slowing_s = 0.25 * stopping_s;
         let pace = self.motion.speed_m_per_s().max(from_speed) * self.counts_per_m * self.block_s;
         let counts = f64::from(self.last.counts);
-        let (mut since, mut off, mut quiet, mut rings) = (None, None, None, 0.0);
+        let (mut since, mut off, mut quiet, mut rings, mut spent_j) = (None, None, None, 0.0, 0.0);
         let until = at + (PATIENCE_S / self.block_s) as u64;
         while self.block < until && quiet.is_none() {
             let begins_s = self.time_s();
@@ -275,6 +275,9 @@ impl Rig {
             if slow_now && since.is_none() {
                 since = Some(begins_s);
             }
+            if since.is_some() && on {
+                spent_j += self.power_w * self.block_s;
+            }
             if off.is_none() && !on {
                 (off, rings) = (Some(begins_s), before_m_per_s);
             }
@@ -287,7 +290,7 @@ impl Rig {
             // A ripple may have muted it before: then it was OFF in time.
             off_ms: ms(since.or(off), off).map(|ms| ms.max(0.0)),
             ring_down_ms: ms(off, quiet),
-            exposure_j: self.exposure_j,
+            exposure_j: spent_j,
             fault: self.fault,
         })
     }
@@ -301,8 +304,8 @@ impl Rig {
         Ok(((self.fault != 0).then(|| self.time_s()), self.fault, self.exposure_j))
     }
 
-    /// Lets the belt pass for so long. Returns how often it was muted, and a fault as one more, which ends it.
-    pub fn pass(mut self, seconds: f64) -> u32 {
+    /// Lets the belt pass for so long. Returns how often it was muted, with a fault as one more, which ends it; and how long it has passed, s.
+    pub fn pass(mut self, seconds: f64) -> (u32, f64) {
         let blocks = (seconds / self.block_s) as u64;
         let (mut trips, mut muted) = (0, false);
         while self.block < blocks && self.fault == 0 {
@@ -310,6 +313,6 @@ impl Rig {
             trips += u32::from(!muted && self.weld.is_muted());
             muted = self.weld.is_muted();
         }
-        trips + u32::from(self.fault != 0)
+        (trips + u32::from(self.fault != 0), self.time_s())
     }
 }

@@ -207,19 +207,22 @@ impl<'a> View<'a> {
         let Some(slider) = scene.sliding().map(|(_, slider)| slider).filter(sliding) else { return };
         let force = |row: &Row| row.truth.friction_mean_n;
         let cell = |row: &Row| row.truth.load_cell_n;
-        let off = mean(self.settled(0.0, self.settle_s).map(force));
+        // What a belt keeps that stands is none either.
+        let stops_s = scene.belt_stops_s().unwrap_or(f64::INFINITY);
+        let off = |settle_s: f64| self.settled(0.0, settle_s).filter(move |row| row.time_s < stops_s);
+        let off_n = mean(off(self.settle_s).map(force));
         let on = self.held(scene).map_or_else(|| mean(self.steady().map(force)), |held| mean(held.iter().map(force)));
-        metrics.put("friction_off_n", off);
+        metrics.put("friction_off_n", off_n);
         metrics.put("friction_on_n", on);
-        let ratio = off.zip(on).map(|(off, on)| on / off);
+        let ratio = off_n.zip(on).map(|(off, on)| on / off);
         metrics.put("friction_ratio", ratio);
         metrics.put("reduction_percent", ratio.map(|ratio| 100.0 * (1.0 - ratio)));
-        let off = mean(self.settled(0.0, CELL_SETTLE_S).map(cell));
+        let off_n = mean(off(CELL_SETTLE_S).map(cell));
         let on =
             self.held(scene).map_or_else(|| mean(self.settled(1.0, CELL_SETTLE_S).map(cell)), |held| mean(held.iter().map(cell)));
-        metrics.put("load_cell_off_n", off);
+        metrics.put("load_cell_off_n", off_n);
         metrics.put("load_cell_on_n", on);
-        metrics.put("load_cell_reduction_percent", off.zip(on).map(|(off, on)| 100.0 * (1.0 - on / off)));
+        metrics.put("load_cell_reduction_percent", off_n.zip(on).map(|(off, on)| 100.0 * (1.0 - on / off)));
         let tip = mean(self.steady().map(|row| row.truth.tip_velocity_m_per_s));
         metrics.put("velocity_ratio", tip.map(|tip| slider.speed_m_per_s / tip));
     }

@@ -27,7 +27,7 @@ use crate::plant::sums::Sums;
 use crate::plant::timing::Timing;
 use crate::plant::truth::{Sample, TipMotion, Truth};
 use crate::scene;
-use crate::scene::{Dahl, DisturbedKey, Driven, FaultKind, Slider};
+use crate::scene::{Dahl, DisturbedKey, Driven, Slider};
 
 /// The plant around a stack.
 #[derive(Clone, Debug)]
@@ -68,7 +68,7 @@ impl DrivenStack {
         let [ripple_seed, force_seed] = [1, 3].map(|stream| scene.seed ^ (stream << 61));
         let mut sliding = sliding.map(|(contact, slider)| Sliding::new(contact, slider, ripple_seed));
         let block_s = f64::from(scene.controller.block_samples) / sensors.sample_hz;
-        if let (Some(sliding), Some(at_s)) = (&mut sliding, belt_stops_s(scene)) {
+        if let (Some(sliding), Some(at_s)) = (&mut sliding, scene.belt_stops_s()) {
             // From the block that it falls into, as every fault.
             sliding.belt.halt((at_s / block_s).floor() * block_s - 0.5 * block_s, 0.0);
         }
@@ -299,10 +299,4 @@ impl Analog for DrivenStack {
         self.account(&sums, (codes.len() * steps) as f64);
         sense.slow = self.slow();
     }
-}
-
-/// When a scene's faults bring its belt to a stand, s.
-fn belt_stops_s(scene: &Driven) -> Option<f64> {
-    let stops = |kind| matches!(kind, FaultKind::BeltStopped | FaultKind::EncoderLies);
-    scene.fault.iter().filter(|fault| stops(fault.kind)).map(|fault| fault.at_s).reduce(f64::min)
 }

@@ -3,7 +3,9 @@
 use std::ops::Deref;
 
 use super::contact::Model;
-use super::{Amplifier, Controller, Dahl, Excitation, Kinematic, Method, Rotor, Scene, Sdof, Sensors, Slider, Stack, Stator};
+use super::{
+    Amplifier, Controller, Dahl, Excitation, FaultKind, Kinematic, Method, Rotor, Scene, Sdof, Sensors, Slider, Stack, Stator,
+};
 
 /// Largest error of the mean friction ratio of a contact study that names none.
 const TOLERANCE: f64 = 1e-7;
@@ -47,6 +49,12 @@ impl<'a> Driven<'a> {
             Transducer::Stack(_, sliding) => sliding,
             Transducer::Stator(..) => None,
         }
+    }
+
+    /// When a fault brings the belt to a stand, s.
+    pub fn belt_stops_s(&self) -> Option<f64> {
+        let stops = |kind| matches!(kind, FaultKind::BeltStopped | FaultKind::EncoderLies);
+        self.scene.fault.iter().filter(|fault| stops(fault.kind)).map(|fault| fault.at_s).reduce(f64::min)
     }
 
     /// The stator of a motor.

@@ -49,6 +49,22 @@ fn disturbances_and_expectations_make_sense() {
 }
 
 #[test]
+fn what_watches_a_belt_needs_one_and_is_within_its_limits() {
+    let lies = ["fault.0.at_s=1", "fault.0.kind=encoder_lies"];
+    says(&report(example(), &lies), &["what is not there cannot break", "needs `sensors.encoder_counts_per_mm`"]);
+    says(&report(example(), &["fault.0.at_s=1", "fault.0.kind=force_stuck"]), &["needs `sensors.force_hz`"]);
+    says(&report(example(), &["sensors.encoder_counts_per_mm=0"]), &["`sensors.encoder_counts_per_mm` is out of range"]);
+    says(&report(example(), &["controller.limits.energy_j_per_m=10"]), &["needs `sensors.encoder_counts_per_mm`"]);
+    for limit in ["energy_j_per_m=0", "on_time_s=-1", "temperature_c=1e3", "power_w=0", "belt_stop_ms=0"] {
+        let key = limit.split('=').next().unwrap();
+        let expected = format!("`controller.limits.{key}` is out of range");
+        says(&report(example(), &[&format!("controller.limits.{limit}")]), &[expected.as_str()]);
+    }
+    let without_rig = load_text("lock", crate::scene::builtin::text("lock").unwrap(), &["sensors.force_hz=500".to_owned()]);
+    says(&without_rig.unwrap_err().to_string(), &["`sensors.force_hz` in a scene where no belt moves"]);
+}
+
+#[test]
 fn the_cells_of_the_grid_are_scenes() {
     says(
         &with_line("row_key", "row_key = \"rig.slider.load\""),
