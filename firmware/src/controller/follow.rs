@@ -12,7 +12,7 @@ use crate::supervisor::Mode;
 use crate::tracker::{Heard, State};
 
 /// How often what the observer knows of the transducer is taken, blocks.
-const LEARN_BLOCKS: u64 = 64;
+pub(super) const LEARN_BLOCKS: u64 = 64;
 
 impl Controller {
     /// Takes what the observer knows of the transducer, which is sure of it.
@@ -55,14 +55,15 @@ impl Controller {
     pub(super) fn follow(&mut self, orders: &Orders, sensed: &Sensed, played: &Played, motional: Phasor) -> Plan {
         let on = played.flat && played.envelope == 1.0 && played.volts > 0.0;
         let driven = played.envelope != 0.0;
+        let told = self.told();
         let heard = Heard {
             offset_hz: played.offset_hz,
             volts: played.volts,
-            envelope: (played.flat && played.telling).then_some(played.envelope),
+            envelope: (played.flat && told.telling).then_some(played.envelope),
             pure: played.pure,
             on,
             driven,
-            rung_up: played.rung_up,
+            rung_up: told.rung_up,
         };
         let at_lock_point = self.tracker.at_lock_point(motional, played.detune_hz);
         let phase = self.tracker.follow(sensed, motional, at_lock_point, &heard);

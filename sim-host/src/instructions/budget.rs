@@ -59,7 +59,7 @@ const fn aiming(of: &'static [(&'static str, &'static str)], name: &'static str,
 }
 
 /// Every bound. Half a step of a 14-bit converter is 6.1e-5 of its half range.
-pub const BUDGET: [Bound; 25] = [
+pub const BUDGET: [Bound; 26] = [
     bound(
         &[("stage", "sine, four lanes"), ("stage", "lock-in"), ("stage", "tracker, observer")],
         "sine on four lanes, lock-in and tracker",
@@ -95,6 +95,7 @@ pub const BUDGET: [Bound; 25] = [
     bound(&[("worst block", "one lane, run")], "worst block ON, one lane", Unit::Block, 3850.0),
     bound(&[("worst block", "four lanes, run")], "worst block ON, four lanes", Unit::Block, 4850.0),
     bound(&[("worst block", "four lanes, run at an edge")], "worst block at an edge, four lanes", Unit::Block, BLOCK),
+    bound(&[("worst block", "one lane, boosted, run at an edge")], "worst block at a boosted edge, one lane", Unit::Block, BLOCK),
     bound(&[("worst block", "four lanes, self-test")], "worst block of the self-test, four lanes", Unit::Block, BLOCK),
     bound(&[("worst block", "four lanes, clamped branch")], "worst block of the clamped branch, four lanes", Unit::Block, BLOCK),
     bound(&[("worst block", "four lanes, lock")], "worst block until the lock, four lanes", Unit::Block, BLOCK),

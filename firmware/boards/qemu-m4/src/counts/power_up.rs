@@ -5,7 +5,7 @@
 use core::fmt::Write as _;
 
 use firmware::block::{DriveBlock, Orders, Request, SenseBlock};
-use firmware::config::TrackingMode;
+use firmware::config::{Edge, TrackingMode};
 use firmware::controller::Controller;
 use firmware::supervisor::Mode;
 use firmware::telemetry::Telemetry;
@@ -26,16 +26,24 @@ const MOST_BLOCKS: u32 = 30_000;
 /// The block of the run in which the load comes, and how many blocks are told apart from then on. It comes where a burst is on.
 const LOAD: (u32, u32) = (1000, 64);
 
-/// Counts power-ups with one lane and with four; of longer blocks, and of the phase loop behind a scan, only what differs.
+/// Counts power-ups with one lane and with four; of longer blocks, of the phase loop behind a scan, and of boosted bursts, only what differs.
 pub fn count(counter: &Counter) {
     for (name, lanes) in [("one lane", 1), ("four lanes", 4)] {
-        let tallies = power_up(counter, TrackingMode::Observer, lanes, SAMPLES);
+        let tallies = power_up(counter, TrackingMode::Observer, lanes, SAMPLES, SOFT);
         for (kind, tally) in NAMES.iter().zip(&tallies) {
             tally.print(name, kind, SAMPLES);
         }
-        power_up(counter, TrackingMode::Observer, lanes, LONG_BLOCK)[RUN].print(name, "run, 64 samples a block", LONG_BLOCK);
-        let tallies = power_up(counter, TrackingMode::PhaseLock, lanes, SAMPLES);
+        power_up(counter, TrackingMode::Observer, lanes, LONG_BLOCK, SOFT)[RUN].print(
+            name,
+            "run, 64 samples a block",
+            LONG_BLOCK,
+        );
+        let tallies = power_up(counter, TrackingMode::PhaseLock, lanes, SAMPLES, SOFT);
         for (kind, tally) in PHASE_LOOP_NAMES.iter().zip(&tallies) {
+            tally.print(name, kind, SAMPLES);
+        }
+        let tallies = power_up(counter, TrackingMode::Observer, lanes, SAMPLES, Edge::Boost);
+        for (kind, tally) in BOOSTED_NAMES.iter().zip(&tallies) {
             tally.print(name, kind, SAMPLES);
         }
     }
@@ -57,6 +65,12 @@ const NAMES: [&str; 9] = [
 const PHASE_LOOP_NAMES: [&str; 9] =
     ["", "", "", "phase loop, lock", "phase loop, run", "phase loop, run at an edge", "", "", "scan"];
 
+/// The same in boosted bursts.
+const BOOSTED_NAMES: [&str; 9] =
+    ["", "", "", "", "boosted, run", "boosted, run at an edge", "boosted, run between bursts", "", ""];
+/// Edges, unless they are boosted.
+const SOFT: Edge = Edge::Soft { cycles: 8.0 };
+
 /// Running, the envelope one.
 const RUN: usize = 4;
 /// The load has just come.
@@ -69,7 +83,7 @@ fn kind(mode: Mode, report: &Telemetry) -> usize {
         Mode::Clamped => 2,
         Mode::Lock => 3,
         Mode::Run if report.envelope == 1.0 => RUN,
-        Mode::Run if report.envelope > 0.0 => 5,
+        Mode::Run if report.envelope != 0.0 => 5,
         Mode::Run => 6,
         Mode::Scan | Mode::Calibrate => 8,
     }
@@ -104,9 +118,11 @@ impl Tally {
 }
 
 /// Powers up and runs.
-fn power_up(counter: &Counter, tracking: TrackingMode, lanes: u8, samples: usize) -> [Tally; NAMES.len()] {
+fn power_up(counter: &Counter, tracking: TrackingMode, lanes: u8, samples: usize, edge: Edge) -> [Tally; NAMES.len()] {
     let mut tallies = [Tally::default(); NAMES.len()];
-    let mut controller = Controller::build(&config(tracking, lanes, samples)).expect("a valid configuration");
+    let mut config = config(tracking, lanes, samples);
+    config.burst.edge = edge;
+    let mut controller = Controller::build(&config).expect("a valid configuration");
     let mut playing = [controller.silence(), controller.silence()];
     let (mut transducer, mut sense) = (Transducer::new(), SenseBlock::default());
     let (mut mode, mut running) = (Mode::Idle, 0);
