@@ -32,6 +32,7 @@ use crate::error::{Error, in_range};
 use crate::nco::Stretch;
 use crate::phasor::Phasor;
 use crate::shape::sine::Steady;
+use crate::tracker::compare::larger;
 
 /// The longest soft edge, samples: its cosine has 2^32 steps a turn.
 const LONGEST_EDGE: f32 = (1 << 20) as f32;
@@ -96,6 +97,9 @@ pub struct Burst {
     /// Every burst ends with a brake, not only those that an order ends.
     brakes: bool,
     boosts: bool,
+    /// There is a brake or a boost, and how much louder than the drive it may get.
+    moves: bool,
+    loudest: f32,
     /// The envelope of the last block with an edge.
     levels: Vec<f32, MAX_BLOCK_SAMPLES>,
 }
@@ -121,6 +125,8 @@ impl Burst {
             boost: (config.edge == Edge::Boost).then(Boost::default),
             brakes: config.brake,
             boosts: config.edge == Edge::Boost,
+            moves: config.edge == Edge::Boost,
+            loudest: 1.0,
             levels: Vec::new(),
         })
     }
@@ -133,21 +139,20 @@ impl Burst {
     /// The brake for bursts that end with one. Nothing is braked without one.
     pub fn set_brake(&mut self, brake: Option<Brake>) {
         self.brake = brake;
+        self.loudest = brake.map_or(1.0, |brake| larger(brake.level, 1.0));
+        self.moves = brake.is_some();
     }
 
-    /// How much louder than a drive of `volts` the envelope may get: at least one, and more only by a brake or a boost.
-    pub fn loudest(&self, volts: f32) -> f32 {
-        match self.brake {
-            _ if self.boosts => self.loudest_boost(volts),
-            Some(brake) if brake.level > 1.0 => brake.level,
-            _ => 1.0,
-        }
+    /// How much louder than the drive the envelope may get: at least one, and more only by a brake or a boost.
+    #[inline]
+    pub fn loudest(&self) -> f32 {
+        self.loudest
     }
 
     /// Whether what plays under this gate is an edge that was planned for a drive, which stays what it was until that is over: the end of a burst
     /// with a brake, or a boost.
     pub fn is_under_way(&self, gate: Gate) -> bool {
-        if self.brake.is_none() && !self.boosts {
+        if !self.moves {
             return false;
         }
         let ordered = (gate == Gate::Brake || gate == Gate::Off && self.boosts) && matches!(self.state, State::Open { .. });

@@ -209,7 +209,7 @@ impl Controller {
         let hz = self.sweep.hold.nominal_hz() + offset_hz;
 
         let now = (self.block + LATENCY_BLOCKS as u64) * self.samples as u64;
-        let louder = self.burst.loudest(plan.volts);
+        let louder = self.burst.loudest();
         let envelope = match mode {
             Mode::Idle | Mode::Fault => self.burst.snap(false, &stretch, self.samples),
             Mode::SelfTest | Mode::Scan | Mode::Calibrate | Mode::Clamped => {
@@ -263,7 +263,7 @@ impl Controller {
             true if self.tracker.limited() || plan.limited => Some(Limit::FrequencyWindow),
             true if self.phasing.quadrature(orders.quadrature).1 => Some(Limit::QuadratureRequest),
             true if self.tracker.state() == State::Unheard => Some(Limit::NotTracking),
-            true if mode == Mode::Run && self.burst.limited() => Some(Limit::BoostLimited),
+            true if self.burst.limited() && mode == Mode::Run => Some(Limit::BoostLimited),
             _ => None,
         };
         Telemetry {

@@ -183,9 +183,9 @@ impl Burst {
         }
     }
 
-    #[inline(never)]
-    pub(super) fn loudest_boost(&self, volts: f32) -> f32 {
-        self.boost.as_ref().map_or(1.0, |boost| boost.loudest(volts))
+    /// Takes the drive of the next block, by which a boost is louder, V.
+    pub fn set_drive(&mut self, volts: f32) {
+        self.loudest = self.boost.as_ref().map_or(1.0, |boost| boost.loudest(volts));
     }
 
     /// Whether the gate turns within so many samples from `now` on.

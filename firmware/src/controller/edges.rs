@@ -99,8 +99,8 @@ pub(super) fn check(config: &Config) -> Result<(), Error> {
 impl Controller {
     /// What the block that is heard tells.
     #[inline]
-    pub(super) fn told(&self) -> Told {
-        if self.burst.boosts() { self.edges.told[(self.block % LATENCY_BLOCKS as u64) as usize] } else { Told::PLAIN }
+    pub(super) fn told(&self, boosts: bool) -> Told {
+        if boosts { self.edges.told[(self.block % LATENCY_BLOCKS as u64) as usize] } else { Told::PLAIN }
     }
 
     /// Notes what the block tells that has been written, of a drive of `volts` and this mean envelope.
@@ -111,15 +111,10 @@ impl Controller {
         self.edges.told[(self.block % LATENCY_BLOCKS as u64) as usize] = Told { rung_up, telling, even };
     }
 
-    /// Prepares the edge that may come next.
-    #[inline]
-    pub(super) fn prepare_edges(&mut self, orders: &Orders, sensed: &Sensed, played: &Played, motional: Phasor) {
-        if self.burst.boosts() { self.prepare_boost(orders, sensed, played, motional) } else { self.prepare_brake(orders.gate) }
-    }
-
+    /// Prepares the boosted edge that may come next.
     #[inline(never)]
-    fn prepare_boost(&mut self, orders: &Orders, sensed: &Sensed, played: &Played, motional: Phasor) {
-        if played.flat && played.pure && self.told().even {
+    pub(super) fn prepare_boost(&mut self, orders: &Orders, sensed: &Sensed, played: &Played, motional: Phasor) {
+        if played.flat && played.pure && self.told(true).even {
             // Silence tells nothing but noise, and a steady drive little.
             if played.envelope > 1.0
                 || played.envelope > 0.0 && (self.supervisor.mode() == Mode::Lock || self.block % STEADY == 0)
@@ -189,7 +184,7 @@ impl Controller {
     }
 
     /// The brake for what rings. It is made anew where the drive has changed, because its level counts from the drive.
-    fn prepare_brake(&mut self, gate: Gate) {
+    pub(super) fn prepare_brake(&mut self, gate: Gate) {
         const SAME: f32 = 0.01;
         let volts = self.amplitude.volts();
         if self.burst.is_under_way(gate) {

@@ -55,7 +55,8 @@ impl Controller {
     pub(super) fn follow(&mut self, orders: &Orders, sensed: &Sensed, played: &Played, motional: Phasor) -> Plan {
         let on = played.flat && played.envelope == 1.0 && played.volts > 0.0;
         let driven = played.envelope != 0.0;
-        let told = self.told();
+        let boosts = self.burst.boosts();
+        let told = self.told(boosts);
         let heard = Heard {
             offset_hz: played.offset_hz,
             volts: played.volts,
@@ -81,7 +82,11 @@ impl Controller {
         // An edge is never quite one, whatever its mean rounds to.
         let envelope = if played.flat || played.envelope > 1.0 { played.envelope } else { played.envelope.min(0.999) };
         // Before the order's own amplitude: what rings was driven by the one before.
-        self.prepare_edges(orders, sensed, played, motional);
+        if boosts {
+            self.prepare_boost(orders, sensed, played, motional);
+        } else {
+            self.prepare_brake(orders.gate);
+        }
         let known = self.transducer.is_some() || !self.tracker.observes();
         if known {
             self.amplitude.update(orders.amplitude.unwrap_or(self.amplitude_asked), envelope, at_lock_point);
@@ -91,6 +96,9 @@ impl Controller {
             () if self.burst.is_under_way(orders.gate) => self.braked_volts,
             () => self.amplitude.volts(),
         };
+        if boosts {
+            self.burst.set_drive(volts);
+        }
         Plan { volts, gate: orders.gate, listen: 0, phase, limited, progress: self.lock_progress() }
     }
 
