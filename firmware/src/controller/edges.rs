@@ -117,7 +117,7 @@ impl Controller {
         if played.flat && played.pure && self.told(true).even {
             // Silence tells nothing but noise, and a steady drive little.
             if played.envelope > 1.0
-                || played.envelope > 0.0 && (self.supervisor.mode() == Mode::Lock || self.block % STEADY == 0)
+                || played.envelope > 0.0 && (self.supervisor.mode() == Mode::Lock || self.block.is_multiple_of(STEADY))
             {
                 self.edges.source.hear(played.volts * played.envelope, sensed.v, motional);
             }
