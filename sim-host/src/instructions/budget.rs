@@ -94,6 +94,7 @@ pub const BUDGET: [Bound; 26] = [
     bound(&[("worst block", "one lane, run")], "worst block ON, one lane", Unit::Block, 3850.0),
     bound(&[("worst block", "four lanes, run")], "worst block ON, four lanes", Unit::Block, 4850.0),
     bound(&[("worst block", "four lanes, run at an edge")], "worst block at an edge, four lanes", Unit::Block, BLOCK),
+    bound(&[("worst block", "one lane, boosted, run at an edge")], "worst block at a boosted edge, one lane", Unit::Block, BLOCK),
     bound(&[("worst block", "four lanes, self-test")], "worst block of the self-test, four lanes", Unit::Block, BLOCK),
     bound(&[("worst block", "four lanes, clamped branch")], "worst block of the clamped branch, four lanes", Unit::Block, BLOCK),
     bound(

@@ -49,8 +49,9 @@ impl Bench {
         let mut burst = Burst::build(&config, HZ as f32, 1e6).unwrap();
         let plant = Plant::of(q);
         let per_time_constant = (2.0 * q / core::f64::consts::PI) as f32;
-        burst.set_strokes(Some(Strokes::of(per_time_constant, VOLTS, ceiling)), plant.alpha as f32);
-        burst.hear(0.0, BLOCK);
+        burst.set_strokes(Some(Strokes::of(per_time_constant, VOLTS, ceiling)));
+        burst.set_rate(plant.alpha as f32, BLOCK);
+        burst.hear(0.0);
         Bench { burst, plant, block: 0, played: std::vec::Vec::new() }
     }
 
@@ -104,9 +105,8 @@ fn boost_and_brake_land_at_any_q() {
         let (landed, most) = (landed / steady, bench.loudest() / steady);
         bench.blocks(Gate::Off, 100);
         let left = bench.left() / steady;
-        // Measured: at most 0.4 % of overshoot and 0.3 % left, at Q 20, by the samples that its three half cycles are rounded to.
-        std::println!("Q {q}: {landed} {most} {left} {}", bench.left_over());
-        assert!((landed - 1.0).abs() < 1e-3 && most < 1.006 && left < 5e-3, "Q {q}: {landed} {most} {left}");
+        // Measured: 0.1 % of overshoot and 1.04 % left at Q 20, by the samples that its three half cycles are rounded to; 0.03 and 0.4 % at Q 65.
+        assert!((landed - 1.0).abs() < 3e-4 && most < 1.0015 && left < 0.012, "Q {q}: {landed} {most} {left}");
         // Boost, drive and brake cancel: to a fiftieth of the boost's own half cycle.
         assert!(bench.left_over().abs() < 0.3, "Q {q}: {} V", bench.left_over());
     }
@@ -130,7 +130,6 @@ fn a_gate_that_turns_round_early_is_followed() {
         bench.blocks(Gate::Off, 100);
         let (most, left) = (bench.loudest() / f64::from(VOLTS), bench.left() / f64::from(VOLTS));
         let loudest = bench.played.iter().fold(0.0f64, |most, played| most.max(played.0.abs()));
-        std::println!("Q {q}: {most} {left} {loudest} {}", bench.left_over());
         assert!(most < 1.02 && left < 0.01 && loudest < 15.467, "Q {q}: {most} {left} {loudest} V");
         // Of 200 bursts together.
         assert!(bench.left_over().abs() < 30.0, "Q {q}: {} V", bench.left_over());
@@ -163,7 +162,6 @@ fn the_edge_times_are_those_of_the_envelope() {
         let above = bench.played.iter().filter(|played| played.1 > f64::from(part * VOLTS)).count() as f64;
         let told = f64::from(times.longer_above(part, VOLTS)) * 0.5e6 / HZ;
         // Measured: 2.5 samples, of the envelope's two steps a period.
-        std::println!("{part}: {} {told}", above - gate);
         assert!((above - gate - told).abs() < 5.0, "{part}: {} and {told}", above - gate);
     }
 }

@@ -31,6 +31,7 @@ fn edge(run: &Run, window: &Window) -> Figure {
     };
     let what_moves = if run.scene.stator().is_some() { "crest velocity" } else { "tip velocity" };
     let mut series = vec![relative(what_moves, "tip_velocity_relative", &velocity)];
+    series.push(relative("its envelope", "tip_envelope_relative", &|n| window.samples[n].tip_envelope_m_per_s));
     if run.scene.contact.is_some() {
         series.push(relative("friction", "friction_relative", &friction));
     }

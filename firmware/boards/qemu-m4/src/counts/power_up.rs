@@ -5,7 +5,7 @@
 use core::fmt::Write as _;
 
 use firmware::block::{DriveBlock, Orders, Request, SenseBlock};
-use firmware::config::TrackingMode;
+use firmware::config::{Edge, TrackingMode};
 use firmware::controller::Controller;
 use firmware::supervisor::Mode;
 use firmware::telemetry::Telemetry;
@@ -26,19 +26,36 @@ const MOST_BLOCKS: u32 = 30_000;
 /// The block of the run in which the load comes, and how many blocks are told apart from then on. It comes where a burst is on.
 const LOAD: (u32, u32) = (1000, 64);
 
-/// Counts power-ups with one lane and with four; of longer blocks, of a second resonance, and of the phase loop behind a scan, only what differs.
+/// What is powered up, and how.
+#[derive(Clone)]
+struct Trial {
+    transducer: Transducer,
+    tracking: TrackingMode,
+    lanes: u8,
+    samples: usize,
+    edge: Edge,
+}
+
+/// Counts power-ups with one lane and with four; of longer blocks, of a second resonance, of the phase loop behind a scan, and of boosted bursts,
+/// only what differs.
 pub fn count(counter: &Counter) {
     for (name, lanes) in [("one lane", 1), ("four lanes", 4)] {
-        let tallies = power_up(counter, Transducer::new(), TrackingMode::Observer, lanes, SAMPLES);
+        let plain =
+            Trial { transducer: Transducer::new(), tracking: TrackingMode::Observer, lanes, samples: SAMPLES, edge: SOFT };
+        let tallies = power_up(counter, &plain);
         for (kind, tally) in NAMES.iter().zip(&tallies) {
             tally.print(name, kind, SAMPLES);
         }
-        let tallies = power_up(counter, Transducer::new(), TrackingMode::Observer, lanes, LONG_BLOCK);
+        let tallies = power_up(counter, &Trial { samples: LONG_BLOCK, ..plain.clone() });
         tallies[RUN].print(name, "run, 64 samples a block", LONG_BLOCK);
-        let tallies = power_up(counter, Transducer::in_company(), TrackingMode::Observer, lanes, SAMPLES);
+        let tallies = power_up(counter, &Trial { transducer: Transducer::in_company(), ..plain.clone() });
         tallies[CLAMPED].print(name, "clamped branch, two resonances", SAMPLES);
-        let tallies = power_up(counter, Transducer::new(), TrackingMode::PhaseLock, lanes, SAMPLES);
+        let tallies = power_up(counter, &Trial { tracking: TrackingMode::PhaseLock, ..plain.clone() });
         for (kind, tally) in PHASE_LOOP_NAMES.iter().zip(&tallies) {
+            tally.print(name, kind, SAMPLES);
+        }
+        let tallies = power_up(counter, &Trial { edge: Edge::Boost, ..plain });
+        for (kind, tally) in BOOSTED_NAMES.iter().zip(&tallies) {
             tally.print(name, kind, SAMPLES);
         }
     }
@@ -62,6 +79,12 @@ const PHASE_LOOP_NAMES: [&str; 9] =
 
 /// The clamped branch is measured.
 const CLAMPED: usize = 2;
+/// The same in boosted bursts.
+const BOOSTED_NAMES: [&str; 9] =
+    ["", "", "", "", "boosted, run", "boosted, run at an edge", "boosted, run between bursts", "", ""];
+/// Edges, unless they are boosted.
+const SOFT: Edge = Edge::Soft { cycles: 8.0 };
+
 /// Running, the envelope one.
 const RUN: usize = 4;
 /// The load has just come.
@@ -74,7 +97,7 @@ fn kind(mode: Mode, report: &Telemetry) -> usize {
         Mode::Clamped => CLAMPED,
         Mode::Lock => 3,
         Mode::Run if report.envelope == 1.0 => RUN,
-        Mode::Run if report.envelope > 0.0 => 5,
+        Mode::Run if report.envelope != 0.0 => 5,
         Mode::Run => 6,
         Mode::Scan | Mode::Calibrate => 8,
     }
@@ -109,17 +132,13 @@ impl Tally {
 }
 
 /// Powers up and runs.
-fn power_up(
-    counter: &Counter,
-    mut transducer: Transducer,
-    tracking: TrackingMode,
-    lanes: u8,
-    samples: usize,
-) -> [Tally; NAMES.len()] {
+fn power_up(counter: &Counter, trial: &Trial) -> [Tally; NAMES.len()] {
     let mut tallies = [Tally::default(); NAMES.len()];
-    let mut controller = Controller::build(&config(tracking, lanes, samples)).expect("a valid configuration");
+    let mut config = config(trial.tracking, trial.lanes, trial.samples);
+    config.burst.edge = trial.edge;
+    let mut controller = Controller::build(&config).expect("a valid configuration");
     let mut playing = [controller.silence(), controller.silence()];
-    let mut sense = SenseBlock::default();
+    let (mut transducer, mut sense) = (trial.transducer.clone(), SenseBlock::default());
     let (mut mode, mut running) = (Mode::Idle, 0);
     for block in 0..MOST_BLOCKS {
         let drive: &mut DriveBlock = &mut playing[block as usize % 2];
