@@ -21,8 +21,11 @@
 //! **Settled** is what comes 20 ms after an edge; or a third of what is left of the run from its first block of running, or from its last
 //! step disturbance, if that is less.
 //!
+//! A pull that lags by half a second never settles within 20 ms: what a belt's friction is measured over stands in `belt.rs`.
+//!
 //! The tip velocity of a stator is that of its crests, across the ring. What only a motor has stands in `motor.rs`.
 
+mod belt;
 mod electrical;
 pub mod lock_claims;
 mod motor;
@@ -32,7 +35,7 @@ use firmware::supervisor::Mode;
 use super::Metrics;
 use crate::record::{Record, Row};
 use crate::scene::{Driven, Slider};
-use crate::schedule::first_window;
+use crate::schedule::first_on;
 
 /// After an edge or a disturbance, this long is not counted as steady, s,
 const SETTLE_S: f64 = 0.02;
@@ -46,6 +49,7 @@ pub fn of(scene: &Driven, record: &Record) -> Metrics {
     let mut metrics = Metrics::default();
     let view = View::new(scene, record);
     view.friction(scene, &mut metrics);
+    view.belt(scene, &mut metrics);
     view.edges(scene, &mut metrics);
     view.lock(&mut metrics);
     view.steady_state(&mut metrics);
@@ -219,7 +223,7 @@ impl<'a> View<'a> {
             }
             None
         };
-        let window = scene.controller.burst.as_ref().and_then(|burst| first_window(burst, run_from));
+        let window = first_on(scene, run_from);
         metrics.put("rise_time_ms", window.and_then(|(on, _)| reaches(on, &|v| v >= 0.9 * steady)).map(|s| 1e3 * s));
         metrics.put("fall_time_ms", window.and_then(|(_, off)| reaches(off, &|v| v <= 0.1 * steady)).map(|s| 1e3 * s));
     }

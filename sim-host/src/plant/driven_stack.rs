@@ -4,7 +4,9 @@
 //! DAC hold -> amplifier -> stack <-> tip motion <-> friction contact <-> slider -> sensors -> ADC
 //! ```
 //!
-//! Plant states: five of amplifier and stack and two of each further mode, one of the contact, two of the load cell; a rigid slider costs none. The
+//! A horn on a belt has no contact along its vibration: the belt ([`Webbing`]) damps it, and is pulled once a block.
+//!
+//! Plant states: five of amplifier and stack and two of each further mode, one of the contact or of the belt, two of the load cell; a rigid slider costs none. The
 //! friction at the tip comes back into the stack's motional branch. A sample is one step or several, as the contact needs: the
 //! linear part by its exact flow with the friction held at its last value, the contact exactly in the slip that results, and then
 //! the stack is corrected by what the mean friction over the step was instead. Second order in the coupling, exact without it.
@@ -24,6 +26,7 @@ use crate::plant::stack::{Held, Stack};
 use crate::plant::sums::Sums;
 use crate::plant::timing::Timing;
 use crate::plant::truth::{Sample, TipMotion, Truth};
+use crate::plant::webbing::Webbing;
 use crate::scene;
 use crate::scene::{Dahl, DisturbedKey, Driven, Slider};
 
@@ -39,6 +42,7 @@ pub struct DrivenStack {
     elements: Elements,
     block_s: f64,
     sliding: Option<Sliding>,
+    webbing: Option<Webbing>,
     load_cell: LoadCell,
     changes: Vec<Change>,
     time_s: f64,
@@ -74,6 +78,7 @@ impl DrivenStack {
             elements,
             block_s,
             sliding,
+            webbing: scene.belt().map(|(contact, belt)| Webbing::new(contact, belt)),
             load_cell: LoadCell::new(sensors.load_cell_hz, block_s),
             changes: scene.disturbance.iter().cloned().map(Change::new).collect(),
             time_s: 0.0,
@@ -105,7 +110,7 @@ impl DrivenStack {
 
     /// States that are integrated in time.
     pub fn states(&self) -> usize {
-        self.stack.states() + 2 + usize::from(self.sliding.is_some())
+        self.stack.states() + 2 + usize::from(self.sliding.is_some() || self.webbing.is_some())
     }
 
     /// Keeps the next blocks sample by sample, or stops doing so.
@@ -135,6 +140,13 @@ impl DrivenStack {
     }
 
     fn value(&self, key: DisturbedKey) -> f64 {
+        if let Some(webbing) = &self.webbing {
+            match key {
+                DisturbedKey::BeltLoad => return webbing.load_n(),
+                DisturbedKey::BeltSpeed => return webbing.speed_m_per_s,
+                _ => {}
+            }
+        }
         match (key, &self.sliding) {
             (DisturbedKey::Load, Some(sliding)) => sliding.load_n(),
             (DisturbedKey::Speed, Some(sliding)) => sliding.speed_m_per_s,
@@ -144,6 +156,13 @@ impl DrivenStack {
     }
 
     fn set(&mut self, key: DisturbedKey, value: f64) {
+        if let Some(webbing) = &mut self.webbing {
+            match key {
+                DisturbedKey::BeltLoad => return self.elements.damp(webbing.set_load(value), &self.stack),
+                DisturbedKey::BeltSpeed => return webbing.speed_m_per_s = value,
+                _ => {}
+            }
+        }
         match (key, &mut self.sliding) {
             (DisturbedKey::Load, Some(sliding)) => sliding.set_load(value),
             (DisturbedKey::Speed, Some(sliding)) => sliding.speed_m_per_s = value,
@@ -196,15 +215,21 @@ impl DrivenStack {
         let lost = step_s * circuit.rm_ohm * sums.lost;
         self.energy.lost_j += lost + step_s * sums.further_lost;
         self.energy.friction_on_tip_j += sums.friction_on_tip;
-        let speed = self.sliding.as_ref().map_or(0.0, |sliding| sliding.speed_m_per_s);
         self.energy.stored_j = self.stack.stored_j();
 
         let block_s = steps * step_s;
-        let mean = sums.friction / steps;
+        let of_slider = self.sliding.as_ref().map_or(0.0, |sliding| sliding.speed_m_per_s);
+        let (mean, speed, extremes) = match &mut self.webbing {
+            Some(webbing) => {
+                let pull = webbing.pull(self.stack.tip_amplitude() / circuit.omega(), block_s);
+                (pull, webbing.speed_m_per_s, (pull, pull))
+            }
+            None => (sums.friction / steps, of_slider, (sums.friction_min, sums.friction_max)),
+        };
         self.truth = Truth {
             friction_mean_n: mean,
-            friction_min_n: sums.friction_min.min(mean),
-            friction_max_n: sums.friction_max.max(mean),
+            friction_min_n: extremes.0.min(mean),
+            friction_max_n: extremes.1.max(mean),
             load_cell_n: self.load_cell.feel(mean),
             tip_velocity_m_per_s: self.stack.tip_amplitude(),
             series_resonance_hz: circuit.series_resonance_hz(),
@@ -218,6 +243,7 @@ impl DrivenStack {
                 square_m2_per_s2: sums.lost / steps / circuit.force_factor_n_per_v.powi(2),
                 peak_m_per_s: sums.current_peak / circuit.force_factor_n_per_v,
             }),
+            horn: self.webbing.as_ref().map(Webbing::truth),
             motor: None,
         };
         self.time_s += block_s;
@@ -229,6 +255,8 @@ impl Analog for DrivenStack {
         self.disturb();
         let codes = drive.lanes.first().map_or(&[][..], |lane| lane.as_slice());
         let (steps, step_s) = (self.timing.steps as usize, self.timing.step_s());
+        // The pull of a belt hardly changes from one block to the next, and has no value within it.
+        let pull_n = self.webbing.as_ref().map_or(0.0, |_| self.truth.friction_mean_n);
         let mut sums = Sums::new();
         sense.v.clear();
         sense.i.clear();
@@ -260,7 +288,7 @@ impl Analog for DrivenStack {
                     voltage_v: self.stack.voltage(),
                     motional_current_a: self.stack.motional_current(),
                     tip_velocity_m_per_s: self.stack.tip_velocity(),
-                    friction_n: friction / steps as f64,
+                    friction_n: pull_n + friction / steps as f64,
                     ..Sample::default()
                 });
             }

@@ -3,6 +3,7 @@
 //! A rule reads the keys it looks at, and is silent if one of them is itself wrong, so that one mistake neither raises a second
 //! complaint nor hides another one.
 
+mod belt;
 mod cells;
 mod comparison;
 mod contact;
@@ -38,9 +39,12 @@ pub(super) fn check(root: &Node, findings: Findings) -> Findings {
     rules.kind();
     rules.belonging();
     for group in EXCLUSIVE {
-        rules.tables(group.table).iter().for_each(|path| rules.exclusive(group, path));
+        if !rules.said_by_a_belt(group) {
+            rules.tables(group.table).iter().for_each(|path| rules.exclusive(group, path));
+        }
     }
     rules.contact();
+    rules.belt();
     match rules.kind {
         Some(Kind::Driven) => {
             rules.driven();

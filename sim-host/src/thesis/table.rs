@@ -73,7 +73,7 @@ pub fn claims(findings: &Findings) -> TableBlock {
     let caption = "Reproduced: holds in every check. Conditional: on the conditions under which it holds. Refuted: holds in none. The \
                    verdicts are computed from the numbers.";
     let header = ["claim", "thesis", "verdict", "check", "numbers"];
-    block("claims", "Claims of chapter 4 and appendix B", caption, &header, rows)
+    block("claims", "Claims of chapters 3 and 4 and appendix B", caption, &header, rows)
 }
 
 /// The contradictions.

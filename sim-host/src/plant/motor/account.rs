@@ -41,6 +41,7 @@ impl Motor {
             friction_on_tip_w: sums.friction_on_tip / block_s,
             friction_on_slider_w: -block.rotor_work / block_s,
             tip: None,
+            horn: None,
             motor: Some(self.motor_truth(drive, &waves, mean, block.normal / steps)),
         };
         self.time_s += block_s;

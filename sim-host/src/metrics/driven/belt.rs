@@ -1,0 +1,54 @@
+//! Numbers of a belt under a horn, whose pull comes to its reduced value in a good second and not within the vibration's ring-up.
+//!
+//! | metric | over |
+//! |---|---|
+//! | `friction_off_n`, `load_cell_off_n` | the last 20 ms before the first ON window |
+//! | `friction_on_n`, `load_cell_on_n`, `amplitude_fraction` | the last 20 ms of that window: what the thesis calls the reduction after so long |
+//! | `lasting_reduction_percent` | what the law says of that amplitude if it lasted |
+//! | `on_time_s` | how long the window was, as played |
+
+use firmware::supervisor::Mode;
+
+use super::super::Metrics;
+use super::{View, mean};
+use crate::record::Row;
+use crate::scene::Driven;
+
+/// What is averaged at the end of each state, s.
+const AVERAGE_S: f64 = 0.02;
+
+impl View<'_> {
+    /// Adds these numbers, if the scene has a belt that moves.
+    pub(super) fn belt(&self, scene: &Driven, metrics: &mut Metrics) {
+        if !scene.belt().is_some_and(|(_, belt)| belt.speed_m_per_s != 0.0) {
+            return;
+        }
+        let Some(&(from_s, to_s)) = self.on_windows().first() else { return };
+        let until = |end_s: f64, on: bool| {
+            let within = move |row: &&Row| {
+                row.mode == Mode::Run
+                    && (row.envelope > 0.0) == on
+                    && (end_s - AVERAGE_S..end_s).contains(&(row.time_s - self.block_s))
+            };
+            self.rows.iter().filter(within)
+        };
+        let (before, last) = (|| until(from_s, false), || until(to_s, true));
+        let pairs: [(_, _, fn(&Row) -> f64); 2] = [
+            ("friction_off_n", "friction_on_n", |row| row.truth.friction_mean_n),
+            ("load_cell_off_n", "load_cell_on_n", |row| row.truth.load_cell_n),
+        ];
+        let ratio = pairs.map(|(name_off, name_on, force)| {
+            let (off, on) = (mean(before().map(force)), mean(last().map(force)));
+            metrics.put(name_off, off);
+            metrics.put(name_on, on);
+            off.zip(on).map(|(off, on)| on / off)
+        });
+        metrics.put("friction_ratio", ratio[0]);
+        metrics.put("reduction_percent", ratio[0].map(|ratio| 100.0 * (1.0 - ratio)));
+        metrics.put("load_cell_reduction_percent", ratio[1].map(|ratio| 100.0 * (1.0 - ratio)));
+        let horn = |row: &Row| row.truth.horn.unwrap_or_default();
+        metrics.put("amplitude_fraction", mean(last().map(|row| horn(row).amplitude_fraction)));
+        metrics.put("lasting_reduction_percent", mean(last().map(|row| 100.0 * horn(row).lasting_reduction)));
+        metrics.put("on_time_s", to_s - from_s);
+    }
+}
