@@ -14,12 +14,15 @@
 use firmware::block::{DriveBlock, SenseBlock, SlowSense};
 use hal_mock::analog::Analog;
 
+use crate::plant::belt_motion::BeltMotion;
 use crate::plant::circuit::Circuit;
 use crate::plant::converter::{Adc, Dac};
 use crate::plant::delay::Delay;
 use crate::plant::disturbance::Change;
 use crate::plant::elements::Elements;
+use crate::plant::encoder::Encoder;
 use crate::plant::energy::Energy;
+use crate::plant::force_channel::ForceChannel;
 use crate::plant::load_cell::LoadCell;
 use crate::plant::sliding::{Sliding, steps_per_sample};
 use crate::plant::stack::{Held, Stack};
@@ -28,7 +31,7 @@ use crate::plant::timing::Timing;
 use crate::plant::truth::{Sample, TipMotion, Truth};
 use crate::plant::webbing::Webbing;
 use crate::scene;
-use crate::scene::{Dahl, DisturbedKey, Driven, Slider};
+use crate::scene::{Dahl, DisturbedKey, Driven, FaultKind, Slider};
 
 /// The plant around a stack.
 #[derive(Clone, Debug)]
@@ -44,6 +47,9 @@ pub struct DrivenStack {
     sliding: Option<Sliding>,
     webbing: Option<Webbing>,
     load_cell: LoadCell,
+    encoder: Option<Encoder>,
+    force_channel: Option<ForceChannel>,
+    board_c: Option<f32>,
     changes: Vec<Change>,
     time_s: f64,
     energy: Energy,
@@ -63,11 +69,13 @@ impl DrivenStack {
             conversions: sensors.oversample.into(),
             skew_s: sensors.skew_s,
         };
-        let sliding = sliding.map(|(contact, slider)| Sliding::new(contact, slider));
+        // Streams far from those of the converters.
+        let [ripple_seed, force_seed] = [1, 3].map(|stream| scene.seed ^ (stream << 61));
+        let sliding = sliding.map(|(contact, slider)| Sliding::new(contact, slider, ripple_seed));
         let block_s = f64::from(scene.controller.block_samples) / sensors.sample_hz;
         let delay = Delay::of(scene.amplifier.delay_s * sensors.sample_hz);
         let late_s = delay.as_ref().map_or(0.0, Delay::fraction) / sensors.sample_hz;
-        DrivenStack {
+        let mut plant = DrivenStack {
             dac: Dac::new(sensors, scene.amplifier),
             // Two streams that never meet, whatever the seed: the halves of a 64-bit space apart.
             v_adc: Adc::new(sensors, sensors.v_full_scale_v, scene.seed),
@@ -78,14 +86,22 @@ impl DrivenStack {
             elements,
             block_s,
             sliding,
-            webbing: scene.belt().map(|(contact, belt)| Webbing::new(contact, belt)),
+            webbing: scene.belt().map(|(contact, belt)| Webbing::new(contact, belt, ripple_seed)),
             load_cell: LoadCell::new(sensors.load_cell_hz, block_s),
+            encoder: sensors.encoder_counts_per_mm.map(|counts| Encoder::new(counts, 0.5)),
+            force_channel: sensors.force_hz.map(|hz| ForceChannel::new(hz, block_s, sensors.force_noise_n, force_seed)),
+            board_c: sensors.board_c.map(|celsius| celsius as f32),
             changes: scene.disturbance.iter().cloned().map(Change::new).collect(),
             time_s: 0.0,
             energy: Energy::default(),
             truth: Truth::default(),
             samples: None,
+        };
+        if let (Some(belt), Some(at_s)) = (plant.belt(), belt_stops_s(scene)) {
+            // From the block that it falls into, as every fault.
+            belt.halt((at_s / block_s).floor() * block_s - 0.5 * block_s, 0.0);
         }
+        plant
     }
 
     /// The truth about the last block.
@@ -143,13 +159,13 @@ impl DrivenStack {
         if let Some(webbing) = &self.webbing {
             match key {
                 DisturbedKey::BeltLoad => return webbing.load_n(),
-                DisturbedKey::BeltSpeed => return webbing.speed_m_per_s,
+                DisturbedKey::BeltSpeed => return webbing.belt.nominal_m_per_s(),
                 _ => {}
             }
         }
         match (key, &self.sliding) {
             (DisturbedKey::Load, Some(sliding)) => sliding.load_n(),
-            (DisturbedKey::Speed, Some(sliding)) => sliding.speed_m_per_s,
+            (DisturbedKey::Speed, Some(sliding)) => sliding.belt.nominal_m_per_s(),
             // Keys of a motor and of contact studies are nothing here.
             _ => self.elements.value(key, &self.stack).unwrap_or(0.0),
         }
@@ -159,13 +175,13 @@ impl DrivenStack {
         if let Some(webbing) = &mut self.webbing {
             match key {
                 DisturbedKey::BeltLoad => return self.elements.damp(webbing.set_load(value), &self.stack),
-                DisturbedKey::BeltSpeed => return webbing.speed_m_per_s = value,
+                DisturbedKey::BeltSpeed => return webbing.belt.set_nominal(value),
                 _ => {}
             }
         }
         match (key, &mut self.sliding) {
             (DisturbedKey::Load, Some(sliding)) => sliding.set_load(value),
-            (DisturbedKey::Speed, Some(sliding)) => sliding.speed_m_per_s = value,
+            (DisturbedKey::Speed, Some(sliding)) => sliding.belt.set_nominal(value),
             _ => self.elements.set(key, value, &self.stack),
         }
     }
@@ -205,6 +221,24 @@ impl DrivenStack {
         force
     }
 
+    /// What moves: the slider, or the belt under a horn.
+    fn belt(&mut self) -> Option<&mut BeltMotion> {
+        let belt = self.webbing.as_mut().map(|webbing| &mut webbing.belt);
+        belt.or(self.sliding.as_mut().map(|sliding| &mut sliding.belt))
+    }
+
+    /// The slow sensors at the end of a block.
+    fn slow(&mut self) -> SlowSense {
+        let position_m = self.truth.belt_position_m;
+        let force_n = self.truth.friction_mean_n;
+        SlowSense {
+            belt: self.encoder.map(|encoder| encoder.read(position_m)),
+            temperature: self.board_c,
+            force: self.force_channel.as_mut().map(|channel| channel.feel(force_n)),
+            ..SlowSense::default()
+        }
+    }
+
     /// Closes a block of `steps` steps: work done, and the truth about it.
     fn account(&mut self, sums: &Sums, steps: f64) {
         self.stack.settle();
@@ -218,14 +252,14 @@ impl DrivenStack {
         self.energy.stored_j = self.stack.stored_j();
 
         let block_s = steps * step_s;
-        let of_slider = self.sliding.as_ref().map_or(0.0, |sliding| sliding.speed_m_per_s);
-        let (mean, speed, extremes) = match &mut self.webbing {
+        let (mean, extremes) = match &mut self.webbing {
             Some(webbing) => {
                 let pull = webbing.pull(self.stack.tip_amplitude() / circuit.omega(), block_s);
-                (pull, webbing.speed_m_per_s, (pull, pull))
+                (pull, (pull, pull))
             }
-            None => (sums.friction / steps, of_slider, (sums.friction_min, sums.friction_max)),
+            None => (sums.friction / steps, (sums.friction_min, sums.friction_max)),
         };
+        let (speed, position_m) = self.belt().map_or((0.0, 0.0), |belt| (belt.speed_m_per_s(), belt.position_m()));
         self.truth = Truth {
             friction_mean_n: mean,
             friction_min_n: extremes.0.min(mean),
@@ -239,6 +273,8 @@ impl DrivenStack {
             lost_w: lost / block_s,
             friction_on_tip_w: sums.friction_on_tip / block_s,
             friction_on_slider_w: mean * speed,
+            belt_position_m: position_m,
+            belt_speed_m_per_s: speed,
             tip: Some(TipMotion {
                 square_m2_per_s2: sums.lost / steps / circuit.force_factor_n_per_v.powi(2),
                 peak_m_per_s: sums.current_peak / circuit.force_factor_n_per_v,
@@ -253,6 +289,10 @@ impl DrivenStack {
 impl Analog for DrivenStack {
     fn exchange(&mut self, drive: &DriveBlock, sense: &mut SenseBlock) {
         self.disturb();
+        let block_s = self.block_s;
+        if let Some(belt) = self.belt() {
+            belt.advance(block_s);
+        }
         let codes = drive.lanes.first().map_or(&[][..], |lane| lane.as_slice());
         let (steps, step_s) = (self.timing.steps as usize, self.timing.step_s());
         // The pull of a belt hardly changes from one block to the next, and has no value within it.
@@ -260,7 +300,6 @@ impl Analog for DrivenStack {
         let mut sums = Sums::new();
         sense.v.clear();
         sense.i.clear();
-        sense.slow = SlowSense::default();
         if let Some(samples) = &mut self.samples {
             samples.clear();
         }
@@ -294,5 +333,12 @@ impl Analog for DrivenStack {
             }
         }
         self.account(&sums, (codes.len() * steps) as f64);
+        sense.slow = self.slow();
     }
+}
+
+/// When a scene's faults bring its belt to a stand, s.
+fn belt_stops_s(scene: &Driven) -> Option<f64> {
+    let stops = |kind| matches!(kind, FaultKind::BeltStopped | FaultKind::EncoderLies);
+    scene.fault.iter().filter(|fault| stops(fault.kind)).map(|fault| fault.at_s).reduce(f64::min)
 }

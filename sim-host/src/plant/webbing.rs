@@ -12,6 +12,7 @@
 //! apart. The speed stays, although less friction speeds the real belt up.
 
 use crate::contact::empirical::EmpiricalLaw;
+use crate::plant::belt_motion::BeltMotion;
 use crate::plant::circuit::Circuit;
 use crate::plant::truth::HornTruth;
 use crate::scene::{Belt, Driven, Empirical};
@@ -22,8 +23,10 @@ pub struct Webbing {
     law: EmpiricalLaw,
     mu: f64,
     load_n: f64,
-    /// Speed of the belt, m/s.
-    pub speed_m_per_s: f64,
+    /// What moves.
+    pub belt: BeltMotion,
+    /// Where it last went, one or minus one; zero before it moves.
+    way: f64,
     full_amplitude_m: f64,
     lag_s: f64,
     damping_s_per_m: f64,
@@ -32,13 +35,14 @@ pub struct Webbing {
 }
 
 impl Webbing {
-    /// The belt of a scene, not yet vibrated.
-    pub fn new(contact: &Empirical, belt: &Belt) -> Self {
+    /// The belt of a scene, not yet vibrated. The seed is of the speed's ripple.
+    pub fn new(contact: &Empirical, belt: &Belt, seed: u64) -> Self {
         Webbing {
             law: contact.law(),
             mu: contact.mu,
             load_n: belt.load_n,
-            speed_m_per_s: belt.speed_m_per_s,
+            belt: BeltMotion::new(belt.speed_m_per_s).with_ripple(belt.ripple_rms, belt.ripple_hz, seed),
+            way: 0.0,
             full_amplitude_m: belt.full_amplitude_m,
             lag_s: belt.lag_s,
             damping_s_per_m: belt.damping_s_per_m,
@@ -61,7 +65,7 @@ impl Webbing {
     /// Pulls the belt for a block in which the horn vibrates with an amplitude, m. Returns the mean pull, N.
     pub fn pull(&mut self, amplitude_m: f64, block_s: f64) -> f64 {
         let amplitude_fraction = amplitude_m / self.full_amplitude_m;
-        let lasting = self.law.lasting(self.load_n, self.speed_m_per_s, amplitude_fraction);
+        let lasting = self.law.lasting(self.load_n, self.belt.speed_m_per_s(), amplitude_fraction);
         let left = self.reached - lasting;
         let mean = if self.lag_s > 0.0 {
             let gone = -(-block_s / self.lag_s).exp_m1();
@@ -72,9 +76,10 @@ impl Webbing {
             lasting
         };
         self.truth = HornTruth { amplitude_fraction, lasting_reduction: lasting };
-        // A belt at rest has a force, and no friction to speak of.
-        let way = if self.speed_m_per_s == 0.0 { 0.0 } else { self.speed_m_per_s.signum() };
-        way * self.mu * self.load_n * (1.0 - mean)
+        // A belt that comes to a stand goes on resisting what pulls it.
+        let speed = self.belt.speed_m_per_s();
+        self.way = if speed == 0.0 { self.way } else { speed.signum() };
+        self.way * self.mu * self.load_n * (1.0 - mean)
     }
 
     /// What the horn did in the last block.
@@ -108,8 +113,10 @@ mod tests {
             lag_s,
             trigger_delay_s: 0.0,
             damping_s_per_m: 0.06,
+            ripple_rms: 0.0,
+            ripple_hz: 10.0,
         };
-        Webbing::new(&Empirical::default(), &belt)
+        Webbing::new(&Empirical::default(), &belt, 1)
     }
 
     /// Blocks of any length come to the same exponential, and back.
@@ -138,13 +145,16 @@ mod tests {
     }
 
     #[test]
-    fn friction_is_against_the_belt_and_none_at_rest() {
+    fn friction_is_against_the_belt_and_none_before_it_moves() {
         let mut belt = webbing(0.0);
         let forward = belt.pull(60e-6, 1e-3);
-        belt.speed_m_per_s = -0.025;
+        belt.belt = BeltMotion::new(-0.025);
         assert_eq!(belt.pull(60e-6, 1e-3), -forward);
-        belt.speed_m_per_s = 0.0;
-        assert_eq!(belt.pull(60e-6, 1e-3), 0.0);
+        belt.belt = BeltMotion::new(0.0);
+        assert!(belt.pull(60e-6, 1e-3) < 0.0);
+        let mut still = webbing(0.0);
+        still.belt = BeltMotion::new(0.0);
+        assert_eq!(still.pull(60e-6, 1e-3), 0.0);
     }
 
     #[test]

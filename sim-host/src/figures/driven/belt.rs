@@ -46,7 +46,7 @@ fn pull(run: &Run, view: &View) -> Option<Figure> {
 
 fn over_on_time(run: &Run, view: &View) -> Option<Figure> {
     let (contact, belt) = run.scene.belt()?;
-    let (from_s, to_s) = view.on_windows().first().copied()?;
+    let (from_s, to_s) = view.belt_window(&run.scene)?;
     let rest_n = contact.mu * belt.load_n;
     let rows = view.after(from_s);
     let rows = &rows[..rows.partition_point(|row| row.time_s <= to_s)];
@@ -85,7 +85,7 @@ fn over_on_time(run: &Run, view: &View) -> Option<Figure> {
 
 fn over_load(run: &Run, view: &View) -> Option<Figure> {
     let (contact, belt) = run.scene.belt()?;
-    let (from_s, to_s) = view.on_windows().first().copied()?;
+    let (from_s, to_s) = view.belt_window(&run.scene)?;
     let last = view.after(from_s).iter().take_while(|row| row.time_s <= to_s).last()?;
     let got = 100.0 * (1.0 - last.truth.friction_mean_n.abs() / (contact.mu * belt.load_n));
     let load: Vec<f64> = (0..=POINTS).map(|n| 200.0 + 600.0 * f64::from(n) / f64::from(POINTS)).collect();

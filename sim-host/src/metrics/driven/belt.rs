@@ -13,17 +13,24 @@ use super::super::Metrics;
 use super::{View, mean};
 use crate::record::Row;
 use crate::scene::Driven;
+use crate::schedule::first_on;
 
 /// What is averaged at the end of each state, s.
 const AVERAGE_S: f64 = 0.02;
 
 impl View<'_> {
+    /// The first ON window that was ordered of a running controller, as played, s.
+    pub fn belt_window(&self, scene: &Driven) -> Option<(f64, f64)> {
+        let (ordered_s, _) = first_on(scene, self.plays_from(Mode::Run)?)?;
+        self.on_windows().into_iter().find(|(_, to_s)| *to_s > ordered_s)
+    }
+
     /// Adds these numbers, if the scene has a belt that moves.
     pub(super) fn belt(&self, scene: &Driven, metrics: &mut Metrics) {
         if !scene.belt().is_some_and(|(_, belt)| belt.speed_m_per_s != 0.0) {
             return;
         }
-        let Some(&(from_s, to_s)) = self.on_windows().first() else { return };
+        let Some((from_s, to_s)) = self.belt_window(scene) else { return };
         let until = |end_s: f64, on: bool| {
             let within = move |row: &&Row| {
                 row.mode == Mode::Run
