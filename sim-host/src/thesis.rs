@@ -119,21 +119,10 @@ impl Findings {
 
     /// Parameters, claims, contradictions, and what is left open.
     pub fn tables(&self) -> Vec<TableBlock> {
-        let law = crate::contact::empirical::EmpiricalLaw::FITTED;
-        let experiments = [
-            experiment_1::table(),
-            experiment_2::table(),
-            experiment_2::constants(law, experiment_2::LAG_S),
-            experiment_2::residuals(law, experiment_2::LAG_S),
-            experiment_2::alternatives_table(),
-            experiment_2::hertz_table(),
-        ];
+        let experiments = [vec![experiment_1::table()], experiment_2::tables()].concat();
         let parameters = [table::table_4_1(), motor::table(), errata::equations()];
-        experiments
-            .into_iter()
-            .chain(parameters)
-            .chain([table::claims(self), table::errata(self), table::choices(self)])
-            .collect()
+        let found = [table::claims(self), table::errata(self), table::choices(self)];
+        experiments.into_iter().chain(parameters).chain(found).collect()
     }
 
     /// The report.

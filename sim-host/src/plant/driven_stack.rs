@@ -11,6 +11,8 @@
 //! linear part by its exact flow with the friction held at its last value, the contact exactly in the slip that results, and then
 //! the stack is corrected by what the mean friction over the step was instead. Second order in the coupling, exact without it.
 
+mod changes;
+
 use firmware::block::{DriveBlock, SenseBlock, SlowSense};
 use hal_mock::analog::Analog;
 
@@ -31,7 +33,7 @@ use crate::plant::timing::Timing;
 use crate::plant::truth::{Sample, TipMotion, Truth};
 use crate::plant::webbing::Webbing;
 use crate::scene;
-use crate::scene::{Dahl, DisturbedKey, Driven, FaultKind, Slider};
+use crate::scene::{Dahl, Driven, FaultKind, Slider};
 
 /// The plant around a stack.
 #[derive(Clone, Debug)]
@@ -139,51 +141,6 @@ impl DrivenStack {
     /// The last block sample by sample, if kept.
     pub fn samples(&self) -> &[Sample] {
         self.samples.as_deref().unwrap_or(&[])
-    }
-
-    /// Sets what the scene's disturbances say for the block that begins now.
-    fn disturb(&mut self) {
-        let mut changes = std::mem::take(&mut self.changes);
-        for change in &mut changes {
-            if let Some(value) = change.next(self.time_s, self.value(change.key())) {
-                self.set(change.key(), value);
-            }
-        }
-        changes.retain(|change| !change.is_over());
-        self.changes = changes;
-        self.elements.begin((self.time_s / self.block_s).round() as u64, &mut self.stack);
-        self.energy.disturbed_j = self.elements.disturbed_j;
-    }
-
-    fn value(&self, key: DisturbedKey) -> f64 {
-        if let Some(webbing) = &self.webbing {
-            match key {
-                DisturbedKey::BeltLoad => return webbing.load_n(),
-                DisturbedKey::BeltSpeed => return webbing.belt.nominal_m_per_s(),
-                _ => {}
-            }
-        }
-        match (key, &self.sliding) {
-            (DisturbedKey::Load, Some(sliding)) => sliding.load_n(),
-            (DisturbedKey::Speed, Some(sliding)) => sliding.belt.nominal_m_per_s(),
-            // Keys of a motor and of contact studies are nothing here.
-            _ => self.elements.value(key, &self.stack).unwrap_or(0.0),
-        }
-    }
-
-    fn set(&mut self, key: DisturbedKey, value: f64) {
-        if let Some(webbing) = &mut self.webbing {
-            match key {
-                DisturbedKey::BeltLoad => return self.elements.damp(webbing.set_load(value), &self.stack),
-                DisturbedKey::BeltSpeed => return webbing.belt.set_nominal(value),
-                _ => {}
-            }
-        }
-        match (key, &mut self.sliding) {
-            (DisturbedKey::Load, Some(sliding)) => sliding.set_load(value),
-            (DisturbedKey::Speed, Some(sliding)) => sliding.belt.set_nominal(value),
-            _ => self.elements.set(key, value, &self.stack),
-        }
     }
 
     /// One step with the drive held. Returns the mean friction over it, N.

@@ -16,14 +16,13 @@ mod pictures;
 mod stated;
 mod table_3_2;
 
-pub use alternatives::table as alternatives_table;
-pub use normal::table as hertz_table;
 pub use stated::{constants, residuals};
-pub use table_3_2::table;
 
 use super::Part;
 use super::driven::{self, Ran};
 use crate::contact::Trouble;
+use crate::contact::empirical::EmpiricalLaw;
+use crate::report::TableBlock;
 
 /// Loads, N (3.2.3.2).
 pub const LOADS_N: [f64; 3] = [270.0, 450.0, 670.0];
@@ -90,6 +89,12 @@ impl Runs {
         let at = |&on_s: &f64| self.case(LOADS_N[0], AMPLITUDES[1], on_s)?.ran.metric("reduction_percent");
         ON_TIMES_S.iter().map(at).collect()
     }
+}
+
+/// Table 3.2, the law with its constants and residuals, other laws, and Hertz's contact.
+pub fn tables() -> Vec<TableBlock> {
+    let law = EmpiricalLaw::FITTED;
+    vec![table_3_2::table(), constants(law, LAG_S), residuals(law, LAG_S), alternatives::table(), normal::table()]
 }
 
 fn load_labels() -> Vec<String> {

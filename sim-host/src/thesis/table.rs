@@ -96,6 +96,22 @@ pub fn choices(findings: &Findings) -> TableBlock {
     block("open", "What the thesis leaves open", caption, &["open", "chosen here", "numbers"], rows)
 }
 
+/// Tables as Markdown, for the documentation.
+pub fn plain_markdown(tables: &[TableBlock]) -> String {
+    let row = |cells: &[String]| format!("| {} |\n", cells.join(" | "));
+    let one = |table: &TableBlock| {
+        let rows: String = table.rows.iter().map(|cells| row(cells)).collect();
+        format!(
+            "### {}\n\n{}\n\n{}|{}\n{rows}",
+            table.title,
+            table.caption,
+            row(&table.header),
+            "---|".repeat(table.header.len())
+        )
+    };
+    tables.iter().map(one).collect::<Vec<_>>().join("\n")
+}
+
 /// Contradictions, open choices and verdicts as Markdown, for the documentation.
 pub fn markdown(findings: &Findings) -> String {
     let mut text = String::from("| where | printed | instead | evidence |\n|---|---|---|---|\n");
