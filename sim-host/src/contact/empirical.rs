@@ -14,7 +14,7 @@
 //! | `q`, `s` | 0.078, 4 | chosen: at 270 N more at 70 % than at 50 %, at 450 N no significant difference (thesis 3.2.3.3) |
 //! | `vs` | 38.3 mm/s | not the thesis's: 62 % at 20.3 and 29 % at 87 mm/s in another experiment (Dong and Dapino, JoVE 2015, 52931) |
 //!
-//! **Valid** from 270 to 670 N, at 50 to 70 % and at 25 mm/s; these points do not determine it (`thesis/experiment_2` has what fits as
+//! **Valid** at 270, 450 and 670 N, at 50 and 70 % and at 25 mm/s: at 50 % it rises by 0.2 points between 270 and 315 N, for which nothing stands; these points do not determine it (`thesis/experiment_2` has what fits as
 //! well). Below 50 % it is continued by a straight line to zero, because a power law of 0.078 would leave most of the effect to a
 //! vibration of nothing. Hertz's contact ([`hertz`](super::hertz)) gives trends of this kind, and why it is not used stands there, too.
 

@@ -38,6 +38,8 @@ pub const SPEED_M_PER_S: f64 = 0.025;
 pub const LAG_S: f64 = 0.45;
 /// Beginning of the ON window of the scene, s.
 const ON_S: f64 = 2.0;
+/// How much later than its trigger the horn of the scene starts, s: assumed.
+const DELAY_S: f64 = 0.05;
 /// Scene that is run.
 const SCENE: &str = "experiment-2";
 

@@ -28,15 +28,15 @@ fn pull(run: &Run, view: &View) -> Option<Figure> {
         id: "friction".into(),
         title: "Pull of the belt, switched by ultrasound".into(),
         caption: "The horn is at its amplitude within milliseconds; the pull follows with the lag of the rig. Dashed, where the law would take \
-                  it if the present amplitude lasted. Before the first ON window self-test, calibration and lock shake the belt, too. \
+                  it if the present amplitude lasted. Before the first ON window calibration and lock shake the belt, too. \
                   The size of the reduction is FITTED to the thesis; mu is assumed."
             .into(),
         x: axis("time [s]"),
         y: axis("pull of the belt [N]"),
         series: vec![
-            curve(rows, "true pull", "friction_true_n", Style::Line, |row| row.truth.friction_mean_n.abs()),
-            curve(rows, &format!("load cell ({cell_hz} Hz)"), "load_cell_n", Style::Line, |row| row.truth.load_cell_n.abs()),
             curve(rows, "if the amplitude lasted", "friction_lasting_n", Style::Dashed, would),
+            curve(rows, "true pull", "friction_true_n", Style::Line, |row| row.truth.friction_mean_n.abs()),
+            curve(rows, &format!("load cell ({cell_hz} Hz)"), "load_cell_n", Style::Dashed, |row| row.truth.load_cell_n.abs()),
         ],
         shaded: shaded(view),
         interactive: true,
@@ -104,8 +104,8 @@ fn over_load(run: &Run, view: &View) -> Option<Figure> {
     Some(Figure {
         id: "reduction-load".into(),
         title: format!("Reduction over the load, ON for {:.3} s", to_s - from_s),
-        caption: "The fitted law with its lag, and this run. Tested were 270 to 670 N at 50 and 70 %; beyond (dashed: other amplitudes) it is \
-                  extrapolated."
+        caption: "The fitted law with its lag, and this run. Tested were 270, 450 and 670 N at 50 and 70 %; elsewhere (dashed: other amplitudes) it is \
+                  a curve that fits, and its hump at 50 % means nothing."
             .into(),
         x: axis("load [N]"),
         y: axis("reduction [%]"),

@@ -2,8 +2,8 @@
 //!
 //! | metric | over |
 //! |---|---|
-//! | `friction_off_n`, `load_cell_off_n` | the last 20 ms before the first ON window |
-//! | `friction_on_n`, `load_cell_on_n`, `amplitude_fraction` | the last 20 ms of that window: what the thesis calls the reduction after so long |
+//! | `friction_off_n`, `load_cell_off_n` | the last 2 ms before the first ON window |
+//! | `friction_on_n`, `load_cell_on_n`, `amplitude_fraction` | the last 2 ms of that window: what the thesis calls the reduction after so long |
 //! | `lasting_reduction_percent` | what the law says of that amplitude if it lasted |
 //! | `on_time_s` | how long the window was, as played |
 
@@ -16,7 +16,7 @@ use crate::scene::Driven;
 use crate::schedule::first_on;
 
 /// What is averaged at the end of each state, s.
-const AVERAGE_S: f64 = 0.02;
+const AVERAGE_S: f64 = 0.002;
 
 impl View<'_> {
     /// The first ON window that was ordered of a running controller, as played, s.

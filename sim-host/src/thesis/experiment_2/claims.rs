@@ -117,8 +117,8 @@ fn gradual(runs: &Runs) -> Result<Claim, Trouble> {
     let half_s = half.map_or(f64::NAN, |(time_s, _)| time_s - super::ON_S);
     let numbers = vec![
         number("horn at 90 % after [ms]", 1e3 * rise_s),
-        number("half of the fall after trigger and [s]", half_s),
-        number("of it before the horn starts [s]", 0.05),
+        number("half of the fall, after the trigger [s]", half_s),
+        number("delay of the horn [s]", super::DELAY_S),
     ];
     Ok(Claim {
         id: "friction-falls-gradually",

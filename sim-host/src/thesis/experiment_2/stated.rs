@@ -93,6 +93,15 @@ impl Curve {
         self.percent(load_n, AMPLITUDES[1], 2.0) - self.percent(load_n, AMPLITUDES[0], 2.0)
     }
 
+    /// Whether the reduction falls all the way from 270 to 670 N, between the loads that were tested, too.
+    pub fn falls_between(&self) -> bool {
+        let falls = |amplitude: f64| {
+            let at = |step: u32| self.percent(LOADS_N[0] + f64::from(step) * 5.0, amplitude, 2.0);
+            (0..80).all(|step| at(step + 1) < at(step))
+        };
+        AMPLITUDES.into_iter().all(falls)
+    }
+
     /// Whether ON times of 0.5 and 1 s are too short, and 2 s is enough.
     pub fn bottoms_out(&self) -> bool {
         let at = |on_s: f64| self.percent(LOADS_N[0], AMPLITUDES[1], on_s);
@@ -142,6 +151,13 @@ fn least_q() -> f64 {
     exponent_for(SIGNIFICANT, POINTS[0].percent)
 }
 
+/// The largest q with which the reduction still falls from 270 to 450 N at 50 %.
+fn most_q(s: f64) -> f64 {
+    let curve = Curve::fitted();
+    let ratio = curve.percent(LOADS_N[0], AMPLITUDES[1], 2.0) / curve.percent(LOADS_N[1], AMPLITUDES[1], 2.0);
+    ratio.ln() / ((1.0 - (LOADS_N[0] / LOADS_N[1]).powf(s)) * (AMPLITUDES[1] / AMPLITUDES[0]).ln())
+}
+
 /// The smallest s with which 450 N does.
 fn least_s(q: f64) -> f64 {
     let percent = Curve::fitted().percent(LOADS_N[1], AMPLITUDES[1], 2.0);
@@ -178,7 +194,11 @@ pub fn constants(law: EmpiricalLaw, lag_s: f64) -> TableBlock {
         row(
             "q",
             format!("{}", law.amplitude_exponent),
-            &format!("CHOSEN: {} and more keep the words at 270 N", significant(least_q())),
+            &format!(
+                "CHOSEN: from {} on it keeps the words at 270 N, up to {} those over the load",
+                significant(least_q()),
+                significant(most_q(law.amplitude_load_exponent))
+            ),
         ),
         row(
             "s",
