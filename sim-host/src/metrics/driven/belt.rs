@@ -40,19 +40,17 @@ impl View<'_> {
             self.rows.iter().filter(within)
         };
         let (before, last) = (|| until(from_s, false), || until(to_s, true));
-        let pairs: [(_, _, fn(&Row) -> f64); 2] = [
-            ("friction_off_n", "friction_on_n", |row| row.truth.friction_mean_n),
-            ("load_cell_off_n", "load_cell_on_n", |row| row.truth.load_cell_n),
-        ];
-        let ratio = pairs.map(|(name_off, name_on, force)| {
-            let (off, on) = (mean(before().map(force)), mean(last().map(force)));
-            metrics.put(name_off, off);
-            metrics.put(name_on, on);
-            off.zip(on).map(|(off, on)| on / off)
-        });
-        metrics.put("friction_ratio", ratio[0]);
-        metrics.put("reduction_percent", ratio[0].map(|ratio| 100.0 * (1.0 - ratio)));
-        metrics.put("load_cell_reduction_percent", ratio[1].map(|ratio| 100.0 * (1.0 - ratio)));
+        let ends = |of: fn(&Row) -> f64| (mean(before().map(of)), mean(last().map(of)));
+        let ratio = |(off, on): (Option<f64>, Option<f64>)| off.zip(on).map(|(off, on)| on / off);
+        let percent = |ratio: f64| 100.0 * (1.0 - ratio);
+        let (pull, cell) = (ends(|row| row.truth.friction_mean_n), ends(|row| row.truth.load_cell_n));
+        metrics.put("friction_off_n", pull.0);
+        metrics.put("friction_on_n", pull.1);
+        metrics.put("friction_ratio", ratio(pull));
+        metrics.put("reduction_percent", ratio(pull).map(percent));
+        metrics.put("load_cell_off_n", cell.0);
+        metrics.put("load_cell_on_n", cell.1);
+        metrics.put("load_cell_reduction_percent", ratio(cell).map(percent));
         let horn = |row: &Row| row.truth.horn.unwrap_or_default();
         metrics.put("amplitude_fraction", mean(last().map(|row| horn(row).amplitude_fraction)));
         metrics.put("lasting_reduction_percent", mean(last().map(|row| 100.0 * horn(row).lasting_reduction)));
