@@ -80,7 +80,7 @@ fn off(speed: &Speed) -> Figure {
     let caption = format!(
         "Model, nothing fitted. Friction over time at {} m/s without vibration; negative is compression of the load cell (80 Hz), as in the \
          thesis. Table 4.1's contact, mu 0.3 (assumed), the load plus 0.48 N of own weight. Dahl's friction has no static peak above \
-         its kinetic value; the thesis's first compression is called static friction.",
+         its kinetic value: the overshoot is the cell's filter. The thesis calls its first compression static friction.",
         speed.sliding_m_per_s
     );
     let title = format!("Figure 3.{}(a): friction at {} m/s, OFF", speed.number, speed.sliding_m_per_s);

@@ -1,6 +1,7 @@
 //! A belt under a horn: its contact, its amplitude and its trigger.
 
 use super::drive::{AMPLITUDE, VELOCITY};
+use super::kind::Kind;
 use super::{Exclusive, Rules};
 use crate::scene::diagnostic::Problem;
 use crate::scene::schema::join;
@@ -19,7 +20,7 @@ impl Rules<'_> {
     }
 
     pub(super) fn belt(&mut self) {
-        if self.given("stator") {
+        if self.given("stator") || self.kind == Some(Kind::Excited) {
             return;
         }
         self.pair();

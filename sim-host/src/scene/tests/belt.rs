@@ -24,7 +24,7 @@ fn the_amplitude_is_a_part() {
     says(&told(&["rig.belt.amplitude_percent=70"]), &["rig.belt", "amplitude_percent"]);
     says(
         &told(&["rig.belt.load_n=-270"]),
-        &["`rig.belt.load_n` is out of range", "from 1 to 1e4 N", "Force of the horn", "1 problem"],
+        &["`rig.belt.load_n` is out of range", "from 1 to 10000 N", "Force of the horn", "1 problem"],
     );
     says(&told(&["rig.belt.lag_s=-1"]), &["`rig.belt.lag_s` is out of range", "from 0 to 100 s"]);
 }

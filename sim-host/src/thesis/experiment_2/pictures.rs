@@ -60,7 +60,8 @@ fn off() -> Figure {
         time_s.iter().map(|_| cell.feel(MU * load)).collect::<Vec<_>>()
     };
     let series = LOADS_N.iter().map(|&load| line(format!("{load} N"), format!("pull_{load}_n"), &time_s, curve(load))).collect();
-    let caption = "Model: Coulomb friction, mu 0.3 assumed, seen by the load cell (80 Hz) from the moment the belt slides. The thesis's text has \
+    let caption = "Model: Coulomb friction, mu 0.3 assumed, seen by the load cell (80 Hz) from the moment the belt slides; the \
+                   overshoot is the cell's filter and no static friction. The thesis's text has \
                    no force, so only that it rises with the load can be compared."
         .into();
     figure(
