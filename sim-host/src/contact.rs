@@ -11,6 +11,7 @@
 
 pub mod auto;
 pub mod closed;
+pub mod empirical;
 mod forcing;
 pub mod hertz;
 pub mod lanes;

@@ -1,6 +1,6 @@
 //! The plant: what is behind the converters.
 //!
-//! A stack with what its tip rubs on ([`driven_stack`]), or the stator of a travelling-wave motor with its rotor ([`motor`]); a scene
+//! A stack with what its tip rubs on ([`driven_stack`]; [`webbing`] for a belt under a horn), or the stator of a travelling-wave motor with its rotor ([`motor`]); a scene
 //! pays for the one it names.
 //!
 //! The truth ([`Truth`]) never passes through [`Analog`]: the controller sees codes.
@@ -30,6 +30,7 @@ pub mod step_flow;
 mod sums;
 pub mod timing;
 pub mod truth;
+pub mod webbing;
 
 #[cfg(test)]
 mod tests;
@@ -51,7 +52,8 @@ pub fn circuit_of(scene: &Driven) -> Circuit {
     match scene.transducer {
         Transducer::Stack(stack, _) => {
             let rest = Circuit::of(&stack.bvd);
-            Shift::of(&stack.bvd).map_or(rest, |shift| shift.apply(&rest, stack.temperature_k, 0.0))
+            let shifted = Shift::of(&stack.bvd).map_or(rest, |shift| shift.apply(&rest, stack.temperature_k, 0.0));
+            webbing::damped(shifted, scene)
         }
         Transducer::Stator(stator, _) => {
             Model::of(stator).circuit(scene.controller.drive.lanes, scene.controller.phasing.direction)

@@ -38,7 +38,7 @@ mod wording;
 mod tests;
 
 pub use comparison::{Case, Comparison, Equal};
-pub use contact::{Contact, Coulomb, Dahl, Hertz, Lugre, Model, Sign};
+pub use contact::{Contact, Coulomb, Dahl, Empirical, Hertz, Lugre, Model, Sign};
 pub use controller::{
     Around, Burst, ChirpKind, Controller, Direction, Drive, Edge, Phasing, Shape, Sweep, Then, Tracking, TrackingMode,
 };
@@ -50,7 +50,7 @@ pub use limits::{Limits, Thermometer};
 pub(crate) use nearest::shown;
 pub use plant::{Amplifier, Bvd, Mode, Sensors, Stack};
 pub use results::{Expect, Grid, Signal, Trace, TraceFormat};
-pub use rig::{Kinematic, Rig, Rotor, Sdof, Slider};
+pub use rig::{Belt, Kinematic, Rig, Rotor, Sdof, Slider};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 pub use stator::Stator;

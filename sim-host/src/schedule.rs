@@ -1,6 +1,6 @@
 //! The ON windows that a scene orders; whether they were played is another matter.
 
-use crate::scene::Burst;
+use crate::scene::{Burst, Driven};
 
 /// The first ON window, from and to in seconds, that begins after a moment.
 pub fn first_window(burst: &Burst, after_s: f64) -> Option<(f64, f64)> {
@@ -9,6 +9,13 @@ pub fn first_window(burst: &Burst, after_s: f64) -> Option<(f64, f64)> {
         return Some((on_s, on_s + duty * period_s));
     }
     burst.on_s.iter().copied().zip(burst.off_s.iter().copied()).find(|window| window.0 > after_s)
+}
+
+/// The first ON window of a scene, from and to in seconds, that begins after a moment: with the delay of its trigger.
+pub fn first_on(scene: &Driven, after_s: f64) -> Option<(f64, f64)> {
+    let delay_s = scene.trigger_delay_s();
+    let (on_s, off_s) = first_window(scene.controller.burst.as_ref()?, after_s - delay_s)?;
+    Some((on_s + delay_s, off_s + delay_s))
 }
 
 #[cfg(test)]

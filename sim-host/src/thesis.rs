@@ -1,6 +1,7 @@
-//! Chapter 4 and appendix B of the thesis, computed anew: every figure, every claim in words, every contradiction.
+//! Chapters 3 and 4 and appendix B of the thesis, computed anew: every figure, every claim in words, every contradiction.
 //!
 //! ```text
+//! experiments (3.1, 3.2) --> scenes --> run, controller and all --------> curves, checks
 //! case (Table 4.1) --> problems --> contact::solve, in parallel --> curves --> figures (numbered as in the thesis)
 //!                                                                     `-----> checks --> claims with verdicts
 //! ```
@@ -13,7 +14,10 @@ pub mod claim;
 mod comparison;
 mod contact_stiffness;
 mod control_force;
+mod driven;
 pub mod errata;
+mod experiment_1;
+mod experiment_2;
 mod frequencies;
 mod friction_coefficient;
 mod json;
@@ -46,6 +50,7 @@ use crate::report::{Figure, Report, TableBlock};
 
 pub use claim::{Claim, Verdict};
 pub use errata::{Choice, Erratum};
+pub use experiment_2::{constants as law_constants, residuals as law_residuals};
 pub use json::summary;
 
 /// What a study of one figure, or of a few, found.
@@ -57,7 +62,7 @@ struct Part {
 /// Everything that was found.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Findings {
-    /// Figures 4.6 to 4.26 and those of appendix B, in order.
+    /// Figures 3.4 to 3.12, 4.6 to 4.26 and those of appendix B, in order.
     pub figures: Vec<Figure>,
     /// The claims, in the thesis's order.
     pub claims: Vec<Claim>,
@@ -70,7 +75,9 @@ pub struct Findings {
 type Study = fn() -> Result<Part, Trouble>;
 
 /// The studies with what they are about, in the thesis's order.
-const STUDIES: [(&str, Study); 15] = [
+const STUDIES: [(&str, Study); 17] = [
+    ("experiment 1: figures 3.4, 3.5", experiment_1::study),
+    ("experiment 2: figures 3.7-3.12", experiment_2::study),
     ("figures 4.6, 4.7", models::study),
     ("figures 4.8, 4.9", transient::study),
     ("figures 4.10", frequencies::study),
@@ -112,8 +119,10 @@ impl Findings {
 
     /// Parameters, claims, contradictions, and what is left open.
     pub fn tables(&self) -> Vec<TableBlock> {
+        let experiments = [vec![experiment_1::table()], experiment_2::tables()].concat();
         let parameters = [table::table_4_1(), motor::table(), errata::equations()];
-        parameters.into_iter().chain([table::claims(self), table::errata(self), table::choices(self)]).collect()
+        let found = [table::claims(self), table::errata(self), table::choices(self)];
+        experiments.into_iter().chain(parameters).chain(found).collect()
     }
 
     /// The report.
@@ -121,8 +130,8 @@ impl Findings {
         let count =
             |verdict: Verdict| (verdict.word().to_owned(), format!("{} of {} claims", self.count(verdict), self.claims.len()));
         Report {
-            title: "Thesis, chapter 4 and appendix B: figures, claims and contradictions".into(),
-            subtitle: "Every figure of the analytical model computed anew, every claim in words judged by its numbers; so for the ultrasonic motor".into(),
+            title: "Thesis, chapters 3 and 4 and appendix B: figures, claims and contradictions".into(),
+            subtitle: "Both experiments simulated, every figure of the analytical model computed anew, every claim in words judged by its numbers; so for the ultrasonic motor".into(),
             summary: [Verdict::Reproduced, Verdict::Conditional, Verdict::Refuted].map(count).to_vec(),
             paragraphs: vec![
                 "The thesis leaves open the averaging window, the initial conditions, the definition of the velocity ratio where the \

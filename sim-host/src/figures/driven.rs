@@ -8,6 +8,7 @@ mod friction;
 mod motor;
 mod resonance;
 pub(super) mod time_frequency;
+mod webbing;
 
 use super::axis;
 use crate::metrics::driven::View;
@@ -26,6 +27,7 @@ pub(super) fn of(run: &Run) -> Vec<Figure> {
     figures.extend(friction::ratio(run, &view));
     figures.extend(belt::of(run, &view));
     figures.extend(friction::over_time(run, &view));
+    figures.extend(webbing::of(run, &view));
     figures.extend(edges::of(run, &view));
     figures.extend(resonance::acquisition(run, &view));
     figures.extend(resonance::lock_in(&view));

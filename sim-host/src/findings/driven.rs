@@ -1,5 +1,6 @@
 //! A driven run in words and tables.
 
+mod belt;
 mod motor;
 
 use std::fmt::Write as _;
@@ -69,7 +70,10 @@ pub(super) fn fault(run: &Run) -> Option<(String, String)> {
 
 /// The tables of a driven run.
 pub(super) fn tables(study: &Study, run: &Run) -> Vec<TableBlock> {
-    std::iter::once(three_ways(study, run)).chain(motor::closed_forms(study, &run.scene)).collect()
+    std::iter::once(three_ways(study, run))
+        .chain(motor::closed_forms(study, &run.scene))
+        .chain(belt::tables(study, &run.scene))
+        .collect()
 }
 
 /// Where the numbers come from.
@@ -132,7 +136,7 @@ fn three_ways(study: &Study, run: &Run) -> TableBlock {
         ),
         (
             "tip velocity, steady [m/s]",
-            controller.drive.velocity_m_per_s,
+            run.scene.ordered_velocity_m_per_s(),
             velocity_estimate,
             study.metrics.get("tip_velocity_m_per_s"),
         ),
@@ -168,6 +172,8 @@ fn three_ways(study: &Study, run: &Run) -> TableBlock {
         if run.scene.stator().is_some() {
             "The circuit is what the first lane shows of the stator without its rotor; friction adds its loss. The tip velocity is the \
              crests', across the ring."
+        } else if run.scene.belt().is_some() {
+            "The circuit is the stack's with the damping of the belt under its horn, at the beginning of the run."
         } else {
             "The circuit is the stack's by itself, at the beginning of the run; a contact adds its stiffness and loss."
         },

@@ -58,7 +58,7 @@ const fn aiming(of: &'static [(&'static str, &'static str)], name: &'static str,
 }
 
 /// Every bound. Half a step of a 14-bit converter is 6.1e-5 of its half range.
-pub const BUDGET: [Bound; 26] = [
+pub const BUDGET: [Bound; 27] = [
     bound(
         &[("stage", "sine, four lanes"), ("stage", "lock-in"), ("stage", "tracker, observer")],
         "sine on four lanes, lock-in and tracker",

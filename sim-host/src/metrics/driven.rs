@@ -26,8 +26,11 @@
 //! Where the friction is switched (`switch.rs`), `friction_on_n` and what follows from it are means over whole burst periods, from 50 ms after the
 //! survey or the last step of what is wanted, and steady blocks are those from there on.
 //!
+//! A pull that lags by half a second never settles within 20 ms: what a belt's friction is measured over stands in `belt.rs`.
+//!
 //! The tip velocity of a stator is that of its crests, across the ring. What only a motor has stands in `motor.rs`.
 
+mod belt;
 mod edges;
 mod electrical;
 pub mod lock_claims;
@@ -53,6 +56,7 @@ pub fn of(scene: &Driven, record: &Record) -> Metrics {
     let mut metrics = Metrics::default();
     let view = View::new(scene, record);
     view.friction(scene, &mut metrics);
+    view.belt(scene, &mut metrics);
     view.edges(record, &mut metrics);
     view.lock(&mut metrics);
     view.steady_state(&mut metrics);

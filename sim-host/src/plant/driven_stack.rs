@@ -4,14 +4,19 @@
 //! DAC hold -> amplifier -> stack <-> tip motion <-> friction contact <-> slider -> sensors -> ADC
 //! ```
 //!
-//! Plant states: five of amplifier and stack and two of each further mode, one of the contact, two of the load cell; a rigid slider costs none. The
+//! A horn on a belt has no contact along its vibration: the belt ([`Webbing`]) damps it, and is pulled once a block.
+//!
+//! Plant states: five of amplifier and stack and two of each further mode, one of the contact or of the belt, two of the load cell; a rigid slider costs none. The
 //! friction at the tip comes back into the stack's motional branch. A sample is one step or several, as the contact needs: the
 //! linear part by its exact flow with the friction held at its last value, the contact exactly in the slip that results, and then
 //! the stack is corrected by what the mean friction over the step was instead. Second order in the coupling, exact without it.
 
+mod changes;
+
 use firmware::block::{DriveBlock, SenseBlock, SlowSense};
 use hal_mock::analog::Analog;
 
+use crate::plant::belt_motion::BeltMotion;
 use crate::plant::circuit::Circuit;
 use crate::plant::converter::{Adc, Dac};
 use crate::plant::delay::Delay;
@@ -26,8 +31,9 @@ use crate::plant::stack::{Held, Stack};
 use crate::plant::sums::Sums;
 use crate::plant::timing::Timing;
 use crate::plant::truth::{Sample, TipMotion, Truth};
+use crate::plant::webbing::Webbing;
 use crate::scene;
-use crate::scene::{Dahl, DisturbedKey, Driven, Slider};
+use crate::scene::{Dahl, Driven, Slider};
 
 /// The plant around a stack.
 #[derive(Clone, Debug)]
@@ -41,6 +47,7 @@ pub struct DrivenStack {
     elements: Elements,
     block_s: f64,
     sliding: Option<Sliding>,
+    webbing: Option<Webbing>,
     load_cell: LoadCell,
     encoder: Option<Encoder>,
     force_channel: Option<ForceChannel>,
@@ -66,15 +73,11 @@ impl DrivenStack {
         };
         // Streams far from those of the converters.
         let [ripple_seed, force_seed] = [1, 3].map(|stream| scene.seed ^ (stream << 61));
-        let mut sliding = sliding.map(|(contact, slider)| Sliding::new(contact, slider, ripple_seed));
+        let sliding = sliding.map(|(contact, slider)| Sliding::new(contact, slider, ripple_seed));
         let block_s = f64::from(scene.controller.block_samples) / sensors.sample_hz;
-        if let (Some(sliding), Some(at_s)) = (&mut sliding, scene.belt_stops_s()) {
-            // From the block that it falls into, as every fault.
-            sliding.belt.halt((at_s / block_s).floor() * block_s - 0.5 * block_s, 0.0);
-        }
         let delay = Delay::of(scene.amplifier.delay_s * sensors.sample_hz);
         let late_s = delay.as_ref().map_or(0.0, Delay::fraction) / sensors.sample_hz;
-        DrivenStack {
+        let mut plant = DrivenStack {
             dac: Dac::new(sensors, scene.amplifier),
             // Two streams that never meet, whatever the seed: the halves of a 64-bit space apart.
             v_adc: Adc::new(sensors, sensors.v_full_scale_v, scene.seed),
@@ -85,6 +88,7 @@ impl DrivenStack {
             elements,
             block_s,
             sliding,
+            webbing: scene.belt().map(|(contact, belt)| Webbing::new(contact, belt, ripple_seed)),
             load_cell: LoadCell::new(sensors.load_cell_hz, block_s),
             encoder: sensors.encoder_counts_per_mm.map(|counts| Encoder::new(counts, 0.5)),
             force_channel: sensors.force_hz.map(|hz| ForceChannel::new(hz, block_s, sensors.force_noise_n, force_seed)),
@@ -94,7 +98,12 @@ impl DrivenStack {
             energy: Energy::default(),
             truth: Truth::default(),
             samples: None,
+        };
+        if let (Some(belt), Some(at_s)) = (plant.belt(), scene.belt_stops_s()) {
+            // From the block that it falls into, as every fault.
+            belt.halt((at_s / block_s).floor() * block_s - 0.5 * block_s, 0.0);
         }
+        plant
     }
 
     /// The truth about the last block.
@@ -119,7 +128,7 @@ impl DrivenStack {
 
     /// States that are integrated in time.
     pub fn states(&self) -> usize {
-        self.stack.states() + 2 + usize::from(self.sliding.is_some())
+        self.stack.states() + 2 + usize::from(self.sliding.is_some() || self.webbing.is_some())
     }
 
     /// Keeps the next blocks sample by sample, or stops doing so.
@@ -132,37 +141,6 @@ impl DrivenStack {
     /// The last block sample by sample, if kept.
     pub fn samples(&self) -> &[Sample] {
         self.samples.as_deref().unwrap_or(&[])
-    }
-
-    /// Sets what the scene's disturbances say for the block that begins now.
-    fn disturb(&mut self) {
-        let mut changes = std::mem::take(&mut self.changes);
-        for change in &mut changes {
-            if let Some(value) = change.next(self.time_s, self.value(change.key())) {
-                self.set(change.key(), value);
-            }
-        }
-        changes.retain(|change| !change.is_over());
-        self.changes = changes;
-        self.elements.begin((self.time_s / self.block_s).round() as u64, &mut self.stack);
-        self.energy.disturbed_j = self.elements.disturbed_j;
-    }
-
-    fn value(&self, key: DisturbedKey) -> f64 {
-        match (key, &self.sliding) {
-            (DisturbedKey::Load, Some(sliding)) => sliding.load_n(),
-            (DisturbedKey::Speed, Some(sliding)) => sliding.belt.nominal_m_per_s(),
-            // Keys of a motor and of contact studies are nothing here.
-            _ => self.elements.value(key, &self.stack).unwrap_or(0.0),
-        }
-    }
-
-    fn set(&mut self, key: DisturbedKey, value: f64) {
-        match (key, &mut self.sliding) {
-            (DisturbedKey::Load, Some(sliding)) => sliding.set_load(value),
-            (DisturbedKey::Speed, Some(sliding)) => sliding.belt.set_nominal(value),
-            _ => self.elements.set(key, value, &self.stack),
-        }
     }
 
     /// One step with the drive held. Returns the mean friction over it, N.
@@ -200,6 +178,12 @@ impl DrivenStack {
         force
     }
 
+    /// What moves: the slider, or the belt under a horn.
+    fn belt(&mut self) -> Option<&mut BeltMotion> {
+        let belt = self.webbing.as_mut().map(|webbing| &mut webbing.belt);
+        belt.or(self.sliding.as_mut().map(|sliding| &mut sliding.belt))
+    }
+
     /// The slow sensors at the end of a block.
     fn slow(&mut self) -> SlowSense {
         let position_m = self.truth.belt_position_m;
@@ -222,15 +206,21 @@ impl DrivenStack {
         let lost = step_s * circuit.rm_ohm * sums.lost;
         self.energy.lost_j += lost + step_s * sums.further_lost;
         self.energy.friction_on_tip_j += sums.friction_on_tip;
-        let speed = self.sliding.as_ref().map_or(0.0, |sliding| sliding.belt.speed_m_per_s());
         self.energy.stored_j = self.stack.stored_j();
 
         let block_s = steps * step_s;
-        let mean = sums.friction / steps;
+        let (mean, extremes) = match &mut self.webbing {
+            Some(webbing) => {
+                let pull = webbing.pull(self.stack.tip_amplitude() / circuit.omega(), block_s);
+                (pull, (pull, pull))
+            }
+            None => (sums.friction / steps, (sums.friction_min, sums.friction_max)),
+        };
+        let (speed, position_m) = self.belt().map_or((0.0, 0.0), |belt| (belt.speed_m_per_s(), belt.position_m()));
         self.truth = Truth {
             friction_mean_n: mean,
-            friction_min_n: sums.friction_min.min(mean),
-            friction_max_n: sums.friction_max.max(mean),
+            friction_min_n: extremes.0.min(mean),
+            friction_max_n: extremes.1.max(mean),
             load_cell_n: self.load_cell.feel(mean),
             tip_velocity_m_per_s: self.stack.tip_amplitude(),
             series_resonance_hz: circuit.series_resonance_hz(),
@@ -240,12 +230,13 @@ impl DrivenStack {
             lost_w: lost / block_s,
             friction_on_tip_w: sums.friction_on_tip / block_s,
             friction_on_slider_w: mean * speed,
-            belt_position_m: self.sliding.as_ref().map_or(0.0, |sliding| sliding.belt.position_m()),
+            belt_position_m: position_m,
             belt_speed_m_per_s: speed,
             tip: Some(TipMotion {
                 square_m2_per_s2: sums.lost / steps / circuit.force_factor_n_per_v.powi(2),
                 peak_m_per_s: sums.current_peak / circuit.force_factor_n_per_v,
             }),
+            horn: self.webbing.as_ref().map(Webbing::truth),
             motor: None,
         };
         self.time_s += block_s;
@@ -255,11 +246,14 @@ impl DrivenStack {
 impl Analog for DrivenStack {
     fn exchange(&mut self, drive: &DriveBlock, sense: &mut SenseBlock) {
         self.disturb();
-        if let Some(sliding) = &mut self.sliding {
-            sliding.belt.advance(self.block_s);
+        let block_s = self.block_s;
+        if let Some(belt) = self.belt() {
+            belt.advance(block_s);
         }
         let codes = drive.lanes.first().map_or(&[][..], |lane| lane.as_slice());
         let (steps, step_s) = (self.timing.steps as usize, self.timing.step_s());
+        // The pull of a belt hardly changes from one block to the next, and has no value within it.
+        let pull_n = self.webbing.as_ref().map_or(0.0, |_| self.truth.friction_mean_n);
         let mut sums = Sums::new();
         sense.v.clear();
         sense.i.clear();
@@ -291,7 +285,7 @@ impl Analog for DrivenStack {
                     motional_current_a: self.stack.motional_current(),
                     tip_velocity_m_per_s: self.stack.tip_velocity(),
                     tip_envelope_m_per_s: self.stack.tip_amplitude(),
-                    friction_n: friction / steps as f64,
+                    friction_n: pull_n + friction / steps as f64,
                     ..Sample::default()
                 });
             }

@@ -6,6 +6,7 @@ use crate::plant::circuit::Circuit;
 use crate::plant::parts::{Branch, Parts};
 use crate::plant::shift::Shift;
 use crate::plant::stack::Stack;
+use crate::plant::webbing::{damped, with_damping};
 use crate::scene;
 use crate::scene::{DisturbedKey, Driven, FaultKind};
 
@@ -27,6 +28,7 @@ impl Elements {
     /// Those of a scene's stack, and the parts that it begins with, at rest.
     pub fn new(scene: &Driven, stack: &scene::Stack) -> (Self, Parts) {
         let mut parts = Parts::of(stack);
+        parts.circuit = damped(parts.circuit, scene);
         let rest = parts.circuit;
         let shift = Shift::of(&stack.bvd);
         if let Some(shift) = shift {
@@ -77,6 +79,12 @@ impl Elements {
             DisturbedKey::Temperature => Some(self.temperature_k),
             _ => self.disturbed.as_ref().unwrap_or(stack.parts()).further.get(further(key)?).map(Branch::series_resonance_hz),
         }
+    }
+
+    /// Adds damping at the tip, N s/m, for the block that is about to begin.
+    pub fn damp(&mut self, n_s_per_m: f64, stack: &Stack) {
+        self.rest = with_damping(self.rest, n_s_per_m);
+        self.disturbed.get_or_insert_with(|| stack.parts().clone());
     }
 
     /// Sets a key, if it is one of a stack, for the block that is about to begin.

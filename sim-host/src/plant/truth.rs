@@ -32,6 +32,8 @@ pub struct Truth {
     pub belt_speed_m_per_s: f64,
     /// What only a stack has.
     pub tip: Option<TipMotion>,
+    /// What only a horn on a belt has.
+    pub horn: Option<HornTruth>,
     /// What only a motor has.
     pub motor: Option<MotorTruth>,
 }
@@ -43,6 +45,15 @@ pub struct TipMotion {
     pub square_m2_per_s2: f64,
     /// Largest velocity to either side, at the steps, m/s.
     pub peak_m_per_s: f64,
+}
+
+/// How the horn on a belt vibrated at the end of a block, and what that would do if it lasted.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct HornTruth {
+    /// Amplitude, part of the full one.
+    pub amplitude_fraction: f64,
+    /// Part of the friction that goes in the end.
+    pub lasting_reduction: f64,
 }
 
 /// The truth about one block of a travelling-wave motor.

@@ -10,6 +10,8 @@ const SCENES: &[(&str, &str)] = scenes![
     "experiment-1",
     "experiment-1-fast",
     "experiment-1-fitted",
+    "experiment-2",
+    "experiment-2-heavy",
     "friction-ratio",
     "friction-burst",
     "contact",

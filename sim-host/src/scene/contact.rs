@@ -3,6 +3,8 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use crate::contact::empirical::EmpiricalLaw;
+
 /// The friction contact. Give exactly one model.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
@@ -19,6 +21,9 @@ pub struct Contact {
     /// Hertz's contact under vibration across the surface.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub hertz: Option<Hertz>,
+    /// A fitted law of a seat belt under vibration across it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub empirical: Option<Empirical>,
 }
 
 /// Coulomb's model: `F = mu N sgn(V)`. For contact studies.
@@ -110,6 +115,80 @@ pub struct Hertz {
     pub stiffness_n_per_m15: f64,
 }
 
+/// A law fitted to the thesis's second experiment: vibration across a seat belt takes the part `R` of its friction away,
+/// `R = reduction g(v) (W / reference_load_n)^-load_exponent (a / reference_amplitude_fraction)^e`,
+/// `e = amplitude_exponent min(1, (reference_load_n / W)^amplitude_load_exponent)`, `g` one at the reference speed and falling with
+/// `1 + v / speed_scale_m_per_s`. For `rig.belt`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct Empirical {
+    /// Coefficient of friction of the pull, both faces of the belt together, without vibration. Assumed; the reduction is a part of it.
+    #[schemars(range(min = 0.0, max = 5.0))]
+    pub mu: f64,
+    /// Part of the friction that goes at reference load, amplitude and speed if the vibration lasts.
+    #[schemars(range(min = 0.0, max = 1.0))]
+    pub reduction: f64,
+    /// Reference load, N.
+    #[schemars(range(min = 1.0, max = 1e4))]
+    pub reference_load_n: f64,
+    /// Reference amplitude, part of the full one.
+    #[schemars(range(min = 1e-3, max = 1.0))]
+    pub reference_amplitude_fraction: f64,
+    /// Reference speed, m/s.
+    #[schemars(range(min = 0.0, max = 10.0))]
+    pub reference_speed_m_per_s: f64,
+    /// Speed at which half of the effect on a creeping belt is left, m/s; not from the thesis, which has one speed.
+    #[schemars(range(min = 1e-6, max = 1e3))]
+    pub speed_scale_m_per_s: f64,
+    /// How fast the effect falls with the load.
+    #[schemars(range(min = 0.0, max = 10.0))]
+    pub load_exponent: f64,
+    /// How fast the effect rises with the amplitude, at the reference load and below.
+    #[schemars(range(min = 0.0, max = 10.0))]
+    pub amplitude_exponent: f64,
+    /// How fast `amplitude_exponent` falls with the load.
+    #[schemars(range(min = 0.0, max = 20.0))]
+    pub amplitude_load_exponent: f64,
+    /// Smallest amplitude tested, part of the full one: below it the effect falls in proportion to the amplitude.
+    #[schemars(range(min = 1e-3, max = 1.0))]
+    pub lowest_amplitude_fraction: f64,
+}
+
+impl Default for Empirical {
+    fn default() -> Self {
+        let law = EmpiricalLaw::FITTED;
+        Empirical {
+            mu: 0.3,
+            reduction: law.reduction,
+            reference_load_n: law.load_n,
+            reference_amplitude_fraction: law.amplitude_fraction,
+            reference_speed_m_per_s: law.speed_m_per_s,
+            speed_scale_m_per_s: law.speed_scale_m_per_s,
+            load_exponent: law.load_exponent,
+            amplitude_exponent: law.amplitude_exponent,
+            amplitude_load_exponent: law.amplitude_load_exponent,
+            lowest_amplitude_fraction: law.lowest_amplitude_fraction,
+        }
+    }
+}
+
+impl Empirical {
+    /// The law.
+    pub fn law(&self) -> EmpiricalLaw {
+        EmpiricalLaw {
+            reduction: self.reduction,
+            load_n: self.reference_load_n,
+            amplitude_fraction: self.reference_amplitude_fraction,
+            speed_m_per_s: self.reference_speed_m_per_s,
+            speed_scale_m_per_s: self.speed_scale_m_per_s,
+            load_exponent: self.load_exponent,
+            amplitude_exponent: self.amplitude_exponent,
+            amplitude_load_exponent: self.amplitude_load_exponent,
+            lowest_amplitude_fraction: self.lowest_amplitude_fraction,
+        }
+    }
+}
+
 /// Which way the vibration counts in the slip velocity.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
@@ -121,7 +200,7 @@ pub enum Sign {
     Literal,
 }
 
-/// The model that a contact has.
+/// The model that the contact of a contact study has.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Model<'a> {
     /// Coulomb's.

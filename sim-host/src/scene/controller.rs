@@ -38,7 +38,7 @@ pub struct Controller {
     pub limits: Limits,
 }
 
-/// The drive. Give exactly one of `amplitude_v` and `velocity_m_per_s`.
+/// The drive. Give exactly one of `amplitude_v` and `velocity_m_per_s`; with `rig.belt`, which has its amplitude, neither.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Drive {

@@ -57,6 +57,12 @@ pub enum DisturbedKey {
     /// Sliding speed, m/s.
     #[serde(rename = "rig.slider.speed_m_per_s")]
     Speed,
+    /// Force of a horn on a belt, N; with it goes how much the belt damps the horn.
+    #[serde(rename = "rig.belt.load_n")]
+    BeltLoad,
+    /// Speed of a belt, m/s.
+    #[serde(rename = "rig.belt.speed_m_per_s")]
+    BeltSpeed,
     /// Series resonance of a stator, Hz; its modal mass and damping stay.
     #[serde(rename = "stator.series_resonance_hz")]
     StatorResonance,

@@ -19,6 +19,9 @@ pub struct Rig {
     /// The rotor of a travelling-wave motor.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub rotor: Option<Rotor>,
+    /// A belt under a vibrating horn (experiment 2).
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub belt: Option<Belt>,
 }
 
 /// A slider at constant speed; the tip of a driven stack vibrates along the motion. For scenes with `[controller]`.
@@ -58,6 +61,13 @@ mod default {
     /// Of a hand, a roller, a chain.
     pub(super) fn ripple_hz() -> f64 {
         10.0
+    }
+    pub(super) fn full_amplitude_m() -> f64 {
+        85e-6
+    }
+    /// Fitted with the law of the belt.
+    pub(super) fn lag_s() -> f64 {
+        0.45
     }
 }
 
@@ -110,4 +120,44 @@ pub struct Rotor {
     /// Stiffness of the contact layer if it touched all round, N/m. With the preload it sets the angle over which a crest touches.
     #[schemars(range(min = 1e3, max = 1e12))]
     pub contact_stiffness_n_per_m: f64,
+}
+
+/// A seat belt, pulled at constant speed between the horn of a welder, which vibrates across it, and a base. The horn is the tip of
+/// the driven stack, and the controller holds its amplitude. For scenes with `[controller]` and `[contact.empirical]`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Belt {
+    /// Force of the horn on the belt, N.
+    #[schemars(range(min = 1.0, max = 1e4))]
+    pub load_n: f64,
+    /// Speed of the belt, m/s.
+    #[schemars(range(min = -10.0, max = 10.0))]
+    pub speed_m_per_s: f64,
+    /// Amplitude that is ordered, as a part of the full one: 0.7 is 70 %. Takes the place of `drive.velocity_m_per_s`.
+    #[schemars(range(min = 1e-3, max = 1.0))]
+    pub amplitude_fraction: f64,
+    /// The full amplitude of the horn, zero to peak, m.
+    #[serde(default = "default::full_amplitude_m")]
+    #[schemars(range(min = 1e-9, max = 1e-2))]
+    pub full_amplitude_m: f64,
+    /// Time constant with which the pull comes to its reduced value, and back: air cylinder, belt and load cell, s.
+    #[serde(default = "default::lag_s")]
+    #[schemars(range(min = 0.0, max = 100.0))]
+    pub lag_s: f64,
+    /// From the trigger, which the windows of `[controller.burst]` say, to the vibration, s.
+    #[serde(default)]
+    #[schemars(range(min = 0.0, max = 100.0))]
+    pub trigger_delay_s: f64,
+    /// How much the belt damps the horn: N s/m for each newton of load, s/m.
+    #[serde(default)]
+    #[schemars(range(min = 0.0, max = 1e3))]
+    pub damping_s_per_m: f64,
+    /// Ripple of the speed, rms as a part of it: Gaussian, of a narrow band about `ripple_hz`.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    #[schemars(range(min = 0.0, max = 1.0))]
+    pub ripple_rms: f64,
+    /// Frequency of the ripple, Hz.
+    #[serde(default = "default::ripple_hz", skip_serializing_if = "is_usual_ripple")]
+    #[schemars(range(min = 0.1, max = 1e3))]
+    pub ripple_hz: f64,
 }

@@ -21,6 +21,7 @@ mod motor;
 mod timeline;
 mod tracking;
 mod vary;
+mod webbing;
 mod window;
 
 use super::diagnostic::{Place, Problem};
@@ -40,9 +41,12 @@ pub(super) fn check(root: &Node, findings: Findings) -> Findings {
     rules.kind();
     rules.belonging();
     for group in EXCLUSIVE {
-        rules.tables(group.table).iter().for_each(|path| rules.exclusive(group, path));
+        if !rules.said_by_a_belt(group) {
+            rules.tables(group.table).iter().for_each(|path| rules.exclusive(group, path));
+        }
     }
     rules.contact();
+    rules.webbing();
     match rules.kind {
         Some(Kind::Driven) => {
             rules.driven();

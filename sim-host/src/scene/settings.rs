@@ -21,7 +21,7 @@ pub fn config(scene: &scene::Driven) -> Config {
         front_end: front_end(scene.sensors, scene.amplifier),
         drive: Drive {
             frequency_hz: drive.frequency_hz as f32,
-            amplitude: amplitude(drive, &controller.tracking),
+            amplitude: amplitude(scene),
             scan_volts: drive.scan_v.or(drive.amplitude_v).unwrap_or(1.0) as f32,
             shape: match drive.shape {
                 scene::Shape::Sine => ShapeKind::Sine,
@@ -46,7 +46,7 @@ pub fn config(scene: &scene::Driven) -> Config {
             gain_trim: controller.phasing.gain_trim.iter().map(|&x| x as f32).collect(),
             calibration: LaneTrims::new(),
         },
-        burst: burst(controller.burst.as_ref()),
+        burst: burst(controller.burst.as_ref(), scene.trigger_delay_s()),
         tracking: tracking(&controller.tracking),
         thermometer: Thermometer {
             hz_per_k: controller.thermometer.hz_per_k as f32,
@@ -113,8 +113,9 @@ fn code(code: u32) -> u16 {
     u16::try_from(code).unwrap_or(u16::MAX)
 }
 
-fn amplitude(drive: &scene::Drive, tracking: &scene::Tracking) -> Amplitude {
-    match (drive.velocity_m_per_s, drive.amplitude_v) {
+fn amplitude(scene: &scene::Driven) -> Amplitude {
+    let (drive, tracking) = (&scene.controller.drive, &scene.controller.tracking);
+    match (scene.ordered_velocity_m_per_s(), drive.amplitude_v) {
         (Some(velocity), _) => {
             Amplitude::MotionalCurrent((velocity * tracking.nominal_force_factor_n_per_v.unwrap_or(1.0)) as f32)
         }
@@ -144,11 +145,12 @@ fn sweep(sweep: Option<&scene::Sweep>) -> Sweep {
     })
 }
 
-fn burst(burst: Option<&scene::Burst>) -> Burst {
+/// The burst, `later_s` seconds later than it says.
+fn burst(burst: Option<&scene::Burst>, later_s: f64) -> Burst {
     let Some(burst) = burst else { return Burst { schedule: Schedule::Continuous, edge: Edge::Hard, brake: false } };
     let schedule = match (burst.period_s, burst.duty) {
         (Some(period_s), Some(duty)) => Schedule::Periodic { period_s, duty },
-        _ => Schedule::Windows(burst.on_s.iter().copied().zip(burst.off_s.iter().copied()).collect()),
+        _ => Schedule::Windows(burst.on_s.iter().zip(&burst.off_s).map(|(on, off)| (on + later_s, off + later_s)).collect()),
     };
     let edge = match burst.edge {
         scene::Edge::Hard => Edge::Hard,

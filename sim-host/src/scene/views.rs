@@ -1,10 +1,12 @@
 //! The two kinds of scene, each as what it certainly has.
 
+use std::f64::consts::TAU;
 use std::ops::Deref;
 
 use super::contact::Model;
 use super::{
-    Amplifier, Controller, Dahl, Excitation, FaultKind, Kinematic, Method, Rotor, Scene, Sdof, Sensors, Slider, Stack, Stator,
+    Amplifier, Belt, Controller, Dahl, Empirical, Excitation, FaultKind, Kinematic, Method, Rotor, Scene, Sdof, Sensors, Slider,
+    Stack, Stator,
 };
 
 /// Largest error of the mean friction ratio of a contact study that names none.
@@ -55,6 +57,24 @@ impl<'a> Driven<'a> {
     pub fn belt_stops_s(&self) -> Option<f64> {
         let stops = |kind| matches!(kind, FaultKind::BeltStopped | FaultKind::EncoderLies);
         self.scene.fault.iter().filter(|fault| stops(fault.kind)).map(|fault| fault.at_s).reduce(f64::min)
+    }
+
+    /// The belt under a stack's horn, and how it rubs.
+    pub fn belt(&self) -> Option<(&'a Empirical, &'a Belt)> {
+        let contact = self.scene.contact.as_ref()?.empirical.as_ref()?;
+        Some((contact, self.scene.rig.as_ref()?.belt.as_ref()?))
+    }
+
+    /// The peak tip velocity that is ordered, m/s: by itself, or as an amplitude at the nominal frequency.
+    pub fn ordered_velocity_m_per_s(&self) -> Option<f64> {
+        let drive = &self.controller.drive;
+        let of_belt = |(_, belt): (_, &Belt)| TAU * drive.frequency_hz * belt.amplitude_fraction * belt.full_amplitude_m;
+        self.belt().map(of_belt).or(drive.velocity_m_per_s)
+    }
+
+    /// How much later than its burst says the drive is ON, s.
+    pub fn trigger_delay_s(&self) -> f64 {
+        self.belt().map_or(0.0, |(_, belt)| belt.trigger_delay_s)
     }
 
     /// The stator of a motor.

@@ -10,7 +10,7 @@ use crate::processor::Processor;
 use crate::record::{Record, Window};
 use crate::run::{self, Watch};
 use crate::scene::Driven;
-use crate::schedule::first_window;
+use crate::schedule::{first_on, first_window};
 
 /// Title of the window that shows a motor's wave and lanes in their last periods.
 pub const WAVE: &str = "wave";
@@ -90,7 +90,7 @@ fn edge_windows(scene: &Driven) -> Vec<Window> {
     let after_s = 5.0 * circuit_of(scene).time_constant_s();
     let Some(burst) = &scene.controller.burst else { return Vec::new() };
     let late = burst.period_s.map_or(0.0, |period_s| scene.duration_s - 2.0 * period_s);
-    let window = first_window(burst, late).filter(|window| window.0 < scene.duration_s);
+    let window = first_on(scene, late).filter(|window| window.0 < scene.duration_s);
     let edge = |title: &str, at_s: f64| Window {
         title: title.into(),
         edge_s: at_s,

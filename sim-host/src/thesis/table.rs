@@ -73,7 +73,7 @@ pub fn claims(findings: &Findings) -> TableBlock {
     let caption = "Reproduced: holds in every check. Conditional: on the conditions under which it holds. Refuted: holds in none. The \
                    verdicts are computed from the numbers.";
     let header = ["claim", "thesis", "verdict", "check", "numbers"];
-    block("claims", "Claims of chapter 4 and appendix B", caption, &header, rows)
+    block("claims", "Claims of chapters 3 and 4 and appendix B", caption, &header, rows)
 }
 
 /// The contradictions.
@@ -94,6 +94,22 @@ pub fn choices(findings: &Findings) -> TableBlock {
         findings.choices.iter().map(|choice| vec![choice.what.into(), choice.here.into(), numbers(&choice.numbers)]).collect();
     let caption = "Friction ratio at Table 4.1, 384 N, velocity ratio 0.5, under each choice.";
     block("open", "What the thesis leaves open", caption, &["open", "chosen here", "numbers"], rows)
+}
+
+/// Tables as Markdown, for the documentation.
+pub fn plain_markdown(tables: &[TableBlock]) -> String {
+    let row = |cells: &[String]| format!("| {} |\n", cells.join(" | "));
+    let one = |table: &TableBlock| {
+        let rows: String = table.rows.iter().map(|cells| row(cells)).collect();
+        format!(
+            "### {}\n\n{}\n\n{}|{}\n{rows}",
+            table.title,
+            table.caption,
+            row(&table.header),
+            "---|".repeat(table.header.len())
+        )
+    };
+    tables.iter().map(one).collect::<Vec<_>>().join("\n")
 }
 
 /// Contradictions, open choices and verdicts as Markdown, for the documentation.

@@ -36,7 +36,24 @@ fn verdicts() {
 }
 
 /// r: reproduced, c: conditional, x: refuted.
-const VERDICTS: [(&str, char); 72] = [
+const VERDICTS: [(&str, char); 89] = [
+    ("load-raises-friction", 'r'),
+    ("vibration-lowers-friction", 'r'),
+    ("low-speed-reduces-more", 'r'),
+    ("up-to-68-percent", 'c'),
+    ("load-lowers-reduction", 'c'),
+    ("load-cell-shows-the-mean", 'c'),
+    ("normal-vibration-lowers-friction", 'r'),
+    ("up-to-58-percent", 'c'),
+    ("on-time-bottoms-out", 'c'),
+    ("friction-falls-gradually", 'r'),
+    ("load-raises-pull", 'r'),
+    ("load-lowers-normal-reduction", 'r'),
+    ("amplitude-raises-reduction", 'r'),
+    ("amplitude-idle-at-450-n", 'c'),
+    ("amplitude-makes-up-for-load", 'c'),
+    ("power-at-670-n", 'r'),
+    ("speed-lowers-normal-reduction", 'r'),
     ("coulomb-knows-one-ratio", 'c'),
     ("lugre-becomes-dahl", 'c'),
     ("coulomb-reduces-more", 'r'),
@@ -132,6 +149,9 @@ fn every_contradiction_is_shown() {
 #[test]
 fn every_figure_of_the_thesis_is_there_and_has_curves() {
     let ids: Vec<&str> = FINDINGS.figures.iter().map(|figure| figure.id.as_str()).collect();
+    for number in ["04a", "04b", "05a", "05b", "07", "08", "09", "10", "11", "12"] {
+        assert!(ids.contains(&format!("fig-3-{number}").as_str()), "figure 3.{number} is none of {ids:?}");
+    }
     for number in 6..=26 {
         let stem = format!("fig-4-{number:02}");
         assert!(ids.iter().any(|id| id.starts_with(&stem)), "{stem} is none of {ids:?}");
@@ -174,17 +194,43 @@ fn numbers_of_appendix_b_agree_with_an_independent_study() {
     near(value("charge-makes-erratic", 0, "lag of the far end [deg]"), 0.41, 5e-3);
 }
 
-/// `UPDATE_DOCS=1 cargo test -p sim-host thesis` writes the tables anew.
+/// Chapter 3, computed by the study that went before: reductions in per cent.
 #[test]
-fn the_documentation_has_these_numbers() {
+fn numbers_of_the_experiments_agree_with_an_independent_study() {
+    let near = |found: f64, expected: f64, within: f64| assert!((found - expected).abs() < within, "{found} {expected}");
+    near(value("low-speed-reduces-more", 0, "reduction at 0.038 m/s, no load [%]"), 67.4, 0.1);
+    near(value("low-speed-reduces-more", 0, "at 0.068 m/s [%]"), 44.3, 0.1);
+    near(value("up-to-68-percent", 1, "reduction, no load [%]"), 68.2, 0.1);
+    assert!(value("load-lowers-reduction", 0, "fall to 10 N [points]") < 1.0);
+    near(value("up-to-58-percent", 0, "reduction [%]"), 11.466, 5e-4);
+    near(value("up-to-58-percent", 3, "a/d0"), 197.0, 1.0);
+    near(value("up-to-58-percent", 4, "reduction [%]"), 58.0, 0.15);
+    near(value("on-time-bottoms-out", 0, "reduction [%](0.5 s)"), 39.4, 0.5);
+    near(value("on-time-bottoms-out", 0, "reduction [%](1 s)"), 52.3, 0.5);
+    near(value("on-time-bottoms-out", 0, "reduction [%](2.5 s)"), 58.5, 0.15);
+    near(value("power-at-670-n", 0, "power [W]"), 1200.0, 6.0);
+}
+
+/// Compares the tables below the mark of a page, or writes them: `UPDATE_DOCS=1 cargo test -p sim-host thesis`.
+fn documented(page: &str, tables: &str) {
     const MARK: &str = "<!-- tables: printed by `sim-host thesis` -->\n";
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/thesis-errata.md");
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs").join(page);
     let text = std::fs::read_to_string(&path).expect("the page is there");
-    let (head, tables) = text.split_once(MARK).expect("the page has its mark");
-    let expected = format!("\n{}", table::markdown(&FINDINGS));
+    let (head, found) = text.split_once(MARK).expect("the page has its mark");
+    let expected = format!("\n{tables}");
     if std::env::var_os("UPDATE_DOCS").is_some() {
         std::fs::write(&path, format!("{head}{MARK}{expected}")).expect("the page can be written");
     } else {
-        assert!(tables == expected, "docs/thesis-errata.md has other numbers; run with UPDATE_DOCS=1");
+        assert!(found == expected, "docs/{page} has other numbers; run with UPDATE_DOCS=1");
     }
+}
+
+#[test]
+fn the_documentation_has_these_numbers() {
+    documented("thesis-errata.md", &table::markdown(&FINDINGS));
+}
+
+#[test]
+fn the_page_of_experiment_2_has_these_numbers() {
+    documented("experiment-2.md", &table::plain_markdown(&super::experiment_2::tables()));
 }

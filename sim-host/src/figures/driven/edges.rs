@@ -32,7 +32,7 @@ fn edge(run: &Run, window: &Window) -> Figure {
     let what_moves = if run.scene.stator().is_some() { "crest velocity" } else { "tip velocity" };
     let mut series = vec![relative(what_moves, "tip_velocity_relative", &velocity)];
     series.push(relative("its envelope", "tip_envelope_relative", &|n| window.samples[n].tip_envelope_m_per_s));
-    if run.scene.contact.is_some() {
+    if run.scene.sliding().is_some() {
         series.push(relative("friction", "friction_relative", &friction));
     }
     if run.scene.rotor().is_some() {
@@ -40,7 +40,7 @@ fn edge(run: &Run, window: &Window) -> Figure {
         series.push(relative("rotor speed", "rotor_speed_relative", &speed));
     }
     let on = window.title == "on";
-    let what = match (on, run.scene.contact.is_some(), run.scene.rotor().is_some()) {
+    let what = match (on, run.scene.sliding().is_some(), run.scene.rotor().is_some()) {
         (true, _, true) => "drive ON, the rotor starts",
         (false, _, true) => "drive OFF, the rotor stops",
         (true, true, _) => "drive ON, friction falls",

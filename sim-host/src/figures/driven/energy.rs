@@ -32,7 +32,7 @@ pub(super) fn budget(run: &Run, view: &View) -> Option<Figure> {
         series.push(cumulative("wave against friction", "friction_on_wave_j", Style::Line, &|t| t.friction_on_tip_w));
         series.push(cumulative("friction on the rotor", "friction_on_rotor_j", Style::Line, &|t| -t.friction_on_slider_w));
     }
-    if run.scene.contact.is_some() {
+    if run.scene.sliding().is_some() {
         series.push(cumulative("slider against friction", "friction_on_slider_j", Style::Line, &|t| t.friction_on_slider_w));
         series.push(cumulative("tip against friction", "friction_on_tip_j", Style::Line, &|t| t.friction_on_tip_w));
     }

@@ -11,7 +11,8 @@ use crate::study::driven::Run;
 
 /// Friction over time: the true force with its extremes in each bin, and the slow load cell beside it.
 pub(super) fn over_time(run: &Run, view: &View) -> Option<Figure> {
-    run.scene.contact.as_ref()?;
+    // The pull of a belt has a figure of its own.
+    run.scene.sliding()?;
     let rows = &run.record.rows;
     let (lower, upper) = binned(rows)
         .map(|bin| {
@@ -48,7 +49,7 @@ pub(super) fn tip_velocity(run: &Run, view: &View) -> Option<Figure> {
     let rows = &run.record.rows;
     let told = run.scene.controller.tracking.nominal_force_factor_n_per_v?;
     let mut series = Vec::new();
-    if let Some(velocity) = run.scene.controller.drive.velocity_m_per_s {
+    if let Some(velocity) = run.scene.ordered_velocity_m_per_s() {
         series.push(curve(rows, "command", "tip_velocity_command_m_per_s", Style::Dashed, |row| velocity * row.envelope));
     }
     series.push(curve(rows, "controller's estimate", "tip_velocity_estimate_m_per_s", Style::Line, |row| {

@@ -43,6 +43,7 @@ impl Motor {
             belt_position_m: 0.0,
             belt_speed_m_per_s: 0.0,
             tip: None,
+            horn: None,
             motor: Some(self.motor_truth(drive, &waves, mean, block.normal / steps)),
         };
         self.time_s += block_s;

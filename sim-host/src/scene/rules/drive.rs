@@ -1,5 +1,6 @@
 //! The drive: what it needs to know beforehand, and what must hold it.
 
+use super::webbing::{AMPLITUDE_FRACTION, BELT};
 use super::{Rules, shown};
 use crate::scene::diagnostic::Problem;
 
@@ -18,7 +19,8 @@ impl Rules<'_> {
     }
 
     fn velocity(&mut self) {
-        if self.value(VELOCITY).is_none() {
+        let said_by = if self.given(BELT) { AMPLITUDE_FRACTION } else { VELOCITY };
+        if self.value(said_by).is_none() {
             return;
         }
         let missing = [
@@ -37,7 +39,7 @@ impl Rules<'_> {
         ];
         for (path, message, label, help) in missing {
             if self.lacks(path) {
-                let problem = Problem::new(self.key(VELOCITY), message, label);
+                let problem = Problem::new(self.key(said_by), message, label);
                 self.add(path, problem.help(help));
             }
         }

@@ -5,6 +5,7 @@ use firmware::error::Error;
 
 use super::Rules;
 use super::drive::{AMPLITUDE, FREQUENCY, SCAN, VELOCITY};
+use super::webbing::AMPLITUDE_FRACTION;
 use crate::scene::diagnostic::Problem;
 use crate::scene::load::scene_of;
 use crate::scene::schema::{Schema, join};
@@ -34,6 +35,11 @@ const PARAMETERS: &[(&str, &str, &str)] = &[
     ("drive.scan_volts", SCAN, LOUDEST),
     ("drive.scan_volts", AMPLITUDE, "without `scan_v`, self-test and scan have this voltage, too"),
     ("drive.motional_current_a", VELOCITY, "motional current = force factor x velocity, within `controller.limits.current_a`"),
+    (
+        "drive.motional_current_a",
+        AMPLITUDE_FRACTION,
+        "motional current = force factor x amplitude x 2 pi frequency, within `controller.limits.current_a`",
+    ),
     ("front_end.drive_lanes", "amplifier.lanes", ""),
     ("drive.noise_low_hz", "controller.drive.noise_low_hz", "the band must lie within what `sensors.sample_hz` carries"),
     (

@@ -1,6 +1,7 @@
 //! The two kinds of scene, and what belongs to which: the firmware drives a stack, or a contact is studied by itself.
 
 use super::Rules;
+use super::webbing::{BELT, EMPIRICAL};
 use crate::scene::diagnostic::Problem;
 use crate::scene::nearest::{listed, shown};
 use crate::scene::schema::{Schema, join};
@@ -20,7 +21,8 @@ pub(super) enum Kind {
 }
 
 /// Tables that only a driven scene has.
-const DRIVEN_ONLY: &[&str] = &["amplifier", "sensors", "stack", "stator", "trace", "fault", "rig.slider", "rig.rotor"];
+const DRIVEN_ONLY: &[&str] =
+    &["amplifier", "sensors", "stack", "stator", "trace", "fault", "rig.slider", "rig.rotor", "rig.belt", "contact.empirical"];
 /// Tables that only a contact study has.
 const EXCITED_ONLY: &[&str] = &["rig.kinematic", "rig.sdof", "contact.coulomb", "contact.lugre", "contact.hertz"];
 /// Keys of the integrator that only a contact study has.
@@ -62,6 +64,14 @@ impl Rules<'_> {
     /// Whether the scene has what its kind needs, and nothing of the other.
     pub(super) fn belonging(&mut self) {
         let needed: &[(&str, &str, &str)] = match self.kind {
+            Some(Kind::Driven) if self.given(BELT) => &[
+                (CONTROLLER, "stack", "there is no horn on the belt: add the stack that it is the tip of, [stack.bvd]"),
+                ("rig", "contact", "nothing says how the belt rubs: add [contact.empirical]"),
+            ],
+            Some(Kind::Driven) if self.given(EMPIRICAL) => &[
+                (CONTROLLER, "stack", "there is nothing to drive: add a stack, [stack.bvd]"),
+                ("contact", "rig", "there is no belt to rub on: add [rig.belt]"),
+            ],
             Some(Kind::Driven) => &[
                 (CONTROLLER, "stack", "there is nothing to drive: add a stack, [stack.bvd], or a motor's [stator]"),
                 ("contact", "rig", "nothing presses on the contact and moves it: add a rig, such as [rig.slider]"),
@@ -106,6 +116,10 @@ impl Rules<'_> {
         let help = match table {
             "rig.slider" => {
                 "a contact study has [rig.sdof] or [rig.kinematic]; it slides by `excitation.velocity_ratio` or `sliding_m_per_s`"
+            }
+            "rig.belt" => "a belt is pulled under the horn of a stack that the firmware drives",
+            "contact.empirical" => {
+                "this law is of a belt under a driven horn, [rig.belt]; across a contact that is studied by itself it is [contact.hertz]"
             }
             "rig.rotor" => "a rotor turns on a [stator], which the firmware drives",
             "rig.kinematic" | "rig.sdof" => "the stack vibrates along the motion of [rig.slider]",
