@@ -1,6 +1,7 @@
 //! Cross-crate tests, in one binary: one module for each thing that is tested whole.
 
 mod app;
+mod board;
 mod clamped;
 mod contact;
 mod drive;

@@ -1,0 +1,7 @@
+//! The board package on the host: what of it needs no board, what it is configured with, and how large its image is.
+
+mod config;
+mod rings;
+mod sensors;
+mod size;
+mod storage;

@@ -1,0 +1,119 @@
+//! How large the image is: sections of its ELF file against budgets.
+//!
+//!     cargo test -p scenarios board::size -- --nocapture
+//!
+//! prints the tables of docs/board.md. Skipped, with a message, where the target's core library is not installed; in continuous integration
+//! (`CI=true`) that is a failure, unless `SONOGLIDE_PIL_UNAVAILABLE` says that installing it was tried and was not possible.
+
+use std::env;
+use std::io::Write as _;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+use object::{Object as _, ObjectSection as _, ObjectSymbol as _, SectionFlags, SectionKind, elf};
+
+const TARGET: &str = "thumbv7em-none-eabihf";
+const WORKSPACE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/..");
+
+/// What the image may take, bytes.
+const FLASH: u64 = 64 << 10;
+const RAM: u64 = 24 << 10;
+const CCMRAM: u64 = 32 << 10;
+
+/// Symbols in RAM that are listed.
+const LISTED: usize = 8;
+
+/// The image, built; `None` where it cannot be, which has then been said.
+fn image() -> Option<PathBuf> {
+    let asked = run("RUSTC", "rustc", &["--print", "target-libdir", "--target", TARGET]);
+    let folder = String::from_utf8_lossy(&asked.stdout).trim().to_owned();
+    if !asked.status.success() || !Path::new(&folder).is_dir() {
+        let in_ci = env::var("CI").is_ok_and(|ci| ci == "true");
+        let excused = env::var_os("SONOGLIDE_PIL_UNAVAILABLE").is_some();
+        assert!(!in_ci || excused, "no thumb target in continuous integration");
+        let text = format!("\nSKIPPED, size of the board's image: install the target with `rustup target add {TARGET}`\n");
+        std::io::stderr().write_all(text.as_bytes()).expect("standard error");
+        return None;
+    }
+    // In a target directory of its own, so that it waits for no other build.
+    let target = env::var_os("CARGO_TARGET_DIR").map_or_else(|| Path::new(WORKSPACE).join("target"), PathBuf::from).join("fw");
+    let built = run("CARGO", "cargo", &["fw", "--quiet", "--locked", "--target-dir", &target.to_string_lossy()]);
+    assert!(built.status.success(), "{}", String::from_utf8_lossy(&built.stderr));
+    Some(target.join(TARGET).join(PROFILE).join("nucleo-g474re"))
+}
+
+/// The profile of `cargo fw`.
+const PROFILE: &str = "board";
+
+fn run(variable: &str, name: &str, arguments: &[&str]) -> Output {
+    let mut command = Command::new(env::var_os(variable).unwrap_or_else(|| name.into()));
+    for inherited in ["RUSTFLAGS", "CARGO_ENCODED_RUSTFLAGS", "CARGO_BUILD_RUSTFLAGS", "CARGO_BUILD_TARGET"] {
+        command.env_remove(inherited);
+    }
+    command.current_dir(WORKSPACE).args(arguments).output().expect("the toolchain")
+}
+
+/// A section that takes memory: name, address, size, and whether it stands in the flash too.
+struct Section {
+    name: String,
+    address: u64,
+    size: u64,
+    loaded: bool,
+}
+
+fn sections(file: &object::File) -> Vec<Section> {
+    let allocated = |section: &object::Section| match section.flags() {
+        SectionFlags::Elf { sh_flags } => sh_flags & u64::from(elf::SHF_ALLOC) != 0,
+        _ => false,
+    };
+    let taken = file.sections().filter(|section| allocated(section) && section.size() > 0);
+    taken
+        .map(|section| Section {
+            name: section.name().expect("a name").to_owned(),
+            address: section.address(),
+            size: section.size(),
+            loaded: section.kind() != SectionKind::UninitializedData,
+        })
+        .collect()
+}
+
+#[test]
+fn the_image_keeps_within_its_budgets() {
+    let Some(path) = image() else { return };
+    let bytes = std::fs::read(path).expect("the image");
+    let file = object::File::parse(&*bytes).expect("an ELF file");
+    let sections = sections(&file);
+    println!("| section | address | bytes | |\n|---|---|---|---|");
+    for Section { name, address, size, loaded } in &sections {
+        let place = match address >> 24 {
+            0x08 => "flash",
+            0x10 => "core-coupled RAM, loaded from flash",
+            0x20 if *loaded => "RAM, loaded from flash",
+            _ => "RAM",
+        };
+        println!("| `{name}` | {address:#010x} | {size} | {place} |");
+    }
+    let sum = |counts: &dyn Fn(&Section) -> bool| sections.iter().filter(|section| counts(section)).map(|section| section.size).sum::<u64>();
+    let flash = sum(&|section| section.loaded);
+    let ram = sum(&|section| section.address >> 24 == 0x20);
+    let ccmram = sum(&|section| section.address >> 24 == 0x10);
+    println!("\n| memory | bytes | budget |\n|---|---|---|");
+    for (memory, taken, budget) in [("flash", flash, FLASH), ("static RAM", ram, RAM), ("core-coupled RAM", ccmram, CCMRAM)] {
+        println!("| {memory} | {taken} | {budget} |");
+    }
+    largest(&file);
+    assert!(sections.iter().any(|section| section.name == ".ccmram") && ccmram > 0, "the hot code is not in the core-coupled RAM");
+    assert!(ram <= RAM && ccmram <= CCMRAM, "{ram} {ccmram}");
+    assert!(flash <= FLASH, "{flash}");
+}
+
+/// Prints what takes most of the RAM.
+fn largest(file: &object::File) {
+    let in_ram = file.symbols().filter(|symbol| symbol.address() >> 24 == 0x20 && symbol.size() > 0);
+    let mut symbols: Vec<_> = in_ram.map(|symbol| (symbol.size(), symbol.name().unwrap_or("?").to_owned())).collect();
+    symbols.sort_by(|a, b| b.cmp(a));
+    println!("\n| in RAM | bytes |\n|---|---|");
+    for (size, name) in symbols.into_iter().take(LISTED) {
+        println!("| `{name}` | {size} |");
+    }
+}
