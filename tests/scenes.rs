@@ -106,7 +106,8 @@ fn what_breaks_is_named_and_mutes_the_drive() {
         ("saturation", 28, 96.0),
         ("sensor_stuck", 20, 96.0 + 7.0 * 32.0),
         ("open", 23, 96.0 + 7.0 * 32.0),
-        ("belt_stopped", 40, 96.0 + 4000.0),
+        ("belt_stopped", 40, 96.0 + 2400.0),
+        ("overtemperature", 44, 96.0),
     ] {
         let sets = [format!("fault.0.kind={kind}"), "fault.0.at_s=0.2".into()];
         let loaded = loaded("lock", &sets);

@@ -55,19 +55,24 @@ impl Belt {
     /// Checks what a count is worth.
     pub fn build(config: &Config, block_s: f32) -> Result<Self, Error> {
         if let Some(metre) = config.front_end.metre_per_count {
-            in_range("front_end.metre_per_count", metre.into(), 1e-7, 1e-2)?;
+            in_range("front_end.metre_per_count", metre.into(), 0.9e-7, 1.1e-2)?;
         }
-        let metre_per_count = config.front_end.metre_per_count.unwrap_or(0.0);
-        Ok(Belt {
+        Ok(Belt::of(config.front_end.metre_per_count.unwrap_or(0.0), block_s))
+    }
+
+    /// A belt of which a count is worth so many metres; zero where nobody has said, and then there is an encoder only if it is heard.
+    pub(crate) fn of(metre_per_count: f32, block_s: f32) -> Self {
+        let told = metre_per_count > 0.0;
+        Belt {
             metre_per_count,
             block_s,
-            play: config.front_end.metre_per_count.map_or(PLAY_COUNTS, |metre| (PLAY_M / metre) as i32),
+            play: if told { (PLAY_M / metre_per_count) as i32 } else { PLAY_COUNTS },
             speed_blocks: (SPEED_S / block_s) as u32,
-            expected: config.front_end.metre_per_count.is_some(),
+            expected: told,
             heard: None,
             fresh: 0,
             still: 0,
-        })
+        }
     }
 
     /// Takes what the decoder says of one block. What comes after a broken line counts from zero.
@@ -161,16 +166,7 @@ mod tests {
 
     /// 100 counts a millimetre.
     fn belt() -> Belt {
-        Belt {
-            metre_per_count: 1e-5,
-            block_s: BLOCK_S,
-            play: 200,
-            speed_blocks: 156,
-            expected: true,
-            heard: None,
-            fresh: 0,
-            still: 0,
-        }
+        Belt::of(1e-5, BLOCK_S)
     }
 
     /// Lets a belt move at `speed` for so many blocks, from `position` counts on. Returns where it is then, and the new ground.

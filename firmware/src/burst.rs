@@ -157,6 +157,11 @@ impl Burst {
         self.brake
     }
 
+    /// Whether the drive is wanted under this gate at sample `now`.
+    pub fn is_wanted(&mut self, gate: Gate, now: u64) -> bool {
+        self.gate(gate, now).0
+    }
+
     /// The envelope from sample `now` on, for `samples` samples of a stretch.
     pub fn envelope(&mut self, gate: Gate, now: u64, stretch: &Stretch, samples: usize) -> Envelope<'_> {
         let (mut open, mut stays) = self.gate(gate, now);

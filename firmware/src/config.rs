@@ -310,8 +310,8 @@ pub struct Limits {
     pub current_a: f32,
     /// Mean electrical power, W.
     pub power_w: Option<f32>,
-    /// Temperature of board and stack, degrees Celsius. The drive is derated below it.
-    pub temperature_c: Option<f32>,
+    /// Temperature of board and stack, degrees Celsius. The drive is derated from 20 K below it on.
+    pub temperature_c: f32,
     /// How long the drive stays ON after the last new count of the belt, ms. Only with a belt sensor.
     pub belt_stop_ms: f32,
     /// Electrical energy for each metre of belt, J/m. Only with a belt sensor.
@@ -327,8 +327,8 @@ impl Default for Limits {
             voltage_v: 15.466,
             current_a: 3.0,
             power_w: None,
-            temperature_c: None,
-            belt_stop_ms: 4.0,
+            temperature_c: 100.0,
+            belt_stop_ms: 2.4,
             energy_j_per_m: None,
             on_time_s: None,
         }

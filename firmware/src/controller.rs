@@ -18,9 +18,9 @@ use crate::clamped::online::Online;
 use crate::config::{Config, ShapeKind, TrackingMode};
 use crate::controller::plan::Plan;
 use crate::convert::Convert;
-use crate::demod::{Sensed, demodulate};
+use crate::demod::{Sensed, Suspect, demodulate};
 use crate::error::{Error, in_range};
-use crate::guard::{Driven, Guard};
+use crate::guard::{Driven, Guard, Stage};
 use crate::identify::{Resonance, Transducer};
 use crate::nco::{Nco, Stretch};
 use crate::phasing::Phasing;
@@ -163,12 +163,11 @@ impl Controller {
         let (sensed, suspect) = demodulate(&self.convert, sense, &heard.tone);
         let motional_current = self.tracker.motional_current(&sensed, heard.relative);
 
-        let driven =
-            Driven { volts: heard.audible.filter(|_| heard.flat).map(|part| part * heard.volts * heard.envelope), suspect };
         self.belt.hear(sense.slow.belt);
+        let driven = self.driven(orders, &heard, suspect);
         let found = self
             .guard
-            .inspect(&self.convert, sense, &sensed, &self.belt, driven)
+            .inspect(&self.convert, sense, &sensed, &self.belt, &driven)
             .map(|fault| self.named(fault, &sensed, heard.volts));
         if self.supervisor.judge(orders, found) {
             self.begin();
@@ -195,6 +194,21 @@ impl Controller {
         let collapses = fault == Fault::SensorImplausible && self.self_test.is_short(sensed, volts);
         let short = self.supervisor.mode() == Mode::SelfTest && (fault == Fault::OverCurrent || collapses);
         if short { Fault::LoadShorted } else { fault }
+    }
+
+    /// What the guard has to know of the block just heard.
+    fn driven(&mut self, orders: &Orders, heard: &Played, suspect: Suspect) -> Driven {
+        let mode = self.supervisor.mode();
+        let now = (self.block + LATENCY_BLOCKS as u64) * self.samples as u64;
+        let wanted = mode == Mode::Lock || mode == Mode::Run && self.burst.is_wanted(orders.gate, now);
+        Driven {
+            volts: heard.audible.filter(|_| heard.flat).map(|part| part * heard.volts * heard.envelope),
+            suspect,
+            stage: Stage::from(mode),
+            wanted,
+            full: heard.flat && heard.envelope == 1.0 && heard.volts > 0.0,
+            asked: self.asked(orders).1,
+        }
     }
 
     /// Writes the codes of a plan, and remembers what they are.
@@ -254,6 +268,8 @@ impl Controller {
         let mode = self.supervisor.mode();
         let following = matches!(mode, Mode::Lock | Mode::Run);
         let limit = match following {
+            true if self.guard.mutes() => Some(Limit::BeltMuted),
+            true if self.guard.derating() < 1.0 => Some(Limit::Derated),
             true if self.amplitude.limited() => Some(Limit::OverVoltageRequest),
             true if self.tracker.limited() || plan.limited => Some(Limit::FrequencyWindow),
             true if self.phasing.quadrature(orders.quadrature).1 => Some(Limit::QuadratureRequest),

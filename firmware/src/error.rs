@@ -33,6 +33,8 @@ pub enum Error {
     ExponentialAroundResonance,
     /// The frequencies of a calibration must rise.
     TrimOrder,
+    /// Energy for each metre of belt is known only where the belt has an encoder.
+    EnergyWithoutBelt,
 }
 
 impl fmt::Display for Error {
@@ -53,6 +55,7 @@ impl fmt::Display for Error {
             Error::ExponentialAroundResonance => {
                 f.write_str("sweep is a chirp about the resonance, from offset to offset through zero: it must be linear")
             }
+            Error::EnergyWithoutBelt => f.write_str("limits.energy_j_per_m needs a belt encoder, front_end.metre_per_count"),
             Error::TrimOrder => f.write_str("phasing.calibration must be at rising frequencies"),
             Error::BurstWindows => {
                 f.write_str("burst windows must be in order, must not overlap, and need one end for each beginning")

@@ -1,65 +1,94 @@
-//! The guard: is it safe to go on driving? Looks at one block's phasors and slow readings, at its raw codes where the lock-in has seen some
-//! that may be out of order, and names the first thing that is wrong.
+//! The guard: is it safe to go on driving?
+//!
+//! | part | watches | says |
+//! |---|---|---|
+//! | `electrical` | voltage, current, lost blocks | faults 11, 20, 21, 23, 28 |
+//! | [`weld`] | whether the belt moves, what its force says, energy for each metre | mutes (limit 101); faults 40 to 43, 46 |
+//! | [`heat`] | temperature of board and stack, mean power | derates (limit 100); fault 44 |
+//! | [`on_time`] | how long the drive is ON | fault 45 |
+//!
+//! Each looks at every block and names what it finds; the first of them is reported. Where there is no such sensor or limit, a part costs a
+//! comparison.
+
+mod electrical;
+pub mod heat;
+pub mod on_time;
+pub mod weld;
 
 use crate::belt::Belt;
-use crate::block::{Codes, SenseBlock};
+use crate::block::SenseBlock;
 use crate::config::Config;
-use crate::convert::{Convert, SenseScale};
+use crate::convert::Convert;
 use crate::demod::{Sensed, Suspect};
-use crate::error::{Error, in_range};
-use crate::supervisor::Fault;
-
-/// Part of a block that may stand at the end of a converter's range.
-const CLIPPED_PART: usize = 8;
-/// Samples of a block over the current limit that make a fault: one may be a glitch of the converter.
-const OVER_CURRENT_SAMPLES: usize = 2;
-/// Blocks for which the voltage or the current may be implausible before that counts.
-const IMPLAUSIBLE_BLOCKS: u32 = 8;
-/// The voltage may be this many times smaller or larger than the fundamental that was played (the source sags, harmonics leak into the lock-in).
-const VOLTAGE_FACTOR: f32 = 2.0;
-/// Smallest current, relative to what the nominal capacitance takes; at the antiresonance a healthy stack takes a fortieth.
-const OPEN_PART: f32 = 0.01;
-/// Voltages below this many codes are not judged.
-const JUDGED_CODES: f32 = 16.0;
+use crate::error::Error;
+use crate::guard::electrical::Electrical;
+use crate::guard::heat::{Heat, Thermometers};
+use crate::guard::on_time::OnTime;
+use crate::guard::weld::Weld;
+use crate::supervisor::{Fault, Mode};
 
 /// What is known of a block besides its codes.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Driven {
     /// Fundamental of what was played in it, V peak, where it was the same throughout; `None` at an edge, and of a noise.
     pub volts: Option<f32>,
     /// Whether codes of it may be out of order.
     pub suspect: Suspect,
+    /// What the drive is for.
+    pub stage: Stage,
+    /// The order and the schedule want the drive to be ON.
+    pub wanted: bool,
+    /// It was ON throughout.
+    pub full: bool,
+    /// The amplitude asked for, in whatever unit.
+    pub asked: f32,
+}
+
+/// What the drive is for.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Stage {
+    /// Nothing: it is silent.
+    #[default]
+    Silent,
+    /// To measure: it cannot be interrupted and go on.
+    Measuring,
+    /// To follow the resonance: it can be muted and go on.
+    Following,
+}
+
+impl From<Mode> for Stage {
+    fn from(mode: Mode) -> Self {
+        match mode {
+            Mode::Idle | Mode::Fault => Stage::Silent,
+            Mode::SelfTest | Mode::Scan | Mode::Calibrate | Mode::Clamped => Stage::Measuring,
+            Mode::Lock | Mode::Run => Stage::Following,
+        }
+    }
 }
 
 /// The guard's memory.
 #[derive(Clone, Debug)]
 pub struct Guard {
-    samples: usize,
-    current_limit: f32,
-    clamped_siemens: f32,
-    judged_volts: f32,
-    belt_stop_blocks: u32,
-    wrong_voltage: u32,
-    no_current: u32,
-    belt_still: u32,
+    electrical: Electrical,
+    weld: Weld,
+    heat: Heat,
+    on_time: OnTime,
 }
 
 impl Guard {
     /// Checks the limits.
     pub fn build(config: &Config, block_s: f32) -> Result<Self, Error> {
-        let limits = &config.limits;
-        in_range("limits.current_a", limits.current_a.into(), 1e-6, 1e4)?;
-        in_range("limits.belt_stop_ms", limits.belt_stop_ms.into(), 0.0, 1e5)?;
         Ok(Guard {
-            samples: config.block_samples.into(),
-            current_limit: limits.current_a,
-            clamped_siemens: core::f32::consts::TAU * config.drive.frequency_hz * config.tracking.nominal_c0_f,
-            judged_volts: JUDGED_CODES * config.front_end.volt_per_lsb.max(config.front_end.drive_volt_per_lsb),
-            belt_stop_blocks: (limits.belt_stop_ms * 1e-3 / block_s) as u32,
-            wrong_voltage: 0,
-            no_current: 0,
-            belt_still: 0,
+            electrical: Electrical::build(config)?,
+            weld: Weld::build(config, block_s)?,
+            heat: Heat::build(config, block_s)?,
+            on_time: OnTime::build(config, block_s)?,
         })
+    }
+
+    /// A new attempt begins.
+    pub fn begin(&mut self) {
+        self.weld.begin();
     }
 
     /// What is wrong with this block, if anything.
@@ -69,40 +98,35 @@ impl Guard {
         sense: &SenseBlock,
         sensed: &Sensed,
         belt: &Belt,
-        driven: Driven,
+        driven: &Driven,
     ) -> Option<Fault> {
-        let played = driven.volts.filter(|&volts| volts > self.judged_volts);
-        // Squares are compared: a root takes as long as a period of the lock-in.
-        let square = |x: f32| x * x;
-        let wrong_voltage = played.is_some_and(|volts| {
-            let heard = sensed.v.norm_sqr();
-            heard > square(volts * VOLTAGE_FACTOR) || heard < square(volts / VOLTAGE_FACTOR)
-        });
-        let no_current = played.is_some_and(|volts| sensed.i.norm_sqr() < square(OPEN_PART * self.clamped_siemens * volts));
-        let still = belt.is_expected() && belt.fresh_counts() == 0;
-        let count = |counter: u32, wrong: bool| if wrong { counter.saturating_add(1) } else { 0 };
-        self.wrong_voltage = count(self.wrong_voltage, wrong_voltage);
-        self.no_current = count(self.no_current, no_current);
-        // Only motion ends the count: short bursts over a still belt add up.
-        let driving = driven.volts.is_none_or(|volts| volts > 0.0);
-        self.belt_still = if still { self.belt_still.saturating_add(driving.into()) } else { 0 };
+        let electrical = self.electrical.inspect(convert, sense, sensed, driven.volts, driven.suspect);
+        // At an edge it is not known, and something is driven.
+        let driving = driven.stage != Stage::Silent && driven.volts.is_none_or(|volts| volts > 0.0);
+        let power_w = if driving { 0.5 * (sensed.v.re * sensed.i.re + sensed.v.im * sensed.i.im) } else { 0.0 };
+        let weld = self.weld.inspect(belt, sense.slow.force, &weld::Driving { driving, power_w, driven });
+        let heat = self.heat.inspect(sense.slow.temperature, driving, power_w);
+        let on_time = self.on_time.inspect(driving);
+        electrical.or(weld).or(heat).or(on_time)
+    }
 
-        let tripped = sense.slow.trips.is_some_and(|trips| trips.over_current);
-        let missed = sense.slow.missed_blocks.is_some_and(|missed| missed > 0);
-        let cut = sense.v.len() != self.samples || sense.i.len() != self.samples;
-        // Clipping and over-current are looked for where there can be any.
-        let Suspect { v: look_at_v, i: look_at_i } = driven.suspect;
-        let clipped = |scale: &SenseScale, codes: &Codes| scale.clipped(codes) * CLIPPED_PART > self.samples;
-        let over_current = look_at_i && convert.i.beyond(&sense.i, self.current_limit) >= OVER_CURRENT_SAMPLES;
-        match () {
-            () if missed || cut => Some(Fault::LateBlock),
-            () if look_at_v && clipped(&convert.v, &sense.v) => Some(Fault::SenseSaturated),
-            () if tripped || over_current => Some(Fault::OverCurrent),
-            () if look_at_i && clipped(&convert.i, &sense.i) => Some(Fault::SenseSaturated),
-            () if self.wrong_voltage >= IMPLAUSIBLE_BLOCKS => Some(Fault::SensorImplausible),
-            () if self.no_current >= IMPLAUSIBLE_BLOCKS => Some(Fault::LoadOpen),
-            () if self.belt_still > self.belt_stop_blocks => Some(Fault::BeltStopped),
-            () => None,
-        }
+    /// Whether the drive must be silent until the belt moves again.
+    pub fn is_muted(&self) -> bool {
+        self.weld.is_muted()
+    }
+
+    /// Whether what is reported as muted is also wanted.
+    pub fn mutes(&self) -> bool {
+        self.weld.mutes()
+    }
+
+    /// Takes what the tracker knows of the stack; now and then is enough.
+    pub fn feel(&mut self, thermometers: &Thermometers) {
+        self.heat.feel(thermometers);
+    }
+
+    /// What is left of the amplitude asked for, 0.1 to 1.
+    pub fn derating(&self) -> f32 {
+        self.heat.factor()
     }
 }

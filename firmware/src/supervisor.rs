@@ -105,8 +105,20 @@ pub enum Fault {
     TrackersDisagree = 33,
     /// It has locked to a resonance that is not the one it was told of.
     WrongMode = 34,
-    /// The belt stands still under the drive.
+    /// The belt stands still under the drive: muted for 100 ms, or at once where a measurement was under way.
     BeltStopped = 40,
+    /// A line to the belt's encoder is broken, or the encoder is gone: known with that block.
+    BeltSensorLost = 41,
+    /// The encoder counts, and the force is that of a belt that stands: about 4 ms after it has stopped.
+    BeltSensorImplausible = 42,
+    /// More electrical energy for each metre of belt than the limit.
+    EnergyPerLength = 43,
+    /// Board or stack are hotter than the limit.
+    OverTemperature = 44,
+    /// The drive has been ON for longer than the limit.
+    OnTimeExceeded = 45,
+    /// The force channel is missing, stuck for 32 ms, or reads no number.
+    ForceSensorImplausible = 46,
 }
 
 impl Fault {
@@ -130,6 +142,10 @@ pub enum Limit {
     NotTracking = 98,
     /// The quadrature asked for is over a quarter turn.
     QuadratureRequest = 99,
+    /// The amplitude is reduced: board or stack are nearly too hot, or the mean power is at its limit.
+    Derated = 100,
+    /// The drive is muted until the belt moves.
+    BeltMuted = 101,
 }
 
 /// A number on the wire, and back: a variant that is added later does not change the meaning of the others.
@@ -151,8 +167,8 @@ macro_rules! numbered {
     };
 }
 
-numbered!(Fault, EmergencyStop LateBlock SensorImplausible OverCurrent LoadShorted LoadOpen LaneImplausible CapacitanceShifted ResonanceDamaged SenseSwapped SenseSaturated NoResonance NoLock LossOfLock TrackersDisagree WrongMode BeltStopped);
-numbered!(Limit, OverVoltageRequest FrequencyWindow NotTracking QuadratureRequest);
+numbered!(Fault, EmergencyStop LateBlock SensorImplausible OverCurrent LoadShorted LoadOpen LaneImplausible CapacitanceShifted ResonanceDamaged SenseSwapped SenseSaturated NoResonance NoLock LossOfLock TrackersDisagree WrongMode BeltStopped BeltSensorLost BeltSensorImplausible EnergyPerLength OverTemperature OnTimeExceeded ForceSensorImplausible);
+numbered!(Limit, OverVoltageRequest FrequencyWindow NotTracking QuadratureRequest Derated BeltMuted);
 
 /// How a stage of the way to [`Mode::Run`] is getting on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -19,6 +19,7 @@ pub mod contact;
 pub mod cramer_rao;
 pub mod figures;
 pub mod findings;
+pub mod guard;
 pub mod instructions;
 pub mod metric_names;
 pub mod metrics;

@@ -1,5 +1,6 @@
 //! What a run leaves behind: one row a block, three ways (command, estimate, truth), and a few windows sample by sample.
 
+use firmware::block::SlowSense;
 use firmware::nco::cycles_per_sample;
 use firmware::phasor::magnitude;
 use firmware::supervisor::Mode;
@@ -39,6 +40,10 @@ pub struct Row {
     pub phase_deg: f64,
     /// Sensed: admittance, S; only where there was a voltage.
     pub admittance_s: Option<(f64, f64)>,
+    /// Sensed: counts of the belt's encoder, if there is one whose lines are whole.
+    pub belt_counts: Option<i32>,
+    /// Sensed: force channel, N.
+    pub force_n: Option<f64>,
     /// Truth.
     pub truth: Truth,
 }
@@ -142,7 +147,13 @@ impl Command {
 
 impl Row {
     /// The row of a block in which `command` played.
-    pub fn new(time_s: f64, sample_hz: f64, command: &Command, telemetry: &Telemetry, (swing, truth): (Swing, &Truth)) -> Self {
+    pub fn new(
+        time_s: f64,
+        sample_hz: f64,
+        command: &Command,
+        telemetry: &Telemetry,
+        (swing, slow, truth): (Swing, SlowSense, &Truth),
+    ) -> Self {
         let voltage = magnitude(telemetry.v);
         let admittance = || {
             let y = telemetry.i / telemetry.v;
@@ -162,6 +173,8 @@ impl Row {
             motional_current_a: magnitude(telemetry.motional_current).into(),
             phase_deg: telemetry.phase.degrees().into(),
             admittance_s: (command.drive_v * command.envelope > 0.0 && voltage > 0.0).then(admittance),
+            belt_counts: slow.belt.filter(|belt| !belt.broken).map(|belt| belt.counts),
+            force_n: slow.force.map(f64::from),
             truth: *truth,
         }
     }

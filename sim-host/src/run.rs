@@ -3,7 +3,7 @@
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
-use firmware::block::{DriveBlock, Gate, LATENCY_BLOCKS, Orders, Request, SenseBlock};
+use firmware::block::{DriveBlock, Gate, LATENCY_BLOCKS, Orders, Request, SenseBlock, SlowSense};
 use firmware::supervisor::Mode;
 use firmware::units::{Hertz, Turns};
 use hal_mock::analog::Analog;
@@ -84,7 +84,7 @@ pub fn run_on(processor: &mut dyn Processor, scene: &Driven, mut watch: Watch) -
         let played = std::mem::replace(slot, Command::of(&telemetry));
         let time_s = (block + 1) as f64 * samples as f64 / sample_hz;
         if (block + 1).is_multiple_of(every) {
-            let happened = (clock.analog.swing, clock.analog.plant.inner.truth());
+            let happened = (clock.analog.swing, clock.analog.slow, clock.analog.plant.inner.truth());
             record.rows.push(Row::new(time_s, sample_hz, &played, &telemetry, happened));
         }
         record.last = telemetry;
@@ -140,6 +140,8 @@ struct Recorder {
     meter: SwingMeter,
     /// How far the last block swung.
     swing: Swing,
+    /// What the slow sensors have said of it.
+    slow: SlowSense,
     windows: Vec<Window>,
     tracer: Option<Tracer>,
     sample_s: f64,
@@ -167,6 +169,7 @@ impl Recorder {
             hash: DriveHash::default(),
             meter: SwingMeter::new(scene),
             swing: Swing::default(),
+            slow: SlowSense::default(),
             windows,
             tracer,
             sample_s,
@@ -206,6 +209,7 @@ impl Analog for Recorder {
         let traced = self.tracer.as_mut().filter(|tracer| tracer.wants(self.played, samples));
         self.plant.inner.keep_samples(traced.is_some() || self.windows.iter().any(open));
         self.plant.exchange(drive, sense);
+        self.slow = sense.slow;
         self.hash.add(drive);
         self.swing = self.meter.measure(drive);
         for window in self.windows.iter_mut().filter(|window| open(window)) {

@@ -2,10 +2,11 @@
 
 use super::plan::Plan;
 use super::{Controller, Played};
-use crate::block::{Gate, Orders};
+use crate::block::{Amplitude, Gate, Orders};
 use crate::burst::Brake;
 use crate::clamped::online;
 use crate::demod::Sensed;
+use crate::guard::heat::Thermometers;
 use crate::identify::Transducer;
 use crate::phasor::{Phasor, magnitude};
 use crate::shape::Shape;
@@ -30,6 +31,10 @@ impl Controller {
         let following = matches!(self.supervisor.mode(), Mode::Lock | Mode::Run);
         if following && self.transducer.is_some() && self.block - self.learned >= LEARN_BLOCKS && self.tracker.is_sure() {
             self.learn();
+        }
+        if following && self.block.is_multiple_of(LEARN_BLOCKS) && self.tracker.state() == State::Locked {
+            let susceptance = self.online.motional().y0.im;
+            self.guard.feel(&Thermometers { resonance_hz: self.tracker.estimate_hz(), susceptance });
         }
     }
 
@@ -83,7 +88,7 @@ impl Controller {
         self.prepare_brake(orders.gate);
         let known = self.transducer.is_some() || !self.tracker.observes();
         if known {
-            self.amplitude.update(orders.amplitude.unwrap_or(self.amplitude_asked), envelope, at_lock_point);
+            self.amplitude.update(self.asked(orders).0, envelope, at_lock_point);
         }
         let volts = match () {
             () if !known => self.scan_volts,
@@ -91,6 +96,15 @@ impl Controller {
             () => self.amplitude.volts(),
         };
         Plan { volts, gate: orders.gate, listen: 0, phase, limited, progress: self.lock_progress() }
+    }
+
+    /// The amplitude asked for, as far as it is not derated; and as a number, before that.
+    pub(super) fn asked(&self, orders: &Orders) -> (Amplitude, f32) {
+        let left = self.guard.derating();
+        match orders.amplitude.unwrap_or(self.amplitude_asked) {
+            Amplitude::Volts(volts) => (Amplitude::Volts(left * volts), volts),
+            Amplitude::MotionalCurrent(amperes) => (Amplitude::MotionalCurrent(left * amperes), amperes),
+        }
     }
 
     /// Where to drive, as an offset from the nominal frequency, Hz, and whether the order had to be limited. Only what runs is moved

@@ -41,6 +41,7 @@ impl Plan {
 impl Controller {
     /// Forgets what an earlier attempt has found.
     pub(super) fn begin(&mut self) {
+        self.guard.begin();
         self.test_again();
         self.calibrates_again = false;
         self.calibrate.abandon(&mut self.phasing);
@@ -133,6 +134,13 @@ impl Controller {
                 }
                 calibrate::Step::Failed(fault) => Plan::SILENT.and(Progress::Failed(fault)),
             },
+            // What has nothing to lock to waits.
+            Mode::Lock if self.guard.is_muted() => Plan::SILENT,
+            // Silent within the block, whatever the edge: a burst without a voltage ends at once, and begins anew.
+            Mode::Run if self.guard.is_muted() => {
+                let plan = self.follow(&Orders { gate: Gate::Off, ..*orders }, sensed, heard, motional);
+                Plan { volts: 0.0, ..plan }
+            }
             Mode::Lock => self.follow(&Orders { gate: Gate::On, ..*orders }, sensed, heard, motional),
             Mode::Run => self.follow(orders, sensed, heard, motional),
         }

@@ -127,7 +127,7 @@ fn longest_config() -> Config {
             voltage_v: 1.0,
             current_a: 1.0,
             power_w: Some(1.0),
-            temperature_c: Some(1.0),
+            temperature_c: 1.0,
             belt_stop_ms: 1.0,
             energy_j_per_m: Some(1.0),
             on_time_s: Some(1.0),

@@ -1,6 +1,7 @@
 //! The figures of a driven run: what was commanded, what the controller believed, what was true.
 
 mod admittance;
+mod belt;
 mod edges;
 mod energy;
 mod friction;
@@ -22,6 +23,7 @@ const BINS: usize = 3000;
 pub(super) fn of(run: &Run) -> Vec<Figure> {
     let view = View::new(&run.scene, &run.record);
     let mut figures = motor::of(run, &view);
+    figures.extend(belt::of(run, &view));
     figures.extend(friction::over_time(run, &view));
     figures.extend(edges::of(run, &view));
     figures.extend(resonance::acquisition(run, &view));

@@ -56,6 +56,9 @@ pub(super) const HEADLINE: &[Line] = &[
     ("backward wave", "backward_wave_percent", "%"),
     ("rotor over surface speed", "rotor_speed_ratio", ""),
     ("stops in", "stop_time_ms", "ms"),
+    ("belt stops to drive OFF", "belt_stop_to_mute_ms", "ms"),
+    ("rings down in", "ring_down_ms", "ms"),
+    ("largest energy into a millimetre of belt", "exposure_j_per_mm", "J"),
     ("simulated s per wall s", "simulated_s_per_wall_s", ""),
 ];
 

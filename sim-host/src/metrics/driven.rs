@@ -15,7 +15,8 @@
 //! | `overshoot_percent` | the largest true tip velocity of the run over the steady one; not where a step disturbance makes two steady states |
 //! | `drive_peak_v`, `drive_rms_v`, `input_power_w`, `tip_velocity_rms_…`, `tip_velocity_peak_…` | steady blocks, any waveform: see `electrical.rs` |
 //! | `fault_code`, `limit_code` | the fault at the end of the run; the limit in its last block under drive; 0 is none |
-//! | `fault_latency_us` | from the scene's first fault to the first block without drive once the controller has faulted |
+//! | `fault_latency_us` | from the scene's first fault to the first block without drive once the controller has faulted, or has been muted (limit 101) until it did |
+//! | `belt_stop_to_mute_ms`, `ring_down_ms`, `exposure_j_per_mm` | only with a belt encoder: see `weld.rs` |
 //! | `worst_block_instructions` | the most instructions that one call of `process` has taken, to within 6; only of a run in QEMU |
 //!
 //! **Settled** is what comes 20 ms after an edge; or a third of what is left of the run from its first block of running, or from its last
@@ -26,8 +27,9 @@
 mod electrical;
 pub mod lock_claims;
 mod motor;
+mod weld;
 
-use firmware::supervisor::Mode;
+use firmware::supervisor::{Limit, Mode};
 
 use super::Metrics;
 use crate::record::{Record, Row};
@@ -51,6 +53,7 @@ pub fn of(scene: &Driven, record: &Record) -> Metrics {
     view.steady_state(&mut metrics);
     electrical::add(&view, &mut metrics);
     view.motor(scene, &mut metrics);
+    view.weld(scene, &mut metrics);
     metrics.put("energy_residual", (record.energy.supplied_j != 0.0).then(|| record.energy.residual()));
     if let Some(transducer) = record.last.transducer {
         let found_hz = f64::from(transducer.series_resonance_hz);
@@ -270,8 +273,15 @@ impl<'a> View<'a> {
     /// From the first fault of the scene to the first block without drive.
     fn fault_latency_s(&self, scene: &Driven) -> Option<f64> {
         let at = scene.fault.iter().map(|fault| fault.at_s).reduce(f64::min)?;
-        let faulted = self.rows.iter().position(|row| row.fault != 0)?;
-        let muted = self.rows[faulted..].iter().find(|row| row.drive_v == 0.0)?;
+        let faulted = self.rows.iter().position(|row| row.fault != 0).filter(|&row| row > 0)?;
+        let muted = faulted + self.rows[faulted..].iter().position(|row| row.drive_v == 0.0)?;
+        // What was muted until it faulted has been silent for longer.
+        let silent = self.rows[..=muted]
+            .iter()
+            .rev()
+            .take_while(|row| row.drive_v == 0.0 && row.time_s - self.block_s >= at - 1e-9)
+            .last()?;
+        let muted = if self.rows[faulted - 1].limit == Limit::BeltMuted as u8 { silent } else { &self.rows[muted] };
         Some(muted.time_s - self.block_s - at)
     }
 }

@@ -71,6 +71,15 @@ impl OverRuns {
     }
 }
 
+/// What these values come to; nothing is a number where there are none.
+pub fn spread_of(mut values: Vec<f64>) -> Spread {
+    if values.is_empty() {
+        return Spread { median: f64::NAN, p95: f64::NAN, max: f64::NAN, have: 0 };
+    }
+    values.sort_by(f64::total_cmp);
+    Spread { median: median(&values), p95: percentile(&values, 0.95), max: percentile(&values, 1.0), have: values.len() }
+}
+
 /// One metric of these runs, if any of them has it.
 pub fn spread<'a>(name: &str, runs: impl Iterator<Item = &'a Metrics>) -> Option<Spread> {
     let time = TIMES.iter().any(|end| name.ends_with(end));

@@ -30,6 +30,10 @@ pub struct BeltMotion {
 struct Ripple {
     rms: f64,
     hz: f64,
+    /// For which step the next two are made, what is kept of a quadrature over it, and what comes anew.
+    step_s: f64,
+    kept: f64,
+    fresh: f64,
     quadratures: [f64; 2],
     random: Xoshiro256PlusPlus,
 }
@@ -51,7 +55,7 @@ impl BeltMotion {
     pub fn with_ripple(mut self, rms: f64, hz: f64, seed: u64) -> Self {
         let mut random = Xoshiro256PlusPlus::seed_from_u64(seed);
         let quadratures = std::array::from_fn(|_| StandardNormal.sample(&mut random));
-        self.ripple = (rms > 0.0).then_some(Ripple { rms, hz, quadratures, random });
+        self.ripple = (rms > 0.0).then_some(Ripple { rms, hz, step_s: 0.0, kept: 1.0, fresh: 0.0, quadratures, random });
         self
     }
 
@@ -93,11 +97,13 @@ impl BeltMotion {
 
 impl Ripple {
     fn next(&mut self, time_s: f64, step_s: f64) -> f64 {
-        let kept = libm::exp(-step_s * self.hz / MEMORY_PERIODS);
-        let fresh = (1.0 - kept * kept).sqrt();
+        if step_s != self.step_s {
+            let kept = libm::exp(-step_s * self.hz / MEMORY_PERIODS);
+            (self.step_s, self.kept, self.fresh) = (step_s, kept, (1.0 - kept * kept).sqrt());
+        }
         for quadrature in &mut self.quadratures {
             let normal: f64 = StandardNormal.sample(&mut self.random);
-            *quadrature = kept * *quadrature + fresh * normal;
+            *quadrature = self.kept * *quadrature + self.fresh * normal;
         }
         let (sine, cosine) = libm::sincos(std::f64::consts::TAU * self.hz * time_s);
         self.rms * (self.quadratures[0] * cosine + self.quadratures[1] * sine)

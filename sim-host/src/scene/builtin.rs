@@ -27,6 +27,11 @@ const SCENES: &[(&str, &str)] = scenes![
     "transducer-skymen-60w",
     "transducer-smbltd45f28h",
     "transducer-ma40s4s",
+    "belt-stop",
+    "belt-stop-stuck",
+    "belt-stop-lost",
+    "belt-stop-lies",
+    "belt-stop-slow",
     "usm",
     "usm-miscalibrated"
 ];

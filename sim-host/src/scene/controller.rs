@@ -321,10 +321,9 @@ pub struct Limits {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 1e-3, max = 1e5))]
     pub power_w: Option<f64>,
-    /// Temperature of board and stack, degrees Celsius: derated below it. Absent: no limit.
-    #[serde(skip_serializing_if = "Option::is_none")]
+    /// Temperature of board and stack, degrees Celsius: derated from 20 K below it on.
     #[schemars(range(min = 0.0, max = 500.0))]
-    pub temperature_c: Option<f64>,
+    pub temperature_c: f64,
     /// How long the drive stays ON after the last new count of the belt's encoder, ms. A belt that slows instead of stopping is noticed
     /// within twice that.
     #[schemars(range(min = 0.1, max = 1e5))]
@@ -345,8 +344,8 @@ impl Default for Limits {
             voltage_v: 15.466,
             current_a: 3.0,
             power_w: None,
-            temperature_c: None,
-            belt_stop_ms: 4.0,
+            temperature_c: 100.0,
+            belt_stop_ms: 2.4,
             energy_j_per_m: None,
             on_time_s: None,
         }

@@ -3,6 +3,7 @@
 //! A rule reads the keys it looks at, and is silent if one of them is itself wrong, so that one mistake neither raises a second
 //! complaint nor hides another one.
 
+mod belt;
 mod cells;
 mod comparison;
 mod contact;
@@ -53,6 +54,7 @@ pub(super) fn check(root: &Node, findings: Findings) -> Findings {
         None => {}
     }
     rules.converters();
+    rules.belt();
     rules.drive();
     rules.tracking();
     rules.burst();

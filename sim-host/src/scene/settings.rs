@@ -62,7 +62,7 @@ fn limits(limits: &scene::Limits) -> Limits {
         voltage_v: limits.voltage_v as f32,
         current_a: limits.current_a as f32,
         power_w: single(limits.power_w),
-        temperature_c: single(limits.temperature_c),
+        temperature_c: limits.temperature_c as f32,
         belt_stop_ms: limits.belt_stop_ms as f32,
         energy_j_per_m: single(limits.energy_j_per_m),
         on_time_s: single(limits.on_time_s),

@@ -28,7 +28,8 @@ pub fn markdown(campaign: &Campaign) -> String {
     all.map(|block| section(&block)).collect::<Vec<_>>().join("\n")
 }
 
-fn section(block: &TableBlock) -> String {
+/// One table as a section of Markdown.
+pub fn section(block: &TableBlock) -> String {
     let line = |cells: &[String]| format!("| {} |\n", cells.join(" | "));
     let rule: String = block.header.iter().map(|_| "|---").collect();
     let rows: String = block.rows.iter().map(|row| line(row)).collect();

@@ -85,6 +85,12 @@ impl Rules<'_> {
                 self.contradicts(AROUND, &error, "needs a `controller.tracking.mode` other than `off`")
             }
             Error::ExponentialAroundResonance => self.contradicts("controller.sweep.kind", &error, "must be `linear`"),
+            Error::EnergyWithoutBelt => {
+                const ENERGY: &str = "controller.limits.energy_j_per_m";
+                let message = "energy for each metre of belt is known only where the belt has an encoder";
+                let problem = Problem::new(self.place(ENERGY), message, "needs `sensors.encoder_counts_per_mm`");
+                self.add(ENERGY, problem);
+            }
             // Calibrations are measured, and no scene states one.
             Error::TrimOrder => {}
             Error::BurstWindows => {

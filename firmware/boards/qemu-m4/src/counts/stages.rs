@@ -2,12 +2,13 @@
 
 use core::hint::black_box;
 
-use firmware::block::{DriveBlock, SenseBlock};
+use firmware::belt::Belt;
+use firmware::block::{BeltSense, DriveBlock, SenseBlock};
 use firmware::burst::Envelope;
-use firmware::config::{Config, Drive, ShapeKind, TrackingMode};
+use firmware::config::{Config, Drive, Limits, ShapeKind, TrackingMode};
 use firmware::convert::Convert;
 use firmware::demod::{Sensed, Suspect, demodulate};
-use firmware::guard::{Driven, Guard};
+use firmware::guard::{Driven, Guard, Stage};
 use firmware::identify;
 use firmware::motional::Motional;
 use firmware::nco::{Stretch, tuning_word};
@@ -76,9 +77,36 @@ fn listening(print: Print) {
     });
     let sensed = Sensed { v: Phasor::new(3.0, 0.0), i: Phasor::new(1.0, 0.15) };
     let mut guard = Guard::build(&config, BLOCK_S).expect("valid limits");
-    let driven = Driven { volts: Some(3.0), suspect: Suspect::default() };
+    let driven =
+        Driven { volts: Some(3.0), suspect: Suspect::default(), stage: Stage::Following, wanted: true, full: true, asked: 3.0 };
+    let belt = Belt::build(&config, BLOCK_S).expect("a valid belt");
     print("guard", &mut || {
-        black_box(guard.inspect(black_box(&convert), black_box(&sense), black_box(&sensed), black_box(driven)));
+        black_box(guard.inspect(
+            black_box(&convert),
+            black_box(&sense),
+            black_box(&sensed),
+            black_box(&belt),
+            black_box(&driven),
+        ));
+    });
+    watching_a_belt(print, config, &convert, &sense, &sensed, &driven);
+}
+
+/// The same with an encoder, a force channel and every limit, over a belt that moves; and the belt itself.
+fn watching_a_belt(print: Print, mut config: Config, convert: &Convert, sense: &SenseBlock, sensed: &Sensed, driven: &Driven) {
+    (config.front_end.metre_per_count, config.front_end.force_hz) = (Some(1e-5), Some(500.0));
+    config.limits = Limits { power_w: Some(9.0), energy_j_per_m: Some(1e3), on_time_s: Some(1e4), ..config.limits };
+    let mut guard = Guard::build(&config, BLOCK_S).expect("valid limits");
+    let mut belt = Belt::build(&config, BLOCK_S).expect("a valid belt");
+    let mut sense = sense.clone();
+    let mut counts = 0;
+    print("belt", &mut || {
+        counts += 1;
+        belt.hear(black_box(Some(BeltSense { counts, broken: false })));
+    });
+    print("guard over a belt", &mut || {
+        sense.slow.force = black_box(Some(sense.slow.force.unwrap_or(1.0) * 1.000_001));
+        black_box(guard.inspect(black_box(convert), black_box(&sense), black_box(sensed), black_box(&belt), black_box(driven)));
     });
 }
 

@@ -1,0 +1,87 @@
+//! What voltage and current say: one block's phasors, and its raw codes where the lock-in has seen some that may be out of order.
+
+use crate::block::{Codes, SenseBlock};
+use crate::config::Config;
+use crate::convert::{Convert, SenseScale};
+use crate::demod::{Sensed, Suspect};
+use crate::error::{Error, in_range};
+use crate::supervisor::Fault;
+
+/// Part of a block that may stand at the end of a converter's range.
+const CLIPPED_PART: usize = 8;
+/// Samples of a block over the current limit that make a fault: one may be a glitch of the converter.
+const OVER_CURRENT_SAMPLES: usize = 2;
+/// Blocks for which the voltage or the current may be implausible before that counts.
+const IMPLAUSIBLE_BLOCKS: u32 = 8;
+/// The voltage may be this many times smaller or larger than the fundamental that was played (the source sags, harmonics leak into the lock-in).
+const VOLTAGE_FACTOR: f32 = 2.0;
+/// Smallest current, relative to what the nominal capacitance takes; at the antiresonance a healthy stack takes a fortieth.
+const OPEN_PART: f32 = 0.01;
+/// Voltages below this many codes are not judged.
+const JUDGED_CODES: f32 = 16.0;
+
+/// What is remembered from block to block.
+#[derive(Clone, Debug)]
+pub(super) struct Electrical {
+    samples: usize,
+    current_limit: f32,
+    clamped_siemens: f32,
+    judged_volts: f32,
+    wrong_voltage: u32,
+    no_current: u32,
+}
+
+impl Electrical {
+    /// Checks the limits.
+    pub(super) fn build(config: &Config) -> Result<Self, Error> {
+        let limits = &config.limits;
+        in_range("limits.current_a", limits.current_a.into(), 1e-6, 1e4)?;
+        Ok(Electrical {
+            samples: config.block_samples.into(),
+            current_limit: limits.current_a,
+            clamped_siemens: core::f32::consts::TAU * config.drive.frequency_hz * config.tracking.nominal_c0_f,
+            judged_volts: JUDGED_CODES * config.front_end.volt_per_lsb.max(config.front_end.drive_volt_per_lsb),
+            wrong_voltage: 0,
+            no_current: 0,
+        })
+    }
+
+    /// What is wrong with this block, if anything. `volts` is the fundamental of what was played in it, as [`super::Driven`] has it.
+    pub(super) fn inspect(
+        &mut self,
+        convert: &Convert,
+        sense: &SenseBlock,
+        sensed: &Sensed,
+        volts: Option<f32>,
+        suspect: Suspect,
+    ) -> Option<Fault> {
+        let played = volts.filter(|&volts| volts > self.judged_volts);
+        // Squares are compared: a root takes as long as a period of the lock-in.
+        let square = |x: f32| x * x;
+        let wrong_voltage = played.is_some_and(|volts| {
+            let heard = sensed.v.norm_sqr();
+            heard > square(volts * VOLTAGE_FACTOR) || heard < square(volts / VOLTAGE_FACTOR)
+        });
+        let no_current = played.is_some_and(|volts| sensed.i.norm_sqr() < square(OPEN_PART * self.clamped_siemens * volts));
+        let count = |counter: u32, wrong: bool| if wrong { counter.saturating_add(1) } else { 0 };
+        self.wrong_voltage = count(self.wrong_voltage, wrong_voltage);
+        self.no_current = count(self.no_current, no_current);
+
+        let tripped = sense.slow.trips.is_some_and(|trips| trips.over_current);
+        let missed = sense.slow.missed_blocks.is_some_and(|missed| missed > 0);
+        let cut = sense.v.len() != self.samples || sense.i.len() != self.samples;
+        // Clipping and over-current are looked for where there can be any.
+        let Suspect { v: look_at_v, i: look_at_i } = suspect;
+        let clipped = |scale: &SenseScale, codes: &Codes| scale.clipped(codes) * CLIPPED_PART > self.samples;
+        let over_current = look_at_i && convert.i.beyond(&sense.i, self.current_limit) >= OVER_CURRENT_SAMPLES;
+        match () {
+            () if missed || cut => Some(Fault::LateBlock),
+            () if look_at_v && clipped(&convert.v, &sense.v) => Some(Fault::SenseSaturated),
+            () if tripped || over_current => Some(Fault::OverCurrent),
+            () if look_at_i && clipped(&convert.i, &sense.i) => Some(Fault::SenseSaturated),
+            () if self.wrong_voltage >= IMPLAUSIBLE_BLOCKS => Some(Fault::SensorImplausible),
+            () if self.no_current >= IMPLAUSIBLE_BLOCKS => Some(Fault::LoadOpen),
+            () => None,
+        }
+    }
+}

@@ -1,0 +1,46 @@
+//! How long the drive may be ON. A pause gives back as much as it lasts: bursts count by what they are ON for longer than OFF.
+
+use crate::config::Config;
+use crate::error::{Error, in_range};
+use crate::supervisor::Fault;
+
+/// The clock of the drive.
+#[derive(Clone, Debug)]
+pub struct OnTime {
+    /// The most blocks; `u32::MAX` without a limit.
+    most: u32,
+    on: u32,
+}
+
+impl OnTime {
+    /// Checks the limit.
+    pub fn build(config: &Config, block_s: f32) -> Result<Self, Error> {
+        let Some(on_time_s) = config.limits.on_time_s else { return Ok(OnTime { most: u32::MAX, on: 0 }) };
+        in_range("limits.on_time_s", on_time_s.into(), 1e-3, 3e4)?;
+        Ok(OnTime { most: (on_time_s / block_s) as u32, on: 0 })
+    }
+
+    /// Takes one block.
+    pub fn inspect(&mut self, driving: bool) -> Option<Fault> {
+        self.on = if driving { self.on.saturating_add(1) } else { self.on.saturating_sub(1) };
+        (self.on > self.most).then_some(Fault::OnTimeExceeded)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn bursts_count_by_what_they_are_on_for_longer_than_off() {
+        let faults = |on: u32, off: u32, blocks: u32| {
+            let mut clock = OnTime { most: 1000, on: 0 };
+            (0..blocks).position(|n| clock.inspect(n % (on + off) < on).is_some())
+        };
+        assert_eq!(faults(1, 0, 2000), Some(1000));
+        assert_eq!(faults(10, 10, 100_000), None);
+        // One more ON than OFF in 21: 991 such, and the last burst.
+        assert!(faults(11, 10, 100_000).is_some_and(|blocks| (20_700..21_000).contains(&blocks)));
+        assert_eq!(OnTime { most: u32::MAX, on: u32::MAX - 1 }.inspect(true), None);
+    }
+}

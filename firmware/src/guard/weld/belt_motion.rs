@@ -1,0 +1,191 @@
+//! The belt-motion interlock: a timer since the last new ground under the tip.
+//!
+//! The belt has stopped where nothing new has come for `T` = `limits.belt_stop_ms`; with `n` counts a metre, so has every belt slower than
+//! `1 / (n T)`. A belt that stops is noticed within `T`. One that slows may give one count more, just before `T` is over, and is noticed
+//! within `2 T`. Drive is OFF three blocks later: the one in which the count came, and two that are on their way.
+//!
+//! While the resonance is followed, a stop mutes the drive, and it goes on when the belt does: after [`REARM_BLOCKS`] blocks with new
+//! ground, none more than `T / 2` after the one before, so that a belt which creeps about the threshold does not make the drive flutter.
+//! What has been muted for [`LATCH_S`] while it was wanted is a fault.
+//!
+//! A measurement cannot be interrupted. It may take place over a belt at rest, for [`LATCH_S`] of drive in all; over a belt that has moved
+//! since the order, a stop is a fault at once.
+
+use super::super::Stage;
+use crate::belt::Belt;
+use crate::config::Config;
+use crate::error::{Error, in_range};
+use crate::supervisor::Fault;
+
+/// Blocks with new ground that end a mute.
+const REARM_BLOCKS: u32 = 4;
+/// Longest mute, and longest measurement over a belt at rest, s.
+const LATCH_S: f32 = 0.1;
+
+/// The interlock.
+#[derive(Clone, Debug)]
+pub struct BeltMotion {
+    stop_blocks: u32,
+    latch_blocks: u32,
+    muted: bool,
+    /// Blocks since the last new ground, before this one.
+    still: u32,
+    /// Blocks with new ground that came soon after each other.
+    rearmed: u32,
+    /// Something has moved, or has been driven: what stands now has stopped.
+    armed: bool,
+    /// Blocks that were wanted and muted, or measured at rest.
+    over: u32,
+}
+
+impl BeltMotion {
+    /// Checks the limit.
+    pub fn build(config: &Config, block_s: f32) -> Result<Self, Error> {
+        let stop_ms = config.limits.belt_stop_ms;
+        in_range("limits.belt_stop_ms", stop_ms.into(), 0.1, 1e5)?;
+        Ok(BeltMotion {
+            stop_blocks: (stop_ms * 1e-3 / block_s) as u32,
+            latch_blocks: (LATCH_S / block_s) as u32,
+            muted: false,
+            still: u32::MAX,
+            rearmed: 0,
+            armed: false,
+            over: 0,
+        })
+    }
+
+    /// A new attempt begins.
+    pub(super) fn begin(&mut self) {
+        (self.armed, self.over) = (false, 0);
+    }
+
+    /// Whether the drive must be silent.
+    pub(super) fn is_muted(&self) -> bool {
+        self.muted
+    }
+
+    /// Takes one block, in which the belt has been heard; `driving` says whether anything was played in it.
+    pub(super) fn step(&mut self, belt: &Belt, stage: Stage, driving: bool, wanted: bool) -> Option<Fault> {
+        let before = core::mem::replace(&mut self.still, belt.still_blocks());
+        if self.still == 0 {
+            self.rearmed = if before <= self.stop_blocks / 2 { self.rearmed + 1 } else { 1 };
+            self.armed = true;
+            self.muted &= self.rearmed < REARM_BLOCKS;
+        } else if self.still > self.stop_blocks {
+            (self.muted, self.rearmed) = (true, 0);
+        }
+        if belt.is_lost() {
+            return Some(Fault::BeltSensorLost);
+        }
+        let at_once = match stage {
+            Stage::Silent => {
+                self.over = 0;
+                return None;
+            }
+            Stage::Measuring => {
+                self.over += u32::from(self.muted && driving);
+                self.muted && driving && self.armed
+            }
+            Stage::Following => {
+                // Where nothing has ever moved or been driven, it waits.
+                self.armed |= driving;
+                self.over = if self.muted && self.armed { self.over + u32::from(wanted) } else { 0 };
+                false
+            }
+        };
+        (at_once || self.over > self.latch_blocks).then_some(Fault::BeltStopped)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::block::BeltSense;
+
+    /// 2.4 ms and 100 ms in blocks of 32 us.
+    const STOP: u32 = 75;
+    const LATCH: u32 = 3125;
+
+    struct Rig {
+        belt: Belt,
+        motion: BeltMotion,
+        counts: i32,
+    }
+
+    impl Rig {
+        fn new() -> Self {
+            let motion = BeltMotion {
+                stop_blocks: STOP,
+                latch_blocks: LATCH,
+                muted: false,
+                still: u32::MAX,
+                rearmed: 0,
+                armed: false,
+                over: 0,
+            };
+            Rig { belt: Belt::of(1e-5, 32e-6), motion, counts: 0 }
+        }
+
+        /// So many blocks; the belt moves by a count in every `every`th. Returns the first fault.
+        fn blocks(&mut self, count: u32, every: u32, stage: Stage) -> Option<Fault> {
+            (1..=count).find_map(|n| {
+                self.counts += i32::from(n.is_multiple_of(every));
+                self.belt.hear(Some(BeltSense { counts: self.counts, broken: false }));
+                let driving = stage == Stage::Measuring || !self.motion.is_muted();
+                self.motion.step(&self.belt, stage, driving, true)
+            })
+        }
+    }
+
+    const NEVER: u32 = u32::MAX;
+
+    #[test]
+    fn a_stop_mutes_after_its_time_and_latches_after_a_tenth_of_a_second() {
+        let mut rig = Rig::new();
+        assert_eq!(rig.blocks(1000, 10, Stage::Following), None);
+        assert!(!rig.motion.is_muted());
+        assert_eq!(rig.blocks(STOP, NEVER, Stage::Following), None);
+        assert!(!rig.motion.is_muted());
+        assert_eq!(rig.blocks(1, NEVER, Stage::Following), None);
+        assert!(rig.motion.is_muted());
+        assert_eq!(rig.blocks(LATCH - 1, NEVER, Stage::Following), None);
+        assert_eq!(rig.blocks(1, NEVER, Stage::Following), Some(Fault::BeltStopped));
+    }
+
+    #[test]
+    fn a_belt_that_moves_again_is_driven_again_and_one_that_creeps_is_not() {
+        let mut rig = Rig::new();
+        rig.blocks(1000, 10, Stage::Following);
+        rig.blocks(2 * STOP, NEVER, Stage::Following);
+        assert!(rig.motion.is_muted());
+        // Faster than the threshold, slower than it takes to go on.
+        assert_eq!(rig.blocks(10 * STOP, STOP - 5, Stage::Following), None);
+        assert!(rig.motion.is_muted());
+        assert_eq!(rig.blocks(4 * 30, 30, Stage::Following), None);
+        assert!(!rig.motion.is_muted());
+        // And then it bears what it did not bear before.
+        assert_eq!(rig.blocks(10 * STOP, STOP - 5, Stage::Following), None);
+        assert!(!rig.motion.is_muted());
+    }
+
+    #[test]
+    fn a_belt_at_rest_is_waited_for_and_measured_over_for_a_tenth_of_a_second() {
+        let mut rig = Rig::new();
+        assert_eq!(rig.blocks(LATCH, NEVER, Stage::Measuring), None);
+        assert_eq!(rig.blocks(100 + STOP, NEVER, Stage::Measuring), Some(Fault::BeltStopped));
+        rig.motion.begin();
+        // It is muted from the first block on, nothing is driven, and nothing latches.
+        assert_eq!(rig.blocks(3 * LATCH, NEVER, Stage::Following), None);
+        assert!(rig.motion.is_muted());
+        assert_eq!(rig.blocks(100, 10, Stage::Following), None);
+        assert!(!rig.motion.is_muted());
+    }
+
+    #[test]
+    fn a_stop_under_a_measurement_is_a_fault_at_once() {
+        let mut rig = Rig::new();
+        assert_eq!(rig.blocks(100, 10, Stage::Measuring), None);
+        assert_eq!(rig.blocks(STOP, NEVER, Stage::Measuring), None);
+        assert_eq!(rig.blocks(1, NEVER, Stage::Measuring), Some(Fault::BeltStopped));
+    }
+}

@@ -1,0 +1,92 @@
+//! The energy budget: so much electrical energy for each metre of belt, and no more.
+//!
+//! ```text
+//! E(n + 1) = max(0, E(n) + P T - e dx),    P = Re(V I*) / 2
+//! ```
+//!
+//! with the new ground `dx` of the block. Over any stretch of belt the drive then gets at most `e (dx + L)`, where `L` is [`CONTACT_M`],
+//! the contact's own length: more is a fault. A belt that stands gets `e L` in all, and a belt slower than `P / e` not much more. It rests
+//! on the encoder: what an encoder that lies allows is for the force channel to see, and for `limits.on_time_s` to end.
+
+use crate::config::Config;
+use crate::error::{Error, in_range};
+use crate::supervisor::Fault;
+
+/// Length of the contact along the belt, m (thesis 3.2: a tip of 10 mm).
+pub const CONTACT_M: f32 = 0.01;
+
+/// The budget.
+#[derive(Clone, Debug)]
+pub struct EnergyPerLength {
+    block_s: f32,
+    /// What a count gives, J; infinite without a limit.
+    joule_per_count: f32,
+    most_j: f32,
+    spent_j: f32,
+}
+
+impl EnergyPerLength {
+    /// Checks the limit: without counts that are worth something there can be none.
+    pub fn build(config: &Config, block_s: f32) -> Result<Self, Error> {
+        let limit = config.limits.energy_j_per_m;
+        if let Some(joule_per_m) = limit {
+            in_range("limits.energy_j_per_m", joule_per_m.into(), 1e-3, 1e9)?;
+        }
+        let joule_per_count = match (limit, config.front_end.metre_per_count) {
+            (Some(joule), Some(metre)) => joule * metre,
+            (Some(_), None) => return Err(Error::EnergyWithoutBelt),
+            (None, _) => f32::INFINITY,
+        };
+        let most_j = limit.map_or(f32::INFINITY, |joule| joule * CONTACT_M);
+        Ok(EnergyPerLength { block_s, joule_per_count, most_j, spent_j: 0.0 })
+    }
+
+    /// Takes the power, W, and the new ground, counts, of one block.
+    pub(super) fn step(&mut self, power_w: f32, fresh: u32) -> Option<Fault> {
+        if self.most_j == f32::INFINITY {
+            return None;
+        }
+        let spent_j = self.spent_j + power_w * self.block_s - fresh as f32 * self.joule_per_count;
+        // What is not a number has spent everything.
+        self.spent_j = if spent_j < 0.0 { 0.0 } else { spent_j };
+        let within = self.spent_j <= self.most_j;
+        if !within {
+            // The fault ends the drive; what comes after it begins anew.
+            self.spent_j = 0.0;
+        }
+        (!within).then_some(Fault::EnergyPerLength)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// 100 J/m at 100 counts a millimetre: a millijoule a count, and a joule over the contact.
+    fn budget() -> EnergyPerLength {
+        EnergyPerLength { block_s: 32e-6, joule_per_count: 1e-3, most_j: 1.0, spent_j: 0.0 }
+    }
+
+    #[test]
+    fn a_standing_belt_gets_what_its_contact_bears() {
+        let mut budget = budget();
+        // 500 W: a joule in 2 ms.
+        let blocks = (0..1000).position(|_| budget.step(500.0, 0).is_some());
+        assert_eq!(blocks, Some(62));
+    }
+
+    #[test]
+    fn a_moving_belt_bears_its_speed_times_the_limit() {
+        // A count every 10 blocks is 31 mm/s: 3.1 W.
+        for (watt, trips) in [(3.1, false), (3.3, true)] {
+            let mut budget = budget();
+            let tripped = (0..300_000).any(|n: u32| budget.step(watt, u32::from(n.is_multiple_of(10))).is_some());
+            assert_eq!(tripped, trips, "{watt} W");
+        }
+    }
+
+    #[test]
+    fn a_power_that_is_not_a_number_is_over_the_limit() {
+        assert_eq!(budget().step(f32::NAN, 1), Some(Fault::EnergyPerLength));
+    }
+}

@@ -1,0 +1,213 @@
+//! What the force channel says of the belt's motion, whatever the encoder says.
+//!
+//! Under vibration the mean friction of a moving contact is `mu N (2 / pi) asin(V / Vv)` or what its bristles make of it, and that of a
+//! standing one is zero after a few periods: the tip drags it as far one way as the other. The channel learns the mean force while
+//! the drive is ON and settled, and takes less than [`LOW`] of it, for [`HOLD_S`], for a belt that stands: fault 42, where the encoder has
+//! not said so by then. Without ultrasound a belt that has stopped keeps its force, but then there is nothing to weld it.
+//!
+//! Valid where the drive is ON for longer than it takes to settle ([`SETTLE_S`] and the channel's own time), and where the force stands out
+//! of its noise: shorter bursts, and forces of less than twice the noise, are not judged. A belt that has stood from the beginning cannot be
+//! told by it. A new amplitude is learned anew.
+//!
+//! A channel whose reading is no number, is missing, or is the same to the last bit for [`STUCK_S`] under drive is broken: fault 46. A
+//! converter's noise must be more than its last bit.
+
+use crate::config::Config;
+use crate::error::{Error, in_range};
+use crate::supervisor::Fault;
+
+/// A mean force below this part of what has been learned is that of a belt that stands.
+const LOW: f32 = 0.4;
+/// For so long, s: longer than the encoder takes.
+const HOLD_S: f32 = 3e-3;
+/// After the drive or its amplitude has changed, s; and so many times the channel's `1 / (2 pi f)` more.
+const SETTLE_S: f32 = 3e-3;
+const CHANNEL_TIMES: f32 = 5.0;
+/// A reading may stay the same for so long, s.
+const STUCK_S: f32 = 32e-3;
+/// An amplitude that differs by this part is another one.
+const OTHER_AMPLITUDE: f32 = 0.1;
+/// Memory of the mean and of the scatter, and of what has been learned, blocks: powers of two.
+const MEAN: f32 = 1.0 / 8.0;
+const SCATTER: f32 = 1.0 / 64.0;
+const LEARN: f32 = 1.0 / 2048.0;
+/// The force must be so many times its scatter.
+const ABOVE_SCATTER: f32 = 2.0;
+
+/// The watch over the force channel.
+#[derive(Clone, Debug)]
+pub struct ForceWatch {
+    /// There is a channel.
+    told: bool,
+    settle_blocks: u32,
+    hold_blocks: u32,
+    stuck_blocks: u32,
+    last: f32,
+    same: u32,
+    /// Blocks since drive and amplitude are what they are.
+    settled: u32,
+    asked: f32,
+    mean: f32,
+    scatter: f32,
+    learned: f32,
+    low: u32,
+}
+
+impl ForceWatch {
+    /// Checks the bandwidth.
+    pub fn build(config: &Config, block_s: f32) -> Result<Self, Error> {
+        let hz = config.front_end.force_hz;
+        if let Some(hz) = hz {
+            in_range("front_end.force_hz", hz.into(), 1.0, 1e5)?;
+        }
+        let channel_s = hz.map_or(0.0, |hz| CHANNEL_TIMES / (core::f32::consts::TAU * hz));
+        Ok(ForceWatch {
+            told: hz.is_some(),
+            settle_blocks: ((SETTLE_S + channel_s) / block_s) as u32,
+            hold_blocks: (HOLD_S / block_s) as u32,
+            stuck_blocks: (STUCK_S / block_s) as u32,
+            last: 0.0,
+            same: 0,
+            settled: 0,
+            asked: 0.0,
+            mean: 0.0,
+            scatter: 0.0,
+            learned: 0.0,
+            low: 0,
+        })
+    }
+
+    /// A new attempt begins: nothing has been learned.
+    pub(super) fn begin(&mut self) {
+        (self.settled, self.same, self.low) = (0, 0, 0);
+    }
+
+    /// Takes one block's reading, N; whether the drive was on in it at all and throughout, and the amplitude asked for.
+    pub(super) fn step(&mut self, force: Option<f32>, driving: bool, full: bool, asked: f32) -> Option<Fault> {
+        if !self.told || !driving {
+            (self.settled, self.same) = (0, 0);
+            return None;
+        }
+        let Some(force) = force.filter(|force| force.is_finite()) else {
+            return Some(Fault::ForceSensorImplausible);
+        };
+        self.same = if force == self.last { self.same + 1 } else { 0 };
+        self.last = force;
+        if self.same > self.stuck_blocks {
+            return Some(Fault::ForceSensorImplausible);
+        }
+        if !full || (asked - self.asked).abs() > OTHER_AMPLITUDE * self.asked.abs() {
+            self.asked = asked;
+            self.settled = 0;
+            return None;
+        }
+        self.judge(force).then_some(Fault::BeltSensorImplausible)
+    }
+
+    /// Whether a belt with this force stands.
+    fn judge(&mut self, force: f32) -> bool {
+        self.settled = self.settled.saturating_add(1);
+        if self.settled <= self.settle_blocks {
+            (self.mean, self.learned, self.low) = (force, force, 0);
+            return false;
+        }
+        let off = force - self.mean;
+        self.mean += MEAN * off;
+        self.scatter += SCATTER * (off.abs() - self.scatter);
+        // Either way the belt may move.
+        let (mean, learned) = if self.learned < 0.0 { (-self.mean, -self.learned) } else { (self.mean, self.learned) };
+        if mean >= LOW * learned || learned < ABOVE_SCATTER * self.scatter {
+            self.low = 0;
+            self.learned += LEARN * (self.mean - self.learned);
+            return false;
+        }
+        self.low += 1;
+        self.low > self.hold_blocks
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const BLOCK_S: f32 = 32e-6;
+
+    fn watch() -> ForceWatch {
+        ForceWatch {
+            told: true,
+            settle_blocks: 143,
+            hold_blocks: 93,
+            stuck_blocks: 1000,
+            last: 0.0,
+            same: 0,
+            settled: 0,
+            asked: 3.0,
+            mean: 0.0,
+            scatter: 0.0,
+            learned: 0.0,
+            low: 0,
+        }
+    }
+
+    /// A force with a noise of `noise` to either side, the same numbers in every run.
+    fn readings(force: f32, noise: f32) -> impl FnMut() -> f32 {
+        let mut state = 1u32;
+        move || {
+            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            force + noise * ((state >> 8) as f32 / (1 << 23) as f32 - 1.0)
+        }
+    }
+
+    fn run(watch: &mut ForceWatch, blocks: u32, mut force: impl FnMut() -> f32) -> Option<(u32, Fault)> {
+        (0..blocks).find_map(|n| Some((n, watch.step(Some(force()), true, true, 3.0)?)))
+    }
+
+    #[test]
+    fn a_force_that_goes_and_stays_away_is_a_belt_that_stands() {
+        for sign in [1.0, -1.0] {
+            let mut watch = watch();
+            assert_eq!(run(&mut watch, 5000, readings(sign, 0.1)), None);
+            // Not by a dip of 2 ms.
+            assert_eq!(run(&mut watch, 62, readings(0.0, 0.1)), None);
+            assert_eq!(run(&mut watch, 1000, readings(sign, 0.1)), None);
+            let (blocks, fault) = run(&mut watch, 1000, readings(0.0, 0.1)).expect("it stands");
+            assert_eq!(fault, Fault::BeltSensorImplausible);
+            // The mean falls to 0.4 in 0.22 ms, and is held against it for 3 ms.
+            let ms = blocks as f32 * BLOCK_S * 1e3;
+            assert!((3.0..3.4).contains(&ms), "{ms}");
+        }
+    }
+
+    #[test]
+    fn what_does_not_stand_out_of_its_noise_is_not_judged() {
+        let mut watch = watch();
+        assert_eq!(run(&mut watch, 20_000, readings(0.05, 0.3)), None);
+        assert_eq!(run(&mut watch, 20_000, readings(0.0, 0.3)), None);
+    }
+
+    #[test]
+    fn another_amplitude_and_a_pause_are_learned_anew() {
+        let mut watch = watch();
+        assert_eq!(run(&mut watch, 5000, readings(1.0, 0.05)), None);
+        let mut quiet = readings(0.2, 0.05);
+        let found = (0..2000).find_map(|_| watch.step(Some(quiet()), true, true, 5.0));
+        assert_eq!(found, None);
+        assert_eq!(watch.step(Some(1.0), false, false, 5.0), None);
+        let mut quieter = readings(0.05, 0.01);
+        let found = (0..2000).find_map(|_| watch.step(Some(quieter()), true, true, 5.0));
+        assert_eq!(found, None);
+    }
+
+    #[test]
+    fn a_channel_that_is_stuck_gone_or_no_number_is_broken() {
+        let broken = Some(Fault::ForceSensorImplausible);
+        let mut stuck = watch();
+        assert_eq!(run(&mut stuck, 1000, || 1.0), None);
+        assert_eq!(run(&mut stuck, 2, || 1.0).map(|(_, fault)| fault), broken);
+        for reading in [None, Some(f32::NAN), Some(f32::INFINITY)] {
+            assert_eq!(watch().step(reading, true, true, 3.0), broken, "{reading:?}");
+        }
+        // Nobody minds while it is silent.
+        assert_eq!(watch().step(None, false, false, 3.0), None);
+    }
+}

@@ -1,0 +1,188 @@
+//! What happens to a belt, what its encoder says of it, and what must come of it.
+
+use super::rig::Build;
+
+/// Speed below which counts come later than the interlock waits, m/s.
+pub fn slowest_m_per_s(counts_per_mm: f64, stop_ms: f64) -> f64 {
+    1.0 / (1e3 * counts_per_mm * 1e-3 * stop_ms)
+}
+
+/// What the interlock waits for, and an encoder that is good enough, and the force channel's bandwidth.
+pub const STOP_MS: f64 = 2.4;
+const COUNTS_PER_MM: f64 = 100.0;
+const FORCE_HZ: f64 = 500.0;
+/// The drive is to be OFF so soon, ms.
+const TARGET_MS: f64 = 5.0;
+
+/// What happens.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum What {
+    /// The belt comes to a stand, at once or over up to 20 ms.
+    Stops,
+    /// The belt slows, within 5 ms, to anything up to seven tenths of the slowest that the interlock bears.
+    Slows,
+    /// The encoder stays at its last count.
+    Sticks,
+    /// A line of the encoder breaks.
+    Breaks,
+    /// The belt stops, and the encoder goes on counting at its pace.
+    Lies,
+}
+
+/// An event, and what must come of it.
+#[derive(Clone, Copy, Debug)]
+pub struct Event {
+    /// Its name.
+    pub name: &'static str,
+    /// What happens.
+    pub what: What,
+    /// `limits.belt_stop_ms`.
+    pub stop_ms: f64,
+    /// Bandwidth of the force channel, Hz, if there is one.
+    pub force_hz: Option<f64>,
+    /// The drive must be OFF within so long, ms; none where it is only told how long it takes.
+    pub at_most_ms: Option<f64>,
+}
+
+const fn event(name: &'static str, what: What) -> Event {
+    Event { name, what, stop_ms: STOP_MS, force_hz: Some(FORCE_HZ), at_most_ms: Some(TARGET_MS) }
+}
+
+/// Every event.
+pub const EVENTS: &[Event] = &[
+    event("stop", What::Stops),
+    event("slow", What::Slows),
+    event("stuck", What::Sticks),
+    event("lost", What::Breaks),
+    Event { at_most_ms: None, ..event("lies, force channel of 500 Hz", What::Lies) },
+    Event { at_most_ms: None, force_hz: Some(2000.0), ..event("lies, 2 kHz", What::Lies) },
+    Event { at_most_ms: None, force_hz: Some(80.0), ..event("lies, 80 Hz", What::Lies) },
+    Event { at_most_ms: None, stop_ms: 4.0, ..event("stop, 4 ms", What::Stops) },
+    Event { at_most_ms: None, stop_ms: 4.0, ..event("slow, 4 ms", What::Slows) },
+];
+
+impl Event {
+    /// What this run is built like: 10 to 70 mm/s with a ripple of 10 %.
+    pub fn build(&self, run: u32) -> Build {
+        let seed = u64::from(run) + 1;
+        let part = |salt: u64| super::rig::part(seed, salt);
+        Build {
+            speed_m_per_s: 0.01 + 0.06 * part(1),
+            ripple_rms: 0.1,
+            counts_per_mm: COUNTS_PER_MM,
+            phase: part(2),
+            stop_ms: self.stop_ms,
+            force_hz: self.force_hz,
+            energy_j_per_m: None,
+            on_time_s: None,
+            seed,
+        }
+    }
+}
+
+/// A lie that no force channel is there to see.
+#[derive(Clone, Copy, Debug)]
+pub struct Lie {
+    /// The pace at which the encoder counts while the belt stands, m/s.
+    pub pace_m_per_s: f64,
+    /// `limits.energy_j_per_m`.
+    pub energy_j_per_m: Option<f64>,
+    /// `limits.on_time_s`.
+    pub on_time_s: Option<f64>,
+}
+
+/// Every lie.
+pub const LIES: &[Lie] = &[
+    Lie { pace_m_per_s: 0.005, energy_j_per_m: Some(100.0), on_time_s: None },
+    Lie { pace_m_per_s: 0.01, energy_j_per_m: Some(100.0), on_time_s: None },
+    Lie { pace_m_per_s: 0.038, energy_j_per_m: Some(100.0), on_time_s: None },
+    Lie { pace_m_per_s: 0.038, energy_j_per_m: Some(100.0), on_time_s: Some(2.5) },
+    Lie { pace_m_per_s: 0.01, energy_j_per_m: Some(40.0), on_time_s: None },
+];
+
+impl Lie {
+    /// What it is told by.
+    pub fn build(&self) -> Build {
+        Build {
+            speed_m_per_s: 0.0,
+            ripple_rms: 0.0,
+            counts_per_mm: COUNTS_PER_MM,
+            phase: 0.5,
+            stop_ms: STOP_MS,
+            force_hz: None,
+            energy_j_per_m: self.energy_j_per_m,
+            on_time_s: self.on_time_s,
+            seed: 1,
+        }
+    }
+}
+
+/// A belt that moves, and must not be taken for one that does not.
+#[derive(Clone, Copy, Debug)]
+pub struct Passage {
+    /// Counts of its encoder, 1/mm.
+    pub counts_per_mm: f64,
+    /// `limits.belt_stop_ms`.
+    pub stop_ms: f64,
+    /// Its speed, m/s.
+    pub speed_m_per_s: f64,
+    /// Ripple, rms as a part of it, at 10 Hz.
+    pub ripple_rms: f64,
+    /// It must not trip at all.
+    pub must_pass: bool,
+}
+
+/// Frequency of the ripple, Hz.
+pub const RIPPLE_HZ: f64 = 10.0;
+
+const fn passage(counts_per_mm: f64, stop_ms: f64, speed_m_per_s: f64, ripple_rms: f64) -> Passage {
+    Passage { counts_per_mm, stop_ms, speed_m_per_s, ripple_rms, must_pass: false }
+}
+
+/// Every passage.
+pub const RIPPLES: &[Passage] = &[
+    Passage { must_pass: true, ..passage(100.0, STOP_MS, 0.01, 0.1) },
+    passage(100.0, STOP_MS, 0.01, 0.125),
+    passage(100.0, STOP_MS, 0.01, 0.15),
+    passage(100.0, STOP_MS, 0.01, 0.2),
+    passage(100.0, STOP_MS, 0.025, 0.2),
+    passage(100.0, STOP_MS, 0.025, 0.25),
+    passage(100.0, STOP_MS, 0.025, 0.3),
+    passage(100.0, 4.0, 0.01, 0.15),
+    passage(100.0, 4.0, 0.01, 0.2),
+    passage(20.0, STOP_MS, 0.025, 0.1),
+    passage(20.0, STOP_MS, 0.038, 0.1),
+    passage(20.0, STOP_MS, 0.038, 0.2),
+    passage(20.0, 4.0, 0.025, 0.1),
+    passage(20.0, 4.0, 0.01, 0.0),
+];
+
+impl Passage {
+    /// In words.
+    pub fn name(&self) -> String {
+        let Passage { counts_per_mm, stop_ms, speed_m_per_s, ripple_rms, .. } = self;
+        format!("{counts_per_mm} counts/mm, {stop_ms} ms, {} mm/s, {} %", 1e3 * speed_m_per_s, 100.0 * ripple_rms)
+    }
+
+    /// What a part of it is built like.
+    pub fn build(&self, part: u32) -> Build {
+        Build {
+            speed_m_per_s: self.speed_m_per_s,
+            ripple_rms: self.ripple_rms,
+            counts_per_mm: self.counts_per_mm,
+            phase: 0.5,
+            stop_ms: self.stop_ms,
+            force_hz: Some(FORCE_HZ),
+            energy_j_per_m: None,
+            on_time_s: None,
+            seed: u64::from(part) + 1,
+        }
+    }
+
+    /// How often a second the speed sinks below what the interlock bears (Rice 1944): `f exp(-L^2 / 2)`, `L` deviations down.
+    pub fn expected_per_s(&self) -> f64 {
+        let slowest = slowest_m_per_s(self.counts_per_mm, self.stop_ms);
+        let level = (1.0 - slowest / self.speed_m_per_s) / self.ripple_rms;
+        if level > 0.0 { RIPPLE_HZ * libm::exp(-0.5 * level * level) } else { f64::INFINITY }
+    }
+}
