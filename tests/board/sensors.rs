@@ -19,7 +19,10 @@ fn degrees_are_those_of_the_calibration_at_any_supply() {
 fn a_sensor_that_has_failed_has_no_temperature() {
     let uncalibrated = Calibration { low: 0xffff, high: 0xffff, reference: 0xffff };
     assert_eq!(celsius(&uncalibrated, 1000, 1500), None);
-    assert_eq!([(0, 1655), (4095, 1655), (1037, 0)].map(|(sensor, reference)| celsius(&CALIBRATION, sensor, reference)), [None; 3]);
+    assert_eq!(
+        [(0, 1655), (4095, 1655), (1037, 0)].map(|(sensor, reference)| celsius(&CALIBRATION, sensor, reference)),
+        [None; 3]
+    );
 }
 
 /// Looks at wires over so many blocks; a channel's period is so many blocks, and what is broken is low.

@@ -8,7 +8,8 @@ fn a_note_is_read_back_with_the_end_of_a_long_name() {
     let note = Note::of(Cause::Panic, "src/image.rs", 81);
     assert_eq!(note.read(), Some((Cause::Panic, "src/image.rs", 81)));
     let long = format!("/{}/src/lib.rs", "x".repeat(60));
-    let (_, name, _) = Note::of(Cause::StreamLost, &long, 7).read().map(|(cause, name, line)| (cause, name.to_owned(), line)).unwrap();
+    let (_, name, _) =
+        Note::of(Cause::StreamLost, &long, 7).read().map(|(cause, name, line)| (cause, name.to_owned(), line)).unwrap();
     assert_eq!((name.len(), name.ends_with("x/src/lib.rs")), (40, true));
 }
 
@@ -33,7 +34,9 @@ fn the_settings_are_the_last_pages_of_the_second_bank() {
 fn nothing_beyond_the_pages_or_off_the_grid_has_an_address() {
     assert_eq!(address(0, SIZE, PAGE), Some(START));
     assert_eq!(address(PAGE, PAGE, PAGE), Some(START + PAGE));
-    for (offset, length, grid) in [(0, SIZE + PAGE, PAGE), (SIZE, WORD, WORD), (4, WORD, WORD), (0, 4, WORD), (u32::MAX, 8, 1), (8, PAGE, PAGE)] {
+    for (offset, length, grid) in
+        [(0, SIZE + PAGE, PAGE), (SIZE, WORD, WORD), (4, WORD, WORD), (0, 4, WORD), (u32::MAX, 8, 1), (8, PAGE, PAGE)]
+    {
         assert_eq!(address(offset, length, grid), None, "{offset} {length} {grid}");
     }
 }

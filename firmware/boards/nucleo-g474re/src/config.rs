@@ -72,7 +72,7 @@ pub fn config() -> Config {
             c0_drift_per_s: 0.0,
         },
         thermometer: Thermometer::default(),
-        limits: Limits { temperature_c: Some(85.0), ..Limits::default() },
+        limits: Limits { temperature_c: 85.0, ..Limits::default() },
     }
 }
 

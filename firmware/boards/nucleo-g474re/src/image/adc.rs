@@ -1,7 +1,7 @@
 //! `V` and `I` at the same instants: ADC1 and ADC2 in dual regular simultaneous mode, two conversions summed in hardware. RM0440 21.
 //!
-//! At 42.5 MHz a conversion takes 6.5 + 12.5 cycles, 447 ns, so that two fit into a sample of 1 us, 500 ns apart; four would take 2 x 353 ns too
-//! long even with the shortest sampling. Two more ADCs, staggered by 250 ns, would give four and 3 dB less noise, but conversions of
+//! At 42.5 MHz a conversion takes 6.5 + 12.5 cycles, 447 ns, so that two fit into a sample of 1 us, 500 ns apart; four take 1.41 us even with the
+//! shortest sampling. Two more ADCs, staggered by 250 ns, would give four and 3 dB less noise, but conversions of
 //! other ADCs at other instants disturb those under way on this family (as its users report), and the noise of a sample is not
 //! what limits the tracker: one pair.
 //!
