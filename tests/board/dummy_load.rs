@@ -34,7 +34,11 @@ fn the_dummy_load_is_what_the_board_expects() {
     println!("| Rm, Lm, Cm, C0 | {resistance:.1} Ω, {:.0} µH, {:.1} nF, {:.0} nF |", L_H * 1e6, C_F * 1e9, C0_F * 1e9);
     println!("| at {DRIVE_V:.0} V peak: current of the branch, in all | {motional_a:.2} A, {total_a:.2} A peak |");
     println!("| across coil and capacitor | {:.0} V peak |", motional_a * reactance);
-    println!("| loss in the resistors, in the coil | {:.1} W, {:.1} W |", R_OHM * (motional_a / SQRT_2).powi(2), LOSS_OHM * (motional_a / SQRT_2).powi(2));
+    println!(
+        "| loss in the resistors, in the coil | {:.1} W, {:.1} W |",
+        R_OHM * (motional_a / SQRT_2).powi(2),
+        LOSS_OHM * (motional_a / SQRT_2).powi(2)
+    );
 
     let config = config();
     let (told, tracking) = (f64::from(config.drive.frequency_hz), &config.tracking);

@@ -5,6 +5,7 @@
 //! prints the tables of docs/board.md. Skipped, with a message, where the target's core library is not installed; in continuous integration
 //! (`CI=true`) that is a failure, unless `SONOGLIDE_PIL_UNAVAILABLE` says that installing it was tried and was not possible.
 
+use std::collections::BTreeMap;
 use std::env;
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
@@ -64,7 +65,7 @@ struct Section {
 
 fn sections(file: &object::File) -> Vec<Section> {
     let allocated = |section: &object::Section| match section.flags() {
-        SectionFlags::Elf { sh_flags } => sh_flags & u64::from(elf::SHF_ALLOC) != 0,
+        SectionFlags::Elf { sh_flags, .. } => (sh_flags & elf::SHF_ALLOC).0 != 0,
         _ => false,
     };
     let taken = file.sections().filter(|section| allocated(section) && section.size() > 0);
@@ -105,8 +106,8 @@ fn the_image_keeps_within_its_budgets() {
     for (memory, taken, budget, aim) in rows {
         println!("| {memory} | {taken} | {budget} | {aim}: {} |", if taken <= aim { "met" } else { "missed" });
     }
-    largest(&file, "RAM", &|address| address >> 24 == 0x20);
-    largest(&file, "flash and core-coupled RAM", &|address| [0x08, 0x10].contains(&(address >> 24)));
+    largest(&file);
+    by_part(&file);
     assert!(
         sections.iter().any(|section| section.name == ".ccmram") && ccmram > 0,
         "the hot code is not in the core-coupled RAM"
@@ -115,15 +116,35 @@ fn the_image_keeps_within_its_budgets() {
     assert!(flash <= FLASH, "{flash}");
 }
 
-/// Prints what takes most of a memory.
-fn largest(file: &object::File, memory: &str, holds: &dyn Fn(u64) -> bool) {
-    let there = file.symbols().filter(|symbol| holds(symbol.address()) && symbol.size() > 0);
-    let mut symbols: Vec<_> = there.map(|symbol| (symbol.size(), symbol.name().map_or_else(|_| "?".to_owned(), plain))).collect();
-    symbols.sort_by(|a, b| b.cmp(a));
-    println!("\n| in {memory} | bytes |\n|---|---|");
-    for (size, name) in symbols.into_iter().take(LISTED) {
+/// Prints what takes most of the RAM.
+fn largest(file: &object::File) {
+    println!("\n| in RAM | bytes |\n|---|---|");
+    for (size, name) in symbols(file, &[0x20]).into_iter().take(LISTED) {
         println!("| `{name}` | {size} |");
     }
+}
+
+/// Prints what takes most of the flash: modules of the controller, and other packages.
+fn by_part(file: &object::File) {
+    let mut parts = BTreeMap::<String, u64>::new();
+    for (size, name) in symbols(file, &[0x08, 0x10]) {
+        let depth = if name.starts_with("firmware::") { 2 } else { 1 };
+        *parts.entry(name.split("::").take(depth).collect::<Vec<_>>().join("::")).or_default() += size;
+    }
+    let mut parts: Vec<_> = parts.into_iter().map(|(part, size)| (size, part)).collect();
+    parts.sort_by(|a, b| b.cmp(a));
+    println!("\n| in flash and core-coupled RAM, code and named tables | bytes |\n|---|---|");
+    for (size, part) in parts.into_iter().take(LISTED) {
+        println!("| `{part}` | {size} |");
+    }
+}
+
+/// Sizes and names of what stands in these memories, the largest first.
+fn symbols(file: &object::File, memories: &[u64]) -> Vec<(u64, String)> {
+    let there = file.symbols().filter(|symbol| memories.contains(&(symbol.address() >> 24)) && symbol.size() > 0);
+    let mut symbols: Vec<_> = there.map(|symbol| (symbol.size(), symbol.name().map_or_else(|_| "?".to_owned(), plain))).collect();
+    symbols.sort_by(|a, b| b.cmp(a));
+    symbols
 }
 
 /// A mangled name without its hash: the parts of `_ZN8firmware10controller...17h0123E`, which are preceded by their lengths.

@@ -16,6 +16,10 @@ fn a_note_is_read_back_with_the_end_of_a_long_name() {
 #[test]
 fn ram_that_holds_anything_is_no_note() {
     assert_eq!(Note::BLANK.read(), None);
+    // A bit that has fallen since.
+    let mut note = Note::of(Cause::Panic, "src/image.rs", 81);
+    note.line = 80;
+    assert_eq!(note.read(), None);
     assert!(Note::of(Cause::HardFault, "", 0x0800_1234).read().is_some());
     // A character that was cut in two.
     let cut = Note::of(Cause::Panic, &"ä".repeat(21)[..42].replacen('ä', "-", 1), 1);

@@ -43,7 +43,8 @@ impl Cause {
 pub struct Note {
     mark: u32,
     cause: u32,
-    line: u32,
+    /// The line, or what the cause says it is.
+    pub line: u32,
     length: u32,
     name: [u8; NAME],
     /// Of the words before.
