@@ -33,7 +33,7 @@ use firmware::keeper::Keeper;
 use firmware::settings::{Kept, Settings};
 use firmware::supervisor::Fault;
 use firmware::telemetry::Telemetry;
-use heapless::spsc::Queue;
+use heapless::spsc::{Consumer, Producer, Queue};
 use nucleo_g474re::config::{LANES, config};
 use stm32_metapac::{Interrupt, RCC};
 
@@ -66,13 +66,9 @@ fn main() -> ! {
     let link = Link::start();
     let Ok(mut settings) = Settings::new(Pages) else { panic!("the settings do not fit") };
     let (trims, kept) = settings.lane_trims();
-    let (task, orders, reports, keeper) = sides(trims, kept);
-    let lanes = Lanes::start(LANES);
+    let Slow { orders, reports, keeper } = build(trims, kept);
     adc::start();
     timers::prepare();
-    let hot = singleton!(: Hot = Hot::new(task, lanes, Encoder::start()));
-    let Some(hot) = hot else { panic!("started twice") };
-    block::hand_over(hot);
 
     let watchdog = Dog::start();
     start_blocks(&mut core.NVIC);
@@ -86,16 +82,17 @@ fn main() -> ! {
     }
 }
 
-type Sides = (
-    BlockTask<'static>,
-    heapless::spsc::Producer<'static, Orders>,
-    heapless::spsc::Consumer<'static, Telemetry>,
-    Keeper<'static>,
-);
+/// What the slow side has of the queues.
+struct Slow {
+    orders: Producer<'static, Orders>,
+    reports: Consumer<'static, Telemetry>,
+    keeper: Keeper<'static>,
+}
 
-/// The controller with its queues, and the ends of them that the slow side has.
+/// Builds the controller with its queues, and hands it over to the block interrupt. Not inlined: the controller passes over the stack on its way, and
+/// that is given back here.
 #[inline(never)]
-fn sides(trims: LaneTrims, kept: Kept) -> Sides {
+fn build(trims: LaneTrims, kept: Kept) -> Slow {
     let queues = (
         singleton!(: Queue<Orders, ORDERS> = Queue::new()),
         singleton!(: Queue<Telemetry, REPORTS> = Queue::new()),
@@ -112,7 +109,10 @@ fn sides(trims: LaneTrims, kept: Kept) -> Sides {
     // Tested on the host; what is kept was checked as it was read.
     let Ok(controller) = Controller::build(&config) else { panic!("the configuration is not valid") };
     let task = BlockTask::new(controller, orders_out, reports_in, Exchange { found: found_in, taken: taken_out });
-    (task, orders_in, reports_out, Keeper::new(found_out, taken_in, config.phasing.calibration, kept))
+    let hot = singleton!(: Hot = Hot::new(task, Lanes::start(LANES), Encoder::start()));
+    let Some(hot) = hot else { panic!("started twice") };
+    block::hand_over(hot);
+    Slow { orders: orders_in, reports: reports_out, keeper: Keeper::new(found_out, taken_in, config.phasing.calibration, kept) }
 }
 
 #[expect(unsafe_code, reason = "enabling an interrupt is")]
