@@ -2,6 +2,7 @@
 
 mod app;
 mod belt;
+mod board;
 mod clamped;
 mod contact;
 mod drive;

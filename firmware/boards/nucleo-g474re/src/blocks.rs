@@ -1,0 +1,101 @@
+//! Which half of the rings is whose, and whether a block came in time.
+//!
+//! Two rings of two blocks each, one that DMA fills from the ADC and one that it plays to the DAC, both at the sample rate. While DMA
+//! is in one half of both, the other half belongs to the interrupt: it takes what the ADC has left there, and leaves there what
+//! will play when DMA comes round again, which is the latency of [`LATENCY_BLOCKS`](firmware::block::LATENCY_BLOCKS).
+//!
+//! ```text
+//! block           k         k+1        k+2
+//! ADC fills     first     second      first
+//! DAC plays     first     second      first
+//! interrupt           first: takes k, leaves k+2
+//! ```
+
+/// Samples in a block.
+pub const BLOCK: usize = 32;
+/// Samples in a ring.
+pub const RING: usize = 2 * BLOCK;
+/// Cycles of the processor in a sample: 170 MHz at 1 Msps.
+pub const CYCLES_PER_SAMPLE: u32 = 170;
+/// Cycles of the processor in a block.
+pub const CYCLES_PER_BLOCK: u32 = CYCLES_PER_SAMPLE * BLOCK as u32;
+/// How far the two rings may move against each other, samples: they are read one after the other.
+const STEP: usize = 1;
+
+/// A half of a ring.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Half {
+    /// The first block.
+    First,
+    /// The second block.
+    Second,
+}
+
+impl Half {
+    /// The half that a position is in.
+    pub fn at(position: usize) -> Half {
+        if position % RING < BLOCK { Half::First } else { Half::Second }
+    }
+
+    /// The other half.
+    pub fn other(self) -> Half {
+        match self {
+            Half::First => Half::Second,
+            Half::Second => Half::First,
+        }
+    }
+
+    /// The position of its first sample.
+    pub fn start(self) -> usize {
+        match self {
+            Half::First => 0,
+            Half::Second => BLOCK,
+        }
+    }
+}
+
+/// How many samples DMA has moved in this round, from how many it says remain: it counts down and begins again at [`RING`].
+pub fn position(remaining: u16) -> usize {
+    RING.wrapping_sub(remaining.into()) % RING
+}
+
+/// Where in the DAC's ring a sample of a half stands: one place early, because a trigger plays what the trigger before has fetched.
+pub fn slot(half: Half, sample: usize) -> usize {
+    (half.start() + sample + RING - 1) % RING
+}
+
+/// Whether what was written for `half` is there before it is fetched, with a sample to spare. `next` is the place that DMA fetches next.
+pub fn is_in_time(half: Half, next: usize) -> bool {
+    Half::at(next + 1) == half.other()
+}
+
+/// Whether the two rings are in step: how far the DAC's is ahead does not change. A lost trigger or a lost transfer moves one of them.
+#[derive(Clone, Debug, Default)]
+pub struct Step {
+    lead: Option<usize>,
+}
+
+impl Step {
+    /// Takes the positions in both rings; the first call says what is in step.
+    pub fn holds(&mut self, adc: usize, dac: usize) -> bool {
+        let lead = (dac + RING - adc % RING) % RING;
+        let first = *self.lead.get_or_insert(lead);
+        let moved = (lead + RING - first) % RING;
+        moved.min(RING - moved) <= STEP
+    }
+}
+
+/// Counts blocks that were due and did not come, by the processor's cycle counter.
+#[derive(Clone, Debug, Default)]
+pub struct Beat {
+    last: Option<u32>,
+}
+
+impl Beat {
+    /// How many blocks were missed since the last call, which may have been late or early by less than half a block.
+    pub fn missed(&mut self, now: u32) -> u32 {
+        let last = self.last.replace(now).unwrap_or(now.wrapping_sub(CYCLES_PER_BLOCK));
+        let due = (now.wrapping_sub(last) + CYCLES_PER_BLOCK / 2) / CYCLES_PER_BLOCK;
+        due.saturating_sub(1)
+    }
+}

@@ -1,0 +1,89 @@
+//! The front end of this board, and what its controller is built with.
+//!
+//! ```text
+//! drive:   code -> 3.3 V / 4096 about mid-scale -> amplifier, 10 V/V
+//! voltage: stack -> divider, 1/12.5 -> mid-scale -> two conversions, summed
+//! current: stack -> 0.1 ohm -> 4 V/V -> mid-scale -> two conversions, summed
+//! ```
+//!
+//! The supply of the converters is taken as 3.3 V. `docs/board.md` has the circuit.
+
+use firmware::block::Amplitude;
+use firmware::config::{
+    Burst, Config, Drive, Edge, FrontEnd, Limits, Phasing, Schedule, Sweep, Thermometer, Tracking, TrackingMode,
+};
+
+use crate::blocks::BLOCK;
+
+/// Reference of the converters, V.
+const REFERENCE_V: f32 = 3.3;
+/// Codes of a converter.
+const CODES: f32 = 4096.0;
+/// Volts at the stack per volt of the DAC.
+pub const AMPLIFIER: f32 = 10.0;
+/// Volts at the stack per volt of the ADC.
+pub const DIVIDER: f32 = 12.5;
+/// Volts at the ADC per ampere: a shunt of 0.1 ohm, amplified four times.
+pub const TRANSIMPEDANCE: f32 = 0.4;
+/// Conversions in a sample.
+pub const CONVERSIONS: u16 = 2;
+/// Current at which the comparators drop the amplifier's enable, A peak: beyond the limit that the controller keeps.
+pub const TRIP_A: f32 = 3.5;
+/// Drive lanes: one or two play from DAC1, three or four from DAC3 and DAC4 through the op-amps.
+pub const LANES: u8 = 1;
+
+/// Belt that passes from one count of its encoder to the next, m; `None`: there is no encoder, and nothing watches a belt. Where one is
+/// named, wires that are broken or missing are a fault.
+pub const METRE_PER_COUNT: Option<f32> = None;
+
+/// The DAC code of zero volts.
+pub const SILENCE: u16 = 2048;
+
+/// What is built into the image. Lane trims come from the settings.
+pub fn config() -> Config {
+    let sense_volt_per_lsb = REFERENCE_V / CODES / f32::from(CONVERSIONS);
+    Config {
+        sample_hz: 1e6,
+        block_samples: BLOCK as u16,
+        lanes: LANES,
+        front_end: FrontEnd {
+            volt_per_lsb: sense_volt_per_lsb * DIVIDER,
+            ampere_per_lsb: sense_volt_per_lsb / TRANSIMPEDANCE,
+            sense_mid_code: CONVERSIONS * 2048,
+            sense_max_code: CONVERSIONS * 4095,
+            drive_volt_per_lsb: REFERENCE_V / CODES * AMPLIFIER,
+            drive_mid_code: SILENCE,
+            drive_max_code: 4095,
+            drive_lanes: 4,
+            metre_per_count: METRE_PER_COUNT,
+            force_hz: None,
+        },
+        drive: Drive::sine(40e3, Amplitude::Volts(3.0), 1.0),
+        sweep: Sweep::Hold,
+        phasing: Phasing::default(),
+        burst: Burst { schedule: Schedule::Continuous, edge: Edge::Hard, brake: false },
+        tracking: Tracking {
+            mode: TrackingMode::Observer,
+            span: 0.05,
+            bandwidth_hz: 500.0,
+            nominal_q: 50.0,
+            nominal_lm_h: None,
+            nominal_c0_f: 300e-9,
+            c0_drift_per_s: 0.0,
+        },
+        thermometer: Thermometer::default(),
+        limits: Limits { temperature_c: 85.0, ..Limits::default() },
+    }
+}
+
+/// The codes of the two comparators' thresholds for a current to either side of zero, A peak. Clipped to the converter's range.
+pub fn trip_codes(ampere: f32) -> (u16, u16) {
+    let codes = ampere * TRANSIMPEDANCE / REFERENCE_V * CODES;
+    let middle = f32::from(SILENCE);
+    ((middle + codes).clamp(0.0, CODES - 1.0) as u16, (middle - codes).clamp(0.0, CODES - 1.0) as u16)
+}
+
+/// The largest current, A peak, that the current channel shows without clipping.
+pub fn range_a() -> f32 {
+    REFERENCE_V / 2.0 / TRANSIMPEDANCE
+}

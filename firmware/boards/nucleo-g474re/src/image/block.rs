@@ -1,0 +1,130 @@
+//! The block interrupt: takes what the ADC has left, runs the controller, leaves what plays two blocks later. At top priority, every 32 us.
+//!
+//! It runs from the core-coupled RAM (`ccmram.x`). A block that comes late, or takes too long, is told to the controller with the next one, which
+//! mutes: fault 11. A stream that has lost a sample cannot be mended while it runs: the enable drops, and the part resets.
+
+use core::cell::RefCell;
+use core::sync::atomic::{AtomicU32, Ordering};
+
+use cortex_m::interrupt::{self as masked, Mutex};
+use cortex_m::peripheral::DWT;
+use firmware::block::{DriveBlock, SenseBlock, SlowSense, Trips};
+use firmware::block_task::BlockTask;
+use nucleo_g474re::blocks::{BLOCK, Beat, Half, Step, is_in_time};
+use nucleo_g474re::config::METRE_PER_COUNT;
+use nucleo_g474re::note::Cause;
+use nucleo_g474re::packing;
+use stm32_metapac::{GPIOC, interrupt};
+
+use super::dac::Lanes;
+use super::encoder::Encoder;
+use super::pins::Pin;
+use super::{adc, panic, protection, temperature};
+
+/// Blocks so far.
+static COUNT: AtomicU32 = AtomicU32::new(0);
+/// The most cycles that a block has taken.
+static WORST: AtomicU32 = AtomicU32::new(0);
+/// What the interrupt takes over when it comes for the first time.
+static HANDOVER: Mutex<RefCell<Option<&'static mut Hot>>> = Mutex::new(RefCell::new(None));
+
+/// Blocks so far; wraps.
+pub fn count() -> u32 {
+    COUNT.load(Ordering::Relaxed)
+}
+
+/// The most cycles that a block has taken, of 5440.
+pub fn worst_cycles() -> u32 {
+    WORST.load(Ordering::Relaxed)
+}
+
+/// The sense multiplexer's address, the lane that is listened to.
+const LISTEN: [Pin; 2] = [Pin::new(GPIOC, 8), Pin::new(GPIOC, 9)];
+
+/// All that the interrupt has.
+pub struct Hot {
+    task: BlockTask<'static>,
+    lanes: Lanes,
+    encoder: Encoder,
+    beat: Beat,
+    step: Step,
+    sense: SenseBlock,
+    drive: DriveBlock,
+    /// Where the multiplexer goes with the next block.
+    listen: u8,
+    /// The last block was not written in time.
+    late: bool,
+}
+
+impl Hot {
+    /// Before the first block.
+    pub fn new(task: BlockTask<'static>, lanes: Lanes, encoder: Encoder) -> Self {
+        LISTEN.into_iter().for_each(Pin::output);
+        let drive = task.silence();
+        Hot {
+            task,
+            lanes,
+            encoder,
+            beat: Beat::default(),
+            step: Step::default(),
+            sense: SenseBlock::default(),
+            drive,
+            listen: 0,
+            late: false,
+        }
+    }
+
+    /// One block.
+    fn block(&mut self) {
+        let began = DWT::cycle_count();
+        // What DMA has just left is the half that it is not in.
+        let (adc, dac) = (adc::next(), self.lanes.next());
+        if adc::CHANNEL.acknowledge() || adc::is_overrun() || !self.lanes.are_fed() || !self.step.holds(adc, dac) {
+            panic::end(Cause::StreamLost, "", count());
+        }
+        let half = Half::at(adc).other();
+        self.multiplex();
+        packing::sense((half.start()..half.start() + BLOCK).map(|place| adc::SAMPLES.read(place)), &mut self.sense);
+        let broken = protection::look();
+        self.sense.slow = SlowSense {
+            belt: METRE_PER_COUNT.is_some().then(|| self.encoder.read()),
+            temperature: temperature::latest(),
+            force: None,
+            trips: Some(Trips { over_current: broken.over_current }),
+            missed_blocks: Some(self.beat.missed(began) + u32::from(self.late)),
+        };
+        self.task.run(&self.sense, &mut self.drive);
+        if broken.cut {
+            self.lanes.silence();
+        } else {
+            self.lanes.write(half, &self.drive);
+        }
+        self.late = !is_in_time(half, self.lanes.next());
+        WORST.fetch_max(DWT::cycle_count().wrapping_sub(began), Ordering::Relaxed);
+        COUNT.fetch_add(1, Ordering::Relaxed);
+    }
+
+    /// Connects the lane that is to be heard while the block plays that was returned by the call before the last one.
+    fn multiplex(&mut self) {
+        for (bit, pin) in LISTEN.into_iter().enumerate() {
+            pin.set(self.listen >> bit & 1 == 1);
+        }
+        self.listen = self.drive.listen;
+    }
+}
+
+/// Gives the interrupt what it needs, before it is enabled.
+pub fn hand_over(hot: &'static mut Hot) {
+    masked::free(|token| HANDOVER.borrow(token).replace(Some(hot)));
+}
+
+#[interrupt]
+fn DMA1_CHANNEL1() {
+    static mut HOT: Option<&'static mut Hot> = None;
+    if HOT.is_none() {
+        *HOT = masked::free(|token| HANDOVER.borrow(token).take());
+    }
+    if let Some(hot) = HOT {
+        hot.block();
+    }
+}

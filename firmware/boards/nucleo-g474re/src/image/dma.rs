@@ -1,0 +1,135 @@
+//! Circular DMA and the rings it works on. RM0440 12 (DMA) and 13 (DMAMUX).
+//!
+//! | channel | request (RM0440 table 91) | moves |
+//! |---|---|---|
+//! | DMA1 1 | 5, ADC1 | `V` and `I` as one word into the ring of the ADC pair; its half and end are the block interrupt |
+//! | DMA1 2 | 6, DAC1 channel 1, or 102, DAC3 channel 1 | lanes 0 and 1 as one word |
+//! | DMA1 3 | 104, DAC4 channel 1 | lanes 2 and 3 as one word |
+//! | DMA2 1 | 34, LPUART1 RX | bytes of the link |
+//!
+//! All of 32 bits at the converters: a DAC of this family faults on narrower accesses.
+#![expect(unsafe_code, reason = "rings that DMA writes or reads while the processor does")]
+
+use core::cell::UnsafeCell;
+use core::ptr;
+
+use stm32_metapac::bdma::Dma;
+use stm32_metapac::bdma::vals::{Dir, Pl, Size};
+use stm32_metapac::{DMA1, DMA2, DMAMUX1};
+
+/// Memory that DMA and the processor share.
+pub struct Ring<T, const N: usize>(UnsafeCell<[T; N]>);
+
+// SAFETY: every access is volatile and of one element, and elements are words or bytes that are read and written at once; who may touch
+// which of them when is the business of `blocks` and `ring`, and a mistake there is a wrong code, not a broken invariant.
+unsafe impl<T: Copy + Send, const N: usize> Sync for Ring<T, N> {}
+
+impl<T: Copy, const N: usize> Ring<T, N> {
+    /// A ring full of one value.
+    pub const fn new(value: T) -> Self {
+        Ring(UnsafeCell::new([value; N]))
+    }
+
+    /// An element.
+    pub fn read(&self, place: usize) -> T {
+        // SAFETY: within the array, aligned, and initialised; volatile, because DMA writes it.
+        unsafe { ptr::read_volatile(self.element(place)) }
+    }
+
+    /// Sets an element.
+    pub fn write(&self, place: usize, value: T) {
+        // SAFETY: within the array and aligned; volatile, because DMA reads it. Only one execution level writes to any ring.
+        unsafe { ptr::write_volatile(self.element(place), value) }
+    }
+
+    fn element(&self, place: usize) -> *mut T {
+        // SAFETY: the offset stays within the array.
+        unsafe { self.0.get().cast::<T>().add(place % N) }
+    }
+
+    fn address(&self) -> u32 {
+        self.0.get() as u32
+    }
+}
+
+/// Where a channel moves to or from.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub enum Way {
+    /// From a peripheral into a ring, with interrupts at half and end.
+    InWithInterrupts,
+    /// From a peripheral into a ring.
+    In,
+    /// From a ring to a peripheral.
+    Out,
+}
+
+/// A channel, counted from zero.
+#[derive(Clone, Copy)]
+pub struct Channel {
+    dma: Dma,
+    number: usize,
+    multiplexer: usize,
+}
+
+impl Channel {
+    /// A channel of the first controller: DMAMUX channels 0 to 7 (RM0440 13.3.2).
+    pub const fn of_first(number: usize) -> Self {
+        Channel { dma: DMA1, number, multiplexer: number }
+    }
+
+    /// A channel of the second: DMAMUX channels 8 to 15.
+    pub const fn of_second(number: usize) -> Self {
+        Channel { dma: DMA2, number, multiplexer: 8 + number }
+    }
+
+    /// Moves between a peripheral's register and a ring, round and round, whenever the peripheral asks. A program, not an order: it begins
+    /// with the first request.
+    pub fn start<T: Copy, const N: usize>(
+        self,
+        request: u8,
+        register: *mut (),
+        ring: &'static Ring<T, N>,
+        way: Way,
+        priority: Pl,
+    ) {
+        let channel = self.dma.ch(self.number);
+        let size = if size_of::<T>() == 1 { Size::BITS8 } else { Size::BITS32 };
+        // Off while it is programmed (12.4.3).
+        channel.cr().write(|_| ());
+        // DMAMUX_CxCR.DMAREQ_ID (13.6.1).
+        DMAMUX1.ccr(self.multiplexer).write(|w| w.set_dmareq_id(request));
+        // DMA_CPARx (12.6.5), DMA_CMARx (12.6.6), DMA_CNDTRx (12.6.4).
+        channel.par().write_value(register as u32);
+        channel.mar().write_value(ring.address());
+        channel.ndtr().write(|w| w.set_ndt(N as u16));
+        // DMA_CCRx (12.6.3).
+        channel.cr().write(|w| {
+            w.set_dir(if way == Way::Out { Dir::FROM_MEMORY } else { Dir::FROM_PERIPHERAL });
+            w.set_circ(true);
+            w.set_minc(true);
+            w.set_msize(size);
+            w.set_psize(size);
+            w.set_pl(priority);
+            w.set_htie(way == Way::InWithInterrupts);
+            w.set_tcie(way == Way::InWithInterrupts);
+            w.set_teie(way == Way::InWithInterrupts);
+            w.set_en(true);
+        });
+    }
+
+    /// Transfers until it begins anew: DMA_CNDTRx (12.6.4).
+    pub fn remaining(self) -> u16 {
+        self.dma.ch(self.number).ndtr().read().ndt()
+    }
+
+    /// Clears the channel's flags; returns whether a transfer has failed, which stops it: DMA_ISR (12.6.1), DMA_IFCR (12.6.2).
+    pub fn acknowledge(self) -> bool {
+        let failed = self.dma.isr().read().teif(self.number);
+        self.dma.ifcr().write(|w| {
+            w.set_htif(self.number, true);
+            w.set_tcif(self.number, true);
+            w.set_teif(self.number, true);
+        });
+        failed
+    }
+}

@@ -1,0 +1,184 @@
+//! The settings' part of the flash: the last pages of its second bank. RM0440 3.3 (flash of category 3).
+//!
+//! Written in double words, once after each erase; a page is erased in 22 ms (DS12288), while the code goes on from the first bank. If the option
+//! bytes make one bank of the two, nothing is written: an erase would stall the block interrupt.
+//!
+//! A word that power was cut from in the middle reads as an error of two bits, which raises the non-maskable interrupt: it makes a read that fails
+//! ([`on_ecc_error`]), and not a processor that stands.
+#![expect(unsafe_code, reason = "the flash is written and read at its addresses")]
+
+use core::ptr;
+use core::sync::atomic::{AtomicBool, Ordering, compiler_fence};
+
+use embedded_storage::nor_flash::{ErrorType, NorFlash, NorFlashError, NorFlashErrorKind, ReadNorFlash};
+use nucleo_g474re::pages::{PAGE, SIZE, WORD, address, number};
+use stm32_metapac::FLASH;
+use stm32_metapac::flash::regs::Sr;
+
+use super::watchdog::nurse;
+
+/// FLASH_KEYR (3.7.3).
+const KEYS: [u32; 2] = [0x4567_0123, 0xcdef_89ab];
+
+/// A read since the last look has met a word that cannot be corrected.
+static DAMAGED: AtomicBool = AtomicBool::new(false);
+
+/// What has failed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FlashError {
+    /// Beyond the end.
+    Beyond,
+    /// Not on the grid of pages or words.
+    Unaligned,
+    /// A word that cannot be read.
+    Damaged,
+    /// The flash has refused.
+    Refused,
+}
+
+impl NorFlashError for FlashError {
+    fn kind(&self) -> NorFlashErrorKind {
+        match self {
+            FlashError::Beyond => NorFlashErrorKind::OutOfBounds,
+            FlashError::Unaligned => NorFlashErrorKind::NotAligned,
+            FlashError::Damaged | FlashError::Refused => NorFlashErrorKind::Other,
+        }
+    }
+}
+
+/// Called by the non-maskable interrupt. Returns whether it was for a word that cannot be corrected: FLASH_ECCR.ECCD, cleared by a one (3.7.6).
+pub fn on_ecc_error() -> bool {
+    let status = FLASH.eccr().read();
+    let found = status.eccd() || status.eccd2();
+    if found {
+        DAMAGED.store(true, Ordering::Relaxed);
+        FLASH.eccr().write_value(status);
+    }
+    found
+}
+
+/// The pages of the settings.
+pub struct Pages;
+
+impl ErrorType for Pages {
+    type Error = FlashError;
+}
+
+impl ReadNorFlash for Pages {
+    const READ_SIZE: usize = 1;
+
+    fn read(&mut self, offset: u32, bytes: &mut [u8]) -> Result<(), FlashError> {
+        let at = address(offset, bytes.len() as u32, 1).ok_or(FlashError::Beyond)?;
+        DAMAGED.store(false, Ordering::Relaxed);
+        for (byte, at) in bytes.iter_mut().zip(at..) {
+            // SAFETY: within the settings' pages, which are always mapped; volatile, because they change by other means than writes.
+            *byte = unsafe { ptr::read_volatile(at as *const u8) };
+        }
+        compiler_fence(Ordering::SeqCst);
+        if DAMAGED.load(Ordering::Relaxed) { Err(FlashError::Damaged) } else { Ok(()) }
+    }
+
+    fn capacity(&self) -> usize {
+        SIZE as usize
+    }
+}
+
+impl NorFlash for Pages {
+    const WRITE_SIZE: usize = WORD as usize;
+    const ERASE_SIZE: usize = PAGE as usize;
+
+    fn erase(&mut self, from: u32, to: u32) -> Result<(), FlashError> {
+        let length = to.checked_sub(from).ok_or(FlashError::Beyond)?;
+        let at = address(from, length, PAGE).ok_or(FlashError::Unaligned)?;
+        let _open = Open::now()?;
+        for page in (at..at + length).step_by(PAGE as usize) {
+            // RM0440 3.3.6: FLASH_CR.PER, BKER, PNB, then STRT (3.7.5).
+            FLASH.cr().modify(|w| {
+                w.set_per(true);
+                w.set_bker(true);
+                w.set_pnb(number(page));
+            });
+            FLASH.cr().modify(|w| w.set_strt(true));
+            let done = finish();
+            FLASH.cr().modify(|w| w.set_per(false));
+            done?;
+        }
+        Ok(())
+    }
+
+    fn write(&mut self, offset: u32, bytes: &[u8]) -> Result<(), FlashError> {
+        let at = address(offset, bytes.len() as u32, WORD).ok_or(FlashError::Unaligned)?;
+        let _open = Open::now()?;
+        let (words, _) = bytes.as_chunks::<{ WORD as usize }>();
+        for (word, at) in words.iter().zip((at..).step_by(WORD as usize)) {
+            let [a, b, c, d, e, f, g, h] = *word;
+            let (low, high) = (u32::from_le_bytes([a, b, c, d]), u32::from_le_bytes([e, f, g, h]));
+            // RM0440 3.3.7: FLASH_CR.PG, then the two halves of a double word.
+            FLASH.cr().modify(|w| w.set_pg(true));
+            // SAFETY: two aligned words within the settings' pages, which no code and no reference is in; the flash is open for it.
+            unsafe {
+                ptr::write_volatile(at as *mut u32, low);
+                ptr::write_volatile((at + 4) as *mut u32, high);
+            }
+            let done = finish();
+            FLASH.cr().modify(|w| w.set_pg(false));
+            done?;
+        }
+        Ok(())
+    }
+}
+
+/// The flash, unlocked until this is dropped.
+struct Open;
+
+impl Open {
+    /// Waits for what is under way, forgets old errors and unlocks: FLASH_SR (3.7.4), FLASH_KEYR (3.7.3). Only with two banks: FLASH_OPTR.DBANK (3.7.7).
+    fn now() -> Result<Self, FlashError> {
+        if !FLASH.optr().read().dbank() {
+            return Err(FlashError::Refused);
+        }
+        while FLASH.sr().read().bsy() {
+            nurse();
+        }
+        FLASH.sr().write_value(errors());
+        if FLASH.cr().read().lock() {
+            KEYS.into_iter().for_each(|key| FLASH.keyr().write_value(key));
+        }
+        if FLASH.cr().read().lock() { Err(FlashError::Refused) } else { Ok(Open) }
+    }
+}
+
+impl Drop for Open {
+    fn drop(&mut self) {
+        FLASH.cr().modify(|w| w.set_lock(true));
+        // FLASH_ACR.DCRST, while the cache is off (3.7.1): it may hold what was there before (3.3.6).
+        FLASH.acr().modify(|w| w.set_dcen(false));
+        FLASH.acr().modify(|w| w.set_dcrst(true));
+        FLASH.acr().modify(|w| w.set_dcrst(false));
+        FLASH.acr().modify(|w| w.set_dcen(true));
+    }
+}
+
+/// Waits until the flash is done, and says how it went: FLASH_SR.BSY and its errors (3.7.4).
+fn finish() -> Result<(), FlashError> {
+    while FLASH.sr().read().bsy() {
+        nurse();
+    }
+    let failed = FLASH.sr().read().0 & errors().0 != 0;
+    FLASH.sr().write_value(errors());
+    if failed { Err(FlashError::Refused) } else { Ok(()) }
+}
+
+/// The flags of failure.
+fn errors() -> Sr {
+    let mut flags = Sr(0);
+    flags.set_operr(true);
+    flags.set_progerr(true);
+    flags.set_wrperr(true);
+    flags.set_pgaerr(true);
+    flags.set_sizerr(true);
+    flags.set_pgserr(true);
+    flags.set_miserr(true);
+    flags.set_fasterr(true);
+    flags
+}

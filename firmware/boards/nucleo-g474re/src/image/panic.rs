@@ -1,0 +1,67 @@
+//! The end of a run: the enable drops, the reason is kept in RAM that a reset leaves alone, and the part resets. The next run reports it.
+#![expect(unsafe_code, reason = "RAM that is not cleared, and handlers of exceptions")]
+
+use core::cell::UnsafeCell;
+use core::panic::PanicInfo;
+use core::ptr;
+
+use cortex_m::interrupt;
+use cortex_m::peripheral::SCB;
+use cortex_m_rt::{ExceptionFrame, exception};
+use nucleo_g474re::note::{Cause, Note};
+
+use super::{flash, protection};
+
+struct Kept(UnsafeCell<Note>);
+
+// SAFETY: read once before any interrupt is enabled, and written only by `end`, with interrupts masked.
+unsafe impl Sync for Kept {}
+
+/// `.uninit` is neither loaded nor cleared at start-up (cortex-m-rt); the RAM keeps it over a reset, but not over power-off.
+#[unsafe(link_section = ".uninit.note")]
+static NOTE: Kept = Kept(UnsafeCell::new(Note::BLANK));
+
+/// What ended the last run, and forgets it.
+pub fn last() -> Option<Note> {
+    // SAFETY: called once, before interrupts are enabled. Whatever bits the RAM has, they are a note: it consists of integers.
+    let note = unsafe { ptr::read_volatile(NOTE.0.get()) };
+    // SAFETY: as above.
+    unsafe { ptr::write_volatile(NOTE.0.get(), Note::BLANK) };
+    note.read().is_some().then_some(note)
+}
+
+/// Ends this run: mutes, keeps the reason, resets.
+pub fn end(cause: Cause, file: &str, line: u32) -> ! {
+    interrupt::disable();
+    protection::drop_enable();
+    // SAFETY: interrupts are masked, and nothing comes after.
+    unsafe { ptr::write_volatile(NOTE.0.get(), Note::of(cause, file, line)) };
+    // A reset also stops the sample clock and takes the DACs to zero, which the amplifier does not pass on while it is disabled.
+    SCB::sys_reset()
+}
+
+#[panic_handler]
+fn panic(info: &PanicInfo) -> ! {
+    let (file, line) = info.location().map_or(("?", 0), |place| (place.file(), place.line()));
+    end(Cause::Panic, file, line)
+}
+
+// SAFETY: marked because a handler may meet broken invariants; this one uses only registers and its own note.
+#[exception]
+unsafe fn HardFault(frame: &ExceptionFrame) -> ! {
+    end(Cause::HardFault, "", frame.pc())
+}
+
+// SAFETY: marked because nothing masks it; it touches one register and one atomic.
+#[exception]
+unsafe fn NonMaskableInt() {
+    if !flash::on_ecc_error() {
+        end(Cause::Unexpected, "non-maskable interrupt", 0);
+    }
+}
+
+// SAFETY: marked for the same reason.
+#[exception]
+unsafe fn DefaultHandler(number: i16) {
+    end(Cause::Unexpected, "", number as u32);
+}

@@ -1,0 +1,88 @@
+//! The processor's own temperature, by ADC5, a few times a second. RM0440 21.4.31 (sensor), 21.4.33 (reference).
+//!
+//! A conversion that comes late after the one before it is wrong on this part (ES0430), so that each is made twice and the second one counts.
+#![expect(unsafe_code, reason = "the factory's calibration is read from its place")]
+
+use core::sync::atomic::{AtomicU32, Ordering};
+
+use cortex_m::asm::delay;
+use cortex_m::peripheral::DWT;
+use nucleo_g474re::degrees::{Calibration, celsius};
+use stm32_metapac::adc::vals::SampleTime;
+use stm32_metapac::adccommon::vals::Ckmode;
+use stm32_metapac::{ADC5, ADC345_COMMON};
+
+use super::adc;
+use super::clocks::CYCLES_PER_US;
+
+/// ADC5_IN4 is the sensor, ADC5_IN18 the reference (RM0440 21.4.11, table of inputs).
+const SENSOR: u8 = 4;
+const REFERENCE: u8 = 18;
+/// Where the factory has left its measurements (DS12288: TS_CAL1, TS_CAL2, VREFINT_CAL).
+const TS_CAL1: *const u16 = 0x1fff_75a8 as *const u16;
+const TS_CAL2: *const u16 = 0x1fff_75ca as *const u16;
+const VREFINT_CAL: *const u16 = 0x1fff_75aa as *const u16;
+/// Cycles between two measurements: a tenth of a second.
+const EVERY: u32 = 100_000 * CYCLES_PER_US;
+
+/// The latest one, as bits of degrees Celsius; not a number is none.
+static LATEST: AtomicU32 = AtomicU32::new(f32::NAN.to_bits());
+
+/// The latest measurement, degrees Celsius.
+pub fn latest() -> Option<f32> {
+    Some(f32::from_bits(LATEST.load(Ordering::Relaxed))).filter(|celsius| !celsius.is_nan())
+}
+
+/// The sensor.
+pub struct Thermometer {
+    calibration: Calibration,
+    measured: u32,
+}
+
+impl Thermometer {
+    /// Starts the sensor and its ADC.
+    pub fn start() -> Self {
+        // ADCx_CCR (21.8.2), while its ADCs are off: HCLK / 4, sensor and reference on.
+        ADC345_COMMON.ccr().write(|w| {
+            w.set_ckmode(Ckmode::SYNC_DIV4);
+            w.set_vsenseen(true);
+            w.set_vrefen(true);
+        });
+        adc::calibrate(ADC5);
+        adc::enable(ADC5);
+        // t_START of the sensor is 120 us at most (DS12288).
+        delay(120 * CYCLES_PER_US);
+        // SAFETY: three aligned half-words of the part's read-only memory.
+        let [low, high, reference] = [TS_CAL1, TS_CAL2, VREFINT_CAL].map(|at| unsafe { at.read_volatile() });
+        let mut thermometer = Thermometer { calibration: Calibration { low, high, reference }, measured: 0 };
+        thermometer.measure();
+        thermometer
+    }
+
+    /// Measures when it is time to; 60 us of waiting then.
+    pub fn poll(&mut self) {
+        if DWT::cycle_count().wrapping_sub(self.measured) >= EVERY {
+            self.measure();
+        }
+    }
+
+    fn measure(&mut self) {
+        self.measured = DWT::cycle_count();
+        let celsius = celsius(&self.calibration, convert(SENSOR), convert(REFERENCE));
+        LATEST.store(celsius.unwrap_or(f32::NAN).to_bits(), Ordering::Relaxed);
+    }
+}
+
+/// A conversion, and the one before it that does not count. 640.5 cycles of sampling are 15 us: both want 5 at least (DS12288).
+fn convert(channel: u8) -> u16 {
+    adc::sequence(ADC5, channel, SampleTime::CYCLES640_5);
+    for _ in 0..2 {
+        // ADC_CR.ADSTART (21.7.3), ADC_ISR.EOC, which reading ADC_DR clears (21.7.1, 21.7.16).
+        ADC5.cr().modify(|w| w.set_adstart(true));
+        while !ADC5.isr().read().eoc() {}
+        let _ = ADC5.dr().read();
+    }
+    ADC5.cr().modify(|w| w.set_adstart(true));
+    while !ADC5.isr().read().eoc() {}
+    ADC5.dr().read().0 as u16
+}

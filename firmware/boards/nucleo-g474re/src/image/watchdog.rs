@@ -1,0 +1,51 @@
+//! The independent watchdog: resets the part unless it is fed within 10 ms, by its own oscillator. RM0440 42.
+//!
+//! It is fed by the slow side, and only while blocks come ([`App`](firmware::app::App)). What makes the slow side wait (the flash) feeds it
+//! meanwhile, and only while blocks come, too: [`nurse`].
+
+use core::sync::atomic::{AtomicU32, Ordering};
+
+use firmware::app::Watchdog;
+use stm32_metapac::iwdg::vals::{Key, Pr};
+use stm32_metapac::{DBGMCU, IWDG};
+
+use super::block;
+
+/// Ticks of 125 us (LSI 32 kHz / 4, within 5 %: DS12288) until it bites: 10 ms.
+const TICKS: u16 = 80;
+
+/// The blocks at the last time that [`nurse`] fed it.
+static SEEN: AtomicU32 = AtomicU32::new(0);
+
+/// The watchdog.
+pub struct Dog;
+
+impl Dog {
+    /// Starts it; nothing but a reset stops it. IWDG_KR (42.4.1), PR (42.4.2), RLR (42.4.3), SR (42.4.4).
+    pub fn start() -> Self {
+        // DBGMCU_APB1FZR1 (47.6.5): it waits while a debugger has halted the processor, whose outputs are off then.
+        DBGMCU.apb1lfzr().modify(|w| w.set_iwdg(true));
+        IWDG.kr().write(|w| w.set_key(Key::START));
+        IWDG.kr().write(|w| w.set_key(Key::ENABLE));
+        IWDG.pr().write(|w| w.set_pr(Pr::DIVIDE_BY4));
+        IWDG.rlr().write(|w| w.set_rl(TICKS - 1));
+        while IWDG.sr().read().0 != 0 {}
+        let mut dog = Dog;
+        dog.feed();
+        dog
+    }
+}
+
+impl Watchdog for Dog {
+    fn feed(&mut self) {
+        IWDG.kr().write(|w| w.set_key(Key::RESET));
+    }
+}
+
+/// Feeds it if a block has come since the last time.
+pub fn nurse() {
+    let blocks = block::count();
+    if SEEN.swap(blocks, Ordering::Relaxed) != blocks {
+        IWDG.kr().write(|w| w.set_key(Key::RESET));
+    }
+}

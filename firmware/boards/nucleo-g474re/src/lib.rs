@@ -1,0 +1,12 @@
+//! What of the board needs no board: pure functions of numbers that its registers and rings hold, tested on the host.
+#![no_std]
+#![forbid(unsafe_code)]
+
+pub mod blocks;
+pub mod config;
+pub mod degrees;
+pub mod note;
+pub mod packing;
+pub mod pages;
+pub mod ring;
+pub mod wires;

@@ -1,0 +1,8 @@
+//! The board package on the host: what of it needs no board, what it is configured with, and how large its image is.
+
+mod config;
+mod dummy_load;
+mod rings;
+mod sensors;
+mod size;
+mod storage;

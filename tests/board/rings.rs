@@ -1,0 +1,110 @@
+//! The rings: halves, slots, steps, late blocks, packed words, received bytes.
+
+use firmware::block::{DriveBlock, LATENCY_BLOCKS, SenseBlock};
+use nucleo_g474re::blocks::{BLOCK, Beat, CYCLES_PER_BLOCK, Half, RING, Step, is_in_time, position, slot};
+use nucleo_g474re::packing;
+use nucleo_g474re::ring::Reader;
+
+/// DMA's own count: it begins at the size, and again after one.
+fn remaining(moved: usize) -> u16 {
+    (RING - moved % RING) as u16
+}
+
+#[test]
+fn a_position_counts_up_while_dma_counts_down() {
+    assert_eq!([64, 63, 33, 32, 1].map(position), [0, 1, 31, 32, 63]);
+    // What it may show for a moment as it begins anew.
+    assert_eq!(position(0), 0);
+    assert!((0..3 * RING).all(|moved| position(remaining(moved)) == moved % RING));
+}
+
+/// A DAC and an ADC in lockstep, with an interrupt whenever a half of the ADC's ring is full, that leaves the number of the block and the sample:
+/// what plays while the ADC converts sample `n` of block `k` is what was left for it `LATENCY_BLOCKS` before.
+#[test]
+fn what_is_left_for_a_block_plays_two_blocks_later_and_with_its_own_samples() {
+    let mut ring = [usize::MAX; RING];
+    let (mut fetched, mut held, mut played) = (0, usize::MAX, Vec::new());
+    for trigger in 0..8 * BLOCK {
+        // The trigger plays what is held, and then asks for the next one.
+        played.push(held);
+        held = ring[fetched % RING];
+        fetched += 1;
+        // The sample is converted before the next trigger.
+        let converted = trigger + 1;
+        if converted.is_multiple_of(BLOCK) {
+            let half = Half::at(position(remaining(converted))).other();
+            let block = converted / BLOCK - 1;
+            for sample in 0..BLOCK {
+                ring[slot(half, sample)] = (block + LATENCY_BLOCKS) * BLOCK + sample;
+            }
+            assert!(is_in_time(half, fetched % RING));
+        }
+    }
+    let first = LATENCY_BLOCKS * BLOCK;
+    assert_eq!(played[first..], (first..8 * BLOCK).collect::<Vec<_>>()[..]);
+}
+
+#[test]
+fn a_block_is_late_once_its_first_sample_may_have_been_fetched() {
+    // The first half begins in the last place of the ring: in time while DMA is in the second half before that.
+    let in_time = |half| (0..RING).filter(|&next| is_in_time(half, next)).collect::<Vec<_>>();
+    assert_eq!(in_time(Half::First), (31..63).collect::<Vec<_>>());
+    assert_eq!(in_time(Half::Second), (0..31).chain([63]).collect::<Vec<_>>());
+}
+
+#[test]
+fn missed_blocks_are_counted_over_the_counters_end_and_through_jitter() {
+    let mut beat = Beat::default();
+    let start = u32::MAX - CYCLES_PER_BLOCK;
+    let at = |blocks: f32| start.wrapping_add((blocks * CYCLES_PER_BLOCK as f32) as u32);
+    // The last one: one was missed, and the next came early after a late one.
+    let missed = [0.0, 1.0, 2.4, 3.0, 5.0, 9.4, 10.0, 10.4, 12.0].map(|blocks| beat.missed(at(blocks)));
+    assert_eq!(missed, [0, 0, 0, 0, 1, 3, 0, 0, 1]);
+}
+
+#[test]
+fn streams_are_in_step_until_one_has_lost_two_samples() {
+    let mut step = Step::default();
+    // The DAC is two ahead, or one while the ADC has just finished.
+    for n in 0..200 {
+        assert!(step.holds(n % RING, (n + 2) % RING) && step.holds((n + 1) % RING, (n + 2) % RING), "{n}");
+    }
+    assert!(step.holds(10, 13) && !step.holds(10, 14) && !step.holds(13, 13));
+    assert!(!step.holds(62, 2) && step.holds(62, 0));
+}
+
+#[test]
+fn words_hold_both_channels_and_both_lanes() {
+    let mut sense = SenseBlock::default();
+    packing::sense([0x1ffe_0003, 0x0000_1fff].into_iter(), &mut sense);
+    assert_eq!((&sense.v[..], &sense.i[..]), (&[0x0003, 0x1fff][..], &[0x1ffe, 0x0000][..]));
+    // Of a longer one no more than fits is taken, and nothing of the one before stays.
+    packing::sense((0..100).map(|n| n << 16 | (n + 1)), &mut sense);
+    assert_eq!((sense.v.len(), sense.v[0], sense.i[63]), (64, 1, 63));
+
+    let lanes = |codes: &[u16]| codes.iter().copied().collect();
+    let drive = DriveBlock { lanes: [lanes(&[1, 2]), lanes(&[3, 4]), lanes(&[5, 6])].into_iter().collect(), listen: 0 };
+    assert_eq!(packing::drive(&drive, 0, 1, 2048), 0x0004_0002);
+    // The fourth lane is not there, nor is a third sample.
+    assert_eq!(packing::drive(&drive, 1, 0, 2048), 0x0800_0005);
+    assert_eq!(packing::drive(&drive, 0, 2, 2048), 0x0800_0800);
+}
+
+#[test]
+fn bytes_are_taken_once_and_in_order_around_the_rings_end() {
+    const ROOM: usize = 8;
+    let mut reader = Reader::<ROOM>::default();
+    let (mut ring, mut filled, mut taken) = ([0; ROOM], 0usize, Vec::new());
+    for burst in [3, 0, 7, 1, 5, 2, 7] {
+        for _ in 0..burst {
+            ring[filled % ROOM] = filled;
+            filled += 1;
+        }
+        let remaining = (ROOM - filled % ROOM) as u16;
+        assert_eq!(reader.waiting(remaining), burst);
+        while let Some(place) = reader.take(remaining) {
+            taken.push(ring[place]);
+        }
+    }
+    assert_eq!(taken, (0..filled).collect::<Vec<_>>());
+}

@@ -1,0 +1,46 @@
+//! What outlives a run: the note in RAM, and the pages of the settings.
+
+use nucleo_g474re::note::{Cause, Note};
+use nucleo_g474re::pages::{PAGE, PAGES, SECOND_BANK, SIZE, START, WORD, address, number};
+
+#[test]
+fn a_note_is_read_back_with_the_end_of_a_long_name() {
+    let note = Note::of(Cause::Panic, "src/image.rs", 81);
+    assert_eq!(note.read(), Some((Cause::Panic, "src/image.rs", 81)));
+    let long = format!("/{}/src/lib.rs", "x".repeat(60));
+    let (_, name, _) =
+        Note::of(Cause::StreamLost, &long, 7).read().map(|(cause, name, line)| (cause, name.to_owned(), line)).unwrap();
+    assert_eq!((name.len(), name.ends_with("x/src/lib.rs")), (40, true));
+}
+
+#[test]
+fn ram_that_holds_anything_is_no_note() {
+    assert_eq!(Note::BLANK.read(), None);
+    // A bit that has fallen since.
+    let mut note = Note::of(Cause::Panic, "src/image.rs", 81);
+    note.line = 80;
+    assert_eq!(note.read(), None);
+    assert!(Note::of(Cause::HardFault, "", 0x0800_1234).read().is_some());
+    // A character that was cut in two.
+    let cut = Note::of(Cause::Panic, &"ä".repeat(21)[..42].replacen('ä', "-", 1), 1);
+    assert!(cut.read().is_some());
+}
+
+#[test]
+fn the_settings_are_the_last_pages_of_the_second_bank() {
+    assert_eq!(START + SIZE, 0x0808_0000);
+    let pages: Vec<_> = (0..PAGES).map(|page| number(START + page * PAGE)).collect();
+    assert_eq!(pages, (120..128).collect::<Vec<_>>());
+    assert!(START > SECOND_BANK);
+}
+
+#[test]
+fn nothing_beyond_the_pages_or_off_the_grid_has_an_address() {
+    assert_eq!(address(0, SIZE, PAGE), Some(START));
+    assert_eq!(address(PAGE, PAGE, PAGE), Some(START + PAGE));
+    for (offset, length, grid) in
+        [(0, SIZE + PAGE, PAGE), (SIZE, WORD, WORD), (4, WORD, WORD), (0, 4, WORD), (u32::MAX, 8, 1), (8, PAGE, PAGE)]
+    {
+        assert_eq!(address(offset, length, grid), None, "{offset} {length} {grid}");
+    }
+}
