@@ -73,6 +73,7 @@ pub fn config() -> Config {
         },
         thermometer: Thermometer::default(),
         limits: Limits { temperature_c: 85.0, ..Limits::default() },
+        friction: None,
     }
 }
 
