@@ -11,8 +11,7 @@
 //!                 survey <- force, motional current, belt speed
 //! ```
 //!
-//! What is calculated is spread over blocks: a step of the law a block, and a rest after each solution. A wanted ratio that is not to be had is
-//! refused by number, and the nearest one that can be is driven.
+//! What is calculated is spread over blocks. A ratio that is not to be had is refused by number, and the nearest that can be is driven.
 
 mod average;
 pub mod dahl;
@@ -151,8 +150,8 @@ impl FrictionSwitch {
     /// Forgets the contact, and surveys it anew.
     pub fn restart(&mut self) {
         let loudest = self.most_amperes / self.force_factor;
-        let blocks = (self.settle_blocks, self.average_blocks, self.burst_blocks);
-        self.survey = Some(Survey::new(self.omega, loudest, blocks.0, blocks.1, blocks.2));
+        let (settle, average) = (self.settle_blocks, self.average_blocks);
+        self.survey = Some(Survey::new(self.omega, loudest, settle, average, self.burst_blocks));
         (self.play, self.found, self.implausible, self.belief) = (Play::Silence, None, false, None);
         (self.work, self.ordered) = (Work::Rest(0), Wanted::Silence);
         self.solution = Solution { xi: 1.0, ratio: 1.0, floor: 1.0 };

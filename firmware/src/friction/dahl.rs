@@ -32,8 +32,8 @@ const PI: f32 = core::f32::consts::PI;
 
 /// Below this kappa the ratio is its limit to single precision.
 const NO_MEMORY_LOST: f32 = 1e-6;
-/// From this kappa on it is Coulomb's: the layer after a reversal adds 0.14 / kappa.
-const NO_MEMORY: f32 = 1e6;
+/// From this kappa on it is Coulomb's, even next to the velocity threshold, where the way back is short.
+const NO_MEMORY: f32 = 1e12;
 /// Where the integral is cut, in kappa times slip: e^-16 is 1e-7.
 const CUT: f32 = 16.0;
 /// Steps of Newton's method to where it is cut.
