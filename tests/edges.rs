@@ -27,15 +27,15 @@ fn of(metrics: &Metrics, name: &str) -> f64 {
 fn stack(q: f64, volts: f64, limit_v: f64) -> Vec<String> {
     // Its windows as many time constants apart as those of Q 65.
     let longer = (q / 65.0).max(1.0);
-    let times = |times: [f64; 2]| times.map(|s| 0.08 + s * longer);
+    let times = |times: [f64; 2]| times.map(|s| 0.07 + s * longer);
     vec![
         format!("stack.bvd.q={q}"),
         format!("controller.tracking.nominal_q={}", 1.5 * q),
         format!("controller.drive.amplitude_v={volts}"),
         format!("controller.limits.voltage_v={limit_v}"),
-        format!("controller.burst.on_s={:?}", times([0.0, 0.015])),
-        format!("controller.burst.off_s={:?}", times([0.012, 0.027])),
-        format!("duration_s={}", 0.08 + 0.03 * longer),
+        format!("controller.burst.on_s={:?}", times([0.0, 0.03])),
+        format!("controller.burst.off_s={:?}", times([0.025, 0.05])),
+        format!("duration_s={}", 0.07 + 0.06 * longer),
     ]
 }
 

@@ -127,5 +127,6 @@ fn the_load_cell_keeps_the_mean_and_hides_the_edge() {
     let metrics = experiment(&[]);
     let (cell, truth) = (metrics.get("load_cell_reduction_percent").unwrap(), metrics.get("reduction_percent").unwrap());
     assert!((cell - truth).abs() < 0.05, "{cell} {truth}");
-    assert!(metrics.get("rise_time_ms").unwrap() < 1.3);
+    // To 95 %, three time constants; the cell takes six milliseconds.
+    assert!(metrics.get("rise_time_ms").unwrap() < 1.6);
 }
