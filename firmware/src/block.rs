@@ -39,6 +39,8 @@ pub struct Orders {
     /// How far lanes 1 and 3 lead lanes 0 and 2: a quarter turn forward, minus a quarter in reverse, zero a standing wave, and speeds in
     /// between. `None` is the configured direction.
     pub quadrature: Option<Turns>,
+    /// Torso mass of the occupant, kg, as the seat has read it; `None` where it has not.
+    pub torso_kg: Option<f32>,
     /// The emergency stop is pressed.
     pub emergency_stop: bool,
     /// Forget the fault of an earlier order. Acts once per sequence number.

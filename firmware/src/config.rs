@@ -34,6 +34,8 @@ pub struct Config {
     pub tracking: Tracking,
     /// What must never be exceeded.
     pub limits: Limits,
+    /// When the drive of a seat belt's D-ring is ON, in place of burst schedule and gate; `None`: it serves no belt.
+    pub restraint: Option<Restraint>,
 }
 
 /// Scale factors of the converters; on a board they come from the settings store.
@@ -289,4 +291,37 @@ pub struct Limits {
     pub belt_moving_m_per_s: f32,
     /// How long the drive may stay ON over a stopped belt, ms. Only with a belt sensor.
     pub belt_stop_ms: f32,
+}
+
+/// When a crash makes the friction of a seat belt's D-ring LOW.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Restraint {
+    /// Belt force that is a crash, N.
+    pub sensed_n: f32,
+    /// How long it must last, ms.
+    pub confirm_ms: f32,
+    /// How long after that LOW may come at the latest, ms.
+    pub latest_ms: f32,
+    /// Belt force from which on LOW would come too late, N: what the limiter lets through at LOW is reached.
+    pub latest_n: f32,
+    /// Torso mass below which the occupant is light, kg.
+    pub light_below_kg: f32,
+    /// The smallest torso mass that the seat can have read, kg.
+    pub least_kg: f32,
+    /// The largest, kg.
+    pub most_kg: f32,
+}
+
+impl Default for Restraint {
+    fn default() -> Self {
+        Restraint {
+            sensed_n: 300.0,
+            confirm_ms: 0.5,
+            latest_ms: 40.0,
+            latest_n: 3000.0,
+            light_below_kg: 17.5,
+            least_kg: 5.0,
+            most_kg: 60.0,
+        }
+    }
 }

@@ -130,6 +130,8 @@ pub enum Limit {
     NotTracking = 98,
     /// The quadrature asked for is over a quarter turn.
     QuadratureRequest = 99,
+    /// The seat has read no torso mass, or one that cannot be: nobody is light, and friction stays HIGH in a crash.
+    RestraintUnclassified = 105,
 }
 
 /// A number on the wire, and back: a variant that is added later does not change the meaning of the others.
@@ -152,7 +154,7 @@ macro_rules! numbered {
 }
 
 numbered!(Fault, EmergencyStop LateBlock SensorImplausible OverCurrent LoadShorted LoadOpen LaneImplausible CapacitanceShifted ResonanceDamaged SenseSwapped SenseSaturated NoResonance NoLock LossOfLock TrackersDisagree WrongMode BeltStopped);
-numbered!(Limit, OverVoltageRequest FrequencyWindow NotTracking QuadratureRequest);
+numbered!(Limit, OverVoltageRequest FrequencyWindow NotTracking QuadratureRequest RestraintUnclassified);
 
 /// How a stage of the way to [`Mode::Run`] is getting on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

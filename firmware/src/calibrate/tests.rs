@@ -38,6 +38,7 @@ fn config(lanes: u8) -> Config {
             nominal_c0_f: 200e-9,
         },
         limits: Limits { voltage_v: 12.0, current_a: 3.0, belt_moving_m_per_s: 0.01, belt_stop_ms: 5.0 },
+        restraint: None,
     }
 }
 

@@ -6,6 +6,7 @@ use crate::calibrate;
 use crate::clamped;
 use crate::demod::Sensed;
 use crate::phasor::{Phasor, magnitude};
+use crate::restraint::Restraint;
 use crate::scan;
 use crate::self_test;
 use crate::supervisor::{Mode, Progress};
@@ -49,6 +50,7 @@ impl Controller {
         self.sweep.restart();
         self.tracker.restart();
         self.amplitude.restart();
+        self.restraint.iter_mut().for_each(Restraint::restart);
     }
 
     /// Prepares the self-test and the measurement of the clamped branch that follows it.

@@ -38,6 +38,7 @@ fn longest_question() -> Question {
         amplitude: Some(Amplitude::MotionalCurrent(1.0)),
         detune: Hertz(1.0),
         quadrature: Some(Turns(0.1)),
+        torso_kg: Some(1.0),
         emergency_stop: true,
         clear_fault: true,
     };
@@ -121,6 +122,7 @@ fn longest_config() -> Config {
             nominal_c0_f: 1.0,
         },
         limits: Limits { voltage_v: 1.0, current_a: 1.0, belt_moving_m_per_s: 1.0, belt_stop_ms: 1.0 },
+        restraint: Some(Restraint::default()),
     }
 }
 

@@ -72,6 +72,7 @@ fn scan(case: &Case, seed: u64) -> Scanned {
             nominal_c0_f: case.told_c0,
         },
         limits: Limits { voltage_v: 15.0, current_a: 4.0, belt_moving_m_per_s: 1e-3, belt_stop_ms: 5.0 },
+        restraint: None,
     };
     let convert = Convert::build(&case.front_end).unwrap();
     let mut bench = Bench::new(&case.branches, case.c0_f, seed, case.front_end.clone());

@@ -43,6 +43,7 @@ pub fn config(mode: TrackingMode, lanes: u8, samples: usize) -> Config {
             nominal_c0_f: 290e-9,
         },
         limits: Limits { voltage_v: 12.0, current_a: 3.0, belt_moving_m_per_s: 0.01, belt_stop_ms: 5.0 },
+        restraint: None,
     }
 }
 
