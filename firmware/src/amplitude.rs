@@ -179,7 +179,7 @@ mod tests {
     }
 
     fn amplitude_loop(amperes: f32) -> AmplitudeLoop {
-        let limits = Limits { voltage_v: 12.0, current_a: 3.0, belt_moving_m_per_s: 0.0, belt_stop_ms: 0.0 };
+        let limits = Limits { voltage_v: 12.0, current_a: 3.0, ..Limits::default() };
         AmplitudeLoop {
             limits,
             voltage_limit: 12.0,

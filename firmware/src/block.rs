@@ -98,8 +98,8 @@ pub struct SenseBlock {
 /// Slow readings; `None` where the board has no such sensor.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct SlowSense {
-    /// Belt speed, m/s.
-    pub belt: Option<f32>,
+    /// What the decoder of the belt's encoder has seen.
+    pub belt: Option<BeltSense>,
     /// Temperature at the driver, degrees Celsius.
     pub temperature: Option<f32>,
     /// Force in the belt or at the slider, newtons.
@@ -108,6 +108,15 @@ pub struct SlowSense {
     pub trips: Option<Trips>,
     /// Blocks that were due and not delivered since the last call.
     pub missed_blocks: Option<u32>,
+}
+
+/// What a quadrature decoder knows of the belt at the end of a block.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct BeltSense {
+    /// Edges of both channels so far, up as the belt pays out and down as it is drawn back; wraps.
+    pub counts: i32,
+    /// A line to the encoder is broken: the two wires of a channel do not contradict each other.
+    pub broken: bool,
 }
 
 /// Protection that acts in hardware, faster than a block, and tells the controller afterwards.

@@ -9,6 +9,7 @@ mod plan;
 mod trims;
 
 use crate::amplitude::AmplitudeLoop;
+use crate::belt::Belt;
 use crate::block::{Amplitude, DriveBlock, Gate, LATENCY_BLOCKS, MAX_BLOCK_SAMPLES, Orders, SenseBlock};
 use crate::burst::Burst;
 use crate::calibrate::Calibrate;
@@ -79,6 +80,7 @@ pub struct Controller {
     restraint: Option<Restraint>,
     shaper: Shaper,
     played: [Played; LATENCY_BLOCKS],
+    belt: Belt,
     guard: Guard,
     supervisor: Supervisor,
     self_test: SelfTest,
@@ -131,6 +133,7 @@ impl Controller {
             restraint: config.restraint.as_ref().map(|restraint| Restraint::build(restraint, block_s)).transpose()?,
             shaper: Shaper::build(config),
             played: [Played { tone, relative: 1.0, flat: true, pure: true, ..Played::default() }; LATENCY_BLOCKS],
+            belt: Belt::build(config, block_s)?,
             guard: Guard::build(config, block_s)?,
             supervisor: Supervisor::default(),
             self_test: SelfTest::build(config),
@@ -162,8 +165,11 @@ impl Controller {
 
         let driven =
             Driven { volts: heard.audible.filter(|_| heard.flat).map(|part| part * heard.volts * heard.envelope), suspect };
-        let found =
-            self.guard.inspect(&self.convert, sense, &sensed, driven).map(|fault| self.named(fault, &sensed, heard.volts));
+        self.belt.hear(sense.slow.belt);
+        let found = self
+            .guard
+            .inspect(&self.convert, sense, &sensed, &self.belt, driven)
+            .map(|fault| self.named(fault, &sensed, heard.volts));
         if self.supervisor.judge(orders, found) {
             self.begin();
         }

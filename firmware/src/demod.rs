@@ -116,6 +116,8 @@ mod tests {
         drive_mid_code: 2048,
         drive_max_code: 4095,
         drive_lanes: 4,
+        metre_per_count: None,
+        force_hz: None,
     };
 
     fn tone(amplitude: f64, turns: f64, hz: f64, samples: usize) -> Codes {

@@ -1,6 +1,7 @@
 //! The guard: is it safe to go on driving? Looks at one block's phasors and slow readings, at its raw codes where the lock-in has seen some
 //! that may be out of order, and names the first thing that is wrong.
 
+use crate::belt::Belt;
 use crate::block::{Codes, SenseBlock};
 use crate::config::Config;
 use crate::convert::{Convert, SenseScale};
@@ -37,13 +38,10 @@ pub struct Guard {
     current_limit: f32,
     clamped_siemens: f32,
     judged_volts: f32,
-    belt_moving_m_per_s: f32,
     belt_stop_blocks: u32,
     wrong_voltage: u32,
     no_current: u32,
     belt_still: u32,
-    /// A belt sensor has been heard of.
-    has_belt: bool,
 }
 
 impl Guard {
@@ -51,24 +49,28 @@ impl Guard {
     pub fn build(config: &Config, block_s: f32) -> Result<Self, Error> {
         let limits = &config.limits;
         in_range("limits.current_a", limits.current_a.into(), 1e-6, 1e4)?;
-        in_range("limits.belt_moving_m_per_s", limits.belt_moving_m_per_s.into(), 0.0, 100.0)?;
         in_range("limits.belt_stop_ms", limits.belt_stop_ms.into(), 0.0, 1e5)?;
         Ok(Guard {
             samples: config.block_samples.into(),
             current_limit: limits.current_a,
             clamped_siemens: core::f32::consts::TAU * config.drive.frequency_hz * config.tracking.nominal_c0_f,
             judged_volts: JUDGED_CODES * config.front_end.volt_per_lsb.max(config.front_end.drive_volt_per_lsb),
-            belt_moving_m_per_s: limits.belt_moving_m_per_s,
             belt_stop_blocks: (limits.belt_stop_ms * 1e-3 / block_s) as u32,
             wrong_voltage: 0,
             no_current: 0,
             belt_still: 0,
-            has_belt: false,
         })
     }
 
     /// What is wrong with this block, if anything.
-    pub fn inspect(&mut self, convert: &Convert, sense: &SenseBlock, sensed: &Sensed, driven: Driven) -> Option<Fault> {
+    pub fn inspect(
+        &mut self,
+        convert: &Convert,
+        sense: &SenseBlock,
+        sensed: &Sensed,
+        belt: &Belt,
+        driven: Driven,
+    ) -> Option<Fault> {
         let played = driven.volts.filter(|&volts| volts > self.judged_volts);
         // Squares are compared: a root takes as long as a period of the lock-in.
         let square = |x: f32| x * x;
@@ -77,11 +79,7 @@ impl Guard {
             heard > square(volts * VOLTAGE_FACTOR) || heard < square(volts / VOLTAGE_FACTOR)
         });
         let no_current = played.is_some_and(|volts| sensed.i.norm_sqr() < square(OPEN_PART * self.clamped_siemens * volts));
-        // A reading that is not a number is no proof of motion.
-        let moves = |speed: f32| speed.abs() >= self.belt_moving_m_per_s;
-        // Nor is a sensor that was there and is gone.
-        self.has_belt |= sense.slow.belt.is_some();
-        let still = self.has_belt && !sense.slow.belt.is_some_and(moves);
+        let still = belt.is_expected() && belt.fresh_counts() == 0;
         let count = |counter: u32, wrong: bool| if wrong { counter.saturating_add(1) } else { 0 };
         self.wrong_voltage = count(self.wrong_voltage, wrong_voltage);
         self.no_current = count(self.no_current, no_current);

@@ -29,6 +29,7 @@ extern crate std;
 
 pub mod amplitude;
 pub mod app;
+pub mod belt;
 pub mod block;
 pub mod block_task;
 pub mod burst;

@@ -4,7 +4,7 @@
 //! [`FaultInjector::repair`], or is over at once where it is an event ([`FaultKind::lasts`]). A fault by chance strikes single
 //! blocks. Where nothing is scheduled and no chance is set, the middleware changes nothing.
 
-use firmware::block::{DriveBlock, SenseBlock, Trips};
+use firmware::block::{BeltSense, DriveBlock, SenseBlock, Trips};
 use firmware::config::FrontEnd;
 
 use crate::analog::Analog;
@@ -23,8 +23,18 @@ pub enum FaultKind {
     SensorOffset(i16),
     /// Both channels read the end of their range.
     Saturation,
-    /// The belt sensor reads zero.
+    /// The belt's encoder stays at its last count; where there is none, there is one that stands.
     BeltStopped,
+    /// The same, of a belt that moves.
+    EncoderStuck,
+    /// The belt's encoder goes on counting as it last did.
+    EncoderLies,
+    /// A line of the belt's encoder is broken.
+    EncoderLost,
+    /// The force channel stays at its last reading.
+    ForceStuck,
+    /// The board's temperature sensor reads [`OVERTEMPERATURE_C`].
+    Overtemperature,
     /// A block arrives without codes. An event.
     Dropout,
     /// A block is reported missed. An event.
@@ -32,6 +42,12 @@ pub enum FaultKind {
     /// The comparator on the current fires. An event.
     OverCurrentTrip,
 }
+
+/// What a board reads that is on fire, degrees Celsius.
+pub const OVERTEMPERATURE_C: f32 = 200.0;
+
+/// The pace of an encoder is the mean over so many blocks.
+const PACE_BLOCKS: u32 = 1024;
 
 impl FaultKind {
     /// Whether it lasts from its block on; an event strikes one block.
@@ -62,7 +78,42 @@ pub struct FaultInjector<A> {
     by_chance: Vec<(FaultKind, f64)>,
     flip: f64,
     last_voltage_code: u16,
+    last_force: Option<f32>,
+    encoder: Encoder,
     block: u64,
+}
+
+/// What the belt's encoder has said, and how it would go on.
+#[derive(Clone, Copy, Debug, Default)]
+struct Encoder {
+    last: BeltSense,
+    /// Mean pace, counts a block, over `blocks` blocks from `first` on.
+    first: i32,
+    blocks: u32,
+    pace: f64,
+    /// Counts that a lie has added, and is about to add.
+    lied: f64,
+}
+
+impl Encoder {
+    fn hear(&mut self, sense: BeltSense) {
+        if self.blocks.is_multiple_of(PACE_BLOCKS) {
+            if self.blocks > 0 {
+                self.pace = f64::from(sense.counts.wrapping_sub(self.first)) / f64::from(self.blocks);
+            }
+            (self.first, self.blocks) = (sense.counts, 0);
+        }
+        self.blocks += 1;
+        self.last = sense;
+    }
+
+    fn lie(&mut self) -> BeltSense {
+        if self.pace == 0.0 && self.blocks > 0 {
+            self.pace = f64::from(self.last.counts.wrapping_sub(self.first)) / f64::from(self.blocks);
+        }
+        self.lied += self.pace;
+        BeltSense { counts: self.last.counts.wrapping_add(self.lied as i32), ..self.last }
+    }
 }
 
 impl<A> FaultInjector<A> {
@@ -78,6 +129,8 @@ impl<A> FaultInjector<A> {
             by_chance: Vec::new(),
             flip: 0.0,
             last_voltage_code: front_end.sense_mid_code,
+            last_force: None,
+            encoder: Encoder::default(),
             block: 0,
         }
     }
@@ -123,7 +176,7 @@ impl<A> FaultInjector<A> {
         events
     }
 
-    fn inflict(&self, kind: FaultKind, sense: &mut SenseBlock) {
+    fn inflict(&mut self, kind: FaultKind, sense: &mut SenseBlock) {
         match kind {
             FaultKind::Open => sense.i.fill(self.mid_code),
             FaultKind::Swapped => std::mem::swap(&mut sense.v, &mut sense.i),
@@ -135,7 +188,11 @@ impl<A> FaultInjector<A> {
                 sense.v.fill(self.max_code);
                 sense.i.fill(self.max_code);
             }
-            FaultKind::BeltStopped => sense.slow.belt = Some(0.0),
+            FaultKind::BeltStopped | FaultKind::EncoderStuck => sense.slow.belt = Some(self.encoder.last),
+            FaultKind::EncoderLies => sense.slow.belt = Some(self.encoder.lie()),
+            FaultKind::EncoderLost => sense.slow.belt = Some(BeltSense { broken: true, ..self.encoder.last }),
+            FaultKind::ForceStuck => sense.slow.force = self.last_force,
+            FaultKind::Overtemperature => sense.slow.temperature = Some(OVERTEMPERATURE_C),
             FaultKind::Dropout => {
                 sense.v.clear();
                 sense.i.clear();
@@ -162,8 +219,14 @@ impl<A: Analog> Analog for FaultInjector<A> {
     fn exchange(&mut self, drive: &DriveBlock, sense: &mut SenseBlock) {
         self.inner.exchange(drive, sense);
         let events = self.strikes();
-        self.broken.iter().chain(&events).for_each(|&kind| self.inflict(kind, sense));
+        let tells = |kind: &FaultKind| !matches!(kind, FaultKind::BeltStopped | FaultKind::EncoderStuck | FaultKind::EncoderLies);
+        if let Some(belt) = sense.slow.belt.filter(|_| self.broken.iter().all(tells)) {
+            self.encoder.hear(belt);
+        }
+        let broken = self.broken.clone();
+        broken.iter().chain(&events).for_each(|&kind| self.inflict(kind, sense));
         self.flip_bits(sense);
+        self.last_force = sense.slow.force;
         self.last_voltage_code = sense.v.last().copied().unwrap_or(self.last_voltage_code);
         self.block += 1;
     }
@@ -210,7 +273,7 @@ mod tests {
             (FaultKind::SensorStuck, |sense| sense.v.iter().all(|&code| code == 2000 + 7 * 31) && sense.i[3] != 2048),
             (FaultKind::SensorOffset(-300), |sense| sense.v[0] == 1700 && sense.v[31] == 1917),
             (FaultKind::Saturation, |sense| sense.v.iter().chain(&sense.i).all(|&code| code == 4095)),
-            (FaultKind::BeltStopped, |sense| sense.slow.belt == Some(0.0)),
+            (FaultKind::BeltStopped, |sense| sense.slow.belt == Some(BeltSense::default())),
         ];
         for (kind, shows) in cases {
             let mut injector = injector(1);

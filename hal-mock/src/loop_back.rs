@@ -1,8 +1,10 @@
 //! The simplest load: a capacitor on the drive, seen by both sense channels. Enough for power-up, self-test, burst,
 //! emergency stop, watchdog and late blocks; it has no resonance to find.
 
-use firmware::block::{Amplitude, DriveBlock, SenseBlock};
-use firmware::config::{Burst, Config, Drive, Edge, FrontEnd, Limits, Phasing, Schedule, Sweep, Tracking, TrackingMode};
+use firmware::block::{Amplitude, BeltSense, DriveBlock, SenseBlock};
+use firmware::config::{
+    Burst, Config, Drive, Edge, FrontEnd, Limits, Phasing, Schedule, Sweep, Thermometer, Tracking, TrackingMode,
+};
 
 use crate::analog::Analog;
 
@@ -13,7 +15,8 @@ pub struct LoopBack {
     mid_code: u16,
     /// Current codes for one code of voltage change in a sample.
     current_per_step: f32,
-    belt: Option<f32>,
+    belt: Option<BeltSense>,
+    counts_per_block: i32,
     last: u16,
 }
 
@@ -21,7 +24,7 @@ impl LoopBack {
     /// A capacitor that draws `current_per_step` current codes for a change of one voltage code in a sample. Both channels
     /// rest at `mid_code`.
     pub fn new(mid_code: u16, current_per_step: f32) -> Self {
-        LoopBack { mid_code, current_per_step, belt: None, last: mid_code }
+        LoopBack { mid_code, current_per_step, belt: None, counts_per_block: 0, last: mid_code }
     }
 
     /// The nominal clamped capacitance of a configuration, `i = C0 dV/dt`. Its voltage sense must have the drive's scale, as
@@ -37,9 +40,10 @@ impl LoopBack {
         LoopBack { current_per_step: self.current_per_step * factor, ..self }
     }
 
-    /// Sets what the belt sensor reads, m/s; `None` is no sensor.
-    pub fn set_belt(&mut self, speed: Option<f32>) {
-        self.belt = speed;
+    /// Sets how many counts the belt moves in each block from now on; `None` is no encoder.
+    pub fn set_belt(&mut self, counts_per_block: Option<i32>) {
+        self.belt = counts_per_block.map(|_| self.belt.unwrap_or_default());
+        self.counts_per_block = counts_per_block.unwrap_or(0);
     }
 }
 
@@ -59,6 +63,8 @@ pub fn config() -> Config {
             drive_mid_code: 2048,
             drive_max_code: 4095,
             drive_lanes: 4,
+            metre_per_count: None,
+            force_hz: None,
         },
         drive: Drive::sine(40_400.0, Amplitude::Volts(3.0), 1.0),
         sweep: Sweep::Hold,
@@ -73,7 +79,8 @@ pub fn config() -> Config {
             c0_drift_per_s: 0.0,
             nominal_c0_f: 200e-9,
         },
-        limits: Limits { voltage_v: 12.0, current_a: 3.0, belt_moving_m_per_s: 0.01, belt_stop_ms: 5.0 },
+        thermometer: Thermometer::default(),
+        limits: Limits { voltage_v: 12.0, current_a: 3.0, belt_stop_ms: 5.0, ..Limits::default() },
         restraint: None,
     }
 }
@@ -88,6 +95,9 @@ impl Analog for LoopBack {
             self.last = code;
             // As long as the voltage codes, which fit.
             let _ = sense.i.push((f32::from(self.mid_code) + step * self.current_per_step).clamp(0.0, 65535.0) as u16);
+        }
+        if let Some(belt) = &mut self.belt {
+            belt.counts = belt.counts.wrapping_add(self.counts_per_block);
         }
         sense.slow = firmware::block::SlowSense { belt: self.belt, ..Default::default() };
     }

@@ -68,7 +68,7 @@ impl fmt::Display for Exchange {
         f.write_str("  i")?;
         write_range(f, &self.sense.i)?;
         let slow = &self.sense.slow;
-        slow.belt.map_or(Ok(()), |speed| write!(f, "  belt {speed} m/s"))?;
+        slow.belt.map_or(Ok(()), |belt| write!(f, "  belt {}{}", belt.counts, if belt.broken { " broken" } else { "" }))?;
         slow.missed_blocks.filter(|&missed| missed > 0).map_or(Ok(()), |missed| write!(f, "  missed {missed}"))?;
         slow.trips.filter(|trips| trips.over_current).map_or(Ok(()), |_| f.write_str("  over-current"))
     }

@@ -5,6 +5,7 @@
 //!
 //! The truth ([`Truth`]) never passes through [`Analog`]: the controller sees codes.
 
+pub mod belt_motion;
 pub mod breakage;
 pub mod circuit;
 pub mod converter;
@@ -13,9 +14,11 @@ pub mod delay;
 pub mod disturbance;
 pub mod driven_stack;
 pub mod elements;
+pub mod encoder;
 pub mod energy;
 pub mod expansion;
 pub mod flow;
+pub mod force_channel;
 pub mod load_cell;
 pub mod motor;
 pub mod network;

@@ -186,6 +186,11 @@ fn kind(kind: scene::FaultKind) -> Option<FaultKind> {
         scene::FaultKind::Dropout => Some(FaultKind::Dropout),
         scene::FaultKind::LateBlock => Some(FaultKind::LateBlock),
         scene::FaultKind::BeltStopped => Some(FaultKind::BeltStopped),
+        scene::FaultKind::EncoderStuck => Some(FaultKind::EncoderStuck),
+        scene::FaultKind::EncoderLost => Some(FaultKind::EncoderLost),
+        scene::FaultKind::EncoderLies => Some(FaultKind::EncoderLies),
+        scene::FaultKind::ForceStuck => Some(FaultKind::ForceStuck),
+        scene::FaultKind::Overtemperature => Some(FaultKind::Overtemperature),
         scene::FaultKind::Short | scene::FaultKind::Depoled | scene::FaultKind::Cracked => None,
     }
 }

@@ -1,6 +1,6 @@
 //! Converters that mostly hear a load, and now and then anything.
 
-use firmware::block::{Codes, DriveBlock, SenseBlock, SlowSense, Trips};
+use firmware::block::{BeltSense, Codes, DriveBlock, SenseBlock, SlowSense, Trips};
 use firmware::config::{Config, FrontEnd};
 use hal_mock::analog::Analog;
 use hal_mock::loop_back::LoopBack;
@@ -83,9 +83,13 @@ impl Analog for Scrambled {
     }
 }
 
+fn counts(counts: i32) -> BeltSense {
+    BeltSense { counts, broken: false }
+}
+
 fn slow(random: &mut Xoshiro256PlusPlus) -> SlowSense {
     SlowSense {
-        belt: *pick(random, &[None, Some(0.038), Some(-0.068), Some(0.0)]),
+        belt: *pick(random, &[None, Some(counts(7)), Some(counts(-3)), Some(BeltSense { broken: true, ..counts(9) })]),
         temperature: *pick(random, &[None, Some(21.5)]),
         force: *pick(random, &[None, Some(0.0), Some(10.0)]),
         trips: one_in(random, 3000).then_some(Trips { over_current: true }),

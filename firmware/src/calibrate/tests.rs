@@ -4,7 +4,8 @@ use rand_xoshiro::Xoshiro128StarStar;
 use super::*;
 use crate::block::Amplitude;
 use crate::config::{
-    Burst, Direction, Drive, Edge, FrontEnd, Limits, Phasing as PhasingConfig, Schedule, Sweep, Tracking, TrackingMode,
+    Burst, Direction, Drive, Edge, FrontEnd, Limits, Phasing as PhasingConfig, Schedule, Sweep, Thermometer, Tracking,
+    TrackingMode,
 };
 
 const SCAN_VOLTS: f32 = 3.0;
@@ -23,6 +24,8 @@ fn config(lanes: u8) -> Config {
             drive_mid_code: 2048,
             drive_max_code: 4095,
             drive_lanes: 4,
+            metre_per_count: None,
+            force_hz: None,
         },
         drive: Drive::sine(40_000.0, Amplitude::Volts(3.0), SCAN_VOLTS),
         sweep: Sweep::Hold,
@@ -37,7 +40,8 @@ fn config(lanes: u8) -> Config {
             c0_drift_per_s: 0.0,
             nominal_c0_f: 200e-9,
         },
-        limits: Limits { voltage_v: 12.0, current_a: 3.0, belt_moving_m_per_s: 0.01, belt_stop_ms: 5.0 },
+        thermometer: Thermometer::default(),
+        limits: Limits { voltage_v: 12.0, ..Limits::default() },
         restraint: None,
     }
 }

@@ -1,7 +1,7 @@
 //! The longest records, whole and in pieces, and what is refused.
 
 use super::*;
-use crate::block::{Amplitude, Gate, MAX_BLOCK_SAMPLES, Request, Trips};
+use crate::block::{Amplitude, BeltSense, Gate, MAX_BLOCK_SAMPLES, Request, Trips};
 use crate::config::*;
 use crate::identify::Transducer;
 use crate::supervisor::{Fault, Limit, Mode};
@@ -43,7 +43,7 @@ fn longest_question() -> Question {
         clear_fault: true,
     };
     let slow = SlowSense {
-        belt: Some(1.0),
+        belt: Some(BeltSense { counts: i32::MIN, broken: true }),
         temperature: Some(1.0),
         force: Some(1.0),
         trips: Some(Trips { over_current: true }),
@@ -83,6 +83,8 @@ fn longest_config() -> Config {
             drive_mid_code: u16::MAX,
             drive_max_code: u16::MAX,
             drive_lanes: u8::MAX,
+            metre_per_count: Some(1.0),
+            force_hz: Some(1.0),
         },
         drive: Drive {
             frequency_hz: 40e3,
@@ -121,7 +123,16 @@ fn longest_config() -> Config {
             c0_drift_per_s: 0.0,
             nominal_c0_f: 1.0,
         },
-        limits: Limits { voltage_v: 1.0, current_a: 1.0, belt_moving_m_per_s: 1.0, belt_stop_ms: 1.0 },
+        thermometer: Thermometer { hz_per_k: 1.0, c0_per_k: 1.0, ambient_c: 1.0 },
+        limits: Limits {
+            voltage_v: 1.0,
+            current_a: 1.0,
+            power_w: Some(1.0),
+            temperature_c: Some(1.0),
+            belt_stop_ms: 1.0,
+            energy_j_per_m: Some(1.0),
+            on_time_s: Some(1.0),
+        },
         restraint: Some(Restraint::default()),
     }
 }

@@ -31,6 +31,8 @@ pub fn front_end() -> FrontEnd {
         drive_mid_code: 2048,
         drive_max_code: 4095,
         drive_lanes: 4,
+        metre_per_count: None,
+        force_hz: None,
     }
 }
 

@@ -5,7 +5,7 @@ use super::*;
 use crate::block::Amplitude;
 use crate::block::{DriveBlock, LATENCY_BLOCKS};
 use crate::config;
-use crate::config::{Drive, FrontEnd, Limits, Phasing, Tracking, TrackingMode};
+use crate::config::{Drive, FrontEnd, Limits, Phasing, Thermometer, Tracking, TrackingMode};
 use crate::demod::demodulate;
 use crate::identify::Resonances;
 use crate::nco::{Nco, Stretch};
@@ -71,7 +71,8 @@ fn scan(case: &Case, seed: u64) -> Scanned {
             c0_drift_per_s: 0.0,
             nominal_c0_f: case.told_c0,
         },
-        limits: Limits { voltage_v: 15.0, current_a: 4.0, belt_moving_m_per_s: 1e-3, belt_stop_ms: 5.0 },
+        thermometer: Thermometer::default(),
+        limits: Limits { voltage_v: 15.0, current_a: 4.0, ..Limits::default() },
         restraint: None,
     };
     let convert = Convert::build(&case.front_end).unwrap();

@@ -17,7 +17,9 @@ use crate::plant::converter::{Adc, Dac};
 use crate::plant::delay::Delay;
 use crate::plant::disturbance::Change;
 use crate::plant::elements::Elements;
+use crate::plant::encoder::Encoder;
 use crate::plant::energy::Energy;
+use crate::plant::force_channel::ForceChannel;
 use crate::plant::load_cell::LoadCell;
 use crate::plant::sliding::{Sliding, steps_per_sample};
 use crate::plant::stack::{Held, Stack};
@@ -25,7 +27,7 @@ use crate::plant::sums::Sums;
 use crate::plant::timing::Timing;
 use crate::plant::truth::{Sample, TipMotion, Truth};
 use crate::scene;
-use crate::scene::{Dahl, DisturbedKey, Driven, Slider};
+use crate::scene::{Dahl, DisturbedKey, Driven, FaultKind, Slider};
 
 /// The plant around a stack.
 #[derive(Clone, Debug)]
@@ -40,6 +42,9 @@ pub struct DrivenStack {
     block_s: f64,
     sliding: Option<Sliding>,
     load_cell: LoadCell,
+    encoder: Option<Encoder>,
+    force_channel: Option<ForceChannel>,
+    board_c: Option<f32>,
     changes: Vec<Change>,
     time_s: f64,
     energy: Energy,
@@ -59,8 +64,14 @@ impl DrivenStack {
             conversions: sensors.oversample.into(),
             skew_s: sensors.skew_s,
         };
-        let sliding = sliding.map(|(contact, slider)| Sliding::new(contact, slider));
+        // Streams far from those of the converters.
+        let [ripple_seed, force_seed] = [1, 3].map(|stream| scene.seed ^ (stream << 61));
+        let mut sliding = sliding.map(|(contact, slider)| Sliding::new(contact, slider, ripple_seed));
         let block_s = f64::from(scene.controller.block_samples) / sensors.sample_hz;
+        if let (Some(sliding), Some(at_s)) = (&mut sliding, belt_stops_s(scene)) {
+            // From the block that it falls into, as every fault.
+            sliding.belt.halt((at_s / block_s).floor() * block_s - 0.5 * block_s, 0.0);
+        }
         let delay = Delay::of(scene.amplifier.delay_s * sensors.sample_hz);
         let late_s = delay.as_ref().map_or(0.0, Delay::fraction) / sensors.sample_hz;
         DrivenStack {
@@ -75,6 +86,9 @@ impl DrivenStack {
             block_s,
             sliding,
             load_cell: LoadCell::new(sensors.load_cell_hz, block_s),
+            encoder: sensors.encoder_counts_per_mm.map(|counts| Encoder::new(counts, 0.5)),
+            force_channel: sensors.force_hz.map(|hz| ForceChannel::new(hz, block_s, sensors.force_noise_n, force_seed)),
+            board_c: sensors.board_c.map(|celsius| celsius as f32),
             changes: scene.disturbance.iter().cloned().map(Change::new).collect(),
             time_s: 0.0,
             energy: Energy::default(),
@@ -137,7 +151,7 @@ impl DrivenStack {
     fn value(&self, key: DisturbedKey) -> f64 {
         match (key, &self.sliding) {
             (DisturbedKey::Load, Some(sliding)) => sliding.load_n(),
-            (DisturbedKey::Speed, Some(sliding)) => sliding.speed_m_per_s,
+            (DisturbedKey::Speed, Some(sliding)) => sliding.belt.nominal_m_per_s(),
             // Keys of a motor and of contact studies are nothing here.
             _ => self.elements.value(key, &self.stack).unwrap_or(0.0),
         }
@@ -146,7 +160,7 @@ impl DrivenStack {
     fn set(&mut self, key: DisturbedKey, value: f64) {
         match (key, &mut self.sliding) {
             (DisturbedKey::Load, Some(sliding)) => sliding.set_load(value),
-            (DisturbedKey::Speed, Some(sliding)) => sliding.speed_m_per_s = value,
+            (DisturbedKey::Speed, Some(sliding)) => sliding.belt.set_nominal(value),
             _ => self.elements.set(key, value, &self.stack),
         }
     }
@@ -186,6 +200,18 @@ impl DrivenStack {
         force
     }
 
+    /// The slow sensors at the end of a block.
+    fn slow(&mut self) -> SlowSense {
+        let position_m = self.truth.belt_position_m;
+        let force_n = self.truth.friction_mean_n;
+        SlowSense {
+            belt: self.encoder.map(|encoder| encoder.read(position_m)),
+            temperature: self.board_c,
+            force: self.force_channel.as_mut().map(|channel| channel.feel(force_n)),
+            ..SlowSense::default()
+        }
+    }
+
     /// Closes a block of `steps` steps: work done, and the truth about it.
     fn account(&mut self, sums: &Sums, steps: f64) {
         self.stack.settle();
@@ -196,7 +222,7 @@ impl DrivenStack {
         let lost = step_s * circuit.rm_ohm * sums.lost;
         self.energy.lost_j += lost + step_s * sums.further_lost;
         self.energy.friction_on_tip_j += sums.friction_on_tip;
-        let speed = self.sliding.as_ref().map_or(0.0, |sliding| sliding.speed_m_per_s);
+        let speed = self.sliding.as_ref().map_or(0.0, |sliding| sliding.belt.speed_m_per_s());
         self.energy.stored_j = self.stack.stored_j();
 
         let block_s = steps * step_s;
@@ -214,6 +240,8 @@ impl DrivenStack {
             lost_w: lost / block_s,
             friction_on_tip_w: sums.friction_on_tip / block_s,
             friction_on_slider_w: mean * speed,
+            belt_position_m: self.sliding.as_ref().map_or(0.0, |sliding| sliding.belt.position_m()),
+            belt_speed_m_per_s: speed,
             tip: Some(TipMotion {
                 square_m2_per_s2: sums.lost / steps / circuit.force_factor_n_per_v.powi(2),
                 peak_m_per_s: sums.current_peak / circuit.force_factor_n_per_v,
@@ -227,12 +255,14 @@ impl DrivenStack {
 impl Analog for DrivenStack {
     fn exchange(&mut self, drive: &DriveBlock, sense: &mut SenseBlock) {
         self.disturb();
+        if let Some(sliding) = &mut self.sliding {
+            sliding.belt.advance(self.block_s);
+        }
         let codes = drive.lanes.first().map_or(&[][..], |lane| lane.as_slice());
         let (steps, step_s) = (self.timing.steps as usize, self.timing.step_s());
         let mut sums = Sums::new();
         sense.v.clear();
         sense.i.clear();
-        sense.slow = SlowSense::default();
         if let Some(samples) = &mut self.samples {
             samples.clear();
         }
@@ -266,5 +296,12 @@ impl Analog for DrivenStack {
             }
         }
         self.account(&sums, (codes.len() * steps) as f64);
+        sense.slow = self.slow();
     }
+}
+
+/// When a scene's faults bring its belt to a stand, s.
+fn belt_stops_s(scene: &Driven) -> Option<f64> {
+    let stops = |kind| matches!(kind, FaultKind::BeltStopped | FaultKind::EncoderLies);
+    scene.fault.iter().filter(|fault| stops(fault.kind)).map(|fault| fault.at_s).reduce(f64::min)
 }

@@ -110,7 +110,12 @@ fn breakage(kind: FaultKind) -> Option<Breakage> {
         | FaultKind::Saturation
         | FaultKind::Dropout
         | FaultKind::LateBlock
-        | FaultKind::BeltStopped => None,
+        | FaultKind::BeltStopped
+        | FaultKind::EncoderStuck
+        | FaultKind::EncoderLost
+        | FaultKind::EncoderLies
+        | FaultKind::ForceStuck
+        | FaultKind::Overtemperature => None,
     }
 }
 

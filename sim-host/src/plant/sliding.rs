@@ -1,5 +1,6 @@
 //! The contact on its slider: who presses, who moves, and how many steps that needs.
 
+use crate::plant::belt_motion::BeltMotion;
 use crate::plant::circuit::Circuit;
 use crate::plant::dahl::Dahl;
 use crate::scene::{self, Driven, Slider};
@@ -11,19 +12,19 @@ pub struct Sliding {
     mu: f64,
     self_weight_n: f64,
     load_n: f64,
-    /// Sliding speed, m/s.
-    pub speed_m_per_s: f64,
+    /// What moves.
+    pub belt: BeltMotion,
 }
 
 impl Sliding {
-    /// The contact of a scene, relaxed.
-    pub fn new(contact: &scene::Dahl, slider: &Slider) -> Self {
+    /// The contact of a scene, relaxed. The seed is of the speed's ripple.
+    pub fn new(contact: &scene::Dahl, slider: &Slider, seed: u64) -> Self {
         let mut sliding = Sliding {
             dahl: Dahl::new(contact.stiffness_n_per_m, 0.0),
             mu: contact.mu,
             self_weight_n: slider.self_weight_n,
             load_n: 0.0,
-            speed_m_per_s: slider.speed_m_per_s,
+            belt: BeltMotion::new(slider.speed_m_per_s).with_ripple(slider.ripple_rms, slider.ripple_hz, seed),
         };
         sliding.set_load(slider.load_n);
         sliding
@@ -48,7 +49,7 @@ impl Sliding {
     /// Slides for `step_s` seconds, in which the tip moves by `moved` metres, from velocity `v0` to `v1`. Returns the mean friction, N.
     #[inline]
     pub fn slide(&mut self, v0: f64, v1: f64, moved: f64, step_s: f64) -> f64 {
-        let speed = self.speed_m_per_s;
+        let speed = self.belt.speed_m_per_s();
         self.dahl.slip(speed + v0, speed + v1, speed * step_s + moved, step_s)
     }
 }

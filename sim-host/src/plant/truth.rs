@@ -26,6 +26,10 @@ pub struct Truth {
     pub friction_on_tip_w: f64,
     /// Power that the slider's drive gives to friction, W; a rotor takes power, which is less than zero here.
     pub friction_on_slider_w: f64,
+    /// How far belt or slider have come at the block's end, m.
+    pub belt_position_m: f64,
+    /// Their speed, m/s.
+    pub belt_speed_m_per_s: f64,
     /// What only a stack has.
     pub tip: Option<TipMotion>,
     /// What only a motor has.

@@ -104,6 +104,16 @@ pub enum FaultKind {
     Dropout,
     /// One block is delivered late.
     LateBlock,
-    /// The belt sensor reads zero from now on.
+    /// The belt stands from now on, and with it its encoder; in a scene without belt or slider, an encoder appears that stands.
     BeltStopped,
+    /// The belt's encoder stays at its last count, and the belt moves on.
+    EncoderStuck,
+    /// A line of the belt's encoder is broken.
+    EncoderLost,
+    /// The belt stands from now on, and its encoder goes on counting as it last did.
+    EncoderLies,
+    /// The force channel stays at its last reading.
+    ForceStuck,
+    /// The temperature sensor at the driver reads 200 degrees Celsius.
+    Overtemperature,
 }

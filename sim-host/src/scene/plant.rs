@@ -47,7 +47,7 @@ impl Default for Amplifier {
     }
 }
 
-/// The converters and the load cell.
+/// The converters, the load cell, and what the controller knows besides voltage and current.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Sensors {
@@ -81,6 +81,22 @@ pub struct Sensors {
     /// Bandwidth of the load cell and its conditioner, Hz.
     #[schemars(range(min = 0.1, max = 1e5))]
     pub load_cell_hz: f64,
+    /// Counts of the belt's encoder, four edges a line, for each millimetre of belt or slider. Absent: there is no encoder.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 0.1, max = 1e4))]
+    pub encoder_counts_per_mm: Option<f64>,
+    /// Bandwidth of the force channel that the controller hears, Hz. Absent: there is none.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 1.0, max = 1e5))]
+    pub force_hz: Option<f64>,
+    /// Noise of each reading of the force channel, one a block, N rms.
+    #[serde(skip_serializing_if = "is_zero")]
+    #[schemars(range(min = 0.0, max = 1e4))]
+    pub force_noise_n: f64,
+    /// What the temperature sensor at the driver reads, degrees Celsius. Absent: there is none.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = -273.0, max = 1000.0))]
+    pub board_c: Option<f64>,
 }
 
 impl Default for Sensors {
@@ -96,8 +112,16 @@ impl Default for Sensors {
             i_full_scale_a: 4.0,
             skew_s: 0.0,
             load_cell_hz: 80.0,
+            encoder_counts_per_mm: None,
+            force_hz: None,
+            force_noise_n: 0.0,
+            board_c: None,
         }
     }
+}
+
+fn is_zero(value: &f64) -> bool {
+    *value == 0.0
 }
 
 /// The piezo stack.

@@ -35,6 +35,30 @@ pub struct Slider {
     /// Sliding speed, m/s.
     #[schemars(range(min = -10.0, max = 10.0))]
     pub speed_m_per_s: f64,
+    /// Ripple of the speed, rms as a part of it: Gaussian, of a narrow band about `ripple_hz`.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    #[schemars(range(min = 0.0, max = 1.0))]
+    pub ripple_rms: f64,
+    /// Frequency of the ripple, Hz.
+    #[serde(default = "default::ripple_hz", skip_serializing_if = "is_usual_ripple")]
+    #[schemars(range(min = 0.1, max = 1e3))]
+    pub ripple_hz: f64,
+}
+
+fn is_zero(value: &f64) -> bool {
+    *value == 0.0
+}
+
+fn is_usual_ripple(value: &f64) -> bool {
+    *value == default::ripple_hz()
+}
+
+/// Defaults that serde needs as functions.
+mod default {
+    /// Of a hand, a roller, a chain.
+    pub(super) fn ripple_hz() -> f64 {
+        10.0
+    }
 }
 
 /// A vibration velocity that is given, whatever the friction: no system dynamics (thesis 4.1, 4.2). For scenes with `[excitation]`.

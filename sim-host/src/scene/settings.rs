@@ -4,7 +4,7 @@
 use firmware::block::Amplitude;
 use firmware::config::{
     Around, Burst, Chirp, ChirpKind, Config, Direction, Drive, Edge, FrontEnd, LaneTrims, Limits, Phasing, Schedule, ShapeKind,
-    Sweep, Then, Tracking, TrackingMode,
+    Sweep, Then, Thermometer, Tracking, TrackingMode,
 };
 
 use crate::scene;
@@ -47,12 +47,25 @@ pub fn config(scene: &scene::Driven) -> Config {
         },
         burst: burst(controller.burst.as_ref()),
         tracking: tracking(&controller.tracking),
-        limits: Limits {
-            voltage_v: controller.limits.voltage_v as f32,
-            current_a: controller.limits.current_a as f32,
-            belt_moving_m_per_s: controller.limits.belt_moving_m_per_s as f32,
-            belt_stop_ms: controller.limits.belt_stop_ms as f32,
+        thermometer: Thermometer {
+            hz_per_k: controller.thermometer.hz_per_k as f32,
+            c0_per_k: controller.thermometer.c0_per_k as f32,
+            ambient_c: controller.thermometer.ambient_c as f32,
         },
+        limits: limits(&controller.limits),
+    }
+}
+
+fn limits(limits: &scene::Limits) -> Limits {
+    let single = |limit: Option<f64>| limit.map(|limit| limit as f32);
+    Limits {
+        voltage_v: limits.voltage_v as f32,
+        current_a: limits.current_a as f32,
+        power_w: single(limits.power_w),
+        temperature_c: single(limits.temperature_c),
+        belt_stop_ms: limits.belt_stop_ms as f32,
+        energy_j_per_m: single(limits.energy_j_per_m),
+        on_time_s: single(limits.on_time_s),
     }
 }
 
@@ -69,6 +82,8 @@ fn front_end(sensors: &scene::Sensors, amplifier: &scene::Amplifier) -> FrontEnd
         drive_mid_code: code(drive_half),
         drive_max_code: code(2 * drive_half - 1),
         drive_lanes: amplifier.lanes,
+        metre_per_count: sensors.encoder_counts_per_mm.map(|counts| (1e-3 / counts) as f32),
+        force_hz: sensors.force_hz.map(|hz| hz as f32),
     }
 }
 

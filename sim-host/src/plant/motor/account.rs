@@ -40,6 +40,8 @@ impl Motor {
             lost_w: lost / block_s,
             friction_on_tip_w: sums.friction_on_tip / block_s,
             friction_on_slider_w: -block.rotor_work / block_s,
+            belt_position_m: 0.0,
+            belt_speed_m_per_s: 0.0,
             tip: None,
             motor: Some(self.motor_truth(drive, &waves, mean, block.normal / steps)),
         };

@@ -1,7 +1,9 @@
 //! What the controller is tried on: a configuration, and a transducer that answers in sense codes.
 
 use firmware::block::{Amplitude, DriveBlock, SenseBlock};
-use firmware::config::{Burst, Config, Drive, Edge, FrontEnd, Limits, Phasing, Schedule, Sweep, Tracking, TrackingMode};
+use firmware::config::{
+    Burst, Config, Drive, Edge, FrontEnd, Limits, Phasing, Schedule, Sweep, Thermometer, Tracking, TrackingMode,
+};
 use firmware::shape::sine;
 
 /// Samples in a block, mostly.
@@ -24,6 +26,8 @@ pub fn config(mode: TrackingMode, lanes: u8, samples: usize) -> Config {
             drive_mid_code: MID_CODE,
             drive_max_code: 4095,
             drive_lanes: 4,
+            metre_per_count: None,
+            force_hz: None,
         },
         drive: Drive::sine(40e3, Amplitude::MotionalCurrent(0.5), 1.0),
         sweep: Sweep::Hold,
@@ -42,7 +46,8 @@ pub fn config(mode: TrackingMode, lanes: u8, samples: usize) -> Config {
             c0_drift_per_s: 0.0,
             nominal_c0_f: 290e-9,
         },
-        limits: Limits { voltage_v: 12.0, current_a: 3.0, belt_moving_m_per_s: 0.01, belt_stop_ms: 5.0 },
+        thermometer: Thermometer::default(),
+        limits: Limits { voltage_v: 12.0, current_a: 3.0, belt_stop_ms: 5.0, ..Limits::default() },
         restraint: None,
     }
 }
