@@ -193,8 +193,9 @@ impl Controller {
 
     /// The orders, with the gate where a crash or none wants it.
     fn restrained(&mut self, orders: &Orders, sense: &SenseBlock) -> Orders {
+        let fresh = self.belt.is_expected().then(|| self.belt.fresh_counts());
         let mode = self.supervisor.mode();
-        self.restraint.as_mut().map_or(*orders, |restraint| restraint.decide(orders, &sense.slow, mode))
+        self.restraint.as_mut().map_or(*orders, |restraint| restraint.decide(orders, sense.slow.force, fresh, mode))
     }
 
     /// Nothing but a short takes more current than the limit from the tone of the self-test, or lets the voltage collapse under it.

@@ -11,24 +11,27 @@
 //! | never back | LOW that becomes HIGH again has the force of the one and the excursion of the other |
 //!
 //! ```text
-//! Waiting -- force >= sensed_n for confirm_ms --> Deciding -- light, driving, force < latest_n --> Low
-//!                                                    \--- not light, or latest_ms over ---------> High
+//! Waiting -- force >= sensed_n for confirm_ms, and webbing comes out --> Deciding -- light, driving, force < latest_n --> Low
+//!                                                                        \--- not light, or latest_ms over ---------> High
 //! ```
 //!
 //! The seat tells the mass. The crash itself does not: by the time that it must be decided, force and payout of a light occupant in a hard
 //! crash are those of a heavy one in a soft crash (docs/crash.md). The reading that counts is the one of the block in which the crash is
 //! sensed; it must be from `least_kg` to `most_kg`, or nobody is light.
 
-use crate::block::{Gate, Orders, SlowSense};
+use crate::block::{Gate, Orders};
 use crate::config;
 use crate::error::{Error, in_range};
 use crate::supervisor::Mode;
 
+/// Webbing that must have come out under the force, counts of the encoder, where there is one: a force without it is a sensor that lies.
+const COUNTS: u32 = 2;
+
 /// How far the decision is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum State {
-    /// No crash; the force has been there for so many blocks.
-    Waiting { felt: u32 },
+    /// No crash; the force has been there for so many blocks, in which so many counts of webbing have come out.
+    Waiting { felt: u32, counts: u32 },
     /// A crash, with so many blocks left to decide.
     Deciding { left: u32 },
     /// It stays HIGH.
@@ -80,13 +83,13 @@ impl Restraint {
             latest_n: restraint.latest_n,
             light_below_kg: restraint.light_below_kg,
             plausible_kg: (least, most),
-            state: State::Waiting { felt: 0 },
+            state: State::Waiting { felt: 0, counts: 0 },
         })
     }
 
     /// Forgets a crash.
     pub fn restart(&mut self) {
-        self.state = State::Waiting { felt: 0 };
+        self.state = State::Waiting { felt: 0, counts: 0 };
     }
 
     /// What a torso mass that the seat has read, kg, makes of the occupant.
@@ -100,20 +103,25 @@ impl Restraint {
     }
 
     /// Takes one block's readings, and puts the gate of the orders where the decision wants it.
-    pub fn decide(&mut self, orders: &Orders, slow: &SlowSense, mode: Mode) -> Orders {
-        // A sensor that is not there, or says what is no number, shows no crash.
-        let force = slow.force.unwrap_or(0.0);
-        if let State::Waiting { felt } = self.state {
-            let felt = if force >= self.sensed_n { felt + 1 } else { 0 };
+    ///
+    /// `force` is that of the belt, N, and `fresh` how many counts of webbing have come out in this block, both where there is a sensor.
+    pub fn decide(&mut self, orders: &Orders, force: Option<f32>, fresh: Option<u32>, mode: Mode) -> Orders {
+        if let State::Waiting { felt, counts } = self.state {
+            // A sensor that is not there, or says what is no number, shows no crash.
+            let (felt, counts) = match force {
+                Some(force) if force >= self.sensed_n => (felt.saturating_add(1), counts.saturating_add(fresh.unwrap_or(0))),
+                _ => (0, 0),
+            };
+            let comes_out = fresh.is_none() || counts >= COUNTS;
             self.state = match self.class(orders.torso_kg) {
-                _ if felt < self.confirm_blocks => State::Waiting { felt },
+                _ if felt < self.confirm_blocks || !comes_out => State::Waiting { felt, counts },
                 Class::Light => State::Deciding { left: self.latest_blocks },
                 Class::Other | Class::Unknown => State::High,
             };
         }
         if let State::Deciding { left } = self.state {
             // A force that is gone does not say that it is small.
-            let helps = slow.force.is_some_and(|force| force < self.latest_n);
+            let helps = force.is_some_and(|force| force < self.latest_n);
             self.state = match (left.checked_sub(1), mode) {
                 (Some(_), Mode::Run) if helps => State::Low,
                 (Some(left), _) => State::Deciding { left },
@@ -140,12 +148,12 @@ mod tests {
             latest_n: 2500.0,
             light_below_kg: 18.0,
             plausible_kg: (5.0, 60.0),
-            state: State::Waiting { felt: 0 },
+            state: State::Waiting { felt: 0, counts: 0 },
         }
     }
 
     fn block(restraint: &mut Restraint, torso_kg: Option<f32>, force: Option<f32>, mode: Mode) -> Gate {
-        restraint.decide(&Orders { torso_kg, ..Orders::default() }, &SlowSense { force, ..SlowSense::default() }, mode).gate
+        restraint.decide(&Orders { torso_kg, ..Orders::default() }, force, None, mode).gate
     }
 
     /// The gate over a run of forces.
@@ -170,6 +178,16 @@ mod tests {
         assert_eq!(gates(LIGHT, &[f32::NAN; 6]), [Gate::Off; 6]);
     }
 
+    /// A force channel that is stuck, over a belt that stands: no crash, until webbing comes out.
+    #[test]
+    fn a_force_over_a_belt_that_stands_is_no_crash() {
+        let mut restraint = restraint();
+        let orders = Orders { torso_kg: LIGHT, ..Orders::default() };
+        for (fresh, gate) in [(0, Gate::Off), (0, Gate::Off), (0, Gate::Off), (1, Gate::Off), (1, Gate::On), (0, Gate::On)] {
+            assert_eq!(restraint.decide(&orders, Some(900.0), Some(fresh), Mode::Run).gate, gate, "{fresh}");
+        }
+    }
+
     #[test]
     fn the_class_is_that_of_before_the_crash() {
         let mut restraint = restraint();
@@ -182,7 +200,9 @@ mod tests {
     /// Nothing but a force that is known to be below the limit of LOW, and a drive that runs, lets LOW come late; and not for ever.
     #[test]
     fn low_comes_in_time_or_not_at_all() {
-        for (force, mode) in [(Some(2500.0), Mode::Run), (None, Mode::Run), (Some(f32::NAN), Mode::Run), (Some(400.0), Mode::Lock)] {
+        for (force, mode) in
+            [(Some(2500.0), Mode::Run), (None, Mode::Run), (Some(f32::NAN), Mode::Run), (Some(400.0), Mode::Lock)]
+        {
             let after = |blocks: u32| {
                 let mut restraint = restraint();
                 block(&mut restraint, LIGHT, Some(400.0), Mode::Lock);

@@ -11,6 +11,7 @@
 //! | 130 | interrupted; what there was is kept, and marked |
 
 mod advise;
+mod crash;
 mod instructions;
 mod precision;
 mod progress;
@@ -90,6 +91,9 @@ enum Command {
     /// Run every tracking case over many seeds, and hold it against its targets, its bound and its faults.
     #[command(after_help = EXIT_CODES)]
     Tracking(tracking::TrackingArgs),
+    /// Crash light, medium and heavy occupants with the D-ring's friction switched, and hold them against the passive belt.
+    #[command(after_help = EXIT_CODES)]
+    Crash(crash::CrashArgs),
 }
 
 #[derive(Args)]
@@ -154,6 +158,7 @@ pub fn main() -> ExitCode {
         Some(Command::Precision(args)) => precision::run(&args, color),
         Some(Command::Instructions(args)) => instructions::run(&args, color),
         Some(Command::Tracking(args)) => tracking::run(&args, color),
+        Some(Command::Crash(args)) => crash::run(&args, color),
         Some(Command::Schema) => print(&format!("{:#}\n", schema::schema())),
     };
     done.unwrap_or_else(|error| {

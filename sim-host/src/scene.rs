@@ -9,6 +9,7 @@ mod contact;
 mod controller;
 mod course;
 pub mod diagnostic;
+mod dring;
 mod excitation;
 mod integrator;
 pub mod load;
@@ -38,10 +39,11 @@ mod tests;
 pub use comparison::{Case, Comparison, Equal};
 pub use contact::{Contact, Coulomb, Dahl, Hertz, Lugre, Model, Sign};
 pub use controller::{
-    Around, Burst, ChirpKind, Controller, Direction, Drive, Edge, Limits, Phasing, Shape, Sweep, Then, Thermometer, Tracking,
-    TrackingMode,
+    Around, Burst, ChirpKind, Controller, Direction, Drive, Edge, Limits, Phasing, Restraint, Shape, Sweep, Then, Thermometer,
+    Tracking, TrackingMode,
 };
 pub use course::{Disturbance, DisturbedKey, Fault, FaultKind};
+pub use dring::{ActuatorKind, Dring, Occupant};
 pub use excitation::{Excitation, Match, VibrationVelocity, Waveform};
 pub use integrator::{Integrator, Method};
 pub(crate) use nearest::shown;

@@ -1,6 +1,7 @@
 //! The figures of a driven run: what was commanded, what the controller believed, what was true.
 
 mod admittance;
+mod crash;
 mod edges;
 mod energy;
 mod friction;
@@ -21,7 +22,8 @@ const BINS: usize = 3000;
 /// All figures that this run has something to show in, the most telling first.
 pub(super) fn of(run: &Run) -> Vec<Figure> {
     let view = View::new(&run.scene, &run.record);
-    let mut figures = motor::of(run, &view);
+    let mut figures = crash::of(run);
+    figures.extend(motor::of(run, &view));
     figures.extend(friction::over_time(run, &view));
     figures.extend(edges::of(run, &view));
     figures.extend(resonance::acquisition(run, &view));

@@ -21,8 +21,10 @@
 //! **Settled** is what comes 20 ms after an edge; or a third of what is left of the run from its first block of running, or from its last
 //! step disturbance, if that is less.
 //!
-//! The tip velocity of a stator is that of its crests, across the ring. What only a motor has stands in `motor.rs`.
+//! The tip velocity of a stator is that of its crests, across the ring. What only a motor has stands in `motor.rs`, what only a crash
+//! has in `crash.rs`.
 
+mod crash;
 mod electrical;
 pub mod lock_claims;
 mod motor;
@@ -51,7 +53,10 @@ pub fn of(scene: &Driven, record: &Record) -> Metrics {
     view.steady_state(&mut metrics);
     electrical::add(&view, &mut metrics);
     view.motor(scene, &mut metrics);
-    metrics.put("energy_residual", (record.energy.supplied_j != 0.0).then(|| record.energy.residual()));
+    match &record.crash {
+        Some(film) => crash::add(film, &mut metrics),
+        None => metrics.put("energy_residual", (record.energy.supplied_j != 0.0).then(|| record.energy.residual())),
+    }
     if let Some(transducer) = record.last.transducer {
         let found_hz = f64::from(transducer.series_resonance_hz);
         metrics.put("series_resonance_hz", found_hz);

@@ -7,7 +7,8 @@
 //! In the frame of the vehicle, which the pulse `a(t)` decelerates:
 //!
 //! ```text
-//! m x'' = m a(t) - Ts                       torso; nothing else holds it: no airbag, no lap belt, no seat
+//! m x'' = m a(t) - Ts                       torso, once that is more than nothing: then it leaves the back of its seat for good.
+//!                                           Nothing else holds it: no airbag, no lap belt
 //! Ts = T0 + ks [(x - p) beyond slack]       shoulder span
 //! Tr = T0 + kr (p - s)                      retractor span
 //! out:   Ts = Tr exp(mu theta),  p' > 0     capstan, Euler 1769, Eytelwein 1808

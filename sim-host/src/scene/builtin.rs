@@ -28,7 +28,8 @@ const SCENES: &[(&str, &str)] = scenes![
     "transducer-smbltd45f28h",
     "transducer-ma40s4s",
     "usm",
-    "usm-miscalibrated"
+    "usm-miscalibrated",
+    "dring-crash"
 ];
 
 /// Name and text of every built-in scene.

@@ -3,6 +3,8 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use super::dring::Dring;
+
 /// What presses on the contact and moves it. Give exactly one.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
@@ -19,6 +21,9 @@ pub struct Rig {
     /// The rotor of a travelling-wave motor.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub rotor: Option<Rotor>,
+    /// A torso in its seat belt, over a D-ring, in a crash.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub dring: Option<Dring>,
 }
 
 /// A slider at constant speed; the tip of a driven stack vibrates along the motion. For scenes with `[controller]`.

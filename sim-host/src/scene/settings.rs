@@ -3,8 +3,8 @@
 
 use firmware::block::Amplitude;
 use firmware::config::{
-    Around, Burst, Chirp, ChirpKind, Config, Direction, Drive, Edge, FrontEnd, LaneTrims, Limits, Phasing, Schedule, ShapeKind,
-    Sweep, Then, Thermometer, Tracking, TrackingMode,
+    Around, Burst, Chirp, ChirpKind, Config, Direction, Drive, Edge, FrontEnd, LaneTrims, Limits, Phasing, Restraint, Schedule,
+    ShapeKind, Sweep, Then, Thermometer, Tracking, TrackingMode,
 };
 
 use crate::scene;
@@ -53,6 +53,19 @@ pub fn config(scene: &scene::Driven) -> Config {
             ambient_c: controller.thermometer.ambient_c as f32,
         },
         limits: limits(&controller.limits),
+        restraint: controller.restraint.as_ref().map(restraint),
+    }
+}
+
+fn restraint(restraint: &scene::Restraint) -> Restraint {
+    Restraint {
+        sensed_n: restraint.sensed_n as f32,
+        confirm_ms: restraint.confirm_ms as f32,
+        latest_ms: restraint.latest_ms as f32,
+        latest_n: restraint.latest_n as f32,
+        light_below_kg: restraint.light_below_kg as f32,
+        least_kg: restraint.least_kg as f32,
+        most_kg: restraint.most_kg as f32,
     }
 }
 

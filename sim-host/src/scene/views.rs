@@ -3,7 +3,9 @@
 use std::ops::Deref;
 
 use super::contact::Model;
-use super::{Amplifier, Controller, Dahl, Excitation, Kinematic, Method, Rotor, Scene, Sdof, Sensors, Slider, Stack, Stator};
+use super::{
+    Amplifier, Controller, Dahl, Dring, Excitation, Kinematic, Method, Rotor, Scene, Sdof, Sensors, Slider, Stack, Stator,
+};
 
 /// Largest error of the mean friction ratio of a contact study that names none.
 const TOLERANCE: f64 = 1e-7;
@@ -47,6 +49,11 @@ impl<'a> Driven<'a> {
             Transducer::Stack(_, sliding) => sliding,
             Transducer::Stator(..) => None,
         }
+    }
+
+    /// The belt over a D-ring, whose friction a stack's drive lowers.
+    pub fn dring(&self) -> Option<&'a Dring> {
+        self.scene.rig.as_ref().and_then(|rig| rig.dring.as_ref())
     }
 
     /// The stator of a motor.

@@ -15,14 +15,19 @@ use hal_mock::analog::Analog;
 use super::mode::Tensions;
 use super::motion::{Extremes, Motion};
 use super::{Bench, G_M_PER_S2};
+use crate::plant::circuit::Circuit;
 use crate::plant::converter::Dac;
 use crate::plant::driven_stack::DrivenStack;
-use crate::plant::load_cell::LoadCell;
-use crate::plant::truth::Truth;
+use crate::plant::encoder::Encoder;
+use crate::plant::energy::Energy;
+use crate::plant::force_channel::ForceChannel;
+use crate::plant::truth::{Sample, Truth};
 use crate::scene::{self, ActuatorKind, Driven};
 
 /// The drive is ON where it swings by more than this part of what was asked for.
 const ON_PART: f64 = 0.25;
+/// A stream of noise far from those of the converters.
+const FORCE_STREAM: u64 = 3 << 61;
 /// States of torso, belt and spool.
 const STATES: usize = 3;
 
@@ -95,7 +100,8 @@ pub struct Crash {
     switched: Motion,
     passive: Motion,
     finer: Motion,
-    force: LoadCell,
+    force: Option<ForceChannel>,
+    encoder: Option<Encoder>,
     block_s: f64,
     blocks: u64,
     truth: Truth,
@@ -106,18 +112,19 @@ impl Crash {
     /// At rest.
     pub fn new(scene: &Driven, stack: DrivenStack, dring: &scene::Dring) -> Self {
         let bench = Bench::of(dring);
-        let drive = &scene.controller.drive;
+        let (drive, sensors) = (&scene.controller.drive, scene.sensors);
         let asked_v = drive.amplitude_v.or(drive.scan_v).unwrap_or(0.0);
-        let block_s = f64::from(scene.controller.block_samples) / scene.sensors.sample_hz;
+        let block_s = f64::from(scene.controller.block_samples) / sensors.sample_hz;
         Crash {
             stack,
             kind: dring.actuator,
             edge_s: 1e-3 * dring.edge_ms,
-            on_codes: (ON_PART * asked_v / Dac::new(scene.sensors, scene.amplifier).volt_per_lsb()) as u16,
+            on_codes: (ON_PART * asked_v / Dac::new(sensors, scene.amplifier).volt_per_lsb()) as u16,
             switched: Motion::new(bench.clone(), 1),
             passive: Motion::new(bench.passive(), 1),
             finer: Motion::new(bench.clone(), 2),
-            force: LoadCell::new(scene.sensors.load_cell_hz, block_s),
+            force: sensors.force_hz.map(|hz| ForceChannel::new(hz, block_s, sensors.force_noise_n, scene.seed ^ FORCE_STREAM)),
+            encoder: sensors.encoder_counts_per_mm.map(|counts| Encoder::new(counts, 0.5)),
             block_s,
             blocks: 0,
             truth: Truth::default(),
@@ -126,19 +133,34 @@ impl Crash {
         }
     }
 
-    /// The stack.
-    pub fn stack(&self) -> &DrivenStack {
-        &self.stack
-    }
-
-    /// The same, to change it.
-    pub fn stack_mut(&mut self) -> &mut DrivenStack {
-        &mut self.stack
-    }
-
     /// The truth about the last block.
     pub fn truth(&self) -> &Truth {
         &self.truth
+    }
+
+    /// The stack's circuit as it is now.
+    pub fn circuit(&self) -> Circuit {
+        self.stack.circuit()
+    }
+
+    /// The stack's energy budget since the beginning.
+    pub fn energy(&self) -> Energy {
+        self.stack.energy()
+    }
+
+    /// Duration of one sample, s.
+    pub fn sample_s(&self) -> f64 {
+        self.stack.sample_s()
+    }
+
+    /// Keeps the next blocks sample by sample, or stops doing so.
+    pub fn keep_samples(&mut self, keep: bool) {
+        self.stack.keep_samples(keep);
+    }
+
+    /// The last block sample by sample, if kept.
+    pub fn samples(&self) -> &[Sample] {
+        self.stack.samples()
     }
 
     /// What the crash has come to so far.
@@ -211,9 +233,11 @@ impl Analog for Crash {
         for motion in [&mut self.switched, &mut self.passive, &mut self.finer] {
             motion.advance_to(time_s);
         }
-        let reading_n = self.force.feel(self.switched.tensions().shoulder_n);
-        sense.slow.force = Some(reading_n as f32);
-        self.truth = Truth { load_cell_n: reading_n, ..*self.stack.truth() };
+        let (shoulder_n, payout_m) = (self.switched.tensions().shoulder_n, self.switched.state().payout_m);
+        sense.slow.force = self.force.as_mut().map(|force| force.feel(shoulder_n));
+        sense.slow.belt = self.encoder.map(|encoder| encoder.read(payout_m));
+        self.truth =
+            Truth { belt_position_m: payout_m, belt_speed_m_per_s: self.switched.payout_m_per_s(), ..*self.stack.truth() };
         self.keep(time_s);
     }
 }

@@ -59,6 +59,8 @@ pub struct Mode {
     pub spool: Spool,
     /// The part of its law that the shoulder span is in.
     pub part: Part,
+    /// Whether the back of the seat still holds the torso against the pretension.
+    pub seated: bool,
     /// Whether the pulse acts.
     pub pulse: bool,
     /// Whether the actuator's amplitude rises or falls.
@@ -222,9 +224,10 @@ impl Phase<'_> {
         let spool = if self.mode.spool == Spool::Locked { 0.0 } else { payout };
         let Tensions { shoulder_n, retractor_n } = self.tensions(state);
         let pulse = bench.pulse.at(time_s, self.mode.pulse);
+        let rise = if self.mode.seated { 0.0 } else { pulse - shoulder_n / bench.torso_kg };
         State {
             x_m: state.v_m_per_s,
-            v_m_per_s: pulse - shoulder_n / bench.torso_kg,
+            v_m_per_s: rise,
             payout_m: payout,
             spool_m: spool,
             input_j: bench.torso_kg * pulse * state.v_m_per_s,
@@ -248,7 +251,7 @@ impl Phase<'_> {
     }
 
     /// What can end this mode: how far beyond its end each is (less than zero before), and the mode that follows.
-    pub fn ends(&self, state: &State, time_s: f64) -> [(f64, Mode); 5] {
+    pub fn ends(&self, state: &State, time_s: f64) -> [(f64, Mode); 6] {
         let mode = self.mode;
         let never = (f64::NEG_INFINITY, mode);
         let bench = self.bench;
@@ -264,13 +267,17 @@ impl Phase<'_> {
         let retractor_n = self.tensions(state).retractor_n;
         let to_spool = |spool| Mode { spool, ..mode };
         let spool = match mode.spool {
-            Spool::Locked if retractor_n > bench.retractor.pretension_n => (retractor_n - bench.limiter_n, to_spool(Spool::Yields)),
+            Spool::Locked if retractor_n > bench.retractor.pretension_n => {
+                (retractor_n - bench.limiter_n, to_spool(Spool::Yields))
+            }
             Spool::Locked => (bench.retractor.pretension_n - retractor_n, to_spool(Spool::Winds)),
             Spool::Yields => (-payout, to_spool(Spool::Locked)),
             Spool::Winds => (payout, to_spool(Spool::Locked)),
         };
         let slides = self.slide_ends(state, time_s, payout);
-        [parts[0], parts[1], spool, slides[0], slides[1]]
+        let off_n = bench.torso_kg * bench.pulse.at(time_s, mode.pulse) - self.tensions(state).shoulder_n;
+        let seat = if mode.seated { (off_n, Mode { seated: false, ..mode }) } else { never };
+        [seat, parts[0], parts[1], spool, slides[0], slides[1]]
     }
 
     fn slide_ends(&self, state: &State, time_s: f64, payout: f64) -> [(f64, Mode); 2] {
@@ -278,8 +285,7 @@ impl Phase<'_> {
         let to = |slide| Mode { slide, ..mode };
         let floor = || self.end(End::Floor, time_s);
         match mode.slide {
-            Slide::Stuck => [Way::Out, Way::Back]
-                .map(|way| (self.ratio(state, way) - floor(), to(Slide::Held(way, End::Floor)))),
+            Slide::Stuck => [Way::Out, Way::Back].map(|way| (self.ratio(state, way) - floor(), to(Slide::Held(way, End::Floor)))),
             Slide::Held(way, end) => {
                 let speed = way.sign() * payout;
                 let law = self.speed(state, way, self.end(end, time_s), time_s);

@@ -13,8 +13,10 @@ use super::span::Part;
 const STEP_S: f64 = 32e-6;
 /// Part of the settling time of the actuator's law that a step takes at most.
 const STEP_PART: f64 = 0.25;
-/// Shortest step, s, and how exactly an event is located.
+/// How exactly an event is located, s.
 const SHORTEST_S: f64 = 1e-12;
+/// Shortest step, s: a law that is infinitely steep when it begins to rule is soon not steep any more.
+const LEAST_STEP_S: f64 = 1e-16;
 /// Events at one moment before time goes on whatever they say.
 const MOST_AT_ONCE: u32 = 12;
 
@@ -50,7 +52,7 @@ impl Motion {
     /// At rest, at time zero; with steps so many times shorter than usual.
     pub fn new(bench: Bench, finer: u32) -> Self {
         let part = if bench.shoulder.slack_m > 0.0 { Part::Slack } else { Part::Taut };
-        let mode = Mode { slide: Slide::Stuck, spool: Spool::Locked, part, pulse: false, ramps: false };
+        let mode = Mode { slide: Slide::Stuck, spool: Spool::Locked, part, seated: true, pulse: false, ramps: false };
         let (state, extremes) = (State::default(), Extremes::default());
         Motion { bench, mode, ramp: Ramp::default(), state, time_s: 0.0, finer: finer.into(), extremes }
     }
@@ -119,7 +121,7 @@ impl Motion {
             let mut step_s = (self.next_cut_s(until_s) - self.time_s).min(STEP_S / self.finer);
             let settles = self.phase().stiffness_per_s(&self.state, self.time_s);
             if settles > 0.0 {
-                step_s = step_s.min(STEP_PART / self.finer / settles).max(1e3 * SHORTEST_S);
+                step_s = step_s.min(STEP_PART / self.finer / settles).max(LEAST_STEP_S);
             }
             let goes_on = at_once >= MOST_AT_ONCE;
             let (taken_s, next) = self.step(step_s, goes_on);
@@ -184,7 +186,7 @@ impl Motion {
         if self.amplitude() > 0.0 && self.time_s > self.bench.pulse.at_s {
             let ratio = self.phase().ratio(&self.state, Way::Out).max(self.bench.capstan.floor());
             let power = self.bench.actuator.power_w(self.amplitude(), ratio, (shoulder_n - retractor_n).max(0.0));
-            self.extremes.actuator_w = self.extremes.actuator_w.max(power);
+            self.extremes.actuator_w = power.map(|power| self.extremes.actuator_w.unwrap_or(0.0).max(power));
         }
     }
 }

@@ -43,7 +43,10 @@ pub const EXCLUSIVE: &[Exclusive] = &[
         alternatives: &[all(&["cm_f", "lm_h", "rm_ohm"]), all(&["series_resonance_hz", "q", "coupling"])],
     },
     Exclusive { table: "contact", alternatives: &[all(&["coulomb"]), all(&["dahl"]), all(&["lugre"]), all(&["hertz"])] },
-    Exclusive { table: "rig", alternatives: &[all(&["slider"]), all(&["kinematic"]), all(&["sdof"]), all(&["rotor"])] },
+    Exclusive {
+        table: "rig",
+        alternatives: &[all(&["slider"]), all(&["kinematic"]), all(&["sdof"]), all(&["rotor"]), all(&["dring"])],
+    },
     Exclusive { table: "disturbance", alternatives: &[all(&["to"]), all(&["rate_per_s"]), all(&["sine_amplitude", "sine_hz"])] },
     Exclusive { table: "vary", alternatives: &[all(&["spread"]), all(&["factor"]), all(&["from", "to"])] },
     Exclusive { table: "expect", alternatives: &[any(&["min", "max"]), all(&["value", "tolerance"])] },

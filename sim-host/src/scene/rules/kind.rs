@@ -20,7 +20,8 @@ pub(super) enum Kind {
 }
 
 /// Tables that only a driven scene has.
-const DRIVEN_ONLY: &[&str] = &["amplifier", "sensors", "stack", "stator", "trace", "fault", "rig.slider", "rig.rotor"];
+const DRIVEN_ONLY: &[&str] =
+    &["amplifier", "sensors", "stack", "stator", "trace", "fault", "rig.slider", "rig.rotor", "rig.dring"];
 /// Tables that only a contact study has.
 const EXCITED_ONLY: &[&str] = &["rig.kinematic", "rig.sdof", "contact.coulomb", "contact.lugre", "contact.hertz"];
 /// Keys of the integrator that only a contact study has.
@@ -77,8 +78,9 @@ impl Rules<'_> {
             ],
         };
         for (given, missing, reason) in needed {
-            // A stator is driven instead of a stack, and its rotor has a contact of its own.
-            if (*missing == "stack" && !self.lacks("stator")) || (*given == "rig" && !self.lacks("rig.rotor")) {
+            // A stator is driven instead of a stack, and its rotor has a contact of its own, as a D-ring has.
+            let own_contact = !self.lacks("rig.rotor") || !self.lacks("rig.dring");
+            if (*missing == "stack" && !self.lacks("stator")) || (*given == "rig" && own_contact) {
                 continue;
             }
             // What is wrong inside the table that is given does not matter here.
@@ -107,6 +109,7 @@ impl Rules<'_> {
             "rig.slider" => {
                 "a contact study has [rig.sdof] or [rig.kinematic]; it slides by `excitation.velocity_ratio` or `sliding_m_per_s`"
             }
+            "rig.dring" => "the firmware decides on the friction of a D-ring",
             "rig.rotor" => "a rotor turns on a [stator], which the firmware drives",
             "rig.kinematic" | "rig.sdof" => "the stack vibrates along the motion of [rig.slider]",
             _ if table.starts_with("contact.") => "the contact at a stack's tip is Dahl's: [contact.dahl]",

@@ -22,7 +22,8 @@ impl Rules<'_> {
             return;
         }
         if self.given(STATOR) {
-            for table in ["contact", "rig.slider"].into_iter().filter(|table| self.given(table)).collect::<Vec<_>>() {
+            for table in ["contact", "rig.slider", "rig.dring"].into_iter().filter(|table| self.given(table)).collect::<Vec<_>>()
+            {
                 let message = format!("{} has no place beside [stator]", header(table));
                 let problem = Problem::new(self.key(table), message, "belongs to [stack]");
                 self.add(table, problem.help("what a stator moves is [rig.rotor], which has its contact in its own keys"));
