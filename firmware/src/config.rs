@@ -359,7 +359,7 @@ pub struct Restraint {
 impl Default for Restraint {
     fn default() -> Self {
         Restraint {
-            sensed_n: 300.0,
+            sensed_n: 1000.0,
             confirm_ms: 0.5,
             latest_ms: 40.0,
             latest_n: 3000.0,

@@ -159,7 +159,7 @@ fn classes(campaign: &Campaign) -> TableBlock {
         "excursion [mm]",
         "latest LOW [ms]",
     ];
-    block("classes", "A thousand crashes a class", caption, &header, campaign.classes.iter().map(row).collect())
+    block("classes", "Many crashes of each class", caption, &header, campaign.classes.iter().map(row).collect())
 }
 
 fn known(campaign: &Campaign) -> TableBlock {

@@ -1,6 +1,7 @@
 //! Scenes that are wrong in every way, and what a user reads about them.
 
 mod comparison;
+mod dring;
 mod excited;
 mod keys;
 mod kinds;

@@ -3,6 +3,8 @@
 //! Within a [`Mode`] everything is smooth: a step is one of the classical Runge-Kutta method. A step in which a mode ends is cut at that
 //! moment by bisection; the next one begins in the mode that follows. Beginning and end of pulse and ramp cut steps, too. Where the law of
 //! the actuator rules, steps are short beside the time in which it settles.
+//!
+//! A crash is over when the torso, on its way back, no longer stretches the belt: from then on everything stands.
 
 use super::Bench;
 use super::actuator::Actuator;
@@ -17,8 +19,10 @@ const STEP_PART: f64 = 0.25;
 const SHORTEST_S: f64 = 1e-12;
 /// Shortest step, s: a law that is infinitely steep when it begins to rule is soon not steep any more.
 const LEAST_STEP_S: f64 = 1e-16;
-/// Events at one moment before time goes on whatever they say.
+/// Events at one moment before time goes on whatever they say,
 const MOST_AT_ONCE: u32 = 12;
+/// by so much at first, s, and twice as much each time that it does not help.
+const FORCED_S: f64 = 1e-9;
 
 /// Extremes so far.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -29,7 +33,7 @@ pub struct Extremes {
     pub shoulder_s: f64,
     /// Farthest way of the torso, m.
     pub excursion_m: f64,
-    /// Fastest payout, m/s.
+    /// Fastest payout, m/s, as a mean from one call to the next: where a law begins to rule, webbing gives a little at once.
     pub payout_m_per_s: f64,
     /// Largest power of the actuator into the contact, W; of one whose law knows no power, none.
     pub actuator_w: Option<f64>,
@@ -43,6 +47,8 @@ pub struct Motion {
     ramp: Ramp,
     state: State,
     time_s: f64,
+    /// The torso has come back out of the belt.
+    over: bool,
     /// How many times shorter than usual steps are.
     finer: f64,
     extremes: Extremes,
@@ -54,7 +60,7 @@ impl Motion {
         let part = if bench.shoulder.slack_m > 0.0 { Part::Slack } else { Part::Taut };
         let mode = Mode { slide: Slide::Stuck, spool: Spool::Locked, part, seated: true, pulse: false, ramps: false };
         let (state, extremes) = (State::default(), Extremes::default());
-        Motion { bench, mode, ramp: Ramp::default(), state, time_s: 0.0, finer: finer.into(), extremes }
+        Motion { bench, mode, ramp: Ramp::default(), state, time_s: 0.0, over: false, finer: finer.into(), extremes }
     }
 
     fn phase(&self) -> Phase<'_> {
@@ -78,6 +84,10 @@ impl Motion {
 
     /// Speed of the payout now, m/s.
     pub fn payout_m_per_s(&self) -> f64 {
+        if self.over { 0.0 } else { self.slide_m_per_s() }
+    }
+
+    fn slide_m_per_s(&self) -> f64 {
         self.phase().rates(&self.state, self.time_s).payout_m
     }
 
@@ -113,8 +123,10 @@ impl Motion {
 
     /// Moves on to a moment.
     pub fn advance_to(&mut self, until_s: f64) {
-        let mut at_once = 0;
-        while self.time_s < until_s - SHORTEST_S {
+        // Events in a row that have taken no time.
+        let mut in_a_row: u32 = 0;
+        let (from_s, payout_m) = (self.time_s, self.state.payout_m);
+        while !self.over && self.time_s < until_s - SHORTEST_S {
             let begins_s = self.time_s + 2.0 * SHORTEST_S;
             self.mode.pulse = self.bench.pulse.contains(begins_s);
             self.mode.ramps = begins_s < self.ramp.end_s() && self.ramp.rate_per_s != 0.0;
@@ -123,12 +135,21 @@ impl Motion {
             if settles > 0.0 {
                 step_s = step_s.min(STEP_PART / self.finer / settles).max(LEAST_STEP_S);
             }
-            let goes_on = at_once >= MOST_AT_ONCE;
+            let goes_on = in_a_row > 0 && in_a_row.is_multiple_of(MOST_AT_ONCE);
+            if goes_on {
+                step_s = step_s.min(FORCED_S * f64::from(1u32 << (in_a_row / MOST_AT_ONCE).min(20)));
+            }
             let (taken_s, next) = self.step(step_s, goes_on);
-            at_once = if taken_s > 10.0 * SHORTEST_S { 0 } else { at_once + 1 };
-            self.mode = next.unwrap_or(self.mode);
+            let stands = goes_on || next.is_some() && taken_s <= 10.0 * SHORTEST_S;
+            in_a_row = if stands { in_a_row + 1 } else { 0 };
+            let next = next.unwrap_or(self.mode);
+            self.over = self.mode.part == Part::Taut && next.part != Part::Taut && self.state.v_m_per_s < 0.0;
+            self.mode = next;
             self.note();
         }
+        self.time_s = until_s;
+        let speed = (self.state.payout_m - payout_m) / (until_s - from_s);
+        self.extremes.payout_m_per_s = self.extremes.payout_m_per_s.max(speed);
     }
 
     /// The next moment that must not lie within a step.
@@ -182,7 +203,6 @@ impl Motion {
             (self.extremes.shoulder_n, self.extremes.shoulder_s) = (shoulder_n, self.time_s);
         }
         self.extremes.excursion_m = self.extremes.excursion_m.max(self.state.x_m);
-        self.extremes.payout_m_per_s = self.extremes.payout_m_per_s.max(self.payout_m_per_s());
         if self.amplitude() > 0.0 && self.time_s > self.bench.pulse.at_s {
             let ratio = self.phase().ratio(&self.state, Way::Out).max(self.bench.capstan.floor());
             let power = self.bench.actuator.power_w(self.amplitude(), ratio, (shoulder_n - retractor_n).max(0.0));

@@ -69,6 +69,21 @@ fn plateaus_are_those_of_the_capstan() {
     assert!((switched.shoulder_n - 2200.0 * (0.13 * 150f64.to_radians()).exp()).abs() < 1e-6, "{switched:?}");
 }
 
+/// The study that this follows, computed there with another program, in per cent of the passive peak force and mm of excursion: LOW at 35 ms.
+#[test]
+fn the_numbers_are_those_of_the_study() {
+    let passive = extremes(Actuator::None, NEVER);
+    assert!((1e3 * passive.excursion_m - 109.0).abs() < 0.5, "{passive:?}");
+    for (actuator, percent, millimetres) in
+        [(Actuator::Ideal, -35.9, 57.0), (Actuator::Tangential(5.0), -35.9, 57.0), (Actuator::TangentialDahl(5.0), -25.1, 33.0)]
+    {
+        let found = extremes(actuator, IN_TIME);
+        let (force, way) =
+            (100.0 * (found.shoulder_n / passive.shoulder_n - 1.0), 1e3 * (found.excursion_m - passive.excursion_m));
+        assert!((force - percent).abs() < 0.15 && (way - millimetres).abs() < 0.5, "{actuator:?}: {force} %, {way} mm");
+    }
+}
+
 /// Torso and shoulder belt alone, on a D-ring that holds fast, before the pulse is over: a spring that is driven by half a sine, once the slack
 /// is taken up, `x = slack + A cos + B sin + C sin(w t + q)`. The largest force of it, found on a fine grid.
 #[test]
@@ -106,7 +121,7 @@ fn a_belt_that_does_not_slide_is_a_spring() {
     assert!((found.excursion_m - (0.01 + largest)).abs() < 5e-8);
 }
 
-/// Backward differences with everything else solved by bisection, at 10 and 5 us, and carried on to none.
+/// Backward differences with everything else solved by bisection, at 10 and 5 us, and carried on to none. Measured: force 3e-5, excursion 7e-5.
 #[test]
 fn another_method_says_the_same() {
     for actuator in ALL {
@@ -117,29 +132,28 @@ fn another_method_says_the_same() {
         let none = |coarse: f64, fine: f64| 2.0 * fine - coarse;
         let force = found.shoulder_n / none(coarse.shoulder_n, fine.shoulder_n) - 1.0;
         let way = found.excursion_m / none(coarse.excursion_m, fine.excursion_m) - 1.0;
-        println!("{actuator:?}: {found:?}, force off by {force:.1e}, way by {way:.1e}");
         assert!(force.abs() < 1e-4 && way.abs() < 1e-4, "{actuator:?}: force off by {force:.1e}, way by {way:.1e}");
     }
 }
 
+/// Measured: 6e-10 at most.
 #[test]
 fn energy_is_accounted_for() {
     for actuator in ALL {
         for times in [NEVER, IN_TIME, (Some(-0.01), None), (Some(0.06), None), (Some(0.035), Some(0.06))] {
             let motion = crash(&light(actuator), times, 1);
             let residual = motion.energy_residual();
-            println!("{actuator:?} {times:?}: {residual:.1e}");
-            assert!(residual.abs() < 1e-6, "{actuator:?} {times:?}: {residual:.1e}");
+            assert!(residual.abs() < 1e-9, "{actuator:?} {times:?}: {residual:.1e}");
         }
     }
 }
 
+/// Measured: 2e-8 at most.
 #[test]
 fn half_the_step_changes_nothing() {
     for actuator in ALL {
         let [whole, half] = [1, 2].map(|finer| crash(&light(actuator), IN_TIME, finer).extremes());
         let (force, way) = (half.shoulder_n / whole.shoulder_n - 1.0, half.excursion_m / whole.excursion_m - 1.0);
-        println!("{actuator:?}: {force:.1e} {way:.1e}");
-        assert!(force.abs() < 1e-5 && way.abs() < 1e-6, "{actuator:?}: {force:.1e} {way:.1e}");
+        assert!(force.abs() < 1e-7 && way.abs() < 1e-7, "{actuator:?}: {force:.1e} {way:.1e}");
     }
 }
