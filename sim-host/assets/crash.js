@@ -23,20 +23,21 @@
 
   const farthest = Math.max(largest((f) => f.mm[0]), largest((f) => f.mm[1]));
   const strongest = Math.max(largest((f) => f.newton[0]), largest((f) => f.newton[1]));
-  const scale = Math.min(0.9, 130 / farthest);          // pixels for a millimetre
+  // Pixels for a millimetre: two to three times as many as the rest of the picture has, so that the motion is seen.
+  const scale = Math.min(0.55, 78 / farthest);
 
   // ---- one belt, from the side; the car drives to the right
-  const RING = { x: 92, y: 92 }, REEL = { x: 92, y: 262 }, HIP = { x: 178, y: 246 };
+  const RING = { x: 92, y: 92 }, REEL = { x: 92, y: 262 }, HIP = { x: 186, y: 246 }, LONG = 118;
   function belt(svg, side) {
-    make(svg, "text", { x: 8, y: 22, class: "title", style: `fill:${colours[side]}` }, side ? "Friction switched" : "Belt as it is today");
+    make(svg, "text", { x: 8, y: 22, class: "title", style: `fill:${colours[side]}` }, side ? "With the controller" : "Belt as it is today");
     const status = make(svg, "text", { x: 8, y: 43, class: "quiet" });
     make(svg, "path", { d: "M0 296H400", stroke: PALE, "stroke-width": 3 });
     make(svg, "path", { d: "M92 60V296", stroke: PALE, "stroke-width": 9, "stroke-linecap": "round" });
-    make(svg, "text", { x: 8, y: 128, class: "quiet" }, "pillar");
+    make(svg, "text", { x: RING.x - 14, y: 180, "text-anchor": "end", class: "quiet" }, "pillar");
     // The seat.
     make(svg, "path", { d: "M138 120L150 262H232", fill: "none", stroke: "#c3ccd3", "stroke-width": 20, "stroke-linecap": "round", "stroke-linejoin": "round" });
     // Where the chest began, and how far it is.
-    const chest0 = 214;
+    const chest0 = 206;
     make(svg, "path", { d: `M${chest0} 84V306`, stroke: GREY, "stroke-width": 1, "stroke-dasharray": "3 4" });
     const way = make(svg, "path", { stroke: colours[side], "stroke-width": 2.5, fill: "none" });
     const wayText = make(svg, "text", { y: 324, "text-anchor": "middle" });
@@ -51,7 +52,7 @@
     make(svg, "circle", { cx: HIP.x + 4, cy: HIP.y + 8, r: 6, fill: "#444" });
     const halo = [15, 20, 25].map((r) => make(svg, "circle", { cx: RING.x, cy: RING.y, r, fill: "none", stroke: SWITCHED, "stroke-width": 2 }));
     const ring = make(svg, "circle", { cx: RING.x, cy: RING.y, r: 10, fill: "#fff", "stroke-width": 5 });
-    make(svg, "text", { x: RING.x - 20, y: RING.y + 5, "text-anchor": "end", class: "quiet" }, "D-ring");
+    make(svg, "text", { x: RING.x - 31, y: RING.y + 5, "text-anchor": "end", class: "quiet" }, "D-ring");
     const reel = make(svg, "g");
     make(reel, "circle", { cx: REEL.x, cy: REEL.y, r: 20, fill: "#eef2f5", stroke: GREY, "stroke-width": 3 });
     const spoke = make(reel, "path", { d: "M-15 0H15M0 -15V15", stroke: GREY, "stroke-width": 3 });
@@ -69,15 +70,16 @@
       const f = frames[index], mm = f.mm[side], newton = f.newton[side];
       const low = side === 1 ? f.low : 0;
       const dx = mm * scale;
-      // The torso turns about the hip by as much as the chest goes forward.
-      const shoulder = { x: 170 + 1.25 * dx, y: 148 + 0.12 * dx * dx / 60 };
-      const front = { x: shoulder.x + 22, y: shoulder.y + 20 };
-      set(torso, { d: `M${HIP.x - 2} ${HIP.y - 12}L${shoulder.x} ${shoulder.y + 16}` });
-      set(head, { cx: shoulder.x + 8, cy: shoulder.y - 38 });
+      // The torso turns about the hip, so that the shoulder goes as far forward as the arrow says.
+      const sine = (dx - 12) / LONG, cosine = Math.sqrt(1 - sine * sine);
+      const from = (along, ahead) => ({ x: HIP.x - 4 + along * sine + ahead * cosine, y: HIP.y - 8 - along * cosine + ahead * sine });
+      const top = from(LONG - 22, 0), shoulder = from(LONG - 2, 2), front = from(LONG - 34, 24), neck = from(LONG + 34, 8);
+      set(torso, { d: `M${HIP.x - 4} ${HIP.y - 10}L${top.x} ${top.y}` });
+      set(head, { cx: neck.x, cy: neck.y });
       const tension = Math.min(1, newton / strongest);
       const colour = newton < 60 ? GREY : colours[side];
       const width = 4 + 6 * tension;
-      const line = `M${RING.x} ${RING.y}L${shoulder.x - 2} ${shoulder.y - 8}L${front.x} ${front.y}L${HIP.x + 4} ${HIP.y + 8}`;
+      const line = `M${RING.x} ${RING.y}L${shoulder.x} ${shoulder.y - 6}L${front.x} ${front.y}L${HIP.x + 4} ${HIP.y + 8}`;
       set(up, { d: line, stroke: colour, "stroke-width": width });
       set(marks, { d: line, "stroke-dashoffset": -f.payout_mm[side] * scale });
       set(down, { stroke: colour, "stroke-width": 4 + 3 * tension });
@@ -92,9 +94,9 @@
       const height = TALL * newton / strongest;
       set(bar, { y: BASE - height, height });
       const most = Math.max(...frames.slice(0, index + 1).map((g) => g.newton[side]));
-      const top = BASE - TALL * most / strongest;
-      set(peak, { d: `M${X - 4} ${top}H${X + 34}` });
-      set(peakText, { y: Math.max(top + 5, BASE - TALL + 5) });
+      const mark = BASE - TALL * most / strongest;
+      set(peak, { d: `M${X - 4} ${mark}H${X + 34}` });
+      set(peakText, { y: Math.max(mark + 5, BASE - TALL + 5) });
       peakText.textContent = most > 60 ? `peak ${kilonewton(most)}` : "";
       force.textContent = kilonewton(newton);
     };
@@ -105,7 +107,7 @@
     const L = 58, R = 930, T = 34, B = 210, end = frames[last].ms;
     const x = (ms) => L + (R - L) * ms / end, y = (newton) => B - (B - T) * newton / (1.05 * strongest);
     make(svg, "text", { x: L, y: 18, class: "title" }, "Force at the shoulder over time");
-    [["Belt as it is today", PASSIVE, 0], ["Friction switched", SWITCHED, 1]].forEach(([name, colour, n]) => {
+    [["Belt as it is today", PASSIVE, 0], ["With the controller", SWITCHED, 1]].forEach(([name, colour, n]) => {
       make(svg, "rect", { x: 560 + 190 * n, y: 7, width: 14, height: 12, fill: colour, opacity: n ? 1 : 0.35 });
       make(svg, "text", { x: 580 + 190 * n, y: 18 }, name);
     });
@@ -171,7 +173,8 @@
     draws.forEach((draw) => draw(index));
     slider.value = index;
     clock.textContent = frames[index].ms.toFixed(1) + " ms";
-    const text = moments.filter((moment) => moment.at <= index).at(-1).text;
+    const moment = moments.filter((moment) => moment.at <= index).at(-1);
+    const text = `${frames[moment.at].ms.toFixed(0)} ms: ${moment.text}`;
     if (story.textContent !== text) story.textContent = text;
     stage.querySelector("[data-go='-1']").disabled = index === 0;
     stage.querySelector("[data-go='1']").disabled = index === last;

@@ -107,7 +107,7 @@ fn the_page_has_a_view_that_loads_nothing() {
     let view = report.crash.as_ref().unwrap();
     assert!(view.low_ms.is_some_and(|ms| (20.0..40.0).contains(&ms)) && view.instants.len() > 200, "{:?}", view.low_ms);
     let dir = std::env::var_os("CRASH_PAGE").map_or_else(|| std::env::temp_dir().join("crash-page"), std::path::PathBuf::from);
-    crate::report::write(&report, &dir).unwrap();
+    crate::output::write(&loaded, &study, &dir).unwrap();
     let page = std::fs::read_to_string(dir.join("report.html")).unwrap();
     assert!(page.contains("id=\"crash-view\"") && page.contains("prefers-reduced-motion"));
     assert!(!page.contains("src=\"http") && !page.contains("href=\"http"));

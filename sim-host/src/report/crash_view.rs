@@ -47,7 +47,7 @@ pub struct Instant {
 const LEAD: &str = "The car stops; the person in it goes on. The shoulder belt catches them. It runs from the shoulder over a steel ring on the \
      pillar, the D-ring, down to a reel. The reel gives way at a set force, so that the belt does not cut in; friction at the ring more \
      than doubles that force on its way to the shoulder. For a light person this is more than needed. Ultrasound in the ring can make it \
-     slippery, so that less force arrives. The price: what the belt does not hold, the person goes further forward.";
+     slippery, so that less force arrives. The price: what the belt does not hold, the person goes further forward. The picture is not to scale.";
 
 /// The view as a section of the page, with style, data and script.
 pub(super) fn section(view: &CrashView) -> Result<String, String> {

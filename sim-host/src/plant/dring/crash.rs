@@ -180,7 +180,7 @@ impl Crash {
         most.saturating_sub(least) / 2 > self.on_codes
     }
 
-    fn keep(&mut self, time_s: f64) {
+    fn keep(&mut self, time_s: f64, plays: bool) {
         let since_s = time_s - self.bench.pulse.at_s;
         if since_s < 0.0 {
             return;
@@ -188,7 +188,8 @@ impl Crash {
         self.film.frames.push(Frame {
             time_s: since_s,
             pulse_m_per_s2: self.bench.pulse.at(time_s, self.bench.pulse.contains(time_s)),
-            amplitude: self.switched.amplitude(),
+            // The tip of a stack says itself how far it has risen.
+            amplitude: if self.kind == ActuatorKind::Stack { f64::from(u8::from(plays)) } else { self.switched.amplitude() },
             switched: belt(&self.switched),
             passive: belt(&self.passive),
         });
@@ -238,6 +239,6 @@ impl Analog for Crash {
         sense.slow.belt = self.encoder.map(|encoder| encoder.read(payout_m));
         self.truth =
             Truth { belt_position_m: payout_m, belt_speed_m_per_s: self.switched.payout_m_per_s(), ..*self.stack.truth() };
-        self.keep(time_s);
+        self.keep(time_s, plays);
     }
 }
