@@ -16,7 +16,7 @@ fn told(text: &str, changes: &[&str]) -> String {
 fn an_actuator_that_is_none_is_named() {
     says(&told(CRASH, &["rig.dring.actuator=tangental"]), &["`rig.dring.actuator`", "did you mean `tangential`?", "1 problem"]);
     says(&told(CRASH, &["rig.dring.occupant=5"]), &["`rig.dring.occupant`", "5th", "1 problem"]);
-    says(&told(CRASH, &["rig.dring.slack_mm=10"]), &["did you mean `slack_m`?"]);
+    says(&told(CRASH, &["rig.dring.slack_mm=10"]), &["give it in m: `slack_m`"]);
 }
 
 #[test]
@@ -40,7 +40,7 @@ fn a_restraint_needs_a_belt_and_its_force() {
     says(&told(example(), &["controller.restraint.sensed_n=300"]), &["[controller.restraint] without [rig.dring]"]);
     says(
         &told(CRASH, &["controller.restraint.latest_n=200"]),
-        &["the firmware refuses `controller.restraint.latest_n`", "at least 1000 N"],
+        &["the firmware refuses `controller.restraint.latest_n`", "from 1000 to 100000 N"],
     );
     let burst = ["controller.burst.on_s=[0.1]", "controller.burst.off_s=[0.2]"];
     says(&told(CRASH, &burst), &["[controller.burst] and [controller.restraint] exclude each other"]);
