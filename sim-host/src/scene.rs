@@ -15,6 +15,7 @@ mod integrator;
 pub mod load;
 pub mod problem;
 pub mod resolved;
+mod restraint;
 mod results;
 mod rig;
 pub mod rules;
@@ -39,8 +40,8 @@ mod tests;
 pub use comparison::{Case, Comparison, Equal};
 pub use contact::{Contact, Coulomb, Dahl, Hertz, Lugre, Model, Sign};
 pub use controller::{
-    Around, Burst, ChirpKind, Controller, Direction, Drive, Edge, Limits, Phasing, Restraint, Shape, Sweep, Then, Thermometer,
-    Tracking, TrackingMode,
+    Around, Burst, ChirpKind, Controller, Direction, Drive, Edge, Limits, Phasing, Shape, Sweep, Then, Thermometer, Tracking,
+    TrackingMode,
 };
 pub use course::{Disturbance, DisturbedKey, Fault, FaultKind};
 pub use dring::{ActuatorKind, Dring, Occupant};
@@ -48,6 +49,7 @@ pub use excitation::{Excitation, Match, VibrationVelocity, Waveform};
 pub use integrator::{Integrator, Method};
 pub(crate) use nearest::shown;
 pub use plant::{Amplifier, Bvd, Mode, Sensors, Stack};
+pub use restraint::Restraint;
 pub use results::{Expect, Grid, Signal, Trace, TraceFormat};
 pub use rig::{Kinematic, Rig, Rotor, Sdof, Slider};
 use schemars::JsonSchema;

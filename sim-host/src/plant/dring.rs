@@ -31,6 +31,7 @@ pub mod motion;
 pub mod occupant;
 pub mod pulse;
 pub mod span;
+pub mod state;
 
 #[cfg(test)]
 mod tests;

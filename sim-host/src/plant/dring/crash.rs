@@ -12,8 +12,8 @@
 use firmware::block::{DriveBlock, SenseBlock};
 use hal_mock::analog::Analog;
 
-use super::mode::Tensions;
 use super::motion::{Extremes, Motion};
+use super::state::Tensions;
 use super::{Bench, G_M_PER_S2};
 use crate::plant::circuit::Circuit;
 use crate::plant::converter::Dac;

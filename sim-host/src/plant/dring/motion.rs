@@ -8,8 +8,9 @@
 
 use super::Bench;
 use super::actuator::Actuator;
-use super::mode::{Mode, Phase, Ramp, Slide, Spool, State, Tensions, Way};
+use super::mode::{Mode, Phase, Slide, Spool, Way};
 use super::span::Part;
+use super::state::{Ramp, State, Tensions};
 
 /// Longest step, s.
 const STEP_S: f64 = 32e-6;
