@@ -213,6 +213,7 @@ impl Operator {
                 detune: Hertz(*pick(random, &[0.0, 0.0, 123.4, -3e5, f32::NAN])),
                 quadrature: *pick(random, &[None, None, Some(Turns(0.1)), Some(Turns(-7.0))]),
                 friction: None,
+                torso_kg: None,
                 emergency_stop: one_in(random, 20),
                 clear_fault: !one_in(random, 4),
             };

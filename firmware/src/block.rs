@@ -42,6 +42,8 @@ pub struct Orders {
     pub quadrature: Option<Turns>,
     /// What is wanted of the friction; `None` is the configured target. Nothing where no friction switch is configured.
     pub friction: Option<Target>,
+    /// Torso mass of the occupant, kg, as the seat has read it; `None` where it has not.
+    pub torso_kg: Option<f32>,
     /// The emergency stop is pressed.
     pub emergency_stop: bool,
     /// Forget the fault of an earlier order. Acts once per sequence number.

@@ -43,6 +43,8 @@ pub enum Command {
     Resonances,
     /// The friction to hold; `None` is the configured target.
     Friction(Option<Target>),
+    /// Torso mass of the occupant, kg, as the seat has read it; `None` where it has not.
+    Occupant(Option<f32>),
 }
 
 /// What to do with the lane trims. What acts and what is kept are two things: each verb says which it is about.
@@ -138,6 +140,8 @@ impl Command {
             Command::Detune(detune) => next.detune = detune,
             Command::Quadrature(Some(Turns(turns))) if !turns.is_finite() => return Err(Refusal::NotPlausible),
             Command::Quadrature(quadrature) => next.quadrature = quadrature,
+            Command::Occupant(Some(kg)) if !(kg.is_finite() && kg >= 0.0) => return Err(Refusal::NotPlausible),
+            Command::Occupant(torso_kg) => next.torso_kg = torso_kg,
             Command::Amplitude(amplitude) => {
                 let plausible = |x: f32| x.is_finite() && x >= 0.0;
                 if !amplitude.is_none_or(|(Amplitude::Volts(x) | Amplitude::MotionalCurrent(x))| plausible(x)) {

@@ -2,6 +2,7 @@
 
 mod friction;
 mod limits;
+mod restraint;
 
 use heapless::Vec;
 use serde::{Deserialize, Serialize};
@@ -9,6 +10,7 @@ use serde::{Deserialize, Serialize};
 use crate::block::{Amplitude, MAX_LANES};
 pub use crate::config::friction::{Friction, FrictionLaw};
 pub use crate::config::limits::{Limits, Thermometer};
+pub use crate::config::restraint::Restraint;
 
 /// The most ON windows a burst schedule can list.
 pub const MAX_WINDOWS: usize = 8;
@@ -43,6 +45,8 @@ pub struct Config {
     pub limits: Limits,
     /// The friction switch, which then sets amplitude and bursts while running. The drive's amplitude is its loudest.
     pub friction: Option<Friction>,
+    /// When the drive of a seat belt's D-ring is ON, in place of burst schedule and gate; `None`: it serves no belt.
+    pub restraint: Option<Restraint>,
 }
 
 /// Scale factors of the converters; on a board they come from the settings store.

@@ -30,6 +30,7 @@ use crate::identify::{Resonance, Transducer};
 use crate::nco::{Nco, Stretch};
 use crate::phasing::Phasing;
 use crate::phasor::Phasor;
+use crate::restraint::{Class, Restraint};
 use crate::scan::Scan;
 use crate::self_test::SelfTest;
 use crate::shape::Shape;
@@ -82,6 +83,7 @@ pub struct Controller {
     nco: Nco,
     sweep: Sweep,
     burst: Burst,
+    restraint: Option<Restraint>,
     shaper: Shaper,
     played: [Played; LATENCY_BLOCKS],
     belt: Belt,
@@ -139,6 +141,7 @@ impl Controller {
             block: 0,
             nco: Nco::default(),
             burst: Burst::build(&config.burst, config.drive.frequency_hz, config.sample_hz)?,
+            restraint: config.restraint.as_ref().map(|restraint| Restraint::build(restraint, block_s)).transpose()?,
             shaper: Shaper::build(config),
             played: [Played { tone, relative: 1.0, flat: true, pure: true, ..Played::default() }; LATENCY_BLOCKS],
             belt: Belt::build(config, block_s)?,
@@ -182,6 +185,7 @@ impl Controller {
         if self.supervisor.judge(orders, found) {
             self.begin();
         }
+        let orders = &self.restrained(orders, sense);
         let plan = self.plan(orders, sense, &sensed, &heard, motional_current);
         self.supervisor.advance(orders, plan.progress, self.acquisition);
 
@@ -203,6 +207,13 @@ impl Controller {
     /// The resonances that the last scan has found, at rising frequencies.
     pub fn resonances(&self) -> &[Resonance] {
         self.scan.roster().listed()
+    }
+
+    /// The orders, with the gate where a crash or none wants it.
+    fn restrained(&mut self, orders: &Orders, sense: &SenseBlock) -> Orders {
+        let fresh = self.belt.is_expected().then(|| self.belt.fresh_counts());
+        let mode = self.supervisor.mode();
+        self.restraint.as_mut().map_or(*orders, |restraint| restraint.decide(orders, sense.slow.force, fresh, mode))
     }
 
     /// Nothing but a short takes more current than the limit from the tone of the self-test, or lets the voltage collapse under it.
@@ -296,6 +307,9 @@ impl Controller {
             true if self.tracker.limited() || plan.limited => Some(Limit::FrequencyWindow),
             true if self.phasing.quadrature(orders.quadrature).1 => Some(Limit::QuadratureRequest),
             true if self.friction_limit(orders).is_some() => self.friction_limit(orders),
+            true if self.restraint.as_ref().is_some_and(|restraint| restraint.class(orders.torso_kg) == Class::Unknown) => {
+                Some(Limit::RestraintUnclassified)
+            }
             true if self.tracker.state() == State::Unheard => Some(Limit::NotTracking),
             true if self.burst.limited() && mode == Mode::Run => Some(Limit::BoostLimited),
             _ => None,

@@ -51,6 +51,7 @@ pub mod motional;
 pub mod nco;
 pub mod phasing;
 pub mod phasor;
+pub mod restraint;
 pub mod scan;
 pub mod self_test;
 pub mod settings;

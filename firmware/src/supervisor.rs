@@ -152,6 +152,8 @@ pub enum Limit {
     RatioUnreachable = 103,
     /// The limits leave too little above the drive for a boosted edge: it ends below its level, or it is left out beside the resonance.
     BoostLimited = 104,
+    /// The seat has read no torso mass, or one that cannot be: nobody is light, and friction stays HIGH in a crash.
+    RestraintUnclassified = 105,
 }
 
 /// A number on the wire, and back: a variant that is added later does not change the meaning of the others.
@@ -174,7 +176,7 @@ macro_rules! numbered {
 }
 
 numbered!(Fault, EmergencyStop LateBlock SensorImplausible OverCurrent LoadShorted LoadOpen LaneImplausible CapacitanceShifted ResonanceDamaged SenseSwapped SenseSaturated NoResonance NoLock LossOfLock TrackersDisagree WrongMode BeltStopped BeltSensorLost BeltSensorImplausible EnergyPerLength OverTemperature OnTimeExceeded ForceSensorImplausible);
-numbered!(Limit, OverVoltageRequest FrequencyWindow NotTracking QuadratureRequest Derated BeltMuted NoAuthority RatioUnreachable BoostLimited);
+numbered!(Limit, OverVoltageRequest FrequencyWindow NotTracking QuadratureRequest Derated BeltMuted NoAuthority RatioUnreachable BoostLimited RestraintUnclassified);
 
 /// How a stage of the way to [`Mode::Run`] is getting on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -82,6 +82,7 @@ pub fn config() -> Config {
         thermometer: Thermometer::default(),
         limits: Limits { voltage_v: 12.0, current_a: 3.0, belt_stop_ms: 5.0, ..Limits::default() },
         friction: None,
+        restraint: None,
     }
 }
 

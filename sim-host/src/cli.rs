@@ -11,6 +11,7 @@
 //! | 130 | interrupted; what there was is kept, and marked |
 
 mod advise;
+mod crash;
 mod friction;
 mod guard;
 mod instructions;
@@ -98,6 +99,9 @@ enum Command {
     /// Stop, slow, break and belie the belt under the drive a thousand times each, and hold the weld guard against its targets.
     #[command(after_help = EXIT_CODES)]
     Guard(guard::GuardArgs),
+    /// Crash light, medium and heavy occupants with the D-ring's friction switched, and hold them against the passive belt.
+    #[command(after_help = EXIT_CODES)]
+    Crash(crash::CrashArgs),
 }
 
 #[derive(Args)]
@@ -164,6 +168,7 @@ pub fn main() -> ExitCode {
         Some(Command::Tracking(args)) => tracking::run(&args, color),
         Some(Command::Friction(args)) => friction::run(&args, color),
         Some(Command::Guard(args)) => guard::run(&args, color),
+        Some(Command::Crash(args)) => crash::run(&args, color),
         Some(Command::Schema) => print(&format!("{:#}\n", schema::schema())),
     };
     done.unwrap_or_else(|error| {

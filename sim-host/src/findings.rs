@@ -30,6 +30,7 @@ pub fn report(study: &Study) -> Report {
         paragraphs: [remarks(study), scene.notes.clone(), vec![preface]].concat(),
         tables: tables(study),
         figures: figures::of(study),
+        crash: study.run().and_then(driven::crash::view),
         appendix: vec![all_metrics(study)],
         footer: footer(study),
         interrupted: study.interrupted,
@@ -70,7 +71,7 @@ pub fn remarks(study: &Study) -> Vec<String> {
 /// The numbers that come first.
 pub fn headline(study: &Study) -> Vec<(String, String)> {
     let (first, lines) = match &study.outcome {
-        Outcome::Driven(run) => (driven::fault(run), driven::HEADLINE),
+        Outcome::Driven(run) => (driven::fault(run), driven::headline(run)),
         Outcome::Contact(solved) => (contact::ratio(solved), contact::HEADLINE),
         Outcome::MonteCarlo(runs) => (Some(monte_carlo::count(runs)), monte_carlo::HEADLINE),
     };

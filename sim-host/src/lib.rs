@@ -17,6 +17,7 @@ pub mod advice;
 pub mod cli;
 pub mod contact;
 pub mod cramer_rao;
+pub mod crash;
 pub mod edge_meter;
 pub mod figures;
 pub mod findings;

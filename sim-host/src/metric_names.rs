@@ -62,6 +62,18 @@ pub const NAMES: &[&str] = &[
     "damper_ratio",
     "power_ratio_as_printed",
     "energy_residual",
+    "peak_shoulder_force_n",
+    "passive_peak_shoulder_force_n",
+    "torso_excursion_m",
+    "passive_torso_excursion_m",
+    "added_excursion_m",
+    "chest_acceleration_g",
+    "passive_chest_acceleration_g",
+    "payout_speed_m_per_s",
+    "passive_payout_speed_m_per_s",
+    "switched",
+    "switch_time_ms",
+    "actuator_power_w",
     "backward_wave_percent",
     "forward_wave_m",
     "backward_wave_m",
@@ -116,7 +128,7 @@ pub const SIGNED: &[&str] =
     &["frequency_bias_hz", "motional_phase_deg", "series_resonance_error_hz", "energy_residual", "normal_shift_hz"];
 
 /// Metrics that are 0 or 1 of one run, and of several the number of runs that have them.
-pub const COUNTED: &[&str] = &["false_locks", "undetected_losses"];
+pub const COUNTED: &[&str] = &["false_locks", "undetected_losses", "switched"];
 
 /// What several runs make of a metric besides its median.
 #[derive(Debug)]

@@ -1,7 +1,7 @@
 //! The plant: what is behind the converters.
 //!
-//! A stack with what its tip rubs on ([`driven_stack`]; [`webbing`] for a belt under a horn), or the stator of a travelling-wave motor with its rotor ([`motor`]); a scene
-//! pays for the one it names.
+//! A stack with what its tip rubs on ([`driven_stack`]; [`webbing`] for a belt under a horn), the stator of a travelling-wave motor with its
+//! rotor ([`motor`]), or a stack and the seat belt whose friction it lowers ([`dring`]); a scene pays for the one it names.
 //!
 //! The truth ([`Truth`]) never passes through [`Analog`]: the controller sees codes.
 
@@ -12,6 +12,7 @@ pub mod converter;
 pub mod dahl;
 pub mod delay;
 pub mod disturbance;
+pub mod dring;
 pub mod driven_stack;
 pub mod elements;
 pub mod encoder;
@@ -39,6 +40,7 @@ use firmware::block::{DriveBlock, SenseBlock};
 use hal_mock::analog::Analog;
 
 use crate::plant::circuit::Circuit;
+use crate::plant::dring::crash::{Crash, Film};
 use crate::plant::driven_stack::DrivenStack;
 use crate::plant::energy::Energy;
 use crate::plant::motor::Motor;
@@ -68,14 +70,17 @@ pub enum Plant {
     Stack(Box<DrivenStack>),
     /// Around the stator of a motor.
     Motor(Box<Motor>),
+    /// Around a stack whose drive lowers the friction of a seat belt.
+    Crash(Box<Crash>),
 }
 
-/// The same of either plant.
-macro_rules! of_either {
+/// The same of any plant.
+macro_rules! of_any {
     ($plant:expr, $inner:ident => $value:expr) => {
         match $plant {
             Plant::Stack($inner) => $value,
             Plant::Motor($inner) => $value,
+            Plant::Crash($inner) => $value,
         }
     };
 }
@@ -84,49 +89,63 @@ impl Plant {
     /// The plant of a scene, at rest.
     pub fn new(scene: &Driven) -> Self {
         match scene.transducer {
-            Transducer::Stack(stack, sliding) => Plant::Stack(Box::new(DrivenStack::new(scene, stack, sliding))),
+            Transducer::Stack(stack, sliding) => {
+                let stack = DrivenStack::new(scene, stack, sliding);
+                match scene.dring() {
+                    Some(dring) => Plant::Crash(Box::new(Crash::new(scene, stack, dring))),
+                    None => Plant::Stack(Box::new(stack)),
+                }
+            }
             Transducer::Stator(stator, rotor) => Plant::Motor(Box::new(Motor::new(scene, stator, rotor))),
         }
     }
 
     /// The truth about the last block.
     pub fn truth(&self) -> &Truth {
-        of_either!(self, plant => plant.truth())
+        of_any!(self, plant => plant.truth())
     }
 
     /// The circuit that the sense channels hear, as it is now.
     pub fn circuit(&self) -> Circuit {
-        of_either!(self, plant => plant.circuit())
+        of_any!(self, plant => plant.circuit())
     }
 
     /// The energy budget since the beginning.
     pub fn energy(&self) -> Energy {
-        of_either!(self, plant => plant.energy())
+        of_any!(self, plant => plant.energy())
     }
 
     /// Duration of one sample, s.
     pub fn sample_s(&self) -> f64 {
-        of_either!(self, plant => plant.sample_s())
+        of_any!(self, plant => plant.sample_s())
+    }
+
+    /// What a crash has come to.
+    pub fn film(&self) -> Option<&Film> {
+        match self {
+            Plant::Crash(crash) => Some(crash.film()),
+            Plant::Stack(_) | Plant::Motor(_) => None,
+        }
     }
 
     /// States that are integrated in time.
     pub fn states(&self) -> usize {
-        of_either!(self, plant => plant.states())
+        of_any!(self, plant => plant.states())
     }
 
     /// Keeps the next blocks sample by sample, or stops doing so.
     pub fn keep_samples(&mut self, keep: bool) {
-        of_either!(self, plant => plant.keep_samples(keep));
+        of_any!(self, plant => plant.keep_samples(keep));
     }
 
     /// The last block sample by sample, if kept.
     pub fn samples(&self) -> &[Sample] {
-        of_either!(self, plant => plant.samples())
+        of_any!(self, plant => plant.samples())
     }
 }
 
 impl Analog for Plant {
     fn exchange(&mut self, drive: &DriveBlock, sense: &mut SenseBlock) {
-        of_either!(self, plant => plant.exchange(drive, sense));
+        of_any!(self, plant => plant.exchange(drive, sense));
     }
 }

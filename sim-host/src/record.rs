@@ -8,6 +8,7 @@ use firmware::supervisor::Mode;
 use firmware::telemetry::Telemetry;
 
 use crate::edge_meter::Edges;
+use crate::plant::dring::crash::Film;
 use crate::plant::energy::Energy;
 use crate::plant::truth::{Sample, Truth};
 use crate::swing::Swing;
@@ -119,6 +120,8 @@ pub struct Record {
     pub last: Telemetry,
     /// The energy budget.
     pub energy: Energy,
+    /// What a crash came to.
+    pub crash: Option<Film>,
     /// States that were integrated.
     pub plant_states: usize,
     /// The most instructions that a block has taken, where they are counted.

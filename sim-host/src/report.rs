@@ -10,6 +10,7 @@ mod axis;
 mod chart;
 mod clip;
 mod colour_map;
+mod crash_view;
 mod curve;
 mod data_file;
 mod decimate;
@@ -30,6 +31,7 @@ use std::fs::{self, File};
 use std::io;
 use std::path::{Path, PathBuf};
 
+pub use crash_view::{CrashView, Instant};
 pub use figure::{Axis, Figure, HeatMap, Marker, Report, Series, Span, Style, TableBlock};
 
 /// Why a report could not be written.

@@ -60,7 +60,7 @@ pub fn run_on(processor: &mut dyn Processor, scene: &Driven, mut watch: Watch) -
     let sample_hz = scene.sensors.sample_hz;
     let samples = usize::from(scene.controller.block_samples);
     let blocks = (scene.duration_s * sample_hz / samples as f64).ceil() as u64;
-    let mut script = Script::new(scene.controller);
+    let mut script = Script::new(scene);
 
     let mut clock = BlockClock::new(Recorder::new(scene, watch.windows), &processor.silence());
     let every = blocks.div_ceil(MAX_ROWS).max(1);
@@ -96,6 +96,7 @@ pub fn run_on(processor: &mut dyn Processor, scene: &Driven, mut watch: Watch) -
     let recorder = clock.analog;
     let plant = &recorder.plant.inner;
     record.energy = plant.energy();
+    record.crash = plant.film().cloned();
     record.plant_states = plant.states();
     record.drive_hash = recorder.hash.value();
     record.windows = recorder.windows;
@@ -115,7 +116,8 @@ struct Script {
 }
 
 impl Script {
-    fn new(controller: &scene::Controller) -> Self {
+    fn new(scene: &Driven) -> Self {
+        let controller = scene.controller;
         let request = if controller.phasing.calibrate { Request::Calibrate } else { Request::Run };
         let orders = Orders {
             sequence: 1,
@@ -124,6 +126,7 @@ impl Script {
             gate: Gate::Scheduled,
             detune: Hertz(controller.drive.detune_hz as f32),
             quadrature: controller.phasing.quadrature_turns.map(|turns| Turns(turns as f32)),
+            torso_kg: scene.dring().and_then(|dring| dring.seat_reading_kg()).map(|kg| kg as f32),
             ..Orders::default()
         };
         let friction = controller.friction.iter();

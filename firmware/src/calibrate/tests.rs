@@ -43,6 +43,7 @@ fn config(lanes: u8) -> Config {
         thermometer: Thermometer::default(),
         limits: Limits { voltage_v: 12.0, ..Limits::default() },
         friction: None,
+        restraint: None,
     }
 }
 

@@ -6,6 +6,7 @@ use crate::calibrate;
 use crate::clamped;
 use crate::demod::Sensed;
 use crate::phasor::{Phasor, magnitude};
+use crate::restraint::Restraint;
 use crate::scan;
 use crate::self_test;
 use crate::supervisor::{Fault, Mode, Progress};
@@ -54,6 +55,7 @@ impl Controller {
         self.restart_friction();
         self.edges.restart();
         self.burst.restart();
+        self.restraint.iter_mut().for_each(Restraint::restart);
     }
 
     /// Prepares the self-test and the measurement of the clamped branch that follows it.

@@ -40,6 +40,7 @@ fn longest_question() -> Question {
         detune: Hertz(1.0),
         quadrature: Some(Turns(0.1)),
         friction: Some(Target::Force(1.0)),
+        torso_kg: Some(1.0),
         emergency_stop: true,
         clear_fault: true,
     };
@@ -144,6 +145,7 @@ fn longest_config() -> Config {
             dahl_length_m: 1.0,
             average_s: 1.0,
         }),
+        restraint: Some(Restraint::default()),
     }
 }
 

@@ -74,6 +74,7 @@ fn scan(case: &Case, seed: u64) -> Scanned {
         thermometer: Thermometer::default(),
         limits: Limits { voltage_v: 15.0, current_a: 4.0, ..Limits::default() },
         friction: None,
+        restraint: None,
     };
     let convert = Convert::build(&case.front_end).unwrap();
     let mut bench = Bench::new(&case.branches, case.c0_f, seed, case.front_end.clone());

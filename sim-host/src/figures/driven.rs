@@ -2,6 +2,7 @@
 
 mod admittance;
 mod belt;
+mod crash;
 mod edges;
 mod energy;
 mod friction;
@@ -23,7 +24,8 @@ const BINS: usize = 3000;
 /// All figures that this run has something to show in, the most telling first.
 pub(super) fn of(run: &Run) -> Vec<Figure> {
     let view = View::new(&run.scene, &run.record);
-    let mut figures = motor::of(run, &view);
+    let mut figures = crash::of(run);
+    figures.extend(motor::of(run, &view));
     figures.extend(friction::ratio(run, &view));
     figures.extend(belt::of(run, &view));
     figures.extend(friction::over_time(run, &view));

@@ -1,6 +1,7 @@
 //! A driven run in words and tables.
 
 mod belt;
+pub(super) mod crash;
 mod motor;
 
 use std::fmt::Write as _;
@@ -22,7 +23,11 @@ pub(super) fn preface(run: &Run) -> String {
         "{}, against a simulated {}. Command is what the controller played, estimate what it believed, truth what the \
          simulated plant did; the controller sees converter codes only.",
         run.level,
-        if run.scene.stator().is_some() { "stator and rotor" } else { "stack and contact" },
+        match (run.scene.stator(), run.scene.dring()) {
+            (Some(_), _) => "stator and rotor",
+            (None, Some(_)) => "stack, seat belt and torso",
+            (None, None) => "stack and contact",
+        },
     )
 }
 
@@ -36,6 +41,10 @@ pub(super) fn remarks(run: &Run) -> Vec<String> {
     if let Some(limit) = limit.and_then(|code| Limit::try_from(code).ok()) {
         remarks.push(format!("In its last block under drive the controller was under limit {}: {limit:?}.", limit as u8));
     }
+    if let Some(film) = &run.record.crash {
+        remarks.extend(crash::remarks(run, film));
+        return remarks;
+    }
     let view = View::new(&run.scene, &run.record);
     if run.record.last.fault.is_none() && view.steady().next().is_none() {
         let running = view.plays_from(Mode::Run).map_or("was not reached".to_owned(), |s| format!("began at {s:.3} s"));
@@ -45,7 +54,7 @@ pub(super) fn remarks(run: &Run) -> Vec<String> {
 }
 
 /// The numbers that come first: label, metric, unit.
-pub(super) const HEADLINE: &[Line] = &[
+const HEADLINE: &[Line] = &[
     ("friction reduction", "reduction_percent", "%"),
     ("friction, drive OFF", "friction_off_n", "N"),
     ("friction, drive ON", "friction_on_n", "N"),
@@ -63,6 +72,11 @@ pub(super) const HEADLINE: &[Line] = &[
     ("simulated s per wall s", "simulated_s_per_wall_s", ""),
 ];
 
+/// The numbers that come first of this run.
+pub(super) fn headline(run: &Run) -> &'static [Line] {
+    if run.record.crash.is_some() { crash::HEADLINE } else { HEADLINE }
+}
+
 /// The fault that the run ended in, as a headline.
 pub(super) fn fault(run: &Run) -> Option<(String, String)> {
     run.record.rows.last().filter(|row| row.fault != 0).map(|row| ("ended in fault".to_owned(), row.fault.to_string()))
@@ -70,10 +84,10 @@ pub(super) fn fault(run: &Run) -> Option<(String, String)> {
 
 /// The tables of a driven run.
 pub(super) fn tables(study: &Study, run: &Run) -> Vec<TableBlock> {
-    std::iter::once(three_ways(study, run))
-        .chain(motor::closed_forms(study, &run.scene))
-        .chain(belt::tables(study, &run.scene))
-        .collect()
+    let crash = run.record.crash.as_ref().map(crash::belts);
+    let motor = motor::closed_forms(study, &run.scene);
+    let belt = belt::tables(study, &run.scene);
+    crash.into_iter().chain([three_ways(study, run)]).chain(motor).chain(belt).collect()
 }
 
 /// Where the numbers come from.

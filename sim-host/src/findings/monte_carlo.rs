@@ -24,7 +24,13 @@ const ROWS: &[(&str, &str)] = &[
     ("largest error, steady [Hz]", "frequency_error_max_hz"),
     ("motional phase, steady [degrees]", "motional_phase_deg"),
     ("tip velocity [m/s]", "tip_velocity_m_per_s"),
-    ("friction reduction [%]", "reduction_percent"),
+    ("reduction [%]", "reduction_percent"),
+    ("peak force at the shoulder [N]", "peak_shoulder_force_n"),
+    ("the same, passive belt [N]", "passive_peak_shoulder_force_n"),
+    ("excursion of the torso [m]", "torso_excursion_m"),
+    ("the same, passive belt [m]", "passive_torso_excursion_m"),
+    ("chest acceleration [g]", "chest_acceleration_g"),
+    ("friction LOW [ms]", "switch_time_ms"),
     ("fault to silence [us]", "fault_latency_us"),
 ];
 
@@ -35,6 +41,7 @@ const COUNTS: &[(&str, &str)] = &[
     ("ended in a fault", "runs_faulted"),
     ("with a false lock", "false_locks"),
     ("with a loss of lock that was not noticed", "undetected_losses"),
+    ("with friction LOW", "switched"),
 ];
 
 /// What others have published about hardware: what, how long, how near, where.
@@ -69,6 +76,8 @@ pub(super) const HEADLINE: &[Line] = &[
     ("ended in a fault", "runs_faulted", "runs"),
     ("false locks", "false_locks", "runs"),
     ("undetected losses", "undetected_losses", "runs"),
+    ("with friction LOW", "switched", "runs"),
+    ("less force at the shoulder, median", "reduction_percent", "%"),
 ];
 
 /// How many runs there were, as a headline.

@@ -28,9 +28,11 @@
 //!
 //! A pull that lags by half a second never settles within 20 ms: what a belt's friction is measured over stands in `belt.rs`.
 //!
-//! The tip velocity of a stator is that of its crests, across the ring. What only a motor has stands in `motor.rs`.
+//! The tip velocity of a stator is that of its crests, across the ring. What only a motor has stands in `motor.rs`, what only a crash
+//! has in `crash.rs`.
 
 mod belt;
+mod crash;
 mod edges;
 mod electrical;
 pub mod lock_claims;
@@ -64,7 +66,10 @@ pub fn of(scene: &Driven, record: &Record) -> Metrics {
     view.motor(scene, &mut metrics);
     view.switch(scene, &mut metrics);
     view.weld(scene, &mut metrics);
-    metrics.put("energy_residual", (record.energy.supplied_j != 0.0).then(|| record.energy.residual()));
+    match &record.crash {
+        Some(film) => crash::add(film, &mut metrics),
+        None => metrics.put("energy_residual", (record.energy.supplied_j != 0.0).then(|| record.energy.residual())),
+    }
     if let Some(transducer) = record.last.transducer {
         let found_hz = f64::from(transducer.series_resonance_hz);
         metrics.put("series_resonance_hz", found_hz);

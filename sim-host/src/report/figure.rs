@@ -4,6 +4,8 @@
 //! for a README, a CSV for the reader's own tools and a panel of the HTML page, so the four can
 //! never disagree.
 
+use super::crash_view::CrashView;
+
 /// One page: headline numbers, prose, tables, figures and an appendix, in that order.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Report {
@@ -17,6 +19,8 @@ pub struct Report {
     pub paragraphs: Vec<String>,
     /// Tables, shown before the figures.
     pub tables: Vec<TableBlock>,
+    /// A crash that can be played, shown before the tables.
+    pub crash: Option<CrashView>,
     /// Figures, each also written to its own files.
     pub figures: Vec<Figure>,
     /// Tables to look things up in, shown after the figures.

@@ -4,6 +4,7 @@
 //! fetch anything else. Every text of the report is user input: it is escaped on its way into the
 //! markup, and the data block for the script cannot contain the end of its own element.
 
+use super::crash_view;
 use super::draw;
 use super::figure::{Figure, Report, TableBlock};
 use super::plot_data::{can_zoom, plot_data};
@@ -27,6 +28,7 @@ pub(super) fn page(report: &Report) -> Result<String, String> {
         heading(report),
         tiles(&report.summary),
         report.paragraphs.iter().map(|p| format!("<p class=\"prose\">{}</p>\n", escape(p))).collect(),
+        report.crash.as_ref().map(crash_view::section).transpose()?.unwrap_or_default(),
         contents(&report.figures),
         report.tables.iter().map(table).collect(),
         report.figures.iter().map(panel).collect::<Result<_, _>>()?,
@@ -220,6 +222,7 @@ mod tests {
                 rows: vec![vec![EVIL.into()]],
                 ..TableBlock::default()
             }],
+            crash: None,
             figures: vec![figure(true)],
             appendix: Vec::new(),
             footer: vec![(EVIL.into(), EVIL.into())],

@@ -38,7 +38,8 @@ const SCENES: &[(&str, &str)] = scenes![
     "belt-stop-lies",
     "belt-stop-slow",
     "usm",
-    "usm-miscalibrated"
+    "usm-miscalibrated",
+    "dring-crash"
 ];
 
 /// Name and text of every built-in scene.

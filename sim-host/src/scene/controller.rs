@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use super::Friction;
 use super::limits::{Limits, Thermometer};
+use super::restraint::Restraint;
 
 /// The firmware that drives, and what it is told.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -36,6 +37,9 @@ pub struct Controller {
     /// What must never be exceeded.
     #[serde(default)]
     pub limits: Limits,
+    /// When a crash makes the friction of a D-ring LOW, in place of a burst. For scenes with `[rig.dring]`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub restraint: Option<Restraint>,
 }
 
 /// The drive. Give exactly one of `amplitude_v` and `velocity_m_per_s`; with `rig.belt`, which has its amplitude, neither.

@@ -3,6 +3,8 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use super::dring::Dring;
+
 /// What presses on the contact and moves it. Give exactly one.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
@@ -22,6 +24,9 @@ pub struct Rig {
     /// A belt under a vibrating horn (experiment 2).
     #[serde(skip_serializing_if = "Option::is_none")]
     pub belt: Option<Belt>,
+    /// A torso in its seat belt, over a D-ring, in a crash.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub dring: Option<Dring>,
 }
 
 /// A slider at constant speed; the tip of a driven stack vibrates along the motion. For scenes with `[controller]`.

@@ -9,6 +9,7 @@ mod comparison;
 mod contact;
 mod converters;
 mod disturbance;
+mod dring;
 mod drive;
 mod excitation;
 mod exclusive;
@@ -51,6 +52,7 @@ pub(super) fn check(root: &Node, findings: Findings) -> Findings {
         Some(Kind::Driven) => {
             rules.driven();
             rules.motor();
+            rules.dring();
         }
         Some(Kind::Excited) => {
             rules.excited();

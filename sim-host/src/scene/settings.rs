@@ -4,7 +4,7 @@
 use firmware::block::Amplitude;
 use firmware::config::{
     Around, Burst, Chirp, ChirpKind, Config, Direction, Drive, Edge, Friction, FrictionLaw, FrontEnd, LaneTrims, Limits, Phasing,
-    Schedule, ShapeKind, Sweep, Then, Thermometer, Tracking, TrackingMode,
+    Restraint, Schedule, ShapeKind, Sweep, Then, Thermometer, Tracking, TrackingMode,
 };
 use firmware::friction::Target;
 
@@ -55,6 +55,7 @@ pub fn config(scene: &scene::Driven) -> Config {
         },
         limits: limits(&controller.limits),
         friction: controller.friction.as_ref().map(|told| friction(told, &controller.tracking)),
+        restraint: controller.restraint.as_ref().map(restraint),
     }
 }
 
@@ -74,6 +75,18 @@ fn friction(told: &scene::Friction, tracking: &scene::Tracking) -> Friction {
         speed_m_per_s: told.speed_m_per_s as f32,
         dahl_length_m: told.dahl_length_m as f32,
         average_s: told.average_s as f32,
+    }
+}
+
+fn restraint(restraint: &scene::Restraint) -> Restraint {
+    Restraint {
+        sensed_n: restraint.sensed_n as f32,
+        confirm_ms: restraint.confirm_ms as f32,
+        latest_ms: restraint.latest_ms as f32,
+        latest_n: restraint.latest_n as f32,
+        light_below_kg: restraint.light_below_kg as f32,
+        least_kg: restraint.least_kg as f32,
+        most_kg: restraint.most_kg as f32,
     }
 }
 

@@ -2,6 +2,7 @@
 
 mod belt;
 mod comparison;
+mod dring;
 mod excited;
 mod keys;
 mod kinds;

@@ -5,8 +5,8 @@ use std::ops::Deref;
 
 use super::contact::Model;
 use super::{
-    Amplifier, Belt, Controller, Dahl, Empirical, Excitation, FaultKind, Kinematic, Method, Rotor, Scene, Sdof, Sensors, Slider,
-    Stack, Stator,
+    Amplifier, Belt, Controller, Dahl, Dring, Empirical, Excitation, FaultKind, Kinematic, Method, Rotor, Scene, Sdof, Sensors,
+    Slider, Stack, Stator,
 };
 
 /// Largest error of the mean friction ratio of a contact study that names none.
@@ -75,6 +75,11 @@ impl<'a> Driven<'a> {
     /// How much later than its burst says the drive is ON, s.
     pub fn trigger_delay_s(&self) -> f64 {
         self.belt().map_or(0.0, |(_, belt)| belt.trigger_delay_s)
+    }
+
+    /// The belt over a D-ring, whose friction a stack's drive lowers.
+    pub fn dring(&self) -> Option<&'a Dring> {
+        self.scene.rig.as_ref().and_then(|rig| rig.dring.as_ref())
     }
 
     /// The stator of a motor.

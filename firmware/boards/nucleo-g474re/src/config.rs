@@ -74,6 +74,7 @@ pub fn config() -> Config {
         thermometer: Thermometer::default(),
         limits: Limits { temperature_c: 85.0, ..Limits::default() },
         friction: None,
+        restraint: None,
     }
 }
 

@@ -49,7 +49,7 @@ pub const EXCLUSIVE: &[Exclusive] = &[
     },
     Exclusive {
         table: "rig",
-        alternatives: &[all(&["slider"]), all(&["kinematic"]), all(&["sdof"]), all(&["rotor"]), all(&["belt"])],
+        alternatives: &[all(&["slider"]), all(&["kinematic"]), all(&["sdof"]), all(&["rotor"]), all(&["belt"]), all(&["dring"])],
     },
     Exclusive { table: "disturbance", alternatives: &[all(&["to"]), all(&["rate_per_s"]), all(&["sine_amplitude", "sine_hz"])] },
     Exclusive { table: "vary", alternatives: &[all(&["spread"]), all(&["factor"]), all(&["from", "to"])] },

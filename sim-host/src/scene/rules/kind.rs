@@ -21,8 +21,19 @@ pub(super) enum Kind {
 }
 
 /// Tables that only a driven scene has.
-const DRIVEN_ONLY: &[&str] =
-    &["amplifier", "sensors", "stack", "stator", "trace", "fault", "rig.slider", "rig.rotor", "rig.belt", "contact.empirical"];
+const DRIVEN_ONLY: &[&str] = &[
+    "amplifier",
+    "sensors",
+    "stack",
+    "stator",
+    "trace",
+    "fault",
+    "rig.slider",
+    "rig.rotor",
+    "rig.belt",
+    "rig.dring",
+    "contact.empirical",
+];
 /// Tables that only a contact study has.
 const EXCITED_ONLY: &[&str] = &["rig.kinematic", "rig.sdof", "contact.coulomb", "contact.lugre", "contact.hertz"];
 /// Keys of the integrator that only a contact study has.
@@ -87,8 +98,9 @@ impl Rules<'_> {
             ],
         };
         for (given, missing, reason) in needed {
-            // A stator is driven instead of a stack, and its rotor has a contact of its own.
-            if (*missing == "stack" && !self.lacks("stator")) || (*given == "rig" && !self.lacks("rig.rotor")) {
+            // A stator is driven instead of a stack, and its rotor has a contact of its own, as a D-ring has.
+            let own_contact = !self.lacks("rig.rotor") || !self.lacks("rig.dring");
+            if (*missing == "stack" && !self.lacks("stator")) || (*given == "rig" && own_contact) {
                 continue;
             }
             // What is wrong inside the table that is given does not matter here.
@@ -121,6 +133,7 @@ impl Rules<'_> {
             "contact.empirical" => {
                 "this law is of a belt under a driven horn, [rig.belt]; across a contact that is studied by itself it is [contact.hertz]"
             }
+            "rig.dring" => "the firmware decides on the friction of a D-ring",
             "rig.rotor" => "a rotor turns on a [stator], which the firmware drives",
             "rig.kinematic" | "rig.sdof" => "the stack vibrates along the motion of [rig.slider]",
             _ if table.starts_with("contact.") => "the contact at a stack's tip is Dahl's: [contact.dahl]",

@@ -22,7 +22,11 @@ impl Rules<'_> {
             return;
         }
         if self.given(STATOR) {
-            for table in ["contact", "rig.slider", "rig.belt"].into_iter().filter(|table| self.given(table)).collect::<Vec<_>>() {
+            for table in ["contact", "rig.slider", "rig.belt", "rig.dring"]
+                .into_iter()
+                .filter(|table| self.given(table))
+                .collect::<Vec<_>>()
+            {
                 let message = format!("{} has no place beside [stator]", header(table));
                 let problem = Problem::new(self.key(table), message, "belongs to [stack]");
                 self.add(table, problem.help("what a stator moves is [rig.rotor], which has its contact in its own keys"));

@@ -1,0 +1,213 @@
+//! The motion of a torso in its belt: steps between events, and events between steps.
+//!
+//! Within a [`Mode`] everything is smooth: a step is one of the classical Runge-Kutta method. A step in which a mode ends is cut at that
+//! moment by bisection; the next one begins in the mode that follows. Beginning and end of pulse and ramp cut steps, too. Where the law of
+//! the actuator rules, steps are short beside the time in which it settles.
+//!
+//! A crash is over when the torso, on its way back, no longer stretches the belt: from then on everything stands.
+
+use super::Bench;
+use super::actuator::Actuator;
+use super::mode::{Mode, Phase, Slide, Spool, Way};
+use super::span::Part;
+use super::state::{Ramp, State, Tensions};
+
+/// Longest step, s.
+const STEP_S: f64 = 32e-6;
+/// Part of the settling time of the actuator's law that a step takes at most.
+const STEP_PART: f64 = 0.25;
+/// How exactly an event is located, s.
+const SHORTEST_S: f64 = 1e-12;
+/// Shortest step, s: a law that is infinitely steep when it begins to rule is soon not steep any more.
+const LEAST_STEP_S: f64 = 1e-16;
+/// Events at one moment before time goes on whatever they say,
+const MOST_AT_ONCE: u32 = 12;
+/// by so much at first, s, and twice as much each time that it does not help.
+const FORCED_S: f64 = 1e-9;
+
+/// Extremes so far.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Extremes {
+    /// Largest force at the shoulder, N.
+    pub shoulder_n: f64,
+    /// When, s.
+    pub shoulder_s: f64,
+    /// Farthest way of the torso, m.
+    pub excursion_m: f64,
+    /// Fastest payout, m/s, as a mean from one call to the next: where a law begins to rule, webbing gives a little at once.
+    pub payout_m_per_s: f64,
+    /// Largest power of the actuator into the contact, W; of one whose law knows no power, none.
+    pub actuator_w: Option<f64>,
+}
+
+/// A torso in its belt.
+#[derive(Clone, Debug)]
+pub struct Motion {
+    bench: Bench,
+    mode: Mode,
+    ramp: Ramp,
+    state: State,
+    time_s: f64,
+    /// The torso has come back out of the belt.
+    over: bool,
+    /// How many times shorter than usual steps are.
+    finer: f64,
+    extremes: Extremes,
+}
+
+impl Motion {
+    /// At rest, at time zero; with steps so many times shorter than usual.
+    pub fn new(bench: Bench, finer: u32) -> Self {
+        let part = if bench.shoulder.slack_m > 0.0 { Part::Slack } else { Part::Taut };
+        let mode = Mode { slide: Slide::Stuck, spool: Spool::Locked, part, seated: true, pulse: false, ramps: false };
+        let (state, extremes) = (State::default(), Extremes::default());
+        Motion { bench, mode, ramp: Ramp::default(), state, time_s: 0.0, over: false, finer: finer.into(), extremes }
+    }
+
+    fn phase(&self) -> Phase<'_> {
+        Phase { bench: &self.bench, mode: self.mode, ramp: self.ramp }
+    }
+
+    /// Where everything is.
+    pub fn state(&self) -> &State {
+        &self.state
+    }
+
+    /// What it is doing.
+    pub fn mode(&self) -> Mode {
+        self.mode
+    }
+
+    /// Tensions now, N.
+    pub fn tensions(&self) -> Tensions {
+        self.phase().tensions(&self.state)
+    }
+
+    /// Speed of the payout now, m/s.
+    pub fn payout_m_per_s(&self) -> f64 {
+        if self.over { 0.0 } else { self.slide_m_per_s() }
+    }
+
+    fn slide_m_per_s(&self) -> f64 {
+        self.phase().rates(&self.state, self.time_s).payout_m
+    }
+
+    /// Extremes so far.
+    pub fn extremes(&self) -> Extremes {
+        self.extremes
+    }
+
+    /// Amplitude of the actuator, 0 to 1.
+    pub fn amplitude(&self) -> f64 {
+        self.ramp.amplitude(self.time_s)
+    }
+
+    /// Part of the pulse's work that cannot be accounted for.
+    pub fn energy_residual(&self) -> f64 {
+        let accounted = self.phase().stored_j(&self.state) + self.state.friction_j + self.state.spool_j;
+        // Before the pulse there is nothing to account for.
+        if self.state.input_j == 0.0 { 0.0 } else { (self.state.input_j - accounted) / self.state.input_j }
+    }
+
+    /// Lets the tip of a stack vibrate at this velocity, m/s.
+    pub fn shake(&mut self, tip_m_per_s: f64) {
+        self.bench.actuator = Actuator::Stack.with_tip(tip_m_per_s);
+        self.ramp = Ramp { at: 1.0, rate_per_s: 0.0, from_s: self.time_s };
+        self.mode = self.phase().reconsidered(&self.state, self.time_s);
+    }
+
+    /// Lets the actuator's amplitude go on at this rate, 1/s, until it is 0 or 1.
+    pub fn drive(&mut self, rate_per_s: f64) {
+        self.ramp = Ramp { at: self.amplitude(), rate_per_s, from_s: self.time_s };
+        self.mode = self.phase().reconsidered(&self.state, self.time_s);
+    }
+
+    /// Moves on to a moment.
+    pub fn advance_to(&mut self, until_s: f64) {
+        // Events in a row that have taken no time.
+        let mut in_a_row: u32 = 0;
+        let (from_s, payout_m) = (self.time_s, self.state.payout_m);
+        while !self.over && self.time_s < until_s - SHORTEST_S {
+            let begins_s = self.time_s + 2.0 * SHORTEST_S;
+            self.mode.pulse = self.bench.pulse.contains(begins_s);
+            self.mode.ramps = begins_s < self.ramp.end_s() && self.ramp.rate_per_s != 0.0;
+            let mut step_s = (self.next_cut_s(until_s) - self.time_s).min(STEP_S / self.finer);
+            let settles = self.phase().stiffness_per_s(&self.state, self.time_s);
+            if settles > 0.0 {
+                step_s = step_s.min(STEP_PART / self.finer / settles).max(LEAST_STEP_S);
+            }
+            let goes_on = in_a_row > 0 && in_a_row.is_multiple_of(MOST_AT_ONCE);
+            if goes_on {
+                step_s = step_s.min(FORCED_S * f64::from(1u32 << (in_a_row / MOST_AT_ONCE).min(20)));
+            }
+            let (taken_s, next) = self.step(step_s, goes_on);
+            let stands = goes_on || next.is_some() && taken_s <= 10.0 * SHORTEST_S;
+            in_a_row = if stands { in_a_row + 1 } else { 0 };
+            let next = next.unwrap_or(self.mode);
+            self.over = self.mode.part == Part::Taut && next.part != Part::Taut && self.state.v_m_per_s < 0.0;
+            self.mode = next;
+            self.note();
+        }
+        self.time_s = until_s;
+        let speed = (self.state.payout_m - payout_m) / (until_s - from_s);
+        self.extremes.payout_m_per_s = self.extremes.payout_m_per_s.max(speed);
+    }
+
+    /// The next moment that must not lie within a step.
+    fn next_cut_s(&self, until_s: f64) -> f64 {
+        let pulse = &self.bench.pulse;
+        let later = |cut: &f64| *cut > self.time_s + 2.0 * SHORTEST_S;
+        [pulse.at_s, pulse.end_s(), self.ramp.end_s()].into_iter().filter(later).fold(until_s, f64::min)
+    }
+
+    /// A step, or as much of it as this mode lasts, and the mode that follows then.
+    fn step(&mut self, step_s: f64, goes_on: bool) -> (f64, Option<Mode>) {
+        let whole = self.tried(step_s);
+        let end = self.first_end(&whole, step_s);
+        let Some((_, next)) = end.filter(|_| !goes_on) else {
+            (self.state, self.time_s) = (whole, self.time_s + step_s);
+            return (step_s, None);
+        };
+        let (mut before_s, mut after_s, mut next) = (0.0, step_s, next);
+        while after_s - before_s > SHORTEST_S {
+            let middle_s = 0.5 * (before_s + after_s);
+            match self.first_end(&self.tried(middle_s), middle_s) {
+                Some((_, mode)) => (after_s, next) = (middle_s, mode),
+                None => before_s = middle_s,
+            }
+        }
+        (self.state, self.time_s) = (self.tried(after_s), self.time_s + after_s);
+        (after_s, Some(next))
+    }
+
+    /// The end of this mode that the state is farthest beyond, if it is beyond any.
+    fn first_end(&self, state: &State, after_s: f64) -> Option<(f64, Mode)> {
+        let ends = self.phase().ends(state, self.time_s + after_s);
+        ends.into_iter().filter(|(beyond, _)| *beyond > 0.0).max_by(|a, b| a.0.total_cmp(&b.0))
+    }
+
+    /// The state after a step of the classical Runge-Kutta method.
+    fn tried(&self, step_s: f64) -> State {
+        let (phase, state, time_s) = (self.phase(), &self.state, self.time_s);
+        let half = 0.5 * step_s;
+        let one = phase.rates(state, time_s);
+        let two = phase.rates(&state.after(&one, half), time_s + half);
+        let three = phase.rates(&state.after(&two, half), time_s + half);
+        let four = phase.rates(&state.after(&three, step_s), time_s + step_s);
+        let sixth = step_s / 6.0;
+        state.after(&one, sixth).after(&two, 2.0 * sixth).after(&three, 2.0 * sixth).after(&four, sixth)
+    }
+
+    fn note(&mut self) {
+        let Tensions { shoulder_n, retractor_n } = self.tensions();
+        if shoulder_n > self.extremes.shoulder_n {
+            (self.extremes.shoulder_n, self.extremes.shoulder_s) = (shoulder_n, self.time_s);
+        }
+        self.extremes.excursion_m = self.extremes.excursion_m.max(self.state.x_m);
+        if self.amplitude() > 0.0 && self.time_s > self.bench.pulse.at_s {
+            let ratio = self.phase().ratio(&self.state, Way::Out).max(self.bench.capstan.floor());
+            let power = self.bench.actuator.power_w(self.amplitude(), ratio, (shoulder_n - retractor_n).max(0.0));
+            self.extremes.actuator_w = power.map(|power| self.extremes.actuator_w.unwrap_or(0.0).max(power));
+        }
+    }
+}

@@ -1,0 +1,55 @@
+//! A span of webbing: what it pulls with, and what it holds.
+//!
+//! ```text
+//! T = T0 + k e            e < 0            it gives its pretension back
+//!   = T0                  0 <= e <= slack  clothes and cushions give way
+//!   = T0 + k (e - slack)  e > slack
+//! ```
+
+/// A span.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Span {
+    /// Stiffness, N/m.
+    pub stiffness_n_per_m: f64,
+    /// Elongation that costs no more force, m.
+    pub slack_m: f64,
+    /// Tension before the crash, N.
+    pub pretension_n: f64,
+}
+
+/// In which part of its law a span is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Part {
+    /// Shorter than before the crash.
+    Loose,
+    /// Within its slack.
+    Slack,
+    /// Beyond.
+    Taut,
+}
+
+impl Span {
+    /// Tension at an elongation, in one part of the law, N.
+    pub fn tension_n(&self, elongation_m: f64, part: Part) -> f64 {
+        self.pretension_n + self.stiffness_n_per_m * self.stretch_m(elongation_m, part)
+    }
+
+    /// Stiffness in one part of the law, N/m.
+    pub fn slope_n_per_m(&self, part: Part) -> f64 {
+        if part == Part::Slack { 0.0 } else { self.stiffness_n_per_m }
+    }
+
+    /// What is stored in it, J, counted from no elongation.
+    pub fn stored_j(&self, elongation_m: f64, part: Part) -> f64 {
+        let stretch = self.stretch_m(elongation_m, part);
+        self.pretension_n * elongation_m + 0.5 * self.stiffness_n_per_m * stretch * stretch
+    }
+
+    fn stretch_m(&self, elongation_m: f64, part: Part) -> f64 {
+        match part {
+            Part::Loose => elongation_m,
+            Part::Slack => 0.0,
+            Part::Taut => elongation_m - self.slack_m,
+        }
+    }
+}
