@@ -50,6 +50,7 @@ const ORDERS: Orders = Orders {
     amplitude: None,
     detune: Hertz(0.0),
     quadrature: None,
+    friction: None,
     torso_kg: None,
     emergency_stop: false,
     clear_fault: false,

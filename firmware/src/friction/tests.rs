@@ -31,6 +31,7 @@ fn config(schedule: Schedule) -> Config {
         },
         thermometer: Thermometer::default(),
         limits: Limits::default(),
+        restraint: None,
         friction: Some(Friction {
             target: Target::Ratio(0.5),
             law: FrictionLaw::Dahl,
