@@ -276,7 +276,7 @@ mod tests {
         (0..=100).map(of).fold(0.0, f32::max)
     }
 
-    /// Lengths of a contact of metal, in um: with a speed that is 2 % off, and what the force sensor adds. Measured: 0.0044 at worst.
+    /// Lengths of a contact of metal, in um: with a speed that is 2 % off, and what the force sensor adds. Measured: 0.0035 at worst.
     #[test]
     fn any_length_is_known_as_well_as_it_matters() {
         let mut most = 0.0f32;
@@ -290,17 +290,17 @@ mod tests {
                 }
             }
         }
-        assert!(most < 0.005, "{most}");
+        assert!(most < 0.004, "{most}");
     }
 
-    /// Without errors both numbers come back. Measured: length within 1.1 %, scale within 0.1 %, where the length shows at all.
+    /// Without errors both numbers come back. Measured: length within 0.21 %, scale within 0.04 %, where the length shows at all.
     #[test]
     fn both_numbers_come_back() {
         for length in [0.15e-6, 0.5e-6, 1e-6] {
             for scale in [0.98, 1.02] {
                 let (contact, _) = fit(observed(length, scale, [0.0; 3]));
-                assert!((contact.dahl_length_m / length - 1.0).abs() < 0.03, "{length} {scale}: {contact:?}");
-                assert!((contact.scale / scale - 1.0).abs() < 0.004, "{length} {scale}: {contact:?}");
+                assert!((contact.dahl_length_m / length - 1.0).abs() < 0.003, "{length} {scale}: {contact:?}");
+                assert!((contact.scale / scale - 1.0).abs() < 6e-4, "{length} {scale}: {contact:?}");
             }
         }
     }

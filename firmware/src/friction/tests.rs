@@ -100,7 +100,7 @@ fn periodic() -> Schedule {
     Schedule::Periodic { period_s: 1e-3, duty: 0.5 }
 }
 
-/// Command, belief and truth, over what can be wanted. Measured: 0.0014, with a speed that is 2 % off.
+/// Command, belief and truth, over what can be wanted. Measured: 4.9e-4, with a speed that is 2 % off.
 #[test]
 fn the_ratio_is_the_wanted_one() {
     for (schedule, sensor) in [(Schedule::Continuous, 0.98), (Schedule::Continuous, 1.02), (periodic(), 0.98)] {
@@ -112,7 +112,7 @@ fn the_ratio_is_the_wanted_one() {
                 let wanted = floor + 0.01 + (0.985 - floor) * n as f32 / 20.0;
                 let got = bench.run(700, Some(Target::Ratio(wanted)));
                 let belief = bench.switch.belief().unwrap();
-                assert!((got - wanted).abs() < 2e-3, "{length} {wanted}: {got}");
+                assert!((got - wanted).abs() < 6e-4, "{length} {wanted}: {got}");
                 assert!((belief.ratio - got).abs() < 3e-3, "{length} {wanted}: {got} {belief:?}");
                 assert!(belief.identified && bench.switch.limit().is_none());
             }
@@ -190,8 +190,8 @@ fn from_amplitude_to_bursts_and_back_without_a_bump() {
         worst = worst.max((bench.ratio() - wanted).abs());
     }
     assert!(changes == 4, "{changes} changes");
-    // Measured: 0.0033, the most that the wanted ratio moves while a solution is sought.
-    assert!(worst < 0.005, "{worst}");
+    // Measured: 0.0028, the most that the wanted ratio moves while a solution is sought.
+    assert!(worst < 0.0035, "{worst}");
 }
 
 /// Whatever the sensors say, what is played is a number within the limit.
