@@ -59,7 +59,7 @@ fn targets(campaign: &Campaign) -> TableBlock {
 
 /// A change in per cent, or none.
 fn percent(part: f64) -> String {
-    if part == 0.0 { "0".into() } else { format!("{:+.1} %", 100.0 * part) }
+    if part == 0.0 { "0".into() } else { unsigned(&format!("{:+.1} %", 100.0 * part)) }
 }
 
 /// A number of newton; whole.
@@ -72,7 +72,13 @@ fn millimetres(metres: f64) -> String {
 }
 
 fn added(metres: f64) -> String {
-    if metres == 0.0 { "0".into() } else { format!("{:+.1}", 1e3 * metres) }
+    if metres == 0.0 { "0".into() } else { unsigned(&format!("{:+.1}", 1e3 * metres)) }
+}
+
+/// What rounds to nothing has no sign.
+fn unsigned(text: &str) -> String {
+    let digits = text.trim_start_matches(['+', '-']);
+    if digits.starts_with("0.0") { digits.to_owned() } else { text.to_owned() }
 }
 
 fn single(campaign: &Campaign, groups: &[Group], id: &str, title: &str, caption: &str) -> TableBlock {
