@@ -201,6 +201,8 @@ fn a_belt_at_rest_is_waited_for() {
     let mut queues = Queues::default();
     let mut bench = bench(&mut queues, &Setup::default());
     set_belt(&mut bench, 0);
+    // It is known to be at rest once it has been heard for as long as a stop takes.
+    bench.blocks(BELT_BLOCKS + 1);
     bench.ask(Command::Run);
     assert!(bench.run_until(|report| report.mode == Mode::Run, PATIENCE).is_some());
     // The self-test sounds, the run does not.
