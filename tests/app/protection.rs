@@ -208,7 +208,7 @@ fn a_belt_at_rest_is_waited_for() {
     // The self-test sounds, the run does not.
     bench.blocks(2 * LATCH_BLOCKS);
     assert_eq!((bench.mode(), limit(&bench)), (Mode::Run, Some(Limit::BeltMuted)));
-    assert!(last_sounding(&mut bench).is_some_and(|block| block < 200));
+    assert!(last_sounding(&mut bench).is_some_and(|block| block < 200 + BELT_BLOCKS));
     set_belt(&mut bench, 1);
     bench.blocks(20);
     assert_eq!((limit(&bench), last_sounding(&mut bench)), (None, Some(bench.played() - 1)));
