@@ -34,6 +34,8 @@ pub struct BeltMotion {
     rearmed: u32,
     /// Something has moved, or has been driven: what stands now has stopped.
     armed: bool,
+    /// The encoder has been heard before this block.
+    met: bool,
     /// Blocks that were wanted and muted, or measured at rest.
     over: u32,
 }
@@ -50,6 +52,7 @@ impl BeltMotion {
             still: u32::MAX,
             rearmed: 0,
             armed: false,
+            met: false,
             over: 0,
         })
     }
@@ -66,6 +69,7 @@ impl BeltMotion {
 
     /// Takes one block, in which the belt has been heard; `driving` says whether anything was played in it.
     pub(super) fn step(&mut self, belt: &Belt, stage: Stage, driving: bool, wanted: bool) -> Option<Fault> {
+        let met = core::mem::replace(&mut self.met, true);
         let before = core::mem::replace(&mut self.still, belt.still_blocks());
         if self.still == 0 {
             self.rearmed = if before <= self.stop_blocks / 2 { self.rearmed + 1 } else { 1 };
@@ -88,7 +92,8 @@ impl BeltMotion {
             }
             Stage::Following => {
                 // Where nothing has ever moved or been driven, it waits.
-                self.armed |= driving;
+                // What is heard while it waits is the end of a measurement.
+                self.armed |= driving && !(self.muted && met);
                 self.over = if self.muted && self.armed { self.over + u32::from(wanted) } else { 0 };
                 false
             }
@@ -121,6 +126,7 @@ mod tests {
                 still: u32::MAX,
                 rearmed: 0,
                 armed: false,
+                met: false,
                 over: 0,
             };
             Rig { belt: Belt::of(1e-5, 32e-6), motion, counts: 0 }
