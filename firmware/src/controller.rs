@@ -177,6 +177,8 @@ impl Controller {
         let motional_current = self.tracker.motional_current(&sensed, heard.relative);
 
         self.belt.hear(sense.slow.belt);
+        let restrained = self.restrained(orders, sense);
+        let orders = restrained.as_ref().unwrap_or(orders);
         let driven = self.driven(orders, &heard, suspect);
         let found = self
             .guard
@@ -185,7 +187,6 @@ impl Controller {
         if self.supervisor.judge(orders, found) {
             self.begin();
         }
-        let orders = &self.restrained(orders, sense);
         let plan = self.plan(orders, sense, &sensed, &heard, motional_current);
         self.supervisor.advance(orders, plan.progress, self.acquisition);
 
@@ -209,11 +210,11 @@ impl Controller {
         self.scan.roster().listed()
     }
 
-    /// The orders, with the gate where a crash or none wants it.
-    fn restrained(&mut self, orders: &Orders, sense: &SenseBlock) -> Orders {
+    /// The orders with the gate where a crash, or none, wants it; `None` where no belt is served.
+    fn restrained(&mut self, orders: &Orders, sense: &SenseBlock) -> Option<Orders> {
+        let restraint = self.restraint.as_mut()?;
         let fresh = self.belt.is_expected().then(|| self.belt.fresh_counts());
-        let mode = self.supervisor.mode();
-        self.restraint.as_mut().map_or(*orders, |restraint| restraint.decide(orders, sense.slow.force, fresh, mode))
+        Some(restraint.decide(orders, sense.slow.force, fresh, self.supervisor.mode()))
     }
 
     /// Nothing but a short takes more current than the limit from the tone of the self-test, or lets the voltage collapse under it.
@@ -227,7 +228,8 @@ impl Controller {
     fn driven(&mut self, orders: &Orders, heard: &Played, suspect: Suspect) -> Driven {
         let mode = self.supervisor.mode();
         let now = (self.block + LATENCY_BLOCKS as u64) * self.samples as u64;
-        let orders = &self.as_switched(orders);
+        let switched = self.as_switched(orders);
+        let orders = switched.as_ref().unwrap_or(orders);
         // Without a belt nobody asks.
         let wanted =
             self.belt.is_expected() && (mode == Mode::Lock || mode == Mode::Run && self.burst.is_wanted(orders.gate, now));

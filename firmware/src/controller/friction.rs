@@ -33,10 +33,9 @@ impl Controller {
         }
     }
 
-    /// The orders as the friction switch has made them last.
-    pub(super) fn as_switched(&self, orders: &Orders) -> Orders {
-        let running = self.supervisor.mode() == Mode::Run;
-        let Some(friction) = self.friction.as_ref().filter(|_| running && is_free(orders)) else { return *orders };
+    /// The orders as the friction switch has made them last; `None` where it has no part in them.
+    pub(super) fn as_switched(&self, orders: &Orders) -> Option<Orders> {
+        let friction = self.friction.as_ref().filter(|_| self.supervisor.mode() == Mode::Run && is_free(orders))?;
         // A schedule that repeats is the switch's own; windows are the user's, except while surveying.
         let on = if self.burst.repeats() || friction.is_surveying() { Gate::On } else { Gate::Scheduled };
         let (amplitude, gate) = match friction.wanted() {
@@ -44,7 +43,7 @@ impl Controller {
             Wanted::Current(amperes) => (Some(amperes), on),
             Wanted::Bursts { amperes, .. } => (Some(amperes), Gate::Scheduled),
         };
-        Orders { amplitude: amplitude.map(Amplitude::MotionalCurrent), gate, ..*orders }
+        Some(Orders { amplitude: amplitude.map(Amplitude::MotionalCurrent), gate, ..*orders })
     }
 
     /// A survey in which the force sensor has said what cannot be friction ends the run.

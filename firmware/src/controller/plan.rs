@@ -149,7 +149,8 @@ impl Controller {
             Mode::Lock => self.follow(&Orders { gate: Gate::On, ..*orders }, sensed, heard, motional),
             Mode::Run => {
                 self.switch_friction(orders, sense, heard, motional);
-                let plan = self.follow(&self.as_switched(orders), sensed, heard, motional);
+                let switched = self.as_switched(orders);
+                let plan = self.follow(switched.as_ref().unwrap_or(orders), sensed, heard, motional);
                 self.trust_survey(plan)
             }
         }

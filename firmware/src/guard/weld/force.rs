@@ -10,7 +10,7 @@
 //! told by it. A new amplitude is learned anew.
 //!
 //! A channel whose reading is no number, is missing, or is the same to the last bit for [`STUCK_S`] under drive is broken: fault 46. A
-//! converter's noise must be more than its last bit.
+//! converter's noise must be more than its last bit. That is all that is asked of the tension of a belt that restrains somebody in a crash.
 
 use crate::config::Config;
 use crate::error::{Error, in_range};
@@ -41,6 +41,8 @@ const TAKES_BACK: u32 = 8;
 pub struct ForceWatch {
     /// There is a channel.
     told: bool,
+    /// It tells the friction under the tip, and not the tension of a belt in a crash, which comes and goes by itself.
+    is_friction: bool,
     settle_blocks: u32,
     hold_blocks: u32,
     stuck_blocks: u32,
@@ -65,6 +67,7 @@ impl ForceWatch {
         let channel_s = hz.map_or(0.0, |hz| CHANNEL_TIMES / (core::f32::consts::TAU * hz));
         Ok(ForceWatch {
             told: hz.is_some(),
+            is_friction: config.restraint.is_none(),
             settle_blocks: ((SETTLE_S + channel_s) / block_s) as u32,
             hold_blocks: (HOLD_S / block_s) as u32,
             stuck_blocks: (STUCK_S / block_s) as u32,
@@ -103,7 +106,7 @@ impl ForceWatch {
             self.settled = 0;
             return None;
         }
-        self.judge(force).then_some(Fault::BeltSensorImplausible)
+        (self.is_friction && self.judge(force)).then_some(Fault::BeltSensorImplausible)
     }
 
     /// Whether a belt with this force stands.
@@ -137,6 +140,7 @@ mod tests {
     fn watch() -> ForceWatch {
         ForceWatch {
             told: true,
+            is_friction: true,
             settle_blocks: 143,
             hold_blocks: 93,
             stuck_blocks: 1000,
