@@ -77,7 +77,10 @@ impl Belt {
 
     /// Takes what the decoder says of one block. What comes after a broken line counts from zero.
     pub fn hear(&mut self, sense: Option<BeltSense>) {
-        self.expected |= sense.is_some();
+        if sense.is_none() && !self.expected {
+            return;
+        }
+        self.expected = true;
         self.fresh = 0;
         match (sense.filter(|sense| !sense.broken), &mut self.heard) {
             (None, heard) => *heard = None,

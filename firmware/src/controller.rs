@@ -179,7 +179,7 @@ impl Controller {
         self.belt.hear(sense.slow.belt);
         let restrained = self.restrained(orders, sense);
         let orders = restrained.as_ref().unwrap_or(orders);
-        let driven = self.driven(orders, &heard, suspect);
+        let driven = self.driven(orders, sense, &heard, suspect);
         let found = self
             .guard
             .inspect(&self.convert, sense, &sensed, &self.belt, &driven)
@@ -225,21 +225,25 @@ impl Controller {
     }
 
     /// What the guard has to know of the block just heard.
-    fn driven(&mut self, orders: &Orders, heard: &Played, suspect: Suspect) -> Driven {
+    fn driven(&mut self, orders: &Orders, sense: &SenseBlock, heard: &Played, suspect: Suspect) -> Driven {
+        let volts = heard.audible.filter(|_| heard.flat).map(|part| part * heard.volts * heard.envelope.abs());
+        let known = Driven { volts, suspect, ..Driven::default() };
+        if self.guard.watches(sense, &self.belt) { self.watched(orders, heard, known) } else { known }
+    }
+
+    /// The same for what looks at more than voltage and current.
+    #[inline(never)]
+    fn watched(&mut self, orders: &Orders, heard: &Played, known: Driven) -> Driven {
         let mode = self.supervisor.mode();
         let now = (self.block + LATENCY_BLOCKS as u64) * self.samples as u64;
         let switched = self.as_switched(orders);
         let orders = switched.as_ref().unwrap_or(orders);
-        // Without a belt nobody asks.
-        let wanted =
-            self.belt.is_expected() && (mode == Mode::Lock || mode == Mode::Run && self.burst.is_wanted(orders.gate, now));
         Driven {
-            volts: heard.audible.filter(|_| heard.flat).map(|part| part * heard.volts * heard.envelope.abs()),
-            suspect,
             stage: Stage::from(mode),
-            wanted,
+            wanted: mode == Mode::Lock || mode == Mode::Run && self.burst.is_wanted(orders.gate, now),
             full: heard.flat && heard.envelope == 1.0 && heard.volts > 0.0,
             asked: self.asked(orders).1,
+            ..known
         }
     }
 
@@ -298,20 +302,26 @@ impl Controller {
         }
     }
 
+    /// Why the friction of a contact, or of a D-ring, is not what is wanted.
+    #[inline(never)]
+    fn service_limit(&self, orders: &Orders) -> Option<Limit> {
+        let unknown = |restraint: &Restraint| restraint.class(orders.torso_kg) == Class::Unknown;
+        let unclassified = self.restraint.as_ref().is_some_and(unknown).then_some(Limit::RestraintUnclassified);
+        self.friction_limit(orders).or(unclassified)
+    }
+
     fn report(&self, orders: &Orders, plan: &Plan, slot: usize, sensed: Sensed, motional_current: Phasor) -> Telemetry {
         let played = &self.played[slot];
         let mode = self.supervisor.mode();
         let following = matches!(mode, Mode::Lock | Mode::Run);
+        let serves = self.friction.is_some() || self.restraint.is_some();
         let limit = match following {
             true if self.guard.mutes() => Some(Limit::BeltMuted),
             true if self.guard.derating() < 1.0 => Some(Limit::Derated),
             true if self.amplitude.limited() => Some(Limit::OverVoltageRequest),
             true if self.tracker.limited() || plan.limited => Some(Limit::FrequencyWindow),
             true if self.phasing.quadrature(orders.quadrature).1 => Some(Limit::QuadratureRequest),
-            true if self.friction_limit(orders).is_some() => self.friction_limit(orders),
-            true if self.restraint.as_ref().is_some_and(|restraint| restraint.class(orders.torso_kg) == Class::Unknown) => {
-                Some(Limit::RestraintUnclassified)
-            }
+            true if serves && self.service_limit(orders).is_some() => self.service_limit(orders),
             true if self.tracker.state() == State::Unheard => Some(Limit::NotTracking),
             true if self.burst.limited() && mode == Mode::Run => Some(Limit::BoostLimited),
             _ => None,
@@ -324,7 +334,7 @@ impl Controller {
             limit,
             locked: following && self.tracker.state() == State::Locked,
             tuning_word: played.tone.word,
-            frequency: Hertz(self.sweep.hold.nominal_hz() + self.sweep.hold.offset_of(played.tone.word)),
+            frequency: Hertz(self.sweep.hold.nominal_hz() + played.offset_hz),
             resonance: Hertz(self.sweep.hold.nominal_hz() + self.tracker.estimate_hz()),
             drive: Volts(played.volts),
             envelope: played.envelope,

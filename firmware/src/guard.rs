@@ -104,11 +104,13 @@ impl Guard {
         driven: &Driven,
     ) -> Option<Fault> {
         let electrical = self.electrical.inspect(convert, sense, sensed, driven.volts, driven.suspect);
-        // Most boards have no more to look at.
-        if self.limited || belt.is_expected() || sense.slow.temperature.is_some() || self.heat.knows_the_stack() {
-            return electrical.or(self.watch(sense, sensed, belt, driven));
-        }
-        electrical
+        if self.watches(sense, belt) { electrical.or(self.watch(sense, sensed, belt, driven)) } else { electrical }
+    }
+
+    /// Whether there is more to look at than voltage and current; most boards have none.
+    #[inline]
+    pub fn watches(&self, sense: &SenseBlock, belt: &Belt) -> bool {
+        self.limited || belt.is_expected() || sense.slow.temperature.is_some() || self.heat.knows_the_stack()
     }
 
     /// What needs more sensors than voltage and current, or has a limit of its own.

@@ -104,7 +104,7 @@ impl Shaper {
         let (size, (codes, part)) = (Size::of(play), PAYBACK);
         self.payback = (size.wanted * part).clamp(1.0, codes) as i32;
         let stretch = &play.stretch;
-        if !play.envelope.is_flat() {
+        if play.louder > 1.0 && !play.envelope.is_flat() {
             let half_cycle = size.wanted * play.louder / (core::f32::consts::PI * stretch.frequency());
             self.most_owed = ((MOST_OWED.1 * half_cycle).min(1e8) as i32).max(MOST_OWED.0);
         }

@@ -11,6 +11,9 @@ use crate::supervisor::{Fault, Limit, Mode, Progress};
 impl Controller {
     /// Lets the friction switch hear one block of a run.
     pub(super) fn switch_friction(&mut self, orders: &Orders, sense: &SenseBlock, heard: &Played, motional: Phasor) {
+        if self.friction.is_none() {
+            return;
+        }
         let boosts = self.burst.boosts();
         let told = self.told(boosts);
         let Some(friction) = self.friction.as_mut().filter(|_| is_free(orders)) else { return };
