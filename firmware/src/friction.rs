@@ -1,8 +1,8 @@
 //! The friction switch: from a wanted friction ratio, or a wanted force, to tip velocity or burst duty.
 //!
 //! Vibration along the motion lowers the mean friction of a sliding contact. By how much is told by the [law](dahl), and the drive that does it
-//! by its [inverse](inverse); the amplitude loop holds the motional current that belongs to it: tip velocity times force factor, which is told
-//! as nominal. What the contact is, nobody tells: a [survey](survey) measures its friction in silence and at three amplitudes and
+//! by its [inverse]; the amplitude loop holds the motional current that belongs to it: tip velocity times force factor, which is told
+//! as nominal. What the contact is, nobody tells: a [survey] measures its friction in silence and at three amplitudes and
 //! [fits](fit) it. Where the law is steep, bursts take the place of the amplitude ([regime]).
 //!
 //! ```text

@@ -1,6 +1,6 @@
 //! The boosted burst: rung up by a [stroke](super::stroke) louder than the drive, held, and rung down by one against it.
 //!
-//! Each stroke is planned where it begins, from what [rings](super::ring) at that moment: what an earlier burst has left, or what a short one has
+//! Each stroke is planned where it begins, from what rings at that moment: what an earlier burst has left, or what a short one has
 //! come to. A gate that turns round before a stroke is over is followed after whole periods of it, so that these cancel; a boost of an odd number
 //! of half cycles is paid back by a brake of an odd number.
 

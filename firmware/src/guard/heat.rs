@@ -7,7 +7,7 @@
 //! feel the load, and is known to 1 %.
 //!
 //! From [`DERATE_K`] below `limits.temperature_c` on, the amplitude asked for falls along a straight line to a tenth at the limit, where it
-//! is fault 44. The mean power over [`POWER_S`] is held at `limits.power_w` by an integrator on the same factor:
+//! is fault 44. The mean power over `POWER_S` is held at `limits.power_w` by an integrator on the same factor:
 //! `f(n + 1) = f(n) + g (1 - P / P0)`.
 
 use crate::config::Config;

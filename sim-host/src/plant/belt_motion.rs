@@ -4,7 +4,7 @@
 //! v(t) = s(t) (V + r V n(t)),    n = a cos(2 pi f t) + b sin(2 pi f t)
 //! ```
 //!
-//! with `a` and `b` Gaussian, of unit variance and a memory of [`MEMORY_PERIODS`] periods (Ornstein and Uhlenbeck 1930, stepped exactly): a
+//! with `a` and `b` Gaussian, of unit variance and a memory of `MEMORY_PERIODS` periods (Ornstein and Uhlenbeck 1930, stepped exactly): a
 //! ripple of rms `r` in a narrow band about `f`, which sinks below a level `L` deviations away `f exp(-L^2 / 2)` times a second
 //! (Rice 1944). `s` is one, and falls to zero along a straight line where the belt stops. The speed is held over a step.
 

@@ -18,7 +18,7 @@
 //! ```
 //!
 //! States: `x`, `v`, `s`, and `p`, which is integrated only where the friction depends on the speed of sliding; else it follows from the
-//! others or stands. `mu` is what the [actuator](actuator) leaves of it at that speed.
+//! others or stands. `mu` is what the [actuator] leaves of it at that speed.
 //!
 //! Validity: webbing without mass, a torso that is one mass, a rigid pulse, friction without a rise at rest. Between events the motion is
 //! smooth and is integrated by the classical Runge-Kutta method of order four; each [event](motion) is located to 1e-12 s.

@@ -4,11 +4,11 @@
 //! `1 / (n T)`. A belt that stops is noticed within `T`. One that slows may give one count more, just before `T` is over, and is noticed
 //! within `2 T`. Drive is OFF three blocks later: the one in which the count came, and two that are on their way.
 //!
-//! While the resonance is followed, a stop mutes the drive, and it goes on when the belt does: after [`REARM_BLOCKS`] blocks with new
+//! While the resonance is followed, a stop mutes the drive, and it goes on when the belt does: after `REARM_BLOCKS` blocks with new
 //! ground, none more than `T / 2` after the one before, so that a belt which creeps about the threshold does not make the drive flutter.
-//! What has been muted for [`LATCH_S`] while it was wanted is a fault.
+//! What has been muted for `LATCH_S` while it was wanted is a fault.
 //!
-//! A measurement cannot be interrupted. It may take place over a belt at rest, for [`LATCH_S`] of drive in all; over a belt that has moved
+//! A measurement cannot be interrupted. It may take place over a belt at rest, for `LATCH_S` of drive in all; over a belt that has moved
 //! since the order, a stop is a fault at once.
 
 use super::super::Stage;

@@ -2,14 +2,14 @@
 //!
 //! Under vibration the mean friction of a moving contact is `mu N (2 / pi) asin(V / Vv)` or what its bristles make of it, and that of a
 //! standing one is zero after a few periods: the tip drags it as far one way as the other. The channel learns the mean force while
-//! the drive is ON and settled, and takes less than [`LOW`] of it, for [`HOLD_S`], for a belt that stands: fault 42, where the encoder has
+//! the drive is ON and settled, and takes less than `LOW` of it, for `HOLD_S`, for a belt that stands: fault 42, where the encoder has
 //! not said so by then. Without ultrasound a belt that has stopped keeps its force, but then there is nothing to weld it.
 //!
-//! Valid where the drive is ON for longer than it takes to settle ([`SETTLE_S`] and the channel's own time), and where the force stands out
+//! Valid where the drive is ON for longer than it takes to settle (`SETTLE_S` and the channel's own time), and where the force stands out
 //! of its noise: shorter bursts, and forces of less than four times the noise, are not judged. A belt that has stood from the beginning cannot be
 //! told by it. A new amplitude is learned anew.
 //!
-//! A channel whose reading is no number, is missing, or is the same to the last bit for [`STUCK_S`] under drive is broken: fault 46. A
+//! A channel whose reading is no number, is missing, or is the same to the last bit for `STUCK_S` under drive is broken: fault 46. A
 //! converter's noise must be more than its last bit. That is all that is asked of the tension of a belt that restrains somebody in a crash.
 
 use crate::config::Config;
