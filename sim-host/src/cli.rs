@@ -11,6 +11,7 @@
 //! | 130 | interrupted; what there was is kept, and marked |
 
 mod advise;
+mod campaign;
 mod crash;
 mod friction;
 mod guard;

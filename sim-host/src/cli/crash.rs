@@ -5,9 +5,9 @@ use std::process::ExitCode;
 
 use clap::Args;
 
-use super::{Color, EXPECTATION_MISSED, table};
+use super::Color;
 use crate::crash::{self, Extent, table as tables};
-use crate::report::{self, Report};
+use crate::report::Report;
 
 /// Arguments of the command.
 #[derive(Args)]
@@ -27,18 +27,11 @@ pub(super) struct CrashArgs {
 pub(super) fn run(args: &CrashArgs, color: Color) -> anyhow::Result<ExitCode> {
     let extent = if args.quick { Extent::QUICK } else { Extent::FULL };
     let campaign = crash::conduct(extent, &mut |next| eprintln!("{next}"))?;
-    let tables = tables::tables(&campaign);
-    super::print(&tables.iter().map(|block| table::render(block, color.stdout)).collect::<String>())?;
-    if !args.no_report {
-        let page = Report {
-            title: "Crash: a seat belt's friction, switched".into(),
-            subtitle: "Simulated: the controller on the host (SIL), assumed people in an assumed belt".into(),
-            tables,
-            footer: vec![("sim-host".into(), crate::findings::VERSION.to_owned())],
-            ..Report::default()
-        };
-        report::write(&page, &args.output)?;
-        eprintln!("report: {}", args.output.join("report.html").display());
-    }
-    Ok(if campaign.holds() { ExitCode::SUCCESS } else { ExitCode::from(EXPECTATION_MISSED) })
+    let page = Report {
+        title: "Crash: a seat belt's friction, switched".into(),
+        subtitle: "Simulated: the controller on the host (SIL), assumed people in an assumed belt".into(),
+        tables: tables::tables(&campaign),
+        ..Report::default()
+    };
+    super::campaign::end(page, None, (!args.no_report).then_some(&*args.output), campaign.holds(), color)
 }

@@ -5,10 +5,10 @@ use std::process::ExitCode;
 
 use clap::Args;
 
-use super::{Color, EXPECTATION_MISSED, table};
+use super::Color;
 use crate::friction::cases::{Way, all, few};
 use crate::friction::{self, plot, table as tables};
-use crate::report::{self, Report};
+use crate::report::Report;
 
 /// Arguments of the command.
 #[derive(Args)]
@@ -37,23 +37,15 @@ pub(super) fn run(args: &FrictionArgs, color: Color) -> anyhow::Result<ExitCode>
         return super::print(&cases.iter().map(|case| format!("{}: {}\n", case.name(), case.command())).collect::<String>());
     }
     let campaign = friction::conduct(cases)?;
-    let text = if args.markdown { tables::markdown(&campaign) } else { String::new() };
-    let tables = tables::tables(&campaign);
-    let rendered = || tables.iter().map(|block| table::render(block, color.stdout)).collect::<String>();
-    super::print(&if args.markdown { text } else { rendered() })?;
-    if !args.no_report {
-        let page = Report {
-            title: "The friction switch: what is wanted and what is had".into(),
-            subtitle: "Simulated: the controller on the host (SIL)".into(),
-            tables,
-            figures: vec![plot::figure(&campaign)],
-            footer: vec![("sim-host".into(), crate::findings::VERSION.to_owned())],
-            ..Report::default()
-        };
-        report::write(&page, &args.output)?;
-        eprintln!("report: {}", args.output.join("report.html").display());
-    }
+    let page = Report {
+        title: "The friction switch: what is wanted and what is had".into(),
+        subtitle: "Simulated: the controller on the host (SIL)".into(),
+        tables: tables::tables(&campaign),
+        figures: vec![plot::figure(&campaign)],
+        ..Report::default()
+    };
     // The references are shown to miss.
-    let judged = campaign.iter().filter(|found| !matches!(found.case.way, Way::Coulomb | Way::Plain(_)));
-    Ok(if judged.into_iter().all(|found| found.holds()) { ExitCode::SUCCESS } else { ExitCode::from(EXPECTATION_MISSED) })
+    let mut judged = campaign.iter().filter(|found| !matches!(found.case.way, Way::Coulomb | Way::Plain(_)));
+    let markdown = args.markdown.then(|| tables::markdown(&campaign));
+    super::campaign::end(page, markdown, (!args.no_report).then_some(&*args.output), judged.all(|found| found.holds()), color)
 }

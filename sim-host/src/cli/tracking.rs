@@ -5,8 +5,8 @@ use std::process::ExitCode;
 
 use clap::Args;
 
-use super::{Color, EXPECTATION_MISSED, table};
-use crate::report::{self, Report};
+use super::Color;
+use crate::report::Report;
 use crate::tracking::cases::CASES;
 use crate::tracking::{self, Extent, table as tables};
 
@@ -34,18 +34,11 @@ pub(super) fn run(args: &TrackingArgs, color: Color) -> anyhow::Result<ExitCode>
     }
     let extent = if args.quick { Extent::QUICK } else { Extent::FULL };
     let campaign = tracking::conduct(extent, &mut |next| eprintln!("{next}"))?;
-    let tables = tables::tables(&campaign);
-    super::print(&tables.iter().map(|block| table::render(block, color.stdout)).collect::<String>())?;
-    if !args.no_report {
-        let page = Report {
-            title: "Tracking: every case over many runs".into(),
-            subtitle: "Simulated: the controller on the host (SIL)".into(),
-            tables,
-            footer: vec![("sim-host".into(), crate::findings::VERSION.to_owned())],
-            ..Report::default()
-        };
-        report::write(&page, &args.output)?;
-        eprintln!("report: {}", args.output.join("report.html").display());
-    }
-    Ok(if campaign.holds() { ExitCode::SUCCESS } else { ExitCode::from(EXPECTATION_MISSED) })
+    let page = Report {
+        title: "Tracking: every case over many runs".into(),
+        subtitle: "Simulated: the controller on the host (SIL)".into(),
+        tables: tables::tables(&campaign),
+        ..Report::default()
+    };
+    super::campaign::end(page, None, (!args.no_report).then_some(&*args.output), campaign.holds(), color)
 }
