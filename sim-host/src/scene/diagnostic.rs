@@ -53,7 +53,7 @@ impl Problem {
 
     /// Adds what to do about it.
     pub fn help(mut self, help: impl Into<String>) -> Self {
-        self.help = Some(help.into());
+        self.help = Some(help.into().replace('\n', " "));
         self
     }
 }
