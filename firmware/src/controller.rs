@@ -7,7 +7,9 @@ mod acquire;
 mod edges;
 mod follow;
 mod friction;
+mod guarded;
 mod plan;
+mod report;
 mod trims;
 
 use crate::amplitude::AmplitudeLoop;
@@ -22,24 +24,22 @@ use crate::config::{Config, ShapeKind, TrackingMode};
 use crate::controller::edges::Edges;
 use crate::controller::plan::Plan;
 use crate::convert::Convert;
-use crate::demod::{Sensed, Suspect, demodulate};
+use crate::demod::demodulate;
 use crate::error::{Error, in_range};
 use crate::friction::FrictionSwitch;
-use crate::guard::{Driven, Guard, Stage};
+use crate::guard::Guard;
 use crate::identify::{Resonance, Transducer};
 use crate::nco::{Nco, Stretch};
 use crate::phasing::Phasing;
-use crate::phasor::Phasor;
-use crate::restraint::{Class, Restraint};
+use crate::restraint::Restraint;
 use crate::scan::Scan;
 use crate::self_test::SelfTest;
 use crate::shape::Shape;
 use crate::shaper::{Play, Shaper};
-use crate::supervisor::{Acquisition, Fault, Limit, Mode, Supervisor};
+use crate::supervisor::{Acquisition, Mode, Supervisor};
 use crate::sweep::Sweep;
 use crate::telemetry::Telemetry;
-use crate::tracker::{State, Tracker};
-use crate::units::{Hertz, Volts};
+use crate::tracker::Tracker;
 
 /// A block on its way from `process` to the ear: what was played when the answer arrives.
 #[derive(Clone, Copy, Debug, Default)]
@@ -217,36 +217,6 @@ impl Controller {
         Some(restraint.decide(orders, sense.slow.force, fresh, self.supervisor.mode()))
     }
 
-    /// Nothing but a short takes more current than the limit from the tone of the self-test, or lets the voltage collapse under it.
-    fn named(&self, fault: Fault, sensed: &Sensed, volts: f32) -> Fault {
-        let collapses = fault == Fault::SensorImplausible && self.self_test.is_short(sensed, volts);
-        let short = self.supervisor.mode() == Mode::SelfTest && (fault == Fault::OverCurrent || collapses);
-        if short { Fault::LoadShorted } else { fault }
-    }
-
-    /// What the guard has to know of the block just heard.
-    fn driven(&mut self, orders: &Orders, sense: &SenseBlock, heard: &Played, suspect: Suspect) -> Driven {
-        let volts = heard.audible.filter(|_| heard.flat).map(|part| part * heard.volts * heard.envelope.abs());
-        let known = Driven { volts, suspect, ..Driven::default() };
-        if self.guard.watches(sense, &self.belt) { self.watched(orders, heard, known) } else { known }
-    }
-
-    /// The same for what looks at more than voltage and current.
-    #[inline(never)]
-    fn watched(&mut self, orders: &Orders, heard: &Played, known: Driven) -> Driven {
-        let mode = self.supervisor.mode();
-        let now = (self.block + LATENCY_BLOCKS as u64) * self.samples as u64;
-        let switched = self.as_switched(orders);
-        let orders = switched.as_ref().unwrap_or(orders);
-        Driven {
-            stage: Stage::from(mode),
-            wanted: mode == Mode::Lock || mode == Mode::Run && self.burst.is_wanted(orders.gate, now),
-            full: heard.flat && heard.envelope == 1.0 && heard.volts > 0.0,
-            asked: self.asked(orders).1,
-            ..known
-        }
-    }
-
     /// Writes the codes of a plan, and remembers what they are.
     fn play(&mut self, orders: &Orders, plan: &Plan, drive: &mut DriveBlock) -> Played {
         let mode = self.supervisor.mode();
@@ -299,52 +269,6 @@ impl Controller {
             envelope: level,
             flat,
             pure,
-        }
-    }
-
-    /// Why the friction of a contact, or of a D-ring, is not what is wanted.
-    #[inline(never)]
-    fn service_limit(&self, orders: &Orders) -> Option<Limit> {
-        let unknown = |restraint: &Restraint| restraint.class(orders.torso_kg) == Class::Unknown;
-        let unclassified = self.restraint.as_ref().is_some_and(unknown).then_some(Limit::RestraintUnclassified);
-        self.friction_limit(orders).or(unclassified)
-    }
-
-    fn report(&self, orders: &Orders, plan: &Plan, slot: usize, sensed: Sensed, motional_current: Phasor) -> Telemetry {
-        let played = &self.played[slot];
-        let mode = self.supervisor.mode();
-        let following = matches!(mode, Mode::Lock | Mode::Run);
-        let serves = self.friction.is_some() || self.restraint.is_some();
-        let limit = match following {
-            true if self.guard.mutes() => Some(Limit::BeltMuted),
-            true if self.guard.derating() < 1.0 => Some(Limit::Derated),
-            true if self.amplitude.limited() => Some(Limit::OverVoltageRequest),
-            true if self.tracker.limited() || plan.limited => Some(Limit::FrequencyWindow),
-            true if self.phasing.quadrature(orders.quadrature).1 => Some(Limit::QuadratureRequest),
-            true if serves && self.service_limit(orders).is_some() => self.service_limit(orders),
-            true if self.tracker.state() == State::Unheard => Some(Limit::NotTracking),
-            true if self.burst.limited() && mode == Mode::Run => Some(Limit::BoostLimited),
-            _ => None,
-        };
-        Telemetry {
-            block: (self.block - 1) as u32,
-            orders_sequence: orders.sequence,
-            mode,
-            fault: self.supervisor.fault(),
-            limit,
-            locked: following && self.tracker.state() == State::Locked,
-            tuning_word: played.tone.word,
-            frequency: Hertz(self.sweep.hold.nominal_hz() + played.offset_hz),
-            resonance: Hertz(self.sweep.hold.nominal_hz() + self.tracker.estimate_hz()),
-            drive: Volts(played.volts),
-            envelope: played.envelope,
-            v: sensed.v,
-            i: sensed.i,
-            motional_current,
-            phase: plan.phase,
-            transducer: self.transducer,
-            listed: self.scan.roster().in_turn(self.block as usize),
-            friction: self.friction.as_ref().and_then(FrictionSwitch::belief),
         }
     }
 }
