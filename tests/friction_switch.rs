@@ -1,8 +1,8 @@
 //! The friction switch: its law against the host's closed form, and what it does with what it is told and what it hears.
 
 use firmware::block::Orders;
+use firmware::block::Target;
 use firmware::command::{Command, Refusal};
-use firmware::friction::Target;
 use firmware::friction::dahl::{coulomb, friction_ratio};
 use firmware::friction::inverse::solve;
 use sim_host::contact::closed;

@@ -6,7 +6,6 @@
 use heapless::Vec;
 use serde::{Deserialize, Serialize};
 
-use crate::friction::Target;
 use crate::units::{Hertz, Turns};
 
 /// The longest block a controller can be built for, in samples.
@@ -85,6 +84,25 @@ pub enum Amplitude {
     Volts(f32),
     /// Peak motional current, in amperes: the tip velocity times the force factor, held whatever the load does.
     MotionalCurrent(f32),
+}
+
+/// What is wanted of the friction.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub enum Target {
+    /// This part of the friction without vibration, 0 to 1.
+    Ratio(f32),
+    /// This friction, N. Needs a force sensor.
+    Force(f32),
+}
+
+impl Target {
+    /// A number that can be wanted.
+    pub fn is_plausible(&self) -> bool {
+        match *self {
+            Target::Ratio(ratio) => (0.0..=1.0).contains(&ratio),
+            Target::Force(newtons) => newtons.is_finite() && newtons >= 0.0,
+        }
+    }
 }
 
 /// What the converters saw during one block, and the latest slow readings.

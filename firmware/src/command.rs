@@ -4,9 +4,9 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::block::Target;
 use crate::block::{Amplitude, Gate, Orders, Request};
 use crate::config::TrimPoint;
-use crate::friction::Target;
 use crate::identify::{MOST_MODES, Resonance};
 use crate::settings::Kept;
 use crate::telemetry::Telemetry;

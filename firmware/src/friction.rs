@@ -23,9 +23,9 @@ mod terms;
 #[cfg(test)]
 mod tests;
 
-pub use terms::{Belief, Sensed, Target, Wanted};
+pub use terms::{Belief, Sensed, Wanted};
 
-use crate::block::Amplitude;
+use crate::block::{Amplitude, Target};
 use crate::config::{Config, FrictionLaw, Schedule};
 use crate::error::{Error, in_range};
 use crate::friction::average::LowPass;

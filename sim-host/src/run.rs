@@ -3,8 +3,8 @@
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
+use firmware::block::Target;
 use firmware::block::{DriveBlock, Gate, LATENCY_BLOCKS, Orders, Request, SenseBlock, SlowSense};
-use firmware::friction::Target;
 use firmware::supervisor::Mode;
 use firmware::units::{Hertz, Turns};
 use hal_mock::analog::Analog;

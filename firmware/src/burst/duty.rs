@@ -1,7 +1,4 @@
-//! The duty of a burst that repeats, set while running.
-
-use super::Burst;
-use super::schedule::Schedule;
+//! An ON time that is spread over bursts that repeat.
 
 /// An ON time that is spread from period to period. A burst lasts whole periods of the drive, which may keep step with those of the schedule: what is
 /// spread evenly over one of them is rounded right on an average.
@@ -25,18 +22,6 @@ impl Dithered {
         self.turn = self.turn.wrapping_add(GOLDEN);
         let part = (self.turn >> 8) as f32 / (1 << 24) as f32;
         libm::roundf(self.mean + (part - 0.5) * self.spread).clamp(0.0, period as f32) as u64
-    }
-}
-
-impl Burst {
-    /// Whether the schedule repeats a burst.
-    pub fn repeats(&self) -> bool {
-        matches!(self.schedule, Schedule::Periodic { .. })
-    }
-
-    /// From the next period on, bursts of a schedule that repeats are ON for so many samples on an average.
-    pub fn set_on(&mut self, samples: f32) {
-        self.schedule.set_on(samples, self.period_of_drive);
     }
 }
 

@@ -2,6 +2,7 @@
 
 use heapless::Vec;
 
+use super::Burst;
 use super::duty::Dithered;
 use crate::config::{MAX_WINDOWS, Schedule as ScheduleConfig};
 use crate::error::{Error, in_range};
@@ -82,5 +83,17 @@ impl Schedule {
                 if phase < *on { (true, *on - phase) } else { (false, *period - phase) }
             }
         }
+    }
+}
+
+impl Burst {
+    /// Whether the schedule repeats a burst.
+    pub fn repeats(&self) -> bool {
+        matches!(self.schedule, Schedule::Periodic { .. })
+    }
+
+    /// From the next period on, bursts of a schedule that repeats are ON for so many samples on an average.
+    pub fn set_on(&mut self, samples: f32) {
+        self.schedule.set_on(samples, self.period_of_drive);
     }
 }

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::friction::Target;
+use crate::block::Target;
 
 /// The friction switch.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

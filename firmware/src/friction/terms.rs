@@ -2,25 +2,6 @@
 
 use serde::{Deserialize, Serialize};
 
-/// What is wanted of the friction.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub enum Target {
-    /// This part of the friction without vibration, 0 to 1.
-    Ratio(f32),
-    /// This friction, N. Needs a force sensor.
-    Force(f32),
-}
-
-impl Target {
-    /// A number that can be wanted.
-    pub fn is_plausible(&self) -> bool {
-        match *self {
-            Target::Ratio(ratio) => (0.0..=1.0).contains(&ratio),
-            Target::Force(newtons) => newtons.is_finite() && newtons >= 0.0,
-        }
-    }
-}
-
 /// What the switch believes of the contact.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Belief {

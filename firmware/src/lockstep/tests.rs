@@ -1,9 +1,9 @@
 //! The longest records, whole and in pieces, and what is refused.
 
 use super::*;
-use crate::block::{Amplitude, BeltSense, Gate, MAX_BLOCK_SAMPLES, Request, Trips};
+use crate::block::{Amplitude, BeltSense, Gate, MAX_BLOCK_SAMPLES, Request, Target, Trips};
 use crate::config::*;
-use crate::friction::{Belief, Target};
+use crate::friction::Belief;
 use crate::identify::Transducer;
 use crate::supervisor::{Fault, Limit, Mode};
 use crate::units::{Hertz, Turns};

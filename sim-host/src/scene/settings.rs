@@ -2,11 +2,11 @@
 //! the settings store of a calibrated board; everything else is what the user knows beforehand, not the plant's truth.
 
 use firmware::block::Amplitude;
+use firmware::block::Target;
 use firmware::config::{
     Around, Burst, Chirp, ChirpKind, Config, Direction, Drive, Edge, Friction, FrictionLaw, FrontEnd, LaneTrims, Limits, Phasing,
     Restraint, Schedule, ShapeKind, Sweep, Then, Thermometer, Tracking, TrackingMode,
 };
-use firmware::friction::Target;
 
 use crate::scene;
 

@@ -2,23 +2,7 @@
 
 use super::Bench;
 use super::span::Part;
-use super::state::{Ramp, State, Tensions};
-
-/// Which way webbing slides over the D-ring.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Way {
-    /// To the torso.
-    Out,
-    /// To the spool.
-    Back,
-}
-
-impl Way {
-    /// Sign of the payout's speed.
-    pub fn sign(self) -> f64 {
-        if self == Way::Out { 1.0 } else { -1.0 }
-    }
-}
+use super::state::{Ramp, State, Tensions, Way};
 
 /// At which end of what the actuator allows the friction is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

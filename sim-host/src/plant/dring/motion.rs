@@ -8,9 +8,9 @@
 
 use super::Bench;
 use super::actuator::Actuator;
-use super::mode::{Mode, Phase, Slide, Spool, Way};
+use super::mode::{Mode, Phase, Slide, Spool};
 use super::span::Part;
-use super::state::{Ramp, State, Tensions};
+use super::state::{Ramp, State, Tensions, Way};
 
 /// Longest step, s.
 const STEP_S: f64 = 32e-6;

@@ -1,6 +1,20 @@
 //! Where torso, webbing and spool are, what pulls on them, and how far the actuator is.
 
-use super::mode::Way;
+/// Which way webbing slides over the D-ring.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Way {
+    /// To the torso.
+    Out,
+    /// To the spool.
+    Back,
+}
+
+impl Way {
+    /// Sign of the payout's speed.
+    pub fn sign(self) -> f64 {
+        if self == Way::Out { 1.0 } else { -1.0 }
+    }
+}
 
 /// How far the actuator's amplitude has risen: `at + rate (t - from)`.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

@@ -1,11 +1,12 @@
 //! The drive: what it needs to know beforehand, and what must hold it.
 
-use super::webbing::{AMPLITUDE_FRACTION, BELT};
+use super::kind::BELT;
 use super::{Rules, shown};
 use crate::scene::diagnostic::Problem;
 
 pub(super) const AMPLITUDE: &str = "controller.drive.amplitude_v";
 pub(super) const VELOCITY: &str = "controller.drive.velocity_m_per_s";
+pub(super) const AMPLITUDE_FRACTION: &str = "rig.belt.amplitude_fraction";
 pub(super) const SCAN: &str = "controller.drive.scan_v";
 const FORCE_FACTOR: &str = "controller.tracking.nominal_force_factor_n_per_v";
 pub(super) const FREQUENCY: &str = "controller.drive.frequency_hz";

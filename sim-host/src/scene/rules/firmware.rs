@@ -4,8 +4,8 @@ use firmware::controller::Controller;
 use firmware::error::Error;
 
 use super::Rules;
+use super::drive::AMPLITUDE_FRACTION;
 use super::drive::{AMPLITUDE, FREQUENCY, SCAN, VELOCITY};
-use super::webbing::AMPLITUDE_FRACTION;
 use crate::scene::diagnostic::Problem;
 use crate::scene::load::scene_of;
 use crate::scene::schema::{Schema, join};

@@ -1,7 +1,6 @@
 //! The two kinds of scene, and what belongs to which: the firmware drives a stack, or a contact is studied by itself.
 
 use super::Rules;
-use super::webbing::{BELT, EMPIRICAL};
 use crate::scene::diagnostic::Problem;
 use crate::scene::nearest::{listed, shown};
 use crate::scene::schema::{Schema, join};
@@ -20,6 +19,8 @@ pub(super) enum Kind {
     Excited,
 }
 
+pub(super) const BELT: &str = "rig.belt";
+pub(super) const EMPIRICAL: &str = "contact.empirical";
 /// Tables that only a driven scene has.
 const DRIVEN_ONLY: &[&str] = &[
     "amplifier",

@@ -1,15 +1,12 @@
 //! A belt under a horn: its contact, its amplitude and its trigger.
 
-use super::drive::{AMPLITUDE, VELOCITY};
-use super::kind::Kind;
+use super::drive::{AMPLITUDE, AMPLITUDE_FRACTION, VELOCITY};
+use super::kind::{BELT, EMPIRICAL, Kind};
 use super::{Exclusive, Rules};
 use crate::scene::diagnostic::Problem;
 use crate::scene::schema::join;
 use crate::scene::wording::header;
 
-pub(super) const BELT: &str = "rig.belt";
-pub(super) const EMPIRICAL: &str = "contact.empirical";
-pub(super) const AMPLITUDE_FRACTION: &str = "rig.belt.amplitude_fraction";
 const DELAY: &str = "rig.belt.trigger_delay_s";
 const PERIOD: &str = "controller.burst.period_s";
 
