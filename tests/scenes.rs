@@ -98,18 +98,19 @@ fn the_same_seed_gives_the_same_run_and_another_seed_another() {
 }
 
 /// What breaks while the drive is ON is named by its number, and the drive is silent within the time stated: the block that shows it
-/// (32 us), two blocks on their way (64 us), and as many more as the guard takes to be sure. What happens to a belt has scenes of its own.
+/// (32 us), two blocks on their way (64 us), and as many more as the guard takes to be sure.
 #[test]
 fn what_breaks_is_named_and_mutes_the_drive() {
-    for (kind, code, microseconds) in [
-        ("late_block", 11, 96.0),
-        ("saturation", 28, 96.0),
-        ("sensor_stuck", 20, 96.0 + 7.0 * 32.0),
-        ("open", 23, 96.0 + 7.0 * 32.0),
-        ("overtemperature", 44, 96.0),
+    for (scene, kind, code, microseconds) in [
+        ("lock", "late_block", 11, 96.0),
+        ("lock", "saturation", 28, 96.0),
+        ("lock", "sensor_stuck", 20, 96.0 + 7.0 * 32.0),
+        ("lock", "open", 23, 96.0 + 7.0 * 32.0),
+        ("belt-stop", "belt_stopped", 40, 96.0 + 2400.0),
+        ("lock", "overtemperature", 44, 96.0),
     ] {
         let sets = [format!("fault.0.kind={kind}"), "fault.0.at_s=0.2".into()];
-        let loaded = loaded("lock", &sets);
+        let loaded = loaded(scene, &sets);
         let study = study(&loaded);
         assert_eq!(study.metrics.get("fault_code"), Some(f64::from(code)), "{kind}");
         let latency = study.metrics.get("fault_latency_us").unwrap();

@@ -16,8 +16,8 @@ use object::{Object as _, ObjectSection as _, ObjectSymbol as _, SectionFlags, S
 const TARGET: &str = "thumbv7em-none-eabihf";
 const WORKSPACE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/..");
 
-/// What the image may take, bytes. Of the flash 64 KiB are aimed at, which the controller alone exceeds: what must hold is what it takes, and 3 % more.
-const FLASH: u64 = 136 << 10;
+/// What the image may take, bytes. Of the flash 64 KiB are aimed at, which the controller alone exceeds: half of the bank that the code has is what must hold.
+const FLASH: u64 = 128 << 10;
 const FLASH_AIM: u64 = 64 << 10;
 const RAM: u64 = 24 << 10;
 const CCMRAM: u64 = 32 << 10;
