@@ -17,7 +17,7 @@ pub struct Exchange<'a> {
 
 /// The controller with its queues.
 pub struct BlockTask<'a> {
-    controller: Controller,
+    controller: &'a mut Controller,
     orders: Consumer<'a, Orders>,
     telemetry: Producer<'a, Telemetry>,
     trims: Exchange<'a>,
@@ -29,7 +29,7 @@ pub struct BlockTask<'a> {
 impl<'a> BlockTask<'a> {
     /// A task that takes orders from one queue, leaves telemetry in another, and exchanges lane trims.
     pub fn new(
-        controller: Controller,
+        controller: &'a mut Controller,
         orders: Consumer<'a, Orders>,
         telemetry: Producer<'a, Telemetry>,
         trims: Exchange<'a>,

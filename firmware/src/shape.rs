@@ -40,11 +40,16 @@ impl Shape {
 
     /// The configured waveform.
     pub fn build(config: &Config) -> Result<Self, Error> {
-        Ok(match config.drive.shape {
-            ShapeKind::Sine => Shape::Sine,
-            ShapeKind::Square => Shape::Harmonics(&square::BANDS),
-            ShapeKind::Sawtooth => Shape::Harmonics(&sawtooth::BANDS),
-            ShapeKind::Noise => Shape::Noise(Noise::build(config)?),
-        })
+        match config.drive.shape {
+            ShapeKind::Sine => Ok(Shape::Sine),
+            #[cfg(feature = "waveforms")]
+            ShapeKind::Square => Ok(Shape::Harmonics(&square::BANDS)),
+            #[cfg(feature = "waveforms")]
+            ShapeKind::Sawtooth => Ok(Shape::Harmonics(&sawtooth::BANDS)),
+            #[cfg(feature = "waveforms")]
+            ShapeKind::Noise => Noise::build(config).map(Shape::Noise),
+            #[cfg(not(feature = "waveforms"))]
+            _ => Err(Error::WithoutWaveforms),
+        }
     }
 }

@@ -55,7 +55,7 @@ use crate::watchdog::Watchdog;
 /// Orders that may be on their way to the block task.
 pub const ORDERS_DEPTH: usize = 8;
 
-/// The queues between the two sides. They outlive the bench, as a board's statics do.
+/// The queues between the two sides, and the controller. They outlive the bench, as a board's statics do.
 #[derive(Default)]
 pub struct Queues {
     // A ring of N holds N - 1.
@@ -63,6 +63,7 @@ pub struct Queues {
     telemetry: Queue<Telemetry, 64>,
     found: Queue<LaneTrims, 2>,
     taken: Queue<LaneTrims, 2>,
+    controller: Option<Controller>,
 }
 
 /// How the bench is set up.
@@ -128,7 +129,7 @@ impl<'a, A: Analog> Bench<'a, A> {
         if kept == Kept::Stored {
             config.phasing.calibration = trims;
         }
-        let controller = Controller::build(&config)?;
+        let controller = queues.controller.insert(Controller::build(&config)?);
         let keeper = Keeper::new(found_out, taken_in, config.phasing.calibration, kept);
         let task = BlockTask::new(controller, orders_out, telemetry_in, Exchange { found: found_in, taken: taken_out });
 

@@ -19,6 +19,8 @@ mod timers;
 mod uart;
 mod watchdog;
 
+use core::mem::MaybeUninit;
+
 use cortex_m::peripheral::NVIC;
 use cortex_m::{Peripherals, singleton};
 use cortex_m_rt::entry;
@@ -89,8 +91,7 @@ struct Slow {
     keeper: Keeper<'static>,
 }
 
-/// Builds the controller with its queues, and hands it over to the block interrupt. Not inlined: the controller passes over the stack on its way, and
-/// that is given back here.
+/// Builds the controller with its queues, and hands it over to the block interrupt. Not inlined: what that takes of the stack is given back here.
 #[inline(never)]
 fn build(trims: LaneTrims, kept: Kept) -> Slow {
     let queues = (
@@ -107,7 +108,8 @@ fn build(trims: LaneTrims, kept: Kept) -> Slow {
         config.phasing.calibration = trims;
     }
     // Tested on the host; what is kept was checked as it was read.
-    let Ok(controller) = Controller::build(&config) else { panic!("the configuration is not valid") };
+    let Some(place) = singleton!(: MaybeUninit<Controller> = MaybeUninit::uninit()) else { panic!("started twice") };
+    let Ok(controller) = Controller::build_in(place, &config) else { panic!("the configuration is not valid") };
     let task = BlockTask::new(controller, orders_out, reports_in, Exchange { found: found_in, taken: taken_out });
     let hot = singleton!(: Hot = Hot::new(task, Lanes::start(LANES), Encoder::start()));
     let Some(hot) = hot else { panic!("started twice") };
