@@ -101,7 +101,7 @@ impl Scan {
         Ok(())
     }
 
-    /// A scan of the configured window, which has passed [`check`](Self::check).
+    /// A scan of the configured window, which has passed [`check`](Self::check). It [begins](Self::restart) when it is wanted.
     // Not inlined: it is written where the controller stands.
     #[inline(never)]
     pub fn build(config: &Config, hold: &Hold) -> Self {
