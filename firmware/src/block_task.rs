@@ -3,39 +3,33 @@
 use heapless::spsc::{Consumer, Producer};
 
 use crate::block::{DriveBlock, Orders, SenseBlock};
-use crate::config::LaneTrims;
+use crate::capture::recorder::Recorder;
+use crate::config::{Config, LaneTrims};
 use crate::controller::Controller;
+use crate::error::Error;
+use crate::queues::HotEnds;
 use crate::telemetry::Telemetry;
-
-/// Lane trims on their way between the two sides.
-pub struct Exchange<'a> {
-    /// What a calibration has found, to be kept.
-    pub found: Producer<'a, LaneTrims>,
-    /// What to trim by from now on; taken in silence only.
-    pub taken: Consumer<'a, LaneTrims>,
-}
 
 /// The controller with its queues.
 pub struct BlockTask<'a> {
     controller: &'a mut Controller,
     orders: Consumer<'a, Orders>,
-    telemetry: Producer<'a, Telemetry>,
-    trims: Exchange<'a>,
+    reports: Producer<'a, Telemetry>,
+    found: Producer<'a, LaneTrims>,
+    taken: Consumer<'a, LaneTrims>,
+    recorder: Recorder<'a>,
     /// Calibrations that the slow side has been told of.
     told: u32,
     latest: Orders,
 }
 
 impl<'a> BlockTask<'a> {
-    /// A task that takes orders from one queue, leaves telemetry in another, and exchanges lane trims.
-    pub fn new(
-        controller: &'a mut Controller,
-        orders: Consumer<'a, Orders>,
-        telemetry: Producer<'a, Telemetry>,
-        trims: Exchange<'a>,
-    ) -> Self {
+    /// Builds the controller in its place, and a task that takes orders and leaves reports, and what else goes between the two sides.
+    pub fn build(config: &Config, ends: HotEnds<'a>) -> Result<Self, Error> {
+        let HotEnds { place, orders, reports, found, taken, recorder } = ends;
+        let controller = Controller::build_in(place, config)?;
         let told = controller.calibrations();
-        BlockTask { controller, orders, telemetry, trims, told, latest: Orders::default() }
+        Ok(BlockTask { controller, orders, reports, found, taken, recorder, told, latest: Orders::default() })
     }
 
     /// A block of silence: what plays until the first call has returned.
@@ -50,18 +44,19 @@ impl<'a> BlockTask<'a> {
         if let Some(orders) = self.orders.dequeue() {
             self.latest = orders;
         }
-        if let Some(trims) = self.trims.taken.dequeue() {
+        if let Some(trims) = self.taken.dequeue() {
             self.controller.trim(trims);
         }
         let telemetry = self.controller.process(&self.latest, sense, drive);
         self.tell_of_calibration();
-        let _ = self.telemetry.enqueue(telemetry);
+        self.recorder.follow(sense, drive, &telemetry);
+        let _ = self.reports.enqueue(telemetry);
     }
 
     /// Leaves the trims of a calibration that has been completed; where there is no room yet, with a later block.
     fn tell_of_calibration(&mut self) {
         let completed = self.controller.calibrations();
-        if completed != self.told && self.trims.found.enqueue(self.controller.calibration().clone()).is_ok() {
+        if completed != self.told && self.found.enqueue(self.controller.calibration().clone()).is_ok() {
             self.told = completed;
         }
     }

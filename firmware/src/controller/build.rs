@@ -14,7 +14,7 @@ use crate::burst::Burst;
 use crate::calibrate::Calibrate;
 use crate::clamped::PowerOn;
 use crate::clamped::online::Online;
-use crate::config::{Config, ShapeKind, Sweep as SweepKind, TrackingMode};
+use crate::config::{Config, LONGEST_PATIENCE_S, ShapeKind, Sweep as SweepKind, TrackingMode};
 use crate::convert::Convert;
 use crate::error::{Error, in_range};
 use crate::friction::FrictionSwitch;
@@ -51,7 +51,12 @@ impl Controller {
         Parts::build(config).map(|parts| Controller::of(config, parts))
     }
 
-    /// The same where it is to stay: it passes over the stack once at most.
+    /// Whether a controller can be built of it.
+    pub fn check(config: &Config) -> Result<(), Error> {
+        Parts::build(config).map(drop)
+    }
+
+    /// Builds it where it is to stay: it passes over the stack once at most.
     #[inline(never)]
     pub fn build_in<'a>(place: &'a mut MaybeUninit<Self>, config: &Config) -> Result<&'a mut Self, Error> {
         let parts = Parts::build(config)?;
@@ -106,6 +111,7 @@ impl Parts {
     #[inline(never)]
     fn build(config: &Config) -> Result<Self, Error> {
         in_range("block_samples", config.block_samples.into(), 8.0, MAX_BLOCK_SAMPLES as f64)?;
+        in_range("link.patience_s", config.link.patience_s.into(), 0.0, LONGEST_PATIENCE_S.into())?;
         let tracked = config.tracking.mode != TrackingMode::Off;
         if matches!(config.drive.amplitude, Amplitude::MotionalCurrent(_)) && !tracked {
             return Err(Error::CurrentWithoutTracking);
