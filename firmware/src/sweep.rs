@@ -26,9 +26,6 @@ impl Sweep {
         let hold = Hold::build(config.drive.frequency_hz, config.sample_hz)?;
         let chirp = match &config.sweep {
             SweepConfig::Hold => None,
-            #[cfg(not(feature = "waveforms"))]
-            SweepConfig::Chirp(_) => return Err(Error::WithoutWaveforms),
-            #[cfg(feature = "waveforms")]
             SweepConfig::Chirp(chirp) => Some(Chirp::build(chirp, config)?),
         };
         Ok(Sweep { hold, chirp })
