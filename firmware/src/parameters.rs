@@ -20,7 +20,7 @@ use crate::config::{Config, LONGEST_PATIENCE_S, Schedule};
 use crate::settings::Kept;
 
 /// The most parameters that can be kept.
-pub const MOST_PARAMETERS: usize = 32;
+pub const MOST_PARAMETERS: usize = 24;
 
 /// Parameters that differ from what is built in, by their keys.
 pub type Overrides = heapless::Vec<(u8, f32), MOST_PARAMETERS>;

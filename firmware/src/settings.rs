@@ -42,7 +42,7 @@ const TRIMS_ALONE: u8 = 1;
 /// Version and number.
 const HEAD: usize = 5;
 /// Room for the longest value with its key and version, bytes: a multiple of any flash's word.
-const LONGEST: usize = 384;
+const LONGEST: usize = 352;
 
 /// What is kept together.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -102,11 +102,17 @@ type Map<'a, F> = MapStorage<u8, Blocking<&'a mut F>, Cache<Uncached, Uncached, 
 struct Found {
     /// Which write it was.
     number: u32,
-    record: Record,
     kept: Kept,
+    /// It is what was expected.
+    same: bool,
 }
 
 impl Found {
+    /// Nothing that has a number.
+    fn without(kept: Kept) -> Self {
+        Found { number: 0, kept, same: false }
+    }
+
     fn is_newer_than(&self, other: &Found) -> bool {
         match (self.kept, other.kept) {
             // What cannot be read has no number.
@@ -133,36 +139,39 @@ impl<F: NorFlash> Settings<F> {
 
     /// What is kept; nothing where there is nothing that can be used, and why.
     pub fn record(&mut self) -> (Record, Kept) {
-        let found = self.latest().1;
+        let (half, latest) = self.latest(&[]);
+        let stored = latest.kept == Kept::Stored;
+        let record = if stored { self.read(half, decode).ok().flatten().unwrap_or_default() } else { Record::default() };
         // That there is nothing is kept as such.
-        let nothing = found.kept == Kept::Stored && found.record.is_empty();
-        (found.record, if nothing { Kept::Nothing } else { found.kept })
+        let kept = if stored && record.is_empty() { Kept::Nothing } else { latest.kept };
+        (record, kept)
     }
 
     /// Keeps a record. What is kept already is not written again.
     pub fn store(&mut self, record: &Record) -> Result<(), NotKept> {
-        let (half, latest) = self.latest();
-        if latest.record == *record && matches!(latest.kept, Kept::Stored | Kept::Nothing) {
+        let mut value = [0; LONGEST];
+        let length = HEAD + postcard::to_slice(record, &mut value[HEAD..]).map_err(|_| NotKept)?.len();
+        let (half, latest) = self.latest(&value[HEAD..length]);
+        if latest.kept == Kept::Stored && latest.same || latest.kept == Kept::Nothing && record.is_empty() {
             return Ok(());
         }
-        let mut value = [0; LONGEST];
         value[0] = VERSION;
         value[1..HEAD].copy_from_slice(&latest.number.wrapping_add(1).to_le_bytes());
-        let length = postcard::to_slice(record, &mut value[HEAD..]).map_err(|_| NotKept)?.len();
-        let value = &value[..HEAD + length];
+        let value = &value[..length];
         // Into the other half. If it is beyond repair it is erased first: what is kept stands in this one.
-        if self.write(1 - half, value).is_ok() && self.keeps(record) {
+        if self.write(1 - half, value).is_ok() && self.keeps(value) {
             return Ok(());
         }
         let mut map = self.map(1 - half).ok_or(NotKept)?;
         wait(map.erase_all()).map_err(|_| NotKept)?;
         self.write(1 - half, value)?;
-        if self.keeps(record) { Ok(()) } else { Err(NotKept) }
+        if self.keeps(value) { Ok(()) } else { Err(NotKept) }
     }
 
-    /// Whether this is the record that would be read now: damage elsewhere in the flash may hide what was written.
-    fn keeps(&mut self, record: &Record) -> bool {
-        self.latest().1.record == *record
+    /// Whether this is what would be read now: damage elsewhere in the flash may hide what was written.
+    fn keeps(&mut self, value: &[u8]) -> bool {
+        let latest = self.latest(&value[HEAD..]).1;
+        latest.kept == Kept::Stored && latest.same
     }
 
     /// Keeps nothing.
@@ -176,9 +185,13 @@ impl<F: NorFlash> Settings<F> {
         self.flash
     }
 
-    /// The half that was written last, and what it has.
-    fn latest(&mut self) -> (u32, Found) {
-        let (first, second) = (self.read(0), self.read(1));
+    /// The half that was written last, and what it has; whether that is `expected`.
+    fn latest(&mut self, expected: &[u8]) -> (u32, Found) {
+        let [first, second] = [0, 1].map(|half| match self.read(half, |bytes| look(bytes, expected)) {
+            Ok(Some(found)) => found,
+            Ok(None) => Found::without(Kept::Nothing),
+            Err(NotKept) => Found::without(Kept::Damaged),
+        });
         if second.is_newer_than(&first) { (1, second) } else { (0, first) }
     }
 
@@ -187,14 +200,14 @@ impl<F: NorFlash> Settings<F> {
         Some(MapStorage::new(Blocking(&mut self.flash), config, Cache::new_uncached()))
     }
 
-    fn read(&mut self, half: u32) -> Found {
+    /// What is made of the value in a half; none where there is none, and an error where nothing can be made of it.
+    fn read<T>(&mut self, half: u32, make: impl FnOnce(&[u8]) -> Option<T>) -> Result<Option<T>, NotKept> {
         let mut buffer = [0; LONGEST];
-        let damaged = Found { number: 0, record: Record::default(), kept: Kept::Damaged };
-        let Some(mut map) = self.map(half) else { return damaged };
+        let mut map = self.map(half).ok_or(NotKept)?;
         match wait(map.fetch_item::<&[u8]>(&mut buffer, &RECORD)) {
-            Ok(Some(bytes)) => parse(bytes).unwrap_or(damaged),
-            Ok(None) => Found { kept: Kept::Nothing, ..damaged },
-            Err(_) => damaged,
+            Ok(Some(bytes)) => make(bytes).map(Some).ok_or(NotKept),
+            Ok(None) => Ok(None),
+            Err(_) => Err(NotKept),
         }
     }
 
@@ -205,17 +218,27 @@ impl<F: NorFlash> Settings<F> {
     }
 }
 
-/// Version, number and value; `None` where it is damaged.
-fn parse(bytes: &[u8]) -> Option<Found> {
+/// What a value is, and whether it is the expected one; `None` where it is damaged.
+fn look(bytes: &[u8], expected: &[u8]) -> Option<Found> {
     let (head, value) = bytes.split_at_checked(HEAD)?;
     let number = u32::from_le_bytes(head[1..].try_into().ok()?);
+    let kept = match head[0] {
+        VERSION | TRIMS_ALONE => decode(bytes).map(|_| Kept::Stored)?,
+        other => Kept::Version(other),
+    };
+    Some(Found { number, kept, same: head[0] == VERSION && value == expected })
+}
+
+/// The record in a value; `None` where it is damaged, or of another version. Not inlined: a record is not to stand on the stack for longer.
+#[inline(never)]
+fn decode(bytes: &[u8]) -> Option<Record> {
+    let (head, value) = bytes.split_at_checked(HEAD)?;
     let record = match head[0] {
         VERSION => postcard::from_bytes::<Record>(value).ok()?,
         TRIMS_ALONE => Record { trims: postcard::from_bytes(value).ok()?, parameters: Overrides::new() },
-        other => return Some(Found { number, record: Record::default(), kept: Kept::Version(other) }),
+        _ => return None,
     };
-    check_calibration(&record.trims).ok()?;
-    Some(Found { number, record, kept: Kept::Stored })
+    check_calibration(&record.trims).is_ok().then_some(record)
 }
 
 /// A flash that makes its caller wait, as one that is waited for.
