@@ -263,7 +263,7 @@ impl Controller {
             tone,
             relative: hz / self.sweep.hold.nominal_hz(),
             offset_hz,
-            detune_hz: if running && self.tracker.tracks() { offset_hz - self.tracker.offset_hz() } else { 0.0 },
+            detune_hz: if running && self.tracker.tracks() { offset_hz - plan.tracked_hz } else { 0.0 },
             volts,
             audible: fundamental.map(|part| part * gain),
             envelope: level,

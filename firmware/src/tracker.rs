@@ -19,6 +19,7 @@ use crate::error::Error;
 use crate::identify::Transducer;
 use crate::motional::Motional;
 use crate::phasor::Phasor;
+use crate::tracker::compare::{larger, smaller};
 use crate::tracker::identified::Known;
 use crate::tracker::lock_detector::{Lock, LockDetector};
 use crate::tracker::observed::{Observed, Seek};
@@ -312,7 +313,7 @@ impl Tracker {
     pub fn offset_hz(&self) -> f32 {
         let window = self.window_hz();
         match self.observed.as_ref().and_then(Observed::offset_hz) {
-            Some(offset_hz) => offset_hz.clamp(-window, window),
+            Some(offset_hz) => smaller(larger(offset_hz, -window), window),
             None => self.phase_loop.offset_hz(),
         }
     }

@@ -10,6 +10,7 @@ use crate::identify::Transducer;
 use crate::phasor::{Phasor, magnitude};
 use crate::shape::Shape;
 use crate::supervisor::Mode;
+use crate::tracker::compare::{larger, smaller};
 use crate::tracker::{Heard, State};
 
 /// How often what the observer knows of the transducer is taken, blocks.
@@ -82,7 +83,8 @@ impl Controller {
         if self.online.drifts() {
             self.probe(orders, sensed, played);
         }
-        let (offset_hz, limited) = self.detune(orders);
+        let tracked_hz = if self.tracker.tracks() { self.tracker.offset_hz() } else { 0.0 };
+        let (offset_hz, limited) = self.detune(orders, tracked_hz);
         self.sweep.hold.retune(offset_hz);
         // An edge is never quite one, whatever its mean rounds to.
         let envelope = if played.flat || played.envelope > 1.0 { played.envelope } else { played.envelope.min(0.999) };
@@ -107,7 +109,7 @@ impl Controller {
         if boosts {
             self.burst.set_drive(volts);
         }
-        Plan { volts, gate: orders.gate, listen: 0, phase, limited, progress: self.lock_progress() }
+        Plan { volts, gate: orders.gate, listen: 0, tracked_hz, phase, limited, progress: self.lock_progress() }
     }
 
     /// The amplitude asked for, as far as it is not derated; and as a number, before that.
@@ -121,11 +123,11 @@ impl Controller {
 
     /// Where to drive, as an offset from the nominal frequency, Hz, and whether the order had to be limited. Only what runs is moved
     /// away from the resonance.
-    fn detune(&self, orders: &Orders) -> (f32, bool) {
+    fn detune(&self, orders: &Orders, tracked_hz: f32) -> (f32, bool) {
         let window = self.tracker.window_hz();
         let asked = if self.supervisor.mode() == Mode::Run && orders.detune.0.is_finite() { orders.detune.0 } else { 0.0 };
-        let offset = if self.tracker.tracks() { self.tracker.offset_hz() } else { 0.0 };
-        let wanted = offset + asked + self.probe_hz;
-        (wanted.clamp(-window, window), wanted.abs() > window)
+        let wanted = tracked_hz + asked + self.probe_hz;
+        // `clamp` could panic, for all that the compiler knows.
+        (smaller(larger(wanted, -window), window), wanted.abs() > window)
     }
 }

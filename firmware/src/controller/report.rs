@@ -5,12 +5,29 @@ use super::plan::Plan;
 use crate::block::Orders;
 use crate::demod::Sensed;
 use crate::friction::FrictionSwitch;
+use crate::identify::Transducer;
 use crate::phasor::Phasor;
 use crate::restraint::{Class, Restraint};
 use crate::supervisor::{Limit, Mode};
 use crate::telemetry::Telemetry;
 use crate::tracker::State;
 use crate::units::{Hertz, Volts};
+
+/// Copies what is known of the transducer, number by number: all of it at once is more than the compiler moves without a call, which takes three times
+/// as long.
+#[inline]
+fn copy(to: &mut Transducer, from: &Transducer) {
+    to.series_resonance_hz = from.series_resonance_hz;
+    to.parallel_resonance_hz = from.parallel_resonance_hz;
+    to.q = from.q;
+    to.rm_ohm = from.rm_ohm;
+    to.lm_h = from.lm_h;
+    to.cm_f = from.cm_f;
+    to.c0_f = from.c0_f;
+    to.coupling = from.coupling;
+    to.deviations = from.deviations;
+    (to.modes, to.chosen) = (from.modes, from.chosen);
+}
 
 impl Controller {
     /// Why the friction of a contact, or of a D-ring, is not what is wanted.
@@ -33,6 +50,7 @@ impl Controller {
         let played = &self.played[slot];
         let mode = self.supervisor.mode();
         let following = matches!(mode, Mode::Lock | Mode::Run);
+        let state = self.tracker.state();
         let serves = self.friction.is_some() || self.restraint.is_some();
         let limit = match following {
             true if self.guard.mutes() => Some(Limit::BeltMuted),
@@ -40,18 +58,20 @@ impl Controller {
             true if self.amplitude.limited() => Some(Limit::OverVoltageRequest),
             true if self.tracker.limited() || plan.limited => Some(Limit::FrequencyWindow),
             true if self.phasing.quadrature(orders.quadrature).1 => Some(Limit::QuadratureRequest),
-            true if serves && self.service_limit(orders).is_some() => self.service_limit(orders),
-            true if self.tracker.state() == State::Unheard => Some(Limit::NotTracking),
-            true if self.burst.limited() && mode == Mode::Run => Some(Limit::BoostLimited),
-            _ => None,
+            true => serves.then(|| self.service_limit(orders)).flatten().or_else(|| match state {
+                State::Unheard => Some(Limit::NotTracking),
+                _ if self.burst.limited() && mode == Mode::Run => Some(Limit::BoostLimited),
+                _ => None,
+            }),
+            false => None,
         };
-        Telemetry {
+        let mut report = Telemetry {
             block: (self.block - 1) as u32,
             orders_sequence: orders.sequence,
             mode,
             fault: self.supervisor.fault(),
             limit,
-            locked: following && self.tracker.state() == State::Locked,
+            locked: following && state == State::Locked,
             tuning_word: played.tone.word,
             frequency: Hertz(self.sweep.hold.nominal_hz() + played.offset_hz),
             resonance: Hertz(self.sweep.hold.nominal_hz() + self.tracker.estimate_hz()),
@@ -61,9 +81,13 @@ impl Controller {
             i: sensed.i,
             motional_current,
             phase: plan.phase,
-            transducer: self.transducer,
+            transducer: None,
             listed: self.scan.roster().in_turn(self.block as usize),
             friction: self.friction.as_ref().and_then(FrictionSwitch::belief),
+        };
+        if let Some(transducer) = &self.transducer {
+            copy(report.transducer.insert(Transducer::default()), transducer);
         }
+        report
     }
 }
