@@ -20,7 +20,7 @@ use crate::identify::Transducer;
 use crate::motional::Motional;
 use crate::phasor::Phasor;
 use crate::tracker::compare::{larger, smaller};
-use crate::tracker::identified::Known;
+use crate::tracker::identified::{Known, Learning};
 use crate::tracker::lock_detector::{Lock, LockDetector};
 use crate::tracker::observed::{Observed, Seek};
 use crate::tracker::observer::Prior;
@@ -180,6 +180,13 @@ impl Tracker {
     /// Whether an observer is sure of its resonance, and nothing speaks against it.
     pub fn is_sure(&self) -> bool {
         self.observed.as_ref().is_some_and(Observed::is_sure)
+    }
+
+    /// Begins to learn the same in parts, where there is an observer.
+    pub fn learn(&self, learning: &mut Learning) {
+        if let Some(observed) = &self.observed {
+            learning.begin(observed.observer(), self.nominal_hz, &self.known);
+        }
     }
 
     /// What the observer knows of the transducer by now.

@@ -52,6 +52,7 @@ impl Controller {
         self.sweep.hold.retune(self.tracker.offset_hz());
         self.amplitude.seed(&transducer, motional_current);
         self.transducer = Some(transducer);
+        self.learning.abandon();
     }
 
     pub(super) fn lock_progress(&mut self) -> Progress {

@@ -6,7 +6,6 @@ use crate::block::{Amplitude, Orders};
 use crate::clamped::online;
 use crate::demod::Sensed;
 use crate::guard::heat::Thermometers;
-use crate::identify::Transducer;
 use crate::phasor::{Phasor, magnitude};
 use crate::shape::Shape;
 use crate::supervisor::Mode;
@@ -17,20 +16,43 @@ use crate::tracker::{Heard, State};
 pub(super) const LEARN_BLOCKS: u64 = 64;
 
 impl Controller {
-    /// Takes what the observer knows of the transducer, which is sure of it.
-    fn learn(&mut self) -> Option<Transducer> {
-        let transducer = self.tracker.identify()?;
-        self.tracker.set_resonance(&transducer);
+    /// Begins to take what the observer knows of the transducer, which is sure of it: what is followed by at once.
+    fn begin_to_learn(&mut self) {
+        self.tracker.learn(&mut self.learning);
+        let transducer = self.learning.transducer();
+        self.tracker.set_resonance(transducer);
         self.online.set_resonance(transducer.series_resonance_hz, transducer.q);
-        (self.transducer, self.learned) = (Some(transducer), self.block);
-        Some(transducer)
+        self.learned = self.block;
     }
 
-    /// The same again, now and then.
+    /// Goes on with it.
+    fn work_on_it(&mut self) {
+        self.learning.advance();
+        if self.learning.is_over() {
+            self.transducer.get_or_insert_default().copy(self.learning.transducer());
+        }
+    }
+
+    /// Takes all of it at once.
+    fn learn(&mut self) {
+        self.begin_to_learn();
+        while !self.learning.is_over() {
+            self.work_on_it();
+        }
+    }
+
+    /// The same again, now and then; in parts, in blocks in which nothing else is calculated.
     pub(super) fn learn_on(&mut self) {
         let following = matches!(self.supervisor.mode(), Mode::Lock | Mode::Run);
         if following && self.transducer.is_some() && self.block - self.learned >= LEARN_BLOCKS && self.tracker.is_sure() {
-            self.learn();
+            // A friction switch has its own work in all other blocks.
+            if self.friction.is_some() {
+                self.learn();
+            } else {
+                self.begin_to_learn();
+            }
+        } else if !self.learning.is_over() && self.edges.are_idle() {
+            self.work_on_it();
         }
         if following && self.block.is_multiple_of(LEARN_BLOCKS) && self.tracker.state() == State::Locked {
             let susceptance = self.online.motional().y0.im;
@@ -74,11 +96,10 @@ impl Controller {
         };
         let at_lock_point = self.tracker.at_lock_point(motional, played.detune_hz);
         let phase = self.tracker.follow(sensed, motional, at_lock_point, &heard);
-        if self.transducer.is_none()
-            && self.tracker.is_sure()
-            && let Some(transducer) = self.learn()
-        {
-            self.amplitude.seed(&transducer, magnitude(motional));
+        if self.transducer.is_none() && self.tracker.is_sure() {
+            // All at once: the amplitude begins with it.
+            self.learn();
+            self.amplitude.seed(self.learning.transducer(), magnitude(motional));
         }
         if self.online.drifts() {
             self.probe(orders, sensed, played);

@@ -57,6 +57,7 @@ impl Controller {
         self.calibrate.abandon(&mut self.phasing);
         self.scan.restart();
         self.transducer = None;
+        self.learning.abandon();
         self.sweep.hold.retune(0.0);
         self.sweep.restart();
         self.tracker.restart();

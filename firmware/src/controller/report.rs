@@ -5,29 +5,12 @@ use super::plan::Plan;
 use crate::block::Orders;
 use crate::demod::Sensed;
 use crate::friction::FrictionSwitch;
-use crate::identify::Transducer;
 use crate::phasor::Phasor;
 use crate::restraint::{Class, Restraint};
 use crate::supervisor::{Limit, Mode};
 use crate::telemetry::Telemetry;
 use crate::tracker::State;
 use crate::units::{Hertz, Volts};
-
-/// Copies what is known of the transducer, number by number: all of it at once is more than the compiler moves without a call, which takes three times
-/// as long.
-#[inline]
-fn copy(to: &mut Transducer, from: &Transducer) {
-    to.series_resonance_hz = from.series_resonance_hz;
-    to.parallel_resonance_hz = from.parallel_resonance_hz;
-    to.q = from.q;
-    to.rm_ohm = from.rm_ohm;
-    to.lm_h = from.lm_h;
-    to.cm_f = from.cm_f;
-    to.c0_f = from.c0_f;
-    to.coupling = from.coupling;
-    to.deviations = from.deviations;
-    (to.modes, to.chosen) = (from.modes, from.chosen);
-}
 
 impl Controller {
     /// Why the friction of a contact, or of a D-ring, is not what is wanted.
@@ -86,7 +69,7 @@ impl Controller {
             friction: self.friction.as_ref().and_then(FrictionSwitch::belief),
         };
         if let Some(transducer) = &self.transducer {
-            copy(report.transducer.insert(Transducer::default()), transducer);
+            report.transducer.get_or_insert_default().copy(transducer);
         }
         report
     }
