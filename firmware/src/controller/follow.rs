@@ -33,6 +33,11 @@ impl Controller {
         }
     }
 
+    /// Whether the transducer is known, or all of it that the amplitude begins with.
+    fn knows(&self) -> bool {
+        self.transducer.is_some() || !self.learning.is_over()
+    }
+
     /// Takes all of it at once.
     fn learn(&mut self) {
         self.begin_to_learn();
@@ -96,9 +101,8 @@ impl Controller {
         };
         let at_lock_point = self.tracker.at_lock_point(motional, played.detune_hz);
         let phase = self.tracker.follow(sensed, motional, at_lock_point, &heard);
-        if self.transducer.is_none() && self.tracker.is_sure() {
-            // All at once: the amplitude begins with it.
-            self.learn();
+        if !self.knows() && self.tracker.is_sure() {
+            self.begin_to_learn();
             self.amplitude.seed(self.learning.transducer(), magnitude(motional));
         }
         if self.online.drifts() {
@@ -115,7 +119,7 @@ impl Controller {
         } else {
             self.prepare_brake(orders.gate);
         }
-        let known = self.transducer.is_some() || !self.tracker.observes();
+        let known = self.knows() || !self.tracker.observes();
         if known {
             if on && told.rung_up {
                 self.amplitude.has_rung_up();

@@ -1,7 +1,7 @@
 //! The transducer as the observer knows it: resonance and damping from the pole, inductance from the strength; the clamped capacitance is what the
 //! calibration has measured. The strength is learned while the current builds up, so that Q and Rm are as good as it is.
 
-use crate::identify::{Deviations, Transducer};
+use crate::identify::Transducer;
 use crate::tracker::observer::{Observer, Spread};
 
 const TAU: f32 = core::f32::consts::TAU;
