@@ -107,8 +107,7 @@ impl Shaper {
         let size = Size::of(play);
         self.driven = size.wanted;
         if play.louder > 1.0 && !play.envelope.is_flat() {
-            let half_cycle = size.wanted * play.louder / (core::f32::consts::PI * play.stretch.frequency());
-            self.most_owed = ((MOST_OWED.1 * half_cycle).min(1e8) as i32).max(MOST_OWED.0);
+            self.let_owe(size.wanted * play.louder, play.stretch.frequency());
         }
         match shape {
             Shape::Sine if play.stretch.step == 0 => self.steady(size, play, drive),
@@ -116,6 +115,13 @@ impl Shaper {
             Shape::Harmonics(bands) => self.harmonics(bands, size, play, drive),
             Shape::Noise(noise) => self.noise(noise, size, play, drive),
         }
+    }
+
+    /// Lets as much be owed as an edge of this amplitude, codes, may leave.
+    #[inline(never)]
+    fn let_owe(&mut self, amplitude: f32, frequency: f32) {
+        let half_cycle = amplitude / (core::f32::consts::PI * frequency);
+        self.most_owed = ((MOST_OWED.1 * half_cycle).min(1e8) as i32).max(MOST_OWED.0);
     }
 
     /// A sine of constant frequency. Most blocks are one of the first two, which are kept apart so that neither pays for the other.
@@ -272,6 +278,7 @@ impl Shaper {
     }
 
     /// Mid-code, but for what is owed.
+    #[inline(never)]
     fn silence(&mut self, play: &Play, drive: &mut DriveBlock) {
         let (mid, (codes, part)) = (play.scale.silence(), PAYBACK);
         let most = (self.driven * part).clamp(1.0, codes) as i32;
