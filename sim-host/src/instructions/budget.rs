@@ -61,7 +61,7 @@ const fn aiming(of: &'static [(&'static str, &'static str)], name: &'static str,
 }
 
 /// Every bound. Half a step of a 14-bit converter is 6.1e-5 of its half range.
-pub const BUDGET: [Bound; 41] = [
+pub const BUDGET: [Bound; 46] = [
     bound(
         &[("stage", "sine, four lanes"), ("stage", "lock-in"), ("stage", "tracker, observer")],
         "sine on four lanes, lock-in and tracker",
@@ -144,6 +144,21 @@ pub const BUDGET: [Bound; 41] = [
         FOUR,
     ),
     aiming(&[("worst block", "four lanes, scan")], "worst block of the scan, four lanes", Unit::Block, 4680.0, FOUR),
+    aiming(&[("worst block", "four trimmed lanes, run")], "worst block ON, four trimmed lanes", Unit::Block, 4335.0, FOUR),
+    aiming(
+        &[("worst block", "four trimmed lanes, run at an edge")],
+        "worst block at an edge, four trimmed lanes",
+        Unit::Block,
+        5120.0,
+        FOUR,
+    ),
+    aiming(
+        &[("worst block", "four trimmed lanes, boosted, run")],
+        "worst block beside a boosted edge, four trimmed lanes",
+        Unit::Block,
+        5575.0,
+        FOUR,
+    ),
     bound(&[("worst block", "one lane, run, 64 samples a block")], "in blocks of 64: ON, one lane", Unit::Block, 3995.0),
     bound(
         &[("worst block", "one lane, run at an edge, 64 samples a block")],
@@ -192,6 +207,18 @@ pub const BUDGET: [Bound; 41] = [
         5420.0,
     ),
     bound(&[("worst block", "four lanes, scan, 64 samples a block")], "in blocks of 64: scan, four lanes", Unit::Block, 6300.0),
+    bound(
+        &[("worst block", "four trimmed lanes, run, 64 samples a block")],
+        "in blocks of 64: ON, four trimmed lanes",
+        Unit::Block,
+        5710.0,
+    ),
+    bound(
+        &[("worst block", "four trimmed lanes, boosted, run at an edge, 64 samples a block")],
+        "in blocks of 64: at a boosted edge, four trimmed lanes",
+        Unit::Block,
+        7915.0,
+    ),
 ];
 
 /// Holds what was counted against the budget.

@@ -34,14 +34,17 @@ struct Trial {
     lanes: u8,
     samples: usize,
     edge: Edge,
+    /// Gains of the lanes, none where they are alike.
+    gains: &'static [f32],
 }
 
 /// Counts power-ups with one lane and with four, in blocks and in longer blocks; of a second resonance, of the phase loop behind a scan, and of boosted
-/// bursts, only what differs.
+/// bursts, only what differs. Lanes that are trimmed are nobody's opposites.
 pub fn count(counter: &Counter) {
-    for (name, lanes) in [("one lane", 1), ("four lanes", 4)] {
+    for (name, lanes, gains) in [("one lane", 1, &[][..]), ("four lanes", 4, &[]), ("four trimmed lanes", 4, &TRIMMED)] {
         for (length, samples) in [("", SAMPLES), (", 64 samples a block", LONG_BLOCK)] {
-            let plain = Trial { transducer: Transducer::new(), tracking: TrackingMode::Observer, lanes, samples, edge: SOFT };
+            let plain =
+                Trial { transducer: Transducer::new(), tracking: TrackingMode::Observer, lanes, samples, edge: SOFT, gains };
             let print = |names: &[&str; KINDS], trial: &Trial| {
                 for (kind, tally) in names.iter().zip(&power_up(counter, trial)) {
                     tally.print(name, kind, length, samples);
@@ -55,6 +58,8 @@ pub fn count(counter: &Counter) {
     }
 }
 
+/// Gains of four lanes of which none is like another.
+const TRIMMED: [f32; 4] = [0.99, 1.0, 0.98, 0.97];
 /// How many kinds of blocks are told apart.
 const KINDS: usize = 9;
 /// What is told apart: the mode a block begins in, and in a run what the envelope is.
@@ -121,7 +126,7 @@ impl Tally {
         if kind.is_empty() || self.blocks == 0 {
             return;
         }
-        let mut name = heapless::String::<64>::new();
+        let mut name = heapless::String::<80>::new();
         // The longest of the names fits.
         let _ = write!(name, "{lanes}, {kind}{length}");
         line("process", &name, samples, self.blocks, self.ticks.into());
@@ -134,6 +139,7 @@ fn power_up(counter: &Counter, trial: &Trial) -> [Tally; KINDS] {
     let mut tallies = [Tally::default(); KINDS];
     let mut config = config(trial.tracking, trial.lanes, trial.samples);
     config.burst.edge = trial.edge;
+    config.phasing.gain_trim = trial.gains.iter().copied().collect();
     let mut controller = Controller::build(&config).expect("a valid configuration");
     let mut playing = [controller.silence(), controller.silence()];
     let (mut transducer, mut sense) = (trial.transducer.clone(), SenseBlock::default());
