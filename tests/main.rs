@@ -11,6 +11,7 @@ mod friction;
 mod friction_switch;
 mod motor;
 mod observer;
+mod on_target;
 mod processor_in_the_loop;
 mod scenes;
 mod tracking;

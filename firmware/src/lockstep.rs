@@ -3,11 +3,13 @@
 //! Host and processor take turns, so that neither ever holds more than one record:
 //!
 //! ```text
-//! host       Config            Question            Question            (end of stream)
-//! processor          Opening             Answer              Answer
+//! host       Config            Question            Question            (none)            (end of stream)
+//! processor          Opening             Answer              Answer            Closing
 //!
 //! record = length: u16, little-endian | body: postcard
 //! ```
+//!
+//! A record without a body asks for the [`Closing`]: what the run has needed of the processor. More questions may follow.
 //!
 //! Codes travel as raw little-endian bytes: as postcard's variable-length integers they would take more instructions than the
 //! controller itself. The records' versions are those of this crate: both ends are built from the same source.
@@ -67,6 +69,18 @@ pub struct Answer {
     /// Instructions that the call has taken, to within a tick of the processor's timer (about 6); `None` where it cannot count them.
     pub instructions: Option<u32>,
 }
+
+/// What a run has needed of the processor.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Closing {
+    /// The deepest that the stack was until the controller was built, bytes from its top.
+    pub stack_power_up_bytes: u32,
+    /// The deepest that it was since then, bytes from its top.
+    pub stack_blocks_bytes: u32,
+}
+
+/// The record that asks for the [`Closing`].
+pub const CLOSE: [u8; LENGTH_BYTES] = [0; LENGTH_BYTES];
 
 /// A record that does not fit into [`MAX_RECORD`], or is not of the expected form.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

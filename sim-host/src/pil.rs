@@ -20,8 +20,10 @@ mod qemu;
 #[cfg(not(target_os = "linux"))]
 #[path = "pil/nowhere.rs"]
 mod qemu;
+#[cfg(target_os = "linux")]
+mod size;
 
-pub use image::{IMAGE_VARIABLE, counting_image, image, missing};
+pub use image::{IMAGE_VARIABLE, counting_image, image, missing, test_image};
 pub use qemu::Qemu;
 
 /// Why there is no processor in the loop.

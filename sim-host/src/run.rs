@@ -13,6 +13,7 @@ use hal_mock::fault_injector::{FaultInjector, FaultKind, Scheduled};
 use hal_mock::tracer::DriveHash;
 
 use crate::edge_meter::EdgeMeter;
+use crate::pil::PilError;
 use crate::plant::{Plant, circuit_of};
 use crate::processor::{Here, Lost, Processor};
 use crate::record::{Command, Record, Row, Window};
@@ -30,6 +31,9 @@ pub enum RunError {
     /// The processor was lost on the way.
     #[error(transparent)]
     Lost(#[from] Lost),
+    /// There is no processor in the loop.
+    #[error(transparent)]
+    Pil(#[from] PilError),
 }
 
 /// How far a run looks beyond its own metrics.
@@ -84,7 +88,9 @@ pub fn run_on(processor: &mut dyn Processor, scene: &Driven, mut watch: Watch) -
         let telemetry = clock.tick(|sense, drive| processor.process(&script.orders, sense, drive))?;
         script.follow(telemetry.mode);
         clock.analog.running = telemetry.mode == Mode::Run;
-        record.worst_block_instructions = record.worst_block_instructions.max(processor.instructions());
+        if let Some(instructions) = processor.instructions() {
+            record.instructions.get_or_insert_default().add(instructions);
+        }
         let played = std::mem::replace(slot, Command::of(&telemetry));
         let time_s = (block + 1) as f64 * samples as f64 / sample_hz;
         if (block + 1).is_multiple_of(every) {
@@ -102,6 +108,7 @@ pub fn run_on(processor: &mut dyn Processor, scene: &Driven, mut watch: Watch) -
     record.windows = recorder.windows;
     record.edges = recorder.edges.finish();
     record.trace = recorder.tracer;
+    record.memory = processor.memory()?;
     record.wall_s = began.elapsed().as_secs_f64();
     Ok(record)
 }

@@ -156,8 +156,22 @@ fn the_longest_records_come_back_whole_or_in_pieces() {
         comes_back(&longest_question(), piece);
         comes_back(&longest_answer(), piece);
         comes_back(&Opening::Ok(Silence { drive: longest_answer().drive }), piece);
+        comes_back(&Closing { stack_power_up_bytes: u32::MAX, stack_blocks_bytes: u32::MAX }, piece);
         comes_back(&Opening::Err("x".repeat(MAX_REASON).as_str().try_into().unwrap()), piece);
     }
+}
+
+#[test]
+fn what_asks_for_the_closing_is_a_record_and_no_question() {
+    let mut sent = Some(CLOSE);
+    let read = |bytes: &mut [u8]| {
+        let close = sent.take().ok_or(())?;
+        bytes[..close.len()].copy_from_slice(&close);
+        Ok(close.len())
+    };
+    let mut buffer = BUFFER;
+    let body = receive(&mut buffer, read).unwrap().expect("a whole record");
+    assert!(body.is_empty() && decode::<Question>(body).is_err());
 }
 
 #[test]

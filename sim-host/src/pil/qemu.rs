@@ -1,12 +1,12 @@
 //! The controller under QEMU, as a processor.
 
 use std::io::{PipeReader, PipeWriter, Read, Write};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use firmware::block::{DriveBlock, Orders, SenseBlock};
 use firmware::config::Config;
-use firmware::lockstep::{self, Answer, Opening, Question};
+use firmware::lockstep::{self, Answer, Closing, Opening, Question};
 use firmware::telemetry::Telemetry;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
@@ -14,13 +14,15 @@ use serde::de::DeserializeOwned;
 use super::PilError;
 use super::emulator::Emulator;
 use super::one_core::OneCore;
-use crate::processor::{Lost, Processor};
+use super::size::Size;
+use crate::processor::{Lost, Memory, Processor};
 
 /// The controller as thumb code under QEMU.
 ///
 /// While it lives, the thread that started it is pinned to one core with QEMU; it cannot move to another thread.
 pub struct Qemu {
     pipes: Pipes,
+    image: PathBuf,
     silence: DriveBlock,
     question: Question,
     /// What the latest block has taken.
@@ -36,9 +38,14 @@ impl Qemu {
         let (emulator, to, from) = Emulator::start(image)?;
         let mut pipes = Pipes { to, from, buffer: lockstep::BUFFER, emulator };
         match pipes.ask::<_, Opening>(config)? {
-            Ok(silence) => {
-                Ok(Qemu { pipes, silence: silence.drive, question: Question::default(), instructions: None, _core: core })
-            }
+            Ok(silence) => Ok(Qemu {
+                pipes,
+                image: image.to_owned(),
+                silence: silence.drive,
+                question: Question::default(),
+                instructions: None,
+                _core: core,
+            }),
             Err(reason) => Err(PilError::Config(reason.as_str().to_owned())),
         }
     }
@@ -71,6 +78,13 @@ impl Processor for Qemu {
     fn instructions(&self) -> Option<u32> {
         self.instructions
     }
+
+    fn memory(&mut self) -> Result<Option<Memory>, Lost> {
+        let Closing { stack_power_up_bytes, stack_blocks_bytes } = self.pipes.exchange(|_| Some(&lockstep::CLOSE))?;
+        let Size { flash, ram } =
+            Size::of(&self.image).map_err(|error| Lost(format!("its image {} cannot be read: {error}", self.image.display())))?;
+        Ok(Some(Memory { stack_power_up: stack_power_up_bytes, stack_blocks: stack_blocks_bytes, flash, ram }))
+    }
 }
 
 /// The way to QEMU and back.
@@ -84,7 +98,12 @@ struct Pipes {
 impl Pipes {
     /// Sends a record and waits for the one that answers it.
     fn ask<Q: Serialize, A: DeserializeOwned>(&mut self, question: &Q) -> Result<A, Lost> {
-        let bytes = lockstep::encode(question, &mut self.buffer).map_err(|_| Lost("a question is too long".into()))?;
+        self.exchange(|buffer| lockstep::encode(question, buffer).ok())
+    }
+
+    /// The same with a record as it is.
+    fn exchange<A: DeserializeOwned>(&mut self, record: impl FnOnce(&mut lockstep::Buffer) -> Option<&[u8]>) -> Result<A, Lost> {
+        let bytes = record(&mut self.buffer).ok_or_else(|| Lost("a question is too long".into()))?;
         self.emulator.turn();
         let answer = match self.to.write_all(bytes) {
             Ok(()) => lockstep::receive(&mut self.buffer, |bytes| self.from.read(bytes)),

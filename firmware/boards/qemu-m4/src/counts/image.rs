@@ -11,8 +11,8 @@
 use cortex_m_rt::entry;
 use semihosting::{eprintln, println, process};
 
-use crate::counter::Counter;
 use crate::{generators, power_up, stages};
+use qemu_m4::counter::Counter;
 
 #[entry]
 fn main() -> ! {

@@ -20,10 +20,10 @@ use firmware::shaper::{Play, Shaper};
 use firmware::tracker::observer::{Observer, Played, Prior};
 use firmware::tracker::{Heard, State, Tracker};
 
-use crate::bench::{SAMPLES, Transducer, config};
-use crate::counter::Counter;
 use crate::csv::line;
 use crate::repeat::repeat;
+use qemu_m4::bench::{SAMPLES, Transducer, config};
+use qemu_m4::counter::Counter;
 
 const REPETITIONS: u32 = 500;
 /// Length of a block, s.
