@@ -13,7 +13,7 @@ use std::time::{Duration, Instant};
 
 use object::{Object as _, ObjectSection as _, ObjectSymbol as _};
 use serde_json::Value;
-use sim_host::pil::machine::{ARGUMENTS, PROGRAM};
+use sim_host::pil::machine::{ARGUMENTS, NO_SERIAL, PROGRAM};
 use sim_host::pil::test_image;
 
 use crate::processor_in_the_loop::is_there;
@@ -62,6 +62,7 @@ fn tests(image: &[u8]) -> Vec<Test> {
 /// Runs one test; what QEMU ended with, and what was said on the way.
 fn run(image: &Path, test: &Test) -> Output {
     let mut command = Command::new(PROGRAM);
+    command.args(NO_SERIAL);
     for argument in ARGUMENTS {
         let line = format!("{argument},arg=run_addr,arg={}", test.address);
         command.arg(if argument.starts_with(SEMIHOSTING) { &line } else { argument });

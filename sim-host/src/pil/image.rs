@@ -62,6 +62,14 @@ pub fn counting_image() -> Result<PathBuf, PilError> {
     }
 }
 
+/// The image that is a whole board, with its link, built from the present source.
+pub fn link_image() -> Result<PathBuf, PilError> {
+    match missing() {
+        Some(reason) => Err(PilError::Missing(reason)),
+        None => build("link"),
+    }
+}
+
 /// The image of the tests that run on the target, built from the present source.
 pub fn test_image() -> Result<PathBuf, PilError> {
     if let Some(reason) = missing() {

@@ -10,17 +10,14 @@
 //! The controller and the records stand in static memory, as a board's do: the stack is then what `process` takes, and what stands
 //! around it takes less.
 
-use core::fmt::Write as _;
-
 // For the critical section it provides.
 use cortex_m as _;
 use cortex_m::singleton;
 use cortex_m_rt::entry;
-use firmware::config::Config;
 use firmware::controller::Controller;
-use firmware::lockstep::{Answer, Closing, Opening, Question, Reason, Silence};
+use firmware::lockstep::{Answer, Closing, Opening, Question};
 use qemu_m4::counter::Counter;
-use qemu_m4::pipes::{Pipes, read};
+use qemu_m4::pipes::{Pipes, configuration, read, reason};
 use qemu_m4::stack;
 use semihosting::{eprintln, process};
 
@@ -55,12 +52,12 @@ fn serve() -> Result<(), &'static str> {
             pipes.send(&Closing { stack_power_up_bytes, stack_blocks_bytes: stack::deepest_bytes() })?;
             continue;
         }
-        *question = read(body)?;
+        read(body, question)?;
         let before = counter.now();
         answer.telemetry = controller.process(&question.orders, &question.sense, &mut answer.drive);
         let ticks = counter.since(before);
         answer.instructions = counts.then(|| ticks * 125 / 21);
-        pipes.send(answer)?;
+        pipes.send(&*answer)?;
     }
     Ok(())
 }
@@ -70,23 +67,16 @@ fn serve() -> Result<(), &'static str> {
 #[inline(never)]
 fn open(pipes: &mut Pipes) -> Result<Option<&'static mut Controller>, &'static str> {
     let Some(body) = pipes.receive()? else { return Ok(None) };
-    let config: Config = read(body)?;
+    let config = configuration(body)?;
     match Controller::build(&config) {
         Ok(built) => {
             let controller = singleton!(: Controller = built).ok_or(TWICE)?;
-            pipes.send(&Opening::Ok(Silence { drive: controller.silence() }))?;
+            pipes.send(&Opening { built: Ok(()), silence: controller.silence() })?;
             Ok(Some(controller))
         }
         Err(error) => {
-            pipes.send(&Opening::Err(reason(&error)))?;
+            pipes.send(&Opening { built: Err(reason(&error)), ..Opening::default() })?;
             Ok(None)
         }
     }
-}
-
-fn reason(error: &firmware::error::Error) -> Reason {
-    let mut reason = Reason::new();
-    // What does not fit is left out: the parameter comes first.
-    let _ = write!(reason, "{error}");
-    reason
 }

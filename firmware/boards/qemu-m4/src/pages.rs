@@ -13,6 +13,7 @@ const WORD_BYTES: usize = 8;
 const ERASED: u8 = 0xff;
 
 /// The flash.
+#[repr(C)]
 pub struct Pages {
     bytes: [u8; PAGES * PAGE_BYTES],
 }
@@ -21,6 +22,11 @@ impl Pages {
     /// An erased one.
     pub const fn new() -> Self {
         Pages { bytes: [ERASED; PAGES * PAGE_BYTES] }
+    }
+
+    /// Erases all of it.
+    pub fn clear(&mut self) {
+        self.bytes.fill(ERASED);
     }
 }
 

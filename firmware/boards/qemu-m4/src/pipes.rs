@@ -1,10 +1,11 @@
 //! The pipes that QEMU has inherited from the host: files 3 and 4 of its process, by semihosting.
 
-use firmware::lockstep;
+use core::fmt::Write as _;
+
+use firmware::config::Config;
+use firmware::lockstep::{self, Reason, Record};
 use semihosting::fs::File;
 use semihosting::io::{Read as _, Write as _};
-use serde::Serialize;
-use serde::de::DeserializeOwned;
 
 /// Both pipes, and room for a record.
 pub struct Pipes {
@@ -30,13 +31,28 @@ impl Pipes {
     }
 
     /// Sends a record.
-    pub fn send<T: Serialize>(&mut self, record: &T) -> Result<(), &'static str> {
+    pub fn send(&mut self, record: &impl Record) -> Result<(), &'static str> {
         let bytes = lockstep::encode(record, &mut self.buffer).map_err(|_| "a record is too long")?;
         self.to_host.write_all(bytes).map_err(|_| "the pipe to the host fails")
     }
 }
 
-/// The record in what was received.
-pub fn read<T: DeserializeOwned>(body: &[u8]) -> Result<T, &'static str> {
-    lockstep::decode(body).map_err(|_| "a record cannot be read: host and image are of different versions")
+const OTHER_VERSION: &str = "a record cannot be read: host and image are of different versions";
+
+/// The configuration in what was received.
+pub fn configuration(body: &[u8]) -> Result<Config, &'static str> {
+    lockstep::configuration(body).map_err(|_| OTHER_VERSION)
+}
+
+/// Why a configuration is refused.
+pub fn reason(error: &firmware::error::Error) -> Reason {
+    let mut reason = Reason::new();
+    // What does not fit is left out: the parameter comes first.
+    let _ = write!(reason, "{error}");
+    reason
+}
+
+/// Reads the record in what was received.
+pub fn read(body: &[u8], record: &mut impl Record) -> Result<(), &'static str> {
+    lockstep::decode(body, record).map_err(|_| OTHER_VERSION)
 }

@@ -1,0 +1,87 @@
+//! The image: a configuration, then a block a record, until the host closes its pipe. Exits as [the other image](../image.rs) does.
+
+// For the critical section it provides.
+use cortex_m::{Peripherals, singleton};
+use cortex_m_rt::entry;
+use firmware::app::{self, App};
+use firmware::block_task::BlockTask;
+use firmware::lockstep::{Beat, Opening, Played};
+use firmware::power_up::PowerUp;
+use firmware::queues::{Queues, SlowEnds};
+use firmware::settings::Settings;
+use qemu_m4::pages::Pages;
+use qemu_m4::pipes::{Pipes, configuration, read, reason};
+use semihosting::{eprintln, process};
+
+use crate::kept;
+use crate::pins::{self, Dog, Enable, Stop};
+use crate::usart::{self, Usart};
+
+/// Room of the queues; one place of each stays empty.
+const ORDERS: usize = 9;
+const REPORTS: usize = 9;
+
+const TWICE: &str = "started twice";
+
+#[entry]
+fn main() -> ! {
+    match serve() {
+        Ok(()) => process::exit(0),
+        Err(trouble) => {
+            eprintln!("{trouble}");
+            process::exit(1)
+        }
+    }
+}
+
+/// Plays the board, one block a record.
+fn serve() -> Result<(), &'static str> {
+    let mut core = Peripherals::take().ok_or(TWICE)?;
+    let (pages, start) = kept::take().ok_or(TWICE)?;
+    let link = Usart::start(&mut core);
+    let opened = Pipes::open()?;
+    let pipes = singleton!(: Pipes = opened).ok_or(TWICE)?;
+    let mut settings = Settings::new(pages).map_err(|_| "the settings do not fit")?;
+    let Some((task, ends, power_up)) = open(pipes, &mut settings)? else { return Ok(()) };
+    let records = singleton!(: (Beat, Played) = Default::default()).ok_or(TWICE)?;
+    let (beat, played) = records;
+    let peripherals = app::Peripherals { link, enable: Enable, stop: Stop, watchdog: Dog, settings, start };
+    let mut app = App::new(peripherals, ends, &power_up);
+    while let Some(body) = pipes.receive()? {
+        read(body, beat)?;
+        pins::press(beat.pins.stop);
+        usart::hear(beat.pins.sent);
+        task.run(&beat.sense, &mut played.drive);
+        let failed = app.poll().is_err();
+        played.board = pins::seen(failed);
+        pipes.send(&*played)?;
+        if played.board.resets {
+            kept::reset()
+        }
+    }
+    Ok(())
+}
+
+type Parts = (&'static mut BlockTask<'static>, SlowEnds<'static>, PowerUp);
+
+/// Builds the controller that the host describes, with what is kept, and answers; `None` where the host is not there any more, or has been
+/// refused. Not inlined: what is passed over the stack on the way is given back here.
+#[inline(never)]
+fn open(pipes: &mut Pipes, settings: &mut Settings<&'static mut Pages>) -> Result<Option<Parts>, &'static str> {
+    let Some(body) = pipes.receive()? else { return Ok(None) };
+    let built_in = configuration(body)?;
+    let queues = singleton!(: Queues<ORDERS, REPORTS> = Queues::new()).ok_or(TWICE)?;
+    let (hot, slow) = queues.split();
+    let mut power_up = PowerUp::read(&built_in, settings);
+    match power_up.build(&built_in) {
+        Ok(controller) => {
+            let task = singleton!(: BlockTask<'static> = BlockTask::new(controller, hot)).ok_or(TWICE)?;
+            pipes.send(&Opening { built: Ok(()), silence: task.silence() })?;
+            Ok(Some((task, slow, power_up)))
+        }
+        Err(error) => {
+            pipes.send(&Opening { built: Err(reason(&error)), ..Opening::default() })?;
+            Ok(None)
+        }
+    }
+}
