@@ -5,8 +5,7 @@ use std::time::{Duration, Instant};
 
 use firmware::block::Gate;
 use firmware::capture::{Arm, CaptureState, CaptureVerb, PARTS, Trigger};
-use firmware::command::{Command, Refusal, Reply};
-use firmware::keeper::Verb;
+use firmware::command::{Command, Refusal, Reply, Verb};
 use firmware::link::{self, Frame, Receiver};
 use firmware::start::Start;
 use firmware::supervisor::{Fault, Mode};
@@ -102,6 +101,7 @@ fn a_board_scans_locks_bursts_and_captures_over_its_uart() {
     // A burst, recorded from its first sample on.
     let arm = Arm { trigger: Trigger::On, before: 256, lane: 0 };
     assert_eq!(host.ask(Command::Capture(CaptureVerb::Arm(arm))), Reply::Ack);
+    (0..20).for_each(|_| drop(host.block()));
     assert_eq!(host.ask(Command::Gate(Gate::On)), Reply::Ack);
     let report = (0..100).find_map(|_| match host.ask(Command::Capture(CaptureVerb::State)) {
         Reply::Capture(report) => (report.state == CaptureState::Full).then_some(report),

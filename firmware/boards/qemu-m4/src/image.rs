@@ -37,12 +37,10 @@ fn main() -> ! {
 /// Builds the controller and runs it, one block a question.
 fn serve() -> Result<(), &'static str> {
     stack::paint();
-    let opened = Pipes::open()?;
-    let pipes = singleton!(: Pipes = opened).ok_or(TWICE)?;
+    let pipes = Pipes::open()?;
     let Some(controller) = open(pipes)? else { return Ok(()) };
     let stack_power_up_bytes = stack::deepest_bytes();
-    let records = singleton!(: (Question, Answer) = Default::default()).ok_or(TWICE)?;
-    let (question, answer) = records;
+    let (question, answer) = records().ok_or(TWICE)?;
     // Started otherwise than by sim-host, QEMU may let time pass by the host's clock: then nothing is counted.
     let counter = Counter::start();
     let counts = counter.calibrate().is_ok();
@@ -60,6 +58,12 @@ fn serve() -> Result<(), &'static str> {
         pipes.send(&*answer)?;
     }
     Ok(())
+}
+
+/// Room for the records. Not inlined, for what passes over the stack on the way.
+#[inline(never)]
+fn records() -> Option<&'static mut (Question, Answer)> {
+    singleton!(: (Question, Answer) = Default::default())
 }
 
 /// Builds the controller that the host describes, and answers; `None` where the host is not there any more, or has been refused. Not

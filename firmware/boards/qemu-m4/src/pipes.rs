@@ -2,6 +2,7 @@
 
 use core::fmt::Write as _;
 
+use cortex_m::singleton;
 use firmware::config::Config;
 use firmware::lockstep::{self, Reason, Record};
 use semihosting::fs::File;
@@ -15,14 +16,12 @@ pub struct Pipes {
 }
 
 impl Pipes {
-    /// Opens what is there only if a host program has started QEMU.
-    pub fn open() -> Result<Self, &'static str> {
+    /// Opens what is there only if a host program has started QEMU. Once only. Not inlined, for what passes over the stack on the way.
+    #[inline(never)]
+    pub fn open() -> Result<&'static mut Self, &'static str> {
         let missing = |_| "no pipes: this image is started by sim-host";
-        Ok(Pipes {
-            from_host: File::open(c"/dev/fd/3").map_err(missing)?,
-            to_host: File::create(c"/dev/fd/4").map_err(missing)?,
-            buffer: lockstep::BUFFER,
-        })
+        let (from_host, to_host) = (File::open(c"/dev/fd/3").map_err(missing)?, File::create(c"/dev/fd/4").map_err(missing)?);
+        singleton!(: Pipes = Pipes { from_host, to_host, buffer: lockstep::BUFFER }).ok_or("started twice")
     }
 
     /// The body of the next record; `None` when the host has closed its pipe.

@@ -22,10 +22,10 @@ fn panic(info: &PanicInfo) -> ! {
 mod tests {
     use firmware::block::{Codes, Orders, Request, SenseBlock};
     use firmware::command::{Command, Reply};
-    use firmware::config::{LaneTrims, TrackingMode, Trim, TrimPoint};
+    use firmware::config::{TrackingMode, Trim, TrimPoint};
     use firmware::controller::Controller;
     use firmware::link::{self, Frame, FrameError, Receiver};
-    use firmware::settings::{Kept, Settings};
+    use firmware::settings::{Kept, Record, Settings};
     use firmware::supervisor::{Fault, Mode};
     use on_target::of_the_host::OF_THE_HOST;
     use on_target::stream::{self, BLOCKS};
@@ -103,19 +103,19 @@ mod tests {
 
     #[test]
     fn settings_are_kept_in_a_flash() {
-        let trims: LaneTrims = [TrimPoint { hz: 40e3, lanes: [Trim { phase_turns: 0.01, gain: 0.9 }; 4] }].into_iter().collect();
+        let point = TrimPoint { hz: 40e3, lanes: [Trim { phase_turns: 0.01, gain: 0.9 }; 4] };
         let mut settings = Settings::new(Pages::new()).expect("room");
-        assert_eq!(settings.lane_trims(), (LaneTrims::new(), Kept::Nothing));
+        assert_eq!(settings.record(), (Record::default(), Kept::Nothing));
         for number in 0..60 {
-            let mut trims = trims.clone();
-            trims[0].hz += number as f32;
-            assert_eq!(settings.store(&trims), Ok(()));
+            let trims = [TrimPoint { hz: 40e3 + number as f32, ..point }].into_iter().collect();
+            let record = Record { trims, ..Record::default() };
+            assert_eq!(settings.store(&record), Ok(()));
             // As after a reset.
             settings = Settings::new(settings.release()).expect("room");
-            assert_eq!(settings.lane_trims(), (trims, Kept::Stored), "write {number}");
+            assert_eq!(settings.record(), (record, Kept::Stored), "write {number}");
         }
         assert_eq!(settings.clear(), Ok(()));
-        assert_eq!(settings.lane_trims(), (LaneTrims::new(), Kept::Nothing));
+        assert_eq!(settings.record(), (Record::default(), Kept::Nothing));
     }
 
     #[test]

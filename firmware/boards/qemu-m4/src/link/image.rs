@@ -39,12 +39,10 @@ fn serve() -> Result<(), &'static str> {
     let mut core = Peripherals::take().ok_or(TWICE)?;
     let (pages, start) = kept::take().ok_or(TWICE)?;
     let link = Usart::start(&mut core);
-    let opened = Pipes::open()?;
-    let pipes = singleton!(: Pipes = opened).ok_or(TWICE)?;
+    let pipes = Pipes::open()?;
     let mut settings = Settings::new(pages).map_err(|_| "the settings do not fit")?;
     let Some((task, ends, power_up)) = open(pipes, &mut settings)? else { return Ok(()) };
-    let records = singleton!(: (Beat, Played) = Default::default()).ok_or(TWICE)?;
-    let (beat, played) = records;
+    let (beat, played) = records().ok_or(TWICE)?;
     let peripherals = app::Peripherals { link, enable: Enable, stop: Stop, watchdog: Dog, settings, start };
     let mut app = App::new(peripherals, ends, &power_up);
     while let Some(body) = pipes.receive()? {
@@ -60,6 +58,12 @@ fn serve() -> Result<(), &'static str> {
         }
     }
     Ok(())
+}
+
+/// Room for the records. Not inlined, for what passes over the stack on the way.
+#[inline(never)]
+fn records() -> Option<&'static mut (Beat, Played)> {
+    singleton!(: (Beat, Played) = Default::default())
 }
 
 type Parts = (&'static mut BlockTask<'static>, SlowEnds<'static>, PowerUp);

@@ -1,7 +1,7 @@
 //! What survives a reset of the emulated board: the pages of the settings, and what the reset was for.
 //!
-//! It stands in the core-coupled RAM of QEMU's STM32F405, at 0x1000_0000: no image is loaded there, so that a reset leaves it as it is.
-//! With the end of QEMU it is gone.
+//! It stands in RAM that QEMU's STM32F405 has behind what `memory.x` gives to an image: nothing is loaded there, so that a reset leaves it as it
+//! is. With the end of QEMU it is gone.
 #![expect(unsafe_code, reason = "memory that the linker's script does not know of")]
 
 use core::ptr;
@@ -21,7 +21,7 @@ struct Kept {
     pages: Pages,
 }
 
-const ADDRESS: usize = 0x1000_0000;
+const ADDRESS: usize = 0x2001_8000;
 const WRITTEN: u32 = 0x6b65_7074;
 
 static TAKEN: AtomicBool = AtomicBool::new(false);
@@ -32,7 +32,7 @@ pub fn take() -> Option<(&'static mut Pages, Start)> {
         return None;
     }
     let kept = ptr::with_exposed_provenance_mut::<Kept>(ADDRESS);
-    // SAFETY: RAM of the machine that nothing else uses, aligned, and large enough (64 KiB). Any bytes are a value of these types.
+    // SAFETY: RAM of the machine that nothing else uses, aligned, and large enough (32 KiB at least). Any bytes are a value of these types.
     let kept = unsafe { &mut *kept };
     let ordered = kept.mark == WRITTEN && kept.ordered == WRITTEN;
     if kept.mark != WRITTEN {
