@@ -23,11 +23,14 @@ const MORE_RUNS: u32 = 8;
 
 /// What makes a scene short: a power-up, and most of a run. What a scene does not have keeps its length.
 fn shortened(name: &str) -> &'static [&'static str] {
-    const BURST: &[&str] = &["duration_s=0.25", "controller.burst.on_s=[0.1]", "controller.burst.off_s=[0.2]"];
+    const BURST: &[&str] = &["duration_s=0.16", "controller.burst.on_s=[0.12]", "controller.burst.off_s=[0.15]"];
     match name {
-        "lock-drift" => &["duration_s=0.35"],
-        "friction-ratio" | "friction-burst" => &["duration_s=0.2"],
-        _ if name.starts_with("transducer-") => &["duration_s=0.15"],
+        "lock-step" => &["duration_s=0.12", "disturbance.0.at_s=0.08", "disturbance.1.at_s=0.08"],
+        "lock-drift" => &["duration_s=0.12", "disturbance.0.at_s=0.07", "disturbance.1.at_s=0.09"],
+        "belt-stop-slow" => &["duration_s=0.12", "disturbance.0.at_s=0.09"],
+        _ if name.starts_with("belt-stop") => &["duration_s=0.12", "fault.0.at_s=0.09"],
+        _ if name.starts_with("friction-") => &["duration_s=0.12"],
+        _ if name.starts_with("transducer-") => &["duration_s=0.1"],
         _ if ["experiment-", "waveforms", "usm"].iter().any(|start| name.starts_with(start)) => BURST,
         _ => &[],
     }
