@@ -153,16 +153,14 @@ fn nothing_is_set_or_written_while_it_drives() {
 
 #[test]
 fn a_lower_limit_holds_and_what_is_stored_against_one_never_acts() {
-    let mut setup = Setup::default();
-    setup.flash = keeping(LaneTrims::new(), &[(VOLTAGE_LIMIT, 4.0)]);
+    let setup = Setup { flash: keeping(LaneTrims::new(), &[(VOLTAGE_LIMIT, 4.0)]), ..Setup::default() };
     let mut queues = Queues::default();
     let mut bench = silent(&mut queues, &setup);
     assert_eq!(bench.ask(Command::Amplitude(Some(Amplitude::Volts(9.0)))), Some(Reply::Ack));
     assert_eq!(loudest(&mut bench), 400);
     // Out of range or unknown: each by itself is left out, and the rest acts.
     for wrong in [(VOLTAGE_LIMIT, 50.0), (VOLTAGE_LIMIT, f32::NEG_INFINITY), (CURRENT_LIMIT, -1.0), (99, 1.0)] {
-        let mut setup = Setup::default();
-        setup.flash = keeping(LaneTrims::new(), &[(AMPLITUDE, 2.0), wrong]);
+        let setup = Setup { flash: keeping(LaneTrims::new(), &[(AMPLITUDE, 2.0), wrong]), ..Setup::default() };
         let mut queues = Queues::default();
         let mut bench = silent(&mut queues, &setup);
         let report = get(&mut bench, AMPLITUDE);
@@ -198,8 +196,7 @@ fn settings_that_make_no_configuration_give_way_to_what_is_built_in() {
 
 #[test]
 fn patience_is_a_parameter() {
-    let mut setup = Setup::default();
-    setup.flash = keeping(LaneTrims::new(), &[(PATIENCE_S, 3.2e-3)]);
+    let setup = Setup { flash: keeping(LaneTrims::new(), &[(PATIENCE_S, 3.2e-3)]), ..Setup::default() };
     let mut queues = Queues::default();
     let mut bench = running(&mut queues, &setup);
     bench.blocks(104);

@@ -85,7 +85,8 @@ fn traffic(seed: u64) -> Traffic {
             // A byte more, or less.
             6 => {
                 let at = chance.below(bytes.len() as u64) as usize;
-                if chance.strikes(0.5) { bytes.insert(at, chance.byte()) } else { drop(bytes.remove(at)) }
+                let more = if chance.strikes(0.5) { vec![bytes[at], chance.byte()] } else { vec![] };
+                bytes.splice(at..=at, more);
             }
             // Of another version, or of no meaning.
             7 => {
