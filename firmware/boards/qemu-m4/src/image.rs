@@ -10,6 +10,8 @@
 //! The controller and the records stand in static memory, as a board's do: the stack is then what `process` takes, and what stands
 //! around it takes less.
 
+use core::mem::MaybeUninit;
+
 // For the critical section it provides.
 use cortex_m as _;
 use cortex_m::singleton;
@@ -72,9 +74,9 @@ fn records() -> Option<&'static mut (Question, Answer)> {
 fn open(pipes: &mut Pipes) -> Result<Option<&'static mut Controller>, &'static str> {
     let Some(body) = pipes.receive()? else { return Ok(None) };
     let config = configuration(body)?;
-    match Controller::build(&config) {
-        Ok(built) => {
-            let controller = singleton!(: Controller = built).ok_or(TWICE)?;
+    let place = singleton!(: MaybeUninit<Controller> = MaybeUninit::uninit()).ok_or(TWICE)?;
+    match Controller::build_in(place, &config) {
+        Ok(controller) => {
             pipes.send(&Opening { built: Ok(()), silence: controller.silence() })?;
             Ok(Some(controller))
         }

@@ -41,7 +41,7 @@ fn serve() -> Result<(), &'static str> {
     let link = Usart::start(&mut core);
     let pipes = Pipes::open()?;
     let mut settings = Settings::new(pages).map_err(|_| "the settings do not fit")?;
-    let Some((task, ends, power_up)) = open(pipes, &mut settings)? else { return Ok(()) };
+    let Some((mut task, ends, power_up)) = open(pipes, &mut settings)? else { return Ok(()) };
     let (beat, played) = records().ok_or(TWICE)?;
     let peripherals = app::Peripherals { link, enable: Enable, stop: Stop, watchdog: Dog, settings, start };
     let mut app = App::new(peripherals, ends, &power_up);
@@ -66,7 +66,7 @@ fn records() -> Option<&'static mut (Beat, Played)> {
     singleton!(: (Beat, Played) = Default::default())
 }
 
-type Parts = (&'static mut BlockTask<'static>, SlowEnds<'static>, PowerUp);
+type Parts = (BlockTask<'static>, SlowEnds<'static>, PowerUp);
 
 /// Builds the controller that the host describes, with what is kept, and answers; `None` where the host is not there any more, or has been
 /// refused. Not inlined: what is passed over the stack on the way is given back here.
@@ -77,9 +77,8 @@ fn open(pipes: &mut Pipes, settings: &mut Settings<&'static mut Pages>) -> Resul
     let queues = singleton!(: Queues<ORDERS, REPORTS> = Queues::new()).ok_or(TWICE)?;
     let (hot, slow) = queues.split();
     let mut power_up = PowerUp::read(&built_in, settings);
-    match power_up.build(&built_in) {
-        Ok(controller) => {
-            let task = singleton!(: BlockTask<'static> = BlockTask::new(controller, hot)).ok_or(TWICE)?;
+    match power_up.build(&built_in, hot) {
+        Ok(task) => {
             pipes.send(&Opening { built: Ok(()), silence: task.silence() })?;
             Ok(Some((task, slow, power_up)))
         }
