@@ -9,21 +9,32 @@
 //!   down until the controller has fallen silent, however short the press.
 //! * The watchdog is fed only while blocks keep coming: if the block stream dies, the board resets.
 //! * What a calibration has found is [kept](crate::settings). That waits until the drive is silent: an erase of the flash may stall the processor.
+//! * A host that is silent for longer than the patience while the drive is on is a fault that stays, like the emergency stop.
 //! * Nothing here waits for the link. What is to be sent goes through a buffer; while a reply would not fit, no further command is
 //!   read, and telemetry that does not fit is left out.
+
+mod host_watch;
+mod outbox;
 
 use embedded_hal::digital::{InputPin, OutputPin};
 use embedded_io::{Read, ReadReady, Write, WriteReady};
 use embedded_storage::nor_flash::NorFlash;
-use heapless::Deque;
 use heapless::spsc::{Consumer, Producer};
 
+use self::host_watch::HostWatch;
+use self::outbox::Outbox;
 use crate::block::{Orders, Request};
+use crate::capture::CaptureVerb;
+use crate::capture::recorder::Answer;
 use crate::command::{Command, Identity, Refusal, Reply, ResonanceReport};
+use crate::fault_log::FaultLog;
 use crate::identify::{MOST_MODES, Resonance};
 use crate::keeper::Keeper;
-use crate::link::{self, FrameError, MAX_FRAME, Receiver};
+use crate::link::{self, Frame, FrameError, Receiver};
+use crate::power_up::PowerUp;
+use crate::queues::SlowEnds;
 use crate::settings::Settings;
+use crate::start::Start;
 use crate::supervisor::Mode;
 use crate::telemetry::Telemetry;
 
@@ -31,6 +42,9 @@ use crate::telemetry::Telemetry;
 pub trait Watchdog {
     /// Starts the time anew.
     fn feed(&mut self);
+
+    /// Resets the board at once, and leaves word that it was ordered. On a board it does not return.
+    fn reset(&mut self);
 }
 
 /// The board's peripherals that the slow side needs.
@@ -45,19 +59,20 @@ pub struct Peripherals<L, E, S, W, F: NorFlash> {
     pub watchdog: W,
     /// What is kept over power-off.
     pub settings: Settings<F>,
+    /// What started the board.
+    pub start: Start,
 }
-
-/// Room for what is to be sent: a reply always fits beside one telemetry frame.
-const OUTBOX: usize = 2 * MAX_FRAME;
 
 /// The slow side.
 pub struct App<'a, L, E, S, W, F: NorFlash> {
     peripherals: Peripherals<L, E, S, W, F>,
     orders: Producer<'a, Orders>,
     telemetry: Consumer<'a, Telemetry>,
+    wishes: Producer<'a, CaptureVerb>,
+    answers: Consumer<'a, Answer>,
     keeper: Keeper<'a>,
     receiver: Receiver,
-    outbox: Deque<u8, OUTBOX>,
+    outbox: Outbox,
     latest: Orders,
     /// The emergency stop was pressed, and the controller has not fallen silent since.
     stopping: bool,
@@ -69,6 +84,12 @@ pub struct App<'a, L, E, S, W, F: NorFlash> {
     telemetry_frames: u16,
     /// What the telemetry has told of the last scan.
     resonances: [Option<Resonance>; MOST_MODES],
+    faults: FaultLog,
+    host: HostWatch,
+    /// The number of the command about the capture that waits for its answer.
+    capturing: Option<u16>,
+    /// A reset is ordered, and its answer on its way.
+    resetting: bool,
 }
 
 /// A slow peripheral has failed; the drive is disabled.
@@ -88,23 +109,21 @@ where
     W: Watchdog,
     F: NorFlash,
 {
-    /// A slow side that leaves orders in one queue, takes telemetry from another, and keeps trims.
+    /// A slow side at its ends of the queues, for what the board was started with.
     ///
     /// Drops the enable pin; if that fails, the first [`App::poll`] will say so.
-    pub fn new(
-        mut peripherals: Peripherals<L, E, S, W, F>,
-        orders: Producer<'a, Orders>,
-        telemetry: Consumer<'a, Telemetry>,
-        keeper: Keeper<'a>,
-    ) -> Self {
+    pub fn new(mut peripherals: Peripherals<L, E, S, W, F>, ends: SlowEnds<'a>, power_up: &PowerUp) -> Self {
         let _ = peripherals.enable.set_low();
+        let config = &power_up.config;
         App {
             peripherals,
-            orders,
-            telemetry,
-            keeper,
+            orders: ends.orders,
+            telemetry: ends.reports,
+            wishes: ends.wishes,
+            answers: ends.answers,
+            keeper: Keeper::new(ends.found, ends.taken, power_up),
             receiver: Receiver::default(),
-            outbox: Deque::new(),
+            outbox: Outbox::default(),
             latest: Orders::default(),
             stopping: false,
             unordered: false,
@@ -113,6 +132,10 @@ where
             last_telemetry: 0,
             telemetry_frames: 0,
             resonances: Default::default(),
+            faults: FaultLog::default(),
+            host: HostWatch::new(config.link.patience_s, f32::from(config.block_samples) / config.sample_hz),
+            capturing: None,
+            resetting: false,
         }
     }
 
@@ -138,16 +161,18 @@ where
     fn turn(&mut self) -> Result<(), AppError> {
         let blocks_came = self.drain_telemetry();
         self.watch_stop()?;
+        self.watch_host();
         // Before the link: an order to forget comes after what was found.
         self.keeper.keep(self.is_silent(), &mut self.peripherals.settings);
+        self.answer_capture();
         self.obey_link()?;
         self.report();
-        self.flush()?;
+        self.outbox.flush(&mut self.peripherals.link).map_err(|_| AppError::Link)?;
         self.set_enable()?;
         if blocks_came {
             self.peripherals.watchdog.feed();
         }
-        Ok(())
+        self.reset_if_ordered()
     }
 
     fn drain_telemetry(&mut self) -> bool {
@@ -162,6 +187,7 @@ where
                     places.get_mut(usize::from(listed.place)).into_iter().for_each(|place| *place = Some(listed.resonance));
                 }
             }
+            self.faults.hear(&telemetry, self.seen.as_ref());
             self.seen = Some(telemetry);
             came = true;
         }
@@ -209,45 +235,102 @@ where
         self.peripherals.enable.set_state(on.into()).map_err(|_| AppError::Pin)
     }
 
+    /// Orders the fault of a host that is lost, and takes it back from one that is heard again.
+    fn watch_host(&mut self) {
+        let lost = self.host.is_lost(self.block(), self.drives());
+        if lost != self.latest.host_lost {
+            let sequence = self.latest.sequence.wrapping_add(1);
+            // If the queue is full this is tried again at the next turn.
+            let _ = self.order(Orders { sequence, host_lost: lost, clear_fault: false, ..self.latest });
+        }
+    }
+
+    /// The latest block that was heard of.
+    fn block(&self) -> u32 {
+        self.seen.as_ref().map_or(0, |seen| seen.block)
+    }
+
     fn obey_link(&mut self) -> Result<(), AppError> {
         // One byte at a time: a frame that ends in this byte must find room for its reply.
-        while self.has_room() && self.peripherals.link.read_ready().map_err(|_| AppError::Link)? {
+        while !self.resetting && self.outbox.has_room() && self.peripherals.link.read_ready().map_err(|_| AppError::Link)? {
             let mut byte = [0];
             if self.peripherals.link.read(&mut byte).map_err(|_| AppError::Link)? == 0 {
                 break;
             }
             if let Some(frame) = self.receiver.take::<Command>(byte[0]) {
                 let (sequence, reply) = match frame {
-                    Ok(frame) => (frame.sequence, self.obey(&frame.body)),
-                    Err(FrameError::Version(sequence)) => (sequence, Reply::Nak(Refusal::Version)),
-                    Err(FrameError::Unknown(sequence)) => (sequence, Reply::Nak(Refusal::Unknown)),
-                    Err(FrameError::TooLong | FrameError::Damaged) => (0, Reply::Nak(Refusal::Damaged)),
+                    Ok(frame) => (frame.sequence, self.obey(&frame)),
+                    Err(FrameError::Version(sequence)) => (sequence, Some(Reply::Nak(Refusal::Version))),
+                    Err(FrameError::Unknown(sequence)) => (sequence, Some(Reply::Nak(Refusal::Unknown))),
+                    Err(FrameError::TooLong | FrameError::Damaged) => (0, Some(Reply::Nak(Refusal::Damaged))),
                 };
-                self.send(sequence, reply);
+                if let Some(reply) = reply {
+                    self.outbox.send(sequence, reply);
+                }
             }
         }
         Ok(())
     }
 
-    fn obey(&mut self, command: &Command) -> Reply {
-        match command {
-            Command::Identify => {
-                return Reply::Identity(Identity { protocol: link::VERSION, firmware: firmware_version() });
-            }
+    /// Obeys a command; `None` where its answer comes later.
+    fn obey(&mut self, frame: &Frame<Command>) -> Option<Reply> {
+        self.host.hear(self.block());
+        Some(match frame.body {
+            Command::Identify => Reply::Identity(Identity { protocol: link::VERSION, firmware: firmware_version() }),
             Command::TelemetryEvery(blocks) => {
-                self.telemetry_every = *blocks;
+                self.telemetry_every = blocks;
                 // The first is due at once.
-                self.last_telemetry = self.seen.map_or(0, |seen| seen.block).wrapping_sub(*blocks);
+                self.last_telemetry = self.block().wrapping_sub(blocks);
+                Reply::Ack
             }
-            Command::Resonances => return Reply::Resonances(self.resonances()),
-            Command::Settings(verb) => return self.keeper.obey(*verb, self.is_silent(), &mut self.peripherals.settings),
-            _ => {}
+            Command::Resonances => Reply::Resonances(self.resonances()),
+            Command::Settings(verb) => self.keeper.obey(verb, self.is_silent(), &mut self.peripherals.settings),
+            Command::Status => Reply::Status(self.seen),
+            Command::Faults(later) => Reply::Faults(self.faults.report(later, self.peripherals.start)),
+            Command::Reset if !self.is_silent() => Reply::Nak(Refusal::Driving),
+            Command::Reset => {
+                self.resetting = true;
+                Reply::Ack
+            }
+            Command::Capture(_) if self.capturing.is_some() => Reply::Nak(Refusal::Busy),
+            Command::Capture(verb) if self.wishes.enqueue(verb).is_ok() => {
+                self.capturing = Some(frame.sequence);
+                return None;
+            }
+            Command::Capture(_) => Reply::Nak(Refusal::Busy),
+            command => self.obey_order(&command).map_or_else(Reply::Nak, |()| Reply::Ack),
+        })
+    }
+
+    /// Obeys what changes the orders, or says how long to wait for more of them.
+    fn obey_order(&mut self, command: &Command) -> Result<(), Refusal> {
+        let orders = command.applied_to(&self.latest)?;
+        if let Command::Patience(seconds) = *command {
+            self.host.set(seconds);
         }
-        match command.applied_to(&self.latest) {
-            Ok(None) => Reply::Ack,
-            Ok(Some(orders)) => self.order(orders).map_or_else(Reply::Nak, |()| Reply::Ack),
-            Err(refusal) => Reply::Nak(refusal),
+        // Who orders is not lost.
+        orders.map_or(Ok(()), |orders| self.order(Orders { host_lost: false, ..orders }))
+    }
+
+    /// Sends what the recorder has answered, once there is room.
+    fn answer_capture(&mut self) {
+        if self.outbox.has_room()
+            && let Some(answer) = self.answers.dequeue()
+            && let Some(sequence) = self.capturing.take()
+        {
+            self.outbox.send(sequence, answer.into());
         }
+    }
+
+    /// Resets once the answer has left.
+    fn reset_if_ordered(&mut self) -> Result<(), AppError> {
+        if self.resetting && self.outbox.is_empty() {
+            self.peripherals.link.flush().map_err(|_| AppError::Link)?;
+            self.peripherals.watchdog.reset();
+            // Where the part goes on all the same, so does the link.
+            self.resetting = false;
+        }
+        Ok(())
     }
 
     fn order(&mut self, orders: Orders) -> Result<(), Refusal> {
@@ -257,39 +340,15 @@ where
     }
 
     fn report(&mut self) {
-        let Some(seen) = self.seen.filter(|_| self.telemetry_every > 0) else { return };
+        let Some(seen) = self.seen.filter(|_| self.telemetry_every > 0 && !self.resetting) else { return };
         let passed = seen.block.wrapping_sub(self.last_telemetry);
-        if passed < self.telemetry_every || !self.has_room() {
+        if passed < self.telemetry_every || !self.outbox.has_room() {
             return;
         }
         // Whole intervals, so that the rate holds on average however seldom anybody polls.
         self.last_telemetry = self.last_telemetry.wrapping_add(passed - passed % self.telemetry_every);
         self.telemetry_frames = self.telemetry_frames.wrapping_add(1);
-        self.send(self.telemetry_frames, Reply::Telemetry(seen));
-    }
-
-    fn has_room(&self) -> bool {
-        self.outbox.len() + MAX_FRAME <= OUTBOX
-    }
-
-    /// Puts a frame into the outbox, which has room for it.
-    fn send(&mut self, sequence: u16, reply: Reply) {
-        // The largest reply fits into a frame: tested with the link.
-        if let Ok(frame) = link::encode(sequence, reply) {
-            self.outbox.extend(frame);
-        }
-    }
-
-    /// Sends as much of the outbox as the link takes now. Byte by byte: a write of more may wait for the last of them.
-    fn flush(&mut self) -> Result<(), AppError> {
-        while let Some(&byte) = self.outbox.front() {
-            let ready = self.peripherals.link.write_ready().map_err(|_| AppError::Link)?;
-            if !ready || self.peripherals.link.write(&[byte]).map_err(|_| AppError::Link)? == 0 {
-                break;
-            }
-            self.outbox.pop_front();
-        }
-        Ok(())
+        self.outbox.send(self.telemetry_frames, Reply::Telemetry(seen));
     }
 }
 

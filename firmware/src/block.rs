@@ -45,6 +45,8 @@ pub struct Orders {
     pub torso_kg: Option<f32>,
     /// The emergency stop is pressed.
     pub emergency_stop: bool,
+    /// The host has been silent for longer than it may be.
+    pub host_lost: bool,
     /// Forget the fault of an earlier order. Acts once per sequence number.
     pub clear_fault: bool,
 }

@@ -1,13 +1,42 @@
 //! What the host may ask, and what it gets back.
 //!
-//! Nothing that a host sends can exceed a limit: a command changes the [`Orders`], and the controller clamps and judges those.
+//! Nothing that a host sends can exceed a limit: a command changes the [`Orders`], and the controller clamps and judges those; and a
+//! [parameter](crate::parameters) can lower a limit, not raise it.
+//!
+//! Every frame has one answer:
+//!
+//! | what comes | is answered by | and |
+//! |---|---|---|
+//! | damaged, cut short, too long | `Nak(Damaged)`, number 0 | the next frame after a zero is obeyed |
+//! | of another protocol version | `Nak(Version)` | nothing happens |
+//! | whole, and nothing that is known | `Nak(Unknown)` | nothing happens |
+//! | the same frame twice, or frames in another order | each by its own answer | each is obeyed as it comes |
+//! | a number that is none, or negative where it must not be | `Nak(NotPlausible)` | nothing happens |
+//! | a parameter out of its range, patience beyond an hour | `Nak(OutOfRange)` | nothing happens |
+//! | a parameter that nobody knows | `Nak(NoSuchKey)` | nothing happens |
+//! | an order, and the queue to the block task is full | `Nak(Busy)` | nothing happens |
+//! | a reset, a store, a clear, a set or defaults while it drives, or has been ordered to | `Nak(Driving)` | nothing happens |
+//! | a store that the flash does not take | `Nak(Flash)` | what was kept before is kept; what acts stays |
+//! | a capture of a lane that there is not, or of more before the trigger than there is room for | `Nak(OutOfRange)` | what was recorded stays |
+//! | an arming while one is armed, or full | `Ack` | it begins anew; what was recorded is gone |
+//! | a reading before the capture is full | `Nak(NotCaptured)` | |
+//! | a reading beyond its end | `Nak(OutOfRange)` | |
+//! | anything of a capture before the last was answered | `Nak(Busy)` | the last is answered |
+//! | a fault beyond the last that is kept | a report without one | |
+//! | a fault cleared while the emergency stop is pressed | `Ack` | the fault stays |
+//! | nothing, for longer than the patience, while it drives | | fault 12, muted; with a patience of zero it goes on |
+//!
+//! Settings of another version are named in reports ([`Kept::Version`]), not read, and written over by an order to store or to clear only.
 
 use serde::{Deserialize, Serialize};
 
 use crate::block::Target;
 use crate::block::{Amplitude, Gate, Orders, Request};
-use crate::config::TrimPoint;
+use crate::capture::{CaptureReport, CaptureVerb, Part};
+use crate::config::{LONGEST_PATIENCE_S, TrimPoint};
+use crate::fault_log::FaultReport;
 use crate::identify::{MOST_MODES, Resonance};
+use crate::parameters::ParameterReport;
 use crate::settings::Kept;
 use crate::telemetry::Telemetry;
 use crate::units::{Hertz, Turns};
@@ -37,7 +66,7 @@ pub enum Command {
     Quadrature(Option<Turns>),
     /// Self-test, and trim the lanes by what they are measured to be; then fall silent.
     Calibrate,
-    /// What to do with the lane trims, and with what is kept of them over power-off.
+    /// What to do with lane trims and parameters, and with what is kept of them over power-off.
     Settings(Verb),
     /// Which resonances has the last scan found?
     Resonances,
@@ -45,18 +74,33 @@ pub enum Command {
     Friction(Option<Target>),
     /// Torso mass of the occupant, kg, as the seat has read it; `None` where it has not.
     Occupant(Option<f32>),
+    /// The latest block.
+    Status,
+    /// What to do with the capture.
+    Capture(CaptureVerb),
+    /// A fault, by how many came after it, and what started the board.
+    Faults(u8),
+    /// Reset the part, in silence only. The answer leaves before.
+    Reset,
+    /// How long the host may be silent while the drive is on, s; zero is for ever.
+    Patience(f32),
 }
 
-/// What to do with the lane trims. What acts and what is kept are two things: each verb says which it is about.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+/// What to do with lane trims and parameters. What acts, what is set and what is kept are three things: each verb says which it is about. Trims act
+/// as soon as they are found; parameters act after a reset, if they have been stored.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Verb {
-    /// Report what acts, at the calibrated frequency with this number, and what is kept.
+    /// Report the trims that act, at the calibrated frequency with this number, and what is kept.
+    Trims(u8),
+    /// Report the parameter with this key.
     Get(u8),
-    /// Keep what acts. A calibration does so by itself.
+    /// Set the parameter with this key.
+    Set(u8, f32),
+    /// Keep the trims that act and the parameters that are set. A calibration keeps its trims by itself, beside the parameters that are kept.
     Store,
-    /// Keep nothing. What acts stays.
+    /// Keep nothing. What acts and what is set stay.
     Clear,
-    /// Trim by nothing from now on. What is kept stays.
+    /// Trim by nothing from now on, and set all parameters to what is built in. What is kept stays.
     Defaults,
 }
 
@@ -75,6 +119,16 @@ pub enum Reply {
     Settings(TrimReport),
     /// The resonances of the last scan, those that were heard of since.
     Resonances(ResonanceReport),
+    /// The latest block; nothing before the first.
+    Status(Option<Telemetry>),
+    /// A parameter.
+    Parameter(ParameterReport),
+    /// How far the capture is.
+    Capture(CaptureReport),
+    /// A part of the capture.
+    Captured(Part),
+    /// A fault.
+    Faults(FaultReport),
 }
 
 /// The lane trims, one frequency at a time.
@@ -114,6 +168,12 @@ pub enum Refusal {
     Driving,
     /// The flash does not do it.
     Flash,
+    /// A number in it is beyond its range: of a parameter, or of what a capture has.
+    OutOfRange,
+    /// No parameter has this key.
+    NoSuchKey,
+    /// The capture is not full.
+    NotCaptured,
 }
 
 /// Who this is.
@@ -131,6 +191,10 @@ impl Command {
         let mut next = Orders { sequence: orders.sequence.wrapping_add(1), clear_fault: false, ..*orders };
         match *self {
             Command::Identify | Command::TelemetryEvery(_) | Command::Settings(_) | Command::Resonances => return Ok(None),
+            Command::Status | Command::Capture(_) | Command::Faults(_) | Command::Reset => return Ok(None),
+            Command::Patience(seconds) if !(seconds >= 0.0) => return Err(Refusal::NotPlausible),
+            Command::Patience(seconds) if seconds > LONGEST_PATIENCE_S => return Err(Refusal::OutOfRange),
+            Command::Patience(_) => return Ok(None),
             Command::Idle => next.request = Request::Idle,
             Command::Scan => (next.request, next.attempt) = (Request::Scan, orders.attempt.wrapping_add(1)),
             Command::Run => (next.request, next.attempt) = (Request::Run, orders.attempt.wrapping_add(1)),

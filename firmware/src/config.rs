@@ -2,6 +2,7 @@
 
 mod friction;
 mod limits;
+mod link;
 mod restraint;
 
 use heapless::Vec;
@@ -10,6 +11,7 @@ use serde::{Deserialize, Serialize};
 use crate::block::{Amplitude, MAX_LANES};
 pub use crate::config::friction::{Friction, FrictionLaw};
 pub use crate::config::limits::{Limits, Thermometer};
+pub use crate::config::link::{LONGEST_PATIENCE_S, Link};
 pub use crate::config::restraint::Restraint;
 
 /// The most ON windows a burst schedule can list.
@@ -47,6 +49,8 @@ pub struct Config {
     pub friction: Option<Friction>,
     /// When the drive of a seat belt's D-ring is ON, in place of burst schedule and gate; `None`: it serves no belt.
     pub restraint: Option<Restraint>,
+    /// The link to the host.
+    pub link: Link,
 }
 
 /// Scale factors of the converters; on a board they come from the settings store.

@@ -20,7 +20,7 @@ use crate::burst::boost::EdgeTimes;
 use crate::calibrate::Calibrate;
 use crate::clamped::PowerOn;
 use crate::clamped::online::Online;
-use crate::config::{Config, ShapeKind, TrackingMode};
+use crate::config::{Config, LONGEST_PATIENCE_S, ShapeKind, TrackingMode};
 use crate::controller::edges::Edges;
 use crate::controller::plan::Plan;
 use crate::convert::Convert;
@@ -111,6 +111,7 @@ impl Controller {
     /// Checks a configuration and builds its controller. Names the parameter that is out of range.
     pub fn build(config: &Config) -> Result<Self, Error> {
         in_range("block_samples", config.block_samples.into(), 8.0, MAX_BLOCK_SAMPLES as f64)?;
+        in_range("link.patience_s", config.link.patience_s.into(), 0.0, LONGEST_PATIENCE_S.into())?;
         let tracked = config.tracking.mode != TrackingMode::Off;
         if matches!(config.drive.amplitude, Amplitude::MotionalCurrent(_)) && !tracked {
             return Err(Error::CurrentWithoutTracking);

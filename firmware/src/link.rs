@@ -11,7 +11,7 @@ use crc::{CRC_32_ISCSI, Crc};
 use serde::{Deserialize, Serialize};
 
 /// Version of the protocol. A frame of another version is refused, not guessed at.
-pub const VERSION: u8 = 1;
+pub const VERSION: u8 = 2;
 
 /// The longest frame, stuffed, with its zero.
 pub const MAX_FRAME: usize = 256;
@@ -103,9 +103,16 @@ fn decode<T: for<'a> Deserialize<'a>>(stuffed: &mut [u8]) -> Result<Frame<T>, Fr
 mod tests {
     use super::*;
     use crate::block::{Amplitude, Gate};
-    use crate::command::{Command, Reply, ResonanceReport, TrimReport};
+    use crate::capture::{Arm, CaptureReport, CaptureState, CaptureVerb, Part, Trigger};
+    use crate::command::{Command, Refusal, Reply, ResonanceReport, TrimReport, Verb};
+    use crate::fault_log::{FaultEntry, FaultReport};
+    use crate::parameters::ParameterReport;
+    use crate::phasor::Phasor;
     use crate::settings::Kept;
+    use crate::start::{FileName, NAME, Place, Start};
+    use crate::supervisor::{Fault, Limit, Mode};
     use crate::telemetry::Telemetry;
+    use crate::units::{Hertz, Volts};
 
     fn receive<T: for<'a> Deserialize<'a>>(bytes: &[u8]) -> std::vec::Vec<Result<Frame<T>, FrameError>> {
         let mut receiver = Receiver::default();
@@ -123,21 +130,68 @@ mod tests {
         }
     }
 
+    /// Bytes of a reply's frame, with the longest sequence number.
+    fn bytes_of(reply: Reply) -> usize {
+        let frame = encode(u16::MAX, reply).unwrap();
+        let received = receive::<Reply>(&frame);
+        assert_eq!(received, [Ok(Frame { version: VERSION, sequence: u16::MAX, body: reply })]);
+        frame.len()
+    }
+
     #[test]
-    fn telemetry_and_the_other_reports_fit_into_a_frame() {
+    fn every_report_fits_into_a_frame_with_room_to_grow() {
         let full = Telemetry {
             block: u32::MAX,
+            orders_sequence: u32::MAX,
+            fault: Some(Fault::HostLost),
+            limit: Some(Limit::Derated),
             tuning_word: u64::MAX,
             transducer: Some(Default::default()),
             listed: Some(Default::default()),
             friction: Some(crate::friction::Belief { force_ratio: Some(1.0), ..Default::default() }),
             ..Default::default()
         };
-        assert!(encode(u16::MAX, Reply::Telemetry(full)).unwrap().len() < MAX_FRAME / 2 + MAX_FRAME / 4);
         let found = [Some(Default::default()); 4];
-        assert!(encode(u16::MAX, Reply::Resonances(ResonanceReport { chosen: Some(3), found })).unwrap().len() < MAX_FRAME / 2);
-        let report = TrimReport { kept: Kept::Version(255), points: 5, point: Some(Default::default()) };
-        assert!(encode(u16::MAX, Reply::Settings(report)).unwrap().len() < MAX_FRAME / 4);
+        let parameter =
+            ParameterReport { key: 255, acts: 1.0, next: 2.0, built_in: 3.0, min: 4.0, max: 5.0, kept: Kept::Version(255) };
+        let place = Place { file: FileName::of(&"x".repeat(NAME)), line: u32::MAX };
+        let entry = FaultEntry {
+            block: u32::MAX,
+            fault: Fault::HostLost,
+            mode: Mode::Clamped,
+            locked: true,
+            frequency: Hertz(4e4),
+            drive: Volts(3.0),
+            envelope: 1.0,
+            v: Phasor::new(1.0, 2.0),
+            i: Phasor::new(3.0, 4.0),
+            motional_current: Phasor::new(5.0, 6.0),
+        };
+        let part = Part { part: u16::MAX, v: [u16::MAX; 32], i: [0; 32], drive: core::array::from_fn(|n| n as u16) };
+        let capture = CaptureReport { state: CaptureState::Full, samples: u16::MAX, before: u16::MAX, block: u32::MAX };
+        // The longest replies, and what they take.
+        let rows = [
+            (Reply::Telemetry(full), 190),
+            (Reply::Status(Some(full)), 191),
+            (Reply::Resonances(ResonanceReport { chosen: Some(3), found }), 81),
+            (Reply::Settings(TrimReport { kept: Kept::Version(255), points: 5, point: Some(Default::default()) }), 51),
+            (Reply::Parameter(parameter), 34),
+            (Reply::Capture(capture), 23),
+            (Reply::Captured(part), 206),
+            (Reply::Faults(FaultReport { count: u16::MAX, entry: Some(entry), last_run: Start::Panic(place) }), 106),
+            (Reply::Nak(Refusal::NotCaptured), 12),
+        ];
+        let taken = rows.map(|(reply, _)| bytes_of(reply));
+        assert_eq!(taken, rows.map(|(_, bytes)| bytes));
+        assert!(taken.iter().all(|&bytes| bytes <= MAX_FRAME - 40), "{taken:?}");
+    }
+
+    #[test]
+    fn the_longest_command_fits_many_times() {
+        let arm = Arm { trigger: Trigger::Unlocked, before: u16::MAX, lane: 255 };
+        for command in [Command::Capture(CaptureVerb::Arm(arm)), Command::Settings(Verb::Set(255, 1.0)), Command::Patience(1.0)] {
+            assert!(encode(u16::MAX, command).unwrap().len() <= 24, "{command:?}");
+        }
     }
 
     #[test]

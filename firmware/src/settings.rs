@@ -9,6 +9,13 @@
 //! key: u8 | version of the value: u8 | number of the write: u32, little-endian | value: postcard
 //! ```
 //!
+//! Lane trims and parameters are one value, so that the old of one never meets the new of the other.
+//!
+//! | version | value |
+//! |---|---|
+//! | 1 | lane trims |
+//! | 2 | lane trims, and the parameters that differ from what is built in |
+//!
 //! What cannot be read, is of another version, or cannot be trims, is as if there were nothing, and says why. A page's erase stalls a processor
 //! that runs from the same flash (25 ms on an STM32G4): store in silence only.
 
@@ -24,18 +31,36 @@ use serde::{Deserialize, Serialize};
 
 use crate::config::LaneTrims;
 use crate::error::{Error, in_range};
+use crate::parameters::Overrides;
 use crate::phasing::check_calibration;
 
-/// Keys. A number never changes its meaning.
-const LANE_TRIMS: u8 = 1;
-/// Version of the lane trims as they are written now.
-const VERSION: u8 = 1;
+/// The key of what is kept, in the two maps. A number never changes its meaning.
+const RECORD: u8 = 1;
+/// Version of the record as it is written now, and of lane trims alone.
+const VERSION: u8 = 2;
+const TRIMS_ALONE: u8 = 1;
 /// Version and number.
 const HEAD: usize = 5;
 /// Room for the longest value with its key and version, bytes: a multiple of any flash's word.
-const LONGEST: usize = 256;
+const LONGEST: usize = 384;
 
-/// What is kept.
+/// What is kept together.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Record {
+    /// Lane trims.
+    pub trims: LaneTrims,
+    /// Parameters that differ from what is built in.
+    pub parameters: Overrides,
+}
+
+impl Record {
+    /// Whether there is nothing to keep.
+    pub fn is_empty(&self) -> bool {
+        self.trims.is_empty() && self.parameters.is_empty()
+    }
+}
+
+/// What is kept, and what has become of it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Kept {
     /// Nothing.
@@ -45,12 +70,18 @@ pub enum Kept {
     Stored,
     /// Something that cannot be read, or cannot be trims.
     Damaged,
-    /// Trims of this other version.
+    /// Something of this other version. It stays until an order to store or to clear.
     Version(u8),
     /// What acts is to be kept, as soon as the drive is silent.
     Due,
     /// The flash does not take it.
     Failed,
+    /// Parameters, of which some do not act: nobody knows them here, or they are out of their ranges.
+    Partly,
+    /// Settings that do not make a configuration: none of them act.
+    Refused,
+    /// Not what is set: a parameter was set since, and is lost with a reset unless it is stored.
+    Changed,
 }
 
 /// The flash has failed, and settings are not kept.
@@ -71,7 +102,7 @@ type Map<'a, F> = MapStorage<u8, Blocking<&'a mut F>, Cache<Uncached, Uncached, 
 struct Found {
     /// Which write it was.
     number: u32,
-    trims: LaneTrims,
+    record: Record,
     kept: Kept,
 }
 
@@ -100,44 +131,44 @@ impl<F: NorFlash> Settings<F> {
         Ok(Settings { flash, half: half as u32 })
     }
 
-    /// The lane trims that are kept; none where there is nothing that can be used, and why.
-    pub fn lane_trims(&mut self) -> (LaneTrims, Kept) {
+    /// What is kept; nothing where there is nothing that can be used, and why.
+    pub fn record(&mut self) -> (Record, Kept) {
         let found = self.latest().1;
-        // That there are none is kept as such.
-        let nothing = found.kept == Kept::Stored && found.trims.is_empty();
-        (found.trims, if nothing { Kept::Nothing } else { found.kept })
+        // That there is nothing is kept as such.
+        let nothing = found.kept == Kept::Stored && found.record.is_empty();
+        (found.record, if nothing { Kept::Nothing } else { found.kept })
     }
 
-    /// Keeps lane trims. What is kept already is not written again.
-    pub fn store(&mut self, trims: &LaneTrims) -> Result<(), NotKept> {
+    /// Keeps a record. What is kept already is not written again.
+    pub fn store(&mut self, record: &Record) -> Result<(), NotKept> {
         let (half, latest) = self.latest();
-        if latest.trims == *trims && matches!(latest.kept, Kept::Stored | Kept::Nothing) {
+        if latest.record == *record && matches!(latest.kept, Kept::Stored | Kept::Nothing) {
             return Ok(());
         }
         let mut value = [0; LONGEST];
         value[0] = VERSION;
         value[1..HEAD].copy_from_slice(&latest.number.wrapping_add(1).to_le_bytes());
-        let length = postcard::to_slice(trims, &mut value[HEAD..]).map_err(|_| NotKept)?.len();
+        let length = postcard::to_slice(record, &mut value[HEAD..]).map_err(|_| NotKept)?.len();
         let value = &value[..HEAD + length];
         // Into the other half. If it is beyond repair it is erased first: what is kept stands in this one.
-        if self.write(1 - half, value).is_ok() && self.keeps(trims) {
+        if self.write(1 - half, value).is_ok() && self.keeps(record) {
             return Ok(());
         }
         let mut map = self.map(1 - half).ok_or(NotKept)?;
         wait(map.erase_all()).map_err(|_| NotKept)?;
         self.write(1 - half, value)?;
-        if self.keeps(trims) { Ok(()) } else { Err(NotKept) }
+        if self.keeps(record) { Ok(()) } else { Err(NotKept) }
     }
 
-    /// Whether these are the trims that would be read now: damage elsewhere in the flash may hide what was written.
-    fn keeps(&mut self, trims: &LaneTrims) -> bool {
-        self.latest().1.trims == *trims
+    /// Whether this is the record that would be read now: damage elsewhere in the flash may hide what was written.
+    fn keeps(&mut self, record: &Record) -> bool {
+        self.latest().1.record == *record
     }
 
     /// Keeps nothing.
     pub fn clear(&mut self) -> Result<(), NotKept> {
         // Written over by nothing rather than erased: whenever power goes, it is all there or all gone.
-        self.store(&LaneTrims::new())
+        self.store(&Record::default())
     }
 
     /// Gives the flash back.
@@ -158,9 +189,9 @@ impl<F: NorFlash> Settings<F> {
 
     fn read(&mut self, half: u32) -> Found {
         let mut buffer = [0; LONGEST];
-        let damaged = Found { number: 0, trims: LaneTrims::new(), kept: Kept::Damaged };
+        let damaged = Found { number: 0, record: Record::default(), kept: Kept::Damaged };
         let Some(mut map) = self.map(half) else { return damaged };
-        match wait(map.fetch_item::<&[u8]>(&mut buffer, &LANE_TRIMS)) {
+        match wait(map.fetch_item::<&[u8]>(&mut buffer, &RECORD)) {
             Ok(Some(bytes)) => parse(bytes).unwrap_or(damaged),
             Ok(None) => Found { kept: Kept::Nothing, ..damaged },
             Err(_) => damaged,
@@ -170,7 +201,7 @@ impl<F: NorFlash> Settings<F> {
     fn write(&mut self, half: u32, value: &[u8]) -> Result<(), NotKept> {
         let mut buffer = [0; LONGEST];
         let mut map = self.map(half).ok_or(NotKept)?;
-        wait(map.store_item(&mut buffer, &LANE_TRIMS, &value)).map_err(|_| NotKept)
+        wait(map.store_item(&mut buffer, &RECORD, &value)).map_err(|_| NotKept)
     }
 }
 
@@ -178,11 +209,13 @@ impl<F: NorFlash> Settings<F> {
 fn parse(bytes: &[u8]) -> Option<Found> {
     let (head, value) = bytes.split_at_checked(HEAD)?;
     let number = u32::from_le_bytes(head[1..].try_into().ok()?);
-    if head[0] != VERSION {
-        return Some(Found { number, trims: LaneTrims::new(), kept: Kept::Version(head[0]) });
-    }
-    let trims = postcard::from_bytes::<LaneTrims>(value).ok().filter(|trims| check_calibration(trims).is_ok())?;
-    Some(Found { number, trims, kept: Kept::Stored })
+    let record = match head[0] {
+        VERSION => postcard::from_bytes::<Record>(value).ok()?,
+        TRIMS_ALONE => Record { trims: postcard::from_bytes(value).ok()?, parameters: Overrides::new() },
+        other => return Some(Found { number, record: Record::default(), kept: Kept::Version(other) }),
+    };
+    check_calibration(&record.trims).ok()?;
+    Some(Found { number, record, kept: Kept::Stored })
 }
 
 /// A flash that makes its caller wait, as one that is waited for.
@@ -232,15 +265,19 @@ fn wait<T>(future: impl Future<Output = T>) -> T {
 mod tests {
     use super::*;
     use crate::config::{Trim, TrimPoint};
+    use crate::parameters::MOST_PARAMETERS;
 
-    fn value(version: u8, number: u32, trims: &LaneTrims) -> std::vec::Vec<u8> {
+    fn value<T: Serialize>(version: u8, number: u32, value: &T) -> std::vec::Vec<u8> {
         let mut buffer = [0; LONGEST];
-        let body = postcard::to_slice(trims, &mut buffer).unwrap();
+        let body = postcard::to_slice(value, &mut buffer).unwrap();
         [&[version], &number.to_le_bytes()[..], body].concat()
     }
 
-    fn longest() -> LaneTrims {
-        (0..5).map(|n| TrimPoint { hz: 40e3 + n as f32, lanes: [Trim { phase_turns: -0.1, gain: 0.9 }; 4] }).collect()
+    fn longest() -> Record {
+        Record {
+            trims: (0..5).map(|n| TrimPoint { hz: 40e3 + n as f32, lanes: [Trim { phase_turns: -0.1, gain: 0.9 }; 4] }).collect(),
+            parameters: (0..MOST_PARAMETERS as u8).map(|key| (key + 200, 1.0 / f32::from(key))).collect(),
+        }
     }
 
     #[test]
@@ -249,27 +286,36 @@ mod tests {
         // Its key before it, and words of 32 bytes.
         assert!(bytes.len() + 1 + 32 <= LONGEST, "{}", bytes.len());
         let found = parse(&bytes).unwrap();
-        assert_eq!((found.number, found.trims, found.kept), (7, longest(), Kept::Stored));
+        assert_eq!((found.number, found.record, found.kept), (7, longest(), Kept::Stored));
+    }
+
+    #[test]
+    fn lane_trims_alone_are_read_as_such() {
+        let trims = longest().trims;
+        let found = parse(&value(TRIMS_ALONE, 7, &trims)).unwrap();
+        assert_eq!((found.number, found.record, found.kept), (7, Record { trims, parameters: Overrides::new() }, Kept::Stored));
     }
 
     #[test]
     fn another_version_is_named_and_not_read() {
         let found = parse(&value(VERSION + 1, 9, &longest())).unwrap();
-        assert_eq!((found.number, found.trims.len(), found.kept), (9, 0, Kept::Version(VERSION + 1)));
+        assert_eq!((found.number, found.record, found.kept), (9, Record::default(), Kept::Version(VERSION + 1)));
         // Nor is what was kept before it taken for what is kept now.
+        let found = parse(&value(VERSION + 1, 9, &longest())).unwrap();
         let before = parse(&value(VERSION, 8, &longest())).unwrap();
         assert!(found.is_newer_than(&before) && !before.is_newer_than(&found));
     }
 
     #[test]
     fn what_is_cut_short_is_damaged() {
-        let bytes = value(VERSION, 7, &longest());
-        assert!((0..bytes.len()).all(|length| parse(&bytes[..length]).is_none()));
+        for bytes in [value(VERSION, 7, &longest()), value(TRIMS_ALONE, 7, &longest().trims)] {
+            assert!((0..bytes.len()).all(|length| parse(&bytes[..length]).is_none()));
+        }
     }
 
     #[test]
     fn numbers_come_round_and_what_cannot_be_read_is_older_than_what_can() {
-        let found = |number, kept| Found { number, trims: LaneTrims::new(), kept };
+        let found = |number, kept| Found { number, record: Record::default(), kept };
         let rows = [
             found(0, Kept::Nothing),
             found(0, Kept::Damaged),

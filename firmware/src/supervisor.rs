@@ -73,6 +73,8 @@ pub enum Fault {
     EmergencyStop = 10,
     /// A block came late, was lost, or was cut short.
     LateBlock = 11,
+    /// The host has been silent for longer than it may be while the drive is on.
+    HostLost = 12,
     /// A sense channel is offset, stuck, or does not show what was played: 8 blocks, or the self-test's 96.
     SensorImplausible = 20,
     /// More current than the limit, seen here or by the comparator.
@@ -175,7 +177,7 @@ macro_rules! numbered {
     };
 }
 
-numbered!(Fault, EmergencyStop LateBlock SensorImplausible OverCurrent LoadShorted LoadOpen LaneImplausible CapacitanceShifted ResonanceDamaged SenseSwapped SenseSaturated NoResonance NoLock LossOfLock TrackersDisagree WrongMode BeltStopped BeltSensorLost BeltSensorImplausible EnergyPerLength OverTemperature OnTimeExceeded ForceSensorImplausible);
+numbered!(Fault, EmergencyStop LateBlock HostLost SensorImplausible OverCurrent LoadShorted LoadOpen LaneImplausible CapacitanceShifted ResonanceDamaged SenseSwapped SenseSaturated NoResonance NoLock LossOfLock TrackersDisagree WrongMode BeltStopped BeltSensorLost BeltSensorImplausible EnergyPerLength OverTemperature OnTimeExceeded ForceSensorImplausible);
 numbered!(Limit, OverVoltageRequest FrequencyWindow NotTracking QuadratureRequest Derated BeltMuted NoAuthority RatioUnreachable BoostLimited RestraintUnclassified);
 
 /// How a stage of the way to [`Mode::Run`] is getting on.
@@ -224,6 +226,8 @@ impl Supervisor {
         let driving = !matches!(self.mode, Mode::Idle | Mode::Fault);
         if orders.emergency_stop {
             self.raise(Fault::EmergencyStop);
+        } else if orders.host_lost {
+            self.raise(Fault::HostLost);
         } else if let Some(fault) = found.filter(|_| driving) {
             self.raise(fault);
         }

@@ -30,17 +30,16 @@
 use std::time::Duration;
 
 use firmware::app::{App, AppError, Peripherals};
-use firmware::block::Orders;
-use firmware::block_task::{BlockTask, Exchange};
+use firmware::block_task::BlockTask;
 use firmware::command::{Command, Reply};
-use firmware::config::{Config, LaneTrims};
-use firmware::controller::Controller;
+use firmware::config::Config;
 use firmware::error::Error;
-use firmware::keeper::Keeper;
-use firmware::settings::{Kept, Settings};
+use firmware::power_up::PowerUp;
+use firmware::queues;
+use firmware::settings::Settings;
+use firmware::start::Start;
 use firmware::supervisor::{Fault, Mode};
 use firmware::telemetry::Telemetry;
-use heapless::spsc::Queue;
 
 use crate::analog::Analog;
 use crate::block_clock::BlockClock;
@@ -55,15 +54,8 @@ use crate::watchdog::Watchdog;
 /// Orders that may be on their way to the block task.
 pub const ORDERS_DEPTH: usize = 8;
 
-/// The queues between the two sides. They outlive the bench, as a board's statics do.
-#[derive(Default)]
-pub struct Queues {
-    // A ring of N holds N - 1.
-    orders: Queue<Orders, { ORDERS_DEPTH + 1 }>,
-    telemetry: Queue<Telemetry, 64>,
-    found: Queue<LaneTrims, 2>,
-    taken: Queue<LaneTrims, 2>,
-}
+/// The queues between the two sides. They outlive the bench, as a board's statics do. A ring of N holds N - 1.
+pub type Queues = queues::Queues<{ ORDERS_DEPTH + 1 }, 64>;
 
 /// How the bench is set up.
 #[derive(Clone, Debug)]
@@ -78,6 +70,8 @@ pub struct Setup {
     pub to_host: Wire,
     /// The flash for settings, with what an earlier bench has left in it.
     pub flash: Flash,
+    /// What started the board.
+    pub start: Start,
 }
 
 impl Default for Setup {
@@ -89,6 +83,7 @@ impl Default for Setup {
             watchdog: Duration::from_millis(10),
             to_host: Wire::default(),
             flash: Flash::new(4, 1),
+            start: Start::PowerOn,
         }
     }
 }
@@ -117,28 +112,25 @@ impl<'a, A: Analog> Bench<'a, A> {
     /// Puts the driver on the bench, with `analog` behind its converters, the power just on and the emergency stop released. What is kept in
     /// the flash goes before what the configuration says.
     pub fn new(queues: &'a mut Queues, setup: &Setup, analog: A) -> Result<Self, Error> {
-        let (orders_in, orders_out) = queues.orders.split();
-        let (telemetry_in, telemetry_out) = queues.telemetry.split();
-        let (found_in, found_out) = queues.found.split();
-        let (taken_in, taken_out) = queues.taken.split();
-
+        let (hot, slow) = queues.split();
         let mut settings = Settings::new(setup.flash.clone())?;
-        let (trims, kept) = settings.lane_trims();
-        let mut config = setup.config.clone();
-        if kept == Kept::Stored {
-            config.phasing.calibration = trims;
-        }
-        let controller = Controller::build(&config)?;
-        let keeper = Keeper::new(found_out, taken_in, config.phasing.calibration, kept);
-        let task = BlockTask::new(controller, orders_out, telemetry_in, Exchange { found: found_in, taken: taken_out });
+        let mut power_up = PowerUp::read(&setup.config, &mut settings);
+        let controller = power_up.build(&setup.config)?;
+        let task = BlockTask::new(controller, hot);
 
         let clock = Clock::new(setup.config.sample_hz as u32);
         let (enable_pin, enable) = pin::output(&clock);
         let (stop_pin, stop) = pin::input(true);
         let watchdog = Watchdog::new(&clock, setup.watchdog);
         let (board_end, host_end) = link::duplex(setup.to_host, Wire::default());
-        let peripherals =
-            Peripherals { link: board_end, enable: enable_pin, stop: stop_pin, watchdog: watchdog.clone(), settings };
+        let peripherals = Peripherals {
+            link: board_end,
+            enable: enable_pin,
+            stop: stop_pin,
+            watchdog: watchdog.clone(),
+            settings,
+            start: setup.start,
+        };
 
         Ok(Bench {
             enable,
@@ -150,7 +142,7 @@ impl<'a, A: Analog> Bench<'a, A> {
             block_samples: setup.config.block_samples.into(),
             poll_every: setup.poll_every.max(1),
             task,
-            app: App::new(peripherals, orders_in, telemetry_out, keeper),
+            app: App::new(peripherals, slow, &power_up),
             errors: Vec::new(),
         })
     }

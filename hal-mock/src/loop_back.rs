@@ -3,7 +3,7 @@
 
 use firmware::block::{Amplitude, BeltSense, DriveBlock, SenseBlock};
 use firmware::config::{
-    Burst, Config, Drive, Edge, FrontEnd, Limits, Phasing, Schedule, Sweep, Thermometer, Tracking, TrackingMode,
+    Burst, Config, Drive, Edge, FrontEnd, Limits, Link, Phasing, Schedule, Sweep, Thermometer, Tracking, TrackingMode,
 };
 
 use crate::analog::Analog;
@@ -83,6 +83,7 @@ pub fn config() -> Config {
         limits: Limits { voltage_v: 12.0, current_a: 3.0, belt_stop_ms: 5.0, ..Limits::default() },
         friction: None,
         restraint: None,
+        link: Link::default(),
     }
 }
 

@@ -15,12 +15,19 @@ pub struct Watchdog {
     time: Duration,
     fed: Rc<Cell<Duration>>,
     bitten: Rc<Cell<Option<Duration>>>,
+    resets: Rc<Cell<u32>>,
 }
 
 impl Watchdog {
     /// A watchdog that must be fed within `time`, beginning now.
     pub fn new(clock: &Clock, time: Duration) -> Self {
-        Watchdog { clock: clock.clone(), time, fed: Rc::new(Cell::new(clock.now())), bitten: Rc::default() }
+        Watchdog {
+            clock: clock.clone(),
+            time,
+            fed: Rc::new(Cell::new(clock.now())),
+            bitten: Rc::default(),
+            resets: Rc::default(),
+        }
     }
 
     /// When it bit, if it did.
@@ -30,6 +37,11 @@ impl Watchdog {
             self.bitten.set(Some(due));
         }
         self.bitten.get()
+    }
+
+    /// How many resets were ordered. The one who asks does what a board would do by itself.
+    pub fn resets(&self) -> u32 {
+        self.resets.get()
     }
 
     /// When it was fed for the last time.
@@ -43,6 +55,10 @@ impl firmware::app::Watchdog for Watchdog {
         // A bite that nobody has looked at yet must not be lost.
         self.bitten();
         self.fed.set(self.clock.now());
+    }
+
+    fn reset(&mut self) {
+        self.resets.set(self.resets.get() + 1);
     }
 }
 

@@ -53,6 +53,7 @@ const ORDERS: Orders = Orders {
     friction: None,
     torso_kg: None,
     emergency_stop: false,
+    host_lost: false,
     clear_fault: false,
 };
 

@@ -65,7 +65,7 @@ fn errors(bench: &mut Bench<Bank>, quadrature: f32) -> (f64, f64) {
 }
 
 fn report(bench: &mut Bench<Bank>, point: u8) -> TrimReport {
-    match bench.ask(Command::Settings(Verb::Get(point))) {
+    match bench.ask(Command::Settings(Verb::Trims(point))) {
         Some(Reply::Settings(report)) => report,
         other => panic!("{other:?}"),
     }

@@ -3,7 +3,8 @@
 use embedded_storage::nor_flash::{NorFlash, ReadNorFlash};
 use firmware::config::{LaneTrims, Trim, TrimPoint};
 use firmware::error::Error;
-use firmware::settings::{Kept, NotKept, Settings};
+use firmware::parameters::Overrides;
+use firmware::settings::{Kept, NotKept, Record, Settings};
 use hal_mock::chance::Chance;
 use hal_mock::flash::{Flash, PAGE_BYTES};
 
@@ -13,15 +14,21 @@ fn trims(number: u16) -> LaneTrims {
     (0..5).map(|point| TrimPoint { hz: 39e3 + 500.0 * point as f32, lanes: std::array::from_fn(lane) }).collect()
 }
 
-fn kept(flash: &Flash) -> (LaneTrims, Kept) {
-    Settings::new(flash.clone()).unwrap().lane_trims()
+/// Trims and parameters that are told from others by the same number: old ones beside new ones are no such record.
+fn record(number: u16) -> Record {
+    let parameters: Overrides = (1..=9).map(|key| (key, f32::from(key) + f32::from(number))).collect();
+    Record { trims: trims(number), parameters }
+}
+
+fn kept(flash: &Flash) -> (Record, Kept) {
+    Settings::new(flash.clone()).unwrap().record()
 }
 
 #[test]
 fn an_empty_flash_has_nothing_and_looking_writes_nothing() {
     let flash = Flash::new(4, 1);
     let mut settings = Settings::new(flash).unwrap();
-    assert_eq!(settings.lane_trims(), (LaneTrims::new(), Kept::Nothing));
+    assert_eq!(settings.record(), (Record::default(), Kept::Nothing));
     assert_eq!(settings.clear(), Ok(()));
     assert_eq!(settings.release().operations(), 0);
 }
@@ -31,11 +38,11 @@ fn the_latest_is_what_is_kept_however_often_pages_go_round() {
     for pages in [4, 6, 10] {
         let mut settings = Settings::new(Flash::new(pages, 1)).unwrap();
         for number in 0..200 {
-            settings.store(&trims(number)).unwrap();
-            assert_eq!(settings.lane_trims(), (trims(number), Kept::Stored), "{pages} {number}");
+            settings.store(&record(number)).unwrap();
+            assert_eq!(settings.record(), (record(number), Kept::Stored), "{pages} {number}");
         }
         settings.clear().unwrap();
-        assert_eq!(settings.lane_trims(), (LaneTrims::new(), Kept::Nothing));
+        assert_eq!(settings.record(), (Record::default(), Kept::Nothing));
         let flash = settings.release();
         let wear: Vec<u32> = (0..pages).map(|page| flash.erases(page)).collect();
         println!("{pages} pages, 201 writes: erased {wear:?} times");
@@ -48,12 +55,12 @@ fn the_latest_is_what_is_kept_however_often_pages_go_round() {
 #[test]
 fn what_is_kept_already_wears_nothing() {
     let mut settings = Settings::new(Flash::new(4, 1)).unwrap();
-    settings.store(&trims(1)).unwrap();
+    settings.store(&record(1)).unwrap();
     let mut flash = settings.release();
     let operations = flash.operations();
     for _ in 0..100 {
         let mut settings = Settings::new(flash).unwrap();
-        settings.store(&trims(1)).unwrap();
+        settings.store(&record(1)).unwrap();
         flash = settings.release();
     }
     assert_eq!(flash.operations(), operations);
@@ -62,7 +69,7 @@ fn what_is_kept_already_wears_nothing() {
 /// A flash that has been written so often that the next write comes to `filled` values in its pages.
 fn filled(writes: u16, seed: u64) -> Flash {
     let mut settings = Settings::new(Flash::new(4, seed)).unwrap();
-    (0..writes).for_each(|number| settings.store(&trims(number)).unwrap());
+    (0..writes).for_each(|number| settings.store(&record(number)).unwrap());
     settings.release()
 }
 
@@ -78,7 +85,7 @@ fn whenever_power_goes_the_old_or_the_new_is_there_and_the_next_write_is_whole()
                 let mut cut = flash.clone();
                 cut.cut_power_after(operations);
                 let mut settings = Settings::new(cut).unwrap();
-                let stored = settings.store(&trims(1000));
+                let stored = settings.store(&record(1000));
                 let mut cut = settings.release();
                 if stored.is_ok() {
                     break;
@@ -87,15 +94,15 @@ fn whenever_power_goes_the_old_or_the_new_is_there_and_the_next_write_is_whole()
                 cuts += 1;
                 cut.restore_power();
                 let mut settings = Settings::new(cut).unwrap();
-                let (now, state) = settings.lane_trims();
+                let (now, state) = settings.record();
                 let whole = match state {
-                    Kept::Stored => now == old || now == trims(1000),
+                    Kept::Stored => now == old || now == record(1000),
                     // Before the first write there was nothing to lose.
                     _ => writes == 0 && now.is_empty(),
                 };
                 assert!(whole, "{writes} writes, cut after {operations}: {state:?}");
-                settings.store(&trims(1001)).unwrap();
-                assert_eq!(kept(&settings.release()), (trims(1001), Kept::Stored), "{writes} writes, cut after {operations}");
+                settings.store(&record(1001)).unwrap();
+                assert_eq!(kept(&settings.release()), (record(1001), Kept::Stored), "{writes} writes, cut after {operations}");
             }
         }
     }
@@ -108,17 +115,17 @@ fn power_that_goes_again_and_again_loses_nothing() {
     for seed in 0..12 {
         let mut chance = Chance::new(seed);
         let mut flash = filled(7, seed);
-        let mut last = trims(6);
+        let mut last = record(6);
         for number in 100..500 {
             // Often before a value is whole, and sometimes after it.
             flash.cut_power_after(chance.below(40));
             let mut settings = Settings::new(flash).unwrap();
-            let stored = settings.store(&trims(number));
+            let stored = settings.store(&record(number));
             flash = settings.release();
             flash.restore_power();
             let (now, state) = kept(&flash);
             assert_eq!(state, Kept::Stored, "{seed} {number}");
-            assert!(now == trims(number) || (now == last && stored.is_err()), "{seed} {number}");
+            assert!(now == record(number) || (now == last && stored.is_err()), "{seed} {number}");
             last = now;
         }
     }
@@ -140,10 +147,10 @@ fn whatever_is_in_the_flash_it_is_read_without_harm_and_can_be_written() {
             flash.write((page * PAGE_BYTES) as u32, &bytes).unwrap();
         }
         let mut settings = Settings::new(flash).unwrap();
-        let (found, state) = settings.lane_trims();
+        let (found, state) = settings.record();
         assert!(found.is_empty() || state == Kept::Stored, "{seed}: {state:?}");
-        settings.store(&trims(9)).unwrap();
-        assert_eq!(kept(&settings.release()), (trims(9), Kept::Stored), "{seed}");
+        settings.store(&record(9)).unwrap();
+        assert_eq!(kept(&settings.release()), (record(9), Kept::Stored), "{seed}");
     }
 }
 
@@ -160,10 +167,10 @@ fn a_flipped_bit_is_seen() {
             damaged.write(8 * word as u32, value).unwrap();
         }
         let mut settings = Settings::new(damaged).unwrap();
-        let (found, state) = settings.lane_trims();
-        assert!(found == trims(0) || (found.is_empty() && state != Kept::Stored), "bit {bit}: {state:?}");
-        settings.store(&trims(2)).unwrap();
-        assert_eq!(settings.lane_trims(), (trims(2), Kept::Stored), "bit {bit}");
+        let (found, state) = settings.record();
+        assert!(found == record(0) || (found.is_empty() && state != Kept::Stored), "bit {bit}: {state:?}");
+        settings.store(&record(2)).unwrap();
+        assert_eq!(settings.record(), (record(2), Kept::Stored), "bit {bit}");
     }
 }
 
@@ -177,8 +184,9 @@ fn trims_that_cannot_be_are_damaged_and_a_flash_that_is_too_small_is_refused() {
     for trims in wrong {
         let mut settings = Settings::new(Flash::new(4, 1)).unwrap();
         // What is stored is read again before it counts as kept.
-        assert!(settings.store(&trims).is_err(), "{trims:?}");
-        assert_eq!(settings.lane_trims(), (LaneTrims::new(), Kept::Damaged), "{trims:?}");
+        let record = Record { trims: trims.clone(), ..record(1) };
+        assert!(settings.store(&record).is_err(), "{trims:?}");
+        assert_eq!(settings.record(), (Record::default(), Kept::Damaged), "{trims:?}");
     }
     let refused = Settings::new(Flash::new(3, 1)).err();
     assert!(matches!(refused, Some(Error::OutOfRange { parameter: "settings.flash_bytes", value: 4096.0, min: 8192.0, .. })));

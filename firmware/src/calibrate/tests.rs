@@ -4,7 +4,7 @@ use rand_xoshiro::Xoshiro128StarStar;
 use super::*;
 use crate::block::Amplitude;
 use crate::config::{
-    Burst, Direction, Drive, Edge, FrontEnd, Limits, Phasing as PhasingConfig, Schedule, Sweep, Thermometer, Tracking,
+    Burst, Direction, Drive, Edge, FrontEnd, Limits, Link, Phasing as PhasingConfig, Schedule, Sweep, Thermometer, Tracking,
     TrackingMode,
 };
 
@@ -44,6 +44,7 @@ fn config(lanes: u8) -> Config {
         limits: Limits { voltage_v: 12.0, ..Limits::default() },
         friction: None,
         restraint: None,
+        link: Link::default(),
     }
 }
 

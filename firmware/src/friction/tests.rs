@@ -3,7 +3,7 @@
 use super::dahl::friction_ratio;
 use super::*;
 use crate::block::Amplitude;
-use crate::config::{Burst, Drive, Edge, Friction, Limits, Phasing, Schedule, Sweep, Thermometer, Tracking, TrackingMode};
+use crate::config::{Burst, Drive, Edge, Friction, Limits, Link, Phasing, Schedule, Sweep, Thermometer, Tracking, TrackingMode};
 
 const OMEGA: f32 = core::f32::consts::TAU * 40e3;
 const FORCE_FACTOR: f32 = 5.566;
@@ -32,6 +32,7 @@ fn config(schedule: Schedule) -> Config {
         thermometer: Thermometer::default(),
         limits: Limits::default(),
         restraint: None,
+        link: Link::default(),
         friction: Some(Friction {
             target: Target::Ratio(0.5),
             law: FrictionLaw::Dahl,

@@ -42,6 +42,7 @@ fn longest_question() -> Question {
         friction: Some(Target::Force(1.0)),
         torso_kg: Some(1.0),
         emergency_stop: true,
+        host_lost: true,
         clear_fault: true,
     };
     let slow = SlowSense {
@@ -146,6 +147,7 @@ fn longest_config() -> Config {
             average_s: 1.0,
         }),
         restraint: Some(Restraint::default()),
+        link: Link { patience_s: 1.5 },
     }
 }
 

@@ -75,6 +75,7 @@ fn scan(case: &Case, seed: u64) -> Scanned {
         limits: Limits { voltage_v: 15.0, current_a: 4.0, ..Limits::default() },
         friction: None,
         restraint: None,
+        link: config::Link::default(),
     };
     let convert = Convert::build(&case.front_end).unwrap();
     let mut bench = Bench::new(&case.branches, case.c0_f, seed, case.front_end.clone());

@@ -4,8 +4,8 @@
 use firmware::block::Amplitude;
 use firmware::block::Target;
 use firmware::config::{
-    Around, Burst, Chirp, ChirpKind, Config, Direction, Drive, Edge, Friction, FrictionLaw, FrontEnd, LaneTrims, Limits, Phasing,
-    Restraint, Schedule, ShapeKind, Sweep, Then, Thermometer, Tracking, TrackingMode,
+    Around, Burst, Chirp, ChirpKind, Config, Direction, Drive, Edge, Friction, FrictionLaw, FrontEnd, LaneTrims, Limits, Link,
+    Phasing, Restraint, Schedule, ShapeKind, Sweep, Then, Thermometer, Tracking, TrackingMode,
 };
 
 use crate::scene;
@@ -56,6 +56,7 @@ pub fn config(scene: &scene::Driven) -> Config {
         limits: limits(&controller.limits),
         friction: controller.friction.as_ref().map(|told| friction(told, &controller.tracking)),
         restraint: controller.restraint.as_ref().map(restraint),
+        link: Link::default(),
     }
 }
 

@@ -10,7 +10,7 @@
 
 use firmware::block::Amplitude;
 use firmware::config::{
-    Burst, Config, Drive, Edge, FrontEnd, Limits, Phasing, Schedule, Sweep, Thermometer, Tracking, TrackingMode,
+    self, Burst, Config, Drive, Edge, FrontEnd, Limits, Phasing, Schedule, Sweep, Thermometer, Tracking, TrackingMode,
 };
 
 use crate::blocks::BLOCK;
@@ -35,6 +35,9 @@ pub const LANES: u8 = 1;
 /// Belt that passes from one count of its encoder to the next, m; `None`: there is no encoder, and nothing watches a belt. Where one is
 /// named, wires that are broken or missing are a fault.
 pub const METRE_PER_COUNT: Option<f32> = None;
+
+/// How long the host may be silent while the drive is on, s.
+pub const PATIENCE_S: f32 = 1.0;
 
 /// The DAC code of zero volts.
 pub const SILENCE: u16 = 2048;
@@ -75,6 +78,7 @@ pub fn config() -> Config {
         limits: Limits { temperature_c: 85.0, ..Limits::default() },
         friction: None,
         restraint: None,
+        link: config::Link { patience_s: PATIENCE_S },
     }
 }
 

@@ -25,16 +25,15 @@ use cortex_m_rt::entry;
 // For the log.
 use defmt_rtt as _;
 use firmware::app::{self, App};
-use firmware::block::Orders;
-use firmware::block_task::{BlockTask, Exchange};
-use firmware::config::LaneTrims;
-use firmware::controller::Controller;
-use firmware::keeper::Keeper;
-use firmware::settings::{Kept, Settings};
+use firmware::block_task::BlockTask;
+use firmware::power_up::PowerUp;
+use firmware::queues::{Queues, SlowEnds};
+use firmware::settings::Settings;
+use firmware::start::Start;
 use firmware::supervisor::Fault;
 use firmware::telemetry::Telemetry;
-use heapless::spsc::{Consumer, Producer, Queue};
 use nucleo_g474re::config::{LANES, config};
+use nucleo_g474re::note::Note;
 use stm32_metapac::{Interrupt, RCC};
 
 use self::block::Hot;
@@ -48,7 +47,6 @@ use self::watchdog::Dog;
 /// Room of the queues; one place of each stays empty. The slow side empties that of the telemetry many times a block.
 const ORDERS: usize = 9;
 const REPORTS: usize = 9;
-const TRIMS: usize = 2;
 
 defmt::timestamp!("{=u32} blocks", block::count());
 
@@ -56,7 +54,7 @@ defmt::timestamp!("{=u32} blocks", block::count());
 fn main() -> ! {
     ccmram::load();
     clocks::start();
-    report_last_run();
+    let start = what_started();
     let Some(mut core) = Peripherals::take() else { panic!("started twice") };
     core.DCB.enable_trace();
     core.DWT.enable_cycle_counter();
@@ -65,14 +63,13 @@ fn main() -> ! {
     let mut thermometer = Thermometer::start();
     let link = Link::start();
     let Ok(mut settings) = Settings::new(Pages) else { panic!("the settings do not fit") };
-    let (trims, kept) = settings.lane_trims();
-    let Slow { orders, reports, keeper } = build(trims, kept);
+    let (ends, power_up) = build(&mut settings);
     adc::start();
     timers::prepare();
 
     let watchdog = Dog::start();
     start_blocks(&mut core.NVIC);
-    let mut app = App::new(app::Peripherals { link, enable, stop, watchdog, settings }, orders, reports, keeper);
+    let mut app = App::new(app::Peripherals { link, enable, stop, watchdog, settings, start }, ends, &power_up);
     let mut log = Log::default();
     loop {
         // Pins and link of this board cannot fail.
@@ -82,37 +79,20 @@ fn main() -> ! {
     }
 }
 
-/// What the slow side has of the queues.
-struct Slow {
-    orders: Producer<'static, Orders>,
-    reports: Consumer<'static, Telemetry>,
-    keeper: Keeper<'static>,
-}
-
 /// Builds the controller with its queues, and hands it over to the block interrupt. Not inlined: the controller passes over the stack on its way, and
 /// that is given back here.
 #[inline(never)]
-fn build(trims: LaneTrims, kept: Kept) -> Slow {
-    let queues = (
-        singleton!(: Queue<Orders, ORDERS> = Queue::new()),
-        singleton!(: Queue<Telemetry, REPORTS> = Queue::new()),
-        singleton!(: Queue<LaneTrims, TRIMS> = Queue::new()),
-        singleton!(: Queue<LaneTrims, TRIMS> = Queue::new()),
-    );
-    let (Some(orders), Some(reports), Some(found), Some(taken)) = queues else { panic!("started twice") };
-    let ((orders_in, orders_out), (reports_in, reports_out)) = (orders.split(), reports.split());
-    let ((found_in, found_out), (taken_in, taken_out)) = (found.split(), taken.split());
-    let mut config = config();
-    if kept == Kept::Stored {
-        config.phasing.calibration = trims;
-    }
-    // Tested on the host; what is kept was checked as it was read.
-    let Ok(controller) = Controller::build(&config) else { panic!("the configuration is not valid") };
-    let task = BlockTask::new(controller, orders_out, reports_in, Exchange { found: found_in, taken: taken_out });
+fn build(settings: &mut Settings<Pages>) -> (SlowEnds<'static>, PowerUp) {
+    let Some(queues) = singleton!(: Queues<ORDERS, REPORTS> = Queues::new()) else { panic!("started twice") };
+    let (hot_ends, slow_ends) = queues.split();
+    let mut power_up = PowerUp::read(&config(), settings);
+    // What is built in is tested on the host.
+    let Ok(controller) = power_up.build(&config()) else { panic!("the configuration is not valid") };
+    let task = BlockTask::new(controller, hot_ends);
     let hot = singleton!(: Hot = Hot::new(task, Lanes::start(LANES), Encoder::start()));
     let Some(hot) = hot else { panic!("started twice") };
     block::hand_over(hot);
-    Slow { orders: orders_in, reports: reports_out, keeper: Keeper::new(found_out, taken_in, config.phasing.calibration, kept) }
+    (slow_ends, power_up)
 }
 
 #[expect(unsafe_code, reason = "enabling an interrupt is")]
@@ -124,20 +104,27 @@ fn start_blocks(nvic: &mut NVIC) {
     timers::start();
 }
 
-/// What ended the last run, and what the part was reset by: RCC_CSR (RM0440 7.4.28).
-fn report_last_run() {
+/// What started the part: the note of the last run, or the flags of RCC_CSR (RM0440 7.4.28).
+fn what_started() -> Start {
     let flags = RCC.csr().read();
     RCC.csr().modify(|w| w.set_rmvf(true));
-    if flags.iwdgrstf() {
-        defmt::error!("reset by the watchdog: the block stream had died");
-    } else if flags.borrstf() {
-        defmt::info!("power on");
-    }
-    if let Some(note) = panic::last()
-        && let Some((cause, file, line)) = note.read()
-    {
+    let note = panic::last();
+    if let Some((cause, file, line)) = note.as_ref().and_then(Note::read) {
         defmt::error!("the last run ended by {=str}, {=str}:{=u32}", cause.name(), file, line);
     }
+    let start = match note.as_ref().and_then(Note::start) {
+        Some(start) => start,
+        None if flags.iwdgrstf() => Start::Watchdog,
+        // A power-on pulls the pin low too.
+        None if flags.borrstf() => Start::PowerOn,
+        None => Start::Pin,
+    };
+    match start {
+        Start::Watchdog => defmt::error!("reset by the watchdog: the block stream had died"),
+        Start::PowerOn => defmt::info!("power on"),
+        _ => {}
+    }
+    start
 }
 
 /// Says what has changed.

@@ -2,8 +2,8 @@
 //!
 //! At power-on that RAM holds anything: a note counts only if its two marks and its length are right.
 
-/// Room for the end of the file's name.
-const NAME: usize = 40;
+use firmware::start::{FileName, NAME, Place, Start};
+
 /// Marks a note.
 const MARK: u32 = 0x536f_6e6f;
 
@@ -19,6 +19,8 @@ pub enum Cause {
     Unexpected = 3,
     /// DMA or a converter has lost a sample, and the streams are out of step.
     StreamLost = 4,
+    /// A reset was ordered.
+    Ordered = 5,
 }
 
 impl Cause {
@@ -29,11 +31,13 @@ impl Cause {
             Cause::HardFault => "a hard fault",
             Cause::Unexpected => "an unexpected interrupt",
             Cause::StreamLost => "a stream that was lost",
+            Cause::Ordered => "an order to reset",
         }
     }
 
     fn of(code: u32) -> Option<Cause> {
-        [Cause::Panic, Cause::HardFault, Cause::Unexpected, Cause::StreamLost].into_iter().find(|&cause| cause as u32 == code)
+        let known = [Cause::Panic, Cause::HardFault, Cause::Unexpected, Cause::StreamLost, Cause::Ordered];
+        known.into_iter().find(|&cause| cause as u32 == code)
     }
 }
 
@@ -70,6 +74,17 @@ impl Note {
         let cause = Cause::of(self.cause).filter(|_| self.mark == MARK && self.seal == self.sum())?;
         let name = core::str::from_utf8(self.name.get(..self.length as usize)?).unwrap_or("?");
         Some((cause, name, self.line))
+    }
+
+    /// What started the board, by its note.
+    pub fn start(&self) -> Option<Start> {
+        self.read().map(|(cause, file, line)| match cause {
+            Cause::Panic => Start::Panic(Place { file: FileName::of(file), line }),
+            Cause::HardFault => Start::HardFault(line),
+            Cause::Unexpected => Start::Unexpected(line),
+            Cause::StreamLost => Start::StreamLost(line),
+            Cause::Ordered => Start::Ordered,
+        })
     }
 
     fn sum(&self) -> u32 {

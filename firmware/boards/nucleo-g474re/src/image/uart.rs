@@ -1,7 +1,7 @@
 //! The link: LPUART1 on PA2 and PA3, which the Nucleo's ST-LINK shows the host as a serial port (UM2505). 921 600 baud, 8N1. RM0440 38.
 //!
 //! Bytes come by DMA into a ring, so that none is lost while the slow side is elsewhere for up to 5 ms; they leave through the transmitter's
-//! buffer of eight, one look at a time. Nothing here waits.
+//! buffer of eight, one look at a time. Nothing here waits but a flush, before a reset.
 
 use core::convert::Infallible;
 
@@ -102,7 +102,8 @@ impl Write for Link {
     }
 
     fn flush(&mut self) -> Result<(), Infallible> {
-        // The transmitter sends what it has by itself.
+        // The transmitter sends what it has by itself: a hundred microseconds at most. LPUART_ISR.TC (38.7.7).
+        while !LPUART1.isr().read().tc() {}
         Ok(())
     }
 }

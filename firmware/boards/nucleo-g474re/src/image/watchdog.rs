@@ -6,10 +6,11 @@
 use core::sync::atomic::{AtomicU32, Ordering};
 
 use firmware::app::Watchdog;
+use nucleo_g474re::note::Cause;
 use stm32_metapac::iwdg::vals::{Key, Pr};
 use stm32_metapac::{DBGMCU, IWDG};
 
-use super::block;
+use super::{block, panic};
 
 /// Ticks of 125 us (LSI 32 kHz / 4, within 5 %: DS12288) until it bites: 10 ms.
 const TICKS: u16 = 80;
@@ -39,6 +40,10 @@ impl Dog {
 impl Watchdog for Dog {
     fn feed(&mut self) {
         IWDG.kr().write(|w| w.set_key(Key::RESET));
+    }
+
+    fn reset(&mut self) {
+        panic::end(Cause::Ordered, "", 0);
     }
 }
 

@@ -2,7 +2,7 @@
 
 use firmware::block::{Amplitude, DriveBlock, SenseBlock};
 use firmware::config::{
-    Burst, Config, Drive, Edge, FrontEnd, Limits, Phasing, Schedule, Sweep, Thermometer, Tracking, TrackingMode,
+    Burst, Config, Drive, Edge, FrontEnd, Limits, Link, Phasing, Schedule, Sweep, Thermometer, Tracking, TrackingMode,
 };
 use firmware::shape::sine;
 
@@ -50,6 +50,7 @@ pub fn config(mode: TrackingMode, lanes: u8, samples: usize) -> Config {
         limits: Limits { voltage_v: 12.0, current_a: 3.0, belt_stop_ms: 5.0, ..Limits::default() },
         friction: None,
         restraint: None,
+        link: Link::default(),
     }
 }
 

@@ -1,0 +1,69 @@
+//! Whether the host is still there while the drive is on. Time is the number of blocks: the same run is the same run.
+
+/// The patience with the host.
+#[derive(Clone, Debug)]
+pub struct HostWatch {
+    block_s: f32,
+    /// Blocks that the host may be silent for; zero is for ever.
+    patience: u32,
+    /// The block at which it was last heard.
+    heard: u32,
+    lost: bool,
+}
+
+impl HostWatch {
+    /// A patience of so many seconds, in blocks of this length, s.
+    pub fn new(patience_s: f32, block_s: f32) -> Self {
+        let mut watch = HostWatch { block_s, patience: 0, heard: 0, lost: false };
+        watch.set(patience_s);
+        watch
+    }
+
+    /// Another patience, s; zero is for ever.
+    pub fn set(&mut self, patience_s: f32) {
+        self.patience = if patience_s > 0.0 { ((patience_s / self.block_s) as u32).max(1) } else { 0 };
+    }
+
+    /// The host was heard, when this was the latest block.
+    pub fn hear(&mut self, block: u32) {
+        (self.heard, self.lost) = (block, false);
+    }
+
+    /// Whether the host is lost, at this block: it has been silent for too long under drive, and was not heard since.
+    pub fn is_lost(&mut self, block: u32, drives: bool) -> bool {
+        // What is under way when the host orders a drive is older than what was heard.
+        let silent = block.wrapping_sub(self.heard);
+        self.lost |= drives && self.patience > 0 && silent > self.patience;
+        self.lost
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn is_lost_after_its_patience_under_drive_only_and_found_when_it_is_heard() {
+        let mut watch = HostWatch::new(1.0, 32e-6);
+        watch.hear(u32::MAX - 10);
+        let after = |blocks: u32| (u32::MAX - 10).wrapping_add(blocks);
+        assert!(!watch.is_lost(after(31_250), true));
+        assert!(!watch.is_lost(after(50_000), false));
+        assert!(watch.is_lost(after(31_251), true));
+        // And stays so, whatever becomes of the drive.
+        assert!(watch.is_lost(after(31_252), false));
+        watch.hear(after(31_253));
+        assert!(!watch.is_lost(after(31_254), true));
+    }
+
+    #[test]
+    fn no_patience_told_is_patience_for_ever_and_the_shortest_is_a_block() {
+        let mut watch = HostWatch::new(0.0, 32e-6);
+        assert!(!watch.is_lost(u32::MAX, true));
+        watch.set(1e-9);
+        assert!(!watch.is_lost(1, true) && watch.is_lost(2, true));
+        watch.set(0.0);
+        watch.hear(2);
+        assert!(!watch.is_lost(1 << 31, true));
+    }
+}

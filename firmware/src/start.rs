@@ -1,0 +1,98 @@
+//! What started the board: what its reset flags say, and what the last run has left.
+
+use heapless::String;
+use serde::{Deserialize, Serialize};
+
+/// Room for the end of a file's name, bytes.
+pub const NAME: usize = 40;
+
+/// What started the board.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Start {
+    /// Power, or nobody knows.
+    #[default]
+    PowerOn,
+    /// The reset pin.
+    Pin,
+    /// An order to reset.
+    Ordered,
+    /// The watchdog: the block stream, or the slow side, had died.
+    Watchdog,
+    /// A panic.
+    Panic(Place),
+    /// A hard fault, at this address of the code.
+    HardFault(u32),
+    /// An interrupt that nobody has asked for, with its number.
+    Unexpected(u32),
+    /// DMA or a converter had lost a sample, after so many blocks.
+    StreamLost(u32),
+}
+
+/// A line of a file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Place {
+    /// The file: the end of its name.
+    pub file: FileName,
+    /// The line.
+    pub line: u32,
+}
+
+/// The end of a file's name.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(into = "String<NAME>", from = "String<NAME>")]
+pub struct FileName {
+    length: u8,
+    bytes: [u8; NAME],
+}
+
+impl FileName {
+    /// The end of this name: from the first character on with which it fits.
+    pub fn of(name: &str) -> Self {
+        let first = (0..=name.len()).find(|&first| name.len() - first <= NAME && name.is_char_boundary(first));
+        let end = first.and_then(|first| name.get(first..)).unwrap_or_default();
+        let mut bytes = [0; NAME];
+        bytes.iter_mut().zip(end.bytes()).for_each(|(to, from)| *to = from);
+        FileName { length: end.len() as u8, bytes }
+    }
+
+    /// The name.
+    pub fn as_str(&self) -> &str {
+        self.bytes.get(..self.length.into()).and_then(|bytes| core::str::from_utf8(bytes).ok()).unwrap_or("?")
+    }
+}
+
+impl From<FileName> for String<NAME> {
+    fn from(name: FileName) -> Self {
+        String::try_from(name.as_str()).unwrap_or_default()
+    }
+}
+
+impl From<String<NAME>> for FileName {
+    fn from(name: String<NAME>) -> Self {
+        FileName::of(&name)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_end_of_a_long_name_is_kept_and_no_character_is_cut() {
+        assert_eq!(FileName::of("src/main.rs").as_str(), "src/main.rs");
+        let long = "a/very/long/path/to/".repeat(3) + "main.rs";
+        assert_eq!(FileName::of(&long).as_str(), &long[long.len() - NAME..]);
+        // 41 bytes, of which the first two are one character.
+        let accented = std::format!("\u{e9}{}", "x".repeat(39));
+        assert_eq!(FileName::of(&accented).as_str(), "x".repeat(39));
+        assert_eq!(FileName::of("").as_str(), "");
+    }
+
+    #[test]
+    fn comes_through_the_link() {
+        let start = Start::Panic(Place { file: FileName::of("firmware/src/controller.rs"), line: 311 });
+        let mut buffer = [0; 64];
+        let bytes = postcard::to_slice(&start, &mut buffer).unwrap();
+        assert_eq!(postcard::from_bytes::<Start>(bytes), Ok(start));
+    }
+}
