@@ -26,7 +26,7 @@ use self::outbox::Outbox;
 use crate::block::{Orders, Request};
 use crate::capture::CaptureVerb;
 use crate::capture::recorder::Answer;
-use crate::command::{Command, Identity, Refusal, Reply, ResonanceReport};
+use crate::command::{Command, Converters, Identity, Refusal, Reply, ResonanceReport};
 use crate::fault_log::FaultLog;
 use crate::identify::{MOST_MODES, Resonance};
 use crate::keeper::Keeper;
@@ -84,6 +84,7 @@ pub struct App<'a, L, E, S, W, F: NorFlash> {
     telemetry_frames: u16,
     /// What the telemetry has told of the last scan.
     resonances: [Option<Resonance>; MOST_MODES],
+    converters: Converters,
     faults: FaultLog,
     host: HostWatch,
     /// The number of the command about the capture that waits for its answer.
@@ -133,6 +134,7 @@ where
             telemetry_frames: 0,
             resonances: Default::default(),
             faults: FaultLog::default(),
+            converters: Converters::of(config),
             host: HostWatch::new(config.link.patience_s, f32::from(config.block_samples) / config.sample_hz),
             capturing: None,
             resetting: false,
@@ -276,7 +278,9 @@ where
     fn obey(&mut self, frame: &Frame<Command>) -> Option<Reply> {
         self.host.hear(self.block());
         Some(match frame.body {
-            Command::Identify => Reply::Identity(Identity { protocol: link::VERSION, firmware: firmware_version() }),
+            Command::Identify => {
+                Reply::Identity(Identity { protocol: link::VERSION, firmware: firmware_version(), converters: self.converters })
+            }
             Command::TelemetryEvery(blocks) => {
                 self.telemetry_every = blocks;
                 // The first is due at once.

@@ -11,7 +11,7 @@ use std::time::Duration;
 use firmware::block::Gate;
 use firmware::command::{Command, ResonanceReport};
 use firmware::identify::{Resonance, Transducer};
-use firmware::supervisor::Mode;
+use firmware::supervisor::{Limit, Mode};
 use firmware::units::Hertz;
 use realfft::num_complex::Complex64;
 
@@ -72,7 +72,13 @@ impl Loop {
         let apart = |&(hz, y): &(f64, Complex64)| (y - self.admittance(hz)).norm() / f64::from(about.conductance_s);
         let worst = self.measured.iter().map(apart).fold(0.0, f64::max);
         answer
-            .line(format!("{} places measured; at most {:.2} % of the loop's diameter from the circuit", self.measured.len(), 100.0 * worst))
+            .line(format!(
+                "{} places measured, {:.0} to {:.0} Hz; at most {:.2} % of the loop's diameter from the circuit",
+                self.measured.len(),
+                self.measured.iter().map(|(hz, _)| *hz).fold(f64::INFINITY, f64::min),
+                self.measured.iter().map(|(hz, _)| *hz).fold(0.0, f64::max),
+                100.0 * worst
+            ))
             .field("points", self.measured.len())
             .field("worst_distance_percent", 100.0 * worst)
     }
@@ -159,12 +165,18 @@ pub fn measure(points: u16, reach: f64, about: &Loop, session: &mut Session) -> 
     let mut measured = Vec::new();
     for n in 0..points {
         let part = if points > 1 { 2.0 * f64::from(n) / f64::from(points - 1) - 1.0 } else { 0.0 };
-        session.client.order(Command::Detune(Hertz((part * reach * bandwidth_hz) as f32)))?;
+        // Evenly round the circle.
+        let detune_hz = 0.5 * bandwidth_hz * (part * (2.0 * reach).atan()).tan();
+        session.client.order(Command::Detune(Hertz(detune_hz as f32)))?;
         session.wait(Duration::from_secs_f64(settle_s))?;
         let report = session.status()?;
         session.check(&report)?;
         if report.mode != Mode::Run {
             return Err(LinkError::Failed("the run has ended while the admittance was measured".into()));
+        }
+        if report.limit == Some(Limit::FrequencyWindow) {
+            // Beyond the window it would be measured at its edge, again and again.
+            continue;
         }
         let complex = |x: firmware::phasor::Phasor| Complex64::new(x.re.into(), x.im.into());
         measured.push((f64::from(report.frequency.0), complex(report.i) / complex(report.v)));

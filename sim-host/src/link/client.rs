@@ -65,6 +65,8 @@ pub struct Counts {
 /// What came.
 enum Came {
     Frame(Frame<Reply>),
+    /// A report, which was put with the others.
+    Telemetry,
     /// What was sent, or what came, was damaged on the way.
     Damage,
     /// A whole frame of another protocol version.
@@ -188,7 +190,7 @@ impl Client {
                 }
                 Some(Came::Frame(frame)) => return Ok(frame.body),
                 Some(Came::Damage) => damaged = true,
-                None => {}
+                Some(Came::Telemetry) | None => {}
             }
             if matches!(command, Command::Reset) {
                 // A second copy would reset a board that has just begun.
@@ -207,14 +209,14 @@ impl Client {
                 Some(Came::Frame(frame)) if frame.sequence == sequence => return Ok(Some(Came::Frame(frame))),
                 Some(Came::Frame(Frame { body: Reply::Nak(Refusal::Damaged), .. })) => return Ok(Some(Came::Damage)),
                 Some(Came::Frame(_)) => self.counts.late += 1,
+                Some(Came::Telemetry) | None => {}
                 Some(came) => return Ok(Some(came)),
-                None => {}
             }
         }
         Ok(None)
     }
 
-    /// The next frame that is no telemetry.
+    /// The next frame.
     fn receive(&mut self, wait: Duration) -> Result<Option<Came>, LinkError> {
         let until = self.port.now() + wait;
         let mut version = None;
@@ -243,6 +245,7 @@ impl Client {
                 Some(Ok(Frame { sequence, body: Reply::Telemetry(telemetry), .. })) => {
                     self.telemetry.drain(..(self.telemetry.len() + 1).saturating_sub(KEPT));
                     self.telemetry.push_back((sequence, telemetry));
+                    return Ok(Some(Came::Telemetry));
                 }
                 Some(Ok(frame)) => return Ok(Some(Came::Frame(frame))),
                 Some(Err(FrameError::Version(_))) => return Ok(Some(Came::Version(version.unwrap_or(0)))),
@@ -316,9 +319,17 @@ pub fn starts(command: &Command) -> bool {
     matches!(command, Command::Scan | Command::Run | Command::Calibrate)
 }
 
-/// A command as the protocol calls it, for messages.
+/// A command as the protocol calls it, for messages: `settings store` is `Settings(Store)` there.
 fn shown(command: &Command) -> String {
-    format!("{command:?}")
+    let whole = format!("{command:?}");
+    let words: Vec<&str> = whole.split(['(', ')', '{', ' ']).filter(|word| !word.is_empty()).take(2).collect();
+    match words.as_slice() {
+        [first, second] if second.chars().all(char::is_alphabetic) && *second != "None" && *second != "Some" => {
+            format!("{first} {second}").to_lowercase()
+        }
+        [first, ..] => first.to_lowercase(),
+        [] => whole,
+    }
 }
 
 /// The answer to something else.

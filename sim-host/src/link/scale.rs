@@ -26,16 +26,17 @@ pub struct Scale {
 impl Scale {
     /// Asks the board.
     pub fn ask(session: &mut Session) -> Result<Self, LinkError> {
+        let converters = session.identity.converters;
+        let sample_hz = f64::from(converters.sample_hz);
         let mut acts = |name: &str| Ok::<f64, LinkError>(report(parameter(name)?, session)?.acts.into());
-        let sample_hz = acts("sample_hz")?;
         Ok(Scale {
             sample_hz,
-            block_s: acts("block_samples")? / sample_hz,
+            block_s: f64::from(converters.block_samples) / sample_hz,
             volt_per_lsb: acts("front_end.volt_per_lsb")?,
             ampere_per_lsb: acts("front_end.ampere_per_lsb")?,
             drive_volt_per_lsb: acts("front_end.drive_volt_per_lsb")?,
-            sense_mid_code: acts("front_end.sense_mid_code")?,
-            drive_mid_code: acts("front_end.drive_mid_code")?,
+            sense_mid_code: converters.sense_mid_code.into(),
+            drive_mid_code: converters.drive_mid_code.into(),
         })
     }
 

@@ -9,12 +9,15 @@ use serde_json::Value;
 
 use crate::link::answer::Answer;
 use crate::link::client::Client;
+use crate::link::commands::settings::{parameter, report};
 use crate::link::link_error::LinkError;
 use crate::link::scale::Scale;
 use crate::link::words;
 
-/// How often the board hears of its host while that waits: well within any patience that makes sense.
-const KEEP_ALIVE: Duration = Duration::from_millis(200);
+/// How often the board hears of its host while that waits; at least, and at most.
+const KEEP_ALIVE: (f64, f64) = (2e-3, 0.2);
+/// Signs of life within the board's patience.
+const SIGNS: f64 = 5.0;
 
 /// What is asked of a stay as a whole.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -32,6 +35,8 @@ pub struct Session {
     /// Who answers.
     pub identity: Identity,
     manner: Manner,
+    /// How often the board is to hear something.
+    keep_alive: Duration,
     /// The user has ordered the drive on.
     driving: bool,
     /// The board sends telemetry by itself.
@@ -48,11 +53,35 @@ impl Session {
     /// Connects, and says how patient the board is to be.
     pub fn begin(mut client: Client, manner: Manner) -> Result<Self, LinkError> {
         let identity = client.connect()?;
-        let patience = if manner.stay { Some(0.0) } else { manner.patience_s };
-        if let Some(patience_s) = patience {
-            client.order(Command::Patience(patience_s))?;
+        let mut session = Session {
+            client,
+            identity,
+            manner,
+            keep_alive: Duration::from_secs_f64(KEEP_ALIVE.1),
+            driving: false,
+            streams: false,
+            last: Answer::default(),
+            live: Live::default(),
+            scale: None,
+        };
+        session.agree_on_patience()?;
+        Ok(session)
+    }
+
+    /// Tells the board how patient to be, and learns how often it must hear something. A drive that goes on for somebody who has left is not
+    /// cut short by somebody who only looks.
+    pub fn agree_on_patience(&mut self) -> Result<(), LinkError> {
+        let configured_s = report(parameter("link.patience_s")?, self)?.acts;
+        let wanted_s = if self.manner.stay { Some(0.0) } else { self.manner.patience_s };
+        let patience_s = wanted_s.unwrap_or(configured_s);
+        let silent = self.client.status()?.is_none_or(|report| matches!(report.mode, Mode::Idle | Mode::Fault));
+        if silent || wanted_s.is_some() {
+            self.client.order(Command::Patience(patience_s))?;
         }
-        Ok(Session { client, identity, manner, driving: false, streams: false, last: Answer::default(), live: Live::default(), scale: None })
+        if patience_s > 0.0 {
+            self.keep_alive = Duration::from_secs_f64((f64::from(patience_s) / SIGNS).clamp(KEEP_ALIVE.0, KEEP_ALIVE.1));
+        }
+        Ok(())
     }
 
     /// The drive was ordered on, or off.
@@ -82,7 +111,7 @@ impl Session {
 
     /// The latest block's report, as soon as there is one.
     pub fn status(&mut self) -> Result<Telemetry, LinkError> {
-        let until = self.client.now() + KEEP_ALIVE;
+        let until = self.client.now() + self.keep_alive;
         loop {
             match self.client.status()? {
                 Some(report) => return Ok(report),
@@ -133,7 +162,7 @@ impl Session {
         every: u32,
         look: &mut impl FnMut(&Telemetry) -> Option<T>,
     ) -> Result<Option<T>, LinkError> {
-        let mut alive = self.client.now() + KEEP_ALIVE;
+        let mut alive = self.client.now() + self.keep_alive;
         loop {
             let now = self.client.now();
             if now >= until {
@@ -145,7 +174,7 @@ impl Session {
                 return Ok(Some(seen));
             }
             if self.client.now() >= alive {
-                alive = self.client.now() + KEEP_ALIVE;
+                alive = self.client.now() + self.keep_alive;
                 if let Some(seen) = self.client.status()?.as_ref().and_then(&mut *look) {
                     return Ok(Some(seen));
                 }
@@ -192,6 +221,8 @@ impl Live {
 
     /// A report has come.
     pub fn report(&self, line: &str, fields: impl FnOnce() -> Value) {
-        self.report.into_iter().for_each(|told| told(line, &fields()));
+        if let Some(told) = self.report {
+            told(line, &fields());
+        }
     }
 }

@@ -11,8 +11,9 @@ use std::time::Duration;
 
 use firmware::block::{DriveBlock, SenseBlock};
 use firmware::config::Config;
+use firmware::start::Start;
 use hal_mock::analog::Analog;
-use hal_mock::bench::{Bench, Queues, Setup};
+use hal_mock::bench::{Bench, Setup};
 use hal_mock::fault_injector::FaultInjector;
 use hal_mock::link::{WhenFull, Wire};
 use hal_mock::tracer::Tracer;
@@ -44,7 +45,7 @@ impl Analog for Shared {
 /// The board.
 pub struct SimulatedBoard {
     setup: Setup,
-    /// None only while a reset is under way.
+    /// None where it does not start any more.
     bench: Option<Bench<'static, Shared>>,
     rig: Rc<RefCell<Rig>>,
     to_board: VecDeque<u8>,
@@ -104,6 +105,25 @@ impl SimulatedBoard {
         bench.block();
         self.to_host.extend(bench.host.link.inner.take(bytes));
         self.blocks += 1;
+        let start = match bench.watchdog.bitten() {
+            Some(_) => Some(Start::Watchdog),
+            // What the UART still holds leaves before the part resets.
+            None if bench.watchdog.resets() > 0 && bench.host.link.inner.waiting() == 0 => Some(Start::Ordered),
+            None => None,
+        };
+        if let Some(start) = start {
+            self.reset(start);
+        }
+    }
+
+    /// Begins anew, on the same flash; what is on its way to the board is lost, and the plant goes on.
+    fn reset(&mut self, start: Start) {
+        let Some(bench) = self.bench.take() else { return };
+        self.setup.flash = bench.power_off();
+        self.setup.start = start;
+        self.to_board.clear();
+        // What has been built once from what is built in can be again: `PowerUp` falls back on that.
+        self.bench = powered(&self.setup, &self.rig).ok();
     }
 
     /// Looks at the plant behind the board.

@@ -3,8 +3,8 @@
 use std::time::Duration;
 
 use firmware::command::Command;
-use firmware::supervisor::Mode;
 
+use super::scan::is_over;
 use super::settings::trims;
 use crate::link::answer::Answer;
 use crate::link::link_error::LinkError;
@@ -19,12 +19,7 @@ pub fn run(session: &mut Session) -> Result<Answer, LinkError> {
     session.check(&before)?;
     session.client.order(Command::Calibrate)?;
     session.drives(true);
-    let mut calibrating = false;
-    let ended = session.watch(LONGEST, 1, |report| {
-        calibrating |= report.mode == Mode::Calibrate;
-        let over = calibrating && matches!(report.mode, Mode::Idle) || report.mode == Mode::Fault;
-        over.then_some(*report)
-    })?;
+    let ended = session.watch(LONGEST, 1, |report| is_over(report, &before).then_some(*report))?;
     session.drives(false);
     match ended {
         Some(report) => session.check(&report)?,

@@ -83,7 +83,7 @@ pub fn run(args: &CaptureArgs, session: &mut Session) -> Result<Answer, LinkErro
             return Err(LinkError::Usage(format!("--before is 0 to {SAMPLES} samples, not {}", args.before)));
         }
         // A folder that cannot be is known before the trigger comes.
-        args.output.iter().try_for_each(|dir| fs::create_dir_all(dir).map_err(|io| LinkError::Write { path: dir.clone(), io }))?;
+        args.output.iter().try_for_each(|dir| make(dir))?;
         let arm = Arm { trigger: args.trigger.trigger(), before: args.before, lane: args.lane };
         session.client.order(Command::Capture(CaptureVerb::Arm(arm)))?;
         if args.arm {
@@ -159,8 +159,14 @@ pub fn fetch(within: Duration, session: &mut Session) -> Result<Captured, LinkEr
     Ok(captured)
 }
 
+/// A folder.
+fn make(dir: &Path) -> Result<(), LinkError> {
+    fs::create_dir_all(dir).map_err(|io| LinkError::Write { path: dir.to_owned(), io })
+}
+
 /// Writes codes and SI units, and draws them.
 fn write(captured: &Captured, scale: &Scale, dir: &Path) -> Result<(), LinkError> {
+    make(dir)?;
     let path = dir.join("capture.csv");
     let time_s: Vec<f64> = (0..captured.v.len()).map(|n| (n as f64 - f64::from(captured.report.before)) / scale.sample_hz).collect();
     let rows = time_s.iter().zip(&captured.v).zip(&captured.i).zip(&captured.drive);

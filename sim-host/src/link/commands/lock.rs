@@ -3,9 +3,11 @@
 use std::time::Duration;
 
 use clap::Args;
+use firmware::block::Gate;
 use firmware::command::Command;
 use firmware::supervisor::Mode;
 use firmware::telemetry::Telemetry;
+use firmware::units::Hertz;
 
 use super::{scan, seconds};
 use crate::link::answer::{Answer, short};
@@ -35,16 +37,24 @@ pub struct Locked {
     pub blocks: u32,
     /// From the report before to that one, blocks: what it may have been earlier.
     pub gap_blocks: u32,
+    /// It ran when the order came.
+    pub already: bool,
 }
 
 /// Locks, if the board does not run already.
 pub fn run(args: &LockArgs, session: &mut Session) -> Result<Answer, LinkError> {
+    // As configured, whatever an earlier command has ordered.
+    let configured =
+        [Command::Gate(Gate::Scheduled), Command::Amplitude(None), Command::Detune(Hertz(0.0)), Command::Quadrature(None)];
+    configured.into_iter().try_for_each(|command| session.client.order(command))?;
     let locked = acquire(args, session)?;
     let report = locked.report;
     let block_s = session.scale()?.block_s;
     let (time_ms, gap_ms) = (1e3 * block_s * f64::from(locked.blocks), 1e3 * block_s * f64::from(locked.gap_blocks));
     let answer = Answer::to("lock");
-    let answer = if report.locked {
+    let answer = if locked.already {
+        answer.line(format!("it runs already, at {:.2} Hz", report.frequency.0))
+    } else if report.locked {
         answer.line(format!(
             "locked at {:.2} Hz, {time_ms:.1} ms after the order (seen by a report; the one before came {gap_ms:.1} ms earlier)",
             report.frequency.0
@@ -65,8 +75,11 @@ pub fn run(args: &LockArgs, session: &mut Session) -> Result<Answer, LinkError> 
 pub fn acquire(args: &LockArgs, session: &mut Session) -> Result<Locked, LinkError> {
     let before = session.status()?;
     session.check(&before)?;
-    session.client.order(Command::Run)?;
     session.drives(true);
+    if is_it(&before) {
+        return Ok(Locked { report: before, blocks: 0, gap_blocks: 0, already: true });
+    }
+    session.client.order(Command::Run)?;
     let mut last_block = before.block;
     let mut gap_blocks = 0;
     let mut stage = None;
@@ -78,18 +91,17 @@ pub fn acquire(args: &LockArgs, session: &mut Session) -> Result<Locked, LinkErr
             stage = Some(report.mode);
             live.stage(&words::mode(report.mode));
         }
-        let told = report.mode == Mode::Run && (report.locked || !tracks(report));
-        (told || report.mode == Mode::Fault).then_some(*report)
+        (is_it(report) || report.mode == Mode::Fault).then_some(*report)
     })?;
     let Some(report) = seen else {
         let now = session.status()?;
         return Err(LinkError::Failed(format!("no lock within {} s: the board is at `{}`", args.within, words::mode(now.mode))));
     };
     session.check(&report)?;
-    Ok(Locked { report, blocks: report.block.wrapping_sub(before.block), gap_blocks })
+    Ok(Locked { report, blocks: report.block.wrapping_sub(before.block), gap_blocks, already: false })
 }
 
-/// Whether anything is tracked: a run that only holds a frequency has no transducer.
-fn tracks(report: &Telemetry) -> bool {
-    report.transducer.is_some()
+/// Whether this is a run that has come to its frequency. One that only holds what it was told has no transducer, and tracks nothing.
+fn is_it(report: &Telemetry) -> bool {
+    report.mode == Mode::Run && (report.locked || report.transducer.is_none())
 }

@@ -24,6 +24,8 @@ pub fn run(session: &mut Session) -> Result<Answer, LinkError> {
             Err(error) => return Err(error),
         }
     };
+    session.scale = None;
+    session.agree_on_patience()?;
     let start = start_in_words(session)?;
     Ok(Answer::to("reset").line(format!("the board has begun anew; it says: {start}")).field("last_start", start))
 }

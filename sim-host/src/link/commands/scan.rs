@@ -67,21 +67,24 @@ fn scan(session: &mut Session) -> Result<Telemetry, LinkError> {
     session.check(&before)?;
     session.client.order(Command::Scan)?;
     session.drives(true);
-    let (mut scans, mut stage) = (false, None);
+    let mut stage = None;
     let live = session.live;
     let ended = session.watch(LONGEST, 1, |report| {
         if stage != Some(report.mode) {
             stage = Some(report.mode);
             live.stage(&words::mode(report.mode));
         }
-        scans |= report.mode == Mode::Scan;
-        let over = scans && report.mode == Mode::Idle || report.mode == Mode::Fault;
-        over.then_some(*report)
+        is_over(report, &before).then_some(*report)
     })?;
     session.drives(false);
     let report = ended.ok_or_else(|| LinkError::Failed(format!("the scan has not ended within {} s", LONGEST.as_secs())))?;
     session.check(&report)?;
     Ok(report)
+}
+
+/// Whether what was ordered after `before` is over: it begins with the block that takes the order.
+pub(super) fn is_over(report: &Telemetry, before: &Telemetry) -> bool {
+    report.mode == Mode::Fault || report.mode == Mode::Idle && report.orders_sequence != before.orders_sequence
 }
 
 /// All resonances, as a table.

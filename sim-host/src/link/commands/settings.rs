@@ -169,6 +169,9 @@ fn kept_name(kept: Kept) -> &'static str {
         Kept::Version(_) => "other_version",
         Kept::Due => "due",
         Kept::Failed => "failed",
+        Kept::Partly => "partly",
+        Kept::Refused => "refused",
+        Kept::Changed => "changed",
     }
 }
 
@@ -182,6 +185,9 @@ fn in_words(kept: Kept) -> String {
         }
         Kept::Due => "the board keeps them as soon as its drive is silent".into(),
         Kept::Failed => "the board's flash does not keep them".into(),
+        Kept::Partly => "some of what the board has kept does not act: its firmware does not know it, or it is out of its range".into(),
+        Kept::Refused => "what the board has kept does not fit together, and nothing of it acts: `settings defaults`, then set anew".into(),
+        Kept::Changed => "what is set differs from what the board keeps: `settings store` keeps it, a reset forgets it".into(),
     }
 }
 
