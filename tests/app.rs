@@ -9,7 +9,7 @@ mod burst;
 mod calibration;
 mod determinism;
 mod emergency_stop;
-mod frame;
+pub mod frame;
 mod lanes;
 mod limits;
 mod link;

@@ -34,8 +34,7 @@ fn identify_is_answered_with_versions_before_any_block() {
     let mut queues = Queues::default();
     let mut bench = bench(&mut queues, &Setup::default());
     let version: Vec<u8> = env!("CARGO_PKG_VERSION").split('.').map(|part| part.parse().unwrap()).collect();
-    let converters =
-        Converters { sample_hz: 1_000_000, block_samples: 32, lanes: 1, sense_mid_code: 2048, drive_mid_code: 2048 };
+    let converters = Converters { sample_hz: 1_000_000, block_samples: 32, lanes: 1, sense_mid_code: 2048, drive_mid_code: 2048 };
     let identity = Identity { protocol: firmware::link::VERSION, firmware: version.try_into().unwrap(), converters };
     assert_eq!(bench.ask(Command::Identify), Some(Reply::Identity(identity)));
     assert_eq!(bench.played(), 0);

@@ -93,9 +93,13 @@ pub(super) fn run(args: &LinkArgs, color: Color) -> anyhow::Result<ExitCode> {
             sets.extend(args.seed.map(|seed| format!("seed={seed}")));
             with_scene(&SceneArgs { scene: scene.to_owned(), sets }, color, |loaded| {
                 let Some(driven) = loaded.scene.driven() else {
-                    return Ok(failed(&LinkError::Usage(format!("`{}` has no [controller]: there is nothing to talk to", loaded.name)), color));
+                    return Ok(failed(
+                        &LinkError::Usage(format!("`{}` has no [controller]: there is nothing to talk to", loaded.name)),
+                        color,
+                    ));
                 };
-                let board = SimulatedBoard::new(&driven, 0).map_err(|why| LinkError::Usage(format!("the firmware refuses this scene: {why}")));
+                let board = SimulatedBoard::new(&driven, 0)
+                    .map_err(|why| LinkError::Usage(format!("the firmware refuses this scene: {why}")));
                 done(board.and_then(|board| with_board(args, board, color)), color)
             })
         }
@@ -115,7 +119,8 @@ fn open(port: &str) -> Result<Box<dyn Port>, LinkError> {
 
 fn with_board(args: &LinkArgs, mut board: SimulatedBoard, color: Color) -> Result<(), LinkError> {
     if let LinkOrder::Serve { listen } = &args.order {
-        let listener = TcpListener::bind(listen).map_err(|error| LinkError::Open { port: format!("tcp:{listen}"), why: error.to_string() })?;
+        let listener = TcpListener::bind(listen)
+            .map_err(|error| LinkError::Open { port: format!("tcp:{listen}"), why: error.to_string() })?;
         println!("tcp:{}", listener.local_addr()?);
         io::stdout().flush()?;
         serve(&mut board, &listener, &STOP, |line| eprintln!("{line}"))?;
@@ -135,7 +140,9 @@ fn with_port(args: &LinkArgs, port: Box<dyn Port>, color: Color) -> Result<(), L
     // A script that cannot be read needs no board.
     let script = match &args.order {
         LinkOrder::Script { file } => Some(read(file)?),
-        LinkOrder::Serve { .. } => return Err(LinkError::Usage("serve is of a simulated board: `sim-host link sim:SCENE serve`".into())),
+        LinkOrder::Serve { .. } => {
+            return Err(LinkError::Usage("serve is of a simulated board: `sim-host link sim:SCENE serve`".into()));
+        }
         _ => None,
     };
     let client = Client::new(port, &STOP, |line| eprintln!("{line}"));

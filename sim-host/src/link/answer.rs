@@ -54,7 +54,8 @@ pub fn short(value: f32) -> Value {
 
 /// A quantity with a prefix and its unit, to four digits.
 pub fn quantity(value: f64, unit: &str) -> String {
-    const PREFIXES: [(f64, &str); 8] = [(1e6, "M"), (1e3, "k"), (1.0, ""), (1e-3, "m"), (1e-6, "u"), (1e-9, "n"), (1e-12, "p"), (1e-15, "f")];
+    const PREFIXES: [(f64, &str); 8] =
+        [(1e6, "M"), (1e3, "k"), (1.0, ""), (1e-3, "m"), (1e-6, "u"), (1e-9, "n"), (1e-12, "p"), (1e-15, "f")];
     if value == 0.0 || !value.is_finite() {
         return format!("{value} {unit}");
     }

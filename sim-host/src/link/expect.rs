@@ -153,8 +153,19 @@ mod tests {
     #[test]
     fn what_is_so_holds() {
         for text in [
-            "q = 65 +- 0.3", "q > 65", "q >= 65.2", "q < 66", "q <= 65.2", "q != 65", "mode = run", "mode != idle", "fault = none",
-            "fault != 12", "locked = true", "limits.voltage_v = 10", "resonances.0.q = 65",
+            "q = 65 +- 0.3",
+            "q > 65",
+            "q >= 65.2",
+            "q < 66",
+            "q <= 65.2",
+            "q != 65",
+            "mode = run",
+            "mode != idle",
+            "fault = none",
+            "fault != 12",
+            "locked = true",
+            "limits.voltage_v = 10",
+            "resonances.0.q = 65",
         ] {
             assert_eq!(judged(text), Ok(()), "{text}");
         }
@@ -168,6 +179,9 @@ mod tests {
         assert_eq!(judged("mod = run"), Err("`scan` has no field `mod`; it has `mode`".into()));
         assert_eq!(judged("q ~ 3"), Err("1: one of = != < <= > >= stands here".into()));
         assert_eq!(judged("mode > run"), Err("2: only numbers have an order".into()));
-        assert_eq!(judged("q = 65 about 3"), Err("3: nothing but a tolerance follows: expect NAME = VALUE [+- TOLERANCE]".into()));
+        assert_eq!(
+            judged("q = 65 about 3"),
+            Err("3: nothing but a tolerance follows: expect NAME = VALUE [+- TOLERANCE]".into())
+        );
     }
 }

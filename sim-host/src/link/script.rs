@@ -136,7 +136,8 @@ fn opposite(done: Result<Answer, LinkError>) -> Result<Answer, LinkError> {
         Ok(answer) => Err(LinkError::Failed(format!("`{}` was to fail, and has not", answer.command))),
         Err(error) if error.is_lost() || matches!(error, LinkError::Interrupted) => Err(error),
         Err(error) => {
-            let refusal = if let LinkError::Refused { refusal, .. } = &error { crate::link::refusal::name(*refusal) } else { "failed" };
+            let refusal =
+                if let LinkError::Refused { refusal, .. } = &error { crate::link::refusal::name(*refusal) } else { "failed" };
             Ok(Answer::to("!").line(format!("as it must: {error}")).field("refusal", refusal).field("error", error.to_string()))
         }
     }
@@ -223,7 +224,8 @@ fn mistake(error: &clap::Error, words: &[(String, Range<usize>)], text: &str) ->
     let mut paragraphs = rendered.split("\n\n");
     let message = paragraphs.next().unwrap_or_default().trim_start_matches("error: ");
     let message = message.split_whitespace().collect::<Vec<_>>().join(" ");
-    let help = paragraphs.find_map(|text| text.trim().strip_prefix("tip: ").map(|tip| tip.split_whitespace().collect::<Vec<_>>().join(" ")));
+    let help = paragraphs
+        .find_map(|text| text.trim().strip_prefix("tip: ").map(|tip| tip.split_whitespace().collect::<Vec<_>>().join(" ")));
     (at.unwrap_or(whole), message, help)
 }
 
@@ -241,7 +243,8 @@ mod tests {
     #[test]
     fn comments_and_empty_lines_do_nothing_and_quotes_keep_spaces() {
         let script = Script::parse("rig.txt", "# a rig\n\nscan -o \"my folder\" # loop\n! settings store\nwait 0.5\n").unwrap();
-        let lines: Vec<(usize, &str, &str)> = script.lines.iter().map(|line| (line.number, line.name(), line.text.as_str())).collect();
+        let lines: Vec<(usize, &str, &str)> =
+            script.lines.iter().map(|line| (line.number, line.name(), line.text.as_str())).collect();
         assert_eq!(lines, [(3, "scan", "scan -o \"my folder\""), (4, "settings", "! settings store"), (5, "wait", "wait 0.5")]);
         assert!(script.lines[1].fails && !script.lines[0].fails);
     }
@@ -250,8 +253,16 @@ mod tests {
     fn all_mistakes_are_named_with_line_and_caret_before_anything_is_done() {
         let text = mistakes("identify\nscna\ndrive --volts much\n  expect q ~ 3\nwait\nscan -o \"x\n!\n");
         for part in [
-            "rig.txt:2:1", "a similar subcommand exists: 'scan'", "rig.txt:3:15", "a number that is not below zero", "rig.txt:4:12",
-            "one of = != < <= > >= stands here", "rig.txt:5:1", "rig.txt:6:9", "this quote is not closed", "rig.txt:7:2",
+            "rig.txt:2:1",
+            "a similar subcommand exists: 'scan'",
+            "rig.txt:3:15",
+            "a number that is not below zero",
+            "rig.txt:4:12",
+            "one of = != < <= > >= stands here",
+            "rig.txt:5:1",
+            "rig.txt:6:9",
+            "this quote is not closed",
+            "rig.txt:7:2",
             "6 problems in rig.txt",
         ] {
             assert!(text.contains(part), "{part}\n{text}");

@@ -116,7 +116,8 @@ impl Session {
             match self.client.status()? {
                 Some(report) => return Ok(report),
                 None if self.client.now() >= until => {
-                    let why = "the board has not played a block yet: its converters stand still. `reset`, and look at `fault log`";
+                    let why =
+                        "the board has not played a block yet: its converters stand still. `reset`, and look at `fault log`";
                     return Err(LinkError::Failed(why.into()));
                 }
                 None => {}

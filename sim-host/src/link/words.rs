@@ -52,7 +52,9 @@ fn fault_words(code: u8) -> (&'static str, &'static str) {
     match code {
         10 => ("emergency stop", "release the stop and its line, then `fault clear`"),
         11 => ("late block", "the processor had no time, or the converters stood still: look at `fault log`"),
-        12 => ("host lost", "the host said nothing for longer than the board's patience while it drove; see --patience and --stay"),
+        12 => {
+            ("host lost", "the host said nothing for longer than the board's patience while it drove; see --patience and --stay")
+        }
         20 => ("sense channel implausible", "a sense line is open, stuck or offset, or the amplifier is not on"),
         21 => ("over-current", "more current than `limits.current_a`: a shorted stack or cable, or a limit below the drive"),
         22 => ("load shorted", "look for a short in stack and cable"),

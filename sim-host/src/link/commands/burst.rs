@@ -66,7 +66,9 @@ pub fn run(args: &BurstArgs, session: &mut Session) -> Result<Answer, LinkError>
         (Some(Span::Forever), None) => gate(session, Gate::On, "the gate is open", "on"),
         (None, Some(Span::Forever)) => gate(session, Gate::Off, "the gate is closed; the frequency is held", "off"),
         _ if args.scheduled => gate(session, Gate::Scheduled, "bursts by the configured schedule", "scheduled"),
-        _ if args.brake => gate(session, Gate::Brake, "the gate is closed, and what rings is stopped by drive against it", "brake"),
+        _ if args.brake => {
+            gate(session, Gate::Brake, "the gate is closed, and what rings is stopped by drive against it", "brake")
+        }
         _ => Err(LinkError::Usage("burst what? --on S --off S --count N, --on, --off, --scheduled or --brake".into())),
     }
 }

@@ -88,7 +88,9 @@ pub fn run(args: &CaptureArgs, session: &mut Session) -> Result<Answer, LinkErro
         session.client.order(Command::Capture(CaptureVerb::Arm(arm)))?;
         if args.arm {
             let name = args.trigger.to_possible_value().map_or_else(String::new, |value| value.get_name().to_owned());
-            return Ok(Answer::to("capture").line(format!("armed: waits for `{name}`; `capture --read` fetches it")).field("state", "armed"));
+            return Ok(Answer::to("capture")
+                .line(format!("armed: waits for `{name}`; `capture --read` fetches it"))
+                .field("state", "armed"));
         }
     }
     let captured = fetch(Duration::from_secs_f64(args.within), session)?;
@@ -115,7 +117,9 @@ pub fn run(args: &CaptureArgs, session: &mut Session) -> Result<Answer, LinkErro
         .field("peak_drive_v", drive);
     if let Some(dir) = &args.output {
         write(&captured, &scale, dir)?;
-        answer = answer.line(format!("written: {}", dir.join("capture.csv").display())).field("csv", dir.join("capture.csv").to_string_lossy());
+        answer = answer
+            .line(format!("written: {}", dir.join("capture.csv").display()))
+            .field("csv", dir.join("capture.csv").to_string_lossy());
     }
     Ok(answer)
 }
@@ -133,7 +137,8 @@ pub fn fetch(within: Duration, session: &mut Session) -> Result<Captured, LinkEr
             CaptureState::Full => break report,
             CaptureState::Empty => return Err(LinkError::Failed("nothing is recorded: `capture --arm` first".into())),
             CaptureState::Armed if late => {
-                let why = format!("the trigger has not come within {} s; it stays armed, for `capture --read`", within.as_secs_f64());
+                let why =
+                    format!("the trigger has not come within {} s; it stays armed, for `capture --read`", within.as_secs_f64());
                 return Err(LinkError::Failed(why));
             }
             CaptureState::Triggered if late => {
@@ -168,7 +173,8 @@ fn make(dir: &Path) -> Result<(), LinkError> {
 fn write(captured: &Captured, scale: &Scale, dir: &Path) -> Result<(), LinkError> {
     make(dir)?;
     let path = dir.join("capture.csv");
-    let time_s: Vec<f64> = (0..captured.v.len()).map(|n| (n as f64 - f64::from(captured.report.before)) / scale.sample_hz).collect();
+    let time_s: Vec<f64> =
+        (0..captured.v.len()).map(|n| (n as f64 - f64::from(captured.report.before)) / scale.sample_hz).collect();
     let rows = time_s.iter().zip(&captured.v).zip(&captured.i).zip(&captured.drive);
     let lines = rows.map(|(((time_s, &v), &i), &drive)| {
         let (volts, amperes, drive_v) = (scale.volts(v), scale.amperes(i), scale.drive_volts(drive));
@@ -202,7 +208,12 @@ fn write(captured: &Captured, scale: &Scale, dir: &Path) -> Result<(), LinkError
     let currents = vec![curve("current into the stack", "current_a", of(&captured.i, &|code| scale.amperes(code)))];
     let page = Report {
         title: "Capture".into(),
-        subtitle: format!("{} samples, {} before the trigger at block {}", captured.v.len(), captured.report.before, captured.report.block),
+        subtitle: format!(
+            "{} samples, {} before the trigger at block {}",
+            captured.v.len(),
+            captured.report.before,
+            captured.report.block
+        ),
         figures: vec![
             figure("capture_voltage", "Voltage and drive", "voltage [V]", voltages),
             figure("capture_current", "Current", "current [A]", currents),

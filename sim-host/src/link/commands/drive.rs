@@ -53,9 +53,8 @@ pub fn run(args: &DriveArgs, session: &mut Session) -> Result<Answer, LinkError>
         acquire(&LockArgs::default(), session)?;
     }
     session.drives(true);
-    let settled = session.watch(Duration::from_secs_f64(args.time.unwrap_or(0.1)), 0, |report| {
-        (report.mode == Mode::Fault).then_some(*report)
-    })?;
+    let settled = session
+        .watch(Duration::from_secs_f64(args.time.unwrap_or(0.1)), 0, |report| (report.mode == Mode::Fault).then_some(*report))?;
     let report = match settled {
         Some(report) => report,
         None => session.status()?,

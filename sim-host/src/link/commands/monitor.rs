@@ -49,7 +49,9 @@ pub fn run(args: &MonitorArgs, session: &mut Session) -> Result<Answer, LinkErro
         let report = session.status()?;
         let first = *first.get_or_insert(report.block);
         reports += 1;
-        session.live.report(&line(&report), || Value::Object(fields(&report, Answer::to("monitor").field("reports", reports)).fields));
+        session
+            .live
+            .report(&line(&report), || Value::Object(fields(&report, Answer::to("monitor").field("reports", reports)).fields));
         let left = until.map(|until| until.saturating_sub(session.client.now()));
         if left.is_some_and(|left| left.is_zero()) {
             break (report, report.block.wrapping_sub(first));
@@ -65,7 +67,9 @@ pub fn run(args: &MonitorArgs, session: &mut Session) -> Result<Answer, LinkErro
 pub fn what_it_does(report: &Telemetry, session: &mut Session) -> Result<String, LinkError> {
     Ok(match report.mode {
         Mode::Idle => "the drive is silent".into(),
-        Mode::Fault => report.fault.map_or_else(|| "the drive is muted".into(), |fault| format!("the drive is muted: {}", words::fault(fault))),
+        Mode::Fault => report
+            .fault
+            .map_or_else(|| "the drive is muted".into(), |fault| format!("the drive is muted: {}", words::fault(fault))),
         mode => format!("the drive is on ({}); {}", words::mode(mode), fault::patience_in_words(session)?),
     })
 }

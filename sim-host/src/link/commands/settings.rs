@@ -84,7 +84,8 @@ pub fn report(parameter: &Parameter, session: &mut Session) -> Result<ParameterR
 
 fn get(parameters: &[&Parameter], session: &mut Session) -> Result<Answer, LinkError> {
     let width = parameters.iter().map(|parameter| parameter.name.len()).max().unwrap_or(0);
-    let mut answer = Answer::to("settings").line(format!("{:width$}  {:>12}  {:>12}  {:>12}  range", "", "acts", "set", "built in"));
+    let mut answer =
+        Answer::to("settings").line(format!("{:width$}  {:>12}  {:>12}  {:>12}  range", "", "acts", "set", "built in"));
     let mut kept = Kept::Nothing;
     for parameter in parameters {
         let of = report(parameter, session)?;
@@ -181,12 +182,18 @@ fn in_words(kept: Kept) -> String {
         Kept::Stored => "the board keeps its settings over power-off".into(),
         Kept::Damaged => "what the board has kept cannot be read; `settings store` replaces it".into(),
         Kept::Version(version) => {
-            format!("what the board has kept is of version {version}, which its firmware does not read; `settings store` replaces it")
+            format!(
+                "what the board has kept is of version {version}, which its firmware does not read; `settings store` replaces it"
+            )
         }
         Kept::Due => "the board keeps them as soon as its drive is silent".into(),
         Kept::Failed => "the board's flash does not keep them".into(),
-        Kept::Partly => "some of what the board has kept does not act: its firmware does not know it, or it is out of its range".into(),
-        Kept::Refused => "what the board has kept does not fit together, and nothing of it acts: `settings defaults`, then set anew".into(),
+        Kept::Partly => {
+            "some of what the board has kept does not act: its firmware does not know it, or it is out of its range".into()
+        }
+        Kept::Refused => {
+            "what the board has kept does not fit together, and nothing of it acts: `settings defaults`, then set anew".into()
+        }
         Kept::Changed => "what is set differs from what the board keeps: `settings store` keeps it, a reset forgets it".into(),
     }
 }
@@ -205,10 +212,9 @@ mod tests {
 
     #[test]
     fn ranges_read_well() {
-        assert_eq!((range(0.001, f32::INFINITY), range(1e-12, 1e-3), range(2.0, 2.0)), (
-            "0.001 and more".into(),
-            "1e-12 to 0.001".into(),
-            "as built".into()
-        ));
+        assert_eq!(
+            (range(0.001, f32::INFINITY), range(1e-12, 1e-3), range(2.0, 2.0)),
+            ("0.001 and more".into(), "1e-12 to 0.001".into(), "as built".into())
+        );
     }
 }

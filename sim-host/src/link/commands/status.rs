@@ -20,15 +20,8 @@ pub fn run(session: &mut Session) -> Result<Answer, LinkError> {
 pub fn told(report: &Telemetry, answer: Answer) -> Answer {
     let answer = answer
         .line(format!("mode       {}{}", words::mode(report.mode), if report.locked { ", locked" } else { "" }))
-        .line(format!(
-            "frequency  {:.2} Hz; resonance believed at {:.2} Hz",
-            report.frequency.0, report.resonance.0
-        ))
-        .line(format!(
-            "drive      {} peak, envelope {:.2}",
-            quantity(report.drive.0.into(), "V"),
-            report.envelope
-        ))
+        .line(format!("frequency  {:.2} Hz; resonance believed at {:.2} Hz", report.frequency.0, report.resonance.0))
+        .line(format!("drive      {} peak, envelope {:.2}", quantity(report.drive.0.into(), "V"), report.envelope))
         .line(format!(
             "heard      {}, {} at {:+.1} degrees; motional {}, {} of real power",
             quantity(magnitude(report.v).into(), "V"),
@@ -38,7 +31,9 @@ pub fn told(report: &Telemetry, answer: Answer) -> Answer {
             quantity(power_w(report).into(), "W"),
         ));
     let answer = match report.friction.and_then(|belief| belief.force_ratio) {
-        Some(ratio) => answer.line(format!("friction   {ratio:.3} of what it is without drive")).field("friction_ratio", short(ratio)),
+        Some(ratio) => {
+            answer.line(format!("friction   {ratio:.3} of what it is without drive")).field("friction_ratio", short(ratio))
+        }
         None => answer,
     };
     let answer = report.limit.into_iter().fold(answer, |answer, limit| answer.line(words::limit(limit)));

@@ -29,10 +29,10 @@ impl Serial {
 }
 
 fn device(name: &str) -> Result<Box<dyn SerialPort>, LinkError> {
-    let device = serialport::new(name, BAUD).timeout(LONGEST).open().map_err(|error| LinkError::Open {
-        port: name.to_owned(),
-        why: why(name, &error),
-    })?;
+    let device = serialport::new(name, BAUD)
+        .timeout(LONGEST)
+        .open()
+        .map_err(|error| LinkError::Open { port: name.to_owned(), why: why(name, &error) })?;
     // What another program has left unread is nobody's answer. A device that cannot do this has nothing to forget.
     let _ = device.clear(ClearBuffer::All);
     Ok(device)
@@ -47,7 +47,9 @@ fn why(name: &str, error: &serialport::Error) -> String {
              in again), or add the udev rule of docs/link.md"
         ),
         ErrorKind::NoDevice if !std::path::Path::new(name).exists() => format!("there is no such port. {}", sentence()),
-        ErrorKind::NoDevice => "another program has it open (a terminal, a modem manager, another sim-host?): end that first".into(),
+        ErrorKind::NoDevice => {
+            "another program has it open (a terminal, a modem manager, another sim-host?): end that first".into()
+        }
         _ => format!("{error}. {}", sentence()),
     }
 }
@@ -93,7 +95,10 @@ mod tests {
     fn a_port_that_is_not_there_is_named_with_those_that_are() {
         let Err(LinkError::Open { port, why }) = Serial::open("/dev/ttyNOT") else { panic!("opened") };
         assert_eq!(port, "/dev/ttyNOT");
-        assert!(why.contains("there is no such port") && (why.contains("Ports there are") || why.contains("no serial port")), "{why}");
+        assert!(
+            why.contains("there is no such port") && (why.contains("Ports there are") || why.contains("no serial port")),
+            "{why}"
+        );
     }
 
     #[cfg(unix)]

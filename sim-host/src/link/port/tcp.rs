@@ -32,7 +32,9 @@ fn stream(name: &str, address: &str) -> Result<TcpStream, LinkError> {
     let mut addresses = address.to_socket_addrs().map_err(|error| open(format!("this is no `tcp:HOST:PORT`: {error}")))?;
     let first = addresses.next().ok_or_else(|| open("this host has no address".into()))?;
     let stream = TcpStream::connect_timeout(&first, CONNECT).map_err(|error| match error.kind() {
-        io::ErrorKind::ConnectionRefused => open("nobody listens there: is `sim-host link sim:SCENE serve` running, at this port?".into()),
+        io::ErrorKind::ConnectionRefused => {
+            open("nobody listens there: is `sim-host link sim:SCENE serve` running, at this port?".into())
+        }
         io::ErrorKind::TimedOut | io::ErrorKind::WouldBlock => open(format!("no answer within {} s", CONNECT.as_secs())),
         _ => open(error.to_string()),
     })?;
