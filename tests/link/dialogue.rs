@@ -34,7 +34,7 @@ impl Drop for Folder {
 /// Holds the dialogue over a port; its captures go into a folder. Fails where the board does not do what the script expects.
 pub fn hold(port: Box<dyn Port>, folder: &Path) -> Vec<(String, Answer)> {
     let mut session = Session::begin(client(port), Manner::default()).unwrap_or_else(|error| panic!("{error}"));
-    let text = DIALOGUE.replace("OUT", folder.to_str().expect("a path in UTF-8"));
+    let text = DIALOGUE.replace("out/dialogue", folder.to_str().expect("a path in UTF-8"));
     let answers = run(&text, &mut session).unwrap_or_else(|error| panic!("{error}"));
     session.leave().unwrap_or_else(|error| panic!("{error}"));
     answers
@@ -54,17 +54,17 @@ pub fn number(answer: &Answer, field: &str) -> f64 {
 pub fn judge_scan(scan: &Answer, truth: &Circuit) {
     let relative = |field: &str, truth: f64| number(scan, field) / truth - 1.0;
     let hz = number(scan, "series_resonance_hz") - truth.series_resonance_hz();
-    // Measured: -0.04 Hz, 0.09 %, 0.05 %, 0.04 %.
+    // Measured: -0.07 Hz, -0.01 %, -0.03 %, -0.04 %.
     println!(
         "resonance {hz:+.3} Hz, Q {:+.5}, Rm {:+.5}, Lm {:+.5}",
         relative("q", truth.q()),
         relative("rm_ohm", truth.rm_ohm),
         relative("lm_h", truth.lm_h)
     );
-    assert!(hz.abs() < 2.0, "{hz}");
-    assert!(relative("q", truth.q()).abs() < 0.01, "{}", relative("q", truth.q()));
-    assert!(relative("rm_ohm", truth.rm_ohm).abs() < 0.02, "{}", relative("rm_ohm", truth.rm_ohm));
-    assert!(relative("lm_h", truth.lm_h).abs() < 0.02, "{}", relative("lm_h", truth.lm_h));
+    assert!(hz.abs() < 0.3, "{hz}");
+    assert!(relative("q", truth.q()).abs() < 0.002, "{}", relative("q", truth.q()));
+    assert!(relative("rm_ohm", truth.rm_ohm).abs() < 0.002, "{}", relative("rm_ohm", truth.rm_ohm));
+    assert!(relative("lm_h", truth.lm_h).abs() < 0.002, "{}", relative("lm_h", truth.lm_h));
 }
 
 /// Voltage, current and drive codes of a capture, as they were written.
@@ -80,7 +80,6 @@ pub fn codes(folder: &Path, name: &str) -> Vec<[u16; 3]> {
 
 #[test]
 fn what_a_rig_is_told_is_what_the_plant_did() {
-    // The plant's own Rm and Q have the slider's friction on top, which is some per mille here.
     let board = board("lock", &[], 60_000);
     let folder = Folder::new("dialogue");
     let answers = hold(port(&board), &folder.0);

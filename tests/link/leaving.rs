@@ -27,7 +27,8 @@ fn a_host_that_waits_is_heard_of_and_one_that_dies_is_missed() {
     assert!(!is_silent(&board.borrow()));
     // It dies: nobody says that it leaves.
     drop(session);
-    let blocks = |seconds: f64| (0..(seconds / board.borrow().block_s()) as u32).for_each(|_| board.borrow_mut().block());
+    let block_s = board.borrow().block_s();
+    let blocks = |seconds: f64| (0..(seconds / block_s) as u32).for_each(|_| board.borrow_mut().block());
     blocks(0.08);
     assert!(!is_silent(&board.borrow()));
     blocks(0.04);

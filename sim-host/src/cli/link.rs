@@ -100,13 +100,13 @@ pub(super) fn run(args: &LinkArgs, color: Color) -> anyhow::Result<ExitCode> {
                 };
                 let board = SimulatedBoard::new(&driven, 0)
                     .map_err(|why| LinkError::Usage(format!("the firmware refuses this scene: {why}")));
-                done(board.and_then(|board| with_board(args, board, color)), color)
+                done(board.and_then(|board| with_board(args, board)), color)
             })
         }
         None if !args.sets.is_empty() || args.seed.is_some() || args.real_time => {
             Ok(failed(&LinkError::Usage("--set, --seed and --real-time are of a simulated board, sim:SCENE".into()), color))
         }
-        None => done(open(&args.port).and_then(|port| with_port(args, port, color)), color),
+        None => done(open(&args.port).and_then(|port| with_port(args, port)), color),
     }
 }
 
@@ -117,7 +117,7 @@ fn open(port: &str) -> Result<Box<dyn Port>, LinkError> {
     })
 }
 
-fn with_board(args: &LinkArgs, mut board: SimulatedBoard, color: Color) -> Result<(), LinkError> {
+fn with_board(args: &LinkArgs, mut board: SimulatedBoard) -> Result<(), LinkError> {
     if let LinkOrder::Serve { listen } = &args.order {
         let listener = TcpListener::bind(listen)
             .map_err(|error| LinkError::Open { port: format!("tcp:{listen}"), why: error.to_string() })?;
@@ -133,10 +133,10 @@ fn with_board(args: &LinkArgs, mut board: SimulatedBoard, color: Color) -> Resul
         _ => false,
     };
     let port = Simulated::new(&args.port, Rc::new(RefCell::new(board)), args.real_time || endless);
-    with_port(args, Box::new(port), color)
+    with_port(args, Box::new(port))
 }
 
-fn with_port(args: &LinkArgs, port: Box<dyn Port>, color: Color) -> Result<(), LinkError> {
+fn with_port(args: &LinkArgs, port: Box<dyn Port>) -> Result<(), LinkError> {
     // A script that cannot be read needs no board.
     let script = match &args.order {
         LinkOrder::Script { file } => Some(read(file)?),
@@ -147,7 +147,7 @@ fn with_port(args: &LinkArgs, port: Box<dyn Port>, color: Color) -> Result<(), L
     };
     let client = Client::new(port, &STOP, |line| eprintln!("{line}"));
     let mut session = Session::begin(client, Manner { patience_s: args.patience, stay: args.stay })?;
-    session.live = live(args.format, color);
+    session.live = live(args.format);
     let done = match (&args.order, script) {
         (LinkOrder::Order(order), _) => one(order, args, &mut session),
         (LinkOrder::Wait { time }, _) => session.wait(std::time::Duration::from_secs_f64(*time)),
@@ -160,6 +160,11 @@ fn with_port(args: &LinkArgs, port: Box<dyn Port>, color: Color) -> Result<(), L
     // Whatever has happened, the drive is left as the user wants it left, as far as the link goes.
     let left = session.leave();
     if let Ok(Some(what)) = &left {
+        eprintln!("{what}");
+    } else if matches!(done, Err(LinkError::Interrupted))
+        && let Ok(report) = session.status()
+        && let Ok(what) = monitor::what_it_does(&report, &mut session)
+    {
         eprintln!("{what}");
     }
     done.and(left.map(drop))
@@ -193,6 +198,10 @@ fn tell(text: &str, name: &str, done: &Result<Answer, LinkError>, format: Format
                 writeln!(out, "> {text}")?;
             }
             if let Ok(answer) = done {
+                // The line of a monitor stays where it is.
+                if name == "monitor" && io::stdout().is_terminal() {
+                    writeln!(out)?;
+                }
                 write!(out, "{}", answer.text)?;
             }
         }
@@ -201,8 +210,7 @@ fn tell(text: &str, name: &str, done: &Result<Answer, LinkError>, format: Format
 }
 
 /// Who is told of stages and reports.
-fn live(format: Format, color: Color) -> Live {
-    let _ = color;
+fn live(format: Format) -> Live {
     let stage = io::stderr().is_terminal().then_some((|line: &str| eprintln!("{line}…")) as fn(&str));
     let report: fn(&str, &Value) = match format {
         Format::Json => |_, fields| println!("{fields}"),

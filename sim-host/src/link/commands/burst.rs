@@ -78,6 +78,9 @@ fn timed(on_s: f64, off_s: f64, count: u32, session: &mut Session) -> Result<Ans
     let block_s = session.scale()?.block_s;
     let mut lengths_ms = Vec::new();
     let mut trip = Duration::ZERO;
+    // The first is a burst, too, where the gate was open.
+    edge(Gate::Off, session, &mut trip)?;
+    pause(off_s, trip, session)?;
     for _ in 0..count {
         let opened = edge(Gate::On, session, &mut trip)?;
         pause(on_s, trip, session)?;
