@@ -7,18 +7,23 @@
 mod bank;
 mod burst;
 mod calibration;
+mod capture;
 mod determinism;
 mod emergency_stop;
 pub mod frame;
+mod host_lost;
 mod lanes;
 mod limits;
 mod link;
+mod parameters;
 mod power_up;
 mod protection;
+mod robustness;
 mod run;
 mod scan;
 mod self_test;
 mod settings;
+mod status;
 mod watchdog;
 
 use firmware::command::{Command, Reply};

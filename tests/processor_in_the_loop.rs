@@ -215,7 +215,7 @@ impl Operator {
                 friction: None,
                 torso_kg: None,
                 emergency_stop: one_in(random, 20),
-                host_lost: one_in(random, 40),
+                host_lost: false,
                 clear_fault: !one_in(random, 4),
             };
         }

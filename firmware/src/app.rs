@@ -14,6 +14,7 @@
 //!   read, and telemetry that does not fit is left out.
 
 mod host_watch;
+mod obey;
 mod outbox;
 
 use embedded_hal::digital::{InputPin, OutputPin};
@@ -26,11 +27,11 @@ use self::outbox::Outbox;
 use crate::block::{Orders, Request};
 use crate::capture::CaptureVerb;
 use crate::capture::recorder::Answer;
-use crate::command::{Command, Converters, Identity, Refusal, Reply, ResonanceReport};
+use crate::command::{Converters, Refusal, Reply, ResonanceReport};
 use crate::fault_log::FaultLog;
 use crate::identify::{MOST_MODES, Resonance};
 use crate::keeper::Keeper;
-use crate::link::{self, Frame, FrameError, Receiver};
+use crate::link::Receiver;
 use crate::power_up::PowerUp;
 use crate::queues::SlowEnds;
 use crate::settings::Settings;
@@ -252,80 +253,6 @@ where
         self.seen.as_ref().map_or(0, |seen| seen.block)
     }
 
-    fn obey_link(&mut self) -> Result<(), AppError> {
-        // One byte at a time: a frame that ends in this byte must find room for its reply.
-        while !self.resetting && self.outbox.has_room() && self.peripherals.link.read_ready().map_err(|_| AppError::Link)? {
-            let mut byte = [0];
-            if self.peripherals.link.read(&mut byte).map_err(|_| AppError::Link)? == 0 {
-                break;
-            }
-            if let Some(frame) = self.receiver.take::<Command>(byte[0]) {
-                let (sequence, reply) = match frame {
-                    Ok(frame) => (frame.sequence, self.obey(&frame)),
-                    Err(FrameError::Version(sequence)) => (sequence, Some(Reply::Nak(Refusal::Version))),
-                    Err(FrameError::Unknown(sequence)) => (sequence, Some(Reply::Nak(Refusal::Unknown))),
-                    Err(FrameError::TooLong | FrameError::Damaged) => (0, Some(Reply::Nak(Refusal::Damaged))),
-                };
-                if let Some(reply) = reply {
-                    self.outbox.send(sequence, reply);
-                }
-            }
-        }
-        Ok(())
-    }
-
-    /// Obeys a command; `None` where its answer comes later.
-    fn obey(&mut self, frame: &Frame<Command>) -> Option<Reply> {
-        self.host.hear(self.block());
-        Some(match frame.body {
-            Command::Identify => {
-                Reply::Identity(Identity { protocol: link::VERSION, firmware: firmware_version(), converters: self.converters })
-            }
-            Command::TelemetryEvery(blocks) => {
-                self.telemetry_every = blocks;
-                // The first is due at once.
-                self.last_telemetry = self.block().wrapping_sub(blocks);
-                Reply::Ack
-            }
-            Command::Resonances => Reply::Resonances(self.resonances()),
-            Command::Settings(verb) => self.keeper.obey(verb, self.is_silent(), &mut self.peripherals.settings),
-            Command::Status => Reply::Status(self.seen),
-            Command::Faults(later) => Reply::Faults(self.faults.report(later, self.peripherals.start)),
-            Command::Reset if !self.is_silent() => Reply::Nak(Refusal::Driving),
-            Command::Reset => {
-                self.resetting = true;
-                Reply::Ack
-            }
-            Command::Capture(_) if self.capturing.is_some() => Reply::Nak(Refusal::Busy),
-            Command::Capture(verb) if self.wishes.enqueue(verb).is_ok() => {
-                self.capturing = Some(frame.sequence);
-                return None;
-            }
-            Command::Capture(_) => Reply::Nak(Refusal::Busy),
-            command => self.obey_order(&command).map_or_else(Reply::Nak, |()| Reply::Ack),
-        })
-    }
-
-    /// Obeys what changes the orders, or says how long to wait for more of them.
-    fn obey_order(&mut self, command: &Command) -> Result<(), Refusal> {
-        let orders = command.applied_to(&self.latest)?;
-        if let Command::Patience(seconds) = *command {
-            self.host.set(seconds);
-        }
-        // Who orders is not lost.
-        orders.map_or(Ok(()), |orders| self.order(Orders { host_lost: false, ..orders }))
-    }
-
-    /// Sends what the recorder has answered, once there is room.
-    fn answer_capture(&mut self) {
-        if self.outbox.has_room()
-            && let Some(answer) = self.answers.dequeue()
-            && let Some(sequence) = self.capturing.take()
-        {
-            self.outbox.send(sequence, answer.into());
-        }
-    }
-
     /// Resets once the answer has left.
     fn reset_if_ordered(&mut self) -> Result<(), AppError> {
         if self.resetting && self.outbox.is_empty() {
@@ -354,10 +281,4 @@ where
         self.telemetry_frames = self.telemetry_frames.wrapping_add(1);
         self.outbox.send(self.telemetry_frames, Reply::Telemetry(seen));
     }
-}
-
-/// The package's version, as numbers.
-fn firmware_version() -> [u8; 3] {
-    [env!("CARGO_PKG_VERSION_MAJOR"), env!("CARGO_PKG_VERSION_MINOR"), env!("CARGO_PKG_VERSION_PATCH")]
-        .map(|part| part.parse().unwrap_or(0))
 }

@@ -222,7 +222,7 @@ impl Command {
         match *self {
             Command::Identify | Command::TelemetryEvery(_) | Command::Settings(_) | Command::Resonances => return Ok(None),
             Command::Status | Command::Capture(_) | Command::Faults(_) | Command::Reset => return Ok(None),
-            Command::Patience(seconds) if !(seconds >= 0.0) => return Err(Refusal::NotPlausible),
+            Command::Patience(seconds) if seconds.is_nan() || seconds < 0.0 => return Err(Refusal::NotPlausible),
             Command::Patience(seconds) if seconds > LONGEST_PATIENCE_S => return Err(Refusal::OutOfRange),
             Command::Patience(_) => return Ok(None),
             Command::Idle => next.request = Request::Idle,

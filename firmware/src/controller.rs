@@ -4,6 +4,7 @@
 //! fail: trouble is a numbered fault in the telemetry, and a muted drive.
 
 mod acquire;
+mod build;
 mod edges;
 mod follow;
 mod friction;
@@ -14,18 +15,16 @@ mod trims;
 
 use crate::amplitude::AmplitudeLoop;
 use crate::belt::Belt;
-use crate::block::{Amplitude, DriveBlock, Gate, LATENCY_BLOCKS, MAX_BLOCK_SAMPLES, Orders, SenseBlock};
+use crate::block::{Amplitude, DriveBlock, Gate, LATENCY_BLOCKS, Orders, SenseBlock};
 use crate::burst::Burst;
 use crate::burst::boost::EdgeTimes;
 use crate::calibrate::Calibrate;
 use crate::clamped::PowerOn;
 use crate::clamped::online::Online;
-use crate::config::{Config, LONGEST_PATIENCE_S, ShapeKind, TrackingMode};
 use crate::controller::edges::Edges;
 use crate::controller::plan::Plan;
 use crate::convert::Convert;
 use crate::demod::demodulate;
-use crate::error::{Error, in_range};
 use crate::friction::FrictionSwitch;
 use crate::guard::Guard;
 use crate::identify::{Resonance, Transducer};
@@ -108,63 +107,6 @@ pub struct Controller {
 }
 
 impl Controller {
-    /// Checks a configuration and builds its controller. Names the parameter that is out of range.
-    pub fn build(config: &Config) -> Result<Self, Error> {
-        in_range("block_samples", config.block_samples.into(), 8.0, MAX_BLOCK_SAMPLES as f64)?;
-        in_range("link.patience_s", config.link.patience_s.into(), 0.0, LONGEST_PATIENCE_S.into())?;
-        let tracked = config.tracking.mode != TrackingMode::Off;
-        if matches!(config.drive.amplitude, Amplitude::MotionalCurrent(_)) && !tracked {
-            return Err(Error::CurrentWithoutTracking);
-        }
-        if config.drive.shape == ShapeKind::Noise && tracked {
-            return Err(Error::NoiseWithTracking);
-        }
-        if config.drive.shape == ShapeKind::Noise && config.sweep != crate::config::Sweep::Hold {
-            return Err(Error::NoiseWithSweep);
-        }
-        edges::check(config)?;
-        let sweep = Sweep::build(config)?;
-        let block_s = f32::from(config.block_samples) / config.sample_hz;
-        let mut convert = Convert::build(&config.front_end)?;
-        convert.i.set_limit(config.limits.current_a);
-        let tone = Stretch { word: sweep.hold.word(), ..Stretch::default() };
-        Ok(Controller {
-            samples: config.block_samples.into(),
-            convert,
-            shape: Shape::build(config)?,
-            phasing: Phasing::build(config)?,
-            amplitude_asked: config.drive.amplitude,
-            nominal_periods: config.tracking.nominal_q / core::f32::consts::PI,
-            nominal_lm_h: config.tracking.nominal_lm_h,
-            scan_volts: config.drive.scan_volts,
-            braked_volts: 0.0,
-            edges: Edges::build(config),
-            block: 0,
-            nco: Nco::default(),
-            burst: Burst::build(&config.burst, config.drive.frequency_hz, config.sample_hz)?,
-            restraint: config.restraint.as_ref().map(|restraint| Restraint::build(restraint, block_s)).transpose()?,
-            shaper: Shaper::build(config),
-            played: [Played { tone, relative: 1.0, flat: true, pure: true, ..Played::default() }; LATENCY_BLOCKS],
-            belt: Belt::build(config, block_s)?,
-            guard: Guard::build(config, block_s)?,
-            supervisor: Supervisor::default(),
-            self_test: SelfTest::build(config),
-            scan: Scan::build(config)?,
-            calibrate: Calibrate::build(config),
-            acquisition: Acquisition::of(config.tracking.mode),
-            power_on: PowerOn::build(config),
-            calibrates_again: false,
-            online: Online::build(config),
-            probe_hz: 0.0,
-            tracker: Tracker::build(config, block_s)?,
-            amplitude: AmplitudeLoop::build(config, block_s)?,
-            friction: FrictionSwitch::build(config, block_s)?,
-            transducer: None,
-            learned: 0,
-            sweep,
-        })
-    }
-
     /// A block of silence: what plays until the first call has returned.
     pub fn silence(&self) -> DriveBlock {
         DriveBlock::silent(self.phasing.count(), self.samples, self.convert.drive.silence())

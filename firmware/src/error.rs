@@ -43,6 +43,13 @@ pub enum Error {
     BoostWithSweep,
     /// Energy for each metre of belt is known only where the belt has an encoder.
     EnergyWithoutBelt,
+    /// What is asked for is not in this image.
+    LeftOut {
+        /// The parameters that ask for it.
+        parameter: &'static str,
+        /// The feature that brings it.
+        feature: &'static str,
+    },
 }
 
 impl fmt::Display for Error {
@@ -67,6 +74,9 @@ impl fmt::Display for Error {
                 f.write_str("friction is switched by tip velocity: drive.amplitude must be a motional current")
             }
             Error::EnergyWithoutBelt => f.write_str("limits.energy_j_per_m needs a belt encoder, front_end.metre_per_count"),
+            Error::LeftOut { parameter, feature } => {
+                write!(f, "{parameter} asks for what this image leaves out: build it with the feature `{feature}`")
+            }
             Error::TrimOrder => f.write_str("phasing.calibration must be at rising frequencies"),
             Error::BoostWithoutTracking => f.write_str(
                 "burst.edge is a boost, which is planned from the tracked resonance: tracking must be an observer or a phase lock",

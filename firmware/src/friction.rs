@@ -26,6 +26,7 @@ mod tests;
 pub use terms::{Belief, Sensed, Wanted};
 
 use crate::block::{Amplitude, Target};
+use crate::carried;
 use crate::config::{Config, FrictionLaw, Schedule};
 use crate::error::{Error, in_range};
 use crate::friction::average::LowPass;
@@ -58,6 +59,7 @@ enum Work {
 /// The switch.
 #[derive(Clone, Debug)]
 pub struct FrictionSwitch {
+    _carried: carried::Friction,
     law: FrictionLaw,
     target: Target,
     omega: f32,
@@ -96,6 +98,7 @@ impl FrictionSwitch {
     /// Checks the settings of a switch; none, if none is wanted.
     pub fn build(config: &Config, block_s: f32) -> Result<Option<Self>, Error> {
         let Some(friction) = &config.friction else { return Ok(None) };
+        let carried = carried::friction()?;
         let Amplitude::MotionalCurrent(most_amperes) = config.drive.amplitude else {
             return Err(Error::FrictionWithoutCurrent);
         };
@@ -117,6 +120,7 @@ impl FrictionSwitch {
         };
         let prefer = if friction.prefer_bursts { Prefer::Bursts } else { Prefer::Amplitude };
         let mut switch = FrictionSwitch {
+            _carried: carried,
             law: friction.law,
             target: friction.target,
             omega: core::f32::consts::TAU * config.drive.frequency_hz,

@@ -35,6 +35,7 @@ pub mod block_task;
 pub mod burst;
 pub mod calibrate;
 pub mod capture;
+pub mod carried;
 pub mod clamped;
 pub mod command;
 pub mod config;

@@ -7,7 +7,7 @@
 //! A zero never occurs inside a frame, so that a receiver that joins late, or after a damaged frame, is in step again at the
 //! next zero.
 
-use crc::{CRC_32_ISCSI, Crc};
+use crc::{CRC_32_ISCSI, Crc, NoTable};
 use serde::{Deserialize, Serialize};
 
 /// Version of the protocol. A frame of another version is refused, not guessed at.
@@ -19,7 +19,8 @@ pub const MAX_FRAME: usize = 256;
 /// Room for a frame before stuffing: COBS adds one byte in 254, and the zero is not part of it.
 const MAX_PLAIN: usize = MAX_FRAME - 3;
 
-static CRC: Crc<u32> = Crc::<u32>::new(&CRC_32_ISCSI);
+// Bit by bit: a frame has some 60 bytes, and a table would take a kilobyte.
+static CRC: Crc<u32, NoTable> = Crc::<u32, NoTable>::new(&CRC_32_ISCSI);
 
 /// A frame.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -52,13 +53,22 @@ pub type Encoded = heapless::Vec<u8, MAX_FRAME>;
 pub fn encode<T: Serialize>(sequence: u16, body: T) -> Result<Encoded, FrameError> {
     let mut plain = [0; MAX_PLAIN];
     let frame = Frame { version: VERSION, sequence, body };
-    let plain = postcard::to_slice_crc32(&frame, &mut plain, CRC.digest()).map_err(|_| FrameError::TooLong)?;
+    let plain = checked(&frame, &mut plain).ok_or(FrameError::TooLong)?;
     let mut stuffed = Encoded::new();
     stuffed.resize(cobs::max_encoding_length(plain.len()), 0).map_err(|_| FrameError::TooLong)?;
     let length = cobs::encode(plain, &mut stuffed);
     stuffed.truncate(length);
     stuffed.push(0).map_err(|_| FrameError::TooLong)?;
     Ok(stuffed)
+}
+
+/// A frame before it is stuffed, with its checksum behind it.
+fn checked<'a, T: Serialize>(frame: &Frame<T>, plain: &'a mut [u8]) -> Option<&'a [u8]> {
+    let length = postcard::to_slice(frame, plain).ok()?.len();
+    let checksum = CRC.checksum(&plain[..length]).to_le_bytes();
+    let end = length + checksum.len();
+    plain.get_mut(length..end)?.copy_from_slice(&checksum);
+    Some(&plain[..end])
 }
 
 /// Takes bytes as they come and gives frames.
@@ -212,7 +222,7 @@ mod tests {
     fn another_version_is_named() {
         let mut plain = [0; 64];
         let frame = Frame { version: VERSION + 1, sequence: 9, body: 0xFFu8 };
-        let plain = postcard::to_slice_crc32(&frame, &mut plain, CRC.digest()).unwrap();
+        let plain = checked(&frame, &mut plain).unwrap();
         let mut stuffed = [0; 64];
         let length = cobs::encode(plain, &mut stuffed);
         stuffed[length] = 0;

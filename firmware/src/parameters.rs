@@ -311,4 +311,4 @@ pub static PARAMETERS: [Parameter; 21] = [
 ];
 
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;

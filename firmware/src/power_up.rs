@@ -9,10 +9,12 @@
 
 use embedded_storage::nor_flash::NorFlash;
 
+use crate::block_task::BlockTask;
 use crate::config::Config;
 use crate::controller::Controller;
 use crate::error::Error;
 use crate::parameters::{Values, apply, overridden, values_of};
+use crate::queues::HotEnds;
 use crate::settings::{Kept, Settings};
 
 /// What a board is started with.
@@ -40,15 +42,12 @@ impl PowerUp {
         PowerUp { config, built_in, next, kept: if all { kept } else { Kept::Partly } }
     }
 
-    /// Builds the controller; where what is kept does not make one, of what is built in alone.
-    pub fn build(&mut self, built_in: &Config) -> Result<Controller, Error> {
-        match Controller::build(&self.config) {
-            Err(_) if self.config != *built_in => {
-                self.config = built_in.clone();
-                self.kept = Kept::Refused;
-                Controller::build(built_in)
-            }
-            built => built,
+    /// Builds the controller where it is to stay, and the task of it; where what is kept does not make one, of what is built in alone.
+    pub fn build<'a>(&mut self, built_in: &Config, ends: HotEnds<'a>) -> Result<BlockTask<'a>, Error> {
+        if Controller::check(&self.config).is_err() {
+            self.config = built_in.clone();
+            self.kept = Kept::Refused;
         }
+        BlockTask::build(&self.config, ends)
     }
 }

@@ -1,4 +1,6 @@
-//! The queues between the slow side and the block task, and the memory of the recorder: what a board has once, as a static.
+//! The queues between the slow side and the block task, with the memory of the recorder and of the controller: what a board has once, as a static.
+
+use core::mem::MaybeUninit;
 
 use heapless::spsc::{Consumer, Producer, Queue};
 
@@ -6,6 +8,7 @@ use crate::block::Orders;
 use crate::capture::CaptureVerb;
 use crate::capture::recorder::{Answer, Memory, Recorder};
 use crate::config::LaneTrims;
+use crate::controller::Controller;
 use crate::telemetry::Telemetry;
 
 /// One on its way, and the place that a ring keeps empty.
@@ -20,10 +23,13 @@ pub struct Queues<const ORDERS: usize, const REPORTS: usize> {
     wishes: Queue<CaptureVerb, ONE>,
     answers: Queue<Answer, ONE>,
     memory: Memory,
+    place: MaybeUninit<Controller>,
 }
 
 /// What the [block task](crate::block_task::BlockTask) has of them.
 pub struct HotEnds<'a> {
+    /// Where the controller is to stand.
+    pub place: &'a mut MaybeUninit<Controller>,
     /// Orders to obey.
     pub orders: Consumer<'a, Orders>,
     /// What each block reports.
@@ -63,6 +69,7 @@ impl<const ORDERS: usize, const REPORTS: usize> Queues<ORDERS, REPORTS> {
             wishes: Queue::new(),
             answers: Queue::new(),
             memory: Memory::new(),
+            place: MaybeUninit::uninit(),
         }
     }
 
@@ -72,7 +79,8 @@ impl<const ORDERS: usize, const REPORTS: usize> Queues<ORDERS, REPORTS> {
         let ((found_in, found_out), (taken_in, taken_out)) = (self.found.split(), self.taken.split());
         let ((wishes_in, wishes_out), (answers_in, answers_out)) = (self.wishes.split(), self.answers.split());
         let recorder = Recorder::new(&mut self.memory, wishes_out, answers_in);
-        let hot = HotEnds { orders: orders_out, reports: reports_in, found: found_in, taken: taken_out, recorder };
+        let place = &mut self.place;
+        let hot = HotEnds { place, orders: orders_out, reports: reports_in, found: found_in, taken: taken_out, recorder };
         let slow = SlowEnds {
             orders: orders_in,
             reports: reports_out,

@@ -20,6 +20,7 @@
 //! sensed; it must be from `least_kg` to `most_kg`, or nobody is light.
 
 use crate::block::{Gate, Orders};
+use crate::carried;
 use crate::config;
 use crate::error::{Error, in_range};
 use crate::supervisor::Mode;
@@ -54,6 +55,7 @@ pub enum Class {
 /// The decision and what it goes by.
 #[derive(Clone, Debug)]
 pub struct Restraint {
+    _carried: carried::Friction,
     sensed_n: f32,
     confirm_blocks: u32,
     latest_blocks: u32,
@@ -66,6 +68,7 @@ pub struct Restraint {
 impl Restraint {
     /// Checks the settings.
     pub fn build(restraint: &config::Restraint, block_s: f32) -> Result<Self, Error> {
+        let carried = carried::friction()?;
         in_range("restraint.sensed_n", restraint.sensed_n.into(), 1.0, 1e5)?;
         in_range("restraint.confirm_ms", restraint.confirm_ms.into(), 0.0, 100.0)?;
         in_range("restraint.latest_ms", restraint.latest_ms.into(), 0.0, 1e3)?;
@@ -76,6 +79,7 @@ impl Restraint {
         in_range("restraint.light_below_kg", restraint.light_below_kg.into(), least.into(), most.into())?;
         let blocks = |ms: f32| (ms * 1e-3 / block_s) as u32;
         Ok(Restraint {
+            _carried: carried,
             sensed_n: restraint.sensed_n,
             // The block that shows it counts.
             confirm_blocks: blocks(restraint.confirm_ms).max(1),
@@ -142,6 +146,7 @@ mod tests {
     /// Blocks of 1 ms: a crash is sensed at 300 N in the second block, and LOW may come in ten more, below 2500 N.
     fn restraint() -> Restraint {
         Restraint {
+            _carried: carried::Carried,
             sensed_n: 300.0,
             confirm_blocks: 2,
             latest_blocks: 10,

@@ -89,8 +89,8 @@ pub struct Scan {
 }
 
 impl Scan {
-    /// A scan of the configured window.
-    pub fn build(config: &Config) -> Result<Self, Error> {
+    /// Names the parameter that is out of range.
+    pub fn check(config: &Config) -> Result<(), Error> {
         let tracking = &config.tracking;
         in_range("tracking.span", tracking.span.into(), 1e-4, 0.2)?;
         in_range("tracking.nominal_q", tracking.nominal_q.into(), 2.0, 1e5)?;
@@ -98,6 +98,14 @@ impl Scan {
         if let Some(lm_h) = tracking.nominal_lm_h {
             in_range("tracking.nominal_lm_h", lm_h.into(), 1e-9, 1e6)?;
         }
+        Ok(())
+    }
+
+    /// A scan of the configured window, which has passed [`check`](Self::check). It [begins](Self::restart) when it is wanted.
+    // Not inlined: it is written where the controller stands.
+    #[inline(never)]
+    pub fn build(config: &Config, hold: &Hold) -> Self {
+        let tracking = &config.tracking;
         let nominal_hz = config.drive.frequency_hz;
         let told = Told { steps: (config.front_end.volt_per_lsb, config.front_end.ampere_per_lsb), q: tracking.nominal_q };
         let bare = Circuit::bare(nominal_hz, tracking.nominal_c0_f);
@@ -112,8 +120,8 @@ impl Scan {
             1
         };
         let spectrum = whole.spectrum(block_s);
-        let mut scan = Scan {
-            search: ModeSearch::new(&told, bare.clone(), 1, 1),
+        Scan {
+            search: ModeSearch::new(&told, bare.clone()),
             bare,
             nominal_hz,
             choice: Choice { window_hz: (nominal_hz, window_hz), nominal_lm_h: tracking.nominal_lm_h },
@@ -121,7 +129,7 @@ impl Scan {
             parts,
             block_s,
             block_samples: config.block_samples.into(),
-            hold: Hold::build(nominal_hz, config.sample_hz)?,
+            hold: hold.clone(),
             stage: Stage::Window(0),
             pass: whole,
             blocks: 0,
@@ -129,12 +137,10 @@ impl Scan {
             baseband: Baseband::default(),
             spectrum,
             roster: Roster::new(nominal_hz),
-        };
-        scan.restart();
-        Ok(scan)
+        }
     }
 
-    /// Begins again from the window.
+    /// Begins from the window.
     pub fn restart(&mut self) {
         self.roster = Roster::new(self.nominal_hz);
         self.begin_part(0);

@@ -12,6 +12,7 @@ pub mod sawtooth;
 pub mod sine;
 pub mod square;
 
+use crate::carried::{self, Waveforms};
 use crate::config::{Config, ShapeKind};
 use crate::error::Error;
 use crate::shape::bands::Bands;
@@ -23,9 +24,9 @@ pub enum Shape {
     /// A sine.
     Sine,
     /// A waveform of harmonics.
-    Harmonics(&'static Bands),
+    Harmonics(Waveforms, &'static Bands),
     /// A noise.
-    Noise(Noise),
+    Noise(Waveforms, Noise),
 }
 
 impl Shape {
@@ -33,8 +34,8 @@ impl Shape {
     pub fn fundamental(&self, cycles_per_sample: f32) -> Option<f32> {
         match self {
             Shape::Sine => Some(1.0),
-            Shape::Harmonics(bands) => Some(bands.at(cycles_per_sample).fundamental()),
-            Shape::Noise(_) => None,
+            Shape::Harmonics(_, bands) => Some(bands.at(cycles_per_sample).fundamental()),
+            Shape::Noise(..) => None,
         }
     }
 
@@ -42,9 +43,9 @@ impl Shape {
     pub fn build(config: &Config) -> Result<Self, Error> {
         Ok(match config.drive.shape {
             ShapeKind::Sine => Shape::Sine,
-            ShapeKind::Square => Shape::Harmonics(&square::BANDS),
-            ShapeKind::Sawtooth => Shape::Harmonics(&sawtooth::BANDS),
-            ShapeKind::Noise => Shape::Noise(Noise::build(config)?),
+            ShapeKind::Square => Shape::Harmonics(carried::waveforms()?, &square::BANDS),
+            ShapeKind::Sawtooth => Shape::Harmonics(carried::waveforms()?, &sawtooth::BANDS),
+            ShapeKind::Noise => Shape::Noise(carried::waveforms()?, Noise::build(config)?),
         })
     }
 }

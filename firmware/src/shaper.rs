@@ -126,7 +126,7 @@ impl Shaper {
                     self.write(n, play, codes, || pairs.next().map_or(0.0, |z| z.im * row.re + z.re * row.im));
                 });
             }
-            Shape::Harmonics(bands) => {
+            Shape::Harmonics(_, bands) => {
                 let Blend { lower, upper, weight } = bands.at(stretch.frequency());
                 each.for_each(|(n, (lane, codes))| {
                     let (peak, mut phases) = (size.at(lane.gain) * lane.gain, stretch.phases(lane.offset));
@@ -140,7 +140,7 @@ impl Shaper {
                     });
                 });
             }
-            Shape::Noise(noise) => {
+            Shape::Noise(_, noise) => {
                 let mut wave = [0.0; MAX_BLOCK_SAMPLES];
                 wave.iter_mut().take(play.samples).for_each(|value| *value = noise.take());
                 each.for_each(|(n, (lane, codes))| {

@@ -54,7 +54,7 @@ use crate::watchdog::Watchdog;
 /// Orders that may be on their way to the block task.
 pub const ORDERS_DEPTH: usize = 8;
 
-/// The queues between the two sides. They outlive the bench, as a board's statics do. A ring of N holds N - 1.
+/// The queues between the two sides, and what else they have in common. They outlive the bench, as a board's statics do. A ring of N holds N - 1.
 pub type Queues = queues::Queues<{ ORDERS_DEPTH + 1 }, 64>;
 
 /// How the bench is set up.
@@ -115,8 +115,7 @@ impl<'a, A: Analog> Bench<'a, A> {
         let (hot, slow) = queues.split();
         let mut settings = Settings::new(setup.flash.clone())?;
         let mut power_up = PowerUp::read(&setup.config, &mut settings);
-        let controller = power_up.build(&setup.config)?;
-        let task = BlockTask::new(controller, hot);
+        let task = power_up.build(&setup.config, hot)?;
 
         let clock = Clock::new(setup.config.sample_hz as u32);
         let (enable_pin, enable) = pin::output(&clock);

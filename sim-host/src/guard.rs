@@ -10,6 +10,7 @@
 //! All of it at block rate: the carrier is averaged over ([`friction`]), so that an hour of belt takes seconds. The scenes `belt-stop*` run
 //! the same through the whole chain, and a test holds the two against each other.
 
+pub mod build;
 pub mod cases;
 pub mod friction;
 pub mod rig;

@@ -11,12 +11,12 @@ use crate::supervisor::{Fault, Limit, Mode, Progress};
 impl Controller {
     /// Lets the friction switch hear one block of a run.
     pub(super) fn switch_friction(&mut self, orders: &Orders, sense: &SenseBlock, heard: &Played, motional: Phasor) {
-        if self.friction.is_none() {
+        if self.friction.is_none() || !is_free(orders) {
             return;
         }
         let boosts = self.burst.boosts();
         let told = self.told(boosts);
-        let Some(friction) = self.friction.as_mut().filter(|_| is_free(orders)) else { return };
+        let Some(friction) = &mut self.friction else { return };
         let on = heard.flat && heard.envelope == 1.0 && heard.volts > 0.0 && (!boosts || told.rung_up);
         let sensed = Sensed {
             belt_m_per_s: self.belt.speed_m_per_s(),
@@ -31,7 +31,10 @@ impl Controller {
     /// Lets the switch calculate, in a block that has time for it: nothing has been learned in it.
     pub(super) fn work_friction(&mut self) {
         let busy = self.learned == self.block || self.block.is_multiple_of(LEARN_BLOCKS);
-        if let Some(friction) = self.friction.as_mut().filter(|_| !busy && self.supervisor.mode() == Mode::Run) {
+        if let Some(friction) = &mut self.friction
+            && !busy
+            && self.supervisor.mode() == Mode::Run
+        {
             friction.work();
         }
     }

@@ -88,27 +88,25 @@ pub struct Told {
 }
 
 impl ModeSearch {
-    /// A search from scratch, by a bare capacitance. `samples` are all that the spectrum has heard, in `blocks`.
-    pub fn new(told: &Told, bare: Circuit, blocks: u32, samples: u32) -> Self {
-        let mut search = ModeSearch {
+    /// A search by a bare capacitance, that [begins](Self::restart) with its first spectrum.
+    pub fn new(told: &Told, bare: Circuit) -> Self {
+        ModeSearch {
             told_q: told.q,
             amperes: NOISE_STEPS * told.steps.1,
             unexplained: 0.0,
             most: 0,
             stage: Stage::Done,
             line: 0,
-            fit: PoleFit::new(bare.clone(), told.steps.0 / told.steps.1),
+            fit: PoleFit::new(bare, told.steps.0 / told.steps.1),
             fitted: Circuit::default(),
             deviations: Vec::new(),
             found: Circuit::default(),
             found_deviations: Vec::new(),
             found_variance: f32::INFINITY,
-        };
-        search.restart(&bare, blocks, samples);
-        search
+        }
     }
 
-    /// Begins again from scratch.
+    /// Begins from scratch. `samples` are all that the spectrum has heard, in `blocks`.
     pub fn restart(&mut self, bare: &Circuit, blocks: u32, samples: u32) {
         self.again(bare, blocks, samples);
         self.most = MOST_MODES;

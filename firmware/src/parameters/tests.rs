@@ -4,7 +4,8 @@ use super::*;
 use crate::config::{Burst, Drive, Edge, FrontEnd, Limits, Link, Phasing, Sweep, Thermometer, Tracking, TrackingMode};
 use crate::controller::Controller;
 
-fn config() -> Config {
+/// A configuration of one lane that builds.
+pub(crate) fn config() -> Config {
     Config {
         sample_hz: 1e6,
         block_samples: 32,

@@ -67,9 +67,9 @@ impl Roster {
             Some(weakest) => drop(self.found.remove(weakest)),
             None => {}
         }
+        let place = self.found.iter().take_while(|(other, _)| other.offset_hz <= pole.offset_hz).count();
         // There is room.
-        let _ = self.found.push((pole, deviations));
-        self.found.sort_unstable_by(|a, b| a.0.offset_hz.total_cmp(&b.0.offset_hz));
+        let _ = self.found.insert(place, (pole, deviations));
         self.list();
     }
 

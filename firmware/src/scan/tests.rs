@@ -80,7 +80,8 @@ fn scan(case: &Case, seed: u64) -> Scanned {
     let convert = Convert::build(&case.front_end).unwrap();
     let mut bench = Bench::new(&case.branches, case.c0_f, seed, case.front_end.clone());
     bench.noise_lsb = case.noise_lsb;
-    let mut scan = Scan::build(&config).unwrap();
+    let mut scan = Scan::build(&config, &Hold::build(config.drive.frequency_hz, config.sample_hz).unwrap());
+    scan.restart();
     let (mut hold, mut nco) = (Hold::build(case.nominal_hz, 1e6).unwrap(), Nco::default());
     let silence = (Stretch { word: hold.word(), ..Stretch::default() }, DriveBlock::silent(1, SAMPLES, 2048));
     let mut playing = [silence.clone(), silence];

@@ -14,6 +14,7 @@
 //! million samples. Each leg begins from its exact end, so that nothing adds up over legs; within a leg of an hour rounding adds up
 //! to less than 2e-5 Hz of an exponential from 20 to 200 kHz, and nothing of a linear one.
 
+use crate::carried::{self, Waveforms};
 use crate::config::{Around, Chirp as Config, ChirpKind, Config as Whole, Then, TrackingMode};
 use crate::error::{Error, in_range};
 use crate::nco::tuning_word;
@@ -49,6 +50,7 @@ enum Law {
 /// The chirp.
 #[derive(Clone, Debug)]
 pub struct Chirp {
+    _carried: Waveforms,
     legs: [Leg; 2],
     then: Then,
     around: Around,
@@ -94,6 +96,7 @@ impl Chirp {
         let blocks = libm::round(config.time_s / block_s).max(1.0);
         let leg = |from: f64, to: f64| Leg::new(config.kind, from / sample_hz, to / sample_hz, blocks, whole.block_samples);
         let mut chirp = Chirp {
+            _carried: carried::waveforms()?,
             legs: [leg(start, stop), leg(stop, start)],
             then: config.then,
             around: config.around,
@@ -185,7 +188,17 @@ mod tests {
     fn chirp(kind: ChirpKind, from: f64, to: f64, blocks: u64, then: Then) -> Chirp {
         let leg = |from: f64, to: f64| Leg::new(kind, from / 1e6, to / 1e6, blocks as f64, 32);
         let legs = [leg(from, to), leg(to, from)];
-        let mut chirp = Chirp { legs, then, around: Around::Zero, samples: 32, blocks, leg: 0, block: 0, word: 0 };
+        let mut chirp = Chirp {
+            _carried: carried::Carried,
+            legs,
+            then,
+            around: Around::Zero,
+            samples: 32,
+            blocks,
+            leg: 0,
+            block: 0,
+            word: 0,
+        };
         chirp.restart();
         chirp
     }

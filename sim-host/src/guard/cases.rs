@@ -1,6 +1,6 @@
 //! What happens to a belt, what its encoder says of it, and what must come of it.
 
-use super::rig::Build;
+use super::build::{self, Build};
 
 /// Speed below which counts come later than the interlock waits, m/s.
 pub fn slowest_m_per_s(counts_per_mm: f64, stop_ms: f64) -> f64 {
@@ -67,7 +67,7 @@ impl Event {
     /// What this run is built like: 10 to 70 mm/s with a ripple of 10 %.
     pub fn build(&self, run: u32) -> Build {
         let seed = u64::from(run) + 1;
-        let part = |salt: u64| super::rig::part(seed, salt);
+        let part = |salt: u64| build::part(seed, salt);
         Build {
             speed_m_per_s: 0.01 + 0.06 * part(1),
             ripple_rms: 0.1,

@@ -7,10 +7,9 @@ use firmware::error::Error;
 use firmware::guard::on_time::OnTime;
 use firmware::guard::weld::{Driving, Weld};
 use firmware::guard::{Driven, Stage};
-use rand_core::{Rng, SeedableRng};
-use rand_xoshiro::Xoshiro256PlusPlus;
 
 use super::Trouble;
+use super::build::{Build, part};
 use super::cases::{Event, Lie, RIPPLE_HZ, What, slowest_m_per_s};
 use super::friction::MeanFriction;
 use crate::plant::belt_motion::BeltMotion;
@@ -30,12 +29,6 @@ const BEFORE_S: f64 = 0.06;
 const PATIENCE_S: f64 = 0.2;
 /// A lie that is believed for so long is believed for good, s.
 const GULLIBLE_S: f64 = 60.0;
-
-/// A number in 0 to 1 that belongs to a seed.
-pub fn part(seed: u64, salt: u64) -> f64 {
-    let mut random = Xoshiro256PlusPlus::seed_from_u64(seed ^ (salt << 32));
-    (random.next_u64() >> 11) as f64 / (1u64 << 53) as f64
-}
 
 /// What all runs have in common.
 #[derive(Clone, Debug)]
@@ -75,29 +68,6 @@ impl Plan {
             power_w: 0.5 * circuit.rm_ohm * amperes * amperes,
         })
     }
-}
-
-/// What one run is built like.
-#[derive(Clone, Copy, Debug)]
-pub struct Build {
-    /// Speed of the belt, m/s.
-    pub speed_m_per_s: f64,
-    /// Its ripple, rms as a part of it.
-    pub ripple_rms: f64,
-    /// Counts of the encoder, 1/mm.
-    pub counts_per_mm: f64,
-    /// Which part of a count the belt has passed at the beginning.
-    pub phase: f64,
-    /// `limits.belt_stop_ms`.
-    pub stop_ms: f64,
-    /// Bandwidth of the force channel, Hz, if there is one.
-    pub force_hz: Option<f64>,
-    /// `limits.energy_j_per_m`.
-    pub energy_j_per_m: Option<f64>,
-    /// `limits.on_time_s`.
-    pub on_time_s: Option<f64>,
-    /// Of the ripple and of the noise.
-    pub seed: u64,
 }
 
 /// How a run has ended.

@@ -10,7 +10,8 @@ use super::{Folder, code, sim_host, stderr, stdout};
 #[test]
 fn a_script_is_done_line_by_line_and_its_answers_are_lines_of_json() {
     let folder = Folder::new("link-script");
-    let text = format!("scan -o \"{0}/scan\"\nexpect q > 60\nlock\nexpect locked = true\ncapture -o \"{0}\"\nstop\n", folder.text());
+    let text =
+        format!("scan -o \"{0}/scan\"\nexpect q > 60\nlock\nexpect locked = true\ncapture -o \"{0}\"\nstop\n", folder.text());
     let script = folder.write("rig.txt", &text);
     let output = sim_host(&["link", "sim:lock", "script", &script, "--format", "json"]);
     assert_eq!(code(&output), 0, "{}", stderr(&output));
@@ -67,7 +68,8 @@ fn a_served_board_is_met_over_tcp() {
         .spawn()
         .expect("a server");
     let mut address = String::new();
-    std::io::BufRead::read_line(&mut std::io::BufReader::new(server.stdout.as_mut().expect("its output")), &mut address).expect("an address");
+    std::io::BufRead::read_line(&mut std::io::BufReader::new(server.stdout.as_mut().expect("its output")), &mut address)
+        .expect("an address");
     let output = sim_host(&["link", address.trim(), "scan", "--format", "json"]);
     server.kill().expect("an end");
     let _ = server.wait();

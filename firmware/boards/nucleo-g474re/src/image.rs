@@ -25,9 +25,8 @@ use cortex_m_rt::entry;
 // For the log.
 use defmt_rtt as _;
 use firmware::app::{self, App};
-use firmware::block_task::BlockTask;
 use firmware::power_up::PowerUp;
-use firmware::queues::{Queues, SlowEnds};
+use firmware::queues::Queues;
 use firmware::settings::Settings;
 use firmware::start::Start;
 use firmware::supervisor::Fault;
@@ -40,6 +39,7 @@ use self::block::Hot;
 use self::dac::Lanes;
 use self::encoder::Encoder;
 use self::flash::Pages;
+use self::protection::{Enable, Stop};
 use self::temperature::Thermometer;
 use self::uart::Link;
 use self::watchdog::Dog;
@@ -52,6 +52,8 @@ defmt::timestamp!("{=u32} blocks", block::count());
 
 #[entry]
 fn main() -> ! {
+    static mut QUEUES: Queues<ORDERS, REPORTS> = Queues::new();
+
     ccmram::load();
     clocks::start();
     let start = what_started();
@@ -61,15 +63,8 @@ fn main() -> ! {
 
     let (enable, stop) = protection::start(LANES);
     let mut thermometer = Thermometer::start();
-    let link = Link::start();
-    let Ok(mut settings) = Settings::new(Pages) else { panic!("the settings do not fit") };
-    let (ends, power_up) = build(&mut settings);
-    adc::start();
-    timers::prepare();
-
-    let watchdog = Dog::start();
+    let mut app = build(QUEUES, enable, stop, start);
     start_blocks(&mut core.NVIC);
-    let mut app = App::new(app::Peripherals { link, enable, stop, watchdog, settings, start }, ends, &power_up);
     let mut log = Log::default();
     loop {
         // Pins and link of this board cannot fail.
@@ -79,20 +74,26 @@ fn main() -> ! {
     }
 }
 
-/// Builds the controller with its queues, and hands it over to the block interrupt. Not inlined: the controller passes over the stack on its way, and
-/// that is given back here.
+/// The slow side of this board.
+type Slow = App<'static, Link, Enable, Stop, Dog, Pages>;
+
+/// Builds both sides: hands the hot one over to the block interrupt, and returns the slow one. Not inlined: what that takes of the stack is given
+/// back here.
 #[inline(never)]
-fn build(settings: &mut Settings<Pages>) -> (SlowEnds<'static>, PowerUp) {
-    let Some(queues) = singleton!(: Queues<ORDERS, REPORTS> = Queues::new()) else { panic!("started twice") };
+fn build(queues: &'static mut Queues<ORDERS, REPORTS>, enable: Enable, stop: Stop, start: Start) -> Slow {
     let (hot_ends, slow_ends) = queues.split();
-    let mut power_up = PowerUp::read(&config(), settings);
+    let link = Link::start();
+    let Ok(mut settings) = Settings::new(Pages) else { panic!("the settings do not fit") };
+    let built_in = config();
+    let mut power_up = PowerUp::read(&built_in, &mut settings);
     // What is built in is tested on the host.
-    let Ok(controller) = power_up.build(&config()) else { panic!("the configuration is not valid") };
-    let task = BlockTask::new(controller, hot_ends);
+    let Ok(task) = power_up.build(&built_in, hot_ends) else { panic!("the configuration is not valid") };
     let hot = singleton!(: Hot = Hot::new(task, Lanes::start(LANES), Encoder::start()));
     let Some(hot) = hot else { panic!("started twice") };
     block::hand_over(hot);
-    (slow_ends, power_up)
+    adc::start();
+    timers::prepare();
+    App::new(app::Peripherals { link, enable, stop, watchdog: Dog::start(), settings, start }, slow_ends, &power_up)
 }
 
 #[expect(unsafe_code, reason = "enabling an interrupt is")]

@@ -107,8 +107,8 @@ impl Rules<'_> {
                 let problem = Problem::new(self.place(ENERGY), message, "needs `sensors.encoder_counts_per_mm`");
                 self.add(ENERGY, problem);
             }
-            // Calibrations are measured, and no scene states one.
-            Error::TrimOrder => {}
+            // Calibrations are measured, and no scene states one; this program leaves nothing out.
+            Error::TrimOrder | Error::LeftOut { .. } => {}
             Error::BurstWindows => {
                 let message = format!("the firmware refuses the burst: {error}");
                 let label = format!("each must last a sample at least, {}", quantity(1.0 / scene.sensors.sample_hz, BEGINNINGS));

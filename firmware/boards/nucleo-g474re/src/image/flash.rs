@@ -4,17 +4,20 @@
 //! bytes make one bank of the two, nothing is written: an erase would stall the block interrupt.
 //!
 //! A word that power was cut from in the middle reads as an error of two bits, which raises the non-maskable interrupt: it makes a read that fails
-//! ([`on_ecc_error`]), and not a processor that stands.
+//! (`NonMaskableInt`), and not a processor that stands.
 #![expect(unsafe_code, reason = "the flash is written and read at its addresses")]
 
 use core::ptr;
 use core::sync::atomic::{AtomicBool, Ordering, compiler_fence};
 
+use cortex_m_rt::exception;
 use embedded_storage::nor_flash::{ErrorType, NorFlash, NorFlashError, NorFlashErrorKind, ReadNorFlash};
+use nucleo_g474re::note::Cause;
 use nucleo_g474re::pages::{PAGE, SIZE, WORD, address, number};
 use stm32_metapac::FLASH;
 use stm32_metapac::flash::regs::Sr;
 
+use super::panic;
 use super::watchdog::nurse;
 
 /// FLASH_KEYR (3.7.3).
@@ -46,15 +49,16 @@ impl NorFlashError for FlashError {
     }
 }
 
-/// Called by the non-maskable interrupt. Returns whether it was for a word that cannot be corrected: FLASH_ECCR.ECCD, cleared by a one (3.7.6).
-pub fn on_ecc_error() -> bool {
+/// For a word that cannot be corrected: FLASH_ECCR.ECCD, cleared by a one (3.7.6). Nothing else is known to raise it.
+// SAFETY: marked because nothing masks it; it touches one register and one atomic.
+#[exception]
+unsafe fn NonMaskableInt() {
     let status = FLASH.eccr().read();
-    let found = status.eccd() || status.eccd2();
-    if found {
-        DAMAGED.store(true, Ordering::Relaxed);
-        FLASH.eccr().write_value(status);
+    if !(status.eccd() || status.eccd2()) {
+        panic::end(Cause::Unexpected, "non-maskable interrupt", 0);
     }
-    found
+    DAMAGED.store(true, Ordering::Relaxed);
+    FLASH.eccr().write_value(status);
 }
 
 /// The pages of the settings.

@@ -10,7 +10,7 @@ use cortex_m::peripheral::SCB;
 use cortex_m_rt::{ExceptionFrame, exception};
 use nucleo_g474re::note::{Cause, Note};
 
-use super::{flash, protection};
+use super::protection;
 
 struct Kept(UnsafeCell<Note>);
 
@@ -52,15 +52,7 @@ unsafe fn HardFault(frame: &ExceptionFrame) -> ! {
     end(Cause::HardFault, "", frame.pc())
 }
 
-// SAFETY: marked because nothing masks it; it touches one register and one atomic.
-#[exception]
-unsafe fn NonMaskableInt() {
-    if !flash::on_ecc_error() {
-        end(Cause::Unexpected, "non-maskable interrupt", 0);
-    }
-}
-
-// SAFETY: marked for the same reason.
+// SAFETY: marked for the same reason: it ends the run.
 #[exception]
 unsafe fn DefaultHandler(number: i16) {
     end(Cause::Unexpected, "", number as u32);

@@ -1,0 +1,33 @@
+//! What one run is built like, and the numbers by which runs differ.
+
+use rand_core::{Rng, SeedableRng};
+use rand_xoshiro::Xoshiro256PlusPlus;
+
+/// What one run is built like.
+#[derive(Clone, Copy, Debug)]
+pub struct Build {
+    /// Speed of the belt, m/s.
+    pub speed_m_per_s: f64,
+    /// Its ripple, rms as a part of it.
+    pub ripple_rms: f64,
+    /// Counts of the encoder, 1/mm.
+    pub counts_per_mm: f64,
+    /// Which part of a count the belt has passed at the beginning.
+    pub phase: f64,
+    /// `limits.belt_stop_ms`.
+    pub stop_ms: f64,
+    /// Bandwidth of the force channel, Hz, if there is one.
+    pub force_hz: Option<f64>,
+    /// `limits.energy_j_per_m`.
+    pub energy_j_per_m: Option<f64>,
+    /// `limits.on_time_s`.
+    pub on_time_s: Option<f64>,
+    /// Of the ripple and of the noise.
+    pub seed: u64,
+}
+
+/// A number in 0 to 1 that belongs to a seed.
+pub fn part(seed: u64, salt: u64) -> f64 {
+    let mut random = Xoshiro256PlusPlus::seed_from_u64(seed ^ (salt << 32));
+    (random.next_u64() >> 11) as f64 / (1u64 << 53) as f64
+}

@@ -1,0 +1,204 @@
+//! Parameters over the link: what is set acts after a reset if it was stored, and nothing that is set or stored exceeds a limit.
+
+use firmware::block::Amplitude;
+use firmware::command::{Command, Refusal, Reply, Verb};
+use firmware::config::{LaneTrims, TrimPoint};
+use firmware::parameters::{Overrides, PARAMETERS, ParameterReport};
+use firmware::settings::{Kept, Record, Settings};
+use firmware::supervisor::Mode;
+use hal_mock::bench::{Bench, Queues, Setup};
+use hal_mock::flash::Flash;
+
+use super::*;
+
+/// Keys.
+const AMPLITUDE: u8 = 5;
+const VOLTAGE_LIMIT: u8 = 8;
+const CURRENT_LIMIT: u8 = 9;
+const ON_TIME: u8 = 12;
+const PATIENCE_S: u8 = 21;
+
+fn get(bench: &mut Bench<Load>, key: u8) -> ParameterReport {
+    match bench.ask(Command::Settings(Verb::Get(key))) {
+        Some(Reply::Parameter(report)) => report,
+        other => panic!("{key}: {other:?}"),
+    }
+}
+
+/// A bench after its first blocks: that it is silent is known then.
+fn silent<'a>(queues: &'a mut Queues, setup: &Setup) -> Bench<'a, Load> {
+    let mut bench = bench(queues, setup);
+    bench.blocks(4);
+    bench
+}
+
+/// The largest code of a run.
+fn loudest(bench: &mut Bench<Load>) -> u16 {
+    assert_eq!(bench.ask(Command::Run), Some(Reply::Ack));
+    assert!(bench.run_until(|report| report.mode == Mode::Run, PATIENCE).is_some(), "{:?}", bench.latest());
+    bench.blocks(10);
+    let began = bench.played() as usize * BLOCK;
+    bench.blocks(50);
+    peak(&played(bench, 0)[began..])
+}
+
+/// A flash in which this is kept.
+fn keeping(trims: LaneTrims, parameters: &[(u8, f32)]) -> Flash {
+    let mut settings = Settings::new(Flash::new(4, 1)).unwrap();
+    settings.store(&Record { trims, parameters: Overrides::from_iter(parameters.iter().copied()) }).unwrap();
+    settings.release()
+}
+
+fn trims() -> LaneTrims {
+    LaneTrims::from_iter([TrimPoint { hz: 40e3, ..TrimPoint::default() }])
+}
+
+#[test]
+fn what_is_set_acts_after_a_reset_if_it_was_stored() {
+    for stores in [true, false] {
+        let mut setup = Setup::default();
+        let mut queues = Queues::default();
+        let mut bench = silent(&mut queues, &setup);
+        let built_in = get(&mut bench, AMPLITUDE);
+        let expected =
+            ParameterReport { key: AMPLITUDE, acts: 3.0, next: 3.0, built_in: 3.0, min: 1e-3, max: 1e5, kept: Kept::Nothing };
+        assert_eq!(built_in, expected);
+        assert_eq!(bench.ask(Command::Settings(Verb::Set(AMPLITUDE, 2.0))), Some(Reply::Ack));
+        assert_eq!(get(&mut bench, AMPLITUDE), ParameterReport { next: 2.0, kept: Kept::Changed, ..built_in });
+        if stores {
+            assert_eq!(bench.ask(Command::Settings(Verb::Store)), Some(Reply::Ack));
+            assert_eq!(get(&mut bench, AMPLITUDE), ParameterReport { next: 2.0, kept: Kept::Stored, ..built_in });
+        }
+        assert_eq!(loudest(&mut bench), 300);
+
+        setup.flash = bench.power_off();
+        let mut queues = Queues::default();
+        let mut bench = silent(&mut queues, &setup);
+        let after = ParameterReport { acts: 2.0, next: 2.0, kept: Kept::Stored, ..built_in };
+        assert_eq!(get(&mut bench, AMPLITUDE), if stores { after } else { built_in });
+        assert_eq!(loudest(&mut bench), if stores { 200 } else { 300 });
+    }
+}
+
+#[test]
+fn defaults_and_clear_take_back_what_each_is_for() {
+    let mut setup = setup(|config| config.lanes = 2);
+    setup.flash = keeping(trims(), &[(AMPLITUDE, 2.0)]);
+    let mut queues = Queues::default();
+    let mut bench = silent(&mut queues, &setup);
+    assert_eq!(bench.ask(Command::Settings(Verb::Defaults)), Some(Reply::Ack));
+    let report = get(&mut bench, AMPLITUDE);
+    assert_eq!((report.acts, report.next, report.kept), (2.0, 3.0, Kept::Changed));
+    assert!(matches!(bench.ask(Command::Settings(Verb::Trims(0))), Some(Reply::Settings(report)) if report.points == 0));
+    // Not stored: after a reset all is as before.
+    setup.flash = bench.power_off();
+    let mut queues = Queues::default();
+    let mut bench = silent(&mut queues, &setup);
+    let report = get(&mut bench, AMPLITUDE);
+    assert_eq!((report.acts, report.next, report.kept), (2.0, 2.0, Kept::Stored));
+    assert!(matches!(bench.ask(Command::Settings(Verb::Trims(0))), Some(Reply::Settings(report)) if report.points == 1));
+    // Stored, nothing is left of either.
+    assert_eq!(bench.ask(Command::Settings(Verb::Defaults)), Some(Reply::Ack));
+    bench.blocks(2);
+    assert_eq!(bench.ask(Command::Settings(Verb::Store)), Some(Reply::Ack));
+    setup.flash = bench.power_off();
+    assert_eq!(Settings::new(setup.flash.clone()).unwrap().record(), (Record::default(), Kept::Nothing));
+    setup.flash = keeping(trims(), &[(AMPLITUDE, 2.0)]);
+    let mut queues = Queues::default();
+    let mut bench = silent(&mut queues, &setup);
+    assert_eq!(bench.ask(Command::Settings(Verb::Clear)), Some(Reply::Ack));
+    let report = get(&mut bench, AMPLITUDE);
+    assert_eq!((report.acts, report.next, report.kept), (2.0, 2.0, Kept::Nothing));
+    assert_eq!(Settings::new(bench.power_off()).unwrap().record(), (Record::default(), Kept::Nothing));
+}
+
+#[test]
+fn what_cannot_be_set_is_refused_and_changes_nothing() {
+    let mut queues = Queues::default();
+    let mut bench = silent(&mut queues, &Setup::default());
+    let wrong = [
+        (AMPLITUDE, f32::NAN, Refusal::NotPlausible),
+        (AMPLITUDE, -1.0, Refusal::OutOfRange),
+        (AMPLITUDE, f32::INFINITY, Refusal::OutOfRange),
+        (VOLTAGE_LIMIT, 12.01, Refusal::OutOfRange),
+        (CURRENT_LIMIT, 3.5, Refusal::OutOfRange),
+        (ON_TIME, 0.0, Refusal::OutOfRange),
+        (PATIENCE_S, 3601.0, Refusal::OutOfRange),
+        (0, 1.0, Refusal::NoSuchKey),
+        (200, f32::NAN, Refusal::NoSuchKey),
+    ];
+    let before: Vec<ParameterReport> = PARAMETERS.iter().map(|parameter| get(&mut bench, parameter.key)).collect();
+    for (key, value, refusal) in wrong {
+        assert_eq!(bench.ask(Command::Settings(Verb::Set(key, value))), Some(Reply::Nak(refusal)), "{key} {value}");
+    }
+    let after: Vec<ParameterReport> = PARAMETERS.iter().map(|parameter| get(&mut bench, parameter.key)).collect();
+    assert_eq!(before, after);
+    assert_eq!(bench.ask(Command::Settings(Verb::Get(200))), Some(Reply::Nak(Refusal::NoSuchKey)));
+    // No limit can be one, and be taken back.
+    assert_eq!(bench.ask(Command::Settings(Verb::Set(ON_TIME, 7.0))), Some(Reply::Ack));
+    assert_eq!(bench.ask(Command::Settings(Verb::Set(ON_TIME, f32::INFINITY))), Some(Reply::Ack));
+    assert_eq!((get(&mut bench, ON_TIME).next, get(&mut bench, ON_TIME).max), (f32::INFINITY, f32::INFINITY));
+}
+
+#[test]
+fn nothing_is_set_or_written_while_it_drives() {
+    let mut queues = Queues::default();
+    let mut bench = running(&mut queues, &Setup::default());
+    for verb in [Verb::Set(AMPLITUDE, 2.0), Verb::Store, Verb::Clear, Verb::Defaults] {
+        assert_eq!(bench.ask(Command::Settings(verb)), Some(Reply::Nak(Refusal::Driving)), "{verb:?}");
+    }
+    assert_eq!(get(&mut bench, AMPLITUDE).next, 3.0);
+    assert_eq!(bench.power_off().operations(), 0);
+}
+
+#[test]
+fn a_lower_limit_holds_and_what_is_stored_against_one_never_acts() {
+    let setup = Setup { flash: keeping(LaneTrims::new(), &[(VOLTAGE_LIMIT, 4.0)]), ..Setup::default() };
+    let mut queues = Queues::default();
+    let mut bench = silent(&mut queues, &setup);
+    assert_eq!(bench.ask(Command::Amplitude(Some(Amplitude::Volts(9.0)))), Some(Reply::Ack));
+    assert_eq!(loudest(&mut bench), 400);
+    // Out of range or unknown: each by itself is left out, and the rest acts.
+    for wrong in [(VOLTAGE_LIMIT, 50.0), (VOLTAGE_LIMIT, f32::NEG_INFINITY), (CURRENT_LIMIT, -1.0), (99, 1.0)] {
+        let setup = Setup { flash: keeping(LaneTrims::new(), &[(AMPLITUDE, 2.0), wrong]), ..Setup::default() };
+        let mut queues = Queues::default();
+        let mut bench = silent(&mut queues, &setup);
+        let report = get(&mut bench, AMPLITUDE);
+        assert_eq!((report.acts, report.kept), (2.0, Kept::Partly), "{wrong:?}");
+        let limit = get(&mut bench, VOLTAGE_LIMIT);
+        assert_eq!((limit.acts, limit.next), (12.0, 12.0), "{wrong:?}");
+        assert_eq!(loudest(&mut bench), 200, "{wrong:?}");
+    }
+}
+
+#[test]
+fn settings_that_make_no_configuration_give_way_to_what_is_built_in() {
+    // A drive of 3 V under a limit of 2 V; and trims that leave no scan.
+    let mut setup = setup(|config| config.lanes = 2);
+    setup.flash = keeping(trims(), &[(VOLTAGE_LIMIT, 2.0)]);
+    let mut queues = Queues::default();
+    let mut bench = silent(&mut queues, &setup);
+    let report = get(&mut bench, VOLTAGE_LIMIT);
+    // What was set is still there to be looked at, and to be put right.
+    assert_eq!((report.acts, report.next, report.kept), (12.0, 2.0, Kept::Refused));
+    assert!(matches!(bench.ask(Command::Settings(Verb::Trims(0))), Some(Reply::Settings(report)) if report.points == 0));
+    assert_eq!(loudest(&mut bench), 300);
+    bench.ask(Command::Idle);
+    bench.blocks(4);
+    assert_eq!(bench.ask(Command::Settings(Verb::Set(AMPLITUDE, 1.5))), Some(Reply::Ack));
+    assert_eq!(bench.ask(Command::Settings(Verb::Store)), Some(Reply::Ack));
+    setup.flash = bench.power_off();
+    let mut queues = Queues::default();
+    let mut bench = silent(&mut queues, &setup);
+    assert_eq!((get(&mut bench, VOLTAGE_LIMIT).acts, get(&mut bench, VOLTAGE_LIMIT).kept), (2.0, Kept::Stored));
+    assert_eq!(loudest(&mut bench), 150);
+}
+
+#[test]
+fn patience_is_a_parameter() {
+    let setup = Setup { flash: keeping(LaneTrims::new(), &[(PATIENCE_S, 3.2e-3)]), ..Setup::default() };
+    let mut queues = Queues::default();
+    let mut bench = running(&mut queues, &setup);
+    bench.blocks(104);
+    assert_eq!(bench.fault(), Some(firmware::supervisor::Fault::HostLost));
+}

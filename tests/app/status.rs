@@ -1,0 +1,119 @@
+//! Status, the fault log, what started the board, and resets.
+
+use firmware::command::{Command, Refusal, Reply};
+use firmware::fault_log::{FaultReport, KEPT_FAULTS};
+use firmware::start::{FileName, Place, Start};
+use firmware::supervisor::{Fault, Mode};
+use hal_mock::bench::{Bench, Queues, Setup};
+use hal_mock::link::{WhenFull, Wire};
+
+use super::*;
+
+fn faults(bench: &mut Bench<Load>, later: u8) -> FaultReport {
+    match bench.ask(Command::Faults(later)) {
+        Some(Reply::Faults(report)) => report,
+        other => panic!("{other:?}"),
+    }
+}
+
+#[test]
+fn status_is_the_latest_block() {
+    let mut queues = Queues::default();
+    let mut bench = bench(&mut queues, &Setup::default());
+    assert_eq!(bench.ask(Command::Status), Some(Reply::Status(None)));
+    bench.ask(Command::Run);
+    bench.blocks(PATIENCE);
+    let latest = *bench.latest().unwrap();
+    assert_eq!((latest.mode, latest.block), (Mode::Run, PATIENCE as u32 - 1));
+    assert_eq!(bench.ask(Command::Status), Some(Reply::Status(Some(latest))));
+}
+
+#[test]
+fn a_fault_is_kept_with_what_was_played_and_heard() {
+    let mut queues = Queues::default();
+    let mut bench = running(&mut queues, &Setup::default());
+    assert_eq!(faults(&mut bench, 0), FaultReport { count: 0, entry: None, last_run: Start::PowerOn });
+    bench.analog().inner.strike(FaultKind::LateBlock);
+    let before = *bench.latest().unwrap();
+    bench.block();
+    let seen = *bench.latest().unwrap();
+    assert_eq!((before.mode, seen.fault), (Mode::Run, Some(Fault::LateBlock)));
+    bench.blocks(20);
+    let report = faults(&mut bench, 0);
+    let entry = report.entry.expect("a fault");
+    assert_eq!((report.count, entry.fault, entry.block, entry.mode), (1, Fault::LateBlock, seen.block, Mode::Run));
+    assert_eq!((entry.frequency, entry.drive, entry.envelope), (before.frequency, before.drive, before.envelope));
+    assert_eq!((entry.v, entry.i, entry.motional_current), (seen.v, seen.i, seen.motional_current));
+    assert!(entry.drive.0 == 3.0 && entry.envelope == 1.0 && (entry.v.norm() - 3.0).abs() < 0.03, "{entry:?}");
+}
+
+#[test]
+fn the_newest_fault_comes_first_and_beyond_the_last_there_is_none() {
+    let mut queues = Queues::default();
+    let mut bench = running(&mut queues, &Setup::default());
+    for n in 0..KEPT_FAULTS + 2 {
+        let kind = if n % 2 == 0 { FaultKind::LateBlock } else { FaultKind::OverCurrentTrip };
+        bench.analog().inner.strike(kind);
+        bench.blocks(5);
+        bench.ask(Command::ClearFault);
+        bench.blocks(5);
+        bench.ask(Command::Run);
+        assert!(bench.run_until(|report| report.mode == Mode::Run, PATIENCE).is_some());
+    }
+    let entries: Vec<_> = (0..KEPT_FAULTS as u8 + 1).map(|later| faults(&mut bench, later).entry).collect();
+    let kinds: Vec<_> = entries.iter().flatten().map(|entry| entry.fault).collect();
+    assert_eq!(kinds, [Fault::OverCurrent, Fault::LateBlock].repeat(KEPT_FAULTS / 2));
+    assert!(entries.iter().flatten().map(|entry| entry.block).is_sorted_by(|newer, older| newer > older));
+    assert_eq!((entries[KEPT_FAULTS], faults(&mut bench, 255).entry), (None, None));
+    assert_eq!(usize::from(faults(&mut bench, 0).count), KEPT_FAULTS + 2);
+}
+
+#[test]
+fn the_host_is_told_what_started_the_board() {
+    let panic = Start::Panic(Place { file: FileName::of("firmware/src/controller.rs"), line: 311 });
+    for start in [Start::PowerOn, Start::Watchdog, Start::Ordered, Start::HardFault(0x0800_1234), panic] {
+        let mut queues = Queues::default();
+        let mut bench = bench(&mut queues, &Setup { start, ..Setup::default() });
+        assert_eq!(faults(&mut bench, 0), FaultReport { count: 0, entry: None, last_run: start });
+    }
+}
+
+#[test]
+fn a_reset_is_answered_before_it_comes_and_only_in_silence() {
+    let mut queues = Queues::default();
+    let mut bench = running(&mut queues, &Setup::default());
+    assert_eq!(bench.ask(Command::Reset), Some(Reply::Nak(Refusal::Driving)));
+    assert_eq!(bench.ask(Command::Idle), Some(Reply::Ack));
+    // The order to be silent has not been obeyed yet.
+    assert_eq!((bench.ask(Command::Reset), bench.watchdog.resets()), (Some(Reply::Nak(Refusal::Driving)), 0));
+    bench.blocks(4);
+    assert_eq!((bench.ask(Command::Reset), bench.watchdog.resets()), (Some(Reply::Ack), 1));
+    // A board in a fault is silent too.
+    bench.ask(Command::Run);
+    assert_eq!(bench.ask(Command::Reset), Some(Reply::Nak(Refusal::Driving)));
+    bench.press_stop();
+    bench.blocks(4);
+    assert_eq!((bench.ask(Command::Reset), bench.watchdog.resets()), (Some(Reply::Ack), 2));
+}
+
+#[test]
+fn a_reset_waits_until_its_answer_has_left_and_nothing_is_obeyed_meanwhile() {
+    let mut queues = Queues::default();
+    let narrow = Wire { capacity: Some(4), when_full: WhenFull::Refuses };
+    let mut bench = bench(&mut queues, &Setup { to_host: narrow, ..Setup::default() });
+    bench.blocks(4);
+    bench.host.send(Command::TelemetryEvery(1)).unwrap();
+    let reset = bench.host.send(Command::Reset).unwrap();
+    let run = bench.host.send(Command::Run).unwrap();
+    for _ in 0..1000 {
+        bench.block();
+        assert_eq!(bench.host.answer_to(run), None);
+        if bench.watchdog.resets() > 0 {
+            break;
+        }
+        bench.host.receive(4);
+    }
+    bench.host.receive(usize::MAX);
+    assert_eq!((bench.watchdog.resets(), bench.host.answer_to(reset)), (1, Some(Reply::Ack)));
+    assert_eq!(last_sounding(&mut bench), None);
+}
