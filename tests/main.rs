@@ -9,6 +9,7 @@ mod drive;
 mod edges;
 mod friction;
 mod friction_switch;
+mod link;
 mod motor;
 mod observer;
 mod on_target;

@@ -184,16 +184,8 @@ struct Recorder {
 
 impl Recorder {
     fn new(scene: &Driven, windows: Vec<Window>) -> Self {
-        let plant = Plant::new(scene);
-        let sample_s = plant.sample_s();
-        let front_end = settings::config(scene).front_end;
-        let mut plant = FaultInjector::new(plant, &front_end, scene.seed);
-        let block_s = sample_s * f64::from(scene.controller.block_samples);
-        for fault in &scene.fault {
-            if let Some(kind) = kind(fault.kind) {
-                plant.schedule(Scheduled { at_block: (fault.at_s / block_s) as u64, kind });
-            }
-        }
+        let plant = breakable_plant(scene);
+        let sample_s = plant.inner.sample_s();
         let tracer = scene.trace.as_ref().map(|trace| Tracer::new(trace, scene.duration_s, sample_s));
         Recorder {
             plant,
@@ -210,6 +202,19 @@ impl Recorder {
             running: false,
         }
     }
+}
+
+/// The plant of a scene, with the faults of its converters to come.
+pub fn breakable_plant(scene: &Driven) -> FaultInjector<Plant> {
+    let plant = Plant::new(scene);
+    let block_s = plant.sample_s() * f64::from(scene.controller.block_samples);
+    let mut plant = FaultInjector::new(plant, &settings::config(scene).front_end, scene.seed);
+    for fault in &scene.fault {
+        if let Some(kind) = kind(fault.kind) {
+            plant.schedule(Scheduled { at_block: (fault.at_s / block_s) as u64, kind });
+        }
+    }
+    plant
 }
 
 /// A scene's fault as the injector's; none if it breaks the plant itself.

@@ -31,7 +31,7 @@ impl Host {
         }
         let scene = scene(name);
         let image = link_image().expect("the image builds");
-        let board = EmulatedBoard::start(&image, &scene.driven().expect("a driven scene")).expect("QEMU starts");
+        let board = EmulatedBoard::start(&image, &scene.driven().expect("a driven scene"), 0).expect("QEMU starts");
         Some(Host { board, receiver: Receiver::default(), sequence: 0 })
     }
 

@@ -13,13 +13,15 @@ use firmware::block::DriveBlock;
 use firmware::config::Config;
 use firmware::lockstep::{Beat, Board, Opening, Played};
 use hal_mock::block_clock::BlockClock;
+use hal_mock::tracer::Tracer;
 
 use super::PilError;
 use super::emulator::Serial;
 use super::one_core::OneCore;
 use super::pipes::Pipes;
-use crate::plant::Plant;
+use crate::link::simulated_board::Rig;
 use crate::processor::Lost;
+use crate::run::breakable_plant;
 use crate::scene::Driven;
 use crate::settings;
 
@@ -28,7 +30,7 @@ pub struct EmulatedBoard {
     pipes: Pipes,
     config: Config,
     serial: UnixStream,
-    clock: BlockClock<Plant>,
+    clock: BlockClock<Rig>,
     block_s: f64,
     beat: Beat,
     played: Played,
@@ -37,14 +39,16 @@ pub struct EmulatedBoard {
 }
 
 impl EmulatedBoard {
-    /// Starts an [image](super::link_image) as the board of a scene, just powered.
-    pub fn start(image: &Path, scene: &Driven) -> Result<Self, PilError> {
+    /// Starts an [image](super::link_image()) as the board of a scene, just powered. Of what goes over the converters the last `keep` blocks are
+    /// kept.
+    pub fn start(image: &Path, scene: &Driven, keep: usize) -> Result<Self, PilError> {
         let core = OneCore::pin();
         let (serial, at_board) = UnixStream::pair()?;
         serial.set_nonblocking(true)?;
         let mut pipes = Pipes::start(image, Serial::Socket(at_board))?;
         let config = settings::config(scene);
-        let clock = BlockClock::new(Plant::new(scene), &powered(&mut pipes, &config)?);
+        let rig = Tracer::new(breakable_plant(scene), keep);
+        let clock = BlockClock::new(rig, &powered(&mut pipes, &config)?);
         let block_s = f64::from(config.block_samples) / f64::from(config.sample_hz);
         let (beat, played) = Default::default();
         Ok(EmulatedBoard { pipes, config, serial, clock, block_s, beat, played, resets: 0, _core: core })
@@ -53,6 +57,11 @@ impl EmulatedBoard {
     /// What its controller is told.
     pub fn config(&self) -> &Config {
         &self.config
+    }
+
+    /// The plant, with what can break on the way to it.
+    pub fn rig(&self) -> &Rig {
+        &self.clock.analog
     }
 
     /// Time since the power came.
