@@ -45,7 +45,7 @@ struct Played {
     metrics: Vec<Option<f64>>,
 }
 
-const TOLD: [&str; 4] = ["mean_block_instructions", "worst_block_instructions", "stack_blocks_bytes", "simulated_s_per_wall_s"];
+const TOLD: [&str; 3] = ["mean_block_instructions", "worst_block_instructions", "stack_blocks_bytes"];
 
 /// Runs a scene, here or on an image; nothing if it has no controller.
 fn played(name: &str, sets: &[&str], runs: u32, image: Option<&Path>) -> Option<Played> {
@@ -84,8 +84,12 @@ fn ends(runs: &MonteCarlo) -> Vec<u8> {
 
 /// Compares the scenes, and makes a table of them.
 fn compare(image: &Path, sets: impl Fn(&str) -> &'static [&'static str], runs: u32) -> (usize, String) {
-    let (mut compared, mut table) =
-        (0, String::from("| scene | blocks | hash | mean | worst | stack | speed |\n|---|---|---|---|---|---|---|\n"));
+    let (mut compared, mut table) = (
+        0,
+        String::from(
+            "| scene | blocks | hash, host and QEMU | instructions, mean | worst block | stack [bytes] |\n|---|---|---|---|---|---|\n",
+        ),
+    );
     for (name, _) in builtin::all() {
         let Some(here) = played(name, sets(name), runs, None) else { continue };
         let there = played(name, sets(name), runs, Some(image)).expect("the same scene");
@@ -93,8 +97,8 @@ fn compare(image: &Path, sets: impl Fn(&str) -> &'static [&'static str], runs: u
         assert!(here.end == there.end, "{name}: played alike, reported otherwise");
         compared += 1;
         let blocks = if there.blocks > 0 { there.blocks.to_string() } else { format!("{runs} runs") };
-        let cell = |value: &Option<f64>, digits: usize| value.map_or_else(|| "–".into(), |value| format!("{value:.digits$}"));
-        let cells: Vec<String> = there.metrics.iter().zip([0, 0, 0, 2]).map(|(value, digits)| cell(value, digits)).collect();
+        let cell = |value: &Option<f64>| value.map_or_else(|| "–".into(), |value| format!("{value:.0}"));
+        let cells: Vec<String> = there.metrics.iter().map(cell).collect();
         let _ = writeln!(table, "| `{name}` | {blocks} | `{:016x}` | {} |", there.hash, cells.join(" | "));
     }
     (compared, table)

@@ -20,6 +20,9 @@ fn panic(info: &PanicInfo) -> ! {
 
 #[embedded_test::tests(default_timeout = 20)]
 mod tests {
+    use core::mem::MaybeUninit;
+
+    use cortex_m::singleton;
     use firmware::block::{Codes, Orders, Request, SenseBlock};
     use firmware::command::{Command, Reply};
     use firmware::config::{TrackingMode, Trim, TrimPoint};
@@ -40,6 +43,8 @@ mod tests {
     const BLOCK_CYCLES: u32 = 5440;
     /// What the controller may take of the stack, bytes: as of all of the board's image.
     const STACK_BYTES: u32 = 4096;
+    /// The same while it is built; given back before the first block.
+    const BUILD_STACK_BYTES: u32 = 20 << 10;
 
     fn controller() -> Controller {
         Controller::build(&config(TrackingMode::Observer, 4, SAMPLES)).expect("a valid configuration")
@@ -99,6 +104,18 @@ mod tests {
         assert_eq!(played, Ok(OF_THE_HOST));
         println!("{} bytes of stack in the blocks, {above} above them", deepest - above);
         assert!((500..STACK_BYTES).contains(&(deepest - above)), "{deepest} less {above} bytes");
+    }
+
+    #[test]
+    fn the_controller_is_built_within_its_stack() {
+        let place = singleton!(: MaybeUninit<Controller> = MaybeUninit::uninit()).expect("the only one");
+        let config = config(TrackingMode::Observer, 4, SAMPLES);
+        stack::paint();
+        let above = stack::deepest_bytes();
+        Controller::build_in(place, &config).expect("a valid configuration");
+        let taken = stack::deepest_bytes() - above;
+        println!("{taken} bytes of stack to build it");
+        assert!((2000..BUILD_STACK_BYTES).contains(&taken), "{taken} bytes");
     }
 
     #[test]

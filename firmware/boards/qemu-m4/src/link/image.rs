@@ -5,12 +5,13 @@ use cortex_m::{Peripherals, singleton};
 use cortex_m_rt::entry;
 use firmware::app::{self, App};
 use firmware::block_task::BlockTask;
-use firmware::lockstep::{Beat, Opening, Played};
+use firmware::lockstep::{Beat, Closing, Opening, Played};
 use firmware::power_up::PowerUp;
 use firmware::queues::{Queues, SlowEnds};
 use firmware::settings::Settings;
 use qemu_m4::pages::Pages;
 use qemu_m4::pipes::{Pipes, configuration, read, reason};
+use qemu_m4::stack;
 use semihosting::{eprintln, process};
 
 use crate::kept;
@@ -36,6 +37,7 @@ fn main() -> ! {
 
 /// Plays the board, one block a record.
 fn serve() -> Result<(), &'static str> {
+    stack::paint();
     let mut core = Peripherals::take().ok_or(TWICE)?;
     let (pages, start) = kept::take().ok_or(TWICE)?;
     let link = Usart::start(&mut core);
@@ -45,7 +47,13 @@ fn serve() -> Result<(), &'static str> {
     let (beat, played) = records().ok_or(TWICE)?;
     let peripherals = app::Peripherals { link, enable: Enable, stop: Stop, watchdog: Dog, settings, start };
     let mut app = App::new(peripherals, ends, &power_up);
+    let stack_power_up_bytes = stack::deepest_bytes();
+    stack::paint();
     while let Some(body) = pipes.receive()? {
+        if body.is_empty() {
+            pipes.send(&Closing { stack_power_up_bytes, stack_blocks_bytes: stack::deepest_bytes() })?;
+            continue;
+        }
         read(body, beat)?;
         pins::press(beat.pins.stop);
         usart::hear(beat.pins.sent);
