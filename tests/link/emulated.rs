@@ -18,6 +18,9 @@ use crate::processor_in_the_loop::is_there;
 /// Blocks that are kept: all of a dialogue.
 const KEEP: usize = 60_000;
 
+/// Most of the stack in the blocks, bytes; measured: 5264.
+const MOST_STACK: u32 = 6 << 10;
+
 /// A board as a port: its time passes only while somebody waits, a block at a time.
 struct Emulated(Rc<RefCell<EmulatedBoard>>);
 
@@ -63,6 +66,7 @@ fn a_board_in_qemu_is_talked_to_as_one_on_a_bench() {
     let board = Rc::new(RefCell::new(board));
     let folder = Folder::new("dialogue-qemu");
     let answers = hold(Box::new(Emulated(board.clone())), &folder.0);
+    let stack = board.borrow_mut().stack().expect("QEMU lives");
     let board = board.borrow();
     judge_scan(answer(&answers, "scan"), &board.rig().inner.inner.circuit());
 
@@ -83,5 +87,7 @@ fn a_board_in_qemu_is_talked_to_as_one_on_a_bench() {
         assert!(captured.len() == 1024 && captured == played[first..first + 1024], "{name}");
     }
     assert!(!board.pins().enable && !board.pins().failed && board.resets() == 0);
-    println!("{:.3} s of a dialogue in {:.2?}", board.now().as_secs_f64(), began.elapsed());
+    // Block task and slow side one after the other: on a board, the task comes on top of what the slow side is at.
+    assert!((2000..MOST_STACK).contains(&stack.stack_blocks_bytes), "{stack:?}");
+    println!("{:.3} s of a dialogue in {:.2?}; {stack:?}", board.now().as_secs_f64(), began.elapsed());
 }

@@ -8,11 +8,13 @@ use std::fmt::Write as _;
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
+use firmware::config::Config;
 use sim_host::pil::Qemu;
+use sim_host::processor::Processor;
 use sim_host::scene::builtin;
 use sim_host::scene::load::load;
 use sim_host::study::monte_carlo::MonteCarlo;
-use sim_host::study::{Outcome, conduct};
+use sim_host::study::{Outcome, Start, conduct};
 
 use super::{bits, image};
 
@@ -58,12 +60,8 @@ fn played(name: &str, sets: &[&str], runs: u32, image: Option<&Path>) -> Option<
     }
     // What stands beside the scene's own runs is run on the host in either case.
     (loaded.scene.grid, loaded.scene.comparison) = (None, None);
-    let start = image.map(|image| {
-        move |config: &firmware::config::Config| {
-            Ok(Box::new(Qemu::start(image, config)?) as Box<dyn sim_host::processor::Processor>)
-        }
-    });
-    let start = start.as_ref().map(|start| start as sim_host::study::Start);
+    let start = image.map(|image| move |config: &Config| Ok(Box::new(Qemu::start(image, config)?) as Box<dyn Processor>));
+    let start = start.as_ref().map(|start| start as Start);
     let study = conduct(&loaded, start, &AtomicBool::new(false), None).unwrap_or_else(|error| panic!("{name}: {error}"));
     let metrics = TOLD.iter().map(|metric| study.metrics.get(metric)).collect();
     Some(match &study.outcome {
@@ -82,14 +80,12 @@ fn ends(runs: &MonteCarlo) -> Vec<u8> {
     metrics.flat_map(|(_, value)| value.to_le_bytes()).collect()
 }
 
+const HEADER: &str =
+    "| scene | blocks | hash, host and QEMU | instructions, mean | worst block | stack [bytes] |\n|---|---|---|---|---|---|\n";
+
 /// Compares the scenes, and makes a table of them.
 fn compare(image: &Path, sets: impl Fn(&str) -> &'static [&'static str], runs: u32) -> (usize, String) {
-    let (mut compared, mut table) = (
-        0,
-        String::from(
-            "| scene | blocks | hash, host and QEMU | instructions, mean | worst block | stack [bytes] |\n|---|---|---|---|---|---|\n",
-        ),
-    );
+    let (mut compared, mut table) = (0, HEADER.to_owned());
     for (name, _) in builtin::all() {
         let Some(here) = played(name, sets(name), runs, None) else { continue };
         let there = played(name, sets(name), runs, Some(image)).expect("the same scene");

@@ -11,7 +11,7 @@ use std::time::Duration;
 
 use firmware::block::DriveBlock;
 use firmware::config::Config;
-use firmware::lockstep::{Beat, Board, Opening, Played};
+use firmware::lockstep::{Beat, Board, Closing, Opening, Played};
 use hal_mock::block_clock::BlockClock;
 use hal_mock::tracer::Tracer;
 
@@ -92,6 +92,11 @@ impl EmulatedBoard {
     /// How often it has reset itself.
     pub fn resets(&self) -> u32 {
         self.resets
+    }
+
+    /// How deep its stack has been: until it was built, and in the blocks since, with block task and slow side.
+    pub fn stack(&mut self) -> Result<Closing, Lost> {
+        self.pipes.close()
     }
 
     /// Presses or releases the emergency stop.

@@ -3,7 +3,7 @@
 use std::io::{self, PipeReader, PipeWriter, Read, Write};
 use std::path::Path;
 
-use firmware::lockstep::{self, Record};
+use firmware::lockstep::{self, Closing, Record};
 
 use super::emulator::{Emulator, Serial};
 use crate::processor::Lost;
@@ -33,8 +33,14 @@ impl Pipes {
         self.exchange(|buffer| lockstep::encode(question, buffer).ok(), answer)
     }
 
-    /// The same with the bytes of a record.
-    pub fn exchange(
+    /// Asks what the run has needed so far.
+    pub fn close(&mut self) -> Result<Closing, Lost> {
+        let mut closing = Closing::default();
+        self.exchange(|_| Some(&lockstep::CLOSE), &mut closing)?;
+        Ok(closing)
+    }
+
+    fn exchange(
         &mut self,
         record: impl FnOnce(&mut lockstep::Buffer) -> Option<&[u8]>,
         answer: &mut impl Record,

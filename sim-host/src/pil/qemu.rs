@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use firmware::block::{DriveBlock, Orders, SenseBlock};
 use firmware::config::Config;
-use firmware::lockstep::{self, Answer, Closing, Opening, Question};
+use firmware::lockstep::{Answer, Closing, Opening, Question};
 use firmware::telemetry::Telemetry;
 
 use super::PilError;
@@ -77,8 +77,7 @@ impl Processor for Qemu {
     }
 
     fn memory(&mut self) -> Result<Option<Memory>, Lost> {
-        let mut closing = Closing::default();
-        self.pipes.exchange(|_| Some(&lockstep::CLOSE), &mut closing)?;
+        let closing = self.pipes.close()?;
         let Size { flash, ram } =
             Size::of(&self.image).map_err(|error| Lost(format!("its image {} cannot be read: {error}", self.image.display())))?;
         let Closing { stack_power_up_bytes: stack_power_up, stack_blocks_bytes: stack_blocks } = closing;

@@ -14,11 +14,11 @@ use stm32_metapac::{FLASH, GPIOA, GPIOC, RCC};
 /// The enable, high is on, and the contact of the emergency stop, high is released: docs/board.md, Pins.
 const ENABLE: (Gpio, usize) = (GPIOA, 10);
 const STOP: (Gpio, usize) = (GPIOC, 3);
-/// Core-coupled RAM, at its own address (RM0440 2.4).
+/// Core-coupled RAM, at its own address (RM0440 2.2.1).
 const CCMRAM: usize = 0x1000_0000;
 const CCMRAM_BYTES: usize = 32 << 10;
 
-/// The level at a pin. RCC_AHB2ENR (RM0440 7.4.17), GPIOx_MODER (9.4.1), PUPDR (9.4.4), IDR (9.4.5).
+/// The level at a pin. RCC_AHB2ENR (RM0440 7.4.15), GPIOx_MODER (9.4.1), PUPDR (9.4.4), IDR (9.4.5).
 fn level((port, number): (Gpio, usize), pull: Pupdr) -> Idr {
     RCC.ahb2enr().modify(|w| {
         w.set_gpioaen(true);
@@ -41,7 +41,7 @@ pub fn the_emergency_stop_is_released() {
     assert!(level(STOP, Pupdr::PULL_DOWN) == Idr::HIGH, "PC3 is low: pressed, or not wired to 3.3 V");
 }
 
-/// FLASH_OPTR.DBANK (3.7.8): with one bank nothing is stored.
+/// FLASH_OPTR.DBANK (3.7.7): with one bank nothing is stored.
 pub fn the_flash_has_two_banks() {
     assert!(FLASH.optr().read().dbank(), "option byte DBANK is off");
 }

@@ -7,7 +7,7 @@ use firmware::app::{self, App};
 use firmware::block_task::BlockTask;
 use firmware::lockstep::{Beat, Closing, Opening, Played};
 use firmware::power_up::PowerUp;
-use firmware::queues::{Queues, SlowEnds};
+use firmware::queues::Queues;
 use firmware::settings::Settings;
 use qemu_m4::pages::Pages;
 use qemu_m4::pipes::{Pipes, configuration, read, reason};
@@ -39,14 +39,10 @@ fn main() -> ! {
 fn serve() -> Result<(), &'static str> {
     stack::paint();
     let mut core = Peripherals::take().ok_or(TWICE)?;
-    let (pages, start) = kept::take().ok_or(TWICE)?;
     let link = Usart::start(&mut core);
     let pipes = Pipes::open()?;
-    let mut settings = Settings::new(pages).map_err(|_| "the settings do not fit")?;
-    let Some((mut task, ends, power_up)) = open(pipes, &mut settings)? else { return Ok(()) };
+    let Some((task, app)) = open(pipes, link)? else { return Ok(()) };
     let (beat, played) = records().ok_or(TWICE)?;
-    let peripherals = app::Peripherals { link, enable: Enable, stop: Stop, watchdog: Dog, settings, start };
-    let mut app = App::new(peripherals, ends, &power_up);
     let stack_power_up_bytes = stack::deepest_bytes();
     stack::paint();
     while let Some(body) = pipes.receive()? {
@@ -74,21 +70,25 @@ fn records() -> Option<&'static mut (Beat, Played)> {
     singleton!(: (Beat, Played) = Default::default())
 }
 
-type Parts = (BlockTask<'static>, SlowEnds<'static>, PowerUp);
+/// The slow side of this board.
+type Slow = App<'static, Usart, Enable, Stop, Dog, &'static mut Pages>;
 
-/// Builds the controller that the host describes, with what is kept, and answers; `None` where the host is not there any more, or has been
-/// refused. Not inlined: what is passed over the stack on the way is given back here.
+/// Builds both sides of what the host describes, with what is kept, and answers; `None` where the host is not there any more, or has been
+/// refused. Not inlined: what that takes of the stack is given back here.
 #[inline(never)]
-fn open(pipes: &mut Pipes, settings: &mut Settings<&'static mut Pages>) -> Result<Option<Parts>, &'static str> {
+fn open(pipes: &mut Pipes, link: Usart) -> Result<Option<&'static mut (BlockTask<'static>, Slow)>, &'static str> {
     let Some(body) = pipes.receive()? else { return Ok(None) };
     let built_in = configuration(body)?;
     let queues = singleton!(: Queues<ORDERS, REPORTS> = Queues::new()).ok_or(TWICE)?;
     let (hot, slow) = queues.split();
-    let mut power_up = PowerUp::read(&built_in, settings);
+    let (pages, start) = kept::take().ok_or(TWICE)?;
+    let mut settings = Settings::new(pages).map_err(|_| "the settings do not fit")?;
+    let mut power_up = PowerUp::read(&built_in, &mut settings);
     match power_up.build(&built_in, hot) {
         Ok(task) => {
             pipes.send(&Opening { built: Ok(()), silence: task.silence() })?;
-            Ok(Some((task, slow, power_up)))
+            let peripherals = app::Peripherals { link, enable: Enable, stop: Stop, watchdog: Dog, settings, start };
+            singleton!(: (BlockTask<'static>, Slow) = (task, App::new(peripherals, slow, &power_up))).ok_or(TWICE).map(Some)
         }
         Err(error) => {
             pipes.send(&Opening { built: Err(reason(&error)), ..Opening::default() })?;
