@@ -142,3 +142,15 @@ fn a_board_scans_locks_bursts_and_captures_over_its_uart() {
     host.until(|(_, _, fault)| fault == Some(Fault::EmergencyStop), Duration::from_millis(5));
     println!("{} simulated in {:?}", host.board.now().as_secs_f64(), began.elapsed());
 }
+
+#[test]
+fn a_dialogue_over_the_uart_is_the_same_every_time() {
+    let once = || {
+        let mut host = Host::of("lock")?;
+        assert_eq!(host.ask(Command::TelemetryEvery(7)), Reply::Ack);
+        assert_eq!(host.ask(Command::Scan), Reply::Ack);
+        (0..500).for_each(|_| drop(host.block()));
+        Some((host.mode(), host.board.now(), host.board.rig().hash()))
+    };
+    assert_eq!(once(), once());
+}
