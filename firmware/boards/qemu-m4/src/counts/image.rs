@@ -12,7 +12,7 @@ use cortex_m_rt::entry;
 use semihosting::{eprintln, println, process};
 
 use crate::counter::Counter;
-use crate::{generators, power_up, stages};
+use crate::{generators, power_up, recorder, stages};
 
 #[entry]
 fn main() -> ! {
@@ -24,6 +24,7 @@ fn main() -> ! {
     println!("group,kernel,samples,repetitions,ticks");
     generators::count(&counter);
     stages::count(&counter);
+    recorder::count(&counter);
     power_up::count(&counter);
     process::exit(0)
 }
