@@ -135,3 +135,28 @@ mod raw {
         <[[u8; 2]; PART]>::deserialize(deserializer).map(|codes| codes.map(u16::from_le_bytes))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::supervisor::Fault;
+    use crate::units::Volts;
+
+    #[test]
+    fn each_trigger_waits_for_its_own() {
+        let reports = [
+            (Trigger::Fault, Telemetry { fault: Some(Fault::LateBlock), ..Telemetry::default() }),
+            (Trigger::On, Telemetry { drive: Volts(1.0), envelope: 0.1, ..Telemetry::default() }),
+            (Trigger::Locked, Telemetry { locked: true, ..Telemetry::default() }),
+        ];
+        for (n, (trigger, _)) in reports.iter().enumerate() {
+            for (k, (_, report)) in reports.iter().enumerate() {
+                assert_eq!((trigger.is_so(report), Trigger::Now.is_so(report)), (n == k, true), "{trigger:?} {k}");
+                assert_eq!(Trigger::Unlocked.is_so(report), !report.locked);
+            }
+        }
+        // A voltage without an envelope, or an envelope without a voltage, is not ON.
+        assert!(!Trigger::On.is_so(&Telemetry { drive: Volts(1.0), ..Telemetry::default() }));
+        assert!(!Trigger::On.is_so(&Telemetry { envelope: 1.0, ..Telemetry::default() }));
+    }
+}

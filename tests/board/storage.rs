@@ -1,5 +1,6 @@
 //! What outlives a run: the note in RAM, and the pages of the settings.
 
+use firmware::start::{FileName, Place, Start};
 use nucleo_g474re::note::{Cause, Note};
 use nucleo_g474re::pages::{PAGE, PAGES, SECOND_BANK, SIZE, START, WORD, address, number};
 
@@ -11,6 +12,22 @@ fn a_note_is_read_back_with_the_end_of_a_long_name() {
     let (_, name, _) =
         Note::of(Cause::StreamLost, &long, 7).read().map(|(cause, name, line)| (cause, name.to_owned(), line)).unwrap();
     assert_eq!((name.len(), name.ends_with("x/src/lib.rs")), (40, true));
+}
+
+#[test]
+fn a_note_says_what_started_the_part() {
+    let file = FileName::of("src/image.rs");
+    let rows = [
+        (Cause::Panic, Start::Panic(Place { file, line: 81 })),
+        (Cause::HardFault, Start::HardFault(81)),
+        (Cause::Unexpected, Start::Unexpected(81)),
+        (Cause::StreamLost, Start::StreamLost(81)),
+        (Cause::Ordered, Start::Ordered),
+    ];
+    for (cause, start) in rows {
+        assert_eq!(Note::of(cause, "src/image.rs", 81).start(), Some(start));
+    }
+    assert_eq!(Note::BLANK.start(), None);
 }
 
 #[test]

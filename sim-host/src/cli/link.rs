@@ -192,7 +192,7 @@ fn tell(text: &str, name: &str, done: &Result<Answer, LinkError>, format: Format
     let mut out = io::stdout().lock();
     match (format, done) {
         (Format::Json, Ok(answer)) => writeln!(out, "{}", answer.json())?,
-        (Format::Json, Err(error)) => writeln!(out, "{}", failure(name, &error.to_string()))?,
+        (Format::Json, Err(error)) => writeln!(out, "{}", failure(name, error))?,
         (Format::Human, done) => {
             if !text.is_empty() {
                 writeln!(out, "> {text}")?;

@@ -2,6 +2,9 @@
 
 use serde_json::{Map, Value, json};
 
+use crate::link::link_error::LinkError;
+use crate::link::refusal;
+
 /// An answer.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Answer {
@@ -43,8 +46,9 @@ impl Answer {
 }
 
 /// What a command that has failed comes to, as one line of JSON.
-pub fn failure(command: &str, error: &str) -> String {
-    json!({ "command": command, "done": false, "error": error }).to_string()
+pub fn failure(command: &str, error: &LinkError) -> String {
+    let refusal = if let LinkError::Refused { refusal, .. } = error.cause() { Some(refusal::name(*refusal)) } else { None };
+    json!({ "command": command, "done": false, "error": error.to_string(), "refusal": refusal }).to_string()
 }
 
 /// A number of the firmware as it would write it: the shortest that is the same `f32`.

@@ -17,8 +17,8 @@ const LONGEST: Duration = Duration::from_secs(10);
 pub fn run(session: &mut Session) -> Result<Answer, LinkError> {
     let before = session.status()?;
     session.check(&before)?;
-    session.client.order(Command::Calibrate)?;
     session.drives(true);
+    session.client.order(Command::Calibrate)?;
     let ended = session.watch(LONGEST, 1, |report| is_over(report, &before).then_some(*report))?;
     session.drives(false);
     match ended {

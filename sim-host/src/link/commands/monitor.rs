@@ -49,9 +49,9 @@ pub fn run(args: &MonitorArgs, session: &mut Session) -> Result<Answer, LinkErro
         let report = session.status()?;
         let first = *first.get_or_insert(report.block);
         reports += 1;
-        session
-            .live
-            .report(&line(&report), || Value::Object(fields(&report, Answer::to("monitor").field("reports", reports)).fields));
+        session.live.report(&line(&report), || {
+            Value::Object(fields(&report, Answer::default().field("command", "monitor").field("reports", reports)).fields)
+        });
         let left = until.map(|until| until.saturating_sub(session.client.now()));
         if left.is_some_and(|left| left.is_zero()) {
             break (report, report.block.wrapping_sub(first));

@@ -65,8 +65,8 @@ pub fn run(args: &ScanArgs, session: &mut Session) -> Result<Answer, LinkError> 
 fn scan(session: &mut Session) -> Result<Telemetry, LinkError> {
     let before = session.status()?;
     session.check(&before)?;
-    session.client.order(Command::Scan)?;
     session.drives(true);
+    session.client.order(Command::Scan)?;
     let mut stage = None;
     let live = session.live;
     let ended = session.watch(LONGEST, 1, |report| {

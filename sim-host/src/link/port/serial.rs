@@ -11,7 +11,8 @@ use crate::link::link_error::LinkError;
 
 /// Bits a second of the board's UART.
 pub const BAUD: u32 = 921_600;
-/// Longest wait within the system.
+/// Shortest and longest wait within the system.
+const SHORTEST: Duration = Duration::from_millis(1);
 const LONGEST: Duration = Duration::from_millis(50);
 
 /// A serial device, at [`BAUD`], 8 data bits, no parity, one stop bit, no flow control.
@@ -66,6 +67,8 @@ impl Port for Serial {
     fn receive(&mut self, into: &mut [u8], wait: Duration) -> io::Result<usize> {
         let until = Instant::now() + wait;
         loop {
+            let left = until.saturating_duration_since(Instant::now());
+            self.device.set_timeout(left.clamp(SHORTEST, LONGEST))?;
             match self.device.read(into) {
                 Ok(0) => return Err(super::ended()),
                 Err(error) if is_patience(&error) => {}

@@ -4,10 +4,10 @@ use core::hint::black_box;
 
 use candidates::{Generator, Pair, Visitor};
 use firmware::nco::tuning_word;
+use qemu_m4::counter::Counter;
 
 use crate::csv::line;
 use crate::repeat::repeat;
-use qemu_m4::counter::Counter;
 
 /// Samples in a block; the generators do not know.
 const SAMPLES: usize = 32;

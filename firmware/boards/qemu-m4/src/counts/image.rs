@@ -9,10 +9,10 @@
 //! A line is `group,"kernel",samples,repetitions,ticks`: the ticks of all repetitions of a kernel, which handles so many samples in each.
 
 use cortex_m_rt::entry;
+use qemu_m4::counter::Counter;
 use semihosting::{eprintln, println, process};
 
-use crate::{generators, power_up, stages};
-use qemu_m4::counter::Counter;
+use crate::{generators, power_up, recorder, stages};
 
 #[entry]
 fn main() -> ! {
@@ -24,6 +24,7 @@ fn main() -> ! {
     println!("group,kernel,samples,repetitions,ticks");
     generators::count(&counter);
     stages::count(&counter);
+    recorder::count(&counter);
     power_up::count(&counter);
     process::exit(0)
 }

@@ -14,6 +14,8 @@ mod image;
 #[cfg(target_os = "none")]
 mod power_up;
 #[cfg(target_os = "none")]
+mod recorder;
+#[cfg(target_os = "none")]
 mod repeat;
 #[cfg(target_os = "none")]
 mod stages;

@@ -9,10 +9,10 @@ use firmware::config::{Edge, TrackingMode};
 use firmware::controller::Controller;
 use firmware::supervisor::Mode;
 use firmware::telemetry::Telemetry;
-
-use crate::csv::line;
 use qemu_m4::bench::{SAMPLES, Transducer, config};
 use qemu_m4::counter::Counter;
+
+use crate::csv::line;
 
 /// Blocks without orders.
 const IDLE_BLOCKS: u32 = 100;
