@@ -27,7 +27,7 @@ use self::outbox::Outbox;
 use crate::block::{Orders, Request};
 use crate::capture::CaptureVerb;
 use crate::capture::recorder::Answer;
-use crate::command::{Refusal, Reply, ResonanceReport};
+use crate::command::{Converters, Refusal, Reply, ResonanceReport};
 use crate::fault_log::FaultLog;
 use crate::identify::{MOST_MODES, Resonance};
 use crate::keeper::Keeper;
@@ -85,6 +85,7 @@ pub struct App<'a, L, E, S, W, F: NorFlash> {
     telemetry_frames: u16,
     /// What the telemetry has told of the last scan.
     resonances: [Option<Resonance>; MOST_MODES],
+    converters: Converters,
     faults: FaultLog,
     host: HostWatch,
     /// The number of the command about the capture that waits for its answer.
@@ -134,6 +135,7 @@ where
             telemetry_frames: 0,
             resonances: Default::default(),
             faults: FaultLog::default(),
+            converters: Converters::of(config),
             host: HostWatch::new(config.link.patience_s, f32::from(config.block_samples) / config.sample_hz),
             capturing: None,
             resetting: false,

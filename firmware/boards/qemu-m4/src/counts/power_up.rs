@@ -9,9 +9,9 @@ use firmware::config::{Edge, TrackingMode};
 use firmware::controller::Controller;
 use firmware::supervisor::Mode;
 use firmware::telemetry::Telemetry;
+use qemu_m4::bench::{SAMPLES, Transducer, config};
+use qemu_m4::counter::Counter;
 
-use crate::bench::{SAMPLES, Transducer, config};
-use crate::counter::Counter;
 use crate::csv::line;
 
 /// Blocks without orders.
