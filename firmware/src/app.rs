@@ -13,6 +13,7 @@
 //! * Nothing here waits for the link. What is to be sent goes through a buffer; while a reply would not fit, no further command is
 //!   read, and telemetry that does not fit is left out.
 
+mod captures;
 mod host_watch;
 mod obey;
 mod outbox;
@@ -22,11 +23,10 @@ use embedded_io::{Read, ReadReady, Write, WriteReady};
 use embedded_storage::nor_flash::NorFlash;
 use heapless::spsc::{Consumer, Producer};
 
+use self::captures::Captures;
 use self::host_watch::HostWatch;
 use self::outbox::Outbox;
 use crate::block::{Orders, Request};
-use crate::capture::CaptureVerb;
-use crate::capture::recorder::Answer;
 use crate::command::{Converters, Refusal, Reply, ResonanceReport};
 use crate::fault_log::FaultLog;
 use crate::identify::{MOST_MODES, Resonance};
@@ -69,8 +69,7 @@ pub struct App<'a, L, E, S, W, F: NorFlash> {
     peripherals: Peripherals<L, E, S, W, F>,
     orders: Producer<'a, Orders>,
     telemetry: Consumer<'a, Telemetry>,
-    wishes: Producer<'a, CaptureVerb>,
-    answers: Consumer<'a, Answer>,
+    captures: Captures<'a>,
     keeper: Keeper<'a>,
     receiver: Receiver,
     outbox: Outbox,
@@ -88,8 +87,6 @@ pub struct App<'a, L, E, S, W, F: NorFlash> {
     converters: Converters,
     faults: FaultLog,
     host: HostWatch,
-    /// The number of the command about the capture that waits for its answer.
-    capturing: Option<u16>,
     /// A reset is ordered, and its answer on its way.
     resetting: bool,
 }
@@ -121,8 +118,7 @@ where
             peripherals,
             orders: ends.orders,
             telemetry: ends.reports,
-            wishes: ends.wishes,
-            answers: ends.answers,
+            captures: Captures::new(ends.wishes, ends.answers, ends.memory, config.lanes),
             keeper: Keeper::new(ends.found, ends.taken, power_up),
             receiver: Receiver::default(),
             outbox: Outbox::default(),
@@ -137,7 +133,6 @@ where
             faults: FaultLog::default(),
             converters: Converters::of(config),
             host: HostWatch::new(config.link.patience_s, f32::from(config.block_samples) / config.sample_hz),
-            capturing: None,
             resetting: false,
         }
     }

@@ -1,7 +1,7 @@
 //! Captures: the raw codes of voltage, current and one lane's drive around a trigger.
 //!
-//! A host arms a capture, waits for it to fill, and reads it part by part. All that it asks goes to the block task, which alone has the
-//! codes ([`recorder`]), and is answered with the next block: nothing is shared but two short queues.
+//! A host arms a capture, waits for it to fill, and reads it part by part. The [memory] changes hands: the block task has it while it
+//! [records](recorder), and gives it to the slow side when it is full, which reads it at leisure. Nothing is shared but two short queues.
 //!
 //! ```text
 //!               before            SAMPLES - before
@@ -12,6 +12,7 @@
 //! Sample n of the drive is the code that played while sample n of voltage and current was taken. What a report says of the drive plays
 //! [`LATENCY_BLOCKS`](crate::block::LATENCY_BLOCKS) later; what it says of voltage, current and faults was seen in its own block.
 
+pub mod memory;
 pub mod recorder;
 
 use serde::{Deserialize, Serialize};

@@ -1,12 +1,12 @@
-//! The queues between the slow side and the block task, with the memory of the recorder and of the controller: what a board has once, as a static.
+//! The queues between the slow side and the block task, with the place of the controller: what a board has once, as a static.
 
 use core::mem::MaybeUninit;
 
 use heapless::spsc::{Consumer, Producer, Queue};
 
 use crate::block::Orders;
-use crate::capture::CaptureVerb;
-use crate::capture::recorder::{Answer, Memory, Recorder};
+use crate::capture::memory::Memory;
+use crate::capture::recorder::{Answer, Recorder, Wish};
 use crate::config::LaneTrims;
 use crate::controller::Controller;
 use crate::telemetry::Telemetry;
@@ -20,9 +20,8 @@ pub struct Queues<const ORDERS: usize, const REPORTS: usize> {
     reports: Queue<Telemetry, REPORTS>,
     found: Queue<LaneTrims, ONE>,
     taken: Queue<LaneTrims, ONE>,
-    wishes: Queue<CaptureVerb, ONE>,
+    wishes: Queue<Wish, ONE>,
     answers: Queue<Answer, ONE>,
-    memory: Memory,
     place: MaybeUninit<Controller>,
 }
 
@@ -53,9 +52,11 @@ pub struct SlowEnds<'a> {
     /// What is to be trimmed by.
     pub taken: Producer<'a, LaneTrims>,
     /// What the recorder is asked.
-    pub wishes: Producer<'a, CaptureVerb>,
+    pub wishes: Producer<'a, Wish>,
     /// What it answers.
     pub answers: Consumer<'a, Answer>,
+    /// What it records into.
+    pub memory: &'static mut Memory,
 }
 
 impl<const ORDERS: usize, const REPORTS: usize> Queues<ORDERS, REPORTS> {
@@ -68,17 +69,16 @@ impl<const ORDERS: usize, const REPORTS: usize> Queues<ORDERS, REPORTS> {
             taken: Queue::new(),
             wishes: Queue::new(),
             answers: Queue::new(),
-            memory: Memory::new(),
             place: MaybeUninit::uninit(),
         }
     }
 
-    /// Their ends.
-    pub fn split(&mut self) -> (HotEnds<'_>, SlowEnds<'_>) {
+    /// Their ends; the memory of captures goes to and fro between them.
+    pub fn split(&mut self, memory: &'static mut Memory) -> (HotEnds<'_>, SlowEnds<'_>) {
         let ((orders_in, orders_out), (reports_in, reports_out)) = (self.orders.split(), self.reports.split());
         let ((found_in, found_out), (taken_in, taken_out)) = (self.found.split(), self.taken.split());
         let ((wishes_in, wishes_out), (answers_in, answers_out)) = (self.wishes.split(), self.answers.split());
-        let recorder = Recorder::new(&mut self.memory, wishes_out, answers_in);
+        let recorder = Recorder::new(wishes_out, answers_in);
         let place = &mut self.place;
         let hot = HotEnds { place, orders: orders_out, reports: reports_in, found: found_in, taken: taken_out, recorder };
         let slow = SlowEnds {
@@ -88,6 +88,7 @@ impl<const ORDERS: usize, const REPORTS: usize> Queues<ORDERS, REPORTS> {
             taken: taken_in,
             wishes: wishes_in,
             answers: answers_out,
+            memory,
         };
         (hot, slow)
     }

@@ -112,7 +112,7 @@ impl<'a, A: Analog> Bench<'a, A> {
     /// Puts the driver on the bench, with `analog` behind its converters, the power just on and the emergency stop released. What is kept in
     /// the flash goes before what the configuration says.
     pub fn new(queues: &'a mut Queues, setup: &Setup, analog: A) -> Result<Self, Error> {
-        let (hot, slow) = queues.split();
+        let (hot, slow) = queues.split(Box::leak(Box::default()));
         let mut settings = Settings::new(setup.flash.clone())?;
         let mut power_up = PowerUp::read(&setup.config, &mut settings);
         let task = power_up.build(&setup.config, hot)?;

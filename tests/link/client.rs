@@ -1,6 +1,6 @@
 //! What happens to a command whose answer, or which itself, is damaged, lost or late; and to a port that goes away.
 
-use std::cell::RefCell;
+use std::cell::{Cell, RefCell};
 use std::io;
 use std::net::{TcpListener, TcpStream};
 use std::rc::Rc;
@@ -30,16 +30,27 @@ struct Bad {
     /// One bit in so many bytes flips, in either direction; none where zero.
     flip_one_in: u64,
     chance: Chance,
+    flipped: Rc<Cell<u32>>,
 }
 
 impl Bad {
     fn new(inner: Box<dyn Port>, flip_one_in: u64) -> Self {
         let (frame, ready) = Default::default();
-        Bad { inner, lose: Rc::default(), receiver: Receiver::default(), frame, ready, flip_one_in, chance: Chance::new(7) }
+        Bad {
+            inner,
+            lose: Rc::default(),
+            receiver: Receiver::default(),
+            frame,
+            ready,
+            flip_one_in,
+            chance: Chance::new(7),
+            flipped: Rc::default(),
+        }
     }
 
     fn flip(&mut self, byte: u8) -> u8 {
         let strikes = self.flip_one_in > 0 && self.chance.below(self.flip_one_in) == 0;
+        self.flipped.set(self.flipped.get() + u32::from(strikes));
         if strikes { byte ^ (1 << self.chance.below(8)) } else { byte }
     }
 }
@@ -127,7 +138,11 @@ fn a_dialogue_over_a_line_that_flips_bits_comes_to_the_same() {
     let board = board("lock", &[], 0);
     let folder = Folder::new("noise");
     // A frame of 200 bytes in seven is damaged.
-    let answers = hold(Box::new(Bad::new(port(&board), 1400)), &folder.0);
+    let bad = Bad::new(port(&board), 1400);
+    let flipped = bad.flipped.clone();
+    let answers = hold(Box::new(bad), &folder.0);
+    println!("{} bits flipped", flipped.get());
+    assert!(flipped.get() > 10, "{}", flipped.get());
     judge_scan(answer(&answers, "scan"), &board.borrow().with_rig(|rig| rig.inner.inner.circuit()));
     let mut session = session(&board);
     let report = session.status().unwrap();

@@ -62,12 +62,7 @@ where
                 self.resetting = true;
                 Reply::Ack
             }
-            Command::Capture(_) if self.capturing.is_some() => Reply::Nak(Refusal::Busy),
-            Command::Capture(verb) if self.wishes.enqueue(verb).is_ok() => {
-                self.capturing = Some(frame.sequence);
-                return None;
-            }
-            Command::Capture(_) => Reply::Nak(Refusal::Busy),
+            Command::Capture(verb) => return self.captures.obey(frame.sequence, verb),
             command => self.obey_order(&command).map_or_else(Reply::Nak, |()| Reply::Ack),
         })
     }
@@ -85,10 +80,9 @@ where
     /// Sends what the recorder has answered, once there is room.
     pub(super) fn answer_capture(&mut self) {
         if self.outbox.has_room()
-            && let Some(answer) = self.answers.dequeue()
-            && let Some(sequence) = self.capturing.take()
+            && let Some((sequence, reply)) = self.captures.answer()
         {
-            self.outbox.send(sequence, answer.into());
+            self.outbox.send(sequence, reply);
         }
     }
 }

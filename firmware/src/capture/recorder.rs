@@ -1,71 +1,45 @@
-//! The recorder: the block task's part of a capture. Disarmed it costs a block two comparisons; armed, four copies of a block of codes.
+//! The recorder: the block task's part of a capture. Disarmed it costs a block two comparisons; armed, four copies of a block of codes. What it
+//! has recorded it gives away whole, so that nobody reads it in the block's time.
 
 use heapless::spsc::{Consumer, Producer};
 
-use super::{Arm, CaptureReport, CaptureState, CaptureVerb, PART, PARTS, Part, SAMPLES, Trigger};
-use crate::block::{DriveBlock, LATENCY_BLOCKS, MAX_BLOCK_SAMPLES, SenseBlock};
-use crate::command::{Refusal, Reply};
+use super::memory::Memory;
+use super::{Arm, CaptureReport, CaptureState, SAMPLES, Trigger};
+use crate::block::{DriveBlock, LATENCY_BLOCKS, SenseBlock};
 use crate::telemetry::Telemetry;
 
-/// A ring of samples.
-type Ring = [u16; SAMPLES];
-
-/// Room for a capture, in the RAM of a board.
-pub struct Memory {
-    v: Ring,
-    i: Ring,
-    drive: Ring,
-    /// Codes that were returned and have not played yet.
-    coming: [[u16; MAX_BLOCK_SAMPLES]; LATENCY_BLOCKS],
+/// What the recorder is asked.
+pub enum Wish {
+    /// Record this, from now on; into this memory, where it does not have it still.
+    Record(Arm, Option<&'static mut Memory>),
+    /// How far is it? What is full comes with the answer.
+    Look,
+    /// Record no more, and give the memory back.
+    Stop,
 }
 
-impl Memory {
-    /// All zero.
-    pub const fn new() -> Self {
-        Memory { v: [0; SAMPLES], i: [0; SAMPLES], drive: [0; SAMPLES], coming: [[0; MAX_BLOCK_SAMPLES]; LATENCY_BLOCKS] }
-    }
-}
-
-impl Default for Memory {
-    fn default() -> Self {
-        Memory::new()
-    }
-}
-
-/// What the recorder answers.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+/// What it answers.
 pub enum Answer {
-    /// It is done.
-    Done,
-    /// It is not.
-    Refused(Refusal),
-    /// How far it is.
-    Report(CaptureReport),
-    /// A part.
-    Part(Part),
-}
-
-impl From<Answer> for Reply {
-    fn from(answer: Answer) -> Reply {
-        match answer {
-            Answer::Done => Reply::Ack,
-            Answer::Refused(refusal) => Reply::Nak(refusal),
-            Answer::Report(report) => Reply::Capture(report),
-            Answer::Part(part) => Reply::Captured(part),
-        }
-    }
+    /// It records.
+    Records,
+    /// It is not full yet.
+    Not(CaptureReport),
+    /// It is full: the first sample stands there in the rings.
+    Full(CaptureReport, usize, &'static mut Memory),
+    /// It has stopped.
+    Stopped(Option<&'static mut Memory>),
 }
 
 /// The recorder.
 pub struct Recorder<'a> {
-    memory: &'a mut Memory,
-    wishes: Consumer<'a, CaptureVerb>,
+    wishes: Consumer<'a, Wish>,
     answers: Producer<'a, Answer>,
+    memory: Option<&'static mut Memory>,
     arm: Arm,
     state: CaptureState,
     /// Where the next sample goes.
     next: usize,
-    /// How many stand before it, as far as the ring goes.
+    /// How many stand before it, as far as the rings go.
     filled: usize,
     /// Which of the coming blocks is the older one, and how many there are.
     older: usize,
@@ -82,11 +56,11 @@ pub struct Recorder<'a> {
 
 impl<'a> Recorder<'a> {
     /// A recorder that takes wishes from one queue and leaves answers in another.
-    pub fn new(memory: &'a mut Memory, wishes: Consumer<'a, CaptureVerb>, answers: Producer<'a, Answer>) -> Self {
+    pub fn new(wishes: Consumer<'a, Wish>, answers: Producer<'a, Answer>) -> Self {
         Recorder {
-            memory,
             wishes,
             answers,
+            memory: None,
             arm: Arm { trigger: Trigger::Now, before: 0, lane: 0 },
             state: CaptureState::Empty,
             next: 0,
@@ -105,7 +79,7 @@ impl<'a> Recorder<'a> {
     #[inline]
     pub fn follow(&mut self, sense: &SenseBlock, drive: &DriveBlock, report: &Telemetry) {
         if self.wishes.ready() {
-            self.obey(drive.lanes.len());
+            self.obey();
         }
         if matches!(self.state, CaptureState::Armed | CaptureState::Triggered) {
             self.record(sense, drive, report);
@@ -113,32 +87,31 @@ impl<'a> Recorder<'a> {
     }
 
     #[inline(never)]
-    fn obey(&mut self, lanes: usize) {
-        // The slow side asks one thing at a time: there is room for the answer.
-        let Some(wish) = self.wishes.dequeue() else { return };
-        let answer = match wish {
-            CaptureVerb::Arm(arm) if usize::from(arm.before) > SAMPLES || usize::from(arm.lane) >= lanes => {
-                Answer::Refused(Refusal::OutOfRange)
-            }
-            CaptureVerb::Arm(arm) => {
-                self.begin(CaptureState::Armed);
+    fn obey(&mut self) {
+        let answer = match self.wishes.dequeue() {
+            Some(Wish::Record(arm, memory)) => {
+                self.memory = self.memory.take().or(memory);
                 self.arm = arm;
-                Answer::Done
+                self.begin();
+                Answer::Records
             }
-            CaptureVerb::Disarm => {
-                self.begin(CaptureState::Empty);
-                Answer::Done
+            Some(Wish::Look) => match self.memory.take_if(|_| self.state == CaptureState::Full) {
+                // The rings are full: the first sample stands where the next one would go.
+                Some(memory) => Answer::Full(self.report(), self.next, memory),
+                None => Answer::Not(self.report()),
+            },
+            Some(Wish::Stop) => {
+                self.state = CaptureState::Empty;
+                Answer::Stopped(self.memory.take())
             }
-            CaptureVerb::State => Answer::Report(self.report()),
-            CaptureVerb::Read(_) if self.state != CaptureState::Full => Answer::Refused(Refusal::NotCaptured),
-            CaptureVerb::Read(part) if part >= PARTS => Answer::Refused(Refusal::OutOfRange),
-            CaptureVerb::Read(part) => Answer::Part(self.part(part)),
+            None => return,
         };
+        // The slow side asks one thing at a time: there is room for the answer.
         let _ = self.answers.enqueue(answer);
     }
 
-    fn begin(&mut self, state: CaptureState) {
-        self.state = state;
+    fn begin(&mut self) {
+        self.state = CaptureState::Armed;
         (self.next, self.filled, self.coming) = (0, 0, 0);
         (self.was_so, self.met) = (None, false);
         (self.before, self.left, self.block) = (0, SAMPLES, 0);
@@ -152,16 +125,6 @@ impl<'a> Recorder<'a> {
         };
         let before = if self.state == CaptureState::Armed { samples } else { self.before };
         CaptureReport { state: self.state, samples: samples as u16, before: before as u16, block: self.block }
-    }
-
-    /// A part of a full capture: the ring is full, and its first sample is where the next would go.
-    fn part(&self, number: u16) -> Part {
-        let first = (self.next + usize::from(number) * PART) % SAMPLES;
-        let mut part = Part { part: number, ..Part::default() };
-        read(&self.memory.v, first, &mut part.v);
-        read(&self.memory.i, first, &mut part.i);
-        read(&self.memory.drive, first, &mut part.drive);
-        part
     }
 
     #[inline(never)]
@@ -179,8 +142,9 @@ impl<'a> Recorder<'a> {
         } else {
             self.coming += 1;
         }
-        let lane = drive.lanes.get(usize::from(self.arm.lane)).map_or(&[][..], |lane| lane);
-        self.memory.coming[self.older][..lane.len()].copy_from_slice(lane);
+        if let (Some(memory), Some(lane)) = (&mut self.memory, drive.lanes.get(usize::from(self.arm.lane))) {
+            memory.put_by(self.older, lane);
+        }
         self.older = 1 - self.older;
     }
 
@@ -193,13 +157,15 @@ impl<'a> Recorder<'a> {
     }
 
     /// Takes the samples of a block; of the last one, as many as there is room for.
+    #[inline]
     fn take(&mut self, sense: &SenseBlock) {
-        let Memory { v, i, drive, coming } = &mut *self.memory;
+        let Some(memory) = &mut self.memory else { return };
         let triggered = self.state == CaptureState::Triggered;
-        let count = sense.v.len().min(sense.i.len()).min(if triggered { self.left } else { SAMPLES });
-        write(v, self.next, &sense.v[..count]);
-        write(i, self.next, &sense.i[..count]);
-        write(drive, self.next, &coming[self.older][..count]);
+        let count = if triggered { sense.v.len().min(self.left) } else { sense.v.len() };
+        let whole = count == sense.v.len() && memory.take_block(self.next, &sense.v, &sense.i, self.older);
+        if !whole && let (Some(v), Some(i)) = (sense.v.get(..count), sense.i.get(..count)) {
+            memory.take(self.next, v, i, self.older);
+        }
         self.next = (self.next + count) % SAMPLES;
         self.filled = (self.filled + count).min(SAMPLES);
         if triggered {
@@ -209,20 +175,4 @@ impl<'a> Recorder<'a> {
             }
         }
     }
-}
-
-/// Writes codes into a ring from a place on.
-fn write(ring: &mut Ring, at: usize, codes: &[u16]) {
-    let (front, back) = codes.split_at(codes.len().min(SAMPLES - at));
-    ring[at..at + front.len()].copy_from_slice(front);
-    if !back.is_empty() {
-        ring[..back.len()].copy_from_slice(back);
-    }
-}
-
-/// Reads codes from a place of a ring on.
-fn read(ring: &Ring, at: usize, codes: &mut [u16; PART]) {
-    let (front, back) = codes.split_at_mut(PART.min(SAMPLES - at));
-    front.copy_from_slice(&ring[at..at + front.len()]);
-    back.copy_from_slice(&ring[..back.len()]);
 }

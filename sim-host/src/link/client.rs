@@ -13,7 +13,7 @@ use std::sync::atomic::AtomicBool;
 use std::time::Duration;
 
 use firmware::command::{Command, Identity, Refusal, Reply};
-use firmware::link::{self, Frame};
+use firmware::link;
 use firmware::telemetry::Telemetry;
 
 use crate::link::client::line::{Came, Line};
@@ -24,6 +24,8 @@ pub use line::Counts;
 
 /// How long one copy of a command is waited for.
 const PATIENCE: Duration = Duration::from_millis(250);
+/// How long it is waited for once something has come damaged, which may have been the answer.
+const AFTER_DAMAGE: Duration = Duration::from_millis(20);
 /// Copies that are sent of a command before the link is given up.
 const COPIES: u32 = 5;
 
@@ -138,10 +140,12 @@ impl Client {
                 Some(Came::Version(board)) => {
                     return Err(LinkError::Version { port: self.line.port.name().to_owned(), board, ours: link::VERSION });
                 }
-                Some(Came::Frame(Frame { body: Reply::Nak(refusal), .. })) => {
-                    return Err(LinkError::Refused { command: shown(&command), refusal });
+                Some(Came::Frame(frame)) => {
+                    return match frame.body {
+                        Reply::Nak(refusal) => Err(LinkError::Refused { command: shown(&command), refusal }),
+                        body => Ok(body),
+                    };
                 }
-                Some(Came::Frame(frame)) => return Ok(frame.body),
                 Some(Came::Damage) => damaged = true,
                 Some(Came::Telemetry) | None => {}
             }
@@ -156,17 +160,22 @@ impl Client {
 
     /// The answer with this number, or what came instead of it; none in time.
     fn answer(&mut self, sequence: u16) -> Result<Option<Came>, LinkError> {
-        let until = self.line.port.now() + PATIENCE;
+        let mut until = self.line.port.now() + PATIENCE;
+        let mut damaged = false;
         while self.line.port.now() < until {
             match self.line.receive(until - self.line.port.now())? {
                 Some(Came::Frame(frame)) if frame.sequence == sequence => return Ok(Some(Came::Frame(frame))),
-                Some(Came::Frame(Frame { body: Reply::Nak(Refusal::Damaged), .. })) => return Ok(Some(Came::Damage)),
-                Some(Came::Frame(_)) => self.line.counts.late += 1,
+                Some(Came::Frame(frame)) if frame.body != Reply::Nak(Refusal::Damaged) => self.line.counts.late += 1,
+                // It may have been another frame, and the answer be on its way.
+                Some(Came::Frame(_) | Came::Damage) => {
+                    damaged = true;
+                    until = until.min(self.line.port.now() + AFTER_DAMAGE);
+                }
+                Some(Came::Version(board)) => return Ok(Some(Came::Version(board))),
                 Some(Came::Telemetry) | None => {}
-                Some(came) => return Ok(Some(came)),
             }
         }
-        Ok(None)
+        Ok(damaged.then_some(Came::Damage))
     }
 
     /// The order that the board's latest block has obeyed.

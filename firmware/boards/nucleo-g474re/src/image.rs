@@ -25,8 +25,9 @@ use cortex_m_rt::entry;
 // For the log.
 use defmt_rtt as _;
 use firmware::app::{self, App};
+use firmware::capture::memory::Memory;
 use firmware::power_up::PowerUp;
-use firmware::queues::Queues;
+use firmware::queues::{HotEnds, Queues, SlowEnds};
 use firmware::settings::Settings;
 use firmware::start::Start;
 use firmware::supervisor::Fault;
@@ -53,6 +54,7 @@ defmt::timestamp!("{=u32} blocks", block::count());
 #[entry]
 fn main() -> ! {
     static mut QUEUES: Queues<ORDERS, REPORTS> = Queues::new();
+    static mut MEMORY: Memory = Memory::new();
 
     ccmram::load();
     clocks::start();
@@ -63,7 +65,7 @@ fn main() -> ! {
 
     let (enable, stop) = protection::start(LANES);
     let mut thermometer = Thermometer::start();
-    let mut app = build(QUEUES, enable, stop, start);
+    let mut app = build(QUEUES.split(MEMORY), enable, stop, start);
     start_blocks(&mut core.NVIC);
     let mut log = Log::default();
     loop {
@@ -80,8 +82,7 @@ type Slow = App<'static, Link, Enable, Stop, Dog, Pages>;
 /// Builds both sides: hands the hot one over to the block interrupt, and returns the slow one. Not inlined: what that takes of the stack is given
 /// back here.
 #[inline(never)]
-fn build(queues: &'static mut Queues<ORDERS, REPORTS>, enable: Enable, stop: Stop, start: Start) -> Slow {
-    let (hot_ends, slow_ends) = queues.split();
+fn build((hot_ends, slow_ends): (HotEnds<'static>, SlowEnds<'static>), enable: Enable, stop: Stop, start: Start) -> Slow {
     let link = Link::start();
     let Ok(mut settings) = Settings::new(Pages) else { panic!("the settings do not fit") };
     let built_in = config();

@@ -50,7 +50,7 @@ pub struct Counts {
 
 /// What came.
 pub(super) enum Came {
-    Frame(Frame<Reply>),
+    Frame(Box<Frame<Reply>>),
     /// A report, which was put with the others.
     Telemetry,
     /// What was sent, or what came, was damaged on the way.
@@ -106,7 +106,7 @@ impl Line {
                     self.telemetry.push_back((sequence, telemetry));
                     return Ok(Some(Came::Telemetry));
                 }
-                Some(Ok(frame)) => return Ok(Some(Came::Frame(frame))),
+                Some(Ok(frame)) => return Ok(Some(Came::Frame(Box::new(frame)))),
                 Some(Err(FrameError::Version(_))) => return Ok(Some(Came::Version(version.unwrap_or(0)))),
                 Some(Err(FrameError::TooLong | FrameError::Damaged)) => {
                     self.counts.damaged += 1;

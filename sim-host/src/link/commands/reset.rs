@@ -9,11 +9,14 @@ use crate::link::answer::Answer;
 use crate::link::link_error::LinkError;
 use crate::link::session::Session;
 
+/// Blocks by which a board comes back.
+const YOUNG: u32 = 1000;
 /// How long a board may take to come back.
 const COMEBACK: Duration = Duration::from_secs(3);
 
 /// Resets, and waits until the board answers again.
 pub fn run(session: &mut Session) -> Result<Answer, LinkError> {
+    let before = session.client.status()?.map(|report| report.block);
     session.client.order(Command::Reset)?;
     session.drives(false);
     let until = session.client.now() + COMEBACK;
@@ -24,6 +27,11 @@ pub fn run(session: &mut Session) -> Result<Answer, LinkError> {
             Err(error) => return Err(error),
         }
     };
+    let after = session.client.status()?.map(|report| report.block);
+    // Its blocks are counted from the beginning; a board that has only just begun cannot be told from one that has begun anew.
+    if before > Some(YOUNG) && after >= before {
+        return Err(LinkError::Failed("the board goes on as it was: the order has not arrived. Try again".into()));
+    }
     session.scale = None;
     session.agree_on_patience()?;
     let start = start_in_words(session)?;
