@@ -10,7 +10,7 @@ mod calibration;
 mod capture;
 mod determinism;
 mod emergency_stop;
-mod frame;
+pub mod frame;
 mod host_lost;
 mod lanes;
 mod limits;

@@ -4,6 +4,9 @@
 //! Skipped, with a message, where QEMU or the target's core library is not installed. In continuous integration (`CI=true`) that
 //! is a failure, unless `SONOGLIDE_PIL_UNAVAILABLE` says that installing them was tried and was not possible.
 
+#[cfg(target_os = "linux")]
+mod link;
+mod scenes;
 mod scrambled;
 
 use std::io::Write as _;
@@ -28,18 +31,22 @@ use sim_host::settings;
 
 use self::scrambled::Scrambled;
 
-/// The image; `None` where there can be none, which has then been said.
 fn image() -> Option<PathBuf> {
-    let Some(reason) = pil::missing() else { return Some(pil::image().expect("the image builds")) };
+    is_there("processor in the loop").then(|| pil::image().expect("the image builds"))
+}
+
+/// Whether there can be a processor in the loop; if not, that has been said.
+pub fn is_there(what: &str) -> bool {
+    let Some(reason) = pil::missing() else { return true };
     let in_ci = std::env::var("CI").is_ok_and(|ci| ci == "true");
     let excused = std::env::var_os("SONOGLIDE_PIL_UNAVAILABLE").is_some();
     assert!(!in_ci || excused, "no processor in the loop in continuous integration: {reason}");
     // Straight to the stream: what a passing test prints by macro is never shown.
     let loudly = "========================================================================";
     let banner = format!("{loudly}\nNOT TESTED: the thumb code of the controller; installing QEMU has failed\n{loudly}\n");
-    let text = format!("\n{}SKIPPED, processor in the loop: {reason}\n", if excused { &banner } else { "" });
+    let text = format!("\n{}SKIPPED, {what}: {reason}\n", if excused { &banner } else { "" });
     std::io::stderr().write_all(text.as_bytes()).expect("standard error");
-    None
+    false
 }
 
 fn scene(name: &str) -> Scene {
@@ -68,6 +75,13 @@ fn host_and_thumb_play_identical_codes() {
 
     assert_eq!(here.drive_hash, there.drive_hash, "hashes of all drive codes played");
     assert_eq!(bits(&here.last), bits(&there.last), "{:?}\n{:?}", here.last, there.last);
+    let counted = there.instructions.expect("QEMU counts");
+    assert_eq!(counted.blocks, 9375);
+    // 2800 in the mean, 4553 in the worst block.
+    assert!(counted.worst < 5440 && (2000..3500).contains(&(counted.total / counted.blocks)), "{counted:?}");
+    let memory = there.memory.expect("the image measures its stack");
+    println!("{counted:?} {memory:?}");
+    assert!(memory.stack_blocks < memory.stack_power_up && memory.stack_blocks > 1000, "{memory:?}");
     // Agreement in silence would be worth little.
     let driven = there.rows.iter().filter(|row| row.mode == Mode::Run && row.drive_v > 0.0).count();
     assert!(driven > 1000, "{driven} blocks driven in a burst, of {}", there.rows.len());

@@ -111,7 +111,7 @@ impl AmplitudeLoop {
                 self.within = SETTLED.1;
                 volts
             }
-            Amplitude::MotionalCurrent(amperes) => self.hold(amperes, envelope, magnitude(motional_current)),
+            Amplitude::MotionalCurrent(amperes) => self.hold(amperes, envelope, motional_current),
         };
         self.limited = asked > self.limits.voltage_v;
         self.volts = up_to(self.limits.voltage_v, asked);
@@ -163,7 +163,7 @@ impl AmplitudeLoop {
         }
     }
 
-    fn hold(&mut self, amperes: f32, envelope: f32, motional_current: f32) -> f32 {
+    fn hold(&mut self, amperes: f32, envelope: f32, motional_current: Phasor) -> f32 {
         if self.lag == 0.0 {
             // Nothing is identified, so nobody knows which voltage that would be.
             return 0.0;
@@ -174,6 +174,7 @@ impl AmplitudeLoop {
         if envelope != 1.0 || self.expected < LISTEN_ABOVE * ceiling {
             return self.integral_volts;
         }
+        let motional_current = magnitude(motional_current);
         let error_volts = self.ohm * (self.expected - motional_current);
         self.within = if (ceiling - motional_current).abs() < SETTLED.0 * ceiling { self.within.saturating_add(1) } else { 0 };
         if !error_volts.is_finite() {

@@ -27,7 +27,7 @@ use self::captures::Captures;
 use self::host_watch::HostWatch;
 use self::outbox::Outbox;
 use crate::block::{Orders, Request};
-use crate::command::{Refusal, Reply, ResonanceReport};
+use crate::command::{Converters, Refusal, Reply, ResonanceReport};
 use crate::fault_log::FaultLog;
 use crate::identify::{MOST_MODES, Resonance};
 use crate::keeper::Keeper;
@@ -84,6 +84,7 @@ pub struct App<'a, L, E, S, W, F: NorFlash> {
     telemetry_frames: u16,
     /// What the telemetry has told of the last scan.
     resonances: [Option<Resonance>; MOST_MODES],
+    converters: Converters,
     faults: FaultLog,
     host: HostWatch,
     /// A reset is ordered, and its answer on its way.
@@ -130,6 +131,7 @@ where
             telemetry_frames: 0,
             resonances: Default::default(),
             faults: FaultLog::default(),
+            converters: Converters::of(config),
             host: HostWatch::new(config.link.patience_s, f32::from(config.block_samples) / config.sample_hz),
             resetting: false,
         }

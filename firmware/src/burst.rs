@@ -232,20 +232,22 @@ impl Burst {
     /// The same, half cycle by half cycle.
     fn half_cycles(&mut self, open: bool, brake: Option<Brake>, stretch: &Stretch, span: Range<usize>) {
         let mut n = span.start;
+        let mut phase = stretch.phase_at(n);
         while n < span.end {
-            let phase = stretch.phase_at(n);
             let falls = falling(phase);
             if falls != self.falling {
                 self.falling = falls;
                 self.pass(open, brake);
             }
             let level = self.level();
-            let next = span.end.min(n + if stretch.step == 0 { until_passage(phase, stretch.word) } else { 1 });
+            let (samples, there) =
+                if stretch.step == 0 { until_passage(phase, stretch.word) } else { (1, stretch.phase_at(n + 1)) };
+            let next = span.end.min(n + samples);
             self.levels.get_mut(n..next).into_iter().for_each(|levels| levels.fill(level));
             if let Some(boost) = &mut self.boost {
                 boost.advance(level, next - n);
             }
-            n = next;
+            (n, phase) = (next, there);
         }
     }
 
@@ -305,15 +307,17 @@ fn falling(phase: u64) -> bool {
     phase >> 63 == 1
 }
 
-/// After how many samples the next zero is passed, one at least.
-fn until_passage(phase: u64, word: u64) -> usize {
+/// After how many samples the next zero is passed, one at least; and the phase then.
+fn until_passage(phase: u64, word: u64) -> (usize, u64) {
     // Not more than that many, by a division of 32 bits; the rest one by one. Above 0.01 cycles a sample that is one or none.
     let (rest, step) = ((1 << 31) - 1 - (phase << 1 >> 33) as u32, (word >> 32) as u32);
-    let mut samples = u64::from(rest / step.saturating_add(1));
-    while falling(phase.wrapping_add(samples * word)) == falling(phase) && samples < MAX_BLOCK_SAMPLES as u64 {
+    let mut samples = rest / step.saturating_add(1);
+    let mut there = phase.wrapping_add(u64::from(samples).wrapping_mul(word));
+    while falling(there) == falling(phase) && samples < MAX_BLOCK_SAMPLES as u32 {
         samples += 1;
+        there = there.wrapping_add(word);
     }
-    samples as usize
+    (samples as usize, there)
 }
 
 /// The same after the last sample of a block.

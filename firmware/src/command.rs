@@ -33,7 +33,7 @@ use serde::{Deserialize, Serialize};
 use crate::block::Target;
 use crate::block::{Amplitude, Gate, Orders, Request};
 use crate::capture::{CaptureReport, CaptureVerb, Part};
-use crate::config::{LONGEST_PATIENCE_S, TrimPoint};
+use crate::config::{Config, LONGEST_PATIENCE_S, TrimPoint};
 use crate::fault_log::FaultReport;
 use crate::identify::{MOST_MODES, Resonance};
 use crate::parameters::ParameterReport;
@@ -183,6 +183,36 @@ pub struct Identity {
     pub protocol: u8,
     /// Version of the firmware: major, minor, patch.
     pub firmware: [u8; 3],
+    /// Its converters.
+    pub converters: Converters,
+}
+
+/// What a board's converters are, and no setting changes: without it a host cannot tell what a code or a block number is.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Converters {
+    /// Samples a second, Hz.
+    pub sample_hz: u32,
+    /// Samples in a block.
+    pub block_samples: u16,
+    /// Drive lanes that play.
+    pub lanes: u8,
+    /// The sense code at zero.
+    pub sense_mid_code: u16,
+    /// The drive code at zero volts.
+    pub drive_mid_code: u16,
+}
+
+impl Converters {
+    /// Those of a configuration.
+    pub fn of(config: &Config) -> Self {
+        Converters {
+            sample_hz: config.sample_hz as u32,
+            block_samples: config.block_samples,
+            lanes: config.lanes,
+            sense_mid_code: config.front_end.sense_mid_code,
+            drive_mid_code: config.front_end.drive_mid_code,
+        }
+    }
 }
 
 impl Command {

@@ -39,6 +39,7 @@ use crate::supervisor::{Acquisition, Mode, Supervisor};
 use crate::sweep::Sweep;
 use crate::telemetry::Telemetry;
 use crate::tracker::Tracker;
+use crate::tracker::identified::Learning;
 
 /// A block on its way from `process` to the ear: what was played when the answer arrives.
 #[derive(Clone, Copy, Debug, Default)]
@@ -61,13 +62,20 @@ struct Played {
     pure: bool,
 }
 
-/// The controller.
+/// The controller. What every block reads stands first and in this order, within reach of one instruction.
 #[derive(Clone)]
+#[repr(C)]
 pub struct Controller {
+    block: u64,
+    /// The block in which the transducer was learned.
+    learned: u64,
+    nco: Nco,
     samples: usize,
-    convert: Convert,
-    shape: Shape,
-    phasing: Phasing,
+    supervisor: Supervisor,
+    acquisition: Acquisition,
+    played: [Played; LATENCY_BLOCKS],
+    sweep: Sweep,
+    amplitude: AmplitudeLoop,
     amplitude_asked: Amplitude,
     /// Time constant of the resonance in periods, as told.
     nominal_periods: f32,
@@ -76,34 +84,29 @@ pub struct Controller {
     scan_volts: f32,
     /// The drive that the present brake or boost is for, V.
     braked_volts: f32,
-    edges: Edges,
-
-    block: u64,
-    nco: Nco,
-    sweep: Sweep,
-    burst: Burst,
-    restraint: Option<Restraint>,
-    shaper: Shaper,
-    played: [Played; LATENCY_BLOCKS],
-    belt: Belt,
-    guard: Guard,
-    supervisor: Supervisor,
-    self_test: SelfTest,
-    scan: Scan,
-    calibrate: Calibrate,
-    acquisition: Acquisition,
-    power_on: PowerOn,
+    /// How far beside the resonance to drive to measure the clamped capacitance, Hz.
+    probe_hz: f32,
+    transducer: Option<Transducer>,
+    /// What is being learned of it anew.
+    learning: Learning,
+    tracker: Tracker,
     /// A resonance that comes back in the middle of the calibration looks like none, or like a broken one: it is made once more.
     calibrates_again: bool,
     online: Online,
-    /// How far beside the resonance to drive to measure the clamped capacitance, Hz.
-    probe_hz: f32,
-    tracker: Tracker,
-    amplitude: AmplitudeLoop,
+    convert: Convert,
+    guard: Guard,
+    belt: Belt,
+    shaper: Shaper,
+    burst: Burst,
+    edges: Edges,
+    phasing: Phasing,
+    shape: Shape,
+    self_test: SelfTest,
+    restraint: Option<Restraint>,
     friction: Option<FrictionSwitch>,
-    transducer: Option<Transducer>,
-    /// The block in which that was learned.
-    learned: u64,
+    power_on: PowerOn,
+    calibrate: Calibrate,
+    scan: Scan,
 }
 
 impl Controller {
@@ -206,7 +209,7 @@ impl Controller {
             tone,
             relative: hz / self.sweep.hold.nominal_hz(),
             offset_hz,
-            detune_hz: if running && self.tracker.tracks() { offset_hz - self.tracker.offset_hz() } else { 0.0 },
+            detune_hz: if running && self.tracker.tracks() { offset_hz - plan.tracked_hz } else { 0.0 },
             volts,
             audible: fundamental.map(|part| part * gain),
             envelope: level,

@@ -66,37 +66,57 @@ pub fn demodulate(convert: &Convert, sense: &SenseBlock, tone: &Stretch) -> (Sen
     let image = middle * middle * (2.0 * half.im * half.re / (turn.im * count));
     let scale = 2.0 / (count * (1.0 - image.norm_sqr()));
     let blind = image.norm_sqr() > BLIND;
-    let channel = |channel: &SenseScale, codes: &[u16]| {
-        let (rung, energy) = ring(channel, codes, turn);
-        let r = last * rung;
+    let (v, i) = ring(convert, &sense.v[..samples], &sense.i[..samples], 2.0 * turn.re);
+    let fit = |channel: &SenseScale, ring: Ring| {
+        let r = last * ring.against(turn);
         let x = (r - r.conj() * image) * scale;
-        let left = energy - (x.re * r.re + x.im * r.im);
+        let left = ring.energy - (x.re * r.re + x.im * r.im);
         (channel.scale(x), blind || !channel.holds(x.norm_sqr(), left))
     };
-    let (v, v_suspect) = channel(&convert.v, &sense.v[..samples]);
-    let (i, i_suspect) = channel(&convert.i, &sense.i[..samples]);
+    let ((v, v_suspect), (i, i_suspect)) = (fit(&convert.v, v), fit(&convert.i, i));
     (Sensed { v, i }, Suspect { v: v_suspect, i: i_suspect })
 }
 
-/// What the codes of a channel ring up, against the phase of the last; and their energy.
-#[inline]
-fn ring(channel: &SenseScale, codes: &[u16], turn: Phasor) -> (Phasor, f32) {
-    let (k, zero) = (2.0 * turn.re, channel.zero());
-    let (mut late, mut early, mut energy) = (0.0, 0.0, 0.0);
-    let mut step = |code: u16, late: f32, early: f32| {
-        let x = f32::from(code) - zero;
-        energy += x * x;
-        x - early + k * late
+/// The resonator of a channel.
+#[derive(Clone, Copy, Default)]
+struct Ring {
+    /// `s(n)` and `s(n - 1)`.
+    late: f32,
+    early: f32,
+    /// Of the codes so far.
+    energy: f32,
+}
+
+impl Ring {
+    /// Takes a code about zero; `k` is `2 cos(omega)`.
+    #[inline(always)]
+    fn take(&mut self, x: f32, k: f32) {
+        self.energy += x * x;
+        (self.late, self.early) = (x - self.early + k * self.late, self.late);
+    }
+
+    /// What has been rung up, against the phase of the last code.
+    #[inline]
+    fn against(&self, turn: Phasor) -> Phasor {
+        Phasor::new(self.late - turn.re * self.early, turn.im * self.early)
+    }
+}
+
+/// Lets the codes of both channels, equally many, ring up a resonator each. Side by side, neither waits for its own last step.
+#[inline(always)]
+fn ring(convert: &Convert, v: &[u16], i: &[u16], k: f32) -> (Ring, Ring) {
+    let (v_zero, i_zero) = (convert.v.zero(), convert.i.zero());
+    let (mut v_ring, mut i_ring) = (Ring::default(), Ring::default());
+    let mut take = |(&v, &i): (&u16, &u16)| {
+        v_ring.take(f32::from(v) - v_zero, k);
+        i_ring.take(f32::from(i) - i_zero, k);
     };
-    let (pairs, rest) = codes.as_chunks::<2>();
-    for &[first, second] in pairs {
-        early = step(first, late, early);
-        late = step(second, early, late);
+    let ((v_fours, v_rest), (i_fours, i_rest)) = (v.as_chunks::<4>(), i.as_chunks::<4>());
+    for (v_four, i_four) in v_fours.iter().zip(i_fours) {
+        v_four.iter().zip(i_four).for_each(&mut take);
     }
-    for &code in rest {
-        (late, early) = (step(code, late, early), late);
-    }
-    (Phasor::new(late - turn.re * early, turn.im * early), energy)
+    v_rest.iter().zip(i_rest).for_each(&mut take);
+    (v_ring, i_ring)
 }
 
 #[cfg(test)]

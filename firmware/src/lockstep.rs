@@ -3,20 +3,32 @@
 //! Host and processor take turns, so that neither ever holds more than one record:
 //!
 //! ```text
-//! host       Config            Question            Question            (end of stream)
-//! processor          Opening             Answer              Answer
+//! the controller alone
+//! host       Config            Question            Question            (none)            (end of stream)
+//! processor          Opening             Answer              Answer            Closing
 //!
-//! record = length: u16, little-endian | body: postcard
+//! all of a board's program, with the block task and the slow side
+//! host       Config            Beat            Beat                              Config
+//! processor          Opening         Played          Played (it resets itself)           Opening
+//!
+//! record = length: u16, little-endian | body
+//! codes  = count: u8 | codes: u16 each, little-endian
 //! ```
 //!
-//! Codes travel as raw little-endian bytes: as postcard's variable-length integers they would take more instructions than the
-//! controller itself. The records' versions are those of this crate: both ends are built from the same source.
+//! A body is postcard, but for the codes, which stand before it as they are: as postcard's variable-length integers they would take more
+//! instructions than the controller itself, and as part of a larger value they would be copied on its stack. A record without a body asks
+//! for the [`Closing`]: what the run has needed of the processor. More questions may follow. The records' versions are those of this crate:
+//! both ends are built from the same source.
 
-use heapless::{String, Vec};
+mod wire;
+
+use heapless::String;
 use serde::{Deserialize, Serialize};
 
-use crate::block::{Codes, DriveBlock, MAX_LANES, Orders, SenseBlock, SlowSense};
+use crate::block::{DriveBlock, Orders, SenseBlock};
+use crate::config::Config;
 use crate::telemetry::Telemetry;
+use wire::{put, put_drive, put_sense, take, take_drive, take_sense};
 
 /// The longest record, with its length.
 pub const MAX_RECORD: usize = 1024;
@@ -32,35 +44,86 @@ pub const BUFFER: Buffer = [0; MAX_RECORD];
 
 const LENGTH_BYTES: usize = 2;
 
+/// The record that asks for the [`Closing`].
+pub const CLOSE: [u8; LENGTH_BYTES] = [0; LENGTH_BYTES];
+
+/// What can be sent.
+pub trait Record {
+    /// Writes it to the beginning of `room`, and returns what is left; `None` if it does not fit.
+    fn put<'a>(&self, room: &'a mut [u8]) -> Option<&'a mut [u8]>;
+
+    /// Reads it from the beginning of `bytes`, and returns what is left; `None` if there is no such thing. It is then of no use.
+    fn take<'a>(&mut self, bytes: &'a [u8]) -> Option<&'a [u8]>;
+}
+
+/// A record that is postcard as a whole.
+macro_rules! plain {
+    ($($record:ty),+) => {
+        $(impl Record for $record {
+            fn put<'a>(&self, room: &'a mut [u8]) -> Option<&'a mut [u8]> {
+                put(self, room)
+            }
+
+            fn take<'a>(&mut self, bytes: &'a [u8]) -> Option<&'a [u8]> {
+                take(self, bytes)
+            }
+        })+
+    };
+}
+
+plain!(Config, Closing);
+
 /// What the processor says to its configuration.
-pub type Opening = Result<Silence, Reason>;
+#[derive(Clone, Debug, PartialEq)]
+pub struct Opening {
+    /// Whether the controller is built, or why not.
+    pub built: Result<(), Reason>,
+    /// A block of silence: what plays until it has answered.
+    pub silence: DriveBlock,
+}
 
 /// Why a configuration is refused, in words.
 pub type Reason = String<MAX_REASON>;
 
-/// The controller is built; this plays until it has answered.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Silence {
-    /// A block of silence.
-    #[serde(with = "RawDrive")]
-    pub drive: DriveBlock,
+impl Default for Opening {
+    fn default() -> Self {
+        Opening { built: Ok(()), silence: DriveBlock::default() }
+    }
+}
+
+impl Record for Opening {
+    fn put<'a>(&self, room: &'a mut [u8]) -> Option<&'a mut [u8]> {
+        put(&self.built, put_drive(&self.silence, room)?)
+    }
+
+    fn take<'a>(&mut self, bytes: &'a [u8]) -> Option<&'a [u8]> {
+        take(&mut self.built, take_drive(&mut self.silence, bytes)?)
+    }
 }
 
 /// The arguments of [`Controller::process`](crate::controller::Controller::process).
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Question {
     /// The latest orders.
     pub orders: Orders,
     /// What the converters saw.
-    #[serde(with = "RawSense")]
     pub sense: SenseBlock,
 }
 
+impl Record for Question {
+    fn put<'a>(&self, room: &'a mut [u8]) -> Option<&'a mut [u8]> {
+        put(&self.orders, put_sense(&self.sense, room)?)
+    }
+
+    fn take<'a>(&mut self, bytes: &'a [u8]) -> Option<&'a [u8]> {
+        take(&mut self.orders, take_sense(&mut self.sense, bytes)?)
+    }
+}
+
 /// Its results.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Answer {
     /// The codes to play.
-    #[serde(with = "RawDrive")]
     pub drive: DriveBlock,
     /// The report.
     pub telemetry: Telemetry,
@@ -68,15 +131,94 @@ pub struct Answer {
     pub instructions: Option<u32>,
 }
 
+impl Record for Answer {
+    fn put<'a>(&self, room: &'a mut [u8]) -> Option<&'a mut [u8]> {
+        put(&self.instructions, put(&self.telemetry, put_drive(&self.drive, room)?)?)
+    }
+
+    fn take<'a>(&mut self, bytes: &'a [u8]) -> Option<&'a [u8]> {
+        take(&mut self.instructions, take(&mut self.telemetry, take_drive(&mut self.drive, bytes)?)?)
+    }
+}
+
+/// What a run has needed of the processor.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Closing {
+    /// The deepest that the stack was until the controller was built, bytes from its top.
+    pub stack_power_up_bytes: u32,
+    /// The deepest that it was since then, bytes from its top.
+    pub stack_blocks_bytes: u32,
+}
+
+/// A block of a whole board, as its pins and converters see it.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Beat {
+    /// What the converters saw.
+    pub sense: SenseBlock,
+    /// The rest.
+    pub pins: Pins,
+}
+
+/// What else comes to a board with a block.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Pins {
+    /// Bytes that were sent to its serial port since it was started. It hears all of them before it goes on.
+    pub sent: u32,
+    /// The emergency stop is pressed.
+    pub stop: bool,
+}
+
+impl Record for Beat {
+    fn put<'a>(&self, room: &'a mut [u8]) -> Option<&'a mut [u8]> {
+        put(&self.pins, put_sense(&self.sense, room)?)
+    }
+
+    fn take<'a>(&mut self, bytes: &'a [u8]) -> Option<&'a [u8]> {
+        take(&mut self.pins, take_sense(&mut self.sense, bytes)?)
+    }
+}
+
+/// What a board makes of it.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Played {
+    /// The codes to play.
+    pub drive: DriveBlock,
+    /// The rest.
+    pub board: Board,
+}
+
+/// What else can be seen of a board after a block.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Board {
+    /// The amplifier is enabled.
+    pub enable: bool,
+    /// How often the watchdog was fed so far.
+    pub fed: u32,
+    /// A pin or the link has failed.
+    pub failed: bool,
+    /// It resets itself now, and then waits for a configuration.
+    pub resets: bool,
+}
+
+impl Record for Played {
+    fn put<'a>(&self, room: &'a mut [u8]) -> Option<&'a mut [u8]> {
+        put(&self.board, put_drive(&self.drive, room)?)
+    }
+
+    fn take<'a>(&mut self, bytes: &'a [u8]) -> Option<&'a [u8]> {
+        take(&mut self.board, take_drive(&mut self.drive, bytes)?)
+    }
+}
+
 /// A record that does not fit into [`MAX_RECORD`], or is not of the expected form.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct BadRecord;
 
 /// Writes a record into `buffer`, and returns the bytes to send.
-pub fn encode<'a, T: Serialize>(record: &T, buffer: &'a mut Buffer) -> Result<&'a [u8], BadRecord> {
-    let (length, body) = buffer.split_at_mut(LENGTH_BYTES);
-    let size = postcard::to_slice(record, body).map_err(|_| BadRecord)?.len();
-    length.copy_from_slice(&(size as u16).to_le_bytes());
+pub fn encode<'a>(record: &impl Record, buffer: &'a mut Buffer) -> Result<&'a [u8], BadRecord> {
+    let left = record.put(&mut buffer[LENGTH_BYTES..]).ok_or(BadRecord)?.len();
+    let size = MAX_RECORD - LENGTH_BYTES - left;
+    buffer[..LENGTH_BYTES].copy_from_slice(&(size as u16).to_le_bytes());
     Ok(&buffer[..LENGTH_BYTES + size])
 }
 
@@ -97,94 +239,19 @@ pub fn receive<E>(buffer: &mut Buffer, mut read: impl FnMut(&mut [u8]) -> Result
     }
 }
 
-/// The record in what [`receive`] has returned.
-pub fn decode<'a, T: Deserialize<'a>>(body: &'a [u8]) -> Result<T, BadRecord> {
-    match postcard::take_from_bytes(body) {
-        Ok((record, [])) => Ok(record),
+/// Reads the record in what [`receive`] has returned, in place of what `record` was.
+pub fn decode(body: &[u8], record: &mut impl Record) -> Result<(), BadRecord> {
+    match record.take(body) {
+        Some([]) => Ok(()),
         _ => Err(BadRecord),
     }
 }
 
-/// [`SenseBlock`], with raw codes.
-#[derive(Serialize, Deserialize)]
-#[serde(remote = "SenseBlock")]
-struct RawSense {
-    #[serde(with = "raw_codes")]
-    v: Codes,
-    #[serde(with = "raw_codes")]
-    i: Codes,
-    slow: SlowSense,
-}
-
-/// [`DriveBlock`], with raw codes.
-#[derive(Serialize, Deserialize)]
-#[serde(remote = "DriveBlock")]
-struct RawDrive {
-    #[serde(with = "raw_lanes")]
-    lanes: Vec<Codes, MAX_LANES>,
-    listen: u8,
-}
-
-/// Codes as little-endian bytes.
-mod raw_codes {
-    use core::fmt;
-
-    use serde::de::{Deserializer, Error, Visitor};
-    use serde::ser::Serializer;
-
-    use crate::block::{Codes, MAX_BLOCK_SAMPLES};
-
-    pub fn serialize<S: Serializer>(codes: &Codes, serializer: S) -> Result<S::Ok, S::Error> {
-        let mut bytes = [0; 2 * MAX_BLOCK_SAMPLES];
-        for (pair, code) in bytes.chunks_exact_mut(2).zip(codes) {
-            pair.copy_from_slice(&code.to_le_bytes());
-        }
-        serializer.serialize_bytes(&bytes[..2 * codes.len()])
-    }
-
-    pub fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Codes, D::Error> {
-        deserializer.deserialize_bytes(Pairs)
-    }
-
-    struct Pairs;
-
-    impl Visitor<'_> for Pairs {
-        type Value = Codes;
-
-        fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
-            f.write_str("pairs of bytes")
-        }
-
-        fn visit_bytes<E: Error>(self, bytes: &[u8]) -> Result<Codes, E> {
-            match bytes.chunks_exact(2) {
-                pairs if pairs.remainder().is_empty() && pairs.len() <= MAX_BLOCK_SAMPLES => {
-                    Ok(pairs.map(|pair| u16::from_le_bytes([pair[0], pair[1]])).collect())
-                }
-                _ => Err(E::invalid_length(bytes.len(), &self)),
-            }
-        }
-    }
-}
-
-/// Lanes of such codes.
-mod raw_lanes {
-    use heapless::Vec;
-    use serde::{Deserialize, Deserializer, Serialize, Serializer};
-
-    use crate::block::{Codes, MAX_LANES};
-
-    #[derive(Serialize)]
-    struct Sent<'a>(#[serde(with = "super::raw_codes")] &'a Codes);
-
-    #[derive(Deserialize)]
-    struct Received(#[serde(with = "super::raw_codes")] Codes);
-
-    pub fn serialize<S: Serializer>(lanes: &Vec<Codes, MAX_LANES>, serializer: S) -> Result<S::Ok, S::Error> {
-        lanes.iter().map(Sent).collect::<Vec<_, MAX_LANES>>().serialize(serializer)
-    }
-
-    pub fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Vec<Codes, MAX_LANES>, D::Error> {
-        Ok(Vec::<Received, MAX_LANES>::deserialize(deserializer)?.into_iter().map(|lane| lane.0).collect())
+/// The configuration in what [`receive`] has returned: the one record that there is none of before it comes.
+pub fn configuration(body: &[u8]) -> Result<Config, BadRecord> {
+    match postcard::take_from_bytes(body) {
+        Ok((config, [])) => Ok(config),
+        _ => Err(BadRecord),
     }
 }
 

@@ -35,6 +35,8 @@ pub struct Lane {
     pub gain: f32,
     /// The gain in the direction of the offset.
     pub row: Phasor,
+    /// It is the opposite of the lane two before, to the last bit.
+    pub mirrors: bool,
 }
 
 /// The lanes of a drive.
@@ -109,8 +111,10 @@ impl Phasing {
 
     /// The quadrature asked for, or the configured one; and whether it had to be limited. A not-a-number is the configured one.
     pub fn quadrature(&self, asked: Option<Turns>) -> (f32, bool) {
-        let asked = asked.map(|turns| turns.0).filter(|turns| !turns.is_nan()).unwrap_or(self.forward);
-        (asked.clamp(-MAX_QUADRATURE, MAX_QUADRATURE), asked.abs() > MAX_QUADRATURE)
+        match asked {
+            Some(Turns(turns)) if !turns.is_nan() => (turns.clamp(-MAX_QUADRATURE, MAX_QUADRATURE), turns.abs() > MAX_QUADRATURE),
+            _ => (self.forward, false),
+        }
     }
 
     /// Where each lane ought to stand, 2^32 a turn.
@@ -141,6 +145,10 @@ impl Phasing {
             (self.hz, self.quadrature) = (hz, quadrature);
             let offset = |lane: usize| OFFSETS[lane].0 + OFFSETS[lane].1 * quadrature;
             self.lanes = (0..self.fixed.len()).map(|lane| self.lane(lane, offset(lane))).collect();
+            for n in 2..self.lanes.len() {
+                self.lanes[n].mirrors =
+                    self.lanes[n].row == -self.lanes[n - 2].row && self.lanes[n].gain == self.lanes[n - 2].gain;
+            }
         }
         &self.lanes
     }
@@ -149,7 +157,7 @@ impl Phasing {
         let (fixed, found) = (self.fixed[lane], self.calibrated(lane));
         let gain = fixed.gain * found.gain;
         let offset = phase_of_turns(offset_turns + fixed.phase_turns + found.phase_turns);
-        Lane { offset, gain, row: sine::rotation(u64::from(offset) << 32) * gain }
+        Lane { offset, gain, row: sine::rotation(u64::from(offset) << 32) * gain, mirrors: false }
     }
 
     /// What the calibration says of a lane, on a straight line between its neighbours in frequency.

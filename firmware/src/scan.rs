@@ -157,9 +157,12 @@ impl Scan {
         self.still_blocks += 1;
         match self.stage {
             Stage::Window(part) => {
-                if self.sweep(convert, sense) {
+                // The last block of the sweep has enough to do, and in the first there is nothing to hear yet.
+                if self.blocks == 1 {
                     let (blocks, samples) = self.heard();
                     self.search.restart(&self.bare, blocks, samples);
+                }
+                if self.sweep(convert, sense) {
                     self.begin(Stage::Search(part));
                 }
                 self.tune()

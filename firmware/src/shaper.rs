@@ -5,6 +5,8 @@
 //! (its sampling, its rounding, the shape of its edges) is counted in codes and paid back in the silence after it, an eighth of the
 //! amplitude a sample at most: over burst and silence the codes of every lane add up to nothing.
 
+mod rows;
+
 use heapless::Vec;
 
 use crate::block::{Codes, DriveBlock, MAX_BLOCK_SAMPLES, MAX_LANES};
@@ -15,9 +17,10 @@ use crate::nco::Stretch;
 use crate::phasing::Lane;
 use crate::phasor::Phasor;
 use crate::shape::Shape;
-use crate::shape::bands::Blend;
-use crate::shape::noise::Dither;
+use crate::shape::bands::{Bands, Blend};
+use crate::shape::noise::{Dither, Noise};
 use crate::shape::sine::{self, Steady};
+use crate::shaper::rows::Row;
 
 /// The most that is paid back in a sample: codes, and a part of the amplitude.
 const PAYBACK: (f32, f32) = (32.0, 0.125);
@@ -32,8 +35,8 @@ pub struct Shaper {
     /// What each lane has played too much since it was last even, codes times samples.
     owed: [i32; MAX_LANES],
     most_owed: i32,
-    /// The most that is paid back in a sample, codes.
-    payback: i32,
+    /// Amplitude of the last block that was driven, codes.
+    driven: f32,
 }
 
 /// What is to be played.
@@ -79,7 +82,7 @@ impl Shaper {
             dither: config.drive.dither.then(|| Dither::new(config.drive.seed)),
             owed: [0; MAX_LANES],
             most_owed: MOST_OWED.0,
-            payback: 0,
+            driven: 0.0,
         }
     }
 
@@ -101,59 +104,139 @@ impl Shaper {
         if play.volts == 0.0 || play.envelope == Envelope::Flat(0.0) {
             return self.silence(play, drive);
         }
-        let (size, (codes, part)) = (Size::of(play), PAYBACK);
-        self.payback = (size.wanted * part).clamp(1.0, codes) as i32;
-        let stretch = &play.stretch;
+        let size = Size::of(play);
+        self.driven = size.wanted;
         if play.louder > 1.0 && !play.envelope.is_flat() {
-            let half_cycle = size.wanted * play.louder / (core::f32::consts::PI * stretch.frequency());
-            self.most_owed = ((MOST_OWED.1 * half_cycle).min(1e8) as i32).max(MOST_OWED.0);
+            self.let_owe(size.wanted * play.louder, play.stretch.frequency());
         }
-        let each = play.lanes.iter().zip(&mut drive.lanes).enumerate();
         match shape {
-            Shape::Sine if stretch.step == 0 => {
-                let steady = Steady::new(stretch);
-                each.for_each(|(n, (lane, codes))| {
-                    let mut swing = steady.swing(lane.row * size.at(lane.gain));
-                    self.write(n, play, codes, || swing.take());
-                });
+            Shape::Sine if play.stretch.step == 0 => self.steady(size, play, drive),
+            Shape::Sine => self.chirp(size, play, drive),
+            Shape::Harmonics(_, bands) => self.harmonics(bands, size, play, drive),
+            Shape::Noise(_, noise) => self.noise(noise, size, play, drive),
+        }
+    }
+
+    /// Lets as much be owed as an edge of this amplitude, codes, may leave.
+    #[inline(never)]
+    fn let_owe(&mut self, amplitude: f32, frequency: f32) {
+        let half_cycle = amplitude / (core::f32::consts::PI * frequency);
+        self.most_owed = ((MOST_OWED.1 * half_cycle).min(1e8) as i32).max(MOST_OWED.0);
+    }
+
+    /// A sine of constant frequency. Most blocks are one of the first two, which are kept apart so that neither pays for the other.
+    fn steady(&mut self, size: Size, play: &Play, drive: &mut DriveBlock) {
+        match (&self.dither, play.envelope) {
+            (None, Envelope::Flat(1.0)) => self.even(size, play, drive),
+            (None, Envelope::Edge(levels)) => self.edge(size, play, drive, levels),
+            _ => self.swung(size, play, drive),
+        }
+    }
+
+    /// Under an envelope of one, without a dither.
+    #[inline(never)]
+    fn even(&mut self, size: Size, play: &Play, drive: &mut DriveBlock) {
+        self.swing(size, play, drive, rows::even, rows::even_both);
+    }
+
+    /// Under an envelope that differs from sample to sample, without a dither.
+    #[inline(never)]
+    fn edge(&mut self, size: Size, play: &Play, drive: &mut DriveBlock, levels: &[f32]) {
+        let one = |row: Row, codes: &mut [u16]| rows::edge(row, levels, codes);
+        self.swing(size, play, drive, one, |row, codes, opposite| rows::edge_both(row, levels, codes, opposite));
+    }
+
+    /// Writes each lane's swing, and with it the lane that is its opposite, if there is one.
+    #[inline(always)]
+    fn swing(
+        &mut self,
+        size: Size,
+        play: &Play,
+        drive: &mut DriveBlock,
+        one: impl Fn(Row, &mut [u16]) -> i32,
+        both: impl Fn(Row, &mut [u16], &mut [u16]) -> i32,
+    ) {
+        let steady = Steady::new(&play.stretch);
+        let (mid, base) = (play.scale.silence(), play.scale.rounding_base());
+        let silent = i32::from(mid) * play.samples as i32;
+        let mut lanes = drive.lanes.as_mut_slice();
+        for (n, lane) in play.lanes.iter().enumerate() {
+            let Some((codes, rest)) = lanes.split_first_mut() else { break };
+            lanes = rest;
+            if n >= 2 && lane.mirrors {
+                continue;
             }
-            Shape::Sine => {
-                // One pair a sample, for all lanes.
-                let (mut pairs, mut phases) = ([Phasor::default(); MAX_BLOCK_SAMPLES], stretch.phases(0));
-                pairs.iter_mut().take(play.samples).for_each(|z| *z = sine::rotation(u64::from(phases.take()) << 32));
-                each.for_each(|(n, (lane, codes))| {
-                    let (row, mut pairs) = (lane.row * size.at(lane.gain), pairs.iter());
-                    self.write(n, play, codes, || pairs.next().map_or(0.0, |z| z.im * row.re + z.re * row.im));
-                });
-            }
-            Shape::Harmonics(_, bands) => {
-                let Blend { lower, upper, weight } = bands.at(stretch.frequency());
-                each.for_each(|(n, (lane, codes))| {
-                    let (peak, mut phases) = (size.at(lane.gain) * lane.gain, stretch.phases(lane.offset));
-                    if weight == 1.0 {
-                        return self.write(n, play, codes, || peak * upper.at(phases.take()));
-                    }
-                    self.write(n, play, codes, || {
-                        let phase = phases.take();
-                        let (low, high) = (lower.at(phase), upper.at(phase));
-                        peak * (low + weight * (high - low))
-                    });
-                });
-            }
-            Shape::Noise(_, noise) => {
-                let mut wave = [0.0; MAX_BLOCK_SAMPLES];
-                wave.iter_mut().take(play.samples).for_each(|value| *value = noise.take());
-                each.for_each(|(n, (lane, codes))| {
-                    let (peak, mut values) = (size.at(lane.gain) * lane.gain, wave.iter());
-                    self.write(n, play, codes, || peak * values.next().copied().unwrap_or(0.0));
-                });
+            let row = Row { swing: steady.swing(lane.row * size.at(lane.gain)), base, twice: mid.wrapping_mul(2) };
+            match (play.lanes.get(n + 2), lanes.get_mut(1)) {
+                (Some(Lane { mirrors: true, .. }), Some(opposite)) => {
+                    let beside = both(row, codes, opposite) - silent;
+                    self.owe(n, beside);
+                    self.owe(n + 2, -beside);
+                }
+                _ => {
+                    let beside = one(row, codes) - silent;
+                    self.owe(n, beside);
+                }
             }
         }
     }
 
-    /// Rounds a waveform to the codes of a lane. Amplitudes are limited where they are made, so that every sum is a code.
+    /// Under any other envelope, or with a dither.
+    #[inline(never)]
+    fn swung(&mut self, size: Size, play: &Play, drive: &mut DriveBlock) {
+        let steady = Steady::new(&play.stretch);
+        for (n, (lane, codes)) in play.lanes.iter().zip(&mut drive.lanes).enumerate() {
+            let mut swing = steady.swing(lane.row * size.at(lane.gain));
+            let beside = self.write(play, codes, || swing.take());
+            self.owe(n, beside);
+        }
+    }
+
+    /// A sine whose frequency moves: one pair a sample, for all lanes.
+    #[inline(never)]
+    fn chirp(&mut self, size: Size, play: &Play, drive: &mut DriveBlock) {
+        let (mut pairs, mut phases) = ([Phasor::default(); MAX_BLOCK_SAMPLES], play.stretch.phases(0));
+        pairs.iter_mut().take(play.samples).for_each(|z| *z = sine::rotation(u64::from(phases.take()) << 32));
+        for (n, (lane, codes)) in play.lanes.iter().zip(&mut drive.lanes).enumerate() {
+            let (row, mut pairs) = (lane.row * size.at(lane.gain), pairs.iter());
+            let beside = self.write(play, codes, || pairs.next().map_or(0.0, |z| z.im * row.re + z.re * row.im));
+            self.owe(n, beside);
+        }
+    }
+
+    #[inline(never)]
+    fn harmonics(&mut self, bands: &Bands, size: Size, play: &Play, drive: &mut DriveBlock) {
+        let Blend { lower, upper, weight } = bands.at(play.stretch.frequency());
+        for (n, (lane, codes)) in play.lanes.iter().zip(&mut drive.lanes).enumerate() {
+            let (peak, mut phases) = (size.at(lane.gain) * lane.gain, play.stretch.phases(lane.offset));
+            let beside = if weight == 1.0 {
+                self.write(play, codes, || peak * upper.at(phases.take()))
+            } else {
+                self.write(play, codes, || {
+                    let phase = phases.take();
+                    let (low, high) = (lower.at(phase), upper.at(phase));
+                    peak * (low + weight * (high - low))
+                })
+            };
+            self.owe(n, beside);
+        }
+    }
+
+    #[inline(never)]
+    fn noise(&mut self, noise: &mut Noise, size: Size, play: &Play, drive: &mut DriveBlock) {
+        let mut wave = [0.0; MAX_BLOCK_SAMPLES];
+        wave.iter_mut().take(play.samples).for_each(|value| *value = noise.take());
+        for (n, (lane, codes)) in play.lanes.iter().zip(&mut drive.lanes).enumerate() {
+            let (peak, mut values) = (size.at(lane.gain) * lane.gain, wave.iter());
+            let beside = self.write(play, codes, || peak * values.next().copied().unwrap_or(0.0));
+            self.owe(n, beside);
+        }
+    }
+
+    /// Rounds a waveform to the codes of a lane, and returns their sum about mid-code. Amplitudes are limited where they are made, so that every
+    /// sum is a code.
     #[inline(always)]
-    fn write(&mut self, lane: usize, play: &Play, codes: &mut Codes, mut next: impl FnMut() -> f32) {
+    fn write(&mut self, play: &Play, codes: &mut Codes, mut next: impl FnMut() -> f32) -> i32 {
         let base = play.scale.rounding_base();
         let mut sum = 0;
         let mut put = |place: &mut u16, value: f32| {
@@ -182,14 +265,23 @@ impl Shaper {
                 put(place, level * next() + dithered);
             }),
         }
-        let silent = i32::from(play.scale.silence()) * play.samples as i32;
+        sum - i32::from(play.scale.silence()) * play.samples as i32
+    }
+
+    /// Adds what a lane has played beside mid-code to what it owes.
+    #[inline(always)]
+    fn owe(&mut self, lane: usize, beside: i32) {
         // `clamp` could panic, for all that the compiler knows.
-        self.owed[lane] = (self.owed[lane] + (sum - silent)).min(self.most_owed).max(-self.most_owed);
+        if let Some(owed) = self.owed.get_mut(lane) {
+            *owed = (*owed + beside).min(self.most_owed).max(-self.most_owed);
+        }
     }
 
     /// Mid-code, but for what is owed.
+    #[inline(never)]
     fn silence(&mut self, play: &Play, drive: &mut DriveBlock) {
-        let (mid, most) = (play.scale.silence(), self.payback);
+        let (mid, (codes, part)) = (play.scale.silence(), PAYBACK);
+        let most = (self.driven * part).clamp(1.0, codes) as i32;
         for (codes, owed) in drive.lanes.iter_mut().zip(&mut self.owed) {
             codes.fill(mid);
             for code in codes {

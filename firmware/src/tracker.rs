@@ -19,7 +19,8 @@ use crate::error::Error;
 use crate::identify::Transducer;
 use crate::motional::Motional;
 use crate::phasor::Phasor;
-use crate::tracker::identified::Known;
+use crate::tracker::compare::{larger, smaller};
+use crate::tracker::identified::{Known, Learning};
 use crate::tracker::lock_detector::{Lock, LockDetector};
 use crate::tracker::observed::{Observed, Seek};
 use crate::tracker::observer::Prior;
@@ -181,6 +182,13 @@ impl Tracker {
         self.observed.as_ref().is_some_and(Observed::is_sure)
     }
 
+    /// Begins to learn the same in parts, where there is an observer.
+    pub fn learn(&self, learning: &mut Learning) {
+        if let Some(observed) = &self.observed {
+            learning.begin(observed.observer(), self.nominal_hz, &self.known);
+        }
+    }
+
     /// What the observer knows of the transducer by now.
     pub fn identify(&self) -> Option<Transducer> {
         self.observed.as_ref().map(|observed| identified::circuit(observed.observer(), self.nominal_hz, &self.known))
@@ -312,7 +320,7 @@ impl Tracker {
     pub fn offset_hz(&self) -> f32 {
         let window = self.window_hz();
         match self.observed.as_ref().and_then(Observed::offset_hz) {
-            Some(offset_hz) => offset_hz.clamp(-window, window),
+            Some(offset_hz) => smaller(larger(offset_hz, -window), window),
             None => self.phase_loop.offset_hz(),
         }
     }

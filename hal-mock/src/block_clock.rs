@@ -20,6 +20,11 @@ impl<A: Analog> BlockClock<A> {
         BlockClock { analog, pending: std::array::from_fn(|_| silence.clone()), sense: SenseBlock::default(), block: 0 }
     }
 
+    /// Forgets what is on its way: the board was reset, and `silence` plays. The plant goes on.
+    pub fn restart(&mut self, silence: &DriveBlock) {
+        self.pending.iter_mut().for_each(|pending| pending.clone_from(silence));
+    }
+
     /// Plays one block and hands what was heard to `process`, whose codes play [`LATENCY_BLOCKS`] blocks later.
     pub fn tick<T>(&mut self, process: impl FnOnce(&SenseBlock, &mut DriveBlock) -> T) -> T {
         let slot = &mut self.pending[(self.block % LATENCY_BLOCKS as u64) as usize];

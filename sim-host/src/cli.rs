@@ -16,6 +16,7 @@ mod crash;
 mod friction;
 mod guard;
 mod instructions;
+mod link;
 mod precision;
 mod progress;
 mod run;
@@ -103,6 +104,9 @@ enum Command {
     /// Crash light, medium and heavy occupants with the D-ring's friction switched, and hold them against the passive belt.
     #[command(after_help = EXIT_CODES)]
     Crash(crash::CrashArgs),
+    /// Talk to a driver board, or to a simulated one.
+    #[command(after_help = EXIT_CODES)]
+    Link(Box<link::LinkArgs>),
 }
 
 #[derive(Args)]
@@ -170,6 +174,7 @@ pub fn main() -> ExitCode {
         Some(Command::Friction(args)) => friction::run(&args, color),
         Some(Command::Guard(args)) => guard::run(&args, color),
         Some(Command::Crash(args)) => crash::run(&args, color),
+        Some(Command::Link(args)) => link::run(&args, color),
         Some(Command::Schema) => print(&format!("{:#}\n", schema::schema())),
     };
     done.unwrap_or_else(|error| {

@@ -109,7 +109,7 @@ pub fn modes(study: &Study) -> Option<String> {
 pub fn level(study: &Study) -> String {
     match &study.outcome {
         Outcome::Driven(run) => run.level.to_string(),
-        Outcome::MonteCarlo(_) if study.scene.controller.is_some() => monte_carlo::LEVEL.to_owned(),
+        Outcome::MonteCarlo(runs) if study.scene.controller.is_some() => runs.level.to_string(),
         Outcome::Contact(_) | Outcome::MonteCarlo(_) => contact::LEVEL.to_owned(),
     }
 }

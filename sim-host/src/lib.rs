@@ -24,6 +24,7 @@ pub mod findings;
 pub mod friction;
 pub mod guard;
 pub mod instructions;
+pub mod link;
 pub mod metric_names;
 pub mod metrics;
 pub mod output;

@@ -10,18 +10,26 @@
 //! many instructions it takes for them, to within a tick of the emulated timer (about 6). It shows nothing about time.
 
 #[cfg(target_os = "linux")]
+mod emulated_board;
+#[cfg(target_os = "linux")]
 mod emulator;
 mod image;
 pub mod machine;
 #[cfg(target_os = "linux")]
 mod one_core;
 #[cfg(target_os = "linux")]
+mod pipes;
+#[cfg(target_os = "linux")]
 mod qemu;
 #[cfg(not(target_os = "linux"))]
 #[path = "pil/nowhere.rs"]
 mod qemu;
+#[cfg(target_os = "linux")]
+mod size;
 
-pub use image::{IMAGE_VARIABLE, counting_image, image, missing};
+#[cfg(target_os = "linux")]
+pub use emulated_board::EmulatedBoard;
+pub use image::{IMAGE_VARIABLE, counting_image, image, link_image, missing, test_image};
 pub use qemu::Qemu;
 
 /// Why there is no processor in the loop.

@@ -17,6 +17,24 @@ pub trait Processor {
     fn instructions(&self) -> Option<u32> {
         None
     }
+
+    /// What the controller has needed of its memory so far, where that is measured.
+    fn memory(&mut self) -> Result<Option<Memory>, Lost> {
+        Ok(None)
+    }
+}
+
+/// What a controller on a processor of its own needs of its memory, bytes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Memory {
+    /// The deepest that the stack was until the controller was built.
+    pub stack_power_up: u32,
+    /// The deepest that it was in the blocks.
+    pub stack_blocks: u32,
+    /// Flash: code, constants, and what the static variables begin with.
+    pub flash: u64,
+    /// Static variables, the controller among them.
+    pub ram: u64,
 }
 
 /// The processor is gone.

@@ -11,6 +11,7 @@ use crate::edge_meter::Edges;
 use crate::plant::dring::crash::Film;
 use crate::plant::energy::Energy;
 use crate::plant::truth::{Sample, Truth};
+use crate::processor::Memory;
 use crate::swing::Swing;
 use crate::trace::Tracer;
 
@@ -99,6 +100,26 @@ impl Window {
     }
 }
 
+/// Instructions that blocks have taken.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Instructions {
+    /// Blocks.
+    pub blocks: u64,
+    /// Of all blocks.
+    pub total: u64,
+    /// Of the block that has taken most.
+    pub worst: u32,
+}
+
+impl Instructions {
+    /// Counts one more block.
+    pub fn add(&mut self, instructions: u32) {
+        self.blocks += 1;
+        self.total += u64::from(instructions);
+        self.worst = self.worst.max(instructions);
+    }
+}
+
 /// The record of a run.
 #[derive(Clone, Debug, Default)]
 pub struct Record {
@@ -124,8 +145,10 @@ pub struct Record {
     pub crash: Option<Film>,
     /// States that were integrated.
     pub plant_states: usize,
-    /// The most instructions that a block has taken, where they are counted.
-    pub worst_block_instructions: Option<u32>,
+    /// Instructions of all blocks, where they are counted.
+    pub instructions: Option<Instructions>,
+    /// What the controller has needed of its processor's memory, where that is measured.
+    pub memory: Option<Memory>,
     /// Hash of every drive code played.
     pub drive_hash: u64,
     /// Whether the run was stopped before its end.

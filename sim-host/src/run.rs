@@ -13,6 +13,7 @@ use hal_mock::fault_injector::{FaultInjector, FaultKind, Scheduled};
 use hal_mock::tracer::DriveHash;
 
 use crate::edge_meter::EdgeMeter;
+use crate::pil::PilError;
 use crate::plant::{Plant, circuit_of};
 use crate::processor::{Here, Lost, Processor};
 use crate::record::{Command, Record, Row, Window};
@@ -30,6 +31,9 @@ pub enum RunError {
     /// The processor was lost on the way.
     #[error(transparent)]
     Lost(#[from] Lost),
+    /// There is no processor in the loop.
+    #[error(transparent)]
+    Pil(#[from] PilError),
 }
 
 /// How far a run looks beyond its own metrics.
@@ -84,7 +88,9 @@ pub fn run_on(processor: &mut dyn Processor, scene: &Driven, mut watch: Watch) -
         let telemetry = clock.tick(|sense, drive| processor.process(&script.orders, sense, drive))?;
         script.follow(telemetry.mode);
         clock.analog.running = telemetry.mode == Mode::Run;
-        record.worst_block_instructions = record.worst_block_instructions.max(processor.instructions());
+        if let Some(instructions) = processor.instructions() {
+            record.instructions.get_or_insert_default().add(instructions);
+        }
         let played = std::mem::replace(slot, Command::of(&telemetry));
         let time_s = (block + 1) as f64 * samples as f64 / sample_hz;
         if (block + 1).is_multiple_of(every) {
@@ -102,6 +108,7 @@ pub fn run_on(processor: &mut dyn Processor, scene: &Driven, mut watch: Watch) -
     record.windows = recorder.windows;
     record.edges = recorder.edges.finish();
     record.trace = recorder.tracer;
+    record.memory = processor.memory()?;
     record.wall_s = began.elapsed().as_secs_f64();
     Ok(record)
 }
@@ -177,16 +184,8 @@ struct Recorder {
 
 impl Recorder {
     fn new(scene: &Driven, windows: Vec<Window>) -> Self {
-        let plant = Plant::new(scene);
-        let sample_s = plant.sample_s();
-        let front_end = settings::config(scene).front_end;
-        let mut plant = FaultInjector::new(plant, &front_end, scene.seed);
-        let block_s = sample_s * f64::from(scene.controller.block_samples);
-        for fault in &scene.fault {
-            if let Some(kind) = kind(fault.kind) {
-                plant.schedule(Scheduled { at_block: (fault.at_s / block_s) as u64, kind });
-            }
-        }
+        let plant = breakable_plant(scene);
+        let sample_s = plant.inner.sample_s();
         let tracer = scene.trace.as_ref().map(|trace| Tracer::new(trace, scene.duration_s, sample_s));
         Recorder {
             plant,
@@ -203,6 +202,19 @@ impl Recorder {
             running: false,
         }
     }
+}
+
+/// The plant of a scene, with the faults of its converters to come.
+pub fn breakable_plant(scene: &Driven) -> FaultInjector<Plant> {
+    let plant = Plant::new(scene);
+    let block_s = plant.sample_s() * f64::from(scene.controller.block_samples);
+    let mut plant = FaultInjector::new(plant, &settings::config(scene).front_end, scene.seed);
+    for fault in &scene.fault {
+        if let Some(kind) = kind(fault.kind) {
+            plant.schedule(Scheduled { at_block: (fault.at_s / block_s) as u64, kind });
+        }
+    }
+    plant
 }
 
 /// A scene's fault as the injector's; none if it breaks the plant itself.

@@ -24,7 +24,7 @@ pub mod rules;
 pub mod schema;
 pub mod settings;
 
-mod nearest;
+pub(crate) mod nearest;
 mod overlay;
 mod plant;
 mod stator;

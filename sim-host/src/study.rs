@@ -13,6 +13,8 @@ pub mod swept;
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
+use firmware::config::Config;
+
 use self::comparison::ComparisonResult;
 use self::contact::Solved;
 use self::driven::Run;
@@ -126,12 +128,15 @@ impl Study<'_> {
     }
 }
 
-/// Runs a loaded scene, its grid and its comparison. The controller of the scene itself runs on `emulator`, or without one in this
-/// process; those of the cells and of several runs, always in this process. `progress` is told the simulated time, s, or of several
-/// runs how many have come to their end.
+/// Starts a processor that is to run the controller of this configuration: each run of a scene has one of its own.
+pub type Start<'a> = &'a (dyn Fn(&Config) -> Result<Box<dyn Processor>, RunError> + Sync);
+
+/// Runs a loaded scene, its grid and its comparison. The controllers of the scene's runs run on processors that `start` starts, or without
+/// it in this process; those of the cells, always in this process. `progress` is told the simulated time, s, or of several runs how many
+/// have come to their end.
 pub fn conduct<'a, 'w>(
     loaded: &'a Loaded,
-    emulator: Option<&mut dyn Processor>,
+    start: Option<Start>,
     stop: &'w AtomicBool,
     progress: Option<&'w mut (dyn FnMut(f64) + Send)>,
 ) -> Result<Study<'a>, StudyError> {
@@ -139,12 +144,12 @@ pub fn conduct<'a, 'w>(
     let alone = |progress: Option<&'w mut (dyn FnMut(f64) + Send)>| progress.map(|progress| progress as &mut dyn FnMut(f64));
     let (outcome, metrics, cut) = match scene.kind().ok_or(StudyError::Incomplete)? {
         _ if scene.runs > 1 => {
-            let (runs, metrics) = monte_carlo::conduct(loaded, stop, progress)?;
+            let (runs, metrics) = monte_carlo::conduct(loaded, start, stop, progress)?;
             let cut = runs.runs.len() < scene.runs as usize;
             (Outcome::MonteCarlo(Box::new(runs)), metrics, cut)
         }
         Kind::Driven(scene) => {
-            let (run, metrics) = driven::conduct(scene, emulator, stop, alone(progress))?;
+            let (run, metrics) = driven::conduct(scene, start, stop, alone(progress))?;
             let cut = run.record.interrupted;
             (Outcome::Driven(Box::new(run)), metrics, cut)
         }

@@ -1,5 +1,8 @@
 //! The program as a user meets it: output, exit codes, files.
 
+#[path = "command_line/link.rs"]
+mod link;
+
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 

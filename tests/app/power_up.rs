@@ -1,7 +1,7 @@
 //! Power-up: nothing moves before it is ordered.
 
 use firmware::block::{Amplitude, Gate};
-use firmware::command::{Command, Identity, Reply};
+use firmware::command::{Command, Converters, Identity, Reply};
 use firmware::supervisor::Mode;
 use hal_mock::bench::{Queues, Setup};
 
@@ -34,7 +34,8 @@ fn identify_is_answered_with_versions_before_any_block() {
     let mut queues = Queues::default();
     let mut bench = bench(&mut queues, &Setup::default());
     let version: Vec<u8> = env!("CARGO_PKG_VERSION").split('.').map(|part| part.parse().unwrap()).collect();
-    let identity = Identity { protocol: firmware::link::VERSION, firmware: version.try_into().unwrap() };
+    let converters = Converters { sample_hz: 1_000_000, block_samples: 32, lanes: 1, sense_mid_code: 2048, drive_mid_code: 2048 };
+    let identity = Identity { protocol: firmware::link::VERSION, firmware: version.try_into().unwrap(), converters };
     assert_eq!(bench.ask(Command::Identify), Some(Reply::Identity(identity)));
     assert_eq!(bench.played(), 0);
 }

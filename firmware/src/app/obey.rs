@@ -44,7 +44,9 @@ where
     fn obey(&mut self, frame: &Frame<Command>) -> Option<Reply> {
         self.host.hear(self.block());
         Some(match frame.body {
-            Command::Identify => Reply::Identity(Identity { protocol: link::VERSION, firmware: firmware_version() }),
+            Command::Identify => {
+                Reply::Identity(Identity { protocol: link::VERSION, firmware: firmware_version(), converters: self.converters })
+            }
             Command::TelemetryEvery(blocks) => {
                 self.telemetry_every = blocks;
                 // The first is due at once.

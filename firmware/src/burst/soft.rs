@@ -7,6 +7,9 @@ use crate::nco::Stretch;
 use crate::phasor::Phasor;
 use crate::shape::sine::Steady;
 
+/// Levels beyond this are the upper end of an edge.
+const UPPER: f32 = 0.999;
+
 impl Burst {
     /// Goes along the edge for some samples, up where the gate is open, and stays at its end. Returns how far it has come.
     ///
@@ -21,10 +24,13 @@ impl Burst {
         if let Some((levels, rest)) = self.levels.get_mut(span).and_then(|levels| levels.split_at_mut_checked(moving)) {
             for place in levels.iter_mut() {
                 let half = sine.take();
-                let level = half * half;
-                // Rounding may not make it louder than one.
-                *place = if level < 1.0 { level } else { 1.0 };
+                *place = half * half;
             }
+            // Rounding may not make it louder than one, which it could at the upper end.
+            let up_to_one = |level: &mut f32| *level = if *level < 1.0 { *level } else { 1.0 };
+            let is_upper = |level: &&mut f32| **level > UPPER;
+            levels.iter_mut().take_while(is_upper).for_each(up_to_one);
+            levels.iter_mut().rev().take_while(is_upper).for_each(up_to_one);
             if moving == room as usize {
                 levels.last_mut().into_iter().for_each(|last| *last = end);
                 rest.fill(end);

@@ -20,16 +20,19 @@ impl<const N: usize> Default for Triangle<N> {
 impl<const N: usize> Triangle<N> {
     /// Folds in one equation `row . unknowns = right`, divided by its standard deviation.
     pub fn fold(&mut self, mut row: [f32; N], mut right: f32) {
-        for (n, (kept, kept_right)) in self.rows.iter_mut().zip(&mut self.right).enumerate() {
-            if row[n] == 0.0 {
+        for n in 0..N {
+            let (kept, b) = (&mut self.rows[n], row[n]);
+            if b == 0.0 {
                 continue;
             }
-            let (a, b) = (kept[n], row[n]);
+            let a = kept[n];
             let size = libm::sqrtf(a * a + b * b);
             let (cosine, sine) = (a / size, b / size);
-            for (x, y) in kept[n..].iter_mut().zip(&mut row[n..]) {
-                (*x, *y) = (cosine * *x + sine * *y, cosine * *y - sine * *x);
+            kept[n] = cosine * a + sine * b;
+            for k in n + 1..N {
+                (kept[k], row[k]) = (cosine * kept[k] + sine * row[k], cosine * row[k] - sine * kept[k]);
             }
+            let kept_right = &mut self.right[n];
             (*kept_right, right) = (cosine * *kept_right + sine * right, cosine * right - sine * *kept_right);
         }
         self.rest += right * right;

@@ -29,6 +29,7 @@ use crate::shaper::Shaper;
 use crate::supervisor::{Acquisition, Supervisor};
 use crate::sweep::Sweep;
 use crate::tracker::Tracker;
+use crate::tracker::identified::Learning;
 
 /// What a configuration may be refused for.
 struct Parts {
@@ -99,6 +100,7 @@ impl Controller {
             amplitude,
             friction,
             transducer: None,
+            learning: Learning::default(),
             learned: 0,
             // Last: what is built after it would keep the compiler from building it in its place.
             scan: Scan::build(config, &sweep.hold),

@@ -78,6 +78,11 @@ impl Edges {
         }
     }
 
+    /// Whether nothing is being planned.
+    pub(super) fn are_idle(&self) -> bool {
+        matches!(self.stage, Stage::Idle)
+    }
+
     /// Forgets the transducer. The source is what it was.
     pub(super) fn restart(&mut self) {
         (self.per_ampere, self.stage) = (None, Stage::Idle);

@@ -6,30 +6,58 @@ use crate::block::{Amplitude, Orders};
 use crate::clamped::online;
 use crate::demod::Sensed;
 use crate::guard::heat::Thermometers;
-use crate::identify::Transducer;
 use crate::phasor::{Phasor, magnitude};
 use crate::shape::Shape;
 use crate::supervisor::Mode;
+use crate::tracker::compare::{larger, smaller};
 use crate::tracker::{Heard, State};
 
 /// How often what the observer knows of the transducer is taken, blocks.
 pub(super) const LEARN_BLOCKS: u64 = 64;
 
 impl Controller {
-    /// Takes what the observer knows of the transducer, which is sure of it.
-    fn learn(&mut self) -> Option<Transducer> {
-        let transducer = self.tracker.identify()?;
-        self.tracker.set_resonance(&transducer);
+    /// Begins to take what the observer knows of the transducer, which is sure of it: what is followed by at once.
+    fn begin_to_learn(&mut self) {
+        self.tracker.learn(&mut self.learning);
+        let transducer = self.learning.transducer();
+        self.tracker.set_resonance(transducer);
         self.online.set_resonance(transducer.series_resonance_hz, transducer.q);
-        (self.transducer, self.learned) = (Some(transducer), self.block);
-        Some(transducer)
+        self.learned = self.block;
     }
 
-    /// The same again, now and then.
+    /// Goes on with it.
+    fn work_on_it(&mut self) {
+        self.learning.advance();
+        if self.learning.is_over() {
+            self.transducer.get_or_insert_default().copy(self.learning.transducer());
+        }
+    }
+
+    /// Whether the transducer is known, or all of it that the amplitude begins with.
+    fn knows(&self) -> bool {
+        self.transducer.is_some() || !self.learning.is_over()
+    }
+
+    /// Takes all of it at once.
+    fn learn(&mut self) {
+        self.begin_to_learn();
+        while !self.learning.is_over() {
+            self.work_on_it();
+        }
+    }
+
+    /// The same again, now and then; in parts, in blocks in which nothing else is calculated.
     pub(super) fn learn_on(&mut self) {
         let following = matches!(self.supervisor.mode(), Mode::Lock | Mode::Run);
         if following && self.transducer.is_some() && self.block - self.learned >= LEARN_BLOCKS && self.tracker.is_sure() {
-            self.learn();
+            // A friction switch has its own work in all other blocks.
+            if self.friction.is_some() {
+                self.learn();
+            } else {
+                self.begin_to_learn();
+            }
+        } else if !self.learning.is_over() && self.edges.are_idle() {
+            self.work_on_it();
         }
         if following && self.block.is_multiple_of(LEARN_BLOCKS) && self.tracker.state() == State::Locked {
             let susceptance = self.online.motional().y0.im;
@@ -73,16 +101,15 @@ impl Controller {
         };
         let at_lock_point = self.tracker.at_lock_point(motional, played.detune_hz);
         let phase = self.tracker.follow(sensed, motional, at_lock_point, &heard);
-        if self.transducer.is_none()
-            && self.tracker.is_sure()
-            && let Some(transducer) = self.learn()
-        {
-            self.amplitude.seed(&transducer, magnitude(motional));
+        if !self.knows() && self.tracker.is_sure() {
+            self.begin_to_learn();
+            self.amplitude.seed(self.learning.transducer(), magnitude(motional));
         }
         if self.online.drifts() {
             self.probe(orders, sensed, played);
         }
-        let (offset_hz, limited) = self.detune(orders);
+        let tracked_hz = if self.tracker.tracks() { self.tracker.offset_hz() } else { 0.0 };
+        let (offset_hz, limited) = self.detune(orders, tracked_hz);
         self.sweep.hold.retune(offset_hz);
         // An edge is never quite one, whatever its mean rounds to.
         let envelope = if played.flat || played.envelope > 1.0 { played.envelope } else { played.envelope.min(0.999) };
@@ -92,7 +119,7 @@ impl Controller {
         } else {
             self.prepare_brake(orders.gate);
         }
-        let known = self.transducer.is_some() || !self.tracker.observes();
+        let known = self.knows() || !self.tracker.observes();
         if known {
             if on && told.rung_up {
                 self.amplitude.has_rung_up();
@@ -107,7 +134,7 @@ impl Controller {
         if boosts {
             self.burst.set_drive(volts);
         }
-        Plan { volts, gate: orders.gate, listen: 0, phase, limited, progress: self.lock_progress() }
+        Plan { volts, gate: orders.gate, listen: 0, tracked_hz, phase, limited, progress: self.lock_progress() }
     }
 
     /// The amplitude asked for, as far as it is not derated; and as a number, before that.
@@ -121,11 +148,11 @@ impl Controller {
 
     /// Where to drive, as an offset from the nominal frequency, Hz, and whether the order had to be limited. Only what runs is moved
     /// away from the resonance.
-    fn detune(&self, orders: &Orders) -> (f32, bool) {
+    fn detune(&self, orders: &Orders, tracked_hz: f32) -> (f32, bool) {
         let window = self.tracker.window_hz();
         let asked = if self.supervisor.mode() == Mode::Run && orders.detune.0.is_finite() { orders.detune.0 } else { 0.0 };
-        let offset = if self.tracker.tracks() { self.tracker.offset_hz() } else { 0.0 };
-        let wanted = offset + asked + self.probe_hz;
-        (wanted.clamp(-window, window), wanted.abs() > window)
+        let wanted = tracked_hz + asked + self.probe_hz;
+        // `clamp` could panic, for all that the compiler knows.
+        (smaller(larger(wanted, -window), window), wanted.abs() > window)
     }
 }

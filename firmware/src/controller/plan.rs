@@ -19,6 +19,8 @@ pub(super) struct Plan {
     pub(super) gate: Gate,
     /// The lane to listen to.
     pub(super) listen: u8,
+    /// Where the tracker is, as an offset from the nominal frequency, Hz; zero where nothing is tracked.
+    pub(super) tracked_hz: f32,
     /// Phase that is driven to zero.
     pub(super) phase: Turns,
     /// The window has limited what the order asks for.
@@ -27,8 +29,15 @@ pub(super) struct Plan {
 }
 
 impl Plan {
-    const SILENT: Plan =
-        Plan { volts: 0.0, gate: Gate::Off, listen: 0, phase: Turns(0.0), limited: false, progress: Progress::Busy };
+    const SILENT: Plan = Plan {
+        volts: 0.0,
+        gate: Gate::Off,
+        listen: 0,
+        tracked_hz: 0.0,
+        phase: Turns(0.0),
+        limited: false,
+        progress: Progress::Busy,
+    };
 
     fn tone(volts: f32) -> Self {
         Plan { volts, gate: Gate::On, ..Plan::SILENT }
@@ -48,6 +57,7 @@ impl Controller {
         self.calibrate.abandon(&mut self.phasing);
         self.scan.restart();
         self.transducer = None;
+        self.learning.abandon();
         self.sweep.hold.retune(0.0);
         self.sweep.restart();
         self.tracker.restart();

@@ -33,6 +33,7 @@ impl Controller {
         let played = &self.played[slot];
         let mode = self.supervisor.mode();
         let following = matches!(mode, Mode::Lock | Mode::Run);
+        let state = self.tracker.state();
         let serves = self.friction.is_some() || self.restraint.is_some();
         let limit = match following {
             true if self.guard.mutes() => Some(Limit::BeltMuted),
@@ -40,18 +41,20 @@ impl Controller {
             true if self.amplitude.limited() => Some(Limit::OverVoltageRequest),
             true if self.tracker.limited() || plan.limited => Some(Limit::FrequencyWindow),
             true if self.phasing.quadrature(orders.quadrature).1 => Some(Limit::QuadratureRequest),
-            true if serves && self.service_limit(orders).is_some() => self.service_limit(orders),
-            true if self.tracker.state() == State::Unheard => Some(Limit::NotTracking),
-            true if self.burst.limited() && mode == Mode::Run => Some(Limit::BoostLimited),
-            _ => None,
+            true => serves.then(|| self.service_limit(orders)).flatten().or_else(|| match state {
+                State::Unheard => Some(Limit::NotTracking),
+                _ if self.burst.limited() && mode == Mode::Run => Some(Limit::BoostLimited),
+                _ => None,
+            }),
+            false => None,
         };
-        Telemetry {
+        let mut report = Telemetry {
             block: (self.block - 1) as u32,
             orders_sequence: orders.sequence,
             mode,
             fault: self.supervisor.fault(),
             limit,
-            locked: following && self.tracker.state() == State::Locked,
+            locked: following && state == State::Locked,
             tuning_word: played.tone.word,
             frequency: Hertz(self.sweep.hold.nominal_hz() + played.offset_hz),
             resonance: Hertz(self.sweep.hold.nominal_hz() + self.tracker.estimate_hz()),
@@ -61,9 +64,13 @@ impl Controller {
             i: sensed.i,
             motional_current,
             phase: plan.phase,
-            transducer: self.transducer,
+            transducer: None,
             listed: self.scan.roster().in_turn(self.block as usize),
             friction: self.friction.as_ref().and_then(FrictionSwitch::belief),
+        };
+        if let Some(transducer) = &self.transducer {
+            report.transducer.get_or_insert_default().copy(transducer);
         }
+        report
     }
 }

@@ -49,6 +49,8 @@ pub struct Heat {
     mean_part: f32,
     mean_w: f32,
     by_power: f32,
+    /// What is left of the amplitude by both.
+    left: f32,
 }
 
 impl Heat {
@@ -76,6 +78,7 @@ impl Heat {
             mean_part: block_s / POWER_S,
             mean_w: 0.0,
             by_power: 1.0,
+            left: 1.0,
         })
     }
 
@@ -101,6 +104,7 @@ impl Heat {
             self.mean_w += self.mean_part * (power_w - self.mean_w);
             let factor = self.by_power + self.gain * (1.0 - self.mean_w / self.most_w);
             self.by_power = factor.clamp(LEAST, 1.0);
+            self.left = self.by_heat.min(self.by_power);
         }
         if board_c.is_none() && self.cold.is_none() {
             return None;
@@ -110,12 +114,13 @@ impl Heat {
         let hottest = if self.stack_c > self.board_c { self.stack_c } else { self.board_c };
         let left_k = self.most_c - hottest;
         self.by_heat = (LEAST + (1.0 - LEAST) / DERATE_K * left_k).clamp(LEAST, 1.0);
+        self.left = self.by_heat.min(self.by_power);
         (left_k.is_nan() || left_k < 0.0).then_some(Fault::OverTemperature)
     }
 
     /// What is left of the amplitude asked for, a tenth to one.
     pub(super) fn factor(&self) -> f32 {
-        self.by_heat.min(self.by_power)
+        self.left
     }
 }
 
@@ -137,6 +142,7 @@ mod tests {
             mean_part: 1.0 / 32.0,
             mean_w: 0.0,
             by_power: 1.0,
+            left: 1.0,
         }
     }
 

@@ -1,18 +1,16 @@
 //! The longest records, whole and in pieces, and what is refused.
 
+use super::wire::{put_codes, take_codes};
 use super::*;
-use crate::block::{Amplitude, BeltSense, Gate, MAX_BLOCK_SAMPLES, Request, Target, Trips};
+use crate::block::{Amplitude, BeltSense, Codes, Gate, MAX_BLOCK_SAMPLES, MAX_LANES, Request, SlowSense, Target, Trips};
 use crate::config::*;
 use crate::friction::Belief;
 use crate::identify::Transducer;
 use crate::supervisor::{Fault, Limit, Mode};
 use crate::units::{Hertz, Turns};
 
-/// Sends `record` in pieces of `piece` bytes, and checks that it comes back.
-fn comes_back<T>(record: &T, piece: usize)
-where
-    T: Serialize + for<'a> Deserialize<'a> + PartialEq + core::fmt::Debug,
-{
+/// Sends `record` in pieces of `piece` bytes, and checks that it comes back in place of another one.
+fn comes_back<T: Record + PartialEq + core::fmt::Debug>(record: &T, mut other: T, piece: usize) {
     let mut sent = BUFFER;
     let mut rest = encode(record, &mut sent).expect("it fits");
     let mut received = BUFFER;
@@ -23,7 +21,8 @@ where
         Ok::<_, ()>(now.len())
     };
     let body = receive(&mut received, read).unwrap().expect("a whole record");
-    assert_eq!(decode::<T>(body).as_ref(), Ok(record));
+    assert_eq!(decode(body, &mut other), Ok(()));
+    assert_eq!(other, *record);
 }
 
 fn codes() -> Codes {
@@ -154,12 +153,33 @@ fn longest_config() -> Config {
 #[test]
 fn the_longest_records_come_back_whole_or_in_pieces() {
     for piece in [1, 7, MAX_RECORD] {
-        comes_back(&longest_config(), piece);
-        comes_back(&longest_question(), piece);
-        comes_back(&longest_answer(), piece);
-        comes_back(&Opening::Ok(Silence { drive: longest_answer().drive }), piece);
-        comes_back(&Opening::Err("x".repeat(MAX_REASON).as_str().try_into().unwrap()), piece);
+        comes_back(&longest_config(), Config { lanes: 1, ..longest_config() }, piece);
+        comes_back(&longest_question(), Question::default(), piece);
+        comes_back(&longest_answer(), Answer::default(), piece);
+        comes_back(&Closing { stack_power_up_bytes: u32::MAX, stack_blocks_bytes: u32::MAX }, Closing::default(), piece);
+        let refused = Err("x".repeat(MAX_REASON).as_str().try_into().unwrap());
+        comes_back(&Opening { built: refused, silence: longest_answer().drive }, Opening::default(), piece);
+        let beat = Beat { sense: longest_question().sense, pins: Pins { sent: u32::MAX, stop: true } };
+        comes_back(&beat, Beat::default(), piece);
+        let board = Board { enable: true, fed: u32::MAX, failed: true, resets: true };
+        comes_back(&Played { drive: longest_answer().drive, board }, Played::default(), piece);
+        // What was there before leaves nothing.
+        comes_back(&Answer::default(), longest_answer(), piece);
+        comes_back(&Question::default(), longest_question(), piece);
     }
+}
+
+#[test]
+fn what_asks_for_the_closing_is_a_record_and_no_question() {
+    let mut sent = Some(CLOSE);
+    let read = |bytes: &mut [u8]| {
+        let close = sent.take().unwrap_or_default();
+        bytes[..close.len()].copy_from_slice(&close);
+        Ok::<_, ()>(close.len())
+    };
+    let mut buffer = BUFFER;
+    let body = receive(&mut buffer, read).unwrap().expect("a whole record");
+    assert!(body.is_empty() && decode(body, &mut Question::default()).is_err());
 }
 
 #[test]
@@ -173,14 +193,23 @@ fn an_end_inside_a_record_is_an_end() {
 }
 
 #[test]
-fn codes_that_are_no_pairs_or_too_many_are_refused() {
-    #[derive(Serialize)]
-    struct Bytes<'a>(&'a [u8]);
-    #[derive(Debug, PartialEq, Deserialize)]
-    struct Read(#[serde(with = "raw_codes")] Codes);
+fn codes_that_are_too_many_or_cut_short_are_refused() {
     let mut buffer = BUFFER;
-    for (length, fits) in [(128, true), (127, false), (130, false)] {
-        let bytes = encode(&Bytes(&BUFFER[..length]), &mut buffer).unwrap();
-        assert_eq!(decode::<Read>(&bytes[LENGTH_BYTES..]).is_ok(), fits, "{length} bytes");
-    }
+    put_codes(&codes(), &mut buffer).unwrap();
+    let mut taken = Codes::new();
+    assert!(take_codes(&mut taken, &buffer).is_some() && taken == codes());
+    assert!(take_codes(&mut taken, &buffer[..2 * MAX_BLOCK_SAMPLES]).is_none(), "cut short");
+    buffer[0] += 1;
+    assert!(take_codes(&mut taken, &buffer).is_none(), "one more than a block has");
+    assert!(put_codes(&codes(), &mut buffer[..2 * MAX_BLOCK_SAMPLES]).is_none(), "no room");
+    let mut drive = DriveBlock::default();
+    assert!(take_drive(&mut drive, &[MAX_LANES as u8 + 1, 0, 0, 0, 0, 0, 0]).is_none(), "one lane too many");
+}
+
+#[test]
+fn what_stands_behind_a_record_is_refused() {
+    let mut buffer = BUFFER;
+    let length = encode(&longest_question(), &mut buffer).unwrap().len();
+    assert_eq!(decode(&buffer[LENGTH_BYTES..length], &mut Question::default()), Ok(()));
+    assert_eq!(decode(&buffer[LENGTH_BYTES..=length], &mut Question::default()), Err(BadRecord));
 }

@@ -44,10 +44,10 @@ impl Spectrum {
         self.v[MOST_PAIRS] += heard.v;
         self.i[MOST_PAIRS] += heard.i;
         let mut turn = step;
-        for pair in 1..=self.pairs {
-            let (above, below) = (MOST_PAIRS + pair, MOST_PAIRS - pair);
-            both_ways(&mut self.v, above, below, heard.v, turn);
-            both_ways(&mut self.i, above, below, heard.i, turn);
+        let each = pairs(&mut self.v).zip(pairs(&mut self.i)).take(self.pairs);
+        for (v, i) in each {
+            both_ways(v, heard.v, turn);
+            both_ways(i, heard.i, turn);
             turn *= step;
         }
     }
@@ -80,11 +80,17 @@ impl Spectrum {
 }
 
 /// Adds `x` turned by `turn` above, and turned the other way below: the four products are the same.
-#[inline]
-fn both_ways(lines: &mut [Phasor; MOST_LINES], above: usize, below: usize, x: Phasor, turn: Phasor) {
+#[inline(always)]
+fn both_ways((above, below): (&mut Phasor, &mut Phasor), x: Phasor, turn: Phasor) {
     let (cc, ss, cs, sc) = (x.re * turn.re, x.im * turn.im, x.re * turn.im, x.im * turn.re);
-    lines[above] += Phasor::new(cc - ss, sc + cs);
-    lines[below] += Phasor::new(cc + ss, sc - cs);
+    *above += Phasor::new(cc - ss, sc + cs);
+    *below += Phasor::new(cc + ss, sc - cs);
+}
+
+/// The lines above and below the reference, from it outwards.
+fn pairs(lines: &mut [Phasor; MOST_LINES]) -> impl Iterator<Item = (&mut Phasor, &mut Phasor)> {
+    let (below, above) = lines.split_at_mut(MOST_PAIRS);
+    above.iter_mut().skip(1).zip(below.iter_mut().rev())
 }
 
 #[cfg(test)]

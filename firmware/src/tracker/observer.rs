@@ -32,6 +32,7 @@ mod readings;
 use crate::phasor::Phasor;
 use crate::shape::sine;
 use crate::tracker::compare::{larger, smaller};
+pub use crate::tracker::observer::readings::Spread;
 pub use crate::tracker::prior::Prior;
 
 const TAU: f32 = core::f32::consts::TAU;

@@ -1,6 +1,6 @@
 //! `sim-host run`.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -11,13 +11,13 @@ use super::progress::Progress;
 use super::{
     Color, EXPECTATION_MISSED, Format, INTERRUPTED, LOST, RUN_FAILED, RunArgs, SceneArgs, USAGE, invalid, table, with_scene,
 };
-use crate::pil::{self, PilError, Qemu};
+use crate::pil::{self, Qemu};
 use crate::processor::Processor;
 use crate::run::RunError;
 use crate::scene::load::{LoadError, Loaded};
 use crate::study::monte_carlo::draw::Draws;
-use crate::study::{self, Study, StudyError};
-use crate::{findings, output, settings};
+use crate::study::{self, Start, Study, StudyError};
+use crate::{findings, output};
 
 /// Set by Ctrl-C.
 static STOP: AtomicBool = AtomicBool::new(false);
@@ -56,34 +56,28 @@ fn one_of(loaded: &Loaded, number: u32) -> Result<Loaded, LoadError> {
 }
 
 fn run_loaded(args: &RunArgs, loaded: &Loaded, color: Color) -> anyhow::Result<ExitCode> {
-    let mut emulator = match (args.pil, loaded.scene.driven()) {
+    let image = match (args.pil, loaded.scene.driven()) {
         (false, _) => None,
         (true, None) => {
             eprintln!("error: --pil runs the controller in QEMU, and `{}` has no [controller]", loaded.name);
             return Ok(ExitCode::from(USAGE));
         }
-        (true, Some(scene)) if scene.runs > 1 => {
-            eprintln!(
-                "error: --pil runs the controller once, and `{}` has {} runs: name one with --run",
-                loaded.name, scene.runs
-            );
-            return Ok(ExitCode::from(USAGE));
-        }
-        (true, Some(scene)) => match emulated(&settings::config(&scene)) {
-            Ok(emulator) => Some(emulator),
+        (true, Some(_)) => match pil::image() {
+            Ok(image) => Some(image),
             Err(error) => {
                 eprintln!("error: {error}");
                 return Ok(ExitCode::from(LOST));
             }
         },
     };
-    let emulator = emulator.as_mut().map(|emulator| emulator as &mut dyn Processor);
+    let start = image.as_deref().map(|image| move |config: &Config| emulated(image, config));
+    let start = start.as_ref().map(|start| start as Start);
     let mut progress = Progress::new(loaded.scene.duration_s, loaded.scene.runs, args.quiet);
-    let study = study::conduct(loaded, emulator, &STOP, Some(&mut |reached| progress.at(reached)));
+    let study = study::conduct(loaded, start, &STOP, Some(&mut |reached| progress.at(reached)));
     drop(progress);
     let study = match study {
         Ok(study) => study,
-        Err(StudyError::Run(RunError::Lost(error))) => {
+        Err(StudyError::Run(error @ (RunError::Lost(_) | RunError::Pil(_)))) => {
             eprintln!("error: {error}");
             return Ok(ExitCode::from(LOST));
         }
@@ -112,11 +106,8 @@ fn run_loaded(args: &RunArgs, loaded: &Loaded, color: Color) -> anyhow::Result<E
     })
 }
 
-fn emulated(config: &Config) -> Result<Qemu, PilError> {
-    if let Some(missing) = pil::missing() {
-        return Err(PilError::Missing(missing));
-    }
-    Qemu::start(&pil::image()?, config)
+fn emulated(image: &Path, config: &Config) -> Result<Box<dyn Processor>, RunError> {
+    Ok(Box::new(Qemu::start(image, config)?))
 }
 
 fn human(study: &Study, args: &RunArgs, color: Color) -> String {

@@ -136,6 +136,7 @@ fn band(runs: &[OneRun], place: usize) -> Option<Band> {
 mod tests {
     use super::*;
     use crate::metrics::Metrics;
+    use crate::study::driven::Level;
     use crate::study::monte_carlo::draw::Draw;
 
     fn runs(errors_hz: &[f32], times_ms: &[Option<f64>]) -> MonteCarlo {
@@ -147,7 +148,7 @@ mod tests {
         };
         let runs: Vec<OneRun> = errors_hz.iter().zip(times_ms).enumerate().map(run).collect();
         let asked = runs.len() as u32;
-        MonteCarlo { keys: Vec::new(), asked, runs, endless: Vec::new(), times_ms: vec![1.0], wall_s: 1.0 }
+        MonteCarlo { keys: Vec::new(), level: Level::Sil, asked, runs, endless: Vec::new(), times_ms: vec![1.0], wall_s: 1.0 }
     }
 
     fn lock_cold() -> Scene {

@@ -3,6 +3,7 @@
 mod belt;
 pub(super) mod crash;
 mod motor;
+mod processor;
 
 use std::fmt::Write as _;
 
@@ -87,7 +88,8 @@ pub(super) fn tables(study: &Study, run: &Run) -> Vec<TableBlock> {
     let crash = run.record.crash.as_ref().map(crash::belts);
     let motor = motor::closed_forms(study, &run.scene);
     let belt = belt::tables(study, &run.scene);
-    crash.into_iter().chain([three_ways(study, run)]).chain(motor).chain(belt).collect()
+    let processor = processor::table(study, run);
+    crash.into_iter().chain([three_ways(study, run)]).chain(motor).chain(belt).chain(processor).collect()
 }
 
 /// Where the numbers come from.

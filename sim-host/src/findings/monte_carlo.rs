@@ -7,9 +7,6 @@ use crate::report::TableBlock;
 use crate::study::Study;
 use crate::study::monte_carlo::MonteCarlo;
 
-/// What came of a single run, if it is read as evidence.
-pub(super) const LEVEL: &str = "SIL (software in the loop: the controller on the host)";
-
 /// What the table of all runs shows, if they have it: label and metric.
 const ROWS: &[(&str, &str)] = &[
     ("to within 100 Hz [ms]", "lock_time_100hz_ms"),

@@ -5,7 +5,7 @@ use std::process::Command;
 use serde::Deserialize;
 
 use super::Trouble;
-use crate::pil::machine::{ARGUMENTS, PROGRAM};
+use crate::pil::machine::{ARGUMENTS, NO_SERIAL, PROGRAM};
 use crate::pil::{PilError, counting_image};
 
 /// Instructions of one tick of the system timer: 168 MHz, where an instruction takes a nanosecond.
@@ -41,7 +41,7 @@ impl Counted {
 /// Builds the image, runs it, and reads what it prints.
 pub fn count() -> Result<Vec<Counted>, Trouble> {
     let image = counting_image()?;
-    let output = Command::new(PROGRAM).args(ARGUMENTS).arg(&image).output().map_err(PilError::Start)?;
+    let output = Command::new(PROGRAM).args(NO_SERIAL).args(ARGUMENTS).arg(&image).output().map_err(PilError::Start)?;
     if !output.status.success() {
         let said = String::from_utf8_lossy(&output.stderr);
         return Err(Trouble::Failed(format!("{}: {}", output.status, said.trim())));

@@ -18,7 +18,7 @@
 //! | `fault_code`, `limit_code` | the fault at the end of the run; the limit in its last block under drive; 0 is none |
 //! | `fault_latency_us` | from the scene's first fault to the first block without drive once the controller has faulted, or has been muted (limit 101) until it did |
 //! | `belt_stop_to_mute_ms`, `ring_down_ms`, `exposure_j_per_mm` | only with a belt encoder: see `weld.rs` |
-//! | `worst_block_instructions` | the most instructions that one call of `process` has taken, to within 6; only of a run in QEMU |
+//! | `instructions_total`, `mean_block_…`, `worst_block_…`, `stack_…`, `image_…` | only of a run in QEMU: see `processor.rs` |
 //!
 //! **Settled** is what comes 20 ms after an edge; or a third of what is left of the run from its first block of running, or from its last
 //! step disturbance, if that is less.
@@ -37,6 +37,7 @@ mod edges;
 mod electrical;
 pub mod lock_claims;
 mod motor;
+mod processor;
 pub mod switch;
 mod weld;
 
@@ -98,7 +99,7 @@ pub fn of(scene: &Driven, record: &Record) -> Metrics {
     metrics.put("fault_code", record.rows.last().map(|row| f64::from(row.fault)));
     metrics.put("fault_latency_us", view.fault_latency_s(scene).map(|s| s * 1e6));
     metrics.put("limit_code", record.rows.iter().rfind(|row| row.drive_v > 0.0).map(|row| f64::from(row.limit)));
-    metrics.put("worst_block_instructions", record.worst_block_instructions.map(f64::from));
+    processor::add(record, &mut metrics);
     metrics.put("plant_states", record.plant_states as f64);
     let simulated_s = record.rows.last().map_or(0.0, |row| row.time_s);
     metrics.put("simulated_s_per_wall_s", simulated_s / record.wall_s);

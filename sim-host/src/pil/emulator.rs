@@ -2,6 +2,7 @@
 
 use std::io::{self, PipeReader, PipeWriter, Read};
 use std::os::fd::OwnedFd;
+use std::os::unix::net::UnixStream;
 use std::path::Path;
 use std::process::{Child, ChildStderr, Command, ExitStatus, Stdio};
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
@@ -12,7 +13,7 @@ use std::time::{Duration, Instant};
 
 use command_fds::{CommandFdExt, FdMapping};
 
-use super::machine::{ARGUMENTS, PROGRAM};
+use super::machine::{ARGUMENTS, NO_SERIAL, PROGRAM, SERIAL};
 
 /// How long QEMU may take for an answer, at first.
 const PATIENCE: Duration = Duration::from_secs(30);
@@ -32,6 +33,14 @@ pub struct Emulator {
     process_id: u32,
 }
 
+/// What is at the other end of the machine's serial port.
+pub enum Serial {
+    /// Nothing.
+    None,
+    /// A stream of bytes, of which the other end stays here.
+    Socket(UnixStream),
+}
+
 /// What the watchdog sees.
 struct Shared {
     child: Mutex<Child>,
@@ -43,10 +52,10 @@ struct Shared {
 
 impl Emulator {
     /// Starts QEMU on an image, with one pipe to it and one from it.
-    pub fn start(image: &Path) -> io::Result<(Self, PipeWriter, PipeReader)> {
+    pub fn start(image: &Path, serial: Serial) -> io::Result<(Self, PipeWriter, PipeReader)> {
         let (child_reads, to_child) = io::pipe()?;
         let (from_child, child_writes) = io::pipe()?;
-        let mut child = spawn(image, child_reads.into(), child_writes.into())?;
+        let mut child = spawn(image, serial, child_reads.into(), child_writes.into())?;
         let words = child.stderr.take().map(|stderr| thread::spawn(|| listen(stderr)));
         let (awake, asleep) = channel();
         let process_id = child.id();
@@ -140,13 +149,20 @@ impl Shared {
     }
 }
 
-/// Starts QEMU with the pipes as its files 3 and 4. This process's ends of them close with the command, so that a pipe ends when
-/// QEMU does.
-fn spawn(image: &Path, reads: OwnedFd, writes: OwnedFd) -> io::Result<Child> {
+/// Starts QEMU with the pipes as its files 3 and 4, and the serial port as its file 5. This process's ends of them close with the command,
+/// so that a pipe ends when QEMU does.
+fn spawn(image: &Path, serial: Serial, reads: OwnedFd, writes: OwnedFd) -> io::Result<Child> {
     let mut command = Command::new(PROGRAM);
+    let mut files = vec![FdMapping { parent_fd: reads, child_fd: 3 }, FdMapping { parent_fd: writes, child_fd: 4 }];
+    match serial {
+        Serial::None => command.args(NO_SERIAL),
+        Serial::Socket(socket) => {
+            files.push(FdMapping { parent_fd: socket.into(), child_fd: 5 });
+            command.args(SERIAL)
+        }
+    };
     command.args(ARGUMENTS).arg(image).stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::piped());
-    let pipes = vec![FdMapping { parent_fd: reads, child_fd: 3 }, FdMapping { parent_fd: writes, child_fd: 4 }];
-    command.fd_mappings(pipes).map_err(io::Error::other)?;
+    command.fd_mappings(files).map_err(io::Error::other)?;
     command.spawn()
 }
 

@@ -4,6 +4,8 @@ use std::env;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
+use serde_json::Value;
+
 use super::PilError;
 use super::machine::PROGRAM;
 
@@ -39,15 +41,15 @@ pub fn missing() -> Option<String> {
 /// It is built in a target directory of its own, so that it waits for no other build. Source that has changed since this program
 /// was built shows as a difference between the two.
 pub fn image() -> Result<PathBuf, PilError> {
+    if let Some(reason) = missing() {
+        return Err(PilError::Missing(reason));
+    }
     if let Some(ready) = env::var_os(IMAGE_VARIABLE) {
         let ready = PathBuf::from(ready);
         return match ready.is_file() {
             true => Ok(ready),
             false => Err(PilError::Missing(format!("{IMAGE_VARIABLE} names {}, which is not there", ready.display()))),
         };
-    }
-    if let Some(reason) = missing() {
-        return Err(PilError::Missing(reason));
     }
     build("qemu-m4")
 }
@@ -60,13 +62,42 @@ pub fn counting_image() -> Result<PathBuf, PilError> {
     }
 }
 
+/// The image that is a whole board, with its link, built from the present source.
+pub fn link_image() -> Result<PathBuf, PilError> {
+    match missing() {
+        Some(reason) => Err(PilError::Missing(reason)),
+        None => build("link"),
+    }
+}
+
+/// The image of the tests that run on the target, built from the present source.
+pub fn test_image() -> Result<PathBuf, PilError> {
+    if let Some(reason) = missing() {
+        return Err(PilError::Missing(reason));
+    }
+    // The file of a test has a name that cargo alone knows.
+    let (_, messages) = cargo(&["-p", "on-target", "--test", "on_target", "--message-format", "json-render-diagnostics"])?;
+    let artifact = |line: &str| {
+        let message: Value = serde_json::from_str(line).ok()?;
+        (message["target"]["name"] == "on_target").then(|| message["executable"].as_str().map(PathBuf::from))?
+    };
+    messages.lines().find_map(artifact).ok_or_else(|| PilError::Build("cargo names no file of the tests".into()))
+}
+
 /// Builds one image of the package `qemu-m4`.
 fn build(image: &str) -> Result<PathBuf, PilError> {
+    let (folder, _) = cargo(&["-p", "qemu-m4", "--bin", image])?;
+    Ok(folder.join(TARGET).join("release").join(image))
+}
+
+/// Builds something for the target; returns the target directory, and what cargo prints.
+fn cargo(what: &[&str]) -> Result<(PathBuf, String), PilError> {
     let folder = env::var_os("CARGO_TARGET_DIR").map_or_else(|| Path::new(WORKSPACE).join("target"), PathBuf::from).join("pil");
-    let arguments = ["build", "--quiet", "-p", "qemu-m4", "--bin", image, "--release", "--target", TARGET, "--target-dir"];
-    let built = run("CARGO", "cargo", |cargo| cargo.args(arguments).arg(&folder));
+    let built = run("CARGO", "cargo", |cargo| {
+        cargo.args(["build", "--quiet", "--release", "--target", TARGET, "--target-dir"]).arg(&folder).args(what)
+    });
     match built {
-        Ok(output) if output.status.success() => Ok(folder.join(TARGET).join("release").join(image)),
+        Ok(output) if output.status.success() => Ok((folder, String::from_utf8_lossy(&output.stdout).into_owned())),
         Ok(output) => Err(PilError::Build(String::from_utf8_lossy(&output.stderr).into_owned())),
         Err(error) => Err(PilError::Build(format!("cargo could not be started: {error}"))),
     }

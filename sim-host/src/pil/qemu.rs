@@ -1,30 +1,29 @@
 //! The controller under QEMU, as a processor.
 
-use std::io::{PipeReader, PipeWriter, Read, Write};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use firmware::block::{DriveBlock, Orders, SenseBlock};
 use firmware::config::Config;
-use firmware::lockstep::{self, Answer, Opening, Question};
+use firmware::lockstep::{Answer, Closing, Opening, Question};
 use firmware::telemetry::Telemetry;
-use serde::Serialize;
-use serde::de::DeserializeOwned;
 
 use super::PilError;
-use super::emulator::Emulator;
+use super::emulator::Serial;
 use super::one_core::OneCore;
-use crate::processor::{Lost, Processor};
+use super::pipes::Pipes;
+use super::size::Size;
+use crate::processor::{Lost, Memory, Processor};
 
 /// The controller as thumb code under QEMU.
 ///
 /// While it lives, the thread that started it is pinned to one core with QEMU; it cannot move to another thread.
 pub struct Qemu {
     pipes: Pipes,
+    image: PathBuf,
     silence: DriveBlock,
     question: Question,
-    /// What the latest block has taken.
-    instructions: Option<u32>,
+    answer: Answer,
     _core: OneCore,
 }
 
@@ -33,24 +32,30 @@ impl Qemu {
     pub fn start(image: &Path, config: &Config) -> Result<Self, PilError> {
         // Before the pipes' process is started, which inherits it.
         let core = OneCore::pin();
-        let (emulator, to, from) = Emulator::start(image)?;
-        let mut pipes = Pipes { to, from, buffer: lockstep::BUFFER, emulator };
-        match pipes.ask::<_, Opening>(config)? {
-            Ok(silence) => {
-                Ok(Qemu { pipes, silence: silence.drive, question: Question::default(), instructions: None, _core: core })
-            }
+        let mut pipes = Pipes::start(image, Serial::None)?;
+        let mut opening = Opening::default();
+        pipes.ask(config, &mut opening)?;
+        match opening.built {
+            Ok(()) => Ok(Qemu {
+                pipes,
+                image: image.to_owned(),
+                silence: opening.silence,
+                question: Question::default(),
+                answer: Answer::default(),
+                _core: core,
+            }),
             Err(reason) => Err(PilError::Config(reason.as_str().to_owned())),
         }
     }
 
     /// Sets how long QEMU may take for an answer; 30 s unless told. Longer is for a debugger on the guest.
     pub fn set_patience(&mut self, patience: Duration) {
-        self.pipes.emulator.set_patience(patience);
+        self.pipes.emulator().set_patience(patience);
     }
 
     /// QEMU's process.
     pub fn process_id(&self) -> u32 {
-        self.pipes.emulator.process_id()
+        self.pipes.emulator().process_id()
     }
 }
 
@@ -62,40 +67,20 @@ impl Processor for Qemu {
     fn process(&mut self, orders: &Orders, sense: &SenseBlock, drive: &mut DriveBlock) -> Result<Telemetry, Lost> {
         self.question.orders = *orders;
         self.question.sense.clone_from(sense);
-        let answer: Answer = self.pipes.ask(&self.question)?;
-        *drive = answer.drive;
-        self.instructions = answer.instructions;
-        Ok(answer.telemetry)
+        self.pipes.ask(&self.question, &mut self.answer)?;
+        drive.clone_from(&self.answer.drive);
+        Ok(self.answer.telemetry)
     }
 
     fn instructions(&self) -> Option<u32> {
-        self.instructions
+        self.answer.instructions
     }
-}
 
-/// The way to QEMU and back.
-struct Pipes {
-    to: PipeWriter,
-    from: PipeReader,
-    buffer: lockstep::Buffer,
-    emulator: Emulator,
-}
-
-impl Pipes {
-    /// Sends a record and waits for the one that answers it.
-    fn ask<Q: Serialize, A: DeserializeOwned>(&mut self, question: &Q) -> Result<A, Lost> {
-        let bytes = lockstep::encode(question, &mut self.buffer).map_err(|_| Lost("a question is too long".into()))?;
-        self.emulator.turn();
-        let answer = match self.to.write_all(bytes) {
-            Ok(()) => lockstep::receive(&mut self.buffer, |bytes| self.from.read(bytes)),
-            Err(error) => Err(error),
-        };
-        self.emulator.turn();
-        match answer {
-            Ok(Some(body)) => {
-                lockstep::decode(body).map_err(|_| Lost("its answer cannot be read: the image is not of this source".into()))
-            }
-            Ok(None) | Err(_) => Err(Lost(self.emulator.obituary())),
-        }
+    fn memory(&mut self) -> Result<Option<Memory>, Lost> {
+        let closing = self.pipes.close()?;
+        let Size { flash, ram } =
+            Size::of(&self.image).map_err(|error| Lost(format!("its image {} cannot be read: {error}", self.image.display())))?;
+        let Closing { stack_power_up_bytes: stack_power_up, stack_blocks_bytes: stack_blocks } = closing;
+        Ok(Some(Memory { stack_power_up, stack_blocks, flash, ram }))
     }
 }

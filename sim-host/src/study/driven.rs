@@ -2,15 +2,15 @@
 
 use std::sync::atomic::AtomicBool;
 
-use super::StudyError;
 use super::swept::{self, Swept};
+use super::{Start, StudyError};
 use crate::metrics::{self, Metrics};
 use crate::plant::circuit_of;
-use crate::processor::Processor;
 use crate::record::{Record, Window};
-use crate::run::{self, Watch};
+use crate::run::{self, RunError, Watch};
 use crate::scene::Driven;
 use crate::schedule::{first_on, first_window};
+use crate::settings;
 
 /// Title of the window that shows a motor's wave and lanes in their last periods.
 pub const WAVE: &str = "wave";
@@ -24,6 +24,13 @@ pub enum Level {
     Sil,
     /// As thumb code in an emulator.
     Pil,
+}
+
+impl Level {
+    /// The level of runs whose processors are started like this.
+    pub fn of(start: Option<Start>) -> Self {
+        if start.is_some() { Level::Pil } else { Level::Sil }
+    }
 }
 
 impl std::fmt::Display for Level {
@@ -46,33 +53,37 @@ pub struct Run<'a> {
     pub record: Record,
 }
 
-/// Runs a scene with the controller on `emulator`, or in this process, and measures it.
+/// Runs a scene, and measures it, with what its figures need.
 pub(super) fn conduct<'a, 'w>(
     scene: Driven<'a>,
-    emulator: Option<&mut dyn Processor>,
+    start: Option<Start>,
     stop: &'w AtomicBool,
     progress: Option<&'w mut dyn FnMut(f64)>,
 ) -> Result<(Run<'a>, Metrics), StudyError> {
-    let level = if emulator.is_some() { Level::Pil } else { Level::Sil };
     let mut windows = [edge_windows(&scene), wave_window(&scene)].concat();
     windows.extend(swept::window(&scene));
     let watch = Watch { windows, stop: Some(stop), progress };
-    let record = match emulator {
-        Some(processor) => run::run_on(processor, &scene, watch)?,
-        None => run::run(&scene, watch)?,
-    };
+    let record = run_where(&scene, start, watch)?;
     let metrics = metrics::driven::of(&scene, &record);
-    Ok((Run { scene, level, record }, metrics))
+    Ok((Run { scene, level: Level::of(start), record }, metrics))
 }
 
-/// The numbers of a scene that is a cell.
+/// Runs a scene with the controller on a processor that `start` starts, or in this process.
+fn run_where(scene: &Driven, start: Option<Start>, watch: Watch) -> Result<Record, RunError> {
+    match start {
+        Some(start) => run::run_on(&mut *start(&settings::config(scene))?, scene, watch),
+        None => run::run(scene, watch),
+    }
+}
+
+/// The numbers of a scene that is a cell, whose controller runs in this process.
 pub(super) fn cell(scene: &Driven, stop: &AtomicBool) -> Result<Metrics, StudyError> {
-    measured(scene, stop).map(|(_, metrics)| metrics)
+    measured(scene, None, stop).map(|(_, metrics)| metrics)
 }
 
-/// Runs a scene with the controller in this process, and measures it.
-pub(super) fn measured(scene: &Driven, stop: &AtomicBool) -> Result<(Record, Metrics), StudyError> {
-    let record = run::run(scene, Watch { stop: Some(stop), ..Watch::default() })?;
+/// Runs a scene, and measures it.
+pub(super) fn measured(scene: &Driven, start: Option<Start>, stop: &AtomicBool) -> Result<(Record, Metrics), StudyError> {
+    let record = run_where(scene, start, Watch { stop: Some(stop), ..Watch::default() })?;
     let metrics = metrics::driven::of(scene, &record);
     Ok((record, metrics))
 }

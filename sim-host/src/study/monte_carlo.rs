@@ -18,7 +18,8 @@ use rayon::prelude::*;
 
 use self::draw::{Draw, Draws};
 use self::error::Grid;
-use super::{StudyError, cell, driven};
+use super::driven::Level;
+use super::{Start, StudyError, cell, driven};
 use crate::metrics::driven::lock_claims;
 use crate::metrics::over_runs::{self, OverRuns};
 use crate::metrics::{Metrics, contact};
@@ -53,6 +54,8 @@ const MEASURES: [(&str, &str); 5] = [
 pub struct MonteCarlo {
     /// The keys that vary.
     pub keys: Vec<String>,
+    /// Where the controllers ran, if the firmware drove.
+    pub level: Level,
     /// How many runs were asked for.
     pub asked: u32,
     /// The runs that came to their end, in order.
@@ -109,7 +112,15 @@ impl MonteCarlo {
 
     /// No runs.
     pub fn none() -> Self {
-        MonteCarlo { keys: Vec::new(), asked: 0, runs: Vec::new(), endless: Vec::new(), times_ms: Vec::new(), wall_s: 0.0 }
+        MonteCarlo {
+            keys: Vec::new(),
+            level: Level::Sil,
+            asked: 0,
+            runs: Vec::new(),
+            endless: Vec::new(),
+            times_ms: Vec::new(),
+            wall_s: 0.0,
+        }
     }
 
     /// A hash of what all runs played, in order.
@@ -123,6 +134,7 @@ impl MonteCarlo {
 /// `progress` is told how many have.
 pub(super) fn conduct(
     loaded: &Loaded,
+    start: Option<Start>,
     stop: &AtomicBool,
     progress: Option<&mut (dyn FnMut(f64) + Send)>,
 ) -> Result<(MonteCarlo, Metrics), StudyError> {
@@ -134,6 +146,7 @@ pub(super) fn conduct(
         template: loaded.template().map_err(unread)?,
         draws: Draws::of(scene),
         grid: scene.driven().map(|scene| Grid::of(&scene)),
+        start,
         stop,
     };
     let (done, progress) = (AtomicU32::new(0), Mutex::new(progress));
@@ -157,7 +170,7 @@ pub(super) fn conduct(
     }
     let times_ms = bench.grid.map_or_else(Vec::new, |grid| grid.times_s.iter().map(|s| 1e3 * s).collect());
     let keys = scene.vary.iter().map(|vary| vary.key.clone()).collect();
-    Ok((MonteCarlo { keys, asked: scene.runs, runs, endless, times_ms, wall_s }, metrics))
+    Ok((MonteCarlo { keys, level: Level::of(start), asked: scene.runs, runs, endless, times_ms, wall_s }, metrics))
 }
 
 /// What all runs have in common.
@@ -166,6 +179,7 @@ struct Bench<'a> {
     template: Template<'a>,
     draws: Draws,
     grid: Option<Grid>,
+    start: Option<Start<'a>>,
     stop: &'a AtomicBool,
 }
 
@@ -180,7 +194,7 @@ impl Bench<'_> {
         let scene = self.template.scene(&draw.sets(&self.draws.keys)).map_err(|error| StudyError::Cell(place(), error))?;
         let run = match scene.kind().ok_or(StudyError::Incomplete)? {
             Kind::Driven(scene) => {
-                let (record, metrics) = driven::measured(&scene, self.stop).map_err(cell::empty(&place()))?;
+                let (record, metrics) = driven::measured(&scene, self.start, self.stop).map_err(cell::empty(&place()))?;
                 if record.interrupted {
                     return Ok(None);
                 }

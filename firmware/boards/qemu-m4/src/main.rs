@@ -8,8 +8,6 @@
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
 #[cfg(target_os = "none")]
-mod counter;
-#[cfg(target_os = "none")]
 mod image;
 
 #[cfg(not(target_os = "none"))]

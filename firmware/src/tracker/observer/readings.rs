@@ -4,6 +4,23 @@ use super::{AHEAD_BLOCKS, Observer};
 use crate::phasor::Phasor;
 use crate::tracker::compare::larger;
 
+/// Variances of an observer's unknowns.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Spread {
+    /// Of the pole, both parts, rad².
+    pole: f32,
+    /// Of the inductance, relative.
+    pub strength: f32,
+    hz_per_radian: f32,
+}
+
+impl Spread {
+    /// Standard deviation of the resonance, Hz.
+    pub fn deviation_hz(&self) -> f32 {
+        libm::sqrtf(0.5 * self.pole) * self.hz_per_radian
+    }
+}
+
 impl Observer {
     /// The resonance, as an offset from the nominal frequency, Hz.
     pub fn offset_hz(&self) -> f32 {
@@ -17,7 +34,12 @@ impl Observer {
 
     /// Standard deviation of the resonance, Hz.
     pub fn deviation_hz(&self) -> f32 {
-        libm::sqrtf(0.5 * self.covariance.pole) * self.hz_per_radian
+        self.spread().deviation_hz()
+    }
+
+    /// How well it knows what it knows, of which deviations are the roots.
+    pub fn spread(&self) -> Spread {
+        Spread { pole: self.covariance.pole, strength: self.covariance.strength, hz_per_radian: self.hz_per_radian }
     }
 
     /// Whether the deviation of the resonance is below `hz`.

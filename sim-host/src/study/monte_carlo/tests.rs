@@ -129,7 +129,8 @@ fn the_worst_run_is_named() {
         OneRun { draw, metrics: of, locked: true, drive_hash: None, error_hz: Vec::new() }
     };
     let worst = |runs: Vec<OneRun>| {
-        let all = MonteCarlo { keys: vec![], asked: 3, runs, endless: vec![], times_ms: vec![1.0], wall_s: 1.0 };
+        let all =
+            MonteCarlo { keys: vec![], level: Level::Sil, asked: 3, runs, endless: vec![], times_ms: vec![1.0], wall_s: 1.0 };
         all.worst().map(|(run, why)| (run.draw.number, why))
     };
     let quick = || run(1, &[("lock_time_20hz_ms", 1.0)]);

@@ -4,8 +4,8 @@ use core::hint::black_box;
 
 use candidates::{Generator, Pair, Visitor};
 use firmware::nco::tuning_word;
+use qemu_m4::counter::Counter;
 
-use crate::counter::Counter;
 use crate::csv::line;
 use crate::repeat::repeat;
 

@@ -9,9 +9,9 @@
 //! A line is `group,"kernel",samples,repetitions,ticks`: the ticks of all repetitions of a kernel, which handles so many samples in each.
 
 use cortex_m_rt::entry;
+use qemu_m4::counter::Counter;
 use semihosting::{eprintln, println, process};
 
-use crate::counter::Counter;
 use crate::{generators, power_up, recorder, stages};
 
 #[entry]

@@ -6,11 +6,6 @@
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
 #[cfg(target_os = "none")]
-mod bench;
-#[cfg(target_os = "none")]
-#[path = "../counter.rs"]
-mod counter;
-#[cfg(target_os = "none")]
 mod csv;
 #[cfg(target_os = "none")]
 mod generators;

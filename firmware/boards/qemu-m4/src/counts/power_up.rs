@@ -9,9 +9,9 @@ use firmware::config::{Edge, TrackingMode};
 use firmware::controller::Controller;
 use firmware::supervisor::Mode;
 use firmware::telemetry::Telemetry;
+use qemu_m4::bench::{SAMPLES, Transducer, config};
+use qemu_m4::counter::Counter;
 
-use crate::bench::{SAMPLES, Transducer, config};
-use crate::counter::Counter;
 use crate::csv::line;
 
 /// Blocks without orders.
@@ -34,35 +34,36 @@ struct Trial {
     lanes: u8,
     samples: usize,
     edge: Edge,
+    /// Gains of the lanes, none where they are alike.
+    gains: &'static [f32],
 }
 
-/// Counts power-ups with one lane and with four; of longer blocks, of a second resonance, of the phase loop behind a scan, and of boosted bursts,
-/// only what differs.
+/// Counts power-ups with one lane and with four, in blocks and in longer blocks; of a second resonance, of the phase loop behind a scan, and of boosted
+/// bursts, only what differs. Lanes that are trimmed are nobody's opposites.
 pub fn count(counter: &Counter) {
-    for (name, lanes) in [("one lane", 1), ("four lanes", 4)] {
-        let plain =
-            Trial { transducer: Transducer::new(), tracking: TrackingMode::Observer, lanes, samples: SAMPLES, edge: SOFT };
-        let tallies = power_up(counter, &plain);
-        for (kind, tally) in NAMES.iter().zip(&tallies) {
-            tally.print(name, kind, SAMPLES);
-        }
-        let tallies = power_up(counter, &Trial { samples: LONG_BLOCK, ..plain.clone() });
-        tallies[RUN].print(name, "run, 64 samples a block", LONG_BLOCK);
-        let tallies = power_up(counter, &Trial { transducer: Transducer::in_company(), ..plain.clone() });
-        tallies[CLAMPED].print(name, "clamped branch, two resonances", SAMPLES);
-        let tallies = power_up(counter, &Trial { tracking: TrackingMode::PhaseLock, ..plain.clone() });
-        for (kind, tally) in PHASE_LOOP_NAMES.iter().zip(&tallies) {
-            tally.print(name, kind, SAMPLES);
-        }
-        let tallies = power_up(counter, &Trial { edge: Edge::Boost, ..plain });
-        for (kind, tally) in BOOSTED_NAMES.iter().zip(&tallies) {
-            tally.print(name, kind, SAMPLES);
+    for (name, lanes, gains) in [("one lane", 1, &[][..]), ("four lanes", 4, &[]), ("four trimmed lanes", 4, &TRIMMED)] {
+        for (length, samples) in [("", SAMPLES), (", 64 samples a block", LONG_BLOCK)] {
+            let plain =
+                Trial { transducer: Transducer::new(), tracking: TrackingMode::Observer, lanes, samples, edge: SOFT, gains };
+            let print = |names: &[&str; KINDS], trial: &Trial| {
+                for (kind, tally) in names.iter().zip(&power_up(counter, trial)) {
+                    tally.print(name, kind, length, samples);
+                }
+            };
+            print(&NAMES, &plain);
+            print(&IN_COMPANY_NAMES, &Trial { transducer: Transducer::in_company(), ..plain.clone() });
+            print(&PHASE_LOOP_NAMES, &Trial { tracking: TrackingMode::PhaseLock, ..plain.clone() });
+            print(&BOOSTED_NAMES, &Trial { edge: Edge::Boost, ..plain });
         }
     }
 }
 
+/// Gains of four lanes of which none is like another.
+const TRIMMED: [f32; 4] = [0.99, 1.0, 0.98, 0.97];
+/// How many kinds of blocks are told apart.
+const KINDS: usize = 9;
 /// What is told apart: the mode a block begins in, and in a run what the envelope is.
-const NAMES: [&str; 9] = [
+const NAMES: [&str; KINDS] = [
     "idle",
     "self-test",
     "clamped branch",
@@ -74,13 +75,15 @@ const NAMES: [&str; 9] = [
     "",
 ];
 /// The same, behind a scan and with the phase loop.
-const PHASE_LOOP_NAMES: [&str; 9] =
+const PHASE_LOOP_NAMES: [&str; KINDS] =
     ["", "", "", "phase loop, lock", "phase loop, run", "phase loop, run at an edge", "", "", "scan"];
 
 /// The clamped branch is measured.
 const CLAMPED: usize = 2;
+/// The same of a transducer with a second resonance.
+const IN_COMPANY_NAMES: [&str; KINDS] = ["", "", "clamped branch, two resonances", "", "", "", "", "", ""];
 /// The same in boosted bursts.
-const BOOSTED_NAMES: [&str; 9] =
+const BOOSTED_NAMES: [&str; KINDS] =
     ["", "", "", "", "boosted, run", "boosted, run at an edge", "boosted, run between bursts", "", ""];
 /// Edges, unless they are boosted.
 const SOFT: Edge = Edge::Soft { cycles: 8.0 };
@@ -119,23 +122,24 @@ impl Tally {
     }
 
     /// Prints it, unless it has no name or there were none.
-    fn print(&self, lanes: &str, kind: &str, samples: usize) {
+    fn print(&self, lanes: &str, kind: &str, length: &str, samples: usize) {
         if kind.is_empty() || self.blocks == 0 {
             return;
         }
-        let mut name = heapless::String::<48>::new();
+        let mut name = heapless::String::<80>::new();
         // The longest of the names fits.
-        let _ = write!(name, "{lanes}, {kind}");
+        let _ = write!(name, "{lanes}, {kind}{length}");
         line("process", &name, samples, self.blocks, self.ticks.into());
         line("worst block", &name, samples, 1, self.worst.into());
     }
 }
 
 /// Powers up and runs.
-fn power_up(counter: &Counter, trial: &Trial) -> [Tally; NAMES.len()] {
-    let mut tallies = [Tally::default(); NAMES.len()];
+fn power_up(counter: &Counter, trial: &Trial) -> [Tally; KINDS] {
+    let mut tallies = [Tally::default(); KINDS];
     let mut config = config(trial.tracking, trial.lanes, trial.samples);
     config.burst.edge = trial.edge;
+    config.phasing.gain_trim = trial.gains.iter().copied().collect();
     let mut controller = Controller::build(&config).expect("a valid configuration");
     let mut playing = [controller.silence(), controller.silence()];
     let (mut transducer, mut sense) = (trial.transducer.clone(), SenseBlock::default());

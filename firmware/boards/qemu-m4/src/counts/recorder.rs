@@ -9,9 +9,9 @@ use firmware::capture::recorder::{Answer, Recorder, Wish};
 use firmware::capture::{Arm, Trigger};
 use firmware::telemetry::Telemetry;
 use heapless::spsc::Queue;
+use qemu_m4::bench::SAMPLES;
+use qemu_m4::counter::Counter;
 
-use crate::bench::SAMPLES;
-use crate::counter::Counter;
 use crate::csv::line;
 use crate::repeat::repeat;
 

@@ -2,7 +2,7 @@
 
 use core::hint::black_box;
 
-use crate::counter::Counter;
+use qemu_m4::counter::Counter;
 
 /// The ticks that `repetitions` of a kernel take: of twice as many less of as many, which has nothing of what stands around the loop.
 pub fn repeat(counter: &Counter, repetitions: u32, mut kernel: impl FnMut()) -> i64 {

@@ -19,9 +19,9 @@ use firmware::shape::sine;
 use firmware::shaper::{Play, Shaper};
 use firmware::tracker::observer::{Observer, Played, Prior};
 use firmware::tracker::{Heard, State, Tracker};
+use qemu_m4::bench::{SAMPLES, Transducer, config};
+use qemu_m4::counter::Counter;
 
-use crate::bench::{SAMPLES, Transducer, config};
-use crate::counter::Counter;
 use crate::csv::line;
 use crate::repeat::repeat;
 

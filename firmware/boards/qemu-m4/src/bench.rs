@@ -87,6 +87,12 @@ const fn turn(hz: f64) -> u64 {
     (hz / 1e6 * 18_446_744_073_709_551_616.0) as u64
 }
 
+impl Default for Transducer {
+    fn default() -> Self {
+        Transducer::new()
+    }
+}
+
 impl Transducer {
     /// With one resonance, at rest.
     pub fn new() -> Self {

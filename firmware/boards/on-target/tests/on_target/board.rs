@@ -1,0 +1,60 @@
+//! What only the board has, at the state it is in after a reset. Nobody has run this.
+//!
+//! What needs the board's converters running (mid-code on its outputs and inputs) is not here: the modules that start them are its image's
+//! own, and the first-power checklist of docs/board.md looks at them.
+#![expect(unsafe_code, reason = "memory that the linker's script does not know of")]
+
+use core::ptr;
+
+use cortex_m::asm::delay;
+use stm32_metapac::gpio::Gpio;
+use stm32_metapac::gpio::vals::{Idr, Moder, Pupdr};
+use stm32_metapac::{FLASH, GPIOA, GPIOC, RCC};
+
+/// The enable, high is on, and the contact of the emergency stop, high is released: docs/board.md, Pins.
+const ENABLE: (Gpio, usize) = (GPIOA, 10);
+const STOP: (Gpio, usize) = (GPIOC, 3);
+/// Core-coupled RAM, at its own address (RM0440 2.2.1).
+const CCMRAM: usize = 0x1000_0000;
+const CCMRAM_BYTES: usize = 32 << 10;
+
+/// The level at a pin. RCC_AHB2ENR (RM0440 7.4.15), GPIOx_MODER (9.4.1), PUPDR (9.4.4), IDR (9.4.5).
+fn level((port, number): (Gpio, usize), pull: Pupdr) -> Idr {
+    RCC.ahb2enr().modify(|w| {
+        w.set_gpioaen(true);
+        w.set_gpiocen(true);
+    });
+    // The clock takes two cycles (7.2.17), and the pull-up of 40 kilohms its time with the wire.
+    delay(16);
+    port.pupdr().modify(|w| w.set_pupdr(number, pull));
+    port.moder().modify(|w| w.set_moder(number, Moder::INPUT));
+    delay(16_000);
+    port.idr().read().idr(number)
+}
+
+/// By the resistor at the amplifier: pulled up by the part's own 40 kilohms, it still reads low.
+pub fn the_amplifier_is_off() {
+    assert!(level(ENABLE, Pupdr::PULL_UP) == Idr::LOW, "PA10 is not held low: is there 10 kilohms to ground at the amplifier?");
+}
+
+pub fn the_emergency_stop_is_released() {
+    assert!(level(STOP, Pupdr::PULL_DOWN) == Idr::HIGH, "PC3 is low: pressed, or not wired to 3.3 V");
+}
+
+/// FLASH_OPTR.DBANK (3.7.7): with one bank nothing is stored.
+pub fn the_flash_has_two_banks() {
+    assert!(FLASH.optr().read().dbank(), "option byte DBANK is off");
+}
+
+pub fn the_core_coupled_ram_keeps_what_is_written() {
+    let words = || (CCMRAM..CCMRAM + CCMRAM_BYTES).step_by(4);
+    for address in words() {
+        // SAFETY: this image uses none of that RAM.
+        unsafe { ptr::write_volatile(ptr::with_exposed_provenance_mut::<u32>(address), !address as u32) };
+    }
+    for address in words() {
+        // SAFETY: as above.
+        let word = unsafe { ptr::read_volatile(ptr::with_exposed_provenance::<u32>(address)) };
+        assert_eq!(word, !address as u32, "{address:#x}");
+    }
+}

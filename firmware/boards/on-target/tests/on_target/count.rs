@@ -1,0 +1,64 @@
+//! What a block takes: instructions in QEMU, by its system timer; cycles on the board, by the core's own counter.
+
+/// What is counted.
+#[cfg(not(feature = "hil"))]
+pub const UNIT: &str = "instructions";
+/// What is counted.
+#[cfg(feature = "hil")]
+pub const UNIT: &str = "cycles";
+
+#[cfg(not(feature = "hil"))]
+pub use self::instructions::Meter;
+
+#[cfg(feature = "hil")]
+pub use self::cycles::Meter;
+
+#[cfg(not(feature = "hil"))]
+mod instructions {
+    use qemu_m4::counter::Counter;
+
+    /// Counts instructions, to within a tick of 6.
+    pub struct Meter(Counter);
+
+    impl Meter {
+        /// Starts the timer; panics where it does not count instructions.
+        pub fn start() -> Self {
+            let counter = Counter::start();
+            assert_eq!(counter.calibrate(), Ok(()), "ticks of a loop of known length");
+            Meter(counter)
+        }
+
+        /// What `work` takes.
+        pub fn of(&self, work: &mut dyn FnMut()) -> u32 {
+            let before = self.0.now();
+            work();
+            self.0.since(before) * 125 / 21
+        }
+    }
+}
+
+#[cfg(feature = "hil")]
+mod cycles {
+    use cortex_m::Peripherals;
+    use cortex_m::peripheral::DWT;
+
+    /// Counts cycles, at the part's 16 MHz after reset, where the flash makes nobody wait: fewer than at full speed.
+    pub struct Meter;
+
+    impl Meter {
+        /// Starts the counter.
+        pub fn start() -> Self {
+            let mut core = Peripherals::take().expect("taken once");
+            core.DCB.enable_trace();
+            core.DWT.enable_cycle_counter();
+            Meter
+        }
+
+        /// What `work` takes.
+        pub fn of(&self, work: &mut dyn FnMut()) -> u32 {
+            let before = DWT::cycle_count();
+            work();
+            DWT::cycle_count().wrapping_sub(before)
+        }
+    }
+}

@@ -1,0 +1,98 @@
+//! The image: a configuration, then a block a record, until the host closes its pipe. Exits as [the other image](../image.rs) does.
+
+// For the critical section it provides.
+use cortex_m::{Peripherals, singleton};
+use cortex_m_rt::entry;
+use firmware::app::{self, App};
+use firmware::block_task::BlockTask;
+use firmware::lockstep::{Beat, Closing, Opening, Played};
+use firmware::power_up::PowerUp;
+use firmware::queues::Queues;
+use firmware::settings::Settings;
+use qemu_m4::pages::Pages;
+use qemu_m4::pipes::{Pipes, configuration, read, reason};
+use qemu_m4::stack;
+use semihosting::{eprintln, process};
+
+use crate::kept;
+use crate::pins::{self, Dog, Enable, Stop};
+use crate::usart::{self, Usart};
+
+/// Room of the queues; one place of each stays empty.
+const ORDERS: usize = 9;
+const REPORTS: usize = 9;
+
+const TWICE: &str = "started twice";
+
+#[entry]
+fn main() -> ! {
+    match serve() {
+        Ok(()) => process::exit(0),
+        Err(trouble) => {
+            eprintln!("{trouble}");
+            process::exit(1)
+        }
+    }
+}
+
+/// Plays the board, one block a record.
+fn serve() -> Result<(), &'static str> {
+    stack::paint();
+    let mut core = Peripherals::take().ok_or(TWICE)?;
+    let link = Usart::start(&mut core);
+    let pipes = Pipes::open()?;
+    let Some((task, app)) = open(pipes, link)? else { return Ok(()) };
+    let (beat, played) = records().ok_or(TWICE)?;
+    let stack_power_up_bytes = stack::deepest_bytes();
+    stack::paint();
+    while let Some(body) = pipes.receive()? {
+        if body.is_empty() {
+            pipes.send(&Closing { stack_power_up_bytes, stack_blocks_bytes: stack::deepest_bytes() })?;
+            continue;
+        }
+        read(body, beat)?;
+        pins::press(beat.pins.stop);
+        usart::hear(beat.pins.sent);
+        task.run(&beat.sense, &mut played.drive);
+        let failed = app.poll().is_err();
+        played.board = pins::seen(failed);
+        pipes.send(&*played)?;
+        if played.board.resets {
+            kept::reset()
+        }
+    }
+    Ok(())
+}
+
+/// Room for the records. Not inlined, for what passes over the stack on the way.
+#[inline(never)]
+fn records() -> Option<&'static mut (Beat, Played)> {
+    singleton!(: (Beat, Played) = Default::default())
+}
+
+/// The slow side of this board.
+type Slow = App<'static, Usart, Enable, Stop, Dog, &'static mut Pages>;
+
+/// Builds both sides of what the host describes, with what is kept, and answers; `None` where the host is not there any more, or has been
+/// refused. Not inlined: what that takes of the stack is given back here.
+#[inline(never)]
+fn open(pipes: &mut Pipes, link: Usart) -> Result<Option<&'static mut (BlockTask<'static>, Slow)>, &'static str> {
+    let Some(body) = pipes.receive()? else { return Ok(None) };
+    let built_in = configuration(body)?;
+    let queues = singleton!(: Queues<ORDERS, REPORTS> = Queues::new()).ok_or(TWICE)?;
+    let (hot, slow) = queues.split();
+    let (pages, start) = kept::take().ok_or(TWICE)?;
+    let mut settings = Settings::new(pages).map_err(|_| "the settings do not fit")?;
+    let mut power_up = PowerUp::read(&built_in, &mut settings);
+    match power_up.build(&built_in, hot) {
+        Ok(task) => {
+            pipes.send(&Opening { built: Ok(()), silence: task.silence() })?;
+            let peripherals = app::Peripherals { link, enable: Enable, stop: Stop, watchdog: Dog, settings, start };
+            singleton!(: (BlockTask<'static>, Slow) = (task, App::new(peripherals, slow, &power_up))).ok_or(TWICE).map(Some)
+        }
+        Err(error) => {
+            pipes.send(&Opening { built: Err(reason(&error)), ..Opening::default() })?;
+            Ok(None)
+        }
+    }
+}

@@ -1,0 +1,256 @@
+//! `sim-host link`.
+
+use std::cell::RefCell;
+use std::fs;
+use std::io::{self, IsTerminal, Read, Write};
+use std::net::TcpListener;
+use std::process::ExitCode;
+use std::rc::Rc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use anyhow::Context;
+use clap::{Args, Subcommand};
+use serde_json::Value;
+
+use super::{Color, Format, INTERRUPTED, LOST, RUN_FAILED, SceneArgs, USAGE, with_scene};
+use crate::link::answer::{Answer, failure};
+use crate::link::client::Client;
+use crate::link::commands::{Order, amount, monitor, seconds};
+use crate::link::link_error::LinkError;
+use crate::link::port::{Port, Serial, Simulated, Tcp};
+use crate::link::script::Script;
+use crate::link::serve::serve;
+use crate::link::session::{Live, Manner, Session};
+use crate::link::simulated_board::SimulatedBoard;
+
+/// Set by Ctrl-C.
+static STOP: AtomicBool = AtomicBool::new(false);
+
+/// What a simulated board is called: `sim:SCENE`.
+const SIMULATED: &str = "sim:";
+
+/// Arguments of the command.
+#[derive(Args)]
+pub(super) struct LinkArgs {
+    /// A serial device (/dev/ttyACM0, COM3), `tcp:HOST:PORT`, or `sim:SCENE`: a simulated board in this process.
+    port: String,
+    #[command(subcommand)]
+    order: LinkOrder,
+    /// Of a simulated board: change one value of its scene, as `a.b=v`. Repeatable.
+    #[arg(long = "set", value_name = "KEY=VALUE", global = true)]
+    sets: Vec<String>,
+    /// Of a simulated board: seed of all noise.
+    #[arg(long, value_name = "N", global = true)]
+    seed: Option<u64>,
+    /// A simulated board is not faster than a real one.
+    #[arg(long, global = true)]
+    real_time: bool,
+    /// What to print on standard output: text, or a line of JSON for each answer.
+    #[arg(long, value_enum, default_value_t = Format::Human, global = true)]
+    format: Format,
+    /// How long the board may be without its host while it drives, s; then it stops by itself (fault 12). Default: as the board is set.
+    #[arg(long, value_name = "S", value_parser = amount, global = true, conflicts_with = "stay")]
+    patience: Option<f32>,
+    /// The drive goes on when this program ends, and the board waits for no host.
+    #[arg(long, global = true)]
+    stay: bool,
+}
+
+#[derive(Subcommand)]
+enum LinkOrder {
+    #[command(flatten)]
+    Order(Order),
+    /// Do what a file says, a command a line; ends with the first that fails.
+    Script {
+        /// The file; `-` is standard input.
+        file: String,
+    },
+    /// Put the simulated board at a TCP port, in real time, until Ctrl-C.
+    Serve {
+        /// Where to listen; port 0 takes a free one. The address is printed.
+        #[arg(long, value_name = "HOST:PORT", default_value = "127.0.0.1:0")]
+        listen: String,
+    },
+    /// Let time pass, with the board looked after.
+    Wait {
+        #[arg(value_parser = seconds)]
+        time: f64,
+    },
+}
+
+/// Connects, does what is asked, and leaves the drive as it is to be left.
+pub(super) fn run(args: &LinkArgs, color: Color) -> anyhow::Result<ExitCode> {
+    // A second Ctrl-C ends the program the usual way.
+    let first = || {
+        if STOP.swap(true, Ordering::Relaxed) {
+            std::process::exit(INTERRUPTED.into())
+        }
+    };
+    ctrlc::set_handler(first).context("cannot listen for Ctrl-C")?;
+    match args.port.strip_prefix(SIMULATED) {
+        Some(scene) => {
+            let mut sets = args.sets.clone();
+            sets.extend(args.seed.map(|seed| format!("seed={seed}")));
+            with_scene(&SceneArgs { scene: scene.to_owned(), sets }, color, |loaded| {
+                let Some(driven) = loaded.scene.driven() else {
+                    return Ok(failed(
+                        &LinkError::Usage(format!("`{}` has no [controller]: there is nothing to talk to", loaded.name)),
+                        color,
+                    ));
+                };
+                let board = SimulatedBoard::new(&driven, 0)
+                    .map_err(|why| LinkError::Usage(format!("the firmware refuses this scene: {why}")));
+                done(board.and_then(|board| with_board(args, board)), color)
+            })
+        }
+        None if !args.sets.is_empty() || args.seed.is_some() || args.real_time => {
+            Ok(failed(&LinkError::Usage("--set, --seed and --real-time are of a simulated board, sim:SCENE".into()), color))
+        }
+        None => done(open(&args.port).and_then(|port| with_port(args, port)), color),
+    }
+}
+
+fn open(port: &str) -> Result<Box<dyn Port>, LinkError> {
+    Ok(match port.strip_prefix("tcp:") {
+        Some(address) => Box::new(Tcp::connect(address)?),
+        None => Box::new(Serial::open(port)?),
+    })
+}
+
+fn with_board(args: &LinkArgs, mut board: SimulatedBoard) -> Result<(), LinkError> {
+    if let LinkOrder::Serve { listen } = &args.order {
+        let listener = TcpListener::bind(listen)
+            .map_err(|error| LinkError::Open { port: format!("tcp:{listen}"), why: error.to_string() })?;
+        println!("tcp:{}", listener.local_addr()?);
+        io::stdout().flush()?;
+        serve(&mut board, &listener, &STOP, |line| eprintln!("{line}"))?;
+        return Err(LinkError::Interrupted);
+    }
+    // What has no end of its own is watched, and who watches has a clock.
+    let endless = match &args.order {
+        LinkOrder::Order(Order::Monitor(order)) => order.is_endless(),
+        LinkOrder::Order(Order::Drive(order)) => order.goes_on() && !args.stay,
+        _ => false,
+    };
+    let port = Simulated::new(&args.port, Rc::new(RefCell::new(board)), args.real_time || endless);
+    with_port(args, Box::new(port))
+}
+
+fn with_port(args: &LinkArgs, port: Box<dyn Port>) -> Result<(), LinkError> {
+    // A script that cannot be read needs no board.
+    let script = match &args.order {
+        LinkOrder::Script { file } => Some(read(file)?),
+        LinkOrder::Serve { .. } => {
+            return Err(LinkError::Usage("serve is of a simulated board: `sim-host link sim:SCENE serve`".into()));
+        }
+        _ => None,
+    };
+    let client = Client::new(port, &STOP, |line| eprintln!("{line}"));
+    let mut session = Session::begin(client, Manner { patience_s: args.patience, stay: args.stay })?;
+    session.live = live(args.format);
+    let done = match (&args.order, script) {
+        (LinkOrder::Order(order), _) => one(order, args, &mut session),
+        (LinkOrder::Wait { time }, _) => session.wait(std::time::Duration::from_secs_f64(*time)),
+        (_, Some(script)) => script.run(&mut session, |line, done| tell(&line.text, line.name(), done, args.format)),
+        _ => Ok(()),
+    };
+    if io::stdout().is_terminal() && matches!(done, Err(LinkError::Interrupted)) {
+        eprintln!();
+    }
+    // Whatever has happened, the drive is left as the user wants it left, as far as the link goes.
+    let left = session.leave();
+    if let Ok(Some(what)) = &left {
+        eprintln!("{what}");
+    } else if matches!(done, Err(LinkError::Interrupted))
+        && let Ok(report) = session.status()
+        && let Ok(what) = monitor::what_it_does(&report, &mut session)
+    {
+        eprintln!("{what}");
+    }
+    done.and(left.map(drop))
+}
+
+/// One command; a drive that goes on is watched until Ctrl-C.
+fn one(order: &Order, args: &LinkArgs, session: &mut Session) -> Result<(), LinkError> {
+    let done = order.run(session);
+    if args.format == Format::Json || done.is_ok() {
+        tell("", order.name(), &done, args.format)?;
+    }
+    done?;
+    if let Order::Drive(drive) = order
+        && drive.goes_on()
+        && !args.stay
+    {
+        eprintln!("Ctrl-C stops the drive");
+        return monitor::run(&monitor::MonitorArgs::default(), session).map(drop);
+    }
+    Ok(())
+}
+
+/// Prints what has come of a command.
+fn tell(text: &str, name: &str, done: &Result<Answer, LinkError>, format: Format) -> Result<(), LinkError> {
+    let mut out = io::stdout().lock();
+    match (format, done) {
+        (Format::Json, Ok(answer)) => writeln!(out, "{}", answer.json())?,
+        (Format::Json, Err(error)) => writeln!(out, "{}", failure(name, error))?,
+        (Format::Human, done) => {
+            if !text.is_empty() {
+                writeln!(out, "> {text}")?;
+            }
+            if let Ok(answer) = done {
+                // The line of a monitor stays where it is.
+                if name == "monitor" && io::stdout().is_terminal() {
+                    writeln!(out)?;
+                }
+                write!(out, "{}", answer.text)?;
+            }
+        }
+    }
+    Ok(out.flush()?)
+}
+
+/// Who is told of stages and reports.
+fn live(format: Format) -> Live {
+    let stage = io::stderr().is_terminal().then_some((|line: &str| eprintln!("{line}…")) as fn(&str));
+    let report: fn(&str, &Value) = match format {
+        Format::Json => |_, fields| println!("{fields}"),
+        // The line is renewed in place, and what was longer is wiped.
+        Format::Human if io::stdout().is_terminal() => |line, _| {
+            print!("\r{line}\x1b[K");
+            let _ = io::stdout().flush();
+        },
+        Format::Human => |line, _| println!("{line}"),
+    };
+    Live { stage, report: Some(report) }
+}
+
+fn read(file: &str) -> Result<Script, LinkError> {
+    let mut text = String::new();
+    let (name, read) = match file {
+        "-" => ("<stdin>", io::stdin().read_to_string(&mut text).map(drop)),
+        file => (file, fs::read_to_string(file).map(|read| text = read)),
+    };
+    read.map_err(|error| LinkError::Usage(format!("cannot read the script `{name}`: {error}")))?;
+    Script::parse(name, &text)
+}
+
+fn done(done: Result<(), LinkError>, color: Color) -> anyhow::Result<ExitCode> {
+    Ok(done.map_or_else(|error| failed(&error, color), |()| ExitCode::SUCCESS))
+}
+
+/// Says what went wrong, and gives its exit code.
+fn failed(error: &LinkError, color: Color) -> ExitCode {
+    let code = match error.cause() {
+        _ if error.is_lost() => LOST,
+        LinkError::Interrupted => INTERRUPTED,
+        LinkError::Usage(_) | LinkError::Script(_) => USAGE,
+        LinkError::Output(error) if error.kind() == io::ErrorKind::BrokenPipe => return ExitCode::SUCCESS,
+        _ => RUN_FAILED,
+    };
+    match error {
+        LinkError::Interrupted => eprintln!("interrupted"),
+        LinkError::Script(report) => eprintln!("{}", report.render(color.stderr)),
+        error => eprintln!("error: {error}"),
+    }
+    ExitCode::from(code)
+}

@@ -1,0 +1,51 @@
+//! What each refusal means for who is refused.
+
+use firmware::command::Refusal;
+
+/// Why the board does not do this, and what to do.
+pub fn sentence(command: &str, refusal: Refusal) -> String {
+    let (why, what) = words(refusal);
+    format!("the board refuses `{command}`: {why}. {what}")
+}
+
+/// The refusal's name, for programs.
+pub fn name(refusal: Refusal) -> &'static str {
+    match refusal {
+        Refusal::Damaged => "damaged",
+        Refusal::Version => "version",
+        Refusal::Unknown => "unknown",
+        Refusal::NotPlausible => "not_plausible",
+        Refusal::Busy => "busy",
+        Refusal::Driving => "driving",
+        Refusal::Flash => "flash",
+        Refusal::OutOfRange => "out_of_range",
+        Refusal::NoSuchKey => "no_such_key",
+        Refusal::NotCaptured => "not_captured",
+    }
+}
+
+fn words(refusal: Refusal) -> (&'static str, &'static str) {
+    match refusal {
+        Refusal::Damaged => ("every copy of it arrived damaged", "Look at cable, ground and baud rate (921600)"),
+        Refusal::Version => ("it is of another protocol version", "Flash the firmware that belongs to this program"),
+        Refusal::Unknown => ("it does not know this command", "Its firmware is older than this program: flash it anew"),
+        Refusal::NotPlausible => {
+            ("a number in it cannot be", "Give a finite number, not below zero, and within the range that `settings get` shows")
+        }
+        Refusal::Busy => (
+            "earlier orders have not been taken yet: its block stream stands still, or commands come too fast",
+            "Try again; if it stays so, the converters have stopped: `reset`, and `fault log` says why",
+        ),
+        Refusal::Driving => ("this is done only while the drive is silent", "Send `stop` first"),
+        Refusal::Flash => (
+            "its flash does not do it",
+            "Try again after `reset`; if it stays so, the flash is worn out or its pages are protected",
+        ),
+        Refusal::OutOfRange => (
+            "a number in it is beyond its range",
+            "`settings get` shows the ranges; a capture has 1024 samples, of a lane that the board has",
+        ),
+        Refusal::NoSuchKey => ("its firmware has no such setting", "`settings get` lists what it has; or flash it anew"),
+        Refusal::NotCaptured => ("its capture is not full yet", "Wait for the trigger, or arm it with another one"),
+    }
+}

@@ -1,0 +1,93 @@
+//! The same dialogue with a whole board under QEMU, over its UART.
+//!
+//! Skipped as the [processor in the loop](crate::processor_in_the_loop) is.
+
+use std::cell::RefCell;
+use std::io::{self, Read as _, Write as _};
+use std::rc::Rc;
+use std::time::{Duration, Instant};
+
+use sim_host::link::link_error::LinkError;
+use sim_host::link::port::Port;
+use sim_host::pil::{EmulatedBoard, link_image};
+use sim_host::scene::load::load;
+
+use super::dialogue::{Folder, answer, codes, hold, judge_scan, number};
+use crate::processor_in_the_loop::is_there;
+
+/// Blocks that are kept: all of a dialogue.
+const KEEP: usize = 60_000;
+
+/// Most of the stack in the blocks, bytes; measured: 5264.
+const MOST_STACK: u32 = 6 << 10;
+
+/// A board as a port: its time passes only while somebody waits, a block at a time.
+struct Emulated(Rc<RefCell<EmulatedBoard>>);
+
+impl Port for Emulated {
+    fn name(&self) -> &str {
+        "QEMU"
+    }
+
+    fn send(&mut self, bytes: &[u8]) -> io::Result<()> {
+        self.0.borrow_mut().write_all(bytes)
+    }
+
+    fn receive(&mut self, into: &mut [u8], wait: Duration) -> io::Result<usize> {
+        let mut board = self.0.borrow_mut();
+        let until = board.now() + wait;
+        loop {
+            let count = board.read(into)?;
+            if count > 0 || board.now() >= until {
+                return Ok(count);
+            }
+            board.block().map_err(io::Error::other)?;
+        }
+    }
+
+    fn now(&self) -> Duration {
+        self.0.borrow().now()
+    }
+
+    fn reopen(&mut self) -> Result<(), LinkError> {
+        Ok(())
+    }
+}
+
+#[test]
+fn a_board_in_qemu_is_talked_to_as_one_on_a_bench() {
+    if !is_there("link in the loop") {
+        return;
+    }
+    let began = Instant::now();
+    let loaded = load("lock", &[]).unwrap_or_else(|error| panic!("{error}"));
+    let image = link_image().expect("the image builds");
+    let board = EmulatedBoard::start(&image, &loaded.scene.driven().expect("a driven scene"), KEEP).expect("QEMU starts");
+    let board = Rc::new(RefCell::new(board));
+    let folder = Folder::new("dialogue-qemu");
+    let answers = hold(Box::new(Emulated(board.clone())), &folder.0);
+    let stack = board.borrow_mut().stack().expect("QEMU lives");
+    let board = board.borrow();
+    judge_scan(answer(&answers, "scan"), &board.rig().inner.inner.circuit());
+
+    // What was captured there is, code for code, what went over the converters here.
+    let exchanges = || board.rig().blocks();
+    assert_eq!(exchanges().next().map(|exchange| exchange.block), Some(0), "all blocks are kept");
+    let played: Vec<[u16; 3]> = exchanges()
+        .flat_map(|exchange| {
+            let senses = exchange.sense.v.iter().zip(&exchange.sense.i);
+            senses.zip(&exchange.drive.lanes[0]).map(|((&v, &i), &drive)| [v, i, drive]).collect::<Vec<_>>()
+        })
+        .collect();
+    for (line, name) in [("capture --read", "first"), ("capture --trigger now", "running")] {
+        let said = answer(&answers, line);
+        let samples = usize::from(board.config().block_samples);
+        let first = number(said, "block") as usize * samples - number(said, "before") as usize;
+        let captured = codes(&folder.0, name);
+        assert!(captured.len() == 1024 && captured == played[first..first + 1024], "{name}");
+    }
+    assert!(!board.pins().enable && !board.pins().failed && board.resets() == 0);
+    // Block task and slow side one after the other: on a board, the task comes on top of what the slow side is at.
+    assert!((2000..MOST_STACK).contains(&stack.stack_blocks_bytes), "{stack:?}");
+    println!("{:.3} s of a dialogue in {:.2?}; {stack:?}", board.now().as_secs_f64(), began.elapsed());
+}
