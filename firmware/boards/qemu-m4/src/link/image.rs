@@ -5,6 +5,7 @@ use cortex_m::{Peripherals, singleton};
 use cortex_m_rt::entry;
 use firmware::app::{self, App};
 use firmware::block_task::BlockTask;
+use firmware::capture::memory::Memory;
 use firmware::lockstep::{Beat, Closing, Opening, Played};
 use firmware::power_up::PowerUp;
 use firmware::queues::Queues;
@@ -80,7 +81,8 @@ fn open(pipes: &mut Pipes, link: Usart) -> Result<Option<&'static mut (BlockTask
     let Some(body) = pipes.receive()? else { return Ok(None) };
     let built_in = configuration(body)?;
     let queues = singleton!(: Queues<ORDERS, REPORTS> = Queues::new()).ok_or(TWICE)?;
-    let (hot, slow) = queues.split();
+    let memory = singleton!(: Memory = Memory::new()).ok_or(TWICE)?;
+    let (hot, slow) = queues.split(memory);
     let (pages, start) = kept::take().ok_or(TWICE)?;
     let mut settings = Settings::new(pages).map_err(|_| "the settings do not fit")?;
     let mut power_up = PowerUp::read(&built_in, &mut settings);
