@@ -111,7 +111,6 @@ pub struct PowerOn {
     iv: Phasor,
     vv: f32,
     fit: Fit,
-    solution: Option<Solution>,
     verdict: Option<Step>,
 }
 
@@ -147,7 +146,6 @@ impl PowerOn {
             iv: Phasor::default(),
             vv: 0.0,
             fit: Fit::new(1.0 / tracking.nominal_q),
-            solution: None,
             verdict: None,
         }
     }
@@ -157,7 +155,6 @@ impl PowerOn {
         (self.stage, self.block) = (Stage::Tones, 0);
         (self.iv, self.vv) = (Phasor::default(), 0.0);
         self.fit = Fit::new(1.0 / self.nominal_q);
-        self.solution = None;
     }
 
     /// Takes the variances of the phasors of a block's voltage and current by noise, both components, V² and A².
@@ -183,16 +180,15 @@ impl PowerOn {
                     None => Step::Silence,
                 }
             }
-            Stage::Fit => match self.fit.advance() {
-                None => Step::Silence,
-                Some(solution) => {
-                    (self.stage, self.solution) = (Stage::Judge, Some(solution));
-                    Step::Silence
+            Stage::Fit => {
+                if self.fit.advance() {
+                    self.stage = Stage::Judge;
                 }
-            },
+                Step::Silence
+            }
             Stage::Judge => {
                 // What follows from it takes a block of its own.
-                (self.stage, self.verdict) = (Stage::Tell, self.solution.as_ref().map(|solution| self.judge(solution)));
+                (self.stage, self.verdict) = (Stage::Tell, self.fit.solution().map(|solution| self.judge(solution)));
                 Step::Silence
             }
             Stage::Tell => {

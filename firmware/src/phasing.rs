@@ -8,7 +8,8 @@
 //! sin(theta + offset) = sin(theta) cos(offset) + cos(theta) sin(offset)
 //! ```
 //!
-//! so that a sine's lanes are the rows of a matrix, times one pair a sample, and a trim costs nothing.
+//! so that a sine's lanes are the rows of a matrix, times one pair a sample. Lanes that no trim tells apart are each other's opposites to the last bit, and
+//! one of the two is written as that.
 
 use heapless::Vec;
 

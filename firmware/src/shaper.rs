@@ -283,7 +283,9 @@ impl Shaper {
         let (mid, (codes, part)) = (play.scale.silence(), PAYBACK);
         let most = (self.driven * part).clamp(1.0, codes) as i32;
         for (codes, owed) in drive.lanes.iter_mut().zip(&mut self.owed) {
-            codes.fill(mid);
+            let (eights, rest) = codes.as_chunks_mut::<8>();
+            eights.fill([mid; 8]);
+            rest.fill(mid);
             for code in codes {
                 if *owed == 0 {
                     break;

@@ -60,7 +60,7 @@ enum Stage {
 }
 
 /// Elements that explain the points, and how well.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Solution {
     /// The elements.
     pub elements: Elements,
@@ -110,8 +110,13 @@ impl Fit {
         let _ = self.points.push(point);
     }
 
-    /// Does a block's worth of it. Returns the solution when it is found.
-    pub fn advance(&mut self) -> Option<Solution> {
+    /// What has been found, when it is over.
+    pub fn solution(&self) -> Option<&Solution> {
+        self.best.as_ref()
+    }
+
+    /// Does a block's worth of it. Returns whether it is over.
+    pub fn advance(&mut self) -> bool {
         let starts = matches!(self.stage, Stage::StartOne | Stage::StartTwo);
         let blocks = if matches!(self.stage, Stage::Above | Stage::Two) { 2 } else { 1 };
         let (row, part) = (self.block / blocks, self.block % blocks);
@@ -137,7 +142,7 @@ impl Fit {
                 return self.finish_round();
             }
         }
-        None
+        false
     }
 
     fn fold_linear(&mut self, point: Point) {
@@ -161,7 +166,7 @@ impl Fit {
         let (left, unknown) = (point.y - y, if self.stage == Stage::One { K2 } else { UNKNOWNS });
         for part in parts {
             let row = core::array::from_fn(|n| if n < unknown { part(by[n]) * weight } else { 0.0 });
-            self.triangle.fold(row, part(left) * weight);
+            self.triangle.fold_among(unknown, row, part(left) * weight);
         }
     }
 
@@ -185,7 +190,8 @@ impl Fit {
             (e[K2], e[X2]) = (strengths[1 - main], resonance(roots[1 - main]));
             self.stage = Stage::Two;
         }
-        (self.elements, self.round, self.triangle) = (e, 0, Triangle::default());
+        (self.elements, self.round) = (e, 0);
+        self.triangle.restart();
     }
 
     fn fold_known(&mut self) {
@@ -207,7 +213,7 @@ impl Fit {
         self.triangle.fold(rises, (LOSS_RISES.0 * self.elements[G] - self.elements[H]) / LOSS_RISES.1);
     }
 
-    fn finish_round(&mut self) -> Option<Solution> {
+    fn finish_round(&mut self) -> bool {
         let (step, d) = (self.triangle.solve(), self.elements[D]);
         for (n, (element, step)) in self.elements.iter_mut().zip(step).enumerate() {
             let resonance = n == XS || n == X2;
@@ -217,29 +223,33 @@ impl Fit {
         self.round += 1;
         let (rounds, unknowns) = if self.stage == Stage::One { (ROUNDS.0, K2) } else { (ROUNDS.1, UNKNOWNS) };
         if self.round < rounds {
-            self.triangle = Triangle::default();
-            return None;
+            self.triangle.restart();
+            return false;
         }
         let freedom = (2 * self.points.len()).saturating_sub(unknowns).max(1) as f32;
         let misfit = libm::sqrtf(self.triangle.rest() / freedom);
         let better = self.best.as_ref().is_none_or(|best| misfit < best.misfit && is_plausible(&self.elements));
+        // In place: a factor is long to move.
+        let best = self.best.get_or_insert_default();
         if better {
-            self.best = Some(Solution { elements: self.elements, triangle: self.triangle.clone(), misfit });
+            (best.elements, best.misfit) = (self.elements, misfit);
+            best.triangle.clone_from(&self.triangle);
         }
-        let best = self.best.take()?;
-        self.triangle = Triangle::default();
+        self.triangle.restart();
         // What is no number ends it, too.
         match self.stage {
             Stage::One if best.misfit > MISFIT => {
                 (self.elements, self.round, self.stage) = (best.elements, 0, Stage::Above);
                 self.elements[K2] = SECOND.1 * self.elements[K];
                 self.elements[X2] = self.elements[XS] + SECOND.0;
+                false
             }
-            Stage::Above if best.misfit > MISFIT => self.stage = Stage::StartTwo,
-            _ => return Some(best),
+            Stage::Above if best.misfit > MISFIT => {
+                self.stage = Stage::StartTwo;
+                false
+            }
+            _ => true,
         }
-        self.best = Some(best);
-        None
     }
 }
 
@@ -259,7 +269,8 @@ mod tests {
         for x in TONES {
             fit.add(Point { x, y: admittance(elements, x).0, deviation: 4e-4 });
         }
-        (0..1000).find_map(|_| fit.advance()).expect("a solution")
+        assert!((0..1000).any(|_| fit.advance()), "it ends");
+        fit.solution().expect("a solution").clone()
     }
 
     #[test]

@@ -18,9 +18,22 @@ impl<const N: usize> Default for Triangle<N> {
 }
 
 impl<const N: usize> Triangle<N> {
+    /// Forgets all equations.
+    pub fn restart(&mut self) {
+        self.rows.as_flattened_mut().fill(0.0);
+        self.right.fill(0.0);
+        self.rest = 0.0;
+    }
+
     /// Folds in one equation `row . unknowns = right`, divided by its standard deviation.
-    pub fn fold(&mut self, mut row: [f32; N], mut right: f32) {
-        for n in 0..N {
+    pub fn fold(&mut self, row: [f32; N], right: f32) {
+        self.fold_among(N, row, right);
+    }
+
+    /// The same of an equation among so many of the unknowns, the first; of the others nothing has been said so far.
+    pub fn fold_among(&mut self, unknowns: usize, mut row: [f32; N], mut right: f32) {
+        let unknowns = unknowns.min(N);
+        for n in 0..unknowns {
             let (kept, b) = (&mut self.rows[n], row[n]);
             if b == 0.0 {
                 continue;
@@ -29,7 +42,7 @@ impl<const N: usize> Triangle<N> {
             let size = libm::sqrtf(a * a + b * b);
             let (cosine, sine) = (a / size, b / size);
             kept[n] = cosine * a + sine * b;
-            for k in n + 1..N {
+            for k in n + 1..unknowns {
                 (kept[k], row[k]) = (cosine * kept[k] + sine * row[k], cosine * row[k] - sine * kept[k]);
             }
             let kept_right = &mut self.right[n];

@@ -87,11 +87,7 @@ impl Controller {
 
     /// Whether what it has locked to is not the resonance it was told of, by its inductance.
     fn is_another_mode(&self) -> bool {
-        let strength = |told: f32| match &self.transducer {
-            Some(transducer) => told / transducer.lm_h,
-            None if self.learning.is_over() => 1.0,
-            None => told / self.learning.transducer().lm_h,
-        };
+        let strength = |told: f32| self.transducer_by_now().map_or(1.0, |transducer| told / transducer.lm_h);
         self.nominal_lm_h.is_some_and(|told| !(1.0 / SAME_MODE..SAME_MODE).contains(&strength(told)))
     }
 }

@@ -159,10 +159,10 @@ impl Controller {
 
     /// The rate by which what rings decays, and what a steady drive holds.
     fn plan_rate(&mut self, orders: &Orders) {
-        let Some(transducer) = &self.transducer else { return };
+        let Some((lm_h, time_constant_s)) = self.transducer_by_now().map(|it| (it.lm_h, it.time_constant_s())) else { return };
         let Some((gain, impedance)) = self.edges.source.seen() else { return };
-        let beta = self.tracker.branch().axis * (0.5 / transducer.lm_h);
-        let rate = 1.0 / transducer.time_constant_s() + (beta * impedance).re;
+        let beta = self.tracker.branch().axis * (0.5 / lm_h);
+        let rate = 1.0 / time_constant_s + (beta * impedance).re;
         let driven = beta * gain;
         self.edges.planned = self.block;
         let beside = (orders.detune.0 * core::f32::consts::TAU).abs() > BESIDE * rate;
@@ -177,14 +177,15 @@ impl Controller {
 
     /// The most that an edge may drive with: by the voltage limit, and by what the clamped branch draws beside the motional current.
     fn plan_ceiling(&mut self, rate: f32) {
-        let (Some(transducer), Some(per_ampere)) = (&self.transducer, self.edges.per_ampere) else { return };
+        let resonance_hz = self.transducer_by_now().map(|transducer| transducer.series_resonance_hz);
+        let (Some(resonance_hz), Some(per_ampere)) = (resonance_hz, self.edges.per_ampere) else { return };
         self.burst.set_rate(rate / self.edges.sample_hz, self.samples);
         let volts = self.braked_volts;
         let most = CURRENT * self.amplitude.most_amperes();
         let left = most * most - volts * volts / per_ampere.norm_sqr();
         let clamped = libm::sqrtf(larger(left, 0.0) / self.tracker.branch().y0.norm_sqr());
         let ceiling = smaller(clamped, self.amplitude.most_volts());
-        let half_cycles = 2.0 * transducer.series_resonance_hz / rate;
+        let half_cycles = 2.0 * resonance_hz / rate;
         self.edges.stage = Stage::Strokes(Planner::new(half_cycles, volts, ceiling));
     }
 
@@ -197,7 +198,8 @@ impl Controller {
         } else if !self.burst.brakes(gate) || volts == 0.0 {
             self.burst.set_brake(None);
         } else if self.burst.brake().is_none() || (volts - self.braked_volts).abs() > SAME * volts {
-            let periods = self.transducer.map_or(self.nominal_periods, |transducer| transducer.q / core::f32::consts::PI);
+            let periods =
+                self.transducer_by_now().map_or(self.nominal_periods, |transducer| transducer.q / core::f32::consts::PI);
             self.burst.set_brake(Some(Brake::of(periods, self.amplitude.headroom())));
             self.braked_volts = volts;
         }

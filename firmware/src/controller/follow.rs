@@ -6,6 +6,7 @@ use crate::block::{Amplitude, Orders};
 use crate::clamped::online;
 use crate::demod::Sensed;
 use crate::guard::heat::Thermometers;
+use crate::identify::Transducer;
 use crate::phasor::{Phasor, magnitude};
 use crate::shape::Shape;
 use crate::supervisor::Mode;
@@ -33,9 +34,9 @@ impl Controller {
         }
     }
 
-    /// Whether the transducer is known, or all of it that the amplitude begins with.
-    fn knows(&self) -> bool {
-        self.transducer.is_some() || !self.learning.is_over()
+    /// The transducer as it is known by now; while it is being learned, without deviations.
+    pub(super) fn transducer_by_now(&self) -> Option<&Transducer> {
+        if self.learning.is_over() { self.transducer.as_ref() } else { Some(self.learning.transducer()) }
     }
 
     /// Takes all of it at once.
@@ -101,7 +102,7 @@ impl Controller {
         };
         let at_lock_point = self.tracker.at_lock_point(motional, played.detune_hz);
         let phase = self.tracker.follow(sensed, motional, at_lock_point, &heard);
-        if !self.knows() && self.tracker.is_sure() {
+        if self.transducer_by_now().is_none() && self.tracker.is_sure() {
             self.begin_to_learn();
             self.amplitude.seed(self.learning.transducer(), magnitude(motional));
         }
@@ -119,7 +120,7 @@ impl Controller {
         } else {
             self.prepare_brake(orders.gate);
         }
-        let known = self.knows() || !self.tracker.observes();
+        let known = self.transducer_by_now().is_some() || !self.tracker.observes();
         if known {
             if on && told.rung_up {
                 self.amplitude.has_rung_up();
