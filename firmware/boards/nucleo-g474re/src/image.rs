@@ -47,7 +47,7 @@ use self::watchdog::Dog;
 
 /// Room of the queues; one place of each stays empty. The slow side empties that of the telemetry many times a block.
 const ORDERS: usize = 9;
-const REPORTS: usize = 9;
+const REPORTS: usize = 5;
 
 defmt::timestamp!("{=u32} blocks", block::count());
 
@@ -65,7 +65,7 @@ fn main() -> ! {
 
     let (enable, stop) = protection::start(LANES);
     let mut thermometer = Thermometer::start();
-    let mut app = build(QUEUES.split(MEMORY), enable, stop, start);
+    let app = build(QUEUES.split(MEMORY), enable, stop, start);
     start_blocks(&mut core.NVIC);
     let mut log = Log::default();
     loop {
@@ -82,7 +82,12 @@ type Slow = App<'static, Link, Enable, Stop, Dog, Pages>;
 /// Builds both sides: hands the hot one over to the block interrupt, and returns the slow one. Not inlined: what that takes of the stack is given
 /// back here.
 #[inline(never)]
-fn build((hot_ends, slow_ends): (HotEnds<'static>, SlowEnds<'static>), enable: Enable, stop: Stop, start: Start) -> Slow {
+fn build(
+    (hot_ends, slow_ends): (HotEnds<'static>, SlowEnds<'static>),
+    enable: Enable,
+    stop: Stop,
+    start: Start,
+) -> &'static mut Slow {
     let link = Link::start();
     let Ok(mut settings) = Settings::new(Pages) else { panic!("the settings do not fit") };
     let built_in = config();
@@ -94,7 +99,10 @@ fn build((hot_ends, slow_ends): (HotEnds<'static>, SlowEnds<'static>), enable: E
     block::hand_over(hot);
     adc::start();
     timers::prepare();
-    App::new(app::Peripherals { link, enable, stop, watchdog: Dog::start(), settings, start }, slow_ends, &power_up)
+    let peripherals = app::Peripherals { link, enable, stop, watchdog: Dog::start(), settings, start };
+    let slow = singleton!(: Slow = App::new(peripherals, slow_ends, &power_up));
+    let Some(slow) = slow else { panic!("started twice") };
+    slow
 }
 
 #[expect(unsafe_code, reason = "enabling an interrupt is")]
