@@ -1,7 +1,7 @@
 //! The client against the simulated board: what it says is what the plant did, and whatever goes wrong on the way is said and nothing else.
 
 mod client;
-pub mod dialogue;
+mod dialogue;
 mod leaving;
 mod settings;
 mod strangers;
