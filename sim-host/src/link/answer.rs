@@ -64,7 +64,8 @@ pub fn quantity(value: f64, unit: &str) -> String {
         return format!("{value} {unit}");
     }
     let (scale, prefix) = PREFIXES.into_iter().find(|(scale, _)| value.abs() >= 0.99995 * scale).unwrap_or(PREFIXES[7]);
-    let scaled = value / scale;
+    // Rounded first, so that 99.996 is 100.0 and not 100.00.
+    let scaled: f64 = format!("{:.3e}", value / scale).parse().unwrap_or(value / scale);
     let decimals = 3 - scaled.abs().log10().floor().clamp(0.0, 3.0) as usize;
     format!("{scaled:.decimals$} {prefix}{unit}")
 }
