@@ -164,7 +164,7 @@ fn many_runs_leave_a_table_and_any_of_them_runs_by_itself() {
     let alone: Value = serde_json::from_str(&stdout(&alone)).expect("JSON");
     assert_eq!(alone["seed"].to_string(), rows[2][column("seed")]);
     assert_eq!(alone["metrics"]["frequency_bias_hz"].to_string(), rows[2][column("frequency_bias_hz")]);
-    for wrong in [["--run", "4"], ["--run", "0"], ["--pil", "-q"]] {
+    for wrong in [["--run", "4"], ["--run", "0"]] {
         assert_eq!(code(&sim_host(&[&many[..], &["--no-report"], &wrong[..]].concat())), 2, "{wrong:?}");
     }
     assert_eq!(code(&sim_host(&["run", "lock", "--no-report", "--run", "1"])), 2);

@@ -9,7 +9,8 @@ fn main() {
     // The linker runs in the workspace root and finds `memory.x` there; the core-coupled RAM is this board's own.
     println!("cargo::rerun-if-changed=../../../memory.x");
     println!("cargo::rustc-link-arg-bins=--nmagic");
-    println!("cargo::rustc-link-arg-bins=-T{}/ccmram.x", env!("CARGO_MANIFEST_DIR"));
+    let package = std::env::var("CARGO_MANIFEST_DIR").unwrap_or_default();
+    println!("cargo::rustc-link-arg-bins=-T{package}/ccmram.x");
     println!("cargo::rustc-link-arg-bins=-Tlink.x");
     println!("cargo::rustc-link-arg-bins=-Tdefmt.x");
 }

@@ -26,8 +26,10 @@ pub use line::Counts;
 const PATIENCE: Duration = Duration::from_millis(250);
 /// How long it is waited for once something has come damaged, which may have been the answer.
 const AFTER_DAMAGE: Duration = Duration::from_millis(20);
-/// Copies that are sent of a command before the link is given up.
+/// Copies of a command that may stay without an answer before the link is given up.
 const COPIES: u32 = 5;
+/// Copies that may be answered by damage: somebody is there, and sooner or later a frame comes whole.
+const DAMAGED: u32 = 12;
 
 /// The client.
 pub struct Client {
@@ -124,9 +126,9 @@ impl Client {
         let began = self.line.port.now();
         let frame = link::encode(sequence, command)
             .map_err(|_| LinkError::Usage(format!("`{}` does not fit into a frame", shown(&command))))?;
-        let mut damaged = false;
-        for copy in 0..COPIES {
-            if copy > 0 {
+        let (mut silent, mut damaged) = (0, 0);
+        while silent < COPIES && damaged < DAMAGED {
+            if silent + damaged > 0 {
                 self.line.counts.repeated += 1;
                 if starts(&command) && self.order_seen()? != before {
                     return Ok(Reply::Ack);
@@ -134,6 +136,7 @@ impl Client {
             }
             if let Err(error) = self.line.port.send(&frame) {
                 self.line.reopen(&error.to_string())?;
+                silent += 1;
                 continue;
             }
             match self.answer(sequence)? {
@@ -146,8 +149,8 @@ impl Client {
                         body => Ok(body),
                     };
                 }
-                Some(Came::Damage) => damaged = true,
-                Some(Came::Telemetry) | None => {}
+                Some(Came::Damage) => damaged += 1,
+                Some(Came::Telemetry) | None => silent += 1,
             }
             if matches!(command, Command::Reset) {
                 // A second copy would reset a board that has just begun.
@@ -155,7 +158,7 @@ impl Client {
             }
         }
         let seconds = (self.line.port.now() - began).as_secs_f64();
-        Err(self.silence(damaged, seconds))
+        Err(self.silence(damaged > 0, seconds))
     }
 
     /// The answer with this number, or what came instead of it; none in time.
