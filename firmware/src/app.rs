@@ -10,7 +10,7 @@
 //! * The watchdog is fed only while blocks keep coming: if the block stream dies, the board resets.
 //! * What a calibration has found is [kept](crate::settings). That waits until the drive is silent: an erase of the flash may stall the processor.
 //! * A host that is silent for longer than the patience while the drive is on is a fault that stays, like the emergency stop.
-//! * Nothing here waits for the link. What is to be sent goes through a buffer; while a reply would not fit, no further command is
+//! * Nothing here waits for the link, but an ordered reset for its answer to leave. What is to be sent goes through a buffer; while a reply would not fit, no further command is
 //!   read, and telemetry that does not fit is left out.
 
 mod captures;

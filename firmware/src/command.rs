@@ -24,7 +24,7 @@
 //! | anything of a capture before the last was answered | `Nak(Busy)` | the last is answered |
 //! | a fault beyond the last that is kept | a report without one | |
 //! | a fault cleared while the emergency stop is pressed | `Ack` | the fault stays |
-//! | nothing, for longer than the patience, while it drives | | fault 12, muted; with a patience of zero it goes on |
+//! | nothing that is understood, for longer than the patience, while it drives | | fault 12, muted; with a patience of zero it goes on |
 //!
 //! Settings of another version are named in reports ([`Kept::Version`]), not read, and written over by an order to store or to clear only.
 

@@ -20,6 +20,8 @@ pub struct Keeper<'a> {
     kept: Kept,
     /// A parameter was set since the settings were stored or read.
     changed: bool,
+    /// What was wrong with the parameters that are kept, at power-up.
+    flaw: Option<Kept>,
 }
 
 impl<'a> Keeper<'a> {
@@ -34,6 +36,7 @@ impl<'a> Keeper<'a> {
             built_in: power_up.built_in,
             kept: power_up.kept,
             changed: false,
+            flaw: Some(power_up.kept).filter(|kept| matches!(kept, Kept::Partly | Kept::Refused)),
         }
     }
 
@@ -49,7 +52,10 @@ impl<'a> Keeper<'a> {
         if silent && self.kept == Kept::Due {
             // Beside the parameters that are kept: those that are only set wait for an order. That it was not kept is in the report.
             let parameters = settings.record().0.parameters;
-            let _ = self.store(Record { trims: self.trims.clone(), parameters }, settings);
+            let stored = self.store(Record { trims: self.trims.clone(), parameters }, settings);
+            if let (Ok(()), Some(flaw)) = (stored, self.flaw) {
+                self.kept = flaw;
+            }
         }
     }
 
@@ -62,9 +68,9 @@ impl<'a> Keeper<'a> {
             Verb::Set(key, value) => self.set(key, value),
             Verb::Store => {
                 let record = Record { trims: self.trims.clone(), parameters: overrides(&self.next, &self.built_in) };
-                self.store(record, settings).map(|()| self.changed = false)
+                self.store(record, settings).map(|()| (self.changed, self.flaw) = (false, None))
             }
-            Verb::Clear => settings.clear().map(|()| self.kept = Kept::Nothing).map_err(|_| Refusal::Flash),
+            Verb::Clear => settings.clear().map(|()| (self.kept, self.flaw) = (Kept::Nothing, None)).map_err(|_| Refusal::Flash),
             Verb::Defaults => {
                 let taken = self.taken.enqueue(LaneTrims::new()).map_err(|_| Refusal::Busy);
                 taken.map(|()| {

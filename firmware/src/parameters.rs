@@ -8,8 +8,8 @@
 //! | within a tenth of what is built in | scale factors of the front end | limits are judged by what they measure |
 //! | between two numbers | all others | |
 //!
-//! The voltage, the current and the temperature that the stack ends up with are thus within a tenth of what the image was built for, whatever is
-//! set. That a configuration holds together (a drive within its limit, a band within the loop's) is for
+//! Whatever is set, the voltage and the current that the stack ends up with are thus within 11 % of what the image was built for (1 / 0.9), a power within
+//! 23 %. That a configuration holds together (a drive within its limit, a band within the loop's) is for
 //! [`build`](crate::controller::Controller::build) to say: see [`power_up`](crate::power_up).
 
 use serde::{Deserialize, Serialize};
@@ -47,8 +47,8 @@ pub struct Parameter {
 pub enum Range {
     /// From the first to the second.
     Within(f32, f32),
-    /// From here to what is built in; infinity is no limit.
-    UpToBuiltIn(f32),
+    /// From the first to what is built in, and not beyond the second; what is built in may be infinity, which is no limit.
+    UpToBuiltIn(f32, f32),
     /// What is built in, and a tenth more or less.
     NearBuiltIn,
 }
@@ -61,7 +61,7 @@ impl Range {
     pub fn of(self, built_in: f32) -> (f32, f32) {
         match self {
             Range::Within(least, most) => (least, most),
-            Range::UpToBuiltIn(least) => (least, built_in),
+            Range::UpToBuiltIn(least, most) => (least, built_in.min(most)),
             Range::NearBuiltIn => (built_in * (1.0 - NEAR), built_in * (1.0 + NEAR)),
         }
     }
@@ -135,6 +135,12 @@ pub fn apply(config: &mut Config, values: &Values, built_in: &Values) {
     }
 }
 
+/// Writes the limits into a configuration.
+pub fn apply_limits(config: &mut Config, values: &Values) {
+    let limits = PARAMETERS.iter().zip(values).filter(|(parameter, _)| matches!(parameter.range, Range::UpToBuiltIn(..)));
+    limits.for_each(|(parameter, &value)| (parameter.write)(config, value));
+}
+
 /// A limit that need not be: infinity is none.
 fn limit(value: f32) -> Option<f32> {
     value.is_finite().then_some(value)
@@ -203,49 +209,49 @@ pub static PARAMETERS: [Parameter; 21] = [
     Parameter {
         key: 8,
         name: "limits.voltage_v",
-        range: Range::UpToBuiltIn(1e-3),
+        range: Range::UpToBuiltIn(1e-3, f32::INFINITY),
         read: |config| config.limits.voltage_v,
         write: |config, value| config.limits.voltage_v = value,
     },
     Parameter {
         key: 9,
         name: "limits.current_a",
-        range: Range::UpToBuiltIn(1e-6),
+        range: Range::UpToBuiltIn(1e-6, f32::INFINITY),
         read: |config| config.limits.current_a,
         write: |config, value| config.limits.current_a = value,
     },
     Parameter {
         key: 10,
         name: "limits.power_w",
-        range: Range::UpToBuiltIn(1e-3),
+        range: Range::UpToBuiltIn(1e-3, 1e5),
         read: |config| config.limits.power_w.unwrap_or(f32::INFINITY),
         write: |config, value| config.limits.power_w = limit(value),
     },
     Parameter {
         key: 11,
         name: "limits.temperature_c",
-        range: Range::UpToBuiltIn(0.0),
+        range: Range::UpToBuiltIn(0.0, f32::INFINITY),
         read: |config| config.limits.temperature_c,
         write: |config, value| config.limits.temperature_c = value,
     },
     Parameter {
         key: 12,
         name: "limits.on_time_s",
-        range: Range::UpToBuiltIn(1e-3),
+        range: Range::UpToBuiltIn(1e-3, 3e4),
         read: |config| config.limits.on_time_s.unwrap_or(f32::INFINITY),
         write: |config, value| config.limits.on_time_s = limit(value),
     },
     Parameter {
         key: 13,
         name: "limits.belt_stop_ms",
-        range: Range::UpToBuiltIn(0.1),
+        range: Range::UpToBuiltIn(0.1, f32::INFINITY),
         read: |config| config.limits.belt_stop_ms,
         write: |config, value| config.limits.belt_stop_ms = value,
     },
     Parameter {
         key: 14,
         name: "limits.energy_j_per_m",
-        range: Range::UpToBuiltIn(1e-3),
+        range: Range::UpToBuiltIn(1e-3, 1e9),
         read: |config| config.limits.energy_j_per_m.unwrap_or(f32::INFINITY),
         write: |config, value| config.limits.energy_j_per_m = limit(value),
     },

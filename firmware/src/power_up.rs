@@ -4,16 +4,17 @@
 //! |---|---|
 //! | trims and parameters that can be used | they |
 //! | a parameter that nobody knows, or out of its range | what is built in, in its place: [`Kept::Partly`] |
-//! | parameters or trims that together do not build | all that is built in: [`Kept::Refused`] |
+//! | parameters that together do not build | what is built in, within the limits that are set, and the trims: [`Kept::Refused`] |
 //! | nothing, or something that cannot be read | all that is built in |
 
 use embedded_storage::nor_flash::NorFlash;
 
+use crate::block::Amplitude;
 use crate::block_task::BlockTask;
 use crate::config::Config;
 use crate::controller::Controller;
 use crate::error::Error;
-use crate::parameters::{Values, apply, overridden, values_of};
+use crate::parameters::{Values, apply, apply_limits, overridden, values_of};
 use crate::queues::HotEnds;
 use crate::settings::{Kept, Settings};
 
@@ -42,12 +43,31 @@ impl PowerUp {
         PowerUp { config, built_in, next, kept: if all { kept } else { Kept::Partly } }
     }
 
-    /// Builds the controller where it is to stay, and the task of it; where what is kept does not make one, of what is built in alone.
+    /// Builds the controller where it is to stay, and the task of it; where what is kept does not make one, of what is built in, within the limits
+    /// that are set.
     pub fn build<'a>(&mut self, built_in: &Config, ends: HotEnds<'a>) -> Result<BlockTask<'a>, Error> {
         if Controller::check(&self.config).is_err() {
-            self.config = built_in.clone();
+            self.fall_back(built_in);
             self.kept = Kept::Refused;
         }
         BlockTask::build(&self.config, ends)
+    }
+
+    /// What is built in, with the trims and the limits that are set, and a drive within these: whoever has lowered a limit keeps it.
+    #[inline(never)]
+    fn fall_back(&mut self, built_in: &Config) {
+        let trims = core::mem::take(&mut self.config.phasing.calibration);
+        self.config.clone_from(built_in);
+        self.config.phasing.calibration = trims;
+        apply_limits(&mut self.config, &self.next);
+        let Config { drive, limits, .. } = &mut self.config;
+        drive.scan_volts = drive.scan_volts.min(limits.voltage_v);
+        drive.amplitude = match drive.amplitude {
+            Amplitude::Volts(volts) => Amplitude::Volts(volts.min(limits.voltage_v)),
+            Amplitude::MotionalCurrent(amperes) => Amplitude::MotionalCurrent(amperes.min(limits.current_a)),
+        };
+        if Controller::check(&self.config).is_err() {
+            self.config.clone_from(built_in);
+        }
     }
 }

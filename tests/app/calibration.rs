@@ -1,9 +1,10 @@
 //! Lane calibration, whole: amplifiers that differ, a multiplexer, noise; and the trims that are found, kept, and act after a restart.
 
 use firmware::command::{Command, Refusal, Reply, TrimReport, Verb};
-use firmware::config::Direction;
+use firmware::config::{Direction, LaneTrims};
+use firmware::parameters::Overrides;
 use firmware::phasing::Phasing;
-use firmware::settings::Kept;
+use firmware::settings::{Kept, Record, Settings};
 use firmware::supervisor::{Fault, Mode};
 use firmware::units::{Hertz, Turns};
 use hal_mock::bench::{Bench, Queues, Setup};
@@ -115,6 +116,25 @@ fn trims_are_kept_over_a_restart_and_act_from_the_first_block() {
     run(&mut bench);
     let after = errors(&mut bench, 0.25);
     assert!(after.0 < LEFT.0 && after.1 < LEFT.1, "{after:?}");
+}
+
+#[test]
+fn a_calibration_leaves_parameters_that_are_refused_as_they_are_and_its_trims_act() {
+    // A drive of 3 V under a limit of 2 V makes no configuration: key 8 is `limits.voltage_v`.
+    let mut settings = Settings::new(Flash::new(4, 1)).unwrap();
+    settings.store(&Record { trims: LaneTrims::new(), parameters: Overrides::from_iter([(8, 2.0)]) }).unwrap();
+    let mut setup = Setup { flash: settings.release(), ..four_lanes(Direction::Forward) };
+    for calibrates in [true, false] {
+        let mut queues = Queues::default();
+        let mut bench = bench_of(&mut queues, &setup, Bank::new(THESIS, 1.0));
+        bench.blocks(4);
+        if calibrates {
+            calibrated(&mut bench);
+        }
+        let report = report(&mut bench, 0);
+        assert_eq!((report.kept, report.points), (Kept::Refused, 5), "{calibrates}");
+        setup.flash = bench.power_off();
+    }
 }
 
 #[test]

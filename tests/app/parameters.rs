@@ -137,7 +137,9 @@ fn what_cannot_be_set_is_refused_and_changes_nothing() {
     // No limit can be one, and be taken back.
     assert_eq!(bench.ask(Command::Settings(Verb::Set(ON_TIME, 7.0))), Some(Reply::Ack));
     assert_eq!(bench.ask(Command::Settings(Verb::Set(ON_TIME, f32::INFINITY))), Some(Reply::Ack));
-    assert_eq!((get(&mut bench, ON_TIME).next, get(&mut bench, ON_TIME).max), (f32::INFINITY, f32::INFINITY));
+    // And none that no configuration could have.
+    assert_eq!(bench.ask(Command::Settings(Verb::Set(ON_TIME, 4e4))), Some(Reply::Nak(Refusal::OutOfRange)));
+    assert_eq!((get(&mut bench, ON_TIME).next, get(&mut bench, ON_TIME).max), (f32::INFINITY, 3e4));
 }
 
 #[test]
@@ -172,17 +174,18 @@ fn a_lower_limit_holds_and_what_is_stored_against_one_never_acts() {
 }
 
 #[test]
-fn settings_that_make_no_configuration_give_way_to_what_is_built_in() {
-    // A drive of 3 V under a limit of 2 V; and trims that leave no scan.
+fn settings_that_make_no_configuration_give_way_to_what_is_built_in_within_the_limits_that_are_set() {
+    // A drive of 3 V under a limit of 2 V.
     let mut setup = setup(|config| config.lanes = 2);
     setup.flash = keeping(trims(), &[(VOLTAGE_LIMIT, 2.0)]);
     let mut queues = Queues::default();
     let mut bench = silent(&mut queues, &setup);
     let report = get(&mut bench, VOLTAGE_LIMIT);
     // What was set is still there to be looked at, and to be put right.
-    assert_eq!((report.acts, report.next, report.kept), (12.0, 2.0, Kept::Refused));
-    assert!(matches!(bench.ask(Command::Settings(Verb::Trims(0))), Some(Reply::Settings(report)) if report.points == 0));
-    assert_eq!(loudest(&mut bench), 300);
+    assert_eq!((report.acts, report.next, report.kept), (2.0, 2.0, Kept::Refused));
+    assert_eq!((get(&mut bench, AMPLITUDE).acts, get(&mut bench, AMPLITUDE).next), (2.0, 3.0));
+    assert!(matches!(bench.ask(Command::Settings(Verb::Trims(0))), Some(Reply::Settings(report)) if report.points == 1));
+    assert_eq!(loudest(&mut bench), 200);
     bench.ask(Command::Idle);
     bench.blocks(4);
     assert_eq!(bench.ask(Command::Settings(Verb::Set(AMPLITUDE, 1.5))), Some(Reply::Ack));

@@ -26,7 +26,7 @@ fn a_host_that_waits_is_heard_of_and_one_that_dies_is_missed() {
     run("drive\nwait 1\nstatus\nexpect mode = run\nexpect fault = none", &mut session).unwrap();
     assert!(!is_silent(&board.borrow()));
     // It dies: nobody says that it leaves.
-    drop(session);
+    std::mem::forget(session);
     let block_s = board.borrow().block_s();
     let blocks = |seconds: f64| (0..(seconds / block_s) as u32).for_each(|_| board.borrow_mut().block());
     blocks(0.08);
@@ -58,6 +58,35 @@ fn who_leaves_stops_the_drive_unless_it_is_to_stay() {
         (0..10_000).for_each(|_| board.borrow_mut().block());
         assert_eq!(is_silent(&board.borrow()), !stay);
     }
+}
+
+#[test]
+fn a_program_that_fails_leaves_no_drive_behind() {
+    let board = board("lock", &[], 4);
+    let mut session = super::session(&board);
+    run("drive", &mut session).unwrap();
+    assert!(!is_silent(&board.borrow()));
+    drop(session);
+    (0..4).for_each(|_| board.borrow_mut().block());
+    assert!(is_silent(&board.borrow()));
+}
+
+#[test]
+fn a_drive_that_was_left_on_is_missed_again_once_somebody_else_drives() {
+    let board = board("lock", &[], 4);
+    let mut session = super::session(&board);
+    run("settings set link.patience_s 0.1\nsettings store\nreset", &mut session).unwrap();
+    drop(session);
+    let mut session = Session::begin(client(port(&board)), Manner { patience_s: None, stay: true }).unwrap();
+    run("drive", &mut session).unwrap();
+    session.leave().unwrap();
+    drop(session);
+    // The next one finds a board that waits for nobody, drives, and dies.
+    let mut session = super::session(&board);
+    run("drive", &mut session).unwrap();
+    std::mem::forget(session);
+    (0..10_000).for_each(|_| board.borrow_mut().block());
+    assert!(is_silent(&board.borrow()));
 }
 
 #[test]

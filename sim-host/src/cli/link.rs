@@ -25,6 +25,8 @@ use crate::link::simulated_board::SimulatedBoard;
 
 /// Set by Ctrl-C.
 static STOP: AtomicBool = AtomicBool::new(false);
+/// Whoever read standard output has closed it: what is under way ends as by Ctrl-C, and nobody is left to be told.
+static CLOSED: AtomicBool = AtomicBool::new(false);
 
 /// What a simulated board is called: `sim:SCENE`.
 const SIMULATED: &str = "sim:";
@@ -123,7 +125,7 @@ fn with_board(args: &LinkArgs, mut board: SimulatedBoard) -> Result<(), LinkErro
             .map_err(|error| LinkError::Open { port: format!("tcp:{listen}"), why: error.to_string() })?;
         println!("tcp:{}", listener.local_addr()?);
         io::stdout().flush()?;
-        serve(&mut board, &listener, &STOP, |line| eprintln!("{line}"))?;
+        serve(&mut board, &listener, &STOP, note)?;
         return Err(LinkError::Interrupted);
     }
     // What has no end of its own is watched, and who watches has a clock.
@@ -145,27 +147,36 @@ fn with_port(args: &LinkArgs, port: Box<dyn Port>) -> Result<(), LinkError> {
         }
         _ => None,
     };
-    let client = Client::new(port, &STOP, |line| eprintln!("{line}"));
+    let client = Client::new(port, &STOP, note);
     let mut session = Session::begin(client, Manner { patience_s: args.patience, stay: args.stay })?;
     session.live = live(args.format);
     let done = match (&args.order, script) {
         (LinkOrder::Order(order), _) => one(order, args, &mut session),
-        (LinkOrder::Wait { time }, _) => session.wait(std::time::Duration::from_secs_f64(*time)),
+        (LinkOrder::Wait { time }, _) => {
+            let waited = session.wait(std::time::Duration::from_secs_f64(*time)).map(|()| Answer::to("wait").field("s", *time));
+            tell("", "wait", &waited, args.format).and(waited.map(drop))
+        }
         (_, Some(script)) => script.run(&mut session, |line, done| tell(&line.text, line.name(), done, args.format)),
         _ => Ok(()),
     };
-    if io::stdout().is_terminal() && matches!(done, Err(LinkError::Interrupted)) {
-        eprintln!();
+    let interrupted = matches!(done, Err(LinkError::Interrupted));
+    if io::stdout().is_terminal() && interrupted {
+        note("");
     }
     // Whatever has happened, the drive is left as the user wants it left, as far as the link goes.
+    let drove = session.is_driving();
     let left = session.leave();
-    if let Ok(Some(what)) = &left {
-        eprintln!("{what}");
-    } else if matches!(done, Err(LinkError::Interrupted))
-        && let Ok(report) = session.status()
-        && let Ok(what) = monitor::what_it_does(&report, &mut session)
-    {
-        eprintln!("{what}");
+    match &left {
+        Ok(Some(what)) => note(what),
+        Err(_) if drove => note("the drive may still be on: the board has not been told to stop"),
+        _ if interrupted => {
+            if let Ok(report) = session.status()
+                && let Ok(what) = monitor::what_it_does(&report, &mut session)
+            {
+                note(&what);
+            }
+        }
+        _ => {}
     }
     done.and(left.map(drop))
 }
@@ -181,7 +192,7 @@ fn one(order: &Order, args: &LinkArgs, session: &mut Session) -> Result<(), Link
         && drive.goes_on()
         && !args.stay
     {
-        eprintln!("Ctrl-C stops the drive");
+        note("Ctrl-C stops the drive");
         return monitor::run(&monitor::MonitorArgs::default(), session).map(drop);
     }
     Ok(())
@@ -211,17 +222,28 @@ fn tell(text: &str, name: &str, done: &Result<Answer, LinkError>, format: Format
 
 /// Who is told of stages and reports.
 fn live(format: Format) -> Live {
-    let stage = io::stderr().is_terminal().then_some((|line: &str| eprintln!("{line}…")) as fn(&str));
+    let stage = io::stderr().is_terminal().then_some((|line| note(&format!("{line}…"))) as fn(&str));
     let report: fn(&str, &Value) = match format {
-        Format::Json => |_, fields| println!("{fields}"),
+        Format::Json => |_, fields| say(&format!("{fields}\n")),
         // The line is renewed in place, and what was longer is wiped.
-        Format::Human if io::stdout().is_terminal() => |line, _| {
-            print!("\r{line}\x1b[K");
-            let _ = io::stdout().flush();
-        },
-        Format::Human => |line, _| println!("{line}"),
+        Format::Human if io::stdout().is_terminal() => |line, _| say(&format!("\r{line}\x1b[K")),
+        Format::Human => |line, _| say(&format!("{line}\n")),
     };
     Live { stage, report: Some(report) }
+}
+
+/// Says something on standard output; to print would end this program where it is closed, and leave the drive on.
+fn say(text: &str) {
+    let mut out = io::stdout().lock();
+    if write!(out, "{text}").and_then(|()| out.flush()).is_err() {
+        CLOSED.store(true, Ordering::Relaxed);
+        STOP.store(true, Ordering::Relaxed);
+    }
+}
+
+/// Says something on standard error, if anybody is there.
+fn note(line: &str) {
+    let _ = writeln!(io::stderr(), "{line}");
 }
 
 fn read(file: &str) -> Result<Script, LinkError> {
@@ -242,15 +264,16 @@ fn done(done: Result<(), LinkError>, color: Color) -> anyhow::Result<ExitCode> {
 fn failed(error: &LinkError, color: Color) -> ExitCode {
     let code = match error.cause() {
         _ if error.is_lost() => LOST,
+        LinkError::Interrupted if CLOSED.load(Ordering::Relaxed) => return ExitCode::SUCCESS,
         LinkError::Interrupted => INTERRUPTED,
         LinkError::Usage(_) | LinkError::Script(_) => USAGE,
         LinkError::Output(error) if error.kind() == io::ErrorKind::BrokenPipe => return ExitCode::SUCCESS,
         _ => RUN_FAILED,
     };
     match error {
-        LinkError::Interrupted => eprintln!("interrupted"),
-        LinkError::Script(report) => eprintln!("{}", report.render(color.stderr)),
-        error => eprintln!("error: {error}"),
+        LinkError::Interrupted => note("interrupted"),
+        LinkError::Script(report) => note(&report.render(color.stderr)),
+        error => note(&format!("error: {error}")),
     }
     ExitCode::from(code)
 }

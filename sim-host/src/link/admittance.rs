@@ -182,7 +182,7 @@ pub fn measure(points: u16, reach: f64, about: &Loop, session: &mut Session) -> 
         measured.push((f64::from(report.frequency.0), complex(report.i) / complex(report.v)));
     }
     session.client.order(Command::Idle)?;
-    session.drives(false);
+    session.is_silent();
     session.client.order(Command::Detune(Hertz(0.0)))?;
     session.client.order(Command::Gate(Gate::Scheduled))?;
     Ok(measured)

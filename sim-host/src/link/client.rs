@@ -12,6 +12,7 @@ mod line;
 use std::sync::atomic::AtomicBool;
 use std::time::Duration;
 
+use firmware::capture::{CaptureState, CaptureVerb};
 use firmware::command::{Command, Identity, Refusal, Reply};
 use firmware::link;
 use firmware::telemetry::Telemetry;
@@ -77,6 +78,10 @@ impl Client {
 
     /// Asks, and gives the answer, whatever it is but a refusal.
     pub fn ask(&mut self, command: Command) -> Result<Reply, LinkError> {
+        if matches!(command, Command::Capture(CaptureVerb::Arm(_))) {
+            // So that a capture which is not empty says that the order has arrived.
+            self.order(Command::Capture(CaptureVerb::Disarm))?;
+        }
         let before = if starts(&command) { self.order_seen()? } else { None };
         self.sequence = self.sequence.wrapping_add(1);
         self.line.counts.commands += 1;
@@ -130,7 +135,7 @@ impl Client {
         while silent < COPIES && damaged < DAMAGED {
             if silent + damaged > 0 {
                 self.line.counts.repeated += 1;
-                if starts(&command) && self.order_seen()? != before {
+                if self.has_arrived(&command, before)? {
                     return Ok(Reply::Ack);
                 }
             }
@@ -165,8 +170,12 @@ impl Client {
     fn answer(&mut self, sequence: u16) -> Result<Option<Came>, LinkError> {
         let mut until = self.line.port.now() + PATIENCE;
         let mut damaged = false;
-        while self.line.port.now() < until {
-            match self.line.receive(until - self.line.port.now())? {
+        loop {
+            let now = self.line.port.now();
+            if now >= until {
+                break;
+            }
+            match self.line.receive(until - now)? {
                 Some(Came::Frame(frame)) if frame.sequence == sequence => return Ok(Some(Came::Frame(frame))),
                 Some(Came::Frame(frame)) if frame.body != Reply::Nak(Refusal::Damaged) => self.line.counts.late += 1,
                 // It may have been another frame, and the answer be on its way.
@@ -179,6 +188,18 @@ impl Client {
             }
         }
         Ok(damaged.then_some(Came::Damage))
+    }
+
+    /// Whether a copy of a command that must not act twice has arrived. `before`: the order that the board had obeyed before.
+    fn has_arrived(&mut self, command: &Command, before: Option<u32>) -> Result<bool, LinkError> {
+        match command {
+            Command::Capture(CaptureVerb::Arm(_)) => match self.ask(Command::Capture(CaptureVerb::State))? {
+                Reply::Capture(report) => Ok(report.state != CaptureState::Empty),
+                reply => Err(unexpected("capture", &reply)),
+            },
+            command if starts(command) => Ok(self.order_seen()? != before),
+            _ => Ok(false),
+        }
     }
 
     /// The order that the board's latest block has obeyed.

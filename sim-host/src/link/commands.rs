@@ -102,7 +102,7 @@ impl Order {
 /// Fall silent.
 fn stop(session: &mut Session) -> Result<Answer, LinkError> {
     session.client.order(Command::Idle)?;
-    session.drives(false);
+    session.is_silent();
     Ok(Answer::to("stop").line("the drive is silent").field("mode", "idle"))
 }
 

@@ -34,7 +34,7 @@ fn words(refusal: Refusal) -> (&'static str, &'static str) {
         }
         Refusal::Busy => (
             "earlier orders have not been taken yet: its block stream stands still, or commands come too fast",
-            "Try again; if it stays so, the converters have stopped: `reset`, and `fault log` says why",
+            "Try again; if it stays so, the converters have stopped: power it off and on, and `fault log` says why",
         ),
         Refusal::Driving => ("this is done only while the drive is silent", "Send `stop` first"),
         Refusal::Flash => (

@@ -75,7 +75,7 @@ impl Script {
         let (mut lines, mut problems) = (Vec::new(), Vec::new());
         let mut start = 0;
         for (n, whole) in text.split_inclusive('\n').enumerate() {
-            let told = whole.split_once('#').map_or(whole, |(told, _)| told).trim_end();
+            let told = before_comment(whole).trim_end();
             match line(n + 1, told) {
                 Ok(found) => lines.extend(found),
                 Err((at, message, help)) => {
@@ -174,6 +174,16 @@ fn line(number: usize, text: &str) -> Result<Option<Line>, Mistake> {
 }
 
 /// Words with their places; quotes keep spaces in a word.
+/// A line without its comment: a `#` between quotes begins none.
+fn before_comment(line: &str) -> &str {
+    let mut quoted = false;
+    let comment = line.find(|letter| {
+        quoted ^= letter == '"';
+        letter == '#' && !quoted
+    });
+    &line[..comment.unwrap_or(line.len())]
+}
+
 fn words(text: &str) -> Result<Vec<(String, Range<usize>)>, Mistake> {
     let mut words: Vec<(String, Range<usize>)> = Vec::new();
     let (mut open, mut quoted) = (false, None);

@@ -18,6 +18,8 @@ use crate::link::words;
 const KEEP_ALIVE: (f64, f64) = (2e-3, 0.2);
 /// Signs of life within the board's patience.
 const SIGNS: f64 = 5.0;
+/// How often silence is ordered again.
+const SILENCES: u32 = 3;
 
 /// What is asked of a stay as a whole.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -35,6 +37,8 @@ pub struct Session {
     /// Who answers.
     pub identity: Identity,
     manner: Manner,
+    /// How long the board is to do without, s.
+    patience_s: f32,
     /// How often the board is to hear something.
     keep_alive: Duration,
     /// The user has ordered the drive on.
@@ -57,6 +61,7 @@ impl Session {
             client,
             identity,
             manner,
+            patience_s: 0.0,
             keep_alive: Duration::from_secs_f64(KEEP_ALIVE.1),
             driving: false,
             streams: false,
@@ -74,6 +79,7 @@ impl Session {
         let configured_s = report(parameter("link.patience_s")?, self)?.acts;
         let wanted_s = if self.manner.stay { Some(0.0) } else { self.manner.patience_s };
         let patience_s = wanted_s.unwrap_or(configured_s);
+        self.patience_s = patience_s;
         let silent = self.client.status()?.is_none_or(|report| matches!(report.mode, Mode::Idle | Mode::Fault));
         if silent || wanted_s.is_some() {
             self.client.order(Command::Patience(patience_s))?;
@@ -84,9 +90,15 @@ impl Session {
         Ok(())
     }
 
-    /// The drive was ordered on, or off.
-    pub fn drives(&mut self, driving: bool) {
-        self.driving = driving;
+    /// Said before the drive is ordered on: it is this user's from now on, and so is the board's patience, whatever somebody else has left.
+    pub fn begins_to_drive(&mut self) -> Result<(), LinkError> {
+        self.driving = true;
+        self.client.order(Command::Patience(self.patience_s))
+    }
+
+    /// The drive is silent.
+    pub fn is_silent(&mut self) {
+        self.driving = false;
     }
 
     /// Whether the user has ordered the drive on.
@@ -97,16 +109,30 @@ impl Session {
     /// Leaves: the drive falls silent if this user has ordered it on, unless it is to stay. Says what it does now.
     pub fn leave(&mut self) -> Result<Option<&'static str>, LinkError> {
         self.client.part();
-        self.stream(0)?;
-        match (self.driving, self.manner.stay) {
-            (false, _) => Ok(None),
-            (true, true) => Ok(Some("the drive goes on (--stay); `stop` ends it")),
+        // Whatever comes of it, it is not tried again.
+        let driving = std::mem::take(&mut self.driving);
+        let said = match (driving, self.manner.stay) {
+            (false, _) => None,
+            (true, true) => Some("the drive goes on (--stay); `stop` ends it"),
             (true, false) => {
-                self.client.order(Command::Idle)?;
-                self.driving = false;
-                Ok(Some("the drive is silent now"))
+                self.silence()?;
+                Some("the drive is silent now")
             }
+        };
+        self.stream(0)?;
+        Ok(said)
+    }
+
+    /// Orders silence, more than once where the board has no room for the order.
+    fn silence(&mut self) -> Result<(), LinkError> {
+        let mut ordered = self.client.order(Command::Idle);
+        for _ in 0..SILENCES {
+            if ordered.is_ok() {
+                break;
+            }
+            ordered = self.client.order(Command::Idle);
         }
+        ordered
     }
 
     /// The latest block's report, as soon as there is one.
@@ -116,8 +142,7 @@ impl Session {
             match self.client.status()? {
                 Some(report) => return Ok(report),
                 None if self.client.now() >= until => {
-                    let why =
-                        "the board has not played a block yet: its converters stand still. `reset`, and look at `fault log`";
+                    let why = "the board has not played a block yet: its converters stand still. Power it off and on, and look at `fault log`";
                     return Err(LinkError::Failed(why.into()));
                 }
                 None => {}
@@ -202,6 +227,16 @@ impl Session {
         };
         self.scale = Some(scale);
         Ok(scale)
+    }
+}
+
+impl Drop for Session {
+    /// Nothing that this program fails by leaves a drive behind.
+    fn drop(&mut self) {
+        if self.driving && !self.manner.stay {
+            self.client.part();
+            let _ = self.silence();
+        }
     }
 }
 

@@ -94,6 +94,7 @@ impl SimulatedBoard {
 
     /// Plays one block.
     pub fn block(&mut self) {
+        self.blocks += 1;
         let Some(bench) = &mut self.bench else { return };
         let sample_hz = self.setup.config.sample_hz as u64;
         self.credit += u64::from(BAUD) / BITS * u64::from(self.setup.config.block_samples);
@@ -104,7 +105,6 @@ impl SimulatedBoard {
         let _ = bench.host.send_bytes(&there);
         bench.block();
         self.to_host.extend(bench.host.link.inner.take(bytes));
-        self.blocks += 1;
         let start = match bench.watchdog.bitten() {
             Some(_) => Some(Start::Watchdog),
             // What the UART still holds leaves before the part resets.

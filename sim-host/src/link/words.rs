@@ -6,7 +6,7 @@ use firmware::supervisor::{Fault, Limit, Mode};
 /// A mode's name.
 pub fn mode(mode: Mode) -> String {
     let plain = format!("{mode:?}");
-    // As it stands in the table of docs/link.md: SelfTest is self_test.
+    // SelfTest is self_test.
     plain.char_indices().fold(String::new(), |mut name, (n, letter)| {
         if letter.is_uppercase() && n > 0 {
             name.push('_');

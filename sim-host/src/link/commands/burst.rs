@@ -61,7 +61,15 @@ pub fn run(args: &BurstArgs, session: &mut Session) -> Result<Answer, LinkError>
     match (args.on, args.off) {
         (Some(Span::Seconds(on)), off) => {
             let off = if let Some(Span::Seconds(off)) = off { off } else { on };
-            timed(on, off, args.count, session)
+            let done = timed(on, off, args.count, session);
+            if let Err(error) = &done {
+                // A burst that is broken off ends, too.
+                if matches!(error, LinkError::Interrupted) {
+                    session.client.part();
+                }
+                let _ = session.client.order(Command::Gate(Gate::Off));
+            }
+            done
         }
         (Some(Span::Forever), None) => gate(session, Gate::On, "the gate is open", "on"),
         (None, Some(Span::Forever)) => gate(session, Gate::Off, "the gate is closed; the frequency is held", "off"),

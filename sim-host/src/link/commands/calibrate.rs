@@ -17,14 +17,12 @@ const LONGEST: Duration = Duration::from_secs(10);
 pub fn run(session: &mut Session) -> Result<Answer, LinkError> {
     let before = session.status()?;
     session.check(&before)?;
-    session.drives(true);
+    session.begins_to_drive()?;
     session.client.order(Command::Calibrate)?;
     let ended = session.watch(LONGEST, 1, |report| is_over(report, &before).then_some(*report))?;
-    session.drives(false);
-    match ended {
-        Some(report) => session.check(&report)?,
-        None => return Err(LinkError::Failed(format!("no calibration within {} s", LONGEST.as_secs()))),
-    }
+    let report = ended.ok_or_else(|| LinkError::Failed(format!("no calibration within {} s", LONGEST.as_secs())))?;
+    session.is_silent();
+    session.check(&report)?;
     let answer = trims(session, Answer::to("calibrate"))?;
     Ok(answer.line("the drive is silent"))
 }

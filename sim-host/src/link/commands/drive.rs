@@ -48,11 +48,11 @@ pub fn run(args: &DriveArgs, session: &mut Session) -> Result<Answer, LinkError>
     session.client.order(Command::Amplitude(amplitude))?;
     session.client.order(Command::Detune(Hertz(args.detune.unwrap_or(0.0))))?;
     session.client.order(Command::Quadrature(args.quadrature.map(Turns)))?;
+    session.begins_to_drive()?;
     session.client.order(Command::Gate(Gate::On))?;
     if session.status()?.mode != Mode::Run {
         acquire(&LockArgs::default(), session)?;
     }
-    session.drives(true);
     let settled = session
         .watch(Duration::from_secs_f64(args.time.unwrap_or(0.1)), 0, |report| (report.mode == Mode::Fault).then_some(*report))?;
     let report = match settled {
@@ -64,7 +64,7 @@ pub fn run(args: &DriveArgs, session: &mut Session) -> Result<Answer, LinkError>
     Ok(match args.time {
         Some(time) => {
             session.client.order(Command::Idle)?;
-            session.drives(false);
+            session.is_silent();
             answer.line(format!("drove for {time} s; the drive is silent")).field("for_s", time)
         }
         None => answer.line("the drive is on; `stop` ends it"),

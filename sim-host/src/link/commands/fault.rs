@@ -42,7 +42,7 @@ pub fn run(args: &FaultArgs, session: &mut Session) -> Result<Answer, LinkError>
 
 fn clear(session: &mut Session) -> Result<Answer, LinkError> {
     session.client.order(Command::ClearFault)?;
-    session.drives(false);
+    session.is_silent();
     match session.status()?.fault {
         None => Ok(Answer::to("fault").line("no fault; the drive is silent").field("fault", Value::Null)),
         Some(fault) => Err(LinkError::Failed(format!("it is there again at once: {}", words::fault(fault)))),

@@ -75,7 +75,7 @@ pub fn run(args: &LockArgs, session: &mut Session) -> Result<Answer, LinkError> 
 pub fn acquire(args: &LockArgs, session: &mut Session) -> Result<Locked, LinkError> {
     let before = session.status()?;
     session.check(&before)?;
-    session.drives(true);
+    session.begins_to_drive()?;
     if is_it(&before) {
         return Ok(Locked { report: before, blocks: 0, gap_blocks: 0, already: true });
     }

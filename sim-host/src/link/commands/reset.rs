@@ -9,17 +9,19 @@ use crate::link::answer::Answer;
 use crate::link::link_error::LinkError;
 use crate::link::session::Session;
 
-/// Blocks by which a board comes back.
-const YOUNG: u32 = 1000;
+/// A board that is older than the order, by this and by this part of the time that has passed, has not been reset: clocks differ.
+const YOUNG_S: f64 = 5e-3;
+const SKEW: f64 = 0.05;
 /// How long a board may take to come back.
 const COMEBACK: Duration = Duration::from_secs(3);
 
 /// Resets, and waits until the board answers again.
 pub fn run(session: &mut Session) -> Result<Answer, LinkError> {
-    let before = session.client.status()?.map(|report| report.block);
+    let block_s = session.scale()?.block_s;
+    let ordered = session.client.now();
     session.client.order(Command::Reset)?;
-    session.drives(false);
-    let until = session.client.now() + COMEBACK;
+    session.is_silent();
+    let until = ordered + COMEBACK;
     session.identity = loop {
         match session.client.connect() {
             Ok(identity) => break identity,
@@ -27,9 +29,9 @@ pub fn run(session: &mut Session) -> Result<Answer, LinkError> {
             Err(error) => return Err(error),
         }
     };
-    let after = session.client.status()?.map(|report| report.block);
-    // Its blocks are counted from the beginning; a board that has only just begun cannot be told from one that has begun anew.
-    if before > Some(YOUNG) && after >= before {
+    let age_s = session.client.status()?.map_or(0.0, |report| block_s * f64::from(report.block));
+    let passed_s = (session.client.now() - ordered).as_secs_f64();
+    if age_s > (1.0 + SKEW) * passed_s + YOUNG_S {
         return Err(LinkError::Failed("the board goes on as it was: the order has not arrived. Try again".into()));
     }
     session.scale = None;

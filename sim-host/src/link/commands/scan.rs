@@ -65,7 +65,7 @@ pub fn run(args: &ScanArgs, session: &mut Session) -> Result<Answer, LinkError> 
 fn scan(session: &mut Session) -> Result<Telemetry, LinkError> {
     let before = session.status()?;
     session.check(&before)?;
-    session.drives(true);
+    session.begins_to_drive()?;
     session.client.order(Command::Scan)?;
     let mut stage = None;
     let live = session.live;
@@ -76,8 +76,8 @@ fn scan(session: &mut Session) -> Result<Telemetry, LinkError> {
         }
         is_over(report, &before).then_some(*report)
     })?;
-    session.drives(false);
     let report = ended.ok_or_else(|| LinkError::Failed(format!("the scan has not ended within {} s", LONGEST.as_secs())))?;
+    session.is_silent();
     session.check(&report)?;
     Ok(report)
 }
