@@ -2,9 +2,10 @@
 
 use firmware::block::Orders;
 use firmware::block::Target;
-use firmware::command::{Command, Refusal};
+use firmware::command::Command;
 use firmware::friction::dahl::{coulomb, friction_ratio};
 use firmware::friction::inverse::solve;
+use firmware::refusal::Refusal;
 use sim_host::contact::closed;
 use sim_host::metrics::driven::View;
 use sim_host::metrics::driven::switch::Step;

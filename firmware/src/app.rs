@@ -27,13 +27,14 @@ use self::captures::Captures;
 use self::host_watch::HostWatch;
 use self::outbox::Outbox;
 use crate::block::{Orders, Request};
-use crate::command::{Converters, Refusal, Reply, ResonanceReport};
+use crate::command::{Converters, Reply, ResonanceReport};
 use crate::fault_log::FaultLog;
 use crate::identify::{MOST_MODES, Resonance};
 use crate::keeper::Keeper;
 use crate::link::Receiver;
 use crate::power_up::PowerUp;
 use crate::queues::SlowEnds;
+use crate::refusal::Refusal;
 use crate::settings::Settings;
 use crate::start::Start;
 use crate::supervisor::Mode;
@@ -85,6 +86,9 @@ pub struct App<'a, L, E, S, W, F: NorFlash> {
     /// What the telemetry has told of the last scan.
     resonances: [Option<Resonance>; MOST_MODES],
     converters: Converters,
+    /// What the controller is configured for.
+    switches_friction: bool,
+    restrains: bool,
     faults: FaultLog,
     host: HostWatch,
     /// A reset is ordered, and its answer on its way.
@@ -132,6 +136,8 @@ where
             resonances: Default::default(),
             faults: FaultLog::default(),
             converters: Converters::of(config),
+            switches_friction: config.friction.is_some(),
+            restrains: config.restraint.is_some(),
             host: HostWatch::new(config.link.patience_s, f32::from(config.block_samples) / config.sample_hz),
             resetting: false,
         }

@@ -19,6 +19,7 @@
 //! | a store that the flash does not take | `Nak(Flash)` | what was kept before is kept; what acts stays |
 //! | a capture of a lane that there is not, or of more before the trigger than there is room for | `Nak(OutOfRange)` | what was recorded stays |
 //! | an arming while one is armed, or full | `Ack` | it begins anew; what was recorded is gone |
+//! | a friction without a friction switch, an occupant without a belt | `Nak(NotConfigured)` | nothing happens |
 //! | a reading before the capture is full | `Nak(NotCaptured)` | |
 //! | a reading beyond its end | `Nak(OutOfRange)` | |
 //! | anything of a capture before the last was answered | `Nak(Busy)` | the last is answered |
@@ -36,8 +37,9 @@ use crate::capture::{CaptureReport, CaptureVerb, Part};
 use crate::config::{Config, LONGEST_PATIENCE_S, TrimPoint};
 use crate::fault_log::FaultReport;
 use crate::identify::{MOST_MODES, Resonance};
+use crate::kept::Kept;
 use crate::parameters::ParameterReport;
-use crate::settings::Kept;
+use crate::refusal::Refusal;
 use crate::telemetry::Telemetry;
 use crate::units::{Hertz, Turns};
 
@@ -149,31 +151,6 @@ pub struct ResonanceReport {
     pub chosen: Option<u8>,
     /// At rising frequencies.
     pub found: [Option<Resonance>; MOST_MODES],
-}
-
-/// Why a command is not obeyed.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub enum Refusal {
-    /// The frame was damaged: too long, badly stuffed, or with a wrong checksum.
-    Damaged,
-    /// The frame is of another protocol version.
-    Version,
-    /// The frame is whole, but not a command that is known here.
-    Unknown,
-    /// A number in it is not a number, or negative where it must not be.
-    NotPlausible,
-    /// Earlier orders have not been taken yet: the block stream stands still.
-    Busy,
-    /// Only while the drive is silent.
-    Driving,
-    /// The flash does not do it.
-    Flash,
-    /// A number in it is beyond its range: of a parameter, or of what a capture has.
-    OutOfRange,
-    /// No parameter has this key.
-    NoSuchKey,
-    /// The capture is not full.
-    NotCaptured,
 }
 
 /// Who this is.

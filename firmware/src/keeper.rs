@@ -3,11 +3,13 @@
 use embedded_storage::nor_flash::NorFlash;
 use heapless::spsc::{Consumer, Producer};
 
-use crate::command::{Refusal, Reply, TrimReport, Verb};
+use crate::command::{Reply, TrimReport, Verb};
 use crate::config::LaneTrims;
+use crate::kept::Kept;
 use crate::parameters::{PARAMETERS, ParameterReport, Values, overrides, place_of, values_of};
 use crate::power_up::PowerUp;
-use crate::settings::{Kept, Record, Settings};
+use crate::refusal::Refusal;
+use crate::settings::{Record, Settings};
 
 /// The settings that act and those that are set, as far as the slow side knows, and what is kept of them.
 pub struct Keeper<'a> {

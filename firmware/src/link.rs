@@ -114,11 +114,12 @@ mod tests {
     use super::*;
     use crate::block::{Amplitude, Gate};
     use crate::capture::{Arm, CaptureReport, CaptureState, CaptureVerb, Part, Trigger};
-    use crate::command::{Command, Refusal, Reply, ResonanceReport, TrimReport, Verb};
+    use crate::command::{Command, Reply, ResonanceReport, TrimReport, Verb};
     use crate::fault_log::{FaultEntry, FaultReport};
+    use crate::kept::Kept;
     use crate::parameters::ParameterReport;
     use crate::phasor::Phasor;
-    use crate::settings::Kept;
+    use crate::refusal::Refusal;
     use crate::start::{FileName, NAME, Place, Start};
     use crate::supervisor::{Fault, Limit, Mode};
     use crate::telemetry::Telemetry;

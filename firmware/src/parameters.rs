@@ -15,9 +15,9 @@
 use serde::{Deserialize, Serialize};
 
 use crate::block::Amplitude;
-use crate::command::Refusal;
 use crate::config::{Config, LONGEST_PATIENCE_S, Schedule};
-use crate::settings::Kept;
+use crate::kept::Kept;
+use crate::refusal::Refusal;
 
 /// The most parameters that can be kept.
 pub const MOST_PARAMETERS: usize = 24;

@@ -14,9 +14,10 @@ use crate::block_task::BlockTask;
 use crate::config::Config;
 use crate::controller::Controller;
 use crate::error::Error;
+use crate::kept::Kept;
 use crate::parameters::{Values, apply, apply_limits, overridden, values_of};
 use crate::queues::HotEnds;
-use crate::settings::{Kept, Settings};
+use crate::settings::Settings;
 
 /// What a board is started with.
 #[derive(Clone, Debug)]

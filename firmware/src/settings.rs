@@ -31,6 +31,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::config::LaneTrims;
 use crate::error::{Error, in_range};
+use crate::kept::Kept;
 use crate::parameters::Overrides;
 use crate::phasing::check_calibration;
 
@@ -58,30 +59,6 @@ impl Record {
     pub fn is_empty(&self) -> bool {
         self.trims.is_empty() && self.parameters.is_empty()
     }
-}
-
-/// What is kept, and what has become of it.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub enum Kept {
-    /// Nothing.
-    #[default]
-    Nothing,
-    /// What acted when it was stored, or came from there at power-up.
-    Stored,
-    /// Something that cannot be read, or cannot be trims.
-    Damaged,
-    /// Something of this other version. It stays until an order to store or to clear.
-    Version(u8),
-    /// What acts is to be kept, as soon as the drive is silent.
-    Due,
-    /// The flash does not take it.
-    Failed,
-    /// Parameters, of which some do not act: nobody knows them here, or they are out of their ranges.
-    Partly,
-    /// Settings that do not make a configuration: none of them act.
-    Refused,
-    /// Not what is set: a parameter was set since, and is lost with a reset unless it is stored.
-    Changed,
 }
 
 /// The flash has failed, and settings are not kept.

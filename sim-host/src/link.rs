@@ -17,6 +17,7 @@ pub mod client;
 pub mod commands;
 pub mod expect;
 pub mod link_error;
+pub mod parameter;
 pub mod port;
 pub mod raw_frame;
 pub mod refusal;

@@ -1,10 +1,12 @@
 //! Lane calibration, whole: amplifiers that differ, a multiplexer, noise; and the trims that are found, kept, and act after a restart.
 
-use firmware::command::{Command, Refusal, Reply, TrimReport, Verb};
+use firmware::command::{Command, Reply, TrimReport, Verb};
 use firmware::config::{Direction, LaneTrims};
+use firmware::kept::Kept;
 use firmware::parameters::Overrides;
 use firmware::phasing::Phasing;
-use firmware::settings::{Kept, Record, Settings};
+use firmware::refusal::Refusal;
+use firmware::settings::{Record, Settings};
 use firmware::supervisor::{Fault, Mode};
 use firmware::units::{Hertz, Turns};
 use hal_mock::bench::{Bench, Queues, Setup};

@@ -2,7 +2,8 @@
 
 use firmware::block::{Amplitude, Gate};
 use firmware::capture::{Arm, CaptureReport, CaptureState, CaptureVerb, PART, PARTS, Part, SAMPLES, Trigger};
-use firmware::command::{Command, Refusal, Reply};
+use firmware::command::{Command, Reply};
+use firmware::refusal::Refusal;
 use firmware::supervisor::{Fault, Mode};
 use hal_mock::bench::{Bench, Queues, Setup};
 

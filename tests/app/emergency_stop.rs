@@ -2,7 +2,8 @@
 
 use firmware::app::AppError;
 use firmware::block::{Gate, LATENCY_BLOCKS};
-use firmware::command::{Command, Refusal, Reply};
+use firmware::command::{Command, Reply};
+use firmware::refusal::Refusal;
 use firmware::supervisor::{Fault, Mode};
 use hal_mock::bench::{Queues, Setup};
 

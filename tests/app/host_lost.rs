@@ -1,8 +1,9 @@
 //! A host that vanishes while the drive is on: the drive stops, or goes on, as it was told.
 
 use firmware::block::{Gate, LATENCY_BLOCKS};
-use firmware::command::{Command, Refusal, Reply};
+use firmware::command::{Command, Reply};
 use firmware::config::Link;
+use firmware::refusal::Refusal;
 use firmware::supervisor::{Fault, Mode};
 use hal_mock::bench::{Queues, Setup};
 

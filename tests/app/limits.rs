@@ -1,10 +1,11 @@
 //! Limits: more than is allowed is neither played nor a fault; it is said.
 
 use firmware::block::Amplitude;
-use firmware::command::{Command, Refusal, Reply};
+use firmware::command::{Command, Reply};
 use firmware::config::ShapeKind;
 use firmware::controller::Controller;
 use firmware::error::Error;
+use firmware::refusal::Refusal;
 use firmware::supervisor::{Limit, Mode};
 use hal_mock::bench::{Queues, Setup};
 use proptest::prelude::*;

@@ -1,8 +1,9 @@
 //! The link: whatever comes over it, the block stream does not notice, and an honest command is obeyed and answered.
 
-use firmware::block::Gate;
-use firmware::command::{Command, Refusal, Reply};
+use firmware::block::{Gate, Target};
+use firmware::command::{Command, Reply};
 use firmware::link::{VERSION, encode};
+use firmware::refusal::Refusal;
 use firmware::supervisor::Mode;
 use hal_mock::bench::{Bench, ORDERS_DEPTH, Queues, Setup};
 use hal_mock::chance::Chance;
@@ -60,6 +61,17 @@ fn a_whole_frame_that_is_no_command_is_refused_as_unknown() {
         let answers = answers_to(&mut bench, &frame(VERSION, 9, body));
         assert_eq!(answers, [(9, Reply::Nak(Refusal::Unknown))], "{body:?}");
     }
+}
+
+#[test]
+fn what_the_board_is_not_configured_for_is_refused_and_said() {
+    let mut queues = Queues::default();
+    let mut bench = bench(&mut queues, &Setup::default());
+    for command in [Command::Friction(Some(Target::Ratio(0.5))), Command::Occupant(Some(14.0))] {
+        assert_eq!(bench.ask(command), Some(Reply::Nak(Refusal::NotConfigured)), "{command:?}");
+    }
+    // To want nothing can be had.
+    assert_eq!(bench.ask(Command::Friction(None)), Some(Reply::Ack));
 }
 
 #[test]

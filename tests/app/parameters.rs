@@ -1,10 +1,12 @@
 //! Parameters over the link: what is set acts after a reset if it was stored, and nothing that is set or stored exceeds a limit.
 
 use firmware::block::Amplitude;
-use firmware::command::{Command, Refusal, Reply, Verb};
+use firmware::command::{Command, Reply, Verb};
 use firmware::config::{LaneTrims, TrimPoint};
+use firmware::kept::Kept;
 use firmware::parameters::{Overrides, PARAMETERS, ParameterReport};
-use firmware::settings::{Kept, Record, Settings};
+use firmware::refusal::Refusal;
+use firmware::settings::{Record, Settings};
 use firmware::supervisor::Mode;
 use hal_mock::bench::{Bench, Queues, Setup};
 use hal_mock::flash::Flash;

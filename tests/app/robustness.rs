@@ -5,8 +5,9 @@ use std::collections::HashSet;
 
 use firmware::block::{Amplitude, Gate};
 use firmware::capture::{Arm, CaptureVerb, Trigger};
-use firmware::command::{Command, Refusal, Reply, Verb};
+use firmware::command::{Command, Reply, Verb};
 use firmware::link::{VERSION, encode};
+use firmware::refusal::Refusal;
 use firmware::units::{Hertz, Turns};
 use hal_mock::bench::{Queues, Setup};
 use hal_mock::chance::Chance;

@@ -3,8 +3,9 @@
 use embedded_storage::nor_flash::{NorFlash, ReadNorFlash};
 use firmware::config::{LaneTrims, Trim, TrimPoint};
 use firmware::error::Error;
+use firmware::kept::Kept;
 use firmware::parameters::Overrides;
-use firmware::settings::{Kept, NotKept, Record, Settings};
+use firmware::settings::{NotKept, Record, Settings};
 use hal_mock::chance::Chance;
 use hal_mock::flash::{Flash, PAGE_BYTES};
 

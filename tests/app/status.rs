@@ -1,7 +1,8 @@
 //! Status, the fault log, what started the board, and resets.
 
-use firmware::command::{Command, Refusal, Reply};
+use firmware::command::{Command, Reply};
 use firmware::fault_log::{FaultReport, KEPT_FAULTS};
+use firmware::refusal::Refusal;
 use firmware::start::{FileName, Place, Start};
 use firmware::supervisor::{Fault, Mode};
 use hal_mock::bench::{Bench, Queues, Setup};

@@ -5,8 +5,9 @@ use std::time::{Duration, Instant};
 
 use firmware::block::Gate;
 use firmware::capture::{Arm, CaptureState, CaptureVerb, PARTS, Trigger};
-use firmware::command::{Command, Refusal, Reply, Verb};
+use firmware::command::{Command, Reply, Verb};
 use firmware::link::{self, Frame, Receiver};
+use firmware::refusal::Refusal;
 use firmware::start::Start;
 use firmware::supervisor::{Fault, Mode};
 use sim_host::pil::{EmulatedBoard, link_image};

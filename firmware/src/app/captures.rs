@@ -5,7 +5,8 @@ use heapless::spsc::{Consumer, Producer};
 use crate::capture::memory::Memory;
 use crate::capture::recorder::{Answer, Wish};
 use crate::capture::{Arm, CaptureReport, CaptureVerb, PARTS, SAMPLES};
-use crate::command::{Refusal, Reply};
+use crate::command::Reply;
+use crate::refusal::Refusal;
 
 /// Captures, as the slow side knows them.
 pub struct Captures<'a> {

@@ -6,8 +6,9 @@ use embedded_storage::nor_flash::NorFlash;
 
 use super::{App, AppError, Watchdog};
 use crate::block::Orders;
-use crate::command::{Command, Identity, Refusal, Reply};
+use crate::command::{Command, Identity, Reply};
 use crate::link::{self, Frame, FrameError};
+use crate::refusal::Refusal;
 
 impl<'a, L, E, S, W, F> App<'a, L, E, S, W, F>
 where
@@ -63,6 +64,8 @@ where
                 Reply::Ack
             }
             Command::Capture(verb) => return self.captures.obey(frame.sequence, verb),
+            Command::Friction(Some(_)) if !self.switches_friction => Reply::Nak(Refusal::NotConfigured),
+            Command::Occupant(Some(_)) if !self.restrains => Reply::Nak(Refusal::NotConfigured),
             command => self.obey_order(&command).map_or_else(Reply::Nak, |()| Reply::Ack),
         })
     }

@@ -4,11 +4,12 @@ use embedded_storage::nor_flash::{NorFlashError, NorFlashErrorKind, ReadNorFlash
 use heapless::spsc::Queue;
 
 use super::*;
-use crate::command::{Refusal, Reply, Verb};
+use crate::command::{Reply, Verb};
 use crate::config::{Trim, TrimPoint};
 use crate::keeper::Keeper;
 use crate::parameters::MOST_PARAMETERS;
 use crate::power_up::PowerUp;
+use crate::refusal::Refusal;
 
 fn value<T: Serialize>(version: u8, number: u32, value: &T) -> std::vec::Vec<u8> {
     let mut buffer = [0; LONGEST];

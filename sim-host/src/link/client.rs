@@ -13,8 +13,9 @@ use std::sync::atomic::AtomicBool;
 use std::time::Duration;
 
 use firmware::capture::{CaptureState, CaptureVerb};
-use firmware::command::{Command, Identity, Refusal, Reply};
+use firmware::command::{Command, Identity, Reply};
 use firmware::link;
+use firmware::refusal::Refusal;
 use firmware::telemetry::Telemetry;
 
 use crate::link::client::line::{Came, Line};

@@ -3,6 +3,7 @@
 pub mod burst;
 pub mod calibrate;
 pub mod capture;
+pub mod circuit;
 pub mod drive;
 pub mod fault;
 pub mod friction;

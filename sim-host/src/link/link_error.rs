@@ -3,7 +3,7 @@
 use std::io;
 use std::path::PathBuf;
 
-use firmware::command::Refusal;
+use firmware::refusal::Refusal;
 
 use crate::link::refusal;
 use crate::report::ReportError;

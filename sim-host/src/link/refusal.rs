@@ -1,6 +1,6 @@
 //! What each refusal means for who is refused.
 
-use firmware::command::Refusal;
+use firmware::refusal::Refusal;
 
 /// Why the board does not do this, and what to do.
 pub fn sentence(command: &str, refusal: Refusal) -> String {
@@ -21,6 +21,7 @@ pub fn name(refusal: Refusal) -> &'static str {
         Refusal::OutOfRange => "out_of_range",
         Refusal::NoSuchKey => "no_such_key",
         Refusal::NotCaptured => "not_captured",
+        Refusal::NotConfigured => "not_configured",
     }
 }
 
@@ -47,5 +48,9 @@ fn words(refusal: Refusal) -> (&'static str, &'static str) {
         ),
         Refusal::NoSuchKey => ("its firmware has no such setting", "`settings get` lists what it has; or flash it anew"),
         Refusal::NotCaptured => ("its capture is not full yet", "Wait for the trigger, or arm it with another one"),
+        Refusal::NotConfigured => (
+            "nothing of it is configured for that",
+            "An image with a friction switch, and settings for its contact, would have it",
+        ),
     }
 }

@@ -1,8 +1,10 @@
 //! What the codes of a board's converters are worth, as the board says.
 
-use crate::link::commands::settings::{parameter, report};
+use firmware::command::Converters;
+
+use crate::link::client::Client;
 use crate::link::link_error::LinkError;
-use crate::link::session::Session;
+use crate::link::parameter::{parameter, report};
 
 /// Scale factors.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -25,10 +27,9 @@ pub struct Scale {
 
 impl Scale {
     /// Asks the board.
-    pub fn ask(session: &mut Session) -> Result<Self, LinkError> {
-        let converters = session.identity.converters;
+    pub fn ask(converters: &Converters, client: &mut Client) -> Result<Self, LinkError> {
         let sample_hz = f64::from(converters.sample_hz);
-        let mut acts = |name: &str| Ok::<f64, LinkError>(report(parameter(name)?, session)?.acts.into());
+        let mut acts = |name: &str| Ok::<f64, LinkError>(report(parameter(name)?, client)?.acts.into());
         Ok(Scale {
             sample_hz,
             block_s: f64::from(converters.block_samples) / sample_hz,

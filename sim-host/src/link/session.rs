@@ -9,8 +9,8 @@ use serde_json::Value;
 
 use crate::link::answer::Answer;
 use crate::link::client::Client;
-use crate::link::commands::settings::{parameter, report};
 use crate::link::link_error::LinkError;
+use crate::link::parameter::{parameter, report};
 use crate::link::scale::Scale;
 use crate::link::words;
 
@@ -76,7 +76,7 @@ impl Session {
     /// Tells the board how patient to be, and learns how often it must hear something. A drive that goes on for somebody who has left is not
     /// cut short by somebody who only looks.
     pub fn agree_on_patience(&mut self) -> Result<(), LinkError> {
-        let configured_s = report(parameter("link.patience_s")?, self)?.acts;
+        let configured_s = report(parameter("link.patience_s")?, &mut self.client)?.acts;
         let wanted_s = if self.manner.stay { Some(0.0) } else { self.manner.patience_s };
         let patience_s = wanted_s.unwrap_or(configured_s);
         self.patience_s = patience_s;
@@ -223,7 +223,7 @@ impl Session {
     pub fn scale(&mut self) -> Result<Scale, LinkError> {
         let scale = match self.scale {
             Some(scale) => scale,
-            None => Scale::ask(self)?,
+            None => Scale::ask(&self.identity.converters, &mut self.client)?,
         };
         self.scale = Some(scale);
         Ok(scale)

@@ -6,10 +6,10 @@ use firmware::fault_log::FaultReport;
 use firmware::phasor::magnitude;
 use serde_json::{Value, json};
 
-use super::settings::{parameter, report};
 use crate::link::answer::{Answer, quantity, short};
 use crate::link::client::unexpected;
 use crate::link::link_error::LinkError;
+use crate::link::parameter::{parameter, report};
 use crate::link::session::Session;
 use crate::link::words;
 
@@ -108,7 +108,7 @@ pub fn start_in_words(session: &mut Session) -> Result<String, LinkError> {
 
 /// What the board does when its host falls silent while it drives.
 pub fn patience_in_words(session: &mut Session) -> Result<String, LinkError> {
-    let patience_s = report(parameter("link.patience_s")?, session)?.acts;
+    let patience_s = report(parameter("link.patience_s")?, &mut session.client)?.acts;
     Ok(if patience_s == 0.0 {
         "it goes on when nobody watches".into()
     } else {

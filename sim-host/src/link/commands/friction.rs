@@ -52,11 +52,7 @@ pub fn run(args: &FrictionArgs, session: &mut Session) -> Result<Answer, LinkErr
         Some(Target::Force(newtons)) => answer.line(format!("friction to {newtons} N")).field("target_force_n", short(newtons)),
     };
     let switched = session.status()?.friction.is_some();
-    Ok(if switched {
-        answer
-    } else {
-        answer.line("(nothing holds it yet: the friction switch reports once it runs, if the board is configured for one)")
-    })
+    Ok(if switched { answer } else { answer.line("(nothing holds it yet: the friction switch reports once it runs)") })
 }
 
 #[cfg(test)]

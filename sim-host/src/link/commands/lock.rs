@@ -9,7 +9,7 @@ use firmware::supervisor::Mode;
 use firmware::telemetry::Telemetry;
 use firmware::units::Hertz;
 
-use super::{scan, seconds};
+use super::{circuit, seconds};
 use crate::link::answer::{Answer, short};
 use crate::link::link_error::LinkError;
 use crate::link::session::Session;
@@ -62,7 +62,7 @@ pub fn run(args: &LockArgs, session: &mut Session) -> Result<Answer, LinkError> 
     } else {
         answer.line(format!("runs at {:.2} Hz, {time_ms:.1} ms after the order; nothing is tracked", report.frequency.0))
     };
-    let answer = scan::circuit(&report, answer)
+    let answer = circuit::told(&report, answer)
         .field("locked", report.locked)
         .field("frequency_hz", short(report.frequency.0))
         .field("resonance_hz", short(report.resonance.0))

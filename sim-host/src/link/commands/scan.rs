@@ -14,6 +14,7 @@ use firmware::supervisor::Mode;
 use firmware::telemetry::Telemetry;
 use serde_json::json;
 
+use super::circuit::told;
 use crate::link::admittance::{self, Loop};
 use crate::link::answer::{Answer, quantity, short};
 use crate::link::client::unexpected;
@@ -49,7 +50,7 @@ pub fn run(args: &ScanArgs, session: &mut Session) -> Result<Answer, LinkError> 
     if args.points > 0 {
         drawn.measured = admittance::measure(args.points, args.reach, &drawn, session)?;
     }
-    let answer = circuit(&report, list(&found, report.transducer.as_ref(), Answer::to("scan")));
+    let answer = told(&report, list(&found, report.transducer.as_ref(), Answer::to("scan")));
     let answer = drawn.compared(answer);
     let answer = match &args.output {
         Some(dir) => {
@@ -116,32 +117,4 @@ fn list(found: &ResonanceReport, transducer: Option<&Transducer>, answer: Answer
         answer = answer.line("  none");
     }
     answer.field("resonances", rows)
-}
-
-/// The transducer that was identified.
-pub fn circuit(report: &Telemetry, answer: Answer) -> Answer {
-    let Some(found) = &report.transducer else { return answer };
-    let scatter = &found.deviations;
-    answer
-        .line(format!(
-            "series resonance {:.2} +- {:.2} Hz, parallel {:.2} Hz, Q {:.1}, Rm {}, Lm {}, Cm {}, C0 {}, coupling {:.3}",
-            found.series_resonance_hz,
-            scatter.series_resonance_hz,
-            found.parallel_resonance_hz,
-            found.q,
-            quantity(found.rm_ohm.into(), "ohm"),
-            quantity(found.lm_h.into(), "H"),
-            quantity(found.cm_f.into(), "F"),
-            quantity(found.c0_f.into(), "F"),
-            found.coupling,
-        ))
-        .field("series_resonance_hz", short(found.series_resonance_hz))
-        .field("series_resonance_deviation_hz", short(scatter.series_resonance_hz))
-        .field("parallel_resonance_hz", short(found.parallel_resonance_hz))
-        .field("q", short(found.q))
-        .field("rm_ohm", short(found.rm_ohm))
-        .field("lm_h", short(found.lm_h))
-        .field("cm_f", short(found.cm_f))
-        .field("c0_f", short(found.c0_f))
-        .field("coupling", short(found.coupling))
 }

@@ -4,15 +4,16 @@
 //! is set, what is built in. Lane trims act as soon as a calibration has found them.
 
 use clap::Subcommand;
-use firmware::command::{Command, Refusal, Reply, Verb};
-use firmware::parameters::{PARAMETERS, Parameter, ParameterReport};
-use firmware::settings::Kept;
+use firmware::command::{Command, Reply, Verb};
+use firmware::kept::Kept;
+use firmware::parameters::{PARAMETERS, Parameter};
+use firmware::refusal::Refusal;
 
 use crate::link::answer::{Answer, short};
 use crate::link::client::unexpected;
 use crate::link::link_error::LinkError;
+use crate::link::parameter::{parameter, report};
 use crate::link::session::Session;
-use crate::scene::nearest::{listed, nearest};
 
 /// What to do with the settings.
 #[derive(Clone, Debug, Subcommand)]
@@ -59,36 +60,13 @@ pub fn run(order: &SettingsOrder, session: &mut Session) -> Result<Answer, LinkE
     }
 }
 
-/// The parameter of this name.
-pub fn parameter(name: &str) -> Result<&'static Parameter, LinkError> {
-    PARAMETERS.iter().find(|parameter| parameter.name == name).ok_or_else(|| {
-        let names = || PARAMETERS.iter().map(|parameter| parameter.name);
-        // The last part alone is enough to be understood, not to be obeyed.
-        let ends: Vec<&str> = names().filter(|known| known.rsplit('.').next() == Some(name)).collect();
-        let similar = if ends.is_empty() { nearest(name, names()) } else { ends };
-        let hint = match similar.as_slice() {
-            [] => "`settings get` lists them".to_owned(),
-            similar => format!("did you mean {}?", listed(similar.iter().take(3).copied(), "or")),
-        };
-        LinkError::Failed(format!("there is no setting `{name}`; {hint}"))
-    })
-}
-
-/// What the board says of a parameter.
-pub fn report(parameter: &Parameter, session: &mut Session) -> Result<ParameterReport, LinkError> {
-    match session.client.ask(Command::Settings(Verb::Get(parameter.key)))? {
-        Reply::Parameter(report) => Ok(report),
-        reply => Err(unexpected("settings get", &reply)),
-    }
-}
-
 fn get(parameters: &[&Parameter], session: &mut Session) -> Result<Answer, LinkError> {
     let width = parameters.iter().map(|parameter| parameter.name.len()).max().unwrap_or(0);
     let mut answer =
         Answer::to("settings").line(format!("{:width$}  {:>12}  {:>12}  {:>12}  range", "", "acts", "set", "built in"));
     let mut kept = Kept::Nothing;
     for parameter in parameters {
-        let of = report(parameter, session)?;
+        let of = report(parameter, &mut session.client)?;
         kept = of.kept;
         let reset = if of.next == of.acts { "" } else { "  (acts after `settings store` and `reset`)" };
         answer = answer
@@ -112,7 +90,7 @@ fn get(parameters: &[&Parameter], session: &mut Session) -> Result<Answer, LinkE
 fn set(parameter: &Parameter, value: f32, session: &mut Session) -> Result<Answer, LinkError> {
     match session.client.order(Command::Settings(Verb::Set(parameter.key, value))) {
         Err(LinkError::Refused { refusal: Refusal::OutOfRange | Refusal::NotPlausible, .. }) => {
-            let of = report(parameter, session)?;
+            let of = report(parameter, &mut session.client)?;
             let range = range(of.min, of.max);
             Err(LinkError::Failed(format!("{} can be {range}, not {value}; it is {} now", parameter.name, number(of.next))))
         }

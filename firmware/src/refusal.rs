@@ -1,0 +1,30 @@
+//! Why the board does not do what it is asked.
+
+use serde::{Deserialize, Serialize};
+
+/// Why a command is not obeyed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Refusal {
+    /// The frame was damaged: too long, badly stuffed, or with a wrong checksum.
+    Damaged,
+    /// The frame is of another protocol version.
+    Version,
+    /// The frame is whole, but not a command that is known here.
+    Unknown,
+    /// A number in it is not a number, or negative where it must not be.
+    NotPlausible,
+    /// Earlier orders have not been taken yet: the block stream stands still.
+    Busy,
+    /// Only while the drive is silent.
+    Driving,
+    /// The flash does not do it.
+    Flash,
+    /// A number in it is beyond its range: of a parameter, or of what a capture has.
+    OutOfRange,
+    /// No parameter has this key.
+    NoSuchKey,
+    /// The capture is not full.
+    NotCaptured,
+    /// Nothing here is configured that it could be for.
+    NotConfigured,
+}
