@@ -27,8 +27,9 @@ mod tests {
     use firmware::command::{Command, Reply};
     use firmware::config::{TrackingMode, Trim, TrimPoint};
     use firmware::controller::Controller;
+    use firmware::kept::Kept;
     use firmware::link::{self, Frame, FrameError, Receiver};
-    use firmware::settings::{Kept, Record, Settings};
+    use firmware::settings::{Record, Settings};
     use firmware::supervisor::{Fault, Mode};
     use on_target::of_the_host::OF_THE_HOST;
     use on_target::stream::{self, BLOCKS};
