@@ -6,6 +6,7 @@ use std::time::{Duration, Instant};
 use firmware::block::Gate;
 use firmware::capture::{Arm, CaptureState, CaptureVerb, PARTS, Trigger};
 use firmware::command::{Command, Reply, Verb};
+use firmware::kept::Kept;
 use firmware::link::{self, Frame, Receiver};
 use firmware::refusal::Refusal;
 use firmware::start::Start;
@@ -128,8 +129,13 @@ fn a_board_scans_locks_bursts_and_captures_over_its_uart() {
     assert_eq!(host.ask(Command::Idle), Reply::Ack);
     host.until(|(mode, ..)| mode == Mode::Idle, Duration::from_millis(50));
     assert!(!host.board.pins().enable);
+    // Key 15: `tracking.nominal_q`.
+    assert_eq!(host.ask(Command::Settings(Verb::Set(15, 61.0))), Reply::Ack);
+    assert_eq!(host.ask(Command::Settings(Verb::Store)), Reply::Ack);
     assert_eq!(host.ask(Command::Reset), Reply::Ack);
     assert_eq!(host.board.resets(), 1);
+    let Reply::Parameter(kept) = host.ask(Command::Settings(Verb::Get(15))) else { panic!("no parameter") };
+    assert_eq!((kept.acts, kept.kept), (61.0, Kept::Stored));
     let Reply::Faults(log) = host.ask(Command::Faults(0)) else { panic!("no fault log") };
     assert_eq!((log.count, log.last_run), (0, Start::Ordered));
 
