@@ -3,6 +3,8 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use firmware::config::Config;
+use hal_mock::tracer::Exchange;
 use sim_host::link::answer::Answer;
 use sim_host::link::port::Port;
 use sim_host::link::session::{Manner, Session};
@@ -61,14 +63,14 @@ pub fn judge_scan(scan: &Answer, truth: &Circuit) {
         relative("rm_ohm", truth.rm_ohm),
         relative("lm_h", truth.lm_h)
     );
-    assert!(hz.abs() < 0.3, "{hz}");
-    assert!(relative("q", truth.q()).abs() < 0.002, "{}", relative("q", truth.q()));
-    assert!(relative("rm_ohm", truth.rm_ohm).abs() < 0.002, "{}", relative("rm_ohm", truth.rm_ohm));
-    assert!(relative("lm_h", truth.lm_h).abs() < 0.002, "{}", relative("lm_h", truth.lm_h));
+    assert!(hz.abs() < 0.1, "{hz}");
+    assert!(relative("q", truth.q()).abs() < 2e-4, "{}", relative("q", truth.q()));
+    assert!(relative("rm_ohm", truth.rm_ohm).abs() < 5e-4, "{}", relative("rm_ohm", truth.rm_ohm));
+    assert!(relative("lm_h", truth.lm_h).abs() < 6e-4, "{}", relative("lm_h", truth.lm_h));
 }
 
 /// Voltage, current and drive codes of a capture, as they were written.
-pub fn codes(folder: &Path, name: &str) -> Vec<[u16; 3]> {
+fn codes(folder: &Path, name: &str) -> Vec<[u16; 3]> {
     let text = fs::read_to_string(folder.join(name).join("capture.csv")).expect("a capture");
     let code = |cell: &str| cell.parse().expect("a code");
     let row = |line: &str| {
@@ -76,6 +78,34 @@ pub fn codes(folder: &Path, name: &str) -> Vec<[u16; 3]> {
         [code(cells[4]), code(cells[5]), code(cells[6])]
     };
     text.lines().skip(1).map(row).collect()
+}
+
+/// Holds each capture of the dialogue, code for code, against what went over the converters, from the first block on.
+pub fn judge_captures<'a>(
+    answers: &[(String, Answer)],
+    folder: &Path,
+    config: &Config,
+    played: impl Iterator<Item = &'a Exchange>,
+) {
+    let mut played = played.peekable();
+    assert_eq!(played.peek().map(|exchange| exchange.block), Some(0), "all blocks are kept");
+    let played: Vec<[u16; 3]> = played
+        .flat_map(|exchange| {
+            let senses = exchange.sense.v.iter().zip(&exchange.sense.i);
+            senses.zip(&exchange.drive.lanes[0]).map(|((&v, &i), &drive)| [v, i, drive])
+        })
+        .collect();
+    let block_samples = usize::from(config.block_samples);
+    for (line, name) in [("capture --read", "first"), ("capture --trigger now", "running")] {
+        let said = answer(answers, line);
+        let first = number(said, "block") as usize * block_samples - number(said, "before") as usize;
+        let captured = codes(folder, name);
+        assert!(captured.len() == 1024 && captured == played[first..first + 1024], "{name}");
+        let sounds = captured.iter().position(|codes| codes[2] != config.front_end.drive_mid_code);
+        // The trigger is the block whose report showed sound; that plays two blocks later.
+        let expected = if name == "first" { 200..200 + 3 * block_samples } else { 0..1 };
+        assert!(sounds.is_some_and(|at| expected.contains(&at)), "{name} {sounds:?}");
+    }
 }
 
 #[test]
@@ -86,33 +116,14 @@ fn what_a_rig_is_told_is_what_the_plant_did() {
     let board = board.borrow();
     judge_scan(answer(&answers, "scan"), &board.with_rig(|rig| rig.inner.inner.circuit()));
 
-    // Each capture is, code for code, what went over the converters.
-    let block_samples = usize::from(board.config().block_samples);
-    let played: Vec<[u16; 3]> = board.with_rig(|rig| {
-        assert_eq!(rig.blocks().next().map(|exchange| exchange.block), Some(0), "all blocks are kept");
-        let samples = rig.blocks().flat_map(|exchange| {
-            let codes = exchange.sense.v.iter().zip(&exchange.sense.i).zip(&exchange.drive.lanes[0]);
-            codes.map(|((&v, &i), &drive)| [v, i, drive]).collect::<Vec<_>>()
-        });
-        samples.collect()
-    });
-    for (line, name) in [("capture --read", "first"), ("capture --trigger now", "running")] {
-        let said = answer(&answers, line);
-        let first = number(said, "block") as usize * block_samples - number(said, "before") as usize;
-        let captured = codes(&folder.0, name);
-        assert_eq!(captured.len(), 1024);
-        assert!(captured == played[first..first + 1024], "{name}");
-        let mid = board.config().front_end.drive_mid_code;
-        let sounds = captured.iter().position(|codes| codes[2] != mid);
-        // The trigger is the block whose report showed sound; that plays two blocks later.
-        let expected = if name == "first" { 200..200 + 3 * block_samples } else { 0..1 };
-        assert!(sounds.is_some_and(|at| expected.contains(&at)), "{name} {sounds:?}");
+    board.with_rig(|rig| judge_captures(&answers, &folder.0, board.config(), rig.blocks()));
+    for name in ["first", "running"] {
         assert!(["svg", "png"].iter().all(|kind| folder.0.join(name).join(format!("capture_voltage.{kind}")).exists()));
     }
 
     // Bursts that the host times are as long as it says, by what was played.
     let burst = answer(&answers, "burst --on 0.005");
-    let silent = |exchange: &hal_mock::tracer::Exchange| {
+    let silent = |exchange: &Exchange| {
         exchange.drive.lanes[0].iter().all(|&code| code.abs_diff(board.config().front_end.drive_mid_code) < 40)
     };
     let lengths: Vec<usize> = board.with_rig(|rig| {
@@ -146,6 +157,6 @@ fn places_that_were_measured_lie_on_the_loop_of_the_circuit() {
     let answers = run("scan --points 15\nstatus\n", &mut session).unwrap();
     let scan = answer(&answers, "scan");
     // One place in five is beyond the window. Measured: 0.2 % of the loop's diameter.
-    assert!(number(scan, "points") >= 10.0 && number(scan, "worst_distance_percent") < 0.6, "{}", scan.text);
+    assert!(number(scan, "points") >= 10.0 && number(scan, "worst_distance_percent") < 0.3, "{}", scan.text);
     assert_eq!(answer(&answers, "status").fields["mode"], "idle");
 }

@@ -12,7 +12,7 @@ use sim_host::link::port::Port;
 use sim_host::pil::{EmulatedBoard, link_image};
 use sim_host::scene::load::load;
 
-use super::dialogue::{Folder, answer, codes, hold, judge_scan, number};
+use super::dialogue::{Folder, answer, hold, judge_captures, judge_scan};
 use crate::processor_in_the_loop::is_there;
 
 /// Blocks that are kept: all of a dialogue.
@@ -70,22 +70,7 @@ fn a_board_in_qemu_is_talked_to_as_one_on_a_bench() {
     let board = board.borrow();
     judge_scan(answer(&answers, "scan"), &board.rig().inner.inner.circuit());
 
-    // What was captured there is, code for code, what went over the converters here.
-    let exchanges = || board.rig().blocks();
-    assert_eq!(exchanges().next().map(|exchange| exchange.block), Some(0), "all blocks are kept");
-    let played: Vec<[u16; 3]> = exchanges()
-        .flat_map(|exchange| {
-            let senses = exchange.sense.v.iter().zip(&exchange.sense.i);
-            senses.zip(&exchange.drive.lanes[0]).map(|((&v, &i), &drive)| [v, i, drive]).collect::<Vec<_>>()
-        })
-        .collect();
-    for (line, name) in [("capture --read", "first"), ("capture --trigger now", "running")] {
-        let said = answer(&answers, line);
-        let samples = usize::from(board.config().block_samples);
-        let first = number(said, "block") as usize * samples - number(said, "before") as usize;
-        let captured = codes(&folder.0, name);
-        assert!(captured.len() == 1024 && captured == played[first..first + 1024], "{name}");
-    }
+    judge_captures(&answers, &folder.0, board.config(), board.rig().blocks());
     assert!(!board.pins().enable && !board.pins().failed && board.resets() == 0);
     // Block task and slow side one after the other: on a board, the task comes on top of what the slow side is at.
     assert!((2000..MOST_STACK).contains(&stack.stack_blocks_bytes), "{stack:?}");
