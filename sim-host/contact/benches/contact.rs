@@ -1,4 +1,4 @@
-//! Speed of the contact studies: `cargo bench -p sim-host --bench contact`.
+//! Speed of the contact studies: `cargo bench -p sonoglide-contact`.
 //!
 //! The gain of the lanes over the scalar loop is measured on the same points in the same run, and printed at the end.
 

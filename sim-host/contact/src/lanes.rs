@@ -3,7 +3,7 @@
 //! The same equations as in [`closed`], word for word but for the functions (`functions`): every lane
 //! carries its own velocity ratio and kappa, and all go through the rule of the lane that needs most nodes. Points out of the ordinary
 //! (|xi| of zero, one or more, kappa of nothing or infinity) are left to the scalar form. What comes out is equal to the scalar result
-//! to 1e-13; how much faster it is, the bench says: `cargo bench -p sim-host --bench contact`.
+//! to 1e-13; how much faster it is, the bench says: `cargo bench -p sonoglide-contact`.
 
 mod functions;
 mod map;
@@ -222,7 +222,7 @@ mod tests {
         println!("friction {worst:e}, power {worst_power:e} (relative)");
     }
 
-    /// Gain on one core: `cargo test --release -p sim-host --lib lanes::tests::gain -- --ignored --nocapture`; the bench has more.
+    /// Gain on one core: `cargo test --release -p sonoglide-contact --lib lanes::tests::gain -- --ignored --nocapture`; the bench has more.
     #[test]
     #[ignore = "a measurement"]
     fn gain() {

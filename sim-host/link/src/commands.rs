@@ -108,7 +108,7 @@ fn stop(session: &mut Session) -> Result<Answer, LinkError> {
 }
 
 /// A positive number of seconds.
-pub(crate) fn seconds(text: &str) -> Result<f64, String> {
+pub fn seconds(text: &str) -> Result<f64, String> {
     match text.trim_end_matches('s').trim().parse::<f64>() {
         Ok(seconds) if seconds.is_finite() && (0.0..=1e6).contains(&seconds) => Ok(seconds),
         _ => Err("seconds from 0 to 1000000, such as 0.5".into()),
@@ -116,7 +116,7 @@ pub(crate) fn seconds(text: &str) -> Result<f64, String> {
 }
 
 /// A number that is not below zero.
-pub(crate) fn amount(text: &str) -> Result<f32, String> {
+pub fn amount(text: &str) -> Result<f32, String> {
     match text.parse::<f32>() {
         Ok(amount) if amount.is_finite() && amount >= 0.0 => Ok(amount),
         _ => Err("a number that is not below zero".into()),

@@ -1,4 +1,4 @@
-//! Speed of the simulation: `cargo bench -p sim-host`.
+//! Speed of the simulation: `cargo bench -p sonoglide-sim`.
 //!
 //! Throughput is in samples of simulated time; at 1 Msps, 10 Melem/s is ten simulated seconds a wall second, on one core.
 

@@ -178,7 +178,7 @@ fn limits() {
     assert!((coulomb_power_ratio(0.5).unwrap() - FRAC_2_PI * (PI / 6.0 + 3.0f64.sqrt())).abs() < 1e-15);
 }
 
-/// Cost of a friction ratio at the thesis's kappa: `cargo test --release -p sim-host --lib closed::tests::cost -- --ignored --nocapture`.
+/// Cost of a friction ratio at the thesis's kappa: `cargo test --release -p sonoglide-contact --lib closed::tests::cost -- --ignored --nocapture`.
 #[test]
 #[ignore = "a measurement"]
 fn cost() {

@@ -99,7 +99,7 @@ mod tests {
         assert!(angle < 7e-16, "{angle:e}");
     }
 
-    /// `cargo test --release -p sim-host --lib functions::tests::cost -- --ignored --nocapture`.
+    /// `cargo test --release -p sonoglide-contact --lib functions::tests::cost -- --ignored --nocapture`.
     #[test]
     #[ignore = "a measurement"]
     fn cost() {

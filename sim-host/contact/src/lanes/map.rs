@@ -105,7 +105,7 @@ mod tests {
         assert!(friction_map(&xi, &[]).is_empty() && friction_map(&[], &tall).is_empty());
     }
 
-    /// Gain over the scalar loop, all cores: `cargo test --release -p sim-host --lib map::tests::gain -- --ignored --nocapture`.
+    /// Gain over the scalar loop, all cores: `cargo test --release -p sonoglide-contact --lib map::tests::gain -- --ignored --nocapture`.
     #[test]
     #[ignore = "a measurement"]
     fn gain() {

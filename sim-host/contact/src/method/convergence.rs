@@ -137,7 +137,7 @@ fn cost(n: u32, run: impl Fn(&Problem, u32) -> Result<Tally, Trouble>) -> f64 {
     (0..200).map(once).fold(f64::INFINITY, f64::min)
 }
 
-/// `cargo test -p sim-host --lib contact::convergence -- --ignored --nocapture`
+/// `cargo test -p sonoglide-contact convergence -- --ignored --nocapture`
 #[test]
 #[ignore = "prints times, for a quiet machine"]
 fn work_and_precision() {

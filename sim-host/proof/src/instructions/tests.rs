@@ -29,7 +29,7 @@ fn the_budget_holds() {
     assert!(missed.is_empty(), "over budget: {missed:?}");
 }
 
-/// `UPDATE_DOCS=1 cargo test -p sim-host --lib instructions` writes the tables and the plot anew.
+/// `UPDATE_DOCS=1 cargo test -p sonoglide-proof --lib instructions` writes the tables and the plot anew.
 #[test]
 fn the_documentation_has_these_counts() {
     let Some(measurement) = measurement() else { return };

@@ -211,7 +211,7 @@ fn numbers_of_the_experiments_agree_with_an_independent_study() {
     near(value("power-at-670-n", 0, "power [W]"), 1200.0, 6.0);
 }
 
-/// Compares the tables below the mark of a page, or writes them: `UPDATE_DOCS=1 cargo test -p sim-host thesis`.
+/// Compares the tables below the mark of a page, or writes them: `UPDATE_DOCS=1 cargo test -p sonoglide-proof --lib thesis`.
 fn documented(page: &str, tables: &str) {
     const MARK: &str = "<!-- tables: printed by `sim-host thesis` -->\n";
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs").join(page);

@@ -61,7 +61,7 @@ fn names_are_unlike() {
     assert!(names.is_sorted_by(|a, b| a < b), "{names:?}");
 }
 
-/// `UPDATE_DOCS=1 cargo test -p sim-host --lib tracking -- --ignored` writes the tables anew.
+/// `UPDATE_DOCS=1 cargo test -p sonoglide-proof --lib tracking -- --ignored` writes the tables anew.
 #[test]
 #[ignore = "16 000 runs: some minutes"]
 fn the_documentation_has_these_numbers() {
