@@ -3,13 +3,11 @@
 //! The tables hold rounded physical numbers, never a raw trace, so that they read as results and survive a compiler. To accept new
 //! ones: `INSTA_UPDATE=always cargo test`, and read the difference. The hash of all drive codes is exact, and of one target.
 
-use std::sync::atomic::AtomicBool;
-
 use scene::builtin;
 use scene::load::{Loaded, load};
 use scene::metric_names;
 use sim::study::comparison::Standing;
-use sim::study::{Study, conduct};
+use sim::study::{self, Options, Study};
 
 /// What depends on the machine, and what is round-off only.
 const NOT_GOLDEN: [&str; 4] = ["simulated_s_per_wall_s", "ns_per_period", "energy_residual", "error_estimate"];
@@ -22,7 +20,7 @@ fn loaded(name: &str, sets: &[String]) -> Loaded {
 }
 
 fn study(loaded: &Loaded) -> Study<'_> {
-    conduct(loaded, None, &AtomicBool::new(false), None).unwrap()
+    study::run(loaded, Options::default()).unwrap()
 }
 
 /// Three significant digits, or half a hertz of a frequency: what a change of physics moves, and a change of rounding does not.

@@ -27,6 +27,8 @@ mod tracking;
 use std::io::{self, IsTerminal, Write};
 use std::path::PathBuf;
 use std::process::ExitCode;
+use std::sync::LazyLock;
+use std::time::{Duration, Instant};
 
 use clap::{Args, ColorChoice, Parser, Subcommand, ValueEnum};
 
@@ -219,6 +221,12 @@ impl Color {
         };
         Color { stdout: wanted(io::stdout().is_terminal()), stderr: wanted(io::stderr().is_terminal()) }
     }
+}
+
+/// Time since the first call: the clock of what is timed.
+fn clock() -> Duration {
+    static START: LazyLock<Instant> = LazyLock::new(Instant::now);
+    START.elapsed()
 }
 
 fn print(text: &str) -> anyhow::Result<ExitCode> {

@@ -6,7 +6,6 @@
 
 use std::fmt::Write as _;
 use std::path::Path;
-use std::sync::atomic::AtomicBool;
 
 use firmware::config::Config;
 use pil::Qemu;
@@ -14,7 +13,7 @@ use scene::builtin;
 use scene::load::load;
 use sim::processor::Processor;
 use sim::study::monte_carlo::MonteCarlo;
-use sim::study::{Outcome, Start, conduct};
+use sim::study::{self, Options, Outcome, Start};
 
 use super::{bits, image};
 
@@ -62,7 +61,7 @@ fn played(name: &str, sets: &[&str], runs: u32, image: Option<&Path>) -> Option<
     (loaded.scene.grid, loaded.scene.comparison) = (None, None);
     let start = image.map(|image| move |config: &Config| Ok(Box::new(Qemu::start(image, config)?) as Box<dyn Processor>));
     let start = start.as_ref().map(|start| start as Start);
-    let study = conduct(&loaded, start, &AtomicBool::new(false), None).unwrap_or_else(|error| panic!("{name}: {error}"));
+    let study = study::run(&loaded, Options { start, ..Options::default() }).unwrap_or_else(|error| panic!("{name}: {error}"));
     let metrics = TOLD.iter().map(|metric| study.metrics.get(metric)).collect();
     Some(match &study.outcome {
         Outcome::Driven(run) => {

@@ -16,15 +16,13 @@ pub mod table;
 #[cfg(test)]
 mod tests;
 
-use std::sync::atomic::AtomicBool;
-
 use self::bad_input::Defect;
 use self::cases::{CASES, Case, Family, Target};
 use scene::load::LoadError;
 use sim::bounds::Bounds;
 use sim::metrics::Metrics;
 use sim::study::monte_carlo::MonteCarlo;
-use sim::study::{self, StudyError};
+use sim::study::{self, Options, StudyError};
 
 /// How much is run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -134,7 +132,7 @@ pub fn conduct(extent: Extent, progress: &mut dyn FnMut(&str)) -> Result<Campaig
 pub fn one(case: &'static Case, runs: u32) -> Result<Found, Trouble> {
     let loaded = case.load(runs).map_err(|error| Trouble::Scene(case.name.to_owned(), error))?;
     let bounds = loaded.scene.driven().map_or_else(Bounds::default, |scene| Bounds::of(&scene));
-    let study = study::conduct(&loaded, None, &AtomicBool::new(false), None);
+    let study = study::run(&loaded, Options::default());
     let study = study.map_err(|error| Trouble::Empty(case.name.to_owned(), error))?;
     let runs = study.monte_carlo().cloned().unwrap_or_else(MonteCarlo::none);
     Ok(Found { case, runs, metrics: study.metrics, bounds })

@@ -154,7 +154,7 @@ pub struct Record {
     /// Whether the run was stopped before its end.
     pub interrupted: bool,
     /// Wall time of the simulation itself, s.
-    pub wall_s: f64,
+    pub wall_s: Option<f64>,
 }
 
 /// What was commanded for a block, until it plays.

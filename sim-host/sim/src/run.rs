@@ -1,7 +1,6 @@
 //! A run: one controller, one plant, block after block, and the record of it.
 
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::time::Instant;
 
 use firmware::block::Target;
 use firmware::block::{DriveBlock, Gate, LATENCY_BLOCKS, Orders, Request, SenseBlock, SlowSense};
@@ -11,6 +10,8 @@ use hal_mock::analog::Analog;
 use hal_mock::block_clock::BlockClock;
 use hal_mock::fault_injector::{FaultInjector, FaultKind, Scheduled};
 use hal_mock::tracer::DriveHash;
+
+use contact::Clock;
 
 use crate::edge_meter::EdgeMeter;
 use crate::processor::{Here, Lost, Processor};
@@ -44,6 +45,8 @@ pub struct Watch<'a> {
     pub stop: Option<&'a AtomicBool>,
     /// Told the simulated time every now and then.
     pub progress: Option<&'a mut dyn FnMut(f64)>,
+    /// Times the run; without it the record has no wall time.
+    pub clock: Option<Clock>,
 }
 
 /// Most rows of a record: half a minute of blocks. A longer run keeps every second block, or third, …
@@ -59,7 +62,7 @@ pub fn run(scene: &Driven, watch: Watch) -> Result<Record, RunError> {
 
 /// Runs a scene with the controller on `processor`.
 pub fn run_on(processor: &mut dyn Processor, scene: &Driven, mut watch: Watch) -> Result<Record, RunError> {
-    let began = Instant::now();
+    let began = watch.clock.map(|clock| clock());
     let sample_hz = scene.sensors.sample_hz;
     let samples = usize::from(scene.controller.block_samples);
     let blocks = (scene.duration_s * sample_hz / samples as f64).ceil() as u64;
@@ -108,7 +111,7 @@ pub fn run_on(processor: &mut dyn Processor, scene: &Driven, mut watch: Watch) -
     record.edges = recorder.edges.finish();
     record.trace = recorder.tracer;
     record.memory = processor.memory()?;
-    record.wall_s = began.elapsed().as_secs_f64();
+    record.wall_s = watch.clock.zip(began).map(|(clock, began)| (clock() - began).as_secs_f64());
     Ok(record)
 }
 

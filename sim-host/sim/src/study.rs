@@ -23,7 +23,7 @@ use self::monte_carlo::MonteCarlo;
 use crate::metrics::Metrics;
 use crate::processor::Processor;
 use crate::run::RunError;
-use ::contact::Trouble;
+use ::contact::{Clock, Trouble};
 use scene::load::{LoadError, Loaded};
 use scene::metric_names;
 use scene::{Equal, Expect, Kind, Scene, shown};
@@ -131,30 +131,42 @@ impl Study<'_> {
 /// Starts a processor that is to run the controller of this configuration: each run of a scene has one of its own.
 pub type Start<'a> = &'a (dyn Fn(&Config) -> Result<Box<dyn Processor>, RunError> + Sync);
 
-/// Runs a loaded scene, its grid and its comparison. The controllers of the scene's runs run on processors that `start` starts, or without
-/// it in this process; those of the cells, always in this process. `progress` is told the simulated time, s, or of several runs how many
-/// have come to their end.
-pub fn conduct<'a, 'w>(
-    loaded: &'a Loaded,
-    start: Option<Start>,
-    stop: &'w AtomicBool,
-    progress: Option<&'w mut (dyn FnMut(f64) + Send)>,
-) -> Result<Study<'a>, StudyError> {
+/// What a study is given from outside. By default nothing: controllers run in this process, to the end, untimed.
+#[derive(Default)]
+pub struct Options<'a> {
+    /// Starts the processors of the scene's own runs; without it their controllers run in this process, as those of cells always do.
+    pub start: Option<Start<'a>>,
+    /// Set from outside to stop the study.
+    pub stop: Option<&'a AtomicBool>,
+    /// Called with the simulated time, s, or of several runs with how many have come to their end.
+    pub progress: Option<&'a mut (dyn FnMut(f64) + Send)>,
+    /// Times the scene's own runs. Wall times are none of a study's results without it.
+    pub clock: Option<Clock>,
+}
+
+/// Runs a loaded scene, its grid and its comparison.
+///
+/// # Errors
+/// If a scene of it cannot be built or run.
+pub fn run<'a>(loaded: &'a Loaded, mut options: Options) -> Result<Study<'a>, StudyError> {
     let scene = &loaded.scene;
-    let alone = |progress: Option<&'w mut (dyn FnMut(f64) + Send)>| progress.map(|progress| progress as &mut dyn FnMut(f64));
+    let never = AtomicBool::new(false);
+    let stop = options.stop.unwrap_or(&never);
     let (outcome, metrics, cut) = match scene.kind().ok_or(StudyError::Incomplete)? {
         _ if scene.runs > 1 => {
-            let (runs, metrics) = monte_carlo::conduct(loaded, start, stop, progress)?;
+            let (runs, metrics) = monte_carlo::conduct(loaded, options, stop)?;
             let cut = runs.runs.len() < scene.runs as usize;
             (Outcome::MonteCarlo(Box::new(runs)), metrics, cut)
         }
         Kind::Driven(scene) => {
-            let (run, metrics) = driven::conduct(scene, start, stop, alone(progress))?;
+            let progress = options.progress.as_mut().map(|progress| progress as &mut dyn FnMut(f64));
+            let (run, metrics) = driven::conduct(scene, (options.start, options.clock), stop, progress)?;
             let cut = run.record.interrupted;
             (Outcome::Driven(Box::new(run)), metrics, cut)
         }
         Kind::Excited(scene) => {
-            let (solved, metrics) = contact::conduct(scene, stop, alone(progress))?;
+            let progress = options.progress.as_mut().map(|progress| progress as &mut dyn FnMut(f64));
+            let (solved, metrics) = contact::conduct(scene, options.clock, stop, progress)?;
             let cut = solved.answer.is_none();
             (Outcome::Contact(Box::new(solved)), metrics, cut)
         }

@@ -16,7 +16,7 @@ use scene::load::{LoadError, Loaded};
 use sim::processor::Processor;
 use sim::run::RunError;
 use sim::study::monte_carlo::draw::Draws;
-use sim::study::{self, Start, Study, StudyError};
+use sim::study::{self, Options, Start, Study, StudyError};
 use sim::{findings, output};
 
 /// Set by Ctrl-C.
@@ -73,7 +73,9 @@ fn run_loaded(args: &RunArgs, loaded: &Loaded, color: Color) -> anyhow::Result<E
     let start = image.as_deref().map(|image| move |config: &Config| emulated(image, config));
     let start = start.as_ref().map(|start| start as Start);
     let mut progress = Progress::new(loaded.scene.duration_s, loaded.scene.runs, args.quiet);
-    let study = study::conduct(loaded, start, &STOP, Some(&mut |reached| progress.at(reached)));
+    let told = &mut |reached| progress.at(reached);
+    let options = Options { start, stop: Some(&STOP), progress: Some(told), clock: Some(super::clock) };
+    let study = study::run(loaded, options);
     drop(progress);
     let study = match study {
         Ok(study) => study,

@@ -7,7 +7,7 @@ use scene::load::load;
 use sim::metrics::Metrics;
 use sim::metrics::over_runs;
 use sim::study::monte_carlo::OneRun;
-use sim::study::{self};
+use sim::study::{self, Options};
 
 /// What varies, and between what.
 pub const VARIED: &[(&str, f64, f64)] = &[
@@ -70,7 +70,8 @@ fn changes(occupant: &str, runs: u32) -> Vec<String> {
 pub fn conduct(runs: u32, stop: &AtomicBool) -> Result<Vec<Class>, Trouble> {
     let one = |&(name, occupant): &(&'static str, &'static str)| {
         let loaded = load(SCENE, &changes(occupant, runs)).map_err(|error| Trouble::Scene(name.to_owned(), error))?;
-        let study = study::conduct(&loaded, None, stop, None).map_err(|error| Trouble::Many(name, error))?;
+        let study = study::run(&loaded, Options { stop: Some(stop), ..Options::default() })
+            .map_err(|error| Trouble::Many(name, error))?;
         let runs = study.monte_carlo().map_or_else(Vec::new, |many| many.runs.clone());
         Ok(Class { name, occupant, runs })
     };

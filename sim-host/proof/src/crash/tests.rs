@@ -101,7 +101,7 @@ fn the_documentation_is_what_is_measured() {
 #[test]
 fn the_page_has_a_view_that_loads_nothing() {
     let loaded = load(super::SCENE, &[]).unwrap_or_else(|error| panic!("{error}"));
-    let study = sim::study::conduct(&loaded, None, &AtomicBool::new(false), None).unwrap();
+    let study = sim::study::run(&loaded, sim::study::Options::default()).unwrap();
     assert!(study.passes(), "{:#?}", study.judged);
     let report = sim::findings::report(&study);
     let view = report.crash.as_ref().unwrap();

@@ -1,7 +1,6 @@
 //! The targets over fewer runs, the whole chain beside the block rate, and the documentation.
 
 use std::path::Path;
-use std::sync::atomic::AtomicBool;
 
 use super::cases::{EVENTS, LIES, RIPPLES};
 use super::rig::Plan;
@@ -29,7 +28,7 @@ fn the_whole_chain_agrees_with_the_block_rate() {
     {
         let found = stop(&plan, &EVENTS[event], 400).unwrap();
         let loaded = load(scene, &["duration_s=0.21".to_owned()]).unwrap();
-        let study = study::conduct(&loaded, None, &AtomicBool::new(false), None).unwrap();
+        let study = study::run(&loaded, study::Options::default()).unwrap();
         let off_ms = study.metrics.get("belt_stop_to_mute_ms").unwrap();
         assert!(off_ms <= found.off_ms.max + 0.033, "{scene}: {off_ms} for {:?}", found.off_ms);
         // Three time constants of the stack are 1.55 ms; its contact, which the block rate leaves out, takes 0.15 ms off.

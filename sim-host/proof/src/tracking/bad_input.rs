@@ -4,7 +4,6 @@
 //! controller is told differs as in every other case.
 
 use std::collections::BTreeSet;
-use std::sync::atomic::AtomicBool;
 
 use firmware::supervisor::Fault;
 
@@ -96,7 +95,7 @@ fn one(
     let called = || format!("{name}, Q {}", load.q);
     let command = super::cases::command("lock-cold", &sets);
     let loaded = super::cases::load_many("lock-cold", &sets, runs).map_err(|error| Trouble::Scene(called(), error))?;
-    let study = study::conduct(&loaded, None, &AtomicBool::new(false), None).map_err(|error| Trouble::Empty(called(), error))?;
+    let study = study::run(&loaded, study::Options::default()).map_err(|error| Trouble::Empty(called(), error))?;
     let all = study.monte_carlo().map(|runs| runs.runs.as_slice()).unwrap_or_default();
     let found = all.iter().map(|run| run.metrics.get("fault_code").unwrap_or_default() as u8).collect();
     let claims = |run: &&OneRun| ["false_locks", "undetected_losses"].iter().any(|name| run.metrics.get(name) == Some(1.0));

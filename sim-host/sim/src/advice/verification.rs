@@ -1,14 +1,12 @@
 //! The prediction put to the test: the whole controller, from its self-test on, on the plant of the scenes, many times. What may be told
 //! wrong is drawn anew each time, as for the prediction, and C0 within 5 % before its calibration.
 
-use std::sync::atomic::AtomicBool;
-
 use serde::Serialize;
 
 use super::case::{Case, TOLD};
 use super::prediction::BOUNDS_HZ;
 use crate::metrics::Metrics;
-use crate::study::{self, StudyError};
+use crate::study::{self, Options, StudyError};
 use scene::Vary;
 use scene::load::{LoadError, load_text};
 use scene::resolved::resolved_toml;
@@ -79,7 +77,7 @@ pub fn verify(case: &Case, runs: u32, progress: &mut (dyn FnMut(f64) + Send)) ->
         vary("controller.tracking.nominal_c0_f", Some(TOLD_C0), None),
     ];
     let loaded = load_text("the advised scene", &resolved_toml(&scene), &[])?;
-    let study = study::conduct(&loaded, None, &AtomicBool::new(false), Some(progress))?;
+    let study = study::run(&loaded, Options { progress: Some(progress), ..Options::default() })?;
     Ok(Verified::of(runs, &study.metrics))
 }
 

@@ -148,7 +148,7 @@ mod tests {
         };
         let runs: Vec<OneRun> = errors_hz.iter().zip(times_ms).enumerate().map(run).collect();
         let asked = runs.len() as u32;
-        MonteCarlo { keys: Vec::new(), level: Level::Sil, asked, runs, endless: Vec::new(), times_ms: vec![1.0], wall_s: 1.0 }
+        MonteCarlo { keys: Vec::new(), level: Level::Sil, asked, runs, endless: Vec::new(), times_ms: vec![1.0], wall_s: None }
     }
 
     fn lock_cold() -> Scene {

@@ -75,12 +75,8 @@ pub(super) fn manner(solved: &Solved) -> String {
     let solution = &answer.solution;
     let steps = solution.steps_per_period.map_or_else(String::new, |steps| format!(", {steps} steps a period"));
     let order = solution.order.map_or_else(String::new, |order| format!(", order {order}"));
-    format!(
-        "{LEVEL}; method {}{steps}{order}: {} ns a period, {} states",
-        solution.method.name(),
-        number(solution.ns_per_period),
-        solution.states
-    )
+    let time = solution.ns_per_period.map_or_else(String::new, |ns| format!("{} ns a period, ", number(ns)));
+    format!("{LEVEL}; method {}{steps}{order}: {time}{} states", solution.method.name(), solution.states)
 }
 
 /// How far an interrupted study came, s.
@@ -133,7 +129,7 @@ fn solution(solution: &Solution) -> TableBlock {
         ("order", or_none(solution.order)),
         ("error estimate of the friction ratio", error),
         ("states", solution.states.to_string()),
-        ("time a period [ns]", number(solution.ns_per_period)),
+        ("time a period [ns]", solution.ns_per_period.map_or_else(|| "–".to_owned(), number)),
     ];
     let rows = rows.into_iter().map(|(what, value)| vec![what.into(), value]).collect();
     TableBlock::new("solution", "Solution", "", &["", ""], rows)

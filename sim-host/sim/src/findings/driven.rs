@@ -104,11 +104,9 @@ pub(super) fn footer(run: &Run) -> Vec<(&'static str, String)> {
 
 /// How it was run, in one line.
 pub(super) fn manner(study: &Study, run: &Run) -> String {
-    let speed = study.metrics.get("simulated_s_per_wall_s").map(super::number).unwrap_or_default();
-    format!(
-        "{}; {speed} simulated seconds per wall second, {} plant states; drive hash {:016x}",
-        run.level, run.record.plant_states, run.record.drive_hash
-    )
+    let speed = study.metrics.get("simulated_s_per_wall_s");
+    let speed = speed.map_or_else(String::new, |speed| format!("{} simulated seconds per wall second, ", super::number(speed)));
+    format!("{}; {speed}{} plant states; drive hash {:016x}", run.level, run.record.plant_states, run.record.drive_hash)
 }
 
 /// How far an interrupted run came, s.

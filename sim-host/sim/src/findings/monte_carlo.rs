@@ -158,8 +158,9 @@ fn shown(value: f64) -> String {
 
 /// How they were run, in one line.
 pub(super) fn manner(runs: &MonteCarlo) -> String {
-    let each = runs.runs.len() as f64 / runs.wall_s;
-    format!("{} runs in {} s: {} runs a second", runs.runs.len(), number(runs.wall_s), number(each))
+    let count = runs.runs.len();
+    let time = |wall_s: f64| format!("{count} runs in {} s: {} runs a second", number(wall_s), number(count as f64 / wall_s));
+    runs.wall_s.map_or_else(|| format!("{count} runs"), time)
 }
 
 /// How far it came.

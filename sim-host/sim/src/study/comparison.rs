@@ -243,7 +243,7 @@ mod tests {
     #[test]
     fn cases_are_equal_or_say_why_not() {
         let loaded = load_text("a.toml", SCENE, &[]).unwrap_or_else(|error| panic!("{error}"));
-        let study = study::conduct(&loaded, None, &AtomicBool::new(false), None).unwrap();
+        let study = study::run(&loaded, study::Options::default()).unwrap();
         let result = study.comparison.unwrap();
         let case = |name: &str, equal| result.case(name, equal).unwrap();
         let power = |name: &str| case(name, Equal::Peak).metric("input_power_w").unwrap();

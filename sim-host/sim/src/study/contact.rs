@@ -2,7 +2,6 @@
 
 use std::f64::consts::TAU;
 use std::sync::atomic::AtomicBool;
-use std::time::Instant;
 
 use super::StudyError;
 use super::film::Film;
@@ -10,7 +9,7 @@ use super::stopped::{leave_if, unless_stopped};
 use crate::metrics::{self, Metrics};
 use contact::hertz::{self, HertzProblem};
 use contact::tally::Ratios;
-use contact::{self, Law, Method, Problem, Solution, State, Trouble};
+use contact::{self, Clock, Law, Method, Problem, Solution, State, Trouble};
 use scene::{Excited, Hertz, Model, problem};
 
 /// A contact study, solved.
@@ -36,6 +35,7 @@ pub struct Answer {
 /// Solves a scene, films it and measures it.
 pub(super) fn conduct<'a>(
     scene: Excited<'a>,
+    clock: Option<Clock>,
     stop: &AtomicBool,
     mut progress: Option<&mut dyn FnMut(f64)>,
 ) -> Result<(Solved<'a>, Metrics), StudyError> {
@@ -48,7 +48,7 @@ pub(super) fn conduct<'a>(
             }
         }
     };
-    let answer = unless_stopped(|| answer(&scene, stop, watch)).transpose()?;
+    let answer = unless_stopped(|| answer(&scene, (stop, clock), watch)).transpose()?;
     film.finish();
     let metrics = measured(&scene, answer.as_ref());
     Ok((Solved { scene, answer, film }, metrics))
@@ -56,7 +56,7 @@ pub(super) fn conduct<'a>(
 
 /// The numbers of a scene that is a cell of a grid; none of them if it is stopped.
 pub(super) fn cell(scene: &Excited, stop: &AtomicBool) -> Result<Metrics, StudyError> {
-    let answer = unless_stopped(|| answer(scene, stop, &mut |_: &State| leave_if(stop))).transpose()?;
+    let answer = unless_stopped(|| answer(scene, (stop, None), &mut |_: &State| leave_if(stop))).transpose()?;
     Ok(measured(scene, answer.as_ref()))
 }
 
@@ -64,18 +64,22 @@ fn measured(scene: &Excited, answer: Option<&Answer>) -> Metrics {
     answer.map_or_else(Metrics::default, |answer| metrics::contact::of(scene, &answer.problem, &answer.solution))
 }
 
-fn answer(scene: &Excited, stop: &AtomicBool, watch: &mut impl FnMut(&State)) -> Result<Answer, Trouble> {
+fn answer(
+    scene: &Excited,
+    (stop, clock): (&AtomicBool, Option<Clock>),
+    watch: &mut impl FnMut(&State),
+) -> Result<Answer, Trouble> {
     // A Hertzian contact has Coulomb's law between its normal force and its friction.
     let problem = problem::problem(scene, problem::law(&scene.model).unwrap_or(Law::Coulomb))?;
     let solution = match scene.model {
-        Model::Hertz(model) => hertz(&problem, model, watch)?,
-        _ => contact::solve_with(&problem, &problem::numerics(scene), &|| leave_if(stop), watch)?,
+        Model::Hertz(model) => hertz(&problem, model, clock, watch)?,
+        _ => contact::solve_with(&problem, &problem::numerics(scene), &|| leave_if(stop), clock, watch)?,
     };
     Ok(Answer { problem, solution })
 }
 
 /// Vibration across the surface, in closed form: the body moves by `vibration / w` about its mean distance.
-fn hertz(problem: &Problem, model: &Hertz, watch: &mut impl FnMut(&State)) -> Result<Solution, Trouble> {
+fn hertz(problem: &Problem, model: &Hertz, clock: Option<Clock>, watch: &mut impl FnMut(&State)) -> Result<Solution, Trouble> {
     let omega = TAU * problem.waveform.frequency_hz();
     let across = HertzProblem {
         normal_n: problem.coulomb_n / model.mu,
@@ -83,9 +87,9 @@ fn hertz(problem: &Problem, model: &Hertz, watch: &mut impl FnMut(&State)) -> Re
         amplitude_m: problem.vibration_m_per_s() / omega,
         shape: problem.waveform.shape(),
     };
-    let began = Instant::now();
+    let began = clock.map(|clock| clock());
     let found = hertz::solve(&across)?;
-    let ns = began.elapsed().as_secs_f64() * 1e9;
+    let ns = clock.zip(began).map(|(clock, began)| (clock() - began).as_secs_f64() * 1e9);
     for point in hertz::period(&across, &found) {
         watch(&State {
             time_s: point.phase_turns / problem.waveform.frequency_hz(),
@@ -109,6 +113,6 @@ fn hertz(problem: &Problem, model: &Hertz, watch: &mut impl FnMut(&State)) -> Re
         error_estimate: None,
         warnings: Vec::new(),
         states: 0,
-        ns_per_period: ns / (problem.duration_s * problem.waveform.frequency_hz()),
+        ns_per_period: ns.map(|ns| ns / (problem.duration_s * problem.waveform.frequency_hz())),
     })
 }

@@ -8,6 +8,7 @@ use crate::metrics::{self, Metrics};
 use crate::record::{Record, Window};
 use crate::run::{self, RunError, Watch};
 use crate::schedule::{first_on, first_window};
+use contact::Clock;
 use plant::circuit_of;
 use scene::Driven;
 use scene::settings;
@@ -56,13 +57,13 @@ pub struct Run<'a> {
 /// Runs a scene, and measures it, with what its figures need.
 pub(super) fn conduct<'a, 'w>(
     scene: Driven<'a>,
-    start: Option<Start>,
+    (start, clock): (Option<Start>, Option<Clock>),
     stop: &'w AtomicBool,
     progress: Option<&'w mut dyn FnMut(f64)>,
 ) -> Result<(Run<'a>, Metrics), StudyError> {
     let mut windows = [edge_windows(&scene), wave_window(&scene)].concat();
     windows.extend(swept::window(&scene));
-    let watch = Watch { windows, stop: Some(stop), progress };
+    let watch = Watch { windows, stop: Some(stop), progress, clock };
     let record = run_where(&scene, start, watch)?;
     let metrics = metrics::driven::of(&scene, &record);
     Ok((Run { scene, level: Level::of(start), record }, metrics))

@@ -12,14 +12,13 @@ mod tests;
 
 use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 use std::sync::{Mutex, PoisonError};
-use std::time::Instant;
 
 use rayon::prelude::*;
 
 use self::draw::{Draw, Draws};
 use self::error::Grid;
 use super::driven::Level;
-use super::{Start, StudyError, cell, driven};
+use super::{Options, Start, StudyError, cell, driven};
 use crate::metrics::driven::lock_claims;
 use crate::metrics::over_runs::{self, OverRuns};
 use crate::metrics::{Metrics, contact};
@@ -65,7 +64,7 @@ pub struct MonteCarlo {
     /// Moments of the error traces, ms from the first sample of the lock stage; none of a contact study.
     pub times_ms: Vec<f64>,
     /// Wall time of all runs together, s.
-    pub wall_s: f64,
+    pub wall_s: Option<f64>,
 }
 
 /// One of the runs.
@@ -119,7 +118,7 @@ impl MonteCarlo {
             runs: Vec::new(),
             endless: Vec::new(),
             times_ms: Vec::new(),
-            wall_s: 0.0,
+            wall_s: None,
         }
     }
 
@@ -132,13 +131,9 @@ impl MonteCarlo {
 
 /// Runs a scene as often as it says, in parallel, and puts the metrics together. Stopped, it keeps the runs that came to their end.
 /// `progress` is told how many have.
-pub(super) fn conduct(
-    loaded: &Loaded,
-    start: Option<Start>,
-    stop: &AtomicBool,
-    progress: Option<&mut (dyn FnMut(f64) + Send)>,
-) -> Result<(MonteCarlo, Metrics), StudyError> {
-    let began = Instant::now();
+pub(super) fn conduct(loaded: &Loaded, options: Options, stop: &AtomicBool) -> Result<(MonteCarlo, Metrics), StudyError> {
+    let Options { start, progress, clock, .. } = options;
+    let began = clock.map(|clock| clock());
     let scene = &loaded.scene;
     let unread = |error| StudyError::Cell("every run".to_owned(), error);
     let bench = Bench {
@@ -160,13 +155,13 @@ pub(super) fn conduct(
     };
     let runs = (1..=scene.runs).into_par_iter().map(one).collect::<Result<Vec<_>, StudyError>>()?;
     let runs: Vec<OneRun> = runs.into_iter().flatten().collect();
-    let wall_s = began.elapsed().as_secs_f64();
+    let wall_s = clock.zip(began).map(|(clock, began)| (clock() - began).as_secs_f64());
     let OverRuns { mut metrics, endless } = over_runs::of(runs.iter().map(|run| &run.metrics));
     metrics.put("runs_completed", runs.len() as f64);
     if scene.driven().is_some() {
         metrics.put("runs_locked", runs.iter().filter(|run| run.locked).count() as f64);
         metrics.put("runs_faulted", runs.iter().filter(|run| run.faulted()).count() as f64);
-        metrics.put(WALL, runs.len() as f64 * scene.duration_s / wall_s);
+        metrics.put(WALL, wall_s.map(|wall_s| runs.len() as f64 * scene.duration_s / wall_s));
     }
     let times_ms = bench.grid.map_or_else(Vec::new, |grid| grid.times_s.iter().map(|s| 1e3 * s).collect());
     let keys = scene.vary.iter().map(|vary| vary.key.clone()).collect();

@@ -4,7 +4,7 @@ use std::sync::Mutex;
 use std::sync::atomic::AtomicBool;
 
 use super::*;
-use crate::study::{Study, conduct};
+use crate::study::{self, Study};
 use scene::load::load;
 
 const RUNS: u32 = 6;
@@ -15,7 +15,7 @@ fn cold(sets: &[&str]) -> Loaded {
 }
 
 fn studied(loaded: &Loaded) -> Study<'_> {
-    conduct(loaded, None, &AtomicBool::new(false), None).unwrap()
+    study::run(loaded, Options::default()).unwrap()
 }
 
 fn on_threads(threads: usize) -> (Vec<OneRun>, Metrics) {
@@ -96,7 +96,7 @@ fn a_run_that_is_no_scene_is_named() {
         "controller.tracking.nominal_q=60",
     ];
     let loaded = cold(&both);
-    let error = conduct(&loaded, None, &AtomicBool::new(false), None).unwrap_err();
+    let error = study::run(&loaded, Options::default()).unwrap_err();
     let said = format!("{:#}", anyhow::Error::from(error));
     for part in ["of run ", "controller.tracking.nominal_q=", "is not valid", "the scan would need"] {
         assert!(said.contains(part), "`{part}` is missing in\n{said}");
@@ -111,8 +111,9 @@ fn stopped_runs_are_left_out() {
         counts.lock().unwrap().push(count);
         stop.store(count >= 2.0, Ordering::Relaxed);
     };
+    let options = Options { stop: Some(&stop), progress: Some(progress), ..Options::default() };
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
-    let study = pool.install(|| conduct(&loaded, None, &stop, Some(progress))).unwrap();
+    let study = pool.install(|| study::run(&loaded, options)).unwrap();
     assert!(study.interrupted);
     assert_eq!(study.metrics.get("runs_completed"), Some(2.0));
     assert_eq!(*counts.lock().unwrap(), [1.0, 2.0]);
@@ -130,7 +131,7 @@ fn the_worst_run_is_named() {
     };
     let worst = |runs: Vec<OneRun>| {
         let all =
-            MonteCarlo { keys: vec![], level: Level::Sil, asked: 3, runs, endless: vec![], times_ms: vec![1.0], wall_s: 1.0 };
+            MonteCarlo { keys: vec![], level: Level::Sil, asked: 3, runs, endless: vec![], times_ms: vec![1.0], wall_s: None };
         all.worst().map(|(run, why)| (run.draw.number, why))
     };
     let quick = || run(1, &[("lock_time_20hz_ms", 1.0)]);
