@@ -8,6 +8,22 @@
 //!
 //! A [`problem`] is a motion, a friction law and a forcing, in SI units. Every method walks the same [`timeline`] and fills the same
 //! [`tally`]; which one meets a tolerance at the least cost is chosen in [`auto`](mod@auto).
+//!
+//! # Example
+//!
+//! How much does a longitudinal vibration lower the friction of the thesis's contact (Table 4.1), at half its vibration velocity?
+//!
+//! ```
+//! use sonoglide_contact::table_4_1::table_4_1;
+//! use sonoglide_contact::{Numerics, solve};
+//!
+//! let problem = table_4_1(0.5, 200.0); // velocity ratio, periods
+//! let solution = solve(&problem, &Numerics::default(), &mut |_state| ())?;
+//! let (ratio, error) = (solution.ratios.friction, solution.error_estimate.unwrap());
+//! println!("{} of the friction is left, ± {error:.0e}, by {:?}", ratio, solution.method);
+//! assert!((ratio - 0.664_066).abs() < 1e-6 && error < 1e-7);
+//! # Ok::<(), sonoglide_contact::Trouble>(())
+//! ```
 #![forbid(unsafe_code)]
 
 pub mod auto;

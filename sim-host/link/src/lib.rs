@@ -10,6 +10,27 @@
 //! while somebody waits for it, so that a dialogue is the same every time and as fast as the machine. [`client`] asks and is answered.
 //! [`session`] waits, keeps the board from thinking that its host has gone, and leaves the drive as the user wants it left. Each
 //! [command](commands) is one file, and gives an [`answer`](answer::Answer), for a reader or as a line of JSON.
+//!
+//! # Example
+//!
+//! ```
+//! use std::cell::RefCell;
+//! use std::rc::Rc;
+//! use std::sync::atomic::AtomicBool;
+//!
+//! use scene::load::load;
+//! use sonoglide_link::client::Client;
+//! use sonoglide_link::port::Simulated;
+//! use sonoglide_link::simulated_board::SimulatedBoard;
+//!
+//! static STOP: AtomicBool = AtomicBool::new(false); // set by Ctrl-C, say
+//! let loaded = load("lock", &[])?;
+//! let board = SimulatedBoard::new(&loaded.scene.driven().expect("the firmware drives it"), 0)?;
+//! let port = Simulated::new("sim:lock", Rc::new(RefCell::new(board)), false);
+//! let mut client = Client::new(Box::new(port), &STOP, |note| eprintln!("{note}"));
+//! assert_eq!(client.connect()?.converters.sample_hz, 1_000_000);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 #![forbid(unsafe_code)]
 
 pub mod admittance;

@@ -8,6 +8,22 @@
 //!
 //! What it shows is arithmetic and code generation: that the thumb code returns the codes that the host returns, bit for bit, and how
 //! many instructions it takes for them, to within a tick of the emulated timer (about 6). It shows nothing about time.
+//!
+//! # Example
+//!
+//! ```
+//! # if sonoglide_pil::missing().is_some() { return Ok(()) } // no emulator or no thumb target here
+//! use scene::load::load;
+//! use sim::run::{Watch, run, run_on};
+//! use sonoglide_pil::{Qemu, image};
+//!
+//! let loaded = load("lock", &["duration_s=0.01".to_owned()])?;
+//! let scene = loaded.scene.driven().expect("the firmware drives it");
+//! let mut processor = Qemu::start(&image()?, &scene::settings::config(&scene))?;
+//! let emulated = run_on(&mut processor, &scene, Watch::default())?;
+//! assert_eq!(emulated.drive_hash, run(&scene, Watch::default())?.drive_hash); // bit for bit
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 #![forbid(unsafe_code)]
 
 #[cfg(target_os = "linux")]

@@ -4,6 +4,26 @@
 //! rotor ([`motor`]), or a stack and the seat belt whose friction it lowers ([`dring`]); a scene pays for the one it names.
 //!
 //! The truth ([`Truth`]) never passes through [`Analog`]: the controller sees codes.
+//!
+//! # Example
+//!
+//! One block of a drive into the stack of a built-in scene (`scene` is the package `sonoglide-scene`):
+//!
+//! ```
+//! use firmware::block::{DriveBlock, SenseBlock};
+//! use hal_mock::analog::Analog;
+//! use scene::load::load;
+//! use sonoglide_plant::Plant;
+//!
+//! let loaded = load("lock", &[]).unwrap();
+//! let mut plant = Plant::new(&loaded.scene.driven().unwrap());
+//! let mut drive = DriveBlock::silent(1, 32, 2048);
+//! drive.lanes[0].iter_mut().enumerate().for_each(|(n, code)| *code = if n % 25 < 12 { 2148 } else { 1948 });
+//! let mut sense = SenseBlock::default();
+//! plant.exchange(&drive, &mut sense);
+//! assert_eq!(sense.v.len(), 32); // what the controller sees
+//! assert!(plant.truth().motional_current_a != 0.0); // what it never sees
+//! ```
 #![forbid(unsafe_code)]
 
 pub mod belt_motion;

@@ -2,6 +2,21 @@
 //!
 //! These types are the one description of what a scene may say. The JSON Schema, the checks on keys, types and ranges, and
 //! the comments of `sim-host show` are all derived from them; [`rules`] adds what a schema cannot say.
+//!
+//! # Example
+//!
+//! ```
+//! use sonoglide_scene::load::load;
+//!
+//! let loaded = load("lock", &["controller.drive.amplitude_v=2.5".to_owned()])?;
+//! let scene = loaded.scene.driven().expect("the firmware drives it");
+//! assert_eq!(scene.controller.drive.amplitude_v, Some(2.5));
+//!
+//! // Every mistake is named, with the place and the nearest name.
+//! let wrong = load("lock", &["controller.drive.amplitud_v=2.5".to_owned()]).unwrap_err();
+//! assert!(wrong.to_string().contains("amplitude_v"));
+//! # Ok::<(), sonoglide_scene::load::LoadError>(())
+//! ```
 #![forbid(unsafe_code)]
 
 pub mod builtin;

@@ -9,6 +9,23 @@
 //!                                                                              v
 //! scene [excitation] --> problem --> contact (solved by itself) --> film --> metrics --> study --> findings, figures --> report
 //! ```
+//!
+//! # Example
+//!
+//! The controller finds and holds a resonance (`scene` is the package `sonoglide-scene`). No clock, thread or terminal is needed; a caller that
+//! has them passes them in [`study::Options`].
+//!
+//! ```
+//! use scene::load::load;
+//! use sonoglide_sim::study::{self, Options};
+//!
+//! let loaded = load("lock", &[])?;
+//! let study = study::run(&loaded, Options::default())?;
+//! let locked_ms = study.metrics.get("lock_time_20hz_ms").expect("it locks");
+//! println!("within 20 Hz of the resonance after {locked_ms:.3} ms");
+//! assert!(study.passes() && locked_ms < 0.5);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 #![forbid(unsafe_code)]
 
 pub mod advice;
@@ -18,6 +35,7 @@ pub mod edge_meter;
 pub mod figures;
 pub mod findings;
 pub mod metrics;
+#[cfg(feature = "files")]
 pub mod output;
 pub mod processor;
 pub mod record;

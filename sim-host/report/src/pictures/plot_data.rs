@@ -6,8 +6,8 @@ use serde::Serialize;
 
 use super::decimate;
 use super::extent::scales;
-use super::figure::{Figure, Series, Style};
 use super::style::{css, series_color};
+use crate::figure::{Figure, Series, Style};
 
 /// A figure, as the script reads it.
 #[derive(Debug, Serialize)]

@@ -11,9 +11,9 @@ use plotters::style::text_anchor::HPos;
 use super::axis::Scale;
 use super::chart::{Chart, Layout, Plot, TICK_SIZE};
 use super::colour_map::colour;
-use super::figure::{Axis, HeatMap};
 use super::sheet::{Failure, Lettering};
 use super::style::{FRAME, INK, MUTED};
+use crate::figure::{Axis, HeatMap};
 
 /// Room beside the plot for the bar with its numbers, in points.
 pub(super) const BAR_ROOM: f64 = 150.0;

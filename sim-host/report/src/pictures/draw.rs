@@ -16,12 +16,12 @@ use plotters::style::text_anchor::HPos;
 use super::axis::Scale;
 use super::chart::{Layout, Plot, TICK_SIZE};
 use super::extent::scales;
-use super::figure::Figure;
 use super::heat_map;
 use super::legend::Legend;
 use super::marks;
 use super::sheet::{Failure, Lettering, Sheet};
 use super::style::{INK, Pen, prepare_font};
+use crate::figure::Figure;
 
 /// Surface pixels per point of the SVG: coordinates to a quarter of a point.
 const SVG_ZOOM: u32 = 4;

@@ -4,15 +4,15 @@
 //! fetch anything else. Every text of the report is user input: it is escaped on its way into the
 //! markup, and the data block for the script cannot contain the end of its own element.
 
-use super::crash_view;
+use super::crash_section;
 use super::draw;
-use super::figure::{Figure, Report, TableBlock};
 use super::plot_data::{can_zoom, plot_data};
+use crate::figure::{Figure, Report, TableBlock};
 
-const STYLE: [&str; 2] = [include_str!("../assets/uPlot.min.css"), include_str!("../assets/report.css")];
-const PLOT_LIBRARY: &str = include_str!("../assets/uPlot.iife.min.js");
-const PLOT_LICENSE: &str = include_str!("../assets/uPlot.LICENSE");
-const SCRIPT: &str = include_str!("../assets/report.js");
+const STYLE: [&str; 2] = [include_str!("../../assets/uPlot.min.css"), include_str!("../../assets/report.css")];
+const PLOT_LIBRARY: &str = include_str!("../../assets/uPlot.iife.min.js");
+const PLOT_LICENSE: &str = include_str!("../../assets/uPlot.LICENSE");
+const SCRIPT: &str = include_str!("../../assets/report.js");
 
 /// Pictures may be part of the page, as those of maps are, and come from nowhere else.
 const POLICY: &str = "default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inline'; img-src data:";
@@ -28,7 +28,7 @@ pub(super) fn page(report: &Report) -> Result<String, String> {
         heading(report),
         tiles(&report.summary),
         report.paragraphs.iter().map(|p| format!("<p class=\"prose\">{}</p>\n", escape(p))).collect(),
-        report.crash.as_ref().map(crash_view::section).transpose()?.unwrap_or_default(),
+        report.crash.as_ref().map(crash_section::section).transpose()?.unwrap_or_default(),
         contents(&report.figures),
         report.tables.iter().map(table).collect(),
         report.figures.iter().map(panel).collect::<Result<_, _>>()?,

@@ -9,8 +9,8 @@ use std::ops::Range;
 use plotters::coord::ranged1d::{KeyPointHint, NoDefaultFormatting, Ranged, ValueFormatter};
 use plotters::coord::types::RangedCoordf64;
 
-use super::figure::Axis;
 use super::number;
+use crate::figure::Axis;
 
 /// Room beyond the data, as a fraction of their extent: before the lowest and after the highest.
 pub(super) type Margins = [f64; 2];

@@ -6,9 +6,9 @@ use plotters::prelude::DrawingBackend;
 
 use super::axis::Scale;
 use super::clip;
-use super::figure::{Figure, Style};
 use super::sheet::{Failure, Sheet};
 use super::style::{FINE_GRID, FRAME, GRID, INK, MUTED};
+use crate::figure::{Figure, Style};
 
 /// Size of the tick labels and notes in points.
 pub(super) const TICK_SIZE: f64 = 23.0;

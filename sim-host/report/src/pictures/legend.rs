@@ -5,9 +5,9 @@ use plotters::prelude::DrawingBackend;
 use plotters::style::text_anchor::HPos;
 use plotters::style::{Color, RGBColor};
 
-use super::figure::{Figure, Style};
 use super::sheet::{Failure, Lettering, Sheet};
 use super::style::{FRAME, INK, SHADE, series_color, tint};
+use crate::figure::{Figure, Style};
 
 const TEXT_SIZE: f64 = 24.0;
 const ROW_HEIGHT: f64 = 36.0;

@@ -1,7 +1,7 @@
 //! How much of the plane a figure shows.
 
 use super::axis::Scale;
-use super::figure::{Figure, Style};
+use crate::figure::{Figure, Style};
 
 /// Ranges that show everything the figure holds.
 pub(super) fn scales(figure: &Figure) -> (Scale, Scale) {

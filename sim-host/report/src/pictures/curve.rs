@@ -7,9 +7,9 @@ use plotters::style::{Color, RGBColor};
 use super::chart::{Chart, Plot};
 use super::clip::{self, Window};
 use super::decimate;
-use super::figure::{Series, Style};
 use super::sheet::Failure;
 use super::style::{series_color, tint};
+use crate::figure::{Series, Style};
 
 impl<DB: DrawingBackend> Plot<'_, '_, DB> {
     /// Separate dots.

@@ -5,7 +5,7 @@
 
 use std::io::Write;
 
-use super::figure::{Figure, HeatMap, Series, Style};
+use crate::figure::{Figure, HeatMap, Series, Style};
 
 /// Writes the figure's series.
 ///

@@ -7,9 +7,9 @@ use plotters::style::{Color, WHITE};
 
 use super::axis::Scale;
 use super::chart::{Chart, Plot, TICK_SIZE};
-use super::figure::Figure;
 use super::sheet::{Failure, Lettering, Sheet};
 use super::style::{INK, MUTED, SHADE};
+use crate::figure::Figure;
 
 /// Labels of the shaded intervals too narrow to bear them on a plot of this width, each once.
 pub(super) fn spans_without_room<'f, DB: DrawingBackend>(
