@@ -19,6 +19,35 @@ fn what_is_stored_acts_after_a_reset_and_limits_the_drive() {
 }
 
 #[test]
+fn a_stored_limit_acts_whatever_else_is_stored_and_what_does_not_is_said() {
+    let board = board("lock", &[], 0);
+    // Below the drive that is built in, and beside a limit that nothing on this board could judge.
+    let text = "settings set limits.voltage_v 5\n! settings set limits.energy_j_per_m 1000\nsettings store\nreset\n\
+        settings get limits.voltage_v\nexpect acts = 5\nexpect kept = refused\n\
+        settings get drive.amplitude_v\nexpect acts <= 5\n\
+        drive --volts 12\nstatus\nexpect limit = 96\nexpect drive_v <= 5\nstop\n";
+    run(text, &mut session(&board)).unwrap_or_else(|error| panic!("{error}"));
+    let refused = refused("settings set limits.energy_j_per_m 1000");
+    assert!(refused.contains("limits.energy_j_per_m") && refused.contains("belt encoder"), "{refused}");
+    // Whoever connects is told before anything is done.
+    static NOTES: std::sync::Mutex<Vec<String>> = std::sync::Mutex::new(Vec::new());
+    static NEVER: std::sync::atomic::AtomicBool = std::sync::atomic::AtomicBool::new(false);
+    let note: fn(&str) = |line| NOTES.lock().unwrap().push(line.to_owned());
+    let client = sim_host::link::client::Client::new(super::port(&board), &NEVER, note);
+    let mut session = sim_host::link::session::Session::begin(client, Default::default()).unwrap();
+    assert!(NOTES.lock().unwrap().iter().any(|line| line.contains("its limits act")), "{:?}", NOTES.lock().unwrap());
+    let shown = firmware_settings(&mut session);
+    assert!(shown.contains("(does not act as it is set)"), "{shown}");
+}
+
+/// What `settings get` shows.
+fn firmware_settings(session: &mut sim_host::link::session::Session) -> String {
+    sim_host::link::commands::settings::run(&sim_host::link::commands::settings::SettingsOrder::Get { name: None }, session)
+        .unwrap()
+        .text
+}
+
+#[test]
 fn what_cannot_be_set_says_what_can() {
     let too_much = refused("settings set limits.voltage_v 1000");
     assert!(too_much.contains("limits.voltage_v can be 0.001 to 15.466, not 1000"), "{too_much}");
