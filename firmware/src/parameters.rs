@@ -138,8 +138,10 @@ pub fn overridden(overrides: &Overrides, built_in: &Values) -> (Values, bool) {
         all &= usable;
         if parameter.is_limit() {
             let (least, most) = parameter.range.of(built_in[place]);
-            // Of two that contradict each other the lower one; a not-a-number is below all.
-            values[place] = values[place].min(if value > least { value.min(most) } else { least });
+            // A not-a-number is below all.
+            let nearest = if value > least { value.min(most) } else { least };
+            // Of two that contradict each other the lower one.
+            values[place] = values[place].min(if usable { value } else { nearest });
         } else if usable {
             values[place] = value;
         }

@@ -22,10 +22,10 @@ fn what_is_stored_acts_after_a_reset_and_limits_the_drive() {
 fn a_stored_limit_acts_whatever_else_is_stored_and_what_does_not_is_said() {
     let board = board("lock", &[], 0);
     // Below the drive that is built in, and beside a limit that nothing on this board could judge.
-    let text = "settings set limits.voltage_v 5\n! settings set limits.energy_j_per_m 1000\nsettings store\nreset\n\
-        settings get limits.voltage_v\nexpect acts = 5\nexpect kept = refused\n\
-        settings get drive.amplitude_v\nexpect acts <= 5\n\
-        drive --volts 12\nstatus\nexpect limit = 96\nexpect drive_v <= 5\nstop\n";
+    let text = "settings set limits.voltage_v 0.5\n! settings set limits.energy_j_per_m 1000\nsettings store\nreset\n\
+        settings get limits.voltage_v\nexpect acts = 0.5\nexpect kept = refused\n\
+        settings get drive.amplitude_v\nexpect acts <= 0.5\n\
+        drive --volts 12\nstatus\nexpect limit = 96\nexpect drive_v <= 0.5\nstop\n";
     run(text, &mut session(&board)).unwrap_or_else(|error| panic!("{error}"));
     let refused = refused("settings set limits.energy_j_per_m 1000");
     assert!(refused.contains("limits.energy_j_per_m") && refused.contains("belt encoder"), "{refused}");

@@ -157,6 +157,7 @@ fn only_what_differs_is_kept_and_what_cannot_be_is_left_out() {
         assert_eq!((values[7], all), (limit, false), "{wrong}");
     }
     assert_eq!(overridden(&Overrides::from_iter([(8, 2.0), (8, 3.0)]), &built_in).0[7], 2.0);
+    assert_eq!(overridden(&Overrides::from_iter([(10, f32::INFINITY)]), &built_in), (built_in, true));
     assert_eq!(
         overridden(&Overrides::from_iter([(10, 2e5)]), &built_in),
         (
