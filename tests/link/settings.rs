@@ -1,5 +1,12 @@
 //! Settings over the link: what is out of range is told with its range, and what is stored acts after a reset.
 
+use std::sync::Mutex;
+use std::sync::atomic::AtomicBool;
+
+use link::client::Client;
+use link::commands::settings::{self, SettingsOrder};
+use link::session::Session;
+
 use super::{board, run, session};
 
 fn refused(line: &str) -> String {
@@ -30,21 +37,19 @@ fn a_stored_limit_acts_whatever_else_is_stored_and_what_does_not_is_said() {
     let refused = refused("settings set limits.energy_j_per_m 1000");
     assert!(refused.contains("limits.energy_j_per_m") && refused.contains("belt encoder"), "{refused}");
     // Whoever connects is told before anything is done.
-    static NOTES: std::sync::Mutex<Vec<String>> = std::sync::Mutex::new(Vec::new());
-    static NEVER: std::sync::atomic::AtomicBool = std::sync::atomic::AtomicBool::new(false);
+    static NOTES: Mutex<Vec<String>> = Mutex::new(Vec::new());
+    static NEVER: AtomicBool = AtomicBool::new(false);
     let note: fn(&str) = |line| NOTES.lock().unwrap().push(line.to_owned());
-    let client = sim_host::link::client::Client::new(super::port(&board), &NEVER, note);
-    let mut session = sim_host::link::session::Session::begin(client, Default::default()).unwrap();
+    let client = Client::new(super::port(&board), &NEVER, note);
+    let mut session = Session::begin(client, Default::default()).unwrap();
     assert!(NOTES.lock().unwrap().iter().any(|line| line.contains("its limits act")), "{:?}", NOTES.lock().unwrap());
-    let shown = firmware_settings(&mut session);
+    let shown = shown_settings(&mut session);
     assert!(shown.contains("(does not act as it is set)"), "{shown}");
 }
 
 /// What `settings get` shows.
-fn firmware_settings(session: &mut sim_host::link::session::Session) -> String {
-    sim_host::link::commands::settings::run(&sim_host::link::commands::settings::SettingsOrder::Get { name: None }, session)
-        .unwrap()
-        .text
+fn shown_settings(session: &mut Session) -> String {
+    settings::run(&SettingsOrder::Get { name: None }, session).unwrap().text
 }
 
 #[test]
