@@ -10,20 +10,21 @@
 //! | 5 | board or link not found or lost |
 //! | 130 | interrupted; what there was is kept, and marked |
 
+/// Writes a line to standard error. A reader of it that has gone away is no failure, where `eprintln!` would panic.
+macro_rules! say {
+    ($($text:tt)*) => {{
+        use std::io::Write as _;
+        let _ = writeln!(std::io::stderr(), $($text)*);
+    }};
+}
+
 mod advise;
-mod campaign;
-mod crash;
-mod friction;
-mod guard;
-mod instructions;
 mod interrupts;
 mod link;
-mod precision;
 mod progress;
 mod run;
 mod table;
-mod thesis;
-mod tracking;
+mod validate;
 
 use std::io::{self, IsTerminal, Write};
 use std::path::PathBuf;
@@ -86,30 +87,12 @@ enum Command {
     Advise(advise::AdviseArgs),
     /// Print the JSON Schema of a scene, for editors.
     Schema,
-    /// Compute every figure, claim and contradiction of the thesis's chapter 4 and appendix B.
-    #[command(after_help = EXIT_CODES)]
-    Thesis(thesis::ThesisArgs),
-    /// Measure speed against error of every contact method, judge the claims, and run the hard cases.
-    #[command(after_help = EXIT_CODES)]
-    Precision(precision::PrecisionArgs),
-    /// Count the instructions of the generators and of the controller on an emulated Cortex-M4F, and hold them against the budget.
-    #[command(after_help = EXIT_CODES)]
-    Instructions(instructions::InstructionsArgs),
-    /// Run every tracking case over many seeds, and hold it against its targets, its bound and its faults.
-    #[command(after_help = EXIT_CODES)]
-    Tracking(tracking::TrackingArgs),
-    /// Hold friction ratios over contacts, by amplitude and by bursts, and hold them against what is wanted.
-    #[command(after_help = EXIT_CODES)]
-    Friction(friction::FrictionArgs),
-    /// Stop, slow, break and belie the belt under the drive a thousand times each, and hold the weld guard against its targets.
-    #[command(after_help = EXIT_CODES)]
-    Guard(guard::GuardArgs),
-    /// Crash light, medium and heavy occupants with the D-ring's friction switched, and hold them against the passive belt.
-    #[command(after_help = EXIT_CODES)]
-    Crash(crash::CrashArgs),
     /// Talk to a driver board, or to a simulated one.
     #[command(after_help = EXIT_CODES)]
     Link(Box<link::LinkArgs>),
+    /// Run our own benches, and compare each with its targets: the evidence behind docs/claims.md.
+    #[command(after_help = EXIT_CODES)]
+    Validate(Box<validate::ValidateArgs>),
 }
 
 #[derive(Args)]
@@ -161,7 +144,7 @@ enum Format {
 
 /// Parses the arguments of this process, does what they say, and gives the exit code.
 pub fn main() -> ExitCode {
-    let line = CommandLine::parse();
+    let line = CommandLine::parse_from(validate::with_verb(std::env::args_os().collect()));
     let color = Color::new(line.color);
     let done = match line.command {
         None => run::run(&RunArgs::of_flagship(), color),
@@ -170,13 +153,7 @@ pub fn main() -> ExitCode {
         Some(Command::Show { scene }) => with_scene(&scene, color, |loaded| print(&resolved_toml(&loaded.scene))),
         Some(Command::Check { scene }) => with_scene(&scene, color, |loaded| print(&format!("{}: valid\n", loaded.origin))),
         Some(Command::Advise(args)) => advise::run(&args, color),
-        Some(Command::Thesis(args)) => thesis::run(&args, color),
-        Some(Command::Precision(args)) => precision::run(&args, color),
-        Some(Command::Instructions(args)) => instructions::run(&args, color),
-        Some(Command::Tracking(args)) => tracking::run(&args, color),
-        Some(Command::Friction(args)) => friction::run(&args, color),
-        Some(Command::Guard(args)) => guard::run(&args, color),
-        Some(Command::Crash(args)) => crash::run(&args, color),
+        Some(Command::Validate(args)) => validate::run(&args, color),
         Some(Command::Link(args)) => link::run(&args, color),
         Some(Command::Schema) => print(&format!("{:#}\n", schema::schema())),
     };
@@ -185,7 +162,7 @@ pub fn main() -> ExitCode {
         if error.downcast_ref::<io::Error>().is_some_and(|io| io.kind() == io::ErrorKind::BrokenPipe) {
             return ExitCode::SUCCESS;
         }
-        eprintln!("error: {error:#}");
+        say!("error: {error:#}");
         ExitCode::from(RUN_FAILED)
     })
 }
@@ -250,8 +227,8 @@ fn with_scene(
 /// Says what is wrong with a scene.
 fn invalid(error: &LoadError, color: Color) -> ExitCode {
     match error {
-        LoadError::Invalid(report) => eprintln!("{}", report.render(color.stderr)),
-        error => eprintln!("error: {error}"),
+        LoadError::Invalid(report) => say!("{}", report.render(color.stderr)),
+        error => say!("error: {error}"),
     }
     ExitCode::from(INVALID_SCENE)
 }

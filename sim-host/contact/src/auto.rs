@@ -3,7 +3,7 @@
 //! | problem | method | because |
 //! |---|---|---|
 //! | kinematic, Coulomb or Dahl, window in the steady state | closed | nothing is cheaper than no steps |
-//! | Dahl, Coulomb | linexp | cheapest at every tolerance from 1e-3 to 1e-12 (`sim-host precision`) |
+//! | Dahl, Coulomb | linexp | cheapest at every tolerance from 1e-3 to 1e-12 (`sim-host validate precision`) |
 //! | LuGre with stiff bristles or a fast Stribeck curve | midpoint | bounded at any stiffness |
 //! | other LuGre | rk4-events | order four, and no restriction to slip |
 //!

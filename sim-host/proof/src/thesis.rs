@@ -143,7 +143,7 @@ impl Findings {
             figures: self.figures.clone(),
             footer: vec![
                 ("version".into(), env!("CARGO_PKG_VERSION").into()),
-                ("command".into(), "sim-host thesis".into()),
+                ("command".into(), "sim-host validate thesis".into()),
             ],
             ..Report::default()
         }

@@ -52,7 +52,7 @@ pub(super) struct AdviseArgs {
 /// Advises, and prints.
 pub(super) fn run(args: &AdviseArgs, color: Color) -> anyhow::Result<ExitCode> {
     if args.scene.is_none() && args.frequency_hz.is_none() {
-        eprintln!(
+        say!(
             "error: which transducer? Name a scene (`sim-host list`), or give its numbers: --frequency-hz 40e3 --q 65 --c0-f 300e-9 --lm-h 0.79e-3"
         );
         return Ok(ExitCode::from(USAGE));
@@ -69,7 +69,7 @@ pub(super) fn run(args: &AdviseArgs, color: Color) -> anyhow::Result<ExitCode> {
             Ok(advice) => advice,
             Err(AdviceError::Case(CaseError::Scene(error))) => return Ok(invalid(&error, color)),
             Err(error) => {
-                eprintln!("error: {error}");
+                say!("error: {error}");
                 return Ok(ExitCode::from(INVALID_SCENE));
             }
         };

@@ -39,8 +39,8 @@ impl Progress {
             self.last_line = Instant::now();
             let left_s = self.began.elapsed().as_secs_f64() * (self.whole / reached - 1.0);
             match self.runs {
-                true => eprintln!("{reached} of {} runs, about {left_s:.0} s to go", self.whole),
-                false => eprintln!("simulated {reached:.2} s of {} s, about {left_s:.0} s to go", self.whole),
+                true => say!("{reached} of {} runs, about {left_s:.0} s to go", self.whole),
+                false => say!("simulated {reached:.2} s of {} s, about {left_s:.0} s to go", self.whole),
             }
         }
     }

@@ -32,7 +32,7 @@ pub(super) fn run(args: &RunArgs, color: Color) -> anyhow::Result<ExitCode> {
         Some(number) if loaded.scene.runs == 1 || !(1..=loaded.scene.runs).contains(&number) => {
             let have = if loaded.scene.runs == 1 { "is run once" } else { "has runs 1 to " };
             let last = if loaded.scene.runs == 1 { String::new() } else { loaded.scene.runs.to_string() };
-            eprintln!("error: there is no run {number}: `{}` {have}{last}", loaded.name);
+            say!("error: there is no run {number}: `{}` {have}{last}", loaded.name);
             Ok(ExitCode::from(USAGE))
         }
         Some(number) => match one_of(loaded, number) {
@@ -55,13 +55,13 @@ fn run_loaded(args: &RunArgs, loaded: &Loaded, color: Color) -> anyhow::Result<E
     let image = match (args.pil, loaded.scene.driven()) {
         (false, _) => None,
         (true, None) => {
-            eprintln!("error: --pil runs the controller in QEMU, and `{}` has no [controller]", loaded.name);
+            say!("error: --pil runs the controller in QEMU, and `{}` has no [controller]", loaded.name);
             return Ok(ExitCode::from(USAGE));
         }
         (true, Some(_)) => match pil::image() {
             Ok(image) => Some(image),
             Err(error) => {
-                eprintln!("error: {error}");
+                say!("error: {error}");
                 return Ok(ExitCode::from(LOST));
             }
         },
@@ -73,7 +73,7 @@ fn run_loaded(args: &RunArgs, loaded: &Loaded, color: Color) -> anyhow::Result<E
     let folder = match dir.as_deref().map(Folder::open).transpose() {
         Ok(folder) => folder,
         Err(error @ OutputError::Strange { .. }) => {
-            eprintln!("error: {error}");
+            say!("error: {error}");
             return Ok(ExitCode::from(USAGE));
         }
         Err(error) => return Err(error.into()),
@@ -88,11 +88,11 @@ fn run_loaded(args: &RunArgs, loaded: &Loaded, color: Color) -> anyhow::Result<E
     let study = match study {
         Ok(study) => study,
         Err(StudyError::Run(error @ (RunError::Lost(_) | RunError::NoProcessor(_)))) => {
-            eprintln!("error: {error}");
+            say!("error: {error}");
             return Ok(ExitCode::from(LOST));
         }
         Err(error) => {
-            eprintln!("error: {:#}", anyhow::Error::from(error));
+            say!("error: {:#}", anyhow::Error::from(error));
             return Ok(ExitCode::from(RUN_FAILED));
         }
     };
@@ -104,7 +104,7 @@ fn run_loaded(args: &RunArgs, loaded: &Loaded, color: Color) -> anyhow::Result<E
         Format::Json => format!("{:#}\n", output::summary(&study)),
     })?;
     if let Some(dir) = dir.filter(|_| !args.quiet) {
-        eprintln!("report: {}", dir.join("report.html").display());
+        say!("report: {}", dir.join("report.html").display());
     }
     Ok(match () {
         () if study.interrupted => ExitCode::from(INTERRUPTED),

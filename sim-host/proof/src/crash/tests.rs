@@ -7,7 +7,7 @@ use super::single::{Case, Group};
 use super::{Extent, by_clock, conduct, many, mass, table};
 use scene::load::load;
 
-const MARK: &str = "<!-- tables: printed by `sim-host crash` -->\n";
+const MARK: &str = "<!-- tables: printed by `sim-host validate crash` -->\n";
 
 fn metric(case: &str, metric: &str) -> f64 {
     let case = Case::ALL.iter().find(|found| found.name == case).unwrap();

@@ -6,7 +6,7 @@ use super::cases::{all, few};
 use super::{conduct, plot, table};
 use report::{self, Report};
 
-const MARK: &str = "<!-- tables: printed by `sim-host friction` -->\n";
+const MARK: &str = "<!-- tables: printed by `sim-host validate friction` -->\n";
 
 #[test]
 fn ratios_are_had_and_what_cannot_be_is_refused() {

@@ -8,7 +8,7 @@ use super::{Extent, believe, conduct, pass, stop, table};
 use scene::load::load;
 use sim::study;
 
-const MARK: &str = "<!-- tables: printed by `sim-host guard` -->\n";
+const MARK: &str = "<!-- tables: printed by `sim-host validate guard` -->\n";
 
 #[test]
 fn every_event_ends_the_drive_in_time() {

@@ -6,7 +6,7 @@ use std::sync::LazyLock;
 
 use super::{Measurement, conduct, plot, table};
 
-const MARK: &str = "<!-- tables: printed by `sim-host instructions` -->\n";
+const MARK: &str = "<!-- tables: printed by `sim-host validate instructions` -->\n";
 
 /// The measurement; `None` where QEMU is not installed.
 static MEASUREMENT: LazyLock<Option<Measurement>> =

@@ -213,7 +213,7 @@ fn numbers_of_the_experiments_agree_with_an_independent_study() {
 
 /// Compares the tables below the mark of a page, or writes them: `UPDATE_DOCS=1 cargo test -p sonoglide-proof --lib thesis`.
 fn documented(page: &str, tables: &str) {
-    const MARK: &str = "<!-- tables: printed by `sim-host thesis` -->\n";
+    const MARK: &str = "<!-- tables: printed by `sim-host validate thesis` -->\n";
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs").join(page);
     let text = std::fs::read_to_string(&path).expect("the page is there");
     let (head, found) = text.split_once(MARK).expect("the page has its mark");

@@ -5,7 +5,7 @@ use std::path::Path;
 use super::cases::{CASES, Family};
 use super::{Extent, bad_input, conduct, one, table};
 
-const MARK: &str = "<!-- tables: printed by `sim-host tracking` -->\n";
+const MARK: &str = "<!-- tables: printed by `sim-host validate tracking` -->\n";
 
 fn missed(family: Family) -> Vec<String> {
     let found = CASES.iter().filter(|case| case.family == family).map(|case| one(case, Extent::QUICK.of(family)).unwrap());

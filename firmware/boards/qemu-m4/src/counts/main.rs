@@ -1,6 +1,6 @@
 //! Instructions that kernels take on the target, counted by QEMU: one line of CSV a kernel on standard output.
 //!
-//! `sim-host instructions` builds, starts and reads it.
+//! `sim-host validate instructions` builds, starts and reads it.
 //!
 //! Built for the host, it is a stub that says so.
 #![cfg_attr(target_os = "none", no_std, no_main)]
@@ -22,6 +22,6 @@ mod stages;
 
 #[cfg(not(target_os = "none"))]
 fn main() -> std::process::ExitCode {
-    eprintln!("counts is an image for an emulated Cortex-M4F: `sim-host instructions` builds and runs it");
+    eprintln!("counts is an image for an emulated Cortex-M4F: `sim-host validate instructions` builds and runs it");
     std::process::ExitCode::from(2)
 }

@@ -1,11 +1,11 @@
-//! `sim-host instructions`.
+//! `sim-host validate instructions`.
 
 use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::Args;
 
-use super::{Color, RUN_FAILED, table};
+use crate::cli::{Color, RUN_FAILED, table};
 use proof::instructions::{self, Measurement, plot, table as tables};
 use report::{self, Report};
 
@@ -23,13 +23,13 @@ pub(super) struct InstructionsArgs {
 /// Counts, prints, writes, and fails where a budget is exceeded.
 pub(super) fn run(args: &InstructionsArgs, color: Color) -> anyhow::Result<ExitCode> {
     let measurement = instructions::conduct()?;
-    super::print(&tables::tables(&measurement).iter().map(|block| table::render(block, color.stdout)).collect::<String>())?;
+    crate::cli::print(&tables::tables(&measurement).iter().map(|block| table::render(block, color.stdout)).collect::<String>())?;
     if !args.no_report {
         report::write(&page(&measurement), &args.output)?;
-        eprintln!("report: {}", args.output.join("report.html").display());
+        say!("report: {}", args.output.join("report.html").display());
     }
     for judged in measurement.judged.iter().filter(|judged| !judged.holds()) {
-        eprintln!("error: over budget: {}", judged.bound.name);
+        say!("error: over budget: {}", judged.bound.name);
     }
     Ok(if measurement.holds() { ExitCode::SUCCESS } else { ExitCode::from(RUN_FAILED) })
 }

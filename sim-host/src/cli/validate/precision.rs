@@ -1,11 +1,11 @@
-//! `sim-host precision`.
+//! `sim-host validate precision`.
 
 use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::Args;
 
-use super::{Color, EXPECTATION_MISSED, Format, RUN_FAILED, table};
+use crate::cli::{Color, EXPECTATION_MISSED, Format, RUN_FAILED, table};
 use proof::precision::study::{Extent, conduct};
 use proof::precision::{folder, instructions, table as tables};
 
@@ -33,7 +33,7 @@ pub(super) struct PrecisionArgs {
 }
 
 /// How this program is started to be counted.
-const ALONE: [&str; 2] = ["precision", "--alone"];
+const ALONE: [&str; 3] = ["validate", "precision", "--alone"];
 
 /// Measures, prints and writes.
 pub(super) fn run(args: &PrecisionArgs, color: Color) -> anyhow::Result<ExitCode> {
@@ -42,11 +42,11 @@ pub(super) fn run(args: &PrecisionArgs, color: Color) -> anyhow::Result<ExitCode
     }
     let executable = std::env::current_exe()?;
     let counted = (!args.no_count).then_some((executable.as_path(), ALONE.as_slice()));
-    let study = conduct(Extent { quick: args.quick, counted }, &mut |next| eprintln!("{next}"))?;
+    let study = conduct(Extent { quick: args.quick, counted }, &mut |next| say!("{next}"))?;
     if !args.no_report {
         folder::write(&study, &args.output)?;
     }
-    super::print(&match args.format {
+    crate::cli::print(&match args.format {
         Format::Human => {
             let blocks = [
                 tables::reference(&study.reference),
@@ -59,7 +59,7 @@ pub(super) fn run(args: &PrecisionArgs, color: Color) -> anyhow::Result<ExitCode
         Format::Json => format!("{:#}\n", folder::summary(&study)),
     })?;
     if !args.no_report {
-        eprintln!("report: {}", args.output.join("report.html").display());
+        say!("report: {}", args.output.join("report.html").display());
     }
     Ok(if study.passes() { ExitCode::SUCCESS } else { ExitCode::from(EXPECTATION_MISSED) })
 }
@@ -69,7 +69,7 @@ fn alone(setting: &str) -> anyhow::Result<ExitCode> {
     let [method, steps, periods] = parts[..] else { anyhow::bail!("{setting:?} is not METHOD,STEPS,PERIODS") };
     let known = instructions::run_alone(method, steps.parse()?, periods.parse()?)?;
     if !known {
-        eprintln!("error: there is no method {method:?}");
+        say!("error: there is no method {method:?}");
     }
     Ok(if known { ExitCode::SUCCESS } else { ExitCode::from(RUN_FAILED) })
 }

@@ -1,11 +1,11 @@
-//! `sim-host friction`.
+//! `sim-host validate friction`.
 
 use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::Args;
 
-use super::Color;
+use crate::cli::Color;
 use proof::friction::cases::{Way, all, few};
 use proof::friction::{self, plot, table as tables};
 use report::Report;
@@ -34,7 +34,7 @@ pub(super) struct FrictionArgs {
 pub(super) fn run(args: &FrictionArgs, color: Color) -> anyhow::Result<ExitCode> {
     let cases = if args.quick { few() } else { all() };
     if args.list {
-        return super::print(&cases.iter().map(|case| format!("{}: {}\n", case.name(), case.command())).collect::<String>());
+        return crate::cli::print(&cases.iter().map(|case| format!("{}: {}\n", case.name(), case.command())).collect::<String>());
     }
     let campaign = friction::conduct(cases)?;
     let page = Report {

@@ -1,4 +1,4 @@
-//! `sim-host thesis`.
+//! `sim-host validate thesis`.
 
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -6,10 +6,10 @@ use std::time::Instant;
 
 use clap::Args;
 
-use super::{Color, Format, table};
+use crate::cli::{Color, Format, table};
 use proof::thesis::{self, Findings, Verdict};
 
-/// Arguments of `sim-host thesis`.
+/// Arguments of `sim-host validate thesis`.
 #[derive(Args)]
 pub(super) struct ThesisArgs {
     /// Folder for the report and the figures.
@@ -28,20 +28,20 @@ pub(super) fn run(args: &ThesisArgs, color: Color) -> anyhow::Result<ExitCode> {
     let began = Instant::now();
     let say = |what: &str, done: usize, of: usize| {
         if !args.quiet {
-            eprintln!("[{:>2}/{of}] {what}, {:.1} s", done + 1, began.elapsed().as_secs_f64());
+            say!("[{:>2}/{of}] {what}, {:.1} s", done + 1, began.elapsed().as_secs_f64());
         }
     };
     let findings = thesis::conduct(&mut |what, done, of| say(what, done, of))?;
     if !args.quiet {
-        eprintln!("{} figures", findings.figures.len());
+        say!("{} figures", findings.figures.len());
     }
     report::write(&findings.report(), &args.output)?;
-    let done = super::print(&match args.format {
+    let done = crate::cli::print(&match args.format {
         Format::Human => human(&findings, color),
         Format::Json => format!("{:#}\n", thesis::summary(&findings)),
     })?;
     if !args.quiet {
-        eprintln!("report: {} ({:.1} s)", args.output.join("report.html").display(), began.elapsed().as_secs_f64());
+        say!("report: {} ({:.1} s)", args.output.join("report.html").display(), began.elapsed().as_secs_f64());
     }
     Ok(done)
 }

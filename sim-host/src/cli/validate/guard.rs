@@ -1,22 +1,22 @@
-//! `sim-host crash`.
+//! `sim-host validate guard`.
 
 use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::Args;
 
-use super::Color;
-use proof::crash::{self, Extent, table as tables};
+use crate::cli::Color;
+use proof::guard::{self, Extent, table as tables};
 use report::Report;
 
 /// Arguments of the command.
 #[derive(Args)]
-pub(super) struct CrashArgs {
-    /// Fewer crashes, for continuous integration.
+pub(super) struct GuardArgs {
+    /// Fewer and shorter runs, for continuous integration.
     #[arg(long)]
     quick: bool,
     /// Folder for the tables.
-    #[arg(short, long = "output", value_name = "DIR", default_value = "out/crash")]
+    #[arg(short, long = "output", value_name = "DIR", default_value = "out/guard")]
     output: PathBuf,
     /// Write no files.
     #[arg(long)]
@@ -24,12 +24,12 @@ pub(super) struct CrashArgs {
 }
 
 /// Runs, prints, writes, and fails where a target is missed.
-pub(super) fn run(args: &CrashArgs, color: Color) -> anyhow::Result<ExitCode> {
+pub(super) fn run(args: &GuardArgs, color: Color) -> anyhow::Result<ExitCode> {
     let extent = if args.quick { Extent::QUICK } else { Extent::FULL };
-    let campaign = crash::conduct(extent, &mut |next| eprintln!("{next}"))?;
+    let campaign = guard::conduct(extent, &mut |next| say!("{next}"))?;
     let page = Report {
-        title: "Crash: a seat belt's friction, switched".into(),
-        subtitle: "Simulated: the controller on the host (SIL), assumed people in an assumed belt".into(),
+        title: "Weld guard: a belt that stops, slows, breaks its sensor or belies it".into(),
+        subtitle: "Simulated: the firmware's guard at block rate, without the carrier".into(),
         tables: tables::tables(&campaign),
         ..Report::default()
     };

@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::process::ExitCode;
 
-use super::{Color, EXPECTATION_MISSED, table};
+use crate::cli::{Color, EXPECTATION_MISSED, table};
 use report::{self, Report};
 use sim::findings::VERSION;
 
@@ -16,11 +16,11 @@ pub(super) fn end(
     color: Color,
 ) -> anyhow::Result<ExitCode> {
     let rendered = || page.tables.iter().map(|block| table::render(block, color.stdout)).collect();
-    super::print(&printed.unwrap_or_else(rendered))?;
+    crate::cli::print(&printed.unwrap_or_else(rendered))?;
     if let Some(folder) = folder {
         let page = Report { footer: vec![("sim-host".into(), VERSION.to_owned())], ..page };
         report::write(&page, folder)?;
-        eprintln!("report: {}", folder.join("report.html").display());
+        say!("report: {}", folder.join("report.html").display());
     }
     Ok(if holds { ExitCode::SUCCESS } else { ExitCode::from(EXPECTATION_MISSED) })
 }

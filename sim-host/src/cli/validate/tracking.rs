@@ -1,11 +1,11 @@
-//! `sim-host tracking`.
+//! `sim-host validate tracking`.
 
 use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::Args;
 
-use super::Color;
+use crate::cli::Color;
 use proof::tracking::cases::CASES;
 use proof::tracking::{self, Extent, table as tables};
 use report::Report;
@@ -30,10 +30,10 @@ pub(super) struct TrackingArgs {
 /// Runs, prints, writes, and fails where a target is missed.
 pub(super) fn run(args: &TrackingArgs, color: Color) -> anyhow::Result<ExitCode> {
     if args.list {
-        return super::print(&CASES.iter().map(|case| format!("{}: {}\n", case.name, case.command())).collect::<String>());
+        return crate::cli::print(&CASES.iter().map(|case| format!("{}: {}\n", case.name, case.command())).collect::<String>());
     }
     let extent = if args.quick { Extent::QUICK } else { Extent::FULL };
-    let campaign = tracking::conduct(extent, &mut |next| eprintln!("{next}"))?;
+    let campaign = tracking::conduct(extent, &mut |next| say!("{next}"))?;
     let page = Report {
         title: "Tracking: every case over many runs".into(),
         subtitle: "Simulated: the controller on the host (SIL)".into(),
