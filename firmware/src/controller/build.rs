@@ -5,21 +5,23 @@
 
 use core::mem::MaybeUninit;
 
-use super::edges::{self, Edges};
-use super::{Controller, Played};
+use super::Controller;
+use super::chain::Chain;
+use super::stages::Stages;
+use super::stages::follow::{Follow, edges};
 use crate::amplitude::AmplitudeLoop;
 use crate::belt::Belt;
 use crate::block::{Amplitude, LATENCY_BLOCKS, MAX_BLOCK_SAMPLES};
 use crate::burst::Burst;
 use crate::calibrate::Calibrate;
 use crate::clamped::PowerOn;
-use crate::clamped::online::Online;
 use crate::config::{Config, LONGEST_PATIENCE_S, ShapeKind, Sweep as SweepKind, TrackingMode};
 use crate::convert::Convert;
 use crate::error::{Error, in_range};
 use crate::friction::FrictionSwitch;
+use crate::generate::Generator;
 use crate::guard::Guard;
-use crate::nco::{Nco, Stretch};
+use crate::nco::Nco;
 use crate::phasing::Phasing;
 use crate::restraint::Restraint;
 use crate::scan::Scan;
@@ -28,8 +30,8 @@ use crate::shape::Shape;
 use crate::shaper::Shaper;
 use crate::supervisor::{Acquisition, Supervisor};
 use crate::sweep::Sweep;
+use crate::track::Track;
 use crate::tracker::Tracker;
-use crate::tracker::identified::Learning;
 
 /// What a configuration may be refused for.
 struct Parts {
@@ -68,43 +70,37 @@ impl Controller {
     #[inline(never)]
     fn of(config: &Config, parts: Parts) -> Self {
         let Parts { sweep, convert, shape, phasing, burst, restraint, belt, guard, tracker, amplitude, friction } = parts;
-        let tone = Stretch { word: sweep.hold.word(), ..Stretch::default() };
-        Controller {
-            samples: config.block_samples.into(),
-            convert,
-            shape,
-            phasing,
-            amplitude_asked: config.drive.amplitude,
-            nominal_periods: config.tracking.nominal_q / core::f32::consts::PI,
-            nominal_lm_h: config.tracking.nominal_lm_h,
-            scan_volts: config.drive.scan_volts,
-            braked_volts: 0.0,
-            edges: Edges::build(config),
-            block: 0,
+        // First, while the frequency can still be borrowed; the largest.
+        let generator = Generator {
             nco: Nco::default(),
-            burst,
-            restraint,
-            shaper: Shaper::build(config),
-            played: [Played { tone, relative: 1.0, flat: true, pure: true, ..Played::default() }; LATENCY_BLOCKS],
-            belt,
-            guard,
-            supervisor: Supervisor::default(),
-            self_test: SelfTest::build(config),
-            calibrate: Calibrate::build(config),
-            acquisition: Acquisition::of(config.tracking.mode),
-            power_on: PowerOn::build(config),
-            calibrates_again: false,
-            online: Online::build(config),
-            probe_hz: 0.0,
-            tracker,
-            amplitude,
-            friction,
-            transducer: None,
-            learning: Learning::default(),
-            learned: 0,
-            // Last: what is built after it would keep the compiler from building it in its place.
-            scan: Scan::build(config, &sweep.hold),
+            samples: config.block_samples.into(),
             sweep,
+            amplitude,
+            scale: convert.drive.clone(),
+            shaper: Shaper::build(config),
+            burst,
+            phasing,
+            shape,
+        };
+        Controller {
+            played: [generator.at_rest(); LATENCY_BLOCKS],
+            stages: Stages {
+                follow: Follow::build(config, friction),
+                self_test: SelfTest::build(config),
+                clamped: PowerOn::build(config),
+                calibrate: Calibrate::build(config),
+                scan: Scan::build(config, &generator.sweep.hold),
+            },
+            chain: Chain {
+                block: 0,
+                supervisor: Supervisor::new(Acquisition::of(config.tracking.mode)),
+                track: Track::build(config, tracker),
+                generator,
+                convert,
+                guard,
+                belt,
+                restraint,
+            },
         }
     }
 }
