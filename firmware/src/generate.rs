@@ -11,6 +11,7 @@ use crate::shaper::{Play, Shaper};
 use crate::step::Plan;
 use crate::supervisor::Mode;
 use crate::sweep::Sweep;
+use crate::sweep::hold::Hold;
 
 /// A block that has been written: what was played in it when the sense codes of that block arrive.
 #[derive(Clone, Copy, Debug, Default)]
@@ -37,6 +38,12 @@ pub(crate) struct Played {
 }
 
 impl Played {
+    /// A block before the first: silence at this frequency.
+    pub(crate) fn at_rest(hold: &Hold) -> Self {
+        let tone = Stretch { word: hold.word(), ..Stretch::default() };
+        Played { tone, relative: 1.0, flat: true, pure: true, ..Played::default() }
+    }
+
     /// Whether the drive was fully ON throughout the block.
     #[inline]
     pub(crate) fn is_full(&self) -> bool {
@@ -64,12 +71,6 @@ impl Generator {
     /// A block of silence.
     pub(crate) fn silence(&self) -> DriveBlock {
         DriveBlock::silent(self.phasing.count(), self.samples, self.scale.silence())
-    }
-
-    /// The tone that has been played before the first block.
-    pub(crate) fn at_rest(&self) -> Played {
-        let tone = Stretch { word: self.sweep.hold.word(), ..Stretch::default() };
-        Played { tone, relative: 1.0, flat: true, pure: true, ..Played::default() }
     }
 
     /// Returns to the nominal frequency and amplitude.

@@ -227,7 +227,10 @@ fn one_lane_needs_no_trims_and_an_abandoned_calibration_leaves_them() {
     let trims: LaneTrims = [TrimPoint { hz: 40e3, lanes: [Trim { phase_turns: 0.01, gain: 0.9 }; 4] }].into_iter().collect();
     phasing.trim(trims.clone());
     let mut calibrate = Calibrate::build(&two);
-    assert_eq!(calibrate.listen(&mut phasing, &Sensed::default()), Step::Tone { offset_hz: 2000.0 * POSITIONS[0], volts: SCAN_VOLTS, lane: 0 });
+    assert_eq!(
+        calibrate.listen(&mut phasing, &Sensed::default()),
+        Step::Tone { offset_hz: 2000.0 * POSITIONS[0], volts: SCAN_VOLTS, lane: 0 }
+    );
     assert!(phasing.calibration().is_empty());
     calibrate.abandon(&mut phasing);
     assert_eq!(*phasing.calibration(), trims);

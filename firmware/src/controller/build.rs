@@ -19,7 +19,7 @@ use crate::config::{Config, LONGEST_PATIENCE_S, ShapeKind, Sweep as SweepKind, T
 use crate::convert::Convert;
 use crate::error::{Error, in_range};
 use crate::friction::FrictionSwitch;
-use crate::generate::Generator;
+use crate::generate::{Generator, Played};
 use crate::guard::Guard;
 use crate::nco::Nco;
 use crate::phasing::Phasing;
@@ -33,19 +33,10 @@ use crate::sweep::Sweep;
 use crate::track::Track;
 use crate::tracker::Tracker;
 
-/// What a configuration may be refused for.
+/// What a configuration may be refused for: all that is small.
 struct Parts {
-    sweep: Sweep,
-    convert: Convert,
-    shape: Shape,
-    phasing: Phasing,
-    burst: Burst,
-    restraint: Option<Restraint>,
-    belt: Belt,
-    guard: Guard,
-    tracker: Tracker,
-    amplitude: AmplitudeLoop,
-    friction: Option<FrictionSwitch>,
+    chain: Chain,
+    follow: Follow,
 }
 
 impl Controller {
@@ -68,38 +59,18 @@ impl Controller {
 
     // Not inlined, as neither are the others: then each part is written where it is to stay.
     #[inline(never)]
-    fn of(config: &Config, parts: Parts) -> Self {
-        let Parts { sweep, convert, shape, phasing, burst, restraint, belt, guard, tracker, amplitude, friction } = parts;
-        // First, while the frequency can still be borrowed; the largest.
-        let generator = Generator {
-            nco: Nco::default(),
-            samples: config.block_samples.into(),
-            sweep,
-            amplitude,
-            scale: convert.drive.clone(),
-            shaper: Shaper::build(config),
-            burst,
-            phasing,
-            shape,
-        };
+    fn of(config: &Config, Parts { chain, follow }: Parts) -> Self {
+        let hold = chain.generator.sweep.hold.clone();
         Controller {
-            played: [generator.at_rest(); LATENCY_BLOCKS],
+            played: [Played::at_rest(&hold); LATENCY_BLOCKS],
+            chain,
             stages: Stages {
-                follow: Follow::build(config, friction),
+                follow,
                 self_test: SelfTest::build(config),
                 clamped: PowerOn::build(config),
                 calibrate: Calibrate::build(config),
-                scan: Scan::build(config, &generator.sweep.hold),
-            },
-            chain: Chain {
-                block: 0,
-                supervisor: Supervisor::new(Acquisition::of(config.tracking.mode)),
-                track: Track::build(config, tracker),
-                generator,
-                convert,
-                guard,
-                belt,
-                restraint,
+                // Last: what is built after it would keep the compiler from building it in its place.
+                scan: Scan::build(config, &hold),
             },
         }
     }
@@ -126,18 +97,27 @@ impl Parts {
         let mut convert = Convert::build(&config.front_end)?;
         convert.i.set_limit(config.limits.current_a);
         Scan::check(config)?;
-        Ok(Parts {
+        let (shape, phasing) = (Shape::build(config)?, Phasing::build(config)?);
+        let burst = Burst::build(&config.burst, config.drive.frequency_hz, config.sample_hz)?;
+        let restraint = config.restraint.as_ref().map(|restraint| Restraint::build(restraint, block_s)).transpose()?;
+        let (belt, guard) = (Belt::build(config, block_s)?, Guard::build(config, block_s)?);
+        let tracker = Tracker::build(config, block_s)?;
+        let amplitude = AmplitudeLoop::build(config, block_s)?;
+        let friction = FrictionSwitch::build(config, block_s)?;
+        let generator = Generator {
+            nco: Nco::default(),
+            samples: config.block_samples.into(),
             sweep,
-            convert,
-            shape: Shape::build(config)?,
-            phasing: Phasing::build(config)?,
-            burst: Burst::build(&config.burst, config.drive.frequency_hz, config.sample_hz)?,
-            restraint: config.restraint.as_ref().map(|restraint| Restraint::build(restraint, block_s)).transpose()?,
-            belt: Belt::build(config, block_s)?,
-            guard: Guard::build(config, block_s)?,
-            tracker: Tracker::build(config, block_s)?,
-            amplitude: AmplitudeLoop::build(config, block_s)?,
-            friction: FrictionSwitch::build(config, block_s)?,
-        })
+            amplitude,
+            scale: convert.drive.clone(),
+            shaper: Shaper::build(config),
+            burst,
+            phasing,
+            shape,
+        };
+        let supervisor = Supervisor::new(Acquisition::of(config.tracking.mode));
+        let track = Track::build(config, tracker);
+        let chain = Chain { block: 0, supervisor, track, generator, convert, guard, belt, restraint };
+        Ok(Parts { chain, follow: Follow::build(config, friction) })
     }
 }

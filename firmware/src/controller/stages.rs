@@ -46,9 +46,11 @@ pub(crate) struct Stages {
 impl Stages {
     /// A new attempt begins.
     pub(crate) fn begin(&mut self, chain: &mut Chain) {
-        let stages: [&mut dyn Stage; 5] =
-            [&mut self.follow, &mut self.self_test, &mut self.clamped, &mut self.calibrate, &mut self.scan];
-        stages.into_iter().for_each(|stage| stage.begin(chain));
+        self.follow.begin(chain);
+        self.self_test.begin(chain);
+        self.clamped.begin(chain);
+        self.calibrate.begin(chain);
+        self.scan.begin(chain);
     }
 
     /// What the stage of the present mode wants to play next.

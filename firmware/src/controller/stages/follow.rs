@@ -43,31 +43,17 @@ impl Stage for Follow {
     #[inline(never)]
     fn step(&mut self, chain: &mut Chain, measured: &Measured) -> Step {
         let orders = measured.orders;
-        let muted = chain.guard.is_muted();
-        let switched = chain.supervisor.mode() == Mode::Run && !muted;
-        let (gate, amplitude) = if switched {
-            if self.friction.is_some() {
+        let (gate, amplitude) = match (chain.supervisor.mode(), chain.guard.is_muted()) {
+            (Mode::Run, false) => {
                 self.switch_friction(chain, measured);
+                self.ordered(chain, orders)
             }
-            self.ordered(chain, orders)
-        } else if !muted {
-            (Gate::On, orders.amplitude)
-        } else if chain.supervisor.mode() == Mode::Run {
-            (Gate::Off, orders.amplitude)
-        } else {
+            (Mode::Run, true) => (Gate::Off, orders.amplitude),
+            (_, false) => (Gate::On, orders.amplitude),
             // What has nothing to lock to waits.
-            return Step::Silence;
+            (_, true) => return Step::Silence,
         };
-        let mut plan = self.follow(chain, measured, gate, amplitude);
-        if muted {
-            // Silent within the block, whatever the edge: a burst without a voltage ends at once, and begins anew.
-            plan.volts = 0.0;
-        }
-        if switched && self.friction.as_ref().is_some_and(FrictionSwitch::is_implausible) {
-            // A survey in which the force sensor has said what cannot be friction ends the run.
-            plan.progress = Progress::Failed(Fault::ForceSensorImplausible);
-        }
-        Step::Follow(plan)
+        Step::Follow(self.follow(chain, measured, gate, amplitude))
     }
 }
 
@@ -134,7 +120,19 @@ impl Follow {
             generator.burst.set_drive(volts);
         }
         let progress = chain.track.progress(chain.supervisor.mode(), &chain.generator.amplitude);
-        Plan { volts, gate, listen: 0, tracked_hz, phase, limited, progress }
+        let plan = Plan { volts, gate, listen: 0, tracked_hz, phase, limited, progress };
+        if chain.guard.is_muted() {
+            // Silent within the block, whatever the edge: a burst without a voltage ends at once, and begins anew.
+            return Plan { volts: 0.0, ..plan };
+        }
+        if chain.supervisor.mode() == Mode::Run
+            && let Some(friction) = &self.friction
+            && friction.is_implausible()
+        {
+            // A survey in which the force sensor has said what cannot be friction ends the run.
+            return Plan { progress: Progress::Failed(Fault::ForceSensorImplausible), ..plan };
+        }
+        plan
     }
     /// Remembers what has been written, and calculates beside in a block that has time for it: an edge takes all the time that there is.
     #[inline]
@@ -159,7 +157,10 @@ impl Follow {
             chain.guard.feel(&Thermometers { resonance_hz: chain.track.tracker.estimate_hz(), susceptance });
         }
         let busy = chain.track.since_learned(block) == 0 || block.is_multiple_of(LEARN_BLOCKS);
-        if let Some(friction) = self.friction.as_mut().filter(|_| mode == Mode::Run && !busy) {
+        if let Some(friction) = &mut self.friction
+            && mode == Mode::Run
+            && !busy
+        {
             friction.work();
         }
     }

@@ -9,10 +9,13 @@ use crate::supervisor::{Limit, Mode};
 
 impl Follow {
     /// Lets the friction switch hear one block of a run.
-    #[inline(never)]
+    #[inline]
     pub(crate) fn switch_friction(&mut self, chain: &mut Chain, measured: &Measured) {
         let Measured { orders, sense, motional, played, .. } = *measured;
-        let Some(friction) = self.friction.as_mut().filter(|_| is_free(orders)) else { return };
+        let Some(friction) = &mut self.friction else { return };
+        if !is_free(orders) {
+            return;
+        }
         let boosts = chain.generator.burst.boosts();
         let on = played.is_full() && (!boosts || self.edges.told(chain.block, boosts).rung_up);
         let sensed = Sensed {
@@ -26,11 +29,13 @@ impl Follow {
     }
 
     /// Gate and amplitude of the orders, or in a run what the friction switch has made of them last.
+    #[inline]
     pub(crate) fn ordered(&self, chain: &Chain, orders: &Orders) -> (Gate, Option<Amplitude>) {
         let running = chain.supervisor.mode() == Mode::Run;
-        let Some(friction) = self.friction.as_ref().filter(|_| running && is_free(orders)) else {
+        let Some(friction) = &self.friction else { return (orders.gate, orders.amplitude) };
+        if !running || !is_free(orders) {
             return (orders.gate, orders.amplitude);
-        };
+        }
         // A schedule that repeats is the switch's own; windows are the user's, except while surveying.
         let on = if chain.generator.burst.repeats() || friction.is_surveying() { Gate::On } else { Gate::Scheduled };
         let (amplitude, gate) = match friction.wanted() {
