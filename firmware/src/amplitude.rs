@@ -130,6 +130,11 @@ impl AmplitudeLoop {
         self.volts
     }
 
+    /// The voltage before anything is identified: the scan's, V.
+    pub fn start_volts(&self) -> f32 {
+        self.start_volts
+    }
+
     /// How many times the present voltage the limit is; at least one.
     pub fn headroom(&self) -> f32 {
         if self.volts > 0.0 { (self.limits.voltage_v / self.volts).max(1.0) } else { 1.0 }

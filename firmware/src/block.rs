@@ -88,6 +88,17 @@ pub enum Amplitude {
     MotionalCurrent(f32),
 }
 
+impl Amplitude {
+    /// This part of the amplitude.
+    #[inline]
+    pub(crate) fn derated(self, part: f32) -> Self {
+        match self {
+            Amplitude::Volts(volts) => Amplitude::Volts(part * volts),
+            Amplitude::MotionalCurrent(amperes) => Amplitude::MotionalCurrent(part * amperes),
+        }
+    }
+}
+
 /// What is wanted of the friction.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Target {

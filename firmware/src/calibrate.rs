@@ -35,6 +35,7 @@ use crate::demod::Sensed;
 use crate::phasing::Phasing;
 use crate::phasor::{Phasor, argument, magnitude};
 use crate::shape::sine;
+use crate::step::Step;
 use crate::supervisor::Fault;
 use crate::units::Turns;
 
@@ -53,22 +54,6 @@ const PLAUSIBLE: (f32, f32) = (0.125, core::f32::consts::SQRT_2);
 /// Largest error that is left: turns, and a part.
 const RESIDUAL: (f32, f32) = (0.1 / 360.0, 1e-3);
 
-/// What the calibration wants next.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Step {
-    /// Drive all lanes and listen to one.
-    Listen {
-        /// Offset from the nominal frequency, Hz.
-        offset_hz: f32,
-        /// The lane.
-        lane: u8,
-    },
-    /// The lanes are trimmed.
-    Done,
-    /// They are not.
-    Failed(Fault),
-}
-
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Pass {
     Measure,
@@ -79,6 +64,8 @@ enum Pass {
 #[derive(Clone, Debug)]
 pub struct Calibrate {
     nominal_hz: f32,
+    /// Peak voltage of the drive, V.
+    volts: f32,
     window_hz: f32,
     lanes: usize,
     ring_up_blocks: u32,
@@ -105,6 +92,7 @@ impl Calibrate {
         let blocks = root_samples * root_samples / f32::from(config.block_samples);
         Calibrate {
             nominal_hz: config.drive.frequency_hz,
+            volts: config.drive.scan_volts,
             window_hz: config.tracking.span * config.drive.frequency_hz,
             lanes: config.lanes.into(),
             ring_up_blocks: (RING_UP * tau_s / block_s) as u32 + 1,
@@ -134,7 +122,7 @@ impl Calibrate {
     }
 
     /// Takes the phasors of the block just heard and says what to do next. Clears the trims when it begins, and sets them.
-    pub fn step(&mut self, phasing: &mut Phasing, sensed: &Sensed) -> Step {
+    pub fn listen(&mut self, phasing: &mut Phasing, sensed: &Sensed) -> Step {
         if self.before.is_none() {
             self.before = Some(phasing.trim(LaneTrims::new()));
             self.begin(Pass::Measure);
@@ -148,11 +136,11 @@ impl Calibrate {
             self.sum += sensed.v;
         }
         if self.blocks < settles + self.average_blocks {
-            return self.listen();
+            return self.tone();
         }
         self.heard[self.lane] = core::mem::take(&mut self.sum);
         (self.lane, self.blocks) = (self.lane + 1, 0);
-        if self.lane < self.lanes { self.listen() } else { self.take_point(phasing) }
+        if self.lane < self.lanes { self.tone() } else { self.take_point(phasing) }
     }
 
     fn begin(&mut self, pass: Pass) {
@@ -166,11 +154,11 @@ impl Calibrate {
     fn finish(&mut self) -> Step {
         self.before = None;
         self.completed = self.completed.wrapping_add(1);
-        Step::Done
+        Step::Done { volts: 0.0 }
     }
 
-    fn listen(&self) -> Step {
-        Step::Listen { offset_hz: self.window_hz * POSITIONS[self.point], lane: self.lane as u8 }
+    fn tone(&self) -> Step {
+        Step::Tone { offset_hz: self.window_hz * POSITIONS[self.point], volts: self.volts, lane: self.lane as u8 }
     }
 
     /// All lanes have been heard at this frequency.
@@ -188,14 +176,14 @@ impl Calibrate {
         }
         (self.lane, self.point) = (0, self.point + 1);
         if self.point < POSITIONS.len() {
-            return self.listen();
+            return self.tone();
         }
         if self.pass == Pass::Verify {
             return self.finish();
         }
         phasing.trim(self.found.clone());
         self.begin(Pass::Verify);
-        self.listen()
+        self.tone()
     }
 
     /// Each lane relative to lane 0 and to where it ought to stand: phase and gain.

@@ -29,6 +29,7 @@ use crate::config::Config;
 use crate::demod::Sensed;
 use crate::phasor::Phasor;
 use crate::shape::sine;
+use crate::step::Step;
 use crate::supervisor::Fault;
 
 const TAU: f32 = core::f32::consts::TAU;
@@ -62,26 +63,6 @@ const SIGMAS: f32 = 3.0;
 /// A second resonance that is as near as this to the first, and this strong, relative to the first, is the company of a crack.
 const CRACK: (f32, f32) = (0.035, 0.1);
 
-/// What the calibration wants next.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Step {
-    /// Play a tone.
-    Tone {
-        /// Offset from the nominal frequency, Hz.
-        offset_hz: f32,
-        /// Peak voltage, V.
-        volts: f32,
-    },
-    /// Play silence.
-    Silence,
-    /// The clamped branch is known. Silence while it is taken in.
-    Found(Clamped),
-    /// It has been told; the drive may begin.
-    Over,
-    /// The transducer is not what it was told to be.
-    Failed(Fault),
-}
-
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Stage {
     Tones,
@@ -111,7 +92,10 @@ pub struct PowerOn {
     iv: Phasor,
     vv: f32,
     fit: Fit,
-    verdict: Option<Step>,
+    verdict: Option<Result<Clamped, Fault>>,
+    /// A transducer that looks like none, or like a broken one, is measured once more: a resonance that comes back in the middle of the
+    /// measurement makes it look so.
+    twice: bool,
 }
 
 impl PowerOn {
@@ -147,11 +131,19 @@ impl PowerOn {
             vv: 0.0,
             fit: Fit::new(1.0 / tracking.nominal_q),
             verdict: None,
+            twice: false,
         }
+    }
+
+    /// Begins for a resonance that was lost: what looks like none, or like a broken one, is measured once more.
+    pub fn begin_twice(&mut self) {
+        self.restart();
+        self.twice = true;
     }
 
     /// Begins again.
     pub fn restart(&mut self) {
+        self.twice = false;
         (self.stage, self.block) = (Stage::Tones, 0);
         (self.iv, self.vv) = (Phasor::default(), 0.0);
         self.fit = Fit::new(1.0 / self.nominal_q);
@@ -163,8 +155,14 @@ impl PowerOn {
         self.noise = (self.noise.0.max(i), self.noise.1.max(v));
     }
 
+    /// The clamped branch, once it is measured: from the last silent block on.
+    pub fn found(&self) -> Option<&Clamped> {
+        let told = self.stage == Stage::Over;
+        self.verdict.as_ref().filter(|_| told).and_then(|verdict| verdict.as_ref().ok())
+    }
+
     /// Takes the phasors of the block just heard and says what to do next.
-    pub fn step(&mut self, sensed: &Sensed) -> Step {
+    pub fn listen(&mut self, sensed: &Sensed) -> Step {
         match self.stage {
             Stage::Tones => {
                 if let Some(block) = self.block.checked_sub(LATENCY_BLOCKS as u32) {
@@ -176,7 +174,7 @@ impl PowerOn {
                     self.stage = Stage::Fit;
                 }
                 match self.offsets.get(tone) {
-                    Some(offset) => Step::Tone { offset_hz: offset * self.nominal_hz, volts: self.volts * self.level() },
+                    Some(offset) => Step::Tone { offset_hz: offset * self.nominal_hz, volts: self.volts * self.level(), lane: 0 },
                     None => Step::Silence,
                 }
             }
@@ -193,9 +191,16 @@ impl PowerOn {
             }
             Stage::Tell => {
                 self.stage = Stage::Over;
-                self.verdict.unwrap_or(Step::Silence)
+                match self.verdict {
+                    Some(Err(Fault::NoResonance | Fault::ResonanceDamaged)) if self.twice => {
+                        self.restart();
+                        Step::Silence
+                    }
+                    Some(Err(fault)) => Step::Failed(fault),
+                    _ => Step::Silence,
+                }
             }
-            Stage::Over => Step::Over,
+            Stage::Over => Step::Done { volts: self.volts },
         }
     }
 
@@ -222,7 +227,7 @@ impl PowerOn {
         self.fit.add(Point { x, y, deviation: libm::sqrtf(noise + square(FLOOR)) });
     }
 
-    fn judge(&self, solution: &Solution) -> Step {
+    fn judge(&self, solution: &Solution) -> Result<Clamped, Fault> {
         let found = reading::read(solution, self.nominal_hz, self.nominal_c0_f);
         let q_at_most = found.q.value + SIGMAS * found.q.deviation;
         let cracked = found
@@ -235,13 +240,11 @@ impl PowerOn {
         let resonates = found.lm_h.value > SIGNIFICANT * found.lm_h.deviation;
         let holds = explained && resonates && turn < LARGEST_TURN;
         match () {
-            () if resonates && (found.resonance_hz.value / self.nominal_hz - 1.0).abs() > self.window => {
-                Step::Failed(Fault::NoResonance)
-            }
-            () if !holds => Step::Failed(Fault::ResonanceDamaged),
-            () if shift > CAPACITANCE_SHIFT * self.nominal_c0_f => Step::Failed(Fault::CapacitanceShifted),
-            () if cracked || q_at_most < SMALLEST_Q * self.nominal_q => Step::Failed(Fault::ResonanceDamaged),
-            () => Step::Found(found),
+            () if resonates && (found.resonance_hz.value / self.nominal_hz - 1.0).abs() > self.window => Err(Fault::NoResonance),
+            () if !holds => Err(Fault::ResonanceDamaged),
+            () if shift > CAPACITANCE_SHIFT * self.nominal_c0_f => Err(Fault::CapacitanceShifted),
+            () if cracked || q_at_most < SMALLEST_Q * self.nominal_q => Err(Fault::ResonanceDamaged),
+            () => Ok(found),
         }
     }
 }

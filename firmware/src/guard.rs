@@ -32,8 +32,6 @@ use crate::supervisor::{Fault, Mode};
 pub struct Driven {
     /// Fundamental of what was played in it, V peak, where it was the same throughout; `None` at an edge, and of a noise.
     pub volts: Option<f32>,
-    /// Whether codes of it may be out of order.
-    pub suspect: Suspect,
     /// What the drive is for.
     pub stage: Stage,
     /// The order and the schedule want the drive to be ON.
@@ -94,17 +92,18 @@ impl Guard {
         self.weld.begin();
     }
 
-    /// What is wrong with this block, if anything.
+    /// What voltage and current say is wrong with this block, if anything. `volts` is the fundamental of what was played in it, as
+    /// [`Driven`] has it; `suspect` says whether codes of it may be out of order.
+    #[inline]
     pub fn inspect(
         &mut self,
         convert: &Convert,
         sense: &SenseBlock,
         sensed: &Sensed,
-        belt: &Belt,
-        driven: &Driven,
+        volts: Option<f32>,
+        suspect: Suspect,
     ) -> Option<Fault> {
-        let electrical = self.electrical.inspect(convert, sense, sensed, driven.volts, driven.suspect);
-        if self.watches(sense, belt) { electrical.or(self.watch(sense, sensed, belt, driven)) } else { electrical }
+        self.electrical.inspect(convert, sense, sensed, volts, suspect)
     }
 
     /// Whether there is more to look at than voltage and current; most boards have none.
@@ -113,9 +112,9 @@ impl Guard {
         self.limited || belt.is_expected() || sense.slow.temperature.is_some() || self.heat.knows_the_stack()
     }
 
-    /// What needs more sensors than voltage and current, or has a limit of its own.
+    /// What more sensors than voltage and current say is wrong, or a limit of its own; where there is [more to look at](Self::watches).
     #[inline(never)]
-    fn watch(&mut self, sense: &SenseBlock, sensed: &Sensed, belt: &Belt, driven: &Driven) -> Option<Fault> {
+    pub fn watch(&mut self, sense: &SenseBlock, sensed: &Sensed, belt: &Belt, driven: &Driven) -> Option<Fault> {
         // At an edge it is not known, and something is driven.
         let driving = driven.stage != Stage::Silent && driven.volts.is_none_or(|volts| volts > 0.0);
         let power_w = if driving { 0.5 * (sensed.v.re * sensed.i.re + sensed.v.im * sensed.i.im) } else { 0.0 };

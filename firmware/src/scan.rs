@@ -35,6 +35,7 @@ use crate::scan::pass::{Pass, Seen};
 use crate::scan::ring_down::RingDown;
 use crate::scan::roster::Roster;
 use crate::scan::spectrum::Spectrum;
+use crate::step::Step;
 use crate::supervisor::Fault;
 use crate::sweep::hold::Hold;
 
@@ -44,16 +45,6 @@ const MARGIN: f32 = 0.1;
 const WINDOW_S: (f32, f32) = (8e-3, 16e-3);
 /// Blocks that are heard before a sweep's own: the latency, and the rising half of the first triangle.
 const BEFORE: u32 = LATENCY_BLOCKS as u32 + 1;
-/// What the scan wants next.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Step {
-    /// Drive at this offset from the nominal frequency, Hz.
-    Tune(f32),
-    /// The transducer is identified.
-    Found(Transducer, Motional),
-    /// No resonance in the window, or not the one that is wanted.
-    Failed(Fault),
-}
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Stage {
@@ -71,6 +62,8 @@ pub struct Scan {
     /// The clamped capacitance, as told.
     bare: Circuit,
     nominal_hz: f32,
+    /// Peak voltage of the drive, V.
+    volts: f32,
     choice: Choice,
     window_hz: f32,
     parts: u32,
@@ -124,6 +117,7 @@ impl Scan {
             search: ModeSearch::new(&told, bare.clone()),
             bare,
             nominal_hz,
+            volts: config.drive.scan_volts,
             choice: Choice { window_hz: (nominal_hz, window_hz), nominal_lm_h: tracking.nominal_lm_h },
             window_hz,
             parts,
@@ -151,8 +145,16 @@ impl Scan {
         &self.roster
     }
 
+    /// The transducer that the scan has found, and its branch for tracking; once it is over.
+    pub fn found(&self) -> Option<(&Transducer, &Motional)> {
+        match &self.stage {
+            Stage::RingDown(result) => Some((&result.transducer, &result.motional)),
+            _ => None,
+        }
+    }
+
     /// Takes the block just heard and says what to do next.
-    pub fn step(&mut self, convert: &Convert, sense: &SenseBlock, sensed: &Sensed) -> Step {
+    pub fn listen(&mut self, convert: &Convert, sense: &SenseBlock, sensed: &Sensed) -> Step {
         self.blocks += 1;
         self.still_blocks += 1;
         match self.stage {
@@ -193,11 +195,13 @@ impl Scan {
                 }
                 self.tune()
             }
-            Stage::RingDown(mut result) => {
-                if result.is_over(sensed, 1.0 + self.resonance_hz() / self.nominal_hz) {
-                    return Step::Found(result.transducer, result.motional);
+            Stage::RingDown(_) => {
+                let relative = 1.0 + self.resonance_hz() / self.nominal_hz;
+                if let Stage::RingDown(result) = &mut self.stage
+                    && result.is_over(sensed, relative)
+                {
+                    return Step::Done { volts: self.volts };
                 }
-                self.stage = Stage::RingDown(result);
                 self.tune()
             }
         }
@@ -229,11 +233,12 @@ impl Scan {
 
     /// What is to be driven next.
     fn tune(&self) -> Step {
-        Step::Tune(match self.stage {
+        let offset_hz = match self.stage {
             Stage::Window(_) | Stage::Fine => self.pass.offset_hz(self.blocks),
             Stage::Search(_) => self.pass.centre_hz,
             Stage::Fit | Stage::RingDown(_) => self.resonance_hz(),
-        })
+        };
+        Step::Tone { offset_hz, volts: self.volts, lane: 0 }
     }
 
     /// Offset of the wanted resonance, as far as it is known, Hz.

@@ -12,6 +12,7 @@ use crate::config::Config;
 use crate::convert::Convert;
 use crate::demod::Sensed;
 use crate::phasor::{Phasor, magnitude};
+use crate::step::Step;
 use crate::supervisor::Fault;
 
 /// Blocks of silence that are averaged.
@@ -36,24 +37,6 @@ const LARGEST_OFFSET: f32 = 0.05;
 const VOLTAGE_FACTOR: f32 = 1.5;
 /// How far the current may be from what the nominal capacitance takes: 1.4 at this frequency by coupling alone.
 const CURRENT_FACTOR: f32 = 3.0;
-
-/// What the self-test wants next.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Step {
-    /// Play silence.
-    Silence,
-    /// Play a tone.
-    Tone {
-        /// Offset from the nominal frequency, Hz.
-        offset_hz: f32,
-        /// Peak voltage, V.
-        volts: f32,
-    },
-    /// All is plausible.
-    Passed,
-    /// It is not.
-    Failed(Fault),
-}
 
 /// The self-test, in progress.
 #[derive(Clone, Debug)]
@@ -119,7 +102,7 @@ impl SelfTest {
     }
 
     /// Takes a block, in which `played` volts were, and says what to do next. Moves the zero of both channels when the silence is over.
-    pub fn step(&mut self, convert: &mut Convert, sense: &SenseBlock, sensed: &Sensed, played: f32) -> Step {
+    pub fn listen(&mut self, convert: &mut Convert, sense: &SenseBlock, sensed: &Sensed, played: f32) -> Step {
         const TONE_ENDS: u32 = SILENT_BLOCKS + TONE_BLOCKS;
         const FIRST_HEARD: u32 = SILENT_BLOCKS + LATENCY_BLOCKS as u32;
         self.block += 1;
@@ -172,7 +155,7 @@ impl SelfTest {
     }
 
     fn tone(&self) -> Step {
-        Step::Tone { offset_hz: self.offset_hz, volts: self.volts }
+        Step::Tone { offset_hz: self.offset_hz, volts: self.volts, lane: 0 }
     }
 
     fn judge_offset(&self, convert: &mut Convert) -> Step {
@@ -203,7 +186,7 @@ impl SelfTest {
         } else if amperes < expected / CURRENT_FACTOR {
             Step::Failed(Fault::LoadOpen)
         } else {
-            Step::Passed
+            Step::Done { volts: 0.0 }
         }
     }
 }

@@ -194,8 +194,9 @@ pub enum Progress {
 }
 
 /// The mode, the fault, and what the last order was.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub struct Supervisor {
+    acquisition: Acquisition,
     mode: Mode,
     fault: Option<Fault>,
     obeyed: u32,
@@ -204,6 +205,11 @@ pub struct Supervisor {
 }
 
 impl Supervisor {
+    /// Idle, for runs that come to their frequency in this way.
+    pub fn new(acquisition: Acquisition) -> Self {
+        Supervisor { acquisition, mode: Mode::Idle, fault: None, obeyed: 0, done: None }
+    }
+
     /// What the controller is doing.
     pub fn mode(&self) -> Mode {
         self.mode
@@ -253,7 +259,7 @@ impl Supervisor {
     }
 
     /// Moves on when the present stage is over.
-    pub fn advance(&mut self, orders: &Orders, progress: Progress, acquisition: Acquisition) {
+    pub fn advance(&mut self, orders: &Orders, progress: Progress) {
         match progress {
             Progress::Busy => {}
             Progress::Failed(fault) => self.raise(fault),
@@ -262,7 +268,7 @@ impl Supervisor {
                 self.mode = match self.mode {
                     Mode::SelfTest if orders.request == Request::Calibrate => Mode::Calibrate,
                     Mode::SelfTest if orders.request == Request::Scan => Mode::Scan,
-                    Mode::SelfTest => match acquisition {
+                    Mode::SelfTest => match self.acquisition {
                         Acquisition::Told => Mode::Run,
                         Acquisition::Scanned => Mode::Scan,
                         Acquisition::Observed => Mode::Clamped,

@@ -2,7 +2,8 @@
 
 use std::f64::consts::TAU;
 
-use firmware::clamped::{Clamped, PowerOn, Step};
+use firmware::clamped::{Clamped, PowerOn};
+use firmware::step::Step;
 use firmware::supervisor::Fault;
 
 use super::Spread;
@@ -15,15 +16,14 @@ pub fn calibrate(rig: &mut Rig) -> (Result<Clamped, Fault>, u64) {
     let mut power_on = PowerOn::build(&rig.config);
     for _ in 0..20_000 {
         let mut end = None;
-        rig.block(|heard| match power_on.step(&heard.sensed) {
-            Step::Tone { offset_hz, volts } => (offset_hz, volts),
-            Step::Silence | Step::Over => (0.0, 0.0),
-            Step::Found(found) => {
-                end = Some(Ok(found));
-                (0.0, 0.0)
-            }
+        rig.block(|heard| match power_on.listen(&heard.sensed) {
+            Step::Tone { offset_hz, volts, .. } => (offset_hz, volts),
             Step::Failed(fault) => {
                 end = Some(Err(fault));
+                (0.0, 0.0)
+            }
+            _ => {
+                end = power_on.found().map(|found| Ok(*found));
                 (0.0, 0.0)
             }
         });

@@ -109,8 +109,8 @@ fn calibrate(config: &Config, phasing: &mut Phasing, bank: &mut Bank) -> (Calibr
     let mut coming = std::collections::VecDeque::from([Phasor::default(); LATENCY_BLOCKS]);
     for block in 1..1_000_000 {
         let sensed = Sensed { v: coming.pop_front().unwrap(), ..Sensed::default() };
-        match calibrate.step(phasing, &sensed) {
-            Step::Listen { offset_hz, lane } => {
+        match calibrate.listen(phasing, &sensed) {
+            Step::Tone { offset_hz, lane, .. } => {
                 let hz = config.drive.frequency_hz + offset_hz;
                 coming.push_back(bank.hear(phasing, quadrature, hz, lane.into()));
             }
@@ -150,7 +150,7 @@ fn what_the_thesis_saw_is_trimmed_over_the_whole_window_in_noise_of_a_code() {
             let before = residual(&config, &mut phasing, &bank, quadrature);
             assert!(before.0 > 9.0 && before.1 > 0.05, "{before:?}");
             let (_, end, _) = calibrate(&config, &mut phasing, &mut bank);
-            assert_eq!(end, Step::Done);
+            assert_eq!(end, Step::Done { volts: 0.0 });
             let after = residual(&config, &mut phasing, &bank, quadrature);
             std::println!("span {span}: {before:?} -> {after:?}");
             // Noise of 0.01 %, and the bend of four poles between the frequencies.
@@ -166,7 +166,7 @@ fn trims_only_turn_down_and_go_on_top_of_what_is_configured() {
     config.phasing.gain_trim = [1.0, 1.1, 0.9, 1.0].into_iter().collect();
     let mut phasing = Phasing::build(&config).unwrap();
     let mut bank = Bank::new(THESIS, 0.0);
-    assert_eq!(calibrate(&config, &mut phasing, &mut bank).1, Step::Done);
+    assert_eq!(calibrate(&config, &mut phasing, &mut bank).1, Step::Done { volts: 0.0 });
     for point in phasing.calibration() {
         let loudest = point.lanes.iter().map(|trim| trim.gain).fold(0.0, f32::max);
         assert_eq!(loudest, 1.0);
@@ -209,8 +209,8 @@ fn trims_that_do_not_verify_are_a_fault() {
         bank.errors.gain[1] = if phasing.calibration().is_empty() { 1.0 } else { 1.0015 };
         let hz = 40e3 + calibrate.window_hz * POSITIONS[calibrate.point];
         let heard = bank.hear(&mut phasing, 0.25, hz, calibrate.lane);
-        let step = calibrate.step(&mut phasing, &Sensed { v: heard, ..Sensed::default() });
-        (!matches!(step, Step::Listen { .. })).then_some(step)
+        let step = calibrate.listen(&mut phasing, &Sensed { v: heard, ..Sensed::default() });
+        (!matches!(step, Step::Tone { .. })).then_some(step)
     });
     assert_eq!((end, phasing.calibration().len()), (Some(Step::Failed(Fault::LaneImplausible)), 0));
 }
@@ -220,14 +220,17 @@ fn one_lane_needs_no_trims_and_an_abandoned_calibration_leaves_them() {
     let one = config(1);
     let mut phasing = Phasing::build(&one).unwrap();
     let (done, end, blocks) = calibrate(&one, &mut phasing, &mut Bank::new(NONE, 0.0));
-    assert_eq!((end, blocks, done.completed(), phasing.calibration().len()), (Step::Done, 1, 1, 0));
+    assert_eq!((end, blocks, done.completed(), phasing.calibration().len()), (Step::Done { volts: 0.0 }, 1, 1, 0));
 
     let two = config(2);
     let mut phasing = Phasing::build(&two).unwrap();
     let trims: LaneTrims = [TrimPoint { hz: 40e3, lanes: [Trim { phase_turns: 0.01, gain: 0.9 }; 4] }].into_iter().collect();
     phasing.trim(trims.clone());
     let mut calibrate = Calibrate::build(&two);
-    assert_eq!(calibrate.step(&mut phasing, &Sensed::default()), Step::Listen { offset_hz: 2000.0 * POSITIONS[0], lane: 0 });
+    assert_eq!(
+        calibrate.listen(&mut phasing, &Sensed::default()),
+        Step::Tone { offset_hz: 2000.0 * POSITIONS[0], volts: SCAN_VOLTS, lane: 0 }
+    );
     assert!(phasing.calibration().is_empty());
     calibrate.abandon(&mut phasing);
     assert_eq!(*phasing.calibration(), trims);
@@ -241,7 +244,7 @@ fn noise_of_a_code_leaves_what_is_said() {
         let mut phasing = Phasing::build(&config).unwrap();
         let mut bank = Bank::new(NONE, 1.0);
         bank.chance = Xoshiro128StarStar::seed_from_u64(seed);
-        assert_eq!(calibrate(&config, &mut phasing, &mut bank).1, Step::Done);
+        assert_eq!(calibrate(&config, &mut phasing, &mut bank).1, Step::Done { volts: 0.0 });
         for trims in phasing.calibration().iter().map(|point| &point.lanes) {
             for trim in &trims[1..] {
                 turns += trim.phase_turns * trim.phase_turns;
@@ -262,7 +265,7 @@ fn between_the_frequencies_a_pole_bends_little() {
     config.tracking.span = 0.2;
     let mut phasing = Phasing::build(&config).unwrap();
     let mut bank = Bank::new(Errors { pole_hz: [1e9, 80e3, 1e9, 1e9], ..NONE }, 0.0);
-    assert_eq!(calibrate(&config, &mut phasing, &mut bank).1, Step::Done);
+    assert_eq!(calibrate(&config, &mut phasing, &mut bank).1, Step::Done { volts: 0.0 });
     let after = residual(&config, &mut phasing, &bank, 0.25);
     std::println!("one pole at twice the frequency, window of 20 %: {:.3} degrees, {:.3} %", after.0, 100.0 * after.1);
     assert!(after.0 < 0.025 && after.1 < 2.2e-4, "{after:?}");
@@ -274,7 +277,7 @@ fn a_load_that_rings_twice_as_long_as_told_does_not_matter() {
     let mut phasing = Phasing::build(&config).unwrap();
     let mut bank = Bank::new(NONE, 0.0);
     bank.pull = 0.3;
-    assert_eq!(calibrate(&config, &mut phasing, &mut bank).1, Step::Done);
+    assert_eq!(calibrate(&config, &mut phasing, &mut bank).1, Step::Done { volts: 0.0 });
     let after = residual(&config, &mut phasing, &bank, 0.25);
     std::println!("a pull of 30 % that rings up twice as slowly as told: {:.1e}", after.1);
     // exp(-8) of it at the first block that counts, and less on average.

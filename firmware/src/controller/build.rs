@@ -5,21 +5,23 @@
 
 use core::mem::MaybeUninit;
 
-use super::edges::{self, Edges};
-use super::{Controller, Played};
+use super::Controller;
+use super::chain::Chain;
+use super::stages::Stages;
+use super::stages::follow::{Follow, edges};
 use crate::amplitude::AmplitudeLoop;
 use crate::belt::Belt;
 use crate::block::{Amplitude, LATENCY_BLOCKS, MAX_BLOCK_SAMPLES};
 use crate::burst::Burst;
 use crate::calibrate::Calibrate;
 use crate::clamped::PowerOn;
-use crate::clamped::online::Online;
 use crate::config::{Config, LONGEST_PATIENCE_S, ShapeKind, Sweep as SweepKind, TrackingMode};
 use crate::convert::Convert;
 use crate::error::{Error, in_range};
 use crate::friction::FrictionSwitch;
+use crate::generate::{Generator, Played};
 use crate::guard::Guard;
-use crate::nco::{Nco, Stretch};
+use crate::nco::Nco;
 use crate::phasing::Phasing;
 use crate::restraint::Restraint;
 use crate::scan::Scan;
@@ -28,22 +30,13 @@ use crate::shape::Shape;
 use crate::shaper::Shaper;
 use crate::supervisor::{Acquisition, Supervisor};
 use crate::sweep::Sweep;
+use crate::track::Track;
 use crate::tracker::Tracker;
-use crate::tracker::identified::Learning;
 
-/// What a configuration may be refused for.
+/// What a configuration may be refused for: all that is small.
 struct Parts {
-    sweep: Sweep,
-    convert: Convert,
-    shape: Shape,
-    phasing: Phasing,
-    burst: Burst,
-    restraint: Option<Restraint>,
-    belt: Belt,
-    guard: Guard,
-    tracker: Tracker,
-    amplitude: AmplitudeLoop,
-    friction: Option<FrictionSwitch>,
+    chain: Chain,
+    follow: Follow,
 }
 
 impl Controller {
@@ -66,45 +59,19 @@ impl Controller {
 
     // Not inlined, as neither are the others: then each part is written where it is to stay.
     #[inline(never)]
-    fn of(config: &Config, parts: Parts) -> Self {
-        let Parts { sweep, convert, shape, phasing, burst, restraint, belt, guard, tracker, amplitude, friction } = parts;
-        let tone = Stretch { word: sweep.hold.word(), ..Stretch::default() };
+    fn of(config: &Config, Parts { chain, follow }: Parts) -> Self {
+        let hold = chain.generator.sweep.hold.clone();
         Controller {
-            samples: config.block_samples.into(),
-            convert,
-            shape,
-            phasing,
-            amplitude_asked: config.drive.amplitude,
-            nominal_periods: config.tracking.nominal_q / core::f32::consts::PI,
-            nominal_lm_h: config.tracking.nominal_lm_h,
-            scan_volts: config.drive.scan_volts,
-            braked_volts: 0.0,
-            edges: Edges::build(config),
-            block: 0,
-            nco: Nco::default(),
-            burst,
-            restraint,
-            shaper: Shaper::build(config),
-            played: [Played { tone, relative: 1.0, flat: true, pure: true, ..Played::default() }; LATENCY_BLOCKS],
-            belt,
-            guard,
-            supervisor: Supervisor::default(),
-            self_test: SelfTest::build(config),
-            calibrate: Calibrate::build(config),
-            acquisition: Acquisition::of(config.tracking.mode),
-            power_on: PowerOn::build(config),
-            calibrates_again: false,
-            online: Online::build(config),
-            probe_hz: 0.0,
-            tracker,
-            amplitude,
-            friction,
-            transducer: None,
-            learning: Learning::default(),
-            learned: 0,
-            // Last: what is built after it would keep the compiler from building it in its place.
-            scan: Scan::build(config, &sweep.hold),
-            sweep,
+            played: [Played::at_rest(&hold); LATENCY_BLOCKS],
+            chain,
+            stages: Stages {
+                follow,
+                self_test: SelfTest::build(config),
+                clamped: PowerOn::build(config),
+                calibrate: Calibrate::build(config),
+                // Last: what is built after it would keep the compiler from building it in its place.
+                scan: Scan::build(config, &hold),
+            },
         }
     }
 }
@@ -130,18 +97,27 @@ impl Parts {
         let mut convert = Convert::build(&config.front_end)?;
         convert.i.set_limit(config.limits.current_a);
         Scan::check(config)?;
-        Ok(Parts {
+        let (shape, phasing) = (Shape::build(config)?, Phasing::build(config)?);
+        let burst = Burst::build(&config.burst, config.drive.frequency_hz, config.sample_hz)?;
+        let restraint = config.restraint.as_ref().map(|restraint| Restraint::build(restraint, block_s)).transpose()?;
+        let (belt, guard) = (Belt::build(config, block_s)?, Guard::build(config, block_s)?);
+        let tracker = Tracker::build(config, block_s)?;
+        let amplitude = AmplitudeLoop::build(config, block_s)?;
+        let friction = FrictionSwitch::build(config, block_s)?;
+        let generator = Generator {
+            nco: Nco::default(),
+            samples: config.block_samples.into(),
             sweep,
-            convert,
-            shape: Shape::build(config)?,
-            phasing: Phasing::build(config)?,
-            burst: Burst::build(&config.burst, config.drive.frequency_hz, config.sample_hz)?,
-            restraint: config.restraint.as_ref().map(|restraint| Restraint::build(restraint, block_s)).transpose()?,
-            belt: Belt::build(config, block_s)?,
-            guard: Guard::build(config, block_s)?,
-            tracker: Tracker::build(config, block_s)?,
-            amplitude: AmplitudeLoop::build(config, block_s)?,
-            friction: FrictionSwitch::build(config, block_s)?,
-        })
+            amplitude,
+            scale: convert.drive.clone(),
+            shaper: Shaper::build(config),
+            burst,
+            phasing,
+            shape,
+        };
+        let supervisor = Supervisor::new(Acquisition::of(config.tracking.mode));
+        let track = Track::build(config, tracker);
+        let chain = Chain { block: 0, supervisor, track, generator, convert, guard, belt, restraint };
+        Ok(Parts { chain, follow: Follow::build(config, friction) })
     }
 }

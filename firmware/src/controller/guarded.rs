@@ -1,39 +1,41 @@
-//! What the guard is told of a block, and what its faults are called.
+//! What the guard has to know of a block, and what its faults are called.
 
-use super::{Controller, Played};
-use crate::block::{LATENCY_BLOCKS, Orders, SenseBlock};
-use crate::demod::{Sensed, Suspect};
+use crate::block::Amplitude;
+use crate::controller::chain::{Chain, Measured};
+use crate::controller::stages::Stages;
+use crate::demod::Suspect;
 use crate::guard::{Driven, Stage};
 use crate::supervisor::{Fault, Mode};
 
-impl Controller {
-    /// Nothing but a short takes more current than the limit from the tone of the self-test, or lets the voltage collapse under it.
-    pub(super) fn named(&self, fault: Fault, sensed: &Sensed, volts: f32) -> Fault {
-        let collapses = fault == Fault::SensorImplausible && self.self_test.is_short(sensed, volts);
-        let short = self.supervisor.mode() == Mode::SelfTest && (fault == Fault::OverCurrent || collapses);
-        if short { Fault::LoadShorted } else { fault }
+impl Chain {
+    /// What the guard says is wrong with this block, if anything.
+    pub(super) fn inspect(&mut self, stages: &Stages, measured: &Measured, suspect: Suspect) -> Option<Fault> {
+        let Measured { sense, sensed, played, .. } = *measured;
+        let volts = played.audible.filter(|_| played.flat).map(|part| part * played.volts * played.envelope.abs());
+        let electrical = self.guard.inspect(&self.convert, sense, sensed, volts, suspect);
+        let watches = self.guard.watches(sense, &self.belt);
+        let found = if watches { electrical.or(self.watch(stages, measured, volts)) } else { electrical }?;
+        // Nothing but a short takes more current than the limit from the tone of the self-test, or lets the voltage collapse under it.
+        let collapses = found == Fault::SensorImplausible && stages.self_test.is_short(sensed, played.volts);
+        let short = self.supervisor.mode() == Mode::SelfTest && (found == Fault::OverCurrent || collapses);
+        Some(if short { Fault::LoadShorted } else { found })
     }
 
-    /// What the guard has to know of the block just heard.
-    pub(super) fn driven(&mut self, orders: &Orders, sense: &SenseBlock, heard: &Played, suspect: Suspect) -> Driven {
-        let volts = heard.audible.filter(|_| heard.flat).map(|part| part * heard.volts * heard.envelope.abs());
-        let known = Driven { volts, suspect, ..Driven::default() };
-        if self.guard.watches(sense, &self.belt) { self.watched(orders, heard, known) } else { known }
-    }
-
-    /// The same for what looks at more than voltage and current.
+    /// What sensors beside voltage and current say, and limits of their own.
     #[inline(never)]
-    fn watched(&mut self, orders: &Orders, heard: &Played, known: Driven) -> Driven {
+    fn watch(&mut self, stages: &Stages, measured: &Measured, volts: Option<f32>) -> Option<Fault> {
+        let Measured { orders, sense, sensed, played, .. } = *measured;
         let mode = self.supervisor.mode();
-        let now = (self.block + LATENCY_BLOCKS as u64) * self.samples as u64;
-        let switched = self.as_switched(orders);
-        let orders = switched.as_ref().unwrap_or(orders);
-        Driven {
+        let (gate, amplitude) = stages.follow.ordered(self, orders);
+        let (Amplitude::Volts(asked) | Amplitude::MotionalCurrent(asked)) = stages.follow.asked(amplitude);
+        let now = self.generator.now(self.block);
+        let driven = Driven {
+            volts,
             stage: Stage::from(mode),
-            wanted: mode == Mode::Lock || mode == Mode::Run && self.burst.is_wanted(orders.gate, now),
-            full: heard.flat && heard.envelope == 1.0 && heard.volts > 0.0,
-            asked: self.asked(orders).1,
-            ..known
-        }
+            wanted: mode == Mode::Lock || mode == Mode::Run && self.generator.burst.is_wanted(gate, now),
+            full: played.is_full(),
+            asked,
+        };
+        self.guard.watch(sense, sensed, &self.belt, &driven)
     }
 }

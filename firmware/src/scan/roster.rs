@@ -33,7 +33,10 @@ impl Roster {
 
     /// One of them, each in the turn of a block.
     pub fn in_turn(&self, block: usize) -> Option<Listed> {
-        let place = block % MOST_MODES % self.listed.len().max(1);
+        if self.listed.is_empty() {
+            return None;
+        }
+        let place = block % MOST_MODES % self.listed.len();
         let resonance = *self.listed.get(place)?;
         Some(Listed { place: place as u8, of: self.listed.len() as u8, resonance })
     }

@@ -92,7 +92,7 @@ fn scan(case: &Case, seed: u64) -> Scanned {
         bench.exchange(&playing[slot].1, &mut sense);
         let sensed = demodulate(&convert, &sense, &playing[slot].0).0;
         let before = scan.stage;
-        let step = scan.step(&convert, &sense, &sensed);
+        let step = scan.listen(&convert, &sense, &sensed);
         let now_s = (block + 1) as f32 * 32e-6;
         if matches!(before, Stage::Search(_)) && !matches!(scan.stage, Stage::Search(_) | Stage::Window(_)) {
             result.searched_s = now_s;
@@ -103,16 +103,17 @@ fn scan(case: &Case, seed: u64) -> Scanned {
             }
         }
         let done = match step {
-            Step::Tune(offset_hz) => {
+            Step::Tone { offset_hz, .. } => {
                 hold.retune(offset_hz);
                 false
             }
-            Step::Found(transducer, motional) => {
-                result.found = Ok((transducer, motional));
-                true
-            }
             Step::Failed(fault) => {
                 result.found = Err(fault);
+                true
+            }
+            _ => {
+                let (transducer, motional) = scan.found().expect("a transducer");
+                result.found = Ok((*transducer, *motional));
                 true
             }
         };

@@ -1,0 +1,60 @@
+//! The signal chain, which all stages share, and the block that they look at.
+
+use crate::belt::Belt;
+use crate::block::{Orders, SenseBlock};
+use crate::convert::Convert;
+use crate::demod::Sensed;
+use crate::generate::{Generator, Played};
+use crate::guard::Guard;
+use crate::phasor::Phasor;
+use crate::restraint::Restraint;
+use crate::supervisor::Supervisor;
+use crate::track::Track;
+
+/// The signal chain. What every block reads stands first and in this order, within reach of one instruction.
+#[derive(Clone, Debug)]
+#[repr(C)]
+pub(crate) struct Chain {
+    /// The number of this block.
+    pub(crate) block: u64,
+    pub(crate) supervisor: Supervisor,
+    pub(crate) track: Track,
+    pub(crate) generator: Generator,
+    pub(crate) convert: Convert,
+    pub(crate) guard: Guard,
+    pub(crate) belt: Belt,
+    pub(crate) restraint: Option<Restraint>,
+}
+
+impl Chain {
+    /// A new attempt begins: forgets what an earlier one has found.
+    pub(super) fn begin(&mut self) {
+        self.guard.begin();
+        self.track.restart();
+        self.generator.restart();
+        self.restraint.iter_mut().for_each(Restraint::restart);
+    }
+
+    /// The orders with the gate where a crash, or none, wants it; `None` where no belt is served.
+    #[inline]
+    pub(super) fn restrained(&mut self, orders: &Orders, sense: &SenseBlock) -> Option<Orders> {
+        let restraint = self.restraint.as_mut()?;
+        let fresh = self.belt.is_expected().then(|| self.belt.fresh_counts());
+        Some(restraint.decide(orders, sense.slow.force, fresh, self.supervisor.mode()))
+    }
+}
+
+/// The block that has just been measured.
+#[derive(Clone, Copy)]
+pub(crate) struct Measured<'a> {
+    /// The orders that it obeys.
+    pub(crate) orders: &'a Orders,
+    /// Codes and readings.
+    pub(crate) sense: &'a SenseBlock,
+    /// Voltage and current.
+    pub(crate) sensed: &'a Sensed,
+    /// Motional current, A peak.
+    pub(crate) motional: Phasor,
+    /// What was played in it.
+    pub(crate) played: &'a Played,
+}

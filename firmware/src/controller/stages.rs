@@ -1,0 +1,99 @@
+//! The stages of the controller, one for each [mode](Mode) that drives: each looks at the block just measured and says what to play next.
+//!
+//! | stage | modes | finds |
+//! |---|---|---|
+//! | [`SelfTest`] | `SelfTest` | the zeros and the noise of the sense channels, and whether there is a transducer |
+//! | [`Scan`] | `Scan` | the resonances in the window, and the wanted one |
+//! | [`PowerOn`] | `Clamped` | the clamped branch, without ringing the resonance up |
+//! | [`Calibrate`] | `Calibrate` | what trims the lanes |
+//! | [`Follow`] | `Lock`, `Run` | nothing: it drives the resonance |
+
+mod calibrate;
+mod clamped;
+pub(crate) mod follow;
+mod scan;
+mod self_test;
+
+use crate::calibrate::Calibrate;
+use crate::clamped::PowerOn;
+use crate::controller::chain::{Chain, Measured};
+use crate::controller::stages::follow::Follow;
+use crate::scan::Scan;
+use crate::self_test::SelfTest;
+use crate::step::Step;
+use crate::supervisor::{Mode, Progress};
+
+/// A stage of the way to a run, or the run itself.
+pub(crate) trait Stage {
+    /// Forgets what an earlier attempt has found.
+    fn begin(&mut self, chain: &mut Chain);
+
+    /// Takes one block, changes the chain by what it has found, and says what to play next.
+    fn step(&mut self, chain: &mut Chain, measured: &Measured) -> Step;
+}
+
+/// All stages. The one that has the least time stands first, the largest last.
+#[derive(Clone, Debug)]
+#[repr(C)]
+pub(crate) struct Stages {
+    pub(crate) follow: Follow,
+    pub(crate) self_test: SelfTest,
+    pub(crate) clamped: PowerOn,
+    pub(crate) calibrate: Calibrate,
+    pub(crate) scan: Scan,
+}
+
+impl Stages {
+    /// A new attempt begins.
+    pub(crate) fn begin(&mut self, chain: &mut Chain) {
+        self.follow.begin(chain);
+        self.self_test.begin(chain);
+        self.clamped.begin(chain);
+        self.calibrate.begin(chain);
+        self.scan.begin(chain);
+    }
+
+    /// What the stage of the present mode wants to play next.
+    #[inline]
+    pub(crate) fn step(&mut self, chain: &mut Chain, measured: &Measured) -> Step {
+        match chain.supervisor.mode() {
+            Mode::Idle | Mode::Fault => {
+                self.calibrate.begin(chain);
+                Step::Silence
+            }
+            Mode::SelfTest => {
+                let step = self.self_test.step(chain, measured);
+                if matches!(step, Step::Done { .. }) {
+                    let (v, i) = chain.track.noise;
+                    self.clamped.set_noise(v, i);
+                }
+                step
+            }
+            Mode::Scan => self.scan.step(chain, measured),
+            Mode::Clamped => self.clamped.step(chain, measured),
+            Mode::Calibrate => self.calibrate.step(chain, measured),
+            Mode::Lock | Mode::Run => {
+                let step = self.follow.step(chain, measured);
+                if let Step::Follow(plan) = &step
+                    && let Progress::Back(mode) = plan.progress
+                {
+                    self.go_back(chain, mode);
+                }
+                step
+            }
+        }
+    }
+
+    /// Prepares the stage that a lost lock goes back to.
+    #[inline(never)]
+    fn go_back(&mut self, chain: &mut Chain, mode: Mode) {
+        match mode {
+            Mode::SelfTest => {
+                self.self_test.begin(chain);
+                self.clamped.begin_twice();
+            }
+            Mode::Scan => self.scan.begin(chain),
+            _ => {}
+        }
+    }
+}

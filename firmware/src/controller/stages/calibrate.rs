@@ -1,0 +1,21 @@
+//! The calibration of the lanes as a stage: the voltage limit is that of the lane that is the loudest with the new trims.
+
+use crate::calibrate::Calibrate;
+use crate::controller::chain::{Chain, Measured};
+use crate::controller::stages::Stage;
+use crate::step::Step;
+
+impl Stage for Calibrate {
+    fn begin(&mut self, chain: &mut Chain) {
+        self.abandon(&mut chain.generator.phasing);
+    }
+
+    fn step(&mut self, chain: &mut Chain, measured: &Measured) -> Step {
+        let step = self.listen(&mut chain.generator.phasing, measured.sensed);
+        if matches!(step, Step::Done { .. }) {
+            chain.generator.sweep.hold.retune(0.0);
+            chain.generator.set_loudest();
+        }
+        step
+    }
+}

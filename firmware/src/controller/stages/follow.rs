@@ -1,0 +1,204 @@
+//! Lock and run as a stage: the drive follows the resonance in frequency and amplitude, block by block.
+
+pub(crate) mod edges;
+mod friction;
+
+use crate::block::{Amplitude, Gate, Orders};
+use crate::clamped::online;
+use crate::config::Config;
+use crate::controller::chain::{Chain, Measured};
+use crate::controller::stages::Stage;
+use crate::controller::stages::follow::edges::Edges;
+use crate::friction::FrictionSwitch;
+use crate::generate::Played;
+use crate::guard::heat::Thermometers;
+use crate::phasor::magnitude;
+use crate::shape::Shape;
+use crate::step::{Plan, Step};
+use crate::supervisor::{Fault, Mode, Progress};
+use crate::track::LEARN_BLOCKS;
+use crate::tracker::compare::{larger, smaller};
+use crate::tracker::{Heard, State};
+
+/// The stage of lock and run.
+#[derive(Clone, Debug)]
+#[repr(C)]
+pub(crate) struct Follow {
+    /// The configured amplitude.
+    amplitude: Amplitude,
+    /// How far beside the resonance to drive to measure the clamped capacitance, Hz.
+    probe_hz: f32,
+    pub(crate) edges: Edges,
+    pub(crate) friction: Option<FrictionSwitch>,
+}
+
+impl Stage for Follow {
+    fn begin(&mut self, _: &mut Chain) {
+        self.probe_hz = 0.0;
+        self.edges.restart();
+        self.friction.iter_mut().for_each(FrictionSwitch::restart);
+    }
+
+    // Not inlined: the fast memory of a board has no room for it beside the rest of a block.
+    #[inline(never)]
+    fn step(&mut self, chain: &mut Chain, measured: &Measured) -> Step {
+        let orders = measured.orders;
+        let (gate, amplitude) = match (chain.supervisor.mode(), chain.guard.is_muted()) {
+            (Mode::Run, false) => {
+                self.switch_friction(chain, measured);
+                self.ordered(chain, orders)
+            }
+            (Mode::Run, true) => (Gate::Off, orders.amplitude),
+            (_, false) => (Gate::On, orders.amplitude),
+            // What has nothing to lock to waits.
+            (_, true) => return Step::Silence,
+        };
+        Step::Follow(self.follow(chain, measured, gate, amplitude))
+    }
+}
+
+impl Follow {
+    /// A stage by the configured amplitude.
+    pub(crate) fn build(config: &Config, friction: Option<FrictionSwitch>) -> Self {
+        Follow { amplitude: config.drive.amplitude, probe_hz: 0.0, edges: Edges::build(config), friction }
+    }
+
+    /// Follows frequency and amplitude for one block, for this gate and this amplitude of the orders.
+    #[inline(always)]
+    fn follow(&mut self, chain: &mut Chain, measured: &Measured, gate: Gate, amplitude: Option<Amplitude>) -> Plan {
+        let Measured { orders, sensed, motional, played, .. } = *measured;
+        let on = played.is_full();
+        let boosts = chain.generator.burst.boosts();
+        let told = self.edges.told(chain.block, boosts);
+        let heard = Heard {
+            offset_hz: played.offset_hz,
+            volts: played.volts,
+            envelope: (played.flat && told.telling).then_some(played.envelope),
+            pure: played.pure,
+            on,
+            driven: played.envelope != 0.0,
+            rung_up: told.rung_up,
+        };
+        let track = &mut chain.track;
+        let at_lock_point = track.tracker.at_lock_point(motional, played.detune_hz);
+        let phase = track.tracker.follow(sensed, motional, at_lock_point, &heard);
+        if track.transducer_by_now().is_none() && track.tracker.is_sure() {
+            let transducer = track.begin_to_learn(chain.block);
+            chain.generator.amplitude.seed(transducer, magnitude(motional));
+        }
+        if chain.track.online.drifts() {
+            self.probe(chain, measured);
+        }
+        let tracked_hz = chain.track.tracker.tracks().then(|| chain.track.tracker.offset_hz());
+        let (offset_hz, limited) = self.detune(chain, orders, tracked_hz.unwrap_or(0.0));
+        chain.generator.sweep.hold.retune(offset_hz);
+        // An edge is never quite one, whatever its mean rounds to.
+        let envelope = if played.flat || played.envelope > 1.0 { played.envelope } else { played.envelope.min(0.999) };
+        // Before the order's own amplitude: what rings was driven by the one before.
+        if boosts {
+            self.edges.prepare_boost(chain, measured, gate);
+        } else {
+            self.edges.prepare_brake(chain, gate);
+        }
+        let known = chain.track.transducer_by_now().is_some() || !chain.track.tracker.observes();
+        let generator = &mut chain.generator;
+        if known {
+            if on && told.rung_up {
+                generator.amplitude.has_rung_up();
+            }
+            let asked = self.asked(amplitude).derated(chain.guard.derating());
+            generator.amplitude.update(asked, envelope, at_lock_point);
+        }
+        let volts = if !known {
+            generator.amplitude.start_volts()
+        } else if generator.burst.is_under_way(gate) {
+            self.edges.volts()
+        } else {
+            generator.amplitude.volts()
+        };
+        if boosts {
+            generator.burst.set_drive(volts);
+        }
+        let progress = chain.track.progress(chain.supervisor.mode(), &chain.generator.amplitude);
+        let plan = Plan { volts, gate, listen: 0, tracked_hz, phase, limited, progress };
+        if chain.guard.is_muted() {
+            // Silent within the block, whatever the edge: a burst without a voltage ends at once, and begins anew.
+            return Plan { volts: 0.0, ..plan };
+        }
+        if chain.supervisor.mode() == Mode::Run
+            && let Some(friction) = &self.friction
+            && friction.is_implausible()
+        {
+            // A survey in which the force sensor has said what cannot be friction ends the run.
+            return Plan { progress: Progress::Failed(Fault::ForceSensorImplausible), ..plan };
+        }
+        plan
+    }
+    /// Remembers what has been written, and calculates beside in a block that has time for it: an edge takes all the time that there is.
+    #[inline]
+    pub(crate) fn work(&mut self, chain: &mut Chain, plan: &Plan, written: &Played) {
+        if chain.generator.burst.boosts() {
+            self.edges.note(chain.block, &chain.generator, plan.volts, written.envelope);
+        }
+        if written.flat {
+            self.calculate(chain);
+        }
+    }
+
+    /// What is not needed at once.
+    #[inline]
+    fn calculate(&mut self, chain: &mut Chain) {
+        let (block, mode) = (chain.block, chain.supervisor.mode());
+        let following = matches!(mode, Mode::Lock | Mode::Run);
+        // A friction switch has its own work in all other blocks.
+        chain.track.learn_on(block, following, self.friction.is_some(), self.edges.are_idle());
+        if following && block.is_multiple_of(LEARN_BLOCKS) && chain.track.tracker.state() == State::Locked {
+            let susceptance = chain.track.online.motional().y0.im;
+            chain.guard.feel(&Thermometers { resonance_hz: chain.track.tracker.estimate_hz(), susceptance });
+        }
+        let busy = chain.track.since_learned(block) == 0 || block.is_multiple_of(LEARN_BLOCKS);
+        if let Some(friction) = &mut self.friction
+            && mode == Mode::Run
+            && !busy
+        {
+            friction.work();
+        }
+    }
+
+    /// Measures the clamped capacitance anew, where it may drift, by small steps of a drive that is otherwise left alone.
+    fn probe(&mut self, chain: &mut Chain, measured: &Measured) {
+        let Measured { orders, sensed, played, .. } = *measured;
+        let (track, generator) = (&mut chain.track, &chain.generator);
+        if !track.tracker.observes() {
+            return;
+        }
+        let alone = matches!(generator.shape, Shape::Sine)
+            && generator.sweep.holds()
+            && orders.detune.0 == 0.0
+            && chain.supervisor.mode() == Mode::Run;
+        let whole = played.flat && played.envelope == 1.0 && !generator.amplitude.limited() && !track.tracker.limited();
+        let steady = alone && whole && track.tracker.state() == State::Locked;
+        let heard = online::Heard { sensed, relative: played.relative, detune_hz: played.detune_hz, steady };
+        let wanted = track.online.step(&heard);
+        self.probe_hz = wanted.detune_hz;
+        if let Some(update) = wanted.update {
+            track.tracker.set_branch(update.motional, update.deviation);
+        }
+    }
+
+    /// The amplitude that the orders ask for by this, or by default the configured one, before it is derated.
+    pub(crate) fn asked(&self, amplitude: Option<Amplitude>) -> Amplitude {
+        amplitude.unwrap_or(self.amplitude)
+    }
+
+    /// Where to drive, as an offset from the nominal frequency, Hz, and whether the order had to be limited. Only what runs is moved
+    /// away from the resonance.
+    fn detune(&self, chain: &Chain, orders: &Orders, tracked_hz: f32) -> (f32, bool) {
+        let window = chain.track.tracker.window_hz();
+        let running = chain.supervisor.mode() == Mode::Run;
+        let asked = if running && orders.detune.0.is_finite() { orders.detune.0 } else { 0.0 };
+        let wanted = tracked_hz + asked + self.probe_hz;
+        // `clamp` could panic, for all that the compiler knows.
+        (smaller(larger(wanted, -window), window), wanted.abs() > window)
+    }
+}

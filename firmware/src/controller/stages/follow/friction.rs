@@ -1,0 +1,58 @@
+//! The friction switch: it orders amplitude and gate of a run, where nobody else does.
+
+use super::Follow;
+use crate::block::{Amplitude, Gate, Orders};
+use crate::controller::chain::{Chain, Measured};
+use crate::friction::{FrictionSwitch, Sensed, Wanted};
+use crate::phasor::magnitude;
+use crate::supervisor::{Limit, Mode};
+
+impl Follow {
+    /// Lets the friction switch hear one block of a run.
+    #[inline]
+    pub(crate) fn switch_friction(&mut self, chain: &mut Chain, measured: &Measured) {
+        let Measured { orders, sense, motional, played, .. } = *measured;
+        let Some(friction) = &mut self.friction else { return };
+        if !is_free(orders) {
+            return;
+        }
+        let boosts = chain.generator.burst.boosts();
+        let on = played.is_full() && (!boosts || self.edges.told(chain.block, boosts).rung_up);
+        let sensed = Sensed {
+            belt_m_per_s: chain.belt.speed_m_per_s(),
+            force_n: sense.slow.force,
+            motional_a: on.then(|| magnitude(motional)),
+        };
+        if let Wanted::Bursts { on_samples, .. } = friction.step(orders.friction, &sensed) {
+            chain.generator.burst.set_on(on_samples);
+        }
+    }
+
+    /// Gate and amplitude of the orders, or in a run what the friction switch has made of them last.
+    #[inline]
+    pub(crate) fn ordered(&self, chain: &Chain, orders: &Orders) -> (Gate, Option<Amplitude>) {
+        let running = chain.supervisor.mode() == Mode::Run;
+        let Some(friction) = &self.friction else { return (orders.gate, orders.amplitude) };
+        if !running || !is_free(orders) {
+            return (orders.gate, orders.amplitude);
+        }
+        // A schedule that repeats is the switch's own; windows are the user's, except while surveying.
+        let on = if chain.generator.burst.repeats() || friction.is_surveying() { Gate::On } else { Gate::Scheduled };
+        let (amplitude, gate) = match friction.wanted() {
+            Wanted::Silence => (None, Gate::Off),
+            Wanted::Current(amperes) => (Some(amperes), on),
+            Wanted::Bursts { amperes, .. } => (Some(amperes), Gate::Scheduled),
+        };
+        (gate, amplitude.map(Amplitude::MotionalCurrent))
+    }
+
+    /// Why the friction is not what is wanted.
+    pub(crate) fn friction_limit(&self, orders: &Orders) -> Option<Limit> {
+        self.friction.as_ref().filter(|_| is_free(orders)).and_then(FrictionSwitch::limit)
+    }
+}
+
+/// Whether an order leaves amplitude and gate to the switch.
+fn is_free(orders: &Orders) -> bool {
+    orders.amplitude.is_none() && orders.gate == Gate::Scheduled
+}

@@ -1,0 +1,23 @@
+//! The scan as a stage: both loops start on the transducer that it has found.
+
+use crate::controller::chain::{Chain, Measured};
+use crate::controller::stages::Stage;
+use crate::phasor::magnitude;
+use crate::scan::Scan;
+use crate::step::Step;
+
+impl Stage for Scan {
+    fn begin(&mut self, _: &mut Chain) {
+        self.restart();
+    }
+
+    fn step(&mut self, chain: &mut Chain, measured: &Measured) -> Step {
+        let step = self.listen(&chain.convert, measured.sense, measured.sensed);
+        if let (Step::Done { .. }, Some((transducer, branch))) = (step, self.found()) {
+            chain.track.adopt(transducer, *branch);
+            chain.generator.sweep.hold.retune(chain.track.tracker.offset_hz());
+            chain.generator.amplitude.seed(transducer, magnitude(measured.motional));
+        }
+        step
+    }
+}
