@@ -125,7 +125,8 @@ fn ratios(study: &Study, solved: &Solved, solution: &Solution) -> TableBlock {
         ("mean normal force [N]", own("mean_normal_n"), "the load, where nothing else carries it"),
         ("largest normal force [N]", own("peak_normal_n"), ""),
     ];
-    let rows = rows.into_iter().chain(across).filter_map(|(what, value, is)| Some(vec![what.into(), value?, is.into()])).collect();
+    let rows =
+        rows.into_iter().chain(across).filter_map(|(what, value, is)| Some(vec![what.into(), value?, is.into()])).collect();
     let caption = format!("Means over periods {} to {}.", number(from_s * hz), number(to_s * hz));
     table("ratios", "Friction and power", &caption, &["", "value", "is"], rows)
 }

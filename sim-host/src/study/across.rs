@@ -169,7 +169,8 @@ impl<'a> Shaken<'a> {
         let motion = at(shown)?;
         let ns = began.elapsed().as_secs_f64() * 1e9;
         vibration::run(&DrivenContact { steps_per_period: shown, ..self.whole() }, &mut |moment| watch(&self.state(moment)));
-        let sliding_j = self.problem.coulomb_n * self.problem.sliding_m_per_s * (self.problem.window_s.1 - self.problem.window_s.0);
+        let sliding_j =
+            self.problem.coulomb_n * self.problem.sliding_m_per_s * (self.problem.window_s.1 - self.problem.window_s.0);
         let residual_j = motion.energy_residual * self.load_n * self.static_m;
         let energy_residual = (sliding_j != 0.0).then(|| residual_j / sliding_j);
         let solution = Solution {

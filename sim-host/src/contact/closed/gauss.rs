@@ -7,7 +7,8 @@ use std::f64::consts::PI;
 use std::sync::LazyLock;
 
 /// Nodes in a [`half`] rule, and the largest exponent A for which they give round-off (test `node_counts_suffice`).
-pub(super) const HALF_RULES: [(usize, f64); 7] = [(6, 0.03), (8, 0.35), (10, 1.3), (12, 2.7), (14, 6.0), (16, 12.0), (20, f64::INFINITY)];
+pub(super) const HALF_RULES: [(usize, f64); 7] =
+    [(6, 0.03), (8, 0.35), (10, 1.3), (12, 2.7), (14, 6.0), (16, 12.0), (20, f64::INFINITY)];
 
 /// One place of a rule.
 #[derive(Clone, Copy, Debug)]

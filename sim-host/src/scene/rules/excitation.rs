@@ -78,7 +78,11 @@ impl Rules<'_> {
         if self.given("rig.sdof") && self.value(RATIO).is_some() {
             let message = "the velocity of a mass on a Hertzian contact is not known beforehand";
             let problem = Problem::new(self.place(RATIO), message, "`velocity_ratio` is of nothing");
-            self.add(RATIO, problem.help("give `sliding_m_per_s` instead: the vibration is across the surface, and does not count in the slip"));
+            self.add(
+                RATIO,
+                problem
+                    .help("give `sliding_m_per_s` instead: the vibration is across the surface, and does not count in the slip"),
+            );
         }
         if self.text(WAVEFORM).is_some_and(|waveform| waveform != "sine") {
             let message = "a Hertzian contact is studied under a sine only";
