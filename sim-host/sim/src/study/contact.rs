@@ -1,0 +1,78 @@
+//! A study of a contact by itself.
+
+use std::sync::atomic::AtomicBool;
+
+use super::StudyError;
+use super::across::{self, Across};
+use super::film::Film;
+use super::stopped::{leave_if, unless_stopped};
+use crate::metrics::{self, Metrics};
+use contact::{self, Law, Problem, Solution, State, Trouble};
+use scene::{Excited, Model, problem};
+
+/// A contact study, solved.
+#[derive(Clone, Debug)]
+pub struct Solved<'a> {
+    /// The scene.
+    pub scene: Excited<'a>,
+    /// The answer; none if it was stopped before there was one.
+    pub answer: Option<Answer>,
+    /// What was seen on the way.
+    pub film: Film,
+}
+
+/// A problem and its solution.
+#[derive(Clone, Debug)]
+pub struct Answer {
+    /// The problem.
+    pub problem: Problem,
+    /// Its solution.
+    pub solution: Solution,
+    /// The normal direction, if the vibration is across the surface.
+    pub across: Option<Across>,
+}
+
+/// Solves a scene, films it and measures it.
+pub(super) fn conduct<'a>(
+    scene: Excited<'a>,
+    stop: &AtomicBool,
+    mut progress: Option<&mut dyn FnMut(f64)>,
+) -> Result<(Solved<'a>, Metrics), StudyError> {
+    let mut film = Film::new(scene.duration_s, scene.excitation.frequency_hz);
+    let watch = &mut |state: &State| {
+        if film.see(state) {
+            leave_if(stop);
+            if let Some(progress) = &mut progress {
+                progress(state.time_s);
+            }
+        }
+    };
+    let answer = unless_stopped(|| answer(&scene, stop, watch)).transpose()?;
+    film.finish();
+    let metrics = measured(&scene, answer.as_ref());
+    Ok((Solved { scene, answer, film }, metrics))
+}
+
+/// The numbers of a scene that is a cell of a grid; none of them if it is stopped.
+pub(super) fn cell(scene: &Excited, stop: &AtomicBool) -> Result<Metrics, StudyError> {
+    let answer = unless_stopped(|| answer(scene, stop, &mut |_: &State| leave_if(stop))).transpose()?;
+    Ok(measured(scene, answer.as_ref()))
+}
+
+fn measured(scene: &Excited, answer: Option<&Answer>) -> Metrics {
+    answer.map_or_else(Metrics::default, |answer| metrics::contact::of(scene, answer))
+}
+
+fn answer(scene: &Excited, stop: &AtomicBool, watch: &mut impl FnMut(&State)) -> Result<Answer, Trouble> {
+    // A Hertzian contact has Coulomb's law between its normal force and its friction.
+    let problem = problem::problem(scene, problem::law(&scene.model).unwrap_or(Law::Coulomb))?;
+    let (numerics, pause) = (problem::numerics(scene), || leave_if(stop));
+    let (solution, across) = match scene.model {
+        Model::Hertz(model) => {
+            let (solution, across) = across::solve(&problem, model, &numerics, &pause, watch)?;
+            (solution, Some(across))
+        }
+        _ => (contact::solve_with(&problem, &numerics, &pause, watch)?, None),
+    };
+    Ok(Answer { problem, solution, across })
+}
