@@ -44,16 +44,24 @@ pub struct AmplitudeLoop {
     asked: Option<f32>,
 }
 
+/// The largest amplitude that the voltage limit and the converters leave to a drive whose loudest lane is trimmed, V.
+pub fn most_volts(config: &Config) -> Result<f32, Error> {
+    let converter_v = DriveScale::build(&config.front_end)?.range_v();
+    Ok(config.limits.voltage_v.min(converter_v) / phasing::loudest(&config.phasing))
+}
+
 impl AmplitudeLoop {
     /// Checks the amplitude and the limits.
     pub fn build(config: &Config, block_s: f32) -> Result<Self, Error> {
         in_range("limits.voltage_v", config.limits.voltage_v.into(), 1e-3, 1e5)?;
         let converter_v = DriveScale::build(&config.front_end)?.range_v();
-        let voltage_v = config.limits.voltage_v.min(converter_v) / phasing::loudest(&config.phasing);
+        let voltage_v = most_volts(config)?;
         let limits = Limits { voltage_v, ..config.limits.clone() };
-        in_range("drive.scan_volts", config.drive.scan_volts.into(), 1e-3, limits.voltage_v.into())?;
+        // However low a limit is, there is a drive within it.
+        let least_v = voltage_v.min(1e-3);
+        in_range("drive.scan_volts", config.drive.scan_volts.into(), least_v.into(), limits.voltage_v.into())?;
         match config.drive.amplitude {
-            Amplitude::Volts(volts) => in_range("drive.amplitude_v", volts.into(), 1e-3, limits.voltage_v.into())?,
+            Amplitude::Volts(volts) => in_range("drive.amplitude_v", volts.into(), least_v.into(), limits.voltage_v.into())?,
             Amplitude::MotionalCurrent(amperes) => {
                 in_range("drive.motional_current_a", amperes.into(), 1e-6, limits.current_a.into())?
             }
