@@ -1,15 +1,13 @@
 //! What a transducer is: its equivalent circuit, how sure that is, and what else rings.
 //!
 //! [`pole_fit`]: resonances from a spectrum. [`mode_search`]: how many it shows. [`choice`]: the one that is wanted.
-//! [`ring_up`]: one resonance from the first moments of a burst. [`triangle`]: the least squares that both use.
+//! [`triangle`]: the least squares behind the fit.
 
 pub mod choice;
 pub mod circuit;
 pub mod mode_search;
 pub mod pole_fit;
-pub mod ring_up;
 pub mod scatter;
-
 pub mod triangle;
 
 use serde::{Deserialize, Serialize};

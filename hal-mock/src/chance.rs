@@ -1,6 +1,7 @@
 //! Seeded chance for the doubles that damage things: the same seed damages the same run in the same way.
 
 use rand_core::{Rng, SeedableRng};
+use rand_distr::{Distribution, StandardUniform};
 use rand_xoshiro::Xoshiro256PlusPlus;
 
 /// A seeded source of decisions.
@@ -15,8 +16,12 @@ impl Chance {
 
     /// True with this probability. Draws nothing at a probability of zero, so that an inactive fault does not move the others.
     pub fn strikes(&mut self, probability: f64) -> bool {
-        // 53 random bits as a number in 0 to 1.
-        probability > 0.0 && ((self.0.next_u64() >> 11) as f64) < probability * (1u64 << 53) as f64
+        probability > 0.0 && self.part() < probability
+    }
+
+    /// A number from 0 up to 1.
+    fn part(&mut self) -> f64 {
+        StandardUniform.sample(&mut self.0)
     }
 
     /// A number below `bound`, which is small against 2^64: the bias of the remainder does not matter.

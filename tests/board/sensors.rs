@@ -1,6 +1,6 @@
-//! The slow sensors: degrees from the factory's calibration, and the wires of the encoder.
+//! The slow sensors: degrees from the factory's calibration and from a thermistor, and the wires of the encoder.
 
-use nucleo_g474re::degrees::{Calibration, celsius};
+use nucleo_g474re::degrees::{Calibration, Thermistor, celsius};
 use nucleo_g474re::wires::Wires;
 
 /// Typical of the part: 0.76 V at 30 degrees and 2.5 mV/K, the reference 1.212 V, at 3.0 V.
@@ -23,6 +23,29 @@ fn a_sensor_that_has_failed_has_no_temperature() {
         [(0, 1655), (4095, 1655), (1037, 0)].map(|(sensor, reference)| celsius(&CALIBRATION, sensor, reference)),
         [None; 3]
     );
+}
+
+/// 10 kOhm below 10 kOhm, B 3950 K: the most common one.
+const THERMISTOR: Thermistor = Thermistor { ohm_at_25_c: 10e3, beta_k: 3950.0, pull_up_ohm: 10e3 };
+
+/// What is asked of the logarithm (micromath's, in f32) is 0.01 K, and it has 0.008 K; a step of the converter is up to 0.8 K at the ends.
+#[test]
+fn a_thermistor_is_read_within_a_hundredth_of_a_kelvin() {
+    let exact = |code: u16| {
+        let ratio = f64::from(code) / (4096.0 - f64::from(code));
+        1.0 / (1.0 / 298.15 + ratio.ln() / 3950.0) - 273.15
+    };
+    let valid = (1..4096).filter(|&code| (-40.0..150.0).contains(&exact(code)));
+    let worst = valid.map(|code| (f64::from(THERMISTOR.celsius(code)) - exact(code)).abs()).fold(0.0, f64::max);
+    println!("{worst:.4} K");
+    assert!(worst < 0.01, "{worst}");
+    assert!((THERMISTOR.celsius(2048) - 25.0).abs() < 0.01);
+}
+
+#[test]
+fn a_broken_thermistor_counts_as_too_hot() {
+    // Short, open, and beyond what a converter has.
+    assert_eq!([0, 1, 4095].map(|code| THERMISTOR.celsius(code)), [155.0; 3]);
 }
 
 /// Looks at wires over so many blocks; a channel's period is so many blocks, and what is broken is low.

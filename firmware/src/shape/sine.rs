@@ -157,14 +157,6 @@ mod tests {
         }
     }
 
-    /// Why the drive does not come from micromath: half a step of a 12-bit converter is 2.4e-4.
-    #[test]
-    fn micromath_is_too_coarse_for_the_drive() {
-        let error = |x: f32| (micromath::F32(x).sin().0 - libm::sinf(x)).abs();
-        let worst = (0..10_000).map(|n| error(core::f32::consts::TAU * n as f32 / 10_000.0)).fold(0.0, f32::max);
-        assert!((5e-4..2e-3).contains(&worst), "{worst}");
-    }
-
     #[test]
     fn rotation_is_counter_clockwise() {
         let eighth = rotation(1 << 61);

@@ -122,6 +122,23 @@ fn choice(problem: &Problem, tolerance: f64) -> (Method, String) {
     }
 }
 
+/// The point of a problem that [`solve`] solves in closed form and whose vibration is a sine: many of these are solved at once in
+/// [`lanes`](super::lanes). None of any other problem.
+pub fn closed_point(problem: &Problem, numerics: &Numerics) -> Option<closed::Point> {
+    let point = closed::Point::of(problem).filter(|_| of_whole_periods(problem))?;
+    let from = problem.window_s.0 * problem.waveform.frequency_hz();
+    let closed = match numerics.method {
+        Method::Auto => has_settled(point.start_left(from), numerics.tolerance),
+        method => method == Method::Closed,
+    };
+    closed.then_some(point)
+}
+
+/// Whether what is left of the start is nothing beside the tolerance.
+fn has_settled(start_left: f64, tolerance: f64) -> bool {
+    start_left < 0.1 * tolerance
+}
+
 /// Whether the window is whole periods of a steady state.
 fn is_steady(problem: &Problem, tolerance: f64) -> bool {
     let periodic = matches!(problem.waveform.shape(), Shape::Sine | Shape::Square | Shape::Sawtooth | Shape::Triangle);
@@ -129,7 +146,7 @@ fn is_steady(problem: &Problem, tolerance: f64) -> bool {
         return false;
     }
     let from = problem.window_s.0 * problem.waveform.frequency_hz();
-    closed::solve(problem, &mut |_| ()).is_ok_and(|form| form.start_left(from) < 0.1 * tolerance)
+    closed::solve(problem, &mut |_| ()).is_ok_and(|form| has_settled(form.start_left(from), tolerance))
 }
 
 /// Whether the means of a window are those of a period: it is whole periods, all under one load.

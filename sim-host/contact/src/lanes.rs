@@ -6,13 +6,11 @@
 //! to 1e-13; how much faster it is, the bench says: `cargo bench -p sonoglide-contact`.
 
 mod functions;
-mod map;
 
 use super::closed::gauss;
 use super::closed::swing::{CUT, SERIES, TERMS};
 use super::closed::{self, NO_MEMORY_LOST};
 use functions::{Lanes, arc_cosine, exponential, less_one};
-pub use map::friction_map;
 
 /// Points abreast.
 pub const LANES: usize = 4;
@@ -32,7 +30,7 @@ pub fn power_ratios(points: &[(f64, f64)]) -> Vec<f64> {
 #[inline]
 fn lanes_of(
     chunk: &[(f64, f64)],
-    mut abreast: impl FnMut(Lanes, Lanes) -> Lanes,
+    abreast: impl Fn(Lanes, Lanes) -> Lanes,
     scalar: impl Fn(f64, f64) -> f64,
 ) -> impl Iterator<Item = f64> {
     let ordinary = |&(xi, kappa): &(f64, f64)| xi != 0.0 && xi.abs() < 1.0 && (NO_MEMORY_LOST..f64::INFINITY).contains(&kappa);
@@ -49,16 +47,11 @@ fn lanes_of(
 fn friction(xi: Lanes, kappa: Lanes) -> Lanes {
     let size = xi.abs();
     let [forward, backward] = Way::both(size, kappa);
-    ratio([forward.forgotten(), backward.forgotten()], [forward.integral(), backward.integral()], xi, backward.half)
-}
-
-/// From what either way forgets, and their integrals.
-#[inline]
-fn ratio([forward, backward]: [Lanes; 2], [over_forward, over_backward]: [Lanes; 2], xi: Lanes, backward_half: Lanes) -> Lanes {
-    let difference = forward * over_backward - backward * over_forward;
-    let both = forward + backward * (1.0 - forward);
+    let (forgotten_a, forgotten_b) = (forward.forgotten(), backward.forgotten());
+    let difference = forgotten_a * backward.integral() - forgotten_b * forward.integral();
+    let both = forgotten_a + forgotten_b * (1.0 - forgotten_a);
     // asin xi = pi / 2 - acos xi, which for xi -> 0 loses what is lost anyway: an absolute 1e-16.
-    let coulomb = Lanes::splat(1.0) - backward_half * std::f64::consts::FRAC_2_PI;
+    let coulomb = Lanes::splat(1.0) - backward.half * std::f64::consts::FRAC_2_PI;
     let ratio = coulomb + difference / (both * std::f64::consts::PI);
     (xi.simd_lt(Lanes::ZERO)).select(-ratio, ratio)
 }

@@ -1,16 +1,15 @@
 //! Speed against error on the target: instructions a sample, counted in QEMU, beside errors and spectra, computed here.
 //!
 //! ```text
-//! image `counts` --> target (ticks of every kernel) --+--> budget (what each may cost)
-//!                                                     |
-//! candidates -----> host (error, spectrum) -----------+--> table, plot
+//! image `counts` -----> target (ticks of every kernel) --+--> budget (what each may cost)
+//!                                                        |
+//! controller's sine --> host (error, spectrum) ----------+--> table
 //! ```
 //!
 //! Instructions, not cycles: on a Cortex-M4 most take one, a taken branch two to four, a load two, and flash has wait states.
 
 pub mod budget;
 pub mod host;
-pub mod plot;
 pub mod table;
 pub mod target;
 
@@ -20,13 +19,13 @@ mod tests;
 use pil::PilError;
 
 use budget::Judged;
-use host::{Known, Quality};
+use host::{Generator, Quality};
 use target::Counted;
 
-/// A generator of the drive: what it costs and how good it is.
+/// A way to make the drive's sine: what it costs and how good it is.
 pub struct Row {
     /// Which.
-    pub known: Known,
+    pub generator: Generator,
     /// Instructions for one sine with its cosine.
     pub instructions: f64,
     /// How good it is.
@@ -67,11 +66,11 @@ pub enum Trouble {
 /// Builds and runs the image, and computes the rest.
 pub fn conduct() -> Result<Measurement, Trouble> {
     let counted = target::count()?;
-    let rows = host::qualities().into_iter().map(|(known, quality)| {
-        let instructions = target::find(&counted, "generator", known.name)?.per_sample();
-        Ok(Row { known, instructions, quality })
-    });
-    let generators = rows.collect::<Result<Vec<_>, Trouble>>()?;
+    let row = |generator: Generator| {
+        let instructions = target::find(&counted, "generator", generator.name)?.per_sample();
+        Ok(Row { generator, instructions, quality: host::quality(&generator) })
+    };
+    let generators = host::GENERATORS.into_iter().map(row).collect::<Result<Vec<_>, Trouble>>()?;
     let judged = budget::judge(&counted, &generators)?;
     Ok(Measurement { counted, generators, judged })
 }

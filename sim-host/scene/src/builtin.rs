@@ -16,6 +16,7 @@ const SCENES: &[(&str, &str)] = scenes![
     "friction-burst",
     "contact",
     "contact-kinematic",
+    "contact-normal",
     "lock",
     "lock-cold",
     "lock-load",

@@ -98,8 +98,8 @@ pub struct Lugre {
     pub sign: Option<Sign>,
 }
 
-/// Hertz's contact, `N = K d^1.5` with friction in proportion to the contact area, under a vibration across the surface. For
-/// contact studies with `rig.kinematic`.
+/// Hertz's contact, `N = K d^1.5` with friction in proportion to the contact area, under a vibration across the surface: a given one
+/// (`rig.kinematic`), or that of a mass which lies on the contact and which a force shakes (`rig.sdof`), until it bounces if the force is large.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Hertz {

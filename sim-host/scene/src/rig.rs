@@ -85,7 +85,8 @@ pub struct Kinematic {
     pub vibration_m_per_s: f64,
 }
 
-/// One mass on a spring, m x'' + c x' + Ks x = force - friction (thesis 4.14). For scenes with `[excitation]`.
+/// One mass on a spring, m x'' + c x' + Ks x = force - friction (thesis 4.14); on a Hertzian contact it moves across the surface,
+/// m d'' + c d' + Ks (d - d0) = normal_n + force - K d^1.5. For scenes with `[excitation]`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Sdof {

@@ -1,5 +1,7 @@
 //! A study: a scene, run; its metrics held against what was expected; and its grid and its comparison, if it has them.
 
+mod abreast;
+pub mod across;
 mod cell;
 pub mod comparison;
 pub mod contact;

@@ -14,6 +14,7 @@ use firmware::config::{
 };
 
 use crate::blocks::BLOCK;
+use crate::degrees::Thermistor;
 
 /// Reference of the converters, V.
 const REFERENCE_V: f32 = 3.3;
@@ -35,6 +36,10 @@ pub const LANES: u8 = 1;
 /// Belt that passes from one count of its encoder to the next, m; `None`: there is no encoder, and nothing watches a belt. Where one is
 /// named, wires that are broken or missing are a fault.
 pub const METRE_PER_COUNT: Option<f32> = None;
+
+/// The thermistor at the amplifier's heat sink, on PB14; `None`: there is none, and the temperature is the processor's. Where one is named,
+/// the hotter of the two counts, and a broken one stops the drive.
+pub const HEAT_SINK: Option<Thermistor> = None;
 
 /// How long the host may be silent while the drive is on, s.
 pub const PATIENCE_S: f32 = 1.0;

@@ -1,16 +1,25 @@
-//! The processor's temperature from the factory's calibration.
+//! Temperatures: the processor's from the factory's calibration, and the heat sink's from a thermistor.
 //!
 //! ```text
-//! T = (130 - 30) / (TS_CAL2 - TS_CAL1) * (code * VREFINT_CAL / vrefint - TS_CAL1) + 30
+//! processor   T = (130 - 30) / (TS_CAL2 - TS_CAL1) * (code * VREFINT_CAL / vrefint - TS_CAL1) + 30
+//! heat sink   1 / T = 1 / 298.15 + ln(R / R25) / B,    R = R_up code / (4096 - code)                  (T in kelvin)
 //! ```
 //!
 //! RM0440 21.4.31 and 21.4.33: the calibration was taken at 3.0 V, and the internal reference says what the supply is now. Valid from -40 to
-//! 130 degrees Celsius; the sensor is within some degrees (DS12288).
+//! 130 degrees Celsius; the sensor is within some degrees (DS12288). A thermistor hangs on the converters' own supply, which cancels. Its
+//! logarithm is micromath's, 6e-5 off, which is 0.01 K at most from -40 to 150 degrees Celsius: a thermistor of 1 % is 0.2 K off by itself.
+
+use micromath::F32;
 
 /// Temperatures of the calibration, degrees Celsius.
 const CALIBRATED_C: (f32, f32) = (30.0, 130.0);
 /// What the part can be and still run; beyond it is a sensor that has failed, degrees Celsius.
 const PLAUSIBLE_C: (f32, f32) = (-55.0, 155.0);
+/// 0 and 25 degrees Celsius, K.
+const ZERO_K: f32 = 273.15;
+const NOMINAL_K: f32 = ZERO_K + 25.0;
+/// Codes of a converter.
+const CODES: f32 = 4096.0;
 
 /// What the factory has measured, codes of 12 bits at 3.0 V.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -32,4 +41,25 @@ pub fn celsius(calibration: &Calibration, sensor: u16, reference: u16) -> Option
     let (low, high) = (f32::from(calibration.low), f32::from(calibration.high));
     let celsius = CALIBRATED_C.0 + (CALIBRATED_C.1 - CALIBRATED_C.0) * (at_3_v - low) / (high - low);
     (PLAUSIBLE_C.0..=PLAUSIBLE_C.1).contains(&celsius).then_some(celsius)
+}
+
+/// A thermistor of negative coefficient from its input to ground, below a resistor to the converters' supply.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Thermistor {
+    /// Its resistance at 25 degrees Celsius, ohm.
+    pub ohm_at_25_c: f32,
+    /// Its coefficient B, K.
+    pub beta_k: f32,
+    /// The resistor to the supply, ohm.
+    pub pull_up_ohm: f32,
+}
+
+impl Thermistor {
+    /// Degrees Celsius of a code of 12 bits. A thermistor that is open or short cannot be told from one that is too cold or too hot: it counts
+    /// as 155 degrees, so that the drive stops.
+    pub fn celsius(&self, code: u16) -> f32 {
+        let ratio = self.pull_up_ohm / self.ohm_at_25_c * f32::from(code) / (CODES - f32::from(code));
+        let celsius = 1.0 / (1.0 / NOMINAL_K + F32(ratio).ln().0 / self.beta_k) - ZERO_K;
+        if (PLAUSIBLE_C.0..=PLAUSIBLE_C.1).contains(&celsius) { celsius } else { PLAUSIBLE_C.1 }
+    }
 }

@@ -7,7 +7,7 @@ use std::f64::consts::PI;
 use std::sync::LazyLock;
 
 /// Nodes in a [`half`] rule, and the largest exponent A for which they give round-off (test `node_counts_suffice`).
-pub(crate) const HALF_RULES: [(usize, f64); 7] =
+pub(super) const HALF_RULES: [(usize, f64); 7] =
     [(6, 0.03), (8, 0.35), (10, 1.3), (12, 2.7), (14, 6.0), (16, 12.0), (20, f64::INFINITY)];
 
 /// One place of a rule.
@@ -35,7 +35,7 @@ pub(crate) fn half(exponent: f64) -> &'static [Node] {
 
 /// Which of [`HALF_RULES`] an exponent takes.
 #[inline]
-pub(crate) fn rule(exponent: f64) -> usize {
+fn rule(exponent: f64) -> usize {
     HALF_RULES.iter().position(|rule| exponent <= rule.1).unwrap_or(HALF_RULES.len() - 1)
 }
 

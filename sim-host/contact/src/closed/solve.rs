@@ -28,7 +28,33 @@ pub struct ClosedForm {
 impl ClosedForm {
     /// Largest part of Fc by which friction after so many periods differs from the steady state, whatever it began with (|F| <= Fc).
     pub fn start_left(&self, periods: f64) -> f64 {
-        2.0 * self.forget_per_period.powf(periods)
+        left_after(self.forget_per_period, periods)
+    }
+}
+
+fn left_after(forget_per_period: f64, periods: f64) -> f64 {
+    2.0 * forget_per_period.powf(periods)
+}
+
+/// Where the steady state of a sine stands in the plane of velocity ratio and kappa, which decide everything about it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Point {
+    /// Velocity ratio Vt / Vv.
+    pub velocity_ratio: f64,
+    /// `Kt Vv / (w Fc)`; infinite for Coulomb friction.
+    pub kappa: f64,
+}
+
+impl Point {
+    /// The point of a problem that [`solve`] solves as that of a sine; none of any other.
+    pub fn of(problem: &Problem) -> Option<Self> {
+        let (velocity_ratio, kappa) = coordinates(problem).ok()?;
+        (problem.waveform.shape() == Shape::Sine && velocity_ratio.is_finite()).then_some(Point { velocity_ratio, kappa })
+    }
+
+    /// As [`ClosedForm::start_left`].
+    pub fn start_left(&self, periods: f64) -> f64 {
+        left_after(forget(self.velocity_ratio, self.kappa), periods)
     }
 }
 
@@ -47,13 +73,8 @@ enum Course {
 pub fn solve(problem: &Problem, watch: &mut impl FnMut(&State)) -> Result<ClosedForm, Trouble> {
     let factor = problem.sign.factor();
     let (hz, shape) = (problem.waveform.frequency_hz(), problem.waveform.shape());
-    suits(problem)?;
-    let vibration = if shape == Shape::Still { 0.0 } else { problem.waveform.amplitude() };
-    let xi = problem.sliding_m_per_s / vibration;
-    let kappa = if vibration == 0.0 && problem.law != Law::Coulomb { 0.0 } else { problem.kappa() };
-    if xi.is_nan() || vibration < 0.0 {
-        return unsuited("there is neither sliding nor vibration");
-    }
+    let (xi, kappa) = coordinates(problem)?;
+    let vibration = vibration_m_per_s(problem);
     let (ratios, forget_per_period, course) = match Lines::new(shape, factor, xi, kappa) {
         _ if xi.is_infinite() => {
             // Sliding alone; the slip of a period in Dahl lengths
@@ -101,6 +122,23 @@ fn sine_ratios(xi: f64, kappa: f64, factor: f64) -> Ratios {
         power_as_printed: None,
         energy_residual: residual,
     }
+}
+
+/// Peak velocity of the vibration, m/s.
+fn vibration_m_per_s(problem: &Problem) -> f64 {
+    if problem.waveform.shape() == Shape::Still { 0.0 } else { problem.waveform.amplitude() }
+}
+
+/// Velocity ratio and kappa of a problem that has a closed form.
+fn coordinates(problem: &Problem) -> Result<(f64, f64), Trouble> {
+    suits(problem)?;
+    let vibration = vibration_m_per_s(problem);
+    let xi = problem.sliding_m_per_s / vibration;
+    let kappa = if vibration == 0.0 && problem.law != Law::Coulomb { 0.0 } else { problem.kappa() };
+    if xi.is_nan() || vibration < 0.0 {
+        return unsuited("there is neither sliding nor vibration");
+    }
+    Ok((xi, kappa))
 }
 
 fn suits(problem: &Problem) -> Result<(), Trouble> {

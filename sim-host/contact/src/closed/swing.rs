@@ -42,7 +42,7 @@ const fn series() -> [(f64, f64); TERMS] {
 
 /// One way.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Swing {
+pub(super) struct Swing {
     half_rad: f64,
     sine: f64,
     cosine: f64,
@@ -53,7 +53,7 @@ pub(crate) struct Swing {
 
 impl Swing {
     /// Forward and backward way of `V = xi + cos p`, for 0 <= xi < 1.
-    pub(crate) fn both(xi: f64, kappa: f64) -> [Swing; 2] {
+    pub(super) fn both(xi: f64, kappa: f64) -> [Swing; 2] {
         let sine = ((1.0 - xi) * (1.0 + xi)).sqrt();
         let backward = sine.atan2(xi);
         [Swing::new(std::f64::consts::PI - backward, sine, -xi, kappa), Swing::new(backward, sine, xi, kappa)]
@@ -66,12 +66,12 @@ impl Swing {
     }
 
     /// Phase of the whole way, rad.
-    pub(crate) fn length_rad(&self) -> f64 {
+    pub(super) fn length_rad(&self) -> f64 {
         2.0 * self.half_rad
     }
 
     /// Half of kappa times the slip of the whole way.
-    pub(crate) fn exponent(&self) -> f64 {
+    pub(super) fn exponent(&self) -> f64 {
         self.exponent
     }
 
@@ -122,7 +122,7 @@ impl Swing {
 
     /// Slip at a phase u since the beginning, up to the middle of the way.
     #[inline]
-    pub(crate) fn slip(&self, u: f64) -> f64 {
+    pub(super) fn slip(&self, u: f64) -> f64 {
         let (one, other) = self.series(u * u);
         u * u * (self.sine * one - self.cosine * u * other)
     }

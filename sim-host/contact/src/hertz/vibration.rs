@@ -1,15 +1,17 @@
-//! A mass on the spring of its contact, driven across it: `m d'' + c d' = W + F0 cos(w t) - K d+^(3/2)`.
+//! A mass on the spring of its contact, driven across it: `m d'' + c d' + Ks (d - d0) = W + F0 cos(w t) - K d+^(3/2)`. The spring Ks that guides
+//! the mass is at rest where the load alone presses.
 //!
-//! In units of the static deflection d0 and of the small-amplitude resonance `wn^2 = (3/2) K sqrt(d0) / m` (Hess and Soom 1991):
+//! In units of the static deflection d0 and of the small-amplitude resonance `wn^2 = (3/2) K sqrt(d0) / m` (Hess and Soom 1991; Ks is ours):
 //!
 //! ```text
-//! y'' + 2 zeta y' + (2/3) y+^(3/2) = (2/3) (1 + alpha cos(b t)),   alpha = F0 / W,  b = w / wn,  zeta = c / (2 m wn)
+//! y'' + 2 zeta y' + s (y - 1) + (2/3) y+^(3/2) = (2/3) (1 + alpha cos(b t))
+//! alpha = F0 / W,  b = w / wn,  zeta = c / (2 m wn),  s = Ks / (m wn^2)
 //! ```
 //!
 //! The spring softens as it opens, so the resonance bends to lower frequencies and the mean deflection falls, by e^2 / 8 for a small
 //! amplitude e. Classical Runge-Kutta of fixed step; where contact is lost or made the force is smooth to its first derivative only,
-//! so a step ends there. Mean force over load must come out as one in a periodic motion, and the energy must close: both are handed
-//! out. Beyond the first loss of contact the motion need not be periodic; then the means are over what there is.
+//! so a step ends there. Without a spring, mean force over load must come out as one in a periodic motion; the energy must close: both are
+//! handed out. Beyond the first loss of contact the motion need not be periodic; then the means are over what there is.
 
 /// States: y, y', and the integrals of y+, y+^(3/2), 1 in contact, input and damping.
 type Y = [f64; 7];
@@ -23,6 +25,10 @@ pub struct DrivenContact {
     pub frequency_ratio: f64,
     /// Damping ratio c / (2 m wn).
     pub damping_ratio: f64,
+    /// Stiffness of the guiding spring over that of the contact, Ks / (m wn^2).
+    pub guide_ratio: f64,
+    /// Where it begins: deflection over d0, and velocity over wn d0.
+    pub start: (f64, f64),
     /// Periods before the means.
     pub settle_periods: u32,
     /// Periods of the means.
@@ -38,7 +44,7 @@ pub struct DrivenMotion {
     pub friction_ratio: f64,
     /// Part of the time in contact.
     pub contact_share: f64,
-    /// Mean normal force over load: one in a periodic motion.
+    /// Mean normal force over load: one in a periodic motion without a guiding spring.
     pub force_balance: f64,
     /// Largest and smallest deflection over d0, at steps' ends.
     pub reach: (f64, f64),
@@ -46,11 +52,22 @@ pub struct DrivenMotion {
     pub energy_residual: f64,
 }
 
-/// Runs from rest at the static deflection.
-pub fn run(contact: &DrivenContact) -> DrivenMotion {
+/// A moment of the motion.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Moment {
+    /// Periods since the beginning.
+    pub periods: f64,
+    /// Deflection over d0; negative is a gap.
+    pub deflection: f64,
+    /// Velocity over wn d0.
+    pub velocity: f64,
+}
+
+/// Runs from the start; `watch` sees the end of every step.
+pub fn run(contact: &DrivenContact, watch: &mut impl FnMut(&Moment)) -> DrivenMotion {
     let period = std::f64::consts::TAU / contact.frequency_ratio;
     let h = period / f64::from(contact.steps_per_period);
-    let mut y: Y = [1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0];
+    let mut y: Y = [contact.start.0, contact.start.1, 0.0, 0.0, 0.0, 0.0, 0.0];
     let mut opened = y;
     let mut reach = (f64::NEG_INFINITY, f64::INFINITY);
     for turn in 0..contact.settle_periods + contact.mean_periods {
@@ -59,6 +76,8 @@ pub fn run(contact: &DrivenContact) -> DrivenMotion {
         }
         for step in 0..contact.steps_per_period {
             y = contact.step(&y, f64::from(step) * h, h);
+            let periods = f64::from(turn) + f64::from(step + 1) / f64::from(contact.steps_per_period);
+            watch(&Moment { periods, deflection: y[0], velocity: y[1] });
             if turn >= contact.settle_periods {
                 reach = (reach.0.max(y[0]), reach.1.min(y[0]));
             }
@@ -67,7 +86,8 @@ pub fn run(contact: &DrivenContact) -> DrivenMotion {
     let time = f64::from(contact.mean_periods) * period;
     let mean = |i: usize| (y[i] - opened[i]) / time;
     // Energies over W d0, whose unit of force over mass is 2/3.
-    let energy = |y: &Y| 0.75 * y[1] * y[1] + 0.4 * y[0].max(0.0).powf(2.5) - y[0];
+    let guide = |y: f64| 0.75 * contact.guide_ratio * (y - 1.0) * (y - 1.0);
+    let energy = |y: &Y| 0.75 * y[1] * y[1] + 0.4 * y[0].max(0.0).powf(2.5) + guide(y[0]) - y[0];
     let residual = (y[5] - opened[5]) - (y[6] - opened[6]) - (energy(&y) - energy(&opened));
     DrivenMotion { friction_ratio: mean(2), contact_share: mean(4), force_balance: mean(3), reach, energy_residual: residual }
 }
@@ -125,27 +145,36 @@ impl DrivenContact {
         let drive = self.force_ratio * (self.frequency_ratio * t).cos();
         let drag = 3.0 * self.damping_ratio * y[1];
         let contact = if touching { 1.0 } else { 0.0 };
-        [y[1], 2.0 / 3.0 * (1.0 + drive - force - drag), deflection, force, contact, drive * y[1], drag * y[1]]
+        let guide = self.guide_ratio * (y[0] - 1.0);
+        [y[1], 2.0 / 3.0 * (1.0 + drive - force - drag) - guide, deflection, force, contact, drive * y[1], drag * y[1]]
     }
 }
 
 #[cfg(test)]
 mod tests {
+    use super::super::{HertzProblem, solve};
     use super::*;
+    use crate::Shape;
 
     const RESONANT: DrivenContact = DrivenContact {
         force_ratio: 0.01,
         frequency_ratio: 1.0,
         damping_ratio: 0.05,
+        guide_ratio: 0.0,
+        start: (1.0, 0.0),
         settle_periods: 60,
         mean_periods: 40,
         steps_per_period: 400,
     };
 
+    fn still(contact: &DrivenContact) -> DrivenMotion {
+        run(contact, &mut |_| ())
+    }
+
     /// A small vibration of amplitude e lowers the mean deflection by e^2 / 8, as mean (1 + y)^(3/2) = 1.
     #[test]
     fn small_vibrations_lower_the_mean_by_an_eighth_of_the_square() {
-        let motion = run(&RESONANT);
+        let motion = still(&RESONANT);
         let e = 0.5 * (motion.reach.0 - motion.reach.1);
         // Linear resonance: (2/3) alpha / (2 zeta)
         assert!((e - 0.0667).abs() < 3e-3, "{motion:?}");
@@ -160,7 +189,7 @@ mod tests {
     fn slow_drives_are_followed() {
         let slow = DrivenContact { force_ratio: 0.6, frequency_ratio: 0.01, damping_ratio: 0.4, settle_periods: 1, ..RESONANT };
         let slow = DrivenContact { mean_periods: 1, steps_per_period: 20_000, ..slow };
-        let motion = run(&slow);
+        let motion = still(&slow);
         let places = 1000;
         let mean = (0..places)
             .map(|i| (1.0 + 0.6 * (std::f64::consts::TAU * f64::from(i) / f64::from(places)).cos()).powf(2.0 / 3.0))
@@ -177,7 +206,7 @@ mod tests {
             let mut most = 0.0f64;
             for step in 1..=60 {
                 let force_ratio = 0.02 * f64::from(step) * if frequency_ratio == 0.9 { 0.2 } else { 1.0 };
-                let motion = run(&DrivenContact { force_ratio, frequency_ratio, steps_per_period: 200, ..RESONANT });
+                let motion = still(&DrivenContact { force_ratio, frequency_ratio, steps_per_period: 200, ..RESONANT });
                 if motion.reach.1 > 0.0 {
                     most = most.max(1.0 - motion.friction_ratio);
                     assert!((motion.force_balance - 1.0).abs() < 1e-3 && motion.energy_residual.abs() < 1e-5, "{motion:?}");
@@ -192,11 +221,38 @@ mod tests {
     #[test]
     fn contact_loss_is_located() {
         let lost = DrivenContact { force_ratio: 0.9, frequency_ratio: 1.1, damping_ratio: 0.2, settle_periods: 0, ..RESONANT };
-        let at = |steps: u32| run(&DrivenContact { steps_per_period: steps, mean_periods: 5, ..lost });
+        let at = |steps: u32| still(&DrivenContact { steps_per_period: steps, mean_periods: 5, ..lost });
         let (coarse, middle, fine) = (at(100), at(400), at(12_800));
         println!("{fine:?} {:e} {:e}", coarse.energy_residual, middle.energy_residual);
         assert!(fine.contact_share < 0.95, "{fine:?}");
         assert!(coarse.energy_residual.abs() < 1e-5 && middle.energy_residual.abs() < coarse.energy_residual.abs() / 64.0);
         assert!((middle.friction_ratio - fine.friction_ratio).abs() < 1e-8, "{middle:?} {fine:?}");
+    }
+
+    /// Far above its resonance the mass moves by `F0 / (m w^2)` whatever the contact does, and only the mean force finds its balance: the
+    /// quasi-static closed form, in contact and beyond.
+    #[test]
+    fn far_above_resonance_it_is_quasi_static() {
+        let problem = HertzProblem { normal_n: 1.0, stiffness_n_per_m15: 1.0, amplitude_m: 0.0, shape: Shape::Sine };
+        for (amplitude_m, bound) in [(0.5, 1e-3), (2.0, 2e-3), (8.0, 1e-2)] {
+            // y'' = (2/3) alpha cos(b t) has the amplitude (2/3) alpha / b^2.
+            let (b, settle_periods) = (30.0f64, 2000);
+            let fast = DrivenContact { frequency_ratio: b, force_ratio: 1.5 * amplitude_m * b * b, settle_periods, ..RESONANT };
+            let fast = DrivenContact { damping_ratio: 0.3, mean_periods: 200, ..fast };
+            let (motion, expected) = (still(&fast), solve(&HertzProblem { amplitude_m, ..problem }).unwrap());
+            println!("{amplitude_m}: {motion:?} {expected:?}");
+            assert!((motion.friction_ratio - expected.friction_ratio).abs() < bound, "{motion:?} {expected:?}");
+            assert!((motion.contact_share - expected.contact_share).abs() < bound, "{motion:?} {expected:?}");
+        }
+    }
+
+    /// A spring beside the contact raises the resonance: beside one as stiff, the static amplitude is half, and the energy closes with it.
+    #[test]
+    fn a_guiding_spring_takes_its_part() {
+        let slow = DrivenContact { force_ratio: 0.02, frequency_ratio: 0.02, guide_ratio: 1.0, settle_periods: 4, ..RESONANT };
+        let motion = still(&DrivenContact { damping_ratio: 0.4, mean_periods: 4, steps_per_period: 10_000, ..slow });
+        let e = 0.5 * (motion.reach.0 - motion.reach.1);
+        assert!((e / (2.0 / 3.0 * 0.02 / 2.0) - 1.0).abs() < 2e-3, "{motion:?}");
+        assert!(motion.energy_residual.abs() < 1e-9, "{motion:?}");
     }
 }

@@ -8,7 +8,8 @@
 //! The function is fitted to the very crashes that it is judged by, so that no function of this form does better. Drawn: mass 14 to 29 kg, and
 //! pulse, stiffness and slack as in [`many`](super::many).
 
-use rand_core::{Rng, SeedableRng};
+use rand_core::SeedableRng;
+use rand_distr::{Distribution, StandardUniform};
 use rand_xoshiro::Xoshiro256PlusPlus;
 use rayon::prelude::*;
 
@@ -44,7 +45,10 @@ pub fn conduct(crashes: u32) -> Result<Vec<Known>, Trouble> {
     let scene = loaded.scene.driven().and_then(|scene| scene.dring()).ok_or_else(|| Trouble::NoCrash("mass".into()))?;
     let base = Bench::of(scene).passive();
     let mut random = Xoshiro256PlusPlus::seed_from_u64(1);
-    let mut between = |from: f64, to: f64| from + (to - from) * (random.next_u64() >> 11) as f64 / (1u64 << 53) as f64;
+    let mut between = |from: f64, to: f64| {
+        let part: f64 = StandardUniform.sample(&mut random);
+        from + (to - from) * part
+    };
     let range =
         |key: &str| VARIED.iter().find(|varied| varied.0.ends_with(key)).map_or((0.0, 0.0), |varied| (varied.1, varied.2));
     let (pulse, stiffness, slack, seat) = (range("pulse_g"), range("stiffness_n_per_m"), range("slack_m"), range("seat_error"));

@@ -1,6 +1,7 @@
 //! What one run is built like, and the numbers by which runs differ.
 
-use rand_core::{Rng, SeedableRng};
+use rand_core::SeedableRng;
+use rand_distr::{Distribution, StandardUniform};
 use rand_xoshiro::Xoshiro256PlusPlus;
 
 /// What one run is built like.
@@ -29,5 +30,5 @@ pub struct Build {
 /// A number in 0 to 1 that belongs to a seed.
 pub fn part(seed: u64, salt: u64) -> f64 {
     let mut random = Xoshiro256PlusPlus::seed_from_u64(seed ^ (salt << 32));
-    (random.next_u64() >> 11) as f64 / (1u64 << 53) as f64
+    StandardUniform.sample(&mut random)
 }

@@ -80,8 +80,8 @@ pub const BUDGET: [Bound; 46] = [
     aiming(&[("process", "one lane, run, 64 samples a block")], "the same in blocks of 64, one lane", Unit::Sample, 59.0, 51.0),
     bound(&[("process", "four lanes, phase loop, run")], "the whole controller, four lanes, phase loop, ON", Unit::Sample, 105.0),
     bound(&[("process", "one lane, phase loop, run")], "the whole controller, one lane, phase loop, ON", Unit::Sample, 85.5),
-    bound(&[("generator", "firmware rotation")], "sine and cosine of the controller", Unit::Sample, 24.0),
-    bound(&[("generator", "firmware rotation")], "error of the same", Unit::Error, 3.2e-5),
+    bound(&[("generator", "rotation")], "sine and cosine of the controller", Unit::Sample, 24.0),
+    bound(&[("generator", "rotation")], "error of the same", Unit::Error, 3.2e-5),
     bound(&[("stage", "lock-in")], "lock-in of voltage and current", Unit::Sample, 24.0),
     bound(&[("stage", "guard")], "guard", Unit::Sample, 5.0),
     aiming(&[("stage", "tracker, observer")], "tracker, led by the observer", Unit::Sample, 17.0, 10.0),
@@ -230,7 +230,7 @@ pub fn judge(counted: &[Counted], generators: &[Row]) -> Result<Vec<Judged>, Tro
                 Unit::Sample => counted.per_sample(),
                 Unit::Block => counted.per_block(),
                 Unit::Error => {
-                    let row = generators.iter().find(|row| row.known.name == kernel);
+                    let row = generators.iter().find(|row| row.generator.name == kernel);
                     row.ok_or_else(|| Trouble::Printed(format!("{kernel:?} is no generator")))?.quality.largest_error
                 }
             })

@@ -27,8 +27,8 @@ fn generators(measurement: &Measurement) -> TableBlock {
     let row = |row: &Row| {
         let quality = &row.quality;
         vec![
-            row.known.name.to_owned(),
-            row.known.how.to_owned(),
+            row.generator.name.to_owned(),
+            row.generator.how.to_owned(),
             format!("{:.1}", row.instructions),
             format!("{:.1e}", quality.largest_error),
             format!("{:.0}", quality.sfdr_db),
@@ -39,8 +39,8 @@ fn generators(measurement: &Measurement) -> TableBlock {
     TableBlock::new(
         "generators",
         "A sine with its cosine",
-        "Instructions a sample of both, from a phase of 64 bits, in blocks of 32, less those of a loop that only hands numbers out. Integers \
-         are counted as integers. Error: the largest of either, from 20 to 250 kHz at 1 Msps. SFDR, SNDR: of a sine at 40.4 kHz.",
+        "Instructions a sample of both, from a phase of 64 bits, in blocks of 32, less those of a loop that only hands numbers out. \
+         Error: the largest of either, from 20 to 250 kHz at 1 Msps. SFDR, SNDR: of a sine at 40.4 kHz.",
         &["generator", "how", "instructions", "largest error", "SFDR [dB]", "SNDR [dB]", "SNDR at 12 bits [dB]"],
         measurement.generators.iter().map(row).collect(),
     )

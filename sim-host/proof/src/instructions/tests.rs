@@ -4,7 +4,7 @@ use std::io::Write as _;
 use std::path::Path;
 use std::sync::LazyLock;
 
-use super::{Measurement, conduct, plot, table};
+use super::{Measurement, conduct, table};
 
 const MARK: &str = "<!-- tables: printed by `sim-host validate instructions` -->\n";
 
@@ -29,28 +29,17 @@ fn the_budget_holds() {
     assert!(missed.is_empty(), "over budget: {missed:?}");
 }
 
-/// `UPDATE_DOCS=1 cargo test -p sonoglide-proof --lib instructions` writes the tables and the plot anew.
+/// `UPDATE_DOCS=1 cargo test -p sonoglide-proof --lib instructions` writes the tables anew.
 #[test]
 fn the_documentation_has_these_counts() {
     let Some(measurement) = measurement() else { return };
-    let docs = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs");
-    let path = docs.join("instructions.md");
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/instructions.md");
     let text = std::fs::read_to_string(&path).expect("the page is there");
     let (head, tables) = text.split_once(MARK).expect("the page has its mark");
     let expected = format!("\n{}", table::markdown(measurement));
     if std::env::var_os("UPDATE_DOCS").is_some() {
         std::fs::write(&path, format!("{head}{MARK}{expected}")).expect("the page can be written");
-        draw(measurement, &docs);
     } else {
         assert!(tables == expected, "docs/instructions.md has other counts; run with UPDATE_DOCS=1");
     }
-}
-
-/// Draws the plot into a folder of its own, and takes the picture from there.
-fn draw(measurement: &Measurement, docs: &Path) {
-    let folder = std::env::temp_dir().join(format!("instructions-{}", std::process::id()));
-    let page = report::Report { figures: vec![plot::figure(measurement)], ..report::Report::default() };
-    report::write(&page, &folder).expect("a folder for the plot");
-    std::fs::copy(folder.join("instructions.png"), docs.join("instructions.png")).expect("the plot can be written");
-    std::fs::remove_dir_all(&folder).expect("the folder goes");
 }

@@ -8,7 +8,7 @@
 //! the scene `experiment-1-fitted`, and in checks that say so.
 
 mod claims;
-mod table_3_1;
+pub(super) mod table_3_1;
 
 pub use table_3_1::table;
 

@@ -69,16 +69,20 @@ impl Rules<'_> {
         }
     }
 
-    /// A Hertzian contact has a solution for a given sine.
+    /// A Hertzian contact has a solution for a given sine, and for a mass that a sine shakes.
     fn hertz(&mut self) {
         const HERTZ: &str = "contact.hertz";
         if !self.given(HERTZ) {
             return;
         }
-        if self.given("rig.sdof") {
-            let message = "a Hertzian contact is studied under a given vibration only";
-            let problem = Problem::new(self.key("rig.sdof"), message, "must be [rig.kinematic] with [contact.hertz]");
-            self.add("rig.sdof", problem.help("its vibration is across the surface, and loads nothing along it"));
+        if self.given("rig.sdof") && self.value(RATIO).is_some() {
+            let message = "the velocity of a mass on a Hertzian contact is not known beforehand";
+            let problem = Problem::new(self.place(RATIO), message, "`velocity_ratio` is of nothing");
+            self.add(
+                RATIO,
+                problem
+                    .help("give `sliding_m_per_s` instead: the vibration is across the surface, and does not count in the slip"),
+            );
         }
         if self.text(WAVEFORM).is_some_and(|waveform| waveform != "sine") {
             let message = "a Hertzian contact is studied under a sine only";

@@ -45,7 +45,10 @@ impl Rules<'_> {
             }
             "closed" if has("rig.sdof") => "an oscillator has no closed form here",
             "frozen" if has("rig.kinematic") => "a given motion is frozen already: take linexp",
-            other if has("contact.hertz") && !["auto", "closed"].contains(&other) => {
+            other if has("contact.hertz") && has("rig.sdof") && !["auto", "rk4-events"].contains(&other) => {
+                "a mass on a Hertzian contact is followed from one loss of contact to the next: rk4-events"
+            }
+            other if has("contact.hertz") && !has("rig.sdof") && !["auto", "closed"].contains(&other) => {
                 "a Hertzian contact has its closed form only"
             }
             _ => return,

@@ -159,7 +159,12 @@ fn a_hertzian_contact_vibrates_across_under_a_sine() {
     assert!(load_text("a.toml", &kinematic(hertz), &[]).is_ok());
     says(&super::report(&kinematic(hertz), &["excitation.waveform=square"]), &["studied under a sine only"]);
     let on_a_mass = ["contact.hertz.mu=0.3", "contact.hertz.stiffness_n_per_m15=1e9"];
-    says(&report(&on_a_mass), &["studied under a given vibration only", "a.toml:14:6"]);
+    says(&report(&on_a_mass), &["not known beforehand", "give `sliding_m_per_s` instead"]);
+    let on_a_mass = [&on_a_mass[..], &["excitation.sliding_m_per_s=0.1"]].concat();
+    assert!(loaded(&on_a_mass).excited().is_some());
+    let by_steps = |method: &'static str| [&on_a_mass[..], &[method]].concat();
+    says(&report(&by_steps("integrator.method=linexp")), &["linexp cannot do this", "rk4-events"]);
+    assert!(loaded(&by_steps("integrator.method=rk4-events")).excited().is_some());
 }
 
 #[test]

@@ -5,7 +5,7 @@ mod whole_run;
 
 use self::between::{coulomb_n, filled};
 use super::axis;
-use crate::study::contact::Solved;
+use crate::study::contact::{Answer, Solved};
 use contact::{Problem, State};
 use report::{Axis, Figure, Series, Style};
 
@@ -17,9 +17,10 @@ pub(super) fn of(solved: &Solved) -> Vec<Figure> {
     if let Some(answer) = &solved.answer
         && solved.film.last_periods().len() > 1
     {
-        let last = Last::new(&answer.problem, solved.film.last_periods());
-        figures.extend([last.friction(), last.against_displacement(), last.against_slip(), last.motion(), last.velocity()]);
-        figures.push(last.power());
+        let last = Last::new(answer, solved.film.last_periods());
+        figures.extend([last.friction(), last.against_displacement()]);
+        figures.extend(last.along.then(|| last.against_slip()));
+        figures.extend([last.motion(), last.velocity(), last.power()]);
     }
     figures.extend(whole_run::of(solved));
     figures
@@ -28,14 +29,18 @@ pub(super) fn of(solved: &Solved) -> Vec<Figure> {
 /// A quantity over the last periods.
 struct Last<'a> {
     problem: &'a Problem,
+    /// Whether the vibration is along the sliding, and counts in the slip.
+    along: bool,
     states: Vec<State>,
     periods: Vec<f64>,
 }
 
 impl<'a> Last<'a> {
-    fn new(problem: &'a Problem, states: &[State]) -> Self {
-        let (hz, states) = (problem.waveform.frequency_hz(), filled(problem, states));
-        Last { problem, periods: states.iter().map(|state| hz * state.time_s).collect(), states }
+    fn new(answer: &'a Answer, states: &[State]) -> Self {
+        let (problem, along) = (&answer.problem, answer.across.is_none());
+        let hz = problem.waveform.frequency_hz();
+        let states = if along { filled(problem, states) } else { states.to_vec() };
+        Last { problem, along, periods: states.iter().map(|state| hz * state.time_s).collect(), states }
     }
 
     fn values(&self, value: impl Fn(&State) -> f64) -> Vec<f64> {
@@ -44,7 +49,8 @@ impl<'a> Last<'a> {
 
     /// Slip velocity V, m/s.
     fn slip(&self, state: &State) -> f64 {
-        self.problem.sliding_m_per_s + self.problem.sign.factor() * state.v_m_per_s
+        let along = if self.along { self.problem.sign.factor() * state.v_m_per_s } else { 0.0 };
+        self.problem.sliding_m_per_s + along
     }
 
     fn over_time(&self, (id, title, caption): (&str, &str, &str), y: &str, series: Series) -> Figure {

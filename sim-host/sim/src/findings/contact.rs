@@ -5,7 +5,7 @@ use crate::study::Study;
 use crate::study::contact::Solved;
 use contact::Solution;
 use report::TableBlock;
-use scene::{Body, Sign, VibrationVelocity, problem};
+use scene::{Body, Model, Sign, VibrationVelocity, problem};
 
 /// What a contact study is.
 pub(super) const PREFACE: &str = "A contact study: a given excitation shakes the contact; no controller, converter or stack is \
@@ -15,6 +15,7 @@ pub(super) const PREFACE: &str = "A contact study: a given excitation shakes the
 pub(super) fn remarks(solved: &Solved) -> Vec<String> {
     let mut remarks = Vec::new();
     if let Body::Sdof(sdof) = solved.scene.body
+        && !matches!(solved.scene.model, Model::Hertz(_))
         && problem::resonates(sdof.mass_kg, sdof.stiffness_n_per_m, sdof.damping_ratio, solved.scene.excitation.frequency_hz)
     {
         remarks.push(
@@ -114,7 +115,14 @@ fn ratios(study: &Study, solved: &Solved, solution: &Solution) -> TableBlock {
         ("kappa", own("kappa"), "Kt Vv / (w Fc): vibration amplitude in Dahl lengths"),
         ("peak velocity [m/s]", own("peak_velocity_m_per_s"), "of the whole run"),
     ];
-    let rows = rows.into_iter().filter_map(|(what, value, is)| Some(vec![what.into(), value?, is.into()])).collect();
+    let across = [
+        ("in contact [% of the time]", own("contact_time_percent"), "vibration across the surface"),
+        ("mean indentation [m]", own("mean_indentation_m"), "nothing while the bodies are apart"),
+        ("mean normal force [N]", own("mean_normal_n"), "the load, where nothing else carries it"),
+        ("largest normal force [N]", own("peak_normal_n"), ""),
+    ];
+    let rows =
+        rows.into_iter().chain(across).filter_map(|(what, value, is)| Some(vec![what.into(), value?, is.into()])).collect();
     let caption = format!("Means over periods {} to {}.", number(from_s * hz), number(to_s * hz));
     TableBlock::new("ratios", "Friction and power", &caption, &["", "value", "is"], rows)
 }

@@ -13,19 +13,24 @@
 //! | `stored_ratio`, `damper_ratio` | energy gained by mass and spring, and lost in the damper, over Fc Vt times the window |
 //! | `power_ratio_as_printed` | `1 + phi_iu - phi_su` (4.35), which is wrong and kept to be shown |
 //! | `energy_residual` | what the energy identity misses, over Fc Vt times the window |
+//! | `contact_time_percent` | part of the window in contact, of a vibration across the surface; so are the next three |
+//! | `mean_indentation_m` | mean deflection of the contact; nothing while the bodies are apart |
+//! | `mean_normal_n`, `peak_normal_n` | mean and largest normal force. The mean is the load, where nothing else carries it |
 //! | `kappa` | Kt Vv / (w Fc): vibration amplitude in Dahl lengths |
 //! | `error_estimate` | how far the friction ratio is from that of half the step |
 //! | `steps_per_period`, `plant_states`, `ns_per_period` | what the solution took |
 
 use super::Metrics;
-use contact::{Method, Motion, Problem, Solution};
+use crate::study::contact::Answer;
+use contact::{Method, Motion};
 use scene::{Excited, problem};
 
 /// The one metric that depends on the machine.
 pub const WALL: &str = "ns_per_period";
 
 /// The numbers of a solved study.
-pub fn of(study: &Excited, problem: &Problem, solution: &Solution) -> Metrics {
+pub fn of(study: &Excited, answer: &Answer) -> Metrics {
+    let Answer { problem, solution, across } = answer;
     let mut metrics = Metrics::default();
     let (ratios, tally) = (&solution.ratios, solution.tally.as_ref());
     let coulomb_n = tally.map_or(problem.coulomb_n, |tally| tally.coulomb_n);
@@ -34,7 +39,15 @@ pub fn of(study: &Excited, problem: &Problem, solution: &Solution) -> Metrics {
     metrics.put("friction_on_n", ratios.friction * coulomb_n);
     metrics.put("friction_ratio", ratios.friction);
     metrics.put("reduction_percent", 100.0 * (1.0 - ratios.friction));
-    metrics.put("velocity_ratio", problem.sliding_m_per_s / sine.vibration_m_per_s());
+    // A mass on its contact has no vibration by itself.
+    let shaken_across = across.is_some() && problem.motion != Motion::Kinematic;
+    metrics.put("velocity_ratio", (!shaken_across).then(|| problem.sliding_m_per_s / sine.vibration_m_per_s()));
+    if let Some(across) = across {
+        metrics.put("contact_time_percent", 100.0 * across.contact_share);
+        metrics.put("mean_indentation_m", across.mean_indentation_m);
+        metrics.put("mean_normal_n", across.mean_normal_n);
+        metrics.put("peak_normal_n", across.peak_normal_n);
+    }
     metrics.put("peak_velocity_m_per_s", tally.map(|tally| tally.peak_velocity_m_per_s));
     metrics.put("peak_displacement_m", tally.map(|tally| tally.peak_displacement_m));
     metrics.put("peak_force_ratio", tally.map(|tally| tally.peak_force_ratio));

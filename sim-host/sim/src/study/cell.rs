@@ -6,8 +6,8 @@ use std::sync::atomic::AtomicBool;
 use super::swept::Swept;
 use super::{StudyError, contact, driven};
 use crate::metrics::Metrics;
-use scene::Kind;
 use scene::load::Loaded;
+use scene::{Kind, Scene};
 
 /// The scene of a cell; `place` names it.
 pub(super) fn load(loaded: &Loaded, place: &str, sets: &[String]) -> Result<Loaded, StudyError> {
@@ -15,8 +15,8 @@ pub(super) fn load(loaded: &Loaded, place: &str, sets: &[String]) -> Result<Load
 }
 
 /// Runs a cell, and measures it.
-pub(super) fn run(cell: &Loaded, place: &str, stop: &AtomicBool) -> Result<Metrics, StudyError> {
-    let metrics = match cell.scene.kind().ok_or(StudyError::Incomplete)? {
+pub(super) fn run(cell: &Scene, place: &str, stop: &AtomicBool) -> Result<Metrics, StudyError> {
+    let metrics = match cell.kind().ok_or(StudyError::Incomplete)? {
         Kind::Driven(scene) => driven::cell(&scene, stop),
         Kind::Excited(scene) => contact::cell(&scene, stop),
     };

@@ -133,7 +133,7 @@ impl Bench<'_> {
     fn peak(&self, case: &Case) -> Result<CaseResult, StudyError> {
         let (place, loaded) = self.load(case, None)?;
         let amplitude = number(&loaded, &self.comparison.amplitude_key).ok_or(StudyError::Incomplete)?;
-        let metrics = cell::run(&loaded, &place, self.stop)?;
+        let metrics = cell::run(&loaded.scene, &place, self.stop)?;
         let standing = fault(&metrics).map_or(Standing::Equal { off: 0.0 }, |fault| Standing::Unmeasured { fault: Some(fault) });
         Ok(CaseResult { name: case.name.clone(), amplitude, metrics, standing })
     }
@@ -160,7 +160,7 @@ impl Bench<'_> {
         let mut runs = vec![(peak.amplitude, peak.metrics.clone())];
         let found = find(peak.metrics.get(metric), peak.amplitude, target, |amplitude| {
             let (place, loaded) = self.load(case, Some(amplitude))?;
-            let metrics = cell::run(&loaded, &place, self.stop)?;
+            let metrics = cell::run(&loaded.scene, &place, self.stop)?;
             let measured = metrics.get(metric);
             runs.push((amplitude, metrics));
             Ok::<_, StudyError>(measured)

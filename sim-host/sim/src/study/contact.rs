@@ -1,16 +1,14 @@
 //! A study of a contact by itself.
 
-use std::f64::consts::TAU;
 use std::sync::atomic::AtomicBool;
 
 use super::StudyError;
+use super::across::{self, Across};
 use super::film::Film;
 use super::stopped::{leave_if, unless_stopped};
 use crate::metrics::{self, Metrics};
-use contact::hertz::{self, HertzProblem};
-use contact::tally::Ratios;
-use contact::{self, Clock, Law, Method, Problem, Solution, State, Trouble};
-use scene::{Excited, Hertz, Model, problem};
+use contact::{self, Clock, Law, Problem, Solution, State, Trouble};
+use scene::{Excited, Model, problem};
 
 /// A contact study, solved.
 #[derive(Clone, Debug)]
@@ -30,6 +28,8 @@ pub struct Answer {
     pub problem: Problem,
     /// Its solution.
     pub solution: Solution,
+    /// The normal direction, if the vibration is across the surface.
+    pub across: Option<Across>,
 }
 
 /// Solves a scene, films it and measures it.
@@ -61,7 +61,7 @@ pub(super) fn cell(scene: &Excited, stop: &AtomicBool) -> Result<Metrics, StudyE
 }
 
 fn measured(scene: &Excited, answer: Option<&Answer>) -> Metrics {
-    answer.map_or_else(Metrics::default, |answer| metrics::contact::of(scene, &answer.problem, &answer.solution))
+    answer.map_or_else(Metrics::default, |answer| metrics::contact::of(scene, answer))
 }
 
 fn answer(
@@ -71,48 +71,13 @@ fn answer(
 ) -> Result<Answer, Trouble> {
     // A Hertzian contact has Coulomb's law between its normal force and its friction.
     let problem = problem::problem(scene, problem::law(&scene.model).unwrap_or(Law::Coulomb))?;
-    let solution = match scene.model {
-        Model::Hertz(model) => hertz(&problem, model, clock, watch)?,
-        _ => contact::solve_with(&problem, &problem::numerics(scene), &|| leave_if(stop), clock, watch)?,
+    let (numerics, pause) = (problem::numerics(scene), || leave_if(stop));
+    let (solution, across) = match scene.model {
+        Model::Hertz(model) => {
+            let (solution, across) = across::solve(&problem, model, &numerics, (&pause, clock), watch)?;
+            (solution, Some(across))
+        }
+        _ => (contact::solve_with(&problem, &numerics, &pause, clock, watch)?, None),
     };
-    Ok(Answer { problem, solution })
-}
-
-/// Vibration across the surface, in closed form: the body moves by `vibration / w` about its mean distance.
-fn hertz(problem: &Problem, model: &Hertz, clock: Option<Clock>, watch: &mut impl FnMut(&State)) -> Result<Solution, Trouble> {
-    let omega = TAU * problem.waveform.frequency_hz();
-    let across = HertzProblem {
-        normal_n: problem.coulomb_n / model.mu,
-        stiffness_n_per_m15: model.stiffness_n_per_m15,
-        amplitude_m: problem.vibration_m_per_s() / omega,
-        shape: problem.waveform.shape(),
-    };
-    let began = clock.map(|clock| clock());
-    let found = hertz::solve(&across)?;
-    let ns = clock.zip(began).map(|(clock, began)| (clock() - began).as_secs_f64() * 1e9);
-    for point in hertz::period(&across, &found) {
-        watch(&State {
-            time_s: point.phase_turns / problem.waveform.frequency_hz(),
-            x_m: point.deflection_m - found.mean_deflection_m,
-            v_m_per_s: -problem.vibration_m_per_s() * (TAU * point.phase_turns).sin(),
-            // Friction is in proportion to the contact area, and that to the deflection.
-            force_n: problem.coulomb_n * point.deflection_m.max(0.0) / found.static_deflection_m,
-        });
-    }
-    Ok(Solution {
-        method: Method::Closed,
-        why: format!(
-            "vibration across a Hertzian contact, quasi-static: in contact for {:.1} % of the period",
-            100.0 * found.contact_share
-        ),
-        steps_per_period: None,
-        order: None,
-        // The slip does not vary, so power goes as force.
-        ratios: Ratios { friction: found.friction_ratio, power: Some(found.friction_ratio), ..Ratios::default() },
-        tally: None,
-        error_estimate: None,
-        warnings: Vec::new(),
-        states: 0,
-        ns_per_period: ns.map(|ns| ns / (problem.duration_s * problem.waveform.frequency_hz())),
-    })
+    Ok(Answer { problem, solution, across })
 }

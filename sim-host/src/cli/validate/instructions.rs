@@ -6,13 +6,13 @@ use std::process::ExitCode;
 use clap::Args;
 
 use crate::cli::{Color, RUN_FAILED, table};
-use proof::instructions::{self, Measurement, plot, table as tables};
+use proof::instructions::{self, Measurement, table as tables};
 use report::{self, Report};
 
 /// Arguments of the command.
 #[derive(Args)]
 pub(super) struct InstructionsArgs {
-    /// Folder for the tables and the plot.
+    /// Folder for the tables.
     #[arg(short, long = "output", value_name = "DIR", default_value = "out/instructions")]
     output: PathBuf,
     /// Write no files.
@@ -39,7 +39,6 @@ fn page(measurement: &Measurement) -> Report {
         title: "Instructions: speed against error on the target".into(),
         subtitle: "Counted by an emulated Cortex-M4F; instructions, not cycles".into(),
         tables: tables::tables(measurement),
-        figures: vec![plot::figure(measurement)],
         footer: vec![("sim-host".into(), sim::findings::VERSION.to_owned())],
         ..Report::default()
     }

@@ -1,9 +1,10 @@
-//! The generators of the drive, each in blocks, net of a loop that does nothing but hand out numbers.
+//! The sine and cosine of the drive, in the two ways in which the controller makes them, net of a loop that does nothing but hand out numbers.
 
 use core::hint::black_box;
 
-use candidates::{Generator, Pair, Visitor};
-use firmware::nco::tuning_word;
+use firmware::nco::{Stretch, tuning_word};
+use firmware::phasor::Phasor;
+use firmware::shape::sine::{self, Steady};
 use qemu_m4::counter::Counter;
 
 use crate::csv::line;
@@ -13,56 +14,53 @@ use crate::repeat::repeat;
 const SAMPLES: usize = 32;
 const REPETITIONS: u32 = 600;
 
-/// Counts every candidate.
+/// Counts both.
 pub fn count(counter: &Counter) {
-    let empty = blocks::<Empty>(counter);
-    candidates::each(&mut Counting { counter, empty });
-}
-
-struct Counting<'a> {
-    counter: &'a Counter,
-    /// Ticks of the empty loop.
-    empty: i64,
-}
-
-impl Visitor for Counting<'_> {
-    fn visit<G: Generator>(&mut self) {
-        line("generator", G::NAME, SAMPLES, REPETITIONS, blocks::<G>(self.counter) - self.empty);
-    }
+    let empty = blocks(counter, nothing);
+    let print = |name, ticks: i64| line("generator", name, SAMPLES, REPETITIONS, ticks - empty);
+    print("rotation", blocks(counter, rotations));
+    print("swing", blocks(counter, swings));
 }
 
 /// Ticks of blocks, with the phase going on from block to block as in the controller.
 #[inline(never)]
-fn blocks<G: Generator>(counter: &Counter) -> i64 {
+fn blocks(counter: &Counter, block: impl Fn(&Stretch, usize)) -> i64 {
     let word = tuning_word(40_400.0 / 1e6);
     let mut phase = 0;
     repeat(counter, REPETITIONS, || {
         let (samples, word) = (black_box(SAMPLES), black_box(word));
-        G::block(phase, word, samples, |pair| {
-            black_box(pair.sin);
-            black_box(pair.cos);
-        });
+        block(&Stretch { phase, word, step: 0 }, samples);
         phase = phase.wrapping_add(word.wrapping_mul(samples as u64));
     })
 }
 
-/// Nothing: the loop and the sink, which are no part of a generator.
-struct Empty;
+fn sink(sine: f32, cosine: f32) {
+    black_box(sine);
+    black_box(cosine);
+}
 
-impl Generator for Empty {
-    type Number = f32;
-    const ONE: f64 = 1.0;
-    const NAME: &'static str = "";
-    const FAMILY: &'static str = "";
-    const HOW: &'static str = "";
-
-    fn pair(_: u64) -> Pair<f32> {
-        Pair::default()
+/// A rotation by the phase of each sample.
+#[inline]
+fn rotations(stretch: &Stretch, samples: usize) {
+    let mut phase = stretch.phase;
+    for _ in 0..samples {
+        let turned = sine::rotation(phase);
+        sink(turned.im, turned.re);
+        phase = phase.wrapping_add(stretch.word);
     }
+}
 
-    #[inline]
-    fn block(phase: u64, word: u64, samples: usize, mut sink: impl FnMut(Pair<f32>)) {
-        let pair = Pair { sin: phase as u32 as f32, cos: word as u32 as f32 };
-        (0..samples).for_each(|_| sink(pair));
-    }
+/// Two swings, set anew for the block, one a quarter turn ahead of the other.
+#[inline]
+fn swings(stretch: &Stretch, samples: usize) {
+    let steady = Steady::new(stretch);
+    let (mut sine, mut cosine) = (steady.swing(Phasor::new(1.0, 0.0)), steady.swing(Phasor::new(0.0, 1.0)));
+    (0..samples).for_each(|_| sink(sine.take(), cosine.take()));
+}
+
+/// The loop and the sink, which are no part of a generator.
+#[inline]
+fn nothing(stretch: &Stretch, samples: usize) {
+    let (sine, cosine) = (stretch.phase as u32 as f32, stretch.word as u32 as f32);
+    (0..samples).for_each(|_| sink(sine, cosine));
 }

@@ -4,31 +4,17 @@ use std::f64::consts::TAU;
 
 use super::Erratum;
 use crate::thesis::claim::{Check, number};
+use crate::thesis::experiment_1::table_3_1::{
+    BOLT_N_PER_M, CAPACITANCE_F, D33_M_PER_V, DISCS, DRIVE_A, DRIVE_V, FREQUENCY_HZ, NOMINAL_M, PRINTED_CURRENT_A,
+    PRINTED_IMPEDANCE_OHM, REQUIRED_M, STACK_N_PER_M, voltage_v,
+};
 
-/// Table 3.1 as printed.
-const DISCS: f64 = 62.0;
-const D33_M_PER_V: f64 = 730e-12;
-const REQUIRED_M: f64 = 0.7e-6;
-const FREQUENCY_HZ: f64 = 40e3;
-const CAPACITANCE_F: f64 = 300e-9;
-const PRINTED_CURRENT_A: f64 = 1.75;
-const PRINTED_IMPEDANCE_OHM: f64 = 8.84;
-const STACK_N_PER_M: f64 = 3.14e8;
-const BOLT_N_PER_M: f64 = 3.7e7;
-const NOMINAL_M: f64 = 36e-6;
-/// Drive of experiment 1 (3.1.4), peak to peak.
-const DRIVE_V: f64 = 6.0;
-const DRIVE_A: f64 = 2.0;
 /// Power that 5.2 states, W.
 const PRINTED_POWER_W: f64 = 6.0;
 
 /// What is wrong with it.
 pub fn errata() -> Vec<Erratum> {
     vec![frequency(), coupling(), displacement(), power()]
-}
-
-fn voltage_v() -> f64 {
-    REQUIRED_M / (D33_M_PER_V * DISCS)
 }
 
 fn frequency() -> Erratum {
@@ -86,12 +72,12 @@ fn displacement() -> Erratum {
 }
 
 fn power() -> Erratum {
-    // Peak values are half of peak to peak; the mean of two sines in phase is half the product of the peaks.
-    let most = 0.5 * (0.5 * DRIVE_V) * (0.5 * DRIVE_A);
+    // The mean of two sines in phase is half the product of the peaks.
+    let most = 0.5 * DRIVE_V * DRIVE_A;
     let numbers = vec![
         number("most that 6 V and 2 A peak to peak can carry [W]", most),
         number("5.2 states [W]", PRINTED_POWER_W),
-        number("Vpp Ipp/2 [W]", 0.5 * DRIVE_V * DRIVE_A),
+        number("Vpp Ipp/2 [W]", 0.5 * (2.0 * DRIVE_V) * (2.0 * DRIVE_A)),
     ];
     Erratum {
         id: "transducer-power",

@@ -4,31 +4,48 @@ use std::f64::consts::TAU;
 
 use report::{TableBlock, significant};
 
-const DISCS: f64 = 62.0;
-const D33_M_PER_V: f64 = 730e-12;
-const REQUIRED_M: f64 = 0.7e-6;
-const FREQUENCY_HZ: f64 = 40e3;
-const CAPACITANCE_F: f64 = 300e-9;
+/// Discs of the stack, n.
+pub(in crate::thesis) const DISCS: f64 = 62.0;
+/// Piezoelectric coefficient d33, m/V.
+pub(in crate::thesis) const D33_M_PER_V: f64 = 730e-12;
+/// Required displacement, m.
+pub(in crate::thesis) const REQUIRED_M: f64 = 0.7e-6;
+/// Frequency, Hz.
+pub(in crate::thesis) const FREQUENCY_HZ: f64 = 40e3;
+/// Capacitance, F.
+pub(in crate::thesis) const CAPACITANCE_F: f64 = 300e-9;
+/// Preload, N.
 const PRELOAD_N: f64 = 670.0;
-const STACK_N_PER_M: f64 = 3.14e8;
-const BOLT_N_PER_M: f64 = 3.7e7;
-const NOMINAL_M: f64 = 36e-6;
+/// Maximum current, A, and impedance, ohm.
+pub(in crate::thesis) const PRINTED_CURRENT_A: f64 = 1.75;
+pub(in crate::thesis) const PRINTED_IMPEDANCE_OHM: f64 = 8.84;
+/// Stiffness of the stack, N/m.
+pub(in crate::thesis) const STACK_N_PER_M: f64 = 3.14e8;
+/// Stiffness of the bolt, N/m.
+pub(in crate::thesis) const BOLT_N_PER_M: f64 = 3.7e7;
+/// Nominal displacement, m.
+pub(in crate::thesis) const NOMINAL_M: f64 = 36e-6;
 /// Rod of the half-wave model (3.1.2).
 const MODULUS_PA: f64 = 120e9;
 const DENSITY_KG_PER_M3: f64 = 7900.0;
 const LENGTH_M: f64 = 0.048_76;
-/// Drive (3.1.4), peak.
-const DRIVE_V: f64 = 3.0;
-const DRIVE_A: f64 = 1.0;
+/// Drive of experiment 1 (3.1.4), V and A peak.
+pub(in crate::thesis) const DRIVE_V: f64 = 3.0;
+pub(in crate::thesis) const DRIVE_A: f64 = 1.0;
 /// Coupling that the scene's stack is assumed to have.
 const COUPLING: f64 = 0.25;
 
 /// A row agrees if what follows is within this of what is printed.
 const AGREES: f64 = 0.01;
 
+/// Voltage for the required displacement, V: the table's maximum.
+pub(in crate::thesis) fn voltage_v() -> f64 {
+    REQUIRED_M / (D33_M_PER_V * DISCS)
+}
+
 /// Table 3.1: printed, and what follows.
 pub fn table() -> TableBlock {
-    let voltage = REQUIRED_M / (D33_M_PER_V * DISCS);
+    let voltage = voltage_v();
     let speed = (MODULUS_PA / DENSITY_KG_PER_M3).sqrt();
     let area = STACK_N_PER_M * LENGTH_M / MODULUS_PA;
     let mass = DENSITY_KG_PER_M3 * area * LENGTH_M;
@@ -54,8 +71,8 @@ pub fn table() -> TableBlock {
         given("frequency", "40 kHz".into()),
         derived("preload", PRELOAD_N, "N", 150.0 * 4.448_222, "150 lb"),
         given("capacitance", "300 nF".into()),
-        derived("current, maximum", 1.75, "A", susceptance * voltage, "2 pi f C V"),
-        derived("impedance", 8.84, "ohm", 1.0 / susceptance, "1/(2 pi f C)"),
+        derived("current, maximum", PRINTED_CURRENT_A, "A", susceptance * voltage, "2 pi f C V"),
+        derived("impedance", PRINTED_IMPEDANCE_OHM, "ohm", 1.0 / susceptance, "1/(2 pi f C)"),
         given("stiffness of stack, of bolt", "3.14e8 N/m, 3.7e7 N/m".into()),
         derived("deflection by the preload", 2.133, "um", 1e6 * PRELOAD_N / STACK_N_PER_M, "preload over stiffness"),
         given("nominal displacement", "36 um".into()),

@@ -1,0 +1,235 @@
+//! A contact study whose vibration is across the surface, on a Hertzian contact: the vibration is given (`rig.kinematic`), or a force shakes a
+//! mass that lies on the contact (`rig.sdof`), until it bounces if the force is large.
+
+use std::f64::consts::TAU;
+
+use contact::hertz::vibration::{self, DrivenContact, DrivenMotion, Moment};
+use contact::hertz::{self, HertzProblem};
+use contact::tally::Ratios;
+use contact::{Clock, Method, Motion, Numerics, Problem, Solution, State, Trouble};
+use scene::Hertz;
+
+/// Largest step, in radians of the contact's own resonance, to begin with.
+const STEP_RAD: f64 = 0.2;
+/// Fewest steps a period to begin with, and most.
+const STEPS: (u32, u32) = (64, 1 << 14);
+/// Error of a mean over many steps.
+const ROUND_OFF: f64 = 1e-13;
+
+/// What is known of the normal direction beside the solution.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Across {
+    /// Part of the window in contact.
+    pub contact_share: f64,
+    /// Mean deflection while in contact, over the whole window, m.
+    pub mean_indentation_m: f64,
+    /// Mean normal force, N.
+    pub mean_normal_n: f64,
+    /// Largest normal force, N.
+    pub peak_normal_n: f64,
+}
+
+/// Solves it; `pause` is called now and then in the runs that nobody watches.
+pub(super) fn solve(
+    problem: &Problem,
+    model: &Hertz,
+    numerics: &Numerics,
+    (pause, clock): (&dyn Fn(), Option<Clock>),
+    watch: &mut impl FnMut(&State),
+) -> Result<(Solution, Across), Trouble> {
+    match problem.motion {
+        Motion::Kinematic => given(problem, model, clock, watch),
+        Motion::Sdof { mass_kg, stiffness_n_per_m, damping_n_s_per_m } => {
+            let shaken = Shaken::of(problem, model, (mass_kg, stiffness_n_per_m, damping_n_s_per_m))?;
+            shaken.solve(numerics, (pause, clock), watch)
+        }
+    }
+}
+
+/// A given vibration, in closed form: the body moves by `vibration / w` about its mean distance.
+fn given(
+    problem: &Problem,
+    model: &Hertz,
+    clock: Option<Clock>,
+    watch: &mut impl FnMut(&State),
+) -> Result<(Solution, Across), Trouble> {
+    let hz = problem.waveform.frequency_hz();
+    let across = HertzProblem {
+        normal_n: problem.coulomb_n / model.mu,
+        stiffness_n_per_m15: model.stiffness_n_per_m15,
+        amplitude_m: problem.vibration_m_per_s() / (TAU * hz),
+        shape: problem.waveform.shape(),
+    };
+    let (found, ns) = timed(clock, || hertz::solve(&across));
+    let found = found?;
+    let mut peak_normal_n = 0.0f64;
+    for point in hertz::period(&across, &found) {
+        peak_normal_n = peak_normal_n.max(point.normal_n);
+        watch(&State {
+            time_s: point.phase_turns / hz,
+            x_m: point.deflection_m - found.mean_deflection_m,
+            v_m_per_s: -problem.vibration_m_per_s() * (TAU * point.phase_turns).sin(),
+            force_n: friction_n(problem, point.deflection_m / found.static_deflection_m),
+        });
+    }
+    let solution = Solution {
+        method: Method::Closed,
+        why: format!(
+            "vibration across a Hertzian contact, quasi-static: in contact for {:.1} % of the period",
+            100.0 * found.contact_share
+        ),
+        steps_per_period: None,
+        order: None,
+        ratios: ratios(found.friction_ratio),
+        tally: None,
+        error_estimate: None,
+        warnings: Vec::new(),
+        states: 0,
+        ns_per_period: ns.map(|ns| ns / (problem.duration_s * hz)),
+    };
+    let across = Across {
+        contact_share: found.contact_share,
+        mean_indentation_m: found.friction_ratio * found.static_deflection_m,
+        mean_normal_n: across.normal_n,
+        peak_normal_n,
+    };
+    Ok((solution, across))
+}
+
+/// What `work` returns, and how long it took, ns, if there is a clock.
+fn timed<T>(clock: Option<Clock>, work: impl FnOnce() -> T) -> (T, Option<f64>) {
+    let began = clock.map(|clock| clock());
+    let done = work();
+    (done, clock.zip(began).map(|(clock, began)| (clock() - began).as_secs_f64() * 1e9))
+}
+
+/// Friction at a deflection over the static one, N: it is in proportion to the contact area, and that to the deflection.
+fn friction_n(problem: &Problem, deflection: f64) -> f64 {
+    problem.coulomb_n * deflection.max(0.0)
+}
+
+/// The slip does not vary, so power goes as force.
+fn ratios(friction: f64) -> Ratios {
+    Ratios { friction, power: Some(friction), ..Ratios::default() }
+}
+
+/// A mass that a force shakes, and the units of its motion.
+struct Shaken<'a> {
+    problem: &'a Problem,
+    contact: DrivenContact,
+    load_n: f64,
+    static_m: f64,
+    /// Small-amplitude resonance on the contact, rad/s.
+    resonance_rad_per_s: f64,
+}
+
+impl<'a> Shaken<'a> {
+    fn of(problem: &'a Problem, model: &Hertz, (mass_kg, spring_n_per_m, damping): (f64, f64, f64)) -> Result<Self, Trouble> {
+        let hz = problem.waveform.frequency_hz();
+        let whole = |time_s: f64| {
+            let periods = time_s * hz;
+            ((periods - periods.round()).abs() < 1e-9 * periods.max(1.0)).then_some(periods.round() as u32)
+        };
+        let Some((from, to)) = whole(problem.window_s.0).zip(whole(problem.window_s.1)) else {
+            let reason = "the window is not whole periods: give `integrator.window_periods`".to_owned();
+            return Err(Trouble::Unsuited { method: Method::Rk4Events.name(), reason });
+        };
+        let load_n = problem.coulomb_n / model.mu;
+        let static_m = (load_n / model.stiffness_n_per_m15).powf(2.0 / 3.0);
+        let contact_n_per_m = 1.5 * model.stiffness_n_per_m15 * static_m.sqrt();
+        let resonance = (contact_n_per_m / mass_kg).sqrt();
+        let contact = DrivenContact {
+            force_ratio: problem.waveform.amplitude() / load_n,
+            frequency_ratio: TAU * hz / resonance,
+            damping_ratio: damping / (2.0 * mass_kg * resonance),
+            guide_ratio: spring_n_per_m / contact_n_per_m,
+            start: (1.0 + problem.start.x_m / static_m, problem.start.v_m_per_s / (resonance * static_m)),
+            settle_periods: from,
+            mean_periods: to - from,
+            steps_per_period: STEPS.0,
+        };
+        Ok(Shaken { problem, contact, load_n, static_m, resonance_rad_per_s: resonance })
+    }
+
+    /// Halves the step until the friction ratio stands still within the tolerance. Of a mass that bounces without a period it never does: there it
+    /// ends, and says how well the mean is known.
+    fn solve(
+        &self,
+        numerics: &Numerics,
+        (pause, clock): (&dyn Fn(), Option<Clock>),
+        watch: &mut impl FnMut(&State),
+    ) -> Result<(Solution, Across), Trouble> {
+        let at = |steps: u32| {
+            let contact = DrivenContact { steps_per_period: steps, ..self.contact };
+            self.finite(vibration::run(&contact, &mut |_| pause()))
+        };
+        let resolved = (TAU / self.contact.frequency_ratio / STEP_RAD).ceil().clamp(1.0, f64::from(STEPS.1) / 2.0) as u32;
+        let mut steps = numerics.steps_per_period.unwrap_or(resolved.max(STEPS.0));
+        let (mut coarse, mut fine) = (at(steps)?, at(2 * steps)?);
+        let apart = |a: &DrivenMotion, b: &DrivenMotion| (a.friction_ratio - b.friction_ratio).abs().max(ROUND_OFF);
+        while numerics.steps_per_period.is_none() && apart(&coarse, &fine) > numerics.tolerance && 4 * steps <= STEPS.1 {
+            let finer = at(4 * steps)?;
+            let settles = apart(&fine, &finer) < 0.5 * apart(&coarse, &fine);
+            steps *= 2;
+            (coarse, fine) = (fine, finer);
+            if !settles {
+                break;
+            }
+        }
+        // What was asked for is what is shown; of what was found, the finer.
+        let shown = if numerics.steps_per_period.is_none() { 2 * steps } else { steps };
+        let error = apart(&coarse, &fine);
+        let asked = numerics.tolerance;
+        let missed = format!("the tolerance of {asked:e} is not met: the friction ratio is good to {error:.1e}");
+        let (motion, ns) = timed(clock, || at(shown));
+        let motion = motion?;
+        vibration::run(&DrivenContact { steps_per_period: shown, ..self.whole() }, &mut |moment| watch(&self.state(moment)));
+        let sliding_j =
+            self.problem.coulomb_n * self.problem.sliding_m_per_s * (self.problem.window_s.1 - self.problem.window_s.0);
+        let residual_j = motion.energy_residual * self.load_n * self.static_m;
+        let energy_residual = (sliding_j != 0.0).then(|| residual_j / sliding_j);
+        let solution = Solution {
+            method: Method::Rk4Events,
+            why: format!(
+                "a mass on a Hertzian contact, shaken across it at {:.3} of its resonance: in contact for {:.1} % of the window",
+                self.contact.frequency_ratio,
+                100.0 * motion.contact_share
+            ),
+            steps_per_period: Some(shown),
+            order: None,
+            ratios: Ratios { energy_residual, ..ratios(motion.friction_ratio) },
+            tally: None,
+            error_estimate: Some(error),
+            warnings: (error > asked).then_some(missed).into_iter().collect(),
+            states: 2,
+            ns_per_period: ns.map(|ns| ns / f64::from(self.contact.settle_periods + self.contact.mean_periods)),
+        };
+        let across = Across {
+            contact_share: motion.contact_share,
+            mean_indentation_m: motion.friction_ratio * self.static_m,
+            mean_normal_n: motion.force_balance * self.load_n,
+            peak_normal_n: self.load_n * motion.reach.0.max(0.0).powf(1.5),
+        };
+        Ok((solution, across))
+    }
+
+    /// All periods of the run, whatever the window.
+    fn whole(&self) -> DrivenContact {
+        let periods = self.problem.duration_s * self.problem.waveform.frequency_hz();
+        DrivenContact { settle_periods: 0, mean_periods: (periods + 1e-9).floor() as u32, ..self.contact }
+    }
+
+    fn finite(&self, motion: DrivenMotion) -> Result<DrivenMotion, Trouble> {
+        let diverged = Trouble::Diverged { method: Method::Rk4Events.name(), time_s: self.problem.window_s.1 };
+        if motion.energy_residual.is_finite() && motion.friction_ratio.is_finite() { Ok(motion) } else { Err(diverged) }
+    }
+
+    fn state(&self, moment: &Moment) -> State {
+        State {
+            time_s: moment.periods / self.problem.waveform.frequency_hz(),
+            x_m: (moment.deflection - 1.0) * self.static_m,
+            v_m_per_s: moment.velocity * self.resonance_rad_per_s * self.static_m,
+            force_n: friction_n(self.problem, moment.deflection),
+        }
+    }
+}
