@@ -1,13 +1,13 @@
 //! What a user sets of the link.
 
+use config_macro::settings;
 use serde::{Deserialize, Serialize};
 
-/// The longest patience that can be told, s.
-pub const LONGEST_PATIENCE_S: f32 = 3600.0;
-
 /// The link to the host.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[settings(table = "link")]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Link {
-    /// How long the host may be silent while the drive is on, s, up to [`LONGEST_PATIENCE_S`]; zero is for ever. Until an order says otherwise.
+    /// How long the host may be silent while the drive is on, s; zero is for ever. Until an order says otherwise.
+    #[setting(default, min = 0.0, max = 3600.0, key = 21)]
     pub patience_s: f32,
 }

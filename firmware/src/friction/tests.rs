@@ -19,16 +19,8 @@ fn config(schedule: Schedule) -> Config {
         drive: Drive::sine(40e3, Amplitude::MotionalCurrent(MOST * FORCE_FACTOR), 3.0),
         sweep: Sweep::Hold,
         phasing: Phasing::default(),
-        burst: Burst { schedule, edge: Edge::Hard, brake: false },
-        tracking: Tracking {
-            mode: TrackingMode::Observer,
-            span: 0.025,
-            bandwidth_hz: 100.0,
-            nominal_q: 50.0,
-            nominal_lm_h: None,
-            c0_drift_per_s: 0.0,
-            nominal_c0_f: 300e-9,
-        },
+        burst: Burst { schedule, ..Burst::default() },
+        tracking: Tracking { span: 0.025, bandwidth_hz: 100.0, ..Tracking::new(50.0, 300e-9) },
         thermometer: Thermometer::default(),
         limits: Limits::default(),
         restraint: None,
@@ -36,7 +28,7 @@ fn config(schedule: Schedule) -> Config {
         friction: Some(Friction {
             target: Target::Ratio(0.5),
             law: FrictionLaw::Dahl,
-            prefer_bursts: false,
+            prefer: Prefer::Amplitude,
             force_factor_n_per_v: FORCE_FACTOR,
             speed_m_per_s: 0.038,
             dahl_length_m: 0.5e-6,
@@ -178,7 +170,7 @@ fn without_a_force_sensor_it_goes_by_what_it_was_told() {
 #[test]
 fn from_amplitude_to_bursts_and_back_without_a_bump() {
     let mut told = config(periodic());
-    told.friction.as_mut().unwrap().prefer_bursts = true;
+    told.friction.as_mut().unwrap().prefer = Prefer::Bursts;
     let mut bench = Bench::new(&told, 0.5e-6, 1.0);
     bench.run(10_000, None);
     bench.run(500, Some(Target::Ratio(0.95)));
@@ -231,7 +223,7 @@ fn settings_that_cannot_be_are_refused() {
     let refused = |change: &dyn Fn(&mut Friction)| {
         let mut bad = good.clone();
         change(bad.friction.as_mut().unwrap());
-        FrictionSwitch::build(&bad, 32e-6).is_err()
+        bad.check_ranges().is_err()
     };
     assert!(refused(&|friction| friction.target = Target::Ratio(1.1)));
     assert!(refused(&|friction| friction.target = Target::Ratio(f32::NAN)));
