@@ -4,8 +4,7 @@ use rand_xoshiro::Xoshiro128StarStar;
 use super::*;
 use crate::block::Amplitude;
 use crate::config::{
-    Burst, Direction, Drive, Edge, FrontEnd, Limits, Link, Phasing as PhasingConfig, Schedule, Sweep, Thermometer, Tracking,
-    TrackingMode,
+    Burst, Direction, Drive, FrontEnd, Limits, Link, Phasing as PhasingConfig, Sweep, Thermometer, Tracking, TrackingMode,
 };
 
 const SCAN_VOLTS: f32 = 3.0;

@@ -3,7 +3,7 @@
 use super::dahl::friction_ratio;
 use super::*;
 use crate::block::Amplitude;
-use crate::config::{Burst, Drive, Edge, Friction, Limits, Link, Phasing, Schedule, Sweep, Thermometer, Tracking, TrackingMode};
+use crate::config::{Burst, Drive, Friction, Limits, Link, Phasing, Prefer, Schedule, Sweep, Thermometer, Tracking};
 
 const OMEGA: f32 = core::f32::consts::TAU * 40e3;
 const FORCE_FACTOR: f32 = 5.566;

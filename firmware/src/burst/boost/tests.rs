@@ -1,7 +1,7 @@
 use super::*;
 use crate::block::Gate;
 use crate::burst::Envelope;
-use crate::config::{Burst as Config, Edge, Schedule};
+use crate::config::{Burst as Config, Edge};
 use crate::nco::{Stretch, tuning_word};
 
 const HZ: f64 = 40_404.0;
