@@ -20,6 +20,7 @@ mod rig;
 pub mod rules;
 pub mod schema;
 pub mod settings;
+pub mod settings_page;
 
 pub(crate) mod nearest;
 mod overlay;

@@ -96,7 +96,7 @@ impl Table {
         });
         let checks = in_controller().filter(|field| field.range.is_some()).map(check);
         let default = self.default();
-        let new = self.options.new.then(|| self.new());
+        let new = self.options.new.then(|| self.constructor());
         let parameters = self.parameters();
         let scene = self.scene();
         quote! {
@@ -139,7 +139,7 @@ impl Table {
     }
 
     /// A constructor of what must be given, in the order of the fields.
-    fn new(&self) -> TokenStream {
+    fn constructor(&self) -> TokenStream {
         let fields = || self.fields.iter().filter(|field| field.is_in_controller());
         let given = fields().filter(|field| field.default.is_none()).map(|Field { name, ty, .. }| quote!(#name: #ty));
         let members = fields().map(|field| {

@@ -56,6 +56,11 @@ impl Schema {
         Self(&ROOT)
     }
 
+    /// Another schema than that of a scene.
+    pub(super) fn of(schema: &'static Value) -> Self {
+        Self(schema)
+    }
+
     /// The value at a dotted path such as `disturbance.0.to`; a list takes any index.
     pub fn at(self, path: &str) -> Option<Self> {
         path.split('.').filter(|name| !name.is_empty()).try_fold(self, |schema, name| match schema.kind() {
