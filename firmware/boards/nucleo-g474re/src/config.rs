@@ -9,9 +9,7 @@
 //! The supply of the converters is taken as 3.3 V. `docs/board.md` has the circuit.
 
 use firmware::block::Amplitude;
-use firmware::config::{
-    self, Burst, Config, Drive, Edge, FrontEnd, Limits, Phasing, Schedule, Sweep, Thermometer, Tracking, TrackingMode,
-};
+use firmware::config::{self, Burst, Config, Drive, FrontEnd, Limits, Phasing, Sweep, Thermometer, Tracking};
 
 use crate::blocks::BLOCK;
 
