@@ -1,9 +1,9 @@
 //! The belt of experiment 2 through the whole chain, against the closed form of its law and against what the thesis states.
 
-use sim_host::contact::empirical::{EmpiricalLaw, reached};
-use sim_host::metrics::{Metrics, driven};
-use sim_host::run::{Watch, run};
-use sim_host::scene::load::load;
+use contact::empirical::{EmpiricalLaw, reached};
+use scene::load::load;
+use sim::metrics::{Metrics, driven};
+use sim::run::{Watch, run};
 
 const LAG_S: f64 = 0.45;
 

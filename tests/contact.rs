@@ -3,12 +3,12 @@
 //! The methods share the waveforms and the timeline, and nothing else: `linexp` has the exact linear flow, `taylor` a series of order
 //! 28, `rk4-events` classical steps between located reversals.
 
+use contact::linexp::Extent;
+use contact::table_4_1::table_4_1;
+use contact::tally::Ratios;
+use contact::{Law, Motion, Problem, Shape, Sign, State, Tally, Trouble, Waveform, linexp, rk4_events, taylor};
 use proptest::prelude::*;
 use proptest::test_runner::{Config as Cases, RngSeed};
-use sim_host::contact::linexp::Extent;
-use sim_host::contact::table_4_1::table_4_1;
-use sim_host::contact::tally::Ratios;
-use sim_host::contact::{Law, Motion, Problem, Shape, Sign, State, Tally, Trouble, Waveform, linexp, rk4_events, taylor};
 
 /// Periods of every problem.
 const PERIODS: f64 = 24.0;

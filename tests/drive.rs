@@ -11,7 +11,7 @@ use firmware::units::{Hertz, Turns};
 use hal_mock::analog::Analog;
 use hal_mock::block_clock::BlockClock;
 use hal_mock::loop_back::{LoopBack, config};
-use sim_host::spectrum::Spectrum;
+use report::spectrum::Spectrum;
 
 /// Off every divisor of the sample rate, Hz.
 const TONE_HZ: f64 = 40_123.4;

@@ -1,10 +1,10 @@
 //! Boosted edges with the plant behind the converters: how fast and how cleanly, at any Q and headroom; what bursts of any rate come to; that their
 //! volt-seconds cancel to the last code; and what the tracker makes of them.
 
-use sim_host::metrics::{Metrics, driven};
-use sim_host::record::Record;
-use sim_host::run::{Watch, run};
-use sim_host::scene::load::{load, load_text};
+use scene::load::{load, load_text};
+use sim::metrics::{Metrics, driven};
+use sim::record::Record;
+use sim::run::{Watch, run};
 
 /// The scene `burst`, with changes.
 fn boosted(changes: &[String]) -> (Record, Metrics) {

@@ -1,8 +1,8 @@
 //! Friction through the whole chain, against numbers that do not come from this code.
 
-use sim_host::metrics::{Metrics, driven};
-use sim_host::run::{Watch, run};
-use sim_host::scene::load::load;
+use scene::load::load;
+use sim::metrics::{Metrics, driven};
+use sim::run::{Watch, run};
 
 fn experiment(changes: &[&str]) -> Metrics {
     let short = ["duration_s=0.7", "controller.burst.on_s=[0.4]", "controller.burst.off_s=[0.6]"];

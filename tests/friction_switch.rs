@@ -1,18 +1,18 @@
 //! The friction switch: its law against the host's closed form, and what it does with what it is told and what it hears.
 
+use contact::closed;
 use firmware::block::Orders;
 use firmware::block::Target;
 use firmware::command::Command;
 use firmware::friction::dahl::{coulomb, friction_ratio};
 use firmware::friction::inverse::solve;
 use firmware::refusal::Refusal;
-use sim_host::contact::closed;
-use sim_host::metrics::driven::View;
-use sim_host::metrics::driven::switch::Step;
-use sim_host::metrics::{Metrics, driven};
-use sim_host::record::Record;
-use sim_host::run::{Watch, run};
-use sim_host::scene::load::load;
+use scene::load::load;
+use sim::metrics::driven::View;
+use sim::metrics::driven::switch::Step;
+use sim::metrics::{Metrics, driven};
+use sim::record::Record;
+use sim::run::{Watch, run};
 
 fn velocity_ratios() -> impl Iterator<Item = f32> {
     (1..200).map(|n| 0.005 * n as f32).chain([1e-4, 1e-3, 0.9990, 0.9999])
@@ -127,11 +127,12 @@ fn without_authority_it_says_so_and_is_silent() {
 #[test]
 fn without_a_force_channel_it_goes_by_what_it_was_told() {
     let told = ["controller.friction.dahl_length_m=0.5e-6", "controller.friction.speed_m_per_s=0.038"];
-    let text =
-        include_str!("../sim-host/scenes/friction-ratio.toml").replace("force_hz = 500", "").replace("force_noise_n = 0.003", "");
+    let text = include_str!("../sim-host/scene/scenes/friction-ratio.toml")
+        .replace("force_hz = 500", "")
+        .replace("force_noise_n = 0.003", "");
     let sets = ["duration_s=0.4", "controller.friction.step_s=[]", "controller.friction.step_ratio=[]"];
     let sets: Vec<String> = sets.iter().chain(&told).map(|&set| set.to_owned()).collect();
-    let loaded = sim_host::scene::load::load_text("without", &text, &sets).unwrap_or_else(|error| panic!("{error}"));
+    let loaded = scene::load::load_text("without", &text, &sets).unwrap_or_else(|error| panic!("{error}"));
     let scene = loaded.scene.driven().unwrap();
     let record = run(&scene, Watch::default()).unwrap();
     let steps = View::new(&scene, &record).steps(&scene);

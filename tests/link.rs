@@ -12,14 +12,14 @@ use std::cell::RefCell;
 use std::rc::Rc;
 use std::sync::atomic::AtomicBool;
 
-use sim_host::link::answer::Answer;
-use sim_host::link::client::Client;
-use sim_host::link::link_error::LinkError;
-use sim_host::link::port::{Port, Simulated};
-use sim_host::link::script::Script;
-use sim_host::link::session::{Manner, Session};
-use sim_host::link::simulated_board::SimulatedBoard;
-use sim_host::scene::load::load;
+use link::answer::Answer;
+use link::client::Client;
+use link::link_error::LinkError;
+use link::port::{Port, Simulated};
+use link::script::Script;
+use link::session::{Manner, Session};
+use link::simulated_board::SimulatedBoard;
+use scene::load::load;
 
 /// Ctrl-C that nobody presses.
 static NEVER: AtomicBool = AtomicBool::new(false);

@@ -15,5 +15,4 @@ mod observer;
 mod on_target;
 mod processor_in_the_loop;
 mod scenes;
-mod settings_page;
 mod tracking;

@@ -1,8 +1,8 @@
 //! The four-phase motor under the real controller: which way it turns, how fast, and how it starts and stops.
 
-use sim_host::metrics::{Metrics, driven};
-use sim_host::run::{Watch, run};
-use sim_host::scene::load::load;
+use scene::load::load;
+use sim::metrics::{Metrics, driven};
+use sim::run::{Watch, run};
 
 /// The metrics of the scene `usm` with changes, without a load.
 fn usm(changes: &[&str]) -> Metrics {

@@ -7,11 +7,11 @@ use firmware::supervisor::{Fault, Limit, Mode};
 use firmware::tracker::identified::Known;
 use firmware::tracker::observer::Prior;
 use firmware::tracker::{Heard, State, Tracker};
-use sim_host::metrics::{Metrics, driven};
-use sim_host::record::{Record, Row};
-use sim_host::run::{Watch, run};
-use sim_host::scene::load::load;
-use sim_host::settings;
+use scene::load::load;
+use scene::settings;
+use sim::metrics::{Metrics, driven};
+use sim::record::{Record, Row};
+use sim::run::{Watch, run};
 
 /// The scene `lock` by the observer, ON throughout, with changes.
 fn observed(changes: &[&str]) -> (Record, Metrics) {

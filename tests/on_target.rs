@@ -12,9 +12,9 @@ use std::thread;
 use std::time::{Duration, Instant};
 
 use object::{Object as _, ObjectSection as _, ObjectSymbol as _};
+use pil::machine::{ARGUMENTS, NO_SERIAL, PROGRAM};
+use pil::test_image;
 use serde_json::Value;
-use sim_host::pil::machine::{ARGUMENTS, NO_SERIAL, PROGRAM};
-use sim_host::pil::test_image;
 
 use crate::processor_in_the_loop::is_there;
 

@@ -20,14 +20,14 @@ use firmware::supervisor::Mode;
 use firmware::telemetry::Telemetry;
 use firmware::units::{Hertz, Turns};
 use hal_mock::block_clock::BlockClock;
+use pil::{self, PilError, Qemu};
 use rand_core::{Rng, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
-use sim_host::pil::{self, PilError, Qemu};
-use sim_host::processor::{Here, Processor};
-use sim_host::run::{Watch, run, run_on};
-use sim_host::scene::Scene;
-use sim_host::scene::load::load;
-use sim_host::settings;
+use scene::Scene;
+use scene::load::load;
+use scene::settings;
+use sim::processor::{Here, Processor};
+use sim::run::{Watch, run, run_on};
 
 use self::scrambled::Scrambled;
 

@@ -5,11 +5,11 @@
 
 use std::sync::atomic::AtomicBool;
 
-use sim_host::metric_names;
-use sim_host::scene::builtin;
-use sim_host::scene::load::{Loaded, load};
-use sim_host::study::comparison::Standing;
-use sim_host::study::{Study, conduct};
+use scene::builtin;
+use scene::load::{Loaded, load};
+use scene::metric_names;
+use sim::study::comparison::Standing;
+use sim::study::{Study, conduct};
 
 /// What depends on the machine, and what is round-off only.
 const NOT_GOLDEN: [&str; 4] = ["simulated_s_per_wall_s", "ns_per_period", "energy_residual", "error_estimate"];

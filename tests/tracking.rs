@@ -5,12 +5,12 @@ use firmware::controller::Controller;
 use firmware::supervisor::{Fault, Limit, Mode};
 use firmware::telemetry::Telemetry;
 use hal_mock::block_clock::BlockClock;
-use sim_host::metrics::{Metrics, driven};
-use sim_host::plant::Plant;
-use sim_host::record::Record;
-use sim_host::run::{Watch, run};
-use sim_host::scene::load::load;
-use sim_host::settings;
+use plant::Plant;
+use scene::load::load;
+use scene::settings;
+use sim::metrics::{Metrics, driven};
+use sim::record::Record;
+use sim::run::{Watch, run};
 
 /// A driver whose orders change on the way.
 struct Rig {
@@ -230,7 +230,7 @@ fn velocity_is_held_when_the_load_triples_the_loss() {
     let last = &record.rows[record.rows.len() - 1000..];
     let velocity = last.iter().map(|row| row.truth.tip_velocity_m_per_s).sum::<f64>() / 1000.0;
     assert!((velocity / 0.1 - 1.0).abs() < 0.005, "{velocity} m/s");
-    let volts = |rows: &[sim_host::record::Row]| rows.last().unwrap().drive_v;
+    let volts = |rows: &[sim::record::Row]| rows.last().unwrap().drive_v;
     let before = &record.rows[..(0.299 / 32e-6) as usize];
     assert!(volts(last) / volts(before) > 2.5, "{} V, {} V", volts(before), volts(last));
 }

@@ -30,9 +30,9 @@ use std::process::ExitCode;
 
 use clap::{Args, ColorChoice, Parser, Subcommand, ValueEnum};
 
-use crate::scene::load::{LoadError, Loaded, load};
-use crate::scene::resolved::resolved_toml;
-use crate::scene::{builtin, schema};
+use scene::load::{LoadError, Loaded, load};
+use scene::resolved::resolved_toml;
+use scene::{builtin, schema};
 
 const EXIT_CODES: &str = "Exit codes: 0 done; 1 the run failed; 2 usage; 3 invalid scene; 4 the run finished but an expectation was \
 missed; 5 QEMU or board not found or lost; 130 interrupted, with what there was kept and marked.";

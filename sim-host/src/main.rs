@@ -1,7 +1,10 @@
 //! `sim-host`: Sonoglide's simulator at the command line.
+#![forbid(unsafe_code)]
+
+mod cli;
 
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
-    sim_host::cli::main()
+    cli::main()
 }

@@ -11,9 +11,9 @@ use firmware::supervisor::{Fault, Mode};
 use firmware::units::{Hertz, Turns};
 use hal_mock::bench::{Bench, Queues, Setup};
 use hal_mock::flash::Flash;
-use sim_host::metrics::{Metrics, driven};
-use sim_host::run::Watch;
-use sim_host::scene::load::load;
+use scene::load::load;
+use sim::metrics::{Metrics, driven};
+use sim::run::Watch;
 
 use super::bank::{Bank, THESIS, tone_of};
 use super::*;
@@ -300,7 +300,7 @@ fn a_flash_that_fails_is_reported_and_the_trims_act_all_the_same() {
 fn a_scene_that_asks_for_it_calibrates_and_then_runs() {
     let sets = ["controller.phasing.calibrate=true".to_owned()];
     let scene = load("lock", &sets).expect("a valid scene").scene;
-    let record = sim_host::run::run(&scene.driven().expect("a driven scene"), Watch::default()).unwrap();
+    let record = sim::run::run(&scene.driven().expect("a driven scene"), Watch::default()).unwrap();
     let mut modes: Vec<Mode> = record.rows.iter().map(|row| row.mode).collect();
     modes.dedup();
     let calibration = [Mode::SelfTest, Mode::Calibrate, Mode::Idle];
@@ -313,7 +313,7 @@ fn motor(changes: &[&str]) -> Metrics {
     let sets: Vec<String> = later.iter().chain(changes).map(|&set| set.to_owned()).collect();
     let scene = load("usm-miscalibrated", &sets).unwrap_or_else(|error| panic!("{error}")).scene;
     let scene = scene.driven().expect("a driven scene");
-    let record = sim_host::run::run(&scene, Watch::default()).unwrap();
+    let record = sim::run::run(&scene, Watch::default()).unwrap();
     assert_eq!((record.last.mode, record.last.fault), (Mode::Run, None), "{changes:?}");
     driven::of(&scene, &record)
 }

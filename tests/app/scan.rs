@@ -5,9 +5,9 @@ use firmware::command::{Command, Reply, ResonanceReport};
 use firmware::supervisor::{Fault, Mode};
 use hal_mock::bench::{Bench, Queues, Setup};
 use hal_mock::tracer::Tracer;
-use sim_host::plant::Plant;
-use sim_host::scene::load::load;
-use sim_host::settings;
+use plant::Plant;
+use scene::load::load;
+use scene::settings;
 
 use super::PATIENCE;
 

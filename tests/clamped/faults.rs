@@ -5,9 +5,9 @@ use firmware::controller::Controller;
 use firmware::supervisor::{Fault, Mode};
 use hal_mock::analog::Analog;
 use hal_mock::block_clock::BlockClock;
-use sim_host::plant::Plant;
-use sim_host::scene::load::load;
-use sim_host::settings;
+use plant::Plant;
+use scene::load::load;
+use scene::settings;
 
 use super::power_on::calibrate;
 use super::rig::{Case, Rig};

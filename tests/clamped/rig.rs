@@ -13,10 +13,10 @@ use firmware::sweep::hold::Hold;
 use hal_mock::analog::Analog;
 use hal_mock::block_clock::BlockClock;
 use num_complex::Complex64;
-use sim_host::plant::Plant;
-use sim_host::plant::circuit::Circuit;
-use sim_host::scene::load::load;
-use sim_host::settings;
+use plant::Plant;
+use plant::circuit::Circuit;
+use scene::load::load;
+use scene::settings;
 
 use super::truth::Truth;
 

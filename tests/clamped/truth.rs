@@ -8,8 +8,8 @@
 use std::f64::consts::TAU;
 
 use num_complex::Complex64;
-use sim_host::plant::circuit::Circuit;
-use sim_host::scene::{Amplifier, Sensors};
+use plant::circuit::Circuit;
+use scene::{Amplifier, Sensors};
 
 /// A circuit behind an amplifier and converters.
 #[derive(Clone)]

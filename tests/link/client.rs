@@ -11,10 +11,10 @@ use firmware::block::Gate;
 use firmware::command::{Command, Reply};
 use firmware::link::Receiver;
 use hal_mock::chance::Chance;
-use sim_host::link::link_error::LinkError;
-use sim_host::link::port::{Port, Tcp};
-use sim_host::link::serve::serve;
-use sim_host::link::session::{Manner, Session};
+use link::link_error::LinkError;
+use link::port::{Port, Tcp};
+use link::serve::serve;
+use link::session::{Manner, Session};
 
 use super::dialogue::{Folder, answer, hold, judge_scan};
 use super::{board, client, port, session};

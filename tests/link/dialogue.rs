@@ -5,10 +5,10 @@ use std::path::{Path, PathBuf};
 
 use firmware::config::Config;
 use hal_mock::tracer::Exchange;
-use sim_host::link::answer::Answer;
-use sim_host::link::port::Port;
-use sim_host::link::session::{Manner, Session};
-use sim_host::plant::circuit::Circuit;
+use link::answer::Answer;
+use link::port::Port;
+use link::session::{Manner, Session};
+use plant::circuit::Circuit;
 
 use super::{board, client, port, run};
 

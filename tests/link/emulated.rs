@@ -7,10 +7,11 @@ use std::io::{self, Read as _, Write as _};
 use std::rc::Rc;
 use std::time::{Duration, Instant};
 
-use sim_host::link::link_error::LinkError;
-use sim_host::link::port::Port;
-use sim_host::pil::{EmulatedBoard, link_image};
-use sim_host::scene::load::load;
+use link::emulated_board::EmulatedBoard;
+use link::link_error::LinkError;
+use link::port::Port;
+use pil::link_image;
+use scene::load::load;
 
 use super::dialogue::{Folder, answer, hold, judge_captures, judge_scan};
 use crate::processor_in_the_loop::is_there;

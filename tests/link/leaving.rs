@@ -4,10 +4,10 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
 use firmware::supervisor::Fault;
-use sim_host::link::client::Client;
-use sim_host::link::link_error::LinkError;
-use sim_host::link::session::{Manner, Session};
-use sim_host::link::simulated_board::SimulatedBoard;
+use link::client::Client;
+use link::link_error::LinkError;
+use link::session::{Manner, Session};
+use link::simulated_board::SimulatedBoard;
 
 use super::{board, client, port, run};
 

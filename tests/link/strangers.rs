@@ -3,8 +3,8 @@
 use std::io::{self, Cursor, Read, Write};
 
 use firmware::link::VERSION;
-use sim_host::link::link_error::LinkError;
-use sim_host::link::port::Stream;
+use link::link_error::LinkError;
+use link::port::Stream;
 
 use super::client;
 use crate::app::frame::frame;

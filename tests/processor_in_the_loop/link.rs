@@ -3,6 +3,7 @@
 use std::io::{Read as _, Write as _};
 use std::time::{Duration, Instant};
 
+use ::link::emulated_board::EmulatedBoard;
 use firmware::block::Gate;
 use firmware::capture::{Arm, CaptureState, CaptureVerb, PARTS, Trigger};
 use firmware::command::{Command, Reply, Verb};
@@ -11,7 +12,7 @@ use firmware::link::{self, Frame, Receiver};
 use firmware::refusal::Refusal;
 use firmware::start::Start;
 use firmware::supervisor::{Fault, Mode};
-use sim_host::pil::{EmulatedBoard, link_image};
+use pil::link_image;
 
 use super::{is_there, scene};
 

@@ -9,12 +9,12 @@ use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
 use firmware::config::Config;
-use sim_host::pil::Qemu;
-use sim_host::processor::Processor;
-use sim_host::scene::builtin;
-use sim_host::scene::load::load;
-use sim_host::study::monte_carlo::MonteCarlo;
-use sim_host::study::{Outcome, Start, conduct};
+use pil::Qemu;
+use scene::builtin;
+use scene::load::load;
+use sim::processor::Processor;
+use sim::study::monte_carlo::MonteCarlo;
+use sim::study::{Outcome, Start, conduct};
 
 use super::{bits, image};
 

@@ -11,8 +11,8 @@
 
 use std::f64::consts::{FRAC_PI_2, TAU};
 
-use sim_host::contact::Problem;
-use sim_host::contact::table_4_1::{COULOMB_N, DRIVE_HZ, FORCE_N, MASS_KG, STIFFNESS_N_PER_M, VELOCITY_RATIO, table_4_1};
+use contact::Problem;
+use contact::table_4_1::{COULOMB_N, DRIVE_HZ, FORCE_N, MASS_KG, STIFFNESS_N_PER_M, VELOCITY_RATIO, table_4_1};
 
 /// The case over a number of periods.
 #[derive(Clone, Debug)]

@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
+use report::{self, Axis, Figure, Report, Series, Style};
 use serde::Serialize;
-use sim_host::report::{self, Axis, Figure, Report, Series, Style};
 
 use crate::bench::{Entry, Quantity};
 use crate::interpolate::Cost;

@@ -3,14 +3,14 @@
 use std::time::Instant;
 
 use anyhow::ensure;
-use sim_host::contact::linexp::{self, Extent};
-use sim_host::contact::tally::Ratios;
-use sim_host::contact::{Problem, State, Tally, Trouble, rk4, rk4_events, rk4_tabulated, taylor};
+use contact::linexp::{self, Extent};
+use contact::tally::Ratios;
+use contact::{Problem, State, Tally, Trouble, rk4, rk4_events, rk4_tabulated, taylor};
 
 use crate::case::Case;
 use crate::peer::{Family, Outcome, Peer, Setting};
 
-/// A method of `sim_host::contact`.
+/// A method of `contact`.
 pub struct Ours {
     name: &'static str,
     steps: &'static [u32],

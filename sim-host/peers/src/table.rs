@@ -1,7 +1,7 @@
 //! The comparison: at the same error, every peer's cost over the cheapest of ours.
 
 use comfy_table::{Table, presets};
-use sim_host::report::TableBlock;
+use report::TableBlock;
 
 use crate::bench::{Entry, Quantity};
 use crate::interpolate::{Cost, cost};

@@ -6,10 +6,10 @@ use clap::Args;
 
 use super::progress::Progress;
 use super::{Color, Format, INVALID_SCENE, LENDER, USAGE, invalid, table};
-use crate::advice::case::{Case, CaseError, Numbers, Wishes};
-use crate::advice::verification::verify;
-use crate::advice::{Advice, AdviceError, advise, table as tables};
-use crate::scene::load::load;
+use scene::load::load;
+use sim::advice::case::{Case, CaseError, Numbers, Wishes};
+use sim::advice::verification::verify;
+use sim::advice::{Advice, AdviceError, advise, table as tables};
 
 /// Arguments of the command.
 #[derive(Args)]

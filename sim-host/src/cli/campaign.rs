@@ -4,8 +4,8 @@ use std::path::Path;
 use std::process::ExitCode;
 
 use super::{Color, EXPECTATION_MISSED, table};
-use crate::findings::VERSION;
-use crate::report::{self, Report};
+use report::{self, Report};
+use sim::findings::VERSION;
 
 /// Prints the tables of a page, if they are not printed otherwise, and writes the page, if there is a folder for it. Fails where a target is missed.
 pub(super) fn end(

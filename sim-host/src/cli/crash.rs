@@ -6,8 +6,8 @@ use std::process::ExitCode;
 use clap::Args;
 
 use super::Color;
-use crate::crash::{self, Extent, table as tables};
-use crate::report::Report;
+use proof::crash::{self, Extent, table as tables};
+use report::Report;
 
 /// Arguments of the command.
 #[derive(Args)]

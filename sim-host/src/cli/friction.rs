@@ -6,9 +6,9 @@ use std::process::ExitCode;
 use clap::Args;
 
 use super::Color;
-use crate::friction::cases::{Way, all, few};
-use crate::friction::{self, plot, table as tables};
-use crate::report::Report;
+use proof::friction::cases::{Way, all, few};
+use proof::friction::{self, plot, table as tables};
+use report::Report;
 
 /// Arguments of the command.
 #[derive(Args)]

@@ -6,8 +6,8 @@ use std::process::ExitCode;
 use clap::Args;
 
 use super::Color;
-use crate::guard::{self, Extent, table as tables};
-use crate::report::Report;
+use proof::guard::{self, Extent, table as tables};
+use report::Report;
 
 /// Arguments of the command.
 #[derive(Args)]

@@ -6,8 +6,8 @@ use std::process::ExitCode;
 use clap::Args;
 
 use super::{Color, RUN_FAILED, table};
-use crate::instructions::{self, Measurement, plot, table as tables};
-use crate::report::{self, Report};
+use proof::instructions::{self, Measurement, plot, table as tables};
+use report::{self, Report};
 
 /// Arguments of the command.
 #[derive(Args)]
@@ -40,7 +40,7 @@ fn page(measurement: &Measurement) -> Report {
         subtitle: "Counted by an emulated Cortex-M4F; instructions, not cycles".into(),
         tables: tables::tables(measurement),
         figures: vec![plot::figure(measurement)],
-        footer: vec![("sim-host".into(), crate::findings::VERSION.to_owned())],
+        footer: vec![("sim-host".into(), sim::findings::VERSION.to_owned())],
         ..Report::default()
     }
 }

@@ -13,15 +13,15 @@ use clap::{Args, Subcommand};
 use serde_json::Value;
 
 use super::{Color, Format, INTERRUPTED, LOST, RUN_FAILED, SceneArgs, USAGE, with_scene};
-use crate::link::answer::{Answer, failure};
-use crate::link::client::Client;
-use crate::link::commands::{Order, amount, monitor, seconds};
-use crate::link::link_error::LinkError;
-use crate::link::port::{Port, Serial, Simulated, Tcp};
-use crate::link::script::Script;
-use crate::link::serve::serve;
-use crate::link::session::{Live, Manner, Session};
-use crate::link::simulated_board::SimulatedBoard;
+use link::answer::{Answer, failure};
+use link::client::Client;
+use link::commands::{Order, amount, monitor, seconds};
+use link::link_error::LinkError;
+use link::port::{Port, Serial, Simulated, Tcp};
+use link::script::Script;
+use link::serve::serve;
+use link::session::{Live, Manner, Session};
+use link::simulated_board::SimulatedBoard;
 
 /// Set by Ctrl-C.
 static STOP: AtomicBool = AtomicBool::new(false);

@@ -6,8 +6,8 @@ use std::process::ExitCode;
 use clap::Args;
 
 use super::{Color, EXPECTATION_MISSED, Format, RUN_FAILED, table};
-use crate::precision::study::{Extent, conduct};
-use crate::precision::{folder, instructions, table as tables};
+use proof::precision::study::{Extent, conduct};
+use proof::precision::{folder, instructions, table as tables};
 
 /// Arguments of the command.
 #[derive(Args)]

@@ -11,13 +11,13 @@ use super::progress::Progress;
 use super::{
     Color, EXPECTATION_MISSED, Format, INTERRUPTED, LOST, RUN_FAILED, RunArgs, SceneArgs, USAGE, invalid, table, with_scene,
 };
-use crate::pil::{self, Qemu};
-use crate::processor::Processor;
-use crate::run::RunError;
-use crate::scene::load::{LoadError, Loaded};
-use crate::study::monte_carlo::draw::Draws;
-use crate::study::{self, Start, Study, StudyError};
-use crate::{findings, output};
+use pil::{self, Qemu};
+use scene::load::{LoadError, Loaded};
+use sim::processor::Processor;
+use sim::run::RunError;
+use sim::study::monte_carlo::draw::Draws;
+use sim::study::{self, Start, Study, StudyError};
+use sim::{findings, output};
 
 /// Set by Ctrl-C.
 static STOP: AtomicBool = AtomicBool::new(false);
@@ -77,7 +77,7 @@ fn run_loaded(args: &RunArgs, loaded: &Loaded, color: Color) -> anyhow::Result<E
     drop(progress);
     let study = match study {
         Ok(study) => study,
-        Err(StudyError::Run(error @ (RunError::Lost(_) | RunError::Pil(_)))) => {
+        Err(StudyError::Run(error @ (RunError::Lost(_) | RunError::NoProcessor(_)))) => {
             eprintln!("error: {error}");
             return Ok(ExitCode::from(LOST));
         }

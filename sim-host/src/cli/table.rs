@@ -2,7 +2,7 @@
 
 use comfy_table::{Cell, ColumnConstraint, Table, presets};
 
-use crate::report::TableBlock;
+use report::TableBlock;
 
 /// Widest column of prose.
 const WIDEST: u16 = 44;

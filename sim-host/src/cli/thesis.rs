@@ -7,8 +7,7 @@ use std::time::Instant;
 use clap::Args;
 
 use super::{Color, Format, table};
-use crate::report;
-use crate::thesis::{self, Findings, Verdict};
+use proof::thesis::{self, Findings, Verdict};
 
 /// Arguments of `sim-host thesis`.
 #[derive(Args)]

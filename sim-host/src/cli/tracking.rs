@@ -6,9 +6,9 @@ use std::process::ExitCode;
 use clap::Args;
 
 use super::Color;
-use crate::report::Report;
-use crate::tracking::cases::CASES;
-use crate::tracking::{self, Extent, table as tables};
+use proof::tracking::cases::CASES;
+use proof::tracking::{self, Extent, table as tables};
+use report::Report;
 
 /// Arguments of the command.
 #[derive(Args)]

@@ -1,0 +1,96 @@
+//! What is promised of the choice: tolerances met, estimates honest, and what cannot be said, said.
+
+use super::*;
+use crate::table_4_1::table_4_1;
+use crate::taylor;
+
+fn with(change: impl Fn(&mut Problem)) -> Problem {
+    let mut problem = table_4_1(0.5, 200.0);
+    change(&mut problem);
+    problem
+}
+
+/// xi from 0.2 to 0.9, kappa from 0.1 to 4: the accuracy that is promised, at the default and at a tight tolerance.
+#[test]
+fn meets_its_tolerance_over_the_map() {
+    let base = table_4_1(0.5, 200.0);
+    for kappa in [0.1, 0.4, 1.0, 2.0, 4.0] {
+        for xi in [0.2, 0.5, 0.9] {
+            let problem = with(|problem| {
+                problem.law = Law::Dahl { stiffness_n_per_m: 0.056e6 * kappa / base.kappa() };
+                problem.sliding_m_per_s = xi * base.vibration_m_per_s();
+            });
+            let truth = Ratios::of(&problem, &taylor::run(&problem, 48, 28, &mut |_| ()).unwrap()).friction;
+            for (tolerance, bound) in [(Numerics::default().tolerance, 1e-7), (1e-11, 1e-11)] {
+                let solution = solve(&problem, &Numerics { tolerance, ..Numerics::default() }, &mut |_| ()).unwrap();
+                let error = (solution.ratios.friction - truth).abs();
+                assert!(
+                    error <= solution.error_estimate.unwrap(),
+                    "kappa {kappa}, xi {xi}, {tolerance:e}: {error:e}, {solution:?}"
+                );
+                assert!(error < bound, "kappa {kappa}, xi {xi}, {tolerance:e}: off by {error:e}, {solution:?}");
+                assert!(solution.warnings.is_empty() && solution.ratios.energy_residual.unwrap().abs() < 1e-11, "{solution:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_steady_kinematic_question_costs_no_steps() {
+    let problem = with(|problem| {
+        let hz = problem.waveform.frequency_hz();
+        problem.waveform = super::super::Waveform::new(Shape::Sine, problem.vibration_m_per_s(), hz, problem.duration_s);
+        problem.motion = Motion::Kinematic;
+    });
+    let solution = solve(&problem, &Numerics::default(), &mut |_| ()).unwrap();
+    assert_eq!((solution.method, solution.states), (Method::Closed, 0));
+    // The same by steps.
+    let stepped = solve(&problem, &Numerics { method: Method::Linexp, ..Numerics::default() }, &mut |_| ()).unwrap();
+    assert!((stepped.ratios.friction - solution.ratios.friction).abs() < 1e-7);
+    // A window at the start is not steady.
+    let early = Problem { window_s: (0.0, problem.window_s.0), ..problem };
+    assert_eq!(solve(&early, &Numerics::default(), &mut |_| ()).unwrap().method, Method::Linexp);
+}
+
+#[test]
+fn a_closed_form_is_of_whole_steady_periods() {
+    let kinematic = with(|problem| {
+        let hz = problem.waveform.frequency_hz();
+        problem.waveform = super::super::Waveform::new(Shape::Sine, problem.vibration_m_per_s(), hz, problem.duration_s);
+        problem.motion = Motion::Kinematic;
+    });
+    let closed = Numerics { method: Method::Closed, ..Numerics::default() };
+    let period_s = 1.0 / kinematic.waveform.frequency_hz();
+    let half = Problem { window_s: (100.0 * period_s, 100.5 * period_s), ..kinematic.clone() };
+    assert!(matches!(solve(&half, &closed, &mut |_| ()), Err(Trouble::Unsuited { .. })));
+    let early = Problem { window_s: (0.0, period_s), ..kinematic };
+    assert!(solve(&early, &closed, &mut |_| ()).unwrap().warnings[0].contains("steady"));
+    // Part of a period has its own mean, and its energies close as well as those of whole ones.
+    let solution = solve(&half, &Numerics::default(), &mut |_| ()).unwrap();
+    assert!((solution.ratios.friction - 0.817_721_3).abs() < 1e-7 && solution.ratios.energy_residual.unwrap().abs() < 1e-11);
+}
+
+#[test]
+fn frozen_says_what_it_leaves_out() {
+    let frozen = Numerics { method: Method::Frozen, ..Numerics::default() };
+    let solution = solve(&with(|_| ()), &frozen, &mut |_| ()).unwrap();
+    assert!(solution.warnings[0].contains("left out") && solution.error_estimate.unwrap() > 3e-4, "{solution:?}");
+}
+
+#[test]
+fn an_overdamped_oscillator_is_no_trouble() {
+    for damping_n_s_per_m in [2e3, 3e4] {
+        let problem = with(|problem| {
+            problem.motion = Motion::Sdof { mass_kg: 0.02, stiffness_n_per_m: 133e6, damping_n_s_per_m };
+        });
+        let truth = Ratios::of(&problem, &taylor::run(&problem, 32, 24, &mut |_| ()).unwrap()).friction;
+        let solution = solve(&problem, &Numerics::default(), &mut |_| ()).unwrap();
+        assert!((solution.ratios.friction - truth).abs() < 1e-7, "{damping_n_s_per_m}: {truth} {solution:?}");
+    }
+}
+
+#[test]
+fn a_tolerance_that_is_not_met_is_said() {
+    let coarse = Numerics { method: Method::Rk4Events, steps_per_period: Some(8), tolerance: 1e-9, ..Numerics::default() };
+    assert!(solve(&with(|_| ()), &coarse, &mut |_| ()).unwrap().warnings[0].contains("not met"));
+}

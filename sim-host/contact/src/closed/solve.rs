@@ -1,0 +1,236 @@
+//! The closed form as an answer to a [`Problem`].
+
+use super::super::Trouble;
+use super::super::problem::{Law, Motion, Problem};
+use super::super::tally::{Ratios, State};
+use super::super::waveform::Shape;
+use super::lines::Lines;
+use super::{Steady, forget, friction_ratio, input_ratio, power_ratio};
+
+const METHOD: &str = "closed";
+
+/// States handed to `watch`: one period, both ends.
+const WATCHED: u32 = 256;
+
+/// The steady state of a problem.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ClosedForm {
+    /// Velocity ratio Vt / Vv; infinite without vibration.
+    pub velocity_ratio: f64,
+    /// `Kt Vv / (w Fc)`; infinite for Coulomb friction.
+    pub kappa: f64,
+    /// Means over whole periods. What the energy identity misses is the error of the integrals.
+    pub ratios: Ratios,
+    /// What one period leaves of a difference in friction at the start.
+    pub forget_per_period: f64,
+}
+
+impl ClosedForm {
+    /// Largest part of Fc by which friction after so many periods differs from the steady state, whatever it began with (|F| <= Fc).
+    pub fn start_left(&self, periods: f64) -> f64 {
+        2.0 * self.forget_per_period.powf(periods)
+    }
+}
+
+/// The steady period, from the beginning of the waveform's.
+enum Course {
+    Sine { steady: Steady, shift_turns: f64 },
+    Lines(Lines),
+}
+
+/// Solves a kinematic problem whose vibration is a sine, square, sawtooth or triangle, with Coulomb or Dahl friction.
+///
+/// Window and start do not enter: the answer is where every start leads, by [`ClosedForm::start_left`] each period. The literal sign
+/// feeds nothing back into a motion that is given: it only turns the vibration round. A sine, square or triangle turned round is
+/// itself half a period later, so the ratios stay and the force shifts; a rising sawtooth turns into a falling one.
+/// `watch` sees one period, from time zero.
+pub fn solve(problem: &Problem, watch: &mut impl FnMut(&State)) -> Result<ClosedForm, Trouble> {
+    let factor = problem.sign.factor();
+    let (hz, shape) = (problem.waveform.frequency_hz(), problem.waveform.shape());
+    suits(problem)?;
+    let vibration = if shape == Shape::Still { 0.0 } else { problem.waveform.amplitude() };
+    let xi = problem.sliding_m_per_s / vibration;
+    let kappa = if vibration == 0.0 && problem.law != Law::Coulomb { 0.0 } else { problem.kappa() };
+    if xi.is_nan() || vibration < 0.0 {
+        return unsuited("there is neither sliding nor vibration");
+    }
+    let (ratios, forget_per_period, course) = match Lines::new(shape, factor, xi, kappa) {
+        _ if xi.is_infinite() => {
+            // Sliding alone; the slip of a period in Dahl lengths
+            let slip = match problem.law {
+                Law::Dahl { stiffness_n_per_m } => stiffness_n_per_m * problem.sliding_m_per_s.abs() / (hz * problem.coulomb_n),
+                _ => f64::INFINITY,
+            };
+            let one = f64::signum(xi);
+            (sine_ratios(one, kappa, factor), (-slip).exp(), Course::Sine { steady: Steady::new(one, kappa), shift_turns: 0.0 })
+        }
+        Some(lines) => (lines.ratios(factor), lines.forget(), Course::Lines(lines)),
+        None => {
+            let shift_turns = if factor < 0.0 { 0.5 } else { 0.0 };
+            (sine_ratios(xi, kappa, factor), forget(xi, kappa), Course::Sine { steady: Steady::new(xi, kappa), shift_turns })
+        }
+    };
+    for step in 0..=WATCHED {
+        let turns = f64::from(step) / f64::from(WATCHED);
+        let force = match &course {
+            Course::Sine { steady, shift_turns } => steady.force(turns + shift_turns),
+            Course::Lines(lines) => lines.force(turns),
+        };
+        watch(&State {
+            time_s: turns / hz,
+            x_m: problem.start.x_m + vibration / hz * displacement(shape, turns),
+            v_m_per_s: problem.waveform.value(turns / hz),
+            force_n: problem.coulomb_n * force,
+        });
+    }
+    Ok(ClosedForm { velocity_ratio: xi, kappa, ratios, forget_per_period })
+}
+
+fn sine_ratios(xi: f64, kappa: f64, factor: f64) -> Ratios {
+    let friction = friction_ratio(xi, kappa);
+    // Over Fc Vt, which is negative where the sliding is. Turned round, x' counts the other way.
+    let signed = |ratio: Option<f64>| ratio.map(|ratio| ratio * xi.signum());
+    let (power, moving) = (signed(power_ratio(xi, kappa)), signed(input_ratio(xi, kappa)));
+    let residual = power.zip(moving).map(|(power, moving)| power - (friction + moving));
+    Ratios {
+        friction,
+        power,
+        input: moving.map(|moving| factor * moving),
+        stored: power.map(|_| 0.0),
+        damping: power.map(|_| 0.0),
+        power_as_printed: None,
+        energy_residual: residual,
+    }
+}
+
+fn suits(problem: &Problem) -> Result<(), Trouble> {
+    if problem.motion != Motion::Kinematic {
+        return unsuited("the oscillator's motion depends on friction; only a given vibration has a closed form");
+    }
+    if matches!(problem.law, Law::Lugre { .. }) {
+        return unsuited("LuGre friction has no closed form; Coulomb and Dahl friction have");
+    }
+    if matches!(problem.waveform.shape(), Shape::Random { .. } | Shape::Chirp { .. }) {
+        return unsuited("the vibration is not periodic");
+    }
+    if !problem.load_steps.is_empty() {
+        return unsuited("load steps end the steady state");
+    }
+    if !(problem.coulomb_n > 0.0 && problem.coulomb_n.is_finite()) {
+        return unsuited("there is no Coulomb force to compare with");
+    }
+    Ok(())
+}
+
+fn unsuited<T>(reason: &str) -> Result<T, Trouble> {
+    Err(Trouble::Unsuited { method: METHOD, reason: reason.to_owned() })
+}
+
+/// Displacement since the period began, over Vv times the period.
+fn displacement(shape: Shape, turns: f64) -> f64 {
+    let rising = |part: f64| part * (2.0 * part - 1.0);
+    match shape {
+        Shape::Square => turns.min(1.0 - turns),
+        Shape::Sawtooth => turns * (turns - 1.0),
+        Shape::Triangle if turns <= 0.5 => rising(turns),
+        Shape::Triangle => -rising(turns - 0.5),
+        _ => (std::f64::consts::TAU * turns).sin() / std::f64::consts::TAU,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::table_4_1::table_4_1;
+    use crate::{Sign, Waveform};
+
+    /// The thesis's contact with the vibration given.
+    fn kinematic(shape: Shape, xi: f64, periods: f64) -> Problem {
+        let mut problem = table_4_1(xi, periods);
+        let vibration = problem.vibration_m_per_s();
+        problem.motion = Motion::Kinematic;
+        problem.waveform = Waveform::new(shape, vibration, 60e3, problem.duration_s);
+        problem
+    }
+
+    const SHAPES: [Shape; 4] = [Shape::Sine, Shape::Square, Shape::Sawtooth, Shape::Triangle];
+
+    /// Friction at xi = 0.5, five digits of a separate study of the thesis's waveforms.
+    #[test]
+    fn square_and_sawtooth() {
+        for (shape, friction, power) in [(Shape::Square, 0.45598, 0.63207), (Shape::Sawtooth, 0.74381, 0.80812)] {
+            let ratios = solve(&kinematic(shape, 0.5, 1.0), &mut |_| ()).unwrap().ratios;
+            assert!((ratios.friction - friction).abs() < 5e-6, "{shape:?} {}", ratios.friction);
+            assert!((ratios.power.unwrap() - power).abs() < 5e-6, "{shape:?} {:?}", ratios.power);
+        }
+    }
+
+    /// The layer after a reversal goes with 1 / sqrt kappa on a line that crosses zero; the residual stays round-off.
+    #[test]
+    fn stiff_contacts_tend_to_coulomb() {
+        for shape in SHAPES {
+            for xi in [0.1, 0.5, 0.9] {
+                let at = |law: Law| {
+                    let problem = Problem { law, ..kinematic(shape, xi, 1.0) };
+                    solve(&problem, &mut |_| ()).unwrap().ratios
+                };
+                let coulomb = at(Law::Coulomb);
+                for (kt, near) in [(0.056e9, 5e-2), (0.056e12, 2e-3), (0.056e18, 2e-6)] {
+                    let dahl = at(Law::Dahl { stiffness_n_per_m: kt });
+                    assert!((dahl.friction - coulomb.friction).abs() < near, "{shape:?} {xi} {kt}: {dahl:?} {coulomb:?}");
+                    assert!(dahl.energy_residual.unwrap().abs() * xi < 2e-15, "{shape:?} {xi} {kt}: {dahl:?}");
+                }
+                assert!(coulomb.energy_residual.unwrap().abs() * xi < 1e-15, "{coulomb:?}");
+            }
+        }
+        let square = Problem { law: Law::Coulomb, ..kinematic(Shape::Square, 0.25, 1.0) };
+        let ratios = solve(&square, &mut |_| ()).unwrap().ratios;
+        assert!(ratios.friction.abs() < 1e-16 && (ratios.power.unwrap() - 4.0).abs() < 1e-15, "{ratios:?}");
+    }
+
+    /// The period that is handed over has the means that are claimed, closes, and moves as x' says.
+    #[test]
+    fn one_period_is_watched() {
+        for shape in SHAPES {
+            for sign in [Sign::Passive, Sign::Literal] {
+                let problem = Problem { sign, ..kinematic(shape, 0.3, 1.0) };
+                let mut states = Vec::new();
+                let closed = solve(&problem, &mut |state| states.push(*state)).unwrap();
+                let (first, last) = (states[0], states[states.len() - 1]);
+                assert!((first.force_n - last.force_n).abs() < 1e-12 && (first.x_m - last.x_m).abs() < 1e-20, "{shape:?}");
+                let mut mean = 0.0;
+                for pair in states.windows(2) {
+                    let step = pair[1].time_s - pair[0].time_s;
+                    mean += 0.5 * (pair[0].force_n + pair[1].force_n) * step;
+                    let moved = (pair[1].x_m - pair[0].x_m) / step;
+                    let middle = problem.waveform.value(0.5 * (pair[0].time_s + pair[1].time_s));
+                    assert!((moved - middle).abs() < 2e-5, "{shape:?} {moved} {middle}");
+                    assert!(pair[0].force_n.abs() <= problem.coulomb_n);
+                }
+                let mean = mean / (last.time_s * problem.coulomb_n);
+                assert!((mean - closed.ratios.friction).abs() < 1e-4, "{shape:?} {sign:?}: {mean} {}", closed.ratios.friction);
+            }
+        }
+    }
+
+    #[test]
+    fn what_has_no_closed_form_is_refused() {
+        let good = kinematic(Shape::Sine, 0.5, 10.0);
+        assert!(solve(&good, &mut |_| ()).is_ok());
+        let lugre = Law::Lugre { stiffness_n_per_m: 1e5, static_ratio: 1.5, stribeck_m_per_s: 0.01, sigma1: 0.0, sigma2: 0.0 };
+        let random = Waveform::new(Shape::Random { hold_s: 1e-6, seed: 1 }, 0.1, 60e3, 1e-3);
+        for bad in [
+            table_4_1(0.5, 10.0),
+            Problem { law: lugre, ..good.clone() },
+            Problem { waveform: random, ..good.clone() },
+            Problem { load_steps: vec![(1e-5, 0.1)], ..good.clone() },
+            Problem { coulomb_n: 0.0, ..good.clone() },
+            Problem { waveform: Waveform::new(Shape::Sine, 0.0, 60e3, 1e-3), sliding_m_per_s: 0.0, ..good.clone() },
+        ] {
+            assert!(matches!(solve(&bad, &mut |_| ()), Err(Trouble::Unsuited { .. })), "{bad:?}");
+        }
+        let still = Problem { waveform: Waveform::new(Shape::Still, 0.1, 60e3, 1e-3), ..good };
+        let closed = solve(&still, &mut |_| ()).unwrap();
+        assert_eq!((closed.ratios.friction, closed.ratios.power, closed.kappa), (1.0, Some(1.0), 0.0));
+    }
+}

@@ -1,0 +1,55 @@
+//! Contact studies: what vibration does to friction, without a controller, converter or stack (thesis chapter 4).
+//!
+//! ```text
+//! scene [excitation] --> problem --> timeline (smooth stretches of forcing) --> method --> tally --> ratios
+//!                           waveform ^                                            |
+//!                                                             closed | frozen | linexp | taylor | rk4 | rk4-events | midpoint
+//! ```
+//!
+//! A [`problem`] is a motion, a friction law and a forcing, in SI units. Every method walks the same [`timeline`] and fills the same
+//! [`tally`]; which one meets a tolerance at the least cost is chosen in [`auto`](mod@auto).
+#![forbid(unsafe_code)]
+
+pub mod auto;
+pub mod closed;
+pub mod empirical;
+pub mod flow;
+mod forcing;
+pub mod hertz;
+pub mod lanes;
+pub mod method;
+pub mod problem;
+pub mod state;
+pub mod table_4_1;
+pub mod tally;
+pub mod timeline;
+pub mod waveform;
+
+pub use auto::{Numerics, Solution, solve, solve_with};
+pub use forcing::Forcing;
+pub use method::{Method, coulomb, linexp, midpoint, rk4, rk4_events, rk4_tabulated, taylor};
+pub use problem::{Law, Motion, Problem, Sign};
+pub use state::State;
+pub use tally::Tally;
+pub use waveform::{Shape, Waveform};
+
+/// Why a method has no answer.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum Trouble {
+    /// The method is not made for this problem.
+    #[error("{method} cannot do this: {reason}")]
+    Unsuited {
+        /// The method.
+        method: &'static str,
+        /// What it lacks.
+        reason: String,
+    },
+    /// The numbers grew without bound or became no numbers at all.
+    #[error("{method} diverged at {time_s:e} s")]
+    Diverged {
+        /// The method.
+        method: &'static str,
+        /// When, s.
+        time_s: f64,
+    },
+}

@@ -1,0 +1,68 @@
+//! The energy account of [`linexp`](super): what forcing, damper and friction do over a piece.
+//!
+//! Friction acts as its first terms, which are smooth, and as kicks at the nodes. The work of a kick is its impulse times the mean of
+//! the velocities before and after it, exactly; all else is smooth from kick to kick and integrated by Gauss-Legendre quadrature, which
+//! is independent of the flow. So the account closes to round-off if, and only if, flow, signs and kicks are right, at any step.
+
+use super::abreast::Places;
+use super::careful::Careful;
+use super::part::{Part, Piece};
+use super::quadrature::{self, Nodes};
+use crate::method::polynomial::value;
+
+impl<const K: usize, const N: usize> Careful<K, N>
+where
+    Nodes<K>: Places,
+{
+    /// Adds up a piece of a part; the state is that at its beginning.
+    pub(super) fn account(&mut self, part: &Part<N>, piece: &Piece<K>) {
+        if self.oscillator.kinematic {
+            self.account_given(part, piece);
+        } else {
+            self.account_oscillator(part, piece);
+        }
+    }
+
+    /// In a kinematic motion friction's work is what moves it.
+    fn account_given(&mut self, part: &Part<N>, piece: &Piece<K>) {
+        let (h, s, excess) = (part.unit_s, self.sense, self.f - self.sense);
+        let totals = &mut self.meter.totals;
+        for (at, weight) in quadrature::nodes(piece.from, piece.to) {
+            let slip = self.sliding * (at - piece.from) * h + self.sign * (value(&part.x, at) - self.x);
+            let impulse = weight * h * self.coulomb_n * (s + excess * (-self.per_metre * s * slip).exp());
+            totals.felt_n_s += impulse;
+            totals.input_j += impulse * value(&part.v, at);
+        }
+    }
+
+    fn account_oscillator(&mut self, part: &Part<N>, piece: &Piece<K>) {
+        let (h, mass) = (part.unit_s, 1.0 / self.oscillator.per_mass);
+        let mut totals = self.meter.totals;
+        let mut before = Part { count: part.count - K, ..*part };
+        let mut from = piece.from;
+        for l in 0..=K {
+            let kick = part.kicks[before.count.min(part.count - 1)];
+            let to = if l < K { kick.0 } else { piece.to };
+            for (at, weight) in quadrature::nodes(from, to) {
+                let weight = weight * h;
+                let x = value(&part.x, at) - self.answer(&before, at);
+                let v = value(&part.v, at) - self.answer_velocity(&before, at);
+                let friction = self.coulomb_n * value(&part.f, at);
+                totals.input_j += weight * mass * value(&part.u, at) * v;
+                totals.damping_j += weight * mass * self.oscillator.damping * v * v;
+                totals.kinetic_j_s += weight * 0.5 * mass * v * v;
+                totals.potential_j_s += weight * 0.5 * mass * self.oscillator.stiffness * x * x;
+                totals.felt_n_s += weight * friction;
+                totals.felt_work_j += weight * friction * (self.sliding + self.sign * v);
+            }
+            if l < K {
+                let v = value(&part.v, to) - self.answer_velocity(&before, to) - 0.5 * kick.1;
+                totals.felt_n_s += mass * kick.1;
+                totals.felt_work_j += mass * kick.1 * (self.sliding + self.sign * v);
+                before.count += 1;
+            }
+            from = to;
+        }
+        self.meter.totals = totals;
+    }
+}

@@ -1,0 +1,303 @@
+//! The careful way of [`linexp`](super): a step in parts, each of which ends at a reversal, or before the friction law gets
+//! steep, or at the step's end.
+//!
+//! In a part the motion is a polynomial, made with the first terms of the friction's own series; kicks at the nodes then carry only what
+//! friction differs from these, so the reversal is where the true slip velocity is zero. The sign of the slip is a state of its own: it
+//! flips at a reversal and is never taken from the round-off of a velocity near zero.
+
+use super::Extent;
+use super::abreast::{Abreast, Lanes, Places, place, values};
+use super::decay::decay;
+use super::part::{Part, Piece};
+use super::quadrature::{End, Nodes};
+use crate::forcing::Forcing;
+use crate::method::oscillator::{KERNEL, Oscillator};
+use crate::method::polynomial::{first_reversal, slope, value};
+use crate::problem::Problem;
+use crate::tally::{Meter, State};
+
+/// Steepest part, times the steps a period: the exponent of friction over one part is at most this over the steps.
+const STEEPEST: f64 = 64.0;
+/// Longest part in units of the time constant of mass and contact stiffness, sqrt(m / Kt).
+const LONGEST: f64 = 0.5;
+/// Shortest part of a step.
+const SHORTEST: f64 = 1e-12;
+/// A reversal is located to the square of this part of a step; friction, which is level there, is then off by the fourth power.
+const LOCATED: f64 = 3e-4;
+/// Friction this close to its bound does not change any more.
+const SATURATED: f64 = 1e-15;
+/// Below this the third power is round-off.
+pub(super) const SMALL: f64 = 1e-5;
+
+/// State and sums of a run; the motion within a part has `N` coefficients.
+pub(super) struct Careful<const K: usize, const N: usize> {
+    pub oscillator: Oscillator,
+    /// Displacement, m; velocity, m/s; friction over Fc.
+    pub x: f64,
+    pub v: f64,
+    pub f: f64,
+    /// Friction with its first two rates, as the present sign of the slip has them.
+    pub here: End,
+    /// Sign of the slip velocity.
+    pub sense: f64,
+    /// Slip velocity, m/s, and its rate, m/s^2.
+    pub slip_velocity: f64,
+    pub a: f64,
+    /// Sliding speed, m/s, and the sign of x' in the slip velocity.
+    pub sliding: f64,
+    pub sign: f64,
+    pub coulomb_n: f64,
+    /// Kt / Fc, 1/m.
+    pub per_metre: f64,
+    /// Fc / m, m/s^2; zero without dynamics.
+    pub push: f64,
+    /// Largest exponent of friction over a part.
+    pub steepest: f64,
+    /// Distance from the bound below which friction does not change any more.
+    pub saturated: f64,
+    pub meter: Meter,
+    kt: f64,
+    kernel: [f64; KERNEL],
+    accounted: bool,
+    /// Whether friction acts on the motion.
+    coupled: bool,
+}
+
+impl<const K: usize, const N: usize> Careful<K, N>
+where
+    Nodes<K>: Places,
+{
+    pub fn new(problem: &Problem, kt: f64, steps_per_period: u32, extent: Extent) -> Self {
+        let accounted = extent == Extent::Accounted;
+        let oscillator = Oscillator::of(problem);
+        let meter = Meter::new(accounted);
+        let mut run = Careful {
+            oscillator,
+            x: problem.start.x_m,
+            v: problem.start.v_m_per_s,
+            f: 0.0,
+            here: End { value: 0.0, slope: 0.0, curvature: 0.0 },
+            sense: 0.0,
+            slip_velocity: 0.0,
+            a: 0.0,
+            sliding: problem.sliding_m_per_s,
+            sign: problem.sign.factor(),
+            coulomb_n: problem.coulomb_n,
+            per_metre: 0.0,
+            push: 0.0,
+            steepest: STEEPEST / f64::from(steps_per_period),
+            saturated: SATURATED,
+            meter,
+            kt,
+            kernel: oscillator.kernel(),
+            accounted,
+            coupled: !oscillator.kinematic && extent != Extent::Frozen,
+        };
+        run.set_coulomb_force(problem.coulomb_n);
+        run.f = problem.start.force_n / problem.coulomb_n;
+        run
+    }
+
+    /// Another Coulomb force, N; the bristles keep their force.
+    pub fn set_coulomb_force(&mut self, coulomb_n: f64) {
+        self.f *= self.coulomb_n / coulomb_n;
+        self.coulomb_n = coulomb_n;
+        self.per_metre = self.kt / coulomb_n;
+        self.push = if self.coupled { coulomb_n * self.oscillator.per_mass } else { 0.0 };
+    }
+
+    pub fn state(&self, time_s: f64) -> State {
+        State { time_s, x_m: self.x, v_m_per_s: self.v, force_n: self.coulomb_n * self.f }
+    }
+
+    /// Whether a step of `h` seconds is too long for the contact spring at its stiffest.
+    pub fn is_stiff(&self, h: f64) -> bool {
+        h * h * self.push * self.per_metre * 2.0 > LONGEST * LONGEST
+    }
+
+    /// Acceleration, m/s^2, under `u`; of a kinematic motion, `u` itself.
+    #[inline]
+    pub fn acceleration(&self, u: f64, x: f64, v: f64, f: f64) -> f64 {
+        u - self.oscillator.damping * v - self.oscillator.stiffness * x - self.push * f
+    }
+
+    /// A stretch begins: its forcing may have jumped.
+    pub fn face(&mut self, forcing: &Forcing, length_s: f64) {
+        // A cosine goes on where the last one ended.
+        if self.sense != 0.0 && !self.oscillator.kinematic && matches!(forcing, Forcing::Cosine { .. }) {
+            self.here = self.end(self.f, self.slip_velocity, self.a);
+            return;
+        }
+        let part = self.part(forcing, 0.0, 1e-3 * length_s);
+        if self.oscillator.kinematic {
+            self.v = part.v[0];
+        }
+        self.slip_velocity = self.sliding + self.sign * self.v;
+        self.a = self.sign * part.v[1] / part.unit_s;
+        // The sign of the slip is a matter of history, except at the start and where a given velocity jumps. A slip that is zero,
+        // but for round-off, goes where its first derivative that is not zero leads.
+        if self.sense == 0.0 || self.oscillator.kinematic {
+            let size = self.sliding.abs() + part.v.iter().map(|c| c.abs()).fold(0.0, f64::max);
+            let slip = |(k, c): (usize, &f64)| self.sign * c + if k == 0 { self.sliding } else { 0.0 };
+            self.sense = part.v.iter().enumerate().map(slip).find(|c| c.abs() > 1e-12 * size).map_or(1.0, f64::signum);
+        }
+        self.here = self.end(self.f, self.slip_velocity, self.a);
+    }
+
+    /// One step of `h` seconds from `from_s` on, of which `done_s` are behind.
+    pub fn step(&mut self, forcing: &Forcing, from_s: f64, h: f64, mut done_s: f64) {
+        // The last part ends at the step's end within round-off.
+        while h - done_s > 1e-13 * h {
+            let left_s = h - done_s;
+            let longest = self.longest();
+            let unit_s = left_s.min(longest);
+            if longest.is_nan() || longest <= SHORTEST * h {
+                // The motion has run away: no part is short enough for it.
+                self.x = f64::NAN;
+                return;
+            }
+            let end = self.go(&mut self.part(forcing, from_s + done_s, unit_s));
+            done_s = if end == 1.0 && unit_s == left_s { h } else { done_s + end * unit_s };
+        }
+    }
+
+    /// Goes along a part, across one reversal at most; tells how far, from 0 to 1.
+    pub fn go(&mut self, part: &mut Part<N>) -> f64 {
+        let mut slip_velocity = part.v;
+        slip_velocity.iter_mut().for_each(|c| *c *= self.sign);
+        slip_velocity[0] += self.sliding;
+        let reversal = first_reversal(&slip_velocity, self.sense, LOCATED);
+        let end = reversal.unwrap_or(1.0);
+        if end > 0.0 {
+            let piece = self.piece(part, 0.0, end);
+            self.take(part, piece);
+        }
+        if reversal.is_none() {
+            return 1.0;
+        }
+        self.sense = -self.sense;
+        self.here = self.end(self.f, self.slip_velocity, self.a);
+        self.meter.tally.reversals += 1;
+        // The same polynomial goes on, if nothing more happens on it.
+        let rest = self.piece(part, end, 1.0);
+        if rest.slip_velocity * self.sense > 0.0 && rest.steepness <= self.steepest {
+            self.take(part, rest);
+            return 1.0;
+        }
+        end
+    }
+
+    /// The longest part from here on, s: friction's exponent stays bounded, and the contact spring is resolved.
+    pub fn longest(&self) -> f64 {
+        if (self.f - self.sense).abs() <= self.saturated {
+            return f64::INFINITY;
+        }
+        let slip = self.steepest / self.per_metre;
+        let v = self.slip_velocity.abs();
+        let by_slip = 2.0 * slip / (v + (v * v + 2.0 * self.a.abs() * slip).sqrt());
+        let spring = self.push * self.per_metre * (1.0 - self.sense * self.f).abs();
+        by_slip.min(LONGEST / spring.sqrt())
+    }
+
+    /// The first terms of friction over Fc, over `unit_s` seconds.
+    pub fn friction_terms(&self, unit_s: f64) -> [f64; 3] {
+        let End { value, slope, curvature } = self.here;
+        [value, unit_s * slope, 0.5 * unit_s * unit_s * curvature]
+    }
+
+    /// The motion over `unit_s` seconds, with friction as its own series begins.
+    fn part(&self, forcing: &Forcing, at_s: f64, unit_s: f64) -> Part<N> {
+        let u: [f64; N] = self.oscillator.forcing(forcing, at_s, unit_s);
+        let f = self.friction_terms(unit_s);
+        let mut driven = u;
+        if !self.oscillator.kinematic {
+            driven.iter_mut().zip(&f).for_each(|(u, f)| *u -= self.push * f);
+        }
+        let (x, v) = self.oscillator.series(self.x, self.v, &driven, unit_s);
+        Part::new(unit_s, (x, v), u, f)
+    }
+
+    /// Slips from one moment of a part to another; the state is that at `from`.
+    fn piece(&self, part: &mut Part<N>, from: f64, to: f64) -> Piece<K> {
+        let (length, s, excess) = (to - from, self.sense, self.f - self.sense);
+        let end = Lanes::<K>::END;
+        let places = Lanes::<K>::each(|lane| if lane == end { to } else { from + length * place::<K>(lane) });
+        // The slip by the polynomial, and what friction is then; kicks of this part come on top, to second order.
+        let slide = (places - Lanes::<K>::all(from)) * Lanes::<K>::all(self.sliding * part.unit_s);
+        let there = values(&part.x, places);
+        let slips = slide + (there - Lanes::<K>::all(self.x)) * Lanes::<K>::all(self.sign);
+        let decays = decay(slips * Lanes::<K>::all(self.per_metre * s));
+        let predicted = values(&part.f, places);
+        let force = |lane: usize, back: f64| {
+            let late = self.per_metre * s * self.sign * back;
+            if late.abs() < SMALL {
+                s + excess * decays.lane(lane) * (1.0 + late * (1.0 + 0.5 * late))
+            } else {
+                s + excess * (late - self.per_metre * s * slips.lane(lane)).exp()
+            }
+        };
+        let mut forces = [0.0; K];
+        for (lane, slot) in forces.iter_mut().enumerate() {
+            *slot = force(lane, self.answer(part, places.lane(lane)));
+            let weight = Nodes::<K>::WEIGHT[lane] * length * part.unit_s;
+            part.kicks[part.count] = (places.lane(lane), weight * self.push * (*slot - predicted.lane(lane)));
+            part.count += 1;
+        }
+        let back = self.answer(part, to);
+        let (x, v) = (there.lane(end) - back, value(&part.v, to) - self.answer_velocity(part, to));
+        let slip = slips.lane(end) - self.sign * back;
+        let steepness = self.per_metre * s * slip;
+        Piece { from, to, forces, x, v, f: force(end, back), slip, slip_velocity: self.sliding + self.sign * v, steepness }
+    }
+
+    /// Goes to the end of a piece.
+    fn take(&mut self, part: &Part<N>, piece: Piece<K>) {
+        let length_s = (piece.to - piece.from) * part.unit_s;
+        let u = if self.oscillator.kinematic { slope(&part.v, piece.to) / part.unit_s } else { value(&part.u, piece.to) };
+        let a = self.sign * self.acceleration(u, piece.x, piece.v, piece.f);
+        if self.accounted {
+            self.account(part, &piece);
+        }
+        (self.x, self.v) = (piece.x, piece.v);
+        self.add_friction(length_s, &piece.forces, (piece.f, piece.slip_velocity, a), piece.slip);
+    }
+
+    /// How far the kicks so far have set the motion back at a moment of the part, m.
+    pub fn answer(&self, part: &Part<N>, at: f64) -> f64 {
+        let since = |when: f64| (at - when) * part.unit_s;
+        part.kicks[..part.count].iter().map(|(when, kick)| kick * value(&self.kernel, since(*when))).sum()
+    }
+
+    /// The same of the velocity, m/s.
+    pub fn answer_velocity(&self, part: &Part<N>, at: f64) -> f64 {
+        let since = |when: f64| (at - when) * part.unit_s;
+        part.kicks[..part.count].iter().map(|(when, kick)| kick * slope(&self.kernel, since(*when))).sum()
+    }
+
+    /// Adds up the friction over a step or piece with a slip of `slip`, m, and goes to its end: friction over Fc, slip velocity and the
+    /// rate of that.
+    ///
+    /// The work is exact in slip: the integral of F dz is `Fc (s z - s (f_end - f) Fc / Kt)`.
+    #[inline]
+    pub fn add_friction(&mut self, length_s: f64, forces: &[f64; K], (f, slip_velocity, a): (f64, f64, f64), slip: f64) {
+        let s = self.sense;
+        let there = self.end(f, slip_velocity, a);
+        let ends = [self.here, there];
+        let totals = &mut self.meter.totals;
+        totals.friction_n_s += self.coulomb_n * length_s * Nodes::<K>::mean(forces, ends, length_s);
+        totals.friction_work_j += self.coulomb_n * s * (slip - (f - self.f) / self.per_metre);
+        if self.oscillator.kinematic {
+            // What moves it feels all of it.
+            totals.felt_work_j = totals.friction_work_j;
+        }
+        (self.f, self.slip_velocity, self.a, self.here) = (f, slip_velocity, a, there);
+    }
+
+    /// Friction over Fc and its first two rates: `f' = (Kt / Fc) V (1 - s f)`.
+    #[inline]
+    fn end(&self, f: f64, v: f64, a: f64) -> End {
+        let free = self.per_metre * (1.0 - self.sense * f);
+        let slope = v * free;
+        End { value: f, slope, curvature: a * free - self.per_metre * v * self.sense * slope }
+    }
+}

@@ -1,0 +1,189 @@
+//! The swift way of [`linexp`](super): the flow over each step of a period is made once, as a table.
+//!
+//! A step is then a few multiplications for the motion, one exponential a node and one for the end, all four at once.
+
+use super::abreast::{Abreast, Lanes, Places, place};
+use super::careful::{Careful, SMALL};
+use super::decay::decay;
+use super::part::Part;
+use super::quadrature::Nodes;
+use crate::method::oscillator::Oscillator;
+use crate::method::polynomial::{slope, value};
+use crate::problem::Problem;
+use crate::timeline::Stretch;
+
+/// The flow over the steps of one whole piece of a periodic forcing. Of four lanes the first K are the nodes, the last is the end.
+pub(super) struct Table<const K: usize, const N: usize>
+where
+    Nodes<K>: Places,
+{
+    h: f64,
+    /// Displacement from displacement, velocity, an acceleration of one, and of one per second at the beginning.
+    x: By<Lanes<K>>,
+    /// Velocity at the end, from the same.
+    v_end: [f64; 4],
+    /// Slip by sliding alone, m.
+    slide: Lanes<K>,
+    /// Displacement in each lane from a kick at each node.
+    kick: [[f64; K]; 4],
+    /// Velocity at the end from a kick at each node.
+    kick_end: [f64; K],
+    /// Times of the nodes, s.
+    at_s: [f64; K],
+    /// The motion as a polynomial, from displacement, velocity, and the first three terms of friction.
+    by: [Series<N>; 5],
+    /// What the forcing adds, step by step.
+    forced: Vec<Forced<Lanes<K>, N>>,
+}
+
+/// Coefficients of displacement and velocity over a step.
+type Series<const N: usize> = ([f64; N], [f64; N]);
+
+/// Four lanes, by what they come from.
+pub(super) struct By<L> {
+    x: L,
+    v: L,
+    push: L,
+    push_rate: L,
+}
+
+/// What the forcing adds within one step.
+pub(super) struct Forced<L, const N: usize> {
+    x: L,
+    v_end: f64,
+    /// Acceleration by the forcing at the end, m/s^2.
+    last: f64,
+    /// The same as a polynomial, and the forcing itself.
+    series: Series<N>,
+    u: [f64; N],
+}
+
+/// Coefficients with which the tables are made: exact to round-off for steps of up to a radian.
+const EXACT: usize = 24;
+
+impl<const K: usize, const N: usize> Table<K, N>
+where
+    Nodes<K>: Places,
+{
+    pub fn new(oscillator: &Oscillator, problem: &Problem, stretch: &Stretch, steps: u32, h: f64) -> Self {
+        let lanes = |c: &[f64; EXACT]| Lanes::<K>::each(|lane| value(c, place::<K>(lane)));
+        let (none, mut one, mut per_second) = ([0.0; EXACT], [0.0; EXACT], [0.0; EXACT]);
+        (one[0], per_second[1]) = (1.0, h);
+        // A kinematic velocity is the forcing itself: displacement goes on from displacement, and that is all.
+        let from = |x: f64, v: f64, u: &[f64; EXACT]| {
+            if oscillator.kinematic {
+                let mut still = none;
+                still[0] = x;
+                (still, none)
+            } else {
+                oscillator.series(x, v, u, h)
+            }
+        };
+        let [by_x, by_v, by_push, by_rate] =
+            [from(1.0, 0.0, &none), from(0.0, 1.0, &none), from(0.0, 0.0, &one), from(0.0, 0.0, &per_second)];
+        let forced = (0..steps).map(|step| {
+            let u: [f64; EXACT] = oscillator.forcing(&stretch.forcing, f64::from(step) * h, h);
+            let (xs, vs) = oscillator.series(0.0, 0.0, &u, h);
+            let last = if oscillator.kinematic { slope(&u, 1.0) / h } else { value(&u, 1.0) };
+            Forced { x: lanes(&xs), v_end: value(&vs, 1.0), last, series: short(&(xs, vs)), u: cut(&u) }
+        });
+        let nodes = Nodes::<K>::AT;
+        let mut square = none;
+        square[2] = 1.0;
+        let by_square = from(0.0, 0.0, &square);
+        let mut linear = none;
+        linear[1] = 1.0;
+        let by_linear = from(0.0, 0.0, &linear);
+        let kick = |from: f64, to: f64| if to > from { value(&by_v.0, to - from) } else { 0.0 };
+        Table {
+            h,
+            x: By { x: lanes(&by_x.0), v: lanes(&by_v.0), push: lanes(&by_push.0), push_rate: lanes(&by_rate.0) },
+            v_end: [&by_x, &by_v, &by_push, &by_rate].map(|by| value(&by.1, 1.0)),
+            slide: Lanes::<K>::each(|lane| problem.sliding_m_per_s * place::<K>(lane) * h),
+            kick: std::array::from_fn(|lane| nodes.map(|from| kick(from, place::<K>(lane)))),
+            kick_end: nodes.map(|from| value(&by_v.1, 1.0 - from)),
+            at_s: nodes.map(|s| s * h),
+            by: [&by_x, &by_v, &by_push, &by_linear, &by_square].map(short),
+            forced: forced.collect(),
+        }
+    }
+
+    /// A whole step as a part of the careful way, if it may be as long.
+    pub fn part(&self, run: &Careful<K, N>, step: usize) -> Option<Part<N>> {
+        let forced = self.forced.get(step).filter(|_| self.h <= run.longest())?;
+        let f = run.friction_terms(self.h);
+        let scales = [run.x, run.v, -run.push * f[0], -run.push * f[1], -run.push * f[2]];
+        let (mut x, mut v) = forced.series;
+        for (by, scale) in self.by.iter().zip(scales) {
+            for k in 0..N {
+                x[k] += scale * by.0[k];
+                v[k] += scale * by.1[k];
+            }
+        }
+        Some(Part::new(self.h, (x, v), forced.u, f))
+    }
+}
+
+/// The first coefficients.
+fn cut<const N: usize>(c: &[f64; EXACT]) -> [f64; N] {
+    std::array::from_fn(|k| c[k])
+}
+
+fn short<const N: usize>(series: &Series<EXACT>) -> Series<N> {
+    (cut(&series.0), cut(&series.1))
+}
+
+/// One step by the tables; nothing done, and false, if it has a reversal or is steep.
+///
+/// The motion is made with friction as it begins and with its slope; the kicks carry the rest, and are so small that friction at the
+/// end needs its exponential before they are known, and their effect on it only to second order.
+#[inline]
+pub(super) fn swift<const K: usize, const N: usize>(run: &mut Careful<K, N>, table: &Table<K, N>, step: usize) -> bool
+where
+    Nodes<K>: Places,
+{
+    let all = Lanes::<K>::all;
+    let end = Lanes::<K>::END;
+    let Some(forced) = table.forced.get(step) else { return false };
+    let (x, v, s) = (run.x, run.v, run.sense);
+    let excess = run.f - s;
+    let steep = run.per_metre * s;
+    let rate = run.here.slope;
+    let (push, push_rate) = (run.push * run.f, run.push * rate);
+    let [by_x, by_v, by_push, by_rate] = table.v_end;
+    let v_free = by_x * x + by_v * v + forced.v_end - by_push * push - by_rate * push_rate;
+    if (run.sliding + run.sign * v_free) * s < 0.0 {
+        return false;
+    }
+    let pushed = table.x.push * all(push) + table.x.push_rate * all(push_rate);
+    let there = table.x.x * all(x) + table.x.v * all(v) + forced.x - pushed;
+    let slips = table.slide + (there - all(x)) * all(run.sign);
+    let exponents = slips * all(steep);
+    let decays = decay(exponents);
+    // Kicks set the slip back by so little that the exponential is known to second order.
+    let answer = |lane: usize, kicks: &[f64; K]| kicks.iter().zip(&table.kick[lane]).map(|(kick, by)| kick * by).sum::<f64>();
+    let force = |lane: usize, late: f64| s + excess * decays.lane(lane) * (1.0 + late * (1.0 + 0.5 * late));
+    let (mut kicks, mut forces) = ([0.0; K], [0.0; K]);
+    for i in 0..K {
+        forces[i] = force(i, steep * run.sign * answer(i, &kicks));
+        kicks[i] = Nodes::<K>::WEIGHT[i] * table.h * run.push * (forces[i] - run.f - rate * table.at_s[i]);
+    }
+    let back = answer(end, &kicks);
+    let late = steep * run.sign * back;
+    let f_end = force(end, late);
+    let x_end = there.lane(end) - back;
+    let v_kicks: f64 = kicks.iter().zip(&table.kick_end).map(|(kick, by)| kick * by).sum();
+    let v_end = v_free - v_kicks;
+    let slip = slips.lane(end) - run.sign * back;
+    let slip_velocity = run.sliding + run.sign * v_end;
+    let a_end = run.sign * run.acceleration(forced.last, x_end, v_end, f_end);
+    // A velocity that falls at the beginning and rises at the end may have dipped below zero in between.
+    let dips = run.a * s < 0.0 && a_end * s > 0.0;
+    let too_steep = exponents.lane(end) > run.steepest && excess.abs() > run.saturated;
+    if slip_velocity * s < 0.0 || dips || too_steep || late.abs() > SMALL {
+        return false;
+    }
+    (run.x, run.v) = (x_end, v_end);
+    run.add_friction(table.h, &forces, (f_end, slip_velocity, a_end), slip);
+    true
+}

@@ -1,0 +1,320 @@
+//! Taylor series of high order with located reversals: the truth in this repository, and the method for tight tolerances.
+//!
+//! Between reversals of the slip velocity the problem is analytic,
+//!
+//! ```text
+//! x' = v,   m v' = u(t) - c v - Ks x - Fc f,   f' = (Kt / Fc) (V - s V f),   V = Vt + sign v,   s = sgn V
+//! ```
+//!
+//! so each coefficient follows from the ones before with a single Cauchy product, that of V and f; which is the friction power, too
+//! (Barrio 2005; Jorba and Zou 2005). A reversal is the first root of the polynomial V; there the sign flips, V is zero exactly, and
+//! the series begins anew. All integrals are those of the polynomials.
+
+use super::polynomial::{first_reversal, integral, product, value};
+use crate::Trouble;
+use crate::forcing::Forcing;
+use crate::problem::{Law, Motion, Problem};
+use crate::tally::{Meter, State, Tally};
+use crate::timeline::Timeline;
+
+const METHOD: &str = "taylor";
+
+/// Orders there are.
+pub const ORDERS: [u32; 7] = [8, 12, 16, 20, 24, 28, 32];
+/// Where the last coefficients of friction over Fc are larger than this, the step is too long for the series.
+const LARGEST_LAST_TERM: f64 = 1e-9;
+/// Most parts of a step.
+const MOST_PARTS: u32 = 5_000;
+/// A reversal is located to the square of this part of a step.
+const LOCATED: f64 = 1e-8;
+/// Friction this close to its bound does not change any more; at the bound itself its series ends after the first term.
+const SATURATED: f64 = 1e-15;
+
+/// Runs a problem of Dahl friction; `watch` sees the state after every step.
+pub fn run(problem: &Problem, steps_per_period: u32, order: u32, watch: &mut impl FnMut(&State)) -> Result<Tally, Trouble> {
+    match order {
+        8 => Run::<9>::new(problem)?.all(steps_per_period, watch),
+        12 => Run::<13>::new(problem)?.all(steps_per_period, watch),
+        16 => Run::<17>::new(problem)?.all(steps_per_period, watch),
+        20 => Run::<21>::new(problem)?.all(steps_per_period, watch),
+        24 => Run::<25>::new(problem)?.all(steps_per_period, watch),
+        28 => Run::<29>::new(problem)?.all(steps_per_period, watch),
+        32 => Run::<33>::new(problem)?.all(steps_per_period, watch),
+        _ => Err(Trouble::Unsuited { method: METHOD, reason: format!("order {order} is none of {ORDERS:?}") }),
+    }
+}
+
+struct Run<'a, const N: usize> {
+    problem: &'a Problem,
+    /// Tangential stiffness, N/m.
+    kt: f64,
+    coulomb_n: f64,
+    /// Displacement, m; velocity, m/s; friction over Fc.
+    x: f64,
+    v: f64,
+    f: f64,
+    /// Sign of the slip velocity.
+    sense: f64,
+    meter: Meter,
+}
+
+/// Coefficients over one step, in units of the step.
+struct Series<const N: usize> {
+    unit_s: f64,
+    u: [f64; N],
+    x: [f64; N],
+    v: [f64; N],
+    slip: [f64; N],
+    f: [f64; N],
+    /// f V, m/s.
+    power: [f64; N],
+}
+
+impl<'a, const N: usize> Run<'a, N> {
+    fn new(problem: &'a Problem) -> Result<Self, Trouble> {
+        let Law::Dahl { stiffness_n_per_m: kt } = problem.law else {
+            let reason = "it integrates Dahl friction; Stribeck and bristle damping are for rk4-events and midpoint".into();
+            return Err(Trouble::Unsuited { method: METHOD, reason });
+        };
+        let State { x_m, v_m_per_s, force_n, .. } = problem.start;
+        let coulomb_n = problem.coulomb_n;
+        let meter = Meter::new(true);
+        Ok(Run { problem, kt, coulomb_n, x: x_m, v: v_m_per_s, f: force_n / coulomb_n, sense: 0.0, meter })
+    }
+
+    fn all(mut self, steps_per_period: u32, watch: &mut impl FnMut(&State)) -> Result<Tally, Trouble> {
+        let mut state = self.state(0.0);
+        for stretch in Timeline::new(self.problem) {
+            if let Some(force) = stretch.load {
+                self.f *= self.coulomb_n / force;
+                self.coulomb_n = force;
+            }
+            self.face(&stretch.forcing, stretch.length_s);
+            self.meter.at(&stretch, &state, self.coulomb_n);
+            let steps = stretch.steps(steps_per_period);
+            let h = stretch.length_s / f64::from(steps);
+            for step in 0..steps {
+                self.step(&stretch.forcing, f64::from(step) * h, h)?;
+                state = self.state(stretch.start_s + f64::from(step + 1) * h);
+                if !(self.x.is_finite() && self.v.is_finite() && self.f.is_finite()) {
+                    return Err(Trouble::Diverged { method: METHOD, time_s: state.time_s });
+                }
+                self.meter.step(&state, state.force_n / self.coulomb_n);
+                watch(&state);
+            }
+        }
+        Ok(self.meter.finish(&state, self.coulomb_n))
+    }
+
+    fn state(&self, time_s: f64) -> State {
+        State { time_s, x_m: self.x, v_m_per_s: self.v, force_n: self.coulomb_n * self.f }
+    }
+
+    /// Finds the sign of the slip where it is not a matter of history: at the start, and where a given velocity jumps.
+    fn face(&mut self, forcing: &Forcing, length_s: f64) {
+        let kinematic = self.problem.motion == Motion::Kinematic;
+        if self.sense != 0.0 && !kinematic {
+            return;
+        }
+        let series = self.expand(forcing, 0.0, 1e-3 * length_s);
+        // A slip that is zero, but for round-off, goes where its first derivative that is not zero leads.
+        let size = self.problem.sliding_m_per_s.abs() + series.v.iter().map(|c| c.abs()).fold(0.0, f64::max);
+        let first = series.slip.iter().find(|c| c.abs() > 1e-12 * size);
+        self.sense = first.map_or(1.0, |c| c.signum());
+    }
+
+    /// One step, in as many parts as it has reversals, or as the series needs.
+    fn step(&mut self, forcing: &Forcing, from_s: f64, h: f64) -> Result<(), Trouble> {
+        let mut done_s = 0.0;
+        let (mut flips, mut parts) = (0, 0u32);
+        // The last part ends at the step's end within round-off.
+        while h - done_s > 1e-13 * h {
+            if (self.f - self.sense).abs() <= SATURATED {
+                self.f = self.sense;
+            }
+            let mut series = self.expand(forcing, from_s + done_s, h - done_s);
+            let part = series.shorten();
+            parts += 1;
+            if parts > MOST_PARTS {
+                let reason =
+                    "the contact is too stiff for a series, which needs thousands of parts a step; linexp follows it".into();
+                return Err(Trouble::Unsuited { method: METHOD, reason });
+            }
+            let mut reversal = first_reversal(&series.slip, self.sense, LOCATED);
+            flips = if reversal == Some(0.0) { flips + 1 } else { 0 };
+            if flips > 1 {
+                // A velocity that only touches zero has a sign, and no reversal.
+                let sense = value(&series.slip, 0.5).signum();
+                (self.sense, reversal) = (sense, None);
+                series = self.expand(forcing, from_s + done_s, h - done_s);
+                series.shorten();
+            }
+            self.advance(&series, reversal.unwrap_or(1.0));
+            if reversal.is_some() {
+                self.sense = -self.sense;
+                self.meter.tally.reversals += 1;
+                if self.problem.motion != Motion::Kinematic {
+                    self.v = -self.problem.sign.factor() * self.problem.sliding_m_per_s;
+                }
+            }
+            let whole = reversal.is_none() && part == 1.0;
+            done_s = if whole { h } else { done_s + reversal.unwrap_or(1.0) * series.unit_s };
+        }
+        Ok(())
+    }
+
+    /// The series from the present state on.
+    fn expand(&self, forcing: &Forcing, at_s: f64, unit_s: f64) -> Series<N> {
+        let u: [f64; N] = forcing.taylor_in(at_s, unit_s);
+        let mut series = Series { unit_s, u, x: [0.0; N], v: [0.0; N], slip: [0.0; N], f: [0.0; N], power: [0.0; N] };
+        let Series { x, v, slip, f, power, .. } = &mut series;
+        let (sign, sense) = (self.problem.sign.factor(), self.sense);
+        let per_force = unit_s * self.kt / self.coulomb_n;
+        (x[0], v[0], f[0]) = (self.x, self.v, self.f);
+        for k in 0..N {
+            let over = if k + 1 < N { 1.0 / (k + 1) as f64 } else { 0.0 };
+            let next = (k + 1).min(N - 1);
+            match self.problem.motion {
+                Motion::Kinematic => v[k] = u[k],
+                Motion::Sdof { mass_kg, stiffness_n_per_m, damping_n_s_per_m } if k + 1 < N => {
+                    let force = u[k] - damping_n_s_per_m * v[k] - stiffness_n_per_m * x[k] - self.coulomb_n * f[k];
+                    v[next] = unit_s / mass_kg * force * over;
+                }
+                Motion::Sdof { .. } => {}
+            }
+            slip[k] = sign * v[k];
+            if k == 0 {
+                slip[0] += self.problem.sliding_m_per_s;
+            }
+            power[k] = (0..=k).map(|j| slip[j] * f[k - j]).sum();
+            if k + 1 < N {
+                x[next] = unit_s * v[k] * over;
+                f[next] = per_force * (slip[k] - sense * power[k]) * over;
+            }
+        }
+        series
+    }
+
+    /// Goes to the part `s` of the series' step.
+    fn advance(&mut self, series: &Series<N>, s: f64) {
+        let h = series.unit_s;
+        let totals = &mut self.meter.totals;
+        totals.friction_n_s += h * self.coulomb_n * integral(&series.f, s);
+        totals.friction_work_j += h * self.coulomb_n * integral(&series.power, s);
+        (totals.felt_n_s, totals.felt_work_j) = (totals.friction_n_s, totals.friction_work_j);
+        match self.problem.motion {
+            Motion::Kinematic => {
+                totals.input_j += h * self.coulomb_n * integral(&product(&series.f, &series.v), s);
+            }
+            Motion::Sdof { mass_kg, stiffness_n_per_m, damping_n_s_per_m } => {
+                totals.input_j += h * integral(&product(&series.u, &series.v), s);
+                let squares = integral(&product(&series.v, &series.v), s);
+                totals.damping_j += h * damping_n_s_per_m * squares;
+                totals.kinetic_j_s += 0.5 * mass_kg * h * squares;
+                totals.potential_j_s += 0.5 * stiffness_n_per_m * h * integral(&product(&series.x, &series.x), s);
+            }
+        }
+        (self.x, self.v, self.f) = (value(&series.x, s), value(&series.v, s), value(&series.f, s));
+    }
+}
+
+impl<const N: usize> Series<N> {
+    /// Shortens the step to where the last terms of the friction are small; tells to which part.
+    fn shorten(&mut self) -> f64 {
+        let last = self.f[N - 1].abs().max(self.f[N - 2].abs());
+        if last <= LARGEST_LAST_TERM {
+            return 1.0;
+        }
+        let part = (LARGEST_LAST_TERM / last).powf(1.0 / (N - 2) as f64);
+        self.unit_s *= part;
+        for c in [&mut self.u, &mut self.x, &mut self.v, &mut self.slip, &mut self.f, &mut self.power] {
+            c.iter_mut().fold(1.0, |power, c| {
+                *c *= power;
+                power * part
+            });
+        }
+        part
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::table_4_1::table_4_1;
+    use crate::tally::Ratios;
+    use crate::{Shape, Waveform, rk4};
+
+    fn ratios(problem: &Problem, steps: u32, order: u32) -> (Ratios, Tally) {
+        let tally = run(problem, steps, order, &mut |_| ()).unwrap();
+        (Ratios::of(problem, &tally), tally)
+    }
+
+    #[test]
+    fn table_4_1_to_round_off() {
+        let problem = table_4_1(0.5, 200.0);
+        let ((coarse, tally), (fine, _)) = (ratios(&problem, 16, 20), ratios(&problem, 24, 32));
+        assert!((coarse.friction - fine.friction).abs() < 1e-13 && (coarse.power.unwrap() - fine.power.unwrap()).abs() < 1e-12);
+        assert!(fine.energy_residual.unwrap().abs() < 1e-12, "{fine:?}");
+        assert_eq!(tally.reversals, 400);
+        // The thesis's own solver at its own step, which has an error of 3e-8 there.
+        let thesis = Ratios::of(&problem, &rk4::run(&problem, 1000, &mut |_| ()).unwrap());
+        assert!((thesis.friction - fine.friction).abs() < 1e-7);
+    }
+
+    #[test]
+    fn the_order_is_what_it_says() {
+        let problem = table_4_1(0.5, 40.0);
+        let forces = |steps: u32, order| {
+            let mut forces = Vec::new();
+            let quarter = |state: &State| (4.0 * 60e3 * state.time_s - (4.0 * 60e3 * state.time_s).round()).abs() < 1e-6;
+            run(&problem, steps, order, &mut |state| forces.extend(quarter(state).then_some(state.force_n / problem.coulomb_n)))
+                .unwrap();
+            forces
+        };
+        let exact = forces(64, 32);
+        for (order, coarse, fine) in [(8, 24, 48), (12, 16, 24)] {
+            let error = |steps: u32| forces(steps, order).iter().zip(&exact).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+            let observed = (error(coarse) / error(fine)).log2() / (f64::from(fine) / f64::from(coarse)).log2();
+            assert!((observed - f64::from(order)).abs() < 1.5, "order {order}: {observed}");
+        }
+    }
+
+    #[test]
+    fn no_sliding_has_two_reversals_a_period_and_no_more() {
+        let problem = table_4_1(0.0, 400.0);
+        let (ratios, tally) = ratios(&problem, 16, 16);
+        assert_eq!(tally.reversals, 800);
+        assert!(ratios.friction.abs() < 1e-2 && ratios.power.is_none());
+    }
+
+    #[test]
+    fn grazing_loses_no_reversal() {
+        for velocity_ratio in [0.9, 1.0, 1.05] {
+            let problem = table_4_1(velocity_ratio, 130.0);
+            let counts = [8, 16, 64].map(|steps| ratios(&problem, steps, 20).1.reversals);
+            assert!(counts.iter().all(|count| *count == counts[0]), "{velocity_ratio}: {counts:?}");
+        }
+    }
+
+    #[test]
+    fn a_given_velocity_may_touch_zero() {
+        for off in [-1e-6, -1e-15, 0.0, 1e-15, 1e-6] {
+            let mut problem = table_4_1(1.0, 60.0);
+            let vibration = problem.vibration_m_per_s();
+            problem.sliding_m_per_s = vibration * (1.0 + off);
+            problem.motion = Motion::Kinematic;
+            problem.waveform = Waveform::new(Shape::Sine, vibration, 60e3, problem.duration_s);
+            let friction = ratios(&problem, 32, 24).0.friction;
+            assert!((friction - 1.0).abs() < 1e-6, "{off:e}: {friction}");
+        }
+    }
+
+    #[test]
+    fn jumps_of_the_forcing_lie_between_steps() {
+        let mut problem = table_4_1(0.5, 40.0);
+        problem.waveform = Waveform::new(Shape::Square, 384.0, 60e3, problem.duration_s);
+        let [coarse, fine] = [(12, 16), (32, 28)].map(|(steps, order)| ratios(&problem, steps, order).0);
+        assert!((coarse.friction - fine.friction).abs() < 1e-11, "{coarse:?} {fine:?}");
+        assert!(fine.energy_residual.unwrap().abs() < 1e-11);
+    }
+}

@@ -1,0 +1,215 @@
+//! The admittance loop of a transducer: of the circuit that was identified, and as measured.
+//!
+//! ```text
+//! Y(f) = j 2 pi f C0 + sum over resonances of  G / (1 + j Q (f / fs - fs / f))
+//! ```
+
+use std::f64::consts::TAU;
+use std::path::Path;
+use std::time::Duration;
+
+use firmware::block::Gate;
+use firmware::command::{Command, ResonanceReport};
+use firmware::identify::{Resonance, Transducer};
+use firmware::supervisor::{Limit, Mode};
+use firmware::units::Hertz;
+use realfft::num_complex::Complex64;
+
+use crate::answer::Answer;
+use crate::commands::lock::{LockArgs, acquire};
+use crate::link_error::LinkError;
+use crate::session::Session;
+use crate::terminal_plot::TerminalPlot;
+use report::{self, Axis, Figure, Marker, Report, Series, Style};
+
+/// Places of a drawn loop.
+const PLACES: usize = 400;
+/// Ring-up time constants that a place is given to settle, and at least, s.
+const SETTLE: (f64, f64) = (12.0, 2e-3);
+
+/// A loop.
+#[derive(Clone, Debug, Default)]
+pub struct Loop {
+    c0_f: f64,
+    resonances: Vec<Resonance>,
+    /// The one that is wanted.
+    chosen: Option<Resonance>,
+    /// Frequencies, Hz, and admittances there, S, as measured.
+    pub measured: Vec<(f64, Complex64)>,
+}
+
+impl Loop {
+    /// The loop of what a scan has found.
+    pub fn of(transducer: Option<&Transducer>, found: &ResonanceReport) -> Self {
+        let resonances: Vec<Resonance> = found.found.iter().flatten().copied().collect();
+        let chosen = found.chosen.and_then(|place| *found.found.get(usize::from(place))?);
+        Loop { c0_f: transducer.map_or(0.0, |found| found.c0_f.into()), resonances, chosen, measured: Vec::new() }
+    }
+
+    /// Admittance at a frequency, S.
+    pub fn admittance(&self, hz: f64) -> Complex64 {
+        let clamped = Complex64::new(0.0, TAU * hz * self.c0_f);
+        let motional = self.resonances.iter().map(|resonance| {
+            let series_hz = f64::from(resonance.hz);
+            let detuning = hz / series_hz - series_hz / hz;
+            Complex64::from(f64::from(resonance.conductance_s)) / Complex64::new(1.0, f64::from(resonance.q) * detuning)
+        });
+        clamped + motional.sum::<Complex64>()
+    }
+
+    /// Frequencies that show the loop, denser where it turns: Hz.
+    fn places(&self) -> Vec<f64> {
+        let Some(about) = &self.chosen else { return Vec::new() };
+        let half_hz = f64::from(about.hz) / (2.0 * f64::from(about.q));
+        // The angle on the circle of a resonance turns evenly.
+        let angle = |n: usize| (n as f64 / PLACES as f64 - 0.5) * std::f64::consts::PI * 0.97;
+        (0..=PLACES).map(|n| f64::from(about.hz) + half_hz * angle(n).tan()).collect()
+    }
+
+    /// How far the measured places are from the circuit, in parts of the resonance's conductance.
+    pub fn compared(&self, answer: Answer) -> Answer {
+        let (Some(about), false) = (&self.chosen, self.measured.is_empty()) else { return answer };
+        let apart = |&(hz, y): &(f64, Complex64)| (y - self.admittance(hz)).norm() / f64::from(about.conductance_s);
+        let worst = self.measured.iter().map(apart).fold(0.0, f64::max);
+        answer
+            .line(format!(
+                "{} places measured, {:.0} to {:.0} Hz; at most {:.2} % of the loop's diameter from the circuit",
+                self.measured.len(),
+                self.measured.iter().map(|(hz, _)| *hz).fold(f64::INFINITY, f64::min),
+                self.measured.iter().map(|(hz, _)| *hz).fold(0.0, f64::max),
+                100.0 * worst
+            ))
+            .field("points", self.measured.len())
+            .field("worst_distance_percent", 100.0 * worst)
+    }
+
+    /// The loop in characters: conductance to the right, susceptance upwards.
+    pub fn in_terminal(&self) -> String {
+        let places: Vec<Complex64> = self.places().into_iter().map(|hz| 1e3 * self.admittance(hz)).collect();
+        if places.is_empty() {
+            return "no resonance was chosen: there is no loop to draw".into();
+        }
+        let mut plot = TerminalPlot::new("G [mS]", "B [mS]");
+        plot.line(places.iter().map(|y| (y.re, y.im)));
+        plot.marks(self.measured.iter().map(|(_, y)| (1e3 * y.re, 1e3 * y.im)));
+        plot.drawn()
+    }
+
+    /// Writes the loop as SVG, PNG and CSV.
+    pub fn write(&self, dir: &Path) -> Result<(), LinkError> {
+        let places = self.places();
+        let of = |y: &[Complex64], name: &str, column: &str, style: Style| Series {
+            name: name.into(),
+            csv_column: column.into(),
+            x: y.iter().map(|y| 1e3 * y.re).collect(),
+            y: y.iter().map(|y| 1e3 * y.im).collect(),
+            style,
+        };
+        let circuit: Vec<Complex64> = places.iter().map(|&hz| self.admittance(hz)).collect();
+        let measured: Vec<Complex64> = self.measured.iter().map(|(_, y)| *y).collect();
+        let mut series = vec![of(&circuit, "circuit identified", "susceptance_ms", Style::Line)];
+        if !measured.is_empty() {
+            series.push(of(&measured, "measured, settled", "measured_susceptance_ms", Style::Points));
+        }
+        let mark = |hz: f64, label: String| {
+            let y = 1e3 * self.admittance(hz);
+            Marker { x: y.re, y: y.im, label }
+        };
+        let markers = self.chosen.iter().map(|about| mark(about.hz.into(), format!("f_s {:.1} Hz", about.hz))).collect();
+        let magnitude = |places: &[(f64, Complex64)], name: &str, column: &str, style: Style| Series {
+            name: name.into(),
+            csv_column: column.into(),
+            x: places.iter().map(|(hz, _)| 1e-3 * hz).collect(),
+            y: places.iter().map(|(_, y)| 1e3 * y.norm()).collect(),
+            style,
+        };
+        let drawn: Vec<(f64, Complex64)> = places.iter().copied().zip(circuit).collect();
+        let mut sizes = vec![magnitude(&drawn, "circuit identified", "admittance_ms", Style::Line)];
+        if !self.measured.is_empty() {
+            sizes.push(magnitude(&self.measured, "measured, settled", "measured_admittance_ms", Style::Points));
+        }
+        let axis = |label: &str| Axis { label: label.into(), ..Axis::default() };
+        let figures = vec![
+            Figure {
+                id: "admittance".into(),
+                title: "Admittance loop".into(),
+                x: axis("conductance [mS]"),
+                y: axis("susceptance [mS]"),
+                series,
+                markers,
+                equal_aspect: true,
+                ..Figure::default()
+            },
+            Figure {
+                id: "admittance_over_frequency".into(),
+                title: "Admittance over frequency".into(),
+                x: axis("frequency [kHz]"),
+                y: Axis { log: true, ..axis("admittance [mS]") },
+                series: sizes,
+                ..Figure::default()
+            },
+        ];
+        let footer = vec![("sim-host".into(), sim::findings::VERSION.to_owned())];
+        Ok(report::write(&Report { title: "Scan".into(), figures, footer, ..Report::default() }, dir)?)
+    }
+}
+
+/// Locks, drives beside the resonance step by step, and takes the admittance where it has settled; then falls silent.
+pub fn measure(points: u16, reach: f64, about: &Loop, session: &mut Session) -> Result<Vec<(f64, Complex64)>, LinkError> {
+    let Some(resonance) = &about.chosen else { return Ok(Vec::new()) };
+    let bandwidth_hz = f64::from(resonance.hz / resonance.q);
+    let settle_s = (SETTLE.0 / (std::f64::consts::PI * bandwidth_hz)).max(SETTLE.1);
+    session.client.order(Command::Gate(Gate::On))?;
+    session.client.order(Command::Detune(Hertz(0.0)))?;
+    acquire(&LockArgs::default(), session)?;
+    let mut measured = Vec::new();
+    for n in 0..points {
+        let part = if points > 1 { 2.0 * f64::from(n) / f64::from(points - 1) - 1.0 } else { 0.0 };
+        // Evenly round the circle.
+        let detune_hz = 0.5 * bandwidth_hz * (part * (2.0 * reach).atan()).tan();
+        session.client.order(Command::Detune(Hertz(detune_hz as f32)))?;
+        session.wait(Duration::from_secs_f64(settle_s))?;
+        let report = session.status()?;
+        session.check(&report)?;
+        if report.mode != Mode::Run {
+            return Err(LinkError::Failed("the run has ended while the admittance was measured".into()));
+        }
+        if report.limit == Some(Limit::FrequencyWindow) {
+            // Beyond the window it would be measured at its edge, again and again.
+            continue;
+        }
+        let complex = |x: firmware::phasor::Phasor| Complex64::new(x.re.into(), x.im.into());
+        measured.push((f64::from(report.frequency.0), complex(report.i) / complex(report.v)));
+    }
+    session.client.order(Command::Idle)?;
+    session.is_silent();
+    session.client.order(Command::Detune(Hertz(0.0)))?;
+    session.client.order(Command::Gate(Gate::Scheduled))?;
+    Ok(measured)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn one() -> Loop {
+        let resonance = Resonance { hz: 40e3, q: 65.0, lm_h: 0.8e-3, conductance_s: 0.325 };
+        Loop { c0_f: 300e-9, resonances: vec![resonance], chosen: Some(resonance), measured: Vec::new() }
+    }
+
+    #[test]
+    fn at_the_resonance_it_is_the_conductance_beside_c0() {
+        let y = one().admittance(40e3);
+        assert!((y - Complex64::new(f64::from(0.325_f32), TAU * 40e3 * 300e-9)).norm() < 1e-12, "{y}");
+    }
+
+    #[test]
+    fn the_drawn_loop_goes_round_most_of_its_circle() {
+        let drawn = one();
+        let middle = Complex64::new(0.1625, TAU * 40e3 * 300e-9);
+        let radii: Vec<f64> = drawn.places().iter().map(|&hz| (drawn.admittance(hz) - middle).norm()).collect();
+        // C0 takes more at higher frequencies: 0.075 S beside a radius of 0.1625 S, over 1000 Hz a fortieth of that.
+        assert!(radii.iter().all(|radius| (radius / 0.1625 - 1.0).abs() < 0.2), "{radii:?}");
+        assert!(drawn.in_terminal().lines().count() > 15);
+    }
+}

@@ -1,0 +1,124 @@
+//! What a user can ask of a board. The same words are a command line's and a script's.
+
+pub mod burst;
+pub mod calibrate;
+pub mod capture;
+pub mod circuit;
+pub mod drive;
+pub mod fault;
+pub mod friction;
+pub mod identify;
+pub mod lock;
+pub mod monitor;
+pub mod reset;
+pub mod scan;
+pub mod settings;
+pub mod status;
+
+use clap::Subcommand;
+use firmware::command::Command;
+
+use crate::answer::Answer;
+use crate::link_error::LinkError;
+use crate::session::Session;
+
+/// A command to a board.
+#[derive(Clone, Debug, Subcommand)]
+pub enum Order {
+    /// Who is there: firmware, protocol, and how the link does.
+    Identify,
+    /// What the board does now.
+    Status,
+    /// Find the resonances; draw the admittance loop.
+    Scan(scan::ScanArgs),
+    /// Find the resonance, lock to it, and drive by the configured schedule; say when and where it locked.
+    Lock(lock::LockArgs),
+    /// Drive at the resonance: lock where it is not locked yet, open the gate, and set the amplitude.
+    Drive(drive::DriveArgs),
+    /// Open and close the gate of a drive that runs.
+    Burst(burst::BurstArgs),
+    /// Hold the friction at a ratio (0.4) or at a force (0.05N); `configured` takes the order back.
+    Friction(friction::FrictionArgs),
+    /// Measure what each lane's amplifier adds, and trim the lanes by it.
+    Calibrate,
+    /// Watch the board: a line that is renewed in a terminal, a line a report elsewhere. Ctrl-C ends it.
+    Monitor(monitor::MonitorArgs),
+    /// Settings that the board keeps over power-off.
+    #[command(subcommand)]
+    Settings(settings::SettingsOrder),
+    /// The present fault, `clear` to forget it, `log` for what was.
+    Fault(fault::FaultArgs),
+    /// Record voltage, current and drive sample by sample around a trigger, as CSV and figure.
+    Capture(capture::CaptureArgs),
+    /// Fall silent.
+    Stop,
+    /// Reset the board. Only in silence.
+    Reset,
+}
+
+impl Order {
+    /// Its name.
+    pub fn name(&self) -> &'static str {
+        match self {
+            Order::Identify => "identify",
+            Order::Status => "status",
+            Order::Scan(_) => "scan",
+            Order::Lock(_) => "lock",
+            Order::Drive(_) => "drive",
+            Order::Burst(_) => "burst",
+            Order::Friction(_) => "friction",
+            Order::Calibrate => "calibrate",
+            Order::Monitor(_) => "monitor",
+            Order::Settings(_) => "settings",
+            Order::Fault(_) => "fault",
+            Order::Capture(_) => "capture",
+            Order::Stop => "stop",
+            Order::Reset => "reset",
+        }
+    }
+
+    /// Does it.
+    pub fn run(&self, session: &mut Session) -> Result<Answer, LinkError> {
+        let answer = match self {
+            Order::Identify => identify::run(session),
+            Order::Status => status::run(session),
+            Order::Scan(args) => scan::run(args, session),
+            Order::Lock(args) => lock::run(args, session),
+            Order::Drive(args) => drive::run(args, session),
+            Order::Burst(args) => burst::run(args, session),
+            Order::Friction(args) => friction::run(args, session),
+            Order::Calibrate => calibrate::run(session),
+            Order::Monitor(args) => monitor::run(args, session),
+            Order::Settings(order) => settings::run(order, session),
+            Order::Fault(args) => fault::run(args, session),
+            Order::Capture(args) => capture::run(args, session),
+            Order::Stop => stop(session),
+            Order::Reset => reset::run(session),
+        }?;
+        session.last = answer.clone();
+        Ok(answer)
+    }
+}
+
+/// Fall silent.
+fn stop(session: &mut Session) -> Result<Answer, LinkError> {
+    session.client.order(Command::Idle)?;
+    session.is_silent();
+    Ok(Answer::to("stop").line("the drive is silent").field("mode", "idle"))
+}
+
+/// A positive number of seconds.
+pub fn seconds(text: &str) -> Result<f64, String> {
+    match text.trim_end_matches('s').trim().parse::<f64>() {
+        Ok(seconds) if seconds.is_finite() && (0.0..=1e6).contains(&seconds) => Ok(seconds),
+        _ => Err("seconds from 0 to 1000000, such as 0.5".into()),
+    }
+}
+
+/// A number that is not below zero.
+pub fn amount(text: &str) -> Result<f32, String> {
+    match text.parse::<f32>() {
+        Ok(amount) if amount.is_finite() && amount >= 0.0 => Ok(amount),
+        _ => Err("a number that is not below zero".into()),
+    }
+}

@@ -1,0 +1,129 @@
+//! `burst`: the gate of a drive that runs, opened and closed.
+//!
+//! With `--on` and `--off` times the host times each edge itself: coarse, by a round trip and the machine's mood. What that comes to is
+//! measured by the board's own block counter, and told. Bursts to the sample are the board's: a schedule in its configuration
+//! (`burst.period_s`, `burst.duty`), followed with `--scheduled`.
+
+use std::time::Duration;
+
+use clap::Args;
+use firmware::block::Gate;
+use firmware::command::Command;
+use firmware::supervisor::Mode;
+
+use super::seconds;
+use crate::answer::Answer;
+use crate::link_error::LinkError;
+use crate::session::Session;
+
+/// Arguments of the command.
+#[derive(Args, Clone, Debug)]
+pub struct BurstArgs {
+    /// Open the gate; with a time, for so long, and then --off.
+    #[arg(long, value_name = "S", num_args = 0..=1, default_missing_value = "forever", value_parser = span)]
+    on: Option<Span>,
+    /// Close the gate; with a time, for so long after each ON.
+    #[arg(long, value_name = "S", num_args = 0..=1, default_missing_value = "forever", value_parser = span)]
+    off: Option<Span>,
+    /// How many bursts.
+    #[arg(long, value_name = "N", default_value_t = 1, requires = "on")]
+    count: u32,
+    /// As the configured schedule says.
+    #[arg(long, conflicts_with_all = ["on", "off", "brake"])]
+    scheduled: bool,
+    /// Close the gate, and drive against what rings.
+    #[arg(long, conflicts_with_all = ["on", "off"])]
+    brake: bool,
+}
+
+/// For how long.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Span {
+    Forever,
+    Seconds(f64),
+}
+
+fn span(text: &str) -> Result<Span, String> {
+    if text == "forever" { Ok(Span::Forever) } else { seconds(text).map(Span::Seconds) }
+}
+
+/// Does it.
+pub fn run(args: &BurstArgs, session: &mut Session) -> Result<Answer, LinkError> {
+    let report = session.status()?;
+    session.check(&report)?;
+    if report.mode != Mode::Run {
+        return Err(LinkError::Failed("bursts are of a drive that runs: `lock` or `drive` first".into()));
+    }
+    let gate = |session: &mut Session, gate: Gate, line: &str, state: &str| {
+        session.client.order(Command::Gate(gate))?;
+        Ok(Answer::to("burst").line(line).field("gate", state))
+    };
+    match (args.on, args.off) {
+        (Some(Span::Seconds(on)), off) => {
+            let off = if let Some(Span::Seconds(off)) = off { off } else { on };
+            let done = timed(on, off, args.count, session);
+            if let Err(error) = &done {
+                // A burst that is broken off ends, too.
+                if matches!(error, LinkError::Interrupted) {
+                    session.client.part();
+                }
+                let _ = session.client.order(Command::Gate(Gate::Off));
+            }
+            done
+        }
+        (Some(Span::Forever), None) => gate(session, Gate::On, "the gate is open", "on"),
+        (None, Some(Span::Forever)) => gate(session, Gate::Off, "the gate is closed; the frequency is held", "off"),
+        _ if args.scheduled => gate(session, Gate::Scheduled, "bursts by the configured schedule", "scheduled"),
+        _ if args.brake => {
+            gate(session, Gate::Brake, "the gate is closed, and what rings is stopped by drive against it", "brake")
+        }
+        _ => Err(LinkError::Usage("burst what? --on S --off S --count N, --on, --off, --scheduled or --brake".into())),
+    }
+}
+
+/// Bursts that the host times.
+fn timed(on_s: f64, off_s: f64, count: u32, session: &mut Session) -> Result<Answer, LinkError> {
+    let block_s = session.scale()?.block_s;
+    let mut lengths_ms = Vec::new();
+    let mut trip = Duration::ZERO;
+    // The first is a burst, too, where the gate was open.
+    edge(Gate::Off, session, &mut trip)?;
+    pause(off_s, trip, session)?;
+    for _ in 0..count {
+        let opened = edge(Gate::On, session, &mut trip)?;
+        pause(on_s, trip, session)?;
+        let closed = edge(Gate::Off, session, &mut trip)?;
+        lengths_ms.push(1e3 * block_s * f64::from(closed.wrapping_sub(opened)));
+        pause(off_s, trip, session)?;
+    }
+    let report = session.status()?;
+    session.check(&report)?;
+    let (least, most) = lengths_ms.iter().fold((f64::INFINITY, 0.0_f64), |(least, most), &ms| (least.min(ms), most.max(ms)));
+    Ok(Answer::to("burst")
+        .line(format!(
+            "{count} x {on_s} s ON, timed by this host: by the board's counter {least:.2} to {most:.2} ms each. To the sample: a schedule \
+             (burst.period_s, burst.duty) and --scheduled"
+        ))
+        .line("the gate is closed; the frequency is held")
+        .field("count", count)
+        .field("on_s", on_s)
+        .field("off_s", off_s)
+        .field("shortest_on_ms", if count > 0 { least } else { 0.0 })
+        .field("longest_on_ms", most)
+        .field("gate", "off"))
+}
+
+/// Moves the gate, and asks at which block that was seen done. Learns how long the two take.
+fn edge(gate: Gate, session: &mut Session, trip: &mut Duration) -> Result<u32, LinkError> {
+    let began = session.client.now();
+    session.client.order(Command::Gate(gate))?;
+    let report = session.status()?;
+    session.check(&report)?;
+    *trip = session.client.now() - began;
+    Ok(report.block)
+}
+
+/// Waits for the rest of a span of which the edge has taken a part.
+fn pause(span_s: f64, trip: Duration, session: &mut Session) -> Result<(), LinkError> {
+    session.wait(Duration::from_secs_f64(span_s).saturating_sub(trip))
+}

@@ -1,0 +1,225 @@
+//! `capture`: voltage, current and drive, sample by sample, around a trigger.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+use clap::{Args, ValueEnum};
+use firmware::capture::{Arm, CaptureReport, CaptureState, CaptureVerb, PARTS, SAMPLES, Trigger};
+use firmware::command::{Command, Reply};
+
+use super::seconds;
+use crate::answer::{Answer, quantity};
+use crate::client::unexpected;
+use crate::link_error::LinkError;
+use crate::scale::Scale;
+use crate::session::Session;
+use report::{self, Axis, Figure, Report, Series, Span};
+
+/// Arguments of the command.
+#[derive(Args, Clone, Debug)]
+pub struct CaptureArgs {
+    /// What to wait for.
+    #[arg(long, value_enum, default_value_t = When::Now)]
+    trigger: When,
+    /// Samples from before the trigger, up to 1024.
+    #[arg(long, value_name = "N", default_value_t = 256)]
+    before: u16,
+    /// The lane whose drive is recorded, from 0.
+    #[arg(long, value_name = "L", default_value_t = 0)]
+    lane: u8,
+    /// How long to wait for the trigger.
+    #[arg(long, value_name = "S", default_value = "10", value_parser = seconds)]
+    within: f64,
+    /// Arm only; `capture --read` fetches it later.
+    #[arg(long, conflicts_with_all = ["read", "output"])]
+    arm: bool,
+    /// Fetch what an earlier `capture --arm` has recorded.
+    #[arg(long, conflicts_with = "trigger")]
+    read: bool,
+    /// Folder for `capture.csv`, and the figure as SVG and PNG.
+    #[arg(short, long = "output", value_name = "DIR")]
+    output: Option<PathBuf>,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum When {
+    Now,
+    Fault,
+    On,
+    Locked,
+    Unlocked,
+}
+
+impl When {
+    fn trigger(self) -> Trigger {
+        match self {
+            When::Now => Trigger::Now,
+            When::Fault => Trigger::Fault,
+            When::On => Trigger::On,
+            When::Locked => Trigger::Locked,
+            When::Unlocked => Trigger::Unlocked,
+        }
+    }
+}
+
+/// A capture as it was read.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Captured {
+    /// How it came about.
+    pub report: CaptureReport,
+    /// Voltage codes.
+    pub v: Vec<u16>,
+    /// Current codes.
+    pub i: Vec<u16>,
+    /// Drive codes, as they played at the same time.
+    pub drive: Vec<u16>,
+}
+
+/// Arms, waits, reads and writes.
+pub fn run(args: &CaptureArgs, session: &mut Session) -> Result<Answer, LinkError> {
+    if !args.read {
+        if usize::from(args.before) > SAMPLES {
+            return Err(LinkError::Usage(format!("--before is 0 to {SAMPLES} samples, not {}", args.before)));
+        }
+        // A folder that cannot be is known before the trigger comes.
+        args.output.iter().try_for_each(|dir| make(dir))?;
+        let arm = Arm { trigger: args.trigger.trigger(), before: args.before, lane: args.lane };
+        session.client.order(Command::Capture(CaptureVerb::Arm(arm)))?;
+        if args.arm {
+            let name = args.trigger.to_possible_value().map_or_else(String::new, |value| value.get_name().to_owned());
+            return Ok(Answer::to("capture")
+                .line(format!("armed: waits for `{name}`; `capture --read` fetches it"))
+                .field("state", "armed"));
+        }
+    }
+    let captured = fetch(Duration::from_secs_f64(args.within), session)?;
+    let scale = session.scale()?;
+    let peak = |codes: &[u16], worth: &dyn Fn(u16) -> f64| codes.iter().map(|&code| worth(code).abs()).fold(0.0, f64::max);
+    let (volts, amperes) = (peak(&captured.v, &|code| scale.volts(code)), peak(&captured.i, &|code| scale.amperes(code)));
+    let drive = peak(&captured.drive, &|code| scale.drive_volts(code));
+    let count = captured.v.len();
+    let mut answer = Answer::to("capture")
+        .line(format!(
+            "{count} samples at {}, {} of them before block {}; peaks {}, {}, drive {}",
+            quantity(scale.sample_hz, "Hz"),
+            captured.report.before,
+            captured.report.block,
+            quantity(volts, "V"),
+            quantity(amperes, "A"),
+            quantity(drive, "V")
+        ))
+        .field("samples", count)
+        .field("before", captured.report.before)
+        .field("block", captured.report.block)
+        .field("peak_voltage_v", volts)
+        .field("peak_current_a", amperes)
+        .field("peak_drive_v", drive);
+    if let Some(dir) = &args.output {
+        write(&captured, &scale, dir)?;
+        answer = answer
+            .line(format!("written: {}", dir.join("capture.csv").display()))
+            .field("csv", dir.join("capture.csv").to_string_lossy());
+    }
+    Ok(answer)
+}
+
+/// Waits until the capture is full, and reads it.
+pub fn fetch(within: Duration, session: &mut Session) -> Result<Captured, LinkError> {
+    let until = session.client.now() + within;
+    let report = loop {
+        let report = match session.client.ask(Command::Capture(CaptureVerb::State))? {
+            Reply::Capture(report) => report,
+            reply => return Err(unexpected("capture", &reply)),
+        };
+        let late = session.client.now() >= until;
+        match report.state {
+            CaptureState::Full => break report,
+            CaptureState::Empty => return Err(LinkError::Failed("nothing is recorded: `capture --arm` first".into())),
+            CaptureState::Armed if late => {
+                let why =
+                    format!("the trigger has not come within {} s; it stays armed, for `capture --read`", within.as_secs_f64());
+                return Err(LinkError::Failed(why));
+            }
+            CaptureState::Triggered if late => {
+                return Err(LinkError::Failed("the trigger has come, but the block stream does not fill the capture".into()));
+            }
+            CaptureState::Armed | CaptureState::Triggered => session.wait(Duration::from_millis(10))?,
+        }
+    };
+    let mut captured = Captured { report, ..Captured::default() };
+    for number in 0..PARTS {
+        match session.client.ask(Command::Capture(CaptureVerb::Read(number)))? {
+            Reply::Captured(part) if part.part == number => {
+                captured.v.extend(part.v);
+                captured.i.extend(part.i);
+                captured.drive.extend(part.drive);
+            }
+            reply => return Err(unexpected("capture --read", &reply)),
+        }
+    }
+    captured.v.truncate(report.samples.into());
+    captured.i.truncate(report.samples.into());
+    captured.drive.truncate(report.samples.into());
+    Ok(captured)
+}
+
+/// A folder.
+fn make(dir: &Path) -> Result<(), LinkError> {
+    fs::create_dir_all(dir).map_err(|io| LinkError::Write { path: dir.to_owned(), io })
+}
+
+/// Writes codes and SI units, and draws them.
+fn write(captured: &Captured, scale: &Scale, dir: &Path) -> Result<(), LinkError> {
+    make(dir)?;
+    let path = dir.join("capture.csv");
+    let time_s: Vec<f64> =
+        (0..captured.v.len()).map(|n| (n as f64 - f64::from(captured.report.before)) / scale.sample_hz).collect();
+    let rows = time_s.iter().zip(&captured.v).zip(&captured.i).zip(&captured.drive);
+    let lines = rows.map(|(((time_s, &v), &i), &drive)| {
+        let (volts, amperes, drive_v) = (scale.volts(v), scale.amperes(i), scale.drive_volts(drive));
+        format!("{time_s:.9},{volts:.6e},{amperes:.6e},{drive_v:.6e},{v},{i},{drive}\n")
+    });
+    let text = "time_s,voltage_v,current_a,drive_v,v_code,i_code,drive_code\n".to_owned() + &lines.collect::<String>();
+    fs::write(&path, text).map_err(|io| LinkError::Write { path, io })?;
+    let time_us: Vec<f64> = time_s.iter().map(|time| 1e6 * time).collect();
+    let curve = |name: &str, column: &str, y: Vec<f64>| Series {
+        name: name.into(),
+        csv_column: column.into(),
+        x: time_us.clone(),
+        y,
+        ..Series::default()
+    };
+    let figure = |id: &str, title: &str, label: &str, series: Vec<Series>| Figure {
+        id: id.into(),
+        title: title.into(),
+        x: Axis { label: "time since the trigger [us]".into(), ..Axis::default() },
+        y: Axis { label: label.into(), ..Axis::default() },
+        series,
+        shaded: vec![Span { from: 0.0, to: time_us.last().copied().unwrap_or(0.0), label: "after the trigger".into() }],
+        interactive: true,
+        ..Figure::default()
+    };
+    let of = |codes: &[u16], worth: &dyn Fn(u16) -> f64| codes.iter().map(|&code| worth(code)).collect::<Vec<f64>>();
+    let voltages = vec![
+        curve("voltage at the stack", "voltage_v", of(&captured.v, &|code| scale.volts(code))),
+        curve("drive, as it played", "drive_v", of(&captured.drive, &|code| scale.drive_volts(code))),
+    ];
+    let currents = vec![curve("current into the stack", "current_a", of(&captured.i, &|code| scale.amperes(code)))];
+    let page = Report {
+        title: "Capture".into(),
+        subtitle: format!(
+            "{} samples, {} before the trigger at block {}",
+            captured.v.len(),
+            captured.report.before,
+            captured.report.block
+        ),
+        figures: vec![
+            figure("capture_voltage", "Voltage and drive", "voltage [V]", voltages),
+            figure("capture_current", "Current", "current [A]", currents),
+        ],
+        footer: vec![("sim-host".into(), sim::findings::VERSION.to_owned())],
+        ..Report::default()
+    };
+    Ok(report::write(&page, dir)?)
+}

@@ -1,0 +1,33 @@
+//! The transducer that the board has identified, told.
+
+use firmware::telemetry::Telemetry;
+
+use crate::answer::{Answer, quantity, short};
+
+/// The transducer that was identified.
+pub fn told(report: &Telemetry, answer: Answer) -> Answer {
+    let Some(found) = &report.transducer else { return answer };
+    let scatter = &found.deviations;
+    answer
+        .line(format!(
+            "series resonance {:.2} +- {:.2} Hz, parallel {:.2} Hz, Q {:.1}, Rm {}, Lm {}, Cm {}, C0 {}, coupling {:.3}",
+            found.series_resonance_hz,
+            scatter.series_resonance_hz,
+            found.parallel_resonance_hz,
+            found.q,
+            quantity(found.rm_ohm.into(), "ohm"),
+            quantity(found.lm_h.into(), "H"),
+            quantity(found.cm_f.into(), "F"),
+            quantity(found.c0_f.into(), "F"),
+            found.coupling,
+        ))
+        .field("series_resonance_hz", short(found.series_resonance_hz))
+        .field("series_resonance_deviation_hz", short(scatter.series_resonance_hz))
+        .field("parallel_resonance_hz", short(found.parallel_resonance_hz))
+        .field("q", short(found.q))
+        .field("rm_ohm", short(found.rm_ohm))
+        .field("lm_h", short(found.lm_h))
+        .field("cm_f", short(found.cm_f))
+        .field("c0_f", short(found.c0_f))
+        .field("coupling", short(found.coupling))
+}

@@ -1,0 +1,72 @@
+//! `drive`: sound, at an amplitude, for a time.
+
+use std::time::Duration;
+
+use clap::Args;
+use firmware::block::{Amplitude, Gate};
+use firmware::command::Command;
+use firmware::supervisor::Mode;
+use firmware::units::{Hertz, Turns};
+
+use super::lock::{LockArgs, acquire};
+use super::{amount, seconds, status};
+use crate::answer::Answer;
+use crate::link_error::LinkError;
+use crate::session::Session;
+
+/// Arguments of the command.
+#[derive(Args, Clone, Debug)]
+pub struct DriveArgs {
+    /// Peak drive voltage; without it and --current the configured amplitude.
+    #[arg(long, value_name = "V", value_parser = amount, conflicts_with = "current")]
+    volts: Option<f32>,
+    /// Peak motional current to hold: tip velocity times force factor.
+    #[arg(long, value_name = "A", value_parser = amount)]
+    current: Option<f32>,
+    /// For how long; then the drive falls silent. Without it the drive goes on until `stop`, or until the client leaves.
+    #[arg(long = "for", value_name = "S", value_parser = seconds)]
+    time: Option<f64>,
+    /// How far beside the resonance.
+    #[arg(long, value_name = "HZ", allow_hyphen_values = true)]
+    detune: Option<f32>,
+    /// How far lanes 1 and 3 lead lanes 0 and 2, turns: -0.25 to 0.25.
+    #[arg(long, value_name = "TURNS", allow_hyphen_values = true)]
+    quadrature: Option<f32>,
+}
+
+impl DriveArgs {
+    /// Whether the drive is to go on when the command is over.
+    pub fn goes_on(&self) -> bool {
+        self.time.is_none()
+    }
+}
+
+/// Drives.
+pub fn run(args: &DriveArgs, session: &mut Session) -> Result<Answer, LinkError> {
+    let amplitude = args.volts.map(Amplitude::Volts).or(args.current.map(Amplitude::MotionalCurrent));
+    // Before the drive sounds, so that it does not begin louder than it is to be.
+    session.client.order(Command::Amplitude(amplitude))?;
+    session.client.order(Command::Detune(Hertz(args.detune.unwrap_or(0.0))))?;
+    session.client.order(Command::Quadrature(args.quadrature.map(Turns)))?;
+    session.begins_to_drive()?;
+    session.client.order(Command::Gate(Gate::On))?;
+    if session.status()?.mode != Mode::Run {
+        acquire(&LockArgs::default(), session)?;
+    }
+    let settled = session
+        .watch(Duration::from_secs_f64(args.time.unwrap_or(0.1)), 0, |report| (report.mode == Mode::Fault).then_some(*report))?;
+    let report = match settled {
+        Some(report) => report,
+        None => session.status()?,
+    };
+    session.check(&report)?;
+    let answer = status::told(&report, Answer::to("drive"));
+    Ok(match args.time {
+        Some(time) => {
+            session.client.order(Command::Idle)?;
+            session.is_silent();
+            answer.line(format!("drove for {time} s; the drive is silent")).field("for_s", time)
+        }
+        None => answer.line("the drive is on; `stop` ends it"),
+    })
+}

@@ -1,0 +1,69 @@
+//! `friction`: what the friction switch is to hold.
+
+use clap::Args;
+use firmware::block::Target;
+use firmware::command::Command;
+
+use crate::answer::{Answer, short};
+use crate::link_error::LinkError;
+use crate::session::Session;
+
+/// Arguments of the command.
+#[derive(Args, Clone, Debug)]
+pub struct FrictionArgs {
+    /// A part of the friction without drive, 0 to 1; a force as `0.05N`; or `configured`.
+    #[arg(value_name = "RATIO|FORCE", value_parser = target)]
+    target: Wanted,
+}
+
+/// What is wanted.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Wanted {
+    /// What the configuration says.
+    Configured,
+    /// This.
+    This(Target),
+}
+
+fn target(text: &str) -> Result<Wanted, String> {
+    const EXPECTED: &str = "a ratio from 0 to 1 (0.4), a force (0.05N), or `configured`";
+    let number = |text: &str| text.trim().parse::<f32>().map_err(|_| EXPECTED.to_owned());
+    let target = match text.strip_suffix(['N', 'n']) {
+        _ if text == "configured" => return Ok(Wanted::Configured),
+        Some(newtons) => Target::Force(number(newtons)?),
+        None => Target::Ratio(number(text)?),
+    };
+    if target.is_plausible() { Ok(Wanted::This(target)) } else { Err(EXPECTED.into()) }
+}
+
+/// Orders it.
+pub fn run(args: &FrictionArgs, session: &mut Session) -> Result<Answer, LinkError> {
+    let ordered = match args.target {
+        Wanted::Configured => None,
+        Wanted::This(target) => Some(target),
+    };
+    session.client.order(Command::Friction(ordered))?;
+    let answer = Answer::to("friction");
+    let answer = match ordered {
+        None => answer.line("friction as configured"),
+        Some(Target::Ratio(ratio)) => {
+            answer.line(format!("friction to {ratio} of what it is without drive")).field("target_ratio", short(ratio))
+        }
+        Some(Target::Force(newtons)) => answer.line(format!("friction to {newtons} N")).field("target_force_n", short(newtons)),
+    };
+    let switched = session.status()?.friction.is_some();
+    Ok(if switched { answer } else { answer.line("(nothing holds it yet: the friction switch reports once it runs)") })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ratios_and_forces_are_told_apart() {
+        assert_eq!(target("0.4"), Ok(Wanted::This(Target::Ratio(0.4))));
+        assert_eq!(target("0.05N"), Ok(Wanted::This(Target::Force(0.05))));
+        assert_eq!(target("configured"), Ok(Wanted::Configured));
+        assert!(["1.5", "-1", "half", "nan", "-3N", ""].iter().all(|text| target(text).is_err()));
+    }
+}

@@ -1,0 +1,43 @@
+//! `identify`.
+
+use firmware::command::{Command, Identity, Reply};
+
+use crate::answer::{Answer, quantity};
+use crate::client::unexpected;
+use crate::link_error::LinkError;
+use crate::session::Session;
+
+/// Asks anew.
+pub fn run(session: &mut Session) -> Result<Answer, LinkError> {
+    let began = session.client.now();
+    let identity = match session.client.ask(Command::Identify)? {
+        Reply::Identity(identity) => identity,
+        reply => return Err(unexpected("identify", &reply)),
+    };
+    let round_trip_ms = 1e3 * (session.client.now() - began).as_secs_f64();
+    session.identity = identity;
+    let Identity { protocol, firmware: [major, minor, patch], converters } = identity;
+    let counts = session.client.counts();
+    let version = format!("{major}.{minor}.{patch}");
+    Ok(Answer::to("identify")
+        .line(format!("{}: a Sonoglide board, firmware {version}, protocol {protocol}", session.client.port()))
+        .line(format!(
+            "converters: {}, {} samples a block, {} of 4 lanes",
+            quantity(converters.sample_hz.into(), "Hz"),
+            converters.block_samples,
+            converters.lanes
+        ))
+        .line(format!(
+            "link: answered in {round_trip_ms:.2} ms; {} commands, {} repeated, {} frames damaged, {} answers late, opened again {} times",
+            counts.commands, counts.repeated, counts.damaged, counts.late, counts.reopened
+        ))
+        .field("port", session.client.port())
+        .field("firmware", version)
+        .field("protocol", protocol)
+        .field("sample_hz", converters.sample_hz)
+        .field("block_samples", converters.block_samples)
+        .field("lanes", converters.lanes)
+        .field("round_trip_ms", round_trip_ms)
+        .field("repeated", counts.repeated)
+        .field("damaged", counts.damaged))
+}

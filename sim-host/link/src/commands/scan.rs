@@ -1,0 +1,120 @@
+//! `scan`: which resonances are there, and what does the admittance look like?
+//!
+//! The board's scan sweeps faster than a resonance can follow, and identifies from that; what it says is a circuit, and the loop of that circuit
+//! is what is drawn. With `--points` the drive then locks and is put beside the resonance step by step, and the admittance is taken where it
+//! has settled: dots, each measured, that must lie on the loop.
+
+use std::path::PathBuf;
+use std::time::Duration;
+
+use clap::Args;
+use firmware::command::{Command, Reply, ResonanceReport};
+use firmware::identify::Transducer;
+use firmware::supervisor::Mode;
+use firmware::telemetry::Telemetry;
+use serde_json::json;
+
+use super::circuit::told;
+use crate::admittance::{self, Loop};
+use crate::answer::{Answer, quantity, short};
+use crate::client::unexpected;
+use crate::link_error::LinkError;
+use crate::session::Session;
+use crate::words;
+
+/// Longest that a scan may take.
+const LONGEST: Duration = Duration::from_secs(10);
+
+/// Arguments of the command.
+#[derive(Args, Clone, Debug)]
+pub struct ScanArgs {
+    /// Then measure the admittance at this many places about the resonance, each after it has settled; this drives at the configured amplitude.
+    #[arg(long, value_name = "N", num_args = 0..=1, default_value_t = 0, default_missing_value = "41")]
+    points: u16,
+    /// How far to either side, in bandwidths of the resonance.
+    #[arg(long, value_name = "B", default_value_t = 2.0)]
+    reach: f64,
+    /// Folder for the loop as SVG, PNG and CSV.
+    #[arg(short, long = "output", value_name = "DIR")]
+    output: Option<PathBuf>,
+}
+
+/// Scans, measures, and draws.
+pub fn run(args: &ScanArgs, session: &mut Session) -> Result<Answer, LinkError> {
+    let report = scan(session)?;
+    let found = match session.client.ask(Command::Resonances)? {
+        Reply::Resonances(found) => found,
+        reply => return Err(unexpected("scan", &reply)),
+    };
+    let mut drawn = Loop::of(report.transducer.as_ref(), &found);
+    if args.points > 0 {
+        drawn.measured = admittance::measure(args.points, args.reach, &drawn, session)?;
+    }
+    let answer = told(&report, list(&found, report.transducer.as_ref(), Answer::to("scan")));
+    let answer = drawn.compared(answer);
+    let answer = match &args.output {
+        Some(dir) => {
+            drawn.write(dir)?;
+            answer.line(format!("written: {}", dir.join("admittance.svg").display()))
+        }
+        None => answer.line(drawn.in_terminal()),
+    };
+    Ok(answer)
+}
+
+/// Orders a scan, and sees it through.
+fn scan(session: &mut Session) -> Result<Telemetry, LinkError> {
+    let before = session.status()?;
+    session.check(&before)?;
+    session.begins_to_drive()?;
+    session.client.order(Command::Scan)?;
+    let mut stage = None;
+    let live = session.live;
+    let ended = session.watch(LONGEST, 1, |report| {
+        if stage != Some(report.mode) {
+            stage = Some(report.mode);
+            live.stage(&words::mode(report.mode));
+        }
+        is_over(report, &before).then_some(*report)
+    })?;
+    let report = ended.ok_or_else(|| LinkError::Failed(format!("the scan has not ended within {} s", LONGEST.as_secs())))?;
+    session.is_silent();
+    session.check(&report)?;
+    Ok(report)
+}
+
+/// Whether what was ordered after `before` is over: it begins with the block that takes the order.
+pub(super) fn is_over(report: &Telemetry, before: &Telemetry) -> bool {
+    report.mode == Mode::Fault || report.mode == Mode::Idle && report.orders_sequence != before.orders_sequence
+}
+
+/// All resonances, as a table.
+fn list(found: &ResonanceReport, transducer: Option<&Transducer>, answer: Answer) -> Answer {
+    let c0_f = transducer.map(|transducer| f64::from(transducer.c0_f)).filter(|&c0_f| c0_f > 0.0);
+    let mut rows = Vec::new();
+    let mut answer = answer.line("    f_s [Hz]    f_p [Hz]       Q         Rm           Lm");
+    for (place, resonance) in found.found.iter().enumerate().filter_map(|(place, found)| Some((place, found.as_ref()?))) {
+        let chosen = found.chosen.map(usize::from) == Some(place);
+        let hz = f64::from(resonance.hz);
+        let omega = std::f64::consts::TAU * hz;
+        let cm_f = 1.0 / (omega * omega * f64::from(resonance.lm_h));
+        let parallel_hz = c0_f.map(|c0_f| hz * (1.0 + cm_f / c0_f).sqrt());
+        let rm_ohm = 1.0 / f64::from(resonance.conductance_s);
+        answer = answer.line(format!(
+            "{} {hz:>10.2}  {:>10}  {:>6.1}  {:>10}  {:>10}",
+            if chosen { "*" } else { " " },
+            parallel_hz.map_or_else(|| "?".into(), |hz| format!("{hz:.2}")),
+            resonance.q,
+            quantity(rm_ohm, "ohm"),
+            quantity(resonance.lm_h.into(), "H"),
+        ));
+        rows.push(json!({
+            "series_resonance_hz": short(resonance.hz), "parallel_resonance_hz": parallel_hz, "q": short(resonance.q), "rm_ohm": rm_ohm,
+            "lm_h": short(resonance.lm_h), "chosen": chosen,
+        }));
+    }
+    if rows.is_empty() {
+        answer = answer.line("  none");
+    }
+    answer.field("resonances", rows)
+}

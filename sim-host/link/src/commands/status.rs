@@ -1,0 +1,72 @@
+//! `status`: what the board does now.
+
+use firmware::phasor::{Phasor, argument, magnitude};
+use firmware::supervisor::Fault;
+use firmware::telemetry::Telemetry;
+use serde_json::Value;
+
+use crate::answer::{Answer, quantity, short};
+use crate::link_error::LinkError;
+use crate::session::Session;
+use crate::words;
+
+/// Asks.
+pub fn run(session: &mut Session) -> Result<Answer, LinkError> {
+    let report = session.status()?;
+    Ok(told(&report, Answer::to("status")))
+}
+
+/// A report in words and fields.
+pub fn told(report: &Telemetry, answer: Answer) -> Answer {
+    let answer = answer
+        .line(format!("mode       {}{}", words::mode(report.mode), if report.locked { ", locked" } else { "" }))
+        .line(format!("frequency  {:.2} Hz; resonance believed at {:.2} Hz", report.frequency.0, report.resonance.0))
+        .line(format!("drive      {} peak, envelope {:.2}", quantity(report.drive.0.into(), "V"), report.envelope))
+        .line(format!(
+            "heard      {}, {} at {:+.1} degrees; motional {}, {} of real power",
+            quantity(magnitude(report.v).into(), "V"),
+            quantity(magnitude(report.i).into(), "A"),
+            lead_degrees(report),
+            quantity(magnitude(report.motional_current).into(), "A"),
+            quantity(power_w(report).into(), "W"),
+        ));
+    let answer = match report.friction.and_then(|belief| belief.force_ratio) {
+        Some(ratio) => {
+            answer.line(format!("friction   {ratio:.3} of what it is without drive")).field("friction_ratio", short(ratio))
+        }
+        None => answer,
+    };
+    let answer = report.limit.into_iter().fold(answer, |answer, limit| answer.line(words::limit(limit)));
+    let answer = report.fault.into_iter().fold(answer, |answer, fault| answer.line(words::fault(fault)));
+    fields(report, answer)
+}
+
+/// A report's numbers.
+pub fn fields(report: &Telemetry, answer: Answer) -> Answer {
+    answer
+        .field("block", report.block)
+        .field("mode", words::mode(report.mode))
+        .field("locked", report.locked)
+        .field("frequency_hz", short(report.frequency.0))
+        .field("resonance_hz", short(report.resonance.0))
+        .field("drive_v", short(report.drive.0))
+        .field("envelope", short(report.envelope))
+        .field("voltage_v", short(magnitude(report.v)))
+        .field("current_a", short(magnitude(report.i)))
+        .field("current_lead_degrees", short(lead_degrees(report)))
+        .field("motional_current_a", short(magnitude(report.motional_current)))
+        .field("power_w", short(power_w(report)))
+        .field("limit", report.limit.map_or(Value::Null, |limit| u8::from(limit).into()))
+        .field("fault", report.fault.map_or(Value::Null, |fault: Fault| fault.code().into()))
+}
+
+/// By how much the current leads the voltage, degrees.
+fn lead_degrees(report: &Telemetry) -> f32 {
+    argument(report.i * report.v.conj()).degrees()
+}
+
+/// Mean electrical power, W: half the real part of `V* I` at peak values.
+pub fn power_w(report: &Telemetry) -> f32 {
+    let product: Phasor = report.v.conj() * report.i;
+    0.5 * product.re
+}

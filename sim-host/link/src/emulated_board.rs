@@ -1,0 +1,146 @@
+//! A whole board under QEMU, a scene's plant at its converters, and its serial port here.
+//!
+//! The image (`link`, of the package `qemu-m4`) is the block task and the slow side as a board has them. Its UART is QEMU's, with a socket at
+//! the other end. What was sent is heard in the next block and what it answers is here after that block, so that a dialogue is the same every
+//! time. There is no pace of a wire: bytes take no time.
+
+use std::io::{self, ErrorKind, Read, Write};
+use std::os::unix::net::UnixStream;
+use std::path::Path;
+use std::time::Duration;
+
+use firmware::block::DriveBlock;
+use firmware::config::Config;
+use firmware::lockstep::{Beat, Board, Closing, Opening, Played};
+use hal_mock::block_clock::BlockClock;
+use hal_mock::tracer::Tracer;
+
+use crate::simulated_board::Rig;
+use pil::PilError;
+use pil::emulator::Serial;
+use pil::one_core::OneCore;
+use pil::pipes::Pipes;
+use scene::Driven;
+use scene::settings;
+use sim::processor::Lost;
+use sim::run::breakable_plant;
+
+/// The board.
+pub struct EmulatedBoard {
+    pipes: Pipes,
+    config: Config,
+    serial: UnixStream,
+    clock: BlockClock<Rig>,
+    block_s: f64,
+    beat: Beat,
+    played: Played,
+    resets: u32,
+    _core: OneCore,
+}
+
+impl EmulatedBoard {
+    /// Starts an [image](super::link_image()) as the board of a scene, just powered. Of what goes over the converters the last `keep` blocks are
+    /// kept.
+    pub fn start(image: &Path, scene: &Driven, keep: usize) -> Result<Self, PilError> {
+        let core = OneCore::pin();
+        let (serial, at_board) = UnixStream::pair()?;
+        serial.set_nonblocking(true)?;
+        let mut pipes = Pipes::start(image, Serial::Socket(at_board))?;
+        let config = settings::config(scene);
+        let rig = Tracer::new(breakable_plant(scene), keep);
+        let clock = BlockClock::new(rig, &powered(&mut pipes, &config)?);
+        let block_s = f64::from(config.block_samples) / f64::from(config.sample_hz);
+        let (beat, played) = Default::default();
+        Ok(EmulatedBoard { pipes, config, serial, clock, block_s, beat, played, resets: 0, _core: core })
+    }
+
+    /// What its controller is told.
+    pub fn config(&self) -> &Config {
+        &self.config
+    }
+
+    /// The plant, with what can break on the way to it.
+    pub fn rig(&self) -> &Rig {
+        &self.clock.analog
+    }
+
+    /// Time since the power came.
+    pub fn now(&self) -> Duration {
+        Duration::from_secs_f64(self.clock.blocks() as f64 * self.block_s)
+    }
+
+    /// Plays one block.
+    pub fn block(&mut self) -> Result<(), Lost> {
+        let EmulatedBoard { pipes, clock, beat, played, .. } = self;
+        clock.tick(|sense, drive| {
+            beat.sense.clone_from(sense);
+            pipes.ask(beat, played)?;
+            drive.clone_from(&played.drive);
+            Ok(())
+        })?;
+        if self.played.board.resets {
+            self.restart()?;
+        }
+        Ok(())
+    }
+
+    /// What can be seen of its pins and its watchdog.
+    pub fn pins(&self) -> &Board {
+        &self.played.board
+    }
+
+    /// How often it has reset itself.
+    pub fn resets(&self) -> u32 {
+        self.resets
+    }
+
+    /// How deep its stack has been: until it was built, and in the blocks since, with block task and slow side.
+    pub fn stack(&mut self) -> Result<Closing, Lost> {
+        self.pipes.close()
+    }
+
+    /// Presses or releases the emergency stop.
+    pub fn press_stop(&mut self, pressed: bool) {
+        self.beat.pins.stop = pressed;
+    }
+
+    /// Waits for the board that has reset itself, and configures it again.
+    fn restart(&mut self) -> Result<(), Lost> {
+        self.resets += 1;
+        self.beat.pins.sent = 0;
+        let silence = powered(&mut self.pipes, &self.config).map_err(|error| Lost(error.to_string()))?;
+        self.clock.restart(&silence);
+        Ok(())
+    }
+}
+
+/// Configures a board that was just powered or reset; what it plays until it has answered.
+fn powered(pipes: &mut Pipes, config: &Config) -> Result<DriveBlock, PilError> {
+    let mut opening = Opening::default();
+    pipes.ask(config, &mut opening)?;
+    opening.built.map_err(|reason| PilError::Config(reason.as_str().to_owned()))?;
+    Ok(opening.silence)
+}
+
+/// What it has sent: never waits, and gives nothing where nothing has come.
+impl Read for EmulatedBoard {
+    fn read(&mut self, into: &mut [u8]) -> io::Result<usize> {
+        match self.serial.read(into) {
+            Err(error) if error.kind() == ErrorKind::WouldBlock => Ok(0),
+            read => read,
+        }
+    }
+}
+
+/// What it is to hear in the next block.
+impl Write for EmulatedBoard {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        let count = self.serial.write(bytes)?;
+        self.beat.pins.sent = self.beat.pins.sent.wrapping_add(count as u32);
+        Ok(count)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        Ok(())
+    }
+}

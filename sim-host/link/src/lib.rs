@@ -1,0 +1,33 @@
+//! The host's end of the link to a driver board, real or simulated.
+//!
+//! ```text
+//! command line, script --> commands --> session --> client --> port --> serial device | TCP | simulated board
+//!                             |                        |
+//!                          answer               frames of firmware::link: sequence numbers, checks, asking again
+//! ```
+//!
+//! [`port`] carries bytes and tells the time; the time of a [simulated board](simulated_board) is the one it plays in, and passes only
+//! while somebody waits for it, so that a dialogue is the same every time and as fast as the machine. [`client`] asks and is answered.
+//! [`session`] waits, keeps the board from thinking that its host has gone, and leaves the drive as the user wants it left. Each
+//! [command](commands) is one file, and gives an [`answer`](answer::Answer), for a reader or as a line of JSON.
+#![forbid(unsafe_code)]
+
+pub mod admittance;
+pub mod answer;
+pub mod client;
+pub mod commands;
+#[cfg(target_os = "linux")]
+pub mod emulated_board;
+pub mod expect;
+pub mod link_error;
+pub mod parameter;
+pub mod port;
+pub mod raw_frame;
+pub mod refusal;
+pub mod scale;
+pub mod script;
+pub mod serve;
+pub mod session;
+pub mod simulated_board;
+pub mod terminal_plot;
+pub mod words;

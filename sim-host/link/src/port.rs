@@ -1,0 +1,68 @@
+//! Where a board is: a stream of bytes, and the time that passes there.
+
+mod listed;
+mod serial;
+mod simulated;
+mod stream;
+mod tcp;
+
+use std::io;
+use std::time::Duration;
+
+pub use listed::listed;
+pub use serial::{BAUD, Serial};
+pub use simulated::Simulated;
+pub use stream::Stream;
+pub use tcp::Tcp;
+
+use crate::link_error::LinkError;
+
+/// Bytes to and from a board.
+pub trait Port {
+    /// What the user calls it.
+    fn name(&self) -> &str;
+
+    /// Sends all of these bytes.
+    fn send(&mut self, bytes: &[u8]) -> io::Result<()>;
+
+    /// Takes what has come, and waits up to `wait` where nothing has. Nothing in time is 0 bytes; a port that is gone is an error.
+    fn receive(&mut self, into: &mut [u8], wait: Duration) -> io::Result<usize>;
+
+    /// Time since the port was opened, as it passes for the board.
+    fn now(&self) -> Duration;
+
+    /// Opens it again after it was lost.
+    fn reopen(&mut self) -> Result<(), LinkError>;
+}
+
+impl<P: Port + ?Sized> Port for Box<P> {
+    fn name(&self) -> &str {
+        (**self).name()
+    }
+
+    fn send(&mut self, bytes: &[u8]) -> io::Result<()> {
+        (**self).send(bytes)
+    }
+
+    fn receive(&mut self, into: &mut [u8], wait: Duration) -> io::Result<usize> {
+        (**self).receive(into, wait)
+    }
+
+    fn now(&self) -> Duration {
+        (**self).now()
+    }
+
+    fn reopen(&mut self) -> Result<(), LinkError> {
+        (**self).reopen()
+    }
+}
+
+/// Whether this only means that nothing has come yet.
+fn is_patience(error: &io::Error) -> bool {
+    matches!(error.kind(), io::ErrorKind::TimedOut | io::ErrorKind::WouldBlock | io::ErrorKind::Interrupted)
+}
+
+/// An end of a stream that says no more.
+fn ended() -> io::Error {
+    io::Error::new(io::ErrorKind::UnexpectedEof, "the other end has closed the connection")
+}

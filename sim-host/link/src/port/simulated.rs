@@ -1,0 +1,59 @@
+//! A simulated board in this process. Its time passes only while the client waits, a block at a time.
+
+use std::cell::RefCell;
+use std::io;
+use std::rc::Rc;
+use std::time::{Duration, Instant};
+
+use super::Port;
+use crate::link_error::LinkError;
+use crate::simulated_board::SimulatedBoard;
+
+/// A simulated board as a port. Whoever has the other end of the [`Rc`] sees the plant.
+pub struct Simulated {
+    name: String,
+    board: Rc<RefCell<SimulatedBoard>>,
+    /// Where it is not to be faster than real: when it was opened.
+    paced: Option<Instant>,
+}
+
+impl Simulated {
+    /// A board of this name; `paced`: not faster than real.
+    pub fn new(name: &str, board: Rc<RefCell<SimulatedBoard>>, paced: bool) -> Self {
+        Simulated { name: name.to_owned(), board, paced: paced.then(Instant::now) }
+    }
+}
+
+impl Port for Simulated {
+    fn name(&self) -> &str {
+        &self.name
+    }
+
+    fn send(&mut self, bytes: &[u8]) -> io::Result<()> {
+        self.board.borrow_mut().send(bytes);
+        Ok(())
+    }
+
+    fn receive(&mut self, into: &mut [u8], wait: Duration) -> io::Result<usize> {
+        let mut board = self.board.borrow_mut();
+        let until = board.now() + wait;
+        loop {
+            let count = board.receive(into);
+            if count > 0 || board.now() >= until {
+                return Ok(count);
+            }
+            board.block();
+            if let Some(ahead) = self.paced.and_then(|opened| board.now().checked_sub(opened.elapsed())) {
+                std::thread::sleep(ahead);
+            }
+        }
+    }
+
+    fn now(&self) -> Duration {
+        self.board.borrow().now()
+    }
+
+    fn reopen(&mut self) -> Result<(), LinkError> {
+        Ok(())
+    }
+}

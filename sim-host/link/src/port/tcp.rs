@@ -1,0 +1,73 @@
+//! A board behind a TCP connection: `sim-host link … serve`, or a serial server.
+
+use std::io::{self, Read, Write};
+use std::net::{TcpStream, ToSocketAddrs};
+use std::time::{Duration, Instant};
+
+use super::{Port, ended, is_patience};
+use crate::link_error::LinkError;
+
+/// How long a host may take to accept.
+const CONNECT: Duration = Duration::from_secs(3);
+
+/// A TCP connection.
+pub struct Tcp {
+    name: String,
+    address: String,
+    stream: TcpStream,
+    opened: Instant,
+}
+
+impl Tcp {
+    /// Connects to `address`, as `HOST:PORT`.
+    pub fn connect(address: &str) -> Result<Self, LinkError> {
+        let name = format!("tcp:{address}");
+        let stream = stream(&name, address)?;
+        Ok(Tcp { name, address: address.to_owned(), stream, opened: Instant::now() })
+    }
+}
+
+fn stream(name: &str, address: &str) -> Result<TcpStream, LinkError> {
+    let open = |why: String| LinkError::Open { port: name.to_owned(), why };
+    let mut addresses = address.to_socket_addrs().map_err(|error| open(format!("this is no `tcp:HOST:PORT`: {error}")))?;
+    let first = addresses.next().ok_or_else(|| open("this host has no address".into()))?;
+    let stream = TcpStream::connect_timeout(&first, CONNECT).map_err(|error| match error.kind() {
+        io::ErrorKind::ConnectionRefused => {
+            open("nobody listens there: is `sim-host link sim:SCENE serve` running, at this port?".into())
+        }
+        io::ErrorKind::TimedOut | io::ErrorKind::WouldBlock => open(format!("no answer within {} s", CONNECT.as_secs())),
+        _ => open(error.to_string()),
+    })?;
+    // Frames are short, and each is waited for.
+    stream.set_nodelay(true).map_err(|error| open(error.to_string()))?;
+    Ok(stream)
+}
+
+impl Port for Tcp {
+    fn name(&self) -> &str {
+        &self.name
+    }
+
+    fn send(&mut self, bytes: &[u8]) -> io::Result<()> {
+        self.stream.write_all(bytes)
+    }
+
+    fn receive(&mut self, into: &mut [u8], wait: Duration) -> io::Result<usize> {
+        // A timeout of nothing is none.
+        self.stream.set_read_timeout(Some(wait.max(Duration::from_millis(1))))?;
+        match self.stream.read(into) {
+            Ok(0) => Err(ended()),
+            Err(error) if is_patience(&error) => Ok(0),
+            read => read,
+        }
+    }
+
+    fn now(&self) -> Duration {
+        self.opened.elapsed()
+    }
+
+    fn reopen(&mut self) -> Result<(), LinkError> {
+        self.stream = stream(&self.name, &self.address)?;
+        Ok(())
+    }
+}

@@ -1,0 +1,264 @@
+//! A user's stay at a board: waits without the board thinking that its host has gone, and leaves the drive as the user wants it left.
+
+use std::time::Duration;
+
+use firmware::command::{Command, Identity};
+use firmware::supervisor::Mode;
+use firmware::telemetry::Telemetry;
+use serde_json::Value;
+
+use crate::answer::Answer;
+use crate::client::Client;
+use crate::link_error::LinkError;
+use crate::parameter::{parameter, report};
+use crate::scale::Scale;
+use crate::words;
+
+/// How often the board hears of its host while that waits; at least, and at most.
+const KEEP_ALIVE: (f64, f64) = (2e-3, 0.2);
+/// Signs of life within the board's patience.
+const SIGNS: f64 = 5.0;
+/// How often silence is ordered again.
+const SILENCES: u32 = 3;
+
+/// What is asked of a stay as a whole.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Manner {
+    /// How long the board may be without its host while it drives, s; `None`: as the board has it.
+    pub patience_s: Option<f32>,
+    /// The drive goes on when the user leaves.
+    pub stay: bool,
+}
+
+/// A stay.
+pub struct Session {
+    /// Who asks.
+    pub client: Client,
+    /// Who answers.
+    pub identity: Identity,
+    manner: Manner,
+    /// How long the board is to do without, s.
+    patience_s: f32,
+    /// How often the board is to hear something.
+    keep_alive: Duration,
+    /// The user has ordered the drive on.
+    driving: bool,
+    /// The board sends telemetry by itself.
+    streams: bool,
+    /// What the last command has come to.
+    pub last: Answer,
+    /// Who looks on.
+    pub live: Live,
+    /// What the board's codes are worth, once it has said so.
+    pub(super) scale: Option<Scale>,
+}
+
+impl Session {
+    /// Connects, and says how patient the board is to be.
+    pub fn begin(mut client: Client, manner: Manner) -> Result<Self, LinkError> {
+        let identity = client.connect()?;
+        let mut session = Session {
+            client,
+            identity,
+            manner,
+            patience_s: 0.0,
+            keep_alive: Duration::from_secs_f64(KEEP_ALIVE.1),
+            driving: false,
+            streams: false,
+            last: Answer::default(),
+            live: Live::default(),
+            scale: None,
+        };
+        session.agree_on_patience()?;
+        Ok(session)
+    }
+
+    /// Tells the board how patient to be, and learns how often it must hear something. A drive that goes on for somebody who has left is not
+    /// cut short by somebody who only looks.
+    pub fn agree_on_patience(&mut self) -> Result<(), LinkError> {
+        let configured_s = report(parameter("link.patience_s")?, &mut self.client)?.acts;
+        let wanted_s = if self.manner.stay { Some(0.0) } else { self.manner.patience_s };
+        let patience_s = wanted_s.unwrap_or(configured_s);
+        self.patience_s = patience_s;
+        let silent = self.client.status()?.is_none_or(|report| matches!(report.mode, Mode::Idle | Mode::Fault));
+        if silent || wanted_s.is_some() {
+            self.client.order(Command::Patience(patience_s))?;
+        }
+        if patience_s > 0.0 {
+            self.keep_alive = Duration::from_secs_f64((f64::from(patience_s) / SIGNS).clamp(KEEP_ALIVE.0, KEEP_ALIVE.1));
+        }
+        Ok(())
+    }
+
+    /// Said before the drive is ordered on: it is this user's from now on, and so is the board's patience, whatever somebody else has left.
+    pub fn begins_to_drive(&mut self) -> Result<(), LinkError> {
+        self.driving = true;
+        self.client.order(Command::Patience(self.patience_s))
+    }
+
+    /// The drive is silent.
+    pub fn is_silent(&mut self) {
+        self.driving = false;
+    }
+
+    /// Whether the user has ordered the drive on.
+    pub fn is_driving(&self) -> bool {
+        self.driving
+    }
+
+    /// Leaves: the drive falls silent if this user has ordered it on, unless it is to stay. Says what it does now.
+    pub fn leave(&mut self) -> Result<Option<&'static str>, LinkError> {
+        self.client.part();
+        // Whatever comes of it, it is not tried again.
+        let driving = std::mem::take(&mut self.driving);
+        let said = match (driving, self.manner.stay) {
+            (false, _) => None,
+            (true, true) => Some("the drive goes on (--stay); `stop` ends it"),
+            (true, false) => {
+                self.silence()?;
+                Some("the drive is silent now")
+            }
+        };
+        self.stream(0)?;
+        Ok(said)
+    }
+
+    /// Orders silence, more than once where the board has no room for the order.
+    fn silence(&mut self) -> Result<(), LinkError> {
+        let mut ordered = self.client.order(Command::Idle);
+        for _ in 0..SILENCES {
+            if ordered.is_ok() {
+                break;
+            }
+            ordered = self.client.order(Command::Idle);
+        }
+        ordered
+    }
+
+    /// The latest block's report, as soon as there is one.
+    pub fn status(&mut self) -> Result<Telemetry, LinkError> {
+        let until = self.client.now() + self.keep_alive;
+        loop {
+            match self.client.status()? {
+                Some(report) => return Ok(report),
+                None if self.client.now() >= until => {
+                    let why = "the board has not played a block yet: its converters stand still. Power it off and on, and look at `fault log`";
+                    return Err(LinkError::Failed(why.into()));
+                }
+                None => {}
+            }
+        }
+    }
+
+    /// Lets time pass.
+    pub fn wait(&mut self, time: Duration) -> Result<(), LinkError> {
+        self.watch(time, 0, |_| None::<()>).map(drop)
+    }
+
+    /// Looks at reports, one every so many blocks and as the line carries, until `look` has seen enough; `None`: not in time. Zero: no
+    /// telemetry, only what a sign of life brings.
+    pub fn watch<T>(
+        &mut self,
+        at_most: Duration,
+        every: u32,
+        mut look: impl FnMut(&Telemetry) -> Option<T>,
+    ) -> Result<Option<T>, LinkError> {
+        self.stream(every)?;
+        let until = self.client.now() + at_most;
+        let seen = self.look_until(until, every, &mut look);
+        if seen.is_ok() {
+            self.stream(0)?;
+        }
+        seen
+    }
+
+    /// Telemetry every so many blocks from now on, or none.
+    fn stream(&mut self, every: u32) -> Result<(), LinkError> {
+        if every > 0 || self.streams {
+            self.client.order(Command::TelemetryEvery(every))?;
+        }
+        self.streams = every > 0;
+        self.client.forget_telemetry();
+        Ok(())
+    }
+
+    fn look_until<T>(
+        &mut self,
+        until: Duration,
+        every: u32,
+        look: &mut impl FnMut(&Telemetry) -> Option<T>,
+    ) -> Result<Option<T>, LinkError> {
+        let mut alive = self.client.now() + self.keep_alive;
+        loop {
+            let now = self.client.now();
+            if now >= until {
+                return Ok(None);
+            }
+            let wait = until.min(alive).saturating_sub(now);
+            let report = self.client.telemetry(wait)?.map(|(_, report)| report);
+            if let Some(seen) = report.as_ref().filter(|_| every > 0).and_then(&mut *look) {
+                return Ok(Some(seen));
+            }
+            if self.client.now() >= alive {
+                alive = self.client.now() + self.keep_alive;
+                if let Some(seen) = self.client.status()?.as_ref().and_then(&mut *look) {
+                    return Ok(Some(seen));
+                }
+            }
+        }
+    }
+
+    /// Fails if the board has.
+    pub fn check(&mut self, report: &Telemetry) -> Result<(), LinkError> {
+        match report.fault {
+            Some(fault) if report.mode == Mode::Fault => {
+                self.driving = false;
+                Err(LinkError::Failed(format!("the drive is muted: {}", words::fault(fault))))
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// What the board's codes are worth.
+    pub fn scale(&mut self) -> Result<Scale, LinkError> {
+        let scale = match self.scale {
+            Some(scale) => scale,
+            None => Scale::ask(&self.identity.converters, &mut self.client)?,
+        };
+        self.scale = Some(scale);
+        Ok(scale)
+    }
+}
+
+impl Drop for Session {
+    /// Nothing that this program fails by leaves a drive behind.
+    fn drop(&mut self) {
+        if self.driving && !self.manner.stay {
+            self.client.part();
+            let _ = self.silence();
+        }
+    }
+}
+
+/// Who looks on while a command is under way.
+#[derive(Clone, Copy, Default)]
+pub struct Live {
+    /// Told of stages.
+    pub stage: Option<fn(&str)>,
+    /// Told of reports: a line, and fields.
+    pub report: Option<fn(&str, &Value)>,
+}
+
+impl Live {
+    /// A stage has begun.
+    pub fn stage(&self, line: &str) {
+        self.stage.into_iter().for_each(|told| told(line));
+    }
+
+    /// A report has come.
+    pub fn report(&self, line: &str, fields: impl FnOnce() -> Value) {
+        if let Some(told) = self.report {
+            told(line, &fields());
+        }
+    }
+}

@@ -1,0 +1,144 @@
+//! A simulated board: the firmware's block task, slow side, settings and watchdog on doubles, a scene's plant behind its converters, and the
+//! bytes of its UART at the pace of the real one.
+//!
+//! Time is what is played. A byte takes ten bits at [`BAUD`], in either direction, so that a dialogue meets here what it meets on a board: a
+//! report of telemetry takes about sixty blocks to come.
+
+use std::cell::RefCell;
+use std::collections::VecDeque;
+use std::rc::Rc;
+use std::time::Duration;
+
+use firmware::block::{DriveBlock, SenseBlock};
+use firmware::config::Config;
+use firmware::start::Start;
+use hal_mock::analog::Analog;
+use hal_mock::bench::{Bench, Setup};
+use hal_mock::fault_injector::FaultInjector;
+use hal_mock::link::{WhenFull, Wire};
+use hal_mock::tracer::Tracer;
+
+use crate::port::BAUD;
+use plant::Plant;
+use scene::Driven;
+use scene::settings;
+use sim::run::breakable_plant;
+
+/// Bits of a byte on the wire.
+const BITS: u64 = 10;
+/// Bytes that the UART holds before the wire has taken them.
+const FIFO: Wire = Wire { capacity: Some(64), when_full: WhenFull::Refuses };
+
+/// The plant with what can break on the way, and the last blocks that went over the converters.
+pub type Rig = Tracer<FaultInjector<Plant>>;
+
+/// A plant that outlives the board: a reset of the board does not stop it.
+#[derive(Clone)]
+struct Shared(Rc<RefCell<Rig>>);
+
+impl Analog for Shared {
+    fn exchange(&mut self, drive: &DriveBlock, sense: &mut SenseBlock) {
+        self.0.borrow_mut().exchange(drive, sense);
+    }
+}
+
+/// The board.
+pub struct SimulatedBoard {
+    setup: Setup,
+    /// None where it does not start any more.
+    bench: Option<Bench<'static, Shared>>,
+    rig: Rc<RefCell<Rig>>,
+    to_board: VecDeque<u8>,
+    to_host: VecDeque<u8>,
+    /// Parts of a byte, in bytes times samples a second, that the wires have taken.
+    credit: u64,
+    blocks: u64,
+}
+
+impl SimulatedBoard {
+    /// The board that a scene describes, just powered. Of what goes over the converters the last `keep` blocks are kept.
+    pub fn new(scene: &Driven, keep: usize) -> Result<Self, firmware::error::Error> {
+        let setup = Setup { config: settings::config(scene), to_host: FIFO, ..Setup::default() };
+        let rig = Rc::new(RefCell::new(Tracer::new(breakable_plant(scene), keep)));
+        let bench = Some(powered(&setup, &rig)?);
+        let (to_board, to_host) = Default::default();
+        Ok(SimulatedBoard { setup, bench, rig, to_board, to_host, credit: 0, blocks: 0 })
+    }
+
+    /// What its controller is told.
+    pub fn config(&self) -> &Config {
+        &self.setup.config
+    }
+
+    /// Time since the power came.
+    pub fn now(&self) -> Duration {
+        Duration::from_secs_f64(self.blocks as f64 * self.block_s())
+    }
+
+    /// Duration of a block, s.
+    pub fn block_s(&self) -> f64 {
+        f64::from(self.setup.config.block_samples) / f64::from(self.setup.config.sample_hz)
+    }
+
+    /// Puts bytes on the wire to the board.
+    pub fn send(&mut self, bytes: &[u8]) {
+        self.to_board.extend(bytes);
+    }
+
+    /// Takes bytes that have come from the board; 0 where none have.
+    pub fn receive(&mut self, into: &mut [u8]) -> usize {
+        let count = into.len().min(self.to_host.len());
+        into.iter_mut().zip(self.to_host.drain(..count)).for_each(|(into, byte)| *into = byte);
+        count
+    }
+
+    /// Plays one block.
+    pub fn block(&mut self) {
+        self.blocks += 1;
+        let Some(bench) = &mut self.bench else { return };
+        let sample_hz = self.setup.config.sample_hz as u64;
+        self.credit += u64::from(BAUD) / BITS * u64::from(self.setup.config.block_samples);
+        let bytes = (self.credit / sample_hz) as usize;
+        self.credit %= sample_hz;
+        let there: Vec<u8> = self.to_board.drain(..bytes.min(self.to_board.len())).collect();
+        // The mock's wire to the board is endless, and nobody cuts it.
+        let _ = bench.host.send_bytes(&there);
+        bench.block();
+        self.to_host.extend(bench.host.link.inner.take(bytes));
+        let start = match bench.watchdog.bitten() {
+            Some(_) => Some(Start::Watchdog),
+            // What the UART still holds leaves before the part resets.
+            None if bench.watchdog.resets() > 0 && bench.host.link.inner.waiting() == 0 => Some(Start::Ordered),
+            None => None,
+        };
+        if let Some(start) = start {
+            self.reset(start);
+        }
+    }
+
+    /// Begins anew, on the same flash; what is on its way to the board is lost, and the plant goes on.
+    fn reset(&mut self, start: Start) {
+        let Some(bench) = self.bench.take() else { return };
+        self.setup.flash = bench.power_off();
+        self.setup.start = start;
+        self.to_board.clear();
+        // What has been built once from what is built in can be again: `PowerUp` falls back on that.
+        self.bench = powered(&self.setup, &self.rig).ok();
+    }
+
+    /// Looks at the plant behind the board.
+    pub fn with_rig<T>(&self, look: impl FnOnce(&Rig) -> T) -> T {
+        look(&self.rig.borrow())
+    }
+
+    /// Changes something at the plant or at what is between.
+    pub fn change_rig(&mut self, change: impl FnOnce(&mut Rig)) {
+        change(&mut self.rig.borrow_mut());
+    }
+}
+
+/// A board that is powered on this flash.
+fn powered(setup: &Setup, rig: &Rc<RefCell<Rig>>) -> Result<Bench<'static, Shared>, firmware::error::Error> {
+    // As a board's statics: they stay for as long as the process does.
+    Bench::new(Box::leak(Box::default()), setup, Shared(rig.clone()))
+}

@@ -1,0 +1,122 @@
+//! The image: whether it can be built and run here, and building it.
+
+use std::env;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+use serde_json::Value;
+
+use super::PilError;
+use super::machine::PROGRAM;
+
+/// The environment variable that names a ready image, which is then used instead of building one.
+pub const IMAGE_VARIABLE: &str = "SONOGLIDE_PIL_IMAGE";
+
+const TARGET: &str = "thumbv7em-none-eabihf";
+const WORKSPACE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../..");
+
+/// Set by whoever runs this process for host code; meant neither for the image nor for its directory.
+const NOT_INHERITED: [&str; 4] = ["RUSTFLAGS", "CARGO_ENCODED_RUSTFLAGS", "CARGO_BUILD_RUSTFLAGS", "CARGO_BUILD_TARGET"];
+
+/// Why there can be no processor in the loop here, and what to install. `None`: nothing is missing.
+pub fn missing() -> Option<String> {
+    if !cfg!(target_os = "linux") {
+        return Some("QEMU is fed through inherited pipes, which works on Linux only".into());
+    }
+    let path = env::var_os("PATH").unwrap_or_default();
+    if !env::split_paths(&path).any(|folder| folder.join(PROGRAM).is_file()) {
+        return Some(
+            "there is no `qemu-system-arm` on the PATH; install QEMU for Arm systems (Debian: `apt install qemu-system-arm`)"
+                .into(),
+        );
+    }
+    if env::var_os(IMAGE_VARIABLE).is_some() || has_core_library() {
+        return None;
+    }
+    Some(format!("the core library for {TARGET} is not installed; install it with `rustup target add {TARGET}`"))
+}
+
+/// The image to run: the one that [`IMAGE_VARIABLE`] names, or else the present source, built.
+///
+/// It is built in a target directory of its own, so that it waits for no other build. Source that has changed since this program
+/// was built shows as a difference between the two.
+pub fn image() -> Result<PathBuf, PilError> {
+    if let Some(reason) = missing() {
+        return Err(PilError::Missing(reason));
+    }
+    if let Some(ready) = env::var_os(IMAGE_VARIABLE) {
+        let ready = PathBuf::from(ready);
+        return match ready.is_file() {
+            true => Ok(ready),
+            false => Err(PilError::Missing(format!("{IMAGE_VARIABLE} names {}, which is not there", ready.display()))),
+        };
+    }
+    build("qemu-m4")
+}
+
+/// The image that counts the instructions of kernels, built from the present source.
+pub fn counting_image() -> Result<PathBuf, PilError> {
+    match missing() {
+        Some(reason) => Err(PilError::Missing(reason)),
+        None => build("counts"),
+    }
+}
+
+/// The image that is a whole board, with its link, built from the present source.
+pub fn link_image() -> Result<PathBuf, PilError> {
+    match missing() {
+        Some(reason) => Err(PilError::Missing(reason)),
+        None => build("link"),
+    }
+}
+
+/// The image of the tests that run on the target, built from the present source.
+pub fn test_image() -> Result<PathBuf, PilError> {
+    if let Some(reason) = missing() {
+        return Err(PilError::Missing(reason));
+    }
+    // The file of a test has a name that cargo alone knows.
+    let (_, messages) = cargo(&["-p", "on-target", "--test", "on_target", "--message-format", "json-render-diagnostics"])?;
+    let artifact = |line: &str| {
+        let message: Value = serde_json::from_str(line).ok()?;
+        (message["target"]["name"] == "on_target").then(|| message["executable"].as_str().map(PathBuf::from))?
+    };
+    messages.lines().find_map(artifact).ok_or_else(|| PilError::Build("cargo names no file of the tests".into()))
+}
+
+/// Builds one image of the package `qemu-m4`.
+fn build(image: &str) -> Result<PathBuf, PilError> {
+    let (folder, _) = cargo(&["-p", "qemu-m4", "--bin", image])?;
+    Ok(folder.join(TARGET).join("release").join(image))
+}
+
+/// Builds something for the target; returns the target directory, and what cargo prints.
+fn cargo(what: &[&str]) -> Result<(PathBuf, String), PilError> {
+    let folder = env::var_os("CARGO_TARGET_DIR").map_or_else(|| Path::new(WORKSPACE).join("target"), PathBuf::from).join("pil");
+    let built = run("CARGO", "cargo", |cargo| {
+        cargo.args(["build", "--quiet", "--release", "--target", TARGET, "--target-dir"]).arg(&folder).args(what)
+    });
+    match built {
+        Ok(output) if output.status.success() => Ok((folder, String::from_utf8_lossy(&output.stdout).into_owned())),
+        Ok(output) => Err(PilError::Build(String::from_utf8_lossy(&output.stderr).into_owned())),
+        Err(error) => Err(PilError::Build(format!("cargo could not be started: {error}"))),
+    }
+}
+
+/// Whether the compiler of this workspace can build for the target.
+fn has_core_library() -> bool {
+    let asked = run("RUSTC", "rustc", |rustc| rustc.args(["--print", "target-libdir", "--target", TARGET]));
+    let Some(folder) = asked.ok().filter(|output| output.status.success()) else { return false };
+    let folder = String::from_utf8_lossy(&folder.stdout).trim().to_owned();
+    let names = std::fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.file_name());
+    names.into_iter().any(|name| name.to_string_lossy().starts_with("libcore-"))
+}
+
+/// Runs a tool of the toolchain in the workspace, where `rust-toolchain.toml` says which one.
+fn run(variable: &str, name: &str, arguments: impl Fn(&mut Command) -> &mut Command) -> std::io::Result<Output> {
+    let mut command = Command::new(env::var_os(variable).unwrap_or_else(|| name.into()));
+    for inherited in NOT_INHERITED {
+        command.env_remove(inherited);
+    }
+    arguments(command.current_dir(WORKSPACE)).output()
+}

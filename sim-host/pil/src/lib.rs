@@ -1,0 +1,56 @@
+//! Processor in the loop: the controller as thumb code under QEMU, behind the same [`Processor`](sim::processor::Processor)
+//! as the controller in this process.
+//!
+//! The image (package `qemu-m4`) reads what the converters saw from one inherited pipe and writes the codes to another, by
+//! semihosting, one [record](firmware::lockstep) a block. Host and emulator take turns, so both are pinned to one core: a
+//! switch there takes less than waking another core. While the guest waits it executes nothing, so that a
+//! run is the same, instruction for instruction, however busy the machine is.
+//!
+//! What it shows is arithmetic and code generation: that the thumb code returns the codes that the host returns, bit for bit, and how
+//! many instructions it takes for them, to within a tick of the emulated timer (about 6). It shows nothing about time.
+#![forbid(unsafe_code)]
+
+#[cfg(target_os = "linux")]
+pub mod emulator;
+mod image;
+pub mod machine;
+#[cfg(target_os = "linux")]
+pub mod one_core;
+#[cfg(target_os = "linux")]
+pub mod pipes;
+#[cfg(target_os = "linux")]
+mod qemu;
+#[cfg(not(target_os = "linux"))]
+#[path = "nowhere.rs"]
+mod qemu;
+#[cfg(target_os = "linux")]
+mod size;
+
+pub use image::{IMAGE_VARIABLE, counting_image, image, link_image, missing, test_image};
+pub use qemu::Qemu;
+
+/// Why there is no processor in the loop.
+#[derive(Debug, thiserror::Error)]
+pub enum PilError {
+    /// Something that it needs is not installed.
+    #[error("no processor in the loop: {0}")]
+    Missing(String),
+    /// The image could not be built.
+    #[error("the processor-in-the-loop image could not be built:\n{0}")]
+    Build(String),
+    /// QEMU could not be started.
+    #[error("QEMU could not be started: {0}")]
+    Start(#[from] std::io::Error),
+    /// The firmware in the image refuses its configuration.
+    #[error("the firmware refuses these settings: {0}")]
+    Config(String),
+    /// QEMU was lost before the controller was built.
+    #[error(transparent)]
+    Lost(#[from] sim::processor::Lost),
+}
+
+impl From<PilError> for sim::run::RunError {
+    fn from(error: PilError) -> Self {
+        sim::run::RunError::NoProcessor(error.into())
+    }
+}

@@ -1,0 +1,42 @@
+//! No processor in the loop on this system.
+
+use std::convert::Infallible;
+use std::path::Path;
+use std::time::Duration;
+
+use firmware::block::{DriveBlock, Orders, SenseBlock};
+use firmware::config::Config;
+use firmware::telemetry::Telemetry;
+
+use super::{PilError, missing};
+use sim::processor::{Lost, Processor};
+
+/// The controller as thumb code under QEMU; there is none on this system.
+pub struct Qemu(Infallible);
+
+impl Qemu {
+    /// Fails, and says why.
+    pub fn start(_image: &Path, _config: &Config) -> Result<Self, PilError> {
+        Err(PilError::Missing(missing().unwrap_or_default()))
+    }
+
+    /// There is nothing to wait for.
+    pub fn set_patience(&mut self, _patience: Duration) {
+        match self.0 {}
+    }
+
+    /// There is no process.
+    pub fn process_id(&self) -> u32 {
+        match self.0 {}
+    }
+}
+
+impl Processor for Qemu {
+    fn silence(&self) -> DriveBlock {
+        match self.0 {}
+    }
+
+    fn process(&mut self, _: &Orders, _: &SenseBlock, _: &mut DriveBlock) -> Result<Telemetry, Lost> {
+        match self.0 {}
+    }
+}

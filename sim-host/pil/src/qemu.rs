@@ -1,0 +1,86 @@
+//! The controller under QEMU, as a processor.
+
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+use firmware::block::{DriveBlock, Orders, SenseBlock};
+use firmware::config::Config;
+use firmware::lockstep::{Answer, Closing, Opening, Question};
+use firmware::telemetry::Telemetry;
+
+use super::PilError;
+use super::emulator::Serial;
+use super::one_core::OneCore;
+use super::pipes::Pipes;
+use super::size::Size;
+use sim::processor::{Lost, Memory, Processor};
+
+/// The controller as thumb code under QEMU.
+///
+/// While it lives, the thread that started it is pinned to one core with QEMU; it cannot move to another thread.
+pub struct Qemu {
+    pipes: Pipes,
+    image: PathBuf,
+    silence: DriveBlock,
+    question: Question,
+    answer: Answer,
+    _core: OneCore,
+}
+
+impl Qemu {
+    /// Starts an [image](fn@super::image) and builds its controller.
+    pub fn start(image: &Path, config: &Config) -> Result<Self, PilError> {
+        // Before the pipes' process is started, which inherits it.
+        let core = OneCore::pin();
+        let mut pipes = Pipes::start(image, Serial::None)?;
+        let mut opening = Opening::default();
+        pipes.ask(config, &mut opening)?;
+        match opening.built {
+            Ok(()) => Ok(Qemu {
+                pipes,
+                image: image.to_owned(),
+                silence: opening.silence,
+                question: Question::default(),
+                answer: Answer::default(),
+                _core: core,
+            }),
+            Err(reason) => Err(PilError::Config(reason.as_str().to_owned())),
+        }
+    }
+
+    /// Sets how long QEMU may take for an answer; 30 s unless told. Longer is for a debugger on the guest.
+    pub fn set_patience(&mut self, patience: Duration) {
+        self.pipes.emulator().set_patience(patience);
+    }
+
+    /// QEMU's process.
+    pub fn process_id(&self) -> u32 {
+        self.pipes.emulator().process_id()
+    }
+}
+
+impl Processor for Qemu {
+    fn silence(&self) -> DriveBlock {
+        self.silence.clone()
+    }
+
+    fn process(&mut self, orders: &Orders, sense: &SenseBlock, drive: &mut DriveBlock) -> Result<Telemetry, Lost> {
+        self.question.orders = *orders;
+        self.question.sense.clone_from(sense);
+        self.pipes.ask(&self.question, &mut self.answer)?;
+        drive.clone_from(&self.answer.drive);
+        Ok(self.answer.telemetry)
+    }
+
+    fn instructions(&self) -> Option<u32> {
+        self.answer.instructions
+    }
+
+    fn memory(&mut self) -> Result<Option<Memory>, Lost> {
+        let closing = self.pipes.close()?;
+        let Size { flash, ram } =
+            Size::of(&self.image).map_err(|error| Lost(format!("its image {} cannot be read: {error}", self.image.display())))?;
+        let Closing { stack_power_up_bytes: stack_power_up, stack_blocks_bytes: stack_blocks } = closing;
+        Ok(Some(Memory { stack_power_up, stack_blocks, flash, ram }))
+    }
+}

@@ -1,0 +1,98 @@
+//! The stack's equivalent circuit (Butterworth 1914, Van Dyke 1928), in either of the forms a scene may state it.
+//!
+//! `omega^2 = 1 / (Lm Cm)`, `Q = omega Lm / Rm`, `k^2 = Cm / (C0 + Cm)`.
+
+use scene::Bvd;
+
+/// The equivalent circuit in the form the equations need.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Circuit {
+    /// Clamped capacitance, F.
+    pub c0_f: f64,
+    /// Motional capacitance, F.
+    pub cm_f: f64,
+    /// Motional inductance, H.
+    pub lm_h: f64,
+    /// Motional resistance, ohm.
+    pub rm_ohm: f64,
+    /// Force factor, N/V.
+    pub force_factor_n_per_v: f64,
+}
+
+impl Circuit {
+    /// From either form of a scene's stack. A scene that has passed its rules gives one of them in full.
+    pub fn of(bvd: &Bvd) -> Self {
+        let of_resonance = |hz: f64, q: f64, k: f64| {
+            let cm_f = bvd.c0_f * k * k / (1.0 - k * k);
+            let omega = std::f64::consts::TAU * hz;
+            let lm_h = 1.0 / (omega * omega * cm_f);
+            (cm_f, lm_h, omega * lm_h / q)
+        };
+        let (cm_f, lm_h, rm_ohm) = match (bvd.cm_f, bvd.lm_h, bvd.rm_ohm) {
+            (Some(cm_f), Some(lm_h), Some(rm_ohm)) => (cm_f, lm_h, rm_ohm),
+            _ => of_resonance(bvd.series_resonance_hz.unwrap_or(40e3), bvd.q.unwrap_or(50.0), bvd.coupling.unwrap_or(0.25)),
+        };
+        Circuit { c0_f: bvd.c0_f, cm_f, lm_h, rm_ohm, force_factor_n_per_v: bvd.force_factor_n_per_v }
+    }
+
+    /// Series resonance, rad/s.
+    pub fn omega(&self) -> f64 {
+        1.0 / (self.lm_h * self.cm_f).sqrt()
+    }
+
+    /// Series resonance, Hz.
+    pub fn series_resonance_hz(&self) -> f64 {
+        self.omega() / std::f64::consts::TAU
+    }
+
+    /// Quality factor at series resonance.
+    pub fn q(&self) -> f64 {
+        self.omega() * self.lm_h / self.rm_ohm
+    }
+
+    /// The same inductance and quality factor at another resonance.
+    pub fn with_series_resonance(self, hz: f64) -> Self {
+        let omega = std::f64::consts::TAU * hz;
+        let cm_f = 1.0 / (omega * omega * self.lm_h);
+        Circuit { cm_f, rm_ohm: omega * self.lm_h / self.q(), ..self }
+    }
+
+    /// The same resonance with another quality factor.
+    pub fn with_q(self, q: f64) -> Self {
+        Circuit { rm_ohm: self.omega() * self.lm_h / q, ..self }
+    }
+
+    /// Time constant of the ring-up, s.
+    pub fn time_constant_s(&self) -> f64 {
+        2.0 * self.lm_h / self.rm_ohm
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const A3: Circuit = Circuit { c0_f: 300e-9, cm_f: 20e-9, lm_h: 0.7916e-3, rm_ohm: 3.08, force_factor_n_per_v: 5.566 };
+
+    #[test]
+    fn both_forms_of_a_stack_are_the_same_circuit() {
+        let bvd = Bvd {
+            c0_f: 300e-9,
+            cm_f: None,
+            lm_h: None,
+            rm_ohm: None,
+            series_resonance_hz: Some(A3.series_resonance_hz()),
+            q: Some(A3.q()),
+            coupling: Some(0.25),
+            force_factor_n_per_v: 5.566,
+            loss_tangent: 0.0,
+            temperature_hz_per_k: 0.0,
+            temperature_c0_per_k: 0.0,
+            duffing_hz_per_a2: 0.0,
+        };
+        let circuit = Circuit::of(&bvd);
+        assert!((circuit.cm_f / A3.cm_f - 1.0).abs() < 1e-12);
+        assert!((circuit.lm_h / A3.lm_h - 1.0).abs() < 1e-12);
+        assert!((circuit.rm_ohm / A3.rm_ohm - 1.0).abs() < 1e-12);
+    }
+}

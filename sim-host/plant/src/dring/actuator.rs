@@ -1,0 +1,208 @@
+//! What lowers the friction at the D-ring, and at which speed of sliding how far.
+//!
+//! Each law says, the other way round, how fast the webbing must slide for friction to be so much of itself, `r`, with the force `Fc` of friction
+//! without an actuator (see [`capstan`](super::capstan)). None brings `r` below `mu_low / mu_high`.
+//!
+//! | actuator | law | source |
+//! |---|---|---|
+//! | ideal | `r = 1 - (1 - mu_low / mu_high) a`, at any speed | what a perfect switch would do |
+//! | tangential | `r = (2 / pi) asin(Vs / a Vt)`, 1 for `Vs >= a Vt` | Coulomb under a sine of tip velocity `Vt`, thesis 4.3 |
+//! | tangential, Dahl | `r = (pi / 2) xi / (xi asin xi + sqrt(1 - xi^2))`, `xi = Vs / a Vt` | the limit of Dahl's law for a soft contact, docs/plant.md |
+//! | power | `r = (2 / pi) atan(2 Fc Vs / (pi a P))` | the tangential law with the tip velocity that `P` watts keep up |
+//! | stack | tangential, with the tip velocity of the simulated stack | the 40 kHz stack; its tip is granted its free motion |
+//! | normal | `1 - r = a 0.587 (1 + 25 / 38.3) / (1 + Vs / 38.3 mm/s) (N / 270 N)^-0.0584` | fitted to measurements at 20 to 87 mm/s, **extrapolated** |
+//!
+//! `a`, from 0 to 1, is how far its amplitude has risen.
+//!
+//! The power of a tangential sine against Coulomb's friction is `P = (2 / pi) Fc Vt sqrt(1 - xi^2)`; with `xi = sin(pi r / 2)` that is the law by
+//! power. The normal law is that of the belt experiments at 70 % amplitude without their rise over half a second, so better than measured.
+
+use std::f64::consts::{FRAC_2_PI, FRAC_PI_2};
+
+use super::capstan::Capstan;
+use scene::{self, ActuatorKind};
+
+/// Speed at which normal vibration has lost half its effect, m/s.
+const NORMAL_HALF_M_PER_S: f64 = 38.3e-3;
+/// Its effect at 25 mm/s and 270 N.
+const NORMAL_EFFECT: f64 = 0.587;
+const NORMAL_AT_M_PER_S: f64 = 25e-3;
+const NORMAL_AT_N: f64 = 270.0;
+const NORMAL_EXPONENT: f64 = -0.0584;
+/// The least amplitude that counts, so that no law is steeper than can be followed.
+const LEAST_AMPLITUDE: f64 = 0.01;
+/// Ratios are kept so far from one, where some speeds are infinite.
+const BELOW_ONE: f64 = 1e-6;
+
+/// What lowers the friction.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Actuator {
+    /// Nothing does.
+    None,
+    /// A perfect switch.
+    Ideal,
+    /// A tip that vibrates along the webbing with this peak velocity, m/s, by Coulomb's law.
+    Tangential(f64),
+    /// The same by the limit of Dahl's law.
+    TangentialDahl(f64),
+    /// So much power into the contact, W.
+    Power(f64),
+    /// The simulated stack, along the webbing: its tip velocity is told while it runs.
+    Stack,
+    /// A vibration across the webbing.
+    Normal,
+}
+
+/// What an actuator does at a moment.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Effect {
+    /// The smallest ratio of friction, at rest.
+    pub floor: f64,
+    /// The largest, at any speed.
+    pub full: f64,
+}
+
+impl Actuator {
+    /// That of a scene.
+    pub fn of(dring: &scene::Dring) -> Self {
+        match dring.actuator {
+            ActuatorKind::Ideal => Actuator::Ideal,
+            ActuatorKind::Tangential => Actuator::Tangential(dring.tip_m_per_s),
+            ActuatorKind::TangentialDahl => Actuator::TangentialDahl(dring.tip_m_per_s),
+            ActuatorKind::Power => Actuator::Power(dring.power_w),
+            ActuatorKind::Stack => Actuator::Stack,
+            ActuatorKind::Normal => Actuator::Normal,
+        }
+    }
+
+    /// The actuator as it is while a stack's tip has this velocity, m/s.
+    pub fn with_tip(self, tip_m_per_s: f64) -> Self {
+        if self == Actuator::Stack { Actuator::Tangential(tip_m_per_s) } else { self }
+    }
+
+    /// Between which ratios of friction it can be at an amplitude from 0 to 1.
+    pub fn effect(self, capstan: &Capstan, amplitude: f64) -> Effect {
+        match self {
+            Actuator::Ideal => {
+                let ratio = 1.0 - (1.0 - capstan.floor()) * amplitude;
+                Effect { floor: ratio, full: ratio }
+            }
+            Actuator::None | Actuator::Stack => Effect { floor: 1.0, full: 1.0 },
+            Actuator::Tangential(tip) | Actuator::TangentialDahl(tip) if tip <= 0.0 => Effect { floor: 1.0, full: 1.0 },
+            _ if amplitude == 0.0 => Effect { floor: 1.0, full: 1.0 },
+            _ => Effect { floor: capstan.floor(), full: 1.0 },
+        }
+    }
+
+    /// How both ends of what it can do change with its amplitude, where they are one.
+    pub fn slope(self, capstan: &Capstan) -> f64 {
+        if self == Actuator::Ideal { capstan.floor() - 1.0 } else { 0.0 }
+    }
+
+    /// How fast webbing slides at a ratio of friction, m/s, with `difference_n` between its tensions; infinite where any speed will do.
+    pub fn speed(self, capstan: &Capstan, amplitude: f64, ratio: f64, difference_n: f64) -> f64 {
+        let amplitude = amplitude.max(LEAST_AMPLITUDE);
+        let ratio = ratio.clamp(0.0, 1.0);
+        match self {
+            Actuator::None | Actuator::Ideal | Actuator::Stack => f64::INFINITY,
+            Actuator::Tangential(tip) => amplitude * tip * libm::sin(FRAC_PI_2 * ratio),
+            Actuator::TangentialDahl(tip) => amplitude * tip * dahl_velocity_ratio(ratio),
+            Actuator::Power(watts) => {
+                let ratio = ratio.clamp(BELOW_ONE, 1.0 - BELOW_ONE);
+                FRAC_PI_2 * amplitude * watts * ratio / difference_n.max(f64::MIN_POSITIVE) * libm::tan(FRAC_PI_2 * ratio)
+            }
+            Actuator::Normal => {
+                let normal_n = difference_n / (ratio * capstan.mu_high);
+                let at_rest = NORMAL_EFFECT * (1.0 + NORMAL_AT_M_PER_S / NORMAL_HALF_M_PER_S);
+                let effect = amplitude * at_rest * libm::pow(normal_n / NORMAL_AT_N, NORMAL_EXPONENT);
+                (NORMAL_HALF_M_PER_S * (effect / (1.0 - ratio).max(BELOW_ONE) - 1.0)).max(0.0)
+            }
+        }
+    }
+
+    /// Power that it gives to the contact, W, at a ratio of friction; nothing of one whose law knows no power.
+    pub fn power_w(self, amplitude: f64, ratio: f64, difference_n: f64) -> Option<f64> {
+        match self {
+            Actuator::Tangential(tip) => {
+                let coulomb_n = difference_n / ratio.max(BELOW_ONE);
+                Some(FRAC_2_PI * coulomb_n * amplitude * tip * libm::cos(FRAC_PI_2 * ratio.min(1.0)))
+            }
+            Actuator::Power(watts) => Some(amplitude * watts),
+            _ => None,
+        }
+    }
+}
+
+/// The velocity ratio `xi` at which the limit of Dahl's law for a soft contact has this ratio of friction: the inverse of
+/// `r = (pi / 2) xi / (xi asin xi + sqrt(1 - xi^2))`, which rises.
+fn dahl_velocity_ratio(ratio: f64) -> f64 {
+    let law = |xi: f64| FRAC_PI_2 * xi / (xi * libm::asin(xi) + libm::sqrt(1.0 - xi * xi));
+    // Newton's method. The law is concave and r <= (pi / 2) xi, so that it starts below, and every step stays below and rises.
+    let mut xi = ratio / FRAC_PI_2;
+    for _ in 0..30 {
+        // r' = (pi / 2) sqrt(1 - xi^2) / (xi asin xi + sqrt(1 - xi^2))^2
+        let root = libm::sqrt((1.0 - xi * xi).max(0.0));
+        let below = xi * libm::asin(xi) + root;
+        let slope = FRAC_PI_2 * root / (below * below);
+        let step = if slope > 0.0 { (ratio - law(xi)) / slope } else { 0.0 };
+        let next = (xi + step).min(1.0);
+        if (next - xi).abs() < 1e-15 {
+            break;
+        }
+        xi = next;
+    }
+    xi
+}
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::PI;
+
+    use super::*;
+
+    const D_RING: Capstan = Capstan { wrap_rad: 2.618, mu_high: 0.3, mu_low: 0.13 };
+
+    fn speed(actuator: Actuator, ratio: f64, difference_n: f64) -> f64 {
+        actuator.speed(&D_RING, 1.0, ratio, difference_n)
+    }
+
+    #[test]
+    fn each_law_is_the_inverse_of_its_formula() {
+        for ratio in [0.1, 0.433, 0.7, 0.95] {
+            let (tip, watts, difference) = (5.0, 2500.0, 900.0);
+            let coulomb = speed(Actuator::Tangential(tip), ratio, difference);
+            assert!((2.0 / PI * (coulomb / tip).asin() - ratio).abs() < 1e-12);
+            let xi = speed(Actuator::TangentialDahl(tip), ratio, difference) / tip;
+            assert!((FRAC_PI_2 * xi / (xi * xi.asin() + (1.0 - xi * xi).sqrt()) - ratio).abs() < 1e-12, "{ratio} {xi}");
+            let by_power = speed(Actuator::Power(watts), ratio, difference);
+            let coulomb_n = difference / ratio;
+            assert!((2.0 / PI * (2.0 * coulomb_n * by_power / (PI * watts)).atan() - ratio).abs() < 1e-12);
+            // The tip that this power keeps up has Coulomb's law at this speed.
+            let tip = by_power / (FRAC_PI_2 * ratio).sin();
+            let power = Actuator::Tangential(tip).power_w(1.0, ratio, difference);
+            assert!(power.is_some_and(|power| (power / watts - 1.0).abs() < 1e-12));
+        }
+    }
+
+    /// The belt experiment: 58.0 % at 25 mm/s and 270 N after two seconds, of 58.7 % in the end.
+    #[test]
+    fn normal_vibration_is_that_of_the_belt_experiment() {
+        let (ratio, normal_n) = (1.0 - 0.587, 270.0);
+        let found = speed(Actuator::Normal, ratio, ratio * 0.3 * normal_n);
+        assert!((found - 25e-3).abs() < 1e-12, "{found}");
+    }
+
+    #[test]
+    fn limits_of_the_laws() {
+        assert_eq!(speed(Actuator::Ideal, 0.5, 1.0), f64::INFINITY);
+        assert_eq!(speed(Actuator::Tangential(5.0), 1.0, 1.0), 5.0);
+        assert!((speed(Actuator::TangentialDahl(5.0), 1.0, 1.0) - 5.0).abs() < 1e-6);
+        assert_eq!(speed(Actuator::TangentialDahl(5.0), 0.0, 1.0), 0.0);
+        assert!(speed(Actuator::Power(2500.0), 1.0, 1.0) > 1e9, "any speed");
+        let none = Effect { floor: 1.0, full: 1.0 };
+        assert_eq!(Actuator::Stack.with_tip(0.0).effect(&D_RING, 1.0), none);
+        assert_eq!(Actuator::Power(1.0).effect(&D_RING, 0.0), none);
+        let half = Actuator::Ideal.effect(&D_RING, 0.5);
+        assert!((half.floor * 0.3 - 0.215).abs() < 1e-15 && half.floor == half.full);
+    }
+}

@@ -1,0 +1,244 @@
+//! The plant of a crash: a stack that the firmware drives, and the belt whose friction the drive lowers.
+//!
+//! ```text
+//! DAC -> amplifier -> stack -> ADC          as without a belt
+//!  \-> actuator -> D-ring, belt, torso -> belt force, filtered -> SlowSense
+//! ```
+//!
+//! What the actuator does of its own follows from whether the DAC plays: its amplitude rises and falls along straight edges. The actuator
+//! `stack` is the simulated stack itself. Three motions run beside each other: the one that is switched; the same belt with nothing that
+//! lowers its friction; and the first one again at half the step, for the error.
+
+use firmware::block::{DriveBlock, SenseBlock};
+use hal_mock::analog::Analog;
+
+use super::motion::{Extremes, Motion};
+use super::state::Tensions;
+use super::{Bench, G_M_PER_S2};
+use crate::circuit::Circuit;
+use crate::converter::Dac;
+use crate::driven_stack::DrivenStack;
+use crate::encoder::Encoder;
+use crate::energy::Energy;
+use crate::force_channel::ForceChannel;
+use crate::truth::{Sample, Truth};
+use scene::{self, ActuatorKind, Driven};
+
+/// The drive is ON where it swings by more than this part of what was asked for.
+const ON_PART: f64 = 0.25;
+/// A stream of noise far from those of the converters.
+const FORCE_STREAM: u64 = 3 << 61;
+/// States of torso, belt and spool.
+const STATES: usize = 3;
+
+/// One of the belts at a moment.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Belt {
+    /// How far the torso has gone, m.
+    pub x_m: f64,
+    /// Its speed, m/s.
+    pub v_m_per_s: f64,
+    /// Webbing that has come over the D-ring, m.
+    pub payout_m: f64,
+    /// Its speed, m/s.
+    pub payout_m_per_s: f64,
+    /// Force at the shoulder, N.
+    pub shoulder_n: f64,
+    /// Force at the retractor, N.
+    pub retractor_n: f64,
+}
+
+/// Both belts at a moment.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Frame {
+    /// Since the pulse began, s.
+    pub time_s: f64,
+    /// Deceleration of the vehicle, m/s^2.
+    pub pulse_m_per_s2: f64,
+    /// Amplitude of the actuator, 0 to 1.
+    pub amplitude: f64,
+    /// The belt that is switched.
+    pub switched: Belt,
+    /// The passive belt.
+    pub passive: Belt,
+}
+
+/// What a crash comes to.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Film {
+    /// Mass of the torso, kg.
+    pub torso_kg: f64,
+    /// A frame a block, from the beginning of the pulse.
+    pub frames: Vec<Frame>,
+    /// Extremes of the belt that is switched.
+    pub switched: Extremes,
+    /// Of the passive belt.
+    pub passive: Extremes,
+    /// When the drive went ON, s since the pulse began.
+    pub low_s: Option<f64>,
+    /// Part of the pulse's work that cannot be accounted for.
+    pub energy_residual: f64,
+    /// How far peak force and excursion are from those of half the step, relative, the larger one.
+    pub error_estimate: f64,
+}
+
+impl Film {
+    /// Acceleration of the chest at a force, in g.
+    pub fn chest_g(&self, shoulder_n: f64) -> f64 {
+        shoulder_n / self.torso_kg / G_M_PER_S2
+    }
+}
+
+/// A stack, and a torso in its belt.
+#[derive(Clone, Debug)]
+pub struct Crash {
+    stack: DrivenStack,
+    bench: Bench,
+    kind: ActuatorKind,
+    edge_s: f64,
+    on_codes: u16,
+    switched: Motion,
+    passive: Motion,
+    finer: Motion,
+    force: Option<ForceChannel>,
+    encoder: Option<Encoder>,
+    block_s: f64,
+    blocks: u64,
+    truth: Truth,
+    film: Film,
+}
+
+impl Crash {
+    /// At rest.
+    pub fn new(scene: &Driven, stack: DrivenStack, dring: &scene::Dring) -> Self {
+        let bench = Bench::of(dring);
+        let (drive, sensors) = (&scene.controller.drive, scene.sensors);
+        let asked_v = drive.amplitude_v.or(drive.scan_v).unwrap_or(0.0);
+        let block_s = f64::from(scene.controller.block_samples) / sensors.sample_hz;
+        Crash {
+            stack,
+            kind: dring.actuator,
+            edge_s: 1e-3 * dring.edge_ms,
+            on_codes: (ON_PART * asked_v / Dac::new(sensors, scene.amplifier).volt_per_lsb()) as u16,
+            switched: Motion::new(bench.clone(), 1),
+            passive: Motion::new(bench.passive(), 1),
+            finer: Motion::new(bench.clone(), 2),
+            force: sensors.force_hz.map(|hz| ForceChannel::new(hz, block_s, sensors.force_noise_n, scene.seed ^ FORCE_STREAM)),
+            encoder: sensors.encoder_counts_per_mm.map(|counts| Encoder::new(counts, 0.5)),
+            block_s,
+            blocks: 0,
+            truth: Truth::default(),
+            film: Film { torso_kg: bench.torso_kg, ..Film::default() },
+            bench,
+        }
+    }
+
+    /// The truth about the last block.
+    pub fn truth(&self) -> &Truth {
+        &self.truth
+    }
+
+    /// The stack's circuit as it is now.
+    pub fn circuit(&self) -> Circuit {
+        self.stack.circuit()
+    }
+
+    /// The stack's energy budget since the beginning.
+    pub fn energy(&self) -> Energy {
+        self.stack.energy()
+    }
+
+    /// Duration of one sample, s.
+    pub fn sample_s(&self) -> f64 {
+        self.stack.sample_s()
+    }
+
+    /// Keeps the next blocks sample by sample, or stops doing so.
+    pub fn keep_samples(&mut self, keep: bool) {
+        self.stack.keep_samples(keep);
+    }
+
+    /// The last block sample by sample, if kept.
+    pub fn samples(&self) -> &[Sample] {
+        self.stack.samples()
+    }
+
+    /// What the crash has come to so far.
+    pub fn film(&self) -> &Film {
+        &self.film
+    }
+
+    /// States that are integrated in time.
+    pub fn states(&self) -> usize {
+        self.stack.states() + STATES
+    }
+
+    /// Whether the first lane plays a drive rather than silence.
+    fn plays(&self, drive: &DriveBlock) -> bool {
+        let codes = drive.lanes.first().map_or(&[][..], |lane| lane.as_slice());
+        let (least, most) = codes.iter().fold((u16::MAX, 0), |(least, most), &code| (least.min(code), most.max(code)));
+        most.saturating_sub(least) / 2 > self.on_codes
+    }
+
+    fn keep(&mut self, time_s: f64, plays: bool) {
+        let since_s = time_s - self.bench.pulse.at_s;
+        if since_s < 0.0 {
+            return;
+        }
+        self.film.frames.push(Frame {
+            time_s: since_s,
+            pulse_m_per_s2: self.bench.pulse.at(time_s, self.bench.pulse.contains(time_s)),
+            // The tip of a stack says itself how far it has risen.
+            amplitude: if self.kind == ActuatorKind::Stack { f64::from(u8::from(plays)) } else { self.switched.amplitude() },
+            switched: belt(&self.switched),
+            passive: belt(&self.passive),
+        });
+        (self.film.switched, self.film.passive) = (self.switched.extremes(), self.passive.extremes());
+        self.film.energy_residual = self.switched.energy_residual();
+        let finer = self.finer.extremes();
+        let off = |own: f64, finer: f64| if finer == 0.0 { 0.0 } else { (own / finer - 1.0).abs() };
+        let (force, way) = (self.film.switched.shoulder_n, self.film.switched.excursion_m);
+        self.film.error_estimate = off(force, finer.shoulder_n).max(off(way, finer.excursion_m));
+    }
+}
+
+fn belt(motion: &Motion) -> Belt {
+    let (state, Tensions { shoulder_n, retractor_n }) = (motion.state(), motion.tensions());
+    Belt {
+        x_m: state.x_m,
+        v_m_per_s: state.v_m_per_s,
+        payout_m: state.payout_m,
+        payout_m_per_s: motion.payout_m_per_s(),
+        shoulder_n,
+        retractor_n,
+    }
+}
+
+impl Analog for Crash {
+    fn exchange(&mut self, drive: &DriveBlock, sense: &mut SenseBlock) {
+        self.stack.exchange(drive, sense);
+        let plays = self.plays(drive);
+        let begins_s = self.blocks as f64 * self.block_s;
+        if plays && self.film.low_s.is_none() && begins_s >= self.bench.pulse.at_s {
+            self.film.low_s = Some(begins_s - self.bench.pulse.at_s);
+        }
+        let rate_per_s = if plays { 1.0 } else { -1.0 } / self.edge_s;
+        for motion in [&mut self.switched, &mut self.finer] {
+            match self.kind {
+                ActuatorKind::Stack => motion.shake(self.stack.truth().tip_velocity_m_per_s),
+                _ => motion.drive(rate_per_s),
+            }
+        }
+        self.blocks += 1;
+        let time_s = self.blocks as f64 * self.block_s;
+        for motion in [&mut self.switched, &mut self.passive, &mut self.finer] {
+            motion.advance_to(time_s);
+        }
+        let (shoulder_n, payout_m) = (self.switched.tensions().shoulder_n, self.switched.state().payout_m);
+        sense.slow.force = self.force.as_mut().map(|force| force.feel(shoulder_n));
+        sense.slow.belt = self.encoder.map(|encoder| encoder.read(payout_m));
+        self.truth =
+            Truth { belt_position_m: payout_m, belt_speed_m_per_s: self.switched.payout_m_per_s(), ..*self.stack.truth() };
+        self.keep(time_s, plays);
+    }
+}

@@ -1,0 +1,295 @@
+//! A stack and what its tip rubs on.
+//!
+//! ```text
+//! DAC hold -> amplifier -> stack <-> tip motion <-> friction contact <-> slider -> sensors -> ADC
+//! ```
+//!
+//! A horn on a belt has no contact along its vibration: the belt ([`Webbing`]) damps it, and is pulled once a block.
+//!
+//! Plant states: five of amplifier and stack and two of each further mode, one of the contact or of the belt, two of the load cell; a rigid slider costs none. The
+//! friction at the tip comes back into the stack's motional branch. A sample is one step or several, as the contact needs: the
+//! linear part by its exact flow with the friction held at its last value, the contact exactly in the slip that results, and then
+//! the stack is corrected by what the mean friction over the step was instead. Second order in the coupling, exact without it.
+
+mod changes;
+
+use firmware::block::{DriveBlock, SenseBlock, SlowSense};
+use hal_mock::analog::Analog;
+
+use crate::belt_motion::BeltMotion;
+use crate::circuit::Circuit;
+use crate::converter::{Adc, Dac};
+use crate::delay::Delay;
+use crate::disturbance::Change;
+use crate::elements::Elements;
+use crate::encoder::Encoder;
+use crate::energy::Energy;
+use crate::force_channel::ForceChannel;
+use crate::load_cell::LoadCell;
+use crate::sliding::{Sliding, steps_per_sample};
+use crate::stack::{Held, Stack};
+use crate::sums::Sums;
+use crate::timing::Timing;
+use crate::truth::{Sample, TipMotion, Truth};
+use crate::webbing::Webbing;
+use scene::{Dahl, Driven, Slider};
+
+/// The plant around a stack.
+#[derive(Clone, Debug)]
+pub struct DrivenStack {
+    dac: Dac,
+    v_adc: Adc,
+    i_adc: Adc,
+    delay: Option<Delay>,
+    timing: Timing,
+    stack: Stack,
+    elements: Elements,
+    block_s: f64,
+    sliding: Option<Sliding>,
+    webbing: Option<Webbing>,
+    load_cell: LoadCell,
+    encoder: Option<Encoder>,
+    force_channel: Option<ForceChannel>,
+    board_c: Option<f32>,
+    changes: Vec<Change>,
+    time_s: f64,
+    energy: Energy,
+    truth: Truth,
+    /// Sample by sample, of the last block, where somebody looks.
+    samples: Option<Vec<Sample>>,
+}
+
+impl DrivenStack {
+    /// The stack of a scene, at rest, with the contact at its tip.
+    pub fn new(scene: &Driven, stack: &scene::Stack, sliding: Option<(&Dahl, &Slider)>) -> Self {
+        let sensors = scene.sensors;
+        let (elements, parts) = Elements::new(scene, stack);
+        let timing = Timing {
+            sample_s: 1.0 / sensors.sample_hz,
+            steps: steps_per_sample(scene, sliding, &parts.circuit),
+            conversions: sensors.oversample.into(),
+            skew_s: sensors.skew_s,
+        };
+        // Streams far from those of the converters.
+        let [ripple_seed, force_seed] = [1, 3].map(|stream| scene.seed ^ (stream << 61));
+        let sliding = sliding.map(|(contact, slider)| Sliding::new(contact, slider, ripple_seed));
+        let block_s = f64::from(scene.controller.block_samples) / sensors.sample_hz;
+        let delay = Delay::of(scene.amplifier.delay_s * sensors.sample_hz);
+        let late_s = delay.as_ref().map_or(0.0, Delay::fraction) / sensors.sample_hz;
+        let mut plant = DrivenStack {
+            dac: Dac::new(sensors, scene.amplifier),
+            // Two streams that never meet, whatever the seed: the halves of a 64-bit space apart.
+            v_adc: Adc::new(sensors, sensors.v_full_scale_v, scene.seed),
+            i_adc: Adc::new(sensors, sensors.i_full_scale_a, scene.seed ^ (1 << 63)),
+            timing,
+            delay,
+            stack: Stack::with_late_drive(parts, scene.amplifier, timing, late_s),
+            elements,
+            block_s,
+            sliding,
+            webbing: scene.belt().map(|(contact, belt)| Webbing::new(contact, belt, ripple_seed)),
+            load_cell: LoadCell::new(sensors.load_cell_hz, block_s),
+            encoder: sensors.encoder_counts_per_mm.map(|counts| Encoder::new(counts, 0.5)),
+            force_channel: sensors.force_hz.map(|hz| ForceChannel::new(hz, block_s, sensors.force_noise_n, force_seed)),
+            board_c: sensors.board_c.map(|celsius| celsius as f32),
+            changes: scene.disturbance.iter().cloned().map(Change::new).collect(),
+            time_s: 0.0,
+            energy: Energy::default(),
+            truth: Truth::default(),
+            samples: None,
+        };
+        if let (Some(belt), Some(at_s)) = (plant.belt(), scene.belt_stops_s()) {
+            // From the block that it falls into, as every fault.
+            belt.halt((at_s / block_s).floor() * block_s - 0.5 * block_s, 0.0);
+        }
+        plant
+    }
+
+    /// The truth about the last block.
+    pub fn truth(&self) -> &Truth {
+        &self.truth
+    }
+
+    /// The stack's circuit as it is now.
+    pub fn circuit(&self) -> Circuit {
+        *self.stack.circuit()
+    }
+
+    /// The energy budget since the beginning.
+    pub fn energy(&self) -> Energy {
+        self.energy
+    }
+
+    /// Duration of one sample, s.
+    pub fn sample_s(&self) -> f64 {
+        self.timing.sample_s
+    }
+
+    /// States that are integrated in time.
+    pub fn states(&self) -> usize {
+        self.stack.states() + 2 + usize::from(self.sliding.is_some() || self.webbing.is_some())
+    }
+
+    /// Keeps the next blocks sample by sample, or stops doing so.
+    pub fn keep_samples(&mut self, keep: bool) {
+        if keep != self.samples.is_some() {
+            self.samples = keep.then(Vec::new);
+        }
+    }
+
+    /// The last block sample by sample, if kept.
+    pub fn samples(&self) -> &[Sample] {
+        self.samples.as_deref().unwrap_or(&[])
+    }
+
+    /// One step with the drive held. Returns the mean friction over it, N.
+    #[inline]
+    fn step(&mut self, drive: &Held, step_s: f64, sums: &mut Sums) -> f64 {
+        let force = match &mut self.sliding {
+            None => {
+                self.stack.advance(drive, 0.0);
+                0.0
+            }
+            Some(sliding) => {
+                let held = sliding.force();
+                let (v0, position) = (self.stack.tip_velocity(), self.stack.tip_displacement());
+                self.stack.advance(drive, held);
+                let moved = self.stack.tip_displacement() - position;
+                let mean = sliding.slide(v0, self.stack.tip_velocity(), moved, step_s);
+                self.stack.correct_force(mean - held);
+                sums.friction += mean;
+                sums.friction_on_tip += mean * moved;
+                // Not f64::min, which minds not-a-number and costs three times as much.
+                sums.friction_min = if mean < sums.friction_min { mean } else { sums.friction_min };
+                sums.friction_max = if mean > sums.friction_max { mean } else { sums.friction_max };
+                mean
+            }
+        };
+        let (v, i) = (self.stack.voltage(), self.stack.motional_current());
+        sums.in_phase += v * i;
+        sums.quadrature += v * self.stack.motional_voltage();
+        sums.lost += i * i;
+        sums.current_peak = if i.abs() > sums.current_peak { i.abs() } else { sums.current_peak };
+        if let Some((current, lost)) = self.stack.further() {
+            sums.further_supplied += v * current;
+            sums.further_lost += lost;
+        }
+        force
+    }
+
+    /// What moves: the slider, or the belt under a horn.
+    fn belt(&mut self) -> Option<&mut BeltMotion> {
+        let belt = self.webbing.as_mut().map(|webbing| &mut webbing.belt);
+        belt.or(self.sliding.as_mut().map(|sliding| &mut sliding.belt))
+    }
+
+    /// The slow sensors at the end of a block.
+    fn slow(&mut self) -> SlowSense {
+        let position_m = self.truth.belt_position_m;
+        let force_n = self.truth.friction_mean_n;
+        SlowSense {
+            belt: self.encoder.map(|encoder| encoder.read(position_m)),
+            temperature: self.board_c,
+            force: self.force_channel.as_mut().map(|channel| channel.feel(force_n)),
+            ..SlowSense::default()
+        }
+    }
+
+    /// Closes a block of `steps` steps: work done, and the truth about it.
+    fn account(&mut self, sums: &Sums, steps: f64) {
+        self.stack.settle();
+        let circuit = *self.stack.circuit();
+        let step_s = self.timing.step_s();
+        let supplied = step_s * sums.in_phase;
+        self.energy.supplied_j += supplied + step_s * sums.further_supplied;
+        let lost = step_s * circuit.rm_ohm * sums.lost;
+        self.energy.lost_j += lost + step_s * sums.further_lost;
+        self.energy.friction_on_tip_j += sums.friction_on_tip;
+        self.energy.stored_j = self.stack.stored_j();
+
+        let block_s = steps * step_s;
+        let (mean, extremes) = match &mut self.webbing {
+            Some(webbing) => {
+                let pull = webbing.pull(self.stack.tip_amplitude() / circuit.omega(), block_s);
+                (pull, (pull, pull))
+            }
+            None => (sums.friction / steps, (sums.friction_min, sums.friction_max)),
+        };
+        let (speed, position_m) = self.belt().map_or((0.0, 0.0), |belt| (belt.speed_m_per_s(), belt.position_m()));
+        self.truth = Truth {
+            friction_mean_n: mean,
+            friction_min_n: extremes.0.min(mean),
+            friction_max_n: extremes.1.max(mean),
+            load_cell_n: self.load_cell.feel(mean),
+            tip_velocity_m_per_s: self.stack.tip_amplitude(),
+            series_resonance_hz: circuit.series_resonance_hz(),
+            power_w: supplied / block_s,
+            // The motional capacitor's voltage lags the current by a quarter turn.
+            quadrature_w: sums.quadrature / steps * circuit.omega() * circuit.cm_f,
+            lost_w: lost / block_s,
+            friction_on_tip_w: sums.friction_on_tip / block_s,
+            friction_on_slider_w: mean * speed,
+            belt_position_m: position_m,
+            belt_speed_m_per_s: speed,
+            tip: Some(TipMotion {
+                square_m2_per_s2: sums.lost / steps / circuit.force_factor_n_per_v.powi(2),
+                peak_m_per_s: sums.current_peak / circuit.force_factor_n_per_v,
+            }),
+            horn: self.webbing.as_ref().map(Webbing::truth),
+            motor: None,
+        };
+        self.time_s += block_s;
+    }
+}
+
+impl Analog for DrivenStack {
+    fn exchange(&mut self, drive: &DriveBlock, sense: &mut SenseBlock) {
+        self.disturb();
+        let block_s = self.block_s;
+        if let Some(belt) = self.belt() {
+            belt.advance(block_s);
+        }
+        let codes = drive.lanes.first().map_or(&[][..], |lane| lane.as_slice());
+        let (steps, step_s) = (self.timing.steps as usize, self.timing.step_s());
+        // The pull of a belt hardly changes from one block to the next, and has no value within it.
+        let pull_n = self.webbing.as_ref().map_or(0.0, |_| self.truth.friction_mean_n);
+        let mut sums = Sums::new();
+        sense.v.clear();
+        sense.i.clear();
+        if let Some(samples) = &mut self.samples {
+            samples.clear();
+        }
+        for &code in codes {
+            let volts = self.dac.volts(code);
+            let (volts, before) = self.delay.as_mut().map_or((volts, volts), |delay| delay.pass(volts));
+            let mut drive = self.stack.held(volts);
+            let (mut v, mut i, mut friction) = (0, 0, 0.0);
+            for step in 0..steps {
+                if before != volts {
+                    drive = self.stack.held_late(step, volts, before);
+                }
+                let force = self.step(&drive, step_s, &mut sums);
+                friction += force;
+                let (v_adc, i_adc) = (&mut self.v_adc, &mut self.i_adc);
+                self.stack.sample(step, &drive, force, |voltage, current| {
+                    v += v_adc.convert(voltage);
+                    i += i_adc.convert(current);
+                });
+            }
+            // A sense block holds as many samples as the longest drive block.
+            let _ = (sense.v.push(v), sense.i.push(i));
+            if let Some(samples) = &mut self.samples {
+                samples.push(Sample {
+                    voltage_v: self.stack.voltage(),
+                    motional_current_a: self.stack.motional_current(),
+                    tip_velocity_m_per_s: self.stack.tip_velocity(),
+                    tip_envelope_m_per_s: self.stack.tip_amplitude(),
+                    friction_n: pull_n + friction / steps as f64,
+                    ..Sample::default()
+                });
+            }
+        }
+        self.account(&sums, (codes.len() * steps) as f64);
+        sense.slow = self.slow();
+    }
+}

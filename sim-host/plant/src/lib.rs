@@ -1,0 +1,151 @@
+//! The plant: what is behind the converters.
+//!
+//! A stack with what its tip rubs on ([`driven_stack`]; [`webbing`] for a belt under a horn), the stator of a travelling-wave motor with its
+//! rotor ([`motor`]), or a stack and the seat belt whose friction it lowers ([`dring`]); a scene pays for the one it names.
+//!
+//! The truth ([`Truth`]) never passes through [`Analog`]: the controller sees codes.
+#![forbid(unsafe_code)]
+
+pub mod belt_motion;
+pub mod breakage;
+pub mod circuit;
+pub mod converter;
+pub mod dahl;
+pub mod delay;
+pub mod disturbance;
+pub mod dring;
+pub mod driven_stack;
+pub mod elements;
+pub mod encoder;
+pub mod energy;
+pub mod expansion;
+pub mod force_channel;
+pub mod load_cell;
+pub mod motor;
+pub mod network;
+pub mod parts;
+pub mod shift;
+pub mod sliding;
+pub mod stack;
+pub mod step_flow;
+mod sums;
+pub mod timing;
+pub mod truth;
+pub mod webbing;
+
+#[cfg(test)]
+mod tests;
+
+use firmware::block::{DriveBlock, SenseBlock};
+use hal_mock::analog::Analog;
+
+use crate::circuit::Circuit;
+use crate::dring::crash::{Crash, Film};
+use crate::driven_stack::DrivenStack;
+use crate::energy::Energy;
+use crate::motor::Motor;
+use crate::motor::model::Model;
+use crate::shift::Shift;
+use crate::truth::{Sample, Truth};
+use scene::{Driven, Transducer};
+
+/// The circuit of what a scene drives, at the beginning of its run: of a stator, what its first lane shows while all play.
+pub fn circuit_of(scene: &Driven) -> Circuit {
+    match scene.transducer {
+        Transducer::Stack(stack, _) => {
+            let rest = Circuit::of(&stack.bvd);
+            let shifted = Shift::of(&stack.bvd).map_or(rest, |shift| shift.apply(&rest, stack.temperature_k, 0.0));
+            webbing::damped(shifted, scene)
+        }
+        Transducer::Stator(stator, _) => {
+            Model::of(stator).circuit(scene.controller.drive.lanes, scene.controller.phasing.direction)
+        }
+    }
+}
+
+/// The plant.
+#[derive(Clone, Debug)]
+pub enum Plant {
+    /// Around a stack.
+    Stack(Box<DrivenStack>),
+    /// Around the stator of a motor.
+    Motor(Box<Motor>),
+    /// Around a stack whose drive lowers the friction of a seat belt.
+    Crash(Box<Crash>),
+}
+
+/// The same of any plant.
+macro_rules! of_any {
+    ($plant:expr, $inner:ident => $value:expr) => {
+        match $plant {
+            Plant::Stack($inner) => $value,
+            Plant::Motor($inner) => $value,
+            Plant::Crash($inner) => $value,
+        }
+    };
+}
+
+impl Plant {
+    /// The plant of a scene, at rest.
+    pub fn new(scene: &Driven) -> Self {
+        match scene.transducer {
+            Transducer::Stack(stack, sliding) => {
+                let stack = DrivenStack::new(scene, stack, sliding);
+                match scene.dring() {
+                    Some(dring) => Plant::Crash(Box::new(Crash::new(scene, stack, dring))),
+                    None => Plant::Stack(Box::new(stack)),
+                }
+            }
+            Transducer::Stator(stator, rotor) => Plant::Motor(Box::new(Motor::new(scene, stator, rotor))),
+        }
+    }
+
+    /// The truth about the last block.
+    pub fn truth(&self) -> &Truth {
+        of_any!(self, plant => plant.truth())
+    }
+
+    /// The circuit that the sense channels hear, as it is now.
+    pub fn circuit(&self) -> Circuit {
+        of_any!(self, plant => plant.circuit())
+    }
+
+    /// The energy budget since the beginning.
+    pub fn energy(&self) -> Energy {
+        of_any!(self, plant => plant.energy())
+    }
+
+    /// Duration of one sample, s.
+    pub fn sample_s(&self) -> f64 {
+        of_any!(self, plant => plant.sample_s())
+    }
+
+    /// What a crash has come to.
+    pub fn film(&self) -> Option<&Film> {
+        match self {
+            Plant::Crash(crash) => Some(crash.film()),
+            Plant::Stack(_) | Plant::Motor(_) => None,
+        }
+    }
+
+    /// States that are integrated in time.
+    pub fn states(&self) -> usize {
+        of_any!(self, plant => plant.states())
+    }
+
+    /// Keeps the next blocks sample by sample, or stops doing so.
+    pub fn keep_samples(&mut self, keep: bool) {
+        of_any!(self, plant => plant.keep_samples(keep));
+    }
+
+    /// The last block sample by sample, if kept.
+    pub fn samples(&self) -> &[Sample] {
+        of_any!(self, plant => plant.samples())
+    }
+}
+
+impl Analog for Plant {
+    fn exchange(&mut self, drive: &DriveBlock, sense: &mut SenseBlock) {
+        of_any!(self, plant => plant.exchange(drive, sense));
+    }
+}

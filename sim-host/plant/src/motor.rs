@@ -1,0 +1,286 @@
+//! The four-phase travelling-wave motor (thesis appendix B).
+//!
+//! ```text
+//! DAC holds -> amplifiers (lane errors) -> electrode tabs <-> sine and cosine mode <-> friction of the crests <-> rotor
+//!                                              |-> multiplexer -> sensors -> ADC
+//! ```
+//!
+//! | states | of |
+//! |---|---|
+//! | 12 | four amplifiers of two, and the voltages of their electrodes |
+//! | 4 | the two modes |
+//! | 1 | the rotor |
+//! | 2 | the load cell, which feels the friction on the rotor |
+//!
+//! The linear part moves by its exact flow with nothing held but what a converter holds; the friction is a closed form of the state
+//! at an instant and counts with the mean of a step's ends ([`rotor`]). Second order in the coupling, exact without it.
+
+mod account;
+pub mod crest;
+pub mod lanes;
+pub mod linear;
+pub mod model;
+pub mod network;
+pub mod participation;
+pub mod rotor;
+pub mod seat;
+pub mod steady;
+pub mod tones;
+pub mod wave;
+
+#[cfg(test)]
+pub(crate) mod tests;
+
+use firmware::block::{DriveBlock, MAX_LANES, SenseBlock, SlowSense};
+use hal_mock::analog::Analog;
+
+use crate::circuit::Circuit;
+use crate::converter::{Adc, Dac};
+use crate::disturbance::Change;
+use crate::energy::Energy;
+use crate::load_cell::LoadCell;
+use crate::motor::lanes::{Lanes, Played};
+use crate::motor::linear::Linear;
+use crate::motor::model::Model;
+use crate::motor::rotor::{Dragged, Rotor};
+use crate::motor::wave::Tone;
+use crate::sums::Sums;
+use crate::timing::Timing;
+use crate::truth::{Sample, Truth};
+use scene::{Amplifier, Direction, DisturbedKey, Driven, Stator};
+
+/// Steps in a period, unless the scene says otherwise. Two in a sample at 40 kHz and 1 MHz, so that the converter's first images do
+/// not fold into the energy budget.
+const STEPS_PER_PERIOD: u32 = 32;
+/// A resonance that moves by less than this part waits until it has moved by more: a new flow costs as much as a block.
+const SMALLEST_CHANGE: f64 = 1e-6;
+
+/// The plant around the stator of a motor.
+#[derive(Clone, Debug)]
+pub struct Motor {
+    dac: Dac,
+    lanes: Lanes,
+    v_adc: Adc,
+    i_adc: Adc,
+    timing: Timing,
+    amplifier: Amplifier,
+    model: Model,
+    linear: Linear,
+    rotor: Option<Rotor>,
+    load_cell: LoadCell,
+    /// What the controller was told, for the truth about it.
+    nominal_hz: f64,
+    direction: Direction,
+    played_lanes: u8,
+    changes: Vec<Change>,
+    /// The resonance as disturbed so far, Hz; the model follows in steps that are worth it.
+    asked_hz: f64,
+    time_s: f64,
+    energy: Energy,
+    truth: Truth,
+    /// Sample by sample, of the last block, where somebody looks.
+    samples: Option<Vec<Sample>>,
+}
+
+/// What a block adds up to besides [`Sums`].
+struct Block {
+    sums: Sums,
+    tone: Tone,
+    normal: f64,
+    rotor_work: f64,
+}
+
+impl Motor {
+    /// The motor of a scene, at rest.
+    pub fn new(scene: &Driven, stator: &Stator, rotor: Option<&scene::Rotor>) -> Self {
+        let sensors = scene.sensors;
+        let model = Model::of(stator);
+        let per_period = f64::from(scene.integrator.steps_per_period.unwrap_or(STEPS_PER_PERIOD));
+        let timing = Timing {
+            sample_s: 1.0 / sensors.sample_hz,
+            steps: (per_period * model.series_resonance_hz / sensors.sample_hz).ceil() as u32,
+            conversions: sensors.oversample.into(),
+            skew_s: sensors.skew_s,
+        };
+        let drive = &scene.controller.drive;
+        let lanes = Lanes::new(scene.amplifier, drive.frequency_hz, sensors.sample_hz);
+        let block_s = f64::from(scene.controller.block_samples) / sensors.sample_hz;
+        Motor {
+            dac: Dac::new(sensors, scene.amplifier),
+            // Two streams that never meet, whatever the seed: the halves of a 64-bit space apart.
+            v_adc: Adc::new(sensors, sensors.v_full_scale_v, scene.seed),
+            i_adc: Adc::new(sensors, sensors.i_full_scale_a, scene.seed ^ (1 << 63)),
+            timing,
+            amplifier: scene.amplifier.clone(),
+            linear: Linear::new(&model, scene.amplifier, timing, lanes.rest()),
+            rotor: rotor.map(|rotor| Rotor::new(rotor, &model)),
+            lanes,
+            load_cell: LoadCell::new(sensors.load_cell_hz, block_s),
+            nominal_hz: drive.frequency_hz,
+            direction: scene.controller.phasing.direction,
+            played_lanes: drive.lanes,
+            changes: scene.disturbance.iter().cloned().map(Change::new).collect(),
+            asked_hz: model.series_resonance_hz,
+            model,
+            time_s: 0.0,
+            energy: Energy::default(),
+            truth: Truth::default(),
+            samples: None,
+        }
+    }
+
+    /// The truth about the last block.
+    pub fn truth(&self) -> &Truth {
+        &self.truth
+    }
+
+    /// The circuit that lane 0 shows now, with all lanes playing.
+    pub fn circuit(&self) -> Circuit {
+        self.model.circuit(self.played_lanes, self.direction)
+    }
+
+    /// The energy budget since the beginning.
+    pub fn energy(&self) -> Energy {
+        self.energy
+    }
+
+    /// Duration of one sample, s.
+    pub fn sample_s(&self) -> f64 {
+        self.timing.sample_s
+    }
+
+    /// States that are integrated in time.
+    pub fn states(&self) -> usize {
+        network::STATES + 2 + usize::from(self.rotor.is_some())
+    }
+
+    /// Keeps the next blocks sample by sample, or stops doing so.
+    pub fn keep_samples(&mut self, keep: bool) {
+        if keep != self.samples.is_some() {
+            self.samples = keep.then(Vec::new);
+        }
+    }
+
+    /// The last block sample by sample, if kept.
+    pub fn samples(&self) -> &[Sample] {
+        self.samples.as_deref().unwrap_or(&[])
+    }
+
+    /// Sets what the scene's disturbances say for the block that begins now.
+    fn disturb(&mut self) {
+        let mut changes = std::mem::take(&mut self.changes);
+        for change in &mut changes {
+            if let Some(value) = change.next(self.time_s, self.value(change.key())) {
+                self.set(change.key(), value);
+            }
+        }
+        changes.retain(|change| !change.is_over());
+        self.changes = changes;
+    }
+
+    fn value(&self, key: DisturbedKey) -> f64 {
+        match (key, &self.rotor) {
+            (DisturbedKey::StatorResonance, _) => self.asked_hz,
+            (DisturbedKey::Torque, Some(rotor)) => rotor.torque_nm(),
+            (DisturbedKey::Preload, Some(rotor)) => rotor.preload_n(),
+            // Of scenes with a stack or an excitation.
+            _ => 0.0,
+        }
+    }
+
+    fn set(&mut self, key: DisturbedKey, value: f64) {
+        match (key, &mut self.rotor) {
+            (DisturbedKey::StatorResonance, _) => {
+                self.asked_hz = value;
+                if (value / self.model.series_resonance_hz - 1.0).abs() > SMALLEST_CHANGE {
+                    let stored = self.stored_j();
+                    self.model.series_resonance_hz = value;
+                    self.linear.remake(&self.model, &self.amplifier, self.timing, self.lanes.rest());
+                    self.energy.disturbed_j += self.stored_j() - stored;
+                }
+            }
+            (DisturbedKey::Torque, Some(rotor)) => rotor.set_torque(value),
+            (DisturbedKey::Preload, Some(rotor)) => rotor.set_preload(value),
+            _ => {}
+        }
+    }
+
+    /// Energy that the two modes hold, J.
+    fn stored_j(&self) -> f64 {
+        let (q, s) = (self.linear.amplitudes(), self.linear.velocities());
+        let of_mode = |mode: usize| self.model.mass_kg * s[mode].powi(2) + self.model.stiffness_n_per_m(mode) * q[mode].powi(2);
+        0.5 * (of_mode(0) + of_mode(1))
+    }
+
+    /// Step `step` of a sample with the lanes as played. Returns the friction in it.
+    #[inline]
+    fn step(&mut self, step: usize, played: &Played, step_s: f64, block: &mut Block) -> Dragged {
+        let before = self.linear.amplitudes();
+        self.linear.advance(step, played);
+        let mut dragged = Dragged::default();
+        if let Some(rotor) = &mut self.rotor {
+            let slow = rotor.speed();
+            dragged = rotor.drag(&mut self.linear, step_s);
+            let after = self.linear.amplitudes();
+            let Dragged { force_n, modes_n, normal_n } = dragged;
+            let sums = &mut block.sums;
+            sums.friction += force_n;
+            sums.friction_on_tip -= modes_n[0] * (after[0] - before[0]) + modes_n[1] * (after[1] - before[1]);
+            sums.friction_min = if force_n < sums.friction_min { force_n } else { sums.friction_min };
+            sums.friction_max = if force_n > sums.friction_max { force_n } else { sums.friction_max };
+            block.normal += normal_n;
+            block.rotor_work += force_n * 0.5 * (slow + rotor.speed()) * step_s;
+        }
+        let (s, q) = (self.linear.velocities(), self.linear.amplitudes());
+        let force = self.model.drive_force_n(&self.linear.voltages());
+        block.sums.in_phase += force[0] * s[0] + force[1] * s[1];
+        block.sums.quadrature += force[0] * q[0] + force[1] * q[1];
+        block.sums.lost += s[0] * s[0] + s[1] * s[1];
+        dragged
+    }
+}
+
+impl Analog for Motor {
+    fn exchange(&mut self, drive: &DriveBlock, sense: &mut SenseBlock) {
+        self.disturb();
+        let count = drive.lanes.first().map_or(0, |lane| lane.len());
+        // As the board's multiplexer stands while these codes play.
+        let listen = usize::from(drive.listen).min(MAX_LANES - 1);
+        let (steps, step_s) = (self.timing.steps as usize, self.timing.step_s());
+        let mut block = Block { sums: Sums::new(), tone: Tone::default(), normal: 0.0, rotor_work: 0.0 };
+        sense.v.clear();
+        sense.i.clear();
+        sense.slow = SlowSense::default();
+        if let Some(samples) = &mut self.samples {
+            samples.clear();
+        }
+        for n in 0..count {
+            // A lane that is not driven is held at zero volts.
+            let code =
+                |lane: usize| drive.lanes.get(lane).and_then(|codes| codes.get(n)).map_or(0.0, |&code| self.dac.volts(code));
+            let volts: [f64; MAX_LANES] = std::array::from_fn(code);
+            let played = self.lanes.play(&volts);
+            let (mut v, mut i, mut friction) = (0, 0, 0.0);
+            let mut last = Dragged::default();
+            for step in 0..steps {
+                last = self.step(step, &played, step_s, &mut block);
+                friction += last.force_n;
+                let (v_adc, i_adc) = (&mut self.v_adc, &mut self.i_adc);
+                self.linear.sample(step, listen, &played, last.modes_n, |voltage, current| {
+                    v += v_adc.convert(voltage);
+                    i += i_adc.convert(current);
+                });
+            }
+            let force = self.model.drive_force_n(&self.linear.voltages());
+            let acting = [force[0] + last.modes_n[0], force[1] + last.modes_n[1]];
+            block.tone.hear(&self.model, self.linear.amplitudes(), self.linear.velocities(), acting);
+            // A sense block holds as many samples as the longest drive block.
+            let _ = (sense.v.push(v), sense.i.push(i));
+            let sample = self.samples.is_some().then(|| self.sample(friction / steps as f64));
+            if let (Some(samples), Some(sample)) = (&mut self.samples, sample) {
+                samples.push(sample);
+            }
+        }
+        self.account(drive, &block, (count * steps) as f64);
+    }
+}

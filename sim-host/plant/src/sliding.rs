@@ -1,0 +1,76 @@
+//! The contact on its slider: who presses, who moves, and how many steps that needs.
+
+use crate::belt_motion::BeltMotion;
+use crate::circuit::Circuit;
+use crate::dahl::Dahl;
+use scene::{self, Driven, Slider};
+
+/// A contact and what moves it: `V = speed + tip velocity`, `N = load + own weight`.
+#[derive(Clone, Debug)]
+pub struct Sliding {
+    dahl: Dahl,
+    mu: f64,
+    self_weight_n: f64,
+    load_n: f64,
+    /// What moves.
+    pub belt: BeltMotion,
+}
+
+impl Sliding {
+    /// The contact of a scene, relaxed. The seed is of the speed's ripple.
+    pub fn new(contact: &scene::Dahl, slider: &Slider, seed: u64) -> Self {
+        let mut sliding = Sliding {
+            dahl: Dahl::new(contact.stiffness_n_per_m, 0.0),
+            mu: contact.mu,
+            self_weight_n: slider.self_weight_n,
+            load_n: 0.0,
+            belt: BeltMotion::new(slider.speed_m_per_s).with_ripple(slider.ripple_rms, slider.ripple_hz, seed),
+        };
+        sliding.set_load(slider.load_n);
+        sliding
+    }
+
+    /// Load on the lever, N.
+    pub fn load_n(&self) -> f64 {
+        self.load_n
+    }
+
+    /// Changes the load on the lever, N.
+    pub fn set_load(&mut self, load_n: f64) {
+        self.load_n = load_n;
+        self.dahl.set_coulomb_force(self.mu * (load_n + self.self_weight_n));
+    }
+
+    /// Friction now, N.
+    pub fn force(&self) -> f64 {
+        self.dahl.force()
+    }
+
+    /// Slides for `step_s` seconds, in which the tip moves by `moved` metres, from velocity `v0` to `v1`. Returns the mean friction, N.
+    #[inline]
+    pub fn slide(&mut self, v0: f64, v1: f64, moved: f64, step_s: f64) -> f64 {
+        let speed = self.belt.speed_m_per_s();
+        self.dahl.slip(speed + v0, speed + v1, speed * step_s + moved, step_s)
+    }
+}
+
+/// Steps in a sample: as many as the contact needs, and none for a stack alone, whose flow is exact.
+///
+/// The measure is `kappa = Kt Vv / (omega Fc)`, the vibration amplitude in Dahl lengths: 16 steps a period are enough below 1, 32
+/// below 10, 64 below 100, 128 above. A scene may ask for more, or for fewer.
+pub fn steps_per_sample(scene: &Driven, sliding: Option<(&scene::Dahl, &Slider)>, circuit: &Circuit) -> u32 {
+    let Some((contact, slider)) = sliding else { return 1 };
+    let drive = &scene.controller.drive;
+    let by_voltage = drive.amplitude_v.unwrap_or(0.0) / circuit.rm_ohm / circuit.force_factor_n_per_v;
+    let displacement = drive.velocity_m_per_s.unwrap_or(by_voltage) / circuit.omega();
+    let coulomb = contact.mu * (slider.load_n + slider.self_weight_n);
+    let kappa = contact.stiffness_n_per_m * displacement / coulomb;
+    let by_stiffness = match kappa {
+        k if k < 1.0 => 16,
+        k if k < 10.0 => 32,
+        k if k < 100.0 => 64,
+        _ => 128,
+    };
+    let per_period = f64::from(scene.integrator.steps_per_period.unwrap_or(by_stiffness));
+    (per_period * circuit.series_resonance_hz() / scene.sensors.sample_hz).ceil() as u32
+}

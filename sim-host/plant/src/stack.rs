@@ -1,0 +1,315 @@
+//! Amplifier and stack: a linear network, moved by its exact flow.
+//!
+//! [`network`](crate::network) has the equations. Everything that the network does within a step follows from one matrix
+//! exponential; what the converters see between two steps, from others ([`StepFlow`]). A network that drifts has them as a
+//! series in what drifts ([`Expansion`]). A stack without further modes, or a drive without a delay, pays for neither.
+
+use wide::f64x2;
+
+use crate::circuit::Circuit;
+use crate::expansion::{Expansion, Path};
+use crate::network::{I, STATES, V0, VC};
+use crate::parts::Parts;
+use crate::step_flow::{Layout, Pairs, StepFlow, TOTAL};
+use crate::timing::Timing;
+use scene::Amplifier;
+
+/// The drive's part of a step.
+#[derive(Clone, Copy, Debug)]
+pub struct Held {
+    pairs: Pairs,
+    volts: f64,
+    /// What the drive was in the sample before, less what it is, V: of a drive that is late by a fraction of a sample.
+    before: f64,
+    step: usize,
+}
+
+/// The network and its state.
+#[derive(Clone, Debug)]
+pub struct Stack {
+    parts: Parts,
+    amplifier: Amplifier,
+    layout: Layout,
+    tip_per_ampere: f64,
+    tip_per_volt: f64,
+    x: Pairs,
+    /// The state at the beginning of the last step.
+    before: Pairs,
+    /// Current and capacitor voltage of each further mode, now and at the beginning of the last step.
+    further: Vec<[f64; 2]>,
+    further_before: Vec<[f64; 2]>,
+    flow: StepFlow,
+    expansion: Option<Box<Expansion>>,
+    /// What moved at the last change.
+    moved: Option<Path>,
+}
+
+impl Stack {
+    /// A stack at rest.
+    pub fn new(parts: Parts, amplifier: &Amplifier, timing: Timing) -> Self {
+        Self::with_late_drive(parts, amplifier, timing, 0.0)
+    }
+
+    /// A stack at rest whose drive is late by `late_s`, less than a sample: so long the one before goes on.
+    pub fn with_late_drive(parts: Parts, amplifier: &Amplifier, timing: Timing, late_s: f64) -> Self {
+        let modes = parts.further.len();
+        let layout = Layout { timing, late_s, source_ohm: amplifier.source_ohm, further: modes };
+        let mut stack = Stack {
+            flow: StepFlow::of(&parts, amplifier, &layout),
+            parts,
+            amplifier: amplifier.clone(),
+            layout,
+            tip_per_ampere: 0.0,
+            tip_per_volt: 0.0,
+            x: Pairs::default(),
+            before: Pairs::default(),
+            further: vec![[0.0; 2]; modes],
+            further_before: vec![[0.0; 2]; modes],
+            expansion: None,
+            moved: None,
+        };
+        stack.scale_tip();
+        stack
+    }
+
+    /// The circuit of the wanted mode as it is now.
+    pub fn circuit(&self) -> &Circuit {
+        &self.parts.circuit
+    }
+
+    /// All elements as they are now.
+    pub fn parts(&self) -> &Parts {
+        &self.parts
+    }
+
+    /// Changes the wanted mode's circuit. The tip goes on as it did, so that with an unchanged force factor the charge on the motional
+    /// capacitor and the current stay.
+    pub fn set_circuit(&mut self, circuit: Circuit) {
+        self.set(Parts { circuit, ..self.parts.clone() });
+    }
+
+    /// Changes the elements, of as many modes or more; a new one is at rest. Of every mode what it moves goes on as it did.
+    pub fn set(&mut self, parts: Parts) {
+        if self.parts == parts {
+            return;
+        }
+        let (old, new) = (&self.parts.circuit, &parts.circuit);
+        let factor = new.force_factor_n_per_v / old.force_factor_n_per_v;
+        self.x[1] *= f64x2::new([1.0, factor]);
+        self.x[2] *= f64x2::new([old.cm_f / new.cm_f * factor, 1.0]);
+        for ((state, old), new) in self.further.iter_mut().zip(&self.parts.further).zip(&parts.further) {
+            // A current moves the mass that its inductance is the image of.
+            let factor = (old.lm_h / new.lm_h).sqrt();
+            *state = [state[0] * factor, state[1] * factor * old.cm_f / new.cm_f];
+        }
+        self.further.resize(parts.further.len(), [0.0; 2]);
+        self.further_before.resize(parts.further.len(), [0.0; 2]);
+        self.layout.further = parts.further.len();
+        let moved = Path::between(&self.parts, &parts).map(|(path, _)| path);
+        self.parts = parts;
+        self.remake(moved);
+        self.scale_tip();
+    }
+
+    /// Brings the flow to the present elements: by the series where it reaches, by a new one where the same moves again, or
+    /// else exactly.
+    fn remake(&mut self, moved: Option<Path>) {
+        let last = std::mem::replace(&mut self.moved, moved);
+        if self.expansion.as_ref().is_some_and(|expansion| expansion.lead(&self.parts, &mut self.flow)) {
+            return;
+        }
+        self.expansion = None;
+        match moved.filter(|_| moved == last) {
+            Some(path) => {
+                let (expansion, flow) = Expansion::new(&self.parts, path, &self.amplifier, &self.layout);
+                self.flow = flow;
+                self.expansion = Some(Box::new(expansion));
+            }
+            None => self.flow = StepFlow::of(&self.parts, &self.amplifier, &self.layout),
+        }
+    }
+
+    fn scale_tip(&mut self) {
+        let Circuit { cm_f, force_factor_n_per_v, .. } = self.parts.circuit;
+        self.tip_per_ampere = 1.0 / force_factor_n_per_v;
+        self.tip_per_volt = cm_f / force_factor_n_per_v;
+    }
+
+    /// What the drive does in every step during which it is held at `volts`.
+    #[inline]
+    pub fn held(&self, volts: f64) -> Held {
+        Held { pairs: self.flow.drive.map(|row| row * volts), volts, before: 0.0, step: 0 }
+    }
+
+    /// What the drive does in step `step` of a sample into which the one before, `before`, goes on for a while.
+    #[inline]
+    pub fn held_late(&self, step: usize, volts: f64, before: f64) -> Held {
+        let mut held = self.held(volts);
+        if let Some(late) = self.flow.late.get(step) {
+            held.before = before - volts;
+            held.step = step;
+            held.pairs.iter_mut().zip(late).for_each(|(row, late)| *row += *late * held.before);
+        }
+        held
+    }
+
+    /// Moves by one step with the drive held and the friction held at `newtons`.
+    #[inline]
+    pub fn advance(&mut self, drive: &Held, newtons: f64) {
+        let flow = &self.flow;
+        let [[e, d], [v0, i], [vc, _]] = self.x.map(f64x2::to_array);
+        let [ce, cd, cv, ci, cc] = &flow.state;
+        let held = &drive.pairs;
+        let amplifier = held[0] + ce[0] * e + cd[0] * d;
+        let row = |r: usize| held[r] + flow.force[r] * newtons + ce[r] * e + cd[r] * d + cv[r] * v0 + ci[r] * i + cc[r] * vc;
+        self.before = std::mem::replace(&mut self.x, [amplifier, row(1), row(2)]);
+        if !self.further.is_empty() {
+            self.advance_further(drive, newtons);
+        }
+    }
+
+    /// The further modes' part of a step.
+    fn advance_further(&mut self, drive: &Held, newtons: f64) {
+        std::mem::swap(&mut self.further, &mut self.further_before);
+        let [[e, d], [v0, i], [vc, _]] = self.before.map(f64x2::to_array);
+        let before = &self.further_before;
+        for ((mode, next), &[ik, vk]) in self.flow.further.iter().zip(&mut self.further).zip(before) {
+            let [of_current, of_voltage] = &mode.onto;
+            for ((x, a), b) in self.x.iter_mut().zip(of_current).zip(of_voltage) {
+                *x += *a * ik + *b * vk;
+            }
+            let [ce, cd, cv, ci, cc] = mode.state;
+            let mut sum = mode.drive * drive.volts + mode.force * newtons + ce * e + cd * d + cv * v0 + ci * i + cc * vc;
+            if let Some(late) = mode.late.get(drive.step) {
+                sum += *late * drive.before;
+            }
+            for ([a, b], &[ij, vj]) in mode.modes.iter().zip(before) {
+                sum += *a * ij + *b * vj;
+            }
+            *next = sum.to_array();
+        }
+    }
+
+    /// Adds what a friction larger by `newtons` over the step just made would have done.
+    #[inline]
+    pub fn correct_force(&mut self, newtons: f64) {
+        self.x[1] += self.flow.force[1] * newtons;
+        self.x[2] += self.flow.force[2] * newtons;
+        for (mode, state) in self.flow.further.iter().zip(&mut self.further) {
+            *state = (f64x2::new(*state) + mode.force * newtons).to_array();
+        }
+    }
+
+    /// Ends what has rung down to nothing: below 1e-150 V or A, far below any noise. Left alone it decays into denormal numbers,
+    /// which take this arithmetic to half its speed.
+    pub fn settle(&mut self) {
+        let ended = |x: f64| if x.abs() < 1e-150 { 0.0 } else { x };
+        self.x = self.x.map(|pair| f64x2::new(pair.to_array().map(ended)));
+        self.further.iter_mut().for_each(|state| *state = state.map(ended));
+    }
+
+    /// States of the network.
+    pub fn states(&self) -> usize {
+        STATES + 2 * self.further.len()
+    }
+
+    fn state(&self, n: usize) -> f64 {
+        self.x[n / 2].to_array()[n % 2]
+    }
+
+    /// Voltage at the stack, V.
+    #[inline]
+    pub fn voltage(&self) -> f64 {
+        self.state(V0)
+    }
+
+    /// Total current into the stack, A.
+    #[inline]
+    pub fn current(&self) -> f64 {
+        self.state(TOTAL)
+    }
+
+    /// Motional current, A.
+    #[inline]
+    pub fn motional_current(&self) -> f64 {
+        self.state(I)
+    }
+
+    /// Voltage of the motional capacitor, V: the displacement times `phi / Cm`.
+    #[inline]
+    pub fn motional_voltage(&self) -> f64 {
+        self.state(VC)
+    }
+
+    /// Tip velocity, m/s.
+    #[inline]
+    pub fn tip_velocity(&self) -> f64 {
+        self.motional_current() * self.tip_per_ampere
+    }
+
+    /// Tip displacement, m.
+    #[inline]
+    pub fn tip_displacement(&self) -> f64 {
+        self.motional_voltage() * self.tip_per_volt
+    }
+
+    /// Amplitude of the motional current, A: the present one and a quarter period later, taken together.
+    pub fn motional_amplitude(&self) -> f64 {
+        let circuit = &self.parts.circuit;
+        self.motional_current().hypot(self.motional_voltage() * circuit.cm_f * circuit.omega())
+    }
+
+    /// Amplitude of the motional current, A, of an oscillation at any frequency: `Im^2 = i^2 - q i'`, with the charge `q` (Kaiser 1990).
+    /// What resonates need not oscillate at its resonance.
+    pub fn oscillation_a(&self) -> f64 {
+        let Circuit { cm_f, lm_h, rm_ohm, .. } = self.parts.circuit;
+        let (i, vc) = (self.motional_current(), self.motional_voltage());
+        let slope = (self.voltage() - rm_ohm * i - vc) / lm_h;
+        (i * i - cm_f * vc * slope).max(0.0).sqrt()
+    }
+
+    /// Amplitude of the tip velocity, m/s.
+    pub fn tip_amplitude(&self) -> f64 {
+        self.motional_amplitude() / self.parts.circuit.force_factor_n_per_v
+    }
+
+    /// Energy that the motional branches hold, J.
+    pub fn stored_j(&self) -> f64 {
+        let circuit = &self.parts.circuit;
+        let first = 0.5 * (circuit.lm_h * self.motional_current().powi(2) + circuit.cm_f * self.motional_voltage().powi(2));
+        let further = self.parts.further.iter().zip(&self.further);
+        further.fold(first, |sum, (branch, [i, vc])| sum + 0.5 * (branch.lm_h * i * i + branch.cm_f * vc * vc))
+    }
+
+    /// Currents of the further modes, A, and the power that is lost in them, W; none without such modes.
+    #[inline]
+    pub fn further(&self) -> Option<(f64, f64)> {
+        if self.further.is_empty() {
+            return None;
+        }
+        let modes = self.parts.further.iter().zip(&self.further);
+        Some(modes.fold((0.0, 0.0), |(sum, lost), (branch, [i, _])| (sum + i, lost + branch.rm_ohm * i * i)))
+    }
+
+    /// Hands voltage and current at each conversion within step `step` of a sample to `convert`. The step has just been made with
+    /// this drive and a mean friction of `newtons`.
+    #[inline]
+    pub fn sample(&self, step: usize, drive: &Held, newtons: f64, mut convert: impl FnMut(f64, f64)) {
+        let [[e, d], [v0, i], [vc, _]] = self.before.map(f64x2::to_array);
+        for look in &self.flow.looks[step] {
+            let [ke, kd, kv, ki, kc] = look.state;
+            let mut both = look.drive * drive.volts + look.force * newtons + ke * e + kd * d + kv * v0 + ki * i + kc * vc;
+            if drive.before != 0.0 {
+                both += look.late * drive.before;
+            }
+            for ([a, b], &[ik, vk]) in look.further.iter().zip(&self.further_before) {
+                both += *a * ik + *b * vk;
+            }
+            let [voltage, current] = both.to_array();
+            convert(voltage, current);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;

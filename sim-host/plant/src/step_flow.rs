@@ -1,0 +1,191 @@
+//! The flow of a stack's network over a step, as the numbers that a step multiplies by.
+//!
+//! Everything is linear in the matrix exponentials that it is made from, so that Taylor coefficients of those make coefficients of this.
+
+use wide::f64x2;
+
+use crate::network::{D, DRIVE, E, FORCE, FURTHER, I, STATES, V0, VC, network};
+use crate::parts::Parts;
+use crate::timing::Timing;
+use contact::flow::{Matrix, exponential};
+use scene::Amplifier;
+
+/// A sixth row that is no state: the total current `(e - v0) / Rs`, which the flow gives for nothing.
+pub(super) const TOTAL: usize = STATES;
+
+/// The states and the total current, in pairs that fill vector registers: (e, d), (v0, i), (vc, total).
+pub(super) type Pairs = [f64x2; 3];
+
+fn pairs(rows: [f64; 6]) -> Pairs {
+    [f64x2::new([rows[E], rows[D]]), f64x2::new([rows[V0], rows[I]]), f64x2::new([rows[VC], rows[TOTAL]])]
+}
+
+/// When what happens within a sample, and through which resistance the current is seen.
+#[derive(Clone, Debug)]
+pub struct Layout {
+    /// How a sample is divided.
+    pub timing: Timing,
+    /// How long the sample before goes on into this one, s: what a delay of the drive is beyond whole samples.
+    pub late_s: f64,
+    /// Source resistance, ohm.
+    pub source_ohm: f64,
+    /// Further modes.
+    pub further: usize,
+}
+
+/// A look at voltage and current (the two lanes) some time into a step, along the exact flow from its beginning, with drive and
+/// friction as they are held. Looking back from its end would be unstable: the clamped capacitance settles within nanoseconds.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Look {
+    pub(super) state: [f64x2; STATES],
+    pub(super) drive: f64x2,
+    pub(super) force: f64x2,
+    /// Response to what the drive was before, less what it is.
+    pub(super) late: f64x2,
+    /// For each further mode, of its current and its voltage.
+    pub(super) further: Vec<[f64x2; 2]>,
+}
+
+/// What a further mode does and suffers in a step. Its own states are a pair: current, voltage of its capacitor.
+#[derive(Clone, Debug)]
+pub(super) struct Further {
+    /// What its current and its voltage do to the first five states and the total current.
+    pub(super) onto: [Pairs; 2],
+    /// What the first five states do to it.
+    pub(super) state: [f64x2; STATES],
+    pub(super) drive: f64x2,
+    pub(super) force: f64x2,
+    /// For each step of a sample, what a late drive does to it.
+    pub(super) late: Vec<f64x2>,
+    /// What current and voltage of every further mode do to it.
+    pub(super) modes: Vec<[f64x2; 2]>,
+}
+
+/// The flow over a step.
+#[derive(Clone, Debug, Default)]
+pub struct StepFlow {
+    /// Columns of the flow: one for each state. The stack does not act back on the amplifier, so that the later three
+    /// have no first pair.
+    pub(super) state: [Pairs; STATES],
+    /// Response to the drive, held over the step, V.
+    pub(super) drive: Pairs,
+    /// Response to the friction, held over the step, N.
+    pub(super) force: Pairs,
+    /// For each step of a sample, response to what the drive was before, less what it is. Nothing in it without a delay that
+    /// has a fraction of a sample.
+    pub(super) late: Vec<Pairs>,
+    /// For each step of a sample, the conversions that fall into it.
+    pub(super) looks: Vec<Vec<Look>>,
+    pub(super) further: Vec<Further>,
+}
+
+impl StepFlow {
+    /// The flow of a network, exactly.
+    pub fn of(parts: &Parts, amplifier: &Amplifier, layout: &Layout) -> Self {
+        match parts.further.len() {
+            0 => Self::of_size::<FURTHER>(parts, amplifier, layout),
+            1 => Self::of_size::<{ FURTHER + 2 }>(parts, amplifier, layout),
+            2 => Self::of_size::<{ FURTHER + 4 }>(parts, amplifier, layout),
+            3 => Self::of_size::<{ FURTHER + 6 }>(parts, amplifier, layout),
+            _ => Self::of_size::<{ FURTHER + 8 }>(parts, amplifier, layout),
+        }
+    }
+
+    fn of_size<const N: usize>(parts: &Parts, amplifier: &Amplifier, layout: &Layout) -> Self {
+        let a: Matrix<N> = network(parts, amplifier);
+        let mut known: Vec<(f64, Matrix<N>)> = Vec::new();
+        Self::new(layout, &mut |seconds| match known.iter().find(|(time, _)| *time == seconds) {
+            Some((_, matrix)) => *matrix,
+            None => {
+                let matrix = exponential(&a.map(|row| row.map(|x| x * seconds)));
+                known.push((seconds, matrix));
+                matrix
+            }
+        })
+    }
+
+    /// The flow made from `over`, the matrix that takes the states over so many seconds.
+    pub(super) fn new<const N: usize>(layout: &Layout, over: &mut impl FnMut(f64) -> Matrix<N>) -> Self {
+        let step_s = layout.timing.step_s();
+        let step = over(step_s);
+        let total = |m: &Matrix<N>, c: usize| (m[E][c] - m[V0][c]) / layout.source_ohm;
+        let column = |m: &Matrix<N>, c: usize| pairs(std::array::from_fn(|r| if r == TOTAL { total(m, c) } else { m[r][c] }));
+        let late_steps = if layout.late_s > 0.0 { layout.timing.steps as usize } else { 0 };
+        // How long the earlier drive goes on in each step, and its response less that of the present one.
+        let lates: Vec<_> = (0..late_steps).map(|n| late(over, layout.late_s - n as f64 * step_s, step_s)).collect();
+        let branch = |k: usize| [FURTHER + 2 * k, FURTHER + 2 * k + 1];
+        let row = |m: &Matrix<N>, k: usize, c: usize| f64x2::new(branch(k).map(|r| m[r][c]));
+        let further = (0..layout.further).map(|k| Further {
+            onto: branch(k).map(|c| column(&step, c)),
+            state: std::array::from_fn(|c| row(&step, k, c)),
+            drive: row(&step, k, DRIVE),
+            force: row(&step, k, FORCE),
+            late: lates.iter().map(|m| row(m, k, DRIVE)).collect(),
+            modes: (0..layout.further).map(|j| branch(j).map(|c| row(&step, k, c))).collect(),
+        });
+        StepFlow {
+            state: std::array::from_fn(|c| column(&step, c)),
+            drive: column(&step, DRIVE),
+            force: column(&step, FORCE),
+            further: further.collect(),
+            looks: looks(layout, over, total),
+            late: lates.iter().map(|m| column(m, DRIVE)).collect(),
+        }
+    }
+
+    /// Hands every number of the flow to `with`, always in the same order.
+    pub(super) fn each(&mut self, mut with: impl FnMut(&mut f64x2)) {
+        self.state.iter_mut().flatten().for_each(&mut with);
+        self.drive.iter_mut().chain(&mut self.force).for_each(&mut with);
+        self.late.iter_mut().flatten().for_each(&mut with);
+        for look in self.looks.iter_mut().flatten() {
+            look.state.iter_mut().for_each(&mut with);
+            [&mut look.drive, &mut look.force, &mut look.late].into_iter().for_each(&mut with);
+            look.further.iter_mut().flatten().for_each(&mut with);
+        }
+        for mode in &mut self.further {
+            mode.onto.iter_mut().flatten().for_each(&mut with);
+            mode.state.iter_mut().chain(&mut mode.late).for_each(&mut with);
+            [&mut mode.drive, &mut mode.force].into_iter().for_each(&mut with);
+            mode.modes.iter_mut().flatten().for_each(&mut with);
+        }
+    }
+}
+
+/// The matrix over `seconds` less that over what is left after `late_s` of them, in which a drive acts that is late by so much.
+fn late<const N: usize>(over: &mut impl FnMut(f64) -> Matrix<N>, late_s: f64, seconds: f64) -> Matrix<N> {
+    if late_s <= 0.0 {
+        return [[0.0; N]; N];
+    }
+    let mut whole = over(seconds);
+    if late_s < seconds {
+        let rest = over(seconds - late_s);
+        whole.iter_mut().flatten().zip(rest.iter().flatten()).for_each(|(x, y)| *x -= y);
+    }
+    whole
+}
+
+fn looks<const N: usize>(
+    layout: &Layout,
+    over: &mut impl FnMut(f64) -> Matrix<N>,
+    total: impl Fn(&Matrix<N>, usize) -> f64,
+) -> Vec<Vec<Look>> {
+    let step_s = layout.timing.step_s();
+    let steps = layout.timing.instants().into_iter().enumerate();
+    let of_step = |(number, instants): (usize, Vec<[f64; 2]>)| {
+        let late_s = layout.late_s - number as f64 * step_s;
+        let look = |[v, i]: [f64; 2]| {
+            let [early, lately] = [over(v), over(i)];
+            let column = |c: usize| f64x2::new([early[V0][c], total(&lately, c)]);
+            Look {
+                state: std::array::from_fn(column),
+                drive: column(DRIVE),
+                force: column(FORCE),
+                late: f64x2::new([late(over, late_s, v)[V0][DRIVE], total(&late(over, late_s, i), DRIVE)]),
+                further: (0..layout.further).map(|k| [FURTHER + 2 * k, FURTHER + 2 * k + 1].map(column)).collect(),
+            }
+        };
+        instants.into_iter().map(look).collect()
+    };
+    steps.map(of_step).collect()
+}

@@ -1,0 +1,161 @@
+//! Whether the crash itself tells the mass: force and payout of many passive crashes up to a moment, and the mass as the best quadratic
+//! function of them, by least squares.
+//!
+//! ```text
+//! R2 = 1 - sum of squares of what is left / sum of squares about the mean
+//! ```
+//!
+//! The function is fitted to the very crashes that it is judged by, so that no function of this form does better. Drawn: mass 14 to 29 kg, and
+//! pulse, stiffness and slack as in [`many`](super::many).
+
+use rand_core::{Rng, SeedableRng};
+use rand_xoshiro::Xoshiro256PlusPlus;
+use rayon::prelude::*;
+
+use super::many::VARIED;
+use super::{SCENE, Trouble, by_clock};
+use plant::dring::motion::Motion;
+use plant::dring::{Bench, G_M_PER_S2};
+use scene::load::load;
+
+/// Moments, ms since the crash began.
+const AT_MS: [f64; 6] = [30.0, 40.0, 50.0, 60.0, 80.0, 100.0];
+/// Masses, kg.
+const MASS_KG: (f64, f64) = (14.0, 29.0);
+/// What is known at a moment: force, payout, their rates, and the force summed up.
+const SIGNALS: usize = 5;
+/// Terms of a quadratic function of so many.
+const TERMS: usize = 1 + SIGNALS + SIGNALS * (SIGNALS + 1) / 2;
+
+/// What is known of the mass.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Known {
+    /// When, ms; `None` is what the seat reads.
+    pub at_ms: Option<f64>,
+    /// Part of the variance that is explained.
+    pub r2: f64,
+    /// Standard deviation of what is left, kg.
+    pub left_kg: f64,
+}
+
+/// Draws and runs so many crashes.
+pub fn conduct(crashes: u32) -> Result<Vec<Known>, Trouble> {
+    let loaded = load(SCENE, &["rig.dring.at_s=0.001".to_owned()]).map_err(|error| Trouble::Scene("mass".into(), error))?;
+    let scene = loaded.scene.driven().and_then(|scene| scene.dring()).ok_or_else(|| Trouble::NoCrash("mass".into()))?;
+    let base = Bench::of(scene).passive();
+    let mut random = Xoshiro256PlusPlus::seed_from_u64(1);
+    let mut between = |from: f64, to: f64| from + (to - from) * (random.next_u64() >> 11) as f64 / (1u64 << 53) as f64;
+    let range =
+        |key: &str| VARIED.iter().find(|varied| varied.0.ends_with(key)).map_or((0.0, 0.0), |varied| (varied.1, varied.2));
+    let (pulse, stiffness, slack, seat) = (range("pulse_g"), range("stiffness_n_per_m"), range("slack_m"), range("seat_error"));
+    let drawn: Vec<(Bench, f64)> = (0..crashes)
+        .map(|_| {
+            let mut bench = base.clone();
+            bench.torso_kg = between(MASS_KG.0, MASS_KG.1);
+            bench.pulse.peak_m_per_s2 = G_M_PER_S2 * between(pulse.0, pulse.1);
+            bench.shoulder.stiffness_n_per_m = between(stiffness.0, stiffness.1);
+            bench.shoulder.slack_m = between(slack.0, slack.1);
+            let reading = bench.torso_kg * (1.0 + between(seat.0, seat.1));
+            (bench, reading)
+        })
+        .collect();
+    let masses: Vec<f64> = drawn.iter().map(|(bench, _)| bench.torso_kg).collect();
+    let seen: Vec<Vec<[f64; SIGNALS]>> = drawn.par_iter().map(|(bench, _)| signals(bench)).collect();
+    let mut known: Vec<Known> = AT_MS
+        .iter()
+        .enumerate()
+        .map(|(n, &ms)| told(Some(ms), &masses, &seen.iter().map(|seen| seen[n].to_vec()).collect::<Vec<_>>()))
+        .collect();
+    known.push(told(None, &masses, &drawn.iter().map(|(_, reading)| vec![*reading]).collect::<Vec<_>>()));
+    Ok(known)
+}
+
+/// What can be seen of a crash at each moment.
+fn signals(bench: &Bench) -> Vec<[f64; SIGNALS]> {
+    const BEFORE_MS: f64 = 2.0;
+    let mut film: Vec<(f64, f64, f64, f64)> = Vec::new();
+    let mut impulse = 0.0;
+    let see = |since_s: f64, motion: &Motion| {
+        let force = motion.tensions().shoulder_n;
+        impulse += force;
+        film.push((1e3 * since_s, force, motion.state().payout_m, impulse));
+    };
+    let last_s = 1e-3 * AT_MS.iter().copied().fold(0.0, f64::max);
+    by_clock::crash(bench, 1.0, last_s, |_| false, see);
+    let at = |ms: f64| film.iter().rfind(|seen| seen.0 <= ms + 1e-9).copied().unwrap_or_default();
+    let one = |&ms: &f64| {
+        let (now, before) = (at(ms), at(ms - BEFORE_MS));
+        [now.1, 1e6 * now.2, now.1 - before.1, 1e6 * (now.2 - before.2), now.3]
+    };
+    AT_MS.iter().map(one).collect()
+}
+
+/// How well a quadratic function of what was seen tells the mass.
+fn told(at_ms: Option<f64>, masses: &[f64], seen: &[Vec<f64>]) -> Known {
+    let count = masses.len() as f64;
+    let signals = seen.first().map_or(0, Vec::len);
+    // To mean zero and deviation one, so that squares stay comparable.
+    let scaled: Vec<Vec<f64>> = (0..signals)
+        .map(|signal| {
+            let mean = seen.iter().map(|one| one[signal]).sum::<f64>() / count;
+            let deviation = (seen.iter().map(|one| (one[signal] - mean).powi(2)).sum::<f64>() / count).sqrt();
+            seen.iter().map(|one| if deviation > 0.0 { (one[signal] - mean) / deviation } else { 0.0 }).collect()
+        })
+        .collect();
+    let terms = |n: usize| {
+        let mut terms = vec![1.0];
+        for i in 0..signals {
+            terms.push(scaled[i][n]);
+            terms.extend((i..signals).map(|j| scaled[i][n] * scaled[j][n]));
+        }
+        terms
+    };
+    let rows: Vec<Vec<f64>> = (0..masses.len()).map(terms).collect();
+    let left = residual(&rows, masses);
+    let mean = masses.iter().sum::<f64>() / count;
+    let all: f64 = masses.iter().map(|mass| (mass - mean).powi(2)).sum();
+    Known { at_ms, r2: 1.0 - left / all, left_kg: (left / count).sqrt() }
+}
+
+/// Sum of squares that the best linear combination of the rows' terms leaves: the terms one after the other are made orthogonal to those before
+/// (Gram and Schmidt, in the modified order), and the values freed of each.
+fn residual(rows: &[Vec<f64>], values: &[f64]) -> f64 {
+    /// A term that the earlier ones make up to this part of its square says nothing of its own.
+    const NOTHING: f64 = 1e-9;
+    let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+    let terms = rows.first().map_or(0, Vec::len).min(TERMS);
+    let mut left = values.to_vec();
+    let mut orthogonal: Vec<Vec<f64>> = Vec::new();
+    for term in 0..terms {
+        let mut column: Vec<f64> = rows.iter().map(|row| row[term]).collect();
+        let own = dot(&column, &column);
+        for earlier in &orthogonal {
+            let part = dot(&column, earlier);
+            column.iter_mut().zip(earlier).for_each(|(value, earlier)| *value -= part * earlier);
+        }
+        let square = dot(&column, &column);
+        if square <= NOTHING * own {
+            continue;
+        }
+        let norm = square.sqrt();
+        column.iter_mut().for_each(|value| *value /= norm);
+        let part = dot(&left, &column);
+        left.iter_mut().zip(&column).for_each(|(value, column)| *value -= part * column);
+        orthogonal.push(column);
+    }
+    dot(&left, &left)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_quadratic_is_told_and_what_is_not_is_not() {
+        let seen: Vec<Vec<f64>> = (0..200).map(|n| vec![f64::from(n % 17), f64::from(n % 23)]).collect();
+        let masses: Vec<f64> = seen.iter().map(|s| 3.0 + s[0] - 0.1 * s[0] * s[1] + 0.2 * s[1] * s[1]).collect();
+        assert!((told(None, &masses, &seen).r2 - 1.0).abs() < 1e-12);
+        let apart: Vec<f64> = (0..200).map(|n| f64::from((n * n * 7919) % 211)).collect();
+        assert!(told(None, &apart, &seen).r2 < 0.1);
+    }
+}

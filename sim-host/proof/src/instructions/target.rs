@@ -1,0 +1,87 @@
+//! What the target takes: the image `counts` in QEMU.
+
+use std::process::Command;
+
+use serde::Deserialize;
+
+use super::Trouble;
+use pil::machine::{ARGUMENTS, NO_SERIAL, PROGRAM};
+use pil::{PilError, counting_image};
+
+/// Instructions of one tick of the system timer: 168 MHz, where an instruction takes a nanosecond.
+pub const INSTRUCTIONS_PER_TICK: f64 = 1000.0 / 168.0;
+
+/// One kernel, as the image prints it.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+pub struct Counted {
+    /// What it belongs to.
+    pub group: String,
+    /// Its name.
+    pub kernel: String,
+    /// Samples it handles in one repetition.
+    pub samples: u32,
+    /// How often it was run.
+    pub repetitions: u32,
+    /// Ticks of all repetitions.
+    pub ticks: i64,
+}
+
+impl Counted {
+    /// Instructions of one repetition: of a block.
+    pub fn per_block(&self) -> f64 {
+        self.ticks as f64 * INSTRUCTIONS_PER_TICK / f64::from(self.repetitions)
+    }
+
+    /// Instructions a sample.
+    pub fn per_sample(&self) -> f64 {
+        self.per_block() / f64::from(self.samples)
+    }
+}
+
+/// Builds the image, runs it, and reads what it prints.
+pub fn count() -> Result<Vec<Counted>, Trouble> {
+    let image = counting_image()?;
+    let output = Command::new(PROGRAM).args(NO_SERIAL).args(ARGUMENTS).arg(&image).output().map_err(PilError::Start)?;
+    if !output.status.success() {
+        let said = String::from_utf8_lossy(&output.stderr);
+        return Err(Trouble::Failed(format!("{}: {}", output.status, said.trim())));
+    }
+    read(&output.stdout)
+}
+
+/// The kernels in the CSV that the image prints.
+fn read(text: &[u8]) -> Result<Vec<Counted>, Trouble> {
+    let lines: Result<Vec<Counted>, csv::Error> = csv::Reader::from_reader(text).deserialize().collect();
+    let counted = lines.map_err(|error| Trouble::Printed(error.to_string()))?;
+    match counted.iter().find(|kernel| kernel.repetitions == 0 || kernel.ticks <= 0) {
+        Some(kernel) => Err(Trouble::Printed(format!("{kernel:?}"))),
+        None => Ok(counted),
+    }
+}
+
+/// A kernel by group and name.
+pub fn find<'a>(counted: &'a [Counted], group: &str, kernel: &str) -> Result<&'a Counted, Trouble> {
+    let found = counted.iter().find(|counted| counted.group == group && counted.kernel == kernel);
+    found.ok_or_else(|| Trouble::Printed(format!("there is no {kernel:?} among the counts of {group:?}")))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lines_are_read_and_ticks_are_instructions() {
+        let counted = read(b"group,kernel,samples,repetitions,ticks\nstage,\"a, b\",32,100,16800\n").unwrap();
+        let kernel = find(&counted, "stage", "a, b").unwrap();
+        assert_eq!(kernel.per_block(), 1000.0);
+        assert_eq!(kernel.per_sample(), 31.25);
+        assert!(find(&counted, "process", "a, b").is_err());
+    }
+
+    #[test]
+    fn what_cannot_be_counts_is_refused() {
+        for text in ["group,kernel,samples,repetitions,ticks\nstage,a,32,0,5\n", "group,kernel\nstage,a\n", "stage,a,32,1,0\nb"] {
+            assert!(read(text.as_bytes()).is_err(), "{text:?}");
+        }
+    }
+}

@@ -1,0 +1,39 @@
+//! Loads that change at once: the force in the bristles stays, and may be far beyond what the new load can hold.
+
+use super::{Check, Found, linexp, mean, thesis};
+use contact::linexp::Extent;
+use contact::table_4_1::{DRIVE_HZ, table_4_1};
+use contact::{Problem, State, Trouble, linexp as method, taylor};
+
+/// Table 4.1 with its load changed by a factor at period 100; `published` is the mean over periods 150 to 200 by another program, and
+/// `tolerance` what the step leaves of an error, which is much where the new kappa is 400.
+pub fn step(factor: f64, published: f64, tolerance: f64) -> Result<Found, Trouble> {
+    let standard = table_4_1(0.5, 200.0);
+    let coulomb_n = factor * standard.coulomb_n;
+    let problem =
+        Problem { load_steps: vec![(100.0 / DRIVE_HZ, coulomb_n)], window_s: (150.0 / DRIVE_HZ, 200.0 / DRIVE_HZ), ..standard };
+    let mut after: Vec<f64> = Vec::new();
+    method::run(&problem, 64, 4, Extent::Swift, &mut |state: &State| {
+        if state.time_s > 100.0 / DRIVE_HZ {
+            after.push(state.force_n.abs() / coulomb_n);
+        }
+    })?;
+    // Above the bound friction may only fall; once below, it stays there.
+    let falls = |pair: &&[f64]| pair[1] <= pair[0] || pair[1] <= 1.0 + 1e-12;
+    let rises = after.windows(2).count() - after.windows(2).filter(falls).count();
+    let within = after.iter().skip(3200).filter(|ratio| **ratio <= 1.0 + 1e-12).count();
+    let (_, r) = linexp(&problem, 64, 4)?;
+    let truth = mean(&problem, &taylor::run(&problem, 32, 24, &mut |_| ())?);
+    Ok(Found {
+        problem: "the bristles hold a force of the old load",
+        naive: thesis(&problem, truth)?,
+        chosen: format!("linexp-4, n = 64: r {r:.9}, |F| / Fc {:.3} a step after", after.first().copied().unwrap_or_default()),
+        checks: vec![
+            Check::same("steps in 100 periods", after.len() as u64, 6400),
+            Check::same("rises above the new bound", rises as u64, 0),
+            Check::same("steps with |F| <= Fc in the last 50 periods", within as u64, 3200),
+            Check::at_most("mean off taylor", r - truth, tolerance),
+            Check::at_most("taylor off the published", truth - published, 6e-10),
+        ],
+    })
+}

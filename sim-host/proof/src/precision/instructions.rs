@@ -1,0 +1,106 @@
+//! Instructions a drive period takes: the same on every run, where times are not.
+//!
+//! This executable is started again under valgrind's counter, to run one method over a few periods and nothing else; once over
+//! [`FEW`] periods and once over [`MANY`]. The difference is that of the periods in between: start-up and tables cancel.
+
+use std::path::Path;
+use std::process::{Command, Stdio};
+
+use rayon::prelude::*;
+
+use super::method::by_name;
+use super::work::Curve;
+use contact::Trouble;
+use contact::table_4_1::{VELOCITY_RATIO, table_4_1};
+
+/// Periods of the two runs.
+pub const FEW: u32 = 4;
+/// Periods of the longer run.
+pub const MANY: u32 = 12;
+/// The program that counts.
+const COUNTER: &str = "valgrind";
+/// How it counts fastest: no caches, no file.
+const COUNTER_OPTIONS: [&str; 3] = ["--tool=cachegrind", "--cache-sim=no", "--cachegrind-out-file=/dev/null"];
+/// The line with the count.
+const COUNT_LINE: &str = "I refs:";
+
+/// Why nothing was counted.
+#[derive(Debug, thiserror::Error)]
+pub enum Uncounted {
+    /// There is no counter.
+    #[error("{COUNTER} is not on PATH")]
+    Absent,
+    /// It did not count.
+    #[error("{COUNTER} did not count {method} at {steps} steps: {said}")]
+    Failed {
+        /// The method.
+        method: &'static str,
+        /// Its steps a period.
+        steps: u32,
+        /// What it said last.
+        said: String,
+    },
+}
+
+/// One method over some periods, and nothing else: what is counted. False if there is no such method.
+pub fn run_alone(method: &str, steps: u32, periods: u32) -> Result<bool, Trouble> {
+    let Some(method) = by_name(method) else { return Ok(false) };
+    let problem = table_4_1(VELOCITY_RATIO, f64::from(periods));
+    std::hint::black_box((method.run)(&problem, steps)?);
+    Ok(true)
+}
+
+/// Counts every setting of every method by starting `executable`, with `option` before `METHOD,STEPS,PERIODS`.
+pub fn count(curves: &mut [Curve], executable: &Path, options: &[&str]) -> Result<(), Uncounted> {
+    let there = Command::new(COUNTER).arg("--version").stdout(Stdio::null()).stderr(Stdio::null()).status();
+    if !there.is_ok_and(|status| status.success()) {
+        return Err(Uncounted::Absent);
+    }
+    curves.par_iter_mut().try_for_each(|curve| {
+        let method = curve.method.name;
+        curve.points.par_iter_mut().try_for_each(|point| {
+            let total = |periods| one(executable, options, method, point.steps, periods);
+            point.instructions = Some((total(MANY)? - total(FEW)?) / f64::from(MANY - FEW));
+            Ok(())
+        })
+    })
+}
+
+fn one(executable: &Path, options: &[&str], method: &'static str, steps: u32, periods: u32) -> Result<f64, Uncounted> {
+    let failed = |said: String| Uncounted::Failed { method, steps, said };
+    let output = Command::new(COUNTER)
+        .args(COUNTER_OPTIONS)
+        .arg(executable)
+        .args(options)
+        .arg(format!("{method},{steps},{periods}"))
+        .output()
+        .map_err(|error| failed(error.to_string()))?;
+    let said = String::from_utf8_lossy(&output.stderr);
+    let total = said.lines().find_map(parse);
+    total.filter(|_| output.status.success()).ok_or_else(|| failed(said.lines().last().unwrap_or_default().into()))
+}
+
+/// The count in a line such as `==12== I   refs:      16,193,520`.
+fn parse(line: &str) -> Option<f64> {
+    let words: Vec<&str> = line.split_whitespace().skip(1).collect();
+    let number = words.join(" ");
+    let number = number.strip_prefix(COUNT_LINE)?;
+    number.trim().replace(',', "").parse().ok()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_count_is_read() {
+        assert_eq!(parse("==12== I   refs:      16,193,520"), Some(16_193_520.0));
+        assert_eq!(parse("==12== Cachegrind, a high-precision tracing profiler"), None);
+    }
+
+    #[test]
+    fn one_method_runs_alone() {
+        assert!(run_alone("linexp-2", 8, 4).unwrap());
+        assert!(!run_alone("no-such-method", 8, 4).unwrap());
+    }
+}

@@ -1,0 +1,95 @@
+//! The methods that are measured, each with the step counts that show its range.
+
+use contact::linexp::Extent;
+use contact::{Problem, State, Tally, Trouble, linexp, midpoint, rk4, rk4_events, taylor};
+
+/// Runs a problem at so many steps a period.
+pub type Run = fn(&Problem, u32) -> Result<Tally, Trouble>;
+/// The same with somebody who sees the states.
+pub type Watched = fn(&Problem, u32, &mut dyn FnMut(&State)) -> Result<Tally, Trouble>;
+
+/// Who a method stands for in a claim.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Side {
+    /// One of the methods that are claimed to be fast.
+    Ours,
+    /// The thesis's method as it stands.
+    Plain,
+    /// The thesis's method, as fast as it can be made without changing it.
+    Fair,
+    /// Neither.
+    Other,
+}
+
+/// A method.
+pub struct Method {
+    /// Its name, in one word.
+    pub name: &'static str,
+    /// Who it stands for.
+    pub side: Side,
+    /// As it is timed: nobody watches.
+    pub run: Run,
+    /// With the states seen.
+    pub watched: Watched,
+    /// Steps a period; all multiples of four, so that every quarter period is the end of a step.
+    pub steps: &'static [u32],
+    /// Those of a quick measurement.
+    pub quick_steps: &'static [u32],
+}
+
+impl Method {
+    /// Steps a period to measure at.
+    pub fn steps(&self, quick: bool) -> &'static [u32] {
+        if quick { self.quick_steps } else { self.steps }
+    }
+}
+
+/// A method by its name.
+pub fn by_name(name: &str) -> Option<&'static Method> {
+    METHODS.iter().find(|method| method.name == name)
+}
+
+/// One row: the same call, once unwatched and once watched.
+macro_rules! method {
+    ($name:literal, $side:ident, $steps:expr, $quick:expr, |$problem:ident, $n:ident, $watch:ident| $call:expr) => {
+        Method {
+            name: $name,
+            side: Side::$side,
+            run: |$problem, $n| {
+                let $watch = &mut |_: &State| ();
+                $call
+            },
+            watched: |$problem, $n, mut watch| {
+                let $watch = &mut watch;
+                $call
+            },
+            steps: &$steps,
+            quick_steps: &$quick,
+        }
+    };
+}
+
+/// All of them.
+pub static METHODS: [Method; 12] = [
+    method!("linexp-2", Ours, [4, 8, 12, 16, 24, 32, 64, 128, 256], [8, 16, 64], |p, n, w| linexp::run(
+        p,
+        n,
+        2,
+        Extent::Swift,
+        w
+    )),
+    method!("linexp-4", Ours, [4, 8, 12, 16, 24, 32, 64, 128], [8, 16, 32], |p, n, w| linexp::run(p, n, 4, Extent::Swift, w)),
+    method!("linexp-6", Ours, [4, 8, 12, 16, 24, 32], [8, 16, 32], |p, n, w| linexp::run(p, n, 6, Extent::Swift, w)),
+    method!("taylor-8", Ours, [8, 12, 16, 24, 32, 48, 64], [8, 16, 32], |p, n, w| taylor::run(p, n, 8, w)),
+    method!("taylor-12", Ours, [8, 12, 16, 20, 24, 32], [8, 16, 24], |p, n, w| taylor::run(p, n, 12, w)),
+    method!("taylor-16", Ours, [8, 12, 16, 20], [8, 12, 16], |p, n, w| taylor::run(p, n, 16, w)),
+    method!("taylor-20", Ours, [8, 12, 16, 20], [8, 12], |p, n, w| taylor::run(p, n, 20, w)),
+    method!("frozen", Other, [8, 16, 32, 64], [8, 16], |p, n, w| linexp::run(p, n, 4, Extent::Frozen, w)),
+    method!("rk4-plain", Plain, RK4, RK4_QUICK, |p, n, w| rk4::run_plain(p, n, w)),
+    method!("rk4-fair", Fair, RK4, RK4_QUICK, |p, n, w| rk4::run_tabulated(p, n, w)),
+    method!("rk4-events", Other, [20, 40, 100, 200, 400, 1000, 2000], [40, 100, 400], |p, n, w| rk4_events::run_plain(p, n, w)),
+    method!("midpoint", Other, [20, 40, 100, 200, 400, 1000, 2000], [40, 100, 400], |p, n, w| midpoint::run(p, n, w)),
+];
+
+const RK4: [u32; 9] = [40, 100, 200, 400, 1000, 2000, 4000, 10_000, 20_000];
+const RK4_QUICK: [u32; 5] = [100, 400, 1000, 10_000, 20_000];

@@ -1,0 +1,75 @@
+//! The whole measurement, from the reference to the hard cases.
+
+use std::path::Path;
+
+use super::claims::{self, Claim};
+use super::hard::{CASES, Case, Found, Scale};
+use super::instructions;
+use super::reference::{self, NoReference, Reference};
+use super::work::{self, Curve};
+use contact::Trouble;
+use contact::table_4_1;
+
+/// How much is measured, and with what.
+#[derive(Clone, Copy, Debug)]
+pub struct Extent<'a> {
+    /// Fewer steps, rounds and periods; every method and every case all the same.
+    pub quick: bool,
+    /// The program to count instructions of, and the options that make it run one method alone.
+    pub counted: Option<(&'a Path, &'a [&'a str])>,
+}
+
+/// What was measured.
+pub struct Study {
+    /// Whether it was a quick measurement.
+    pub quick: bool,
+    /// Rounds of timing.
+    pub rounds: u32,
+    /// The truth.
+    pub reference: Reference,
+    /// Work and precision of every method.
+    pub curves: Vec<Curve>,
+    /// Why there are no instruction counts.
+    pub uncounted: Option<String>,
+    /// The claims.
+    pub claims: Vec<Claim>,
+    /// The hard cases, in order.
+    pub hard: Vec<(&'static Case, Result<Found, Trouble>)>,
+}
+
+impl Study {
+    /// Whether every claim that was measured and every invariant holds.
+    pub fn passes(&self) -> bool {
+        self.hard.iter().all(|(_, found)| found.as_ref().is_ok_and(Found::holds))
+    }
+}
+
+const ROUNDS: u32 = 15;
+const QUICK_ROUNDS: u32 = 3;
+
+/// Measures. `say` hears what comes next.
+pub fn conduct(extent: Extent, say: &mut dyn FnMut(&str)) -> Result<Study, NoReference> {
+    let Extent { quick, counted } = extent;
+    say("reference");
+    let reference = reference::make(&table_4_1::standard())?;
+    say("errors");
+    let mut curves = work::errors(&reference, quick)?;
+    let rounds = if quick { QUICK_ROUNDS } else { ROUNDS };
+    for round in 1..=rounds {
+        say(&format!("times, round {round} of {rounds}"));
+        work::round(&mut curves)?;
+    }
+    say("instructions");
+    let uncounted = match counted {
+        Some((executable, options)) => {
+            instructions::count(&mut curves, executable, options).err().map(|reason| reason.to_string())
+        }
+        None => Some("not asked for".into()),
+    };
+    say("hard cases");
+    let scale = if quick { Scale::Quick } else { Scale::Full };
+    // One after the other: some of them tell how long they took.
+    let hard = CASES.iter().map(|case| (case, (case.run)(scale))).collect();
+    let claims = claims::judge(&curves);
+    Ok(Study { quick, rounds, reference, curves, uncounted, claims, hard })
+}

@@ -1,0 +1,34 @@
+//! Where the thesis contradicts itself or physics, each with the numbers that show it.
+
+mod beam;
+mod energy;
+mod open;
+mod sheet;
+mod sign;
+mod transducer;
+
+use super::claim::Check;
+use contact::Trouble;
+
+pub use beam::table as equations;
+pub use open::{Choice, choices};
+
+/// A contradiction.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Erratum {
+    /// Short name.
+    pub id: &'static str,
+    /// Equations, tables and sections that disagree.
+    pub places: &'static str,
+    /// What is printed.
+    pub printed: &'static str,
+    /// What holds instead.
+    pub instead: &'static str,
+    /// Whether the numbers show it, and the numbers.
+    pub evidence: Check,
+}
+
+/// All contradictions.
+pub fn all() -> Result<Vec<Erratum>, Trouble> {
+    Ok([sign::errata()?, energy::errata()?, transducer::errata(), beam::errata(), sheet::errata()].concat())
+}

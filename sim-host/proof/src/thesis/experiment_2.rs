@@ -1,0 +1,108 @@
+//! The second experiment (3.2): a seat belt pulled under the horn of a 20 kHz welder, vibration across it, 270 to 670 N.
+//!
+//! ```text
+//! what is stated (two numbers and words) --> empirical law and lag --> scene experiment-2 --> Figures 3.7 to 3.12
+//!                                       `--> other laws that fit as well
+//! Hertz's contact: how far it goes, and which of the trends are its own
+//! ```
+//!
+//! The law is a fit, and every check says so. What the scene adds to it is a model: the amplitude that the controller really holds, and the
+//! power that it takes.
+
+mod alternatives;
+mod claims;
+mod normal;
+mod pictures;
+mod table_3_2;
+
+use super::Part;
+use super::driven::{self, Ran};
+use contact::Trouble;
+use contact::empirical::EmpiricalLaw;
+use report::TableBlock;
+use sim::findings::belt_law::{self, AMPLITUDES, FULL_M, LAG_S, LOADS_N, SPEED_M_PER_S};
+
+/// ON times, s (3.2.3.1).
+pub const ON_TIMES_S: [f64; 4] = [0.5, 1.0, 2.0, 2.5];
+/// Beginning of the ON window of the scene, s.
+const ON_S: f64 = 2.0;
+/// How much later than its trigger the horn of the scene starts, s: assumed.
+const DELAY_S: f64 = 0.05;
+/// Scene that is run.
+const SCENE: &str = "experiment-2";
+
+/// A run of the scene.
+struct Case {
+    load_n: f64,
+    amplitude: f64,
+    on_time_s: f64,
+    ran: Ran,
+}
+
+/// All runs.
+struct Runs(Vec<Case>);
+
+impl Runs {
+    fn new() -> Result<Self, Trouble> {
+        let loads = AMPLITUDES.iter().flat_map(|&amplitude| LOADS_N.map(|load_n| (load_n, amplitude, 2.0)));
+        let shorter = ON_TIMES_S.iter().filter(|&&on_s| on_s != 2.0).map(|&on_s| (LOADS_N[0], AMPLITUDES[1], on_s));
+        let cases: Vec<(f64, f64, f64)> = loads.chain(shorter).collect();
+        let sets = |&(load_n, amplitude, on_s): &(f64, f64, f64)| {
+            vec![
+                format!("rig.belt.load_n={load_n}"),
+                format!("rig.belt.amplitude_fraction={amplitude}"),
+                format!("controller.burst.off_s=[{}]", ON_S + on_s),
+            ]
+        };
+        let runs = driven::each(SCENE, &cases.iter().map(sets).collect::<Vec<_>>())?;
+        let case = |((load_n, amplitude, on_time_s), ran)| Case { load_n, amplitude, on_time_s, ran };
+        Ok(Runs(cases.into_iter().zip(runs).map(case).collect()))
+    }
+
+    fn case(&self, load_n: f64, amplitude: f64, on_time_s: f64) -> Result<&Case, Trouble> {
+        let same = |case: &&Case| (case.load_n, case.amplitude, case.on_time_s) == (load_n, amplitude, on_time_s);
+        self.0.iter().find(same).ok_or(Trouble::Unsuited { method: "a scene", reason: "no such case".into() })
+    }
+
+    /// A metric after 2 s ON.
+    fn metric(&self, name: &str, load_n: f64, amplitude: f64) -> Result<f64, Trouble> {
+        self.case(load_n, amplitude, 2.0)?.ran.metric(name)
+    }
+
+    /// Reductions after 2 s ON over the loads, %.
+    fn over_load(&self, amplitude: f64) -> Result<Vec<f64>, Trouble> {
+        LOADS_N.iter().map(|&load_n| self.metric("reduction_percent", load_n, amplitude)).collect()
+    }
+
+    /// Reductions over the ON times at 270 N and 70 %, %.
+    fn over_time(&self) -> Result<Vec<f64>, Trouble> {
+        let at = |&on_s: &f64| self.case(LOADS_N[0], AMPLITUDES[1], on_s)?.ran.metric("reduction_percent");
+        ON_TIMES_S.iter().map(at).collect()
+    }
+}
+
+/// Table 3.2, the law with its constants and residuals, other laws, and Hertz's contact.
+pub fn tables() -> Vec<TableBlock> {
+    let law = EmpiricalLaw::FITTED;
+    vec![
+        table_3_2::table(),
+        belt_law::constants(law, LAG_S),
+        belt_law::residuals(law, LAG_S),
+        alternatives::table(),
+        normal::table(),
+    ]
+}
+
+fn load_labels() -> Vec<String> {
+    LOADS_N.iter().map(|load| format!("{load} N")).collect()
+}
+
+fn time_labels() -> Vec<String> {
+    ON_TIMES_S.iter().map(|on_s| format!("{on_s} s")).collect()
+}
+
+/// Figures 3.7 to 3.12 and two that explain them, with the claims of 3.2.
+pub fn study() -> Result<Part, Trouble> {
+    let runs = Runs::new()?;
+    Ok(Part { figures: pictures::all(&runs)?, claims: claims::all(&runs)? })
+}

@@ -1,0 +1,66 @@
+//! Many problems at once.
+
+use rayon::prelude::*;
+
+use contact::tally::Ratios;
+use contact::{Numerics, Problem, Solution, Trouble, solve};
+
+/// How all problems of the thesis are solved: the cheapest method whose mean friction is good to six decimals.
+pub fn numerics() -> Numerics {
+    Numerics { tolerance: 1e-6, ..Numerics::default() }
+}
+
+/// Solves a problem.
+pub fn solution(problem: &Problem) -> Result<Solution, Trouble> {
+    solve(problem, &numerics(), &mut |_| ())
+}
+
+/// The ratios of a problem.
+pub fn ratios(problem: &Problem) -> Result<Ratios, Trouble> {
+    Ok(solution(problem)?.ratios)
+}
+
+/// The friction ratio of a problem: no energies are added up, and the ratio is the same.
+pub fn friction(problem: &Problem) -> Result<f64, Trouble> {
+    let lean = Numerics { energies: false, ..numerics() };
+    Ok(solve(problem, &lean, &mut |_| ())?.ratios.friction)
+}
+
+/// One result for each item, in parallel.
+pub fn each<T: Sync, R: Send>(items: &[T], of: impl Fn(&T) -> Result<R, Trouble> + Sync + Send) -> Result<Vec<R>, Trouble> {
+    items.par_iter().map(of).collect()
+}
+
+/// For each curve its points, all in parallel.
+pub fn curves<C: Sync, R: Send>(
+    curves: &[C],
+    points: &[f64],
+    of: impl Fn(&C, f64) -> Result<R, Trouble> + Sync + Send,
+) -> Result<Vec<Vec<R>>, Trouble> {
+    curves.par_iter().map(|curve| points.par_iter().map(|&point| of(curve, point)).collect()).collect()
+}
+
+/// Equally spaced values, both ends included.
+pub fn spaced(from: f64, to: f64, count: usize) -> Vec<f64> {
+    (0..count).map(|i| from + (to - from) * i as f64 / (count - 1) as f64).collect()
+}
+
+/// The velocity ratios that curves are drawn over.
+pub fn velocity_ratios() -> Vec<f64> {
+    spaced(0.025, 1.0, 40)
+}
+
+/// Values in a geometric series, both ends included.
+pub fn geometric(from: f64, to: f64, count: usize) -> Vec<f64> {
+    spaced(from.ln(), to.ln(), count).into_iter().map(f64::exp).collect()
+}
+
+/// Whether each value exceeds the one before it.
+pub fn rises(values: &[f64]) -> bool {
+    values.windows(2).all(|pair| pair[1] > pair[0])
+}
+
+/// Whether each value is below the one before it.
+pub fn falls(values: &[f64]) -> bool {
+    values.windows(2).all(|pair| pair[1] < pair[0])
+}

@@ -1,0 +1,120 @@
+//! The results as tables.
+
+use super::case::{LARGEST_FORCE_N, STEP_S, TABLE_4_1};
+use super::claim::Check;
+use super::{Erratum, Findings};
+use report::{TableBlock, significant};
+
+/// Numbers in a row: `name value; name value`.
+pub fn numbers(numbers: &[(String, f64)]) -> String {
+    numbers.iter().map(|(name, value)| format!("{name} {}", significant(*value))).collect::<Vec<_>>().join("; ")
+}
+
+/// Table 4.1, and what follows from it.
+pub fn table_4_1() -> TableBlock {
+    let case = TABLE_4_1;
+    let row = |name: &str, value: String, source: &str| vec![name.into(), value, source.into()];
+    let rows = vec![
+        row("mass m", format!("{} kg", case.mass_kg), "Table 4.1"),
+        row("system stiffness Ks", format!("{}e6 N/m", case.stiffness_n_per_m / 1e6), "Table 4.1"),
+        row("excitation frequency", format!("{} kHz", case.frequency_hz / 1e3), "Table 4.1"),
+        row("piezo control force Fe", format!("0 to {LARGEST_FORCE_N} N; plots at {} N", case.force_n), "Table 4.1, 4.3.1"),
+        row("tangential stiffness Kt", format!("{}e6 N/m", case.contact_n_per_m / 1e6), "Table 4.1"),
+        row("coefficient of friction mu", format!("{}", case.mu), "Table 4.1"),
+        row("solver", "fourth order Runge-Kutta".into(), "Table 4.1; here each point by the cheapest method that meets 1e-6"),
+        row("time step", format!("{STEP_S:e} s"), "Table 4.1"),
+        row("natural frequency", format!("{} Hz", significant(case.natural_hz())), "sqrt(Ks/m)/(2 pi)"),
+        row("Coulomb force Fc", format!("{} N", significant(case.coulomb_n())), "mu m g"),
+        row("vibration velocity Vv at 384 N", format!("{} m/s", significant(case.vibration_m_per_s())), "w F0/|Ks - m w^2|"),
+        row("vibration amplitude at 384 N", format!("{} um", significant(1e6 * case.vibration_m_per_s() / case.omega())), "Vv/w"),
+        row("Dahl length", format!("{} um", significant(1e6 * case.coulomb_n() / case.contact_n_per_m)), "Fc/Kt"),
+        row("kappa at 384 N", significant(case.kappa()), "Kt Vv/(w Fc): amplitude in Dahl lengths"),
+    ];
+    let caption = "The upper eight rows are the thesis's; the others follow from them and decide what happens.";
+    TableBlock::new("table-4-1", "Table 4.1: simulation parameters", caption, &["parameter", "value", "source"], rows)
+}
+
+/// The claims with their verdicts; one row for each check.
+pub fn claims(findings: &Findings) -> TableBlock {
+    let mut rows = Vec::new();
+    for claim in &findings.claims {
+        for (index, check) in claim.checks.iter().enumerate() {
+            let [says, section, verdict] = if index == 0 {
+                [format!("{}: {}", claim.id, claim.says), claim.section.to_owned(), claim.verdict().word().to_owned()]
+            } else {
+                Default::default()
+            };
+            let Check { condition, holds, numbers: values } = check;
+            let holds = if *holds { "holds" } else { "fails" };
+            rows.push(vec![says, section, verdict, format!("{holds}: {condition}"), numbers(values)]);
+        }
+    }
+    let caption = "Reproduced: holds in every check. Conditional: on the conditions under which it holds. Refuted: holds in none. The \
+                   verdicts are computed from the numbers.";
+    let header = ["claim", "thesis", "verdict", "check", "numbers"];
+    TableBlock::new("claims", "Claims of chapters 3 and 4 and appendix B", caption, &header, rows)
+}
+
+/// The contradictions.
+pub fn errata(findings: &Findings) -> TableBlock {
+    let row = |erratum: &Erratum| {
+        let Check { condition, holds, numbers: values } = &erratum.evidence;
+        let shown = if *holds { "shown" } else { "not shown" };
+        let says = format!("{} Instead: {}", erratum.printed, erratum.instead);
+        vec![format!("{} ({})", erratum.id, erratum.places), says, format!("{shown}: {condition}"), numbers(values)]
+    };
+    let rows = findings.errata.iter().map(row).collect();
+    TableBlock::new("errata", "Contradictions", "", &["where", "printed, and what holds", "evidence", "numbers"], rows)
+}
+
+/// What is left open.
+pub fn choices(findings: &Findings) -> TableBlock {
+    let rows =
+        findings.choices.iter().map(|choice| vec![choice.what.into(), choice.here.into(), numbers(&choice.numbers)]).collect();
+    let caption = "Friction ratio at Table 4.1, 384 N, velocity ratio 0.5, under each choice.";
+    TableBlock::new("open", "What the thesis leaves open", caption, &["open", "chosen here", "numbers"], rows)
+}
+
+/// Tables as Markdown, for the documentation.
+pub fn plain_markdown(tables: &[TableBlock]) -> String {
+    let row = |cells: &[String]| format!("| {} |\n", cells.join(" | "));
+    let one = |table: &TableBlock| {
+        let rows: String = table.rows.iter().map(|cells| row(cells)).collect();
+        format!(
+            "### {}\n\n{}\n\n{}|{}\n{rows}",
+            table.title,
+            table.caption,
+            row(&table.header),
+            "---|".repeat(table.header.len())
+        )
+    };
+    tables.iter().map(one).collect::<Vec<_>>().join("\n")
+}
+
+/// Contradictions, open choices and verdicts as Markdown, for the documentation.
+pub fn markdown(findings: &Findings) -> String {
+    let mut text = String::from("| where | printed | instead | evidence |\n|---|---|---|---|\n");
+    for erratum in &findings.errata {
+        let Check { condition, numbers: values, .. } = &erratum.evidence;
+        let Erratum { id, places, printed, instead, .. } = erratum;
+        text += &format!("| `{id}`: {places} | {printed} | {instead} | {condition}: {} |\n", numbers(values));
+    }
+    text += "\n| open | chosen here | friction ratio |\n|---|---|---|\n";
+    for choice in &findings.choices {
+        text += &format!("| {} | {} | {} |\n", choice.what, choice.here, numbers(&choice.numbers));
+    }
+    text += "\n| claim | thesis | verdict | holds | fails |\n|---|---|---|---|---|\n";
+    for claim in &findings.claims {
+        let conditions = |holds: bool| claim.conditions(holds).join("; ");
+        let verdict = claim.verdict().word();
+        text += &format!(
+            "| `{}`: {} | {} | **{verdict}** | {} | {} |\n",
+            claim.id,
+            claim.says,
+            claim.section,
+            conditions(true),
+            conditions(false)
+        );
+    }
+    text.replace("|Ks - m w^2|", "abs(Ks - m w^2)")
+}

@@ -1,0 +1,98 @@
+//! A crash that can be played: the belt as it is beside the belt whose friction is switched, drawn from the side, with the force at the
+//! shoulder as bars over time. For readers who have never heard of a capstan.
+//!
+//! Plain data here; `assets/crash.js` draws it. Nothing moves by itself, and where the reader's system asks for less motion nothing moves at
+//! all: buttons go from one moment that matters to the next, and a slider to any.
+
+use serde::Serialize;
+
+const STYLE: &str = include_str!("../assets/crash.css");
+const SCRIPT: &str = include_str!("../assets/crash.js");
+
+/// A crash. Of pairs, the first is the passive belt, the second the one that is switched.
+#[derive(Debug, Clone, Default, PartialEq, Serialize)]
+pub struct CrashView {
+    /// Who sits there, in words.
+    pub occupant: String,
+    /// Mass of the torso, kg.
+    pub torso_kg: f64,
+    /// How far the torso goes before the belt stretches, mm.
+    pub slack_mm: f64,
+    /// Length of the pulse, ms.
+    pub pulse_ms: f64,
+    /// When the drive went ON, ms; never, if it did not.
+    pub low_ms: Option<f64>,
+    /// The crash, at even steps.
+    pub instants: Vec<Instant>,
+}
+
+/// One moment of a crash.
+#[derive(Debug, Clone, Default, PartialEq, Serialize)]
+pub struct Instant {
+    /// Since the crash began, ms.
+    pub ms: f64,
+    /// How far friction has been lowered, 0 to 1.
+    pub low: f64,
+    /// Deceleration of the car, g.
+    pub pulse_g: f64,
+    /// How far the torso has gone, mm.
+    pub mm: [f64; 2],
+    /// Force at the shoulder, N.
+    pub newton: [f64; 2],
+    /// Webbing that has slid over the D-ring, mm.
+    pub payout_mm: [f64; 2],
+}
+
+/// What a reader needs to know before it moves.
+const LEAD: &str = "The car stops; the person in it goes on. The shoulder belt catches them. It runs from the shoulder over a steel ring on the \
+     pillar, the D-ring, down to a reel. The reel gives way at a set force, so that the belt does not cut in; friction at the ring more \
+     than doubles that force on its way to the shoulder. For a light person this is more than needed. Ultrasound in the ring can make it \
+     slippery, so that less force arrives. The price: what the belt does not hold, the person goes further forward. The picture is not to scale.";
+
+/// The view as a section of the page, with style, data and script.
+pub(super) fn section(view: &CrashView) -> Result<String, String> {
+    let rounded = CrashView { instants: view.instants.iter().map(Instant::rounded).collect(), ..view.clone() };
+    let data = serde_json::to_string(&rounded).map_err(|error| error.to_string())?.replace('<', "\\u003c");
+    Ok(format!(
+        "<section id=\"crash-view\" class=\"crash\">\n<style>\n{STYLE}</style>\n<h2>The crash, step by step</h2>\n\
+         <p class=\"prose\">{LEAD}</p>\n<noscript>The view needs scripting; the curves below show the same.</noscript>\n\
+         <div class=\"card\" id=\"crash-stage\" hidden>\n\
+         <div class=\"crash-pair\"><svg viewBox=\"0 0 460 330\" role=\"img\" aria-label=\"the belt as it is today\"></svg>\
+         <svg viewBox=\"0 0 460 330\" role=\"img\" aria-label=\"the belt with its friction switched\"></svg></div>\n\
+         <p class=\"crash-story\" aria-live=\"polite\"></p>\n\
+         <div class=\"crash-controls\"><button type=\"button\" data-go=\"-1\">◀ moment before</button>\
+         <button type=\"button\" data-play>Play, 80 times slower</button>\
+         <button type=\"button\" data-go=\"1\">next moment ▶</button>\
+         <label>time <input type=\"range\" min=\"0\" step=\"1\" value=\"0\"></label><output></output></div>\n\
+         <svg class=\"crash-bars\" viewBox=\"0 0 940 250\" role=\"img\" aria-label=\"force at the shoulder over time, as bars\"></svg>\n\
+         </div>\n<script id=\"crash-data\" type=\"application/json\">{data}</script>\n<script>\n{SCRIPT}</script>\n</section>\n"
+    ))
+}
+
+impl Instant {
+    /// The same to a tenth of a millimetre and a newton.
+    fn rounded(&self) -> Instant {
+        let to = |value: f64, parts: f64| (value * parts).round() / parts;
+        Instant {
+            ms: to(self.ms, 100.0),
+            low: to(self.low, 100.0),
+            pulse_g: to(self.pulse_g, 100.0),
+            mm: self.mm.map(|mm| to(mm, 10.0)),
+            newton: self.newton.map(|newton| to(newton, 1.0)),
+            payout_mm: self.payout_mm.map(|mm| to(mm, 10.0)),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn hostile_words_stay_words() {
+        let view = CrashView { occupant: "</script><b>".into(), instants: vec![Instant::default()], ..CrashView::default() };
+        let html = section(&view).unwrap();
+        assert_eq!(html.matches("</script>").count(), 2);
+        assert!(!html.contains("<b>") && !html.contains("http"));
+    }
+}

@@ -1,0 +1,197 @@
+//! What a report is made of: plain data, filled in by whoever has something to show.
+//!
+//! Nothing here knows how it will be drawn. The same [`Figure`] becomes an SVG for a paper, a PNG
+//! for a README, a CSV for the reader's own tools and a panel of the HTML page, so the four can
+//! never disagree.
+
+use super::crash_view::CrashView;
+
+/// One page: headline numbers, prose, tables, figures and an appendix, in that order.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Report {
+    /// Heading of the page.
+    pub title: String,
+    /// One line under the heading.
+    pub subtitle: String,
+    /// Headline numbers, shown as large tiles: label, then value with its unit.
+    pub summary: Vec<(String, String)>,
+    /// Prose, one entry per paragraph, plain text.
+    pub paragraphs: Vec<String>,
+    /// Tables, shown before the figures.
+    pub tables: Vec<TableBlock>,
+    /// A crash that can be played, shown before the tables.
+    pub crash: Option<CrashView>,
+    /// Figures, each also written to its own files.
+    pub figures: Vec<Figure>,
+    /// Tables to look things up in, shown after the figures.
+    pub appendix: Vec<TableBlock>,
+    /// Where the numbers come from: label and value (version, seed, hash of the inputs).
+    pub footer: Vec<(String, String)>,
+    /// The run was stopped early; the page says so at its top.
+    pub interrupted: bool,
+}
+
+/// A table of text cells.
+///
+/// A column whose cells all start like a number is aligned to the right; a cell that begins with
+/// `PASS` or `MISS` is coloured.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct TableBlock {
+    /// Anchor of the table in the page.
+    pub id: String,
+    /// Heading of the table.
+    pub title: String,
+    /// What the reader should see in it.
+    pub caption: String,
+    /// Column headings, with units.
+    pub header: Vec<String>,
+    /// Rows of cells, each as long as the header.
+    pub rows: Vec<Vec<String>>,
+}
+
+impl TableBlock {
+    /// A table of these cells.
+    pub fn new(id: &str, title: &str, caption: impl Into<String>, header: &[&str], rows: Vec<Vec<String>>) -> Self {
+        let header = header.iter().map(|&cell| cell.into()).collect();
+        TableBlock { id: id.into(), title: title.into(), caption: caption.into(), header, rows }
+    }
+}
+
+/// One plot: curves over two axes, or a map of values, with the marks that explain them.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Figure {
+    /// Stem of the figure's file names and its anchor in the page.
+    pub id: String,
+    /// Short heading drawn above the plot.
+    pub title: String,
+    /// What the reader should see in it; shown in the page, not in the image.
+    pub caption: String,
+    /// Horizontal axis.
+    pub x: Axis,
+    /// Vertical axis.
+    pub y: Axis,
+    /// Curves, drawn in this order, coloured by their place in the list.
+    pub series: Vec<Series>,
+    /// Values over the plane, instead of curves.
+    pub map: Option<HeatMap>,
+    /// Intervals of x shaded behind the curves.
+    pub shaded: Vec<Span>,
+    /// Single labelled points, drawn on top.
+    pub markers: Vec<Marker>,
+    /// Horizontal reference lines: y and label.
+    pub hlines: Vec<(f64, String)>,
+    /// One unit of x is drawn as long as one unit of y, as a locus in a plane needs.
+    ///
+    /// Has no meaning, and no effect, on logarithmic axes.
+    pub equal_aspect: bool,
+    /// The page shows a plot that can be zoomed instead of the static picture.
+    ///
+    /// Needs x in ascending order; a locus stays static whatever is asked.
+    pub interactive: bool,
+}
+
+/// Values over a plane as colours, in cells of equal size. Both axes are linear, and end where the map does.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct HeatMap {
+    /// Outer edges of the first and the last column.
+    pub x: (f64, f64),
+    /// Outer edges of the lowest and the highest row.
+    pub y: (f64, f64),
+    /// For each column, the values from the lowest row to the highest; what is not finite is drawn as the floor.
+    pub columns: Vec<Vec<f64>>,
+    /// Values of the darkest and the lightest colour; what lies beyond has the colour of the end.
+    pub range: (f64, f64),
+    /// Quantity and unit of the values, such as `power [dB]`.
+    pub label: String,
+    /// Name of the columns in the CSV, with the unit; the row's place on the vertical axis follows it.
+    pub csv_column: String,
+}
+
+/// One axis of a [`Figure`].
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Axis {
+    /// Quantity and unit, such as `friction [N]`.
+    pub label: String,
+    /// Logarithmic scale; values that are not positive leave a gap.
+    pub log: bool,
+    /// Interval shown; without it the data decide.
+    pub range: Option<(f64, f64)>,
+}
+
+/// One curve of a [`Figure`]. A value that is not finite leaves a gap.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Series {
+    /// Name in the legend.
+    pub name: String,
+    /// Name of the column in the CSV, with the unit, such as `friction_true_n`.
+    pub csv_column: String,
+    /// Abscissae.
+    pub x: Vec<f64>,
+    /// Ordinates, one for each x.
+    pub y: Vec<f64>,
+    /// How the curve is drawn.
+    pub style: Style,
+}
+
+/// How a [`Series`] is drawn.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub enum Style {
+    /// A solid line.
+    #[default]
+    Line,
+    /// A dashed line, for models and references.
+    Dashed,
+    /// Separate dots, for measurements.
+    Points,
+    /// A solid line on a tinted band, for a mean with its extremes.
+    Band {
+        /// Lower edge, one value for each x.
+        lower: Vec<f64>,
+        /// Upper edge, one value for each x.
+        upper: Vec<f64>,
+    },
+}
+
+/// A shaded interval of x.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Span {
+    /// Where the interval begins.
+    pub from: f64,
+    /// Where it ends.
+    pub to: f64,
+    /// What holds within it, such as `ON`.
+    pub label: String,
+}
+
+/// A labelled point.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Marker {
+    /// Abscissa.
+    pub x: f64,
+    /// Ordinate.
+    pub y: f64,
+    /// Text beside the point.
+    pub label: String,
+}
+
+impl Series {
+    /// The vectors that run beside `x`: y, then the edges of a band.
+    pub(super) fn columns(&self) -> Vec<&[f64]> {
+        match &self.style {
+            Style::Band { lower, upper } => vec![&self.y, lower, upper],
+            Style::Line | Style::Dashed | Style::Points => vec![&self.y],
+        }
+    }
+}
+
+impl Figure {
+    /// Whether both axes have the same unit of length.
+    pub(super) fn is_plane(&self) -> bool {
+        self.equal_aspect && !self.x.log && !self.y.log
+    }
+
+    /// How many series of dots come before the one at `index`.
+    pub(super) fn dots_before(&self, index: usize) -> usize {
+        self.series[..index].iter().filter(|series| series.style == Style::Points).count()
+    }
+}

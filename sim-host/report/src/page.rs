@@ -1,0 +1,261 @@
+//! The page: the whole report in one HTML file.
+//!
+//! Style, script and data stand in the file itself, and a policy in its head forbids the browser to
+//! fetch anything else. Every text of the report is user input: it is escaped on its way into the
+//! markup, and the data block for the script cannot contain the end of its own element.
+
+use super::crash_view;
+use super::draw;
+use super::figure::{Figure, Report, TableBlock};
+use super::plot_data::{can_zoom, plot_data};
+
+const STYLE: [&str; 2] = [include_str!("../assets/uPlot.min.css"), include_str!("../assets/report.css")];
+const PLOT_LIBRARY: &str = include_str!("../assets/uPlot.iife.min.js");
+const PLOT_LICENSE: &str = include_str!("../assets/uPlot.LICENSE");
+const SCRIPT: &str = include_str!("../assets/report.js");
+
+/// Pictures may be part of the page, as those of maps are, and come from nowhere else.
+const POLICY: &str = "default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inline'; img-src data:";
+
+/// Figures a reader can do without a list of contents for.
+const FEW_FIGURES: usize = 6;
+
+/// The page as HTML; fails if a static picture cannot be drawn.
+pub(super) fn page(report: &Report) -> Result<String, String> {
+    let title = escape(&report.title);
+    let [library_style, own_style] = STYLE;
+    let body: String = [
+        heading(report),
+        tiles(&report.summary),
+        report.paragraphs.iter().map(|p| format!("<p class=\"prose\">{}</p>\n", escape(p))).collect(),
+        report.crash.as_ref().map(crash_view::section).transpose()?.unwrap_or_default(),
+        contents(&report.figures),
+        report.tables.iter().map(table).collect(),
+        report.figures.iter().map(panel).collect::<Result<_, _>>()?,
+        report.appendix.iter().map(table).collect(),
+        footer(&report.footer),
+        scripts(&report.figures)?,
+    ]
+    .concat();
+    Ok(format!(
+        "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
+         <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
+         <meta http-equiv=\"Content-Security-Policy\" content=\"{POLICY}\">\n\
+         <title>{title}</title>\n<style>\n{library_style}\n{own_style}</style>\n</head>\n\
+         <body>\n{body}</body>\n</html>\n"
+    ))
+}
+
+/// Text made harmless for markup and attribute values.
+fn escape(text: &str) -> String {
+    let mut safe = String::with_capacity(text.len());
+    for letter in text.chars() {
+        match letter {
+            '&' => safe.push_str("&amp;"),
+            '<' => safe.push_str("&lt;"),
+            '>' => safe.push_str("&gt;"),
+            '"' => safe.push_str("&quot;"),
+            '\'' => safe.push_str("&#39;"),
+            other => safe.push(other),
+        }
+    }
+    safe
+}
+
+/// A text element, or nothing for an empty text.
+fn element(open: &str, text: &str, close: &str) -> String {
+    if text.is_empty() { String::new() } else { format!("{open}{}{close}\n", escape(text)) }
+}
+
+fn heading(report: &Report) -> String {
+    let mut html = String::from("<header>\n");
+    html += &element("<h1>", &report.title, "</h1>");
+    html += &element("<p class=\"subtitle\">", &report.subtitle, "</p>");
+    if report.interrupted {
+        html += "<p class=\"banner\" role=\"status\">Interrupted: the run was stopped early, and \
+                 this report holds what was done until then.</p>\n";
+    }
+    html + "</header>\n"
+}
+
+fn tiles(summary: &[(String, String)]) -> String {
+    wrapped("<dl class=\"tiles\">\n", definitions(summary), "</dl>\n")
+}
+
+fn footer(entries: &[(String, String)]) -> String {
+    wrapped("<footer>\n<dl>\n", definitions(entries), "</dl>\n</footer>\n")
+}
+
+fn definitions(entries: &[(String, String)]) -> String {
+    let pair = |(label, value): &(String, String)| format!("<div><dt>{}</dt><dd>{}</dd></div>\n", escape(label), escape(value));
+    entries.iter().map(pair).collect()
+}
+
+fn wrapped(open: &str, content: String, close: &str) -> String {
+    if content.is_empty() { content } else { [open, &content, close].concat() }
+}
+
+fn contents(figures: &[Figure]) -> String {
+    if figures.len() <= FEW_FIGURES {
+        return String::new();
+    }
+    let items: String =
+        figures.iter().map(|f| format!("<li><a href=\"#{}\">{}</a></li>\n", escape(&f.id), escape(&f.title))).collect();
+    format!("<nav aria-label=\"Figures\">\n<ol>\n{items}</ol>\n</nav>\n")
+}
+
+fn table(block: &TableBlock) -> String {
+    let numeric: Vec<bool> = (0..block.header.len())
+        .map(|column| {
+            let mut cells = block.rows.iter().filter_map(|row| row.get(column)).peekable();
+            cells.peek().is_some() && cells.all(|cell| is_number(cell))
+        })
+        .collect();
+    let class = |column: usize, cell: &str| {
+        if cell.starts_with("PASS") {
+            " class=\"pass\""
+        } else if cell.starts_with("MISS") {
+            " class=\"miss\""
+        } else if numeric.get(column) == Some(&true) {
+            " class=\"number\""
+        } else {
+            ""
+        }
+    };
+    let line = |tag: &str, cells: &[String]| {
+        let cells: String =
+            cells.iter().enumerate().map(|(i, cell)| format!("<{tag}{}>{}</{tag}>", class(i, cell), escape(cell))).collect();
+        format!("<tr>{cells}</tr>\n")
+    };
+    format!(
+        "<section id=\"{}\">\n{}<div class=\"scroll\"><table class=\"data\">\n<thead>\n{}</thead>\n\
+         <tbody>\n{}</tbody>\n</table></div>\n{}</section>\n",
+        escape(&block.id),
+        element("<h2>", &block.title, "</h2>"),
+        line("th", &block.header),
+        block.rows.iter().map(|row| line("td", row)).collect::<String>(),
+        element("<p class=\"caption\">", &block.caption, "</p>"),
+    )
+}
+
+/// Whether a cell belongs in a column of numbers; an empty cell or a dash may stand among them.
+fn is_number(cell: &str) -> bool {
+    let unsigned = cell.trim_start_matches(['-', '+', '−', '±', '<', '>', '≤', '≥', '≈', '.', ' ']);
+    unsigned.starts_with(|c: char| c.is_ascii_digit()) || matches!(cell, "" | "-" | "–" | "—")
+}
+
+fn panel(figure: &Figure) -> Result<String, String> {
+    let id = escape(&figure.id);
+    let card = if can_zoom(figure) {
+        format!(
+            "<div class=\"card\">\n<div id=\"plot-{id}\"><noscript>This figure needs scripting; see \
+             {id}.svg.</noscript></div>\n<p class=\"hint\">{}Drag to zoom, double-click to reset; \
+             click a name to hide its curve.</p>\n</div>\n",
+            shading(figure)
+        )
+    } else {
+        let shape = if figure.is_plane() { "card square" } else { "card" };
+        let label = escape(&figure.title);
+        let picture = draw::svg(figure, false)?;
+        format!("<div class=\"{shape}\" role=\"img\" aria-label=\"{label}\">\n{picture}</div>\n")
+    };
+    let files: Vec<String> =
+        ["svg", "png", "csv"].map(|kind| format!("<a href=\"{id}.{kind}\">{}</a>", kind.to_uppercase())).into();
+    Ok(format!(
+        "<figure id=\"{id}\">\n{}{card}<figcaption>\n<p>{}</p>\n\
+         <span class=\"files\" title=\"Files beside this page\">{}</span>\n</figcaption>\n</figure>\n",
+        element("<h2>", &figure.title, "</h2>"),
+        escape(&figure.caption),
+        files.join(" · "),
+    ))
+}
+
+/// What the shading stands for: an interval can be too narrow to bear its label.
+fn shading(figure: &Figure) -> String {
+    let mut labels: Vec<&str> = figure.shaded.iter().map(|s| s.label.as_str()).filter(|l| !l.is_empty()).collect();
+    labels.sort_unstable();
+    labels.dedup();
+    wrapped("Shaded: ", escape(&labels.join(", ")), ". ")
+}
+
+/// The plotting library, the data and the script, if any figure needs them.
+fn scripts(figures: &[Figure]) -> Result<String, String> {
+    let data: Vec<_> = figures.iter().filter(|figure| can_zoom(figure)).map(plot_data).collect();
+    if data.is_empty() {
+        return Ok(String::new());
+    }
+    let json = serde_json::to_string(&data).map_err(|e| e.to_string())?.replace('<', "\\u003c");
+    Ok(format!(
+        "<script>/*\n{PLOT_LICENSE}*/\n{PLOT_LIBRARY}</script>\n\
+         <script id=\"figure-data\" type=\"application/json\">{json}</script>\n\
+         <script>\n{SCRIPT}</script>\n"
+    ))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::figure::Series;
+
+    const EVIL: &str = "</script><b onclick=\"x\">&'";
+
+    fn figure(interactive: bool) -> Figure {
+        Figure {
+            id: "one".into(),
+            title: EVIL.into(),
+            interactive,
+            series: vec![Series { name: EVIL.into(), ..Series::default() }],
+            ..Figure::default()
+        }
+    }
+
+    #[test]
+    fn hostile_text_stays_text() {
+        let report = Report {
+            title: EVIL.into(),
+            subtitle: EVIL.into(),
+            summary: vec![(EVIL.into(), EVIL.into())],
+            paragraphs: vec![EVIL.into()],
+            tables: vec![TableBlock {
+                id: EVIL.into(),
+                header: vec![EVIL.into()],
+                rows: vec![vec![EVIL.into()]],
+                ..TableBlock::default()
+            }],
+            crash: None,
+            figures: vec![figure(true)],
+            appendix: Vec::new(),
+            footer: vec![(EVIL.into(), EVIL.into())],
+            interrupted: true,
+        };
+        let html = page(&report).unwrap();
+        assert!(!html.contains("<b onclick"));
+        assert_eq!(html.matches("</script>").count(), 3);
+    }
+
+    #[test]
+    fn the_library_comes_only_with_figures_that_need_it() {
+        let with = |figure| {
+            let report = Report { figures: vec![figure], ..Report::default() };
+            page(&report).unwrap()
+        };
+        assert!(with(figure(true)).contains("uPlot="));
+        assert!(!with(figure(false)).contains("<script"));
+        assert!(with(figure(false)).contains("<svg "));
+    }
+
+    #[test]
+    fn columns_of_numbers_and_verdicts_are_marked() {
+        let cells = |texts: [&str; 3]| texts.map(String::from).to_vec();
+        let html = table(&TableBlock {
+            header: cells(["Quantity", "Value", "Verdict"]),
+            rows: vec![cells(["µ", "−0.1 N", "PASS"]), cells(["f", "", "MISS by 2 Hz"])],
+            ..TableBlock::default()
+        });
+        assert!(html.contains("<th class=\"number\">Value</th>"));
+        assert!(html.contains("<td class=\"number\">−0.1 N</td>"));
+        assert!(html.contains("<td class=\"pass\">PASS</td>"));
+        assert!(html.contains("<td class=\"miss\">MISS by 2 Hz</td>"));
+        assert!(html.contains("<td>µ</td>"));
+    }
+}

@@ -1,0 +1,275 @@
+//! `[contact]`: the friction contact.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use contact::empirical::EmpiricalLaw;
+
+/// The friction contact. Give exactly one model.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Contact {
+    /// Coulomb's model.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub coulomb: Option<Coulomb>,
+    /// Dahl's model.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub dahl: Option<Dahl>,
+    /// The LuGre model.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub lugre: Option<Lugre>,
+    /// Hertz's contact under vibration across the surface.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub hertz: Option<Hertz>,
+    /// A fitted law of a seat belt under vibration across it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub empirical: Option<Empirical>,
+}
+
+/// Coulomb's model: `F = mu N sgn(V)`. For contact studies.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Coulomb {
+    /// Coefficient of friction.
+    #[schemars(range(min = 0.0, max = 5.0))]
+    pub mu: f64,
+    /// Normal force, N. Default with `rig.sdof`: the weight of its mass, m g with g = 9.81 m/s^2.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 1e-9, max = 1e6))]
+    pub normal_n: Option<f64>,
+    /// Which way the vibration counts in the slip velocity of a contact study. Default: passive.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub sign: Option<Sign>,
+}
+
+/// Dahl's model with exponent one: `dF/dz = Kt (1 - F sgn(V) / Fc)`, `Fc = mu N`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Dahl {
+    /// Coefficient of friction.
+    #[schemars(range(min = 0.0, max = 5.0))]
+    pub mu: f64,
+    /// Normal force, N. Default with `rig.sdof`: the weight of its mass, m g with g = 9.81 m/s^2.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 1e-9, max = 1e6))]
+    pub normal_n: Option<f64>,
+    /// Tangential contact stiffness Kt, N/m.
+    #[schemars(range(min = 1.0, max = 1e12))]
+    pub stiffness_n_per_m: f64,
+    /// Exponent of the model: 1, the thesis's, which is solved exactly in slip.
+    #[serde(default = "default::alpha")]
+    pub alpha: f64,
+    /// Which way the vibration counts in the slip velocity of a contact study. Default: passive.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub sign: Option<Sign>,
+}
+
+/// The LuGre model: `z' = V - |V| z / G(V)`, `F = Kt z + sigma1 z' + sigma2 V`,
+/// `Kt G(V) = N (mu + (static_mu - mu) exp(-(V / Vs)^2))`. For contact studies.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Lugre {
+    /// Coefficient of kinetic friction.
+    #[schemars(range(min = 0.0, max = 5.0))]
+    pub mu: f64,
+    /// Coefficient of static friction, at least `mu`.
+    #[schemars(range(min = 0.0, max = 5.0))]
+    pub static_mu: f64,
+    /// Normal force, N. Default with `rig.sdof`: the weight of its mass, m g with g = 9.81 m/s^2.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 1e-9, max = 1e6))]
+    pub normal_n: Option<f64>,
+    /// Bristle stiffness Kt, N/m.
+    #[schemars(range(min = 1.0, max = 1e12))]
+    pub stiffness_n_per_m: f64,
+    /// Stribeck velocity Vs, m/s: how fast the static friction is lost.
+    #[schemars(range(min = 1e-9, max = 1e3))]
+    pub stribeck_m_per_s: f64,
+    /// Damping of the bristles, N s/m.
+    #[serde(default)]
+    #[schemars(range(min = 0.0, max = 1e9))]
+    pub sigma1: f64,
+    /// Viscous friction, N s/m.
+    #[serde(default)]
+    #[schemars(range(min = 0.0, max = 1e9))]
+    pub sigma2: f64,
+    /// Which way the vibration counts in the slip velocity of a contact study. Default: passive.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub sign: Option<Sign>,
+}
+
+/// Hertz's contact, `N = K d^1.5` with friction in proportion to the contact area, under a vibration across the surface. For
+/// contact studies with `rig.kinematic`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Hertz {
+    /// Coefficient of friction.
+    #[schemars(range(min = 0.0, max = 5.0))]
+    pub mu: f64,
+    /// Mean normal force, N.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 1e-9, max = 1e6))]
+    pub normal_n: Option<f64>,
+    /// Hertzian stiffness K, N/m^1.5.
+    #[schemars(range(min = 1.0, max = 1e18))]
+    pub stiffness_n_per_m15: f64,
+}
+
+/// A law fitted to the thesis's second experiment: vibration across a seat belt takes the part `R` of its friction away,
+/// `R = reduction g(v) (W / reference_load_n)^-load_exponent (a / reference_amplitude_fraction)^e`,
+/// `e = amplitude_exponent min(1, (reference_load_n / W)^amplitude_load_exponent)`, `g` one at the reference speed and falling with
+/// `1 + v / speed_scale_m_per_s`. For `rig.belt`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct Empirical {
+    /// Coefficient of friction of the pull, both faces of the belt together, without vibration. Assumed; the reduction is a part of it.
+    #[schemars(range(min = 0.0, max = 5.0))]
+    pub mu: f64,
+    /// Part of the friction that goes at reference load, amplitude and speed if the vibration lasts.
+    #[schemars(range(min = 0.0, max = 1.0))]
+    pub reduction: f64,
+    /// Reference load, N.
+    #[schemars(range(min = 1.0, max = 1e4))]
+    pub reference_load_n: f64,
+    /// Reference amplitude, part of the full one.
+    #[schemars(range(min = 1e-3, max = 1.0))]
+    pub reference_amplitude_fraction: f64,
+    /// Reference speed, m/s.
+    #[schemars(range(min = 0.0, max = 10.0))]
+    pub reference_speed_m_per_s: f64,
+    /// Speed at which half of the effect on a creeping belt is left, m/s; not from the thesis, which has one speed.
+    #[schemars(range(min = 1e-6, max = 1e3))]
+    pub speed_scale_m_per_s: f64,
+    /// How fast the effect falls with the load.
+    #[schemars(range(min = 0.0, max = 10.0))]
+    pub load_exponent: f64,
+    /// How fast the effect rises with the amplitude, at the reference load and below.
+    #[schemars(range(min = 0.0, max = 10.0))]
+    pub amplitude_exponent: f64,
+    /// How fast `amplitude_exponent` falls with the load.
+    #[schemars(range(min = 0.0, max = 20.0))]
+    pub amplitude_load_exponent: f64,
+    /// Smallest amplitude tested, part of the full one: below it the effect falls in proportion to the amplitude.
+    #[schemars(range(min = 1e-3, max = 1.0))]
+    pub lowest_amplitude_fraction: f64,
+}
+
+impl Default for Empirical {
+    fn default() -> Self {
+        let law = EmpiricalLaw::FITTED;
+        Empirical {
+            mu: 0.3,
+            reduction: law.reduction,
+            reference_load_n: law.load_n,
+            reference_amplitude_fraction: law.amplitude_fraction,
+            reference_speed_m_per_s: law.speed_m_per_s,
+            speed_scale_m_per_s: law.speed_scale_m_per_s,
+            load_exponent: law.load_exponent,
+            amplitude_exponent: law.amplitude_exponent,
+            amplitude_load_exponent: law.amplitude_load_exponent,
+            lowest_amplitude_fraction: law.lowest_amplitude_fraction,
+        }
+    }
+}
+
+impl Empirical {
+    /// The law.
+    pub fn law(&self) -> EmpiricalLaw {
+        EmpiricalLaw {
+            reduction: self.reduction,
+            load_n: self.reference_load_n,
+            amplitude_fraction: self.reference_amplitude_fraction,
+            speed_m_per_s: self.reference_speed_m_per_s,
+            speed_scale_m_per_s: self.speed_scale_m_per_s,
+            load_exponent: self.load_exponent,
+            amplitude_exponent: self.amplitude_exponent,
+            amplitude_load_exponent: self.amplitude_load_exponent,
+            lowest_amplitude_fraction: self.lowest_amplitude_fraction,
+        }
+    }
+}
+
+/// Which way the vibration counts in the slip velocity.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum Sign {
+    /// V = Vt + x': friction takes energy out of the vibration.
+    #[default]
+    Passive,
+    /// V = Vt - x', as the thesis's 4.14 and 4.16 are printed: friction pumps the vibration.
+    Literal,
+}
+
+/// The model that the contact of a contact study has.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Model<'a> {
+    /// Coulomb's.
+    Coulomb(&'a Coulomb),
+    /// Dahl's.
+    Dahl(&'a Dahl),
+    /// LuGre.
+    Lugre(&'a Lugre),
+    /// Hertz's.
+    Hertz(&'a Hertz),
+}
+
+impl Contact {
+    /// Its model; none if it says too little.
+    pub fn model(&self) -> Option<Model<'_>> {
+        let coulomb = self.coulomb.as_ref().map(Model::Coulomb);
+        let dahl = self.dahl.as_ref().map(Model::Dahl);
+        let lugre = self.lugre.as_ref().map(Model::Lugre);
+        let hertz = self.hertz.as_ref().map(Model::Hertz);
+        coulomb.or(dahl).or(lugre).or(hertz)
+    }
+
+    /// Makes the sign explicit, where a model has one.
+    pub(super) fn complete(&mut self) {
+        let coulomb = self.coulomb.iter_mut().map(|model| &mut model.sign);
+        let dahl = self.dahl.iter_mut().map(|model| &mut model.sign);
+        let lugre = self.lugre.iter_mut().map(|model| &mut model.sign);
+        for sign in coulomb.chain(dahl).chain(lugre) {
+            sign.get_or_insert_default();
+        }
+    }
+}
+
+impl Model<'_> {
+    /// Coefficient of (kinetic) friction.
+    pub fn mu(&self) -> f64 {
+        match self {
+            Model::Coulomb(model) => model.mu,
+            Model::Dahl(model) => model.mu,
+            Model::Lugre(model) => model.mu,
+            Model::Hertz(model) => model.mu,
+        }
+    }
+
+    /// Normal force as given, N.
+    pub fn normal_n(&self) -> Option<f64> {
+        match self {
+            Model::Coulomb(model) => model.normal_n,
+            Model::Dahl(model) => model.normal_n,
+            Model::Lugre(model) => model.normal_n,
+            Model::Hertz(model) => model.normal_n,
+        }
+    }
+
+    /// Which way the vibration counts.
+    pub fn sign(&self) -> Sign {
+        let given = match self {
+            Model::Coulomb(model) => model.sign,
+            Model::Dahl(model) => model.sign,
+            Model::Lugre(model) => model.sign,
+            Model::Hertz(_) => None,
+        };
+        given.unwrap_or_default()
+    }
+}
+
+/// Defaults that serde needs as functions.
+mod default {
+    pub(super) fn alpha() -> f64 {
+        1.0
+    }
+}

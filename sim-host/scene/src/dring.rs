@@ -1,0 +1,154 @@
+//! `[rig.dring]`: a torso in its seat belt, over a D-ring, in a crash.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// A torso in its seat belt, over a D-ring whose friction the drive lowers, in a crash. For scenes with `[stack]`; it has no `[contact]`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Dring {
+    /// Angle over which webbing lies on the D-ring, degrees.
+    #[schemars(range(min = 1.0, max = 720.0))]
+    pub wrap_deg: f64,
+    /// Coefficient of friction of webbing on the D-ring without a drive.
+    #[schemars(range(min = 0.01, max = 2.0))]
+    pub mu_high: f64,
+    /// Coefficient of friction below which no actuator brings it.
+    #[schemars(range(min = 0.0, max = 2.0))]
+    pub mu_low: f64,
+    /// Force at the retractor at which its load limiter lets webbing out, N.
+    #[schemars(range(min = 100.0, max = 1e5))]
+    pub limiter_n: f64,
+    /// Who sits there: 5th, 50th or 95th percentile of adults.
+    pub occupant: Occupant,
+    /// Mass of the torso, kg. Default: that of `occupant`, 14, 22 or 29 kg.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 1.0, max = 200.0))]
+    pub torso_kg: Option<f64>,
+    /// By which part the seat reads the mass of the torso too high.
+    #[serde(default)]
+    #[schemars(range(min = -0.9, max = 10.0))]
+    pub seat_error: f64,
+    /// Whether the seat reads anything.
+    #[serde(default = "default::seat_reads")]
+    pub seat_reads: bool,
+    /// Peak of the half-sine pulse, g of 9.81 m/s^2.
+    #[schemars(range(min = 0.1, max = 200.0))]
+    pub pulse_g: f64,
+    /// Its length, ms.
+    #[schemars(range(min = 1.0, max = 1e3))]
+    pub pulse_ms: f64,
+    /// When it begins, s.
+    #[serde(default = "default::at_s")]
+    #[schemars(range(min = 0.0, max = 1e3))]
+    pub at_s: f64,
+    /// Stiffness of the belt between torso and D-ring, N/m.
+    #[schemars(range(min = 1e3, max = 1e7))]
+    pub belt_stiffness_n_per_m: f64,
+    /// Stiffness of the belt between D-ring and retractor, N/m.
+    #[serde(default = "default::retractor_stiffness")]
+    #[schemars(range(min = 1e3, max = 1e7))]
+    pub retractor_stiffness_n_per_m: f64,
+    /// How far the torso goes before the belt stretches, m.
+    #[serde(default)]
+    #[schemars(range(min = 0.0, max = 0.5))]
+    pub slack_m: f64,
+    /// Tension before the crash, by the spring of the retractor, N.
+    #[serde(default = "default::pretension")]
+    #[schemars(range(min = 0.1, max = 2e3))]
+    pub pretension_n: f64,
+    /// What lowers the friction.
+    pub actuator: ActuatorKind,
+    /// Peak velocity of a tangential tip, m/s.
+    #[serde(default = "default::tip")]
+    #[schemars(range(min = 1e-6, max = 1e3))]
+    pub tip_m_per_s: f64,
+    /// Power that `power` brings into the contact, W.
+    #[serde(default = "default::power")]
+    #[schemars(range(min = 1e-3, max = 1e6))]
+    pub power_w: f64,
+    /// How long an actuator other than `stack` takes from OFF to ON and back, ms.
+    #[serde(default = "default::edge")]
+    #[schemars(range(min = 0.01, max = 1e3))]
+    pub edge_ms: f64,
+}
+
+/// Who sits there.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+pub enum Occupant {
+    /// 5th percentile: a torso of 14 kg.
+    #[serde(rename = "5th")]
+    Light,
+    /// 50th percentile: 22 kg.
+    #[serde(rename = "50th")]
+    Medium,
+    /// 95th percentile: 29 kg.
+    #[serde(rename = "95th")]
+    Heavy,
+}
+
+impl Occupant {
+    /// Torso mass, kg, as assumed for the three sizes of adult dummies (5th percentile woman, 50th and 95th percentile man).
+    pub fn torso_kg(self) -> f64 {
+        match self {
+            Occupant::Light => 14.0,
+            Occupant::Medium => 22.0,
+            Occupant::Heavy => 29.0,
+        }
+    }
+}
+
+/// What lowers the friction of webbing on the D-ring.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum ActuatorKind {
+    /// A perfect switch, from `mu_high` to `mu_low` at any speed.
+    Ideal,
+    /// A tip that vibrates along the webbing, by Coulomb's law.
+    Tangential,
+    /// The same by the limit of Dahl's law for a soft contact.
+    TangentialDahl,
+    /// A tip along the webbing that is limited by its power.
+    Power,
+    /// The simulated stack, along the webbing.
+    Stack,
+    /// A vibration across the webbing, by a law that is fitted to slow belts and extrapolated.
+    Normal,
+}
+
+impl Dring {
+    /// Mass of the torso, kg.
+    pub fn torso_mass_kg(&self) -> f64 {
+        self.torso_kg.unwrap_or_else(|| self.occupant.torso_kg())
+    }
+
+    /// What the seat says that it is, kg.
+    pub fn seat_reading_kg(&self) -> Option<f64> {
+        self.seat_reads.then(|| self.torso_mass_kg() * (1.0 + self.seat_error))
+    }
+}
+
+/// Defaults that serde needs as functions.
+mod default {
+    pub(super) fn seat_reads() -> bool {
+        true
+    }
+    pub(super) fn at_s() -> f64 {
+        0.06
+    }
+    pub(super) fn retractor_stiffness() -> f64 {
+        200e3
+    }
+    pub(super) fn pretension() -> f64 {
+        5.0
+    }
+    pub(super) fn tip() -> f64 {
+        5.0
+    }
+    pub(super) fn power() -> f64 {
+        2500.0
+    }
+    pub(super) fn edge() -> f64 {
+        3.0
+    }
+}

@@ -1,0 +1,149 @@
+//! A scene: everything a run needs, as one TOML file. The same file is command-line input, test case and snapshot.
+//!
+//! These types are the one description of what a scene may say. The JSON Schema, the checks on keys, types and ranges, and
+//! the comments of `sim-host show` are all derived from them; [`rules`] adds what a schema cannot say.
+#![forbid(unsafe_code)]
+
+pub mod builtin;
+mod comparison;
+mod contact;
+mod controller;
+mod course;
+pub mod diagnostic;
+mod dring;
+mod excitation;
+mod integrator;
+pub mod load;
+pub mod metric_names;
+pub mod problem;
+pub mod resolved;
+mod results;
+mod rig;
+pub mod rules;
+pub mod schema;
+pub mod settings;
+pub mod settings_page;
+
+pub mod nearest;
+mod overlay;
+mod plant;
+mod stator;
+mod tree;
+mod units;
+mod unknown;
+mod vary;
+mod views;
+mod walk;
+mod wording;
+
+#[cfg(test)]
+mod tests;
+
+pub use comparison::{Case, Comparison, Equal};
+pub use contact::{Contact, Coulomb, Dahl, Empirical, Hertz, Lugre, Model, Sign};
+pub use controller::Controller;
+pub use course::{Disturbance, DisturbedKey, Fault, FaultKind};
+pub use dring::{ActuatorKind, Dring, Occupant};
+pub use excitation::{Excitation, Match, VibrationVelocity, Waveform};
+pub use firmware::config::scene::{Burst, Drive, Friction, Limits, Phasing, Restraint, Sweep, Thermometer, Tracking};
+pub use firmware::config::{Around, ChirpKind, Direction, Edge, FrictionLaw, Prefer, ShapeKind as Shape, Then, TrackingMode};
+pub use integrator::{Integrator, Method};
+pub use nearest::shown;
+pub use plant::{Amplifier, Bvd, Mode, Sensors, Stack};
+pub use results::{Expect, Grid, Signal, Trace, TraceFormat};
+pub use rig::{Belt, Kinematic, Rig, Rotor, Sdof, Slider};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+pub use stator::Stator;
+pub use vary::Vary;
+pub use views::{Body, Driven, Excited, Kind, Transducer};
+
+/// A scene: either the firmware drives a stack, or a contact is studied by itself.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Scene {
+    /// One line that says what the scene shows.
+    pub title: String,
+    /// Where its numbers come from.
+    #[serde(default)]
+    pub source: String,
+    /// What a reader of the report should know, a paragraph each: what was chosen, and why.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub notes: Vec<String>,
+    /// Simulated time, s.
+    #[schemars(range(min = 1e-4, max = 1e5))]
+    pub duration_s: f64,
+    /// Seed of all noise: the same seed gives the same run, bit for bit.
+    #[serde(default = "default::seed")]
+    #[schemars(range(max = 9_007_199_254_740_992_u64))] // every JSON reader keeps it exactly
+    pub seed: u64,
+    /// How often the scene is run. More than once: each run has a seed of its own and draws what `[[vary]]` names; metrics are
+    /// medians and 95th percentiles.
+    #[serde(default = "default::runs", skip_serializing_if = "is_one")]
+    #[schemars(range(min = 1, max = 100_000))]
+    pub runs: u32,
+    /// The firmware that drives, and what it is told. A scene has this, or `[excitation]`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub controller: Option<Controller>,
+    /// What shakes the contact of a contact study. A scene has this, or `[controller]`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub excitation: Option<Excitation>,
+    /// The power amplifier between DAC and stack.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub amplifier: Option<Amplifier>,
+    /// The converters and the load cell.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub sensors: Option<Sensors>,
+    /// The piezo stack that the firmware drives.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub stack: Option<Stack>,
+    /// The stator of a travelling-wave motor that the firmware drives. A driven scene has this, or `[stack]`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub stator: Option<Stator>,
+    /// The friction contact. Needs a rig that presses on it and moves it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub contact: Option<Contact>,
+    /// What presses on the contact and moves it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub rig: Option<Rig>,
+    /// How finely the contact is stepped.
+    #[serde(default)]
+    pub integrator: Integrator,
+    /// What changes on the way.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub disturbance: Vec<Disturbance>,
+    /// What breaks on the way.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub fault: Vec<Fault>,
+    /// What differs from run to run, if there are several.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub vary: Vec<Vary>,
+    /// A table of one metric over two keys, run after the scene itself.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub grid: Option<Grid>,
+    /// Cases beside each other, at equal peak, rms or power; run after the scene itself.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub comparison: Option<Comparison>,
+    /// What is recorded besides the standard figures.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub trace: Option<Trace>,
+    /// What must come out.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub expect: Vec<Expect>,
+}
+
+/// Serde asks by reference.
+fn is_one(runs: &u32) -> bool {
+    *runs == 1
+}
+
+/// Defaults that serde needs as functions.
+mod default {
+    pub(super) fn runs() -> u32 {
+        1
+    }
+
+    pub(super) fn seed() -> u64 {
+        1
+    }
+}

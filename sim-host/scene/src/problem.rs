@@ -1,0 +1,234 @@
+//! A contact study's scene as the kernel's problem, in SI units; all defaults of the scene are resolved here.
+
+use std::f64::consts::TAU;
+
+use super::{Body, Excited, Match, Method, Model, Sign, VibrationVelocity, Waveform};
+use contact::{self, Law, Motion, Numerics, Problem, Shape, State, Trouble};
+
+/// What a mass weighs unless a scene says what presses on the contact, m/s^2.
+pub const GRAVITY_M_PER_S2: f64 = 9.81;
+/// An undamped oscillator whose stiffness and inertia balance to this part of the stiffness is at resonance: its steady amplitude would
+/// be ten thousand times the static one and more, and no run is long enough to come to it.
+const BALANCED: f64 = 1e-4;
+/// Stiffness of a contact whose friction is nothing beside any force, N/m.
+const NEARLY_NO_CONTACT_N_PER_M: f64 = 1e-9;
+/// Steps a period at which the largest velocity at a step's end is the peak of a sine within 5e-6 of itself, (pi / 1000)^2 / 2.
+const PEAK_STEPS: u32 = 1000;
+
+/// The law of a contact whose vibration is along the motion; none of a Hertzian contact.
+pub fn law(model: &Model) -> Option<Law> {
+    match *model {
+        Model::Coulomb(_) => Some(Law::Coulomb),
+        Model::Dahl(dahl) => Some(Law::Dahl { stiffness_n_per_m: dahl.stiffness_n_per_m }),
+        Model::Lugre(lugre) => Some(Law::Lugre {
+            stiffness_n_per_m: lugre.stiffness_n_per_m,
+            static_ratio: lugre.static_mu / lugre.mu,
+            stribeck_m_per_s: lugre.stribeck_m_per_s,
+            sigma1: lugre.sigma1,
+            sigma2: lugre.sigma2,
+        }),
+        Model::Hertz(_) => None,
+    }
+}
+
+/// The problem of a study with a friction law. Fails where the velocity ratio is of a peak that the motion does not have.
+pub fn problem(study: &Excited, law: Law) -> Result<Problem, Trouble> {
+    let mu = study.model.mu();
+    let mut load_steps: Vec<_> = study.disturbance.iter().filter_map(|step| Some((step.at_s, mu * step.to?))).collect();
+    load_steps.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let excitation = study.excitation;
+    let problem = Problem {
+        motion: motion(&study.body),
+        law,
+        coulomb_n: mu * normal_n(study),
+        sliding_m_per_s: 0.0,
+        sign: match study.model.sign() {
+            Sign::Passive => contact::Sign::Passive,
+            Sign::Literal => contact::Sign::Literal,
+        },
+        waveform: waveform(study, shape(study), matched_peak(study)),
+        start: State { time_s: 0.0, x_m: excitation.x0_m, v_m_per_s: excitation.v0_m_per_s, force_n: excitation.friction0_n },
+        load_steps,
+        window_s: window_s(study),
+        duration_s: study.duration_s,
+    };
+    let sliding_m_per_s = match (excitation.sliding_m_per_s, excitation.velocity_ratio, excitation.velocity_ratio_of) {
+        (Some(speed), ..) => speed,
+        (None, ratio, VibrationVelocity::Steady) => ratio.unwrap_or(0.0) * sine(study, &problem).vibration_m_per_s(),
+        (None, ratio, VibrationVelocity::Peak) => ratio.unwrap_or(0.0) * peak_without_friction_m_per_s(&problem)?,
+    };
+    Ok(Problem { sliding_m_per_s, ..problem })
+}
+
+/// The same problem with the sine of the scene's peak and frequency, which velocity ratio and kappa are counted by.
+pub fn sine(study: &Excited, problem: &Problem) -> Problem {
+    Problem { waveform: waveform(study, Shape::Sine, peak(study)), ..problem.clone() }
+}
+
+/// How the problem is to be solved.
+pub fn numerics(study: &Excited) -> Numerics {
+    let integrator = &study.integrator;
+    let default = Numerics::default();
+    Numerics {
+        method: match integrator.method.unwrap_or_default() {
+            Method::Auto => contact::Method::Auto,
+            Method::Closed => contact::Method::Closed,
+            Method::Frozen => contact::Method::Frozen,
+            Method::Linexp => contact::Method::Linexp,
+            Method::Taylor => contact::Method::Taylor,
+            Method::Rk4 => contact::Method::Rk4,
+            Method::Rk4Events => contact::Method::Rk4Events,
+            Method::Midpoint => contact::Method::Midpoint,
+        },
+        steps_per_period: integrator.steps_per_period,
+        order: integrator.order,
+        tolerance: integrator.tolerance.unwrap_or(default.tolerance),
+        energies: default.energies,
+    }
+}
+
+/// Normal force at the beginning, N.
+pub fn normal_n(study: &Excited) -> f64 {
+    let weight_n = match study.body {
+        Body::Kinematic(_) => 0.0,
+        Body::Sdof(sdof) => sdof.mass_kg * GRAVITY_M_PER_S2,
+    };
+    study.model.normal_n().unwrap_or(weight_n)
+}
+
+/// Whether an oscillator without damping is excited at its own frequency: its steady vibration has no bound.
+pub fn resonates(mass_kg: f64, stiffness_n_per_m: f64, damping_ratio: f64, frequency_hz: f64) -> bool {
+    let inertia = mass_kg * (TAU * frequency_hz).powi(2);
+    damping_ratio == 0.0 && (stiffness_n_per_m - inertia).abs() < BALANCED * stiffness_n_per_m
+}
+
+fn motion(body: &Body) -> Motion {
+    match *body {
+        Body::Kinematic(_) => Motion::Kinematic,
+        Body::Sdof(sdof) => Motion::Sdof {
+            mass_kg: sdof.mass_kg,
+            stiffness_n_per_m: sdof.stiffness_n_per_m,
+            damping_n_s_per_m: 2.0 * sdof.damping_ratio * (sdof.mass_kg * sdof.stiffness_n_per_m).sqrt(),
+        },
+    }
+}
+
+fn shape(study: &Excited) -> Shape {
+    let excitation = study.excitation;
+    match excitation.waveform {
+        Waveform::Sine => Shape::Sine,
+        Waveform::Square => Shape::Square,
+        Waveform::Sawtooth => Shape::Sawtooth,
+        Waveform::Triangle => Shape::Triangle,
+        // The rules see to what these two need.
+        Waveform::Random => Shape::Random { hold_s: excitation.hold_time_s.unwrap_or(study.duration_s), seed: study.seed },
+        Waveform::Chirp => Shape::Chirp {
+            start_hz: excitation.start_hz.unwrap_or(excitation.frequency_hz),
+            stop_hz: excitation.stop_hz.unwrap_or(excitation.frequency_hz),
+            sweep_s: excitation.sweep_s.unwrap_or(study.duration_s),
+        },
+        Waveform::Still => Shape::Still,
+    }
+}
+
+fn waveform(study: &Excited, shape: Shape, peak: f64) -> contact::Waveform {
+    contact::Waveform::new(shape, peak, study.excitation.frequency_hz, study.duration_s)
+}
+
+/// The peak that the scene names: a force, N, or a velocity, m/s.
+fn peak(study: &Excited) -> f64 {
+    match study.body {
+        Body::Kinematic(kinematic) => kinematic.vibration_m_per_s,
+        Body::Sdof(_) => study.excitation.force_n.unwrap_or(0.0),
+    }
+}
+
+/// The peak of the waveform: the scene's, or the one whose rms is that of the sine with the scene's.
+fn matched_peak(study: &Excited) -> f64 {
+    let rms = contact::Waveform::shape_rms(shape(study));
+    match study.excitation.matched {
+        Match::Rms if rms > 0.0 => peak(study) * contact::Waveform::shape_rms(Shape::Sine) / rms,
+        _ => peak(study),
+    }
+}
+
+/// The window of the means, s. A window that ends within round-off of the run's end ends with it.
+fn window_s(study: &Excited) -> (f64, f64) {
+    let second = |periods: f64| periods / study.excitation.frequency_hz;
+    match study.integrator.window_periods.as_deref() {
+        Some(&[from, to]) => (second(from), second(to).min(study.duration_s)),
+        _ => (0.5 * study.duration_s, study.duration_s),
+    }
+}
+
+/// Largest velocity of the run without friction, m/s.
+fn peak_without_friction_m_per_s(problem: &Problem) -> Result<f64, Trouble> {
+    let alone = Problem { law: Law::Dahl { stiffness_n_per_m: NEARLY_NO_CONTACT_N_PER_M }, ..problem.clone() };
+    let fine = Numerics { method: contact::Method::Rk4, steps_per_period: Some(PEAK_STEPS), ..Numerics::default() };
+    let solution = contact::solve(&alone, &fine, &mut |_| ())?;
+    let start = problem.start.v_m_per_s.abs();
+    Ok(solution.tally.map_or(start, |tally| tally.peak_velocity_m_per_s.max(start)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::load::load;
+
+    /// What becomes of the built-in scene with changes.
+    fn of(changes: &[&str]) -> Problem {
+        let sets: Vec<String> = changes.iter().map(|&change| change.to_owned()).collect();
+        let scene = load("contact", &sets).unwrap_or_else(|error| panic!("{error}")).scene;
+        let study = scene.excited().unwrap();
+        problem(&study, law(&study.model).unwrap()).unwrap()
+    }
+
+    #[test]
+    fn table_4_1_is_the_kernel_s() {
+        let mut kernels = contact::table_4_1::table_4_1(0.5, 200.0);
+        kernels.coulomb_n = 0.1 * (0.02 * GRAVITY_M_PER_S2);
+        assert_eq!(of(&[]), kernels);
+    }
+
+    #[test]
+    fn the_ratio_is_of_the_sine_whatever_the_waveform() {
+        let sine = of(&[]).sliding_m_per_s;
+        for waveform in ["square", "still", "triangle"] {
+            let square = of(&[&format!("excitation.waveform={waveform}"), "excitation.match=rms"]);
+            assert_eq!(square.sliding_m_per_s, sine, "{waveform}");
+        }
+        assert_eq!(of(&["excitation.waveform=square", "excitation.match=rms"]).waveform.amplitude(), 384.0 * 0.5f64.sqrt());
+        assert_eq!(of(&["excitation.sliding_m_per_s=0.1"]).sliding_m_per_s, 0.1);
+    }
+
+    /// From rest the mass swings at its own frequency too: x' = F0 w / (Ks - m w^2) (sin w t - (wn / w) sin wn t), in a denser
+    /// sampling than the method's.
+    #[test]
+    fn the_peak_is_that_of_the_run_without_friction() {
+        let (wn, w) = ((133e6f64 / 0.02).sqrt(), TAU * 60e3);
+        let amplitude = 384.0 * w / (133e6 - 0.02 * w * w);
+        let steps = 5_000_000;
+        let at = |step: u32| f64::from(step) / f64::from(steps) * 200.0 / 60e3;
+        let velocity = |t: f64| amplitude * (wn / w * (wn * t).sin() - (w * t).sin());
+        let peak = (0..=steps).map(|step| velocity(at(step)).abs()).fold(0.0, f64::max);
+        let sliding = of(&["excitation.velocity_ratio_of=peak"]).sliding_m_per_s;
+        assert!((sliding / (0.5 * peak) - 1.0).abs() < 1e-5, "{sliding} {}", 0.5 * peak);
+    }
+
+    #[test]
+    fn loads_step_in_order() {
+        let step = |number: u8, at: &str, to: &str| {
+            let key = |key: &str, value: &str| format!("disturbance.{number}.{key}={value}");
+            [key("at_s", at), key("key", "contact.normal_n"), key("to", to)]
+        };
+        let sets = [step(0, "2e-3", "0.5"), step(1, "1e-3", "2")].concat();
+        let sets: Vec<&str> = sets.iter().map(String::as_str).collect();
+        assert_eq!(of(&sets).load_steps, [(1e-3, 0.2), (2e-3, 0.05)]);
+    }
+
+    #[test]
+    fn damping_is_a_part_of_the_critical() {
+        let Motion::Sdof { damping_n_s_per_m, .. } = of(&["rig.sdof.damping_ratio=0.01"]).motion else { panic!("no mass") };
+        assert!((damping_n_s_per_m - 2.0 * 0.01 * 0.02 * TAU * 12_978.69).abs() < 1e-5, "{damping_n_s_per_m}");
+    }
+}

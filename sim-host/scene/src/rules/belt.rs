@@ -1,0 +1,36 @@
+//! The belt's sensors: they need a belt, and what breaks in one needs the sensor.
+
+use super::Rules;
+use crate::diagnostic::Problem;
+use crate::schema::join;
+
+const ENCODER: &str = "sensors.encoder_counts_per_mm";
+const FORCE: &str = "sensors.force_hz";
+/// Rigs in which something moves past the tip.
+const MOVING: [&str; 3] = ["rig.slider", "rig.belt", "rig.dring"];
+
+impl Rules<'_> {
+    pub(super) fn belt(&mut self) {
+        let moves = MOVING.iter().any(|rig| !self.lacks(rig));
+        for sensor in [ENCODER, FORCE] {
+            if self.given(sensor) && !moves {
+                let message = format!("`{sensor}` in a scene where no belt moves");
+                let problem = Problem::new(self.key(sensor), message, "needs a rig with a belt, such as [rig.slider]");
+                self.add(sensor, problem);
+            }
+        }
+        for path in self.tables("fault") {
+            let key = join(&path, "kind");
+            let needed = match self.text(&key) {
+                Some("encoder_stuck" | "encoder_lost" | "encoder_lies") => ENCODER,
+                Some("force_stuck") => FORCE,
+                _ => continue,
+            };
+            if self.lacks(needed) {
+                let message = "what is not there cannot break";
+                let problem = Problem::new(self.place(&key), message, format!("needs `{needed}`"));
+                self.add(&key, problem);
+            }
+        }
+    }
+}

@@ -1,0 +1,112 @@
+//! Keys and tables that exclude each other.
+
+use super::Rules;
+use crate::diagnostic::Problem;
+use crate::nearest::listed;
+use crate::schema::{Kind, Schema, join};
+use crate::tree::Node;
+use crate::wording::{header, within};
+
+/// Keys of a table that exclude each other.
+#[derive(Debug)]
+pub struct Exclusive {
+    /// Path of the table.
+    pub table: &'static str,
+    /// What one of must be given.
+    pub alternatives: &'static [Alternative],
+}
+
+/// One way to say it.
+#[derive(Debug)]
+pub struct Alternative {
+    /// The keys of this way.
+    pub keys: &'static [&'static str],
+    /// Whether all of them are needed, rather than any.
+    pub complete: bool,
+}
+
+const fn all(keys: &'static [&'static str]) -> Alternative {
+    Alternative { keys, complete: true }
+}
+
+const fn any(keys: &'static [&'static str]) -> Alternative {
+    Alternative { keys, complete: false }
+}
+
+/// All groups of keys that exclude each other. Laid over a scene, a key takes the place of those that it excludes.
+pub const EXCLUSIVE: &[Exclusive] = &[
+    Exclusive { table: "controller.drive", alternatives: &[all(&["amplitude_v"]), all(&["velocity_m_per_s"])] },
+    Exclusive { table: "controller.burst", alternatives: &[all(&["on_s", "off_s"]), all(&["period_s", "duty"])] },
+    Exclusive { table: "controller.friction", alternatives: &[all(&["target_ratio"]), all(&["target_force_n"])] },
+    Exclusive { table: "excitation", alternatives: &[all(&["velocity_ratio"]), all(&["sliding_m_per_s"])] },
+    Exclusive {
+        table: "stack.bvd",
+        alternatives: &[all(&["cm_f", "lm_h", "rm_ohm"]), all(&["series_resonance_hz", "q", "coupling"])],
+    },
+    Exclusive {
+        table: "contact",
+        alternatives: &[all(&["coulomb"]), all(&["dahl"]), all(&["lugre"]), all(&["hertz"]), all(&["empirical"])],
+    },
+    Exclusive {
+        table: "rig",
+        alternatives: &[all(&["slider"]), all(&["kinematic"]), all(&["sdof"]), all(&["rotor"]), all(&["belt"]), all(&["dring"])],
+    },
+    Exclusive { table: "disturbance", alternatives: &[all(&["to"]), all(&["rate_per_s"]), all(&["sine_amplitude", "sine_hz"])] },
+    Exclusive { table: "vary", alternatives: &[all(&["spread"]), all(&["factor"]), all(&["from", "to"])] },
+    Exclusive { table: "expect", alternatives: &[any(&["min", "max"]), all(&["value", "tolerance"])] },
+];
+
+impl Rules<'_> {
+    pub(super) fn exclusive(&mut self, group: &Exclusive, path: &str) {
+        let keys: Vec<_> = group.alternatives.iter().flat_map(|way| way.keys).map(|key| join(path, key)).collect();
+        let Some(table) = self.root.at(path).filter(|_| keys.iter().all(|key| self.sound(key))).and_then(Node::table) else {
+            return;
+        };
+        let given = |way: &Alternative| way.keys.iter().filter(|key| table.contains_key(**key)).copied().collect::<Vec<_>>();
+        let ways: Vec<_> = group.alternatives.iter().map(|way| (way, given(way))).filter(|(_, keys)| !keys.is_empty()).collect();
+        let called = |key: &str| called(path, key);
+        let choice = {
+            let ways = group.alternatives.iter().map(|way| match way.keys {
+                [key] => called(key),
+                keys => listed(keys.iter().copied(), if way.complete { "and" } else { "or" }),
+            });
+            format!("give either {}", ways.collect::<Vec<_>>().join(", or "))
+        };
+        let problem = match ways.as_slice() {
+            [] => {
+                let message = format!("{} says too little", header(path));
+                Problem::new(self.place(path), message, choice)
+            }
+            [(way, keys)] if way.complete && keys.len() < way.keys.len() => {
+                let missing = listed(way.keys.iter().copied().filter(|key| !keys.contains(key)), "and");
+                let Some(first) = keys.first() else { return };
+                let needs = if keys.len() == 1 { "needs" } else { "need" };
+                let message = format!("{} {needs} {missing}, too", listed(keys.iter().copied(), "and"));
+                Problem::new(self.key(&join(path, first)), message, format!("without {missing}")).help(choice)
+            }
+            [_] => return,
+            [(_, first), (_, second), ..] => {
+                let (Some(first), Some(second)) = (first.first(), second.first()) else { return };
+                let message = format!("{} and {} exclude each other {}", called(first), called(second), within(path));
+                let (one, other) = (self.key(&join(path, first)), self.key(&join(path, second)));
+                let (later, earlier) = if one < other { (other, first) } else { (one, second) };
+                Problem::new(later, message, format!("{} is given already", called(earlier))).help(choice)
+            }
+        };
+        self.findings.problems.push(problem);
+        keys.into_iter().for_each(|key| self.findings.mark(key));
+    }
+
+    /// Whether nothing is wrong with a key, or with its absence. What is wrong inside a table does not matter here.
+    fn sound(&self, path: &str) -> bool {
+        let table = self.root.at(path).and_then(Node::table).is_some();
+        if table { !self.findings.marked(path) } else { self.clean(path) }
+    }
+}
+
+/// A key in backquotes, or a table as its header would be written.
+fn called(path: &str, key: &str) -> String {
+    let inner = join(path, key);
+    let table = Schema::root().at(&inner).is_some_and(|schema| schema.kind() == Kind::Table);
+    if table { header(&inner) } else { format!("`{key}`") }
+}

@@ -1,0 +1,59 @@
+//! The method of a contact study: whether it is made for the contact and the rig, and which orders it has.
+
+use super::Rules;
+use crate::diagnostic::Problem;
+use crate::nearest::listed;
+use contact::{linexp, taylor};
+
+const METHOD: &str = "integrator.method";
+const ORDER: &str = "integrator.order";
+
+impl Rules<'_> {
+    pub(super) fn integrator(&mut self) {
+        let Some(method) = (if self.given(METHOD) { self.text(METHOD) } else { Some("auto") }) else { return };
+        self.suited(method);
+        let orders: &[u32] = match method {
+            "auto" | "linexp" | "frozen" => &linexp::ORDERS,
+            "taylor" => &taylor::ORDERS,
+            _ => &[],
+        };
+        let Some(order) = self.root.at(ORDER).and_then(|_| self.number(ORDER)) else { return };
+        if orders.iter().any(|known| f64::from(*known) == order) {
+            return;
+        }
+        let names: Vec<String> = orders.iter().map(u32::to_string).collect();
+        let (label, help) = match names.as_slice() {
+            [] => ("leave it out".to_owned(), "linexp and taylor have a choice of orders".to_owned()),
+            _ => (
+                format!("{method} has none of order {order}"),
+                format!("its orders are {}", listed(names.iter().map(String::as_str), "and")),
+            ),
+        };
+        let message =
+            if orders.is_empty() { format!("{method} has no choice of order") } else { format!("there is no order {order}") };
+        let problem = Problem::new(self.place(ORDER), message, label);
+        self.add(ORDER, problem.help(help));
+    }
+
+    /// A method that is asked for by name must be made for the contact.
+    fn suited(&mut self, method: &str) {
+        let has = |path: &str| self.given(path);
+        let reason = match method {
+            "linexp" | "frozen" | "taylor" | "closed" if has("contact.lugre") => "LuGre friction is for rk4-events and midpoint",
+            "frozen" | "taylor" | "rk4" | "rk4-events" | "midpoint" if has("contact.coulomb") => {
+                "Coulomb friction jumps at every reversal: linexp follows it exactly"
+            }
+            "closed" if has("rig.sdof") => "an oscillator has no closed form here",
+            "frozen" if has("rig.kinematic") => "a given motion is frozen already: take linexp",
+            other if has("contact.hertz") && !["auto", "closed"].contains(&other) => {
+                "a Hertzian contact has its closed form only"
+            }
+            _ => return,
+        };
+        let problem = Problem::new(self.place(METHOD), format!("{method} cannot do this"), reason);
+        self.add(
+            METHOD,
+            problem.help("leave `integrator.method` out: auto takes the cheapest that meets the tolerance, and says why"),
+        );
+    }
+}

@@ -1,0 +1,175 @@
+//! The two kinds of scene, and what belongs to which: the firmware drives a stack, or a contact is studied by itself.
+
+use super::Rules;
+use crate::diagnostic::Problem;
+use crate::nearest::{listed, shown};
+use crate::schema::{Schema, join};
+use crate::tree::Node;
+use crate::wording::header;
+
+const CONTROLLER: &str = "controller";
+const EXCITATION: &str = "excitation";
+
+/// What kind of scene it is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Kind {
+    /// The firmware drives.
+    Driven,
+    /// A contact study.
+    Excited,
+}
+
+pub(super) const BELT: &str = "rig.belt";
+pub(super) const EMPIRICAL: &str = "contact.empirical";
+/// Tables that only a driven scene has.
+const DRIVEN_ONLY: &[&str] = &[
+    "amplifier",
+    "sensors",
+    "stack",
+    "stator",
+    "trace",
+    "fault",
+    "rig.slider",
+    "rig.rotor",
+    "rig.belt",
+    "rig.dring",
+    "contact.empirical",
+];
+/// Tables that only a contact study has.
+const EXCITED_ONLY: &[&str] = &["rig.kinematic", "rig.sdof", "contact.coulomb", "contact.lugre", "contact.hertz"];
+/// Keys of the integrator that only a contact study has.
+const STUDY_KEYS: &[&str] = &["method", "order", "tolerance", "window_periods"];
+/// Most steps that a period of the stack is divided into.
+const MOST_DRIVEN_STEPS: f64 = 4096.0;
+
+impl Rules<'_> {
+    /// Finds out what kind of scene it is: exactly one of two tables says so.
+    pub(super) fn kind(&mut self) {
+        self.kind = match (self.given(CONTROLLER), self.given(EXCITATION)) {
+            (true, false) => Some(Kind::Driven),
+            (false, true) => Some(Kind::Excited),
+            (true, true) => {
+                let (one, other) = (self.key(CONTROLLER), self.key(EXCITATION));
+                let (later, earlier) = if one < other { (other, CONTROLLER) } else { (one, EXCITATION) };
+                let message = "[controller] and [excitation] exclude each other";
+                let problem = Problem::new(later, message, format!("{} is given already", header(earlier)));
+                let help = "either the firmware drives a stack, or [excitation] shakes a contact that is studied by itself";
+                self.findings.problems.push(problem.help(help));
+                None
+            }
+            (false, false) => {
+                if self.lacks(CONTROLLER) && self.lacks(EXCITATION) {
+                    let keys = |table: &str| {
+                        let schema = Schema::root().at(table);
+                        format!("{} with at least {}", header(table), listed(schema.iter().flat_map(|s| s.required()), "and"))
+                    };
+                    let label = format!("add {}, or {}", keys(CONTROLLER), keys(EXCITATION));
+                    let problem = Problem::new(self.root.place.clone(), "a scene needs [controller] or [excitation]", label);
+                    let help = "with [controller] the firmware drives a stack, with [excitation] a contact is studied by itself";
+                    self.findings.problems.push(problem.help(help));
+                }
+                None
+            }
+        };
+    }
+
+    /// Whether the scene has what its kind needs, and nothing of the other.
+    pub(super) fn belonging(&mut self) {
+        let needed: &[(&str, &str, &str)] = match self.kind {
+            Some(Kind::Driven) if self.given(BELT) => &[
+                (CONTROLLER, "stack", "there is no horn on the belt: add the stack that it is the tip of, [stack.bvd]"),
+                ("rig", "contact", "nothing says how the belt rubs: add [contact.empirical]"),
+            ],
+            Some(Kind::Driven) if self.given(EMPIRICAL) => &[
+                (CONTROLLER, "stack", "there is nothing to drive: add a stack, [stack.bvd]"),
+                ("contact", "rig", "there is no belt to rub on: add [rig.belt]"),
+            ],
+            Some(Kind::Driven) => &[
+                (CONTROLLER, "stack", "there is nothing to drive: add a stack, [stack.bvd], or a motor's [stator]"),
+                ("contact", "rig", "nothing presses on the contact and moves it: add a rig, such as [rig.slider]"),
+                ("rig", "contact", "there is no contact to press on and move: add one, such as [contact.dahl]"),
+            ],
+            Some(Kind::Excited) => &[
+                (EXCITATION, "contact", "there is no contact to study: add one, such as [contact.dahl]"),
+                (EXCITATION, "rig", "nothing carries the contact: add a rig, such as [rig.sdof]"),
+            ],
+            None => &[
+                ("contact", "rig", "nothing presses on the contact and moves it: add a rig"),
+                ("rig", "contact", "there is no contact to press on and move: add one, such as [contact.dahl]"),
+            ],
+        };
+        for (given, missing, reason) in needed {
+            // A stator is driven instead of a stack, and its rotor has a contact of its own, as a D-ring has.
+            let own_contact = !self.lacks("rig.rotor") || !self.lacks("rig.dring");
+            if (*missing == "stack" && !self.lacks("stator")) || (*given == "rig" && own_contact) {
+                continue;
+            }
+            // What is wrong inside the table that is given does not matter here.
+            if self.root.at(given).and_then(Node::table).is_some() && self.lacks(missing) {
+                let message = format!("[{given}] without [{missing}]");
+                let problem = Problem::new(self.place(given), message, format!("needs [{missing}]"));
+                self.add(missing, problem.help(*reason));
+            }
+        }
+        let foreign = match self.kind {
+            Some(Kind::Driven) => EXCITED_ONLY,
+            Some(Kind::Excited) => DRIVEN_ONLY,
+            None => &[],
+        };
+        for table in foreign.iter().filter(|table| self.given(table)).collect::<Vec<_>>() {
+            self.foreign(table);
+        }
+    }
+
+    fn foreign(&mut self, table: &str) {
+        let (scene, owner) = match self.kind {
+            Some(Kind::Excited) => ("a contact study", CONTROLLER),
+            _ => ("a scene with [controller]", EXCITATION),
+        };
+        let help = match table {
+            "rig.slider" => {
+                "a contact study has [rig.sdof] or [rig.kinematic]; it slides by `excitation.velocity_ratio` or `sliding_m_per_s`"
+            }
+            "rig.belt" => "a belt is pulled under the horn of a stack that the firmware drives",
+            "contact.empirical" => {
+                "this law is of a belt under a driven horn, [rig.belt]; across a contact that is studied by itself it is [contact.hertz]"
+            }
+            "rig.dring" => "the firmware decides on the friction of a D-ring",
+            "rig.rotor" => "a rotor turns on a [stator], which the firmware drives",
+            "rig.kinematic" | "rig.sdof" => "the stack vibrates along the motion of [rig.slider]",
+            _ if table.starts_with("contact.") => "the contact at a stack's tip is Dahl's: [contact.dahl]",
+            _ => "[excitation] shakes the contact itself: no controller, converter or stack is simulated",
+        };
+        let message = format!("{} has no place in {scene}", header(table));
+        let problem = Problem::new(self.key(table), message, format!("belongs to [{owner}]"));
+        self.add(table, problem.help(help));
+    }
+
+    /// What a driven scene leaves no choice about.
+    pub(super) fn driven(&mut self) {
+        for key in STUDY_KEYS.iter().map(|key| join("integrator", key)) {
+            if self.value(&key).is_some() {
+                let message = format!("`{key}` has no place in a scene with [controller]");
+                let problem = Problem::new(self.key(&key), message, "belongs to [excitation]");
+                self.add(&key, problem.help("how finely a driven contact is stepped is `integrator.steps_per_period`"));
+            }
+        }
+        let steps = "integrator.steps_per_period";
+        if self.number(steps).is_some_and(|steps| steps > MOST_DRIVEN_STEPS) {
+            let label = format!("must be at most {} with [controller]", shown(MOST_DRIVEN_STEPS));
+            let problem = Problem::new(self.place(steps), format!("`{steps}` is out of range"), label);
+            self.add(steps, problem);
+        }
+        if self.value("contact.dahl.normal_n").is_some() {
+            let message = "`normal_n` has no place in a scene with [controller]";
+            let problem = Problem::new(self.key("contact.dahl.normal_n"), message, "the rig presses on this contact");
+            let help = "the normal force is `rig.slider.load_n` plus `rig.slider.self_weight_n`";
+            self.add("contact.dahl.normal_n", problem.help(help));
+        }
+        if self.text("contact.dahl.sign") == Some("literal") {
+            let message = "friction that pumps a stack is not simulated";
+            let problem = Problem::new(self.place("contact.dahl.sign"), message, "must be `passive` with [controller]");
+            self.add("contact.dahl.sign", problem.help("the literal sign is for contact studies, with [excitation]"));
+        }
+    }
+}

@@ -1,0 +1,64 @@
+//! A motor: a stator stands instead of a stack, a rotor on a stator, and only a stator has lanes that differ.
+
+use super::Rules;
+use crate::diagnostic::Problem;
+use crate::schema::join;
+use crate::wording::header;
+
+const STACK: &str = "stack";
+const STATOR: &str = "stator";
+const ROTOR: &str = "rig.rotor";
+/// Faults of a stack itself.
+const STACK_FAULTS: [&str; 3] = ["short", "depoled", "cracked"];
+
+impl Rules<'_> {
+    pub(super) fn motor(&mut self) {
+        if self.given(STACK) && self.given(STATOR) {
+            let (one, other) = (self.key(STACK), self.key(STATOR));
+            let (later, earlier) = if one < other { (other, STACK) } else { (one, STATOR) };
+            let message = "[stack] and [stator] exclude each other";
+            let problem = Problem::new(later, message, format!("{} is given already", header(earlier)));
+            self.add(STATOR, problem.help("the firmware drives a stack, or the stator of a motor"));
+            return;
+        }
+        if self.given(STATOR) {
+            for table in ["contact", "rig.slider", "rig.belt", "rig.dring"]
+                .into_iter()
+                .filter(|table| self.given(table))
+                .collect::<Vec<_>>()
+            {
+                let message = format!("{} has no place beside [stator]", header(table));
+                let problem = Problem::new(self.key(table), message, "belongs to [stack]");
+                self.add(table, problem.help("what a stator moves is [rig.rotor], which has its contact in its own keys"));
+            }
+            self.of_a_stack();
+            return;
+        }
+        if self.given(ROTOR) && self.lacks(STATOR) {
+            let problem = Problem::new(self.key(ROTOR), "[rig.rotor] without [stator]", "needs [stator]");
+            self.add(ROTOR, problem.help("a rotor turns on the wave of a stator"));
+        }
+        for key in ["amplifier.lane_phase_error_deg", "amplifier.lane_gain_error"] {
+            if self.value(key).is_some_and(|list| !list.list().is_empty()) && self.given(STACK) {
+                let problem = Problem::new(self.key(key), format!("`{key}` has no place beside [stack]"), "belongs to [stator]");
+                self.add(key, problem.help("a stack hangs on the first lane alone, so that no lane can differ from another"));
+            }
+        }
+    }
+
+    /// What only a stack has, in a scene with a stator.
+    fn of_a_stack(&mut self) {
+        let delay = "amplifier.delay_s";
+        if self.number(delay).is_some_and(|delay_s| delay_s != 0.0) {
+            let problem = Problem::new(self.key(delay), format!("`{delay}` has no place beside [stator]"), "belongs to [stack]");
+            self.add(delay, problem.help("the lanes of a stator are late by `amplifier.lane_phase_error_deg`"));
+        }
+        for kind in self.tables("fault").into_iter().map(|path| join(&path, "kind")).collect::<Vec<_>>() {
+            if let Some(broken) = self.text(&kind).filter(|broken| STACK_FAULTS.contains(broken)) {
+                let message = format!("a stator cannot be `{broken}`");
+                let problem = Problem::new(self.place(&kind), message, "happens to a [stack]");
+                self.add(&kind, problem.help("the simulated stator has no such fault"));
+            }
+        }
+    }
+}

@@ -1,0 +1,55 @@
+//! Scenes that are wrong in every way, and what a user reads about them.
+
+mod belt;
+mod comparison;
+mod dring;
+mod excited;
+mod keys;
+mod kinds;
+mod layers;
+mod motor;
+mod rules;
+mod settings_page;
+mod vary;
+mod whole;
+
+use super::load::load_text;
+use super::{Controller, Scene};
+
+/// A scene of these tests' own, so that line numbers stay what they are.
+fn example() -> &'static str {
+    include_str!("tests/example.toml")
+}
+
+fn sets(sets: &[&str]) -> Vec<String> {
+    sets.iter().map(|set| (*set).to_owned()).collect()
+}
+
+fn loaded(changes: &[&str]) -> Scene {
+    load_text("experiment-1", example(), &sets(changes)).unwrap_or_else(|error| panic!("{error}")).scene
+}
+
+/// The controller of the example with changes.
+fn driven(changes: &[&str]) -> Controller {
+    loaded(changes).controller.unwrap()
+}
+
+/// The report on a text.
+fn report(text: &str, changes: &[&str]) -> String {
+    match load_text("a.toml", text, &sets(changes)) {
+        Ok(_) => panic!("nothing is wrong with\n{text}\n{changes:?}"),
+        Err(error) => error.to_string(),
+    }
+}
+
+/// The report on the example with one line replaced.
+fn with_line(old: &str, new: &str) -> String {
+    let line = example().lines().find(|line| line.starts_with(old)).unwrap_or_else(|| panic!("no line `{old}`"));
+    report(&example().replacen(line, new, 1), &[])
+}
+
+fn says(report: &str, parts: &[&str]) {
+    for part in parts {
+        assert!(report.contains(part), "`{part}` is missing in\n{report}");
+    }
+}

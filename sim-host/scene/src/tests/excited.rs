@@ -1,0 +1,173 @@
+//! Contact studies: what their keys need of each other.
+
+use super::{says, sets};
+use crate::load::load_text;
+use crate::resolved::{resolved_json, resolved_toml};
+use crate::{Method, Scene, Sign};
+
+/// A contact study of these tests' own, so that line numbers stay what they are.
+fn example() -> &'static str {
+    include_str!("excited.toml")
+}
+
+fn loaded(changes: &[&str]) -> Scene {
+    load_text("a.toml", example(), &sets(changes)).unwrap_or_else(|error| panic!("{error}")).scene
+}
+
+fn report(changes: &[&str]) -> String {
+    super::report(example(), changes)
+}
+
+/// The report on the example with one line replaced.
+fn with_line(old: &str, new: &str) -> String {
+    let line = example().lines().find(|line| line.starts_with(old)).unwrap_or_else(|| panic!("no line `{old}`"));
+    super::report(&example().replacen(line, new, 1), &[])
+}
+
+/// The example on a given motion.
+fn kinematic(contact: &str) -> String {
+    let text = example().replacen("force_n = 384.0\n", "", 1);
+    let (head, _) = text.split_once("[contact.dahl]").unwrap();
+    format!("{head}{contact}\n[rig.kinematic]\nvibration_m_per_s = 0.05\n")
+}
+
+#[test]
+fn the_example_is_a_contact_study_and_nothing_else() {
+    let scene = loaded(&[]);
+    let study = scene.excited().unwrap();
+    assert!(scene.driven().is_none() && scene.amplifier.is_none() && scene.sensors.is_none());
+    assert_eq!((study.integrator.method, study.integrator.tolerance), (Some(Method::Auto), Some(1e-7)));
+    assert_eq!(study.model.sign(), Sign::Passive);
+}
+
+#[test]
+fn what_is_shown_reads_back_the_same() {
+    let rich = [
+        "excitation.waveform=chirp",
+        "excitation.start_hz=20e3",
+        "excitation.stop_hz=200e3",
+        "excitation.match=rms",
+        "excitation.velocity_ratio_of=peak",
+        "contact.dahl.sign=literal",
+        "contact.dahl.normal_n=1",
+        "integrator.method=rk4-events",
+        "integrator.window_periods=[10, 20.5]",
+        "disturbance.0.at_s=1e-3",
+        "disturbance.0.key=contact.normal_n",
+        "disturbance.0.to=2",
+    ];
+    for changes in [&[][..], &rich] {
+        let scene = loaded(changes);
+        let text = resolved_toml(&scene);
+        let again = load_text("resolved", &text, &[]).unwrap_or_else(|error| panic!("{error}\n{text}"));
+        assert_eq!(again.scene, scene, "{text}");
+        assert_eq!(serde_json::from_value::<Scene>(resolved_json(&scene)).unwrap(), scene);
+        for foreign in ["[controller.", "[amplifier]", "[sensors]", "[stack"] {
+            assert!(!text.contains(foreign), "{foreign} in\n{text}");
+        }
+    }
+}
+
+#[test]
+fn a_sliding_speed_takes_the_place_of_a_ratio() {
+    let excitation = loaded(&["excitation.sliding_m_per_s=0.1"]).excitation.unwrap();
+    assert_eq!((excitation.velocity_ratio, excitation.sliding_m_per_s), (None, Some(0.1)));
+    says(&with_line("velocity_ratio", ""), &["[excitation] says too little", "`velocity_ratio`, or `sliding_m_per_s`"]);
+    let both = with_line("velocity_ratio", "velocity_ratio = 1\nsliding_m_per_s = 1");
+    says(&both, &["`velocity_ratio` and `sliding_m_per_s` exclude each other in [excitation]", "a.toml:9:1"]);
+}
+
+#[test]
+fn a_contact_or_a_rig_takes_the_place_of_another() {
+    let scene = loaded(&["contact.coulomb.mu=0.2"]);
+    assert!(scene.contact.as_ref().unwrap().dahl.is_none() && scene.excited().unwrap().model.mu() == 0.2);
+    let two = with_line("[rig.sdof]", "[contact.coulomb]\nmu = 1\n[rig.sdof]");
+    says(&two, &["[contact.coulomb] and [contact.dahl] exclude each other in [contact]", "give either [contact.coulomb], or"]);
+    says(&with_line("[contact.dahl]", "[contact]\n[expect]"), &["[contact] says too little"]);
+    let mistake_inside = with_line("mu = 0.1", "mu = 9\n[contact.coulomb]\nmu = 1\n[contact.dahl.x]");
+    says(&mistake_inside, &["out of range", "[contact.coulomb] and [contact.dahl] exclude each other"]);
+}
+
+#[test]
+fn a_force_belongs_to_a_mass_and_a_load_to_a_given_motion() {
+    says(&with_line("force_n", ""), &["`force_n` is missing in [excitation]", "a.toml:4:1"]);
+    says(&report(&["rig.kinematic.vibration_m_per_s=1"]), &["a force cannot shake [rig.kinematic]", "a.toml:6:1"]);
+    let weightless = kinematic("[contact.dahl]\nmu = 0.1\nstiffness_n_per_m = 1e5\n");
+    says(&super::report(&weightless, &[]), &["`normal_n` is missing in [contact.dahl]", "has no mass whose weight"]);
+    assert!(load_text("a.toml", &weightless, &sets(&["contact.dahl.normal_n=1"])).is_ok());
+    let still = ["excitation.waveform=still", "excitation.sliding_m_per_s=0.01"];
+    assert!(load_text("a.toml", &example().replacen("force_n = 384.0", "", 1), &sets(&still)).is_ok());
+}
+
+#[test]
+fn waveforms_have_what_they_need() {
+    says(&report(&["excitation.waveform=random"]), &["a random excitation without `hold_time_s`", "--set:1:21"]);
+    says(&report(&["excitation.waveform=random", "excitation.hold_time_s=1e-9", "duration_s=1"]), &["1e9 values", "1e-8 s"]);
+    let chirp = report(&["excitation.waveform=chirp", "excitation.start_hz=1e4"]);
+    says(&chirp, &["a chirp excitation without `stop_hz`", "1 problem"]);
+    says(&report(&["rig.sdof.mass_kg=-1"]), &["`rig.sdof.mass_kg` is out of range", "from 1e-9 to 1e6 kg", "--set:1:18"]);
+    says(&report(&["excitation.waveform=sqare"]), &["did you mean `square`?"]);
+}
+
+#[test]
+fn a_velocity_ratio_is_of_a_finite_vibration() {
+    let resonance = "excitation.frequency_hz=12978.69";
+    says(&report(&[resonance]), &["grows without bound", "`rig.sdof.damping_ratio`, or `sliding_m_per_s`", "--set:1:25"]);
+    assert!(loaded(&[resonance, "rig.sdof.damping_ratio=0.01"]).excited().is_some());
+    assert!(loaded(&[resonance, "excitation.sliding_m_per_s=0.1"]).excited().is_some());
+    assert!(loaded(&[resonance, "excitation.velocity_ratio_of=peak"]).excited().is_some());
+    assert!(loaded(&["excitation.frequency_hz=12990"]).excited().is_some());
+    says(&report(&["excitation.force_n=0"]), &["no vibration that the velocity ratio could be of", "--set:1:20"]);
+}
+
+#[test]
+fn friction_has_a_ratio() {
+    says(&with_line("mu", "mu = 0"), &["`contact.dahl.mu` is 0", "a.toml:11:6", "must be more than 0"]);
+    says(&report(&["contact.dahl.alpha=2"]), &["an exponent of 2 is not implemented", "--set:1:20", "must be 1", "thesis"]);
+    let lugre =
+        ["mu=0.2", "static_mu=0.1", "stiffness_n_per_m=1e5", "stribeck_m_per_s=0.1"].map(|key| format!("contact.lugre.{key}"));
+    let lugre: Vec<_> = lugre.iter().map(String::as_str).collect();
+    says(&report(&lugre), &["static friction of 0.1 is less than kinetic friction of 0.2", "must be at least 0.2"]);
+}
+
+#[test]
+fn the_window_is_within_the_run() {
+    says(&report(&["integrator.window_periods=[50, 200]"]), &["ends at period 200, but the run has 120", "at most 120"]);
+    says(&report(&["integrator.window_periods=[50, 50]"]), &["ends at period 50, but begins at 50 only"]);
+    says(&report(&["integrator.window_periods=[50]"]), &["has 1 entry", "needs at least 2"]);
+    let shorter = with_line("duration_s", "integrator.window_periods = [1, 100]\nduration_s = 1e-3");
+    says(&shorter, &["but the run has 60", "give a `duration_s` of at least 0.001666"]);
+    let slower = report(&["integrator.window_periods=[10, 100]", "excitation.frequency_hz=20e3"]);
+    says(&slower, &["ends at period 100, but the run has 40", "at most 40"]);
+    assert!(loaded(&["integrator.window_periods=[0, 120]"]).excited().is_some());
+}
+
+#[test]
+fn a_load_steps() {
+    let load = ["disturbance.0.at_s=1e-3", "disturbance.0.key=contact.normal_n"];
+    let with = |more: &[&str]| report(&[&load[..], more].concat());
+    says(&with(&["disturbance.0.rate_per_s=1"]), &["`contact.normal_n` changes in steps only", "--set:3:15", "give `to`"]);
+    says(&with(&["disturbance.0.to=-1"]), &["`contact.dahl.normal_n` is out of range", "--set:3:18"]);
+    says(&report(&["disturbance.0.at_s=1", load[1], "disturbance.0.to=1"]), &["is 1 s, but the run is over"]);
+    says(&report(&[load[0], "disturbance.0.key=stack.bvd.q", "disturbance.0.to=9"]), &["the scene has no [stack]", "1 problem"]);
+    says(&report(&[load[0], "disturbance.0.key=rig.slider.load_n", "disturbance.0.to=9"]), &["the scene has no [rig.slider]"]);
+}
+
+#[test]
+fn a_hertzian_contact_vibrates_across_under_a_sine() {
+    let hertz = "[contact.hertz]\nmu = 0.3\nnormal_n = 10\nstiffness_n_per_m15 = 1e9\n";
+    assert!(load_text("a.toml", &kinematic(hertz), &[]).is_ok());
+    says(&super::report(&kinematic(hertz), &["excitation.waveform=square"]), &["studied under a sine only"]);
+    let on_a_mass = ["contact.hertz.mu=0.3", "contact.hertz.stiffness_n_per_m15=1e9"];
+    says(&report(&on_a_mass), &["studied under a given vibration only", "a.toml:14:6"]);
+}
+
+#[test]
+fn a_method_is_made_for_the_contact_and_has_its_orders() {
+    says(&report(&["integrator.order=5"]), &["no order 5", "its orders are `2`, `4` and `6`", "1 problem"]);
+    says(&report(&["integrator.method=taylor", "integrator.order=6"]), &["no order 6", "`32`"]);
+    says(&report(&["integrator.method=midpoint", "integrator.order=4"]), &["midpoint has no choice of order", "leave it out"]);
+    says(&report(&["integrator.method=closed"]), &["closed cannot do this", "no closed form", "1 problem"]);
+    says(&report(&["contact.coulomb.mu=0.1", "integrator.method=rk4"]), &["rk4 cannot do this", "linexp follows it exactly"]);
+    assert!(loaded(&["integrator.method=taylor", "integrator.order=28"]).excited().is_some());
+}

@@ -1,0 +1,76 @@
+//! One text over another, and where they come from.
+
+use super::{driven, example, loaded, report, says, sets};
+use crate::load::{LoadError, load, load_text};
+
+#[test]
+fn changes_replace_add_and_count() {
+    assert_eq!(loaded(&["duration_s = 7"]).duration_s, 7.0);
+    assert_eq!(loaded(&["title=No quotes: needed"]).title, "No quotes: needed");
+    assert_eq!(loaded(&["expect.0.min=1"]).expect[0].min, Some(1.0));
+    assert_eq!(driven(&["controller.block_samples=16.0"]).block_samples, 16);
+    assert_eq!(driven(&["controller.burst.on_s.0=2"]).burst.unwrap().on_s, [2.0]);
+    let new = ["grid.set=[]", "disturbance.0.at_s=1", "disturbance.0.key=rig.slider.load_n", "disturbance.0.to=5"];
+    assert_eq!(loaded(&new).disturbance[0].to, Some(5.0));
+    let drive = driven(&["controller.drive.amplitude_v=3"]).drive;
+    assert_eq!((drive.amplitude_v, drive.velocity_m_per_s), (Some(3.0), None));
+    let burst = driven(&["controller.burst.period_s=0.01", "controller.burst.duty=0.5"]).burst.unwrap();
+    assert_eq!((burst.period_s, burst.on_s.len()), (Some(0.01), 0));
+}
+
+#[test]
+fn wrong_changes_are_reported_in_their_own_text() {
+    says(
+        &report(example(), &["seed=1", "rig.slider.sped_m_per_s=1"]),
+        &["--set:2:12", "did you mean `speed_m_per_s`?", "in --set"],
+    );
+    says(&report(example(), &["seed=fast"]), &["`seed` cannot be a string"]);
+    says(&report(example(), &["expect.7.min=1"]), &["`expect` has 1 entry", "there is no number 7"]);
+    says(&report(example(), &["controller.burst.on_s=[3"]), &["unclosed array"]);
+    for change in ["", "=", "seed", "=3", "seed=", "a b=3", "#=1", "..=1"] {
+        says(&report(example(), &[change]), &["for example `--set"]);
+    }
+    let both = ["controller.drive.amplitude_v=3", "controller.drive.velocity_m_per_s=1"];
+    says(&report(example(), &both), &["exclude each other", "--set:2:18"]);
+}
+
+#[test]
+fn a_base_is_laid_under() {
+    let scene = load_text("a.toml", "base = \"experiment-1\"\n[controller.drive]\namplitude_v = 3\n", &[]).unwrap().scene;
+    let drive = &scene.controller.as_ref().unwrap().drive;
+    assert_eq!((drive.amplitude_v, drive.velocity_m_per_s), (Some(3.0), None));
+    assert_eq!(scene.stack, loaded(&[]).stack);
+    says(&report("base = \"experimnt-1\"", &[]), &["no scene `experimnt-1` to start from", "try `experiment-1`"]);
+    says(&report("base = 3", &[]), &["`base` cannot be a whole number"]);
+    says(&report("base = \"a.toml\"", &[]), &["`base` goes in a circle"]);
+    says(&report(example(), &["base=x"]), &["`base` cannot be set"]);
+}
+
+#[test]
+fn files_are_found_read_or_refused() {
+    let folder = std::env::temp_dir().join(format!("scene-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).unwrap();
+    let write = |name: &str, bytes: &[u8]| {
+        let path = folder.join(name);
+        std::fs::write(&path, bytes).unwrap();
+        path.to_string_lossy().into_owned()
+    };
+    let refused = |path: &str| load(path, &[]).unwrap_err().to_string();
+    write("under.toml", example().replacen("mu = 0.3", "mu = -1", 1).as_bytes());
+    let derived = write("my-scene.toml", b"base = \"under.toml\"\nseed = 2\n");
+    says(&refused(&derived), &["under.toml:28:6", "under.toml", "1 problem in"]);
+    let fixed = load(&derived, &sets(&["contact.dahl.mu=0.2"])).unwrap();
+    assert_eq!((fixed.name.as_str(), fixed.scene.seed), ("my-scene", 2));
+    assert_eq!(fixed.cell(&sets(&["seed=3"])).unwrap().scene.seed, 3);
+    write("left.toml", b"base = \"right.toml\"");
+    says(&refused(&write("right.toml", b"base = \"left.toml\"")), &["`base` goes in a circle"]);
+    says(&refused(&write("latin.toml", b"title = \"x\"\n\xff")), &["line 2 is not UTF-8 text"]);
+    says(&refused(&write("wide.toml", b"\xff\xfet\0")), &["UTF-16"]);
+    says(&refused(&write("nul.toml", b"t\0")), &["a binary file"]);
+    says(&refused(&write("large.toml", &vec![b'#'; 2 << 20])), &["larger than 1 MiB"]);
+    says(&refused(&folder.to_string_lossy()), &["cannot read"]);
+    says(&refused("no-such-folder/scene.toml"), &["cannot read the scene `no-such-folder/scene.toml`"]);
+    std::fs::remove_dir_all(folder).unwrap();
+    let Err(LoadError::NotFound { nearest, .. }) = load("experment-1", &[]) else { panic!("found") };
+    assert_eq!(nearest[0], "experiment-1");
+}

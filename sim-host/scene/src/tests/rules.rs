@@ -1,0 +1,211 @@
+//! How keys depend on each other.
+
+use super::{driven, example, loaded, report, says, with_line};
+use crate::load::load_text;
+
+#[test]
+fn the_drive_is_complete_and_within_its_limits() {
+    says(&with_line("scan_v", "amplitude_v = 3"), &["`amplitude_v` and `velocity_m_per_s` exclude each other", "a.toml:8:1"]);
+    says(&with_line("velocity", ""), &["[controller.drive] says too little"]);
+    says(&with_line("scan_v", ""), &["needs `scan_v`"]);
+    says(&with_line("nominal_force", ""), &["needs `controller.tracking.nominal_force_factor_n_per_v`"]);
+    says(
+        &with_line("scan_v", "scan_v = 16"),
+        &["more than `controller.limits.voltage_v` allows", "at most 15.466 V, the default"],
+    );
+    says(&with_line("scan_v", "scan_v = 30"), &["more than `amplifier.full_scale_v` allows"]);
+    says(&with_line("frequency_hz", "frequency_hz = 445e3"), &["too fast for the converters"]);
+    says(&with_line("lm_h", ""), &["`cm_f` and `rm_ohm` need `lm_h`, too"]);
+    says(&with_line("lm_h", "q = 50"), &["`cm_f` and `q` exclude each other"]);
+    let coupled = ["stack.bvd.coupling=1.2", "stack.bvd.q=50", "stack.bvd.series_resonance_hz=4e4"];
+    says(&report(example(), &coupled), &["`stack.bvd.coupling` is out of range", "from 1e-4 to 0.99", "a source of energy"]);
+}
+
+#[test]
+fn time_runs_forward_and_ends() {
+    says(&with_line("off_s", "off_s = [5.0, 5.5]"), &["1 beginnings and 2 ends"]);
+    says(&with_line("off_s", "off_s = [2.0]"), &["ends at 2 s, but begins at 3 s only"]);
+    says(&with_line("off_s", "off_s = [4, 6]").replace("  ", " "), &["needs as many"]);
+    says(&report(example(), &["controller.burst.on_s=[1,2]", "controller.burst.off_s=[3,4]"]), &["the one before ends at 3 s"]);
+    says(&report(example(), &["duration_s=2"]), &["`controller.burst.on_s.0` is 3 s, but the run is over at 2 s", "--set:1:12"]);
+    says(&report(example(), &["trace.signals=[\"v_code\"]", "trace.from_s=2", "trace.to_s=1"]), &["the trace ends at 1 s"]);
+    says(&report(example(), &["fault.0.at_s=6", "fault.0.kind=open"]), &["`fault.0.at_s` is 6 s"]);
+}
+
+#[test]
+fn disturbances_and_expectations_make_sense() {
+    let load = ["disturbance.0.at_s=1", "disturbance.0.key=rig.slider.load_n"];
+    says(&report(example(), &load), &["[[disturbance]] says too little"]);
+    says(&report(example(), &[&load[..], &["disturbance.0.to=-1"]].concat()), &["`rig.slider.load_n` is out of range"]);
+    says(&report(example(), &[&load[..], &["disturbance.0.sine_hz=1"]].concat()), &["`sine_hz` needs `sine_amplitude`, too"]);
+    let without_contact: String = example().split_inclusive("\n\n").filter(|part| !part.contains("[contact")).collect();
+    let (grid, rig) = (without_contact.find("[grid]").unwrap(), without_contact.find("[rig").unwrap());
+    says(&report(&without_contact, &[]), &["[rig] without [contact]"]);
+    let bare = format!("{}{}", &without_contact[..rig], &without_contact[grid..]);
+    says(&report(&bare, &[&load[..], &["disturbance.0.to=1"]].concat()), &["cannot change: the scene has no [rig]"]);
+    says(&with_line("min", "min = 70"), &["nothing is at least 70 and at most 69"]);
+    says(&with_line("min", "tolerance = 1"), &["exclude each other in [[expect]]"]);
+    says(&report(example(), &["expect.0.metric=reduction_percnt"]), &["did you mean `reduction_percent`?"]);
+}
+
+#[test]
+fn what_watches_a_belt_needs_one_and_is_within_its_limits() {
+    let lies = ["fault.0.at_s=1", "fault.0.kind=encoder_lies"];
+    says(&report(example(), &lies), &["what is not there cannot break", "needs `sensors.encoder_counts_per_mm`"]);
+    says(&report(example(), &["fault.0.at_s=1", "fault.0.kind=force_stuck"]), &["needs `sensors.force_hz`"]);
+    says(&report(example(), &["sensors.encoder_counts_per_mm=0"]), &["`sensors.encoder_counts_per_mm` is out of range"]);
+    says(&report(example(), &["controller.limits.energy_j_per_m=10"]), &["needs `sensors.encoder_counts_per_mm`"]);
+    for limit in ["energy_j_per_m=0", "on_time_s=-1", "temperature_c=1e3", "power_w=0", "belt_stop_ms=0"] {
+        let key = limit.split('=').next().unwrap();
+        let expected = format!("`controller.limits.{key}` is out of range");
+        says(&report(example(), &[&format!("controller.limits.{limit}")]), &[expected.as_str()]);
+    }
+    let without_rig = load_text("lock", crate::builtin::text("lock").unwrap(), &["sensors.force_hz=500".to_owned()]);
+    says(&without_rig.unwrap_err().to_string(), &["`sensors.force_hz` in a scene where no belt moves"]);
+}
+
+#[test]
+fn the_cells_of_the_grid_are_scenes() {
+    says(
+        &with_line("row_key", "row_key = \"rig.slider.load\""),
+        &["is no number of a scene", "did you mean `rig.slider.load_n`?"],
+    );
+    says(&with_line("row_key", "row_key = \"controller.drive.shape\""), &["is no number of a scene"]);
+    says(&with_line("columns", "columns = [0.1, 1e9]"), &["`rig.slider.speed_m_per_s` is out of range", "a.toml:42:17"]);
+    says(&with_line("set", "set = [\"duration_s=0.7\"]"), &["in the cells of the grid: `controller.burst.on_s.0` is 3 s"]);
+    says(&with_line("set", "set = [\"a\"]"), &["in the cells of the grid: a change is written `key=value`", "a.toml:43:8"]);
+}
+
+/// What is changed about the example below: one mistake, to be told whatever else is wrong.
+fn told_beside(other: &str, changes: &[&str], parts: &[&str]) {
+    let text = format!("colour = \"red\"\n{}", example().replacen("frequency_hz", &format!("{other}\nfrequency_hz"), 1));
+    let report = report(&text, changes);
+    says(&report, &["unknown key `colour`"]);
+    says(&report, parts);
+}
+
+#[test]
+fn one_mistake_does_not_hide_another() {
+    let both = ["controller.drive.amplitude_v=3", "controller.drive.velocity_m_per_s=1"];
+    told_beside("flavour = 3", &both, &["unknown key `flavour`", "exclude each other", "2 problems in a.toml"]);
+    told_beside("lanes = 9", &["controller.drive.scan_v=30"], &["`controller.drive.lanes` is out of range", "30 V, more than"]);
+    told_beside("flavour = 3", &["controller.drive.frequency_hz=445e3"], &["too fast for the converters"]);
+    told_beside("", &["controller.tracking.flavour=1", "controller.drive.frequency_hz=445e3"], &["too fast for the converters"]);
+    told_beside("", &["controller.burst.flavour=1", "controller.burst.off_s=[1]"], &["ends at 1 s, but begins at 3 s only"]);
+    told_beside("", &["controller.burst.edge=hrd", "controller.burst.period_s=1"], &["`period_s` needs `duty`, too"]);
+    told_beside("", &["expect.0.flavour=1", "expect.0.min=70"], &["nothing is at least 70 and at most 69"]);
+    told_beside("", &["expect.0.min=70", "expect.0.metric=q_percent"], &["nothing is at least 70", "no metric `q_percent`"]);
+    told_beside("", &["fault.0.at_s=9", "fault.0.kind=opn"], &["did you mean `open`?", "`fault.0.at_s` is 9 s"]);
+    told_beside("", &["grid.flavour=1", "grid.metric=redction_percent"], &["did you mean `reduction_percent`?"]);
+    let without_rig: String = example().split_inclusive("\n\n").filter(|part| !part.contains("[rig")).collect();
+    says(&report(&format!("colour = \"red\"\n{without_rig}"), &[]), &["[contact] without [rig]", "unknown key `colour`"]);
+    says(
+        &report(&without_rig.replacen("mu =", "nu =", 1), &[]),
+        &["[contact] without [rig]", "did you mean `mu`?", "2 problems"],
+    );
+}
+
+#[test]
+fn one_mistake_is_told_once() {
+    says(&with_line("[rig.slider]", "[rg.slider]"), &["did you mean `rig`?", "1 problem"]);
+    says(&with_line("[rig.slider]", "[slider]"), &["belongs in [rig]", "1 problem"]);
+    says(&with_line("off_s", "of_s = [5.0]"), &["1 problem"]);
+    says(&with_line("scan_v", "scan_vv = 3"), &["did you mean `scan_v`?", "1 problem"]);
+    says(&with_line("nominal_force", "nominal_force_factor = 5.566"), &["lacks its unit", "1 problem"]);
+    says(&with_line("velocity", "velocity_m_per_s = \"fast\""), &["cannot be a string", "1 problem"]);
+    says(&with_line("scan_v", "amplitude_v = 30"), &["exclude each other", "1 problem"]);
+    says(&with_line("duration_s", "duration_s = \"6\""), &["without the quotes: 6", "1 problem"]);
+}
+
+#[test]
+fn a_sample_fits_into_sixteen_bits() {
+    let bits = |bits: u8, conversions: u8| [format!("sensors.adc_bits={bits}"), format!("sensors.oversample={conversions}")];
+    for (adc_bits, oversample) in (6..=16).flat_map(|bits| (1..=4).map(move |conversions| (bits, conversions))) {
+        let fits = ((1u32 << adc_bits) - 1) * u32::from(oversample) <= 65535;
+        let sets = bits(adc_bits, oversample);
+        assert_eq!(load_text("a.toml", example(), &sets).is_ok(), fits, "{sets:?}");
+    }
+    says(&report(example(), &["sensors.adc_bits=16"]), &["--set:1:18", "must be at most 15 with `oversample` 2, the default"]);
+    says(&report(example(), &["sensors.adc_bits=16", "sensors.oversample=1", "sensors.flavour=1"]), &["1 problem"]);
+    let sixteen = format!("{}\n[sensors]\nadc_bits = 15\n", example());
+    says(&report(&sixteen, &["sensors.oversample=3"]), &["--set:1:20", "must be at most 2 with 15 bits"]);
+    assert_eq!(loaded(&["sensors.dac_bits=16"]).sensors.unwrap().dac_bits, 16);
+}
+
+#[test]
+fn the_scan_and_the_lock_in_can_work() {
+    says(
+        &with_line("nominal_q", "nominal_q = 8001"),
+        &["a.toml:15:13", "401 steps", "at most 8000 with a span of 0.025", "0.0249968"],
+    );
+    assert_eq!(driven(&["controller.tracking.nominal_q=8000"]).tracking.nominal_q, 8000.0);
+    let off = ["controller.tracking.nominal_q=9000", "controller.tracking.mode=off", "controller.drive.amplitude_v=3"];
+    assert_eq!(driven(&off).tracking.nominal_q, 9000.0);
+    says(
+        &with_line("frequency_hz", "frequency_hz = 10e3"),
+        &["less than half a period of 9750 Hz", "must be at least 16025.7 Hz", "or give `controller.block_samples` 52 at least"],
+    );
+    says(&with_line("frequency_hz", "frequency_hz = 2e3"), &["no block is long enough for it; `controller.block_samples` is 64"]);
+    says(
+        &report(example(), &["controller.block_samples=8"]),
+        &["--set:1:26", "must be at least 13", "`controller.drive.frequency_hz`"],
+    );
+}
+
+#[test]
+fn what_the_firmware_refuses_is_told_at_its_key() {
+    says(
+        &report(example(), &["controller.tracking.bandwidth_hz=800"]),
+        &["refuses `controller.tracking.bandwidth_hz` of 800 Hz", "--set:1:34", "must be from 0.1 to 625 Hz", "block_samples"],
+    );
+    says(
+        &report(example(), &["sensors.sample_hz=2e5"]),
+        &["bandwidth_hz` of 200 Hz, the default", "--> a.toml:14:1", "must be from 0.1 to 125 Hz"],
+    );
+    says(
+        &with_line("velocity", "velocity_m_per_s = 0.6"),
+        &["refuses `controller.drive.velocity_m_per_s` of 0.6 m/s", "0.538986 m/s", "force factor x velocity"],
+    );
+    says(&report(example(), &["controller.tracking.mode=off"]), &["needs tracking", "--set:1:26", "cannot be `off`"]);
+    says(&report(example(), &["sensors.i_full_scale_a=1e-6"]), &["refuses `sensors.i_full_scale_a`", "to 1000 A"]);
+    says(&report(example(), &["controller.drive.amplitude_v=0"]), &["--set:1:30", "must be from 0.001 to 10000 V"]);
+    says(&report(example(), &["controller.burst.off_s=[3.0000001]"]), &["refuses the burst", "a.toml:11:8", "at least, 1e-6 s"]);
+    says(
+        &with_line("set", "set = [\"controller.tracking.bandwidth_hz=800\"]"),
+        &["in the cells of the grid: the firmware refuses"],
+    );
+}
+
+#[test]
+fn disturbances_stay_in_range() {
+    let load = ["disturbance.0.at_s=1", "disturbance.0.key=rig.slider.load_n"];
+    let with = |more: &[&str]| report(example(), &[&load[..], more].concat());
+    says(
+        &with(&["disturbance.0.rate_per_s=-0.2", "rig.slider.load_n=0.5"]),
+        &[
+            "`rig.slider.load_n` may leave its range at 3.5 s",
+            "--set:3:26",
+            "must stay from 0 to 10000 N",
+            "a slope of -0.1 per second",
+        ],
+    );
+    says(
+        &with(&["disturbance.0.sine_amplitude=3", "disturbance.0.sine_hz=1", "rig.slider.load_n=2"]),
+        &["may leave its range at 1 s", "an amplitude of 2 at most"],
+    );
+    let resonance = ["disturbance.0.at_s=1", "disturbance.0.key=stack.bvd.q", "disturbance.0.rate_per_s=-20", "grid.set=[]"];
+    says(
+        &report(example(), &resonance),
+        &["`stack.bvd.q` may leave its range at 4.1", "must stay from 1 to 1e6", "a slope of -12."],
+    );
+    let added = [
+        "disturbance.0.sine_amplitude=2",
+        "disturbance.0.sine_hz=1",
+        "rig.slider.load_n=3",
+        "disturbance.1.at_s=2",
+        "disturbance.1.key=rig.slider.load_n",
+        "disturbance.1.rate_per_s=-0.5",
+    ];
+    says(&with(&added), &["may leave its range at 4 s", "--set:8:26", "add up"]);
+    says(&with(&["disturbance.0.rate_per_s=-1", "disturbance.1.rate_per_s=1"]), &["`at_s` is missing", "`key` is missing"]);
+}

@@ -1,0 +1,106 @@
+//! Speed of the simulation: `cargo bench -p sonoglide-sim`.
+//!
+//! Throughput is in samples of simulated time; at 1 Msps, 10 Melem/s is ten simulated seconds a wall second, on one core.
+
+use criterion::{BatchSize, Criterion, Throughput, criterion_group, criterion_main};
+use firmware::block::{DriveBlock, Gate, Orders, Request, SenseBlock};
+use firmware::controller::Controller;
+use firmware::supervisor::Mode;
+use firmware::units::Hertz;
+use hal_mock::analog::Analog;
+use hal_mock::block_clock::BlockClock;
+use plant::Plant;
+use scene::Scene;
+use scene::load::load;
+use scene::settings;
+use sonoglide_sim::run::{Watch, run};
+
+fn scene(name: &str, sets: &[&str]) -> Scene {
+    let sets: Vec<String> = sets.iter().map(|&set| set.to_owned()).collect();
+    load(name, &sets).unwrap_or_else(|error| panic!("{error}")).scene
+}
+
+/// The flagship, whole: controller, stack and contact live.
+fn experiment_1(criterion: &mut Criterion) {
+    let scene = scene("experiment-1", &[]);
+    let scene = scene.driven().expect("a driven scene");
+    let mut group = criterion.benchmark_group("whole scene");
+    group.throughput(Throughput::Elements((scene.duration_s * scene.sensors.sample_hz) as u64)).sample_size(10);
+    group
+        .bench_function("experiment-1", |bencher| bencher.iter(|| run(&scene, Watch::default()).map(|record| record.drive_hash)));
+    group.finish();
+}
+
+/// Blocks replayed in one iteration.
+const BLOCKS: usize = 500;
+
+/// Controller, plant, and what passed between them over [`BLOCKS`] blocks in which the drive is ON and tracked.
+struct Recorded {
+    controller: Controller,
+    plant: Plant,
+    heard: Vec<SenseBlock>,
+    played: Vec<DriveBlock>,
+}
+
+const ORDERS: Orders = Orders {
+    sequence: 1,
+    attempt: 1,
+    request: Request::Run,
+    gate: Gate::On,
+    amplitude: None,
+    detune: Hertz(0.0),
+    quadrature: None,
+    friction: None,
+    torso_kg: None,
+    emergency_stop: false,
+    host_lost: false,
+    clear_fault: false,
+};
+
+fn recorded(scene: &Scene) -> Recorded {
+    let scene = &scene.driven().expect("a driven scene");
+    let mut controller = Controller::build(&settings::config(scene)).expect("a built-in scene's settings");
+    let mut clock = BlockClock::new(Plant::new(scene), &controller.silence());
+    let drive_into = |controller: &mut Controller, clock: &mut BlockClock<Plant>| {
+        clock.tick(|sense, drive| (controller.process(&ORDERS, sense, drive).mode, sense.clone(), drive.clone()))
+    };
+    while drive_into(&mut controller, &mut clock).0 != Mode::Run {}
+    for _ in 0..1000 {
+        drive_into(&mut controller, &mut clock);
+    }
+    let (start, plant) = (controller.clone(), clock.analog.clone());
+    let (heard, played) =
+        (0..BLOCKS).map(|_| drive_into(&mut controller, &mut clock)).map(|(_, sense, drive)| (sense, drive)).unzip();
+    Recorded { controller: start, plant, heard, played }
+}
+
+/// The two halves by themselves, replayed.
+fn halves(criterion: &mut Criterion) {
+    let with_contact = recorded(&scene("experiment-1", &[]));
+    let alone = recorded(&scene("lock", &[]));
+    let mut group = criterion.benchmark_group("replayed");
+    let samples = BLOCKS * with_contact.heard[0].v.len();
+    group.throughput(Throughput::Elements(samples as u64));
+    group.bench_function("controller", |bencher| {
+        let mut drive = with_contact.controller.silence();
+        bencher.iter_batched_ref(
+            || with_contact.controller.clone(),
+            |controller| with_contact.heard.iter().map(|sense| controller.process(&ORDERS, sense, &mut drive).block).last(),
+            BatchSize::SmallInput,
+        );
+    });
+    for (name, recorded) in [("plant with contact", &with_contact), ("plant, stack alone", &alone)] {
+        group.bench_function(name, |bencher| {
+            let mut sense = SenseBlock::default();
+            bencher.iter_batched_ref(
+                || recorded.plant.clone(),
+                |plant| recorded.played.iter().for_each(|drive| plant.exchange(drive, &mut sense)),
+                BatchSize::SmallInput,
+            );
+        });
+    }
+    group.finish();
+}
+
+criterion_group!(benches, experiment_1, halves);
+criterion_main!(benches);

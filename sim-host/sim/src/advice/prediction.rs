@@ -1,0 +1,227 @@
+//! What the observer will do: rehearsed, with the Cramer-Rao bound beside it.
+//!
+//! | | is |
+//! |---|---|
+//! | lock time to B | from the first sample of the lock stage to the last moment that the frequency played is more than B off: median and 95th percentile of noisy cold starts over what may be told ([`TOLD`]) |
+//! | jitter | standard deviation of the frequency played, steady |
+//! | bandwidth | from a swing of the true resonance to the frequency played, down by 3 dB; without noise |
+//! | lag | true resonance less the frequency played, on a ramp; without noise |
+//! | bias | what a clamped capacitance that is 1 % more than was calibrated, or a current that is sampled 1 ns later, adds to the lock point |
+//! | loss | from the moment that nothing rings any more until the lock is called lost |
+//!
+//! The bound of the jitter is that of a window of something that goes on, whose middle lies as far back as the observer is behind on a ramp
+//! without its second integrator; Lm and C0 are known, because what is wrong with them is bias. The bound of a ramp is the best compromise of
+//! lag and jitter that takes the resonance for constant within a window; or the jitter of one that fits the slope, too.
+
+use firmware::block::LATENCY_BLOCKS;
+use firmware::tracker::State;
+use rand_core::SeedableRng;
+use rand_xoshiro::Xoshiro256PlusPlus;
+use rayon::prelude::*;
+use serde::Serialize;
+
+use super::case::{Case, TOLD};
+use super::rehearsal::{Bench, Rehearsal};
+use super::response::bandwidth_hz;
+use super::rig::Rig;
+use crate::cramer_rao::{DEVIATIONS_95, Knowledge, Setting, Told, ramp, ramp_with_slope, steady, time_to};
+use plant::circuit::Circuit;
+
+/// Cold starts of a prediction.
+pub const DRAWS: u64 = 400;
+/// Lock times are to within so much, Hz.
+pub const BOUNDS_HZ: [f64; 3] = [100.0, 20.0, 4.0];
+/// Rates of a ramp, Hz/s.
+const RAMPS_HZ_PER_S: [f64; 2] = [1e3, 10e3];
+/// A cold start is watched for so long, s.
+const WATCHED_S: f64 = 8e-3;
+/// Steady is what comes after so long, s; a ramp lasts as long.
+pub(super) const SETTLED_S: f64 = 30e-3;
+/// Jitter is measured over so long, s, in so many rehearsals.
+const JITTER: (f64, u64) = (60e-3, 4);
+/// Longest time in which a loss is looked for, s.
+const LOSS_S: f64 = 1.0;
+/// Deviations of a Gaussian that half of it is within.
+const DEVIATIONS_50: f64 = 0.6745;
+/// Bias per part of C0, and per skew, s.
+const ONE_PERCENT: f64 = 0.01;
+const ONE_NS: f64 = 1e-9;
+
+/// What the observer will do.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Prediction {
+    /// Cold starts that were rehearsed.
+    pub draws: u64,
+    /// Times to lock.
+    pub lock: Vec<LockTime>,
+    /// Standard deviation of the frequency played, Hz.
+    pub jitter_hz: f64,
+    /// As the observer states it itself, Hz.
+    pub jitter_stated_hz: f64,
+    /// Bound of it, Hz.
+    pub jitter_bound_hz: f64,
+    /// Bandwidth from true resonance to drive, Hz.
+    pub bandwidth_hz: Option<f64>,
+    /// Ramps.
+    pub ramps: Vec<Ramp>,
+    /// Lock point for each per cent of C0, Hz.
+    pub bias_hz_per_percent_c0: f64,
+    /// Lock point for each ns that the current is sampled later than the voltage, Hz.
+    pub bias_hz_per_ns_skew: f64,
+    /// Time to notice that nothing rings any more, ms.
+    pub loss_noticed_ms: Option<f64>,
+}
+
+/// Time to lock.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct LockTime {
+    /// To within so much, Hz.
+    pub within_hz: f64,
+    /// Median and 95th percentile, ms; nothing where it takes longer than was watched.
+    pub median_ms: Option<f64>,
+    /// The 95th percentile.
+    pub p95_ms: Option<f64>,
+    /// Bounds of both, ms.
+    pub bound_median_ms: Option<f64>,
+    /// Of the 95th percentile.
+    pub bound_p95_ms: Option<f64>,
+}
+
+/// A resonance that drifts.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Ramp {
+    /// Its rate, Hz/s.
+    pub hz_per_s: f64,
+    /// Lag of the firmware's observer, Hz.
+    pub lag_hz: f64,
+    /// Lag without its second integrator, Hz.
+    pub lag_without_rate_hz: f64,
+    /// Least error of an estimate that takes the resonance for constant: lag and jitter together, Hz rms.
+    pub bound_constant_hz: Option<f64>,
+    /// Jitter of one that fits the slope, with the observer's memory, Hz rms.
+    pub bound_slope_hz: f64,
+}
+
+/// Predicts.
+pub fn predict(case: &Case) -> Option<Prediction> {
+    let rig = Rig::of(case)?;
+    let setting = Setting { told: Told::cold(rig.bench.nominal_hz, TOLD.resonance), ..Setting::of(&case.driven()?)? };
+    let latency = LATENCY_BLOCKS as f64;
+    let times = lock_times(&rig, DRAWS);
+    let bound_ms = |hz: f64| time_to(&setting, hz, latency).map(|s| 1e3 * s);
+    let lock = BOUNDS_HZ.iter().zip(&times).map(|(&within_hz, times)| LockTime {
+        within_hz,
+        median_ms: percentile_ms(times, 0.5),
+        p95_ms: percentile_ms(times, 0.95),
+        bound_median_ms: bound_ms(within_hz * DEVIATIONS_95 / DEVIATIONS_50),
+        bound_p95_ms: bound_ms(within_hz),
+    });
+    let lock = lock.collect();
+    let (jitter_hz, jitter_stated_hz) = jitter(&rig);
+    let locked = settle(&rig, rig.bench);
+    let bandwidth_hz = bandwidth_hz(&locked.0, &rig);
+    let mut without_rate = rig.start_without_rate();
+    (0..rig.blocks(SETTLED_S)).for_each(|_| {
+        without_rate.step(&rig.circuit);
+    });
+    let heard = Told { voltage: Knowledge::Unknown, state: Knowledge::Unknown, ..Told::LM_AND_C0 };
+    let heard = Setting { told: heard, ..setting };
+    let behind_s = lag_hz(&rig, without_rate.clone(), RAMPS_HZ_PER_S[0]) / RAMPS_HZ_PER_S[0];
+    let memory_s = 2.0 * (behind_s - latency * rig.block_s).max(rig.block_s);
+    let ramps = RAMPS_HZ_PER_S.map(|hz_per_s| Ramp {
+        hz_per_s,
+        lag_hz: lag_hz(&rig, locked.0.clone(), hz_per_s),
+        lag_without_rate_hz: lag_hz(&rig, without_rate.clone(), hz_per_s),
+        bound_constant_hz: ramp(&heard, hz_per_s, latency).map(|best| best.error_hz()),
+        bound_slope_hz: ramp_with_slope(&heard, memory_s, latency),
+    });
+    let bias = |bench: Bench| settle(&rig, bench).1 - locked.1;
+    Some(Prediction {
+        draws: DRAWS,
+        lock,
+        jitter_hz,
+        jitter_stated_hz,
+        jitter_bound_hz: steady(&heard, memory_s),
+        bandwidth_hz,
+        ramps: ramps.to_vec(),
+        bias_hz_per_percent_c0: bias(Bench { c0_error: ONE_PERCENT, ..rig.bench }),
+        bias_hz_per_ns_skew: bias(Bench { skew_s: ONE_NS, ..rig.bench }),
+        loss_noticed_ms: loss_s(&rig, locked.0).map(|s| 1e3 * s),
+    })
+}
+
+/// Lock times of so many cold starts to each of [`BOUNDS_HZ`], s, rising; infinite where that was not reached.
+pub fn lock_times(rig: &Rig, draws: u64) -> [Vec<f64>; 3] {
+    let blocks = rig.blocks(WATCHED_S);
+    let one = |number: u64| {
+        let (mut rehearsal, circuit) = rig.draw(number);
+        let errors: Vec<f64> = (0..blocks).map(|_| rehearsal.step(&circuit).error_hz().abs()).collect();
+        BOUNDS_HZ.map(|bound| {
+            let inside = errors.iter().rposition(|&error| error > bound).map_or(0, |last| last + 1);
+            if inside < blocks { inside as f64 * rig.block_s } else { f64::INFINITY }
+        })
+    };
+    let all: Vec<[f64; 3]> = (1..=draws).into_par_iter().map(one).collect();
+    [0, 1, 2].map(|n| {
+        let mut times: Vec<f64> = all.iter().map(|times| times[n]).collect();
+        times.sort_by(f64::total_cmp);
+        times
+    })
+}
+
+/// The smallest value that at least this part does not exceed, ms; nothing if it is infinite.
+pub fn percentile_ms(rising: &[f64], part: f64) -> Option<f64> {
+    let place = ((part * rising.len() as f64).ceil() as usize).max(1) - 1;
+    rising.get(place).filter(|s| s.is_finite()).map(|s| 1e3 * s)
+}
+
+/// Standard deviation of the frequency played, and what the observer says of its own, Hz.
+fn jitter(rig: &Rig) -> (f64, f64) {
+    let (length_s, rehearsals) = JITTER;
+    let one = |number: u64| {
+        let mut rehearsal = rig.start(rig.bench, Some(Xoshiro256PlusPlus::seed_from_u64(number)));
+        (0..rig.blocks(SETTLED_S)).for_each(|_| {
+            rehearsal.step(&rig.circuit);
+        });
+        let blocks: Vec<_> = (0..rig.blocks(length_s)).map(|_| rehearsal.step(&rig.circuit)).collect();
+        let mean = |of: &dyn Fn(f64) -> f64| blocks.iter().map(|block| of(block.played_hz)).sum::<f64>() / blocks.len() as f64;
+        let centre = mean(&|hz| hz);
+        (mean(&|hz| (hz - centre).powi(2)), blocks.last().map_or(f64::NAN, |block| block.stated_hz))
+    };
+    let all: Vec<(f64, f64)> = (1..=rehearsals).into_par_iter().map(one).collect();
+    let mean = |of: fn(&(f64, f64)) -> f64| all.iter().map(of).sum::<f64>() / all.len() as f64;
+    (mean(|one| one.0).sqrt(), mean(|one| one.1))
+}
+
+/// A rehearsal without noise that has settled, and where: Hz beside the true resonance.
+fn settle(rig: &Rig, bench: Bench) -> (Rehearsal, f64) {
+    let mut rehearsal = rig.start(bench, None);
+    let blocks = rig.blocks(SETTLED_S);
+    let errors: Vec<f64> = (0..blocks).map(|_| rehearsal.step(&rig.circuit).error_hz()).collect();
+    let last = &errors[blocks - blocks / 3..];
+    (rehearsal, last.iter().sum::<f64>() / last.len() as f64)
+}
+
+/// How far a rehearsal comes to be behind, Hz.
+fn lag_hz(rig: &Rig, mut settled: Rehearsal, hz_per_s: f64) -> f64 {
+    let (from_s, own_hz) = (settled.time_s(), rig.circuit.series_resonance_hz());
+    let blocks = rig.blocks(SETTLED_S);
+    let mut lags = Vec::with_capacity(blocks);
+    for _ in 0..blocks {
+        let hz = own_hz + hz_per_s * (settled.time_s() - from_s);
+        lags.push(-settled.step(&rig.circuit.with_series_resonance(hz)).error_hz());
+    }
+    let last = &lags[blocks - blocks / 3..];
+    last.iter().sum::<f64>() / last.len() as f64
+}
+
+/// When it is noticed that nothing rings any more, s.
+fn loss_s(rig: &Rig, mut settled: Rehearsal) -> Option<f64> {
+    /// So many times the inductance is no branch any more.
+    const BROKEN: f64 = 1e6;
+    let own = rig.circuit;
+    let broken = Circuit { lm_h: own.lm_h * BROKEN, cm_f: own.cm_f / BROKEN, rm_ohm: own.rm_ohm * BROKEN, ..own };
+    let lost = |state: Option<State>| matches!(state, Some(State::Lost | State::Disagree));
+    let noticed = (1..=rig.blocks(LOSS_S)).find(|_| lost(settled.step(&broken).state))?;
+    Some(noticed as f64 * rig.block_s)
+}

@@ -1,0 +1,229 @@
+//! The bound of resonance tracking: how well anything that hears voltage and current can know the series resonance, and how soon.
+//!
+//! ```text
+//! circuit, drive, start --> response (exact current, derivatives) --> information (sum over samples + what was told) --> bound
+//!                                                                            |
+//!                                                                            +--> ramp: lag against jitter
+//! ```
+//!
+//! Cramer-Rao's bound of a stack (Butterworth 1914, Van Dyke 1928) that is driven by a sine of constant frequency at its terminals, heard
+//! through converters with white noise. Unknown are resonance, Q, Lm and C0, each with what was told of it, and size and phase of the
+//! voltage, which are either known (a calibrated amplifier) or heard through a converter, too. It knows nothing of the firmware.
+//!
+//! A bound for unbiased estimates of constants. An estimate that is drawn to what was told beforehand does no better on average (van
+//! Trees 1968). Beside the model: one mode, no offset of the converters, no skew, no aliases, and the drive does not follow what was found.
+
+mod information;
+mod ramp;
+mod response;
+
+#[cfg(test)]
+mod tests;
+
+use realfft::num_complex::Complex64;
+
+pub use information::Knowledge;
+pub use ramp::{Compromise, ramp, ramp_with_slope};
+
+use information::Information;
+use plant::circuit::Circuit;
+use plant::circuit_of;
+use response::{PARAMETERS, Parameter, Response};
+use scene::{Driven, Sensors, Transducer};
+
+/// From here a curve goes, s.
+const FIRST_S: f64 = 25e-6;
+/// To here a curve goes, s.
+const LAST_S: f64 = 5e-3;
+/// Points of a curve.
+const POINTS: u32 = 60;
+/// As long is waited for an accuracy, s.
+const PATIENCE_S: f64 = 20e-3;
+/// Standard deviations to either side that hold 95 % of a Gaussian.
+pub const DEVIATIONS_95: f64 = 1.96;
+
+/// A sine at the terminals.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Drive {
+    /// Peak, V.
+    pub volts: f64,
+    /// Frequency, Hz.
+    pub hz: f64,
+    /// Phase of the cosine at t = 0, rad; minus a quarter of a turn is a sine, which begins at zero.
+    pub phase_rad: f64,
+}
+
+impl Drive {
+    fn phasor(&self) -> Complex64 {
+        Complex64::from_polar(self.volts, self.phase_rad)
+    }
+}
+
+/// What is there at t = 0.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Start {
+    /// A stack at rest, whose drive begins.
+    Rest,
+    /// A stack that has been driven for long.
+    Settled,
+    /// A stack that has been driven for long while it was this one, and was heard for long: its total current is known, and its motional
+    /// current as far as C0 is.
+    Jump(Circuit),
+}
+
+/// What is known beforehand.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Told {
+    /// Of the series resonance, Hz.
+    pub resonance_hz: Knowledge,
+    /// Of the logarithm of Q.
+    pub q: Knowledge,
+    /// Of Lm, relative.
+    pub lm: Knowledge,
+    /// Of C0, relative.
+    pub c0: Knowledge,
+    /// Of the voltage, relative, and of its phase, rad. Where it is not known it is heard.
+    pub voltage: Knowledge,
+    /// Of the motional current and charge at t = 0, as currents, A. `Unknown` is a window of something that goes on.
+    pub state: Knowledge,
+}
+
+impl Told {
+    /// Nothing but where it starts from and what drives it.
+    pub const NOTHING: Self = Told {
+        resonance_hz: Knowledge::Unknown,
+        q: Knowledge::Unknown,
+        lm: Knowledge::Unknown,
+        c0: Knowledge::Unknown,
+        voltage: Knowledge::Known,
+        state: Knowledge::Known,
+    };
+    /// Lm and C0 as well.
+    pub const LM_AND_C0: Self = Told { lm: Knowledge::Known, c0: Knowledge::Known, ..Told::NOTHING };
+
+    /// What is told of a stack before a cold start: its resonance within a part of the nominal one, Q within a factor of two, Lm within a
+    /// tenth; and C0 within a quarter of a per cent, because it has been calibrated. The voltage is heard.
+    pub fn cold(nominal_hz: f64, span: f64) -> Self {
+        Told {
+            resonance_hz: Knowledge::either_side(nominal_hz * span),
+            q: Knowledge::either_side(2f64.ln()),
+            lm: Knowledge::either_side(0.1),
+            c0: Knowledge::either_side(0.0025),
+            voltage: Knowledge::Unknown,
+            state: Knowledge::Known,
+        }
+    }
+
+    fn of_each(&self) -> [Knowledge; PARAMETERS] {
+        let (voltage, state) = (self.voltage, self.state);
+        [self.resonance_hz, self.q, self.lm, self.c0, voltage, voltage, state, state, Knowledge::Known]
+    }
+}
+
+/// What is heard of what.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Setting {
+    /// The truth.
+    pub circuit: Circuit,
+    /// What drives it.
+    pub drive: Drive,
+    /// What is there at t = 0.
+    pub start: Start,
+    /// Samples a second, Hz.
+    pub sample_hz: f64,
+    /// Length of a block, s.
+    pub block_s: f64,
+    /// Noise of a sample of the current, A rms.
+    pub current_noise_a: f64,
+    /// Noise of a sample of the voltage, V rms.
+    pub voltage_noise_v: f64,
+    /// What is known beforehand.
+    pub told: Told,
+}
+
+/// Noise of a sample, the mean of its conversions, in the unit of the range's end: the converter's own and that of rounding.
+pub fn noise(sensors: &Sensors, full_scale: f64) -> f64 {
+    let lsb = full_scale / f64::from(1u32 << (sensors.adc_bits - 1));
+    lsb * ((sensors.noise_lsb.powi(2) + 1.0 / 12.0) / f64::from(sensors.oversample)).sqrt()
+}
+
+impl Setting {
+    /// A cold start of a scene's stack, driven at the nominal frequency from rest. `None` for a stator, and where no voltage is told.
+    ///
+    /// The drive is that behind the amplifier's source resistance, which is counted to the stack's own; through it C0 draws its current,
+    /// too, which is left out (`omega C0 R`: 2 % at 0.3 ohm, 300 nF and 40 kHz).
+    pub fn of(scene: &Driven) -> Option<Setting> {
+        let Transducer::Stack(..) = scene.transducer else { return None };
+        let (drive, tracking, sensors) = (&scene.controller.drive, &scene.controller.tracking, scene.sensors);
+        let circuit = circuit_of(scene);
+        let volts = drive.scan_v.or(drive.amplitude_v)?;
+        Some(Setting {
+            circuit: Circuit { rm_ohm: circuit.rm_ohm + scene.amplifier.source_ohm, ..circuit },
+            drive: Drive { volts, hz: drive.frequency_hz, phase_rad: -std::f64::consts::FRAC_PI_2 },
+            start: Start::Rest,
+            sample_hz: sensors.sample_hz,
+            block_s: f64::from(scene.controller.block_samples) / sensors.sample_hz,
+            current_noise_a: noise(sensors, sensors.i_full_scale_a),
+            voltage_noise_v: noise(sensors, sensors.v_full_scale_v),
+            told: Told::cold(drive.frequency_hz, tracking.span),
+        })
+    }
+
+    /// Information after each sample, with its time, s: without what was told.
+    fn heard(&self) -> impl Iterator<Item = (f64, Information)> {
+        let response = Response::new(&self.circuit, &self.drive, &self.start);
+        let (current, voltage) = (self.current_noise_a.powi(2), self.voltage_noise_v.powi(2));
+        let (mut information, sample_hz) = (Information::default(), self.sample_hz);
+        (1u32..).map(move |n| {
+            let time_s = f64::from(n) / sample_hz;
+            information.add(&response.current(time_s).1, current);
+            let mut by = [0.0; PARAMETERS];
+            [by[Parameter::Voltage as usize], by[Parameter::Phase as usize]] = response.voltage(time_s).1;
+            information.add(&by, voltage);
+            (time_s, information.clone())
+        })
+    }
+
+    /// Bound after each sample: time, s, and least error of the resonance, Hz rms; infinite as long as it cannot be told.
+    fn bounds(&self) -> impl Iterator<Item = (f64, f64)> {
+        let told = self.told.of_each();
+        let mut weight = [0.0; PARAMETERS];
+        weight[Parameter::Resonance as usize] = 1.0;
+        self.heard().map(move |(time_s, information)| (time_s, information.with(&told).deviation(&weight, &told)))
+    }
+}
+
+/// The least error of the resonance, Hz rms, against the time listened, s: from 25 us to 5 ms, evenly on a logarithmic axis.
+pub fn bound(setting: &Setting) -> Vec<(f64, f64)> {
+    let step = (LAST_S / FIRST_S).powf(f64::from(POINTS - 1).recip());
+    let mut times = (0..POINTS).map(|n| FIRST_S * step.powi(n as i32)).peekable();
+    let (half_s, mut curve) = (0.5 / setting.sample_hz, Vec::with_capacity(POINTS as usize));
+    for point in setting.bounds().take_while(|point| point.0 < LAST_S + half_s) {
+        let mut is_asked = false;
+        while times.next_if(|&time_s| time_s < point.0 + half_s).is_some() {
+            is_asked = true;
+        }
+        if is_asked {
+            curve.push(point);
+        }
+    }
+    curve
+}
+
+/// The least error of the resonance after a time, Hz rms; infinite if it cannot be told by then.
+pub fn bound_at(setting: &Setting, time_s: f64) -> f64 {
+    let half_s = 0.5 / setting.sample_hz;
+    setting.bounds().take_while(|point| point.0 < time_s + half_s).last().map_or(f64::INFINITY, |point| point.1)
+}
+
+/// The least error, Hz rms, in steady state by a window of this length, s: of the phase alone, nothing rings.
+pub fn steady(setting: &Setting, memory_s: f64) -> f64 {
+    bound_at(&Setting { start: Start::Settled, ..*setting }, memory_s)
+}
+
+/// From when on the resonance can be played within so many Hz at 95 %, s: the time to hear it, and `latency_blocks` until what was heard is
+/// played. `None` if that takes longer than 20 ms.
+pub fn time_to(setting: &Setting, hz: f64, latency_blocks: f64) -> Option<f64> {
+    let mut bounds = setting.bounds().take_while(|point| point.0 < PATIENCE_S);
+    bounds.find(|point| DEVIATIONS_95 * point.1 <= hz).map(|point| point.0 + latency_blocks * setting.block_s)
+}

@@ -1,0 +1,61 @@
+//! A comparison in tables: one for each of what is equal.
+
+use super::number;
+use crate::study::Study;
+use crate::study::comparison::{CaseResult, ComparisonResult, Matched, Standing};
+use report::TableBlock;
+use scene::Equal;
+
+/// The tables.
+pub(super) fn tables(study: &Study) -> Vec<TableBlock> {
+    let host = if study.run().is_some() { " with the controller on the host (SIL)" } else { "" };
+    let tables = |result: &ComparisonResult| result.matches.iter().map(|matched| table(result, matched, host)).collect();
+    study.comparison.as_ref().map_or_else(Vec::new, tables)
+}
+
+fn table(result: &ComparisonResult, matched: &Matched, host: &str) -> TableBlock {
+    let comparison = &result.comparison;
+    let header = ["case", last(&comparison.amplitude_key)].into_iter().chain(comparison.metrics.iter().map(String::as_str));
+    let row = |case: &CaseResult| {
+        let cells = comparison.metrics.iter().map(|name| case.metric(name).map_or_else(|| "–".to_owned(), number));
+        [case.name.clone(), amplitude(case)].into_iter().chain(cells).collect()
+    };
+    TableBlock {
+        id: format!("comparison-{}", matched.equal.name()),
+        title: format!("{}, at equal {}", comparison.title, matched.equal.name()),
+        caption: format!("{}; each case is a run of its own{host}", equality(matched)),
+        header: header.map(str::to_owned).collect(),
+        rows: matched.cases.iter().map(row).collect(),
+    }
+}
+
+/// The amplitude, or why there is none.
+fn amplitude(case: &CaseResult) -> String {
+    match case.standing {
+        Standing::Equal { .. } => number(case.amplitude),
+        Standing::Beyond { needs } => format!("needs {}, at most {}", number(needs), number(case.amplitude)),
+        Standing::Unmeasured { fault: Some(fault) } => format!("fault {}: {fault:?} at {}", fault.code(), number(case.amplitude)),
+        Standing::Unmeasured { fault: None } => "cannot be matched".to_owned(),
+    }
+}
+
+/// What is equal, and how nearly.
+fn equality(matched: &Matched) -> String {
+    let (Some(metric), Some(target)) = (matched.equal.metric(), matched.target) else {
+        return match matched.equal {
+            Equal::Peak => "The same peak asked for".to_owned(),
+            _ => "The first case cannot be measured, so nothing is matched to it".to_owned(),
+        };
+    };
+    let off = |case: &CaseResult| match case.standing {
+        Standing::Equal { off } => Some(off.abs()),
+        _ => None,
+    };
+    let worst = matched.cases.iter().filter_map(off).fold(0.0, f64::max);
+    format!("{metric} is {} as in the first case, to {worst:.1e} of it", number(target))
+}
+
+/// The last name of a path.
+fn last(path: &str) -> &str {
+    path.rsplit('.').next().unwrap_or(path)
+}

@@ -1,0 +1,123 @@
+//! What a study leaves in its folder: manifest, summary, trace, report and figures.
+
+mod comparison;
+mod runs_file;
+mod trace_file;
+
+use std::fs;
+use std::io;
+use std::path::{Path, PathBuf};
+
+use serde_json::{Value, json};
+
+use crate::findings;
+use crate::record::text_hash;
+use crate::study::contact::Answer;
+use crate::study::{Outcome, Study};
+use report::{self, ReportError};
+use scene::load::Loaded;
+use scene::resolved::resolved_json;
+
+/// What went wrong with the folder.
+#[derive(Debug, thiserror::Error)]
+pub enum OutputError {
+    /// A file.
+    #[error("cannot write `{path}`")]
+    Write {
+        /// The file or folder.
+        path: PathBuf,
+        /// Why.
+        #[source]
+        io: io::Error,
+    },
+    /// A figure or the report.
+    #[error(transparent)]
+    Report(#[from] ReportError),
+    /// The trace.
+    #[error("cannot write the trace")]
+    Trace(#[from] csv::Error),
+    /// The table of several runs.
+    #[error("cannot write the table of the runs")]
+    Runs(#[source] csv::Error),
+}
+
+/// The summary: what `--format json` prints, and `summary.json` holds.
+pub fn summary(study: &Study) -> Value {
+    let endless = study.monte_carlo().into_iter().flat_map(|runs| &runs.endless).map(|&name| (name.to_owned(), Value::Null));
+    let metrics: serde_json::Map<String, Value> =
+        study.metrics.iter().map(|(name, value)| (name.to_owned(), json!(value))).chain(endless).collect();
+    let expect: Vec<Value> = study
+        .judged
+        .iter()
+        .map(|judged| {
+            let mut expect = json!({
+                "metric": judged.metric, "value": judged.value, "limit": judged.limit,
+                "pass": judged.pass, "source": judged.source,
+            });
+            if let Some((case, equal)) = &judged.case {
+                (expect["case"], expect["match"]) = (json!(case), json!(equal));
+            }
+            expect
+        })
+        .collect();
+    let grid = study.grid.as_ref().map(|result| {
+        json!({
+            "title": result.grid.title, "metric": result.grid.metric, "row_key": result.grid.row_key, "rows": result.grid.rows,
+            "column_key": result.grid.column_key, "columns": result.grid.columns, "cells": result.cells,
+        })
+    });
+    let comparison = study.comparison.as_ref().map(comparison::json);
+    let summary = json!({
+        "scene": study.name, "seed": study.scene.seed, "metrics": metrics, "expect": expect, "grid": grid,
+        "comparison": comparison, "interrupted": study.interrupted,
+    });
+    with_own(summary, study)
+}
+
+/// Adds what only this kind of study has: the hash of what was played, or how the answer was come by.
+fn with_own(mut of: Value, study: &Study) -> Value {
+    match &study.outcome {
+        Outcome::Driven(run) => of["drive_hash"] = json!(format!("{:016x}", run.record.drive_hash)),
+        Outcome::MonteCarlo(runs) => {
+            of["runs"] = json!(runs.runs.len());
+            of["drive_hash"] = json!(runs.drive_hash().map(|hash| format!("{hash:016x}")));
+        }
+        Outcome::Contact(solved) => {
+            of["solution"] = json!(solved.answer.as_ref().map(|Answer { solution, .. }| {
+                json!({
+                    "method": solution.method.name(), "why": solution.why, "order": solution.order,
+                    "steps_per_period": solution.steps_per_period, "error_estimate": solution.error_estimate,
+                    "warnings": solution.warnings,
+                })
+            }));
+        }
+    }
+    of
+}
+
+/// The manifest: everything that the run depended on.
+fn manifest(loaded: &Loaded, study: &Study) -> Value {
+    let manifest = json!({
+        "program": "sim-host", "version": findings::VERSION, "scene": study.name, "seed": study.scene.seed,
+        "level": findings::level(study), "input_hash": format!("{:016x}", text_hash(&loaded.input)), "set": loaded.sets,
+        "interrupted": study.interrupted, "resolved_scene": resolved_json(study.scene),
+    });
+    with_own(manifest, study)
+}
+
+/// Writes everything into `dir`, which is made if it is not there.
+pub fn write(loaded: &Loaded, study: &Study, dir: &Path) -> Result<(), OutputError> {
+    fs::create_dir_all(dir).map_err(|io| OutputError::Write { path: dir.into(), io })?;
+    let json = |name: &str, value: &Value| {
+        let path = dir.join(name);
+        fs::write(&path, format!("{value:#}\n")).map_err(|io| OutputError::Write { path, io })
+    };
+    json("manifest.json", &manifest(loaded, study))?;
+    json("summary.json", &summary(study))?;
+    match study.monte_carlo() {
+        Some(runs) => runs_file::write(runs, &dir.join("runs.csv")).map_err(OutputError::Runs)?,
+        None => trace_file::write(study, &dir.join("trace.csv"))?,
+    }
+    report::write(&findings::report(study), dir)?;
+    Ok(())
+}

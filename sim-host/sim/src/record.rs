@@ -1,0 +1,241 @@
+//! What a run leaves behind: one row a block, three ways (command, estimate, truth), and a few windows sample by sample.
+
+use firmware::block::SlowSense;
+use firmware::friction::Belief;
+use firmware::nco::cycles_per_sample;
+use firmware::phasor::magnitude;
+use firmware::supervisor::Mode;
+use firmware::telemetry::Telemetry;
+
+use crate::edge_meter::Edges;
+use crate::processor::Memory;
+use crate::swing::Swing;
+use crate::trace::Tracer;
+use plant::dring::crash::Film;
+use plant::energy::Energy;
+use plant::truth::{Sample, Truth};
+
+/// One block.
+#[derive(Clone, Copy, Debug)]
+pub struct Row {
+    /// Time at the block's end, s.
+    pub time_s: f64,
+    /// What the controller was doing when it had heard this block.
+    pub mode: Mode,
+    /// Its fault number, or zero.
+    pub fault: u8,
+    /// Its limit number, or zero.
+    pub limit: u8,
+    /// Whether it called itself locked.
+    pub locked: bool,
+    /// Command: frequency that was playing in this block, Hz.
+    pub frequency_hz: f64,
+    /// Command: peak drive voltage that was playing, V; times the mean envelope.
+    pub drive_v: f64,
+    /// Command: mean envelope that was playing.
+    pub envelope: f64,
+    /// What the codes that were playing drive.
+    pub swing: Swing,
+    /// Estimate: resonance, Hz.
+    pub resonance_estimate_hz: f64,
+    /// Estimate: motional current, A.
+    pub motional_current_a: f64,
+    /// Estimate: phase that the tracker drives to zero, degrees.
+    pub phase_deg: f64,
+    /// Estimate: the friction, where it is switched.
+    pub friction: Option<Belief>,
+    /// Sensed: admittance, S; only where there was a voltage.
+    pub admittance_s: Option<(f64, f64)>,
+    /// Sensed: counts of the belt's encoder, if there is one whose lines are whole.
+    pub belt_counts: Option<i32>,
+    /// Sensed: force channel, N.
+    pub force_n: Option<f64>,
+    /// Truth.
+    pub truth: Truth,
+}
+
+/// A stretch of time kept sample by sample.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Window {
+    /// What it shows.
+    pub title: String,
+    /// The moment it is about, s.
+    pub edge_s: f64,
+    /// From, s.
+    pub from_s: f64,
+    /// To, s.
+    pub to_s: f64,
+    /// What it waits for, from `from_s` on; then it takes as long as it was to.
+    pub trigger: Option<Trigger>,
+    /// Time of the first sample's end, s.
+    pub start_s: f64,
+    /// Samples.
+    pub samples: Vec<Sample>,
+}
+
+/// The beginning of a sweep: a block of this mean frequency that does not follow one of that.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Trigger {
+    /// Mean frequency of a sweep's first block, Hz.
+    pub first_hz: f64,
+    /// Of its second, Hz. A sweep that comes back has its first and second block at its end, too, the other way round.
+    pub second_hz: f64,
+    /// Mean frequency of the block before, Hz.
+    pub before_hz: f64,
+}
+
+impl Window {
+    /// Told when a block begins, s, and its mean frequency, Hz: opens if that is what it waited for.
+    pub fn tell(&mut self, begins_s: f64, frequency_hz: f64) {
+        let Some(trigger) = &mut self.trigger else { return };
+        let near_hz = 0.25 * (trigger.second_hz - trigger.first_hz).abs();
+        let near = |hz: f64, other_hz: f64| (hz - other_hz).abs() <= near_hz;
+        let begins = near(frequency_hz, trigger.first_hz) && !near(trigger.before_hz, trigger.second_hz);
+        trigger.before_hz = frequency_hz;
+        // The time of a block is a product, and that of the window a sum of others.
+        if begins && begins_s > self.from_s - 1e-9 {
+            self.to_s += begins_s - self.from_s;
+            (self.from_s, self.trigger) = (begins_s, None);
+        }
+    }
+}
+
+/// Instructions that blocks have taken.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Instructions {
+    /// Blocks.
+    pub blocks: u64,
+    /// Of all blocks.
+    pub total: u64,
+    /// Of the block that has taken most.
+    pub worst: u32,
+}
+
+impl Instructions {
+    /// Counts one more block.
+    pub fn add(&mut self, instructions: u32) {
+        self.blocks += 1;
+        self.total += u64::from(instructions);
+        self.worst = self.worst.max(instructions);
+    }
+}
+
+/// The record of a run.
+#[derive(Clone, Debug, Default)]
+pub struct Record {
+    /// Duration of one sample, s.
+    pub sample_s: f64,
+    /// Samples in a block.
+    pub block_samples: usize,
+    /// Blocks from one row to the next: one, unless the run is long.
+    pub every: u64,
+    /// Every block, or every few.
+    pub rows: Vec<Row>,
+    /// Windows sample by sample.
+    pub windows: Vec<Window>,
+    /// The edges of bursts.
+    pub edges: Vec<Edges>,
+    /// What the scene's `[trace]` asks for.
+    pub trace: Option<Tracer>,
+    /// The last telemetry.
+    pub last: Telemetry,
+    /// The energy budget.
+    pub energy: Energy,
+    /// What a crash came to.
+    pub crash: Option<Film>,
+    /// States that were integrated.
+    pub plant_states: usize,
+    /// Instructions of all blocks, where they are counted.
+    pub instructions: Option<Instructions>,
+    /// What the controller has needed of its processor's memory, where that is measured.
+    pub memory: Option<Memory>,
+    /// Hash of every drive code played.
+    pub drive_hash: u64,
+    /// Whether the run was stopped before its end.
+    pub interrupted: bool,
+    /// Wall time of the simulation itself, s.
+    pub wall_s: f64,
+}
+
+/// What was commanded for a block, until it plays.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Command {
+    word: u64,
+    drive_v: f64,
+    envelope: f64,
+}
+
+impl Command {
+    /// Frequency, Hz.
+    pub fn frequency_hz(&self, sample_hz: f64) -> f64 {
+        cycles_per_sample(self.word) * sample_hz
+    }
+
+    /// What a report says of the codes that came with it.
+    pub fn of(telemetry: &Telemetry) -> Self {
+        Command { word: telemetry.tuning_word, drive_v: telemetry.drive.0.into(), envelope: telemetry.envelope.into() }
+    }
+}
+
+impl Row {
+    /// The row of a block in which `command` played.
+    pub fn new(
+        time_s: f64,
+        sample_hz: f64,
+        command: &Command,
+        telemetry: &Telemetry,
+        (swing, slow, truth): (Swing, SlowSense, &Truth),
+    ) -> Self {
+        let voltage = magnitude(telemetry.v);
+        let admittance = || {
+            let y = telemetry.i / telemetry.v;
+            (y.re.into(), y.im.into())
+        };
+        Row {
+            time_s,
+            mode: telemetry.mode,
+            fault: telemetry.fault.map_or(0, |fault| fault as u8),
+            limit: telemetry.limit.map_or(0, |limit| limit as u8),
+            locked: telemetry.locked,
+            frequency_hz: command.frequency_hz(sample_hz),
+            drive_v: command.drive_v * command.envelope,
+            envelope: command.envelope,
+            swing,
+            resonance_estimate_hz: telemetry.resonance.0.into(),
+            motional_current_a: magnitude(telemetry.motional_current).into(),
+            phase_deg: telemetry.phase.degrees().into(),
+            friction: telemetry.friction,
+            admittance_s: (command.drive_v * command.envelope > 0.0 && voltage > 0.0).then(admittance),
+            belt_counts: slow.belt.filter(|belt| !belt.broken).map(|belt| belt.counts),
+            force_n: slow.force.map(f64::from),
+            truth: *truth,
+        }
+    }
+}
+
+/// The hash of a text, by the same function as the drive's: identifies an input.
+pub fn text_hash(text: &str) -> u64 {
+    crc::Crc::<u64>::new(&crc::CRC_64_XZ).checksum(text.as_bytes())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Opens at the first block of a sweep up, however it got there; 1 kHz a block from 20 kHz.
+    #[test]
+    fn a_window_opens_where_a_sweep_begins() {
+        let trigger = Trigger { first_hz: 20.5e3, second_hz: 21.5e3, before_hz: 0.0 };
+        let opens = |frequencies: &[f64]| {
+            let mut window = Window { from_s: 2.0, to_s: 5.0, trigger: Some(trigger), ..Window::default() };
+            frequencies.iter().enumerate().for_each(|(block, &hz)| window.tell(block as f64, hz));
+            (window.trigger.is_none()).then_some((window.from_s, window.to_s))
+        };
+        let repeated = [20.5e3, 21.5e3, 22.5e3, 20.5e3, 21.5e3];
+        let back_and_forth = [20.5e3, 21.5e3, 22.5e3, 22.5e3, 21.5e3, 20.5e3, 20.5e3, 21.5e3];
+        assert_eq!(opens(&repeated), Some((3.0, 6.0)));
+        assert_eq!(opens(&back_and_forth), Some((6.0, 9.0)));
+        assert_eq!(opens(&[40e3, 40e3, 40e3, 20.5e3]), Some((3.0, 6.0)));
+        assert_eq!(opens(&[20.5e3, 21.5e3, 22.5e3, 40e3]), None);
+    }
+}

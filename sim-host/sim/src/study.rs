@@ -1,0 +1,213 @@
+//! A study: a scene, run; its metrics held against what was expected; and its grid and its comparison, if it has them.
+
+mod cell;
+pub mod comparison;
+pub mod contact;
+pub mod driven;
+pub mod film;
+pub mod grid;
+pub mod matching;
+pub mod monte_carlo;
+mod stopped;
+pub mod swept;
+
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use firmware::config::Config;
+
+use self::comparison::ComparisonResult;
+use self::contact::Solved;
+use self::driven::Run;
+use self::grid::GridResult;
+use self::monte_carlo::MonteCarlo;
+use crate::metrics::Metrics;
+use crate::processor::Processor;
+use crate::run::RunError;
+use ::contact::Trouble;
+use scene::load::{LoadError, Loaded};
+use scene::metric_names;
+use scene::{Equal, Expect, Kind, Scene, shown};
+
+/// Why a study has no result.
+#[derive(Debug, thiserror::Error)]
+pub enum StudyError {
+    /// The scene was not loaded, and lacks what loading would have asked for.
+    #[error("the scene is neither a driven one nor a contact study")]
+    Incomplete,
+    /// The scene of a grid's cell, of a comparison's case or of one of several runs is invalid.
+    #[error("the scene {0} is not valid")]
+    Cell(String, #[source] LoadError),
+    /// A grid's cell, a comparison's case or one of several runs has no result.
+    #[error("the scene {0} has no result")]
+    EmptyCell(String, #[source] Box<StudyError>),
+    /// The run did not happen.
+    #[error(transparent)]
+    Run(#[from] RunError),
+    /// The contact study has no answer.
+    #[error("the contact study has no answer")]
+    Contact(#[from] Trouble),
+}
+
+/// The result of a study.
+#[derive(Clone, Debug)]
+pub struct Study<'a> {
+    /// Name of the scene.
+    pub name: String,
+    /// Name, file or `<stdin>`, as a user calls the scene.
+    pub origin: String,
+    /// What was changed by hand, as `key=value`.
+    pub changes: Vec<String>,
+    /// Which of the scene's runs it is, if it is one of several.
+    pub run_number: Option<u32>,
+    /// The scene as it was run.
+    pub scene: &'a Scene,
+    /// What came of it.
+    pub outcome: Outcome<'a>,
+    /// The numbers.
+    pub metrics: Metrics,
+    /// The expectations, judged.
+    pub judged: Vec<Judged>,
+    /// The grid, run.
+    pub grid: Option<GridResult>,
+    /// The comparison, run.
+    pub comparison: Option<ComparisonResult>,
+    /// Whether it was stopped before its end.
+    pub interrupted: bool,
+}
+
+/// What came of a scene, by its kind.
+#[derive(Clone, Debug)]
+pub enum Outcome<'a> {
+    /// The firmware drove.
+    Driven(Box<Run<'a>>),
+    /// A contact was studied by itself.
+    Contact(Box<Solved<'a>>),
+    /// Either, many times.
+    MonteCarlo(Box<MonteCarlo>),
+}
+
+/// An expectation and how it came out.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Judged {
+    /// The metric.
+    pub metric: String,
+    /// The case it is of, and what is equal there; none of the scene's own run.
+    pub case: Option<(String, Equal)>,
+    /// Its value, if the run has one.
+    pub value: Option<f64>,
+    /// The limit, as text.
+    pub limit: String,
+    /// How far from a value it may be, if that is the limit.
+    pub tolerance: Option<f64>,
+    /// Whether it holds. A metric that the run does not have holds nothing.
+    pub pass: bool,
+    /// Where the limit comes from.
+    pub source: String,
+}
+
+impl Study<'_> {
+    /// Whether every expectation holds.
+    pub fn passes(&self) -> bool {
+        self.judged.iter().all(|judged| judged.pass)
+    }
+
+    /// The driven run, if it was one.
+    pub fn run(&self) -> Option<&Run<'_>> {
+        match &self.outcome {
+            Outcome::Driven(run) => Some(run),
+            Outcome::Contact(_) | Outcome::MonteCarlo(_) => None,
+        }
+    }
+
+    /// The runs, if there were many.
+    pub fn monte_carlo(&self) -> Option<&MonteCarlo> {
+        match &self.outcome {
+            Outcome::MonteCarlo(runs) => Some(runs),
+            Outcome::Driven(_) | Outcome::Contact(_) => None,
+        }
+    }
+}
+
+/// Starts a processor that is to run the controller of this configuration: each run of a scene has one of its own.
+pub type Start<'a> = &'a (dyn Fn(&Config) -> Result<Box<dyn Processor>, RunError> + Sync);
+
+/// Runs a loaded scene, its grid and its comparison. The controllers of the scene's runs run on processors that `start` starts, or without
+/// it in this process; those of the cells, always in this process. `progress` is told the simulated time, s, or of several runs how many
+/// have come to their end.
+pub fn conduct<'a, 'w>(
+    loaded: &'a Loaded,
+    start: Option<Start>,
+    stop: &'w AtomicBool,
+    progress: Option<&'w mut (dyn FnMut(f64) + Send)>,
+) -> Result<Study<'a>, StudyError> {
+    let scene = &loaded.scene;
+    let alone = |progress: Option<&'w mut (dyn FnMut(f64) + Send)>| progress.map(|progress| progress as &mut dyn FnMut(f64));
+    let (outcome, metrics, cut) = match scene.kind().ok_or(StudyError::Incomplete)? {
+        _ if scene.runs > 1 => {
+            let (runs, metrics) = monte_carlo::conduct(loaded, start, stop, progress)?;
+            let cut = runs.runs.len() < scene.runs as usize;
+            (Outcome::MonteCarlo(Box::new(runs)), metrics, cut)
+        }
+        Kind::Driven(scene) => {
+            let (run, metrics) = driven::conduct(scene, start, stop, alone(progress))?;
+            let cut = run.record.interrupted;
+            (Outcome::Driven(Box::new(run)), metrics, cut)
+        }
+        Kind::Excited(scene) => {
+            let (solved, metrics) = contact::conduct(scene, stop, alone(progress))?;
+            let cut = solved.answer.is_none();
+            (Outcome::Contact(Box::new(solved)), metrics, cut)
+        }
+    };
+    let grid = match &scene.grid {
+        Some(grid) if !cut => grid::conduct(loaded, grid, stop)?,
+        _ => None,
+    };
+    let comparison = match &scene.comparison {
+        Some(comparison) if !cut => comparison::conduct(loaded, comparison, stop)?,
+        _ => None,
+    };
+    // How many runs come out in some way is nothing that one run has.
+    let has = |expect: &&Expect| scene.runs > 1 || !expect.metric.starts_with("runs_");
+    let judged = scene.expect.iter().filter(has).map(|expect| judge(expect, &metrics, comparison.as_ref())).collect();
+    // Stopped within the grid or the comparison: the scene is whole, and they are missing.
+    let interrupted = cut || stop.load(Ordering::Relaxed);
+    let (name, origin, changes) = (loaded.name.clone(), loaded.origin.clone(), loaded.sets.clone());
+    let run_number = loaded.run;
+    Ok(Study { name, origin, changes, run_number, scene, outcome, metrics, judged, grid, comparison, interrupted })
+}
+
+fn judge(expect: &Expect, metrics: &Metrics, comparison: Option<&ComparisonResult>) -> Judged {
+    let (mut min, mut max) = (expect.min, expect.max);
+    let limit = match (expect.value, expect.tolerance) {
+        (Some(value), Some(tolerance)) => {
+            (min, max) = (Some(value - tolerance), Some(value + tolerance));
+            format!("{} ± {}", shown(value), shown(tolerance))
+        }
+        _ => match (min, max) {
+            (Some(min), Some(max)) => format!("{} to {}", shown(min), shown(max)),
+            (Some(min), None) => format!("at least {}", shown(min)),
+            (None, Some(max)) => format!("at most {}", shown(max)),
+            (None, None) => "anything".into(),
+        },
+    };
+    let case = expect.case.clone().zip(expect.matched);
+    let value = match &case {
+        Some((name, equal)) => comparison.and_then(|found| found.case(name, *equal)?.metric(&expect.metric)),
+        // Of one run, percentile and maximum of a metric are the metric.
+        None => metrics.get(&expect.metric).or_else(|| {
+            let once = metrics.get("runs_completed").is_none();
+            metric_names::of_one_run(&expect.metric).filter(|_| once).and_then(|name| metrics.get(name))
+        }),
+    };
+    let holds = |value: f64| min.is_none_or(|min| value >= min) && max.is_none_or(|max| value <= max);
+    Judged {
+        metric: expect.metric.clone(),
+        case,
+        value,
+        limit,
+        tolerance: expect.tolerance,
+        pass: value.is_some_and(holds),
+        source: expect.source.clone(),
+    }
+}

@@ -1,0 +1,268 @@
+//! A comparison: cases beside each other, at equal peak, rms or power.
+
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use firmware::supervisor::Fault;
+use rayon::prelude::*;
+
+use super::matching::{Found, Target, find};
+use super::swept::Swept;
+use super::{StudyError, cell};
+use crate::metrics::Metrics;
+use scene::load::Loaded;
+use scene::resolved::resolved_json;
+use scene::schema::Schema;
+use scene::{Case, Comparison, Equal};
+
+/// A comparison, run.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ComparisonResult {
+    /// The comparison asked for.
+    pub comparison: Comparison,
+    /// For each of what is made equal, its cases.
+    pub matches: Vec<Matched>,
+    /// The sweeps of those cases whose pictures are drawn, at the last match.
+    pub sweeps: Vec<Swept>,
+}
+
+/// The cases at equal peak, rms or power.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Matched {
+    /// What is equal.
+    pub equal: Equal,
+    /// The metric that is equal, of the first case.
+    pub target: Option<f64>,
+    /// The cases, in the order of the scene.
+    pub cases: Vec<CaseResult>,
+}
+
+/// A case at equal peak, rms or power.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CaseResult {
+    /// Its name.
+    pub name: String,
+    /// Its amplitude, in the unit of the amplitude key.
+    pub amplitude: f64,
+    /// Its metrics at that amplitude.
+    pub metrics: Metrics,
+    /// How it was matched.
+    pub standing: Standing,
+}
+
+/// How a case compares with the first.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Standing {
+    /// It is equal, to so much of a part.
+    Equal {
+        /// Its metric over the first case's, less one.
+        off: f64,
+    },
+    /// It would take more than is allowed; amplitude and metrics are those of the most that is.
+    Beyond {
+        /// The amplitude that it would take.
+        needs: f64,
+    },
+    /// It cannot be matched: a run of it has no such metric. The amplitude is that run's.
+    Unmeasured {
+        /// The fault that the run ended in, if that is why.
+        fault: Option<Fault>,
+    },
+}
+
+impl ComparisonResult {
+    /// A case, by its name.
+    pub fn case(&self, name: &str, equal: Equal) -> Option<&CaseResult> {
+        self.matches.iter().find(|matched| matched.equal == equal)?.cases.iter().find(|case| case.name == name)
+    }
+}
+
+impl CaseResult {
+    /// A metric, if the case is equal to the first.
+    pub fn metric(&self, name: &str) -> Option<f64> {
+        matches!(self.standing, Standing::Equal { .. }).then(|| self.metrics.get(name)).flatten()
+    }
+}
+
+/// What all cases have in common.
+struct Bench<'a> {
+    loaded: &'a Loaded,
+    comparison: &'a Comparison,
+    stop: &'a AtomicBool,
+}
+
+/// Runs every case of a comparison, in parallel; nothing if it is stopped.
+pub(super) fn conduct(
+    loaded: &Loaded,
+    comparison: &Comparison,
+    stop: &AtomicBool,
+) -> Result<Option<ComparisonResult>, StudyError> {
+    let bench = Bench { loaded, comparison, stop };
+    let peaks = comparison.case.par_iter().map(|case| bench.peak(case)).collect::<Result<Vec<_>, StudyError>>()?;
+    let Some(first) = peaks.first() else { return Ok(None) };
+    let pairs: Vec<(Equal, usize)> =
+        comparison.matched.iter().flat_map(|&equal| (0..peaks.len()).map(move |case| (equal, case))).collect();
+    let matched = |&(equal, case): &(Equal, usize)| bench.matched(equal, &comparison.case[case], &peaks[case], first);
+    let cases = pairs.par_iter().map(matched).collect::<Result<Vec<_>, StudyError>>()?;
+    let last = &cases[cases.len().saturating_sub(peaks.len())..];
+    let drawn: Vec<_> = comparison.case.iter().zip(last).filter(|(case, _)| case.picture).collect();
+    let sweeps = drawn.par_iter().map(|(case, result)| bench.sweep(case, result)).collect::<Result<Vec<_>, StudyError>>()?;
+    if stop.load(Ordering::Relaxed) {
+        return Ok(None);
+    }
+    let matches = comparison.matched.iter().zip(cases.chunks(peaks.len())).map(|(&equal, cases)| Matched {
+        equal,
+        target: equal.metric().and_then(|metric| first.metrics.get(metric)),
+        cases: cases.to_vec(),
+    });
+    let (matches, sweeps) = (matches.collect(), sweeps.into_iter().flatten().collect());
+    Ok(Some(ComparisonResult { comparison: comparison.clone(), matches, sweeps }))
+}
+
+impl Bench<'_> {
+    /// A case's scene, at an amplitude or at the scene's own.
+    fn load(&self, case: &Case, amplitude: Option<f64>) -> Result<(String, Loaded), StudyError> {
+        let key = &self.comparison.amplitude_key;
+        let scaled = amplitude.map(|amplitude| format!("{key}={amplitude}"));
+        let place = scaled.iter().fold(format!("`{}`", case.name), |place, scaled| format!("{place}, {scaled}"));
+        let sets: Vec<String> = self.comparison.set.iter().chain(&case.set).chain(&scaled).cloned().collect();
+        let loaded = cell::load(self.loaded, &place, &sets)?;
+        Ok((place, loaded))
+    }
+
+    /// A case at the scene's amplitude.
+    fn peak(&self, case: &Case) -> Result<CaseResult, StudyError> {
+        let (place, loaded) = self.load(case, None)?;
+        let amplitude = number(&loaded, &self.comparison.amplitude_key).ok_or(StudyError::Incomplete)?;
+        let metrics = cell::run(&loaded, &place, self.stop)?;
+        let standing = fault(&metrics).map_or(Standing::Equal { off: 0.0 }, |fault| Standing::Unmeasured { fault: Some(fault) });
+        Ok(CaseResult { name: case.name.clone(), amplitude, metrics, standing })
+    }
+
+    /// The sweep of a case as it came out.
+    fn sweep(&self, case: &Case, result: &CaseResult) -> Result<Option<Swept>, StudyError> {
+        let (place, loaded) = self.load(case, Some(result.amplitude))?;
+        cell::sweep(&loaded, &place, &case.name, self.stop)
+    }
+
+    /// A case scaled until it equals the first.
+    fn matched(&self, equal: Equal, case: &Case, peak: &CaseResult, first: &CaseResult) -> Result<CaseResult, StudyError> {
+        let Some(metric) = equal.metric() else { return Ok(peak.clone()) };
+        let unmeasured = |amplitude: f64, metrics: &Metrics| CaseResult {
+            name: case.name.clone(),
+            amplitude,
+            metrics: metrics.clone(),
+            standing: Standing::Unmeasured { fault: fault(metrics) },
+        };
+        let Some(goal) = first.metrics.get(metric) else { return Ok(unmeasured(peak.amplitude, &peak.metrics)) };
+        let (_, loaded) = self.load(case, None)?;
+        let target =
+            Target { metric: goal, exponent: equal.exponent(), allowed: allowed(&loaded, &self.comparison.amplitude_key) };
+        let mut runs = vec![(peak.amplitude, peak.metrics.clone())];
+        let found = find(peak.metrics.get(metric), peak.amplitude, target, |amplitude| {
+            let (place, loaded) = self.load(case, Some(amplitude))?;
+            let metrics = cell::run(&loaded, &place, self.stop)?;
+            let measured = metrics.get(metric);
+            runs.push((amplitude, metrics));
+            Ok::<_, StudyError>(measured)
+        })?;
+        let (point, standing) = match found {
+            Found::At(point) => (point, Standing::Equal { off: point.metric / goal - 1.0 }),
+            Found::Beyond { needs, reached } => (reached, Standing::Beyond { needs }),
+            Found::Unmeasured => {
+                let last = runs.pop().unwrap_or_else(|| (peak.amplitude, peak.metrics.clone()));
+                return Ok(unmeasured(last.0, &last.1));
+            }
+        };
+        let (amplitude, metrics) =
+            runs.into_iter().find(|(amplitude, _)| *amplitude == point.amplitude).ok_or(StudyError::Incomplete)?;
+        Ok(CaseResult { name: case.name.clone(), amplitude, metrics, standing })
+    }
+}
+
+/// The fault that a run ended in.
+fn fault(metrics: &Metrics) -> Option<Fault> {
+    metrics.get("fault_code").and_then(|code| Fault::try_from(code as u8).ok())
+}
+
+/// A number of a scene.
+fn number(loaded: &Loaded, key: &str) -> Option<f64> {
+    resolved_json(&loaded.scene).pointer(&format!("/{}", key.replace('.', "/")))?.as_f64()
+}
+
+/// The least and the largest amplitude that a scene may have: the range of its key, and what limits the drive.
+fn allowed(loaded: &Loaded, key: &str) -> (f64, f64) {
+    let (least, most) = Schema::root().at(key).map_or((None, None), Schema::range);
+    let drive = loaded.scene.driven().map_or(f64::INFINITY, |scene| {
+        let loudest = scene.controller.phasing.gain_trim.iter().copied().fold(1.0, f64::max);
+        scene.controller.limits.voltage_v.min(scene.amplifier.full_scale_v) / loudest
+    });
+    (least.unwrap_or(0.0), most.unwrap_or(f64::MAX).min(drive))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::study;
+    use scene::load::load_text;
+
+    /// A stack without contact, on its resonance, by a square, far off it, and far off it with little current allowed.
+    const SCENE: &str = r#"
+        title = "Stack"
+        duration_s = 0.05
+        [controller.drive]
+        frequency_hz = 40e3
+        amplitude_v = 1.0
+        [controller.tracking]
+        mode = "off"
+        nominal_q = 50
+        nominal_c0_f = 300e-9
+        [stack.bvd]
+        c0_f = 300e-9
+        cm_f = 20e-9
+        lm_h = 0.7916e-3
+        rm_ohm = 3.08
+        force_factor_n_per_v = 5.566
+        [comparison]
+        title = "Tones"
+        metrics = ["drive_rms_v", "input_power_w"]
+        amplitude_key = "controller.drive.amplitude_v"
+        match = ["peak", "rms", "power"]
+        [[comparison.case]]
+        name = "sine"
+        [[comparison.case]]
+        name = "square"
+        set = ["controller.drive.shape=square"]
+        [[comparison.case]]
+        name = "off"
+        set = ["controller.drive.frequency_hz=60e3"]
+        [[comparison.case]]
+        name = "weak"
+        set = ["controller.drive.frequency_hz=60e3", "controller.limits.current_a=1"]
+    "#;
+
+    #[test]
+    fn cases_are_equal_or_say_why_not() {
+        let loaded = load_text("a.toml", SCENE, &[]).unwrap_or_else(|error| panic!("{error}"));
+        let study = study::conduct(&loaded, None, &AtomicBool::new(false), None).unwrap();
+        let result = study.comparison.unwrap();
+        let case = |name: &str, equal| result.case(name, equal).unwrap();
+        let power = |name: &str| case(name, Equal::Peak).metric("input_power_w").unwrap();
+        let equal =
+            |case: &CaseResult| matches!(case.standing, Standing::Equal { off } if off.abs() <= super::super::matching::CLOSE);
+        assert!(["sine", "square", "off", "weak"].iter().all(|name| case(name, Equal::Peak).amplitude == 1.0));
+
+        // The rms of codes is in proportion to the peak, to the rounding of codes.
+        let (sine, square) = (case("sine", Equal::Rms), case("square", Equal::Rms));
+        let ratio = case("sine", Equal::Peak).metrics.get("drive_rms_v").unwrap()
+            / case("square", Equal::Peak).metrics.get("drive_rms_v").unwrap();
+        assert!(equal(sine) && equal(square) && (square.amplitude / ratio - 1.0).abs() < 2e-3, "{square:?}");
+
+        // Without a contact the plant is linear: power as the square of the amplitude.
+        assert!(equal(case("square", Equal::Power)));
+        let Standing::Beyond { needs } = case("off", Equal::Power).standing else { panic!("{:?}", case("off", Equal::Power)) };
+        assert!((needs / (power("sine") / power("off")).sqrt() - 1.0).abs() < 0.01, "{needs}");
+        assert_eq!(case("off", Equal::Power).amplitude, 15.466);
+        assert_eq!(case("off", Equal::Power).metric("input_power_w"), None);
+        assert_eq!(case("weak", Equal::Power).standing, Standing::Unmeasured { fault: Some(Fault::OverCurrent) });
+    }
+}

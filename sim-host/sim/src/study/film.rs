@@ -1,0 +1,246 @@
+//! What is kept of a contact study on its way: the last periods step by step, and the extremes of the whole run bin by bin. However
+//! long the run, the film stays as long as it is.
+
+use contact::State;
+
+/// Periods that are kept step by step.
+const LAST_PERIODS: f64 = 4.0;
+/// Most states of the last periods: beyond, every second is dropped, then every second of what is left, and so on.
+const MOST_STATES: usize = 1 << 14;
+/// Most bins of the whole run, about.
+const BINS: f64 = 1000.0;
+/// With fewer periods than this, a bin is a part of a period.
+const FEW_PERIODS: f64 = 50.0;
+
+/// The film of a run.
+#[derive(Clone, Debug)]
+pub struct Film {
+    duration_s: f64,
+    frequency_hz: f64,
+    /// The last periods.
+    last: Vec<State>,
+    every: u32,
+    skipped: u32,
+    in_last_periods: bool,
+    bin_s: f64,
+    bins: Vec<Bin>,
+    open: Bin,
+    /// The open bin is full after this moment, s.
+    full_s: f64,
+    /// When the last periods begin, s.
+    last_from_s: f64,
+    /// The last state; before the first, at no time.
+    before: State,
+}
+
+/// When a bin is full: a step that ends with it, within round-off, is still in it.
+fn full_s(bin: &Bin, bin_s: f64) -> f64 {
+    bin.end_s + 1e-9 * bin_s
+}
+
+/// Smallest and largest value.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Range {
+    /// Smallest.
+    pub least: f64,
+    /// Largest.
+    pub most: f64,
+}
+
+/// A part of a run.
+#[derive(Clone, Copy, Debug)]
+pub struct Bin {
+    /// Its end, s.
+    pub end_s: f64,
+    /// Friction, N.
+    pub friction_n: Range,
+    /// Velocity x', m/s.
+    pub velocity_m_per_s: Range,
+    /// Displacement x, m.
+    pub displacement_m: Range,
+    /// Integral of friction over the bin, by trapezoids, N s.
+    friction_n_s: f64,
+    /// Length of what was seen of it, s.
+    seen_s: f64,
+}
+
+impl Range {
+    const NOTHING: Range = Range { least: f64::INFINITY, most: f64::NEG_INFINITY };
+
+    /// Half way between the two.
+    pub fn middle(&self) -> f64 {
+        0.5 * (self.least + self.most)
+    }
+
+    /// The range of a multiple of the value.
+    pub fn times(&self, factor: f64) -> Range {
+        Range { least: factor * self.least, most: factor * self.most }
+    }
+
+    #[inline]
+    fn take(&mut self, value: f64) {
+        // Not f64::min, which minds not-a-number and costs three times as much.
+        self.least = if value < self.least { value } else { self.least };
+        self.most = if value > self.most { value } else { self.most };
+    }
+}
+
+impl Bin {
+    fn until(end_s: f64) -> Self {
+        let nothing = Range::NOTHING;
+        Bin { end_s, friction_n: nothing, velocity_m_per_s: nothing, displacement_m: nothing, friction_n_s: 0.0, seen_s: 0.0 }
+    }
+
+    /// Mean friction, N.
+    pub fn mean_friction_n(&self) -> f64 {
+        self.friction_n_s / self.seen_s
+    }
+}
+
+impl Film {
+    /// An empty film for a run of so long, with periods of this frequency.
+    pub fn new(duration_s: f64, frequency_hz: f64) -> Self {
+        let periods = duration_s * frequency_hz;
+        let bin_s = if periods < FEW_PERIODS { duration_s / BINS } else { (periods / BINS).ceil().max(1.0) / frequency_hz };
+        let open = Bin::until(bin_s);
+        Film {
+            duration_s,
+            frequency_hz,
+            last: Vec::new(),
+            every: 1,
+            skipped: 0,
+            in_last_periods: false,
+            bin_s,
+            bins: Vec::new(),
+            full_s: full_s(&open, bin_s),
+            open,
+            last_from_s: duration_s - (LAST_PERIODS + 1e-9) / frequency_hz,
+            before: State { time_s: f64::NAN, ..State::default() },
+        }
+    }
+
+    /// Takes a state; says whether a bin is full. Time that goes back is a run that begins anew.
+    #[inline]
+    pub fn see(&mut self, state: &State) -> bool {
+        let step_s = state.time_s - self.before.time_s;
+        if step_s < 0.0 {
+            *self = Film::new(self.duration_s, self.frequency_hz);
+        }
+        self.skipped += 1;
+        if self.skipped >= self.every || (state.time_s >= self.last_from_s && !self.in_last_periods) {
+            self.keep(state);
+        }
+        let full = state.time_s > self.full_s;
+        if full {
+            self.turn(state.time_s);
+        }
+        let open = &mut self.open;
+        open.friction_n.take(state.force_n);
+        open.velocity_m_per_s.take(state.v_m_per_s);
+        open.displacement_m.take(state.x_m);
+        // Neither at the first state, before which there is none.
+        if step_s > 0.0 {
+            open.friction_n_s += 0.5 * step_s * (self.before.force_n + state.force_n);
+            open.seen_s += step_s;
+        }
+        self.before = *state;
+        full
+    }
+
+    /// The run is over, or stopped.
+    pub fn finish(&mut self) {
+        let end_s = self.before.time_s;
+        if self.open.seen_s > 0.0 {
+            self.bins.push(Bin { end_s, ..self.open });
+            self.open = Bin::until(end_s + self.bin_s);
+        }
+        let from_s = end_s - (LAST_PERIODS + 1e-9) / self.frequency_hz;
+        self.last.retain(|state| state.time_s >= from_s);
+    }
+
+    /// The last periods, step by step or nearly so; in closed form, one steady period.
+    pub fn last_periods(&self) -> &[State] {
+        &self.last
+    }
+
+    /// The whole run.
+    pub fn bins(&self) -> &[Bin] {
+        &self.bins
+    }
+
+    fn keep(&mut self, state: &State) {
+        if state.time_s >= self.last_from_s && !self.in_last_periods {
+            self.in_last_periods = true;
+            self.last.clear();
+            self.every = 1;
+        }
+        self.skipped = 0;
+        self.last.push(*state);
+        if self.last.len() >= MOST_STATES {
+            let mut odd = false;
+            self.last.retain(|_| {
+                odd = !odd;
+                odd
+            });
+            self.every = self.every.saturating_mul(2);
+        }
+    }
+
+    fn turn(&mut self, time_s: f64) {
+        let bin = self.open;
+        if bin.seen_s > 0.0 {
+            self.bins.push(bin);
+        }
+        // A step may be longer than a bin.
+        let ahead = ((time_s - bin.end_s) / self.bin_s - 1e-9).floor().max(0.0) + 1.0;
+        self.open = Bin::until(bin.end_s + ahead * self.bin_s);
+        self.full_s = full_s(&self.open, self.bin_s);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// So many periods of 1 Hz with so many steps each.
+    fn filmed(periods: u32, steps: u32) -> Film {
+        let mut film = Film::new(f64::from(periods), 1.0);
+        for step in 1..=periods * steps {
+            let time_s = f64::from(step) / f64::from(steps);
+            let (v_m_per_s, x_m) = (std::f64::consts::TAU * time_s).sin_cos();
+            film.see(&State { time_s, x_m, v_m_per_s, force_n: 2.0 + v_m_per_s });
+        }
+        film.finish();
+        film
+    }
+
+    #[test]
+    fn the_last_periods_are_whole_and_the_bins_cover_the_run() {
+        let film = filmed(200, 64);
+        assert_eq!(film.last_periods().len(), 4 * 64 + 1);
+        assert_eq!((film.bins().len(), film.bins().last().unwrap().end_s), (200, 200.0));
+        for bin in &film.bins()[1..] {
+            assert!((bin.mean_friction_n() - 2.0).abs() < 1e-12 && bin.displacement_m == Range { least: -1.0, most: 1.0 });
+        }
+    }
+
+    #[test]
+    fn memory_is_bounded() {
+        for (periods, steps) in [(100_000, 16), (3, 1_000_000), (30_000, 100)] {
+            let film = filmed(periods, steps);
+            assert!(film.last_periods().len() <= MOST_STATES && film.bins().len() <= 1001, "{periods} {steps}");
+            assert!(film.last_periods().len() > 60, "{periods} {steps}");
+        }
+    }
+
+    #[test]
+    fn a_run_that_begins_anew_is_filmed_anew() {
+        let mut film = Film::new(10.0, 1.0);
+        for time_s in [1.0, 5.0, 9.9, 0.5, 1.0] {
+            film.see(&State { time_s, force_n: time_s, ..State::default() });
+        }
+        film.finish();
+        assert_eq!(film.last_periods().iter().map(|state| state.time_s).collect::<Vec<_>>(), [0.5, 1.0]);
+        assert!(film.bins().iter().all(|bin| bin.friction_n.most <= 1.0));
+    }
+}

@@ -1,0 +1,213 @@
+//! Monte Carlo: a scene run many times, each time with a seed of its own and with what the scene varies drawn anew.
+//!
+//! What run `r` of a scene is follows from the scene's seed and from `r` only ([`draw`]), so that a run can be repeated by itself and
+//! nothing depends on the number of threads. Of each run its metrics are kept and, if the firmware drives, how its frequency error
+//! fell ([`error`]); its record is not, so that memory is a few kilobytes a run.
+
+pub mod draw;
+pub mod error;
+
+#[cfg(test)]
+mod tests;
+
+use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
+use std::sync::{Mutex, PoisonError};
+use std::time::Instant;
+
+use rayon::prelude::*;
+
+use self::draw::{Draw, Draws};
+use self::error::Grid;
+use super::driven::Level;
+use super::{Start, StudyError, cell, driven};
+use crate::metrics::driven::lock_claims;
+use crate::metrics::over_runs::{self, OverRuns};
+use crate::metrics::{Metrics, contact};
+use crate::record::text_hash;
+use scene::Kind;
+use scene::load::{Loaded, Template};
+
+/// The one metric that depends on the machine.
+const WALL: &str = "simulated_s_per_wall_s";
+
+/// What it is called, and whether a run has it.
+type Flaw = (&'static str, fn(&OneRun) -> bool);
+
+/// What makes a run the worst, the gravest first.
+const FLAWS: [Flaw; 4] = [
+    ("a false lock", |run| run.metrics.get("false_locks") == Some(1.0)),
+    ("a loss of lock that was not noticed", |run| run.metrics.get("undetected_losses") == Some(1.0)),
+    ("a fault", OneRun::faulted),
+    ("no lock", |run| !run.locked),
+];
+/// What the worst run has most of, where none has a flaw.
+const MEASURES: [(&str, &str); 5] = [
+    ("lock_time_20hz_ms", "longest to within 20 Hz"),
+    ("relock_time_20hz_ms", "longest to within 20 Hz again"),
+    ("lock_time_4hz_ms", "longest to within 4 Hz"),
+    ("relock_time_4hz_ms", "longest to within 4 Hz again"),
+    ("frequency_bias_hz", "largest bias"),
+];
+
+/// A scene that was run many times.
+#[derive(Clone, Debug)]
+pub struct MonteCarlo {
+    /// The keys that vary.
+    pub keys: Vec<String>,
+    /// Where the controllers ran, if the firmware drove.
+    pub level: Level,
+    /// How many runs were asked for.
+    pub asked: u32,
+    /// The runs that came to their end, in order.
+    pub runs: Vec<OneRun>,
+    /// Metrics that would be infinite.
+    pub endless: Vec<&'static str>,
+    /// Moments of the error traces, ms from the first sample of the lock stage; none of a contact study.
+    pub times_ms: Vec<f64>,
+    /// Wall time of all runs together, s.
+    pub wall_s: f64,
+}
+
+/// One of the runs.
+#[derive(Clone, Debug, PartialEq)]
+pub struct OneRun {
+    /// What it drew.
+    pub draw: Draw,
+    /// Its metrics.
+    pub metrics: Metrics,
+    /// Whether it came to a lock that was one.
+    pub locked: bool,
+    /// Hash of every drive code played, if the firmware drove.
+    pub drive_hash: Option<u64>,
+    /// How far the drive was from the true resonance at [`MonteCarlo::times_ms`], Hz: infinite before it ever comes to lock and after
+    /// a fault, not a number without drive.
+    pub error_hz: Vec<f32>,
+}
+
+impl OneRun {
+    /// Whether it ended in a fault.
+    pub fn faulted(&self) -> bool {
+        self.metrics.get("fault_code").is_some_and(|code| code != 0.0)
+    }
+}
+
+impl MonteCarlo {
+    /// The run that did worst, and in what; none of a contact study.
+    pub fn worst(&self) -> Option<(&OneRun, &'static str)> {
+        if self.times_ms.is_empty() {
+            return None;
+        }
+        let flawed = FLAWS.iter().find_map(|(flaw, has)| Some((self.runs.iter().find(|run| has(run))?, *flaw)));
+        flawed.or_else(|| MEASURES.iter().find_map(|(metric, measure)| Some((self.most(metric)?, *measure))))
+    }
+
+    /// The first run that lacks a metric which others have, or else has the most of it; none if all have nothing of it.
+    fn most(&self, metric: &str) -> Option<&OneRun> {
+        let size = |run: &OneRun| run.metrics.get(metric).map_or(f64::INFINITY, f64::abs);
+        let has = |run: &&OneRun| run.metrics.get(metric).is_some();
+        self.runs.iter().find(has)?;
+        let worst = self.runs.iter().rev().max_by(|a, b| size(a).total_cmp(&size(b)));
+        worst.filter(|run| size(run) > 0.0)
+    }
+
+    /// No runs.
+    pub fn none() -> Self {
+        MonteCarlo {
+            keys: Vec::new(),
+            level: Level::Sil,
+            asked: 0,
+            runs: Vec::new(),
+            endless: Vec::new(),
+            times_ms: Vec::new(),
+            wall_s: 0.0,
+        }
+    }
+
+    /// A hash of what all runs played, in order.
+    pub fn drive_hash(&self) -> Option<u64> {
+        let hashes: Option<Vec<String>> = self.runs.iter().map(|run| Some(format!("{:016x}", run.drive_hash?))).collect();
+        hashes.map(|hashes| text_hash(&hashes.concat()))
+    }
+}
+
+/// Runs a scene as often as it says, in parallel, and puts the metrics together. Stopped, it keeps the runs that came to their end.
+/// `progress` is told how many have.
+pub(super) fn conduct(
+    loaded: &Loaded,
+    start: Option<Start>,
+    stop: &AtomicBool,
+    progress: Option<&mut (dyn FnMut(f64) + Send)>,
+) -> Result<(MonteCarlo, Metrics), StudyError> {
+    let began = Instant::now();
+    let scene = &loaded.scene;
+    let unread = |error| StudyError::Cell("every run".to_owned(), error);
+    let bench = Bench {
+        loaded,
+        template: loaded.template().map_err(unread)?,
+        draws: Draws::of(scene),
+        grid: scene.driven().map(|scene| Grid::of(&scene)),
+        start,
+        stop,
+    };
+    let (done, progress) = (AtomicU32::new(0), Mutex::new(progress));
+    let one = |number: u32| {
+        let Some(run) = bench.run(number)? else { return Ok(None) };
+        let ended = f64::from(done.fetch_add(1, Ordering::Relaxed) + 1);
+        if let Some(progress) = progress.lock().unwrap_or_else(PoisonError::into_inner).as_mut() {
+            progress(ended);
+        }
+        Ok(Some(run))
+    };
+    let runs = (1..=scene.runs).into_par_iter().map(one).collect::<Result<Vec<_>, StudyError>>()?;
+    let runs: Vec<OneRun> = runs.into_iter().flatten().collect();
+    let wall_s = began.elapsed().as_secs_f64();
+    let OverRuns { mut metrics, endless } = over_runs::of(runs.iter().map(|run| &run.metrics));
+    metrics.put("runs_completed", runs.len() as f64);
+    if scene.driven().is_some() {
+        metrics.put("runs_locked", runs.iter().filter(|run| run.locked).count() as f64);
+        metrics.put("runs_faulted", runs.iter().filter(|run| run.faulted()).count() as f64);
+        metrics.put(WALL, runs.len() as f64 * scene.duration_s / wall_s);
+    }
+    let times_ms = bench.grid.map_or_else(Vec::new, |grid| grid.times_s.iter().map(|s| 1e3 * s).collect());
+    let keys = scene.vary.iter().map(|vary| vary.key.clone()).collect();
+    Ok((MonteCarlo { keys, level: Level::of(start), asked: scene.runs, runs, endless, times_ms, wall_s }, metrics))
+}
+
+/// What all runs have in common.
+struct Bench<'a> {
+    loaded: &'a Loaded,
+    template: Template<'a>,
+    draws: Draws,
+    grid: Option<Grid>,
+    start: Option<Start<'a>>,
+    stop: &'a AtomicBool,
+}
+
+impl Bench<'_> {
+    /// One run; nothing if it was stopped.
+    fn run(&self, number: u32) -> Result<Option<OneRun>, StudyError> {
+        if self.stop.load(Ordering::Relaxed) {
+            return Ok(None);
+        }
+        let draw = self.draws.draw(number);
+        let place = || format!("of run {number} of `{}` ({})", self.loaded.name, draw.sets(&self.draws.keys).join(", "));
+        let scene = self.template.scene(&draw.sets(&self.draws.keys)).map_err(|error| StudyError::Cell(place(), error))?;
+        let run = match scene.kind().ok_or(StudyError::Incomplete)? {
+            Kind::Driven(scene) => {
+                let (record, metrics) = driven::measured(&scene, self.start, self.stop).map_err(cell::empty(&place()))?;
+                if record.interrupted {
+                    return Ok(None);
+                }
+                let locked = lock_claims::of(&scene, &record).is_some_and(|claims| claims.true_lock);
+                let error_hz = self.grid.as_ref().map_or_else(Vec::new, |grid| grid.errors_hz(&scene, &record));
+                OneRun { draw, metrics: metrics.without(WALL), locked, drive_hash: Some(record.drive_hash), error_hz }
+            }
+            Kind::Excited(scene) => {
+                let metrics = super::contact::cell(&scene, self.stop).map_err(cell::empty(&place()))?;
+                OneRun { draw, metrics: metrics.without(contact::WALL), locked: false, drive_hash: None, error_hz: Vec::new() }
+            }
+        };
+        // A contact study that is stopped has no metrics, and a run that had just ended is left out with it.
+        Ok((!self.stop.load(Ordering::Relaxed)).then_some(run))
+    }
+}

@@ -1,0 +1,145 @@
+//! What a run draws. Its seed and each of its numbers follow from the scene's seed, the run's number and the number's key only: neither
+//! the order of `[[vary]]` nor another entry of it changes what a key draws.
+//!
+//! ```text
+//! seed of run r    = 53 bits of mix(mix(scene's seed) + r)
+//! part u of key k  = 53 bits of mix(seed of run r xor CRC-64 of k) / 2^53
+//! ```
+//!
+//! with the finaliser of splitmix64 (Steele, Lea and Flood 2014) as `mix`.
+
+use crate::record::text_hash;
+use scene::schema::{Kind, Schema};
+use scene::{Scene, Vary, resolved};
+
+/// A seed has so many bits: every JSON reader keeps it exactly, and a scene takes it.
+const SEED_BITS: u32 = 53;
+
+/// What varies in a scene, and about what.
+#[derive(Clone, Debug)]
+pub struct Draws {
+    /// The keys.
+    pub keys: Vec<String>,
+    seed: u64,
+    varied: Vec<Varied>,
+}
+
+#[derive(Clone, Debug)]
+struct Varied {
+    vary: Vary,
+    own: f64,
+    whole: bool,
+}
+
+/// What one run draws.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Draw {
+    /// The run's number, from 1.
+    pub number: u32,
+    /// Its seed.
+    pub seed: u64,
+    /// Its values, one for each key that varies.
+    pub values: Vec<f64>,
+}
+
+impl Draw {
+    /// The changes that make the scene that of this run, as `key=value`. A number is written so that it is read back exactly.
+    pub fn sets(&self, keys: &[String]) -> Vec<String> {
+        let values = keys.iter().zip(&self.values).map(|(key, value)| format!("{key}={value:?}"));
+        std::iter::once(format!("seed={}", self.seed)).chain(values).collect()
+    }
+}
+
+impl Draws {
+    /// Of a scene that has passed its rules.
+    pub fn of(scene: &Scene) -> Self {
+        let resolved = resolved::resolved_json(scene);
+        let varied = scene.vary.iter().map(|vary| Varied {
+            own: number_at(&resolved, &vary.key).unwrap_or_default(),
+            whole: Schema::root().at(&vary.key).is_some_and(|schema| schema.kind() == Kind::Integer),
+            vary: vary.clone(),
+        });
+        let keys = scene.vary.iter().map(|vary| vary.key.clone()).collect();
+        Draws { keys, seed: scene.seed, varied: varied.collect() }
+    }
+
+    /// What run `number`, counted from 1, draws.
+    pub fn draw(&self, number: u32) -> Draw {
+        let seed = mix(mix(self.seed).wrapping_add(number.into())) >> (u64::BITS - SEED_BITS);
+        let value = |varied: &Varied| {
+            let bits = mix(seed ^ text_hash(&varied.vary.key)) >> (u64::BITS - SEED_BITS);
+            let value = varied.vary.value(varied.own, bits as f64 / (1u64 << SEED_BITS) as f64);
+            if varied.whole { value.round() } else { value }
+        };
+        Draw { number, seed, values: self.varied.iter().map(value).collect() }
+    }
+}
+
+/// The number at a dotted path.
+fn number_at(scene: &serde_json::Value, path: &str) -> Option<f64> {
+    scene.pointer(&format!("/{}", path.replace('.', "/")))?.as_f64()
+}
+
+/// A step of splitmix64.
+fn mix(state: u64) -> u64 {
+    let z = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
+    let z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    let z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+    z ^ (z >> 31)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use scene::load::load;
+
+    fn draws(sets: &[&str]) -> Draws {
+        let sets: Vec<String> = sets.iter().map(|set| (*set).to_owned()).collect();
+        Draws::of(&load("lock-cold", &sets).unwrap_or_else(|error| panic!("{error}")).scene)
+    }
+
+    /// First output of splitmix64 with seed 0, of its authors' reference.
+    #[test]
+    fn the_mixer_is_splitmix64() {
+        assert_eq!(mix(0), 0xe220_a839_7b1d_cdaf);
+    }
+
+    /// A uniform part has the mean 1/2 and the variance 1/12; of 20000 runs they are 0.0042 and 0.0009 off at most.
+    #[test]
+    fn each_key_is_drawn_evenly_and_by_itself() {
+        let draws = draws(&[
+            "vary=[]",
+            "vary.0.key=controller.tracking.nominal_q",
+            "vary.0.from=100",
+            "vary.0.to=101",
+            "vary.1.key=stack.bvd.q",
+            "vary.1.from=50",
+            "vary.1.to=51",
+        ]);
+        let parts: Vec<[f64; 2]> = (1..=20_000).map(|n| draws.draw(n).values).map(|v| [v[0] - 100.0, v[1] - 50.0]).collect();
+        let mean = |value: &dyn Fn(&[f64; 2]) -> f64| parts.iter().map(value).sum::<f64>() / parts.len() as f64;
+        for key in [0, 1] {
+            assert!((mean(&|part| part[key]) - 0.5).abs() < 0.006);
+            assert!((mean(&|part| (part[key] - 0.5).powi(2)) - 1.0 / 12.0).abs() < 0.002);
+        }
+        assert!(mean(&|part| (part[0] - 0.5) * (part[1] - 0.5)).abs() < 0.002);
+    }
+
+    #[test]
+    fn a_draw_depends_on_seed_run_and_key_only() {
+        let all = draws(&[]);
+        let one = draws(&["vary=[]", "vary.0.key=controller.drive.frequency_hz", "vary.0.spread=0.02", "runs=3"]);
+        let place = all.keys.iter().position(|key| key == "controller.drive.frequency_hz").unwrap();
+        assert_eq!(one.draw(3).values, [all.draw(3).values[place]]);
+        assert_eq!(one.draw(3).seed, all.draw(3).seed);
+        assert_ne!(all.draw(3), all.draw(4));
+        assert_ne!(all.draw(3).seed, draws(&["seed=2"]).draw(3).seed);
+        assert!((1..1000).all(|number| all.draw(number).seed < 1 << SEED_BITS));
+    }
+
+    #[test]
+    fn whole_numbers_stay_whole() {
+        let draw = draws(&["vary=[]", "vary.0.key=sensors.adc_bits", "vary.0.from=10", "vary.0.to=14"]).draw(1);
+        assert_eq!(draw.values[0].fract(), 0.0);
+    }
+}

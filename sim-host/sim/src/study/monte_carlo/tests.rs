@@ -1,0 +1,143 @@
+//! Many runs against each run by itself.
+
+use std::sync::Mutex;
+use std::sync::atomic::AtomicBool;
+
+use super::*;
+use crate::study::{Study, conduct};
+use scene::load::load;
+
+const RUNS: u32 = 6;
+
+fn cold(sets: &[&str]) -> Loaded {
+    let sets: Vec<String> = sets.iter().map(|set| (*set).to_owned()).collect();
+    load("lock-cold", &[vec![format!("runs={RUNS}")], sets].concat()).unwrap_or_else(|error| panic!("{error}"))
+}
+
+fn studied(loaded: &Loaded) -> Study<'_> {
+    conduct(loaded, None, &AtomicBool::new(false), None).unwrap()
+}
+
+fn on_threads(threads: usize) -> (Vec<OneRun>, Metrics) {
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+    let loaded = cold(&[]);
+    pool.install(|| {
+        let study = studied(&loaded);
+        (study.monte_carlo().unwrap().runs.clone(), study.metrics.clone().without(WALL))
+    })
+}
+
+/// A number that is none equals itself here.
+fn bits(run: &OneRun) -> Vec<u32> {
+    run.error_hz.iter().map(|hz| hz.to_bits()).collect()
+}
+
+#[test]
+fn threads_do_not_matter() {
+    let ((one, metrics), (two, same)) = (on_threads(1), on_threads(2));
+    assert_eq!(metrics, same);
+    assert_eq!(one.len(), RUNS as usize);
+    for (one, two) in one.iter().zip(&two) {
+        assert_eq!((&one.draw, &one.metrics, one.drive_hash, bits(one)), (&two.draw, &two.metrics, two.drive_hash, bits(two)));
+    }
+}
+
+#[test]
+fn a_run_by_itself_is_the_run_of_many() {
+    let loaded = cold(&[]);
+    let study = studied(&loaded);
+    let runs = study.monte_carlo().unwrap();
+    let many = &runs.runs[4];
+    assert_eq!(many.draw.number, 5);
+    let draws = Draws::of(&loaded.scene);
+    let alone = loaded.cell(&draws.draw(5).sets(&draws.keys)).unwrap();
+    let alone = studied(&alone);
+    assert_eq!(alone.run().unwrap().record.drive_hash, many.drive_hash.unwrap());
+    assert_eq!(alone.metrics.clone().without(WALL), many.metrics);
+    // The same by the seed alone would be another run: what varies is drawn, too.
+    let values = many.draw.values.clone();
+    assert_ne!(values, runs.runs[3].draw.values);
+}
+
+#[test]
+fn what_is_judged_is_the_whole() {
+    let loaded = cold(&[
+        "expect.0.metric=runs_completed",
+        "expect.0.max=6",
+        "expect.0.min=6",
+        "expect.3.metric=lock_time_4hz_ms_p95",
+        "expect.3.max=0.1",
+    ]);
+    let study = studied(&loaded);
+    let judged = |metric: &str| study.judged.iter().find(|judged| judged.metric == metric).unwrap();
+    assert_eq!((judged("runs_completed").value, judged("false_locks").value), (Some(6.0), Some(0.0)));
+    let slow = judged("lock_time_4hz_ms_p95");
+    assert!(!slow.pass && slow.value.is_some_and(|ms| ms > 0.3));
+    // Of one run, its 95th percentile is itself.
+    let once = cold(&["runs=1"]);
+    let once = studied(&once);
+    assert!(
+        once.monte_carlo().is_none() && once.judged.iter().any(|judged| judged.metric == "lock_time_20hz_ms_p95" && judged.pass)
+    );
+}
+
+/// Each of two keys is right at either of its ends, and not the two together.
+#[test]
+fn a_run_that_is_no_scene_is_named() {
+    let both = [
+        "vary=[]",
+        "vary.0.key=controller.tracking.nominal_q",
+        "vary.0.from=60",
+        "vary.0.to=5000",
+        "vary.1.key=controller.tracking.span",
+        "vary.1.from=0.02",
+        "vary.1.to=0.19",
+        "controller.tracking.span=0.02",
+        "controller.tracking.nominal_q=60",
+    ];
+    let loaded = cold(&both);
+    let error = conduct(&loaded, None, &AtomicBool::new(false), None).unwrap_err();
+    let said = format!("{:#}", anyhow::Error::from(error));
+    for part in ["of run ", "controller.tracking.nominal_q=", "is not valid", "the scan would need"] {
+        assert!(said.contains(part), "`{part}` is missing in\n{said}");
+    }
+}
+
+#[test]
+fn stopped_runs_are_left_out() {
+    let (stop, counts) = (AtomicBool::new(false), Mutex::new(Vec::new()));
+    let loaded = cold(&[]);
+    let progress = &mut |count: f64| {
+        counts.lock().unwrap().push(count);
+        stop.store(count >= 2.0, Ordering::Relaxed);
+    };
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
+    let study = pool.install(|| conduct(&loaded, None, &stop, Some(progress))).unwrap();
+    assert!(study.interrupted);
+    assert_eq!(study.metrics.get("runs_completed"), Some(2.0));
+    assert_eq!(*counts.lock().unwrap(), [1.0, 2.0]);
+    assert_eq!(study.monte_carlo().unwrap().asked, RUNS);
+}
+
+/// Flaws come before what is long, and what never happened before what took long.
+#[test]
+fn the_worst_run_is_named() {
+    let run = |number: u32, metrics: &[(&'static str, f64)]| {
+        let mut of = Metrics::default();
+        metrics.iter().for_each(|&(name, value)| of.put(name, value));
+        let draw = Draw { number, seed: 1, values: Vec::new() };
+        OneRun { draw, metrics: of, locked: true, drive_hash: None, error_hz: Vec::new() }
+    };
+    let worst = |runs: Vec<OneRun>| {
+        let all =
+            MonteCarlo { keys: vec![], level: Level::Sil, asked: 3, runs, endless: vec![], times_ms: vec![1.0], wall_s: 1.0 };
+        all.worst().map(|(run, why)| (run.draw.number, why))
+    };
+    let quick = || run(1, &[("lock_time_20hz_ms", 1.0)]);
+    let slow = || run(2, &[("lock_time_20hz_ms", 2.0)]);
+    assert_eq!(worst(vec![quick(), slow(), quick()]), Some((2, "longest to within 20 Hz")));
+    assert_eq!(worst(vec![quick(), slow(), run(3, &[])]), Some((3, "longest to within 20 Hz")));
+    assert_eq!(worst(vec![quick(), slow(), run(3, &[("fault_code", 31.0)])]), Some((3, "a fault")));
+    assert_eq!(worst(vec![run(1, &[("false_locks", 1.0)]), run(2, &[("fault_code", 31.0)])]), Some((1, "a false lock")));
+    assert_eq!(worst(vec![run(1, &[("lock_time_20hz_ms", 0.0)])]), None);
+}

@@ -1,0 +1,52 @@
+//! How far a block of codes swings: what was driven, in volts.
+
+use firmware::block::DriveBlock;
+
+use plant::converter::Dac;
+use scene::Driven;
+
+/// Peak and mean square of what a block drives, at the amplifier's output for the codes as they are held.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Swing {
+    /// Largest voltage to either side, V.
+    pub peak_v: f64,
+    /// Mean square, V².
+    pub square_v2: f64,
+}
+
+/// Measures blocks of the first lane, on which the stack hangs.
+#[derive(Clone, Debug)]
+pub struct SwingMeter(Dac);
+
+impl SwingMeter {
+    /// For the DAC of a scene.
+    pub fn new(scene: &Driven) -> Self {
+        SwingMeter(Dac::new(scene.sensors, scene.amplifier))
+    }
+
+    /// The swing of a block.
+    pub fn measure(&self, drive: &DriveBlock) -> Swing {
+        let codes = drive.lanes.first().map_or(&[][..], |lane| lane.as_slice());
+        let (peak_v, sum) = codes.iter().fold((0.0f64, 0.0), |(peak, sum), &code| {
+            let volts = self.0.volts(code);
+            (peak.max(volts.abs()), sum + volts * volts)
+        });
+        Swing { peak_v, square_v2: sum / codes.len().max(1) as f64 }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use scene::{Amplifier, Sensors};
+
+    #[test]
+    fn a_square_of_codes_has_its_peak_for_its_rms() {
+        let meter = SwingMeter(Dac::new(&Sensors::default(), &Amplifier::default()));
+        let mut drive = DriveBlock::silent(1, 32, 2048);
+        assert_eq!(meter.measure(&drive), Swing::default());
+        drive.lanes[0].iter_mut().enumerate().for_each(|(n, code)| *code = if n % 2 == 0 { 2048 + 512 } else { 2048 - 512 });
+        let volts = 512.0 * Amplifier::default().full_scale_v / 2048.0;
+        assert_eq!(meter.measure(&drive), Swing { peak_v: volts, square_v2: volts * volts });
+    }
+}
