@@ -99,6 +99,7 @@ impl FrictionSwitch {
     pub fn build(config: &Config, block_s: f32) -> Result<Option<Self>, Error> {
         let Some(friction) = &config.friction else { return Ok(None) };
         let carried = carried::friction()?;
+        friction.check_all()?;
         let Amplitude::MotionalCurrent(most_amperes) = config.drive.amplitude else {
             return Err(Error::FrictionWithoutCurrent);
         };

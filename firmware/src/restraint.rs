@@ -66,9 +66,10 @@ pub struct Restraint {
 }
 
 impl Restraint {
-    /// Checks how the settings go together.
+    /// Checks the settings.
     pub fn build(restraint: &config::Restraint, block_s: f32) -> Result<Self, Error> {
         let carried = carried::friction()?;
+        restraint.check()?;
         type Settings = config::Restraint;
         Settings::LATEST_N.check_within(restraint.latest_n.into(), restraint.sensed_n.into(), f64::INFINITY)?;
         let (least, most) = (restraint.least_kg, restraint.most_kg);
@@ -221,7 +222,7 @@ mod tests {
         let build = |change: fn(&mut config::Restraint)| {
             let mut restraint = config::Restraint::default();
             change(&mut restraint);
-            match restraint.check().and_then(|()| Restraint::build(&restraint, 32e-6)) {
+            match Restraint::build(&restraint, 32e-6) {
                 Err(Error::OutOfRange { parameter, .. }) => parameter,
                 _ => "",
             }

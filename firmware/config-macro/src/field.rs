@@ -103,6 +103,9 @@ impl Field {
         }
         made.range = both(least, most, span, "a range has both ends")?;
         made.access = both(read, write, span, "what is read is written, too")?;
+        if made.quiet && !matches!(made.default, Some(Otherwise::OfType)) {
+            return Err(Error::new(span, "what is quiet has the default of its type"));
+        }
         if made.key.is_some() && made.range.is_none() {
             return Err(Error::new(span, "what has a key has a range"));
         }

@@ -5,7 +5,7 @@ use quote::quote;
 use syn::parse::Parser;
 use syn::{Attribute, Data, DeriveInput, Error, Ident, LitStr, Result, Visibility};
 
-use crate::field::{Field, Value, is};
+use crate::field::{Field, Otherwise, Value, is};
 
 /// What is said of a table.
 #[derive(Default)]
@@ -82,7 +82,9 @@ impl Table {
                 let (least, most) = (least.as_written(), most.as_written());
                 quote!(#[cfg_attr(feature = "scene", schemars(range(min = #least, max = #most)))])
             });
-            quote!(#(#attributes)* #range pub #name: #ty,)
+            let of_type = alone && matches!((&field.default, &field.value), (Some(Otherwise::OfType), Value::One(_)));
+            let default = of_type.then(|| quote!(#[cfg_attr(feature = "scene", schemars(default))]));
+            quote!(#(#attributes)* #range #default pub #name: #ty,)
         });
         let schema = alone.then(|| quote!(#[cfg_attr(feature = "scene", derive(::schemars::JsonSchema))]));
         let constants = self.fields.iter().filter_map(|field| {

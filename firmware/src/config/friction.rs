@@ -54,8 +54,9 @@ impl Friction {
     pub const FORCE_FACTOR_N_PER_V: Setting =
         Setting { name: "friction.force_factor_n_per_v", ..Tracking::NOMINAL_FORCE_FACTOR_N_PER_V };
 
-    /// Whether what the controller alone has is within its range.
-    pub(super) fn check_others(&self) -> Result<(), Error> {
+    /// Whether every value is within its range, with those that the controller alone has.
+    pub(crate) fn check_all(&self) -> Result<(), Error> {
+        self.check()?;
         Self::FORCE_FACTOR_N_PER_V.check(self.force_factor_n_per_v)?;
         match self.target {
             Target::Ratio(ratio) => Self::TARGET_RATIO.check(ratio),

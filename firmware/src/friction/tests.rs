@@ -223,7 +223,7 @@ fn settings_that_cannot_be_are_refused() {
     let refused = |change: &dyn Fn(&mut Friction)| {
         let mut bad = good.clone();
         change(bad.friction.as_mut().unwrap());
-        bad.check_ranges().is_err()
+        FrictionSwitch::build(&bad, 32e-6).is_err()
     };
     assert!(refused(&|friction| friction.target = Target::Ratio(1.1)));
     assert!(refused(&|friction| friction.target = Target::Ratio(f32::NAN)));

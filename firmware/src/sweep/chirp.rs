@@ -64,6 +64,8 @@ pub struct Chirp {
 impl Chirp {
     /// Checks a chirp: both ends within what the sample rate carries, none at or through 0 Hz.
     pub fn build(config: &Config, whole: &Whole) -> Result<Self, Error> {
+        let carried = carried::waveforms()?;
+        config.check()?;
         let sample_hz = f64::from(whole.sample_hz);
         let block_s = f64::from(whole.block_samples) / sample_hz;
         let (start, stop) = (f64::from(config.start_hz), f64::from(config.stop_hz));
@@ -94,7 +96,7 @@ impl Chirp {
         let blocks = libm::round(config.time_s / block_s).max(1.0);
         let leg = |from: f64, to: f64| Leg::new(config.kind, from / sample_hz, to / sample_hz, blocks, whole.block_samples);
         let mut chirp = Chirp {
-            _carried: carried::waveforms()?,
+            _carried: carried,
             legs: [leg(start, stop), leg(stop, start)],
             then: config.then,
             around: config.around,

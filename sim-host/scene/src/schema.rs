@@ -93,6 +93,11 @@ impl Schema {
         matches!(self.kind(), Kind::Number | Kind::Integer)
     }
 
+    /// Whether it may be absent without any value in its place.
+    pub fn is_optional(self) -> bool {
+        self.0["type"].as_array().is_some_and(|types| types.iter().any(|name| name == "null"))
+    }
+
     /// The keys of a table, in alphabetical order.
     pub fn properties(self) -> impl Iterator<Item = (&'static str, Self)> {
         self.0["properties"].as_object().into_iter().flatten().map(|(name, schema)| (name.as_str(), Self(schema).value()))

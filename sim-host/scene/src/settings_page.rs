@@ -48,7 +48,9 @@ pub fn page() -> String {
     page += "\n### Other parameters\n\n| name | range | parameter |\n|---|---|---|\n";
     for parameter in PARAMETERS.iter().filter(|parameter| !listed.contains(&parameter.key)) {
         let (least, most) = parameter.range.of(f32::INFINITY);
-        let range = written_range(Some(least.into()), Some(most.into()));
+        // As short as a number of single precision is written.
+        let [least, most] = [least, most].map(|end| end.to_string().parse().ok());
+        let range = written_range(least, most);
         let _ = writeln!(page, "| `{}` | {range} | {} |", parameter.name, held(parameter));
     }
     page
@@ -94,6 +96,9 @@ fn default(schema: Schema, required: bool) -> String {
         Some(Value::String(text)) => format!("`{text}`"),
         Some(Value::Bool(flag)) => format!("`{flag}`"),
         _ if required => "must be given".to_owned(),
+        // What a scene leaves out where it is zero.
+        _ if schema.kind() == Kind::Flag => "`false`".to_owned(),
+        _ if schema.is_number() && !schema.is_optional() => "0".to_owned(),
         _ => "none".to_owned(),
     }
 }
