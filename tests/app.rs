@@ -24,6 +24,7 @@ mod scan;
 mod self_test;
 mod settings;
 mod status;
+mod stored_limits;
 mod watchdog;
 
 use firmware::command::{Command, Reply};

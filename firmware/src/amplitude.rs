@@ -44,18 +44,23 @@ pub struct AmplitudeLoop {
     asked: Option<f32>,
 }
 
+/// The largest amplitude that the voltage limit and the converters leave to a drive whose loudest lane is trimmed, V.
+pub fn most_volts(config: &Config) -> Result<f32, Error> {
+    let converter_v = DriveScale::build(&config.front_end)?.range_v();
+    Ok(config.limits.voltage_v.min(converter_v) / phasing::loudest(&config.phasing))
+}
+
 impl AmplitudeLoop {
     /// Checks the amplitude and the limits.
     pub fn build(config: &Config, block_s: f32) -> Result<Self, Error> {
         let converter_v = DriveScale::build(&config.front_end)?.range_v();
-        let voltage_v = config.limits.voltage_v.min(converter_v) / phasing::loudest(&config.phasing);
+        let voltage_v = most_volts(config)?;
         let limits = Limits { voltage_v, ..config.limits.clone() };
-        Drive::SCAN_VOLTS.check_within(config.drive.scan_volts.into(), 0.0, limits.voltage_v.into())?;
+        // However low a limit is, there is a drive within it.
+        Drive::SCAN_VOLTS.check_up_to(config.drive.scan_volts, limits.voltage_v)?;
         match config.drive.amplitude {
-            Amplitude::Volts(volts) => Drive::AMPLITUDE_V.check_within(volts.into(), 0.0, limits.voltage_v.into())?,
-            Amplitude::MotionalCurrent(amperes) => {
-                Drive::MOTIONAL_CURRENT_A.check_within(amperes.into(), 0.0, limits.current_a.into())?
-            }
+            Amplitude::Volts(volts) => Drive::AMPLITUDE_V.check_up_to(volts, limits.voltage_v)?,
+            Amplitude::MotionalCurrent(amperes) => Drive::MOTIONAL_CURRENT_A.check_up_to(amperes, limits.current_a)?,
         };
         Ok(AmplitudeLoop {
             limits,

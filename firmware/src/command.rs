@@ -19,7 +19,7 @@
 //! | a store that the flash does not take | `Nak(Flash)` | what was kept before is kept; what acts stays |
 //! | a capture of a lane that there is not, or of more before the trigger than there is room for | `Nak(OutOfRange)` | what was recorded stays |
 //! | an arming while one is armed, or full | `Ack` | it begins anew; what was recorded is gone |
-//! | a friction without a friction switch, an occupant without a belt | `Nak(NotConfigured)` | nothing happens |
+//! | a friction without a friction switch, an occupant without a belt, a limit that nothing here could judge | `Nak(NotConfigured)` | nothing happens |
 //! | a reading before the capture is full | `Nak(NotCaptured)` | |
 //! | a reading beyond its end | `Nak(OutOfRange)` | |
 //! | anything of a capture before the last was answered | `Nak(Busy)` | the last is answered |

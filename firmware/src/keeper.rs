@@ -6,7 +6,7 @@ use heapless::spsc::{Consumer, Producer};
 use crate::command::{Reply, TrimReport, Verb};
 use crate::config::LaneTrims;
 use crate::kept::Kept;
-use crate::parameters::{PARAMETERS, ParameterReport, Values, overrides, place_of, values_of};
+use crate::parameters::{ENERGY_PER_METRE, PARAMETERS, ParameterReport, Values, overrides, place_of, values_of};
 use crate::power_up::PowerUp;
 use crate::refusal::Refusal;
 use crate::settings::{Record, Settings};
@@ -24,6 +24,8 @@ pub struct Keeper<'a> {
     changed: bool,
     /// What was wrong with the parameters that are kept, at power-up.
     flaw: Option<Kept>,
+    /// The belt has an encoder, by which an energy for each metre of it is known.
+    has_encoder: bool,
 }
 
 impl<'a> Keeper<'a> {
@@ -39,6 +41,7 @@ impl<'a> Keeper<'a> {
             kept: power_up.kept,
             changed: false,
             flaw: Some(power_up.kept).filter(|kept| matches!(kept, Kept::Partly | Kept::Refused)),
+            has_encoder: power_up.config.front_end.metre_per_count.is_some(),
         }
     }
 
@@ -88,6 +91,10 @@ impl<'a> Keeper<'a> {
     fn set(&mut self, key: u8, value: f32) -> Result<(), Refusal> {
         let place = place_of(key)?;
         PARAMETERS[place].check(value, self.built_in[place])?;
+        // A limit that nothing is judged by would be none.
+        if key == ENERGY_PER_METRE && !self.has_encoder && value != self.built_in[place] {
+            return Err(Refusal::NotConfigured);
+        }
         self.changed |= self.next[place] != value;
         self.next[place] = value;
         Ok(())

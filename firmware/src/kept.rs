@@ -20,7 +20,7 @@ pub enum Kept {
     Failed,
     /// Parameters, of which some do not act: nobody knows them here, or they are out of their ranges.
     Partly,
-    /// Settings that do not make a configuration: of the parameters only the limits act.
+    /// Settings that together do not make a configuration: the limits act, and of the rest what builds with them.
     Refused,
     /// Not what is set: a parameter was set since, and is lost with a reset unless it is stored.
     Changed,

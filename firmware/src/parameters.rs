@@ -22,6 +22,9 @@ use crate::refusal::Refusal;
 /// The most parameters that can be kept.
 pub const MOST_PARAMETERS: usize = 24;
 
+/// The key of `limits.energy_j_per_m`, which is a limit only where the belt has an encoder.
+pub const ENERGY_PER_METRE: u8 = 14;
+
 /// Parameters that differ from what is built in, by their keys.
 pub type Overrides = heapless::Vec<(u8, f32), MOST_PARAMETERS>;
 
@@ -69,6 +72,11 @@ impl Range {
 }
 
 impl Parameter {
+    /// Whether it is a limit: what is stored of it is never exceeded.
+    pub fn is_limit(&self) -> bool {
+        matches!(self.range, Range::UpToBuiltIn(..))
+    }
+
     /// Refuses a value that it may not have, where `built_in` is built in. What is built in is never refused.
     pub fn check(&self, value: f32, built_in: f32) -> Result<(), Refusal> {
         let (least, most) = self.range.of(built_in);
@@ -116,30 +124,39 @@ pub fn overrides(values: &Values, built_in: &Values) -> Overrides {
 }
 
 /// What is built in with overrides on top, and whether all of them could be used: one that nobody knows, or that is out of its range, is not.
+///
+/// A limit that is out of its range is the nearest that it can be, and one that cannot be read is the lowest: it is never what is built in
+/// because something lower was stored.
 pub fn overridden(overrides: &Overrides, built_in: &Values) -> (Values, bool) {
     let (mut values, mut all) = (*built_in, true);
     for &(key, value) in overrides {
-        match place_of(key) {
-            Ok(place) if PARAMETERS[place].check(value, built_in[place]).is_ok() => values[place] = value,
-            _ => all = false,
+        let Ok(place) = place_of(key) else {
+            all = false;
+            continue;
+        };
+        let parameter = &PARAMETERS[place];
+        let usable = parameter.check(value, built_in[place]).is_ok();
+        all &= usable;
+        if parameter.is_limit() {
+            let (least, most) = parameter.range.of(built_in[place]);
+            // A not-a-number is below all.
+            let nearest = if value > least { value.min(most) } else { least };
+            // Of two that contradict each other the lower one.
+            values[place] = values[place].min(if usable { value } else { nearest });
+        } else if usable {
+            values[place] = value;
         }
     }
     (values, all)
 }
 
-/// Writes what differs from what is built in into a configuration.
-pub fn apply(config: &mut Config, values: &Values, built_in: &Values) {
-    for (parameter, (&value, built_in)) in PARAMETERS.iter().zip(values.iter().zip(built_in)) {
-        if value != *built_in {
-            (parameter.write)(config, value);
+/// Writes what differs from what is built in into a configuration: those parameters whose places `acts` has.
+pub fn apply(config: &mut Config, values: &Values, built_in: &Values, acts: impl Fn(usize) -> bool) {
+    for (place, parameter) in PARAMETERS.iter().enumerate().filter(|(place, _)| acts(*place)) {
+        if values[place] != built_in[place] {
+            (parameter.write)(config, values[place]);
         }
     }
-}
-
-/// Writes the limits into a configuration.
-pub fn apply_limits(config: &mut Config, values: &Values) {
-    let limits = PARAMETERS.iter().zip(values).filter(|(parameter, _)| matches!(parameter.range, Range::UpToBuiltIn(..)));
-    limits.for_each(|(parameter, &value)| (parameter.write)(config, value));
 }
 
 /// The tables of settings that have parameters.

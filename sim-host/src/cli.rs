@@ -16,6 +16,7 @@ mod crash;
 mod friction;
 mod guard;
 mod instructions;
+mod interrupts;
 mod link;
 mod precision;
 mod progress;
@@ -128,7 +129,7 @@ struct RunArgs {
     /// Of a scene with several `runs`: only this one of them, from 1, with its full report.
     #[arg(long, value_name = "R")]
     run: Option<u32>,
-    /// Folder for manifest, summary, trace, report and figures. Default: `out/SCENE`, with `-run-R` or `-pil` behind.
+    /// Folder for manifest, summary, trace, report and figures, in place of the run that it holds; other files in it stay. Default: `out/SCENE`, with `-run-R` or `-pil` behind.
     #[arg(short, long = "output", value_name = "DIR")]
     output: Option<PathBuf>,
     /// What to print on standard output.

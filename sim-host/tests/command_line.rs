@@ -1,7 +1,12 @@
 //! The program as a user meets it: output, exit codes, files.
 
+#[path = "command_line/folder.rs"]
+mod folder;
 #[path = "command_line/link.rs"]
 mod link;
+#[cfg(unix)]
+#[path = "command_line/signals.rs"]
+mod signals;
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};

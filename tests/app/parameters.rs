@@ -162,8 +162,10 @@ fn a_lower_limit_holds_and_what_is_stored_against_one_never_acts() {
     let mut bench = silent(&mut queues, &setup);
     assert_eq!(bench.ask(Command::Amplitude(Some(Amplitude::Volts(9.0)))), Some(Reply::Ack));
     assert_eq!(loudest(&mut bench), 400);
-    // Out of range or unknown: each by itself is left out, and the rest acts.
-    for wrong in [(VOLTAGE_LIMIT, 50.0), (VOLTAGE_LIMIT, f32::NEG_INFINITY), (CURRENT_LIMIT, -1.0), (99, 1.0)] {
+    // Out of range or unknown: each by itself is left out, and the rest acts. A limit that is too low is the lowest, and not what is built in.
+    for (wrong, lowest) in
+        [((VOLTAGE_LIMIT, 50.0), None), ((CURRENT_LIMIT, -1.0), Some((CURRENT_LIMIT, 1e-6))), ((99, 1.0), None)]
+    {
         let setup = Setup { flash: keeping(LaneTrims::new(), &[(AMPLITUDE, 2.0), wrong]), ..Setup::default() };
         let mut queues = Queues::default();
         let mut bench = silent(&mut queues, &setup);
@@ -171,8 +173,16 @@ fn a_lower_limit_holds_and_what_is_stored_against_one_never_acts() {
         assert_eq!((report.acts, report.kept), (2.0, Kept::Partly), "{wrong:?}");
         let limit = get(&mut bench, VOLTAGE_LIMIT);
         assert_eq!((limit.acts, limit.next), (12.0, 12.0), "{wrong:?}");
-        assert_eq!(loudest(&mut bench), 200, "{wrong:?}");
+        match lowest {
+            Some((key, lowest)) => assert_eq!((get(&mut bench, key).acts, get(&mut bench, key).next), (lowest, lowest)),
+            None => assert_eq!(loudest(&mut bench), 200, "{wrong:?}"),
+        }
     }
+    let setup =
+        Setup { flash: keeping(LaneTrims::new(), &[(AMPLITUDE, 2.0), (VOLTAGE_LIMIT, f32::NEG_INFINITY)]), ..Setup::default() };
+    let mut queues = Queues::default();
+    let mut bench = silent(&mut queues, &setup);
+    assert_eq!([VOLTAGE_LIMIT, AMPLITUDE].map(|key| get(&mut bench, key).acts), [1e-3, 1e-3]);
 }
 
 #[test]

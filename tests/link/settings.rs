@@ -1,5 +1,12 @@
 //! Settings over the link: what is out of range is told with its range, and what is stored acts after a reset.
 
+use std::sync::Mutex;
+use std::sync::atomic::AtomicBool;
+
+use link::client::Client;
+use link::commands::settings::{self, SettingsOrder};
+use link::session::Session;
+
 use super::{board, run, session};
 
 fn refused(line: &str) -> String {
@@ -16,6 +23,33 @@ fn what_is_stored_acts_after_a_reset_and_limits_the_drive() {
         drive --volts 9\nstatus\nexpect limit = 96\nexpect drive_v <= 2\nstop\nwait 0.01\n\
         settings defaults\nsettings store\nreset\nsettings get limits.voltage_v\nexpect acts > 10\n";
     run(text, &mut session(&board)).unwrap_or_else(|error| panic!("{error}"));
+}
+
+#[test]
+fn a_stored_limit_acts_whatever_else_is_stored_and_what_does_not_is_said() {
+    let board = board("lock", &[], 0);
+    // Below the drive that is built in, and beside a limit that nothing on this board could judge.
+    let text = "settings set limits.voltage_v 0.5\n! settings set limits.energy_j_per_m 1000\nsettings store\nreset\n\
+        settings get limits.voltage_v\nexpect acts = 0.5\nexpect kept = refused\n\
+        settings get drive.amplitude_v\nexpect acts <= 0.5\n\
+        drive --volts 12\nstatus\nexpect limit = 96\nexpect drive_v <= 0.5\nstop\n";
+    run(text, &mut session(&board)).unwrap_or_else(|error| panic!("{error}"));
+    let refused = refused("settings set limits.energy_j_per_m 1000");
+    assert!(refused.contains("limits.energy_j_per_m") && refused.contains("belt encoder"), "{refused}");
+    // Whoever connects is told before anything is done.
+    static NOTES: Mutex<Vec<String>> = Mutex::new(Vec::new());
+    static NEVER: AtomicBool = AtomicBool::new(false);
+    let note: fn(&str) = |line| NOTES.lock().unwrap().push(line.to_owned());
+    let client = Client::new(super::port(&board), &NEVER, note);
+    let mut session = Session::begin(client, Default::default()).unwrap();
+    assert!(NOTES.lock().unwrap().iter().any(|line| line.contains("its limits act")), "{:?}", NOTES.lock().unwrap());
+    let shown = shown_settings(&mut session);
+    assert!(shown.contains("(does not act as it is set)"), "{shown}");
+}
+
+/// What `settings get` shows.
+fn shown_settings(session: &mut Session) -> String {
+    settings::run(&SettingsOrder::Get { name: None }, session).unwrap().text
 }
 
 #[test]

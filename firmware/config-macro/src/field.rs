@@ -5,7 +5,7 @@ use quote::{format_ident, quote};
 use syn::meta::ParseNestedMeta;
 use syn::parse::{Parse, ParseStream};
 use syn::spanned::Spanned;
-use syn::{Attribute, Error, Expr, GenericArgument, Ident, Lit, LitInt, PathArguments, Result, Token, Type};
+use syn::{Attribute, Error, Expr, GenericArgument, Ident, Lit, PathArguments, Result, Token, Type};
 
 /// One field of a table.
 pub(crate) struct Field {
@@ -16,7 +16,7 @@ pub(crate) struct Field {
     pub(crate) attributes: Vec<Attribute>,
     pub(crate) default: Option<Otherwise>,
     pub(crate) range: Option<(Number, Number)>,
-    pub(crate) key: Option<LitInt>,
+    pub(crate) key: Option<Expr>,
     pub(crate) hold: Hold,
     pub(crate) access: Option<(Expr, Expr)>,
     pub(crate) quiet: bool,

@@ -25,7 +25,7 @@
 //! |---|---|
 //! | `default`, `default = X` | the value if nobody says anything; an `Option` and a `Vec` have one by themselves |
 //! | `min = X, max = Y` | the range, of each entry where there are several: both or neither |
-//! | `key = N` | it can be set over the link and stored, under this number |
+//! | `key = N` | it can be set over the link and stored, under this number; needs a range |
 //! | `ceiling` | over the link it can be lowered, never raised beyond what is built in |
 //! | `near` | over the link it can be set within a tenth of what is built in |
 //! | `read = F, write = F` | how the link reads and writes it, where that is not the field itself |

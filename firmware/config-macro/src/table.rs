@@ -82,8 +82,12 @@ impl Table {
                 let (least, most) = (least.as_written(), most.as_written());
                 quote!(#[cfg_attr(feature = "scene", schemars(range(min = #least, max = #most)))])
             });
-            let of_type = alone && matches!((&field.default, &field.value), (Some(Otherwise::OfType), Value::One(_)));
-            let default = of_type.then(|| quote!(#[cfg_attr(feature = "scene", schemars(default))]));
+            let default = match (&field.default, &field.value) {
+                (Some(Otherwise::Is(value)), Value::One(_)) if alone => {
+                    Some(quote!(#[cfg_attr(feature = "scene", schemars(extend("default" = #value)))]))
+                }
+                _ => None,
+            };
             quote!(#(#attributes)* #range #default pub #name: #ty,)
         });
         let schema = alone.then(|| quote!(#[cfg_attr(feature = "scene", derive(::schemars::JsonSchema))]));

@@ -3,6 +3,8 @@
 use config_macro::settings;
 use serde::{Deserialize, Serialize};
 
+use crate::parameters::ENERGY_PER_METRE;
+
 /// What must never be exceeded. The defaults are what the stack of the prototype bears.
 #[settings(table = "limits", scene = Limits)]
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -25,7 +27,7 @@ pub struct Limits {
     #[setting(default = 2.4, min = 0.1, max = 1e5, key = 13, ceiling)]
     pub belt_stop_ms: f32,
     /// Electrical energy for each metre of belt, J/m. Absent: no limit. Needs `sensors.encoder_counts_per_mm`.
-    #[setting(min = 1e-3, max = 1e9, key = 14, ceiling)]
+    #[setting(min = 1e-3, max = 1e9, key = ENERGY_PER_METRE, ceiling)]
     pub energy_j_per_m: Option<f32>,
     /// How long the drive may be ON without a pause, s. Absent: no limit.
     #[setting(min = 1e-3, max = 3e4, key = 12, ceiling)]

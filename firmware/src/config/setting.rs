@@ -37,6 +37,12 @@ impl Setting {
         in_range(self.name, value, self.min, self.max)
     }
 
+    /// Refuses a value beyond `most`, or below the range; `most` itself is always allowed.
+    pub(crate) fn check_up_to(&self, value: f32, most: f32) -> Result<(), Error> {
+        let most = most.into();
+        in_range(self.name, value.into(), self.min.min(most), most).map(drop)
+    }
+
     /// Refuses a value outside what other settings leave of the range.
     pub(crate) fn check_within(&self, value: f64, min: f64, max: f64) -> Result<f64, Error> {
         in_range(self.name, value, self.min.max(min), self.max.min(max))

@@ -156,15 +156,35 @@ fn only_what_differs_is_kept_and_what_cannot_be_is_left_out() {
     let kept = overrides(&values, &built_in);
     assert_eq!(kept, [(8, 2.0), (21, 1.5)]);
     assert_eq!(overridden(&kept, &built_in), (values, true));
-    for wrong in [(8, f32::NAN), (8, 1000.0), (21, f32::NAN), (21, f32::INFINITY), (0, 1.0), (99, 1.0)] {
+    for wrong in [(8, 1000.0), (21, f32::NAN), (21, f32::INFINITY), (0, 1.0), (99, 1.0)] {
         let mut kept = kept.clone();
         kept.retain(|(key, _)| *key != wrong.0);
         let expected = overridden(&kept, &built_in).0;
         kept.push(wrong).unwrap();
         assert_eq!(overridden(&kept, &built_in), (expected, false), "{wrong:?}");
     }
+    // A limit that cannot be is the nearest that can; of two the lower one.
+    for (wrong, limit) in
+        [(f32::NAN, 1e-3), (-1.0, 1e-3), (f32::NEG_INFINITY, 1e-3), (0.0, 1e-3), (1000.0, 15.466), (f32::INFINITY, 15.466)]
+    {
+        let (values, all) = overridden(&Overrides::from_iter([(8, wrong)]), &built_in);
+        assert_eq!((values[7], all), (limit, false), "{wrong}");
+    }
+    assert_eq!(overridden(&Overrides::from_iter([(8, 2.0), (8, 3.0)]), &built_in).0[7], 2.0);
+    assert_eq!(overridden(&Overrides::from_iter([(10, f32::INFINITY)]), &built_in), (built_in, true));
+    assert_eq!(
+        overridden(&Overrides::from_iter([(10, 2e5)]), &built_in),
+        (
+            {
+                let mut values = built_in;
+                values[9] = 1e5;
+                values
+            },
+            false
+        )
+    );
     let mut config = config();
-    apply(&mut config, &values, &built_in);
+    apply(&mut config, &values, &built_in, |_| true);
     assert_eq!((config.limits.voltage_v, config.link.patience_s), (2.0, 1.5));
     assert_eq!(config.burst.schedule, Schedule::Continuous);
 }

@@ -72,6 +72,16 @@ impl Client {
         self.line.port.now()
     }
 
+    /// Says something to the user.
+    pub fn note(&self, line: &str) {
+        self.line.say(line);
+    }
+
+    /// Whether the board's time stands still while this program does something else.
+    pub fn stands_still(&self) -> bool {
+        self.line.port.stands_still()
+    }
+
     /// How the link has done so far.
     pub fn counts(&self) -> Counts {
         self.line.counts

@@ -33,6 +33,11 @@ pub trait Port {
 
     /// Opens it again after it was lost.
     fn reopen(&mut self) -> Result<(), LinkError>;
+
+    /// Whether the board's time stands still while the client does something else.
+    fn stands_still(&self) -> bool {
+        false
+    }
 }
 
 impl<P: Port + ?Sized> Port for Box<P> {
@@ -54,6 +59,10 @@ impl<P: Port + ?Sized> Port for Box<P> {
 
     fn reopen(&mut self) -> Result<(), LinkError> {
         (**self).reopen()
+    }
+
+    fn stands_still(&self) -> bool {
+        (**self).stands_still()
     }
 }
 

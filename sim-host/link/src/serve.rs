@@ -11,6 +11,10 @@ use crate::simulated_board::SimulatedBoard;
 
 /// Pause between two turns.
 const TURN: Duration = Duration::from_micros(500);
+/// Reads of a turn at most.
+const READS: usize = 16;
+/// Bytes that may be on the wire to the board before more are lost: many times the longest frame.
+const ROOM: usize = 4096;
 /// How far the board may fall behind before it gives up catching up.
 const BEHIND: Duration = Duration::from_millis(200);
 
@@ -63,14 +67,16 @@ fn exchange(board: &mut SimulatedBoard, stream: &mut TcpStream) -> bool {
     let count = board.receive(&mut bytes);
     // What a full socket does not take is lost, as on a wire that nobody listens to.
     let sent = count == 0 || waits(stream.write_all(&bytes[..count])).is_some();
-    let came = loop {
+    // However much a client sends, it does not keep the board from its next block; what is beyond the wire's room is lost.
+    for _ in 0..READS {
         match waits(stream.read(&mut bytes)) {
-            Some(Some(0)) | None => break false,
-            Some(Some(count)) => board.send(&bytes[..count]),
-            Some(None) => break true,
+            Some(Some(0)) | None => return false,
+            Some(Some(count)) if board.waiting() < ROOM => board.send(&bytes[..count]),
+            Some(Some(_)) => {}
+            Some(None) => break,
         }
-    };
-    sent && came
+    }
+    sent
 }
 
 /// What came of it; `Some(None)`: nothing now. `None`: it is over.

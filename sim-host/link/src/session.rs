@@ -3,12 +3,14 @@
 use std::time::Duration;
 
 use firmware::command::{Command, Identity};
+use firmware::kept::Kept;
 use firmware::supervisor::Mode;
 use firmware::telemetry::Telemetry;
 use serde_json::Value;
 
 use crate::answer::Answer;
 use crate::client::Client;
+use crate::commands::settings::in_words;
 use crate::link_error::LinkError;
 use crate::parameter::{parameter, report};
 use crate::scale::Scale;
@@ -18,6 +20,8 @@ use crate::words;
 const KEEP_ALIVE: (f64, f64) = (2e-3, 0.2);
 /// Signs of life within the board's patience.
 const SIGNS: f64 = 5.0;
+/// How often work beside the board is looked at.
+const LOOK: Duration = Duration::from_millis(10);
 /// How often silence is ordered again.
 const SILENCES: u32 = 3;
 
@@ -76,9 +80,13 @@ impl Session {
     /// Tells the board how patient to be, and learns how often it must hear something. A drive that goes on for somebody who has left is not
     /// cut short by somebody who only looks.
     pub fn agree_on_patience(&mut self) -> Result<(), LinkError> {
-        let configured_s = report(parameter("link.patience_s")?, &mut self.client)?.acts;
+        let configured = report(parameter("link.patience_s")?, &mut self.client)?;
+        if matches!(configured.kept, Kept::Partly | Kept::Refused | Kept::Damaged | Kept::Version(_)) {
+            // Whatever is asked for next, it meets other settings than were stored.
+            self.client.note(&in_words(configured.kept));
+        }
         let wanted_s = if self.manner.stay { Some(0.0) } else { self.manner.patience_s };
-        let patience_s = wanted_s.unwrap_or(configured_s);
+        let patience_s = wanted_s.unwrap_or(configured.acts);
         self.patience_s = patience_s;
         let silent = self.client.status()?.is_none_or(|report| matches!(report.mode, Mode::Idle | Mode::Fault));
         if silent || wanted_s.is_some() {
@@ -153,6 +161,27 @@ impl Session {
     /// Lets time pass.
     pub fn wait(&mut self, time: Duration) -> Result<(), LinkError> {
         self.watch(time, 0, |_| None::<()>).map(drop)
+    }
+
+    /// Does some work that takes a while, with the board looked after meanwhile.
+    pub fn meanwhile<T: Send>(&mut self, work: impl FnOnce() -> T + Send) -> Result<T, LinkError> {
+        if self.client.stands_still() {
+            return Ok(work());
+        }
+        std::thread::scope(|threads| {
+            let work = threads.spawn(work);
+            let mut looked_after = Ok(());
+            while !work.is_finished() && looked_after.is_ok() {
+                looked_after = self.client.status().map(drop);
+                let until = self.client.now() + self.keep_alive;
+                while !work.is_finished() && self.client.now() < until {
+                    std::thread::sleep(LOOK.min(self.keep_alive));
+                }
+            }
+            // Whatever the board does, the work is done to its end.
+            let done = work.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic));
+            looked_after.map(|()| done)
+        })
     }
 
     /// Looks at reports, one every so many blocks and as the line carries, until `look` has seen enough; `None`: not in time. Zero: no

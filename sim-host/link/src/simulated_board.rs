@@ -85,6 +85,11 @@ impl SimulatedBoard {
         self.to_board.extend(bytes);
     }
 
+    /// How many bytes are on the wire to the board.
+    pub fn waiting(&self) -> usize {
+        self.to_board.len()
+    }
+
     /// Takes bytes that have come from the board; 0 where none have.
     pub fn receive(&mut self, into: &mut [u8]) -> usize {
         let count = into.len().min(self.to_host.len());
@@ -95,7 +100,10 @@ impl SimulatedBoard {
     /// Plays one block.
     pub fn block(&mut self) {
         self.blocks += 1;
-        let Some(bench) = &mut self.bench else { return };
+        let Some(bench) = &mut self.bench else {
+            self.to_board.clear();
+            return;
+        };
         let sample_hz = self.setup.config.sample_hz as u64;
         self.credit += u64::from(BAUD) / BITS * u64::from(self.setup.config.block_samples);
         let bytes = (self.credit / sample_hz) as usize;

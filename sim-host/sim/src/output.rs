@@ -1,6 +1,7 @@
 //! What a study leaves in its folder: manifest, summary, trace, report and figures.
 
 mod comparison;
+mod folder;
 mod runs_file;
 mod trace_file;
 
@@ -18,6 +19,8 @@ use report::{self, ReportError};
 use scene::load::Loaded;
 use scene::resolved::resolved_json;
 
+pub use folder::Folder;
+
 /// What went wrong with the folder.
 #[derive(Debug, thiserror::Error)]
 pub enum OutputError {
@@ -29,6 +32,24 @@ pub enum OutputError {
         /// Why.
         #[source]
         io: io::Error,
+    },
+    /// A file that looks like a run's, and that no run's manifest lists.
+    #[error(
+        "`{path}` is there already, and no run's manifest says whose it is: remove it if it is an old result, or choose another folder with -o"
+    )]
+    Strange {
+        /// The file.
+        path: PathBuf,
+    },
+    /// A file of somebody else has the name of one of the run's.
+    #[error(
+        "`{path}` is not of an earlier run, and is not written over; the whole run is in `{run}` instead: move one of the two, or choose another folder with -o"
+    )]
+    InTheWay {
+        /// The file.
+        path: PathBuf,
+        /// Where the run is.
+        run: PathBuf,
     },
     /// A figure or the report.
     #[error(transparent)]
@@ -100,24 +121,25 @@ fn manifest(loaded: &Loaded, study: &Study) -> Value {
     let manifest = json!({
         "program": "sim-host", "version": findings::VERSION, "scene": study.name, "seed": study.scene.seed,
         "level": findings::level(study), "input_hash": format!("{:016x}", text_hash(&loaded.input)), "set": loaded.sets,
-        "interrupted": study.interrupted, "resolved_scene": resolved_json(study.scene),
+        "interrupted": study.interrupted, "complete": !study.interrupted, "resolved_scene": resolved_json(study.scene),
     });
     with_own(manifest, study)
 }
 
-/// Writes everything into `dir`, which is made if it is not there.
+/// Writes everything into `dir`, which is made if it is not there, in place of the run that it holds.
 pub fn write(loaded: &Loaded, study: &Study, dir: &Path) -> Result<(), OutputError> {
-    fs::create_dir_all(dir).map_err(|io| OutputError::Write { path: dir.into(), io })?;
-    let json = |name: &str, value: &Value| {
-        let path = dir.join(name);
-        fs::write(&path, format!("{value:#}\n")).map_err(|io| OutputError::Write { path, io })
-    };
-    json("manifest.json", &manifest(loaded, study))?;
-    json("summary.json", &summary(study))?;
+    write_into(loaded, study, &Folder::open(dir)?)
+}
+
+/// Writes everything into a folder, in place of the run that it holds.
+pub fn write_into(loaded: &Loaded, study: &Study, folder: &Folder) -> Result<(), OutputError> {
+    let dir = folder.unfinished();
+    let path = dir.join("summary.json");
+    fs::write(&path, format!("{:#}\n", summary(study))).map_err(|io| OutputError::Write { path, io })?;
     match study.monte_carlo() {
         Some(runs) => runs_file::write(runs, &dir.join("runs.csv")).map_err(OutputError::Runs)?,
         None => trace_file::write(study, &dir.join("trace.csv"))?,
     }
     report::write(&findings::report(study), dir)?;
-    Ok(())
+    folder.finish(manifest(loaded, study))
 }

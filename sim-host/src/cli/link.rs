@@ -8,11 +8,10 @@ use std::process::ExitCode;
 use std::rc::Rc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use anyhow::Context;
 use clap::{Args, Subcommand};
 use serde_json::Value;
 
-use super::{Color, Format, INTERRUPTED, LOST, RUN_FAILED, SceneArgs, USAGE, with_scene};
+use super::{Color, Format, INTERRUPTED, LOST, RUN_FAILED, SceneArgs, USAGE, interrupts, with_scene};
 use link::answer::{Answer, failure};
 use link::client::Client;
 use link::commands::{Order, amount, monitor, seconds};
@@ -23,7 +22,7 @@ use link::serve::serve;
 use link::session::{Live, Manner, Session};
 use link::simulated_board::SimulatedBoard;
 
-/// Set by Ctrl-C.
+/// Set by Ctrl-C, and by any other request to end.
 static STOP: AtomicBool = AtomicBool::new(false);
 /// Whoever read standard output has closed it: what is under way ends as by Ctrl-C, and nobody is left to be told.
 static CLOSED: AtomicBool = AtomicBool::new(false);
@@ -82,13 +81,6 @@ enum LinkOrder {
 
 /// Connects, does what is asked, and leaves the drive as it is to be left.
 pub(super) fn run(args: &LinkArgs, color: Color) -> anyhow::Result<ExitCode> {
-    // A second Ctrl-C ends the program the usual way.
-    let first = || {
-        if STOP.swap(true, Ordering::Relaxed) {
-            std::process::exit(INTERRUPTED.into())
-        }
-    };
-    ctrlc::set_handler(first).context("cannot listen for Ctrl-C")?;
     match args.port.strip_prefix(SIMULATED) {
         Some(scene) => {
             let mut sets = args.sets.clone();
@@ -123,6 +115,7 @@ fn with_board(args: &LinkArgs, mut board: SimulatedBoard) -> Result<(), LinkErro
     if let LinkOrder::Serve { listen } = &args.order {
         let listener = TcpListener::bind(listen)
             .map_err(|error| LinkError::Open { port: format!("tcp:{listen}"), why: error.to_string() })?;
+        interrupts::set(&STOP)?;
         println!("tcp:{}", listener.local_addr()?);
         io::stdout().flush()?;
         serve(&mut board, &listener, &STOP, note)?;
@@ -147,6 +140,8 @@ fn with_port(args: &LinkArgs, port: Box<dyn Port>) -> Result<(), LinkError> {
         }
         _ => None,
     };
+    // Not before the script is read, which may come from somebody who never ends it; before anything is asked of the board.
+    interrupts::set(&STOP)?;
     let client = Client::new(port, &STOP, note);
     let mut session = Session::begin(client, Manner { patience_s: args.patience, stay: args.stay })?;
     session.live = live(args.format);

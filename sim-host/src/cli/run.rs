@@ -2,35 +2,29 @@
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::AtomicBool;
 
-use anyhow::Context;
 use firmware::config::Config;
 
 use super::progress::Progress;
 use super::{
-    Color, EXPECTATION_MISSED, Format, INTERRUPTED, LOST, RUN_FAILED, RunArgs, SceneArgs, USAGE, invalid, table, with_scene,
+    Color, EXPECTATION_MISSED, Format, INTERRUPTED, LOST, RUN_FAILED, RunArgs, SceneArgs, USAGE, interrupts, invalid, table,
+    with_scene,
 };
 use pil::{self, Qemu};
 use scene::load::{LoadError, Loaded};
+use sim::output::{Folder, OutputError};
 use sim::processor::Processor;
 use sim::run::RunError;
 use sim::study::monte_carlo::draw::Draws;
 use sim::study::{self, Start, Study, StudyError};
 use sim::{findings, output};
 
-/// Set by Ctrl-C.
+/// Set by Ctrl-C, and by any other request to end.
 static STOP: AtomicBool = AtomicBool::new(false);
 
 /// Runs a scene and says how it went.
 pub(super) fn run(args: &RunArgs, color: Color) -> anyhow::Result<ExitCode> {
-    // A second Ctrl-C, during the report, ends the program the usual way.
-    let first = || {
-        if STOP.swap(true, Ordering::Relaxed) {
-            std::process::exit(INTERRUPTED.into())
-        }
-    };
-    ctrlc::set_handler(first).context("cannot listen for Ctrl-C")?;
     let mut sets = args.scene.sets.clone();
     sets.extend(args.seed.map(|seed| format!("seed={seed}")));
     with_scene(&SceneArgs { scene: args.scene.scene.clone(), sets }, color, |loaded| match args.run {
@@ -56,6 +50,8 @@ fn one_of(loaded: &Loaded, number: u32) -> Result<Loaded, LoadError> {
 }
 
 fn run_loaded(args: &RunArgs, loaded: &Loaded, color: Color) -> anyhow::Result<ExitCode> {
+    // Not before the scene is read, which may come from somebody who never ends it.
+    interrupts::set(&STOP)?;
     let image = match (args.pil, loaded.scene.driven()) {
         (false, _) => None,
         (true, None) => {
@@ -69,6 +65,18 @@ fn run_loaded(args: &RunArgs, loaded: &Loaded, color: Color) -> anyhow::Result<E
                 return Ok(ExitCode::from(LOST));
             }
         },
+    };
+    let run = args.run.map_or_else(String::new, |number| format!("-run-{number}"));
+    let default_dir = || PathBuf::from("out").join(format!("{}{run}{}", loaded.name, if args.pil { "-pil" } else { "" }));
+    let dir = (!args.no_report).then(|| args.output.clone().unwrap_or_else(default_dir));
+    // Before a run that may take long.
+    let folder = match dir.as_deref().map(Folder::open).transpose() {
+        Ok(folder) => folder,
+        Err(error @ OutputError::Strange { .. }) => {
+            eprintln!("error: {error}");
+            return Ok(ExitCode::from(USAGE));
+        }
+        Err(error) => return Err(error.into()),
     };
     let start = image.as_deref().map(|image| move |config: &Config| emulated(image, config));
     let start = start.as_ref().map(|start| start as Start);
@@ -86,11 +94,8 @@ fn run_loaded(args: &RunArgs, loaded: &Loaded, color: Color) -> anyhow::Result<E
             return Ok(ExitCode::from(RUN_FAILED));
         }
     };
-    let run = args.run.map_or_else(String::new, |number| format!("-run-{number}"));
-    let default_dir = || PathBuf::from("out").join(format!("{}{run}{}", study.name, if args.pil { "-pil" } else { "" }));
-    let dir = (!args.no_report).then(|| args.output.clone().unwrap_or_else(default_dir));
-    if let Some(dir) = &dir {
-        output::write(loaded, &study, dir)?;
+    if let Some(folder) = &folder {
+        output::write_into(loaded, &study, folder)?;
     }
     super::print(&match args.format {
         Format::Human => human(&study, args, color),

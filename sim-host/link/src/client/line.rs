@@ -144,6 +144,11 @@ impl Line {
         Err(self.lost(format!("{why} ({REOPENINGS} attempts)")))
     }
 
+    /// Tells the user something.
+    pub(super) fn say(&self, line: &str) {
+        (self.note)(line);
+    }
+
     /// It is gone.
     pub(super) fn lost(&self, why: String) -> LinkError {
         LinkError::Lost { port: self.port.name().to_owned(), why }

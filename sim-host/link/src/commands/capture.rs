@@ -116,7 +116,7 @@ pub fn run(args: &CaptureArgs, session: &mut Session) -> Result<Answer, LinkErro
         .field("peak_current_a", amperes)
         .field("peak_drive_v", drive);
     if let Some(dir) = &args.output {
-        write(&captured, &scale, dir)?;
+        session.meanwhile(|| write(&captured, &scale, dir))??;
         answer = answer
             .line(format!("written: {}", dir.join("capture.csv").display()))
             .field("csv", dir.join("capture.csv").to_string_lossy());

@@ -68,7 +68,12 @@ fn get(parameters: &[&Parameter], session: &mut Session) -> Result<Answer, LinkE
     for parameter in parameters {
         let of = report(parameter, &mut session.client)?;
         kept = of.kept;
-        let reset = if of.next == of.acts { "" } else { "  (acts after `settings store` and `reset`)" };
+        let reset = match kept {
+            _ if of.next == of.acts => "",
+            // Left out, or held within a limit; or set since.
+            Kept::Partly | Kept::Refused => "  (does not act as it is set)",
+            _ => "  (acts after `settings store` and `reset`)",
+        };
         answer = answer
             .line(format!(
                 "{:width$}  {:>12}  {:>12}  {:>12}  {}{reset}",
@@ -94,6 +99,10 @@ fn set(parameter: &Parameter, value: f32, session: &mut Session) -> Result<Answe
             let range = range(of.min, of.max);
             Err(LinkError::Failed(format!("{} can be {range}, not {value}; it is {} now", parameter.name, number(of.next))))
         }
+        Err(LinkError::Refused { refusal: Refusal::NotConfigured, .. }) => Err(LinkError::Failed(format!(
+            "{} is nothing on this board: what it would be judged by is not there (an energy for each metre of belt needs a belt encoder)",
+            parameter.name
+        ))),
         done => done.map(|()| {
             Answer::to("settings")
                 .line(format!("{} = {}; it acts after `settings store` and `reset`", parameter.name, number(value)))
@@ -154,7 +163,8 @@ fn kept_name(kept: Kept) -> &'static str {
     }
 }
 
-fn in_words(kept: Kept) -> String {
+/// What the board keeps, in a sentence.
+pub(crate) fn in_words(kept: Kept) -> String {
     match kept {
         Kept::Nothing => "the board keeps nothing over power-off".into(),
         Kept::Stored => "the board keeps its settings over power-off".into(),
@@ -167,10 +177,14 @@ fn in_words(kept: Kept) -> String {
         Kept::Due => "the board keeps them as soon as its drive is silent".into(),
         Kept::Failed => "the board's flash does not keep them".into(),
         Kept::Partly => {
-            "some of what the board has kept does not act: its firmware does not know it, or it is out of its range".into()
+            "some of what the board has kept does not act as it is: its firmware does not know it, or it is out of its range; `settings get` \
+             shows what acts"
+                .into()
         }
         Kept::Refused => {
-            "what the board has kept does not fit together, and nothing of it acts: `settings defaults`, then set anew".into()
+            "what the board has kept does not fit together: its limits act, the drive is held within them, and what does not fit is left out; \
+             `settings get` shows what acts and what is set"
+                .into()
         }
         Kept::Changed => "what is set differs from what the board keeps: `settings store` keeps it, a reset forgets it".into(),
     }

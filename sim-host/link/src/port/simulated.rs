@@ -56,4 +56,8 @@ impl Port for Simulated {
     fn reopen(&mut self) -> Result<(), LinkError> {
         Ok(())
     }
+
+    fn stands_still(&self) -> bool {
+        true
+    }
 }

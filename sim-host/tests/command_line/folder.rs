@@ -1,0 +1,198 @@
+//! The folder of a run holds one run as a whole, and nothing of another.
+
+use std::collections::BTreeSet;
+use std::path::Path;
+use std::process::{Child, Command, Stdio};
+
+use serde_json::Value;
+
+use super::{Folder, code, sim_host, stderr};
+
+/// A driven scene and a contact study that take no time: they share the names of some files, and of no figure.
+const DRIVEN: [&str; 2] = ["run", "lock"];
+const CONTACT: [&str; 4] = ["run", "contact", "--set", "integrator.window_periods=[10,20]"];
+
+/// Runs into a folder, or into one within it.
+fn run(scene: &[&str], folder: &Path) {
+    let output = sim_host(&[scene, &["-q", "-o", folder.to_str().expect("a path in UTF-8")]].concat());
+    assert!([0, 4].contains(&code(&output)), "{}", stderr(&output));
+}
+
+/// Names of all that is in a folder, hidden or not.
+fn names(folder: &Path) -> BTreeSet<String> {
+    std::fs::read_dir(folder)
+        .expect("a folder")
+        .map(|entry| entry.expect("an entry").file_name().into_string().expect("text"))
+        .collect()
+}
+
+fn manifest(folder: &Path) -> Value {
+    let text = std::fs::read_to_string(folder.join("manifest.json")).expect("a manifest");
+    serde_json::from_str(&text).expect("JSON")
+}
+
+/// What a manifest lists, and itself.
+fn listed(folder: &Path) -> BTreeSet<String> {
+    let manifest = manifest(folder);
+    let files = manifest["files"].as_array().expect("a list").iter().map(|file| file.as_str().expect("a name").to_owned());
+    files.chain(["manifest.json".to_owned()]).collect()
+}
+
+/// A run that takes longer than anybody waits.
+fn endless(folder: &Path) -> Child {
+    Command::new(env!("CARGO_BIN_EXE_sim-host"))
+        .args(["run", "lock", "-q", "--set", "duration_s=900", "--set", "controller.burst.off_s=[0.22,900]", "-o"])
+        .arg(folder)
+        .stdout(Stdio::null())
+        .stderr(Stdio::null())
+        .spawn()
+        .expect("sim-host starts")
+}
+
+/// Waits until a run has begun.
+fn begun(folder: &Path) {
+    while !folder.is_dir() || !names(folder).iter().any(|name| name.starts_with(".unfinished-")) {
+        std::thread::sleep(std::time::Duration::from_millis(5));
+    }
+}
+
+#[test]
+fn a_run_takes_the_place_of_another_and_leaves_what_is_somebody_elses() {
+    let folder = Folder::new("places");
+    let (both, alone) = (folder.0.join("both"), folder.0.join("alone"));
+    run(&CONTACT, &alone);
+    run(&DRIVEN, &both);
+    assert_eq!((names(&both), manifest(&both)["complete"].as_bool()), (listed(&both), Some(true)));
+    assert!(both.join("frequency.svg").is_file() && !names(&alone).contains("frequency.svg"));
+    std::fs::write(both.join("notes.txt"), "mine").expect("a file");
+    std::fs::create_dir(both.join("own")).expect("a folder");
+    run(&CONTACT, &both);
+    assert_eq!(names(&both), &names(&alone) | &["notes.txt", "own"].map(String::from).into());
+    assert_eq!(listed(&both), listed(&alone));
+    assert_eq!(manifest(&both)["scene"], "contact");
+}
+
+#[test]
+fn what_is_not_of_a_run_is_not_written_over() {
+    let folder = Folder::new("strange");
+    let path = folder.0.as_path();
+    let mine = |name: &str, text: &str| std::fs::write(path.join(name), text).expect("a file");
+    // Known before the run: it is refused at once.
+    for (name, text) in
+        [("trace.csv", "mine"), ("manifest.json", "{ \"files\": []"), ("manifest.json", "{\"program\": \"another\"}")]
+    {
+        mine(name, text);
+        let output = sim_host(&["run", "lock", "-o", folder.text()]);
+        assert_eq!(code(&output), 2, "{}", stderr(&output));
+        assert!(
+            stderr(&output).contains(name) && stderr(&output).contains("choose another folder with -o"),
+            "{}",
+            stderr(&output)
+        );
+        assert_eq!((names(path), folder.read(name)), (BTreeSet::from([name.to_owned()]), text.to_owned()));
+        std::fs::remove_file(path.join(name)).expect("a file");
+    }
+    // Known after it: nothing is lost.
+    mine("frequency.csv", "mine");
+    let output = sim_host(&["run", "lock", "-q", "-o", folder.text()]);
+    assert_eq!(code(&output), 1, "{}", stderr(&output));
+    assert!(stderr(&output).contains("frequency.csv") && stderr(&output).contains("run-1"), "{}", stderr(&output));
+    assert_eq!(
+        (names(path), folder.read("frequency.csv").as_str()),
+        (["frequency.csv", "run-1"].map(String::from).into(), "mine")
+    );
+    let whole = path.join("run-1");
+    assert_eq!((names(&whole), manifest(&whole)["complete"].as_bool()), (listed(&whole), Some(true)));
+}
+
+#[test]
+fn a_run_that_broke_off_between_two_files_is_cleaned_up_by_the_next() {
+    let folder = Folder::new("broken-off");
+    let inner = folder.0.join("run");
+    std::fs::create_dir(&inner).expect("a folder");
+    let mine = |path: &Path| std::fs::write(path, "mine").expect("a file");
+    // A manifest that leads out of the folder is not followed.
+    mine(&folder.0.join("outside.csv"));
+    for name in ["summary.json", "old-figure.svg"] {
+        mine(&inner.join(name));
+    }
+    let files = "[\"summary.json\", \"old-figure.svg\", \"gone.png\", \"../outside.csv\", \"..\", \"own\", 3]";
+    let text = format!("{{\"program\": \"sim-host\", \"complete\": false, \"files\": {files}}}");
+    std::fs::write(inner.join("manifest.json"), text).expect("a file");
+    run(&DRIVEN, &inner);
+    assert_eq!((names(&inner), manifest(&inner)["complete"].as_bool()), (listed(&inner), Some(true)));
+    assert_eq!(folder.read("outside.csv"), "mine");
+}
+
+#[test]
+fn a_folder_of_version_0_1_0_without_a_list_is_taken_over_with_its_figures() {
+    let folder = Folder::new("unlisted");
+    let inner = folder.0.join("run");
+    run(&DRIVEN, &inner);
+    let mut old = manifest(&inner);
+    for key in ["files", "complete"] {
+        old.as_object_mut().expect("a table").remove(key);
+    }
+    std::fs::write(inner.join("manifest.json"), old.to_string()).expect("a file");
+    std::fs::write(inner.join("own.csv"), "mine").expect("a file");
+    run(&CONTACT, &inner);
+    assert_eq!(names(&inner), &listed(&inner) | &["own.csv".to_owned()].into());
+}
+
+#[test]
+fn a_run_that_fails_leaves_no_folder() {
+    let folder = Folder::new("fails");
+    let inner = folder.0.join("run");
+    let path = inner.to_str().expect("a path in UTF-8");
+    let output = sim_host(&["run", "contact", "--pil", "-o", path]);
+    assert!(code(&output) == 2 && !inner.exists(), "{}", stderr(&output));
+    // A folder that cannot be is known before the run.
+    std::fs::write(&inner, "a file").expect("a file");
+    let output = sim_host(&["run", "lock", "-o", path, "--set", "duration_s=900"]);
+    assert!(code(&output) == 1 && stderr(&output).contains("cannot write"), "{}", stderr(&output));
+}
+
+#[cfg(unix)]
+#[test]
+fn an_interrupted_run_takes_the_place_as_a_whole_and_a_killed_one_does_not() {
+    let folder = Folder::new("cut");
+    let inner = folder.0.join("run");
+    run(&CONTACT, &inner);
+    let (before, was) = (names(&inner), manifest(&inner));
+    let mut killed = endless(&inner);
+    begun(&inner);
+    killed.kill().expect("it can be killed");
+    killed.wait().expect("an end");
+    // What was there is whole, and what was begun is hidden.
+    let left = names(&inner);
+    assert!(left.is_superset(&before) && left.len() == before.len() + 1, "{left:?}");
+    assert_eq!(manifest(&inner), was);
+    for signal in ["INT", "TERM"] {
+        let mut cut = endless(&inner);
+        // Beside that of the killed one.
+        while names(&inner).iter().filter(|name| name.starts_with(".unfinished-")).count() < 1 + usize::from(signal == "INT") {
+            std::thread::sleep(std::time::Duration::from_millis(5));
+        }
+        std::thread::sleep(std::time::Duration::from_millis(700));
+        let pid = cut.id().to_string();
+        assert!(Command::new("kill").args([&format!("-{signal}"), &pid]).status().expect("`kill` starts").success());
+        assert_eq!(cut.wait().expect("an end").code(), Some(130), "{signal}");
+        assert_eq!(names(&inner), listed(&inner), "{signal}");
+        let cut = manifest(&inner);
+        assert_eq!((&cut["scene"], &cut["interrupted"], &cut["complete"]), (&"lock".into(), &true.into(), &false.into()));
+    }
+}
+
+#[cfg(unix)]
+#[test]
+fn of_two_runs_into_one_folder_at_a_time_one_is_there_as_a_whole() {
+    let folder = Folder::new("two");
+    let inner = folder.0.join("run");
+    std::thread::scope(|threads| {
+        for scene in [&DRIVEN[..], &CONTACT[..], &DRIVEN[..], &CONTACT[..]] {
+            let inner = inner.as_path();
+            threads.spawn(move || run(scene, inner));
+        }
+    });
+    assert_eq!((names(&inner), manifest(&inner)["complete"].as_bool()), (listed(&inner), Some(true)));
+}

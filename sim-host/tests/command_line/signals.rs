@@ -1,0 +1,210 @@
+//! Signals to a client of a board that drives: whatever ends it, the drive falls silent, unless it was told to go on.
+
+use std::io::{BufRead, BufReader};
+use std::process::{Child, ChildStdout, Command, Stdio};
+use std::time::Duration;
+
+use serde_json::Value;
+
+use super::{Folder, code, sim_host, stderr, stdout};
+
+/// How long a board may be without its host, s: what a simulated board is built with.
+const TIMEOUT_S: f64 = 1.0;
+
+/// A process that does not outlive its test.
+struct Running {
+    child: Child,
+    lines: BufReader<ChildStdout>,
+}
+
+impl Running {
+    fn new(command: &mut Command) -> Self {
+        let mut child = command.stdout(Stdio::piped()).stderr(Stdio::null()).spawn().expect("a process");
+        let lines = BufReader::new(child.stdout.take().expect("its output"));
+        Running { child, lines }
+    }
+
+    /// Reads lines until one has this in it.
+    fn until(&mut self, part: &str) -> String {
+        loop {
+            let mut line = String::new();
+            assert!(self.lines.read_line(&mut line).expect("text") > 0, "it ends before `{part}`");
+            if line.contains(part) {
+                return line;
+            }
+        }
+    }
+
+    fn signal(&self, name: &str) {
+        let sent = Command::new("kill").args([&format!("-{name}"), &self.child.id().to_string()]).status();
+        assert!(sent.expect("`kill` starts").success(), "{name}");
+    }
+
+    /// Its exit code; none where a signal has ended it.
+    fn end(&mut self) -> Option<i32> {
+        self.child.wait().expect("an end").code()
+    }
+}
+
+impl Drop for Running {
+    fn drop(&mut self) {
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+    }
+}
+
+/// A simulated board that is served to others, and its address.
+fn served() -> (Running, String) {
+    let mut server = Running::new(program().args(["link", "sim:lock", "serve"]));
+    let address = server.until("tcp:").trim().to_owned();
+    (server, address)
+}
+
+fn program() -> Command {
+    Command::new(env!("CARGO_BIN_EXE_sim-host"))
+}
+
+fn client(address: &str, arguments: &[&str]) -> Running {
+    Running::new(program().args(["link", address]).args(arguments))
+}
+
+fn answer(address: &str, arguments: &[&str]) -> Value {
+    let output = sim_host(&[&["link", address], arguments, &["--format", "json"]].concat());
+    assert_eq!(code(&output), 0, "{arguments:?}: {}", stderr(&output));
+    serde_json::from_str(stdout(&output).lines().last().expect("an answer")).expect("JSON")
+}
+
+fn mode(address: &str) -> String {
+    answer(address, &["status"])["mode"].as_str().expect("a mode").to_owned()
+}
+
+/// Leaves the board without a host until it has stopped the drive by itself. It is asked seldom: who asks is a host.
+fn stops_by_itself(address: &str) {
+    for attempt in 0..5 {
+        std::thread::sleep(Duration::from_secs_f64(TIMEOUT_S * f64::from(2 << attempt)));
+        let status = answer(address, &["status"]);
+        if status["mode"] == "fault" {
+            assert_eq!(status["fault"], 12, "{status}");
+            answer(address, &["fault", "clear"]);
+            return;
+        }
+        assert_eq!(status["mode"], "run", "{status}");
+    }
+    panic!("the drive goes on without a host");
+}
+
+#[test]
+fn a_client_that_is_asked_to_end_silences_the_drive_first() {
+    let folder = Folder::new("signals");
+    let holds = folder.write("holds.txt", "lock\nstatus\nwait 1000\n");
+    let bursts = folder.write("bursts.txt", "lock\nstatus\nburst --on 1000 --off 1\n");
+    let watches = folder.write("watches.txt", "drive\nmonitor --every 0.05\n");
+    let cases: [(&[&str], &str, &str); 6] = [
+        (&["drive"], "the drive is on", "INT"),
+        (&["drive", "--volts", "2"], "the drive is on", "TERM"),
+        (&["drive", "--patience", "0"], "the drive is on", "HUP"),
+        (&["script", &holds], "> wait", "TERM"),
+        (&["script", &bursts], "> burst", "HUP"),
+        (&["script", &watches], " locked", "TERM"),
+    ];
+    let (_server, address) = served();
+    for (arguments, on, signal) in cases {
+        let mut client = client(&address, arguments);
+        // A line of a script is shown when it is done: those that take long are known by the line before.
+        client.until(if on.starts_with('>') { "> status" } else { on });
+        client.signal(signal);
+        assert_eq!(client.end(), Some(130), "{arguments:?} {signal}");
+        assert_eq!(mode(&address), "idle", "{arguments:?} {signal}");
+    }
+}
+
+#[test]
+fn a_terminal_that_closes_hangs_up_twice_and_the_drive_is_silenced_all_the_same() {
+    let (_server, address) = served();
+    let mut client = client(&address, &["drive", "--patience", "0"]);
+    client.until("the drive is on");
+    client.signal("HUP");
+    client.signal("CONT");
+    // By now it may have ended in order, and cannot be signalled any more.
+    let _ = Command::new("kill").args(["-HUP", &client.child.id().to_string()]).stderr(Stdio::null()).status();
+    assert_eq!(client.end(), Some(130));
+    assert_eq!(mode(&address), "idle");
+}
+
+#[test]
+fn a_client_that_is_killed_or_stands_still_is_missed_by_the_board() {
+    let (_server, address) = served();
+    let mut killed = client(&address, &["drive"]);
+    killed.until("the drive is on");
+    killed.signal("KILL");
+    assert_eq!(killed.end(), None);
+    stops_by_itself(&address);
+
+    // A connection that stays open and says nothing, as that of a pulled cable.
+    let mut still = client(&address, &["drive"]);
+    still.until("the drive is on");
+    let mut stopped = false;
+    for attempt in 0..5 {
+        still.signal("STOP");
+        std::thread::sleep(Duration::from_secs_f64(TIMEOUT_S * f64::from(2 << attempt)));
+        still.signal("CONT");
+        // What was measured before it stood still may come first.
+        stopped = (0..5).any(|_| still.until("motional").contains("fault 12"));
+        if stopped {
+            break;
+        }
+    }
+    assert!(stopped, "the drive goes on without a host");
+}
+
+#[test]
+fn a_drive_goes_on_only_where_that_is_chosen() {
+    let (_server, address) = served();
+    answer(&address, &["drive", "--stay"]);
+    std::thread::sleep(Duration::from_secs_f64(2.0 * TIMEOUT_S));
+    assert_eq!(mode(&address), "run");
+    // Who looks on leaves it as it is, by whatever it is ended.
+    let mut watches = client(&address, &["monitor", "--every", "0.05"]);
+    watches.until(" locked");
+    watches.signal("TERM");
+    assert_eq!((watches.end(), mode(&address).as_str()), (Some(130), "run"));
+    // Who drives takes it over, and is missed.
+    let mut killed = client(&address, &["drive"]);
+    killed.until("the drive is on");
+    killed.signal("KILL");
+    assert_eq!(killed.end(), None);
+    stops_by_itself(&address);
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_client_that_was_started_to_outlive_its_terminal_does() {
+    let (_server, address) = served();
+    let line = format!("trap '' HUP; exec \"{}\" link {address} drive", env!("CARGO_BIN_EXE_sim-host"));
+    let mut client = Running::new(Command::new("sh").args(["-c", &line]));
+    client.until("the drive is on");
+    client.signal("HUP");
+    // It watches on.
+    (0..3).for_each(|_| drop(client.until(" locked")));
+    client.signal("TERM");
+    assert_eq!(client.end(), Some(130));
+    assert_eq!(mode(&address), "idle");
+}
+
+#[test]
+fn a_client_that_sends_faster_than_the_wire_does_not_keep_the_board_from_its_time() {
+    use std::io::Write;
+    use std::net::TcpStream;
+    let (_server, address) = served();
+    answer(&address, &["drive", "--stay"]);
+    let before = answer(&address, &["status"])["block"].as_u64().expect("a block");
+    let mut flood = TcpStream::connect(address.trim_start_matches("tcp:")).expect("a connection");
+    flood.set_write_timeout(Some(Duration::from_millis(200))).expect("a timeout");
+    let began = std::time::Instant::now();
+    while began.elapsed() < Duration::from_secs(1) {
+        let _ = flood.write(&[0x55; 4096]);
+    }
+    drop(flood);
+    let after = answer(&address, &["status"])["block"].as_u64().expect("a block");
+    assert!(after > before + 1000, "{before} {after}");
+}

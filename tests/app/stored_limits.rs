@@ -1,0 +1,174 @@
+//! A limit that is stored is never exceeded after a restart, whatever else is stored beside it.
+
+use firmware::block::Amplitude;
+use firmware::command::{Command, Reply, Verb};
+use firmware::config::{LaneTrims, TrackingMode, Trim, TrimPoint};
+use firmware::kept::Kept;
+use firmware::parameters::{ENERGY_PER_METRE, Overrides, PARAMETERS, ParameterReport};
+use firmware::refusal::Refusal;
+use firmware::settings::{Record, Settings};
+use hal_mock::bench::{Bench, Queues, Setup};
+use hal_mock::flash::Flash;
+use proptest::prelude::*;
+
+use super::*;
+
+const AMPLITUDE: u8 = 5;
+const CURRENT: u8 = 6;
+const SCAN: u8 = 7;
+const VOLTAGE_LIMIT: u8 = 8;
+const DRIVE_SCALE: u8 = 3;
+
+fn storing(record: &Record) -> Flash {
+    let mut settings = Settings::new(Flash::new(4, 1)).unwrap();
+    settings.store(record).unwrap();
+    settings.release()
+}
+
+fn get(bench: &mut Bench<Load>, key: u8) -> ParameterReport {
+    match bench.ask(Command::Settings(Verb::Get(key))) {
+        Some(Reply::Parameter(report)) => report,
+        other => panic!("{key}: {other:?}"),
+    }
+}
+
+fn trims(gains: &[f32]) -> LaneTrims {
+    let point = |(n, &gain): (usize, &f32)| TrimPoint {
+        hz: 39e3 + 1e3 * n as f32,
+        lanes: core::array::from_fn(|_| Trim { gain, ..Trim::default() }),
+    };
+    gains.iter().enumerate().map(point).collect()
+}
+
+/// Values that a parameter may have, its edges, and what nothing may have.
+fn value(key: u8) -> BoxedStrategy<f32> {
+    let parameter = PARAMETERS.iter().find(|parameter| parameter.key == key);
+    let built_in = parameter.map_or(1.0, |parameter| (parameter.read)(&Setup::default().config));
+    let (least, most) = parameter.map_or((0.0, 1.0), |parameter| parameter.range.of(built_in));
+    let (low, high) = (least.max(1e-12), most.min(1e9));
+    let within = (0.0_f32..=1.0).prop_map(move |part| (low.ln() + part * (high / low).ln()).exp().clamp(low, high));
+    let near = (0.1_f32..=1.5).prop_map(move |part| if built_in.is_finite() { part * built_in } else { 100.0 * part });
+    let edges = prop::sample::select(vec![least, most, built_in, 0.5 * least, 2.0 * most]);
+    let wild = prop::sample::select(vec![f32::NAN, f32::INFINITY, f32::NEG_INFINITY, -1.0, 0.0, f32::MIN_POSITIVE, 1e30]);
+    prop_oneof![4 => within, 4 => near, 2 => edges, 1 => wild].boxed()
+}
+
+/// Any record: up to half of the parameters, keys that nobody knows, a key twice, and lane trims.
+fn record() -> impl Strategy<Value = Record> {
+    let entry = prop_oneof![12 => 1_u8..=21, 6 => 8_u8..=14, 1 => prop::sample::select(vec![0, 22, 255])]
+        .prop_flat_map(|key| value(key).prop_map(move |value| (key, value)));
+    let gain = prop_oneof![4 => 0.9_f32..=1.1, 2 => 0.0_f32..=2.0, 1 => prop::sample::select(vec![0.0, 1.02, 2.0])];
+    // Trims that cannot be are no record: neither written nor read.
+    (prop::collection::vec(entry, 0..=12), prop::collection::vec(gain, 0..=3))
+        .prop_map(|(entries, gains)| Record { trims: trims(&gains), parameters: entries.into_iter().collect() })
+}
+
+/// The board as it may be built: with and without an encoder, tracking or not, with a drive of either kind, lanes that are trimmed.
+fn board() -> impl Strategy<Value = Setup> {
+    (any::<bool>(), 0_u8..3, 1_u8..=4, prop::sample::select(vec![1.0_f32, 0.8, 1.2])).prop_map(|(encoder, drive, lanes, gain)| {
+        setup(|config| {
+            config.front_end.metre_per_count = encoder.then_some(1e-6);
+            config.lanes = lanes;
+            config.phasing.gain_trim = [gain, 1.0].into_iter().collect();
+            if drive > 0 {
+                config.tracking.mode = TrackingMode::Observer;
+            }
+            if drive > 1 {
+                config.drive.amplitude = Amplitude::MotionalCurrent(0.5);
+            }
+        })
+    })
+}
+
+proptest! {
+    #![proptest_config(cases(1500))]
+
+    #[test]
+    fn of_any_record_the_limits_act_the_board_runs_and_what_does_not_act_is_named(mut setup in board(), record in record(), volts in 0.1_f32..100.0) {
+        setup.flash = storing(&record);
+        let mut queues = Queues::default();
+        // It starts, whatever is stored.
+        let mut bench = bench(&mut queues, &setup);
+        bench.blocks(4);
+        let reports: Vec<ParameterReport> = PARAMETERS.iter().map(|parameter| get(&mut bench, parameter.key)).collect();
+        let report = |key: u8| reports.iter().find(|report| report.key == key);
+        for &(key, stored) in &record.parameters {
+            let Some(of) = report(key) else { continue };
+            let limit = PARAMETERS.iter().any(|parameter| parameter.key == key && parameter.is_limit());
+            if limit && (key != ENERGY_PER_METRE || setup.config.front_end.metre_per_count.is_some()) {
+                // Below the least that it can be there is no limit, and it is that.
+                let most = if stored > of.min { stored } else { of.min };
+                prop_assert!(of.acts <= most, "{key}: {stored} stored, {of:?}");
+            }
+            if of.acts.to_bits() != stored.to_bits() && !record.parameters.iter().any(|&(other, value)| other == key && value.to_bits() != stored.to_bits()) {
+                let other_kind = [AMPLITUDE, CURRENT].contains(&key) && of.acts == 0.0;
+                let no_period = key == 20 && report(19).is_some_and(|period| period.acts == 0.0);
+                prop_assert!(matches!(of.kept, Kept::Partly | Kept::Refused) || other_kind || no_period, "{key}: {stored} stored, {of:?}");
+            }
+        }
+        // What acts is within what acts.
+        let acts = |key: u8| report(key).map_or(f32::NAN, |of| of.acts);
+        prop_assert!(acts(SCAN) <= acts(VOLTAGE_LIMIT) && acts(AMPLITUDE) <= acts(VOLTAGE_LIMIT) && acts(CURRENT) <= acts(9));
+        // An order above a limit is held to it, on every lane.
+        prop_assert_eq!(bench.ask(Command::Amplitude(Some(Amplitude::Volts(volts)))), Some(Reply::Ack));
+        prop_assert_eq!(bench.ask(Command::Run), Some(Reply::Ack));
+        bench.blocks(150);
+        let most_codes = (acts(VOLTAGE_LIMIT) / acts(DRIVE_SCALE)).min(2047.0);
+        for lane in 0..usize::from(setup.config.lanes) {
+            let loudest = peak(&played(&mut bench, lane));
+            prop_assert!(f32::from(loudest) <= most_codes + 1.0, "lane {lane}: {loudest} codes of {most_codes}, {record:?}");
+        }
+    }
+
+    #[test]
+    fn a_lowered_limit_acts_with_any_trims_and_the_trims_with_it(limit in 1e-3_f32..12.0, gains in prop::collection::vec(0.5_f32..=2.0, 1..=3)) {
+        let mut setup = setup(|config| config.lanes = 4);
+        setup.flash = storing(&Record { trims: trims(&gains), parameters: Overrides::from_iter([(VOLTAGE_LIMIT, limit)]) });
+        let mut queues = Queues::default();
+        let mut bench = bench(&mut queues, &setup);
+        bench.blocks(4);
+        prop_assert_eq!(get(&mut bench, VOLTAGE_LIMIT).acts, limit);
+        let points = gains.len() as u8;
+        prop_assert!(matches!(bench.ask(Command::Settings(Verb::Trims(0))), Some(Reply::Settings(report)) if report.points == points));
+    }
+}
+
+#[test]
+fn a_limit_that_nothing_judges_is_refused_and_takes_no_other_limit_with_it() {
+    for encoder in [false, true] {
+        let mut setup = setup(|config| config.front_end.metre_per_count = encoder.then_some(1e-6));
+        let mut queues = Queues::default();
+        let mut bench = bench(&mut queues, &setup);
+        bench.blocks(4);
+        let set = bench.ask(Command::Settings(Verb::Set(ENERGY_PER_METRE, 1000.0)));
+        assert_eq!(set, Some(if encoder { Reply::Ack } else { Reply::Nak(Refusal::NotConfigured) }));
+        // None is none, and may be set.
+        assert_eq!(bench.ask(Command::Settings(Verb::Set(ENERGY_PER_METRE, f32::INFINITY))), Some(Reply::Ack));
+        // As an image with an encoder has left it.
+        let parameters = Overrides::from_iter([(VOLTAGE_LIMIT, 2.0), (ENERGY_PER_METRE, 1000.0), (21, 0.5)]);
+        setup.flash = storing(&Record { trims: trims(&[1.02]), parameters });
+        let mut queues = Queues::default();
+        let mut bench = super::bench(&mut queues, &setup);
+        bench.blocks(4);
+        let acts = [VOLTAGE_LIMIT, ENERGY_PER_METRE, 21].map(|key| get(&mut bench, key).acts);
+        assert_eq!(acts, [2.0, if encoder { 1000.0 } else { f32::INFINITY }, 0.5]);
+        let report = get(&mut bench, AMPLITUDE);
+        assert_eq!((report.kept, report.next), (Kept::Refused, 3.0));
+        assert!((report.acts - 2.0 / 1.02).abs() < 1e-6, "{report:?}");
+    }
+}
+
+#[test]
+fn each_that_does_not_fit_is_left_out_alone() {
+    // A band that no block can follow, and a duty beyond one, beside what can be.
+    let parameters = Overrides::from_iter([(4, 41e3), (AMPLITUDE, 11.0), (VOLTAGE_LIMIT, 5.0), (15, 60.0), (18, 1e6), (21, 2.5)]);
+    let mut setup = setup(|config| config.tracking.mode = TrackingMode::PhaseLock);
+    setup.flash = storing(&Record { trims: LaneTrims::new(), parameters });
+    let built_in = setup.config.tracking.bandwidth_hz;
+    let mut queues = Queues::default();
+    let mut bench = bench(&mut queues, &setup);
+    bench.blocks(4);
+    let acts = [4, AMPLITUDE, VOLTAGE_LIMIT, 15, 18, 21].map(|key| get(&mut bench, key).acts);
+    assert_eq!(acts, [41e3, 5.0, 5.0, 60.0, built_in, 2.5]);
+    assert_eq!((get(&mut bench, 18).next, get(&mut bench, 18).kept), (1e6, Kept::Refused));
+}
