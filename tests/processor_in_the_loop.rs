@@ -168,7 +168,7 @@ fn configs() -> [Config; 6] {
     held.phasing.phase_trim_turns = [0.01, -0.02, 0.0, 0.25].into_iter().collect();
     held.phasing.gain_trim = [1.0, 0.93, 1.1, 0.5].into_iter().collect();
     held.burst.schedule = Schedule::Periodic { period_s: 7.3e-3, duty: 0.4 };
-    held.burst.edge = Edge::Soft { cycles: 9.5 };
+    (held.burst.edge, held.burst.edge_cycles) = (Edge::Soft, 9.5);
     held.front_end.metre_per_count = Some(1e-5);
     held.front_end.force_hz = Some(500.0);
     (held.limits.energy_j_per_m, held.limits.power_w, held.limits.on_time_s) = (Some(1e4), Some(2.0), Some(0.2));

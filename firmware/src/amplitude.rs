@@ -8,9 +8,9 @@
 //! set-point through the same lag): it holds still through the edges of a burst and corrects only what the load does.
 
 use crate::block::Amplitude;
-use crate::config::{Config, Limits};
+use crate::config::{Config, Drive, Limits};
 use crate::convert::DriveScale;
-use crate::error::{Error, in_range};
+use crate::error::Error;
 use crate::identify::Transducer;
 use crate::phasing;
 use crate::phasor::{Phasor, magnitude};
@@ -53,18 +53,14 @@ pub fn most_volts(config: &Config) -> Result<f32, Error> {
 impl AmplitudeLoop {
     /// Checks the amplitude and the limits.
     pub fn build(config: &Config, block_s: f32) -> Result<Self, Error> {
-        in_range("limits.voltage_v", config.limits.voltage_v.into(), 1e-3, 1e5)?;
         let converter_v = DriveScale::build(&config.front_end)?.range_v();
         let voltage_v = most_volts(config)?;
         let limits = Limits { voltage_v, ..config.limits.clone() };
         // However low a limit is, there is a drive within it.
-        let least_v = voltage_v.min(1e-3);
-        in_range("drive.scan_volts", config.drive.scan_volts.into(), least_v.into(), limits.voltage_v.into())?;
+        Drive::SCAN_VOLTS.check_up_to(config.drive.scan_volts, limits.voltage_v)?;
         match config.drive.amplitude {
-            Amplitude::Volts(volts) => in_range("drive.amplitude_v", volts.into(), least_v.into(), limits.voltage_v.into())?,
-            Amplitude::MotionalCurrent(amperes) => {
-                in_range("drive.motional_current_a", amperes.into(), 1e-6, limits.current_a.into())?
-            }
+            Amplitude::Volts(volts) => Drive::AMPLITUDE_V.check_up_to(volts, limits.voltage_v)?,
+            Amplitude::MotionalCurrent(amperes) => Drive::MOTIONAL_CURRENT_A.check_up_to(amperes, limits.current_a)?,
         };
         Ok(AmplitudeLoop {
             limits,

@@ -30,7 +30,7 @@ use crate::burst::boost::Boost;
 pub use crate::burst::brake::Brake;
 use crate::burst::schedule::Schedule;
 use crate::config::{Burst as Config, Edge};
-use crate::error::{Error, in_range};
+use crate::error::Error;
 use crate::nco::Stretch;
 use crate::tracker::compare::larger;
 
@@ -111,8 +111,9 @@ impl Burst {
     pub fn build(config: &Config, frequency_hz: f32, sample_hz: f32) -> Result<Self, Error> {
         let edge = match config.edge {
             Edge::Hard | Edge::Boost => None,
-            Edge::Soft { cycles } => {
-                in_range("burst.edge.cycles", cycles.into(), 0.5, (LONGEST_EDGE * frequency_hz / sample_hz).min(1e4).into())?;
+            Edge::Soft => {
+                let cycles = config.edge_cycles;
+                Config::EDGE_CYCLES.check_within(cycles.into(), 0.0, (LONGEST_EDGE * frequency_hz / sample_hz).into())?;
                 Some(((cycles * sample_hz / frequency_hz) as u32).max(1))
             }
         };

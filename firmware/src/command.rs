@@ -34,7 +34,7 @@ use serde::{Deserialize, Serialize};
 use crate::block::Target;
 use crate::block::{Amplitude, Gate, Orders, Request};
 use crate::capture::{CaptureReport, CaptureVerb, Part};
-use crate::config::{Config, LONGEST_PATIENCE_S, TrimPoint};
+use crate::config::{Config, Link, TrimPoint};
 use crate::fault_log::FaultReport;
 use crate::identify::{MOST_MODES, Resonance};
 use crate::kept::Kept;
@@ -200,7 +200,7 @@ impl Command {
             Command::Identify | Command::TelemetryEvery(_) | Command::Settings(_) | Command::Resonances => return Ok(None),
             Command::Status | Command::Capture(_) | Command::Faults(_) | Command::Reset => return Ok(None),
             Command::Patience(seconds) if seconds.is_nan() || seconds < 0.0 => return Err(Refusal::NotPlausible),
-            Command::Patience(seconds) if seconds > LONGEST_PATIENCE_S => return Err(Refusal::OutOfRange),
+            Command::Patience(seconds) if f64::from(seconds) > Link::PATIENCE_S.max => return Err(Refusal::OutOfRange),
             Command::Patience(_) => return Ok(None),
             Command::Idle => next.request = Request::Idle,
             Command::Scan => (next.request, next.attempt) = (Request::Scan, orders.attempt.wrapping_add(1)),

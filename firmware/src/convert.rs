@@ -19,8 +19,7 @@ pub struct SenseScale {
 }
 
 impl SenseScale {
-    fn build(parameter: &'static str, per_lsb: f32, mid_code: u16, max_code: u16) -> Result<Self, Error> {
-        in_range(parameter, per_lsb.into(), 1e-9, 1e3)?;
+    fn build(per_lsb: f32, mid_code: u16, max_code: u16) -> Result<Self, Error> {
         in_range("front_end.sense_mid_code", mid_code.into(), 1.0, f64::from(max_code) - 1.0)?;
         let mut scale = SenseScale { mid_code, zero: f32::from(mid_code), per_lsb, max_code, limit: f32::INFINITY, reach: 0.0 };
         scale.set_limit(f32::INFINITY);
@@ -117,9 +116,8 @@ pub struct DriveScale {
 }
 
 impl DriveScale {
-    /// Checks the scale factor.
+    /// Checks that zero volts is within the codes.
     pub fn build(front_end: &FrontEnd) -> Result<Self, Error> {
-        in_range("front_end.drive_volt_per_lsb", front_end.drive_volt_per_lsb.into(), 1e-9, 1e3)?;
         in_range("front_end.drive_mid_code", front_end.drive_mid_code.into(), 8.0, f64::from(front_end.drive_max_code) - 8.0)?;
         Ok(DriveScale {
             mid_code: front_end.drive_mid_code,
@@ -168,13 +166,12 @@ pub struct Convert {
 }
 
 impl Convert {
-    /// Checks the scale factors.
+    /// Checks that zero is within the codes.
     pub fn build(front_end: &FrontEnd) -> Result<Self, Error> {
-        let sense =
-            |parameter, per_lsb| SenseScale::build(parameter, per_lsb, front_end.sense_mid_code, front_end.sense_max_code);
+        let sense = |per_lsb| SenseScale::build(per_lsb, front_end.sense_mid_code, front_end.sense_max_code);
         Ok(Convert {
-            v: sense("front_end.volt_per_lsb", front_end.volt_per_lsb)?,
-            i: sense("front_end.ampere_per_lsb", front_end.ampere_per_lsb)?,
+            v: sense(front_end.volt_per_lsb)?,
+            i: sense(front_end.ampere_per_lsb)?,
             drive: DriveScale::build(front_end)?,
         })
     }

@@ -28,12 +28,12 @@ pub use terms::{Belief, Sensed, Wanted};
 use crate::block::{Amplitude, Target};
 use crate::carried;
 use crate::config::{Config, FrictionLaw, Schedule};
-use crate::error::{Error, in_range};
+use crate::error::Error;
 use crate::friction::average::LowPass;
 use crate::friction::dahl::Evaluation;
 use crate::friction::fit::Contact;
 use crate::friction::inverse::{Inverse, Solution};
-use crate::friction::regime::{Choice, Prefer, Regime, Short};
+use crate::friction::regime::{Choice, Regime, Short};
 use crate::friction::survey::{Found, Heard, Play, Progress, Survey};
 use crate::supervisor::Limit;
 
@@ -99,17 +99,10 @@ impl FrictionSwitch {
     pub fn build(config: &Config, block_s: f32) -> Result<Option<Self>, Error> {
         let Some(friction) = &config.friction else { return Ok(None) };
         let carried = carried::friction()?;
+        friction.check_all()?;
         let Amplitude::MotionalCurrent(most_amperes) = config.drive.amplitude else {
             return Err(Error::FrictionWithoutCurrent);
         };
-        match friction.target {
-            Target::Ratio(ratio) => in_range("friction.target_ratio", ratio.into(), 0.0, 1.0)?,
-            Target::Force(newtons) => in_range("friction.target_force_n", newtons.into(), 0.0, 1e6)?,
-        };
-        in_range("friction.force_factor_n_per_v", friction.force_factor_n_per_v.into(), 1e-6, 1e4)?;
-        in_range("friction.speed_m_per_s", friction.speed_m_per_s.into(), 1e-6, 100.0)?;
-        in_range("friction.dahl_length_m", friction.dahl_length_m.into(), 1e-9, 1e-3)?;
-        in_range("friction.average_s", friction.average_s.into(), 1e-3, 100.0)?;
         let period = match config.burst.schedule {
             Schedule::Periodic { period_s, .. } => Some((period_s * f64::from(config.sample_hz)) as f32),
             _ => None,
@@ -118,7 +111,6 @@ impl FrictionSwitch {
             let bursts = libm::roundf(friction.average_s * config.sample_hz / samples).max(1.0);
             libm::roundf(bursts * samples / f32::from(config.block_samples)) as u32
         };
-        let prefer = if friction.prefer_bursts { Prefer::Bursts } else { Prefer::Amplitude };
         let mut switch = FrictionSwitch {
             _carried: carried,
             law: friction.law,
@@ -140,7 +132,7 @@ impl FrictionSwitch {
             force: LowPass::new(block_s / FORCE_S, 0.0),
             work: Work::Rest(0),
             solution: Solution { xi: 1.0, ratio: 1.0, floor: 1.0 },
-            choice: Choice::new(prefer),
+            choice: Choice::new(friction.prefer),
             ratio: 1.0,
             belief: None,
             last: 1.0,

@@ -79,10 +79,10 @@ impl Guard {
     /// Checks the limits.
     pub fn build(config: &Config, block_s: f32) -> Result<Self, Error> {
         Ok(Guard {
-            electrical: Electrical::build(config)?,
+            electrical: Electrical::build(config),
             weld: Weld::build(config, block_s)?,
-            heat: Heat::build(config, block_s)?,
-            on_time: OnTime::build(config, block_s)?,
+            heat: Heat::build(config, block_s),
+            on_time: OnTime::build(config, block_s),
             limited: config.limits.power_w.is_some() || config.limits.on_time_s.is_some(),
         })
     }

@@ -24,7 +24,7 @@
 #![no_std]
 #![forbid(unsafe_code)]
 
-#[cfg(test)]
+#[cfg(any(test, feature = "scene"))]
 extern crate std;
 
 pub mod amplitude;

@@ -1,6 +1,7 @@
 //! Parameters: numbers of the configuration that a host may set, for the time after the next reset.
 //!
-//! Each has a key, which never changes its meaning, a name with its unit, and a range:
+//! They are the settings that have a key in their table in [`config`](crate::config). Each has a key, which never changes its meaning, a name with its
+//! unit, and a range:
 //!
 //! | range | of | because |
 //! |---|---|---|
@@ -14,8 +15,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::block::Amplitude;
-use crate::config::{Config, LONGEST_PATIENCE_S, Schedule};
+use crate::config::{Burst, Config, Drive, FrontEnd, Limits, Link, Tracking};
 use crate::kept::Kept;
 use crate::refusal::Refusal;
 
@@ -32,6 +32,7 @@ pub type Overrides = heapless::Vec<(u8, f32), MOST_PARAMETERS>;
 pub type Values = [f32; PARAMETERS.len()];
 
 /// A number of the configuration.
+#[derive(Clone, Copy)]
 pub struct Parameter {
     /// Its key.
     pub key: u8,
@@ -158,180 +159,52 @@ pub fn apply(config: &mut Config, values: &Values, built_in: &Values, acts: impl
     }
 }
 
-/// A limit that need not be: infinity is none.
-fn limit(value: f32) -> Option<f32> {
-    value.is_finite().then_some(value)
-}
-
-/// The ON part of a period, and the period in s; a drive that is always on has none.
-fn periodic(config: &Config) -> (f64, f64) {
-    match config.burst.schedule {
-        Schedule::Periodic { period_s, duty } => (period_s, duty),
-        Schedule::Continuous | Schedule::Windows(_) => (0.0, 1.0),
-    }
-}
-
-/// The table. A key is never used again for something else.
-pub static PARAMETERS: [Parameter; 21] = [
-    Parameter {
-        key: 1,
-        name: "front_end.volt_per_lsb",
-        range: Range::NearBuiltIn,
-        read: |config| config.front_end.volt_per_lsb,
-        write: |config, value| config.front_end.volt_per_lsb = value,
-    },
-    Parameter {
-        key: 2,
-        name: "front_end.ampere_per_lsb",
-        range: Range::NearBuiltIn,
-        read: |config| config.front_end.ampere_per_lsb,
-        write: |config, value| config.front_end.ampere_per_lsb = value,
-    },
-    Parameter {
-        key: 3,
-        name: "front_end.drive_volt_per_lsb",
-        range: Range::NearBuiltIn,
-        read: |config| config.front_end.drive_volt_per_lsb,
-        write: |config, value| config.front_end.drive_volt_per_lsb = value,
-    },
-    Parameter {
-        key: 4,
-        name: "drive.frequency_hz",
-        range: Range::Within(1.0, 1e7),
-        read: |config| config.drive.frequency_hz,
-        write: |config, value| config.drive.frequency_hz = value,
-    },
-    // An amplitude is of one kind: zero is that it is of the other.
-    Parameter {
-        key: 5,
-        name: "drive.amplitude_v",
-        range: Range::Within(1e-3, 1e5),
-        read: |config| if let Amplitude::Volts(volts) = config.drive.amplitude { volts } else { 0.0 },
-        write: |config, value| config.drive.amplitude = Amplitude::Volts(value),
-    },
-    Parameter {
-        key: 6,
-        name: "drive.motional_current_a",
-        range: Range::Within(1e-6, 1e4),
-        read: |config| if let Amplitude::MotionalCurrent(amperes) = config.drive.amplitude { amperes } else { 0.0 },
-        write: |config, value| config.drive.amplitude = Amplitude::MotionalCurrent(value),
-    },
-    Parameter {
-        key: 7,
-        name: "drive.scan_volts",
-        range: Range::Within(1e-3, 1e5),
-        read: |config| config.drive.scan_volts,
-        write: |config, value| config.drive.scan_volts = value,
-    },
-    Parameter {
-        key: 8,
-        name: "limits.voltage_v",
-        range: Range::UpToBuiltIn(1e-3, f32::INFINITY),
-        read: |config| config.limits.voltage_v,
-        write: |config, value| config.limits.voltage_v = value,
-    },
-    Parameter {
-        key: 9,
-        name: "limits.current_a",
-        range: Range::UpToBuiltIn(1e-6, f32::INFINITY),
-        read: |config| config.limits.current_a,
-        write: |config, value| config.limits.current_a = value,
-    },
-    Parameter {
-        key: 10,
-        name: "limits.power_w",
-        range: Range::UpToBuiltIn(1e-3, 1e5),
-        read: |config| config.limits.power_w.unwrap_or(f32::INFINITY),
-        write: |config, value| config.limits.power_w = limit(value),
-    },
-    Parameter {
-        key: 11,
-        name: "limits.temperature_c",
-        range: Range::UpToBuiltIn(0.0, f32::INFINITY),
-        read: |config| config.limits.temperature_c,
-        write: |config, value| config.limits.temperature_c = value,
-    },
-    Parameter {
-        key: 12,
-        name: "limits.on_time_s",
-        range: Range::UpToBuiltIn(1e-3, 3e4),
-        read: |config| config.limits.on_time_s.unwrap_or(f32::INFINITY),
-        write: |config, value| config.limits.on_time_s = limit(value),
-    },
-    Parameter {
-        key: 13,
-        name: "limits.belt_stop_ms",
-        range: Range::UpToBuiltIn(0.1, f32::INFINITY),
-        read: |config| config.limits.belt_stop_ms,
-        write: |config, value| config.limits.belt_stop_ms = value,
-    },
-    Parameter {
-        key: ENERGY_PER_METRE,
-        name: "limits.energy_j_per_m",
-        range: Range::UpToBuiltIn(1e-3, 1e9),
-        read: |config| config.limits.energy_j_per_m.unwrap_or(f32::INFINITY),
-        write: |config, value| config.limits.energy_j_per_m = limit(value),
-    },
-    Parameter {
-        key: 15,
-        name: "tracking.nominal_q",
-        range: Range::Within(2.0, 1e5),
-        read: |config| config.tracking.nominal_q,
-        write: |config, value| config.tracking.nominal_q = value,
-    },
-    Parameter {
-        key: 16,
-        name: "tracking.nominal_c0_f",
-        range: Range::Within(1e-12, 1e-3),
-        read: |config| config.tracking.nominal_c0_f,
-        write: |config, value| config.tracking.nominal_c0_f = value,
-    },
-    Parameter {
-        key: 17,
-        name: "tracking.span",
-        range: Range::Within(1e-4, 0.2),
-        read: |config| config.tracking.span,
-        write: |config, value| config.tracking.span = value,
-    },
-    Parameter {
-        key: 18,
-        name: "tracking.bandwidth_hz",
-        range: Range::Within(0.1, 1e6),
-        read: |config| config.tracking.bandwidth_hz,
-        write: |config, value| config.tracking.bandwidth_hz = value,
-    },
-    // A period of zero is a drive that is always on; the duty is of a period only, and comes after it.
-    Parameter {
-        key: 19,
-        name: "burst.period_s",
-        range: Range::Within(0.0, 1e3),
-        read: |config| periodic(config).0 as f32,
-        write: |config, value| {
-            config.burst.schedule = match periodic(config) {
-                _ if value == 0.0 => Schedule::Continuous,
-                (_, duty) => Schedule::Periodic { period_s: value.into(), duty },
-            }
-        },
-    },
-    Parameter {
-        key: 20,
-        name: "burst.duty",
-        range: Range::Within(0.0, 1.0),
-        read: |config| periodic(config).1 as f32,
-        write: |config, value| {
-            if let Schedule::Periodic { duty, .. } = &mut config.burst.schedule {
-                *duty = value.into();
-            }
-        },
-    },
-    Parameter {
-        key: 21,
-        name: "link.patience_s",
-        range: Range::Within(0.0, LONGEST_PATIENCE_S),
-        read: |config| config.link.patience_s,
-        write: |config, value| config.link.patience_s = value,
-    },
+/// The tables of settings that have parameters.
+const TABLES: &[&[Parameter]] = &[
+    FrontEnd::PARAMETERS,
+    Drive::PARAMETERS,
+    Drive::OTHERS,
+    Limits::PARAMETERS,
+    Tracking::PARAMETERS,
+    Burst::PERIOD,
+    Burst::PARAMETERS,
+    Link::PARAMETERS,
 ];
+
+const COUNT: usize = {
+    let (mut count, mut table) = (0, 0);
+    while table < TABLES.len() {
+        count += TABLES[table].len();
+        table += 1;
+    }
+    assert!(count <= MOST_PARAMETERS);
+    count
+};
+
+/// All parameters, by rising keys. A key is never used again for something else.
+pub static PARAMETERS: [Parameter; COUNT] = by_key();
+
+/// The parameters of all tables, each put in its place as it comes.
+const fn by_key() -> [Parameter; COUNT] {
+    let mut all = [TABLES[0][0]; COUNT];
+    let (mut count, mut table) = (0, 0);
+    while table < TABLES.len() {
+        let mut entry = 0;
+        while entry < TABLES[table].len() {
+            let parameter = TABLES[table][entry];
+            let mut place = count;
+            while place > 0 && all[place - 1].key > parameter.key {
+                all[place] = all[place - 1];
+                place -= 1;
+            }
+            all[place] = parameter;
+            count += 1;
+            entry += 1;
+        }
+        table += 1;
+    }
+    all
+}
 
 #[cfg(test)]
 pub(crate) mod tests;

@@ -15,7 +15,7 @@ use heapless::Vec;
 
 use crate::block::MAX_LANES;
 use crate::config::{Config, Direction, LaneTrims, Phasing as PhasingConfig, Trim};
-use crate::error::{Error, in_range};
+use crate::error::Error;
 use crate::phasor::Phasor;
 use crate::shape::sine;
 use crate::units::Turns;
@@ -70,8 +70,8 @@ fn loudest_of(fixed: impl Fn(usize) -> f32, calibration: &LaneTrims) -> f32 {
 }
 
 fn checked(trim: Trim) -> Result<Trim, Error> {
-    in_range("phasing.phase_trim_turns", trim.phase_turns.into(), -0.5, 0.5)?;
-    in_range("phasing.gain_trim", trim.gain.into(), 0.0, 2.0)?;
+    PhasingConfig::PHASE_TRIM_TURNS.check(trim.phase_turns)?;
+    PhasingConfig::GAIN_TRIM.check(trim.gain)?;
     Ok(trim)
 }
 
@@ -87,8 +87,6 @@ impl Phasing {
     /// Checks lanes and trims. Trims that are not given are none.
     pub fn build(config: &Config) -> Result<Self, Error> {
         let phasing = &config.phasing;
-        in_range("front_end.drive_lanes", config.front_end.drive_lanes.into(), 1.0, MAX_LANES as f64)?;
-        in_range("lanes", config.lanes.into(), 1.0, config.front_end.drive_lanes.into())?;
         let fixed = |lane: usize| Trim {
             phase_turns: phasing.phase_trim_turns.get(lane).copied().unwrap_or(0.0),
             gain: phasing.gain_trim.get(lane).copied().unwrap_or(1.0),

@@ -22,7 +22,7 @@
 use crate::block::{Gate, Orders};
 use crate::carried;
 use crate::config;
-use crate::error::{Error, in_range};
+use crate::error::Error;
 use crate::supervisor::Mode;
 
 /// Webbing that must have come out under the force, counts of the encoder, where there is one: a force without it is a sensor that lies.
@@ -69,14 +69,12 @@ impl Restraint {
     /// Checks the settings.
     pub fn build(restraint: &config::Restraint, block_s: f32) -> Result<Self, Error> {
         let carried = carried::friction()?;
-        in_range("restraint.sensed_n", restraint.sensed_n.into(), 1.0, 1e5)?;
-        in_range("restraint.confirm_ms", restraint.confirm_ms.into(), 0.0, 100.0)?;
-        in_range("restraint.latest_ms", restraint.latest_ms.into(), 0.0, 1e3)?;
-        in_range("restraint.latest_n", restraint.latest_n.into(), restraint.sensed_n.into(), 1e5)?;
+        restraint.check()?;
+        type Settings = config::Restraint;
+        Settings::LATEST_N.check_within(restraint.latest_n.into(), restraint.sensed_n.into(), f64::INFINITY)?;
         let (least, most) = (restraint.least_kg, restraint.most_kg);
-        in_range("restraint.least_kg", least.into(), 0.0, 1e3)?;
-        in_range("restraint.most_kg", most.into(), least.into(), 1e3)?;
-        in_range("restraint.light_below_kg", restraint.light_below_kg.into(), least.into(), most.into())?;
+        Settings::MOST_KG.check_within(most.into(), least.into(), f64::INFINITY)?;
+        Settings::LIGHT_BELOW_KG.check_within(restraint.light_below_kg.into(), least.into(), most.into())?;
         let blocks = |ms: f32| (ms * 1e-3 / block_s) as u32;
         Ok(Restraint {
             _carried: carried,

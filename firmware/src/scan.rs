@@ -24,7 +24,6 @@ use crate::block::{LATENCY_BLOCKS, SenseBlock};
 use crate::config::Config;
 use crate::convert::Convert;
 use crate::demod::Sensed;
-use crate::error::{Error, in_range};
 use crate::identify::Transducer;
 use crate::identify::choice::Choice;
 use crate::identify::mode_search::{ModeSearch, Told};
@@ -82,19 +81,7 @@ pub struct Scan {
 }
 
 impl Scan {
-    /// Names the parameter that is out of range.
-    pub fn check(config: &Config) -> Result<(), Error> {
-        let tracking = &config.tracking;
-        in_range("tracking.span", tracking.span.into(), 1e-4, 0.2)?;
-        in_range("tracking.nominal_q", tracking.nominal_q.into(), 2.0, 1e5)?;
-        in_range("tracking.nominal_c0_f", tracking.nominal_c0_f.into(), 1e-12, 1e-3)?;
-        if let Some(lm_h) = tracking.nominal_lm_h {
-            in_range("tracking.nominal_lm_h", lm_h.into(), 1e-9, 1e6)?;
-        }
-        Ok(())
-    }
-
-    /// A scan of the configured window, which has passed [`check`](Self::check). It [begins](Self::restart) when it is wanted.
+    /// A scan of the configured window. It [begins](Self::restart) when it is wanted.
     // Not inlined: it is written where the controller stands.
     #[inline(never)]
     pub fn build(config: &Config, hold: &Hold) -> Self {

@@ -2,9 +2,7 @@
 //! emergency stop, watchdog and late blocks; it has no resonance to find.
 
 use firmware::block::{Amplitude, BeltSense, DriveBlock, SenseBlock};
-use firmware::config::{
-    Burst, Config, Drive, Edge, FrontEnd, Limits, Link, Phasing, Schedule, Sweep, Thermometer, Tracking, TrackingMode,
-};
+use firmware::config::{Burst, Config, Drive, FrontEnd, Limits, Link, Phasing, Sweep, Thermometer, Tracking, TrackingMode};
 
 use crate::analog::Analog;
 
@@ -69,16 +67,8 @@ pub fn config() -> Config {
         drive: Drive::sine(40_400.0, Amplitude::Volts(3.0), 1.0),
         sweep: Sweep::Hold,
         phasing: Phasing::default(),
-        burst: Burst { schedule: Schedule::Continuous, edge: Edge::Hard, brake: false },
-        tracking: Tracking {
-            mode: TrackingMode::Off,
-            span: 0.05,
-            bandwidth_hz: 100.0,
-            nominal_q: 50.0,
-            nominal_lm_h: None,
-            c0_drift_per_s: 0.0,
-            nominal_c0_f: 200e-9,
-        },
+        burst: Burst::default(),
+        tracking: Tracking { mode: TrackingMode::Off, span: 0.05, bandwidth_hz: 100.0, ..Tracking::new(50.0, 200e-9) },
         thermometer: Thermometer::default(),
         limits: Limits { voltage_v: 12.0, current_a: 3.0, belt_stop_ms: 5.0, ..Limits::default() },
         friction: None,

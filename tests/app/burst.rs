@@ -13,11 +13,12 @@ const HALF_PERIOD: usize = 13;
 /// The most codes that are paid back in a sample.
 const PAYBACK: i32 = 32;
 
-fn windowed(edge: Edge, change: impl FnOnce(&mut Config)) -> Setup {
+/// Edges of this kind; soft ones take so many periods.
+fn windowed((edge, cycles): (Edge, f32), change: impl FnOnce(&mut Config)) -> Setup {
     setup(|config| {
         let seconds = |samples: usize| samples as f64 * 1e-6;
         config.burst.schedule = Schedule::Windows(WINDOWS.iter().map(|&(on, off)| (seconds(on), seconds(off))).collect());
-        config.burst.edge = edge;
+        (config.burst.edge, config.burst.edge_cycles) = (edge, cycles);
         change(config);
     })
 }
@@ -27,7 +28,7 @@ fn about_zero(code: u16) -> i32 {
 }
 
 /// The codes of every lane of a run of its windows, and of the same run without them.
-fn with_and_without(edge: Edge, change: fn(&mut Config)) -> Vec<(Vec<u16>, Vec<u16>)> {
+fn with_and_without(edge: (Edge, f32), change: fn(&mut Config)) -> Vec<(Vec<u16>, Vec<u16>)> {
     let lanes = |setup: &Setup| {
         let mut queues = Queues::default();
         let mut bench = ordered_to_run_with(&mut queues, setup, &[]);
@@ -47,7 +48,7 @@ fn sounding(burst: &[u16], whole: &[u16], (on, off): (usize, usize)) -> (usize, 
 
 #[test]
 fn hard_bursts_play_whole_periods_of_the_uninterrupted_wave() {
-    let lanes = with_and_without(Edge::Hard, |_| ());
+    let lanes = with_and_without((Edge::Hard, 0.5), |_| ());
     let (burst, whole) = &lanes[0];
     for window in WINDOWS {
         let (first, last) = sounding(burst, whole, window);
@@ -71,7 +72,7 @@ fn a_burst_leaves_no_volt_seconds() {
         },
         |config| config.drive.shape = ShapeKind::Noise,
     ];
-    for edge in [Edge::Hard, Edge::Soft { cycles: 1.5 }] {
+    for edge in [(Edge::Hard, 0.5), (Edge::Soft, 1.5)] {
         for change in cases {
             for (burst, _) in with_and_without(edge, change) {
                 for (n, window) in WINDOWS.iter().enumerate() {
@@ -88,7 +89,7 @@ fn a_burst_leaves_no_volt_seconds() {
 
 #[test]
 fn soft_windows_rise_and_fall_along_a_raised_cosine() {
-    let lanes = with_and_without(Edge::Soft { cycles: 4.0 }, |_| ());
+    let lanes = with_and_without((Edge::Soft, 4.0), |_| ());
     let (burst, whole) = &lanes[0];
     // Four periods of 40.4 kHz, and the ramp moves one step a sample.
     let (edge, mut ramp) = (99_i32, 0_i32);

@@ -4,11 +4,8 @@ use heapless::Vec;
 
 use super::Burst;
 use super::duty::Dithered;
-use crate::config::{MAX_WINDOWS, Schedule as ScheduleConfig};
-use crate::error::{Error, in_range};
-
-/// The longest time a schedule can name, s (three years).
-const LONGEST_S: f64 = 1e8;
+use crate::config::{self, MAX_WINDOWS, Schedule as ScheduleConfig};
+use crate::error::Error;
 
 /// The gate's schedule, in samples.
 #[derive(Clone, Debug)]
@@ -27,15 +24,11 @@ pub(super) enum Schedule {
 
 impl Schedule {
     pub(super) fn build(config: &ScheduleConfig, sample_hz: f64) -> Result<Self, Error> {
-        let samples =
-            |parameter, seconds| in_range(parameter, seconds, 0.0, LONGEST_S).map(|s| libm::round(s * sample_hz) as u64);
+        let samples = |seconds: f64| libm::round(seconds * sample_hz) as u64;
         Ok(match config {
             ScheduleConfig::Continuous => Schedule::Continuous,
             ScheduleConfig::Windows(windows) => {
-                let windows = windows
-                    .iter()
-                    .map(|&(on, off)| Ok((samples("burst.on_s", on)?, samples("burst.off_s", off)?)))
-                    .collect::<Result<Vec<_, MAX_WINDOWS>, Error>>()?;
+                let windows: Vec<_, MAX_WINDOWS> = windows.iter().map(|&(on, off)| (samples(on), samples(off))).collect();
                 let in_order = windows.iter().all(|w| w.0 < w.1) && windows.windows(2).all(|pair| pair[0].1 <= pair[1].0);
                 if !in_order {
                     return Err(Error::BurstWindows);
@@ -43,9 +36,8 @@ impl Schedule {
                 Schedule::Windows(windows)
             }
             &ScheduleConfig::Periodic { period_s, duty } => {
-                in_range("burst.duty", duty, 0.0, 1.0)?;
-                in_range("burst.period_s", period_s, 1.0 / sample_hz, LONGEST_S)?;
-                let period = samples("burst.period_s", period_s)?;
+                config::Burst::PERIOD_S.check_within(period_s, 1.0 / sample_hz, f64::INFINITY)?;
+                let period = samples(period_s);
                 Schedule::Periodic { period, on: libm::round(duty * period as f64) as u64, begins: 0, dithered: None }
             }
         })

@@ -2,8 +2,9 @@ use super::*;
 use crate::config::Schedule as ScheduleConfig;
 use crate::nco::tuning_word;
 
+/// A soft edge takes a period.
 fn burst(schedule: ScheduleConfig, edge: Edge) -> Burst {
-    Burst::build(&Config { schedule, edge, brake: false }, 40e3, 1e6).unwrap()
+    Burst::build(&Config { schedule, edge, edge_cycles: 1.0, brake: false }, 40e3, 1e6).unwrap()
 }
 
 fn window(on_s: f64, off_s: f64) -> ScheduleConfig {
@@ -52,7 +53,7 @@ fn a_gate_that_closes_before_zero_is_passed_opens_nothing() {
 
 #[test]
 fn blocks_join_without_a_seam() {
-    for edge in [Edge::Hard, Edge::Soft { cycles: 1.0 }] {
+    for edge in [Edge::Hard, Edge::Soft] {
         let mut whole = burst(window(13e-6, 90e-6), edge);
         let mut parts = whole.clone();
         let got: std::vec::Vec<f32> = (0..8).flat_map(|k| levels(&mut parts, Gate::Scheduled, 16 * k, 16)).collect();
@@ -67,7 +68,7 @@ fn blocks_join_without_a_seam() {
 
 #[test]
 fn soft_edge_is_a_raised_cosine() {
-    let got = run(&mut burst(window(0.0, 1.0), Edge::Soft { cycles: 1.0 }), Gate::Scheduled, 0..2);
+    let got = run(&mut burst(window(0.0, 1.0), Edge::Soft), Gate::Scheduled, 0..2);
     assert!((got[11] - 0.468_6).abs() < 1e-3, "{got:?}");
     assert!(got.windows(2).all(|pair| pair[1] >= pair[0]));
     assert_eq!(got[24], 1.0);
@@ -104,6 +105,6 @@ fn a_brake_stops_what_rings() {
 #[test]
 fn windows_out_of_order_are_refused() {
     let windows = [(2.0, 3.0), (1.0, 1.5)].into_iter().collect();
-    let config = Config { schedule: ScheduleConfig::Windows(windows), edge: Edge::Hard, brake: false };
+    let config = Config { schedule: ScheduleConfig::Windows(windows), ..Config::default() };
     assert_eq!(Burst::build(&config, 40e3, 1e6).unwrap_err(), Error::BurstWindows);
 }

@@ -4,8 +4,7 @@ use rand_xoshiro::Xoshiro128StarStar;
 use super::*;
 use crate::block::Amplitude;
 use crate::config::{
-    Burst, Direction, Drive, Edge, FrontEnd, Limits, Link, Phasing as PhasingConfig, Schedule, Sweep, Thermometer, Tracking,
-    TrackingMode,
+    Burst, Direction, Drive, FrontEnd, Limits, Link, Phasing as PhasingConfig, Sweep, Thermometer, Tracking, TrackingMode,
 };
 
 const SCAN_VOLTS: f32 = 3.0;
@@ -30,16 +29,8 @@ fn config(lanes: u8) -> Config {
         drive: Drive::sine(40_000.0, Amplitude::Volts(3.0), SCAN_VOLTS),
         sweep: Sweep::Hold,
         phasing: PhasingConfig::default(),
-        burst: Burst { schedule: Schedule::Continuous, edge: Edge::Hard, brake: false },
-        tracking: Tracking {
-            mode: TrackingMode::Off,
-            span: 0.05,
-            bandwidth_hz: 100.0,
-            nominal_q: 50.0,
-            nominal_lm_h: None,
-            c0_drift_per_s: 0.0,
-            nominal_c0_f: 200e-9,
-        },
+        burst: Burst::default(),
+        tracking: Tracking { mode: TrackingMode::Off, span: 0.05, bandwidth_hz: 100.0, ..Tracking::new(50.0, 200e-9) },
         thermometer: Thermometer::default(),
         limits: Limits { voltage_v: 12.0, ..Limits::default() },
         friction: None,

@@ -11,13 +11,13 @@ use super::stages::Stages;
 use super::stages::follow::{Follow, edges};
 use crate::amplitude::AmplitudeLoop;
 use crate::belt::Belt;
-use crate::block::{Amplitude, LATENCY_BLOCKS, MAX_BLOCK_SAMPLES};
+use crate::block::{Amplitude, LATENCY_BLOCKS};
 use crate::burst::Burst;
 use crate::calibrate::Calibrate;
 use crate::clamped::PowerOn;
-use crate::config::{Config, LONGEST_PATIENCE_S, ShapeKind, Sweep as SweepKind, TrackingMode};
+use crate::config::{Config, ShapeKind, Sweep as SweepKind, TrackingMode};
 use crate::convert::Convert;
-use crate::error::{Error, in_range};
+use crate::error::Error;
 use crate::friction::FrictionSwitch;
 use crate::generate::{Generator, Played};
 use crate::guard::Guard;
@@ -79,8 +79,7 @@ impl Controller {
 impl Parts {
     #[inline(never)]
     fn build(config: &Config) -> Result<Self, Error> {
-        in_range("block_samples", config.block_samples.into(), 8.0, MAX_BLOCK_SAMPLES as f64)?;
-        in_range("link.patience_s", config.link.patience_s.into(), 0.0, LONGEST_PATIENCE_S.into())?;
+        config.check_ranges()?;
         let tracked = config.tracking.mode != TrackingMode::Off;
         if matches!(config.drive.amplitude, Amplitude::MotionalCurrent(_)) && !tracked {
             return Err(Error::CurrentWithoutTracking);
@@ -96,11 +95,10 @@ impl Parts {
         let block_s = f32::from(config.block_samples) / config.sample_hz;
         let mut convert = Convert::build(&config.front_end)?;
         convert.i.set_limit(config.limits.current_a);
-        Scan::check(config)?;
         let (shape, phasing) = (Shape::build(config)?, Phasing::build(config)?);
         let burst = Burst::build(&config.burst, config.drive.frequency_hz, config.sample_hz)?;
         let restraint = config.restraint.as_ref().map(|restraint| Restraint::build(restraint, block_s)).transpose()?;
-        let (belt, guard) = (Belt::build(config, block_s)?, Guard::build(config, block_s)?);
+        let (belt, guard) = (Belt::build(config, block_s), Guard::build(config, block_s)?);
         let tracker = Tracker::build(config, block_s)?;
         let amplitude = AmplitudeLoop::build(config, block_s)?;
         let friction = FrictionSwitch::build(config, block_s)?;

@@ -12,6 +12,7 @@
 //! What is left of one way is only changed where the other one is better by a margin.
 
 use super::inverse::Solution;
+use crate::config::Prefer;
 
 /// Duties that bursts are used at.
 const DUTIES: (f32, f32) = (0.2, 0.85);
@@ -23,16 +24,6 @@ const THRESHOLD: (f32, f32) = (0.9, 0.85);
 const TOLERANCE: f32 = 2e-3;
 /// Without authority, it is believed to have come back below this velocity ratio of the loudest drive.
 const REGAINED: f32 = 0.98;
-
-/// What is preferred where both are possible.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Prefer {
-    /// Amplitude, but for the velocity threshold.
-    #[default]
-    Amplitude,
-    /// Bursts, wherever their duty allows it.
-    Bursts,
-}
 
 /// How the ratio is had.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

@@ -3,7 +3,7 @@
 use super::dahl::friction_ratio;
 use super::*;
 use crate::block::Amplitude;
-use crate::config::{Burst, Drive, Edge, Friction, Limits, Link, Phasing, Schedule, Sweep, Thermometer, Tracking, TrackingMode};
+use crate::config::{Burst, Drive, Friction, Limits, Link, Phasing, Prefer, Schedule, Sweep, Thermometer, Tracking};
 
 const OMEGA: f32 = core::f32::consts::TAU * 40e3;
 const FORCE_FACTOR: f32 = 5.566;
@@ -19,16 +19,8 @@ fn config(schedule: Schedule) -> Config {
         drive: Drive::sine(40e3, Amplitude::MotionalCurrent(MOST * FORCE_FACTOR), 3.0),
         sweep: Sweep::Hold,
         phasing: Phasing::default(),
-        burst: Burst { schedule, edge: Edge::Hard, brake: false },
-        tracking: Tracking {
-            mode: TrackingMode::Observer,
-            span: 0.025,
-            bandwidth_hz: 100.0,
-            nominal_q: 50.0,
-            nominal_lm_h: None,
-            c0_drift_per_s: 0.0,
-            nominal_c0_f: 300e-9,
-        },
+        burst: Burst { schedule, ..Burst::default() },
+        tracking: Tracking { span: 0.025, bandwidth_hz: 100.0, ..Tracking::new(50.0, 300e-9) },
         thermometer: Thermometer::default(),
         limits: Limits::default(),
         restraint: None,
@@ -36,7 +28,7 @@ fn config(schedule: Schedule) -> Config {
         friction: Some(Friction {
             target: Target::Ratio(0.5),
             law: FrictionLaw::Dahl,
-            prefer_bursts: false,
+            prefer: Prefer::Amplitude,
             force_factor_n_per_v: FORCE_FACTOR,
             speed_m_per_s: 0.038,
             dahl_length_m: 0.5e-6,
@@ -178,7 +170,7 @@ fn without_a_force_sensor_it_goes_by_what_it_was_told() {
 #[test]
 fn from_amplitude_to_bursts_and_back_without_a_bump() {
     let mut told = config(periodic());
-    told.friction.as_mut().unwrap().prefer_bursts = true;
+    told.friction.as_mut().unwrap().prefer = Prefer::Bursts;
     let mut bench = Bench::new(&told, 0.5e-6, 1.0);
     bench.run(10_000, None);
     bench.run(500, Some(Target::Ratio(0.95)));

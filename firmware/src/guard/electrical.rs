@@ -4,7 +4,6 @@ use crate::block::{Codes, SenseBlock};
 use crate::config::Config;
 use crate::convert::{Convert, SenseScale};
 use crate::demod::{Sensed, Suspect};
-use crate::error::{Error, in_range};
 use crate::supervisor::Fault;
 
 /// Part of a block that may stand at the end of a converter's range.
@@ -32,18 +31,17 @@ pub(super) struct Electrical {
 }
 
 impl Electrical {
-    /// Checks the limits.
-    pub(super) fn build(config: &Config) -> Result<Self, Error> {
+    /// A watch that keeps the configured limits.
+    pub(super) fn build(config: &Config) -> Self {
         let limits = &config.limits;
-        in_range("limits.current_a", limits.current_a.into(), 1e-6, 1e4)?;
-        Ok(Electrical {
+        Electrical {
             samples: config.block_samples.into(),
             current_limit: limits.current_a,
             clamped_siemens: core::f32::consts::TAU * config.drive.frequency_hz * config.tracking.nominal_c0_f,
             judged_volts: JUDGED_CODES * config.front_end.volt_per_lsb.max(config.front_end.drive_volt_per_lsb),
             wrong_voltage: 0,
             no_current: 0,
-        })
+        }
     }
 
     /// What is wrong with this block, if anything. `volts` is the fundamental of what was played in it, as [`super::Driven`] has it.

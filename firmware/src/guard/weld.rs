@@ -44,11 +44,11 @@ pub struct Weld {
 }
 
 impl Weld {
-    /// Checks the limits.
+    /// Checks that what the limits need is there.
     pub fn build(config: &Config, block_s: f32) -> Result<Self, Error> {
         Ok(Weld {
-            motion: BeltMotion::build(config, block_s)?,
-            force: ForceWatch::build(config, block_s)?,
+            motion: BeltMotion::build(config, block_s),
+            force: ForceWatch::build(config, block_s),
             energy: EnergyPerLength::build(config, block_s)?,
             mutes: false,
         })

@@ -114,18 +114,11 @@ fn longest_config() -> Config {
         },
         burst: Burst {
             schedule: Schedule::Windows(core::iter::repeat_n((0.0, 1.0), MAX_WINDOWS).collect()),
-            edge: Edge::Soft { cycles: 1.0 },
+            edge: Edge::Soft,
+            edge_cycles: 1.0,
             brake: true,
         },
-        tracking: Tracking {
-            mode: TrackingMode::Off,
-            span: 1.0,
-            bandwidth_hz: 1.0,
-            nominal_q: 1.0,
-            nominal_lm_h: None,
-            c0_drift_per_s: 0.0,
-            nominal_c0_f: 1.0,
-        },
+        tracking: Tracking { mode: TrackingMode::Off, span: 1.0, bandwidth_hz: 1.0, ..Tracking::new(1.0, 1.0) },
         thermometer: Thermometer { hz_per_k: 1.0, c0_per_k: 1.0, ambient_c: 1.0 },
         limits: Limits {
             voltage_v: 1.0,
@@ -139,7 +132,7 @@ fn longest_config() -> Config {
         friction: Some(Friction {
             target: Target::Ratio(1.0),
             law: FrictionLaw::Coulomb,
-            prefer_bursts: true,
+            prefer: Prefer::Bursts,
             force_factor_n_per_v: 1.0,
             speed_m_per_s: 1.0,
             dahl_length_m: 1.0,

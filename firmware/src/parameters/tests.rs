@@ -1,8 +1,10 @@
 //! Parameters: keys, ranges, and that what is written is read.
 
 use super::*;
-use crate::config::{Burst, Drive, Edge, FrontEnd, Limits, Link, Phasing, Sweep, Thermometer, Tracking, TrackingMode};
+use crate::block::Amplitude;
+use crate::config::{Burst, Drive, FrontEnd, Limits, Link, Phasing, Schedule, Sweep, Thermometer, Tracking, TrackingMode};
 use crate::controller::Controller;
+use crate::error::Error;
 
 /// A configuration of one lane that builds.
 pub(crate) fn config() -> Config {
@@ -25,16 +27,8 @@ pub(crate) fn config() -> Config {
         drive: Drive::sine(40e3, Amplitude::Volts(3.0), 1.0),
         sweep: Sweep::Hold,
         phasing: Phasing::default(),
-        burst: Burst { schedule: Schedule::Continuous, edge: Edge::Hard, brake: false },
-        tracking: Tracking {
-            mode: TrackingMode::PhaseLock,
-            span: 0.05,
-            bandwidth_hz: 100.0,
-            nominal_q: 50.0,
-            nominal_lm_h: None,
-            nominal_c0_f: 300e-9,
-            c0_drift_per_s: 0.0,
-        },
+        burst: Burst::default(),
+        tracking: Tracking { mode: TrackingMode::PhaseLock, span: 0.05, bandwidth_hz: 100.0, ..Tracking::new(50.0, 300e-9) },
         thermometer: Thermometer::default(),
         limits: Limits::default(),
         friction: None,
@@ -98,6 +92,26 @@ fn what_is_written_is_read_and_builds_and_nothing_else_moves() {
         // The amplitude is of one kind.
         let expected: &[&str] = if parameter.name == "drive.motional_current_a" { &["drive.amplitude_v"] } else { &[] };
         assert_eq!(others, expected, "{}", parameter.name);
+    }
+}
+
+#[test]
+fn the_build_refuses_by_name_what_is_out_of_range() {
+    let built_in = values_of(&config());
+    for (place, parameter) in PARAMETERS.iter().enumerate() {
+        let (Range::Within(least, most) | Range::UpToBuiltIn(least, most)) = parameter.range else { continue };
+        for value in [least - 1.0, 2.0 * most, f32::NAN] {
+            let mut config = config();
+            // A duty needs a period, and where there is none, it is that of a drive that is always on.
+            config.burst.schedule = Schedule::Periodic { period_s: 0.01, duty: 0.5 };
+            (parameter.write)(&mut config, value);
+            if (parameter.read)(&config) == built_in[place] {
+                continue;
+            }
+            let refused = Controller::check(&config).err();
+            let named = matches!(refused, Some(Error::OutOfRange { parameter: name, .. }) if name == parameter.name);
+            assert!(named || (parameter.read)(&config) == f32::INFINITY, "{} = {value}: {refused:?}", parameter.name);
+        }
     }
 }
 

@@ -61,15 +61,13 @@ fn scan(case: &Case, seed: u64) -> Scanned {
         drive: Drive::sine(case.nominal_hz, Amplitude::Volts(case.volts), case.volts),
         sweep: config::Sweep::Hold,
         phasing: Phasing::default(),
-        burst: config::Burst { schedule: config::Schedule::Continuous, edge: config::Edge::Hard, brake: false },
+        burst: config::Burst::default(),
         tracking: Tracking {
             mode: TrackingMode::PhaseLock,
             span: case.span,
             bandwidth_hz: 200.0,
-            nominal_q: case.nominal_q,
             nominal_lm_h: case.nominal_lm_h,
-            c0_drift_per_s: 0.0,
-            nominal_c0_f: case.told_c0,
+            ..Tracking::new(case.nominal_q, case.told_c0)
         },
         thermometer: Thermometer::default(),
         limits: Limits { voltage_v: 15.0, current_a: 4.0, ..Limits::default() },

@@ -14,8 +14,8 @@ use num_complex::Complex64;
 use rand_core::{Rng, SeedableRng};
 use rand_xoshiro::Xoroshiro64Star;
 
-use crate::config::Config;
-use crate::error::{Error, in_range};
+use crate::config::{Config, Drive};
+use crate::error::Error;
 use crate::sweep::HIGHEST;
 
 const SECTIONS: usize = 4;
@@ -75,8 +75,8 @@ impl Noise {
     pub fn build(config: &Config) -> Result<Self, Error> {
         let sample_hz = f64::from(config.sample_hz);
         let (low, high) = (f64::from(config.drive.noise_band_hz.0), f64::from(config.drive.noise_band_hz.1));
-        in_range("drive.noise_low_hz", low, LOWEST * sample_hz, HIGHEST * sample_hz)?;
-        in_range("drive.noise_high_hz", high, low * (1.0 + NARROWEST), HIGHEST * sample_hz)?;
+        Drive::NOISE_LOW_HZ.check_within(low, LOWEST * sample_hz, HIGHEST * sample_hz)?;
+        Drive::NOISE_HIGH_HZ.check_within(high, low * (1.0 + NARROWEST), HIGHEST * sample_hz)?;
         let mut noise =
             Noise { white: White::new(config.drive.seed), sections: sections(low / sample_hz, high / sample_hz), scale: 1.0 };
         noise.scale = 1.0 / (CREST * noise.rms());

@@ -16,14 +16,12 @@
 
 use crate::carried::{self, Waveforms};
 use crate::config::{Around, Chirp as Config, ChirpKind, Config as Whole, Then, TrackingMode};
-use crate::error::{Error, in_range};
+use crate::error::Error;
 use crate::nco::tuning_word;
 use crate::sweep::HIGHEST;
 
 /// 2^64.
 const ONE: f64 = 18_446_744_073_709_551_616.0;
-/// Longest chirp, s.
-const LONGEST_S: f64 = 1e6;
 /// The most that an exponential chirp may grow by in a block, as a logarithm: beyond, its chord runs away from it.
 const STEEPEST: f64 = 0.5;
 /// About a tracked resonance, the phase must follow the frequency: in one time constant of the resonance the chirp may move by this part of
@@ -66,16 +64,18 @@ pub struct Chirp {
 impl Chirp {
     /// Checks a chirp: both ends within what the sample rate carries, none at or through 0 Hz.
     pub fn build(config: &Config, whole: &Whole) -> Result<Self, Error> {
+        let carried = carried::waveforms()?;
+        config.check()?;
         let sample_hz = f64::from(whole.sample_hz);
         let block_s = f64::from(whole.block_samples) / sample_hz;
         let (start, stop) = (f64::from(config.start_hz), f64::from(config.stop_hz));
-        in_range("sweep.time_s", config.time_s, block_s, LONGEST_S)?;
+        Config::TIME_S.check_within(config.time_s, block_s, f64::INFINITY)?;
         let centre = match config.around {
             Around::Zero => 0.0,
             Around::Resonance => f64::from(whole.drive.frequency_hz),
         };
-        for (parameter, hz) in [("sweep.start_hz", start), ("sweep.stop_hz", stop)] {
-            in_range(parameter, hz, 1.0 - centre, HIGHEST * sample_hz - centre)?;
+        for (setting, hz) in [(Config::START_HZ, start), (Config::STOP_HZ, stop)] {
+            setting.check_within(hz, 1.0 - centre, HIGHEST * sample_hz - centre)?;
         }
         let tracked = whole.tracking.mode != TrackingMode::Off;
         match config.around {
@@ -85,18 +85,18 @@ impl Chirp {
             Around::Resonance => {
                 let tau_s = f64::from(whole.tracking.nominal_q) / (core::f64::consts::PI * centre);
                 let shortest = core::f64::consts::TAU * tau_s * tau_s * (stop - start).abs() / QUASI_STATIC;
-                in_range("sweep.time_s", config.time_s, shortest, LONGEST_S)?;
+                Config::TIME_S.check_within(config.time_s, shortest, f64::INFINITY)?;
             }
             Around::Zero if config.kind == ChirpKind::Exponential => {
                 let shortest = libm::log(stop / start).abs() / STEEPEST * block_s;
-                in_range("sweep.time_s", config.time_s, shortest, LONGEST_S)?;
+                Config::TIME_S.check_within(config.time_s, shortest, f64::INFINITY)?;
             }
             Around::Zero => {}
         }
         let blocks = libm::round(config.time_s / block_s).max(1.0);
         let leg = |from: f64, to: f64| Leg::new(config.kind, from / sample_hz, to / sample_hz, blocks, whole.block_samples);
         let mut chirp = Chirp {
-            _carried: carried::waveforms()?,
+            _carried: carried,
             legs: [leg(start, stop), leg(stop, start)],
             then: config.then,
             around: config.around,

@@ -1,6 +1,7 @@
 //! Hold: the frequency stays where it was put until the scan, the tracker or an order moves it.
 
-use crate::error::{Error, in_range};
+use crate::config::Drive;
+use crate::error::Error;
 use crate::nco::{cycles_per_sample, tuning_word};
 use crate::sweep::HIGHEST;
 
@@ -22,8 +23,7 @@ pub struct Hold {
 impl Hold {
     /// `frequency_hz` nominal frequency at `sample_hz` samples a second.
     pub fn build(frequency_hz: f32, sample_hz: f32) -> Result<Self, Error> {
-        in_range("sample_hz", sample_hz.into(), 1e3, 20e6)?;
-        in_range("drive.frequency_hz", frequency_hz.into(), 1.0, f64::from(sample_hz) * HIGHEST)?;
+        Drive::FREQUENCY_HZ.check_within(frequency_hz.into(), 0.0, f64::from(sample_hz) * HIGHEST)?;
         let nominal_word = tuning_word(f64::from(frequency_hz) / f64::from(sample_hz));
         Ok(Hold {
             nominal_hz: frequency_hz,

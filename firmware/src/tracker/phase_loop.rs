@@ -5,7 +5,7 @@
 //! `B` at any Q. The blocks on the way (three of 32 us) cost 0.1 rad of phase margin at B = 200 Hz.
 
 use crate::config::Tracking;
-use crate::error::{Error, in_range};
+use crate::error::Error;
 use crate::phasor::{Phasor, argument};
 use crate::tracker::compare::{larger, smaller};
 use crate::units::Turns;
@@ -26,7 +26,7 @@ pub struct PhaseLoop {
 impl PhaseLoop {
     /// A loop about `frequency_hz`, updated every `block_s` seconds.
     pub fn build(tracking: &Tracking, frequency_hz: f32, block_s: f32) -> Result<Self, Error> {
-        in_range("tracking.bandwidth_hz", tracking.bandwidth_hz.into(), 0.1, 0.02 / f64::from(block_s))?;
+        Tracking::BANDWIDTH_HZ.check_within(tracking.bandwidth_hz.into(), 0.0, 0.02 / f64::from(block_s))?;
         Ok(PhaseLoop {
             window_hz: tracking.span * frequency_hz,
             bandwidth_hz: tracking.bandwidth_hz,
@@ -102,15 +102,7 @@ mod tests {
     /// Closes the loop on the linear phase response of a resonance `detuning` away, with two blocks of delay, and
     /// returns how many blocks it takes to stay within `tolerance_hz`.
     fn settle(q: f32, assumed_q: f32, detuning: f32, tolerance_hz: f32) -> usize {
-        let tracking = Tracking {
-            mode: TrackingMode::PhaseLock,
-            span: 0.025,
-            bandwidth_hz: 200.0,
-            nominal_q: q,
-            nominal_lm_h: None,
-            c0_drift_per_s: 0.0,
-            nominal_c0_f: 300e-9,
-        };
+        let tracking = Tracking { mode: TrackingMode::PhaseLock, span: 0.025, bandwidth_hz: 200.0, ..Tracking::new(q, 300e-9) };
         let mut pll = PhaseLoop::build(&tracking, 40e3, BLOCK_S).unwrap();
         let tau = q / (core::f32::consts::PI * 40e3);
         pll.seed(0.0, assumed_q / (core::f32::consts::PI * 40e3));

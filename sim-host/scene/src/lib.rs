@@ -27,19 +27,17 @@ mod course;
 pub mod diagnostic;
 mod dring;
 mod excitation;
-mod friction;
 mod integrator;
-mod limits;
 pub mod load;
 pub mod metric_names;
 pub mod problem;
 pub mod resolved;
-mod restraint;
 mod results;
 mod rig;
 pub mod rules;
 pub mod schema;
 pub mod settings;
+pub mod settings_page;
 
 pub mod nearest;
 mod overlay;
@@ -58,18 +56,15 @@ mod tests;
 
 pub use comparison::{Case, Comparison, Equal};
 pub use contact::{Contact, Coulomb, Dahl, Empirical, Hertz, Lugre, Model, Sign};
-pub use controller::{
-    Around, Burst, ChirpKind, Controller, Direction, Drive, Edge, Phasing, Shape, Sweep, Then, Tracking, TrackingMode,
-};
+pub use controller::Controller;
 pub use course::{Disturbance, DisturbedKey, Fault, FaultKind};
 pub use dring::{ActuatorKind, Dring, Occupant};
 pub use excitation::{Excitation, Match, VibrationVelocity, Waveform};
-pub use friction::{Friction, FrictionLaw, Prefer};
+pub use firmware::config::scene::{Burst, Drive, Friction, Limits, Phasing, Restraint, Sweep, Thermometer, Tracking};
+pub use firmware::config::{Around, ChirpKind, Direction, Edge, FrictionLaw, Prefer, ShapeKind as Shape, Then, TrackingMode};
 pub use integrator::{Integrator, Method};
-pub use limits::{Limits, Thermometer};
 pub use nearest::shown;
 pub use plant::{Amplifier, Bvd, Mode, Sensors, Stack};
-pub use restraint::Restraint;
 pub use results::{Expect, Grid, Signal, Trace, TraceFormat};
 pub use rig::{Belt, Kinematic, Rig, Rotor, Sdof, Slider};
 use schemars::JsonSchema;

@@ -56,6 +56,11 @@ impl Schema {
         Self(&ROOT)
     }
 
+    /// Another schema than that of a scene.
+    pub(super) fn of(schema: &'static Value) -> Self {
+        Self(schema)
+    }
+
     /// The value at a dotted path such as `disturbance.0.to`; a list takes any index.
     pub fn at(self, path: &str) -> Option<Self> {
         path.split('.').filter(|name| !name.is_empty()).try_fold(self, |schema, name| match schema.kind() {
@@ -86,6 +91,11 @@ impl Schema {
     /// Whether it is a number, whole or not.
     pub fn is_number(self) -> bool {
         matches!(self.kind(), Kind::Number | Kind::Integer)
+    }
+
+    /// Whether it may be absent without any value in its place.
+    pub fn is_optional(self) -> bool {
+        self.0["type"].as_array().is_some_and(|types| types.iter().any(|name| name == "null"))
     }
 
     /// The keys of a table, in alphabetical order.

@@ -1,106 +1,33 @@
 //! A scene's `[controller]` as the firmware's configuration. Scale factors come from the scene's converters, as they would from
 //! the settings store of a calibrated board; everything else is what the user knows beforehand, not the plant's truth.
 
-use firmware::block::Amplitude;
-use firmware::block::Target;
-use firmware::config::{
-    Around, Burst, Chirp, ChirpKind, Config, Direction, Drive, Edge, Friction, FrictionLaw, FrontEnd, LaneTrims, Limits, Link,
-    Phasing, Restraint, Schedule, ShapeKind, Sweep, Then, Thermometer, Tracking, TrackingMode,
-};
+use firmware::block::{Amplitude, Target};
+use firmware::config::{self, Config, FrontEnd, LaneTrims, Link, Schedule};
 
 use crate as scene;
 
 /// The firmware's configuration for a scene that has passed its rules.
 pub fn config(scene: &scene::Driven) -> Config {
     let controller = scene.controller;
-    let drive = &controller.drive;
+    let tracking = &controller.tracking;
     Config {
         sample_hz: scene.sensors.sample_hz as f32,
         block_samples: controller.block_samples,
-        lanes: drive.lanes,
+        lanes: controller.drive.lanes,
         front_end: front_end(scene.sensors, scene.amplifier),
-        drive: Drive {
-            frequency_hz: drive.frequency_hz as f32,
-            amplitude: amplitude(scene),
-            scan_volts: drive.scan_v.or(drive.amplitude_v).unwrap_or(1.0) as f32,
-            shape: match drive.shape {
-                scene::Shape::Sine => ShapeKind::Sine,
-                scene::Shape::Square => ShapeKind::Square,
-                scene::Shape::Sawtooth => ShapeKind::Sawtooth,
-                scene::Shape::Noise => ShapeKind::Noise,
-            },
-            noise_band_hz: (
-                drive.noise_low_hz.unwrap_or(0.75 * drive.frequency_hz) as f32,
-                drive.noise_high_hz.unwrap_or(1.25 * drive.frequency_hz) as f32,
-            ),
-            dither: drive.dither,
-            seed: scene.seed,
-        },
-        sweep: sweep(controller.sweep.as_ref()),
-        phasing: Phasing {
-            direction: match controller.phasing.direction {
-                scene::Direction::Forward => Direction::Forward,
-                scene::Direction::Reverse => Direction::Reverse,
-            },
-            phase_trim_turns: controller.phasing.phase_trim_turns.iter().map(|&x| x as f32).collect(),
-            gain_trim: controller.phasing.gain_trim.iter().map(|&x| x as f32).collect(),
-            calibration: LaneTrims::new(),
-        },
-        burst: burst(controller.burst.as_ref(), scene.trigger_delay_s()),
-        tracking: tracking(&controller.tracking),
-        thermometer: Thermometer {
-            hz_per_k: controller.thermometer.hz_per_k as f32,
-            c0_per_k: controller.thermometer.c0_per_k as f32,
-            ambient_c: controller.thermometer.ambient_c as f32,
-        },
-        limits: limits(&controller.limits),
-        friction: controller.friction.as_ref().map(|told| friction(told, &controller.tracking)),
-        restraint: controller.restraint.as_ref().map(restraint),
+        drive: drive(scene),
+        sweep: controller.sweep.as_ref().map_or(config::Sweep::Hold, |sweep| config::Sweep::Chirp(sweep.settings())),
+        phasing: controller.phasing.with(LaneTrims::new()),
+        burst: controller.burst.as_ref().map_or_else(config::Burst::default, |burst| {
+            let schedule = schedule(burst, scene.trigger_delay_s());
+            burst.with(schedule)
+        }),
+        tracking: tracking.settings(),
+        thermometer: controller.thermometer.settings(),
+        limits: controller.limits.settings(),
+        friction: controller.friction.as_ref().map(|friction| friction.with(target(friction), force_factor(tracking) as f32)),
+        restraint: controller.restraint.as_ref().map(scene::Restraint::settings),
         link: Link::default(),
-    }
-}
-
-fn friction(told: &scene::Friction, tracking: &scene::Tracking) -> Friction {
-    let target = match (told.target_ratio, told.target_force_n) {
-        (None, Some(newtons)) => Target::Force(newtons as f32),
-        (ratio, _) => Target::Ratio(ratio.unwrap_or(1.0) as f32),
-    };
-    Friction {
-        target,
-        law: match told.law {
-            scene::FrictionLaw::Dahl => FrictionLaw::Dahl,
-            scene::FrictionLaw::Coulomb => FrictionLaw::Coulomb,
-        },
-        prefer_bursts: told.prefer == scene::Prefer::Bursts,
-        force_factor_n_per_v: tracking.nominal_force_factor_n_per_v.unwrap_or(1.0) as f32,
-        speed_m_per_s: told.speed_m_per_s as f32,
-        dahl_length_m: told.dahl_length_m as f32,
-        average_s: told.average_s as f32,
-    }
-}
-
-fn restraint(restraint: &scene::Restraint) -> Restraint {
-    Restraint {
-        sensed_n: restraint.sensed_n as f32,
-        confirm_ms: restraint.confirm_ms as f32,
-        latest_ms: restraint.latest_ms as f32,
-        latest_n: restraint.latest_n as f32,
-        light_below_kg: restraint.light_below_kg as f32,
-        least_kg: restraint.least_kg as f32,
-        most_kg: restraint.most_kg as f32,
-    }
-}
-
-fn limits(limits: &scene::Limits) -> Limits {
-    let single = |limit: Option<f64>| limit.map(|limit| limit as f32);
-    Limits {
-        voltage_v: limits.voltage_v as f32,
-        current_a: limits.current_a as f32,
-        power_w: single(limits.power_w),
-        temperature_c: limits.temperature_c as f32,
-        belt_stop_ms: limits.belt_stop_ms as f32,
-        energy_j_per_m: single(limits.energy_j_per_m),
-        on_time_s: single(limits.on_time_s),
     }
 }
 
@@ -128,70 +55,42 @@ fn code(code: u32) -> u16 {
     u16::try_from(code).unwrap_or(u16::MAX)
 }
 
+/// The drive; a scan that has no voltage of its own has that of the drive.
+fn drive(scene: &scene::Driven) -> config::Drive {
+    let drive = &scene.controller.drive;
+    let scan_v = drive.scan_v.or(drive.amplitude_v).unwrap_or(1.0);
+    let (low_hz, high_hz) = (0.75 * drive.frequency_hz, 1.25 * drive.frequency_hz);
+    let noise_band_hz = (drive.noise_low_hz.unwrap_or(low_hz) as f32, drive.noise_high_hz.unwrap_or(high_hz) as f32);
+    drive.with(amplitude(scene), scan_v as f32, noise_band_hz, scene.seed)
+}
+
+/// A velocity is held by the motional current, which is force factor times velocity.
 fn amplitude(scene: &scene::Driven) -> Amplitude {
-    let (drive, tracking) = (&scene.controller.drive, &scene.controller.tracking);
-    match (scene.ordered_velocity_m_per_s(), drive.amplitude_v) {
-        (Some(velocity), _) => {
-            Amplitude::MotionalCurrent((velocity * tracking.nominal_force_factor_n_per_v.unwrap_or(1.0)) as f32)
-        }
-        (None, volts) => Amplitude::Volts(volts.unwrap_or(0.0) as f32),
+    let controller = scene.controller;
+    match scene.ordered_velocity_m_per_s() {
+        Some(velocity) => Amplitude::MotionalCurrent((velocity * force_factor(&controller.tracking)) as f32),
+        None => Amplitude::Volts(controller.drive.amplitude_v.unwrap_or(0.0) as f32),
     }
 }
 
-fn sweep(sweep: Option<&scene::Sweep>) -> Sweep {
-    let Some(sweep) = sweep else { return Sweep::Hold };
-    Sweep::Chirp(Chirp {
-        kind: match sweep.kind {
-            scene::ChirpKind::Linear => ChirpKind::Linear,
-            scene::ChirpKind::Exponential => ChirpKind::Exponential,
-        },
-        start_hz: sweep.start_hz as f32,
-        stop_hz: sweep.stop_hz as f32,
-        time_s: sweep.time_s,
-        then: match sweep.then {
-            scene::Then::Hold => Then::Hold,
-            scene::Then::Repeat => Then::Repeat,
-            scene::Then::Updown => Then::UpDown,
-        },
-        around: match sweep.around {
-            scene::Around::Zero => Around::Zero,
-            scene::Around::Resonance => Around::Resonance,
-        },
-    })
+fn force_factor(tracking: &scene::Tracking) -> f64 {
+    tracking.nominal_force_factor_n_per_v.unwrap_or(1.0)
 }
 
-/// The burst, `later_s` seconds later than it says.
-fn burst(burst: Option<&scene::Burst>, later_s: f64) -> Burst {
-    let Some(burst) = burst else { return Burst { schedule: Schedule::Continuous, edge: Edge::Hard, brake: false } };
-    let schedule = match (burst.period_s, burst.duty) {
+/// When the drive is ON, `later_s` seconds later than the burst says.
+fn schedule(burst: &scene::Burst, later_s: f64) -> Schedule {
+    match (burst.period_s, burst.duty) {
         (Some(period_s), Some(duty)) => Schedule::Periodic { period_s, duty },
         _ => Schedule::Windows(burst.on_s.iter().zip(&burst.off_s).map(|(on, off)| (on + later_s, off + later_s)).collect()),
-    };
-    let edge = match burst.edge {
-        scene::Edge::Hard => Edge::Hard,
-        scene::Edge::Soft => Edge::Soft { cycles: burst.edge_cycles as f32 },
-        scene::Edge::Boost => Edge::Boost,
-    };
-    Burst { schedule, edge, brake: burst.brake }
-}
-
-fn tracking(tracking: &scene::Tracking) -> Tracking {
-    Tracking {
-        mode: match tracking.mode {
-            scene::TrackingMode::Observer => TrackingMode::Observer,
-            scene::TrackingMode::PhaseLock => TrackingMode::PhaseLock,
-            scene::TrackingMode::ZeroPhase => TrackingMode::ZeroPhase,
-            scene::TrackingMode::Off => TrackingMode::Off,
-        },
-        span: tracking.span as f32,
-        bandwidth_hz: tracking.bandwidth_hz as f32,
-        nominal_q: tracking.nominal_q as f32,
-        nominal_lm_h: tracking.nominal_lm_h.map(|henry| henry as f32),
-        nominal_c0_f: tracking.nominal_c0_f as f32,
-        c0_drift_per_s: tracking.c0_drift_per_s as f32,
     }
 }
 
+fn target(friction: &scene::Friction) -> Target {
+    match (friction.target_ratio, friction.target_force_n) {
+        (None, Some(newtons)) => Target::Force(newtons as f32),
+        (ratio, _) => Target::Ratio(ratio.unwrap_or(1.0) as f32),
+    }
+}
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -9,6 +9,7 @@ mod kinds;
 mod layers;
 mod motor;
 mod rules;
+mod settings_page;
 mod vary;
 mod whole;
 

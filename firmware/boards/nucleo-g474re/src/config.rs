@@ -9,9 +9,7 @@
 //! The supply of the converters is taken as 3.3 V. `docs/board.md` has the circuit.
 
 use firmware::block::Amplitude;
-use firmware::config::{
-    self, Burst, Config, Drive, Edge, FrontEnd, Limits, Phasing, Schedule, Sweep, Thermometer, Tracking, TrackingMode,
-};
+use firmware::config::{self, Burst, Config, Drive, FrontEnd, Limits, Phasing, Sweep, Thermometer, Tracking};
 
 use crate::blocks::BLOCK;
 use crate::degrees::Thermistor;
@@ -69,16 +67,8 @@ pub fn config() -> Config {
         drive: Drive::sine(40e3, Amplitude::Volts(3.0), 1.0),
         sweep: Sweep::Hold,
         phasing: Phasing::default(),
-        burst: Burst { schedule: Schedule::Continuous, edge: Edge::Hard, brake: false },
-        tracking: Tracking {
-            mode: TrackingMode::Observer,
-            span: 0.05,
-            bandwidth_hz: 500.0,
-            nominal_q: 50.0,
-            nominal_lm_h: None,
-            nominal_c0_f: 300e-9,
-            c0_drift_per_s: 0.0,
-        },
+        burst: Burst::default(),
+        tracking: Tracking { span: 0.05, bandwidth_hz: 500.0, ..Tracking::new(50.0, 300e-9) },
         thermometer: Thermometer::default(),
         limits: Limits { temperature_c: 85.0, ..Limits::default() },
         friction: None,

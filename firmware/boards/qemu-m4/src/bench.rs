@@ -34,18 +34,11 @@ pub fn config(mode: TrackingMode, lanes: u8, samples: usize) -> Config {
         phasing: Phasing::default(),
         burst: Burst {
             schedule: Schedule::Periodic { period_s: 10e-3, duty: 0.7 },
-            edge: Edge::Soft { cycles: 8.0 },
-            brake: false,
+            edge: Edge::Soft,
+            edge_cycles: 8.0,
+            ..Burst::default()
         },
-        tracking: Tracking {
-            mode,
-            span: 0.025,
-            bandwidth_hz: 200.0,
-            nominal_q: 50.0,
-            nominal_lm_h: None,
-            c0_drift_per_s: 0.0,
-            nominal_c0_f: 290e-9,
-        },
+        tracking: Tracking { mode, ..Tracking::new(50.0, 290e-9) },
         thermometer: Thermometer::default(),
         limits: Limits { voltage_v: 12.0, current_a: 3.0, belt_stop_ms: 5.0, ..Limits::default() },
         friction: None,

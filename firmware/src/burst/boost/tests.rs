@@ -1,7 +1,7 @@
 use super::*;
 use crate::block::Gate;
 use crate::burst::Envelope;
-use crate::config::{Burst as Config, Edge, Schedule};
+use crate::config::{Burst as Config, Edge};
 use crate::nco::{Stretch, tuning_word};
 
 const HZ: f64 = 40_404.0;
@@ -45,7 +45,7 @@ struct Bench {
 
 impl Bench {
     fn new(q: f64, ceiling: f32) -> Self {
-        let config = Config { schedule: Schedule::Continuous, edge: Edge::Boost, brake: false };
+        let config = Config { edge: Edge::Boost, ..Config::default() };
         let mut burst = Burst::build(&config, HZ as f32, 1e6).unwrap();
         let plant = Plant::of(q);
         let per_time_constant = (2.0 * q / core::f64::consts::PI) as f32;

@@ -14,7 +14,6 @@
 use super::super::Stage;
 use crate::belt::Belt;
 use crate::config::Config;
-use crate::error::{Error, in_range};
 use crate::supervisor::Fault;
 
 /// Blocks with new ground that end a mute.
@@ -41,11 +40,10 @@ pub struct BeltMotion {
 }
 
 impl BeltMotion {
-    /// Checks the limit.
-    pub fn build(config: &Config, block_s: f32) -> Result<Self, Error> {
+    /// A watch that keeps the configured limit.
+    pub fn build(config: &Config, block_s: f32) -> Self {
         let stop_ms = config.limits.belt_stop_ms;
-        in_range("limits.belt_stop_ms", stop_ms.into(), 0.1, 1e5)?;
-        Ok(BeltMotion {
+        BeltMotion {
             stop_blocks: (stop_ms * 1e-3 / block_s) as u32,
             latch_blocks: (LATCH_S / block_s) as u32,
             muted: false,
@@ -54,7 +52,7 @@ impl BeltMotion {
             armed: false,
             met: false,
             over: 0,
-        })
+        }
     }
 
     /// A new attempt begins.

@@ -9,7 +9,7 @@
 //! on the encoder: what an encoder that lies allows is for the force channel to see, and for `limits.on_time_s` to end.
 
 use crate::config::Config;
-use crate::error::{Error, in_range};
+use crate::error::Error;
 use crate::supervisor::Fault;
 
 /// Length of the contact along the belt, m (thesis 3.2: a tip of 10 mm).
@@ -29,9 +29,6 @@ impl EnergyPerLength {
     /// Checks the limit: without counts that are worth something there can be none.
     pub fn build(config: &Config, block_s: f32) -> Result<Self, Error> {
         let limit = config.limits.energy_j_per_m;
-        if let Some(joule_per_m) = limit {
-            in_range("limits.energy_j_per_m", joule_per_m.into(), 1e-3, 1e9)?;
-        }
         let joule_per_count = match (limit, config.front_end.metre_per_count) {
             (Some(joule), Some(metre)) => joule * metre,
             (Some(_), None) => return Err(Error::EnergyWithoutBelt),

@@ -13,7 +13,6 @@
 //! converter's noise must be more than its last bit. That is all that is asked of the tension of a belt that restrains somebody in a crash.
 
 use crate::config::Config;
-use crate::error::{Error, in_range};
 use crate::supervisor::Fault;
 
 /// A mean force below this part of what has been learned is that of a belt that stands.
@@ -58,14 +57,11 @@ pub struct ForceWatch {
 }
 
 impl ForceWatch {
-    /// Checks the bandwidth.
-    pub fn build(config: &Config, block_s: f32) -> Result<Self, Error> {
+    /// A watch of a channel of the configured bandwidth.
+    pub fn build(config: &Config, block_s: f32) -> Self {
         let hz = config.front_end.force_hz;
-        if let Some(hz) = hz {
-            in_range("front_end.force_hz", hz.into(), 1.0, 1e5)?;
-        }
         let channel_s = hz.map_or(0.0, |hz| CHANNEL_TIMES / (core::f32::consts::TAU * hz));
-        Ok(ForceWatch {
+        ForceWatch {
             told: hz.is_some(),
             is_friction: config.restraint.is_none(),
             settle_blocks: ((SETTLE_S + channel_s) / block_s) as u32,
@@ -79,7 +75,7 @@ impl ForceWatch {
             scatter: 0.0,
             learned: 0.0,
             low: 0,
-        })
+        }
     }
 
     /// A new attempt begins: nothing has been learned.

@@ -50,7 +50,6 @@ const PARAMETERS: &[(&str, &str, &str)] = &[
     ("sweep.start_hz", "controller.sweep.start_hz", CARRIED),
     ("sweep.stop_hz", "controller.sweep.stop_hz", CARRIED),
     ("sweep.time_s", "controller.sweep.time_s", "a block at least; about a resonance so long that its phase can follow"),
-    ("burst.edge.cycles", "controller.burst.edge_cycles", ""),
     ("friction.force_factor_n_per_v", "controller.tracking.nominal_force_factor_n_per_v", ""),
     (
         "tracking.bandwidth_hz",

@@ -85,8 +85,8 @@ const IN_COMPANY_NAMES: [&str; KINDS] = ["", "", "clamped branch, two resonances
 /// The same in boosted bursts.
 const BOOSTED_NAMES: [&str; KINDS] =
     ["", "", "", "", "boosted, run", "boosted, run at an edge", "boosted, run between bursts", "", ""];
-/// Edges, unless they are boosted.
-const SOFT: Edge = Edge::Soft { cycles: 8.0 };
+/// Edges, unless they are boosted: they take eight periods.
+const SOFT: Edge = Edge::Soft;
 
 /// Running, the envelope one.
 const RUN: usize = 4;

@@ -80,7 +80,7 @@ fn listening(print: Print) {
     let sensed = Sensed { v: Phasor::new(3.0, 0.0), i: Phasor::new(1.0, 0.15) };
     let mut guard = Guard::build(&config, BLOCK_S).expect("valid limits");
     let driven = Driven { volts: Some(3.0), stage: Stage::Following, wanted: true, full: true, asked: 3.0 };
-    let belt = Belt::build(&config, BLOCK_S).expect("a valid belt");
+    let belt = Belt::build(&config, BLOCK_S);
     print("guard", &mut || {
         black_box(inspect(&mut guard, black_box(&convert), black_box(&sense), black_box(&sensed), black_box(&belt), &driven));
     });
@@ -92,7 +92,7 @@ fn watching_a_belt(print: Print, mut config: Config, convert: &Convert, sense: &
     (config.front_end.metre_per_count, config.front_end.force_hz) = (Some(1e-5), Some(500.0));
     config.limits = Limits { power_w: Some(9.0), energy_j_per_m: Some(1e3), on_time_s: Some(1e4), ..config.limits };
     let mut guard = Guard::build(&config, BLOCK_S).expect("valid limits");
-    let mut belt = Belt::build(&config, BLOCK_S).expect("a valid belt");
+    let mut belt = Belt::build(&config, BLOCK_S);
     let mut sense = sense.clone();
     let mut counts = 0;
     print("belt", &mut || {

@@ -1,0 +1,36 @@
+//! What the converters and sensors of a board are worth.
+
+use config_macro::settings;
+use serde::{Deserialize, Serialize};
+
+/// Scale factors of the converters; on a board they come from the settings store.
+#[settings(table = "front_end")]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct FrontEnd {
+    /// Volts at the stack per voltage code.
+    #[setting(min = 1e-9, max = 1e3, key = 1, near)]
+    pub volt_per_lsb: f32,
+    /// Amperes into the stack per current code.
+    #[setting(min = 1e-9, max = 1e3, key = 2, near)]
+    pub ampere_per_lsb: f32,
+    /// The sense code at zero (before the self-test has measured the offset).
+    pub sense_mid_code: u16,
+    /// The largest sense code.
+    pub sense_max_code: u16,
+    /// Volts at the amplifier's output per drive code.
+    #[setting(min = 1e-9, max = 1e3, key = 3, near)]
+    pub drive_volt_per_lsb: f32,
+    /// The drive code at zero volts.
+    pub drive_mid_code: u16,
+    /// The largest drive code.
+    pub drive_max_code: u16,
+    /// Drive converters, each with its amplifier, that the board has.
+    #[setting(min = 1, max = 4)]
+    pub drive_lanes: u8,
+    /// Belt that passes from one count of its encoder to the next, m. Absent: there is no encoder.
+    #[setting(min = 0.9e-7, max = 1.1e-2)]
+    pub metre_per_count: Option<f32>,
+    /// Bandwidth of the force channel, Hz. Absent: there is no force channel.
+    #[setting(min = 1.0, max = 1e5)]
+    pub force_hz: Option<f32>,
+}

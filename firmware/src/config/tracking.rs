@@ -1,0 +1,53 @@
+//! How the frequency is found and kept.
+
+use config_macro::settings;
+#[cfg(feature = "scene")]
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// How the frequency is found and kept. The nominal values are what a user knows beforehand, not the truth.
+#[settings(table = "tracking", scene = Tracking, new)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Tracking {
+    /// What is tracked.
+    #[setting(default)]
+    pub mode: TrackingMode,
+    /// Frequency window on each side, as a fraction of the nominal frequency.
+    #[setting(default = 0.025, min = 1e-4, max = 0.2, key = 17)]
+    pub span: f32,
+    /// Bandwidth of the phase loop, Hz.
+    #[setting(default = 200.0, min = 0.1, max = 1000.0, key = 18)]
+    pub bandwidth_hz: f32,
+    /// Quality factor, within a factor of two.
+    #[setting(min = 2.0, max = 1e5, key = 15)]
+    pub nominal_q: f32,
+    /// Motional inductance, H, within a tenth. Default: what the power-on calibration finds.
+    #[setting(min = 1e-9, max = 1e4)]
+    pub nominal_lm_h: Option<f32>,
+    /// Clamped capacitance, F.
+    #[setting(min = 1e-12, max = 1e-3, key = 16)]
+    pub nominal_c0_f: f32,
+    /// How fast the clamped capacitance may drift, relative, per second: the observer then measures it anew while running, as often as that demands,
+    /// by small steps of the frequency. Zero: never.
+    #[setting(default, min = 0.0, max = 10.0, quiet)]
+    pub c0_drift_per_s: f32,
+    /// Force factor, N/V: tip force per volt, and ampere of motional current per m/s of tip velocity.
+    #[setting(scene, min = 1e-6, max = 1e4)]
+    pub nominal_force_factor_n_per_v: Option<f32>,
+}
+
+/// What is tracked.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "scene", derive(JsonSchema))]
+#[serde(rename_all = "snake_case")]
+pub enum TrackingMode {
+    /// The resonance itself, from how the motional current changes: does not wait for the ring-up, and needs no scan.
+    #[default]
+    Observer,
+    /// The phase of the motional current, after a scan: the series resonance, at any load.
+    PhaseLock,
+    /// The phase of the total current: the plain V-I loop, the reference that fails under load.
+    ZeroPhase,
+    /// Nothing: the nominal frequency is held.
+    Off,
+}
