@@ -185,6 +185,27 @@ fn usage_is_exit_code_2_and_an_invalid_scene_3() {
 }
 
 #[test]
+fn a_bench_is_found_by_its_old_name_with_a_note() {
+    let (old, new) = (sim_host(&["tracking", "--list"]), sim_host(&["validate", "tracking", "--list"]));
+    assert_eq!((code(&old), code(&new)), (0, 0), "{}{}", stderr(&old), stderr(&new));
+    assert_eq!(stdout(&old), stdout(&new));
+    assert!(stderr(&old).contains("`sim-host validate tracking`") && stderr(&new).is_empty(), "{}", stderr(&old));
+    // Only a command is one: a scene may have such a name.
+    let scene = sim_host(&["check", "tracking"]);
+    assert!(code(&scene) == 3 && !stderr(&scene).contains("validate"), "{}", stderr(&scene));
+}
+
+#[test]
+fn a_closed_standard_error_is_no_panic() {
+    let folder = Folder::new("closed-stderr");
+    let file = folder.write("bad.toml", "[x]\n");
+    let (reader, writer) = std::io::pipe().expect("a pipe");
+    drop(reader);
+    let status = Command::new(env!("CARGO_BIN_EXE_sim-host")).args(["check", &file]).stderr(writer).status();
+    assert_eq!(status.expect("sim-host starts").code(), Some(3));
+}
+
+#[test]
 fn every_mistake_is_shown_at_once_with_line_caret_and_nearest_name() {
     let folder = Folder::new("wrong");
     let scene = folder.write(

@@ -184,7 +184,6 @@ impl Rig {
             wanted: true,
             full: on && self.was_on,
             asked: 1.0,
-            ..Driven::default()
         };
         let driving = Driving { driving: on, power_w: power_w as f32, driven: &driven };
         let found = self.weld.inspect(&self.belt, reading, &driving).or(self.on_time.inspect(on));
