@@ -63,7 +63,7 @@ fn what_is_set_acts_after_a_reset_if_it_was_stored() {
         let mut bench = silent(&mut queues, &setup);
         let built_in = get(&mut bench, AMPLITUDE);
         let expected =
-            ParameterReport { key: AMPLITUDE, acts: 3.0, next: 3.0, built_in: 3.0, min: 1e-3, max: 1e5, kept: Kept::Nothing };
+            ParameterReport { key: AMPLITUDE, acts: 3.0, next: 3.0, built_in: 3.0, min: 1e-3, max: 1e4, kept: Kept::Nothing };
         assert_eq!(built_in, expected);
         assert_eq!(bench.ask(Command::Settings(Verb::Set(AMPLITUDE, 2.0))), Some(Reply::Ack));
         assert_eq!(get(&mut bench, AMPLITUDE), ParameterReport { next: 2.0, kept: Kept::Changed, ..built_in });
