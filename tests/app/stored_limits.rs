@@ -161,7 +161,8 @@ fn a_limit_that_nothing_judges_is_refused_and_takes_no_other_limit_with_it() {
 #[test]
 fn each_that_does_not_fit_is_left_out_alone() {
     // A band that no block can follow, and a duty beyond one, beside what can be.
-    let parameters = Overrides::from_iter([(4, 41e3), (AMPLITUDE, 11.0), (VOLTAGE_LIMIT, 5.0), (15, 60.0), (18, 1000.0), (21, 2.5)]);
+    let parameters =
+        Overrides::from_iter([(4, 41e3), (AMPLITUDE, 11.0), (VOLTAGE_LIMIT, 5.0), (15, 60.0), (18, 1000.0), (21, 2.5)]);
     let mut setup = setup(|config| config.tracking.mode = TrackingMode::PhaseLock);
     setup.flash = storing(&Record { trims: LaneTrims::new(), parameters });
     let built_in = setup.config.tracking.bandwidth_hz;

@@ -158,6 +158,8 @@ fn largest(file: &object::File) {
 fn by_part(file: &object::File) {
     let mut parts = BTreeMap::<String, u64>::new();
     for (size, name) in symbols(file, &[0x08, 0x10]) {
+        // The method of a trait belongs to the type that has it: `_$LT$firmware..a..B$u20$as$u20$…`.
+        let name = name.strip_prefix("_$LT$").map_or(name.clone(), |of| of.replace("..", "::"));
         let depth = if name.starts_with("firmware::") { 2 } else { 1 };
         *parts.entry(name.split("::").take(depth).collect::<Vec<_>>().join("::")).or_default() += size;
     }

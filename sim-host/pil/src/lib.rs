@@ -17,7 +17,7 @@
 //! use sim::run::{Watch, run, run_on};
 //! use sonoglide_pil::{Qemu, image};
 //!
-//! let loaded = load("lock", &["duration_s=0.01".to_owned()])?;
+//! let loaded = load("lock", &[])?;
 //! let scene = loaded.scene.driven().expect("the firmware drives it");
 //! let mut processor = Qemu::start(&image()?, &scene::settings::config(&scene))?;
 //! let emulated = run_on(&mut processor, &scene, Watch::default())?;

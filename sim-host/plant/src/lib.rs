@@ -22,7 +22,7 @@
 //! let mut sense = SenseBlock::default();
 //! plant.exchange(&drive, &mut sense);
 //! assert_eq!(sense.v.len(), 32); // what the controller sees
-//! assert!(plant.truth().motional_current_a != 0.0); // what it never sees
+//! assert!(plant.truth().tip_velocity_m_per_s != 0.0); // what it never sees
 //! ```
 #![forbid(unsafe_code)]
 
