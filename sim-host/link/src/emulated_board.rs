@@ -39,7 +39,7 @@ pub struct EmulatedBoard {
 }
 
 impl EmulatedBoard {
-    /// Starts an [image](super::link_image()) as the board of a scene, just powered. Of what goes over the converters the last `keep` blocks are
+    /// Starts an [image](pil::link_image()) as the board of a scene, just powered. Of what goes over the converters the last `keep` blocks are
     /// kept.
     pub fn start(image: &Path, scene: &Driven, keep: usize) -> Result<Self, PilError> {
         let core = OneCore::pin();

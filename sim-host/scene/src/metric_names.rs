@@ -1,4 +1,4 @@
-//! The names of all metrics: a contract, units last. What each one means stands in [`metrics`](sim::metrics); a scene's
+//! The names of all metrics: a contract, units last. What each one means stands in the module `metrics` of the crate `sonoglide-sim`; a scene's
 //! expectations are checked against this list before anything is run.
 
 use std::sync::LazyLock;
