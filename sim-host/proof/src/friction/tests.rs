@@ -28,9 +28,8 @@ fn what_is_believed_is_true() {
     }
 }
 
-/// `UPDATE_DOCS=1 cargo test -p sonoglide-proof --lib friction::tests -- --ignored` writes the tables and the plot anew.
+/// `UPDATE_DOCS=1 cargo test -p sonoglide-proof --lib friction::tests` writes the tables and the plot anew.
 #[test]
-#[ignore = "64 runs: a minute"]
 fn the_documentation_has_these_numbers() {
     let campaign = conduct(all()).unwrap();
     let docs = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs");

@@ -63,9 +63,8 @@ fn a_moving_belt_passes() {
     }
 }
 
-/// `UPDATE_DOCS=1 cargo test -p sonoglide-proof --lib guard -- --ignored` writes the tables anew.
+/// `UPDATE_DOCS=1 cargo test -p sonoglide-proof --lib guard` writes the tables anew.
 #[test]
-#[ignore = "more than an hour of belt: a minute"]
 fn the_documentation_has_these_numbers() {
     let campaign = conduct(Extent::FULL, &mut |next| eprintln!("{next}")).unwrap();
     assert!(campaign.holds());
