@@ -8,8 +8,9 @@ mod processor;
 
 use std::fmt::Write as _;
 
-use firmware::identify::Deviations;
-use firmware::supervisor::{Limit, Mode};
+use firmware::seam::fault::Limit;
+use firmware::seam::mode::Mode;
+use firmware::seam::transducer::Deviations;
 
 use super::{Line, precise};
 use crate::metrics::driven::View;
@@ -139,7 +140,8 @@ fn three_ways(study: &Study, run: &Run) -> TableBlock {
     let tracking = &controller.tracking;
     let found = run.record.last.transducer;
     let truth = circuit_of(&run.scene);
-    let identified = |value: fn(&firmware::identify::Transducer) -> f32| found.as_ref().map(|found| f64::from(value(found)));
+    let identified =
+        |value: fn(&firmware::seam::transducer::Transducer) -> f32| found.as_ref().map(|found| f64::from(value(found)));
     let velocity_estimate =
         tracking.nominal_force_factor_n_per_v.and_then(|told| mean(&|row| row.motional_current_a).map(|amperes| amperes / told));
     let mut rows = vec![

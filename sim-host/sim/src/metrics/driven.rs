@@ -41,7 +41,8 @@ mod processor;
 pub mod switch;
 mod weld;
 
-use firmware::supervisor::{Limit, Mode};
+use firmware::seam::fault::Limit;
+use firmware::seam::mode::Mode;
 
 use super::Metrics;
 use crate::record::{Record, Row};

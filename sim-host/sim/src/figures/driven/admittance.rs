@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use firmware::supervisor::Mode;
+use firmware::seam::mode::Mode;
 
 use super::axis;
 use crate::metrics::driven::View;

@@ -1,6 +1,6 @@
 //! Both edges of a burst, sample by sample.
 
-use firmware::supervisor::Mode;
+use firmware::seam::mode::Mode;
 
 use super::axis;
 use crate::metrics::driven::View;

@@ -1,6 +1,6 @@
 //! Friction and tip velocity over the whole run.
 
-use firmware::friction::Belief;
+use firmware::seam::telemetry::Belief;
 
 use super::{axis, binned, curve, mean, shaded};
 use crate::metrics::driven::View;
