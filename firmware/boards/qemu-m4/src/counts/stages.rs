@@ -13,7 +13,7 @@ use firmware::seam::block::{BeltSense, DriveBlock, SenseBlock};
 use firmware::seam::config::{Config, Drive, Limits, ShapeKind, TrackingMode};
 use firmware::seam::fault::Fault;
 use firmware::seam::phasor::Phasor;
-use firmware::seam::transducer::{Deviations, Transducer};
+use firmware::seam::transducer;
 use firmware::sense::belt::Belt;
 use firmware::sense::convert::Convert;
 use firmware::sense::demod::{Sensed, Suspect, demodulate};
@@ -209,7 +209,7 @@ fn sense() -> SenseBlock {
 }
 
 /// A stack, as identified.
-const STACK: Transducer = Transducer {
+const STACK: transducer::Transducer = transducer::Transducer {
     series_resonance_hz: 40_400.0,
     parallel_resonance_hz: 41_300.0,
     q: 65.0,
@@ -218,7 +218,7 @@ const STACK: Transducer = Transducer {
     cm_f: 20e-9,
     c0_f: 300e-9,
     coupling: 0.25,
-    deviations: Deviations {
+    deviations: transducer::Deviations {
         series_resonance_hz: 0.0,
         parallel_resonance_hz: 0.0,
         q: 0.0,
