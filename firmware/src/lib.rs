@@ -14,7 +14,7 @@
 //! ```
 //!
 //! The hot side is [`controller::Controller::process`], once a block. The slow side is
-//! [`app::App`], as often as it likes; orders and telemetry pass between the two through queues.
+//! [`board::app::App`], as often as it likes; orders and telemetry pass between the two through queues.
 //!
 //! A waveform is four independent axes, not one list of cases:
 //!
