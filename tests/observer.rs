@@ -10,7 +10,8 @@ use firmware::track::tracker::observer::Prior;
 use firmware::track::tracker::{Heard, State, Tracker};
 use scene::load::load;
 use scene::settings;
-use sim::metrics::{Metrics, driven};
+use sim::instruments::measure;
+use sim::metrics::Metrics;
 use sim::record::{Record, Row};
 use sim::run::{Watch, run};
 
@@ -22,7 +23,7 @@ fn observed(changes: &[&str]) -> (Record, Metrics) {
     let scene = load("lock", &sets).unwrap_or_else(|error| panic!("{error}")).scene;
     let scene = scene.driven().unwrap();
     let record = run(&scene, Watch::default()).unwrap();
-    let metrics = driven::of(&scene, &record);
+    let metrics = measure(&scene, &record);
     (record, metrics)
 }
 

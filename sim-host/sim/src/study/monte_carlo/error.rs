@@ -2,7 +2,7 @@
 
 use firmware::seam::mode::Mode;
 
-use crate::metrics::driven::View;
+use crate::instruments::View;
 use crate::record::Record;
 use scene::Driven;
 
