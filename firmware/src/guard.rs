@@ -11,9 +11,9 @@
 //! three comparisons.
 
 mod electrical;
-pub mod heat;
+pub(crate) mod heat;
 pub mod on_time;
-pub mod supervisor;
+pub(crate) mod supervisor;
 pub mod weld;
 
 use crate::guard::electrical::Electrical;

@@ -23,6 +23,7 @@
 //! ```
 #![no_std]
 #![forbid(unsafe_code)]
+#![warn(unreachable_pub)]
 
 #[cfg(any(test, feature = "scene"))]
 extern crate std;

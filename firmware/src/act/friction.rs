@@ -15,10 +15,10 @@
 
 mod average;
 pub mod dahl;
-pub mod fit;
+pub(crate) mod fit;
 pub mod inverse;
-pub mod regime;
-pub mod survey;
+pub(crate) mod regime;
+pub(crate) mod survey;
 mod terms;
 #[cfg(test)]
 mod tests;

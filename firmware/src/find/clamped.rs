@@ -16,11 +16,11 @@
 //! What images of the DAC add to C0 changes with the frequency; between both sides it is right at the resonance. A second resonance that one
 //! cannot explain is fitted as such; what then is left makes the stated deviations larger.
 
-pub mod fit;
-pub mod model;
+pub(crate) mod fit;
+pub(crate) mod model;
 pub mod online;
-pub mod reading;
-pub mod triangle;
+pub(crate) mod reading;
+pub(crate) mod triangle;
 
 use crate::find::clamped::fit::{Fit, MAX_POINTS, Point, Solution};
 pub use crate::find::clamped::reading::{Clamped, Measured};

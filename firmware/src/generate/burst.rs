@@ -11,13 +11,13 @@
 //!
 //! A burst that is ended by a brake goes on for some half cycles against its own phase, so that what it has rung up is rung down.
 
-pub mod boost;
+pub(crate) mod boost;
 mod brake;
 mod duty;
 mod ring;
 mod schedule;
 mod soft;
-pub mod stroke;
+pub(crate) mod stroke;
 #[cfg(test)]
 mod tests;
 

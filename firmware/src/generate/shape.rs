@@ -6,11 +6,11 @@
 //! | square, sawtooth | by tables of one period, each the sum of as many harmonics as the sample rate carries | [`square`], [`sawtooth`], [`bands`] |
 //! | noise | by a filter, from random numbers | [`noise`] |
 
-pub mod bands;
-pub mod noise;
-pub mod sawtooth;
+pub(crate) mod bands;
+pub(crate) mod noise;
+pub(crate) mod sawtooth;
 pub mod sine;
-pub mod square;
+pub(crate) mod square;
 
 use crate::generate::shape::bands::Bands;
 use crate::generate::shape::noise::Noise;

@@ -6,11 +6,11 @@
 //! when there is any phase to hear: not while the envelope is at an edge or the stack rings up, and not when it does not ring at all.
 
 pub mod identified;
-pub mod lock_detector;
-pub mod observed;
+pub(crate) mod lock_detector;
+pub(crate) mod observed;
 pub mod observer;
-pub mod phase_loop;
-pub mod prior;
+pub(crate) mod phase_loop;
+pub(crate) mod prior;
 
 use crate::seam::compare::{larger, smaller};
 use crate::seam::config::{Config, TrackingMode};
