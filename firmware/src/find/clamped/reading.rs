@@ -40,7 +40,7 @@ pub struct Clamped {
 }
 
 /// What a solution says of a transducer with this nominal frequency, Hz, and capacitance, F.
-pub fn read(solution: &Solution, nominal_hz: f32, nominal_c0_f: f32) -> Clamped {
+pub(crate) fn read(solution: &Solution, nominal_hz: f32, nominal_c0_f: f32) -> Clamped {
     let e = &solution.elements;
     let us = 1.0 + e[XS];
     let of = |n: usize, scale: f32| solution.deviation(&core::array::from_fn(|k| if k == n { scale } else { 0.0 }));

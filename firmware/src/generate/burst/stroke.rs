@@ -75,7 +75,7 @@ impl Strokes {
 
 /// Plans strokes, a little a block.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Planner {
+pub(crate) struct Planner {
     per_time_constant: f32,
     volts: f32,
     ceiling: f32,
@@ -99,12 +99,12 @@ enum Step {
 
 impl Planner {
     /// For a drive of `volts` under a ceiling, of a ring that takes `per_time_constant` half cycles for its time constant.
-    pub fn new(per_time_constant: f32, volts: f32, ceiling: f32) -> Self {
+    pub(crate) fn new(per_time_constant: f32, volts: f32, ceiling: f32) -> Self {
         Planner { per_time_constant, volts, ceiling, ..Planner::default() }
     }
 
     /// One step of it: the strokes with the last.
-    pub fn step(&mut self) -> Option<Strokes> {
+    pub(crate) fn step(&mut self) -> Option<Strokes> {
         let part = self.volts / self.ceiling;
         let h = self.per_time_constant;
         // Rounded up.

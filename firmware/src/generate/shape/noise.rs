@@ -128,21 +128,21 @@ fn root(z: Complex64) -> Complex64 {
 /// Dither: the difference of successive evenly distributed numbers, triangular within -1 to 1, less of it at low frequencies. Added
 /// before rounding, it makes the error of rounding independent of the signal.
 #[derive(Clone, Debug)]
-pub struct Dither {
+pub(crate) struct Dither {
     white: White,
     last: f32,
 }
 
 impl Dither {
     /// A dither.
-    pub fn new(seed: u64) -> Self {
+    pub(crate) fn new(seed: u64) -> Self {
         // Beside the noise's own stream.
         Dither { white: White::new(!seed), last: 0.0 }
     }
 
     /// The next value, in codes.
     #[inline]
-    pub fn take(&mut self) -> f32 {
+    pub(crate) fn take(&mut self) -> f32 {
         let next = 0.5 * self.white.next();
         next - core::mem::replace(&mut self.last, next)
     }
