@@ -11,7 +11,6 @@ mod stages;
 
 use crate::controller::chain::{Chain, Measured};
 use crate::controller::stages::Stages;
-use crate::generate::burst::boost::EdgeTimes;
 use crate::generate::generator::Played;
 use crate::generate::phasing::check_calibration;
 use crate::generate::step::Plan;
@@ -65,11 +64,6 @@ impl Controller {
         self.report(orders, &plan, slot, sensed, motional)
     }
 
-    /// How long the edges of a boosted burst take, as they are planned now; `None` where they are not boosted.
-    pub fn edge_times(&self) -> Option<EdgeTimes> {
-        self.chain.generator.burst.edge_times()
-    }
-
     /// The resonances that the last scan has found, at rising frequencies.
     pub fn resonances(&self) -> &[Resonance] {
         self.stages.scan.roster().listed()
@@ -81,7 +75,7 @@ impl Controller {
     }
 
     /// How many calibrations have been completed: one more than before, and there is something to keep.
-    pub fn calibrations(&self) -> u32 {
+    pub(crate) fn calibrations(&self) -> u32 {
         self.stages.calibrate.completed()
     }
 

@@ -137,12 +137,12 @@ impl Guard {
     }
 
     /// Takes what the tracker knows of the stack; now and then is enough.
-    pub fn feel(&mut self, thermometers: &Thermometers) {
+    pub(crate) fn feel(&mut self, thermometers: &Thermometers) {
         self.heat.feel(thermometers);
     }
 
     /// What is left of the amplitude asked for, 0.1 to 1.
-    pub fn derating(&self) -> f32 {
+    pub(crate) fn derating(&self) -> f32 {
         self.heat.factor()
     }
 }

@@ -195,12 +195,12 @@ impl FrictionSwitch {
     }
 
     /// Whether the contact is being surveyed.
-    pub fn is_surveying(&self) -> bool {
+    pub(crate) fn is_surveying(&self) -> bool {
         self.survey.is_some()
     }
 
     /// Whether the force sensor has said in the survey what cannot be friction.
-    pub fn is_implausible(&self) -> bool {
+    pub(crate) fn is_implausible(&self) -> bool {
         self.implausible
     }
 

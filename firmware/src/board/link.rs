@@ -14,7 +14,7 @@ use serde::{Deserialize, Serialize};
 pub const VERSION: u8 = 2;
 
 /// The longest frame, stuffed, with its zero.
-pub const MAX_FRAME: usize = 256;
+pub(crate) const MAX_FRAME: usize = 256;
 
 /// Room for a frame before stuffing: COBS adds one byte in 254, and the zero is not part of it.
 const MAX_PLAIN: usize = MAX_FRAME - 3;
@@ -47,7 +47,7 @@ pub enum FrameError {
 }
 
 /// A frame on its way out.
-pub type Encoded = heapless::Vec<u8, MAX_FRAME>;
+pub(crate) type Encoded = heapless::Vec<u8, MAX_FRAME>;
 
 /// Encodes one frame. Fails only on a body that does not fit into [`MAX_FRAME`].
 pub fn encode<T: Serialize>(sequence: u16, body: T) -> Result<Encoded, FrameError> {

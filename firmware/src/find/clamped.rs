@@ -136,7 +136,7 @@ impl PowerOn {
     }
 
     /// Begins for a resonance that was lost: what looks like none, or like a broken one, is measured once more.
-    pub fn begin_twice(&mut self) {
+    pub(crate) fn begin_twice(&mut self) {
         self.restart();
         self.twice = true;
     }

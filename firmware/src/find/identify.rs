@@ -9,4 +9,3 @@ pub(crate) mod mode_search;
 pub(crate) mod pole_fit;
 pub(crate) mod scatter;
 pub(crate) mod triangle;
-

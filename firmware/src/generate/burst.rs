@@ -56,7 +56,7 @@ impl Envelope<'_> {
     }
 
     /// Whether it is the same throughout.
-    pub fn is_flat(&self) -> bool {
+    pub(crate) fn is_flat(&self) -> bool {
         matches!(self, Envelope::Flat(_))
     }
 }
@@ -141,7 +141,7 @@ impl Burst {
     }
 
     /// The brake for bursts that end with one. Nothing is braked without one.
-    pub fn set_brake(&mut self, brake: Option<Brake>) {
+    pub(crate) fn set_brake(&mut self, brake: Option<Brake>) {
         self.brake = brake;
         self.loudest = brake.map_or(1.0, |brake| larger(brake.level, 1.0));
         self.moves = brake.is_some();
@@ -155,7 +155,7 @@ impl Burst {
 
     /// Whether what plays under this gate is an edge that was planned for a drive, which stays what it was until that is over: the end of a burst
     /// with a brake, or a boost.
-    pub fn is_under_way(&self, gate: Gate) -> bool {
+    pub(crate) fn is_under_way(&self, gate: Gate) -> bool {
         if !self.moves {
             return false;
         }
@@ -169,7 +169,7 @@ impl Burst {
     }
 
     /// Whether the drive is wanted under this gate at sample `now`.
-    pub fn is_wanted(&mut self, gate: Gate, now: u64) -> bool {
+    pub(crate) fn is_wanted(&mut self, gate: Gate, now: u64) -> bool {
         self.gate(gate, now).0
     }
 
@@ -284,7 +284,7 @@ impl Burst {
     }
 
     /// Opens or closes at once, without an edge: for tones outside the schedule, and for faults.
-    pub fn snap(&mut self, open: bool, stretch: &Stretch, samples: usize) -> Envelope<'_> {
+    pub(crate) fn snap(&mut self, open: bool, stretch: &Stretch, samples: usize) -> Envelope<'_> {
         if self.boosts {
             self.snap_boost(open, samples);
         }

@@ -29,7 +29,7 @@ impl DriveScale {
     }
 
     /// Codes for one volt.
-    pub fn lsb_per_volt(&self) -> f32 {
+    pub(crate) fn lsb_per_volt(&self) -> f32 {
         self.lsb_per_volt
     }
 
@@ -39,13 +39,13 @@ impl DriveScale {
     }
 
     /// The same in volts, rounded down.
-    pub fn range_v(&self) -> f32 {
+    pub(crate) fn range_v(&self) -> f32 {
         self.headroom / self.lsb_per_volt
     }
 
     /// What to add to a value in codes so that truncation rounds it to the nearest code, as long as it stays within the headroom.
     #[inline]
-    pub fn rounding_base(&self) -> f32 {
+    pub(crate) fn rounding_base(&self) -> f32 {
         f32::from(self.mid_code) + 0.5
     }
 }

@@ -31,7 +31,7 @@ pub enum Shape {
 
 impl Shape {
     /// The amplitude of its fundamental, of a peak of one, at a frequency (cycles a sample). A noise has none.
-    pub fn fundamental(&self, cycles_per_sample: f32) -> Option<f32> {
+    pub(crate) fn fundamental(&self, cycles_per_sample: f32) -> Option<f32> {
         match self {
             Shape::Sine => Some(1.0),
             Shape::Harmonics(_, bands) => Some(bands.at(cycles_per_sample).fundamental()),

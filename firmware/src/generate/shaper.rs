@@ -87,7 +87,7 @@ impl Shaper {
     }
 
     /// Whether nothing is owed.
-    pub fn is_even(&self) -> bool {
+    pub(crate) fn is_even(&self) -> bool {
         self.owed.iter().all(|&owed| owed == 0)
     }
 

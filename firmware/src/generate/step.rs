@@ -40,7 +40,7 @@ pub struct Plan {
     /// The lane that the sense channels are connected to.
     pub listen: u8,
     /// Offset of the tracked resonance from the nominal frequency, Hz; `None` where nothing is tracked.
-    pub tracked_hz: Option<f32>,
+    pub(crate) tracked_hz: Option<f32>,
     /// The phase that the tracker drives to zero.
     pub phase: Turns,
     /// The frequency window limits what the order asks for.

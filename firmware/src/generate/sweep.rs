@@ -10,7 +10,7 @@ use crate::seam::config::{Config, Sweep as SweepConfig};
 use crate::seam::error::Error;
 
 /// The highest frequency that a sample rate carries, as a part of it.
-pub const HIGHEST: f64 = 0.45;
+pub(crate) const HIGHEST: f64 = 0.45;
 
 /// The frequency held, and the chirp that departs from it while running.
 #[derive(Clone, Debug)]

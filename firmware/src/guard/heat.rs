@@ -24,7 +24,7 @@ const INTEGRATOR_S: f32 = 32e-3;
 
 /// What the tracker knows of the stack.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Thermometers {
+pub(crate) struct Thermometers {
     /// Series resonance, Hz, as an offset from anything fixed.
     pub resonance_hz: f32,
     /// Susceptance of the clamped capacitance at a fixed frequency, in any unit.

@@ -11,7 +11,7 @@ use crate::seam::block::BeltSense;
 use crate::seam::config::Config;
 
 /// How far a belt is drawn back before its way out counts as new again, m: a fifth of a contact of 10 mm.
-pub const PLAY_M: f32 = 2e-3;
+pub(crate) const PLAY_M: f32 = 2e-3;
 /// The same where nobody has said what a count is worth, in counts.
 const PLAY_COUNTS: i32 = 200;
 /// The speed is measured over so long, s,
@@ -90,7 +90,7 @@ impl Belt {
     }
 
     /// Whether there is an encoder: one was told of, or has been heard.
-    pub fn is_expected(&self) -> bool {
+    pub(crate) fn is_expected(&self) -> bool {
         self.expected
     }
 
@@ -100,12 +100,12 @@ impl Belt {
     }
 
     /// New ground in the last block, counts.
-    pub fn fresh_counts(&self) -> u32 {
+    pub(crate) fn fresh_counts(&self) -> u32 {
         self.fresh
     }
 
     /// Blocks since there was new ground, or since power-on.
-    pub fn still_blocks(&self) -> u32 {
+    pub(crate) fn still_blocks(&self) -> u32 {
         self.still
     }
 

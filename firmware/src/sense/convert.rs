@@ -38,18 +38,18 @@ impl SenseScale {
     }
 
     /// Mean of a block, in codes about the present zero.
-    pub fn mean_code(&self, codes: &Codes) -> f32 {
+    pub(crate) fn mean_code(&self, codes: &Codes) -> f32 {
         self.centred(codes).sum::<f32>() / codes.len().max(1) as f32
     }
 
     /// Rms of a block about its own mean, in codes.
-    pub fn rms_code(&self, codes: &Codes) -> f32 {
+    pub(crate) fn rms_code(&self, codes: &Codes) -> f32 {
         let mean = self.mean_code(codes);
         libm::sqrtf(self.centred(codes).map(|code| (code - mean) * (code - mean)).sum::<f32>() / codes.len().max(1) as f32)
     }
 
     /// Variance of a phasor that is fitted to `samples` codes of this variance, both components, in SI. Rounding adds a twelfth.
-    pub fn phasor_variance(&self, code_variance: f32, samples: usize) -> f32 {
+    pub(crate) fn phasor_variance(&self, code_variance: f32, samples: usize) -> f32 {
         4.0 / samples as f32 * (code_variance + 1.0 / 12.0) * self.per_lsb * self.per_lsb
     }
 
@@ -92,13 +92,13 @@ impl SenseScale {
     }
 
     /// Forgets measured offsets.
-    pub fn restore_zero(&mut self) {
+    pub(crate) fn restore_zero(&mut self) {
         self.zero = f32::from(self.mid_code);
         self.set_limit(self.limit);
     }
 
     /// Full scale to one side, in codes.
-    pub fn half_range(&self) -> f32 {
+    pub(crate) fn half_range(&self) -> f32 {
         0.5 * f32::from(self.max_code)
     }
 

@@ -156,7 +156,7 @@ impl Tracker {
     }
 
     /// Whether an observer tracks.
-    pub fn observes(&self) -> bool {
+    pub(crate) fn observes(&self) -> bool {
         self.observed.is_some()
     }
 
@@ -170,7 +170,7 @@ impl Tracker {
     }
 
     /// Begins again where there is more hope, and says where; without an observer, or after the last, nowhere.
-    pub fn seek_on(&mut self, was_locked: bool) -> Option<Seek> {
+    pub(crate) fn seek_on(&mut self, was_locked: bool) -> Option<Seek> {
         let next = self.observed.as_mut()?.seek_on(was_locked);
         self.restart_clock(0.0);
         next
@@ -182,7 +182,7 @@ impl Tracker {
     }
 
     /// Begins to learn the same in parts, where there is an observer.
-    pub fn learn(&self, learning: &mut Learning) {
+    pub(crate) fn learn(&self, learning: &mut Learning) {
         if let Some(observed) = &self.observed {
             learning.begin(observed.observer(), self.nominal_hz, &self.known);
         }
@@ -211,7 +211,7 @@ impl Tracker {
     }
 
     /// Takes a clamped branch that was measured anew, and the standard deviation of its capacitance, relative.
-    pub fn set_branch(&mut self, branch: Motional, deviation: f32) {
+    pub(crate) fn set_branch(&mut self, branch: Motional, deviation: f32) {
         let c0_f = branch.y0.im / (core::f32::consts::TAU * self.nominal_hz);
         (self.motional, self.known.c0_f) = (branch, (c0_f, deviation * c0_f));
     }
@@ -243,7 +243,7 @@ impl Tracker {
     }
 
     /// What the motional current would be at the lock point: beside it, a resonance answers with `1 / (1 + j 2 pi tau df)` of that.
-    pub fn at_lock_point(&self, motional_current: Phasor, detune_hz: f32) -> Phasor {
+    pub(crate) fn at_lock_point(&self, motional_current: Phasor, detune_hz: f32) -> Phasor {
         if detune_hz == 0.0 {
             return motional_current;
         }
@@ -325,12 +325,12 @@ impl Tracker {
     }
 
     /// The largest offset, Hz.
-    pub fn window_hz(&self) -> f32 {
+    pub(crate) fn window_hz(&self) -> f32 {
         self.phase_loop.window_hz()
     }
 
     /// The estimate of the resonance, as an offset from the nominal frequency, Hz.
-    pub fn estimate_hz(&self) -> f32 {
+    pub(crate) fn estimate_hz(&self) -> f32 {
         self.observed.as_ref().map_or_else(|| self.phase_loop.estimate_hz(), |observed| observed.observer().offset_hz())
     }
 

@@ -52,7 +52,7 @@ pub(crate) struct Contact {
     /// Times the measured speed over the measured tip velocity is the velocity ratio.
     pub scale: f32,
     /// Standard deviation of the length, relative.
-    pub length_deviation: f32,
+    pub(crate) length_deviation: f32,
 }
 
 impl Contact {

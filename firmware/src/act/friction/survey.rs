@@ -55,7 +55,7 @@ pub(crate) struct Found {
     /// Friction without vibration, N.
     pub coulomb_n: f32,
     /// Dead time of bursts, as a part of their period; zero where there are none.
-    pub dead: f32,
+    pub(crate) dead: f32,
 }
 
 /// How a survey is getting on.

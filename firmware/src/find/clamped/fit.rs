@@ -67,7 +67,7 @@ pub(crate) struct Solution {
     /// Their triangular factor.
     pub triangle: Triangle<UNKNOWNS>,
     /// Root of what is left in the mean of the degrees of freedom, in standard deviations: one, if the model holds.
-    pub misfit: f32,
+    pub(crate) misfit: f32,
 }
 
 impl Solution {

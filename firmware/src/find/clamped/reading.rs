@@ -24,7 +24,7 @@ pub struct Clamped {
     /// Clamped capacitance as the converters see it, F.
     pub c0_f: Measured,
     /// What sensing turns the motional admittance by, rad: the axis.
-    pub turn_rad: Measured,
+    pub(crate) turn_rad: Measured,
     /// Motional inductance, H.
     pub lm_h: Measured,
     /// Series resonance, Hz.
@@ -34,7 +34,7 @@ pub struct Clamped {
     /// Standard deviation of the lock point that follows from [`Clamped::motional`], Hz.
     pub lock_deviation_hz: f32,
     /// Rms of what the model leaves, in standard deviations: about one.
-    pub misfit: f32,
+    pub(crate) misfit: f32,
     /// A second resonance, Hz, and its strength relative to the first.
     pub company: Option<(f32, f32)>,
 }

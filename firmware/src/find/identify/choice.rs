@@ -18,7 +18,7 @@ const ALIKE: f32 = 0.8;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Choice {
     /// Middle of the window, and how far it goes to each side, Hz.
-    pub window_hz: (f32, f32),
+    pub(crate) window_hz: (f32, f32),
     /// Motional inductance, H.
     pub nominal_lm_h: Option<f32>,
 }

@@ -19,11 +19,6 @@ pub(crate) struct Scatter<const N: usize> {
 }
 
 impl<const N: usize> Scatter<N> {
-    /// The deviations of a circuit.
-    pub(crate) fn deviations(&self, t: &Transducer) -> Deviations {
-        self.products().deviations(t)
-    }
-
     /// What the parts of these three have in common.
     pub(crate) fn products(&self) -> Products {
         let product = |x: &[Phasor; N], y: &[Phasor; N]| x.iter().zip(y).map(|(x, y)| x * y.conj()).sum::<Phasor>();

@@ -41,11 +41,11 @@ pub(crate) struct Seen {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Pass {
     /// Middle, as an offset from the nominal frequency, Hz.
-    pub centre_hz: f32,
+    pub(crate) centre_hz: f32,
     /// From end to end, Hz.
-    pub width_hz: f32,
+    pub(crate) width_hz: f32,
     /// Blocks from end to end.
-    pub period_blocks: u32,
+    pub(crate) period_blocks: u32,
     /// How often.
     pub repeats: u32,
 }

@@ -4,7 +4,7 @@
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Brake {
     /// Half cycles; even, so that their volt-seconds cancel.
-    pub half_cycles: u32,
+    pub(crate) half_cycles: u32,
     /// Amplitude, relative to the drive that is braked.
     pub level: f32,
 }

@@ -85,7 +85,7 @@ impl Burst {
     }
 
     /// From the next period on, bursts of a schedule that repeats are ON for so many samples on an average.
-    pub fn set_on(&mut self, samples: f32) {
+    pub(crate) fn set_on(&mut self, samples: f32) {
         self.schedule.set_on(samples, self.period_of_drive);
     }
 }

@@ -26,23 +26,23 @@ const LOST: u32 = 1;
 
 /// So many half cycles, and what is left after them of what rang before.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Stroke {
+pub(crate) struct Stroke {
     /// Half cycles.
-    pub half_cycles: u32,
+    pub(crate) half_cycles: u32,
     /// `q^n`.
     kept: f32,
 }
 
 impl Stroke {
     /// The drive that brings what rings from `from` to `to`, V.
-    pub fn volts(&self, from: f32, to: f32) -> f32 {
+    pub(crate) fn volts(&self, from: f32, to: f32) -> f32 {
         (to - from * self.kept) / (1.0 - self.kept)
     }
 }
 
 /// The strokes of a burst, up from rest and down again.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Strokes {
+pub(crate) struct Strokes {
     /// Up and down; both are of even half cycles, or as many and odd.
     pub up: Stroke,
     /// Down.
@@ -52,18 +52,13 @@ pub struct Strokes {
     /// The most.
     pub ceiling: f32,
     /// The boost reaches the level.
-    pub lands: bool,
+    pub(crate) lands: bool,
     per_time_constant: f32,
 }
 
 impl Strokes {
-    /// Half cycles of a time constant.
-    pub fn per_time_constant(&self) -> f32 {
-        self.per_time_constant
-    }
-
     /// The stroke with an odd number of half cycles, or an even one: the same, or one more.
-    pub fn with_parity(&self, stroke: Stroke, odd: bool) -> Stroke {
+    pub(crate) fn with_parity(&self, stroke: Stroke, odd: bool) -> Stroke {
         if (stroke.half_cycles % 2 == 1) == odd {
             return stroke;
         }

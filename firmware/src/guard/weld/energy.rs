@@ -13,11 +13,11 @@ use crate::seam::error::Error;
 use crate::seam::fault::Fault;
 
 /// Length of the contact along the belt, m (thesis 3.2: a tip of 10 mm).
-pub const CONTACT_M: f32 = 0.01;
+pub(crate) const CONTACT_M: f32 = 0.01;
 
 /// The budget.
 #[derive(Clone, Debug)]
-pub struct EnergyPerLength {
+pub(crate) struct EnergyPerLength {
     block_s: f32,
     /// What a count gives, J; infinite without a limit.
     joule_per_count: f32,
@@ -27,7 +27,7 @@ pub struct EnergyPerLength {
 
 impl EnergyPerLength {
     /// Checks the limit: without counts that are worth something there can be none.
-    pub fn build(config: &Config, block_s: f32) -> Result<Self, Error> {
+    pub(crate) fn build(config: &Config, block_s: f32) -> Result<Self, Error> {
         let limit = config.limits.energy_j_per_m;
         let joule_per_count = match (limit, config.front_end.metre_per_count) {
             (Some(joule), Some(metre)) => joule * metre,

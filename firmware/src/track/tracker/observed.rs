@@ -31,7 +31,7 @@ const NEARBY: f32 = 5e-3;
 
 /// Where a lock is sought.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Seek {
+pub(crate) enum Seek {
     /// Where it was when it was lost.
     Nearby,
     /// In the whole window.

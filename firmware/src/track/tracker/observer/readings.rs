@@ -44,13 +44,13 @@ impl Observer {
 
     /// Whether the deviation of the resonance is below `hz`.
     #[inline]
-    pub fn is_within(&self, hz: f32) -> bool {
+    pub(crate) fn is_within(&self, hz: f32) -> bool {
         self.is_within_radians(self.radian_per_hz * hz)
     }
 
     /// Whether the deviation is below `phase` radians of the resonance's own phase, or below `hz`, if that is more.
     #[inline]
-    pub fn is_as_good_as(&self, phase: f32, hz: f32) -> bool {
+    pub(crate) fn is_as_good_as(&self, phase: f32, hz: f32) -> bool {
         // A detuning of `alpha` turns it by 45 degrees; `-pole.re` is `alpha T`.
         self.is_within_radians(larger(-self.pole.re * phase, self.radian_per_hz * hz))
     }
@@ -78,7 +78,8 @@ impl Observer {
     }
 
     /// Standard deviation of the inductance, relative.
-    pub fn strength_deviation(&self) -> f32 {
+    #[cfg(test)]
+    pub(crate) fn strength_deviation(&self) -> f32 {
         libm::sqrtf(self.covariance.strength)
     }
 
