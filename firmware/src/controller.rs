@@ -18,7 +18,6 @@ use crate::seam::block::{DriveBlock, LATENCY_BLOCKS, Orders, SenseBlock};
 use crate::seam::config::LaneTrims;
 use crate::seam::mode::Mode;
 use crate::seam::telemetry::Telemetry;
-use crate::seam::transducer::Resonance;
 use crate::sense::demod::demodulate;
 
 /// The controller.
@@ -64,13 +63,8 @@ impl Controller {
         self.report(orders, &plan, slot, sensed, motional)
     }
 
-    /// The resonances that the last scan has found, at rising frequencies.
-    pub fn resonances(&self) -> &[Resonance] {
-        self.stages.scan.roster().listed()
-    }
-
     /// The trims that act, from a calibration or from the configuration.
-    pub fn calibration(&self) -> &LaneTrims {
+    pub(crate) fn calibration(&self) -> &LaneTrims {
         self.chain.generator.phasing.calibration()
     }
 
@@ -81,7 +75,7 @@ impl Controller {
 
     /// Trims the lanes. Only in silence, because the drive would jump, and only by what can be trims and leaves a scan within the limit;
     /// returns whether it was done.
-    pub fn trim(&mut self, trims: LaneTrims) -> bool {
+    pub(crate) fn trim(&mut self, trims: LaneTrims) -> bool {
         let silent = matches!(self.chain.supervisor.mode(), Mode::Idle | Mode::Fault);
         if !silent || check_calibration(&trims).is_err() {
             return false;

@@ -90,7 +90,7 @@ impl Guard {
     }
 
     /// A new attempt begins.
-    pub fn begin(&mut self) {
+    pub(crate) fn begin(&mut self) {
         self.weld.begin();
     }
 
@@ -127,12 +127,12 @@ impl Guard {
     }
 
     /// Whether the drive must be silent until the belt moves again.
-    pub fn is_muted(&self) -> bool {
+    pub(crate) fn is_muted(&self) -> bool {
         self.weld.is_muted()
     }
 
     /// Whether what is reported as muted is also wanted.
-    pub fn mutes(&self) -> bool {
+    pub(crate) fn mutes(&self) -> bool {
         self.weld.mutes()
     }
 

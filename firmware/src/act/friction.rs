@@ -97,7 +97,7 @@ pub struct FrictionSwitch {
 
 impl FrictionSwitch {
     /// Checks the settings of a switch; none, if none is wanted.
-    pub fn build(config: &Config, block_s: f32) -> Result<Option<Self>, Error> {
+    pub(crate) fn build(config: &Config, block_s: f32) -> Result<Option<Self>, Error> {
         let Some(friction) = &config.friction else { return Ok(None) };
         let carried = features::friction()?;
         friction.check_all()?;
@@ -145,7 +145,7 @@ impl FrictionSwitch {
     }
 
     /// Forgets the contact, and surveys it anew.
-    pub fn restart(&mut self) {
+    pub(crate) fn restart(&mut self) {
         let loudest = self.most_amperes / self.force_factor;
         let (settle, average) = (self.settle_blocks, self.average_blocks);
         self.survey = Some(Survey::new(self.omega, loudest, settle, average, self.burst_blocks));
@@ -185,7 +185,7 @@ impl FrictionSwitch {
     }
 
     /// Why the friction is not what is wanted, if it is not.
-    pub fn limit(&self) -> Option<Limit> {
+    pub(crate) fn limit(&self) -> Option<Limit> {
         match self.choice.short() {
             _ if self.survey.is_some() => None,
             Some(Short::NoAuthority) => Some(Limit::NoAuthority),
@@ -205,7 +205,7 @@ impl FrictionSwitch {
     }
 
     /// What is believed of the contact, since the last calculation; nothing before the survey is over.
-    pub fn belief(&self) -> Option<Belief> {
+    pub(crate) fn belief(&self) -> Option<Belief> {
         self.belief
     }
 
@@ -273,7 +273,7 @@ impl FrictionSwitch {
     }
 
     /// Goes on with what is being calculated, or begins with what is next: a few hundred instructions, for blocks that have time for them.
-    pub fn work(&mut self) {
+    pub(crate) fn work(&mut self) {
         if let Some(survey) = &mut self.survey {
             return survey.work();
         }

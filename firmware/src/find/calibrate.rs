@@ -122,6 +122,7 @@ impl Calibrate {
     }
 
     /// Takes the phasors of the block just heard and says what to do next. Clears the trims when it begins, and sets them.
+    // Not inlined: a block takes fewer instructions so, which `docs/instructions.md` counts.
     #[inline(never)]
     pub(crate) fn listen(&mut self, phasing: &mut Phasing, sensed: &Sensed) -> Step {
         if self.before.is_none() {

@@ -142,7 +142,7 @@ impl PowerOn {
     }
 
     /// Begins again.
-    pub fn restart(&mut self) {
+    pub(crate) fn restart(&mut self) {
         self.twice = false;
         (self.stage, self.block) = (Stage::Tones, 0);
         (self.iv, self.vv) = (Phasor::default(), 0.0);
@@ -150,7 +150,7 @@ impl PowerOn {
     }
 
     /// Takes the variances of the phasors of a block's voltage and current by noise, both components, V² and A².
-    pub fn set_noise(&mut self, v: f32, i: f32) {
+    pub(crate) fn set_noise(&mut self, v: f32, i: f32) {
         let (i, v) = (0.5 * i / (self.amperes * self.amperes), 0.5 * v / (self.volts * self.volts));
         self.noise = (self.noise.0.max(i), self.noise.1.max(v));
     }

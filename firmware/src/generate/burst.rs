@@ -48,7 +48,7 @@ pub enum Envelope<'a> {
 
 impl Envelope<'_> {
     /// The envelope's mean over the block.
-    pub fn mean(&self) -> f32 {
+    pub(crate) fn mean(&self) -> f32 {
         match self {
             Envelope::Flat(level) => *level,
             Envelope::Edge(levels) => levels.iter().sum::<f32>() / levels.len().max(1) as f32,
@@ -108,7 +108,7 @@ pub struct Burst {
 
 impl Burst {
     /// `frequency_hz` is the nominal drive frequency, by which soft edges are measured.
-    pub fn build(config: &Config, frequency_hz: f32, sample_hz: f32) -> Result<Self, Error> {
+    pub(crate) fn build(config: &Config, frequency_hz: f32, sample_hz: f32) -> Result<Self, Error> {
         let edge = match config.edge {
             Edge::Hard | Edge::Boost => None,
             Edge::Soft => {
@@ -136,7 +136,7 @@ impl Burst {
     }
 
     /// Whether a burst that ends under this gate ends with a brake.
-    pub fn brakes(&self, gate: Gate) -> bool {
+    pub(crate) fn brakes(&self, gate: Gate) -> bool {
         self.brakes || gate == Gate::Brake
     }
 
@@ -149,7 +149,7 @@ impl Burst {
 
     /// How much louder than the drive the envelope may get: at least one, and more only by a brake or a boost.
     #[inline]
-    pub fn loudest(&self) -> f32 {
+    pub(crate) fn loudest(&self) -> f32 {
         self.loudest
     }
 
@@ -164,7 +164,7 @@ impl Burst {
     }
 
     /// The brake in use.
-    pub fn brake(&self) -> Option<Brake> {
+    pub(crate) fn brake(&self) -> Option<Brake> {
         self.brake
     }
 

@@ -13,7 +13,7 @@ pub struct DriveScale {
 
 impl DriveScale {
     /// Checks that zero volts is within the codes.
-    pub fn build(front_end: &FrontEnd) -> Result<Self, Error> {
+    pub(crate) fn build(front_end: &FrontEnd) -> Result<Self, Error> {
         in_range("front_end.drive_mid_code", front_end.drive_mid_code.into(), 8.0, f64::from(front_end.drive_max_code) - 8.0)?;
         Ok(DriveScale {
             mid_code: front_end.drive_mid_code,
@@ -24,7 +24,7 @@ impl DriveScale {
     }
 
     /// The code that plays zero volts.
-    pub fn silence(&self) -> u16 {
+    pub(crate) fn silence(&self) -> u16 {
         self.mid_code
     }
 
@@ -34,7 +34,7 @@ impl DriveScale {
     }
 
     /// The largest amplitude that is free of clipping, codes.
-    pub fn headroom(&self) -> f32 {
+    pub(crate) fn headroom(&self) -> f32 {
         self.headroom
     }
 

@@ -68,7 +68,7 @@ impl Stretch {
     }
 
     /// The frequency of its first sample, in cycles a sample.
-    pub fn frequency(&self) -> f32 {
+    pub(crate) fn frequency(&self) -> f32 {
         (self.word >> 32) as u32 as f32 * (1.0 / 4_294_967_296.0)
     }
 }

@@ -92,7 +92,7 @@ impl Shaper {
     }
 
     /// A block of mid-code, whatever is owed: for a drive that must be silent, or is listened to in silence.
-    pub fn mute(&mut self, play: &Play, drive: &mut DriveBlock) {
+    pub(crate) fn mute(&mut self, play: &Play, drive: &mut DriveBlock) {
         self.owed = [0; MAX_LANES];
         fit(play, drive);
         self.silence(play, drive);

@@ -22,7 +22,7 @@ pub struct Sweep {
 
 impl Sweep {
     /// Checks the frequencies.
-    pub fn build(config: &Config) -> Result<Self, Error> {
+    pub(crate) fn build(config: &Config) -> Result<Self, Error> {
         let hold = Hold::build(config.drive.frequency_hz, config.sample_hz)?;
         let chirp = match &config.sweep {
             SweepConfig::Hold => None,
@@ -32,17 +32,17 @@ impl Sweep {
     }
 
     /// Whether there is no chirp.
-    pub fn holds(&self) -> bool {
+    pub(crate) fn holds(&self) -> bool {
         self.chirp.is_none()
     }
 
     /// Begins the chirp anew.
-    pub fn restart(&mut self) {
+    pub(crate) fn restart(&mut self) {
         self.chirp.iter_mut().for_each(Chirp::restart);
     }
 
     /// Tuning word of the next block's first sample and its increment from sample to sample. `running`: the chirp has its turn.
-    pub fn next(&mut self, running: bool) -> (u64, u64) {
+    pub(crate) fn next(&mut self, running: bool) -> (u64, u64) {
         match self.chirp.as_mut().filter(|_| running) {
             Some(chirp) => chirp.next(self.hold.word()),
             None => (self.hold.word(), 0),

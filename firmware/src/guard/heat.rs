@@ -28,7 +28,7 @@ pub(crate) struct Thermometers {
     /// Series resonance, Hz, as an offset from anything fixed.
     pub resonance_hz: f32,
     /// Susceptance of the clamped capacitance at a fixed frequency, in any unit.
-    pub susceptance: f32,
+    pub(crate) susceptance: f32,
 }
 
 /// The watch over temperature and power.

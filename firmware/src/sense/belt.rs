@@ -39,7 +39,6 @@ pub struct Belt {
 /// What the encoder has said so far, as raw counts.
 #[derive(Clone, Copy, Debug)]
 struct Heard {
-    first: i32,
     last: i32,
     furthest: i32,
     /// Where and how many blocks ago the present measurement of the speed began.
@@ -95,7 +94,7 @@ impl Belt {
     }
 
     /// Whether there should be an encoder and is none, or one with a broken line.
-    pub fn is_lost(&self) -> bool {
+    pub(crate) fn is_lost(&self) -> bool {
         self.expected && self.heard.is_none()
     }
 
@@ -109,14 +108,8 @@ impl Belt {
         self.still
     }
 
-    /// How far the belt has paid out since it was first heard, m. `None` without an encoder whose counts are worth something.
-    pub fn payout_m(&self) -> Option<f32> {
-        let heard = self.heard.filter(|_| self.metre_per_count > 0.0)?;
-        Some(heard.last.wrapping_sub(heard.first) as f32 * self.metre_per_count)
-    }
-
     /// Its speed, m/s, to a per cent; less than zero as it is drawn back. `None` while it is not known.
-    pub fn speed_m_per_s(&self) -> Option<f32> {
+    pub(crate) fn speed_m_per_s(&self) -> Option<f32> {
         let heard = self.heard.filter(|_| self.metre_per_count > 0.0)?;
         Some(heard.limited_speed()? * self.metre_per_count / self.block_s)
     }
@@ -124,7 +117,7 @@ impl Belt {
 
 impl Heard {
     fn from(counts: i32) -> Self {
-        Heard { first: counts, last: counts, furthest: counts, anchor: counts, since_anchor: 0, since_edge: 0, speed: None }
+        Heard { last: counts, furthest: counts, anchor: counts, since_anchor: 0, since_edge: 0, speed: None }
     }
 
     /// Moves on to the next reading. Returns the new ground, counts.
@@ -210,9 +203,8 @@ mod tests {
         let (mut belt, mut position) = (belt(), f64::from(i32::MAX) - 100.0);
         let fresh = moves(&mut belt, &mut position, 0.1, 1000);
         // 3.2 mm in a thousand blocks; the first is where it counts from.
-        let payout = belt.payout_m().unwrap();
-        assert!((payout - 3.1968e-3).abs() < 1.1e-5, "{payout}");
-        assert_eq!(fresh, (payout * 1e5).round() as u32);
+        let payout_m = f64::from(fresh) * 1e-5;
+        assert!((payout_m - 3.1968e-3).abs() < 1.1e-5, "{payout_m}");
     }
 
     #[test]
@@ -238,11 +230,11 @@ mod tests {
         for counts in 0..10 {
             belt.hear(Some(BeltSense { counts, broken: false }));
         }
-        assert!(!belt.is_lost() && belt.payout_m().is_some());
+        assert!(!belt.is_lost());
         belt.hear(Some(BeltSense { counts: 500, broken: true }));
-        assert!(belt.is_lost() && belt.payout_m().is_none() && belt.fresh_counts() == 0);
+        assert!(belt.is_lost() && belt.fresh_counts() == 0);
         belt.hear(Some(BeltSense { counts: 900, broken: false }));
-        assert_eq!((belt.is_lost(), belt.fresh_counts(), belt.payout_m()), (false, 0, Some(0.0)));
+        assert_eq!((belt.is_lost(), belt.fresh_counts()), (false, 0));
         belt.hear(None);
         assert!(belt.is_lost());
     }

@@ -54,7 +54,7 @@ impl SenseScale {
     }
 
     /// How many codes a value in SI is.
-    pub fn codes(&self, value: f32) -> f32 {
+    pub(crate) fn codes(&self, value: f32) -> f32 {
         value / self.per_lsb
     }
 
@@ -67,7 +67,7 @@ impl SenseScale {
 
     /// Whether no code of a block can be out of order: of a tone with this square of its amplitude, and with so much energy beside it (both in
     /// codes). `a + e <= reach`, in squares, because a root takes as long as two periods of the lock-in.
-    pub fn holds(&self, amplitude_square: f32, energy: f32) -> bool {
+    pub(crate) fn holds(&self, amplitude_square: f32, energy: f32) -> bool {
         // What rounding may have taken from the energy.
         let energy = energy + 1e-5 * amplitude_square + 1.0;
         let rest = self.reach * self.reach - amplitude_square - energy;
@@ -75,12 +75,12 @@ impl SenseScale {
     }
 
     /// The code of zero, to a fraction.
-    pub fn zero(&self) -> f32 {
+    pub(crate) fn zero(&self) -> f32 {
         self.zero
     }
 
     /// How many samples of a block are beyond `limit` (in SI) on either side of zero.
-    pub fn beyond(&self, codes: &Codes, limit: f32) -> usize {
+    pub(crate) fn beyond(&self, codes: &Codes, limit: f32) -> usize {
         let limit = self.codes(limit);
         self.centred(codes).filter(|code| code.abs() > limit).count()
     }
@@ -103,7 +103,7 @@ impl SenseScale {
     }
 
     /// How many samples of a block stand at either end of the converter.
-    pub fn clipped(&self, codes: &Codes) -> usize {
+    pub(crate) fn clipped(&self, codes: &Codes) -> usize {
         codes.iter().filter(|&&code| code == 0 || code >= self.max_code).count()
     }
 }

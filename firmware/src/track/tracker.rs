@@ -142,12 +142,12 @@ impl Tracker {
     }
 
     /// Whether anything is tracked.
-    pub fn tracks(&self) -> bool {
+    pub(crate) fn tracks(&self) -> bool {
         self.detector.is_some()
     }
 
     /// Forgets the transducer.
-    pub fn restart(&mut self) {
+    pub(crate) fn restart(&mut self) {
         self.motional = self.nominal;
         self.lock.restart(0.0);
         self.phase_loop.seed(0.0, f32::INFINITY);
@@ -238,7 +238,7 @@ impl Tracker {
     }
 
     /// The clamped branch, and the axis of the sensing chain.
-    pub fn branch(&self) -> &Motional {
+    pub(crate) fn branch(&self) -> &Motional {
         &self.motional
     }
 
@@ -335,7 +335,7 @@ impl Tracker {
     }
 
     /// Whether the frequency window stops it from going where it wants.
-    pub fn limited(&self) -> bool {
+    pub(crate) fn limited(&self) -> bool {
         match self.observed.as_ref().and_then(Observed::offset_hz) {
             Some(offset_hz) => offset_hz.abs() >= self.window_hz(),
             None => self.phase_loop.limited(),

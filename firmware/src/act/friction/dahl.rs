@@ -25,7 +25,7 @@
 //! An evaluation takes [`STEPS`] calls, about 400 instructions each, so that it can be spread over as many blocks.
 
 /// Calls of [`Evaluation::step`] that an evaluation takes.
-pub const STEPS: u32 = 6;
+pub(crate) const STEPS: u32 = 6;
 
 const FRAC_2_PI: f32 = core::f32::consts::FRAC_2_PI;
 const PI: f32 = core::f32::consts::PI;

@@ -37,18 +37,18 @@ const SMALL_STEP: f32 = 1e-3;
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Observation {
     /// Sliding speed, as measured or told, m/s.
-    pub speed_m_per_s: f32,
+    pub(crate) speed_m_per_s: f32,
     /// Tip velocity, by the nominal force factor, m/s.
-    pub tip_m_per_s: f32,
+    pub(crate) tip_m_per_s: f32,
     /// Friction over that without vibration.
-    pub ratio: f32,
+    pub(crate) ratio: f32,
 }
 
 /// A contact.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Contact {
     /// Dahl length Fc / Kt, m.
-    pub dahl_length_m: f32,
+    pub(crate) dahl_length_m: f32,
     /// Times the measured speed over the measured tip velocity is the velocity ratio.
     pub scale: f32,
     /// Standard deviation of the length, relative.

@@ -25,7 +25,7 @@ pub struct Solution {
     /// Velocity ratio Vt / Vv to drive at.
     pub xi: f32,
     /// The friction ratio there.
-    pub ratio: f32,
+    pub(crate) ratio: f32,
     /// The least friction ratio, that of the loudest drive; one without authority.
     pub floor: f32,
 }

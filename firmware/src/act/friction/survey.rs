@@ -27,11 +27,11 @@ const PLAUSIBLE: core::ops::Range<f32> = -0.05..1.05;
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Heard {
     /// Sliding speed, m/s.
-    pub speed_m_per_s: f32,
+    pub(crate) speed_m_per_s: f32,
     /// Tip velocity, by the nominal force factor, m/s.
-    pub tip_m_per_s: f32,
+    pub(crate) tip_m_per_s: f32,
     /// Friction, N; none without a sensor.
-    pub force_n: Option<f32>,
+    pub(crate) force_n: Option<f32>,
 }
 
 /// What is to be played meanwhile.
@@ -51,9 +51,9 @@ pub(crate) enum Play {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Found {
     /// The contact.
-    pub contact: Contact,
+    pub(crate) contact: Contact,
     /// Friction without vibration, N.
-    pub coulomb_n: f32,
+    pub(crate) coulomb_n: f32,
     /// Dead time of bursts, as a part of their period; zero where there are none.
     pub(crate) dead: f32,
 }

@@ -37,11 +37,11 @@ const LONGEST_STEP: f32 = 0.01;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Point {
     /// Offset from the nominal frequency, relative to it.
-    pub x: f32,
+    pub(crate) x: f32,
     /// The admittance.
-    pub y: Phasor,
+    pub(crate) y: Phasor,
     /// Its standard deviation, of either part.
-    pub deviation: f32,
+    pub(crate) deviation: f32,
 }
 
 /// A part of an admittance.
@@ -63,9 +63,9 @@ enum Stage {
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Solution {
     /// The elements.
-    pub elements: Elements,
+    pub(crate) elements: Elements,
     /// Their triangular factor.
-    pub triangle: Triangle<UNKNOWNS>,
+    pub(crate) triangle: Triangle<UNKNOWNS>,
     /// Root of what is left in the mean of the degrees of freedom, in standard deviations: one, if the model holds.
     pub(crate) misfit: f32,
 }

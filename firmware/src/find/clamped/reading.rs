@@ -13,7 +13,7 @@ pub struct Measured {
     /// The value.
     pub value: f32,
     /// Its standard deviation.
-    pub deviation: f32,
+    pub(crate) deviation: f32,
 }
 
 /// What the tones have told.

@@ -20,7 +20,7 @@ pub(crate) struct Choice {
     /// Middle of the window, and how far it goes to each side, Hz.
     pub(crate) window_hz: (f32, f32),
     /// Motional inductance, H.
-    pub nominal_lm_h: Option<f32>,
+    pub(crate) nominal_lm_h: Option<f32>,
 }
 
 impl Choice {

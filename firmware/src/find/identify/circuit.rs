@@ -20,26 +20,26 @@ pub(crate) struct Pole {
     /// Quality factor.
     pub q: f32,
     /// Admittance at the series resonance, S.
-    pub conductance: Phasor,
+    pub(crate) conductance: Phasor,
     /// What rings by itself, at the same place, A.
-    pub transient: Phasor,
+    pub(crate) transient: Phasor,
 }
 
 /// All resonances, and what is left without them.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Circuit {
     /// Middle of the window, Hz.
-    pub nominal_hz: f32,
+    pub(crate) nominal_hz: f32,
     /// The resonances.
-    pub poles: Vec<Pole, MOST_MODES>,
+    pub(crate) poles: Vec<Pole, MOST_MODES>,
     /// Resonances that are known from elsewhere: none of these is fitted, nor do they ring by themselves.
-    pub known: Vec<Pole, MOST_MODES>,
+    pub(crate) known: Vec<Pole, MOST_MODES>,
     /// Admittance of the clamped branch at the nominal frequency, S; its susceptance rises with frequency.
     pub y0: Phasor,
     /// Clamped capacitance by which it rises, F.
     pub c0_f: f32,
     /// What of the current is nobody's, A.
-    pub rest: Phasor,
+    pub(crate) rest: Phasor,
 }
 
 impl Circuit {

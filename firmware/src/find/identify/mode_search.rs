@@ -82,7 +82,7 @@ pub(crate) struct ModeSearch {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Told {
     /// Volts and amperes a step.
-    pub steps: (f32, f32),
+    pub(crate) steps: (f32, f32),
     /// Quality factor, within a factor of four.
     pub q: f32,
 }

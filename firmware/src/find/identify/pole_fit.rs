@@ -64,9 +64,9 @@ pub(crate) struct PoleFit {
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Solution {
     /// The circuit.
-    pub circuit: Circuit,
+    pub(crate) circuit: Circuit,
     /// How far the poles have moved, in parts of their width.
-    pub moved: f32,
+    pub(crate) moved: f32,
 }
 
 impl PoleFit {

@@ -11,9 +11,9 @@ const NONE: Phasor = Phasor::new(0.0, 0.0);
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Scatter<const N: usize> {
     /// Of the pole `w = j / Q`, `w = f / fs - fs / f`.
-    pub pole: [Phasor; N],
+    pub(crate) pole: [Phasor; N],
     /// Of the strength `G / Q = 1 / (ws Lm)`, relative.
-    pub strength: [Phasor; N],
+    pub(crate) strength: [Phasor; N],
     /// Of the clamped admittance, S.
     pub y0: [Phasor; N],
 }

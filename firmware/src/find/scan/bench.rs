@@ -39,7 +39,7 @@ pub(crate) fn front_end() -> FrontEnd {
 /// A branch: series resonance, Hz, quality factor, motional inductance, H.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Branch {
-    pub hz: f64,
+    pub(crate) hz: f64,
     pub q: f64,
     pub lm_h: f64,
 }
@@ -57,7 +57,7 @@ impl Branch {
 
 /// What is driven: source of one pole and some resistance, capacitance, branches; sampled at 1 Msps.
 pub(crate) struct Bench {
-    pub noise_lsb: f64,
+    pub(crate) noise_lsb: f64,
     noise: Noise,
     /// Amplifier, voltage, and two a branch.
     x: [f64; STATES],

@@ -28,13 +28,13 @@ const WANTED: (f32, f32) = (1e-4, 5e-7);
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Seen {
     /// Series resonance, Hz.
-    pub hz: f32,
+    pub(crate) hz: f32,
     /// The same, as an offset from the nominal frequency, Hz.
     pub offset_hz: f32,
     /// Quality factor.
     pub q: f32,
     /// Standard deviation of the resonance, Hz.
-    pub deviation_hz: f32,
+    pub(crate) deviation_hz: f32,
 }
 
 /// A pass.
@@ -47,7 +47,7 @@ pub(crate) struct Pass {
     /// Blocks from end to end.
     pub(crate) period_blocks: u32,
     /// How often.
-    pub repeats: u32,
+    pub(crate) repeats: u32,
 }
 
 impl Pass {

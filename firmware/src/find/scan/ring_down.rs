@@ -16,7 +16,7 @@ const IN_PHASE: (f32, u32) = (0.01, 8);
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct RingDown {
     /// The transducer.
-    pub transducer: Transducer,
+    pub(crate) transducer: Transducer,
     /// Its branch for tracking.
     pub motional: Motional,
     blocks: u32,

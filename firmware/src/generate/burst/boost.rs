@@ -171,12 +171,12 @@ impl Burst {
 
     /// Whether an edge is not what was asked for, because the limits leave too little for it, or because there is nothing to plan it by.
     #[inline]
-    pub fn limited(&self) -> bool {
+    pub(crate) fn limited(&self) -> bool {
         self.boosts && self.boost.as_ref().is_some_and(Boost::limited)
     }
 
     /// Whether the strokes that were planned are for this drive, V.
-    pub fn fits(&self, volts: f32) -> bool {
+    pub(crate) fn fits(&self, volts: f32) -> bool {
         self.boost.as_ref().is_none_or(|boost| boost.fits(volts))
     }
 
@@ -195,7 +195,7 @@ impl Burst {
     }
 
     /// Takes what was heard to ring in a block, as the steady drive that would hold it, V.
-    pub fn hear(&mut self, volts: f32) {
+    pub(crate) fn hear(&mut self, volts: f32) {
         if let Some(boost) = &mut self.boost {
             boost.ring.hear(volts);
         }
@@ -216,7 +216,7 @@ impl Burst {
     }
 
     /// Forgets what rings, of another transducer or of another time.
-    pub fn restart(&mut self) {
+    pub(crate) fn restart(&mut self) {
         if let Some(boost) = &mut self.boost {
             *boost = Boost::default();
         }

@@ -80,7 +80,7 @@ impl Schedule {
 
 impl Burst {
     /// Whether the schedule repeats a burst.
-    pub fn repeats(&self) -> bool {
+    pub(crate) fn repeats(&self) -> bool {
         matches!(self.schedule, Schedule::Periodic { .. })
     }
 

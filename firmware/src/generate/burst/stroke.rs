@@ -44,13 +44,13 @@ impl Stroke {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Strokes {
     /// Up and down; both are of even half cycles, or as many and odd.
-    pub up: Stroke,
+    pub(crate) up: Stroke,
     /// Down.
-    pub down: Stroke,
+    pub(crate) down: Stroke,
     /// Drive that they were made for, and the most that they may use, V.
     pub volts: f32,
     /// The most.
-    pub ceiling: f32,
+    pub(crate) ceiling: f32,
     /// The boost reaches the level.
     pub(crate) lands: bool,
     per_time_constant: f32,

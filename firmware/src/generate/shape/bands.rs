@@ -43,11 +43,11 @@ pub struct Bands {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Blend {
     /// The table with fewer harmonics.
-    pub lower: &'static Table,
+    pub(crate) lower: &'static Table,
     /// The table with more.
-    pub upper: &'static Table,
+    pub(crate) upper: &'static Table,
     /// The weight of the upper, 0 to 1.
-    pub weight: f32,
+    pub(crate) weight: f32,
 }
 
 impl Blend {

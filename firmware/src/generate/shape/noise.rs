@@ -72,7 +72,7 @@ pub struct Noise {
 
 impl Noise {
     /// Checks the band.
-    pub fn build(config: &Config) -> Result<Self, Error> {
+    pub(crate) fn build(config: &Config) -> Result<Self, Error> {
         let sample_hz = f64::from(config.sample_hz);
         let (low, high) = (f64::from(config.drive.noise_band_hz.0), f64::from(config.drive.noise_band_hz.1));
         Drive::NOISE_LOW_HZ.check_within(low, LOWEST * sample_hz, HIGHEST * sample_hz)?;
@@ -85,7 +85,7 @@ impl Noise {
 
     /// The next sample, -1 to 1.
     #[inline]
-    pub fn take(&mut self) -> f32 {
+    pub(crate) fn take(&mut self) -> f32 {
         let white = self.white.next() * self.scale;
         self.filter(white).clamp(-1.0, 1.0)
     }

@@ -16,7 +16,7 @@ pub struct Known {
 }
 
 /// The equivalent circuit, with deviations.
-pub fn circuit(observer: &Observer, nominal_hz: f32, known: &Known) -> Transducer {
+pub(crate) fn circuit(observer: &Observer, nominal_hz: f32, known: &Known) -> Transducer {
     let mut learning = Learning::default();
     learning.begin(observer, nominal_hz, known);
     while !learning.is_over() {

@@ -10,13 +10,13 @@ pub struct Spread {
     /// Of the pole, both parts, rad².
     pole: f32,
     /// Of the inductance, relative.
-    pub strength: f32,
+    pub(crate) strength: f32,
     hz_per_radian: f32,
 }
 
 impl Spread {
     /// Standard deviation of the resonance, Hz.
-    pub fn deviation_hz(&self) -> f32 {
+    pub(crate) fn deviation_hz(&self) -> f32 {
         libm::sqrtf(0.5 * self.pole) * self.hz_per_radian
     }
 }
@@ -28,7 +28,7 @@ impl Observer {
     }
 
     /// Where the resonance will be when the block plays that is decided on now, as an offset from the nominal frequency, Hz.
-    pub fn ahead_hz(&self) -> f32 {
+    pub(crate) fn ahead_hz(&self) -> f32 {
         (self.pole.im + AHEAD_BLOCKS * self.rate) * self.hz_per_radian
     }
 
@@ -38,7 +38,7 @@ impl Observer {
     }
 
     /// How well it knows what it knows, of which deviations are the roots.
-    pub fn spread(&self) -> Spread {
+    pub(crate) fn spread(&self) -> Spread {
         Spread { pole: self.covariance.pole, strength: self.covariance.strength, hz_per_radian: self.hz_per_radian }
     }
 
@@ -61,14 +61,14 @@ impl Observer {
     }
 
     /// Whether a motional current is above `part` of what a voltage, V, would drive in steady state: `V / Rm`, `Rm = 2 alpha Lm`.
-    pub fn rings(&self, current: Phasor, part: f32, volts: f32) -> bool {
+    pub(crate) fn rings(&self, current: Phasor, part: f32, volts: f32) -> bool {
         let drop = self.pole.re * self.ohm_per_pole;
         let most = part * volts * self.strength;
         current.norm_sqr() * drop * drop > most * most
     }
 
     /// Damping `alpha`, 1/s.
-    pub fn damping(&self) -> f32 {
+    pub(crate) fn damping(&self) -> f32 {
         -self.pole.re / self.block_s
     }
 
@@ -89,7 +89,7 @@ impl Observer {
     }
 
     /// Times the gate has opened; wraps.
-    pub fn opened(&self) -> u32 {
+    pub(crate) fn opened(&self) -> u32 {
         self.opened
     }
 }
