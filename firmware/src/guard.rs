@@ -4,7 +4,7 @@
 //! |---|---|---|
 //! | `electrical` | voltage, current, lost blocks | faults 11, 20, 21, 23, 28 |
 //! | [`weld`] | whether the belt moves, what its force says, energy for each metre | mutes (limit 101); faults 40 to 43, 46 |
-//! | [`heat`] | temperature of board and stack, mean power | derates (limit 100); fault 44 |
+//! | `heat` | temperature of board and stack, mean power | derates (limit 100); fault 44 |
 //! | [`on_time`] | how long the drive is ON | fault 45 |
 //!
 //! Each looks at every block and names what it finds; the first of them is reported. A board without such sensors and limits pays for

@@ -2,8 +2,8 @@
 //!
 //! Vibration along the motion lowers the mean friction of a sliding contact. By how much is told by the [law](dahl), and the drive that does it
 //! by its [inverse]; the amplitude loop holds the motional current that belongs to it: tip velocity times force factor, which is told
-//! as nominal. What the contact is, nobody tells: a [survey] measures its friction in silence and at three amplitudes and
-//! [fits](fit) it. Where the law is steep, bursts take the place of the amplitude ([regime]).
+//! as nominal. What the contact is, nobody tells: a `survey` measures its friction in silence and at three amplitudes and
+//! fits it. Where the law is steep, bursts take the place of the amplitude (`regime`).
 //!
 //! ```text
 //! wanted ratio -> inverse law -> regime -> amplitude, gate, ON time of bursts -> amplitude loop and burst

@@ -14,7 +14,7 @@ use serde::{Deserialize, Serialize};
 pub const VERSION: u8 = 2;
 
 /// The longest frame, stuffed, with its zero.
-pub(crate) const MAX_FRAME: usize = 256;
+pub const MAX_FRAME: usize = 256;
 
 /// Room for a frame before stuffing: COBS adds one byte in 254, and the zero is not part of it.
 const MAX_PLAIN: usize = MAX_FRAME - 3;

@@ -31,7 +31,7 @@ use crate::seam::telemetry::Telemetry;
 use wire::{put, put_drive, put_sense, take, take_drive, take_sense};
 
 /// The longest record, with its length.
-pub(crate) const MAX_RECORD: usize = 1024;
+pub const MAX_RECORD: usize = 1024;
 
 /// The longest reason for a refusal, in bytes.
 pub(crate) const MAX_REASON: usize = 192;

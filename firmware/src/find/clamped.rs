@@ -11,7 +11,7 @@
 //!
 //! Eight tones, four on each side of the window in which the resonance may be, each of 200 periods. The stack hears each tone rise and fall; what
 //! its start leaves ringing at the resonance is beside the tone, and a Hann window over the tone does not see it: nothing waits for a ring-down,
-//! whatever Q is. A [model] of the whole admittance is then [fitted](mod@fit), one admittance a block, while the drive is silent.
+//! whatever Q is. A `model` of the whole admittance is then fitted, one admittance a block, while the drive is silent.
 //!
 //! What images of the DAC add to C0 changes with the frequency; between both sides it is right at the resonance. A second resonance that one
 //! cannot explain is fitted as such; what then is left makes the stated deviations larger.

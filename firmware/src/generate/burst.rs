@@ -7,7 +7,7 @@
 //!   sampling and rounding leave, the [shaper](crate::generate::shaper) pays back).
 //! * soft: the envelope follows the gate along a ramp, which an opposite order turns round: `envelope = (1 - cos(pi ramp)) / 2`.
 //!
-//! * boost: by whole half cycles of louder drive up, and of drive against what rings down, as fast as the limits allow ([`boost`]).
+//! * boost: by whole half cycles of louder drive up, and of drive against what rings down, as fast as the limits allow (`boost`).
 //!
 //! A burst that is ended by a brake goes on for some half cycles against its own phase, so that what it has rung up is rung down.
 

@@ -3,8 +3,8 @@
 //! | shape | is made | file |
 //! |---|---|---|
 //! | sine | from one rotating phasor, for all lanes | [`sine`] |
-//! | square, sawtooth | by tables of one period, each the sum of as many harmonics as the sample rate carries | [`square`], [`sawtooth`], [`bands`] |
-//! | noise | by a filter, from random numbers | [`noise`] |
+//! | square, sawtooth | by tables of one period, each the sum of as many harmonics as the sample rate carries | `square`, `sawtooth`, `bands` |
+//! | noise | by a filter, from random numbers | `noise` |
 
 pub(crate) mod bands;
 pub(crate) mod noise;

@@ -1,4 +1,4 @@
-//! Time to frequency. [`hold`]: the frequency stays where it was put until the scan, the tracker or an order moves it. [`chirp`]: it moves by
+//! Time to frequency. [`hold`]: the frequency stays where it was put until the scan, the tracker or an order moves it. `chirp`: it moves by
 //! itself, between two frequencies or about the one that is held. Nothing here ever breaks the phase.
 
 pub(crate) mod chirp;

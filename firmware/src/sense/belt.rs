@@ -1,7 +1,7 @@
 //! The belt, as its encoder tells it: how far it has paid out, how fast it is, and whether what lies under the tip is new.
 //!
 //! Payout is counts times metres a count. **New ground** is a count further out than the belt has been since it was last drawn back by
-//! [`PLAY_M`]: a belt that swings to and fro by less than that stays where it is, as far as the heat in it goes.
+//! `PLAY_M`: a belt that swings to and fro by less than that stays where it is, as far as the heat in it goes.
 //!
 //! Speed is the counts between two edges over the time between them, `v = m (c2 - c1) / (t2 - t1)`, with the edges 5 ms apart, or 200
 //! counts if those come sooner: an edge is known to a block, so that the speed is known to 0.6 % (32 us in 5 ms) or 0.5 %. A belt of which

@@ -1,7 +1,7 @@
 //! Phasors to frequency: keeps the drive at the resonance while it moves.
 //!
 //! The motional current is taken out of the total ([`Motional`]). The [`observer`] tells the resonance from how it changes, as far as it is
-//! [believed](observed); or the phase of one of the two currents is driven to zero by [`phase_loop`], and [`lock_detector`] says whether to
+//! believed; or the phase of one of the two currents is driven to zero by `phase_loop`, and `lock_detector` says whether to
 //! believe that. The motional phase, of which the observer knows nothing, is also the judge of the observer. In between the tracker decides
 //! when there is any phase to hear: not while the envelope is at an edge or the stack rings up, and not when it does not ring at all.
 
@@ -250,7 +250,7 @@ impl Tracker {
         motional_current * Phasor::new(1.0, self.turn_per_hz * detune_hz)
     }
 
-    /// Follows one block. `at_lock_point` is its motional current [at the lock point](Self::at_lock_point). Returns the phase that is driven to
+    /// Follows one block. `at_lock_point` is its motional current at the lock point. Returns the phase that is driven to
     /// zero, which is zero where nothing was heard.
     pub fn follow(&mut self, sensed: &Sensed, motional_current: Phasor, at_lock_point: Phasor, heard: &Heard) -> Turns {
         let Some(detector) = self.detector else { return Turns(0.0) };

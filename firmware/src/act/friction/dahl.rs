@@ -22,7 +22,7 @@
 //! kappa from zero to infinity. Nothing cancels: `(1 - cos u) / u^2` and `(u - sin u) / u^3` are power series, and differences of exponentials
 //! are `expm1`. Its error against the closed form in f64 is what the tests state.
 //!
-//! An evaluation takes [`STEPS`] calls, about 400 instructions each, so that it can be spread over as many blocks.
+//! An evaluation takes `STEPS` calls, about 400 instructions each, so that it can be spread over as many blocks.
 
 /// Calls of [`Evaluation::step`] that an evaluation takes.
 pub(crate) const STEPS: u32 = 6;

@@ -4,7 +4,7 @@
 //! E(n + 1) = max(0, E(n) + P T - e dx),    P = Re(V I*) / 2
 //! ```
 //!
-//! with the new ground `dx` of the block. Over any stretch of belt the drive then gets at most `e (dx + L)`, where `L` is [`CONTACT_M`],
+//! with the new ground `dx` of the block. Over any stretch of belt the drive then gets at most `e (dx + L)`, where `L` is `CONTACT_M`,
 //! the contact's own length: more is a fault. A belt that stands gets `e L` in all, and a belt slower than `P / e` not much more. It rests
 //! on the encoder: what an encoder that lies allows is for the force channel to see, and for `limits.on_time_s` to end.
 
