@@ -1,15 +1,17 @@
 //! The observer with the plant behind the converters: cold starts, loads that change, locks that are lost, and what breaks.
 
-use firmware::demod::Sensed;
-use firmware::motional::Motional;
-use firmware::phasor::Phasor;
-use firmware::supervisor::{Fault, Limit, Mode};
-use firmware::tracker::identified::Known;
-use firmware::tracker::observer::Prior;
-use firmware::tracker::{Heard, State, Tracker};
+use firmware::seam::fault::{Fault, Limit};
+use firmware::seam::mode::Mode;
+use firmware::seam::phasor::Phasor;
+use firmware::sense::demod::Sensed;
+use firmware::sense::motional::Motional;
+use firmware::track::tracker::identified::Known;
+use firmware::track::tracker::observer::Prior;
+use firmware::track::tracker::{Heard, State, Tracker};
 use scene::load::load;
 use scene::settings;
-use sim::metrics::{Metrics, driven};
+use sim::instruments::measure;
+use sim::metrics::Metrics;
 use sim::record::{Record, Row};
 use sim::run::{Watch, run};
 
@@ -21,7 +23,7 @@ fn observed(changes: &[&str]) -> (Record, Metrics) {
     let scene = load("lock", &sets).unwrap_or_else(|error| panic!("{error}")).scene;
     let scene = scene.driven().unwrap();
     let record = run(&scene, Watch::default()).unwrap();
-    let metrics = driven::of(&scene, &record);
+    let metrics = measure(&scene, &record);
     (record, metrics)
 }
 

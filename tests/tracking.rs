@@ -1,14 +1,16 @@
 //! Scan and lock, with the plant behind the converters: what the motional phase can do that the V-I phase cannot.
 
-use firmware::block::{Gate, Orders, Request};
 use firmware::controller::Controller;
-use firmware::supervisor::{Fault, Limit, Mode};
-use firmware::telemetry::Telemetry;
+use firmware::seam::block::{Gate, Orders, Request};
+use firmware::seam::fault::{Fault, Limit};
+use firmware::seam::mode::Mode;
+use firmware::seam::telemetry::Telemetry;
 use hal_mock::block_clock::BlockClock;
 use plant::Plant;
 use scene::load::load;
 use scene::settings;
-use sim::metrics::{Metrics, driven};
+use sim::instruments::measure;
+use sim::metrics::Metrics;
 use sim::record::Record;
 use sim::run::{Watch, run};
 
@@ -119,7 +121,7 @@ fn lock(changes: &[&str]) -> (Record, Metrics) {
     let scene = load("lock", &sets).unwrap_or_else(|error| panic!("{error}")).scene;
     let scene = scene.driven().unwrap();
     let record = run(&scene, Watch::default()).unwrap();
-    let metrics = driven::of(&scene, &record);
+    let metrics = measure(&scene, &record);
     (record, metrics)
 }
 

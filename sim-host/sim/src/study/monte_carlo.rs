@@ -19,9 +19,10 @@ use self::draw::{Draw, Draws};
 use self::error::Grid;
 use super::driven::Level;
 use super::{Options, Start, StudyError, cell, driven};
-use crate::metrics::driven::lock_claims;
-use crate::metrics::over_runs::{self, OverRuns};
-use crate::metrics::{Metrics, contact};
+use crate::instruments::lock::claims;
+use crate::instruments::runs::statistics::{self, Statistics};
+use crate::instruments::{View, contact};
+use crate::metrics::Metrics;
 use crate::record::text_hash;
 use scene::Kind;
 use scene::load::{Loaded, Template};
@@ -156,7 +157,7 @@ pub(super) fn conduct(loaded: &Loaded, options: Options, stop: &AtomicBool) -> R
     let runs = (1..=scene.runs).into_par_iter().map(one).collect::<Result<Vec<_>, StudyError>>()?;
     let runs: Vec<OneRun> = runs.into_iter().flatten().collect();
     let wall_s = clock.zip(began).map(|(clock, began)| (clock() - began).as_secs_f64());
-    let OverRuns { mut metrics, endless } = over_runs::of(runs.iter().map(|run| &run.metrics));
+    let Statistics { mut metrics, endless } = statistics::of(runs.iter().map(|run| &run.metrics));
     metrics.put("runs_completed", runs.len() as f64);
     if scene.driven().is_some() {
         metrics.put("runs_locked", runs.iter().filter(|run| run.locked).count() as f64);
@@ -193,13 +194,19 @@ impl Bench<'_> {
                 if record.interrupted {
                     return Ok(None);
                 }
-                let locked = lock_claims::of(&scene, &record).is_some_and(|claims| claims.true_lock);
+                let locked = claims::of(&View::new(&scene, &record)).is_some_and(|claims| claims.true_lock);
                 let error_hz = self.grid.as_ref().map_or_else(Vec::new, |grid| grid.errors_hz(&scene, &record));
                 OneRun { draw, metrics: metrics.without(WALL), locked, drive_hash: Some(record.drive_hash), error_hz }
             }
             Kind::Excited(scene) => {
                 let metrics = super::contact::cell(&scene, self.stop).map_err(cell::empty(&place()))?;
-                OneRun { draw, metrics: metrics.without(contact::WALL), locked: false, drive_hash: None, error_hz: Vec::new() }
+                OneRun {
+                    draw,
+                    metrics: metrics.without(contact::metrics::WALL),
+                    locked: false,
+                    drive_hash: None,
+                    error_hz: Vec::new(),
+                }
             }
         };
         // A contact study that is stopped has no metrics, and a run that had just ended is left out with it.
