@@ -2,7 +2,8 @@
 
 use contact::empirical::{EmpiricalLaw, reached};
 use scene::load::load;
-use sim::metrics::{Metrics, driven};
+use sim::instruments::measure;
+use sim::metrics::Metrics;
 use sim::run::{Watch, run};
 
 const LAG_S: f64 = 0.45;
@@ -11,7 +12,7 @@ fn experiment(changes: &[&str]) -> Metrics {
     let sets: Vec<String> = changes.iter().map(|&set| set.to_owned()).collect();
     let scene = load("experiment-2", &sets).unwrap_or_else(|error| panic!("{error}")).scene;
     let scene = scene.driven().unwrap();
-    driven::of(&scene, &run(&scene, Watch::default()).unwrap())
+    measure(&scene, &run(&scene, Watch::default()).unwrap())
 }
 
 fn metric(metrics: &Metrics, name: &str) -> f64 {

@@ -2,7 +2,8 @@
 //! volt-seconds cancel to the last code; and what the tracker makes of them.
 
 use scene::load::{load, load_text};
-use sim::metrics::{Metrics, driven};
+use sim::instruments::measure;
+use sim::metrics::Metrics;
 use sim::record::Record;
 use sim::run::{Watch, run};
 
@@ -11,7 +12,7 @@ fn boosted(changes: &[String]) -> (Record, Metrics) {
     let loaded = load("burst", changes).unwrap_or_else(|error| panic!("{error}"));
     let scene = loaded.scene.driven().unwrap();
     let record = run(&scene, Watch::default()).unwrap();
-    let metrics = driven::of(&scene, &record);
+    let metrics = measure(&scene, &record);
     (record, metrics)
 }
 

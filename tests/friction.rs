@@ -1,7 +1,8 @@
 //! Friction through the whole chain, against numbers that do not come from this code.
 
 use scene::load::load;
-use sim::metrics::{Metrics, driven};
+use sim::instruments::measure;
+use sim::metrics::Metrics;
 use sim::run::{Watch, run};
 
 fn experiment(changes: &[&str]) -> Metrics {
@@ -9,7 +10,7 @@ fn experiment(changes: &[&str]) -> Metrics {
     let sets: Vec<String> = short.iter().chain(changes).map(|&set| set.to_owned()).collect();
     let scene = load("experiment-1", &sets).unwrap_or_else(|error| panic!("{error}")).scene;
     let scene = scene.driven().unwrap();
-    driven::of(&scene, &run(&scene, Watch::default()).unwrap())
+    measure(&scene, &run(&scene, Watch::default()).unwrap())
 }
 
 /// A separate study of the coupled equations (ideal source of 3 V, no weight but the load, relocked by the motional phase):

@@ -8,9 +8,10 @@ use firmware::friction::dahl::{coulomb, friction_ratio};
 use firmware::friction::inverse::solve;
 use firmware::refusal::Refusal;
 use scene::load::load;
-use sim::metrics::driven::View;
-use sim::metrics::driven::switch::Step;
-use sim::metrics::{Metrics, driven};
+use sim::instruments::View;
+use sim::instruments::friction_switch::Step;
+use sim::instruments::measure;
+use sim::metrics::Metrics;
 use sim::record::Record;
 use sim::run::{Watch, run};
 
@@ -85,7 +86,7 @@ fn switched(changes: &[&str]) -> (Metrics, Vec<Step>, Record) {
     let loaded = load("friction-ratio", &sets).unwrap_or_else(|error| panic!("{error}"));
     let scene = loaded.scene.driven().unwrap();
     let record = run(&scene, Watch::default()).unwrap();
-    (driven::of(&scene, &record), View::new(&scene, &record).steps(&scene), record)
+    (measure(&scene, &record), View::new(&scene, &record).steps(), record)
 }
 
 /// The encoder's speed counts, not the one that is told.
@@ -135,7 +136,7 @@ fn without_a_force_channel_it_goes_by_what_it_was_told() {
     let loaded = scene::load::load_text("without", &text, &sets).unwrap_or_else(|error| panic!("{error}"));
     let scene = loaded.scene.driven().unwrap();
     let record = run(&scene, Watch::default()).unwrap();
-    let steps = View::new(&scene, &record).steps(&scene);
+    let steps = View::new(&scene, &record).steps();
     assert!(record.rows.last().unwrap().friction.is_some_and(|belief| !belief.identified));
     assert!(steps[0].error().abs() < 0.01, "{steps:?}");
 }

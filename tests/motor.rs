@@ -1,7 +1,8 @@
 //! The four-phase motor under the real controller: which way it turns, how fast, and how it starts and stops.
 
 use scene::load::load;
-use sim::metrics::{Metrics, driven};
+use sim::instruments::measure;
+use sim::metrics::Metrics;
 use sim::run::{Watch, run};
 
 /// The metrics of the scene `usm` with changes, without a load.
@@ -9,7 +10,7 @@ fn usm(changes: &[&str]) -> Metrics {
     let sets: Vec<String> = ["rig.rotor.torque_nm=0"].iter().chain(changes).map(|&set| set.to_owned()).collect();
     let scene = load("usm", &sets).unwrap_or_else(|error| panic!("{error}")).scene;
     let scene = scene.driven().unwrap();
-    let metrics = driven::of(&scene, &run(&scene, Watch::default()).unwrap());
+    let metrics = measure(&scene, &run(&scene, Watch::default()).unwrap());
     assert_eq!(metrics.get("fault_code"), Some(0.0), "{changes:?}");
     metrics
 }

@@ -9,7 +9,8 @@ use firmware::tracker::observer::Prior;
 use firmware::tracker::{Heard, State, Tracker};
 use scene::load::load;
 use scene::settings;
-use sim::metrics::{Metrics, driven};
+use sim::instruments::measure;
+use sim::metrics::Metrics;
 use sim::record::{Record, Row};
 use sim::run::{Watch, run};
 
@@ -21,7 +22,7 @@ fn observed(changes: &[&str]) -> (Record, Metrics) {
     let scene = load("lock", &sets).unwrap_or_else(|error| panic!("{error}")).scene;
     let scene = scene.driven().unwrap();
     let record = run(&scene, Watch::default()).unwrap();
-    let metrics = driven::of(&scene, &record);
+    let metrics = measure(&scene, &record);
     (record, metrics)
 }
 

@@ -8,7 +8,8 @@ use hal_mock::block_clock::BlockClock;
 use plant::Plant;
 use scene::load::load;
 use scene::settings;
-use sim::metrics::{Metrics, driven};
+use sim::instruments::measure;
+use sim::metrics::Metrics;
 use sim::record::Record;
 use sim::run::{Watch, run};
 
@@ -119,7 +120,7 @@ fn lock(changes: &[&str]) -> (Record, Metrics) {
     let scene = load("lock", &sets).unwrap_or_else(|error| panic!("{error}")).scene;
     let scene = scene.driven().unwrap();
     let record = run(&scene, Watch::default()).unwrap();
-    let metrics = driven::of(&scene, &record);
+    let metrics = measure(&scene, &record);
     (record, metrics)
 }
 

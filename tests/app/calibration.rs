@@ -12,7 +12,8 @@ use firmware::units::{Hertz, Turns};
 use hal_mock::bench::{Bench, Queues, Setup};
 use hal_mock::flash::Flash;
 use scene::load::load;
-use sim::metrics::{Metrics, driven};
+use sim::instruments::measure;
+use sim::metrics::Metrics;
 use sim::run::Watch;
 
 use super::bank::{Bank, THESIS, tone_of};
@@ -317,7 +318,7 @@ fn motor(changes: &[&str]) -> Metrics {
     let scene = scene.driven().expect("a driven scene");
     let record = sim::run::run(&scene, Watch::default()).unwrap();
     assert_eq!((record.last.mode, record.last.fault), (Mode::Run, None), "{changes:?}");
-    driven::of(&scene, &record)
+    measure(&scene, &record)
 }
 
 #[test]

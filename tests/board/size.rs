@@ -140,7 +140,7 @@ fn the_image_keeps_within_its_budgets() {
 /// What is left out by default can be had: all of it fits beside the settings, and its hot code into the core-coupled RAM (or it would not link).
 #[test]
 fn an_image_with_every_part_of_the_controller_fits_too() {
-    let Some(bytes) = image("firmware/waveforms,firmware/friction") else { return };
+    let Some(bytes) = image("sonoglide-firmware/waveforms,sonoglide-firmware/friction") else { return };
     let taken = Taken::by(&sections(&object::File::parse(&*bytes).expect("an ELF file")));
     println!("with every part: {} bytes of flash, {} of core-coupled RAM, {} of RAM", taken.flash, taken.ccmram, taken.ram);
     assert!(taken.flash <= BANK && taken.ram <= RAM, "{} {}", taken.flash, taken.ram);
@@ -160,6 +160,7 @@ fn by_part(file: &object::File) {
     for (size, name) in symbols(file, &[0x08, 0x10]) {
         // The method of a trait belongs to the type that has it: `_$LT$firmware..a..B$u20$as$u20$…`.
         let name = name.strip_prefix("_$LT$").map_or(name.clone(), |of| of.replace("..", "::"));
+        let name = name.strip_prefix("sonoglide_").unwrap_or(&name);
         let depth = if name.starts_with("firmware::") { 2 } else { 1 };
         *parts.entry(name.split("::").take(depth).collect::<Vec<_>>().join("::")).or_default() += size;
     }

@@ -149,7 +149,7 @@ impl Loop {
                 ..Figure::default()
             },
         ];
-        let footer = vec![("sim-host".into(), sim::findings::VERSION.to_owned())];
+        let footer = vec![("sim-host".into(), sim::VERSION.to_owned())];
         Ok(report::write(&Report { title: "Scan".into(), figures, footer, ..Report::default() }, dir)?)
     }
 }

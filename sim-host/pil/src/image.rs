@@ -30,7 +30,15 @@ pub fn missing() -> Option<String> {
                 .into(),
         );
     }
-    if env::var_os(IMAGE_VARIABLE).is_some() || has_core_library() {
+    if env::var_os(IMAGE_VARIABLE).is_some() {
+        return None;
+    }
+    if !Path::new(WORKSPACE).join("firmware/boards/qemu-m4").is_dir() {
+        return Some(format!(
+            "the source of the image is not here; run in a checkout of Sonoglide (`cargo run --release --`), or name a built image by {IMAGE_VARIABLE}"
+        ));
+    }
+    if has_core_library() {
         return None;
     }
     Some(format!("the core library for {TARGET} is not installed; install it with `rustup target add {TARGET}`"))
@@ -86,7 +94,7 @@ pub fn test_image() -> Result<PathBuf, PilError> {
 
 /// Builds one image of the package `qemu-m4`.
 fn build(image: &str) -> Result<PathBuf, PilError> {
-    let (folder, _) = cargo(&["-p", "qemu-m4", "--bin", image])?;
+    let (folder, _) = cargo(&["-p", "sonoglide-qemu-m4", "--bin", image])?;
     Ok(folder.join(TARGET).join("release").join(image))
 }
 

@@ -18,9 +18,9 @@ use rayon::prelude::*;
 
 use self::cases::Case;
 use scene::load::LoadError;
+use sim::instruments::friction_switch::Step;
+use sim::instruments::{View, measure};
 use sim::metrics::Metrics;
-use sim::metrics::driven::switch::Step;
-use sim::metrics::driven::{self, View};
 use sim::run::{RunError, Watch, run};
 
 /// How far a ratio may be off.
@@ -69,5 +69,5 @@ fn one(case: Case) -> Result<Found, Trouble> {
     let loaded = case.load().map_err(|error| Trouble::Scene(case.name(), error))?;
     let Some(scene) = loaded.scene.driven() else { return Ok(Found { case, steps: Vec::new(), metrics: Metrics::default() }) };
     let record = run(&scene, Watch::default()).map_err(|error| Trouble::Run(case.name(), error))?;
-    Ok(Found { case, steps: View::new(&scene, &record).steps(&scene), metrics: driven::of(&scene, &record) })
+    Ok(Found { case, steps: View::new(&scene, &record).steps(), metrics: measure(&scene, &record) })
 }

@@ -24,7 +24,7 @@ use rayon::prelude::*;
 use self::cases::{EVENTS, Event, LIES, Lie, Passage, RIPPLES};
 use self::rig::{Plan, Rig};
 use scene::load::LoadError;
-use sim::metrics::over_runs::{Spread, spread_of};
+use sim::instruments::runs::statistics::{Spread, spread_of};
 
 /// How much is run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -1,49 +1,9 @@
-//! The scenes that come with the program.
+//! The scenes that come with the program: every file of the folder `scenes`.
 
-macro_rules! scenes {
-    ($($name:literal),+ $(,)?) => {
-        &[$(($name, include_str!(concat!("../scenes/", $name, ".toml")))),+]
-    };
-}
+/// Listed by the build script.
+const SCENES: &[(&str, &str)] = include!(concat!(env!("OUT_DIR"), "/scenes.rs"));
 
-const SCENES: &[(&str, &str)] = scenes![
-    "experiment-1",
-    "experiment-1-fast",
-    "experiment-1-fitted",
-    "experiment-2",
-    "experiment-2-heavy",
-    "friction-ratio",
-    "friction-burst",
-    "contact",
-    "contact-kinematic",
-    "contact-normal",
-    "lock",
-    "lock-cold",
-    "lock-load",
-    "lock-welder",
-    "lock-any",
-    "lock-step",
-    "lock-drift",
-    "burst",
-    "waveforms",
-    "waveforms-fast",
-    "transducer-smbltd45f40h-1",
-    "transducer-smbltd45f40h-2",
-    "transducer-gb-4540-4sh",
-    "transducer-skymen-60w",
-    "transducer-smbltd45f28h",
-    "transducer-ma40s4s",
-    "belt-stop",
-    "belt-stop-stuck",
-    "belt-stop-lost",
-    "belt-stop-lies",
-    "belt-stop-slow",
-    "usm",
-    "usm-miscalibrated",
-    "dring-crash"
-];
-
-/// Name and text of every built-in scene.
+/// Name and text of every built-in scene, in alphabetical order.
 pub fn all() -> &'static [(&'static str, &'static str)] {
     SCENES
 }

@@ -162,6 +162,12 @@ pub fn is_known(name: &str) -> bool {
     NAMES.contains(&name) || of_one_run(name).is_some()
 }
 
+/// The place of a metric in the order of [`NAMES`]; a percentile and a maximum come after their metric, and unknown names last.
+pub fn rank(name: &str) -> usize {
+    let place = |name: &str| NAMES.iter().position(|known| *known == name);
+    place(name).or_else(|| place(of_one_run(name)?)).unwrap_or(NAMES.len())
+}
+
 /// The metric of one run that a percentile or maximum of several is made of.
 pub fn of_one_run(name: &str) -> Option<&'static str> {
     OF_RUNS.iter().find(|of| of.p95 == name || of.max == name).map(|of| of.name)

@@ -7,7 +7,7 @@
 //!   |                                     | v
 //!   +------------------------------> plant (stack, contact, rig) --> record ---+
 //!                                                                              v
-//! scene [excitation] --> problem --> contact (solved by itself) --> film --> metrics --> study --> findings, figures --> report
+//! scene [excitation] --> problem --> contact (solved by itself) --> film --> instruments (metrics, tables, figures) --> report
 //! ```
 //!
 //! # Example
@@ -32,8 +32,7 @@ pub mod advice;
 pub mod bounds;
 pub mod cramer_rao;
 pub mod edge_meter;
-pub mod figures;
-pub mod findings;
+pub mod instruments;
 pub mod metrics;
 #[cfg(feature = "files")]
 pub mod output;
@@ -43,4 +42,8 @@ pub mod run;
 pub mod schedule;
 pub mod study;
 pub mod swing;
+pub mod tables;
 pub mod trace;
+
+/// Version of this program.
+pub const VERSION: &str = env!("CARGO_PKG_VERSION");

@@ -1,9 +1,7 @@
-//! Numbers from a study. Names are a contract (units last); what cannot be said of a study is left out, never zero. What each one
-//! means stands in [`driven`] and [`contact`], and what several runs make of it in [`over_runs`].
+//! Numbers from a study. Names are a contract (units last); what cannot be said of a study is left out, never zero. What each one means
+//! stands with the [instrument](crate::instruments) that measures it.
 
-pub mod contact;
-pub mod driven;
-pub mod over_runs;
+use scene::metric_names::rank;
 
 /// Named numbers, in the order of [`NAMES`](scene::metric_names::NAMES).
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -28,7 +26,8 @@ impl Metrics {
 
     pub(crate) fn put(&mut self, name: &'static str, value: impl Into<Option<f64>>) {
         if let Some(value) = value.into().filter(|value| value.is_finite()) {
-            self.0.push((name, value));
+            let place = self.0.partition_point(|(other, _)| rank(other) <= rank(name));
+            self.0.insert(place, (name, value));
         }
     }
 }

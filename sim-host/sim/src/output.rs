@@ -11,10 +11,10 @@ use std::path::{Path, PathBuf};
 
 use serde_json::{Value, json};
 
-use crate::findings;
 use crate::record::text_hash;
 use crate::study::contact::Answer;
 use crate::study::{Outcome, Study};
+use crate::tables;
 use report::{self, ReportError};
 use scene::load::Loaded;
 use scene::resolved::resolved_json;
@@ -119,8 +119,8 @@ fn with_own(mut of: Value, study: &Study) -> Value {
 /// The manifest: everything that the run depended on.
 fn manifest(loaded: &Loaded, study: &Study) -> Value {
     let manifest = json!({
-        "program": "sim-host", "version": findings::VERSION, "scene": study.name, "seed": study.scene.seed,
-        "level": findings::level(study), "input_hash": format!("{:016x}", text_hash(&loaded.input)), "set": loaded.sets,
+        "program": "sim-host", "version": crate::VERSION, "scene": study.name, "seed": study.scene.seed,
+        "level": tables::level(study), "input_hash": format!("{:016x}", text_hash(&loaded.input)), "set": loaded.sets,
         "interrupted": study.interrupted, "complete": !study.interrupted, "resolved_scene": resolved_json(study.scene),
     });
     with_own(manifest, study)
@@ -140,6 +140,6 @@ pub fn write_into(loaded: &Loaded, study: &Study, folder: &Folder) -> Result<(),
         Some(runs) => runs_file::write(runs, &dir.join("runs.csv")).map_err(OutputError::Runs)?,
         None => trace_file::write(study, &dir.join("trace.csv"))?,
     }
-    report::write(&findings::report(study), dir)?;
+    report::write(&tables::report(study), dir)?;
     folder.finish(manifest(loaded, study))
 }

@@ -17,7 +17,7 @@ use sim::processor::Processor;
 use sim::run::RunError;
 use sim::study::monte_carlo::draw::Draws;
 use sim::study::{self, Options, Start, Study, StudyError};
-use sim::{findings, output};
+use sim::{output, tables};
 
 /// Set by Ctrl-C, and by any other request to end.
 static STOP: AtomicBool = AtomicBool::new(false);
@@ -119,22 +119,22 @@ fn emulated(image: &Path, config: &Config) -> Result<Box<dyn Processor>, RunErro
 fn human(study: &Study, args: &RunArgs, color: Color) -> String {
     let mut text = format!("{}\n\n", study.scene.title);
     if study.interrupted {
-        text += &format!("INTERRUPTED after {}: what follows is of that part only.\n\n", findings::reached(study));
+        text += &format!("INTERRUPTED after {}: what follows is of that part only.\n\n", tables::reached(study));
     }
-    for remark in findings::remarks(study) {
+    for remark in tables::remarks(study) {
         text += &format!("{remark}\n\n");
     }
-    let headline: Vec<String> = findings::headline(study).iter().map(|(label, value)| format!("{label} {value}")).collect();
+    let headline: Vec<String> = tables::headline(study).iter().map(|(label, value)| format!("{label} {value}")).collect();
     text += &format!("{}\n\n", headline.join(" | "));
-    if let Some(modes) = findings::modes(study).filter(|_| args.verbose) {
+    if let Some(modes) = tables::modes(study).filter(|_| args.verbose) {
         text += &format!("{modes}\n");
     }
-    let mut tables = findings::tables(study);
+    let mut tables = tables::tables(study);
     if args.verbose || study.judged.is_empty() {
-        tables.push(findings::all_metrics(study));
+        tables.push(tables::all_metrics(study));
     }
     for block in &tables {
         text += &block.terminal(color.stdout);
     }
-    text + &findings::manner(study) + "\n"
+    text + &tables::manner(study) + "\n"
 }

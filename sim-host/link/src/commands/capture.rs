@@ -218,7 +218,7 @@ fn write(captured: &Captured, scale: &Scale, dir: &Path) -> Result<(), LinkError
             figure("capture_voltage", "Voltage and drive", "voltage [V]", voltages),
             figure("capture_current", "Current", "current [A]", currents),
         ],
-        footer: vec![("sim-host".into(), sim::findings::VERSION.to_owned())],
+        footer: vec![("sim-host".into(), sim::VERSION.to_owned())],
         ..Report::default()
     };
     Ok(report::write(&page, dir)?)

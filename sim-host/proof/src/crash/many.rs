@@ -4,8 +4,8 @@ use std::sync::atomic::AtomicBool;
 
 use super::{SCENE, Trouble};
 use scene::load::load;
+use sim::instruments::runs::statistics;
 use sim::metrics::Metrics;
-use sim::metrics::over_runs;
 use sim::study::monte_carlo::OneRun;
 use sim::study::{self, Options};
 
@@ -54,7 +54,7 @@ impl Class {
     pub fn percentile(&self, metric: &str, part: f64) -> f64 {
         let mut values: Vec<f64> = self.runs.iter().filter_map(|run| run.metrics.get(metric)).collect();
         values.sort_by(f64::total_cmp);
-        over_runs::percentile(&values, part)
+        statistics::percentile(&values, part)
     }
 }
 

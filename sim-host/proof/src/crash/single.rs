@@ -2,7 +2,8 @@
 
 use super::{SCENE, Trouble};
 use scene::load::load;
-use sim::metrics::{Metrics, driven};
+use sim::instruments::measure;
+use sim::metrics::Metrics;
 use sim::run::{self, Watch};
 
 /// What a case is about.
@@ -82,7 +83,7 @@ impl Case {
         let loaded = load(SCENE, &sets).map_err(|error| Trouble::Scene(name(), error))?;
         let scene = loaded.scene.driven().ok_or_else(|| Trouble::NoCrash(name()))?;
         let record = run::run(&scene, Watch::default()).map_err(|error| Trouble::Empty(name(), error))?;
-        Ok(Single { case: self, metrics: driven::of(&scene, &record) })
+        Ok(Single { case: self, metrics: measure(&scene, &record) })
     }
 
     /// How to run it by itself.

@@ -7,7 +7,7 @@ use super::single::{Case, Group, Single};
 use super::{Campaign, Extent, Judged};
 use plant::dring::motion::Extremes;
 use report::TableBlock;
-use sim::findings::number;
+use sim::tables::number;
 
 /// All tables.
 pub fn tables(campaign: &Campaign) -> Vec<TableBlock> {

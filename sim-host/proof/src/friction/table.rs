@@ -50,7 +50,7 @@ fn survey(campaign: &[Found]) -> TableBlock {
 
 /// One row a case: the truth at each wanted ratio.
 fn ratios(found: &Found) -> Vec<String> {
-    let cell = |step: &sim::metrics::driven::switch::Step| match step.is_refused() {
+    let cell = |step: &sim::instruments::friction_switch::Step| match step.is_refused() {
         true => format!("{:.3}: refused", step.wanted),
         false => format!("{:.3}: {:+.4}", step.wanted, step.error()),
     };

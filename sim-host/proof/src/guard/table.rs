@@ -2,7 +2,7 @@
 
 use super::{Believed, Campaign, Passed, Stopped};
 use report::TableBlock;
-use sim::metrics::over_runs::Spread;
+use sim::instruments::runs::statistics::Spread;
 
 /// A welder's power, W.
 const WELDER_W: f64 = 2500.0;

@@ -43,7 +43,7 @@ fn page(study: &Study) -> Report {
         figures: plots::of(study),
         appendix: vec![table::work(study)],
         footer: vec![
-            ("sim-host".into(), sim::findings::VERSION.to_owned()),
+            ("sim-host".into(), sim::VERSION.to_owned()),
             ("measurement".into(), if study.quick { "quick" } else { "full" }.into()),
         ],
         ..Report::default()

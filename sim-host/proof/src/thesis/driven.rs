@@ -5,7 +5,8 @@ use rayon::prelude::*;
 
 use contact::Trouble;
 use scene::load::load;
-use sim::metrics::{Metrics, driven};
+use sim::instruments::measure;
+use sim::metrics::Metrics;
 use sim::record::Row;
 use sim::run::{Watch, run};
 
@@ -45,7 +46,7 @@ pub fn ran(scene: &str, sets: &[String]) -> Result<Ran, Trouble> {
         rows.iter().map(|rows| rows.iter().map(value).sum::<f64>() / rows.len() as f64).collect()
     };
     Ok(Ran {
-        metrics: driven::of(&driven, &record),
+        metrics: measure(&driven, &record),
         time_s: mean(|row| row.time_s),
         cell_n: mean(|row| row.truth.load_cell_n),
         friction_n: mean(|row| row.truth.friction_mean_n),

@@ -20,7 +20,7 @@ use super::driven::{self, Ran};
 use contact::Trouble;
 use contact::empirical::EmpiricalLaw;
 use report::TableBlock;
-use sim::findings::belt_law::{self, AMPLITUDES, FULL_M, LAG_S, LOADS_N, SPEED_M_PER_S};
+use sim::instruments::belt::law::{self as belt_law, AMPLITUDES, FULL_M, LAG_S, LOADS_N, SPEED_M_PER_S};
 
 /// ON times, s (3.2.3.1).
 pub const ON_TIMES_S: [f64; 4] = [0.5, 1.0, 2.0, 2.5];

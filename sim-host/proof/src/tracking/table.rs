@@ -4,8 +4,8 @@ use super::bad_input::Defect;
 use super::cases::{CASES, Family, Load};
 use super::{Campaign, Found, Judged};
 use report::TableBlock;
-use sim::findings::number;
-use sim::metrics::over_runs::{Spread, spread};
+use sim::instruments::runs::statistics::{Spread, spread};
+use sim::tables::number;
 
 const COLD: [(&str, &str); 3] =
     [("100 Hz [ms]", "lock_time_100hz_ms"), ("20 Hz [ms]", "lock_time_20hz_ms"), ("4 Hz [ms]", "lock_time_4hz_ms")];

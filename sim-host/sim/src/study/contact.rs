@@ -6,7 +6,8 @@ use super::StudyError;
 use super::across::{self, Across};
 use super::film::Film;
 use super::stopped::{leave_if, unless_stopped};
-use crate::metrics::{self, Metrics};
+use crate::instruments::contact::metrics as contact_metrics;
+use crate::metrics::Metrics;
 use contact::{self, Clock, Law, Problem, Solution, State, Trouble};
 use scene::{Excited, Model, problem};
 
@@ -61,7 +62,7 @@ pub(super) fn cell(scene: &Excited, stop: &AtomicBool) -> Result<Metrics, StudyE
 }
 
 fn measured(scene: &Excited, answer: Option<&Answer>) -> Metrics {
-    answer.map_or_else(Metrics::default, |answer| metrics::contact::of(scene, answer))
+    answer.map_or_else(Metrics::default, |answer| contact_metrics::of(scene, answer))
 }
 
 fn answer(

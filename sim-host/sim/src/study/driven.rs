@@ -4,7 +4,8 @@ use std::sync::atomic::AtomicBool;
 
 use super::swept::{self, Swept};
 use super::{Start, StudyError};
-use crate::metrics::{self, Metrics};
+use crate::instruments;
+use crate::metrics::Metrics;
 use crate::record::{Record, Window};
 use crate::run::{self, RunError, Watch};
 use crate::schedule::{first_on, first_window};
@@ -65,7 +66,7 @@ pub(super) fn run<'a, 'w>(
     windows.extend(swept::window(&scene));
     let watch = Watch { windows, stop: Some(stop), progress, clock };
     let record = run_where(&scene, start, watch)?;
-    let metrics = metrics::driven::of(&scene, &record);
+    let metrics = instruments::measure(&scene, &record);
     Ok((Run { scene, level: Level::of(start), record }, metrics))
 }
 
@@ -80,7 +81,7 @@ fn run_where(scene: &Driven, start: Option<Start>, watch: Watch) -> Result<Recor
 /// Runs a scene, and measures it.
 pub(super) fn measured(scene: &Driven, start: Option<Start>, stop: &AtomicBool) -> Result<(Record, Metrics), StudyError> {
     let record = run_where(scene, start, Watch { stop: Some(stop), ..Watch::default() })?;
-    let metrics = metrics::driven::of(scene, &record);
+    let metrics = instruments::measure(scene, &record);
     Ok((record, metrics))
 }
 

@@ -17,9 +17,10 @@ use self::error::Grid;
 use super::driven::Level;
 use super::plan::{Cell, Made, Plan, Progress};
 use super::{Options, StudyError};
-use crate::metrics::driven::lock_claims;
-use crate::metrics::over_runs::{self, OverRuns};
-use crate::metrics::{Metrics, contact};
+use crate::instruments::lock::claims;
+use crate::instruments::runs::statistics::{self, Statistics};
+use crate::instruments::{View, contact};
+use crate::metrics::Metrics;
 use crate::record::text_hash;
 use scene::load::Loaded;
 
@@ -84,11 +85,11 @@ impl OneRun {
     /// Runs it, and keeps its numbers.
     fn read(draw: Draw, made: &Made, grid: Option<&Grid>) -> Result<Self, StudyError> {
         let Some(scene) = made.scene.driven() else {
-            let metrics = made.metrics()?.without(contact::WALL);
+            let metrics = made.metrics()?.without(contact::metrics::WALL);
             return Ok(OneRun { draw, metrics, locked: false, drive_hash: None, error_hz: Vec::new() });
         };
         let (record, metrics) = made.recorded(&scene)?;
-        let locked = lock_claims::of(&scene, &record).is_some_and(|claims| claims.true_lock);
+        let locked = claims::of(&View::new(&scene, &record)).is_some_and(|claims| claims.true_lock);
         let error_hz = grid.map_or_else(Vec::new, |grid| grid.errors_hz(&scene, &record));
         Ok(OneRun { draw, metrics: metrics.without(WALL), locked, drive_hash: Some(record.drive_hash), error_hz })
     }
@@ -154,7 +155,7 @@ pub(super) fn run(loaded: &Loaded, options: Options, stop: &AtomicBool) -> Resul
     let runs = plan.run(drawn, cell, |draw, made| OneRun::read(draw, made, grid.as_ref()))?;
     let runs: Vec<OneRun> = runs.into_iter().flatten().collect();
     let wall_s = clock.zip(began).map(|(clock, began)| (clock() - began).as_secs_f64());
-    let OverRuns { mut metrics, endless } = over_runs::of(runs.iter().map(|run| &run.metrics));
+    let Statistics { mut metrics, endless } = statistics::of(runs.iter().map(|run| &run.metrics));
     metrics.put("runs_completed", runs.len() as f64);
     if scene.driven().is_some() {
         metrics.put("runs_locked", runs.iter().filter(|run| run.locked).count() as f64);

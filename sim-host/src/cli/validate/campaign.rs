@@ -5,7 +5,7 @@ use std::process::ExitCode;
 
 use crate::cli::{Color, EXPECTATION_MISSED};
 use report::{self, Report};
-use sim::findings::VERSION;
+use sim::VERSION;
 
 /// Prints the tables of a page, if they are not printed otherwise, and writes the page, if there is a folder for it. Fails where a target is missed.
 pub(super) fn end(

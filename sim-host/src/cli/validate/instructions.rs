@@ -39,7 +39,7 @@ fn page(measurement: &Measurement) -> Report {
         title: "Instructions: speed against error on the target".into(),
         subtitle: "Counted by an emulated Cortex-M4F; instructions, not cycles".into(),
         tables: tables::tables(measurement),
-        footer: vec![("sim-host".into(), sim::findings::VERSION.to_owned())],
+        footer: vec![("sim-host".into(), sim::VERSION.to_owned())],
         ..Report::default()
     }
 }

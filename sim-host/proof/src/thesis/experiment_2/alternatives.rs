@@ -4,7 +4,7 @@ use super::normal::Hertz;
 use super::{AMPLITUDES, FULL_M, LAG_S, LOADS_N, SPEED_M_PER_S};
 use contact::empirical::{EmpiricalLaw, reached};
 use report::{TableBlock, significant};
-use sim::findings::belt_law::{Curve, POINTS};
+use sim::instruments::belt::law::{Curve, POINTS};
 
 /// The fitted law with other constants, and its size such that 58 % are met.
 fn refitted(name: String, lag_s: f64, amplitude_exponent: f64, amplitude_load_exponent: f64) -> Curve {

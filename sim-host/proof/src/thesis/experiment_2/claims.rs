@@ -7,7 +7,7 @@ use crate::thesis::driven;
 use crate::thesis::sweep::{falls, rises};
 use contact::hertz::contact_loss_threshold;
 use contact::{Shape, Trouble};
-use sim::findings::belt_law::{Curve, POINTS};
+use sim::instruments::belt::law::{Curve, POINTS};
 
 /// What an experiment of this kind can show, points.
 const SIGNIFICANT: f64 = 1.0;

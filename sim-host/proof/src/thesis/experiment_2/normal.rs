@@ -16,7 +16,7 @@ use contact::Shape;
 use contact::empirical::reached;
 use contact::hertz::{self, HertzProblem, HertzSolution};
 use report::{TableBlock, significant};
-use sim::findings::belt_law::POINTS;
+use sim::instruments::belt::law::POINTS;
 
 /// A sheet of webbing under the horn, ASSUMED: thickness, m, and face of the horn, m^2. Moduli across: solid nylon, and woven, Pa.
 pub const THICKNESS_M: f64 = 1.2e-3;

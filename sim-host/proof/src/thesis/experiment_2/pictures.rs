@@ -10,7 +10,7 @@ use contact::hertz::contact_loss_threshold;
 use contact::{Shape, Trouble};
 use plant::load_cell::LoadCell;
 use report::{Figure, Marker, Span};
-use sim::findings::belt_law::{Curve, POINTS};
+use sim::instruments::belt::law::{Curve, POINTS};
 
 /// Coefficient of friction of the scene: assumed, the thesis states no force.
 const MU: f64 = 0.3;

@@ -2,7 +2,7 @@
 
 use firmware::supervisor::Mode;
 
-use crate::metrics::driven::View;
+use crate::instruments::View;
 use crate::record::Record;
 use scene::Driven;
 

@@ -1,0 +1,105 @@
+//! Instruments: what is measured of a run, and how that is shown. One phenomenon has one folder, with its metrics, its tables and its figures.
+//!
+//! [`DRIVEN`] lists the instruments of a driven run. Metrics, reports and figures walk this list; an instrument of which a scene has nothing adds
+//! nothing. [`contact`] is the instrument of a contact study, [`runs`] that of a scene that is run many times.
+
+pub mod belt;
+mod belt_stop;
+mod circuit;
+pub mod contact;
+pub mod crash;
+mod curves;
+mod drive;
+mod edges;
+mod energy;
+mod friction;
+pub mod friction_switch;
+mod guard;
+pub mod lock;
+mod motor;
+mod processor;
+pub mod runs;
+pub mod sweep;
+mod view;
+
+pub use view::View;
+
+use crate::metrics::Metrics;
+use crate::record::Record;
+use crate::study::{Outcome, Study};
+use report::{Figure, TableBlock};
+use scene::Driven;
+
+/// A metric that comes first in a report: label, metric, unit.
+pub type Line = (&'static str, &'static str, &'static str);
+
+/// One phenomenon of a driven run.
+pub trait Instrument: Sync {
+    /// Adds the metrics of a run.
+    fn metrics(&self, _run: &View, _metrics: &mut Metrics) {}
+
+    /// The metrics that come first in a report.
+    fn headline(&self) -> &'static [Line] {
+        &[]
+    }
+
+    /// Sentences that a reader needs before the numbers.
+    fn remarks(&self, _run: &View) -> Vec<String> {
+        Vec::new()
+    }
+
+    /// The tables of a run and its metrics.
+    fn tables(&self, _run: &View, _metrics: &Metrics) -> Vec<TableBlock> {
+        Vec::new()
+    }
+
+    /// The figures of a run, the most telling first.
+    fn figures(&self, _run: &View) -> Vec<Figure> {
+        Vec::new()
+    }
+}
+
+/// All instruments of a driven run, in the order of a report.
+pub static DRIVEN: [&dyn Instrument; 14] = [
+    &guard::Guard,
+    &crash::Crash,
+    &motor::Motor,
+    &friction_switch::FrictionSwitch,
+    &belt_stop::BeltStop,
+    &belt::Belt,
+    &friction::Friction,
+    &edges::Edges,
+    &lock::Lock,
+    &circuit::Circuit,
+    &sweep::Sweep,
+    &drive::Drive,
+    &energy::EnergyBudget,
+    &processor::ProcessorLoad,
+];
+
+/// The metrics of a driven run.
+pub fn measure(scene: &Driven, record: &Record) -> Metrics {
+    let mut metrics = Metrics::default();
+    let view = View::new(scene, record);
+    for instrument in DRIVEN {
+        instrument.metrics(&view, &mut metrics);
+    }
+    metrics.put("plant_states", record.plant_states as f64);
+    let simulated_s = record.rows.last().map_or(0.0, |row| row.time_s);
+    metrics.put("simulated_s_per_wall_s", record.wall_s.map(|wall_s| simulated_s / wall_s));
+    metrics
+}
+
+/// The figures of a study, the most telling first.
+pub fn figures(study: &Study) -> Vec<Figure> {
+    let own = match &study.outcome {
+        Outcome::Driven(run) => {
+            let view = View::new(&run.scene, &run.record);
+            DRIVEN.iter().flat_map(|instrument| instrument.figures(&view)).collect()
+        }
+        Outcome::Contact(solved) => contact::figures::of(solved),
+        Outcome::MonteCarlo(runs) => runs::figures::of(study.scene, runs),
+    };
+    let sweeps = study.comparison.iter().flat_map(|comparison| &comparison.sweeps);
+    own.into_iter().chain(sweeps.flat_map(sweep::figures)).collect()
+}

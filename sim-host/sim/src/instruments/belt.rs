@@ -1,0 +1,27 @@
+//! A belt under a horn: its pull, the empirical law of it, and how far that law is from what the thesis states.
+
+mod figures;
+pub mod law;
+mod metrics;
+mod table;
+
+use super::{Instrument, View};
+use crate::metrics::Metrics;
+use report::{Figure, TableBlock};
+
+/// The instrument of scenes with a belt under a horn.
+pub(super) struct Belt;
+
+impl Instrument for Belt {
+    fn metrics(&self, run: &View, metrics: &mut Metrics) {
+        run.belt(metrics);
+    }
+
+    fn tables(&self, run: &View, metrics: &Metrics) -> Vec<TableBlock> {
+        table::tables(&run.scene, metrics)
+    }
+
+    fn figures(&self, run: &View) -> Vec<Figure> {
+        figures::of(run)
+    }
+}

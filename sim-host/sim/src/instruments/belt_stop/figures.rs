@@ -1,0 +1,80 @@
+//! A belt that stops, and what is done about it: position and counts, drive, tip, force.
+
+use firmware::supervisor::{Limit, Mode};
+
+use crate::instruments::View;
+use crate::instruments::curves::axis;
+use crate::record::Row;
+use report::{Figure, Series, Span, Style};
+
+/// What is shown before the drive is muted and after, s.
+const SHOWN_S: (f64, f64) = (0.012, 0.012);
+
+/// Both figures of a run with an encoder that was muted or faulted under drive.
+pub(super) fn of(run: &View) -> Vec<Figure> {
+    let Some(counts_per_mm) = run.scene.sensors.encoder_counts_per_mm else { return Vec::new() };
+    let running = run.after(run.plays_from(Mode::Run).unwrap_or(f64::INFINITY));
+    let ends = |pair: &&[Row]| pair[0].drive_v > 0.0 && pair[1].drive_v == 0.0 && is_muted(&pair[1]);
+    let Some(muted_s) = running.windows(2).find(ends).map(|pair| pair[0].time_s) else { return Vec::new() };
+    let (from_s, to_s) = (muted_s - SHOWN_S.0, muted_s + SHOWN_S.1);
+    let shown: Vec<&Row> = running.iter().filter(|row| (from_s..=to_s).contains(&row.time_s)).collect();
+    let time: Vec<f64> = shown.iter().map(|row| 1e3 * (row.time_s - muted_s)).collect();
+    let curve = |name: &str, column: &str, style: Style, value: &dyn Fn(&Row) -> f64| Series {
+        name: name.into(),
+        csv_column: column.into(),
+        x: time.clone(),
+        y: shown.iter().map(|row| value(row)).collect(),
+        style,
+    };
+    let span = Span { from: 0.0, to: time.last().copied().unwrap_or(0.0), label: "muted".into() };
+    let first = shown.first().map_or(0.0, |row| row.truth.belt_position_m);
+    let first_counts = shown.iter().find_map(|row| row.belt_counts).unwrap_or(0);
+    let counted = |row: &Row| row.belt_counts.map_or(f64::NAN, |n| f64::from(n.wrapping_sub(first_counts)) / counts_per_mm);
+    let motion = Figure {
+        id: "belt-motion".into(),
+        title: "The belt stops, and the drive with it".into(),
+        caption: "Where the belt is, and where its encoder says it is: a line that ends is broken, and one that goes on lies. Time counts \
+                  from the first block without drive."
+            .into(),
+        x: axis("time from the mute [ms]"),
+        y: axis("belt [mm]"),
+        series: vec![
+            curve("true position", "belt_true_mm", Style::Line, &|row| 1e3 * (row.truth.belt_position_m - first)),
+            curve("encoder", "belt_counted_mm", Style::Dashed, &counted),
+        ],
+        shaded: vec![span.clone()],
+        interactive: true,
+        ..Figure::default()
+    };
+    let relative = |name: &str, column: &str, style: Style, value: &dyn Fn(&Row) -> f64| {
+        let before: Vec<f64> = shown.iter().filter(|row| row.time_s <= muted_s).map(|row| value(row).abs()).collect();
+        let scale = before.iter().copied().fold(f64::MIN_POSITIVE, f64::max);
+        curve(name, column, style, &|row| value(row) / scale)
+    };
+    let mut series = vec![
+        relative("drive", "drive_relative", Style::Line, &|row| row.drive_v),
+        relative("tip velocity", "tip_velocity_relative", Style::Line, &|row| row.truth.tip_velocity_m_per_s),
+        relative("true friction", "friction_relative", Style::Line, &|row| row.truth.friction_mean_n),
+    ];
+    if run.scene.sensors.force_hz.is_some() {
+        series.push(relative("force channel", "force_relative", Style::Dashed, &|row| row.force_n.unwrap_or(f64::NAN)));
+    }
+    let drive = Figure {
+        id: "belt-drive".into(),
+        title: "Drive, tip and friction over the stop".into(),
+        caption: "Each relative to its largest value before the mute. Under ultrasound the friction of a belt that stands is zero in the \
+                  mean, which is what the force channel sees; once the tip has rung down, it stays where it is."
+            .into(),
+        x: axis("time from the mute [ms]"),
+        y: axis("relative to its largest value before"),
+        series,
+        shaded: vec![span],
+        interactive: true,
+        ..Figure::default()
+    };
+    vec![motion, drive]
+}
+
+fn is_muted(row: &Row) -> bool {
+    row.limit == Limit::BeltMuted as u8 || row.fault != 0
+}

@@ -1,0 +1,62 @@
+//! How long a belt that stands is driven, and how much energy it gets.
+//!
+//! | metric | what |
+//! |---|---|
+//! | `belt_stop_to_mute_ms` | from the moment that the belt is slower than `1 / (n T)`, the slowest whose counts come in time, or that its encoder fails, to the first block without drive; not where the drive was OFF then |
+//! | `ring_down_ms` | from that block to 5 % of the tip velocity |
+//! | `exposure_j_per_mm` | energy into the motional branch while any one millimetre of belt passes, or stands: the largest |
+
+use crate::instruments::View;
+use crate::metrics::Metrics;
+use crate::record::Row;
+use scene::FaultKind;
+
+/// The tip has rung down to this part of its velocity.
+const RUNG_DOWN: f64 = 0.05;
+/// Belt that the energy is counted for, m.
+const STRETCH_M: f64 = 1e-3;
+
+impl View<'_> {
+    pub(super) fn belt_stop(&self, metrics: &mut Metrics) {
+        let (Some(counts_per_mm), Some(_)) = (self.scene.sensors.encoder_counts_per_mm, self.scene.sliding()) else { return };
+        metrics.put("exposure_j_per_mm", self.exposure_j_per_mm());
+        let slowest = 1.0 / (1e3 * counts_per_mm * 1e-3 * self.scene.controller.limits.belt_stop_ms);
+        let Some(stop_s) = self.stop_s(slowest) else { return };
+        let Some(muted) = self.muted_after(stop_s) else { return };
+        let muted_s = self.rows[muted].time_s - self.block_s;
+        metrics.put("belt_stop_to_mute_ms", 1e3 * (muted_s - stop_s));
+        let tip = |row: &Row| row.truth.tip_velocity_m_per_s;
+        let rings = self.rows[..muted].last().map_or(0.0, tip);
+        let quiet = self.rows[muted..].iter().find(|row| tip(row) <= RUNG_DOWN * rings);
+        metrics.put("ring_down_ms", quiet.map(|row| 1e3 * (row.time_s - muted_s)));
+    }
+
+    /// When the belt becomes slower than this, or its encoder fails, s.
+    fn stop_s(&self, slowest: f64) -> Option<f64> {
+        let fails = |kind| matches!(kind, FaultKind::EncoderStuck | FaultKind::EncoderLost);
+        let failure = self.scene.fault.iter().filter(|fault| fails(fault.kind)).map(|fault| fault.at_s).reduce(f64::min);
+        let slow = self.rows.iter().find(|row| row.truth.belt_speed_m_per_s < slowest).map(|row| row.time_s - self.block_s);
+        failure.into_iter().chain(slow).reduce(f64::min)
+    }
+
+    /// The first block without drive after a moment, if there was drive then.
+    fn muted_after(&self, time_s: f64) -> Option<usize> {
+        let at = self.rows.partition_point(|row| row.time_s - self.block_s < time_s - 0.5 * self.block_s);
+        let driven = at > 0 && self.rows[at - 1].drive_v > 0.0;
+        let silent = self.rows[at..].iter().position(|row| row.drive_v == 0.0).filter(|_| driven)?;
+        Some(at + silent)
+    }
+
+    fn exposure_j_per_mm(&self) -> f64 {
+        let (mut stretch, mut energy_j, mut largest_j) = (None, 0.0, 0.0f64);
+        for row in self.rows {
+            let here = (row.truth.belt_position_m / STRETCH_M).floor();
+            if stretch != Some(here) {
+                (stretch, energy_j) = (Some(here), 0.0);
+            }
+            energy_j += row.truth.power_w * self.block_s;
+            largest_j = largest_j.max(energy_j);
+        }
+        largest_j / (1e3 * STRETCH_M)
+    }
+}

@@ -1,0 +1,26 @@
+//! The equivalent circuit of the transducer: as the controller identified it, beside the simulated one.
+
+mod figure;
+mod metrics;
+mod table;
+
+use super::{Instrument, View};
+use crate::metrics::Metrics;
+use report::{Figure, TableBlock};
+
+/// The instrument of every driven scene.
+pub(super) struct Circuit;
+
+impl Instrument for Circuit {
+    fn metrics(&self, run: &View, metrics: &mut Metrics) {
+        metrics::add(run, metrics);
+    }
+
+    fn tables(&self, run: &View, metrics: &Metrics) -> Vec<TableBlock> {
+        vec![table::three_ways(run, metrics)]
+    }
+
+    fn figures(&self, run: &View) -> Vec<Figure> {
+        figure::locus(run).into_iter().collect()
+    }
+}

@@ -1,0 +1,94 @@
+//! Command, estimate and truth of the transducer beside each other.
+
+use firmware::identify::Deviations;
+
+use crate::instruments::View;
+use crate::metrics::Metrics;
+use crate::record::Row;
+use crate::tables::precise;
+use plant::circuit_of;
+use report::TableBlock;
+
+/// Command (or what the controller was told), estimate, truth.
+pub(super) fn three_ways(run: &View, metrics: &Metrics) -> TableBlock {
+    let steady: Vec<&Row> = run.steady().collect();
+    let mean = |value: &dyn Fn(&Row) -> f64| {
+        (!steady.is_empty()).then(|| steady.iter().map(|row| value(row)).sum::<f64>() / steady.len() as f64)
+    };
+    let controller = run.scene.controller;
+    let tracking = &controller.tracking;
+    let found = run.record.last.transducer;
+    let truth = circuit_of(&run.scene);
+    let identified = |value: fn(&firmware::identify::Transducer) -> f32| found.as_ref().map(|found| f64::from(value(found)));
+    let velocity_estimate =
+        tracking.nominal_force_factor_n_per_v.and_then(|told| mean(&|row| row.motional_current_a).map(|amperes| amperes / told));
+    let mut rows = vec![
+        (
+            "drive frequency, steady [Hz]",
+            mean(&|row| row.frequency_hz),
+            mean(&|row| row.resonance_estimate_hz),
+            mean(&|row| row.truth.series_resonance_hz),
+        ),
+        (
+            "tip velocity, steady [m/s]",
+            run.scene.ordered_velocity_m_per_s(),
+            velocity_estimate,
+            metrics.get("tip_velocity_m_per_s"),
+        ),
+        (
+            "series resonance [Hz]",
+            Some(controller.drive.frequency_hz),
+            identified(|t| t.series_resonance_hz),
+            Some(truth.series_resonance_hz()),
+        ),
+        (
+            "parallel resonance [Hz]",
+            None,
+            identified(|t| t.parallel_resonance_hz),
+            Some(truth.series_resonance_hz() * (1.0 + truth.cm_f / truth.c0_f).sqrt()),
+        ),
+        ("Q", Some(tracking.nominal_q), identified(|t| t.q), Some(truth.q())),
+        ("Rm [ohm]", None, identified(|t| t.rm_ohm), Some(truth.rm_ohm)),
+        ("Lm [mH]", None, identified(|t| t.lm_h * 1e3), Some(truth.lm_h * 1e3)),
+        ("Cm [nF]", None, identified(|t| t.cm_f * 1e9), Some(truth.cm_f * 1e9)),
+        ("C0 [nF]", Some(tracking.nominal_c0_f * 1e9), identified(|t| t.c0_f * 1e9), Some(truth.c0_f * 1e9)),
+        ("coupling", None, identified(|t| t.coupling), Some((truth.cm_f / (truth.c0_f + truth.cm_f)).sqrt())),
+    ];
+    rows.retain(|row| row.2.is_some());
+    let cell = |value: Option<f64>| value.map_or_else(|| "–".to_owned(), precise);
+    let deviation = |what: &str| found.as_ref().and_then(|found| stated(what, &found.deviations));
+    let rows = rows
+        .into_iter()
+        .map(|(what, told, found, truth)| vec![what.into(), cell(told), cell(found), cell(deviation(what)), cell(truth)])
+        .collect();
+    TableBlock::new(
+        "three-ways",
+        "Command, estimate, truth",
+        if run.scene.stator().is_some() {
+            "The circuit is what the first lane shows of the stator without its rotor; friction adds its loss. The tip velocity is the \
+             crests', across the ring."
+        } else if run.scene.belt().is_some() {
+            "The circuit is the stack's with the damping of the belt under its horn, at the beginning of the run."
+        } else {
+            "The circuit is the stack's by itself, at the beginning of the run; a contact adds its stiffness and loss."
+        },
+        &["", "command, or told", "controller's estimate", "its standard deviation", "plant's truth"],
+        rows,
+    )
+}
+
+/// The standard deviation that the controller states of an identified number, in the unit of its row.
+fn stated(what: &str, deviations: &Deviations) -> Option<f64> {
+    let sd = match what {
+        "series resonance [Hz]" => deviations.series_resonance_hz,
+        "parallel resonance [Hz]" => deviations.parallel_resonance_hz,
+        "Q" => deviations.q,
+        "Rm [ohm]" => deviations.rm_ohm,
+        "Lm [mH]" => deviations.lm_h * 1e3,
+        "Cm [nF]" => deviations.cm_f * 1e9,
+        "C0 [nF]" => deviations.c0_f * 1e9,
+        "coupling" => deviations.coupling,
+        _ => return None,
+    };
+    Some(sd.into())
+}

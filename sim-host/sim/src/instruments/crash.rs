@@ -1,0 +1,53 @@
+//! A crash: forces, excursions and accelerations of the switched belt beside those of the passive one.
+
+mod figures;
+mod metrics;
+mod playback;
+mod table;
+
+pub use playback::playback;
+
+use super::{Instrument, Line, View};
+use crate::metrics::Metrics;
+use plant::dring::crash::Film;
+use report::{Figure, TableBlock};
+
+/// The instrument of scenes with a D-ring.
+pub(super) struct Crash;
+
+impl Instrument for Crash {
+    fn metrics(&self, run: &View, metrics: &mut Metrics) {
+        if let Some(film) = film(run) {
+            metrics::add(film, metrics);
+        }
+    }
+
+    fn headline(&self) -> &'static [Line] {
+        &[
+            ("less force at the shoulder", "reduction_percent", "%"),
+            ("peak force, switched", "peak_shoulder_force_n", "N"),
+            ("peak force, passive", "passive_peak_shoulder_force_n", "N"),
+            ("excursion, switched", "torso_excursion_m", "m"),
+            ("excursion, passive", "passive_torso_excursion_m", "m"),
+            ("chest acceleration", "chest_acceleration_g", "g"),
+            ("friction LOW after", "switch_time_ms", "ms"),
+        ]
+    }
+
+    fn remarks(&self, run: &View) -> Vec<String> {
+        film(run).map_or_else(Vec::new, |film| table::remarks(run, film))
+    }
+
+    fn tables(&self, run: &View, _: &Metrics) -> Vec<TableBlock> {
+        film(run).map(table::belts).into_iter().collect()
+    }
+
+    fn figures(&self, run: &View) -> Vec<Figure> {
+        film(run).map_or_else(Vec::new, figures::of)
+    }
+}
+
+/// What was recorded of a crash that has begun.
+fn film<'a>(run: &View<'a>) -> Option<&'a Film> {
+    run.record.crash.as_ref().filter(|film| !film.frames.is_empty())
+}

@@ -1,0 +1,67 @@
+//! A crash: force, way and speed over time, of the belt that is switched and of the passive one.
+
+use crate::instruments::curves::axis;
+use plant::dring::crash::{Belt, Film, Frame};
+use report::{Figure, Series, Span, Style};
+
+/// Most points of a curve.
+const POINTS: usize = 3000;
+
+/// The figures of a crash.
+pub(super) fn of(film: &Film) -> Vec<Figure> {
+    vec![
+        figure(
+            film,
+            "crash-force",
+            "Force at the shoulder",
+            "What pulls the torso back, and presses on it. Each belt pulls with what its limiter and the friction at the D-ring let it: \
+             the limiter's force times exp(mu theta).",
+            ("force at the shoulder [N]", "shoulder_n"),
+            |belt| belt.shoulder_n,
+        ),
+        figure(
+            film,
+            "crash-excursion",
+            "How far the torso goes",
+            "Counted from where it sat. What a belt does not pull, the torso goes on: less force costs way.",
+            ("excursion [mm]", "excursion_mm"),
+            |belt| 1e3 * belt.x_m,
+        ),
+        figure(
+            film,
+            "crash-payout",
+            "How fast webbing slides over the D-ring",
+            "A tangential vibration lowers friction only where its own velocity is more than this.",
+            ("sliding speed [m/s]", "payout_m_per_s"),
+            |belt| belt.payout_m_per_s,
+        ),
+    ]
+}
+
+fn figure(film: &Film, id: &str, title: &str, caption: &str, (label, column): (&str, &str), value: fn(&Belt) -> f64) -> Figure {
+    let every = film.frames.len().div_ceil(POINTS).max(1);
+    let frames: Vec<&Frame> = film.frames.iter().step_by(every).collect();
+    let series = |name: &str, side: &str, style: Style, belt: fn(&Frame) -> &Belt| Series {
+        name: name.into(),
+        csv_column: format!("{side}_{column}"),
+        x: frames.iter().map(|frame| 1e3 * frame.time_s).collect(),
+        y: frames.iter().map(|frame| value(belt(frame))).collect(),
+        style,
+    };
+    let end_ms = frames.last().map_or(0.0, |frame| 1e3 * frame.time_s);
+    let low = film.low_s.map(|from_s| Span { from: 1e3 * from_s, to: end_ms, label: "drive ON".into() });
+    Figure {
+        id: id.into(),
+        title: title.into(),
+        caption: caption.into(),
+        x: axis("time since the crash began [ms]"),
+        y: axis(label),
+        series: vec![
+            series("switched belt", "switched", Style::Line, |frame| &frame.switched),
+            series("passive belt", "passive", Style::Dashed, |frame| &frame.passive),
+        ],
+        shaded: low.into_iter().collect(),
+        interactive: true,
+        ..Figure::default()
+    }
+}

@@ -1,0 +1,58 @@
+//! A crash in words, and both belts in a table.
+
+use crate::instruments::View;
+use crate::tables::number;
+use plant::dring::crash::Film;
+use plant::dring::motion::Extremes;
+use report::TableBlock;
+use scene::{ActuatorKind, Dring};
+
+/// What was decided, and what it came to.
+pub(super) fn remarks(run: &View, film: &Film) -> Vec<String> {
+    let Some(dring) = run.scene.dring() else { return Vec::new() };
+    let mut remarks = vec![decision(dring, film)];
+    let (fastest, gain) = (film.switched.payout_m_per_s, 1.0 - film.switched.shoulder_n / film.passive.shoulder_n);
+    if film.low_s.is_some() && dring.actuator == ActuatorKind::Stack && gain < 0.01 {
+        let tip = run.rows.iter().map(|row| row.truth.tip_velocity_m_per_s).fold(0.0, f64::max);
+        remarks.push(format!(
+            "The drive was ON, and it changed nothing: the tip of the stack moves at {} m/s, the webbing slides at up to {} m/s. A vibration \
+             lowers friction only while it is faster than the sliding; this one would have to be {} times as fast.",
+            number(tip),
+            number(fastest),
+            number((fastest / tip).ceil()),
+        ));
+    }
+    remarks
+}
+
+/// Why friction was what it was.
+fn decision(dring: &Dring, film: &Film) -> String {
+    let said = match dring.seat_reading_kg() {
+        Some(kg) => format!("The seat had read a torso of {} kg", number(kg)),
+        None => "The seat had read nothing".to_owned(),
+    };
+    match film.low_s {
+        Some(0.0) => format!("{said}. The drive was ON from the beginning: friction was LOW all the time."),
+        Some(s) => {
+            format!("{said}: light. The drive went ON {} ms after the crash had begun, and friction became LOW.", number(1e3 * s))
+        }
+        None => format!("{said}. The drive stayed OFF, friction stayed HIGH, and the belt was what it is without a controller."),
+    }
+}
+
+/// Both belts beside each other.
+pub(super) fn belts(film: &Film) -> TableBlock {
+    let row = |what: &str, value: &dyn Fn(&Extremes) -> f64| {
+        let (passive, switched) = (value(&film.passive), value(&film.switched));
+        let change = format!("{:+.1} %", 100.0 * (switched / passive - 1.0));
+        vec![what.to_owned(), number(passive), number(switched), change]
+    };
+    let rows = vec![
+        row("peak force at the shoulder [N]", &|belt| belt.shoulder_n),
+        row("acceleration of the chest by it [g]", &|belt| film.chest_g(belt.shoulder_n)),
+        row("excursion of the torso [mm]", &|belt| 1e3 * belt.excursion_m),
+        row("fastest payout [m/s]", &|belt| belt.payout_m_per_s),
+    ];
+    let caption = "The same crash twice: with the belt as it is, and with the drive as the controller switched it.";
+    TableBlock::new("belts", "Passive belt and switched belt", caption, &["", "passive", "switched", "change"], rows)
+}

@@ -1,0 +1,69 @@
+//! The edges of bursts, by the envelope of the true tip velocity and to a fraction of a period: see [`edge_meter`](crate::edge_meter).
+
+use firmware::supervisor::Mode;
+
+use crate::edge_meter::Edges;
+use crate::instruments::View;
+use crate::instruments::view::mean;
+use crate::metrics::Metrics;
+use crate::record::Row;
+
+/// Rung up, and rung down: parts of the steady envelope.
+const RUNG: (f64, f64) = (0.95, 0.05);
+/// What amplifier, hold and delay still bring when the codes have fallen silent, samples.
+const LATE: usize = 4;
+
+/// Adds the metrics of the edges, and of the tip velocity between them.
+pub(super) fn add(run: &View, metrics: &mut Metrics) {
+    let tip = |row: &Row| row.truth.tip_velocity_m_per_s;
+    let Some(steady) = mean(run.steady().map(tip)) else { return };
+    let at_edges = worst_edges(run, steady, metrics).unwrap_or(0.0);
+    let peak = run.rows.iter().filter(|row| row.mode == Mode::Run).map(tip).fold(at_edges, f64::max);
+    metrics.put("tip_velocity_m_per_s", steady);
+    metrics.put("peak_velocity_m_per_s", peak);
+    metrics.put("overshoot_percent", run.steps_s.is_empty().then(|| 100.0 * (peak / steady - 1.0).max(0.0)));
+}
+
+/// Adds the worst of all bursts that were watched. Returns the largest envelope of them while ON.
+fn worst_edges(run: &View, steady: f64, metrics: &mut Metrics) -> Option<f64> {
+    let (edges, sample_s) = (&run.record.edges, run.record.sample_s);
+    let worst = |of: &dyn Fn(&Edges) -> Option<f64>| edges.iter().filter_map(of).reduce(f64::max);
+    let rise = |edges: &Edges| reaches(&edges.rising, |v| v >= RUNG.0 * steady).map(|samples| samples * sample_s);
+    let fall = |edges: &Edges| reaches(&edges.falling, |v| v <= RUNG.1 * steady).map(|samples| samples * sample_s);
+    let residual = |edges: &Edges| {
+        let left = edges.falling.get(edges.loud + LATE..)?.iter().copied().reduce(f64::max)?;
+        Some(100.0 * left / steady)
+    };
+    metrics.put("rise_time_ms", worst(&rise).map(|s| 1e3 * s));
+    metrics.put("fall_time_ms", worst(&fall).map(|s| 1e3 * s));
+    metrics.put("residual_percent", worst(&residual));
+    worst(&|edges| edges.rising.iter().copied().reduce(f64::max))
+}
+
+/// After how many samples an envelope first is there, between its values at their ends.
+fn reaches(envelope: &[f64], there: impl Fn(f64) -> bool) -> Option<f64> {
+    let after = envelope.iter().position(|&v| there(v))?;
+    let now = envelope[after];
+    let Some(&before) = after.checked_sub(1).and_then(|before| envelope.get(before)) else { return Some(1.0) };
+    // By halving, because the condition is all that is known of the level.
+    let (mut low, mut high) = (0.0, 1.0);
+    for _ in 0..20 {
+        let part = 0.5 * (low + high);
+        if there(before + part * (now - before)) { high = part } else { low = part }
+    }
+    Some(after as f64 + high)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_level_is_reached_between_two_samples() {
+        let rising: Vec<f64> = (1..100).map(|n| 1.0 - (-0.05 * f64::from(n)).exp()).collect();
+        let got = reaches(&rising, |v| v >= 0.95).unwrap();
+        // ln(20) / 0.05; measured: 59.9147 for 59.9146, a straight line between two samples.
+        assert!((got - 59.9146).abs() < 2e-2, "{got}");
+        assert_eq!(reaches(&rising, |v| v > 1.0), None);
+    }
+}

@@ -1,0 +1,68 @@
+//! The energy budget: where the work of the amplifier goes, and the error of the balance.
+
+use super::curves::{axis, binned, mean, shaded};
+use super::{Instrument, View};
+use crate::metrics::Metrics;
+use plant::truth::Truth;
+use report::{Axis, Figure, Series, Style};
+
+/// The instrument of every driven scene. A crash has a balance of its own.
+pub(super) struct EnergyBudget;
+
+impl Instrument for EnergyBudget {
+    fn metrics(&self, run: &View, metrics: &mut Metrics) {
+        let energy = &run.record.energy;
+        let balanced = run.record.crash.is_none() && energy.supplied_j != 0.0;
+        metrics.put("energy_residual", balanced.then(|| energy.residual()));
+    }
+
+    fn figures(&self, run: &View) -> Vec<Figure> {
+        budget(run).into_iter().collect()
+    }
+}
+
+/// Work since the beginning, on a logarithmic scale: the friction that is switched takes a thousandth of what the stack's own loss
+/// takes.
+fn budget(run: &View) -> Option<Figure> {
+    let rows = run.rows;
+    let lost = |truth: &Truth| truth.lost_w;
+    let cumulative = |name: &str, csv_column: &str, style: Style, power: &dyn Fn(&Truth) -> f64| {
+        let mut work = 0.0;
+        let (x, y) = binned(rows)
+            .map(|bin| {
+                let length_s = bin.len() as f64 * run.record.sample_s * run.record.block_samples as f64;
+                work += mean(bin, |row| power(&row.truth)) * length_s;
+                // From nothing on a logarithmic scale: a gap.
+                (mean(bin, |row| row.time_s), if work > 1e-9 { work } else { f64::NAN })
+            })
+            .unzip();
+        Series { name: name.into(), csv_column: csv_column.into(), x, y, style }
+    };
+    let transducer = if run.scene.stator().is_some() { "stator" } else { "stack" };
+    let mut series = vec![
+        cumulative("from the amplifier", "supplied_j", Style::Line, &|truth| truth.power_w),
+        cumulative(&format!("heat in the {transducer}"), "lost_j", Style::Dashed, &lost),
+    ];
+    if run.scene.rotor().is_some() {
+        series.push(cumulative("wave against friction", "friction_on_wave_j", Style::Line, &|t| t.friction_on_tip_w));
+        series.push(cumulative("friction on the rotor", "friction_on_rotor_j", Style::Line, &|t| -t.friction_on_slider_w));
+    }
+    if run.scene.sliding().is_some() {
+        series.push(cumulative("slider against friction", "friction_on_slider_j", Style::Line, &|t| t.friction_on_slider_w));
+        series.push(cumulative("tip against friction", "friction_on_tip_j", Style::Line, &|t| t.friction_on_tip_w));
+    }
+    (run.record.energy.supplied_j > 0.0).then(|| Figure {
+        id: "energy".into(),
+        title: "Energy budget".into(),
+        caption: format!(
+            "Work since the beginning. What the sums do not account for is {:.1e} of what was supplied.",
+            run.record.energy.residual().abs()
+        ),
+        x: axis("time [s]"),
+        y: Axis { label: "work [J]".into(), log: true, range: None },
+        series,
+        shaded: shaded(run),
+        interactive: true,
+        ..Figure::default()
+    })
+}

@@ -1,0 +1,42 @@
+//! The friction ratio over time, three ways.
+
+use firmware::friction::Belief;
+
+use super::metrics::configured;
+use crate::instruments::View;
+use crate::instruments::curves::{axis, curve};
+use crate::record::Row;
+use report::{Figure, Style};
+
+/// The friction ratio three ways, where it is switched.
+pub(super) fn ratio(run: &View) -> Option<Figure> {
+    let friction = run.scene.controller.friction.as_ref()?;
+    let rows = run.rows;
+    let begins_s = rows.iter().find(|row| row.friction.is_some())?.time_s;
+    let coulomb_n = run.silent_friction_n()?;
+    let held = &rows[rows.partition_point(|row| row.time_s < begins_s)..];
+    let first = configured(friction, coulomb_n).unwrap_or(1.0);
+    let wanted = |row: &Row| {
+        let step = friction.step_s.iter().zip(&friction.step_ratio).rfind(|(at_s, _)| **at_s <= row.time_s);
+        step.map_or(first, |(_, ratio)| *ratio)
+    };
+    let belief = |of: fn(&Belief) -> f32| move |row: &Row| row.friction.as_ref().map_or(1.0, |belief| f64::from(of(belief)));
+    Some(Figure {
+        id: "friction-ratio".into(),
+        title: "Friction ratio: command, estimate, truth".into(),
+        caption: "Friction over that without vibration, after the survey. The estimate is the law's, at the tip velocity that the controller measures; the \
+                  truth is the simulated contact's, each point a mean over some blocks. Below the floor nothing is to be had: the loudest drive is what is \
+                  played, and the controller says so."
+            .into(),
+        x: axis("time [s]"),
+        y: axis("friction ratio"),
+        series: vec![
+            curve(held, "truth", "friction_ratio_true", Style::Line, |row| row.truth.friction_mean_n / coulomb_n),
+            curve(held, "controller's estimate", "friction_ratio_estimate", Style::Line, belief(|belief| belief.ratio)),
+            curve(held, "command", "friction_ratio_wanted", Style::Dashed, wanted),
+            curve(held, "floor, estimated", "friction_floor_estimate", Style::Dashed, belief(|belief| belief.floor)),
+        ],
+        interactive: true,
+        ..Figure::default()
+    })
+}

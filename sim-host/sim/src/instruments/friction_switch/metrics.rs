@@ -1,0 +1,148 @@
+//! Numbers of the friction switch: command, estimate and truth, means over whole burst periods from 50 ms after the survey, or after each step of
+//! what is wanted, to the next.
+//!
+//! | metric | meaning |
+//! |---|---|
+//! | `friction_ratio_wanted` | command: what is wanted last |
+//! | `friction_ratio_estimate` | what the controller believes of it, by its law and the tip velocity that it measures |
+//! | `friction_ratio_sensed` | what its force channel says of it, over what that said in silence |
+//! | `friction_ratio_error` | the true `friction_ratio` less what is wanted, of the step where that is largest; not of ratios that are refused |
+//! | `ratios_refused` | steps that ended under limit 102 or 103 |
+//! | `friction_floor_estimate` | the least ratio, as the controller believes |
+//! | `kappa`, `kappa_estimate` | vibration amplitude in Dahl lengths at the loudest drive: the contact's, and as surveyed |
+//! | `kappa_deviation` | standard deviation that the controller states of it, relative |
+//! | `survey_time_ms` | from the first sample of the run to the end of the survey |
+
+use firmware::supervisor::{Limit, Mode};
+
+use crate::instruments::View;
+use crate::instruments::view::mean;
+use crate::metrics::Metrics;
+use crate::record::Row;
+use plant::circuit_of;
+use scene::{Driven, Friction};
+
+/// What is held comes so long after what was wanted, s: the amplitude has settled, and so has the smoothed force.
+const HOLD_S: f64 = 0.05;
+
+/// One wanted ratio, three ways.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Step {
+    /// Command.
+    pub wanted: f64,
+    /// What the controller believes.
+    pub estimate: Option<f64>,
+    /// What its force channel says.
+    pub sensed: Option<f64>,
+    /// Truth.
+    pub truth: f64,
+    /// The limit that the controller stated, or zero.
+    pub limit: u8,
+    /// It was had by bursts.
+    pub bursts: bool,
+}
+
+impl Step {
+    /// Whether the controller has said that it cannot be had.
+    pub fn is_refused(&self) -> bool {
+        [Limit::NoAuthority, Limit::RatioUnreachable].iter().any(|&limit| limit as u8 == self.limit)
+    }
+
+    /// Truth less command.
+    pub fn error(&self) -> f64 {
+        self.truth - self.wanted
+    }
+}
+
+impl<'a> View<'a> {
+    /// Friction without vibration, N.
+    pub fn silent_friction_n(&self) -> Option<f64> {
+        mean(self.settled(0.0, self.settle_s).map(|row| row.truth.friction_mean_n))
+    }
+
+    /// When the last wanted ratio began to be held, s.
+    pub(in crate::instruments) fn held_from_s(&self) -> f64 {
+        let Some(friction) = &self.scene.controller.friction else { return f64::NEG_INFINITY };
+        self.surveyed_s().unwrap_or(f64::INFINITY).max(friction.step_s.last().copied().unwrap_or(0.0))
+    }
+
+    /// When the survey was over, s.
+    fn surveyed_s(&self) -> Option<f64> {
+        self.rows.iter().find(|row| row.friction.is_some()).map(|row| row.time_s)
+    }
+
+    /// The rows over which the last wanted ratio is held. None where the friction is not switched.
+    pub(in crate::instruments) fn held(&self) -> Option<&'a [Row]> {
+        self.scene.controller.friction.as_ref()?;
+        Some(self.whole_bursts(self.held_from_s(), f64::INFINITY))
+    }
+
+    /// The rows from so long after a moment that what began then is held, to another moment: whole burst periods.
+    fn whole_bursts(&self, from_s: f64, to_s: f64) -> &'a [Row] {
+        let rows = self.after(from_s + HOLD_S);
+        let rows = &rows[..rows.partition_point(|row| row.time_s < to_s)];
+        let period_s = self.scene.controller.burst.as_ref().and_then(|burst| burst.period_s);
+        let blocks = period_s.map_or(rows.len(), |period_s| {
+            let periods = (rows.len() as f64 * self.block_s / period_s).floor();
+            (periods * period_s / self.block_s).round() as usize
+        });
+        &rows[rows.len() - blocks.min(rows.len())..]
+    }
+
+    /// All ratios that were wanted, and what came of them.
+    pub fn steps(&self) -> Vec<Step> {
+        let Some(friction) = &self.scene.controller.friction else { return Vec::new() };
+        let (Some(surveyed_s), Some(coulomb_n)) = (self.surveyed_s(), self.silent_friction_n()) else { return Vec::new() };
+        let first = configured(friction, coulomb_n).map(|wanted| (surveyed_s, wanted));
+        let ordered = friction.step_s.iter().copied().zip(friction.step_ratio.iter().copied());
+        let all: Vec<_> = first.into_iter().chain(ordered).collect();
+        let ends = all.iter().skip(1).map(|step| step.0).chain([f64::INFINITY]);
+        let step = |(&(from_s, wanted), to_s): (&(f64, f64), f64)| {
+            let rows = self.whole_bursts(from_s.max(surveyed_s), to_s);
+            let believed = || rows.iter().filter_map(|row| row.friction);
+            Some(Step {
+                wanted,
+                estimate: mean(believed().map(|belief| belief.ratio.into())),
+                sensed: mean(believed().filter_map(|belief| belief.force_ratio).map(f64::from)),
+                truth: mean(rows.iter().map(|row| row.truth.friction_mean_n))? / coulomb_n,
+                limit: rows.last()?.limit,
+                bursts: mean(rows.iter().map(|row| f64::from(u8::from(row.envelope == 0.0))))
+                    .is_some_and(|off| off > 0.0 && off < 1.0),
+            })
+        };
+        all.iter().zip(ends).filter_map(step).collect()
+    }
+
+    pub(super) fn switch(&self, metrics: &mut Metrics) {
+        let Some(held) = self.held() else { return };
+        let steps = self.steps();
+        let last = steps.last();
+        metrics.put("friction_ratio_wanted", last.map(|step| step.wanted));
+        metrics.put("friction_ratio_estimate", last.and_then(|step| step.estimate));
+        metrics.put("friction_ratio_sensed", last.and_then(|step| step.sensed));
+        let errors = steps.iter().filter(|step| !step.is_refused()).map(Step::error);
+        metrics.put("friction_ratio_error", errors.max_by(|one, other| one.abs().total_cmp(&other.abs())));
+        metrics.put("ratios_refused", steps.iter().filter(|step| step.is_refused()).count() as f64);
+        metrics
+            .put("friction_floor_estimate", mean(held.iter().filter_map(|row| row.friction).map(|belief| belief.floor.into())));
+        let last = held.last().and_then(|row| row.friction);
+        metrics.put("kappa_estimate", last.map(|belief| f64::from(belief.kappa)));
+        metrics.put("kappa_deviation", last.map(|belief| f64::from(belief.kappa_deviation)));
+        metrics.put("kappa", loudest_kappa(&self.scene));
+        let began_s = self.rows.iter().find(|row| row.mode == Mode::Run).map(|row| row.time_s);
+        metrics.put("survey_time_ms", began_s.zip(self.surveyed_s()).map(|(began, ended)| 1e3 * (ended - began)));
+    }
+}
+
+/// What is wanted until something else is ordered; of a force, by the friction in silence, N.
+pub fn configured(friction: &Friction, coulomb_n: f64) -> Option<f64> {
+    friction.target_ratio.or(friction.target_force_n.map(|newtons| newtons / coulomb_n))
+}
+
+/// `Kt Vv / (w Fc)` at the loudest drive of the switch.
+fn loudest_kappa(scene: &Driven) -> Option<f64> {
+    let (contact, slider) = scene.sliding()?;
+    let coulomb_n = contact.mu * (slider.load_n + slider.self_weight_n);
+    let loudest = scene.controller.drive.velocity_m_per_s?;
+    Some(contact.stiffness_n_per_m * loudest / (circuit_of(scene).omega() * coulomb_n))
+}

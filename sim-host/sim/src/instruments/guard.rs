@@ -1,0 +1,48 @@
+//! Faults and limits: in which the controller ended, and how soon the drive was OFF.
+//!
+//! | metric | over |
+//! |---|---|
+//! | `fault_code`, `limit_code` | the fault at the end of the run; the limit in its last block under drive; 0 is none |
+//! | `fault_latency_us` | from the scene's first fault to the first block without drive once the controller has faulted, or has been muted (limit 101) until it did |
+
+use firmware::supervisor::Limit;
+
+use super::{Instrument, View};
+use crate::metrics::Metrics;
+
+/// The instrument of every driven scene.
+pub(super) struct Guard;
+
+impl Instrument for Guard {
+    fn metrics(&self, run: &View, metrics: &mut Metrics) {
+        metrics.put("fault_code", run.rows.last().map(|row| f64::from(row.fault)));
+        metrics.put("fault_latency_us", fault_latency_s(run).map(|s| s * 1e6));
+        metrics.put("limit_code", limit_code(run).map(f64::from));
+    }
+
+    fn remarks(&self, run: &View) -> Vec<String> {
+        let fault = run.record.last.fault;
+        let fault = fault.map(|fault| format!("The controller ended in fault {}: {fault:?}.", fault.code()));
+        let limit = limit_code(run).and_then(|code| Limit::try_from(code).ok());
+        let limit = limit
+            .map(|limit| format!("In its last block under drive the controller was under limit {}: {limit:?}.", limit as u8));
+        fault.into_iter().chain(limit).collect()
+    }
+}
+
+/// The number of the limit in the last block under drive, or zero.
+fn limit_code(run: &View) -> Option<u8> {
+    run.rows.iter().rfind(|row| row.drive_v > 0.0).map(|row| row.limit)
+}
+
+/// From the first fault of the scene to the first block without drive.
+fn fault_latency_s(run: &View) -> Option<f64> {
+    let at = run.scene.fault.iter().map(|fault| fault.at_s).reduce(f64::min)?;
+    let faulted = run.rows.iter().position(|row| row.fault != 0).filter(|&row| row > 0)?;
+    let muted = faulted + run.rows[faulted..].iter().position(|row| row.drive_v == 0.0)?;
+    // What was muted until it faulted has been silent for longer.
+    let silent =
+        run.rows[..=muted].iter().rev().take_while(|row| row.drive_v == 0.0 && row.time_s - run.block_s >= at - 1e-9).last()?;
+    let muted = if run.rows[faulted - 1].limit == Limit::BeltMuted as u8 { silent } else { &run.rows[muted] };
+    Some(muted.time_s - run.block_s - at)
+}

@@ -1,0 +1,40 @@
+//! The lock: how soon the drive is at the resonance, how well it stays there, and whether what the controller says of it is true.
+
+pub mod claims;
+mod figures;
+mod metrics;
+
+use firmware::supervisor::Mode;
+
+use super::{Instrument, Line, View};
+use crate::metrics::Metrics;
+use report::Figure;
+
+/// The instrument of every driven scene.
+pub(super) struct Lock;
+
+impl Instrument for Lock {
+    fn metrics(&self, run: &View, metrics: &mut Metrics) {
+        metrics::add(run, metrics);
+    }
+
+    fn headline(&self) -> &'static [Line] {
+        &[
+            ("frequency bias", "frequency_bias_hz", "Hz"),
+            ("acquired in", "acquire_time_ms", "ms"),
+            ("relocked to 20 Hz in", "relock_time_20hz_ms", "ms"),
+        ]
+    }
+
+    fn remarks(&self, run: &View) -> Vec<String> {
+        if run.record.crash.is_some() || run.record.last.fault.is_some() || run.steady().next().is_some() {
+            return Vec::new();
+        }
+        let running = run.plays_from(Mode::Run).map_or("was not reached".to_owned(), |s| format!("began at {s:.3} s"));
+        vec![format!("There is no steady block with the drive ON, so most metrics are missing: the run {running}.")]
+    }
+
+    fn figures(&self, run: &View) -> Vec<Figure> {
+        [figures::acquisition(run), figures::lock_acquisition(run), figures::over_time(run)].into_iter().flatten().collect()
+    }
+}

@@ -1,0 +1,50 @@
+//! The processor that ran the controller, where it is not this one: instructions and memory.
+//!
+//! | metric | is |
+//! |---|---|
+//! | `instructions_total` | of all calls of `process`, each to within a tick of the emulated timer (6) |
+//! | `mean_block_instructions`, `worst_block_instructions` | of one call |
+//! | `stack_power_up_bytes` | the deepest that the image's stack was until the controller was built |
+//! | `stack_blocks_bytes` | the deepest that it was in the blocks, with all of the image that stands above `process` |
+//! | `image_flash_bytes`, `image_ram_bytes` | of the image: code, constants and what static variables begin with; static variables |
+
+use super::{Instrument, View};
+use crate::metrics::Metrics;
+use crate::tables::number;
+use report::TableBlock;
+
+/// The instrument of runs in an emulator.
+pub(super) struct ProcessorLoad;
+
+/// What is shown: label, metric.
+const ROWS: [(&str, &str); 7] = [
+    ("instructions, all blocks", "instructions_total"),
+    ("instructions a block, mean", "mean_block_instructions"),
+    ("instructions of the worst block", "worst_block_instructions"),
+    ("stack, power-up [bytes]", "stack_power_up_bytes"),
+    ("stack, blocks [bytes]", "stack_blocks_bytes"),
+    ("flash of the image [bytes]", "image_flash_bytes"),
+    ("static RAM of the image [bytes]", "image_ram_bytes"),
+];
+
+impl Instrument for ProcessorLoad {
+    fn metrics(&self, run: &View, metrics: &mut Metrics) {
+        let instructions = run.record.instructions;
+        metrics.put("instructions_total", instructions.map(|counted| counted.total as f64));
+        metrics.put("mean_block_instructions", instructions.map(|counted| counted.total as f64 / counted.blocks as f64));
+        metrics.put("worst_block_instructions", instructions.map(|counted| f64::from(counted.worst)));
+        let memory = run.record.memory;
+        metrics.put("stack_power_up_bytes", memory.map(|memory| f64::from(memory.stack_power_up)));
+        metrics.put("stack_blocks_bytes", memory.map(|memory| f64::from(memory.stack_blocks)));
+        metrics.put("image_flash_bytes", memory.map(|memory| memory.flash as f64));
+        metrics.put("image_ram_bytes", memory.map(|memory| memory.ram as f64));
+    }
+
+    fn tables(&self, _: &View, metrics: &Metrics) -> Vec<TableBlock> {
+        let whole = |value: f64| if value >= 1e7 { number(value) } else { format!("{value:.0}") };
+        let row = |(label, metric): (&str, &str)| Some(vec![label.to_owned(), whole(metrics.get(metric)?)]);
+        let caption = "Counted in an emulator: instructions, each block's to within 6, and not cycles. The image is built for speed and for any \
+                       scene; a board's is smaller.";
+        vec![TableBlock::new("processor", "Processor", caption, &["", "taken"], ROWS.into_iter().filter_map(row).collect())]
+    }
+}

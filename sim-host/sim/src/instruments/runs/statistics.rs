@@ -1,0 +1,178 @@
+//! Numbers of several runs: what is typical, and what is the worst.
+//!
+//! | | is |
+//! |---|---|
+//! | `NAME` | the median of the runs; the mean of the middle two of an even number |
+//! | `NAME_p95` | the smallest value that at least 95 % of the runs do not exceed (nearest rank) |
+//! | `NAME_max` | the largest |
+//! | `runs_completed`, `runs_locked`, `runs_faulted` | how many came to their end; had a lock that was one; ended in a fault |
+//! | `false_locks`, `undetected_losses` | in how many runs there was one: see [`claims`](crate::instruments::lock::claims) |
+//!
+//! Of a [signed](SIGNED) metric, percentile and maximum are of its absolute value. A run that lacks a time (one that never locks has
+//! no lock time) took for ever: it counts as infinite. A statistic that comes out infinite is absent, and `null` in JSON. A run that
+//! lacks anything else (a bias, if it was never steady) is not counted in that metric; how many were, the report's table says.
+
+use crate::metrics::Metrics;
+use scene::metric_names::{COUNTED, OF_RUNS, SIGNED};
+
+/// Metrics of which there is only a median, because it is the same in all runs.
+const SAME: [&str; 1] = ["plant_states"];
+/// How the names of times end.
+const TIMES: [&str; 2] = ["_ms", "_us"];
+
+/// What several runs come to.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Statistics {
+    /// The numbers.
+    pub metrics: Metrics,
+    /// Those that would be infinite.
+    pub endless: Vec<&'static str>,
+}
+
+/// One metric of all runs.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Spread {
+    /// The median.
+    pub median: f64,
+    /// The 95th percentile; of the absolute value if the metric is signed.
+    pub p95: f64,
+    /// The largest; of the absolute value if the metric is signed.
+    pub max: f64,
+    /// How many runs have it; those that are counted as infinite do not.
+    pub have: usize,
+}
+
+/// The numbers of these runs; of a metric that none of them has, none.
+pub fn of<'a>(runs: impl Iterator<Item = &'a Metrics> + Clone) -> Statistics {
+    let mut over = Statistics::default();
+    for names in OF_RUNS.iter() {
+        if COUNTED.contains(&names.name) {
+            let mut having = runs.clone().filter_map(|run| run.get(names.name)).peekable();
+            let any = having.peek().is_some();
+            over.metrics.put(names.name, any.then(|| having.sum::<f64>()));
+            continue;
+        }
+        let Some(spread) = spread(names.name, runs.clone()) else { continue };
+        over.put(names.name, spread.median);
+        if !SAME.contains(&names.name) {
+            over.put(&names.p95, spread.p95);
+            over.put(&names.max, spread.max);
+        }
+    }
+    over
+}
+
+impl Statistics {
+    fn put(&mut self, name: &'static str, value: f64) {
+        if value.is_infinite() {
+            self.endless.push(name);
+        }
+        self.metrics.put(name, value);
+    }
+}
+
+/// What these values come to; nothing is a number where there are none.
+pub fn spread_of(mut values: Vec<f64>) -> Spread {
+    if values.is_empty() {
+        return Spread { median: f64::NAN, p95: f64::NAN, max: f64::NAN, have: 0 };
+    }
+    values.sort_by(f64::total_cmp);
+    Spread { median: median(&values), p95: percentile(&values, 0.95), max: percentile(&values, 1.0), have: values.len() }
+}
+
+/// One metric of these runs, if any of them has it.
+pub fn spread<'a>(name: &str, runs: impl Iterator<Item = &'a Metrics>) -> Option<Spread> {
+    let time = TIMES.iter().any(|end| name.ends_with(end));
+    let all: Vec<Option<f64>> = runs.map(|run| run.get(name)).collect();
+    let have = all.iter().flatten().count();
+    if have == 0 {
+        return None;
+    }
+    let mut values: Vec<f64> = all.into_iter().filter_map(|value| value.or(time.then_some(f64::INFINITY))).collect();
+    values.sort_by(f64::total_cmp);
+    let median = median(&values);
+    if SIGNED.contains(&name) {
+        values.iter_mut().for_each(|value| *value = value.abs());
+        values.sort_by(f64::total_cmp);
+    }
+    Some(Spread { median, p95: percentile(&values, 0.95), max: percentile(&values, 1.0), have })
+}
+
+/// The median of values in order, which is the mean of the middle two if they are an even number.
+pub fn median(sorted: &[f64]) -> f64 {
+    let (low, high) = (percentile(sorted, 0.5), sorted.get(sorted.len() / 2).copied().unwrap_or(f64::NAN));
+    // Infinite and finite have no mean, and infinity less infinity is none either.
+    if low == high { low } else { 0.5 * (low + high) }
+}
+
+/// The smallest of values in order that at least this part of them does not exceed.
+pub fn percentile(sorted: &[f64], part: f64) -> f64 {
+    // Rounding must not make a whole number the next one.
+    let rank = (part * sorted.len() as f64 - 1e-9).ceil().max(1.0) as usize;
+    sorted.get(rank.min(sorted.len()).saturating_sub(1)).copied().unwrap_or(f64::NAN)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn run(metrics: &[(&'static str, f64)]) -> Metrics {
+        let mut run = Metrics::default();
+        metrics.iter().for_each(|&(name, value)| run.put(name, value));
+        run
+    }
+
+    fn over(name: &'static str, values: &[Option<f64>]) -> Statistics {
+        let runs: Vec<Metrics> =
+            values.iter().map(|value| run(&value.map(|v| (name, v)).into_iter().collect::<Vec<_>>())).collect();
+        of(runs.iter())
+    }
+
+    #[test]
+    fn percentiles_are_nearest_ranks() {
+        let twenty: Vec<Option<f64>> = (1..=20).rev().map(|n| Some(f64::from(n))).collect();
+        let found = over("lock_time_20hz_ms", &twenty).metrics;
+        assert_eq!(found.get("lock_time_20hz_ms"), Some(10.5));
+        assert_eq!(found.get("lock_time_20hz_ms_p95"), Some(19.0));
+        assert_eq!(found.get("lock_time_20hz_ms_max"), Some(20.0));
+        // Of 19 runs, 18 are less than 95 %.
+        let found = over("lock_time_20hz_ms", &twenty[1..]).metrics;
+        assert_eq!((found.get("lock_time_20hz_ms"), found.get("lock_time_20hz_ms_p95")), (Some(10.0), Some(19.0)));
+        let one = over("q", &[Some(65.0)]).metrics;
+        assert_eq!([one.get("q"), one.get("q_p95"), one.get("q_max")], [Some(65.0); 3]);
+    }
+
+    /// One of 20 that never locks spoils the maximum only, two the 95th percentile, eleven the median.
+    #[test]
+    fn what_never_happens_takes_for_ever() {
+        let missing = |count: usize| {
+            let values: Vec<_> = (0..20).map(|n| (n >= count).then_some(1.0)).collect();
+            over("lock_time_4hz_ms", &values).endless
+        };
+        assert_eq!(missing(0), [""; 0]);
+        assert_eq!(missing(1), ["lock_time_4hz_ms_max"]);
+        assert_eq!(missing(2), ["lock_time_4hz_ms_p95", "lock_time_4hz_ms_max"]);
+        assert_eq!(missing(10), ["lock_time_4hz_ms", "lock_time_4hz_ms_p95", "lock_time_4hz_ms_max"]);
+        let found = over("lock_time_4hz_ms", &[Some(1.0), Some(2.0), None]).metrics;
+        assert_eq!([found.get("lock_time_4hz_ms"), found.get("lock_time_4hz_ms_max")], [Some(2.0), None]);
+        // No run has it: there was nothing to lock to, rather than a lock that took for ever.
+        assert_eq!(over("relock_time_4hz_ms", &[None, None]), Statistics::default());
+    }
+
+    #[test]
+    fn what_is_signed_is_worst_by_its_size() {
+        let found = over("frequency_bias_hz", &[Some(-3.0), Some(1.0), Some(2.0), None]).metrics;
+        let names = ["frequency_bias_hz", "frequency_bias_hz_p95", "frequency_bias_hz_max"];
+        assert_eq!(names.map(|name| found.get(name)), [Some(1.0), Some(3.0), Some(3.0)]);
+        let found = over("friction_ratio", &[Some(-3.0), Some(1.0)]).metrics;
+        assert_eq!(found.get("friction_ratio_max"), Some(1.0));
+    }
+
+    #[test]
+    fn runs_are_counted() {
+        let found = over("false_locks", &[Some(1.0), Some(0.0), Some(1.0), None]).metrics;
+        assert_eq!((found.get("false_locks"), found.get("false_locks_p95")), (Some(2.0), None));
+        let found = over("plant_states", &[Some(7.0), Some(7.0)]).metrics;
+        assert_eq!((found.get("plant_states"), found.get("plant_states_p95")), (Some(7.0), None));
+    }
+}

@@ -1,0 +1,176 @@
+//! Several runs in words and tables: what is typical, what is the worst, and how to repeat it.
+
+use super::statistics::{self, Spread};
+use crate::instruments::Line;
+use crate::study::Study;
+use crate::study::monte_carlo::MonteCarlo;
+use crate::tables::number;
+use report::TableBlock;
+use scene::metric_names;
+
+/// What the table of all runs shows, if they have it: label and metric.
+const ROWS: &[(&str, &str)] = &[
+    ("to within 100 Hz [ms]", "lock_time_100hz_ms"),
+    ("to within 20 Hz [ms]", "lock_time_20hz_ms"),
+    ("to within 4 Hz [ms]", "lock_time_4hz_ms"),
+    ("again within 100 Hz [ms]", "relock_time_100hz_ms"),
+    ("again within 20 Hz [ms]", "relock_time_20hz_ms"),
+    ("again within 4 Hz [ms]", "relock_time_4hz_ms"),
+    ("scan and lock [ms]", "acquire_time_ms"),
+    ("bias, steady [Hz]", "frequency_bias_hz"),
+    ("jitter, steady [Hz]", "frequency_jitter_hz"),
+    ("largest error, steady [Hz]", "frequency_error_max_hz"),
+    ("motional phase, steady [degrees]", "motional_phase_deg"),
+    ("tip velocity [m/s]", "tip_velocity_m_per_s"),
+    ("reduction [%]", "reduction_percent"),
+    ("peak force at the shoulder [N]", "peak_shoulder_force_n"),
+    ("the same, passive belt [N]", "passive_peak_shoulder_force_n"),
+    ("excursion of the torso [m]", "torso_excursion_m"),
+    ("the same, passive belt [m]", "passive_torso_excursion_m"),
+    ("chest acceleration [g]", "chest_acceleration_g"),
+    ("friction LOW [ms]", "switch_time_ms"),
+    ("fault to silence [us]", "fault_latency_us"),
+];
+
+/// What is counted: label and metric.
+const COUNTS: &[(&str, &str)] = &[
+    ("completed", "runs_completed"),
+    ("with a true lock", "runs_locked"),
+    ("ended in a fault", "runs_faulted"),
+    ("with a false lock", "false_locks"),
+    ("with a loss of lock that was not noticed", "undetected_losses"),
+    ("with friction LOW", "switched"),
+];
+
+/// What others have published about hardware: what, how long, how near, where.
+const PUBLISHED: &[[&str; 4]] = &[
+    [
+        "ultrasonic scalpel and motor, voltage-sensing bridge: build-up",
+        "10, then 3 ms",
+        "250, then 200 Hz under load",
+        "Micromachines 14(12) 2147, 2023",
+    ],
+    [
+        "1 MHz transducer, phase-locked loop on a dsPIC: average convergence",
+        "9 to 12 ms",
+        "±0.2 %, which is 80 Hz at 40 kHz",
+        "Boontaklang and Chompoo-Inwai 2019",
+    ],
+    [
+        "travelling-wave motor, amplitude and parallel resonance: velocity response",
+        "3 to 4 ms",
+        "not stated",
+        "Sensors 19(23) 5326, 2019",
+    ],
+];
+
+/// The numbers that come first.
+pub const HEADLINE: &[Line] = &[
+    ("within 20 Hz in, median", "lock_time_20hz_ms", "ms"),
+    ("within 20 Hz in, 95 %", "lock_time_20hz_ms_p95", "ms"),
+    ("relocked to 20 Hz in, 95 %", "relock_time_20hz_ms_p95", "ms"),
+    ("bias, 95 %", "frequency_bias_hz_p95", "Hz"),
+    ("locked", "runs_locked", "runs"),
+    ("ended in a fault", "runs_faulted", "runs"),
+    ("false locks", "false_locks", "runs"),
+    ("undetected losses", "undetected_losses", "runs"),
+    ("with friction LOW", "switched", "runs"),
+    ("less force at the shoulder, median", "reduction_percent", "%"),
+];
+
+/// How many runs there were, as a headline.
+pub fn count(runs: &MonteCarlo) -> (String, String) {
+    ("runs".to_owned(), runs.runs.len().to_string())
+}
+
+/// What the numbers are of.
+pub fn preface(runs: &MonteCarlo) -> String {
+    let varied = if runs.keys.is_empty() { "nothing but the seed".to_owned() } else { runs.keys.join(", ") };
+    format!(
+        "Monte Carlo over {} runs, each with a seed of its own. What varies between them: {varied}. All runs, with what they drew, \
+         are in runs.csv.",
+        runs.runs.len()
+    )
+}
+
+/// Which run was worst, and how to repeat it.
+pub fn remarks(study: &Study, runs: &MonteCarlo) -> Vec<String> {
+    let Some((worst, why)) = runs.worst() else { return Vec::new() };
+    let changes: String = study.changes.iter().map(|change| format!(" --set '{change}'")).collect();
+    let again = format!("sim-host run {} --run {}{changes}", study.origin, worst.draw.number);
+    let drew = worst.draw.sets(&runs.keys).join(", ");
+    vec![format!("The worst run is number {} ({why}): {drew}. By itself, with its full report: {again}", worst.draw.number)]
+}
+
+/// The tables of several runs.
+pub fn tables(study: &Study, runs: &MonteCarlo) -> Vec<TableBlock> {
+    let mut tables = vec![spreads(study, runs), counts(study, runs)];
+    if study.metrics.get("runs_locked").is_some() {
+        let rows = PUBLISHED.iter().map(|row| row.map(str::to_owned).to_vec()).collect();
+        let caption =
+            "Measured on hardware, of other loads, and by what each source calls locked. What stands above is simulated.";
+        tables.push(TableBlock::new("published", "Published figures", caption, &["", "time", "frequency", "source"], rows));
+    }
+    tables
+}
+
+fn spreads(study: &Study, runs: &MonteCarlo) -> TableBlock {
+    let row = |&(label, name): &(&str, &str)| {
+        let spread = statistics::spread(name, runs.runs.iter().map(|run| &run.metrics))?;
+        let Spread { median, p95, max, have } = spread;
+        let mut row = vec![label.to_owned()];
+        row.extend([median, p95, max].map(shown));
+        row.push(have.to_string());
+        row.push(reference(study, name));
+        Some(row)
+    };
+    let mut rows: Vec<Vec<String>> = ROWS.iter().filter_map(row).collect();
+    let mut header = vec!["", "median", "95 %", "largest", "runs that have it", "expected"];
+    if rows.iter().all(|row| row.last().is_some_and(String::is_empty)) {
+        header.pop();
+        rows.iter_mut().for_each(|row| drop(row.pop()));
+    }
+    let caption = "95 % of the runs are at or below the second number. A run without a time took for ever. Of bias and phase, the second and \
+                   third number are of the absolute value. Times are from the first sample of the lock stage, or from the last step.";
+    TableBlock::new("runs", "All runs", caption, &header, rows)
+}
+
+/// What the scene expects of a metric, if anything.
+fn reference(study: &Study, name: &str) -> String {
+    let of = |judged: &str| match metric_names::of_one_run(judged) {
+        Some(base) if base == name => Some(if judged.ends_with("_p95") { "95 %: " } else { "largest: " }),
+        None if judged == name => Some("median: "),
+        _ => None,
+    };
+    let texts = study.judged.iter().filter_map(|judged| Some(format!("{}{}", of(&judged.metric)?, judged.limit)));
+    texts.collect::<Vec<_>>().join(", ")
+}
+
+fn counts(study: &Study, runs: &MonteCarlo) -> TableBlock {
+    let row = |&(label, name): &(&str, &str)| {
+        study.metrics.get(name).map(|count| vec![label.to_owned(), count.to_string(), format!("of {}", runs.asked)])
+    };
+    TableBlock::new("counts", "Runs", "", &["", "runs", ""], COUNTS.iter().filter_map(row).collect())
+}
+
+fn shown(value: f64) -> String {
+    if value.is_finite() { number(value) } else { "never".to_owned() }
+}
+
+/// How they were run, in one line.
+pub fn manner(runs: &MonteCarlo) -> String {
+    let count = runs.runs.len();
+    let time = |wall_s: f64| format!("{count} runs in {} s: {} runs a second", number(wall_s), number(count as f64 / wall_s));
+    runs.wall_s.map_or_else(|| format!("{count} runs"), time)
+}
+
+/// How far it came.
+pub fn reached(runs: &MonteCarlo) -> String {
+    format!("{} of {} runs", runs.runs.len(), runs.asked)
+}
+
+/// Where the numbers come from.
+pub fn footer(runs: &MonteCarlo) -> Vec<(&'static str, String)> {
+    let hash = runs.drive_hash().map(|hash| ("drive hash", format!("{hash:016x}")));
+    std::iter::once(("runs", runs.runs.len().to_string())).chain(hash).collect()
+}

@@ -1,0 +1,204 @@
+//! The time-frequency pictures of a sweep, which thesis 4.4 asks for: the short-time transform of the whole sweep, and the Wigner-Ville
+//! distribution of the stretch in which it passes the resonance.
+
+use super::curves::axis;
+use super::{Instrument, View};
+use crate::study::swept::Swept;
+use plant::truth::Sample;
+use report::time_frequency::{Map, Smoothing, stft, wigner_ville, window_for};
+use report::{Figure, HeatMap};
+
+/// Most columns of a picture.
+const COLUMNS: usize = 480;
+/// Where the colours end below the strongest cell, dB: short-time transform, Wigner-Ville. The latter has side lobes of either sign.
+const FLOOR_DB: [f64; 2] = [60.0, 40.0];
+/// The stretch around the resonance, time constants before and after.
+const STRETCH: [f64; 2] = [1.5, 5.0];
+/// Samples to each side that a Wigner-Ville distribution looks at.
+const LAGS: usize = 1024;
+/// Rows of it that a picture shows at least, if they need not be finer than this part of half the sample rate.
+const ROWS: f64 = 300.0;
+const FINEST: usize = 1 << 14;
+/// Length of its window of times, samples: no cross term between components further apart than about a fiftieth of the sample rate.
+const TIMES: usize = 101;
+
+/// A swing below this part of the mean is rounding.
+const STILL: f64 = 1e-9;
+
+/// A signal of the plant.
+struct Signal {
+    id: &'static str,
+    name: &'static str,
+    of: fn(&Sample) -> f64,
+    harmonics: bool,
+}
+
+const DRIVE: Signal = Signal { id: "drive", name: "voltage at the stack", of: |sample| sample.voltage_v, harmonics: false };
+const TIP: Signal =
+    Signal { id: "tip-velocity", name: "tip velocity", of: |sample| sample.tip_velocity_m_per_s, harmonics: false };
+const FRICTION: Signal = Signal { id: "friction", name: "friction", of: |sample| sample.friction_n, harmonics: true };
+
+/// The instrument of scenes whose drive sweeps.
+pub(super) struct Sweep;
+
+impl Instrument for Sweep {
+    fn figures(&self, run: &View) -> Vec<Figure> {
+        Swept::of("", &run.scene, run.record).iter().flat_map(figures).collect()
+    }
+}
+
+/// The pictures of a sweep; none if nothing of it was recorded.
+pub fn figures(swept: &Swept) -> Vec<Figure> {
+    let signals: &[Signal] = if swept.rubs { &[DRIVE, TIP, FRICTION] } else { &[DRIVE, TIP] };
+    let whole = signals.iter().filter_map(|signal| short_time(swept, signal));
+    let near = signals.iter().filter_map(|signal| near_resonance(swept, signal, TIMES));
+    whole.chain(near).chain(near_resonance(swept, &TIP, 1)).collect()
+}
+
+/// The whole sweep, through windows.
+fn short_time(swept: &Swept, signal: &Signal) -> Option<Figure> {
+    let samples = swinging(&swept.window.samples, signal);
+    let window = window_for(swept.law.slowest_hz_per_s(), swept.sample_s).min(samples.len() / 4);
+    let hop = samples.len().div_ceil(COLUMNS).max(1);
+    let map = stft(&samples, swept.sample_s, window, hop);
+    let (from_hz, to_hz) = band_hz(swept, signal, [swept.law.start_hz, swept.law.stop_hz], 0.1);
+    let frame = Frame { from_s: 0.0, from_hz, to_hz, floor_db: FLOOR_DB[0] };
+    let kilohertz = 2e-3 / (window as f64 * swept.sample_s);
+    Some(Figure {
+        id: id(swept, "stft", signal),
+        title: format!("{}: short-time spectrum of the sweep", heading(swept, signal)),
+        caption: format!(
+            "Power about the mean in dB of the strongest cell, through Hann windows of {window} samples: a window blurs each time by about half its \
+             length and each frequency by about {kilohertz:.2} kHz. {}",
+            if signal.id == TIP.id {
+                "Where the sweep meets the resonance the tip answers, and rings on at its own frequency."
+            } else {
+                ""
+            }
+        ),
+        ..picture(swept, &map, &frame)?
+    })
+}
+
+/// The stretch in which the sweep passes the resonance.
+fn near_resonance(swept: &Swept, signal: &Signal, times: usize) -> Option<Figure> {
+    let passes_s = swept.law.passes_s(swept.resonance_hz)?;
+    let from_s = (passes_s - STRETCH[0] * swept.time_constant_s).max(0.0);
+    let to_s = (passes_s + STRETCH[1] * swept.time_constant_s).min(swept.law.time_s);
+    let samples = &swept.window.samples;
+    let place = |seconds: f64| ((seconds / swept.sample_s) as usize).min(samples.len());
+    let ends = [from_s, to_s].map(|s| swept.law.frequency_hz(s));
+    let (from_hz, to_hz) = band_hz(swept, signal, ends, 0.3);
+    let frame = Frame { from_s, from_hz, to_hz, floor_db: FLOOR_DB[1] };
+    let (first, end) = (place(from_s), place(to_s));
+    let hop = (end - first).div_ceil(COLUMNS).max(1);
+    // The distribution looks around itself: what lies beside the stretch goes in, and its columns are left out.
+    let before = LAGS.min(first) / hop * hop;
+    let around = swinging(&samples[first - before..(end + LAGS).min(samples.len())], signal);
+    let rows =
+        ((ROWS * 0.5 / swept.sample_s / (frame.to_hz - frame.from_hz)) as usize).next_power_of_two().clamp(2 * LAGS, FINEST);
+    let mut map = wigner_ville(&around, swept.sample_s, Smoothing { rows, lags: Some(LAGS), times, hop });
+    map.columns.drain(..before / hop);
+    map.columns.truncate((end - first) / hop);
+    let (kind, what) = if times > 1 {
+        let microseconds = times as f64 * swept.sample_s * 1e6;
+        (
+            "wigner",
+            format!(
+                "Smoothed pseudo Wigner-Ville distribution about the mean, in dB of the strongest cell. The window of times, \
+                 {microseconds:.0} us, removes the terms between components further apart than some {:.0} kHz. \
+                 Stripes beside a ridge are side lobes of the window of lags, and no lines of the signal.",
+                2e3 / microseconds
+            ),
+        )
+    } else {
+        (
+            "wigner-unsmoothed",
+            "The same without a window of times: a third term stands halfway between any two components, swings about zero, and is no \
+             power of the signal; where there is one component at a time, the two pictures are the same."
+                .to_owned(),
+        )
+    };
+    Some(Figure {
+        id: id(swept, kind, signal),
+        title: format!(
+            "{}: Wigner-Ville about the resonance{}",
+            heading(swept, signal),
+            if times > 1 { ", smoothed" } else { "" }
+        ),
+        caption: what,
+        ..picture(swept, &map, &frame)?
+    })
+}
+
+/// A signal about its mean, so that the mean does not outshine what swings. What swings by no more than rounding is still.
+fn swinging(samples: &[Sample], signal: &Signal) -> Vec<f64> {
+    let mean = samples.iter().map(signal.of).sum::<f64>() / samples.len().max(1) as f64;
+    let swing = |sample: &Sample| Some((signal.of)(sample) - mean).filter(|swing| swing.abs() > STILL * mean.abs());
+    samples.iter().map(|sample| swing(sample).unwrap_or(0.0)).collect()
+}
+
+/// What a picture shows of a map.
+struct Frame {
+    /// When its first sample was, s from the sweep's beginning.
+    from_s: f64,
+    from_hz: f64,
+    to_hz: f64,
+    floor_db: f64,
+}
+
+/// What to show of a signal: friction from zero to its third harmonic at resonance; the others have the sweep's frequencies, with so
+/// much of them beside, and the stack's own.
+fn band_hz(swept: &Swept, signal: &Signal, ends_hz: [f64; 2], beside: f64) -> (f64, f64) {
+    let own_hz = swept.resonance_hz;
+    if signal.harmonics {
+        return (0.0, 3.3 * own_hz);
+    }
+    let (lowest, highest) = ends_hz.into_iter().fold((own_hz, own_hz), |(a, b), hz| (a.min(hz), b.max(hz)));
+    let room_hz = beside * (highest - lowest) + 0.05 * own_hz;
+    ((lowest - room_hz).max(0.0), highest + room_hz)
+}
+
+/// A map as a figure.
+fn picture(swept: &Swept, map: &Map, frame: &Frame) -> Option<Figure> {
+    let (first, end) = ((frame.from_hz / map.bin_hz) as usize, (frame.to_hz / map.bin_hz) as usize + 1);
+    let peak = map.peak();
+    if map.columns.is_empty() || peak <= 0.0 {
+        return None;
+    }
+    // Two digits after the point: finer than any colour, and than what the window lets through.
+    let decibel = |power: f64| (100.0 * 10.0 * (power.max(peak * 1e-12) / peak).log10()).round() / 100.0;
+    let columns: Vec<Vec<f64>> =
+        map.columns.iter().map(|column| column.iter().take(end).skip(first).map(|&power| decibel(power)).collect()).collect();
+    let shown = columns.first().map_or(0, Vec::len) as f64;
+    let edge_ms = |column: f64| 1e3 * (frame.from_s + map.first_s + (column - 0.5) * map.every_s);
+    let edge_khz = |row: f64| 1e-3 * (row - 0.5) * map.bin_hz;
+    Some(Figure {
+        x: axis("time from the sweep's beginning [ms]"),
+        y: axis("frequency [kHz]"),
+        map: Some(HeatMap {
+            x: (edge_ms(0.0), edge_ms(columns.len() as f64)),
+            y: (edge_khz(first as f64), edge_khz(first as f64 + shown)),
+            columns,
+            range: (-frame.floor_db, 0.0),
+            label: "power [dB]".into(),
+            csv_column: "power_db".into(),
+        }),
+        hlines: vec![(swept.resonance_hz / 1e3, "series resonance".into())],
+        ..Figure::default()
+    })
+}
+
+fn id(swept: &Swept, kind: &str, signal: &Signal) -> String {
+    // A file's name has letters, digits and hyphens.
+    let plain: String =
+        swept.name.chars().map(|c| if c.is_ascii_alphanumeric() { c.to_ascii_lowercase() } else { '-' }).collect();
+    let words: Vec<&str> = plain.split('-').filter(|word| !word.is_empty()).collect();
+    [&[kind, signal.id][..], &words].concat().join("-")
+}
+
+fn heading(swept: &Swept, signal: &Signal) -> String {
+    let mut letters = signal.name.chars();
+    let capital: String = letters.next().into_iter().flat_map(char::to_uppercase).chain(letters).collect();
+    if swept.name.is_empty() { capital } else { format!("{}, {}", swept.name, signal.name) }
+}

@@ -1,0 +1,148 @@
+//! A driven run as its instruments see it: which blocks are steady, which are ON, and when each mode begins to play.
+//!
+//! **Settled** is what comes 20 ms after an edge; or a third of what is left of the run from its first block of running, or from its last
+//! step disturbance, if that is less. **Steady** blocks are running, with envelope one, settled, and after the last step disturbance; where the
+//! friction is switched, from the survey or the last set point on.
+
+use firmware::supervisor::Mode;
+
+use crate::record::{Record, Row};
+use scene::Driven;
+
+/// After an edge or a disturbance, this long is not counted as steady, s,
+const SETTLE_S: f64 = 0.02;
+/// or this part of what is left of the run, if that is less.
+const SETTLE_PART: f64 = 1.0 / 3.0;
+
+/// A scene and the record of its run, with what all instruments share: which blocks are steady, and for how long the envelope has been constant.
+pub struct View<'a> {
+    /// The scene.
+    pub scene: Driven<'a>,
+    /// The record of its run.
+    pub record: &'a Record,
+    pub(super) rows: &'a [Row],
+    /// From one row to the next, s.
+    pub(super) block_s: f64,
+    /// For each block, since when its envelope is what it is and nothing was disturbed, s.
+    calm_s: Vec<f64>,
+    /// When each disturbance begins, s.
+    pub(super) disturbed_s: Vec<f64>,
+    /// When each step disturbance comes, s.
+    pub(super) steps_s: Vec<f64>,
+    /// What is settled comes so long after an edge, s.
+    pub(super) settle_s: f64,
+    /// The friction switch holds what was wanted last from here on, s.
+    held_from_s: f64,
+}
+
+impl<'a> View<'a> {
+    /// Looks at a record.
+    pub fn new(scene: &Driven<'a>, record: &'a Record) -> Self {
+        let steps_s = scene.disturbance.iter().filter(|d| d.to.is_some()).map(|d| d.at_s).collect();
+        let disturbed_s = scene.disturbance.iter().map(|d| d.at_s).collect::<Vec<_>>();
+        let block_s = record.sample_s * record.block_samples as f64 * record.every as f64;
+        let mut view = View {
+            scene: *scene,
+            record,
+            rows: &record.rows,
+            block_s,
+            calm_s: Vec::new(),
+            disturbed_s,
+            steps_s,
+            settle_s: SETTLE_S,
+            held_from_s: f64::NEG_INFINITY,
+        };
+        view.calm_s = view.calm_times();
+        view.settle_s = view.settling_s();
+        view.held_from_s = view.held_from_s();
+        view
+    }
+
+    fn settling_s(&self) -> f64 {
+        let running_s = self.plays_from(Mode::Run).unwrap_or(f64::NEG_INFINITY);
+        let from_s = self.steps_s.iter().copied().fold(running_s, f64::max);
+        let left_s = self.rows.last().map_or(0.0, |row| row.time_s - from_s);
+        if left_s > 0.0 { SETTLE_S.min(SETTLE_PART * left_s) } else { SETTLE_S }
+    }
+
+    fn calm_times(&self) -> Vec<f64> {
+        let mut since = 0.0;
+        let mut last: Option<&Row> = None;
+        let mut calm = Vec::with_capacity(self.rows.len());
+        for row in self.rows {
+            let begins = row.time_s - self.block_s;
+            let same = last.is_some_and(|last| last.envelope == row.envelope && last.mode == row.mode);
+            let stepped = self.steps_s.iter().any(|&at| at >= begins && at < row.time_s);
+            if !same || stepped {
+                since = begins;
+            }
+            calm.push(row.time_s - since);
+            last = Some(row);
+        }
+        calm
+    }
+
+    /// Blocks of the run with this envelope, so long after an edge, s, and after the last step disturbance.
+    pub(super) fn settled(&self, envelope: f64, settle_s: f64) -> impl Iterator<Item = &'a Row> + '_ {
+        let last_step_s = self.steps_s.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        let kept = move |row: &Row, calm: f64| {
+            row.mode == Mode::Run && row.envelope == envelope && calm > settle_s && row.time_s > last_step_s
+        };
+        self.rows.iter().zip(&self.calm_s).filter(move |&(row, &calm)| kept(row, calm)).map(|(row, _)| row)
+    }
+
+    /// Running, envelope one, some time after the last edge, and after the last step disturbance.
+    pub fn steady(&self) -> impl Iterator<Item = &'a Row> + '_ {
+        self.settled(1.0, self.settle_s).filter(|row| row.time_s > self.held_from_s)
+    }
+
+    /// The ON windows as they were played while running, s.
+    pub fn on_windows(&self) -> Vec<(f64, f64)> {
+        let mut windows: Vec<(f64, f64)> = Vec::new();
+        let mut open = false;
+        for row in self.after(self.plays_from(Mode::Run).unwrap_or(f64::INFINITY)) {
+            // A block that is ON in part begins late or ends early by the rest of it.
+            let (begins, part) = (row.time_s - self.block_s, self.block_s * row.envelope.min(1.0));
+            match (open, windows.last_mut()) {
+                (true, Some(window)) if row.envelope > 0.0 => window.1 = begins + part,
+                _ if row.envelope > 0.0 => windows.push((row.time_s - part, row.time_s)),
+                _ => {}
+            }
+            open = row.envelope > 0.0;
+        }
+        windows
+    }
+
+    /// The blocks that play entirely after a moment.
+    pub fn after(&self, time_s: f64) -> &'a [Row] {
+        let half_s = 0.5 * self.block_s;
+        &self.rows[self.rows.partition_point(|row| row.time_s - self.block_s < time_s - half_s)..]
+    }
+
+    /// When the first block of this mode begins to play, s.
+    pub fn plays_from(&self, mode: Mode) -> Option<f64> {
+        // The row of block k is what `process` said after it; what it said plays two blocks after k, so begins one row later.
+        self.rows.iter().find(|row| row.mode == mode).map(|row| row.time_s + self.block_s)
+    }
+
+    /// The last block of the scan.
+    pub(super) fn scan_ends(&self) -> Option<&'a Row> {
+        self.rows.iter().rfind(|row| row.mode == Mode::Scan)
+    }
+}
+
+/// When, between two blocks, the condition begins to hold, by linear interpolation of the tip velocity.
+pub(super) fn crossing(before: &Row, after: &Row, there: &dyn Fn(f64) -> bool, tip: impl Fn(&Row) -> f64) -> f64 {
+    let (mut low, mut high) = (0.0, 1.0);
+    for _ in 0..20 {
+        let part = 0.5 * (low + high);
+        if there(tip(before) + part * (tip(after) - tip(before))) { high = part } else { low = part }
+    }
+    before.time_s + high * (after.time_s - before.time_s)
+}
+
+/// The mean of these values; none of no value.
+pub(super) fn mean(values: impl Iterator<Item = f64>) -> Option<f64> {
+    let (sum, count) = values.fold((0.0, 0usize), |(sum, count), value| (sum + value, count + 1));
+    (count > 0).then(|| sum / count as f64)
+}

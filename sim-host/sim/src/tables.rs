@@ -1,0 +1,204 @@
+//! A study in words and tables: the same for the terminal and for the report.
+
+mod comparison;
+mod driven;
+
+use crate::instruments::{self, Line, View, contact, crash, runs};
+use crate::study::{Outcome, Study};
+use report::{Report, TableBlock};
+
+/// The report of a study.
+pub fn report(study: &Study) -> Report {
+    let scene = &study.scene;
+    let preface = match &study.outcome {
+        Outcome::Driven(run) => driven::preface(run),
+        Outcome::Contact(_) => contact::table::PREFACE.to_owned(),
+        Outcome::MonteCarlo(runs) => runs::table::preface(runs),
+    };
+    Report {
+        title: scene.title.clone(),
+        subtitle: if scene.source.is_empty() { String::new() } else { format!("Source: {}", scene.source) },
+        summary: headline(study),
+        paragraphs: [remarks(study), scene.notes.clone(), vec![preface]].concat(),
+        tables: tables(study),
+        figures: instruments::figures(study),
+        crash: study.run().and_then(|run| crash::playback(&View::new(&run.scene, &run.record))),
+        appendix: vec![all_metrics(study)],
+        footer: footer(study),
+        interrupted: study.interrupted,
+    }
+}
+
+/// The tables that answer the scene's question: expectations, comparison, what was found, grid.
+pub fn tables(study: &Study) -> Vec<TableBlock> {
+    let mut tables = vec![expectations(study)];
+    tables.extend(comparison::tables(study));
+    match &study.outcome {
+        Outcome::Driven(run) => tables.extend(driven::tables(run, &study.metrics)),
+        Outcome::Contact(solved) => tables.extend(contact::table::tables(study, solved)),
+        Outcome::MonteCarlo(runs) => tables.extend(runs::table::tables(study, runs)),
+    }
+    tables.extend(grid(study));
+    tables.retain(|table| !table.rows.is_empty());
+    tables
+}
+
+/// What a reader must know before the numbers.
+pub fn remarks(study: &Study) -> Vec<String> {
+    let mut remarks = Vec::new();
+    let changes = study.changes.join(", ");
+    if let Some(number) = study.run_number {
+        remarks.push(format!("Run {number} of the scene's runs, by itself, as drawn: {changes}. Notes are those of all runs."));
+    } else if !changes.is_empty() {
+        remarks.push(format!("Changed by hand: {changes}. Title, notes and expectations are those of the unchanged scene."));
+    }
+    remarks.extend(match &study.outcome {
+        Outcome::Driven(run) => driven::remarks(run),
+        Outcome::Contact(solved) => contact::table::remarks(solved),
+        Outcome::MonteCarlo(runs) => runs::table::remarks(study, runs),
+    });
+    remarks
+}
+
+/// The numbers that come first.
+pub fn headline(study: &Study) -> Vec<(String, String)> {
+    let (first, lines) = match &study.outcome {
+        Outcome::Driven(run) => (driven::fault(run), driven::headline(run)),
+        Outcome::Contact(solved) => (contact::table::ratio(solved), contact::table::HEADLINE.to_vec()),
+        Outcome::MonteCarlo(runs) => (Some(runs::table::count(runs)), runs::table::HEADLINE.to_vec()),
+    };
+    let tile = |&(label, metric, unit): &Line| {
+        study.metrics.get(metric).map(|value| (label.to_owned(), format!("{} {unit}", number(value)).trim_end().to_owned()))
+    };
+    first.into_iter().chain(lines.iter().filter_map(tile)).collect()
+}
+
+/// How the study was run, in one line.
+pub fn manner(study: &Study) -> String {
+    match &study.outcome {
+        Outcome::Driven(run) => driven::manner(study, run),
+        Outcome::Contact(solved) => contact::table::manner(solved),
+        Outcome::MonteCarlo(runs) => runs::table::manner(runs),
+    }
+}
+
+/// How far the study came, and of what.
+pub fn reached(study: &Study) -> String {
+    let reached_s = match &study.outcome {
+        Outcome::Driven(run) => driven::reached_s(run),
+        Outcome::Contact(solved) => contact::table::reached_s(solved),
+        Outcome::MonteCarlo(runs) => return runs::table::reached(runs),
+    };
+    format!("{} s of {} s", number(reached_s), study.scene.duration_s)
+}
+
+/// The modes that a controller went through, and when.
+pub fn modes(study: &Study) -> Option<String> {
+    study.run().map(driven::modes)
+}
+
+/// Where the controller ran, and so what the result can show.
+pub fn level(study: &Study) -> String {
+    match &study.outcome {
+        Outcome::Driven(run) => run.level.to_string(),
+        Outcome::MonteCarlo(runs) if study.scene.controller.is_some() => runs.level.to_string(),
+        Outcome::Contact(_) | Outcome::MonteCarlo(_) => contact::table::LEVEL.to_owned(),
+    }
+}
+
+fn footer(study: &Study) -> Vec<(String, String)> {
+    let own = match &study.outcome {
+        Outcome::Driven(run) => driven::footer(run),
+        Outcome::Contact(solved) => contact::table::footer(solved),
+        Outcome::MonteCarlo(runs) => runs::table::footer(runs),
+    };
+    let all = [("scene", study.name.clone()), ("seed", study.scene.seed.to_string()), ("sim-host", crate::VERSION.to_owned())];
+    all.into_iter().chain(own).map(|(label, value)| (label.to_owned(), value)).collect()
+}
+
+fn expectations(study: &Study) -> TableBlock {
+    let rows = study
+        .judged
+        .iter()
+        .map(|judged| {
+            let fine = judged.tolerance.zip(judged.value).is_some_and(|(tolerance, value)| tolerance < 1e-4 * value.abs());
+            let shown = if fine { precise } else { number };
+            let value = judged.value.map_or_else(|| "no such value in this run".to_owned(), shown);
+            let verdict = if judged.pass { "PASS" } else { "MISS" };
+            let metric = match &judged.case {
+                Some((case, equal)) => format!("{} ({case}, equal {})", judged.metric, equal.name()),
+                None => judged.metric.clone(),
+            };
+            vec![verdict.into(), metric, value, judged.limit.clone(), judged.source.clone()]
+        })
+        .collect();
+    TableBlock::new("expectations", "Expected", "", &["", "metric", "value", "expected", "source"], rows)
+}
+
+fn grid(study: &Study) -> Option<TableBlock> {
+    let result = study.grid.as_ref()?;
+    let grid = &result.grid;
+    let header: Vec<String> = std::iter::once(grid.row_key.clone())
+        .chain(grid.columns.iter().map(|value| format!("{} = {value}", grid.column_key.rsplit('.').next().unwrap_or(""))))
+        .collect();
+    let row = |(value, cells): (&f64, &Vec<Option<f64>>)| {
+        let cells = cells.iter().map(|cell| cell.map_or_else(|| "–".to_owned(), in_a_grid));
+        std::iter::once(value.to_string()).chain(cells).collect()
+    };
+    let rows = grid.rows.iter().zip(&result.cells).map(row).collect();
+    let host = if study.run().is_some() { " and the controller on the host (SIL)" } else { "" };
+    let besides = if grid.set.is_empty() { String::new() } else { format!(", besides {}", grid.set.join(", ")) };
+    let caption = format!("{}; each cell is a run of its own, with these two keys set{besides}{host}", grid.metric);
+    Some(TableBlock { id: "grid".into(), title: grid.title.clone(), caption, header, rows })
+}
+
+/// A number beside others of its kind: a ratio with four digits after the point, else two.
+fn in_a_grid(value: f64) -> String {
+    if value.abs() < 2.0 { format!("{value:.4}") } else { format!("{value:.2}") }
+}
+
+/// Every metric of a study.
+pub fn all_metrics(study: &Study) -> TableBlock {
+    let rows = study.metrics.iter().map(|(name, value)| vec![name.to_owned(), number(value)]).collect();
+    TableBlock::new("metrics", "All metrics", "", &["metric", "value"], rows)
+}
+
+/// Four significant digits.
+pub fn number(value: f64) -> String {
+    digits(value, 4)
+}
+
+/// Seven significant digits, for what is compared.
+pub(crate) fn precise(value: f64) -> String {
+    digits(value, 7)
+}
+
+fn digits(value: f64, digits: usize) -> String {
+    let size = value.abs();
+    if value == 0.0 {
+        return "0".into();
+    }
+    if !(1e-3..1e7).contains(&size) {
+        return format!("{value:.*e}", digits - 1);
+    }
+    // Digits after the point such that there are as many in all; whole numbers keep none.
+    let before = size.log10().floor() as i32 + 1;
+    let after = (digits as i32 - before).max(0) as usize;
+    let text = format!("{value:.after$}");
+    if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_read_well() {
+        assert_eq!(number(67.440_118), "67.44");
+        assert_eq!(number(0.144), "0.144");
+        assert_eq!(number(2.0008e-8), "2.001e-8");
+        assert_eq!(number(-5.2), "-5.2");
+        assert_eq!(precise(39_999.290_1), "39999.29");
+        assert_eq!(number(8.0), "8");
+    }
+}

@@ -1,0 +1,85 @@
+//! A driven run in words, and the tables of its instruments.
+
+use std::fmt::Write as _;
+
+use crate::instruments::{DRIVEN, Line, View};
+use crate::metrics::Metrics;
+use crate::study::Study;
+use crate::study::driven::Run;
+use report::TableBlock;
+
+/// Where the controller ran, and what the three ways are.
+pub(super) fn preface(run: &Run) -> String {
+    format!(
+        "{}, against a simulated {}. Command is what the controller played, estimate what it believed, truth what the \
+         simulated plant did; the controller sees converter codes only.",
+        run.level,
+        match (run.scene.stator(), run.scene.dring()) {
+            (Some(_), _) => "stator and rotor",
+            (None, Some(_)) => "stack, seat belt and torso",
+            (None, None) => "stack and contact",
+        },
+    )
+}
+
+/// What a reader must know before the numbers.
+pub(super) fn remarks(run: &Run) -> Vec<String> {
+    let view = View::new(&run.scene, &run.record);
+    DRIVEN.iter().flat_map(|instrument| instrument.remarks(&view)).collect()
+}
+
+/// The numbers that come first of a run.
+pub(super) fn headline(run: &Run) -> Vec<Line> {
+    let lines = DRIVEN.iter().flat_map(|instrument| instrument.headline()).copied();
+    let crash = run.record.crash.is_some();
+    lines
+        .filter(|(label, ..)| !crash || *label != "friction reduction")
+        .chain([("simulated s per wall s", "simulated_s_per_wall_s", "")])
+        .collect()
+}
+
+/// The fault that the run ended in, as a headline.
+pub(super) fn fault(run: &Run) -> Option<(String, String)> {
+    run.record.rows.last().filter(|row| row.fault != 0).map(|row| ("ended in fault".to_owned(), row.fault.to_string()))
+}
+
+/// The tables of a driven run.
+pub(super) fn tables(run: &Run, metrics: &Metrics) -> Vec<TableBlock> {
+    let view = View::new(&run.scene, &run.record);
+    DRIVEN.iter().flat_map(|instrument| instrument.tables(&view, metrics)).collect()
+}
+
+/// Where the numbers come from.
+pub(super) fn footer(run: &Run) -> Vec<(&'static str, String)> {
+    vec![
+        ("drive hash", format!("{:016x}", run.record.drive_hash)),
+        ("plant states", run.record.plant_states.to_string()),
+        ("level", run.level.to_string()),
+    ]
+}
+
+/// How it was run, in one line.
+pub(super) fn manner(study: &Study, run: &Run) -> String {
+    let speed = study.metrics.get("simulated_s_per_wall_s");
+    let speed = speed.map_or_else(String::new, |speed| format!("{} simulated seconds per wall second, ", super::number(speed)));
+    format!("{}; {speed}{} plant states; drive hash {:016x}", run.level, run.record.plant_states, run.record.drive_hash)
+}
+
+/// How far an interrupted run came, s.
+pub(super) fn reached_s(run: &Run) -> f64 {
+    run.record.rows.last().map_or(0.0, |row| row.time_s)
+}
+
+/// The modes that the controller went through, and when.
+pub(super) fn modes(run: &Run) -> String {
+    let mut text = String::new();
+    let mut last = None;
+    for row in &run.record.rows {
+        if last != Some((row.mode, row.fault)) {
+            last = Some((row.mode, row.fault));
+            let fault = if row.fault == 0 { String::new() } else { format!(" {}", row.fault) };
+            let _ = writeln!(text, "{:12.6} s  {:?}{fault}", row.time_s, row.mode);
+        }
+    }
+    text
+}
