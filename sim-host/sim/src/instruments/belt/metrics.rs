@@ -7,7 +7,7 @@
 //! | `lasting_reduction_percent` | what the law says of that amplitude if it lasted |
 //! | `on_time_s` | how long the window was, as played |
 
-use firmware::supervisor::Mode;
+use firmware::seam::mode::Mode;
 
 use crate::instruments::View;
 use crate::instruments::view::mean;

@@ -13,7 +13,8 @@
 //! | `kappa_deviation` | standard deviation that the controller states of it, relative |
 //! | `survey_time_ms` | from the first sample of the run to the end of the survey |
 
-use firmware::supervisor::{Limit, Mode};
+use firmware::seam::fault::Limit;
+use firmware::seam::mode::Mode;
 
 use crate::instruments::View;
 use crate::instruments::view::mean;

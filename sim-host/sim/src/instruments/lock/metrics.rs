@@ -8,7 +8,7 @@
 //! | `acquire_time_ms` | from the first DAC sample of the scan to the first of the run |
 //! | `false_locks`, `undetected_losses` | 1 if the controller said that it was locked and was not, 0 if not: see [`claims`] |
 
-use firmware::supervisor::Mode;
+use firmware::seam::mode::Mode;
 
 use super::claims;
 use crate::instruments::View;
