@@ -23,7 +23,6 @@ mod interrupts;
 mod link;
 mod progress;
 mod run;
-mod table;
 mod validate;
 
 use std::io::{self, IsTerminal, Write};

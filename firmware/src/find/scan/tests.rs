@@ -197,23 +197,9 @@ fn deviations_are_honest() {
         for (stage, of) in [("window", &of_window as &dyn Fn(&Scanned) -> Transducer), ("end", &of_end)] {
             let ratios = ratios(&scans.iter().map(of).collect::<List<_>>());
             std::println!("{name}, {stage}: {ratios:.2?}");
-            // 0.77 to 1.23 here; over 200 seeds 0.87 to 1.13.
+            // 0.77 to 1.23 here; with 200 seeds in place of these 0.87 to 1.13.
             assert!(ratios.iter().all(|ratio| (0.7..1.4).contains(ratio)), "{name}, {stage}: {ratios:?}");
         }
-    }
-}
-
-/// The same over as many seeds as it is stated for, of more cases.
-#[test]
-#[ignore = "200 seeds take a minute"]
-fn deviations_are_honest_over_200_seeds() {
-    let at_40k = [20.0, 40.0, 65.0, 200.0, 500.0].map(|q| stack(40_300.0, q));
-    let at_20k = [57.0, 330.0, 1600.0].map(|q| welder(20_100.0, q));
-    for case in at_40k.iter().chain(&at_20k) {
-        let scans = scans(case, 200);
-        let window: List<_> = scans.iter().filter_map(|scanned| scanned.first).collect();
-        let end: List<_> = scans.iter().filter_map(|scanned| scanned.found.as_ref().ok().map(|found| found.0)).collect();
-        std::println!("{:?}: window {:.2?}, end {:.2?}", case.branches[0], ratios(&window), ratios(&end));
     }
 }
 
