@@ -7,7 +7,7 @@ use firmware::sense::demod::Sensed;
 use firmware::sense::motional::Motional;
 use firmware::track::tracker::identified::Known;
 use firmware::track::tracker::observer::Prior;
-use firmware::track::tracker::{Heard, State, Tracker};
+use firmware::track::tracker::{PlayedBlock, State, Tracker};
 use scene::load::load;
 use scene::settings;
 use sim::instruments::measure;
@@ -198,12 +198,13 @@ fn the_phase_is_the_judge_of_the_observer() {
     let prior = Prior { offset_hz: (0.0, 1000.0), q: 65.0, lm_h: (0.7916e-3, 0.08e-3), axis: one, noise_a: 5e-4 };
     tracker.observe(Motional { y0: Phasor::new(0.0, 0.075), axis: one }, Known { c0_f: (300e-9, 1e-9), modes: (1, 0) }, &prior);
     let sensed = Sensed { v: one * 3.0, i: one };
-    let heard = Heard { offset_hz: 0.0, volts: 3.0, envelope: Some(1.0), pure: true, on: true, driven: true, rung_up: false };
+    let heard =
+        PlayedBlock { offset_hz: 0.0, volts: 3.0, envelope: Some(1.0), pure: true, on: true, driven: true, rung_up: false };
     let mut follow = |phase: f32, blocks: usize| {
         let turned = Phasor::new(phase.to_radians().cos(), phase.to_radians().sin());
         for _ in 0..blocks {
             tracker.follow(&sensed, one, turned, &heard);
-            if let Some(transducer) = tracker.identify().filter(|_| tracker.is_sure()) {
+            if let Some(transducer) = tracker.identify().filter(|_| tracker.has_converged()) {
                 tracker.set_resonance(&transducer);
             }
         }

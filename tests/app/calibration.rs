@@ -1,9 +1,9 @@
 //! Lane calibration, whole: amplifiers that differ, a multiplexer, noise; and the trims that are found, kept, and act after a restart.
 
 use firmware::board::command::{Command, Reply, TrimReport, Verb};
-use firmware::board::kept::Kept;
 use firmware::board::parameters::Overrides;
 use firmware::board::settings::{Record, Settings};
+use firmware::board::stored_state::StoredState;
 use firmware::generate::phasing::Phasing;
 use firmware::seam::config::{Direction, LaneTrims};
 use firmware::seam::fault::Fault;
@@ -110,10 +110,10 @@ fn trims_are_kept_over_a_restart_and_act_from_the_first_block() {
     let mut setup = four_lanes(Direction::Forward);
     let mut queues = Queues::default();
     let mut bench = bench_of(&mut queues, &setup, Bank::new(THESIS, 1.0));
-    assert_eq!(report(&mut bench, 0), TrimReport { kept: Kept::Nothing, points: 0, point: None });
+    assert_eq!(report(&mut bench, 0), TrimReport { kept: StoredState::Nothing, points: 0, point: None });
     calibrated(&mut bench);
     let found: Vec<TrimReport> = (0..6).map(|point| report(&mut bench, point)).collect();
-    assert!(found.iter().all(|report| (report.kept, report.points) == (Kept::Stored, 5)) && found[5].point.is_none());
+    assert!(found.iter().all(|report| (report.kept, report.points) == (StoredState::Stored, 5)) && found[5].point.is_none());
 
     setup.flash = bench.power_off();
     let mut queues = Queues::default();
@@ -138,7 +138,7 @@ fn a_calibration_leaves_parameters_that_are_refused_as_they_are_and_its_trims_ac
             calibrated(&mut bench);
         }
         let report = report(&mut bench, 0);
-        assert_eq!((report.kept, report.points), (Kept::Refused, 5), "{calibrates}");
+        assert_eq!((report.kept, report.points), (StoredState::Refused, 5), "{calibrates}");
         setup.flash = bench.power_off();
     }
 }
@@ -156,11 +156,11 @@ fn defaults_and_clear_each_do_their_half() {
     setup.flash = bench.power_off();
     let mut queues = Queues::default();
     let mut bench = bench_of(&mut queues, &setup, Bank::new(THESIS, 0.0));
-    assert_eq!(report(&mut bench, 0).kept, Kept::Stored);
+    assert_eq!(report(&mut bench, 0).kept, StoredState::Stored);
     bench.blocks(4);
     // Nothing is kept from now on, and what acts stays.
     assert_eq!(bench.ask(Command::Settings(Verb::Clear)), Some(Reply::Ack));
-    assert_eq!((report(&mut bench, 0).kept, report(&mut bench, 0).points), (Kept::Nothing, 5));
+    assert_eq!((report(&mut bench, 0).kept, report(&mut bench, 0).points), (StoredState::Nothing, 5));
     let mut cleared = setup.clone();
     cleared.flash = {
         run(&mut bench);
@@ -169,7 +169,7 @@ fn defaults_and_clear_each_do_their_half() {
     };
     let mut queues = Queues::default();
     let mut bench = bench_of(&mut queues, &cleared, Bank::new(THESIS, 0.0));
-    assert_eq!(report(&mut bench, 0), TrimReport { kept: Kept::Nothing, points: 0, point: None });
+    assert_eq!(report(&mut bench, 0), TrimReport { kept: StoredState::Nothing, points: 0, point: None });
 }
 
 #[test]
@@ -262,7 +262,7 @@ fn a_calibration_is_done_once_for_each_order_and_one_lane_needs_none() {
     assert_eq!(one.ask(Command::Calibrate), Some(Reply::Ack));
     assert!(one.run_until(|report| report.mode == Mode::Calibrate, PATIENCE).is_some());
     one.blocks(PATIENCE);
-    assert_eq!((one.mode(), one.fault(), report(&mut one, 0).kept), (Mode::Idle, None, Kept::Nothing));
+    assert_eq!((one.mode(), one.fault(), report(&mut one, 0).kept), (Mode::Idle, None, StoredState::Nothing));
     assert_eq!(one.power_off().operations(), 0);
 
     let mut queues = Queues::default();
@@ -285,7 +285,7 @@ fn a_flash_that_fails_is_reported_and_the_trims_act_all_the_same() {
     let mut queues = Queues::default();
     let mut bench = bench_of(&mut queues, &setup, Bank::new(THESIS, 1.0));
     calibrated(&mut bench);
-    assert_eq!((report(&mut bench, 0).kept, bench.fault()), (Kept::Failed, None));
+    assert_eq!((report(&mut bench, 0).kept, bench.fault()), (StoredState::Failed, None));
     assert_eq!(bench.ask(Command::Settings(Verb::Store)), Some(Reply::Nak(Refusal::Flash)));
     run(&mut bench);
     assert!(errors(&mut bench, 0.25).0 < LEFT.0);
@@ -295,9 +295,12 @@ fn a_flash_that_fails_is_reported_and_the_trims_act_all_the_same() {
     setup.flash = flash;
     let mut queues = Queues::default();
     let mut bench = bench_of(&mut queues, &setup, Bank::new(THESIS, 1.0));
-    assert!(matches!(report(&mut bench, 0), TrimReport { kept: Kept::Nothing | Kept::Damaged, points: 0, point: None }));
+    assert!(matches!(
+        report(&mut bench, 0),
+        TrimReport { kept: StoredState::Nothing | StoredState::Damaged, points: 0, point: None }
+    ));
     calibrated(&mut bench);
-    assert_eq!(report(&mut bench, 0).kept, Kept::Stored);
+    assert_eq!(report(&mut bench, 0).kept, StoredState::Stored);
 }
 
 #[test]

@@ -1,9 +1,9 @@
 //! Parameters over the link: what is set acts after a reset if it was stored, and nothing that is set or stored exceeds a limit.
 
 use firmware::board::command::{Command, Reply, Verb};
-use firmware::board::kept::Kept;
 use firmware::board::parameters::{Overrides, PARAMETERS, ParameterReport};
 use firmware::board::settings::{Record, Settings};
+use firmware::board::stored_state::StoredState;
 use firmware::seam::block::Amplitude;
 use firmware::seam::config::{LaneTrims, TrimPoint};
 use firmware::seam::mode::Mode;
@@ -62,21 +62,28 @@ fn what_is_set_acts_after_a_reset_if_it_was_stored() {
         let mut queues = Queues::default();
         let mut bench = silent(&mut queues, &setup);
         let built_in = get(&mut bench, AMPLITUDE);
-        let expected =
-            ParameterReport { key: AMPLITUDE, acts: 3.0, next: 3.0, built_in: 3.0, min: 1e-3, max: 1e4, kept: Kept::Nothing };
+        let expected = ParameterReport {
+            key: AMPLITUDE,
+            acts: 3.0,
+            next: 3.0,
+            built_in: 3.0,
+            min: 1e-3,
+            max: 1e4,
+            kept: StoredState::Nothing,
+        };
         assert_eq!(built_in, expected);
         assert_eq!(bench.ask(Command::Settings(Verb::Set(AMPLITUDE, 2.0))), Some(Reply::Ack));
-        assert_eq!(get(&mut bench, AMPLITUDE), ParameterReport { next: 2.0, kept: Kept::Changed, ..built_in });
+        assert_eq!(get(&mut bench, AMPLITUDE), ParameterReport { next: 2.0, kept: StoredState::Changed, ..built_in });
         if stores {
             assert_eq!(bench.ask(Command::Settings(Verb::Store)), Some(Reply::Ack));
-            assert_eq!(get(&mut bench, AMPLITUDE), ParameterReport { next: 2.0, kept: Kept::Stored, ..built_in });
+            assert_eq!(get(&mut bench, AMPLITUDE), ParameterReport { next: 2.0, kept: StoredState::Stored, ..built_in });
         }
         assert_eq!(loudest(&mut bench), 300);
 
         setup.flash = bench.power_off();
         let mut queues = Queues::default();
         let mut bench = silent(&mut queues, &setup);
-        let after = ParameterReport { acts: 2.0, next: 2.0, kept: Kept::Stored, ..built_in };
+        let after = ParameterReport { acts: 2.0, next: 2.0, kept: StoredState::Stored, ..built_in };
         assert_eq!(get(&mut bench, AMPLITUDE), if stores { after } else { built_in });
         assert_eq!(loudest(&mut bench), if stores { 200 } else { 300 });
     }
@@ -90,28 +97,28 @@ fn defaults_and_clear_take_back_what_each_is_for() {
     let mut bench = silent(&mut queues, &setup);
     assert_eq!(bench.ask(Command::Settings(Verb::Defaults)), Some(Reply::Ack));
     let report = get(&mut bench, AMPLITUDE);
-    assert_eq!((report.acts, report.next, report.kept), (2.0, 3.0, Kept::Changed));
+    assert_eq!((report.acts, report.next, report.kept), (2.0, 3.0, StoredState::Changed));
     assert!(matches!(bench.ask(Command::Settings(Verb::Trims(0))), Some(Reply::Settings(report)) if report.points == 0));
     // Not stored: after a reset all is as before.
     setup.flash = bench.power_off();
     let mut queues = Queues::default();
     let mut bench = silent(&mut queues, &setup);
     let report = get(&mut bench, AMPLITUDE);
-    assert_eq!((report.acts, report.next, report.kept), (2.0, 2.0, Kept::Stored));
+    assert_eq!((report.acts, report.next, report.kept), (2.0, 2.0, StoredState::Stored));
     assert!(matches!(bench.ask(Command::Settings(Verb::Trims(0))), Some(Reply::Settings(report)) if report.points == 1));
     // Stored, nothing is left of either.
     assert_eq!(bench.ask(Command::Settings(Verb::Defaults)), Some(Reply::Ack));
     bench.blocks(2);
     assert_eq!(bench.ask(Command::Settings(Verb::Store)), Some(Reply::Ack));
     setup.flash = bench.power_off();
-    assert_eq!(Settings::new(setup.flash.clone()).unwrap().record(), (Record::default(), Kept::Nothing));
+    assert_eq!(Settings::new(setup.flash.clone()).unwrap().record(), (Record::default(), StoredState::Nothing));
     setup.flash = keeping(trims(), &[(AMPLITUDE, 2.0)]);
     let mut queues = Queues::default();
     let mut bench = silent(&mut queues, &setup);
     assert_eq!(bench.ask(Command::Settings(Verb::Clear)), Some(Reply::Ack));
     let report = get(&mut bench, AMPLITUDE);
-    assert_eq!((report.acts, report.next, report.kept), (2.0, 2.0, Kept::Nothing));
-    assert_eq!(Settings::new(bench.power_off()).unwrap().record(), (Record::default(), Kept::Nothing));
+    assert_eq!((report.acts, report.next, report.kept), (2.0, 2.0, StoredState::Nothing));
+    assert_eq!(Settings::new(bench.power_off()).unwrap().record(), (Record::default(), StoredState::Nothing));
 }
 
 #[test]
@@ -170,7 +177,7 @@ fn a_lower_limit_holds_and_what_is_stored_against_one_never_acts() {
         let mut queues = Queues::default();
         let mut bench = silent(&mut queues, &setup);
         let report = get(&mut bench, AMPLITUDE);
-        assert_eq!((report.acts, report.kept), (2.0, Kept::Partly), "{wrong:?}");
+        assert_eq!((report.acts, report.kept), (2.0, StoredState::Partly), "{wrong:?}");
         let limit = get(&mut bench, VOLTAGE_LIMIT);
         assert_eq!((limit.acts, limit.next), (12.0, 12.0), "{wrong:?}");
         match lowest {
@@ -194,7 +201,7 @@ fn settings_that_make_no_configuration_give_way_to_what_is_built_in_within_the_l
     let mut bench = silent(&mut queues, &setup);
     let report = get(&mut bench, VOLTAGE_LIMIT);
     // What was set is still there to be looked at, and to be put right.
-    assert_eq!((report.acts, report.next, report.kept), (2.0, 2.0, Kept::Refused));
+    assert_eq!((report.acts, report.next, report.kept), (2.0, 2.0, StoredState::Refused));
     assert_eq!((get(&mut bench, AMPLITUDE).acts, get(&mut bench, AMPLITUDE).next), (2.0, 3.0));
     assert!(matches!(bench.ask(Command::Settings(Verb::Trims(0))), Some(Reply::Settings(report)) if report.points == 1));
     assert_eq!(loudest(&mut bench), 200);
@@ -205,7 +212,7 @@ fn settings_that_make_no_configuration_give_way_to_what_is_built_in_within_the_l
     setup.flash = bench.power_off();
     let mut queues = Queues::default();
     let mut bench = silent(&mut queues, &setup);
-    assert_eq!((get(&mut bench, VOLTAGE_LIMIT).acts, get(&mut bench, VOLTAGE_LIMIT).kept), (2.0, Kept::Stored));
+    assert_eq!((get(&mut bench, VOLTAGE_LIMIT).acts, get(&mut bench, VOLTAGE_LIMIT).kept), (2.0, StoredState::Stored));
     assert_eq!(loudest(&mut bench), 150);
 }
 

@@ -1,9 +1,9 @@
 //! What is kept in flash, whenever power goes and whatever is in it.
 
 use embedded_storage::nor_flash::{NorFlash, ReadNorFlash};
-use firmware::board::kept::Kept;
 use firmware::board::parameters::Overrides;
 use firmware::board::settings::{NotKept, Record, Settings};
+use firmware::board::stored_state::StoredState;
 use firmware::seam::config::{LaneTrims, Trim, TrimPoint};
 use firmware::seam::error::Error;
 use hal_mock::chance::Chance;
@@ -21,7 +21,7 @@ fn record(number: u16) -> Record {
     Record { trims: trims(number), parameters }
 }
 
-fn kept(flash: &Flash) -> (Record, Kept) {
+fn kept(flash: &Flash) -> (Record, StoredState) {
     Settings::new(flash.clone()).unwrap().record()
 }
 
@@ -29,7 +29,7 @@ fn kept(flash: &Flash) -> (Record, Kept) {
 fn an_empty_flash_has_nothing_and_looking_writes_nothing() {
     let flash = Flash::new(4, 1);
     let mut settings = Settings::new(flash).unwrap();
-    assert_eq!(settings.record(), (Record::default(), Kept::Nothing));
+    assert_eq!(settings.record(), (Record::default(), StoredState::Nothing));
     assert_eq!(settings.clear(), Ok(()));
     assert_eq!(settings.release().operations(), 0);
 }
@@ -39,10 +39,10 @@ fn wear(pages: usize, record: impl Fn(u16) -> Record) -> u32 {
     let mut settings = Settings::new(Flash::new(pages, 1)).unwrap();
     for number in 0..200 {
         settings.store(&record(number)).unwrap();
-        assert_eq!(settings.record(), (record(number), Kept::Stored), "{pages} {number}");
+        assert_eq!(settings.record(), (record(number), StoredState::Stored), "{pages} {number}");
     }
     settings.clear().unwrap();
-    assert_eq!(settings.record(), (Record::default(), Kept::Nothing));
+    assert_eq!(settings.record(), (Record::default(), StoredState::Nothing));
     let flash = settings.release();
     let wear: Vec<u32> = (0..pages).map(|page| flash.erases(page)).collect();
     println!("{pages} pages, 201 writes: erased {wear:?} times");
@@ -105,13 +105,17 @@ fn whenever_power_goes_the_old_or_the_new_is_there_and_the_next_write_is_whole()
                 let mut settings = Settings::new(cut).unwrap();
                 let (now, state) = settings.record();
                 let whole = match state {
-                    Kept::Stored => now == old || now == record(1000),
+                    StoredState::Stored => now == old || now == record(1000),
                     // Before the first write there was nothing to lose.
                     _ => writes == 0 && now.is_empty(),
                 };
                 assert!(whole, "{writes} writes, cut after {operations}: {state:?}");
                 settings.store(&record(1001)).unwrap();
-                assert_eq!(kept(&settings.release()), (record(1001), Kept::Stored), "{writes} writes, cut after {operations}");
+                assert_eq!(
+                    kept(&settings.release()),
+                    (record(1001), StoredState::Stored),
+                    "{writes} writes, cut after {operations}"
+                );
             }
         }
     }
@@ -133,7 +137,7 @@ fn power_that_goes_again_and_again_loses_nothing() {
             flash = settings.release();
             flash.restore_power();
             let (now, state) = kept(&flash);
-            assert_eq!(state, Kept::Stored, "{seed} {number}");
+            assert_eq!(state, StoredState::Stored, "{seed} {number}");
             assert!(now == record(number) || (now == last && stored.is_err()), "{seed} {number}");
             last = now;
         }
@@ -157,9 +161,9 @@ fn whatever_is_in_the_flash_it_is_read_without_harm_and_can_be_written() {
         }
         let mut settings = Settings::new(flash).unwrap();
         let (found, state) = settings.record();
-        assert!(found.is_empty() || state == Kept::Stored, "{seed}: {state:?}");
+        assert!(found.is_empty() || state == StoredState::Stored, "{seed}: {state:?}");
         settings.store(&record(9)).unwrap();
-        assert_eq!(kept(&settings.release()), (record(9), Kept::Stored), "{seed}");
+        assert_eq!(kept(&settings.release()), (record(9), StoredState::Stored), "{seed}");
     }
 }
 
@@ -177,9 +181,9 @@ fn a_flipped_bit_is_seen() {
         }
         let mut settings = Settings::new(damaged).unwrap();
         let (found, state) = settings.record();
-        assert!(found == record(0) || (found.is_empty() && state != Kept::Stored), "bit {bit}: {state:?}");
+        assert!(found == record(0) || (found.is_empty() && state != StoredState::Stored), "bit {bit}: {state:?}");
         settings.store(&record(2)).unwrap();
-        assert_eq!(settings.record(), (record(2), Kept::Stored), "bit {bit}");
+        assert_eq!(settings.record(), (record(2), StoredState::Stored), "bit {bit}");
     }
 }
 
@@ -195,7 +199,7 @@ fn trims_that_cannot_be_are_damaged_and_a_flash_that_is_too_small_is_refused() {
         // What is stored is read again before it counts as kept.
         let record = Record { trims: trims.clone(), ..record(1) };
         assert!(settings.store(&record).is_err(), "{trims:?}");
-        assert_eq!(settings.record(), (Record::default(), Kept::Damaged), "{trims:?}");
+        assert_eq!(settings.record(), (Record::default(), StoredState::Damaged), "{trims:?}");
     }
     let refused = Settings::new(Flash::new(3, 1)).err();
     assert!(matches!(refused, Some(Error::OutOfRange { parameter: "settings.flash_bytes", value: 4096.0, min: 8192.0, .. })));

@@ -1,9 +1,9 @@
 //! A limit that is stored is never exceeded after a restart, whatever else is stored beside it.
 
 use firmware::board::command::{Command, Reply, Verb};
-use firmware::board::kept::Kept;
 use firmware::board::parameters::{Overrides, PARAMETERS, ParameterReport};
 use firmware::board::settings::{Record, Settings};
+use firmware::board::stored_state::StoredState;
 use firmware::seam::block::Amplitude;
 use firmware::seam::config::ENERGY_PER_METRE;
 use firmware::seam::config::{LaneTrims, TrackingMode, Trim, TrimPoint};
@@ -104,7 +104,7 @@ proptest! {
             if of.acts.to_bits() != stored.to_bits() && !record.parameters.iter().any(|&(other, value)| other == key && value.to_bits() != stored.to_bits()) {
                 let other_kind = [AMPLITUDE, CURRENT].contains(&key) && of.acts == 0.0;
                 let no_period = key == 20 && report(19).is_some_and(|period| period.acts == 0.0);
-                prop_assert!(matches!(of.kept, Kept::Partly | Kept::Refused) || other_kind || no_period, "{key}: {stored} stored, {of:?}");
+                prop_assert!(matches!(of.kept, StoredState::Partly | StoredState::Refused) || other_kind || no_period, "{key}: {stored} stored, {of:?}");
             }
         }
         // What acts is within what acts.
@@ -154,7 +154,7 @@ fn a_limit_that_nothing_judges_is_refused_and_takes_no_other_limit_with_it() {
         let acts = [VOLTAGE_LIMIT, ENERGY_PER_METRE, 21].map(|key| get(&mut bench, key).acts);
         assert_eq!(acts, [2.0, if encoder { 1000.0 } else { f32::INFINITY }, 0.5]);
         let report = get(&mut bench, AMPLITUDE);
-        assert_eq!((report.kept, report.next), (Kept::Refused, 3.0));
+        assert_eq!((report.kept, report.next), (StoredState::Refused, 3.0));
         assert!((report.acts - 2.0 / 1.02).abs() < 1e-6, "{report:?}");
     }
 }
@@ -172,5 +172,5 @@ fn each_that_does_not_fit_is_left_out_alone() {
     bench.blocks(4);
     let acts = [4, AMPLITUDE, VOLTAGE_LIMIT, 15, 18, 21].map(|key| get(&mut bench, key).acts);
     assert_eq!(acts, [41e3, 5.0, 5.0, 60.0, built_in, 2.5]);
-    assert_eq!((get(&mut bench, 18).next, get(&mut bench, 18).kept), (1000.0, Kept::Refused));
+    assert_eq!((get(&mut bench, 18).next, get(&mut bench, 18).kept), (1000.0, StoredState::Refused));
 }

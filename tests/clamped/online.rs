@@ -1,6 +1,6 @@
 //! The clamped capacitance while running: ways compared, and what the one that is built does when C0 drifts.
 
-use firmware::find::clamped::online::{Heard as Block, Online, Update};
+use firmware::find::clamped::online::{Online, Sample as Block, Update};
 use firmware::seam::block::LATENCY_BLOCKS;
 use firmware::seam::phasor::{Phasor, argument};
 use firmware::sense::motional::Motional;

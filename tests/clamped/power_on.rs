@@ -145,7 +145,7 @@ fn a_second_resonance_at_7_per_cent_is_found_and_taken_away() {
         let left = measure(&format!("Q {q}, second resonance of {strength}"), &case);
         assert!(left.bias_hz.largest < bound_hz && left.stated.largest < 6.0, "Q {q}: {}", left.bias_hz);
         let (found, _) = calibrate(&mut Rig::new(&case.told(1), 1));
-        let (hz, found_strength) = found.unwrap().company.expect("company");
+        let (hz, found_strength) = found.unwrap().second_mode.expect("company");
         let place = f64::from(hz) / (case.nominal_hz * case.told(1).resonance);
         assert!(
             (place - 1.07).abs() < 3e-3 && (f64::from(found_strength) / strength / 1.145 - 1.0).abs() < 0.15,

@@ -6,9 +6,9 @@ use std::time::{Duration, Instant};
 use ::link::emulated_board::EmulatedBoard;
 use firmware::board::capture::{Arm, CaptureState, CaptureVerb, PARTS, Trigger};
 use firmware::board::command::{Command, Reply, Verb};
-use firmware::board::kept::Kept;
 use firmware::board::link::{self, Frame, Receiver};
 use firmware::board::start::Start;
+use firmware::board::stored_state::StoredState;
 use firmware::seam::block::Gate;
 use firmware::seam::fault::Fault;
 use firmware::seam::mode::Mode;
@@ -137,7 +137,7 @@ fn a_board_scans_locks_bursts_and_captures_over_its_uart() {
     assert_eq!(host.ask(Command::Reset), Reply::Ack);
     assert_eq!(host.board.resets(), 1);
     let Reply::Parameter(kept) = host.ask(Command::Settings(Verb::Get(15))) else { panic!("no parameter") };
-    assert_eq!((kept.acts, kept.kept), (61.0, Kept::Stored));
+    assert_eq!((kept.acts, kept.kept), (61.0, StoredState::Stored));
     let Reply::Faults(log) = host.ask(Command::Faults(0)) else { panic!("no fault log") };
     assert_eq!((log.count, log.last_run), (0, Start::Ordered));
 

@@ -30,13 +30,13 @@ use crate::act::friction::dahl::Evaluation;
 use crate::act::friction::fit::Contact;
 use crate::act::friction::inverse::{Inverse, Solution};
 use crate::act::friction::regime::{Choice, Regime, Short};
-use crate::act::friction::survey::{Found, Heard, Play, Progress, Survey};
+use crate::act::friction::survey::{Found, Play, Progress, Reading, Survey};
 use crate::seam::block::{Amplitude, Target};
 use crate::seam::config::{Config, FrictionLaw, Schedule};
 use crate::seam::error::Error;
 use crate::seam::fault::Limit;
 use crate::seam::features;
-use crate::seam::telemetry::Belief;
+use crate::seam::telemetry::FrictionEstimate;
 
 /// Time constant by which the sliding speed and the tip velocity are smoothed, s.
 const SMOOTH_S: f32 = 2e-3;
@@ -54,7 +54,7 @@ enum Work {
     /// Seeks the drive for this ratio.
     Solve { wanted: f32, least_xi: f32, inverse: Inverse },
     /// Evaluates the ratio at what is measured.
-    Believe(Evaluation),
+    Estimate(Evaluation),
 }
 
 /// The switch.
@@ -86,7 +86,7 @@ pub struct FrictionSwitch {
     solution: Solution,
     choice: Choice,
     ratio: f32,
-    belief: Option<Belief>,
+    belief: Option<FrictionEstimate>,
     /// The ratio that is being solved for, or was last.
     last: f32,
     /// The ratio that is wanted now.
@@ -205,18 +205,18 @@ impl FrictionSwitch {
     }
 
     /// What is believed of the contact, since the last calculation; nothing before the survey is over.
-    pub(crate) fn belief(&self) -> Option<Belief> {
+    pub(crate) fn belief(&self) -> Option<FrictionEstimate> {
         self.belief
     }
 
-    fn believe(&self) -> Belief {
+    fn estimated(&self) -> FrictionEstimate {
         let contact = self.contact();
         let ratio = match self.choice.regime() {
             Regime::Silent => 1.0,
             Regime::Amplitude(_) => self.ratio,
             Regime::Bursts(on) => 1.0 - (1.0 - self.ratio) * (on + self.dead().unwrap_or(0.0)),
         };
-        Belief {
+        FrictionEstimate {
             identified: self.found.is_some(),
             ratio,
             force_ratio: self.found.map(|found| self.force.value / found.coulomb_n),
@@ -243,7 +243,7 @@ impl FrictionSwitch {
 
     fn step_survey(&mut self, sensed: &Sensed) {
         let Some(survey) = &mut self.survey else { return };
-        let heard = Heard { speed_m_per_s: self.speed.value, tip_m_per_s: self.tip.value, force_n: sensed.force_n };
+        let heard = Reading { speed_m_per_s: self.speed.value, tip_m_per_s: self.tip.value, force_n: sensed.force_n };
         match survey.step(&heard) {
             Progress::Busy(Play::Same) => {}
             Progress::Busy(play) => self.play = play,
@@ -293,12 +293,12 @@ impl FrictionSwitch {
                 self.choice.choose(wanted, least_xi, &solution, self.dead());
                 let tip = self.tip.value;
                 let xi = self.contact().scale * self.speed.value / tip;
-                self.work = Work::Believe(Evaluation::new(xi, tip / (self.omega * self.contact().dahl_length_m)));
+                self.work = Work::Estimate(Evaluation::new(xi, tip / (self.omega * self.contact().dahl_length_m)));
             }
-            Work::Believe(evaluation) => {
+            Work::Estimate(evaluation) => {
                 let Some(ratio) = evaluation.step() else { return };
                 self.ratio = ratio;
-                self.belief = Some(self.believe());
+                self.belief = Some(self.estimated());
                 self.work = Work::Rest(REST_BLOCKS);
             }
         }

@@ -28,11 +28,11 @@ use self::host_watch::HostWatch;
 use self::outbox::Outbox;
 use crate::board::command::{Converters, Reply, ResonanceReport};
 use crate::board::fault_log::FaultLog;
-use crate::board::keeper::Keeper;
 use crate::board::link::Receiver;
 use crate::board::power_up::PowerUp;
 use crate::board::queues::SlowEnds;
 use crate::board::settings::Settings;
+use crate::board::settings_store::SettingsStore;
 use crate::board::start::Start;
 use crate::seam::block::{Orders, Request};
 use crate::seam::mode::Mode;
@@ -71,7 +71,7 @@ pub struct App<'a, L, E, S, W, F: NorFlash> {
     orders: Producer<'a, Orders>,
     telemetry: Consumer<'a, Telemetry>,
     captures: Captures<'a>,
-    keeper: Keeper<'a>,
+    settings_store: SettingsStore<'a>,
     receiver: Receiver,
     outbox: Outbox,
     latest: Orders,
@@ -122,8 +122,8 @@ where
             peripherals,
             orders: ends.orders,
             telemetry: ends.reports,
-            captures: Captures::new(ends.wishes, ends.answers, ends.memory, config.lanes),
-            keeper: Keeper::new(ends.found, ends.taken, power_up),
+            captures: Captures::new(ends.requests, ends.replies, ends.memory, config.lanes),
+            settings_store: SettingsStore::new(ends.trims_out, ends.trims_in, power_up),
             receiver: Receiver::default(),
             outbox: Outbox::default(),
             latest: Orders::default(),
@@ -167,7 +167,7 @@ where
         self.watch_stop()?;
         self.watch_host();
         // Before the link: an order to forget comes after what was found.
-        self.keeper.keep(self.is_silent(), &mut self.peripherals.settings);
+        self.settings_store.keep(self.is_silent(), &mut self.peripherals.settings);
         self.answer_capture();
         self.obey_link()?;
         self.report();

@@ -15,8 +15,8 @@ pub struct BlockTask<'a> {
     controller: &'a mut Controller,
     orders: Consumer<'a, Orders>,
     reports: Producer<'a, Telemetry>,
-    found: Producer<'a, LaneTrims>,
-    taken: Consumer<'a, LaneTrims>,
+    trims_out: Producer<'a, LaneTrims>,
+    trims_in: Consumer<'a, LaneTrims>,
     recorder: Recorder<'a>,
     /// Calibrations that the slow side has been told of.
     told: u32,
@@ -26,10 +26,10 @@ pub struct BlockTask<'a> {
 impl<'a> BlockTask<'a> {
     /// Builds the controller in its place, and a task that takes orders and leaves reports, and what else goes between the two sides.
     pub fn build(config: &Config, ends: HotEnds<'a>) -> Result<Self, Error> {
-        let HotEnds { place, orders, reports, found, taken, recorder } = ends;
+        let HotEnds { place, orders, reports, trims_out, trims_in, recorder } = ends;
         let controller = Controller::build_in(place, config)?;
         let told = controller.calibrations();
-        Ok(BlockTask { controller, orders, reports, found, taken, recorder, told, latest: Orders::default() })
+        Ok(BlockTask { controller, orders, reports, trims_out, trims_in, recorder, told, latest: Orders::default() })
     }
 
     /// A block of silence: what plays until the first call has returned.
@@ -44,7 +44,7 @@ impl<'a> BlockTask<'a> {
         if let Some(orders) = self.orders.dequeue() {
             self.latest = orders;
         }
-        if let Some(trims) = self.taken.dequeue() {
+        if let Some(trims) = self.trims_in.dequeue() {
             self.controller.trim(trims);
         }
         let telemetry = self.controller.process(&self.latest, sense, drive);
@@ -56,7 +56,7 @@ impl<'a> BlockTask<'a> {
     /// Leaves the trims of a calibration that has been completed; where there is no room yet, with a later block.
     fn tell_of_calibration(&mut self) {
         let completed = self.controller.calibrations();
-        if completed != self.told && self.found.enqueue(self.controller.calibration().clone()).is_ok() {
+        if completed != self.told && self.trims_out.enqueue(self.controller.calibration().clone()).is_ok() {
             self.told = completed;
         }
     }

@@ -27,14 +27,14 @@
 //! | a fault cleared while the emergency stop is pressed | `Ack` | the fault stays |
 //! | nothing that is understood, for longer than the patience, while it drives | | fault 12, muted; with a patience of zero it goes on |
 //!
-//! Settings of another version are named in reports ([`Kept::Version`]), not read, and written over by an order to store or to clear only.
+//! Settings of another version are named in reports ([`StoredState::Version`]), not read, and written over by an order to store or to clear only.
 
 use serde::{Deserialize, Serialize};
 
 use crate::board::capture::{CaptureReport, CaptureVerb, Part};
 use crate::board::fault_log::FaultReport;
-use crate::board::kept::Kept;
 use crate::board::parameters::ParameterReport;
+use crate::board::stored_state::StoredState;
 use crate::seam::block::Target;
 use crate::seam::block::{Amplitude, Gate, Orders, Request};
 use crate::seam::config::{Config, Link, TrimPoint};
@@ -137,7 +137,7 @@ pub enum Reply {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct TrimReport {
     /// What is kept over power-off.
-    pub kept: Kept,
+    pub kept: StoredState,
     /// How many calibrated frequencies there are; none is no trims.
     pub points: u8,
     /// The one that was asked for.

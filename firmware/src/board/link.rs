@@ -115,9 +115,9 @@ mod tests {
     use crate::board::capture::{Arm, CaptureReport, CaptureState, CaptureVerb, Part, Trigger};
     use crate::board::command::{Command, Reply, ResonanceReport, TrimReport, Verb};
     use crate::board::fault_log::{FaultEntry, FaultReport};
-    use crate::board::kept::Kept;
     use crate::board::parameters::ParameterReport;
     use crate::board::start::{FileName, NAME, Place, Start};
+    use crate::board::stored_state::StoredState;
     use crate::seam::block::{Amplitude, Gate};
     use crate::seam::fault::{Fault, Limit};
     use crate::seam::mode::Mode;
@@ -160,12 +160,19 @@ mod tests {
             tuning_word: u64::MAX,
             transducer: Some(Default::default()),
             listed: Some(Default::default()),
-            friction: Some(crate::seam::telemetry::Belief { force_ratio: Some(1.0), ..Default::default() }),
+            friction: Some(crate::seam::telemetry::FrictionEstimate { force_ratio: Some(1.0), ..Default::default() }),
             ..Default::default()
         };
         let found = [Some(Default::default()); 4];
-        let parameter =
-            ParameterReport { key: 255, acts: 1.0, next: 2.0, built_in: 3.0, min: 4.0, max: 5.0, kept: Kept::Version(255) };
+        let parameter = ParameterReport {
+            key: 255,
+            acts: 1.0,
+            next: 2.0,
+            built_in: 3.0,
+            min: 4.0,
+            max: 5.0,
+            kept: StoredState::Version(255),
+        };
         let place = Place { file: FileName::of(&"x".repeat(NAME)), line: u32::MAX };
         let entry = FaultEntry {
             block: u32::MAX,
@@ -186,7 +193,7 @@ mod tests {
             (Reply::Telemetry(full), 190),
             (Reply::Status(Some(full)), 191),
             (Reply::Resonances(ResonanceReport { chosen: Some(3), found }), 81),
-            (Reply::Settings(TrimReport { kept: Kept::Version(255), points: 5, point: Some(Default::default()) }), 51),
+            (Reply::Settings(TrimReport { kept: StoredState::Version(255), points: 5, point: Some(Default::default()) }), 51),
             (Reply::Parameter(parameter), 34),
             (Reply::Capture(capture), 23),
             (Reply::Captured(part), 206),

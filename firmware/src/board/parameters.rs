@@ -15,7 +15,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::board::kept::Kept;
+use crate::board::stored_state::StoredState;
 use crate::seam::config::{Burst, Config, Drive, FrontEnd, Limits, Link, Parameter, Tracking};
 use crate::seam::refusal::Refusal;
 
@@ -44,7 +44,7 @@ pub struct ParameterReport {
     /// The largest; infinity is none.
     pub max: f32,
     /// What is kept over power-off, of all settings.
-    pub kept: Kept,
+    pub kept: StoredState,
 }
 
 /// The place of a parameter in [`PARAMETERS`].

@@ -3,8 +3,8 @@
 //! | what is kept | what acts |
 //! |---|---|
 //! | trims and parameters that can be used | they |
-//! | a parameter that nobody knows, or out of its range | what is built in, in its place; of a limit the nearest value that it can have: [`Kept::Partly`] |
-//! | settings that together do not build | the limits, and within them whatever else of it still builds: [`Kept::Refused`] |
+//! | a parameter that nobody knows, or out of its range | what is built in, in its place; of a limit the nearest value that it can have: [`StoredState::Partly`] |
+//! | settings that together do not build | the limits, and within them whatever else of it still builds: [`StoredState::Refused`] |
 //! | nothing, or something that cannot be read | all that is built in |
 //!
 //! **A limit that is stored is never exceeded, whatever else is stored.** Limits come first, the drive is held within them, and everything else is
@@ -15,10 +15,10 @@
 use embedded_storage::nor_flash::NorFlash;
 
 use crate::board::block_task::BlockTask;
-use crate::board::kept::Kept;
 use crate::board::parameters::{PARAMETERS, Values, apply, overridden, values_of};
 use crate::board::queues::HotEnds;
 use crate::board::settings::Settings;
+use crate::board::stored_state::StoredState;
 use crate::controller::Controller;
 use crate::generate::amplitude::most_volts;
 use crate::seam::block::Amplitude;
@@ -37,7 +37,7 @@ pub struct PowerUp {
     /// Parameters that are built in, and those that are set.
     pub(crate) built_in: Values,
     pub(crate) next: Values,
-    pub(crate) kept: Kept,
+    pub(crate) kept: StoredState,
 }
 
 impl PowerUp {
@@ -48,10 +48,10 @@ impl PowerUp {
         let built_in = values_of(&config);
         let (next, all) = overridden(&record.parameters, &built_in);
         apply(&mut config, &next, &built_in, |_| true);
-        if kept == Kept::Stored && !record.trims.is_empty() {
+        if kept == StoredState::Stored && !record.trims.is_empty() {
             config.phasing.calibration = record.trims;
         }
-        PowerUp { config, built_in, next, kept: if all { kept } else { Kept::Partly } }
+        PowerUp { config, built_in, next, kept: if all { kept } else { StoredState::Partly } }
     }
 
     /// Builds the controller where it is to stay, and the task of it; where what is kept does not make one, of as much of it as does, within the
@@ -59,7 +59,7 @@ impl PowerUp {
     pub fn build<'a>(&mut self, built_in: &Config, ends: HotEnds<'a>) -> Result<BlockTask<'a>, Error> {
         if Controller::check(&self.config).is_err() {
             self.fall_back(built_in);
-            self.kept = Kept::Refused;
+            self.kept = StoredState::Refused;
         }
         BlockTask::build(&self.config, ends)
     }

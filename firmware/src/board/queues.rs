@@ -5,7 +5,7 @@ use core::mem::MaybeUninit;
 use heapless::spsc::{Consumer, Producer, Queue};
 
 use crate::board::capture::memory::Memory;
-use crate::board::capture::recorder::{Answer, Recorder, Wish};
+use crate::board::capture::recorder::{CaptureReply, CaptureRequest, Recorder};
 use crate::controller::Controller;
 use crate::seam::block::Orders;
 use crate::seam::config::LaneTrims;
@@ -18,10 +18,10 @@ const ONE: usize = 2;
 pub struct Queues<const ORDERS: usize, const REPORTS: usize> {
     orders: Queue<Orders, ORDERS>,
     reports: Queue<Telemetry, REPORTS>,
-    found: Queue<LaneTrims, ONE>,
-    taken: Queue<LaneTrims, ONE>,
-    wishes: Queue<Wish, ONE>,
-    answers: Queue<Answer, ONE>,
+    trims_out: Queue<LaneTrims, ONE>,
+    trims_in: Queue<LaneTrims, ONE>,
+    requests: Queue<CaptureRequest, ONE>,
+    replies: Queue<CaptureReply, ONE>,
     place: MaybeUninit<Controller>,
 }
 
@@ -34,9 +34,9 @@ pub struct HotEnds<'a> {
     /// What each block reports.
     pub reports: Producer<'a, Telemetry>,
     /// What a calibration has found, to be kept.
-    pub found: Producer<'a, LaneTrims>,
+    pub trims_out: Producer<'a, LaneTrims>,
     /// What to trim by from now on; taken in silence only.
-    pub taken: Consumer<'a, LaneTrims>,
+    pub trims_in: Consumer<'a, LaneTrims>,
     /// Records raw codes.
     pub recorder: Recorder<'a>,
 }
@@ -48,13 +48,13 @@ pub struct SlowEnds<'a> {
     /// What each block has reported.
     pub reports: Consumer<'a, Telemetry>,
     /// What a calibration has found.
-    pub found: Consumer<'a, LaneTrims>,
+    pub trims_out: Consumer<'a, LaneTrims>,
     /// What is to be trimmed by.
-    pub taken: Producer<'a, LaneTrims>,
+    pub trims_in: Producer<'a, LaneTrims>,
     /// What the recorder is asked.
-    pub wishes: Producer<'a, Wish>,
+    pub requests: Producer<'a, CaptureRequest>,
     /// What it answers.
-    pub answers: Consumer<'a, Answer>,
+    pub replies: Consumer<'a, CaptureReply>,
     /// What it records into.
     pub memory: &'static mut Memory,
 }
@@ -65,10 +65,10 @@ impl<const ORDERS: usize, const REPORTS: usize> Queues<ORDERS, REPORTS> {
         Queues {
             orders: Queue::new(),
             reports: Queue::new(),
-            found: Queue::new(),
-            taken: Queue::new(),
-            wishes: Queue::new(),
-            answers: Queue::new(),
+            trims_out: Queue::new(),
+            trims_in: Queue::new(),
+            requests: Queue::new(),
+            replies: Queue::new(),
             place: MaybeUninit::uninit(),
         }
     }
@@ -76,18 +76,19 @@ impl<const ORDERS: usize, const REPORTS: usize> Queues<ORDERS, REPORTS> {
     /// Their ends; the memory of captures goes to and fro between them.
     pub fn split(&mut self, memory: &'static mut Memory) -> (HotEnds<'_>, SlowEnds<'_>) {
         let ((orders_in, orders_out), (reports_in, reports_out)) = (self.orders.split(), self.reports.split());
-        let ((found_in, found_out), (taken_in, taken_out)) = (self.found.split(), self.taken.split());
-        let ((wishes_in, wishes_out), (answers_in, answers_out)) = (self.wishes.split(), self.answers.split());
-        let recorder = Recorder::new(wishes_out, answers_in);
+        let ((trims_out_in, trims_out_out), (trims_in_in, trims_in_out)) = (self.trims_out.split(), self.trims_in.split());
+        let ((requests_in, requests_out), (replies_in, replies_out)) = (self.requests.split(), self.replies.split());
+        let recorder = Recorder::new(requests_out, replies_in);
         let place = &mut self.place;
-        let hot = HotEnds { place, orders: orders_out, reports: reports_in, found: found_in, taken: taken_out, recorder };
+        let hot =
+            HotEnds { place, orders: orders_out, reports: reports_in, trims_out: trims_out_in, trims_in: trims_in_out, recorder };
         let slow = SlowEnds {
             orders: orders_in,
             reports: reports_out,
-            found: found_out,
-            taken: taken_in,
-            wishes: wishes_in,
-            answers: answers_out,
+            trims_out: trims_out_out,
+            trims_in: trims_in_in,
+            requests: requests_in,
+            replies: replies_out,
             memory,
         };
         (hot, slow)

@@ -29,8 +29,8 @@ use sequential_storage::cache::{Cache, Uncached};
 use sequential_storage::map::{MapConfig, MapStorage};
 use serde::{Deserialize, Serialize};
 
-use crate::board::kept::Kept;
 use crate::board::parameters::Overrides;
+use crate::board::stored_state::StoredState;
 use crate::generate::phasing::check_calibration;
 use crate::seam::config::LaneTrims;
 use crate::seam::error::{Error, in_range};
@@ -79,24 +79,24 @@ type Map<'a, F> = MapStorage<u8, Blocking<&'a mut F>, Cache<Uncached, Uncached, 
 struct Found {
     /// Which write it was.
     number: u32,
-    kept: Kept,
+    kept: StoredState,
     /// It is what was expected.
     same: bool,
 }
 
 impl Found {
     /// Nothing that has a number.
-    fn without(kept: Kept) -> Self {
+    fn without(kept: StoredState) -> Self {
         Found { number: 0, kept, same: false }
     }
 
     fn is_newer_than(&self, other: &Found) -> bool {
         match (self.kept, other.kept) {
             // What cannot be read has no number.
-            (Kept::Nothing, _) => false,
-            (_, Kept::Nothing) => true,
-            (Kept::Damaged, _) => false,
-            (_, Kept::Damaged) => true,
+            (StoredState::Nothing, _) => false,
+            (_, StoredState::Nothing) => true,
+            (StoredState::Damaged, _) => false,
+            (_, StoredState::Damaged) => true,
             // Numbers come round.
             _ => (self.number.wrapping_sub(other.number) as i32) > 0,
         }
@@ -115,12 +115,12 @@ impl<F: NorFlash> Settings<F> {
     }
 
     /// What is kept; nothing where there is nothing that can be used, and why.
-    pub fn record(&mut self) -> (Record, Kept) {
+    pub fn record(&mut self) -> (Record, StoredState) {
         let (half, latest) = self.latest(&[]);
-        let stored = latest.kept == Kept::Stored;
+        let stored = latest.kept == StoredState::Stored;
         let record = if stored { self.read(half, decode).ok().flatten().unwrap_or_default() } else { Record::default() };
         // That there is nothing is kept as such.
-        let kept = if stored && record.is_empty() { Kept::Nothing } else { latest.kept };
+        let kept = if stored && record.is_empty() { StoredState::Nothing } else { latest.kept };
         (record, kept)
     }
 
@@ -129,7 +129,7 @@ impl<F: NorFlash> Settings<F> {
         let mut value = [0; LONGEST];
         let length = HEAD + postcard::to_slice(record, &mut value[HEAD..]).map_err(|_| NotKept)?.len();
         let (half, latest) = self.latest(&value[HEAD..length]);
-        if latest.kept == Kept::Stored && latest.same || latest.kept == Kept::Nothing && record.is_empty() {
+        if latest.kept == StoredState::Stored && latest.same || latest.kept == StoredState::Nothing && record.is_empty() {
             return Ok(());
         }
         value[0] = VERSION;
@@ -148,7 +148,7 @@ impl<F: NorFlash> Settings<F> {
     /// Whether this is what would be read now: damage elsewhere in the flash may hide what was written.
     fn keeps(&mut self, value: &[u8]) -> bool {
         let latest = self.latest(&value[HEAD..]).1;
-        latest.kept == Kept::Stored && latest.same
+        latest.kept == StoredState::Stored && latest.same
     }
 
     /// Keeps nothing.
@@ -166,8 +166,8 @@ impl<F: NorFlash> Settings<F> {
     fn latest(&mut self, expected: &[u8]) -> (u32, Found) {
         let [first, second] = [0, 1].map(|half| match self.read(half, |bytes| look(bytes, expected)) {
             Ok(Some(found)) => found,
-            Ok(None) => Found::without(Kept::Nothing),
-            Err(NotKept) => Found::without(Kept::Damaged),
+            Ok(None) => Found::without(StoredState::Nothing),
+            Err(NotKept) => Found::without(StoredState::Damaged),
         });
         if second.is_newer_than(&first) { (1, second) } else { (0, first) }
     }
@@ -200,8 +200,8 @@ fn look(bytes: &[u8], expected: &[u8]) -> Option<Found> {
     let (head, value) = bytes.split_at_checked(HEAD)?;
     let number = u32::from_le_bytes(head[1..].try_into().ok()?);
     let kept = match head[0] {
-        VERSION | TRIMS_ALONE => decode(bytes).map(|_| Kept::Stored)?,
-        other => Kept::Version(other),
+        VERSION | TRIMS_ALONE => decode(bytes).map(|_| StoredState::Stored)?,
+        other => StoredState::Version(other),
     };
     Some(Found { number, kept, same: head[0] == VERSION && value == expected })
 }

@@ -68,7 +68,7 @@ impl Controller {
             motional_current,
             phase: plan.phase,
             transducer: None,
-            listed: self.stages.scan.roster().in_turn(self.chain.block as usize),
+            listed: self.stages.scan.modes().in_turn(self.chain.block as usize),
             friction: self.stages.follow.friction.as_ref().and_then(FrictionSwitch::belief),
         };
         if let Some(transducer) = track.transducer() {

@@ -231,7 +231,7 @@ impl PowerOn {
         let found = reading::read(solution, self.nominal_hz, self.nominal_c0_f);
         let q_at_most = found.q.value + SIGMAS * found.q.deviation;
         let cracked = found
-            .company
+            .second_mode
             .is_some_and(|(hz, strength)| (hz / found.resonance_hz.value - 1.0).abs() < CRACK.0 && strength > CRACK.1);
         let shift = (found.c0_f.value - self.nominal_c0_f).abs() - SIGMAS * found.c0_f.deviation;
         let turn = 2.0 * found.lock_deviation_hz * found.q.value / found.resonance_hz.value;

@@ -13,9 +13,9 @@
 pub(crate) mod baseband;
 #[cfg(test)]
 pub(crate) mod bench;
+pub(crate) mod modes;
 pub(crate) mod pass;
 pub(crate) mod ring_down;
-pub(crate) mod roster;
 pub(crate) mod spectrum;
 
 use heapless::Vec;
@@ -24,9 +24,9 @@ use crate::find::identify::choice::Choice;
 use crate::find::identify::mode_search::{ModeSearch, Told};
 use crate::find::identify::pole_fit::{Circuit, Pole};
 use crate::find::scan::baseband::Baseband;
+use crate::find::scan::modes::Modes;
 use crate::find::scan::pass::{Pass, Seen};
 use crate::find::scan::ring_down::RingDown;
-use crate::find::scan::roster::Roster;
 use crate::find::scan::spectrum::Spectrum;
 use crate::generate::step::Step;
 use crate::generate::sweep::hold::Hold;
@@ -77,7 +77,7 @@ pub(crate) struct Scan {
     baseband: Baseband,
     spectrum: Spectrum,
     search: ModeSearch,
-    roster: Roster,
+    modes: Modes,
 }
 
 impl Scan {
@@ -117,19 +117,19 @@ impl Scan {
             still_blocks: 0,
             baseband: Baseband::default(),
             spectrum,
-            roster: Roster::new(nominal_hz),
+            modes: Modes::new(nominal_hz),
         }
     }
 
     /// Begins from the window.
     pub(crate) fn restart(&mut self) {
-        self.roster = Roster::new(self.nominal_hz);
+        self.modes = Modes::new(self.nominal_hz);
         self.begin_part(0);
     }
 
     /// The resonances found by the last scan.
-    pub(crate) fn roster(&self) -> &Roster {
-        &self.roster
+    pub(crate) fn modes(&self) -> &Modes {
+        &self.modes
     }
 
     /// The transducer that the scan has found, and its branch for tracking; once it is over.
@@ -230,7 +230,7 @@ impl Scan {
 
     /// Offset of the wanted resonance, as far as it is known, Hz.
     fn resonance_hz(&self) -> f32 {
-        self.roster.wanted().map_or(0.0, |(pole, _)| pole.offset_hz)
+        self.modes.wanted().map_or(0.0, |(pole, _)| pole.offset_hz)
     }
 
     /// Takes a block of a sweep. Returns whether it was the last.
@@ -254,16 +254,16 @@ impl Scan {
         let own = |hz: f32| self.parts == 1 || (hz - middle_hz).abs() < reach_hz;
         let (circuit, deviations) = self.search.found();
         for (pole, deviations) in circuit.poles.iter().zip(deviations).filter(|(pole, _)| own(pole.offset_hz)) {
-            self.roster.add(*pole, *deviations, self.parts > 1);
+            self.modes.add(*pole, *deviations, self.parts > 1);
         }
     }
 
     /// Chooses the wanted resonance, and decides whether it is known well enough.
     fn choose(&mut self) -> Step {
-        if let Err(fault) = self.roster.choose(&self.choice) {
+        if let Err(fault) = self.modes.choose(&self.choice) {
             return Step::Failed(fault);
         }
-        let Some(&(pole, deviations)) = self.roster.wanted() else { return Step::Failed(Fault::NoResonance) };
+        let Some(&(pole, deviations)) = self.modes.wanted() else { return Step::Failed(Fault::NoResonance) };
         let reach_hz = self.window_hz * (1.0 + MARGIN);
         let hz = self.nominal_hz + pole.offset_hz;
         let fine = self.pass.fine(
@@ -289,8 +289,8 @@ impl Scan {
         let mut circuit = Circuit { poles: Vec::new(), ..self.search.found().0.clone() };
         let (centre_hz, half_hz) = (self.pass.centre_hz, 0.5 * self.pass.width_hz);
         // There is room: no more are found than fit in.
-        circuit.poles.extend(self.roster.wanted().map(|(pole, _)| *pole));
-        for pole in self.roster.others() {
+        circuit.poles.extend(self.modes.wanted().map(|(pole, _)| *pole));
+        for pole in self.modes.others() {
             let inside = (pole.offset_hz - centre_hz).abs() < half_hz;
             let _ = if inside { circuit.poles.push(*pole) } else { circuit.known.push(*pole) };
         }
@@ -303,7 +303,7 @@ impl Scan {
         let (circuit, deviations) = self.search.found();
         match (circuit.poles.first(), deviations.first()) {
             (Some(pole), Some(deviations)) if pole.offset_hz.abs() <= self.window_hz => {
-                self.roster.refine(*pole, *deviations);
+                self.modes.refine(*pole, *deviations);
                 self.take(0)
             }
             _ => Step::Failed(Fault::NoResonance),
@@ -315,8 +315,8 @@ impl Scan {
         let (circuit, deviations) = self.search.found();
         let transducer = Transducer {
             deviations: deviations.get(place).copied().unwrap_or_default(),
-            modes: self.roster.listed().len() as u8,
-            chosen: self.roster.place() as u8,
+            modes: self.modes.listed().len() as u8,
+            chosen: self.modes.place() as u8,
             ..circuit.transducer(place)
         };
         // During the search it was not the resonance that was driven.

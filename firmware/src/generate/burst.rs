@@ -284,9 +284,9 @@ impl Burst {
     }
 
     /// Opens or closes at once, without an edge: for tones outside the schedule, and for faults.
-    pub(crate) fn snap(&mut self, open: bool, stretch: &Stretch, samples: usize) -> Envelope<'_> {
+    pub(crate) fn set_envelope_now(&mut self, open: bool, stretch: &Stretch, samples: usize) -> Envelope<'_> {
         if self.boosts {
-            self.snap_boost(open, samples);
+            self.set_boost_now(open, samples);
         }
         self.falling = ends_falling(stretch, samples);
         self.ramp = if open { self.edge.unwrap_or(0) } else { 0 };

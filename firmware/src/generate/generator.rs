@@ -110,12 +110,12 @@ impl Generator {
         let now = self.now(block);
         let louder = self.burst.loudest();
         let envelope = match mode {
-            Mode::Idle | Mode::Fault => self.burst.snap(false, &stretch, self.samples),
+            Mode::Idle | Mode::Fault => self.burst.set_envelope_now(false, &stretch, self.samples),
             Mode::SelfTest | Mode::Scan | Mode::Calibrate | Mode::Clamped => {
-                self.burst.snap(plan.gate == Gate::On, &stretch, self.samples)
+                self.burst.set_envelope_now(plan.gate == Gate::On, &stretch, self.samples)
             }
             // Without a voltage there is no burst: the next one begins at zero.
-            Mode::Lock | Mode::Run if plan.volts == 0.0 => self.burst.snap(false, &stretch, self.samples),
+            Mode::Lock | Mode::Run if plan.volts == 0.0 => self.burst.set_envelope_now(false, &stretch, self.samples),
             Mode::Lock | Mode::Run => self.burst.envelope(plan.gate, now, &stretch, self.samples, plan.volts),
         };
         let (level, flat) = (envelope.mean(), envelope.is_flat());

@@ -20,7 +20,7 @@ use crate::seam::mode::Mode;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Acquisition {
     /// It is told.
-    Told,
+    Nominal,
     /// By a scan.
     Scanned,
     /// By an observer, which needs the clamped branch.
@@ -33,7 +33,7 @@ impl Acquisition {
         match mode {
             TrackingMode::Observer => Acquisition::Observed,
             TrackingMode::PhaseLock | TrackingMode::ZeroPhase => Acquisition::Scanned,
-            TrackingMode::Off => Acquisition::Told,
+            TrackingMode::Off => Acquisition::Nominal,
         }
     }
 }
@@ -116,7 +116,7 @@ impl Supervisor {
                     Mode::SelfTest if orders.request == Request::Calibrate => Mode::Calibrate,
                     Mode::SelfTest if orders.request == Request::Scan => Mode::Scan,
                     Mode::SelfTest => match self.acquisition {
-                        Acquisition::Told => Mode::Run,
+                        Acquisition::Nominal => Mode::Run,
                         Acquisition::Scanned => Mode::Scan,
                         Acquisition::Observed => Mode::Clamped,
                     },

@@ -46,12 +46,12 @@ pub struct Telemetry {
     /// One of the resonances that the scan has found, each in its turn.
     pub listed: Option<Listed>,
     /// What the friction switch believes, once its survey is over.
-    pub friction: Option<Belief>,
+    pub friction: Option<FrictionEstimate>,
 }
 
 /// What the switch believes of the contact.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Belief {
+pub struct FrictionEstimate {
     /// The survey is over, and has found the contact; if not, it is as told.
     pub identified: bool,
     /// Friction ratio, by the law and the tip velocity that is measured.

@@ -29,7 +29,7 @@ pub struct Belt {
     speed_blocks: u32,
     /// There is an encoder: it was told of, or has been heard.
     expected: bool,
-    heard: Option<Heard>,
+    heard: Option<Counter>,
     /// New ground in the last block, counts.
     fresh: u32,
     /// Blocks since there was any.
@@ -38,7 +38,7 @@ pub struct Belt {
 
 /// What the encoder has said so far, as raw counts.
 #[derive(Clone, Copy, Debug)]
-struct Heard {
+struct Counter {
     last: i32,
     furthest: i32,
     /// Where and how many blocks ago the present measurement of the speed began.
@@ -83,7 +83,7 @@ impl Belt {
                 self.fresh = heard.advance(sense.counts, self.play);
                 heard.measure(self.speed_blocks);
             }
-            (Some(sense), heard) => *heard = Some(Heard::from(sense.counts)),
+            (Some(sense), heard) => *heard = Some(Counter::from(sense.counts)),
         }
         self.still = if self.fresh > 0 { 0 } else { self.still.saturating_add(1) };
     }
@@ -115,9 +115,9 @@ impl Belt {
     }
 }
 
-impl Heard {
+impl Counter {
     fn from(counts: i32) -> Self {
-        Heard { last: counts, furthest: counts, anchor: counts, since_anchor: 0, since_edge: 0, speed: None }
+        Counter { last: counts, furthest: counts, anchor: counts, since_anchor: 0, since_edge: 0, speed: None }
     }
 
     /// Moves on to the next reading. Returns the new ground, counts.

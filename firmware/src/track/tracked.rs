@@ -10,7 +10,7 @@ use crate::seam::mode::Mode;
 use crate::seam::transducer::Transducer;
 use crate::sense::motional::Motional;
 use crate::track::tracker::identified::{Known, Learning};
-use crate::track::tracker::observed::Seek;
+use crate::track::tracker::observed::Retry;
 use crate::track::tracker::observer::Prior;
 use crate::track::tracker::{State, Tracker};
 
@@ -97,7 +97,7 @@ impl Track {
             axis: clamped.motional.axis,
             noise_a: self.noise_a(&clamped.motional),
         };
-        let modes = 1 + u8::from(clamped.company.is_some());
+        let modes = 1 + u8::from(clamped.second_mode.is_some());
         let known = Known { c0_f: (clamped.c0_f.value, clamped.c0_f.deviation), modes: (modes, 0) };
         self.tracker.observe(clamped.motional, known, &prior);
         let (c0, hz, q) = (clamped.c0_f, clamped.resonance_hz.value, clamped.q.value);
@@ -124,7 +124,7 @@ impl Track {
     }
 
     /// Goes on with it.
-    fn work_on_it(&mut self) {
+    fn continue_learning(&mut self) {
         self.learning.advance();
         if self.learning.is_over() {
             self.transducer.get_or_insert_default().copy(self.learning.transducer());
@@ -135,21 +135,21 @@ impl Track {
     fn learn(&mut self, block: u64) {
         self.begin_to_learn(block);
         while !self.learning.is_over() {
-            self.work_on_it();
+            self.continue_learning();
         }
     }
 
     /// Learns the transducer again, now and then. `following`: the resonance is tracked; `whole`: all of it in one block; `idle`: this block has
     /// time for a part of it.
     pub(crate) fn learn_on(&mut self, block: u64, following: bool, whole: bool, idle: bool) {
-        if following && self.transducer.is_some() && self.since_learned(block) >= LEARN_BLOCKS && self.tracker.is_sure() {
+        if following && self.transducer.is_some() && self.since_learned(block) >= LEARN_BLOCKS && self.tracker.has_converged() {
             if whole {
                 self.learn(block);
             } else {
                 self.begin_to_learn(block);
             }
         } else if !self.learning.is_over() && idle {
-            self.work_on_it();
+            self.continue_learning();
         }
     }
 
@@ -161,18 +161,18 @@ impl Track {
             State::Disagree => Progress::Failed(Fault::TrackersDisagree),
             State::Locked if self.is_another_mode() => Progress::Failed(Fault::WrongMode),
             State::Locked if amplitude.settled() => Progress::Done,
-            State::Lost if !locking => self.seek_on(Fault::LossOfLock),
-            State::TimedOut | State::Lost if locking => self.seek_on(Fault::NoLock),
+            State::Lost if !locking => self.retry_lock(Fault::LossOfLock),
+            State::TimedOut | State::Lost if locking => self.retry_lock(Fault::NoLock),
             _ => Progress::Busy,
         }
     }
 
     /// Seeks the lock where there is more hope, if there is any left.
-    fn seek_on(&mut self, fault: Fault) -> Progress {
-        match self.tracker.seek_on(fault == Fault::LossOfLock) {
-            Some(Seek::Nearby | Seek::Window) => Progress::Back(Mode::Lock),
-            Some(Seek::Anew) => Progress::Back(Mode::SelfTest),
-            Some(Seek::Scan) => Progress::Back(Mode::Scan),
+    fn retry_lock(&mut self, fault: Fault) -> Progress {
+        match self.tracker.retry_lock(fault == Fault::LossOfLock) {
+            Some(Retry::Nearby | Retry::Window) => Progress::Back(Mode::Lock),
+            Some(Retry::Anew) => Progress::Back(Mode::SelfTest),
+            Some(Retry::Scan) => Progress::Back(Mode::Scan),
             None => Progress::Failed(fault),
         }
     }

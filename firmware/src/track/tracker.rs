@@ -22,7 +22,7 @@ use crate::sense::demod::Sensed;
 use crate::sense::motional::Motional;
 use crate::track::tracker::identified::{Known, Learning};
 use crate::track::tracker::lock_detector::{Lock, LockDetector};
-use crate::track::tracker::observed::{Observed, Seek};
+use crate::track::tracker::observed::{Observed, Retry};
 use crate::track::tracker::observer::Prior;
 use crate::track::tracker::phase_loop::PhaseLoop;
 
@@ -68,7 +68,7 @@ pub enum State {
 
 /// What was played in the block that is heard.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Heard {
+pub struct PlayedBlock {
     /// Frequency, as an offset from the nominal one, Hz.
     pub offset_hz: f32,
     /// Peak voltage before the envelope, V.
@@ -170,15 +170,15 @@ impl Tracker {
     }
 
     /// Begins again where there is more hope, and says where; without an observer, or after the last, nowhere.
-    pub(crate) fn seek_on(&mut self, was_locked: bool) -> Option<Seek> {
-        let next = self.observed.as_mut()?.seek_on(was_locked);
+    pub(crate) fn retry_lock(&mut self, was_locked: bool) -> Option<Retry> {
+        let next = self.observed.as_mut()?.retry_lock(was_locked);
         self.restart_clock(0.0);
         next
     }
 
     /// Whether an observer is sure of its resonance, and nothing speaks against it.
-    pub fn is_sure(&self) -> bool {
-        self.observed.as_ref().is_some_and(Observed::is_sure)
+    pub fn has_converged(&self) -> bool {
+        self.observed.as_ref().is_some_and(Observed::has_converged)
     }
 
     /// Begins to learn the same in parts, where there is an observer.
@@ -206,7 +206,7 @@ impl Tracker {
             let spread_hz = SCANNED * transducer.series_resonance_hz / transducer.q;
             let (q, axis) = (transducer.q, branch.axis);
             let lm_h = (transducer.lm_h, transducer.deviations.lm_h);
-            observed.start(&Prior { offset_hz: (offset_hz, spread_hz), q, lm_h, axis, noise_a }, Seek::Scan);
+            observed.start(&Prior { offset_hz: (offset_hz, spread_hz), q, lm_h, axis, noise_a }, Retry::Scan);
         }
     }
 
@@ -252,7 +252,7 @@ impl Tracker {
 
     /// Follows one block. `at_lock_point` is its motional current at the lock point. Returns the phase that is driven to
     /// zero, which is zero where nothing was heard.
-    pub fn follow(&mut self, sensed: &Sensed, motional_current: Phasor, at_lock_point: Phasor, heard: &Heard) -> Turns {
+    pub fn follow(&mut self, sensed: &Sensed, motional_current: Phasor, at_lock_point: Phasor, heard: &PlayedBlock) -> Turns {
         let Some(detector) = self.detector else { return Turns(0.0) };
         self.unheard_blocks = self.unheard_blocks.saturating_add(heard.driven.into());
         self.on_blocks = if heard.on { self.on_blocks.saturating_add(1) } else { 0 };

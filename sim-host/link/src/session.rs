@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use firmware::board::command::{Command, Identity};
-use firmware::board::kept::Kept;
+use firmware::board::stored_state::StoredState;
 use firmware::seam::mode::Mode;
 use firmware::seam::telemetry::Telemetry;
 use serde_json::Value;
@@ -81,7 +81,8 @@ impl Session {
     /// cut short by somebody who only looks.
     pub fn agree_on_patience(&mut self) -> Result<(), LinkError> {
         let configured = report(parameter("link.patience_s")?, &mut self.client)?;
-        if matches!(configured.kept, Kept::Partly | Kept::Refused | Kept::Damaged | Kept::Version(_)) {
+        if matches!(configured.kept, StoredState::Partly | StoredState::Refused | StoredState::Damaged | StoredState::Version(_))
+        {
             // Whatever is asked for next, it meets other settings than were stored.
             self.client.note(&in_words(configured.kept));
         }

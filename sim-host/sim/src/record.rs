@@ -4,7 +4,7 @@ use firmware::generate::nco::cycles_per_sample;
 use firmware::seam::block::SlowSense;
 use firmware::seam::mode::Mode;
 use firmware::seam::phasor::magnitude;
-use firmware::seam::telemetry::Belief;
+use firmware::seam::telemetry::FrictionEstimate;
 use firmware::seam::telemetry::Telemetry;
 
 use crate::edge_meter::Edges;
@@ -43,7 +43,7 @@ pub struct Row {
     /// Estimate: phase that the tracker drives to zero, degrees.
     pub phase_deg: f64,
     /// Estimate: the friction, where it is switched.
-    pub friction: Option<Belief>,
+    pub friction: Option<FrictionEstimate>,
     /// Sensed: admittance, S; only where there was a voltage.
     pub admittance_s: Option<(f64, f64)>,
     /// Sensed: counts of the belt's encoder, if there is one whose lines are whole.

@@ -25,7 +25,7 @@ const PLAUSIBLE: core::ops::Range<f32> = -0.05..1.05;
 
 /// What one block shows.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(crate) struct Heard {
+pub(crate) struct Reading {
     /// Sliding speed, m/s.
     pub(crate) speed_m_per_s: f32,
     /// Tip velocity, by the nominal force factor, m/s.
@@ -91,7 +91,7 @@ struct Means {
 }
 
 impl Means {
-    fn take(&mut self, heard: &Heard) {
+    fn take(&mut self, heard: &Reading) {
         self.blocks += 1;
         self.tip += heard.tip_m_per_s;
         self.speed += heard.speed_m_per_s;
@@ -155,7 +155,7 @@ impl Survey {
     }
 
     /// Takes one block.
-    pub(crate) fn step(&mut self, heard: &Heard) -> Progress {
+    pub(crate) fn step(&mut self, heard: &Reading) -> Progress {
         if self.place == Place::Fit {
             return self.fitted();
         }
@@ -264,7 +264,7 @@ mod tests {
             let ratio = if tip > 0.0 { friction_ratio(0.038 / tip, tip / (OMEGA * 0.5e-6)) } else { 1.0 };
             // A dead time of 0.03 of the period.
             let ratio = if play == Play::Bursts { 1.0 - (TRIAL_DUTY + 0.03) * (1.0 - ratio) } else { ratio };
-            let heard = Heard { speed_m_per_s: 0.038, tip_m_per_s: tip, force_n: force(play, 0.144 * ratio) };
+            let heard = Reading { speed_m_per_s: 0.038, tip_m_per_s: tip, force_n: force(play, 0.144 * ratio) };
             survey.work();
             match survey.step(&heard) {
                 Progress::Busy(Play::Same) => {}

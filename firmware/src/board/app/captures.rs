@@ -3,15 +3,15 @@
 use heapless::spsc::{Consumer, Producer};
 
 use crate::board::capture::memory::Memory;
-use crate::board::capture::recorder::{Answer, Wish};
+use crate::board::capture::recorder::{CaptureReply, CaptureRequest};
 use crate::board::capture::{Arm, CaptureReport, CaptureVerb, PARTS, SAMPLES};
 use crate::board::command::Reply;
 use crate::seam::refusal::Refusal;
 
 /// Captures, as the slow side knows them.
 pub(super) struct Captures<'a> {
-    wishes: Producer<'a, Wish>,
-    answers: Consumer<'a, Answer>,
+    requests: Producer<'a, CaptureRequest>,
+    replies: Consumer<'a, CaptureReply>,
     lanes: u8,
     /// The memory, while the recorder does not have it.
     memory: Option<&'static mut Memory>,
@@ -23,19 +23,24 @@ pub(super) struct Captures<'a> {
 
 impl<'a> Captures<'a> {
     /// Nothing is recorded yet.
-    pub(super) fn new(wishes: Producer<'a, Wish>, answers: Consumer<'a, Answer>, memory: &'static mut Memory, lanes: u8) -> Self {
-        Captures { wishes, answers, lanes, memory: Some(memory), full: None, asked: None }
+    pub(super) fn new(
+        requests: Producer<'a, CaptureRequest>,
+        replies: Consumer<'a, CaptureReply>,
+        memory: &'static mut Memory,
+        lanes: u8,
+    ) -> Self {
+        Captures { requests, replies, lanes, memory: Some(memory), full: None, asked: None }
     }
 
     /// Obeys a command; `None` where its answer comes with a later block.
     pub(super) fn obey(&mut self, sequence: u16, verb: CaptureVerb) -> Option<Reply> {
         let here = self.memory.is_some();
         let wish = match verb {
-            _ if self.asked.is_some() || !self.wishes.ready() => return Some(Reply::Nak(Refusal::Busy)),
+            _ if self.asked.is_some() || !self.requests.ready() => return Some(Reply::Nak(Refusal::Busy)),
             CaptureVerb::Arm(arm) if !self.is_possible(arm) => return Some(Reply::Nak(Refusal::OutOfRange)),
             CaptureVerb::Arm(arm) => {
                 self.full = None;
-                Wish::Record(arm, self.memory.take())
+                CaptureRequest::Record(arm, self.memory.take())
             }
             CaptureVerb::State if here => return Some(Reply::Capture(self.report())),
             CaptureVerb::Read(part) if here => return Some(self.read(part)),
@@ -43,28 +48,28 @@ impl<'a> Captures<'a> {
                 self.full = None;
                 return Some(Reply::Ack);
             }
-            CaptureVerb::State | CaptureVerb::Read(_) => Wish::Look,
-            CaptureVerb::Disarm => Wish::Stop,
+            CaptureVerb::State | CaptureVerb::Read(_) => CaptureRequest::Look,
+            CaptureVerb::Disarm => CaptureRequest::Stop,
         };
         self.asked = Some((sequence, verb));
         // There is room: the last one was answered.
-        let _ = self.wishes.enqueue(wish);
+        let _ = self.requests.enqueue(wish);
         None
     }
 
     /// The answer to an earlier command, with the number of its frame, once it has come.
     pub(super) fn answer(&mut self) -> Option<(u16, Reply)> {
-        let answer = self.answers.dequeue()?;
+        let answer = self.replies.dequeue()?;
         let (sequence, verb) = self.asked.take()?;
         let reply = match answer {
-            Answer::Records => Reply::Ack,
-            Answer::Not(report) if verb == CaptureVerb::State => Reply::Capture(report),
-            Answer::Not(_) => Reply::Nak(Refusal::NotCaptured),
-            Answer::Stopped(memory) => {
+            CaptureReply::Records => Reply::Ack,
+            CaptureReply::Not(report) if verb == CaptureVerb::State => Reply::Capture(report),
+            CaptureReply::Not(_) => Reply::Nak(Refusal::NotCaptured),
+            CaptureReply::Stopped(memory) => {
                 self.memory = memory;
                 Reply::Ack
             }
-            Answer::Full(report, first, memory) => {
+            CaptureReply::Full(report, first, memory) => {
                 (self.memory, self.full) = (Some(memory), Some((report, first)));
                 match verb {
                     CaptureVerb::Read(part) => self.read(part),

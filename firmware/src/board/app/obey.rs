@@ -55,7 +55,7 @@ where
                 Reply::Ack
             }
             Command::Resonances => Reply::Resonances(self.resonances()),
-            Command::Settings(verb) => self.keeper.obey(verb, self.is_silent(), &mut self.peripherals.settings),
+            Command::Settings(verb) => self.settings_store.obey(verb, self.is_silent(), &mut self.peripherals.settings),
             Command::Status => Reply::Status(self.seen),
             Command::Faults(later) => Reply::Faults(self.faults.report(later, self.peripherals.start)),
             Command::Reset if !self.is_silent() => Reply::Nak(Refusal::Driving),

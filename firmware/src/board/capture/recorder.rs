@@ -9,7 +9,7 @@ use crate::seam::block::{DriveBlock, LATENCY_BLOCKS, SenseBlock};
 use crate::seam::telemetry::Telemetry;
 
 /// What the recorder is asked.
-pub enum Wish {
+pub enum CaptureRequest {
     /// Record this, from now on; into this memory, where it does not have it still.
     Record(Arm, Option<&'static mut Memory>),
     /// How far is it? What is full comes with the answer.
@@ -19,7 +19,7 @@ pub enum Wish {
 }
 
 /// What it answers.
-pub enum Answer {
+pub enum CaptureReply {
     /// It records.
     Records,
     /// It is not full yet.
@@ -32,8 +32,8 @@ pub enum Answer {
 
 /// The recorder.
 pub struct Recorder<'a> {
-    wishes: Consumer<'a, Wish>,
-    answers: Producer<'a, Answer>,
+    requests: Consumer<'a, CaptureRequest>,
+    replies: Producer<'a, CaptureReply>,
     memory: Option<&'static mut Memory>,
     arm: Arm,
     state: CaptureState,
@@ -56,10 +56,10 @@ pub struct Recorder<'a> {
 
 impl<'a> Recorder<'a> {
     /// A recorder that takes wishes from one queue and leaves answers in another.
-    pub fn new(wishes: Consumer<'a, Wish>, answers: Producer<'a, Answer>) -> Self {
+    pub fn new(requests: Consumer<'a, CaptureRequest>, replies: Producer<'a, CaptureReply>) -> Self {
         Recorder {
-            wishes,
-            answers,
+            requests,
+            replies,
             memory: None,
             arm: Arm { trigger: Trigger::Now, before: 0, lane: 0 },
             state: CaptureState::Empty,
@@ -78,7 +78,7 @@ impl<'a> Recorder<'a> {
     /// After each block: what it heard, what it returned, and its report.
     #[inline]
     pub fn follow(&mut self, sense: &SenseBlock, drive: &DriveBlock, report: &Telemetry) {
-        if self.wishes.ready() {
+        if self.requests.ready() {
             self.obey();
         }
         if matches!(self.state, CaptureState::Armed | CaptureState::Triggered) {
@@ -88,26 +88,26 @@ impl<'a> Recorder<'a> {
 
     #[inline(never)]
     fn obey(&mut self) {
-        let answer = match self.wishes.dequeue() {
-            Some(Wish::Record(arm, memory)) => {
+        let answer = match self.requests.dequeue() {
+            Some(CaptureRequest::Record(arm, memory)) => {
                 self.memory = self.memory.take().or(memory);
                 self.arm = arm;
                 self.begin();
-                Answer::Records
+                CaptureReply::Records
             }
-            Some(Wish::Look) => match self.memory.take_if(|_| self.state == CaptureState::Full) {
+            Some(CaptureRequest::Look) => match self.memory.take_if(|_| self.state == CaptureState::Full) {
                 // The rings are full: the first sample stands where the next one would go.
-                Some(memory) => Answer::Full(self.report(), self.next, memory),
-                None => Answer::Not(self.report()),
+                Some(memory) => CaptureReply::Full(self.report(), self.next, memory),
+                None => CaptureReply::Not(self.report()),
             },
-            Some(Wish::Stop) => {
+            Some(CaptureRequest::Stop) => {
                 self.state = CaptureState::Empty;
-                Answer::Stopped(self.memory.take())
+                CaptureReply::Stopped(self.memory.take())
             }
             None => return,
         };
         // The slow side asks one thing at a time: there is room for the answer.
-        let _ = self.answers.enqueue(answer);
+        let _ = self.replies.enqueue(answer);
     }
 
     fn begin(&mut self) {

@@ -6,7 +6,7 @@ use crate::seam::block::{Amplitude, BeltSense, Codes, Gate, MAX_BLOCK_SAMPLES, M
 use crate::seam::config::*;
 use crate::seam::fault::{Fault, Limit};
 use crate::seam::mode::Mode;
-use crate::seam::telemetry::Belief;
+use crate::seam::telemetry::FrictionEstimate;
 use crate::seam::transducer::Transducer;
 use crate::seam::units::{Hertz, Turns};
 
@@ -65,7 +65,7 @@ fn longest_answer() -> Answer {
         tuning_word: u64::MAX,
         transducer: Some(Transducer::default()),
         listed: Some(Default::default()),
-        friction: Some(Belief { force_ratio: Some(1.0), ..Belief::default() }),
+        friction: Some(FrictionEstimate { force_ratio: Some(1.0), ..FrictionEstimate::default() }),
         ..Telemetry::default()
     };
     let drive = DriveBlock { lanes: core::iter::repeat_n(codes(), MAX_LANES).collect(), listen: 3 };

@@ -5,9 +5,9 @@ use heapless::spsc::Queue;
 
 use super::*;
 use crate::board::command::{Reply, Verb};
-use crate::board::keeper::Keeper;
 use crate::board::parameters::MOST_PARAMETERS;
 use crate::board::power_up::PowerUp;
+use crate::board::settings_store::SettingsStore;
 use crate::seam::config::{Trim, TrimPoint};
 use crate::seam::refusal::Refusal;
 
@@ -18,7 +18,7 @@ fn value<T: Serialize>(version: u8, number: u32, value: &T) -> std::vec::Vec<u8>
 }
 
 /// Number, record, and what it is.
-fn parse(bytes: &[u8]) -> Option<(u32, Record, Kept)> {
+fn parse(bytes: &[u8]) -> Option<(u32, Record, StoredState)> {
     look(bytes, &[]).map(|found| (found.number, decode(bytes).unwrap_or_default(), found.kept))
 }
 
@@ -35,20 +35,20 @@ fn the_longest_value_fits_and_reads_back() {
     // Its key before it, and words of 32 bytes.
     assert!(bytes.len() + 1 + 32 <= LONGEST, "{}", bytes.len());
     let found = parse(&bytes).unwrap();
-    assert_eq!(found, (7, longest(), Kept::Stored));
+    assert_eq!(found, (7, longest(), StoredState::Stored));
 }
 
 #[test]
 fn lane_trims_alone_are_read_as_such() {
     let trims = longest().trims;
     let found = parse(&value(TRIMS_ALONE, 7, &trims)).unwrap();
-    assert_eq!(found, (7, Record { trims, parameters: Overrides::new() }, Kept::Stored));
+    assert_eq!(found, (7, Record { trims, parameters: Overrides::new() }, StoredState::Stored));
 }
 
 #[test]
 fn another_version_is_named_and_not_read() {
     let found = parse(&value(VERSION + 1, 9, &longest())).unwrap();
-    assert_eq!(found, (9, Record::default(), Kept::Version(VERSION + 1)));
+    assert_eq!(found, (9, Record::default(), StoredState::Version(VERSION + 1)));
     // Nor is what was kept before it taken for what is kept now.
     let found = look(&value(VERSION + 1, 9, &longest()), &[]).unwrap();
     let before = look(&value(VERSION, 8, &longest()), &[]).unwrap();
@@ -66,11 +66,11 @@ fn what_is_cut_short_is_damaged() {
 fn numbers_come_round_and_what_cannot_be_read_is_older_than_what_can() {
     let found = |number, kept| Found { number, kept, same: false };
     let rows = [
-        found(0, Kept::Nothing),
-        found(0, Kept::Damaged),
-        found(u32::MAX - 1, Kept::Stored),
-        found(u32::MAX, Kept::Version(3)),
-        found(0, Kept::Stored),
+        found(0, StoredState::Nothing),
+        found(0, StoredState::Damaged),
+        found(u32::MAX - 1, StoredState::Stored),
+        found(u32::MAX, StoredState::Version(3)),
+        found(0, StoredState::Stored),
     ];
     for (n, newer) in rows.iter().enumerate() {
         assert!(rows[..n].iter().all(|older| newer.is_newer_than(older) && !older.is_newer_than(newer)), "{n}");
@@ -132,24 +132,24 @@ fn left_by_another(version: u8, record: &impl Serialize) -> Settings<Ram> {
 fn lane_trims_alone_are_read_and_written_over_by_a_whole_record() {
     let trims = longest().trims;
     let mut settings = left_by_another(TRIMS_ALONE, &trims);
-    assert_eq!(settings.record(), (Record { trims, parameters: Overrides::new() }, Kept::Stored));
+    assert_eq!(settings.record(), (Record { trims, parameters: Overrides::new() }, StoredState::Stored));
     settings.store(&longest()).unwrap();
-    assert_eq!(settings.record(), (longest(), Kept::Stored));
+    assert_eq!(settings.record(), (longest(), StoredState::Stored));
 }
 
 /// A keeper of a board that was started with these settings, and what it makes of a calibration and of orders.
-fn with_keeper(settings: &mut Settings<Ram>, act: impl FnOnce(&mut Keeper, &mut Settings<Ram>)) {
+fn with_keeper(settings: &mut Settings<Ram>, act: impl FnOnce(&mut SettingsStore, &mut Settings<Ram>)) {
     let config = crate::board::parameters::tests::config();
     let power_up = PowerUp::read(&config, settings);
     let (mut found, mut taken): (Queue<LaneTrims, 2>, Queue<LaneTrims, 2>) = (Queue::new(), Queue::new());
     let (mut found_in, found_out) = found.split();
-    let mut keeper = Keeper::new(found_out, taken.split().0, &power_up);
+    let mut settings_store = SettingsStore::new(found_out, taken.split().0, &power_up);
     found_in.enqueue(longest().trims).unwrap();
-    act(&mut keeper, settings);
+    act(&mut settings_store, settings);
 }
 
-fn kept(keeper: &mut Keeper, settings: &mut Settings<Ram>) -> Kept {
-    match keeper.obey(Verb::Trims(0), true, settings) {
+fn kept(settings_store: &mut SettingsStore, settings: &mut Settings<Ram>) -> StoredState {
+    match settings_store.obey(Verb::Trims(0), true, settings) {
         Reply::Settings(report) => report.kept,
         other => panic!("{other:?}"),
     }
@@ -160,17 +160,17 @@ fn what_another_version_has_left_stays_until_it_is_ordered_away() {
     for verb in [Verb::Store, Verb::Clear] {
         let mut settings = left_by_another(VERSION + 1, &longest());
         let before = settings.flash.0;
-        with_keeper(&mut settings, |keeper, settings| {
-            assert_eq!(kept(keeper, settings), Kept::Version(VERSION + 1));
+        with_keeper(&mut settings, |settings_store, settings| {
+            assert_eq!(kept(settings_store, settings), StoredState::Version(VERSION + 1));
             // What a calibration finds acts, and is not written.
-            keeper.keep(true, settings);
-            assert_eq!(keeper.obey(Verb::Set(5, 2.0), true, settings), Reply::Ack);
-            assert_eq!(keeper.obey(Verb::Defaults, true, settings), Reply::Ack);
-            assert_eq!((kept(keeper, settings), settings.flash.0 == before), (Kept::Version(VERSION + 1), true));
-            assert_eq!(keeper.obey(verb, true, settings), Reply::Ack);
-            assert_eq!(kept(keeper, settings), Kept::Nothing);
+            settings_store.keep(true, settings);
+            assert_eq!(settings_store.obey(Verb::Set(5, 2.0), true, settings), Reply::Ack);
+            assert_eq!(settings_store.obey(Verb::Defaults, true, settings), Reply::Ack);
+            assert_eq!((kept(settings_store, settings), settings.flash.0 == before), (StoredState::Version(VERSION + 1), true));
+            assert_eq!(settings_store.obey(verb, true, settings), Reply::Ack);
+            assert_eq!(kept(settings_store, settings), StoredState::Nothing);
         });
-        assert_eq!(settings.record(), (Record::default(), Kept::Nothing), "{verb:?}");
+        assert_eq!(settings.record(), (Record::default(), StoredState::Nothing), "{verb:?}");
     }
 }
 
@@ -179,16 +179,16 @@ fn a_calibration_is_kept_beside_the_parameters_that_are_kept_not_those_that_are_
     let mut settings = Settings::new(Ram([0xFF; 4096])).unwrap();
     let parameters = Overrides::from_iter([(5, 2.0), (99, 1.0)]);
     settings.store(&Record { trims: LaneTrims::new(), parameters: parameters.clone() }).unwrap();
-    with_keeper(&mut settings, |keeper, settings| {
-        assert_eq!(keeper.obey(Verb::Set(5, 1.0), true, settings), Reply::Ack);
-        keeper.keep(false, settings);
-        assert_eq!(kept(keeper, settings), Kept::Due);
-        keeper.keep(true, settings);
-        assert_eq!(settings.record(), (Record { trims: longest().trims, parameters }, Kept::Stored));
-        assert_eq!(keeper.obey(Verb::Store, false, settings), Reply::Nak(Refusal::Driving));
-        assert_eq!(keeper.obey(Verb::Store, true, settings), Reply::Ack);
+    with_keeper(&mut settings, |settings_store, settings| {
+        assert_eq!(settings_store.obey(Verb::Set(5, 1.0), true, settings), Reply::Ack);
+        settings_store.keep(false, settings);
+        assert_eq!(kept(settings_store, settings), StoredState::Due);
+        settings_store.keep(true, settings);
+        assert_eq!(settings.record(), (Record { trims: longest().trims, parameters }, StoredState::Stored));
+        assert_eq!(settings_store.obey(Verb::Store, false, settings), Reply::Nak(Refusal::Driving));
+        assert_eq!(settings_store.obey(Verb::Store, true, settings), Reply::Ack);
     });
     // What nobody knows is not kept by an order.
     let expected = Record { trims: longest().trims, parameters: Overrides::from_iter([(5, 1.0)]) };
-    assert_eq!(settings.record(), (expected, Kept::Stored));
+    assert_eq!(settings.record(), (expected, StoredState::Stored));
 }

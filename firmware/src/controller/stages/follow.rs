@@ -20,7 +20,7 @@ use crate::seam::fault::Fault;
 use crate::seam::mode::Mode;
 use crate::seam::phasor::magnitude;
 use crate::track::tracked::LEARN_BLOCKS;
-use crate::track::tracker::{Heard, State};
+use crate::track::tracker::{PlayedBlock, State};
 
 /// The stage of lock and run.
 #[derive(Clone, Debug)]
@@ -72,7 +72,7 @@ impl Follow {
         let on = played.is_full();
         let boosts = chain.generator.burst.boosts();
         let told = self.edges.told(chain.block, boosts);
-        let heard = Heard {
+        let heard = PlayedBlock {
             offset_hz: played.offset_hz,
             volts: played.volts,
             envelope: (played.flat && told.telling).then_some(played.envelope),
@@ -84,7 +84,7 @@ impl Follow {
         let track = &mut chain.track;
         let at_lock_point = track.tracker.at_lock_point(motional, played.detune_hz);
         let phase = track.tracker.follow(sensed, motional, at_lock_point, &heard);
-        if track.transducer_by_now().is_none() && track.tracker.is_sure() {
+        if track.transducer_by_now().is_none() && track.tracker.has_converged() {
             let transducer = track.begin_to_learn(chain.block);
             chain.generator.amplitude.seed(transducer, magnitude(motional));
         }
@@ -180,7 +180,7 @@ impl Follow {
             && chain.supervisor.mode() == Mode::Run;
         let whole = played.flat && played.envelope == 1.0 && !generator.amplitude.limited() && !track.tracker.limited();
         let steady = alone && whole && track.tracker.state() == State::Locked;
-        let heard = online::Heard { sensed, relative: played.relative, detune_hz: played.detune_hz, steady };
+        let heard = online::Sample { sensed, relative: played.relative, detune_hz: played.detune_hz, steady };
         let wanted = track.online.step(&heard);
         self.probe_hz = wanted.detune_hz;
         if let Some(update) = wanted.update {

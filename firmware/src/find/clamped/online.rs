@@ -35,7 +35,7 @@ const SURPRISE: f32 = 6.0;
 
 /// A block under drive.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Heard<'a> {
+pub struct Sample<'a> {
     /// What was heard of it.
     pub sensed: &'a Sensed,
     /// Its frequency, relative to the nominal one.
@@ -188,7 +188,7 @@ impl Online {
     }
 
     /// Takes a block and says what to do next.
-    pub fn step(&mut self, heard: &Heard) -> Wanted {
+    pub fn step(&mut self, heard: &Sample) -> Wanted {
         let wandered = self.drift_per_s * self.block_s;
         // As a walk whose standard deviation after a round is what a steady drift would make in it.
         self.variance += wandered * wandered * self.round_blocks() as f32;
@@ -233,7 +233,7 @@ impl Online {
         }
     }
 
-    fn listen(&mut self, heard: &Heard, hold: bool) {
+    fn listen(&mut self, heard: &Sample, hold: bool) {
         let square = heard.sensed.v.norm_sqr();
         let side = &mut self.sides[usize::from(heard.detune_hz > 0.0)];
         if hold || heard.detune_hz.abs() < 0.5 * self.step_hz || square == 0.0 {

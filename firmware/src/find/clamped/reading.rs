@@ -36,7 +36,7 @@ pub struct Clamped {
     /// Rms of what the model leaves, in standard deviations: about one.
     pub(crate) misfit: f32,
     /// A second resonance, Hz, and its strength relative to the first.
-    pub company: Option<(f32, f32)>,
+    pub second_mode: Option<(f32, f32)>,
 }
 
 /// What a solution says of a transducer with this nominal frequency, Hz, and capacitance, F.
@@ -68,6 +68,6 @@ pub(crate) fn read(solution: &Solution, nominal_hz: f32, nominal_c0_f: f32) -> C
         q: Measured { value: 1.0 / e[D], deviation: of(D, 1.0 / (e[D] * e[D])) },
         lock_deviation_hz: 0.5 * hz * e[D] * solution.deviation(&turns),
         misfit: solution.misfit,
-        company: (e[K2] != 0.0).then(|| (nominal_hz * (1.0 + e[X2]), e[K2] / e[K])),
+        second_mode: (e[K2] != 0.0).then(|| (nominal_hz * (1.0 + e[X2]), e[K2] / e[K])),
     }
 }

@@ -94,7 +94,7 @@ fn scan(case: &Case, seed: u64) -> Scanned {
         let now_s = (block + 1) as f32 * 32e-6;
         if matches!(before, Stage::Search(_)) && !matches!(scan.stage, Stage::Search(_) | Stage::Window(_)) {
             result.searched_s = now_s;
-            if let Some(found) = scan.roster.wanted() {
+            if let Some(found) = scan.modes.wanted() {
                 let deviations = found.1;
                 let place = scan.search.found().0.poles.iter().position(|pole| *pole == found.0).unwrap_or(0);
                 result.first = Some(Transducer { deviations, ..scan.search.found().0.transducer(place) });
@@ -128,7 +128,7 @@ fn scan(case: &Case, seed: u64) -> Scanned {
             playing[slot].1.lanes[0][n] = code(n);
         }
     }
-    result.list = scan.roster().listed().iter().copied().collect();
+    result.list = scan.modes().listed().iter().copied().collect();
     result
 }
 

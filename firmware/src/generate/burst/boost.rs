@@ -145,7 +145,7 @@ impl Burst {
     }
 
     #[inline(never)]
-    pub(super) fn snap_boost(&mut self, open: bool, samples: usize) {
+    pub(super) fn set_boost_now(&mut self, open: bool, samples: usize) {
         if let Some(boost) = &mut self.boost {
             boost.odd = false;
             boost.advance(f32::from(u8::from(open)), samples);

@@ -8,7 +8,7 @@
 //! has broken, and then by a scan.
 
 use crate::seam::phasor::Phasor;
-use crate::track::tracker::Heard;
+use crate::track::tracker::PlayedBlock;
 use crate::track::tracker::lock_detector::LOCK_BLOCKS;
 use crate::track::tracker::observer::{Observer, Played, Prior};
 
@@ -31,7 +31,7 @@ const NEARBY: f32 = 5e-3;
 
 /// Where a lock is sought.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Seek {
+pub(crate) enum Retry {
     /// Where it was when it was lost.
     Nearby,
     /// In the whole window.
@@ -52,7 +52,7 @@ pub(crate) struct Observed {
     worth_hz: f32,
     inner_hz: f32,
     prior: Prior,
-    seek: Seek,
+    seek: Retry,
     shown_hz: f32,
     /// Blocks since it began, and those at the end of which it was within the bound of a lock.
     blocks: u32,
@@ -79,7 +79,7 @@ impl Observed {
             worth_hz: WORTH * nominal_hz,
             inner_hz: INNER.1 * nominal_hz,
             prior,
-            seek: Seek::Scan,
+            seek: Retry::Scan,
             shown_hz: 0.0,
             blocks: 0,
             inside: 0,
@@ -94,11 +94,11 @@ impl Observed {
     }
 
     /// Begins with what is known; `seek` says how that has come about.
-    pub(crate) fn start(&mut self, prior: &Prior, seek: Seek) {
+    pub(crate) fn start(&mut self, prior: &Prior, seek: Retry) {
         self.observer.start(prior);
         (self.seek, self.shown_hz) = (seek, prior.offset_hz.0);
         self.most_damping = LEAST_Q * core::f32::consts::PI * self.nominal_hz / prior.q;
-        if seek != Seek::Nearby {
+        if seek != Retry::Nearby {
             // For the next time: the same, anywhere in the window.
             self.prior = Prior { offset_hz: (0.0, self.window_hz), ..*prior };
         }
@@ -107,19 +107,19 @@ impl Observed {
     }
 
     /// Begins again where there is more hope, and says where; nowhere after a scan.
-    pub(crate) fn seek_on(&mut self, was_locked: bool) -> Option<Seek> {
+    pub(crate) fn retry_lock(&mut self, was_locked: bool) -> Option<Retry> {
         let next = match self.seek {
-            _ if was_locked && self.blocks > LASTED => Seek::Nearby,
-            Seek::Nearby => Seek::Window,
-            Seek::Window => Seek::Anew,
-            Seek::Anew => Seek::Scan,
-            Seek::Scan => return None,
+            _ if was_locked && self.blocks > LASTED => Retry::Nearby,
+            Retry::Nearby => Retry::Window,
+            Retry::Window => Retry::Anew,
+            Retry::Anew => Retry::Scan,
+            Retry::Scan => return None,
         };
         let nearby = (self.observer.offset_hz(), NEARBY * self.nominal_hz);
         match next {
-            Seek::Nearby => self.start(&Prior { offset_hz: nearby, ..self.prior }, next),
-            Seek::Window => self.start(&{ self.prior }, next),
-            Seek::Anew | Seek::Scan => self.seek = next,
+            Retry::Nearby => self.start(&Prior { offset_hz: nearby, ..self.prior }, next),
+            Retry::Window => self.start(&{ self.prior }, next),
+            Retry::Anew | Retry::Scan => self.seek = next,
         }
         Some(next)
     }
@@ -127,18 +127,18 @@ impl Observed {
     /// Begins in the whole window with what the clamped branch has told.
     pub(crate) fn start_cold(&mut self, prior: &Prior) {
         // The second time after a lock was lost.
-        let seek = if self.seek == Seek::Anew { Seek::Anew } else { Seek::Window };
+        let seek = if self.seek == Retry::Anew { Retry::Anew } else { Retry::Window };
         self.start(prior, seek);
     }
 
     /// Forgets what it was seeking.
     pub(crate) fn restart(&mut self) {
-        (self.seek, self.locked, self.inside) = (Seek::Scan, false, 0);
+        (self.seek, self.locked, self.inside) = (Retry::Scan, false, 0);
     }
 
     /// Follows one block. `fits`: the motional phase, as far as it was heard, does not speak against a lock.
     #[inline]
-    pub(crate) fn follow(&mut self, motional_current: Phasor, v: Phasor, heard: &Heard, fits: bool) {
+    pub(crate) fn follow(&mut self, motional_current: Phasor, v: Phasor, heard: &PlayedBlock, fits: bool) {
         self.pure = heard.pure;
         let steady_v = heard.envelope.filter(|_| heard.pure).map(|envelope| heard.volts * envelope);
         self.observer.follow(motional_current, v, Played { offset_hz: heard.offset_hz, steady_v });
@@ -181,7 +181,7 @@ impl Observed {
     }
 
     /// It is sure of itself, and has been for some blocks in which nothing spoke against it.
-    pub(crate) fn is_sure(&self) -> bool {
+    pub(crate) fn has_converged(&self) -> bool {
         self.inside >= LOCK_BLOCKS
     }
 

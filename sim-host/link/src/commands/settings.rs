@@ -5,8 +5,8 @@
 
 use clap::Subcommand;
 use firmware::board::command::{Command, Reply, Verb};
-use firmware::board::kept::Kept;
 use firmware::board::parameters::PARAMETERS;
+use firmware::board::stored_state::StoredState;
 use firmware::seam::config::Parameter;
 use firmware::seam::refusal::Refusal;
 
@@ -65,14 +65,14 @@ fn get(parameters: &[&Parameter], session: &mut Session) -> Result<Answer, LinkE
     let width = parameters.iter().map(|parameter| parameter.name.len()).max().unwrap_or(0);
     let mut answer =
         Answer::to("settings").line(format!("{:width$}  {:>12}  {:>12}  {:>12}  range", "", "acts", "set", "built in"));
-    let mut kept = Kept::Nothing;
+    let mut kept = StoredState::Nothing;
     for parameter in parameters {
         let of = report(parameter, &mut session.client)?;
         kept = of.kept;
         let reset = match kept {
             _ if of.next == of.acts => "",
             // Left out, or held within a limit; or set since.
-            Kept::Partly | Kept::Refused => "  (does not act as it is set)",
+            StoredState::Partly | StoredState::Refused => "  (does not act as it is set)",
             _ => "  (acts after `settings store` and `reset`)",
         };
         answer = answer
@@ -150,44 +150,44 @@ fn range(min: f32, max: f32) -> String {
     }
 }
 
-fn kept_name(kept: Kept) -> &'static str {
+fn kept_name(kept: StoredState) -> &'static str {
     match kept {
-        Kept::Nothing => "nothing",
-        Kept::Stored => "stored",
-        Kept::Damaged => "damaged",
-        Kept::Version(_) => "other_version",
-        Kept::Due => "due",
-        Kept::Failed => "failed",
-        Kept::Partly => "partly",
-        Kept::Refused => "refused",
-        Kept::Changed => "changed",
+        StoredState::Nothing => "nothing",
+        StoredState::Stored => "stored",
+        StoredState::Damaged => "damaged",
+        StoredState::Version(_) => "other_version",
+        StoredState::Due => "due",
+        StoredState::Failed => "failed",
+        StoredState::Partly => "partly",
+        StoredState::Refused => "refused",
+        StoredState::Changed => "changed",
     }
 }
 
 /// What the board keeps, in a sentence.
-pub(crate) fn in_words(kept: Kept) -> String {
+pub(crate) fn in_words(kept: StoredState) -> String {
     match kept {
-        Kept::Nothing => "the board keeps nothing over power-off".into(),
-        Kept::Stored => "the board keeps its settings over power-off".into(),
-        Kept::Damaged => "what the board has kept cannot be read; `settings store` replaces it".into(),
-        Kept::Version(version) => {
+        StoredState::Nothing => "the board keeps nothing over power-off".into(),
+        StoredState::Stored => "the board keeps its settings over power-off".into(),
+        StoredState::Damaged => "what the board has kept cannot be read; `settings store` replaces it".into(),
+        StoredState::Version(version) => {
             format!(
                 "what the board has kept is of version {version}, which its firmware does not read; `settings store` replaces it"
             )
         }
-        Kept::Due => "the board keeps them as soon as its drive is silent".into(),
-        Kept::Failed => "the board's flash does not keep them".into(),
-        Kept::Partly => {
+        StoredState::Due => "the board keeps them as soon as its drive is silent".into(),
+        StoredState::Failed => "the board's flash does not keep them".into(),
+        StoredState::Partly => {
             "some of what the board has kept does not act as it is: its firmware does not know it, or it is out of its range; `settings get` \
              shows what acts"
                 .into()
         }
-        Kept::Refused => {
+        StoredState::Refused => {
             "what the board has kept does not fit together: its limits act, the drive is held within them, and what does not fit is left out; \
              `settings get` shows what acts and what is set"
                 .into()
         }
-        Kept::Changed => "what is set differs from what the board keeps: `settings store` keeps it, a reset forgets it".into(),
+        StoredState::Changed => "what is set differs from what the board keeps: `settings store` keeps it, a reset forgets it".into(),
     }
 }
 

@@ -17,7 +17,7 @@ use firmware::seam::transducer::Transducer;
 use firmware::sense::demod::Sensed;
 use firmware::sense::motional::Motional;
 use firmware::track::tracker::observer::{Observer, Played, Prior};
-use firmware::track::tracker::{Heard, State, Tracker};
+use firmware::track::tracker::{PlayedBlock, State, Tracker};
 use rand_distr::{Distribution, StandardNormal};
 use rand_xoshiro::Xoshiro256PlusPlus;
 use realfft::num_complex::Complex64;
@@ -136,7 +136,7 @@ impl Rehearsal {
         let sensed = self.play(circuit, played_hz);
         let volts = self.bench.volts as f32;
         let relative = (played_hz / self.bench.nominal_hz) as f32;
-        let heard = Heard {
+        let heard = PlayedBlock {
             offset_hz: offset_hz as f32,
             volts,
             envelope: whole.then_some(1.0),
@@ -150,7 +150,7 @@ impl Rehearsal {
             Follower::Tracker(tracker) => {
                 let current = tracker.motional_current(&sensed, relative);
                 tracker.follow(&sensed, current, current, &heard);
-                if tracker.is_sure()
+                if tracker.has_converged()
                     && (!self.learned || self.block.is_multiple_of(LEARN_BLOCKS))
                     && let Some(transducer) = tracker.identify()
                 {

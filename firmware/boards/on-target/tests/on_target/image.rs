@@ -24,9 +24,9 @@ mod tests {
 
     use cortex_m::singleton;
     use firmware::board::command::{Command, Reply};
-    use firmware::board::kept::Kept;
     use firmware::board::link::{self, Frame, FrameError, Receiver};
     use firmware::board::settings::{Record, Settings};
+    use firmware::board::stored_state::StoredState;
     use firmware::controller::Controller;
     use firmware::seam::block::{Codes, Orders, Request, SenseBlock};
     use firmware::seam::config::{TrackingMode, Trim, TrimPoint};
@@ -124,17 +124,17 @@ mod tests {
     fn settings_are_kept_in_a_flash() {
         let point = TrimPoint { hz: 40e3, lanes: [Trim { phase_turns: 0.01, gain: 0.9 }; 4] };
         let mut settings = Settings::new(Pages::new()).expect("room");
-        assert_eq!(settings.record(), (Record::default(), Kept::Nothing));
+        assert_eq!(settings.record(), (Record::default(), StoredState::Nothing));
         for number in 0..60 {
             let trims = [TrimPoint { hz: 40e3 + number as f32, ..point }].into_iter().collect();
             let record = Record { trims, ..Record::default() };
             assert_eq!(settings.store(&record), Ok(()));
             // As after a reset.
             settings = Settings::new(settings.release()).expect("room");
-            assert_eq!(settings.record(), (record, Kept::Stored), "write {number}");
+            assert_eq!(settings.record(), (record, StoredState::Stored), "write {number}");
         }
         assert_eq!(settings.clear(), Ok(()));
-        assert_eq!(settings.record(), (Record::default(), Kept::Nothing));
+        assert_eq!(settings.record(), (Record::default(), StoredState::Nothing));
     }
 
     #[test]

@@ -4,7 +4,7 @@ use core::hint::black_box;
 
 use cortex_m::singleton;
 use firmware::board::capture::memory::Memory;
-use firmware::board::capture::recorder::{Answer, Recorder, Wish};
+use firmware::board::capture::recorder::{CaptureReply, CaptureRequest, Recorder};
 use firmware::board::capture::{Arm, Trigger};
 use firmware::seam::block::{DriveBlock, SenseBlock};
 use firmware::seam::telemetry::Telemetry;
@@ -31,18 +31,18 @@ pub fn count(counter: &Counter) {
     let report = Telemetry::default();
 
     let Some(memory) = singleton!(: Memory = Memory::new()) else { panic!("counted twice") };
-    let (mut wishes, mut answers): (Queue<_, 2>, Queue<_, 2>) = (Queue::new(), Queue::new());
-    let ((mut ask, wishes), (answers, mut answered)) = (wishes.split(), answers.split());
-    let mut recorder = Recorder::new(wishes, answers);
+    let (mut requests, mut replies): (Queue<_, 2>, Queue<_, 2>) = (Queue::new(), Queue::new());
+    let ((mut ask, requests), (replies, mut answered)) = (requests.split(), replies.split());
+    let mut recorder = Recorder::new(requests, replies);
     let mut follow = || recorder.follow(black_box(&sense), black_box(&drive), black_box(&report));
     print("recorder, disarmed", &mut follow);
     let arm = Arm { trigger: Trigger::Fault, before: 512, lane: 3 };
-    assert!(ask.enqueue(Wish::Record(arm, Some(memory))).is_ok());
+    assert!(ask.enqueue(CaptureRequest::Record(arm, Some(memory))).is_ok());
     print("recorder, armed", &mut follow);
-    assert!(matches!(answered.dequeue(), Some(Answer::Records)));
+    assert!(matches!(answered.dequeue(), Some(CaptureReply::Records)));
     print("recorder, asked how far it is", &mut || {
-        assert!(ask.enqueue(Wish::Look).is_ok());
+        assert!(ask.enqueue(CaptureRequest::Look).is_ok());
         follow();
-        assert!(matches!(black_box(answered.dequeue()), Some(Answer::Not(_))));
+        assert!(matches!(black_box(answered.dequeue()), Some(CaptureReply::Not(_))));
     });
 }

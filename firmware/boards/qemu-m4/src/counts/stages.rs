@@ -19,7 +19,7 @@ use firmware::sense::convert::Convert;
 use firmware::sense::demod::{Sensed, Suspect, demodulate};
 use firmware::sense::motional::Motional;
 use firmware::track::tracker::observer::{Observer, Played, Prior};
-use firmware::track::tracker::{Heard, State, Tracker};
+use firmware::track::tracker::{PlayedBlock, State, Tracker};
 use qemu_m4::bench::{SAMPLES, Transducer, config};
 use qemu_m4::counter::Counter;
 
@@ -37,7 +37,7 @@ const AT_RESONANCE: Sensed = Sensed { v: Phasor::new(VOLTS, 0.0), i: Phasor::new
 /// Rms noise of a block's current, A.
 const NOISE_A: f32 = 5e-4;
 const NOMINAL_HZ: f32 = 40e3;
-const HEARD: Heard = Heard {
+const HEARD: PlayedBlock = PlayedBlock {
     offset_hz: STACK.series_resonance_hz - NOMINAL_HZ,
     volts: VOLTS,
     envelope: Some(1.0),

@@ -28,7 +28,7 @@ const BESIDE: f32 = 0.1;
 
 /// What a block of a boosted burst tells.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Told {
+pub(crate) struct BlockInfo {
     /// What it drives had rung up before.
     pub(crate) rung_up: bool,
     /// It tells the tracker something.
@@ -37,9 +37,9 @@ pub(crate) struct Told {
     even: bool,
 }
 
-impl Told {
+impl BlockInfo {
     /// Of a plain burst.
-    const PLAIN: Told = Told { rung_up: false, telling: true, even: true };
+    const PLAIN: BlockInfo = BlockInfo { rung_up: false, telling: true, even: true };
 }
 
 /// What is known for boosted edges.
@@ -51,7 +51,7 @@ pub(crate) struct Edges {
     sample_hz: f32,
     planned: u64,
     stage: Stage,
-    told: [Told; LATENCY_BLOCKS],
+    told: [BlockInfo; LATENCY_BLOCKS],
     /// Nothing is owed after the last block.
     even: bool,
     /// The drive that the present brake or boost is for, V.
@@ -75,7 +75,7 @@ impl Edges {
             sample_hz: config.sample_hz,
             planned: 0,
             stage: Stage::Idle,
-            told: [Told::PLAIN; LATENCY_BLOCKS],
+            told: [BlockInfo::PLAIN; LATENCY_BLOCKS],
             even: true,
             braked_volts: 0.0,
         }
@@ -112,8 +112,8 @@ pub(crate) fn check(config: &Config) -> Result<(), Error> {
 impl Edges {
     /// What the block that is heard tells.
     #[inline]
-    pub(crate) fn told(&self, block: u64, boosts: bool) -> Told {
-        if boosts { self.told[(block % LATENCY_BLOCKS as u64) as usize] } else { Told::PLAIN }
+    pub(crate) fn told(&self, block: u64, boosts: bool) -> BlockInfo {
+        if boosts { self.told[(block % LATENCY_BLOCKS as u64) as usize] } else { BlockInfo::PLAIN }
     }
 
     /// Notes what the block tells that has been written, of a drive of `volts` and this mean envelope.
@@ -121,7 +121,7 @@ impl Edges {
     pub(crate) fn note(&mut self, block: u64, generator: &Generator, volts: f32, level: f32) {
         let (rung_up, telling) = (generator.burst.was_rung_up(volts), generator.burst.is_telling());
         let even = core::mem::replace(&mut self.even, generator.shaper.is_even()) || level != 0.0;
-        self.told[(block % LATENCY_BLOCKS as u64) as usize] = Told { rung_up, telling, even };
+        self.told[(block % LATENCY_BLOCKS as u64) as usize] = BlockInfo { rung_up, telling, even };
     }
 
     /// Prepares the boosted edge that may come next under this gate.
@@ -152,7 +152,7 @@ impl Edges {
         let samples = chain.generator.samples as u64;
         let next = (block + LATENCY_BLOCKS as u64) * samples;
         let learns = chain.track.since_learned(block) >= LEARN_BLOCKS - 1;
-        if burst.turns_within(gate, next, 2 * samples) || learns && chain.track.tracker.is_sure() {
+        if burst.turns_within(gate, next, 2 * samples) || learns && chain.track.tracker.has_converged() {
             return;
         }
         match self.stage {

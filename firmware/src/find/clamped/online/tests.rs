@@ -26,7 +26,7 @@ fn first_update(c0_f: f32, q: f32, beside: f32, turn: f32) -> (Update, u32) {
         let noise = if block % 2 == 0 { 1e-4 } else { -1e-4 };
         let i = admittance(c0_f, q, hz, turn) * 3.0 + Phasor::new(noise, -noise);
         let sensed = Sensed { v: Phasor::new(3.0, 0.0), i };
-        let wanted = online.step(&Heard { sensed: &sensed, relative: hz / NOMINAL_HZ, detune_hz, steady: true });
+        let wanted = online.step(&Sample { sensed: &sensed, relative: hz / NOMINAL_HZ, detune_hz, steady: true });
         if let Some(update) = wanted.update {
             return (update, block);
         }
@@ -50,10 +50,10 @@ fn it_does_not_disturb_what_is_not_steady_nor_what_is_known() {
     let told = Motional::of_capacitance(300e-9, NOMINAL_HZ);
     let mut online = Online::new(32e-6, told, NOMINAL_HZ, 20.0, 0.1);
     let sensed = Sensed { v: Phasor::new(3.0, 0.0), i: admittance(300e-9, 20.0, NOMINAL_HZ, 0.0) * 3.0 };
-    let heard = Heard { sensed: &sensed, relative: 1.0, detune_hz: 0.0, steady: false };
+    let heard = Sample { sensed: &sensed, relative: 1.0, detune_hz: 0.0, steady: false };
     assert_eq!(online.step(&heard).detune_hz, 0.0);
     online.seed(told, 1e-5, NOMINAL_HZ, 20.0);
-    assert_eq!(online.step(&Heard { steady: true, ..heard }).detune_hz, 0.0);
-    let rounds = (0..30_000).filter(|_| online.step(&Heard { steady: true, ..heard }).detune_hz != 0.0).count();
+    assert_eq!(online.step(&Sample { steady: true, ..heard }).detune_hz, 0.0);
+    let rounds = (0..30_000).filter(|_| online.step(&Sample { steady: true, ..heard }).detune_hz != 0.0).count();
     assert!(rounds > 0, "it never looks again");
 }

@@ -1,6 +1,6 @@
 //! The friction ratio over time, three ways.
 
-use firmware::seam::telemetry::Belief;
+use firmware::seam::telemetry::FrictionEstimate;
 
 use super::metrics::configured;
 use crate::instruments::View;
@@ -20,7 +20,8 @@ pub(super) fn ratio(run: &View) -> Option<Figure> {
         let step = friction.step_s.iter().zip(&friction.step_ratio).rfind(|(at_s, _)| **at_s <= row.time_s);
         step.map_or(first, |(_, ratio)| *ratio)
     };
-    let belief = |of: fn(&Belief) -> f32| move |row: &Row| row.friction.as_ref().map_or(1.0, |belief| f64::from(of(belief)));
+    let belief =
+        |of: fn(&FrictionEstimate) -> f32| move |row: &Row| row.friction.as_ref().map_or(1.0, |belief| f64::from(of(belief)));
     Some(Figure {
         id: "friction-ratio".into(),
         title: "Friction ratio: command, estimate, truth".into(),

@@ -13,17 +13,17 @@ const APART: f32 = 0.25;
 
 /// Resonances at rising frequencies.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Roster {
+pub(crate) struct Modes {
     nominal_hz: f32,
     found: Vec<(Pole, Deviations), MOST_MODES>,
     listed: Resonances,
     wanted: usize,
 }
 
-impl Roster {
+impl Modes {
     /// An empty one, whose offsets count from `nominal_hz`.
     pub(crate) fn new(nominal_hz: f32) -> Self {
-        Roster { nominal_hz, ..Roster::default() }
+        Modes { nominal_hz, ..Modes::default() }
     }
 
     /// The resonances.
@@ -117,12 +117,12 @@ mod tests {
 
     #[test]
     fn the_weakest_of_five_is_left_out_and_what_is_seen_twice_counts_once() {
-        let mut roster = Roster::new(40e3);
+        let mut modes = Modes::new(40e3);
         for (offset_hz, conductance_s) in [(900.0, 0.2), (-900.0, 0.1), (0.0, 0.3), (500.0, 0.05), (-300.0, 0.4), (-302.0, 0.4)] {
-            roster.add(pole(offset_hz, conductance_s), Deviations::default(), true);
+            modes.add(pole(offset_hz, conductance_s), Deviations::default(), true);
         }
-        let offsets: std::vec::Vec<f32> = roster.listed().iter().map(|resonance| resonance.hz - 40e3).collect();
+        let offsets: std::vec::Vec<f32> = modes.listed().iter().map(|resonance| resonance.hz - 40e3).collect();
         assert_eq!(offsets, [-900.0, -300.0, 0.0, 900.0]);
-        assert_eq!((0..5).map(|block| roster.in_turn(block).unwrap().place).collect::<std::vec::Vec<_>>(), [0, 1, 2, 3, 0]);
+        assert_eq!((0..5).map(|block| modes.in_turn(block).unwrap().place).collect::<std::vec::Vec<_>>(), [0, 1, 2, 3, 0]);
     }
 }

@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 /// What is kept, and what has become of it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub enum Kept {
+pub enum StoredState {
     /// Nothing.
     #[default]
     Nothing,

@@ -4,58 +4,58 @@ use embedded_storage::nor_flash::NorFlash;
 use heapless::spsc::{Consumer, Producer};
 
 use crate::board::command::{Reply, TrimReport, Verb};
-use crate::board::kept::Kept;
 use crate::board::parameters::{PARAMETERS, ParameterReport, Values, overrides, place_of, values_of};
 use crate::board::power_up::PowerUp;
 use crate::board::settings::{Record, Settings};
+use crate::board::stored_state::StoredState;
 use crate::seam::config::ENERGY_PER_METRE;
 use crate::seam::config::LaneTrims;
 use crate::seam::refusal::Refusal;
 
 /// The settings that act and those that are set, as far as the slow side knows, and what is kept of them.
-pub(crate) struct Keeper<'a> {
-    found: Consumer<'a, LaneTrims>,
-    taken: Producer<'a, LaneTrims>,
+pub(crate) struct SettingsStore<'a> {
+    trims_out: Consumer<'a, LaneTrims>,
+    trims_in: Producer<'a, LaneTrims>,
     trims: LaneTrims,
     acts: Values,
     next: Values,
     built_in: Values,
-    kept: Kept,
+    kept: StoredState,
     /// A parameter was set since the settings were stored or read.
     changed: bool,
     /// What was wrong with the parameters that are kept, at power-up.
-    flaw: Option<Kept>,
+    flaw: Option<StoredState>,
     /// The belt has an encoder, by which an energy for each metre of it is known.
     has_encoder: bool,
 }
 
-impl<'a> Keeper<'a> {
+impl<'a> SettingsStore<'a> {
     /// A keeper between the two queues of trims, for what the board was started with.
-    pub(crate) fn new(found: Consumer<'a, LaneTrims>, taken: Producer<'a, LaneTrims>, power_up: &PowerUp) -> Self {
-        Keeper {
-            found,
-            taken,
+    pub(crate) fn new(trims_out: Consumer<'a, LaneTrims>, trims_in: Producer<'a, LaneTrims>, power_up: &PowerUp) -> Self {
+        SettingsStore {
+            trims_out,
+            trims_in,
             trims: power_up.config.phasing.calibration.clone(),
             acts: values_of(&power_up.config),
             next: power_up.next,
             built_in: power_up.built_in,
             kept: power_up.kept,
             changed: false,
-            flaw: Some(power_up.kept).filter(|kept| matches!(kept, Kept::Partly | Kept::Refused)),
+            flaw: Some(power_up.kept).filter(|kept| matches!(kept, StoredState::Partly | StoredState::Refused)),
             has_encoder: power_up.config.front_end.metre_per_count.is_some(),
         }
     }
 
     /// Takes what a calibration has found, and keeps it once the drive is silent.
     pub(crate) fn keep<F: NorFlash>(&mut self, silent: bool, settings: &mut Settings<F>) {
-        while let Some(found) = self.found.dequeue() {
+        while let Some(found) = self.trims_out.dequeue() {
             self.trims = found;
             // What another version has left is not written over without an order.
-            if !matches!(self.kept, Kept::Version(_)) {
-                self.kept = Kept::Due;
+            if !matches!(self.kept, StoredState::Version(_)) {
+                self.kept = StoredState::Due;
             }
         }
-        if silent && self.kept == Kept::Due {
+        if silent && self.kept == StoredState::Due {
             // Beside the parameters that are kept: those that are only set wait for an order. That it was not kept is in the report.
             let parameters = settings.record().0.parameters;
             let stored = self.store(Record { trims: self.trims.clone(), parameters }, settings);
@@ -76,9 +76,11 @@ impl<'a> Keeper<'a> {
                 let record = Record { trims: self.trims.clone(), parameters: overrides(&self.next, &self.built_in) };
                 self.store(record, settings).map(|()| (self.changed, self.flaw) = (false, None))
             }
-            Verb::Clear => settings.clear().map(|()| (self.kept, self.flaw) = (Kept::Nothing, None)).map_err(|_| Refusal::Flash),
+            Verb::Clear => {
+                settings.clear().map(|()| (self.kept, self.flaw) = (StoredState::Nothing, None)).map_err(|_| Refusal::Flash)
+            }
             Verb::Defaults => {
-                let taken = self.taken.enqueue(LaneTrims::new()).map_err(|_| Refusal::Busy);
+                let taken = self.trims_in.enqueue(LaneTrims::new()).map_err(|_| Refusal::Busy);
                 taken.map(|()| {
                     self.trims.clear();
                     self.changed |= self.next != self.built_in;
@@ -104,10 +106,10 @@ impl<'a> Keeper<'a> {
     fn store<F: NorFlash>(&mut self, record: Record, settings: &mut Settings<F>) -> Result<(), Refusal> {
         let stored = settings.store(&record);
         self.kept = match stored {
-            Ok(()) if record.is_empty() => Kept::Nothing,
-            Ok(()) => Kept::Stored,
+            Ok(()) if record.is_empty() => StoredState::Nothing,
+            Ok(()) => StoredState::Stored,
             // Not tried again unless it is ordered: that would wear the flash out.
-            Err(_) => Kept::Failed,
+            Err(_) => StoredState::Failed,
         };
         stored.map_err(|_| Refusal::Flash)
     }
@@ -122,7 +124,7 @@ impl<'a> Keeper<'a> {
         let built_in = self.built_in[place];
         let (min, max) = PARAMETERS[place].range.of(built_in);
         let kept = match self.kept {
-            Kept::Stored | Kept::Nothing if self.changed => Kept::Changed,
+            StoredState::Stored | StoredState::Nothing if self.changed => StoredState::Changed,
             kept => kept,
         };
         Ok(ParameterReport { key, acts: self.acts[place], next: self.next[place], built_in, min, max, kept })
