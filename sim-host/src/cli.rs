@@ -89,8 +89,8 @@ enum Command {
     /// Talk to a driver board, or to a simulated one.
     #[command(after_help = EXIT_CODES)]
     Link(Box<link::LinkArgs>),
-    /// Run our own benches, and compare each with its targets: the evidence behind docs/claims.md.
-    #[command(after_help = EXIT_CODES)]
+    /// Run our own benches or a suite of your own, and compare each with its targets: the evidence behind docs/claims.md.
+    #[command(after_help = validate::help())]
     Validate(Box<validate::ValidateArgs>),
 }
 

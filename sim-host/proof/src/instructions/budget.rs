@@ -3,8 +3,9 @@
 //! A block of 32 samples at 1 Msps lasts 32 us, 5440 cycles of the reference board's 170 MHz: 170 a sample. What the controller takes
 //! of it must leave room for what an instruction is not: wait states, taken branches, the interrupt itself, and the slow side.
 
+use super::Row;
 use super::target::{Counted, find};
-use super::{Row, Trouble};
+use crate::bench::Error;
 
 /// Cycles of a block of 32 samples: nothing may take more instructions.
 const BLOCK: f64 = 5440.0;
@@ -222,7 +223,7 @@ pub const BUDGET: [Bound; 46] = [
 ];
 
 /// Holds what was counted against the budget.
-pub fn judge(counted: &[Counted], generators: &[Row]) -> Result<Vec<Judged>, Trouble> {
+pub fn judge(counted: &[Counted], generators: &[Row]) -> Result<Vec<Judged>, Error> {
     let judge = |bound: &'static Bound| {
         let found = |&(group, kernel): &(&str, &str)| {
             let counted = find(counted, group, kernel)?;
@@ -231,11 +232,11 @@ pub fn judge(counted: &[Counted], generators: &[Row]) -> Result<Vec<Judged>, Tro
                 Unit::Block => counted.per_block(),
                 Unit::Error => {
                     let row = generators.iter().find(|row| row.generator.name == kernel);
-                    row.ok_or_else(|| Trouble::Printed(format!("{kernel:?} is no generator")))?.quality.largest_error
+                    row.ok_or_else(|| Error::Counts(format!("{kernel:?} is no generator")))?.quality.largest_error
                 }
             })
         };
-        Ok(Judged { bound, found: bound.of.iter().map(found).sum::<Result<f64, Trouble>>()? })
+        Ok(Judged { bound, found: bound.of.iter().map(found).sum::<Result<f64, Error>>()? })
     };
     BUDGET.iter().map(judge).collect()
 }

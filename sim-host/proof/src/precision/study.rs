@@ -48,7 +48,7 @@ const ROUNDS: u32 = 15;
 const QUICK_ROUNDS: u32 = 3;
 
 /// Measures. `say` hears what comes next.
-pub fn conduct(extent: Extent, say: &mut dyn FnMut(&str)) -> Result<Study, NoReference> {
+pub fn measure(extent: Extent, say: &mut dyn FnMut(&str)) -> Result<Study, NoReference> {
     let Extent { quick, counted } = extent;
     say("reference");
     let reference = reference::make(&table_4_1::standard())?;
