@@ -169,7 +169,10 @@ fn a_suite_of_a_user_is_run_and_judged() {
     let output = run(&["-o", folder.text()]);
     let shown = stdout(&output);
     assert_eq!(code(&output), 0, "{shown}{}", stderr(&output));
-    assert!(shown.contains("cold, unloaded") && shown.contains("PASS") && folder.read("report.html").contains("noisy"), "{shown}");
+    assert!(
+        shown.contains("cold, unloaded") && shown.contains("PASS") && folder.read("report.html").contains("noisy"),
+        "{shown}"
+    );
     assert!(stdout(&run(&["--list"])).contains("noisy: sim-host run lock-cold --set stack.bvd.q=65"));
     let strict = folder.write("strict.toml", &text.replace("max = 0.5", "max = 0.01"));
     let output = sim_host(&["validate", &strict, "--quick", "--no-report", "--format", "json"]);

@@ -2,7 +2,6 @@
 
 mod tables;
 
-use std::sync::atomic::AtomicBool;
 use std::sync::{Mutex, PoisonError};
 
 use rayon::prelude::*;
@@ -68,7 +67,7 @@ pub fn run<'a>(suite: &'a LoadedSuite, progress: Progress) -> Result<SuiteResult
     let progress = Mutex::new(progress);
     let one = |case: &'a ReadyCase| {
         progress.lock().unwrap_or_else(PoisonError::into_inner)(&case.name);
-        let study = super::run(&case.loaded, super::Options { stop: Some(&AtomicBool::new(false)), ..super::Options::default() });
+        let study = super::run(&case.loaded, super::Options::default());
         let study = study.map_err(|error| StudyError::EmptyCell(format!("of the case `{}`", case.name), Box::new(error)))?;
         Ok(CaseResult::read(case, study))
     };
@@ -165,7 +164,7 @@ impl Judged {
         };
         let name = |(case, _): &(&&CaseResult, &(Option<f64>, f64))| case.case.name.clone();
         let both = || of.iter().zip(&found);
-        let worst = both().max_by(|a, b| a.1.1.total_cmp(&b.1.1)).map(|worst| (name(&worst), worst.1.0));
+        let worst = both().reduce(|a, b| if b.1.1 > a.1.1 { b } else { a }).map(|worst| (name(&worst), worst.1.0));
         Judged {
             metric: target.metric.clone(),
             limit: text,

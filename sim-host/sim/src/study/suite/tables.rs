@@ -27,7 +27,10 @@ impl SuiteResult<'_> {
         let row = |judged: &Judged| {
             let worst =
                 judged.worst.as_ref().map_or_else(String::new, |(case, value)| format!("{} ({case})", number(*value, None)));
-            let missed = if judged.missed.len() > 1 { format!(" in {}", judged.missed.join(", ")) } else { String::new() };
+            let mut missed: Vec<&str> =
+                judged.missed.iter().filter_map(|name| self.case(name)).map(|case| case.case.base.as_str()).collect();
+            missed.dedup();
+            let missed = if missed.is_empty() { String::new() } else { format!(" in {}", missed.join("; ")) };
             let verdict = format!("{}{missed}", verdict(judged.holds()));
             vec![judged.metric.clone(), judged.limit.clone(), judged.cases.to_string(), worst, verdict, judged.source.clone()]
         };
@@ -111,6 +114,9 @@ fn number(value: Option<f64>, digits: Option<u32>) -> String {
     if !value.is_finite() {
         return "never".to_owned();
     }
+    if value == 0.0 {
+        return "0".to_owned();
+    }
     let places = match (digits, value.abs()) {
         (Some(digits), _) => digits as usize,
         (None, size) if value.fract() == 0.0 && size < 1e9 => 0,
@@ -132,6 +138,7 @@ mod tests {
     fn numbers_are_short() {
         let shown = [0.0, 1000.0, 0.1234, 12.345, 123.4, -0.04].map(|value| number(Some(value), None));
         assert_eq!(shown, ["0", "1000", "0.123", "12.35", "123", "-0.040"]);
-        assert_eq!([number(Some(-0.04), Some(1)), number(None, None), number(Some(f64::INFINITY), None)], ["0.0", "–", "never"]);
+        let shown = [Some(-0.04), Some(0.0), None, Some(f64::INFINITY)].map(|value| number(value, Some(1)));
+        assert_eq!(shown, ["0.0", "0", "–", "never"]);
     }
 }
