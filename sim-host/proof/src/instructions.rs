@@ -67,7 +67,7 @@ pub fn evidence(_: &mut Options) -> Result<Evidence, Error> {
             tables: tables.clone(),
             ..Report::default()
         },
-        missed: over.map(|judged| judged.bound.name.to_owned()).collect(),
+        missed: over.map(|judged| judged.bound.name.clone()).collect(),
         docs: tables,
         ..Evidence::default()
     })

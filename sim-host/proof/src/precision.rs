@@ -23,11 +23,11 @@ pub mod table;
 pub mod work;
 
 use crate::bench::{Error, Evidence, Options};
-use study::{Extent, measure};
+use study::measure;
 
 /// The measurement with its page and files.
 pub fn evidence(options: &mut Options) -> Result<Evidence, Error> {
-    let study = measure(Extent { quick: options.quick, counted: options.counted }, options.progress)?;
+    let study = measure(options)?;
     let printed = vec![
         table::reference(&study.reference),
         table::work(&study),

@@ -84,7 +84,7 @@ fn budget(measurement: &Measurement) -> TableBlock {
         };
         let aim = judged.bound.aim.map_or_else(String::new, |aim| number(unit, aim));
         let numbers = [number(unit, judged.found), number(unit, judged.bound.at_most), aim];
-        [vec![judged.bound.name.to_owned(), name.to_owned()], numbers.into(), vec![verdict(judged.holds()).to_owned()]].concat()
+        [vec![judged.bound.name.clone(), name.to_owned()], numbers.into(), vec![verdict(judged.holds()).to_owned()]].concat()
     };
     let caption = "Where less is aimed at, the bound follows as the controller gets there.";
     let header = ["what", "in", "found", "at most", "aimed at", "budget"];

@@ -22,6 +22,7 @@ fn measurement() -> Option<&'static Measurement> {
 #[test]
 fn the_budget_holds() {
     let Some(measurement) = measurement() else { return };
-    let missed: Vec<&str> = measurement.judged.iter().filter(|judged| !judged.holds()).map(|judged| judged.bound.name).collect();
+    let missed: Vec<&str> =
+        measurement.judged.iter().filter(|judged| !judged.holds()).map(|judged| judged.bound.name.as_str()).collect();
     assert!(missed.is_empty(), "over budget: {missed:?}");
 }
