@@ -1,5 +1,6 @@
 //! Modes, faults and limits in words: what it is called, what it means, and what to do.
 
+use firmware::board::kept::Kept;
 use firmware::board::start::Start;
 use firmware::seam::fault::{Fault, Limit};
 use firmware::seam::mode::Mode;
@@ -34,6 +35,31 @@ pub fn limit(limit: Limit) -> String {
     format!("limit {code}, {}", limit_words(code))
 }
 
+/// What the board has stored over power-off, in a sentence.
+pub fn stored(stored: Kept) -> String {
+    match stored {
+        Kept::Nothing => "the board has stored nothing".into(),
+        Kept::Stored => "the board has stored its settings".into(),
+        Kept::Damaged => "the stored settings cannot be read; `settings store` replaces them".into(),
+        Kept::Version(version) => {
+            format!("the stored settings are of version {version}, which the board's firmware does not read; `settings store` replaces them")
+        }
+        Kept::Due => "the board stores its settings as soon as its drive is silent".into(),
+        Kept::Failed => "the board's flash does not store its settings".into(),
+        Kept::Partly => {
+            "some of the stored settings are not active as they are: the firmware does not know them, or they are out of range; `settings get` \
+             shows the active values"
+                .into()
+        }
+        Kept::Refused => {
+            "the stored settings do not fit together: their limits are active, the drive is held within them, and what does not fit is left out; \
+             `settings get` shows active and set values"
+                .into()
+        }
+        Kept::Changed => "the set values differ from the stored ones: `settings store` stores them, a restart discards them".into(),
+    }
+}
+
 /// What has started the board.
 pub fn start(start: &Start) -> String {
     match start {
@@ -53,9 +79,10 @@ fn fault_words(code: u8) -> (&'static str, &'static str) {
     match code {
         10 => ("emergency stop", "release the stop and its line, then `fault clear`"),
         11 => ("late block", "the processor had no time, or the converters stood still: look at `fault log`"),
-        12 => {
-            ("host lost", "the host said nothing for longer than the board's patience while it drove; see --patience and --stay")
-        }
+        12 => (
+            "host lost",
+            "the host said nothing for longer than the board's patience while it drove; see --host-timeout and --stay",
+        ),
         20 => ("sense channel implausible", "a sense line is open, stuck or offset, or the amplifier is not on"),
         21 => ("over-current", "more current than `limits.current_a`: a shorted stack or cable, or a limit below the drive"),
         22 => ("load shorted", "look for a short in stack and cable"),

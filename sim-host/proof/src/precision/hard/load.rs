@@ -1,19 +1,19 @@
 //! Loads that change at once: the force in the bristles stays, and may be far beyond what the new load can hold.
 
 use super::{Check, Found, linexp, mean, thesis};
-use contact::linexp::Extent;
+use contact::linexp::Options;
 use contact::table_4_1::{DRIVE_HZ, table_4_1};
-use contact::{Problem, State, Trouble, linexp as method, taylor};
+use contact::{Problem, SolveError, State, linexp as method, taylor};
 
 /// Table 4.1 with its load changed by a factor at period 100; `published` is the mean over periods 150 to 200 by another program, and
 /// `tolerance` what the step leaves of an error, which is much where the new kappa is 400.
-pub fn step(factor: f64, published: f64, tolerance: f64) -> Result<Found, Trouble> {
+pub fn step(factor: f64, published: f64, tolerance: f64) -> Result<Found, SolveError> {
     let standard = table_4_1(0.5, 200.0);
     let coulomb_n = factor * standard.coulomb_n;
     let problem =
         Problem { load_steps: vec![(100.0 / DRIVE_HZ, coulomb_n)], window_s: (150.0 / DRIVE_HZ, 200.0 / DRIVE_HZ), ..standard };
     let mut after: Vec<f64> = Vec::new();
-    method::run(&problem, 64, 4, Extent::Swift, &mut |state: &State| {
+    method::run(&problem, 64, 4, Options::Plain, &mut |state: &State| {
         if state.time_s > 100.0 / DRIVE_HZ {
             after.push(state.force_n.abs() / coulomb_n);
         }
