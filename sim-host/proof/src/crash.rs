@@ -105,8 +105,12 @@ impl Campaign {
             self.classes.iter().find(|class| class.name == name).map_or(f64::NAN, |class| count(class) as f64)
         };
         vec![
-            least("5th percentile, ideal switch: less force [%]", single("light", "reduction_percent"), 30.0),
-            least("5th percentile, 2.5 kW: less force [%]", single("2.5 kW into the contact", "reduction_percent"), 20.0),
+            least("5th percentile, ideal switch: less force [%]", single("light", "shoulder_force_reduction_percent"), 30.0),
+            least(
+                "5th percentile, 2.5 kW: less force [%]",
+                single("2.5 kW into the contact", "shoulder_force_reduction_percent"),
+                20.0,
+            ),
             none("95th percentile: added excursion [mm]", 1e3 * single("heavy", "added_excursion_m")),
             none("95th percentile: wrongly LOW [runs]", class("heavy", Class::low)),
             none("50th percentile: wrongly LOW [runs]", class("medium", Class::low)),

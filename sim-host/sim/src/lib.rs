@@ -31,7 +31,9 @@
 pub mod advice;
 pub mod bounds;
 pub mod cramer_rao;
+pub mod data;
 pub mod edge_meter;
+pub mod explain;
 pub mod instruments;
 pub mod metrics;
 #[cfg(feature = "files")]

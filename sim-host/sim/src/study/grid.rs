@@ -34,7 +34,7 @@ pub(super) fn conduct(loaded: &Loaded, grid: &Grid, stop: &AtomicBool) -> Result
     let mut means = mean.map_or_else(Vec::new, |mean| mean.of(&studies)).into_iter();
     let stepped = |cell: &Cell| match cell.steady {
         Some(_) => Ok(None),
-        None => Ok(cell::run(&cell.scene, &cell.place, stop)?.get(&grid.metric)),
+        None => Ok(cell::run(&cell.scene, &cell.place, stop)?.find(&grid.metric)),
     };
     let mut values = cells.par_iter().map(stepped).collect::<Result<Vec<_>, StudyError>>()?;
     for (value, _) in values.iter_mut().zip(&cells).filter(|(_, cell)| cell.steady.is_some()) {
@@ -88,7 +88,7 @@ mod tests {
     /// Each cell of a grid as a run of its own, without lanes.
     fn one_by_one(loaded: &Loaded, grid: &Grid) -> Vec<Option<f64>> {
         let stop = AtomicBool::new(false);
-        let run = |cell: &Cell| cell::run(&cell.scene, &cell.place, &stop).expect("a result").get(&grid.metric);
+        let run = |cell: &Cell| cell::run(&cell.scene, &cell.place, &stop).expect("a result").find(&grid.metric);
         cells(loaded, grid).expect("valid cells").iter().map(run).collect()
     }
 

@@ -19,16 +19,13 @@ use self::draw::{Draw, Draws};
 use self::error::Grid;
 use super::driven::Level;
 use super::{Options, Start, StudyError, cell, driven};
+use crate::instruments::View;
 use crate::instruments::lock::claims;
 use crate::instruments::runs::statistics::{self, Statistics};
-use crate::instruments::{View, contact};
 use crate::metrics::Metrics;
 use crate::record::text_hash;
 use scene::Kind;
 use scene::load::{Loaded, Template};
-
-/// The one metric that depends on the machine.
-const WALL: &str = "simulated_s_per_wall_s";
 
 /// What it is called, and whether a run has it.
 type Flaw = (&'static str, fn(&OneRun) -> bool);
@@ -162,7 +159,6 @@ pub(super) fn conduct(loaded: &Loaded, options: Options, stop: &AtomicBool) -> R
     if scene.driven().is_some() {
         metrics.put("runs_locked", runs.iter().filter(|run| run.locked).count() as f64);
         metrics.put("runs_faulted", runs.iter().filter(|run| run.faulted()).count() as f64);
-        metrics.put(WALL, wall_s.map(|wall_s| runs.len() as f64 * scene.duration_s / wall_s));
     }
     let times_ms = bench.grid.map_or_else(Vec::new, |grid| grid.times_s.iter().map(|s| 1e3 * s).collect());
     let keys = scene.vary.iter().map(|vary| vary.key.clone()).collect();
@@ -196,17 +192,11 @@ impl Bench<'_> {
                 }
                 let locked = claims::of(&View::new(&scene, &record)).is_some_and(|claims| claims.true_lock);
                 let error_hz = self.grid.as_ref().map_or_else(Vec::new, |grid| grid.errors_hz(&scene, &record));
-                OneRun { draw, metrics: metrics.without(WALL), locked, drive_hash: Some(record.drive_hash), error_hz }
+                OneRun { draw, metrics, locked, drive_hash: Some(record.drive_hash), error_hz }
             }
             Kind::Excited(scene) => {
                 let metrics = super::contact::cell(&scene, self.stop).map_err(cell::empty(&place()))?;
-                OneRun {
-                    draw,
-                    metrics: metrics.without(contact::metrics::WALL),
-                    locked: false,
-                    drive_hash: None,
-                    error_hz: Vec::new(),
-                }
+                OneRun { draw, metrics, locked: false, drive_hash: None, error_hz: Vec::new() }
             }
         };
         // A contact study that is stopped has no metrics, and a run that had just ended is left out with it.

@@ -1,12 +1,4 @@
-//! Metrics of the lock.
-//!
-//! | metric | over |
-//! |---|---|
-//! | `frequency_*`, `motional_phase_deg`, `drive_power_w` | steady blocks |
-//! | `lock_time_B_ms` | from the first DAC sample of the lock stage to the last moment that the frequency played is more than B off the true one, before the first disturbance |
-//! | `relock_time_B_ms` | from the last step disturbance to the same |
-//! | `acquire_time_ms` | from the first DAC sample of the scan to the first of the run |
-//! | `false_locks`, `undetected_losses` | 1 if the controller said that it was locked and was not, 0 if not: see [`claims`] |
+//! Metrics of the lock: how soon the frequency is right for good, how right it stays, and what the controller claims.
 
 use firmware::supervisor::Mode;
 
@@ -14,6 +6,7 @@ use super::claims;
 use crate::instruments::View;
 use crate::instruments::view::mean;
 use crate::metrics::Metrics;
+use crate::record::Row;
 
 /// Adds the metrics of the lock.
 pub(super) fn add(run: &View, metrics: &mut Metrics) {
@@ -29,21 +22,26 @@ impl View<'_> {
         let (scan, lock, run) = (self.plays_from(Mode::Scan), self.plays_from(Mode::Lock), self.plays_from(Mode::Run));
         metrics.put("acquire_time_ms", scan.zip(run).map(|(scan, run)| 1e3 * (run - scan)));
         let first_disturbed = self.disturbed_s.iter().copied().fold(f64::INFINITY, f64::min);
-        let stays =
-            |from: Option<f64>, to: f64, bound: f64| from.and_then(|from| self.stays_within(from, to, bound)).map(|s| 1e3 * s);
-        let last_step = self.steps_s.iter().copied().reduce(f64::max);
+        // A scan that comes first has found the frequency, and nothing is left to be pulled in.
+        let lock = lock.filter(|&lock| scan.is_none_or(|scan| scan > lock));
+        let under_drive = |&step: &f64| self.after(step).first().is_some_and(|row| row.drive_v > 0.0);
+        let step = self.steps_s.iter().copied().reduce(f64::max).filter(under_drive);
         for (name, again, bound) in [
             ("lock_time_100hz_ms", "relock_time_100hz_ms", 100.0),
             ("lock_time_20hz_ms", "relock_time_20hz_ms", 20.0),
             ("lock_time_4hz_ms", "relock_time_4hz_ms", 4.0),
         ] {
-            metrics.put(name, stays(lock, first_disturbed, bound));
-            metrics.put(again, stays(last_step, f64::INFINITY, bound));
+            let time_ms = |from: f64, to: f64| self.stays_within(from, to, bound).map(|s| 1e3 * s);
+            metrics.put(name, lock.and_then(|lock| time_ms(lock, first_disturbed)));
+            metrics.put(again, step.and_then(|step| time_ms(step, f64::INFINITY)));
         }
     }
 
-    /// How long after `from` the frequency played is last more than `bound` off, s; none if it still is at the end.
+    /// How long after `from` the frequency played is last more than `bound` off, s, before `to` and before the first OFF of the run; none if it still is
+    /// at the end.
     fn stays_within(&self, from: f64, to: f64, bound: f64) -> Option<f64> {
+        let off = |row: &&Row| row.time_s > from && row.mode == Mode::Run && row.drive_v == 0.0;
+        let to = self.rows.iter().find(off).map_or(to, |row| to.min(row.time_s));
         let played = self.rows.iter().filter(|row| row.time_s > from && row.time_s < to && row.drive_v > 0.0);
         let mut outside = None;
         let mut end = None;
@@ -65,6 +63,5 @@ impl View<'_> {
         metrics.put("frequency_error_max_hz", errors().map(f64::abs).reduce(f64::max));
         let (p, q) = self.steady().fold((0.0, 0.0), |(p, q), row| (p + row.truth.power_w, q + row.truth.quadrature_w));
         metrics.put("motional_phase_deg", (p != 0.0).then(|| q.atan2(p).to_degrees()));
-        metrics.put("drive_power_w", mean(self.steady().map(|row| row.truth.power_w)));
     }
 }
