@@ -27,9 +27,9 @@ mod status;
 mod stored_limits;
 mod watchdog;
 
-use firmware::command::{Command, Reply};
-use firmware::config::Config;
-use firmware::supervisor::Mode;
+use firmware::board::command::{Command, Reply};
+use firmware::seam::config::Config;
+use firmware::seam::mode::Mode;
 use hal_mock::bench::{Bench, Queues, Setup};
 use hal_mock::fault_injector::{FaultInjector, FaultKind};
 use hal_mock::loop_back::LoopBack;

@@ -1,13 +1,14 @@
 //! The drive as it is played: how clean its codes are, that nothing ever jumps, and what it answers to what cannot be.
 
-use firmware::block::{Amplitude, Gate, Orders, Request, SenseBlock};
-use firmware::config::{Around, Chirp, ChirpKind, Config, ShapeKind, Sweep, Then, TrackingMode, Trim, TrimPoint};
 use firmware::controller::Controller;
-use firmware::error::Error;
-use firmware::nco::cycles_per_sample;
-use firmware::supervisor::{Limit, Mode};
-use firmware::telemetry::Telemetry;
-use firmware::units::{Hertz, Turns};
+use firmware::generate::nco::cycles_per_sample;
+use firmware::seam::block::{Amplitude, Gate, Orders, Request, SenseBlock};
+use firmware::seam::config::{Around, Chirp, ChirpKind, Config, ShapeKind, Sweep, Then, TrackingMode, Trim, TrimPoint};
+use firmware::seam::error::Error;
+use firmware::seam::fault::Limit;
+use firmware::seam::mode::Mode;
+use firmware::seam::telemetry::Telemetry;
+use firmware::seam::units::{Hertz, Turns};
 use hal_mock::analog::Analog;
 use hal_mock::block_clock::BlockClock;
 use hal_mock::loop_back::{LoopBack, config};
@@ -43,7 +44,7 @@ struct Recorder {
 }
 
 impl Analog for Recorder {
-    fn exchange(&mut self, drive: &firmware::block::DriveBlock, sense: &mut SenseBlock) {
+    fn exchange(&mut self, drive: &firmware::seam::block::DriveBlock, sense: &mut SenseBlock) {
         self.codes.extend(drive.lanes[0].iter());
         self.load.exchange(drive, sense);
     }

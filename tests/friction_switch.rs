@@ -1,12 +1,12 @@
 //! The friction switch: its law against the host's closed form, and what it does with what it is told and what it hears.
 
 use contact::closed;
-use firmware::block::Orders;
-use firmware::block::Target;
-use firmware::command::Command;
-use firmware::friction::dahl::{coulomb, friction_ratio};
-use firmware::friction::inverse::solve;
-use firmware::refusal::Refusal;
+use firmware::act::friction::dahl::{coulomb, friction_ratio};
+use firmware::act::friction::inverse::solve;
+use firmware::board::command::Command;
+use firmware::seam::block::Orders;
+use firmware::seam::block::Target;
+use firmware::seam::refusal::Refusal;
 use scene::load::load;
 use sim::instruments::View;
 use sim::instruments::friction_switch::Step;

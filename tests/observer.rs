@@ -1,12 +1,13 @@
 //! The observer with the plant behind the converters: cold starts, loads that change, locks that are lost, and what breaks.
 
-use firmware::demod::Sensed;
-use firmware::motional::Motional;
-use firmware::phasor::Phasor;
-use firmware::supervisor::{Fault, Limit, Mode};
-use firmware::tracker::identified::Known;
-use firmware::tracker::observer::Prior;
-use firmware::tracker::{Heard, State, Tracker};
+use firmware::seam::fault::{Fault, Limit};
+use firmware::seam::mode::Mode;
+use firmware::seam::phasor::Phasor;
+use firmware::sense::demod::Sensed;
+use firmware::sense::motional::Motional;
+use firmware::track::tracker::identified::Known;
+use firmware::track::tracker::observer::Prior;
+use firmware::track::tracker::{Heard, State, Tracker};
 use scene::load::load;
 use scene::settings;
 use sim::instruments::measure;

@@ -14,11 +14,13 @@ use std::path::PathBuf;
 use std::process::Command;
 use std::time::{Duration, Instant};
 
-use firmware::block::{Amplitude, DriveBlock, Gate, MAX_LANES, Orders, Request, SenseBlock};
-use firmware::config::{Around, Chirp, ChirpKind, Config, Edge, Schedule, ShapeKind, Sweep, Then, TrackingMode, Trim, TrimPoint};
-use firmware::supervisor::Mode;
-use firmware::telemetry::Telemetry;
-use firmware::units::{Hertz, Turns};
+use firmware::seam::block::{Amplitude, DriveBlock, Gate, MAX_LANES, Orders, Request, SenseBlock};
+use firmware::seam::config::{
+    Around, Chirp, ChirpKind, Config, Edge, Schedule, ShapeKind, Sweep, Then, TrackingMode, Trim, TrimPoint,
+};
+use firmware::seam::mode::Mode;
+use firmware::seam::telemetry::Telemetry;
+use firmware::seam::units::{Hertz, Turns};
 use hal_mock::block_clock::BlockClock;
 use pil::{self, PilError, Qemu};
 use rand_core::{Rng, SeedableRng};

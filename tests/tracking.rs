@@ -1,9 +1,10 @@
 //! Scan and lock, with the plant behind the converters: what the motional phase can do that the V-I phase cannot.
 
-use firmware::block::{Gate, Orders, Request};
 use firmware::controller::Controller;
-use firmware::supervisor::{Fault, Limit, Mode};
-use firmware::telemetry::Telemetry;
+use firmware::seam::block::{Gate, Orders, Request};
+use firmware::seam::fault::{Fault, Limit};
+use firmware::seam::mode::Mode;
+use firmware::seam::telemetry::Telemetry;
 use hal_mock::block_clock::BlockClock;
 use plant::Plant;
 use scene::load::load;

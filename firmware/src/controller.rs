@@ -9,18 +9,18 @@ mod guarded;
 mod report;
 mod stages;
 
-use crate::block::{DriveBlock, LATENCY_BLOCKS, Orders, SenseBlock};
-use crate::burst::boost::EdgeTimes;
-use crate::config::LaneTrims;
 use crate::controller::chain::{Chain, Measured};
 use crate::controller::stages::Stages;
-use crate::demod::demodulate;
-use crate::generate::Played;
-use crate::identify::Resonance;
-use crate::phasing::check_calibration;
-use crate::step::Plan;
-use crate::supervisor::Mode;
-use crate::telemetry::Telemetry;
+use crate::generate::burst::boost::EdgeTimes;
+use crate::generate::generator::Played;
+use crate::generate::phasing::check_calibration;
+use crate::generate::step::Plan;
+use crate::seam::block::{DriveBlock, LATENCY_BLOCKS, Orders, SenseBlock};
+use crate::seam::config::LaneTrims;
+use crate::seam::mode::Mode;
+use crate::seam::telemetry::Telemetry;
+use crate::seam::transducer::Resonance;
+use crate::sense::demod::demodulate;
 
 /// The controller.
 #[derive(Clone)]

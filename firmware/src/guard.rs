@@ -13,19 +13,21 @@
 mod electrical;
 pub mod heat;
 pub mod on_time;
+pub mod supervisor;
 pub mod weld;
 
-use crate::belt::Belt;
-use crate::block::SenseBlock;
-use crate::config::Config;
-use crate::convert::Convert;
-use crate::demod::{Sensed, Suspect};
-use crate::error::Error;
 use crate::guard::electrical::Electrical;
 use crate::guard::heat::{Heat, Thermometers};
 use crate::guard::on_time::OnTime;
 use crate::guard::weld::Weld;
-use crate::supervisor::{Fault, Mode};
+use crate::seam::block::SenseBlock;
+use crate::seam::config::Config;
+use crate::seam::error::Error;
+use crate::seam::fault::Fault;
+use crate::seam::mode::Mode;
+use crate::sense::belt::Belt;
+use crate::sense::convert::Convert;
+use crate::sense::demod::{Sensed, Suspect};
 
 /// What is known of a block besides its codes.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

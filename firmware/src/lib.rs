@@ -14,7 +14,7 @@
 //! ```
 //!
 //! The hot side is [`controller::Controller::process`], once a block. The slow side is
-//! [`app::App`], as often as it likes; orders and telemetry pass between the two through queues.
+//! [`board::app::App`], as often as it likes; orders and telemetry pass between the two through queues.
 //!
 //! A waveform is four independent axes, not one list of cases:
 //!
@@ -27,51 +27,12 @@
 #[cfg(any(test, feature = "scene"))]
 extern crate std;
 
-pub mod amplitude;
-pub mod app;
-pub mod belt;
-pub mod block;
-pub mod block_task;
-pub mod burst;
-pub mod calibrate;
-pub mod capture;
-pub mod carried;
-pub mod clamped;
-pub mod command;
-pub mod config;
+pub mod act;
+pub mod board;
 pub mod controller;
-pub mod convert;
-pub mod demod;
-pub mod error;
-pub mod fault_log;
-pub mod friction;
-mod generate;
+pub mod find;
+pub mod generate;
 pub mod guard;
-pub mod identify;
-pub mod keeper;
-pub mod kept;
-pub mod link;
-pub mod lockstep;
-pub mod motional;
-pub mod nco;
-pub mod parameters;
-pub mod phasing;
-pub mod phasor;
-pub mod power_up;
-pub mod queues;
-pub mod refusal;
-pub mod restraint;
-pub mod scan;
-pub mod self_test;
-pub mod settings;
-pub mod shape;
-pub mod shaper;
-pub mod source;
-pub mod start;
-pub mod step;
-pub mod supervisor;
-pub mod sweep;
-pub mod telemetry;
-mod track;
-pub mod tracker;
-pub mod units;
+pub mod seam;
+pub mod sense;
+pub mod track;

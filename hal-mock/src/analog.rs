@@ -1,6 +1,6 @@
 //! The converters, as one trait.
 
-use firmware::block::{DriveBlock, SenseBlock};
+use firmware::seam::block::{DriveBlock, SenseBlock};
 
 /// Something that plays a block of drive codes and hears a block of sense codes at the same time.
 ///

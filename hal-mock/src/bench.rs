@@ -4,10 +4,10 @@
 //! ```
 //! use hal_mock::bench::{Bench, Queues, Setup};
 //! use hal_mock::loop_back::LoopBack;
-//! use firmware::command::{Command, Reply};
-//! use firmware::supervisor::Mode;
+//! use firmware::board::command::{Command, Reply};
+//! use firmware::seam::mode::Mode;
 //!
-//! # fn main() -> Result<(), firmware::error::Error> {
+//! # fn main() -> Result<(), firmware::seam::error::Error> {
 //! let setup = Setup::default();
 //! let load = LoopBack::of(&setup.config);
 //! let mut queues = Queues::default();
@@ -29,17 +29,18 @@
 
 use std::time::Duration;
 
-use firmware::app::{App, AppError, Peripherals};
-use firmware::block_task::BlockTask;
-use firmware::command::{Command, Reply};
-use firmware::config::Config;
-use firmware::error::Error;
-use firmware::power_up::PowerUp;
-use firmware::queues;
-use firmware::settings::Settings;
-use firmware::start::Start;
-use firmware::supervisor::{Fault, Mode};
-use firmware::telemetry::Telemetry;
+use firmware::board::app::{App, AppError, Peripherals};
+use firmware::board::block_task::BlockTask;
+use firmware::board::command::{Command, Reply};
+use firmware::board::power_up::PowerUp;
+use firmware::board::queues;
+use firmware::board::settings::Settings;
+use firmware::board::start::Start;
+use firmware::seam::config::Config;
+use firmware::seam::error::Error;
+use firmware::seam::fault::Fault;
+use firmware::seam::mode::Mode;
+use firmware::seam::telemetry::Telemetry;
 
 use crate::analog::Analog;
 use crate::block_clock::BlockClock;

@@ -1,6 +1,6 @@
 //! The block clock: plays, hears, and calls the controller, block after block, with the latency of half/complete DMA.
 
-use firmware::block::{DriveBlock, LATENCY_BLOCKS, SenseBlock};
+use firmware::seam::block::{DriveBlock, LATENCY_BLOCKS, SenseBlock};
 
 use crate::analog::Analog;
 

@@ -6,8 +6,8 @@
 
 mod encoder;
 
-use firmware::block::{BeltSense, DriveBlock, SenseBlock, Trips};
-use firmware::config::FrontEnd;
+use firmware::seam::block::{BeltSense, DriveBlock, SenseBlock, Trips};
+use firmware::seam::config::FrontEnd;
 
 use crate::analog::Analog;
 use crate::chance::Chance;

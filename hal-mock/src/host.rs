@@ -1,9 +1,9 @@
 //! The host's end of the link: commands out and replies in, by the real frame format.
 
 use embedded_io::Write;
-use firmware::command::{Command, Reply};
-use firmware::link::{self, Frame, FrameError, Receiver};
-use firmware::telemetry::Telemetry;
+use firmware::board::command::{Command, Reply};
+use firmware::board::link::{self, Frame, FrameError, Receiver};
+use firmware::seam::telemetry::Telemetry;
 
 use crate::link::{End, LinkError};
 use crate::noise::Noisy;

@@ -1,8 +1,8 @@
 //! The simplest load: a capacitor on the drive, seen by both sense channels. Enough for power-up, self-test, burst,
 //! emergency stop, watchdog and late blocks; it has no resonance to find.
 
-use firmware::block::{Amplitude, BeltSense, DriveBlock, SenseBlock};
-use firmware::config::{Burst, Config, Drive, FrontEnd, Limits, Link, Phasing, Sweep, Thermometer, Tracking, TrackingMode};
+use firmware::seam::block::{Amplitude, BeltSense, DriveBlock, SenseBlock};
+use firmware::seam::config::{Burst, Config, Drive, FrontEnd, Limits, Link, Phasing, Sweep, Thermometer, Tracking, TrackingMode};
 
 use crate::analog::Analog;
 
@@ -91,7 +91,7 @@ impl Analog for LoopBack {
         if let Some(belt) = &mut self.belt {
             belt.counts = belt.counts.wrapping_add(self.counts_per_block);
         }
-        sense.slow = firmware::block::SlowSense { belt: self.belt, ..Default::default() };
+        sense.slow = firmware::seam::block::SlowSense { belt: self.belt, ..Default::default() };
     }
 }
 

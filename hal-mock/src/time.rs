@@ -6,7 +6,7 @@ use std::cell::Cell;
 use std::rc::Rc;
 use std::time::Duration;
 
-use firmware::block::{DriveBlock, SenseBlock};
+use firmware::seam::block::{DriveBlock, SenseBlock};
 
 use crate::analog::Analog;
 

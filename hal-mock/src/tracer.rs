@@ -7,7 +7,7 @@ use std::collections::VecDeque;
 use std::fmt;
 
 use crc::{CRC_64_XZ, Crc, Digest, Table};
-use firmware::block::{Codes, DriveBlock, MAX_BLOCK_SAMPLES, SenseBlock};
+use firmware::seam::block::{Codes, DriveBlock, MAX_BLOCK_SAMPLES, SenseBlock};
 
 use crate::analog::Analog;
 

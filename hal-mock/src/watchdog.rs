@@ -50,7 +50,7 @@ impl Watchdog {
     }
 }
 
-impl firmware::app::Watchdog for Watchdog {
+impl firmware::board::app::Watchdog for Watchdog {
     fn feed(&mut self) {
         // A bite that nobody has looked at yet must not be lost.
         self.bitten();
@@ -65,7 +65,7 @@ impl firmware::app::Watchdog for Watchdog {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use firmware::app::Watchdog as _;
+    use firmware::board::app::Watchdog as _;
 
     #[test]
     fn bites_after_its_time_and_not_before() {

@@ -2,7 +2,7 @@
 
 use std::collections::VecDeque;
 
-use firmware::block::{DriveBlock, SenseBlock};
+use firmware::seam::block::{DriveBlock, SenseBlock};
 use hal_mock::analog::Analog;
 use rand_core::{Rng, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;

@@ -1,6 +1,6 @@
 //! Bursts, to the sample: a burst run plays what an uninterrupted run plays, times the envelope, and leaves no volt-seconds behind.
 
-use firmware::config::{Config, Edge, Schedule, ShapeKind};
+use firmware::seam::config::{Config, Edge, Schedule, ShapeKind};
 use hal_mock::bench::Setup;
 
 use super::*;

@@ -1,14 +1,15 @@
 //! Lane calibration, whole: amplifiers that differ, a multiplexer, noise; and the trims that are found, kept, and act after a restart.
 
-use firmware::command::{Command, Reply, TrimReport, Verb};
-use firmware::config::{Direction, LaneTrims};
-use firmware::kept::Kept;
-use firmware::parameters::Overrides;
-use firmware::phasing::Phasing;
-use firmware::refusal::Refusal;
-use firmware::settings::{Record, Settings};
-use firmware::supervisor::{Fault, Mode};
-use firmware::units::{Hertz, Turns};
+use firmware::board::command::{Command, Reply, TrimReport, Verb};
+use firmware::board::kept::Kept;
+use firmware::board::parameters::Overrides;
+use firmware::board::settings::{Record, Settings};
+use firmware::generate::phasing::Phasing;
+use firmware::seam::config::{Direction, LaneTrims};
+use firmware::seam::fault::Fault;
+use firmware::seam::mode::Mode;
+use firmware::seam::refusal::Refusal;
+use firmware::seam::units::{Hertz, Turns};
 use hal_mock::bench::{Bench, Queues, Setup};
 use hal_mock::flash::Flash;
 use scene::load::load;

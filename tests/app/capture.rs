@@ -1,10 +1,11 @@
 //! Captures: raw codes around a trigger, as they went over the converters; and nothing else notices.
 
-use firmware::block::{Amplitude, Gate};
-use firmware::capture::{Arm, CaptureReport, CaptureState, CaptureVerb, PART, PARTS, Part, SAMPLES, Trigger};
-use firmware::command::{Command, Reply};
-use firmware::refusal::Refusal;
-use firmware::supervisor::{Fault, Mode};
+use firmware::board::capture::{Arm, CaptureReport, CaptureState, CaptureVerb, PART, PARTS, Part, SAMPLES, Trigger};
+use firmware::board::command::{Command, Reply};
+use firmware::seam::block::{Amplitude, Gate};
+use firmware::seam::fault::Fault;
+use firmware::seam::mode::Mode;
+use firmware::seam::refusal::Refusal;
 use hal_mock::bench::{Bench, Queues, Setup};
 
 use super::*;

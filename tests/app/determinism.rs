@@ -1,6 +1,6 @@
 //! The same run is the same run, bit for bit; and what only looks on changes nothing.
 
-use firmware::command::Command;
+use firmware::board::command::Command;
 use hal_mock::analog::Analog;
 use hal_mock::bench::{Bench, Queues, Setup};
 
@@ -77,10 +77,11 @@ fn a_run_replays_from_its_record() {
     bench.blocks(20);
     let record: Vec<Exchange> = bench.analog().blocks().cloned().collect();
     let mut controller = firmware::controller::Controller::build(&setup.config).unwrap();
-    let orders = firmware::block::Orders { sequence: 1, request: firmware::block::Request::Run, ..Default::default() };
-    for pair in record.windows(firmware::block::LATENCY_BLOCKS + 1) {
+    let orders =
+        firmware::seam::block::Orders { sequence: 1, request: firmware::seam::block::Request::Run, ..Default::default() };
+    for pair in record.windows(firmware::seam::block::LATENCY_BLOCKS + 1) {
         let mut drive = controller.silence();
         controller.process(&orders, &pair[0].sense, &mut drive);
-        assert_eq!(drive, pair[firmware::block::LATENCY_BLOCKS].drive, "block {}", pair[0].block);
+        assert_eq!(drive, pair[firmware::seam::block::LATENCY_BLOCKS].drive, "block {}", pair[0].block);
     }
 }

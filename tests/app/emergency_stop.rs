@@ -1,10 +1,11 @@
 //! The emergency stop: the amplifier is off at once, the controller mutes, and nothing starts again by itself.
 
-use firmware::app::AppError;
-use firmware::block::{Gate, LATENCY_BLOCKS};
-use firmware::command::{Command, Reply};
-use firmware::refusal::Refusal;
-use firmware::supervisor::{Fault, Mode};
+use firmware::board::app::AppError;
+use firmware::board::command::{Command, Reply};
+use firmware::seam::block::{Gate, LATENCY_BLOCKS};
+use firmware::seam::fault::Fault;
+use firmware::seam::mode::Mode;
+use firmware::seam::refusal::Refusal;
 use hal_mock::bench::{Queues, Setup};
 
 use super::*;

@@ -1,9 +1,9 @@
 //! The frame format, written a second time by its documentation, bit by bit and without a table: what a host in another language
 //! would send. Also for frames that the firmware's own encoder does not make.
 
-use firmware::block::Amplitude;
-use firmware::command::Command;
-use firmware::link::{VERSION, encode};
+use firmware::board::command::Command;
+use firmware::board::link::{VERSION, encode};
+use firmware::seam::block::Amplitude;
 
 /// CRC-32/ISCSI (Castagnoli), reflected.
 fn crc(bytes: &[u8]) -> u32 {

@@ -1,10 +1,11 @@
 //! A host that vanishes while the drive is on: the drive stops, or goes on, as it was told.
 
-use firmware::block::{Gate, LATENCY_BLOCKS};
-use firmware::command::{Command, Reply};
-use firmware::config::Link;
-use firmware::refusal::Refusal;
-use firmware::supervisor::{Fault, Mode};
+use firmware::board::command::{Command, Reply};
+use firmware::seam::block::{Gate, LATENCY_BLOCKS};
+use firmware::seam::config::Link;
+use firmware::seam::fault::Fault;
+use firmware::seam::mode::Mode;
+use firmware::seam::refusal::Refusal;
 use hal_mock::bench::{Queues, Setup};
 
 use super::*;
@@ -73,7 +74,7 @@ fn any_good_frame_is_the_host_and_no_damaged_one() {
         let mut queues = Queues::default();
         let mut bench = running(&mut queues, &impatient());
         for _ in 0..10 {
-            let mut frame = firmware::link::encode(7, Command::Identify).unwrap();
+            let mut frame = firmware::board::link::encode(7, Command::Identify).unwrap();
             if !whole {
                 frame[1] ^= 0x10;
             }

@@ -1,6 +1,6 @@
 //! Several lanes: where each stands in the period and how large it is, measured from the codes.
 
-use firmware::config::{Config, Direction};
+use firmware::seam::config::{Config, Direction};
 use hal_mock::bench::{Queues, Setup};
 
 use super::*;

@@ -1,12 +1,13 @@
 //! Limits: more than is allowed is neither played nor a fault; it is said.
 
-use firmware::block::Amplitude;
-use firmware::command::{Command, Reply};
-use firmware::config::ShapeKind;
+use firmware::board::command::{Command, Reply};
 use firmware::controller::Controller;
-use firmware::error::Error;
-use firmware::refusal::Refusal;
-use firmware::supervisor::{Limit, Mode};
+use firmware::seam::block::Amplitude;
+use firmware::seam::config::ShapeKind;
+use firmware::seam::error::Error;
+use firmware::seam::fault::Limit;
+use firmware::seam::mode::Mode;
+use firmware::seam::refusal::Refusal;
 use hal_mock::bench::{Queues, Setup};
 use proptest::prelude::*;
 

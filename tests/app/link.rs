@@ -1,10 +1,10 @@
 //! The link: whatever comes over it, the block stream does not notice, and an honest command is obeyed and answered.
 
-use firmware::block::{Gate, Target};
-use firmware::command::{Command, Reply};
-use firmware::link::{VERSION, encode};
-use firmware::refusal::Refusal;
-use firmware::supervisor::Mode;
+use firmware::board::command::{Command, Reply};
+use firmware::board::link::{VERSION, encode};
+use firmware::seam::block::{Gate, Target};
+use firmware::seam::mode::Mode;
+use firmware::seam::refusal::Refusal;
 use hal_mock::bench::{Bench, ORDERS_DEPTH, Queues, Setup};
 use hal_mock::chance::Chance;
 use hal_mock::link::{WhenFull, Wire};

@@ -1,13 +1,13 @@
 //! Parameters over the link: what is set acts after a reset if it was stored, and nothing that is set or stored exceeds a limit.
 
-use firmware::block::Amplitude;
-use firmware::command::{Command, Reply, Verb};
-use firmware::config::{LaneTrims, TrimPoint};
-use firmware::kept::Kept;
-use firmware::parameters::{Overrides, PARAMETERS, ParameterReport};
-use firmware::refusal::Refusal;
-use firmware::settings::{Record, Settings};
-use firmware::supervisor::Mode;
+use firmware::board::command::{Command, Reply, Verb};
+use firmware::board::kept::Kept;
+use firmware::board::parameters::{Overrides, PARAMETERS, ParameterReport};
+use firmware::board::settings::{Record, Settings};
+use firmware::seam::block::Amplitude;
+use firmware::seam::config::{LaneTrims, TrimPoint};
+use firmware::seam::mode::Mode;
+use firmware::seam::refusal::Refusal;
 use hal_mock::bench::{Bench, Queues, Setup};
 use hal_mock::flash::Flash;
 
@@ -215,5 +215,5 @@ fn patience_is_a_parameter() {
     let mut queues = Queues::default();
     let mut bench = running(&mut queues, &setup);
     bench.blocks(104);
-    assert_eq!(bench.fault(), Some(firmware::supervisor::Fault::HostLost));
+    assert_eq!(bench.fault(), Some(firmware::seam::fault::Fault::HostLost));
 }

@@ -1,8 +1,8 @@
 //! Power-up: nothing moves before it is ordered.
 
-use firmware::block::{Amplitude, Gate};
-use firmware::command::{Command, Converters, Identity, Reply};
-use firmware::supervisor::Mode;
+use firmware::board::command::{Command, Converters, Identity, Reply};
+use firmware::seam::block::{Amplitude, Gate};
+use firmware::seam::mode::Mode;
 use hal_mock::bench::{Queues, Setup};
 
 use super::*;
@@ -35,7 +35,7 @@ fn identify_is_answered_with_versions_before_any_block() {
     let mut bench = bench(&mut queues, &Setup::default());
     let version: Vec<u8> = env!("CARGO_PKG_VERSION").split('.').map(|part| part.parse().unwrap()).collect();
     let converters = Converters { sample_hz: 1_000_000, block_samples: 32, lanes: 1, sense_mid_code: 2048, drive_mid_code: 2048 };
-    let identity = Identity { protocol: firmware::link::VERSION, firmware: version.try_into().unwrap(), converters };
+    let identity = Identity { protocol: firmware::board::link::VERSION, firmware: version.try_into().unwrap(), converters };
     assert_eq!(bench.ask(Command::Identify), Some(Reply::Identity(identity)));
     assert_eq!(bench.played(), 0);
 }

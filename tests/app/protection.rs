@@ -1,10 +1,11 @@
 //! Protection while running: which fault, and how many blocks later the drive is silent.
 
-use firmware::block::{Gate, LATENCY_BLOCKS};
-use firmware::command::Command;
+use firmware::board::command::Command;
 use firmware::controller::Controller;
-use firmware::error::Error;
-use firmware::supervisor::{Fault, Limit, Mode};
+use firmware::seam::block::{Gate, LATENCY_BLOCKS};
+use firmware::seam::error::Error;
+use firmware::seam::fault::{Fault, Limit};
+use firmware::seam::mode::Mode;
 use hal_mock::bench::{Bench, Queues, Setup};
 
 use super::*;

@@ -3,12 +3,12 @@
 
 use std::collections::HashSet;
 
-use firmware::block::{Amplitude, Gate};
-use firmware::capture::{Arm, CaptureVerb, Trigger};
-use firmware::command::{Command, Reply, Verb};
-use firmware::link::{VERSION, encode};
-use firmware::refusal::Refusal;
-use firmware::units::{Hertz, Turns};
+use firmware::board::capture::{Arm, CaptureVerb, Trigger};
+use firmware::board::command::{Command, Reply, Verb};
+use firmware::board::link::{VERSION, encode};
+use firmware::seam::block::{Amplitude, Gate};
+use firmware::seam::refusal::Refusal;
+use firmware::seam::units::{Hertz, Turns};
 use hal_mock::bench::{Queues, Setup};
 use hal_mock::chance::Chance;
 

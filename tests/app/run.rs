@@ -1,8 +1,8 @@
 //! A run from order to silence.
 
-use firmware::block::{Gate, LATENCY_BLOCKS};
-use firmware::command::{Command, Reply};
-use firmware::supervisor::Mode;
+use firmware::board::command::{Command, Reply};
+use firmware::seam::block::{Gate, LATENCY_BLOCKS};
+use firmware::seam::mode::Mode;
 use hal_mock::bench::{Queues, Setup};
 
 use super::*;

@@ -1,8 +1,9 @@
 //! Scan and lock ordered over the link, on the simulated transducer: the loop-back has no resonance to find.
 
-use firmware::block::{Amplitude, Gate};
-use firmware::command::{Command, Reply, ResonanceReport};
-use firmware::supervisor::{Fault, Mode};
+use firmware::board::command::{Command, Reply, ResonanceReport};
+use firmware::seam::block::{Amplitude, Gate};
+use firmware::seam::fault::Fault;
+use firmware::seam::mode::Mode;
 use hal_mock::bench::{Bench, Queues, Setup};
 use hal_mock::tracer::Tracer;
 use plant::Plant;

@@ -1,9 +1,10 @@
 //! The self-test: what is wrong is named, muted, and reported by number over the link.
 
-use firmware::block::LATENCY_BLOCKS;
-use firmware::command::{Command, Reply};
-use firmware::config::{Config, TrackingMode};
-use firmware::supervisor::{Fault, Mode};
+use firmware::board::command::{Command, Reply};
+use firmware::seam::block::LATENCY_BLOCKS;
+use firmware::seam::config::{Config, TrackingMode};
+use firmware::seam::fault::Fault;
+use firmware::seam::mode::Mode;
 use hal_mock::bench::{Bench, Queues, Setup};
 
 use super::*;

@@ -1,11 +1,11 @@
 //! What is kept in flash, whenever power goes and whatever is in it.
 
 use embedded_storage::nor_flash::{NorFlash, ReadNorFlash};
-use firmware::config::{LaneTrims, Trim, TrimPoint};
-use firmware::error::Error;
-use firmware::kept::Kept;
-use firmware::parameters::Overrides;
-use firmware::settings::{NotKept, Record, Settings};
+use firmware::board::kept::Kept;
+use firmware::board::parameters::Overrides;
+use firmware::board::settings::{NotKept, Record, Settings};
+use firmware::seam::config::{LaneTrims, Trim, TrimPoint};
+use firmware::seam::error::Error;
 use hal_mock::chance::Chance;
 use hal_mock::flash::{Flash, PAGE_BYTES};
 

@@ -1,10 +1,11 @@
 //! Status, the fault log, what started the board, and resets.
 
-use firmware::command::{Command, Reply};
-use firmware::fault_log::{FaultReport, KEPT_FAULTS};
-use firmware::refusal::Refusal;
-use firmware::start::{FileName, Place, Start};
-use firmware::supervisor::{Fault, Mode};
+use firmware::board::command::{Command, Reply};
+use firmware::board::fault_log::{FaultReport, KEPT_FAULTS};
+use firmware::board::start::{FileName, Place, Start};
+use firmware::seam::fault::Fault;
+use firmware::seam::mode::Mode;
+use firmware::seam::refusal::Refusal;
 use hal_mock::bench::{Bench, Queues, Setup};
 use hal_mock::link::{WhenFull, Wire};
 

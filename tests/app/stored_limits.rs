@@ -1,12 +1,13 @@
 //! A limit that is stored is never exceeded after a restart, whatever else is stored beside it.
 
-use firmware::block::Amplitude;
-use firmware::command::{Command, Reply, Verb};
-use firmware::config::{LaneTrims, TrackingMode, Trim, TrimPoint};
-use firmware::kept::Kept;
-use firmware::parameters::{ENERGY_PER_METRE, Overrides, PARAMETERS, ParameterReport};
-use firmware::refusal::Refusal;
-use firmware::settings::{Record, Settings};
+use firmware::board::command::{Command, Reply, Verb};
+use firmware::board::kept::Kept;
+use firmware::board::parameters::{Overrides, PARAMETERS, ParameterReport};
+use firmware::board::settings::{Record, Settings};
+use firmware::seam::block::Amplitude;
+use firmware::seam::config::ENERGY_PER_METRE;
+use firmware::seam::config::{LaneTrims, TrackingMode, Trim, TrimPoint};
+use firmware::seam::refusal::Refusal;
 use hal_mock::bench::{Bench, Queues, Setup};
 use hal_mock::flash::Flash;
 use proptest::prelude::*;

@@ -1,6 +1,6 @@
 //! The rings: halves, slots, steps, late blocks, packed words, received bytes.
 
-use firmware::block::{DriveBlock, LATENCY_BLOCKS, SenseBlock};
+use firmware::seam::block::{DriveBlock, LATENCY_BLOCKS, SenseBlock};
 use nucleo_g474re::blocks::{BLOCK, Beat, CYCLES_PER_BLOCK, Half, RING, Step, is_in_time, position, slot};
 use nucleo_g474re::packing;
 use nucleo_g474re::ring::Reader;

@@ -1,6 +1,6 @@
 //! What outlives a run: the note in RAM, and the pages of the settings.
 
-use firmware::start::{FileName, Place, Start};
+use firmware::board::start::{FileName, Place, Start};
 use nucleo_g474re::note::{Cause, Note};
 use nucleo_g474re::pages::{PAGE, PAGES, SECOND_BANK, SIZE, START, WORD, address, number};
 

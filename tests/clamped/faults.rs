@@ -1,8 +1,9 @@
 //! What is wrong with a transducer or its wiring, by its own number, and how soon.
 
-use firmware::block::{DriveBlock, Gate, Orders, Request, SenseBlock};
 use firmware::controller::Controller;
-use firmware::supervisor::{Fault, Mode};
+use firmware::seam::block::{DriveBlock, Gate, Orders, Request, SenseBlock};
+use firmware::seam::fault::Fault;
+use firmware::seam::mode::Mode;
 use hal_mock::analog::Analog;
 use hal_mock::block_clock::BlockClock;
 use plant::Plant;

@@ -1,9 +1,9 @@
 //! The clamped capacitance while running: ways compared, and what the one that is built does when C0 drifts.
 
-use firmware::block::LATENCY_BLOCKS;
-use firmware::clamped::online::{Heard as Block, Online, Update};
-use firmware::motional::Motional;
-use firmware::phasor::{Phasor, argument};
+use firmware::find::clamped::online::{Heard as Block, Online, Update};
+use firmware::seam::block::LATENCY_BLOCKS;
+use firmware::seam::phasor::{Phasor, argument};
+use firmware::sense::motional::Motional;
 use num_complex::Complex64;
 
 use super::Spread;

@@ -2,9 +2,9 @@
 
 use std::f64::consts::TAU;
 
-use firmware::clamped::{Clamped, PowerOn};
-use firmware::step::Step;
-use firmware::supervisor::Fault;
+use firmware::find::clamped::{Clamped, PowerOn};
+use firmware::generate::step::Step;
+use firmware::seam::fault::Fault;
 
 use super::Spread;
 use super::rig::{Case, Rig, wide};

@@ -2,14 +2,14 @@
 
 use std::f64::consts::TAU;
 
-use firmware::block::{DriveBlock, LATENCY_BLOCKS, SenseBlock};
-use firmware::config::Config;
-use firmware::convert::Convert;
-use firmware::demod::{Sensed, demodulate};
-use firmware::nco::{Nco, Stretch};
-use firmware::phasor::Phasor;
-use firmware::shape::sine;
-use firmware::sweep::hold::Hold;
+use firmware::generate::nco::{Nco, Stretch};
+use firmware::generate::shape::sine;
+use firmware::generate::sweep::hold::Hold;
+use firmware::seam::block::{DriveBlock, LATENCY_BLOCKS, SenseBlock};
+use firmware::seam::config::Config;
+use firmware::seam::phasor::Phasor;
+use firmware::sense::convert::Convert;
+use firmware::sense::demod::{Sensed, demodulate};
 use hal_mock::analog::Analog;
 use hal_mock::block_clock::BlockClock;
 use num_complex::Complex64;

@@ -7,9 +7,9 @@ use std::rc::Rc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
-use firmware::block::Gate;
-use firmware::command::{Command, Reply};
-use firmware::link::Receiver;
+use firmware::board::command::{Command, Reply};
+use firmware::board::link::Receiver;
+use firmware::seam::block::Gate;
 use hal_mock::chance::Chance;
 use link::link_error::LinkError;
 use link::port::{Port, Tcp};

@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use firmware::config::Config;
+use firmware::seam::config::Config;
 use hal_mock::tracer::Exchange;
 use link::answer::Answer;
 use link::port::Port;

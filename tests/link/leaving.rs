@@ -3,7 +3,7 @@
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
-use firmware::supervisor::Fault;
+use firmware::seam::fault::Fault;
 use link::client::Client;
 use link::link_error::LinkError;
 use link::session::{Manner, Session};

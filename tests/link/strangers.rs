@@ -2,7 +2,7 @@
 
 use std::io::{self, Cursor, Read, Write};
 
-use firmware::link::VERSION;
+use firmware::board::link::VERSION;
 use link::link_error::LinkError;
 use link::port::Stream;
 

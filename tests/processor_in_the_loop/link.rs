@@ -4,14 +4,15 @@ use std::io::{Read as _, Write as _};
 use std::time::{Duration, Instant};
 
 use ::link::emulated_board::EmulatedBoard;
-use firmware::block::Gate;
-use firmware::capture::{Arm, CaptureState, CaptureVerb, PARTS, Trigger};
-use firmware::command::{Command, Reply, Verb};
-use firmware::kept::Kept;
-use firmware::link::{self, Frame, Receiver};
-use firmware::refusal::Refusal;
-use firmware::start::Start;
-use firmware::supervisor::{Fault, Mode};
+use firmware::board::capture::{Arm, CaptureState, CaptureVerb, PARTS, Trigger};
+use firmware::board::command::{Command, Reply, Verb};
+use firmware::board::kept::Kept;
+use firmware::board::link::{self, Frame, Receiver};
+use firmware::board::start::Start;
+use firmware::seam::block::Gate;
+use firmware::seam::fault::Fault;
+use firmware::seam::mode::Mode;
+use firmware::seam::refusal::Refusal;
 use pil::link_image;
 
 use super::{is_there, scene};

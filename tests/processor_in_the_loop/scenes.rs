@@ -7,7 +7,7 @@
 use std::fmt::Write as _;
 use std::path::Path;
 
-use firmware::config::Config;
+use firmware::seam::config::Config;
 use pil::Qemu;
 use scene::builtin;
 use scene::load::load;

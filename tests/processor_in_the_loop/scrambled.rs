@@ -1,7 +1,7 @@
 //! Converters that mostly hear a load, and now and then anything.
 
-use firmware::block::{BeltSense, Codes, DriveBlock, SenseBlock, SlowSense, Trips};
-use firmware::config::{Config, FrontEnd};
+use firmware::seam::block::{BeltSense, Codes, DriveBlock, SenseBlock, SlowSense, Trips};
+use firmware::seam::config::{Config, FrontEnd};
 use hal_mock::analog::Analog;
 use hal_mock::loop_back::LoopBack;
 use rand_core::{Rng, SeedableRng};

@@ -15,7 +15,7 @@ impl Table {
             quote! {
                 impl #name {
                     #[doc = #documentation]
-                    pub(crate) const PARAMETERS: &'static [crate::parameters::Parameter] = &[#(#entries),*];
+                    pub(crate) const PARAMETERS: &'static [crate::seam::config::Parameter] = &[#(#entries),*];
                 }
             }
         })
@@ -26,7 +26,7 @@ impl Table {
         let range = match field.hold {
             Hold::Range => quote!(Self::#constant.range()),
             Hold::Ceiling => quote!(Self::#constant.up_to_built_in()),
-            Hold::Near => quote!(crate::parameters::Range::NearBuiltIn),
+            Hold::Near => quote!(crate::seam::config::Range::NearBuiltIn),
         };
         let tables = self.options.path().map(|table| format_ident!("{table}"));
         let name = &field.name;
@@ -40,7 +40,7 @@ impl Table {
             (None, _) => (quote!(|config| #place), quote!(|config, value| #place = value)),
         };
         Some(quote! {
-            crate::parameters::Parameter {
+            crate::seam::config::Parameter {
                 key: #key,
                 name: Self::#constant.name,
                 range: #range,

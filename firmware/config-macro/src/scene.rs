@@ -78,7 +78,7 @@ fn is_kept_quiet(field: &Field) -> Option<&'static str> {
     Some(match &field.value {
         Value::Optional(_) => "::core::option::Option::is_none",
         Value::Several(..) => "::std::vec::Vec::is_empty",
-        Value::One(_) if field.quiet => "crate::config::is_default",
+        Value::One(_) if field.quiet => "crate::seam::config::is_default",
         Value::One(_) => return None,
     })
 }

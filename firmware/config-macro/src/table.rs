@@ -97,7 +97,7 @@ impl Table {
             let documentation = format!("Name and range of `{path}`.");
             Some(quote! {
                 #[doc = #documentation]
-                pub const #constant: crate::config::Setting = crate::config::Setting { name: #path, min: #least, max: #most };
+                pub const #constant: crate::seam::config::Setting = crate::seam::config::Setting { name: #path, min: #least, max: #most };
             })
         });
         let checks = in_controller().filter(|field| field.range.is_some()).map(check);
@@ -116,7 +116,7 @@ impl Table {
                 #new
 
                 /// Whether every value is within its range; names the first that is not.
-                pub(crate) fn check(&self) -> ::core::result::Result<(), crate::error::Error> {
+                pub(crate) fn check(&self) -> ::core::result::Result<(), crate::seam::error::Error> {
                     #(#checks)*
                     ::core::result::Result::Ok(())
                 }

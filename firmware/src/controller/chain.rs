@@ -1,15 +1,15 @@
 //! The signal chain, which all stages share, and the block that they look at.
 
-use crate::belt::Belt;
-use crate::block::{Orders, SenseBlock};
-use crate::convert::Convert;
-use crate::demod::Sensed;
-use crate::generate::{Generator, Played};
+use crate::act::restraint::Restraint;
+use crate::generate::generator::{Generator, Played};
 use crate::guard::Guard;
-use crate::phasor::Phasor;
-use crate::restraint::Restraint;
-use crate::supervisor::Supervisor;
-use crate::track::Track;
+use crate::guard::supervisor::Supervisor;
+use crate::seam::block::{Orders, SenseBlock};
+use crate::seam::phasor::Phasor;
+use crate::sense::belt::Belt;
+use crate::sense::convert::Convert;
+use crate::sense::demod::Sensed;
+use crate::track::tracked::Track;
 
 /// The signal chain. What every block reads stands first and in this order, within reach of one instruction.
 #[derive(Clone, Debug)]

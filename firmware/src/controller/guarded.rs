@@ -1,11 +1,12 @@
 //! What the guard has to know of a block, and what its faults are called.
 
-use crate::block::Amplitude;
 use crate::controller::chain::{Chain, Measured};
 use crate::controller::stages::Stages;
-use crate::demod::Suspect;
 use crate::guard::{Driven, Stage};
-use crate::supervisor::{Fault, Mode};
+use crate::seam::block::Amplitude;
+use crate::seam::fault::Fault;
+use crate::seam::mode::Mode;
+use crate::sense::demod::Suspect;
 
 impl Chain {
     /// What the guard says is wrong with this block, if anything.

@@ -2,16 +2,17 @@
 
 use super::Controller;
 use super::chain::Chain;
-use crate::block::Orders;
-use crate::demod::Sensed;
-use crate::friction::FrictionSwitch;
-use crate::phasor::Phasor;
-use crate::restraint::{Class, Restraint};
-use crate::step::Plan;
-use crate::supervisor::{Limit, Mode};
-use crate::telemetry::Telemetry;
-use crate::tracker::State;
-use crate::units::{Hertz, Volts};
+use crate::act::friction::FrictionSwitch;
+use crate::act::restraint::{Class, Restraint};
+use crate::generate::step::Plan;
+use crate::seam::block::Orders;
+use crate::seam::fault::Limit;
+use crate::seam::mode::Mode;
+use crate::seam::phasor::Phasor;
+use crate::seam::telemetry::Telemetry;
+use crate::seam::units::{Hertz, Volts};
+use crate::sense::demod::Sensed;
+use crate::track::tracker::State;
 
 impl Controller {
     /// Why the friction of a contact, or of a D-ring, is not what is wanted.

@@ -14,14 +14,15 @@ pub(crate) mod follow;
 mod scan;
 mod self_test;
 
-use crate::calibrate::Calibrate;
-use crate::clamped::PowerOn;
 use crate::controller::chain::{Chain, Measured};
 use crate::controller::stages::follow::Follow;
-use crate::scan::Scan;
-use crate::self_test::SelfTest;
-use crate::step::Step;
-use crate::supervisor::{Mode, Progress};
+use crate::find::calibrate::Calibrate;
+use crate::find::clamped::PowerOn;
+use crate::find::scan::Scan;
+use crate::find::self_test::SelfTest;
+use crate::generate::step::Progress;
+use crate::generate::step::Step;
+use crate::seam::mode::Mode;
 
 /// A stage of the way to a run, or the run itself.
 pub(crate) trait Stage {

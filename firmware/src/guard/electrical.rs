@@ -1,10 +1,10 @@
 //! What voltage and current say: one block's phasors, and its raw codes where the lock-in has seen some that may be out of order.
 
-use crate::block::{Codes, SenseBlock};
-use crate::config::Config;
-use crate::convert::{Convert, SenseScale};
-use crate::demod::{Sensed, Suspect};
-use crate::supervisor::Fault;
+use crate::seam::block::{Codes, SenseBlock};
+use crate::seam::config::Config;
+use crate::seam::fault::Fault;
+use crate::sense::convert::{Convert, SenseScale};
+use crate::sense::demod::{Sensed, Suspect};
 
 /// Part of a block that may stand at the end of a converter's range.
 const CLIPPED_PART: usize = 8;

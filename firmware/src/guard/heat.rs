@@ -10,8 +10,8 @@
 //! is fault 44. The mean power over `POWER_S` is held at `limits.power_w` by an integrator on the same factor:
 //! `f(n + 1) = f(n) + g (1 - P / P0)`.
 
-use crate::config::Config;
-use crate::supervisor::Fault;
+use crate::seam::config::Config;
+use crate::seam::fault::Fault;
 
 /// Derating begins so far below the limit, K.
 pub const DERATE_K: f32 = 20.0;

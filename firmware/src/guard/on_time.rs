@@ -1,7 +1,7 @@
 //! How long the drive may be ON. A pause gives back as much as it lasts: bursts count by what they are ON for longer than OFF.
 
-use crate::config::Config;
-use crate::supervisor::Fault;
+use crate::seam::config::Config;
+use crate::seam::fault::Fault;
 
 /// The clock of the drive.
 #[derive(Clone, Debug)]

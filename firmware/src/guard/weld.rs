@@ -15,13 +15,13 @@ pub mod energy;
 pub mod force;
 
 use super::Driven;
-use crate::belt::Belt;
-use crate::config::Config;
-use crate::error::Error;
 use crate::guard::weld::belt_motion::BeltMotion;
 use crate::guard::weld::energy::EnergyPerLength;
 use crate::guard::weld::force::ForceWatch;
-use crate::supervisor::Fault;
+use crate::seam::config::Config;
+use crate::seam::error::Error;
+use crate::seam::fault::Fault;
+use crate::sense::belt::Belt;
 
 /// What is driven in a block.
 #[derive(Clone, Copy, Debug)]

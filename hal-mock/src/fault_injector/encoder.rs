@@ -1,6 +1,6 @@
 //! What a belt's encoder has said, and how it would go on.
 
-use firmware::block::BeltSense;
+use firmware::seam::block::BeltSense;
 
 /// The pace is the mean over so many blocks.
 const PACE_BLOCKS: u32 = 1024;

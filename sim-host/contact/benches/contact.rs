@@ -6,7 +6,8 @@ use std::hint::black_box;
 use std::time::Instant;
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
-use sonoglide_contact::table_4_1::{PERIODS, standard};
+use sonoglide_contact::method::{midpoint, rk4, rk4_events};
+use sonoglide_contact::table_4_1::{PERIODS, standard, table_4_1};
 use sonoglide_contact::{Law, Problem, closed, coulomb, lanes};
 
 /// kappa of the thesis's contact (table 4.1).
@@ -74,5 +75,18 @@ fn located_events(criterion: &mut Criterion) {
     group.finish();
 }
 
-criterion_group!(benches, closed_form, located_events);
+/// A step of the oscillator with Dahl friction, of the methods with a fixed number of steps a period, and of the midpoint rule on a Stribeck curve.
+fn steps(criterion: &mut Criterion) {
+    const STEPS: u32 = 1000;
+    let problem = table_4_1(0.5, 20.0);
+    let mut group = criterion.benchmark_group("1000 steps a period, a step");
+    group.throughput(Throughput::Elements(u64::from(20 * STEPS))).sample_size(20);
+    group.bench_function("rk4", |bencher| bencher.iter(|| rk4::run_plain(&problem, STEPS, &mut |_| ())));
+    group.bench_function("rk4, tabulated force", |bencher| bencher.iter(|| rk4::run_tabulated(&problem, STEPS, &mut |_| ())));
+    group.bench_function("rk4 with events", |bencher| bencher.iter(|| rk4_events::run_plain(&problem, STEPS, &mut |_| ())));
+    group.bench_function("midpoint", |bencher| bencher.iter(|| midpoint::run(&problem, STEPS, &mut |_| ())));
+    group.finish();
+}
+
+criterion_group!(benches, closed_form, located_events, steps);
 criterion_main!(benches);

@@ -214,24 +214,4 @@ mod tests {
         }
         println!("friction {worst:e}, power {worst_power:e} (relative)");
     }
-
-    /// Gain on one core: `cargo test --release -p sonoglide-contact --lib lanes::tests::gain -- --ignored --nocapture`; the bench has more.
-    #[test]
-    #[ignore = "a measurement"]
-    fn gain() {
-        for kappa in [0.01, 0.404_517, 4.0, 40.0, 1e4] {
-            let points: Vec<_> = (0..1024).map(|i| ((f64::from(i) + 0.5) / 1024.0, kappa)).collect();
-            let best = |of: &dyn Fn() -> Vec<f64>| {
-                let run = |_| {
-                    let began = std::time::Instant::now();
-                    std::hint::black_box(of());
-                    began.elapsed().as_secs_f64() * 1e9 / 1024.0
-                };
-                (0..300).map(run).fold(f64::INFINITY, f64::min)
-            };
-            let scalar = best(&|| points.iter().map(|&(xi, kappa)| closed::friction_ratio(xi, kappa)).collect());
-            let lanes = best(&|| friction_ratios(&points));
-            println!("kappa {kappa}: {scalar:.0} ns, in lanes {lanes:.0} ns, gain {:.2}", scalar / lanes);
-        }
-    }
 }

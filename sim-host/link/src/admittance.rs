@@ -8,11 +8,12 @@ use std::f64::consts::TAU;
 use std::path::Path;
 use std::time::Duration;
 
-use firmware::block::Gate;
-use firmware::command::{Command, ResonanceReport};
-use firmware::identify::{Resonance, Transducer};
-use firmware::supervisor::{Limit, Mode};
-use firmware::units::Hertz;
+use firmware::board::command::{Command, ResonanceReport};
+use firmware::seam::block::Gate;
+use firmware::seam::fault::Limit;
+use firmware::seam::mode::Mode;
+use firmware::seam::transducer::{Resonance, Transducer};
+use firmware::seam::units::Hertz;
 use realfft::num_complex::Complex64;
 
 use crate::answer::Answer;
@@ -178,7 +179,7 @@ pub fn measure(points: u16, reach: f64, about: &Loop, session: &mut Session) -> 
             // Beyond the window it would be measured at its edge, again and again.
             continue;
         }
-        let complex = |x: firmware::phasor::Phasor| Complex64::new(x.re.into(), x.im.into());
+        let complex = |x: firmware::seam::phasor::Phasor| Complex64::new(x.re.into(), x.im.into());
         measured.push((f64::from(report.frequency.0), complex(report.i) / complex(report.v)));
     }
     session.client.order(Command::Idle)?;

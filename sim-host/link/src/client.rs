@@ -12,11 +12,11 @@ mod line;
 use std::sync::atomic::AtomicBool;
 use std::time::Duration;
 
-use firmware::capture::{CaptureState, CaptureVerb};
-use firmware::command::{Command, Identity, Reply};
-use firmware::link;
-use firmware::refusal::Refusal;
-use firmware::telemetry::Telemetry;
+use firmware::board::capture::{CaptureState, CaptureVerb};
+use firmware::board::command::{Command, Identity, Reply};
+use firmware::board::link;
+use firmware::seam::refusal::Refusal;
+use firmware::seam::telemetry::Telemetry;
 
 use crate::client::line::{Came, Line};
 use crate::link_error::LinkError;

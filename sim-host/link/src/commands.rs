@@ -16,7 +16,7 @@ pub mod settings;
 pub mod status;
 
 use clap::Subcommand;
-use firmware::command::Command;
+use firmware::board::command::Command;
 
 use crate::answer::Answer;
 use crate::link_error::LinkError;

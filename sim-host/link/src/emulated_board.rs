@@ -9,9 +9,9 @@ use std::os::unix::net::UnixStream;
 use std::path::Path;
 use std::time::Duration;
 
-use firmware::block::DriveBlock;
-use firmware::config::Config;
-use firmware::lockstep::{Beat, Board, Closing, Opening, Played};
+use firmware::board::lockstep::{Beat, Board, Closing, Opening, Played};
+use firmware::seam::block::DriveBlock;
+use firmware::seam::config::Config;
 use hal_mock::block_clock::BlockClock;
 use hal_mock::tracer::Tracer;
 

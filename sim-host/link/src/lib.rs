@@ -3,7 +3,7 @@
 //! ```text
 //! command line, script --> commands --> session --> client --> port --> serial device | TCP | simulated board
 //!                             |                        |
-//!                          answer               frames of firmware::link: sequence numbers, checks, asking again
+//!                          answer               frames of firmware::board::link: sequence numbers, checks, asking again
 //! ```
 //!
 //! [`port`] carries bytes and tells the time; the time of a [simulated board](simulated_board) is the one it plays in, and passes only

@@ -3,7 +3,7 @@
 use std::io;
 use std::path::PathBuf;
 
-use firmware::refusal::Refusal;
+use firmware::seam::refusal::Refusal;
 
 use crate::refusal;
 use report::ReportError;

@@ -1,7 +1,8 @@
 //! A parameter of the board, by its name, and what the board says of it.
 
-use firmware::command::{Command, Reply, Verb};
-use firmware::parameters::{PARAMETERS, Parameter, ParameterReport};
+use firmware::board::command::{Command, Reply, Verb};
+use firmware::board::parameters::{PARAMETERS, ParameterReport};
+use firmware::seam::config::Parameter;
 
 use crate::client::{Client, unexpected};
 use crate::link_error::LinkError;

@@ -57,8 +57,8 @@ impl RawFrame {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use firmware::command::Command;
-    use firmware::link::{VERSION, encode};
+    use firmware::board::command::Command;
+    use firmware::board::link::{VERSION, encode};
 
     #[test]
     fn a_frame_tells_its_version_whatever_it_says() {

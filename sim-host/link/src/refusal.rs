@@ -1,6 +1,6 @@
 //! What each refusal means for who is refused.
 
-use firmware::refusal::Refusal;
+use firmware::seam::refusal::Refusal;
 
 /// Why the board does not do this, and what to do.
 pub fn sentence(command: &str, refusal: Refusal) -> String {

@@ -1,6 +1,6 @@
 //! What the codes of a board's converters are worth, as the board says.
 
-use firmware::command::Converters;
+use firmware::board::command::Converters;
 
 use crate::client::Client;
 use crate::link_error::LinkError;

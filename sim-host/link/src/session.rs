@@ -2,10 +2,10 @@
 
 use std::time::Duration;
 
-use firmware::command::{Command, Identity};
-use firmware::kept::Kept;
-use firmware::supervisor::Mode;
-use firmware::telemetry::Telemetry;
+use firmware::board::command::{Command, Identity};
+use firmware::board::kept::Kept;
+use firmware::seam::mode::Mode;
+use firmware::seam::telemetry::Telemetry;
 use serde_json::Value;
 
 use crate::answer::Answer;

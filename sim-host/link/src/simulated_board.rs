@@ -9,9 +9,9 @@ use std::collections::VecDeque;
 use std::rc::Rc;
 use std::time::Duration;
 
-use firmware::block::{DriveBlock, SenseBlock};
-use firmware::config::Config;
-use firmware::start::Start;
+use firmware::board::start::Start;
+use firmware::seam::block::{DriveBlock, SenseBlock};
+use firmware::seam::config::Config;
 use hal_mock::analog::Analog;
 use hal_mock::bench::{Bench, Setup};
 use hal_mock::fault_injector::FaultInjector;
@@ -57,7 +57,7 @@ pub struct SimulatedBoard {
 
 impl SimulatedBoard {
     /// The board that a scene describes, just powered. Of what goes over the converters the last `keep` blocks are kept.
-    pub fn new(scene: &Driven, keep: usize) -> Result<Self, firmware::error::Error> {
+    pub fn new(scene: &Driven, keep: usize) -> Result<Self, firmware::seam::error::Error> {
         let setup = Setup { config: settings::config(scene), to_host: FIFO, ..Setup::default() };
         let rig = Rc::new(RefCell::new(Tracer::new(breakable_plant(scene), keep)));
         let bench = Some(powered(&setup, &rig)?);
@@ -146,7 +146,7 @@ impl SimulatedBoard {
 }
 
 /// A board that is powered on this flash.
-fn powered(setup: &Setup, rig: &Rc<RefCell<Rig>>) -> Result<Bench<'static, Shared>, firmware::error::Error> {
+fn powered(setup: &Setup, rig: &Rc<RefCell<Rig>>) -> Result<Bench<'static, Shared>, firmware::seam::error::Error> {
     // As a board's statics: they stay for as long as the process does.
     Bench::new(Box::leak(Box::default()), setup, Shared(rig.clone()))
 }

@@ -1,7 +1,8 @@
 //! Modes, faults and limits in words.
 
-use firmware::start::Start;
-use firmware::supervisor::{Fault, Limit, Mode};
+use firmware::board::start::Start;
+use firmware::seam::fault::{Fault, Limit};
+use firmware::seam::mode::Mode;
 
 /// A mode's name.
 pub fn mode(mode: Mode) -> String {

@@ -2,7 +2,7 @@
 //! as the controller in this process.
 //!
 //! The image (package `qemu-m4`) reads what the converters saw from one inherited pipe and writes the codes to another, by
-//! semihosting, one [record](firmware::lockstep) a block. Host and emulator take turns, so both are pinned to one core: a
+//! semihosting, one [record](firmware::board::lockstep) a block. Host and emulator take turns, so both are pinned to one core: a
 //! switch there takes less than waking another core. While the guest waits it executes nothing, so that a
 //! run is the same, instruction for instruction, however busy the machine is.
 //!

@@ -4,9 +4,9 @@ use std::convert::Infallible;
 use std::path::Path;
 use std::time::Duration;
 
-use firmware::block::{DriveBlock, Orders, SenseBlock};
-use firmware::config::Config;
-use firmware::telemetry::Telemetry;
+use firmware::seam::block::{DriveBlock, Orders, SenseBlock};
+use firmware::seam::config::Config;
+use firmware::seam::telemetry::Telemetry;
 
 use super::{PilError, missing};
 use sim::processor::{Lost, Processor};

@@ -3,7 +3,7 @@
 use std::io::{self, PipeReader, PipeWriter, Read, Write};
 use std::path::Path;
 
-use firmware::lockstep::{self, Closing, Record};
+use firmware::board::lockstep::{self, Closing, Record};
 
 use super::emulator::{Emulator, Serial};
 use sim::processor::Lost;

@@ -3,10 +3,10 @@
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-use firmware::block::{DriveBlock, Orders, SenseBlock};
-use firmware::config::Config;
-use firmware::lockstep::{Answer, Closing, Opening, Question};
-use firmware::telemetry::Telemetry;
+use firmware::board::lockstep::{Answer, Closing, Opening, Question};
+use firmware::seam::block::{DriveBlock, Orders, SenseBlock};
+use firmware::seam::config::Config;
+use firmware::seam::telemetry::Telemetry;
 
 use super::PilError;
 use super::emulator::Serial;

@@ -13,7 +13,7 @@
 
 mod changes;
 
-use firmware::block::{DriveBlock, SenseBlock, SlowSense};
+use firmware::seam::block::{DriveBlock, SenseBlock, SlowSense};
 use hal_mock::analog::Analog;
 
 use crate::belt_motion::BeltMotion;

@@ -3,7 +3,7 @@
 //! `counts = floor(position / pitch + phase)`, with the phase where the belt happened to lie. Ideal edges: a real encoder's are off by a
 //! part of a count, which moves a count in time and never loses one.
 
-use firmware::block::BeltSense;
+use firmware::seam::block::BeltSense;
 
 /// An encoder and its decoder.
 #[derive(Clone, Copy, Debug)]

@@ -10,7 +10,7 @@
 //! One block of a drive into the stack of a built-in scene (`scene` is the package `sonoglide-scene`):
 //!
 //! ```
-//! use firmware::block::{DriveBlock, SenseBlock};
+//! use firmware::seam::block::{DriveBlock, SenseBlock};
 //! use hal_mock::analog::Analog;
 //! use scene::load::load;
 //! use sonoglide_plant::Plant;
@@ -56,7 +56,7 @@ pub mod webbing;
 #[cfg(test)]
 mod tests;
 
-use firmware::block::{DriveBlock, SenseBlock};
+use firmware::seam::block::{DriveBlock, SenseBlock};
 use hal_mock::analog::Analog;
 
 use crate::circuit::Circuit;

@@ -31,7 +31,7 @@ pub mod wave;
 #[cfg(test)]
 pub(crate) mod tests;
 
-use firmware::block::{DriveBlock, MAX_LANES, SenseBlock, SlowSense};
+use firmware::seam::block::{DriveBlock, MAX_LANES, SenseBlock, SlowSense};
 use hal_mock::analog::Analog;
 
 use crate::circuit::Circuit;

@@ -7,7 +7,7 @@ mod shift;
 
 use std::f64::consts::TAU;
 
-use firmware::block::{DriveBlock, SenseBlock};
+use firmware::seam::block::{DriveBlock, SenseBlock};
 use hal_mock::analog::Analog;
 use realfft::num_complex::Complex64;
 

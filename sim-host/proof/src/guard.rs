@@ -130,7 +130,7 @@ pub enum Trouble {
     Scene(#[from] LoadError),
     /// The firmware refuses a case.
     #[error("the firmware refuses a case: {0}")]
-    Config(#[from] firmware::error::Error),
+    Config(#[from] firmware::seam::error::Error),
 }
 
 /// Runs everything; `progress` is told what comes next.
@@ -153,7 +153,7 @@ pub fn conduct(extent: Extent, progress: &mut dyn FnMut(&str)) -> Result<Campaig
 /// Runs one event so often, each time with another speed, phase, ripple and moment.
 pub fn stop(plan: &Plan, event: &'static Event, runs: u32) -> Result<Stopped, Trouble> {
     let ended = (0..runs).into_par_iter().map(|run| Rig::new(plan, &event.build(run))?.stop(event, run));
-    let ended = ended.collect::<Result<Vec<_>, firmware::error::Error>>()?;
+    let ended = ended.collect::<Result<Vec<_>, firmware::seam::error::Error>>()?;
     let mut ends: Vec<u8> = ended.iter().map(|end| end.fault).collect();
     ends.sort_unstable();
     ends.dedup();
@@ -181,7 +181,7 @@ pub fn pass(plan: &Plan, passage: &'static Passage, seconds: u32) -> Result<Pass
     let parts = seconds.div_ceil(PART_S);
     let part_s = f64::from(seconds) / f64::from(parts);
     let trips = (0..parts).into_par_iter().map(|part| Ok(Rig::new(plan, &passage.build(part))?.pass(part_s)));
-    let trips = trips.collect::<Result<Vec<(u32, f64)>, firmware::error::Error>>()?;
+    let trips = trips.collect::<Result<Vec<(u32, f64)>, firmware::seam::error::Error>>()?;
     let (trips, seconds) = trips.iter().fold((0, 0.0), |sum, part| (sum.0 + part.0, sum.1 + part.1));
     Ok(Passed { passage, seconds, trips, expected_per_s: passage.expected_per_s() })
 }

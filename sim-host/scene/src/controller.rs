@@ -1,6 +1,6 @@
 //! `[controller]`: the firmware that drives, and what it is told. Its tables are described in the firmware's own configuration.
 
-use firmware::config::Config;
+use firmware::seam::config::Config;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 

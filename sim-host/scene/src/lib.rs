@@ -61,8 +61,10 @@ pub use controller::Controller;
 pub use course::{Disturbance, DisturbedKey, Fault, FaultKind};
 pub use dring::{ActuatorKind, Dring, Occupant};
 pub use excitation::{Excitation, Match, VibrationVelocity, Waveform};
-pub use firmware::config::scene::{Burst, Drive, Friction, Limits, Phasing, Restraint, Sweep, Thermometer, Tracking};
-pub use firmware::config::{Around, ChirpKind, Direction, Edge, FrictionLaw, Prefer, ShapeKind as Shape, Then, TrackingMode};
+pub use firmware::seam::config::scene::{Burst, Drive, Friction, Limits, Phasing, Restraint, Sweep, Thermometer, Tracking};
+pub use firmware::seam::config::{
+    Around, ChirpKind, Direction, Edge, FrictionLaw, Prefer, ShapeKind as Shape, Then, TrackingMode,
+};
 pub use integrator::{Integrator, Method};
 pub use nearest::shown;
 pub use plant::{Amplifier, Bvd, Mode, Sensors, Stack};

@@ -1,8 +1,8 @@
 //! A scene's `[controller]` as the firmware's configuration. Scale factors come from the scene's converters, as they would from
 //! the settings store of a calibrated board; everything else is what the user knows beforehand, not the plant's truth.
 
-use firmware::block::{Amplitude, Target};
-use firmware::config::{self, Config, FrontEnd, LaneTrims, Link, Schedule};
+use firmware::seam::block::{Amplitude, Target};
+use firmware::seam::config::{self, Config, FrontEnd, LaneTrims, Link, Schedule};
 
 use crate as scene;
 

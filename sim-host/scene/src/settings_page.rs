@@ -3,8 +3,9 @@
 use std::fmt::Write as _;
 use std::sync::LazyLock;
 
-use firmware::config::{FrontEnd, Link};
-use firmware::parameters::{PARAMETERS, Parameter, Range};
+use firmware::board::parameters::PARAMETERS;
+use firmware::seam::config::{FrontEnd, Link};
+use firmware::seam::config::{Parameter, Range};
 use schemars::generate::SchemaSettings;
 use serde_json::Value;
 
@@ -15,7 +16,7 @@ const HEAD: &str = "\
 # Settings of the controller
 
 What can be set, within which range, what it is if nobody says anything, and where it can be set. Every table is generated from
-`firmware/src/config`, where each setting is described once: the build's check, the scene's keys, the JSON Schema (`sim-host schema`) and the
+`firmware/src/seam/config`, where each setting is described once: the build's check, the scene's keys, the JSON Schema (`sim-host schema`) and the
 parameters of the link follow from the same lines.
 
 A **key** stands in the `[controller]` part of a scene; its unit is the end of its name. A **parameter** is set over the link with

@@ -3,10 +3,10 @@
 //! Throughput is in samples of simulated time; at 1 Msps, 10 Melem/s is ten simulated seconds a wall second, on one core.
 
 use criterion::{BatchSize, Criterion, Throughput, criterion_group, criterion_main};
-use firmware::block::{DriveBlock, Gate, Orders, Request, SenseBlock};
 use firmware::controller::Controller;
-use firmware::supervisor::Mode;
-use firmware::units::Hertz;
+use firmware::seam::block::{DriveBlock, Gate, Orders, Request, SenseBlock};
+use firmware::seam::mode::Mode;
+use firmware::seam::units::Hertz;
 use hal_mock::analog::Analog;
 use hal_mock::block_clock::BlockClock;
 use plant::Plant;

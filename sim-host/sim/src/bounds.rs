@@ -1,6 +1,6 @@
 //! The Cramer-Rao bounds of a scene, at its own values: none of what it varies is drawn.
 
-use firmware::block::LATENCY_BLOCKS;
+use firmware::seam::block::LATENCY_BLOCKS;
 
 use crate::cramer_rao::{Drive, Knowledge, Setting, Start, Told, ramp, time_to};
 

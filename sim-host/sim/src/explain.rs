@@ -1,6 +1,6 @@
 //! What a word means: a metric, a figure of the machine, a fault, a limit, a key of a scene, a file or a column of it.
 
-use firmware::supervisor::{Fault, Limit};
+use firmware::seam::fault::{Fault, Limit};
 
 use crate::data::{FIGURES, FigureData, files};
 use scene::keys::{Key, Repeats, keys};

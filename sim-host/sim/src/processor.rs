@@ -1,9 +1,9 @@
 //! Where the controller runs: here, or as thumb code in an emulator. The rest of a run does not know which.
 
-use firmware::block::{DriveBlock, Orders, SenseBlock};
-use firmware::config::Config;
 use firmware::controller::Controller;
-use firmware::telemetry::Telemetry;
+use firmware::seam::block::{DriveBlock, Orders, SenseBlock};
+use firmware::seam::config::Config;
+use firmware::seam::telemetry::Telemetry;
 
 /// Something that runs the controller, one block a call.
 pub trait Processor {
@@ -47,7 +47,7 @@ pub struct Here(Controller);
 
 impl Here {
     /// Builds the controller; the error names the parameter that is out of range.
-    pub fn new(config: &Config) -> Result<Self, firmware::error::Error> {
+    pub fn new(config: &Config) -> Result<Self, firmware::seam::error::Error> {
         Controller::build(config).map(Here)
     }
 }

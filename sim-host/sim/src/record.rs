@@ -1,11 +1,11 @@
 //! What a run leaves behind: one row a block, three ways (command, estimate, truth), and a few windows sample by sample.
 
-use firmware::block::SlowSense;
-use firmware::friction::Belief;
-use firmware::nco::cycles_per_sample;
-use firmware::phasor::magnitude;
-use firmware::supervisor::Mode;
-use firmware::telemetry::Telemetry;
+use firmware::generate::nco::cycles_per_sample;
+use firmware::seam::block::SlowSense;
+use firmware::seam::mode::Mode;
+use firmware::seam::phasor::magnitude;
+use firmware::seam::telemetry::Belief;
+use firmware::seam::telemetry::Telemetry;
 
 use crate::edge_meter::Edges;
 use crate::processor::Memory;

@@ -2,10 +2,10 @@
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use firmware::block::Target;
-use firmware::block::{DriveBlock, Gate, LATENCY_BLOCKS, Orders, Request, SenseBlock, SlowSense};
-use firmware::supervisor::Mode;
-use firmware::units::{Hertz, Turns};
+use firmware::seam::block::Target;
+use firmware::seam::block::{DriveBlock, Gate, LATENCY_BLOCKS, Orders, Request, SenseBlock, SlowSense};
+use firmware::seam::mode::Mode;
+use firmware::seam::units::{Hertz, Turns};
 use hal_mock::analog::Analog;
 use hal_mock::block_clock::BlockClock;
 use hal_mock::fault_injector::{FaultInjector, FaultKind, Scheduled};
@@ -27,7 +27,7 @@ use scene::{self, Driven};
 pub enum RunError {
     /// The firmware refuses its configuration.
     #[error("the firmware refuses this scene's settings: {0}")]
-    Config(#[from] firmware::error::Error),
+    Config(#[from] firmware::seam::error::Error),
     /// The processor was lost on the way.
     #[error(transparent)]
     Lost(#[from] Lost),

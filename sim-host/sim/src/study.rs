@@ -15,7 +15,7 @@ pub mod swept;
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use firmware::config::Config;
+use firmware::seam::config::Config;
 
 use self::comparison::ComparisonResult;
 use self::contact::Solved;

@@ -1,6 +1,6 @@
 //! How far a block of codes swings: what was driven, in volts.
 
-use firmware::block::DriveBlock;
+use firmware::seam::block::DriveBlock;
 
 use plant::converter::Dac;
 use scene::Driven;

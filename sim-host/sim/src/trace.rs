@@ -1,6 +1,6 @@
 //! The signals that a scene's `[trace]` asks for, as they are played and heard.
 
-use firmware::block::{DriveBlock, SenseBlock};
+use firmware::seam::block::{DriveBlock, SenseBlock};
 
 use plant::truth::Sample;
 use scene::{Signal, Trace};

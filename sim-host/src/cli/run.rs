@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::sync::atomic::AtomicBool;
 
-use firmware::config::Config;
+use firmware::seam::config::Config;
 
 use super::progress::Progress;
 use super::{

@@ -2,7 +2,7 @@
 //!
 //! Two rings of two blocks each, one that DMA fills from the ADC and one that it plays to the DAC, both at the sample rate. While DMA
 //! is in one half of both, the other half belongs to the interrupt: it takes what the ADC has left there, and leaves there what
-//! will play when DMA comes round again, which is the latency of [`LATENCY_BLOCKS`](firmware::block::LATENCY_BLOCKS).
+//! will play when DMA comes round again, which is the latency of [`LATENCY_BLOCKS`](firmware::seam::block::LATENCY_BLOCKS).
 //!
 //! ```text
 //! block           k         k+1        k+2

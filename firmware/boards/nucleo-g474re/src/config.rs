@@ -8,8 +8,8 @@
 //!
 //! The supply of the converters is taken as 3.3 V. `docs/board.md` has the circuit.
 
-use firmware::block::Amplitude;
-use firmware::config::{self, Burst, Config, Drive, FrontEnd, Limits, Phasing, Sweep, Thermometer, Tracking};
+use firmware::seam::block::Amplitude;
+use firmware::seam::config::{self, Burst, Config, Drive, FrontEnd, Limits, Phasing, Sweep, Thermometer, Tracking};
 
 use crate::blocks::BLOCK;
 use crate::degrees::Thermistor;

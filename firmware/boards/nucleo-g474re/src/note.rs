@@ -2,7 +2,7 @@
 //!
 //! At power-on that RAM holds anything: a note counts only if its two marks and its length are right.
 
-use firmware::start::{FileName, NAME, Place, Start};
+use firmware::board::start::{FileName, NAME, Place, Start};
 
 /// Marks a note.
 const MARK: u32 = 0x536f_6e6f;

@@ -4,7 +4,7 @@
 //! data in the lower half of `ADC_CDR`). A DAC pair takes its first lane in the lower half-word and its second in the upper
 //! (RM0440 22.7.9, `DAC_DHR12RD`).
 
-use firmware::block::{DriveBlock, SenseBlock};
+use firmware::seam::block::{DriveBlock, SenseBlock};
 
 /// Takes a block of words from the ADC pair apart. More than fits into a block is left out.
 pub fn sense(words: impl Iterator<Item = u32>, sense: &mut SenseBlock) {

@@ -2,12 +2,12 @@
 //!
 //! The transducer is f32, additions and multiplications only, as the controller is: if anything differs in a bit anywhere, the hash does.
 
-use firmware::block::{Codes, DriveBlock, Orders, Request, SenseBlock};
-use firmware::config::TrackingMode;
 use firmware::controller::Controller;
-use firmware::error::Error;
-use firmware::supervisor::Mode;
-use firmware::telemetry::Telemetry;
+use firmware::seam::block::{Codes, DriveBlock, Orders, Request, SenseBlock};
+use firmware::seam::config::TrackingMode;
+use firmware::seam::error::Error;
+use firmware::seam::mode::Mode;
+use firmware::seam::telemetry::Telemetry;
 use qemu_m4::bench::{SAMPLES, Transducer, config};
 
 /// Blocks of silence, before the order to run.

@@ -1,10 +1,10 @@
 //! What the controller is tried on: a configuration, and a transducer that answers in sense codes.
 
-use firmware::block::{Amplitude, DriveBlock, SenseBlock};
-use firmware::config::{
+use firmware::generate::shape::sine;
+use firmware::seam::block::{Amplitude, DriveBlock, SenseBlock};
+use firmware::seam::config::{
     Burst, Config, Drive, Edge, FrontEnd, Limits, Link, Phasing, Schedule, Sweep, Thermometer, Tracking, TrackingMode,
 };
-use firmware::shape::sine;
 
 /// Samples in a block, mostly.
 pub const SAMPLES: usize = 32;

@@ -1,7 +1,7 @@
 //! The controller as thumb code under QEMU: processor in the loop.
 //!
 //! The image runs the same controller as the board, on an emulated Cortex-M4F. The host plays the converters: it sends one
-//! record (`firmware::lockstep`) a block through a pipe and waits for the codes. Nothing here knows time, so what this shows is
+//! record (`firmware::board::lockstep`) a block through a pipe and waits for the codes. Nothing here knows time, so what this shows is
 //! arithmetic and code generation, not timing; each answer says how many instructions it took.
 //!
 //! Built for the host, it is a stub that says how to build the image.

@@ -3,8 +3,8 @@
 use core::fmt::Write as _;
 
 use cortex_m::singleton;
-use firmware::config::Config;
-use firmware::lockstep::{self, Reason, Record};
+use firmware::board::lockstep::{self, Reason, Record};
+use firmware::seam::config::Config;
 use semihosting::fs::File;
 use semihosting::io::{Read as _, Write as _};
 
@@ -44,7 +44,7 @@ pub fn configuration(body: &[u8]) -> Result<Config, &'static str> {
 }
 
 /// Why a configuration is refused.
-pub fn reason(error: &firmware::error::Error) -> Reason {
+pub fn reason(error: &firmware::seam::error::Error) -> Reason {
     let mut reason = Reason::new();
     // What does not fit is left out: the parameter comes first.
     let _ = write!(reason, "{error}");

@@ -1,9 +1,9 @@
 //! The calibration of the lanes as a stage: the voltage limit is that of the lane that is the loudest with the new trims.
 
-use crate::calibrate::Calibrate;
 use crate::controller::chain::{Chain, Measured};
 use crate::controller::stages::Stage;
-use crate::step::Step;
+use crate::find::calibrate::Calibrate;
+use crate::generate::step::Step;
 
 impl Stage for Calibrate {
     fn begin(&mut self, chain: &mut Chain) {

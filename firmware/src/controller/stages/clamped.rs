@@ -1,9 +1,9 @@
 //! The measurement of the clamped branch at power-on as a stage: the observer begins on what it has found.
 
-use crate::clamped::PowerOn;
 use crate::controller::chain::{Chain, Measured};
 use crate::controller::stages::Stage;
-use crate::step::Step;
+use crate::find::clamped::PowerOn;
+use crate::generate::step::Step;
 
 impl Stage for PowerOn {
     fn begin(&mut self, _: &mut Chain) {

@@ -3,22 +3,24 @@
 pub(crate) mod edges;
 mod friction;
 
-use crate::block::{Amplitude, Gate, Orders};
-use crate::clamped::online;
-use crate::config::Config;
+use crate::act::friction::FrictionSwitch;
 use crate::controller::chain::{Chain, Measured};
 use crate::controller::stages::Stage;
 use crate::controller::stages::follow::edges::Edges;
-use crate::friction::FrictionSwitch;
-use crate::generate::Played;
+use crate::find::clamped::online;
+use crate::generate::generator::Played;
+use crate::generate::shape::Shape;
+use crate::generate::step::Progress;
+use crate::generate::step::{Plan, Step};
 use crate::guard::heat::Thermometers;
-use crate::phasor::magnitude;
-use crate::shape::Shape;
-use crate::step::{Plan, Step};
-use crate::supervisor::{Fault, Mode, Progress};
-use crate::track::LEARN_BLOCKS;
-use crate::tracker::compare::{larger, smaller};
-use crate::tracker::{Heard, State};
+use crate::seam::block::{Amplitude, Gate, Orders};
+use crate::seam::compare::{larger, smaller};
+use crate::seam::config::Config;
+use crate::seam::fault::Fault;
+use crate::seam::mode::Mode;
+use crate::seam::phasor::magnitude;
+use crate::track::tracked::LEARN_BLOCKS;
+use crate::track::tracker::{Heard, State};
 
 /// The stage of lock and run.
 #[derive(Clone, Debug)]

@@ -2,9 +2,9 @@
 
 use crate::controller::chain::{Chain, Measured};
 use crate::controller::stages::Stage;
-use crate::phasor::magnitude;
-use crate::scan::Scan;
-use crate::step::Step;
+use crate::find::scan::Scan;
+use crate::generate::step::Step;
+use crate::seam::phasor::magnitude;
 
 impl Stage for Scan {
     fn begin(&mut self, _: &mut Chain) {

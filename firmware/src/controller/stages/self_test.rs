@@ -2,8 +2,8 @@
 
 use crate::controller::chain::{Chain, Measured};
 use crate::controller::stages::Stage;
-use crate::self_test::SelfTest;
-use crate::step::Step;
+use crate::find::self_test::SelfTest;
+use crate::generate::step::Step;
 
 impl Stage for SelfTest {
     fn begin(&mut self, chain: &mut Chain) {

@@ -12,9 +12,9 @@
 //! since the order, a stop is a fault at once.
 
 use super::super::Stage;
-use crate::belt::Belt;
-use crate::config::Config;
-use crate::supervisor::Fault;
+use crate::seam::config::Config;
+use crate::seam::fault::Fault;
+use crate::sense::belt::Belt;
 
 /// Blocks with new ground that end a mute.
 const REARM_BLOCKS: u32 = 4;
@@ -103,7 +103,7 @@ impl BeltMotion {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::block::BeltSense;
+    use crate::seam::block::BeltSense;
 
     /// 2.4 ms and 100 ms in blocks of 32 us.
     const STOP: u32 = 75;

@@ -8,9 +8,9 @@
 //! the contact's own length: more is a fault. A belt that stands gets `e L` in all, and a belt slower than `P / e` not much more. It rests
 //! on the encoder: what an encoder that lies allows is for the force channel to see, and for `limits.on_time_s` to end.
 
-use crate::config::Config;
-use crate::error::Error;
-use crate::supervisor::Fault;
+use crate::seam::config::Config;
+use crate::seam::error::Error;
+use crate::seam::fault::Fault;
 
 /// Length of the contact along the belt, m (thesis 3.2: a tip of 10 mm).
 pub const CONTACT_M: f32 = 0.01;

@@ -12,8 +12,8 @@
 //! A channel whose reading is no number, is missing, or is the same to the last bit for `STUCK_S` under drive is broken: fault 46. A
 //! converter's noise must be more than its last bit. That is all that is asked of the tension of a belt that restrains somebody in a crash.
 
-use crate::config::Config;
-use crate::supervisor::Fault;
+use crate::seam::config::Config;
+use crate::seam::fault::Fault;
 
 /// A mean force below this part of what has been learned is that of a belt that stands.
 const LOW: f32 = 0.25;

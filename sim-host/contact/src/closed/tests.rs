@@ -177,19 +177,3 @@ fn limits() {
     );
     assert!((coulomb_power_ratio(0.5).unwrap() - FRAC_2_PI * (PI / 6.0 + 3.0f64.sqrt())).abs() < 1e-15);
 }
-
-/// Cost of a friction ratio at the thesis's kappa: `cargo test --release -p sonoglide-contact --lib closed::tests::cost -- --ignored --nocapture`.
-#[test]
-#[ignore = "a measurement"]
-fn cost() {
-    for kappa in [0.04, 0.404517, 4.0, 40.0, 4e4] {
-        let began = std::time::Instant::now();
-        let count = 200_000;
-        let sum: f64 = (0..count).map(|i| friction_ratio(f64::from(i) / f64::from(count), std::hint::black_box(kappa))).sum();
-        println!(
-            "kappa {kappa}: {:.0} ns (mean {})",
-            began.elapsed().as_secs_f64() * 1e9 / f64::from(count),
-            sum / f64::from(count)
-        );
-    }
-}

@@ -98,22 +98,4 @@ mod tests {
         println!("acos {angle:e}");
         assert!(angle < 7e-16, "{angle:e}");
     }
-
-    /// `cargo test --release -p sonoglide-contact --lib functions::tests::cost -- --ignored --nocapture`.
-    #[test]
-    #[ignore = "a measurement"]
-    fn cost() {
-        let arguments: Vec<Lanes> = (0..1000).map(|i| Lanes::splat(-0.037 * f64::from(i))).collect();
-        let best = |of: fn(Lanes) -> Lanes| {
-            let run = |_| {
-                let began = std::time::Instant::now();
-                let sum = std::hint::black_box(&arguments).iter().fold(Lanes::ZERO, |sum, x| sum + of(*x));
-                std::hint::black_box(sum);
-                began.elapsed().as_secs_f64() * 1e9 / 1000.0
-            };
-            (0..300).map(run).fold(f64::INFINITY, f64::min)
-        };
-        let (own, wides) = (best(exponential), best(Lanes::exp));
-        println!("exponential of {} lanes: {own:.1} ns, wide's {wides:.1} ns", Lanes::ZERO.to_array().len());
-    }
 }

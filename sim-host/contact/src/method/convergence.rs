@@ -1,7 +1,4 @@
-//! How fast the stepping methods converge, and what a step costs.
-
-use std::hint::black_box;
-use std::time::Instant;
+//! How fast the stepping methods converge.
 
 use super::*;
 use crate::table_4_1::table_4_1;
@@ -123,43 +120,4 @@ fn located_reversals_keep_order_four_on_every_waveform() {
             assert!(error(coarse) < 1.5e-6 && error(coarse) / error(fine) > 11.0);
         }
     }
-}
-
-/// Best of many repeats, ns a step, over a time short enough to be left alone in.
-fn cost(n: u32, run: impl Fn(&Problem, u32) -> Result<Tally, Trouble>) -> f64 {
-    let periods = 20_000.0 / f64::from(n);
-    let problem = black_box(table_4_1(0.5, periods));
-    let once = |_| {
-        let began = Instant::now();
-        drop(black_box(run(&problem, n)));
-        began.elapsed().as_secs_f64() * 1e9 / (periods * f64::from(n))
-    };
-    (0..200).map(once).fold(f64::INFINITY, f64::min)
-}
-
-/// `cargo test -p sonoglide-contact convergence -- --ignored --nocapture`
-#[test]
-#[ignore = "prints times, for a quiet machine"]
-fn work_and_precision() {
-    let problem = table_4_1(0.5, 200.0);
-    let (reference, ratio) = quarters(&problem, 8192, EVENTS);
-    println!("reference r {ratio:.15}");
-    for (name, run) in [("rk4", RK4), ("rk4-events", EVENTS), ("midpoint", MIDPOINT)] {
-        for n in [40, 100, 200, 1000] {
-            let (states, r) = quarters(&problem, n, run);
-            let (f, x) = (error(&states, &reference, |s| s.force_n), error(&states, &reference, |s| s.x_m));
-            println!("{name:10} {n:5}  F {f:.1e}  r {:.1e}  x {x:.1e}", (r - ratio).abs());
-        }
-    }
-    for n in [100, 1000] {
-        println!("ns a step at {n} a period:");
-        println!("  rk4 plain      {:.1}", cost(n, |problem, n| rk4::run_plain(problem, n, &mut |_| ())));
-        println!("  rk4 tabulated  {:.1}", cost(n, |problem, n| rk4::run_tabulated(problem, n, &mut |_| ())));
-        println!("  rk4            {:.1}", cost(n, |problem, n| rk4::run(problem, n, &mut |_| ())));
-        println!("  events plain   {:.1}", cost(n, |problem, n| rk4_events::run_plain(problem, n, &mut |_| ())));
-        println!("  events         {:.1}", cost(n, |problem, n| rk4_events::run(problem, n, &mut |_| ())));
-        println!("  midpoint       {:.1}", cost(n, |problem, n| midpoint::run(problem, n, &mut |_| ())));
-    }
-    let stribeck = Problem { law: lugre(56e6, 0.0), ..table_4_1(0.5, 20.0) };
-    println!("  midpoint, Stribeck {:.1}", cost(1000, |_, n| midpoint::run(&stribeck, n, &mut |_| ())));
 }

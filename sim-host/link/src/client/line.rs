@@ -4,9 +4,9 @@ use std::collections::VecDeque;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
-use firmware::command::Reply;
-use firmware::link::{Frame, FrameError, Receiver};
-use firmware::telemetry::Telemetry;
+use firmware::board::command::Reply;
+use firmware::board::link::{Frame, FrameError, Receiver};
+use firmware::seam::telemetry::Telemetry;
 
 use crate::link_error::LinkError;
 use crate::port::Port;

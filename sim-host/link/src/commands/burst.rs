@@ -7,9 +7,9 @@
 use std::time::Duration;
 
 use clap::Args;
-use firmware::block::Gate;
-use firmware::command::Command;
-use firmware::supervisor::Mode;
+use firmware::board::command::Command;
+use firmware::seam::block::Gate;
+use firmware::seam::mode::Mode;
 
 use super::seconds;
 use crate::answer::Answer;

@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use firmware::command::Command;
+use firmware::board::command::Command;
 
 use super::scan::is_over;
 use super::settings::trims;

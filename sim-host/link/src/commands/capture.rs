@@ -5,8 +5,8 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use clap::{Args, ValueEnum};
-use firmware::capture::{Arm, CaptureReport, CaptureState, CaptureVerb, PARTS, SAMPLES, Trigger};
-use firmware::command::{Command, Reply};
+use firmware::board::capture::{Arm, CaptureReport, CaptureState, CaptureVerb, PARTS, SAMPLES, Trigger};
+use firmware::board::command::{Command, Reply};
 
 use super::seconds;
 use crate::answer::{Answer, quantity};

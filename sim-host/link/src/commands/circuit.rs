@@ -1,6 +1,6 @@
 //! The transducer that the board has identified, told.
 
-use firmware::telemetry::Telemetry;
+use firmware::seam::telemetry::Telemetry;
 
 use crate::answer::{Answer, quantity, short};
 

@@ -3,10 +3,10 @@
 use std::time::Duration;
 
 use clap::Args;
-use firmware::block::{Amplitude, Gate};
-use firmware::command::Command;
-use firmware::supervisor::Mode;
-use firmware::units::{Hertz, Turns};
+use firmware::board::command::Command;
+use firmware::seam::block::{Amplitude, Gate};
+use firmware::seam::mode::Mode;
+use firmware::seam::units::{Hertz, Turns};
 
 use super::lock::{LockArgs, acquire};
 use super::{amount, seconds, status};

@@ -1,9 +1,9 @@
 //! `fault`: the present one, what was, and what the board was started by.
 
 use clap::{Args, ValueEnum};
-use firmware::command::{Command, Reply};
-use firmware::fault_log::FaultReport;
-use firmware::phasor::magnitude;
+use firmware::board::command::{Command, Reply};
+use firmware::board::fault_log::FaultReport;
+use firmware::seam::phasor::magnitude;
 use serde_json::{Value, json};
 
 use crate::answer::{Answer, quantity, short};

@@ -1,8 +1,8 @@
 //! `friction`: what the friction switch is to hold.
 
 use clap::Args;
-use firmware::block::Target;
-use firmware::command::Command;
+use firmware::board::command::Command;
+use firmware::seam::block::Target;
 
 use crate::answer::{Answer, short};
 use crate::link_error::LinkError;

@@ -1,6 +1,6 @@
 //! `identify`.
 
-use firmware::command::{Command, Identity, Reply};
+use firmware::board::command::{Command, Identity, Reply};
 
 use crate::answer::{Answer, quantity};
 use crate::client::unexpected;

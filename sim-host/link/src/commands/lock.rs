@@ -3,11 +3,11 @@
 use std::time::Duration;
 
 use clap::Args;
-use firmware::block::Gate;
-use firmware::command::Command;
-use firmware::supervisor::Mode;
-use firmware::telemetry::Telemetry;
-use firmware::units::Hertz;
+use firmware::board::command::Command;
+use firmware::seam::block::Gate;
+use firmware::seam::mode::Mode;
+use firmware::seam::telemetry::Telemetry;
+use firmware::seam::units::Hertz;
 
 use super::{circuit, seconds};
 use crate::answer::{Answer, short};

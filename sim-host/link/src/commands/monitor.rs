@@ -3,9 +3,9 @@
 use std::time::Duration;
 
 use clap::Args;
-use firmware::phasor::magnitude;
-use firmware::supervisor::Mode;
-use firmware::telemetry::Telemetry;
+use firmware::seam::mode::Mode;
+use firmware::seam::phasor::magnitude;
+use firmware::seam::telemetry::Telemetry;
 use serde_json::Value;
 
 use super::status::{fields, power_w};

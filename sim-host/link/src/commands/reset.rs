@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use firmware::command::Command;
+use firmware::board::command::Command;
 
 use super::fault::start_in_words;
 use crate::answer::Answer;

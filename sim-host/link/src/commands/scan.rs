@@ -8,10 +8,10 @@ use std::path::PathBuf;
 use std::time::Duration;
 
 use clap::Args;
-use firmware::command::{Command, Reply, ResonanceReport};
-use firmware::identify::Transducer;
-use firmware::supervisor::Mode;
-use firmware::telemetry::Telemetry;
+use firmware::board::command::{Command, Reply, ResonanceReport};
+use firmware::seam::mode::Mode;
+use firmware::seam::telemetry::Telemetry;
+use firmware::seam::transducer::Transducer;
 use serde_json::json;
 
 use super::circuit::told;

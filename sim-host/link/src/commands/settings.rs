@@ -4,10 +4,11 @@
 //! is set, what is built in. Lane trims act as soon as a calibration has found them.
 
 use clap::Subcommand;
-use firmware::command::{Command, Reply, Verb};
-use firmware::kept::Kept;
-use firmware::parameters::{PARAMETERS, Parameter};
-use firmware::refusal::Refusal;
+use firmware::board::command::{Command, Reply, Verb};
+use firmware::board::kept::Kept;
+use firmware::board::parameters::PARAMETERS;
+use firmware::seam::config::Parameter;
+use firmware::seam::refusal::Refusal;
 
 use crate::answer::{Answer, short};
 use crate::client::unexpected;

@@ -1,8 +1,8 @@
 //! `status`: what the board does now.
 
-use firmware::phasor::{Phasor, argument, magnitude};
-use firmware::supervisor::Fault;
-use firmware::telemetry::Telemetry;
+use firmware::seam::fault::Fault;
+use firmware::seam::phasor::{Phasor, argument, magnitude};
+use firmware::seam::telemetry::Telemetry;
 use serde_json::Value;
 
 use crate::answer::{Answer, quantity, short};

@@ -9,7 +9,7 @@
 //! `stack` is the simulated stack itself. Three motions run beside each other: the one that is switched; the same belt with nothing that
 //! lowers its friction; and the first one again at half the step, for the error.
 
-use firmware::block::{DriveBlock, SenseBlock};
+use firmware::seam::block::{DriveBlock, SenseBlock};
 use hal_mock::analog::Analog;
 
 use super::motion::{Extremes, Motion};

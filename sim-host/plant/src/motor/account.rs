@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use firmware::block::DriveBlock;
+use firmware::seam::block::DriveBlock;
 
 use super::{Block, Motor, tones};
 use crate::motor::rotor::Rotor;

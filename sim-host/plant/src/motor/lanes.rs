@@ -11,7 +11,7 @@
 
 use std::collections::VecDeque;
 
-use firmware::block::MAX_LANES;
+use firmware::seam::block::MAX_LANES;
 
 use scene::Amplifier;
 

@@ -5,7 +5,7 @@
 //! follows from the beginning of the step in the same way. Amplifiers hear nothing of what hangs on them, so that only eight rows of
 //! the flow are full.
 
-use firmware::block::MAX_LANES;
+use firmware::seam::block::MAX_LANES;
 use wide::{f64x2, f64x4};
 
 use crate::motor::lanes::Played;

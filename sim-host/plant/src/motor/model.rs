@@ -10,7 +10,7 @@
 
 use std::f64::consts::TAU;
 
-use firmware::block::MAX_LANES;
+use firmware::seam::block::MAX_LANES;
 
 use crate::circuit::Circuit;
 use crate::motor::participation::{MODES, Participation, participation};

@@ -11,7 +11,7 @@
 //! `phi` is the force factor, N/V, and `p_jm` the participation of lane j in mode m: what a volt pushes, a metre per second gives
 //! back as current. Inputs are the four drives `u_j`, V, and the friction on the two modes `Q_m`, N.
 
-use firmware::block::MAX_LANES;
+use firmware::seam::block::MAX_LANES;
 
 use crate::motor::model::Model;
 use crate::motor::participation::MODES;

@@ -14,7 +14,7 @@
 
 use std::f64::consts::TAU;
 
-use firmware::block::MAX_LANES;
+use firmware::seam::block::MAX_LANES;
 
 use scene::Stator;
 

@@ -5,7 +5,7 @@
 
 use std::f64::consts::TAU;
 
-use firmware::block::MAX_LANES;
+use firmware::seam::block::MAX_LANES;
 
 use scene::Direction;
 

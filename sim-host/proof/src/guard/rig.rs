@@ -1,12 +1,12 @@
 //! The firmware's guard over a belt, block by block and without the carrier.
 
-use firmware::belt::Belt;
-use firmware::block::{BeltSense, LATENCY_BLOCKS};
-use firmware::config::Config;
-use firmware::error::Error;
 use firmware::guard::on_time::OnTime;
 use firmware::guard::weld::{Driving, Weld};
 use firmware::guard::{Driven, Stage};
+use firmware::seam::block::{BeltSense, LATENCY_BLOCKS};
+use firmware::seam::config::Config;
+use firmware::seam::error::Error;
+use firmware::sense::belt::Belt;
 
 use super::Trouble;
 use super::build::{Build, part};

@@ -2,9 +2,9 @@
 
 use std::f64::consts::TAU;
 
-use firmware::nco::{Stretch, tuning_word};
-use firmware::phasor::Phasor;
-use firmware::shape::sine::{self, Steady};
+use firmware::generate::nco::{Stretch, tuning_word};
+use firmware::generate::shape::sine::{self, Steady};
+use firmware::seam::phasor::Phasor;
 
 use report::spectrum::Spectrum;
 

@@ -5,7 +5,7 @@
 
 use std::collections::BTreeSet;
 
-use firmware::supervisor::Fault;
+use firmware::seam::fault::Fault;
 
 use super::Trouble;
 use super::cases::Load;

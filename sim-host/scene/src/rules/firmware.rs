@@ -1,7 +1,7 @@
 //! The firmware has the last word: it checks its settings itself, and a scene that it refuses is not valid.
 
 use firmware::controller::Controller;
-use firmware::error::Error;
+use firmware::seam::error::Error;
 
 use super::Rules;
 use super::drive::AMPLITUDE_FRACTION;

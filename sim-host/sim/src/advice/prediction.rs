@@ -13,8 +13,8 @@
 //! without its second integrator; Lm and C0 are known, because what is wrong with them is bias. The bound of a ramp is the best compromise of
 //! lag and jitter that takes the resonance for constant within a window; or the jitter of one that fits the slope, too.
 
-use firmware::block::LATENCY_BLOCKS;
-use firmware::tracker::State;
+use firmware::seam::block::LATENCY_BLOCKS;
+use firmware::track::tracker::State;
 use rand_core::SeedableRng;
 use rand_xoshiro::Xoshiro256PlusPlus;
 use rayon::prelude::*;

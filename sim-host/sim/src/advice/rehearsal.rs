@@ -11,13 +11,13 @@
 //! is one draw of many; without, it shows what the filter's own gains do. Left out: rounding but as noise, images of the DAC, the
 //! amplifier's lag, and further modes.
 
-use firmware::block::LATENCY_BLOCKS;
-use firmware::demod::Sensed;
-use firmware::identify::Transducer;
-use firmware::motional::Motional;
-use firmware::phasor::Phasor;
-use firmware::tracker::observer::{Observer, Played, Prior};
-use firmware::tracker::{Heard, State, Tracker};
+use firmware::seam::block::LATENCY_BLOCKS;
+use firmware::seam::phasor::Phasor;
+use firmware::seam::transducer::Transducer;
+use firmware::sense::demod::Sensed;
+use firmware::sense::motional::Motional;
+use firmware::track::tracker::observer::{Observer, Played, Prior};
+use firmware::track::tracker::{Heard, State, Tracker};
 use rand_distr::{Distribution, StandardNormal};
 use rand_xoshiro::Xoshiro256PlusPlus;
 use realfft::num_complex::Complex64;

@@ -1,9 +1,9 @@
 //! A case made ready to rehearse: bench, follower and prior as the controller would have them after its self-test and its calibration.
 
-use firmware::motional::Motional;
-use firmware::phasor::Phasor;
-use firmware::tracker::Tracker;
-use firmware::tracker::observer::{Observer, Prior};
+use firmware::seam::phasor::Phasor;
+use firmware::sense::motional::Motional;
+use firmware::track::tracker::Tracker;
+use firmware::track::tracker::observer::{Observer, Prior};
 use rand_core::SeedableRng;
 use rand_distr::{Distribution, Uniform};
 use rand_xoshiro::Xoshiro256PlusPlus;

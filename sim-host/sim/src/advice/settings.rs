@@ -5,7 +5,7 @@
 //! * **Block**: rehearsed. A shorter block decides sooner, but a lock-in of less than 0.6 periods hardly tells sine from cosine.
 //! * **Phase loop**, the fall-back: `B = 0.1 / (2 pi T_d)`, `T_d` two and a half blocks, which costs 0.1 rad of its phase margin at any Q.
 
-use firmware::block::LATENCY_BLOCKS;
+use firmware::seam::block::LATENCY_BLOCKS;
 use realfft::num_complex::Complex64;
 use serde::Serialize;
 

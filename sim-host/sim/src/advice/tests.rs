@@ -5,7 +5,7 @@ use super::verification::verify;
 use super::{Advice, advise};
 use scene::load::{load, load_text};
 
-/// Set A3 of the docs, at another Q.
+/// The stack of experiment-1, at another Q.
 fn of_q(q: f64, volts: f64) -> (Advice, Case) {
     let numbers = Numbers { frequency_hz: 40e3, q, c0_f: 300e-9, lm_h: 0.7916e-3 };
     let wishes = Wishes { volts: Some(volts), block_samples: Some(32), ..Wishes::default() };

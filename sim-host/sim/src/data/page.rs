@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use firmware::supervisor::{Fault, Limit};
+use firmware::seam::fault::{Fault, Limit};
 
 use super::{Column, FIGURES, files};
 use scene::metrics::{METRICS, RENAMED, Sign, Window};

@@ -1,6 +1,6 @@
 //! Faults and limits: in which the controller ended, and how soon the drive was OFF.
 
-use firmware::supervisor::Limit;
+use firmware::seam::fault::Limit;
 
 use super::{Instrument, View};
 use crate::metrics::Metrics;

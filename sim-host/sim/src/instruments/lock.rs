@@ -4,7 +4,7 @@ pub mod claims;
 mod figures;
 mod metrics;
 
-use firmware::supervisor::Mode;
+use firmware::seam::mode::Mode;
 
 use super::{Instrument, Line, View};
 use crate::metrics::Metrics;

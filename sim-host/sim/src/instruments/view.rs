@@ -4,7 +4,7 @@
 //! step disturbance, if that is less. **Steady** blocks are running, with envelope one, settled, and after the last step disturbance; where the
 //! friction is switched, from the survey or the last set point on.
 
-use firmware::supervisor::Mode;
+use firmware::seam::mode::Mode;
 
 use crate::record::{Record, Row};
 use scene::Driven;

@@ -1,6 +1,6 @@
 //! A comparison in the summary: for each of what is equal, and each case, its amplitude, how it was matched, and its metrics.
 
-use firmware::supervisor::Fault;
+use firmware::seam::fault::Fault;
 use serde_json::{Map, Value, json};
 
 use crate::study::comparison::{CaseResult, ComparisonResult, Matched, Standing};

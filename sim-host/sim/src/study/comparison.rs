@@ -2,7 +2,7 @@
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use firmware::supervisor::Fault;
+use firmware::seam::fault::Fault;
 use rayon::prelude::*;
 
 use super::matching::{Found, Target, find};

@@ -8,8 +8,8 @@ use core::sync::atomic::{AtomicU32, Ordering};
 
 use cortex_m::interrupt::{self as masked, Mutex};
 use cortex_m::peripheral::DWT;
-use firmware::block::{DriveBlock, SenseBlock, SlowSense, Trips};
-use firmware::block_task::BlockTask;
+use firmware::board::block_task::BlockTask;
+use firmware::seam::block::{DriveBlock, SenseBlock, SlowSense, Trips};
 use nucleo_g474re::blocks::{BLOCK, Beat, Half, Step, is_in_time};
 use nucleo_g474re::config::METRE_PER_COUNT;
 use nucleo_g474re::note::Cause;

@@ -9,7 +9,7 @@
 //! then asks for the next one, so that a word plays one trigger after it was fetched: [`slot`].
 
 use cortex_m::asm::delay;
-use firmware::block::DriveBlock;
+use firmware::seam::block::DriveBlock;
 use nucleo_g474re::blocks::{BLOCK, Half, RING, position, slot};
 use nucleo_g474re::config::SILENCE;
 use nucleo_g474re::packing;

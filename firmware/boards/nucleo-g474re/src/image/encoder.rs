@@ -3,7 +3,7 @@
 //! `A` on PB2, `B` on PC12, their complements on PC10 and PC11, for a look at whether the wires contradict each other. All pulled
 //! down: a wire that is broken is low.
 
-use firmware::block::BeltSense;
+use firmware::seam::block::BeltSense;
 use nucleo_g474re::wires::Wires;
 use stm32_metapac::gpio::vals::Pupdr;
 use stm32_metapac::timer::vals::{CcmrInputCcs, FilterValue, Sms};

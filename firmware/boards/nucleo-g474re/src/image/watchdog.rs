@@ -1,11 +1,11 @@
 //! The independent watchdog: resets the part unless it is fed within 10 ms, by its own oscillator. RM0440 42.
 //!
-//! It is fed by the slow side, and only while blocks come ([`App`](firmware::app::App)). What makes the slow side wait (the flash) feeds it
+//! It is fed by the slow side, and only while blocks come ([`App`](firmware::board::app::App)). What makes the slow side wait (the flash) feeds it
 //! meanwhile, and only while blocks come, too: [`nurse`].
 
 use core::sync::atomic::{AtomicU32, Ordering};
 
-use firmware::app::Watchdog;
+use firmware::board::app::Watchdog;
 use nucleo_g474re::note::Cause;
 use stm32_metapac::iwdg::vals::{Key, Pr};
 use stm32_metapac::{DBGMCU, IWDG};

@@ -23,14 +23,15 @@ mod tests {
     use core::mem::MaybeUninit;
 
     use cortex_m::singleton;
-    use firmware::block::{Codes, Orders, Request, SenseBlock};
-    use firmware::command::{Command, Reply};
-    use firmware::config::{TrackingMode, Trim, TrimPoint};
+    use firmware::board::command::{Command, Reply};
+    use firmware::board::kept::Kept;
+    use firmware::board::link::{self, Frame, FrameError, Receiver};
+    use firmware::board::settings::{Record, Settings};
     use firmware::controller::Controller;
-    use firmware::kept::Kept;
-    use firmware::link::{self, Frame, FrameError, Receiver};
-    use firmware::settings::{Record, Settings};
-    use firmware::supervisor::{Fault, Mode};
+    use firmware::seam::block::{Codes, Orders, Request, SenseBlock};
+    use firmware::seam::config::{TrackingMode, Trim, TrimPoint};
+    use firmware::seam::fault::Fault;
+    use firmware::seam::mode::Mode;
     use on_target::of_the_host::OF_THE_HOST;
     use on_target::stream::{self, BLOCKS};
     use qemu_m4::bench::{SAMPLES, Transducer, config};

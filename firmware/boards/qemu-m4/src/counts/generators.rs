@@ -2,9 +2,9 @@
 
 use core::hint::black_box;
 
-use firmware::nco::{Stretch, tuning_word};
-use firmware::phasor::Phasor;
-use firmware::shape::sine::{self, Steady};
+use firmware::generate::nco::{Stretch, tuning_word};
+use firmware::generate::shape::sine::{self, Steady};
+use firmware::seam::phasor::Phasor;
 use qemu_m4::counter::Counter;
 
 use crate::csv::line;

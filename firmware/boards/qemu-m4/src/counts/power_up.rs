@@ -4,11 +4,11 @@
 
 use core::fmt::Write as _;
 
-use firmware::block::{DriveBlock, Orders, Request, SenseBlock};
-use firmware::config::{Edge, TrackingMode};
 use firmware::controller::Controller;
-use firmware::supervisor::Mode;
-use firmware::telemetry::Telemetry;
+use firmware::seam::block::{DriveBlock, Orders, Request, SenseBlock};
+use firmware::seam::config::{Edge, TrackingMode};
+use firmware::seam::mode::Mode;
+use firmware::seam::telemetry::Telemetry;
 use qemu_m4::bench::{SAMPLES, Transducer, config};
 use qemu_m4::counter::Counter;
 

@@ -3,11 +3,11 @@
 use core::hint::black_box;
 
 use cortex_m::singleton;
-use firmware::block::{DriveBlock, SenseBlock};
-use firmware::capture::memory::Memory;
-use firmware::capture::recorder::{Answer, Recorder, Wish};
-use firmware::capture::{Arm, Trigger};
-use firmware::telemetry::Telemetry;
+use firmware::board::capture::memory::Memory;
+use firmware::board::capture::recorder::{Answer, Recorder, Wish};
+use firmware::board::capture::{Arm, Trigger};
+use firmware::seam::block::{DriveBlock, SenseBlock};
+use firmware::seam::telemetry::Telemetry;
 use heapless::spsc::Queue;
 use qemu_m4::bench::SAMPLES;
 use qemu_m4::counter::Counter;

@@ -2,24 +2,24 @@
 
 use core::hint::black_box;
 
-use firmware::belt::Belt;
-use firmware::block::{BeltSense, DriveBlock, SenseBlock};
-use firmware::burst::Envelope;
-use firmware::config::{Config, Drive, Limits, ShapeKind, TrackingMode};
-use firmware::convert::Convert;
-use firmware::demod::{Sensed, Suspect, demodulate};
+use firmware::generate::burst::Envelope;
+use firmware::generate::nco::{Stretch, tuning_word};
+use firmware::generate::phasing::Phasing;
+use firmware::generate::shape::Shape;
+use firmware::generate::shape::sine;
+use firmware::generate::shaper::{Play, Shaper};
 use firmware::guard::{Driven, Guard, Stage};
-use firmware::identify;
-use firmware::motional::Motional;
-use firmware::nco::{Stretch, tuning_word};
-use firmware::phasing::Phasing;
-use firmware::phasor::Phasor;
-use firmware::shape::Shape;
-use firmware::shape::sine;
-use firmware::shaper::{Play, Shaper};
-use firmware::supervisor::Fault;
-use firmware::tracker::observer::{Observer, Played, Prior};
-use firmware::tracker::{Heard, State, Tracker};
+use firmware::seam::block::{BeltSense, DriveBlock, SenseBlock};
+use firmware::seam::config::{Config, Drive, Limits, ShapeKind, TrackingMode};
+use firmware::seam::fault::Fault;
+use firmware::seam::phasor::Phasor;
+use firmware::seam::transducer;
+use firmware::sense::belt::Belt;
+use firmware::sense::convert::Convert;
+use firmware::sense::demod::{Sensed, Suspect, demodulate};
+use firmware::sense::motional::Motional;
+use firmware::track::tracker::observer::{Observer, Played, Prior};
+use firmware::track::tracker::{Heard, State, Tracker};
 use qemu_m4::bench::{SAMPLES, Transducer, config};
 use qemu_m4::counter::Counter;
 
@@ -209,7 +209,7 @@ fn sense() -> SenseBlock {
 }
 
 /// A stack, as identified.
-const STACK: identify::Transducer = identify::Transducer {
+const STACK: transducer::Transducer = transducer::Transducer {
     series_resonance_hz: 40_400.0,
     parallel_resonance_hz: 41_300.0,
     q: 65.0,
@@ -218,7 +218,7 @@ const STACK: identify::Transducer = identify::Transducer {
     cm_f: 20e-9,
     c0_f: 300e-9,
     coupling: 0.25,
-    deviations: identify::Deviations {
+    deviations: transducer::Deviations {
         series_resonance_hz: 0.0,
         parallel_resonance_hz: 0.0,
         q: 0.0,

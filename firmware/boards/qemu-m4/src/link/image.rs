@@ -3,13 +3,13 @@
 // For the critical section it provides.
 use cortex_m::{Peripherals, singleton};
 use cortex_m_rt::entry;
-use firmware::app::{self, App};
-use firmware::block_task::BlockTask;
-use firmware::capture::memory::Memory;
-use firmware::lockstep::{Beat, Closing, Opening, Played};
-use firmware::power_up::PowerUp;
-use firmware::queues::Queues;
-use firmware::settings::Settings;
+use firmware::board::app::{self, App};
+use firmware::board::block_task::BlockTask;
+use firmware::board::capture::memory::Memory;
+use firmware::board::lockstep::{Beat, Closing, Opening, Played};
+use firmware::board::power_up::PowerUp;
+use firmware::board::queues::Queues;
+use firmware::board::settings::Settings;
 use qemu_m4::pages::Pages;
 use qemu_m4::pipes::{Pipes, configuration, read, reason};
 use qemu_m4::stack;

@@ -8,7 +8,7 @@ use core::ptr;
 use core::sync::atomic::{AtomicBool, Ordering};
 
 use cortex_m::peripheral::SCB;
-use firmware::start::Start;
+use firmware::board::start::Start;
 use qemu_m4::pages::Pages;
 
 /// What is there. QEMU's RAM is zero when it starts.

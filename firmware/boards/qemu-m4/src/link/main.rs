@@ -1,6 +1,6 @@
 //! A whole board under QEMU: block task, slow side, settings and watchdog, with the link over an emulated UART.
 //!
-//! The host plays the converters and the pins, a block at a time (`firmware::lockstep`, `Beat`); whoever has the other end of the UART talks
+//! The host plays the converters and the pins, a block at a time (`firmware::board::lockstep`, `Beat`); whoever has the other end of the UART talks
 //! to the slow side as to a board. Nothing here knows time: a byte that the host has sent is heard in the next block.
 //!
 //! Built for the host, it is a stub that says so.

@@ -4,8 +4,8 @@ use core::convert::Infallible;
 use core::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 
 use embedded_hal::digital::{ErrorType, InputPin, OutputPin};
-use firmware::app::Watchdog;
-use firmware::lockstep::Board;
+use firmware::board::app::Watchdog;
+use firmware::board::lockstep::Board;
 
 static ENABLE: AtomicBool = AtomicBool::new(false);
 static STOP: AtomicBool = AtomicBool::new(false);

@@ -1,21 +1,21 @@
 //! How a burst's edges are prepared: the brake of a plain burst, and the strokes of a boosted one.
 //!
 //! Strokes are planned from what is known in place: the resonance's damping and inductance, which the tracker has identified; what the
-//! [source](crate::source) adds to the damping; and what rings, by the motional current that was heard last. The steady current of a drive of one
+//! [source](crate::sense::source) adds to the damping; and what rings, by the motional current that was heard last. The steady current of a drive of one
 //! volt is then `S = beta g / a`, `a = alpha + Re(beta z)`, and what rings, as the drive that would hold it, is `R = Re(I_m / S)`.
 
-use crate::block::{Gate, LATENCY_BLOCKS, Orders};
-use crate::burst::Brake;
-use crate::burst::stroke::Planner;
-use crate::config::{Config, Edge, ShapeKind, Sweep, TrackingMode};
 use crate::controller::chain::{Chain, Measured};
-use crate::error::Error;
-use crate::generate::Generator;
-use crate::phasor::Phasor;
-use crate::source::Source;
-use crate::supervisor::Mode;
-use crate::track::LEARN_BLOCKS;
-use crate::tracker::compare::{larger, smaller};
+use crate::generate::burst::Brake;
+use crate::generate::burst::stroke::Planner;
+use crate::generate::generator::Generator;
+use crate::seam::block::{Gate, LATENCY_BLOCKS, Orders};
+use crate::seam::compare::{larger, smaller};
+use crate::seam::config::{Config, Edge, ShapeKind, Sweep, TrackingMode};
+use crate::seam::error::Error;
+use crate::seam::mode::Mode;
+use crate::seam::phasor::Phasor;
+use crate::sense::source::Source;
+use crate::track::tracked::LEARN_BLOCKS;
 
 /// How often strokes are made anew, blocks.
 const RENEW_BLOCKS: u64 = 64;

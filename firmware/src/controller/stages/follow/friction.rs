@@ -1,11 +1,12 @@
 //! The friction switch: it orders amplitude and gate of a run, where nobody else does.
 
 use super::Follow;
-use crate::block::{Amplitude, Gate, Orders};
+use crate::act::friction::{FrictionSwitch, Sensed, Wanted};
 use crate::controller::chain::{Chain, Measured};
-use crate::friction::{FrictionSwitch, Sensed, Wanted};
-use crate::phasor::magnitude;
-use crate::supervisor::{Limit, Mode};
+use crate::seam::block::{Amplitude, Gate, Orders};
+use crate::seam::fault::Limit;
+use crate::seam::mode::Mode;
+use crate::seam::phasor::magnitude;
 
 impl Follow {
     /// Lets the friction switch hear one block of a run.

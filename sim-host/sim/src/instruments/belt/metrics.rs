@@ -1,6 +1,6 @@
 //! Metrics of a belt under a horn, whose pull comes to its reduced value in a good second and not within the ring-up of the vibration.
 
-use firmware::supervisor::Mode;
+use firmware::seam::mode::Mode;
 
 use crate::instruments::View;
 use crate::instruments::view::mean;

@@ -1,6 +1,7 @@
 //! A belt that stops, and what is done about it: position and counts, drive, tip, force.
 
-use firmware::supervisor::{Limit, Mode};
+use firmware::seam::fault::Limit;
+use firmware::seam::mode::Mode;
 
 use crate::instruments::View;
 use crate::instruments::curves::axis;

@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use firmware::supervisor::Mode;
+use firmware::seam::mode::Mode;
 
 use crate::instruments::View;
 use crate::instruments::curves::axis;

@@ -1,6 +1,6 @@
 //! Command, estimate and truth of the transducer beside each other.
 
-use firmware::identify::Deviations;
+use firmware::seam::transducer::Deviations;
 
 use crate::instruments::View;
 use crate::metrics::Metrics;
@@ -19,7 +19,8 @@ pub(super) fn three_ways(run: &View, metrics: &Metrics) -> TableBlock {
     let tracking = &controller.tracking;
     let found = run.record.last.transducer;
     let truth = circuit_of(&run.scene);
-    let identified = |value: fn(&firmware::identify::Transducer) -> f32| found.as_ref().map(|found| f64::from(value(found)));
+    let identified =
+        |value: fn(&firmware::seam::transducer::Transducer) -> f32| found.as_ref().map(|found| f64::from(value(found)));
     let velocity_estimate =
         tracking.nominal_force_factor_n_per_v.and_then(|told| mean(&|row| row.motional_current_a).map(|amperes| amperes / told));
     let mut rows = vec![

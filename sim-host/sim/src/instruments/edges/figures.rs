@@ -1,6 +1,6 @@
 //! Both edges of a burst, sample by sample.
 
-use firmware::supervisor::Mode;
+use firmware::seam::mode::Mode;
 
 use crate::instruments::View;
 use crate::instruments::curves::axis;

@@ -1,6 +1,6 @@
 //! The edges of bursts, by the envelope of the true tip velocity and to a fraction of a period: see [`edge_meter`](crate::edge_meter).
 
-use firmware::supervisor::Mode;
+use firmware::seam::mode::Mode;
 
 use crate::edge_meter::Edges;
 use crate::instruments::View;

@@ -1,6 +1,6 @@
 //! The friction ratio over time, three ways.
 
-use firmware::friction::Belief;
+use firmware::seam::telemetry::Belief;
 
 use super::metrics::configured;
 use crate::instruments::View;

@@ -1,6 +1,7 @@
 //! Metrics of the friction switch: set point, estimate and truth.
 
-use firmware::supervisor::{Limit, Mode};
+use firmware::seam::fault::Limit;
+use firmware::seam::mode::Mode;
 
 use crate::instruments::View;
 use crate::instruments::view::mean;

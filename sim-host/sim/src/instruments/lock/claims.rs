@@ -13,7 +13,7 @@
 
 use std::f64::consts::PI;
 
-use firmware::supervisor::Mode;
+use firmware::seam::mode::Mode;
 
 use crate::instruments::View;
 use crate::record::Row;
@@ -92,7 +92,7 @@ fn judge(rows: &[Row], quality: &[f64], block_s: f64) -> LockClaims {
 
 #[cfg(test)]
 mod tests {
-    use firmware::telemetry::Telemetry;
+    use firmware::seam::telemetry::Telemetry;
 
     use super::*;
     use crate::record::Command;

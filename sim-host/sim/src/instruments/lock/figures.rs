@@ -1,6 +1,6 @@
 //! Frequency: command, estimate, truth; while it is looked for, at the moment of lock, and over the whole run.
 
-use firmware::supervisor::Mode;
+use firmware::seam::mode::Mode;
 
 use crate::instruments::View;
 use crate::instruments::curves::{axis, curve, shaded};

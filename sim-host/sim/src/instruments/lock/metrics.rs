@@ -1,6 +1,6 @@
 //! Metrics of the lock: how soon the frequency is right for good, how right it stays, and what the controller claims.
 
-use firmware::supervisor::Mode;
+use firmware::seam::mode::Mode;
 
 use super::claims;
 use crate::instruments::View;

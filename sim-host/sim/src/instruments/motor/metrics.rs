@@ -62,7 +62,7 @@ impl View<'_> {
     }
 
     fn start_and_stop(&self, steady: f64, metrics: &mut Metrics) {
-        let run_from = self.plays_from(firmware::supervisor::Mode::Run).unwrap_or(f64::INFINITY);
+        let run_from = self.plays_from(firmware::seam::mode::Mode::Run).unwrap_or(f64::INFINITY);
         let window = self.scene.controller.burst.as_ref().and_then(|burst| first_window(burst, run_from));
         let part = |row: &Row| row.truth.motor.map_or(0.0, |motor| motor.rotor_rad_per_s / steady);
         let reaches = |from: f64, there: &dyn Fn(f64) -> bool| {

@@ -1,6 +1,6 @@
 //! How the frequency error of each run falls, at the same moments of all runs: dense at first, then in equal ratios.
 
-use firmware::supervisor::Mode;
+use firmware::seam::mode::Mode;
 
 use crate::instruments::View;
 use crate::record::Record;

@@ -1,0 +1,238 @@
+//! The switch against a contact that it does not know, whose friction follows at once.
+
+use super::dahl::friction_ratio;
+use super::*;
+use crate::seam::block::Amplitude;
+use crate::seam::config::{Burst, Drive, Friction, Limits, Link, Phasing, Prefer, Schedule, Sweep, Thermometer, Tracking};
+
+const OMEGA: f32 = core::f32::consts::TAU * 40e3;
+const FORCE_FACTOR: f32 = 5.566;
+const MOST: f32 = 0.175;
+const PERIOD: u32 = 1000;
+
+fn config(schedule: Schedule) -> Config {
+    Config {
+        sample_hz: 1e6,
+        block_samples: 32,
+        lanes: 1,
+        front_end: crate::find::scan::bench::front_end(),
+        drive: Drive::sine(40e3, Amplitude::MotionalCurrent(MOST * FORCE_FACTOR), 3.0),
+        sweep: Sweep::Hold,
+        phasing: Phasing::default(),
+        burst: Burst { schedule, ..Burst::default() },
+        tracking: Tracking { span: 0.025, bandwidth_hz: 100.0, ..Tracking::new(50.0, 300e-9) },
+        thermometer: Thermometer::default(),
+        limits: Limits::default(),
+        restraint: None,
+        link: Link::default(),
+        friction: Some(Friction {
+            target: Target::Ratio(0.5),
+            law: FrictionLaw::Dahl,
+            prefer: Prefer::Amplitude,
+            force_factor_n_per_v: FORCE_FACTOR,
+            speed_m_per_s: 0.038,
+            dahl_length_m: 0.5e-6,
+            average_s: 0.01,
+        }),
+    }
+}
+
+/// A contact under the switch: speed, Dahl length, friction in silence, what the speed sensor says of the speed.
+struct Bench {
+    switch: FrictionSwitch,
+    speed: f32,
+    length: f32,
+    coulomb_n: f32,
+    sensor: f32,
+    wanted: Wanted,
+    tip: f32,
+}
+
+impl Bench {
+    fn new(config: &Config, length: f32, sensor: f32) -> Self {
+        let switch = FrictionSwitch::build(config, 32e-6).unwrap().unwrap();
+        Bench { switch, speed: 0.038, length, coulomb_n: 0.144, sensor, wanted: Wanted::Silence, tip: 0.0 }
+    }
+
+    /// The true ratio of what is played, over whole bursts.
+    fn ratio(&self) -> f32 {
+        let of = |amperes: f32| {
+            let tip = amperes / FORCE_FACTOR;
+            friction_ratio(self.speed / tip, tip / (OMEGA * self.length))
+        };
+        match self.wanted {
+            Wanted::Silence => 1.0,
+            Wanted::Current(amperes) => of(amperes),
+            Wanted::Bursts { amperes, on_samples } => 1.0 - (1.0 - of(amperes)) * (on_samples / PERIOD as f32 + 0.02),
+        }
+    }
+
+    fn block(&mut self, order: Option<Target>) {
+        let amperes = match self.wanted {
+            Wanted::Silence => None,
+            Wanted::Current(amperes) | Wanted::Bursts { amperes, .. } => Some(amperes),
+        };
+        // The tip follows with a time constant of 16 blocks.
+        self.tip += (amperes.unwrap_or(0.0) - self.tip) / 16.0;
+        let sensed = Sensed {
+            belt_m_per_s: Some(self.speed * self.sensor),
+            force_n: Some(self.coulomb_n * self.ratio()),
+            motional_a: amperes.map(|_| self.tip),
+        };
+        self.switch.work();
+        self.wanted = self.switch.step(order, &sensed);
+    }
+
+    fn run(&mut self, blocks: u32, order: Option<Target>) -> f32 {
+        (0..blocks).for_each(|_| self.block(order));
+        self.ratio()
+    }
+}
+
+fn periodic() -> Schedule {
+    Schedule::Periodic { period_s: 1e-3, duty: 0.5 }
+}
+
+/// Command, belief and truth, over what can be wanted. Measured: 4.9e-4, with a speed that is 2 % off.
+#[test]
+fn the_ratio_is_the_wanted_one() {
+    for (schedule, sensor) in [(Schedule::Continuous, 0.98), (Schedule::Continuous, 1.02), (periodic(), 0.98)] {
+        for length in [0.15e-6, 0.5e-6, 2e-6, 5.36e-6] {
+            let mut bench = Bench::new(&config(schedule.clone()), length, sensor);
+            bench.run(8000, None);
+            let floor = bench.switch.belief().unwrap().floor;
+            for n in 0..20 {
+                let wanted = floor + 0.01 + (0.985 - floor) * n as f32 / 20.0;
+                let got = bench.run(700, Some(Target::Ratio(wanted)));
+                let belief = bench.switch.belief().unwrap();
+                assert!((got - wanted).abs() < 6e-4, "{length} {wanted}: {got}");
+                assert!((belief.ratio - got).abs() < 3e-3, "{length} {wanted}: {got} {belief:?}");
+                assert!(belief.identified && bench.switch.limit().is_none());
+            }
+        }
+    }
+}
+
+#[test]
+fn a_force_is_a_ratio_of_what_was_surveyed() {
+    let mut bench = Bench::new(&config(Schedule::Continuous), 0.5e-6, 1.0);
+    bench.run(8000, None);
+    let got = bench.run(300, Some(Target::Force(0.072)));
+    assert!((got - 0.5).abs() < 2e-3, "{got}");
+    bench.run(300, Some(Target::Force(0.2)));
+    assert_eq!((bench.switch.limit(), bench.wanted), (Some(Limit::RatioUnreachable), Wanted::Silence));
+}
+
+/// The numbers of what cannot be, and what is driven instead.
+#[test]
+fn what_cannot_be_is_refused_by_number() {
+    let mut bench = Bench::new(&config(Schedule::Continuous), 0.5e-6, 1.0);
+    bench.run(8000, None);
+    let got = bench.run(300, Some(Target::Ratio(0.1)));
+    let floor = bench.switch.belief().unwrap().floor;
+    assert_eq!(bench.switch.limit(), Some(Limit::RatioUnreachable));
+    assert!((floor - 0.2318).abs() < 2e-3 && (got - floor).abs() < 1e-3, "{floor} {got}");
+    for wanted in [f32::NAN, 1.5, f32::INFINITY] {
+        bench.run(300, Some(Target::Ratio(wanted)));
+        assert_eq!((bench.switch.limit(), bench.wanted), (Some(Limit::RatioUnreachable), Wanted::Silence), "{wanted}");
+    }
+    bench.speed = 0.2;
+    bench.run(2000, Some(Target::Ratio(0.5)));
+    assert_eq!((bench.switch.limit(), bench.wanted), (Some(Limit::NoAuthority), Wanted::Silence));
+    // Slower again, it goes on.
+    bench.speed = 0.05;
+    let got = bench.run(2000, Some(Target::Ratio(0.5)));
+    assert!(bench.switch.limit().is_none() && (got - 0.5).abs() < 2e-3, "{got}");
+}
+
+/// Without a force sensor the switch goes by what it was told; a wanted force nobody can have.
+#[test]
+fn without_a_force_sensor_it_goes_by_what_it_was_told() {
+    let mut switch = FrictionSwitch::build(&config(Schedule::Continuous), 32e-6).unwrap().unwrap();
+    let mut run = |target: Target| {
+        let mut wanted = Wanted::Silence;
+        for _ in 0..5000 {
+            switch.work();
+            wanted = switch.step(Some(target), &Sensed { motional_a: Some(0.5), ..Sensed::default() });
+        }
+        (wanted, switch.limit(), switch.belief().unwrap())
+    };
+    let (wanted, limit, belief) = run(Target::Ratio(0.5));
+    let Wanted::Current(amperes) = wanted else { panic!("{wanted:?}") };
+    let tip = amperes / FORCE_FACTOR;
+    assert!((friction_ratio(0.038 / tip, tip / (OMEGA * 0.5e-6)) - 0.5).abs() < 1e-3);
+    assert!(limit.is_none() && !belief.identified && belief.force_ratio.is_none(), "{belief:?}");
+    let (wanted, limit, _) = run(Target::Force(0.1));
+    assert_eq!((wanted, limit), (Wanted::Silence, Some(Limit::RatioUnreachable)));
+}
+
+/// The wanted ratio moves slowly through both ways of having it: at no block is the mean far from what is wanted.
+#[test]
+fn from_amplitude_to_bursts_and_back_without_a_bump() {
+    let mut told = config(periodic());
+    told.friction.as_mut().unwrap().prefer = Prefer::Bursts;
+    let mut bench = Bench::new(&told, 0.5e-6, 1.0);
+    bench.run(10_000, None);
+    bench.run(500, Some(Target::Ratio(0.95)));
+    let (mut worst, mut changes) = (0.0f32, 0);
+    for n in 0..60_000 {
+        let wanted = 0.3 + 0.65 * (n as f32 / 30e3 - 1.0).abs();
+        let before = core::mem::discriminant(&bench.wanted);
+        bench.block(Some(Target::Ratio(wanted)));
+        changes += u32::from(core::mem::discriminant(&bench.wanted) != before);
+        worst = worst.max((bench.ratio() - wanted).abs());
+    }
+    assert!(changes == 4, "{changes} changes");
+    // Measured: 0.0028, the most that the wanted ratio moves while a solution is sought.
+    assert!(worst < 0.0035, "{worst}");
+}
+
+/// Whatever the sensors say, what is played is a number within the limit.
+#[test]
+fn no_sensor_can_make_it_play_nonsense() {
+    let odd = [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, 0.0, -1.0, 1e-30, 1e30, 0.038];
+    for belt in odd {
+        for force in odd {
+            for motional in odd {
+                let mut switch = FrictionSwitch::build(&config(periodic()), 32e-6).unwrap().unwrap();
+                for n in 0..3000 {
+                    // At first all is well, or all is odd from the beginning.
+                    let odd = n > 1500 || belt.is_nan();
+                    let sensed = Sensed {
+                        belt_m_per_s: Some(if odd { belt } else { 0.038 }),
+                        force_n: Some(if odd { force } else { 0.1 }),
+                        motional_a: Some(if odd { motional } else { 0.9 }),
+                    };
+                    switch.work();
+                    match switch.step(None, &sensed) {
+                        Wanted::Silence => {}
+                        Wanted::Current(amperes) | Wanted::Bursts { amperes, .. } => {
+                            assert!((0.0..=MOST * FORCE_FACTOR).contains(&amperes), "{belt} {force} {motional}: {amperes}");
+                        }
+                    }
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn settings_that_cannot_be_are_refused() {
+    let good = config(Schedule::Continuous);
+    assert!(FrictionSwitch::build(&Config { friction: None, ..good.clone() }, 32e-6).unwrap().is_none());
+    let refused = |change: &dyn Fn(&mut Friction)| {
+        let mut bad = good.clone();
+        change(bad.friction.as_mut().unwrap());
+        FrictionSwitch::build(&bad, 32e-6).is_err()
+    };
+    assert!(refused(&|friction| friction.target = Target::Ratio(1.1)));
+    assert!(refused(&|friction| friction.target = Target::Ratio(f32::NAN)));
+    assert!(refused(&|friction| friction.target = Target::Force(-1.0)));
+    assert!(refused(&|friction| friction.force_factor_n_per_v = 0.0));
+    assert!(refused(&|friction| friction.speed_m_per_s = f32::NAN));
+    assert!(refused(&|friction| friction.dahl_length_m = 0.0));
+    assert!(refused(&|friction| friction.average_s = f32::INFINITY));
+    let mut volts = good.clone();
+    volts.drive.amplitude = Amplitude::Volts(3.0);
+    assert_eq!(FrictionSwitch::build(&volts, 32e-6).err(), Some(Error::FrictionWithoutCurrent));
+}

@@ -1,0 +1,238 @@
+//! The restraint: HIGH or LOW friction at the D-ring of a seat belt, decided once in a crash.
+//!
+//! The D-ring is a capstan (Euler 1769, Eytelwein 1808): while webbing slides out over it, the shoulder pulls with
+//! `Fs = Fr exp(mu theta)`, `Fr` being what the load limiter of the retractor lets through. Ultrasound lowers `mu`: the drive OFF is HIGH
+//! friction, the drive ON is LOW.
+//!
+//! | | |
+//! |---|---|
+//! | HIGH | the default, what a belt without this controller has, and what any fault or doubt comes back to |
+//! | LOW | once, for an occupant who was known to be light before the crash, and only while it still helps |
+//! | never back | LOW that becomes HIGH again has the force of the one and the excursion of the other |
+//!
+//! ```text
+//! Waiting -- force >= sensed_n for confirm_ms, and webbing comes out --> Deciding -- light, driving, force < latest_n --> Low
+//!                                                                        \--- not light, or latest_ms over ---------> High
+//! ```
+//!
+//! The seat tells the mass. The crash itself does not: by the time that it must be decided, force and payout of a light occupant in a hard
+//! crash are those of a heavy one in a soft crash (docs/crash.md). The reading that counts is the one of the block in which the crash is
+//! sensed; it must be from `least_kg` to `most_kg`, or nobody is light.
+
+use crate::seam::block::{Gate, Orders};
+use crate::seam::config;
+use crate::seam::error::Error;
+use crate::seam::features;
+use crate::seam::mode::Mode;
+
+/// Webbing that must have come out under the force, counts of the encoder, where there is one: a force without it is a sensor that lies.
+const COUNTS: u32 = 2;
+
+/// How far the decision is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum State {
+    /// No crash; the force has been there for so many blocks, in which so many counts of webbing have come out.
+    Waiting { felt: u32, counts: u32 },
+    /// A crash, with so many blocks left to decide.
+    Deciding { left: u32 },
+    /// It stays HIGH.
+    High,
+    /// It stays LOW.
+    Low,
+}
+
+/// What the seat says of the occupant.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Class {
+    /// So light that the belt should pull less.
+    Light,
+    /// Anybody else.
+    Other,
+    /// The seat says nothing, or what cannot be.
+    Unknown,
+}
+
+/// The decision and what it goes by.
+#[derive(Clone, Debug)]
+pub struct Restraint {
+    _carried: features::Friction,
+    sensed_n: f32,
+    confirm_blocks: u32,
+    latest_blocks: u32,
+    latest_n: f32,
+    light_below_kg: f32,
+    plausible_kg: (f32, f32),
+    state: State,
+}
+
+impl Restraint {
+    /// Checks the settings.
+    pub fn build(restraint: &config::Restraint, block_s: f32) -> Result<Self, Error> {
+        let carried = features::friction()?;
+        restraint.check()?;
+        type Settings = config::Restraint;
+        Settings::LATEST_N.check_within(restraint.latest_n.into(), restraint.sensed_n.into(), f64::INFINITY)?;
+        let (least, most) = (restraint.least_kg, restraint.most_kg);
+        Settings::MOST_KG.check_within(most.into(), least.into(), f64::INFINITY)?;
+        Settings::LIGHT_BELOW_KG.check_within(restraint.light_below_kg.into(), least.into(), most.into())?;
+        let blocks = |ms: f32| (ms * 1e-3 / block_s) as u32;
+        Ok(Restraint {
+            _carried: carried,
+            sensed_n: restraint.sensed_n,
+            // The block that shows it counts.
+            confirm_blocks: blocks(restraint.confirm_ms).max(1),
+            latest_blocks: blocks(restraint.latest_ms),
+            latest_n: restraint.latest_n,
+            light_below_kg: restraint.light_below_kg,
+            plausible_kg: (least, most),
+            state: State::Waiting { felt: 0, counts: 0 },
+        })
+    }
+
+    /// Forgets a crash.
+    pub fn restart(&mut self) {
+        self.state = State::Waiting { felt: 0, counts: 0 };
+    }
+
+    /// What a torso mass that the seat has read, kg, makes of the occupant.
+    pub fn class(&self, torso_kg: Option<f32>) -> Class {
+        let (least, most) = self.plausible_kg;
+        match torso_kg {
+            Some(kg) if (least..=most).contains(&kg) && kg < self.light_below_kg => Class::Light,
+            Some(kg) if (least..=most).contains(&kg) => Class::Other,
+            _ => Class::Unknown,
+        }
+    }
+
+    /// Takes one block's readings, and puts the gate of the orders where the decision wants it.
+    ///
+    /// `force` is that of the belt, N, and `fresh` how many counts of webbing have come out in this block, both where there is a sensor.
+    pub fn decide(&mut self, orders: &Orders, force: Option<f32>, fresh: Option<u32>, mode: Mode) -> Orders {
+        if let State::Waiting { felt, counts } = self.state {
+            // A sensor that is not there, or says what is no number, shows no crash.
+            let (felt, counts) = match force {
+                Some(force) if force >= self.sensed_n => (felt.saturating_add(1), counts.saturating_add(fresh.unwrap_or(0))),
+                _ => (0, 0),
+            };
+            let comes_out = fresh.is_none() || counts >= COUNTS;
+            self.state = match self.class(orders.torso_kg) {
+                _ if felt < self.confirm_blocks || !comes_out => State::Waiting { felt, counts },
+                Class::Light => State::Deciding { left: self.latest_blocks },
+                Class::Other | Class::Unknown => State::High,
+            };
+        }
+        if let State::Deciding { left } = self.state {
+            // A force that is gone does not say that it is small.
+            let helps = force.is_some_and(|force| force < self.latest_n);
+            self.state = match (left.checked_sub(1), mode) {
+                (Some(_), Mode::Run) if helps => State::Low,
+                (Some(left), _) => State::Deciding { left },
+                (None, _) => State::High,
+            };
+        }
+        Orders { gate: if self.state == State::Low { Gate::On } else { Gate::Off }, ..*orders }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::seam::config;
+
+    const LIGHT: Option<f32> = Some(14.0);
+
+    /// Blocks of 1 ms: a crash is sensed at 300 N in the second block, and LOW may come in ten more, below 2500 N.
+    fn restraint() -> Restraint {
+        Restraint {
+            _carried: features::Carried,
+            sensed_n: 300.0,
+            confirm_blocks: 2,
+            latest_blocks: 10,
+            latest_n: 2500.0,
+            light_below_kg: 18.0,
+            plausible_kg: (5.0, 60.0),
+            state: State::Waiting { felt: 0, counts: 0 },
+        }
+    }
+
+    fn block(restraint: &mut Restraint, torso_kg: Option<f32>, force: Option<f32>, mode: Mode) -> Gate {
+        restraint.decide(&Orders { torso_kg, ..Orders::default() }, force, None, mode).gate
+    }
+
+    /// The gate over a run of forces.
+    fn gates(torso_kg: Option<f32>, forces: &[f32]) -> std::vec::Vec<Gate> {
+        let mut restraint = restraint();
+        forces.iter().map(|&force| block(&mut restraint, torso_kg, Some(force), Mode::Run)).collect()
+    }
+
+    #[test]
+    fn only_a_light_occupant_gets_low() {
+        let forces = [0.0, 299.0, 400.0, 600.0, 900.0, 0.0, 5000.0];
+        use Gate::{Off, On};
+        assert_eq!(gates(LIGHT, &forces), [Off, Off, Off, On, On, On, On], "once, and never back");
+        for other in [Some(18.0), Some(29.0), None, Some(f32::NAN), Some(-14.0), Some(4.9), Some(61.0), Some(f32::INFINITY)] {
+            assert_eq!(gates(other, &forces), [Off; 7], "{other:?}");
+        }
+    }
+
+    #[test]
+    fn what_does_not_last_is_no_crash() {
+        assert_eq!(gates(LIGHT, &[400.0, 0.0, 400.0, 0.0, 400.0, 299.0]), [Gate::Off; 6]);
+        assert_eq!(gates(LIGHT, &[f32::NAN; 6]), [Gate::Off; 6]);
+    }
+
+    /// A force channel that is stuck, over a belt that stands: no crash, until webbing comes out.
+    #[test]
+    fn a_force_over_a_belt_that_stands_is_no_crash() {
+        let mut restraint = restraint();
+        let orders = Orders { torso_kg: LIGHT, ..Orders::default() };
+        for (fresh, gate) in [(0, Gate::Off), (0, Gate::Off), (0, Gate::Off), (1, Gate::Off), (1, Gate::On), (0, Gate::On)] {
+            assert_eq!(restraint.decide(&orders, Some(900.0), Some(fresh), Mode::Run).gate, gate, "{fresh}");
+        }
+    }
+
+    #[test]
+    fn the_class_is_that_of_before_the_crash() {
+        let mut restraint = restraint();
+        for _ in 0..2 {
+            block(&mut restraint, None, Some(400.0), Mode::Run);
+        }
+        assert_eq!(block(&mut restraint, LIGHT, Some(400.0), Mode::Run), Gate::Off);
+    }
+
+    /// Nothing but a force that is known to be below the limit of LOW, and a drive that runs, lets LOW come late; and not for ever.
+    #[test]
+    fn low_comes_in_time_or_not_at_all() {
+        for (force, mode) in
+            [(Some(2500.0), Mode::Run), (None, Mode::Run), (Some(f32::NAN), Mode::Run), (Some(400.0), Mode::Lock)]
+        {
+            let after = |blocks: u32| {
+                let mut restraint = restraint();
+                block(&mut restraint, LIGHT, Some(400.0), Mode::Lock);
+                block(&mut restraint, LIGHT, Some(400.0), Mode::Lock);
+                (0..blocks).for_each(|_| assert_eq!(block(&mut restraint, LIGHT, force, mode), Gate::Off));
+                block(&mut restraint, LIGHT, Some(400.0), Mode::Run)
+            };
+            assert_eq!((after(8), after(9)), (Gate::On, Gate::Off), "{force:?} {mode:?}");
+        }
+    }
+
+    #[test]
+    fn settings_out_of_range_are_named() {
+        let build = |change: fn(&mut config::Restraint)| {
+            let mut restraint = config::Restraint::default();
+            change(&mut restraint);
+            match Restraint::build(&restraint, 32e-6) {
+                Err(Error::OutOfRange { parameter, .. }) => parameter,
+                _ => "",
+            }
+        };
+        assert_eq!(build(|_| ()), "");
+        assert_eq!(build(|restraint| restraint.sensed_n = f32::NAN), "restraint.sensed_n");
+        assert_eq!(build(|restraint| restraint.confirm_ms = -1.0), "restraint.confirm_ms");
+        assert_eq!(build(|restraint| restraint.latest_ms = 1e4), "restraint.latest_ms");
+        assert_eq!(build(|restraint| restraint.latest_n = 10.0), "restraint.latest_n");
+        assert_eq!(build(|restraint| restraint.light_below_kg = 100.0), "restraint.light_below_kg");
+        assert_eq!(build(|restraint| restraint.most_kg = 4.0), "restraint.most_kg");
+    }
+}

@@ -1,0 +1,285 @@
+//! The slow side: commands in, telemetry out, the enable pin, the emergency stop, the watchdog, and what is kept over power-off.
+//!
+//! Generic over embedded-hal, embedded-io and embedded-storage, and as slow as it likes to be: what must be fast is in the block task or in
+//! hardware. The board calls [`App::poll`] in a loop.
+//!
+//! * The enable pin is high only while the controller is driving or has just been told to, has no fault, and the emergency stop is
+//!   not pressed.
+//! * The emergency stop drops the enable pin here, without waiting for the controller, and orders a fault that stays. The pin stays
+//!   down until the controller has fallen silent, however short the press.
+//! * The watchdog is fed only while blocks keep coming: if the block stream dies, the board resets.
+//! * What a calibration has found is [kept](crate::board::settings). That waits until the drive is silent: an erase of the flash may stall the processor.
+//! * A host that is silent for longer than the patience while the drive is on is a fault that stays, like the emergency stop.
+//! * Nothing here waits for the link, but an ordered reset for its answer to leave. What is to be sent goes through a buffer; while a reply would not fit, no further command is
+//!   read, and telemetry that does not fit is left out.
+
+mod captures;
+mod host_watch;
+mod obey;
+mod outbox;
+
+use embedded_hal::digital::{InputPin, OutputPin};
+use embedded_io::{Read, ReadReady, Write, WriteReady};
+use embedded_storage::nor_flash::NorFlash;
+use heapless::spsc::{Consumer, Producer};
+
+use self::captures::Captures;
+use self::host_watch::HostWatch;
+use self::outbox::Outbox;
+use crate::board::command::{Converters, Reply, ResonanceReport};
+use crate::board::fault_log::FaultLog;
+use crate::board::keeper::Keeper;
+use crate::board::link::Receiver;
+use crate::board::power_up::PowerUp;
+use crate::board::queues::SlowEnds;
+use crate::board::settings::Settings;
+use crate::board::start::Start;
+use crate::seam::block::{Orders, Request};
+use crate::seam::mode::Mode;
+use crate::seam::refusal::Refusal;
+use crate::seam::telemetry::Telemetry;
+use crate::seam::transducer::{MOST_MODES, Resonance};
+
+/// A watchdog that resets the board unless it is fed in time. embedded-hal 1.0 has no such trait.
+pub trait Watchdog {
+    /// Starts the time anew.
+    fn feed(&mut self);
+
+    /// Resets the board at once, and leaves word that it was ordered. On a board it does not return.
+    fn reset(&mut self);
+}
+
+/// The board's peripherals that the slow side needs.
+pub struct Peripherals<L, E, S, W, F: NorFlash> {
+    /// The link to the host.
+    pub link: L,
+    /// Enables the power amplifier; high is on.
+    pub enable: E,
+    /// The emergency stop's contact; low is pressed, so that a broken wire stops.
+    pub stop: S,
+    /// The watchdog.
+    pub watchdog: W,
+    /// What is kept over power-off.
+    pub settings: Settings<F>,
+    /// What started the board.
+    pub start: Start,
+}
+
+/// The slow side.
+pub struct App<'a, L, E, S, W, F: NorFlash> {
+    peripherals: Peripherals<L, E, S, W, F>,
+    orders: Producer<'a, Orders>,
+    telemetry: Consumer<'a, Telemetry>,
+    captures: Captures<'a>,
+    keeper: Keeper<'a>,
+    receiver: Receiver,
+    outbox: Outbox,
+    latest: Orders,
+    /// The emergency stop was pressed, and the controller has not fallen silent since.
+    stopping: bool,
+    /// A press that the controller has not been told of yet.
+    unordered: bool,
+    seen: Option<Telemetry>,
+    telemetry_every: u32,
+    last_telemetry: u32,
+    telemetry_frames: u16,
+    /// What the telemetry has told of the last scan.
+    resonances: [Option<Resonance>; MOST_MODES],
+    converters: Converters,
+    /// What the controller is configured for.
+    switches_friction: bool,
+    restrains: bool,
+    faults: FaultLog,
+    host: HostWatch,
+    /// A reset is ordered, and its answer on its way.
+    resetting: bool,
+}
+
+/// A slow peripheral has failed; the drive is disabled.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum AppError {
+    /// A pin.
+    Pin,
+    /// The link.
+    Link,
+}
+
+impl<'a, L, E, S, W, F> App<'a, L, E, S, W, F>
+where
+    L: Read + ReadReady + Write + WriteReady,
+    E: OutputPin,
+    S: InputPin,
+    W: Watchdog,
+    F: NorFlash,
+{
+    /// A slow side at its ends of the queues, for what the board was started with.
+    ///
+    /// Drops the enable pin; if that fails, the first [`App::poll`] will say so.
+    pub fn new(mut peripherals: Peripherals<L, E, S, W, F>, ends: SlowEnds<'a>, power_up: &PowerUp) -> Self {
+        let _ = peripherals.enable.set_low();
+        let config = &power_up.config;
+        App {
+            peripherals,
+            orders: ends.orders,
+            telemetry: ends.reports,
+            captures: Captures::new(ends.wishes, ends.answers, ends.memory, config.lanes),
+            keeper: Keeper::new(ends.found, ends.taken, power_up),
+            receiver: Receiver::default(),
+            outbox: Outbox::default(),
+            latest: Orders::default(),
+            stopping: false,
+            unordered: false,
+            seen: None,
+            telemetry_every: 0,
+            last_telemetry: 0,
+            telemetry_frames: 0,
+            resonances: Default::default(),
+            faults: FaultLog::default(),
+            converters: Converters::of(config),
+            switches_friction: config.friction.is_some(),
+            restrains: config.restraint.is_some(),
+            host: HostWatch::new(config.link.patience_s, f32::from(config.block_samples) / config.sample_hz),
+            resetting: false,
+        }
+    }
+
+    /// One turn of the loop. An error has already dropped the enable pin, as far as that goes.
+    pub fn poll(&mut self) -> Result<(), AppError> {
+        let turn = self.turn();
+        if turn.is_err() {
+            let _ = self.peripherals.enable.set_low();
+        }
+        turn
+    }
+
+    /// Gives the peripherals back, as they are.
+    pub fn into_peripherals(self) -> Peripherals<L, E, S, W, F> {
+        self.peripherals
+    }
+
+    /// The report of the latest block.
+    pub fn latest(&self) -> Option<&Telemetry> {
+        self.seen.as_ref()
+    }
+
+    fn turn(&mut self) -> Result<(), AppError> {
+        let blocks_came = self.drain_telemetry();
+        self.watch_stop()?;
+        self.watch_host();
+        // Before the link: an order to forget comes after what was found.
+        self.keeper.keep(self.is_silent(), &mut self.peripherals.settings);
+        self.answer_capture();
+        self.obey_link()?;
+        self.report();
+        self.outbox.flush(&mut self.peripherals.link).map_err(|_| AppError::Link)?;
+        self.set_enable()?;
+        if blocks_came {
+            self.peripherals.watchdog.feed();
+        }
+        self.reset_if_ordered()
+    }
+
+    fn drain_telemetry(&mut self) -> bool {
+        let mut came = false;
+        while let Some(telemetry) = self.telemetry.dequeue() {
+            match telemetry.listed {
+                None => self.resonances = Default::default(),
+                Some(listed) => {
+                    // A longer or shorter list is another one.
+                    let (places, rest) = self.resonances.split_at_mut(usize::from(listed.of).min(MOST_MODES));
+                    rest.fill(None);
+                    places.get_mut(usize::from(listed.place)).into_iter().for_each(|place| *place = Some(listed.resonance));
+                }
+            }
+            self.faults.hear(&telemetry, self.seen.as_ref());
+            self.seen = Some(telemetry);
+            came = true;
+        }
+        came
+    }
+
+    fn resonances(&self) -> ResonanceReport {
+        let chosen = self.seen.and_then(|seen| seen.transducer).map(|transducer| transducer.chosen);
+        ResonanceReport { chosen, found: self.resonances }
+    }
+
+    fn drives(&self) -> bool {
+        self.seen.is_some_and(|seen| !matches!(seen.mode, Mode::Idle | Mode::Fault))
+    }
+
+    /// Whether the drive is silent and has not been told to be anything else.
+    fn is_silent(&self) -> bool {
+        self.seen.is_some_and(|seen| seen.orders_sequence == self.latest.sequence) && !self.drives()
+    }
+
+    fn watch_stop(&mut self) -> Result<(), AppError> {
+        let pressed = self.peripherals.stop.is_low().map_err(|_| AppError::Pin)?;
+        self.unordered |= pressed && !self.latest.emergency_stop;
+        self.stopping = pressed || self.unordered || (self.stopping && self.drives());
+        if self.stopping {
+            self.peripherals.enable.set_low().map_err(|_| AppError::Pin)?;
+        }
+        let stop = pressed || self.unordered;
+        if stop != self.latest.emergency_stop {
+            let sequence = self.latest.sequence.wrapping_add(1);
+            // If the queue is full this is tried again at the next turn; the enable pin is down already.
+            if self.order(Orders { sequence, emergency_stop: stop, clear_fault: false, ..self.latest }).is_ok() {
+                self.unordered = false;
+            }
+        }
+        Ok(())
+    }
+
+    fn set_enable(&mut self) -> Result<(), AppError> {
+        // An order to drive that the controller has not answered yet counts: the amplifier must be on before the first tone.
+        let ordered =
+            self.latest.request != Request::Idle && self.seen.is_none_or(|seen| seen.orders_sequence != self.latest.sequence);
+        let faulted = self.seen.is_some_and(|seen| seen.mode == Mode::Fault);
+        let on = (self.drives() || (ordered && !faulted)) && !self.stopping;
+        self.peripherals.enable.set_state(on.into()).map_err(|_| AppError::Pin)
+    }
+
+    /// Orders the fault of a host that is lost, and takes it back from one that is heard again.
+    fn watch_host(&mut self) {
+        let lost = self.host.is_lost(self.block(), self.drives());
+        if lost != self.latest.host_lost {
+            let sequence = self.latest.sequence.wrapping_add(1);
+            // If the queue is full this is tried again at the next turn.
+            let _ = self.order(Orders { sequence, host_lost: lost, clear_fault: false, ..self.latest });
+        }
+    }
+
+    /// The latest block that was heard of.
+    fn block(&self) -> u32 {
+        self.seen.as_ref().map_or(0, |seen| seen.block)
+    }
+
+    /// Resets once the answer has left.
+    fn reset_if_ordered(&mut self) -> Result<(), AppError> {
+        if self.resetting && self.outbox.is_empty() {
+            self.peripherals.link.flush().map_err(|_| AppError::Link)?;
+            self.peripherals.watchdog.reset();
+            // Where the part goes on all the same, so does the link.
+            self.resetting = false;
+        }
+        Ok(())
+    }
+
+    fn order(&mut self, orders: Orders) -> Result<(), Refusal> {
+        self.orders.enqueue(orders).map_err(|_| Refusal::Busy)?;
+        self.latest = orders;
+        Ok(())
+    }
+
+    fn report(&mut self) {
+        let Some(seen) = self.seen.filter(|_| self.telemetry_every > 0 && !self.resetting) else { return };
+        let passed = seen.block.wrapping_sub(self.last_telemetry);
+        if passed < self.telemetry_every || !self.outbox.has_room() {
+            return;
+        }
+        // Whole intervals, so that the rate holds on average however seldom anybody polls.
+        self.last_telemetry = self.last_telemetry.wrapping_add(passed - passed % self.telemetry_every);
+        self.telemetry_frames = self.telemetry_frames.wrapping_add(1);
+        self.outbox.send(self.telemetry_frames, Reply::Telemetry(seen));
+    }
+}

@@ -1,0 +1,97 @@
+//! What the slow side does with a command: its answer, and the orders that come of it.
+
+use embedded_hal::digital::{InputPin, OutputPin};
+use embedded_io::{Read, ReadReady, Write, WriteReady};
+use embedded_storage::nor_flash::NorFlash;
+
+use super::{App, AppError, Watchdog};
+use crate::board::command::{Command, Identity, Reply};
+use crate::board::link::{self, Frame, FrameError};
+use crate::seam::block::Orders;
+use crate::seam::refusal::Refusal;
+
+impl<'a, L, E, S, W, F> App<'a, L, E, S, W, F>
+where
+    L: Read + ReadReady + Write + WriteReady,
+    E: OutputPin,
+    S: InputPin,
+    W: Watchdog,
+    F: NorFlash,
+{
+    /// Obeys what the link has, while there is room for answers.
+    pub(super) fn obey_link(&mut self) -> Result<(), AppError> {
+        // One byte at a time: a frame that ends in this byte must find room for its reply.
+        while !self.resetting && self.outbox.has_room() && self.peripherals.link.read_ready().map_err(|_| AppError::Link)? {
+            let mut byte = [0];
+            if self.peripherals.link.read(&mut byte).map_err(|_| AppError::Link)? == 0 {
+                break;
+            }
+            if let Some(frame) = self.receiver.take::<Command>(byte[0]) {
+                let (sequence, reply) = match frame {
+                    Ok(frame) => (frame.sequence, self.obey(&frame)),
+                    Err(FrameError::Version(sequence)) => (sequence, Some(Reply::Nak(Refusal::Version))),
+                    Err(FrameError::Unknown(sequence)) => (sequence, Some(Reply::Nak(Refusal::Unknown))),
+                    Err(FrameError::TooLong | FrameError::Damaged) => (0, Some(Reply::Nak(Refusal::Damaged))),
+                };
+                if let Some(reply) = reply {
+                    self.outbox.send(sequence, reply);
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Obeys a command; `None` where its answer comes later.
+    fn obey(&mut self, frame: &Frame<Command>) -> Option<Reply> {
+        self.host.hear(self.block());
+        Some(match frame.body {
+            Command::Identify => {
+                Reply::Identity(Identity { protocol: link::VERSION, firmware: firmware_version(), converters: self.converters })
+            }
+            Command::TelemetryEvery(blocks) => {
+                self.telemetry_every = blocks;
+                // The first is due at once.
+                self.last_telemetry = self.block().wrapping_sub(blocks);
+                Reply::Ack
+            }
+            Command::Resonances => Reply::Resonances(self.resonances()),
+            Command::Settings(verb) => self.keeper.obey(verb, self.is_silent(), &mut self.peripherals.settings),
+            Command::Status => Reply::Status(self.seen),
+            Command::Faults(later) => Reply::Faults(self.faults.report(later, self.peripherals.start)),
+            Command::Reset if !self.is_silent() => Reply::Nak(Refusal::Driving),
+            Command::Reset => {
+                self.resetting = true;
+                Reply::Ack
+            }
+            Command::Capture(verb) => return self.captures.obey(frame.sequence, verb),
+            Command::Friction(Some(_)) if !self.switches_friction => Reply::Nak(Refusal::NotConfigured),
+            Command::Occupant(Some(_)) if !self.restrains => Reply::Nak(Refusal::NotConfigured),
+            command => self.obey_order(&command).map_or_else(Reply::Nak, |()| Reply::Ack),
+        })
+    }
+
+    /// Obeys what changes the orders, or says how long to wait for more of them.
+    fn obey_order(&mut self, command: &Command) -> Result<(), Refusal> {
+        let orders = command.applied_to(&self.latest)?;
+        if let Command::Patience(seconds) = *command {
+            self.host.set(seconds);
+        }
+        // Who orders is not lost.
+        orders.map_or(Ok(()), |orders| self.order(Orders { host_lost: false, ..orders }))
+    }
+
+    /// Sends what the recorder has answered, once there is room.
+    pub(super) fn answer_capture(&mut self) {
+        if self.outbox.has_room()
+            && let Some((sequence, reply)) = self.captures.answer()
+        {
+            self.outbox.send(sequence, reply);
+        }
+    }
+}
+
+/// The package's version, as numbers.
+fn firmware_version() -> [u8; 3] {
+    [env!("CARGO_PKG_VERSION_MAJOR"), env!("CARGO_PKG_VERSION_MINOR"), env!("CARGO_PKG_VERSION_PATCH")]
+        .map(|part| part.parse().unwrap_or(0))
+}

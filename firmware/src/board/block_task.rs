@@ -1,0 +1,63 @@
+//! The hot side's end of the queues: what a board's DMA interrupt calls.
+
+use heapless::spsc::{Consumer, Producer};
+
+use crate::board::capture::recorder::Recorder;
+use crate::board::queues::HotEnds;
+use crate::controller::Controller;
+use crate::seam::block::{DriveBlock, Orders, SenseBlock};
+use crate::seam::config::{Config, LaneTrims};
+use crate::seam::error::Error;
+use crate::seam::telemetry::Telemetry;
+
+/// The controller with its queues.
+pub struct BlockTask<'a> {
+    controller: &'a mut Controller,
+    orders: Consumer<'a, Orders>,
+    reports: Producer<'a, Telemetry>,
+    found: Producer<'a, LaneTrims>,
+    taken: Consumer<'a, LaneTrims>,
+    recorder: Recorder<'a>,
+    /// Calibrations that the slow side has been told of.
+    told: u32,
+    latest: Orders,
+}
+
+impl<'a> BlockTask<'a> {
+    /// Builds the controller in its place, and a task that takes orders and leaves reports, and what else goes between the two sides.
+    pub fn build(config: &Config, ends: HotEnds<'a>) -> Result<Self, Error> {
+        let HotEnds { place, orders, reports, found, taken, recorder } = ends;
+        let controller = Controller::build_in(place, config)?;
+        let told = controller.calibrations();
+        Ok(BlockTask { controller, orders, reports, found, taken, recorder, told, latest: Orders::default() })
+    }
+
+    /// A block of silence: what plays until the first call has returned.
+    pub fn silence(&self) -> DriveBlock {
+        self.controller.silence()
+    }
+
+    /// One block: the contract of [`Controller::process`]. Telemetry that the slow side has no room for is dropped; it sees the gap
+    /// in the block numbers.
+    pub fn run(&mut self, sense: &SenseBlock, drive: &mut DriveBlock) {
+        // One order a block, so that none is skipped: a clear followed by a run must both be seen.
+        if let Some(orders) = self.orders.dequeue() {
+            self.latest = orders;
+        }
+        if let Some(trims) = self.taken.dequeue() {
+            self.controller.trim(trims);
+        }
+        let telemetry = self.controller.process(&self.latest, sense, drive);
+        self.tell_of_calibration();
+        self.recorder.follow(sense, drive, &telemetry);
+        let _ = self.reports.enqueue(telemetry);
+    }
+
+    /// Leaves the trims of a calibration that has been completed; where there is no room yet, with a later block.
+    fn tell_of_calibration(&mut self) {
+        let completed = self.controller.calibrations();
+        if completed != self.told && self.found.enqueue(self.controller.calibration().clone()).is_ok() {
+            self.told = completed;
+        }
+    }
+}

@@ -1,0 +1,86 @@
+//! The memory of a capture: three rings of codes, and the blocks that are on their way to play.
+//!
+//! Blocks of [`PART`] samples, the usual ones, are copied whole to where they belong: three copies of a length and an alignment that are known
+//! when this is compiled. Others go sample by sample, which takes many times as long.
+
+use super::{PART, Part, SAMPLES};
+use crate::seam::block::{LATENCY_BLOCKS, MAX_BLOCK_SAMPLES};
+
+/// A ring of samples.
+type Ring = [u16; SAMPLES];
+
+/// Room for a capture, in the RAM of a board. It changes hands: the recorder has it while it records, and the slow side while it is read.
+#[repr(align(4))]
+pub struct Memory {
+    v: Ring,
+    i: Ring,
+    drive: Ring,
+    /// Codes that were returned and have not played yet.
+    coming: [[u16; MAX_BLOCK_SAMPLES]; LATENCY_BLOCKS],
+}
+
+impl Memory {
+    /// All zero.
+    pub const fn new() -> Self {
+        Memory { v: [0; SAMPLES], i: [0; SAMPLES], drive: [0; SAMPLES], coming: [[0; MAX_BLOCK_SAMPLES]; LATENCY_BLOCKS] }
+    }
+
+    /// Puts by codes that play two blocks later, in one of the two places of such blocks.
+    #[inline]
+    pub(super) fn put_by(&mut self, place: usize, codes: &[u16]) {
+        let Some(coming) = self.coming.get_mut(place) else { return };
+        if let (Ok(codes), Some(coming)) = (<&[u16; PART]>::try_from(codes), coming.first_chunk_mut::<PART>()) {
+            coming.copy_from_slice(codes);
+        } else {
+            coming.iter_mut().zip(codes).for_each(|(to, from)| *to = *from);
+        }
+    }
+
+    /// Takes a block of [`PART`] samples of voltage and current, and the codes that were put by in a place, to a place of the rings. Returns
+    /// whether it was one.
+    #[inline]
+    pub(super) fn take_block(&mut self, at: usize, v: &[u16], i: &[u16], coming: usize) -> bool {
+        let (Ok(v), Ok(i)) = (<&[u16; PART]>::try_from(v), <&[u16; PART]>::try_from(i)) else { return false };
+        let Some(coming) = self.coming.get(coming).filter(|_| at.is_multiple_of(PART)) else { return false };
+        put(&mut self.v, at, v);
+        put(&mut self.i, at, i);
+        coming.first_chunk().into_iter().for_each(|codes| put(&mut self.drive, at, codes));
+        true
+    }
+
+    /// The same of any samples, sample by sample.
+    #[inline(never)]
+    pub(super) fn take(&mut self, at: usize, v: &[u16], i: &[u16], coming: usize) {
+        write(&mut self.v, at, v);
+        write(&mut self.i, at, i);
+        let codes = self.coming.get(coming).and_then(|coming| coming.get(..v.len()));
+        write(&mut self.drive, at, codes.unwrap_or_default());
+    }
+
+    /// Part `number` of a capture whose first sample stands at `first`.
+    pub fn part(&self, first: usize, number: u16) -> Part {
+        let first = first + usize::from(number) * PART;
+        let read = |ring: &Ring| core::array::from_fn(|n| ring[(first + n) % SAMPLES]);
+        Part { part: number, v: read(&self.v), i: read(&self.i), drive: read(&self.drive) }
+    }
+}
+
+impl Default for Memory {
+    fn default() -> Self {
+        Memory::new()
+    }
+}
+
+/// Puts a whole part in its place.
+#[inline]
+fn put(ring: &mut Ring, at: usize, codes: &[u16; PART]) {
+    if let Some(place) = ring.as_chunks_mut::<PART>().0.get_mut(at / PART) {
+        place.copy_from_slice(codes);
+    }
+}
+
+/// Writes codes into a ring from a place on.
+fn write(ring: &mut Ring, at: usize, codes: &[u16]) {
+    let (before, after) = ring.split_at_mut(at.min(SAMPLES));
+    after.iter_mut().chain(before).zip(codes).for_each(|(to, from)| *to = *from);
+}

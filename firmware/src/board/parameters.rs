@@ -1,0 +1,150 @@
+//! Parameters: numbers of the configuration that a host may set, for the time after the next reset.
+//!
+//! They are the settings that have a key in their table in [`config`](crate::seam::config). Each has a key, which never changes its meaning, a name with its
+//! unit, and a range:
+//!
+//! | range | of | because |
+//! |---|---|---|
+//! | up to what is built in | limits | what a host sends can exceed none |
+//! | within a tenth of what is built in | scale factors of the front end | limits are judged by what they measure |
+//! | between two numbers | all others | |
+//!
+//! Whatever is set, the voltage and the current that the stack ends up with are thus within 11 % of what the image was built for (1 / 0.9), a power within
+//! 23 %. That a configuration holds together (a drive within its limit, a band within the loop's) is for
+//! [`build`](crate::controller::Controller::build) to say: see [`power_up`](crate::board::power_up).
+
+use serde::{Deserialize, Serialize};
+
+use crate::board::kept::Kept;
+use crate::seam::config::{Burst, Config, Drive, FrontEnd, Limits, Link, Parameter, Tracking};
+use crate::seam::refusal::Refusal;
+
+/// The most parameters that can be kept.
+pub const MOST_PARAMETERS: usize = 24;
+
+/// Parameters that differ from what is built in, by their keys.
+pub type Overrides = heapless::Vec<(u8, f32), MOST_PARAMETERS>;
+
+/// A value of each parameter, in the order of [`PARAMETERS`].
+pub type Values = [f32; PARAMETERS.len()];
+
+/// One parameter, reported.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ParameterReport {
+    /// Its key.
+    pub key: u8,
+    /// What acts.
+    pub acts: f32,
+    /// What is set: acts after a reset, if it has been stored.
+    pub next: f32,
+    /// What is built in.
+    pub built_in: f32,
+    /// The smallest value that can be set.
+    pub min: f32,
+    /// The largest; infinity is none.
+    pub max: f32,
+    /// What is kept over power-off, of all settings.
+    pub kept: Kept,
+}
+
+/// The place of a parameter in [`PARAMETERS`].
+pub fn place_of(key: u8) -> Result<usize, Refusal> {
+    PARAMETERS.iter().position(|parameter| parameter.key == key).ok_or(Refusal::NoSuchKey)
+}
+
+/// All parameters of a configuration.
+pub fn values_of(config: &Config) -> Values {
+    core::array::from_fn(|place| (PARAMETERS[place].read)(config))
+}
+
+/// Those that differ from what is built in.
+pub fn overrides(values: &Values, built_in: &Values) -> Overrides {
+    let differing = PARAMETERS.iter().zip(values.iter().zip(built_in)).filter(|(_, (value, built_in))| value != built_in);
+    differing.map(|(parameter, (&value, _))| (parameter.key, value)).collect()
+}
+
+/// What is built in with overrides on top, and whether all of them could be used: one that nobody knows, or that is out of its range, is not.
+///
+/// A limit that is out of its range is the nearest that it can be, and one that cannot be read is the lowest: it is never what is built in
+/// because something lower was stored.
+pub fn overridden(overrides: &Overrides, built_in: &Values) -> (Values, bool) {
+    let (mut values, mut all) = (*built_in, true);
+    for &(key, value) in overrides {
+        let Ok(place) = place_of(key) else {
+            all = false;
+            continue;
+        };
+        let parameter = &PARAMETERS[place];
+        let usable = parameter.check(value, built_in[place]).is_ok();
+        all &= usable;
+        if parameter.is_limit() {
+            let (least, most) = parameter.range.of(built_in[place]);
+            // A not-a-number is below all.
+            let nearest = if value > least { value.min(most) } else { least };
+            // Of two that contradict each other the lower one.
+            values[place] = values[place].min(if usable { value } else { nearest });
+        } else if usable {
+            values[place] = value;
+        }
+    }
+    (values, all)
+}
+
+/// Writes what differs from what is built in into a configuration: those parameters whose places `acts` has.
+pub fn apply(config: &mut Config, values: &Values, built_in: &Values, acts: impl Fn(usize) -> bool) {
+    for (place, parameter) in PARAMETERS.iter().enumerate().filter(|(place, _)| acts(*place)) {
+        if values[place] != built_in[place] {
+            (parameter.write)(config, values[place]);
+        }
+    }
+}
+
+/// The tables of settings that have parameters.
+const TABLES: &[&[Parameter]] = &[
+    FrontEnd::PARAMETERS,
+    Drive::PARAMETERS,
+    Drive::OTHERS,
+    Limits::PARAMETERS,
+    Tracking::PARAMETERS,
+    Burst::PERIOD,
+    Burst::PARAMETERS,
+    Link::PARAMETERS,
+];
+
+const COUNT: usize = {
+    let (mut count, mut table) = (0, 0);
+    while table < TABLES.len() {
+        count += TABLES[table].len();
+        table += 1;
+    }
+    assert!(count <= MOST_PARAMETERS);
+    count
+};
+
+/// All parameters, by rising keys. A key is never used again for something else.
+pub static PARAMETERS: [Parameter; COUNT] = by_key();
+
+/// The parameters of all tables, each put in its place as it comes.
+const fn by_key() -> [Parameter; COUNT] {
+    let mut all = [TABLES[0][0]; COUNT];
+    let (mut count, mut table) = (0, 0);
+    while table < TABLES.len() {
+        let mut entry = 0;
+        while entry < TABLES[table].len() {
+            let parameter = TABLES[table][entry];
+            let mut place = count;
+            while place > 0 && all[place - 1].key > parameter.key {
+                all[place] = all[place - 1];
+                place -= 1;
+            }
+            all[place] = parameter;
+            count += 1;
+            entry += 1;
+        }
+        table += 1;
+    }
+    all
+}
+
+#[cfg(test)]
+pub(crate) mod tests;

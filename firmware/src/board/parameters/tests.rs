@@ -1,0 +1,192 @@
+//! Parameters: keys, ranges, and that what is written is read.
+
+use super::*;
+use crate::controller::Controller;
+use crate::seam::block::Amplitude;
+use crate::seam::config::{
+    Burst, Drive, FrontEnd, Limits, Link, Phasing, Range, Schedule, Sweep, Thermometer, Tracking, TrackingMode,
+};
+use crate::seam::error::Error;
+
+/// A configuration of one lane that builds.
+pub(crate) fn config() -> Config {
+    Config {
+        sample_hz: 1e6,
+        block_samples: 32,
+        lanes: 1,
+        front_end: FrontEnd {
+            volt_per_lsb: 0.005,
+            ampere_per_lsb: 0.001,
+            sense_mid_code: 4096,
+            sense_max_code: 8190,
+            drive_volt_per_lsb: 0.008,
+            drive_mid_code: 2048,
+            drive_max_code: 4095,
+            drive_lanes: 4,
+            metre_per_count: None,
+            force_hz: None,
+        },
+        drive: Drive::sine(40e3, Amplitude::Volts(3.0), 1.0),
+        sweep: Sweep::Hold,
+        phasing: Phasing::default(),
+        burst: Burst::default(),
+        tracking: Tracking { mode: TrackingMode::PhaseLock, span: 0.05, bandwidth_hz: 100.0, ..Tracking::new(50.0, 300e-9) },
+        thermometer: Thermometer::default(),
+        limits: Limits::default(),
+        friction: None,
+        restraint: None,
+        link: Link::default(),
+    }
+}
+
+/// A value that differs from what is built in and builds.
+fn another(parameter: &Parameter, built_in: f32) -> f32 {
+    match parameter.name {
+        "limits.power_w" | "limits.on_time_s" => 7.0,
+        "drive.amplitude_v" => 2.0,
+        "drive.motional_current_a" => 0.25,
+        "burst.period_s" => 0.01,
+        "burst.duty" => 0.25,
+        "link.patience_s" => 2.5,
+        _ => 0.95 * built_in,
+    }
+}
+
+#[test]
+fn keys_and_names_are_told_apart_and_zero_is_no_key() {
+    for (place, parameter) in PARAMETERS.iter().enumerate() {
+        assert_eq!(place_of(parameter.key), Ok(place), "{}", parameter.name);
+        assert!(parameter.key != 0 && PARAMETERS[..place].iter().all(|other| other.name != parameter.name), "{}", parameter.name);
+    }
+    assert!(PARAMETERS.len() <= MOST_PARAMETERS);
+    assert_eq!([0, 22, 255].map(place_of), [Err(Refusal::NoSuchKey); 3]);
+}
+
+#[test]
+fn a_key_never_changes_its_meaning() {
+    let known = [(1, "front_end.volt_per_lsb"), (9, "limits.current_a"), (16, "tracking.nominal_c0_f"), (21, "link.patience_s")];
+    for (key, name) in known {
+        assert_eq!(PARAMETERS[place_of(key).unwrap()].name, name);
+    }
+}
+
+#[test]
+fn what_is_written_is_read_and_builds_and_nothing_else_moves() {
+    let built_in = values_of(&config());
+    for (place, parameter) in PARAMETERS.iter().enumerate() {
+        // A limit of energy needs a belt, and a duty a period.
+        if parameter.name == "limits.energy_j_per_m" {
+            continue;
+        }
+        let mut config = config();
+        if parameter.name == "burst.duty" {
+            config.burst.schedule = Schedule::Periodic { period_s: 0.01, duty: 0.5 };
+        }
+        let before = values_of(&config);
+        let value = another(parameter, built_in[place]);
+        assert_eq!(parameter.check(value, built_in[place]), Ok(()), "{}", parameter.name);
+        (parameter.write)(&mut config, value);
+        let values = values_of(&config);
+        assert_eq!(values[place], value, "{}", parameter.name);
+        assert!(Controller::build(&config).is_ok(), "{}", parameter.name);
+        let moved = |other: &usize| values[*other] != before[*other] && *other != place;
+        let others: std::vec::Vec<&str> = (0..PARAMETERS.len()).filter(moved).map(|other| PARAMETERS[other].name).collect();
+        // The amplitude is of one kind.
+        let expected: &[&str] = if parameter.name == "drive.motional_current_a" { &["drive.amplitude_v"] } else { &[] };
+        assert_eq!(others, expected, "{}", parameter.name);
+    }
+}
+
+#[test]
+fn the_build_refuses_by_name_what_is_out_of_range() {
+    let built_in = values_of(&config());
+    for (place, parameter) in PARAMETERS.iter().enumerate() {
+        let (Range::Within(least, most) | Range::UpToBuiltIn(least, most)) = parameter.range else { continue };
+        for value in [least - 1.0, 2.0 * most, f32::NAN] {
+            let mut config = config();
+            // A duty needs a period, and where there is none, it is that of a drive that is always on.
+            config.burst.schedule = Schedule::Periodic { period_s: 0.01, duty: 0.5 };
+            (parameter.write)(&mut config, value);
+            if (parameter.read)(&config) == built_in[place] {
+                continue;
+            }
+            let refused = Controller::check(&config).err();
+            let named = matches!(refused, Some(Error::OutOfRange { parameter: name, .. }) if name == parameter.name);
+            assert!(named || (parameter.read)(&config) == f32::INFINITY, "{} = {value}: {refused:?}", parameter.name);
+        }
+    }
+}
+
+#[test]
+fn a_limit_is_lowered_and_never_raised_and_a_scale_moves_by_a_tenth() {
+    let built_in = values_of(&config());
+    let with = |name: &str, value: f32| {
+        let place = PARAMETERS.iter().position(|parameter| parameter.name == name).expect("a parameter");
+        PARAMETERS[place].check(value, built_in[place])
+    };
+    let mut limits = 0;
+    for (parameter, built_in) in PARAMETERS.iter().zip(built_in).filter(|(parameter, _)| parameter.name.starts_with("limits.")) {
+        limits += 1;
+        let least = parameter.range.of(built_in).0;
+        assert_eq!([least, built_in].map(|value| parameter.check(value, built_in)), [Ok(()); 2], "{}", parameter.name);
+        let wrong = [least - 1e-6, -1.0, f32::NEG_INFINITY].map(|value| parameter.check(value, built_in));
+        assert_eq!(wrong, [Err(Refusal::OutOfRange); 3], "{}", parameter.name);
+        if built_in.is_finite() {
+            let more = [built_in * 1.001, f32::INFINITY].map(|value| parameter.check(value, built_in));
+            assert_eq!(more, [Err(Refusal::OutOfRange); 2], "{}", parameter.name);
+        }
+    }
+    assert_eq!(limits, 7);
+    assert_eq!([0.0046, 0.0054].map(|value| with("front_end.volt_per_lsb", value)), [Ok(()); 2]);
+    assert_eq!([0.0044, 0.0056, 0.0].map(|value| with("front_end.volt_per_lsb", value)), [Err(Refusal::OutOfRange); 3]);
+    assert_eq!([0.0, 1.0, 3600.0].map(|value| with("link.patience_s", value)), [Ok(()); 3]);
+    assert_eq!([-1.0, 3601.0, f32::INFINITY].map(|value| with("link.patience_s", value)), [Err(Refusal::OutOfRange); 3]);
+    assert!(
+        PARAMETERS
+            .iter()
+            .zip(built_in)
+            .all(|(parameter, built_in)| parameter.check(f32::NAN, built_in) == Err(Refusal::NotPlausible))
+    );
+}
+
+#[test]
+fn only_what_differs_is_kept_and_what_cannot_be_is_left_out() {
+    let built_in = values_of(&config());
+    assert!(overrides(&built_in, &built_in).is_empty());
+    let mut values = built_in;
+    (values[7], values[20]) = (2.0, 1.5);
+    let kept = overrides(&values, &built_in);
+    assert_eq!(kept, [(8, 2.0), (21, 1.5)]);
+    assert_eq!(overridden(&kept, &built_in), (values, true));
+    for wrong in [(8, 1000.0), (21, f32::NAN), (21, f32::INFINITY), (0, 1.0), (99, 1.0)] {
+        let mut kept = kept.clone();
+        kept.retain(|(key, _)| *key != wrong.0);
+        let expected = overridden(&kept, &built_in).0;
+        kept.push(wrong).unwrap();
+        assert_eq!(overridden(&kept, &built_in), (expected, false), "{wrong:?}");
+    }
+    // A limit that cannot be is the nearest that can; of two the lower one.
+    for (wrong, limit) in
+        [(f32::NAN, 1e-3), (-1.0, 1e-3), (f32::NEG_INFINITY, 1e-3), (0.0, 1e-3), (1000.0, 15.466), (f32::INFINITY, 15.466)]
+    {
+        let (values, all) = overridden(&Overrides::from_iter([(8, wrong)]), &built_in);
+        assert_eq!((values[7], all), (limit, false), "{wrong}");
+    }
+    assert_eq!(overridden(&Overrides::from_iter([(8, 2.0), (8, 3.0)]), &built_in).0[7], 2.0);
+    assert_eq!(overridden(&Overrides::from_iter([(10, f32::INFINITY)]), &built_in), (built_in, true));
+    assert_eq!(
+        overridden(&Overrides::from_iter([(10, 2e5)]), &built_in),
+        (
+            {
+                let mut values = built_in;
+                values[9] = 1e5;
+                values
+            },
+            false
+        )
+    );
+    let mut config = config();
+    apply(&mut config, &values, &built_in, |_| true);
+    assert_eq!((config.limits.voltage_v, config.link.patience_s), (2.0, 1.5));
+    assert_eq!(config.burst.schedule, Schedule::Continuous);
+}

@@ -1,0 +1,194 @@
+//! What is kept: its form on the flash, and what becomes of what another version has left.
+
+use embedded_storage::nor_flash::{NorFlashError, NorFlashErrorKind, ReadNorFlash};
+use heapless::spsc::Queue;
+
+use super::*;
+use crate::board::command::{Reply, Verb};
+use crate::board::keeper::Keeper;
+use crate::board::parameters::MOST_PARAMETERS;
+use crate::board::power_up::PowerUp;
+use crate::seam::config::{Trim, TrimPoint};
+use crate::seam::refusal::Refusal;
+
+fn value<T: Serialize>(version: u8, number: u32, value: &T) -> std::vec::Vec<u8> {
+    let mut buffer = [0; LONGEST];
+    let body = postcard::to_slice(value, &mut buffer).unwrap();
+    [&[version], &number.to_le_bytes()[..], body].concat()
+}
+
+/// Number, record, and what it is.
+fn parse(bytes: &[u8]) -> Option<(u32, Record, Kept)> {
+    look(bytes, &[]).map(|found| (found.number, decode(bytes).unwrap_or_default(), found.kept))
+}
+
+fn longest() -> Record {
+    Record {
+        trims: (0..5).map(|n| TrimPoint { hz: 40e3 + n as f32, lanes: [Trim { phase_turns: -0.1, gain: 0.9 }; 4] }).collect(),
+        parameters: (0..MOST_PARAMETERS as u8).map(|key| (key + 200, 1.0 / f32::from(key + 1))).collect(),
+    }
+}
+
+#[test]
+fn the_longest_value_fits_and_reads_back() {
+    let bytes = value(VERSION, 7, &longest());
+    // Its key before it, and words of 32 bytes.
+    assert!(bytes.len() + 1 + 32 <= LONGEST, "{}", bytes.len());
+    let found = parse(&bytes).unwrap();
+    assert_eq!(found, (7, longest(), Kept::Stored));
+}
+
+#[test]
+fn lane_trims_alone_are_read_as_such() {
+    let trims = longest().trims;
+    let found = parse(&value(TRIMS_ALONE, 7, &trims)).unwrap();
+    assert_eq!(found, (7, Record { trims, parameters: Overrides::new() }, Kept::Stored));
+}
+
+#[test]
+fn another_version_is_named_and_not_read() {
+    let found = parse(&value(VERSION + 1, 9, &longest())).unwrap();
+    assert_eq!(found, (9, Record::default(), Kept::Version(VERSION + 1)));
+    // Nor is what was kept before it taken for what is kept now.
+    let found = look(&value(VERSION + 1, 9, &longest()), &[]).unwrap();
+    let before = look(&value(VERSION, 8, &longest()), &[]).unwrap();
+    assert!(found.is_newer_than(&before) && !before.is_newer_than(&found));
+}
+
+#[test]
+fn what_is_cut_short_is_damaged() {
+    for bytes in [value(VERSION, 7, &longest()), value(TRIMS_ALONE, 7, &longest().trims)] {
+        assert!((0..bytes.len()).all(|length| look(&bytes[..length], &[]).is_none()));
+    }
+}
+
+#[test]
+fn numbers_come_round_and_what_cannot_be_read_is_older_than_what_can() {
+    let found = |number, kept| Found { number, kept, same: false };
+    let rows = [
+        found(0, Kept::Nothing),
+        found(0, Kept::Damaged),
+        found(u32::MAX - 1, Kept::Stored),
+        found(u32::MAX, Kept::Version(3)),
+        found(0, Kept::Stored),
+    ];
+    for (n, newer) in rows.iter().enumerate() {
+        assert!(rows[..n].iter().all(|older| newer.is_newer_than(older) && !older.is_newer_than(newer)), "{n}");
+    }
+}
+
+/// A flash of four pages that forgets nothing but what is erased.
+struct Ram([u8; 4 * 1024]);
+
+#[derive(Debug)]
+struct Beyond;
+
+impl NorFlashError for Beyond {
+    fn kind(&self) -> NorFlashErrorKind {
+        NorFlashErrorKind::OutOfBounds
+    }
+}
+
+impl ErrorType for Ram {
+    type Error = Beyond;
+}
+
+impl ReadNorFlash for Ram {
+    const READ_SIZE: usize = 1;
+
+    fn read(&mut self, offset: u32, bytes: &mut [u8]) -> Result<(), Beyond> {
+        bytes.copy_from_slice(self.0.get(offset as usize..offset as usize + bytes.len()).ok_or(Beyond)?);
+        Ok(())
+    }
+
+    fn capacity(&self) -> usize {
+        self.0.len()
+    }
+}
+
+impl NorFlash for Ram {
+    const WRITE_SIZE: usize = 8;
+    const ERASE_SIZE: usize = 1024;
+
+    fn erase(&mut self, from: u32, to: u32) -> Result<(), Beyond> {
+        self.0.get_mut(from as usize..to as usize).ok_or(Beyond)?.fill(0xFF);
+        Ok(())
+    }
+
+    fn write(&mut self, offset: u32, bytes: &[u8]) -> Result<(), Beyond> {
+        self.0.get_mut(offset as usize..offset as usize + bytes.len()).ok_or(Beyond)?.copy_from_slice(bytes);
+        Ok(())
+    }
+}
+
+/// A store in which this value has been left by another firmware.
+fn left_by_another(version: u8, record: &impl Serialize) -> Settings<Ram> {
+    let mut settings = Settings::new(Ram([0xFF; 4096])).unwrap();
+    settings.write(1, &value(version, 1, record)).unwrap();
+    settings
+}
+
+#[test]
+fn lane_trims_alone_are_read_and_written_over_by_a_whole_record() {
+    let trims = longest().trims;
+    let mut settings = left_by_another(TRIMS_ALONE, &trims);
+    assert_eq!(settings.record(), (Record { trims, parameters: Overrides::new() }, Kept::Stored));
+    settings.store(&longest()).unwrap();
+    assert_eq!(settings.record(), (longest(), Kept::Stored));
+}
+
+/// A keeper of a board that was started with these settings, and what it makes of a calibration and of orders.
+fn with_keeper(settings: &mut Settings<Ram>, act: impl FnOnce(&mut Keeper, &mut Settings<Ram>)) {
+    let config = crate::board::parameters::tests::config();
+    let power_up = PowerUp::read(&config, settings);
+    let (mut found, mut taken): (Queue<LaneTrims, 2>, Queue<LaneTrims, 2>) = (Queue::new(), Queue::new());
+    let (mut found_in, found_out) = found.split();
+    let mut keeper = Keeper::new(found_out, taken.split().0, &power_up);
+    found_in.enqueue(longest().trims).unwrap();
+    act(&mut keeper, settings);
+}
+
+fn kept(keeper: &mut Keeper, settings: &mut Settings<Ram>) -> Kept {
+    match keeper.obey(Verb::Trims(0), true, settings) {
+        Reply::Settings(report) => report.kept,
+        other => panic!("{other:?}"),
+    }
+}
+
+#[test]
+fn what_another_version_has_left_stays_until_it_is_ordered_away() {
+    for verb in [Verb::Store, Verb::Clear] {
+        let mut settings = left_by_another(VERSION + 1, &longest());
+        let before = settings.flash.0;
+        with_keeper(&mut settings, |keeper, settings| {
+            assert_eq!(kept(keeper, settings), Kept::Version(VERSION + 1));
+            // What a calibration finds acts, and is not written.
+            keeper.keep(true, settings);
+            assert_eq!(keeper.obey(Verb::Set(5, 2.0), true, settings), Reply::Ack);
+            assert_eq!(keeper.obey(Verb::Defaults, true, settings), Reply::Ack);
+            assert_eq!((kept(keeper, settings), settings.flash.0 == before), (Kept::Version(VERSION + 1), true));
+            assert_eq!(keeper.obey(verb, true, settings), Reply::Ack);
+            assert_eq!(kept(keeper, settings), Kept::Nothing);
+        });
+        assert_eq!(settings.record(), (Record::default(), Kept::Nothing), "{verb:?}");
+    }
+}
+
+#[test]
+fn a_calibration_is_kept_beside_the_parameters_that_are_kept_not_those_that_are_set() {
+    let mut settings = Settings::new(Ram([0xFF; 4096])).unwrap();
+    let parameters = Overrides::from_iter([(5, 2.0), (99, 1.0)]);
+    settings.store(&Record { trims: LaneTrims::new(), parameters: parameters.clone() }).unwrap();
+    with_keeper(&mut settings, |keeper, settings| {
+        assert_eq!(keeper.obey(Verb::Set(5, 1.0), true, settings), Reply::Ack);
+        keeper.keep(false, settings);
+        assert_eq!(kept(keeper, settings), Kept::Due);
+        keeper.keep(true, settings);
+        assert_eq!(settings.record(), (Record { trims: longest().trims, parameters }, Kept::Stored));
+        assert_eq!(keeper.obey(Verb::Store, false, settings), Reply::Nak(Refusal::Driving));
+        assert_eq!(keeper.obey(Verb::Store, true, settings), Reply::Ack);
+    });
+    // What nobody knows is not kept by an order.
+    let expected = Record { trims: longest().trims, parameters: Overrides::from_iter([(5, 1.0)]) };
+    assert_eq!(settings.record(), (expected, Kept::Stored));
+}

@@ -1,0 +1,11 @@
+//! What runs before the drive can follow the resonance: self-test, scan and identification of the transducer, measurement of its clamped branch, and
+//! calibration of the drive lanes.
+//!
+//! Each takes measured blocks and answers with the [step](crate::generate::step::Step) to play next. This layer depends on
+//! [`seam`](crate::seam), [`generate`](crate::generate) and [`sense`](crate::sense).
+
+pub mod calibrate;
+pub mod clamped;
+pub mod identify;
+pub mod scan;
+pub mod self_test;

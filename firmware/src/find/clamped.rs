@@ -1,0 +1,255 @@
+//! The clamped branch at power-on, from tones beside the resonance: before anything has rung up, whatever the resonance is.
+//!
+//! What a tracker must know before it starts is the clamped branch `Y0` and the direction of the motional admittance, both as the converters
+//! see them. A clamped capacitance that is wrong by `e`, and a sensing chain that turns by `a` more than was thought, move the lock point by
+//!
+//! ```text
+//! df = fs / (2 Q) (e / M + a),    M = 1 / (w C0 Rm)
+//! ```
+//!
+//! which at 40 kHz and C0 / Cm = 15 is 7.5 Hz per % and 2.5 Hz per 10 ns at Q 20, 0.7 Hz and 0.8 Hz at Q 65.
+//!
+//! Eight tones, four on each side of the window in which the resonance may be, each of 200 periods. The stack hears each tone rise and fall; what
+//! its start leaves ringing at the resonance is beside the tone, and a Hann window over the tone does not see it: nothing waits for a ring-down,
+//! whatever Q is. A [model] of the whole admittance is then [fitted](mod@fit), one admittance a block, while the drive is silent.
+//!
+//! What images of the DAC add to C0 changes with the frequency; between both sides it is right at the resonance. A second resonance that one
+//! cannot explain is fitted as such; what then is left makes the stated deviations larger.
+
+pub mod fit;
+pub mod model;
+pub mod online;
+pub mod reading;
+pub mod triangle;
+
+use crate::find::clamped::fit::{Fit, MAX_POINTS, Point, Solution};
+pub use crate::find::clamped::reading::{Clamped, Measured};
+use crate::generate::shape::sine;
+use crate::generate::step::Step;
+use crate::seam::block::LATENCY_BLOCKS;
+use crate::seam::config::Config;
+use crate::seam::fault::Fault;
+use crate::seam::phasor::Phasor;
+use crate::sense::demod::Sensed;
+
+const TAU: f32 = core::f32::consts::TAU;
+
+/// Distance of the nearest tones from the window's end, and of the others from the nearest, below and above; relative to the nominal frequency.
+/// Nearest first: what a tone leaves ringing is then the least at the end. Above there is room for a second resonance at +7 %.
+const NEAREST: f32 = 0.0213;
+const BELOW: [f32; 4] = [0.0, 0.0279, 0.0713, 0.1297];
+const ABOVE: [f32; 4] = [0.0, 0.0717, 0.1131, 0.1711];
+/// The highest tone, as a part of the sample rate.
+const HIGHEST: f32 = 0.4;
+/// Periods of a tone, and the part of them in which it rises, and in which it falls.
+const TONE_PERIODS: f32 = 200.0;
+const EDGE: f32 = 0.2;
+/// Least noise of a sense channel that is reckoned with, codes squared: one code of each of two conversions.
+const LEAST_NOISE: f32 = 2.25;
+/// What the model leaves at best, relative to the clamped susceptance: ringing, rounding.
+const FLOOR: f32 = 3e-4;
+/// How far the capacitance may be from what was told.
+const CAPACITANCE_SHIFT: f32 = 0.2;
+/// Smallest Q, relative to the nominal one, which may be wrong by two. A crack leaves a fifth.
+const SMALLEST_Q: f32 = 0.4;
+/// Rms of what two resonances leave, in standard deviations, beyond which the transducer is not one that could be tracked. Healthy ones leave 4 at most.
+const LARGEST_MISFIT: f32 = 20.0;
+/// Deviation of the motional phase at the lock point, rad, beyond which there is nothing to lock to. Healthy transducers leave 2e-3 at most.
+const LARGEST_TURN: f32 = 0.1;
+/// Deviations of the strength of the resonance that it must have: noise alone makes one of four.
+const SIGNIFICANT: f32 = 10.0;
+/// Deviations that a judgement leaves room for.
+const SIGMAS: f32 = 3.0;
+/// A second resonance that is as near as this to the first, and this strong, relative to the first, is the company of a crack.
+const CRACK: (f32, f32) = (0.035, 0.1);
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Stage {
+    Tones,
+    Fit,
+    Judge,
+    Tell,
+    Over,
+}
+
+/// The calibration, in progress.
+#[derive(Clone, Debug)]
+pub struct PowerOn {
+    nominal_hz: f32,
+    nominal_c0_f: f32,
+    nominal_q: f32,
+    /// Where the resonance may be, relative to the nominal frequency, with what the estimate may be off by.
+    window: f32,
+    volts: f32,
+    /// Variance of a current and of a voltage, relative to what the scan voltage makes, of one part of a block's phasor.
+    noise: (f32, f32),
+    /// What the scan voltage drives through the clamped capacitance as told, A.
+    amperes: f32,
+    offsets: [f32; MAX_POINTS],
+    tone_blocks: u32,
+    stage: Stage,
+    block: u32,
+    iv: Phasor,
+    vv: f32,
+    fit: Fit,
+    verdict: Option<Result<Clamped, Fault>>,
+    /// A transducer that looks like none, or like a broken one, is measured once more: a resonance that comes back in the middle of the
+    /// measurement makes it look so.
+    twice: bool,
+}
+
+impl PowerOn {
+    /// A calibration by the configured drive and window, which the scan has checked.
+    pub fn build(config: &Config) -> Self {
+        let (drive, tracking) = (&config.drive, &config.tracking);
+        let susceptance = TAU * drive.frequency_hz * tracking.nominal_c0_f;
+        let block_periods = drive.frequency_hz * f32::from(config.block_samples) / config.sample_hz;
+        let nearest = tracking.span + NEAREST;
+        let square = |x: f32| x * x;
+        let per_block = LEAST_NOISE / f32::from(config.block_samples);
+        let highest = HIGHEST * config.sample_hz / drive.frequency_hz - 1.0;
+        PowerOn {
+            nominal_hz: drive.frequency_hz,
+            nominal_c0_f: tracking.nominal_c0_f,
+            nominal_q: tracking.nominal_q,
+            window: tracking.span + 0.5 * NEAREST,
+            volts: drive.scan_volts,
+            noise: (
+                per_block * square(config.front_end.ampere_per_lsb / (drive.scan_volts * susceptance)),
+                per_block * square(config.front_end.volt_per_lsb / drive.scan_volts),
+            ),
+            amperes: drive.scan_volts * susceptance,
+            // Below and above in turns.
+            offsets: core::array::from_fn(|n| match n % 2 {
+                0 => -nearest - BELOW[n / 2],
+                _ => (nearest + ABOVE[n / 2]).min(highest),
+            }),
+            tone_blocks: (TONE_PERIODS / block_periods) as u32 + 1,
+            stage: Stage::Tones,
+            block: 0,
+            iv: Phasor::default(),
+            vv: 0.0,
+            fit: Fit::new(1.0 / tracking.nominal_q),
+            verdict: None,
+            twice: false,
+        }
+    }
+
+    /// Begins for a resonance that was lost: what looks like none, or like a broken one, is measured once more.
+    pub fn begin_twice(&mut self) {
+        self.restart();
+        self.twice = true;
+    }
+
+    /// Begins again.
+    pub fn restart(&mut self) {
+        self.twice = false;
+        (self.stage, self.block) = (Stage::Tones, 0);
+        (self.iv, self.vv) = (Phasor::default(), 0.0);
+        self.fit = Fit::new(1.0 / self.nominal_q);
+    }
+
+    /// Takes the variances of the phasors of a block's voltage and current by noise, both components, V² and A².
+    pub fn set_noise(&mut self, v: f32, i: f32) {
+        let (i, v) = (0.5 * i / (self.amperes * self.amperes), 0.5 * v / (self.volts * self.volts));
+        self.noise = (self.noise.0.max(i), self.noise.1.max(v));
+    }
+
+    /// The clamped branch, once it is measured: from the last silent block on.
+    pub fn found(&self) -> Option<&Clamped> {
+        let told = self.stage == Stage::Over;
+        self.verdict.as_ref().filter(|_| told).and_then(|verdict| verdict.as_ref().ok())
+    }
+
+    /// Takes the phasors of the block just heard and says what to do next.
+    pub fn listen(&mut self, sensed: &Sensed) -> Step {
+        match self.stage {
+            Stage::Tones => {
+                if let Some(block) = self.block.checked_sub(LATENCY_BLOCKS as u32) {
+                    self.hear(block, sensed);
+                }
+                let tone = (self.block / self.tone_blocks) as usize;
+                self.block += 1;
+                if self.block == self.tone_blocks * MAX_POINTS as u32 + LATENCY_BLOCKS as u32 {
+                    self.stage = Stage::Fit;
+                }
+                match self.offsets.get(tone) {
+                    Some(offset) => Step::Tone { offset_hz: offset * self.nominal_hz, volts: self.volts * self.level(), lane: 0 },
+                    None => Step::Silence,
+                }
+            }
+            Stage::Fit => {
+                if self.fit.advance() {
+                    self.stage = Stage::Judge;
+                }
+                Step::Silence
+            }
+            Stage::Judge => {
+                // What follows from it takes a block of its own.
+                (self.stage, self.verdict) = (Stage::Tell, self.fit.solution().map(|solution| self.judge(solution)));
+                Step::Silence
+            }
+            Stage::Tell => {
+                self.stage = Stage::Over;
+                match self.verdict {
+                    Some(Err(Fault::NoResonance | Fault::ResonanceDamaged)) if self.twice => {
+                        self.restart();
+                        Step::Silence
+                    }
+                    Some(Err(fault)) => Step::Failed(fault),
+                    _ => Step::Silence,
+                }
+            }
+            Stage::Over => Step::Done { volts: self.volts },
+        }
+    }
+
+    /// Amplitude of the tone in the block that is about to be ordered, relative to the scan voltage.
+    fn level(&self) -> f32 {
+        let part = ((self.block - 1) % self.tone_blocks) as f32 / self.tone_blocks as f32;
+        hann((part.min(1.0 - part) / (2.0 * EDGE)).min(0.5))
+    }
+
+    fn hear(&mut self, block: u32, sensed: &Sensed) {
+        let within = block % self.tone_blocks;
+        let weight = hann((within as f32 + 0.5) / self.tone_blocks as f32);
+        self.iv += sensed.i * sensed.v.conj() * weight;
+        self.vv += sensed.v.norm_sqr() * weight;
+        if within + 1 < self.tone_blocks {
+            return;
+        }
+        let (iv, vv) = (core::mem::take(&mut self.iv), core::mem::take(&mut self.vv));
+        let x = self.offsets[((block / self.tone_blocks) as usize).min(MAX_POINTS - 1)];
+        let y = iv / (vv * TAU * self.nominal_hz * self.nominal_c0_f);
+        let square = |x: f32| x * x;
+        // A Hann window hears as much noise as two thirds of its length without.
+        let noise = 1.5 * (self.noise.0 + y.norm_sqr() * self.noise.1) / self.tone_blocks as f32;
+        self.fit.add(Point { x, y, deviation: libm::sqrtf(noise + square(FLOOR)) });
+    }
+
+    fn judge(&self, solution: &Solution) -> Result<Clamped, Fault> {
+        let found = reading::read(solution, self.nominal_hz, self.nominal_c0_f);
+        let q_at_most = found.q.value + SIGMAS * found.q.deviation;
+        let cracked = found
+            .company
+            .is_some_and(|(hz, strength)| (hz / found.resonance_hz.value - 1.0).abs() < CRACK.0 && strength > CRACK.1);
+        let shift = (found.c0_f.value - self.nominal_c0_f).abs() - SIGMAS * found.c0_f.deviation;
+        let turn = 2.0 * found.lock_deviation_hz * found.q.value / found.resonance_hz.value;
+        let explained = fit::is_plausible(&solution.elements) && solution.misfit < LARGEST_MISFIT;
+        // What is no number does not hold, either.
+        let resonates = found.lm_h.value > SIGNIFICANT * found.lm_h.deviation;
+        let holds = explained && resonates && turn < LARGEST_TURN;
+        match () {
+            () if resonates && (found.resonance_hz.value / self.nominal_hz - 1.0).abs() > self.window => Err(Fault::NoResonance),
+            () if !holds => Err(Fault::ResonanceDamaged),
+            () if shift > CAPACITANCE_SHIFT * self.nominal_c0_f => Err(Fault::CapacitanceShifted),
+            () if cracked || q_at_most < SMALLEST_Q * self.nominal_q => Err(Fault::ResonanceDamaged),
+            () => Ok(found),
+        }
+    }
+}
+
+/// `(1 - cos(2 pi part)) / 2`.
+fn hann(part: f32) -> f32 {
+    0.5 - 0.5 * sine::rotation(((part * 4_294_967_296.0) as u64) << 32).re
+}

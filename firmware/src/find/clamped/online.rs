@@ -1,0 +1,290 @@
+//! The clamped capacitance while running: the drive steps to both sides of the lock point, and the motional resistance must be the same on both.
+//!
+//! With `r + j m = (Y - Y0(f)) / axis`, the motional admittance as it is thought to be, the motional resistance is `r / (r^2 + m^2)`. It does not depend on
+//! the frequency; what is thought of C0 is wrong by the susceptance `b` that makes it the same above (`+`) and below (`-`) the resonance:
+//!
+//! ```text
+//! F(b) = r+ (r-^2 + (m- - b u-)^2) - r- (r+^2 + (m+ - b u+)^2) = 0,    u = f / f_nominal
+//! ```
+//!
+//! No Q, no Lm and no lock point enters; nor does a tracker that is off by a little. Only the axis and the loss of the clamped branch are taken from the
+//! calibration at power-on, and neither changes with the temperature as C0 does. With steps of `x` half bandwidths and a noise `s` of `Y` in each average,
+//! `b` is known to `s (1 + x^2) / (2 sqrt(2) x)`.
+//!
+//! A round is `+ - - +`, so that a resonance that drifts evenly does not look like a capacitance. Between rounds nothing is disturbed until C0 may have
+//! wandered further than is wanted; each round is blended with what was known by the two variances (Kalman 1960).
+
+use crate::seam::block::LATENCY_BLOCKS;
+use crate::seam::config::Config;
+use crate::seam::phasor::Phasor;
+use crate::sense::demod::Sensed;
+use crate::sense::motional::Motional;
+
+/// The step, half bandwidths: takes 1.1 % of the velocity once settled, 1.5 % at most on the way (`cargo test -p scenarios clamped::online`).
+const STEP: f32 = 0.15;
+/// Blocks of each quarter of a round that are averaged: as many as this, or so many time constants if that is more.
+const QUARTER: (f32, f32) = (20.0, 1.0);
+/// Time constants that a step settles for: 2 % of it is left, the same on both sides.
+const SETTLES: f32 = 4.0;
+/// Deviation of a C0 that was told and not measured, relative.
+const TOLD: f32 = 0.05;
+/// Deviation of C0, relative, from which on a round is made.
+const WANTED: f32 = 7e-4;
+/// A result that differs from what was expected by more of its standard deviations than this, and is then made again before it counts.
+const SURPRISE: f32 = 6.0;
+
+/// A block under drive.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Heard<'a> {
+    /// What was heard of it.
+    pub sensed: &'a Sensed,
+    /// Its frequency, relative to the nominal one.
+    pub relative: f32,
+    /// How far beside the lock point that was on purpose, Hz.
+    pub detune_hz: f32,
+    /// Locked, driven at a constant envelope of one, within all limits, and by no other order off the lock point.
+    pub steady: bool,
+}
+
+/// What is known anew.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Update {
+    /// The clamped branch, as all that is known says.
+    pub motional: Motional,
+    /// Standard deviation of its susceptance, relative to it.
+    pub deviation: f32,
+    /// What this round alone would have said more, relative, and its standard deviation.
+    pub round: (f32, f32),
+}
+
+/// What the estimator wants, and has found.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Wanted {
+    /// How far beside the lock point to drive, Hz.
+    pub detune_hz: f32,
+    /// The block just heard had not settled after a step: its phase says nothing of the resonance to who takes it for a steady one.
+    pub hold: bool,
+    /// What is known anew.
+    pub update: Option<Update>,
+}
+
+/// Sums over the blocks of one side.
+#[derive(Clone, Copy, Debug, Default)]
+struct Side {
+    motional: Phasor,
+    relative: f32,
+    blocks: f32,
+    last: Option<Phasor>,
+    scatter: f32,
+    pairs: f32,
+}
+
+impl Side {
+    fn take(&mut self, y: Phasor, relative: f32) {
+        if let Some(last) = self.last.replace(y) {
+            // Of one part; two of them, and a difference has twice the variance.
+            self.scatter += 0.25 * (y - last).norm_sqr();
+            self.pairs += 1.0;
+        }
+        self.motional += y;
+        self.relative += relative;
+        self.blocks += 1.0;
+    }
+
+    fn mean(&self) -> (Phasor, f32) {
+        (self.motional / self.blocks, self.relative / self.blocks)
+    }
+
+    /// Variance of one part of the mean.
+    fn variance(&self) -> f32 {
+        self.scatter / (self.pairs * self.blocks)
+    }
+}
+
+/// The estimator.
+#[derive(Clone, Debug)]
+pub struct Online {
+    block_s: f32,
+    /// How fast C0 may drift, relative, 1/s; zero where it is not measured while running.
+    drift_per_s: f32,
+    motional: Motional,
+    /// Variance of the susceptance, relative to it.
+    variance: f32,
+    step_hz: f32,
+    settle_blocks: u32,
+    quarter_blocks: u32,
+    /// Blocks of this round, zero between rounds; and blocks heard since the last step.
+    round: u32,
+    settled: u32,
+    last_hz: f32,
+    /// Below and above.
+    sides: [Side; 2],
+    doubted: bool,
+}
+
+impl Online {
+    /// An estimator by the nominal transducer.
+    pub fn build(config: &Config) -> Self {
+        let block_s = f32::from(config.block_samples) / config.sample_hz;
+        let tracking = &config.tracking;
+        Online::new(
+            block_s,
+            Motional::of_capacitance(tracking.nominal_c0_f, config.drive.frequency_hz),
+            config.drive.frequency_hz,
+            tracking.nominal_q,
+            tracking.c0_drift_per_s,
+        )
+    }
+
+    fn new(block_s: f32, motional: Motional, resonance_hz: f32, q: f32, drift_per_s: f32) -> Self {
+        let mut online = Online {
+            block_s,
+            drift_per_s,
+            motional,
+            variance: TOLD * TOLD,
+            step_hz: 0.0,
+            settle_blocks: 0,
+            quarter_blocks: 0,
+            round: 0,
+            settled: 0,
+            last_hz: 0.0,
+            sides: [Side::default(); 2],
+            doubted: false,
+        };
+        online.set_resonance(resonance_hz, q);
+        online
+    }
+
+    /// Starts from what a scan or the calibration at power-on has found; `deviation` is that of C0, relative.
+    pub fn seed(&mut self, motional: Motional, deviation: f32, resonance_hz: f32, q: f32) {
+        self.motional = motional;
+        self.variance = deviation * deviation;
+        self.set_resonance(resonance_hz, q);
+        self.doubted = false;
+        self.stop();
+    }
+
+    /// Follows a load that changes the resonance: by these the steps are measured, nothing else. Does not disturb a round.
+    pub fn set_resonance(&mut self, resonance_hz: f32, q: f32) {
+        let tau_blocks = q / (core::f32::consts::PI * resonance_hz * self.block_s);
+        self.step_hz = STEP * 0.5 * resonance_hz / q;
+        self.settle_blocks = (SETTLES * tau_blocks) as u32 + 1;
+        self.quarter_blocks = QUARTER.0.max(QUARTER.1 * tau_blocks) as u32;
+    }
+
+    /// Whether it is measured while running.
+    pub fn drifts(&self) -> bool {
+        self.drift_per_s > 0.0
+    }
+
+    /// The clamped branch, as all that is known says.
+    pub fn motional(&self) -> Motional {
+        self.motional
+    }
+
+    /// Standard deviation of its susceptance, relative to it.
+    pub fn deviation(&self) -> f32 {
+        libm::sqrtf(self.variance)
+    }
+
+    /// Takes a block and says what to do next.
+    pub fn step(&mut self, heard: &Heard) -> Wanted {
+        let wandered = self.drift_per_s * self.block_s;
+        // As a walk whose standard deviation after a round is what a steady drift would make in it.
+        self.variance += wandered * wandered * self.round_blocks() as f32;
+        let stepped = (heard.detune_hz - self.last_hz).abs() > 0.5 * self.step_hz;
+        self.settled = if stepped { 0 } else { self.settled.saturating_add(1) };
+        self.last_hz = heard.detune_hz;
+        let hold = self.settled < self.settle_blocks;
+        if !heard.steady {
+            self.stop();
+            return Wanted { hold, ..Wanted::default() };
+        }
+        if self.round == 0 && self.variance < WANTED * WANTED {
+            return Wanted { hold, ..Wanted::default() };
+        }
+        self.listen(heard, hold);
+        self.round += 1;
+        if self.round <= self.round_blocks() + LATENCY_BLOCKS as u32 {
+            return Wanted { detune_hz: self.wanted_hz(), hold, update: None };
+        }
+        let update = self.finish();
+        self.stop();
+        Wanted { hold, update, ..Wanted::default() }
+    }
+
+    fn stop(&mut self) {
+        self.round = 0;
+        self.sides = [Side::default(); 2];
+    }
+
+    /// Blocks of a round: three stretches, the middle one of two quarters.
+    fn round_blocks(&self) -> u32 {
+        3 * self.settle_blocks + 4 * self.quarter_blocks
+    }
+
+    fn wanted_hz(&self) -> f32 {
+        let first = self.settle_blocks + self.quarter_blocks;
+        let second = first + self.settle_blocks + 2 * self.quarter_blocks;
+        match self.round {
+            n if n > self.round_blocks() => 0.0,
+            n if n > first && n <= second => -self.step_hz,
+            _ => self.step_hz,
+        }
+    }
+
+    fn listen(&mut self, heard: &Heard, hold: bool) {
+        let square = heard.sensed.v.norm_sqr();
+        let side = &mut self.sides[usize::from(heard.detune_hz > 0.0)];
+        if hold || heard.detune_hz.abs() < 0.5 * self.step_hz || square == 0.0 {
+            side.last = None;
+            return;
+        }
+        let current = self.motional.current(heard.sensed, heard.relative);
+        side.take(self.motional.phase_of(current, heard.sensed.v) / square, heard.relative);
+    }
+
+    /// What the round says.
+    fn finish(&mut self) -> Option<Update> {
+        let [below, above] = self.sides;
+        if below.pairs == 0.0 || above.pairs == 0.0 {
+            return None;
+        }
+        let ((yb, ub), (ya, ua)) = (below.mean(), above.mean());
+        let (mut b, mut slope) = (0.0, 0.0);
+        for _ in 0..3 {
+            let (mb, ma) = (yb.im - b * ub, ya.im - b * ua);
+            let f = ya.re * (yb.re * yb.re + mb * mb) - yb.re * (ya.re * ya.re + ma * ma);
+            slope = 2.0 * (yb.re * ma * ua - ya.re * mb * ub);
+            b -= f / slope;
+        }
+        let (mb, ma) = (yb.im - b * ub, ya.im - b * ua);
+        let by_below = Phasor::new(2.0 * ya.re * yb.re - ya.re * ya.re - ma * ma, 2.0 * ya.re * mb);
+        let by_above = Phasor::new(yb.re * yb.re + mb * mb - 2.0 * ya.re * yb.re, -2.0 * yb.re * ma);
+        let square = by_below.norm_sqr() * below.variance() + by_above.norm_sqr() * above.variance();
+        let susceptance = self.motional.y0.im;
+        let (found, variance) = (b / susceptance, square / (slope * slope * susceptance * susceptance));
+        if !(found.is_finite() && variance.is_finite() && variance > 0.0) {
+            return None;
+        }
+        // One that nobody expects may be a load that changed in the middle of it.
+        let surprising = found * found > SURPRISE * SURPRISE * (self.variance + variance);
+        if surprising && !self.doubted {
+            self.doubted = true;
+            self.variance = self.variance.max(WANTED * WANTED);
+            return None;
+        }
+        if surprising {
+            self.variance += found * found;
+        }
+        self.doubted = false;
+        let gain = self.variance / (self.variance + variance);
+        self.variance *= 1.0 - gain;
+        // Along the clamped susceptance, as sensing turns it.
+        self.motional.y0 += self.motional.axis * Phasor::new(0.0, gain * b);
+        Some(Update { motional: self.motional, deviation: self.deviation(), round: (found, libm::sqrtf(variance)) })
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,73 @@
+//! What the fitted elements say of the transducer, and how far each may be off.
+
+use crate::find::clamped::fit::Solution;
+use crate::find::clamped::model::{self, C, D, G, H, K, K2, THETA, UNKNOWNS, X2, XS, turn};
+use crate::seam::phasor::Phasor;
+use crate::sense::motional::Motional;
+
+const TAU: f32 = core::f32::consts::TAU;
+
+/// A value and its standard deviation.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Measured {
+    /// The value.
+    pub value: f32,
+    /// Its standard deviation.
+    pub deviation: f32,
+}
+
+/// What the tones have told.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Clamped {
+    /// The clamped branch and the axis, for tracking.
+    pub motional: Motional,
+    /// Clamped capacitance as the converters see it, F.
+    pub c0_f: Measured,
+    /// What sensing turns the motional admittance by, rad: the axis.
+    pub turn_rad: Measured,
+    /// Motional inductance, H.
+    pub lm_h: Measured,
+    /// Series resonance, Hz.
+    pub resonance_hz: Measured,
+    /// Quality factor.
+    pub q: Measured,
+    /// Standard deviation of the lock point that follows from [`Clamped::motional`], Hz.
+    pub lock_deviation_hz: f32,
+    /// Rms of what the model leaves, in standard deviations: about one.
+    pub misfit: f32,
+    /// A second resonance, Hz, and its strength relative to the first.
+    pub company: Option<(f32, f32)>,
+}
+
+/// What a solution says of a transducer with this nominal frequency, Hz, and capacitance, F.
+pub fn read(solution: &Solution, nominal_hz: f32, nominal_c0_f: f32) -> Clamped {
+    let e = &solution.elements;
+    let us = 1.0 + e[XS];
+    let of = |n: usize, scale: f32| solution.deviation(&core::array::from_fn(|k| if k == n { scale } else { 0.0 }));
+    let axis = turn(e[THETA] * us);
+    // Without its motional branch.
+    let mut clamped = *e;
+    clamped[K] = 0.0;
+    let (y0, by) = model::admittance(&clamped, e[XS]);
+    let y0 = y0 * (TAU * nominal_hz * nominal_c0_f);
+    // What an error of an element turns the motional phase by: that of Y0 against the motional conductance, and that of the axis.
+    let conductance = e[K] / (e[D] * us);
+    let mut turns: [f32; UNKNOWNS] = core::array::from_fn(|n| match n {
+        C | G | H | THETA | K2 | X2 => (by[n] * axis.conj()).im / conductance,
+        _ => 0.0,
+    });
+    turns[THETA] += us;
+    let lm_h = 1.0 / (TAU * TAU * nominal_hz * nominal_hz * e[K] * nominal_c0_f);
+    let hz = nominal_hz * us;
+    Clamped {
+        motional: Motional { y0: Phasor::new(y0.re, y0.im / us), axis },
+        c0_f: Measured { value: e[C] * nominal_c0_f, deviation: of(C, nominal_c0_f) },
+        turn_rad: Measured { value: e[THETA] * us, deviation: of(THETA, us) },
+        lm_h: Measured { value: lm_h, deviation: of(K, lm_h / e[K]) },
+        resonance_hz: Measured { value: hz, deviation: of(XS, nominal_hz) },
+        q: Measured { value: 1.0 / e[D], deviation: of(D, 1.0 / (e[D] * e[D])) },
+        lock_deviation_hz: 0.5 * hz * e[D] * solution.deviation(&turns),
+        misfit: solution.misfit,
+        company: (e[K2] != 0.0).then(|| (nominal_hz * (1.0 + e[X2]), e[K2] / e[K])),
+    }
+}

@@ -1,0 +1,85 @@
+//! Which of several resonances is wanted. By this rule, and by nothing else:
+//!
+//! 1. It is in the window. If none is, there is no resonance (fault 30).
+//! 2. If the motional inductance was told (`tracking.nominal_lm_h`): it is within a factor of two of that. If none is, what is there is another
+//!    one (fault 34).
+//! 3. Of those that are left, the one of the largest motional capacitance, which does not depend on how much it is damped. If the
+//!    inductance was not told, and another has more than `ALIKE` of that, nobody can say which is wanted (fault 34).
+
+use crate::seam::fault::Fault;
+use crate::seam::transducer::Resonance;
+
+/// How far the motional inductance may be from what was told.
+const LM_FACTOR: f32 = 2.0;
+/// Capacitances that are alike.
+const ALIKE: f32 = 0.8;
+
+/// The rule, with what was told.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Choice {
+    /// Middle of the window, and how far it goes to each side, Hz.
+    pub window_hz: (f32, f32),
+    /// Motional inductance, H.
+    pub nominal_lm_h: Option<f32>,
+}
+
+impl Choice {
+    /// The place of the wanted one in the list, or the fault.
+    pub fn of(&self, found: &[Resonance]) -> Result<usize, Fault> {
+        let (centre_hz, half_hz) = self.window_hz;
+        let inside = |resonance: &Resonance| (resonance.hz - centre_hz).abs() <= half_hz;
+        let fits = |resonance: &Resonance| {
+            self.nominal_lm_h.is_none_or(|told| resonance.lm_h < told * LM_FACTOR && resonance.lm_h * LM_FACTOR > told)
+        };
+        if !found.iter().any(inside) {
+            return Err(Fault::NoResonance);
+        }
+        let (mut best, mut second) = ((None, 0.0), 0.0);
+        for (n, resonance) in found.iter().enumerate().filter(|(_, resonance)| inside(resonance) && fits(resonance)) {
+            let strength = 1.0 / (resonance.lm_h * resonance.hz * resonance.hz);
+            if strength > best.1 {
+                (best, second) = ((Some(n), strength), best.1);
+            } else if strength > second {
+                second = strength;
+            }
+        }
+        let alike = self.nominal_lm_h.is_none() && second > ALIKE * best.1;
+        best.0.filter(|_| !alike).ok_or(Fault::WrongMode)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn resonance(hz: f32, lm_h: f32) -> Resonance {
+        Resonance { hz, lm_h, q: 50.0, conductance_s: 0.1 }
+    }
+
+    fn choice(nominal_lm_h: Option<f32>) -> Choice {
+        Choice { window_hz: (40e3, 1e3), nominal_lm_h }
+    }
+
+    #[test]
+    fn the_strongest_in_the_window_is_wanted() {
+        let found = [resonance(38_000.0, 1e-4), resonance(39_500.0, 4e-3), resonance(40_400.0, 8e-4)];
+        assert_eq!(choice(None).of(&found), Ok(2));
+        assert_eq!(choice(None).of(&found[..1]), Err(Fault::NoResonance));
+        assert_eq!(choice(None).of(&[]), Err(Fault::NoResonance));
+    }
+
+    #[test]
+    fn what_was_told_decides() {
+        let found = [resonance(39_500.0, 4e-3), resonance(40_400.0, 8e-4)];
+        assert_eq!(choice(Some(3e-3)).of(&found), Ok(0));
+        assert_eq!(choice(Some(1e-3)).of(&found), Ok(1));
+        assert_eq!(choice(Some(0.1)).of(&found), Err(Fault::WrongMode));
+    }
+
+    #[test]
+    fn two_alike_are_not_guessed_between() {
+        let found = [resonance(39_500.0, 8e-4), resonance(40_400.0, 8.5e-4)];
+        assert_eq!(choice(None).of(&found), Err(Fault::WrongMode));
+        assert_eq!(choice(Some(8e-4)).of(&found), Ok(0));
+    }
+}

@@ -1,0 +1,84 @@
+//! From how far the unknowns of a fit scatter to the standard deviations of a circuit: to first order, `dy = Re{g x}`.
+
+use crate::seam::phasor::Phasor;
+use crate::seam::transducer::{Deviations, Transducer};
+
+const J: Phasor = Phasor::new(0.0, 1.0);
+const NONE: Phasor = Phasor::new(0.0, 0.0);
+
+/// Independent parts, of variance one half each way ([`Triangle::spread`](crate::find::identify::triangle::Triangle::spread)), of what the circuit
+/// follows from.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Scatter<const N: usize> {
+    /// Of the pole `w = j / Q`, `w = f / fs - fs / f`.
+    pub pole: [Phasor; N],
+    /// Of the strength `G / Q = 1 / (ws Lm)`, relative.
+    pub strength: [Phasor; N],
+    /// Of the clamped admittance, S.
+    pub y0: [Phasor; N],
+}
+
+impl<const N: usize> Scatter<N> {
+    /// The deviations of a circuit.
+    pub fn deviations(&self, t: &Transducer) -> Deviations {
+        self.products().deviations(t)
+    }
+
+    /// What the parts of these three have in common.
+    pub fn products(&self) -> Products {
+        let product = |x: &[Phasor; N], y: &[Phasor; N]| x.iter().zip(y).map(|(x, y)| x * y.conj()).sum::<Phasor>();
+        let square = |x: &[Phasor; N]| x.iter().map(|x| x.norm_sqr()).sum::<f32>();
+        Products {
+            squares: [square(&self.pole), square(&self.strength), square(&self.y0)],
+            pole_strength: product(&self.pole, &self.strength),
+            pole_y0: product(&self.pole, &self.y0),
+            strength_y0: product(&self.strength, &self.y0),
+        }
+    }
+}
+
+/// `sum x y*` over the parts of each two of the three.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Products {
+    squares: [f32; 3],
+    pole_strength: Phasor,
+    pole_y0: Phasor,
+    strength_y0: Phasor,
+}
+
+impl Products {
+    /// The deviations of a circuit.
+    pub fn deviations(&self, t: &Transducer) -> Deviations {
+        // Relative changes, as the factors of those three.
+        let series = [Phasor::new(0.5, 0.0), NONE, NONE];
+        let q = [J * t.q, NONE, NONE];
+        let lm = [NONE, Phasor::new(-1.0, 0.0), NONE];
+        let c0 = [NONE, NONE, -J / (core::f32::consts::TAU * t.series_resonance_hz * t.c0_f)];
+        let sum =
+            |parts: &[([Phasor; 3], f32)]| parts.iter().fold([NONE; 3], |sum, (of, by)| [0, 1, 2].map(|n| sum[n] + of[n] * *by));
+        let cm = sum(&[(lm, -1.0), (series, -2.0)]);
+        let ratio = sum(&[(cm, 1.0), (c0, -1.0)]);
+        let part = t.cm_f / (t.c0_f + t.cm_f);
+        Deviations {
+            series_resonance_hz: self.of(series) * t.series_resonance_hz,
+            parallel_resonance_hz: self.of(sum(&[(series, 1.0), (ratio, 0.5 * part)])) * t.parallel_resonance_hz,
+            q: self.of(q) * t.q,
+            rm_ohm: self.of(sum(&[(lm, 1.0), (series, 1.0), (q, -1.0)])) * t.rm_ohm,
+            lm_h: self.of(lm) * t.lm_h,
+            cm_f: self.of(cm) * t.cm_f,
+            c0_f: self.of(c0) * t.c0_f,
+            coupling: self.of(ratio) * 0.5 * (1.0 - part) * t.coupling,
+        }
+    }
+
+    /// Deviation of what follows from the three by these factors: the parts need not be gone through for each number.
+    fn of(&self, by: [Phasor; 3]) -> f32 {
+        let [p, g, y] = by;
+        let squares = [p, g, y].iter().zip(self.squares).map(|(by, square)| by.norm_sqr() * square).sum::<f32>();
+        let crossed = |x: Phasor, y: Phasor, product: Phasor| (x * y.conj() * product).re;
+        let both = crossed(p, g, self.pole_strength) + crossed(p, y, self.pole_y0) + crossed(g, y, self.strength_y0);
+        let variance = 0.5 * squares + both;
+        // Rounding may leave less than nothing.
+        if variance > 0.0 { libm::sqrtf(variance) } else { 0.0 }
+    }
+}

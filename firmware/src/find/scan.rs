@@ -1,0 +1,330 @@
+//! Acquisition: where is the resonance, and what does the transducer look like? By sweeps in which nothing has to settle.
+//!
+//! | stage | what is driven | for |
+//! |---|---|---|
+//! | window | a sweep over the window and a tenth more, in 8 to 16 ms | its [spectrum] |
+//! | search | the middle of the window | [all resonances](crate::find::identify::mode_search), one line of the spectrum a block |
+//! | fine | slow sweeps over two bandwidths about the [wanted](crate::find::identify::choice) one, as often as the deviations require | a spectrum, and a fit: the result |
+//! | ring-down | the resonance | until what the sweep has left no longer turns the phase, so that whoever tracks from there hears one tone only |
+//!
+//! A window that is too wide for the lines of one spectrum is swept and searched part by part. The nominal Q may be wrong by a factor of
+//! four.
+
+pub mod baseband;
+#[cfg(test)]
+pub(crate) mod bench;
+pub mod pass;
+pub mod ring_down;
+pub mod roster;
+pub mod spectrum;
+
+use heapless::Vec;
+
+use crate::find::identify::choice::Choice;
+use crate::find::identify::mode_search::{ModeSearch, Told};
+use crate::find::identify::pole_fit::{Circuit, Pole};
+use crate::find::scan::baseband::Baseband;
+use crate::find::scan::pass::{Pass, Seen};
+use crate::find::scan::ring_down::RingDown;
+use crate::find::scan::roster::Roster;
+use crate::find::scan::spectrum::Spectrum;
+use crate::generate::step::Step;
+use crate::generate::sweep::hold::Hold;
+use crate::seam::block::{LATENCY_BLOCKS, SenseBlock};
+use crate::seam::config::Config;
+use crate::seam::fault::Fault;
+use crate::seam::transducer::Transducer;
+use crate::sense::convert::Convert;
+use crate::sense::demod::Sensed;
+use crate::sense::motional::Motional;
+
+/// How far the sweep goes over the ends of the window, as a part of it: what stands there is seen, and not taken for something inside.
+const MARGIN: f32 = 0.1;
+/// Shortest and longest sweep of the window, s.
+const WINDOW_S: (f32, f32) = (8e-3, 16e-3);
+/// Blocks that are heard before a sweep's own: the latency, and the rising half of the first triangle.
+const BEFORE: u32 = LATENCY_BLOCKS as u32 + 1;
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Stage {
+    /// Of this part of the window.
+    Window(u32),
+    Search(u32),
+    Fine,
+    Fit,
+    RingDown(RingDown),
+}
+
+/// The scan, in progress.
+#[derive(Clone, Debug)]
+pub struct Scan {
+    /// The clamped capacitance, as told.
+    bare: Circuit,
+    nominal_hz: f32,
+    /// Peak voltage of the drive, V.
+    volts: f32,
+    choice: Choice,
+    window_hz: f32,
+    parts: u32,
+    block_s: f32,
+    block_samples: u32,
+    hold: Hold,
+    stage: Stage,
+    pass: Pass,
+    /// Blocks of this stage, and since the last sweep ended.
+    blocks: u32,
+    still_blocks: u32,
+    baseband: Baseband,
+    spectrum: Spectrum,
+    search: ModeSearch,
+    roster: Roster,
+}
+
+impl Scan {
+    /// A scan of the configured window. It [begins](Self::restart) when it is wanted.
+    // Not inlined: it is written where the controller stands.
+    #[inline(never)]
+    pub fn build(config: &Config, hold: &Hold) -> Self {
+        let tracking = &config.tracking;
+        let nominal_hz = config.drive.frequency_hz;
+        let told = Told { steps: (config.front_end.volt_per_lsb, config.front_end.ampere_per_lsb), q: tracking.nominal_q };
+        let bare = Circuit::bare(nominal_hz, tracking.nominal_c0_f);
+        let block_s = f32::from(config.block_samples) / config.sample_hz;
+        let window_hz = tracking.span * nominal_hz;
+        let reach_hz = window_hz * (1.0 + MARGIN);
+        let whole = Pass::between(-reach_hz, reach_hz, WINDOW_S, block_s);
+        let parts = if whole.width_hz < 1.99 * reach_hz {
+            // Neighbours overlap by as much as the sweep goes over the ends.
+            (2.0 * reach_hz * (1.0 + MARGIN) / whole.width_hz) as u32 + 1
+        } else {
+            1
+        };
+        let spectrum = whole.spectrum(block_s);
+        Scan {
+            search: ModeSearch::new(&told, bare.clone()),
+            bare,
+            nominal_hz,
+            volts: config.drive.scan_volts,
+            choice: Choice { window_hz: (nominal_hz, window_hz), nominal_lm_h: tracking.nominal_lm_h },
+            window_hz,
+            parts,
+            block_s,
+            block_samples: config.block_samples.into(),
+            hold: hold.clone(),
+            stage: Stage::Window(0),
+            pass: whole,
+            blocks: 0,
+            still_blocks: 0,
+            baseband: Baseband::default(),
+            spectrum,
+            roster: Roster::new(nominal_hz),
+        }
+    }
+
+    /// Begins from the window.
+    pub fn restart(&mut self) {
+        self.roster = Roster::new(self.nominal_hz);
+        self.begin_part(0);
+    }
+
+    /// The resonances found by the last scan.
+    pub fn roster(&self) -> &Roster {
+        &self.roster
+    }
+
+    /// The transducer that the scan has found, and its branch for tracking; once it is over.
+    pub fn found(&self) -> Option<(&Transducer, &Motional)> {
+        match &self.stage {
+            Stage::RingDown(result) => Some((&result.transducer, &result.motional)),
+            _ => None,
+        }
+    }
+
+    /// Takes the block just heard and says what to do next.
+    pub fn listen(&mut self, convert: &Convert, sense: &SenseBlock, sensed: &Sensed) -> Step {
+        self.blocks += 1;
+        self.still_blocks += 1;
+        match self.stage {
+            Stage::Window(part) => {
+                // The last block of the sweep has enough to do, and in the first there is nothing to hear yet.
+                if self.blocks == 1 {
+                    let (blocks, samples) = self.heard();
+                    self.search.restart(&self.bare, blocks, samples);
+                }
+                if self.sweep(convert, sense) {
+                    self.begin(Stage::Search(part));
+                }
+                self.tune()
+            }
+            Stage::Search(part) => {
+                if !self.search.step(&self.spectrum) {
+                    return self.tune();
+                }
+                self.take_part(part);
+                if part + 1 < self.parts {
+                    self.begin_part(part + 1);
+                    return self.tune();
+                }
+                self.choose()
+            }
+            Stage::Fine => {
+                if self.sweep(convert, sense) {
+                    self.begin(Stage::Fit);
+                }
+                self.tune()
+            }
+            Stage::Fit => {
+                // The last block of the sweep had enough to do.
+                if self.blocks == 1 {
+                    self.begin_fit();
+                } else if self.search.step(&self.spectrum) {
+                    return self.take_fit();
+                }
+                self.tune()
+            }
+            Stage::RingDown(_) => {
+                let relative = 1.0 + self.resonance_hz() / self.nominal_hz;
+                if let Stage::RingDown(result) = &mut self.stage
+                    && result.is_over(sensed, relative)
+                {
+                    return Step::Done { volts: self.volts };
+                }
+                self.tune()
+            }
+        }
+    }
+
+    fn begin(&mut self, stage: Stage) {
+        self.stage = stage;
+        self.blocks = 0;
+    }
+
+    fn begin_part(&mut self, part: u32) {
+        let reach_hz = self.window_hz * (1.0 + MARGIN);
+        let width_hz = 2.0 * reach_hz / self.parts as f32;
+        let low_hz = part as f32 * width_hz - reach_hz;
+        let over_hz = if self.parts > 1 { MARGIN * width_hz * 0.5 } else { 0.0 };
+        self.begin_pass(
+            Pass::between(low_hz - over_hz, low_hz + width_hz + over_hz, WINDOW_S, self.block_s),
+            Stage::Window(part),
+        );
+    }
+
+    fn begin_pass(&mut self, pass: Pass, stage: Stage) {
+        self.pass = pass;
+        self.hold.retune(pass.centre_hz);
+        self.baseband.restart(self.hold.word());
+        self.spectrum = pass.spectrum(self.block_s);
+        self.begin(stage);
+    }
+
+    /// What is to be driven next.
+    fn tune(&self) -> Step {
+        let offset_hz = match self.stage {
+            Stage::Window(_) | Stage::Fine => self.pass.offset_hz(self.blocks),
+            Stage::Search(_) => self.pass.centre_hz,
+            Stage::Fit | Stage::RingDown(_) => self.resonance_hz(),
+        };
+        Step::Tone { offset_hz, volts: self.volts, lane: 0 }
+    }
+
+    /// Offset of the wanted resonance, as far as it is known, Hz.
+    fn resonance_hz(&self) -> f32 {
+        self.roster.wanted().map_or(0.0, |(pole, _)| pole.offset_hz)
+    }
+
+    /// Takes a block of a sweep. Returns whether it was the last.
+    fn sweep(&mut self, convert: &Convert, sense: &SenseBlock) -> bool {
+        if self.blocks >= BEFORE {
+            let heard = self.baseband.take(convert, sense);
+            if self.blocks > BEFORE {
+                self.spectrum.add(&heard);
+            }
+        }
+        self.still_blocks = 0;
+        self.blocks == BEFORE + self.pass.blocks()
+    }
+
+    /// Lists what a part of the window shows, at rising frequencies; the weakest are left out.
+    fn take_part(&mut self, part: u32) {
+        let width_hz = 2.0 * self.window_hz * (1.0 + MARGIN) / self.parts as f32;
+        let middle_hz = (part as f32 + 0.5) * width_hz - self.window_hz * (1.0 + MARGIN);
+        // What stands at a seam is seen from both sides, and taken once.
+        let reach_hz = 0.5 * width_hz * (1.0 + MARGIN);
+        let own = |hz: f32| self.parts == 1 || (hz - middle_hz).abs() < reach_hz;
+        let (circuit, deviations) = self.search.found();
+        for (pole, deviations) in circuit.poles.iter().zip(deviations).filter(|(pole, _)| own(pole.offset_hz)) {
+            self.roster.add(*pole, *deviations, self.parts > 1);
+        }
+    }
+
+    /// Chooses the wanted resonance, and decides whether it is known well enough.
+    fn choose(&mut self) -> Step {
+        if let Err(fault) = self.roster.choose(&self.choice) {
+            return Step::Failed(fault);
+        }
+        let Some(&(pole, deviations)) = self.roster.wanted() else { return Step::Failed(Fault::NoResonance) };
+        let reach_hz = self.window_hz * (1.0 + MARGIN);
+        let hz = self.nominal_hz + pole.offset_hz;
+        let fine = self.pass.fine(
+            &Seen { hz, offset_hz: pole.offset_hz, q: pole.q, deviation_hz: deviations.series_resonance_hz },
+            reach_hz,
+            self.block_s,
+        );
+        if fine.repeats > 0 || self.parts > 1 {
+            self.begin_pass(Pass { repeats: fine.repeats.max(1), ..fine }, Stage::Fine);
+            return self.tune();
+        }
+        let wanted = |other: &Pole| other.offset_hz == pole.offset_hz;
+        self.take(self.search.found().0.poles.iter().position(wanted).unwrap_or(0))
+    }
+
+    /// Blocks and samples of the spectrum.
+    fn heard(&self) -> (u32, u32) {
+        (self.pass.blocks(), self.pass.blocks() * self.block_samples)
+    }
+
+    /// Fits the wanted resonance, and with it what else is in the fine pass.
+    fn begin_fit(&mut self) {
+        let mut circuit = Circuit { poles: Vec::new(), ..self.search.found().0.clone() };
+        let (centre_hz, half_hz) = (self.pass.centre_hz, 0.5 * self.pass.width_hz);
+        // There is room: no more are found than fit in.
+        circuit.poles.extend(self.roster.wanted().map(|(pole, _)| *pole));
+        for pole in self.roster.others() {
+            let inside = (pole.offset_hz - centre_hz).abs() < half_hz;
+            let _ = if inside { circuit.poles.push(*pole) } else { circuit.known.push(*pole) };
+        }
+        let (blocks, samples) = self.heard();
+        self.search.again(&circuit, blocks, samples);
+    }
+
+    /// Takes the fit of the fine pass.
+    fn take_fit(&mut self) -> Step {
+        let (circuit, deviations) = self.search.found();
+        match (circuit.poles.first(), deviations.first()) {
+            (Some(pole), Some(deviations)) if pole.offset_hz.abs() <= self.window_hz => {
+                self.roster.refine(*pole, *deviations);
+                self.take(0)
+            }
+            _ => Step::Failed(Fault::NoResonance),
+        }
+    }
+
+    /// Takes this resonance of the latest fit as the result.
+    fn take(&mut self, place: usize) -> Step {
+        let (circuit, deviations) = self.search.found();
+        let transducer = Transducer {
+            deviations: deviations.get(place).copied().unwrap_or_default(),
+            modes: self.roster.listed().len() as u8,
+            chosen: self.roster.place() as u8,
+            ..circuit.transducer(place)
+        };
+        // During the search it was not the resonance that was driven.
+        let still_blocks = if self.stage == Stage::Fit { self.still_blocks } else { 0 };
+        self.begin(Stage::RingDown(RingDown::new(transducer, circuit.motional(place), still_blocks, self.block_s)));
+        self.tune()
+    }
+}
+
+#[cfg(test)]
+mod tests;

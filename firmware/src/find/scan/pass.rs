@@ -1,0 +1,135 @@
+//! A pass of the scan: which frequencies are swept, how fast and how often.
+//!
+//! ```text
+//! f(block) = centre + width (x / 0.75 - 1/2)              x = (n + 1/2) / period < 0.75,    n = block modulo period
+//!            centre + width ((1 - x) / 0.25 - 1/2)        from there on
+//! ```
+//!
+//! Up in three quarters of the time, and down in one, so that what stands at the upper end still has time to be heard. The offsets of a
+//! period from its centre add up to nothing, so that it repeats itself against a reference at the centre.
+
+use crate::find::scan::spectrum::{MOST_LINES, Spectrum};
+
+/// Fewest lines of a spectrum; there are five unknowns.
+const FEWEST_LINES: f32 = 14.0;
+/// Fewest blocks of a period, and the widest sweep as a part of the block rate: beyond that the filter is too narrow.
+const FEWEST_BLOCKS: u32 = 64;
+const WIDEST: f32 = 0.3;
+
+/// Shortest and longest sweep of the fine pass, and the longest fine pass, s.
+const FINE_S: (f32, f32) = (4e-3, 20e-3);
+const LONGEST_S: f32 = 0.04;
+/// Width of the fine pass in bandwidths of the resonance.
+const FINE_BANDWIDTHS: f32 = 2.0;
+/// The deviation of the resonance that is wanted, in bandwidths, or in parts of the frequency if that is more.
+const WANTED: (f32, f32) = (1e-4, 5e-7);
+
+/// What a pass has shown of a resonance.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Seen {
+    /// Series resonance, Hz.
+    pub hz: f32,
+    /// The same, as an offset from the nominal frequency, Hz.
+    pub offset_hz: f32,
+    /// Quality factor.
+    pub q: f32,
+    /// Standard deviation of the resonance, Hz.
+    pub deviation_hz: f32,
+}
+
+/// A pass.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Pass {
+    /// Middle, as an offset from the nominal frequency, Hz.
+    pub centre_hz: f32,
+    /// From end to end, Hz.
+    pub width_hz: f32,
+    /// Blocks from end to end.
+    pub period_blocks: u32,
+    /// How often.
+    pub repeats: u32,
+}
+
+impl Pass {
+    /// From `low_hz` to `high_hz`, offsets from the nominal frequency, in `shortest_s` to `longest_s`: as short as shows enough lines. A sweep
+    /// is as wide as it has to be for those in the longest time, and not wider than it can be.
+    pub fn between(low_hz: f32, high_hz: f32, (shortest_s, longest_s): (f32, f32), block_s: f32) -> Self {
+        let width_hz = (high_hz - low_hz).max(FEWEST_LINES / longest_s);
+        let period_s = (FEWEST_LINES / width_hz).clamp(shortest_s, longest_s);
+        let period_blocks = ((period_s / block_s) as u32 + 1).max(FEWEST_BLOCKS);
+        let width_hz = width_hz.min(Pass::widest_hz(period_blocks, block_s));
+        Pass { centre_hz: 0.5 * (low_hz + high_hz), width_hz, period_blocks, repeats: 1 }
+    }
+
+    /// The fine pass about a resonance that this one has shown, within `reach_hz` of the nominal frequency: as long as the wanted deviation
+    /// takes, which is not at all if it is reached already.
+    pub fn fine(&self, seen: &Seen, reach_hz: f32, block_s: f32) -> Self {
+        let bandwidth_hz = seen.hz / seen.q;
+        // A resonance near the edge of the window is looked at from one side.
+        let end_hz = |bandwidths: f32| (seen.offset_hz + bandwidths * bandwidth_hz).clamp(-reach_hz, reach_hz);
+        let fine = Pass::between(end_hz(-0.5 * FINE_BANDWIDTHS), end_hz(0.5 * FINE_BANDWIDTHS), FINE_S, block_s);
+        // Slow, so that a load that depends on amplitude shows what it shows when it has settled.
+        let slow_s = ((MOST_LINES - 4) as f32 / fine.width_hz).min(40e-3);
+        let fine = Pass { period_blocks: fine.period_blocks.max((slow_s / block_s) as u32), ..fine };
+        let excess = seen.deviation_hz / (WANTED.0 * bandwidth_hz).max(WANTED.1 * seen.hz);
+        // The time that this pass has spent there, for a deviation that falls with the root of it.
+        let there_s = self.blocks() as f32 * block_s * (fine.width_hz / self.width_hz).min(1.0);
+        let wanted_s = (there_s * excess * excess).min(LONGEST_S);
+        let repeats = if excess > 1.0 { (wanted_s / (fine.period_blocks as f32 * block_s)) as u32 + 1 } else { 0 };
+        Pass { repeats, ..fine }
+    }
+
+    /// The widest sweep of so many blocks whose lines there is room for, Hz.
+    pub fn widest_hz(period_blocks: u32, block_s: f32) -> f32 {
+        ((MOST_LINES - 2) as f32 / (period_blocks as f32 * block_s)).min(WIDEST / block_s)
+    }
+
+    /// Offset from the nominal frequency in a block of it, Hz.
+    pub fn offset_hz(&self, block: u32) -> f32 {
+        let up_blocks = self.period_blocks - self.period_blocks / 4;
+        let n = block % self.period_blocks;
+        let (done, of) = if n < up_blocks { (n, up_blocks) } else { (self.period_blocks - 1 - n, self.period_blocks / 4) };
+        self.centre_hz + self.width_hz * ((done as f32 + 0.5) / of as f32 - 0.5)
+    }
+
+    /// Blocks of all of it.
+    pub fn blocks(&self) -> u32 {
+        self.period_blocks * self.repeats
+    }
+
+    /// An empty spectrum for it.
+    pub fn spectrum(&self, block_s: f32) -> Spectrum {
+        Spectrum::new(self.centre_hz, self.width_hz, self.period_blocks, block_s)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_period_returns_to_its_phase_and_keeps_within_its_ends() {
+        let pass = Pass::between(-1100.0, 1100.0, (8e-3, 16e-3), 32e-6);
+        assert_eq!(pass.period_blocks, 251);
+        let offsets = (0..251).map(|block| pass.offset_hz(block));
+        assert!(offsets.clone().sum::<f32>().abs() < 0.1);
+        assert!(offsets.clone().all(|hz| hz.abs() < 1100.0) && offsets.fold(0.0, f32::max) > 1090.0);
+    }
+
+    #[test]
+    fn the_fine_pass_is_as_long_as_the_deviation_requires() {
+        let window = Pass::between(-1100.0, 1100.0, (8e-3, 16e-3), 32e-6);
+        let repeats =
+            |deviation_hz: f32| window.fine(&Seen { hz: 40e3, offset_hz: 0.0, q: 65.0, deviation_hz }, 1100.0, 32e-6).repeats;
+        // Wanted are 0.0615 Hz; a period of 30 ms.
+        assert_eq!([0.05, 0.07, 0.1, 0.2].map(repeats), [0, 1, 1, 2]);
+    }
+
+    #[test]
+    fn a_narrow_one_is_widened_and_a_wide_one_cut() {
+        let narrow = Pass::between(-4.0, 4.0, (8e-3, 16e-3), 32e-6);
+        assert!((narrow.width_hz - 875.0).abs() < 1.0, "{narrow:?}");
+        let wide = Pass::between(-20e3, 20e3, (8e-3, 16e-3), 32e-6);
+        assert!(wide.width_hz < 5e3 && wide.spectrum(32e-6).lines() <= MOST_LINES, "{wide:?}");
+    }
+}

@@ -1,0 +1,128 @@
+//! The resonances that a scan has found, and the one that is wanted.
+
+use heapless::Vec;
+
+use crate::find::identify::choice::Choice;
+use crate::find::identify::pole_fit::Pole;
+use crate::seam::fault::Fault;
+use crate::seam::phasor::magnitude;
+use crate::seam::transducer::{Deviations, Listed, MOST_MODES, Resonance, Resonances};
+
+/// Two poles nearer than this part of a bandwidth are one, seen twice.
+const APART: f32 = 0.25;
+
+/// Resonances at rising frequencies.
+#[derive(Clone, Debug, Default)]
+pub struct Roster {
+    nominal_hz: f32,
+    found: Vec<(Pole, Deviations), MOST_MODES>,
+    listed: Resonances,
+    wanted: usize,
+}
+
+impl Roster {
+    /// An empty one, whose offsets count from `nominal_hz`.
+    pub fn new(nominal_hz: f32) -> Self {
+        Roster { nominal_hz, ..Roster::default() }
+    }
+
+    /// The resonances.
+    pub fn listed(&self) -> &[Resonance] {
+        &self.listed
+    }
+
+    /// One of them, each in the turn of a block.
+    pub fn in_turn(&self, block: usize) -> Option<Listed> {
+        if self.listed.is_empty() {
+            return None;
+        }
+        let place = block % MOST_MODES % self.listed.len();
+        let resonance = *self.listed.get(place)?;
+        Some(Listed { place: place as u8, of: self.listed.len() as u8, resonance })
+    }
+
+    /// The place of the wanted one.
+    pub fn place(&self) -> usize {
+        self.wanted
+    }
+
+    /// The wanted one.
+    pub fn wanted(&self) -> Option<&(Pole, Deviations)> {
+        self.found.get(self.wanted)
+    }
+
+    /// The others.
+    pub fn others(&self) -> impl Iterator<Item = &Pole> {
+        self.found.iter().enumerate().filter(|(n, _)| *n != self.wanted).map(|(_, (pole, _))| pole)
+    }
+
+    /// Adds one that has been found; the weakest is left out where there is no room. What a part of the window has shown already, the next
+    /// one does not add.
+    pub fn add(&mut self, pole: Pole, deviations: Deviations, again: bool) {
+        let apart_hz = APART * (self.nominal_hz + pole.offset_hz) / pole.q;
+        if again && self.found.iter().any(|(other, _)| (other.offset_hz - pole.offset_hz).abs() < apart_hz) {
+            return;
+        }
+        let of = |n: usize| strength(&self.found[n].0);
+        let weakest = (0..self.found.len()).min_by(|&a, &b| of(a).total_cmp(&of(b))).filter(|_| self.found.is_full());
+        match weakest {
+            Some(weakest) if of(weakest) > strength(&pole) => return,
+            Some(weakest) => drop(self.found.remove(weakest)),
+            None => {}
+        }
+        let place = self.found.iter().take_while(|(other, _)| other.offset_hz <= pole.offset_hz).count();
+        // There is room.
+        let _ = self.found.insert(place, (pole, deviations));
+        self.list();
+    }
+
+    /// Chooses the wanted one.
+    pub fn choose(&mut self, choice: &Choice) -> Result<(), Fault> {
+        self.wanted = choice.of(&self.listed)?;
+        Ok(())
+    }
+
+    /// The wanted one is known better now.
+    pub fn refine(&mut self, pole: Pole, deviations: Deviations) {
+        if let Some(wanted) = self.found.get_mut(self.wanted) {
+            *wanted = (pole, deviations);
+            self.list();
+        }
+    }
+
+    fn list(&mut self) {
+        self.listed = self.found.iter().map(|(pole, _)| resonance(pole, self.nominal_hz)).collect();
+    }
+}
+
+/// `G / Q`, which does not depend on how much a resonance is damped.
+fn strength(pole: &Pole) -> f32 {
+    magnitude(pole.conductance) / pole.q
+}
+
+fn resonance(pole: &Pole, nominal_hz: f32) -> Resonance {
+    let hz = nominal_hz + pole.offset_hz;
+    let conductance_s = magnitude(pole.conductance);
+    Resonance { hz, q: pole.q, lm_h: pole.q / (core::f32::consts::TAU * hz * conductance_s), conductance_s }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::seam::phasor::Phasor;
+
+    fn pole(offset_hz: f32, conductance_s: f32) -> Pole {
+        Pole { offset_hz, q: 50.0, conductance: Phasor::new(conductance_s, 0.0), ..Pole::default() }
+    }
+
+    #[test]
+    fn the_weakest_of_five_is_left_out_and_what_is_seen_twice_counts_once() {
+        let mut roster = Roster::new(40e3);
+        for (offset_hz, conductance_s) in [(900.0, 0.2), (-900.0, 0.1), (0.0, 0.3), (500.0, 0.05), (-300.0, 0.4), (-302.0, 0.4)] {
+            roster.add(pole(offset_hz, conductance_s), Deviations::default(), true);
+        }
+        let offsets: std::vec::Vec<f32> = roster.listed().iter().map(|resonance| resonance.hz - 40e3).collect();
+        assert_eq!(offsets, [-900.0, -300.0, 0.0, 900.0]);
+        assert_eq!((0..5).map(|block| roster.in_turn(block).unwrap().place).collect::<std::vec::Vec<_>>(), [0, 1, 2, 3, 0]);
+    }
+}

@@ -1,0 +1,192 @@
+//! Power-on plausibility, before any real drive: are both sense channels alive, and is there a transducer?
+//!
+//! First silence, until nothing rings any more; then the mean code of each channel is its offset, which must be small, and is
+//! removed from then on. Then a tone well below the resonance, where the transducer is little more than its clamped capacitance: the current must lead
+//! the voltage, the voltage must be what was played, the current what the capacitance takes, each within a factor.
+//!
+//! It takes 96 blocks from silence, and 1000 and 40 nominal time constants more where something still rings. A swapped pair of channels is known
+//! 4 blocks after the tone is heard, the rest at its end.
+
+use crate::generate::step::Step;
+use crate::seam::block::{LATENCY_BLOCKS, SenseBlock};
+use crate::seam::config::Config;
+use crate::seam::fault::Fault;
+use crate::seam::phasor::{Phasor, magnitude};
+use crate::sense::convert::Convert;
+use crate::sense::demod::Sensed;
+
+/// Blocks of silence that are averaged.
+const SILENT_BLOCKS: u32 = 32;
+/// Quiet: the current's rms about its mean is below this part of what the tone will draw, or below so many codes.
+const QUIET: (f32, f32) = (0.25, 16.0);
+/// How long an earlier run may ring, nominal time constants and at least, in blocks. Q may be twice what was told.
+const RING_DOWN: (f32, u32) = (40.0, 1000);
+/// Blocks of the tone, and how many at its end are measured.
+const TONE_BLOCKS: u32 = 64;
+const MEASURED_BLOCKS: u32 = 16;
+/// Blocks of the tone, from its first on, by whose phase swapped channels are told: before the guard finds the voltage implausible.
+const PHASE_BLOCKS: u32 = 4;
+/// Smallest amplitude whose phase is judged, codes: noise alone leaves a quarter of one.
+const PHASE_CODES: f32 = 4.0;
+/// The tone, relative to the nominal frequency and to the scan voltage.
+const TONE_FREQUENCY: f32 = 0.85;
+const TONE_AMPLITUDE: f32 = 0.5;
+/// Largest offset, as a part of half the range.
+const LARGEST_OFFSET: f32 = 0.05;
+/// How far the voltage may be from what was played.
+const VOLTAGE_FACTOR: f32 = 1.5;
+/// How far the current may be from what the nominal capacitance takes: 1.4 at this frequency by coupling alone.
+const CURRENT_FACTOR: f32 = 3.0;
+
+/// The self-test, in progress.
+#[derive(Clone, Debug)]
+pub struct SelfTest {
+    offset_hz: f32,
+    volts: f32,
+    clamped_siemens: f32,
+    ring_down_blocks: u32,
+    /// Blocks of the present phase, and whether it is quiet.
+    block: u32,
+    quiet: bool,
+    mean_codes: (f32, f32),
+    sum: (f32, f32),
+    /// The first blocks' voltage and current.
+    first: (f32, f32),
+    /// Their current against their voltage.
+    lead: Phasor,
+    /// Mean square of both channels in silence, codes.
+    noise: (f32, f32),
+}
+
+impl SelfTest {
+    /// A test by the configured drive and nominal capacitance.
+    pub fn build(config: &Config) -> Self {
+        let hz = config.drive.frequency_hz * TONE_FREQUENCY;
+        let tau_s = config.tracking.nominal_q / (core::f32::consts::PI * config.drive.frequency_hz);
+        let block_s = f32::from(config.block_samples) / config.sample_hz;
+        SelfTest {
+            offset_hz: hz - config.drive.frequency_hz,
+            volts: config.drive.scan_volts * TONE_AMPLITUDE,
+            clamped_siemens: core::f32::consts::TAU * hz * config.tracking.nominal_c0_f,
+            ring_down_blocks: RING_DOWN.1 + (RING_DOWN.0 * tau_s / block_s) as u32,
+            block: 0,
+            quiet: false,
+            mean_codes: (0.0, 0.0),
+            sum: (0.0, 0.0),
+            first: (0.0, 0.0),
+            lead: Phasor::default(),
+            noise: (0.0, 0.0),
+        }
+    }
+
+    /// Whether the tone, of which `played` volts are, draws more current than any transducer would.
+    pub fn is_short(&self, sensed: &Sensed, played: f32) -> bool {
+        let most = CURRENT_FACTOR * self.clamped_siemens * played;
+        sensed.i.norm_sqr() > most * most
+    }
+
+    /// Mean square of the noise of voltage and current, codes, as heard in silence.
+    pub fn noise(&self) -> (f32, f32) {
+        self.noise
+    }
+
+    /// Begins again.
+    pub fn restart(&mut self) {
+        self.block = 0;
+        self.quiet = false;
+        self.mean_codes = (0.0, 0.0);
+        self.sum = (0.0, 0.0);
+        self.first = (0.0, 0.0);
+        self.lead = Phasor::default();
+        self.noise = (0.0, 0.0);
+    }
+
+    /// Takes a block, in which `played` volts were, and says what to do next. Moves the zero of both channels when the silence is over.
+    pub fn listen(&mut self, convert: &mut Convert, sense: &SenseBlock, sensed: &Sensed, played: f32) -> Step {
+        const TONE_ENDS: u32 = SILENT_BLOCKS + TONE_BLOCKS;
+        const FIRST_HEARD: u32 = SILENT_BLOCKS + LATENCY_BLOCKS as u32;
+        self.block += 1;
+        if !self.quiet {
+            return self.wait_for_quiet(convert, sense);
+        }
+        match self.block {
+            n if n <= SILENT_BLOCKS => {
+                self.mean_codes.0 += convert.v.mean_code(&sense.v) / SILENT_BLOCKS as f32;
+                self.mean_codes.1 += convert.i.mean_code(&sense.i) / SILENT_BLOCKS as f32;
+                if n > SILENT_BLOCKS / 2 {
+                    // What rings has died away further by then.
+                    let square = |rms: f32| rms * rms / (SILENT_BLOCKS - SILENT_BLOCKS / 2) as f32;
+                    self.noise.0 += square(convert.v.rms_code(&sense.v));
+                    self.noise.1 += square(convert.i.rms_code(&sense.i));
+                }
+                if n == SILENT_BLOCKS { self.judge_offset(convert) } else { Step::Silence }
+            }
+            n if (FIRST_HEARD..FIRST_HEARD + PHASE_BLOCKS).contains(&n) => {
+                self.first.0 += magnitude(sensed.v) / PHASE_BLOCKS as f32;
+                self.first.1 += magnitude(sensed.i) / PHASE_BLOCKS as f32;
+                self.lead += sensed.i * sensed.v.conj();
+                if n + 1 == FIRST_HEARD + PHASE_BLOCKS && self.is_swapped(convert) {
+                    return Step::Failed(Fault::SenseSwapped);
+                }
+                self.tone()
+            }
+            n if n <= TONE_ENDS => {
+                if n > TONE_ENDS - MEASURED_BLOCKS {
+                    self.sum.0 += magnitude(sensed.v) / MEASURED_BLOCKS as f32;
+                    self.sum.1 += magnitude(sensed.i) / MEASURED_BLOCKS as f32;
+                }
+                self.tone()
+            }
+            _ => self.judge_tone(played),
+        }
+    }
+
+    fn wait_for_quiet(&mut self, convert: &Convert, sense: &SenseBlock) -> Step {
+        let (part, codes) = QUIET;
+        let tone_codes = convert.i.codes(self.volts * self.clamped_siemens);
+        // What was played before may still sound.
+        self.quiet = self.block > LATENCY_BLOCKS as u32 && convert.i.rms_code(&sense.i) < codes.max(part * tone_codes);
+        if self.quiet {
+            self.block = 0;
+        } else if self.block > self.ring_down_blocks {
+            return Step::Failed(Fault::SensorImplausible);
+        }
+        Step::Silence
+    }
+
+    fn tone(&self) -> Step {
+        Step::Tone { offset_hz: self.offset_hz, volts: self.volts, lane: 0 }
+    }
+
+    fn judge_offset(&self, convert: &mut Convert) -> Step {
+        let fits = |offset: f32, half_range: f32| offset.abs() <= LARGEST_OFFSET * half_range;
+        if !fits(self.mean_codes.0, convert.v.half_range()) || !fits(self.mean_codes.1, convert.i.half_range()) {
+            return Step::Failed(Fault::SensorImplausible);
+        }
+        convert.v.shift_zero(self.mean_codes.0);
+        convert.i.shift_zero(self.mean_codes.1);
+        self.tone()
+    }
+
+    /// Whether the current lags where it must lead.
+    fn is_swapped(&self, convert: &Convert) -> bool {
+        let heard = convert.v.codes(self.first.0) > PHASE_CODES && convert.i.codes(self.first.1) > PHASE_CODES;
+        heard && self.lead.im < -self.lead.re.abs()
+    }
+
+    fn judge_tone(&self, played: f32) -> Step {
+        let (volts, amperes) = self.sum;
+        let expected = volts * self.clamped_siemens;
+        if volts > played * VOLTAGE_FACTOR {
+            Step::Failed(Fault::SensorImplausible)
+        } else if amperes > expected * CURRENT_FACTOR {
+            Step::Failed(Fault::LoadShorted)
+        } else if volts < played / VOLTAGE_FACTOR {
+            Step::Failed(Fault::SensorImplausible)
+        } else if amperes < expected / CURRENT_FACTOR {
+            Step::Failed(Fault::LoadOpen)
+        } else {
+            Step::Done { volts: 0.0 }
+        }
+    }
+}

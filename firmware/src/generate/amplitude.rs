@@ -1,0 +1,297 @@
+//! Amplitude: the drive voltage for the amplitude asked for.
+//!
+//! A voltage is passed on. A motional current (tip velocity times force factor) is held by a PI loop whatever the load
+//! does to Q: about the resonance `I_m = (V / Rm) / (1 + tau s)`, so that `Ki = 2 pi B Rm` and `Kp = Ki tau` leave a
+//! first-order loop of bandwidth `B`.
+//!
+//! The loop does not compare with the set-point itself but with what an undisturbed ring-up would show by now (the
+//! set-point through the same lag): it holds still through the edges of a burst and corrects only what the load does.
+
+use crate::generate::drive_scale::DriveScale;
+use crate::generate::phasing;
+use crate::seam::block::Amplitude;
+use crate::seam::config::{Config, Drive, Limits};
+use crate::seam::error::Error;
+use crate::seam::phasor::{Phasor, magnitude};
+use crate::seam::transducer::Transducer;
+
+/// Bandwidth of the loop, Hz: slower than the phase loop, so that the two do not fight.
+const BANDWIDTH_HZ: f32 = 60.0;
+/// The loop listens once the ring-up has come so far.
+const LISTEN_ABOVE: f32 = 0.8;
+/// Settled: within this part of what is asked for, for so many blocks.
+const SETTLED: (f32, u32) = (0.01, 32);
+
+/// The amplitude control. Without an identified transducer a motional current cannot be held, and plays as silence.
+#[derive(Clone, Debug)]
+pub struct AmplitudeLoop {
+    /// The voltage limit is that of the loudest lane.
+    limits: Limits,
+    /// As configured, V.
+    voltage_limit: f32,
+    start_volts: f32,
+    block_s: f32,
+    ohm: f32,
+    lag: f32,
+    /// What an undisturbed resonance would show by now, A.
+    expected: f32,
+    integral_volts: f32,
+    volts: f32,
+    limited: bool,
+    /// Blocks in which the amplitude was what is asked for.
+    within: u32,
+    /// What was asked for last, A.
+    asked: Option<f32>,
+}
+
+/// The largest amplitude that the voltage limit and the converters leave to a drive whose loudest lane is trimmed, V.
+pub fn most_volts(config: &Config) -> Result<f32, Error> {
+    let converter_v = DriveScale::build(&config.front_end)?.range_v();
+    Ok(config.limits.voltage_v.min(converter_v) / phasing::loudest(&config.phasing))
+}
+
+impl AmplitudeLoop {
+    /// Checks the amplitude and the limits.
+    pub fn build(config: &Config, block_s: f32) -> Result<Self, Error> {
+        let converter_v = DriveScale::build(&config.front_end)?.range_v();
+        let voltage_v = most_volts(config)?;
+        let limits = Limits { voltage_v, ..config.limits.clone() };
+        // However low a limit is, there is a drive within it.
+        Drive::SCAN_VOLTS.check_up_to(config.drive.scan_volts, limits.voltage_v)?;
+        match config.drive.amplitude {
+            Amplitude::Volts(volts) => Drive::AMPLITUDE_V.check_up_to(volts, limits.voltage_v)?,
+            Amplitude::MotionalCurrent(amperes) => Drive::MOTIONAL_CURRENT_A.check_up_to(amperes, limits.current_a)?,
+        };
+        Ok(AmplitudeLoop {
+            limits,
+            voltage_limit: config.limits.voltage_v.min(converter_v),
+            start_volts: config.drive.scan_volts,
+            block_s,
+            ohm: 0.0,
+            lag: 0.0,
+            expected: 0.0,
+            integral_volts: config.drive.scan_volts,
+            volts: config.drive.scan_volts,
+            limited: false,
+            within: 0,
+            asked: None,
+        })
+    }
+
+    /// Forgets the transducer.
+    pub fn restart(&mut self) {
+        self.lag = 0.0;
+        self.integral_volts = self.start_volts;
+        self.within = 0;
+    }
+
+    /// The loudest lane now has this gain, and the limit is for that lane. Returns what is left for the others, V.
+    pub fn set_loudest(&mut self, gain: f32) -> f32 {
+        self.limits.voltage_v = self.voltage_limit / gain;
+        self.limits.voltage_v
+    }
+
+    /// Starts on an identified transducer, which rings at `motional_current` amperes already.
+    pub fn seed(&mut self, transducer: &Transducer, motional_current: f32) {
+        self.ohm = transducer.rm_ohm;
+        self.lag = (self.block_s / transducer.time_constant_s()).min(1.0);
+        self.expected = motional_current;
+        self.integral_volts = self.start_volts;
+        self.within = 0;
+        self.asked = None;
+    }
+
+    /// What is heard next had been rung up by a boost: there is nothing to wait for.
+    pub fn has_rung_up(&mut self) {
+        if let Some(asked) = self.asked {
+            self.expected = asked;
+        }
+    }
+
+    /// Follows one block: what is asked for, the mean envelope of the block heard, and the motional current in it.
+    pub fn update(&mut self, wanted: Amplitude, envelope: f32, motional_current: Phasor) {
+        let asked = match wanted {
+            Amplitude::Volts(volts) => {
+                self.within = SETTLED.1;
+                volts
+            }
+            Amplitude::MotionalCurrent(amperes) => self.hold(amperes, envelope, motional_current),
+        };
+        self.limited = asked > self.limits.voltage_v;
+        self.volts = up_to(self.limits.voltage_v, asked);
+    }
+
+    /// Peak voltage to drive with, V.
+    pub fn volts(&self) -> f32 {
+        self.volts
+    }
+
+    /// The voltage before anything is identified: the scan's, V.
+    pub fn start_volts(&self) -> f32 {
+        self.start_volts
+    }
+
+    /// How many times the present voltage the limit is; at least one.
+    pub fn headroom(&self) -> f32 {
+        if self.volts > 0.0 { (self.limits.voltage_v / self.volts).max(1.0) } else { 1.0 }
+    }
+
+    /// The voltage limit, of the loudest lane, V.
+    pub fn most_volts(&self) -> f32 {
+        self.limits.voltage_v
+    }
+
+    /// The current limit, A.
+    pub fn most_amperes(&self) -> f32 {
+        self.limits.current_a
+    }
+
+    /// So much of a voltage that `louder` times as much is within the limit.
+    pub fn within(&self, volts: f32, louder: f32) -> f32 {
+        if volts * louder > self.limits.voltage_v { self.limits.voltage_v / louder } else { volts }
+    }
+
+    /// Whether the amplitude has been reached, or cannot be.
+    pub fn settled(&self) -> bool {
+        self.within >= SETTLED.1 || self.limited
+    }
+
+    /// Whether the voltage limit stops the loop or the order from getting what it wants.
+    pub fn limited(&self) -> bool {
+        self.limited
+    }
+
+    /// As much more is asked for, as much more voltage it takes: the loop corrects only what that is wrong by.
+    fn follow(&mut self, asked: f32) {
+        if let Some(before) = self.asked.filter(|&before| before != asked && before > 0.0) {
+            self.integral_volts = up_to(self.limits.voltage_v, self.integral_volts * (asked / before));
+        }
+        // Nothing can be scaled from nothing.
+        if asked > 0.0 {
+            self.asked = Some(asked);
+        }
+    }
+
+    fn hold(&mut self, amperes: f32, envelope: f32, motional_current: Phasor) -> f32 {
+        if self.lag == 0.0 {
+            // Nothing is identified, so nobody knows which voltage that would be.
+            return 0.0;
+        }
+        let ceiling = up_to(self.limits.current_a, amperes);
+        self.follow(ceiling);
+        self.expected += self.lag * (envelope * ceiling - self.expected);
+        if envelope != 1.0 || self.expected < LISTEN_ABOVE * ceiling {
+            return self.integral_volts;
+        }
+        let motional_current = magnitude(motional_current);
+        let error_volts = self.ohm * (self.expected - motional_current);
+        self.within = if (ceiling - motional_current).abs() < SETTLED.0 * ceiling { self.within.saturating_add(1) } else { 0 };
+        if !error_volts.is_finite() {
+            return self.integral_volts;
+        }
+        let integral_gain = core::f32::consts::TAU * BANDWIDTH_HZ * self.block_s;
+        self.integral_volts = (self.integral_volts + integral_gain * error_volts).clamp(0.0, self.limits.voltage_v);
+        self.integral_volts + error_volts * integral_gain / self.lag
+    }
+}
+
+/// `value` between zero and `limit`; a not-a-number, which an order might carry, is zero.
+fn up_to(limit: f32, value: f32) -> f32 {
+    match value {
+        value if value > limit => limit,
+        value if value > 0.0 => value,
+        _ => 0.0,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn transducer(q: f32, rm_ohm: f32) -> Transducer {
+        Transducer {
+            series_resonance_hz: 40e3,
+            parallel_resonance_hz: 41.3e3,
+            q,
+            rm_ohm,
+            lm_h: 0.79e-3,
+            cm_f: 20e-9,
+            c0_f: 300e-9,
+            ..Transducer::default()
+        }
+    }
+
+    fn amplitude_loop(amperes: f32) -> AmplitudeLoop {
+        let limits = Limits { voltage_v: 12.0, current_a: 3.0, ..Limits::default() };
+        AmplitudeLoop {
+            limits,
+            voltage_limit: 12.0,
+            start_volts: 1.0,
+            block_s: 32e-6,
+            ohm: 0.0,
+            lag: 0.0,
+            expected: amperes,
+            integral_volts: 1.0,
+            volts: 1.0,
+            limited: false,
+            within: 0,
+            asked: None,
+        }
+    }
+
+    #[test]
+    fn holds_the_current_when_the_load_triples_the_resistance() {
+        let mut hold = amplitude_loop(1.0);
+        hold.seed(&transducer(65.0, 3.0), 0.0);
+        let mut current = 0.0;
+        for n in 0..4000 {
+            let (ohm, q) = if n < 2000 { (3.0, 65.0) } else { (9.0, 22.0) };
+            let lag = 32e-6 * core::f32::consts::PI * 40e3 / q;
+            current += lag * (hold.volts() / ohm - current);
+            hold.update(Amplitude::MotionalCurrent(1.0), 1.0, current.into());
+            if n == 1999 {
+                assert!((current - 1.0).abs() < 1e-3 && (hold.volts() - 3.0).abs() < 1e-2, "{current} {}", hold.volts());
+            }
+        }
+        assert!((current - 1.0).abs() < 1e-3, "{current}");
+    }
+
+    /// Another amplitude is there as soon as the stack has rung to it, whatever the load is that the loop has found before. Measured: 0.7 %
+    /// off after five time constants.
+    #[test]
+    fn a_new_amplitude_takes_as_long_as_the_ring() {
+        let mut hold = amplitude_loop(1.0);
+        hold.seed(&transducer(65.0, 3.0), 0.0);
+        let lag = 32e-6 * core::f32::consts::PI * 40e3 / 65.0;
+        let mut current = 0.0;
+        for asked in [1.0, 0.4, 0.9] {
+            let blocks = if asked == 1.0 { 2000 } else { 80 };
+            for _ in 0..blocks {
+                current += lag * (hold.volts() / 3.6 - current);
+                hold.update(Amplitude::MotionalCurrent(asked), 1.0, current.into());
+            }
+            assert!((current / asked - 1.0).abs() < 0.01, "{asked}: {current}");
+        }
+    }
+
+    #[test]
+    fn the_limit_is_never_exceeded_and_says_so() {
+        let mut hold = amplitude_loop(2.0);
+        hold.seed(&transducer(65.0, 3.0), 0.0);
+        for asked in [Amplitude::Volts(50.0), Amplitude::Volts(f32::INFINITY)] {
+            hold.update(asked, 1.0, Phasor::default());
+            assert!(hold.volts() == 12.0 && hold.limited(), "{asked:?}");
+        }
+        for asked in [Amplitude::Volts(-3.0), Amplitude::Volts(f32::NAN)] {
+            hold.update(asked, 1.0, Phasor::default());
+            assert_eq!(hold.volts(), 0.0, "{asked:?}");
+        }
+        for current in [f32::NAN, f32::INFINITY, 0.0] {
+            hold.expected = 0.0;
+            hold.update(Amplitude::MotionalCurrent(f32::NAN), 1.0, current.into());
+            assert!(hold.volts() <= 1.0, "{current}: {}", hold.volts());
+        }
+        hold.update(Amplitude::MotionalCurrent(2.0), 1.0, f32::NAN.into());
+        assert!(hold.volts() <= 12.0);
+    }
+}

@@ -1,0 +1,333 @@
+//! The ON/OFF envelope: when the drive is let through, to the half cycle, and how it gets there.
+//!
+//! A gate (scheduled, or ordered) says when. What follows it depends on the edge:
+//!
+//! * hard: the burst begins at the next passage of the first lane through zero, in either direction, and ends at the first passage in the
+//!   same direction after the gate has closed: it lasts a whole number of periods, so that its volt-seconds cancel (to the sample; what
+//!   sampling and rounding leave, the [shaper](crate::generate::shaper) pays back).
+//! * soft: the envelope follows the gate along a ramp, which an opposite order turns round: `envelope = (1 - cos(pi ramp)) / 2`.
+//!
+//! * boost: by whole half cycles of louder drive up, and of drive against what rings down, as fast as the limits allow ([`boost`]).
+//!
+//! A burst that is ended by a brake goes on for some half cycles against its own phase, so that what it has rung up is rung down.
+
+pub mod boost;
+mod brake;
+mod duty;
+mod ring;
+mod schedule;
+mod soft;
+pub mod stroke;
+#[cfg(test)]
+mod tests;
+
+use core::ops::Range;
+
+use heapless::Vec;
+
+use crate::generate::burst::boost::Boost;
+pub use crate::generate::burst::brake::Brake;
+use crate::generate::burst::schedule::Schedule;
+use crate::generate::nco::Stretch;
+use crate::seam::block::{Gate, MAX_BLOCK_SAMPLES};
+use crate::seam::compare::larger;
+use crate::seam::config::{Burst as Config, Edge};
+use crate::seam::error::Error;
+
+/// The longest soft edge, samples: its cosine has 2^32 steps a turn.
+const LONGEST_EDGE: f32 = (1 << 20) as f32;
+
+/// The envelope of one block.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Envelope<'a> {
+    /// The same throughout.
+    Flat(f32),
+    /// Sample by sample.
+    Edge(&'a [f32]),
+}
+
+impl Envelope<'_> {
+    /// The envelope's mean over the block.
+    pub fn mean(&self) -> f32 {
+        match self {
+            Envelope::Flat(level) => *level,
+            Envelope::Edge(levels) => levels.iter().sum::<f32>() / levels.len().max(1) as f32,
+        }
+    }
+
+    /// Whether it is the same throughout.
+    pub fn is_flat(&self) -> bool {
+        matches!(self, Envelope::Flat(_))
+    }
+}
+
+/// Where the envelope stands.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum State {
+    Closed,
+    /// Open since a passage through zero in this direction (whether falling).
+    Open {
+        falling: bool,
+    },
+    /// Boosted since a passage through zero in this direction, for so many half cycles more.
+    Rising {
+        falling: bool,
+        left: u32,
+    },
+    /// Against the drive, for so many half cycles more.
+    Braking {
+        left: u32,
+    },
+}
+
+/// The envelope generator.
+#[derive(Clone, Debug)]
+pub struct Burst {
+    schedule: Schedule,
+    /// Samples a soft edge takes, and the half turn of its cosine in as many steps (2^32 a turn); none where the edge is hard.
+    edge: Option<u32>,
+    half_turn_step: u32,
+    /// Of the drive, samples.
+    period_of_drive: f32,
+    /// Where the ramp of a soft edge stands, 0 (OFF) to `edge` (ON).
+    ramp: u32,
+    state: State,
+    /// Direction of the last passage through zero.
+    falling: bool,
+    brake: Option<Brake>,
+    boost: Option<Boost>,
+    /// Every burst ends with a brake, not only those that an order ends.
+    brakes: bool,
+    boosts: bool,
+    /// There is a brake or a boost, and how much louder than the drive it may get.
+    moves: bool,
+    loudest: f32,
+    /// The envelope of the last block with an edge.
+    levels: Vec<f32, MAX_BLOCK_SAMPLES>,
+}
+
+impl Burst {
+    /// `frequency_hz` is the nominal drive frequency, by which soft edges are measured.
+    pub fn build(config: &Config, frequency_hz: f32, sample_hz: f32) -> Result<Self, Error> {
+        let edge = match config.edge {
+            Edge::Hard | Edge::Boost => None,
+            Edge::Soft => {
+                let cycles = config.edge_cycles;
+                Config::EDGE_CYCLES.check_within(cycles.into(), 0.0, (LONGEST_EDGE * frequency_hz / sample_hz).into())?;
+                Some(((cycles * sample_hz / frequency_hz) as u32).max(1))
+            }
+        };
+        Ok(Burst {
+            schedule: Schedule::build(&config.schedule, sample_hz.into())?,
+            edge,
+            half_turn_step: (1 << 31) / edge.unwrap_or(1),
+            period_of_drive: sample_hz / frequency_hz,
+            ramp: 0,
+            state: State::Closed,
+            falling: false,
+            brake: None,
+            boost: (config.edge == Edge::Boost).then(Boost::default),
+            brakes: config.brake,
+            boosts: config.edge == Edge::Boost,
+            moves: config.edge == Edge::Boost,
+            loudest: 1.0,
+            levels: Vec::new(),
+        })
+    }
+
+    /// Whether a burst that ends under this gate ends with a brake.
+    pub fn brakes(&self, gate: Gate) -> bool {
+        self.brakes || gate == Gate::Brake
+    }
+
+    /// The brake for bursts that end with one. Nothing is braked without one.
+    pub fn set_brake(&mut self, brake: Option<Brake>) {
+        self.brake = brake;
+        self.loudest = brake.map_or(1.0, |brake| larger(brake.level, 1.0));
+        self.moves = brake.is_some();
+    }
+
+    /// How much louder than the drive the envelope may get: at least one, and more only by a brake or a boost.
+    #[inline]
+    pub fn loudest(&self) -> f32 {
+        self.loudest
+    }
+
+    /// Whether what plays under this gate is an edge that was planned for a drive, which stays what it was until that is over: the end of a burst
+    /// with a brake, or a boost.
+    pub fn is_under_way(&self, gate: Gate) -> bool {
+        if !self.moves {
+            return false;
+        }
+        let ordered = (gate == Gate::Brake || gate == Gate::Off && self.boosts) && matches!(self.state, State::Open { .. });
+        ordered || matches!(self.state, State::Braking { .. } | State::Rising { .. })
+    }
+
+    /// The brake in use.
+    pub fn brake(&self) -> Option<Brake> {
+        self.brake
+    }
+
+    /// Whether the drive is wanted under this gate at sample `now`.
+    pub fn is_wanted(&mut self, gate: Gate, now: u64) -> bool {
+        self.gate(gate, now).0
+    }
+
+    /// The envelope from sample `now` on, for `samples` samples of a stretch, of a drive of `volts`.
+    pub fn envelope(&mut self, gate: Gate, now: u64, stretch: &Stretch, samples: usize, volts: f32) -> Envelope<'_> {
+        let (open, stays) = self.gate(gate, now);
+        if self.boosts {
+            if let Some(level) = self.boosted(open, stays >= samples as u64, stretch, samples, volts) {
+                return Envelope::Flat(level);
+            }
+            return self.edge(gate, (open, stays), now, stretch, samples);
+        }
+        let flat = match self.state {
+            State::Open { .. } if open && self.ramp == self.edge.unwrap_or(0) => Some(1.0),
+            State::Closed if !open && self.ramp == 0 => Some(0.0),
+            _ => None,
+        };
+        if let Some(level) = flat.filter(|_| stays >= samples as u64) {
+            self.falling = ends_falling(stretch, samples);
+            return Envelope::Flat(level);
+        }
+        self.edge(gate, (open, stays), now, stretch, samples)
+    }
+
+    /// The envelope of a block that is not the same throughout.
+    fn edge(&mut self, gate: Gate, now_open: (bool, u64), now: u64, stretch: &Stretch, samples: usize) -> Envelope<'_> {
+        let (mut open, mut stays) = now_open;
+        if self.levels.len() != samples {
+            // There is room for as many samples as a block can have.
+            let _ = self.levels.resize_default(samples);
+        }
+        let (mut done, samples) = (0, self.levels.len());
+        loop {
+            let span = stays.min((samples - done) as u64) as usize;
+            self.span(open, self.brakes(gate), stretch, done..done + span);
+            done += span;
+            if done == samples {
+                self.end_block();
+                return Envelope::Edge(&self.levels);
+            }
+            (open, stays) = self.gate(gate, now + done as u64);
+        }
+    }
+
+    /// The envelope of some samples of a block, during which the gate does not change.
+    fn span(&mut self, open: bool, brake: bool, stretch: &Stretch, span: Range<usize>) {
+        let brake = self.brake.filter(|_| brake);
+        let braking = matches!(self.state, State::Braking { .. });
+        match self.edge {
+            // Up to the last moment before a brake, the drive stays.
+            Some(edge) if !braking && (brake.is_none() || self.ramp < edge) => {
+                let end = span.end;
+                let ramp = self.rise(open, edge, span);
+                self.falling = falling(stretch.phase_at(end - 1));
+                self.state = if ramp == 0 { State::Closed } else { State::Open { falling: self.falling } };
+            }
+            _ => self.half_cycles(open, brake, stretch, span),
+        }
+    }
+
+    /// The same, half cycle by half cycle.
+    fn half_cycles(&mut self, open: bool, brake: Option<Brake>, stretch: &Stretch, span: Range<usize>) {
+        let mut n = span.start;
+        let mut phase = stretch.phase_at(n);
+        while n < span.end {
+            let falls = falling(phase);
+            if falls != self.falling {
+                self.falling = falls;
+                self.pass(open, brake);
+            }
+            let level = self.level();
+            let (samples, there) =
+                if stretch.step == 0 { until_passage(phase, stretch.word) } else { (1, stretch.phase_at(n + 1)) };
+            let next = span.end.min(n + samples);
+            self.levels.get_mut(n..next).into_iter().for_each(|levels| levels.fill(level));
+            if let Some(boost) = &mut self.boost {
+                boost.advance(level, next - n);
+            }
+            (n, phase) = (next, there);
+        }
+    }
+
+    fn level(&self) -> f32 {
+        match self.state {
+            State::Closed => 0.0,
+            State::Open { .. } => 1.0,
+            State::Rising { .. } => self.boost.as_ref().map_or(1.0, Boost::level),
+            State::Braking { .. } => match &self.boost {
+                Some(boost) => boost.level(),
+                None => self.brake.map_or(0.0, |brake| -brake.level),
+            },
+        }
+    }
+
+    /// The first lane passes zero.
+    fn pass(&mut self, open: bool, brake: Option<Brake>) {
+        if let Some(boost) = &mut self.boost {
+            self.state = boost.pass(self.state, open, self.falling);
+            return;
+        }
+        self.state = match self.state {
+            // A soft edge opens by its ramp.
+            State::Closed if open && self.edge.is_none() => State::Open { falling: self.falling },
+            State::Open { falling } if !open && falling == self.falling => {
+                self.ramp = 0;
+                brake.map_or(State::Closed, |brake| State::Braking { left: brake.half_cycles })
+            }
+            State::Braking { left } if left > 1 => State::Braking { left: left - 1 },
+            State::Braking { .. } => State::Closed,
+            unchanged => unchanged,
+        };
+    }
+
+    /// Opens or closes at once, without an edge: for tones outside the schedule, and for faults.
+    pub fn snap(&mut self, open: bool, stretch: &Stretch, samples: usize) -> Envelope<'_> {
+        if self.boosts {
+            self.snap_boost(open, samples);
+        }
+        self.falling = ends_falling(stretch, samples);
+        self.ramp = if open { self.edge.unwrap_or(0) } else { 0 };
+        self.state = if open { State::Open { falling: self.falling } } else { State::Closed };
+        Envelope::Flat(if open { 1.0 } else { 0.0 })
+    }
+
+    fn gate(&mut self, gate: Gate, now: u64) -> (bool, u64) {
+        match gate {
+            Gate::Scheduled => self.schedule.gate(now),
+            Gate::On => (true, u64::MAX),
+            Gate::Off | Gate::Brake => (false, u64::MAX),
+        }
+    }
+}
+
+/// Whether the sine falls below zero after this phase: the second half of the turn.
+fn falling(phase: u64) -> bool {
+    phase >> 63 == 1
+}
+
+/// After how many samples the next zero is passed, one at least; and the phase then.
+fn until_passage(phase: u64, word: u64) -> (usize, u64) {
+    // Not more than that many, by a division of 32 bits; the rest one by one. Above 0.01 cycles a sample that is one or none.
+    let (rest, step) = ((1 << 31) - 1 - (phase << 1 >> 33) as u32, (word >> 32) as u32);
+    let mut samples = rest / step.saturating_add(1);
+    let mut there = phase.wrapping_add(u64::from(samples).wrapping_mul(word));
+    while falling(there) == falling(phase) && samples < MAX_BLOCK_SAMPLES as u32 {
+        samples += 1;
+        there = there.wrapping_add(word);
+    }
+    (samples as usize, there)
+}
+
+/// The same after the last sample of a block.
+#[inline]
+fn ends_falling(stretch: &Stretch, samples: usize) -> bool {
+    let last = samples.saturating_sub(1);
+    falling(if stretch.step == 0 {
+        stretch.phase.wrapping_add(stretch.word.wrapping_mul(last as u64))
+    } else {
+        stretch.phase_at(last)
+    })
+}

@@ -1,0 +1,91 @@
+//! When the gate is open, in samples since the first.
+
+use heapless::Vec;
+
+use super::Burst;
+use super::duty::Dithered;
+use crate::seam::config::{self, MAX_WINDOWS, Schedule as ScheduleConfig};
+use crate::seam::error::Error;
+
+/// The gate's schedule, in samples.
+#[derive(Clone, Debug)]
+pub(super) enum Schedule {
+    Continuous,
+    Windows(Vec<(u64, u64), MAX_WINDOWS>),
+    Periodic {
+        period: u64,
+        on: u64,
+        /// A beginning of a period, the last that was needed.
+        begins: u64,
+        /// What `on` is to be on an average, where that is set while running.
+        dithered: Option<Dithered>,
+    },
+}
+
+impl Schedule {
+    pub(super) fn build(config: &ScheduleConfig, sample_hz: f64) -> Result<Self, Error> {
+        let samples = |seconds: f64| libm::round(seconds * sample_hz) as u64;
+        Ok(match config {
+            ScheduleConfig::Continuous => Schedule::Continuous,
+            ScheduleConfig::Windows(windows) => {
+                let windows: Vec<_, MAX_WINDOWS> = windows.iter().map(|&(on, off)| (samples(on), samples(off))).collect();
+                let in_order = windows.iter().all(|w| w.0 < w.1) && windows.windows(2).all(|pair| pair[0].1 <= pair[1].0);
+                if !in_order {
+                    return Err(Error::BurstWindows);
+                }
+                Schedule::Windows(windows)
+            }
+            &ScheduleConfig::Periodic { period_s, duty } => {
+                config::Burst::PERIOD_S.check_within(period_s, 1.0 / sample_hz, f64::INFINITY)?;
+                let period = samples(period_s);
+                Schedule::Periodic { period, on: libm::round(duty * period as f64) as u64, begins: 0, dithered: None }
+            }
+        })
+    }
+
+    /// From the next period on, a gate that repeats is open for so many samples on an average, spread over `spread`.
+    pub(super) fn set_on(&mut self, samples: f32, spread: f32) {
+        if let Schedule::Periodic { dithered, .. } = self {
+            *dithered = Some(Dithered::after(*dithered, samples, spread));
+        }
+    }
+
+    /// Whether the gate is open at sample `now`, and for how many samples it stays so.
+    pub(super) fn gate(&mut self, now: u64) -> (bool, u64) {
+        match self {
+            Schedule::Continuous => (true, u64::MAX),
+            Schedule::Windows(windows) => windows
+                .iter()
+                .find_map(|&(on, off)| match now {
+                    n if n < on => Some((false, on - n)),
+                    n if n < off => Some((true, off - n)),
+                    _ => None,
+                })
+                .unwrap_or((false, u64::MAX)),
+            Schedule::Periodic { period, on, begins, dithered } => {
+                // Mostly the same period, or the next: a division of 64 bits takes longer than the rest.
+                let mut phase = now.wrapping_sub(*begins);
+                if phase >= *period {
+                    phase = if phase < 2 * *period { phase - *period } else { now % *period };
+                    *begins = now - phase;
+                    if let Some(dithered) = dithered {
+                        *on = dithered.next(*period);
+                    }
+                }
+                if phase < *on { (true, *on - phase) } else { (false, *period - phase) }
+            }
+        }
+    }
+}
+
+impl Burst {
+    /// Whether the schedule repeats a burst.
+    pub fn repeats(&self) -> bool {
+        matches!(self.schedule, Schedule::Periodic { .. })
+    }
+
+    /// From the next period on, bursts of a schedule that repeats are ON for so many samples on an average.
+    pub fn set_on(&mut self, samples: f32) {
+        self.schedule.set_on(samples, self.period_of_drive);
+    }
+}

@@ -1,0 +1,51 @@
+//! Volts to codes of the drive converter.
+
+use crate::seam::config::FrontEnd;
+use crate::seam::error::{Error, in_range};
+
+/// The drive converter: `code = mid + volts / volt_per_lsb`, rounded to nearest. Whoever makes a drive keeps within the headroom.
+#[derive(Clone, Debug)]
+pub struct DriveScale {
+    mid_code: u16,
+    lsb_per_volt: f32,
+    headroom: f32,
+}
+
+impl DriveScale {
+    /// Checks that zero volts is within the codes.
+    pub fn build(front_end: &FrontEnd) -> Result<Self, Error> {
+        in_range("front_end.drive_mid_code", front_end.drive_mid_code.into(), 8.0, f64::from(front_end.drive_max_code) - 8.0)?;
+        Ok(DriveScale {
+            mid_code: front_end.drive_mid_code,
+            lsb_per_volt: 1.0 / front_end.drive_volt_per_lsb,
+            // Less one for rounding and one for dither.
+            headroom: f32::from(front_end.drive_mid_code.min(front_end.drive_max_code - front_end.drive_mid_code)) - 2.0,
+        })
+    }
+
+    /// The code that plays zero volts.
+    pub fn silence(&self) -> u16 {
+        self.mid_code
+    }
+
+    /// Codes for one volt.
+    pub fn lsb_per_volt(&self) -> f32 {
+        self.lsb_per_volt
+    }
+
+    /// The largest amplitude that is free of clipping, codes.
+    pub fn headroom(&self) -> f32 {
+        self.headroom
+    }
+
+    /// The same in volts, rounded down.
+    pub fn range_v(&self) -> f32 {
+        self.headroom / self.lsb_per_volt
+    }
+
+    /// What to add to a value in codes so that truncation rounds it to the nearest code, as long as it stays within the headroom.
+    #[inline]
+    pub fn rounding_base(&self) -> f32 {
+        f32::from(self.mid_code) + 0.5
+    }
+}

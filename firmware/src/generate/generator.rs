@@ -1,0 +1,151 @@
+//! From a plan to codes: frequency, envelope, amplitude, lanes and shape of one block.
+
+use crate::generate::amplitude::AmplitudeLoop;
+use crate::generate::burst::Burst;
+use crate::generate::drive_scale::DriveScale;
+use crate::generate::nco::{Nco, Stretch};
+use crate::generate::phasing::Phasing;
+use crate::generate::shape::Shape;
+use crate::generate::shaper::{Play, Shaper};
+use crate::generate::step::Plan;
+use crate::generate::sweep::Sweep;
+use crate::generate::sweep::hold::Hold;
+use crate::seam::block::{DriveBlock, Gate, LATENCY_BLOCKS, Orders};
+use crate::seam::mode::Mode;
+
+/// A block that has been written: what was played in it when the sense codes of that block arrive.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Played {
+    /// The tone, or the chord of a chirp.
+    pub(crate) tone: Stretch,
+    /// Frequency relative to the nominal one.
+    pub(crate) relative: f32,
+    /// Frequency as an offset from the nominal one, Hz.
+    pub(crate) offset_hz: f32,
+    /// How far beside the lock point the drive was on purpose, Hz.
+    pub(crate) detune_hz: f32,
+    /// Peak voltage before the envelope, V.
+    pub(crate) volts: f32,
+    /// What the sense channels see of the voltage: the gain of the connected lane times the fundamental of the shape. Unknown for
+    /// noise, and for a lane that is being calibrated.
+    pub(crate) audible: Option<f32>,
+    /// Mean envelope.
+    pub(crate) envelope: f32,
+    /// The envelope was the same throughout.
+    pub(crate) flat: bool,
+    /// The drive was a sine.
+    pub(crate) pure: bool,
+}
+
+impl Played {
+    /// A block before the first: silence at this frequency.
+    pub(crate) fn at_rest(hold: &Hold) -> Self {
+        let tone = Stretch { word: hold.word(), ..Stretch::default() };
+        Played { tone, relative: 1.0, flat: true, pure: true, ..Played::default() }
+    }
+
+    /// Whether the drive was fully ON throughout the block.
+    #[inline]
+    pub(crate) fn is_full(&self) -> bool {
+        self.flat && self.envelope == 1.0 && self.volts > 0.0
+    }
+}
+
+/// The generator: everything between a plan and the codes. Small parts that every block reads stand first.
+#[derive(Clone, Debug)]
+#[repr(C)]
+pub(crate) struct Generator {
+    pub(crate) nco: Nco,
+    /// Samples in a block.
+    pub(crate) samples: usize,
+    pub(crate) sweep: Sweep,
+    pub(crate) amplitude: AmplitudeLoop,
+    pub(crate) scale: DriveScale,
+    pub(crate) shaper: Shaper,
+    pub(crate) burst: Burst,
+    pub(crate) phasing: Phasing,
+    pub(crate) shape: Shape,
+}
+
+impl Generator {
+    /// A block of silence.
+    pub(crate) fn silence(&self) -> DriveBlock {
+        DriveBlock::silent(self.phasing.count(), self.samples, self.scale.silence())
+    }
+
+    /// Returns to the nominal frequency and amplitude.
+    pub(crate) fn restart(&mut self) {
+        self.sweep.hold.retune(0.0);
+        self.sweep.restart();
+        self.amplitude.restart();
+        self.burst.restart();
+    }
+
+    /// The sample that is played first in the block to be written.
+    pub(crate) fn now(&self, block: u64) -> u64 {
+        (block + LATENCY_BLOCKS as u64) * self.samples as u64
+    }
+
+    /// Takes the present trims into account for the voltage limit, which is that of the loudest lane. Returns that limit, V.
+    pub(crate) fn set_loudest(&mut self) -> f32 {
+        self.amplitude.set_loudest(self.phasing.loudest())
+    }
+
+    /// Writes the codes of a plan, and returns what they are. `observed`: an observer locks, which needs a sine whatever the shape is.
+    #[inline]
+    pub(crate) fn play(
+        &mut self,
+        orders: &Orders,
+        plan: &Plan,
+        (mode, observed): (Mode, bool),
+        block: u64,
+        drive: &mut DriveBlock,
+    ) -> Played {
+        let running = mode == Mode::Run;
+        let stretch = self.nco.advance(self.sweep.next(running), self.samples);
+        let tone = stretch.chord(self.samples);
+        let offset_hz = self.sweep.hold.offset_of(tone.word);
+        let hz = self.sweep.hold.nominal_hz() + offset_hz;
+
+        let now = self.now(block);
+        let louder = self.burst.loudest();
+        let envelope = match mode {
+            Mode::Idle | Mode::Fault => self.burst.snap(false, &stretch, self.samples),
+            Mode::SelfTest | Mode::Scan | Mode::Calibrate | Mode::Clamped => {
+                self.burst.snap(plan.gate == Gate::On, &stretch, self.samples)
+            }
+            // Without a voltage there is no burst: the next one begins at zero.
+            Mode::Lock | Mode::Run if plan.volts == 0.0 => self.burst.snap(false, &stretch, self.samples),
+            Mode::Lock | Mode::Run => self.burst.envelope(plan.gate, now, &stretch, self.samples, plan.volts),
+        };
+        let (level, flat) = (envelope.mean(), envelope.is_flat());
+        // A brake may be louder than the drive, but not than the limit, whatever has become of the drive since it began.
+        let volts = self.amplitude.within(plan.volts, louder);
+        let (quadrature, _) = self.phasing.quadrature(orders.quadrature.filter(|_| mode != Mode::Calibrate));
+        let lanes = self.phasing.lanes(hz, quadrature);
+        let gain = lanes.first().map_or(1.0, |lane| lane.gain);
+        let play = Play { scale: &self.scale, lanes, stretch, samples: self.samples, volts, louder, envelope };
+        let mut plain = Shape::Sine;
+        let shaped = running || mode == Mode::Lock && !observed;
+        let pure = !shaped || matches!(self.shape, Shape::Sine);
+        let shape = if shaped { &mut self.shape } else { &mut plain };
+        match mode {
+            Mode::Idle | Mode::Fault => self.shaper.mute(&play, drive),
+            Mode::SelfTest | Mode::Clamped if plan.volts == 0.0 => self.shaper.mute(&play, drive),
+            _ => self.shaper.shape(shape, &play, drive),
+        }
+        let fundamental = shape.fundamental(tone.frequency()).filter(|_| plan.listen == 0);
+        drive.listen = plan.listen;
+        Played {
+            tone,
+            relative: hz / self.sweep.hold.nominal_hz(),
+            offset_hz,
+            detune_hz: plan.tracked_hz.filter(|_| running).map_or(0.0, |tracked_hz| offset_hz - tracked_hz),
+            volts,
+            audible: fundamental.map(|part| part * gain),
+            envelope: level,
+            flat,
+            pure,
+        }
+    }
+}

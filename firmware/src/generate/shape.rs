@@ -1,0 +1,51 @@
+//! Phase to amplitude: the waveform, of peak one, so that a voltage limit is a limit for every shape.
+//!
+//! | shape | is made | file |
+//! |---|---|---|
+//! | sine | from one rotating phasor, for all lanes | [`sine`] |
+//! | square, sawtooth | by tables of one period, each the sum of as many harmonics as the sample rate carries | [`square`], [`sawtooth`], [`bands`] |
+//! | noise | by a filter, from random numbers | [`noise`] |
+
+pub mod bands;
+pub mod noise;
+pub mod sawtooth;
+pub mod sine;
+pub mod square;
+
+use crate::generate::shape::bands::Bands;
+use crate::generate::shape::noise::Noise;
+use crate::seam::config::{Config, ShapeKind};
+use crate::seam::error::Error;
+use crate::seam::features::{self, Waveforms};
+
+/// A waveform, ready to be played.
+#[derive(Clone, Debug)]
+pub enum Shape {
+    /// A sine.
+    Sine,
+    /// A waveform of harmonics.
+    Harmonics(Waveforms, &'static Bands),
+    /// A noise.
+    Noise(Waveforms, Noise),
+}
+
+impl Shape {
+    /// The amplitude of its fundamental, of a peak of one, at a frequency (cycles a sample). A noise has none.
+    pub fn fundamental(&self, cycles_per_sample: f32) -> Option<f32> {
+        match self {
+            Shape::Sine => Some(1.0),
+            Shape::Harmonics(_, bands) => Some(bands.at(cycles_per_sample).fundamental()),
+            Shape::Noise(..) => None,
+        }
+    }
+
+    /// The configured waveform.
+    pub fn build(config: &Config) -> Result<Self, Error> {
+        Ok(match config.drive.shape {
+            ShapeKind::Sine => Shape::Sine,
+            ShapeKind::Square => Shape::Harmonics(features::waveforms()?, &square::BANDS),
+            ShapeKind::Sawtooth => Shape::Harmonics(features::waveforms()?, &sawtooth::BANDS),
+            ShapeKind::Noise => Shape::Noise(features::waveforms()?, Noise::build(config)?),
+        })
+    }
+}

@@ -1,0 +1,183 @@
+//! Waveforms of many harmonics, free of aliases: for each band of frequencies a table of one period, the sum of those harmonics that lie
+//! below half the sample rate.
+//!
+//! A two-level square sent through a converter at 25 samples a period folds its upper harmonics back into the band: 14 dB below the
+//! fundamental, all together. Tables of 1024 entries with linear interpolation are exact to `(2 pi k / 1024)^2 / 8` of harmonic `k`.
+//!
+//! Where the frequency moves, the topmost harmonics must neither fold nor jump: they fade as they come near half the sample rate.
+//! Between two bands the waveform is a blend of both tables, and the weight depends on nothing but the frequency.
+
+use super::sine::sine_of_turns;
+
+/// Entries in a period.
+pub(super) const LENGTH: usize = 1 << INDEX_BITS;
+const INDEX_BITS: u32 = 10;
+const FRACTION_BITS: u32 = 32 - INDEX_BITS;
+const FRACTION_SCALE: f32 = 1.0 / (1u32 << FRACTION_BITS) as f32;
+/// A harmonic is whole up to the first of these frequencies (cycles a sample), and gone from the second on.
+const FADE: (f32, f32) = (0.46, 0.5);
+
+/// One period of a waveform; the first entry stands again at the end, for interpolation. And the amplitude of its fundamental.
+#[derive(Debug)]
+pub struct Table([f32; LENGTH + 1], f32);
+
+impl Table {
+    /// The waveform at a phase of `phase / 2^32` turns.
+    #[inline]
+    pub fn at(&self, phase: u32) -> f32 {
+        let index = (phase >> FRACTION_BITS) as usize;
+        let fraction = (phase & ((1 << FRACTION_BITS) - 1)) as f32 * FRACTION_SCALE;
+        let here = self.0[index];
+        here + (self.0[index + 1] - here) * fraction
+    }
+}
+
+/// The tables of a waveform.
+#[derive(Debug)]
+pub struct Bands {
+    /// The highest harmonic of each table, rising, and the tables. From one to the next by a tenth at least, so that no two fade at once.
+    tables: &'static [(u8, &'static Table)],
+}
+
+/// The waveform at one frequency: `lower + weight (upper - lower)`.
+#[derive(Clone, Copy, Debug)]
+pub struct Blend {
+    /// The table with fewer harmonics.
+    pub lower: &'static Table,
+    /// The table with more.
+    pub upper: &'static Table,
+    /// The weight of the upper, 0 to 1.
+    pub weight: f32,
+}
+
+impl Blend {
+    /// Amplitude of the fundamental.
+    pub fn fundamental(&self) -> f32 {
+        self.lower.1 + self.weight * (self.upper.1 - self.lower.1)
+    }
+}
+
+impl Bands {
+    pub(super) const fn new(tables: &'static [(u8, &'static Table)]) -> Self {
+        Bands { tables }
+    }
+
+    /// The waveform at a frequency, in cycles a sample.
+    pub fn at(&self, cycles_per_sample: f32) -> Blend {
+        let (_, fundamental) = self.tables[0];
+        let mut blend = Blend { lower: fundamental, upper: fundamental, weight: 0.0 };
+        for &(highest, table) in self.tables {
+            let weight = ((FADE.1 - f32::from(highest) * cycles_per_sample) / (FADE.1 - FADE.0)).clamp(0.0, 1.0);
+            if weight == 0.0 {
+                break;
+            }
+            blend = Blend { lower: blend.upper, upper: table, weight };
+        }
+        blend
+    }
+}
+
+/// Sines of equal parts of a turn.
+const SINES: [f64; LENGTH] = {
+    let mut sines = [0.0; LENGTH];
+    let mut n = 0;
+    while n < LENGTH {
+        sines[n] = sine_of_turns(n as f64 / LENGTH as f64);
+        n += 1;
+    }
+    sines
+};
+
+/// `p sum_k a(k) sin(2 pi k phase)` of every `every`-th harmonic up to `highest`, `a(k) = 1 / k`, or with falling signs `(-1)^(k + 1) / k`; `p`
+/// makes the peak one.
+pub(super) const fn additive(highest: usize, every: usize, alternating: bool) -> Table {
+    let mut entries = [0.0; LENGTH + 1];
+    let mut peak = 0.0;
+    let mut n = 0;
+    while n <= LENGTH {
+        let mut sum = 0.0;
+        let mut k = 1;
+        while k <= highest {
+            let term = SINES[(n * k) % LENGTH] / k as f64;
+            sum += if alternating && k % 2 == 0 { -term } else { term };
+            k += every;
+        }
+        entries[n] = sum;
+        if sum > peak {
+            peak = sum;
+        }
+        n += 1;
+    }
+    let mut scaled = [0.0; LENGTH + 1];
+    n = 0;
+    while n <= LENGTH {
+        scaled[n] = (entries[n] / peak) as f32;
+        n += 1;
+    }
+    Table(scaled, (1.0 / peak) as f32)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::generate::shape::{sawtooth, square};
+
+    /// Amplitude of harmonic `k` of a blend.
+    fn harmonic(blend: &Blend, k: usize) -> f64 {
+        let at = |n: usize| {
+            let phase = (n << FRACTION_BITS) as u32;
+            let (lower, upper) = (blend.lower.at(phase), blend.upper.at(phase));
+            f64::from(lower + blend.weight * (upper - lower))
+        };
+        2.0 * (0..LENGTH).map(|n| at(n) * SINES[(n * k) % LENGTH]).sum::<f64>() / LENGTH as f64
+    }
+
+    #[test]
+    fn harmonics_are_those_of_the_waveform_and_end_below_half_the_sample_rate() {
+        for (bands, even) in [(&square::BANDS, 0.0), (&sawtooth::BANDS, -1.0)] {
+            for cycles in [0.001, 0.02, 0.04, 0.0401, 0.046, 0.11, 0.2, 0.4] {
+                let blend = bands.at(cycles);
+                let fundamental = harmonic(&blend, 1);
+                assert!((fundamental - f64::from(blend.fundamental())).abs() < 2e-5, "{cycles}: {fundamental}");
+                for k in 2..26 {
+                    let expected = if k % 2 == 0 { even / k as f64 } else { 1.0 / k as f64 };
+                    let found = harmonic(&blend, k) / fundamental;
+                    if k as f32 * cycles >= FADE.1 {
+                        assert!(found.abs() < 1e-6, "{k} of {cycles}: {found}");
+                    }
+                    // What is below the fade of the next table is whole.
+                    if k as f32 * cycles < 0.35 {
+                        assert!((found - expected).abs() < 1e-6, "{k} of {cycles}: {found}");
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn nothing_jumps_when_the_band_changes() {
+        for bands in [&square::BANDS, &sawtooth::BANDS] {
+            let mut last: Option<[f64; 25]> = None;
+            for n in 0..20_000 {
+                let blend = bands.at(0.015 + 0.43 * n as f32 / 20_000.0);
+                let harmonics = core::array::from_fn(|k| if n % 20 == 0 { harmonic(&blend, k + 1) } else { 0.0 });
+                if n % 20 == 0 {
+                    // In a step of 430 Hz at 1 Msps the topmost harmonic moves by up to 11 kHz of the 40 kHz of its fade.
+                    let jump = last.map_or(0.0, |last| (0..25).map(|k| (harmonics[k] - last[k]).abs()).fold(0.0, f64::max));
+                    assert!(jump < 0.03, "{n}: {jump}");
+                    last = Some(harmonics);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn the_peak_is_one() {
+        for bands in [&square::BANDS, &sawtooth::BANDS] {
+            for (highest, table) in bands.tables {
+                let peak = table.0.iter().fold(0.0f32, |peak, x| peak.max(x.abs()));
+                assert_eq!(peak, 1.0, "{highest}");
+            }
+        }
+    }
+}

@@ -1,0 +1,149 @@
+//! Noise within a band: white noise through a Butterworth band-pass of eighth order, in four sections; and dither.
+//!
+//! With corners `w = 2 tan(pi f / fs)`, `w0^2 = w1 w2`, `B = w2 - w1`, each pole `p` of the low-pass prototype of fourth order makes two
+//! of the band-pass, `s = (p B +- sqrt(p^2 B^2 - 4 w0^2)) / 2`, and the bilinear transform `z = (2 + s) / (2 - s)` a section with zeros at 1 and -1:
+//!
+//! ```text
+//! H(z) = (1 - z^-2) / (1 - 2 Re(z) z^-1 + |z|^2 z^-2)
+//! ```
+//!
+//! (S. Butterworth 1930; the transforms are those of any text on digital filters.) The output is scaled by the energy of the impulse response
+//! to an rms of a quarter, and clipped at one: 6e-5 of Gaussian samples.
+
+use num_complex::Complex64;
+use rand_core::{Rng, SeedableRng};
+use rand_xoshiro::Xoroshiro64Star;
+
+use crate::generate::sweep::HIGHEST;
+use crate::seam::config::{Config, Drive};
+use crate::seam::error::Error;
+
+const SECTIONS: usize = 4;
+/// Peak over rms.
+const CREST: f32 = 4.0;
+/// Narrowest band, as a part of its centre, and lowest corner, as a part of the sample rate: poles nearer to the unit circle than single
+/// precision resolves well.
+const NARROWEST: f64 = 0.02;
+const LOWEST: f64 = 1e-3;
+/// Samples of the impulse response that count. The narrowest band at the lowest corner rings on, and comes out 3 per cent louder.
+const RESPONSE: usize = 1 << 16;
+
+/// Numbers evenly distributed in -1 to 1.
+#[derive(Clone, Debug)]
+struct White(Xoroshiro64Star);
+
+impl White {
+    fn new(seed: u64) -> Self {
+        White(Xoroshiro64Star::seed_from_u64(seed))
+    }
+
+    #[inline]
+    fn next(&mut self) -> f32 {
+        self.0.next_u32() as i32 as f32 * (1.0 / 2_147_483_648.0)
+    }
+}
+
+/// `y = x - x(n - 2) + a1 y(n - 1) - a2 y(n - 2)`, in transposed direct form.
+#[derive(Clone, Copy, Debug, Default)]
+struct Section {
+    a1: f32,
+    a2: f32,
+    s1: f32,
+    s2: f32,
+}
+
+impl Section {
+    #[inline]
+    fn next(&mut self, x: f32) -> f32 {
+        let y = x + self.s1;
+        self.s1 = self.s2 + self.a1 * y;
+        self.s2 = -x - self.a2 * y;
+        y
+    }
+}
+
+/// The noise generator.
+#[derive(Clone, Debug)]
+pub struct Noise {
+    white: White,
+    sections: [Section; SECTIONS],
+    scale: f32,
+}
+
+impl Noise {
+    /// Checks the band.
+    pub fn build(config: &Config) -> Result<Self, Error> {
+        let sample_hz = f64::from(config.sample_hz);
+        let (low, high) = (f64::from(config.drive.noise_band_hz.0), f64::from(config.drive.noise_band_hz.1));
+        Drive::NOISE_LOW_HZ.check_within(low, LOWEST * sample_hz, HIGHEST * sample_hz)?;
+        Drive::NOISE_HIGH_HZ.check_within(high, low * (1.0 + NARROWEST), HIGHEST * sample_hz)?;
+        let mut noise =
+            Noise { white: White::new(config.drive.seed), sections: sections(low / sample_hz, high / sample_hz), scale: 1.0 };
+        noise.scale = 1.0 / (CREST * noise.rms());
+        Ok(noise)
+    }
+
+    /// The next sample, -1 to 1.
+    #[inline]
+    pub fn take(&mut self) -> f32 {
+        let white = self.white.next() * self.scale;
+        self.filter(white).clamp(-1.0, 1.0)
+    }
+
+    #[inline]
+    fn filter(&mut self, x: f32) -> f32 {
+        self.sections.iter_mut().fold(x, |x, section| section.next(x))
+    }
+
+    /// Of what comes out, by the energy of the impulse response; evenly distributed numbers have a mean square of a third.
+    fn rms(&self) -> f32 {
+        let mut probe = self.clone();
+        let response = (0..RESPONSE).map(|n| probe.filter(if n == 0 { 1.0 } else { 0.0 }));
+        libm::sqrtf(response.map(|y| y * y).sum::<f32>() / 3.0)
+    }
+}
+
+/// The band-pass between two frequencies, in cycles a sample.
+fn sections(low: f64, high: f64) -> [Section; SECTIONS] {
+    let warped = |cycles: f64| 2.0 * libm::tan(core::f64::consts::PI * cycles);
+    let (width, square) = (warped(high) - warped(low), warped(high) * warped(low));
+    let section = |prototype: usize, sign: f64| {
+        // The two poles of the prototype above the real axis; those below are their conjugates, and give the conjugate poles.
+        let angle = core::f64::consts::PI * (5.0 + 2.0 * prototype as f64) / 8.0;
+        let half = Complex64::new(libm::cos(angle), libm::sin(angle)) * (0.5 * width);
+        let s = half + root(half * half - square) * sign;
+        let z = (Complex64::new(2.0, 0.0) + s) / (Complex64::new(2.0, 0.0) - s);
+        Section { a1: (2.0 * z.re) as f32, a2: z.norm_sqr() as f32, ..Section::default() }
+    };
+    [section(0, 1.0), section(0, -1.0), section(1, 1.0), section(1, -1.0)]
+}
+
+/// A square root, from libm's real ones, so that every target agrees.
+fn root(z: Complex64) -> Complex64 {
+    let size = libm::sqrt(z.norm_sqr());
+    let (re, im) = (libm::sqrt(0.5 * (size + z.re).max(0.0)), libm::sqrt(0.5 * (size - z.re).max(0.0)));
+    Complex64::new(re, if z.im < 0.0 { -im } else { im })
+}
+
+/// Dither: the difference of successive evenly distributed numbers, triangular within -1 to 1, less of it at low frequencies. Added
+/// before rounding, it makes the error of rounding independent of the signal.
+#[derive(Clone, Debug)]
+pub struct Dither {
+    white: White,
+    last: f32,
+}
+
+impl Dither {
+    /// A dither.
+    pub fn new(seed: u64) -> Self {
+        // Beside the noise's own stream.
+        Dither { white: White::new(!seed), last: 0.0 }
+    }
+
+    /// The next value, in codes.
+    #[inline]
+    pub fn take(&mut self) -> f32 {
+        let next = 0.5 * self.white.next();
+        next - core::mem::replace(&mut self.last, next)
+    }
+}

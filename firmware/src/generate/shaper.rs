@@ -1,0 +1,310 @@
+//! The shaper: phase, shape, lanes and envelope to codes.
+//! `drive(n, lane) = mid + envelope(n) * volts * gain(lane) * shape(phase(n) + offset(lane))`.
+//!
+//! Amplitudes are limited here to what the converter has, once a block, so that no code can run over. What a burst leaves in volt-seconds
+//! (its sampling, its rounding, the shape of its edges) is counted in codes and paid back in the silence after it, an eighth of the
+//! amplitude a sample at most: over burst and silence the codes of every lane add up to nothing.
+
+mod rows;
+
+use heapless::Vec;
+
+use crate::generate::burst::Envelope;
+use crate::generate::drive_scale::DriveScale;
+use crate::generate::nco::Stretch;
+use crate::generate::phasing::Lane;
+use crate::generate::shape::Shape;
+use crate::generate::shape::bands::{Bands, Blend};
+use crate::generate::shape::noise::{Dither, Noise};
+use crate::generate::shape::sine::{self, Steady};
+use crate::generate::shaper::rows::Row;
+use crate::seam::block::{Codes, DriveBlock, MAX_BLOCK_SAMPLES, MAX_LANES};
+use crate::seam::config::Config;
+use crate::seam::phasor::Phasor;
+
+/// The most that is paid back in a sample: codes, and a part of the amplitude.
+const PAYBACK: (f32, f32) = (32.0, 0.125);
+/// The most that is ever owed, codes times samples, or that many half cycles of the loudest drive of an edge, if that is more: what rounding adds up
+/// over hours of steady drive is no volt-second of a burst.
+const MOST_OWED: (i32, f32) = (1 << 14, 2.0);
+
+/// The shaper.
+#[derive(Clone, Debug)]
+pub struct Shaper {
+    dither: Option<Dither>,
+    /// What each lane has played too much since it was last even, codes times samples.
+    owed: [i32; MAX_LANES],
+    most_owed: i32,
+    /// Amplitude of the last block that was driven, codes.
+    driven: f32,
+}
+
+/// What is to be played.
+pub struct Play<'a> {
+    /// The converter.
+    pub scale: &'a DriveScale,
+    /// The lanes.
+    pub lanes: &'a Vec<Lane, MAX_LANES>,
+    /// The phase.
+    pub stretch: Stretch,
+    /// Samples.
+    pub samples: usize,
+    /// Peak voltage before the envelope, V, and how many times louder the envelope may get.
+    pub volts: f32,
+    /// At least one.
+    pub louder: f32,
+    /// The envelope.
+    pub envelope: Envelope<'a>,
+}
+
+/// How large the waveform may be, codes.
+#[derive(Clone, Copy)]
+struct Size {
+    wanted: f32,
+    room: f32,
+}
+
+impl Size {
+    fn of(play: &Play) -> Self {
+        Size { wanted: play.volts * play.scale.lsb_per_volt(), room: play.scale.headroom() / play.louder }
+    }
+
+    /// For a lane's gain of one; no more than the converter has room for at the lane's own gain.
+    fn at(&self, gain: f32) -> f32 {
+        if self.wanted * gain > self.room { self.room / gain } else { self.wanted }
+    }
+}
+
+impl Shaper {
+    /// The configured shaper.
+    pub fn build(config: &Config) -> Self {
+        Shaper {
+            dither: config.drive.dither.then(|| Dither::new(config.drive.seed)),
+            owed: [0; MAX_LANES],
+            most_owed: MOST_OWED.0,
+            driven: 0.0,
+        }
+    }
+
+    /// Whether nothing is owed.
+    pub fn is_even(&self) -> bool {
+        self.owed.iter().all(|&owed| owed == 0)
+    }
+
+    /// A block of mid-code, whatever is owed: for a drive that must be silent, or is listened to in silence.
+    pub fn mute(&mut self, play: &Play, drive: &mut DriveBlock) {
+        self.owed = [0; MAX_LANES];
+        fit(play, drive);
+        self.silence(play, drive);
+    }
+
+    /// Writes one block of codes.
+    pub fn shape(&mut self, shape: &mut Shape, play: &Play, drive: &mut DriveBlock) {
+        fit(play, drive);
+        if play.volts == 0.0 || play.envelope == Envelope::Flat(0.0) {
+            return self.silence(play, drive);
+        }
+        let size = Size::of(play);
+        self.driven = size.wanted;
+        if play.louder > 1.0 && !play.envelope.is_flat() {
+            self.let_owe(size.wanted * play.louder, play.stretch.frequency());
+        }
+        match shape {
+            Shape::Sine if play.stretch.step == 0 => self.steady(size, play, drive),
+            Shape::Sine => self.chirp(size, play, drive),
+            Shape::Harmonics(_, bands) => self.harmonics(bands, size, play, drive),
+            Shape::Noise(_, noise) => self.noise(noise, size, play, drive),
+        }
+    }
+
+    /// Lets as much be owed as an edge of this amplitude, codes, may leave.
+    #[inline(never)]
+    fn let_owe(&mut self, amplitude: f32, frequency: f32) {
+        let half_cycle = amplitude / (core::f32::consts::PI * frequency);
+        self.most_owed = ((MOST_OWED.1 * half_cycle).min(1e8) as i32).max(MOST_OWED.0);
+    }
+
+    /// A sine of constant frequency. Most blocks are one of the first two, which are kept apart so that neither pays for the other.
+    fn steady(&mut self, size: Size, play: &Play, drive: &mut DriveBlock) {
+        match (&self.dither, play.envelope) {
+            (None, Envelope::Flat(1.0)) => self.even(size, play, drive),
+            (None, Envelope::Edge(levels)) => self.edge(size, play, drive, levels),
+            _ => self.swung(size, play, drive),
+        }
+    }
+
+    /// Under an envelope of one, without a dither.
+    #[inline(never)]
+    fn even(&mut self, size: Size, play: &Play, drive: &mut DriveBlock) {
+        self.swing(size, play, drive, rows::even, rows::even_both);
+    }
+
+    /// Under an envelope that differs from sample to sample, without a dither.
+    #[inline(never)]
+    fn edge(&mut self, size: Size, play: &Play, drive: &mut DriveBlock, levels: &[f32]) {
+        let one = |row: Row, codes: &mut [u16]| rows::edge(row, levels, codes);
+        self.swing(size, play, drive, one, |row, codes, opposite| rows::edge_both(row, levels, codes, opposite));
+    }
+
+    /// Writes each lane's swing, and with it the lane that is its opposite, if there is one.
+    #[inline(always)]
+    fn swing(
+        &mut self,
+        size: Size,
+        play: &Play,
+        drive: &mut DriveBlock,
+        one: impl Fn(Row, &mut [u16]) -> i32,
+        both: impl Fn(Row, &mut [u16], &mut [u16]) -> i32,
+    ) {
+        let steady = Steady::new(&play.stretch);
+        let (mid, base) = (play.scale.silence(), play.scale.rounding_base());
+        let silent = i32::from(mid) * play.samples as i32;
+        let mut lanes = drive.lanes.as_mut_slice();
+        for (n, lane) in play.lanes.iter().enumerate() {
+            let Some((codes, rest)) = lanes.split_first_mut() else { break };
+            lanes = rest;
+            if n >= 2 && lane.mirrors {
+                continue;
+            }
+            let row = Row { swing: steady.swing(lane.row * size.at(lane.gain)), base, twice: mid.wrapping_mul(2) };
+            match (play.lanes.get(n + 2), lanes.get_mut(1)) {
+                (Some(Lane { mirrors: true, .. }), Some(opposite)) => {
+                    let beside = both(row, codes, opposite) - silent;
+                    self.owe(n, beside);
+                    self.owe(n + 2, -beside);
+                }
+                _ => {
+                    let beside = one(row, codes) - silent;
+                    self.owe(n, beside);
+                }
+            }
+        }
+    }
+
+    /// Under any other envelope, or with a dither.
+    #[inline(never)]
+    fn swung(&mut self, size: Size, play: &Play, drive: &mut DriveBlock) {
+        let steady = Steady::new(&play.stretch);
+        for (n, (lane, codes)) in play.lanes.iter().zip(&mut drive.lanes).enumerate() {
+            let mut swing = steady.swing(lane.row * size.at(lane.gain));
+            let beside = self.write(play, codes, || swing.take());
+            self.owe(n, beside);
+        }
+    }
+
+    /// A sine whose frequency moves: one pair a sample, for all lanes.
+    #[inline(never)]
+    fn chirp(&mut self, size: Size, play: &Play, drive: &mut DriveBlock) {
+        let (mut pairs, mut phases) = ([Phasor::default(); MAX_BLOCK_SAMPLES], play.stretch.phases(0));
+        pairs.iter_mut().take(play.samples).for_each(|z| *z = sine::rotation(u64::from(phases.take()) << 32));
+        for (n, (lane, codes)) in play.lanes.iter().zip(&mut drive.lanes).enumerate() {
+            let (row, mut pairs) = (lane.row * size.at(lane.gain), pairs.iter());
+            let beside = self.write(play, codes, || pairs.next().map_or(0.0, |z| z.im * row.re + z.re * row.im));
+            self.owe(n, beside);
+        }
+    }
+
+    #[inline(never)]
+    fn harmonics(&mut self, bands: &Bands, size: Size, play: &Play, drive: &mut DriveBlock) {
+        let Blend { lower, upper, weight } = bands.at(play.stretch.frequency());
+        for (n, (lane, codes)) in play.lanes.iter().zip(&mut drive.lanes).enumerate() {
+            let (peak, mut phases) = (size.at(lane.gain) * lane.gain, play.stretch.phases(lane.offset));
+            let beside = if weight == 1.0 {
+                self.write(play, codes, || peak * upper.at(phases.take()))
+            } else {
+                self.write(play, codes, || {
+                    let phase = phases.take();
+                    let (low, high) = (lower.at(phase), upper.at(phase));
+                    peak * (low + weight * (high - low))
+                })
+            };
+            self.owe(n, beside);
+        }
+    }
+
+    #[inline(never)]
+    fn noise(&mut self, noise: &mut Noise, size: Size, play: &Play, drive: &mut DriveBlock) {
+        let mut wave = [0.0; MAX_BLOCK_SAMPLES];
+        wave.iter_mut().take(play.samples).for_each(|value| *value = noise.take());
+        for (n, (lane, codes)) in play.lanes.iter().zip(&mut drive.lanes).enumerate() {
+            let (peak, mut values) = (size.at(lane.gain) * lane.gain, wave.iter());
+            let beside = self.write(play, codes, || peak * values.next().copied().unwrap_or(0.0));
+            self.owe(n, beside);
+        }
+    }
+
+    /// Rounds a waveform to the codes of a lane, and returns their sum about mid-code. Amplitudes are limited where they are made, so that every
+    /// sum is a code.
+    #[inline(always)]
+    fn write(&mut self, play: &Play, codes: &mut Codes, mut next: impl FnMut() -> f32) -> i32 {
+        let base = play.scale.rounding_base();
+        let mut sum = 0;
+        let mut put = |place: &mut u16, value: f32| {
+            let code = (base + value) as i32;
+            sum += code;
+            *place = code as u16;
+        };
+        match (&mut self.dither, play.envelope) {
+            (None, Envelope::Flat(1.0)) => {
+                // Two by two: most of the time is spent here.
+                let (pairs, rest) = codes.as_chunks_mut::<2>();
+                for [first, second] in pairs {
+                    put(first, next());
+                    put(second, next());
+                }
+                rest.iter_mut().for_each(|place| put(place, next()));
+            }
+            (None, Envelope::Flat(level)) => codes.iter_mut().for_each(|place| put(place, level * next())),
+            (None, Envelope::Edge(levels)) => codes.iter_mut().zip(levels).for_each(|(place, level)| put(place, level * next())),
+            (Some(dither), Envelope::Flat(level)) => {
+                codes.iter_mut().for_each(|place| put(place, level * next() + dither.take()));
+            }
+            (Some(dither), Envelope::Edge(levels)) => codes.iter_mut().zip(levels).for_each(|(place, level)| {
+                // Silence is silent.
+                let dithered = if *level == 0.0 { 0.0 } else { dither.take() };
+                put(place, level * next() + dithered);
+            }),
+        }
+        sum - i32::from(play.scale.silence()) * play.samples as i32
+    }
+
+    /// Adds what a lane has played beside mid-code to what it owes.
+    #[inline(always)]
+    fn owe(&mut self, lane: usize, beside: i32) {
+        // `clamp` could panic, for all that the compiler knows.
+        if let Some(owed) = self.owed.get_mut(lane) {
+            *owed = (*owed + beside).min(self.most_owed).max(-self.most_owed);
+        }
+    }
+
+    /// Mid-code, but for what is owed.
+    #[inline(never)]
+    fn silence(&mut self, play: &Play, drive: &mut DriveBlock) {
+        let (mid, (codes, part)) = (play.scale.silence(), PAYBACK);
+        let most = (self.driven * part).clamp(1.0, codes) as i32;
+        for (codes, owed) in drive.lanes.iter_mut().zip(&mut self.owed) {
+            let (eights, rest) = codes.as_chunks_mut::<8>();
+            eights.fill([mid; 8]);
+            rest.fill(mid);
+            for code in codes {
+                if *owed == 0 {
+                    break;
+                }
+                let back = (*owed).clamp(-most, most);
+                *owed -= back;
+                *code = (i32::from(mid) - back) as u16;
+            }
+        }
+    }
+}
+
+/// Gives the block its lanes and samples.
+fn fit(play: &Play, drive: &mut DriveBlock) {
+    // There are never more of either than there is room for: the configuration was checked.
+    if drive.lanes.len() != play.lanes.len() {
+        let _ = drive.lanes.resize_default(play.lanes.len());
+    }
+    for lane in drive.lanes.iter_mut().filter(|lane| lane.len() != play.samples) {
+        let _ = lane.resize_default(play.samples);
+    }
+}

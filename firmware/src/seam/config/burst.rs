@@ -1,0 +1,126 @@
+//! When the drive is ON, and how it gets there.
+
+use config_macro::settings;
+use heapless::Vec;
+#[cfg(feature = "scene")]
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use super::Config;
+use crate::seam::config::{Parameter, Range};
+use crate::seam::error::Error;
+
+/// The most ON windows a burst schedule can list.
+pub const MAX_WINDOWS: usize = 8;
+
+/// When the drive is ON, counted from the first sample.
+#[settings(table = "burst", scene = Burst)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Burst {
+    /// When the drive is ON.
+    #[setting(controller, default)]
+    pub schedule: Schedule,
+    /// Beginnings of the ON windows, s.
+    #[setting(scene, min = 0.0, max = 1e5)]
+    pub on_s: Vec<f64, MAX_WINDOWS>,
+    /// Their ends, s.
+    #[setting(scene, min = 0.0, max = 1e5)]
+    pub off_s: Vec<f64, MAX_WINDOWS>,
+    /// Period of a repeated burst, s.
+    #[setting(scene, min = 1e-5, max = 1e5)]
+    pub period_s: Option<f64>,
+    /// Part of the period that is ON.
+    #[setting(scene, min = 0.0, max = 1.0, key = 20, read = duty, write = set_duty)]
+    pub duty: Option<f64>,
+    /// How the envelope gets there.
+    #[setting(default)]
+    pub edge: Edge,
+    /// Length of a soft edge, drive periods.
+    #[setting(default = 5.0, min = 0.5, max = 1e4)]
+    pub edge_cycles: f32,
+    /// What has rung up is rung down at the end of each burst, by drive against it within `limits.voltage_v`.
+    #[setting(default, quiet)]
+    pub brake: bool,
+}
+
+impl Burst {
+    /// The period as a parameter: zero is a drive that is always on.
+    pub(crate) const PERIOD: &'static [Parameter] = &[Parameter {
+        key: 19,
+        name: Self::PERIOD_S.name,
+        range: Range::Within(0.0, Self::PERIOD_S.max as f32),
+        read: |config| periodic(config).0 as f32,
+        write: |config, value| {
+            config.burst.schedule = match periodic(config) {
+                _ if value == 0.0 => Schedule::Continuous,
+                (_, duty) => Schedule::Periodic { period_s: value.into(), duty },
+            }
+        },
+    }];
+
+    /// Whether the schedule is within its ranges. That a period has a sample at least is for the build to say.
+    pub(super) fn check_schedule(&self) -> Result<(), Error> {
+        match &self.schedule {
+            Schedule::Continuous => Ok(()),
+            Schedule::Windows(windows) => windows.iter().try_for_each(|&(on, off)| {
+                Self::ON_S.check_double(on)?;
+                Self::OFF_S.check_double(off).map(drop)
+            }),
+            &Schedule::Periodic { period_s, duty } => {
+                Self::DUTY.check_double(duty)?;
+                Self::PERIOD_S.check_double(period_s).map(drop)
+            }
+        }
+    }
+}
+
+/// When the drive is ON.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub enum Schedule {
+    /// Always, while running.
+    #[default]
+    Continuous,
+    /// In each window from `.0` to `.1`, s.
+    Windows(Vec<(f64, f64), MAX_WINDOWS>),
+    /// For the first part `duty` of every `period_s`.
+    Periodic {
+        /// Period, s.
+        period_s: f64,
+        /// Part of the period that is ON, 0 to 1.
+        duty: f64,
+    },
+}
+
+/// How the envelope gets from OFF to ON and back.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "scene", derive(JsonSchema))]
+#[serde(rename_all = "lowercase")]
+pub enum Edge {
+    // Where the first lane passes zero, and for whole periods.
+    /// At once.
+    #[default]
+    Hard,
+    /// Along a raised cosine.
+    Soft,
+    /// As fast as `limits.voltage_v` allows, up by louder drive and down by drive against what rings. For sines whose resonance is tracked.
+    Boost,
+}
+
+/// The period in s, and the ON part of it; a drive that is always on has none.
+fn periodic(config: &Config) -> (f64, f64) {
+    match config.burst.schedule {
+        Schedule::Periodic { period_s, duty } => (period_s, duty),
+        Schedule::Continuous | Schedule::Windows(_) => (0.0, 1.0),
+    }
+}
+
+/// The duty as a parameter: of a period only, after which it therefore comes.
+fn duty(config: &Config) -> f32 {
+    periodic(config).1 as f32
+}
+
+fn set_duty(config: &mut Config, value: f32) {
+    if let Schedule::Periodic { duty, .. } = &mut config.burst.schedule {
+        *duty = value.into();
+    }
+}

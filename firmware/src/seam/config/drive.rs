@@ -1,0 +1,114 @@
+//! The drive.
+
+use config_macro::settings;
+#[cfg(feature = "scene")]
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use super::{Config, Limits, Setting};
+use crate::seam::block::Amplitude;
+use crate::seam::config::Parameter;
+
+/// The drive.
+#[settings(table = "drive", scene = Drive)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Drive {
+    /// Nominal frequency: the centre of the scan, Hz.
+    #[setting(min = 100.0, max = 450e3, key = 4)]
+    pub frequency_hz: f32,
+    /// The amplitude asked for while running.
+    #[setting(controller)]
+    pub amplitude: Amplitude,
+    /// Peak voltage, V.
+    #[setting(scene, min = 1e-3, max = 1e4, key = 5, read = amplitude_v, write = set_amplitude_v)]
+    pub amplitude_v: Option<f32>,
+    /// Peak tip velocity, held by the motional-current loop, m/s. Needs `tracking.nominal_force_factor_n_per_v`.
+    #[setting(scene, min = 1e-6, max = 100.0)]
+    pub velocity_m_per_s: Option<f32>,
+    /// Peak voltage of self-test and scan, V. Default: `amplitude_v`.
+    #[setting(scene, min = 1e-3, max = 1e4)]
+    pub scan_v: Option<f32>,
+    /// Peak voltage of self-test and scan, and where the amplitude loop starts from, V.
+    #[setting(controller)]
+    pub scan_volts: f32,
+    /// How far beside the resonance to drive while running, Hz; beside `frequency_hz` where nothing is tracked.
+    #[setting(scene, default, min = -450e3, max = 450e3, quiet)]
+    pub detune_hz: f32,
+    /// Waveform while running.
+    #[setting(default)]
+    pub shape: ShapeKind,
+    /// Lower end of a noise's band, Hz. Default: 0.75 of `frequency_hz`.
+    #[setting(scene, min = 100.0, max = 450e3)]
+    pub noise_low_hz: Option<f32>,
+    /// Upper end of a noise's band, Hz. Default: 1.25 of `frequency_hz`.
+    #[setting(scene, min = 100.0, max = 450e3)]
+    pub noise_high_hz: Option<f32>,
+    /// The band of a noise, from and to, Hz.
+    #[setting(controller)]
+    pub noise_band_hz: (f32, f32),
+    /// Adds random steps of up to one code before rounding, so that rounding leaves noise in place of harmonics.
+    #[setting(default, quiet)]
+    pub dither: bool,
+    /// Drive lanes; the stack hangs on the first.
+    #[setting(scene, default = 1, min = 1, max = 4)]
+    pub lanes: u8,
+    /// Of noise and dither.
+    #[setting(controller)]
+    pub seed: u64,
+}
+
+impl Drive {
+    /// The scan's voltage.
+    pub const SCAN_VOLTS: Setting = Setting { name: "drive.scan_volts", ..Self::SCAN_V };
+    /// The amplitude as a motional current, A.
+    pub const MOTIONAL_CURRENT_A: Setting = Setting { name: "drive.motional_current_a", ..Limits::CURRENT_A };
+
+    /// Parameters that are no field by themselves. An amplitude is of one kind: zero is that it is of the other.
+    pub(crate) const OTHERS: &'static [Parameter] = &[
+        Parameter {
+            key: 6,
+            name: Self::MOTIONAL_CURRENT_A.name,
+            range: Self::MOTIONAL_CURRENT_A.range(),
+            read: |config| if let Amplitude::MotionalCurrent(amperes) = config.drive.amplitude { amperes } else { 0.0 },
+            write: |config, value| config.drive.amplitude = Amplitude::MotionalCurrent(value),
+        },
+        Parameter {
+            key: 7,
+            name: Self::SCAN_VOLTS.name,
+            range: Self::SCAN_VOLTS.range(),
+            read: |config| config.drive.scan_volts,
+            write: |config, value| config.drive.scan_volts = value,
+        },
+    ];
+
+    /// A plain sine; the band of a noise is as wide as half the frequency.
+    pub fn sine(frequency_hz: f32, amplitude: Amplitude, scan_volts: f32) -> Self {
+        let noise_band_hz = (0.75 * frequency_hz, 1.25 * frequency_hz);
+        Drive { frequency_hz, amplitude, scan_volts, shape: ShapeKind::Sine, noise_band_hz, dither: false, seed: 1 }
+    }
+}
+
+/// Waveform while running; self-test, scan and calibration are by sines.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "scene", derive(JsonSchema))]
+#[serde(rename_all = "lowercase")]
+pub enum ShapeKind {
+    /// Sine.
+    #[default]
+    Sine,
+    /// Square, band-limited.
+    Square,
+    /// Sawtooth, rising, band-limited.
+    Sawtooth,
+    /// Gaussian noise within a band, clipped at the peak, which is four times its rms. Nothing can be tracked by it.
+    Noise,
+}
+
+/// The voltage as a parameter: zero where the amplitude is a motional current.
+fn amplitude_v(config: &Config) -> f32 {
+    if let Amplitude::Volts(volts) = config.drive.amplitude { volts } else { 0.0 }
+}
+
+fn set_amplitude_v(config: &mut Config, value: f32) {
+    config.drive.amplitude = Amplitude::Volts(value);
+}

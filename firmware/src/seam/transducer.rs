@@ -1,0 +1,105 @@
+//! What a transducer is: its equivalent circuit, how sure that is, and what else rings.
+
+use serde::{Deserialize, Serialize};
+
+const TAU: f32 = core::f32::consts::TAU;
+
+/// The most resonances that are listed.
+pub const MOST_MODES: usize = 4;
+
+/// A transducer's equivalent circuit, as identified.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Transducer {
+    /// Series (motional) resonance, Hz.
+    pub series_resonance_hz: f32,
+    /// Parallel resonance (antiresonance), Hz.
+    pub parallel_resonance_hz: f32,
+    /// Quality factor at series resonance.
+    pub q: f32,
+    /// Motional resistance, ohm.
+    pub rm_ohm: f32,
+    /// Motional inductance, H.
+    pub lm_h: f32,
+    /// Motional capacitance, F.
+    pub cm_f: f32,
+    /// Clamped capacitance, F; includes what DAC images make it look like.
+    pub c0_f: f32,
+    /// Effective coupling, `sqrt(Cm / (C0 + Cm))`.
+    pub coupling: f32,
+    /// By how much these scatter.
+    pub deviations: Deviations,
+    /// How many resonances were found, and which of the list this is.
+    pub modes: u8,
+    /// Its place in the list, from zero.
+    pub chosen: u8,
+}
+
+impl Transducer {
+    /// Ring-up time constant `Q / (pi fs)`, s.
+    pub fn time_constant_s(&self) -> f32 {
+        2.0 * self.q / (TAU * self.series_resonance_hz)
+    }
+
+    /// Becomes a copy, number by number: all of it at once is more than the compiler moves without a call, which takes three times as long.
+    #[inline]
+    pub(crate) fn copy(&mut self, from: &Transducer) {
+        self.series_resonance_hz = from.series_resonance_hz;
+        self.parallel_resonance_hz = from.parallel_resonance_hz;
+        self.q = from.q;
+        self.rm_ohm = from.rm_ohm;
+        self.lm_h = from.lm_h;
+        self.cm_f = from.cm_f;
+        self.c0_f = from.c0_f;
+        self.coupling = from.coupling;
+        self.deviations = from.deviations;
+        (self.modes, self.chosen) = (from.modes, from.chosen);
+    }
+}
+
+/// Standard deviations of what was identified, by the noise that was seen.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Deviations {
+    /// Of the series resonance, Hz.
+    pub series_resonance_hz: f32,
+    /// Of the parallel resonance, Hz.
+    pub parallel_resonance_hz: f32,
+    /// Of the quality factor.
+    pub q: f32,
+    /// Of the motional resistance, ohm.
+    pub rm_ohm: f32,
+    /// Of the motional inductance, H.
+    pub lm_h: f32,
+    /// Of the motional capacitance, F.
+    pub cm_f: f32,
+    /// Of the clamped capacitance, F.
+    pub c0_f: f32,
+    /// Of the coupling.
+    pub coupling: f32,
+}
+
+/// One of the resonances that a scan has found.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Resonance {
+    /// Series resonance, Hz.
+    pub hz: f32,
+    /// Quality factor.
+    pub q: f32,
+    /// Motional inductance, H.
+    pub lm_h: f32,
+    /// Motional conductance at the resonance, S.
+    pub conductance_s: f32,
+}
+
+/// One of the resonances of a list, on its way with the telemetry: a list comes one a block.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Listed {
+    /// Its place in the list, from zero.
+    pub place: u8,
+    /// How many the list has.
+    pub of: u8,
+    /// The resonance.
+    pub resonance: Resonance,
+}
+
+/// The resonances that a scan has found, at rising frequencies.
+pub type Resonances = heapless::Vec<Resonance, MOST_MODES>;

@@ -1,0 +1,132 @@
+//! Converter codes to SI and back: the only place that knows what a code is worth.
+
+use crate::generate::drive_scale::DriveScale;
+use crate::seam::block::Codes;
+use crate::seam::config::FrontEnd;
+use crate::seam::error::{Error, in_range};
+use crate::seam::phasor::Phasor;
+
+/// One sense channel: `x = (code - zero) * per_lsb`.
+#[derive(Clone, Debug)]
+pub struct SenseScale {
+    mid_code: u16,
+    zero: f32,
+    per_lsb: f32,
+    max_code: u16,
+    /// The largest value that is in order, in SI.
+    limit: f32,
+    /// How far from zero a code certainly is neither an end of the range nor beyond the limit.
+    reach: f32,
+}
+
+impl SenseScale {
+    fn build(per_lsb: f32, mid_code: u16, max_code: u16) -> Result<Self, Error> {
+        in_range("front_end.sense_mid_code", mid_code.into(), 1.0, f64::from(max_code) - 1.0)?;
+        let mut scale = SenseScale { mid_code, zero: f32::from(mid_code), per_lsb, max_code, limit: f32::INFINITY, reach: 0.0 };
+        scale.set_limit(f32::INFINITY);
+        Ok(scale)
+    }
+
+    /// The codes of a block about zero.
+    fn centred<'a>(&'a self, codes: &'a Codes) -> impl Iterator<Item = f32> + 'a {
+        codes.iter().map(|&code| f32::from(code) - self.zero)
+    }
+
+    /// A phasor in codes, in SI.
+    pub fn scale(&self, codes: Phasor) -> Phasor {
+        codes * self.per_lsb
+    }
+
+    /// Mean of a block, in codes about the present zero.
+    pub fn mean_code(&self, codes: &Codes) -> f32 {
+        self.centred(codes).sum::<f32>() / codes.len().max(1) as f32
+    }
+
+    /// Rms of a block about its own mean, in codes.
+    pub fn rms_code(&self, codes: &Codes) -> f32 {
+        let mean = self.mean_code(codes);
+        libm::sqrtf(self.centred(codes).map(|code| (code - mean) * (code - mean)).sum::<f32>() / codes.len().max(1) as f32)
+    }
+
+    /// Variance of a phasor that is fitted to `samples` codes of this variance, both components, in SI. Rounding adds a twelfth.
+    pub fn phasor_variance(&self, code_variance: f32, samples: usize) -> f32 {
+        4.0 / samples as f32 * (code_variance + 1.0 / 12.0) * self.per_lsb * self.per_lsb
+    }
+
+    /// How many codes a value in SI is.
+    pub fn codes(&self, value: f32) -> f32 {
+        value / self.per_lsb
+    }
+
+    /// Sets the largest value that is in order, in SI.
+    pub fn set_limit(&mut self, limit: f32) {
+        self.limit = limit;
+        let ends = (self.zero - 1.0).min(f32::from(self.max_code) - 1.0 - self.zero);
+        self.reach = self.codes(limit).min(ends);
+    }
+
+    /// Whether no code of a block can be out of order: of a tone with this square of its amplitude, and with so much energy beside it (both in
+    /// codes). `a + e <= reach`, in squares, because a root takes as long as two periods of the lock-in.
+    pub fn holds(&self, amplitude_square: f32, energy: f32) -> bool {
+        // What rounding may have taken from the energy.
+        let energy = energy + 1e-5 * amplitude_square + 1.0;
+        let rest = self.reach * self.reach - amplitude_square - energy;
+        self.reach > 0.0 && rest >= 0.0 && rest * rest >= 4.0 * amplitude_square * energy
+    }
+
+    /// The code of zero, to a fraction.
+    pub fn zero(&self) -> f32 {
+        self.zero
+    }
+
+    /// How many samples of a block are beyond `limit` (in SI) on either side of zero.
+    pub fn beyond(&self, codes: &Codes, limit: f32) -> usize {
+        let limit = self.codes(limit);
+        self.centred(codes).filter(|code| code.abs() > limit).count()
+    }
+
+    /// Moves the zero by a measured offset, in codes.
+    pub fn shift_zero(&mut self, codes: f32) {
+        self.zero += codes;
+        self.set_limit(self.limit);
+    }
+
+    /// Forgets measured offsets.
+    pub fn restore_zero(&mut self) {
+        self.zero = f32::from(self.mid_code);
+        self.set_limit(self.limit);
+    }
+
+    /// Full scale to one side, in codes.
+    pub fn half_range(&self) -> f32 {
+        0.5 * f32::from(self.max_code)
+    }
+
+    /// How many samples of a block stand at either end of the converter.
+    pub fn clipped(&self, codes: &Codes) -> usize {
+        codes.iter().filter(|&&code| code == 0 || code >= self.max_code).count()
+    }
+}
+
+/// All converters of the front end.
+#[derive(Clone, Debug)]
+pub struct Convert {
+    /// Voltage sense.
+    pub v: SenseScale,
+    /// Current sense.
+    pub i: SenseScale,
+    /// Drive.
+    pub drive: DriveScale,
+}
+
+impl Convert {
+    /// Checks that zero is within the codes.
+    pub fn build(front_end: &FrontEnd) -> Result<Self, Error> {
+        let sense = |per_lsb| SenseScale::build(per_lsb, front_end.sense_mid_code, front_end.sense_max_code);
+        Ok(Convert {
+            v: sense(front_end.volt_per_lsb)?,
+            i: sense(front_end.ampere_per_lsb)?,
+            drive: DriveScale::build(front_end)?,
+        })
+    }
+}

@@ -1,0 +1,344 @@
+//! Phasors to frequency: keeps the drive at the resonance while it moves.
+//!
+//! The motional current is taken out of the total ([`Motional`]). The [`observer`] tells the resonance from how it changes, as far as it is
+//! [believed](observed); or the phase of one of the two currents is driven to zero by [`phase_loop`], and [`lock_detector`] says whether to
+//! believe that. The motional phase, of which the observer knows nothing, is also the judge of the observer. In between the tracker decides
+//! when there is any phase to hear: not while the envelope is at an edge or the stack rings up, and not when it does not ring at all.
+
+pub mod identified;
+pub mod lock_detector;
+pub mod observed;
+pub mod observer;
+pub mod phase_loop;
+pub mod prior;
+
+use crate::seam::compare::{larger, smaller};
+use crate::seam::config::{Config, TrackingMode};
+use crate::seam::error::Error;
+use crate::seam::phasor::Phasor;
+use crate::seam::transducer::Transducer;
+use crate::seam::units::Turns;
+use crate::sense::demod::Sensed;
+use crate::sense::motional::Motional;
+use crate::track::tracker::identified::{Known, Learning};
+use crate::track::tracker::lock_detector::{Lock, LockDetector};
+use crate::track::tracker::observed::{Observed, Seek};
+use crate::track::tracker::observer::Prior;
+use crate::track::tracker::phase_loop::PhaseLoop;
+
+/// After an edge of the burst, the tracker waits for the stack to ring up, time constants of the resonance. Before that there is
+/// more noise than phase.
+const RING_UP: f32 = 0.5;
+/// The stack rings while the motional current is above this part of what the identified resonance would show.
+const RINGS_ABOVE: f32 = 0.2;
+/// A phase that neither makes a lock nor loses one.
+const UNDECIDED: Turns = Turns(20.0 / 360.0);
+/// Longest time the loop may take to lock, blocks and time constants of the resonance.
+const LOCK_TIMEOUT: (u32, f32) = (2000, 50.0);
+/// Where a scan has found the resonance, it is within this part of the bandwidth.
+const SCANNED: f32 = 0.1;
+/// Longest time under drive without hearing anything, in the same terms.
+const UNHEARD: (u32, f32) = (500, 20.0);
+
+/// Which phase is driven to zero.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum PhaseDetector {
+    /// Of the motional current: zero at the series resonance, at any load.
+    Motional,
+    /// Of the total current: the plain V-I loop. Biased by C0 (76 Hz at Q 65), and without any zero below M = 2.
+    Total,
+}
+
+/// How the lock is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum State {
+    /// Not yet.
+    Seeking,
+    /// Locked.
+    Locked,
+    /// Locked when it was last heard, which is long ago: the bursts are too short.
+    Unheard,
+    /// It was locked, and is no more.
+    Lost,
+    /// The observer is sure of itself, and the motional phase says otherwise.
+    Disagree,
+    /// It has taken too long.
+    TimedOut,
+}
+
+/// What was played in the block that is heard.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Heard {
+    /// Frequency, as an offset from the nominal one, Hz.
+    pub offset_hz: f32,
+    /// Peak voltage before the envelope, V.
+    pub volts: f32,
+    /// The envelope, where it was the same throughout.
+    pub envelope: Option<f32>,
+    /// It was a sine: harmonics leak into the lock-in, by another part in every block.
+    pub pure: bool,
+    /// The envelope was one throughout.
+    pub on: bool,
+    /// There was drive at all.
+    pub driven: bool,
+    /// What is driven has rung up already, by a boost.
+    pub rung_up: bool,
+}
+
+/// The tracker.
+#[derive(Clone, Debug)]
+pub struct Tracker {
+    detector: Option<PhaseDetector>,
+    nominal_hz: f32,
+    block_s: f32,
+    nominal: Motional,
+    motional: Motional,
+    phase_loop: PhaseLoop,
+    observed: Option<Observed>,
+    known: Known,
+    lock: LockDetector,
+    rm_ohm: f32,
+    /// `2 pi tau`: how much a hertz of detuning is of the phase's own scale, 1/Hz.
+    turn_per_hz: f32,
+    /// Blocks heard since the envelope is one, and how many of them it waits.
+    on_blocks: u32,
+    ring_up_blocks: u32,
+    /// Blocks under drive since anything was heard, and how many that may be.
+    unheard_blocks: u32,
+    unheard_limit: u32,
+    /// Blocks since it was seeded, and how many a lock may take; without an observer, which counts for itself.
+    blocks: u32,
+    timeout_blocks: u32,
+}
+
+impl Tracker {
+    /// A tracker that knows what a user knows.
+    pub fn build(config: &Config, block_s: f32) -> Result<Self, Error> {
+        let nominal = Motional::of_capacitance(config.tracking.nominal_c0_f, config.drive.frequency_hz);
+        Ok(Tracker {
+            detector: match config.tracking.mode {
+                TrackingMode::Observer | TrackingMode::PhaseLock => Some(PhaseDetector::Motional),
+                TrackingMode::ZeroPhase => Some(PhaseDetector::Total),
+                TrackingMode::Off => None,
+            },
+            nominal_hz: config.drive.frequency_hz,
+            block_s,
+            nominal,
+            motional: nominal,
+            phase_loop: PhaseLoop::build(&config.tracking, config.drive.frequency_hz, block_s)?,
+            observed: (config.tracking.mode == TrackingMode::Observer)
+                .then(|| Observed::new(config.drive.frequency_hz, block_s, config.tracking.span * config.drive.frequency_hz)),
+            known: Known::default(),
+            lock: LockDetector::default(),
+            rm_ohm: 0.0,
+            turn_per_hz: 0.0,
+            on_blocks: 0,
+            ring_up_blocks: 0,
+            unheard_blocks: 0,
+            unheard_limit: 0,
+            blocks: 0,
+            timeout_blocks: 0,
+        })
+    }
+
+    /// Whether anything is tracked.
+    pub fn tracks(&self) -> bool {
+        self.detector.is_some()
+    }
+
+    /// Forgets the transducer.
+    pub fn restart(&mut self) {
+        self.motional = self.nominal;
+        self.lock.restart(0.0);
+        self.phase_loop.seed(0.0, f32::INFINITY);
+        self.rm_ohm = 0.0;
+        self.observed.iter_mut().for_each(Observed::restart);
+    }
+
+    /// Whether an observer tracks.
+    pub fn observes(&self) -> bool {
+        self.observed.is_some()
+    }
+
+    /// Lets the observer begin on a transducer that nobody has seen ring yet.
+    pub fn observe(&mut self, branch: Motional, known: Known, prior: &Prior) {
+        (self.motional, self.known) = (branch, known);
+        self.restart_clock(prior.q / (core::f32::consts::PI * self.nominal_hz * self.block_s));
+        if let Some(observed) = &mut self.observed {
+            observed.start_cold(prior);
+        }
+    }
+
+    /// Begins again where there is more hope, and says where; without an observer, or after the last, nowhere.
+    pub fn seek_on(&mut self, was_locked: bool) -> Option<Seek> {
+        let next = self.observed.as_mut()?.seek_on(was_locked);
+        self.restart_clock(0.0);
+        next
+    }
+
+    /// Whether an observer is sure of its resonance, and nothing speaks against it.
+    pub fn is_sure(&self) -> bool {
+        self.observed.as_ref().is_some_and(Observed::is_sure)
+    }
+
+    /// Begins to learn the same in parts, where there is an observer.
+    pub fn learn(&self, learning: &mut Learning) {
+        if let Some(observed) = &self.observed {
+            learning.begin(observed.observer(), self.nominal_hz, &self.known);
+        }
+    }
+
+    /// What the observer knows of the transducer by now.
+    pub fn identify(&self) -> Option<Transducer> {
+        self.observed.as_ref().map(|observed| identified::circuit(observed.observer(), self.nominal_hz, &self.known))
+    }
+
+    /// Starts on a transducer that a scan has found, and that rings at its resonance. `noise_a` is the rms noise of a block's current.
+    pub fn seed(&mut self, transducer: &Transducer, branch: Motional, noise_a: f32) {
+        self.motional = branch;
+        self.known = Known { c0_f: (transducer.c0_f, transducer.deviations.c0_f), modes: (transducer.modes, transducer.chosen) };
+        let offset_hz = transducer.series_resonance_hz - self.nominal_hz;
+        self.phase_loop.seed(offset_hz, transducer.time_constant_s());
+        self.set_resonance(transducer);
+        self.restart_clock(transducer.time_constant_s() / self.block_s);
+        self.on_blocks = self.ring_up_blocks;
+        if let Some(observed) = &mut self.observed {
+            let spread_hz = SCANNED * transducer.series_resonance_hz / transducer.q;
+            let (q, axis) = (transducer.q, branch.axis);
+            let lm_h = (transducer.lm_h, transducer.deviations.lm_h);
+            observed.start(&Prior { offset_hz: (offset_hz, spread_hz), q, lm_h, axis, noise_a }, Seek::Scan);
+        }
+    }
+
+    /// Takes a clamped branch that was measured anew, and the standard deviation of its capacitance, relative.
+    pub fn set_branch(&mut self, branch: Motional, deviation: f32) {
+        let c0_f = branch.y0.im / (core::f32::consts::TAU * self.nominal_hz);
+        (self.motional, self.known.c0_f) = (branch, (c0_f, deviation * c0_f));
+    }
+
+    /// Takes what is known of the resonance.
+    pub fn set_resonance(&mut self, transducer: &Transducer) {
+        let tau_s = transducer.time_constant_s();
+        self.rm_ohm = transducer.rm_ohm;
+        self.turn_per_hz = core::f32::consts::TAU * tau_s;
+        self.ring_up_blocks = (RING_UP * tau_s / self.block_s) as u32;
+        self.phase_loop.set_time_constant(tau_s);
+    }
+
+    fn restart_clock(&mut self, tau_blocks: f32) {
+        let limit = |(blocks, time_constants): (u32, f32)| blocks + (time_constants * tau_blocks) as u32;
+        self.lock.restart(tau_blocks);
+        (self.unheard_blocks, self.unheard_limit) = (0, limit(UNHEARD));
+        (self.blocks, self.timeout_blocks) = (0, limit(LOCK_TIMEOUT));
+    }
+
+    /// The motional current of a block, A peak.
+    pub fn motional_current(&self, sensed: &Sensed, relative: f32) -> Phasor {
+        self.motional.current(sensed, relative)
+    }
+
+    /// The clamped branch, and the axis of the sensing chain.
+    pub fn branch(&self) -> &Motional {
+        &self.motional
+    }
+
+    /// What the motional current would be at the lock point: beside it, a resonance answers with `1 / (1 + j 2 pi tau df)` of that.
+    pub fn at_lock_point(&self, motional_current: Phasor, detune_hz: f32) -> Phasor {
+        if detune_hz == 0.0 {
+            return motional_current;
+        }
+        motional_current * Phasor::new(1.0, self.turn_per_hz * detune_hz)
+    }
+
+    /// Follows one block. `at_lock_point` is its motional current [at the lock point](Self::at_lock_point). Returns the phase that is driven to
+    /// zero, which is zero where nothing was heard.
+    pub fn follow(&mut self, sensed: &Sensed, motional_current: Phasor, at_lock_point: Phasor, heard: &Heard) -> Turns {
+        let Some(detector) = self.detector else { return Turns(0.0) };
+        self.unheard_blocks = self.unheard_blocks.saturating_add(heard.driven.into());
+        self.on_blocks = if heard.on { self.on_blocks.saturating_add(1) } else { 0 };
+        if heard.rung_up && heard.on {
+            self.on_blocks = self.on_blocks.max(self.ring_up_blocks + 1);
+        }
+        let fits = self.lock.agrees();
+        if let Some(observed) = &mut self.observed {
+            observed.follow(motional_current, sensed.v, heard, fits);
+        } else {
+            self.blocks = self.blocks.saturating_add(1);
+        }
+        if self.on_blocks <= self.ring_up_blocks || !heard.on {
+            self.phase_loop.hold();
+            return Turns(0.0);
+        }
+        self.unheard_blocks = 0;
+        let rings = match self.observed.as_ref().filter(|observed| observed.is_confident()) {
+            // A load that comes down leaves less of the current than what it was identified by.
+            Some(observed) => observed.observer().rings(at_lock_point, RINGS_ABOVE, heard.volts),
+            None => {
+                let above = RINGS_ABOVE * heard.volts / self.rm_ohm;
+                at_lock_point.norm_sqr() > above * above
+            }
+        };
+        if self.rm_ohm > 0.0 && rings {
+            let current = match detector {
+                PhaseDetector::Motional => at_lock_point,
+                PhaseDetector::Total => sensed.i,
+            };
+            let error = self.motional.phase_of(current, sensed.v);
+            let phase = match self.observed.as_ref().and_then(Observed::offset_hz) {
+                Some(offset_hz) => self.phase_loop.accompany(error, offset_hz),
+                None => self.phase_loop.update(error),
+            };
+            // At the edge of the window a small phase is no lock; nor is a lock of the loop's lost there that was one. An observer would
+            // go on beyond the edge.
+            let undecided = self.phase_loop.limited() && (self.observed.is_none() || phase.0.abs() < UNDECIDED.0);
+            self.lock.update(if undecided { UNDECIDED } else { phase });
+            return phase;
+        }
+        if self.lock.state() == Lock::Locked {
+            // Nothing rings under full drive: the resonance is elsewhere. Counts as half a turn.
+            self.lock.update(Turns(0.5));
+        }
+        Turns(0.0)
+    }
+
+    /// How the lock is.
+    pub fn state(&self) -> State {
+        let locked = if self.unheard_blocks > self.unheard_limit { State::Unheard } else { State::Locked };
+        match (&self.observed, self.lock.state()) {
+            (Some(observed), Lock::Lost) if observed.is_confident() && !self.limited() => State::Disagree,
+            (Some(_), Lock::Lost) | (None, Lock::Lost) => State::Lost,
+            (Some(observed), _) if observed.locked() => locked,
+            (Some(observed), _) if observed.timed_out() => State::TimedOut,
+            (None, Lock::Locked) => locked,
+            (None, Lock::Seeking) if self.blocks > self.timeout_blocks => State::TimedOut,
+            _ => State::Seeking,
+        }
+    }
+
+    /// The frequency to drive, as an offset from the nominal one, Hz.
+    pub fn offset_hz(&self) -> f32 {
+        let window = self.window_hz();
+        match self.observed.as_ref().and_then(Observed::offset_hz) {
+            Some(offset_hz) => smaller(larger(offset_hz, -window), window),
+            None => self.phase_loop.offset_hz(),
+        }
+    }
+
+    /// The largest offset, Hz.
+    pub fn window_hz(&self) -> f32 {
+        self.phase_loop.window_hz()
+    }
+
+    /// The estimate of the resonance, as an offset from the nominal frequency, Hz.
+    pub fn estimate_hz(&self) -> f32 {
+        self.observed.as_ref().map_or_else(|| self.phase_loop.estimate_hz(), |observed| observed.observer().offset_hz())
+    }
+
+    /// Whether the frequency window stops it from going where it wants.
+    pub fn limited(&self) -> bool {
+        match self.observed.as_ref().and_then(Observed::offset_hz) {
+            Some(offset_hz) => offset_hz.abs() >= self.window_hz(),
+            None => self.phase_loop.limited(),
+        }
+    }
+}

@@ -1,0 +1,157 @@
+//! The transducer as the observer knows it: resonance and damping from the pole, inductance from the strength; the clamped capacitance is what the
+//! calibration has measured. The strength is learned while the current builds up, so that Q and Rm are as good as it is.
+
+use crate::seam::transducer::Transducer;
+use crate::track::tracker::observer::{Observer, Spread};
+
+const TAU: f32 = core::f32::consts::TAU;
+
+/// What was known before: the clamped capacitance, and how many resonances there are.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Known {
+    /// Clamped capacitance and its standard deviation, F.
+    pub c0_f: (f32, f32),
+    /// Resonances that were found, and the place of this one in their list.
+    pub modes: (u8, u8),
+}
+
+/// The equivalent circuit, with deviations.
+pub fn circuit(observer: &Observer, nominal_hz: f32, known: &Known) -> Transducer {
+    let mut learning = Learning::default();
+    learning.begin(observer, nominal_hz, known);
+    while !learning.is_over() {
+        learning.advance();
+    }
+    learning.transducer
+}
+
+/// The same in parts, because a root takes as long as two periods of the lock-in: at once what is followed by, the rest a few roots at a time.
+#[derive(Clone, Debug)]
+pub struct Learning {
+    transducer: Transducer,
+    spread: Spread,
+    /// Relative deviations of the resonance, of the strength and of the clamped capacitance.
+    resonance: f32,
+    strength: f32,
+    clamped: f32,
+    /// `Cm / (C0 + Cm)`.
+    part: f32,
+    /// Parts that are left.
+    left: u8,
+}
+
+impl Default for Learning {
+    /// Nothing is being learned.
+    fn default() -> Self {
+        let (transducer, spread) = (Transducer::default(), Spread::default());
+        Learning { transducer, spread, resonance: 0.0, strength: 0.0, clamped: 0.0, part: 0.0, left: 0 }
+    }
+}
+
+impl Learning {
+    /// Resonance, Q, and the elements; no deviations, and not what follows from a root.
+    pub fn begin(&mut self, observer: &Observer, nominal_hz: f32, known: &Known) {
+        let hz = nominal_hz + observer.offset_hz();
+        let omega = TAU * hz;
+        let (lm_h, alpha, c0_f) = (observer.lm_h(), observer.damping(), known.c0_f.0);
+        let cm_f = 1.0 / (omega * omega * lm_h);
+        let told = &mut self.transducer;
+        (told.series_resonance_hz, told.q, told.rm_ohm) = (hz, 0.5 * omega / alpha, 2.0 * alpha * lm_h);
+        (told.lm_h, told.cm_f, told.c0_f) = (lm_h, cm_f, c0_f);
+        (told.modes, told.chosen) = known.modes;
+        (self.part, self.clamped) = (cm_f / (c0_f + cm_f), known.c0_f.1 / c0_f);
+        (self.spread, self.left) = (observer.spread(), 3);
+    }
+
+    /// Whether there is nothing to be done.
+    #[inline]
+    pub fn is_over(&self) -> bool {
+        self.left == 0
+    }
+
+    /// Forgets what is half done.
+    pub fn abandon(&mut self) {
+        self.left = 0;
+    }
+
+    /// What is known so far: all, when it is over.
+    pub fn transducer(&self) -> &Transducer {
+        &self.transducer
+    }
+
+    /// Some roots more.
+    #[inline(never)]
+    pub fn advance(&mut self) {
+        let Learning { transducer, spread, resonance, strength, clamped, part, left } = self;
+        let Transducer { series_resonance_hz: hz, q, cm_f, c0_f, deviations, .. } = transducer;
+        let root = |sum: f32| libm::sqrtf(sum);
+        let square = |x: f32| x * x;
+        // Relative deviations of what it follows from, each on its own; a sum of them adds up in squares. `Cm = 1 / (w^2 Lm)`, and
+        // `fp / fs = sqrt(1 + Cm / C0)`, in which the resonance takes back a part of what it moves `fs` by.
+        let ratio = |strength: f32, clamped: f32| square(strength) + square(clamped);
+        match *left {
+            3 => {
+                *resonance = spread.deviation_hz() / *hz;
+                *strength = root(spread.strength);
+                transducer.parallel_resonance_hz = *hz * root(1.0 + *cm_f / *c0_f);
+                deviations.series_resonance_hz = *resonance * *hz;
+                deviations.lm_h = *strength * transducer.lm_h;
+                deviations.c0_f = *clamped * *c0_f;
+            }
+            2 => {
+                let ratio = ratio(*strength, *clamped);
+                deviations.parallel_resonance_hz =
+                    root(square((1.0 - *part) * *resonance) + square(0.5 * *part) * ratio) * transducer.parallel_resonance_hz;
+                deviations.q = 2.0 * *q * *resonance * *q;
+                // `Rm = ws Lm / Q`, whose Q is known to half a bandwidth as the resonance is.
+                deviations.rm_ohm = root(square(*resonance) * (1.0 + square(2.0 * *q)) + square(*strength)) * transducer.rm_ohm;
+                deviations.cm_f = root(square(2.0 * *resonance) + square(*strength)) * *cm_f;
+            }
+            _ => {
+                let ratio = ratio(*strength, *clamped);
+                transducer.coupling = root(*part);
+                deviations.coupling = root(square(2.0 * *resonance) + ratio) * 0.5 * (1.0 - *part) * transducer.coupling;
+            }
+        }
+        *left = left.saturating_sub(1);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::find::identify::scatter::Scatter;
+    use crate::seam::phasor::Phasor;
+    use crate::track::tracker::observer::Prior;
+
+    /// By the scatter of independent parts, as a fit states it.
+    #[test]
+    fn the_deviations_are_those_of_the_scatter() {
+        let mut observer = Observer::new(40e3, 32e-6);
+        let axis = Phasor::new(1.0, 0.0);
+        observer.start(&Prior { offset_hz: (300.0, 25.0), q: 30.0, lm_h: (0.8e-3, 0.08e-3), axis, noise_a: 1e-3 });
+        let known = Known { c0_f: (290e-9, 4e-9), modes: (1, 0) };
+        let found = circuit(&observer, 40e3, &known);
+        // `w = f / fs - fs / f` changes twice as much as the frequency does, and a part has a variance of one half each way.
+        let (none, part) = (Phasor::new(0.0, 0.0), |size: f32| Phasor::new(core::f32::consts::SQRT_2 * size, 0.0));
+        let scatter = Scatter {
+            pole: [part(2.0 * observer.deviation_hz() / found.series_resonance_hz), none, none],
+            strength: [none, part(observer.strength_deviation()), none],
+            y0: [none, none, part(TAU * found.series_resonance_hz * known.c0_f.1)],
+        };
+        let (told, all) = (found.deviations, scatter.deviations(&found));
+        for (name, told, expected) in [
+            ("series", told.series_resonance_hz, all.series_resonance_hz),
+            ("parallel", told.parallel_resonance_hz, all.parallel_resonance_hz),
+            ("Q", told.q, all.q),
+            ("Rm", told.rm_ohm, all.rm_ohm),
+            ("Lm", told.lm_h, all.lm_h),
+            ("Cm", told.cm_f, all.cm_f),
+            ("C0", told.c0_f, all.c0_f),
+            ("coupling", told.coupling, all.coupling),
+        ] {
+            // Measured: 2e-7, rounding.
+            assert!((told / expected - 1.0).abs() < 1e-6, "{name}: {told} {expected}");
+        }
+    }
+}

@@ -1,0 +1,197 @@
+//! Whom to believe: the observer, from when on, and when no longer.
+//!
+//! It leads as soon as its deviation is small enough to be worth following, and is locked when that has been within 5 degrees of motional phase for
+//! 8 blocks. Where its gate opens again and again, its model does not hold, and the [phase loop](super::phase_loop) leads until it does; and
+//! wherever the drive is no sine.
+//!
+//! A lock that is lost, or not found in time, is sought again: nearby, then in the whole window, then from the self-test on, which names what
+//! has broken, and then by a scan.
+
+use crate::seam::phasor::Phasor;
+use crate::track::tracker::Heard;
+use crate::track::tracker::lock_detector::LOCK_BLOCKS;
+use crate::track::tracker::observer::{Observer, Played, Prior};
+
+/// Deviation, relative to the nominal frequency, below which the estimate is worth following.
+const WORTH: f32 = 5e-3;
+/// A lock is within 5 degrees of motional phase, rad, or within this part of the frequency if that is more.
+const INNER: (f32, f32) = (0.087_488_66, 1e-4);
+/// What an opening of the gate adds to the doubt, which fades by one a block; and how much of it ends the belief.
+const DOUBT: (u32, u32) = (16, 96);
+/// The phase loop leads until the doubt is down to this.
+const TRUSTED: u32 = 8;
+/// So many times below the Q that was told, which may be wrong by two and loaded by a few, there is nothing left to lock to.
+const LEAST_Q: f32 = 10.0;
+/// Blocks that the observer may take to lock.
+const TIMEOUT: u32 = 128;
+/// A lock that was lost sooner than this, in blocks, is not sought the same way again.
+const LASTED: u32 = 3000;
+/// How far from where it was a lost resonance is sought first, relative to the frequency.
+const NEARBY: f32 = 5e-3;
+
+/// Where a lock is sought.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Seek {
+    /// Where it was when it was lost.
+    Nearby,
+    /// In the whole window.
+    Window,
+    /// In the whole window, after another self-test and another measurement of the clamped branch.
+    Anew,
+    /// By a scan.
+    Scan,
+}
+
+/// The observer, and how far it is believed.
+#[derive(Clone, Debug)]
+pub struct Observed {
+    observer: Observer,
+    nominal_hz: f32,
+    window_hz: f32,
+    /// [`WORTH`] and [`INNER`] of it, Hz.
+    worth_hz: f32,
+    inner_hz: f32,
+    prior: Prior,
+    seek: Seek,
+    shown_hz: f32,
+    /// Blocks since it began, and those at the end of which it was within the bound of a lock.
+    blocks: u32,
+    inside: u32,
+    locked: bool,
+    opened: u32,
+    doubt: u32,
+    doubted: bool,
+    confident: bool,
+    /// The last block was of a sine.
+    pure: bool,
+    /// Damping of the least Q that may be locked to, 1/s.
+    most_damping: f32,
+}
+
+impl Observed {
+    /// For a nominal frequency and a window of `window_hz` to each side, told a block every `block_s` seconds.
+    pub fn new(nominal_hz: f32, block_s: f32, window_hz: f32) -> Self {
+        let prior = Prior { offset_hz: (0.0, 0.0), q: 1.0, lm_h: (1.0, 0.1), axis: Phasor::new(1.0, 0.0), noise_a: 1.0 };
+        Observed {
+            observer: Observer::new(nominal_hz, block_s),
+            nominal_hz,
+            window_hz,
+            worth_hz: WORTH * nominal_hz,
+            inner_hz: INNER.1 * nominal_hz,
+            prior,
+            seek: Seek::Scan,
+            shown_hz: 0.0,
+            blocks: 0,
+            inside: 0,
+            locked: false,
+            opened: 0,
+            doubt: 0,
+            doubted: false,
+            confident: false,
+            pure: true,
+            most_damping: f32::INFINITY,
+        }
+    }
+
+    /// Begins with what is known; `seek` says how that has come about.
+    pub fn start(&mut self, prior: &Prior, seek: Seek) {
+        self.observer.start(prior);
+        (self.seek, self.shown_hz) = (seek, prior.offset_hz.0);
+        self.most_damping = LEAST_Q * core::f32::consts::PI * self.nominal_hz / prior.q;
+        if seek != Seek::Nearby {
+            // For the next time: the same, anywhere in the window.
+            self.prior = Prior { offset_hz: (0.0, self.window_hz), ..*prior };
+        }
+        (self.blocks, self.inside, self.locked) = (0, 0, false);
+        (self.opened, self.doubt, self.doubted) = (self.observer.opened(), 0, false);
+    }
+
+    /// Begins again where there is more hope, and says where; nowhere after a scan.
+    pub fn seek_on(&mut self, was_locked: bool) -> Option<Seek> {
+        let next = match self.seek {
+            _ if was_locked && self.blocks > LASTED => Seek::Nearby,
+            Seek::Nearby => Seek::Window,
+            Seek::Window => Seek::Anew,
+            Seek::Anew => Seek::Scan,
+            Seek::Scan => return None,
+        };
+        let nearby = (self.observer.offset_hz(), NEARBY * self.nominal_hz);
+        match next {
+            Seek::Nearby => self.start(&Prior { offset_hz: nearby, ..self.prior }, next),
+            Seek::Window => self.start(&{ self.prior }, next),
+            Seek::Anew | Seek::Scan => self.seek = next,
+        }
+        Some(next)
+    }
+
+    /// Begins in the whole window with what the clamped branch has told.
+    pub fn start_cold(&mut self, prior: &Prior) {
+        // The second time after a lock was lost.
+        let seek = if self.seek == Seek::Anew { Seek::Anew } else { Seek::Window };
+        self.start(prior, seek);
+    }
+
+    /// Forgets what it was seeking.
+    pub fn restart(&mut self) {
+        (self.seek, self.locked, self.inside) = (Seek::Scan, false, 0);
+    }
+
+    /// Follows one block. `fits`: the motional phase, as far as it was heard, does not speak against a lock.
+    #[inline]
+    pub fn follow(&mut self, motional_current: Phasor, v: Phasor, heard: &Heard, fits: bool) {
+        self.pure = heard.pure;
+        let steady_v = heard.envelope.filter(|_| heard.pure).map(|envelope| heard.volts * envelope);
+        self.observer.follow(motional_current, v, Played { offset_hz: heard.offset_hz, steady_v });
+        self.blocks = self.blocks.saturating_add(heard.driven.into());
+        if self.observer.is_within(self.worth_hz) {
+            self.shown_hz = self.observer.ahead_hz();
+        }
+        let opened = self.observer.opened();
+        // Without a doubt nothing changes.
+        if opened != self.opened || self.doubt > 0 {
+            self.doubt = if opened == self.opened { self.doubt - 1 } else { self.doubt + DOUBT.0 };
+            self.opened = opened;
+            self.doubted = self.doubt > if self.doubted { TRUSTED } else { DOUBT.1 };
+        }
+        self.confident = self.leads() && self.observer.is_as_good_as(INNER.0, self.inner_hz);
+        let within =
+            self.confident && fits && self.observer.damping() < self.most_damping && self.shown_hz.abs() < self.window_hz;
+        self.inside = if within { self.inside.saturating_add(heard.driven.into()) } else { 0 };
+        self.locked |= self.inside >= LOCK_BLOCKS;
+    }
+
+    /// The frequency to drive, as an offset from the nominal one, Hz; `None` where the phase loop is to lead.
+    pub fn offset_hz(&self) -> Option<f32> {
+        self.leads().then_some(self.shown_hz)
+    }
+
+    /// It leads, not the phase loop.
+    fn leads(&self) -> bool {
+        self.pure && !self.doubted
+    }
+
+    /// It has locked.
+    pub fn locked(&self) -> bool {
+        self.locked
+    }
+
+    /// It is sure of itself, whatever else speaks against it.
+    pub fn is_confident(&self) -> bool {
+        self.confident
+    }
+
+    /// It is sure of itself, and has been for some blocks in which nothing spoke against it.
+    pub fn is_sure(&self) -> bool {
+        self.inside >= LOCK_BLOCKS
+    }
+
+    /// It has taken too long.
+    pub fn timed_out(&self) -> bool {
+        self.blocks > TIMEOUT
+    }
+
+    /// The observer.
+    pub fn observer(&self) -> &Observer {
+        &self.observer
+    }
+}

@@ -1,0 +1,94 @@
+//! What the observer says.
+
+use super::{AHEAD_BLOCKS, Observer};
+use crate::seam::compare::larger;
+use crate::seam::phasor::Phasor;
+
+/// Variances of an observer's unknowns.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Spread {
+    /// Of the pole, both parts, rad².
+    pole: f32,
+    /// Of the inductance, relative.
+    pub strength: f32,
+    hz_per_radian: f32,
+}
+
+impl Spread {
+    /// Standard deviation of the resonance, Hz.
+    pub fn deviation_hz(&self) -> f32 {
+        libm::sqrtf(0.5 * self.pole) * self.hz_per_radian
+    }
+}
+
+impl Observer {
+    /// The resonance, as an offset from the nominal frequency, Hz.
+    pub fn offset_hz(&self) -> f32 {
+        self.pole.im * self.hz_per_radian
+    }
+
+    /// Where the resonance will be when the block plays that is decided on now, as an offset from the nominal frequency, Hz.
+    pub fn ahead_hz(&self) -> f32 {
+        (self.pole.im + AHEAD_BLOCKS * self.rate) * self.hz_per_radian
+    }
+
+    /// Standard deviation of the resonance, Hz.
+    pub fn deviation_hz(&self) -> f32 {
+        self.spread().deviation_hz()
+    }
+
+    /// How well it knows what it knows, of which deviations are the roots.
+    pub fn spread(&self) -> Spread {
+        Spread { pole: self.covariance.pole, strength: self.covariance.strength, hz_per_radian: self.hz_per_radian }
+    }
+
+    /// Whether the deviation of the resonance is below `hz`.
+    #[inline]
+    pub fn is_within(&self, hz: f32) -> bool {
+        self.is_within_radians(self.radian_per_hz * hz)
+    }
+
+    /// Whether the deviation is below `phase` radians of the resonance's own phase, or below `hz`, if that is more.
+    #[inline]
+    pub fn is_as_good_as(&self, phase: f32, hz: f32) -> bool {
+        // A detuning of `alpha` turns it by 45 degrees; `-pole.re` is `alpha T`.
+        self.is_within_radians(larger(-self.pole.re * phase, self.radian_per_hz * hz))
+    }
+
+    #[inline]
+    fn is_within_radians(&self, bound: f32) -> bool {
+        self.covariance.pole < 2.0 * bound * bound
+    }
+
+    /// Whether a motional current is above `part` of what a voltage, V, would drive in steady state: `V / Rm`, `Rm = 2 alpha Lm`.
+    pub fn rings(&self, current: Phasor, part: f32, volts: f32) -> bool {
+        let drop = self.pole.re * self.ohm_per_pole;
+        let most = part * volts * self.strength;
+        current.norm_sqr() * drop * drop > most * most
+    }
+
+    /// Damping `alpha`, 1/s.
+    pub fn damping(&self) -> f32 {
+        -self.pole.re / self.block_s
+    }
+
+    /// Motional inductance, H.
+    pub fn lm_h(&self) -> f32 {
+        self.lm_h / self.strength.max(1e-3)
+    }
+
+    /// Standard deviation of the inductance, relative.
+    pub fn strength_deviation(&self) -> f32 {
+        libm::sqrtf(self.covariance.strength)
+    }
+
+    /// Forgets that the resonance moves. After every block of a study this shows what the second integrator is good for.
+    pub fn forget_rate(&mut self) {
+        self.rate = 0.0;
+    }
+
+    /// Times the gate has opened; wraps.
+    pub fn opened(&self) -> u32 {
+        self.opened
+    }
+}

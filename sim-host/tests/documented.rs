@@ -1,0 +1,231 @@
+//! Every command that README and docs print is run, and every scene in them is checked: what a reader copies works.
+//!
+//! Scenes of many runs are shortened to two, so their expectations may be missed (exit code 4); of single runs they may not, unless the page
+//! changes values. Commands of `cargo test` are not run again: their packages, modules and tests have to be there.
+
+use std::collections::BTreeSet;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+
+/// Commands that need what a test has not, by how they begin, and why they are not run.
+const NOT_RUN: [(&str, &str); 9] = [
+    ("link PORT", "a placeholder"),
+    ("link /dev/", "a board at a serial port"),
+    ("link tcp:", "a board at the other end"),
+    ("link sim:lock serve", "waits for a client; tests/command_line/link.rs has one"),
+    ("link sim:lock script rig.txt", "the reader's own script"),
+    ("show NAME", "a placeholder"),
+    ("run my-scene.toml", "the reader's own scene; the scenes of the page are checked"),
+    ("check my-scene.toml", "the reader's own scene"),
+    ("advise --frequency-hz F", "placeholders"),
+];
+/// The benches: minutes each; the tests of `sonoglide-proof` run them, and compare their tables with the pages.
+const BENCHES: &str = "validate ";
+
+fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
+}
+
+/// README and the pages of docs: name and text.
+fn pages() -> Vec<(String, String)> {
+    let docs = fs::read_dir(root().join("docs")).expect("docs").map(|entry| entry.expect("a page").path());
+    let mut paths: Vec<_> = docs.filter(|path| path.extension().is_some_and(|end| end == "md")).collect();
+    paths.push(root().join("README.md"));
+    paths.sort();
+    let name = |path: &Path| path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+    paths.iter().map(|path| (name(path), fs::read_to_string(path).expect("text"))).collect()
+}
+
+/// What stands as code on a page: spans between backticks within a line, indented or fenced lines, and comments that name a command.
+fn code(text: &str) -> Vec<String> {
+    let mut found = Vec::new();
+    for line in text.lines() {
+        let bare = line.trim().trim_start_matches("$ ").trim_start_matches("<!-- ").trim_end_matches(" -->");
+        if bare.starts_with("sim-host ") || bare.starts_with("cargo ") {
+            // What stands behind two spaces or more is a comment, or the next column of a table.
+            found.extend(bare.split("  ").next().filter(|command| command.contains(' ')).map(str::to_owned));
+        } else {
+            found.extend(line.split('`').skip(1).step_by(2).map(str::to_owned));
+        }
+    }
+    found
+}
+
+/// The arguments of all `sim-host` commands, with the page that they stand on first.
+fn commands() -> BTreeSet<(String, String)> {
+    let mut commands = BTreeSet::new();
+    for (page, text) in pages() {
+        for line in code(&text) {
+            let rest = line.strip_prefix("sim-host ").or_else(|| line.strip_prefix("cargo run --release -- "));
+            let clean = |rest: &str| rest.split(" # ").next().unwrap_or(rest).trim().to_owned();
+            commands.extend(rest.map(|rest| (clean(rest), page.clone())));
+        }
+    }
+    commands
+}
+
+/// A folder that goes with the test, with the files that documented commands name.
+struct Folder(PathBuf);
+
+impl Folder {
+    fn new(name: &str) -> Self {
+        let path = std::env::temp_dir().join(format!("sim-host-{name}-{}", std::process::id()));
+        fs::create_dir_all(path.join("tests/link")).expect("a folder");
+        fs::copy(root().join("tests/link/dialogue.txt"), path.join("tests/link/dialogue.txt")).expect("the script");
+        Folder(path)
+    }
+
+    /// Exit code and standard error of a command in this folder.
+    fn run(&self, arguments: &[String]) -> (i32, String) {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_sim-host"));
+        let command = command.args(arguments).current_dir(&self.0).stdin(Stdio::null());
+        let output = command.output().expect("sim-host starts");
+        (output.status.code().unwrap_or(-1), String::from_utf8_lossy(&output.stderr).into_owned())
+    }
+}
+
+impl Drop for Folder {
+    fn drop(&mut self) {
+        let _ = fs::remove_dir_all(&self.0);
+    }
+}
+
+#[test]
+fn every_documented_command_works() {
+    let folder = Folder::new("documented");
+    let blocks = scenes();
+    let (_, transducer) = blocks.iter().find(|(_, text)| text.contains("\"my transducer\"")).expect("README's transducer");
+    fs::write(folder.0.join("my-transducer.toml"), transducer).expect("a scene");
+    let mut wrong = Vec::new();
+    for (command, page) in commands() {
+        if command.starts_with(BENCHES) || NOT_RUN.iter().any(|(start, _)| command.starts_with(start)) {
+            continue;
+        }
+        let mut words = shlex::split(&command).unwrap_or_else(|| panic!("{page}: {command}"));
+        // A verb alone, in a sentence, is its name.
+        let named = words.len() == 1 && !["list", "schema"].contains(&words[0].as_str());
+        if named {
+            words.push("--help".into());
+        }
+        let shortened = shorten(&folder, &mut words);
+        let (code, errors) = folder.run(&words);
+        let changed = words.iter().any(|word| word == "--set");
+        let missing_tool = code == 5 && words.iter().any(|word| word == "--pil");
+        if missing_tool {
+            println!("SKIPPED `sim-host {command}`: {errors}");
+        } else if !(code == 0 || code == 4 && (shortened || changed)) {
+            wrong.push(format!("{page}: `sim-host {command}` ends with {code}\n{errors}"));
+        }
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+/// Makes a scene of many runs one of two, a verified advice one of two draws, and keeps pictures out; whether anything was shortened.
+fn shorten(folder: &Folder, words: &mut Vec<String>) -> bool {
+    if let Some(at) = words.iter().position(|word| word == "--verify") {
+        words[at + 1] = "2".into();
+        return true;
+    }
+    if words[0] != "run" || words.iter().any(|word| word == "--help") {
+        return false;
+    }
+    if !words.iter().any(|word| word == "-o") {
+        words.push("--no-report".into());
+    }
+    let shown = |key: &str| {
+        let sets = words.iter().zip(&words[1..]).filter(|(flag, _)| *flag == "--set").flat_map(|(flag, set)| [flag, set]);
+        let arguments = ["show".to_owned(), words[1].clone()].into_iter().chain(sets.cloned()).collect::<Vec<_>>();
+        let output = Command::new(env!("CARGO_BIN_EXE_sim-host")).args(&arguments).current_dir(&folder.0).output();
+        let text = String::from_utf8_lossy(&output.expect("sim-host starts").stdout).into_owned();
+        text.lines().any(|line| line.starts_with(key))
+    };
+    let many = shown("runs = ") && !words.iter().any(|word| word == "--run");
+    if many {
+        words.extend(["--set".into(), "runs=2".into()]);
+    }
+    many
+}
+
+/// The scenes printed on the pages: those with a base or a controller of their own.
+fn scenes() -> Vec<(String, String)> {
+    let mut scenes = Vec::new();
+    for (page, text) in pages() {
+        // A block in a list is indented.
+        let lines: Vec<_> = text.lines().collect();
+        for begins in (0..lines.len()).filter(|&at| lines[at].trim() == "```toml") {
+            let inside = lines[begins + 1..].iter().take_while(|line| line.trim() != "```");
+            let block: String = inside.map(|line| format!("{}\n", line.trim_start())).collect();
+            if block.lines().any(|line| line.starts_with("base = ")) {
+                scenes.push((page.clone(), block));
+            }
+        }
+    }
+    scenes
+}
+
+#[test]
+fn every_documented_scene_is_valid() {
+    let folder = Folder::new("scenes");
+    assert!(scenes().len() >= 2, "README prints scenes");
+    for (at, (page, text)) in scenes().into_iter().enumerate() {
+        let file = format!("{at}.toml");
+        fs::write(folder.0.join(&file), &text).expect("a scene");
+        let (code, errors) = folder.run(&["check".into(), file]);
+        assert_eq!(code, 0, "{page}:\n{text}\n{errors}");
+    }
+}
+
+#[test]
+fn nothing_is_left_out_that_is_not_documented() {
+    for (start, why) in NOT_RUN {
+        assert!(commands().iter().any(|(command, _)| command.starts_with(start)), "no page has `sim-host {start}` ({why})");
+    }
+}
+
+/// The text of all Rust sources under a folder.
+fn sources(folder: &Path, into: &mut String) {
+    for entry in fs::read_dir(folder).expect("a folder") {
+        let path = entry.expect("an entry").path();
+        if path.is_dir() && !path.ends_with("target") {
+            sources(&path, into);
+        } else if path.extension().is_some_and(|end| end == "rs") {
+            let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+            into.push_str(&format!("mod {stem}\n{}", fs::read_to_string(&path).expect("text")));
+        }
+    }
+}
+
+#[test]
+fn every_documented_test_is_there() {
+    let folders = ["firmware", "hal-mock", "sim-host", "tests", "firmware/boards/on-target"].into_iter().map(str::to_owned);
+    let crates = ["contact", "scene", "plant", "report", "sim", "pil", "link", "proof", "peers"];
+    let folders: Vec<_> = folders.chain(crates.map(|name| format!("sim-host/{name}"))).collect();
+    let named = |folder: &&String, package: &str| {
+        let manifest = fs::read_to_string(root().join(folder).join("Cargo.toml")).expect("a manifest");
+        manifest.contains(&format!("name = \"{package}\""))
+    };
+    let mut checked = 0;
+    for (page, text) in pages() {
+        for line in code(&text).iter().filter(|line| line.starts_with("cargo test -p ")) {
+            let words = shlex::split(line).unwrap_or_else(|| panic!("{page}: {line}"));
+            let package = &words[3];
+            let folder = folders.iter().find(|folder| named(folder, package));
+            let folder = folder.unwrap_or_else(|| panic!("{page}: there is no package `{package}`"));
+            let mut text = String::new();
+            sources(&root().join(folder), &mut text);
+            let mut filters = words[4..].iter().take_while(|word| *word != "--").filter(|word| !word.starts_with("--"));
+            let Some(filter) = filters.next().filter(|_| !line.contains("--target")) else { continue };
+            for part in filter.split("::").filter(|part| !part.is_empty()) {
+                let there = text.lines().any(|line| {
+                    let line = line.trim_start().trim_start_matches("pub ");
+                    let item = line.strip_prefix("mod ").or_else(|| line.strip_prefix("fn "));
+                    item.is_some_and(|name| name.contains(part))
+                });
+                assert!(there, "{page}: `{line}` finds nothing: no module or test has `{part}` in its name");
+            }
+            checked += 1;
+        }
+    }
+    assert!(checked > 10, "{checked} commands");
+}
