@@ -166,9 +166,7 @@ impl Window {
                 "from the first DAC sample of the lock stage to the first disturbance, or to the first OFF of the run; only of a lock stage that is not \
                  preceded by a scan, which finds the frequency before"
             }
-            Window::Step => {
-                "from the last step disturbance to the end of the run, or to its first OFF after the step; only where it comes under drive"
-            }
+            Window::Step => "from the last step disturbance, or from the first drive after it, to the end of the run",
             Window::Event => "from one event to another, as the meaning says",
             Window::Identified => "the latest estimate of scan or observer",
             Window::Crash => "from the beginning of the pulse to the end of the run",

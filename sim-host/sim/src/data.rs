@@ -101,7 +101,9 @@ fn signals() -> Vec<Column> {
     let signal = |(name, meaning): (&str, &str)| {
         let code = name.contains("code");
         let unit = scene::schema::unit_of(name).unwrap_or_else(|| if code { "LSB".into() } else { "1".into() });
-        Column { name: name.into(), unit, meaning: meaning.trim_end_matches('.').into() }
+        let meaning = meaning.trim_end_matches('.');
+        let meaning = meaning.strip_suffix(&format!(", {unit}")).unwrap_or(meaning);
+        Column { name: name.into(), meaning: meaning.into(), unit }
     };
     std::iter::once(time).chain(choices.into_iter().map(signal)).collect()
 }

@@ -24,35 +24,31 @@ impl View<'_> {
         let first_disturbed = self.disturbed_s.iter().copied().fold(f64::INFINITY, f64::min);
         // A scan that comes first has found the frequency, and nothing is left to be pulled in.
         let lock = lock.filter(|&lock| scan.is_none_or(|scan| scan > lock));
-        let under_drive = |&step: &f64| self.after(step).first().is_some_and(|row| row.drive_v > 0.0);
-        let step = self.steps_s.iter().copied().reduce(f64::max).filter(under_drive);
+        let last_step = self.steps_s.iter().copied().reduce(f64::max);
+        let first_after = |step: f64| self.driven(step, f64::INFINITY).next().map(|row| step.max(row.time_s - self.block_s));
+        let step = last_step.and_then(first_after);
         for (name, again, bound) in [
             ("lock_time_100hz_ms", "relock_time_100hz_ms", 100.0),
             ("lock_time_20hz_ms", "relock_time_20hz_ms", 20.0),
             ("lock_time_4hz_ms", "relock_time_4hz_ms", 4.0),
         ] {
-            let time_ms = |from: f64, to: f64| self.stays_within(from, to, bound).map(|s| 1e3 * s);
-            metrics.put(name, lock.and_then(|lock| time_ms(lock, first_disturbed)));
-            metrics.put(again, step.and_then(|step| time_ms(step, f64::INFINITY)));
+            metrics.put(name, lock.and_then(|lock| self.locks_within(lock, first_disturbed, bound)).map(|s| 1e3 * s));
+            metrics.put(again, step.and_then(|step| settles(self.driven(step, f64::INFINITY), step, bound)).map(|s| 1e3 * s));
         }
     }
 
-    /// How long after `from` the frequency played is last more than `bound` off, s, before `to` and before the first OFF of the run; none if it still is
-    /// at the end.
-    fn stays_within(&self, from: f64, to: f64, bound: f64) -> Option<f64> {
-        let off = |row: &&Row| row.time_s > from && row.mode == Mode::Run && row.drive_v == 0.0;
-        let to = self.rows.iter().find(off).map_or(to, |row| to.min(row.time_s));
-        let played = self.rows.iter().filter(|row| row.time_s > from && row.time_s < to && row.drive_v > 0.0);
-        let mut outside = None;
-        let mut end = None;
-        for row in played {
-            if (row.frequency_hz - row.truth.series_resonance_hz).abs() > bound {
-                outside = Some(row.time_s);
-            }
-            end = Some(row.time_s);
-        }
-        let settled = outside.map_or(0.0, |outside| outside - from);
-        (end > outside).then_some(settled)
+    /// The blocks under drive between two moments, s.
+    fn driven(&self, from: f64, to: f64) -> impl Iterator<Item = &Row> {
+        self.rows.iter().filter(move |row| row.time_s > from && row.time_s < to && row.drive_v > 0.0)
+    }
+
+    /// How long a lock stage that begins at `from` takes to within `bound`, s, if it does before `to` and before the first OFF of the run. The
+    /// frequency is held while the drive is OFF: the block that follows says where the last one before has come to.
+    fn locks_within(&self, from: f64, to: f64, bound: f64) -> Option<f64> {
+        let off = self.rows.iter().find(|row| row.time_s > from && row.mode == Mode::Run && row.drive_v == 0.0);
+        let off_s = off.map_or(to, |row| to.min(row.time_s));
+        let next = self.driven(off_s, to).next().filter(|row| is_within(row, bound));
+        settles(self.driven(from, off_s).chain(next), from, bound)
     }
 
     fn steady_state(&self, metrics: &mut Metrics) {
@@ -64,4 +60,21 @@ impl View<'_> {
         let (p, q) = self.steady().fold((0.0, 0.0), |(p, q), row| (p + row.truth.power_w, q + row.truth.quadrature_w));
         metrics.put("motional_phase_deg", (p != 0.0).then(|| q.atan2(p).to_degrees()));
     }
+}
+
+/// Whether a block plays within so many Hz of the true resonance.
+fn is_within(row: &Row, bound: f64) -> bool {
+    (row.frequency_hz - row.truth.series_resonance_hz).abs() <= bound
+}
+
+/// How long after `from` the last of these blocks is that plays off by more than `bound`, s; none if the very last is.
+fn settles<'a>(blocks: impl Iterator<Item = &'a Row>, from: f64, bound: f64) -> Option<f64> {
+    let (mut outside, mut end) = (None, None);
+    for row in blocks {
+        if !is_within(row, bound) {
+            outside = Some(row.time_s);
+        }
+        end = Some(row.time_s);
+    }
+    (end > outside).then(|| outside.map_or(0.0, |outside| outside - from))
 }
