@@ -24,7 +24,6 @@ mod interrupts;
 mod link;
 mod progress;
 mod run;
-mod table;
 mod validate;
 
 use std::io::{self, IsTerminal, Write};

@@ -82,9 +82,9 @@ fn main() -> anyhow::Result<()> {
 
     bench::run(&mut entries, arguments.rounds, |line| eprintln!("{line}"))?;
 
-    writeln!(out, "{}", table::terminal(&table::ratios(&entries)))?;
+    writeln!(out, "{}", table::ratios(&entries).terminal(false))?;
     if arguments.times {
-        writeln!(out, "{}", table::terminal(&table::costs(&entries)))?;
+        writeln!(out, "{}", table::costs(&entries).terminal(false))?;
     }
     for line in table::troubles(&entries) {
         writeln!(out, "{line}")?;

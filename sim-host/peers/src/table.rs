@@ -1,6 +1,5 @@
 //! The comparison: at the same error, every peer's cost over the cheapest of ours.
 
-use comfy_table::{Table, presets};
 use report::TableBlock;
 
 use crate::bench::{Entry, Quantity};
@@ -121,17 +120,6 @@ pub fn troubles(entries: &[Entry]) -> Vec<String> {
         Some(format!("UNUSABLE  {}: {}", entry.name, what.join("; ")))
     };
     entries.iter().filter_map(of).collect()
-}
-
-/// A table for the terminal.
-pub fn terminal(block: &TableBlock) -> String {
-    let mut table = Table::new();
-    table.load_style(presets::UTF8_BORDERS_ONLY);
-    table.set_header(&block.header);
-    for row in &block.rows {
-        table.add_row(row);
-    }
-    format!("{}\n{table}\n{}\n", block.title, block.caption)
 }
 
 fn three_digits(value: f64) -> String {

@@ -14,7 +14,7 @@ pub mod table;
 pub mod target;
 
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;
 
 use pil::PilError;
 

@@ -9,6 +9,8 @@
 #![forbid(unsafe_code)]
 
 pub mod crash;
+#[cfg(test)]
+mod docs;
 pub mod friction;
 pub mod guard;
 pub mod instructions;

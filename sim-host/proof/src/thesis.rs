@@ -43,7 +43,10 @@ mod transient;
 mod waveforms;
 
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;
+
+#[cfg(test)]
+pub(crate) use experiment_2::tables as experiment_2_tables;
 
 use contact::Trouble;
 use report::{Figure, Report, TableBlock};

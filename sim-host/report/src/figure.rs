@@ -5,6 +5,7 @@
 //! never disagree.
 
 use super::crash_view::CrashView;
+use super::table::TableBlock;
 
 /// One page: headline numbers, prose, tables, figures and an appendix, in that order.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -29,32 +30,6 @@ pub struct Report {
     pub footer: Vec<(String, String)>,
     /// The run was stopped early; the page says so at its top.
     pub interrupted: bool,
-}
-
-/// A table of text cells.
-///
-/// A column whose cells all start like a number is aligned to the right; a cell that begins with
-/// `PASS` or `MISS` is coloured.
-#[derive(Debug, Clone, Default, PartialEq)]
-pub struct TableBlock {
-    /// Anchor of the table in the page.
-    pub id: String,
-    /// Heading of the table.
-    pub title: String,
-    /// What the reader should see in it.
-    pub caption: String,
-    /// Column headings, with units.
-    pub header: Vec<String>,
-    /// Rows of cells, each as long as the header.
-    pub rows: Vec<Vec<String>>,
-}
-
-impl TableBlock {
-    /// A table of these cells.
-    pub fn new(id: &str, title: &str, caption: impl Into<String>, header: &[&str], rows: Vec<Vec<String>>) -> Self {
-        let header = header.iter().map(|&cell| cell.into()).collect();
-        TableBlock { id: id.into(), title: title.into(), caption: caption.into(), header, rows }
-    }
 }
 
 /// One plot: curves over two axes, or a map of values, with the marks that explain them.

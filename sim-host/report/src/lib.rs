@@ -27,6 +27,8 @@
 //! ```
 #![forbid(unsafe_code)]
 
+#[cfg(feature = "docs")]
+pub mod docs;
 pub mod spectrum;
 pub mod time_frequency;
 
@@ -35,9 +37,11 @@ mod digits;
 mod figure;
 #[cfg(feature = "pictures")]
 mod pictures;
+mod table;
 
 pub use crash_view::{CrashView, Instant};
 pub use digits::significant;
-pub use figure::{Axis, Figure, HeatMap, Marker, Report, Series, Span, Style, TableBlock};
+pub use figure::{Axis, Figure, HeatMap, Marker, Report, Series, Span, Style};
 #[cfg(feature = "pictures")]
 pub use pictures::{ReportError, write};
+pub use table::{TableBlock, markdown, verdict};

@@ -44,6 +44,7 @@ pub mod nearest;
 mod overlay;
 mod plant;
 mod stator;
+pub mod suite;
 mod tree;
 mod units;
 mod unknown;

@@ -249,7 +249,7 @@ fn change(mut root: Node, sets: &[String], starts: &[usize]) -> Result<Node, Vec
 }
 
 /// The text of a built-in scene or of a file, which the user calls `asked`.
-fn read_source(source: &str, asked: &str) -> Result<String, LoadError> {
+pub(super) fn read_source(source: &str, asked: &str) -> Result<String, LoadError> {
     if let Some(text) = builtin::text(source) {
         return Ok(text.to_owned());
     }

@@ -249,7 +249,7 @@ pub fn is_known(name: &str) -> bool {
 }
 
 /// The names of all metrics.
-pub fn names() -> impl Iterator<Item = &'static str> {
+pub fn names() -> impl Iterator<Item = &'static str> + Clone {
     METRICS.iter().map(|metric| metric.name)
 }
 

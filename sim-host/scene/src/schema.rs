@@ -5,6 +5,7 @@
 
 use std::sync::LazyLock;
 
+use schemars::JsonSchema;
 use schemars::generate::SchemaSettings;
 use serde_json::{Value, json};
 
@@ -16,10 +17,15 @@ pub fn schema() -> Value {
     ROOT.clone()
 }
 
-static ROOT: LazyLock<Value> = LazyLock::new(|| {
+/// The schema of a type, with everything in place.
+pub(super) fn of_type<T: JsonSchema>() -> Value {
     let mut settings = SchemaSettings::draft2020_12();
     settings.inline_subschemas = true;
-    let mut schema = settings.into_generator().into_root_schema_for::<super::Scene>().to_value();
+    settings.into_generator().into_root_schema_for::<T>().to_value()
+}
+
+static ROOT: LazyLock<Value> = LazyLock::new(|| {
+    let mut schema = of_type::<super::Scene>();
     schema["properties"][BASE] = json!({
         "description": "Scene to start from: a built-in name, or a file relative to this one.",
         "type": "string",
@@ -156,7 +162,12 @@ impl Schema {
 
     /// Every table of a scene with its path; entries of a list of tables have the path of the list.
     pub fn tables() -> Vec<(String, Self)> {
-        let mut found = vec![(String::new(), Self::root())];
+        Self::root().tables_within()
+    }
+
+    /// The same of any other schema.
+    pub(super) fn tables_within(self) -> Vec<(String, Self)> {
+        let mut found = vec![(String::new(), self)];
         let mut next = 0;
         while let Some((path, table)) = found.get(next).cloned() {
             next += 1;

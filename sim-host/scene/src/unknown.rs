@@ -8,11 +8,11 @@ use super::units;
 use super::wording::{header, named, within};
 
 /// Explains an unknown key, and says which keys of the scene were probably meant, as paths.
-pub(super) fn unknown(table: Schema, path: &str, name: &str, entry: &Entry) -> (Problem, Vec<String>) {
+pub(super) fn unknown(root: Schema, table: Schema, path: &str, name: &str, entry: &Entry) -> (Problem, Vec<String>) {
     if let Some((problem, meant)) = wrong_unit(table, name, entry) {
         return (problem, vec![join(path, meant)]);
     }
-    let homes: Vec<_> = Schema::tables().into_iter().filter(|(_, table)| table.property(name).is_some()).collect();
+    let homes: Vec<_> = root.tables_within().into_iter().filter(|(_, table)| table.property(name).is_some()).collect();
     if let [(home, _), ..] = homes.as_slice() {
         let places = homes.iter().map(|(path, _)| within(path)).collect::<Vec<_>>().join(" or ");
         let message = format!("{} is misplaced {}", named(name, entry), within(path));
@@ -25,7 +25,7 @@ pub(super) fn unknown(table: Schema, path: &str, name: &str, entry: &Entry) -> (
         let problem = Problem::new(entry.key.clone(), message, format!("did you mean `{meant}`?"));
         return (problem.help(allowed(table, path)), vec![join(path, meant)]);
     }
-    let elsewhere = Schema::tables().into_iter().find_map(|(path, table)| Some((path, wrong_unit(table, name, entry)?.1)));
+    let elsewhere = root.tables_within().into_iter().find_map(|(path, table)| Some((path, wrong_unit(table, name, entry)?.1)));
     let meant: Vec<_> = elsewhere.into_iter().map(|(home, key)| join(&home, key)).collect();
     let label = meant.first().map_or("not known here".to_owned(), |meant| format!("did you mean `{meant}`?"));
     (Problem::new(entry.key.clone(), message, label).help(allowed(table, path)), meant)

@@ -16,6 +16,8 @@ pub(super) struct Findings {
     bad: BTreeSet<String>,
     /// Keys and tables that are there under another name, or in another table.
     meant: BTreeSet<String>,
+    /// The schema of the whole file.
+    root: Option<Schema>,
 }
 
 impl Findings {
@@ -53,8 +55,13 @@ fn inside(part: &str, whole: &str) -> bool {
 
 /// Checks a scene. A whole number written as `32.0` becomes an integer.
 pub(super) fn walk(root: &mut Node) -> Findings {
-    let mut findings = Findings::default();
-    check(root, Schema::root(), "", &mut findings);
+    walk_by(root, Schema::root())
+}
+
+/// Checks another file than a scene, by its schema.
+pub(super) fn walk_by(root: &mut Node, schema: Schema) -> Findings {
+    let mut findings = Findings { root: Some(schema), ..Findings::default() };
+    check(root, schema, "", &mut findings);
     findings
 }
 
@@ -104,7 +111,7 @@ fn check_table(node: &mut Node, schema: Schema, path: &str, findings: &mut Findi
         match schema.property(name) {
             Some(schema) => check(&mut entry.node, schema, &inner, findings),
             None => {
-                let (problem, meant) = unknown::unknown(schema, path, name, entry);
+                let (problem, meant) = unknown::unknown(findings.root.unwrap_or_else(Schema::root), schema, path, name, entry);
                 strange_table |= meant.is_empty() && entry.node.table().is_some();
                 findings.meant.extend(meant);
                 findings.add(inner, problem);

@@ -2,7 +2,6 @@
 
 mod abreast;
 pub mod across;
-mod cell;
 pub mod comparison;
 pub mod contact;
 pub mod driven;
@@ -10,6 +9,7 @@ pub mod film;
 pub mod grid;
 pub mod matching;
 pub mod monte_carlo;
+mod plan;
 mod stopped;
 pub mod swept;
 
@@ -156,29 +156,29 @@ pub fn run<'a>(loaded: &'a Loaded, mut options: Options) -> Result<Study<'a>, St
     let stop = options.stop.unwrap_or(&never);
     let (outcome, metrics, cut) = match scene.kind().ok_or(StudyError::Incomplete)? {
         _ if scene.runs > 1 => {
-            let (runs, metrics) = monte_carlo::conduct(loaded, options, stop)?;
+            let (runs, metrics) = monte_carlo::run(loaded, options, stop)?;
             let cut = runs.runs.len() < scene.runs as usize;
             (Outcome::MonteCarlo(Box::new(runs)), metrics, cut)
         }
         Kind::Driven(scene) => {
             let progress = options.progress.as_mut().map(|progress| progress as &mut dyn FnMut(f64));
-            let (run, metrics) = driven::conduct(scene, (options.start, options.clock), stop, progress)?;
+            let (run, metrics) = driven::run(scene, (options.start, options.clock), stop, progress)?;
             let cut = run.record.interrupted;
             (Outcome::Driven(Box::new(run)), metrics, cut)
         }
         Kind::Excited(scene) => {
             let progress = options.progress.as_mut().map(|progress| progress as &mut dyn FnMut(f64));
-            let (solved, metrics) = contact::conduct(scene, options.clock, stop, progress)?;
+            let (solved, metrics) = contact::run(scene, options.clock, stop, progress)?;
             let cut = solved.answer.is_none();
             (Outcome::Contact(Box::new(solved)), metrics, cut)
         }
     };
     let grid = match &scene.grid {
-        Some(grid) if !cut => grid::conduct(loaded, grid, stop)?,
+        Some(grid) if !cut => grid::run(loaded, grid, stop)?,
         _ => None,
     };
     let comparison = match &scene.comparison {
-        Some(comparison) if !cut => comparison::conduct(loaded, comparison, stop)?,
+        Some(comparison) if !cut => comparison::run(loaded, comparison, stop)?,
         _ => None,
     };
     // How many runs come out in some way is nothing that one run has.

@@ -5,7 +5,7 @@ use std::process::ExitCode;
 use clap::Args;
 
 use super::progress::Progress;
-use super::{Color, Format, INVALID_SCENE, LENDER, USAGE, invalid, table};
+use super::{Color, Format, INVALID_SCENE, LENDER, USAGE, invalid};
 use scene::load::load;
 use sim::advice::case::{Case, CaseError, Numbers, Wishes};
 use sim::advice::verification::verify;
@@ -84,7 +84,7 @@ pub(super) fn run(args: &AdviseArgs, color: Color) -> anyhow::Result<ExitCode> {
 }
 
 fn human(advice: &Advice, color: Color) -> String {
-    let tables: String = tables::tables(advice).iter().map(|block| table::render(block, color.stdout)).collect();
+    let tables: String = tables::tables(advice).iter().map(|block| block.terminal(color.stdout)).collect();
     let warnings: String = advice.warnings.iter().map(|warning| format!("note: {warning}\n")).collect();
     format!("{tables}{warnings}\nTo paste into a scene:\n\n{}", advice.settings.snippet)
 }

@@ -8,8 +8,7 @@ use firmware::seam::config::Config;
 
 use super::progress::Progress;
 use super::{
-    Color, EXPECTATION_MISSED, Format, INTERRUPTED, LOST, RUN_FAILED, RunArgs, SceneArgs, USAGE, interrupts, invalid, table,
-    with_scene,
+    Color, EXPECTATION_MISSED, Format, INTERRUPTED, LOST, RUN_FAILED, RunArgs, SceneArgs, USAGE, interrupts, invalid, with_scene,
 };
 use pil::{self, Qemu};
 use scene::load::{LoadError, Loaded};
@@ -135,7 +134,7 @@ fn human(study: &Study, args: &RunArgs, color: Color) -> String {
         tables.push(tables::all_metrics(study));
     }
     for block in &tables {
-        text += &table::render(block, color.stdout);
+        text += &block.terminal(color.stdout);
     }
     text + &tables::manner(study) + "\n"
 }

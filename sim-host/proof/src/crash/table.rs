@@ -32,16 +32,7 @@ const DOUBT: &str = "Light occupant unless said, ideal switch. Whatever is missi
 
 /// The same as Markdown, for the documentation, with the commands behind.
 pub fn markdown(campaign: &Campaign) -> String {
-    let all = tables(campaign).into_iter().chain([commands()]);
-    all.map(|block| section(&block)).collect::<Vec<_>>().join("\n")
-}
-
-fn section(block: &TableBlock) -> String {
-    let line = |cells: &[String]| format!("| {} |\n", cells.join(" | "));
-    let rule: String = block.header.iter().map(|_| "|---").collect();
-    let rows: String = block.rows.iter().map(|row| line(row)).collect();
-    let caption = if block.caption.is_empty() { String::new() } else { format!("\n{}\n", block.caption) };
-    format!("## {}\n\n{}{rule}|\n{rows}{caption}", block.title, line(&block.header))
+    report::markdown(&[tables(campaign), vec![commands()]].concat())
 }
 
 fn targets(campaign: &Campaign) -> TableBlock {

@@ -1,13 +1,10 @@
 //! The targets over fewer runs, and the documentation.
 
-use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
 use super::single::{Case, Group};
-use super::{Extent, by_clock, conduct, many, mass, table};
+use super::{Extent, by_clock, many, mass};
 use scene::load::load;
-
-const MARK: &str = "<!-- tables: printed by `sim-host validate crash` -->\n";
 
 fn metric(case: &str, metric: &str) -> f64 {
     let case = Case::ALL.iter().find(|found| found.name == case).unwrap();
@@ -86,23 +83,6 @@ fn the_crash_does_not_tell_the_mass_in_time_and_the_seat_does() {
     let known = mass::conduct(Extent::QUICK.crashes).unwrap();
     let r2 = |at_ms: Option<f64>| known.iter().find(|known| known.at_ms == at_ms).unwrap().r2;
     assert!(r2(Some(40.0)) < 0.45 && r2(None) > 0.8, "{known:?}");
-}
-
-/// `UPDATE_DOCS=1 cargo test -p sonoglide-proof --lib crash::` writes the tables anew.
-#[test]
-fn the_documentation_is_what_is_measured() {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/crash.md");
-    let page = std::fs::read_to_string(&path).expect("docs/crash.md");
-    let (head, tables) = page.split_once(MARK).expect("docs/crash.md has its mark");
-    let few = std::env::var("CRASH_RUNS").ok().and_then(|runs| runs.parse().ok());
-    let extent = Extent { runs: few.unwrap_or(Extent::FULL.runs), ..Extent::FULL };
-    let campaign = conduct(extent, &mut |next| eprintln!("{next}")).unwrap();
-    let expected = format!("\n{}", table::markdown(&campaign));
-    if std::env::var_os("UPDATE_DOCS").is_some() {
-        std::fs::write(&path, format!("{head}{MARK}{expected}")).expect("the page can be written");
-    } else {
-        assert!(tables == expected, "docs/crash.md has other numbers; run with UPDATE_DOCS=1");
-    }
 }
 
 /// The page holds all it shows: the view with its moments, and nothing from elsewhere. `CRASH_PAGE=DIR` keeps it, to be looked at.

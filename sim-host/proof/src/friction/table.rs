@@ -11,14 +11,7 @@ pub fn tables(campaign: &[Found]) -> Vec<TableBlock> {
 
 /// The same as Markdown, for the documentation.
 pub fn markdown(campaign: &[Found]) -> String {
-    tables(campaign).iter().map(section).collect::<Vec<_>>().join("\n")
-}
-
-fn section(block: &TableBlock) -> String {
-    let line = |cells: &[String]| format!("| {} |\n", cells.join(" | "));
-    let rule: String = block.header.iter().map(|_| "|---").collect();
-    let rows: String = block.rows.iter().map(|row| line(row)).collect();
-    format!("## {}\n\n{}{rule}|\n{rows}\n{}\n", block.title, line(&block.header), block.caption)
+    report::markdown(&tables(campaign))
 }
 
 fn three(value: f64) -> String {

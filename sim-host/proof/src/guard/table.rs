@@ -1,7 +1,6 @@
 //! The campaign as tables.
 
 use super::{Believed, Campaign, Passed, Stopped};
-use crate::tracking::table::section;
 use report::TableBlock;
 use sim::instruments::runs::statistics::Spread;
 
@@ -19,7 +18,7 @@ pub fn tables(campaign: &Campaign) -> Vec<TableBlock> {
 
 /// The same as Markdown, for the documentation.
 pub fn markdown(campaign: &Campaign) -> String {
-    tables(campaign).iter().map(section).collect::<Vec<_>>().join("\n")
+    report::markdown(&tables(campaign))
 }
 
 /// Energy that melts the layer, J.

@@ -1,14 +1,10 @@
 //! The targets over fewer runs, the whole chain beside the block rate, and the documentation.
 
-use std::path::Path;
-
 use super::cases::{EVENTS, LIES, RIPPLES};
 use super::rig::Plan;
-use super::{Extent, believe, conduct, pass, stop, table};
+use super::{Extent, believe, pass, stop};
 use scene::load::load;
 use sim::study;
-
-const MARK: &str = "<!-- tables: printed by `sim-host validate guard` -->\n";
 
 #[test]
 fn every_event_ends_the_drive_in_time() {
@@ -60,21 +56,5 @@ fn a_moving_belt_passes() {
     let plan = Plan::of_the_scene().unwrap();
     for passage in RIPPLES.iter().filter(|passage| passage.must_pass) {
         assert!(pass(&plan, passage, Extent::QUICK.seconds).unwrap().holds(), "{}", passage.name());
-    }
-}
-
-/// `UPDATE_DOCS=1 cargo test -p sonoglide-proof --lib guard` writes the tables anew.
-#[test]
-fn the_documentation_has_these_numbers() {
-    let campaign = conduct(Extent::FULL, &mut |next| eprintln!("{next}")).unwrap();
-    assert!(campaign.holds());
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/guard.md");
-    let text = std::fs::read_to_string(&path).expect("the page is there");
-    let (head, tables) = text.split_once(MARK).expect("the page has its mark");
-    let expected = format!("\n{}", table::markdown(&campaign));
-    if std::env::var_os("UPDATE_DOCS").is_some() {
-        std::fs::write(&path, format!("{head}{MARK}{expected}")).expect("the page can be written");
-    } else {
-        assert!(tables == expected, "docs/guard.md has other numbers; run with UPDATE_DOCS=1");
     }
 }

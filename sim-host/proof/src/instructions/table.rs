@@ -12,15 +12,7 @@ pub fn tables(measurement: &Measurement) -> Vec<TableBlock> {
 
 /// The same as Markdown, for the documentation.
 pub fn markdown(measurement: &Measurement) -> String {
-    tables(measurement).iter().map(section).collect::<Vec<_>>().join("\n")
-}
-
-fn section(block: &TableBlock) -> String {
-    let line = |cells: &[String]| format!("| {} |\n", cells.join(" | "));
-    let rule: String = block.header.iter().map(|_| "|---").collect();
-    let rows: String = block.rows.iter().map(|row| line(row)).collect();
-    let caption = if block.caption.is_empty() { String::new() } else { format!("\n{}\n", block.caption) };
-    format!("## {}\n\n{}{rule}|\n{rows}{caption}", block.title, line(&block.header))
+    report::markdown(&tables(measurement))
 }
 
 fn generators(measurement: &Measurement) -> TableBlock {

@@ -1,7 +1,7 @@
 //! The results as tables.
 
 use super::case::{LARGEST_FORCE_N, STEP_S, TABLE_4_1};
-use super::claim::Check;
+use super::claim::{Check, Claim};
 use super::{Erratum, Findings};
 use report::{TableBlock, significant};
 
@@ -75,46 +75,28 @@ pub fn choices(findings: &Findings) -> TableBlock {
     TableBlock::new("open", "What the thesis leaves open", caption, &["open", "chosen here", "numbers"], rows)
 }
 
-/// Tables as Markdown, for the documentation.
-pub fn plain_markdown(tables: &[TableBlock]) -> String {
-    let row = |cells: &[String]| format!("| {} |\n", cells.join(" | "));
-    let one = |table: &TableBlock| {
-        let rows: String = table.rows.iter().map(|cells| row(cells)).collect();
-        format!(
-            "### {}\n\n{}\n\n{}|{}\n{rows}",
-            table.title,
-            table.caption,
-            row(&table.header),
-            "---|".repeat(table.header.len())
-        )
-    };
-    tables.iter().map(one).collect::<Vec<_>>().join("\n")
-}
-
-/// Contradictions, open choices and verdicts as Markdown, for the documentation.
-pub fn markdown(findings: &Findings) -> String {
-    let mut text = String::from("| where | printed | instead | evidence |\n|---|---|---|---|\n");
-    for erratum in &findings.errata {
+/// Contradictions, open choices and verdicts, as the documentation has them: without the numbers of each check.
+pub fn in_short(findings: &Findings) -> Vec<TableBlock> {
+    let erratum = |erratum: &Erratum| {
         let Check { condition, numbers: values, .. } = &erratum.evidence;
         let Erratum { id, places, printed, instead, .. } = erratum;
-        text += &format!("| `{id}`: {places} | {printed} | {instead} | {condition}: {} |\n", numbers(values));
-    }
-    text += "\n| open | chosen here | friction ratio |\n|---|---|---|\n";
-    for choice in &findings.choices {
-        text += &format!("| {} | {} | {} |\n", choice.what, choice.here, numbers(&choice.numbers));
-    }
-    text += "\n| claim | thesis | verdict | holds | fails |\n|---|---|---|---|---|\n";
-    for claim in &findings.claims {
-        let conditions = |holds: bool| claim.conditions(holds).join("; ");
-        let verdict = claim.verdict().word();
-        text += &format!(
-            "| `{}`: {} | {} | **{verdict}** | {} | {} |\n",
-            claim.id,
-            claim.says,
-            claim.section,
-            conditions(true),
-            conditions(false)
-        );
-    }
-    text.replace("|Ks - m w^2|", "abs(Ks - m w^2)")
+        let cells = [format!("`{id}`: {places}"), (*printed).into(), (*instead).into()];
+        [cells.to_vec(), vec![format!("{condition}: {}", numbers(values))]].concat()
+    };
+    let claim = |claim: &Claim| {
+        let [holds, fails] = [true, false].map(|holds| claim.conditions(holds).join("; "));
+        vec![
+            format!("`{}`: {}", claim.id, claim.says),
+            claim.section.into(),
+            format!("**{}**", claim.verdict().word()),
+            holds,
+            fails,
+        ]
+    };
+    let untitled = |header: &[&str], rows: Vec<Vec<String>>| TableBlock::new("", "", "", header, rows);
+    vec![
+        untitled(&["where", "printed", "instead", "evidence"], findings.errata.iter().map(erratum).collect()),
+        untitled(&["open", "chosen here", "friction ratio"], choices(findings).rows),
+        untitled(&["claim", "thesis", "verdict", "holds", "fails"], findings.claims.iter().map(claim).collect()),
+    ]
 }

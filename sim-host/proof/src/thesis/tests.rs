@@ -1,13 +1,13 @@
 //! The verdicts, and some numbers against values that do not come from here.
 
 use std::collections::HashSet;
-use std::path::Path;
 use std::sync::LazyLock;
 
 use super::claim::{Claim, Verdict};
-use super::{Findings, conduct, table};
+use super::{Findings, conduct};
 
-static FINDINGS: LazyLock<Findings> = LazyLock::new(|| conduct(&mut |_, _, _| ()).expect("all studies have an answer"));
+pub(crate) static FINDINGS: LazyLock<Findings> =
+    LazyLock::new(|| conduct(&mut |_, _, _| ()).expect("all studies have an answer"));
 
 fn claim(id: &str) -> &'static Claim {
     FINDINGS.claims.iter().find(|claim| claim.id == id).expect(id)
@@ -209,28 +209,4 @@ fn numbers_of_the_experiments_agree_with_an_independent_study() {
     near(value("on-time-bottoms-out", 0, "reduction [%](1 s)"), 52.3, 0.5);
     near(value("on-time-bottoms-out", 0, "reduction [%](2.5 s)"), 58.5, 0.15);
     near(value("power-at-670-n", 0, "power [W]"), 1200.0, 6.0);
-}
-
-/// Compares the tables below the mark of a page, or writes them: `UPDATE_DOCS=1 cargo test -p sonoglide-proof --lib thesis`.
-fn documented(page: &str, tables: &str) {
-    const MARK: &str = "<!-- tables: printed by `sim-host validate thesis` -->\n";
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs").join(page);
-    let text = std::fs::read_to_string(&path).expect("the page is there");
-    let (head, found) = text.split_once(MARK).expect("the page has its mark");
-    let expected = format!("\n{tables}");
-    if std::env::var_os("UPDATE_DOCS").is_some() {
-        std::fs::write(&path, format!("{head}{MARK}{expected}")).expect("the page can be written");
-    } else {
-        assert!(found == expected, "docs/{page} has other numbers; run with UPDATE_DOCS=1");
-    }
-}
-
-#[test]
-fn the_documentation_has_these_numbers() {
-    documented("thesis-errata.md", &table::markdown(&FINDINGS));
-}
-
-#[test]
-fn the_page_of_experiment_2_has_these_numbers() {
-    documented("experiment-2.md", &table::plain_markdown(&super::experiment_2::tables()));
 }

@@ -1,11 +1,7 @@
 //! The targets over fewer runs, the faults, and the documentation.
 
-use std::path::Path;
-
 use super::cases::{CASES, Family};
-use super::{Extent, bad_input, conduct, one, table};
-
-const MARK: &str = "<!-- tables: printed by `sim-host validate tracking` -->\n";
+use super::{Extent, bad_input, one};
 
 fn missed(family: Family) -> Vec<String> {
     let found = CASES.iter().filter(|case| case.family == family).map(|case| one(case, Extent::QUICK.of(family)).unwrap());
@@ -59,21 +55,4 @@ fn names_are_unlike() {
     let mut names: Vec<&str> = CASES.iter().map(|case| case.name).collect();
     names.sort_unstable();
     assert!(names.is_sorted_by(|a, b| a < b), "{names:?}");
-}
-
-/// `UPDATE_DOCS=1 cargo test -p sonoglide-proof --lib tracking -- --ignored` writes the tables anew.
-#[test]
-#[ignore = "16 000 runs: some minutes"]
-fn the_documentation_has_these_numbers() {
-    let campaign = conduct(Extent::FULL, &mut |next| eprintln!("{next}")).unwrap();
-    let docs = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs");
-    let path = docs.join("tracking.md");
-    let text = std::fs::read_to_string(&path).expect("the page is there");
-    let (head, tables) = text.split_once(MARK).expect("the page has its mark");
-    let expected = format!("\n{}", table::markdown(&campaign));
-    if std::env::var_os("UPDATE_DOCS").is_some() {
-        std::fs::write(&path, format!("{head}{MARK}{expected}")).expect("the page can be written");
-    } else {
-        assert!(tables == expected, "docs/tracking.md has other numbers; run with UPDATE_DOCS=1");
-    }
 }

@@ -7,7 +7,8 @@
 use super::crash_section;
 use super::draw;
 use super::plot_data::{can_zoom, plot_data};
-use crate::figure::{Figure, Report, TableBlock};
+use crate::TableBlock;
+use crate::figure::{Figure, Report};
 
 const STYLE: [&str; 2] = [include_str!("../../assets/uPlot.min.css"), include_str!("../../assets/report.css")];
 const PLOT_LIBRARY: &str = include_str!("../../assets/uPlot.iife.min.js");

@@ -11,7 +11,7 @@ const HEAD: &str = "\
 # Data of a run
 
 What a run leaves in its folder (`sim-host run SCENE -o DIR`), and what each number in it means. This page is generated from the tables that the program itself reads:
-metrics from `sim-host/scene/src/metrics/table.rs`, files from `sim-host/sim/src/data.rs`, faults and limits from `firmware/src/seam/fault.rs`. `UPDATE_DOCS=1 cargo test -p sonoglide-sim data`
+metrics from `sim-host/scene/src/metrics/table.rs`, files from `sim-host/sim/src/data.rs`, faults and limits from `firmware/src/seam/fault.rs`. `UPDATE_DOCS=1 cargo test docs`
 writes it anew. `sim-host explain WORD` answers from the same tables; [settings.md](settings.md) lists the keys of the controller.
 
 Numbers are in SI units unless a name says otherwise; the unit is the end of a name. CSV files have a head line, commas, and as many digits as it takes to read the same number back; a value that is
@@ -90,18 +90,9 @@ fn metrics(page: &mut String) {
 
 #[cfg(test)]
 mod tests {
-    use std::path::Path;
-
-    /// `UPDATE_DOCS=1 cargo test -p sonoglide-sim data` writes the page anew.
+    /// `UPDATE_DOCS=1 cargo test docs` writes the page anew.
     #[test]
-    fn the_page_of_data_is_generated_from_its_tables() {
-        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/data.md");
-        let expected = super::page();
-        if std::env::var_os("UPDATE_DOCS").is_some() {
-            std::fs::write(&path, expected).expect("the page can be written");
-            return;
-        }
-        let found = std::fs::read_to_string(&path).expect("the page is there");
-        assert!(found == expected, "docs/data.md says something else than the tables; run with UPDATE_DOCS=1");
+    fn docs_of_the_data_are_generated_from_its_tables() {
+        report::docs::page("data.md", &super::page());
     }
 }

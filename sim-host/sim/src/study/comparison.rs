@@ -1,18 +1,19 @@
 //! A comparison: cases beside each other, at equal peak, rms or power.
 
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::AtomicBool;
 
 use firmware::seam::fault::Fault;
 use rayon::prelude::*;
 
+use super::StudyError;
 use super::matching::{Found, Target, find};
+use super::plan::{Cell, Made, Plan};
 use super::swept::Swept;
-use super::{StudyError, cell};
 use crate::metrics::Metrics;
 use scene::load::Loaded;
 use scene::resolved::resolved_json;
 use scene::schema::Schema;
-use scene::{Case, Comparison, Equal};
+use scene::{Case, Comparison, Equal, Scene};
 
 /// A comparison, run.
 #[derive(Clone, Debug, PartialEq)]
@@ -85,19 +86,16 @@ impl CaseResult {
 
 /// What all cases have in common.
 struct Bench<'a> {
-    loaded: &'a Loaded,
+    plan: Plan<'a>,
     comparison: &'a Comparison,
-    stop: &'a AtomicBool,
 }
 
 /// Runs every case of a comparison, in parallel; nothing if it is stopped.
-pub(super) fn conduct(
-    loaded: &Loaded,
-    comparison: &Comparison,
-    stop: &AtomicBool,
-) -> Result<Option<ComparisonResult>, StudyError> {
-    let bench = Bench { loaded, comparison, stop };
-    let peaks = comparison.case.par_iter().map(|case| bench.peak(case)).collect::<Result<Vec<_>, StudyError>>()?;
+pub(super) fn run(loaded: &Loaded, comparison: &Comparison, stop: &AtomicBool) -> Result<Option<ComparisonResult>, StudyError> {
+    let bench = Bench { plan: Plan::new(loaded, stop)?, comparison };
+    let cases: Vec<&Case> = comparison.case.iter().collect();
+    let peaks = bench.plan.run(cases, |case| bench.cell(case, None), |case, made| bench.peak(case, made))?;
+    let Some(peaks) = peaks.into_iter().collect::<Option<Vec<CaseResult>>>() else { return Ok(None) };
     let Some(first) = peaks.first() else { return Ok(None) };
     let pairs: Vec<(Equal, usize)> =
         comparison.matched.iter().flat_map(|&equal| (0..peaks.len()).map(move |case| (equal, case))).collect();
@@ -105,8 +103,9 @@ pub(super) fn conduct(
     let cases = pairs.par_iter().map(matched).collect::<Result<Vec<_>, StudyError>>()?;
     let last = &cases[cases.len().saturating_sub(peaks.len())..];
     let drawn: Vec<_> = comparison.case.iter().zip(last).filter(|(case, _)| case.picture).collect();
-    let sweeps = drawn.par_iter().map(|(case, result)| bench.sweep(case, result)).collect::<Result<Vec<_>, StudyError>>()?;
-    if stop.load(Ordering::Relaxed) {
+    let played = |&(case, result): &(&Case, &CaseResult)| bench.cell(case, Some(result.amplitude));
+    let sweeps = bench.plan.run(drawn, played, |(case, _), made| made.sweep(&case.name))?;
+    if bench.plan.is_stopped() {
         return Ok(None);
     }
     let matches = comparison.matched.iter().zip(cases.chunks(peaks.len())).map(|(&equal, cases)| Matched {
@@ -114,34 +113,24 @@ pub(super) fn conduct(
         target: equal.metric().and_then(|metric| first.metrics.get(metric)),
         cases: cases.to_vec(),
     });
-    let (matches, sweeps) = (matches.collect(), sweeps.into_iter().flatten().collect());
+    let (matches, sweeps) = (matches.collect(), sweeps.into_iter().flatten().flatten().collect());
     Ok(Some(ComparisonResult { comparison: comparison.clone(), matches, sweeps }))
 }
 
 impl Bench<'_> {
-    /// A case's scene, at an amplitude or at the scene's own.
-    fn load(&self, case: &Case, amplitude: Option<f64>) -> Result<(String, Loaded), StudyError> {
-        let key = &self.comparison.amplitude_key;
-        let scaled = amplitude.map(|amplitude| format!("{key}={amplitude}"));
-        let place = scaled.iter().fold(format!("`{}`", case.name), |place, scaled| format!("{place}, {scaled}"));
-        let sets: Vec<String> = self.comparison.set.iter().chain(&case.set).chain(&scaled).cloned().collect();
-        let loaded = cell::load(self.loaded, &place, &sets)?;
-        Ok((place, loaded))
+    /// A case at an amplitude or at the scene's own.
+    fn cell(&self, case: &Case, amplitude: Option<f64>) -> Cell {
+        let scaled = amplitude.map(|amplitude| format!("{}={amplitude}", self.comparison.amplitude_key));
+        let label = scaled.iter().fold(format!("`{}`", case.name), |label, scaled| format!("{label}, {scaled}"));
+        Cell { label, sets: self.comparison.set.iter().chain(&case.set).chain(&scaled).cloned().collect() }
     }
 
     /// A case at the scene's amplitude.
-    fn peak(&self, case: &Case) -> Result<CaseResult, StudyError> {
-        let (place, loaded) = self.load(case, None)?;
-        let amplitude = number(&loaded, &self.comparison.amplitude_key).ok_or(StudyError::Incomplete)?;
-        let metrics = cell::run(&loaded.scene, &place, self.stop)?;
+    fn peak(&self, case: &Case, made: &Made) -> Result<CaseResult, StudyError> {
+        let amplitude = number(&made.scene, &self.comparison.amplitude_key).ok_or(StudyError::Incomplete)?;
+        let metrics = made.metrics()?;
         let standing = fault(&metrics).map_or(Standing::Equal { off: 0.0 }, |fault| Standing::Unmeasured { fault: Some(fault) });
         Ok(CaseResult { name: case.name.clone(), amplitude, metrics, standing })
-    }
-
-    /// The sweep of a case as it came out.
-    fn sweep(&self, case: &Case, result: &CaseResult) -> Result<Option<Swept>, StudyError> {
-        let (place, loaded) = self.load(case, Some(result.amplitude))?;
-        cell::sweep(&loaded, &place, &case.name, self.stop)
     }
 
     /// A case scaled until it equals the first.
@@ -154,13 +143,12 @@ impl Bench<'_> {
             standing: Standing::Unmeasured { fault: fault(metrics) },
         };
         let Some(goal) = first.metrics.get(metric) else { return Ok(unmeasured(peak.amplitude, &peak.metrics)) };
-        let (_, loaded) = self.load(case, None)?;
+        let made = self.plan.make(self.cell(case, None))?;
         let target =
-            Target { metric: goal, exponent: equal.exponent(), allowed: allowed(&loaded, &self.comparison.amplitude_key) };
+            Target { metric: goal, exponent: equal.exponent(), allowed: allowed(&made.scene, &self.comparison.amplitude_key) };
         let mut runs = vec![(peak.amplitude, peak.metrics.clone())];
         let found = find(peak.metrics.get(metric), peak.amplitude, target, |amplitude| {
-            let (place, loaded) = self.load(case, Some(amplitude))?;
-            let metrics = cell::run(&loaded.scene, &place, self.stop)?;
+            let metrics = self.plan.make(self.cell(case, Some(amplitude)))?.metrics()?;
             let measured = metrics.get(metric);
             runs.push((amplitude, metrics));
             Ok::<_, StudyError>(measured)
@@ -185,14 +173,14 @@ fn fault(metrics: &Metrics) -> Option<Fault> {
 }
 
 /// A number of a scene.
-fn number(loaded: &Loaded, key: &str) -> Option<f64> {
-    resolved_json(&loaded.scene).pointer(&format!("/{}", key.replace('.', "/")))?.as_f64()
+fn number(scene: &Scene, key: &str) -> Option<f64> {
+    resolved_json(scene).pointer(&format!("/{}", key.replace('.', "/")))?.as_f64()
 }
 
 /// The least and the largest amplitude that a scene may have: the range of its key, and what limits the drive.
-fn allowed(loaded: &Loaded, key: &str) -> (f64, f64) {
+fn allowed(scene: &Scene, key: &str) -> (f64, f64) {
     let (least, most) = Schema::root().at(key).map_or((None, None), Schema::range);
-    let drive = loaded.scene.driven().map_or(f64::INFINITY, |scene| {
+    let drive = scene.driven().map_or(f64::INFINITY, |scene| {
         let loudest = scene.controller.phasing.gain_trim.iter().copied().fold(1.0, f64::max);
         scene.controller.limits.voltage_v.min(scene.amplifier.full_scale_v) / loudest
     });

@@ -34,7 +34,7 @@ pub struct Answer {
 }
 
 /// Solves a scene, films it and measures it.
-pub(super) fn conduct<'a>(
+pub(super) fn run<'a>(
     scene: Excited<'a>,
     clock: Option<Clock>,
     stop: &AtomicBool,

@@ -56,7 +56,7 @@ pub struct Run<'a> {
 }
 
 /// Runs a scene, and measures it, with what its figures need.
-pub(super) fn conduct<'a, 'w>(
+pub(super) fn run<'a, 'w>(
     scene: Driven<'a>,
     (start, clock): (Option<Start>, Option<Clock>),
     stop: &'w AtomicBool,
@@ -76,11 +76,6 @@ fn run_where(scene: &Driven, start: Option<Start>, watch: Watch) -> Result<Recor
         Some(start) => run::run_on(&mut *start(&settings::config(scene))?, scene, watch),
         None => run::run(scene, watch),
     }
-}
-
-/// The numbers of a scene that is a cell, whose controller runs in this process.
-pub(super) fn cell(scene: &Driven, stop: &AtomicBool) -> Result<Metrics, StudyError> {
-    measured(scene, None, stop).map(|(_, metrics)| metrics)
 }
 
 /// Runs a scene, and measures it.

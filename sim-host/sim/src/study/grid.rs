@@ -1,13 +1,12 @@
 //! A grid: one metric over two keys.
 
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::AtomicBool;
 
-use rayon::prelude::*;
-
+use super::StudyError;
 use super::abreast::{self, Mean, Steady};
-use super::{StudyError, cell};
+use super::plan::{Cell, Made, Plan};
+use scene::Grid;
 use scene::load::Loaded;
-use scene::{Grid, Scene};
 
 /// A metric over two keys.
 #[derive(Clone, Debug, PartialEq)]
@@ -18,47 +17,52 @@ pub struct GridResult {
     pub cells: Vec<Vec<Option<f64>>>,
 }
 
-/// A cell before it is run.
-struct Cell {
-    place: String,
-    scene: Scene,
-    /// Its steady state, if that alone gives the metric.
-    steady: Option<Steady>,
+/// The metric of a cell, or the steady state that alone gives it.
+enum Value {
+    Measured(Option<f64>),
+    Steady(Steady),
 }
 
 /// Runs every cell of a grid, in parallel; nothing if it is stopped.
-pub(super) fn conduct(loaded: &Loaded, grid: &Grid, stop: &AtomicBool) -> Result<Option<GridResult>, StudyError> {
-    let cells = cells(loaded, grid)?;
+pub(super) fn run(loaded: &Loaded, grid: &Grid, stop: &AtomicBool) -> Result<Option<GridResult>, StudyError> {
     let mean = Mean::named(&grid.metric);
-    let studies: Vec<Steady> = cells.iter().filter_map(|cell| cell.steady).collect();
-    let mut means = mean.map_or_else(Vec::new, |mean| mean.of(&studies)).into_iter();
-    let stepped = |cell: &Cell| match cell.steady {
-        Some(_) => Ok(None),
-        None => Ok(cell::run(&cell.scene, &cell.place, stop)?.find(&grid.metric)),
+    let plan = Plan::new(loaded, stop)?;
+    let values = plan.run(places(grid), |place| cell(grid, *place), |_, made| value(made, grid, mean))?;
+    let Some(values) = values.into_iter().collect::<Option<Vec<Value>>>() else { return Ok(None) };
+    let steady: Vec<Steady> = values.iter().filter_map(|value| value.steady()).collect();
+    let mut means = mean.map_or_else(Vec::new, |mean| mean.of(&steady)).into_iter();
+    let metric = |value: Value| match value {
+        Value::Measured(metric) => metric,
+        Value::Steady(_) => means.next().flatten(),
     };
-    let mut values = cells.par_iter().map(stepped).collect::<Result<Vec<_>, StudyError>>()?;
-    for (value, _) in values.iter_mut().zip(&cells).filter(|(_, cell)| cell.steady.is_some()) {
-        *value = means.next().flatten();
-    }
-    let cells = values.chunks(grid.columns.len()).map(<[_]>::to_vec).collect();
-    Ok((!stop.load(Ordering::Relaxed)).then(|| GridResult { grid: grid.clone(), cells }))
+    let metrics: Vec<Option<f64>> = values.into_iter().map(metric).collect();
+    Ok(Some(GridResult { grid: grid.clone(), cells: metrics.chunks(grid.columns.len()).map(<[_]>::to_vec).collect() }))
 }
 
-/// The scenes of all cells, row by row.
-fn cells(loaded: &Loaded, grid: &Grid) -> Result<Vec<Cell>, StudyError> {
-    let by_means = Mean::named(&grid.metric).is_some();
-    let template = loaded.template().map_err(|error| StudyError::Cell("every cell".to_owned(), error))?;
-    let places: Vec<(f64, f64)> =
-        grid.rows.iter().flat_map(|&row| grid.columns.iter().map(move |&column| (row, column))).collect();
-    let cell = |&(row, column): &(f64, f64)| {
-        let keys = [format!("{}={row}", grid.row_key), format!("{}={column}", grid.column_key)];
-        let place = keys.join(", ");
-        let scene = template.scene(&[grid.set.as_slice(), &keys].concat());
-        let scene = scene.map_err(|error| StudyError::Cell(place.clone(), error))?;
-        let steady = scene.excited().filter(|_| by_means).and_then(|scene| abreast::steady(&scene));
-        Ok(Cell { place, scene, steady })
-    };
-    places.par_iter().map(cell).collect()
+impl Value {
+    fn steady(&self) -> Option<Steady> {
+        match self {
+            Value::Measured(_) => None,
+            Value::Steady(steady) => Some(*steady),
+        }
+    }
+}
+
+/// Row and column of every cell, row by row.
+fn places(grid: &Grid) -> Vec<(f64, f64)> {
+    grid.rows.iter().flat_map(|&row| grid.columns.iter().map(move |&column| (row, column))).collect()
+}
+
+fn cell(grid: &Grid, (row, column): (f64, f64)) -> Cell {
+    let keys = [format!("{}={row}", grid.row_key), format!("{}={column}", grid.column_key)];
+    Cell { label: keys.join(", "), sets: [grid.set.as_slice(), &keys].concat() }
+}
+
+fn value(made: &Made, grid: &Grid, mean: Option<Mean>) -> Result<Value, StudyError> {
+    match made.scene.excited().filter(|_| mean.is_some()).and_then(|scene| abreast::steady(&scene)) {
+        Some(steady) => Ok(Value::Steady(steady)),
+        None => Ok(Value::Measured(made.metrics()?.find(&grid.metric))),
+    }
 }
 
 #[cfg(test)]
@@ -69,7 +73,7 @@ mod tests {
     fn grid(scene: &str, sets: &[&str], grid: &Grid) -> (Loaded, GridResult) {
         let sets: Vec<String> = sets.iter().map(|&set| set.to_owned()).collect();
         let loaded = load(scene, &sets).unwrap_or_else(|error| panic!("{error}"));
-        let result = conduct(&loaded, grid, &AtomicBool::new(false)).expect("a result").expect("not stopped");
+        let result = run(&loaded, grid, &AtomicBool::new(false)).expect("a result").expect("not stopped");
         (loaded, result)
     }
 
@@ -87,9 +91,19 @@ mod tests {
 
     /// Each cell of a grid as a run of its own, without lanes.
     fn one_by_one(loaded: &Loaded, grid: &Grid) -> Vec<Option<f64>> {
+        read(loaded, grid, |made| Ok(made.metrics()?.find(&grid.metric)))
+    }
+
+    fn read<T: Send>(loaded: &Loaded, grid: &Grid, of: impl Fn(&Made) -> Result<T, StudyError> + Sync) -> Vec<T> {
         let stop = AtomicBool::new(false);
-        let run = |cell: &Cell| cell::run(&cell.scene, &cell.place, &stop).expect("a result").find(&grid.metric);
-        cells(loaded, grid).expect("valid cells").iter().map(run).collect()
+        let plan = Plan::new(loaded, &stop).expect("a template");
+        let read = plan.run(places(grid), |place| cell(grid, *place), |_, made| of(made)).expect("valid cells");
+        read.into_iter().flatten().collect()
+    }
+
+    /// Of each cell, whether its steady state alone gives the metric.
+    fn steady(loaded: &Loaded, grid: &Grid) -> Vec<bool> {
+        read(loaded, grid, |made| value(made, grid, Mean::named(&grid.metric)).map(|value| value.steady().is_some()))
     }
 
     /// Means in lanes are those of the scalar closed form: 5e-16 apart at most here, with and without reversals, and of Coulomb friction.
@@ -103,7 +117,7 @@ mod tests {
             for metric in ["friction_ratio", "reduction_percent", "friction_on_n", "power_ratio"] {
                 let asked = over(metric, (&mu(law), &[0.01, 0.1, 0.3, 0.5]), speeds);
                 let (loaded, result) = grid("contact-kinematic", sets, &asked);
-                assert!(cells(&loaded, &asked).expect("valid cells").iter().all(|cell| cell.steady.is_some()), "{law}");
+                assert!(steady(&loaded, &asked).into_iter().all(|steady| steady), "{law}");
                 for (lane, alone) in result.cells.concat().into_iter().zip(one_by_one(&loaded, &asked)) {
                     let (lane, alone) = (lane.expect("a metric"), alone.expect("a metric"));
                     let off = (lane - alone).abs() / alone.abs().max(1.0);
@@ -126,7 +140,7 @@ mod tests {
         ] {
             let asked = over(metric, ("contact.dahl.mu", &[0.1]), few);
             let (loaded, result) = grid("contact-kinematic", &[set], &asked);
-            assert!(cells(&loaded, &asked).expect("valid cells").iter().all(|cell| cell.steady.is_none()), "{metric}, {set}");
+            assert!(!steady(&loaded, &asked).into_iter().any(|steady| steady), "{metric}, {set}");
             assert_eq!(result.cells.concat(), one_by_one(&loaded, &asked));
         }
     }
@@ -137,9 +151,9 @@ mod tests {
         for scene in ["contact-kinematic", "experiment-1", "experiment-2", "experiment-2-heavy", "usm-miscalibrated"] {
             let loaded = load(scene, &[]).expect("built in");
             let grid = loaded.scene.grid.as_ref().expect("a grid");
-            for cell in cells(&loaded, grid).expect("valid cells") {
-                let keys: Vec<String> = cell.place.split(", ").map(str::to_owned).collect();
-                assert_eq!(cell.scene, loaded.cell(&[grid.set.as_slice(), &keys].concat()).expect("valid").scene, "{scene}");
+            let made = read(&loaded, grid, |made| Ok(made.scene.clone()));
+            for (made, place) in made.into_iter().zip(places(grid)) {
+                assert_eq!(made, loaded.cell(&cell(grid, place).sets).expect("valid").scene, "{scene}");
             }
         }
     }

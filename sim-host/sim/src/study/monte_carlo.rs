@@ -10,22 +10,19 @@ pub mod error;
 #[cfg(test)]
 mod tests;
 
-use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
-use std::sync::{Mutex, PoisonError};
-
-use rayon::prelude::*;
+use std::sync::atomic::AtomicBool;
 
 use self::draw::{Draw, Draws};
 use self::error::Grid;
 use super::driven::Level;
-use super::{Options, Start, StudyError, cell, driven};
+use super::plan::{Cell, Made, Plan, Progress};
+use super::{Options, StudyError};
 use crate::instruments::View;
 use crate::instruments::lock::claims;
 use crate::instruments::runs::statistics::{self, Statistics};
 use crate::metrics::Metrics;
 use crate::record::text_hash;
-use scene::Kind;
-use scene::load::{Loaded, Template};
+use scene::load::Loaded;
 
 /// What it is called, and whether a run has it.
 type Flaw = (&'static str, fn(&OneRun) -> bool);
@@ -82,6 +79,18 @@ pub struct OneRun {
 }
 
 impl OneRun {
+    /// Runs it, and keeps its numbers.
+    fn read(draw: Draw, made: &Made, grid: Option<&Grid>) -> Result<Self, StudyError> {
+        let Some(scene) = made.scene.driven() else {
+            let metrics = made.metrics()?;
+            return Ok(OneRun { draw, metrics, locked: false, drive_hash: None, error_hz: Vec::new() });
+        };
+        let (record, metrics) = made.recorded(&scene)?;
+        let locked = claims::of(&View::new(&scene, &record)).is_some_and(|claims| claims.true_lock);
+        let error_hz = grid.map_or_else(Vec::new, |grid| grid.errors_hz(&scene, &record));
+        Ok(OneRun { draw, metrics, locked, drive_hash: Some(record.drive_hash), error_hz })
+    }
+
     /// Whether it ended in a fault.
     pub fn faulted(&self) -> bool {
         self.metrics.get("fault_code").is_some_and(|code| code != 0.0)
@@ -128,30 +137,19 @@ impl MonteCarlo {
 }
 
 /// Runs a scene as often as it says, in parallel, and puts the metrics together. Stopped, it keeps the runs that came to their end.
-/// `progress` is told how many have.
-pub(super) fn conduct(loaded: &Loaded, options: Options, stop: &AtomicBool) -> Result<(MonteCarlo, Metrics), StudyError> {
+/// `progress` is called with how many have.
+pub(super) fn run(loaded: &Loaded, options: Options, stop: &AtomicBool) -> Result<(MonteCarlo, Metrics), StudyError> {
     let Options { start, progress, clock, .. } = options;
     let began = clock.map(|clock| clock());
     let scene = &loaded.scene;
-    let unread = |error| StudyError::Cell("every run".to_owned(), error);
-    let bench = Bench {
-        loaded,
-        template: loaded.template().map_err(unread)?,
-        draws: Draws::of(scene),
-        grid: scene.driven().map(|scene| Grid::of(&scene)),
-        start,
-        stop,
+    let plan = Plan::on(loaded, stop, start, progress.map(|progress| progress as Progress))?;
+    let (draws, grid) = (Draws::of(scene), scene.driven().map(|scene| Grid::of(&scene)));
+    let drawn = (1..=scene.runs).map(|number| draws.draw(number)).collect();
+    let cell = |draw: &Draw| {
+        let sets = draw.sets(&draws.keys);
+        Cell { label: format!("of run {} of `{}` ({})", draw.number, loaded.name, sets.join(", ")), sets }
     };
-    let (done, progress) = (AtomicU32::new(0), Mutex::new(progress));
-    let one = |number: u32| {
-        let Some(run) = bench.run(number)? else { return Ok(None) };
-        let ended = f64::from(done.fetch_add(1, Ordering::Relaxed) + 1);
-        if let Some(progress) = progress.lock().unwrap_or_else(PoisonError::into_inner).as_mut() {
-            progress(ended);
-        }
-        Ok(Some(run))
-    };
-    let runs = (1..=scene.runs).into_par_iter().map(one).collect::<Result<Vec<_>, StudyError>>()?;
+    let runs = plan.run(drawn, cell, |draw, made| OneRun::read(draw, made, grid.as_ref()))?;
     let runs: Vec<OneRun> = runs.into_iter().flatten().collect();
     let wall_s = clock.zip(began).map(|(clock, began)| (clock() - began).as_secs_f64());
     let Statistics { mut metrics, endless } = statistics::of(runs.iter().map(|run| &run.metrics));
@@ -160,46 +158,6 @@ pub(super) fn conduct(loaded: &Loaded, options: Options, stop: &AtomicBool) -> R
         metrics.put("runs_locked", runs.iter().filter(|run| run.locked).count() as f64);
         metrics.put("runs_faulted", runs.iter().filter(|run| run.faulted()).count() as f64);
     }
-    let times_ms = bench.grid.map_or_else(Vec::new, |grid| grid.times_s.iter().map(|s| 1e3 * s).collect());
-    let keys = scene.vary.iter().map(|vary| vary.key.clone()).collect();
-    Ok((MonteCarlo { keys, level: Level::of(start), asked: scene.runs, runs, endless, times_ms, wall_s }, metrics))
-}
-
-/// What all runs have in common.
-struct Bench<'a> {
-    loaded: &'a Loaded,
-    template: Template<'a>,
-    draws: Draws,
-    grid: Option<Grid>,
-    start: Option<Start<'a>>,
-    stop: &'a AtomicBool,
-}
-
-impl Bench<'_> {
-    /// One run; nothing if it was stopped.
-    fn run(&self, number: u32) -> Result<Option<OneRun>, StudyError> {
-        if self.stop.load(Ordering::Relaxed) {
-            return Ok(None);
-        }
-        let draw = self.draws.draw(number);
-        let place = || format!("of run {number} of `{}` ({})", self.loaded.name, draw.sets(&self.draws.keys).join(", "));
-        let scene = self.template.scene(&draw.sets(&self.draws.keys)).map_err(|error| StudyError::Cell(place(), error))?;
-        let run = match scene.kind().ok_or(StudyError::Incomplete)? {
-            Kind::Driven(scene) => {
-                let (record, metrics) = driven::measured(&scene, self.start, self.stop).map_err(cell::empty(&place()))?;
-                if record.interrupted {
-                    return Ok(None);
-                }
-                let locked = claims::of(&View::new(&scene, &record)).is_some_and(|claims| claims.true_lock);
-                let error_hz = self.grid.as_ref().map_or_else(Vec::new, |grid| grid.errors_hz(&scene, &record));
-                OneRun { draw, metrics, locked, drive_hash: Some(record.drive_hash), error_hz }
-            }
-            Kind::Excited(scene) => {
-                let metrics = super::contact::cell(&scene, self.stop).map_err(cell::empty(&place()))?;
-                OneRun { draw, metrics, locked: false, drive_hash: None, error_hz: Vec::new() }
-            }
-        };
-        // A contact study that is stopped has no metrics, and a run that had just ended is left out with it.
-        Ok((!self.stop.load(Ordering::Relaxed)).then_some(run))
-    }
+    let times_ms = grid.map_or_else(Vec::new, |grid| grid.times_s.iter().map(|s| 1e3 * s).collect());
+    Ok((MonteCarlo { keys: draws.keys, level: Level::of(start), asked: scene.runs, runs, endless, times_ms, wall_s }, metrics))
 }

@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::process::ExitCode;
 
-use crate::cli::{Color, EXPECTATION_MISSED, table};
+use crate::cli::{Color, EXPECTATION_MISSED};
 use report::{self, Report};
 use sim::VERSION;
 
@@ -15,7 +15,7 @@ pub(super) fn end(
     holds: bool,
     color: Color,
 ) -> anyhow::Result<ExitCode> {
-    let rendered = || page.tables.iter().map(|block| table::render(block, color.stdout)).collect();
+    let rendered = || page.tables.iter().map(|block| block.terminal(color.stdout)).collect();
     crate::cli::print(&printed.unwrap_or_else(rendered))?;
     if let Some(folder) = folder {
         let page = Report { footer: vec![("sim-host".into(), VERSION.to_owned())], ..page };

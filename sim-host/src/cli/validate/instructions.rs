@@ -5,7 +5,7 @@ use std::process::ExitCode;
 
 use clap::Args;
 
-use crate::cli::{Color, RUN_FAILED, table};
+use crate::cli::{Color, RUN_FAILED};
 use proof::instructions::{self, Measurement, table as tables};
 use report::{self, Report};
 
@@ -23,7 +23,7 @@ pub(super) struct InstructionsArgs {
 /// Counts, prints, writes, and fails where a budget is exceeded.
 pub(super) fn run(args: &InstructionsArgs, color: Color) -> anyhow::Result<ExitCode> {
     let measurement = instructions::conduct()?;
-    crate::cli::print(&tables::tables(&measurement).iter().map(|block| table::render(block, color.stdout)).collect::<String>())?;
+    crate::cli::print(&tables::tables(&measurement).iter().map(|block| block.terminal(color.stdout)).collect::<String>())?;
     if !args.no_report {
         report::write(&page(&measurement), &args.output)?;
         say!("report: {}", args.output.join("report.html").display());

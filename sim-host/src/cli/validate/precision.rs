@@ -5,7 +5,7 @@ use std::process::ExitCode;
 
 use clap::Args;
 
-use crate::cli::{Color, EXPECTATION_MISSED, Format, RUN_FAILED, table};
+use crate::cli::{Color, EXPECTATION_MISSED, Format, RUN_FAILED};
 use proof::precision::study::{Extent, conduct};
 use proof::precision::{folder, instructions, table as tables};
 
@@ -54,7 +54,7 @@ pub(super) fn run(args: &PrecisionArgs, color: Color) -> anyhow::Result<ExitCode
                 tables::hard_in_short(&study.hard),
                 tables::claims(&study.claims),
             ];
-            blocks.iter().map(|block| table::render(block, color.stdout)).collect()
+            blocks.iter().map(|block| block.terminal(color.stdout)).collect()
         }
         Format::Json => format!("{:#}\n", folder::summary(&study)),
     })?;

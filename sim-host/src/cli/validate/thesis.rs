@@ -6,7 +6,7 @@ use std::time::Instant;
 
 use clap::Args;
 
-use crate::cli::{Color, Format, table};
+use crate::cli::{Color, Format};
 use proof::thesis::{self, Findings, Verdict};
 
 /// Arguments of `sim-host validate thesis`.
@@ -47,7 +47,7 @@ pub(super) fn run(args: &ThesisArgs, color: Color) -> anyhow::Result<ExitCode> {
 }
 
 fn human(findings: &Findings, color: Color) -> String {
-    let text: String = findings.tables().iter().map(|block| table::render(block, color.stdout)).collect();
+    let text: String = findings.tables().iter().map(|block| block.terminal(color.stdout)).collect();
     let [reproduced, conditional, refuted] =
         [Verdict::Reproduced, Verdict::Conditional, Verdict::Refuted].map(|verdict| findings.count(verdict));
     format!("{text}{} claims: {reproduced} reproduced, {conditional} conditional, {refuted} refuted\n", findings.claims.len())

@@ -1,7 +1,7 @@
 //! Many runs against each run by itself.
 
 use std::sync::Mutex;
-use std::sync::atomic::AtomicBool;
+use std::sync::atomic::Ordering;
 
 use super::*;
 use crate::study::{self, Study};

@@ -1,0 +1,131 @@
+//! A plan of a study: its cells, each the scene with some keys set, run in parallel.
+//!
+//! ```text
+//! [grid]        every pair of two keys      --+
+//! [comparison]  every case, every amplitude --+--> plan --> cells (scene + changes) --> what is read of each
+//! runs          every draw of [[vary]]      --+
+//! ```
+//!
+//! A cell is a scene of its own, seeded by itself, so that a result does not depend on the number of threads.
+
+use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
+use std::sync::{Mutex, PoisonError};
+
+use rayon::prelude::*;
+
+use super::swept::Swept;
+use super::{Start, StudyError, contact, driven};
+use crate::metrics::Metrics;
+use crate::record::Record;
+use scene::load::{Loaded, Template};
+use scene::{Driven, Kind, Scene};
+
+/// Called with how many cells have come to their end.
+pub(super) type Progress<'a> = &'a mut (dyn FnMut(f64) + Send);
+
+/// What the cells of a study have in common.
+pub(super) struct Plan<'a> {
+    template: Template<'a>,
+    start: Option<Start<'a>>,
+    stop: &'a AtomicBool,
+    progress: Mutex<Option<Progress<'a>>>,
+    done: AtomicU32,
+}
+
+/// A cell before it is a scene.
+pub(super) struct Cell {
+    /// Its name, for messages.
+    pub(super) label: String,
+    /// What is changed in it, as `key=value`.
+    pub(super) sets: Vec<String>,
+}
+
+/// A cell to be run.
+pub(super) struct Made<'p, 'a> {
+    /// Its scene.
+    pub(super) scene: Scene,
+    label: String,
+    plan: &'p Plan<'a>,
+}
+
+impl<'a> Plan<'a> {
+    /// Cells of a scene, whose controllers run in this process.
+    pub(super) fn new(loaded: &'a Loaded, stop: &'a AtomicBool) -> Result<Self, StudyError> {
+        Self::on(loaded, stop, None, None)
+    }
+
+    /// Cells of a scene, whose controllers run where `start` says.
+    pub(super) fn on(
+        loaded: &'a Loaded,
+        stop: &'a AtomicBool,
+        start: Option<Start<'a>>,
+        progress: Option<Progress<'a>>,
+    ) -> Result<Self, StudyError> {
+        let template = loaded.template().map_err(|error| StudyError::Cell("of every cell".to_owned(), error))?;
+        Ok(Plan { template, start, stop, progress: Mutex::new(progress), done: AtomicU32::new(0) })
+    }
+
+    /// Makes the cell of each item, reads what is wanted of it, and counts it as done. Nothing of a cell that was stopped.
+    pub(super) fn run<I: Send, T: Send>(
+        &self,
+        items: Vec<I>,
+        cell: impl Fn(&I) -> Cell + Sync,
+        read: impl Fn(I, &Made) -> Result<T, StudyError> + Sync,
+    ) -> Result<Vec<Option<T>>, StudyError> {
+        let one = |item: I| {
+            if self.is_stopped() {
+                return Ok(None);
+            }
+            let made = self.make(cell(&item))?;
+            let result = read(item, &made)?;
+            // A contact study that is stopped has no metrics, and a cell that had just ended is left out with it.
+            if self.is_stopped() {
+                return Ok(None);
+            }
+            let done = f64::from(self.done.fetch_add(1, Ordering::Relaxed) + 1);
+            if let Some(progress) = self.progress.lock().unwrap_or_else(PoisonError::into_inner).as_mut() {
+                progress(done);
+            }
+            Ok(Some(result))
+        };
+        items.into_par_iter().map(one).collect()
+    }
+
+    /// A cell as a scene.
+    pub(super) fn make(&self, Cell { label, sets }: Cell) -> Result<Made<'_, 'a>, StudyError> {
+        match self.template.scene(&sets) {
+            Ok(scene) => Ok(Made { scene, label, plan: self }),
+            Err(error) => Err(StudyError::Cell(label, error)),
+        }
+    }
+
+    /// Whether the study is to end.
+    pub(super) fn is_stopped(&self) -> bool {
+        self.stop.load(Ordering::Relaxed)
+    }
+}
+
+impl Made<'_, '_> {
+    /// Runs the cell, and measures it.
+    pub(super) fn metrics(&self) -> Result<Metrics, StudyError> {
+        match self.scene.kind().ok_or(StudyError::Incomplete)? {
+            Kind::Driven(scene) => self.recorded(&scene).map(|(_, metrics)| metrics),
+            Kind::Excited(scene) => contact::cell(&scene, self.plan.stop).map_err(|error| self.empty(error)),
+        }
+    }
+
+    /// Runs a cell that the firmware drives, and measures it.
+    pub(super) fn recorded(&self, scene: &Driven) -> Result<(Record, Metrics), StudyError> {
+        driven::measured(scene, self.plan.start, self.plan.stop).map_err(|error| self.empty(error))
+    }
+
+    /// Runs the cell for its sweep, which is to be called `name`; nothing if it has none.
+    pub(super) fn sweep(&self, name: &str) -> Result<Option<Swept>, StudyError> {
+        let Some(scene) = self.scene.driven() else { return Ok(None) };
+        driven::sweep(&scene, name, self.plan.stop).map_err(|error| self.empty(error))
+    }
+
+    fn empty(&self, error: StudyError) -> StudyError {
+        StudyError::EmptyCell(self.label.clone(), Box::new(error))
+    }
+}
