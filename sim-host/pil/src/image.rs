@@ -95,14 +95,14 @@ pub fn test_image() -> Result<PathBuf, PilError> {
 /// Builds one image of the package `qemu-m4`.
 fn build(image: &str) -> Result<PathBuf, PilError> {
     let (folder, _) = cargo(&["-p", "sonoglide-qemu-m4", "--bin", image])?;
-    Ok(folder.join(TARGET).join("release").join(image))
+    Ok(folder.join(TARGET).join("pil").join(image))
 }
 
 /// Builds something for the target; returns the target directory, and what cargo prints.
 fn cargo(what: &[&str]) -> Result<(PathBuf, String), PilError> {
     let folder = env::var_os("CARGO_TARGET_DIR").map_or_else(|| Path::new(WORKSPACE).join("target"), PathBuf::from).join("pil");
     let built = run("CARGO", "cargo", |cargo| {
-        cargo.args(["build", "--quiet", "--release", "--target", TARGET, "--target-dir"]).arg(&folder).args(what)
+        cargo.args(["build", "--quiet", "--profile", "pil", "--target", TARGET, "--target-dir"]).arg(&folder).args(what)
     });
     match built {
         Ok(output) if output.status.success() => Ok((folder, String::from_utf8_lossy(&output.stdout).into_owned())),
