@@ -152,7 +152,7 @@ fn suggestions(word: &str, keys: &[Key]) -> Vec<String> {
     let ends = keys.iter().map(|key| key.path.rsplit('.').next().unwrap_or(&key.path));
     let files = files();
     let numbered = Fault::ALL.iter().map(|fault| fault.called()).chain(Limit::ALL.iter().map(|limit| limit.called()));
-    let files = files.iter().map(|file| file.name).chain(FIGURES.iter().map(|figure| figure.id));
+    let files = files.iter().map(|file| file.name);
     let mut near: Vec<&str> = nearest(word, metrics.chain(ends).chain(files).chain(numbered));
     near.dedup();
     near.into_iter().take(SUGGESTIONS).map(str::to_owned).collect()
