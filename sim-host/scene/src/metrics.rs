@@ -163,10 +163,10 @@ impl Window {
             Window::Run => "the whole run; of a driven one, its blocks of mode `Run`",
             Window::Edges => "the edges of the first 64 bursts of the run, each from its first DAC sample on; the worst of them",
             Window::Lock => {
-                "from the first DAC sample of the lock stage to the first disturbance, or to the first OFF of the run; only of a lock stage that is not \
+                "from the first DAC sample of the lock stage to the first disturbance, or to the first OFF of more than 20 ms; only of a lock stage that is not \
                  preceded by a scan, which finds the frequency before"
             }
-            Window::Step => "from the last step disturbance, or from the first drive after it, to the end of the run",
+            Window::Step => "from the last step disturbance to the end of the run",
             Window::Event => "from one event to another, as the meaning says",
             Window::Identified => "the latest estimate of scan or observer",
             Window::Crash => "from the beginning of the pulse to the end of the run",

@@ -192,7 +192,7 @@ pub fn files() -> Vec<DataFile> {
             meaning: "One row for each run. After the seed, a column for each key of `[[vary]]` with the value drawn; after `locked`, one for each metric that any run \
                       has, empty where a run has none",
             columns: fields(&[
-                ("run", "1", "Number of the run, from 1: `sim-host run SCENE --run R` repeats it"),
+                ("run", "1", "Number of the run, from 1: `--run` with this number repeats it"),
                 ("seed", "1", "Its seed"),
                 ("locked", "1", "1 if it came to a true lock, else 0"),
             ]),

@@ -12,7 +12,7 @@ const HEAD: &str = "\
 
 What a run leaves in its folder (`sim-host run SCENE -o DIR`), and what each number in it means. This page is generated from the tables that the program itself reads:
 metrics from `sim-host/scene/src/metrics/table.rs`, files from `sim-host/sim/src/data.rs`, faults and limits from `firmware/src/seam/fault.rs`. `UPDATE_DOCS=1 cargo test docs`
-writes it anew. `sim-host explain WORD` answers from the same tables; [settings.md](settings.md) lists the keys of the controller.
+writes it anew. `sim-host explain` answers from the same tables; [settings.md](settings.md) lists the keys of the controller.
 
 Numbers are in SI units unless a name says otherwise; the unit is the end of a name. CSV files have a head line, commas, and as many digits as it takes to read the same number back; a value that is
 not finite is an empty cell.

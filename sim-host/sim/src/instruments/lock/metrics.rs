@@ -8,6 +8,9 @@ use crate::instruments::view::mean;
 use crate::metrics::Metrics;
 use crate::record::Row;
 
+/// An OFF that lasts longer ends the time to lock, s, and not one between the bursts of a schedule.
+const PAUSE_S: f64 = 0.02;
+
 /// Adds the metrics of the lock.
 pub(super) fn add(run: &View, metrics: &mut Metrics) {
     run.lock(metrics);
@@ -24,16 +27,17 @@ impl View<'_> {
         let first_disturbed = self.disturbed_s.iter().copied().fold(f64::INFINITY, f64::min);
         // A scan that comes first has found the frequency, and nothing is left to be pulled in.
         let lock = lock.filter(|&lock| scan.is_none_or(|scan| scan > lock));
+        let end_s = lock.and_then(|lock| self.pauses_s(lock)).map_or(first_disturbed, |s| s.min(first_disturbed));
         let last_step = self.steps_s.iter().copied().reduce(f64::max);
-        let first_after = |step: f64| self.driven(step, f64::INFINITY).next().map(|row| step.max(row.time_s - self.block_s));
-        let step = last_step.and_then(first_after);
         for (name, again, bound) in [
             ("lock_time_100hz_ms", "relock_time_100hz_ms", 100.0),
             ("lock_time_20hz_ms", "relock_time_20hz_ms", 20.0),
             ("lock_time_4hz_ms", "relock_time_4hz_ms", 4.0),
         ] {
-            metrics.put(name, lock.and_then(|lock| self.locks_within(lock, first_disturbed, bound)).map(|s| 1e3 * s));
-            metrics.put(again, step.and_then(|step| settles(self.driven(step, f64::INFINITY), step, bound)).map(|s| 1e3 * s));
+            let locks = |lock: f64| self.locks_within(lock, (end_s, first_disturbed), bound);
+            metrics.put(name, lock.and_then(locks).map(|s| 1e3 * s));
+            let relocks = |step: f64| settles(self.driven(step, f64::INFINITY), step, bound);
+            metrics.put(again, last_step.and_then(relocks).map(|s| 1e3 * s));
         }
     }
 
@@ -42,13 +46,24 @@ impl View<'_> {
         self.rows.iter().filter(move |row| row.time_s > from && row.time_s < to && row.drive_v > 0.0)
     }
 
-    /// How long a lock stage that begins at `from` takes to within `bound`, s, if it does before `to` and before the first OFF of the run. The
-    /// frequency is held while the drive is OFF: the block that follows says where the last one before has come to.
-    fn locks_within(&self, from: f64, to: f64, bound: f64) -> Option<f64> {
-        let off = self.rows.iter().find(|row| row.time_s > from && row.mode == Mode::Run && row.drive_v == 0.0);
-        let off_s = off.map_or(to, |row| to.min(row.time_s));
-        let next = self.driven(off_s, to).next().filter(|row| is_within(row, bound));
-        settles(self.driven(from, off_s).chain(next), from, bound)
+    /// When the first OFF of the run begins, after a moment, that lasts longer than [`PAUSE_S`], s.
+    fn pauses_s(&self, from: f64) -> Option<f64> {
+        let mut began: Option<f64> = None;
+        for row in self.rows.iter().filter(|row| row.time_s > from) {
+            let silent = row.mode == Mode::Run && row.drive_v == 0.0;
+            began = silent.then(|| began.unwrap_or(row.time_s));
+            if began.is_some_and(|began| row.time_s - began > PAUSE_S) {
+                return began;
+            }
+        }
+        None
+    }
+
+    /// How long a lock stage that begins at `from` takes to within `bound`, s, if it does before the first of two moments. The frequency is held while the
+    /// drive is OFF: the first block after that moment, before the second, says where the last one before has come to.
+    fn locks_within(&self, from: f64, (end_s, to): (f64, f64), bound: f64) -> Option<f64> {
+        let next = self.driven(end_s, to).next().filter(|row| is_within(row, bound));
+        settles(self.driven(from, end_s).chain(next), from, bound)
     }
 
     fn steady_state(&self, metrics: &mut Metrics) {
