@@ -4,4 +4,4 @@
 //! [`sense`](crate::sense).
 
 pub mod friction;
-pub mod restraint;
+pub(crate) mod restraint;

@@ -8,7 +8,7 @@ pub mod block_task;
 pub mod capture;
 pub mod command;
 pub mod fault_log;
-pub mod keeper;
+pub(crate) mod keeper;
 pub mod kept;
 pub mod link;
 pub mod lockstep;

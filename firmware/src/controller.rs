@@ -11,7 +11,6 @@ mod stages;
 
 use crate::controller::chain::{Chain, Measured};
 use crate::controller::stages::Stages;
-use crate::generate::burst::boost::EdgeTimes;
 use crate::generate::generator::Played;
 use crate::generate::phasing::check_calibration;
 use crate::generate::step::Plan;
@@ -19,7 +18,6 @@ use crate::seam::block::{DriveBlock, LATENCY_BLOCKS, Orders, SenseBlock};
 use crate::seam::config::LaneTrims;
 use crate::seam::mode::Mode;
 use crate::seam::telemetry::Telemetry;
-use crate::seam::transducer::Resonance;
 use crate::sense::demod::demodulate;
 
 /// The controller.
@@ -65,29 +63,19 @@ impl Controller {
         self.report(orders, &plan, slot, sensed, motional)
     }
 
-    /// How long the edges of a boosted burst take, as they are planned now; `None` where they are not boosted.
-    pub fn edge_times(&self) -> Option<EdgeTimes> {
-        self.chain.generator.burst.edge_times()
-    }
-
-    /// The resonances that the last scan has found, at rising frequencies.
-    pub fn resonances(&self) -> &[Resonance] {
-        self.stages.scan.roster().listed()
-    }
-
     /// The trims that act, from a calibration or from the configuration.
-    pub fn calibration(&self) -> &LaneTrims {
+    pub(crate) fn calibration(&self) -> &LaneTrims {
         self.chain.generator.phasing.calibration()
     }
 
     /// How many calibrations have been completed: one more than before, and there is something to keep.
-    pub fn calibrations(&self) -> u32 {
+    pub(crate) fn calibrations(&self) -> u32 {
         self.stages.calibrate.completed()
     }
 
     /// Trims the lanes. Only in silence, because the drive would jump, and only by what can be trims and leaves a scan within the limit;
     /// returns whether it was done.
-    pub fn trim(&mut self, trims: LaneTrims) -> bool {
+    pub(crate) fn trim(&mut self, trims: LaneTrims) -> bool {
         let silent = matches!(self.chain.supervisor.mode(), Mode::Idle | Mode::Fault);
         if !silent || check_calibration(&trims).is_err() {
             return false;

@@ -4,8 +4,8 @@
 //! Each takes measured blocks and answers with the [step](crate::generate::step::Step) to play next. This layer depends on
 //! [`seam`](crate::seam), [`generate`](crate::generate) and [`sense`](crate::sense).
 
-pub mod calibrate;
+pub(crate) mod calibrate;
 pub mod clamped;
-pub mod identify;
-pub mod scan;
-pub mod self_test;
+pub(crate) mod identify;
+pub(crate) mod scan;
+pub(crate) mod self_test;

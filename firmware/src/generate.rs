@@ -8,9 +8,9 @@
 //!
 //! This layer depends on [`seam`](crate::seam) only.
 
-pub mod amplitude;
+pub(crate) mod amplitude;
 pub mod burst;
-pub mod drive_scale;
+pub(crate) mod drive_scale;
 pub(crate) mod generator;
 pub mod nco;
 pub mod phasing;

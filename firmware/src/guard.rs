@@ -4,16 +4,16 @@
 //! |---|---|---|
 //! | `electrical` | voltage, current, lost blocks | faults 11, 20, 21, 23, 28 |
 //! | [`weld`] | whether the belt moves, what its force says, energy for each metre | mutes (limit 101); faults 40 to 43, 46 |
-//! | [`heat`] | temperature of board and stack, mean power | derates (limit 100); fault 44 |
+//! | `heat` | temperature of board and stack, mean power | derates (limit 100); fault 44 |
 //! | [`on_time`] | how long the drive is ON | fault 45 |
 //!
 //! Each looks at every block and names what it finds; the first of them is reported. A board without such sensors and limits pays for
 //! three comparisons.
 
 mod electrical;
-pub mod heat;
+pub(crate) mod heat;
 pub mod on_time;
-pub mod supervisor;
+pub(crate) mod supervisor;
 pub mod weld;
 
 use crate::guard::electrical::Electrical;
@@ -90,7 +90,7 @@ impl Guard {
     }
 
     /// A new attempt begins.
-    pub fn begin(&mut self) {
+    pub(crate) fn begin(&mut self) {
         self.weld.begin();
     }
 
@@ -127,22 +127,22 @@ impl Guard {
     }
 
     /// Whether the drive must be silent until the belt moves again.
-    pub fn is_muted(&self) -> bool {
+    pub(crate) fn is_muted(&self) -> bool {
         self.weld.is_muted()
     }
 
     /// Whether what is reported as muted is also wanted.
-    pub fn mutes(&self) -> bool {
+    pub(crate) fn mutes(&self) -> bool {
         self.weld.mutes()
     }
 
     /// Takes what the tracker knows of the stack; now and then is enough.
-    pub fn feel(&mut self, thermometers: &Thermometers) {
+    pub(crate) fn feel(&mut self, thermometers: &Thermometers) {
         self.heat.feel(thermometers);
     }
 
     /// What is left of the amplitude asked for, 0.1 to 1.
-    pub fn derating(&self) -> f32 {
+    pub(crate) fn derating(&self) -> f32 {
         self.heat.factor()
     }
 }

@@ -6,4 +6,4 @@ pub mod belt;
 pub mod convert;
 pub mod demod;
 pub mod motional;
-pub mod source;
+pub(crate) mod source;

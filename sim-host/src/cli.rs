@@ -36,7 +36,7 @@ use clap::{Args, ColorChoice, Parser, Subcommand, ValueEnum};
 
 use scene::load::{LoadError, Loaded, load};
 use scene::resolved::resolved_toml;
-use scene::{builtin, schema};
+use scene::{builtin, schema, suite};
 
 const EXIT_CODES: &str = "Exit codes: 0 done; 1 the run failed; 2 usage; 3 invalid scene; 4 the run finished but an expectation was \
 missed; 5 QEMU or board not found or lost; 130 interrupted, with what there was kept and marked.";
@@ -92,12 +92,16 @@ enum Command {
         word: Vec<String>,
     },
     /// Print the JSON Schema of a scene, for editors.
-    Schema,
+    Schema {
+        /// Of a suite of cases and targets instead (docs/suites.md).
+        #[arg(long)]
+        suite: bool,
+    },
     /// Talk to a driver board, or to a simulated one.
     #[command(after_help = EXIT_CODES)]
     Link(Box<link::LinkArgs>),
-    /// Run our own benches, and compare each with its targets: the evidence behind docs/claims.md.
-    #[command(after_help = EXIT_CODES)]
+    /// Run our own benches or a suite of your own, and compare each with its targets: the evidence behind docs/claims.md.
+    #[command(after_help = validate::help())]
     Validate(Box<validate::ValidateArgs>),
 }
 
@@ -162,7 +166,7 @@ pub fn main() -> ExitCode {
         Some(Command::Advise(args)) => advise::run(&args, color),
         Some(Command::Validate(args)) => validate::run(&args, color),
         Some(Command::Link(args)) => link::run(&args, color),
-        Some(Command::Schema) => print(&format!("{:#}\n", schema::schema())),
+        Some(Command::Schema { suite }) => print(&format!("{:#}\n", if suite { suite::schema() } else { schema::schema() })),
     };
     done.unwrap_or_else(|error| {
         // A reader that has gone away (`sim-host list | head -1`) is nobody's mistake.

@@ -157,6 +157,42 @@ fn a_bench_is_found_by_its_old_name_with_a_note() {
     assert!(code(&scene) == 3 && !stderr(&scene).contains("validate"), "{}", stderr(&scene));
 }
 
+/// The example of docs/suites.md, with less runs.
+#[test]
+fn a_suite_of_a_user_is_run_and_judged() {
+    let page = include_str!("../../docs/suites.md");
+    let (_, text) = page.split_once("```toml\n").expect("an example");
+    let (text, _) = text.split_once("```").expect("its end");
+    let folder = Folder::new("suite");
+    let file = folder.write("lock.toml", text);
+    let run = |more: &[&str]| sim_host(&[&["validate", &file, "--quick", "-q"], more].concat());
+    let output = run(&["-o", folder.text()]);
+    let shown = stdout(&output);
+    assert_eq!(code(&output), 0, "{shown}{}", stderr(&output));
+    assert!(
+        shown.contains("cold, unloaded") && shown.contains("PASS") && folder.read("report.html").contains("noisy"),
+        "{shown}"
+    );
+    assert!(stdout(&run(&["--list"])).contains("noisy: sim-host run lock-cold --set stack.bvd.q=65"));
+    let strict = folder.write("strict.toml", &text.replace("max = 0.5", "max = 0.01"));
+    let output = sim_host(&["validate", &strict, "--quick", "--no-report", "--format", "json"]);
+    let summary: Value = serde_json::from_str(&stdout(&output)).expect("JSON");
+    assert_eq!((code(&output), &summary["targets"][0]["missed"][2]), (4, &Value::from("noisy")), "{summary}");
+    let wrong = folder.write("wrong.toml", &text.replace("noise_lsb", "noise_lbs"));
+    let output = sim_host(&["validate", &wrong]);
+    assert!(code(&output) == 3 && stderr(&output).contains("did you mean `noise_lsb`?"), "{}", stderr(&output));
+}
+
+#[test]
+fn a_built_in_suite_can_be_copied() {
+    let folder = Folder::new("copied-suite");
+    let copy = folder.write("mine.toml", &stdout(&sim_host(&["validate", "show", "crash"])));
+    let [own, built_in] = [&copy, "crash"].map(|name| stdout(&sim_host(&["validate", name, "--list"])));
+    assert!(own.lines().count() == 28 && own == built_in, "{own}");
+    let output = sim_host(&["validate", "show", "trackin"]);
+    assert!(code(&output) == 2 && stderr(&output).contains("`tracking`"), "{}", stderr(&output));
+}
+
 #[test]
 fn a_closed_standard_error_is_no_panic() {
     let folder = Folder::new("closed-stderr");

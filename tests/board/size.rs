@@ -140,7 +140,7 @@ fn the_image_keeps_within_its_budgets() {
 /// What is left out by default can be had: all of it fits beside the settings, and its hot code into the core-coupled RAM (or it would not link).
 #[test]
 fn an_image_with_every_part_of_the_controller_fits_too() {
-    let Some(bytes) = image("sonoglide-firmware/waveforms,sonoglide-firmware/friction") else { return };
+    let Some(bytes) = image("firmware/waveforms,firmware/friction") else { return };
     let taken = Taken::by(&sections(&object::File::parse(&*bytes).expect("an ELF file")));
     println!("with every part: {} bytes of flash, {} of core-coupled RAM, {} of RAM", taken.flash, taken.ccmram, taken.ram);
     assert!(taken.flash <= BANK && taken.ram <= RAM, "{} {}", taken.flash, taken.ram);

@@ -2,8 +2,8 @@
 //!
 //! Vibration along the motion lowers the mean friction of a sliding contact. By how much is told by the [law](dahl), and the drive that does it
 //! by its [inverse]; the amplitude loop holds the motional current that belongs to it: tip velocity times force factor, which is told
-//! as nominal. What the contact is, nobody tells: a [survey] measures its friction in silence and at three amplitudes and
-//! [fits](fit) it. Where the law is steep, bursts take the place of the amplitude ([regime]).
+//! as nominal. What the contact is, nobody tells: a `survey` measures its friction in silence and at three amplitudes and
+//! fits it. Where the law is steep, bursts take the place of the amplitude (`regime`).
 //!
 //! ```text
 //! wanted ratio -> inverse law -> regime -> amplitude, gate, ON time of bursts -> amplitude loop and burst
@@ -15,10 +15,10 @@
 
 mod average;
 pub mod dahl;
-pub mod fit;
+pub(crate) mod fit;
 pub mod inverse;
-pub mod regime;
-pub mod survey;
+pub(crate) mod regime;
+pub(crate) mod survey;
 mod terms;
 #[cfg(test)]
 mod tests;
@@ -97,7 +97,7 @@ pub struct FrictionSwitch {
 
 impl FrictionSwitch {
     /// Checks the settings of a switch; none, if none is wanted.
-    pub fn build(config: &Config, block_s: f32) -> Result<Option<Self>, Error> {
+    pub(crate) fn build(config: &Config, block_s: f32) -> Result<Option<Self>, Error> {
         let Some(friction) = &config.friction else { return Ok(None) };
         let carried = features::friction()?;
         friction.check_all()?;
@@ -145,7 +145,7 @@ impl FrictionSwitch {
     }
 
     /// Forgets the contact, and surveys it anew.
-    pub fn restart(&mut self) {
+    pub(crate) fn restart(&mut self) {
         let loudest = self.most_amperes / self.force_factor;
         let (settle, average) = (self.settle_blocks, self.average_blocks);
         self.survey = Some(Survey::new(self.omega, loudest, settle, average, self.burst_blocks));
@@ -185,7 +185,7 @@ impl FrictionSwitch {
     }
 
     /// Why the friction is not what is wanted, if it is not.
-    pub fn limit(&self) -> Option<Limit> {
+    pub(crate) fn limit(&self) -> Option<Limit> {
         match self.choice.short() {
             _ if self.survey.is_some() => None,
             Some(Short::NoAuthority) => Some(Limit::NoAuthority),
@@ -195,17 +195,17 @@ impl FrictionSwitch {
     }
 
     /// Whether the contact is being surveyed.
-    pub fn is_surveying(&self) -> bool {
+    pub(crate) fn is_surveying(&self) -> bool {
         self.survey.is_some()
     }
 
     /// Whether the force sensor has said in the survey what cannot be friction.
-    pub fn is_implausible(&self) -> bool {
+    pub(crate) fn is_implausible(&self) -> bool {
         self.implausible
     }
 
     /// What is believed of the contact, since the last calculation; nothing before the survey is over.
-    pub fn belief(&self) -> Option<Belief> {
+    pub(crate) fn belief(&self) -> Option<Belief> {
         self.belief
     }
 
@@ -273,7 +273,7 @@ impl FrictionSwitch {
     }
 
     /// Goes on with what is being calculated, or begins with what is next: a few hundred instructions, for blocks that have time for them.
-    pub fn work(&mut self) {
+    pub(crate) fn work(&mut self) {
         if let Some(survey) = &mut self.survey {
             return survey.work();
         }

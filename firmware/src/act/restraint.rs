@@ -43,7 +43,7 @@ enum State {
 
 /// What the seat says of the occupant.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Class {
+pub(crate) enum Class {
     /// So light that the belt should pull less.
     Light,
     /// Anybody else.
@@ -54,7 +54,7 @@ pub enum Class {
 
 /// The decision and what it goes by.
 #[derive(Clone, Debug)]
-pub struct Restraint {
+pub(crate) struct Restraint {
     _carried: features::Friction,
     sensed_n: f32,
     confirm_blocks: u32,
@@ -67,7 +67,7 @@ pub struct Restraint {
 
 impl Restraint {
     /// Checks the settings.
-    pub fn build(restraint: &config::Restraint, block_s: f32) -> Result<Self, Error> {
+    pub(crate) fn build(restraint: &config::Restraint, block_s: f32) -> Result<Self, Error> {
         let carried = features::friction()?;
         restraint.check()?;
         type Settings = config::Restraint;
@@ -90,12 +90,12 @@ impl Restraint {
     }
 
     /// Forgets a crash.
-    pub fn restart(&mut self) {
+    pub(crate) fn restart(&mut self) {
         self.state = State::Waiting { felt: 0, counts: 0 };
     }
 
     /// What a torso mass that the seat has read, kg, makes of the occupant.
-    pub fn class(&self, torso_kg: Option<f32>) -> Class {
+    pub(crate) fn class(&self, torso_kg: Option<f32>) -> Class {
         let (least, most) = self.plausible_kg;
         match torso_kg {
             Some(kg) if (least..=most).contains(&kg) && kg < self.light_below_kg => Class::Light,
@@ -107,7 +107,9 @@ impl Restraint {
     /// Takes one block's readings, and puts the gate of the orders where the decision wants it.
     ///
     /// `force` is that of the belt, N, and `fresh` how many counts of webbing have come out in this block, both where there is a sensor.
-    pub fn decide(&mut self, orders: &Orders, force: Option<f32>, fresh: Option<u32>, mode: Mode) -> Orders {
+    // Not inlined: a block takes fewer instructions so, which `docs/instructions.md` counts.
+    #[inline(never)]
+    pub(crate) fn decide(&mut self, orders: &Orders, force: Option<f32>, fresh: Option<u32>, mode: Mode) -> Orders {
         if let State::Waiting { felt, counts } = self.state {
             // A sensor that is not there, or says what is no number, shows no crash.
             let (felt, counts) = match force {

@@ -128,11 +128,11 @@ mod raw {
 
     use super::PART;
 
-    pub fn serialize<S: Serializer>(codes: &[u16; PART], serializer: S) -> Result<S::Ok, S::Error> {
+    pub(super) fn serialize<S: Serializer>(codes: &[u16; PART], serializer: S) -> Result<S::Ok, S::Error> {
         codes.map(u16::to_le_bytes).serialize(serializer)
     }
 
-    pub fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<[u16; PART], D::Error> {
+    pub(super) fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<[u16; PART], D::Error> {
         <[[u8; 2]; PART]>::deserialize(deserializer).map(|codes| codes.map(u16::from_le_bytes))
     }
 }

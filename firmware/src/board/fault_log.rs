@@ -50,14 +50,14 @@ pub struct FaultReport {
 
 /// The last faults. A reset forgets them; what a reset was for is in [`Start`].
 #[derive(Clone, Debug, Default)]
-pub struct FaultLog {
+pub(crate) struct FaultLog {
     entries: heapless::HistoryBuf<FaultEntry, KEPT_FAULTS>,
     count: u16,
 }
 
 impl FaultLog {
     /// Takes the report of a block, and that of the one before it, as far as they have come here.
-    pub fn hear(&mut self, report: &Telemetry, before: Option<&Telemetry>) {
+    pub(crate) fn hear(&mut self, report: &Telemetry, before: Option<&Telemetry>) {
         let Some(fault) = report.fault else { return };
         if before.and_then(|before| before.fault) == Some(fault) {
             return;
@@ -79,7 +79,7 @@ impl FaultLog {
     }
 
     /// A fault by how many came after it, beside what started the board.
-    pub fn report(&self, later: u8, last_run: Start) -> FaultReport {
+    pub(crate) fn report(&self, later: u8, last_run: Start) -> FaultReport {
         let entry = self.entries.oldest_ordered().rev().nth(later.into()).copied();
         FaultReport { count: self.count, entry, last_run }
     }

@@ -13,7 +13,7 @@ use crate::seam::config::LaneTrims;
 use crate::seam::refusal::Refusal;
 
 /// The settings that act and those that are set, as far as the slow side knows, and what is kept of them.
-pub struct Keeper<'a> {
+pub(crate) struct Keeper<'a> {
     found: Consumer<'a, LaneTrims>,
     taken: Producer<'a, LaneTrims>,
     trims: LaneTrims,
@@ -31,7 +31,7 @@ pub struct Keeper<'a> {
 
 impl<'a> Keeper<'a> {
     /// A keeper between the two queues of trims, for what the board was started with.
-    pub fn new(found: Consumer<'a, LaneTrims>, taken: Producer<'a, LaneTrims>, power_up: &PowerUp) -> Self {
+    pub(crate) fn new(found: Consumer<'a, LaneTrims>, taken: Producer<'a, LaneTrims>, power_up: &PowerUp) -> Self {
         Keeper {
             found,
             taken,
@@ -47,7 +47,7 @@ impl<'a> Keeper<'a> {
     }
 
     /// Takes what a calibration has found, and keeps it once the drive is silent.
-    pub fn keep<F: NorFlash>(&mut self, silent: bool, settings: &mut Settings<F>) {
+    pub(crate) fn keep<F: NorFlash>(&mut self, silent: bool, settings: &mut Settings<F>) {
         while let Some(found) = self.found.dequeue() {
             self.trims = found;
             // What another version has left is not written over without an order.
@@ -66,7 +66,7 @@ impl<'a> Keeper<'a> {
     }
 
     /// Obeys a command.
-    pub fn obey<F: NorFlash>(&mut self, verb: Verb, silent: bool, settings: &mut Settings<F>) -> Reply {
+    pub(crate) fn obey<F: NorFlash>(&mut self, verb: Verb, silent: bool, settings: &mut Settings<F>) -> Reply {
         let done = match verb {
             Verb::Trims(point) => return Reply::Settings(self.trims(point)),
             Verb::Get(key) => return self.parameter(key).map_or_else(Reply::Nak, Reply::Parameter),

@@ -47,7 +47,7 @@ pub enum FrameError {
 }
 
 /// A frame on its way out.
-pub type Encoded = heapless::Vec<u8, MAX_FRAME>;
+pub(crate) type Encoded = heapless::Vec<u8, MAX_FRAME>;
 
 /// Encodes one frame. Fails only on a body that does not fit into [`MAX_FRAME`].
 pub fn encode<T: Serialize>(sequence: u16, body: T) -> Result<Encoded, FrameError> {

@@ -34,7 +34,7 @@ use wire::{put, put_drive, put_sense, take, take_drive, take_sense};
 pub const MAX_RECORD: usize = 1024;
 
 /// The longest reason for a refusal, in bytes.
-pub const MAX_REASON: usize = 192;
+pub(crate) const MAX_REASON: usize = 192;
 
 /// Room for any record.
 pub type Buffer = [u8; MAX_RECORD];

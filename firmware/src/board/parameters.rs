@@ -20,7 +20,7 @@ use crate::seam::config::{Burst, Config, Drive, FrontEnd, Limits, Link, Paramete
 use crate::seam::refusal::Refusal;
 
 /// The most parameters that can be kept.
-pub const MOST_PARAMETERS: usize = 24;
+pub(crate) const MOST_PARAMETERS: usize = 24;
 
 /// Parameters that differ from what is built in, by their keys.
 pub type Overrides = heapless::Vec<(u8, f32), MOST_PARAMETERS>;
@@ -48,17 +48,17 @@ pub struct ParameterReport {
 }
 
 /// The place of a parameter in [`PARAMETERS`].
-pub fn place_of(key: u8) -> Result<usize, Refusal> {
+pub(crate) fn place_of(key: u8) -> Result<usize, Refusal> {
     PARAMETERS.iter().position(|parameter| parameter.key == key).ok_or(Refusal::NoSuchKey)
 }
 
 /// All parameters of a configuration.
-pub fn values_of(config: &Config) -> Values {
+pub(crate) fn values_of(config: &Config) -> Values {
     core::array::from_fn(|place| (PARAMETERS[place].read)(config))
 }
 
 /// Those that differ from what is built in.
-pub fn overrides(values: &Values, built_in: &Values) -> Overrides {
+pub(crate) fn overrides(values: &Values, built_in: &Values) -> Overrides {
     let differing = PARAMETERS.iter().zip(values.iter().zip(built_in)).filter(|(_, (value, built_in))| value != built_in);
     differing.map(|(parameter, (&value, _))| (parameter.key, value)).collect()
 }
@@ -67,7 +67,7 @@ pub fn overrides(values: &Values, built_in: &Values) -> Overrides {
 ///
 /// A limit that is out of its range is the nearest that it can be, and one that cannot be read is the lowest: it is never what is built in
 /// because something lower was stored.
-pub fn overridden(overrides: &Overrides, built_in: &Values) -> (Values, bool) {
+pub(crate) fn overridden(overrides: &Overrides, built_in: &Values) -> (Values, bool) {
     let (mut values, mut all) = (*built_in, true);
     for &(key, value) in overrides {
         let Ok(place) = place_of(key) else {

@@ -46,7 +46,7 @@ impl Controller {
     }
 
     /// Whether a controller can be built of it.
-    pub fn check(config: &Config) -> Result<(), Error> {
+    pub(crate) fn check(config: &Config) -> Result<(), Error> {
         Parts::build(config).map(drop)
     }
 

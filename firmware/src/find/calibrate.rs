@@ -62,7 +62,7 @@ enum Pass {
 
 /// The calibration, in progress.
 #[derive(Clone, Debug)]
-pub struct Calibrate {
+pub(crate) struct Calibrate {
     nominal_hz: f32,
     /// Peak voltage of the drive, V.
     volts: f32,
@@ -84,7 +84,7 @@ pub struct Calibrate {
 
 impl Calibrate {
     /// A calibration of the configured window, which the scan has checked.
-    pub fn build(config: &Config) -> Self {
+    pub(crate) fn build(config: &Config) -> Self {
         let block_s = f32::from(config.block_samples) / config.sample_hz;
         let tau_s = config.tracking.nominal_q / (core::f32::consts::PI * config.drive.frequency_hz);
         let codes = config.drive.scan_volts / config.front_end.volt_per_lsb;
@@ -110,19 +110,21 @@ impl Calibrate {
     }
 
     /// How many have been completed.
-    pub fn completed(&self) -> u32 {
+    pub(crate) fn completed(&self) -> u32 {
         self.completed
     }
 
     /// Ends an unfinished calibration: the trims are again what they were.
-    pub fn abandon(&mut self, phasing: &mut Phasing) {
+    pub(crate) fn abandon(&mut self, phasing: &mut Phasing) {
         if let Some(before) = self.before.take() {
             phasing.trim(before);
         }
     }
 
     /// Takes the phasors of the block just heard and says what to do next. Clears the trims when it begins, and sets them.
-    pub fn listen(&mut self, phasing: &mut Phasing, sensed: &Sensed) -> Step {
+    // Not inlined: a block takes fewer instructions so, which `docs/instructions.md` counts.
+    #[inline(never)]
+    pub(crate) fn listen(&mut self, phasing: &mut Phasing, sensed: &Sensed) -> Step {
         if self.before.is_none() {
             self.before = Some(phasing.trim(LaneTrims::new()));
             self.begin(Pass::Measure);

@@ -11,16 +11,16 @@
 //!
 //! Eight tones, four on each side of the window in which the resonance may be, each of 200 periods. The stack hears each tone rise and fall; what
 //! its start leaves ringing at the resonance is beside the tone, and a Hann window over the tone does not see it: nothing waits for a ring-down,
-//! whatever Q is. A [model] of the whole admittance is then [fitted](mod@fit), one admittance a block, while the drive is silent.
+//! whatever Q is. A `model` of the whole admittance is then fitted, one admittance a block, while the drive is silent.
 //!
 //! What images of the DAC add to C0 changes with the frequency; between both sides it is right at the resonance. A second resonance that one
 //! cannot explain is fitted as such; what then is left makes the stated deviations larger.
 
-pub mod fit;
-pub mod model;
+pub(crate) mod fit;
+pub(crate) mod model;
 pub mod online;
-pub mod reading;
-pub mod triangle;
+pub(crate) mod reading;
+pub(crate) mod triangle;
 
 use crate::find::clamped::fit::{Fit, MAX_POINTS, Point, Solution};
 pub use crate::find::clamped::reading::{Clamped, Measured};
@@ -136,13 +136,13 @@ impl PowerOn {
     }
 
     /// Begins for a resonance that was lost: what looks like none, or like a broken one, is measured once more.
-    pub fn begin_twice(&mut self) {
+    pub(crate) fn begin_twice(&mut self) {
         self.restart();
         self.twice = true;
     }
 
     /// Begins again.
-    pub fn restart(&mut self) {
+    pub(crate) fn restart(&mut self) {
         self.twice = false;
         (self.stage, self.block) = (Stage::Tones, 0);
         (self.iv, self.vv) = (Phasor::default(), 0.0);
@@ -150,7 +150,7 @@ impl PowerOn {
     }
 
     /// Takes the variances of the phasors of a block's voltage and current by noise, both components, V² and A².
-    pub fn set_noise(&mut self, v: f32, i: f32) {
+    pub(crate) fn set_noise(&mut self, v: f32, i: f32) {
         let (i, v) = (0.5 * i / (self.amperes * self.amperes), 0.5 * v / (self.volts * self.volts));
         self.noise = (self.noise.0.max(i), self.noise.1.max(v));
     }

@@ -3,11 +3,9 @@
 //! [`pole_fit`]: resonances from a spectrum. [`mode_search`]: how many it shows. [`choice`]: the one that is wanted.
 //! [`triangle`]: the least squares behind the fit.
 
-pub mod choice;
-pub mod circuit;
-pub mod mode_search;
-pub mod pole_fit;
-pub mod scatter;
-pub mod triangle;
-
-pub use crate::find::identify::scatter::Scatter;
+pub(crate) mod choice;
+pub(crate) mod circuit;
+pub(crate) mod mode_search;
+pub(crate) mod pole_fit;
+pub(crate) mod scatter;
+pub(crate) mod triangle;

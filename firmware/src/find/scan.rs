@@ -10,13 +10,13 @@
 //! A window that is too wide for the lines of one spectrum is swept and searched part by part. The nominal Q may be wrong by a factor of
 //! four.
 
-pub mod baseband;
+pub(crate) mod baseband;
 #[cfg(test)]
 pub(crate) mod bench;
-pub mod pass;
-pub mod ring_down;
-pub mod roster;
-pub mod spectrum;
+pub(crate) mod pass;
+pub(crate) mod ring_down;
+pub(crate) mod roster;
+pub(crate) mod spectrum;
 
 use heapless::Vec;
 
@@ -57,7 +57,7 @@ enum Stage {
 
 /// The scan, in progress.
 #[derive(Clone, Debug)]
-pub struct Scan {
+pub(crate) struct Scan {
     /// The clamped capacitance, as told.
     bare: Circuit,
     nominal_hz: f32,
@@ -84,7 +84,7 @@ impl Scan {
     /// A scan of the configured window. It [begins](Self::restart) when it is wanted.
     // Not inlined: it is written where the controller stands.
     #[inline(never)]
-    pub fn build(config: &Config, hold: &Hold) -> Self {
+    pub(crate) fn build(config: &Config, hold: &Hold) -> Self {
         let tracking = &config.tracking;
         let nominal_hz = config.drive.frequency_hz;
         let told = Told { steps: (config.front_end.volt_per_lsb, config.front_end.ampere_per_lsb), q: tracking.nominal_q };
@@ -122,18 +122,18 @@ impl Scan {
     }
 
     /// Begins from the window.
-    pub fn restart(&mut self) {
+    pub(crate) fn restart(&mut self) {
         self.roster = Roster::new(self.nominal_hz);
         self.begin_part(0);
     }
 
     /// The resonances found by the last scan.
-    pub fn roster(&self) -> &Roster {
+    pub(crate) fn roster(&self) -> &Roster {
         &self.roster
     }
 
     /// The transducer that the scan has found, and its branch for tracking; once it is over.
-    pub fn found(&self) -> Option<(&Transducer, &Motional)> {
+    pub(crate) fn found(&self) -> Option<(&Transducer, &Motional)> {
         match &self.stage {
             Stage::RingDown(result) => Some((&result.transducer, &result.motional)),
             _ => None,
@@ -141,7 +141,7 @@ impl Scan {
     }
 
     /// Takes the block just heard and says what to do next.
-    pub fn listen(&mut self, convert: &Convert, sense: &SenseBlock, sensed: &Sensed) -> Step {
+    pub(crate) fn listen(&mut self, convert: &Convert, sense: &SenseBlock, sensed: &Sensed) -> Step {
         self.blocks += 1;
         self.still_blocks += 1;
         match self.stage {

@@ -40,7 +40,7 @@ const CURRENT_FACTOR: f32 = 3.0;
 
 /// The self-test, in progress.
 #[derive(Clone, Debug)]
-pub struct SelfTest {
+pub(crate) struct SelfTest {
     offset_hz: f32,
     volts: f32,
     clamped_siemens: f32,
@@ -60,7 +60,7 @@ pub struct SelfTest {
 
 impl SelfTest {
     /// A test by the configured drive and nominal capacitance.
-    pub fn build(config: &Config) -> Self {
+    pub(crate) fn build(config: &Config) -> Self {
         let hz = config.drive.frequency_hz * TONE_FREQUENCY;
         let tau_s = config.tracking.nominal_q / (core::f32::consts::PI * config.drive.frequency_hz);
         let block_s = f32::from(config.block_samples) / config.sample_hz;
@@ -80,18 +80,18 @@ impl SelfTest {
     }
 
     /// Whether the tone, of which `played` volts are, draws more current than any transducer would.
-    pub fn is_short(&self, sensed: &Sensed, played: f32) -> bool {
+    pub(crate) fn is_short(&self, sensed: &Sensed, played: f32) -> bool {
         let most = CURRENT_FACTOR * self.clamped_siemens * played;
         sensed.i.norm_sqr() > most * most
     }
 
     /// Mean square of the noise of voltage and current, codes, as heard in silence.
-    pub fn noise(&self) -> (f32, f32) {
+    pub(crate) fn noise(&self) -> (f32, f32) {
         self.noise
     }
 
     /// Begins again.
-    pub fn restart(&mut self) {
+    pub(crate) fn restart(&mut self) {
         self.block = 0;
         self.quiet = false;
         self.mean_codes = (0.0, 0.0);
@@ -102,7 +102,9 @@ impl SelfTest {
     }
 
     /// Takes a block, in which `played` volts were, and says what to do next. Moves the zero of both channels when the silence is over.
-    pub fn listen(&mut self, convert: &mut Convert, sense: &SenseBlock, sensed: &Sensed, played: f32) -> Step {
+    // Not inlined: a block takes fewer instructions so, which `docs/instructions.md` counts.
+    #[inline(never)]
+    pub(crate) fn listen(&mut self, convert: &mut Convert, sense: &SenseBlock, sensed: &Sensed, played: f32) -> Step {
         const TONE_ENDS: u32 = SILENT_BLOCKS + TONE_BLOCKS;
         const FIRST_HEARD: u32 = SILENT_BLOCKS + LATENCY_BLOCKS as u32;
         self.block += 1;

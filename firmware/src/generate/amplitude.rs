@@ -24,7 +24,7 @@ const SETTLED: (f32, u32) = (0.01, 32);
 
 /// The amplitude control. Without an identified transducer a motional current cannot be held, and plays as silence.
 #[derive(Clone, Debug)]
-pub struct AmplitudeLoop {
+pub(crate) struct AmplitudeLoop {
     /// The voltage limit is that of the loudest lane.
     limits: Limits,
     /// As configured, V.
@@ -45,14 +45,14 @@ pub struct AmplitudeLoop {
 }
 
 /// The largest amplitude that the voltage limit and the converters leave to a drive whose loudest lane is trimmed, V.
-pub fn most_volts(config: &Config) -> Result<f32, Error> {
+pub(crate) fn most_volts(config: &Config) -> Result<f32, Error> {
     let converter_v = DriveScale::build(&config.front_end)?.range_v();
     Ok(config.limits.voltage_v.min(converter_v) / phasing::loudest(&config.phasing))
 }
 
 impl AmplitudeLoop {
     /// Checks the amplitude and the limits.
-    pub fn build(config: &Config, block_s: f32) -> Result<Self, Error> {
+    pub(crate) fn build(config: &Config, block_s: f32) -> Result<Self, Error> {
         let converter_v = DriveScale::build(&config.front_end)?.range_v();
         let voltage_v = most_volts(config)?;
         let limits = Limits { voltage_v, ..config.limits.clone() };
@@ -79,20 +79,20 @@ impl AmplitudeLoop {
     }
 
     /// Forgets the transducer.
-    pub fn restart(&mut self) {
+    pub(crate) fn restart(&mut self) {
         self.lag = 0.0;
         self.integral_volts = self.start_volts;
         self.within = 0;
     }
 
     /// The loudest lane now has this gain, and the limit is for that lane. Returns what is left for the others, V.
-    pub fn set_loudest(&mut self, gain: f32) -> f32 {
+    pub(crate) fn set_loudest(&mut self, gain: f32) -> f32 {
         self.limits.voltage_v = self.voltage_limit / gain;
         self.limits.voltage_v
     }
 
     /// Starts on an identified transducer, which rings at `motional_current` amperes already.
-    pub fn seed(&mut self, transducer: &Transducer, motional_current: f32) {
+    pub(crate) fn seed(&mut self, transducer: &Transducer, motional_current: f32) {
         self.ohm = transducer.rm_ohm;
         self.lag = (self.block_s / transducer.time_constant_s()).min(1.0);
         self.expected = motional_current;
@@ -102,14 +102,14 @@ impl AmplitudeLoop {
     }
 
     /// What is heard next had been rung up by a boost: there is nothing to wait for.
-    pub fn has_rung_up(&mut self) {
+    pub(crate) fn has_rung_up(&mut self) {
         if let Some(asked) = self.asked {
             self.expected = asked;
         }
     }
 
     /// Follows one block: what is asked for, the mean envelope of the block heard, and the motional current in it.
-    pub fn update(&mut self, wanted: Amplitude, envelope: f32, motional_current: Phasor) {
+    pub(crate) fn update(&mut self, wanted: Amplitude, envelope: f32, motional_current: Phasor) {
         let asked = match wanted {
             Amplitude::Volts(volts) => {
                 self.within = SETTLED.1;
@@ -122,42 +122,42 @@ impl AmplitudeLoop {
     }
 
     /// Peak voltage to drive with, V.
-    pub fn volts(&self) -> f32 {
+    pub(crate) fn volts(&self) -> f32 {
         self.volts
     }
 
     /// The voltage before anything is identified: the scan's, V.
-    pub fn start_volts(&self) -> f32 {
+    pub(crate) fn start_volts(&self) -> f32 {
         self.start_volts
     }
 
     /// How many times the present voltage the limit is; at least one.
-    pub fn headroom(&self) -> f32 {
+    pub(crate) fn headroom(&self) -> f32 {
         if self.volts > 0.0 { (self.limits.voltage_v / self.volts).max(1.0) } else { 1.0 }
     }
 
     /// The voltage limit, of the loudest lane, V.
-    pub fn most_volts(&self) -> f32 {
+    pub(crate) fn most_volts(&self) -> f32 {
         self.limits.voltage_v
     }
 
     /// The current limit, A.
-    pub fn most_amperes(&self) -> f32 {
+    pub(crate) fn most_amperes(&self) -> f32 {
         self.limits.current_a
     }
 
     /// So much of a voltage that `louder` times as much is within the limit.
-    pub fn within(&self, volts: f32, louder: f32) -> f32 {
+    pub(crate) fn within(&self, volts: f32, louder: f32) -> f32 {
         if volts * louder > self.limits.voltage_v { self.limits.voltage_v / louder } else { volts }
     }
 
     /// Whether the amplitude has been reached, or cannot be.
-    pub fn settled(&self) -> bool {
+    pub(crate) fn settled(&self) -> bool {
         self.within >= SETTLED.1 || self.limited
     }
 
     /// Whether the voltage limit stops the loop or the order from getting what it wants.
-    pub fn limited(&self) -> bool {
+    pub(crate) fn limited(&self) -> bool {
         self.limited
     }
 

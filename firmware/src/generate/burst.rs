@@ -7,17 +7,17 @@
 //!   sampling and rounding leave, the [shaper](crate::generate::shaper) pays back).
 //! * soft: the envelope follows the gate along a ramp, which an opposite order turns round: `envelope = (1 - cos(pi ramp)) / 2`.
 //!
-//! * boost: by whole half cycles of louder drive up, and of drive against what rings down, as fast as the limits allow ([`boost`]).
+//! * boost: by whole half cycles of louder drive up, and of drive against what rings down, as fast as the limits allow (`boost`).
 //!
 //! A burst that is ended by a brake goes on for some half cycles against its own phase, so that what it has rung up is rung down.
 
-pub mod boost;
+pub(crate) mod boost;
 mod brake;
 mod duty;
 mod ring;
 mod schedule;
 mod soft;
-pub mod stroke;
+pub(crate) mod stroke;
 #[cfg(test)]
 mod tests;
 
@@ -48,7 +48,7 @@ pub enum Envelope<'a> {
 
 impl Envelope<'_> {
     /// The envelope's mean over the block.
-    pub fn mean(&self) -> f32 {
+    pub(crate) fn mean(&self) -> f32 {
         match self {
             Envelope::Flat(level) => *level,
             Envelope::Edge(levels) => levels.iter().sum::<f32>() / levels.len().max(1) as f32,
@@ -56,7 +56,7 @@ impl Envelope<'_> {
     }
 
     /// Whether it is the same throughout.
-    pub fn is_flat(&self) -> bool {
+    pub(crate) fn is_flat(&self) -> bool {
         matches!(self, Envelope::Flat(_))
     }
 }
@@ -108,7 +108,7 @@ pub struct Burst {
 
 impl Burst {
     /// `frequency_hz` is the nominal drive frequency, by which soft edges are measured.
-    pub fn build(config: &Config, frequency_hz: f32, sample_hz: f32) -> Result<Self, Error> {
+    pub(crate) fn build(config: &Config, frequency_hz: f32, sample_hz: f32) -> Result<Self, Error> {
         let edge = match config.edge {
             Edge::Hard | Edge::Boost => None,
             Edge::Soft => {
@@ -136,12 +136,12 @@ impl Burst {
     }
 
     /// Whether a burst that ends under this gate ends with a brake.
-    pub fn brakes(&self, gate: Gate) -> bool {
+    pub(crate) fn brakes(&self, gate: Gate) -> bool {
         self.brakes || gate == Gate::Brake
     }
 
     /// The brake for bursts that end with one. Nothing is braked without one.
-    pub fn set_brake(&mut self, brake: Option<Brake>) {
+    pub(crate) fn set_brake(&mut self, brake: Option<Brake>) {
         self.brake = brake;
         self.loudest = brake.map_or(1.0, |brake| larger(brake.level, 1.0));
         self.moves = brake.is_some();
@@ -149,13 +149,13 @@ impl Burst {
 
     /// How much louder than the drive the envelope may get: at least one, and more only by a brake or a boost.
     #[inline]
-    pub fn loudest(&self) -> f32 {
+    pub(crate) fn loudest(&self) -> f32 {
         self.loudest
     }
 
     /// Whether what plays under this gate is an edge that was planned for a drive, which stays what it was until that is over: the end of a burst
     /// with a brake, or a boost.
-    pub fn is_under_way(&self, gate: Gate) -> bool {
+    pub(crate) fn is_under_way(&self, gate: Gate) -> bool {
         if !self.moves {
             return false;
         }
@@ -164,12 +164,12 @@ impl Burst {
     }
 
     /// The brake in use.
-    pub fn brake(&self) -> Option<Brake> {
+    pub(crate) fn brake(&self) -> Option<Brake> {
         self.brake
     }
 
     /// Whether the drive is wanted under this gate at sample `now`.
-    pub fn is_wanted(&mut self, gate: Gate, now: u64) -> bool {
+    pub(crate) fn is_wanted(&mut self, gate: Gate, now: u64) -> bool {
         self.gate(gate, now).0
     }
 
@@ -284,7 +284,7 @@ impl Burst {
     }
 
     /// Opens or closes at once, without an edge: for tones outside the schedule, and for faults.
-    pub fn snap(&mut self, open: bool, stretch: &Stretch, samples: usize) -> Envelope<'_> {
+    pub(crate) fn snap(&mut self, open: bool, stretch: &Stretch, samples: usize) -> Envelope<'_> {
         if self.boosts {
             self.snap_boost(open, samples);
         }

@@ -13,7 +13,7 @@ pub struct DriveScale {
 
 impl DriveScale {
     /// Checks that zero volts is within the codes.
-    pub fn build(front_end: &FrontEnd) -> Result<Self, Error> {
+    pub(crate) fn build(front_end: &FrontEnd) -> Result<Self, Error> {
         in_range("front_end.drive_mid_code", front_end.drive_mid_code.into(), 8.0, f64::from(front_end.drive_max_code) - 8.0)?;
         Ok(DriveScale {
             mid_code: front_end.drive_mid_code,
@@ -24,28 +24,28 @@ impl DriveScale {
     }
 
     /// The code that plays zero volts.
-    pub fn silence(&self) -> u16 {
+    pub(crate) fn silence(&self) -> u16 {
         self.mid_code
     }
 
     /// Codes for one volt.
-    pub fn lsb_per_volt(&self) -> f32 {
+    pub(crate) fn lsb_per_volt(&self) -> f32 {
         self.lsb_per_volt
     }
 
     /// The largest amplitude that is free of clipping, codes.
-    pub fn headroom(&self) -> f32 {
+    pub(crate) fn headroom(&self) -> f32 {
         self.headroom
     }
 
     /// The same in volts, rounded down.
-    pub fn range_v(&self) -> f32 {
+    pub(crate) fn range_v(&self) -> f32 {
         self.headroom / self.lsb_per_volt
     }
 
     /// What to add to a value in codes so that truncation rounds it to the nearest code, as long as it stays within the headroom.
     #[inline]
-    pub fn rounding_base(&self) -> f32 {
+    pub(crate) fn rounding_base(&self) -> f32 {
         f32::from(self.mid_code) + 0.5
     }
 }

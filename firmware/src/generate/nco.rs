@@ -39,7 +39,7 @@ impl Stretch {
     }
 
     /// The tone of constant frequency that is nearest to the first `samples` samples, in the sense of least squares. A chirp of rate `c` (Hz/s) deviates from it by `pi c (T / 2)^2 / 3` rad rms at most over a block of `T`.
-    pub fn chord(&self, samples: usize) -> Stretch {
+    pub(crate) fn chord(&self, samples: usize) -> Stretch {
         if self.step == 0 {
             return *self;
         }
@@ -54,7 +54,7 @@ impl Stretch {
 /// The phases of a stretch, sample after sample, in 32 bits: what they are cut by is less than 5e-7 turns after a block, and does not reach
 /// the next one.
 #[derive(Clone, Copy, Debug)]
-pub struct Phases {
+pub(crate) struct Phases {
     phase: u32,
     word: u32,
     step: u32,
@@ -62,13 +62,13 @@ pub struct Phases {
 
 impl Stretch {
     /// Its phases, from the first sample on, `lead` (2^32 a turn) before the oscillator.
-    pub fn phases(&self, lead: u32) -> Phases {
+    pub(crate) fn phases(&self, lead: u32) -> Phases {
         let high = |wide: u64| (wide >> 32) as u32;
         Phases { phase: high(self.phase).wrapping_add(lead), word: high(self.word), step: high(self.step) }
     }
 
     /// The frequency of its first sample, in cycles a sample.
-    pub fn frequency(&self) -> f32 {
+    pub(crate) fn frequency(&self) -> f32 {
         (self.word >> 32) as u32 as f32 * (1.0 / 4_294_967_296.0)
     }
 }
@@ -76,7 +76,7 @@ impl Stretch {
 impl Phases {
     /// The next phase, 2^32 a turn.
     #[inline]
-    pub fn take(&mut self) -> u32 {
+    pub(crate) fn take(&mut self) -> u32 {
         let phase = self.phase;
         self.phase = phase.wrapping_add(self.word);
         self.word = self.word.wrapping_add(self.step);

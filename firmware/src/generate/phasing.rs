@@ -21,7 +21,7 @@ use crate::seam::phasor::Phasor;
 use crate::seam::units::Turns;
 
 /// Largest quadrature: beyond a quarter turn a motor would turn the other way again.
-pub const MAX_QUADRATURE: f32 = 0.25;
+pub(crate) const MAX_QUADRATURE: f32 = 0.25;
 /// Where the lanes stand: turns, and quadratures.
 const OFFSETS: [(f32, f32); MAX_LANES] = [(0.0, 0.0), (0.0, 1.0), (0.5, 0.0), (0.5, 1.0)];
 /// Trims are looked up anew when the frequency has moved by this part of itself.
@@ -37,7 +37,7 @@ pub struct Lane {
     /// The gain in the direction of the offset.
     pub row: Phasor,
     /// It is the opposite of the lane two before, to the last bit.
-    pub mirrors: bool,
+    pub(crate) mirrors: bool,
 }
 
 /// The lanes of a drive.
@@ -76,7 +76,7 @@ fn checked(trim: Trim) -> Result<Trim, Error> {
 }
 
 /// Checks what a calibration is said to have found.
-pub fn check_calibration(calibration: &LaneTrims) -> Result<(), Error> {
+pub(crate) fn check_calibration(calibration: &LaneTrims) -> Result<(), Error> {
     if !calibration.windows(2).all(|pair| pair[0].hz < pair[1].hz) {
         return Err(Error::TrimOrder);
     }

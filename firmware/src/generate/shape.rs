@@ -3,14 +3,14 @@
 //! | shape | is made | file |
 //! |---|---|---|
 //! | sine | from one rotating phasor, for all lanes | [`sine`] |
-//! | square, sawtooth | by tables of one period, each the sum of as many harmonics as the sample rate carries | [`square`], [`sawtooth`], [`bands`] |
-//! | noise | by a filter, from random numbers | [`noise`] |
+//! | square, sawtooth | by tables of one period, each the sum of as many harmonics as the sample rate carries | `square`, `sawtooth`, `bands` |
+//! | noise | by a filter, from random numbers | `noise` |
 
-pub mod bands;
-pub mod noise;
-pub mod sawtooth;
+pub(crate) mod bands;
+pub(crate) mod noise;
+pub(crate) mod sawtooth;
 pub mod sine;
-pub mod square;
+pub(crate) mod square;
 
 use crate::generate::shape::bands::Bands;
 use crate::generate::shape::noise::Noise;
@@ -31,7 +31,7 @@ pub enum Shape {
 
 impl Shape {
     /// The amplitude of its fundamental, of a peak of one, at a frequency (cycles a sample). A noise has none.
-    pub fn fundamental(&self, cycles_per_sample: f32) -> Option<f32> {
+    pub(crate) fn fundamental(&self, cycles_per_sample: f32) -> Option<f32> {
         match self {
             Shape::Sine => Some(1.0),
             Shape::Harmonics(_, bands) => Some(bands.at(cycles_per_sample).fundamental()),

@@ -87,12 +87,12 @@ impl Shaper {
     }
 
     /// Whether nothing is owed.
-    pub fn is_even(&self) -> bool {
+    pub(crate) fn is_even(&self) -> bool {
         self.owed.iter().all(|&owed| owed == 0)
     }
 
     /// A block of mid-code, whatever is owed: for a drive that must be silent, or is listened to in silence.
-    pub fn mute(&mut self, play: &Play, drive: &mut DriveBlock) {
+    pub(crate) fn mute(&mut self, play: &Play, drive: &mut DriveBlock) {
         self.owed = [0; MAX_LANES];
         fit(play, drive);
         self.silence(play, drive);

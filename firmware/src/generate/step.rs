@@ -36,17 +36,17 @@ pub struct Plan {
     /// Peak voltage, V.
     pub volts: f32,
     /// When the drive is let through.
-    pub gate: Gate,
+    pub(crate) gate: Gate,
     /// The lane that the sense channels are connected to.
-    pub listen: u8,
+    pub(crate) listen: u8,
     /// Offset of the tracked resonance from the nominal frequency, Hz; `None` where nothing is tracked.
-    pub tracked_hz: Option<f32>,
+    pub(crate) tracked_hz: Option<f32>,
     /// The phase that the tracker drives to zero.
     pub phase: Turns,
     /// The frequency window limits what the order asks for.
-    pub limited: bool,
+    pub(crate) limited: bool,
     /// How the stage is getting on.
-    pub progress: Progress,
+    pub(crate) progress: Progress,
 }
 
 impl Plan {
@@ -61,7 +61,7 @@ impl Plan {
     };
 
     /// The plan for a step. `retune` sets the frequency, as an offset from the nominal one, Hz.
-    pub fn of(step: Step, retune: impl FnOnce(f32)) -> Self {
+    pub(crate) fn of(step: Step, retune: impl FnOnce(f32)) -> Self {
         match step {
             Step::Silence => Plan::SILENT,
             Step::Tone { offset_hz, volts, lane } => {

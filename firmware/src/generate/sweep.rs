@@ -1,7 +1,7 @@
-//! Time to frequency. [`hold`]: the frequency stays where it was put until the scan, the tracker or an order moves it. [`chirp`]: it moves by
+//! Time to frequency. [`hold`]: the frequency stays where it was put until the scan, the tracker or an order moves it. `chirp`: it moves by
 //! itself, between two frequencies or about the one that is held. Nothing here ever breaks the phase.
 
-pub mod chirp;
+pub(crate) mod chirp;
 pub mod hold;
 
 use crate::generate::sweep::chirp::Chirp;
@@ -10,7 +10,7 @@ use crate::seam::config::{Config, Sweep as SweepConfig};
 use crate::seam::error::Error;
 
 /// The highest frequency that a sample rate carries, as a part of it.
-pub const HIGHEST: f64 = 0.45;
+pub(crate) const HIGHEST: f64 = 0.45;
 
 /// The frequency held, and the chirp that departs from it while running.
 #[derive(Clone, Debug)]
@@ -22,7 +22,7 @@ pub struct Sweep {
 
 impl Sweep {
     /// Checks the frequencies.
-    pub fn build(config: &Config) -> Result<Self, Error> {
+    pub(crate) fn build(config: &Config) -> Result<Self, Error> {
         let hold = Hold::build(config.drive.frequency_hz, config.sample_hz)?;
         let chirp = match &config.sweep {
             SweepConfig::Hold => None,
@@ -32,17 +32,17 @@ impl Sweep {
     }
 
     /// Whether there is no chirp.
-    pub fn holds(&self) -> bool {
+    pub(crate) fn holds(&self) -> bool {
         self.chirp.is_none()
     }
 
     /// Begins the chirp anew.
-    pub fn restart(&mut self) {
+    pub(crate) fn restart(&mut self) {
         self.chirp.iter_mut().for_each(Chirp::restart);
     }
 
     /// Tuning word of the next block's first sample and its increment from sample to sample. `running`: the chirp has its turn.
-    pub fn next(&mut self, running: bool) -> (u64, u64) {
+    pub(crate) fn next(&mut self, running: bool) -> (u64, u64) {
         match self.chirp.as_mut().filter(|_| running) {
             Some(chirp) => chirp.next(self.hold.word()),
             None => (self.hold.word(), 0),

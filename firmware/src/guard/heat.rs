@@ -14,7 +14,7 @@ use crate::seam::config::Config;
 use crate::seam::fault::Fault;
 
 /// Derating begins so far below the limit, K.
-pub const DERATE_K: f32 = 20.0;
+pub(crate) const DERATE_K: f32 = 20.0;
 /// What is left of the amplitude at the limit: enough to follow the resonance by.
 const LEAST: f32 = 0.1;
 /// Memory of the mean power, s.
@@ -24,16 +24,16 @@ const INTEGRATOR_S: f32 = 32e-3;
 
 /// What the tracker knows of the stack.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Thermometers {
+pub(crate) struct Thermometers {
     /// Series resonance, Hz, as an offset from anything fixed.
     pub resonance_hz: f32,
     /// Susceptance of the clamped capacitance at a fixed frequency, in any unit.
-    pub susceptance: f32,
+    pub(crate) susceptance: f32,
 }
 
 /// The watch over temperature and power.
 #[derive(Clone, Debug)]
-pub struct Heat {
+pub(crate) struct Heat {
     most_c: f32,
     kelvin_per_hz: f32,
     kelvin_per_part: f32,
@@ -54,7 +54,7 @@ pub struct Heat {
 
 impl Heat {
     /// A watch that keeps the configured limits, by the configured coefficients.
-    pub fn build(config: &Config, block_s: f32) -> Self {
+    pub(crate) fn build(config: &Config, block_s: f32) -> Self {
         let (limits, told) = (&config.limits, &config.thermometer);
         let inverse = |per_k: f32| if per_k == 0.0 { 0.0 } else { 1.0 / per_k };
         Heat {

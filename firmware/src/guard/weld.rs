@@ -55,7 +55,7 @@ impl Weld {
     }
 
     /// A new attempt begins: nothing is known of the belt's motion, nor of its force.
-    pub fn begin(&mut self) {
+    pub(crate) fn begin(&mut self) {
         self.motion.begin();
         self.force.begin();
     }
@@ -79,7 +79,7 @@ impl Weld {
     }
 
     /// Whether it is also wanted.
-    pub fn mutes(&self) -> bool {
+    pub(crate) fn mutes(&self) -> bool {
         self.mutes
     }
 }

@@ -3,12 +3,12 @@
 
 /// The larger of two numbers; the second where the first is none.
 #[inline]
-pub fn larger(x: f32, y: f32) -> f32 {
+pub(crate) fn larger(x: f32, y: f32) -> f32 {
     if x > y { x } else { y }
 }
 
 /// The smaller of two numbers; the second where the first is none.
 #[inline]
-pub fn smaller(x: f32, y: f32) -> f32 {
+pub(crate) fn smaller(x: f32, y: f32) -> f32 {
     if x < y { x } else { y }
 }

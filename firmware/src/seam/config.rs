@@ -84,7 +84,7 @@ pub struct Config {
 
 impl Config {
     /// Samples a second.
-    pub const SAMPLE_HZ: Setting = Setting { name: "sample_hz", min: 1e3, max: 20e6 };
+    pub(crate) const SAMPLE_HZ: Setting = Setting { name: "sample_hz", min: 1e3, max: 20e6 };
     /// Samples in a block.
     pub const BLOCK_SAMPLES: Setting = Setting { name: "block_samples", min: 8.0, max: MAX_BLOCK_SAMPLES as f64 };
     /// Drive lanes: as many as the board has at most.

@@ -1,7 +1,7 @@
 //! The belt, as its encoder tells it: how far it has paid out, how fast it is, and whether what lies under the tip is new.
 //!
 //! Payout is counts times metres a count. **New ground** is a count further out than the belt has been since it was last drawn back by
-//! [`PLAY_M`]: a belt that swings to and fro by less than that stays where it is, as far as the heat in it goes.
+//! `PLAY_M`: a belt that swings to and fro by less than that stays where it is, as far as the heat in it goes.
 //!
 //! Speed is the counts between two edges over the time between them, `v = m (c2 - c1) / (t2 - t1)`, with the edges 5 ms apart, or 200
 //! counts if those come sooner: an edge is known to a block, so that the speed is known to 0.6 % (32 us in 5 ms) or 0.5 %. A belt of which
@@ -11,7 +11,7 @@ use crate::seam::block::BeltSense;
 use crate::seam::config::Config;
 
 /// How far a belt is drawn back before its way out counts as new again, m: a fifth of a contact of 10 mm.
-pub const PLAY_M: f32 = 2e-3;
+pub(crate) const PLAY_M: f32 = 2e-3;
 /// The same where nobody has said what a count is worth, in counts.
 const PLAY_COUNTS: i32 = 200;
 /// The speed is measured over so long, s,
@@ -39,7 +39,6 @@ pub struct Belt {
 /// What the encoder has said so far, as raw counts.
 #[derive(Clone, Copy, Debug)]
 struct Heard {
-    first: i32,
     last: i32,
     furthest: i32,
     /// Where and how many blocks ago the present measurement of the speed began.
@@ -90,33 +89,27 @@ impl Belt {
     }
 
     /// Whether there is an encoder: one was told of, or has been heard.
-    pub fn is_expected(&self) -> bool {
+    pub(crate) fn is_expected(&self) -> bool {
         self.expected
     }
 
     /// Whether there should be an encoder and is none, or one with a broken line.
-    pub fn is_lost(&self) -> bool {
+    pub(crate) fn is_lost(&self) -> bool {
         self.expected && self.heard.is_none()
     }
 
     /// New ground in the last block, counts.
-    pub fn fresh_counts(&self) -> u32 {
+    pub(crate) fn fresh_counts(&self) -> u32 {
         self.fresh
     }
 
     /// Blocks since there was new ground, or since power-on.
-    pub fn still_blocks(&self) -> u32 {
+    pub(crate) fn still_blocks(&self) -> u32 {
         self.still
     }
 
-    /// How far the belt has paid out since it was first heard, m. `None` without an encoder whose counts are worth something.
-    pub fn payout_m(&self) -> Option<f32> {
-        let heard = self.heard.filter(|_| self.metre_per_count > 0.0)?;
-        Some(heard.last.wrapping_sub(heard.first) as f32 * self.metre_per_count)
-    }
-
     /// Its speed, m/s, to a per cent; less than zero as it is drawn back. `None` while it is not known.
-    pub fn speed_m_per_s(&self) -> Option<f32> {
+    pub(crate) fn speed_m_per_s(&self) -> Option<f32> {
         let heard = self.heard.filter(|_| self.metre_per_count > 0.0)?;
         Some(heard.limited_speed()? * self.metre_per_count / self.block_s)
     }
@@ -124,7 +117,7 @@ impl Belt {
 
 impl Heard {
     fn from(counts: i32) -> Self {
-        Heard { first: counts, last: counts, furthest: counts, anchor: counts, since_anchor: 0, since_edge: 0, speed: None }
+        Heard { last: counts, furthest: counts, anchor: counts, since_anchor: 0, since_edge: 0, speed: None }
     }
 
     /// Moves on to the next reading. Returns the new ground, counts.
@@ -210,9 +203,8 @@ mod tests {
         let (mut belt, mut position) = (belt(), f64::from(i32::MAX) - 100.0);
         let fresh = moves(&mut belt, &mut position, 0.1, 1000);
         // 3.2 mm in a thousand blocks; the first is where it counts from.
-        let payout = belt.payout_m().unwrap();
-        assert!((payout - 3.1968e-3).abs() < 1.1e-5, "{payout}");
-        assert_eq!(fresh, (payout * 1e5).round() as u32);
+        let payout_m = f64::from(fresh) * 1e-5;
+        assert!((payout_m - 3.1968e-3).abs() < 1.1e-5, "{payout_m}");
     }
 
     #[test]
@@ -238,11 +230,11 @@ mod tests {
         for counts in 0..10 {
             belt.hear(Some(BeltSense { counts, broken: false }));
         }
-        assert!(!belt.is_lost() && belt.payout_m().is_some());
+        assert!(!belt.is_lost());
         belt.hear(Some(BeltSense { counts: 500, broken: true }));
-        assert!(belt.is_lost() && belt.payout_m().is_none() && belt.fresh_counts() == 0);
+        assert!(belt.is_lost() && belt.fresh_counts() == 0);
         belt.hear(Some(BeltSense { counts: 900, broken: false }));
-        assert_eq!((belt.is_lost(), belt.fresh_counts(), belt.payout_m()), (false, 0, Some(0.0)));
+        assert_eq!((belt.is_lost(), belt.fresh_counts()), (false, 0));
         belt.hear(None);
         assert!(belt.is_lost());
     }

@@ -38,23 +38,23 @@ impl SenseScale {
     }
 
     /// Mean of a block, in codes about the present zero.
-    pub fn mean_code(&self, codes: &Codes) -> f32 {
+    pub(crate) fn mean_code(&self, codes: &Codes) -> f32 {
         self.centred(codes).sum::<f32>() / codes.len().max(1) as f32
     }
 
     /// Rms of a block about its own mean, in codes.
-    pub fn rms_code(&self, codes: &Codes) -> f32 {
+    pub(crate) fn rms_code(&self, codes: &Codes) -> f32 {
         let mean = self.mean_code(codes);
         libm::sqrtf(self.centred(codes).map(|code| (code - mean) * (code - mean)).sum::<f32>() / codes.len().max(1) as f32)
     }
 
     /// Variance of a phasor that is fitted to `samples` codes of this variance, both components, in SI. Rounding adds a twelfth.
-    pub fn phasor_variance(&self, code_variance: f32, samples: usize) -> f32 {
+    pub(crate) fn phasor_variance(&self, code_variance: f32, samples: usize) -> f32 {
         4.0 / samples as f32 * (code_variance + 1.0 / 12.0) * self.per_lsb * self.per_lsb
     }
 
     /// How many codes a value in SI is.
-    pub fn codes(&self, value: f32) -> f32 {
+    pub(crate) fn codes(&self, value: f32) -> f32 {
         value / self.per_lsb
     }
 
@@ -67,7 +67,7 @@ impl SenseScale {
 
     /// Whether no code of a block can be out of order: of a tone with this square of its amplitude, and with so much energy beside it (both in
     /// codes). `a + e <= reach`, in squares, because a root takes as long as two periods of the lock-in.
-    pub fn holds(&self, amplitude_square: f32, energy: f32) -> bool {
+    pub(crate) fn holds(&self, amplitude_square: f32, energy: f32) -> bool {
         // What rounding may have taken from the energy.
         let energy = energy + 1e-5 * amplitude_square + 1.0;
         let rest = self.reach * self.reach - amplitude_square - energy;
@@ -75,12 +75,12 @@ impl SenseScale {
     }
 
     /// The code of zero, to a fraction.
-    pub fn zero(&self) -> f32 {
+    pub(crate) fn zero(&self) -> f32 {
         self.zero
     }
 
     /// How many samples of a block are beyond `limit` (in SI) on either side of zero.
-    pub fn beyond(&self, codes: &Codes, limit: f32) -> usize {
+    pub(crate) fn beyond(&self, codes: &Codes, limit: f32) -> usize {
         let limit = self.codes(limit);
         self.centred(codes).filter(|code| code.abs() > limit).count()
     }
@@ -92,18 +92,18 @@ impl SenseScale {
     }
 
     /// Forgets measured offsets.
-    pub fn restore_zero(&mut self) {
+    pub(crate) fn restore_zero(&mut self) {
         self.zero = f32::from(self.mid_code);
         self.set_limit(self.limit);
     }
 
     /// Full scale to one side, in codes.
-    pub fn half_range(&self) -> f32 {
+    pub(crate) fn half_range(&self) -> f32 {
         0.5 * f32::from(self.max_code)
     }
 
     /// How many samples of a block stand at either end of the converter.
-    pub fn clipped(&self, codes: &Codes) -> usize {
+    pub(crate) fn clipped(&self, codes: &Codes) -> usize {
         codes.iter().filter(|&&code| code == 0 || code >= self.max_code).count()
     }
 }

@@ -46,7 +46,7 @@ pub struct Suspect {
     pub i: bool,
 }
 
-/// Voltage and current phasors of a block in which a tone was played (a chirp's [chord](Stretch::chord)), and what is out of order in it.
+/// Voltage and current phasors of a block in which a tone was played (a chirp's chord), and what is out of order in it.
 ///
 /// The sine of `omega` must not vanish: the frequency lies between zero and half the sample rate. A block that was cut to less
 /// than two samples determines no phasor: zero.

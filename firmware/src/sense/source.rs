@@ -15,7 +15,7 @@ const CHANGED: f32 = 1e-3;
 
 /// The source.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Source {
+pub(crate) struct Source {
     drive: f32,
     drive_current: Phasor,
     current: f32,
@@ -27,7 +27,7 @@ pub struct Source {
 
 impl Source {
     /// Takes a block that was played throughout with a drive of `volts`.
-    pub fn hear(&mut self, volts: f32, v: Phasor, motional_current: Phasor) {
+    pub(crate) fn hear(&mut self, volts: f32, v: Phasor, motional_current: Phasor) {
         self.drive += volts * volts;
         self.drive_current += motional_current * volts;
         self.current += motional_current.norm_sqr();
@@ -44,7 +44,7 @@ impl Source {
     }
 
     /// `g` and `z`, ohm, if there was any drive.
-    pub fn seen(&mut self) -> Option<(Phasor, Phasor)> {
+    pub(crate) fn seen(&mut self) -> Option<(Phasor, Phasor)> {
         if self.drive <= 0.0 {
             return None;
         }

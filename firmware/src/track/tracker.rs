@@ -1,16 +1,16 @@
 //! Phasors to frequency: keeps the drive at the resonance while it moves.
 //!
 //! The motional current is taken out of the total ([`Motional`]). The [`observer`] tells the resonance from how it changes, as far as it is
-//! [believed](observed); or the phase of one of the two currents is driven to zero by [`phase_loop`], and [`lock_detector`] says whether to
+//! believed; or the phase of one of the two currents is driven to zero by `phase_loop`, and `lock_detector` says whether to
 //! believe that. The motional phase, of which the observer knows nothing, is also the judge of the observer. In between the tracker decides
 //! when there is any phase to hear: not while the envelope is at an edge or the stack rings up, and not when it does not ring at all.
 
 pub mod identified;
-pub mod lock_detector;
-pub mod observed;
+pub(crate) mod lock_detector;
+pub(crate) mod observed;
 pub mod observer;
-pub mod phase_loop;
-pub mod prior;
+pub(crate) mod phase_loop;
+pub(crate) mod prior;
 
 use crate::seam::compare::{larger, smaller};
 use crate::seam::config::{Config, TrackingMode};
@@ -142,12 +142,12 @@ impl Tracker {
     }
 
     /// Whether anything is tracked.
-    pub fn tracks(&self) -> bool {
+    pub(crate) fn tracks(&self) -> bool {
         self.detector.is_some()
     }
 
     /// Forgets the transducer.
-    pub fn restart(&mut self) {
+    pub(crate) fn restart(&mut self) {
         self.motional = self.nominal;
         self.lock.restart(0.0);
         self.phase_loop.seed(0.0, f32::INFINITY);
@@ -156,7 +156,7 @@ impl Tracker {
     }
 
     /// Whether an observer tracks.
-    pub fn observes(&self) -> bool {
+    pub(crate) fn observes(&self) -> bool {
         self.observed.is_some()
     }
 
@@ -170,7 +170,7 @@ impl Tracker {
     }
 
     /// Begins again where there is more hope, and says where; without an observer, or after the last, nowhere.
-    pub fn seek_on(&mut self, was_locked: bool) -> Option<Seek> {
+    pub(crate) fn seek_on(&mut self, was_locked: bool) -> Option<Seek> {
         let next = self.observed.as_mut()?.seek_on(was_locked);
         self.restart_clock(0.0);
         next
@@ -182,7 +182,7 @@ impl Tracker {
     }
 
     /// Begins to learn the same in parts, where there is an observer.
-    pub fn learn(&self, learning: &mut Learning) {
+    pub(crate) fn learn(&self, learning: &mut Learning) {
         if let Some(observed) = &self.observed {
             learning.begin(observed.observer(), self.nominal_hz, &self.known);
         }
@@ -211,7 +211,7 @@ impl Tracker {
     }
 
     /// Takes a clamped branch that was measured anew, and the standard deviation of its capacitance, relative.
-    pub fn set_branch(&mut self, branch: Motional, deviation: f32) {
+    pub(crate) fn set_branch(&mut self, branch: Motional, deviation: f32) {
         let c0_f = branch.y0.im / (core::f32::consts::TAU * self.nominal_hz);
         (self.motional, self.known.c0_f) = (branch, (c0_f, deviation * c0_f));
     }
@@ -238,19 +238,19 @@ impl Tracker {
     }
 
     /// The clamped branch, and the axis of the sensing chain.
-    pub fn branch(&self) -> &Motional {
+    pub(crate) fn branch(&self) -> &Motional {
         &self.motional
     }
 
     /// What the motional current would be at the lock point: beside it, a resonance answers with `1 / (1 + j 2 pi tau df)` of that.
-    pub fn at_lock_point(&self, motional_current: Phasor, detune_hz: f32) -> Phasor {
+    pub(crate) fn at_lock_point(&self, motional_current: Phasor, detune_hz: f32) -> Phasor {
         if detune_hz == 0.0 {
             return motional_current;
         }
         motional_current * Phasor::new(1.0, self.turn_per_hz * detune_hz)
     }
 
-    /// Follows one block. `at_lock_point` is its motional current [at the lock point](Self::at_lock_point). Returns the phase that is driven to
+    /// Follows one block. `at_lock_point` is its motional current at the lock point. Returns the phase that is driven to
     /// zero, which is zero where nothing was heard.
     pub fn follow(&mut self, sensed: &Sensed, motional_current: Phasor, at_lock_point: Phasor, heard: &Heard) -> Turns {
         let Some(detector) = self.detector else { return Turns(0.0) };
@@ -325,17 +325,17 @@ impl Tracker {
     }
 
     /// The largest offset, Hz.
-    pub fn window_hz(&self) -> f32 {
+    pub(crate) fn window_hz(&self) -> f32 {
         self.phase_loop.window_hz()
     }
 
     /// The estimate of the resonance, as an offset from the nominal frequency, Hz.
-    pub fn estimate_hz(&self) -> f32 {
+    pub(crate) fn estimate_hz(&self) -> f32 {
         self.observed.as_ref().map_or_else(|| self.phase_loop.estimate_hz(), |observed| observed.observer().offset_hz())
     }
 
     /// Whether the frequency window stops it from going where it wants.
-    pub fn limited(&self) -> bool {
+    pub(crate) fn limited(&self) -> bool {
         match self.observed.as_ref().and_then(Observed::offset_hz) {
             Some(offset_hz) => offset_hz.abs() >= self.window_hz(),
             None => self.phase_loop.limited(),

@@ -1,43 +1,53 @@
 //! The blocks of the documentation that `sim-host validate` writes are what it prints. `UPDATE_DOCS=1 cargo test docs` writes them anew.
 
-use crate::{crash, friction, guard, instructions, thesis, tracking};
+use crate::bench::{Evidence, Options, named};
+use crate::thesis;
 use report::docs::{block, is_update, path};
-use report::{Report, markdown};
+use report::markdown;
 
+fn evidence(name: &str, page: &str) -> Evidence {
+    let mut options = Options { quick: false, counted: None, progress: &mut |_| () };
+    let evidence = (named(name).unwrap().run)(&mut options).unwrap_or_else(|error| panic!("{error}"));
+    block(page, &format!("sim-host validate {name}"), &markdown(&evidence.docs));
+    evidence
+}
+
+/// What is missed stands in the page, under "What falls short".
 #[test]
 fn tracking_has_these_numbers() {
-    let campaign = tracking::conduct(tracking::Extent::FULL, &mut |_| ()).unwrap();
-    block("tracking.md", "sim-host validate tracking", &tracking::table::markdown(&campaign));
+    const KNOWN: [&str; 3] = ["open, while running", "depoled, while running", "cracked, while running"];
+    let missed = evidence("tracking", "tracking.md").missed;
+    let other: Vec<_> = missed.iter().filter(|missed| !KNOWN.iter().any(|known| missed.contains(known))).collect();
+    assert!(other.is_empty(), "{other:?}");
 }
 
 #[test]
 fn friction_has_these_numbers() {
-    let campaign = friction::conduct(friction::cases::all()).unwrap();
-    block("friction.md", "sim-host validate friction", &friction::table::markdown(&campaign));
+    let evidence = evidence("friction", "friction.md");
+    assert_eq!(evidence.missed, [""; 0]);
     if is_update() {
         let folder = std::env::temp_dir().join(format!("friction-{}", std::process::id()));
-        report::write(&Report { figures: vec![friction::plot::figure(&campaign)], ..Report::default() }, &folder).unwrap();
+        report::write(&evidence.report, &folder).unwrap();
         std::fs::copy(folder.join("friction-switch.png"), path("friction-switch.png")).unwrap();
     }
 }
 
 #[test]
 fn crash_has_these_numbers() {
-    let campaign = crash::conduct(crash::Extent::FULL, &mut |_| ()).unwrap();
-    block("crash.md", "sim-host validate crash", &crash::table::markdown(&campaign));
+    assert_eq!(evidence("crash", "crash.md").missed, [""; 0]);
 }
 
 #[test]
 fn guard_has_these_numbers() {
-    let campaign = guard::conduct(guard::Extent::FULL, &mut |_| ()).unwrap();
-    assert!(campaign.holds());
-    block("guard.md", "sim-host validate guard", &guard::table::markdown(&campaign));
+    assert_eq!(evidence("guard", "guard.md").missed, [""; 0]);
 }
 
+/// Where QEMU is installed; another test says so where it is not.
 #[test]
 fn instructions_has_these_counts() {
-    let Some(measurement) = instructions::tests::measurement() else { return };
-    block("instructions.md", "sim-host validate instructions", &instructions::table::markdown(measurement));
+    if pil::missing().is_none() {
+        assert_eq!(evidence("instructions", "instructions.md").missed, [""; 0]);
+    }
 }
 
 #[test]

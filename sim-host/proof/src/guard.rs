@@ -21,27 +21,28 @@ mod tests;
 
 use rayon::prelude::*;
 
-use self::cases::{EVENTS, Event, LIES, Lie, Passage, RIPPLES};
+use self::cases::{ENCODER_FAULTS, EVENTS, EncoderFault, Event, MOVING_BELTS, MovingBelt};
 use self::rig::{Plan, Rig};
-use scene::load::LoadError;
+use crate::bench::{Error, Evidence, Options};
+use report::Report;
 use sim::instruments::runs::statistics::{Spread, spread_of};
 
-/// How much is run.
+/// Runs of each event, seconds of belt for the one that must not trip at all, and for each of the others.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Extent {
+pub struct Runs {
     /// Runs of each event.
     pub runs: u32,
-    /// Seconds of belt for the passage that must not trip at all.
+    /// Seconds of belt for the one that must not trip at all.
     pub seconds: u32,
     /// Seconds for each of the others.
     pub other_seconds: u32,
 }
 
-impl Extent {
+impl Runs {
     /// What the documentation states.
-    pub const FULL: Self = Extent { runs: 1000, seconds: 3000, other_seconds: 300 };
+    pub const FULL: Self = Runs { runs: 1000, seconds: 3000, other_seconds: 300 };
     /// Enough to see that nothing has become worse.
-    pub const QUICK: Self = Extent { runs: 60, seconds: 10, other_seconds: 2 };
+    pub const QUICK: Self = Runs { runs: 60, seconds: 10, other_seconds: 2 };
 }
 
 /// What came of many runs of one event.
@@ -70,13 +71,13 @@ impl Stopped {
     }
 }
 
-/// A lie of the encoder that nothing but energy or time can end.
+/// A fault of the encoder that nothing but energy or time can end.
 #[derive(Clone, Debug)]
-pub struct Believed {
+pub struct Undetected {
     /// Which.
-    pub lie: &'static Lie,
-    /// How long it was believed, s; none if it still is after a minute.
-    pub believed_s: Option<f64>,
+    pub encoder: &'static EncoderFault,
+    /// How long it lasted, s; none if it still does after a minute.
+    pub undetected_s: Option<f64>,
     /// The fault that ended it.
     pub fault: u8,
     /// Energy into the millimetre that stood, J.
@@ -87,7 +88,7 @@ pub struct Believed {
 #[derive(Clone, Debug)]
 pub struct Passed {
     /// Which.
-    pub passage: &'static Passage,
+    pub belt: &'static MovingBelt,
     /// Seconds of belt.
     pub seconds: f64,
     /// Mutes and faults; a fault ends a part.
@@ -99,59 +100,45 @@ pub struct Passed {
 impl Passed {
     /// Whether what must not trip has not.
     pub fn holds(&self) -> bool {
-        !self.passage.must_pass || self.trips == 0
+        !self.belt.must_pass || self.trips == 0
     }
 }
 
-/// Everything that was run.
-pub struct Campaign {
-    /// The drive's power into the motional branch, W.
-    pub power_w: f64,
-    /// Events.
-    pub stopped: Vec<Stopped>,
-    /// Lies.
-    pub believed: Vec<Believed>,
-    /// Passages.
-    pub passed: Vec<Passed>,
-}
-
-impl Campaign {
-    /// Whether every target is reached.
-    pub fn holds(&self) -> bool {
-        self.stopped.iter().all(Stopped::holds) && self.passed.iter().all(Passed::holds)
-    }
-}
-
-/// Why there is no campaign.
-#[derive(Debug, thiserror::Error)]
-pub enum Trouble {
-    /// The scene that the campaign takes its stack and contact from is not valid.
-    #[error(transparent)]
-    Scene(#[from] LoadError),
-    /// The firmware refuses a case.
-    #[error("the firmware refuses a case: {0}")]
-    Config(#[from] firmware::seam::error::Error),
-}
-
-/// Runs everything; `progress` is told what comes next.
-pub fn conduct(extent: Extent, progress: &mut dyn FnMut(&str)) -> Result<Campaign, Trouble> {
+/// Runs everything.
+pub fn evidence(options: &mut Options) -> Result<Evidence, Error> {
+    let runs = if options.quick { Runs::QUICK } else { Runs::FULL };
     let plan = Plan::of_the_scene()?;
     let stopped = EVENTS.iter().map(|event| {
-        progress(event.name);
-        stop(&plan, event, extent.runs)
+        (options.progress)(event.name);
+        stop(&plan, event, runs.runs)
     });
     let stopped = stopped.collect::<Result<Vec<_>, _>>()?;
-    progress("lies");
-    let believed = LIES.iter().map(|lie| believe(&plan, lie)).collect::<Result<Vec<_>, _>>()?;
-    let passed = RIPPLES.iter().map(|passage| {
-        progress(&passage.name());
-        pass(&plan, passage, if passage.must_pass { extent.seconds } else { extent.other_seconds })
+    (options.progress)("encoder faults without a force channel");
+    let undetected = ENCODER_FAULTS.iter().map(|encoder| run_encoder_fault(&plan, encoder)).collect::<Result<Vec<_>, _>>()?;
+    let passed = MOVING_BELTS.iter().map(|belt| {
+        (options.progress)(&belt.name());
+        pass(&plan, belt, if belt.must_pass { runs.seconds } else { runs.other_seconds })
     });
-    Ok(Campaign { power_w: plan.power_w, stopped, believed, passed: passed.collect::<Result<_, _>>()? })
+    let passed = passed.collect::<Result<Vec<_>, _>>()?;
+    let late = stopped.iter().filter(|found| !found.holds()).map(|found| found.event.name.to_owned());
+    let tripped = passed.iter().filter(|found| !found.holds()).map(|found| found.belt.name());
+    let missed = late.chain(tripped).collect();
+    let tables = table::tables(plan.power_w, &stopped, &undetected, &passed);
+    Ok(Evidence {
+        report: Report {
+            title: "Weld guard: a belt that stops or slows, or whose encoder fails".into(),
+            subtitle: "Simulated: the firmware's guard at block rate, without the carrier".into(),
+            tables: tables.clone(),
+            ..Report::default()
+        },
+        docs: tables,
+        missed,
+        ..Evidence::default()
+    })
 }
 
 /// Runs one event so often, each time with another speed, phase, ripple and moment.
-pub fn stop(plan: &Plan, event: &'static Event, runs: u32) -> Result<Stopped, Trouble> {
+pub fn stop(plan: &Plan, event: &'static Event, runs: u32) -> Result<Stopped, Error> {
     let ended = (0..runs).into_par_iter().map(|run| Rig::new(plan, &event.build(run))?.stop(event, run));
     let ended = ended.collect::<Result<Vec<_>, firmware::seam::error::Error>>()?;
     let mut ends: Vec<u8> = ended.iter().map(|end| end.fault).collect();
@@ -169,19 +156,19 @@ pub fn stop(plan: &Plan, event: &'static Event, runs: u32) -> Result<Stopped, Tr
     })
 }
 
-/// Tells one lie until it is ended.
-pub fn believe(plan: &Plan, lie: &'static Lie) -> Result<Believed, Trouble> {
-    let (believed_s, fault, exposure_j) = Rig::new(plan, &lie.build())?.believe(lie)?;
-    Ok(Believed { lie, believed_s, fault, exposure_j })
+/// Lets the encoder of a standing belt count until that is ended.
+pub fn run_encoder_fault(plan: &Plan, encoder: &'static EncoderFault) -> Result<Undetected, Error> {
+    let (undetected_s, fault, exposure_j) = Rig::new(plan, &encoder.build())?.run_encoder_fault(encoder)?;
+    Ok(Undetected { encoder, undetected_s, fault, exposure_j })
 }
 
 /// Lets a belt pass for so long, in parts of at most 50 s.
-pub fn pass(plan: &Plan, passage: &'static Passage, seconds: u32) -> Result<Passed, Trouble> {
+pub fn pass(plan: &Plan, belt: &'static MovingBelt, seconds: u32) -> Result<Passed, Error> {
     const PART_S: u32 = 50;
     let parts = seconds.div_ceil(PART_S);
     let part_s = f64::from(seconds) / f64::from(parts);
-    let trips = (0..parts).into_par_iter().map(|part| Ok(Rig::new(plan, &passage.build(part))?.pass(part_s)));
+    let trips = (0..parts).into_par_iter().map(|part| Ok(Rig::new(plan, &belt.build(part))?.pass(part_s)));
     let trips = trips.collect::<Result<Vec<(u32, f64)>, firmware::seam::error::Error>>()?;
     let (trips, seconds) = trips.iter().fold((0, 0.0), |sum, part| (sum.0 + part.0, sum.1 + part.1));
-    Ok(Passed { passage, seconds, trips, expected_per_s: passage.expected_per_s() })
+    Ok(Passed { belt, seconds, trips, expected_per_s: belt.expected_per_s() })
 }

@@ -14,9 +14,10 @@ pub mod table;
 pub mod target;
 
 #[cfg(test)]
-pub(crate) mod tests;
+mod tests;
 
-use pil::PilError;
+use crate::bench::{Error, Evidence, Options};
+use report::Report;
 
 use budget::Judged;
 use host::{Generator, Quality};
@@ -42,35 +43,32 @@ pub struct Measurement {
     pub judged: Vec<Judged>,
 }
 
-impl Measurement {
-    /// Whether everything is within its budget.
-    pub fn holds(&self) -> bool {
-        self.judged.iter().all(Judged::holds)
-    }
-}
-
-/// Why there is no measurement.
-#[derive(Debug, thiserror::Error)]
-pub enum Trouble {
-    /// The image could not be built or run.
-    #[error(transparent)]
-    Pil(#[from] PilError),
-    /// QEMU did not run the image to its end.
-    #[error("the image failed with {0}")]
-    Failed(String),
-    /// What the image printed is not what it should be.
-    #[error("the image printed something else than counts: {0}")]
-    Printed(String),
-}
-
 /// Builds and runs the image, and computes the rest.
-pub fn conduct() -> Result<Measurement, Trouble> {
+pub fn measure() -> Result<Measurement, Error> {
     let counted = target::count()?;
     let row = |generator: Generator| {
         let instructions = target::find(&counted, "generator", generator.name)?.per_sample();
         Ok(Row { generator, instructions, quality: host::quality(&generator) })
     };
-    let generators = host::GENERATORS.into_iter().map(row).collect::<Result<Vec<_>, Trouble>>()?;
+    let generators = host::GENERATORS.into_iter().map(row).collect::<Result<Vec<_>, Error>>()?;
     let judged = budget::judge(&counted, &generators)?;
     Ok(Measurement { counted, generators, judged })
+}
+
+/// The measurement with its page.
+pub fn evidence(_: &mut Options) -> Result<Evidence, Error> {
+    let measurement = measure()?;
+    let tables = table::tables(&measurement);
+    let over = measurement.judged.iter().filter(|judged| !judged.holds());
+    Ok(Evidence {
+        report: Report {
+            title: "Instructions: speed against error on the target".into(),
+            subtitle: "Counted by an emulated Cortex-M4F; instructions, not cycles".into(),
+            tables: tables.clone(),
+            ..Report::default()
+        },
+        missed: over.map(|judged| judged.bound.name.clone()).collect(),
+        docs: tables,
+        ..Evidence::default()
+    })
 }

@@ -1,4 +1,9 @@
-//! The evidence: the thesis recomputed, work against precision, and campaigns over many cases, each held against its targets.
+//! The evidence: the thesis recomputed, work against precision, and suites of many cases, each held against its targets.
+//!
+//! ```text
+//! suites/*.toml --> sim::study::suite --+
+//! code (guard, thesis, precision, ...) --+--> Evidence: tables, figures, what is missed --> terminal, page, docs
+//! ```
 //!
 //! # Example
 //!
@@ -8,12 +13,12 @@
 //! ```
 #![forbid(unsafe_code)]
 
-pub mod crash;
+pub mod bench;
+mod crash;
 #[cfg(test)]
 mod docs;
-pub mod friction;
+mod friction;
 pub mod guard;
 pub mod instructions;
 pub mod precision;
 pub mod thesis;
-pub mod tracking;

@@ -21,3 +21,27 @@ pub mod single;
 pub mod study;
 pub mod table;
 pub mod work;
+
+use crate::bench::{Error, Evidence, Options};
+use study::measure;
+
+/// The measurement with its page and files.
+pub fn evidence(options: &mut Options) -> Result<Evidence, Error> {
+    let study = measure(options)?;
+    let printed = vec![
+        table::reference(&study.reference),
+        table::work(&study),
+        table::hard_in_short(&study.hard),
+        table::claims(&study.claims),
+    ];
+    let summary = folder::summary(&study);
+    let failed = study.hard.iter().filter(|(_, found)| !found.as_ref().is_ok_and(hard::Found::holds));
+    Ok(Evidence {
+        report: folder::page(&study),
+        printed: Some(printed),
+        missed: failed.map(|(case, _)| case.name.to_owned()).collect(),
+        files: vec![("summary.json", format!("{summary:#}\n")), ("work.csv", folder::work(&study)?)],
+        summary,
+        ..Evidence::default()
+    })
+}

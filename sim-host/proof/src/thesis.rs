@@ -51,6 +51,7 @@ pub(crate) use experiment_2::tables as experiment_2_tables;
 use contact::Trouble;
 use report::{Figure, Report, TableBlock};
 
+use crate::bench::{Error, Evidence, Options};
 pub use claim::{Claim, Verdict};
 pub use errata::{Choice, Erratum};
 pub use json::summary;
@@ -97,17 +98,17 @@ const STUDIES: [(&str, Study); 17] = [
     ("appendix B: rotor", motor::rotor_study),
 ];
 
-/// Computes everything; `progress` hears what comes next, and how far it is of how much.
-pub fn conduct(progress: &mut dyn FnMut(&str, usize, usize)) -> Result<Findings, Trouble> {
+/// Computes everything; `progress` is called with what comes next, and how far it is of how much.
+pub fn compute(progress: &mut dyn FnMut(&str)) -> Result<Findings, Trouble> {
     let steps = STUDIES.len() + 1;
     let mut findings = Findings::default();
     for (done, (what, study)) in STUDIES.into_iter().enumerate() {
-        progress(what, done, steps);
+        progress(&format!("[{:>2}/{steps}] {what}", done + 1));
         let part = study()?;
         findings.figures.extend(part.figures);
         findings.claims.extend(part.claims);
     }
-    progress("contradictions", steps - 1, steps);
+    progress(&format!("[{steps}/{steps}] contradictions"));
     findings.errata = errata::all()?;
     findings.choices = errata::choices()?;
     Ok(findings)
@@ -145,10 +146,16 @@ impl Findings {
             tables: self.tables(),
             figures: self.figures.clone(),
             footer: vec![
-                ("version".into(), env!("CARGO_PKG_VERSION").into()),
                 ("command".into(), "sim-host validate thesis".into()),
             ],
             ..Report::default()
         }
     }
+}
+
+/// All findings with their page.
+pub fn evidence(options: &mut Options) -> Result<Evidence, Error> {
+    let findings = compute(options.progress)?;
+    let summary = summary(&findings);
+    Ok(Evidence { report: findings.report(), docs: table::in_short(&findings), summary, ..Evidence::default() })
 }

@@ -11,6 +11,7 @@ pub mod matching;
 pub mod monte_carlo;
 mod plan;
 mod stopped;
+pub mod suite;
 pub mod swept;
 
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -146,6 +147,38 @@ pub struct Options<'a> {
     pub clock: Option<Clock>,
 }
 
+/// What a value is held against.
+pub(crate) struct Limit {
+    min: Option<f64>,
+    max: Option<f64>,
+    /// The limit in words.
+    pub(crate) text: String,
+}
+
+impl Limit {
+    /// From a least and a largest value, or from a value and how far from it another may be.
+    fn new((min, max): (Option<f64>, Option<f64>), value: (Option<f64>, Option<f64>)) -> Self {
+        if let (Some(value), Some(tolerance)) = value {
+            let text = format!("{} ± {}", shown(value), shown(tolerance));
+            return Limit { min: Some(value - tolerance), max: Some(value + tolerance), text };
+        }
+        let text = match (min, max) {
+            (Some(min), Some(max)) => format!("{} to {}", shown(min), shown(max)),
+            (Some(min), None) => format!("at least {}", shown(min)),
+            (None, Some(max)) => format!("at most {}", shown(max)),
+            (None, None) => "anything".into(),
+        };
+        Limit { min, max, text }
+    }
+
+    /// How far a value is beyond the limit; not above zero where it holds.
+    fn beyond(&self, value: f64) -> f64 {
+        let below = self.min.map_or(f64::NEG_INFINITY, |min| min - value);
+        let above = self.max.map_or(f64::NEG_INFINITY, |max| value - max);
+        if value.is_nan() { f64::INFINITY } else { below.max(above) }
+    }
+}
+
 /// Runs a loaded scene, its grid and its comparison.
 ///
 /// # Errors
@@ -192,19 +225,7 @@ pub fn run<'a>(loaded: &'a Loaded, mut options: Options) -> Result<Study<'a>, St
 }
 
 fn judge(expect: &Expect, metrics: &Metrics, comparison: Option<&ComparisonResult>) -> Judged {
-    let (mut min, mut max) = (expect.min, expect.max);
-    let limit = match (expect.value, expect.tolerance) {
-        (Some(value), Some(tolerance)) => {
-            (min, max) = (Some(value - tolerance), Some(value + tolerance));
-            format!("{} ± {}", shown(value), shown(tolerance))
-        }
-        _ => match (min, max) {
-            (Some(min), Some(max)) => format!("{} to {}", shown(min), shown(max)),
-            (Some(min), None) => format!("at least {}", shown(min)),
-            (None, Some(max)) => format!("at most {}", shown(max)),
-            (None, None) => "anything".into(),
-        },
-    };
+    let limit = Limit::new((expect.min, expect.max), (expect.value, expect.tolerance));
     let case = expect.case.clone().zip(expect.matched);
     let value = match &case {
         Some((name, equal)) => comparison.and_then(|found| found.case(name, *equal)?.metric(&expect.metric)),
@@ -214,14 +235,13 @@ fn judge(expect: &Expect, metrics: &Metrics, comparison: Option<&ComparisonResul
             metrics::of_one_run(&expect.metric).filter(|_| once).and_then(|metric| metrics.find(metric.name))
         }),
     };
-    let holds = |value: f64| min.is_none_or(|min| value >= min) && max.is_none_or(|max| value <= max);
     Judged {
         metric: expect.metric.clone(),
         case,
         value,
-        limit,
         tolerance: expect.tolerance,
-        pass: value.is_some_and(holds),
+        pass: value.is_some_and(|value| limit.beyond(value) <= 0.0),
+        limit: limit.text,
         source: expect.source.clone(),
     }
 }

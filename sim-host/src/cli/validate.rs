@@ -1,101 +1,189 @@
-//! `sim-host validate`: our own evidence, each bench held against its targets.
-
-mod campaign;
-mod crash;
-mod friction;
-mod guard;
-mod instructions;
-mod precision;
-mod thesis;
-mod tracking;
+//! `sim-host validate`: our own benches and a user's own suites, each held against its targets.
 
 use std::ffi::OsString;
+use std::fs;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-use clap::{Args, Parser, Subcommand};
+use anyhow::Context;
+use clap::Args;
 
-use super::{Color, EXIT_CODES};
+use super::{Color, EXIT_CODES, EXPECTATION_MISSED, Format, RUN_FAILED, USAGE, invalid, print};
+use proof::bench::{BENCHES, Bench, Error, Evidence, Options, named, run_suite};
+use proof::precision::instructions::run_alone;
+use report::Report;
+use scene::load::LoadError;
+use scene::nearest::{listed, nearest};
+use scene::suite::{self, LoadedSuite};
 
 /// Arguments of the command.
 #[derive(Args)]
-#[command(args_conflicts_with_subcommands = true)]
 pub(super) struct ValidateArgs {
-    /// The bench. Without one, all of them, one after the other.
-    #[command(subcommand)]
-    bench: Option<Bench>,
-    /// Of every bench its quick variant, where it has one.
+    /// A bench, or a suite of your own as TOML file; `show BENCH` prints a built-in suite, to be copied. Without any, all benches run.
+    #[arg(value_name = "BENCH|FILE")]
+    what: Vec<String>,
+    /// The quick variant, where there is one: fewer runs and cases.
     #[arg(long)]
     quick: bool,
+    /// Say what there is, or how each case of a suite is run by itself, and run nothing.
+    #[arg(long)]
+    list: bool,
+    /// Print the tables as Markdown, as the documentation has them.
+    #[arg(long)]
+    markdown: bool,
+    /// Folder for tables and figures. Default: `out/BENCH`.
+    #[arg(short, long = "output", value_name = "DIR")]
+    output: Option<PathBuf>,
+    /// What to print on standard output.
+    #[arg(long, value_enum, default_value_t = Format::Human)]
+    format: Format,
+    /// Write no files.
+    #[arg(long)]
+    no_report: bool,
+    /// Say nothing but the result.
+    #[arg(short, long)]
+    quiet: bool,
+    /// Do not count the instructions of the methods (`precision`), even if valgrind is there.
+    #[arg(long)]
+    no_count: bool,
+    /// Run one method and nothing else: what is counted.
+    #[arg(long, value_name = "METHOD,STEPS,PERIODS", hide = true)]
+    alone: Option<String>,
 }
 
-#[derive(Subcommand)]
-enum Bench {
-    /// Run every tracking case over many seeds, and compare it with its targets, its Cramér-Rao bound and its faults.
-    #[command(after_help = EXIT_CODES)]
-    Tracking(tracking::TrackingArgs),
-    /// Order friction ratios over contacts, by amplitude and by bursts, and compare what is held with what was ordered.
-    #[command(after_help = EXIT_CODES)]
-    Friction(friction::FrictionArgs),
-    /// Stop or slow the belt, or break its encoder, a thousand times each, and compare the weld guard with its targets.
-    #[command(after_help = EXIT_CODES)]
-    Guard(guard::GuardArgs),
-    /// Crash light, medium and heavy occupants with the D-ring's friction switched, and compare them with the passive belt.
-    #[command(after_help = EXIT_CODES)]
-    Crash(crash::CrashArgs),
-    /// Measure speed against error of every contact method, judge the claims, and run the hard cases.
-    #[command(after_help = EXIT_CODES)]
-    Precision(precision::PrecisionArgs),
-    /// Count the instructions of the controller on an emulated Cortex-M4F, and compare them with the budget.
-    #[command(after_help = EXIT_CODES)]
-    Instructions(instructions::InstructionsArgs),
-    /// Compute every figure, claim and contradiction of the thesis's chapters 3, 4 and appendix B.
-    #[command(after_help = EXIT_CODES)]
-    Thesis(thesis::ThesisArgs),
+/// How this program is started to be counted.
+const ALONE: [&str; 2] = ["validate", "--alone"];
+
+/// The benches, for the help of the command.
+pub(super) fn help() -> String {
+    format!("Benches:\n{}\n{EXIT_CODES}", benches())
 }
 
-/// The names of the benches, in the order in which all of them run. Until version 0.1 each was a command by itself.
-const BENCHES: [&str; 7] = ["tracking", "friction", "guard", "crash", "precision", "instructions", "thesis"];
-/// Those with a quick variant.
-const QUICK: [&str; 5] = ["tracking", "friction", "guard", "crash", "precision"];
-
-/// A bench by its name.
-#[derive(Parser)]
-struct Line {
-    #[command(subcommand)]
-    bench: Bench,
+fn benches() -> String {
+    BENCHES.iter().map(|bench| format!("  {:12}  {}\n", bench.name, bench.about)).collect()
 }
 
-/// Runs a bench, or all of them; the exit code is that of the first that fails.
+/// Does what the arguments say; of all benches, the exit code is that of the first that fails.
 pub(super) fn run(args: &ValidateArgs, color: Color) -> anyhow::Result<ExitCode> {
-    if let Some(bench) = &args.bench {
-        return of(bench, color);
+    if let Some(setting) = &args.alone {
+        return alone(setting);
     }
+    match args.what.iter().map(String::as_str).collect::<Vec<_>>()[..] {
+        [] if args.list => print(&benches()),
+        [] => all(args, color),
+        ["show", name] => match named(name).and_then(|bench| bench.suite) {
+            Some(text) => print(text),
+            None => Ok(unknown(name, "no built-in suite", BENCHES.iter().filter(|bench| bench.suite.is_some()))),
+        },
+        [file] if Path::new(file).extension().is_some() => match suite::load(file, args.quick) {
+            Ok(loaded) => suite(&loaded, args, color),
+            Err(error) => Ok(invalid(&error, color)),
+        },
+        [name] => match named(name) {
+            Some(bench) => one(bench, args, color),
+            None => Ok(unknown(name, "neither a bench nor a TOML file", BENCHES.iter())),
+        },
+        _ => {
+            say!("error: one bench or file at a time, or `show` and a bench");
+            Ok(ExitCode::from(USAGE))
+        }
+    }
+}
+
+fn unknown<'a>(name: &str, what: &str, known: impl Iterator<Item = &'a Bench>) -> ExitCode {
+    let known: Vec<&str> = known.map(|bench| bench.name).collect();
+    let similar = nearest(name, known.iter().copied());
+    let meant = if similar.is_empty() { known } else { similar };
+    say!("error: `{name}` is {what}; try {}", listed(meant, "or"));
+    ExitCode::from(USAGE)
+}
+
+fn all(args: &ValidateArgs, color: Color) -> anyhow::Result<ExitCode> {
     let mut failed = None;
-    for name in BENCHES {
-        say!("validate {name}");
-        let quick = (args.quick && QUICK.contains(&name)).then_some("--quick");
-        let line = Line::try_parse_from(["sim-host validate", name].into_iter().chain(quick))?;
-        let code = of(&line.bench, color)?;
+    for bench in &BENCHES {
+        say!("validate {}", bench.name);
+        let code = one(bench, args, color)?;
         failed = failed.or((code != ExitCode::SUCCESS).then_some(code));
     }
     Ok(failed.unwrap_or(ExitCode::SUCCESS))
 }
 
-fn of(bench: &Bench, color: Color) -> anyhow::Result<ExitCode> {
-    match bench {
-        Bench::Tracking(args) => tracking::run(args, color),
-        Bench::Friction(args) => friction::run(args, color),
-        Bench::Guard(args) => guard::run(args, color),
-        Bench::Crash(args) => crash::run(args, color),
-        Bench::Precision(args) => precision::run(args, color),
-        Bench::Instructions(args) => instructions::run(args, color),
-        Bench::Thesis(args) => thesis::run(args, color),
+fn one(bench: &Bench, args: &ValidateArgs, color: Color) -> anyhow::Result<ExitCode> {
+    if args.list {
+        return match bench.load(args.quick).transpose()? {
+            Some(loaded) => print(&cases(&loaded)),
+            None => print(&format!("{}: {}\n", bench.name, bench.about)),
+        };
     }
+    let executable = std::env::current_exe()?;
+    let counted = (!args.no_count).then_some((executable.as_path(), ALONE.as_slice()));
+    end(with(args, counted, |options| (bench.run)(options)), bench.name, args, color)
+}
+
+fn suite(loaded: &LoadedSuite, args: &ValidateArgs, color: Color) -> anyhow::Result<ExitCode> {
+    if args.list {
+        return print(&cases(loaded));
+    }
+    end(with(args, None, |options| run_suite(loaded, options, |_, _| Ok(()))), &loaded.name, args, color)
+}
+
+fn cases(loaded: &LoadedSuite) -> String {
+    loaded.cases.iter().map(|case| format!("{}: {}\n", case.name, case.command)).collect()
+}
+
+fn with<T>(args: &ValidateArgs, counted: Option<(&Path, &[&str])>, run: impl FnOnce(&mut Options) -> T) -> T {
+    let progress = &mut |next: &str| {
+        if !args.quiet {
+            say!("{next}");
+        }
+    };
+    run(&mut Options { quick: args.quick, counted, progress })
+}
+
+/// Writes the folder, if one is wanted, and prints. Fails where a target is missed.
+fn end(found: Result<Evidence, Error>, name: &str, args: &ValidateArgs, color: Color) -> anyhow::Result<ExitCode> {
+    let evidence = match found {
+        Ok(evidence) => evidence,
+        Err(Error::Scene(error @ LoadError::Invalid(_))) => return Ok(invalid(&error, color)),
+        Err(error) => return Err(error.into()),
+    };
+    if !args.no_report {
+        let folder = args.output.clone().unwrap_or_else(|| Path::new("out").join(name));
+        let footer = [("sim-host".to_owned(), sim::VERSION.to_owned())];
+        let footer = footer.into_iter().chain(evidence.report.footer.clone()).collect();
+        report::write(&Report { footer, ..evidence.report.clone() }, &folder)?;
+        for (file, text) in &evidence.files {
+            fs::write(folder.join(file), text).with_context(|| format!("cannot write {}", folder.join(file).display()))?;
+        }
+        if !args.quiet {
+            say!("report: {}", folder.join("report.html").display());
+        }
+    }
+    let tables = evidence.printed.as_ref().unwrap_or(&evidence.report.tables);
+    print(&match args.format {
+        Format::Json => format!("{:#}\n", evidence.json()),
+        Format::Human if args.markdown => report::markdown(&evidence.docs),
+        Format::Human => tables.iter().map(|table| table.terminal(color.stdout)).collect(),
+    })?;
+    for missed in &evidence.missed {
+        say!("missed: {missed}");
+    }
+    Ok(if evidence.missed.is_empty() { ExitCode::SUCCESS } else { ExitCode::from(EXPECTATION_MISSED) })
+}
+
+fn alone(setting: &str) -> anyhow::Result<ExitCode> {
+    let parts: Vec<&str> = setting.split(',').collect();
+    let [method, steps, periods] = parts[..] else { anyhow::bail!("{setting:?} is not METHOD,STEPS,PERIODS") };
+    let known = run_alone(method, steps.parse()?, periods.parse()?)?;
+    if !known {
+        say!("error: there is no method {method:?}");
+    }
+    Ok(if known { ExitCode::SUCCESS } else { ExitCode::from(RUN_FAILED) })
 }
 
 /// The arguments of a process, with `validate` before the name of a bench that stands by itself, as it did until version 0.1.
 pub(super) fn with_verb(mut arguments: Vec<OsString>) -> Vec<OsString> {
-    let verb = arguments.iter().skip(1).position(|argument| BENCHES.iter().any(|&name| argument == name));
+    let verb = arguments.iter().skip(1).position(|argument| BENCHES.iter().any(|bench| argument == bench.name));
     // Only what stands first is a command: `--color` may be before it.
     let Some(place) = verb.map(|place| place + 1).filter(|&place| match place {
         1 => true,

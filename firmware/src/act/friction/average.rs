@@ -2,7 +2,7 @@
 
 /// The low-pass: `value += (x - value) gain`.
 #[derive(Clone, Copy, Debug)]
-pub struct LowPass {
+pub(super) struct LowPass {
     gain: f32,
     /// Its value; before the first one, what was told.
     pub value: f32,
@@ -11,12 +11,12 @@ pub struct LowPass {
 
 impl LowPass {
     /// With this part of the difference a block, and this value until there is another.
-    pub fn new(gain: f32, told: f32) -> Self {
+    pub(super) fn new(gain: f32, told: f32) -> Self {
         LowPass { gain: if gain < 1.0 { gain } else { 1.0 }, value: told, begun: false }
     }
 
     /// Takes a value; what is not a number is left out.
-    pub fn take(&mut self, x: f32) {
+    pub(super) fn take(&mut self, x: f32) {
         if !x.is_finite() {
             return;
         }

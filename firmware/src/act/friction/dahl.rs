@@ -22,10 +22,10 @@
 //! kappa from zero to infinity. Nothing cancels: `(1 - cos u) / u^2` and `(u - sin u) / u^3` are power series, and differences of exponentials
 //! are `expm1`. Its error against the closed form in f64 is what the tests state.
 //!
-//! An evaluation takes [`STEPS`] calls, about 400 instructions each, so that it can be spread over as many blocks.
+//! An evaluation takes `STEPS` calls, about 400 instructions each, so that it can be spread over as many blocks.
 
 /// Calls of [`Evaluation::step`] that an evaluation takes.
-pub const STEPS: u32 = 6;
+pub(crate) const STEPS: u32 = 6;
 
 const FRAC_2_PI: f32 = core::f32::consts::FRAC_2_PI;
 const PI: f32 = core::f32::consts::PI;
@@ -135,7 +135,7 @@ impl Way {
 
 /// A friction ratio that is being evaluated.
 #[derive(Clone, Copy, Debug)]
-pub struct Evaluation {
+pub(crate) struct Evaluation {
     xi: f32,
     ways: [Way; 2],
     /// Calls so far.
@@ -146,7 +146,7 @@ pub struct Evaluation {
 
 impl Evaluation {
     /// Begins to evaluate the ratio at a velocity ratio and a kappa, neither below zero. What is not a number is no vibration.
-    pub fn new(xi: f32, kappa: f32) -> Self {
+    pub(crate) fn new(xi: f32, kappa: f32) -> Self {
         let xi = xi.abs();
         let known = match () {
             () if xi.is_nan() || xi >= 1.0 => Some(1.0),
@@ -158,7 +158,7 @@ impl Evaluation {
     }
 
     /// Goes on by one step; the ratio, once it is done.
-    pub fn step(&mut self) -> Option<f32> {
+    pub(crate) fn step(&mut self) -> Option<f32> {
         if self.known.is_some() {
             return self.known;
         }

@@ -16,7 +16,7 @@ use heapless::Vec;
 use super::dahl::Evaluation;
 
 /// Amplitudes at which the friction is measured.
-pub const AMPLITUDES: usize = 3;
+pub(crate) const AMPLITUDES: usize = 3;
 
 /// By how much a measured ratio scatters.
 const RATIO_DEVIATION: f32 = 0.002;
@@ -35,29 +35,29 @@ const SMALL_STEP: f32 = 1e-3;
 
 /// Friction at one amplitude.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Observation {
+pub(crate) struct Observation {
     /// Sliding speed, as measured or told, m/s.
-    pub speed_m_per_s: f32,
+    pub(crate) speed_m_per_s: f32,
     /// Tip velocity, by the nominal force factor, m/s.
-    pub tip_m_per_s: f32,
+    pub(crate) tip_m_per_s: f32,
     /// Friction over that without vibration.
-    pub ratio: f32,
+    pub(crate) ratio: f32,
 }
 
 /// A contact.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Contact {
+pub(crate) struct Contact {
     /// Dahl length Fc / Kt, m.
-    pub dahl_length_m: f32,
+    pub(crate) dahl_length_m: f32,
     /// Times the measured speed over the measured tip velocity is the velocity ratio.
     pub scale: f32,
     /// Standard deviation of the length, relative.
-    pub length_deviation: f32,
+    pub(crate) length_deviation: f32,
 }
 
 impl Contact {
     /// As told: nothing is identified.
-    pub fn nominal(dahl_length_m: f32) -> Self {
+    pub(crate) fn nominal(dahl_length_m: f32) -> Self {
         Contact { dahl_length_m, scale: 1.0, length_deviation: LENGTH.1 }
     }
 }
@@ -82,7 +82,7 @@ enum Stage {
 
 /// A fit that is being made.
 #[derive(Clone, Debug)]
-pub struct Fit {
+pub(crate) struct Fit {
     omega: f32,
     observations: Vec<Observation, AMPLITUDES>,
     stage: Stage,
@@ -98,7 +98,7 @@ pub struct Fit {
 
 impl Fit {
     /// Begins with what was observed at a drive of `omega` rad/s.
-    pub fn new(omega: f32, observations: Vec<Observation, AMPLITUDES>) -> Self {
+    pub(crate) fn new(omega: f32, observations: Vec<Observation, AMPLITUDES>) -> Self {
         let mut fit = Fit {
             omega,
             observations,
@@ -116,7 +116,7 @@ impl Fit {
     }
 
     /// Goes on by one step of an evaluation, or of the fit itself; the contact, once it is found.
-    pub fn step(&mut self) -> Option<Contact> {
+    pub(crate) fn step(&mut self) -> Option<Contact> {
         if self.at >= self.observations.len() {
             self.trial.cost = self.cost();
             return self.judge();

@@ -25,14 +25,14 @@ pub struct Solution {
     /// Velocity ratio Vt / Vv to drive at.
     pub xi: f32,
     /// The friction ratio there.
-    pub ratio: f32,
+    pub(crate) ratio: f32,
     /// The least friction ratio, that of the loudest drive; one without authority.
     pub floor: f32,
 }
 
 /// A solution that is being sought.
 #[derive(Clone, Debug)]
-pub struct Inverse {
+pub(crate) struct Inverse {
     wanted: f32,
     lambda: f32,
     floor: f32,
@@ -55,7 +55,7 @@ enum Side {
 
 impl Inverse {
     /// Begins to seek where the ratio is `wanted`, for `xi` from `least_xi`, that of the loudest drive, to one. What is not a number is one.
-    pub fn new(wanted: f32, lambda: f32, least_xi: f32) -> Self {
+    pub(crate) fn new(wanted: f32, lambda: f32, least_xi: f32) -> Self {
         let wanted = if wanted < 1.0 { wanted } else { 1.0 };
         let least_xi = if least_xi < 1.0 { least_xi.max(0.0) } else { 1.0 };
         let at = libm::sqrtf(1.0 - least_xi);
@@ -65,7 +65,7 @@ impl Inverse {
     }
 
     /// Goes on by one step; the solution, once it is found.
-    pub fn step(&mut self) -> Option<Solution> {
+    pub(crate) fn step(&mut self) -> Option<Solution> {
         let ratio = self.evaluation.step()?;
         let excess = ratio - self.wanted;
         self.evaluations += 1;

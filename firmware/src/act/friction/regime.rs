@@ -27,7 +27,7 @@ const REGAINED: f32 = 0.98;
 
 /// How the ratio is had.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub enum Regime {
+pub(crate) enum Regime {
     /// Silence: all the friction there is.
     #[default]
     Silent,
@@ -39,7 +39,7 @@ pub enum Regime {
 
 /// Why the ratio is not what is wanted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Short {
+pub(crate) enum Short {
     /// The belt is faster than the tip can be.
     NoAuthority,
     /// It is below the floor, above one, or not a number.
@@ -48,7 +48,7 @@ pub enum Short {
 
 /// The choice.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Choice {
+pub(crate) struct Choice {
     prefer: Prefer,
     regime: Regime,
     short: Option<Short>,
@@ -56,23 +56,23 @@ pub struct Choice {
 
 impl Choice {
     /// Silent, to begin with.
-    pub fn new(prefer: Prefer) -> Self {
+    pub(crate) fn new(prefer: Prefer) -> Self {
         Choice { prefer, ..Choice::default() }
     }
 
     /// How the ratio is had.
-    pub fn regime(&self) -> Regime {
+    pub(crate) fn regime(&self) -> Regime {
         self.regime
     }
 
     /// Why it is not what is wanted.
-    pub fn short(&self) -> Option<Short> {
+    pub(crate) fn short(&self) -> Option<Short> {
         self.short
     }
 
     /// Chooses for a wanted ratio: `least_xi` is the velocity ratio of the loudest drive, and `dead` the dead time of bursts as a part of their
     /// period, if there can be any.
-    pub fn choose(&mut self, wanted: f32, least_xi: f32, solution: &Solution, dead: Option<f32>) {
+    pub(crate) fn choose(&mut self, wanted: f32, least_xi: f32, solution: &Solution, dead: Option<f32>) {
         let gone = self.short == Some(Short::NoAuthority);
         let authority = least_xi < if gone { REGAINED } else { 1.0 };
         (self.regime, self.short) = match () {

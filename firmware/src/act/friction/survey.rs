@@ -19,24 +19,24 @@ use super::fit::{AMPLITUDES, Contact, Fit, Observation};
 /// Velocity ratio of the softest amplitude.
 const SOFTEST_XI: f32 = 0.85;
 /// What the bursts are measured at.
-pub const TRIAL_DUTY: f32 = 0.5;
+pub(crate) const TRIAL_DUTY: f32 = 0.5;
 /// Friction ratios that can be.
 const PLAUSIBLE: core::ops::Range<f32> = -0.05..1.05;
 
 /// What one block shows.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Heard {
+pub(crate) struct Heard {
     /// Sliding speed, m/s.
-    pub speed_m_per_s: f32,
+    pub(crate) speed_m_per_s: f32,
     /// Tip velocity, by the nominal force factor, m/s.
-    pub tip_m_per_s: f32,
+    pub(crate) tip_m_per_s: f32,
     /// Friction, N; none without a sensor.
-    pub force_n: Option<f32>,
+    pub(crate) force_n: Option<f32>,
 }
 
 /// What is to be played meanwhile.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Play {
+pub(crate) enum Play {
     /// Nothing.
     Silence,
     /// This tip velocity, m/s.
@@ -49,18 +49,18 @@ pub enum Play {
 
 /// What was found.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Found {
+pub(crate) struct Found {
     /// The contact.
-    pub contact: Contact,
+    pub(crate) contact: Contact,
     /// Friction without vibration, N.
-    pub coulomb_n: f32,
+    pub(crate) coulomb_n: f32,
     /// Dead time of bursts, as a part of their period; zero where there are none.
-    pub dead: f32,
+    pub(crate) dead: f32,
 }
 
 /// How a survey is getting on.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Progress {
+pub(crate) enum Progress {
     /// It goes on, with this.
     Busy(Play),
     /// It is over.
@@ -113,7 +113,7 @@ impl Means {
 
 /// The survey.
 #[derive(Clone, Debug)]
-pub struct Survey {
+pub(crate) struct Survey {
     omega: f32,
     /// The loudest tip velocity, m/s.
     loudest: f32,
@@ -136,7 +136,7 @@ pub struct Survey {
 impl Survey {
     /// A survey with a drive of `omega` rad/s up to a tip velocity of `loudest` m/s, so many blocks a place to settle and to average; and bursts,
     /// where there are any, over so many blocks.
-    pub fn new(omega: f32, loudest: f32, settle_blocks: u32, average_blocks: u32, burst_blocks: Option<u32>) -> Self {
+    pub(crate) fn new(omega: f32, loudest: f32, settle_blocks: u32, average_blocks: u32, burst_blocks: Option<u32>) -> Self {
         Survey {
             omega,
             loudest,
@@ -155,7 +155,7 @@ impl Survey {
     }
 
     /// Takes one block.
-    pub fn step(&mut self, heard: &Heard) -> Progress {
+    pub(crate) fn step(&mut self, heard: &Heard) -> Progress {
         if self.place == Place::Fit {
             return self.fitted();
         }
@@ -209,7 +209,7 @@ impl Survey {
     }
 
     /// Goes on with the fit, if it is its time: for blocks that have time.
-    pub fn work(&mut self) {
+    pub(crate) fn work(&mut self) {
         if let Some(contact) = self.fit.as_mut().and_then(Fit::step) {
             (self.fit, self.contact) = (None, Some(contact));
         }

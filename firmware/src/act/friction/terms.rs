@@ -20,9 +20,9 @@ pub enum Wanted {
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Sensed {
     /// Belt speed, m/s; none without a sensor.
-    pub belt_m_per_s: Option<f32>,
+    pub(crate) belt_m_per_s: Option<f32>,
     /// Friction, N; none without a sensor.
-    pub force_n: Option<f32>,
+    pub(crate) force_n: Option<f32>,
     /// Motional current of a block that was ON throughout, and had rung up before it where a boost has done that, A peak.
-    pub motional_a: Option<f32>,
+    pub(crate) motional_a: Option<f32>,
 }

@@ -9,7 +9,7 @@ use crate::board::command::Reply;
 use crate::seam::refusal::Refusal;
 
 /// Captures, as the slow side knows them.
-pub struct Captures<'a> {
+pub(super) struct Captures<'a> {
     wishes: Producer<'a, Wish>,
     answers: Consumer<'a, Answer>,
     lanes: u8,
@@ -23,12 +23,12 @@ pub struct Captures<'a> {
 
 impl<'a> Captures<'a> {
     /// Nothing is recorded yet.
-    pub fn new(wishes: Producer<'a, Wish>, answers: Consumer<'a, Answer>, memory: &'static mut Memory, lanes: u8) -> Self {
+    pub(super) fn new(wishes: Producer<'a, Wish>, answers: Consumer<'a, Answer>, memory: &'static mut Memory, lanes: u8) -> Self {
         Captures { wishes, answers, lanes, memory: Some(memory), full: None, asked: None }
     }
 
     /// Obeys a command; `None` where its answer comes with a later block.
-    pub fn obey(&mut self, sequence: u16, verb: CaptureVerb) -> Option<Reply> {
+    pub(super) fn obey(&mut self, sequence: u16, verb: CaptureVerb) -> Option<Reply> {
         let here = self.memory.is_some();
         let wish = match verb {
             _ if self.asked.is_some() || !self.wishes.ready() => return Some(Reply::Nak(Refusal::Busy)),
@@ -53,7 +53,7 @@ impl<'a> Captures<'a> {
     }
 
     /// The answer to an earlier command, with the number of its frame, once it has come.
-    pub fn answer(&mut self) -> Option<(u16, Reply)> {
+    pub(super) fn answer(&mut self) -> Option<(u16, Reply)> {
         let answer = self.answers.dequeue()?;
         let (sequence, verb) = self.asked.take()?;
         let reply = match answer {

@@ -2,7 +2,7 @@
 
 /// The patience with the host.
 #[derive(Clone, Debug)]
-pub struct HostWatch {
+pub(super) struct HostWatch {
     block_s: f32,
     /// Blocks that the host may be silent for; zero is for ever.
     patience: u32,
@@ -13,24 +13,24 @@ pub struct HostWatch {
 
 impl HostWatch {
     /// A patience of so many seconds, in blocks of this length, s.
-    pub fn new(patience_s: f32, block_s: f32) -> Self {
+    pub(super) fn new(patience_s: f32, block_s: f32) -> Self {
         let mut watch = HostWatch { block_s, patience: 0, heard: 0, lost: false };
         watch.set(patience_s);
         watch
     }
 
     /// Another patience, s; zero is for ever.
-    pub fn set(&mut self, patience_s: f32) {
+    pub(super) fn set(&mut self, patience_s: f32) {
         self.patience = if patience_s > 0.0 { ((patience_s / self.block_s) as u32).max(1) } else { 0 };
     }
 
     /// The host was heard, when this was the latest block.
-    pub fn hear(&mut self, block: u32) {
+    pub(super) fn hear(&mut self, block: u32) {
         (self.heard, self.lost) = (block, false);
     }
 
     /// Whether the host is lost, at this block: it has been silent for too long under drive, and was not heard since.
-    pub fn is_lost(&mut self, block: u32, drives: bool) -> bool {
+    pub(super) fn is_lost(&mut self, block: u32, drives: bool) -> bool {
         // What is under way when the host orders a drive is older than what was heard.
         let silent = block.wrapping_sub(self.heard);
         self.lost |= drives && self.patience > 0 && silent > self.patience;

@@ -11,23 +11,23 @@ const ROOM: usize = 2 * MAX_FRAME;
 
 /// Bytes that are to be sent.
 #[derive(Debug, Default)]
-pub struct Outbox {
+pub(super) struct Outbox {
     bytes: Deque<u8, ROOM>,
 }
 
 impl Outbox {
     /// Whether any frame would fit.
-    pub fn has_room(&self) -> bool {
+    pub(super) fn has_room(&self) -> bool {
         self.bytes.len() + MAX_FRAME <= ROOM
     }
 
     /// Whether everything has been taken by the link.
-    pub fn is_empty(&self) -> bool {
+    pub(super) fn is_empty(&self) -> bool {
         self.bytes.is_empty()
     }
 
     /// Puts in a frame, for which there is room.
-    pub fn send(&mut self, sequence: u16, reply: Reply) {
+    pub(super) fn send(&mut self, sequence: u16, reply: Reply) {
         // The largest reply fits into a frame: tested with the link.
         if let Ok(frame) = link::encode(sequence, reply) {
             self.bytes.extend(frame);
@@ -35,7 +35,7 @@ impl Outbox {
     }
 
     /// Gives the link as much as it takes now. Byte by byte: a write of more may wait for the last of them.
-    pub fn flush<L: Write + WriteReady>(&mut self, link: &mut L) -> Result<(), L::Error> {
+    pub(super) fn flush<L: Write + WriteReady>(&mut self, link: &mut L) -> Result<(), L::Error> {
         while let Some(&byte) = self.bytes.front() {
             if !link.write_ready()? || link.write(&[byte])? == 0 {
                 break;

@@ -5,37 +5,37 @@ use serde::{Deserialize, Serialize};
 use crate::seam::block::{Codes, DriveBlock, MAX_BLOCK_SAMPLES, MAX_LANES, SenseBlock};
 
 /// Puts a value as postcard.
-pub fn put<'a, T: Serialize>(value: &T, room: &'a mut [u8]) -> Option<&'a mut [u8]> {
+pub(super) fn put<'a, T: Serialize>(value: &T, room: &'a mut [u8]) -> Option<&'a mut [u8]> {
     let used = postcard::to_slice(value, room).ok()?.len();
     Some(&mut room[used..])
 }
 
 /// Takes a value as postcard.
-pub fn take<'a, T: Deserialize<'a>>(value: &mut T, bytes: &'a [u8]) -> Option<&'a [u8]> {
+pub(super) fn take<'a, T: Deserialize<'a>>(value: &mut T, bytes: &'a [u8]) -> Option<&'a [u8]> {
     let (taken, rest) = postcard::take_from_bytes(bytes).ok()?;
     *value = taken;
     Some(rest)
 }
 
 /// Puts both channels, and the slow readings.
-pub fn put_sense<'a>(sense: &SenseBlock, room: &'a mut [u8]) -> Option<&'a mut [u8]> {
+pub(super) fn put_sense<'a>(sense: &SenseBlock, room: &'a mut [u8]) -> Option<&'a mut [u8]> {
     put(&sense.slow, put_codes(&sense.i, put_codes(&sense.v, room)?)?)
 }
 
 /// Takes both channels, and the slow readings.
-pub fn take_sense<'a>(sense: &mut SenseBlock, bytes: &'a [u8]) -> Option<&'a [u8]> {
+pub(super) fn take_sense<'a>(sense: &mut SenseBlock, bytes: &'a [u8]) -> Option<&'a [u8]> {
     take(&mut sense.slow, take_codes(&mut sense.i, take_codes(&mut sense.v, bytes)?)?)
 }
 
 /// Puts all lanes.
-pub fn put_drive<'a>(drive: &DriveBlock, room: &'a mut [u8]) -> Option<&'a mut [u8]> {
+pub(super) fn put_drive<'a>(drive: &DriveBlock, room: &'a mut [u8]) -> Option<&'a mut [u8]> {
     let ([lanes, listen], room) = room.split_first_chunk_mut()?;
     (*lanes, *listen) = (drive.lanes.len() as u8, drive.listen);
     drive.lanes.iter().try_fold(room, |room, lane| put_codes(lane, room))
 }
 
 /// Takes all lanes.
-pub fn take_drive<'a>(drive: &mut DriveBlock, bytes: &'a [u8]) -> Option<&'a [u8]> {
+pub(super) fn take_drive<'a>(drive: &mut DriveBlock, bytes: &'a [u8]) -> Option<&'a [u8]> {
     let ([lanes, listen], bytes) = bytes.split_first_chunk()?;
     drive.listen = *listen;
     let lanes = usize::from(*lanes);
@@ -50,7 +50,7 @@ pub fn take_drive<'a>(drive: &mut DriveBlock, bytes: &'a [u8]) -> Option<&'a [u8
 }
 
 /// Puts how many codes there are, and each.
-pub fn put_codes<'a>(codes: &Codes, room: &'a mut [u8]) -> Option<&'a mut [u8]> {
+pub(super) fn put_codes<'a>(codes: &Codes, room: &'a mut [u8]) -> Option<&'a mut [u8]> {
     let (count, room) = room.split_first_mut()?;
     *count = codes.len() as u8;
     let (bytes, room) = room.split_at_mut_checked(2 * codes.len())?;
@@ -61,7 +61,7 @@ pub fn put_codes<'a>(codes: &Codes, room: &'a mut [u8]) -> Option<&'a mut [u8]> 
 }
 
 /// Takes them.
-pub fn take_codes<'a>(codes: &mut Codes, bytes: &'a [u8]) -> Option<&'a [u8]> {
+pub(super) fn take_codes<'a>(codes: &mut Codes, bytes: &'a [u8]) -> Option<&'a [u8]> {
     let (count, bytes) = bytes.split_first()?;
     let count = usize::from(*count);
     if count > MAX_BLOCK_SAMPLES {

@@ -17,7 +17,7 @@ use crate::find::clamped::triangle::Triangle;
 use crate::seam::phasor::Phasor;
 
 /// The most admittances there can be.
-pub const MAX_POINTS: usize = 8;
+pub(crate) const MAX_POINTS: usize = 8;
 /// Iterations with one resonance, and with two. They square the error from 1e-2 on, or nearly so.
 const ROUNDS: (u32, u32) = (5, 8);
 /// Beyond this rms residual, in standard deviations, one resonance does not explain what was measured.
@@ -35,13 +35,13 @@ const LONGEST_STEP: f32 = 0.01;
 
 /// An admittance, relative to the nominal clamped susceptance.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Point {
+pub(crate) struct Point {
     /// Offset from the nominal frequency, relative to it.
-    pub x: f32,
+    pub(crate) x: f32,
     /// The admittance.
-    pub y: Phasor,
+    pub(crate) y: Phasor,
     /// Its standard deviation, of either part.
-    pub deviation: f32,
+    pub(crate) deviation: f32,
 }
 
 /// A part of an admittance.
@@ -61,25 +61,25 @@ enum Stage {
 
 /// Elements that explain the points, and how well.
 #[derive(Clone, Debug, Default)]
-pub struct Solution {
+pub(crate) struct Solution {
     /// The elements.
-    pub elements: Elements,
+    pub(crate) elements: Elements,
     /// Their triangular factor.
-    pub triangle: Triangle<UNKNOWNS>,
+    pub(crate) triangle: Triangle<UNKNOWNS>,
     /// Root of what is left in the mean of the degrees of freedom, in standard deviations: one, if the model holds.
-    pub misfit: f32,
+    pub(crate) misfit: f32,
 }
 
 impl Solution {
     /// Standard deviation of a sum of elements, larger where the model does not hold.
-    pub fn deviation(&self, of: &[f32; UNKNOWNS]) -> f32 {
+    pub(crate) fn deviation(&self, of: &[f32; UNKNOWNS]) -> f32 {
         self.triangle.deviation(of) * self.misfit.max(1.0)
     }
 }
 
 /// The fit, in progress.
 #[derive(Clone, Debug)]
-pub struct Fit {
+pub(crate) struct Fit {
     loss: f32,
     points: Vec<Point, MAX_POINTS>,
     stage: Stage,
@@ -92,7 +92,7 @@ pub struct Fit {
 
 impl Fit {
     /// Without a point. `loss`: the nominal one, `1 / Q`.
-    pub fn new(loss: f32) -> Self {
+    pub(crate) fn new(loss: f32) -> Self {
         Fit {
             loss,
             points: Vec::new(),
@@ -106,17 +106,17 @@ impl Fit {
     }
 
     /// Adds a point; no more than there is room for.
-    pub fn add(&mut self, point: Point) {
+    pub(crate) fn add(&mut self, point: Point) {
         let _ = self.points.push(point);
     }
 
     /// What has been found, when it is over.
-    pub fn solution(&self) -> Option<&Solution> {
+    pub(crate) fn solution(&self) -> Option<&Solution> {
         self.best.as_ref()
     }
 
     /// Does a block's worth of it. Returns whether it is over.
-    pub fn advance(&mut self) -> bool {
+    pub(crate) fn advance(&mut self) -> bool {
         let starts = matches!(self.stage, Stage::StartOne | Stage::StartTwo);
         let blocks = if matches!(self.stage, Stage::Above | Stage::Two) { 2 } else { 1 };
         let (row, part) = (self.block / blocks, self.block % blocks);
@@ -254,7 +254,7 @@ impl Fit {
 }
 
 /// Whether a passive circuit can be so.
-pub fn is_plausible(e: &Elements) -> bool {
+pub(crate) fn is_plausible(e: &Elements) -> bool {
     e[C] > 0.0 && e[K] > 0.0 && e[K2] >= 0.0 && e[XS].abs() < 0.25 && e[X2].abs() < 0.5 && e[D] > 0.0
 }
 

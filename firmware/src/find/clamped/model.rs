@@ -17,31 +17,31 @@ use crate::seam::phasor::Phasor;
 const J: Phasor = Phasor::new(0.0, 1.0);
 
 /// Unknowns of the model.
-pub const UNKNOWNS: usize = 9;
+pub(crate) const UNKNOWNS: usize = 9;
 /// Place of the clamped capacitance, `c`.
-pub const C: usize = 0;
+pub(crate) const C: usize = 0;
 /// Place of the clamped branch's loss at the nominal frequency, `g`.
-pub const G: usize = 1;
+pub(crate) const G: usize = 1;
 /// Place of its slope, `h`.
-pub const H: usize = 2;
+pub(crate) const H: usize = 2;
 /// Place of the strength of the resonance, `k`.
-pub const K: usize = 3;
+pub(crate) const K: usize = 3;
 /// Place of the resonance, `us - 1`.
-pub const XS: usize = 4;
+pub(crate) const XS: usize = 4;
 /// Place of its loss, `d`.
-pub const D: usize = 5;
+pub(crate) const D: usize = 5;
 /// Place of what sensing turns, `theta`, rad at the nominal frequency.
-pub const THETA: usize = 6;
+pub(crate) const THETA: usize = 6;
 /// Place of the strength of a second resonance, `k2`.
-pub const K2: usize = 7;
+pub(crate) const K2: usize = 7;
 /// Place of the second resonance, `u2 - 1`.
-pub const X2: usize = 8;
+pub(crate) const X2: usize = 8;
 
 /// The elements. Resonances are kept as `us - 1`, which f32 resolves to 1e-9.
-pub type Elements = [f32; UNKNOWNS];
+pub(crate) type Elements = [f32; UNKNOWNS];
 
 /// `exp(j angle)` of an angle of less than half a turn, rad. Error: 2e-7.
-pub fn turn(angle: f32) -> Phasor {
+pub(crate) fn turn(angle: f32) -> Phasor {
     /// 2^32 a turn.
     const STEPS_PER_RADIAN: f32 = 4_294_967_296.0 / core::f32::consts::TAU;
     sine::rotation(u64::from((angle * STEPS_PER_RADIAN) as i32 as u32) << 32)
@@ -58,7 +58,7 @@ fn branch(x: f32, resonance: f32, d: f32) -> (Phasor, Phasor, Phasor) {
 }
 
 /// The admittance at `1 + x`, and its derivatives by the elements.
-pub fn admittance(e: &Elements, x: f32) -> (Phasor, [Phasor; UNKNOWNS]) {
+pub(crate) fn admittance(e: &Elements, x: f32) -> (Phasor, [Phasor; UNKNOWNS]) {
     let u = 1.0 + x;
     let turned = turn(e[THETA] * u);
     let (first, first_by_x, first_by_d) = branch(x, e[XS], e[D]);

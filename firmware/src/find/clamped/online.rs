@@ -52,9 +52,9 @@ pub struct Update {
     /// The clamped branch, as all that is known says.
     pub motional: Motional,
     /// Standard deviation of its susceptance, relative to it.
-    pub deviation: f32,
+    pub(crate) deviation: f32,
     /// What this round alone would have said more, relative, and its standard deviation.
-    pub round: (f32, f32),
+    pub(crate) round: (f32, f32),
 }
 
 /// What the estimator wants, and has found.
@@ -165,7 +165,7 @@ impl Online {
     }
 
     /// Follows a load that changes the resonance: by these the steps are measured, nothing else. Does not disturb a round.
-    pub fn set_resonance(&mut self, resonance_hz: f32, q: f32) {
+    pub(crate) fn set_resonance(&mut self, resonance_hz: f32, q: f32) {
         let tau_blocks = q / (core::f32::consts::PI * resonance_hz * self.block_s);
         self.step_hz = STEP * 0.5 * resonance_hz / q;
         self.settle_blocks = (SETTLES * tau_blocks) as u32 + 1;
@@ -173,7 +173,7 @@ impl Online {
     }
 
     /// Whether it is measured while running.
-    pub fn drifts(&self) -> bool {
+    pub(crate) fn drifts(&self) -> bool {
         self.drift_per_s > 0.0
     }
 
@@ -183,7 +183,7 @@ impl Online {
     }
 
     /// Standard deviation of its susceptance, relative to it.
-    pub fn deviation(&self) -> f32 {
+    pub(crate) fn deviation(&self) -> f32 {
         libm::sqrtf(self.variance)
     }
 

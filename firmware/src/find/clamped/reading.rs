@@ -13,7 +13,7 @@ pub struct Measured {
     /// The value.
     pub value: f32,
     /// Its standard deviation.
-    pub deviation: f32,
+    pub(crate) deviation: f32,
 }
 
 /// What the tones have told.
@@ -24,7 +24,7 @@ pub struct Clamped {
     /// Clamped capacitance as the converters see it, F.
     pub c0_f: Measured,
     /// What sensing turns the motional admittance by, rad: the axis.
-    pub turn_rad: Measured,
+    pub(crate) turn_rad: Measured,
     /// Motional inductance, H.
     pub lm_h: Measured,
     /// Series resonance, Hz.
@@ -34,13 +34,13 @@ pub struct Clamped {
     /// Standard deviation of the lock point that follows from [`Clamped::motional`], Hz.
     pub lock_deviation_hz: f32,
     /// Rms of what the model leaves, in standard deviations: about one.
-    pub misfit: f32,
+    pub(crate) misfit: f32,
     /// A second resonance, Hz, and its strength relative to the first.
     pub company: Option<(f32, f32)>,
 }
 
 /// What a solution says of a transducer with this nominal frequency, Hz, and capacitance, F.
-pub fn read(solution: &Solution, nominal_hz: f32, nominal_c0_f: f32) -> Clamped {
+pub(crate) fn read(solution: &Solution, nominal_hz: f32, nominal_c0_f: f32) -> Clamped {
     let e = &solution.elements;
     let us = 1.0 + e[XS];
     let of = |n: usize, scale: f32| solution.deviation(&core::array::from_fn(|k| if k == n { scale } else { 0.0 }));

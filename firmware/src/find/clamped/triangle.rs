@@ -4,7 +4,7 @@
 
 /// A triangular factor of `N` unknowns and its right-hand side.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Triangle<const N: usize> {
+pub(crate) struct Triangle<const N: usize> {
     rows: [[f32; N]; N],
     right: [f32; N],
     /// Sum of squares that no choice of the unknowns explains.
@@ -19,19 +19,19 @@ impl<const N: usize> Default for Triangle<N> {
 
 impl<const N: usize> Triangle<N> {
     /// Forgets all equations.
-    pub fn restart(&mut self) {
+    pub(crate) fn restart(&mut self) {
         self.rows.as_flattened_mut().fill(0.0);
         self.right.fill(0.0);
         self.rest = 0.0;
     }
 
     /// Folds in one equation `row . unknowns = right`, divided by its standard deviation.
-    pub fn fold(&mut self, row: [f32; N], right: f32) {
+    pub(crate) fn fold(&mut self, row: [f32; N], right: f32) {
         self.fold_among(N, row, right);
     }
 
     /// The same of an equation among so many of the unknowns, the first; of the others nothing has been said so far.
-    pub fn fold_among(&mut self, unknowns: usize, mut row: [f32; N], mut right: f32) {
+    pub(crate) fn fold_among(&mut self, unknowns: usize, mut row: [f32; N], mut right: f32) {
         let unknowns = unknowns.min(N);
         for n in 0..unknowns {
             let (kept, b) = (&mut self.rows[n], row[n]);
@@ -52,7 +52,7 @@ impl<const N: usize> Triangle<N> {
     }
 
     /// The unknowns; zero where nothing was said of one.
-    pub fn solve(&self) -> [f32; N] {
+    pub(crate) fn solve(&self) -> [f32; N] {
         let mut unknowns = [0.0; N];
         for n in (0..N).rev() {
             let known = (n + 1..N).fold(self.right[n], |rest, k| rest - self.rows[n][k] * unknowns[k]);
@@ -62,7 +62,7 @@ impl<const N: usize> Triangle<N> {
     }
 
     /// Standard deviation of the sum `of . unknowns`, for rows that were divided by theirs: `|R^-T of|`.
-    pub fn deviation(&self, of: &[f32; N]) -> f32 {
+    pub(crate) fn deviation(&self, of: &[f32; N]) -> f32 {
         let mut forward = [0.0; N];
         for n in 0..N {
             let known = (0..n).fold(of[n], |rest, k| rest - self.rows[k][n] * forward[k]);
@@ -72,7 +72,7 @@ impl<const N: usize> Triangle<N> {
     }
 
     /// Sum of squares that the unknowns leave.
-    pub fn rest(&self) -> f32 {
+    pub(crate) fn rest(&self) -> f32 {
         self.rest
     }
 }

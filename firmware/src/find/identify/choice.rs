@@ -16,16 +16,16 @@ const ALIKE: f32 = 0.8;
 
 /// The rule, with what was told.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Choice {
+pub(crate) struct Choice {
     /// Middle of the window, and how far it goes to each side, Hz.
-    pub window_hz: (f32, f32),
+    pub(crate) window_hz: (f32, f32),
     /// Motional inductance, H.
-    pub nominal_lm_h: Option<f32>,
+    pub(crate) nominal_lm_h: Option<f32>,
 }
 
 impl Choice {
     /// The place of the wanted one in the list, or the fault.
-    pub fn of(&self, found: &[Resonance]) -> Result<usize, Fault> {
+    pub(crate) fn of(&self, found: &[Resonance]) -> Result<usize, Fault> {
         let (centre_hz, half_hz) = self.window_hz;
         let inside = |resonance: &Resonance| (resonance.hz - centre_hz).abs() <= half_hz;
         let fits = |resonance: &Resonance| {

@@ -14,42 +14,42 @@ const NONE: Phasor = Phasor::new(0.0, 0.0);
 
 /// One resonance.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Pole {
+pub(crate) struct Pole {
     /// Series resonance, as an offset from the nominal frequency, Hz.
     pub offset_hz: f32,
     /// Quality factor.
     pub q: f32,
     /// Admittance at the series resonance, S.
-    pub conductance: Phasor,
+    pub(crate) conductance: Phasor,
     /// What rings by itself, at the same place, A.
-    pub transient: Phasor,
+    pub(crate) transient: Phasor,
 }
 
 /// All resonances, and what is left without them.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Circuit {
+pub(crate) struct Circuit {
     /// Middle of the window, Hz.
-    pub nominal_hz: f32,
+    pub(crate) nominal_hz: f32,
     /// The resonances.
-    pub poles: Vec<Pole, MOST_MODES>,
+    pub(crate) poles: Vec<Pole, MOST_MODES>,
     /// Resonances that are known from elsewhere: none of these is fitted, nor do they ring by themselves.
-    pub known: Vec<Pole, MOST_MODES>,
+    pub(crate) known: Vec<Pole, MOST_MODES>,
     /// Admittance of the clamped branch at the nominal frequency, S; its susceptance rises with frequency.
     pub y0: Phasor,
     /// Clamped capacitance by which it rises, F.
     pub c0_f: f32,
     /// What of the current is nobody's, A.
-    pub rest: Phasor,
+    pub(crate) rest: Phasor,
 }
 
 impl Circuit {
     /// A bare capacitance.
-    pub fn bare(nominal_hz: f32, c0_f: f32) -> Self {
+    pub(crate) fn bare(nominal_hz: f32, c0_f: f32) -> Self {
         Circuit { nominal_hz, c0_f, y0: J * (TAU * nominal_hz * c0_f), ..Circuit::default() }
     }
 
     /// The current in a line of the record that this was found in.
-    pub fn current(&self, offset_hz: f32, v: Phasor) -> Phasor {
+    pub(crate) fn current(&self, offset_hz: f32, v: Phasor) -> Phasor {
         let poles: Phasor =
             self.poles.iter().map(|pole| (pole.conductance * v + pole.transient) * self.phi(pole, offset_hz)).sum();
         (self.y0 + self.fixed(offset_hz)) * v + self.rest + poles
@@ -63,7 +63,7 @@ impl Circuit {
     }
 
     /// The circuit of one resonance, without its deviations.
-    pub fn transducer(&self, which: usize) -> Transducer {
+    pub(crate) fn transducer(&self, which: usize) -> Transducer {
         let Some(&Pole { offset_hz, q, conductance, .. }) = self.poles.get(which) else { return Transducer::default() };
         let hz = self.nominal_hz + offset_hz;
         let rm_ohm = 1.0 / magnitude(conductance);
@@ -84,7 +84,7 @@ impl Circuit {
     }
 
     /// One resonance for tracking: what others add to the admittance there belongs to the clamped branch.
-    pub fn motional(&self, which: usize) -> Motional {
+    pub(crate) fn motional(&self, which: usize) -> Motional {
         let Some(pole) = self.poles.get(which) else { return Motional { y0: self.y0, axis: ONE } };
         let there = self.y0 + self.fixed(pole.offset_hz) + self.beside(which);
         let relative = (self.nominal_hz + pole.offset_hz) / self.nominal_hz;

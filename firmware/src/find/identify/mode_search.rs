@@ -60,7 +60,7 @@ enum Stage {
 
 /// The search, in progress.
 #[derive(Clone, Debug)]
-pub struct ModeSearch {
+pub(crate) struct ModeSearch {
     told_q: f32,
     /// Noise of a sample's current that needs no explanation, A.
     amperes: f32,
@@ -80,16 +80,16 @@ pub struct ModeSearch {
 
 /// Steps of the converters, and what is told.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Told {
+pub(crate) struct Told {
     /// Volts and amperes a step.
-    pub steps: (f32, f32),
+    pub(crate) steps: (f32, f32),
     /// Quality factor, within a factor of four.
     pub q: f32,
 }
 
 impl ModeSearch {
     /// A search by a bare capacitance, that [begins](Self::restart) with its first spectrum.
-    pub fn new(told: &Told, bare: Circuit) -> Self {
+    pub(crate) fn new(told: &Told, bare: Circuit) -> Self {
         ModeSearch {
             told_q: told.q,
             amperes: NOISE_STEPS * told.steps.1,
@@ -107,14 +107,14 @@ impl ModeSearch {
     }
 
     /// Begins from scratch. `samples` are all that the spectrum has heard, in `blocks`.
-    pub fn restart(&mut self, bare: &Circuit, blocks: u32, samples: u32) {
+    pub(crate) fn restart(&mut self, bare: &Circuit, blocks: u32, samples: u32) {
         self.again(bare, blocks, samples);
         self.most = MOST_MODES;
         self.stage = Stage::Seek { best: (0.0, 0), sum: 0.0, largest: 0.0 };
     }
 
     /// Fits anew what another spectrum has shown.
-    pub fn again(&mut self, found: &Circuit, blocks: u32, samples: u32) {
+    pub(crate) fn again(&mut self, found: &Circuit, blocks: u32, samples: u32) {
         // Of noise of variance s^2, a sum of B phasors of N samples each has 4 B s^2 / N.
         self.unexplained = 4.0 * self.amperes * self.amperes * (blocks as f32) * (blocks as f32) / samples.max(1) as f32;
         self.most = found.poles.len();
@@ -127,7 +127,7 @@ impl ModeSearch {
     }
 
     /// Does a block's worth of it. Returns whether it is over.
-    pub fn step(&mut self, spectrum: &Spectrum) -> bool {
+    pub(crate) fn step(&mut self, spectrum: &Spectrum) -> bool {
         match &self.stage {
             &Stage::Seek { best, sum, largest } => self.seek(spectrum, best, sum, largest),
             &Stage::Assume { line } => self.assume(spectrum, line),
@@ -141,7 +141,7 @@ impl ModeSearch {
     }
 
     /// What was found.
-    pub fn found(&self) -> (&Circuit, &[Deviations]) {
+    pub(crate) fn found(&self) -> (&Circuit, &[Deviations]) {
         (&self.found, &self.found_deviations)
     }
 

@@ -20,7 +20,7 @@
 //! `G` comes out complex: its argument is what the sensing chain adds, and becomes the axis of the motional phase. `Y0` comes out as the
 //! converters see it. Valid for resonances inside the spectrum, with Q above about five.
 
-pub use crate::find::identify::circuit::{Circuit, Pole};
+pub(crate) use crate::find::identify::circuit::{Circuit, Pole};
 use crate::find::identify::scatter::{Products, Scatter};
 use crate::find::identify::triangle::Triangle;
 use crate::seam::phasor::Phasor;
@@ -44,7 +44,7 @@ const STEPS: usize = 4;
 
 /// The fit, gathering rows.
 #[derive(Clone, Debug)]
-pub struct PoleFit {
+pub(crate) struct PoleFit {
     assumed: Circuit,
     /// Noise of the voltage over that of the current, ohm.
     noise_ohm: f32,
@@ -62,17 +62,17 @@ pub struct PoleFit {
 
 /// What a fit has found.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Solution {
+pub(crate) struct Solution {
     /// The circuit.
-    pub circuit: Circuit,
+    pub(crate) circuit: Circuit,
     /// How far the poles have moved, in parts of their width.
-    pub moved: f32,
+    pub(crate) moved: f32,
 }
 
 impl PoleFit {
     /// An empty fit about what is assumed. `noise_ohm` is the noise of the voltage over that of the current: as their steps, where both
     /// converters are alike.
-    pub fn new(assumed: Circuit, noise_ohm: f32) -> Self {
+    pub(crate) fn new(assumed: Circuit, noise_ohm: f32) -> Self {
         let unknowns = CLAMPED + EACH * assumed.poles.len();
         PoleFit {
             assumed,
@@ -89,14 +89,14 @@ impl PoleFit {
     }
 
     /// Begins again about what is assumed now.
-    pub fn restart(&mut self, assumed: &Circuit) {
+    pub(crate) fn restart(&mut self, assumed: &Circuit) {
         self.assumed.clone_from(assumed);
         self.triangle.restart(CLAMPED + EACH * assumed.poles.len());
         (self.solved, self.scattered) = (0, 0);
     }
 
     /// Adds a line, as far as a block has time for. Returns whether it is done with it.
-    pub fn add(&mut self, offset_hz: f32, line: &Sensed) -> bool {
+    pub(crate) fn add(&mut self, offset_hz: f32, line: &Sensed) -> bool {
         if self.triangle.is_idle() {
             self.begin(offset_hz, line);
         }
@@ -123,7 +123,7 @@ impl PoleFit {
     }
 
     /// Solves for what the lines say, as far as a block has time for. Returns whether there is a [solution](Self::solution) now, if any.
-    pub fn solve(&mut self) -> bool {
+    pub(crate) fn solve(&mut self) -> bool {
         if self.solved == 0 {
             self.solved = 1;
             let unknowns = self.triangle.solve();
@@ -161,7 +161,7 @@ impl PoleFit {
     }
 
     /// What the lines say; `None` if they do not determine it, or if it is no resonance.
-    pub fn solution(&self) -> Option<Solution> {
+    pub(crate) fn solution(&self) -> Option<Solution> {
         if !self.determined {
             return None;
         }
@@ -202,12 +202,12 @@ impl PoleFit {
     }
 
     /// Variance of the noise of a line's current, A^2.
-    pub fn variance(&self) -> f32 {
+    pub(crate) fn variance(&self) -> f32 {
         self.triangle.variance()
     }
 
     /// By how much the numbers of one resonance of what was found scatter; `None` while that takes more blocks.
-    pub fn deviations(&mut self, found: &Circuit, which: usize) -> Option<Deviations> {
+    pub(crate) fn deviations(&mut self, found: &Circuit, which: usize) -> Option<Deviations> {
         let Some(pole) = found.poles.get(which) else { return Some(Deviations::default()) };
         let at = CLAMPED + EACH * which;
         let part = self.scattered;

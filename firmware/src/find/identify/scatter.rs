@@ -9,23 +9,18 @@ const NONE: Phasor = Phasor::new(0.0, 0.0);
 /// Independent parts, of variance one half each way ([`Triangle::spread`](crate::find::identify::triangle::Triangle::spread)), of what the circuit
 /// follows from.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Scatter<const N: usize> {
+pub(crate) struct Scatter<const N: usize> {
     /// Of the pole `w = j / Q`, `w = f / fs - fs / f`.
-    pub pole: [Phasor; N],
+    pub(crate) pole: [Phasor; N],
     /// Of the strength `G / Q = 1 / (ws Lm)`, relative.
-    pub strength: [Phasor; N],
+    pub(crate) strength: [Phasor; N],
     /// Of the clamped admittance, S.
     pub y0: [Phasor; N],
 }
 
 impl<const N: usize> Scatter<N> {
-    /// The deviations of a circuit.
-    pub fn deviations(&self, t: &Transducer) -> Deviations {
-        self.products().deviations(t)
-    }
-
     /// What the parts of these three have in common.
-    pub fn products(&self) -> Products {
+    pub(crate) fn products(&self) -> Products {
         let product = |x: &[Phasor; N], y: &[Phasor; N]| x.iter().zip(y).map(|(x, y)| x * y.conj()).sum::<Phasor>();
         let square = |x: &[Phasor; N]| x.iter().map(|x| x.norm_sqr()).sum::<f32>();
         Products {
@@ -39,7 +34,7 @@ impl<const N: usize> Scatter<N> {
 
 /// `sum x y*` over the parts of each two of the three.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Products {
+pub(crate) struct Products {
     squares: [f32; 3],
     pole_strength: Phasor,
     pole_y0: Phasor,
@@ -48,7 +43,7 @@ pub struct Products {
 
 impl Products {
     /// The deviations of a circuit.
-    pub fn deviations(&self, t: &Transducer) -> Deviations {
+    pub(crate) fn deviations(&self, t: &Transducer) -> Deviations {
         // Relative changes, as the factors of those three.
         let series = [Phasor::new(0.5, 0.0), NONE, NONE];
         let q = [J * t.q, NONE, NONE];

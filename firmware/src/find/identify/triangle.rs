@@ -12,7 +12,7 @@ use crate::seam::phasor::Phasor;
 
 /// A triangular factor with its right-hand side, of `N` unknowns at most.
 #[derive(Clone, Debug)]
-pub struct Triangle<const N: usize> {
+pub(crate) struct Triangle<const N: usize> {
     unknowns: usize,
     rows: [[Phasor; N]; N],
     right: [Phasor; N],
@@ -27,14 +27,14 @@ pub struct Triangle<const N: usize> {
 
 impl<const N: usize> Triangle<N> {
     /// An empty one.
-    pub fn new(unknowns: usize) -> Self {
+    pub(crate) fn new(unknowns: usize) -> Self {
         let (unknowns, none) = (unknowns.min(N), [Phasor::default(); N]);
         let (rows, right) = ([none; N], none);
         Triangle { unknowns, rows, right, left: 0.0, count: 0, row: none, row_right: Phasor::default(), pivot: unknowns }
     }
 
     /// Empties it, for so many unknowns.
-    pub fn restart(&mut self, unknowns: usize) {
+    pub(crate) fn restart(&mut self, unknowns: usize) {
         self.unknowns = unknowns.min(N);
         for row in &mut self.rows[..self.unknowns] {
             row[..self.unknowns].fill(Phasor::default());
@@ -44,17 +44,17 @@ impl<const N: usize> Triangle<N> {
     }
 
     /// Whether no row is being folded in.
-    pub fn is_idle(&self) -> bool {
+    pub(crate) fn is_idle(&self) -> bool {
         self.pivot == self.unknowns
     }
 
     /// Takes an equation, `row * x = right`, to be folded in.
-    pub fn add(&mut self, row: [Phasor; N], right: Phasor) {
+    pub(crate) fn add(&mut self, row: [Phasor; N], right: Phasor) {
         (self.row, self.row_right, self.pivot) = (row, right, 0);
     }
 
     /// Folds it in by so many rotations or a few more. Returns whether it is in.
-    pub fn fold(&mut self, rotations: usize) -> bool {
+    pub(crate) fn fold(&mut self, rotations: usize) -> bool {
         let mut done = 0;
         while self.pivot < self.unknowns && done < rotations {
             let pivot = self.pivot;
@@ -82,7 +82,7 @@ impl<const N: usize> Triangle<N> {
     }
 
     /// The unknowns; `None` where the rows do not determine them.
-    pub fn solve(&self) -> Option<[Phasor; N]> {
+    pub(crate) fn solve(&self) -> Option<[Phasor; N]> {
         let mut unknowns = [Phasor::default(); N];
         for n in (0..self.unknowns).rev() {
             let row = &self.rows[n];
@@ -96,14 +96,14 @@ impl<const N: usize> Triangle<N> {
     }
 
     /// Variance of a right-hand side, from what is left; zero where there are no more rows than unknowns.
-    pub fn variance(&self) -> f32 {
+    pub(crate) fn variance(&self) -> f32 {
         let free = usize::from(self.count).saturating_sub(self.unknowns);
         if free == 0 { 0.0 } else { self.left / free as f32 }
     }
 
     /// `s R^-T gradient`: what a complex number with this gradient by the unknowns scatters by, in independent parts of variance one half
     /// each way. Sums of such numbers are sums of these.
-    pub fn spread(&self, gradient: &[Phasor; N]) -> [Phasor; N] {
+    pub(crate) fn spread(&self, gradient: &[Phasor; N]) -> [Phasor; N] {
         let mut z = [Phasor::default(); N];
         for n in 0..self.unknowns {
             let rest = (0..n).fold(gradient[n], |rest, k| rest - self.rows[k][n] * z[k]);

@@ -22,7 +22,7 @@ use crate::sense::demod::Sensed;
 
 /// The reference, and what the rising half of the triangle has gathered.
 #[derive(Clone, Debug, Default)]
-pub struct Baseband {
+pub(crate) struct Baseband {
     word: u64,
     phase: u64,
     rising: Sensed,
@@ -30,12 +30,12 @@ pub struct Baseband {
 
 impl Baseband {
     /// Starts anew with a reference of this tuning word. The first phasor, which lacks its rising half, is to be thrown away.
-    pub fn restart(&mut self, word: u64) {
+    pub(crate) fn restart(&mut self, word: u64) {
         *self = Baseband { word, ..Baseband::default() };
     }
 
     /// Takes a block.
-    pub fn take(&mut self, convert: &Convert, sense: &SenseBlock) -> Sensed {
+    pub(crate) fn take(&mut self, convert: &Convert, sense: &SenseBlock) -> Sensed {
         let samples = sense.v.len().min(sense.i.len());
         let turn = sine::rotation(self.word).conj();
         let first = sine::rotation(self.phase).conj();

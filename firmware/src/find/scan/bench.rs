@@ -4,24 +4,24 @@ use crate::seam::block::{DriveBlock, SenseBlock};
 use crate::seam::config::FrontEnd;
 
 /// Gaussian noise of variance one (G. E. P. Box and M. E. Muller 1958), from a multiplicative generator.
-pub struct Noise(u64);
+pub(crate) struct Noise(u64);
 
 impl Noise {
-    pub fn new(seed: u64) -> Self {
+    pub(crate) fn new(seed: u64) -> Self {
         Noise(seed.wrapping_mul(0x9E37_79B9_7F4A_7C15) | 1)
     }
 
-    pub fn uniform(&mut self) -> f64 {
+    pub(crate) fn uniform(&mut self) -> f64 {
         self.0 = self.0.wrapping_mul(0xD134_2543_DE82_EF95).wrapping_add(0x2545_F491_4F6C_DD1D);
         ((self.0 >> 11) as f64 + 0.5) / (1u64 << 53) as f64
     }
 
-    pub fn normal(&mut self) -> f64 {
+    pub(crate) fn normal(&mut self) -> f64 {
         libm::sqrt(-2.0 * libm::log(self.uniform())) * libm::cos(core::f64::consts::TAU * self.uniform())
     }
 }
 
-pub fn front_end() -> FrontEnd {
+pub(crate) fn front_end() -> FrontEnd {
     FrontEnd {
         volt_per_lsb: 20.0 / 2048.0,
         ampere_per_lsb: 4.0 / 2048.0,
@@ -38,26 +38,26 @@ pub fn front_end() -> FrontEnd {
 
 /// A branch: series resonance, Hz, quality factor, motional inductance, H.
 #[derive(Clone, Copy, Debug)]
-pub struct Branch {
-    pub hz: f64,
+pub(crate) struct Branch {
+    pub(crate) hz: f64,
     pub q: f64,
     pub lm_h: f64,
 }
 
 impl Branch {
-    pub fn cm_f(&self) -> f64 {
+    pub(crate) fn cm_f(&self) -> f64 {
         let omega = core::f64::consts::TAU * self.hz;
         1.0 / (omega * omega * self.lm_h)
     }
 
-    pub fn rm_ohm(&self) -> f64 {
+    pub(crate) fn rm_ohm(&self) -> f64 {
         core::f64::consts::TAU * self.hz * self.lm_h / self.q
     }
 }
 
 /// What is driven: source of one pole and some resistance, capacitance, branches; sampled at 1 Msps.
-pub struct Bench {
-    pub noise_lsb: f64,
+pub(crate) struct Bench {
+    pub(crate) noise_lsb: f64,
     noise: Noise,
     /// Amplifier, voltage, and two a branch.
     x: [f64; STATES],
@@ -72,7 +72,7 @@ const OVERSAMPLE: usize = 8;
 
 impl Bench {
     /// With one branch or two, and a front end whose current steps fit them.
-    pub fn new(branches: &[Branch], c0_f: f64, seed: u64, front_end: FrontEnd) -> Self {
+    pub(crate) fn new(branches: &[Branch], c0_f: f64, seed: u64, front_end: FrontEnd) -> Self {
         let (corner, source_ohm) = (core::f64::consts::TAU * 200e3, 0.3);
         let mut a = [[0.0; STATES + 1]; STATES + 1];
         (a[0][0], a[0][STATES]) = (-corner, corner);
@@ -90,7 +90,7 @@ impl Bench {
     }
 
     /// Plays a block, and hears it.
-    pub fn exchange(&mut self, drive: &DriveBlock, sense: &mut SenseBlock) {
+    pub(crate) fn exchange(&mut self, drive: &DriveBlock, sense: &mut SenseBlock) {
         sense.v.clear();
         sense.i.clear();
         for &code in &drive.lanes[0] {

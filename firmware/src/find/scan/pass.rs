@@ -26,34 +26,34 @@ const WANTED: (f32, f32) = (1e-4, 5e-7);
 
 /// What a pass has shown of a resonance.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Seen {
+pub(crate) struct Seen {
     /// Series resonance, Hz.
-    pub hz: f32,
+    pub(crate) hz: f32,
     /// The same, as an offset from the nominal frequency, Hz.
     pub offset_hz: f32,
     /// Quality factor.
     pub q: f32,
     /// Standard deviation of the resonance, Hz.
-    pub deviation_hz: f32,
+    pub(crate) deviation_hz: f32,
 }
 
 /// A pass.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Pass {
+pub(crate) struct Pass {
     /// Middle, as an offset from the nominal frequency, Hz.
-    pub centre_hz: f32,
+    pub(crate) centre_hz: f32,
     /// From end to end, Hz.
-    pub width_hz: f32,
+    pub(crate) width_hz: f32,
     /// Blocks from end to end.
-    pub period_blocks: u32,
+    pub(crate) period_blocks: u32,
     /// How often.
-    pub repeats: u32,
+    pub(crate) repeats: u32,
 }
 
 impl Pass {
     /// From `low_hz` to `high_hz`, offsets from the nominal frequency, in `shortest_s` to `longest_s`: as short as shows enough lines. A sweep
     /// is as wide as it has to be for those in the longest time, and not wider than it can be.
-    pub fn between(low_hz: f32, high_hz: f32, (shortest_s, longest_s): (f32, f32), block_s: f32) -> Self {
+    pub(crate) fn between(low_hz: f32, high_hz: f32, (shortest_s, longest_s): (f32, f32), block_s: f32) -> Self {
         let width_hz = (high_hz - low_hz).max(FEWEST_LINES / longest_s);
         let period_s = (FEWEST_LINES / width_hz).clamp(shortest_s, longest_s);
         let period_blocks = ((period_s / block_s) as u32 + 1).max(FEWEST_BLOCKS);
@@ -63,7 +63,7 @@ impl Pass {
 
     /// The fine pass about a resonance that this one has shown, within `reach_hz` of the nominal frequency: as long as the wanted deviation
     /// takes, which is not at all if it is reached already.
-    pub fn fine(&self, seen: &Seen, reach_hz: f32, block_s: f32) -> Self {
+    pub(crate) fn fine(&self, seen: &Seen, reach_hz: f32, block_s: f32) -> Self {
         let bandwidth_hz = seen.hz / seen.q;
         // A resonance near the edge of the window is looked at from one side.
         let end_hz = |bandwidths: f32| (seen.offset_hz + bandwidths * bandwidth_hz).clamp(-reach_hz, reach_hz);
@@ -80,12 +80,12 @@ impl Pass {
     }
 
     /// The widest sweep of so many blocks whose lines there is room for, Hz.
-    pub fn widest_hz(period_blocks: u32, block_s: f32) -> f32 {
+    pub(crate) fn widest_hz(period_blocks: u32, block_s: f32) -> f32 {
         ((MOST_LINES - 2) as f32 / (period_blocks as f32 * block_s)).min(WIDEST / block_s)
     }
 
     /// Offset from the nominal frequency in a block of it, Hz.
-    pub fn offset_hz(&self, block: u32) -> f32 {
+    pub(crate) fn offset_hz(&self, block: u32) -> f32 {
         let up_blocks = self.period_blocks - self.period_blocks / 4;
         let n = block % self.period_blocks;
         let (done, of) = if n < up_blocks { (n, up_blocks) } else { (self.period_blocks - 1 - n, self.period_blocks / 4) };
@@ -93,12 +93,12 @@ impl Pass {
     }
 
     /// Blocks of all of it.
-    pub fn blocks(&self) -> u32 {
+    pub(crate) fn blocks(&self) -> u32 {
         self.period_blocks * self.repeats
     }
 
     /// An empty spectrum for it.
-    pub fn spectrum(&self, block_s: f32) -> Spectrum {
+    pub(crate) fn spectrum(&self, block_s: f32) -> Spectrum {
         Spectrum::new(self.centre_hz, self.width_hz, self.period_blocks, block_s)
     }
 }

@@ -14,9 +14,9 @@ const IN_PHASE: (f32, u32) = (0.01, 8);
 
 /// The result of a scan, while it rings down.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct RingDown {
+pub(crate) struct RingDown {
     /// The transducer.
-    pub transducer: Transducer,
+    pub(crate) transducer: Transducer,
     /// Its branch for tracking.
     pub motional: Motional,
     blocks: u32,
@@ -26,7 +26,7 @@ pub struct RingDown {
 
 impl RingDown {
     /// Of this result; `still_blocks` have passed since the sweep ended.
-    pub fn new(transducer: Transducer, motional: Motional, still_blocks: u32, block_s: f32) -> Self {
+    pub(crate) fn new(transducer: Transducer, motional: Motional, still_blocks: u32, block_s: f32) -> Self {
         let all_blocks = (LONGEST * transducer.time_constant_s() / block_s) as u32;
         // The tone of the resonance itself must have come back.
         let longest_blocks = all_blocks.saturating_sub(still_blocks).max(LATENCY_BLOCKS as u32 + 1);
@@ -34,7 +34,7 @@ impl RingDown {
     }
 
     /// Hears a block of the tone, at `relative` times the nominal frequency. Returns whether it has rung down.
-    pub fn is_over(&mut self, sensed: &Sensed, relative: f32) -> bool {
+    pub(crate) fn is_over(&mut self, sensed: &Sensed, relative: f32) -> bool {
         self.blocks += 1;
         let phase = self.motional.phase_of(self.motional.current(sensed, relative), sensed.v);
         let heard = self.blocks > LATENCY_BLOCKS as u32;

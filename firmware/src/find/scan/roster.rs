@@ -13,7 +13,7 @@ const APART: f32 = 0.25;
 
 /// Resonances at rising frequencies.
 #[derive(Clone, Debug, Default)]
-pub struct Roster {
+pub(crate) struct Roster {
     nominal_hz: f32,
     found: Vec<(Pole, Deviations), MOST_MODES>,
     listed: Resonances,
@@ -22,17 +22,17 @@ pub struct Roster {
 
 impl Roster {
     /// An empty one, whose offsets count from `nominal_hz`.
-    pub fn new(nominal_hz: f32) -> Self {
+    pub(crate) fn new(nominal_hz: f32) -> Self {
         Roster { nominal_hz, ..Roster::default() }
     }
 
     /// The resonances.
-    pub fn listed(&self) -> &[Resonance] {
+    pub(crate) fn listed(&self) -> &[Resonance] {
         &self.listed
     }
 
     /// One of them, each in the turn of a block.
-    pub fn in_turn(&self, block: usize) -> Option<Listed> {
+    pub(crate) fn in_turn(&self, block: usize) -> Option<Listed> {
         if self.listed.is_empty() {
             return None;
         }
@@ -42,23 +42,23 @@ impl Roster {
     }
 
     /// The place of the wanted one.
-    pub fn place(&self) -> usize {
+    pub(crate) fn place(&self) -> usize {
         self.wanted
     }
 
     /// The wanted one.
-    pub fn wanted(&self) -> Option<&(Pole, Deviations)> {
+    pub(crate) fn wanted(&self) -> Option<&(Pole, Deviations)> {
         self.found.get(self.wanted)
     }
 
     /// The others.
-    pub fn others(&self) -> impl Iterator<Item = &Pole> {
+    pub(crate) fn others(&self) -> impl Iterator<Item = &Pole> {
         self.found.iter().enumerate().filter(|(n, _)| *n != self.wanted).map(|(_, (pole, _))| pole)
     }
 
     /// Adds one that has been found; the weakest is left out where there is no room. What a part of the window has shown already, the next
     /// one does not add.
-    pub fn add(&mut self, pole: Pole, deviations: Deviations, again: bool) {
+    pub(crate) fn add(&mut self, pole: Pole, deviations: Deviations, again: bool) {
         let apart_hz = APART * (self.nominal_hz + pole.offset_hz) / pole.q;
         if again && self.found.iter().any(|(other, _)| (other.offset_hz - pole.offset_hz).abs() < apart_hz) {
             return;
@@ -77,13 +77,13 @@ impl Roster {
     }
 
     /// Chooses the wanted one.
-    pub fn choose(&mut self, choice: &Choice) -> Result<(), Fault> {
+    pub(crate) fn choose(&mut self, choice: &Choice) -> Result<(), Fault> {
         self.wanted = choice.of(&self.listed)?;
         Ok(())
     }
 
     /// The wanted one is known better now.
-    pub fn refine(&mut self, pole: Pole, deviations: Deviations) {
+    pub(crate) fn refine(&mut self, pole: Pole, deviations: Deviations) {
         if let Some(wanted) = self.found.get_mut(self.wanted) {
             *wanted = (pole, deviations);
             self.list();

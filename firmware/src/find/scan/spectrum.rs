@@ -9,13 +9,13 @@ use crate::seam::phasor::Phasor;
 use crate::sense::demod::Sensed;
 
 /// The most frequencies on each side of the reference.
-pub const MOST_PAIRS: usize = 20;
+pub(crate) const MOST_PAIRS: usize = 20;
 /// The most frequencies.
-pub const MOST_LINES: usize = 2 * MOST_PAIRS + 1;
+pub(crate) const MOST_LINES: usize = 2 * MOST_PAIRS + 1;
 
 /// Voltage and current at rising frequencies.
 #[derive(Clone, Debug)]
-pub struct Spectrum {
+pub(crate) struct Spectrum {
     /// Frequency of the reference, as an offset from the nominal one, and from one line to the next, Hz.
     centre_hz: f32,
     spacing_hz: f32,
@@ -29,7 +29,7 @@ pub struct Spectrum {
 
 impl Spectrum {
     /// An empty one, about `centre_hz`, of a sweep that has `period_blocks` of `block_s` and is `width_hz` wide.
-    pub fn new(centre_hz: f32, width_hz: f32, period_blocks: u32, block_s: f32) -> Self {
+    pub(crate) fn new(centre_hz: f32, width_hz: f32, period_blocks: u32, block_s: f32) -> Self {
         let spacing_hz = 1.0 / (period_blocks.max(1) as f32 * block_s);
         let pairs = (0.5 * width_hz / spacing_hz + 0.5) as usize;
         let none = [Phasor::default(); MOST_LINES];
@@ -38,7 +38,7 @@ impl Spectrum {
     }
 
     /// Adds the phasors of the next block.
-    pub fn add(&mut self, heard: &Sensed) {
+    pub(crate) fn add(&mut self, heard: &Sensed) {
         let step = sine::rotation(self.phase).conj();
         self.phase = self.phase.wrapping_add(self.word);
         self.v[MOST_PAIRS] += heard.v;
@@ -53,27 +53,27 @@ impl Spectrum {
     }
 
     /// How many lines there are.
-    pub fn lines(&self) -> usize {
+    pub(crate) fn lines(&self) -> usize {
         2 * self.pairs + 1
     }
 
     /// Offset of a line from the nominal frequency, Hz.
-    pub fn offset_hz(&self, line: usize) -> f32 {
+    pub(crate) fn offset_hz(&self, line: usize) -> f32 {
         self.centre_hz + (line as f32 - self.pairs as f32) * self.spacing_hz
     }
 
     /// Offset of the middle from the nominal frequency, Hz.
-    pub fn centre_hz(&self) -> f32 {
+    pub(crate) fn centre_hz(&self) -> f32 {
         self.centre_hz
     }
 
     /// From line to line, Hz.
-    pub fn spacing_hz(&self) -> f32 {
+    pub(crate) fn spacing_hz(&self) -> f32 {
         self.spacing_hz
     }
 
     /// Voltage and current of a line.
-    pub fn at(&self, line: usize) -> Sensed {
+    pub(crate) fn at(&self, line: usize) -> Sensed {
         let n = (MOST_PAIRS + line - self.pairs).min(MOST_LINES - 1);
         Sensed { v: self.v[n], i: self.i[n] }
     }

@@ -18,28 +18,6 @@ const SAME: f32 = 0.01;
 /// A stroke of so many half cycles is long enough for a tracker to listen to.
 const LONG: u32 = 64;
 
-/// How long the edges of a boosted burst take, for who counts on them.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct EdgeTimes {
-    /// Half cycles of the boost and of the brake.
-    pub half_cycles: (u32, u32),
-    /// Drive of the boost, from rest, and of the brake, from the level, V.
-    pub volts: (f32, f32),
-    /// Time constant of the ring as it is driven, half cycles.
-    pub time_constant: f32,
-}
-
-impl EdgeTimes {
-    /// By how many half cycles of the drive the amplitude is longer above `part` of its level than the gate is open: the brake's time down to it less
-    /// the boost's time up to it. The gate itself is rounded to whole periods.
-    pub fn longer_above(&self, part: f32, level_volts: f32) -> f32 {
-        let (boost, brake) = self.volts;
-        let up = libm::logf(boost / (boost - part * level_volts));
-        let down = libm::logf((level_volts + brake.abs()) / (part * level_volts + brake.abs()));
-        self.time_constant * (down - up)
-    }
-}
-
 /// The boosted burst.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Boost {
@@ -88,14 +66,6 @@ impl Boost {
     /// So many samples at this envelope.
     pub(super) fn advance(&mut self, level: f32, samples: usize) {
         self.ring.advance(level * self.volts, samples);
-    }
-
-    pub(super) fn times(&self) -> Option<EdgeTimes> {
-        self.strokes.map(|strokes| EdgeTimes {
-            half_cycles: (strokes.up.half_cycles, strokes.down.half_cycles),
-            volts: (strokes.up.volts(0.0, strokes.volts), strokes.down.volts(strokes.volts, 0.0)),
-            time_constant: strokes.per_time_constant(),
-        })
     }
 
     /// The first lane passes zero, into its rising or falling half.
@@ -184,65 +154,60 @@ impl Burst {
     }
 
     /// Takes the drive of the next block, by which a boost is louder, V.
-    pub fn set_drive(&mut self, volts: f32) {
+    pub(crate) fn set_drive(&mut self, volts: f32) {
         self.loudest = self.boost.as_ref().map_or(1.0, |boost| boost.loudest(volts));
     }
 
     /// Whether the gate turns within so many samples from `now` on.
-    pub fn turns_within(&mut self, gate: Gate, now: u64, samples: u64) -> bool {
+    pub(crate) fn turns_within(&mut self, gate: Gate, now: u64, samples: u64) -> bool {
         self.gate(gate, now).1 < samples
     }
 
     /// Whether edges are boosted.
     #[inline]
-    pub fn boosts(&self) -> bool {
+    pub(crate) fn boosts(&self) -> bool {
         self.boosts
     }
 
     /// Whether an edge is not what was asked for, because the limits leave too little for it, or because there is nothing to plan it by.
     #[inline]
-    pub fn limited(&self) -> bool {
+    pub(crate) fn limited(&self) -> bool {
         self.boosts && self.boost.as_ref().is_some_and(Boost::limited)
     }
 
-    /// How long the edges take that are planned now; `None` where they are not boosted.
-    pub fn edge_times(&self) -> Option<EdgeTimes> {
-        self.boost.as_ref().and_then(Boost::times)
-    }
-
     /// Whether the strokes that were planned are for this drive, V.
-    pub fn fits(&self, volts: f32) -> bool {
+    pub(crate) fn fits(&self, volts: f32) -> bool {
         self.boost.as_ref().is_none_or(|boost| boost.fits(volts))
     }
 
     /// Takes the strokes of a boosted burst; without, edges are hard.
-    pub fn set_strokes(&mut self, strokes: Option<Strokes>) {
+    pub(crate) fn set_strokes(&mut self, strokes: Option<Strokes>) {
         if let Some(boost) = &mut self.boost {
             boost.set_strokes(strokes);
         }
     }
 
     /// Takes the rate by which what rings decays, 1/sample, in blocks of so many samples.
-    pub fn set_rate(&mut self, per_sample: f32, samples: usize) {
+    pub(crate) fn set_rate(&mut self, per_sample: f32, samples: usize) {
         if let Some(boost) = &mut self.boost {
             boost.ring.set_rate(per_sample, samples);
         }
     }
 
     /// Takes what was heard to ring in a block, as the steady drive that would hold it, V.
-    pub fn hear(&mut self, volts: f32) {
+    pub(crate) fn hear(&mut self, volts: f32) {
         if let Some(boost) = &mut self.boost {
             boost.ring.hear(volts);
         }
     }
 
     /// Whether a boosted burst had rung up to a drive of `volts` before the last block.
-    pub fn was_rung_up(&self, volts: f32) -> bool {
+    pub(crate) fn was_rung_up(&self, volts: f32) -> bool {
         self.boost.as_ref().is_some_and(|boost| boost.ring.was_rung_up(volts))
     }
 
     /// Whether what plays now tells a tracker something: the drive, and a long boost of it. What a brake and its payback leave is nearly nothing.
-    pub fn is_telling(&self) -> bool {
+    pub(crate) fn is_telling(&self) -> bool {
         self.boost.as_ref().is_none_or(|boost| match self.state {
             State::Open { .. } => true,
             State::Rising { .. } => boost.stroke >= LONG,
@@ -251,7 +216,7 @@ impl Burst {
     }
 
     /// Forgets what rings, of another transducer or of another time.
-    pub fn restart(&mut self) {
+    pub(crate) fn restart(&mut self) {
         if let Some(boost) = &mut self.boost {
             *boost = Boost::default();
         }

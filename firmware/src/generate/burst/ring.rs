@@ -11,7 +11,7 @@ const RUNG_UP: f32 = 0.1;
 
 /// What rings.
 #[derive(Clone, Debug, Default)]
-pub struct Ring {
+pub(super) struct Ring {
     /// `a`, 1/sample; zero as long as nothing is known.
     per_sample: f32,
     /// What is left of it after half a block, and after a block of `samples`.
@@ -27,30 +27,30 @@ pub struct Ring {
 
 impl Ring {
     /// Now, V.
-    pub fn volts(&self) -> f32 {
+    pub(super) fn volts(&self) -> f32 {
         self.volts
     }
 
     /// Takes the rate by which it decays, 1/sample, in blocks of so many samples.
-    pub fn set_rate(&mut self, per_sample: f32, samples: usize) {
+    pub(super) fn set_rate(&mut self, per_sample: f32, samples: usize) {
         (self.per_sample, self.samples) = (per_sample, samples);
         self.block_kept = self.kept(samples as f32);
         self.half_kept = self.kept(0.5 * samples as f32);
     }
 
     /// So many samples under a drive of `volts`.
-    pub fn advance(&mut self, volts: f32, samples: usize) {
+    pub(super) fn advance(&mut self, volts: f32, samples: usize) {
         let kept = if samples == self.samples { self.block_kept } else { self.kept(samples as f32) };
         self.volts = volts + (self.volts - volts) * kept;
     }
 
     /// A block ends.
-    pub fn end_block(&mut self) {
+    pub(super) fn end_block(&mut self) {
         self.ends = [self.ends[1], self.ends[2], self.volts];
     }
 
     /// Takes what was heard in the middle of the block that is heard now, V.
-    pub fn hear(&mut self, volts: f32) {
+    pub(super) fn hear(&mut self, volts: f32) {
         let [begins, ends, now] = self.ends;
         let beside = volts - 0.5 * (begins + ends);
         let correction = if self.heard { BELIEVED * beside } else { beside } * self.half_kept;
@@ -60,7 +60,7 @@ impl Ring {
     }
 
     /// Whether it had come to what a drive of `volts` holds before the last block.
-    pub fn was_rung_up(&self, volts: f32) -> bool {
+    pub(super) fn was_rung_up(&self, volts: f32) -> bool {
         self.heard && (self.ends[1] - volts).abs() < RUNG_UP * volts
     }
 

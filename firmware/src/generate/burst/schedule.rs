@@ -80,12 +80,12 @@ impl Schedule {
 
 impl Burst {
     /// Whether the schedule repeats a burst.
-    pub fn repeats(&self) -> bool {
+    pub(crate) fn repeats(&self) -> bool {
         matches!(self.schedule, Schedule::Periodic { .. })
     }
 
     /// From the next period on, bursts of a schedule that repeats are ON for so many samples on an average.
-    pub fn set_on(&mut self, samples: f32) {
+    pub(crate) fn set_on(&mut self, samples: f32) {
         self.schedule.set_on(samples, self.period_of_drive);
     }
 }

@@ -26,44 +26,39 @@ const LOST: u32 = 1;
 
 /// So many half cycles, and what is left after them of what rang before.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Stroke {
+pub(crate) struct Stroke {
     /// Half cycles.
-    pub half_cycles: u32,
+    pub(crate) half_cycles: u32,
     /// `q^n`.
     kept: f32,
 }
 
 impl Stroke {
     /// The drive that brings what rings from `from` to `to`, V.
-    pub fn volts(&self, from: f32, to: f32) -> f32 {
+    pub(crate) fn volts(&self, from: f32, to: f32) -> f32 {
         (to - from * self.kept) / (1.0 - self.kept)
     }
 }
 
 /// The strokes of a burst, up from rest and down again.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Strokes {
+pub(crate) struct Strokes {
     /// Up and down; both are of even half cycles, or as many and odd.
-    pub up: Stroke,
+    pub(crate) up: Stroke,
     /// Down.
-    pub down: Stroke,
+    pub(crate) down: Stroke,
     /// Drive that they were made for, and the most that they may use, V.
     pub volts: f32,
     /// The most.
-    pub ceiling: f32,
+    pub(crate) ceiling: f32,
     /// The boost reaches the level.
-    pub lands: bool,
+    pub(crate) lands: bool,
     per_time_constant: f32,
 }
 
 impl Strokes {
-    /// Half cycles of a time constant.
-    pub fn per_time_constant(&self) -> f32 {
-        self.per_time_constant
-    }
-
     /// The stroke with an odd number of half cycles, or an even one: the same, or one more.
-    pub fn with_parity(&self, stroke: Stroke, odd: bool) -> Stroke {
+    pub(crate) fn with_parity(&self, stroke: Stroke, odd: bool) -> Stroke {
         if (stroke.half_cycles % 2 == 1) == odd {
             return stroke;
         }
@@ -75,7 +70,7 @@ impl Strokes {
 
 /// Plans strokes, a little a block.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Planner {
+pub(crate) struct Planner {
     per_time_constant: f32,
     volts: f32,
     ceiling: f32,
@@ -99,12 +94,12 @@ enum Step {
 
 impl Planner {
     /// For a drive of `volts` under a ceiling, of a ring that takes `per_time_constant` half cycles for its time constant.
-    pub fn new(per_time_constant: f32, volts: f32, ceiling: f32) -> Self {
+    pub(crate) fn new(per_time_constant: f32, volts: f32, ceiling: f32) -> Self {
         Planner { per_time_constant, volts, ceiling, ..Planner::default() }
     }
 
     /// One step of it: the strokes with the last.
-    pub fn step(&mut self) -> Option<Strokes> {
+    pub(crate) fn step(&mut self) -> Option<Strokes> {
         let part = self.volts / self.ceiling;
         let h = self.per_time_constant;
         // Rounded up.

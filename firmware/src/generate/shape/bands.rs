@@ -19,12 +19,12 @@ const FADE: (f32, f32) = (0.46, 0.5);
 
 /// One period of a waveform; the first entry stands again at the end, for interpolation. And the amplitude of its fundamental.
 #[derive(Debug)]
-pub struct Table([f32; LENGTH + 1], f32);
+pub(crate) struct Table([f32; LENGTH + 1], f32);
 
 impl Table {
     /// The waveform at a phase of `phase / 2^32` turns.
     #[inline]
-    pub fn at(&self, phase: u32) -> f32 {
+    pub(crate) fn at(&self, phase: u32) -> f32 {
         let index = (phase >> FRACTION_BITS) as usize;
         let fraction = (phase & ((1 << FRACTION_BITS) - 1)) as f32 * FRACTION_SCALE;
         let here = self.0[index];
@@ -41,18 +41,18 @@ pub struct Bands {
 
 /// The waveform at one frequency: `lower + weight (upper - lower)`.
 #[derive(Clone, Copy, Debug)]
-pub struct Blend {
+pub(crate) struct Blend {
     /// The table with fewer harmonics.
-    pub lower: &'static Table,
+    pub(crate) lower: &'static Table,
     /// The table with more.
-    pub upper: &'static Table,
+    pub(crate) upper: &'static Table,
     /// The weight of the upper, 0 to 1.
-    pub weight: f32,
+    pub(crate) weight: f32,
 }
 
 impl Blend {
     /// Amplitude of the fundamental.
-    pub fn fundamental(&self) -> f32 {
+    pub(crate) fn fundamental(&self) -> f32 {
         self.lower.1 + self.weight * (self.upper.1 - self.lower.1)
     }
 }
@@ -63,7 +63,7 @@ impl Bands {
     }
 
     /// The waveform at a frequency, in cycles a sample.
-    pub fn at(&self, cycles_per_sample: f32) -> Blend {
+    pub(crate) fn at(&self, cycles_per_sample: f32) -> Blend {
         let (_, fundamental) = self.tables[0];
         let mut blend = Blend { lower: fundamental, upper: fundamental, weight: 0.0 };
         for &(highest, table) in self.tables {

@@ -72,7 +72,7 @@ pub struct Noise {
 
 impl Noise {
     /// Checks the band.
-    pub fn build(config: &Config) -> Result<Self, Error> {
+    pub(crate) fn build(config: &Config) -> Result<Self, Error> {
         let sample_hz = f64::from(config.sample_hz);
         let (low, high) = (f64::from(config.drive.noise_band_hz.0), f64::from(config.drive.noise_band_hz.1));
         Drive::NOISE_LOW_HZ.check_within(low, LOWEST * sample_hz, HIGHEST * sample_hz)?;
@@ -85,7 +85,7 @@ impl Noise {
 
     /// The next sample, -1 to 1.
     #[inline]
-    pub fn take(&mut self) -> f32 {
+    pub(crate) fn take(&mut self) -> f32 {
         let white = self.white.next() * self.scale;
         self.filter(white).clamp(-1.0, 1.0)
     }
@@ -128,21 +128,21 @@ fn root(z: Complex64) -> Complex64 {
 /// Dither: the difference of successive evenly distributed numbers, triangular within -1 to 1, less of it at low frequencies. Added
 /// before rounding, it makes the error of rounding independent of the signal.
 #[derive(Clone, Debug)]
-pub struct Dither {
+pub(crate) struct Dither {
     white: White,
     last: f32,
 }
 
 impl Dither {
     /// A dither.
-    pub fn new(seed: u64) -> Self {
+    pub(crate) fn new(seed: u64) -> Self {
         // Beside the noise's own stream.
         Dither { white: White::new(!seed), last: 0.0 }
     }
 
     /// The next value, in codes.
     #[inline]
-    pub fn take(&mut self) -> f32 {
+    pub(crate) fn take(&mut self) -> f32 {
         let next = 0.5 * self.white.next();
         next - core::mem::replace(&mut self.last, next)
     }

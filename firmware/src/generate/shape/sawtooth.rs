@@ -7,7 +7,7 @@ static TABLES: [Table; 12] =
     [up_to(1), up_to(2), up_to(3), up_to(4), up_to(5), up_to(6), up_to(8), up_to(10), up_to(12), up_to(16), up_to(20), up_to(25)];
 
 /// The sawtooth's tables.
-pub static BANDS: Bands = Bands::new(&[
+pub(crate) static BANDS: Bands = Bands::new(&[
     (1, &TABLES[0]),
     (2, &TABLES[1]),
     (3, &TABLES[2]),

@@ -19,7 +19,7 @@ static TABLES: [Table; 10] = [
 ];
 
 /// The square's tables.
-pub static BANDS: Bands = Bands::new(&[
+pub(crate) static BANDS: Bands = Bands::new(&[
     (1, &TABLES[0]),
     (3, &TABLES[1]),
     (5, &TABLES[2]),

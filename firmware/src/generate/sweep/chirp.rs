@@ -47,7 +47,7 @@ enum Law {
 
 /// The chirp.
 #[derive(Clone, Debug)]
-pub struct Chirp {
+pub(crate) struct Chirp {
     _carried: Waveforms,
     legs: [Leg; 2],
     then: Then,
@@ -63,7 +63,7 @@ pub struct Chirp {
 
 impl Chirp {
     /// Checks a chirp: both ends within what the sample rate carries, none at or through 0 Hz.
-    pub fn build(config: &Config, whole: &Whole) -> Result<Self, Error> {
+    pub(crate) fn build(config: &Config, whole: &Whole) -> Result<Self, Error> {
         let carried = features::waveforms()?;
         config.check()?;
         let sample_hz = f64::from(whole.sample_hz);
@@ -111,7 +111,7 @@ impl Chirp {
     }
 
     /// Goes back to the beginning.
-    pub fn restart(&mut self) {
+    pub(crate) fn restart(&mut self) {
         self.begin(0);
     }
 
@@ -120,7 +120,7 @@ impl Chirp {
     }
 
     /// Word of the next block's first sample and its increment; `held` is the word of the tracked resonance.
-    pub fn next(&mut self, held: u64) -> (u64, u64) {
+    pub(crate) fn next(&mut self, held: u64) -> (u64, u64) {
         let base = match self.around {
             Around::Zero => 0,
             Around::Resonance => held,

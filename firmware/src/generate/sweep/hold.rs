@@ -50,7 +50,7 @@ impl Hold {
     }
 
     /// How far the frequency of a tuning word is from the nominal one, Hz, in steps of 2e-4.
-    pub fn offset_of(&self, word: u64) -> f32 {
+    pub(crate) fn offset_of(&self, word: u64) -> f32 {
         (word.wrapping_sub(self.nominal_word) >> 32) as i32 as f32 * self.hz_per_high_word
     }
 

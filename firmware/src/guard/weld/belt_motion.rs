@@ -41,7 +41,7 @@ pub struct BeltMotion {
 
 impl BeltMotion {
     /// A watch that keeps the configured limit.
-    pub fn build(config: &Config, block_s: f32) -> Self {
+    pub(crate) fn build(config: &Config, block_s: f32) -> Self {
         let stop_ms = config.limits.belt_stop_ms;
         BeltMotion {
             stop_blocks: (stop_ms * 1e-3 / block_s) as u32,

@@ -4,7 +4,7 @@
 //! E(n + 1) = max(0, E(n) + P T - e dx),    P = Re(V I*) / 2
 //! ```
 //!
-//! with the new ground `dx` of the block. Over any stretch of belt the drive then gets at most `e (dx + L)`, where `L` is [`CONTACT_M`],
+//! with the new ground `dx` of the block. Over any stretch of belt the drive then gets at most `e (dx + L)`, where `L` is `CONTACT_M`,
 //! the contact's own length: more is a fault. A belt that stands gets `e L` in all, and a belt slower than `P / e` not much more. It rests
 //! on the encoder: what an encoder that lies allows is for the force channel to see, and for `limits.on_time_s` to end.
 
@@ -13,11 +13,11 @@ use crate::seam::error::Error;
 use crate::seam::fault::Fault;
 
 /// Length of the contact along the belt, m (thesis 3.2: a tip of 10 mm).
-pub const CONTACT_M: f32 = 0.01;
+pub(crate) const CONTACT_M: f32 = 0.01;
 
 /// The budget.
 #[derive(Clone, Debug)]
-pub struct EnergyPerLength {
+pub(crate) struct EnergyPerLength {
     block_s: f32,
     /// What a count gives, J; infinite without a limit.
     joule_per_count: f32,
@@ -27,7 +27,7 @@ pub struct EnergyPerLength {
 
 impl EnergyPerLength {
     /// Checks the limit: without counts that are worth something there can be none.
-    pub fn build(config: &Config, block_s: f32) -> Result<Self, Error> {
+    pub(crate) fn build(config: &Config, block_s: f32) -> Result<Self, Error> {
         let limit = config.limits.energy_j_per_m;
         let joule_per_count = match (limit, config.front_end.metre_per_count) {
             (Some(joule), Some(metre)) => joule * metre,

@@ -37,7 +37,7 @@ const TAKES_BACK: u32 = 8;
 
 /// The watch over the force channel.
 #[derive(Clone, Debug)]
-pub struct ForceWatch {
+pub(crate) struct ForceWatch {
     /// There is a channel.
     told: bool,
     /// It tells the friction under the tip, and not the tension of a belt in a crash, which comes and goes by itself.
@@ -58,7 +58,7 @@ pub struct ForceWatch {
 
 impl ForceWatch {
     /// A watch of a channel of the configured bandwidth.
-    pub fn build(config: &Config, block_s: f32) -> Self {
+    pub(crate) fn build(config: &Config, block_s: f32) -> Self {
         let hz = config.front_end.force_hz;
         let channel_s = hz.map_or(0.0, |hz| CHANNEL_TIMES / (core::f32::consts::TAU * hz));
         ForceWatch {

@@ -59,9 +59,9 @@ pub struct Drive {
 
 impl Drive {
     /// The scan's voltage.
-    pub const SCAN_VOLTS: Setting = Setting { name: "drive.scan_volts", ..Self::SCAN_V };
+    pub(crate) const SCAN_VOLTS: Setting = Setting { name: "drive.scan_volts", ..Self::SCAN_V };
     /// The amplitude as a motional current, A.
-    pub const MOTIONAL_CURRENT_A: Setting = Setting { name: "drive.motional_current_a", ..Limits::CURRENT_A };
+    pub(crate) const MOTIONAL_CURRENT_A: Setting = Setting { name: "drive.motional_current_a", ..Limits::CURRENT_A };
 
     /// Parameters that are no field by themselves. An amplitude is of one kind: zero is that it is of the other.
     pub(crate) const OTHERS: &'static [Parameter] = &[

@@ -51,7 +51,7 @@ pub struct Friction {
 
 impl Friction {
     /// The force factor is what the user knows of the transducer.
-    pub const FORCE_FACTOR_N_PER_V: Setting =
+    pub(crate) const FORCE_FACTOR_N_PER_V: Setting =
         Setting { name: "friction.force_factor_n_per_v", ..Tracking::NOMINAL_FORCE_FACTOR_N_PER_V };
 
     /// Whether every value is within its range, with those that the controller alone has.

@@ -16,7 +16,7 @@ pub struct Known {
 }
 
 /// The equivalent circuit, with deviations.
-pub fn circuit(observer: &Observer, nominal_hz: f32, known: &Known) -> Transducer {
+pub(crate) fn circuit(observer: &Observer, nominal_hz: f32, known: &Known) -> Transducer {
     let mut learning = Learning::default();
     learning.begin(observer, nominal_hz, known);
     while !learning.is_over() {
@@ -27,7 +27,7 @@ pub fn circuit(observer: &Observer, nominal_hz: f32, known: &Known) -> Transduce
 
 /// The same in parts, because a root takes as long as two periods of the lock-in: at once what is followed by, the rest a few roots at a time.
 #[derive(Clone, Debug)]
-pub struct Learning {
+pub(crate) struct Learning {
     transducer: Transducer,
     spread: Spread,
     /// Relative deviations of the resonance, of the strength and of the clamped capacitance.
@@ -50,7 +50,7 @@ impl Default for Learning {
 
 impl Learning {
     /// Resonance, Q, and the elements; no deviations, and not what follows from a root.
-    pub fn begin(&mut self, observer: &Observer, nominal_hz: f32, known: &Known) {
+    pub(crate) fn begin(&mut self, observer: &Observer, nominal_hz: f32, known: &Known) {
         let hz = nominal_hz + observer.offset_hz();
         let omega = TAU * hz;
         let (lm_h, alpha, c0_f) = (observer.lm_h(), observer.damping(), known.c0_f.0);
@@ -65,23 +65,23 @@ impl Learning {
 
     /// Whether there is nothing to be done.
     #[inline]
-    pub fn is_over(&self) -> bool {
+    pub(crate) fn is_over(&self) -> bool {
         self.left == 0
     }
 
     /// Forgets what is half done.
-    pub fn abandon(&mut self) {
+    pub(crate) fn abandon(&mut self) {
         self.left = 0;
     }
 
     /// What is known so far: all, when it is over.
-    pub fn transducer(&self) -> &Transducer {
+    pub(crate) fn transducer(&self) -> &Transducer {
         &self.transducer
     }
 
     /// Some roots more.
     #[inline(never)]
-    pub fn advance(&mut self) {
+    pub(crate) fn advance(&mut self) {
         let Learning { transducer, spread, resonance, strength, clamped, part, left } = self;
         let Transducer { series_resonance_hz: hz, q, cm_f, c0_f, deviations, .. } = transducer;
         let root = |sum: f32| libm::sqrtf(sum);
@@ -139,7 +139,7 @@ mod tests {
             strength: [none, part(observer.strength_deviation()), none],
             y0: [none, none, part(TAU * found.series_resonance_hz * known.c0_f.1)],
         };
-        let (told, all) = (found.deviations, scatter.deviations(&found));
+        let (told, all) = (found.deviations, scatter.products().deviations(&found));
         for (name, told, expected) in [
             ("series", told.series_resonance_hz, all.series_resonance_hz),
             ("parallel", told.parallel_resonance_hz, all.parallel_resonance_hz),

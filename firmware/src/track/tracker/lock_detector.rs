@@ -6,7 +6,7 @@
 use crate::seam::units::Turns;
 
 /// Blocks within the inner bound that make a lock.
-pub const LOCK_BLOCKS: u32 = 8;
+pub(crate) const LOCK_BLOCKS: u32 = 8;
 const INNER_TURNS: f32 = 5.0 / 360.0;
 const OUTER_TURNS: f32 = 45.0 / 360.0;
 /// How long the phase may be beyond the outer bound, in time constants of the resonance and at least, in blocks.
@@ -17,7 +17,7 @@ const FORGIVEN: u32 = 4;
 
 /// What the phase says.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Lock {
+pub(crate) enum Lock {
     /// Not yet.
     Seeking,
     /// Locked.
@@ -28,7 +28,7 @@ pub enum Lock {
 
 /// The detector.
 #[derive(Clone, Debug)]
-pub struct LockDetector {
+pub(crate) struct LockDetector {
     lost_blocks: u32,
     inside: u32,
     outside: u32,
@@ -43,7 +43,7 @@ impl Default for LockDetector {
 
 impl LockDetector {
     /// Starts seeking, on a resonance with this time constant, in blocks.
-    pub fn restart(&mut self, time_constant_blocks: f32) {
+    pub(crate) fn restart(&mut self, time_constant_blocks: f32) {
         *self = LockDetector {
             lost_blocks: LOST_BLOCKS.max((LOST_TIME_CONSTANTS * time_constant_blocks) as u32),
             ..LockDetector::default()
@@ -51,7 +51,7 @@ impl LockDetector {
     }
 
     /// Takes one block's phase.
-    pub fn update(&mut self, phase: Turns) -> Lock {
+    pub(crate) fn update(&mut self, phase: Turns) -> Lock {
         let size = phase.0.abs();
         self.inside = if size < INNER_TURNS { self.inside.saturating_add(1) } else { 0 };
         self.outside = match size {
@@ -69,12 +69,12 @@ impl LockDetector {
     }
 
     /// Whether the last phase was within the outer bound.
-    pub fn agrees(&self) -> bool {
+    pub(crate) fn agrees(&self) -> bool {
         self.outside == 0
     }
 
     /// The verdict so far.
-    pub fn state(&self) -> Lock {
+    pub(crate) fn state(&self) -> Lock {
         self.state
     }
 }

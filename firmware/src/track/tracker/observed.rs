@@ -31,7 +31,7 @@ const NEARBY: f32 = 5e-3;
 
 /// Where a lock is sought.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Seek {
+pub(crate) enum Seek {
     /// Where it was when it was lost.
     Nearby,
     /// In the whole window.
@@ -44,7 +44,7 @@ pub enum Seek {
 
 /// The observer, and how far it is believed.
 #[derive(Clone, Debug)]
-pub struct Observed {
+pub(crate) struct Observed {
     observer: Observer,
     nominal_hz: f32,
     window_hz: f32,
@@ -70,7 +70,7 @@ pub struct Observed {
 
 impl Observed {
     /// For a nominal frequency and a window of `window_hz` to each side, told a block every `block_s` seconds.
-    pub fn new(nominal_hz: f32, block_s: f32, window_hz: f32) -> Self {
+    pub(crate) fn new(nominal_hz: f32, block_s: f32, window_hz: f32) -> Self {
         let prior = Prior { offset_hz: (0.0, 0.0), q: 1.0, lm_h: (1.0, 0.1), axis: Phasor::new(1.0, 0.0), noise_a: 1.0 };
         Observed {
             observer: Observer::new(nominal_hz, block_s),
@@ -94,7 +94,7 @@ impl Observed {
     }
 
     /// Begins with what is known; `seek` says how that has come about.
-    pub fn start(&mut self, prior: &Prior, seek: Seek) {
+    pub(crate) fn start(&mut self, prior: &Prior, seek: Seek) {
         self.observer.start(prior);
         (self.seek, self.shown_hz) = (seek, prior.offset_hz.0);
         self.most_damping = LEAST_Q * core::f32::consts::PI * self.nominal_hz / prior.q;
@@ -107,7 +107,7 @@ impl Observed {
     }
 
     /// Begins again where there is more hope, and says where; nowhere after a scan.
-    pub fn seek_on(&mut self, was_locked: bool) -> Option<Seek> {
+    pub(crate) fn seek_on(&mut self, was_locked: bool) -> Option<Seek> {
         let next = match self.seek {
             _ if was_locked && self.blocks > LASTED => Seek::Nearby,
             Seek::Nearby => Seek::Window,
@@ -125,20 +125,20 @@ impl Observed {
     }
 
     /// Begins in the whole window with what the clamped branch has told.
-    pub fn start_cold(&mut self, prior: &Prior) {
+    pub(crate) fn start_cold(&mut self, prior: &Prior) {
         // The second time after a lock was lost.
         let seek = if self.seek == Seek::Anew { Seek::Anew } else { Seek::Window };
         self.start(prior, seek);
     }
 
     /// Forgets what it was seeking.
-    pub fn restart(&mut self) {
+    pub(crate) fn restart(&mut self) {
         (self.seek, self.locked, self.inside) = (Seek::Scan, false, 0);
     }
 
     /// Follows one block. `fits`: the motional phase, as far as it was heard, does not speak against a lock.
     #[inline]
-    pub fn follow(&mut self, motional_current: Phasor, v: Phasor, heard: &Heard, fits: bool) {
+    pub(crate) fn follow(&mut self, motional_current: Phasor, v: Phasor, heard: &Heard, fits: bool) {
         self.pure = heard.pure;
         let steady_v = heard.envelope.filter(|_| heard.pure).map(|envelope| heard.volts * envelope);
         self.observer.follow(motional_current, v, Played { offset_hz: heard.offset_hz, steady_v });
@@ -161,7 +161,7 @@ impl Observed {
     }
 
     /// The frequency to drive, as an offset from the nominal one, Hz; `None` where the phase loop is to lead.
-    pub fn offset_hz(&self) -> Option<f32> {
+    pub(crate) fn offset_hz(&self) -> Option<f32> {
         self.leads().then_some(self.shown_hz)
     }
 
@@ -171,27 +171,27 @@ impl Observed {
     }
 
     /// It has locked.
-    pub fn locked(&self) -> bool {
+    pub(crate) fn locked(&self) -> bool {
         self.locked
     }
 
     /// It is sure of itself, whatever else speaks against it.
-    pub fn is_confident(&self) -> bool {
+    pub(crate) fn is_confident(&self) -> bool {
         self.confident
     }
 
     /// It is sure of itself, and has been for some blocks in which nothing spoke against it.
-    pub fn is_sure(&self) -> bool {
+    pub(crate) fn is_sure(&self) -> bool {
         self.inside >= LOCK_BLOCKS
     }
 
     /// It has taken too long.
-    pub fn timed_out(&self) -> bool {
+    pub(crate) fn timed_out(&self) -> bool {
         self.blocks > TIMEOUT
     }
 
     /// The observer.
-    pub fn observer(&self) -> &Observer {
+    pub(crate) fn observer(&self) -> &Observer {
         &self.observer
     }
 }

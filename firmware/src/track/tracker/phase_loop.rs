@@ -12,7 +12,7 @@ use crate::seam::units::Turns;
 
 /// The loop.
 #[derive(Clone, Debug)]
-pub struct PhaseLoop {
+pub(crate) struct PhaseLoop {
     window_hz: f32,
     bandwidth_hz: f32,
     block_s: f32,
@@ -25,7 +25,7 @@ pub struct PhaseLoop {
 
 impl PhaseLoop {
     /// A loop about `frequency_hz`, updated every `block_s` seconds.
-    pub fn build(tracking: &Tracking, frequency_hz: f32, block_s: f32) -> Result<Self, Error> {
+    pub(crate) fn build(tracking: &Tracking, frequency_hz: f32, block_s: f32) -> Result<Self, Error> {
         Tracking::BANDWIDTH_HZ.check_within(tracking.bandwidth_hz.into(), 0.0, 0.02 / f64::from(block_s))?;
         Ok(PhaseLoop {
             window_hz: tracking.span * frequency_hz,
@@ -38,14 +38,14 @@ impl PhaseLoop {
     }
 
     /// Starts from a known resonance: its offset from the nominal frequency and its time constant.
-    pub fn seed(&mut self, offset_hz: f32, time_constant_s: f32) {
+    pub(crate) fn seed(&mut self, offset_hz: f32, time_constant_s: f32) {
         self.integral_hz = offset_hz;
         self.offset_hz = offset_hz;
         self.integral_gain = self.block_s / time_constant_s;
     }
 
     /// Follows one block's phase error and returns it.
-    pub fn update(&mut self, error: Phasor) -> Turns {
+    pub(crate) fn update(&mut self, error: Phasor) -> Turns {
         let phase = argument(error);
         let proportional = self.bandwidth_hz * core::f32::consts::TAU * phase.0;
         // The integral is clamped to the window, which is all the anti-windup a first-order loop needs.
@@ -55,39 +55,39 @@ impl PhaseLoop {
     }
 
     /// The resonance now has another time constant.
-    pub fn set_time_constant(&mut self, time_constant_s: f32) {
+    pub(crate) fn set_time_constant(&mut self, time_constant_s: f32) {
         self.integral_gain = self.block_s / time_constant_s;
     }
 
     /// Goes along with who leads, so that it could take over at any time, and returns one block's phase error.
-    pub fn accompany(&mut self, error: Phasor, offset_hz: f32) -> Turns {
+    pub(crate) fn accompany(&mut self, error: Phasor, offset_hz: f32) -> Turns {
         self.integral_hz = smaller(larger(offset_hz, -self.window_hz), self.window_hz);
         self.offset_hz = self.integral_hz;
         argument(error)
     }
 
     /// Forgets the proportional part: the frequency to hold while there is nothing to follow.
-    pub fn hold(&mut self) {
+    pub(crate) fn hold(&mut self) {
         self.offset_hz = self.integral_hz;
     }
 
     /// The largest offset, Hz.
-    pub fn window_hz(&self) -> f32 {
+    pub(crate) fn window_hz(&self) -> f32 {
         self.window_hz
     }
 
     /// The frequency to drive, as an offset from the nominal one, Hz.
-    pub fn offset_hz(&self) -> f32 {
+    pub(crate) fn offset_hz(&self) -> f32 {
         self.offset_hz
     }
 
     /// The smoothed frequency estimate, as an offset from the nominal one, Hz.
-    pub fn estimate_hz(&self) -> f32 {
+    pub(crate) fn estimate_hz(&self) -> f32 {
         self.integral_hz
     }
 
     /// Whether the window stops the loop from going where it wants.
-    pub fn limited(&self) -> bool {
+    pub(crate) fn limited(&self) -> bool {
         self.offset_hz.abs() >= self.window_hz
     }
 }

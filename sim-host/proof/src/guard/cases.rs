@@ -82,9 +82,9 @@ impl Event {
     }
 }
 
-/// A lie that no force channel is there to see.
+/// An encoder of a standing belt that goes on counting, without a force channel to detect it.
 #[derive(Clone, Copy, Debug)]
-pub struct Lie {
+pub struct EncoderFault {
     /// The pace at which the encoder counts while the belt stands, m/s.
     pub pace_m_per_s: f64,
     /// `limits.energy_j_per_m`.
@@ -93,16 +93,16 @@ pub struct Lie {
     pub on_time_s: Option<f64>,
 }
 
-/// Every lie.
-pub const LIES: &[Lie] = &[
-    Lie { pace_m_per_s: 0.005, energy_j_per_m: Some(100.0), on_time_s: None },
-    Lie { pace_m_per_s: 0.01, energy_j_per_m: Some(100.0), on_time_s: None },
-    Lie { pace_m_per_s: 0.038, energy_j_per_m: Some(100.0), on_time_s: None },
-    Lie { pace_m_per_s: 0.038, energy_j_per_m: Some(100.0), on_time_s: Some(2.5) },
-    Lie { pace_m_per_s: 0.01, energy_j_per_m: Some(40.0), on_time_s: None },
+/// Every encoder.
+pub const ENCODER_FAULTS: &[EncoderFault] = &[
+    EncoderFault { pace_m_per_s: 0.005, energy_j_per_m: Some(100.0), on_time_s: None },
+    EncoderFault { pace_m_per_s: 0.01, energy_j_per_m: Some(100.0), on_time_s: None },
+    EncoderFault { pace_m_per_s: 0.038, energy_j_per_m: Some(100.0), on_time_s: None },
+    EncoderFault { pace_m_per_s: 0.038, energy_j_per_m: Some(100.0), on_time_s: Some(2.5) },
+    EncoderFault { pace_m_per_s: 0.01, energy_j_per_m: Some(40.0), on_time_s: None },
 ];
 
-impl Lie {
+impl EncoderFault {
     /// What it is told by.
     pub fn build(&self) -> Build {
         Build {
@@ -121,7 +121,7 @@ impl Lie {
 
 /// A belt that moves, and must not be taken for one that does not.
 #[derive(Clone, Copy, Debug)]
-pub struct Passage {
+pub struct MovingBelt {
     /// Counts of its encoder, 1/mm.
     pub counts_per_mm: f64,
     /// `limits.belt_stop_ms`.
@@ -137,32 +137,32 @@ pub struct Passage {
 /// Frequency of the ripple, Hz.
 pub const RIPPLE_HZ: f64 = 10.0;
 
-const fn passage(counts_per_mm: f64, stop_ms: f64, speed_m_per_s: f64, ripple_rms: f64) -> Passage {
-    Passage { counts_per_mm, stop_ms, speed_m_per_s, ripple_rms, must_pass: false }
+const fn belt(counts_per_mm: f64, stop_ms: f64, speed_m_per_s: f64, ripple_rms: f64) -> MovingBelt {
+    MovingBelt { counts_per_mm, stop_ms, speed_m_per_s, ripple_rms, must_pass: false }
 }
 
-/// Every passage.
-pub const RIPPLES: &[Passage] = &[
-    Passage { must_pass: true, ..passage(100.0, STOP_MS, 0.01, 0.1) },
-    passage(100.0, STOP_MS, 0.01, 0.125),
-    passage(100.0, STOP_MS, 0.01, 0.15),
-    passage(100.0, STOP_MS, 0.01, 0.2),
-    passage(100.0, STOP_MS, 0.025, 0.2),
-    passage(100.0, STOP_MS, 0.025, 0.25),
-    passage(100.0, STOP_MS, 0.025, 0.3),
-    passage(100.0, 4.0, 0.01, 0.15),
-    passage(100.0, 4.0, 0.01, 0.2),
-    passage(20.0, STOP_MS, 0.025, 0.1),
-    passage(20.0, STOP_MS, 0.038, 0.1),
-    passage(20.0, STOP_MS, 0.038, 0.2),
-    passage(20.0, 4.0, 0.025, 0.1),
-    passage(20.0, 4.0, 0.01, 0.0),
+/// Every belt.
+pub const MOVING_BELTS: &[MovingBelt] = &[
+    MovingBelt { must_pass: true, ..belt(100.0, STOP_MS, 0.01, 0.1) },
+    belt(100.0, STOP_MS, 0.01, 0.125),
+    belt(100.0, STOP_MS, 0.01, 0.15),
+    belt(100.0, STOP_MS, 0.01, 0.2),
+    belt(100.0, STOP_MS, 0.025, 0.2),
+    belt(100.0, STOP_MS, 0.025, 0.25),
+    belt(100.0, STOP_MS, 0.025, 0.3),
+    belt(100.0, 4.0, 0.01, 0.15),
+    belt(100.0, 4.0, 0.01, 0.2),
+    belt(20.0, STOP_MS, 0.025, 0.1),
+    belt(20.0, STOP_MS, 0.038, 0.1),
+    belt(20.0, STOP_MS, 0.038, 0.2),
+    belt(20.0, 4.0, 0.025, 0.1),
+    belt(20.0, 4.0, 0.01, 0.0),
 ];
 
-impl Passage {
+impl MovingBelt {
     /// In words.
     pub fn name(&self) -> String {
-        let Passage { counts_per_mm, stop_ms, speed_m_per_s, ripple_rms, .. } = self;
+        let MovingBelt { counts_per_mm, stop_ms, speed_m_per_s, ripple_rms, .. } = self;
         format!("{counts_per_mm} counts/mm, {stop_ms} ms, {} mm/s, {} %", 1e3 * speed_m_per_s, 100.0 * ripple_rms)
     }
 

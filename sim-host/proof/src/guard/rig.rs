@@ -8,15 +8,14 @@ use firmware::seam::config::Config;
 use firmware::seam::error::Error;
 use firmware::sense::belt::Belt;
 
-use super::Trouble;
 use super::build::{Build, part};
-use super::cases::{Event, Lie, RIPPLE_HZ, What, slowest_m_per_s};
+use super::cases::{EncoderFault, Event, RIPPLE_HZ, What, slowest_m_per_s};
 use super::friction::MeanFriction;
 use plant::belt_motion::BeltMotion;
 use plant::circuit_of;
 use plant::encoder::Encoder;
 use plant::force_channel::ForceChannel;
-use scene::load::{Loaded, load};
+use scene::load::{LoadError, Loaded, load};
 use scene::settings;
 
 /// The scene whose stack, contact and drive these are.
@@ -27,8 +26,8 @@ const RUNG_DOWN: f64 = 0.05;
 const BEFORE_S: f64 = 0.06;
 /// After that it has been missed, s.
 const PATIENCE_S: f64 = 0.2;
-/// A lie that is believed for so long is believed for good, s.
-const GULLIBLE_S: f64 = 60.0;
+/// A fault that is not detected within this time never is, s.
+const UNDETECTED_S: f64 = 60.0;
 
 /// What all runs have in common.
 #[derive(Clone, Debug)]
@@ -47,7 +46,7 @@ pub struct Plan {
 
 impl Plan {
     /// That of the scene `belt-stop`.
-    pub fn of_the_scene() -> Result<Self, Trouble> {
+    pub fn of_the_scene() -> Result<Self, LoadError> {
         Ok(Plan::of(&load(SCENE, &[])?).unwrap_or_else(|| unreachable!("{SCENE} slides a contact past a stack")))
     }
 
@@ -265,9 +264,9 @@ impl Rig {
     }
 
     /// Lets the encoder of a standing belt count until a fault: how long, which, and the energy into the millimetre, J.
-    pub fn believe(mut self, lie: &Lie) -> Result<(Option<f64>, u8, f64), Error> {
-        let pace = lie.pace_m_per_s * self.counts_per_m * self.block_s;
-        while self.fault == 0 && self.time_s() < GULLIBLE_S {
+    pub fn run_encoder_fault(mut self, encoder: &EncoderFault) -> Result<(Option<f64>, u8, f64), Error> {
+        let pace = encoder.pace_m_per_s * self.counts_per_m * self.block_s;
+        while self.fault == 0 && self.time_s() < UNDETECTED_S {
             self.step(Says::Pace(0.0, pace * self.block as f64));
         }
         Ok(((self.fault != 0).then(|| self.time_s()), self.fault, self.exposure_j))

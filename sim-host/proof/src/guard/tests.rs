@@ -1,8 +1,8 @@
-//! The targets over fewer runs, the whole chain beside the block rate, and the documentation.
+//! The targets over fewer runs, the whole chain beside the block rate.
 
-use super::cases::{EVENTS, LIES, RIPPLES};
+use super::cases::{ENCODER_FAULTS, EVENTS, MOVING_BELTS};
 use super::rig::Plan;
-use super::{Extent, believe, pass, stop};
+use super::{Runs, pass, run_encoder_fault, stop};
 use scene::load::load;
 use sim::study;
 
@@ -10,12 +10,12 @@ use sim::study;
 fn every_event_ends_the_drive_in_time() {
     let plan = Plan::of_the_scene().unwrap();
     for event in EVENTS {
-        let found = stop(&plan, event, Extent::QUICK.runs).unwrap();
+        let found = stop(&plan, event, Runs::QUICK.runs).unwrap();
         assert!(found.holds(), "{}: {} missed, {:?}", event.name, found.missed, found.off_ms);
     }
 }
 
-/// The same events through converters, lock-in and observer: the scenes' numbers lie within those of the campaign.
+/// The same events through converters, lock-in and observer: the scenes' numbers are within those of the bench.
 #[test]
 fn the_whole_chain_agrees_with_the_block_rate() {
     let plan = Plan::of_the_scene().unwrap();
@@ -34,19 +34,21 @@ fn the_whole_chain_agrees_with_the_block_rate() {
 }
 
 #[test]
-fn a_lie_is_believed_for_as_long_as_its_budget_says() {
+fn a_fault_of_the_encoder_lasts_as_long_as_its_budget_says() {
     let plan = Plan::of_the_scene().unwrap();
-    for lie in LIES {
-        let found = believe(&plan, lie).unwrap();
-        let by_energy = lie.energy_j_per_m.map_or(f64::INFINITY, |e| {
-            let over_w = plan.power_w - e * lie.pace_m_per_s;
+    for encoder in ENCODER_FAULTS {
+        let found = run_encoder_fault(&plan, encoder).unwrap();
+        let by_energy = encoder.energy_j_per_m.map_or(f64::INFINITY, |e| {
+            let over_w = plan.power_w - e * encoder.pace_m_per_s;
             if over_w > 0.0 { 0.01 * e / over_w } else { f64::INFINITY }
         });
-        let expected_s = by_energy.min(lie.on_time_s.unwrap_or(f64::INFINITY));
-        match found.believed_s {
+        let expected_s = by_energy.min(encoder.on_time_s.unwrap_or(f64::INFINITY));
+        match found.undetected_s {
             // A count more or less is a millisecond of budget.
-            Some(believed_s) => assert!((believed_s / expected_s - 1.0).abs() < 0.01, "{lie:?}: {believed_s} for {expected_s}"),
-            None => assert!(expected_s.is_infinite(), "{lie:?}"),
+            Some(undetected_s) => {
+                assert!((undetected_s / expected_s - 1.0).abs() < 0.01, "{encoder:?}: {undetected_s} for {expected_s}")
+            }
+            None => assert!(expected_s.is_infinite(), "{encoder:?}"),
         }
     }
 }
@@ -54,7 +56,7 @@ fn a_lie_is_believed_for_as_long_as_its_budget_says() {
 #[test]
 fn a_moving_belt_passes() {
     let plan = Plan::of_the_scene().unwrap();
-    for passage in RIPPLES.iter().filter(|passage| passage.must_pass) {
-        assert!(pass(&plan, passage, Extent::QUICK.seconds).unwrap().holds(), "{}", passage.name());
+    for belt in MOVING_BELTS.iter().filter(|belt| belt.must_pass) {
+        assert!(pass(&plan, belt, Runs::QUICK.seconds).unwrap().holds(), "{}", belt.name());
     }
 }

@@ -3,16 +3,11 @@
 use super::budget::{Judged, Unit};
 use super::target::Counted;
 use super::{Measurement, Row};
-use report::TableBlock;
+use report::{TableBlock, verdict};
 
 /// All tables, the generators first.
 pub fn tables(measurement: &Measurement) -> Vec<TableBlock> {
     vec![generators(measurement), stages(measurement), process(measurement), budget(measurement)]
-}
-
-/// The same as Markdown, for the documentation.
-pub fn markdown(measurement: &Measurement) -> String {
-    report::markdown(&tables(measurement))
 }
 
 fn generators(measurement: &Measurement) -> TableBlock {
@@ -87,10 +82,9 @@ fn budget(measurement: &Measurement) -> TableBlock {
             Unit::Block => "instructions a block",
             Unit::Error => "of amplitude one",
         };
-        let verdict = if judged.holds() { "PASS" } else { "MISS" };
         let aim = judged.bound.aim.map_or_else(String::new, |aim| number(unit, aim));
         let numbers = [number(unit, judged.found), number(unit, judged.bound.at_most), aim];
-        [vec![judged.bound.name.to_owned(), name.to_owned()], numbers.into(), vec![verdict.to_owned()]].concat()
+        [vec![judged.bound.name.clone(), name.to_owned()], numbers.into(), vec![verdict(judged.holds()).to_owned()]].concat()
     };
     let caption = "Where less is aimed at, the bound follows as the controller gets there.";
     let header = ["what", "in", "found", "at most", "aimed at", "budget"];

@@ -4,7 +4,7 @@ use std::process::Command;
 
 use serde::Deserialize;
 
-use super::Trouble;
+use crate::bench::Error;
 use pil::machine::{ARGUMENTS, NO_SERIAL, PROGRAM};
 use pil::{PilError, counting_image};
 
@@ -39,30 +39,30 @@ impl Counted {
 }
 
 /// Builds the image, runs it, and reads what it prints.
-pub fn count() -> Result<Vec<Counted>, Trouble> {
+pub fn count() -> Result<Vec<Counted>, Error> {
     let image = counting_image()?;
     let output = Command::new(PROGRAM).args(NO_SERIAL).args(ARGUMENTS).arg(&image).output().map_err(PilError::Start)?;
     if !output.status.success() {
         let said = String::from_utf8_lossy(&output.stderr);
-        return Err(Trouble::Failed(format!("{}: {}", output.status, said.trim())));
+        return Err(Error::Counts(format!("{}: {}", output.status, said.trim())));
     }
     read(&output.stdout)
 }
 
 /// The kernels in the CSV that the image prints.
-fn read(text: &[u8]) -> Result<Vec<Counted>, Trouble> {
+fn read(text: &[u8]) -> Result<Vec<Counted>, Error> {
     let lines: Result<Vec<Counted>, csv::Error> = csv::Reader::from_reader(text).deserialize().collect();
-    let counted = lines.map_err(|error| Trouble::Printed(error.to_string()))?;
+    let counted = lines.map_err(|error| Error::Counts(error.to_string()))?;
     match counted.iter().find(|kernel| kernel.repetitions == 0 || kernel.ticks <= 0) {
-        Some(kernel) => Err(Trouble::Printed(format!("{kernel:?}"))),
+        Some(kernel) => Err(Error::Counts(format!("{kernel:?}"))),
         None => Ok(counted),
     }
 }
 
 /// A kernel by group and name.
-pub fn find<'a>(counted: &'a [Counted], group: &str, kernel: &str) -> Result<&'a Counted, Trouble> {
+pub fn find<'a>(counted: &'a [Counted], group: &str, kernel: &str) -> Result<&'a Counted, Error> {
     let found = counted.iter().find(|counted| counted.group == group && counted.kernel == kernel);
-    found.ok_or_else(|| Trouble::Printed(format!("there is no {kernel:?} among the counts of {group:?}")))
+    found.ok_or_else(|| Error::Counts(format!("there is no {kernel:?} among the counts of {group:?}")))
 }
 
 #[cfg(test)]

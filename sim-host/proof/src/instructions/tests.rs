@@ -3,14 +3,14 @@
 use std::io::Write as _;
 use std::sync::LazyLock;
 
-use super::{Measurement, conduct};
+use super::{Measurement, measure};
 
 /// The measurement; `None` where QEMU is not installed.
 static MEASUREMENT: LazyLock<Option<Measurement>> =
-    LazyLock::new(|| pil::missing().is_none().then(|| conduct().expect("the image builds and counts")));
+    LazyLock::new(|| pil::missing().is_none().then(|| measure().expect("the image builds and counts")));
 
 /// The measurement; where there can be none, says so.
-pub(crate) fn measurement() -> Option<&'static Measurement> {
+fn measurement() -> Option<&'static Measurement> {
     if let Some(reason) = pil::missing() {
         // Straight to the stream: what a passing test prints by macro is never shown.
         let text = format!("\nSKIPPED, instruction counts: {reason}\n");
@@ -22,6 +22,7 @@ pub(crate) fn measurement() -> Option<&'static Measurement> {
 #[test]
 fn the_budget_holds() {
     let Some(measurement) = measurement() else { return };
-    let missed: Vec<&str> = measurement.judged.iter().filter(|judged| !judged.holds()).map(|judged| judged.bound.name).collect();
+    let missed: Vec<&str> =
+        measurement.judged.iter().filter(|judged| !judged.holds()).map(|judged| judged.bound.name.as_str()).collect();
     assert!(missed.is_empty(), "over budget: {missed:?}");
 }

@@ -1,24 +1,16 @@
 //! What a measurement leaves in its folder: the numbers as CSV and JSON, the curves, and the report.
 
-use std::fs;
-use std::path::Path;
-
-use anyhow::Context;
 use serde_json::{Value, json};
 
 use super::claims::Target;
 use super::sample::Errors;
 use super::study::Study;
 use super::{plots, table};
-use report::{self, Report};
+use report::Report;
 
-/// Writes everything into `dir`, which is made if it is not there.
-pub fn write(study: &Study, dir: &Path) -> anyhow::Result<()> {
-    fs::create_dir_all(dir).with_context(|| format!("cannot make {}", dir.display()))?;
-    let summary = dir.join("summary.json");
-    fs::write(&summary, format!("{:#}\n", self::summary(study)))
-        .with_context(|| format!("cannot write {}", summary.display()))?;
-    let mut work = csv::Writer::from_path(dir.join("work.csv"))?;
+/// Every point of every curve, as CSV.
+pub fn work(study: &Study) -> Result<String, csv::Error> {
+    let mut work = csv::Writer::from_writer(Vec::new());
     let header = ["method", "steps_per_period", "ns_per_period", "instructions_per_period", "error_f", "error_mean", "error_x"];
     work.write_record(header)?;
     for curve in &study.curves {
@@ -30,22 +22,19 @@ pub fn write(study: &Study, dir: &Path) -> anyhow::Result<()> {
             work.write_record([curve.method.name.to_owned()].iter().chain(&numbers))?;
         }
     }
-    work.flush()?;
-    report::write(&page(study), dir)?;
-    Ok(())
+    let bytes = work.into_inner().map_err(|error| csv::Error::from(error.into_error()))?;
+    Ok(String::from_utf8_lossy(&bytes).into_owned())
 }
 
-fn page(study: &Study) -> Report {
+/// The page.
+pub fn page(study: &Study) -> Report {
     Report {
         title: "Precision: speed against error".into(),
         subtitle: "Every method on one standard case, the claims, and the hard cases".into(),
         tables: vec![table::claims(&study.claims), table::reference(&study.reference), table::hard(&study.hard)],
         figures: plots::of(study),
         appendix: vec![table::work(study)],
-        footer: vec![
-            ("sim-host".into(), sim::VERSION.to_owned()),
-            ("measurement".into(), if study.quick { "quick" } else { "full" }.into()),
-        ],
+        footer: vec![("measurement".into(), if study.quick { "quick" } else { "full" }.into())],
         ..Report::default()
     }
 }

@@ -1,23 +1,13 @@
 //! The whole measurement, from the reference to the hard cases.
 
-use std::path::Path;
-
 use super::claims::{self, Claim};
 use super::hard::{CASES, Case, Found, Scale};
 use super::instructions;
 use super::reference::{self, NoReference, Reference};
 use super::work::{self, Curve};
+use crate::bench::Options;
 use contact::Trouble;
 use contact::table_4_1;
-
-/// How much is measured, and with what.
-#[derive(Clone, Copy, Debug)]
-pub struct Extent<'a> {
-    /// Fewer steps, rounds and periods; every method and every case all the same.
-    pub quick: bool,
-    /// The program to count instructions of, and the options that make it run one method alone.
-    pub counted: Option<(&'a Path, &'a [&'a str])>,
-}
 
 /// What was measured.
 pub struct Study {
@@ -47,9 +37,10 @@ impl Study {
 const ROUNDS: u32 = 15;
 const QUICK_ROUNDS: u32 = 3;
 
-/// Measures. `say` hears what comes next.
-pub fn conduct(extent: Extent, say: &mut dyn FnMut(&str)) -> Result<Study, NoReference> {
-    let Extent { quick, counted } = extent;
+/// Measures.
+pub fn measure(options: &mut Options) -> Result<Study, NoReference> {
+    let Options { quick, counted, progress: say } = options;
+    let (quick, counted) = (*quick, *counted);
     say("reference");
     let reference = reference::make(&table_4_1::standard())?;
     say("errors");

@@ -80,7 +80,7 @@ fn unknown<'a>(
     names.dedup();
     let problem = Problem::new(at, format!("there is no {what} `{}`", short(name)), label);
     let help =
-        if names.is_empty() { format!("there is no {what} at all") } else { format!("there are {}", listed(names, "and")) };
+        if names.is_empty() { format!("there is no {what} at all") } else { format!("this suite has {}", listed(names, "and")) };
     found.add(path, problem.help(help));
 }
 

@@ -57,7 +57,7 @@ fn what_is_wrong_is_named_with_its_place() {
         ("20hz_ms_p95", "20hz_p95", vec!["two.toml:23:10", "no metric", "did you mean `lock_time_20hz_ms`?"]),
         ("max = 0.5", "max = 0.5\nvalue = 0.1", vec!["no limit, or more than one"]),
         ("noise_lsb=2", "noise_lbs=2", vec!["two.toml:21:17", "in the case `noise`", "did you mean `noise_lsb`?"]),
-        ("nominal_q=200", "nominal_q=-1", vec!["two.toml:13:55", "in the case `load, Q 200`", "out of range"]),
+        ("nominal_q=200", "nominal_q=-1", vec!["two.toml:13:58", "in the case `load, Q 200`", "out of range"]),
         ("lock-cold", "lock-colt", vec!["two.toml:3:9", "no scene `lock-colt`", "`lock-cold`"]),
         ("name = \"noise\"", "name = \"load\"", vec!["stands here twice"]),
     ] {

@@ -10,13 +10,13 @@ pub struct Spread {
     /// Of the pole, both parts, rad².
     pole: f32,
     /// Of the inductance, relative.
-    pub strength: f32,
+    pub(crate) strength: f32,
     hz_per_radian: f32,
 }
 
 impl Spread {
     /// Standard deviation of the resonance, Hz.
-    pub fn deviation_hz(&self) -> f32 {
+    pub(crate) fn deviation_hz(&self) -> f32 {
         libm::sqrtf(0.5 * self.pole) * self.hz_per_radian
     }
 }
@@ -28,7 +28,7 @@ impl Observer {
     }
 
     /// Where the resonance will be when the block plays that is decided on now, as an offset from the nominal frequency, Hz.
-    pub fn ahead_hz(&self) -> f32 {
+    pub(crate) fn ahead_hz(&self) -> f32 {
         (self.pole.im + AHEAD_BLOCKS * self.rate) * self.hz_per_radian
     }
 
@@ -38,19 +38,19 @@ impl Observer {
     }
 
     /// How well it knows what it knows, of which deviations are the roots.
-    pub fn spread(&self) -> Spread {
+    pub(crate) fn spread(&self) -> Spread {
         Spread { pole: self.covariance.pole, strength: self.covariance.strength, hz_per_radian: self.hz_per_radian }
     }
 
     /// Whether the deviation of the resonance is below `hz`.
     #[inline]
-    pub fn is_within(&self, hz: f32) -> bool {
+    pub(crate) fn is_within(&self, hz: f32) -> bool {
         self.is_within_radians(self.radian_per_hz * hz)
     }
 
     /// Whether the deviation is below `phase` radians of the resonance's own phase, or below `hz`, if that is more.
     #[inline]
-    pub fn is_as_good_as(&self, phase: f32, hz: f32) -> bool {
+    pub(crate) fn is_as_good_as(&self, phase: f32, hz: f32) -> bool {
         // A detuning of `alpha` turns it by 45 degrees; `-pole.re` is `alpha T`.
         self.is_within_radians(larger(-self.pole.re * phase, self.radian_per_hz * hz))
     }
@@ -61,14 +61,14 @@ impl Observer {
     }
 
     /// Whether a motional current is above `part` of what a voltage, V, would drive in steady state: `V / Rm`, `Rm = 2 alpha Lm`.
-    pub fn rings(&self, current: Phasor, part: f32, volts: f32) -> bool {
+    pub(crate) fn rings(&self, current: Phasor, part: f32, volts: f32) -> bool {
         let drop = self.pole.re * self.ohm_per_pole;
         let most = part * volts * self.strength;
         current.norm_sqr() * drop * drop > most * most
     }
 
     /// Damping `alpha`, 1/s.
-    pub fn damping(&self) -> f32 {
+    pub(crate) fn damping(&self) -> f32 {
         -self.pole.re / self.block_s
     }
 
@@ -78,7 +78,8 @@ impl Observer {
     }
 
     /// Standard deviation of the inductance, relative.
-    pub fn strength_deviation(&self) -> f32 {
+    #[cfg(test)]
+    pub(crate) fn strength_deviation(&self) -> f32 {
         libm::sqrtf(self.covariance.strength)
     }
 
@@ -88,7 +89,7 @@ impl Observer {
     }
 
     /// Times the gate has opened; wraps.
-    pub fn opened(&self) -> u32 {
+    pub(crate) fn opened(&self) -> u32 {
         self.opened
     }
 }

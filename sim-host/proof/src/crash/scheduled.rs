@@ -1,9 +1,9 @@
-//! The switch thrown by a clock, on the plant alone: what the rule of the controller is for. An ideal switch with edges of 3 ms.
+//! The switch thrown at stated moments, on the plant alone: what the rule of the controller is for. An ideal switch with edges of 3 ms.
 
-use super::{SCENE, Trouble};
+use super::plant;
+use crate::bench::Error;
 use plant::dring::Bench;
 use plant::dring::motion::{Extremes, Motion};
-use scene::load::load;
 
 /// Block by block, as the controller would, s.
 const BLOCK_S: f64 = 32e-6;
@@ -33,7 +33,7 @@ const TIMES: &[(&str, Option<f64>, Option<f64>)] = &[
 ];
 
 /// A crash with the switch thrown at stated moments.
-pub struct Timed {
+pub struct Scheduled {
     /// Who sits there.
     pub occupant: &'static str,
     /// When LOW begins, ms since the crash does.
@@ -67,17 +67,13 @@ pub(super) fn crash(
 }
 
 /// Runs all of them.
-pub fn conduct() -> Result<Vec<Timed>, Trouble> {
+pub fn run() -> Result<Vec<Scheduled>, Error> {
     TIMES.iter().map(|&(occupant, low_ms, high_ms)| one(occupant, low_ms, high_ms)).collect()
 }
 
-fn one(occupant: &'static str, low_ms: Option<f64>, high_ms: Option<f64>) -> Result<Timed, Trouble> {
-    let sets = [format!("rig.dring.occupant={occupant}"), "rig.dring.at_s=0.001".to_owned()];
-    let loaded = load(SCENE, &sets).map_err(|error| Trouble::Scene(occupant.to_owned(), error))?;
-    let scene = loaded.scene.driven().ok_or_else(|| Trouble::NoCrash(occupant.to_owned()))?;
-    let dring = scene.dring().ok_or_else(|| Trouble::NoCrash(occupant.to_owned()))?;
-    let bench = Bench::of(dring);
-    let followed = |low: &dyn Fn(f64) -> bool| crash(&bench, 1e-3 * dring.edge_ms, LENGTH_S, low, |_, _| ()).extremes();
+fn one(occupant: &'static str, low_ms: Option<f64>, high_ms: Option<f64>) -> Result<Scheduled, Error> {
+    let (bench, edge_s) = plant(&[format!("rig.dring.occupant={occupant}")])?;
+    let followed = |low: &dyn Fn(f64) -> bool| crash(&bench, edge_s, LENGTH_S, low, |_, _| ()).extremes();
     let low = |since_s: f64| low_ms.is_some_and(|ms| since_s >= 1e-3 * ms) && high_ms.is_none_or(|ms| since_s < 1e-3 * ms);
-    Ok(Timed { occupant, low_ms, high_ms, extremes: followed(&low), passive: followed(&|_| false) })
+    Ok(Scheduled { occupant, low_ms, high_ms, extremes: followed(&low), passive: followed(&|_| false) })
 }
