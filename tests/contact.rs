@@ -3,7 +3,7 @@
 //! The methods share the waveforms and the timeline, and nothing else: `linexp` has the exact linear flow, `taylor` a series of order
 //! 28, `rk4-events` classical steps between located reversals.
 
-use contact::linexp::Extent;
+use contact::linexp::Options;
 use contact::table_4_1::table_4_1;
 use contact::tally::Ratios;
 use contact::{Law, Motion, Problem, Shape, Sign, State, Tally, Trouble, Waveform, linexp, rk4_events, taylor};
@@ -90,7 +90,7 @@ fn friction(problem: &Problem, tally: Result<Tally, Trouble>) -> f64 {
 }
 
 fn by_linexp(problem: &Problem, watch: &mut impl FnMut(&State)) -> Tally {
-    linexp::run(problem, 64, 6, Extent::Swift, watch).unwrap()
+    linexp::run(problem, 64, 6, Options::Plain, watch).unwrap()
 }
 
 fn by_taylor(problem: &Problem, watch: &mut impl FnMut(&State)) -> Tally {
@@ -103,8 +103,8 @@ proptest! {
     #[test]
     fn three_methods_agree(problem in problem()) {
         let truth = friction(&problem, taylor::run(&problem, 48, 28, &mut |_| ()));
-        let exact_flow = friction(&problem, linexp::run(&problem, 64, 6, Extent::Swift, &mut |_| ())) - truth;
-        let careful = friction(&problem, linexp::run(&problem, 64, 6, Extent::Accounted, &mut |_| ())) - truth;
+        let exact_flow = friction(&problem, linexp::run(&problem, 64, 6, Options::Plain, &mut |_| ())) - truth;
+        let careful = friction(&problem, linexp::run(&problem, 64, 6, Options::EnergySums, &mut |_| ())) - truth;
         let classical = friction(&problem, rk4_events::run(&problem, 800, &mut |_| ())) - truth;
         prop_assert!(exact_flow.abs() < LINEXP && careful.abs() < LINEXP, "linexp {exact_flow:e}, accounted {careful:e}");
         prop_assert!(classical.abs() < CLASSICAL, "rk4-events {classical:e}");
@@ -120,7 +120,7 @@ proptest! {
         };
         let series = residual(&by_taylor(&problem, &mut |_| ()));
         prop_assert!(series < 2e-12, "taylor {series:e}");
-        let flow = residual(&linexp::run(&problem, 64, 6, Extent::Accounted, &mut |_| ()).unwrap());
+        let flow = residual(&linexp::run(&problem, 64, 6, Options::EnergySums, &mut |_| ()).unwrap());
         prop_assert!(flow < 1e-11, "linexp {flow:e}");
     }
 
@@ -167,7 +167,7 @@ proptest! {
         let at = |kappa: f64| {
             let law = Law::Dahl { stiffness_n_per_m: kappa * omega * problem.coulomb_n / vibration };
             let problem = Problem { law, ..problem.clone() };
-            friction(&problem, linexp::run(&problem, 64, 6, Extent::Swift, &mut |_| ()))
+            friction(&problem, linexp::run(&problem, 64, 6, Options::Plain, &mut |_| ()))
         };
         let (soft, stiff) = (at(kappa), at(kappa * times));
         let coulomb = std::f64::consts::FRAC_2_PI * xi.asin();

@@ -17,7 +17,7 @@ use link::client::Client;
 use link::link_error::LinkError;
 use link::port::{Port, Simulated};
 use link::script::Script;
-use link::session::{Manner, Session};
+use link::session::{Session, SessionOptions};
 use link::simulated_board::SimulatedBoard;
 use scene::load::load;
 
@@ -40,7 +40,7 @@ fn client(port: Box<dyn Port>) -> Client {
 }
 
 fn session(board: &Rc<RefCell<SimulatedBoard>>) -> Session {
-    Session::begin(client(port(board)), Manner::default()).expect("a board that answers")
+    Session::begin(client(port(board)), SessionOptions::default()).expect("a board that answers")
 }
 
 /// Does a script, and gives what each of its lines has come to.

@@ -14,7 +14,7 @@ use hal_mock::chance::Chance;
 use link::link_error::LinkError;
 use link::port::{Port, Tcp};
 use link::serve::serve;
-use link::session::{Manner, Session};
+use link::session::{Session, SessionOptions};
 
 use super::dialogue::{Folder, answer, hold, judge_scan};
 use super::{board, client, port, session};
@@ -167,7 +167,8 @@ fn a_port_that_goes_away_is_opened_again_and_what_was_asked_is_answered() {
     assert!(client.status().unwrap().is_some());
     // Another client waits for its turn, and gets it.
     drop(client);
-    let mut session = Session::begin(super::client(Box::new(Tcp::connect(&address).unwrap())), Manner::default()).unwrap();
+    let mut session =
+        Session::begin(super::client(Box::new(Tcp::connect(&address).unwrap())), SessionOptions::default()).unwrap();
     super::run("scan\nexpect q > 60\n", &mut session).unwrap();
     STOP.store(true, Ordering::Relaxed);
     server.join().unwrap();

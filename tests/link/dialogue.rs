@@ -7,7 +7,7 @@ use firmware::seam::config::Config;
 use hal_mock::tracer::Exchange;
 use link::answer::Answer;
 use link::port::Port;
-use link::session::{Manner, Session};
+use link::session::{Session, SessionOptions};
 use plant::circuit::Circuit;
 
 use super::{board, client, port, run};
@@ -35,7 +35,7 @@ impl Drop for Folder {
 
 /// Holds the dialogue over a port; its captures go into a folder. Fails where the board does not do what the script expects.
 pub fn hold(port: Box<dyn Port>, folder: &Path) -> Vec<(String, Answer)> {
-    let mut session = Session::begin(client(port), Manner::default()).unwrap_or_else(|error| panic!("{error}"));
+    let mut session = Session::begin(client(port), SessionOptions::default()).unwrap_or_else(|error| panic!("{error}"));
     let text = DIALOGUE.replace("out/dialogue", folder.to_str().expect("a path in UTF-8"));
     let answers = run(&text, &mut session).unwrap_or_else(|error| panic!("{error}"));
     session.leave().unwrap_or_else(|error| panic!("{error}"));

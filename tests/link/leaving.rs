@@ -6,7 +6,7 @@ use std::time::Duration;
 use firmware::seam::fault::Fault;
 use link::client::Client;
 use link::link_error::LinkError;
-use link::session::{Manner, Session};
+use link::session::{Session, SessionOptions};
 use link::simulated_board::SimulatedBoard;
 
 use super::{board, client, port, run};
@@ -20,8 +20,8 @@ fn is_silent(board: &SimulatedBoard) -> bool {
 #[test]
 fn a_host_that_waits_is_heard_of_and_one_that_dies_is_missed() {
     let board = board("lock", &[], 4);
-    let manner = Manner { patience_s: Some(0.1), stay: false };
-    let mut session = Session::begin(client(port(&board)), manner).unwrap();
+    let options = SessionOptions { host_timeout_s: Some(0.1), stay: false };
+    let mut session = Session::begin(client(port(&board)), options).unwrap();
     // Ten times the board's patience.
     run("drive\nwait 1\nstatus\nexpect mode = run\nexpect fault = none", &mut session).unwrap();
     assert!(!is_silent(&board.borrow()));
@@ -44,7 +44,7 @@ fn a_host_that_waits_is_heard_of_and_one_that_dies_is_missed() {
 fn who_leaves_stops_the_drive_unless_it_is_to_stay() {
     for stay in [false, true] {
         let board = board("lock", &[], 4);
-        let mut session = Session::begin(client(port(&board)), Manner { patience_s: None, stay }).unwrap();
+        let mut session = Session::begin(client(port(&board)), SessionOptions { host_timeout_s: None, stay }).unwrap();
         run("drive", &mut session).unwrap();
         let said = session.leave().unwrap().unwrap();
         assert_eq!(said.contains("goes on"), stay, "{said}");
@@ -77,7 +77,7 @@ fn a_drive_that_was_left_on_is_missed_again_once_somebody_else_drives() {
     let mut session = super::session(&board);
     run("settings set link.patience_s 0.1\nsettings store\nreset", &mut session).unwrap();
     drop(session);
-    let mut session = Session::begin(client(port(&board)), Manner { patience_s: None, stay: true }).unwrap();
+    let mut session = Session::begin(client(port(&board)), SessionOptions { host_timeout_s: None, stay: true }).unwrap();
     run("drive", &mut session).unwrap();
     session.leave().unwrap();
     drop(session);
@@ -94,7 +94,7 @@ fn ctrl_c_ends_a_wait_and_the_drive() {
     static STOP: AtomicBool = AtomicBool::new(false);
     let board = board("lock", &[], 4);
     let client = Client::new(port(&board), &STOP, |_| ());
-    let mut session = Session::begin(client, Manner::default()).unwrap();
+    let mut session = Session::begin(client, SessionOptions::default()).unwrap();
     run("drive", &mut session).unwrap();
     let mut reports = 0;
     let error = session.watch(Duration::from_secs(100), 1, |_| {

@@ -42,9 +42,9 @@ fn a_stored_limit_acts_whatever_else_is_stored_and_what_does_not_is_said() {
     let note: fn(&str) = |line| NOTES.lock().unwrap().push(line.to_owned());
     let client = Client::new(super::port(&board), &NEVER, note);
     let mut session = Session::begin(client, Default::default()).unwrap();
-    assert!(NOTES.lock().unwrap().iter().any(|line| line.contains("its limits act")), "{:?}", NOTES.lock().unwrap());
+    assert!(NOTES.lock().unwrap().iter().any(|line| line.contains("their limits are active")), "{:?}", NOTES.lock().unwrap());
     let shown = shown_settings(&mut session);
-    assert!(shown.contains("(does not act as it is set)"), "{shown}");
+    assert!(shown.contains("(not active as it is set)"), "{shown}");
 }
 
 /// What `settings get` shows.

@@ -62,7 +62,7 @@ fn nobody_is_told_apart_from_somebody_else() {
 fn a_board_of_another_version_is_named_by_it() {
     // What it says is that it does not know our version, in a frame of its own.
     for (version, hint) in
-        [(VERSION - 1, "flash the board anew"), (VERSION + 1, "take the program that belongs to its firmware"), (0, "flash")]
+        [(VERSION - 1, "flash the board again"), (VERSION + 1, "take the program that belongs to its firmware"), (0, "flash")]
     {
         let error = met(&frame(version, 1, &[1, 1]));
         let text = error.to_string();

@@ -249,13 +249,13 @@ fn in_steps(
     let ns = clock.map(|clock| timed(clock, || run(steps))).transpose()?;
     // What is shown and accounted for is the same run, once more.
     let accounted = method.run(problem, (steps, order), numerics.energies, watch)?;
-    let (swift, full) = (Ratios::of(problem, &tally), Ratios::of(problem, &accounted));
+    let (plain, full) = (Ratios::of(problem, &tally), Ratios::of(problem, &accounted));
     Ok(Solution {
         method,
         why,
         steps_per_period: Some(steps),
         order,
-        ratios: Ratios { friction: swift.friction, power: swift.power.or(full.power), ..full },
+        ratios: Ratios { friction: plain.friction, power: plain.power.or(full.power), ..full },
         tally: Some(accounted),
         error_estimate: Some(estimate),
         warnings,

@@ -20,7 +20,7 @@ mod energetics;
 #[cfg(test)]
 mod limits;
 
-use linexp::Extent;
+use linexp::Options;
 
 use super::Trouble;
 use super::problem::{Law, Motion, Problem};
@@ -102,9 +102,9 @@ impl Method {
     ) -> Result<Tally, Trouble> {
         let order = order.or(self.order()).unwrap_or(0);
         let extent = match (self, accounted) {
-            (Method::Frozen, _) => Extent::Frozen,
-            (_, true) => Extent::Accounted,
-            (_, false) => Extent::Swift,
+            (Method::Frozen, _) => Options::Frozen,
+            (_, true) => Options::EnergySums,
+            (_, false) => Options::Plain,
         };
         match self {
             Method::Linexp if problem.law == Law::Coulomb => coulomb::run(problem, steps, watch),

@@ -118,7 +118,7 @@ pub enum LinkError {
 
 /// Which of the two is to be renewed.
 fn older(board: u8, ours: u8) -> &'static str {
-    if board < ours { "flash the board anew (`cargo flash`)" } else { "take the program that belongs to its firmware" }
+    if board < ours { "flash the board again (`cargo flash`)" } else { "take the program that belongs to its firmware" }
 }
 
 /// An error with its causes.

@@ -67,7 +67,7 @@ impl<P: Port + ?Sized> Port for Box<P> {
 }
 
 /// Whether this only means that nothing has come yet.
-fn is_patience(error: &io::Error) -> bool {
+fn is_timeout(error: &io::Error) -> bool {
     matches!(error.kind(), io::ErrorKind::TimedOut | io::ErrorKind::WouldBlock | io::ErrorKind::Interrupted)
 }
 

@@ -29,7 +29,7 @@ fn words(refusal: Refusal) -> (&'static str, &'static str) {
     match refusal {
         Refusal::Damaged => ("every copy of it arrived damaged", "Look at cable, ground and baud rate (921600)"),
         Refusal::Version => ("it is of another protocol version", "Flash the firmware that belongs to this program"),
-        Refusal::Unknown => ("it does not know this command", "Its firmware is older than this program: flash it anew"),
+        Refusal::Unknown => ("it does not know this command", "Its firmware is older than this program: flash it again"),
         Refusal::NotPlausible => {
             ("a number in it cannot be", "Give a finite number, not below zero, and within the range that `settings get` shows")
         }
@@ -46,7 +46,7 @@ fn words(refusal: Refusal) -> (&'static str, &'static str) {
             "a number in it is beyond its range",
             "`settings get` shows the ranges; a capture has 1024 samples, of a lane that the board has",
         ),
-        Refusal::NoSuchKey => ("its firmware has no such setting", "`settings get` lists what it has; or flash it anew"),
+        Refusal::NoSuchKey => ("its firmware has no such setting", "`settings get` lists what it has; or flash it again"),
         Refusal::NotCaptured => ("its capture is not full yet", "Wait for the trigger, or arm it with another one"),
         Refusal::NotConfigured => (
             "nothing of it is configured for that",

@@ -10,62 +10,61 @@ use serde_json::Value;
 
 use crate::answer::Answer;
 use crate::client::Client;
-use crate::commands::settings::in_words;
 use crate::link_error::LinkError;
 use crate::parameter::{parameter, report};
 use crate::scale::Scale;
 use crate::words;
 
-/// How often the board hears of its host while that waits; at least, and at most.
+/// How often a message keeps the board from missing its host while that waits, s; at least, and at most.
 const KEEP_ALIVE: (f64, f64) = (2e-3, 0.2);
-/// Signs of life within the board's patience.
+/// Messages within the host timeout.
 const SIGNS: f64 = 5.0;
-/// How often work beside the board is looked at.
+/// How often work beside the board is polled.
 const LOOK: Duration = Duration::from_millis(10);
 /// How often silence is ordered again.
 const SILENCES: u32 = 3;
 
-/// What is asked of a stay as a whole.
+/// Options of a session as a whole.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Manner {
-    /// How long the board may be without its host while it drives, s; `None`: as the board has it.
-    pub patience_s: Option<f32>,
-    /// The drive goes on when the user leaves.
+pub struct SessionOptions {
+    /// Host timeout: how long the board may drive without a message from its host, s; `None`: the board's own setting; 0: for ever.
+    pub host_timeout_s: Option<f32>,
+    /// The drive goes on when the session ends.
     pub stay: bool,
 }
 
-/// A stay.
+/// A session with one board: it keeps the board's host timeout from running out, and silences the drive at its end.
 pub struct Session {
-    /// Who asks.
+    /// The client.
     pub client: Client,
-    /// Who answers.
+    /// The board's identity.
     pub identity: Identity,
-    manner: Manner,
-    /// How long the board is to do without, s.
-    patience_s: f32,
-    /// How often the board is to hear something.
+    options: SessionOptions,
+    /// The host timeout in force, s.
+    host_timeout_s: f32,
+    /// How often the board is to receive a message.
     keep_alive: Duration,
     /// The user has ordered the drive on.
     driving: bool,
     /// The board sends telemetry by itself.
     streams: bool,
-    /// What the last command has come to.
+    /// The last command's answer.
     pub last: Answer,
-    /// Who looks on.
+    /// What watches the session while it waits.
     pub live: Live,
-    /// What the board's codes are worth, once it has said so.
+    /// The scale of the board's codes, once it has been read.
     pub(super) scale: Option<Scale>,
 }
 
 impl Session {
     /// Connects, and says how patient the board is to be.
-    pub fn begin(mut client: Client, manner: Manner) -> Result<Self, LinkError> {
+    pub fn begin(mut client: Client, options: SessionOptions) -> Result<Self, LinkError> {
         let identity = client.connect()?;
         let mut session = Session {
             client,
             identity,
-            manner,
-            patience_s: 0.0,
+            options,
+            host_timeout_s: 0.0,
             keep_alive: Duration::from_secs_f64(KEEP_ALIVE.1),
             driving: false,
             streams: false,
@@ -73,35 +72,35 @@ impl Session {
             live: Live::default(),
             scale: None,
         };
-        session.agree_on_patience()?;
+        session.agree_on_host_timeout()?;
         Ok(session)
     }
 
-    /// Tells the board how patient to be, and learns how often it must hear something. A drive that goes on for somebody who has left is not
-    /// cut short by somebody who only looks.
-    pub fn agree_on_patience(&mut self) -> Result<(), LinkError> {
+    /// Agrees with the board on the host timeout, and on how often it must receive a message. A drive that another host has chosen to leave on is
+    /// not cut short by a client that only reads.
+    pub fn agree_on_host_timeout(&mut self) -> Result<(), LinkError> {
         let configured = report(parameter("link.patience_s")?, &mut self.client)?;
         if matches!(configured.kept, Kept::Partly | Kept::Refused | Kept::Damaged | Kept::Version(_)) {
             // Whatever is asked for next, it meets other settings than were stored.
-            self.client.note(&in_words(configured.kept));
+            self.client.note(&words::stored(configured.kept));
         }
-        let wanted_s = if self.manner.stay { Some(0.0) } else { self.manner.patience_s };
-        let patience_s = wanted_s.unwrap_or(configured.acts);
-        self.patience_s = patience_s;
+        let wanted_s = if self.options.stay { Some(0.0) } else { self.options.host_timeout_s };
+        let host_timeout_s = wanted_s.unwrap_or(configured.acts);
+        self.host_timeout_s = host_timeout_s;
         let silent = self.client.status()?.is_none_or(|report| matches!(report.mode, Mode::Idle | Mode::Fault));
         if silent || wanted_s.is_some() {
-            self.client.order(Command::Patience(patience_s))?;
+            self.client.order(Command::Patience(host_timeout_s))?;
         }
-        if patience_s > 0.0 {
-            self.keep_alive = Duration::from_secs_f64((f64::from(patience_s) / SIGNS).clamp(KEEP_ALIVE.0, KEEP_ALIVE.1));
+        if host_timeout_s > 0.0 {
+            self.keep_alive = Duration::from_secs_f64((f64::from(host_timeout_s) / SIGNS).clamp(KEEP_ALIVE.0, KEEP_ALIVE.1));
         }
         Ok(())
     }
 
-    /// Said before the drive is ordered on: it is this user's from now on, and so is the board's patience, whatever somebody else has left.
+    /// Called before the drive is ordered on: the drive, and with it the host timeout, belong to this session from now on.
     pub fn begins_to_drive(&mut self) -> Result<(), LinkError> {
         self.driving = true;
-        self.client.order(Command::Patience(self.patience_s))
+        self.client.order(Command::Patience(self.host_timeout_s))
     }
 
     /// The drive is silent.
@@ -119,7 +118,7 @@ impl Session {
         self.client.part();
         // Whatever comes of it, it is not tried again.
         let driving = std::mem::take(&mut self.driving);
-        let said = match (driving, self.manner.stay) {
+        let said = match (driving, self.options.stay) {
             (false, _) => None,
             (true, true) => Some("the drive goes on (--stay); `stop` ends it"),
             (true, false) => {
@@ -262,7 +261,7 @@ impl Session {
 impl Drop for Session {
     /// Nothing that this program fails by leaves a drive behind.
     fn drop(&mut self) {
-        if self.driving && !self.manner.stay {
+        if self.driving && !self.options.stay {
             self.client.part();
             let _ = self.silence();
         }

@@ -1,5 +1,6 @@
 //! Modes, faults and limits in words.
 
+use firmware::board::kept::Kept;
 use firmware::board::start::Start;
 use firmware::seam::fault::{Fault, Limit};
 use firmware::seam::mode::Mode;
@@ -25,6 +26,31 @@ pub fn fault(fault: Fault) -> String {
 /// A limit as number and name.
 pub fn limit(limit: Limit) -> String {
     format!("limit {}, {}", limit.code(), limit.called())
+}
+
+/// What the board has stored over power-off, in a sentence.
+pub fn stored(stored: Kept) -> String {
+    match stored {
+        Kept::Nothing => "the board has stored nothing".into(),
+        Kept::Stored => "the board has stored its settings".into(),
+        Kept::Damaged => "the stored settings cannot be read; `settings store` replaces them".into(),
+        Kept::Version(version) => {
+            format!("the stored settings are of version {version}, which the board's firmware does not read; `settings store` replaces them")
+        }
+        Kept::Due => "the board stores its settings as soon as its drive is silent".into(),
+        Kept::Failed => "the board's flash does not store its settings".into(),
+        Kept::Partly => {
+            "some of the stored settings are not active as they are: the firmware does not know them, or they are out of range; `settings get` \
+             shows the active values"
+                .into()
+        }
+        Kept::Refused => {
+            "the stored settings do not fit together: their limits are active, the drive is held within them, and what does not fit is left out; \
+             `settings get` shows active and set values"
+                .into()
+        }
+        Kept::Changed => "the set values differ from the stored ones: `settings store` stores them, a restart discards them".into(),
+    }
 }
 
 /// What has started the board.

@@ -19,7 +19,7 @@ use link::link_error::LinkError;
 use link::port::{Port, Serial, Simulated, Tcp};
 use link::script::Script;
 use link::serve::serve;
-use link::session::{Live, Manner, Session};
+use link::session::{Live, Session, SessionOptions};
 use link::simulated_board::SimulatedBoard;
 
 /// Set by Ctrl-C, and by any other request to end.
@@ -49,9 +49,9 @@ pub(super) struct LinkArgs {
     /// What to print on standard output: text, or a line of JSON for each answer.
     #[arg(long, value_enum, default_value_t = Format::Human, global = true)]
     format: Format,
-    /// How long the board may be without its host while it drives, s; then it stops by itself (fault 12). Default: as the board is set.
-    #[arg(long, value_name = "S", value_parser = amount, global = true, conflicts_with = "stay")]
-    patience: Option<f32>,
+    /// Host timeout, s: so long without a message from this program, the board stops its drive (fault 12). Default: the board's setting.
+    #[arg(long, alias = "patience", value_name = "S", value_parser = amount, global = true, conflicts_with = "stay")]
+    host_timeout: Option<f32>,
     /// The drive goes on when this program ends, and the board waits for no host.
     #[arg(long, global = true)]
     stay: bool,
@@ -81,6 +81,9 @@ enum LinkOrder {
 
 /// Connects, does what is asked, and leaves the drive as it is to be left.
 pub(super) fn run(args: &LinkArgs, color: Color) -> anyhow::Result<ExitCode> {
+    if std::env::args().any(|argument| argument.split('=').next() == Some("--patience")) {
+        say!("note: `--patience` is `--host-timeout` now; the old name goes with the next version");
+    }
     match args.port.strip_prefix(SIMULATED) {
         Some(scene) => {
             let mut sets = args.sets.clone();
@@ -143,7 +146,7 @@ fn with_port(args: &LinkArgs, port: Box<dyn Port>) -> Result<(), LinkError> {
     // Not before the script is read, which may come from somebody who never ends it; before anything is asked of the board.
     interrupts::set(&STOP)?;
     let client = Client::new(port, &STOP, note);
-    let mut session = Session::begin(client, Manner { patience_s: args.patience, stay: args.stay })?;
+    let mut session = Session::begin(client, SessionOptions { host_timeout_s: args.host_timeout, stay: args.stay })?;
     session.live = live(args.format);
     let done = match (&args.order, script) {
         (LinkOrder::Order(order), _) => one(order, args, &mut session),
@@ -163,7 +166,7 @@ fn with_port(args: &LinkArgs, port: Box<dyn Port>) -> Result<(), LinkError> {
     let left = session.leave();
     match &left {
         Ok(Some(what)) => note(what),
-        Err(_) if drove => note("the drive may still be on: the board has not been told to stop"),
+        Err(_) if drove => note("the drive may still be on: the board has not been ordered to stop"),
         _ if interrupted => {
             if let Ok(report) = session.status()
                 && let Ok(what) = monitor::what_it_does(&report, &mut session)

@@ -102,7 +102,7 @@ fn a_client_that_is_asked_to_end_silences_the_drive_first() {
     let cases: [(&[&str], &str, &str); 6] = [
         (&["drive"], "the drive is on", "INT"),
         (&["drive", "--volts", "2"], "the drive is on", "TERM"),
-        (&["drive", "--patience", "0"], "the drive is on", "HUP"),
+        (&["drive", "--host-timeout", "0"], "the drive is on", "HUP"),
         (&["script", &holds], "> wait", "TERM"),
         (&["script", &bursts], "> burst", "HUP"),
         (&["script", &watches], " locked", "TERM"),
@@ -121,7 +121,7 @@ fn a_client_that_is_asked_to_end_silences_the_drive_first() {
 #[test]
 fn a_terminal_that_closes_hangs_up_twice_and_the_drive_is_silenced_all_the_same() {
     let (_server, address) = served();
-    let mut client = client(&address, &["drive", "--patience", "0"]);
+    let mut client = client(&address, &["drive", "--host-timeout", "0"]);
     client.until("the drive is on");
     client.signal("HUP");
     client.signal("CONT");

@@ -10,23 +10,23 @@
 //! ```
 //!
 //! Nothing in it is limited by the contact's stiffness: |f| <= 1 by construction. A step with a reversal, or one that is stiff, takes
-//! the careful way, which ends a part at the reversal; so the order holds: 2 with one node, 4 with two, 6
+//! the exact step, which ends a part at the reversal; so the order holds: 2 with one node, 4 with two, 6
 //! with three. (Structure: Laskar and Robutel 2001, perturbed Hamiltonians; here with a dissipative perturbation.)
 //!
 //! The flows of whole periods are made once: a step costs a few multiplications and one exponential a node, one more at its end.
 
-mod abreast;
-mod accounts;
-mod careful;
 mod decay;
-mod part;
+mod energy_sums;
+mod exact_step;
+mod fast_step;
 mod quadrature;
-mod swift;
+mod simd_nodes;
+mod substep;
 
-use abreast::Places;
-use careful::Careful;
+use exact_step::Exact;
+use fast_step::{Table, fast_step};
 use quadrature::Nodes;
-use swift::{Table, swift};
+use simd_nodes::Places;
 
 use crate::Trouble;
 use crate::problem::{Law, Problem};
@@ -37,14 +37,14 @@ const METHOD: &str = "linexp";
 /// Orders there are.
 pub const ORDERS: [u32; 3] = [2, 4, 6];
 
-/// What a run is to do besides.
+/// What a run computes besides the motion and the friction.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Extent {
-    /// Nothing: as fast as it can.
+pub enum Options {
+    /// Nothing.
     #[default]
-    Swift,
-    /// Add up what forcing and damper do; every step takes the careful way.
-    Accounted,
+    Plain,
+    /// Add up what forcing and damper do; every step is an exact step.
+    EnergySums,
     /// Leave out what friction does to the motion: the frozen two-frequency motion, with friction on top.
     Frozen,
 }
@@ -54,39 +54,39 @@ pub fn run(
     problem: &Problem,
     steps_per_period: u32,
     order: u32,
-    extent: Extent,
+    options: Options,
     watch: &mut impl FnMut(&State),
 ) -> Result<Tally, Trouble> {
     let Law::Dahl { stiffness_n_per_m: kt } = problem.law else {
-        let method = if extent == Extent::Frozen { "frozen" } else { METHOD };
+        let method = if options == Options::Frozen { "frozen" } else { METHOD };
         let reason = "it needs friction that is a function of the slip alone, as Dahl's is".into();
         return Err(Trouble::Unsuited { method, reason });
     };
     let n = steps_per_period;
-    match (order, extent == Extent::Accounted) {
-        (2, false) => Run::<1, SWIFT>::new(problem, kt, n, extent).all(watch),
-        (2, true) => Run::<1, ACCOUNTED>::new(problem, kt, n, extent).all(watch),
-        (4, false) => Run::<2, SWIFT>::new(problem, kt, n, extent).all(watch),
-        (4, true) => Run::<2, ACCOUNTED>::new(problem, kt, n, extent).all(watch),
-        (6, false) => Run::<3, SWIFT>::new(problem, kt, n, extent).all(watch),
-        (6, true) => Run::<3, ACCOUNTED>::new(problem, kt, n, extent).all(watch),
+    match (order, options == Options::EnergySums) {
+        (2, false) => Run::<1, PLAIN>::new(problem, kt, n, options).all(watch),
+        (2, true) => Run::<1, WITH_SUMS>::new(problem, kt, n, options).all(watch),
+        (4, false) => Run::<2, PLAIN>::new(problem, kt, n, options).all(watch),
+        (4, true) => Run::<2, WITH_SUMS>::new(problem, kt, n, options).all(watch),
+        (6, false) => Run::<3, PLAIN>::new(problem, kt, n, options).all(watch),
+        (6, true) => Run::<3, WITH_SUMS>::new(problem, kt, n, options).all(watch),
         _ => Err(Trouble::Unsuited { method: METHOD, reason: format!("order {order} is none of {ORDERS:?}") }),
     }
 }
 
 /// Coefficients of the motion within a part. In steps of a radian 12 are good to 1e-10 of the amplitude; energies, of which friction's
 /// is a small part, need them to round-off.
-const SWIFT: usize = 12;
-const ACCOUNTED: usize = 20;
+const PLAIN: usize = 12;
+const WITH_SUMS: usize = 20;
 
 struct Run<'a, const K: usize, const N: usize>
 where
     Nodes<K>: Places,
 {
     problem: &'a Problem,
-    careful: Careful<K, N>,
+    exact_step: Exact<K, N>,
     steps_per_period: u32,
-    accounted: bool,
+    with_sums: bool,
     tables: Vec<Option<Table<K, N>>>,
 }
 
@@ -94,49 +94,49 @@ impl<'a, const K: usize, const N: usize> Run<'a, K, N>
 where
     Nodes<K>: Places,
 {
-    fn new(problem: &'a Problem, kt: f64, steps_per_period: u32, extent: Extent) -> Self {
-        let careful = Careful::new(problem, kt, steps_per_period, extent);
-        let accounted = extent == Extent::Accounted;
-        Run { problem, careful, steps_per_period, accounted, tables: Vec::new() }
+    fn new(problem: &'a Problem, kt: f64, steps_per_period: u32, options: Options) -> Self {
+        let exact_step = Exact::new(problem, kt, steps_per_period, options);
+        let with_sums = options == Options::EnergySums;
+        Run { problem, exact_step, steps_per_period, with_sums, tables: Vec::new() }
     }
 
     fn all(mut self, watch: &mut impl FnMut(&State)) -> Result<Tally, Trouble> {
         let mut state = self.problem.start;
         for stretch in Timeline::new(self.problem) {
-            let careful = &mut self.careful;
+            let exact_step = &mut self.exact_step;
             if let Some(force) = stretch.load {
-                careful.set_coulomb_force(force);
+                exact_step.set_coulomb_force(force);
             }
-            careful.face(&stretch.forcing, stretch.length_s);
-            careful.meter.at(&stretch, &state, careful.coulomb_n);
+            exact_step.face(&stretch.forcing, stretch.length_s);
+            exact_step.meter.at(&stretch, &state, exact_step.coulomb_n);
             let steps = stretch.steps(self.steps_per_period);
             let h = stretch.length_s / f64::from(steps);
             let table = match stretch.template {
-                Some(template) if !self.accounted && !careful.is_stiff(h) => Some(self.table(template, &stretch, steps, h)),
+                Some(template) if !self.with_sums && !exact_step.is_stiff(h) => Some(self.table(template, &stretch, steps, h)),
                 _ => None,
             };
             for step in 0..steps {
                 let table = table.and_then(|index| self.tables.get(index)).and_then(Option::as_ref);
-                let careful = &mut self.careful;
+                let exact_step = &mut self.exact_step;
                 // How much of the step the table can do: all of it, or with one reversal, or nothing.
                 let done = match table {
-                    Some(table) if swift(careful, table, step as usize) => 1.0,
-                    Some(table) => table.part(careful, step as usize).map_or(0.0, |mut part| careful.go(&mut part)),
+                    Some(table) if fast_step(exact_step, table, step as usize) => 1.0,
+                    Some(table) => table.part(exact_step, step as usize).map_or(0.0, |mut part| exact_step.go(&mut part)),
                     None => 0.0,
                 };
                 if done < 1.0 {
-                    careful.step(&stretch.forcing, f64::from(step) * h, h, done * h);
+                    exact_step.step(&stretch.forcing, f64::from(step) * h, h, done * h);
                 }
-                state = careful.state(stretch.start_s + f64::from(step + 1) * h);
-                careful.meter.step(&state, careful.f);
+                state = exact_step.state(stretch.start_s + f64::from(step + 1) * h);
+                exact_step.meter.step(&state, exact_step.f);
                 watch(&state);
             }
             if !(state.x_m.is_finite() && state.force_n.is_finite()) {
                 return Err(Trouble::Diverged { method: METHOD, time_s: state.time_s });
             }
         }
-        let careful = self.careful;
-        Ok(careful.meter.finish(&state, careful.coulomb_n))
+        let exact_step = self.exact_step;
+        Ok(exact_step.meter.finish(&state, exact_step.coulomb_n))
     }
 
     /// The table of a piece, made when it is first met.
@@ -145,7 +145,7 @@ where
             self.tables.resize_with(template + 1, || None);
         }
         if self.tables[template].is_none() {
-            self.tables[template] = Some(Table::new(&self.careful.oscillator, self.problem, stretch, steps, h));
+            self.tables[template] = Some(Table::new(&self.exact_step.oscillator, self.problem, stretch, steps, h));
         }
         template
     }
@@ -158,8 +158,8 @@ mod tests {
     use crate::tally::Ratios;
     use crate::{Motion, Shape, Sign, Waveform, taylor};
 
-    fn ratios(problem: &Problem, steps: u32, order: u32, extent: Extent) -> Ratios {
-        Ratios::of(problem, &run(problem, steps, order, extent, &mut |_| ()).unwrap())
+    fn ratios(problem: &Problem, steps: u32, order: u32, options: Options) -> Ratios {
+        Ratios::of(problem, &run(problem, steps, order, options, &mut |_| ()).unwrap())
     }
 
     fn truth(problem: &Problem) -> Ratios {
@@ -173,7 +173,7 @@ mod tests {
         let truth = truth(&problem);
         for (order, bounds) in [(2, [2e-6, 3e-7, 8e-8]), (4, [6e-7, 1e-8, 2e-10]), (6, [4e-9, 1e-10, 4e-12])] {
             for (steps, bound) in [8, 16, 32].into_iter().zip(bounds) {
-                let got = ratios(&problem, steps, order, Extent::Swift);
+                let got = ratios(&problem, steps, order, Options::Plain);
                 let (r, phi) = (got.friction - truth.friction, got.power.unwrap() - truth.power.unwrap());
                 assert!(r.abs() < bound, "order {order}, {steps} steps: friction ratio off by {r:e}");
                 assert!(phi.abs() < 3.0 * bound, "order {order}, {steps} steps: power ratio off by {phi:e}");
@@ -197,7 +197,7 @@ mod tests {
                 if kinematic {
                     problem.motion = Motion::Kinematic;
                 }
-                let (got, truth) = (ratios(&problem, 16, 6, Extent::Swift), truth(&problem));
+                let (got, truth) = (ratios(&problem, 16, 6, Options::Plain), truth(&problem));
                 let error = got.friction - truth.friction;
                 assert!(error.abs() < 1e-10, "{shape:?}, kinematic {kinematic}: {error:e}");
             }
@@ -211,7 +211,7 @@ mod tests {
             problem.sign = sign;
             problem.motion = Motion::Sdof { mass_kg: 0.02, stiffness_n_per_m: 133e6, damping_n_s_per_m };
             for (steps, order) in [(8, 2), (8, 6), (32, 4)] {
-                let residual = ratios(&problem, steps, order, Extent::Accounted).energy_residual.unwrap();
+                let residual = ratios(&problem, steps, order, Options::EnergySums).energy_residual.unwrap();
                 assert!(residual.abs() < 5e-12, "{sign:?} {damping_n_s_per_m} {steps} {order}: {residual:e}");
             }
         }
@@ -220,7 +220,7 @@ mod tests {
     #[test]
     fn without_feedback_the_mean_is_off_by_the_coupling() {
         let problem = table_4_1(0.5, 200.0);
-        let error = ratios(&problem, 16, 6, Extent::Frozen).friction - truth(&problem).friction;
+        let error = ratios(&problem, 16, 6, Options::Frozen).friction - truth(&problem).friction;
         // Friction over forcing is 5e-5.
         assert!(error.abs() > 1e-6 && error.abs() < 3e-3, "{error:e}");
     }

@@ -5,7 +5,7 @@ use firmware::seam::telemetry::Telemetry;
 use crate::answer::{Answer, quantity, short};
 
 /// The transducer that was identified.
-pub fn told(report: &Telemetry, answer: Answer) -> Answer {
+pub fn in_words(report: &Telemetry, answer: Answer) -> Answer {
     let Some(found) = &report.transducer else { return answer };
     let scatter = &found.deviations;
     answer

@@ -60,7 +60,7 @@ pub fn run(args: &DriveArgs, session: &mut Session) -> Result<Answer, LinkError>
         None => session.status()?,
     };
     session.check(&report)?;
-    let answer = status::told(&report, Answer::to("drive"));
+    let answer = status::in_words(&report, Answer::to("drive"));
     Ok(match args.time {
         Some(time) => {
             session.client.order(Command::Idle)?;

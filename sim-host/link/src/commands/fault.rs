@@ -60,7 +60,7 @@ fn log(session: &mut Session) -> Result<Answer, LinkError> {
     while let Some(at) = entry {
         let name = at.fault.called();
         answer = answer.line(format!(
-            "block {:>10}  {:2} {name}, at {} Hz, {} driven, {} and {} heard, in {}",
+            "block {:>10}  {:2} {name}, at {} Hz, {} driven, {} and {} measured, in {}",
             at.block,
             at.fault.code(),
             at.frequency.0,
@@ -107,11 +107,11 @@ pub fn start_in_words(session: &mut Session) -> Result<String, LinkError> {
 }
 
 /// What the board does when its host falls silent while it drives.
-pub fn patience_in_words(session: &mut Session) -> Result<String, LinkError> {
-    let patience_s = report(parameter("link.patience_s")?, &mut session.client)?.acts;
-    Ok(if patience_s == 0.0 {
-        "it goes on when nobody watches".into()
+pub fn host_timeout_in_words(session: &mut Session) -> Result<String, LinkError> {
+    let timeout_s = report(parameter("link.patience_s")?, &mut session.client)?.acts;
+    Ok(if timeout_s == 0.0 {
+        "it goes on without a host".into()
     } else {
-        format!("without a host the board stops it after {patience_s} s, unless it was told otherwise (--patience, --stay)")
+        format!("without a host the board stops it after {timeout_s} s, unless set otherwise (--host-timeout, --stay)")
     })
 }

@@ -62,7 +62,7 @@ pub fn run(args: &LockArgs, session: &mut Session) -> Result<Answer, LinkError> 
     } else {
         answer.line(format!("runs at {:.2} Hz, {time_ms:.1} ms after the order; nothing is tracked", report.frequency.0))
     };
-    let answer = circuit::told(&report, answer)
+    let answer = circuit::in_words(&report, answer)
         .field("locked", report.locked)
         .field("frequency_hz", short(report.frequency.0))
         .field("resonance_hz", short(report.resonance.0))

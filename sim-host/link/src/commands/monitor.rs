@@ -70,7 +70,7 @@ pub fn what_it_does(report: &Telemetry, session: &mut Session) -> Result<String,
         Mode::Fault => report
             .fault
             .map_or_else(|| "the drive is muted".into(), |fault| format!("the drive is muted: {}", words::fault(fault))),
-        mode => format!("the drive is on ({}); {}", words::mode(mode), fault::patience_in_words(session)?),
+        mode => format!("the drive is on ({}); {}", words::mode(mode), fault::host_timeout_in_words(session)?),
     })
 }
 

@@ -35,7 +35,7 @@ pub fn run(session: &mut Session) -> Result<Answer, LinkError> {
         return Err(LinkError::Failed("the board goes on as it was: the order has not arrived. Try again".into()));
     }
     session.scale = None;
-    session.agree_on_patience()?;
+    session.agree_on_host_timeout()?;
     let start = start_in_words(session)?;
-    Ok(Answer::to("reset").line(format!("the board has begun anew; it says: {start}")).field("last_start", start))
+    Ok(Answer::to("reset").line(format!("the board has restarted; reason: {start}")).field("last_start", start))
 }

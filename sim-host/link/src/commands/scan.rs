@@ -14,7 +14,7 @@ use firmware::seam::telemetry::Telemetry;
 use firmware::seam::transducer::Transducer;
 use serde_json::json;
 
-use super::circuit::told;
+use super::circuit::in_words;
 use crate::admittance::{self, Loop};
 use crate::answer::{Answer, quantity, short};
 use crate::client::unexpected;
@@ -50,7 +50,7 @@ pub fn run(args: &ScanArgs, session: &mut Session) -> Result<Answer, LinkError> 
     if args.points > 0 {
         drawn.measured = admittance::measure(args.points, args.reach, &drawn, session)?;
     }
-    let answer = told(&report, list(&found, report.transducer.as_ref(), Answer::to("scan")));
+    let answer = in_words(&report, list(&found, report.transducer.as_ref(), Answer::to("scan")));
     let answer = drawn.compared(answer);
     let answer = match &args.output {
         Some(dir) => {

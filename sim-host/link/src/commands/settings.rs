@@ -1,7 +1,7 @@
-//! `settings`: what the board keeps over power-off.
+//! `settings`: the parameters that the board stores over power-off.
 //!
-//! Parameters are numbers of its configuration. What is set acts after a reset, if it was stored; three values are told apart: what acts, what
-//! is set, what is built in. Lane trims act as soon as a calibration has found them.
+//! Parameters are numbers of its configuration, each with three values: the active one, the set one (active after `settings store` and a
+//! restart) and the default. Lane trims are active as soon as a calibration has measured them.
 
 use clap::Subcommand;
 use firmware::board::command::{Command, Reply, Verb};
@@ -15,6 +15,7 @@ use crate::client::unexpected;
 use crate::link_error::LinkError;
 use crate::parameter::{parameter, report};
 use crate::session::Session;
+use crate::words;
 
 /// What to do with the settings.
 #[derive(Clone, Debug, Subcommand)]
@@ -24,7 +25,7 @@ pub enum SettingsOrder {
         /// Its name, such as `limits.voltage_v`.
         name: Option<String>,
     },
-    /// Set a parameter; it acts after `settings store` and `reset`.
+    /// Set a parameter; it becomes active after `settings store` and `reset`.
     Set {
         /// Its name.
         name: String,
@@ -32,11 +33,11 @@ pub enum SettingsOrder {
         #[arg(allow_hyphen_values = true)]
         value: f32,
     },
-    /// Keep parameters and lane trims over power-off.
+    /// Store parameters and lane trims over power-off.
     Store,
-    /// Keep nothing; what acts and what is set stays.
+    /// Erase what is stored; active and set values stay.
     Clear,
-    /// Set everything to what is built in, and trim by nothing; what is kept stays until `store`.
+    /// Set every parameter to its default and remove the lane trims; what is stored stays until `store`.
     Defaults,
     /// Show the lane trims.
     Trims,
@@ -52,11 +53,15 @@ pub fn run(order: &SettingsOrder, session: &mut Session) -> Result<Answer, LinkE
         SettingsOrder::Get { name: Some(name) } => get(&[parameter(name)?], session),
         SettingsOrder::Get { name: None } => get(&PARAMETERS.iter().collect::<Vec<_>>(), session),
         SettingsOrder::Set { name, value } => set(parameter(name)?, *value, session),
-        SettingsOrder::Store => plain(session, Verb::Store, "kept over power-off"),
-        SettingsOrder::Clear => plain(session, Verb::Clear, "nothing is kept; after a reset the board is as it was built"),
-        SettingsOrder::Defaults => {
-            plain(session, Verb::Defaults, "set to what is built in, and trimmed by nothing; `settings store` keeps that")
+        SettingsOrder::Store => plain(session, Verb::Store, "stored over power-off"),
+        SettingsOrder::Clear => {
+            plain(session, Verb::Clear, "nothing is stored; after a restart all parameters have their defaults")
         }
+        SettingsOrder::Defaults => plain(
+            session,
+            Verb::Defaults,
+            "all parameters are set to their defaults, without lane trims; `settings store` stores that",
+        ),
         SettingsOrder::Trims => trims(session, Answer::to("settings")),
     }
 }
@@ -64,7 +69,7 @@ pub fn run(order: &SettingsOrder, session: &mut Session) -> Result<Answer, LinkE
 fn get(parameters: &[&Parameter], session: &mut Session) -> Result<Answer, LinkError> {
     let width = parameters.iter().map(|parameter| parameter.name.len()).max().unwrap_or(0);
     let mut answer =
-        Answer::to("settings").line(format!("{:width$}  {:>12}  {:>12}  {:>12}  range", "", "acts", "set", "built in"));
+        Answer::to("settings").line(format!("{:width$}  {:>12}  {:>12}  {:>12}  range", "", "active", "set", "default"));
     let mut kept = Kept::Nothing;
     for parameter in parameters {
         let of = report(parameter, &mut session.client)?;
@@ -72,8 +77,8 @@ fn get(parameters: &[&Parameter], session: &mut Session) -> Result<Answer, LinkE
         let reset = match kept {
             _ if of.next == of.acts => "",
             // Left out, or held within a limit; or set since.
-            Kept::Partly | Kept::Refused => "  (does not act as it is set)",
-            _ => "  (acts after `settings store` and `reset`)",
+            Kept::Partly | Kept::Refused => "  (not active as it is set)",
+            _ => "  (active after `settings store` and `reset`)",
         };
         answer = answer
             .line(format!(
@@ -90,7 +95,7 @@ fn get(parameters: &[&Parameter], session: &mut Session) -> Result<Answer, LinkE
             answer = fields.into_iter().fold(answer, |answer, (name, value)| answer.field(name, short(value)));
         }
     }
-    Ok(answer.line(in_words(kept)).field("kept", kept_name(kept)))
+    Ok(answer.line(words::stored(kept)).field("kept", kept_name(kept)))
 }
 
 fn set(parameter: &Parameter, value: f32, session: &mut Session) -> Result<Answer, LinkError> {
@@ -101,18 +106,18 @@ fn set(parameter: &Parameter, value: f32, session: &mut Session) -> Result<Answe
             Err(LinkError::Failed(format!("{} can be {range}, not {value}; it is {} now", parameter.name, number(of.next))))
         }
         Err(LinkError::Refused { refusal: Refusal::NotConfigured, .. }) => Err(LinkError::Failed(format!(
-            "{} is nothing on this board: what it would be judged by is not there (an energy for each metre of belt needs a belt encoder)",
+            "{} needs what this board does not have (an energy for each metre of belt needs a belt encoder)",
             parameter.name
         ))),
         done => done.map(|()| {
             Answer::to("settings")
-                .line(format!("{} = {}; it acts after `settings store` and `reset`", parameter.name, number(value)))
+                .line(format!("{} = {}; active after `settings store` and `reset`", parameter.name, number(value)))
                 .field(parameter.name, short(value))
         }),
     }
 }
 
-/// The lane trims, and what is kept of them.
+/// The lane trims, and whether they are stored.
 pub fn trims(session: &mut Session, mut answer: Answer) -> Result<Answer, LinkError> {
     let mut point = 0;
     loop {
@@ -121,9 +126,9 @@ pub fn trims(session: &mut Session, mut answer: Answer) -> Result<Answer, LinkEr
             reply => return Err(unexpected("settings trims", &reply)),
         };
         let Some(found) = report.point.filter(|_| point < report.points) else {
-            let none = if point == 0 { "no lane trims act; " } else { "" };
+            let none = if point == 0 { "no lane trims are active; " } else { "" };
             return Ok(answer
-                .line(format!("{none}{}", in_words(report.kept)))
+                .line(format!("{none}{}", words::stored(report.kept)))
                 .field("trim_points", report.points)
                 .field("kept", kept_name(report.kept)));
         };
@@ -161,33 +166,6 @@ fn kept_name(kept: Kept) -> &'static str {
         Kept::Partly => "partly",
         Kept::Refused => "refused",
         Kept::Changed => "changed",
-    }
-}
-
-/// What the board keeps, in a sentence.
-pub(crate) fn in_words(kept: Kept) -> String {
-    match kept {
-        Kept::Nothing => "the board keeps nothing over power-off".into(),
-        Kept::Stored => "the board keeps its settings over power-off".into(),
-        Kept::Damaged => "what the board has kept cannot be read; `settings store` replaces it".into(),
-        Kept::Version(version) => {
-            format!(
-                "what the board has kept is of version {version}, which its firmware does not read; `settings store` replaces it"
-            )
-        }
-        Kept::Due => "the board keeps them as soon as its drive is silent".into(),
-        Kept::Failed => "the board's flash does not keep them".into(),
-        Kept::Partly => {
-            "some of what the board has kept does not act as it is: its firmware does not know it, or it is out of its range; `settings get` \
-             shows what acts"
-                .into()
-        }
-        Kept::Refused => {
-            "what the board has kept does not fit together: its limits act, the drive is held within them, and what does not fit is left out; \
-             `settings get` shows what acts and what is set"
-                .into()
-        }
-        Kept::Changed => "what is set differs from what the board keeps: `settings store` keeps it, a reset forgets it".into(),
     }
 }
 

@@ -13,24 +13,24 @@ use crate::words;
 /// Asks.
 pub fn run(session: &mut Session) -> Result<Answer, LinkError> {
     let report = session.status()?;
-    Ok(told(&report, Answer::to("status")))
+    Ok(in_words(&report, Answer::to("status")))
 }
 
 /// A report in words and fields.
-pub fn told(report: &Telemetry, answer: Answer) -> Answer {
+pub fn in_words(report: &Telemetry, answer: Answer) -> Answer {
     let answer = answer
         .line(format!("mode       {}{}", words::mode(report.mode), if report.locked { ", locked" } else { "" }))
-        .line(format!("frequency  {:.2} Hz; resonance believed at {:.2} Hz", report.frequency.0, report.resonance.0))
+        .line(format!("frequency  {:.2} Hz; resonance estimated at {:.2} Hz", report.frequency.0, report.resonance.0))
         .line(format!("drive      {} peak, envelope {:.2}", quantity(report.drive.0.into(), "V"), report.envelope))
         .line(format!(
-            "heard      {}, {} at {:+.1} degrees; motional {}, {} of real power",
+            "measured   {}, {} at {:+.1} degrees; motional {}, {} of real power",
             quantity(magnitude(report.v).into(), "V"),
             quantity(magnitude(report.i).into(), "A"),
             lead_degrees(report),
             quantity(magnitude(report.motional_current).into(), "A"),
             quantity(power_w(report).into(), "W"),
         ));
-    let answer = match report.friction.and_then(|belief| belief.force_ratio) {
+    let answer = match report.friction.and_then(|estimate| estimate.force_ratio) {
         Some(ratio) => {
             answer.line(format!("friction   {ratio:.3} of what it is without drive")).field("friction_ratio", short(ratio))
         }

@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 use serialport::{ClearBuffer, ErrorKind, SerialPort};
 
 use super::listed::sentence;
-use super::{Port, is_patience};
+use super::{Port, is_timeout};
 use crate::link_error::LinkError;
 
 /// Bits a second of the board's UART.
@@ -71,7 +71,7 @@ impl Port for Serial {
             self.device.set_timeout(left.clamp(SHORTEST, LONGEST))?;
             match self.device.read(into) {
                 Ok(0) => return Err(super::ended()),
-                Err(error) if is_patience(&error) => {}
+                Err(error) if is_timeout(&error) => {}
                 read => return read,
             }
             if Instant::now() >= until {

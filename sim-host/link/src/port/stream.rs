@@ -3,7 +3,7 @@
 use std::io::{self, Read, Write};
 use std::time::{Duration, Instant};
 
-use super::{Port, ended, is_patience};
+use super::{Port, ended, is_timeout};
 use crate::link_error::LinkError;
 
 /// A stream of bytes whose reads come back soon: with `TimedOut` or `WouldBlock` where nothing has come, and with nothing at its end.
@@ -36,7 +36,7 @@ impl<S: Read + Write> Port for Stream<S> {
         loop {
             match self.inner.read(into) {
                 Ok(0) => return Err(ended()),
-                Err(error) if is_patience(&error) => std::thread::yield_now(),
+                Err(error) if is_timeout(&error) => std::thread::yield_now(),
                 read => return read,
             }
             if Instant::now() >= until {

@@ -4,7 +4,7 @@ use std::io::{self, Read, Write};
 use std::net::{TcpStream, ToSocketAddrs};
 use std::time::{Duration, Instant};
 
-use super::{Port, ended, is_patience};
+use super::{Port, ended, is_timeout};
 use crate::link_error::LinkError;
 
 /// How long a host may take to accept.
@@ -33,7 +33,7 @@ fn stream(name: &str, address: &str) -> Result<TcpStream, LinkError> {
     let first = addresses.next().ok_or_else(|| open("this host has no address".into()))?;
     let stream = TcpStream::connect_timeout(&first, CONNECT).map_err(|error| match error.kind() {
         io::ErrorKind::ConnectionRefused => {
-            open("nobody listens there: is `sim-host link sim:SCENE serve` running, at this port?".into())
+            open("nothing listens there: is `sim-host link sim:SCENE serve` running, at this port?".into())
         }
         io::ErrorKind::TimedOut | io::ErrorKind::WouldBlock => open(format!("no answer within {} s", CONNECT.as_secs())),
         _ => open(error.to_string()),
@@ -57,7 +57,7 @@ impl Port for Tcp {
         self.stream.set_read_timeout(Some(wait.max(Duration::from_millis(1))))?;
         match self.stream.read(into) {
             Ok(0) => Err(ended()),
-            Err(error) if is_patience(&error) => Ok(0),
+            Err(error) if is_timeout(&error) => Ok(0),
             read => read,
         }
     }

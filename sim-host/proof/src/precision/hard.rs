@@ -146,7 +146,7 @@ fn mean(problem: &Problem, tally: &Tally) -> f64 {
 
 /// linexp as fast as it can; tally and mean friction ratio.
 fn linexp(problem: &Problem, steps: u32, order: u32) -> Result<(Tally, f64), Trouble> {
-    let tally = linexp::run(problem, steps, order, linexp::Extent::Swift, &mut |_| ())?;
+    let tally = linexp::run(problem, steps, order, linexp::Options::Plain, &mut |_| ())?;
     Ok((tally, mean(problem, &tally)))
 }
 

@@ -2,14 +2,14 @@
 //!
 //! The slip of one step is a fraction of the Dahl length, so the short series is the usual way: all lanes at once, and nothing to call.
 
-use super::abreast::Abreast;
+use super::simd_nodes::SimdNodes;
 
 /// Up to here the series is good to a few units of the last place: the term left out is below 1e-15.
 const SHORT: f64 = 0.5;
 
 /// `exp(-x)` of each.
 #[inline]
-pub(super) fn decay<L: Abreast>(x: L) -> L {
+pub(super) fn decay<L: SimdNodes>(x: L) -> L {
     if (0..=L::END).any(|lane| x.lane(lane).abs() > SHORT) {
         return L::each(|lane| (-x.lane(lane)).exp());
     }

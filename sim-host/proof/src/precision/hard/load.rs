@@ -1,7 +1,7 @@
 //! Loads that change at once: the force in the bristles stays, and may be far beyond what the new load can hold.
 
 use super::{Check, Found, linexp, mean, thesis};
-use contact::linexp::Extent;
+use contact::linexp::Options;
 use contact::table_4_1::{DRIVE_HZ, table_4_1};
 use contact::{Problem, State, Trouble, linexp as method, taylor};
 
@@ -13,7 +13,7 @@ pub fn step(factor: f64, published: f64, tolerance: f64) -> Result<Found, Troubl
     let problem =
         Problem { load_steps: vec![(100.0 / DRIVE_HZ, coulomb_n)], window_s: (150.0 / DRIVE_HZ, 200.0 / DRIVE_HZ), ..standard };
     let mut after: Vec<f64> = Vec::new();
-    method::run(&problem, 64, 4, Extent::Swift, &mut |state: &State| {
+    method::run(&problem, 64, 4, Options::Plain, &mut |state: &State| {
         if state.time_s > 100.0 / DRIVE_HZ {
             after.push(state.force_n.abs() / coulomb_n);
         }

@@ -3,7 +3,7 @@
 use std::time::Instant;
 
 use super::{Check, Found, Scale, last, linexp};
-use contact::linexp::Extent;
+use contact::linexp::Options;
 use contact::table_4_1::{DRIVE_HZ, FORCE_N, MASS_KG, STIFFNESS_N_PER_M, table_4_1};
 use contact::{Problem, Trouble, linexp as method, rk4};
 
@@ -42,7 +42,7 @@ pub fn to_the_steady_state(scale: Scale) -> Result<Found, Trouble> {
 pub fn drift(scale: Scale) -> Result<Found, Trouble> {
     let periods = periods(scale);
     let problem = table_4_1(0.5, periods);
-    let (end, _) = last(|mut watch| method::run(&problem, 16, 4, Extent::Frozen, &mut watch))?;
+    let (end, _) = last(|mut watch| method::run(&problem, 16, 4, Options::Frozen, &mut watch))?;
     let omega = std::f64::consts::TAU * DRIVE_HZ;
     let forced_m = FORCE_N / (STIFFNESS_N_PER_M - MASS_KG * omega * omega);
     // The drive is at the end of a period.

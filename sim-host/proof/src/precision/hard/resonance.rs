@@ -4,7 +4,7 @@
 //! `v = F0 / c`. Friction takes away its first harmonic, `(4 / pi) Fc`, where the belt is slow against the vibration.
 
 use super::{Check, Found, last, linexp, mean, thesis, thesis_survives};
-use contact::linexp::Extent;
+use contact::linexp::Options;
 use contact::table_4_1::{FORCE_N, MASS_KG, STIFFNESS_N_PER_M, table_4_1};
 use contact::{Motion, Problem, Shape, Trouble, Waveform, linexp as method, taylor};
 
@@ -36,7 +36,7 @@ fn exact(t: f64) -> f64 {
 /// Undamped, with next to no friction, over a thousand periods.
 pub fn undamped_without_friction() -> Result<Found, Trouble> {
     let problem = driven(1000.0, 1e-12, 0.0);
-    let run = |steps| last(|mut watch| method::run(&problem, steps, 4, Extent::Swift, &mut watch));
+    let run = |steps| last(|mut watch| method::run(&problem, steps, 4, Options::Plain, &mut watch));
     let (end, tally) = run(16)?;
     let v = exact(end.time_s);
     Ok(Found {
@@ -50,7 +50,7 @@ pub fn undamped_without_friction() -> Result<Found, Trouble> {
 /// Undamped, with friction: the bristles are soon slipped across a thousand times a period.
 pub fn undamped_with_friction() -> Result<Found, Trouble> {
     let problem = driven(1000.0, 1.0, 0.0);
-    let (end, tally) = last(|mut watch| method::run(&problem, 64, 4, Extent::Swift, &mut watch))?;
+    let (end, tally) = last(|mut watch| method::run(&problem, 64, 4, Options::Plain, &mut watch))?;
     let (truth, reference) = last(|mut watch| taylor::run(&problem, 64, 20, &mut watch))?;
     let (r, truth_r) = (mean(&problem, &tally), mean(&problem, &reference));
     let free = exact(end.time_s);
@@ -80,7 +80,7 @@ const SETTLED: f64 = 300.0;
 /// Damped, with next to no friction.
 pub fn damped_without_friction() -> Result<Found, Trouble> {
     let problem = driven(SETTLED, 1e-12, ZETA);
-    let (end, _) = last(|mut watch| method::run(&problem, 16, 4, Extent::Swift, &mut watch))?;
+    let (end, _) = last(|mut watch| method::run(&problem, 16, 4, Options::Plain, &mut watch))?;
     let v = problem.vibration_m_per_s();
     Ok(Found {
         problem: "w = wn, zeta 0.05, mu 1e-13: F0 / c",
@@ -93,7 +93,7 @@ pub fn damped_without_friction() -> Result<Found, Trouble> {
 /// Damped, with friction.
 pub fn damped_with_friction() -> Result<Found, Trouble> {
     let problem = driven(SETTLED, 1.0, ZETA);
-    let (end, _) = last(|mut watch| method::run(&problem, 64, 4, Extent::Swift, &mut watch))?;
+    let (end, _) = last(|mut watch| method::run(&problem, 64, 4, Options::Plain, &mut watch))?;
     let (_, r) = linexp(&problem, 64, 4)?;
     let truth = mean(&problem, &taylor::run(&problem, 64, 20, &mut |_| ())?);
     let v = problem.vibration_m_per_s();

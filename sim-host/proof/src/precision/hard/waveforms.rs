@@ -2,7 +2,7 @@
 
 use super::{Check, Found, THESIS_STEPS, linexp, mean, naive, thesis};
 use crate::precision::interpolate::order;
-use contact::linexp::Extent;
+use contact::linexp::Options;
 use contact::table_4_1::{DRIVE_HZ, FORCE_N, MASS_KG, STIFFNESS_N_PER_M, table_4_1};
 use contact::{Problem, Shape, State, Trouble, Waveform, linexp as method, rk4, rk4_events, taylor};
 
@@ -20,7 +20,7 @@ pub fn square() -> Result<Found, Trouble> {
     }
     let naive_order = order(&curve).unwrap_or(f64::NAN);
     let mut frozen = Vec::new();
-    method::run(&problem, 16, 6, Extent::Frozen, &mut |state: &State| frozen.push(*state))?;
+    method::run(&problem, 16, 6, Options::Frozen, &mut |state: &State| frozen.push(*state))?;
     let off_exact = frozen.iter().map(|state| (state.x_m - piecewise(state.time_s)).abs()).fold(0.0, f64::max);
     let size = frozen.iter().map(|state| state.x_m.abs()).fold(0.0, f64::max);
     Ok(Found {

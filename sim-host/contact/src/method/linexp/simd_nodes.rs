@@ -7,7 +7,7 @@ use wide::{f64x2, f64x4};
 use super::quadrature::Nodes;
 
 /// Numbers side by side.
-pub(super) trait Abreast: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> {
+pub(super) trait SimdNodes: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> {
     /// The last lane.
     const END: usize;
 
@@ -21,7 +21,7 @@ pub(super) trait Abreast: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<O
     fn lane(self, lane: usize) -> f64;
 }
 
-impl Abreast for f64x2 {
+impl SimdNodes for f64x2 {
     const END: usize = 1;
 
     #[inline]
@@ -40,7 +40,7 @@ impl Abreast for f64x2 {
     }
 }
 
-impl Abreast for f64x4 {
+impl SimdNodes for f64x4 {
     const END: usize = 3;
 
     #[inline]
@@ -62,7 +62,7 @@ impl Abreast for f64x4 {
 /// How many lanes that takes.
 pub(super) trait Places {
     /// The lanes.
-    type Lanes: Abreast;
+    type Lanes: SimdNodes;
 }
 
 impl Places for Nodes<1> {
@@ -87,7 +87,7 @@ pub(super) fn place<const K: usize>(lane: usize) -> f64 {
 
 /// The values of a polynomial, by its even and its odd part: two short chains rather than a long one.
 #[inline]
-pub(super) fn values<L: Abreast, const N: usize>(c: &[f64; N], s: L) -> L {
+pub(super) fn values<L: SimdNodes, const N: usize>(c: &[f64; N], s: L) -> L {
     let square = s * s;
     let part = |first: usize| c.iter().skip(first).step_by(2).rev().fold(L::all(0.0), |sum, c| sum * square + L::all(*c));
     part(0) + s * part(1)

@@ -4,27 +4,27 @@
 //! the velocities before and after it, exactly; all else is smooth from kick to kick and integrated by Gauss-Legendre quadrature, which
 //! is independent of the flow. So the account closes to round-off if, and only if, flow, signs and kicks are right, at any step.
 
-use super::abreast::Places;
-use super::careful::Careful;
-use super::part::{Part, Piece};
+use super::exact_step::Exact;
 use super::quadrature::{self, Nodes};
+use super::simd_nodes::Places;
+use super::substep::{Piece, Substep};
 use crate::method::polynomial::value;
 
-impl<const K: usize, const N: usize> Careful<K, N>
+impl<const K: usize, const N: usize> Exact<K, N>
 where
     Nodes<K>: Places,
 {
     /// Adds up a piece of a part; the state is that at its beginning.
-    pub(super) fn account(&mut self, part: &Part<N>, piece: &Piece<K>) {
+    pub(super) fn add_energy(&mut self, part: &Substep<N>, piece: &Piece<K>) {
         if self.oscillator.kinematic {
-            self.account_given(part, piece);
+            self.add_given(part, piece);
         } else {
-            self.account_oscillator(part, piece);
+            self.add_oscillator(part, piece);
         }
     }
 
     /// In a kinematic motion friction's work is what moves it.
-    fn account_given(&mut self, part: &Part<N>, piece: &Piece<K>) {
+    fn add_given(&mut self, part: &Substep<N>, piece: &Piece<K>) {
         let (h, s, excess) = (part.unit_s, self.sense, self.f - self.sense);
         let totals = &mut self.meter.totals;
         for (at, weight) in quadrature::nodes(piece.from, piece.to) {
@@ -35,10 +35,10 @@ where
         }
     }
 
-    fn account_oscillator(&mut self, part: &Part<N>, piece: &Piece<K>) {
+    fn add_oscillator(&mut self, part: &Substep<N>, piece: &Piece<K>) {
         let (h, mass) = (part.unit_s, 1.0 / self.oscillator.per_mass);
         let mut totals = self.meter.totals;
-        let mut before = Part { count: part.count - K, ..*part };
+        let mut before = Substep { count: part.count - K, ..*part };
         let mut from = piece.from;
         for l in 0..=K {
             let kick = part.kicks[before.count.min(part.count - 1)];

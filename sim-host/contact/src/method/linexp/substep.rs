@@ -1,11 +1,11 @@
-//! What a step of [`careful`](super::careful) is made of: parts, along which the motion is one polynomial, and pieces of them, along which
+//! What a step of [`exact_step`](super::exact_step) is made of: substeps, along which the motion is one polynomial, and pieces of them, along which
 //! the slip has one sign.
 
 /// Most kicks in a part: those of two pieces, before and after a reversal.
 const KICKS: usize = 6;
 
 /// The motion over one part, and what friction differs from its first terms.
-pub(super) struct Part<const N: usize> {
+pub(super) struct Substep<const N: usize> {
     pub unit_s: f64,
     /// What the forcing and friction's first terms do to displacement, m, and velocity, m/s; and the forcing alone, m/s^2 or m/s.
     pub x: [f64; N],
@@ -18,10 +18,10 @@ pub(super) struct Part<const N: usize> {
     pub count: usize,
 }
 
-impl<const N: usize> Part<N> {
+impl<const N: usize> Substep<N> {
     /// A part without kicks.
     pub fn new(unit_s: f64, (x, v): ([f64; N], [f64; N]), u: [f64; N], f: [f64; 3]) -> Self {
-        Part { unit_s, x, v, u, f, kicks: [(0.0, 0.0); KICKS], count: 0 }
+        Substep { unit_s, x, v, u, f, kicks: [(0.0, 0.0); KICKS], count: 0 }
     }
 }
 

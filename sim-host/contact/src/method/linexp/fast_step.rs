@@ -1,12 +1,12 @@
-//! The swift way of [`linexp`](super): the flow over each step of a period is made once, as a table.
+//! The fast step of [`linexp`](super): the flow over each step of a period is made once, as a table.
 //!
 //! A step is then a few multiplications for the motion, one exponential a node and one for the end, all four at once.
 
-use super::abreast::{Abreast, Lanes, Places, place};
-use super::careful::{Careful, SMALL};
 use super::decay::decay;
-use super::part::Part;
+use super::exact_step::{Exact, SMALL};
 use super::quadrature::Nodes;
+use super::simd_nodes::{Lanes, Places, SimdNodes, place};
+use super::substep::Substep;
 use crate::method::oscillator::Oscillator;
 use crate::method::polynomial::{slope, value};
 use crate::problem::Problem;
@@ -108,8 +108,8 @@ where
         }
     }
 
-    /// A whole step as a part of the careful way, if it may be as long.
-    pub fn part(&self, run: &Careful<K, N>, step: usize) -> Option<Part<N>> {
+    /// A whole step as one substep of the exact step, if a substep may be as long.
+    pub fn part(&self, run: &Exact<K, N>, step: usize) -> Option<Substep<N>> {
         let forced = self.forced.get(step).filter(|_| self.h <= run.longest())?;
         let f = run.friction_terms(self.h);
         let scales = [run.x, run.v, -run.push * f[0], -run.push * f[1], -run.push * f[2]];
@@ -120,7 +120,7 @@ where
                 v[k] += scale * by.1[k];
             }
         }
-        Some(Part::new(self.h, (x, v), forced.u, f))
+        Some(Substep::new(self.h, (x, v), forced.u, f))
     }
 }
 
@@ -138,7 +138,7 @@ fn short<const N: usize>(series: &Series<EXACT>) -> Series<N> {
 /// The motion is made with friction as it begins and with its slope; the kicks carry the rest, and are so small that friction at the
 /// end needs its exponential before they are known, and their effect on it only to second order.
 #[inline]
-pub(super) fn swift<const K: usize, const N: usize>(run: &mut Careful<K, N>, table: &Table<K, N>, step: usize) -> bool
+pub(super) fn fast_step<const K: usize, const N: usize>(run: &mut Exact<K, N>, table: &Table<K, N>, step: usize) -> bool
 where
     Nodes<K>: Places,
 {

@@ -1,15 +1,15 @@
-//! The careful way of [`linexp`](super): a step in parts, each of which ends at a reversal, or before the friction law gets
+//! The exact step of [`linexp`](super): a step in substeps, each of which ends at a reversal, or before the friction law gets
 //! steep, or at the step's end.
 //!
 //! In a part the motion is a polynomial, made with the first terms of the friction's own series; kicks at the nodes then carry only what
 //! friction differs from these, so the reversal is where the true slip velocity is zero. The sign of the slip is a state of its own: it
 //! flips at a reversal and is never taken from the round-off of a velocity near zero.
 
-use super::Extent;
-use super::abreast::{Abreast, Lanes, Places, place, values};
+use super::Options;
 use super::decay::decay;
-use super::part::{Part, Piece};
 use super::quadrature::{End, Nodes};
+use super::simd_nodes::{Lanes, Places, SimdNodes, place, values};
+use super::substep::{Piece, Substep};
 use crate::forcing::Forcing;
 use crate::method::oscillator::{KERNEL, Oscillator};
 use crate::method::polynomial::{first_reversal, slope, value};
@@ -30,7 +30,7 @@ const SATURATED: f64 = 1e-15;
 pub(super) const SMALL: f64 = 1e-5;
 
 /// State and sums of a run; the motion within a part has `N` coefficients.
-pub(super) struct Careful<const K: usize, const N: usize> {
+pub(super) struct Exact<const K: usize, const N: usize> {
     pub oscillator: Oscillator,
     /// Displacement, m; velocity, m/s; friction over Fc.
     pub x: f64,
@@ -58,20 +58,20 @@ pub(super) struct Careful<const K: usize, const N: usize> {
     pub meter: Meter,
     kt: f64,
     kernel: [f64; KERNEL],
-    accounted: bool,
+    with_sums: bool,
     /// Whether friction acts on the motion.
     coupled: bool,
 }
 
-impl<const K: usize, const N: usize> Careful<K, N>
+impl<const K: usize, const N: usize> Exact<K, N>
 where
     Nodes<K>: Places,
 {
-    pub fn new(problem: &Problem, kt: f64, steps_per_period: u32, extent: Extent) -> Self {
-        let accounted = extent == Extent::Accounted;
+    pub fn new(problem: &Problem, kt: f64, steps_per_period: u32, options: Options) -> Self {
+        let with_sums = options == Options::EnergySums;
         let oscillator = Oscillator::of(problem);
-        let meter = Meter::new(accounted);
-        let mut run = Careful {
+        let meter = Meter::new(with_sums);
+        let mut run = Exact {
             oscillator,
             x: problem.start.x_m,
             v: problem.start.v_m_per_s,
@@ -90,8 +90,8 @@ where
             meter,
             kt,
             kernel: oscillator.kernel(),
-            accounted,
-            coupled: !oscillator.kinematic && extent != Extent::Frozen,
+            with_sums,
+            coupled: !oscillator.kinematic && options != Options::Frozen,
         };
         run.set_coulomb_force(problem.coulomb_n);
         run.f = problem.start.force_n / problem.coulomb_n;
@@ -162,7 +162,7 @@ where
     }
 
     /// Goes along a part, across one reversal at most; tells how far, from 0 to 1.
-    pub fn go(&mut self, part: &mut Part<N>) -> f64 {
+    pub fn go(&mut self, part: &mut Substep<N>) -> f64 {
         let mut slip_velocity = part.v;
         slip_velocity.iter_mut().for_each(|c| *c *= self.sign);
         slip_velocity[0] += self.sliding;
@@ -206,7 +206,7 @@ where
     }
 
     /// The motion over `unit_s` seconds, with friction as its own series begins.
-    fn part(&self, forcing: &Forcing, at_s: f64, unit_s: f64) -> Part<N> {
+    fn part(&self, forcing: &Forcing, at_s: f64, unit_s: f64) -> Substep<N> {
         let u: [f64; N] = self.oscillator.forcing(forcing, at_s, unit_s);
         let f = self.friction_terms(unit_s);
         let mut driven = u;
@@ -214,11 +214,11 @@ where
             driven.iter_mut().zip(&f).for_each(|(u, f)| *u -= self.push * f);
         }
         let (x, v) = self.oscillator.series(self.x, self.v, &driven, unit_s);
-        Part::new(unit_s, (x, v), u, f)
+        Substep::new(unit_s, (x, v), u, f)
     }
 
     /// Slips from one moment of a part to another; the state is that at `from`.
-    fn piece(&self, part: &mut Part<N>, from: f64, to: f64) -> Piece<K> {
+    fn piece(&self, part: &mut Substep<N>, from: f64, to: f64) -> Piece<K> {
         let (length, s, excess) = (to - from, self.sense, self.f - self.sense);
         let end = Lanes::<K>::END;
         let places = Lanes::<K>::each(|lane| if lane == end { to } else { from + length * place::<K>(lane) });
@@ -251,25 +251,25 @@ where
     }
 
     /// Goes to the end of a piece.
-    fn take(&mut self, part: &Part<N>, piece: Piece<K>) {
+    fn take(&mut self, part: &Substep<N>, piece: Piece<K>) {
         let length_s = (piece.to - piece.from) * part.unit_s;
         let u = if self.oscillator.kinematic { slope(&part.v, piece.to) / part.unit_s } else { value(&part.u, piece.to) };
         let a = self.sign * self.acceleration(u, piece.x, piece.v, piece.f);
-        if self.accounted {
-            self.account(part, &piece);
+        if self.with_sums {
+            self.add_energy(part, &piece);
         }
         (self.x, self.v) = (piece.x, piece.v);
         self.add_friction(length_s, &piece.forces, (piece.f, piece.slip_velocity, a), piece.slip);
     }
 
     /// How far the kicks so far have set the motion back at a moment of the part, m.
-    pub fn answer(&self, part: &Part<N>, at: f64) -> f64 {
+    pub fn answer(&self, part: &Substep<N>, at: f64) -> f64 {
         let since = |when: f64| (at - when) * part.unit_s;
         part.kicks[..part.count].iter().map(|(when, kick)| kick * value(&self.kernel, since(*when))).sum()
     }
 
     /// The same of the velocity, m/s.
-    pub fn answer_velocity(&self, part: &Part<N>, at: f64) -> f64 {
+    pub fn answer_velocity(&self, part: &Substep<N>, at: f64) -> f64 {
         let since = |when: f64| (at - when) * part.unit_s;
         part.kicks[..part.count].iter().map(|(when, kick)| kick * slope(&self.kernel, since(*when))).sum()
     }
