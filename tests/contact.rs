@@ -6,7 +6,7 @@
 use contact::linexp::Options;
 use contact::table_4_1::table_4_1;
 use contact::tally::Ratios;
-use contact::{Law, Motion, Problem, Shape, Sign, State, Tally, Trouble, Waveform, linexp, rk4_events, taylor};
+use contact::{Law, Motion, Problem, Shape, Sign, SolveError, State, Tally, Waveform, linexp, rk4_events, taylor};
 use proptest::prelude::*;
 use proptest::test_runner::{Config as Cases, RngSeed};
 
@@ -85,7 +85,7 @@ fn problem() -> impl Strategy<Value = Problem> {
     })
 }
 
-fn friction(problem: &Problem, tally: Result<Tally, Trouble>) -> f64 {
+fn friction(problem: &Problem, tally: Result<Tally, SolveError>) -> f64 {
     Ratios::of(problem, &tally.unwrap()).friction
 }
 

@@ -16,7 +16,7 @@ use super::closed;
 use super::method::Method;
 use super::problem::{Law, Motion, Problem};
 use super::tally::{Ratios, State, Tally};
-use super::{Shape, Trouble};
+use super::{Shape, SolveError};
 
 /// How a problem is to be solved.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -80,7 +80,7 @@ const TIMED: u32 = 5;
 ///
 /// # Errors
 /// If the method cannot do this problem, or its numbers grow without bound.
-pub fn solve(problem: &Problem, numerics: &Numerics, watch: &mut impl FnMut(&State)) -> Result<Solution, Trouble> {
+pub fn solve(problem: &Problem, numerics: &Numerics, watch: &mut impl FnMut(&State)) -> Result<Solution, SolveError> {
     solve_with(problem, numerics, &|| (), None, watch)
 }
 
@@ -95,7 +95,7 @@ pub fn solve_with(
     pause: &dyn Fn(),
     clock: Option<Clock>,
     watch: &mut impl FnMut(&State),
-) -> Result<Solution, Trouble> {
+) -> Result<Solution, SolveError> {
     let (method, why) = match numerics.method {
         Method::Auto => choice(problem, numerics.tolerance),
         method => (method, "asked for".to_owned()),
@@ -172,10 +172,10 @@ fn in_closed_form(
     why: String,
     clock: Option<Clock>,
     watch: &mut impl FnMut(&State),
-) -> Result<Solution, Trouble> {
+) -> Result<Solution, SolveError> {
     if !of_whole_periods(problem) {
         let reason = "the window is not whole periods under one load; linexp has any window".into();
-        return Err(Trouble::Unsuited { method: Method::Closed.name(), reason });
+        return Err(SolveError::Unsuited { method: Method::Closed.name(), reason });
     }
     let ns = clock.map(|clock| timed(clock, || closed::solve(problem, &mut |_| ()))).transpose()?;
     let form = closed::solve(problem, watch)?;
@@ -205,7 +205,7 @@ fn in_steps(
     (method, why): (Method, String),
     (pause, clock): (&dyn Fn(), Option<Clock>),
     watch: &mut impl FnMut(&State),
-) -> Result<Solution, Trouble> {
+) -> Result<Solution, SolveError> {
     let order = numerics.order.or(method.order()).filter(|_| problem.law != Law::Coulomb && method.order().is_some());
     let ratio = |tally: &Tally| Ratios::of(problem, tally).friction;
     let by = |method: Method, steps: u32| {
@@ -223,7 +223,7 @@ fn in_steps(
     let mut steps = given.or(method.steps(problem.kappa())).unwrap_or(1);
     let mut coarse = run(steps);
     // A step that is too coarse may diverge where a finer one does not.
-    while may_refine && matches!(coarse, Err(Trouble::Diverged { .. })) && 4 * steps <= FINEST {
+    while may_refine && matches!(coarse, Err(SolveError::Diverged { .. })) && 4 * steps <= FINEST {
         steps *= 2;
         coarse = run(steps);
     }
@@ -265,7 +265,7 @@ fn in_steps(
 }
 
 /// The least time that an answer took, ns.
-fn timed<T>(clock: Clock, mut run: impl FnMut() -> Result<T, Trouble>) -> Result<f64, Trouble> {
+fn timed<T>(clock: Clock, mut run: impl FnMut() -> Result<T, SolveError>) -> Result<f64, SolveError> {
     let began = clock();
     let mut least = f64::INFINITY;
     let mut times = 0;

@@ -27,7 +27,7 @@ mod elliptic;
 mod mean;
 pub mod vibration;
 
-use super::Trouble;
+use super::SolveError;
 use super::waveform::{Shape, Waveform};
 use mean::Spread;
 
@@ -74,9 +74,9 @@ pub struct HertzPoint {
 }
 
 /// Solves the quasi-static problem.
-pub fn solve(problem: &HertzProblem) -> Result<HertzSolution, Trouble> {
+pub fn solve(problem: &HertzProblem) -> Result<HertzSolution, SolveError> {
     let HertzProblem { normal_n, stiffness_n_per_m15, amplitude_m, shape } = *problem;
-    let unsuited = |reason: &str| Err(Trouble::Unsuited { method: METHOD, reason: reason.to_owned() });
+    let unsuited = |reason: &str| Err(SolveError::Unsuited { method: METHOD, reason: reason.to_owned() });
     let Some(spread) = Spread::of(shape) else { return unsuited("the vibration is not periodic") };
     if !(normal_n > 0.0 && stiffness_n_per_m15 > 0.0 && amplitude_m >= 0.0 && amplitude_m.is_finite()) {
         return unsuited("load and stiffness must be above zero and the amplitude not below it");

@@ -22,7 +22,7 @@
 //! let (ratio, error) = (solution.ratios.friction, solution.error_estimate.unwrap());
 //! println!("{} of the friction is left, ± {error:.0e}, by {:?}", ratio, solution.method);
 //! assert!((ratio - 0.664_066).abs() < 1e-6 && error < 1e-7);
-//! # Ok::<(), sonoglide_contact::Trouble>(())
+//! # Ok::<(), sonoglide_contact::SolveError>(())
 //! ```
 #![forbid(unsafe_code)]
 
@@ -51,7 +51,7 @@ pub use waveform::{Shape, Waveform};
 
 /// Why a method has no answer.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum Trouble {
+pub enum SolveError {
     /// The method is not made for this problem.
     #[error("{method} cannot do this: {reason}")]
     Unsuited {

@@ -22,7 +22,7 @@ mod limits;
 
 use linexp::Options;
 
-use super::Trouble;
+use super::SolveError;
 use super::problem::{Law, Motion, Problem};
 use super::tally::{State, Tally};
 
@@ -99,7 +99,7 @@ impl Method {
         (steps, order): (u32, Option<u32>),
         accounted: bool,
         watch: &mut impl FnMut(&State),
-    ) -> Result<Tally, Trouble> {
+    ) -> Result<Tally, SolveError> {
         let order = order.or(self.order()).unwrap_or(0);
         let extent = match (self, accounted) {
             (Method::Frozen, _) => Options::Frozen,
@@ -117,7 +117,7 @@ impl Method {
             Method::Midpoint => midpoint::run(problem, steps, watch),
             Method::Auto | Method::Closed => {
                 let reason = "it has no steps".into();
-                Err(Trouble::Unsuited { method: self.name(), reason })
+                Err(SolveError::Unsuited { method: self.name(), reason })
             }
         }
     }

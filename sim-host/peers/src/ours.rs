@@ -3,9 +3,9 @@
 use std::time::Instant;
 
 use anyhow::ensure;
-use contact::linexp::{self, Extent};
+use contact::linexp::{self, Options};
 use contact::tally::Ratios;
-use contact::{Problem, State, Tally, Trouble, rk4, rk4_events, rk4_tabulated, taylor};
+use contact::{Problem, SolveError, State, Tally, rk4, rk4_events, rk4_tabulated, taylor};
 
 use crate::case::Case;
 use crate::peer::{Family, Outcome, Peer, Setting};
@@ -14,7 +14,7 @@ use crate::peer::{Family, Outcome, Peer, Setting};
 pub struct Ours {
     name: &'static str,
     steps: &'static [u32],
-    run: fn(&Problem, u32, &mut Quarters) -> Result<Tally, Trouble>,
+    run: fn(&Problem, u32, &mut Quarters) -> Result<Tally, SolveError>,
 }
 
 /// All of them: a new method is a new entry here. Steps a period are multiples of four, so that quarter periods end steps.
@@ -22,17 +22,17 @@ pub const METHODS: &[Ours] = &[
     Ours {
         name: "linexp of order 2",
         steps: &[4, 8, 12, 16, 24, 32, 64],
-        run: |problem, steps, quarters| linexp::run(problem, steps, 2, Extent::Swift, &mut |state| quarters.see(state)),
+        run: |problem, steps, quarters| linexp::run(problem, steps, 2, Options::Plain, &mut |state| quarters.see(state)),
     },
     Ours {
         name: "linexp of order 4",
         steps: &[4, 8, 12, 16, 24, 32, 64],
-        run: |problem, steps, quarters| linexp::run(problem, steps, 4, Extent::Swift, &mut |state| quarters.see(state)),
+        run: |problem, steps, quarters| linexp::run(problem, steps, 4, Options::Plain, &mut |state| quarters.see(state)),
     },
     Ours {
         name: "linexp of order 6",
         steps: &[4, 8, 12, 16, 24, 32],
-        run: |problem, steps, quarters| linexp::run(problem, steps, 6, Extent::Swift, &mut |state| quarters.see(state)),
+        run: |problem, steps, quarters| linexp::run(problem, steps, 6, Options::Plain, &mut |state| quarters.see(state)),
     },
     Ours {
         name: "Taylor of order 16",

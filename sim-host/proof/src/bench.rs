@@ -116,7 +116,7 @@ pub enum Error {
     Study(#[from] StudyError),
     /// A contact study has no answer.
     #[error(transparent)]
-    Contact(#[from] contact::Trouble),
+    Contact(#[from] contact::SolveError),
     /// The reference of the methods is not to be trusted.
     #[error(transparent)]
     Reference(#[from] precision::reference::NoReference),

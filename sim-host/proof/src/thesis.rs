@@ -48,7 +48,7 @@ pub(crate) mod tests;
 #[cfg(test)]
 pub(crate) use experiment_2::tables as experiment_2_tables;
 
-use contact::Trouble;
+use contact::SolveError;
 use report::{Figure, Report, TableBlock};
 
 use crate::bench::{Error, Evidence, Options};
@@ -75,7 +75,7 @@ pub struct Findings {
     pub choices: Vec<Choice>,
 }
 
-type Study = fn() -> Result<Part, Trouble>;
+type Study = fn() -> Result<Part, SolveError>;
 
 /// The studies with what they are about, in the thesis's order.
 const STUDIES: [(&str, Study); 17] = [
@@ -99,7 +99,7 @@ const STUDIES: [(&str, Study); 17] = [
 ];
 
 /// Computes everything; `progress` is called with what comes next, and how far it is of how much.
-pub fn compute(progress: &mut dyn FnMut(&str)) -> Result<Findings, Trouble> {
+pub fn compute(progress: &mut dyn FnMut(&str)) -> Result<Findings, SolveError> {
     let steps = STUDIES.len() + 1;
     let mut findings = Findings::default();
     for (done, (what, study)) in STUDIES.into_iter().enumerate() {

@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use super::{Body, Excited, Match, Method, Model, Sign, VibrationVelocity, Waveform};
-use contact::{self, Law, Motion, Numerics, Problem, Shape, State, Trouble};
+use contact::{self, Law, Motion, Numerics, Problem, Shape, SolveError, State};
 
 /// What a mass weighs unless a scene says what presses on the contact, m/s^2.
 pub const GRAVITY_M_PER_S2: f64 = 9.81;
@@ -32,7 +32,7 @@ pub fn law(model: &Model) -> Option<Law> {
 }
 
 /// The problem of a study with a friction law. Fails where the velocity ratio is of a peak that the motion does not have.
-pub fn problem(study: &Excited, law: Law) -> Result<Problem, Trouble> {
+pub fn problem(study: &Excited, law: Law) -> Result<Problem, SolveError> {
     let mu = study.model.mu();
     let mut load_steps: Vec<_> = study.disturbance.iter().filter_map(|step| Some((step.at_s, mu * step.to?))).collect();
     load_steps.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -162,7 +162,7 @@ fn window_s(study: &Excited) -> (f64, f64) {
 }
 
 /// Largest velocity of the run without friction, m/s.
-fn peak_without_friction_m_per_s(problem: &Problem) -> Result<f64, Trouble> {
+fn peak_without_friction_m_per_s(problem: &Problem) -> Result<f64, SolveError> {
     let alone = Problem { law: Law::Dahl { stiffness_n_per_m: NEARLY_NO_CONTACT_N_PER_M }, ..problem.clone() };
     let fine = Numerics { method: contact::Method::Rk4, steps_per_period: Some(PEAK_STEPS), ..Numerics::default() };
     let solution = contact::solve(&alone, &fine, &mut |_| ())?;

@@ -26,7 +26,7 @@ use self::monte_carlo::MonteCarlo;
 use crate::metrics::Metrics;
 use crate::processor::Processor;
 use crate::run::RunError;
-use ::contact::{Clock, Trouble};
+use ::contact::{Clock, SolveError};
 use scene::load::{LoadError, Loaded};
 use scene::metrics;
 use scene::{Equal, Expect, Kind, Scene, shown};
@@ -48,7 +48,7 @@ pub enum StudyError {
     Run(#[from] RunError),
     /// The contact study has no answer.
     #[error("the contact study has no answer")]
-    Contact(#[from] Trouble),
+    Contact(#[from] SolveError),
 }
 
 /// The result of a study.

@@ -62,7 +62,7 @@ fn a_closed_form_is_of_whole_steady_periods() {
     let closed = Numerics { method: Method::Closed, ..Numerics::default() };
     let period_s = 1.0 / kinematic.waveform.frequency_hz();
     let half = Problem { window_s: (100.0 * period_s, 100.5 * period_s), ..kinematic.clone() };
-    assert!(matches!(solve(&half, &closed, &mut |_| ()), Err(Trouble::Unsuited { .. })));
+    assert!(matches!(solve(&half, &closed, &mut |_| ()), Err(SolveError::Unsuited { .. })));
     let early = Problem { window_s: (0.0, period_s), ..kinematic };
     assert!(solve(&early, &closed, &mut |_| ()).unwrap().warnings[0].contains("steady"));
     // Part of a period has its own mean, and its energies close as well as those of whole ones.

@@ -1,6 +1,6 @@
 //! The closed form as an answer to a [`Problem`].
 
-use super::super::Trouble;
+use super::super::SolveError;
 use super::super::problem::{Law, Motion, Problem};
 use super::super::tally::{Ratios, State};
 use super::super::waveform::Shape;
@@ -70,7 +70,7 @@ enum Course {
 /// feeds nothing back into a motion that is given: it only turns the vibration round. A sine, square or triangle turned round is
 /// itself half a period later, so the ratios stay and the force shifts; a rising sawtooth turns into a falling one.
 /// `watch` sees one period, from time zero.
-pub fn solve(problem: &Problem, watch: &mut impl FnMut(&State)) -> Result<ClosedForm, Trouble> {
+pub fn solve(problem: &Problem, watch: &mut impl FnMut(&State)) -> Result<ClosedForm, SolveError> {
     let factor = problem.sign.factor();
     let (hz, shape) = (problem.waveform.frequency_hz(), problem.waveform.shape());
     let (xi, kappa) = coordinates(problem)?;
@@ -130,7 +130,7 @@ fn vibration_m_per_s(problem: &Problem) -> f64 {
 }
 
 /// Velocity ratio and kappa of a problem that has a closed form.
-fn coordinates(problem: &Problem) -> Result<(f64, f64), Trouble> {
+fn coordinates(problem: &Problem) -> Result<(f64, f64), SolveError> {
     suits(problem)?;
     let vibration = vibration_m_per_s(problem);
     let xi = problem.sliding_m_per_s / vibration;
@@ -141,7 +141,7 @@ fn coordinates(problem: &Problem) -> Result<(f64, f64), Trouble> {
     Ok((xi, kappa))
 }
 
-fn suits(problem: &Problem) -> Result<(), Trouble> {
+fn suits(problem: &Problem) -> Result<(), SolveError> {
     if problem.motion != Motion::Kinematic {
         return unsuited("the oscillator's motion depends on friction; only a given vibration has a closed form");
     }
@@ -160,8 +160,8 @@ fn suits(problem: &Problem) -> Result<(), Trouble> {
     Ok(())
 }
 
-fn unsuited<T>(reason: &str) -> Result<T, Trouble> {
-    Err(Trouble::Unsuited { method: METHOD, reason: reason.to_owned() })
+fn unsuited<T>(reason: &str) -> Result<T, SolveError> {
+    Err(SolveError::Unsuited { method: METHOD, reason: reason.to_owned() })
 }
 
 /// Displacement since the period began, over Vv times the period.
@@ -265,7 +265,7 @@ mod tests {
             Problem { coulomb_n: 0.0, ..good.clone() },
             Problem { waveform: Waveform::new(Shape::Sine, 0.0, 60e3, 1e-3), sliding_m_per_s: 0.0, ..good.clone() },
         ] {
-            assert!(matches!(solve(&bad, &mut |_| ()), Err(Trouble::Unsuited { .. })), "{bad:?}");
+            assert!(matches!(solve(&bad, &mut |_| ()), Err(SolveError::Unsuited { .. })), "{bad:?}");
         }
         let still = Problem { waveform: Waveform::new(Shape::Still, 0.1, 60e3, 1e-3), ..good };
         let closed = solve(&still, &mut |_| ()).unwrap();

@@ -6,7 +6,7 @@ use crate::tally::Ratios;
 use crate::{Shape, Waveform};
 
 /// A method's entry, without anybody watching but the collector.
-type Run = fn(&Problem, u32, &mut dyn FnMut(&State)) -> Result<Tally, Trouble>;
+type Run = fn(&Problem, u32, &mut dyn FnMut(&State)) -> Result<Tally, SolveError>;
 
 const RK4: Run = |problem, n, mut watch| rk4::run(problem, n, &mut watch);
 const EVENTS: Run = |problem, n, mut watch| rk4_events::run(problem, n, &mut watch);
@@ -85,7 +85,7 @@ fn a_contact_a_thousand_times_stiffer_is_for_midpoint() {
     let problem = Problem { law: lugre(56e6, 0.0), ..table_4_1(0.5, 20.0) };
     let (_, reference) = quarters(&problem, 40_000, EVENTS);
     for (n, bound) in [(200, 1e-6), (1000, 1e-9), (5000, 1e-11)] {
-        assert!(matches!(rk4::run(&problem, n.min(1000), &mut |_| ()), Err(Trouble::Diverged { .. })));
+        assert!(matches!(rk4::run(&problem, n.min(1000), &mut |_| ()), Err(SolveError::Diverged { .. })));
         let (states, ratio) = quarters(&problem, n, MIDPOINT);
         println!("{n}: {:e}", ratio - reference);
         assert!((ratio - reference).abs() < bound);

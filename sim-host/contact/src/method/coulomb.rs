@@ -20,7 +20,7 @@
 mod arc;
 mod crossing;
 
-use crate::Trouble;
+use crate::SolveError;
 use crate::problem::{Law, Motion, Problem, Sign};
 use crate::tally::{Meter, State, Tally};
 use crate::timeline::{Stretch, Timeline};
@@ -47,7 +47,7 @@ enum Contact {
 }
 
 /// Runs a problem with so many steps a period; `watch` sees the state after every step.
-pub fn run(problem: &Problem, steps_per_period: u32, watch: &mut impl FnMut(&State)) -> Result<Tally, Trouble> {
+pub fn run(problem: &Problem, steps_per_period: u32, watch: &mut impl FnMut(&State)) -> Result<Tally, SolveError> {
     if problem.law != Law::Coulomb {
         return unsuited("it is for Coulomb friction, which is constant from reversal to reversal");
     }
@@ -81,8 +81,8 @@ pub fn run(problem: &Problem, steps_per_period: u32, watch: &mut impl FnMut(&Sta
     Ok(runner.meter.finish(&runner.state, runner.coulomb_n))
 }
 
-fn unsuited<T>(reason: &str) -> Result<T, Trouble> {
-    Err(Trouble::Unsuited { method: METHOD, reason: reason.to_owned() })
+fn unsuited<T>(reason: &str) -> Result<T, SolveError> {
+    Err(SolveError::Unsuited { method: METHOD, reason: reason.to_owned() })
 }
 
 struct Runner<'a> {
@@ -107,7 +107,7 @@ impl Runner<'_> {
     }
 
     /// One step of `h` seconds, `s` seconds into a stretch.
-    fn step(&mut self, stretch: &Stretch, s: f64, h: f64, jump: bool) -> Result<(), Trouble> {
+    fn step(&mut self, stretch: &Stretch, s: f64, h: f64, jump: bool) -> Result<(), SolveError> {
         let mut done = 0.0;
         for _ in 0..MANY {
             let length = h - done;
@@ -119,17 +119,17 @@ impl Runner<'_> {
             let until = self.event(&arc);
             self.advance(&arc, until.unwrap_or(1.0));
             if !(self.state.x_m.is_finite() && self.state.v_m_per_s.is_finite()) {
-                return Err(Trouble::Diverged { method: METHOD, time_s: stretch.start_s + s });
+                return Err(SolveError::Diverged { method: METHOD, time_s: stretch.start_s + s });
             }
             let Some(until) = until else { return Ok(()) };
             done = (done + until * length).min(h);
             self.turn(stretch.forcing.value(s + done))?;
         }
-        Err(Trouble::Diverged { method: METHOD, time_s: stretch.start_s + s })
+        Err(SolveError::Diverged { method: METHOD, time_s: stretch.start_s + s })
     }
 
     /// What the contact does at the beginning of a step.
-    fn begin(&mut self, forcing: &[f64; TERMS], jump: bool) -> Result<(), Trouble> {
+    fn begin(&mut self, forcing: &[f64; TERMS], jump: bool) -> Result<(), SolveError> {
         self.zeros = 0;
         if self.problem.motion == Motion::Kinematic {
             let slip = self.slip_of(forcing[0]);
@@ -158,7 +158,7 @@ impl Runner<'_> {
     }
 
     /// An event has been reached: the slip velocity is zero, or friction at its bound.
-    fn turn(&mut self, forcing: f64) -> Result<(), Trouble> {
+    fn turn(&mut self, forcing: f64) -> Result<(), SolveError> {
         match (self.contact, self.problem.motion) {
             (Contact::Slip(sign), Motion::Kinematic) => {
                 self.meter.tally.reversals += 1;
@@ -174,7 +174,7 @@ impl Runner<'_> {
     }
 
     /// Filippov's choice at V = 0, for a force on the oscillator.
-    fn decide(&mut self, forcing: f64) -> Result<(), Trouble> {
+    fn decide(&mut self, forcing: f64) -> Result<(), SolveError> {
         let Motion::Sdof { stiffness_n_per_m, damping_n_s_per_m, .. } = self.problem.motion else { return Ok(()) };
         let factor = self.problem.sign.factor();
         self.state.v_m_per_s = -factor * self.problem.sliding_m_per_s;

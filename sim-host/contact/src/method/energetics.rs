@@ -75,7 +75,7 @@ fn friction_takes_energy_and_with_the_literal_sign_it_does_not() {
 }
 
 /// A method's entry at one number of steps.
-type Run = fn(&Problem, &mut dyn FnMut(&State)) -> Result<Tally, Trouble>;
+type Run = fn(&Problem, &mut dyn FnMut(&State)) -> Result<Tally, SolveError>;
 
 #[test]
 fn an_oscillator_let_go_decays_and_with_the_literal_sign_it_grows() {

@@ -6,7 +6,7 @@ use crate::tally::Ratios;
 use crate::{Shape, Waveform};
 
 /// A method's entry.
-type Run = fn(&Problem, u32, &mut dyn FnMut(&State)) -> Result<Tally, Trouble>;
+type Run = fn(&Problem, u32, &mut dyn FnMut(&State)) -> Result<Tally, SolveError>;
 
 const RUNS: [(&str, Run); 3] = [
     ("rk4", |problem, n, mut watch| rk4::run(problem, n, &mut watch)),
@@ -189,7 +189,7 @@ fn midpoint_is_bounded_at_any_stiffness_and_damping() {
     // sigma1 h / m from 3 to 3e6: the classical method leaves, here the mass is held by its bristles.
     for sigma1 in [1e7, 1e10, 1e13] {
         let problem = Problem { law: lugre(1.5, sigma1, 0.0), ..table_4_1(0.5, 20.0) };
-        assert!(matches!(rk4_events::run(&problem, 100, &mut |_| ()), Err(Trouble::Diverged { .. })));
+        assert!(matches!(rk4_events::run(&problem, 100, &mut |_| ()), Err(SolveError::Diverged { .. })));
         let tally = midpoint::run(&problem, 100, &mut |_| ()).unwrap();
         println!("{sigma1:e}: {:e} {:e}", tally.peak_velocity_m_per_s, tally.peak_displacement_m);
         assert!(tally.peak_velocity_m_per_s <= 1.01 * problem.sliding_m_per_s, "{tally:?}");

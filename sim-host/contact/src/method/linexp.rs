@@ -28,7 +28,7 @@ use fast_step::{Table, fast_step};
 use quadrature::Nodes;
 use simd_nodes::Places;
 
-use crate::Trouble;
+use crate::SolveError;
 use crate::problem::{Law, Problem};
 use crate::tally::{State, Tally};
 use crate::timeline::{Stretch, Timeline};
@@ -56,11 +56,11 @@ pub fn run(
     order: u32,
     options: Options,
     watch: &mut impl FnMut(&State),
-) -> Result<Tally, Trouble> {
+) -> Result<Tally, SolveError> {
     let Law::Dahl { stiffness_n_per_m: kt } = problem.law else {
         let method = if options == Options::Frozen { "frozen" } else { METHOD };
         let reason = "it needs friction that is a function of the slip alone, as Dahl's is".into();
-        return Err(Trouble::Unsuited { method, reason });
+        return Err(SolveError::Unsuited { method, reason });
     };
     let n = steps_per_period;
     match (order, options == Options::EnergySums) {
@@ -70,7 +70,7 @@ pub fn run(
         (4, true) => Run::<2, WITH_SUMS>::new(problem, kt, n, options).all(watch),
         (6, false) => Run::<3, PLAIN>::new(problem, kt, n, options).all(watch),
         (6, true) => Run::<3, WITH_SUMS>::new(problem, kt, n, options).all(watch),
-        _ => Err(Trouble::Unsuited { method: METHOD, reason: format!("order {order} is none of {ORDERS:?}") }),
+        _ => Err(SolveError::Unsuited { method: METHOD, reason: format!("order {order} is none of {ORDERS:?}") }),
     }
 }
 
@@ -100,7 +100,7 @@ where
         Run { problem, exact_step, steps_per_period, with_sums, tables: Vec::new() }
     }
 
-    fn all(mut self, watch: &mut impl FnMut(&State)) -> Result<Tally, Trouble> {
+    fn all(mut self, watch: &mut impl FnMut(&State)) -> Result<Tally, SolveError> {
         let mut state = self.problem.start;
         for stretch in Timeline::new(self.problem) {
             let exact_step = &mut self.exact_step;
@@ -132,7 +132,7 @@ where
                 watch(&state);
             }
             if !(state.x_m.is_finite() && state.force_n.is_finite()) {
-                return Err(Trouble::Diverged { method: METHOD, time_s: state.time_s });
+                return Err(SolveError::Diverged { method: METHOD, time_s: state.time_s });
             }
         }
         let exact_step = self.exact_step;

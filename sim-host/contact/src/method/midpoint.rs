@@ -15,7 +15,7 @@
 //! moment, which is then the difference of far larger forces, does not.
 
 use super::bristle::{Bristle, Part, means_left};
-use crate::Trouble;
+use crate::SolveError;
 use crate::flow::exponential;
 use crate::forcing::Forcing;
 use crate::problem::{Law, Motion, Problem};
@@ -25,10 +25,10 @@ use crate::timeline::Timeline;
 const METHOD: &str = "midpoint";
 
 /// Runs a problem with so many steps a period; `watch` sees the state after every step.
-pub fn run(problem: &Problem, steps_per_period: u32, watch: &mut impl FnMut(&State)) -> Result<Tally, Trouble> {
+pub fn run(problem: &Problem, steps_per_period: u32, watch: &mut impl FnMut(&State)) -> Result<Tally, SolveError> {
     let Some(bristle) = Bristle::new(problem.law, problem.coulomb_n) else {
         let reason = "Coulomb friction has no bristles".into();
-        return Err(Trouble::Unsuited { method: METHOD, reason });
+        return Err(SolveError::Unsuited { method: METHOD, reason });
     };
     let mut walk = Walk::new(problem, bristle);
     let mut meter = Meter::new(true);
@@ -47,7 +47,7 @@ pub fn run(problem: &Problem, steps_per_period: u32, watch: &mut impl FnMut(&Sta
             walk.step(&stretch.forcing, f64::from(step) * h, h);
             state = walk.state(stretch.start_s + f64::from(step + 1) * h);
             if !(state.force_n.is_finite() && state.x_m.is_finite() && state.v_m_per_s.is_finite()) {
-                return Err(Trouble::Diverged { method: METHOD, time_s: state.time_s });
+                return Err(SolveError::Diverged { method: METHOD, time_s: state.time_s });
             }
             meter.step(&state, state.force_n / walk.coulomb_n);
             watch(&state);

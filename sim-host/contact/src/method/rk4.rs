@@ -12,7 +12,7 @@
 pub use super::rk4_tabulated::run as run_tabulated;
 
 use super::rates::{FULL, LEAN, Rates, totals};
-use crate::Trouble;
+use crate::SolveError;
 use crate::problem::{Law, Problem};
 use crate::tally::{Meter, State, Tally};
 use crate::timeline::Timeline;
@@ -20,19 +20,19 @@ use crate::timeline::Timeline;
 const METHOD: &str = "rk4";
 
 /// Runs a problem with so many steps a period; `watch` sees the state after every step.
-pub fn run(problem: &Problem, steps_per_period: u32, watch: &mut impl FnMut(&State)) -> Result<Tally, Trouble> {
+pub fn run(problem: &Problem, steps_per_period: u32, watch: &mut impl FnMut(&State)) -> Result<Tally, SolveError> {
     go::<FULL>(problem, steps_per_period, watch)
 }
 
 /// The same steps without the integrals of the energies, which are zero in the tally, as are its peaks: to be timed.
-pub fn run_plain(problem: &Problem, steps_per_period: u32, watch: &mut impl FnMut(&State)) -> Result<Tally, Trouble> {
+pub fn run_plain(problem: &Problem, steps_per_period: u32, watch: &mut impl FnMut(&State)) -> Result<Tally, SolveError> {
     go::<LEAN>(problem, steps_per_period, watch)
 }
 
-fn go<const N: usize>(problem: &Problem, steps_per_period: u32, watch: &mut impl FnMut(&State)) -> Result<Tally, Trouble> {
+fn go<const N: usize>(problem: &Problem, steps_per_period: u32, watch: &mut impl FnMut(&State)) -> Result<Tally, SolveError> {
     if problem.law == Law::Coulomb {
         let reason = "Coulomb friction has a jump at every reversal, which needs located events".into();
-        return Err(Trouble::Unsuited { method: METHOD, reason });
+        return Err(SolveError::Unsuited { method: METHOD, reason });
     }
     let (mut rates, mut y) = Rates::new::<N>(problem);
     let mut meter = Meter::new(N == FULL);
@@ -56,7 +56,7 @@ fn go<const N: usize>(problem: &Problem, steps_per_period: u32, watch: &mut impl
             y = rates.step(&y, &first, h, (forcing(s + 0.5 * h), at_end), f64::abs);
             let time_s = stretch.start_s + f64::from(step + 1) * h;
             if rates.escaped(&y) {
-                return Err(Trouble::Diverged { method: METHOD, time_s });
+                return Err(SolveError::Diverged { method: METHOD, time_s });
             }
             state = rates.state(&y, at_end, time_s);
             if N == FULL {
@@ -96,13 +96,13 @@ mod tests {
             let mut problem = table_4_1(0.5, 20.0);
             problem.law = Law::Dahl { stiffness_n_per_m: factor * 0.056e6 };
             for result in [run(&problem, 1000, &mut |_| ()), run_tabulated(&problem, 1000, &mut |_| ())] {
-                assert!(matches!(result, Err(Trouble::Diverged { .. })), "{factor}: {result:?}");
+                assert!(matches!(result, Err(SolveError::Diverged { .. })), "{factor}: {result:?}");
             }
         }
         for factor in [1e-6, 1e-12] {
             let problem = Problem { coulomb_n: factor * 0.01962, ..table_4_1(0.5, 20.0) };
             let result = run(&problem, 1000, &mut |_| ());
-            assert!(matches!(result, Err(Trouble::Diverged { .. })), "{factor}: {result:?}");
+            assert!(matches!(result, Err(SolveError::Diverged { .. })), "{factor}: {result:?}");
         }
     }
 }

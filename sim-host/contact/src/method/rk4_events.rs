@@ -7,7 +7,7 @@
 
 use super::rates::{FULL, LEAN, Rates, totals};
 use super::reversal::{Point, Verdict, between};
-use crate::Trouble;
+use crate::SolveError;
 use crate::forcing::Forcing;
 use crate::problem::{Law, Motion, Problem};
 use crate::tally::{Meter, State, Tally};
@@ -22,19 +22,19 @@ const MOST_REVERSALS: u32 = 1000;
 const ROUND_OFF: f64 = 1e-14;
 
 /// Runs a problem with so many steps a period; `watch` sees the state after every step and at every reversal.
-pub fn run(problem: &Problem, steps_per_period: u32, watch: &mut impl FnMut(&State)) -> Result<Tally, Trouble> {
+pub fn run(problem: &Problem, steps_per_period: u32, watch: &mut impl FnMut(&State)) -> Result<Tally, SolveError> {
     go::<FULL>(problem, steps_per_period, watch)
 }
 
 /// The same steps without the integrals of the energies, which are zero in the tally: to be timed.
-pub fn run_plain(problem: &Problem, steps_per_period: u32, watch: &mut impl FnMut(&State)) -> Result<Tally, Trouble> {
+pub fn run_plain(problem: &Problem, steps_per_period: u32, watch: &mut impl FnMut(&State)) -> Result<Tally, SolveError> {
     go::<LEAN>(problem, steps_per_period, watch)
 }
 
-fn go<const N: usize>(problem: &Problem, steps_per_period: u32, watch: &mut impl FnMut(&State)) -> Result<Tally, Trouble> {
+fn go<const N: usize>(problem: &Problem, steps_per_period: u32, watch: &mut impl FnMut(&State)) -> Result<Tally, SolveError> {
     if problem.law == Law::Coulomb {
         let reason = "Coulomb friction jumps at a reversal and may then stick".into();
-        return Err(Trouble::Unsuited { method: METHOD, reason });
+        return Err(SolveError::Unsuited { method: METHOD, reason });
     }
     let (rates, y) = Rates::new::<N>(problem);
     let mut walk = Walk { rates, kinematic: problem.motion == Motion::Kinematic, y, sign: 1.0, now: 0.0, k: [0.0; N] };
@@ -61,7 +61,7 @@ fn go<const N: usize>(problem: &Problem, steps_per_period: u32, watch: &mut impl
                 watch(&state);
             };
             if !walk.step(&stretch.forcing, from, to, seen) {
-                return Err(Trouble::Diverged { method: METHOD, time_s: stretch.start_s + from });
+                return Err(SolveError::Diverged { method: METHOD, time_s: stretch.start_s + from });
             }
         }
     }

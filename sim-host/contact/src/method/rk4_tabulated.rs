@@ -10,7 +10,7 @@
 
 use std::f64::consts::TAU;
 
-use crate::Trouble;
+use crate::SolveError;
 use crate::problem::{Law, Motion, Problem};
 use crate::tally::{Meter, State, Tally};
 use crate::timeline::{Stretch, Timeline};
@@ -19,7 +19,7 @@ use crate::waveform::Shape;
 const METHOD: &str = "rk4 tabulated";
 
 /// Runs a Dahl oscillator under a sine in steps of one length. The tally has the mean of friction, and neither energies nor peaks.
-pub fn run(problem: &Problem, steps_per_period: u32, watch: &mut impl FnMut(&State)) -> Result<Tally, Trouble> {
+pub fn run(problem: &Problem, steps_per_period: u32, watch: &mut impl FnMut(&State)) -> Result<Tally, SolveError> {
     let (Law::Dahl { .. }, Motion::Sdof { .. }, Shape::Sine) = (problem.law, problem.motion, problem.waveform.shape()) else {
         return unsuited("only for a Dahl contact on an oscillator under a sine");
     };
@@ -45,8 +45,8 @@ pub fn run(problem: &Problem, steps_per_period: u32, watch: &mut impl FnMut(&Sta
     Ok(meter.finish(&state, coulomb_n))
 }
 
-fn unsuited<T>(reason: &str) -> Result<T, Trouble> {
-    Err(Trouble::Unsuited { method: METHOD, reason: reason.into() })
+fn unsuited<T>(reason: &str) -> Result<T, SolveError> {
+    Err(SolveError::Unsuited { method: METHOD, reason: reason.into() })
 }
 
 /// The factors of the scaled equations.
@@ -93,7 +93,7 @@ impl Scales {
         from: &State,
         meter: &mut Meter,
         watch: &mut impl FnMut(&State),
-    ) -> Result<State, Trouble> {
+    ) -> Result<State, SolveError> {
         let rates = |x: f64, u: f64, f: f64, drive: f64| {
             let slip = self.sliding + u;
             (drive - self.stiffness * x - self.damping * u - self.friction * f, slip - slip.abs() * f)
@@ -119,7 +119,7 @@ impl Scales {
             let time_s = stretch.start_s + f64::from(steps) * self.h;
             // x and x' that are no numbers make f none within a step.
             if f.is_nan() || f.abs() > limit {
-                return Err(Trouble::Diverged { method: METHOD, time_s });
+                return Err(SolveError::Diverged { method: METHOD, time_s });
             }
             state = State { time_s, x_m: x / self.per_m, v_m_per_s: u / self.per_m_per_s, force_n: self.coulomb_n * f };
             watch(&state);
@@ -172,8 +172,8 @@ mod tests {
     fn what_it_is_not_made_for_is_refused() {
         let mut problem = table_4_1(0.5, 4.0);
         problem.window_s.0 = 1.5 / 60e3;
-        assert!(matches!(run(&problem, 10, &mut |_| ()), Err(Trouble::Unsuited { .. })));
+        assert!(matches!(run(&problem, 10, &mut |_| ()), Err(SolveError::Unsuited { .. })));
         let kinematic = Problem { motion: Motion::Kinematic, ..table_4_1(0.5, 4.0) };
-        assert!(matches!(run(&kinematic, 10, &mut |_| ()), Err(Trouble::Unsuited { .. })));
+        assert!(matches!(run(&kinematic, 10, &mut |_| ()), Err(SolveError::Unsuited { .. })));
     }
 }

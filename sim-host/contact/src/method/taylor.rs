@@ -11,7 +11,7 @@
 //! the series begins anew. All integrals are those of the polynomials.
 
 use super::polynomial::{first_reversal, integral, product, value};
-use crate::Trouble;
+use crate::SolveError;
 use crate::forcing::Forcing;
 use crate::problem::{Law, Motion, Problem};
 use crate::tally::{Meter, State, Tally};
@@ -31,7 +31,7 @@ const LOCATED: f64 = 1e-8;
 const SATURATED: f64 = 1e-15;
 
 /// Runs a problem of Dahl friction; `watch` sees the state after every step.
-pub fn run(problem: &Problem, steps_per_period: u32, order: u32, watch: &mut impl FnMut(&State)) -> Result<Tally, Trouble> {
+pub fn run(problem: &Problem, steps_per_period: u32, order: u32, watch: &mut impl FnMut(&State)) -> Result<Tally, SolveError> {
     match order {
         8 => Run::<9>::new(problem)?.all(steps_per_period, watch),
         12 => Run::<13>::new(problem)?.all(steps_per_period, watch),
@@ -40,7 +40,7 @@ pub fn run(problem: &Problem, steps_per_period: u32, order: u32, watch: &mut imp
         24 => Run::<25>::new(problem)?.all(steps_per_period, watch),
         28 => Run::<29>::new(problem)?.all(steps_per_period, watch),
         32 => Run::<33>::new(problem)?.all(steps_per_period, watch),
-        _ => Err(Trouble::Unsuited { method: METHOD, reason: format!("order {order} is none of {ORDERS:?}") }),
+        _ => Err(SolveError::Unsuited { method: METHOD, reason: format!("order {order} is none of {ORDERS:?}") }),
     }
 }
 
@@ -71,10 +71,10 @@ struct Series<const N: usize> {
 }
 
 impl<'a, const N: usize> Run<'a, N> {
-    fn new(problem: &'a Problem) -> Result<Self, Trouble> {
+    fn new(problem: &'a Problem) -> Result<Self, SolveError> {
         let Law::Dahl { stiffness_n_per_m: kt } = problem.law else {
             let reason = "it integrates Dahl friction; Stribeck and bristle damping are for rk4-events and midpoint".into();
-            return Err(Trouble::Unsuited { method: METHOD, reason });
+            return Err(SolveError::Unsuited { method: METHOD, reason });
         };
         let State { x_m, v_m_per_s, force_n, .. } = problem.start;
         let coulomb_n = problem.coulomb_n;
@@ -82,7 +82,7 @@ impl<'a, const N: usize> Run<'a, N> {
         Ok(Run { problem, kt, coulomb_n, x: x_m, v: v_m_per_s, f: force_n / coulomb_n, sense: 0.0, meter })
     }
 
-    fn all(mut self, steps_per_period: u32, watch: &mut impl FnMut(&State)) -> Result<Tally, Trouble> {
+    fn all(mut self, steps_per_period: u32, watch: &mut impl FnMut(&State)) -> Result<Tally, SolveError> {
         let mut state = self.state(0.0);
         for stretch in Timeline::new(self.problem) {
             if let Some(force) = stretch.load {
@@ -97,7 +97,7 @@ impl<'a, const N: usize> Run<'a, N> {
                 self.step(&stretch.forcing, f64::from(step) * h, h)?;
                 state = self.state(stretch.start_s + f64::from(step + 1) * h);
                 if !(self.x.is_finite() && self.v.is_finite() && self.f.is_finite()) {
-                    return Err(Trouble::Diverged { method: METHOD, time_s: state.time_s });
+                    return Err(SolveError::Diverged { method: METHOD, time_s: state.time_s });
                 }
                 self.meter.step(&state, state.force_n / self.coulomb_n);
                 watch(&state);
@@ -124,7 +124,7 @@ impl<'a, const N: usize> Run<'a, N> {
     }
 
     /// One step, in as many parts as it has reversals, or as the series needs.
-    fn step(&mut self, forcing: &Forcing, from_s: f64, h: f64) -> Result<(), Trouble> {
+    fn step(&mut self, forcing: &Forcing, from_s: f64, h: f64) -> Result<(), SolveError> {
         let mut done_s = 0.0;
         let (mut flips, mut parts) = (0, 0u32);
         // The last part ends at the step's end within round-off.
@@ -138,7 +138,7 @@ impl<'a, const N: usize> Run<'a, N> {
             if parts > MOST_PARTS {
                 let reason =
                     "the contact is too stiff for a series, which needs thousands of parts a step; linexp follows it".into();
-                return Err(Trouble::Unsuited { method: METHOD, reason });
+                return Err(SolveError::Unsuited { method: METHOD, reason });
             }
             let mut reversal = first_reversal(&series.slip, self.sense, LOCATED);
             flips = if reversal == Some(0.0) { flips + 1 } else { 0 };

@@ -85,7 +85,7 @@ pub fn summary(study: &Study) -> Value {
                         "checks": checks, "pass": found.holds(),
                     })
                 }
-                Err(trouble) => json!({ "case": case.name, "problem": trouble.to_string(), "pass": false }),
+                Err(error) => json!({ "case": case.name, "problem": error.to_string(), "pass": false }),
             })
             .collect();
     json!({

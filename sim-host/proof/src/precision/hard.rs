@@ -13,7 +13,7 @@ mod stiff;
 mod waveforms;
 
 use contact::tally::Ratios;
-use contact::{Problem, State, Tally, Trouble, linexp, rk4};
+use contact::{Problem, SolveError, State, Tally, linexp, rk4};
 
 /// How much is run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -29,7 +29,7 @@ pub struct Case {
     /// Its name, in a few words.
     pub name: &'static str,
     /// Runs it.
-    pub run: fn(Scale) -> Result<Found, Trouble>,
+    pub run: fn(Scale) -> Result<Found, SolveError>,
 }
 
 /// What was found.
@@ -145,23 +145,23 @@ fn mean(problem: &Problem, tally: &Tally) -> f64 {
 }
 
 /// linexp as fast as it can; tally and mean friction ratio.
-fn linexp(problem: &Problem, steps: u32, order: u32) -> Result<(Tally, f64), Trouble> {
+fn linexp(problem: &Problem, steps: u32, order: u32) -> Result<(Tally, f64), SolveError> {
     let tally = linexp::run(problem, steps, order, linexp::Options::Plain, &mut |_| ())?;
     Ok((tally, mean(problem, &tally)))
 }
 
 /// The thesis's method at its step, in words: how far its mean is off a reference, or when it diverged.
-fn thesis(problem: &Problem, reference: f64) -> Result<String, Trouble> {
+fn thesis(problem: &Problem, reference: f64) -> Result<String, SolveError> {
     naive(problem, THESIS_STEPS, reference)
 }
 
-fn naive(problem: &Problem, steps: u32, reference: f64) -> Result<String, Trouble> {
+fn naive(problem: &Problem, steps: u32, reference: f64) -> Result<String, SolveError> {
     match rk4::run(problem, steps, &mut |_| ()) {
         Ok(tally) => Ok(format!("n = {steps}: mean off by {:.1e}", mean(problem, &tally) - reference)),
-        Err(Trouble::Diverged { time_s, .. }) => {
+        Err(SolveError::Diverged { time_s, .. }) => {
             Ok(format!("n = {steps}: diverges in period {:.1}", time_s * problem.waveform.frequency_hz()))
         }
-        Err(trouble) => Err(trouble),
+        Err(error) => Err(error),
     }
 }
 
@@ -171,7 +171,7 @@ fn thesis_survives(problem: &Problem) -> bool {
 }
 
 /// The last state of a run.
-fn last(run: impl FnOnce(&mut dyn FnMut(&State)) -> Result<Tally, Trouble>) -> Result<(State, Tally), Trouble> {
+fn last(run: impl FnOnce(&mut dyn FnMut(&State)) -> Result<Tally, SolveError>) -> Result<(State, Tally), SolveError> {
     let mut last = State::default();
     let tally = run(&mut |state| last = *state)?;
     Ok((last, tally))
@@ -191,7 +191,7 @@ mod tests {
                     let failed: Vec<&Check> = found.checks.iter().filter(|check| !check.holds()).collect();
                     failed.into_iter().map(|check| format!("{}: {check}", case.name)).collect::<Vec<_>>()
                 }
-                Err(trouble) => vec![format!("{}: {trouble}", case.name)],
+                Err(error) => vec![format!("{}: {error}", case.name)],
             })
             .collect();
         assert!(failures.is_empty(), "{failures:#?}");

@@ -10,7 +10,7 @@ use rayon::prelude::*;
 
 use super::method::by_name;
 use super::work::Curve;
-use contact::Trouble;
+use contact::SolveError;
 use contact::table_4_1::{VELOCITY_RATIO, table_4_1};
 
 /// Periods of the two runs.
@@ -43,7 +43,7 @@ pub enum Uncounted {
 }
 
 /// One method over some periods, and nothing else: what is counted. False if there is no such method.
-pub fn run_alone(method: &str, steps: u32, periods: u32) -> Result<bool, Trouble> {
+pub fn run_alone(method: &str, steps: u32, periods: u32) -> Result<bool, SolveError> {
     let Some(method) = by_name(method) else { return Ok(false) };
     let problem = table_4_1(VELOCITY_RATIO, f64::from(periods));
     std::hint::black_box((method.run)(&problem, steps)?);

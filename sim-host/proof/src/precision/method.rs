@@ -1,12 +1,12 @@
 //! The methods that are measured, each with the step counts that show its range.
 
 use contact::linexp::Options;
-use contact::{Problem, State, Tally, Trouble, linexp, midpoint, rk4, rk4_events, taylor};
+use contact::{Problem, SolveError, State, Tally, linexp, midpoint, rk4, rk4_events, taylor};
 
 /// Runs a problem at so many steps a period.
-pub type Run = fn(&Problem, u32) -> Result<Tally, Trouble>;
+pub type Run = fn(&Problem, u32) -> Result<Tally, SolveError>;
 /// The same with somebody who sees the states.
-pub type Watched = fn(&Problem, u32, &mut dyn FnMut(&State)) -> Result<Tally, Trouble>;
+pub type Watched = fn(&Problem, u32, &mut dyn FnMut(&State)) -> Result<Tally, SolveError>;
 
 /// Who a method stands for in a claim.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -5,7 +5,7 @@
 
 use super::method::Watched;
 use super::sample::{Errors, Sample, take};
-use contact::{Problem, Trouble, rk4_events, taylor};
+use contact::{Problem, SolveError, rk4_events, taylor};
 
 /// The two settings of the series: steps a period and order.
 pub const SETTINGS: [(u32, u32); 2] = [(24, 32), (16, 28)];
@@ -32,7 +32,7 @@ pub struct Reference {
 pub enum NoReference {
     /// A run failed.
     #[error(transparent)]
-    Trouble(#[from] Trouble),
+    SolveError(#[from] SolveError),
     /// The runs do not agree.
     #[error(
         "the reference is not to be trusted: its two settings differ by {settings:?}, the independent method by {independent:?}"

@@ -3,7 +3,7 @@
 use super::method::Watched;
 use contact::table_4_1::DRIVE_HZ;
 use contact::tally::Ratios;
-use contact::{Problem, State, Trouble};
+use contact::{Problem, SolveError, State};
 
 /// What a run gave.
 #[derive(Clone, Debug)]
@@ -31,7 +31,7 @@ const AT: f64 = 1e-7;
 /// Runs a problem and keeps the quarter periods.
 ///
 /// A method with events shows the states at reversals, too, which may lie anywhere: a state counts by its time alone.
-pub fn take(problem: &Problem, run: Watched, steps: u32) -> Result<Sample, Trouble> {
+pub fn take(problem: &Problem, run: Watched, steps: u32) -> Result<Sample, SolveError> {
     let quarter_hz = 4.0 * DRIVE_HZ;
     let first = (problem.window_s.0 * quarter_hz).round();
     let count = (problem.window_s.1 * quarter_hz).round() - first + 1.0;

@@ -6,7 +6,7 @@ use super::instructions;
 use super::reference::{self, NoReference, Reference};
 use super::work::{self, Curve};
 use crate::bench::Options;
-use contact::Trouble;
+use contact::SolveError;
 use contact::table_4_1;
 
 /// What was measured.
@@ -24,7 +24,7 @@ pub struct Study {
     /// The claims.
     pub claims: Vec<Claim>,
     /// The hard cases, in order.
-    pub hard: Vec<(&'static Case, Result<Found, Trouble>)>,
+    pub hard: Vec<(&'static Case, Result<Found, SolveError>)>,
 }
 
 impl Study {

@@ -6,7 +6,7 @@ use super::reference::{INDEPENDENT_STEPS, Reference, SETTINGS};
 use super::sample::Errors;
 use super::study::Study;
 use super::work::Curve;
-use contact::Trouble;
+use contact::SolveError;
 use report::TableBlock;
 
 /// What speaks for the reference.
@@ -99,15 +99,15 @@ pub fn verdict(holds: Option<bool>) -> &'static str {
 }
 
 /// The hard cases for a terminal: what was done, how many invariants hold, and those that do not.
-pub fn hard_in_short(cases: &[(&'static Case, Result<Found, Trouble>)]) -> TableBlock {
-    let row = |(case, found): &(&'static Case, Result<Found, Trouble>)| match found {
+pub fn hard_in_short(cases: &[(&'static Case, Result<Found, SolveError>)]) -> TableBlock {
+    let row = |(case, found): &(&'static Case, Result<Found, SolveError>)| match found {
         Ok(found) => {
             let missed: Vec<String> = found.checks.iter().filter(|check| !check.holds()).map(ToString::to_string).collect();
             let count = format!("{} of {}", found.checks.len() - missed.len(), found.checks.len());
             let chosen = if missed.is_empty() { found.chosen.clone() } else { missed.join("; ") };
             vec![case.name.into(), found.naive.clone(), chosen, count, verdict(Some(found.holds())).into()]
         }
-        Err(trouble) => vec![case.name.into(), "-".into(), trouble.to_string(), "-".into(), verdict(Some(false)).into()],
+        Err(error) => vec![case.name.into(), "-".into(), error.to_string(), "-".into(), verdict(Some(false)).into()],
     };
     TableBlock::new(
         "hard",
@@ -119,15 +119,15 @@ pub fn hard_in_short(cases: &[(&'static Case, Result<Found, Trouble>)]) -> Table
 }
 
 /// The hard cases.
-pub fn hard(cases: &[(&'static Case, Result<Found, Trouble>)]) -> TableBlock {
-    let row = |(case, found): &(&'static Case, Result<Found, Trouble>)| match found {
+pub fn hard(cases: &[(&'static Case, Result<Found, SolveError>)]) -> TableBlock {
+    let row = |(case, found): &(&'static Case, Result<Found, SolveError>)| match found {
         Ok(found) => {
             let checks: Vec<String> = found.checks.iter().map(ToString::to_string).collect();
             let holds = verdict(Some(found.holds())).into();
             vec![case.name.into(), found.problem.into(), found.naive.clone(), found.chosen.clone(), checks.join("; "), holds]
         }
-        Err(trouble) => {
-            vec![case.name.into(), trouble.to_string(), "-".into(), "-".into(), "-".into(), verdict(Some(false)).into()]
+        Err(error) => {
+            vec![case.name.into(), error.to_string(), "-".into(), "-".into(), "-".into(), verdict(Some(false)).into()]
         }
     };
     TableBlock::new(

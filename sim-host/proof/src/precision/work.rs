@@ -10,7 +10,7 @@ use super::method::{METHODS, Method};
 use super::reference::Reference;
 use super::sample::{Errors, take};
 use contact::table_4_1::{PERIODS, standard};
-use contact::{Problem, Trouble};
+use contact::{Problem, SolveError};
 
 /// A method at one setting.
 #[derive(Clone, Copy, Debug)]
@@ -51,13 +51,13 @@ impl Curve {
 }
 
 /// Errors of every method at every setting; costs are yet to be measured.
-pub fn errors(reference: &Reference, quick: bool) -> Result<Vec<Curve>, Trouble> {
+pub fn errors(reference: &Reference, quick: bool) -> Result<Vec<Curve>, SolveError> {
     let problem = standard();
-    let measure = |method: &'static Method, steps: u32| -> Result<Point, Trouble> {
+    let measure = |method: &'static Method, steps: u32| -> Result<Point, SolveError> {
         let errors = take(&problem, method.watched, steps)?.errors(&reference.sample, problem.coulomb_n);
         Ok(Point { steps, ns: f64::INFINITY, instructions: None, errors })
     };
-    let curve = |method: &'static Method| -> Result<Curve, Trouble> {
+    let curve = |method: &'static Method| -> Result<Curve, SolveError> {
         let points = method.steps(quick).iter().map(|steps| measure(method, *steps)).collect::<Result<_, _>>()?;
         Ok(Curve { method, points })
     };
@@ -68,7 +68,7 @@ pub fn errors(reference: &Reference, quick: bool) -> Result<Vec<Curve>, Trouble>
 const TURN: Duration = Duration::from_millis(2);
 
 /// One round: every setting has its turn, and keeps the least time.
-pub fn round(curves: &mut [Curve]) -> Result<(), Trouble> {
+pub fn round(curves: &mut [Curve]) -> Result<(), SolveError> {
     let problem = standard();
     for curve in curves {
         for point in &mut curve.points {
@@ -82,7 +82,7 @@ pub fn round(curves: &mut [Curve]) -> Result<(), Trouble> {
 }
 
 /// Time of a drive period in one run, ns.
-fn once(problem: &Problem, method: &Method, steps: u32) -> Result<f64, Trouble> {
+fn once(problem: &Problem, method: &Method, steps: u32) -> Result<f64, SolveError> {
     let began = Instant::now();
     black_box((method.run)(black_box(problem), black_box(steps))?);
     Ok(began.elapsed().as_secs_f64() * 1e9 / PERIODS)

@@ -4,14 +4,14 @@ use super::case::{SHORT_S, TABLE_4_1};
 use super::claim::{Check, Claim, number, series};
 use super::picture::{FRICTION_RATIO, VELOCITY_RATIO, dashed, figure, line, ranged};
 use super::{Part, steady, sweep};
-use contact::Trouble;
+use contact::SolveError;
 
 /// Long enough for the start to be forgotten, s: five time constants of the natural part, whose square is what counts.
 const SETTLED_S: f64 = 0.8;
 const LOW_RATIOS: [f64; 3] = [0.1, 0.2, 0.3];
 
 /// Figure 4.16 with its claims.
-pub fn study() -> Result<Part, Trouble> {
+pub fn study() -> Result<Part, SolveError> {
     let xi = sweep::spaced(0.01, 1.0, 100);
     let kappa = TABLE_4_1.kappa();
     let from_rest = |xi: f64, duration_s: f64| sweep::friction(&TABLE_4_1.at_ratio(xi, duration_s));
@@ -34,13 +34,13 @@ pub fn study() -> Result<Part, Trouble> {
 }
 
 /// Friction ratio of the oscillator after its start has died away.
-pub fn settled(velocity_ratio: f64) -> Result<f64, Trouble> {
+pub fn settled(velocity_ratio: f64) -> Result<f64, SolveError> {
     let mut problem = TABLE_4_1.at_ratio(velocity_ratio, SETTLED_S);
     problem.window_s.0 = 0.9 * SETTLED_S;
     sweep::friction(&problem)
 }
 
-fn conforms() -> Result<Claim, Trouble> {
+fn conforms() -> Result<Claim, SolveError> {
     let labels = LOW_RATIOS.map(|xi| format!("{xi}"));
     let coulomb = LOW_RATIOS.map(steady::coulomb);
     let dahl = LOW_RATIOS.map(|xi| steady::dahl(xi, TABLE_4_1.kappa()).friction);
@@ -63,7 +63,7 @@ fn conforms() -> Result<Claim, Trouble> {
     })
 }
 
-fn zero() -> Result<Claim, Trouble> {
+fn zero() -> Result<Claim, SolveError> {
     let ratios = [1e-1, 1e-2, 1e-3];
     let labels = ratios.map(|xi| format!("{xi}"));
     // A floor would stop the fall; without one the ratio falls tenfold with each decade.

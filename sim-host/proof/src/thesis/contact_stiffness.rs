@@ -6,7 +6,7 @@ use super::friction_coefficient::stored_as_printed;
 use super::picture::{FRICTION_RATIO, POWER_RATIO, axis, column, figure, line, log_axis, ranged};
 use super::sweep::{self, falls, rises};
 use super::{Part, self_excitation, steady};
-use contact::Trouble;
+use contact::SolveError;
 use contact::tally::Ratios;
 use report::{Axis, Figure};
 
@@ -27,14 +27,14 @@ struct Unexcited {
 }
 
 /// Figure 4.14 with its claims.
-pub fn study() -> Result<Part, Trouble> {
+pub fn study() -> Result<Part, SolveError> {
     let data = Unexcited::new()?;
     let claims = vec![data.reduces(), excited()?, data.mean_friction(), data.below_unity(), data.power_falls(), data.stored()];
     Ok(Part { figures: data.figures(), claims: [claims, self_excitation::claims()?].concat() })
 }
 
 /// The same question with excitation.
-fn excited() -> Result<Claim, Trouble> {
+fn excited() -> Result<Claim, SolveError> {
     let labels = STIFFNESSES.map(|k| format!("Kt {} N/mm", k / 1e3));
     let cases = STIFFNESSES.map(|contact_n_per_m| Case { contact_n_per_m, ..TABLE_4_1 });
     let settled = cases.map(|case| steady::dahl(JUDGED, case.kappa()).friction);
@@ -52,7 +52,7 @@ fn excited() -> Result<Claim, Trouble> {
 }
 
 impl Unexcited {
-    fn new() -> Result<Self, Trouble> {
+    fn new() -> Result<Self, SolveError> {
         let cases = STIFFNESSES.map(|contact_n_per_m| Case { contact_n_per_m, ..TABLE_4_1 });
         // Twelve a decade, so that the judged ones are among them.
         let speeds = sweep::geometric(1e-6, 1e-1, 61);

@@ -5,13 +5,13 @@ use super::case::{Case, TABLE_4_1};
 use super::claim::{Check, Claim, series};
 use super::parametric::{JUDGED, Names, Parametric};
 use super::sweep::{falls, rises};
-use contact::Trouble;
+use contact::SolveError;
 
 /// Control forces, N, up to the largest of Table 4.1.
 const FORCES: [f64; 6] = [192.0, 384.0, 768.0, 1152.0, 1536.0, 1920.0];
 
 /// Figure 4.11 with its claims.
-pub fn study() -> Result<Part, Trouble> {
+pub fn study() -> Result<Part, SolveError> {
     let cases: Vec<_> = FORCES.iter().map(|&force_n| (format!("{force_n} N"), Case { force_n, ..TABLE_4_1 })).collect();
     let data = Parametric::new(&cases)?;
     let remark = "Control forces up to Table 4.1's 1920 N; κ is proportional to the force.".to_owned();

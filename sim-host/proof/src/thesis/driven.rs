@@ -3,7 +3,7 @@
 
 use rayon::prelude::*;
 
-use contact::Trouble;
+use contact::SolveError;
 use scene::load::load;
 use sim::instruments::measure;
 use sim::metrics::Metrics;
@@ -27,17 +27,17 @@ pub struct Ran {
 
 impl Ran {
     /// A metric that the run must have.
-    pub fn metric(&self, name: &str) -> Result<f64, Trouble> {
+    pub fn metric(&self, name: &str) -> Result<f64, SolveError> {
         self.metrics.get(name).ok_or_else(|| trouble(format!("the run has no `{name}`")))
     }
 }
 
-fn trouble(reason: String) -> Trouble {
-    Trouble::Unsuited { method: "a scene", reason }
+fn trouble(reason: String) -> SolveError {
+    SolveError::Unsuited { method: "a scene", reason }
 }
 
 /// Runs a built-in scene with changes.
-pub fn ran(scene: &str, sets: &[String]) -> Result<Ran, Trouble> {
+pub fn ran(scene: &str, sets: &[String]) -> Result<Ran, SolveError> {
     let loaded = load(scene, sets).map_err(|error| trouble(error.to_string()))?;
     let driven = loaded.scene.driven().ok_or_else(|| trouble(format!("{scene} drives nothing")))?;
     let record = run(&driven, Watch::default()).map_err(|error| trouble(error.to_string()))?;
@@ -54,6 +54,6 @@ pub fn ran(scene: &str, sets: &[String]) -> Result<Ran, Trouble> {
 }
 
 /// Runs a scene for each list of changes, in parallel.
-pub fn each(scene: &str, changes: &[Vec<String>]) -> Result<Vec<Ran>, Trouble> {
+pub fn each(scene: &str, changes: &[Vec<String>]) -> Result<Vec<Ran>, SolveError> {
     changes.par_iter().map(|sets| ran(scene, sets)).collect()
 }

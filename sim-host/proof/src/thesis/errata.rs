@@ -8,7 +8,7 @@ mod sign;
 mod transducer;
 
 use super::claim::Check;
-use contact::Trouble;
+use contact::SolveError;
 
 pub use beam::table as equations;
 pub use open::{Choice, choices};
@@ -29,6 +29,6 @@ pub struct Erratum {
 }
 
 /// All contradictions.
-pub fn all() -> Result<Vec<Erratum>, Trouble> {
+pub fn all() -> Result<Vec<Erratum>, SolveError> {
     Ok([sign::errata()?, energy::errata()?, transducer::errata(), beam::errata(), sheet::errata()].concat())
 }

@@ -15,7 +15,7 @@ pub use table_3_1::table;
 use super::Part;
 use super::driven::{self, Ran};
 use super::picture::{axis, dashed, figure, line};
-use contact::Trouble;
+use contact::SolveError;
 use plant::dahl::Dahl;
 use plant::load_cell::LoadCell;
 use report::{Figure, Span};
@@ -43,7 +43,7 @@ struct Speed {
 }
 
 impl Speed {
-    fn reductions(&self) -> Result<Vec<f64>, Trouble> {
+    fn reductions(&self) -> Result<Vec<f64>, SolveError> {
         self.ran.iter().map(|ran| ran.metric("reduction_percent")).collect()
     }
 }
@@ -57,11 +57,11 @@ fn labels() -> Vec<String> {
 }
 
 /// Figures 3.4 and 3.5 with the claims of 3.1.
-pub fn study() -> Result<Part, Trouble> {
+pub fn study() -> Result<Part, SolveError> {
     let speed = |(scene, sliding_m_per_s, on_s, number)| {
         Ok(Speed { scene, sliding_m_per_s, on_s, number, ran: driven::each(scene, &loads())? })
     };
-    let speeds = CASES.into_iter().map(speed).collect::<Result<Vec<_>, Trouble>>()?;
+    let speeds = CASES.into_iter().map(speed).collect::<Result<Vec<_>, SolveError>>()?;
     let figures = speeds.iter().flat_map(|speed| [off(speed), on(speed)]).collect();
     Ok(Part { figures, claims: claims::of(&speeds)? })
 }

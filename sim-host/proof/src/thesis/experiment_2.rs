@@ -17,7 +17,7 @@ mod table_3_2;
 
 use super::Part;
 use super::driven::{self, Ran};
-use contact::Trouble;
+use contact::SolveError;
 use contact::empirical::EmpiricalLaw;
 use report::TableBlock;
 use sim::instruments::belt::law::{self as belt_law, AMPLITUDES, FULL_M, LAG_S, LOADS_N, SPEED_M_PER_S};
@@ -43,7 +43,7 @@ struct Case {
 struct Runs(Vec<Case>);
 
 impl Runs {
-    fn new() -> Result<Self, Trouble> {
+    fn new() -> Result<Self, SolveError> {
         let loads = AMPLITUDES.iter().flat_map(|&amplitude| LOADS_N.map(|load_n| (load_n, amplitude, 2.0)));
         let shorter = ON_TIMES_S.iter().filter(|&&on_s| on_s != 2.0).map(|&on_s| (LOADS_N[0], AMPLITUDES[1], on_s));
         let cases: Vec<(f64, f64, f64)> = loads.chain(shorter).collect();
@@ -59,23 +59,23 @@ impl Runs {
         Ok(Runs(cases.into_iter().zip(runs).map(case).collect()))
     }
 
-    fn case(&self, load_n: f64, amplitude: f64, on_time_s: f64) -> Result<&Case, Trouble> {
+    fn case(&self, load_n: f64, amplitude: f64, on_time_s: f64) -> Result<&Case, SolveError> {
         let same = |case: &&Case| (case.load_n, case.amplitude, case.on_time_s) == (load_n, amplitude, on_time_s);
-        self.0.iter().find(same).ok_or(Trouble::Unsuited { method: "a scene", reason: "no such case".into() })
+        self.0.iter().find(same).ok_or(SolveError::Unsuited { method: "a scene", reason: "no such case".into() })
     }
 
     /// A metric after 2 s ON.
-    fn metric(&self, name: &str, load_n: f64, amplitude: f64) -> Result<f64, Trouble> {
+    fn metric(&self, name: &str, load_n: f64, amplitude: f64) -> Result<f64, SolveError> {
         self.case(load_n, amplitude, 2.0)?.ran.metric(name)
     }
 
     /// Reductions after 2 s ON over the loads, %.
-    fn over_load(&self, amplitude: f64) -> Result<Vec<f64>, Trouble> {
+    fn over_load(&self, amplitude: f64) -> Result<Vec<f64>, SolveError> {
         LOADS_N.iter().map(|&load_n| self.metric("reduction_percent", load_n, amplitude)).collect()
     }
 
     /// Reductions over the ON times at 270 N and 70 %, %.
-    fn over_time(&self) -> Result<Vec<f64>, Trouble> {
+    fn over_time(&self) -> Result<Vec<f64>, SolveError> {
         let at = |&on_s: &f64| self.case(LOADS_N[0], AMPLITUDES[1], on_s)?.ran.metric("reduction_percent");
         ON_TIMES_S.iter().map(at).collect()
     }
@@ -102,7 +102,7 @@ fn time_labels() -> Vec<String> {
 }
 
 /// Figures 3.7 to 3.12 and two that explain them, with the claims of 3.2.
-pub fn study() -> Result<Part, Trouble> {
+pub fn study() -> Result<Part, SolveError> {
     let runs = Runs::new()?;
     Ok(Part { figures: pictures::all(&runs)?, claims: claims::all(&runs)? })
 }

@@ -7,7 +7,7 @@ use super::claim::{Check, Claim, number};
 use super::picture::{figure, line, log_axis, ranged};
 use super::spectrum::{Line, Spectrum};
 use super::trace::trace;
-use contact::{Problem, State, Trouble};
+use contact::{Problem, SolveError, State};
 use report::Axis;
 
 /// Length of the transformed stretch, s: bins of 50 Hz.
@@ -24,7 +24,7 @@ struct Spectra {
 }
 
 impl Spectra {
-    fn of(problem: &Problem) -> Result<Self, Trouble> {
+    fn of(problem: &Problem) -> Result<Self, SolveError> {
         let every_s = 1.0 / (SAMPLES * TABLE_4_1.frequency_hz);
         let states = trace(problem, every_s, problem.duration_s - STRETCH_S, problem.duration_s - every_s)?;
         let of = |value: &dyn Fn(&State) -> f64| Spectrum::of(&states.iter().map(value).collect::<Vec<_>>(), every_s);
@@ -33,7 +33,7 @@ impl Spectra {
 }
 
 /// Figure 4.10 with its claims.
-pub fn study() -> Result<Part, Trouble> {
+pub fn study() -> Result<Part, SolveError> {
     let rest = TABLE_4_1.at_ratio(PLOTTED_RATIO, STRETCH_S);
     let mut forced = rest.clone();
     // The forced motion itself: x = F0 cos(wt) / (Ks - m w^2).

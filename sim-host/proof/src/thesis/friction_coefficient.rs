@@ -5,13 +5,13 @@ use super::case::{Case, TABLE_4_1};
 use super::claim::{Check, Claim, series};
 use super::parametric::{JUDGED, Names, Parametric};
 use super::sweep::{falls, rises};
-use contact::Trouble;
+use contact::SolveError;
 use contact::tally::Ratios;
 
 const COEFFICIENTS: [f64; 4] = [0.1, 0.2, 0.3, 0.5];
 
 /// Figure 4.12 with its claims.
-pub fn study() -> Result<Part, Trouble> {
+pub fn study() -> Result<Part, SolveError> {
     let cases: Vec<_> = COEFFICIENTS.iter().map(|&mu| (format!("µ {mu}"), Case { mu, ..TABLE_4_1 })).collect();
     let data = Parametric::new(&cases)?;
     let remark = "From rest the contact must first slip by Fc/Kt (0.35 µm at µ 0.1) before the force is there at all: over a \

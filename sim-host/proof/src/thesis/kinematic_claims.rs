@@ -9,7 +9,7 @@ use super::trace::{power_w, trace};
 use super::waveforms::CHIRP_HZ;
 use super::{Part, sweep};
 use contact::tally::Ratios;
-use contact::{Problem, Shape, State, Trouble};
+use contact::{Problem, Shape, SolveError, State};
 
 /// Places of the waveforms in [`super::waveforms::all`].
 const SINE: usize = 0;
@@ -18,13 +18,13 @@ const SAWTOOTH: usize = 2;
 const CHIRP: usize = 3;
 
 /// Figures 4.17 to 4.20 with their claims.
-pub fn study() -> Result<Part, Trouble> {
+pub fn study() -> Result<Part, SolveError> {
     let (curves, traces, figures) = kinematic_waveforms::results()?;
     Ok(Part { figures, claims: of(&curves, &traces)? })
 }
 
 /// All claims.
-fn of(curves: &Curves, traces: &Traces) -> Result<Vec<Claim>, Trouble> {
+fn of(curves: &Curves, traces: &Traces) -> Result<Vec<Claim>, SolveError> {
     let stiff = Case { contact_n_per_m: STIFFER * TABLE_4_1.contact_n_per_m, ..TABLE_4_1 };
     let stiff_traces = Traces::new(&curves.waveforms, &stiff)?;
     let stiff_ratios =
@@ -115,7 +115,7 @@ fn chirp(traces: &Traces) -> Claim {
 }
 
 /// Whether Fourier transforms can say when a chirp's force had which frequency.
-fn fourier() -> Result<Claim, Trouble> {
+fn fourier() -> Result<Claim, SolveError> {
     let (window_s, every_s) = (0.25e-3, 1.0 / (64.0 * TABLE_4_1.frequency_hz));
     let sweep_s = kinematic_waveforms::RUN_S;
     let shape = Shape::Chirp { start_hz: CHIRP_HZ.0, stop_hz: CHIRP_HZ.1, sweep_s };

@@ -7,7 +7,7 @@ use super::sweep;
 use super::trace::{power_w, trace};
 use super::waveforms::{Hold, Named, all, labels, rms_matched_peak, two_figures};
 use contact::tally::Ratios;
-use contact::{Problem, Shape, State, Trouble};
+use contact::{Problem, Shape, SolveError, State};
 use report::Figure;
 
 /// Length of a run, s, and where its window begins.
@@ -61,7 +61,7 @@ pub struct Traces {
 }
 
 /// Figures 4.17 to 4.20, and what they are drawn from.
-pub fn results() -> Result<(Curves, Traces, Vec<Figure>), Trouble> {
+pub fn results() -> Result<(Curves, Traces, Vec<Figure>), SolveError> {
     let waveforms = all(RUN_S, Hold::TenthPeriod);
     let ratios = sweep::velocity_ratios();
     let curves = |matched: Match| {
@@ -75,7 +75,7 @@ pub fn results() -> Result<(Curves, Traces, Vec<Figure>), Trouble> {
 
 impl Traces {
     /// Of these waveforms, in this contact.
-    pub fn new(waveforms: &[Named], case: &Case) -> Result<Self, Trouble> {
+    pub fn new(waveforms: &[Named], case: &Case) -> Result<Self, SolveError> {
         let problems: Vec<Problem> =
             waveforms.iter().map(|named| problem(case, named.shape, Match::Peak, PLOTTED_RATIO)).collect();
         let period_s = 1.0 / TABLE_4_1.frequency_hz;

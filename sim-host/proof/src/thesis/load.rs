@@ -6,12 +6,12 @@ use super::claim::{Check, Claim, number, series};
 use super::friction_coefficient::stored_as_printed;
 use super::parametric::{JUDGED, Names, Parametric};
 use super::sweep::{self, falls, rises};
-use contact::Trouble;
+use contact::SolveError;
 
 const MASSES: [f64; 5] = [0.02, 0.05, 0.1, 0.2, 1.0];
 
 /// Figure 4.13 with its claims.
-pub fn study() -> Result<Part, Trouble> {
+pub fn study() -> Result<Part, SolveError> {
     let cases: Vec<_> = MASSES.iter().map(|&mass_kg| (format!("{mass_kg} kg"), Case { mass_kg, ..TABLE_4_1 })).collect();
     let data = Parametric::new(&cases)?;
     let remark = "The mass sets the load, mu m g, and the vibration velocity too; the velocity ratio is by each mass's own. Over a \
@@ -87,7 +87,7 @@ fn low_ratios(data: &Parametric) -> Claim {
     }
 }
 
-fn potential() -> Result<Claim, Trouble> {
+fn potential() -> Result<Claim, SolveError> {
     let check = |duration_s: f64| {
         let solution = sweep::solution(&TABLE_4_1.at_ratio(JUDGED, duration_s))?;
         let tally = solution.tally.unwrap_or_default();

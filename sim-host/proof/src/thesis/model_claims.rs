@@ -4,14 +4,14 @@ use super::case::PLOTTED_RATIO;
 use super::case::{Case, SHORT_S, TABLE_4_1};
 use super::claim::{Check, Claim, number, series};
 use super::{steady, sweep};
-use contact::{Law, Problem, Shape, Trouble};
+use contact::{Law, Problem, Shape, SolveError};
 
 /// All claims.
-pub fn of() -> Result<Vec<Claim>, Trouble> {
+pub fn of() -> Result<Vec<Claim>, SolveError> {
     Ok(vec![coulomb_knows_one_ratio()?, lugre_becomes_dahl()?, coulomb_reduces_more(), dahl_depends(), less_at_higher_ratio()])
 }
 
-fn coulomb_knows_one_ratio() -> Result<Claim, Trouble> {
+fn coulomb_knows_one_ratio() -> Result<Claim, SolveError> {
     let base = TABLE_4_1;
     let cases = [
         ("Table 4.1", base),
@@ -25,7 +25,7 @@ fn coulomb_knows_one_ratio() -> Result<Claim, Trouble> {
     let check = |condition: &str, problem: &(dyn Fn(&Case) -> Problem + Sync)| {
         let r = sweep::each(&cases, |(_, case)| coulomb(problem(case)))?;
         let spread = r.iter().map(|r_i| (r_i - r[0]).abs()).fold(0.0, f64::max);
-        Ok::<_, Trouble>(Check::new(condition, spread < 1e-3, series("r", &labels, &r)))
+        Ok::<_, SolveError>(Check::new(condition, spread < 1e-3, series("r", &labels, &r)))
     };
     Ok(Claim {
         id: "coulomb-knows-one-ratio",
@@ -89,7 +89,7 @@ fn dahl_depends() -> Claim {
     }
 }
 
-fn lugre_becomes_dahl() -> Result<Claim, Trouble> {
+fn lugre_becomes_dahl() -> Result<Claim, SolveError> {
     let dahl = TABLE_4_1.at_ratio(PLOTTED_RATIO, SHORT_S);
     let reference = sweep::friction(&dahl)?;
     let lugre = |static_ratio: f64, stribeck_over_vv: f64, sigma1: f64| {

@@ -4,11 +4,11 @@ use super::case::{PLOTTED_RATIO, SHORT_S, TABLE_4_1};
 use super::claim::{Check, Claim, number};
 use super::picture::{FRICTION_RATIO, STEADY, VELOCITY_RATIO, axis, dashed, figure, line, ranged};
 use super::{Part, model_claims, steady, sweep, trace};
-use contact::{Shape, State, Trouble};
+use contact::{Shape, SolveError, State};
 use report::Figure;
 
 /// Figures 4.6 and 4.7 with their claims.
-pub fn study() -> Result<Part, Trouble> {
+pub fn study() -> Result<Part, SolveError> {
     let instant = Instant::new()?;
     Ok(Part {
         figures: vec![ratios(), instant.coulomb_figure(), instant.dahl_figure()],
@@ -45,7 +45,7 @@ struct Instant {
 }
 
 impl Instant {
-    fn new() -> Result<Self, Trouble> {
+    fn new() -> Result<Self, SolveError> {
         let vibration = TABLE_4_1.vibration_m_per_s();
         let period_s = 1.0 / TABLE_4_1.frequency_hz;
         let problem = TABLE_4_1.kinematic(Shape::Sine, vibration, PLOTTED_RATIO * vibration, SHORT_S);

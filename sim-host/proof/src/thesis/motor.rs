@@ -27,7 +27,7 @@ pub use sheet::{DENSITY_5A_KG_PER_M3, DENSITY_5H_KG_PER_M3, DENSITY_KG_PER_M3, D
 pub use sheet_table::table;
 
 use super::Part;
-use contact::Trouble;
+use contact::SolveError;
 
 /// Frequencies of the vibrometer's measurements, Hz (B.5).
 pub const MEASURED_HZ: [f64; 2] = [20e3, 40e3];
@@ -37,20 +37,20 @@ pub const MEASURED_M: f64 = 20e-9;
 pub const VOLTAGE_V: f64 = 60.0;
 
 /// Sheet, wave and particle: B.2, B.4.
-pub fn wave_study() -> Result<Part, Trouble> {
+pub fn wave_study() -> Result<Part, SolveError> {
     let [locus, dispersion] = [particle::figure(), wave::figure()];
     let claims = [vec![wave::claim()], particle::claims(), displacement::claims()].concat();
     Ok(Part { figures: vec![dispersion, locus], claims })
 }
 
 /// Electrodes, signals and mode shapes: B.4.1 to B.6.
-pub fn shape_study() -> Result<Part, Trouble> {
+pub fn shape_study() -> Result<Part, SolveError> {
     let figures = [electrodes::figures(), vec![backward::figure(), shapes::figure()]].concat();
     let claims = [electrodes::claims(), vec![quadrature::claim()], shapes::claims()].concat();
     Ok(Part { figures, claims })
 }
 
 /// The rotor: B.7, B.8.
-pub fn rotor_study() -> Result<Part, Trouble> {
+pub fn rotor_study() -> Result<Part, SolveError> {
     Ok(Part { figures: vec![rotor_claims::figure()], claims: rotor_claims::claims() })
 }

@@ -7,7 +7,7 @@ use super::oscillator_waveforms::{Results, problem, waveforms};
 use super::trace::power_w;
 use super::waveforms::{CHIRP_HZ, Named, labels};
 use super::{Part, sweep};
-use contact::{Shape, Trouble};
+use contact::{Shape, SolveError};
 
 /// Places of the waveforms in [`waveforms`].
 const SINE: usize = 0;
@@ -16,13 +16,13 @@ const RANDOM_TENTH: usize = 4;
 const RANDOM_STEP: usize = 5;
 
 /// Figures 4.21 to 4.26 with their claims.
-pub fn study() -> Result<Part, Trouble> {
+pub fn study() -> Result<Part, SolveError> {
     let results = Results::new()?;
     Ok(Part { figures: results.figures(), claims: of(&results)? })
 }
 
 /// All claims.
-fn of(results: &Results) -> Result<Vec<Claim>, Trouble> {
+fn of(results: &Results) -> Result<Vec<Claim>, SolveError> {
     let displacement = results.largest(|_, state| 1e6 * state.x_m.abs());
     let velocity = results.largest(|_, state| state.v_m_per_s.abs());
     let settled = |time_s: f64| time_s > 0.1 * SHORT_S;
@@ -97,7 +97,7 @@ fn random_is_small(results: &Results, displacement: &[f64]) -> Claim {
     }
 }
 
-fn chirp_best(results: &Results) -> Result<Claim, Trouble> {
+fn chirp_best(results: &Results) -> Result<Claim, SolveError> {
     let friction = results.at(PLOTTED_RATIO, |ratios| ratios.friction);
     let mut checks = both_readings(results, "r", &friction, |values, index| values.iter().all(|&value| value >= values[index]));
     for duration_s in [0.5e-3, 2e-3, 5e-3, 10e-3] {
@@ -120,7 +120,7 @@ fn chirp_best(results: &Results) -> Result<Claim, Trouble> {
 }
 
 /// One random waveform proves little: many of them.
-fn many_seeds(duration_s: f64) -> Result<Check, Trouble> {
+fn many_seeds(duration_s: f64) -> Result<Check, SolveError> {
     let all = waveforms(duration_s);
     let of = |shape: Shape| sweep::friction(&problem(&Named { shape, ..all[CHIRP] }, PLOTTED_RATIO, duration_s));
     let Shape::Random { hold_s, .. } = all[RANDOM_TENTH].shape else { return Ok(Check::new("", false, Vec::new())) };
@@ -139,7 +139,7 @@ fn many_seeds(duration_s: f64) -> Result<Check, Trouble> {
 }
 
 /// Each waveform with the sliding speed at half of its own peak velocity.
-fn same_peak_velocity(results: &Results) -> Result<Check, Trouble> {
+fn same_peak_velocity(results: &Results) -> Result<Check, SolveError> {
     let peak = results.largest(|_, state| state.v_m_per_s.abs());
     let paired: Vec<(Named, f64)> = results.waveforms.iter().copied().zip(peak).collect();
     let r =
@@ -149,7 +149,7 @@ fn same_peak_velocity(results: &Results) -> Result<Check, Trouble> {
 }
 
 /// The chirp's advantage is that the oscillator yields more at 20 kHz: so does a plain sine there.
-fn against_low_sine(chirp: f64) -> Result<Check, Trouble> {
+fn against_low_sine(chirp: f64) -> Result<Check, SolveError> {
     let low = Case { frequency_hz: CHIRP_HZ.0, ..TABLE_4_1 };
     let speed = PLOTTED_RATIO * TABLE_4_1.vibration_m_per_s();
     let sine = sweep::friction(&low.oscillator(Shape::Sine, speed, SHORT_S))?;

@@ -7,7 +7,7 @@ use super::sweep;
 use super::trace::{power_w, trace};
 use super::waveforms::{Hold, Named, all, labels, two_figures};
 use contact::tally::Ratios;
-use contact::{Problem, State, Trouble};
+use contact::{Problem, SolveError, State};
 use report::Figure;
 
 /// Samples a period of the pictures.
@@ -42,7 +42,7 @@ pub fn problem(named: &Named, velocity_ratio: f64, duration_s: f64) -> Problem {
 
 impl Results {
     /// Runs all waveforms.
-    pub fn new() -> Result<Self, Trouble> {
+    pub fn new() -> Result<Self, SolveError> {
         let waveforms = waveforms(SHORT_S);
         let ratios = sweep::spaced(0.05, 1.0, 20);
         let curves = sweep::curves(&waveforms, &ratios, |named, xi| sweep::ratios(&problem(named, xi, SHORT_S)))?;

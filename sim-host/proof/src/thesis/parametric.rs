@@ -4,7 +4,7 @@ use super::case::{Case, SHORT_S, TABLE_4_1};
 use super::picture::{FRICTION_RATIO, FROM_REST, POWER_RATIO, STEADY, VELOCITY_RATIO, axis, column, figure, line, ranged};
 use super::steady::Steady;
 use super::{steady, sweep};
-use contact::Trouble;
+use contact::SolveError;
 use contact::tally::Ratios;
 use report::{Axis, Figure, Series};
 
@@ -36,7 +36,7 @@ pub struct Names {
 
 impl Parametric {
     /// All curves of these cases.
-    pub fn new(cases: &[(String, Case)]) -> Result<Self, Trouble> {
+    pub fn new(cases: &[(String, Case)]) -> Result<Self, SolveError> {
         let ratios = sweep::velocity_ratios();
         let speed = JUDGED * TABLE_4_1.vibration_m_per_s();
         Ok(Parametric {

@@ -5,14 +5,14 @@ use super::case::{Case, SHORT_S, TABLE_4_1};
 use super::claim::{Check, Claim, number};
 use super::parametric::JUDGED;
 use super::sweep;
-use contact::Trouble;
+use contact::SolveError;
 
 /// The claims; they have no figure.
-pub fn study() -> Result<Part, Trouble> {
+pub fn study() -> Result<Part, SolveError> {
     Ok(Part { figures: Vec::new(), claims: vec![printed()?, depends()?] })
 }
 
-fn printed() -> Result<Claim, Trouble> {
+fn printed() -> Result<Claim, SolveError> {
     let check = |milliseconds: f64| {
         let ratios = sweep::ratios(&TABLE_4_1.at_ratio(JUDGED, milliseconds * SHORT_S))?;
         let (direct, printed) = (ratios.power.unwrap_or(f64::NAN), ratios.power_as_printed.unwrap_or(f64::NAN));
@@ -28,7 +28,7 @@ fn printed() -> Result<Claim, Trouble> {
     })
 }
 
-fn depends() -> Result<Claim, Trouble> {
+fn depends() -> Result<Claim, SolveError> {
     let base = TABLE_4_1;
     let cases = [
         ("Table 4.1", base),

@@ -5,7 +5,7 @@ use super::case::{Case, TABLE_4_1};
 use super::claim::{Check, Claim, number};
 use super::sweep;
 use super::trace::amplitude_over_time;
-use contact::{Law, Problem, Sign, Trouble};
+use contact::{Law, Problem, Sign, SolveError};
 
 /// Length of the runs, s.
 const RUN_S: f64 = 0.2;
@@ -13,7 +13,7 @@ const RUN_S: f64 = 0.2;
 const BIN_S: f64 = 10e-3;
 
 /// The claims about self-excited oscillation.
-pub fn claims() -> Result<Vec<Claim>, Trouble> {
+pub fn claims() -> Result<Vec<Claim>, SolveError> {
     let vibration = TABLE_4_1.vibration_m_per_s();
     let speed = PLOTTED_RATIO * vibration;
     let literal = Case { sign: Sign::Literal, ..TABLE_4_1 };
@@ -45,12 +45,12 @@ pub fn claims() -> Result<Vec<Claim>, Trouble> {
 }
 
 /// Natural part late over early, from an oscillation, with the passive and the literal sign.
-pub fn first_and_last() -> Result<[f64; 2], Trouble> {
+pub fn first_and_last() -> Result<[f64; 2], SolveError> {
     let vibration = TABLE_4_1.vibration_m_per_s();
     let change = |sign: Sign| {
         let problem = Case { sign, ..TABLE_4_1 }.unexcited(vibration, PLOTTED_RATIO * vibration, RUN_S);
         let (_, amplitudes) = amplitude_over_time(&problem, TABLE_4_1.natural_hz(), BIN_S)?;
-        Ok::<_, Trouble>(amplitudes.last().copied().unwrap_or(f64::NAN) / amplitudes.first().copied().unwrap_or(f64::NAN))
+        Ok::<_, SolveError>(amplitudes.last().copied().unwrap_or(f64::NAN) / amplitudes.first().copied().unwrap_or(f64::NAN))
     };
     Ok([change(Sign::Passive)?, change(Sign::Literal)?])
 }
@@ -95,7 +95,7 @@ fn small(amplitude: f64, vibration: f64) -> Claim {
     }
 }
 
-fn friction_sets_amplitude(speed: f64) -> Result<Claim, Trouble> {
+fn friction_sets_amplitude(speed: f64) -> Result<Claim, SolveError> {
     let case = TABLE_4_1;
     let cases = [
         ("Table 4.1", case),

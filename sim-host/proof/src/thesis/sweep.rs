@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 use contact::tally::Ratios;
-use contact::{Numerics, Problem, Solution, Trouble, solve};
+use contact::{Numerics, Problem, Solution, SolveError, solve};
 
 /// How all problems of the thesis are solved: the cheapest method whose mean friction is good to six decimals.
 pub fn numerics() -> Numerics {
@@ -11,23 +11,23 @@ pub fn numerics() -> Numerics {
 }
 
 /// Solves a problem.
-pub fn solution(problem: &Problem) -> Result<Solution, Trouble> {
+pub fn solution(problem: &Problem) -> Result<Solution, SolveError> {
     solve(problem, &numerics(), &mut |_| ())
 }
 
 /// The ratios of a problem.
-pub fn ratios(problem: &Problem) -> Result<Ratios, Trouble> {
+pub fn ratios(problem: &Problem) -> Result<Ratios, SolveError> {
     Ok(solution(problem)?.ratios)
 }
 
 /// The friction ratio of a problem: no energies are added up, and the ratio is the same.
-pub fn friction(problem: &Problem) -> Result<f64, Trouble> {
+pub fn friction(problem: &Problem) -> Result<f64, SolveError> {
     let lean = Numerics { energies: false, ..numerics() };
     Ok(solve(problem, &lean, &mut |_| ())?.ratios.friction)
 }
 
 /// One result for each item, in parallel.
-pub fn each<T: Sync, R: Send>(items: &[T], of: impl Fn(&T) -> Result<R, Trouble> + Sync + Send) -> Result<Vec<R>, Trouble> {
+pub fn each<T: Sync, R: Send>(items: &[T], of: impl Fn(&T) -> Result<R, SolveError> + Sync + Send) -> Result<Vec<R>, SolveError> {
     items.par_iter().map(of).collect()
 }
 
@@ -35,8 +35,8 @@ pub fn each<T: Sync, R: Send>(items: &[T], of: impl Fn(&T) -> Result<R, Trouble>
 pub fn curves<C: Sync, R: Send>(
     curves: &[C],
     points: &[f64],
-    of: impl Fn(&C, f64) -> Result<R, Trouble> + Sync + Send,
-) -> Result<Vec<Vec<R>>, Trouble> {
+    of: impl Fn(&C, f64) -> Result<R, SolveError> + Sync + Send,
+) -> Result<Vec<Vec<R>>, SolveError> {
     curves.par_iter().map(|curve| points.par_iter().map(|&point| of(curve, point)).collect()).collect()
 }
 

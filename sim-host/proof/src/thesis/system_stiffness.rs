@@ -7,7 +7,7 @@ use super::picture::{FRICTION_RATIO, POWER_RATIO, column, figure, line, log_axis
 use super::{Part, sweep};
 use contact::tally::Ratios;
 use contact::tally::Tally;
-use contact::{Shape, Trouble};
+use contact::{Shape, SolveError};
 use report::Figure;
 
 /// Damping ratio of the damped resonance; the thesis has none.
@@ -24,7 +24,7 @@ struct Stiffnesses {
 }
 
 /// Figure 4.15 with its claims.
-pub fn study() -> Result<Part, Trouble> {
+pub fn study() -> Result<Part, SolveError> {
     let data = Stiffnesses::new()?;
     Ok(Part {
         figures: data.figures(),
@@ -38,7 +38,7 @@ pub fn resonant_n_per_m() -> f64 {
 }
 
 impl Stiffnesses {
-    fn new() -> Result<Self, Trouble> {
+    fn new() -> Result<Self, SolveError> {
         let resonant = resonant_n_per_m();
         let values = [1e6, TABLE_4_1.stiffness_n_per_m, 1.33e9, resonant, 1.33e10];
         let ratios = sweep::velocity_ratios();
@@ -137,7 +137,7 @@ impl Stiffnesses {
     }
 
     /// Whether resonance does more than raise the velocity.
-    fn by_velocity(&self) -> Result<Claim, Trouble> {
+    fn by_velocity(&self) -> Result<Claim, SolveError> {
         let peak = self.at(JUDGED, |(_, tally)| tally.peak_velocity_m_per_s);
         let r = |stiffness_n_per_m: f64, peak: f64| {
             let case = Case { stiffness_n_per_m, ..TABLE_4_1 };
@@ -165,7 +165,7 @@ impl Stiffnesses {
 }
 
 /// Peak velocity at resonance over ever longer runs.
-fn bounded() -> Result<Claim, Trouble> {
+fn bounded() -> Result<Claim, SolveError> {
     let check = |condition: &str, damping_ratio: f64| {
         let case = Case { stiffness_n_per_m: resonant_n_per_m(), damping_ratio, ..TABLE_4_1 };
         let speed = JUDGED * TABLE_4_1.vibration_m_per_s();
@@ -175,7 +175,7 @@ fn bounded() -> Result<Claim, Trouble> {
             Ok(solution.tally.unwrap_or_default().peak_velocity_m_per_s)
         })?;
         let labels = durations.map(|duration_s| format!("{} ms", 1e3 * duration_s));
-        Ok::<_, Trouble>(Check::new(condition, peaks[2] < 1.01 * peaks[1], series("peak x' [m/s]", &labels, &peaks)))
+        Ok::<_, SolveError>(Check::new(condition, peaks[2] < 1.01 * peaks[1], series("peak x' [m/s]", &labels, &peaks)))
     };
     Ok(Claim {
         id: "resonance-has-a-finite-velocity",

@@ -1,10 +1,10 @@
 //! What happens over time, on an even grid of moments, whatever steps the method takes.
 
 use super::sweep::numerics;
-use contact::{Method, Numerics, Problem, State, Trouble, solve};
+use contact::{Method, Numerics, Problem, SolveError, State, solve};
 
 /// States at each multiple of `every_s` in a part of the run.
-pub fn trace(problem: &Problem, every_s: f64, from_s: f64, to_s: f64) -> Result<Vec<State>, Trouble> {
+pub fn trace(problem: &Problem, every_s: f64, from_s: f64, to_s: f64) -> Result<Vec<State>, SolveError> {
     let moments: Vec<f64> = (0..)
         .map(|index| f64::from(index) * every_s)
         .skip_while(|&at_s| at_s < from_s - 0.5 * every_s)
@@ -35,7 +35,7 @@ pub fn power_w(problem: &Problem, state: &State) -> f64 {
 }
 
 /// Amplitude of the part of the velocity at a frequency, bin by bin: bin middles, s, and amplitudes, m/s.
-pub fn amplitude_over_time(problem: &Problem, hz: f64, bin_s: f64) -> Result<(Vec<f64>, Vec<f64>), Trouble> {
+pub fn amplitude_over_time(problem: &Problem, hz: f64, bin_s: f64) -> Result<(Vec<f64>, Vec<f64>), SolveError> {
     let omega = std::f64::consts::TAU * hz;
     let bins = (problem.duration_s / bin_s).round() as usize;
     let mut sums = vec![(0.0, 0.0, 0.0); bins];

@@ -6,7 +6,7 @@ use super::claim::{Check, Claim, number, series};
 use super::picture::{axis, figure, line, log_axis};
 use super::trace::{amplitude_over_time, power_w, trace};
 use super::{Part, steady, sweep};
-use contact::{Problem, Sign, State, Trouble};
+use contact::{Problem, Sign, SolveError, State};
 use report::Figure;
 
 /// Length of the long runs, s.
@@ -22,7 +22,7 @@ const DECLARED: &str = "Velocity ratio 0.5, 384 N, 60 kHz, Table 4.1. Declared h
                         passive sign (V = Vt + x'); the first 0.4 ms are shown.";
 
 /// Figures 4.8 and 4.9 with their claims.
-pub fn study() -> Result<Part, Trouble> {
+pub fn study() -> Result<Part, SolveError> {
     let problem = TABLE_4_1.at_ratio(PLOTTED_RATIO, SHORT_S);
     let states = trace(&problem, 1.0 / (SAMPLES * TABLE_4_1.frequency_hz), 0.0, SHOWN_S)?;
     let long = Long::new()?;
@@ -57,7 +57,7 @@ struct Long {
 }
 
 impl Long {
-    fn new() -> Result<Self, Trouble> {
+    fn new() -> Result<Self, SolveError> {
         let signs = [Sign::Passive, Sign::Literal];
         let mut runs = sweep::each(&signs, |&sign| {
             let case = Case { sign, ..TABLE_4_1 };
@@ -119,7 +119,7 @@ pub fn time_constant_s(time_s: &[f64], values: &[f64]) -> f64 {
     -variance / covariance
 }
 
-fn averages_stay() -> Result<Claim, Trouble> {
+fn averages_stay() -> Result<Claim, SolveError> {
     let half_s = 10e-3;
     let problem = TABLE_4_1.at_ratio(PLOTTED_RATIO, 2.0 * half_s);
     let states = trace(&problem, 1.0 / (50.0 * TABLE_4_1.frequency_hz), 0.0, problem.duration_s)?;
@@ -146,7 +146,7 @@ fn averages_stay() -> Result<Claim, Trouble> {
     })
 }
 
-fn lowers_friction() -> Result<Claim, Trouble> {
+fn lowers_friction() -> Result<Claim, SolveError> {
     let xi = [0.1, 0.3, 0.5, 0.7, 0.9];
     let labels = xi.map(|xi| format!("{xi}"));
     let with = sweep::each(&xi, |&xi| {
@@ -165,7 +165,7 @@ fn lowers_friction() -> Result<Claim, Trouble> {
     })
 }
 
-fn fast_excitation() -> Result<Claim, Trouble> {
+fn fast_excitation() -> Result<Claim, SolveError> {
     let hz = [30e3, 60e3, 120e3, 240e3];
     let labels = hz.map(|hz| format!("{} kHz", hz / 1e3));
     let shares = sweep::each(&hz, |&frequency_hz| {

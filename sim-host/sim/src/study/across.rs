@@ -6,7 +6,7 @@ use std::f64::consts::TAU;
 use contact::hertz::vibration::{self, DrivenContact, DrivenMotion, Moment};
 use contact::hertz::{self, HertzProblem};
 use contact::tally::Ratios;
-use contact::{Clock, Method, Motion, Numerics, Problem, Solution, State, Trouble};
+use contact::{Clock, Method, Motion, Numerics, Problem, Solution, SolveError, State};
 use scene::Hertz;
 
 /// Largest step, in radians of the contact's own resonance, to begin with.
@@ -36,7 +36,7 @@ pub(super) fn solve(
     numerics: &Numerics,
     (pause, clock): (&dyn Fn(), Option<Clock>),
     watch: &mut impl FnMut(&State),
-) -> Result<(Solution, Across), Trouble> {
+) -> Result<(Solution, Across), SolveError> {
     match problem.motion {
         Motion::Kinematic => given(problem, model, clock, watch),
         Motion::Sdof { mass_kg, stiffness_n_per_m, damping_n_s_per_m } => {
@@ -52,7 +52,7 @@ fn given(
     model: &Hertz,
     clock: Option<Clock>,
     watch: &mut impl FnMut(&State),
-) -> Result<(Solution, Across), Trouble> {
+) -> Result<(Solution, Across), SolveError> {
     let hz = problem.waveform.frequency_hz();
     let across = HertzProblem {
         normal_n: problem.coulomb_n / model.mu,
@@ -124,7 +124,7 @@ struct Shaken<'a> {
 }
 
 impl<'a> Shaken<'a> {
-    fn of(problem: &'a Problem, model: &Hertz, (mass_kg, spring_n_per_m, damping): (f64, f64, f64)) -> Result<Self, Trouble> {
+    fn of(problem: &'a Problem, model: &Hertz, (mass_kg, spring_n_per_m, damping): (f64, f64, f64)) -> Result<Self, SolveError> {
         let hz = problem.waveform.frequency_hz();
         let whole = |time_s: f64| {
             let periods = time_s * hz;
@@ -132,7 +132,7 @@ impl<'a> Shaken<'a> {
         };
         let Some((from, to)) = whole(problem.window_s.0).zip(whole(problem.window_s.1)) else {
             let reason = "the window is not whole periods: give `integrator.window_periods`".to_owned();
-            return Err(Trouble::Unsuited { method: Method::Rk4Events.name(), reason });
+            return Err(SolveError::Unsuited { method: Method::Rk4Events.name(), reason });
         };
         let load_n = problem.coulomb_n / model.mu;
         let static_m = (load_n / model.stiffness_n_per_m15).powf(2.0 / 3.0);
@@ -158,7 +158,7 @@ impl<'a> Shaken<'a> {
         numerics: &Numerics,
         (pause, clock): (&dyn Fn(), Option<Clock>),
         watch: &mut impl FnMut(&State),
-    ) -> Result<(Solution, Across), Trouble> {
+    ) -> Result<(Solution, Across), SolveError> {
         let at = |steps: u32| {
             let contact = DrivenContact { steps_per_period: steps, ..self.contact };
             self.finite(vibration::run(&contact, &mut |_| pause()))
@@ -219,8 +219,8 @@ impl<'a> Shaken<'a> {
         DrivenContact { settle_periods: 0, mean_periods: (periods + 1e-9).floor() as u32, ..self.contact }
     }
 
-    fn finite(&self, motion: DrivenMotion) -> Result<DrivenMotion, Trouble> {
-        let diverged = Trouble::Diverged { method: Method::Rk4Events.name(), time_s: self.problem.window_s.1 };
+    fn finite(&self, motion: DrivenMotion) -> Result<DrivenMotion, SolveError> {
+        let diverged = SolveError::Diverged { method: Method::Rk4Events.name(), time_s: self.problem.window_s.1 };
         if motion.energy_residual.is_finite() && motion.friction_ratio.is_finite() { Ok(motion) } else { Err(diverged) }
     }
 

@@ -8,7 +8,7 @@ use super::film::Film;
 use super::stopped::{leave_if, unless_stopped};
 use crate::instruments::contact::metrics as contact_metrics;
 use crate::metrics::Metrics;
-use contact::{self, Clock, Law, Problem, Solution, State, Trouble};
+use contact::{self, Clock, Law, Problem, Solution, SolveError, State};
 use scene::{Excited, Model, problem};
 
 /// A contact study, solved.
@@ -69,7 +69,7 @@ fn answer(
     scene: &Excited,
     (stop, clock): (&AtomicBool, Option<Clock>),
     watch: &mut impl FnMut(&State),
-) -> Result<Answer, Trouble> {
+) -> Result<Answer, SolveError> {
     // A Hertzian contact has Coulomb's law between its normal force and its friction.
     let problem = problem::problem(scene, problem::law(&scene.model).unwrap_or(Law::Coulomb))?;
     let (numerics, pause) = (problem::numerics(scene), || leave_if(stop));

@@ -212,6 +212,6 @@ fn literal_friction_pumps_and_has_no_rest() {
     assert!(got.energy_residual.unwrap().abs() < 1e-10 && got.power.unwrap() > 0.0, "{got:?}");
     let mut rest = unit_oscillator(0.05, 0.4, 0.1, 1.0);
     rest.sign = Sign::Literal;
-    assert!(matches!(run(&rest, 16, &mut |_| ()), Err(Trouble::Unsuited { .. })));
-    assert!(matches!(run(&table_4_1(0.5, 1.0), 16, &mut |_| ()), Err(Trouble::Unsuited { .. })));
+    assert!(matches!(run(&rest, 16, &mut |_| ()), Err(SolveError::Unsuited { .. })));
+    assert!(matches!(run(&table_4_1(0.5, 1.0), 16, &mut |_| ()), Err(SolveError::Unsuited { .. })));
 }

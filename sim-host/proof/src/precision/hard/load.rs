@@ -3,11 +3,11 @@
 use super::{Check, Found, linexp, mean, thesis};
 use contact::linexp::Options;
 use contact::table_4_1::{DRIVE_HZ, table_4_1};
-use contact::{Problem, State, Trouble, linexp as method, taylor};
+use contact::{Problem, SolveError, State, linexp as method, taylor};
 
 /// Table 4.1 with its load changed by a factor at period 100; `published` is the mean over periods 150 to 200 by another program, and
 /// `tolerance` what the step leaves of an error, which is much where the new kappa is 400.
-pub fn step(factor: f64, published: f64, tolerance: f64) -> Result<Found, Trouble> {
+pub fn step(factor: f64, published: f64, tolerance: f64) -> Result<Found, SolveError> {
     let standard = table_4_1(0.5, 200.0);
     let coulomb_n = factor * standard.coulomb_n;
     let problem =

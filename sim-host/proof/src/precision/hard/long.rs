@@ -5,7 +5,7 @@ use std::time::Instant;
 use super::{Check, Found, Scale, last, linexp};
 use contact::linexp::Options;
 use contact::table_4_1::{DRIVE_HZ, FORCE_N, MASS_KG, STIFFNESS_N_PER_M, table_4_1};
-use contact::{Problem, Trouble, linexp as method, rk4};
+use contact::{Problem, SolveError, linexp as method, rk4};
 
 /// Kinematic steady friction ratio at Table 4.1 and velocity ratio 0.5, in 40 digits by another program.
 const STEADY: f64 = 0.674_948_67;
@@ -17,7 +17,7 @@ fn periods(scale: Scale) -> f64 {
 }
 
 /// Table 4.1 until what is left of the start is below the coupling, and on.
-pub fn to_the_steady_state(scale: Scale) -> Result<Found, Trouble> {
+pub fn to_the_steady_state(scale: Scale) -> Result<Found, SolveError> {
     let periods = periods(scale);
     let problem = Problem { window_s: (DIED_AWAY / DRIVE_HZ, periods / DRIVE_HZ), ..table_4_1(0.5, periods) };
     let began = Instant::now();
@@ -39,7 +39,7 @@ pub fn to_the_steady_state(scale: Scale) -> Result<Found, Trouble> {
 }
 
 /// The motion that friction does not act upon, against its closed form `xa (cos w t - cos wn t)`.
-pub fn drift(scale: Scale) -> Result<Found, Trouble> {
+pub fn drift(scale: Scale) -> Result<Found, SolveError> {
     let periods = periods(scale);
     let problem = table_4_1(0.5, periods);
     let (end, _) = last(|mut watch| method::run(&problem, 16, 4, Options::Frozen, &mut watch))?;

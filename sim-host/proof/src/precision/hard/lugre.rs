@@ -2,14 +2,14 @@
 
 use super::{Check, Found, mean, thesis, thesis_survives};
 use contact::table_4_1::{CONTACT_N_PER_M, table_4_1};
-use contact::{Law, Problem, Trouble, midpoint, rk4_events};
+use contact::{Law, Problem, SolveError, midpoint, rk4_events};
 
 fn law(stiffness_n_per_m: f64, sigma1: f64) -> Law {
     Law::Lugre { stiffness_n_per_m, static_ratio: 1.5, stribeck_m_per_s: 0.01, sigma1, sigma2: 0.0 }
 }
 
 /// Fs = 1.5 Fc, Vs = 0.01 m/s, and bristles a thousand times stiffer than Table 4.1's.
-pub fn stiff() -> Result<Found, Trouble> {
+pub fn stiff() -> Result<Found, SolveError> {
     let problem = Problem { law: law(1e3 * CONTACT_N_PER_M, 0.0), ..table_4_1(0.5, 20.0) };
     let reference = mean(&problem, &rk4_events::run(&problem, 40_000, &mut |_| ())?);
     let of = |steps| midpoint::run(&problem, steps, &mut |_| ()).map(|tally| (mean(&problem, &tally) - reference, tally));
@@ -28,7 +28,7 @@ pub fn stiff() -> Result<Found, Trouble> {
 }
 
 /// Bristle damping above what a step can hold: sigma1 h / m is 8.3 at the thesis's step.
-pub fn damped() -> Result<Found, Trouble> {
+pub fn damped() -> Result<Found, SolveError> {
     let problem = Problem { law: law(CONTACT_N_PER_M, 1e7), ..table_4_1(0.5, 20.0) };
     let of = |steps| midpoint::run(&problem, steps, &mut |_| ());
     let (coarse, fine) = (of(400)?, of(4000)?);

@@ -3,13 +3,13 @@
 use super::{Check, Found, last, linexp};
 use crate::precision::single::{Clock, run};
 use contact::table_4_1::{FORCE_N, MASS_KG, STIFFNESS_N_PER_M, table_4_1};
-use contact::{Trouble, rk4, taylor};
+use contact::{SolveError, rk4, taylor};
 
 /// Steps a period in single precision.
 const STEPS: u32 = 100;
 
 /// Both clocks over so many periods, against double precision.
-pub fn single(periods: u32) -> Result<Found, Trouble> {
+pub fn single(periods: u32) -> Result<Found, SolveError> {
     let problem = table_4_1(0.5, f64::from(periods));
     // The same method in double precision is off by its step; what single precision adds is the difference to it.
     let (double, _) = last(|mut watch| rk4::run_plain(&problem, STEPS, &mut watch))?;

@@ -6,7 +6,7 @@
 use super::{Check, Found, last, linexp, mean, thesis, thesis_survives};
 use contact::linexp::Options;
 use contact::table_4_1::{FORCE_N, MASS_KG, STIFFNESS_N_PER_M, table_4_1};
-use contact::{Motion, Problem, Shape, Trouble, Waveform, linexp as method, taylor};
+use contact::{Motion, Problem, Shape, SolveError, Waveform, linexp as method, taylor};
 
 /// Table 4.1, driven at its natural frequency over some periods, with so many times its friction and some damping.
 fn driven(periods: f64, friction: f64, zeta: f64) -> Problem {
@@ -34,7 +34,7 @@ fn exact(t: f64) -> f64 {
 }
 
 /// Undamped, with next to no friction, over a thousand periods.
-pub fn undamped_without_friction() -> Result<Found, Trouble> {
+pub fn undamped_without_friction() -> Result<Found, SolveError> {
     let problem = driven(1000.0, 1e-12, 0.0);
     let run = |steps| last(|mut watch| method::run(&problem, steps, 4, Options::Plain, &mut watch));
     let (end, tally) = run(16)?;
@@ -48,7 +48,7 @@ pub fn undamped_without_friction() -> Result<Found, Trouble> {
 }
 
 /// Undamped, with friction: the bristles are soon slipped across a thousand times a period.
-pub fn undamped_with_friction() -> Result<Found, Trouble> {
+pub fn undamped_with_friction() -> Result<Found, SolveError> {
     let problem = driven(1000.0, 1.0, 0.0);
     let (end, tally) = last(|mut watch| method::run(&problem, 64, 4, Options::Plain, &mut watch))?;
     let (truth, reference) = last(|mut watch| taylor::run(&problem, 64, 20, &mut watch))?;
@@ -78,7 +78,7 @@ const ZETA: f64 = 0.05;
 const SETTLED: f64 = 300.0;
 
 /// Damped, with next to no friction.
-pub fn damped_without_friction() -> Result<Found, Trouble> {
+pub fn damped_without_friction() -> Result<Found, SolveError> {
     let problem = driven(SETTLED, 1e-12, ZETA);
     let (end, _) = last(|mut watch| method::run(&problem, 16, 4, Options::Plain, &mut watch))?;
     let v = problem.vibration_m_per_s();
@@ -91,7 +91,7 @@ pub fn damped_without_friction() -> Result<Found, Trouble> {
 }
 
 /// Damped, with friction.
-pub fn damped_with_friction() -> Result<Found, Trouble> {
+pub fn damped_with_friction() -> Result<Found, SolveError> {
     let problem = driven(SETTLED, 1.0, ZETA);
     let (end, _) = last(|mut watch| method::run(&problem, 64, 4, Options::Plain, &mut watch))?;
     let (_, r) = linexp(&problem, 64, 4)?;

@@ -2,10 +2,10 @@
 
 use super::{Check, Found, linexp, mean, thesis};
 use contact::table_4_1::{DRIVE_HZ, FORCE_N, MASS_KG, STIFFNESS_N_PER_M, table_4_1};
-use contact::{Motion, Problem, Shape, State, Trouble, Waveform, rk4_events, taylor};
+use contact::{Motion, Problem, Shape, SolveError, State, Waveform, rk4_events, taylor};
 
 /// No sliding speed, from rest: the slip is the vibration alone.
-pub fn no_sliding_from_rest() -> Result<Found, Trouble> {
+pub fn no_sliding_from_rest() -> Result<Found, SolveError> {
     let problem = table_4_1(0.0, 400.0);
     let reference = taylor::run(&problem, 16, 20, &mut |_| ())?;
     let truth = mean(&problem, &reference);
@@ -25,7 +25,7 @@ pub fn no_sliding_from_rest() -> Result<Found, Trouble> {
 }
 
 /// No sliding speed, in the steady state, for which a damper is needed that lets the start die away.
-pub fn no_sliding_steady() -> Result<Found, Trouble> {
+pub fn no_sliding_steady() -> Result<Found, SolveError> {
     let mut problem = table_4_1(0.0, 1000.0);
     let natural = (STIFFNESS_N_PER_M / MASS_KG).sqrt();
     let damping_n_s_per_m = 0.1 * MASS_KG * natural;
@@ -45,7 +45,7 @@ pub fn no_sliding_steady() -> Result<Found, Trouble> {
 }
 
 /// A belt nearly as fast as the vibration: two reversals close to each other, or none, from period to period.
-pub fn grazing(velocity_ratio: f64) -> Result<Found, Trouble> {
+pub fn grazing(velocity_ratio: f64) -> Result<Found, SolveError> {
     let problem = table_4_1(velocity_ratio, 130.0);
     let reference = taylor::run(&problem, 64, 28, &mut |_| ())?;
     let truth = mean(&problem, &reference);
@@ -64,7 +64,7 @@ pub fn grazing(velocity_ratio: f64) -> Result<Found, Trouble> {
 }
 
 /// A belt exactly as fast as the vibration, in the steady motion: the slip touches zero once a period.
-pub fn touching() -> Result<Found, Trouble> {
+pub fn touching() -> Result<Found, SolveError> {
     let standard = table_4_1(1.0, 200.0);
     let omega = std::f64::consts::TAU * standard.waveform.frequency_hz();
     let x_m = FORCE_N / (STIFFNESS_N_PER_M - MASS_KG * omega * omega);
@@ -84,7 +84,7 @@ pub fn touching() -> Result<Found, Trouble> {
 }
 
 /// The same of a motion that is given: the slip touches zero once a period and is never below it, but for round-off.
-pub fn touching_given_motion() -> Result<Found, Trouble> {
+pub fn touching_given_motion() -> Result<Found, SolveError> {
     let standard = table_4_1(1.0, 200.0);
     let waveform = Waveform::new(Shape::Sine, standard.vibration_m_per_s(), DRIVE_HZ, standard.duration_s);
     let problem = Problem { motion: Motion::Kinematic, waveform, ..standard };

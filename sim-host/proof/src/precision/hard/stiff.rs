@@ -3,17 +3,17 @@
 use super::limit;
 use super::{Check, Found, linexp, mean, thesis, thesis_survives};
 use contact::table_4_1::{CONTACT_N_PER_M, table_4_1};
-use contact::{Law, Problem, Trouble, rk4_events};
+use contact::{Law, Problem, SolveError, rk4_events};
 
 /// Periods.
 const PERIODS: f64 = 20.0;
 
-fn unsuited(reason: &str) -> Trouble {
-    Trouble::Unsuited { method: "the Coulomb limit", reason: reason.into() }
+fn unsuited(reason: &str) -> SolveError {
+    SolveError::Unsuited { method: "the Coulomb limit", reason: reason.into() }
 }
 
 /// Table 4.1 with its contact so many times stiffer.
-pub fn contact(factor: f64) -> Result<Found, Trouble> {
+pub fn contact(factor: f64) -> Result<Found, SolveError> {
     let law = Law::Dahl { stiffness_n_per_m: factor * CONTACT_N_PER_M };
     let problem = Problem { law, ..table_4_1(0.5, PERIODS) };
     let (coarse, fine) = (linexp(&problem, 64, 4)?, linexp(&problem, 128, 4)?);
@@ -41,7 +41,7 @@ pub fn contact(factor: f64) -> Result<Found, Trouble> {
 }
 
 /// Table 4.1 with so small a coefficient of friction.
-pub fn slippery(mu: f64) -> Result<Found, Trouble> {
+pub fn slippery(mu: f64) -> Result<Found, SolveError> {
     let standard = table_4_1(0.5, PERIODS);
     let problem = Problem { coulomb_n: mu / 0.1 * standard.coulomb_n, ..standard };
     let (coarse, fine) = (linexp(&problem, 64, 4)?, linexp(&problem, 128, 4)?);

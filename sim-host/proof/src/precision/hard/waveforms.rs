@@ -4,10 +4,10 @@ use super::{Check, Found, THESIS_STEPS, linexp, mean, naive, thesis};
 use crate::precision::interpolate::order;
 use contact::linexp::Options;
 use contact::table_4_1::{DRIVE_HZ, FORCE_N, MASS_KG, STIFFNESS_N_PER_M, table_4_1};
-use contact::{Problem, Shape, State, Trouble, Waveform, linexp as method, rk4, rk4_events, taylor};
+use contact::{Problem, Shape, SolveError, State, Waveform, linexp as method, rk4, rk4_events, taylor};
 
 /// A square force: its jumps lie between steps, but the last stage of the naive step already samples what comes after.
-pub fn square() -> Result<Found, Trouble> {
+pub fn square() -> Result<Found, SolveError> {
     let mut problem = table_4_1(0.5, 100.0);
     problem.waveform = Waveform::new(Shape::Square, FORCE_N, DRIVE_HZ, problem.duration_s);
     let truth = mean(&problem, &taylor::run(&problem, 32, 28, &mut |_| ())?);
@@ -50,7 +50,7 @@ fn piecewise(time_s: f64) -> f64 {
 }
 
 /// A chirp from 5 to 25 kHz in 20 ms, through the resonance at 13 kHz.
-pub fn chirp() -> Result<Found, Trouble> {
+pub fn chirp() -> Result<Found, SolveError> {
     let (start_hz, stop_hz, sweep_s) = (5e3, 25e3, 20e-3);
     let mut problem = Problem { window_s: (0.0, sweep_s), duration_s: sweep_s, ..table_4_1(0.5, 100.0) };
     problem.waveform = Waveform::new(Shape::Chirp { start_hz, stop_hz, sweep_s }, FORCE_N, DRIVE_HZ, sweep_s);

@@ -5,14 +5,14 @@ use crate::thesis::case::PLOTTED_RATIO;
 use crate::thesis::case::{SHORT_S, TABLE_4_1};
 use crate::thesis::claim::{Check, number};
 use crate::thesis::sweep;
-use contact::Trouble;
+use contact::SolveError;
 
 /// The balance and its dimensions.
-pub fn errata() -> Result<Vec<Erratum>, Trouble> {
+pub fn errata() -> Result<Vec<Erratum>, SolveError> {
     Ok(vec![balance()?, dimensions()?, sliding_work()?])
 }
 
-fn balance() -> Result<Erratum, Trouble> {
+fn balance() -> Result<Erratum, SolveError> {
     let ratios = sweep::ratios(&TABLE_4_1.at_ratio(PLOTTED_RATIO, SHORT_S))?;
     let [power, input, stored, printed] =
         [ratios.power, ratios.input, ratios.stored, ratios.power_as_printed].map(|value| value.unwrap_or(f64::NAN));
@@ -39,7 +39,7 @@ fn balance() -> Result<Erratum, Trouble> {
     })
 }
 
-fn dimensions() -> Result<Erratum, Trouble> {
+fn dimensions() -> Result<Erratum, SolveError> {
     let durations = [1.0, 2.0, 5.0, 10.0].map(|count| count * SHORT_S);
     let ratios = sweep::each(&durations, |&duration_s| sweep::ratios(&TABLE_4_1.at_ratio(PLOTTED_RATIO, duration_s)))?;
     let mut numbers = Vec::new();
@@ -63,7 +63,7 @@ fn dimensions() -> Result<Erratum, Trouble> {
     })
 }
 
-fn sliding_work() -> Result<Erratum, Trouble> {
+fn sliding_work() -> Result<Erratum, SolveError> {
     let ratios = sweep::ratios(&TABLE_4_1.at_ratio(PLOTTED_RATIO, SHORT_S))?;
     let sliding_m_per_s = PLOTTED_RATIO * TABLE_4_1.vibration_m_per_s();
     let kinetic_j = 0.5 * TABLE_4_1.mass_kg * sliding_m_per_s * sliding_m_per_s;

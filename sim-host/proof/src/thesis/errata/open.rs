@@ -8,7 +8,7 @@ use crate::thesis::kinematic_waveforms::{self, Match};
 use crate::thesis::oscillator_waveforms;
 use crate::thesis::waveforms::{Hold, Named, all};
 use crate::thesis::{steady, sweep};
-use contact::Trouble;
+use contact::SolveError;
 use contact::{Shape, Sign};
 
 /// Something that must be chosen before the equations have an answer.
@@ -23,11 +23,11 @@ pub struct Choice {
 }
 
 /// All open choices.
-pub fn choices() -> Result<Vec<Choice>, Trouble> {
+pub fn choices() -> Result<Vec<Choice>, SolveError> {
     Ok([oscillator()?, waveforms()?].concat())
 }
 
-fn oscillator() -> Result<Vec<Choice>, Trouble> {
+fn oscillator() -> Result<Vec<Choice>, SolveError> {
     let case = TABLE_4_1;
     let first = |duration_s: f64| sweep::friction(&case.at_ratio(PLOTTED_RATIO, duration_s));
     let short = first(SHORT_S)?;
@@ -87,7 +87,7 @@ fn oscillator() -> Result<Vec<Choice>, Trouble> {
     ])
 }
 
-fn waveforms() -> Result<Vec<Choice>, Trouble> {
+fn waveforms() -> Result<Vec<Choice>, SolveError> {
     let kinematic = |shape: Shape, matched: Match| {
         let problem = kinematic_waveforms::problem(&TABLE_4_1, shape, matched, PLOTTED_RATIO);
         sweep::friction(&problem)

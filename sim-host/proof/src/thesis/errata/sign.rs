@@ -6,17 +6,17 @@ use crate::thesis::case::{Case, TABLE_4_1};
 use crate::thesis::claim::{Check, number};
 use crate::thesis::self_excitation::first_and_last;
 use crate::thesis::sweep;
-use contact::{Sign, Trouble};
+use contact::{Sign, SolveError};
 
 /// Length of the run, s, whose second half counts: 200 periods.
 const RUN_S: f64 = 200.0 / 60e3;
 
 /// The sign, and what hangs on it.
-pub fn errata() -> Result<Vec<Erratum>, Trouble> {
+pub fn errata() -> Result<Vec<Erratum>, SolveError> {
     Ok(vec![sign()?, self_excitation()?])
 }
 
-fn sign() -> Result<Erratum, Trouble> {
+fn sign() -> Result<Erratum, SolveError> {
     let run = |sign: Sign| {
         let mut problem = Case { sign, ..TABLE_4_1 }.at_ratio(PLOTTED_RATIO, RUN_S);
         problem.window_s.0 = 0.5 * RUN_S;
@@ -24,7 +24,7 @@ fn sign() -> Result<Erratum, Trouble> {
         let totals = solution.tally.unwrap_or_default().totals;
         // -F is the force on the mass: its work on the oscillator is -F x', with x' = s (V - Vt).
         let given_j = -sign.factor() * (totals.friction_work_j - problem.sliding_m_per_s * totals.friction_n_s);
-        Ok::<_, Trouble>((solution.ratios.friction, given_j))
+        Ok::<_, SolveError>((solution.ratios.friction, given_j))
     };
     let ((r_passive, passive_j), (r_literal, literal_j)) = (run(Sign::Passive)?, run(Sign::Literal)?);
     let numbers = vec![
@@ -42,7 +42,7 @@ fn sign() -> Result<Erratum, Trouble> {
     })
 }
 
-fn self_excitation() -> Result<Erratum, Trouble> {
+fn self_excitation() -> Result<Erratum, SolveError> {
     let [passive, literal] = first_and_last()?;
     let numbers = vec![number("natural part, 190-200 ms over first 10 ms, passive", passive), number("literal", literal)];
     Ok(Erratum {

@@ -4,7 +4,7 @@ use super::{LOADS_N, Speed, labels, loads};
 use crate::thesis::claim::{Check, Claim, number, series};
 use crate::thesis::driven;
 use crate::thesis::sweep::{falls, rises};
-use contact::Trouble;
+use contact::SolveError;
 
 /// A reduction within so many points of the thesis's 68 % is "up to 68 %".
 const NEAR_POINTS: f64 = 2.0;
@@ -17,14 +17,14 @@ const LEAST_POINTS: f64 = 1.0;
 const SHORT: [&str; 3] = ["duration_s=0.7", "controller.burst.on_s=[0.4]", "controller.burst.off_s=[0.6]"];
 
 /// Reductions over load of a scene with changes, %.
-fn reductions(scene: &str, more: &[&str]) -> Result<Vec<f64>, Trouble> {
+fn reductions(scene: &str, more: &[&str]) -> Result<Vec<f64>, SolveError> {
     let all = |load: Vec<String>| [load, SHORT.iter().chain(more).map(|&set| set.to_owned()).collect()].concat();
     let changes: Vec<Vec<String>> = loads().into_iter().map(all).collect();
     driven::each(scene, &changes)?.iter().map(|ran| ran.metric("reduction_percent")).collect()
 }
 
 /// The claims, from the runs at both speeds.
-pub(super) fn of(speeds: &[Speed]) -> Result<Vec<Claim>, Trouble> {
+pub(super) fn of(speeds: &[Speed]) -> Result<Vec<Claim>, SolveError> {
     let stiff = reductions("experiment-1", &["contact.dahl.stiffness_n_per_m=2e6"])?;
     let fitted = reductions("experiment-1-fitted", &[])?;
     let smooth = reductions("experiment-1", &["contact.dahl.mu=0.2"])?;
@@ -38,7 +38,7 @@ pub(super) fn of(speeds: &[Speed]) -> Result<Vec<Claim>, Trouble> {
     ])
 }
 
-fn friction_over_load(speeds: &[Speed]) -> Result<Claim, Trouble> {
+fn friction_over_load(speeds: &[Speed]) -> Result<Claim, SolveError> {
     let check = |speed: &Speed| {
         let off: Vec<f64> = speed.ran.iter().map(|ran| ran.metric("friction_off_n")).collect::<Result<_, _>>()?;
         let condition = format!("{} m/s, OFF; model, nothing fitted", speed.sliding_m_per_s);
@@ -48,11 +48,11 @@ fn friction_over_load(speeds: &[Speed]) -> Result<Claim, Trouble> {
         id: "load-raises-friction",
         section: "3.1.5, Figs. 3.4a, 3.5a",
         says: "Without vibration friction rises with the load.",
-        checks: speeds.iter().map(check).collect::<Result<_, Trouble>>()?,
+        checks: speeds.iter().map(check).collect::<Result<_, SolveError>>()?,
     })
 }
 
-fn lowers(speeds: &[Speed]) -> Result<Claim, Trouble> {
+fn lowers(speeds: &[Speed]) -> Result<Claim, SolveError> {
     let check = |speed: &Speed| {
         let reductions = speed.reductions()?;
         let condition = format!("{} m/s, ON, every load; model, nothing fitted", speed.sliding_m_per_s);
@@ -63,12 +63,12 @@ fn lowers(speeds: &[Speed]) -> Result<Claim, Trouble> {
         id: "vibration-lowers-friction",
         section: "3.1.5, Figs. 3.4b, 3.5b",
         says: "Vibration along the sliding lowers the friction force, at both speeds.",
-        checks: speeds.iter().map(check).collect::<Result<_, Trouble>>()?,
+        checks: speeds.iter().map(check).collect::<Result<_, SolveError>>()?,
     })
 }
 
-fn speed(speeds: &[Speed]) -> Result<Claim, Trouble> {
-    let [slow, fast] = speeds else { return Err(Trouble::Unsuited { method: "a scene", reason: "two speeds".into() }) };
+fn speed(speeds: &[Speed]) -> Result<Claim, SolveError> {
+    let [slow, fast] = speeds else { return Err(SolveError::Unsuited { method: "a scene", reason: "two speeds".into() }) };
     let (slow, fast) = (slow.reductions()?, fast.reductions()?);
     let differences: Vec<f64> = slow.iter().zip(&fast).map(|(slow, fast)| slow - fast).collect();
     let holds = differences.iter().all(|&points| points > LEAST_POINTS);
@@ -84,7 +84,7 @@ fn speed(speeds: &[Speed]) -> Result<Claim, Trouble> {
     })
 }
 
-fn up_to(speeds: &[Speed], smooth: &[f64], stiff: &[f64], fitted: &[f64]) -> Result<Claim, Trouble> {
+fn up_to(speeds: &[Speed], smooth: &[f64], stiff: &[f64], fitted: &[f64]) -> Result<Claim, SolveError> {
     let check = |condition: &str, percent: f64| {
         Check::new(condition, (percent - STATED_PERCENT).abs() <= NEAR_POINTS, vec![number("reduction, no load [%]", percent)])
     };
@@ -103,7 +103,7 @@ fn up_to(speeds: &[Speed], smooth: &[f64], stiff: &[f64], fitted: &[f64]) -> Res
     })
 }
 
-fn load(speeds: &[Speed], stiff: &[f64], fitted: &[f64]) -> Result<Claim, Trouble> {
+fn load(speeds: &[Speed], stiff: &[f64], fitted: &[f64]) -> Result<Claim, SolveError> {
     let check = |condition: &str, reductions: &[f64]| {
         let fall = reductions[0] - reductions[LOADS_N.len() - 1];
         let numbers = [series("reduction [%]", &labels(), reductions), vec![number("fall to 10 N [points]", fall)]].concat();
@@ -128,15 +128,17 @@ fn load(speeds: &[Speed], stiff: &[f64], fitted: &[f64]) -> Result<Claim, Troubl
 }
 
 /// A steady reduction that the cell sees, too; and its edge, which it does not.
-fn cell(speeds: &[Speed]) -> Result<Claim, Trouble> {
+fn cell(speeds: &[Speed]) -> Result<Claim, SolveError> {
     let check = |speed: &Speed| {
-        let Some(ran) = speed.ran.first() else { return Err(Trouble::Unsuited { method: "a scene", reason: "no run".into() }) };
+        let Some(ran) = speed.ran.first() else {
+            return Err(SolveError::Unsuited { method: "a scene", reason: "no run".into() });
+        };
         let (truth, cell) = (ran.metric("reduction_percent")?, ran.metric("load_cell_reduction_percent")?);
         let numbers = vec![number("true reduction [%]", truth), number("by the load cell [%]", cell)];
         let condition = format!("{} m/s, no load, 80 Hz; model, nothing fitted", speed.sliding_m_per_s);
         Ok(Check::new(condition, (truth - cell).abs() < 0.1, numbers))
     };
-    let mut checks: Vec<Check> = speeds.iter().map(check).collect::<Result<_, Trouble>>()?;
+    let mut checks: Vec<Check> = speeds.iter().map(check).collect::<Result<_, SolveError>>()?;
     // 2.56 samples a second and hertz of span.
     let (block, span_hz) = (256.0, 80.0);
     let block_s = block / (2.56 * span_hz);

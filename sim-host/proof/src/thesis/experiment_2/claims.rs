@@ -6,7 +6,7 @@ use crate::thesis::claim::{Check, Claim, number, series};
 use crate::thesis::driven;
 use crate::thesis::sweep::{falls, rises};
 use contact::hertz::contact_loss_threshold;
-use contact::{Shape, Trouble};
+use contact::{Shape, SolveError};
 use sim::instruments::belt::law::{Curve, POINTS};
 
 /// What an experiment of this kind can show, points.
@@ -15,7 +15,7 @@ const INSIGNIFICANT: f64 = 0.5;
 const FIT: &str = "scene experiment-2, FITTED";
 
 /// All of them.
-pub fn all(runs: &Runs) -> Result<Vec<Claim>, Trouble> {
+pub fn all(runs: &Runs) -> Result<Vec<Claim>, SolveError> {
     let hertz = Hertz::through(0.01 * POINTS[0].percent);
     Ok(vec![
         area(),
@@ -51,7 +51,7 @@ fn area() -> Claim {
     }
 }
 
-fn size(runs: &Runs) -> Result<Claim, Trouble> {
+fn size(runs: &Runs) -> Result<Claim, SolveError> {
     let check = |condition: &str, percent: f64, more: Vec<(String, f64)>| {
         let numbers = [vec![number("reduction [%]", percent)], more].concat();
         Check::new(condition, (percent - POINTS[0].percent).abs() < SIGNIFICANT, numbers)
@@ -83,7 +83,7 @@ fn size(runs: &Runs) -> Result<Claim, Trouble> {
     })
 }
 
-fn on_time(runs: &Runs) -> Result<Claim, Trouble> {
+fn on_time(runs: &Runs) -> Result<Claim, SolveError> {
     let reductions = runs.over_time()?;
     let lasting = runs.metric("lasting_reduction_percent", LOADS_N[0], AMPLITUDES[1])?;
     let scene = Check::new(
@@ -108,7 +108,7 @@ fn on_time(runs: &Runs) -> Result<Claim, Trouble> {
     })
 }
 
-fn gradual(runs: &Runs) -> Result<Claim, Trouble> {
+fn gradual(runs: &Runs) -> Result<Claim, SolveError> {
     let ran = &runs.case(LOADS_N[0], AMPLITUDES[1], 2.0)?.ran;
     let rise_s = 1e-3 * ran.metric("rise_time_ms")?;
     let from = ran.time_s.iter().position(|&time_s| time_s > super::ON_S).unwrap_or(0);
@@ -132,7 +132,7 @@ fn gradual(runs: &Runs) -> Result<Claim, Trouble> {
     })
 }
 
-fn pull(runs: &Runs) -> Result<Claim, Trouble> {
+fn pull(runs: &Runs) -> Result<Claim, SolveError> {
     let off: Vec<f64> =
         LOADS_N.iter().map(|&load| runs.metric("friction_off_n", load, AMPLITUDES[1])).collect::<Result<_, _>>()?;
     Ok(Claim {
@@ -143,7 +143,7 @@ fn pull(runs: &Runs) -> Result<Claim, Trouble> {
     })
 }
 
-fn load(runs: &Runs, hertz: &Hertz) -> Result<Claim, Trouble> {
+fn load(runs: &Runs, hertz: &Hertz) -> Result<Claim, SolveError> {
     let check = |condition: String, values: Vec<f64>| {
         Check::new(condition, falls(&values), series("reduction [%]", &load_labels(), &values))
     };
@@ -162,7 +162,7 @@ fn load(runs: &Runs, hertz: &Hertz) -> Result<Claim, Trouble> {
     })
 }
 
-fn amplitude(runs: &Runs, hertz: &Hertz, index: usize, holds: fn(f64) -> bool) -> Result<Claim, Trouble> {
+fn amplitude(runs: &Runs, hertz: &Hertz, index: usize, holds: fn(f64) -> bool) -> Result<Claim, SolveError> {
     let load = LOADS_N[index];
     let check = |condition: String, [half, more]: [f64; 2]| {
         let numbers = vec![number("50 % [%]", half), number("70 % [%]", more), number("gain [points]", more - half)];
@@ -219,7 +219,7 @@ fn made_up_for(hertz: &Hertz) -> Claim {
     }
 }
 
-fn power(runs: &Runs) -> Result<Claim, Trouble> {
+fn power(runs: &Runs) -> Result<Claim, SolveError> {
     let (load, amplitude) = (LOADS_N[2], AMPLITUDES[1]);
     let power = runs.metric("drive_power_w", load, amplitude)?;
     let reduction = runs.metric("reduction_percent", load, amplitude)?;
@@ -243,7 +243,7 @@ fn power(runs: &Runs) -> Result<Claim, Trouble> {
     })
 }
 
-fn speed() -> Result<Claim, Trouble> {
+fn speed() -> Result<Claim, SolveError> {
     let speeds = [0.0125, SPEED_M_PER_S, 0.05];
     let labels = speeds.map(|speed| format!("{speed} m/s"));
     let sets = speeds.map(|speed| {

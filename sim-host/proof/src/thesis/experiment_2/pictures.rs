@@ -7,7 +7,7 @@ use crate::thesis::picture::{axis, dashed, figure, line, log_axis, ranged};
 use crate::thesis::sweep;
 use contact::empirical::reached;
 use contact::hertz::contact_loss_threshold;
-use contact::{Shape, Trouble};
+use contact::{Shape, SolveError};
 use plant::load_cell::LoadCell;
 use report::{Figure, Marker, Span};
 use sim::instruments::belt::law::{Curve, POINTS};
@@ -19,7 +19,7 @@ const FIT: &str = "FIT: the scene experiment-2 as run, controller and stack simu
                    ratios can be compared. Reading of the load cell; in the first tenth of a second calibration and lock shake the belt.";
 
 /// All of them.
-pub fn all(runs: &Runs) -> Result<Vec<Figure>, Trouble> {
+pub fn all(runs: &Runs) -> Result<Vec<Figure>, SolveError> {
     Ok(vec![
         duration(runs)?,
         off(),
@@ -41,12 +41,12 @@ fn pulls(id: &str, title: String, remark: &str, curves: &[(String, String, &Ran)
     }
 }
 
-fn duration(runs: &Runs) -> Result<Figure, Trouble> {
+fn duration(runs: &Runs) -> Result<Figure, SolveError> {
     let curve = |&on_s: &f64| {
         let case = runs.case(LOADS_N[0], AMPLITUDES[1], on_s)?;
         Ok((format!("ON for {on_s} s"), format!("pull_{on_s}_s_n"), &case.ran))
     };
-    let curves = ON_TIMES_S.iter().map(curve).collect::<Result<Vec<_>, Trouble>>()?;
+    let curves = ON_TIMES_S.iter().map(curve).collect::<Result<Vec<_>, SolveError>>()?;
     let remark = "270 N, 70 %. A shorter window is the same curve cut off earlier: 0.5 and 1 s do not bottom out, 2.5 s gains little over 2 s.";
     let longest = ON_TIMES_S.iter().copied().fold(0.0, f64::max);
     Ok(pulls("fig-3-07", "Figure 3.7: duration of the vibration".into(), remark, &curves, longest))
@@ -73,21 +73,21 @@ fn off() -> Figure {
     )
 }
 
-fn over_load(runs: &Runs, amplitude: f64, number: &str) -> Result<Figure, Trouble> {
+fn over_load(runs: &Runs, amplitude: f64, number: &str) -> Result<Figure, SolveError> {
     let curve = |&load: &f64| Ok((format!("{load} N"), format!("pull_{load}_n"), &runs.case(load, amplitude, 2.0)?.ran));
-    let curves = LOADS_N.iter().map(curve).collect::<Result<Vec<_>, Trouble>>()?;
+    let curves = LOADS_N.iter().map(curve).collect::<Result<Vec<_>, SolveError>>()?;
     let percent = 100.0 * amplitude;
     let title = format!("Figure 3.{number}: load, at {percent} % amplitude");
     let id = format!("fig-3-{:0>2}", number);
     Ok(pulls(&id, title, "Greater loads are reduced a little less, in per cent.", &curves, 2.0))
 }
 
-fn over_amplitude(runs: &Runs, load: f64, number: &str) -> Result<Figure, Trouble> {
+fn over_amplitude(runs: &Runs, load: f64, number: &str) -> Result<Figure, SolveError> {
     let curve = |&amplitude: &f64| {
         let percent = 100.0 * amplitude;
         Ok((format!("{percent} %"), format!("pull_{percent}_percent_n"), &runs.case(load, amplitude, 2.0)?.ran))
     };
-    let curves = AMPLITUDES.iter().map(curve).collect::<Result<Vec<_>, Trouble>>()?;
+    let curves = AMPLITUDES.iter().map(curve).collect::<Result<Vec<_>, SolveError>>()?;
     let title = format!("Figure 3.{number}: amplitude of vibration, at {load} N");
     let remark = "What 70 % gain over 50 % at 270 N and hardly at 450 N is in words only: the law is chosen so.";
     Ok(pulls(&format!("fig-3-{number}"), title, remark, &curves, 2.0))
