@@ -3,14 +3,31 @@
 //! The tables hold rounded physical numbers, never a raw trace, so that they read as results and survive a compiler. To accept new
 //! ones: `INSTA_UPDATE=always cargo test`, and read the difference. The hash of all drive codes is exact, and of one target.
 
+use std::collections::BTreeSet;
+
 use scene::builtin;
 use scene::load::{Loaded, load};
-use scene::metric_names;
+use scene::metrics;
+use sim::data::FigureData;
+use sim::instruments;
 use sim::study::comparison::Standing;
 use sim::study::{self, Options, Study};
 
-/// What depends on the machine, and what is round-off only.
-const NOT_GOLDEN: [&str; 4] = ["simulated_s_per_wall_s", "ns_per_period", "energy_residual", "error_estimate"];
+/// What is round-off only.
+const NOT_GOLDEN: [&str; 2] = ["energy_residual", "error_estimate"];
+
+/// Metrics of no built-in scene as it is: of an emulator, of a damper, of an actuator with a law, of a step under another scan.
+const ELSEWHERE: [&str; 9] = [
+    "instructions_total",
+    "mean_block_instructions",
+    "worst_block_instructions",
+    "stack_power_up_bytes",
+    "stack_blocks_bytes",
+    "image_flash_bytes",
+    "image_ram_bytes",
+    "damper_ratio",
+    "actuator_power_w",
+];
 
 /// Of a scene of many runs, so many are golden.
 const FEW_RUNS: u32 = 8;
@@ -33,10 +50,26 @@ fn in_a_grid(value: f64) -> String {
     if value.abs() < 2.0 { format!("{value:.3}") } else { format!("{value:.1}") }
 }
 
+/// The metric of one run that a statistic is of.
+fn of_one(name: &'static str) -> &'static str {
+    metrics::of_one_run(name).map_or(name, |metric| metric.name)
+}
+
+/// docs/data.md lists each figure of a study with its columns.
+fn every_figure_is_described(study: &Study) {
+    for figure in instruments::figures(study) {
+        let data = FigureData::of(&figure.id).unwrap_or_else(|| panic!("{}: no data of `{}`", study.name, figure.id));
+        // Of a contact study time is in periods.
+        assert!(data.x == figure.x.label || data.id == "friction", "{}: {} is over {}", study.name, figure.id, figure.x.label);
+        for series in &figure.series {
+            assert!(data.has(&series.csv_column), "{}: {} has {}", study.name, figure.id, series.csv_column);
+        }
+    }
+}
+
 fn golden(study: &Study) -> String {
-    let of_one = |name: &'static str| metric_names::of_one_run(name).unwrap_or(name);
-    let metrics = study.metrics.iter().filter(|(name, _)| !NOT_GOLDEN.contains(&of_one(name)));
-    let mut table: String = metrics.map(|(name, value)| format!("{name:28} {}\n", rounded(value))).collect();
+    let golden = study.metrics.iter().filter(|(name, _)| !NOT_GOLDEN.contains(&of_one(name)));
+    let mut table: String = golden.map(|(name, value)| format!("{name:28} {}\n", rounded(value))).collect();
     if let Some(result) = &study.grid {
         table += &format!("\n{}\n", result.grid.metric);
         for (row, cells) in result.grid.rows.iter().zip(&result.cells) {
@@ -66,6 +99,7 @@ fn golden(study: &Study) -> String {
 #[test]
 fn every_built_in_scene_meets_its_expectations_and_its_golden_table() {
     let mut hashes = String::new();
+    let mut measured = BTreeSet::new();
     for (name, _) in builtin::all() {
         let runs = loaded(name, &[]).scene.runs.min(FEW_RUNS);
         let sets = if runs > 1 { vec![format!("runs={runs}")] } else { Vec::new() };
@@ -75,11 +109,15 @@ fn every_built_in_scene_meets_its_expectations_and_its_golden_table() {
         assert!(missed.is_empty(), "{name}: {missed:#?}");
         assert!(!study.judged.is_empty(), "{name} expects nothing");
         insta::assert_snapshot!(*name, golden(&study));
+        measured.extend(study.metrics.iter().map(|(name, _)| of_one(name)));
+        every_figure_is_described(&study);
         let hash = study.run().map(|run| run.record.drive_hash);
         if let Some(hash) = hash.or_else(|| study.monte_carlo()?.drive_hash()) {
             hashes += &format!("{name:28} {hash:016x}\n");
         }
     }
+    let nowhere: Vec<_> = metrics::names().filter(|name| !measured.contains(name) && !ELSEWHERE.contains(name)).collect();
+    assert!(nowhere.is_empty(), "no scene has {nowhere:?}");
     if cfg!(all(target_arch = "x86_64", target_os = "linux")) {
         insta::assert_snapshot!("drive-hashes-x86_64-linux", hashes);
     }

@@ -19,6 +19,7 @@ macro_rules! say {
 }
 
 mod advise;
+mod explain;
 mod interrupts;
 mod link;
 mod progress;
@@ -84,6 +85,12 @@ enum Command {
     /// Advise on a transducer, by a scene or by its numbers: settings to paste, and the lock time, jitter and bandwidth to expect.
     #[command(after_help = EXIT_CODES)]
     Advise(advise::AdviseArgs),
+    /// Say what a metric, fault, limit, key or file means: unit, window, sign, columns, remedy. Without a word: all that can be explained.
+    Explain {
+        /// A metric, the number or name of a fault or limit, a key of a scene, or a file of a run.
+        #[arg(value_name = "METRIC|FAULT|LIMIT|KEY|FILE")]
+        word: Vec<String>,
+    },
     /// Print the JSON Schema of a scene, for editors.
     Schema {
         /// Of a suite of cases and targets instead (docs/suites.md).
@@ -155,6 +162,7 @@ pub fn main() -> ExitCode {
         Some(Command::List) => print(&list()),
         Some(Command::Show { scene }) => with_scene(&scene, color, |loaded| print(&resolved_toml(&loaded.scene))),
         Some(Command::Check { scene }) => with_scene(&scene, color, |loaded| print(&format!("{}: valid\n", loaded.origin))),
+        Some(Command::Explain { word }) => explain::run(&word.join(" ")),
         Some(Command::Advise(args)) => advise::run(&args, color),
         Some(Command::Validate(args)) => validate::run(&args, color),
         Some(Command::Link(args)) => link::run(&args, color),

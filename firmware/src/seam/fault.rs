@@ -5,104 +5,44 @@
 
 use serde::{Deserialize, Serialize};
 
-/// Why the drive is muted. On the wire it is its number.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(into = "u8", try_from = "u8")]
-#[cfg_attr(all(feature = "defmt", target_os = "none"), derive(defmt::Format))]
-#[repr(u8)]
-pub enum Fault {
-    /// The slow side has asked for an emergency stop.
-    EmergencyStop = 10,
-    /// A block came late, was lost, or was cut short.
-    LateBlock = 11,
-    /// The host has been silent for longer than it may be while the drive is on.
-    HostLost = 12,
-    /// A sense channel is offset, stuck, or does not show what was played: 8 blocks, or the self-test's 96.
-    SensorImplausible = 20,
-    /// More current than the limit, seen here or by the comparator.
-    OverCurrent = 21,
-    /// Far more current than the clamped capacitance takes.
-    LoadShorted = 22,
-    /// Far less.
-    LoadOpen = 23,
-    /// A lane is not heard, is further off than a trim can be for, or does not do what its trim should make it do.
-    LaneImplausible = 24,
-    /// The clamped capacitance is more than 20 % off what it was told to be: a stack that has depoled, or another stack. Known at the end of the
-    /// calibration at power-on, 45 ms at 40 kHz.
-    CapacitanceShifted = 25,
-    /// The resonance is missing, damped more than it was told, or has company it should not have: a crack. Known at the end of the calibration at
-    /// power-on, 55 ms at 40 kHz.
-    ResonanceDamaged = 26,
-    /// The voltage leads where the current should: the two sense channels are swapped, or one of them is reversed. Known 4 blocks after the
-    /// self-test's tone is heard.
-    SenseSwapped = 27,
-    /// A sense channel stands at the end of its range, for more than an eighth of a block: known with that block. Of the current, where the limit is
-    /// beyond the range.
-    SenseSaturated = 28,
-    /// The scan has found no resonance in the window.
-    NoResonance = 30,
-    /// The loop has not locked in time.
-    NoLock = 31,
-    /// The loop was locked and is not any more.
-    LossOfLock = 32,
-    /// The observer and the motional phase, which it does not use, say different frequencies.
-    TrackersDisagree = 33,
-    /// It has locked to a resonance that is not the one it was told of.
-    WrongMode = 34,
-    /// The belt stands still under the drive: muted for 100 ms, or at once where a measurement was under way.
-    BeltStopped = 40,
-    /// A line to the belt's encoder is broken, or the encoder is gone: known with that block.
-    BeltSensorLost = 41,
-    /// The encoder counts, and the force is that of a belt that stands: about 4 ms after it has stopped.
-    BeltSensorImplausible = 42,
-    /// More electrical energy for each metre of belt than the limit.
-    EnergyPerLength = 43,
-    /// Board or stack are hotter than the limit.
-    OverTemperature = 44,
-    /// The drive has been ON for longer than the limit.
-    OnTimeExceeded = 45,
-    /// The force channel is missing, stuck for 32 ms, or reads no number.
-    ForceSensorImplausible = 46,
-}
-
-impl Fault {
-    /// The number of this fault.
-    pub fn code(self) -> u8 {
-        self as u8
-    }
-}
-
-/// What keeps the drive from doing what was asked. On the wire it is its number.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(into = "u8", try_from = "u8")]
-#[cfg_attr(all(feature = "defmt", target_os = "none"), derive(defmt::Format))]
-#[repr(u8)]
-pub enum Limit {
-    /// The voltage asked for (by an order or by the amplitude loop) is over the voltage limit.
-    OverVoltageRequest = 96,
-    /// The tracker stands at the edge of the frequency window, or an order asks for more.
-    FrequencyWindow = 97,
-    /// The drive has been ON for long, in bursts too short for the tracker to hear the resonance.
-    NotTracking = 98,
-    /// The quadrature asked for is over a quarter turn.
-    QuadratureRequest = 99,
-    /// The amplitude is reduced: board or stack are nearly too hot, or the mean power is at its limit.
-    Derated = 100,
-    /// The drive is muted until the belt moves.
-    BeltMuted = 101,
-    /// The belt is faster than the tip can be: vibration does not change the friction.
-    NoAuthority = 102,
-    /// The friction ratio asked for is below what the loudest drive does, above one, or nobody knows what it is.
-    RatioUnreachable = 103,
-    /// The limits leave too little above the drive for a boosted edge: it ends below its level, or it is left out beside the resonance.
-    BoostLimited = 104,
-    /// The seat has read no torso mass, or one that cannot be: nobody is light, and friction stays HIGH in a crash.
-    RestraintUnclassified = 105,
-}
-
-/// A number on the wire, and back: a variant that is added later does not change the meaning of the others.
+/// An enum of numbers on the wire, each with its meaning (the documentation), a name in words, and a remedy. A variant that is added later does not
+/// change the meaning of the others. In an image that does not print them the texts take no room.
 macro_rules! numbered {
-    ($name:ident, $($variant:ident)*) => {
+    ($(#[doc = $about:literal])+ $name:ident $($(#[doc = $meaning:literal])+ $variant:ident = $code:literal, $called:literal, $remedy:literal;)*) => {
+        $(#[doc = $about])+
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+        #[serde(into = "u8", try_from = "u8")]
+        #[cfg_attr(all(feature = "defmt", target_os = "none"), derive(defmt::Format))]
+        #[repr(u8)]
+        pub enum $name {
+            $($(#[doc = $meaning])+ $variant = $code,)*
+        }
+
+        impl $name {
+            /// All of them, by their numbers.
+            pub const ALL: &'static [Self] = &[$(Self::$variant),*];
+
+            /// The number.
+            pub fn code(self) -> u8 {
+                self as u8
+            }
+
+            /// The name in words.
+            pub fn called(self) -> &'static str {
+                match self { $(Self::$variant => $called),* }
+            }
+
+            /// When it is raised, and how soon.
+            pub fn meaning(self) -> &'static str {
+                match self { $(Self::$variant => concat!($($meaning),+)),* }.trim_start()
+            }
+
+            /// What to do about it.
+            pub fn remedy(self) -> &'static str {
+                match self { $(Self::$variant => $remedy),* }
+            }
+        }
+
         impl From<$name> for u8 {
             fn from(value: $name) -> u8 {
                 value as u8
@@ -119,5 +59,90 @@ macro_rules! numbered {
     };
 }
 
-numbered!(Fault, EmergencyStop LateBlock HostLost SensorImplausible OverCurrent LoadShorted LoadOpen LaneImplausible CapacitanceShifted ResonanceDamaged SenseSwapped SenseSaturated NoResonance NoLock LossOfLock TrackersDisagree WrongMode BeltStopped BeltSensorLost BeltSensorImplausible EnergyPerLength OverTemperature OnTimeExceeded ForceSensorImplausible);
-numbered!(Limit, OverVoltageRequest FrequencyWindow NotTracking QuadratureRequest Derated BeltMuted NoAuthority RatioUnreachable BoostLimited RestraintUnclassified);
+numbered! {
+    /// Why the drive is muted. On the wire it is its number.
+    Fault
+    /// The background task has asked for an emergency stop, or the enable pin has dropped before.
+    EmergencyStop = 10, "emergency stop", "release the stop and its line, then `fault clear`";
+    /// A block came late, was lost, or was cut short: known with that block.
+    LateBlock = 11, "late block", "the processor had no time, or the converters stood still: look at `fault log`";
+    /// No frame that is understood has come from the host for longer than the host timeout (`link.patience_s`, 1 s where nothing else is set, or an
+    /// order) while the drive is on. Clearing it needs the host back, and drives nothing.
+    HostLost = 12, "host lost", "the host said nothing for longer than its timeout while it drove; see --host-timeout and --stay";
+    /// A sense channel is offset by more than 5 %, stuck, or for 8 blocks (in the self-test 96) does not show within a factor of 2 the fundamental
+    /// that was played; or the stack does not ring down.
+    SensorImplausible = 20, "sense channel implausible", "a sense line is open, stuck or offset, or the amplifier is not on";
+    /// Two samples of a block are over `limits.current_a`, or the board's comparator has seen more: known with that block.
+    OverCurrent = 21, "over-current", "more current than `limits.current_a`: a shorted stack or cable, or a limit below the drive";
+    /// In the self-test three times as much current as the nominal capacitance takes.
+    LoadShorted = 22, "load shorted", "look for a short in stack and cable";
+    /// In the self-test a third of the current that the nominal capacitance takes; in the run a hundredth, for 8 blocks.
+    LoadOpen = 23, "load open", "no stack, an open cable, or an amplifier that is off";
+    /// The calibration does not measure a lane, finds it further off than a trim can be for, or its trim does not verify.
+    LaneImplausible = 24, "lane implausible", "a lane is not measured or too far off: look at its amplifier and at the order of the lanes";
+    /// The clamped capacitance is more than 20 %, and three standard deviations, off its nominal value: known at the end of the calibration at
+    /// power-on, 45 ms at 40 kHz.
+    CapacitanceShifted = 25, "capacitance shifted", "another stack than the nominal one (`tracking.nominal_c0_f`), or one that has depoled";
+    /// The calibration at power-on finds no resonance above the noise, a Q below 0.4 of the nominal one, a second resonance within 3.5 % of at
+    /// least a tenth of the strength, or what two resonances do not explain: known after 43 to 55 ms at 40 kHz.
+    ResonanceDamaged = 26, "resonance damaged", "the stack rings otherwise than its nominal values say: a crack, a loose horn, or another stack";
+    /// In the self-test the current lags the voltage where only a capacitance can be: the two sense channels are swapped, or one of them is
+    /// reversed. Known 4 blocks after the tone is measured.
+    SenseSwapped = 27, "sense channels swapped", "exchange V and I, or reverse one of them";
+    /// A sense channel stands at the end of its range for more than an eighth of a block: known with that block. A current that is over its limit
+    /// there is fault 21.
+    SenseSaturated = 28, "sense channel saturated", "more than the front end can measure: lower the drive or the gain";
+    /// The scan has found no resonance in the window.
+    NoResonance = 30, "no resonance", "none in the window: look at the nominal frequency and the span; is the horn on?";
+    /// The phase loop has not locked within 64 ms and 50 time constants, or the observer has found nothing within 128 blocks each way that it
+    /// seeks, by a scan at last.
+    NoLock = 31, "no lock", "it was found, but the loop did not pull in: too much damping, or a resonance that moves";
+    /// The lock is lost: the motional phase is 45 degrees off for 2.6 ms, or for 4 time constants if that is more.
+    LossOfLock = 32, "loss of lock", "the resonance has gone: the load, or a stack that breaks; `lock` looks for it again";
+    /// The observer has converged, and the motional phase, which it does not use, is 45 degrees off for as long as fault 32 takes.
+    TrackersDisagree = 33, "trackers disagree", "two ways to see the resonance say different things: look at the sense channels";
+    /// The resonance is not the nominal one: in the scan none fits, or two are alike; in the observer, once it has locked, Lm is not within a
+    /// factor of two of its nominal value.
+    WrongMode = 34, "wrong mode", "it locked to another resonance than the nominal one: narrow the window";
+    /// The belt stands still: muted (limit 101) for 100 ms while the drive is asked for, or at once where a measurement was under way over a belt
+    /// that had moved.
+    BeltStopped = 40, "belt stopped", "the belt must move while it is driven";
+    /// A line to the belt's encoder is broken, or there is no encoder where one is configured: known with that block.
+    BeltSensorLost = 41, "belt sensor lost", "look at the encoder's lines";
+    /// The encoder counts, and the force channel has said for 3 ms that the belt stands: about 4 ms after it has stopped.
+    BeltSensorImplausible = 42, "belt sensor implausible", "the encoder counts while the force says that the belt stands";
+    /// More electrical energy than `limits.energy_j_per_m` times the belt that has passed, and 10 mm.
+    EnergyPerLength = 43, "energy per length", "too much energy into each metre of belt: less drive, or a faster belt";
+    /// Driver or stack are hotter than `limits.temperature_c`: known with that block.
+    OverTemperature = 44, "over-temperature", "let board and stack cool";
+    /// The drive has been ON for `limits.on_time_s` longer than OFF.
+    OnTimeExceeded = 45, "on-time exceeded", "the drive was ON for longer than `limits.on_time_s`";
+    /// There is no force channel where one is configured, it reads no number or the same to the last bit for 32 ms under drive; or the force in the
+    /// survey of the contact is none of friction.
+    ForceSensorImplausible = 46, "force sensor implausible", "look at the force channel";
+}
+
+numbered! {
+    /// What keeps the drive from doing what was asked. On the wire it is its number.
+    Limit
+    /// The voltage asked for, by an order or by the amplitude loop, is over `limits.voltage_v`; it is clamped.
+    OverVoltageRequest = 96, "the voltage asked for is over the voltage limit", "ask for less, or raise the limit in the configuration of the image";
+    /// The tracker stands at the edge of its frequency window, or an order asks for a frequency beyond it; it is clamped.
+    FrequencyWindow = 97, "the frequency stands at the edge of its window", "look at the nominal frequency and the span of the tracking";
+    /// Under drive, but in bursts too short for the tracker to measure the resonance: the frequency is held, and `locked` is not claimed.
+    NotTracking = 98, "the bursts are too short for the tracker to follow the resonance", "use longer bursts, or now and then a long one";
+    /// The quadrature asked for is over a quarter turn; it is clamped.
+    QuadratureRequest = 99, "the quadrature asked for is over a quarter turn", "ask for a quarter turn or less";
+    /// The amplitude is reduced: driver or stack are less than 20 K below `limits.temperature_c`, or the mean power is at `limits.power_w`.
+    Derated = 100, "the amplitude is reduced: too hot, or at its mean power", "let board and stack cool, or ask for less";
+    /// The drive is muted until the belt moves.
+    BeltMuted = 101, "muted until the belt moves", "the belt must move while it is driven";
+    /// The belt is faster than the tip can be: vibration does not change the friction.
+    NoAuthority = 102, "the belt is faster than the tip can be", "a slower belt, or a larger amplitude";
+    /// The friction ratio asked for is below what the maximum amplitude gives, above one, or not known, because the contact was not surveyed.
+    RatioUnreachable = 103, "the friction asked for is out of reach", "ask for a higher ratio, or survey the contact";
+    /// The limits leave too little above the drive for a boosted edge, which then ends below its level; or it is left out beside the resonance.
+    BoostLimited = 104, "the limits leave too little for a boosted edge", "less amplitude, a higher limit, or a hard edge";
+    /// The seat has read no torso mass, or one that cannot be: nobody is classified as light, and friction stays HIGH in a crash.
+    RestraintUnclassified = 105, "the seat has not said who sits in it", "look at the seat's sensor";
+}

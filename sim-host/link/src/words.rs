@@ -1,4 +1,4 @@
-//! Modes, faults and limits in words: what it is called, what it means, and what to do.
+//! Modes, faults and limits in words.
 
 use firmware::board::start::Start;
 use firmware::board::stored_state::StoredState;
@@ -20,19 +20,12 @@ pub fn mode(mode: Mode) -> String {
 
 /// A fault as number, name and what to do.
 pub fn fault(fault: Fault) -> String {
-    let (name, hint) = fault_words(fault.code());
-    format!("fault {}, {name}: {hint}", fault.code())
+    format!("fault {}, {}: {}", fault.code(), fault.called(), fault.remedy())
 }
 
-/// A fault's name.
-pub fn fault_name(code: u8) -> &'static str {
-    fault_words(code).0
-}
-
-/// A limit as number and meaning.
+/// A limit as number and name.
 pub fn limit(limit: Limit) -> String {
-    let code = u8::from(limit);
-    format!("limit {code}, {}", limit_words(code))
+    format!("limit {}, {}", limit.code(), limit.called())
 }
 
 /// What the board has stored over power-off, in a sentence.
@@ -74,69 +67,9 @@ pub fn start(start: &Start) -> String {
     }
 }
 
-/// What a fault is called, and what to look at.
-fn fault_words(code: u8) -> (&'static str, &'static str) {
-    match code {
-        10 => ("emergency stop", "release the stop and its line, then `fault clear`"),
-        11 => ("late block", "the processor had no time, or the converters stood still: look at `fault log`"),
-        12 => (
-            "host lost",
-            "the host said nothing for longer than the board's patience while it drove; see --host-timeout and --stay",
-        ),
-        20 => ("sense channel implausible", "a sense line is open, stuck or offset, or the amplifier is not on"),
-        21 => ("over-current", "more current than `limits.current_a`: a shorted stack or cable, or a limit below the drive"),
-        22 => ("load shorted", "look for a short in stack and cable"),
-        23 => ("load open", "no stack, an open cable, or an amplifier that is off"),
-        24 => ("lane implausible", "a lane is not heard or too far off: look at its amplifier and at the order of the lanes"),
-        25 => ("capacitance shifted", "another stack than was told (`tracking.nominal_c0_f`), or one that has depoled"),
-        26 => ("resonance damaged", "the stack rings otherwise than it was told: a crack, a loose horn, or another stack"),
-        27 => ("sense channels swapped", "exchange V and I, or reverse one of them"),
-        28 => ("sense channel saturated", "more than the front end can measure: lower the drive or the gain"),
-        30 => ("no resonance", "none in the window: look at the nominal frequency and the span; is the horn on?"),
-        31 => ("no lock", "it was found, but the loop did not pull in: too much damping, or a resonance that moves"),
-        32 => ("loss of lock", "the resonance has gone: the load, or a stack that breaks; `lock` looks for it again"),
-        33 => ("trackers disagree", "two ways to see the resonance say different things: look at the sense channels"),
-        34 => ("wrong mode", "it locked to another resonance than it was told of: narrow the window"),
-        40 => ("belt stopped", "the belt must move while it is driven"),
-        41 => ("belt sensor lost", "look at the encoder's lines"),
-        42 => ("belt sensor implausible", "the encoder counts while the force says that the belt stands"),
-        43 => ("energy per length", "too much energy into each metre of belt: less drive, or a faster belt"),
-        44 => ("over-temperature", "let board and stack cool"),
-        45 => ("on-time exceeded", "the drive was ON for longer than `limits.on_time_s`"),
-        46 => ("force sensor implausible", "look at the force channel"),
-        _ => ("a fault that this program does not know", "see the documentation of the board's firmware"),
-    }
-}
-
-fn limit_words(code: u8) -> &'static str {
-    match code {
-        96 => "the voltage asked for is over the voltage limit",
-        97 => "the frequency stands at the edge of its window",
-        98 => "the bursts are too short for the tracker to hear the resonance",
-        99 => "the quadrature asked for is over a quarter turn",
-        100 => "the amplitude is reduced: too hot, or at its mean power",
-        101 => "muted until the belt moves",
-        102 => "the belt is faster than the tip can be",
-        103 => "the friction asked for is out of reach",
-        104 => "the limits leave too little for a boosted edge",
-        105 => "the seat has not said who sits in it",
-        _ => "something that this program does not know",
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn every_fault_and_limit_of_the_firmware_has_words() {
-        let unknown = |text: &str| text.contains("this program does not know");
-        let faults: Vec<Fault> = (0..=255).filter_map(|code| Fault::try_from(code).ok()).collect();
-        let limits: Vec<Limit> = (0..=255).filter_map(|code| Limit::try_from(code).ok()).collect();
-        assert!(faults.len() >= 23 && limits.len() >= 10);
-        assert!(faults.into_iter().all(|known| !unknown(&fault(known))));
-        assert!(limits.into_iter().all(|known| !unknown(&limit(known))));
-    }
 
     #[test]
     fn modes_are_spelt_as_in_files() {

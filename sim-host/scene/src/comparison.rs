@@ -49,7 +49,7 @@ pub enum Equal {
     Peak,
     /// The root mean square of what was driven while ON: `drive_rms_v`.
     Rms,
-    /// The mean electrical power while ON: `input_power_w`.
+    /// The mean electrical power while ON: `drive_power_w`.
     Power,
 }
 
@@ -59,7 +59,7 @@ impl Equal {
         match self {
             Equal::Peak => None,
             Equal::Rms => Some("drive_rms_v"),
-            Equal::Power => Some("input_power_w"),
+            Equal::Power => Some("drive_power_w"),
         }
     }
 

@@ -65,21 +65,21 @@ pub enum TraceFormat {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Signal {
-    /// DAC code of the first lane.
+    /// DAC code of the first lane, `dac_bits` of `[sensors]` wide: `amplifier.full_scale_v` times `code / 2^(dac_bits - 1) - 1` is the voltage.
     #[serde(rename = "drive_code_0")]
     DriveCode0,
-    /// DAC code of the second lane.
+    /// DAC code of the second lane, `dac_bits` of `[sensors]` wide: `amplifier.full_scale_v` times `code / 2^(dac_bits - 1) - 1` is the voltage.
     #[serde(rename = "drive_code_1")]
     DriveCode1,
-    /// DAC code of the third lane.
+    /// DAC code of the third lane, `dac_bits` of `[sensors]` wide: `amplifier.full_scale_v` times `code / 2^(dac_bits - 1) - 1` is the voltage.
     #[serde(rename = "drive_code_2")]
     DriveCode2,
-    /// DAC code of the fourth lane.
+    /// DAC code of the fourth lane, `dac_bits` of `[sensors]` wide: `amplifier.full_scale_v` times `code / 2^(dac_bits - 1) - 1` is the voltage.
     #[serde(rename = "drive_code_3")]
     DriveCode3,
-    /// Voltage sense code.
+    /// Code of the voltage sense, `adc_bits` wide: `sensors.v_full_scale_v` times `code / 2^(adc_bits - 1) - 1` is the voltage.
     VCode,
-    /// Current sense code.
+    /// Code of the current sense, `adc_bits` wide: `sensors.i_full_scale_a` times `code / 2^(adc_bits - 1) - 1` is the current.
     ICode,
     /// Frequency driven, Hz.
     FrequencyHz,

@@ -30,7 +30,7 @@ use super::nearest::{listed, nearest, short, shown};
 use super::schema::{Schema, join};
 use super::tree::Node;
 use super::walk::{Findings, walk};
-use crate::metric_names;
+use crate::metrics;
 
 pub(super) use cells::alone;
 pub use exclusive::{Alternative, EXCLUSIVE, Exclusive};
@@ -185,12 +185,16 @@ impl<'a> Rules<'a> {
     }
 
     fn metric(&mut self, path: &str) {
-        let Some(name) = self.text(path).filter(|name| !metric_names::is_known(name)) else { return };
-        let meant = nearest(name, metric_names::NAMES.iter().copied());
+        let Some(name) = self.text(path).filter(|name| !metrics::is_known(name)) else { return };
+        if metrics::machine_figure(name).is_some() {
+            let message = format!("`{name}` is a figure of the machine, and differs from run to run");
+            let problem = Problem::new(self.place(path), message, "no metric");
+            self.add(path, problem.help("it stands in `machine.json`, and in `machine` of `--format json`"));
+            return;
+        }
+        let meant = nearest(name, metrics::names());
         let label = meant.first().map_or("not measured".to_owned(), |meant| format!("did you mean `{meant}`?"));
         let problem = Problem::new(self.place(path), format!("there is no metric `{}`", short(name)), label);
-        let names = listed(metric_names::NAMES.iter().copied(), "and");
-        let help = format!("the metrics are {names}; of several runs also with `_p95` or `_max` behind");
-        self.add(path, problem.help(help));
+        self.add(path, problem.help("`sim-host explain` lists all metrics; of several runs also with `_p95` or `_max` behind"));
     }
 }

@@ -142,6 +142,14 @@ impl Schema {
         own.chain(in_branches).filter_map(Value::as_str).collect()
     }
 
+    /// The strings a choice may be, each with its meaning.
+    pub fn described_choices(self) -> Vec<(&'static str, &'static str)> {
+        let branches = self.0["oneOf"].as_array().into_iter().flatten();
+        branches
+            .filter_map(|branch| Some((branch["const"].as_str()?, branch["description"].as_str().unwrap_or_default())))
+            .collect()
+    }
+
     /// Its documentation: meaning and unit.
     pub fn description(self) -> Option<&'static str> {
         self.0["description"].as_str()
@@ -187,6 +195,11 @@ impl Schema {
         let branches = self.0["anyOf"].as_array().into_iter().flatten();
         branches.into_iter().find(|branch| branch["type"] != "null").map_or(self, Self)
     }
+}
+
+/// The unit that a name ends in.
+pub fn unit_of(name: &str) -> Option<String> {
+    super::units::split(name).1.map(|unit| unit.symbol)
 }
 
 /// The dotted path of a key in a table.

@@ -72,7 +72,8 @@ fn section(page: &mut String, title: &str, path: &str, table: Schema, listed: &m
     }
 }
 
-fn range(schema: Schema) -> String {
+/// Which values a key may have, in words.
+pub(super) fn range(schema: Schema) -> String {
     match schema.kind() {
         Kind::Choice => schema.choices().iter().map(|choice| format!("`{choice}`")).collect::<Vec<_>>().join(" "),
         Kind::Flag => "`true` `false`".to_owned(),
@@ -91,7 +92,8 @@ fn written_range(least: Option<f64>, most: Option<f64>) -> String {
     }
 }
 
-fn default(schema: Schema, required: bool) -> String {
+/// What a key is where a scene does not say, in words.
+pub(super) fn default(schema: Schema, required: bool) -> String {
     match schema.default() {
         Some(Value::Number(number)) => number.as_f64().map(shown).unwrap_or_default(),
         Some(Value::String(text)) => format!("`{text}`"),

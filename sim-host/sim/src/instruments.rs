@@ -85,8 +85,6 @@ pub fn measure(scene: &Driven, record: &Record) -> Metrics {
         instrument.metrics(&view, &mut metrics);
     }
     metrics.put("plant_states", record.plant_states as f64);
-    let simulated_s = record.rows.last().map_or(0.0, |row| row.time_s);
-    metrics.put("simulated_s_per_wall_s", record.wall_s.map(|wall_s| simulated_s / wall_s));
     metrics
 }
 

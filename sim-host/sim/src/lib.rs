@@ -12,18 +12,18 @@
 //!
 //! # Example
 //!
-//! The controller finds and holds a resonance (`scene` is the package `sonoglide-scene`). No clock, thread or terminal is needed; a caller that
+//! The controller holds a resonance that jumps (`scene` is the package `sonoglide-scene`). No clock, thread or terminal is needed; a caller that
 //! has them passes them in [`study::Options`].
 //!
 //! ```
 //! use scene::load::load;
 //! use sonoglide_sim::study::{self, Options};
 //!
-//! let loaded = load("lock", &[])?;
+//! let loaded = load("lock-step", &[])?;
 //! let study = study::run(&loaded, Options::default())?;
-//! let locked_ms = study.metrics.get("lock_time_20hz_ms").expect("it locks");
-//! println!("within 20 Hz of the resonance after {locked_ms:.3} ms");
-//! assert!(study.passes() && locked_ms < 0.5);
+//! let relocked_ms = study.metrics.get("relock_time_20hz_ms").expect("it locks again");
+//! println!("within 20 Hz of the resonance {relocked_ms:.3} ms after the jump");
+//! assert!(study.passes() && relocked_ms < 0.5);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 #![forbid(unsafe_code)]
@@ -31,7 +31,9 @@
 pub mod advice;
 pub mod bounds;
 pub mod cramer_rao;
+pub mod data;
 pub mod edge_meter;
+pub mod explain;
 pub mod instruments;
 pub mod metrics;
 #[cfg(feature = "files")]

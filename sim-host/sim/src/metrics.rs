@@ -1,9 +1,8 @@
-//! Numbers from a study. Names are a contract (units last); what cannot be said of a study is left out, never zero. What each one means
-//! stands with the [instrument](crate::instruments) that measures it.
+//! Numbers from a study, by the names of the [table of metrics](scene::metrics). What cannot be said of a study is absent, never zero.
 
-use scene::metric_names::rank;
+use scene::metrics::{rank, renamed};
 
-/// Named numbers, in the order of [`NAMES`](scene::metric_names::NAMES).
+/// Named numbers, in the order of the table.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Metrics(Vec<(&'static str, f64)>);
 
@@ -13,18 +12,19 @@ impl Metrics {
         self.0.iter().find(|(have, _)| *have == name).map(|&(_, value)| value)
     }
 
+    /// The value of a metric by its name or, where this study has none of that name, by its former name.
+    pub fn find(&self, name: &str) -> Option<f64> {
+        self.get(name).or_else(|| self.get(renamed(name)?))
+    }
+
     /// All of them, in order.
     pub fn iter(&self) -> impl Iterator<Item = (&'static str, f64)> + '_ {
         self.0.iter().copied()
     }
 
-    /// The same without one of them.
-    pub(crate) fn without(mut self, name: &str) -> Self {
-        self.0.retain(|(have, _)| *have != name);
-        self
-    }
-
+    /// Adds a metric of the table, if it has a finite value.
     pub(crate) fn put(&mut self, name: &'static str, value: impl Into<Option<f64>>) {
+        debug_assert!(rank(name).is_some(), "the table of metrics has no `{name}`");
         if let Some(value) = value.into().filter(|value| value.is_finite()) {
             let place = self.0.partition_point(|(other, _)| rank(other) <= rank(name));
             self.0.insert(place, (name, value));

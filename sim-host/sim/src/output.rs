@@ -62,7 +62,35 @@ pub enum OutputError {
     Runs(#[source] csv::Error),
 }
 
-/// The summary: what `--format json` prints, and `summary.json` holds.
+/// What `--format json` prints: the summary, with what depends on the machine beside it.
+pub fn printed(study: &Study) -> Value {
+    let mut printed = summary(study);
+    printed["machine"] = machine(study);
+    printed
+}
+
+/// The figures of the machine, as `machine.json` holds them: all that differs from run to run.
+pub fn machine(study: &Study) -> Value {
+    let (wall_s, speed, ns) = match &study.outcome {
+        Outcome::Driven(run) => (run.record.wall_s, run.record.simulated_s_per_wall_s(), None),
+        Outcome::Contact(solved) => (None, None, solved.answer.as_ref().and_then(|answer| answer.solution.ns_per_period)),
+        Outcome::MonteCarlo(runs) => {
+            let speed = runs.wall_s.map(|wall_s| runs.runs.len() as f64 * study.scene.duration_s / wall_s);
+            (runs.wall_s, speed, None)
+        }
+    };
+    let processors = std::thread::available_parallelism().map(std::num::NonZero::get).ok();
+    let figures = [
+        ("wall_s", wall_s.map(Value::from)),
+        ("simulated_s_per_wall_s", speed.map(Value::from)),
+        ("ns_per_period", ns.map(Value::from)),
+        ("processors", processors.map(Value::from)),
+        ("system", Some(format!("{} {}", std::env::consts::OS, std::env::consts::ARCH).into())),
+    ];
+    figures.into_iter().filter_map(|(name, value)| Some((name.to_owned(), value?))).collect::<serde_json::Map<_, _>>().into()
+}
+
+/// The summary, as `summary.json` holds it. It is the same, byte for byte, of every run of the same scene.
 pub fn summary(study: &Study) -> Value {
     let endless = study.monte_carlo().into_iter().flat_map(|runs| &runs.endless).map(|&name| (name.to_owned(), Value::Null));
     let metrics: serde_json::Map<String, Value> =
@@ -134,8 +162,10 @@ pub fn write(loaded: &Loaded, study: &Study, dir: &Path) -> Result<(), OutputErr
 /// Writes everything into a folder, in place of the run that it holds.
 pub fn write_into(loaded: &Loaded, study: &Study, folder: &Folder) -> Result<(), OutputError> {
     let dir = folder.unfinished();
-    let path = dir.join("summary.json");
-    fs::write(&path, format!("{:#}\n", summary(study))).map_err(|io| OutputError::Write { path, io })?;
+    for (name, json) in [("summary.json", summary(study)), ("machine.json", machine(study))] {
+        let path = dir.join(name);
+        fs::write(&path, format!("{json:#}\n")).map_err(|io| OutputError::Write { path, io })?;
+    }
     match study.monte_carlo() {
         Some(runs) => runs_file::write(runs, &dir.join("runs.csv")).map_err(OutputError::Runs)?,
         None => trace_file::write(study, &dir.join("trace.csv"))?,

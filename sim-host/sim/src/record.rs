@@ -157,6 +157,14 @@ pub struct Record {
     pub wall_s: Option<f64>,
 }
 
+impl Record {
+    /// Simulated time over wall time, if the run was timed.
+    pub fn simulated_s_per_wall_s(&self) -> Option<f64> {
+        let simulated_s = self.rows.last().map_or(0.0, |row| row.time_s);
+        self.wall_s.map(|wall_s| simulated_s / wall_s)
+    }
+}
+
 /// What was commanded for a block, until it plays.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Command {

@@ -28,7 +28,7 @@ use crate::processor::Processor;
 use crate::run::RunError;
 use ::contact::{Clock, SolveError};
 use scene::load::{LoadError, Loaded};
-use scene::metric_names;
+use scene::metrics;
 use scene::{Equal, Expect, Kind, Scene, shown};
 
 /// Why a study has no result.
@@ -230,9 +230,9 @@ fn judge(expect: &Expect, metrics: &Metrics, comparison: Option<&ComparisonResul
     let value = match &case {
         Some((name, equal)) => comparison.and_then(|found| found.case(name, *equal)?.metric(&expect.metric)),
         // Of one run, percentile and maximum of a metric are the metric.
-        None => metrics.get(&expect.metric).or_else(|| {
+        None => metrics.find(&expect.metric).or_else(|| {
             let once = metrics.get("runs_completed").is_none();
-            metric_names::of_one_run(&expect.metric).filter(|_| once).and_then(|name| metrics.get(name))
+            metrics::of_one_run(&expect.metric).filter(|_| once).and_then(|metric| metrics.find(metric.name))
         }),
     };
     Judged {

@@ -6,6 +6,7 @@ mod driven;
 use crate::instruments::{self, Line, View, contact, crash, runs};
 use crate::study::{Outcome, Study};
 use report::{Report, TableBlock};
+use scene::metrics;
 
 /// The report of a study.
 pub fn report(study: &Study) -> Report {
@@ -52,6 +53,7 @@ pub fn remarks(study: &Study) -> Vec<String> {
     } else if !changes.is_empty() {
         remarks.push(format!("Changed by hand: {changes}. Title, notes and expectations are those of the unchanged scene."));
     }
+    remarks.extend(renamed(study));
     remarks.extend(match &study.outcome {
         Outcome::Driven(run) => driven::remarks(run),
         Outcome::Contact(solved) => contact::table::remarks(solved),
@@ -60,10 +62,20 @@ pub fn remarks(study: &Study) -> Vec<String> {
     remarks
 }
 
+/// Expectations that name a metric by its former name.
+fn renamed(study: &Study) -> Vec<String> {
+    let former = |name: &str| {
+        let present =
+            metrics::renamed(name).filter(|present| study.metrics.get(name).is_none() && study.metrics.get(present).is_some())?;
+        Some(format!("The expectation of `{name}` is judged by `{present}`, as this metric is called now."))
+    };
+    study.judged.iter().filter_map(|judged| former(&judged.metric)).collect()
+}
+
 /// The numbers that come first.
 pub fn headline(study: &Study) -> Vec<(String, String)> {
     let (first, lines) = match &study.outcome {
-        Outcome::Driven(run) => (driven::fault(run), driven::headline(run)),
+        Outcome::Driven(run) => (driven::fault(run), driven::headline()),
         Outcome::Contact(solved) => (contact::table::ratio(solved), contact::table::HEADLINE.to_vec()),
         Outcome::MonteCarlo(runs) => (Some(runs::table::count(runs)), runs::table::HEADLINE.to_vec()),
     };
@@ -76,7 +88,7 @@ pub fn headline(study: &Study) -> Vec<(String, String)> {
 /// How the study was run, in one line.
 pub fn manner(study: &Study) -> String {
     match &study.outcome {
-        Outcome::Driven(run) => driven::manner(study, run),
+        Outcome::Driven(run) => driven::manner(run),
         Outcome::Contact(solved) => contact::table::manner(solved),
         Outcome::MonteCarlo(runs) => runs::table::manner(runs),
     }

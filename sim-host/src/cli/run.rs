@@ -100,7 +100,7 @@ fn run_loaded(args: &RunArgs, loaded: &Loaded, color: Color) -> anyhow::Result<E
     }
     super::print(&match args.format {
         Format::Human => human(&study, args, color),
-        Format::Json => format!("{:#}\n", output::summary(&study)),
+        Format::Json => format!("{:#}\n", output::printed(&study)),
     })?;
     if let Some(dir) = dir.filter(|_| !args.quiet) {
         say!("report: {}", dir.join("report.html").display());

@@ -56,6 +56,26 @@ fn begun(folder: &Path) {
     }
 }
 
+/// All that differs between two runs of a scene is in `machine.json`.
+#[test]
+fn two_runs_leave_the_same_bytes_but_for_those_of_the_machine() {
+    let folder = Folder::new("bytes");
+    let several: [&str; 4] = ["run", "lock-cold", "--set", "runs=2"];
+    for (name, scene) in [("driven", &DRIVEN[..]), ("contact", &CONTACT), ("several", &several)] {
+        let [one, other] = ["1", "2"].map(|n| folder.0.join(format!("{name}-{n}")));
+        run(scene, &one);
+        run(scene, &other);
+        assert_eq!(names(&one), names(&other));
+        for file in names(&one).iter().filter(|file| *file != "machine.json") {
+            assert!(std::fs::read(one.join(file)).ok() == std::fs::read(other.join(file)).ok(), "{name}: {file}");
+        }
+        let machine = std::fs::read_to_string(one.join("machine.json")).expect("text");
+        let machine: Value = serde_json::from_str(&machine).expect("JSON");
+        let timed = if name == "contact" { "ns_per_period" } else { "simulated_s_per_wall_s" };
+        assert!(machine[timed].as_f64().is_some_and(|figure| figure > 0.0) && listed(&one).contains("machine.json"), "{machine}");
+    }
+}
+
 #[test]
 fn a_run_takes_the_place_of_another_and_leaves_what_is_somebody_elses() {
     let folder = Folder::new("places");

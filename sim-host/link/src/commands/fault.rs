@@ -58,7 +58,7 @@ fn log(session: &mut Session) -> Result<Answer, LinkError> {
     let mut entries = Vec::new();
     let mut entry = newest.entry;
     while let Some(at) = entry {
-        let name = words::fault_name(at.fault.code());
+        let name = at.fault.called();
         answer = answer.line(format!(
             "block {:>10}  {:2} {name}, at {} Hz, {} driven, {} and {} measured, in {}",
             at.block,

@@ -91,7 +91,7 @@ pub fn line(report: &Telemetry) -> String {
         line += &format!(" | {}", words::limit(limit));
     }
     if let Some(fault) = report.fault {
-        line += &format!(" | fault {}, {}", fault.code(), words::fault_name(fault.code()));
+        line += &format!(" | fault {}, {}", fault.code(), fault.called());
     }
     line
 }

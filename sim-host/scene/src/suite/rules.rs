@@ -2,7 +2,7 @@
 
 use super::{DERIVED, STEPS};
 use crate::diagnostic::Problem;
-use crate::metric_names;
+use crate::metrics;
 use crate::nearest::{listed, nearest, short};
 use crate::tree::Node;
 use crate::walk::Findings;
@@ -23,8 +23,8 @@ pub(super) fn check(root: &Node, found: &mut Findings) {
     known(root, &["target.*.cases.*", "quick.cases.*"], "case", &cases, found);
     for (path, name) in strings(root, &["target.*.metric", "table.*.column.*.metrics.*"]) {
         let derived = || DERIVED.iter().map(|(name, _)| *name).chain([STEPS]);
-        if !metric_names::is_known(&name) && !derived().any(|known| known == name) {
-            unknown(root, &path, "metric", &name, metric_names::NAMES.iter().copied().chain(derived()), found);
+        if !metrics::is_known(&name) && !derived().any(|known| known == name) {
+            unknown(root, &path, "metric", &name, metrics::names().chain(derived()), found);
         }
     }
     for (index, target) in root.at("target").map_or(&[][..], Node::list).iter().enumerate() {

@@ -24,7 +24,7 @@ impl Instrument for Crash {
 
     fn headline(&self) -> &'static [Line] {
         &[
-            ("less force at the shoulder", "reduction_percent", "%"),
+            ("less force at the shoulder", "shoulder_force_reduction_percent", "%"),
             ("peak force, switched", "peak_shoulder_force_n", "N"),
             ("peak force, passive", "passive_peak_shoulder_force_n", "N"),
             ("excursion, switched", "torso_excursion_m", "m"),

@@ -1,9 +1,5 @@
 //! What was driven, what it cost, and how the tip moved, by root mean square and peak: numbers that hold for any waveform, where an
-//! amplitude is a sine's only. All are over the steady blocks, as the friction is; those of the drive are of the first lane, and those of
-//! the tip of a stack's only.
-//!
-//! The power into the terminals is that into the motional branch and that into the clamped capacitance, which gives back over a
-//! period what it took: its mean is the motional branch's.
+//! amplitude is a sine's only.
 
 use super::curves::{axis, binned, curve, mean, shaded};
 use super::{Instrument, Line, View};
@@ -24,7 +20,7 @@ impl Instrument for Drive {
         let largest = |value: &dyn Fn(&Row) -> f64| rows.iter().map(|row| value(row)).fold(0.0, f64::max);
         metrics.put("drive_peak_v", largest(&|row| row.swing.peak_v));
         metrics.put("drive_rms_v", mean(&|row| row.swing.square_v2).sqrt());
-        metrics.put("input_power_w", mean(&|row| row.truth.power_w));
+        metrics.put("drive_power_w", mean(&|row| row.truth.power_w));
         if rows.iter().all(|row| row.truth.tip.is_some()) {
             let tip = |row: &Row| row.truth.tip.unwrap_or_default();
             metrics.put("tip_velocity_rms_m_per_s", mean(&|row| tip(row).square_m2_per_s2).sqrt());

@@ -1,10 +1,4 @@
 //! Friction of a sliding contact, switched by the vibration of its tip: the true force and the reading of a slow load cell.
-//!
-//! | metric | over |
-//! |---|---|
-//! | `friction_off_n` | true friction while the drive is OFF, settled |
-//! | `friction_on_n` | steady blocks; where the friction is switched, whole burst periods from 50 ms after the survey or the last set point |
-//! | `load_cell_*` | the same by the cell's reading, from 50 ms after the edge |
 
 use super::curves::{axis, binned, curve, shaded};
 use super::view::mean;

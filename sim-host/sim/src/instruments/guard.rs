@@ -1,9 +1,4 @@
 //! Faults and limits: in which the controller ended, and how soon the drive was OFF.
-//!
-//! | metric | over |
-//! |---|---|
-//! | `fault_code`, `limit_code` | the fault at the end of the run; the limit in its last block under drive; 0 is none |
-//! | `fault_latency_us` | from the scene's first fault to the first block without drive once the controller has faulted, or has been muted (limit 101) until it did |
 
 use firmware::seam::fault::Limit;
 

@@ -1,12 +1,4 @@
 //! The processor that ran the controller, where it is not this one: instructions and memory.
-//!
-//! | metric | is |
-//! |---|---|
-//! | `instructions_total` | of all calls of `process`, each to within a tick of the emulated timer (6) |
-//! | `mean_block_instructions`, `worst_block_instructions` | of one call |
-//! | `stack_power_up_bytes` | the deepest that the image's stack was until the controller was built |
-//! | `stack_blocks_bytes` | the deepest that it was in the blocks, with all of the image that stands above `process` |
-//! | `image_flash_bytes`, `image_ram_bytes` | of the image: code, constants and what static variables begin with; static variables |
 
 use super::{Instrument, View};
 use crate::metrics::Metrics;

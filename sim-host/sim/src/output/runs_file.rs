@@ -3,13 +3,13 @@
 use std::path::Path;
 
 use crate::study::monte_carlo::MonteCarlo;
-use scene::metric_names::NAMES;
+use scene::metrics;
 
 /// Writes the runs. A metric that a run does not have is empty; one that none has is no column.
 pub(super) fn write(runs: &MonteCarlo, path: &Path) -> Result<(), csv::Error> {
     let mut file = csv::Writer::from_path(path)?;
-    let any = |name: &&&str| runs.runs.iter().any(|run| run.metrics.get(name).is_some());
-    let names: Vec<&str> = NAMES.iter().filter(any).copied().collect();
+    let any = |name: &&str| runs.runs.iter().any(|run| run.metrics.get(name).is_some());
+    let names: Vec<&str> = metrics::names().filter(any).collect();
     let head = ["run", "seed"].into_iter().chain(runs.keys.iter().map(String::as_str)).chain(["locked"]);
     file.write_record(head.chain(names.iter().copied()))?;
     for run in &runs.runs {

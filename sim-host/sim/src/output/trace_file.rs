@@ -5,6 +5,7 @@
 
 use std::path::Path;
 
+use crate::data::{OVERVIEW, PERIODS};
 use crate::record::Record;
 use crate::study::contact::Solved;
 use crate::study::{Outcome, Study};
@@ -47,7 +48,7 @@ fn signals(tracer: &Tracer, file: &mut csv::Writer<std::fs::File>) -> Result<(),
 }
 
 fn last_periods(solved: &Solved, file: &mut csv::Writer<std::fs::File>) -> Result<(), csv::Error> {
-    file.write_record(["time_s", "displacement_m", "velocity_m_per_s", "friction_n"])?;
+    file.write_record(PERIODS.map(|(name, ..)| name))?;
     for state in solved.film.last_periods() {
         let row = [state.time_s, state.x_m, state.v_m_per_s, state.force_n];
         file.write_record(row.map(|value| value.to_string()))?;
@@ -56,38 +57,10 @@ fn last_periods(solved: &Solved, file: &mut csv::Writer<std::fs::File>) -> Resul
 }
 
 fn overview(record: &Record, file: &mut csv::Writer<std::fs::File>) -> Result<(), csv::Error> {
-    file.write_record([
-        "time_s",
-        "mode",
-        "fault_code",
-        "limit_code",
-        "frequency_command_hz",
-        "resonance_estimate_hz",
-        "series_resonance_true_hz",
-        "drive_v",
-        "envelope",
-        "motional_current_estimate_a",
-        "tip_velocity_true_m_per_s",
-        "friction_true_n",
-        "load_cell_n",
-        "power_true_w",
-    ])?;
+    file.write_record(OVERVIEW.iter().map(|column| column.name))?;
     let rows = &record.rows;
     for row in rows.iter().step_by(rows.len().div_ceil(ROWS).max(1)) {
-        let numbers = [
-            row.frequency_hz,
-            row.resonance_estimate_hz,
-            row.truth.series_resonance_hz,
-            row.drive_v,
-            row.envelope,
-            row.motional_current_a,
-            row.truth.tip_velocity_m_per_s,
-            row.truth.friction_mean_n,
-            row.truth.load_cell_n,
-            row.truth.power_w,
-        ];
-        let head = [row.time_s.to_string(), format!("{:?}", row.mode), row.fault.to_string(), row.limit.to_string()];
-        file.write_record(head.into_iter().chain(numbers.map(|x| x.to_string())))?;
+        file.write_record(OVERVIEW.iter().map(|column| (column.value)(row)))?;
     }
     Ok(())
 }

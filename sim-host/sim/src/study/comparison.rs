@@ -80,7 +80,7 @@ impl ComparisonResult {
 impl CaseResult {
     /// A metric, if the case is equal to the first.
     pub fn metric(&self, name: &str) -> Option<f64> {
-        matches!(self.standing, Standing::Equal { .. }).then(|| self.metrics.get(name)).flatten()
+        matches!(self.standing, Standing::Equal { .. }).then(|| self.metrics.find(name)).flatten()
     }
 }
 
@@ -212,7 +212,7 @@ mod tests {
         force_factor_n_per_v = 5.566
         [comparison]
         title = "Tones"
-        metrics = ["drive_rms_v", "input_power_w"]
+        metrics = ["drive_rms_v", "drive_power_w"]
         amplitude_key = "controller.drive.amplitude_v"
         match = ["peak", "rms", "power"]
         [[comparison.case]]
@@ -234,7 +234,7 @@ mod tests {
         let study = study::run(&loaded, study::Options::default()).unwrap();
         let result = study.comparison.unwrap();
         let case = |name: &str, equal| result.case(name, equal).unwrap();
-        let power = |name: &str| case(name, Equal::Peak).metric("input_power_w").unwrap();
+        let power = |name: &str| case(name, Equal::Peak).metric("drive_power_w").unwrap();
         let equal =
             |case: &CaseResult| matches!(case.standing, Standing::Equal { off } if off.abs() <= super::super::matching::CLOSE);
         assert!(["sine", "square", "off", "weak"].iter().all(|name| case(name, Equal::Peak).amplitude == 1.0));
@@ -250,7 +250,7 @@ mod tests {
         let Standing::Beyond { needs } = case("off", Equal::Power).standing else { panic!("{:?}", case("off", Equal::Power)) };
         assert!((needs / (power("sine") / power("off")).sqrt() - 1.0).abs() < 0.01, "{needs}");
         assert_eq!(case("off", Equal::Power).amplitude, 15.466);
-        assert_eq!(case("off", Equal::Power).metric("input_power_w"), None);
+        assert_eq!(case("off", Equal::Power).metric("drive_power_w"), None);
         assert_eq!(case("weak", Equal::Power).standing, Standing::Unmeasured { fault: Some(Fault::OverCurrent) });
     }
 }

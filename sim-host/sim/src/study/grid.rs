@@ -61,7 +61,7 @@ fn cell(grid: &Grid, (row, column): (f64, f64)) -> Cell {
 fn value(made: &Made, grid: &Grid, mean: Option<Mean>) -> Result<Value, StudyError> {
     match made.scene.excited().filter(|_| mean.is_some()).and_then(|scene| abreast::steady(&scene)) {
         Some(steady) => Ok(Value::Steady(steady)),
-        None => Ok(Value::Measured(made.metrics()?.get(&grid.metric))),
+        None => Ok(Value::Measured(made.metrics()?.find(&grid.metric))),
     }
 }
 
@@ -91,7 +91,7 @@ mod tests {
 
     /// Each cell of a grid as a run of its own, without lanes.
     fn one_by_one(loaded: &Loaded, grid: &Grid) -> Vec<Option<f64>> {
-        read(loaded, grid, |made| Ok(made.metrics()?.get(&grid.metric)))
+        read(loaded, grid, |made| Ok(made.metrics()?.find(&grid.metric)))
     }
 
     fn read<T: Send>(loaded: &Loaded, grid: &Grid, of: impl Fn(&Made) -> Result<T, StudyError> + Sync) -> Vec<T> {

@@ -17,15 +17,12 @@ use self::error::Grid;
 use super::driven::Level;
 use super::plan::{Cell, Made, Plan, Progress};
 use super::{Options, StudyError};
+use crate::instruments::View;
 use crate::instruments::lock::claims;
 use crate::instruments::runs::statistics::{self, Statistics};
-use crate::instruments::{View, contact};
 use crate::metrics::Metrics;
 use crate::record::text_hash;
 use scene::load::Loaded;
-
-/// The one metric that depends on the machine.
-const WALL: &str = "simulated_s_per_wall_s";
 
 /// What it is called, and whether a run has it.
 type Flaw = (&'static str, fn(&OneRun) -> bool);
@@ -85,13 +82,13 @@ impl OneRun {
     /// Runs it, and keeps its numbers.
     fn read(draw: Draw, made: &Made, grid: Option<&Grid>) -> Result<Self, StudyError> {
         let Some(scene) = made.scene.driven() else {
-            let metrics = made.metrics()?.without(contact::metrics::WALL);
+            let metrics = made.metrics()?;
             return Ok(OneRun { draw, metrics, locked: false, drive_hash: None, error_hz: Vec::new() });
         };
         let (record, metrics) = made.recorded(&scene)?;
         let locked = claims::of(&View::new(&scene, &record)).is_some_and(|claims| claims.true_lock);
         let error_hz = grid.map_or_else(Vec::new, |grid| grid.errors_hz(&scene, &record));
-        Ok(OneRun { draw, metrics: metrics.without(WALL), locked, drive_hash: Some(record.drive_hash), error_hz })
+        Ok(OneRun { draw, metrics, locked, drive_hash: Some(record.drive_hash), error_hz })
     }
 
     /// Whether it ended in a fault.
@@ -160,7 +157,6 @@ pub(super) fn run(loaded: &Loaded, options: Options, stop: &AtomicBool) -> Resul
     if scene.driven().is_some() {
         metrics.put("runs_locked", runs.iter().filter(|run| run.locked).count() as f64);
         metrics.put("runs_faulted", runs.iter().filter(|run| run.faulted()).count() as f64);
-        metrics.put(WALL, wall_s.map(|wall_s| runs.len() as f64 * scene.duration_s / wall_s));
     }
     let times_ms = grid.map_or_else(Vec::new, |grid| grid.times_s.iter().map(|s| 1e3 * s).collect());
     Ok((MonteCarlo { keys: draws.keys, level: Level::of(start), asked: scene.runs, runs, endless, times_ms, wall_s }, metrics))

@@ -13,7 +13,7 @@ use crate::instruments::friction_switch::Step;
 use crate::metrics::Metrics;
 use contact::closed;
 use scene::suite::{LoadedSuite, ReadyCase, Target};
-use scene::{Scene, metric_names, shown};
+use scene::{Scene, metrics, shown};
 
 /// Called with the name of each case that begins.
 pub type Progress<'a> = &'a mut (dyn FnMut(&str) + Send);
@@ -102,9 +102,10 @@ impl<'a> CaseResult<'a> {
     /// A metric of all runs together, or a derived quantity; infinite if it never comes in too many runs.
     pub fn value(&self, metric: &str) -> Option<f64> {
         let derived = self.derived.iter().find(|(name, _)| *name == metric).and_then(|(_, value)| *value);
-        let alone = || metric_names::of_one_run(metric).filter(|_| self.each.len() == 1).and_then(|name| self.metrics.get(name));
+        let alone =
+            || metrics::of_one_run(metric).filter(|_| self.each.len() == 1).and_then(|metric| self.metrics.find(metric.name));
         let endless = || self.endless.contains(&metric).then_some(f64::INFINITY);
-        derived.or_else(|| self.metrics.get(metric)).or_else(alone).or_else(endless)
+        derived.or_else(|| self.metrics.find(metric)).or_else(alone).or_else(endless)
     }
 
     /// The values of a metric over the runs, in order.

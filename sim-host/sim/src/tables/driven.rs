@@ -4,7 +4,6 @@ use std::fmt::Write as _;
 
 use crate::instruments::{DRIVEN, Line, View};
 use crate::metrics::Metrics;
-use crate::study::Study;
 use crate::study::driven::Run;
 use report::TableBlock;
 
@@ -29,13 +28,8 @@ pub(super) fn remarks(run: &Run) -> Vec<String> {
 }
 
 /// The numbers that come first of a run.
-pub(super) fn headline(run: &Run) -> Vec<Line> {
-    let lines = DRIVEN.iter().flat_map(|instrument| instrument.headline()).copied();
-    let crash = run.record.crash.is_some();
-    lines
-        .filter(|(label, ..)| !crash || *label != "friction reduction")
-        .chain([("simulated s per wall s", "simulated_s_per_wall_s", "")])
-        .collect()
+pub(super) fn headline() -> Vec<Line> {
+    DRIVEN.iter().flat_map(|instrument| instrument.headline()).copied().collect()
 }
 
 /// The fault that the run ended in, as a headline.
@@ -59,8 +53,8 @@ pub(super) fn footer(run: &Run) -> Vec<(&'static str, String)> {
 }
 
 /// How it was run, in one line.
-pub(super) fn manner(study: &Study, run: &Run) -> String {
-    let speed = study.metrics.get("simulated_s_per_wall_s");
+pub(super) fn manner(run: &Run) -> String {
+    let speed = run.record.simulated_s_per_wall_s();
     let speed = speed.map_or_else(String::new, |speed| format!("{} simulated seconds per wall second, ", super::number(speed)));
     format!("{}; {speed}{} plant states; drive hash {:016x}", run.level, run.record.plant_states, run.record.drive_hash)
 }

@@ -1,11 +1,4 @@
-//! Numbers of a belt under a horn, whose pull comes to its reduced value in a good second and not within the vibration's ring-up.
-//!
-//! | metric | over |
-//! |---|---|
-//! | `friction_off_n`, `load_cell_off_n` | the last 2 ms before the first ON window |
-//! | `friction_on_n`, `load_cell_on_n`, `amplitude_fraction` | the last 2 ms of that window: what the thesis calls the reduction after so long |
-//! | `lasting_reduction_percent` | what the law says of that amplitude if it lasted |
-//! | `on_time_s` | how long the window was, as played |
+//! Metrics of a belt under a horn, whose pull comes to its reduced value in a good second and not within the ring-up of the vibration.
 
 use firmware::seam::mode::Mode;
 

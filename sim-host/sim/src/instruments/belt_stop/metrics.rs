@@ -1,10 +1,4 @@
-//! How long a belt that stands is driven, and how much energy it gets.
-//!
-//! | metric | what |
-//! |---|---|
-//! | `belt_stop_to_mute_ms` | from the moment that the belt is slower than `1 / (n T)`, the slowest whose counts come in time, or that its encoder fails, to the first block without drive; not where the drive was OFF then |
-//! | `ring_down_ms` | from that block to 5 % of the tip velocity |
-//! | `exposure_j_per_mm` | energy into the motional branch while any one millimetre of belt passes, or stands: the largest |
+//! Metrics of a belt that stops: how long it is still driven, and how much energy it gets.
 
 use crate::instruments::View;
 use crate::metrics::Metrics;

@@ -1,32 +1,9 @@
-//! Numbers from a solved contact study. Fc is the Coulomb force, mu N; Vt the sliding speed; means are over the scene's window.
-//!
-//! | metric | is |
-//! |---|---|
-//! | `friction_off_n`, `friction_on_n` | Fc at the end of the window, which is the friction without vibration; mean friction |
-//! | `friction_ratio`, `reduction_percent` | mean friction over Fc (thesis 4.17); what is missing to one, in per cent |
-//! | `velocity_ratio` | Vt / Vv, Vv being the steady velocity of the sine of this force and frequency without friction |
-//! | `peak_velocity_m_per_s`, `peak_displacement_m` | largest velocity and displacement at a step's end within the whole run |
-//! | `peak_force_ratio` | largest friction at a step's end within the whole run, over the Fc of that moment |
-//! | `reversals` | reversals of the slip in the whole run; of methods that locate them |
-//! | `power_ratio` | power into friction, over Fc Vt (4.18) |
-//! | `input_ratio` | power from the forcing, over Fc Vt (4.31); of a given motion, the power that keeps it up |
-//! | `stored_ratio`, `damper_ratio` | energy gained by mass and spring, and lost in the damper, over Fc Vt times the window |
-//! | `power_ratio_as_printed` | `1 + phi_iu - phi_su` (4.35), which is wrong and kept to be shown |
-//! | `energy_residual` | what the energy identity misses, over Fc Vt times the window |
-//! | `contact_time_percent` | part of the window in contact, of a vibration across the surface; so are the next three |
-//! | `mean_indentation_m` | mean deflection of the contact; nothing while the bodies are apart |
-//! | `mean_normal_n`, `peak_normal_n` | mean and largest normal force. The mean is the load, where nothing else carries it |
-//! | `kappa` | Kt Vv / (w Fc): vibration amplitude in Dahl lengths |
-//! | `error_estimate` | how far the friction ratio is from that of half the step |
-//! | `steps_per_period`, `plant_states`, `ns_per_period` | what the solution took |
+//! Metrics of a solved contact study.
 
 use crate::metrics::Metrics;
 use crate::study::contact::Answer;
 use contact::{Method, Motion};
 use scene::{Excited, problem};
-
-/// The one metric that depends on the machine.
-pub const WALL: &str = "ns_per_period";
 
 /// The numbers of a solved study.
 pub fn of(study: &Excited, answer: &Answer) -> Metrics {
@@ -65,6 +42,5 @@ pub fn of(study: &Excited, answer: &Answer) -> Metrics {
     metrics.put("error_estimate", solution.error_estimate);
     metrics.put("steps_per_period", solution.steps_per_period.map(f64::from));
     metrics.put("plant_states", solution.states as f64);
-    metrics.put(WALL, solution.ns_per_period);
     metrics
 }

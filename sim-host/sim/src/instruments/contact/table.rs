@@ -48,7 +48,6 @@ pub const HEADLINE: &[Line] = &[
     ("power ratio", "power_ratio", ""),
     ("velocity ratio", "velocity_ratio", ""),
     ("kappa", "kappa", ""),
-    ("ns per period", "ns_per_period", ""),
 ];
 
 /// The friction ratio with its error estimate, as a headline.
@@ -138,7 +137,6 @@ fn solution(solution: &Solution) -> TableBlock {
         ("order", or_none(solution.order)),
         ("error estimate of the friction ratio", error),
         ("states", solution.states.to_string()),
-        ("time a period [ns]", solution.ns_per_period.map_or_else(|| "–".to_owned(), number)),
     ];
     let rows = rows.into_iter().map(|(what, value)| vec![what.into(), value]).collect();
     TableBlock::new("solution", "Solution", "", &["", ""], rows)

@@ -17,34 +17,43 @@ const LATE: usize = 4;
 pub(super) fn add(run: &View, metrics: &mut Metrics) {
     let tip = |row: &Row| row.truth.tip_velocity_m_per_s;
     let Some(steady) = mean(run.steady().map(tip)) else { return };
-    let at_edges = worst_edges(run, steady, metrics).unwrap_or(0.0);
-    let peak = run.rows.iter().filter(|row| row.mode == Mode::Run).map(tip).fold(at_edges, f64::max);
+    let edges = &run.record.edges;
+    let at_edges = edges.iter().flat_map(|edges| &edges.rising).copied().fold(0.0, f64::max);
+    let peak_from = |from_s: f64| {
+        run.rows.iter().filter(|row| row.mode == Mode::Run && row.time_s > from_s).map(tip).fold(at_edges, f64::max)
+    };
     metrics.put("tip_velocity_m_per_s", steady);
-    metrics.put("peak_velocity_m_per_s", peak);
-    metrics.put("overshoot_percent", run.steps_s.is_empty().then(|| 100.0 * (peak / steady - 1.0).max(0.0)));
+    metrics.put("peak_velocity_m_per_s", peak_from(f64::NEG_INFINITY));
+    // Where set points follow each other, the bursts that were watched have other amplitudes than the last one.
+    if run.scene.controller.friction.is_some() {
+        return;
+    }
+    worst_edges(run, steady, metrics);
+    let first_s = edges.iter().filter_map(|edges| edges.first_s).reduce(f64::min).filter(|_| run.disturbed_s.is_empty());
+    metrics.put("overshoot_percent", first_s.map(|first_s| 100.0 * (peak_from(first_s) / steady - 1.0).max(0.0)));
 }
 
-/// Adds the worst of all bursts that were watched. Returns the largest envelope of them while ON.
-fn worst_edges(run: &View, steady: f64, metrics: &mut Metrics) -> Option<f64> {
+/// Adds the worst of all bursts that were watched.
+fn worst_edges(run: &View, steady: f64, metrics: &mut Metrics) {
     let (edges, sample_s) = (&run.record.edges, run.record.sample_s);
     let worst = |of: &dyn Fn(&Edges) -> Option<f64>| edges.iter().filter_map(of).reduce(f64::max);
     let rise = |edges: &Edges| reaches(&edges.rising, |v| v >= RUNG.0 * steady).map(|samples| samples * sample_s);
     let fall = |edges: &Edges| reaches(&edges.falling, |v| v <= RUNG.1 * steady).map(|samples| samples * sample_s);
+    // Of what ends without a brake or a ramp, the vibration itself is left.
     let residual = |edges: &Edges| {
-        let left = edges.falling.get(edges.loud + LATE..)?.iter().copied().reduce(f64::max)?;
+        let left = edges.falling.get(edges.loud + LATE..).filter(|_| edges.loud > 0)?.iter().copied().reduce(f64::max)?;
         Some(100.0 * left / steady)
     };
     metrics.put("rise_time_ms", worst(&rise).map(|s| 1e3 * s));
     metrics.put("fall_time_ms", worst(&fall).map(|s| 1e3 * s));
     metrics.put("residual_percent", worst(&residual));
-    worst(&|edges| edges.rising.iter().copied().reduce(f64::max))
 }
 
-/// After how many samples an envelope first is there, between its values at their ends.
+/// After how many samples an envelope first is there, between its values at their ends; none if it is from the beginning, which is no edge.
 fn reaches(envelope: &[f64], there: impl Fn(f64) -> bool) -> Option<f64> {
     let after = envelope.iter().position(|&v| there(v))?;
     let now = envelope[after];
-    let Some(&before) = after.checked_sub(1).and_then(|before| envelope.get(before)) else { return Some(1.0) };
+    let before = envelope.get(after.checked_sub(1)?)?;
     // By halving, because the condition is all that is known of the level.
     let (mut low, mut high) = (0.0, 1.0);
     for _ in 0..20 {

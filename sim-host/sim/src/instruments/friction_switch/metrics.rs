@@ -1,17 +1,4 @@
-//! Numbers of the friction switch: command, estimate and truth, means over whole burst periods from 50 ms after the survey, or after each step of
-//! what is wanted, to the next.
-//!
-//! | metric | meaning |
-//! |---|---|
-//! | `friction_ratio_wanted` | command: what is wanted last |
-//! | `friction_ratio_estimate` | what the controller believes of it, by its law and the tip velocity that it measures |
-//! | `friction_ratio_sensed` | what its force channel says of it, over what that said in silence |
-//! | `friction_ratio_error` | the true `friction_ratio` less what is wanted, of the step where that is largest; not of ratios that are refused |
-//! | `ratios_refused` | steps that ended under limit 102 or 103 |
-//! | `friction_floor_estimate` | the least ratio, as the controller believes |
-//! | `kappa`, `kappa_estimate` | vibration amplitude in Dahl lengths at the loudest drive: the contact's, and as surveyed |
-//! | `kappa_deviation` | standard deviation that the controller states of it, relative |
-//! | `survey_time_ms` | from the first sample of the run to the end of the survey |
+//! Metrics of the friction switch: set point, estimate and truth.
 
 use firmware::seam::fault::Limit;
 use firmware::seam::mode::Mode;

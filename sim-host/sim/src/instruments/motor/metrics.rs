@@ -1,18 +1,4 @@
-//! Numbers of a motor, over steady blocks unless said.
-//!
-//! | metric | meaning |
-//! |---|---|
-//! | `forward_wave_m`, `backward_wave_m` | amplitudes of the wave in the direction asked for, and of the other |
-//! | `backward_wave_percent` | the second over the first |
-//! | `surface_speed_m_per_s` | surface speed at the crests of the wave in the direction asked for |
-//! | `rotor_speed_rad_per_s`, `rotor_torque_nm`, `rotor_power_w` | positive forwards; the torque is the friction's |
-//! | `rotor_speed_ratio` | surface speed of the rotor over that of the crests |
-//! | `rotor_speed_ratio_closed_form` | the same of a pure wave of the same amplitude at the same torque |
-//! | `contact_deg`, `normal_force_n` | half angle over which a crest touches; the force that results |
-//! | `normal_shift_hz` | what the contact's spring, which is left out, would add to the resonance |
-//! | `lane_phase_error_deg_max`, `lane_gain_error_percent_max` | largest difference of a lane from lane 0 turned by its quarters |
-//! | `start_time_ms` | from the first ON edge after the lock, as ordered, to 90 % of the steady speed |
-//! | `stop_time_ms` | from the OFF edge that follows to a thousandth of it |
+//! Metrics of a travelling-wave motor.
 
 use crate::instruments::View;
 use crate::instruments::view::{crossing, mean};

@@ -1,22 +1,19 @@
-//! Numbers of several runs: what is typical, and what is the worst.
+//! Statistics of several runs: what is typical, and what is the worst.
 //!
 //! | | is |
 //! |---|---|
 //! | `NAME` | the median of the runs; the mean of the middle two of an even number |
 //! | `NAME_p95` | the smallest value that at least 95 % of the runs do not exceed (nearest rank) |
 //! | `NAME_max` | the largest |
-//! | `runs_completed`, `runs_locked`, `runs_faulted` | how many came to their end; had a lock that was one; ended in a fault |
-//! | `false_locks`, `undetected_losses` | in how many runs there was one: see [`claims`](crate::instruments::lock::claims) |
 //!
-//! Of a [signed](SIGNED) metric, percentile and maximum are of its absolute value. A run that lacks a time (one that never locks has
-//! no lock time) took for ever: it counts as infinite. A statistic that comes out infinite is absent, and `null` in JSON. A run that
-//! lacks anything else (a bias, if it was never steady) is not counted in that metric; how many were, the report's table says.
+//! Of a metric that is [best at zero](Sign::Error), percentile and maximum are of its absolute value; [flags](Sign::Flag) are counted; a [code](Sign::Code)
+//! stands where all runs have the same. A run that lacks a time (one that never locks has no lock time) counts as infinite. A statistic that
+//! comes out infinite is absent, and `null` in JSON. A run that lacks anything else (a bias, if it was never steady) is not counted in that
+//! metric; how many were, the report's table says.
 
 use crate::metrics::Metrics;
-use scene::metric_names::{COUNTED, OF_RUNS, SIGNED};
+use scene::metrics::{OF_RUNS, Sign, metric};
 
-/// Metrics of which there is only a median, because it is the same in all runs.
-const SAME: [&str; 1] = ["plant_states"];
 /// How the names of times end.
 const TIMES: [&str; 2] = ["_ms", "_us"];
 
@@ -46,17 +43,19 @@ pub struct Spread {
 pub fn of<'a>(runs: impl Iterator<Item = &'a Metrics> + Clone) -> Statistics {
     let mut over = Statistics::default();
     for names in OF_RUNS.iter() {
-        if COUNTED.contains(&names.name) {
-            let mut having = runs.clone().filter_map(|run| run.get(names.name)).peekable();
-            let any = having.peek().is_some();
-            over.metrics.put(names.name, any.then(|| having.sum::<f64>()));
-            continue;
-        }
-        let Some(spread) = spread(names.name, runs.clone()) else { continue };
-        over.put(names.name, spread.median);
-        if !SAME.contains(&names.name) {
-            over.put(&names.p95, spread.p95);
-            over.put(&names.max, spread.max);
+        let name = names.metric.name;
+        let mut having = runs.clone().filter_map(|run| run.get(name)).peekable();
+        let Some(&first) = having.peek() else { continue };
+        match names.metric.sign {
+            Sign::Flag => over.put(name, having.sum::<f64>()),
+            Sign::Code if having.all(|value| value == first) => over.put(name, first),
+            Sign::Code | Sign::Count => {}
+            Sign::Magnitude | Sign::Signed | Sign::Error => {
+                let Some(spread) = spread(name, runs.clone()) else { continue };
+                over.put(name, spread.median);
+                over.put(&names.p95, spread.p95);
+                over.put(&names.max, spread.max);
+            }
         }
     }
     over
@@ -91,7 +90,7 @@ pub fn spread<'a>(name: &str, runs: impl Iterator<Item = &'a Metrics>) -> Option
     let mut values: Vec<f64> = all.into_iter().filter_map(|value| value.or(time.then_some(f64::INFINITY))).collect();
     values.sort_by(f64::total_cmp);
     let median = median(&values);
-    if SIGNED.contains(&name) {
+    if metric(name).is_some_and(|metric| metric.sign == Sign::Error) {
         values.iter_mut().for_each(|value| *value = value.abs());
         values.sort_by(f64::total_cmp);
     }
@@ -174,5 +173,11 @@ mod tests {
         assert_eq!((found.get("false_locks"), found.get("false_locks_p95")), (Some(2.0), None));
         let found = over("plant_states", &[Some(7.0), Some(7.0)]).metrics;
         assert_eq!((found.get("plant_states"), found.get("plant_states_p95")), (Some(7.0), None));
+    }
+
+    #[test]
+    fn a_code_has_no_median() {
+        assert_eq!(over("fault_code", &[Some(0.0), Some(0.0)]).metrics.get("fault_code"), Some(0.0));
+        assert_eq!(over("fault_code", &[Some(0.0), Some(31.0)]), Statistics::default());
     }
 }

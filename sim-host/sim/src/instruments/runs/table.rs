@@ -6,7 +6,7 @@ use crate::study::Study;
 use crate::study::monte_carlo::MonteCarlo;
 use crate::tables::number;
 use report::TableBlock;
-use scene::metric_names;
+use scene::metrics;
 
 /// What the table of all runs shows, if they have it: label and metric.
 const ROWS: &[(&str, &str)] = &[
@@ -23,6 +23,7 @@ const ROWS: &[(&str, &str)] = &[
     ("motional phase, steady [degrees]", "motional_phase_deg"),
     ("tip velocity [m/s]", "tip_velocity_m_per_s"),
     ("reduction [%]", "reduction_percent"),
+    ("less force at the shoulder [%]", "shoulder_force_reduction_percent"),
     ("peak force at the shoulder [N]", "peak_shoulder_force_n"),
     ("the same, passive belt [N]", "passive_peak_shoulder_force_n"),
     ("excursion of the torso [m]", "torso_excursion_m"),
@@ -75,7 +76,7 @@ pub const HEADLINE: &[Line] = &[
     ("false locks", "false_locks", "runs"),
     ("undetected losses", "undetected_losses", "runs"),
     ("with friction LOW", "switched", "runs"),
-    ("less force at the shoulder, median", "reduction_percent", "%"),
+    ("less force at the shoulder, median", "shoulder_force_reduction_percent", "%"),
 ];
 
 /// How many runs there were, as a headline.
@@ -137,8 +138,8 @@ fn spreads(study: &Study, runs: &MonteCarlo) -> TableBlock {
 
 /// What the scene expects of a metric, if anything.
 fn reference(study: &Study, name: &str) -> String {
-    let of = |judged: &str| match metric_names::of_one_run(judged) {
-        Some(base) if base == name => Some(if judged.ends_with("_p95") { "95 %: " } else { "largest: " }),
+    let of = |judged: &str| match metrics::of_one_run(judged) {
+        Some(base) if base.name == name => Some(if judged.ends_with("_p95") { "95 %: " } else { "largest: " }),
         None if judged == name => Some("median: "),
         _ => None,
     };

@@ -23,7 +23,7 @@ fn on_threads(threads: usize) -> (Vec<OneRun>, Metrics) {
     let loaded = cold(&[]);
     pool.install(|| {
         let study = studied(&loaded);
-        (study.monte_carlo().unwrap().runs.clone(), study.metrics.clone().without(WALL))
+        (study.monte_carlo().unwrap().runs.clone(), study.metrics.clone())
     })
 }
 
@@ -53,7 +53,7 @@ fn a_run_by_itself_is_the_run_of_many() {
     let alone = loaded.cell(&draws.draw(5).sets(&draws.keys)).unwrap();
     let alone = studied(&alone);
     assert_eq!(alone.run().unwrap().record.drive_hash, many.drive_hash.unwrap());
-    assert_eq!(alone.metrics.clone().without(WALL), many.metrics);
+    assert_eq!(alone.metrics, many.metrics);
     // The same by the seed alone would be another run: what varies is drawn, too.
     let values = many.draw.values.clone();
     assert_ne!(values, runs.runs[3].draw.values);

@@ -1,0 +1,207 @@
+//! The data that a run leaves: every file, its columns, units and scale. `docs/data.md` is generated from here and from the
+//! [table of metrics](scene::metrics); the files are written from the same columns.
+
+mod figures;
+mod page;
+
+use crate::record::Row;
+use scene::metrics::MACHINE;
+use scene::schema::Schema;
+
+pub use figures::{FIGURES, FigureData};
+pub use page::page;
+
+/// A column of a table, or a field of a JSON file.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Column {
+    /// Its name.
+    pub name: String,
+    /// Its unit; `1` of a ratio or a count, empty of a text.
+    pub unit: String,
+    /// What it means.
+    pub meaning: String,
+}
+
+/// A file that a run leaves.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct DataFile {
+    /// Its name.
+    pub name: &'static str,
+    /// Of which runs it is left.
+    pub of: &'static str,
+    /// What it holds.
+    pub meaning: &'static str,
+    /// Its columns or fields, if they are the same in every run.
+    pub columns: Vec<Column>,
+}
+
+/// A column of the table of a whole run: name, unit, meaning, and its value in a row.
+pub(crate) struct RowColumn {
+    pub(crate) name: &'static str,
+    unit: &'static str,
+    meaning: &'static str,
+    pub(crate) value: fn(&Row) -> String,
+}
+
+/// A row of the list below.
+const fn column(name: &'static str, unit: &'static str, meaning: &'static str, value: fn(&Row) -> String) -> RowColumn {
+    RowColumn { name, unit, meaning, value }
+}
+
+/// The table of a whole driven run, where its scene asks for no trace.
+pub(crate) const OVERVIEW: &[RowColumn] = &[
+    column("time_s", "s", "End of the block", |row| row.time_s.to_string()),
+    column("mode", "", "Mode of the controller after it had measured this block", |row| format!("{:?}", row.mode)),
+    column("fault_code", "1", "Number of the fault; 0 is none", |row| row.fault.to_string()),
+    column("limit_code", "1", "Number of the limit; 0 is none", |row| row.limit.to_string()),
+    column("frequency_command_hz", "Hz", "Frequency that was played", |row| row.frequency_hz.to_string()),
+    column("resonance_estimate_hz", "Hz", "The controller's estimate of the resonance", |row| {
+        row.resonance_estimate_hz.to_string()
+    }),
+    column("series_resonance_true_hz", "Hz", "Series resonance of the simulated transducer by itself", |row| {
+        row.truth.series_resonance_hz.to_string()
+    }),
+    column("drive_v", "V", "Peak drive voltage that was played, times the mean envelope", |row| row.drive_v.to_string()),
+    column("envelope", "1", "Mean envelope that was played, 0 to 1", |row| row.envelope.to_string()),
+    column("motional_current_estimate_a", "A", "The controller's estimate of the motional current, amplitude", |row| {
+        row.motional_current_a.to_string()
+    }),
+    column("tip_velocity_true_m_per_s", "m/s", "Tip velocity of the simulated stack, amplitude", |row| {
+        row.truth.tip_velocity_m_per_s.to_string()
+    }),
+    column("friction_true_n", "N", "Simulated friction, mean over the block", |row| row.truth.friction_mean_n.to_string()),
+    column("load_cell_n", "N", "Reading of the load cell", |row| row.truth.load_cell_n.to_string()),
+    column("power_true_w", "W", "Electrical power into the motional branch, mean over the block", |row| {
+        row.truth.power_w.to_string()
+    }),
+];
+
+/// The last periods of a contact study, step by step: name, unit, meaning.
+pub(crate) const PERIODS: [(&str, &str, &str); 4] = [
+    ("time_s", "s", "End of the step"),
+    ("displacement_m", "m", "Displacement of the vibration, without the sliding"),
+    ("velocity_m_per_s", "m/s", "Velocity of the vibration"),
+    ("friction_n", "N", "Friction"),
+];
+
+/// A column of fixed texts.
+fn fixed((name, unit, meaning): (&str, &str, &str)) -> Column {
+    Column { name: name.into(), unit: unit.into(), meaning: meaning.into() }
+}
+
+/// Fields of a JSON file.
+fn fields(fields: &[(&str, &str, &str)]) -> Vec<Column> {
+    fields.iter().copied().map(fixed).collect()
+}
+
+/// The signals that a scene's `[trace]` may ask for.
+fn signals() -> Vec<Column> {
+    let choices = Schema::root().at("trace.signals").and_then(Schema::items).map_or_else(Vec::new, Schema::described_choices);
+    let time = fixed(("time_s", "s", "End of the sample"));
+    let signal = |(name, meaning): (&str, &str)| {
+        let code = name.contains("code");
+        let unit = scene::schema::unit_of(name).unwrap_or_else(|| if code { "LSB".into() } else { "1".into() });
+        let meaning = meaning.trim_end_matches('.');
+        let meaning = meaning.strip_suffix(&format!(", {unit}")).unwrap_or(meaning);
+        Column { name: name.into(), meaning: meaning.into(), unit }
+    };
+    std::iter::once(time).chain(choices.into_iter().map(signal)).collect()
+}
+
+/// All files that a run leaves in its folder, beside those of its figures.
+pub fn files() -> Vec<DataFile> {
+    let machine = MACHINE.iter().map(|figure| fixed((figure.name, figure.unit, figure.meaning))).collect();
+    let overview = OVERVIEW.iter().map(|column| fixed((column.name, column.unit, column.meaning))).collect();
+    vec![
+        DataFile {
+            name: "manifest.json",
+            of: "every run",
+            meaning: "What the run depended on, and its files. It is moved into the folder last: a folder without it holds no run. The same, byte for byte, of every \
+                      run of the same scene",
+            columns: fields(&[
+                ("program", "", "`sim-host`"),
+                ("version", "", "Version of the program"),
+                ("scene", "", "Name of the scene"),
+                ("seed", "1", "Seed of all noise"),
+                ("level", "", "Where the controller ran"),
+                ("input_hash", "", "Hash of the scene's text (CRC-64/XZ)"),
+                ("set", "", "What was changed by `--set`"),
+                ("resolved_scene", "", "The scene with all its defaults"),
+                ("drive_hash", "", "Hash of every DAC code played; of several runs, of their hashes"),
+                ("interrupted", "", "Whether the run was stopped before its end"),
+                ("complete", "", "Whether the run is whole"),
+                ("files", "", "All other files of the run"),
+            ]),
+        },
+        DataFile {
+            name: "summary.json",
+            of: "every run",
+            meaning: "The result: what `--format json` prints, without `machine`. The same, byte for byte, of every run of the same scene",
+            columns: fields(&[
+                ("scene", "", "Name of the scene"),
+                ("seed", "1", "Seed of all noise"),
+                (
+                    "metrics",
+                    "",
+                    "The metrics by their names; what has no meaning in the scene is absent, and a statistic that is infinite is null",
+                ),
+                (
+                    "expect",
+                    "",
+                    "The expectations: `metric`, `value`, `limit`, `pass`, `source`; of a comparison also `case` and `match`",
+                ),
+                ("grid", "", "The grid, if the scene has one: its keys, their values, and `cells`"),
+                ("comparison", "", "The comparison, if the scene has one: its cases for each of what is equal"),
+                ("drive_hash", "", "As in `manifest.json`; not of a contact study"),
+                (
+                    "solution",
+                    "",
+                    "Of a contact study, how it was solved: `method`, `why`, `order`, `steps_per_period`, `error_estimate`, `warnings`",
+                ),
+                ("runs", "1", "Of several runs, how many came to their end"),
+                ("interrupted", "", "Whether the run was stopped before its end"),
+            ]),
+        },
+        DataFile {
+            name: "machine.json",
+            of: "every run",
+            meaning: "What depends on the machine, and differs from run to run; `--format json` has it as `machine`. A figure that a run does not have is absent",
+            columns: machine,
+        },
+        DataFile {
+            name: "trace.csv",
+            of: "a driven run without `[trace]`",
+            meaning: "The whole run, one row for every few blocks, 3000 at most",
+            columns: overview,
+        },
+        DataFile {
+            name: "trace.csv",
+            of: "a driven run with `[trace]`",
+            meaning: "The signals that the scene asks for, one row for every `trace.every` samples from `trace.from_s` to `trace.to_s`",
+            columns: signals(),
+        },
+        DataFile {
+            name: "trace.csv",
+            of: "a contact study",
+            meaning: "The last periods, one row for each step of the method",
+            columns: PERIODS.map(fixed).into(),
+        },
+        DataFile {
+            name: "runs.csv",
+            of: "a scene with `runs`",
+            meaning: "One row for each run. After the seed, a column for each key of `[[vary]]` with the value drawn; after `locked`, one for each metric that any run \
+                      has, empty where a run has none",
+            columns: fields(&[
+                ("run", "1", "Number of the run, from 1: `--run` with this number repeats it"),
+                ("seed", "1", "Its seed"),
+                ("locked", "1", "1 if it came to a true lock, else 0"),
+            ]),
+        },
+        DataFile {
+            name: "report.html",
+            of: "every run",
+            meaning: "The report: tables, figures and all metrics, in one page that needs no other file",
+            columns: Vec::new(),
+        },
+    ]
+}

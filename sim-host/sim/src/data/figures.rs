@@ -1,0 +1,73 @@
+//! What the figures of a run leave in their CSV files.
+
+/// The data of a figure, `ID.csv`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct FigureData {
+    /// Name of its files, without their ends; `*` stands for any text.
+    pub id: &'static str,
+    /// What is along its first column, with its unit.
+    pub x: &'static str,
+    /// Its other columns, as far as a scene has them; `*` stands for any text.
+    pub columns: &'static [&'static str],
+    /// What it shows.
+    pub meaning: &'static str,
+}
+
+impl FigureData {
+    /// Whether a column may be in this file.
+    pub fn has(&self, column: &str) -> bool {
+        self.columns.iter().any(|known| fits(known, column))
+    }
+
+    /// The data of the figure of this name.
+    pub fn of(id: &str) -> Option<&'static FigureData> {
+        FIGURES.iter().find(|figure| fits(figure.id, id))
+    }
+}
+
+/// Whether a name fits a pattern with at most one `*`.
+fn fits(pattern: &str, name: &str) -> bool {
+    match pattern.split_once('*') {
+        Some((begin, end)) => name.len() >= begin.len() + end.len() && name.starts_with(begin) && name.ends_with(end),
+        None => pattern == name,
+    }
+}
+
+/// The figures of all scenes, by their names.
+#[rustfmt::skip]
+pub const FIGURES: &[FigureData] = &[
+    FigureData { id: "acquisition", x: "time from the first sample of the scan [ms]", columns: &["frequency_played_hz", "series_resonance_true_hz"], meaning: "The frequency while the resonance is looked for" },
+    FigureData { id: "admittance", x: "conductance [S]", columns: &["susceptance_measured_s", "susceptance_true_s", "susceptance_identified_s"], meaning: "The admittance loop: measured by the scan, of the simulated circuit, of the identified one" },
+    FigureData { id: "belt-drive", x: "time from the mute [ms]", columns: &["drive_relative", "tip_velocity_relative", "friction_relative", "force_relative"], meaning: "A belt that stops: drive, tip and friction, each over its largest value before the mute" },
+    FigureData { id: "belt-motion", x: "time from the mute [ms]", columns: &["belt_true_mm", "belt_counted_mm"], meaning: "A belt that stops: its position, and by its encoder" },
+    FigureData { id: "burst-on", x: "time from the edge [ms]", columns: &["tip_velocity_relative", "tip_envelope_relative", "friction_relative", "rotor_speed_relative"], meaning: "The first edge of a burst sample by sample, each over its largest value there" },
+    FigureData { id: "burst-off", x: "time from the edge [ms]", columns: &["tip_velocity_relative", "tip_envelope_relative", "friction_relative", "rotor_speed_relative"], meaning: "The last edge of that burst" },
+    FigureData { id: "crash-excursion", x: "time since the crash began [ms]", columns: &["switched_excursion_mm", "passive_excursion_mm"], meaning: "Excursion of the torso, with the switched and the passive belt" },
+    FigureData { id: "crash-force", x: "time since the crash began [ms]", columns: &["switched_shoulder_n", "passive_shoulder_n"], meaning: "Force at the shoulder" },
+    FigureData { id: "crash-payout", x: "time since the crash began [ms]", columns: &["switched_payout_m_per_s", "passive_payout_m_per_s"], meaning: "Sliding speed of the webbing over the D-ring" },
+    FigureData { id: "displacement", x: "time [periods of the excitation]", columns: &["displacement_um"], meaning: "Displacement over the last periods of a contact study" },
+    FigureData { id: "displacement-run", x: "time [periods of the excitation]", columns: &["displacement_middle_um"], meaning: "Displacement over the whole contact study; with the extremes in `_lower` and `_upper`" },
+    FigureData { id: "energy", x: "time [s]", columns: &["supplied_j", "lost_j", "friction_on_wave_j", "friction_on_rotor_j", "friction_on_slider_j", "friction_on_tip_j"], meaning: "Work since the beginning; empty up to 1 nJ" },
+    FigureData { id: "frequency", x: "time [s]", columns: &["frequency_command_hz", "resonance_estimate_hz", "series_resonance_true_hz"], meaning: "Frequency: command, estimate, truth" },
+    FigureData { id: "frequency-error", x: "time from the first sample of the lock stage [ms]", columns: &["frequency_error_hz", "frequency_error_rms_hz", "cramer_rao_hz"], meaning: "Of several runs: distance from the true resonance, median, root mean square, Cramér-Rao bound; with the middle nine tenths in `_lower` and `_upper`" },
+    FigureData { id: "friction", x: "time [s]", columns: &["friction_true_n", "load_cell_n", "friction_lasting_n", "friction_n"], meaning: "Friction, or the pull of a belt, and the load cell; with the extremes in a period of the vibration in `_lower` and `_upper`. Of a contact study `friction_n` over time in periods" },
+    FigureData { id: "friction-ratio", x: "time [s]", columns: &["friction_ratio_true", "friction_ratio_estimate", "friction_ratio_wanted", "friction_floor_estimate"], meaning: "The friction ratio: truth, estimate, set point, and its floor" },
+    FigureData { id: "friction-run", x: "time [periods of the excitation]", columns: &["friction_mean_n"], meaning: "Friction over the whole contact study; with the extremes in `_lower` and `_upper`" },
+    FigureData { id: "hysteresis", x: "displacement x [µm]", columns: &["friction_n"], meaning: "Friction against displacement over the last periods of a contact study" },
+    FigureData { id: "lanes", x: "time [us]", columns: &["lane_0_v", "lane_1_v", "lane_2_v", "lane_3_v"], meaning: "Voltages at the four electrodes over the last periods before the drive ends" },
+    FigureData { id: "lock-acquisition", x: "time from the first sample of the lock stage [ms]", columns: &["frequency_off_hz", "estimate_off_hz"], meaning: "Distance from the true resonance: of the frequency played, and of the estimate" },
+    FigureData { id: "lock-times", x: "time from the first sample of the lock stage [ms]", columns: &["lock_time_100hz_ms_percent", "lock_time_20hz_ms_percent", "lock_time_4hz_ms_percent"], meaning: "Part of the runs that are within each bound for good, in per cent" },
+    FigureData { id: "power", x: "time [periods of the excitation]", columns: &["power_mw"], meaning: "Power into friction over the last periods of a contact study" },
+    FigureData { id: "reduction-load", x: "load [N]", columns: &["law_*_percent"], meaning: "Friction reduction of a belt over the load, by the law, for each amplitude" },
+    FigureData { id: "reduction-on-time", x: "time since the horn is ON [s]", columns: &["reduction_percent", "law_*_n_percent"], meaning: "Friction reduction of a belt over the ON time: as run, and by the law for each load" },
+    FigureData { id: "relock-times", x: "time from the last step [ms]", columns: &["relock_time_100hz_ms_percent", "relock_time_20hz_ms_percent", "relock_time_4hz_ms_percent"], meaning: "The same after the last step disturbance" },
+    FigureData { id: "rotor-speed", x: "time [s]", columns: &["rotor_rad_per_s", "crests_rad_per_s"], meaning: "Speed of the rotor, and of the crests that carry it" },
+    FigureData { id: "slip-loop", x: "slip velocity V [m/s]", columns: &["friction_against_slip_n"], meaning: "Friction against slip velocity over the last periods of a contact study" },
+    FigureData { id: "stft-*", x: "time from the sweep's beginning [ms]", columns: &["power_db*"], meaning: "Short-time spectrum of a sweep, in dB of the strongest cell: a line for each time, a column for each frequency, whose middle stands in its name in kHz" },
+    FigureData { id: "surface", x: "along the ring [nm]", columns: &["across_nm", "across_pure_nm"], meaning: "Path of a point of the stator, and of a pure travelling wave" },
+    FigureData { id: "tip-velocity", x: "time [s]", columns: &["tip_velocity_command_m_per_s", "tip_velocity_estimate_m_per_s", "tip_velocity_true_m_per_s"], meaning: "Amplitude of the tip velocity: command, estimate, truth" },
+    FigureData { id: "velocity", x: "time [periods of the excitation]", columns: &["velocity_m_per_s", "slip_m_per_s"], meaning: "Velocity of the vibration and of the slip over the last periods of a contact study" },
+    FigureData { id: "velocity-run", x: "time [periods of the excitation]", columns: &["velocity_middle_m_per_s"], meaning: "Velocity over the whole contact study; with the extremes in `_lower` and `_upper`" },
+    FigureData { id: "waves", x: "time [s]", columns: &["forward_wave_um", "backward_wave_um"], meaning: "Amplitudes of the two waves of a stator" },
+    FigureData { id: "wigner-*", x: "time from the sweep's beginning [ms]", columns: &["power_db*"], meaning: "Wigner-Ville distribution of a sweep about the resonance, as `stft-*`" },
+];

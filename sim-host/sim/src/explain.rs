@@ -1,0 +1,202 @@
+//! What a word means: a metric, a figure of the machine, a fault, a limit, a key of a scene, a file or a column of it.
+
+use firmware::seam::fault::{Fault, Limit};
+
+use crate::data::{FIGURES, FigureData, files};
+use scene::keys::{Key, Repeats, keys};
+use scene::metrics::{MACHINE, METRICS, Metric, RENAMED, machine_figure, metric, of_one_run, renamed};
+use scene::nearest::nearest;
+
+/// Most suggestions for a word that nothing is called.
+const SUGGESTIONS: usize = 3;
+/// Ends of the names of a figure's files.
+const FIGURE_FILES: [&str; 3] = [".csv", ".svg", ".png"];
+
+/// What there is to say of a word, a text for each thing that is called so. If nothing is, the nearest names.
+///
+/// # Errors
+/// If nothing is called so.
+///
+/// ```
+/// use sonoglide_sim::explain::explain;
+///
+/// let said = explain("friction_ratio").expect("a metric");
+/// assert!(said[0].starts_with("friction_ratio: metric"));
+/// assert!(explain("fault 21").expect("a fault")[0].contains("over-current"));
+/// assert_eq!(explain("frictoin_ratio").unwrap_err()[0], "friction_ratio");
+/// ```
+pub fn explain(word: &str) -> Result<Vec<String>, Vec<String>> {
+    let word = word.trim().trim_matches(['`', '[', ']']);
+    let keys = keys();
+    let mut said: Vec<String> = Vec::new();
+    said.extend(metric(word).or_else(|| of_one_run(word)).map(|metric| of_metric(word, metric)));
+    if let Some(present) = renamed(word).and_then(metric) {
+        said.push(format!(
+            "{word}: former name of {}\n  where a run has no metric `{word}`, it is read as `{}`",
+            present.name, present.name
+        ));
+    }
+    let machine = machine_figure(word);
+    said.extend(machine.map(|figure| {
+        paragraph(
+            &format!("{word}: figure of the machine"),
+            figure.meaning,
+            &[("unit", figure.unit), ("stands in", "machine.json")],
+        )
+    }));
+    said.extend(
+        Fault::ALL
+            .iter()
+            .filter(|fault| is_called(word, "fault", fault.code(), fault.called(), &format!("{fault:?}")))
+            .map(|fault| numbered("fault", fault.code(), fault.called(), fault.meaning(), fault.remedy())),
+    );
+    said.extend(
+        Limit::ALL
+            .iter()
+            .filter(|limit| is_called(word, "limit", limit.code(), limit.called(), &format!("{limit:?}")))
+            .map(|limit| numbered("limit", limit.code(), limit.called(), limit.meaning(), limit.remedy())),
+    );
+    let ends_so = |path: &str| path == word || path.strip_suffix(word).is_some_and(|tables| tables.ends_with('.'));
+    said.extend(keys.iter().filter(|key| ends_so(&key.path)).map(of_key));
+    said.extend(of_files(word));
+    if said.is_empty() { Err(suggestions(word, &keys)) } else { Ok(said) }
+}
+
+/// Everything that can be explained, as lists of names.
+pub fn list() -> String {
+    let names = |title: &str, names: Vec<String>| format!("{title}\n  {}\n\n", names.join("\n  "));
+    let mut text = names("metrics", METRICS.iter().map(|metric| metric.name.to_owned()).collect());
+    text += &names("figures of the machine", MACHINE.iter().map(|figure| figure.name.to_owned()).collect());
+    text += &names("faults", Fault::ALL.iter().map(|fault| format!("{} {}", fault.code(), fault.called())).collect());
+    text += &names("limits", Limit::ALL.iter().map(|limit| format!("{} {}", limit.code(), limit.called())).collect());
+    let mut named: Vec<String> = files().iter().map(|file| file.name.to_owned()).collect();
+    named.dedup();
+    named.extend(FIGURES.iter().map(|figure| format!("{}.csv", figure.id)));
+    text += &names("files", named);
+    text + &names("keys of a scene", keys().into_iter().filter(|key| key.table.is_none()).map(|key| key.path).collect())
+}
+
+fn of_metric(word: &str, metric: &Metric) -> String {
+    let several = match word {
+        word if word.ends_with("_p95") && word != metric.name => "of several runs, the value that 95 % of them do not exceed",
+        word if word.ends_with("_max") && word != metric.name => "of several runs, the largest value",
+        _ => metric.sign.meaning(),
+    };
+    let former = RENAMED.iter().filter(|(_, present)| *present == metric.name).map(|(former, _)| *former);
+    let former = former.collect::<Vec<_>>().join(", ");
+    let over = format!("{}: {}", metric.window.name(), metric.window.meaning());
+    let mut lines = vec![("unit", metric.unit), ("values", several), ("measured", &over)];
+    if !former.is_empty() {
+        lines.push(("formerly", &former));
+    }
+    paragraph(&format!("{word}: metric"), metric.meaning, &lines)
+}
+
+fn numbered(kind: &str, code: u8, called: &str, meaning: &str, remedy: &str) -> String {
+    paragraph(&format!("{kind} {code}: {called}"), meaning, &[("remedy", remedy)])
+}
+
+/// Whether a word is the number or the name of a fault or limit, with or without its kind before.
+fn is_called(word: &str, kind: &str, code: u8, called: &str, variant: &str) -> bool {
+    let word = word.strip_prefix(kind).map_or(word, |rest| rest.trim_start_matches([' ', '-', '_']));
+    let plain = |name: &str| name.to_lowercase().replace(['-', '_', ' '], "");
+    word.parse() == Ok(code) || [called, variant].iter().any(|name| plain(name) == plain(word))
+}
+
+fn of_key(key: &Key) -> String {
+    let title = match key.table {
+        Some(Repeats::Once) => format!("[{}]: table of a scene", key.path),
+        Some(Repeats::Several) => format!("[[{}]]: tables of a scene, any number", key.path),
+        None => format!("{}: key of a scene", key.path),
+    };
+    let unit = key.unit.as_deref().unwrap_or_default();
+    paragraph(&title, &key.meaning, &[("unit", unit), ("values", &key.range), ("default", &key.default)])
+}
+
+fn of_files(word: &str) -> Vec<String> {
+    let mut said = Vec::new();
+    for file in files() {
+        if file.name == word {
+            let mut text = paragraph(&format!("{word}: of {}", file.of), file.meaning, &[]);
+            for column in &file.columns {
+                let unit = if column.unit.is_empty() { String::new() } else { format!(" [{}]", column.unit) };
+                text += &format!("\n  {}{unit}: {}", column.name, column.meaning);
+            }
+            said.push(text);
+        }
+        // Metrics and figures of the machine have said more already.
+        let known = metric(word).is_some() || machine_figure(word).is_some();
+        said.extend(file.columns.iter().filter(|column| column.name == word && !known).map(|column| {
+            paragraph(&format!("{word}: in {} of {}", file.name, file.of), &column.meaning, &[("unit", &column.unit)])
+        }));
+    }
+    let id = FIGURE_FILES.iter().find_map(|end| word.strip_suffix(end)).unwrap_or(word);
+    said.extend(FigureData::of(id).filter(|_| id != word || said.is_empty()).map(|figure| {
+        let columns = figure.columns.join(", ");
+        paragraph(&format!("{id}.csv, {id}.svg, {id}.png: a figure"), figure.meaning, &[("x", figure.x), ("columns", &columns)])
+    }));
+    said
+}
+
+/// A title, a sentence, and what else there is to say; what is empty is left out.
+fn paragraph(title: &str, meaning: &str, lines: &[(&str, &str)]) -> String {
+    let mut text = format!("{title}\n  {meaning}");
+    for (label, line) in lines.iter().filter(|(_, line)| !line.is_empty()) {
+        text += &format!("\n  {label:10}{line}");
+    }
+    text
+}
+
+fn suggestions(word: &str, keys: &[Key]) -> Vec<String> {
+    let metrics = METRICS.iter().map(|metric| metric.name).chain(MACHINE.iter().map(|figure| figure.name));
+    let ends = keys.iter().map(|key| key.path.rsplit('.').next().unwrap_or(&key.path));
+    let files = files();
+    let numbered = Fault::ALL.iter().map(|fault| fault.called()).chain(Limit::ALL.iter().map(|limit| limit.called()));
+    let files = files.iter().map(|file| file.name);
+    let mut near: Vec<&str> = nearest(word, metrics.chain(ends).chain(files).chain(numbered));
+    near.dedup();
+    near.into_iter().take(SUGGESTIONS).map(str::to_owned).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn first(word: &str) -> String {
+        explain(word).unwrap_or_else(|near| panic!("{word}: {near:?}")).remove(0)
+    }
+
+    #[test]
+    fn each_kind_of_word_is_explained() {
+        for (word, says) in [
+            ("drive_power_w", "formerly  input_power_w"),
+            ("lock_time_20hz_ms_p95", "95 %"),
+            ("ns_per_period", "machine.json"),
+            ("21", "fault 21: over-current"),
+            ("LossOfLock", "fault 32"),
+            ("loss_of_lock", "fault 32"),
+            ("limit 101", "limit 101"),
+            ("rig.slider.speed_m_per_s", "unit      m/s"),
+            ("[[expect]]", "[[expect]]"),
+            ("machine.json", "wall_s [s]"),
+            ("trace.csv", "time_s [s]"),
+            ("hysteresis.csv", "columns   friction_n"),
+        ] {
+            assert!(first(word).contains(says), "{word}: {}", first(word));
+        }
+        assert!(explain("speed_m_per_s").is_ok_and(|said| said.len() >= 2), "of slider and belt");
+    }
+
+    #[test]
+    fn whatever_is_listed_is_explained() {
+        for name in list().lines().filter_map(|line| line.strip_prefix("  ")) {
+            assert!(explain(name).is_ok() || name.split_once(' ').is_some_and(|(code, _)| explain(code).is_ok()), "{name}");
+        }
+    }
+
+    #[test]
+    fn a_slip_is_answered_with_the_nearest_names() {
+        assert_eq!(explain("overshot_percent").unwrap_err(), ["overshoot_percent"]);
+        assert!(explain("xyzzy plugh").unwrap_err().is_empty());
+    }
+}

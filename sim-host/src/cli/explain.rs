@@ -1,0 +1,27 @@
+//! `sim-host explain`.
+
+use std::process::ExitCode;
+
+use super::USAGE;
+use scene::nearest::listed;
+use sim::explain::{explain, list};
+
+/// Prints what a word means; without a word, what can be explained.
+pub(super) fn run(word: &str) -> anyhow::Result<ExitCode> {
+    if word.is_empty() {
+        return super::print(&list());
+    }
+    match explain(word) {
+        Ok(said) => super::print(&format!("{}\n", said.join("\n\n"))),
+        Err(near) => {
+            let meant = listed(near.iter().map(String::as_str), "or");
+            let meant = if near.is_empty() {
+                "`sim-host explain` lists all that is".to_owned()
+            } else {
+                format!("did you mean {meant}?")
+            };
+            say!("error: nothing is called `{word}`; {meant}");
+            Ok(ExitCode::from(USAGE))
+        }
+    }
+}
