@@ -98,9 +98,9 @@ pub struct App<'a, L, E, S, W, F: NorFlash> {
 /// A slow peripheral has failed; the drive is disabled.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum AppError {
-    /// A pin.
+    /// The enable pin or the contact of the emergency stop cannot be written or read.
     Pin,
-    /// The link.
+    /// The link cannot be read or written.
     Link,
 }
 

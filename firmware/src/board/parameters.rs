@@ -31,17 +31,17 @@ pub type Values = [f32; PARAMETERS.len()];
 /// One parameter, reported.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ParameterReport {
-    /// Its key.
+    /// Key of the parameter.
     pub key: u8,
-    /// What acts.
+    /// Value that is active since the last reset.
     pub acts: f32,
-    /// What is set: acts after a reset, if it has been stored.
+    /// Value that is set: active after a reset, if it has been stored.
     pub next: f32,
-    /// What is built in.
+    /// Default: the value of the image.
     pub built_in: f32,
     /// The smallest value that can be set.
     pub min: f32,
-    /// The largest; infinity is none.
+    /// The largest value that can be set; infinity is no limit.
     pub max: f32,
     /// What is kept over power-off, of all settings.
     pub kept: StoredState,

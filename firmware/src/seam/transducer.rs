@@ -26,11 +26,11 @@ pub struct Transducer {
     pub c0_f: f32,
     /// Effective coupling, `sqrt(Cm / (C0 + Cm))`.
     pub coupling: f32,
-    /// By how much these scatter.
+    /// Standard deviations of these values.
     pub deviations: Deviations,
     /// How many resonances were found, and which of the list this is.
     pub modes: u8,
-    /// Its place in the list, from zero.
+    /// Place of this resonance in the list of those found, from zero.
     pub chosen: u8,
 }
 
@@ -59,21 +59,21 @@ impl Transducer {
 /// Standard deviations of what was identified, by the noise that was seen.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Deviations {
-    /// Of the series resonance, Hz.
+    /// Standard deviation of the series resonance, Hz.
     pub series_resonance_hz: f32,
-    /// Of the parallel resonance, Hz.
+    /// Standard deviation of the parallel resonance, Hz.
     pub parallel_resonance_hz: f32,
-    /// Of the quality factor.
+    /// Standard deviation of the quality factor.
     pub q: f32,
-    /// Of the motional resistance, ohm.
+    /// Standard deviation of the motional resistance, ohm.
     pub rm_ohm: f32,
-    /// Of the motional inductance, H.
+    /// Standard deviation of the motional inductance, H.
     pub lm_h: f32,
-    /// Of the motional capacitance, F.
+    /// Standard deviation of the motional capacitance, F.
     pub cm_f: f32,
-    /// Of the clamped capacitance, F.
+    /// Standard deviation of the clamped capacitance, F.
     pub c0_f: f32,
-    /// Of the coupling.
+    /// Standard deviation of the coupling.
     pub coupling: f32,
 }
 
@@ -93,9 +93,9 @@ pub struct Resonance {
 /// One of the resonances of a list, on its way with the telemetry: a list comes one a block.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Listed {
-    /// Its place in the list, from zero.
+    /// Place of this resonance in the list, from zero.
     pub place: u8,
-    /// How many the list has.
+    /// Number of resonances in the list.
     pub of: u8,
     /// The resonance.
     pub resonance: Resonance,

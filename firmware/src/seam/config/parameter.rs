@@ -9,15 +9,15 @@ pub const ENERGY_PER_METRE: u8 = 14;
 /// A number of the configuration.
 #[derive(Clone, Copy)]
 pub struct Parameter {
-    /// Its key.
+    /// Key of the parameter on the link and in the stored settings; never used again for another one.
     pub key: u8,
-    /// Its place in the configuration, with its unit.
+    /// Path of the setting in the configuration, with its unit.
     pub name: &'static str,
-    /// The values that it may have.
+    /// Range of the values that the parameter may have.
     pub range: Range,
-    /// Reads it.
+    /// Reads the parameter from a configuration.
     pub read: fn(&Config) -> f32,
-    /// Writes it.
+    /// Writes the parameter into a configuration.
     pub write: fn(&mut Config, f32),
 }
 
