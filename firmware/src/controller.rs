@@ -43,7 +43,7 @@ impl Controller {
         let (sensed, suspect) = demodulate(&chain.convert, sense, &played[slot].tone);
         let motional = chain.track.tracker.motional_current(&sensed, played[slot].relative);
 
-        chain.belt.hear(sense.slow.belt);
+        chain.belt.update(sense.slow.belt);
         let restrained = chain.restrained(orders, sense);
         let orders = restrained.as_ref().unwrap_or(orders);
         let measured = Measured { orders, sense, sensed: &sensed, motional, played: &played[slot] };

@@ -137,8 +137,8 @@ impl Guard {
     }
 
     /// Takes what the tracker knows of the stack; now and then is enough.
-    pub(crate) fn feel(&mut self, thermometers: &Thermometers) {
-        self.heat.feel(thermometers);
+    pub(crate) fn update_temperature(&mut self, thermometers: &Thermometers) {
+        self.heat.update_temperature(thermometers);
     }
 
     /// What is left of the amplitude asked for, 0.1 to 1.

@@ -1,9 +1,9 @@
-//! The whole driver on doubles: converters, block task, queues, slow side, pins, link, watchdog; and a host at the other end of
-//! the link. A test drives it block by block and looks at what comes out.
+//! The whole driver on mocks: converters, block task, queues, background task, pins, link and watchdog, and a host at the other end of
+//! the link. A test drives it block by block and reads its results.
 //!
 //! ```
-//! use hal_mock::bench::{Bench, Queues, Setup};
-//! use hal_mock::loop_back::LoopBack;
+//! use sonoglide_hal_mock::bench::{Bench, Queues, Setup};
+//! use sonoglide_hal_mock::loop_back::LoopBack;
 //! use firmware::board::command::{Command, Reply};
 //! use firmware::seam::mode::Mode;
 //!

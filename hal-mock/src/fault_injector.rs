@@ -188,7 +188,7 @@ impl<A: Analog> Analog for FaultInjector<A> {
         let events = self.strikes();
         let tells = |kind: &FaultKind| !matches!(kind, FaultKind::BeltStopped | FaultKind::EncoderStuck | FaultKind::EncoderLies);
         if let Some(belt) = sense.slow.belt.filter(|_| self.broken.iter().all(tells)) {
-            self.encoder.hear(belt);
+            self.encoder.update(belt);
         }
         let broken = self.broken.clone();
         broken.iter().chain(&events).for_each(|&kind| self.inflict(kind, sense));
@@ -215,20 +215,20 @@ mod tests {
         DriveBlock { lanes: [(0..32).map(|n| 2000 + 7 * n).collect()].into_iter().collect(), listen: 0 }
     }
 
-    fn hear(analog: &mut impl Analog) -> SenseBlock {
+    fn sense(analog: &mut impl Analog) -> SenseBlock {
         let mut sense = SenseBlock::default();
         analog.exchange(&wave(), &mut sense);
         sense
     }
 
     fn heard(injector: &mut FaultInjector<LoopBack>, blocks: usize) -> Vec<SenseBlock> {
-        (0..blocks).map(|_| hear(injector)).collect()
+        (0..blocks).map(|_| sense(injector)).collect()
     }
 
     #[test]
     fn inactive_it_changes_nothing() {
         let mut bare = LoopBack::of(&loop_back::config());
-        assert_eq!(heard(&mut injector(1), 5), (0..5).map(|_| hear(&mut bare)).collect::<Vec<_>>());
+        assert_eq!(heard(&mut injector(1), 5), (0..5).map(|_| sense(&mut bare)).collect::<Vec<_>>());
     }
 
     #[test]

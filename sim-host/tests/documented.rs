@@ -9,13 +9,14 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
 /// Commands that need what a test has not, by how they begin, and why they are not run.
-const NOT_RUN: [(&str, &str); 9] = [
+const NOT_RUN: [(&str, &str); 10] = [
     ("link PORT", "a placeholder"),
     ("link /dev/", "a board at a serial port"),
     ("link tcp:", "a board at the other end"),
     ("link sim:lock serve", "waits for a client; tests/command_line/link.rs has one"),
     ("link sim:lock script rig.txt", "the reader's own script"),
     ("show NAME", "a placeholder"),
+    ("run SCENE", "a placeholder"),
     ("run my-scene.toml", "the reader's own scene; the scenes of the page are checked"),
     ("check my-scene.toml", "the reader's own scene"),
     ("advise --frequency-hz F", "placeholders"),

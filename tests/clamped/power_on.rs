@@ -51,7 +51,7 @@ fn left(case: &Case) -> Left {
     let mut columns: [Vec<f64>; 6] = Default::default();
     let (mut ringing, mut blocks) = (0.0f64, 0);
     for seed in 1..=SEEDS {
-        let case = case.told(seed);
+        let case = case.with_nominal_values(seed);
         let mut rig = Rig::new(&case, seed);
         let (found, took) = calibrate(&mut rig);
         let found = found.unwrap_or_else(|fault| panic!("{fault:?} of {case:?}"));
@@ -144,9 +144,9 @@ fn a_second_resonance_at_7_per_cent_is_found_and_taken_away() {
         let case = Case { q, second: Some((strength, 1.07)), ..Case::default() };
         let left = measure(&format!("Q {q}, second resonance of {strength}"), &case);
         assert!(left.bias_hz.largest < bound_hz && left.stated.largest < 6.0, "Q {q}: {}", left.bias_hz);
-        let (found, _) = calibrate(&mut Rig::new(&case.told(1), 1));
+        let (found, _) = calibrate(&mut Rig::new(&case.with_nominal_values(1), 1));
         let (hz, found_strength) = found.unwrap().second_mode.expect("company");
-        let place = f64::from(hz) / (case.nominal_hz * case.told(1).resonance);
+        let place = f64::from(hz) / (case.nominal_hz * case.with_nominal_values(1).resonance);
         assert!(
             (place - 1.07).abs() < 3e-3 && (f64::from(found_strength) / strength / 1.145 - 1.0).abs() < 0.15,
             "{place} {found_strength}"

@@ -68,7 +68,7 @@ impl Default for Case {
 
 impl Case {
     /// Told within its bounds: the resonance within 2 %, Q within a factor of 2, C0 within 5 %; evenly, by the golden ratio's multiples.
-    pub fn told(&self, seed: u64) -> Self {
+    pub fn with_nominal_values(&self, seed: u64) -> Self {
         let draw = |ratio: f64| 2.0 * (seed as f64 * ratio).fract() - 1.0;
         let (hz, q, c0) = (draw(0.618_033_988_75), draw(0.754_877_666_25), draw(0.569_840_290_99));
         Case { resonance: 1.0 + 0.02 * hz, told_q: self.told_q * q.exp2(), told_c0: 1.0 + 0.05 * c0, ..self.clone() }

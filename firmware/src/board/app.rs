@@ -191,7 +191,7 @@ where
                     places.get_mut(usize::from(listed.place)).into_iter().for_each(|place| *place = Some(listed.resonance));
                 }
             }
-            self.faults.hear(&telemetry, self.seen.as_ref());
+            self.faults.record(&telemetry, self.seen.as_ref());
             self.seen = Some(telemetry);
             came = true;
         }

@@ -57,7 +57,7 @@ pub(crate) struct FaultLog {
 
 impl FaultLog {
     /// Takes the report of a block, and that of the one before it, as far as they have come here.
-    pub(crate) fn hear(&mut self, report: &Telemetry, before: Option<&Telemetry>) {
+    pub(crate) fn record(&mut self, report: &Telemetry, before: Option<&Telemetry>) {
         let Some(fault) = report.fault else { return };
         if before.and_then(|before| before.fault) == Some(fault) {
             return;
@@ -106,7 +106,7 @@ mod tests {
                     mode,
                     ..Default::default()
                 };
-                log.hear(&report, before.as_ref());
+                log.record(&report, before.as_ref());
                 before = Some(report);
             }
         }
@@ -126,9 +126,9 @@ mod tests {
         let mut log = FaultLog::default();
         assert_eq!(log.report(0, Start::PowerOn), FaultReport { count: 0, entry: None, last_run: Start::PowerOn });
         let with = |fault| Telemetry { fault, ..Default::default() };
-        log.hear(&with(Some(Fault::LateBlock)), None);
-        log.hear(&with(Some(Fault::HostLost)), Some(&with(Some(Fault::LateBlock))));
-        log.hear(&with(None), Some(&with(Some(Fault::HostLost))));
+        log.record(&with(Some(Fault::LateBlock)), None);
+        log.record(&with(Some(Fault::HostLost)), Some(&with(Some(Fault::LateBlock))));
+        log.record(&with(None), Some(&with(Some(Fault::HostLost))));
         assert_eq!(
             (log.report(0, Start::Pin).count, log.report(0, Start::Pin).entry.map(|entry| entry.fault)),
             (2, Some(Fault::HostLost))

@@ -166,7 +166,7 @@ impl PowerOn {
         match self.stage {
             Stage::Tones => {
                 if let Some(block) = self.block.checked_sub(LATENCY_BLOCKS as u32) {
-                    self.hear(block, sensed);
+                    self.update(block, sensed);
                 }
                 let tone = (self.block / self.tone_blocks) as usize;
                 self.block += 1;
@@ -210,7 +210,7 @@ impl PowerOn {
         hann((part.min(1.0 - part) / (2.0 * EDGE)).min(0.5))
     }
 
-    fn hear(&mut self, block: u32, sensed: &Sensed) {
+    fn update(&mut self, block: u32, sensed: &Sensed) {
         let within = block % self.tone_blocks;
         let weight = hann((within as f32 + 0.5) / self.tone_blocks as f32);
         self.iv += sensed.i * sensed.v.conj() * weight;

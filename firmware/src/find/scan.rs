@@ -146,7 +146,7 @@ impl Scan {
         self.still_blocks += 1;
         match self.stage {
             Stage::Window(part) => {
-                // The last block of the sweep has enough to do, and in the first there is nothing to hear yet.
+                // The last block of the sweep has enough to do, and in the first there is nothing measured yet.
                 if self.blocks == 1 {
                     let (blocks, samples) = self.heard();
                     self.search.restart(&self.bare, blocks, samples);

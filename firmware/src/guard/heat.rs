@@ -75,7 +75,7 @@ impl Heat {
     }
 
     /// Takes what the tracker knows of the stack.
-    pub(super) fn feel(&mut self, now: &Thermometers) {
+    pub(super) fn update_temperature(&mut self, now: &Thermometers) {
         if self.kelvin_per_hz == 0.0 && self.kelvin_per_part == 0.0 {
             return;
         }
@@ -154,14 +154,14 @@ mod tests {
         let stack = |resonance_hz, susceptance| Thermometers { resonance_hz, susceptance };
         let mut heat = heat();
         heat.inspect(Some(30.0), false, 0.0);
-        heat.feel(&stack(-50.0, 0.075));
+        heat.update_temperature(&stack(-50.0, 0.075));
         assert_eq!(heat.stack_c, 30.0);
         // 400 Hz lower is 40 K by the resonance; 20 % more capacitance is 50 K.
-        heat.feel(&stack(-450.0, 0.075));
+        heat.update_temperature(&stack(-450.0, 0.075));
         assert!((heat.stack_c - 70.0).abs() < 1e-3, "{}", heat.stack_c);
-        heat.feel(&stack(-450.0, 0.075 * 1.2));
+        heat.update_temperature(&stack(-450.0, 0.075 * 1.2));
         assert!((heat.stack_c - 80.0).abs() < 1e-2, "{}", heat.stack_c);
-        heat.feel(&stack(-560.0, 0.075));
+        heat.update_temperature(&stack(-560.0, 0.075));
         assert_eq!(heat.inspect(Some(30.0), true, 1.0), Some(Fault::OverTemperature));
     }
 

@@ -71,7 +71,7 @@ impl Belt {
     }
 
     /// Takes what the decoder says of one block. What comes after a broken line counts from zero.
-    pub fn hear(&mut self, sense: Option<BeltSense>) {
+    pub fn update(&mut self, sense: Option<BeltSense>) {
         if sense.is_none() && !self.expected {
             return;
         }
@@ -166,7 +166,7 @@ mod tests {
         let mut fresh = 0;
         for _ in 0..blocks {
             *position += speed * 1e5 * f64::from(BLOCK_S);
-            belt.hear(Some(BeltSense { counts: position.floor() as i64 as i32, broken: false }));
+            belt.update(Some(BeltSense { counts: position.floor() as i64 as i32, broken: false }));
             fresh += belt.fresh_counts();
         }
         fresh
@@ -228,14 +228,14 @@ mod tests {
         let mut belt = belt();
         assert!(belt.is_lost());
         for counts in 0..10 {
-            belt.hear(Some(BeltSense { counts, broken: false }));
+            belt.update(Some(BeltSense { counts, broken: false }));
         }
         assert!(!belt.is_lost());
-        belt.hear(Some(BeltSense { counts: 500, broken: true }));
+        belt.update(Some(BeltSense { counts: 500, broken: true }));
         assert!(belt.is_lost() && belt.fresh_counts() == 0);
-        belt.hear(Some(BeltSense { counts: 900, broken: false }));
+        belt.update(Some(BeltSense { counts: 900, broken: false }));
         assert_eq!((belt.is_lost(), belt.fresh_counts()), (false, 0));
-        belt.hear(None);
+        belt.update(None);
         assert!(belt.is_lost());
     }
 }

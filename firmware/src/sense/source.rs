@@ -27,7 +27,7 @@ pub(crate) struct Source {
 
 impl Source {
     /// Takes a block that was played throughout with a drive of `volts`.
-    pub(crate) fn hear(&mut self, volts: f32, v: Phasor, motional_current: Phasor) {
+    pub(crate) fn update(&mut self, volts: f32, v: Phasor, motional_current: Phasor) {
         self.drive += volts * volts;
         self.drive_current += motional_current * volts;
         self.current += motional_current.norm_sqr();
@@ -65,18 +65,18 @@ mod tests {
     #[test]
     fn a_ring_up_tells_the_source() {
         let (g, z) = (Phasor::new(-0.4, -0.9), Phasor::new(0.3, -0.02));
-        let hear = |source: &mut Source, u: f32, i: Phasor| source.hear(u, g * u - z * i, i);
+        let update = |source: &mut Source, u: f32, i: Phasor| source.update(u, g * u - z * i, i);
         let mut source = Source::default();
         assert!(source.seen().is_none());
         for n in 0..20 {
-            hear(&mut source, 3.0, Phasor::new(-0.3, -0.8) * (1.0 - libm::expf(-0.1 * n as f32)));
+            update(&mut source, 3.0, Phasor::new(-0.3, -0.8) * (1.0 - libm::expf(-0.1 * n as f32)));
         }
         let near = |(got_g, got_z): (Phasor, Phasor)| (got_g - g).norm_sqr() < 1e-8 && (got_z - z).norm_sqr() < 1e-8;
         // Measured: 6e-7 of either.
         assert!(near(source.seen().unwrap()), "{:?}", source.seen());
         // A steady drive tells nothing new, and takes nothing away.
         for _ in 0..20_000 {
-            hear(&mut source, 3.0, Phasor::new(-0.3, -0.8));
+            update(&mut source, 3.0, Phasor::new(-0.3, -0.8));
         }
         let (got_g, got_z) = source.seen().unwrap();
         assert!((got_g - g).norm_sqr() < 1e-6 && (got_z - z).norm_sqr() < 1e-6, "{got_g} {got_z}");

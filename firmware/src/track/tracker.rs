@@ -3,7 +3,7 @@
 //! The motional current is taken out of the total ([`Motional`]). The [`observer`] tells the resonance from how it changes, as far as it is
 //! believed; or the phase of one of the two currents is driven to zero by `phase_loop`, and `lock_detector` says whether to
 //! believe that. The motional phase, of which the observer knows nothing, is also the judge of the observer. In between the tracker decides
-//! when there is any phase to hear: not while the envelope is at an edge or the stack rings up, and not when it does not ring at all.
+//! when there is a phase to measure: not while the envelope is at an edge or the stack rings up, and not when it does not ring at all.
 
 pub mod identified;
 pub(crate) mod lock_detector;

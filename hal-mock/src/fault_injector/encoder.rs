@@ -20,7 +20,7 @@ pub(super) struct Encoder {
 
 impl Encoder {
     /// Takes what it says.
-    pub(super) fn hear(&mut self, sense: BeltSense) {
+    pub(super) fn update(&mut self, sense: BeltSense) {
         if self.blocks == 0 {
             self.first = sense.counts;
         } else if self.blocks == PACE_BLOCKS {

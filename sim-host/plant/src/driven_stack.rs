@@ -190,7 +190,7 @@ impl DrivenStack {
         SlowSense {
             belt: self.encoder.map(|encoder| encoder.read(position_m)),
             temperature: self.board_c,
-            force: self.force_channel.as_mut().map(|channel| channel.feel(force_n)),
+            force: self.force_channel.as_mut().map(|channel| channel.measure(force_n)),
             ..SlowSense::default()
         }
     }
@@ -220,7 +220,7 @@ impl DrivenStack {
             friction_mean_n: mean,
             friction_min_n: extremes.0.min(mean),
             friction_max_n: extremes.1.max(mean),
-            load_cell_n: self.load_cell.feel(mean),
+            load_cell_n: self.load_cell.measure(mean),
             tip_velocity_m_per_s: self.stack.tip_amplitude(),
             series_resonance_hz: circuit.series_resonance_hz(),
             power_w: supplied / block_s,

@@ -22,9 +22,9 @@ impl ForceChannel {
     }
 
     /// Feels a mean force over one step and returns the reading at its end, N.
-    pub fn feel(&mut self, force_n: f64) -> f32 {
+    pub fn measure(&mut self, force_n: f64) -> f32 {
         let normal: f64 = StandardNormal.sample(&mut self.random);
-        (self.cell.feel(force_n) + self.noise_n * normal) as f32
+        (self.cell.measure(force_n) + self.noise_n * normal) as f32
     }
 }
 
@@ -36,7 +36,7 @@ mod tests {
     #[test]
     fn follows_a_step_within_a_millisecond_under_its_noise() {
         let mut channel = ForceChannel::new(500.0, 32e-6, 0.02, 1);
-        let readings: Vec<f64> = (0..20_000).map(|_| channel.feel(2.0).into()).collect();
+        let readings: Vec<f64> = (0..20_000).map(|_| channel.measure(2.0).into()).collect();
         let rise_ms = readings.iter().position(|&n| n > 1.8).map(|n| n as f64 * 32e-3);
         assert!(rise_ms.is_some_and(|ms| (0.7..1.0).contains(&ms)), "{rise_ms:?}");
         let settled = &readings[1000..];

@@ -125,7 +125,7 @@ impl Plant {
         of_any!(self, plant => plant.truth())
     }
 
-    /// The circuit that the sense channels hear, as it is now.
+    /// The circuit that the sense channels measure, as it is now.
     pub fn circuit(&self) -> Circuit {
         of_any!(self, plant => plant.circuit())
     }

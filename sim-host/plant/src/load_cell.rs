@@ -20,7 +20,7 @@ impl LoadCell {
     }
 
     /// Feels a mean force over one step and returns the reading at its end, N.
-    pub fn feel(&mut self, force: f64) -> f64 {
+    pub fn measure(&mut self, force: f64) -> f64 {
         let [reading, slope, _] = self.flow.map(|row| row[0] * self.reading + row[1] * self.slope + row[2] * force);
         (self.reading, self.slope) = (reading, slope);
         reading
@@ -34,7 +34,7 @@ mod tests {
     #[test]
     fn settles_on_the_mean_and_lags_the_edge() {
         let mut cell = LoadCell::new(80.0, 32e-6);
-        let readings: Vec<f64> = (0..3000).map(|_| cell.feel(2.0)).collect();
+        let readings: Vec<f64> = (0..3000).map(|_| cell.measure(2.0)).collect();
         let rise = readings.iter().position(|&r| r > 1.8).map(|n| n as f64 * 32e-3);
         // Second-order Butterworth: 90 % after 2.8 / (2 pi 80 Hz) = 5.6 ms.
         assert!(rise.is_some_and(|ms| (5.0..6.5).contains(&ms)), "{rise:?}");

@@ -273,7 +273,7 @@ impl Analog for Motor {
             }
             let force = self.model.drive_force_n(&self.linear.voltages());
             let acting = [force[0] + last.modes_n[0], force[1] + last.modes_n[1]];
-            block.tone.hear(&self.model, self.linear.amplitudes(), self.linear.velocities(), acting);
+            block.tone.update(&self.model, self.linear.amplitudes(), self.linear.velocities(), acting);
             // A sense block holds as many samples as the longest drive block.
             let _ = (sense.v.push(v), sense.i.push(i));
             let sample = self.samples.is_some().then(|| self.sample(friction / steps as f64));

@@ -86,7 +86,7 @@ pub struct Trigger {
 
 impl Window {
     /// Told when a block begins, s, and its mean frequency, Hz: opens if that is what it waited for.
-    pub fn tell(&mut self, begins_s: f64, frequency_hz: f64) {
+    pub fn record_frequency(&mut self, begins_s: f64, frequency_hz: f64) {
         let Some(trigger) = &mut self.trigger else { return };
         let near_hz = 0.25 * (trigger.second_hz - trigger.first_hz).abs();
         let near = |hz: f64, other_hz: f64| (hz - other_hz).abs() <= near_hz;
@@ -236,7 +236,7 @@ mod tests {
         let trigger = Trigger { first_hz: 20.5e3, second_hz: 21.5e3, before_hz: 0.0 };
         let opens = |frequencies: &[f64]| {
             let mut window = Window { from_s: 2.0, to_s: 5.0, trigger: Some(trigger), ..Window::default() };
-            frequencies.iter().enumerate().for_each(|(block, &hz)| window.tell(block as f64, hz));
+            frequencies.iter().enumerate().for_each(|(block, &hz)| window.record_frequency(block as f64, hz));
             (window.trigger.is_none()).then_some((window.from_s, window.to_s))
         };
         let repeated = [20.5e3, 21.5e3, 22.5e3, 20.5e3, 21.5e3];

@@ -243,7 +243,7 @@ impl Analog for Recorder {
         let samples = drive.lanes.first().map_or(0, |lane| lane.len()) as u64;
         let (from_s, to_s) = (self.played as f64 * self.sample_s, (self.played + samples) as f64 * self.sample_s);
         for window in &mut self.windows {
-            window.tell(from_s, self.frequency_hz);
+            window.record_frequency(from_s, self.frequency_hz);
         }
         let open = |window: &Window| window.trigger.is_none() && window.from_s < to_s && window.to_s > from_s;
         let traced = self.tracer.as_mut().filter(|tracer| tracer.wants(self.played, samples));

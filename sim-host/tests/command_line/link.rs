@@ -43,7 +43,7 @@ fn mistakes_are_told_with_their_exit_codes() {
     let nobody = TcpListener::bind("127.0.0.1:0").expect("a port").local_addr().expect("an address");
     let cases: [(&[&str], i32, &str); 9] = [
         (&["/dev/ttyNOT", "status"], 5, "there is no such port"),
-        (&[&format!("tcp:{nobody}"), "status"], 5, "nobody listens there"),
+        (&[&format!("tcp:{nobody}"), "status"], 5, "nothing listens there"),
         (&["tcp:nowhere", "status"], 5, "this is no `tcp:HOST:PORT`"),
         (&["sim:lokc", "status"], 3, "try `lock`"),
         (&["sim:contact", "status"], 2, "has no [controller]"),

@@ -43,7 +43,7 @@ use self::flash::Pages;
 use self::protection::{Enable, Stop};
 use self::temperature::Thermometer;
 use self::uart::Link;
-use self::watchdog::Dog;
+use self::watchdog::IndependentWatchdog;
 
 /// Room of the queues; one place of each stays empty. The slow side empties that of the telemetry many times a block.
 const ORDERS: usize = 9;
@@ -77,7 +77,7 @@ fn main() -> ! {
 }
 
 /// The slow side of this board.
-type Slow = App<'static, Link, Enable, Stop, Dog, Pages>;
+type Slow = App<'static, Link, Enable, Stop, IndependentWatchdog, Pages>;
 
 /// Builds both sides: hands the hot one over to the block interrupt, and returns the slow one. Not inlined: what that takes of the stack is given
 /// back here.
@@ -99,7 +99,7 @@ fn build(
     block::hand_over(hot);
     adc::start();
     timers::prepare();
-    let peripherals = app::Peripherals { link, enable, stop, watchdog: Dog::start(), settings, start };
+    let peripherals = app::Peripherals { link, enable, stop, watchdog: IndependentWatchdog::start(), settings, start };
     let slow = singleton!(: Slow = App::new(peripherals, slow_ends, &power_up));
     let Some(slow) = slow else { panic!("started twice") };
     slow

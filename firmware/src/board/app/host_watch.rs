@@ -25,7 +25,7 @@ impl HostWatch {
     }
 
     /// The host was heard, when this was the latest block.
-    pub(super) fn hear(&mut self, block: u32) {
+    pub(super) fn update(&mut self, block: u32) {
         (self.heard, self.lost) = (block, false);
     }
 
@@ -45,14 +45,14 @@ mod tests {
     #[test]
     fn is_lost_after_its_patience_under_drive_only_and_found_when_it_is_heard() {
         let mut watch = HostWatch::new(1.0, 32e-6);
-        watch.hear(u32::MAX - 10);
+        watch.update(u32::MAX - 10);
         let after = |blocks: u32| (u32::MAX - 10).wrapping_add(blocks);
         assert!(!watch.is_lost(after(31_250), true));
         assert!(!watch.is_lost(after(50_000), false));
         assert!(watch.is_lost(after(31_251), true));
         // And stays so, whatever becomes of the drive.
         assert!(watch.is_lost(after(31_252), false));
-        watch.hear(after(31_253));
+        watch.update(after(31_253));
         assert!(!watch.is_lost(after(31_254), true));
     }
 
@@ -63,7 +63,7 @@ mod tests {
         watch.set(1e-9);
         assert!(!watch.is_lost(1, true) && watch.is_lost(2, true));
         watch.set(0.0);
-        watch.hear(2);
+        watch.update(2);
         assert!(!watch.is_lost(1 << 31, true));
     }
 }

@@ -43,7 +43,7 @@ where
 
     /// Obeys a command; `None` where its answer comes later.
     fn obey(&mut self, frame: &Frame<Command>) -> Option<Reply> {
-        self.host.hear(self.block());
+        self.host.update(self.block());
         Some(match frame.body {
             Command::Identify => {
                 Reply::Identity(Identity { protocol: link::VERSION, firmware: firmware_version(), converters: self.converters })

@@ -71,15 +71,15 @@ impl Follow {
         let Measured { orders, sensed, motional, played, .. } = *measured;
         let on = played.is_full();
         let boosts = chain.generator.burst.boosts();
-        let told = self.edges.told(chain.block, boosts);
+        let info = self.edges.block_info(chain.block, boosts);
         let heard = PlayedBlock {
             offset_hz: played.offset_hz,
             volts: played.volts,
-            envelope: (played.flat && told.telling).then_some(played.envelope),
+            envelope: (played.flat && info.telling).then_some(played.envelope),
             pure: played.pure,
             on,
             driven: played.envelope != 0.0,
-            rung_up: told.rung_up,
+            rung_up: info.rung_up,
         };
         let track = &mut chain.track;
         let at_lock_point = track.tracker.at_lock_point(motional, played.detune_hz);
@@ -105,7 +105,7 @@ impl Follow {
         let known = chain.track.transducer_by_now().is_some() || !chain.track.tracker.observes();
         let generator = &mut chain.generator;
         if known {
-            if on && told.rung_up {
+            if on && info.rung_up {
                 generator.amplitude.has_rung_up();
             }
             let asked = self.asked(amplitude).derated(chain.guard.derating());
@@ -140,7 +140,7 @@ impl Follow {
     #[inline]
     pub(crate) fn work(&mut self, chain: &mut Chain, plan: &Plan, written: &Played) {
         if chain.generator.burst.boosts() {
-            self.edges.note(chain.block, &chain.generator, plan.volts, written.envelope);
+            self.edges.record(chain.block, &chain.generator, plan.volts, written.envelope);
         }
         if written.flat {
             self.calculate(chain);
@@ -156,7 +156,7 @@ impl Follow {
         chain.track.learn_on(block, following, self.friction.is_some(), self.edges.are_idle());
         if following && block.is_multiple_of(LEARN_BLOCKS) && chain.track.tracker.state() == State::Locked {
             let susceptance = chain.track.online.motional().y0.im;
-            chain.guard.feel(&Thermometers { resonance_hz: chain.track.tracker.estimate_hz(), susceptance });
+            chain.guard.update_temperature(&Thermometers { resonance_hz: chain.track.tracker.estimate_hz(), susceptance });
         }
         let busy = chain.track.since_learned(block) == 0 || block.is_multiple_of(LEARN_BLOCKS);
         if let Some(friction) = &mut self.friction

@@ -78,7 +78,7 @@ impl Bank {
         Bank { errors, codes, chance: Xoshiro128StarStar::seed_from_u64(1), deaf: None, pull: 0.0, rung: (0.0, 0) }
     }
 
-    fn hear(&mut self, phasing: &mut Phasing, quadrature: f32, hz: f32, lane: usize) -> Phasor {
+    fn update(&mut self, phasing: &mut Phasing, quadrature: f32, hz: f32, lane: usize) -> Phasor {
         use rand_core::Rng;
         // Twelve rectangles make a bell; a block of 32 samples has a noise of sqrt(2 / 32) codes in each part of its phasor.
         let mut noise = || (0..12).map(|_| self.chance.next_u32() as f32 / 4_294_967_296.0).sum::<f32>() - 6.0;
@@ -103,7 +103,7 @@ fn calibrate(config: &Config, phasing: &mut Phasing, bank: &mut Bank) -> (Calibr
         match calibrate.listen(phasing, &sensed) {
             Step::Tone { offset_hz, lane, .. } => {
                 let hz = config.drive.frequency_hz + offset_hz;
-                coming.push_back(bank.hear(phasing, quadrature, hz, lane.into()));
+                coming.push_back(bank.update(phasing, quadrature, hz, lane.into()));
             }
             end => return (calibrate, end, block),
         }
@@ -199,7 +199,7 @@ fn trims_that_do_not_verify_are_a_fault() {
     let end = (0..100_000).find_map(|_| {
         bank.errors.gain[1] = if phasing.calibration().is_empty() { 1.0 } else { 1.0015 };
         let hz = 40e3 + calibrate.window_hz * POSITIONS[calibrate.point];
-        let heard = bank.hear(&mut phasing, 0.25, hz, calibrate.lane);
+        let heard = bank.update(&mut phasing, 0.25, hz, calibrate.lane);
         let step = calibrate.listen(&mut phasing, &Sensed { v: heard, ..Sensed::default() });
         (!matches!(step, Step::Tone { .. })).then_some(step)
     });

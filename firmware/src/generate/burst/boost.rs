@@ -195,9 +195,9 @@ impl Burst {
     }
 
     /// Takes what was heard to ring in a block, as the steady drive that would hold it, V.
-    pub(crate) fn hear(&mut self, volts: f32) {
+    pub(crate) fn update(&mut self, volts: f32) {
         if let Some(boost) = &mut self.boost {
-            boost.ring.hear(volts);
+            boost.ring.update(volts);
         }
     }
 

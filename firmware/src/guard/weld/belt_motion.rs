@@ -134,7 +134,7 @@ mod tests {
         fn blocks(&mut self, count: u32, every: u32, stage: Stage) -> Option<Fault> {
             (1..=count).find_map(|n| {
                 self.counts += i32::from(n.is_multiple_of(every));
-                self.belt.hear(Some(BeltSense { counts: self.counts, broken: false }));
+                self.belt.update(Some(BeltSense { counts: self.counts, broken: false }));
                 let driving = stage == Stage::Measuring || !self.motion.is_muted();
                 self.motion.step(&self.belt, stage, driving, true)
             })

@@ -235,7 +235,7 @@ impl Analog for Crash {
             motion.advance_to(time_s);
         }
         let (shoulder_n, payout_m) = (self.switched.tensions().shoulder_n, self.switched.state().payout_m);
-        sense.slow.force = self.force.as_mut().map(|force| force.feel(shoulder_n));
+        sense.slow.force = self.force.as_mut().map(|force| force.measure(shoulder_n));
         sense.slow.belt = self.encoder.map(|encoder| encoder.read(payout_m));
         self.truth =
             Truth { belt_position_m: payout_m, belt_speed_m_per_s: self.switched.payout_m_per_s(), ..*self.stack.truth() };

@@ -31,7 +31,7 @@ impl Motor {
             friction_mean_n: mean,
             friction_min_n: sums.friction_min.min(mean),
             friction_max_n: sums.friction_max.max(mean),
-            load_cell_n: self.load_cell.feel(mean),
+            load_cell_n: self.load_cell.measure(mean),
             tip_velocity_m_per_s: waves.omega * waves.forward_m.max(waves.backward_m),
             series_resonance_hz: self.model.series_resonance_hz,
             power_w: supplied / block_s,

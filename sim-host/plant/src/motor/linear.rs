@@ -2,7 +2,7 @@
 //!
 //! Within a step each lane may change its voltage once, at its own time (see [`lanes`](crate::motor::lanes)): a voltage that
 //! begins `s` into a step of `h` has the response of a step of `h - s`, and the one before it the rest. What the converters see
-//! follows from the beginning of the step in the same way. Amplifiers hear nothing of what hangs on them, so that only eight rows of
+//! follows from the beginning of the step in the same way. Amplifiers are not affected by their load, so that only eight rows of
 //! the flow are full.
 
 use firmware::seam::block::MAX_LANES;

@@ -34,7 +34,7 @@ pub struct Waves {
 impl Tone {
     /// Takes the modes at one instant: amplitudes, velocities, and the forces on them but for their own stiffness and damping, N.
     #[inline]
-    pub fn hear(&mut self, model: &Model, q: [f64; MODES], s: [f64; MODES], force: [f64; MODES]) {
+    pub fn update(&mut self, model: &Model, q: [f64; MODES], s: [f64; MODES], force: [f64; MODES]) {
         for mode in 0..MODES {
             let acting = force[mode] - model.damping_n_s_per_m * s[mode] - model.stiffness_n_per_m(mode) * q[mode];
             self.restored -= acting / model.mass_kg * q[mode];
@@ -75,7 +75,7 @@ mod tests {
             let force = [0, 1]
                 .map(|m| (model.stiffness_n_per_m(m) - omega * omega * model.mass_kg) * q[m] + model.damping_n_s_per_m * s[m]);
             let mut tone = Tone::default();
-            tone.hear(&model, q, s, force);
+            tone.update(&model, q, s, force);
             let waves = tone.waves(&model, q, s);
             assert!((waves.forward_m / forward - 1.0).abs() < 1e-12 && (waves.backward_m / backward - 1.0).abs() < 1e-11);
         }

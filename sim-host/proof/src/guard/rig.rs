@@ -168,14 +168,14 @@ impl Rig {
         let aim = if on { self.full_m_per_s } else { 0.0 };
         self.tip_m_per_s = aim + self.kept * (self.tip_m_per_s - aim);
         let force = self.friction.slide(speed, self.tip_m_per_s, self.block_s);
-        let reading = self.channel.as_mut().map(|channel| channel.feel(force));
+        let reading = self.channel.as_mut().map(|channel| channel.measure(force));
         self.last = match says {
             Says::Truth => self.encoder.read(self.motion.position_m()),
             Says::Same => self.last,
             Says::Broken => BeltSense { broken: true, ..self.last },
             Says::Pace(from, counts) => BeltSense { counts: (from + counts) as i64 as i32, broken: false },
         };
-        self.belt.hear(Some(self.last));
+        self.belt.update(Some(self.last));
         let power_w = if on { self.power_w } else { 0.0 };
         let driven = Driven {
             volts: Some(if on { 1.0 } else { 0.0 }),

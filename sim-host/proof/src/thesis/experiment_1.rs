@@ -74,7 +74,7 @@ fn off(speed: &Speed) -> Figure {
         let mut contact = Dahl::new(KT_N_PER_M, MU * (load + SELF_WEIGHT_N));
         let mut cell = LoadCell::new(CELL_HZ, step_s);
         let slip = speed.sliding_m_per_s;
-        time_s.iter().map(|_| -cell.feel(contact.slip(slip, slip, slip * step_s, step_s))).collect::<Vec<_>>()
+        time_s.iter().map(|_| -cell.measure(contact.slip(slip, slip, slip * step_s, step_s))).collect::<Vec<_>>()
     };
     let series = LOADS_N.iter().map(|&load| line(format!("{load} N"), format!("friction_{load}_n"), &time_s, curve(load)));
     let caption = format!(

@@ -5,7 +5,7 @@ use crate::load::load_text;
 
 const BELT: &str = include_str!("../../scenes/experiment-2.toml");
 
-fn told(changes: &[&str]) -> String {
+fn problems_of(changes: &[&str]) -> String {
     report(BELT, changes)
 }
 
@@ -17,16 +17,16 @@ fn without(header: &str) -> String {
 #[test]
 fn the_amplitude_is_a_part() {
     says(
-        &told(&["rig.belt.amplitude_fraction=70"]),
+        &problems_of(&["rig.belt.amplitude_fraction=70"]),
         &["out of range", "from 0.001 to 1", "0.7 is 70 %", "--set:1:29", "1 problem"],
     );
-    says(&told(&["rig.belt.amplitude_fraction=1.01"]), &["from 0.001 to 1"]);
-    says(&told(&["rig.belt.amplitude_percent=70"]), &["rig.belt", "amplitude_percent"]);
+    says(&problems_of(&["rig.belt.amplitude_fraction=1.01"]), &["from 0.001 to 1"]);
+    says(&problems_of(&["rig.belt.amplitude_percent=70"]), &["rig.belt", "amplitude_percent"]);
     says(
-        &told(&["rig.belt.load_n=-270"]),
+        &problems_of(&["rig.belt.load_n=-270"]),
         &["`rig.belt.load_n` is out of range", "from 1 to 10000 N", "Force of the horn", "1 problem"],
     );
-    says(&told(&["rig.belt.lag_s=-1"]), &["`rig.belt.lag_s` is out of range", "from 0 to 100 s"]);
+    says(&problems_of(&["rig.belt.lag_s=-1"]), &["`rig.belt.lag_s` is out of range", "from 0 to 100 s"]);
 }
 
 #[test]
@@ -36,7 +36,7 @@ fn the_amplitude_is_said_once() {
     {
         let (has_no_place, instead) =
             (format!("`controller.drive.{key}` has no place beside [rig.belt]"), "`rig.belt.amplitude_fraction` says it");
-        says(&told(&[change]), &[&has_no_place, instead, "0.7 is 70 %", "--set:1:", "1 problem"]);
+        says(&problems_of(&[change]), &[&has_no_place, instead, "0.7 is 70 %", "--set:1:", "1 problem"]);
     }
     let bare = BELT.replacen("scan_v = 40.0\n", "", 1);
     says(&report(&bare, &[]), &["needs `scan_v` beside it", "1 problem"]);
@@ -66,7 +66,7 @@ fn a_belt_and_its_law_need_each_other() {
     );
     let dahl = ["contact.dahl.mu=0.3", "contact.dahl.stiffness_n_per_m=1e6"];
     says(
-        &told(&dahl),
+        &problems_of(&dahl),
         &[
             "[rig.belt] and [contact.dahl] do not go together",
             "[rig.belt] needs [contact.empirical]",
@@ -109,7 +109,7 @@ fn a_trigger_delay_moves_windows() {
 #[test]
 fn the_firmware_s_limit_is_told_by_the_amplitude() {
     let limit = ["controller.limits.current_a=2"];
-    says(&told(&limit), &["the firmware refuses `rig.belt.amplitude_fraction`", "must be"]);
+    says(&problems_of(&limit), &["the firmware refuses `rig.belt.amplitude_fraction`", "must be"]);
 }
 
 #[test]

@@ -5,7 +5,7 @@ use crate::load::load_text;
 
 const CRASH: &str = include_str!("../../scenes/dring-crash.toml");
 
-fn told(text: &str, changes: &[&str]) -> String {
+fn problems_of(text: &str, changes: &[&str]) -> String {
     match load_text("dring-crash.toml", text, &sets(changes)) {
         Ok(_) => panic!("nothing is wrong with {changes:?}"),
         Err(error) => error.to_string(),
@@ -14,36 +14,39 @@ fn told(text: &str, changes: &[&str]) -> String {
 
 #[test]
 fn an_actuator_that_is_none_is_named() {
-    says(&told(CRASH, &["rig.dring.actuator=tangental"]), &["`rig.dring.actuator`", "did you mean `tangential`?", "1 problem"]);
-    says(&told(CRASH, &["rig.dring.occupant=5"]), &["`rig.dring.occupant`", "5th", "1 problem"]);
-    says(&told(CRASH, &["rig.dring.slack_mm=10"]), &["give it in m: `slack_m`"]);
+    says(
+        &problems_of(CRASH, &["rig.dring.actuator=tangental"]),
+        &["`rig.dring.actuator`", "did you mean `tangential`?", "1 problem"],
+    );
+    says(&problems_of(CRASH, &["rig.dring.occupant=5"]), &["`rig.dring.occupant`", "5th", "1 problem"]);
+    says(&problems_of(CRASH, &["rig.dring.slack_mm=10"]), &["give it in m: `slack_m`"]);
 }
 
 #[test]
 fn low_friction_is_low() {
-    says(&told(CRASH, &["rig.dring.mu_low=0.4"]), &["low friction of 0.4 is more than high friction of 0.3", "1 problem"]);
+    says(&problems_of(CRASH, &["rig.dring.mu_low=0.4"]), &["low friction of 0.4 is more than high friction of 0.3", "1 problem"]);
 }
 
 #[test]
 fn a_d_ring_is_its_own_contact_and_hangs_on_a_stack() {
     let contact = ["contact.dahl.mu=0.2", "contact.dahl.stiffness_n_per_m=1e6"];
-    says(&told(CRASH, &contact), &["[contact] has no place beside [rig.dring]", "the D-ring is one", "1 problem"]);
-    says(&told(CRASH, &["rig.dring.at_s=0.5"]), &["`rig.dring.at_s` is 0.5 s, but the run is over at 0.22 s"]);
+    says(&problems_of(CRASH, &contact), &["[contact] has no place beside [rig.dring]", "the D-ring is one", "1 problem"]);
+    says(&problems_of(CRASH, &["rig.dring.at_s=0.5"]), &["`rig.dring.at_s` is 0.5 s, but the run is over at 0.22 s"]);
 }
 
 #[test]
 fn a_restraint_needs_a_belt_and_its_force() {
     says(
-        &told(&CRASH.replace("force_hz = 500\n", ""), &[]),
+        &problems_of(&CRASH.replace("force_hz = 500\n", ""), &[]),
         &["without `sensors.force_hz`", "the force in the belt", "1 problem"],
     );
-    says(&told(example(), &["controller.restraint.sensed_n=300"]), &["[controller.restraint] without [rig.dring]"]);
+    says(&problems_of(example(), &["controller.restraint.sensed_n=300"]), &["[controller.restraint] without [rig.dring]"]);
     says(
-        &told(CRASH, &["controller.restraint.latest_n=200"]),
+        &problems_of(CRASH, &["controller.restraint.latest_n=200"]),
         &["the firmware refuses `controller.restraint.latest_n`", "from 1000 to 100000 N"],
     );
     let burst = ["controller.burst.on_s=[0.1]", "controller.burst.off_s=[0.2]"];
-    says(&told(CRASH, &burst), &["[controller.burst] and [controller.restraint] exclude each other"]);
+    says(&problems_of(CRASH, &burst), &["[controller.burst] and [controller.restraint] exclude each other"]);
 }
 
 #[test]

@@ -5,7 +5,7 @@ use crate::load::load_text;
 
 const USM: &str = include_str!("../../scenes/usm.toml");
 
-fn told(text: &str, changes: &[&str]) -> String {
+fn problems_of(text: &str, changes: &[&str]) -> String {
     match load_text("usm.toml", text, &sets(changes)) {
         Ok(_) => panic!("nothing is wrong with {changes:?}"),
         Err(error) => error.to_string(),
@@ -15,17 +15,20 @@ fn told(text: &str, changes: &[&str]) -> String {
 #[test]
 fn a_stack_and_a_stator_exclude_each_other() {
     let stack = "[stack.bvd]\nc0_f = 3e-7\nseries_resonance_hz = 4e4\nq = 60\ncoupling = 0.25\n";
-    says(&told(&format!("{USM}\n{stack}"), &[]), &["[stack] and [stator] exclude each other", "is given already", "1 problem"]);
+    says(
+        &problems_of(&format!("{USM}\n{stack}"), &[]),
+        &["[stack] and [stator] exclude each other", "is given already", "1 problem"],
+    );
 }
 
 #[test]
 fn a_stator_has_a_rotor_and_no_contact() {
     let contact = ["contact.dahl.mu=0.2", "contact.dahl.stiffness_n_per_m=1e6"];
-    says(&told(USM, &contact), &["[contact] has no place beside [stator]", "[rig.rotor]", "1 problem"]);
+    says(&problems_of(USM, &contact), &["[contact] has no place beside [stator]", "[rig.rotor]", "1 problem"]);
     let rotor = "[rig.rotor]\ninertia_kg_m2 = 1e-6\npreload_n = 1\nmu = 0.2\nradius_m = 0.01\ncontact_stiffness_n_per_m = 1e7\n";
     let without: String =
         example().split_inclusive("\n\n").filter(|part| !part.contains("[rig") && !part.contains("[contact")).collect();
-    says(&told(&format!("{without}\n{rotor}"), &[]), &["[rig.rotor] without [stator]", "needs [stator]"]);
+    says(&problems_of(&format!("{without}\n{rotor}"), &[]), &["[rig.rotor] without [stator]", "needs [stator]"]);
     // A stator by itself is a scene.
     let (bare, _) = USM.split_once("[rig.rotor]").unwrap();
     assert!(load_text("bare", bare, &[]).unwrap().scene.driven().unwrap().rotor().is_none());
@@ -33,14 +36,14 @@ fn a_stator_has_a_rotor_and_no_contact() {
 
 #[test]
 fn only_a_stator_has_lanes_that_differ() {
-    let told = told(example(), &["amplifier.lane_gain_error=[0, 0.1]"]);
+    let told = problems_of(example(), &["amplifier.lane_gain_error=[0, 0.1]"]);
     says(&told, &["`amplifier.lane_gain_error` has no place beside [stack]", "belongs to [stator]", "1 problem"]);
 }
 
 #[test]
 fn units_of_a_rotor_are_read() {
-    says(&told(USM, &["rig.rotor.torque_nm=\"2\""]), &["a number in N m"]);
-    says(&told(USM, &["rig.rotor.torque_mnm=2"]), &["did you mean `torque_nm`?"]);
+    says(&problems_of(USM, &["rig.rotor.torque_nm=\"2\""]), &["a number in N m"]);
+    says(&problems_of(USM, &["rig.rotor.torque_mnm=2"]), &["did you mean `torque_nm`?"]);
 }
 
 #[test]
@@ -48,16 +51,16 @@ fn a_key_of_a_motor_can_be_disturbed() {
     let torque = ["disturbance.0.at_s=0.1", "disturbance.0.key=rig.rotor.torque_nm", "disturbance.0.to=1e-3"];
     assert!(load_text("usm", USM, &sets(&torque)).is_ok());
     let stack = ["disturbance.0.at_s=0.1", "disturbance.0.key=stack.bvd.q", "disturbance.0.to=50"];
-    says(&told(USM, &stack), &["`stack.bvd.q` cannot change: the scene has no [stack]"]);
+    says(&problems_of(USM, &stack), &["`stack.bvd.q` cannot change: the scene has no [stack]"]);
 }
 
 #[test]
 fn what_only_a_stack_can_do_has_no_place_beside_a_stator() {
-    says(&told(USM, &["amplifier.delay_s=1e-6"]), &["`amplifier.delay_s` has no place beside [stator]", "1 problem"]);
+    says(&problems_of(USM, &["amplifier.delay_s=1e-6"]), &["`amplifier.delay_s` has no place beside [stator]", "1 problem"]);
     for kind in ["short", "depoled", "cracked"] {
         let fault = ["fault.0.at_s=0.1".to_owned(), format!("fault.0.kind={kind}")];
         let fault: Vec<&str> = fault.iter().map(String::as_str).collect();
-        says(&told(USM, &fault), &[&format!("a stator cannot be `{kind}`"), "happens to a [stack]", "1 problem"]);
+        says(&problems_of(USM, &fault), &[&format!("a stator cannot be `{kind}`"), "happens to a [stack]", "1 problem"]);
     }
     for kind in ["swapped", "dropout", "open"] {
         let fault = ["fault.0.at_s=0.1".to_owned(), format!("fault.0.kind={kind}")];
@@ -65,8 +68,8 @@ fn what_only_a_stack_can_do_has_no_place_beside_a_stator() {
         assert!(load_text("usm", USM, &sets(&fault)).is_ok(), "{kind}");
     }
     let mode = ["disturbance.0.at_s=0.1", "disturbance.0.key=stack.mode.0.series_resonance_hz", "disturbance.0.to=5e4"];
-    says(&told(USM, &mode), &["cannot change: the scene has no [stack]"]);
-    says(&told(example(), &mode), &["cannot change: the scene has no [stack.mode]", "1 problem"]);
+    says(&problems_of(USM, &mode), &["cannot change: the scene has no [stack]"]);
+    says(&problems_of(example(), &mode), &["cannot change: the scene has no [stack.mode]", "1 problem"]);
 }
 
 #[test]
@@ -89,5 +92,5 @@ fn a_stack_with_everything_reads_back() {
     let text = crate::resolved::resolved_toml(&scene);
     assert!(text.contains("[[stack.mode]]") && text.contains("temperature_k = 12.0"), "{text}");
     assert_eq!(load_text("all", &text, &[]).unwrap().scene, scene);
-    says(&told(example(), &["stack.bvd.duffing_hz_per_ma2=-1"]), &["did you mean `duffing_hz_per_a2`?"]);
+    says(&problems_of(example(), &["stack.bvd.duffing_hz_per_ma2=-1"]), &["did you mean `duffing_hz_per_a2`?"]);
 }

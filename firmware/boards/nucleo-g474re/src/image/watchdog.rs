@@ -19,9 +19,9 @@ const TICKS: u16 = 80;
 static SEEN: AtomicU32 = AtomicU32::new(0);
 
 /// The watchdog.
-pub struct Dog;
+pub struct IndependentWatchdog;
 
-impl Dog {
+impl IndependentWatchdog {
     /// Starts it; nothing but a reset stops it. IWDG_KR (42.4.1), PR (42.4.2), RLR (42.4.3), SR (42.4.4).
     pub fn start() -> Self {
         // DBGMCU_APB1FZR1 (47.6.5): it waits while a debugger has halted the processor, whose outputs are off then.
@@ -31,13 +31,13 @@ impl Dog {
         IWDG.pr().write(|w| w.set_pr(Pr::DIVIDE_BY4));
         IWDG.rlr().write(|w| w.set_rl(TICKS - 1));
         while IWDG.sr().read().0 != 0 {}
-        let mut dog = Dog;
+        let mut dog = IndependentWatchdog;
         dog.feed();
         dog
     }
 }
 
-impl Watchdog for Dog {
+impl Watchdog for IndependentWatchdog {
     fn feed(&mut self) {
         IWDG.kr().write(|w| w.set_key(Key::RESET));
     }

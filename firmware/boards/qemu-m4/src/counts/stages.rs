@@ -97,7 +97,7 @@ fn watching_a_belt(print: Print, mut config: Config, convert: &Convert, sense: &
     let mut counts = 0;
     print("belt", &mut || {
         counts += 1;
-        belt.hear(black_box(Some(BeltSense { counts, broken: false })));
+        belt.update(black_box(Some(BeltSense { counts, broken: false })));
     });
     print("guard over a belt", &mut || {
         sense.slow.force = black_box(Some(sense.slow.force.unwrap_or(1.0) * 1.000_001));

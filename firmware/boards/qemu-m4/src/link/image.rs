@@ -16,7 +16,7 @@ use qemu_m4::stack;
 use semihosting::{eprintln, process};
 
 use crate::kept;
-use crate::pins::{self, Dog, Enable, Stop};
+use crate::pins::{self, Enable, Stop, VirtualWatchdog};
 use crate::usart::{self, Usart};
 
 /// Room of the queues; one place of each stays empty.
@@ -53,7 +53,7 @@ fn serve() -> Result<(), &'static str> {
         }
         read(body, beat)?;
         pins::press(beat.pins.stop);
-        usart::hear(beat.pins.sent);
+        usart::receive(beat.pins.sent);
         task.run(&beat.sense, &mut played.drive);
         let failed = app.poll().is_err();
         played.board = pins::seen(failed);
@@ -72,7 +72,7 @@ fn records() -> Option<&'static mut (Beat, Played)> {
 }
 
 /// The slow side of this board.
-type Slow = App<'static, Usart, Enable, Stop, Dog, &'static mut Pages>;
+type Slow = App<'static, Usart, Enable, Stop, VirtualWatchdog, &'static mut Pages>;
 
 /// Builds both sides of what the host describes, with what is kept, and answers; `None` where the host is not there any more, or has been
 /// refused. Not inlined: what that takes of the stack is given back here.
@@ -89,7 +89,7 @@ fn open(pipes: &mut Pipes, link: Usart) -> Result<Option<&'static mut (BlockTask
     match power_up.build(&built_in, hot) {
         Ok(task) => {
             pipes.send(&Opening { built: Ok(()), silence: task.silence() })?;
-            let peripherals = app::Peripherals { link, enable: Enable, stop: Stop, watchdog: Dog, settings, start };
+            let peripherals = app::Peripherals { link, enable: Enable, stop: Stop, watchdog: VirtualWatchdog, settings, start };
             singleton!(: (BlockTask<'static>, Slow) = (task, App::new(peripherals, slow, &power_up))).ok_or(TWICE).map(Some)
         }
         Err(error) => {

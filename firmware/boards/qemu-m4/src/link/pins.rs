@@ -64,9 +64,9 @@ impl InputPin for Stop {
 }
 
 /// Counts how often it is fed. A reset waits until the block is answered.
-pub struct Dog;
+pub struct VirtualWatchdog;
 
-impl Watchdog for Dog {
+impl Watchdog for VirtualWatchdog {
     fn feed(&mut self) {
         FED.fetch_add(1, Ordering::Relaxed);
     }

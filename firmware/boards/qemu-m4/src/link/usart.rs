@@ -32,7 +32,7 @@ const MOST_SLEEPS: u32 = 20;
 static SENT: AtomicU32 = AtomicU32::new(0);
 
 /// Tells how many bytes the host has sent so far: they are heard before anything else is done.
-pub fn hear(sent: u32) {
+pub fn receive(sent: u32) {
     SENT.store(sent, Ordering::Relaxed);
 }
 

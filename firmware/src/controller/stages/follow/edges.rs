@@ -112,13 +112,13 @@ pub(crate) fn check(config: &Config) -> Result<(), Error> {
 impl Edges {
     /// What the block that is heard tells.
     #[inline]
-    pub(crate) fn told(&self, block: u64, boosts: bool) -> BlockInfo {
+    pub(crate) fn block_info(&self, block: u64, boosts: bool) -> BlockInfo {
         if boosts { self.told[(block % LATENCY_BLOCKS as u64) as usize] } else { BlockInfo::PLAIN }
     }
 
     /// Notes what the block tells that has been written, of a drive of `volts` and this mean envelope.
     #[inline(never)]
-    pub(crate) fn note(&mut self, block: u64, generator: &Generator, volts: f32, level: f32) {
+    pub(crate) fn record(&mut self, block: u64, generator: &Generator, volts: f32, level: f32) {
         let (rung_up, telling) = (generator.burst.was_rung_up(volts), generator.burst.is_telling());
         let even = core::mem::replace(&mut self.even, generator.shaper.is_even()) || level != 0.0;
         self.told[(block % LATENCY_BLOCKS as u64) as usize] = BlockInfo { rung_up, telling, even };
@@ -129,15 +129,15 @@ impl Edges {
     pub(crate) fn prepare_boost(&mut self, chain: &mut Chain, measured: &Measured, gate: Gate) {
         let Measured { orders, sensed, motional, played, .. } = *measured;
         let (block, burst) = (chain.block, &mut chain.generator.burst);
-        if played.flat && played.pure && self.told(block, true).even {
+        if played.flat && played.pure && self.block_info(block, true).even {
             // Silence tells nothing but noise, and a steady drive little.
             if played.envelope > 1.0
                 || played.envelope > 0.0 && (chain.supervisor.mode() == Mode::Lock || block.is_multiple_of(STEADY))
             {
-                self.source.hear(played.volts * played.envelope, sensed.v, motional);
+                self.source.update(played.volts * played.envelope, sensed.v, motional);
             }
             if let Some(per_ampere) = self.per_ampere {
-                burst.hear(motional.re * per_ampere.re - motional.im * per_ampere.im);
+                burst.update(motional.re * per_ampere.re - motional.im * per_ampere.im);
             }
         }
         if burst.is_under_way(gate) {

@@ -9,7 +9,7 @@ use crate::seam::mode::Mode;
 use crate::seam::phasor::magnitude;
 
 impl Follow {
-    /// Lets the friction switch hear one block of a run.
+    /// Gives the friction switch one measured block of a run.
     #[inline]
     pub(crate) fn switch_friction(&mut self, chain: &mut Chain, measured: &Measured) {
         let Measured { orders, sense, motional, played, .. } = *measured;
@@ -18,7 +18,7 @@ impl Follow {
             return;
         }
         let boosts = chain.generator.burst.boosts();
-        let on = played.is_full() && (!boosts || self.edges.told(chain.block, boosts).rung_up);
+        let on = played.is_full() && (!boosts || self.edges.block_info(chain.block, boosts).rung_up);
         let sensed = Sensed {
             belt_m_per_s: chain.belt.speed_m_per_s(),
             force_n: sense.slow.force,

@@ -188,6 +188,6 @@ fn silence_moves_nothing() {
     run.settle(31_250, 4.0);
     let moved = run.observer.offset_hz() - before;
     assert!(moved.abs() < 0.5, "{moved} Hz");
-    // What it does not hear it may not claim to know.
+    // What it does not measure it may not claim to know.
     assert!((15.0..25.0).contains(&run.observer.deviation_hz()), "{}", run.observer.deviation_hz());
 }

@@ -57,7 +57,7 @@ fn off() -> Figure {
     let time_s: Vec<f64> = (1..=500).map(|step| f64::from(step) * step_s).collect();
     let curve = |load: f64| {
         let mut cell = LoadCell::new(CELL_HZ, step_s);
-        time_s.iter().map(|_| cell.feel(MU * load)).collect::<Vec<_>>()
+        time_s.iter().map(|_| cell.measure(MU * load)).collect::<Vec<_>>()
     };
     let series = LOADS_N.iter().map(|&load| line(format!("{load} N"), format!("pull_{load}_n"), &time_s, curve(load))).collect();
     let caption = "Model: Coulomb friction, mu 0.3 assumed, seen by the load cell (80 Hz) from the moment the belt slides; the \
