@@ -1,4 +1,4 @@
-//! Chapters 3 and 4 and appendix B of the thesis, computed anew: every figure, every claim in words, every contradiction.
+//! Chapters 3 and 4 and appendix B of the thesis, recomputed: every figure, every claim in words, every contradiction.
 //!
 //! ```text
 //! experiments (3.1, 3.2) --> scenes --> run, controller and all --------> curves, checks
@@ -134,7 +134,7 @@ impl Findings {
             |verdict: Verdict| (verdict.word().to_owned(), format!("{} of {} claims", self.count(verdict), self.claims.len()));
         Report {
             title: "Thesis, chapters 3 and 4 and appendix B: figures, claims and contradictions".into(),
-            subtitle: "Both experiments simulated, every figure of the analytical model computed anew, every claim in words judged by its numbers; so for the ultrasonic motor".into(),
+            subtitle: "Both experiments simulated, every figure of the analytical model recomputed, every claim in words judged by its numbers; so for the ultrasonic motor".into(),
             summary: [Verdict::Reproduced, Verdict::Conditional, Verdict::Refuted].map(count).to_vec(),
             paragraphs: vec![
                 "The thesis leaves open the averaging window, the initial conditions, the definition of the velocity ratio where the \

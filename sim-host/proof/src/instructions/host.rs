@@ -37,7 +37,7 @@ pub struct Generator {
 /// Both ways.
 pub const GENERATORS: [Generator; 2] = [
     Generator { name: "rotation", how: "512 pairs, second order", block: rotations },
-    Generator { name: "swing", how: "y + d, d - c y, set anew each block", block: swings },
+    Generator { name: "swing", how: "y + d, d - c y, restarted each block", block: swings },
 ];
 
 fn rotations(stretch: &Stretch) -> [(f32, f32); SAMPLES] {

@@ -24,7 +24,7 @@ impl Rules<'_> {
             };
             let table = name.split('.').next().unwrap_or(name);
             if name == SEED || NOT_IN_A_CELL.contains(&table) {
-                let help = "what varies is a number of the plant, or of what the controller is told";
+                let help = "what varies is a number of the plant, or a nominal value of the controller";
                 wrong(format!("`{name}` cannot be varied"), "no run has a value of its own here", help);
                 continue;
             }

@@ -89,7 +89,7 @@ pub fn table() -> TableBlock {
         "70 % over 50 %, 270 N",
         "70 % over 50 %, 450 N",
         "0.5, 1, 2.5 s ON",
-        "words kept",
+        "statements met",
         "falls between, too",
     ];
     TableBlock::new(

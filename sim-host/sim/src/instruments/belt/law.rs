@@ -183,7 +183,7 @@ pub fn residuals(law: EmpiricalLaw, lag_s: f64) -> TableBlock {
         vec![says, format!("{got:.2} %"), format!("{:+.2} points", got - point.percent), point.source.into()]
     };
     let word = |word: Word| {
-        let kept = if word.kept { "kept" } else { "not kept" };
+        let kept = if word.kept { "met" } else { "not met" };
         vec![word.says.into(), word.numbers, kept.into(), "thesis, in words".into()]
     };
     let rows = POINTS.iter().map(point).chain(curve.words().into_iter().map(word)).collect();

@@ -73,7 +73,7 @@ pub(super) fn three_ways(run: &View, metrics: &Metrics) -> TableBlock {
         } else {
             "The circuit is the stack's by itself, at the beginning of the run; a contact adds its stiffness and loss."
         },
-        &["", "command, or told", "controller's estimate", "its standard deviation", "plant's truth"],
+        &["", "set point or nominal value", "controller's estimate", "its standard deviation", "plant's truth"],
         rows,
     )
 }
