@@ -230,3 +230,21 @@ fn every_documented_test_is_there() {
     }
     assert!(checked > 10, "{checked} commands");
 }
+
+/// A path in a page is of the repository, from its root or from the page's folder; the name of a file alone is one of its sources.
+#[test]
+fn every_documented_file_is_there() {
+    for (page, text) in pages() {
+        let folder = if page == "README.md" { root() } else { root().join("docs") };
+        let links = text.split("](").skip(1).filter_map(|rest| rest.split([')', '#']).next());
+        for link in links.filter(|link| !link.is_empty() && !link.contains(':') && !link.contains(' ')) {
+            assert!(folder.join(link).exists(), "{page}: there is no {link}");
+        }
+        let paths = text.lines().flat_map(|line| line.split('`').skip(1).step_by(2));
+        let rooted = ["firmware/", "hal-mock/", "sim-host/", "tests/"];
+        for path in paths.filter(|path| rooted.iter().any(|root| path.starts_with(root)) && !path.contains([' ', '{', '*', '<']))
+        {
+            assert!(root().join(path).exists(), "{page}: there is no {path}");
+        }
+    }
+}

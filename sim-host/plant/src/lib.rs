@@ -60,7 +60,7 @@ use firmware::seam::block::{DriveBlock, SenseBlock};
 use hal_mock::analog::Analog;
 
 use crate::circuit::Circuit;
-use crate::dring::crash::{Crash, Film};
+use crate::dring::crash::{Crash, Playback};
 use crate::driven_stack::DrivenStack;
 use crate::energy::Energy;
 use crate::motor::Motor;
@@ -141,9 +141,9 @@ impl Plant {
     }
 
     /// What a crash has come to.
-    pub fn film(&self) -> Option<&Film> {
+    pub fn playback(&self) -> Option<&Playback> {
         match self {
-            Plant::Crash(crash) => Some(crash.film()),
+            Plant::Crash(crash) => Some(crash.playback()),
             Plant::Stack(_) | Plant::Motor(_) => None,
         }
     }

@@ -15,10 +15,13 @@ mod table;
 #[cfg(test)]
 mod tests;
 
-use crate::bench::{self, Error, Evidence, Options};
+use crate::evidence::{Error, Evidence, Options, built_in};
 use plant::dring::Bench;
 use scene::load::load;
 use sim::study::StudyError;
+
+/// The text of the suite.
+pub(crate) const SUITE: &str = include_str!("../suites/crash.toml");
 
 /// The scene that everything is made of.
 const SCENE: &str = "dring-crash";
@@ -28,7 +31,7 @@ const CRASHES: [u32; 2] = [4000, 500];
 /// Runs the suite and both studies.
 pub fn run(options: &mut Options) -> Result<Evidence, Error> {
     let crashes = CRASHES[usize::from(options.quick)];
-    bench::built_in("crash", options, |_, report| {
+    built_in(("crash", SUITE), options, |_, report| {
         report.tables.push(table::scheduled(&scheduled::run()?));
         report.tables.push(table::mass(&mass::run(crashes)?));
         Ok(())

@@ -1,6 +1,7 @@
 //! The blocks of the documentation that `sim-host validate` writes are what it prints. `UPDATE_DOCS=1 cargo test docs` writes them anew.
 
-use crate::bench::{Evidence, Options, named};
+use crate::bench::named;
+use crate::evidence::{Evidence, Options};
 use crate::thesis;
 use report::docs::{block, is_update, path};
 use report::markdown;

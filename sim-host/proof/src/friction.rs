@@ -1,12 +1,15 @@
 //! The friction switch: the suite `friction.toml`, and the plot of set point against result.
 
-use crate::bench::{self, Error, Evidence, Options};
+use crate::evidence::{Error, Evidence, Options, built_in};
 use report::{Axis, Figure, Series, Style};
 use sim::study::suite::{CaseResult, SuiteResult};
 
+/// The text of the suite.
+pub(crate) const SUITE: &str = include_str!("../suites/friction.toml");
+
 /// Runs the suite.
 pub fn run(options: &mut Options) -> Result<Evidence, Error> {
-    bench::built_in("friction", options, |result, report| {
+    built_in(("friction", SUITE), options, |result, report| {
         report.figures.push(figure(result));
         Ok(())
     })

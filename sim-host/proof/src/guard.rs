@@ -23,7 +23,7 @@ use rayon::prelude::*;
 
 use self::cases::{ENCODER_FAULTS, EVENTS, EncoderFault, Event, MOVING_BELTS, MovingBelt};
 use self::rig::{Plan, Rig};
-use crate::bench::{Error, Evidence, Options};
+use crate::evidence::{Error, Evidence, Options};
 use report::Report;
 use sim::instruments::runs::statistics::{Spread, spread_of};
 

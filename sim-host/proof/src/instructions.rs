@@ -16,7 +16,7 @@ pub mod target;
 #[cfg(test)]
 mod tests;
 
-use crate::bench::{Error, Evidence, Options};
+use crate::evidence::{Error, Evidence, Options};
 use report::Report;
 
 use budget::Judged;

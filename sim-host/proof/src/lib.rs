@@ -17,6 +17,7 @@ pub mod bench;
 mod crash;
 #[cfg(test)]
 mod docs;
+pub mod evidence;
 mod friction;
 pub mod guard;
 pub mod instructions;

@@ -22,7 +22,7 @@ pub mod study;
 pub mod table;
 pub mod work;
 
-use crate::bench::{Error, Evidence, Options};
+use crate::evidence::{Error, Evidence, Options};
 use study::measure;
 
 /// The measurement with its page and files.

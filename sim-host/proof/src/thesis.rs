@@ -51,7 +51,7 @@ pub(crate) use experiment_2::tables as experiment_2_tables;
 use contact::SolveError;
 use report::{Figure, Report, TableBlock};
 
-use crate::bench::{Error, Evidence, Options};
+use crate::evidence::{Error, Evidence, Options};
 pub use claim::{Claim, Verdict};
 pub use errata::{Choice, Erratum};
 pub use json::summary;

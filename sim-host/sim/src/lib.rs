@@ -7,7 +7,7 @@
 //!   |                                     | v
 //!   +------------------------------> plant (stack, contact, rig) --> record ---+
 //!                                                                              v
-//! scene [excitation] --> problem --> contact (solved by itself) --> film --> instruments (metrics, tables, figures) --> report
+//! scene [excitation] --> problem --> contact (solved by itself) --> playback --> instruments (metrics, tables, figures) --> report
 //! ```
 //!
 //! # Example

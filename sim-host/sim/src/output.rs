@@ -12,7 +12,7 @@ use std::path::{Path, PathBuf};
 use serde_json::{Value, json};
 
 use crate::record::text_hash;
-use crate::study::contact::Answer;
+use crate::study::answer::Answer;
 use crate::study::{Outcome, Study};
 use crate::tables;
 use report::{self, ReportError};

@@ -11,7 +11,7 @@ use crate::edge_meter::Edges;
 use crate::processor::Memory;
 use crate::swing::Swing;
 use crate::trace::Tracer;
-use plant::dring::crash::Film;
+use plant::dring::crash::Playback;
 use plant::energy::Energy;
 use plant::truth::{Sample, Truth};
 
@@ -142,7 +142,7 @@ pub struct Record {
     /// The energy budget.
     pub energy: Energy,
     /// What a crash came to.
-    pub crash: Option<Film>,
+    pub crash: Option<Playback>,
     /// States that were integrated.
     pub plant_states: usize,
     /// Instructions of all blocks, where they are counted.

@@ -104,7 +104,7 @@ pub fn run_on(processor: &mut dyn Processor, scene: &Driven, mut watch: Watch) -
     let recorder = clock.analog;
     let plant = &recorder.plant.inner;
     record.energy = plant.energy();
-    record.crash = plant.film().cloned();
+    record.crash = plant.playback().cloned();
     record.plant_states = plant.states();
     record.drive_hash = recorder.hash.value();
     record.windows = recorder.windows;

@@ -2,17 +2,18 @@
 
 mod abreast;
 pub mod across;
+pub mod answer;
 pub mod comparison;
 pub mod contact;
 pub mod driven;
-pub mod film;
 pub mod grid;
 pub mod matching;
 pub mod monte_carlo;
 mod plan;
+pub mod playback;
 mod stopped;
 pub mod suite;
-pub mod swept;
+pub mod sweep_record;
 
 use std::sync::atomic::{AtomicBool, Ordering};
 

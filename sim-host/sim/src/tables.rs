@@ -23,7 +23,7 @@ pub fn report(study: &Study) -> Report {
         paragraphs: [remarks(study), scene.notes.clone(), vec![preface]].concat(),
         tables: tables(study),
         figures: instruments::figures(study),
-        crash: study.run().and_then(|run| crash::playback(&View::new(&run.scene, &run.record))),
+        crash: study.run().and_then(|run| crash::view(&View::new(&run.scene, &run.record))),
         appendix: vec![all_metrics(study)],
         footer: footer(study),
         interrupted: study.interrupted,

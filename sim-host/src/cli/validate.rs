@@ -9,7 +9,8 @@ use anyhow::Context;
 use clap::Args;
 
 use super::{Color, EXIT_CODES, EXPECTATION_MISSED, Format, RUN_FAILED, USAGE, invalid, print};
-use proof::bench::{BENCHES, Bench, Error, Evidence, Options, named, run_suite};
+use proof::bench::{BENCHES, Bench, named};
+use proof::evidence::{Error, Evidence, Options, run_suite};
 use proof::precision::instructions::run_alone;
 use report::Report;
 use scene::load::LoadError;

@@ -65,7 +65,7 @@ pub struct Frame {
 
 /// What a crash comes to.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Film {
+pub struct Playback {
     /// Mass of the torso, kg.
     pub torso_kg: f64,
     /// A frame a block, from the beginning of the pulse.
@@ -82,7 +82,7 @@ pub struct Film {
     pub error_estimate: f64,
 }
 
-impl Film {
+impl Playback {
     /// Acceleration of the chest at a force, in g.
     pub fn chest_g(&self, shoulder_n: f64) -> f64 {
         shoulder_n / self.torso_kg / G_M_PER_S2
@@ -105,7 +105,7 @@ pub struct Crash {
     block_s: f64,
     blocks: u64,
     truth: Truth,
-    film: Film,
+    playback: Playback,
 }
 
 impl Crash {
@@ -128,7 +128,7 @@ impl Crash {
             block_s,
             blocks: 0,
             truth: Truth::default(),
-            film: Film { torso_kg: bench.torso_kg, ..Film::default() },
+            playback: Playback { torso_kg: bench.torso_kg, ..Playback::default() },
             bench,
         }
     }
@@ -164,8 +164,8 @@ impl Crash {
     }
 
     /// What the crash has come to so far.
-    pub fn film(&self) -> &Film {
-        &self.film
+    pub fn playback(&self) -> &Playback {
+        &self.playback
     }
 
     /// States that are integrated in time.
@@ -185,7 +185,7 @@ impl Crash {
         if since_s < 0.0 {
             return;
         }
-        self.film.frames.push(Frame {
+        self.playback.frames.push(Frame {
             time_s: since_s,
             pulse_m_per_s2: self.bench.pulse.at(time_s, self.bench.pulse.contains(time_s)),
             // The tip of a stack says itself how far it has risen.
@@ -193,12 +193,12 @@ impl Crash {
             switched: belt(&self.switched),
             passive: belt(&self.passive),
         });
-        (self.film.switched, self.film.passive) = (self.switched.extremes(), self.passive.extremes());
-        self.film.energy_residual = self.switched.energy_residual();
+        (self.playback.switched, self.playback.passive) = (self.switched.extremes(), self.passive.extremes());
+        self.playback.energy_residual = self.switched.energy_residual();
         let finer = self.finer.extremes();
         let off = |own: f64, finer: f64| if finer == 0.0 { 0.0 } else { (own / finer - 1.0).abs() };
-        let (force, way) = (self.film.switched.shoulder_n, self.film.switched.excursion_m);
-        self.film.error_estimate = off(force, finer.shoulder_n).max(off(way, finer.excursion_m));
+        let (force, way) = (self.playback.switched.shoulder_n, self.playback.switched.excursion_m);
+        self.playback.error_estimate = off(force, finer.shoulder_n).max(off(way, finer.excursion_m));
     }
 }
 
@@ -219,8 +219,8 @@ impl Analog for Crash {
         self.stack.exchange(drive, sense);
         let plays = self.plays(drive);
         let begins_s = self.blocks as f64 * self.block_s;
-        if plays && self.film.low_s.is_none() && begins_s >= self.bench.pulse.at_s {
-            self.film.low_s = Some(begins_s - self.bench.pulse.at_s);
+        if plays && self.playback.low_s.is_none() && begins_s >= self.bench.pulse.at_s {
+            self.playback.low_s = Some(begins_s - self.bench.pulse.at_s);
         }
         let rate_per_s = if plays { 1.0 } else { -1.0 } / self.edge_s;
         for motion in [&mut self.switched, &mut self.finer] {

@@ -14,7 +14,7 @@ use rand_xoshiro::Xoshiro256PlusPlus;
 use rayon::prelude::*;
 
 use super::{plant, scheduled};
-use crate::bench::Error;
+use crate::evidence::Error;
 use plant::dring::motion::Motion;
 use plant::dring::{Bench, G_M_PER_S2};
 
@@ -76,16 +76,16 @@ pub fn run(crashes: u32) -> Result<Vec<Estimate>, Error> {
 /// What can be seen of a crash at each moment.
 fn signals(bench: &Bench) -> Vec<[f64; SIGNALS]> {
     const BEFORE_MS: f64 = 2.0;
-    let mut film: Vec<(f64, f64, f64, f64)> = Vec::new();
+    let mut playback: Vec<(f64, f64, f64, f64)> = Vec::new();
     let mut impulse = 0.0;
     let see = |since_s: f64, motion: &Motion| {
         let force = motion.tensions().shoulder_n;
         impulse += force;
-        film.push((1e3 * since_s, force, motion.state().payout_m, impulse));
+        playback.push((1e3 * since_s, force, motion.state().payout_m, impulse));
     };
     let last_s = 1e-3 * AT_MS.iter().copied().fold(0.0, f64::max);
     scheduled::crash(bench, 1.0, last_s, |_| false, see);
-    let at = |ms: f64| film.iter().rfind(|seen| seen.0 <= ms + 1e-9).copied().unwrap_or_default();
+    let at = |ms: f64| playback.iter().rfind(|seen| seen.0 <= ms + 1e-9).copied().unwrap_or_default();
     let one = |&ms: &f64| {
         let (now, before) = (at(ms), at(ms - BEFORE_MS));
         [now.1, 1e6 * now.2, now.1 - before.1, 1e6 * (now.2 - before.2), now.3]

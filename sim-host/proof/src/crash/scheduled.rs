@@ -1,7 +1,7 @@
 //! The switch thrown at stated moments, on the plant alone: what the rule of the controller is for. An ideal switch with edges of 3 ms.
 
 use super::plant;
-use crate::bench::Error;
+use crate::evidence::Error;
 use plant::dring::Bench;
 use plant::dring::motion::{Extremes, Motion};
 

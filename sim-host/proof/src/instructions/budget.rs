@@ -7,7 +7,7 @@ use serde::Deserialize;
 
 use super::Row;
 use super::target::{Counted, find};
-use crate::bench::Error;
+use crate::evidence::Error;
 
 /// Every bound, a line each; `aim` is what is aimed at where that is less, as the bound follows when the controller gets there. Of a block's
 /// 5440 cycles, 75 % are aimed at for four lanes and 45 % for one: the rest is for what an instruction is not. Half a step of a 14-bit

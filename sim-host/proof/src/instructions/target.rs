@@ -4,7 +4,7 @@ use std::process::Command;
 
 use serde::Deserialize;
 
-use crate::bench::Error;
+use crate::evidence::Error;
 use pil::machine::{ARGUMENTS, NO_SERIAL, PROGRAM};
 use pil::{PilError, counting_image};
 

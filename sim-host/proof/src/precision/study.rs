@@ -5,7 +5,7 @@ use super::hard::{CASES, Case, Found, Scale};
 use super::instructions;
 use super::reference::{self, NoReference, Reference};
 use super::work::{self, Curve};
-use crate::bench::Options;
+use crate::evidence::Options;
 use contact::SolveError;
 use contact::table_4_1;
 

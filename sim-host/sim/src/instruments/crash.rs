@@ -2,14 +2,14 @@
 
 mod figures;
 mod metrics;
-mod playback;
 mod table;
+mod view;
 
-pub use playback::playback;
+pub use view::view;
 
 use super::{Instrument, Line, View};
 use crate::metrics::Metrics;
-use plant::dring::crash::Film;
+use plant::dring::crash::Playback;
 use report::{Figure, TableBlock};
 
 /// The instrument of scenes with a D-ring.
@@ -17,8 +17,8 @@ pub(super) struct Crash;
 
 impl Instrument for Crash {
     fn metrics(&self, run: &View, metrics: &mut Metrics) {
-        if let Some(film) = film(run) {
-            metrics::add(film, metrics);
+        if let Some(playback) = playback(run) {
+            metrics::add(playback, metrics);
         }
     }
 
@@ -35,19 +35,19 @@ impl Instrument for Crash {
     }
 
     fn remarks(&self, run: &View) -> Vec<String> {
-        film(run).map_or_else(Vec::new, |film| table::remarks(run, film))
+        playback(run).map_or_else(Vec::new, |playback| table::remarks(run, playback))
     }
 
     fn tables(&self, run: &View, _: &Metrics) -> Vec<TableBlock> {
-        film(run).map(table::belts).into_iter().collect()
+        playback(run).map(table::belts).into_iter().collect()
     }
 
     fn figures(&self, run: &View) -> Vec<Figure> {
-        film(run).map_or_else(Vec::new, figures::of)
+        playback(run).map_or_else(Vec::new, figures::of)
     }
 }
 
-/// What was recorded of a crash that has begun.
-fn film<'a>(run: &View<'a>) -> Option<&'a Film> {
-    run.record.crash.as_ref().filter(|film| !film.frames.is_empty())
+/// The playback of a crash that has begun.
+fn playback<'a>(run: &View<'a>) -> Option<&'a Playback> {
+    run.record.crash.as_ref().filter(|playback| !playback.frames.is_empty())
 }

@@ -3,7 +3,7 @@
 
 use super::curves::axis;
 use super::{Instrument, View};
-use crate::study::swept::Swept;
+use crate::study::sweep_record::SweepRecord;
 use plant::truth::Sample;
 use report::time_frequency::{Map, Smoothing, stft, wigner_ville, window_for};
 use report::{Figure, HeatMap};
@@ -43,30 +43,30 @@ pub(super) struct Sweep;
 
 impl Instrument for Sweep {
     fn figures(&self, run: &View) -> Vec<Figure> {
-        Swept::of("", &run.scene, run.record).iter().flat_map(figures).collect()
+        SweepRecord::of("", &run.scene, run.record).iter().flat_map(figures).collect()
     }
 }
 
 /// The pictures of a sweep; none if nothing of it was recorded.
-pub fn figures(swept: &Swept) -> Vec<Figure> {
-    let signals: &[Signal] = if swept.rubs { &[DRIVE, TIP, FRICTION] } else { &[DRIVE, TIP] };
-    let whole = signals.iter().filter_map(|signal| short_time(swept, signal));
-    let near = signals.iter().filter_map(|signal| near_resonance(swept, signal, TIMES));
-    whole.chain(near).chain(near_resonance(swept, &TIP, 1)).collect()
+pub fn figures(record: &SweepRecord) -> Vec<Figure> {
+    let signals: &[Signal] = if record.rubs { &[DRIVE, TIP, FRICTION] } else { &[DRIVE, TIP] };
+    let whole = signals.iter().filter_map(|signal| short_time(record, signal));
+    let near = signals.iter().filter_map(|signal| near_resonance(record, signal, TIMES));
+    whole.chain(near).chain(near_resonance(record, &TIP, 1)).collect()
 }
 
 /// The whole sweep, through windows.
-fn short_time(swept: &Swept, signal: &Signal) -> Option<Figure> {
-    let samples = swinging(&swept.window.samples, signal);
-    let window = window_for(swept.law.slowest_hz_per_s(), swept.sample_s).min(samples.len() / 4);
+fn short_time(record: &SweepRecord, signal: &Signal) -> Option<Figure> {
+    let samples = swinging(&record.window.samples, signal);
+    let window = window_for(record.law.slowest_hz_per_s(), record.sample_s).min(samples.len() / 4);
     let hop = samples.len().div_ceil(COLUMNS).max(1);
-    let map = stft(&samples, swept.sample_s, window, hop);
-    let (from_hz, to_hz) = band_hz(swept, signal, [swept.law.start_hz, swept.law.stop_hz], 0.1);
+    let map = stft(&samples, record.sample_s, window, hop);
+    let (from_hz, to_hz) = band_hz(record, signal, [record.law.start_hz, record.law.stop_hz], 0.1);
     let frame = Frame { from_s: 0.0, from_hz, to_hz, floor_db: FLOOR_DB[0] };
-    let kilohertz = 2e-3 / (window as f64 * swept.sample_s);
+    let kilohertz = 2e-3 / (window as f64 * record.sample_s);
     Some(Figure {
-        id: id(swept, "stft", signal),
-        title: format!("{}: short-time spectrum of the sweep", heading(swept, signal)),
+        id: id(record, "stft", signal),
+        title: format!("{}: short-time spectrum of the sweep", heading(record, signal)),
         caption: format!(
             "Power about the mean in dB of the strongest cell, through Hann windows of {window} samples: a window blurs each time by about half its \
              length and each frequency by about {kilohertz:.2} kHz. {}",
@@ -76,19 +76,19 @@ fn short_time(swept: &Swept, signal: &Signal) -> Option<Figure> {
                 ""
             }
         ),
-        ..picture(swept, &map, &frame)?
+        ..picture(record, &map, &frame)?
     })
 }
 
 /// The stretch in which the sweep passes the resonance.
-fn near_resonance(swept: &Swept, signal: &Signal, times: usize) -> Option<Figure> {
-    let passes_s = swept.law.passes_s(swept.resonance_hz)?;
-    let from_s = (passes_s - STRETCH[0] * swept.time_constant_s).max(0.0);
-    let to_s = (passes_s + STRETCH[1] * swept.time_constant_s).min(swept.law.time_s);
-    let samples = &swept.window.samples;
-    let place = |seconds: f64| ((seconds / swept.sample_s) as usize).min(samples.len());
-    let ends = [from_s, to_s].map(|s| swept.law.frequency_hz(s));
-    let (from_hz, to_hz) = band_hz(swept, signal, ends, 0.3);
+fn near_resonance(record: &SweepRecord, signal: &Signal, times: usize) -> Option<Figure> {
+    let passes_s = record.law.passes_s(record.resonance_hz)?;
+    let from_s = (passes_s - STRETCH[0] * record.time_constant_s).max(0.0);
+    let to_s = (passes_s + STRETCH[1] * record.time_constant_s).min(record.law.time_s);
+    let samples = &record.window.samples;
+    let place = |seconds: f64| ((seconds / record.sample_s) as usize).min(samples.len());
+    let ends = [from_s, to_s].map(|s| record.law.frequency_hz(s));
+    let (from_hz, to_hz) = band_hz(record, signal, ends, 0.3);
     let frame = Frame { from_s, from_hz, to_hz, floor_db: FLOOR_DB[1] };
     let (first, end) = (place(from_s), place(to_s));
     let hop = (end - first).div_ceil(COLUMNS).max(1);
@@ -96,12 +96,12 @@ fn near_resonance(swept: &Swept, signal: &Signal, times: usize) -> Option<Figure
     let before = LAGS.min(first) / hop * hop;
     let around = swinging(&samples[first - before..(end + LAGS).min(samples.len())], signal);
     let rows =
-        ((ROWS * 0.5 / swept.sample_s / (frame.to_hz - frame.from_hz)) as usize).next_power_of_two().clamp(2 * LAGS, FINEST);
-    let mut map = wigner_ville(&around, swept.sample_s, Smoothing { rows, lags: Some(LAGS), times, hop });
+        ((ROWS * 0.5 / record.sample_s / (frame.to_hz - frame.from_hz)) as usize).next_power_of_two().clamp(2 * LAGS, FINEST);
+    let mut map = wigner_ville(&around, record.sample_s, Smoothing { rows, lags: Some(LAGS), times, hop });
     map.columns.drain(..before / hop);
     map.columns.truncate((end - first) / hop);
     let (kind, what) = if times > 1 {
-        let microseconds = times as f64 * swept.sample_s * 1e6;
+        let microseconds = times as f64 * record.sample_s * 1e6;
         (
             "wigner",
             format!(
@@ -120,14 +120,14 @@ fn near_resonance(swept: &Swept, signal: &Signal, times: usize) -> Option<Figure
         )
     };
     Some(Figure {
-        id: id(swept, kind, signal),
+        id: id(record, kind, signal),
         title: format!(
             "{}: Wigner-Ville about the resonance{}",
-            heading(swept, signal),
+            heading(record, signal),
             if times > 1 { ", smoothed" } else { "" }
         ),
         caption: what,
-        ..picture(swept, &map, &frame)?
+        ..picture(record, &map, &frame)?
     })
 }
 
@@ -149,8 +149,8 @@ struct Frame {
 
 /// What to show of a signal: friction from zero to its third harmonic at resonance; the others have the sweep's frequencies, with so
 /// much of them beside, and the stack's own.
-fn band_hz(swept: &Swept, signal: &Signal, ends_hz: [f64; 2], beside: f64) -> (f64, f64) {
-    let own_hz = swept.resonance_hz;
+fn band_hz(record: &SweepRecord, signal: &Signal, ends_hz: [f64; 2], beside: f64) -> (f64, f64) {
+    let own_hz = record.resonance_hz;
     if signal.harmonics {
         return (0.0, 3.3 * own_hz);
     }
@@ -160,7 +160,7 @@ fn band_hz(swept: &Swept, signal: &Signal, ends_hz: [f64; 2], beside: f64) -> (f
 }
 
 /// A map as a figure.
-fn picture(swept: &Swept, map: &Map, frame: &Frame) -> Option<Figure> {
+fn picture(record: &SweepRecord, map: &Map, frame: &Frame) -> Option<Figure> {
     let (first, end) = ((frame.from_hz / map.bin_hz) as usize, (frame.to_hz / map.bin_hz) as usize + 1);
     let peak = map.peak();
     if map.columns.is_empty() || peak <= 0.0 {
@@ -184,21 +184,21 @@ fn picture(swept: &Swept, map: &Map, frame: &Frame) -> Option<Figure> {
             label: "power [dB]".into(),
             csv_column: "power_db".into(),
         }),
-        hlines: vec![(swept.resonance_hz / 1e3, "series resonance".into())],
+        hlines: vec![(record.resonance_hz / 1e3, "series resonance".into())],
         ..Figure::default()
     })
 }
 
-fn id(swept: &Swept, kind: &str, signal: &Signal) -> String {
+fn id(record: &SweepRecord, kind: &str, signal: &Signal) -> String {
     // A file's name has letters, digits and hyphens.
     let plain: String =
-        swept.name.chars().map(|c| if c.is_ascii_alphanumeric() { c.to_ascii_lowercase() } else { '-' }).collect();
+        record.name.chars().map(|c| if c.is_ascii_alphanumeric() { c.to_ascii_lowercase() } else { '-' }).collect();
     let words: Vec<&str> = plain.split('-').filter(|word| !word.is_empty()).collect();
     [&[kind, signal.id][..], &words].concat().join("-")
 }
 
-fn heading(swept: &Swept, signal: &Signal) -> String {
+fn heading(record: &SweepRecord, signal: &Signal) -> String {
     let mut letters = signal.name.chars();
     let capital: String = letters.next().into_iter().flat_map(char::to_uppercase).chain(letters).collect();
-    if swept.name.is_empty() { capital } else { format!("{}, {}", swept.name, signal.name) }
+    if record.name.is_empty() { capital } else { format!("{}, {}", record.name, signal.name) }
 }

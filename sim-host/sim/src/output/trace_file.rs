@@ -49,7 +49,7 @@ fn signals(tracer: &Tracer, file: &mut csv::Writer<std::fs::File>) -> Result<(),
 
 fn last_periods(solved: &Solved, file: &mut csv::Writer<std::fs::File>) -> Result<(), csv::Error> {
     file.write_record(PERIODS.map(|(name, ..)| name))?;
-    for state in solved.film.last_periods() {
+    for state in solved.playback.last_periods() {
         let row = [state.time_s, state.x_m, state.v_m_per_s, state.force_n];
         file.write_record(row.map(|value| value.to_string()))?;
     }

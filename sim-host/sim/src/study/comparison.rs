@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use super::StudyError;
 use super::matching::{Found, Target, find};
 use super::plan::{Cell, Made, Plan};
-use super::swept::Swept;
+use super::sweep_record::SweepRecord;
 use crate::metrics::Metrics;
 use scene::load::Loaded;
 use scene::resolved::resolved_json;
@@ -23,7 +23,7 @@ pub struct ComparisonResult {
     /// For each of what is made equal, its cases.
     pub matches: Vec<Matched>,
     /// The sweeps of those cases whose pictures are drawn, at the last match.
-    pub sweeps: Vec<Swept>,
+    pub sweeps: Vec<SweepRecord>,
 }
 
 /// The cases at equal peak, rms or power.

@@ -3,12 +3,13 @@
 use std::sync::atomic::AtomicBool;
 
 use super::StudyError;
-use super::across::{self, Across};
-use super::film::Film;
+use super::across;
+use super::answer::Answer;
+use super::playback::Playback;
 use super::stopped::{leave_if, unless_stopped};
 use crate::instruments::contact::metrics as contact_metrics;
 use crate::metrics::Metrics;
-use contact::{self, Clock, Law, Problem, Solution, SolveError, State};
+use contact::{self, Clock, Law, SolveError, State};
 use scene::{Excited, Model, problem};
 
 /// A contact study, solved.
@@ -19,30 +20,19 @@ pub struct Solved<'a> {
     /// The answer; none if it was stopped before there was one.
     pub answer: Option<Answer>,
     /// What was seen on the way.
-    pub film: Film,
+    pub playback: Playback,
 }
 
-/// A problem and its solution.
-#[derive(Clone, Debug)]
-pub struct Answer {
-    /// The problem.
-    pub problem: Problem,
-    /// Its solution.
-    pub solution: Solution,
-    /// The normal direction, if the vibration is across the surface.
-    pub across: Option<Across>,
-}
-
-/// Solves a scene, films it and measures it.
+/// Solves a scene, records and measures it.
 pub(super) fn run<'a>(
     scene: Excited<'a>,
     clock: Option<Clock>,
     stop: &AtomicBool,
     mut progress: Option<&mut dyn FnMut(f64)>,
 ) -> Result<(Solved<'a>, Metrics), StudyError> {
-    let mut film = Film::new(scene.duration_s, scene.excitation.frequency_hz);
+    let mut playback = Playback::new(scene.duration_s, scene.excitation.frequency_hz);
     let watch = &mut |state: &State| {
-        if film.see(state) {
+        if playback.see(state) {
             leave_if(stop);
             if let Some(progress) = &mut progress {
                 progress(state.time_s);
@@ -50,9 +40,9 @@ pub(super) fn run<'a>(
         }
     };
     let answer = unless_stopped(|| answer(&scene, (stop, clock), watch)).transpose()?;
-    film.finish();
+    playback.finish();
     let metrics = measured(&scene, answer.as_ref());
-    Ok((Solved { scene, answer, film }, metrics))
+    Ok((Solved { scene, answer, playback }, metrics))
 }
 
 /// The numbers of a scene that is a cell of a grid; none of them if it is stopped.

@@ -2,7 +2,7 @@
 
 use std::sync::atomic::AtomicBool;
 
-use super::swept::{self, Swept};
+use super::sweep_record::{self, SweepRecord};
 use super::{Start, StudyError};
 use crate::instruments;
 use crate::metrics::Metrics;
@@ -63,7 +63,7 @@ pub(super) fn run<'a, 'w>(
     progress: Option<&'w mut dyn FnMut(f64)>,
 ) -> Result<(Run<'a>, Metrics), StudyError> {
     let mut windows = [edge_windows(&scene), wave_window(&scene)].concat();
-    windows.extend(swept::window(&scene));
+    windows.extend(sweep_record::window(&scene));
     let watch = Watch { windows, stop: Some(stop), progress, clock };
     let record = run_where(&scene, start, watch)?;
     let metrics = instruments::measure(&scene, &record);
@@ -86,10 +86,10 @@ pub(super) fn measured(scene: &Driven, start: Option<Start>, stop: &AtomicBool) 
 }
 
 /// The sweep of a scene that is a cell, sample by sample.
-pub(super) fn sweep(scene: &Driven, name: &str, stop: &AtomicBool) -> Result<Option<Swept>, StudyError> {
-    let windows = swept::window(scene).into_iter().collect();
+pub(super) fn sweep(scene: &Driven, name: &str, stop: &AtomicBool) -> Result<Option<SweepRecord>, StudyError> {
+    let windows = sweep_record::window(scene).into_iter().collect();
     let record = run::run(scene, Watch { windows, stop: Some(stop), ..Watch::default() })?;
-    Ok(Swept::of(name, scene, &record))
+    Ok(SweepRecord::of(name, scene, &record))
 }
 
 /// Both edges of the first ON window, sample by sample: a little before, and five time constants after. Of a repeated burst the

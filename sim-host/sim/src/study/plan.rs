@@ -13,7 +13,7 @@ use std::sync::{Mutex, PoisonError};
 
 use rayon::prelude::*;
 
-use super::swept::Swept;
+use super::sweep_record::SweepRecord;
 use super::{Start, StudyError, contact, driven};
 use crate::metrics::Metrics;
 use crate::record::Record;
@@ -120,7 +120,7 @@ impl Made<'_, '_> {
     }
 
     /// Runs the cell for its sweep, which is to be called `name`; nothing if it has none.
-    pub(super) fn sweep(&self, name: &str) -> Result<Option<Swept>, StudyError> {
+    pub(super) fn sweep(&self, name: &str) -> Result<Option<SweepRecord>, StudyError> {
         let Some(scene) = self.scene.driven() else { return Ok(None) };
         driven::sweep(&scene, name, self.plan.stop).map_err(|error| self.empty(error))
     }

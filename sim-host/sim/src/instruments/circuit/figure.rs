@@ -44,7 +44,7 @@ pub(super) fn locus(run: &View) -> Option<Figure> {
         force_factor_n_per_v: 1.0,
     };
     let truth = circuit_of(&run.scene);
-    let (x, y) = swept_points(run.rows);
+    let (x, y) = sweep_points(run.rows);
     let measured = Series {
         name: "played, last sweep of the scan".into(),
         csv_column: "susceptance_measured_s".into(),
@@ -79,7 +79,7 @@ pub(super) fn locus(run: &View) -> Option<Figure> {
 }
 
 /// Current over voltage in each block of the scan's last sweep.
-fn swept_points(rows: &[Row]) -> (Vec<f64>, Vec<f64>) {
+fn sweep_points(rows: &[Row]) -> (Vec<f64>, Vec<f64>) {
     let scanned: Vec<&Row> = rows.iter().filter(|row| row.mode == Mode::Scan && row.admittance_s.is_some()).collect();
     // A sweep runs upwards, and the next begins below where it ended; so does the ring-down, which has one frequency only.
     let passes = scanned.chunk_by(|before, after| after.frequency_hz >= before.frequency_hz);

@@ -5,7 +5,8 @@ mod whole_run;
 
 use self::between::{coulomb_n, filled};
 use crate::instruments::curves::axis;
-use crate::study::contact::{Answer, Solved};
+use crate::study::answer::Answer;
+use crate::study::contact::Solved;
 use contact::{Problem, State};
 use report::{Axis, Figure, Series, Style};
 
@@ -15,9 +16,9 @@ const TIME: &str = "time [periods of the excitation]";
 pub fn of(solved: &Solved) -> Vec<Figure> {
     let mut figures = Vec::new();
     if let Some(answer) = &solved.answer
-        && solved.film.last_periods().len() > 1
+        && solved.playback.last_periods().len() > 1
     {
-        let last = Last::new(answer, solved.film.last_periods());
+        let last = Last::new(answer, solved.playback.last_periods());
         figures.extend([last.friction(), last.against_displacement()]);
         figures.extend(last.along.then(|| last.against_slip()));
         figures.extend([last.motion(), last.velocity(), last.power()]);

@@ -1,7 +1,7 @@
 //! Metrics of a solved contact study.
 
 use crate::metrics::Metrics;
-use crate::study::contact::Answer;
+use crate::study::answer::Answer;
 use contact::{Method, Motion};
 use scene::{Excited, problem};
 

@@ -82,7 +82,7 @@ pub fn manner(solved: &Solved) -> String {
 
 /// How far an interrupted study came, s.
 pub fn reached_s(solved: &Solved) -> f64 {
-    solved.film.bins().last().map_or(0.0, |bin| bin.end_s)
+    solved.playback.bins().last().map_or(0.0, |bin| bin.end_s)
 }
 
 /// The answer and how it was come by.

@@ -1,17 +1,17 @@
 //! A crash: force, way and speed over time, of the belt that is switched and of the passive one.
 
 use crate::instruments::curves::axis;
-use plant::dring::crash::{Belt, Film, Frame};
+use plant::dring::crash::{Belt, Frame, Playback};
 use report::{Figure, Series, Span, Style};
 
 /// Most points of a curve.
 const POINTS: usize = 3000;
 
 /// The figures of a crash.
-pub(super) fn of(film: &Film) -> Vec<Figure> {
+pub(super) fn of(playback: &Playback) -> Vec<Figure> {
     vec![
         figure(
-            film,
+            playback,
             "crash-force",
             "Force at the shoulder",
             "What pulls the torso back, and presses on it. Each belt pulls with what its limiter and the friction at the D-ring let it: \
@@ -20,7 +20,7 @@ pub(super) fn of(film: &Film) -> Vec<Figure> {
             |belt| belt.shoulder_n,
         ),
         figure(
-            film,
+            playback,
             "crash-excursion",
             "How far the torso goes",
             "Counted from where it sat. What a belt does not pull, the torso goes on: less force costs way.",
@@ -28,7 +28,7 @@ pub(super) fn of(film: &Film) -> Vec<Figure> {
             |belt| 1e3 * belt.x_m,
         ),
         figure(
-            film,
+            playback,
             "crash-payout",
             "How fast webbing slides over the D-ring",
             "A tangential vibration lowers friction only where its own velocity is more than this.",
@@ -38,9 +38,16 @@ pub(super) fn of(film: &Film) -> Vec<Figure> {
     ]
 }
 
-fn figure(film: &Film, id: &str, title: &str, caption: &str, (label, column): (&str, &str), value: fn(&Belt) -> f64) -> Figure {
-    let every = film.frames.len().div_ceil(POINTS).max(1);
-    let frames: Vec<&Frame> = film.frames.iter().step_by(every).collect();
+fn figure(
+    playback: &Playback,
+    id: &str,
+    title: &str,
+    caption: &str,
+    (label, column): (&str, &str),
+    value: fn(&Belt) -> f64,
+) -> Figure {
+    let every = playback.frames.len().div_ceil(POINTS).max(1);
+    let frames: Vec<&Frame> = playback.frames.iter().step_by(every).collect();
     let series = |name: &str, side: &str, style: Style, belt: fn(&Frame) -> &Belt| Series {
         name: name.into(),
         csv_column: format!("{side}_{column}"),
@@ -49,7 +56,7 @@ fn figure(film: &Film, id: &str, title: &str, caption: &str, (label, column): (&
         style,
     };
     let end_ms = frames.last().map_or(0.0, |frame| 1e3 * frame.time_s);
-    let low = film.low_s.map(|from_s| Span { from: 1e3 * from_s, to: end_ms, label: "drive ON".into() });
+    let low = playback.low_s.map(|from_s| Span { from: 1e3 * from_s, to: end_ms, label: "drive ON".into() });
     Figure {
         id: id.into(),
         title: title.into(),

@@ -2,17 +2,17 @@
 
 use crate::instruments::View;
 use crate::tables::number;
-use plant::dring::crash::Film;
+use plant::dring::crash::Playback;
 use plant::dring::motion::Extremes;
 use report::TableBlock;
 use scene::{ActuatorKind, Dring};
 
 /// What was decided, and what it came to.
-pub(super) fn remarks(run: &View, film: &Film) -> Vec<String> {
+pub(super) fn remarks(run: &View, playback: &Playback) -> Vec<String> {
     let Some(dring) = run.scene.dring() else { return Vec::new() };
-    let mut remarks = vec![decision(dring, film)];
-    let (fastest, gain) = (film.switched.payout_m_per_s, 1.0 - film.switched.shoulder_n / film.passive.shoulder_n);
-    if film.low_s.is_some() && dring.actuator == ActuatorKind::Stack && gain < 0.01 {
+    let mut remarks = vec![decision(dring, playback)];
+    let (fastest, gain) = (playback.switched.payout_m_per_s, 1.0 - playback.switched.shoulder_n / playback.passive.shoulder_n);
+    if playback.low_s.is_some() && dring.actuator == ActuatorKind::Stack && gain < 0.01 {
         let tip = run.rows.iter().map(|row| row.truth.tip_velocity_m_per_s).fold(0.0, f64::max);
         remarks.push(format!(
             "The drive was ON, and it changed nothing: the tip of the stack moves at {} m/s, the webbing slides at up to {} m/s. A vibration \
@@ -26,12 +26,12 @@ pub(super) fn remarks(run: &View, film: &Film) -> Vec<String> {
 }
 
 /// Why friction was what it was.
-fn decision(dring: &Dring, film: &Film) -> String {
+fn decision(dring: &Dring, playback: &Playback) -> String {
     let said = match dring.seat_reading_kg() {
         Some(kg) => format!("The seat had read a torso of {} kg", number(kg)),
         None => "The seat had read nothing".to_owned(),
     };
-    match film.low_s {
+    match playback.low_s {
         Some(0.0) => format!("{said}. The drive was ON from the beginning: friction was LOW all the time."),
         Some(s) => {
             format!("{said}: light. The drive went ON {} ms after the crash had begun, and friction became LOW.", number(1e3 * s))
@@ -41,15 +41,15 @@ fn decision(dring: &Dring, film: &Film) -> String {
 }
 
 /// Both belts beside each other.
-pub(super) fn belts(film: &Film) -> TableBlock {
+pub(super) fn belts(playback: &Playback) -> TableBlock {
     let row = |what: &str, value: &dyn Fn(&Extremes) -> f64| {
-        let (passive, switched) = (value(&film.passive), value(&film.switched));
+        let (passive, switched) = (value(&playback.passive), value(&playback.switched));
         let change = format!("{:+.1} %", 100.0 * (switched / passive - 1.0));
         vec![what.to_owned(), number(passive), number(switched), change]
     };
     let rows = vec![
         row("peak force at the shoulder [N]", &|belt| belt.shoulder_n),
-        row("acceleration of the chest by it [g]", &|belt| film.chest_g(belt.shoulder_n)),
+        row("acceleration of the chest by it [g]", &|belt| playback.chest_g(belt.shoulder_n)),
         row("excursion of the torso [mm]", &|belt| 1e3 * belt.excursion_m),
         row("fastest payout [m/s]", &|belt| belt.payout_m_per_s),
     ];

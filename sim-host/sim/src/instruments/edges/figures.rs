@@ -6,7 +6,7 @@ use crate::instruments::View;
 use crate::instruments::curves::axis;
 use crate::record::Window;
 use crate::study::driven::WAVE;
-use crate::study::swept::TITLE;
+use crate::study::sweep_record::TITLE;
 use report::{Figure, Series, Span, Style};
 
 /// One figure for each edge that was kept, and really played: an ON window may begin before there is a lock.

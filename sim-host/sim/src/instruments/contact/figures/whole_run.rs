@@ -3,7 +3,7 @@
 use super::TIME;
 use crate::instruments::curves::axis;
 use crate::study::contact::Solved;
-use crate::study::film::{Bin, Range};
+use crate::study::playback::{Bin, Range};
 use report::{Figure, Series, Style};
 
 /// What is shown of a quantity in each part of the run.
@@ -48,7 +48,7 @@ const QUANTITIES: [Quantity; 3] = [
 
 /// The figures; none of a run that is shown whole already.
 pub(super) fn of(solved: &Solved) -> Vec<Figure> {
-    let (bins, hz) = (solved.film.bins(), solved.scene.excitation.frequency_hz);
+    let (bins, hz) = (solved.playback.bins(), solved.scene.excitation.frequency_hz);
     if bins.len() < 2 {
         return Vec::new();
     }

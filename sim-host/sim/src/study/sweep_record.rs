@@ -54,7 +54,7 @@ impl Law {
 
 /// A sweep as it was played, and what the plant made of it.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Swept {
+pub struct SweepRecord {
     /// What it is called; empty for the scene's own run.
     pub name: String,
     /// The samples, from the sweep's beginning on.
@@ -93,13 +93,13 @@ pub fn window(scene: &Driven) -> Option<Window> {
     Some(Window { title: TITLE.into(), from_s, to_s: from_s + law.time_s, trigger, ..Window::default() })
 }
 
-impl Swept {
+impl SweepRecord {
     /// What a run has recorded of its sweep, if it has one and came to it.
     pub fn of(name: &str, scene: &Driven, record: &Record) -> Option<Self> {
         let (law, _) = law(scene)?;
         let window = record.windows.iter().find(|window| window.title == TITLE && !window.samples.is_empty())?;
         let circuit = circuit_of(scene);
-        Some(Swept {
+        Some(SweepRecord {
             name: name.to_owned(),
             window: window.clone(),
             sample_s: record.sample_s,

@@ -1,5 +1,5 @@
 //! What is kept of a contact study on its way: the last periods step by step, and the extremes of the whole run bin by bin. However
-//! long the run, the film stays as long as it is.
+//! long the run, the playback stays as long as it is.
 
 use contact::State;
 
@@ -12,9 +12,9 @@ const BINS: f64 = 1000.0;
 /// With fewer periods than this, a bin is a part of a period.
 const FEW_PERIODS: f64 = 50.0;
 
-/// The film of a run.
+/// The playback of a run.
 #[derive(Clone, Debug)]
-pub struct Film {
+pub struct Playback {
     duration_s: f64,
     frequency_hz: f64,
     /// The last periods.
@@ -97,13 +97,13 @@ impl Bin {
     }
 }
 
-impl Film {
-    /// An empty film for a run of so long, with periods of this frequency.
+impl Playback {
+    /// An empty playback for a run of so long, with periods of this frequency.
     pub fn new(duration_s: f64, frequency_hz: f64) -> Self {
         let periods = duration_s * frequency_hz;
         let bin_s = if periods < FEW_PERIODS { duration_s / BINS } else { (periods / BINS).ceil().max(1.0) / frequency_hz };
         let open = Bin::until(bin_s);
-        Film {
+        Playback {
             duration_s,
             frequency_hz,
             last: Vec::new(),
@@ -124,7 +124,7 @@ impl Film {
     pub fn see(&mut self, state: &State) -> bool {
         let step_s = state.time_s - self.before.time_s;
         if step_s < 0.0 {
-            *self = Film::new(self.duration_s, self.frequency_hz);
+            *self = Playback::new(self.duration_s, self.frequency_hz);
         }
         self.skipped += 1;
         if self.skipped >= self.every || (state.time_s >= self.last_from_s && !self.in_last_periods) {
@@ -203,23 +203,23 @@ mod tests {
     use super::*;
 
     /// So many periods of 1 Hz with so many steps each.
-    fn filmed(periods: u32, steps: u32) -> Film {
-        let mut film = Film::new(f64::from(periods), 1.0);
+    fn recorded(periods: u32, steps: u32) -> Playback {
+        let mut playback = Playback::new(f64::from(periods), 1.0);
         for step in 1..=periods * steps {
             let time_s = f64::from(step) / f64::from(steps);
             let (v_m_per_s, x_m) = (std::f64::consts::TAU * time_s).sin_cos();
-            film.see(&State { time_s, x_m, v_m_per_s, force_n: 2.0 + v_m_per_s });
+            playback.see(&State { time_s, x_m, v_m_per_s, force_n: 2.0 + v_m_per_s });
         }
-        film.finish();
-        film
+        playback.finish();
+        playback
     }
 
     #[test]
     fn the_last_periods_are_whole_and_the_bins_cover_the_run() {
-        let film = filmed(200, 64);
-        assert_eq!(film.last_periods().len(), 4 * 64 + 1);
-        assert_eq!((film.bins().len(), film.bins().last().unwrap().end_s), (200, 200.0));
-        for bin in &film.bins()[1..] {
+        let playback = recorded(200, 64);
+        assert_eq!(playback.last_periods().len(), 4 * 64 + 1);
+        assert_eq!((playback.bins().len(), playback.bins().last().unwrap().end_s), (200, 200.0));
+        for bin in &playback.bins()[1..] {
             assert!((bin.mean_friction_n() - 2.0).abs() < 1e-12 && bin.displacement_m == Range { least: -1.0, most: 1.0 });
         }
     }
@@ -227,20 +227,20 @@ mod tests {
     #[test]
     fn memory_is_bounded() {
         for (periods, steps) in [(100_000, 16), (3, 1_000_000), (30_000, 100)] {
-            let film = filmed(periods, steps);
-            assert!(film.last_periods().len() <= MOST_STATES && film.bins().len() <= 1001, "{periods} {steps}");
-            assert!(film.last_periods().len() > 60, "{periods} {steps}");
+            let playback = recorded(periods, steps);
+            assert!(playback.last_periods().len() <= MOST_STATES && playback.bins().len() <= 1001, "{periods} {steps}");
+            assert!(playback.last_periods().len() > 60, "{periods} {steps}");
         }
     }
 
     #[test]
-    fn a_run_that_begins_anew_is_filmed_anew() {
-        let mut film = Film::new(10.0, 1.0);
+    fn a_run_that_restarts_is_recorded_again() {
+        let mut playback = Playback::new(10.0, 1.0);
         for time_s in [1.0, 5.0, 9.9, 0.5, 1.0] {
-            film.see(&State { time_s, force_n: time_s, ..State::default() });
+            playback.see(&State { time_s, force_n: time_s, ..State::default() });
         }
-        film.finish();
-        assert_eq!(film.last_periods().iter().map(|state| state.time_s).collect::<Vec<_>>(), [0.5, 1.0]);
-        assert!(film.bins().iter().all(|bin| bin.friction_n.most <= 1.0));
+        playback.finish();
+        assert_eq!(playback.last_periods().iter().map(|state| state.time_s).collect::<Vec<_>>(), [0.5, 1.0]);
+        assert!(playback.bins().iter().all(|bin| bin.friction_n.most <= 1.0));
     }
 }

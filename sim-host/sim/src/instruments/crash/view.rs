@@ -8,12 +8,12 @@ use scene::Occupant;
 const EVERY_S: f64 = 0.5e-3;
 
 /// The crash as a view that can be played; none of another run.
-pub fn playback(run: &View) -> Option<CrashView> {
-    let film = super::film(run)?;
+pub fn view(run: &View) -> Option<CrashView> {
+    let playback = super::playback(run)?;
     let dring = run.scene.dring()?;
     let block_s = run.record.sample_s * run.record.block_samples as f64;
     let every = ((EVERY_S / block_s) as usize).max(1);
-    let instants = film.frames.iter().step_by(every).map(|frame| Instant {
+    let instants = playback.frames.iter().step_by(every).map(|frame| Instant {
         ms: 1e3 * frame.time_s,
         low: frame.amplitude,
         pulse_g: frame.pulse_m_per_s2 / plant::dring::G_M_PER_S2,
@@ -28,10 +28,10 @@ pub fn playback(run: &View) -> Option<CrashView> {
             Occupant::Heavy => "heavy occupant, 95th percentile",
         }
         .into(),
-        torso_kg: film.torso_kg,
+        torso_kg: playback.torso_kg,
         slack_mm: 1e3 * dring.slack_m,
         pulse_ms: dring.pulse_ms,
-        low_ms: film.low_s.map(|s| 1e3 * s),
+        low_ms: playback.low_s.map(|s| 1e3 * s),
         instants: instants.collect(),
     })
 }

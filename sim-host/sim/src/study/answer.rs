@@ -1,0 +1,15 @@
+//! The answer of a contact study.
+
+use super::across::Across;
+use contact::{Problem, Solution};
+
+/// A problem and its solution.
+#[derive(Clone, Debug)]
+pub struct Answer {
+    /// The problem.
+    pub problem: Problem,
+    /// Its solution.
+    pub solution: Solution,
+    /// The normal direction, if the vibration is across the surface.
+    pub across: Option<Across>,
+}
