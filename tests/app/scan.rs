@@ -49,6 +49,22 @@ fn a_scan_reports_the_transducer_and_falls_silent() {
 }
 
 #[test]
+fn an_order_after_a_finished_scan_gives_no_edge_on_the_enable_pin() {
+    let mut queues = Queues::default();
+    let mut bench = scanned(&mut queues);
+    bench.blocks(PATIENCE);
+    let edges = bench.enable.changes().len();
+    for gate in [Gate::Off, Gate::On] {
+        assert_eq!(bench.ask(Command::Gate(gate)), Some(Reply::Ack));
+        bench.blocks(8);
+    }
+    assert_eq!(bench.enable.changes().len(), edges);
+    // A new attempt does raise it, before the block that begins it.
+    assert_eq!(bench.ask(Command::Scan), Some(Reply::Ack));
+    assert!(bench.enable.is_high());
+}
+
+#[test]
 fn the_resonances_are_listed_over_the_link() {
     let mut queues = Queues::default();
     let mut bench = on_transducer(&mut queues);

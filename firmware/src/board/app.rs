@@ -3,7 +3,7 @@
 //! Generic over embedded-hal, embedded-io and embedded-storage, and as slow as it likes to be: what must be fast is in the block task or in
 //! hardware. The board calls [`App::poll`] in a loop.
 //!
-//! * The enable pin is high only while the controller is driving or has just been told to, has no fault, and the emergency stop is
+//! * The enable pin is high only while the controller is driving or an attempt to drive has just been ordered, there is no fault, and the emergency stop is
 //!   not pressed.
 //! * The emergency stop drops the enable pin here, without waiting for the controller, and orders a fault that stays. The pin stays
 //!   down until the controller has fallen silent, however short the press.
@@ -75,6 +75,8 @@ pub struct App<'a, L, E, S, W, F: NorFlash> {
     receiver: Receiver,
     outbox: Outbox,
     latest: Orders,
+    /// The order that began the latest attempt to drive.
+    attempted: Option<u32>,
     /// The emergency stop was pressed, and the controller has not fallen silent since.
     stopping: bool,
     /// A press that the controller has not been told of yet.
@@ -127,6 +129,7 @@ where
             receiver: Receiver::default(),
             outbox: Outbox::default(),
             latest: Orders::default(),
+            attempted: None,
             stopping: false,
             unordered: false,
             seen: None,
@@ -230,12 +233,16 @@ where
         Ok(())
     }
 
+    /// Whether an attempt to drive is ordered that no block has reported yet: the amplifier must be on before its first tone. Another order that
+    /// follows a finished scan begins nothing.
+    fn begins(&self) -> bool {
+        let reported = |order: u32| self.seen.is_some_and(|seen| seen.orders_sequence.wrapping_sub(order) as i32 >= 0);
+        self.latest.request != Request::Idle && self.attempted.is_some_and(|order| !reported(order))
+    }
+
     fn set_enable(&mut self) -> Result<(), AppError> {
-        // An order to drive that the controller has not answered yet counts: the amplifier must be on before the first tone.
-        let ordered =
-            self.latest.request != Request::Idle && self.seen.is_none_or(|seen| seen.orders_sequence != self.latest.sequence);
         let faulted = self.seen.is_some_and(|seen| seen.mode == Mode::Fault);
-        let on = (self.drives() || (ordered && !faulted)) && !self.stopping;
+        let on = (self.drives() || (self.begins() && !faulted)) && !self.stopping;
         self.peripherals.enable.set_state(on.into()).map_err(|_| AppError::Pin)
     }
 
@@ -267,6 +274,9 @@ where
 
     fn order(&mut self, orders: Orders) -> Result<(), Refusal> {
         self.orders.enqueue(orders).map_err(|_| Refusal::Busy)?;
+        if orders.attempt != self.latest.attempt {
+            self.attempted = Some(orders.sequence);
+        }
         self.latest = orders;
         Ok(())
     }
