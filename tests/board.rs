@@ -2,6 +2,7 @@
 
 mod config;
 mod dummy_load;
+mod hardware;
 mod rings;
 mod sensors;
 mod size;

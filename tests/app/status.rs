@@ -2,7 +2,7 @@
 
 use firmware::board::command::{Command, Reply};
 use firmware::board::fault_log::{FaultReport, KEPT_FAULTS};
-use firmware::board::start::{FileName, Place, Start};
+use firmware::board::start::{FileName, Place, Start, TripFailure};
 use firmware::seam::fault::Fault;
 use firmware::seam::mode::Mode;
 use firmware::seam::refusal::Refusal;
@@ -73,7 +73,14 @@ fn the_newest_fault_comes_first_and_beyond_the_last_there_is_none() {
 #[test]
 fn the_host_is_told_what_started_the_board() {
     let panic = Start::Panic(Place { file: FileName::of("firmware/src/controller.rs"), line: 311 });
-    for start in [Start::PowerOn, Start::Watchdog, Start::Ordered, Start::HardFault(0x0800_1234), panic] {
+    for start in [
+        Start::PowerOn,
+        Start::Watchdog,
+        Start::Ordered,
+        Start::HardFault(0x0800_1234),
+        Start::TripFailed(TripFailure::Wire),
+        panic,
+    ] {
         let mut queues = Queues::default();
         let mut bench = bench(&mut queues, &Setup { start, ..Setup::default() });
         assert_eq!(faults(&mut bench, 0), FaultReport { count: 0, entry: None, last_run: start });

@@ -23,7 +23,15 @@ fn a_note_says_what_started_the_part() {
         (Cause::Unexpected, Start::Unexpected(81)),
         (Cause::StreamLost, Start::StreamLost(81)),
         (Cause::Ordered, Start::Ordered),
+        (Cause::DamagedCode, Start::DamagedCode(81)),
+        (Cause::ClockFailed, Start::ClockFailed),
+        (Cause::StackOverflow, Start::StackOverflow(81)),
+        (Cause::SupplyLow, Start::SupplyLow),
+        (Cause::RamParity, Start::RamParity),
     ];
+    assert_eq!(rows.map(|(cause, _)| cause), Cause::ALL);
+    // The number stands in the note, which another image may read.
+    assert_eq!(rows.map(|(cause, _)| cause as u8), [1, 2, 3, 4, 5, 6, 7, 8, 9, 10]);
     for (cause, start) in rows {
         assert_eq!(Note::of(cause, "src/image.rs", 81).start(), Some(start));
     }

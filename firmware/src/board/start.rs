@@ -26,6 +26,33 @@ pub enum Start {
     Unexpected(u32),
     /// DMA or a converter had lost a sample, after so many blocks.
     StreamLost(u32),
+    /// A word of the code or of its constants could not be read, at this address.
+    DamagedCode(u32),
+    /// The crystal had stopped; the board runs from its internal oscillator until the next reset.
+    ClockFailed,
+    /// The stack had grown into its guard; the code was at this address.
+    StackOverflow(u32),
+    /// The supply had fallen below the level of its detector.
+    SupplyLow,
+    /// A word of the RAM had a wrong parity bit.
+    RamParity,
+    /// The over-current trips have failed their test after this start, whatever the start was for: the amplifier stays off until the next reset.
+    TripFailed(TripFailure),
+}
+
+/// How the test of the over-current trips has failed, with the amplifier off.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum TripFailure {
+    /// The current is not at the middle of its range: the current channel is offset or not connected.
+    NotAtRest,
+    /// The two inputs of the trips do not show the same current: the wire to the negative one is missing.
+    Wire,
+    /// The positive trip does not act when its threshold is moved below the current.
+    NoPositive,
+    /// The negative trip does not act when its threshold is moved above the current.
+    NoNegative,
+    /// A trip acts although the current is within both thresholds.
+    Standing,
 }
 
 /// A line of a file.

@@ -1,6 +1,6 @@
 //! Modes, faults and limits in words.
 
-use firmware::board::start::Start;
+use firmware::board::start::{Start, TripFailure};
 use firmware::board::stored_state::StoredState;
 use firmware::seam::fault::{Fault, Limit};
 use firmware::seam::mode::Mode;
@@ -64,6 +64,26 @@ pub fn start(start: &Start) -> String {
         Start::HardFault(address) => format!("reset after a hard fault at {address:#010x}"),
         Start::Unexpected(number) => format!("reset after interrupt {number}, which nobody has asked for"),
         Start::StreamLost(blocks) => format!("reset after a stream of samples that was lost after {blocks} blocks"),
+        Start::DamagedCode(address) => {
+            format!("reset after a damaged word of the code at {address:#010x}: flash the board again")
+        }
+        Start::ClockFailed => "reset after a failure of the crystal: the clock is the internal oscillator, within 1 %".into(),
+        Start::StackOverflow(address) => format!("reset after a stack overflow at {address:#010x}"),
+        Start::SupplyLow => "reset after the supply was too low".into(),
+        Start::RamParity => "reset after a parity error in RAM".into(),
+        Start::TripFailed(failure) => {
+            format!("the amplifier stays off, because the over-current trips failed their test: {}", trip_failure(failure))
+        }
+    }
+}
+
+fn trip_failure(failure: &TripFailure) -> &'static str {
+    match failure {
+        TripFailure::NotAtRest => "the current channel is not at the middle of its range",
+        TripFailure::Wire => "the two inputs of the current differ; look at the wire to the negative trip",
+        TripFailure::NoPositive => "the positive trip does not act",
+        TripFailure::NoNegative => "the negative trip does not act",
+        TripFailure::Standing => "a trip acts without a current",
     }
 }
 

@@ -1,14 +1,14 @@
-//! Which half of the rings is whose, and whether a block came in time.
+//! Halves of the rings that DMA and the interrupt use in turn, and blocks that came late.
 //!
 //! Two rings of two blocks each, one that DMA fills from the ADC and one that it plays to the DAC, both at the sample rate. While DMA
-//! is in one half of both, the other half belongs to the interrupt: it takes what the ADC has left there, and leaves there what
-//! will play when DMA comes round again, which is the latency of [`LATENCY_BLOCKS`](firmware::seam::block::LATENCY_BLOCKS).
+//! is in one half of both, the other half belongs to the interrupt: it reads the samples there, and writes the codes that
+//! play when DMA comes to this half again, which is the latency of [`LATENCY_BLOCKS`](firmware::seam::block::LATENCY_BLOCKS).
 //!
 //! ```text
 //! block           k         k+1        k+2
 //! ADC fills     first     second      first
 //! DAC plays     first     second      first
-//! interrupt           first: takes k, leaves k+2
+//! interrupt           first: reads k, writes k+2
 //! ```
 
 /// Samples in a block.
@@ -54,17 +54,17 @@ impl Half {
     }
 }
 
-/// How many samples DMA has moved in this round, from how many it says remain: it counts down and begins again at [`RING`].
+/// Samples that DMA has moved in this round, from the number that remains: it counts down and starts again at [`RING`].
 pub fn position(remaining: u16) -> usize {
     RING.wrapping_sub(remaining.into()) % RING
 }
 
-/// Where in the DAC's ring a sample of a half stands: one place early, because a trigger plays what the trigger before has fetched.
+/// The place of a half's sample in the DAC's ring: one place early, because a trigger plays the word that the trigger before has fetched.
 pub fn slot(half: Half, sample: usize) -> usize {
     (half.start() + sample + RING - 1) % RING
 }
 
-/// Whether what was written for `half` is there before it is fetched, with a sample to spare. `next` is the place that DMA fetches next.
+/// Whether the codes written for `half` are there before they are fetched, with a sample to spare. `next` is the place that DMA fetches next.
 pub fn is_in_time(half: Half, next: usize) -> bool {
     Half::at(next + 1) == half.other()
 }

@@ -1,4 +1,4 @@
-//! The front end of this board, and what its controller is built with.
+//! The front end of this board, and the configuration of its controller.
 //!
 //! ```text
 //! drive:   code -> 3.3 V / 4096 about mid-scale -> amplifier, 10 V/V
@@ -26,16 +26,16 @@ pub const DIVIDER: f32 = 12.5;
 pub const TRANSIMPEDANCE: f32 = 0.4;
 /// Conversions in a sample.
 pub const CONVERSIONS: u16 = 2;
-/// Current at which the comparators drop the amplifier's enable, A peak: beyond the limit that the controller keeps.
+/// Current at which the comparators drop the amplifier's enable, A peak: beyond the limit of the controller.
 pub const TRIP_A: f32 = 3.5;
 /// Drive lanes: one or two play from DAC1, three or four from DAC3 and DAC4 through the op-amps.
 pub const LANES: u8 = 1;
 
-/// Belt that passes from one count of its encoder to the next, m; `None`: there is no encoder, and nothing watches a belt. Where one is
-/// named, wires that are broken or missing are a fault.
+/// Belt that passes from one count of its encoder to the next, m; `None`: there is no encoder, and no belt is watched. Where one is
+/// given, wires that are broken or missing are a fault.
 pub const METRE_PER_COUNT: Option<f32> = None;
 
-/// The thermistor at the amplifier's heat sink, on PB14; `None`: there is none, and the temperature is the processor's. Where one is named,
+/// The thermistor at the amplifier's heat sink, on PB14; `None`: there is none, and the temperature is the processor's. Where one is given,
 /// the hotter of the two counts, and a broken one stops the drive.
 pub const HEAT_SINK: Option<Thermistor> = None;
 
@@ -45,7 +45,7 @@ pub const PATIENCE_S: f32 = 1.0;
 /// The DAC code of zero volts.
 pub const SILENCE: u16 = 2048;
 
-/// What is built into the image. Lane trims come from the settings.
+/// The configuration that is built into the image. Lane trims come from the settings.
 pub fn config() -> Config {
     let sense_volt_per_lsb = REFERENCE_V / CODES / f32::from(CONVERSIONS);
     Config {

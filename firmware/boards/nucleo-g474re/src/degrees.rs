@@ -5,8 +5,8 @@
 //! heat sink   1 / T = 1 / 298.15 + ln(R / R25) / B,    R = R_up code / (4096 - code)                  (T in kelvin)
 //! ```
 //!
-//! RM0440 21.4.31 and 21.4.33: the calibration was taken at 3.0 V, and the internal reference says what the supply is now. Valid from -40 to
-//! 130 degrees Celsius; the sensor is within some degrees (DS12288). A thermistor hangs on the converters' own supply, which cancels. Its
+//! RM0440 21.4.31 and 21.4.33: the calibration was taken at 3.0 V, and the internal reference shows the present supply. Valid from -40 to
+//! 130 degrees Celsius; the sensor is within some degrees (DS12288). A thermistor is fed by the converters' own supply, which cancels. Its
 //! logarithm is micromath's, 6e-5 off above one, which is 0.003 K at most from -40 to 150 degrees Celsius: a thermistor of 1 % is 0.2 K off by
 //! itself.
 
@@ -14,7 +14,7 @@ use micromath::F32;
 
 /// Temperatures of the calibration, degrees Celsius.
 const CALIBRATED_C: (f32, f32) = (30.0, 130.0);
-/// What the part can be and still run; beyond it is a sensor that has failed, degrees Celsius.
+/// Temperatures at which the part can run; a sensor that shows others has failed, degrees Celsius.
 const PLAUSIBLE_C: (f32, f32) = (-55.0, 155.0);
 /// 0 and 25 degrees Celsius, K.
 const ZERO_K: f32 = 273.15;
@@ -22,7 +22,7 @@ const NOMINAL_K: f32 = ZERO_K + 25.0;
 /// Codes of a converter.
 const CODES: f32 = 4096.0;
 
-/// What the factory has measured, codes of 12 bits at 3.0 V.
+/// The factory's calibration, codes of 12 bits at 3.0 V.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Calibration {
     /// The sensor at 30 degrees Celsius.
@@ -56,7 +56,7 @@ pub struct Thermistor {
 }
 
 impl Thermistor {
-    /// Degrees Celsius of a code of 12 bits. A thermistor that is open or short cannot be told from one that is too cold or too hot: it counts
+    /// Degrees Celsius of a code of 12 bits. A thermistor that is open or short cannot be distinguished from one that is too cold or too hot: it counts
     /// as 155 degrees, so that the drive stops.
     pub fn celsius(&self, code: u16) -> f32 {
         let ratio = self.pull_up_ohm / self.ohm_at_25_c * f32::from(code) / (CODES - f32::from(code));

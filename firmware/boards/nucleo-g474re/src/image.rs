@@ -1,9 +1,10 @@
-//! The image: power-up in order, then the slow side in a loop and the block interrupt above it.
+//! The image: power-up in order, then the background task in a loop and the block interrupt above it.
 //!
-//! The amplifier's enable is low from reset (its pull-down) until the slow side raises it. Whatever goes wrong ends in [`panic::end`]: enable low,
-//! reason kept, reset.
+//! The amplifier's enable is low from reset (its pull-down) until the background task raises it. Every error of the part ends in [`panic::end`]: enable
+//! low, cause stored, reset.
 
 mod adc;
+mod alarm;
 mod block;
 mod ccmram;
 mod clocks;
@@ -11,9 +12,11 @@ mod dac;
 mod dma;
 mod encoder;
 mod flash;
+mod guard;
 mod panic;
 mod pins;
 mod protection;
+mod supply;
 mod temperature;
 mod timers;
 mod uart;
@@ -33,10 +36,10 @@ use firmware::board::start::Start;
 use firmware::seam::fault::Fault;
 use firmware::seam::telemetry::Telemetry;
 use nucleo_g474re::config::{LANES, config};
-use nucleo_g474re::note::Note;
+use nucleo_g474re::note::{Cause, Note};
 use stm32_metapac::{Interrupt, RCC};
 
-use self::block::Hot;
+use self::block::BlockInterrupt;
 use self::dac::Lanes;
 use self::encoder::Encoder;
 use self::flash::Pages;
@@ -45,7 +48,7 @@ use self::temperature::Thermometer;
 use self::uart::Link;
 use self::watchdog::IndependentWatchdog;
 
-/// Room of the queues; one place of each stays empty. The slow side empties that of the telemetry many times a block.
+/// Room of the queues; one place of each stays empty. The background task empties that of the telemetry many times a block.
 const ORDERS: usize = 9;
 const REPORTS: usize = 5;
 
@@ -57,13 +60,22 @@ fn main() -> ! {
     static mut MEMORY: Memory = Memory::new();
 
     ccmram::load();
-    clocks::start();
-    let start = what_started();
     let Some(mut core) = Peripherals::take() else { panic!("started twice") };
+    guard::start(&core.MPU);
+    let note = panic::last();
+    let last = note.as_ref().and_then(Note::read);
+    let clock = clocks::start(!matches!(last, Some((Cause::ClockFailed, ..))));
+    let start = what_started(note.as_ref());
+    defmt::info!("clock: {}", clock);
     core.DCB.enable_trace();
     core.DWT.enable_cycle_counter();
 
-    let (enable, stop) = protection::start(LANES);
+    supply::watch();
+    let (enable, stop, failure) = protection::start(LANES, adc::levels());
+    let start = failure.map_or(start, |failure| {
+        defmt::error!("the over-current trips have failed their test, the amplifier stays off: {=u8}", failure as u8);
+        Start::TripFailed(failure)
+    });
     let mut thermometer = Thermometer::start();
     let app = build(QUEUES.split(MEMORY), enable, stop, start);
     start_blocks(&mut core.NVIC);
@@ -76,33 +88,33 @@ fn main() -> ! {
     }
 }
 
-/// The slow side of this board.
-type Slow = App<'static, Link, Enable, Stop, IndependentWatchdog, Pages>;
+/// The background task of this board.
+type Background = App<'static, Link, Enable, Stop, IndependentWatchdog, Pages>;
 
-/// Builds both sides: hands the hot one over to the block interrupt, and returns the slow one. Not inlined: what that takes of the stack is given
-/// back here.
+/// Builds both tasks: hands one over to the block interrupt, and returns the background task. Not inlined: the stack that this takes is free again
+/// afterwards.
 #[inline(never)]
 fn build(
     (hot_ends, slow_ends): (HotEnds<'static>, SlowEnds<'static>),
     enable: Enable,
     stop: Stop,
     start: Start,
-) -> &'static mut Slow {
+) -> &'static mut Background {
     let link = Link::start();
     let Ok(mut settings) = Settings::new(Pages) else { panic!("the settings do not fit") };
     let built_in = config();
     let mut power_up = PowerUp::read(&built_in, &mut settings);
     // What is built in is tested on the host.
     let Ok(task) = power_up.build(&built_in, hot_ends) else { panic!("the configuration is not valid") };
-    let hot = singleton!(: Hot = Hot::new(task, Lanes::start(LANES), Encoder::start()));
-    let Some(hot) = hot else { panic!("started twice") };
-    block::hand_over(hot);
+    let interrupt = singleton!(: BlockInterrupt = BlockInterrupt::new(task, Lanes::start(LANES), Encoder::start()));
+    let Some(interrupt) = interrupt else { panic!("started twice") };
+    block::hand_over(interrupt);
     adc::start();
     timers::prepare();
     let peripherals = app::Peripherals { link, enable, stop, watchdog: IndependentWatchdog::start(), settings, start };
-    let slow = singleton!(: Slow = App::new(peripherals, slow_ends, &power_up));
-    let Some(slow) = slow else { panic!("started twice") };
-    slow
+    let background = singleton!(: Background = App::new(peripherals, slow_ends, &power_up));
+    let Some(background) = background else { panic!("started twice") };
+    background
 }
 
 #[expect(unsafe_code, reason = "enabling an interrupt is")]
@@ -115,14 +127,13 @@ fn start_blocks(nvic: &mut NVIC) {
 }
 
 /// What started the part: the note of the last run, or the flags of RCC_CSR (RM0440 7.4.28).
-fn what_started() -> Start {
+fn what_started(note: Option<&Note>) -> Start {
     let flags = RCC.csr().read();
     RCC.csr().modify(|w| w.set_rmvf(true));
-    let note = panic::last();
-    if let Some((cause, file, line)) = note.as_ref().and_then(Note::read) {
+    if let Some((cause, file, line)) = note.and_then(Note::read) {
         defmt::error!("the last run ended by {=str}, {=str}:{=u32}", cause.name(), file, line);
     }
-    let start = match note.as_ref().and_then(Note::start) {
+    let start = match note.and_then(Note::start) {
         Some(start) => start,
         None if flags.iwdgrstf() => Start::Watchdog,
         // A power-on pulls the pin low too.
@@ -130,14 +141,14 @@ fn what_started() -> Start {
         None => Start::Pin,
     };
     match start {
-        Start::Watchdog => defmt::error!("reset by the watchdog: the block stream had died"),
+        Start::Watchdog => defmt::error!("reset by the watchdog: no blocks, or a background task that stood"),
         Start::PowerOn => defmt::info!("power on"),
         _ => {}
     }
     start
 }
 
-/// Says what has changed.
+/// Logs what has changed: the fault, and the longest block.
 #[derive(Default)]
 struct Log {
     fault: Option<Fault>,

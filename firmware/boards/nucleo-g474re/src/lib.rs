@@ -2,6 +2,8 @@
 #![no_std]
 #![forbid(unsafe_code)]
 
+pub mod alarm;
+pub mod baud;
 pub mod blocks;
 pub mod config;
 pub mod degrees;
@@ -9,4 +11,7 @@ pub mod note;
 pub mod packing;
 pub mod pages;
 pub mod ring;
+pub mod sampling;
+pub mod stack;
+pub mod trips;
 pub mod wires;

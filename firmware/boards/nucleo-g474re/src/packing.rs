@@ -1,12 +1,12 @@
 //! Words of DMA: two converters move as one, so that they stay together.
 //!
-//! The ADC pair leaves `V` in the lower half-word and `I` in the upper, each the sum of two conversions (RM0440 21.4.30: the master's
+//! The ADC pair writes `V` in the lower half-word and `I` in the upper, each the sum of two conversions (RM0440 21.4.30: the master's
 //! data in the lower half of `ADC_CDR`). A DAC pair takes its first lane in the lower half-word and its second in the upper
 //! (RM0440 22.7.9, `DAC_DHR12RD`).
 
 use firmware::seam::block::{DriveBlock, SenseBlock};
 
-/// Takes a block of words from the ADC pair apart. More than fits into a block is left out.
+/// Separates a block of words from the ADC pair into voltage and current. Words beyond a block are left out.
 pub fn sense(words: impl Iterator<Item = u32>, sense: &mut SenseBlock) {
     sense.v.clear();
     sense.i.clear();

@@ -1,4 +1,4 @@
-//! Where in the flash the settings stand: the last pages of the second bank, while the code runs from the first.
+//! The pages of the settings in the flash: the last pages of the second bank, while the code runs from the first.
 //!
 //! Reading one bank goes on while the other is erased or written (RM0440 3.3.9, read-while-write), so that a page's erase does not stall the
 //! block interrupt.

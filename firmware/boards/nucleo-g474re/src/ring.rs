@@ -1,15 +1,15 @@
 //! The reading end of a ring of bytes that DMA fills.
 //!
-//! DMA does not wait: if more than the ring holds comes between two looks, whole rounds are lost, and the checksum of the frames shows it.
+//! DMA does not wait: if more than the ring holds arrives between two reads, whole rounds are lost, and the checksum of the frames shows it.
 
-/// Where the reader of a ring of `N` bytes is.
+/// The position of the reader in a ring of `N` bytes.
 #[derive(Clone, Debug, Default)]
 pub struct Reader<const N: usize> {
     next: usize,
 }
 
 impl<const N: usize> Reader<N> {
-    /// Bytes that wait, of what DMA has filled, by how many it says remain until it begins again at `N`.
+    /// Bytes that wait to be read, from the number of transfers that remain until DMA starts again at `N`.
     pub fn waiting(&self, remaining: u16) -> usize {
         let filled = N.wrapping_sub(remaining.into()) % N;
         (filled + N - self.next) % N

@@ -1,14 +1,14 @@
 //! Whether the belt's encoder is still connected: its two wires of a channel must contradict each other.
 //!
-//! A broken wire rests where its pull-down puts it, while the other one goes on: they agree for part of each period. Two that are
-//! both broken agree always. Wires that are looked at in the middle of an edge may agree once.
+//! A broken wire is low by its pull-down, while the other one changes: they agree for part of each period. Two that are
+//! both broken agree always. Wires that are read in the middle of an edge may agree once.
 
-/// What a look at which a channel's wires agree adds; one at which none do takes one away.
+/// Added to the suspicion by a reading in which a channel's wires agree; any other reading subtracts one.
 const AGREES: u8 = 4;
-/// This much is a broken line: three looks in a row, or a third of many.
+/// The suspicion from which a line is broken: three readings in a row, or a third of many.
 const BROKEN: u8 = 12;
 
-/// The memory of the wires.
+/// The state of the wires' check.
 #[derive(Clone, Debug, Default)]
 pub struct Wires {
     suspicion: u8,

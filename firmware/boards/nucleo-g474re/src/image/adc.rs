@@ -1,7 +1,7 @@
 //! `V` and `I` at the same instants: ADC1 and ADC2 in dual regular simultaneous mode, two conversions summed in hardware. RM0440 21.
 //!
-//! At 42.5 MHz a conversion takes 6.5 + 12.5 cycles, 447 ns, so that two fit into a sample of 1 us, 500 ns apart; four take 1.41 us even with the
-//! shortest sampling. Two more ADCs, staggered by 250 ns, would give four and 3 dB less noise, but conversions of
+//! At 42.5 MHz a conversion takes 3.5 + 12.5 cycles, 376 ns, so that two fit into a sample of 1 us, 500 ns apart, with a margin of three cycles
+//! ([`MARGIN`](nucleo_g474re::sampling::MARGIN)). Two more ADCs, staggered by 250 ns, would give four and 3 dB less noise, but conversions of
 //! other ADCs at other instants disturb those under way on this family (as its users report), and the noise of a sample is not
 //! what limits the tracker: one pair.
 //!
@@ -9,46 +9,72 @@
 
 use cortex_m::asm::delay;
 use nucleo_g474re::blocks::{RING, position};
+use nucleo_g474re::trips::Levels;
 use stm32_metapac::adc::Adc;
 use stm32_metapac::adc::vals::{Adcaldif, Exten, SampleTime, Trovs};
 use stm32_metapac::adccommon::vals::{Ckmode, Dmacfg, Dual, Mdma};
 use stm32_metapac::bdma::vals::Pl;
+use stm32_metapac::gpio::vals::Pupdr;
 use stm32_metapac::{ADC1, ADC2, ADC12_COMMON, GPIOA};
 
 use super::clocks::CYCLES_PER_US;
 use super::dma::{Channel, Ring, Way};
 use super::pins::Pin;
+use super::protection::CURRENT;
 
-/// What DMA has left.
+/// The samples that DMA leaves.
 pub static SAMPLES: Ring<u32, RING> = Ring::new(0);
-/// Its channel.
+/// The DMA channel of the samples.
 pub const CHANNEL: Channel = Channel::of_first(0);
 
 /// ADC1_IN1, PA0, `V`; ADC2_IN2, PA1, `I`: both of the fast inputs (DS12288, pin description).
 const V_CHANNEL: u8 = 1;
 const I_CHANNEL: u8 = 2;
+/// ADC2_IN4, PA7: the current again, at the negative trip (DS12288, pin description).
+const NEGATIVE_CHANNEL: u8 = 4;
 /// Request of ADC1 (RM0440 13.3.2, table of requests).
 const REQUEST: u8 = 5;
 /// TIM4_TRGO among the triggers of the regular group of ADC1 and ADC2 (RM0440 21.4.18).
 const TRIGGER: u8 = 12;
 
-/// Calibrates both, and makes them wait for their trigger.
+/// Calibrates both, and returns the current at rest, at both pins of the over-current trips.
+///
+/// The pins are pulled down before: a pin that nothing drives stays near zero.
+pub fn levels() -> Levels {
+    // ADCx_CCR (21.8.2), while both are off: HCLK / 4.
+    ADC12_COMMON.ccr().write(|w| w.set_ckmode(Ckmode::SYNC_DIV4));
+    calibrate(ADC1);
+    calibrate(ADC2);
+    enable(ADC2);
+    let [positive, negative] = [(CURRENT[0], I_CHANNEL), (CURRENT[1], NEGATIVE_CHANNEL)].map(|(pin, channel)| {
+        pin.input(Pupdr::PULL_DOWN);
+        delay(10 * CYCLES_PER_US);
+        pin.analog();
+        delay(10 * CYCLES_PER_US);
+        convert(ADC2, channel)
+    });
+    // ADC_CR.ADDIS (21.7.3): off again, as the dual mode is set while both are.
+    ADC2.cr().modify(|w| w.set_addis(true));
+    while ADC2.cr().read().aden() {}
+    Levels { positive, negative }
+}
+
+/// Makes both wait for their trigger, after [`levels`].
 pub fn start() {
     Pin::new(GPIOA, 0).analog();
-    Pin::new(GPIOA, 1).analog();
-    // ADCx_CCR (21.8.2), while both are off: HCLK / 4; regular simultaneous; words of both, by DMA, round and round.
+    // ADCx_CCR (21.8.2), while both are off: HCLK / 4; regular simultaneous; words of both, by DMA, in a ring.
     ADC12_COMMON.ccr().write(|w| {
         w.set_ckmode(Ckmode::SYNC_DIV4);
         w.set_dual(Dual::DUAL_R);
         w.set_mdma(Mdma::ENABLED12B10B);
         w.set_dmacfg(Dmacfg::CIRCULAR);
     });
-    calibrate(ADC1);
-    calibrate(ADC2);
     for (adc, channel) in [(ADC1, V_CHANNEL), (ADC2, I_CHANNEL)] {
-        // One after the other: this family minds two that wake at once.
+        // One after the other: two that wake at once disturb each other on this family.
         enable(adc);
-        sequence(adc, channel, SampleTime::CYCLES6_5);
+        sequence(adc, channel, SampleTime::CYCLES2_5);
+        // ADC_SMPR1.SMPPLUS (21.7.6): 2.5 cycles are 3.5.
+        adc.smpr().modify(|w| w.set_smpplus(true));
         // ADC_CFGR2 (21.7.5): sums of two, not shifted, each by a trigger of its own. Both alike, as dual mode asks (21.4.30).
         adc.cfgr2().modify(|w| {
             w.set_ovsr(0);
@@ -111,4 +137,19 @@ pub fn sequence(adc: Adc, channel: u8, time: SampleTime) {
     } else {
         adc.smpr2().modify(|w| w.set_smp(number - 10, time));
     }
+}
+
+/// The result of a conversion of 640.5 cycles of sampling, 15 us. The one before it does not count: a conversion that comes late after another one is
+/// wrong on this part (ES0430).
+pub fn convert(adc: Adc, channel: u8) -> u16 {
+    sequence(adc, channel, SampleTime::CYCLES640_5);
+    let once = || {
+        // ADC_CR.ADSTART (21.7.3), which clears itself, ADC_ISR.EOC, which reading ADC_DR clears (21.7.1, 21.7.16).
+        adc.cr().modify(|w| w.set_adstart(true));
+        while !adc.isr().read().eoc() {}
+        while adc.cr().read().adstart() {}
+        adc.dr().read().0 as u16
+    };
+    once();
+    once()
 }

@@ -1,7 +1,7 @@
-//! The block interrupt: takes what the ADC has left, runs the controller, leaves what plays two blocks later. At top priority, every 32 us.
+//! The block interrupt: reads a block of samples, runs the controller, writes the block that plays two blocks later. At top priority, every 32 us.
 //!
-//! It runs from the core-coupled RAM (`ccmram.x`). A block that comes late, or takes too long, is told to the controller with the next one, which
-//! mutes: fault 11. A stream that has lost a sample cannot be mended while it runs: the enable drops, and the part resets.
+//! It runs from the core-coupled RAM (`ccmram.x`). A block that comes late, or takes too long, is reported to the controller with the next one, which
+//! mutes: fault 11. A stream that has lost a sample cannot be repaired while it runs: the enable drops, and the part resets.
 
 use core::cell::RefCell;
 use core::sync::atomic::{AtomicU32, Ordering};
@@ -25,8 +25,8 @@ use super::{adc, panic, protection, temperature};
 static COUNT: AtomicU32 = AtomicU32::new(0);
 /// The most cycles that a block has taken.
 static WORST: AtomicU32 = AtomicU32::new(0);
-/// What the interrupt takes over when it comes for the first time.
-static HANDOVER: Mutex<RefCell<Option<&'static mut Hot>>> = Mutex::new(RefCell::new(None));
+/// The state that the interrupt takes over when it is raised for the first time.
+static HANDOVER: Mutex<RefCell<Option<&'static mut BlockInterrupt>>> = Mutex::new(RefCell::new(None));
 
 /// Blocks so far; wraps.
 pub fn count() -> u32 {
@@ -38,11 +38,11 @@ pub fn worst_cycles() -> u32 {
     WORST.load(Ordering::Relaxed)
 }
 
-/// The sense multiplexer's address, the lane that is listened to.
+/// The sense multiplexer's address: the lane whose voltage and current are measured.
 const LISTEN: [Pin; 2] = [Pin::new(GPIOC, 8), Pin::new(GPIOC, 9)];
 
-/// All that the interrupt has.
-pub struct Hot {
+/// The state of the block interrupt.
+pub struct BlockInterrupt {
     task: BlockTask<'static>,
     lanes: Lanes,
     encoder: Encoder,
@@ -56,12 +56,12 @@ pub struct Hot {
     late: bool,
 }
 
-impl Hot {
-    /// Before the first block.
+impl BlockInterrupt {
+    /// The state before the first block.
     pub fn new(task: BlockTask<'static>, lanes: Lanes, encoder: Encoder) -> Self {
         LISTEN.into_iter().for_each(Pin::output);
         let drive = task.silence();
-        Hot {
+        BlockInterrupt {
             task,
             lanes,
             encoder,
@@ -74,10 +74,10 @@ impl Hot {
         }
     }
 
-    /// One block.
+    /// Runs one block.
     fn block(&mut self) {
         let began = DWT::cycle_count();
-        // What DMA has just left is the half that it is not in.
+        // DMA has just left the half of the ring that it is not in.
         let (adc, dac) = (adc::next(), self.lanes.next());
         if adc::CHANNEL.acknowledge() || adc::is_overrun() || !self.lanes.are_fed() || !self.step.holds(adc, dac) {
             panic::end(Cause::StreamLost, "", count());
@@ -91,7 +91,8 @@ impl Hot {
             temperature: temperature::latest(),
             force: None,
             trips: Some(Trips { over_current: broken.over_current }),
-            missed_blocks: Some(self.beat.missed(began) + u32::from(self.late)),
+            // The cycle counter stands while a debugger has halted the processor.
+            missed_blocks: Some(self.beat.missed(began) + u32::from(self.late) + u32::from(broken.stood)),
         };
         self.task.run(&self.sense, &mut self.drive);
         if broken.cut {
@@ -104,7 +105,7 @@ impl Hot {
         COUNT.fetch_add(1, Ordering::Relaxed);
     }
 
-    /// Connects the lane that is to be heard while the block plays that was returned by the call before the last one.
+    /// Connects the lane that is measured while the block plays that was returned by the call before the last one.
     fn multiplex(&mut self) {
         for (bit, pin) in LISTEN.into_iter().enumerate() {
             pin.set(self.listen >> bit & 1 == 1);
@@ -113,18 +114,18 @@ impl Hot {
     }
 }
 
-/// Gives the interrupt what it needs, before it is enabled.
-pub fn hand_over(hot: &'static mut Hot) {
-    masked::free(|token| HANDOVER.borrow(token).replace(Some(hot)));
+/// Gives the interrupt its state, before it is enabled.
+pub fn hand_over(state: &'static mut BlockInterrupt) {
+    masked::free(|token| HANDOVER.borrow(token).replace(Some(state)));
 }
 
 #[interrupt]
 fn DMA1_CHANNEL1() {
-    static mut HOT: Option<&'static mut Hot> = None;
-    if HOT.is_none() {
-        *HOT = masked::free(|token| HANDOVER.borrow(token).take());
+    static mut STATE: Option<&'static mut BlockInterrupt> = None;
+    if STATE.is_none() {
+        *STATE = masked::free(|token| HANDOVER.borrow(token).take());
     }
-    if let Some(hot) = HOT {
-        hot.block();
+    if let Some(state) = STATE {
+        state.block();
     }
 }

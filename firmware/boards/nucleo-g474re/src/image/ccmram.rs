@@ -1,4 +1,4 @@
-//! Loads the core-coupled RAM with the code that `ccmram.x` has put there. RM0440 2.4: it has no wait states, and no DMA of ours goes there.
+//! Loads the core-coupled RAM with the code that `ccmram.x` has put there. RM0440 2.4: it has no wait states, and no DMA channel of this image uses it.
 #![expect(unsafe_code, reason = "code is copied to where the linker says")]
 
 use core::ptr::{addr_of, addr_of_mut};
@@ -9,7 +9,7 @@ unsafe extern "C" {
     static mut __eccmram: u32;
 }
 
-/// Copies the code. Called first: nothing of it may be called before.
+/// Copies the code. Called first: no copied function may be called before.
 pub fn load() {
     let (from, to, end) = (addr_of!(__siccmram), addr_of_mut!(__sccmram), addr_of_mut!(__eccmram));
     let words = (end as usize - to as usize) / size_of::<u32>();

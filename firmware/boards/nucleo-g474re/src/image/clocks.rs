@@ -1,10 +1,13 @@
 //! The clock tree: 170 MHz for everything.
 //!
 //! ```text
-//! HSI16 16 MHz / 4 = 4 MHz, * 85 = 340 MHz, / 2 = 170 MHz = SYSCLK = HCLK = PCLK1 = PCLK2
+//! crystal     24 MHz / 6 = 4 MHz --+
+//!                                  +-- * 85 = 340 MHz, / 2 = 170 MHz = SYSCLK = HCLK = PCLK1 = PCLK2
+//! HSI16       16 MHz / 4 = 4 MHz --+
 //! ```
 //!
-//! The internal oscillator is within 1 % (DS12288): so is every frequency that the controller names, and no ratio. HSI16 and PLL: RM0440 7.2;
+//! The crystal is the Nucleo's own (X3, UM2505). Where it does not start, or has stopped in the last run, the internal oscillator takes its place: it is
+//! within 1 % (DS12288), and so is every frequency that the controller names, and no ratio. Oscillators, clock security system and PLL: RM0440 7.2;
 //! voltage range 1 boost, which 170 MHz needs: RM0440 6.1.5; wait states: RM0440 3.3.3.
 
 use cortex_m::asm::delay;
@@ -18,8 +21,35 @@ pub const SYSTEM_HZ: u32 = 170_000_000;
 /// Cycles of a microsecond.
 pub const CYCLES_PER_US: u32 = SYSTEM_HZ / 1_000_000;
 
-/// Starts the clocks, of the processor and of every peripheral that is used. Called once, after reset.
-pub fn start() {
+/// Waits of 10 us, at the 16 MHz after reset, in which the crystal must start: 20 ms. 2 ms are usual (DS12288, HSE oscillator).
+const CRYSTAL_WAITS: usize = 2000;
+
+/// What the clock is derived from.
+#[derive(Clone, Copy, PartialEq, Eq, defmt::Format)]
+pub enum Source {
+    /// The crystal, watched by the clock security system.
+    Crystal,
+    /// The internal oscillator.
+    Internal,
+}
+
+/// Starts the crystal; returns whether it runs. From then on its failure raises the non-maskable interrupt and the break of TIM1.
+fn crystal() -> bool {
+    // RCC_CR.HSEON, HSERDY, CSSON (7.4.1); CSSON needs an oscillator that is ready (7.2.8).
+    RCC.cr().modify(|w| w.set_hseon(true));
+    let runs = (0..CRYSTAL_WAITS).any(|_| {
+        delay(160);
+        RCC.cr().read().hserdy()
+    });
+    RCC.cr().modify(|w| {
+        w.set_hseon(runs);
+        w.set_csson(runs);
+    });
+    runs
+}
+
+/// Starts the clocks, of the processor and of every peripheral that is used; from the crystal only where it may be tried. Called once, after reset.
+pub fn start(may_try_crystal: bool) -> Source {
     // RCC_CR.HSION, HSIRDY (7.4.1): the oscillator that reset has started.
     RCC.cr().modify(|w| w.set_hsion(true));
     while !RCC.cr().read().hsirdy() {}
@@ -37,10 +67,15 @@ pub fn start() {
         w.set_dcen(true);
     });
     while FLASH.acr().read().latency() != Latency::WS4 {}
+    let source = if may_try_crystal && crystal() { Source::Crystal } else { Source::Internal };
+    let (input, divider) = match source {
+        Source::Crystal => (Pllsrc::HSE, Pllm::DIV6),
+        Source::Internal => (Pllsrc::HSI, Pllm::DIV4),
+    };
     // RCC_PLLCFGR (7.4.4), written while the PLL is off.
     RCC.pllcfgr().write(|w| {
-        w.set_pllsrc(Pllsrc::HSI);
-        w.set_pllm(Pllm::DIV4);
+        w.set_pllsrc(input);
+        w.set_pllm(divider);
         w.set_plln(Plln::MUL85);
         w.set_pllr(Pllr::DIV2);
         w.set_pllren(true);
@@ -57,6 +92,7 @@ pub fn start() {
     delay(2 * CYCLES_PER_US);
     RCC.cfgr().modify(|w| w.set_hpre(Hpre::DIV1));
     enable();
+    source
 }
 
 /// Lets the clock through to what is used: RCC_AHB1ENR (7.4.14), AHB2ENR (7.4.15), APB1ENR1 (7.4.17), APB1ENR2 (7.4.18), APB2ENR (7.4.19).

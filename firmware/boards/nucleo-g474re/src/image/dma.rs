@@ -8,7 +8,7 @@
 //! | DMA2 1 | 34, LPUART1 RX | bytes of the link |
 //!
 //! All of 32 bits at the converters: a DAC of this family faults on narrower accesses.
-#![expect(unsafe_code, reason = "rings that DMA writes or reads while the processor does")]
+#![expect(unsafe_code, reason = "rings that DMA and the processor use at the same time")]
 
 use core::cell::UnsafeCell;
 use core::ptr;
@@ -20,8 +20,8 @@ use stm32_metapac::{DMA1, DMA2, DMAMUX1};
 /// Memory that DMA and the processor share.
 pub struct Ring<T, const N: usize>(UnsafeCell<[T; N]>);
 
-// SAFETY: every access is volatile and of one element, and elements are words or bytes that are read and written at once; who may touch
-// which of them when is the business of `blocks` and `ring`, and a mistake there is a wrong code, not a broken invariant.
+// SAFETY: every access is volatile and of one element, and elements are words or bytes that are read and written at once; `blocks` and
+// `ring` decide which of them may be used when, and a mistake there is a wrong code, not a broken invariant.
 unsafe impl<T: Copy + Send, const N: usize> Sync for Ring<T, N> {}
 
 impl<T: Copy, const N: usize> Ring<T, N> {
@@ -82,8 +82,8 @@ impl Channel {
         Channel { dma: DMA2, number, multiplexer: 8 + number }
     }
 
-    /// Moves between a peripheral's register and a ring, round and round, whenever the peripheral asks. A program, not an order: it begins
-    /// with the first request.
+    /// Moves between a peripheral's register and a ring, in a ring, whenever the peripheral requests it; the
+    /// first request starts it.
     pub fn start<T: Copy, const N: usize>(
         self,
         request: u8,
@@ -117,7 +117,7 @@ impl Channel {
         });
     }
 
-    /// Transfers until it begins anew: DMA_CNDTRx (12.6.4).
+    /// Transfers until the ring starts again: DMA_CNDTRx (12.6.4).
     pub fn remaining(self) -> u16 {
         self.dma.ch(self.number).ndtr().read().ndt()
     }

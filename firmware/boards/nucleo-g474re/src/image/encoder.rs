@@ -1,6 +1,6 @@
-//! The belt's encoder: TIM5 counts every edge of both channels, in 32 bits that wrap as the seam wants them. RM0440 29.4.16 (encoder interface).
+//! The belt's encoder: TIM5 counts every edge of both channels, in 32 bits that wrap, as [`BeltSense`] requires. RM0440 29.4.16 (encoder interface).
 //!
-//! `A` on PB2, `B` on PC12, their complements on PC10 and PC11, for a look at whether the wires contradict each other. All pulled
+//! `A` on PB2, `B` on PC12, their complements on PC10 and PC11, so that [`Wires`] sees whether the wires contradict each other. All pulled
 //! down: a wire that is broken is low.
 
 use firmware::seam::block::BeltSense;

@@ -3,21 +3,21 @@
 //! Written in double words, once after each erase; a page is erased in 22 ms (DS12288), while the code goes on from the first bank. If the option
 //! bytes make one bank of the two, nothing is written: an erase would stall the block interrupt.
 //!
-//! A word that power was cut from in the middle reads as an error of two bits, which raises the non-maskable interrupt: it makes a read that fails
-//! (`NonMaskableInt`), and not a processor that stands.
+//! A word whose write was cut by power reads as an error of two bits, which raises the non-maskable interrupt (`alarm.rs`): that read fails, and the
+//! processor goes on.
+//!
+//! The data cache is off while the flash is open: a read of one bank while the other one is written or erased may leave wrong data in it (ES0430
+//! 2.2.2). It is reset before it is on again, because it may hold what the pages held before.
 #![expect(unsafe_code, reason = "the flash is written and read at its addresses")]
 
 use core::ptr;
 use core::sync::atomic::{AtomicBool, Ordering, compiler_fence};
 
-use cortex_m_rt::exception;
 use embedded_storage::nor_flash::{ErrorType, NorFlash, NorFlashError, NorFlashErrorKind, ReadNorFlash};
-use nucleo_g474re::note::Cause;
 use nucleo_g474re::pages::{PAGE, SIZE, WORD, address, number};
 use stm32_metapac::FLASH;
 use stm32_metapac::flash::regs::Sr;
 
-use super::panic;
 use super::watchdog::nurse;
 
 /// FLASH_KEYR (3.7.3).
@@ -49,16 +49,9 @@ impl NorFlashError for FlashError {
     }
 }
 
-/// For a word that cannot be corrected: FLASH_ECCR.ECCD, cleared by a one (3.7.6). Nothing else is known to raise it.
-// SAFETY: marked because nothing masks it; it touches one register and one atomic.
-#[exception]
-unsafe fn NonMaskableInt() {
-    let status = FLASH.eccr().read();
-    if !(status.eccd() || status.eccd2()) {
-        panic::end(Cause::Unexpected, "non-maskable interrupt", 0);
-    }
+/// Marks the read that is under way as failed: the non-maskable interrupt has found a word of the settings that cannot be corrected.
+pub fn mark_damaged() {
     DAMAGED.store(true, Ordering::Relaxed);
-    FLASH.eccr().write_value(status);
 }
 
 /// The pages of the settings.
@@ -132,11 +125,11 @@ impl NorFlash for Pages {
     }
 }
 
-/// The flash, unlocked until this is dropped.
+/// The flash, unlocked and without its data cache until this is dropped.
 struct Open;
 
 impl Open {
-    /// Waits for what is under way, forgets old errors and unlocks: FLASH_SR (3.7.4), FLASH_KEYR (3.7.3). Only with two banks: FLASH_OPTR.DBANK (3.7.7).
+    /// Waits for what is under way, clears old errors, unlocks and switches the data cache off: FLASH_SR (3.7.4), FLASH_KEYR (3.7.3). Only with two banks: FLASH_OPTR.DBANK (3.7.7).
     fn now() -> Result<Self, FlashError> {
         if !FLASH.optr().read().dbank() {
             return Err(FlashError::Refused);
@@ -148,15 +141,19 @@ impl Open {
         if FLASH.cr().read().lock() {
             KEYS.into_iter().for_each(|key| FLASH.keyr().write_value(key));
         }
-        if FLASH.cr().read().lock() { Err(FlashError::Refused) } else { Ok(Open) }
+        if FLASH.cr().read().lock() {
+            return Err(FlashError::Refused);
+        }
+        // FLASH_ACR.DCEN (3.7.1): see above.
+        FLASH.acr().modify(|w| w.set_dcen(false));
+        Ok(Open)
     }
 }
 
 impl Drop for Open {
     fn drop(&mut self) {
         FLASH.cr().modify(|w| w.set_lock(true));
-        // FLASH_ACR.DCRST, while the cache is off (3.7.1): it may hold what was there before (3.3.6).
-        FLASH.acr().modify(|w| w.set_dcen(false));
+        // FLASH_ACR.DCRST, which wants the cache off (3.7.1).
         FLASH.acr().modify(|w| w.set_dcrst(true));
         FLASH.acr().modify(|w| w.set_dcrst(false));
         FLASH.acr().modify(|w| w.set_dcen(true));

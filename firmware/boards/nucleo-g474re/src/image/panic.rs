@@ -1,4 +1,4 @@
-//! The end of a run: the enable drops, the reason is kept in RAM that a reset leaves alone, and the part resets. The next run reports it.
+//! The end of a run: the enable drops, the cause is stored in RAM that a reset does not clear, and the part resets. The next run reports it.
 #![expect(unsafe_code, reason = "RAM that is not cleared, and handlers of exceptions")]
 
 use core::cell::UnsafeCell;
@@ -10,18 +10,18 @@ use cortex_m::peripheral::SCB;
 use cortex_m_rt::{ExceptionFrame, exception};
 use nucleo_g474re::note::{Cause, Note};
 
-use super::protection;
+use super::{guard, protection};
 
-struct Kept(UnsafeCell<Note>);
+struct Stored(UnsafeCell<Note>);
 
 // SAFETY: read once before any interrupt is enabled, and written only by `end`, with interrupts masked.
-unsafe impl Sync for Kept {}
+unsafe impl Sync for Stored {}
 
-/// `.uninit` is neither loaded nor cleared at start-up (cortex-m-rt); the RAM keeps it over a reset, but not over power-off.
+/// `.uninit` is neither loaded nor cleared at start-up (cortex-m-rt); the RAM holds it over a reset, but not over power-off.
 #[unsafe(link_section = ".uninit.note")]
-static NOTE: Kept = Kept(UnsafeCell::new(Note::BLANK));
+static NOTE: Stored = Stored(UnsafeCell::new(Note::BLANK));
 
-/// What ended the last run, and forgets it.
+/// Returns what ended the last run, and clears it.
 pub fn last() -> Option<Note> {
     // SAFETY: called once, before interrupts are enabled. Whatever bits the RAM has, they are a note: it consists of integers.
     let note = unsafe { ptr::read_volatile(NOTE.0.get()) };
@@ -30,7 +30,7 @@ pub fn last() -> Option<Note> {
     note.read().is_some().then_some(note)
 }
 
-/// Ends this run: mutes, keeps the reason, resets.
+/// Ends this run: drops the enable, stores the cause, resets.
 pub fn end(cause: Cause, file: &str, line: u32) -> ! {
     interrupt::disable();
     protection::drop_enable();
@@ -49,7 +49,9 @@ fn panic(info: &PanicInfo) -> ! {
 // SAFETY: marked because a handler may meet broken invariants; this one uses only registers and its own note.
 #[exception]
 unsafe fn HardFault(frame: &ExceptionFrame) -> ! {
-    end(Cause::HardFault, "", frame.pc())
+    // A stack that has grown into its guard may have left no frame: the address is then of no use, but the cause is known.
+    let cause = if guard::has_overflowed() { Cause::StackOverflow } else { Cause::HardFault };
+    end(cause, "", frame.pc())
 }
 
 // SAFETY: marked for the same reason: it ends the run.

@@ -1,4 +1,4 @@
-//! The pins: what each does is in `docs/board.md`. RM0440 9.4: GPIOx_MODER (9.4.1), PUPDR (9.4.4), IDR (9.4.5), BSRR (9.4.7), AFRL and
+//! The pins: `docs/board.md` lists their uses. RM0440 9.4: GPIOx_MODER (9.4.1), PUPDR (9.4.4), IDR (9.4.5), BSRR (9.4.7), AFRL and
 //! AFRH (9.4.9, 9.4.10); the numbers of the alternate functions are those of DS12288, table of alternate functions.
 
 use stm32_metapac::gpio::Gpio;
@@ -44,7 +44,7 @@ impl Pin {
         self.port.bsrr().write(|w| if high { w.set_bs(self.number, true) } else { w.set_br(self.number, true) });
     }
 
-    /// The level of the pin, whoever drives it.
+    /// The level of the pin, also of one that the part drives.
     pub fn is_high(self) -> bool {
         self.port.idr().read().idr(self.number) == Idr::HIGH
     }

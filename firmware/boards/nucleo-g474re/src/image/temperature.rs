@@ -1,7 +1,7 @@
 //! The temperature, a few times a second: the processor's own by ADC5 and, where there is a thermistor at the heat sink, the hotter of the two;
 //! that one by ADC4. RM0440 21.4.31 (sensor), 21.4.33 (reference).
 //!
-//! A conversion that comes late after the one before it is wrong on this part (ES0430), so that each is made twice and the second one counts.
+//! Sensor and reference want 5 us of sampling at least (DS12288); [`adc::convert`] takes 15 us.
 #![expect(unsafe_code, reason = "the factory's calibration is read from its place")]
 
 use core::sync::atomic::{AtomicU32, Ordering};
@@ -10,8 +10,6 @@ use cortex_m::asm::delay;
 use cortex_m::peripheral::DWT;
 use nucleo_g474re::config::HEAT_SINK;
 use nucleo_g474re::degrees::{Calibration, celsius};
-use stm32_metapac::adc::Adc;
-use stm32_metapac::adc::vals::SampleTime;
 use stm32_metapac::adccommon::vals::Ckmode;
 use stm32_metapac::{ADC4, ADC5, ADC345_COMMON, GPIOB};
 
@@ -24,14 +22,14 @@ const SENSOR: u8 = 4;
 const REFERENCE: u8 = 18;
 /// ADC4_IN4 is PB14 (DS12288, pin description).
 const THERMISTOR: u8 = 4;
-/// Where the factory has left its measurements (DS12288: TS_CAL1, TS_CAL2, VREFINT_CAL).
+/// Addresses of the factory's measurements (DS12288: TS_CAL1, TS_CAL2, VREFINT_CAL).
 const TS_CAL1: *const u16 = 0x1fff_75a8 as *const u16;
 const TS_CAL2: *const u16 = 0x1fff_75ca as *const u16;
 const VREFINT_CAL: *const u16 = 0x1fff_75aa as *const u16;
 /// Cycles between two measurements: a tenth of a second.
 const EVERY: u32 = 100_000 * CYCLES_PER_US;
 
-/// The latest one, as bits of degrees Celsius; not a number is none.
+/// The latest temperature, as bits of degrees Celsius; not a number is none.
 static LATEST: AtomicU32 = AtomicU32::new(f32::NAN.to_bits());
 
 /// The latest measurement, degrees Celsius.
@@ -70,7 +68,7 @@ impl Thermometer {
         thermometer
     }
 
-    /// Measures when it is time to; 60 us of waiting then, and 30 us more with a thermistor.
+    /// Measures when a measurement is due; 60 us of waiting then, and 30 us more with a thermistor.
     pub fn poll(&mut self) {
         if DWT::cycle_count().wrapping_sub(self.measured) >= EVERY {
             self.measure();
@@ -79,23 +77,9 @@ impl Thermometer {
 
     fn measure(&mut self) {
         self.measured = DWT::cycle_count();
-        let own = celsius(&self.calibration, convert(ADC5, SENSOR), convert(ADC5, REFERENCE)).unwrap_or(f32::NAN);
+        let own = celsius(&self.calibration, adc::convert(ADC5, SENSOR), adc::convert(ADC5, REFERENCE)).unwrap_or(f32::NAN);
         // `max` takes the number where the other is none.
-        let hottest = HEAT_SINK.map_or(own, |thermistor| thermistor.celsius(convert(ADC4, THERMISTOR)).max(own));
+        let hottest = HEAT_SINK.map_or(own, |thermistor| thermistor.celsius(adc::convert(ADC4, THERMISTOR)).max(own));
         LATEST.store(hottest.to_bits(), Ordering::Relaxed);
     }
-}
-
-/// A conversion, and the one before it that does not count. 640.5 cycles of sampling are 15 us: both want 5 at least (DS12288).
-fn convert(adc: Adc, channel: u8) -> u16 {
-    adc::sequence(adc, channel, SampleTime::CYCLES640_5);
-    for _ in 0..2 {
-        // ADC_CR.ADSTART (21.7.3), ADC_ISR.EOC, which reading ADC_DR clears (21.7.1, 21.7.16).
-        adc.cr().modify(|w| w.set_adstart(true));
-        while !adc.isr().read().eoc() {}
-        let _ = adc.dr().read();
-    }
-    adc.cr().modify(|w| w.set_adstart(true));
-    while !adc.isr().read().eoc() {}
-    adc.dr().read().0 as u16
 }

@@ -5,25 +5,21 @@
 //! TIM4 compare        ^             ^            500 ns, 85 cycles: both ADCs convert, twice a sample
 //! ```
 //!
-//! Both count the same clock, so that they never drift apart; each sample's two conversions are 500 ns apart, so that their sum hears nothing
-//! of what lies at 1 MHz and little of the DAC's images about it. RM0440 29: general-purpose timers.
+//! Both count the same clock, so that they never drift apart; each sample's two conversions are 500 ns apart, so that their sum suppresses
+//! what lies at 1 MHz, and attenuates the DAC's images about it. [`TRIGGER_AFTER`] places them; a shift of both is a constant delay, which the
+//! calibration of the lock-in takes out. Both run on while a debugger has halted the processor (DBGMCU_APB1FZR1, 47.6.5, as after power-up). RM0440 29:
+//! general-purpose timers.
 
 use nucleo_g474re::blocks::CYCLES_PER_SAMPLE;
+use nucleo_g474re::sampling::{CYCLES_PER_CONVERSION, TRIGGER_AFTER};
 use stm32_metapac::timer::vals::{Mms, Ocm, Sms, Ts, Urs};
 use stm32_metapac::{TIM3, TIM4};
-
-/// Cycles from a step of the DAC to the trigger of the first conversion. The trigger takes some 3 cycles to TIM4 and some 2 of the ADC's 42.5 MHz to
-/// the sampling, and that lasts 6.5 of them: the two instants at which the input is held are then about a quarter and three quarters of the
-/// sample. Not measured; a shift of both is a constant delay, which the calibration of the lock-in takes out.
-const TRIGGER_AFTER: u16 = 4;
-/// Cycles from one conversion to the next.
-const CYCLES_PER_CONVERSION: u16 = CYCLES_PER_SAMPLE as u16 / 2;
 
 /// Programs both. The converters must be ready to be triggered when [`start`] is called.
 pub fn prepare() {
     // TIM4: TIMx_ARR (29.5.14), CCR1 (29.5.15), CCMR1.OC1M = PWM mode 2, low below the compare value and high from it on (29.5.8).
-    TIM4.arr().write(|w| w.set_arr(CYCLES_PER_CONVERSION - 1));
-    TIM4.ccr(0).write(|w| w.set_ccr(TRIGGER_AFTER));
+    TIM4.arr().write(|w| w.set_arr(CYCLES_PER_CONVERSION as u16 - 1));
+    TIM4.ccr(0).write(|w| w.set_ccr(TRIGGER_AFTER as u16));
     TIM4.ccmr_output(0).modify(|w| w.set_ocm(0, Ocm::PWM_MODE2));
     // CR2.MMS = OC1REF as TRGO (29.5.2): a rising edge for each conversion.
     TIM4.cr2().modify(|w| w.set_mms(Mms::COMPARE_OC1));

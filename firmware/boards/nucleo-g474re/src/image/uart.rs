@@ -1,14 +1,16 @@
 //! The link: LPUART1 on PA2 and PA3, which the Nucleo's ST-LINK shows the host as a serial port (UM2505). 921 600 baud, 8N1. RM0440 38.
 //!
-//! Bytes come by DMA into a ring, so that none is lost while the slow side is elsewhere for up to 5 ms; they leave through the transmitter's
-//! buffer of eight, one look at a time. Nothing here waits but a flush, before a reset.
+//! Bytes come by DMA into a ring, so that none is lost while the background task does something else for up to 5 ms; they leave through the transmitter's
+//! buffer of eight, one at each poll. Nothing here waits but a flush, before a reset.
 
 use core::convert::Infallible;
 
 use embedded_io::{ErrorType, Read, ReadReady, Write, WriteReady};
+use nucleo_g474re::baud::divider;
 use nucleo_g474re::ring::Reader;
 use stm32_metapac::bdma::vals::Pl;
 use stm32_metapac::gpio::vals::Pupdr;
+use stm32_metapac::usart::regs::Brr;
 use stm32_metapac::{GPIOA, LPUART1};
 
 use super::clocks::SYSTEM_HZ;
@@ -17,6 +19,11 @@ use super::pins::Pin;
 
 /// Speed of the link, bits a second.
 pub const BAUD: u32 = 921_600;
+/// What divides the clock.
+const DIVIDER: u32 = match divider(SYSTEM_HZ, BAUD) {
+    Some(divider) => divider,
+    None => panic!("this baud rate cannot be had"),
+};
 /// Room for twice the longest frame.
 const ROOM: usize = 512;
 
@@ -38,8 +45,8 @@ impl Link {
         Pin::new(GPIOA, 2).alternate(FUNCTION, Pupdr::FLOATING);
         // Idle is high, also without a cable.
         Pin::new(GPIOA, 3).alternate(FUNCTION, Pupdr::PULL_UP);
-        // LPUART_BRR (38.7.5) = 256 * clock / baud, which must be 0x300 at least (38.4.7); RCC_CCIPR.LPUART1SEL is PCLK1 after reset (7.4.26).
-        LPUART1.brr().write(|w| w.set_brr((256 * u64::from(SYSTEM_HZ) / u64::from(BAUD)) as u16));
+        // LPUART_BRR (38.7.5), whose 20 bits are more than the description of the part knows; RCC_CCIPR.LPUART1SEL is PCLK1 after reset (7.4.26).
+        LPUART1.brr().write_value(Brr(DIVIDER));
         // LPUART_CR3 (38.7.4): the receiver asks for DMA, and goes on after an overrun: the frames have checksums.
         LPUART1.cr3().write(|w| {
             w.set_dmar(true);

@@ -1,6 +1,6 @@
 //! The independent watchdog: resets the part unless it is fed within 10 ms, by its own oscillator. RM0440 42.
 //!
-//! It is fed by the slow side, and only while blocks come ([`App`](firmware::board::app::App)). What makes the slow side wait (the flash) feeds it
+//! It is fed by the background task, and only while blocks come ([`App`](firmware::board::app::App)). What makes the background task wait (the flash) feeds it
 //! meanwhile, and only while blocks come, too: [`nurse`].
 
 use core::sync::atomic::{AtomicU32, Ordering};
@@ -12,10 +12,10 @@ use stm32_metapac::{DBGMCU, IWDG};
 
 use super::{block, panic};
 
-/// Ticks of 125 us (LSI 32 kHz / 4, within 5 %: DS12288) until it bites: 10 ms.
+/// Ticks of 125 us (LSI 32 kHz / 4, within 5 %: DS12288) until it resets the part: 10 ms.
 const TICKS: u16 = 80;
 
-/// The blocks at the last time that [`nurse`] fed it.
+/// The blocks at the last call of [`nurse`] that fed it.
 static SEEN: AtomicU32 = AtomicU32::new(0);
 
 /// The watchdog.
@@ -24,7 +24,7 @@ pub struct IndependentWatchdog;
 impl IndependentWatchdog {
     /// Starts it; nothing but a reset stops it. IWDG_KR (42.4.1), PR (42.4.2), RLR (42.4.3), SR (42.4.4).
     pub fn start() -> Self {
-        // DBGMCU_APB1FZR1 (47.6.5): it waits while a debugger has halted the processor, whose outputs are off then.
+        // DBGMCU_APB1FZR1 (47.6.5): it waits while a debugger has halted the processor. The enable drops then by TIM1 (`protection.rs`).
         DBGMCU.apb1lfzr().modify(|w| w.set_iwdg(true));
         IWDG.kr().write(|w| w.set_key(Key::START));
         IWDG.kr().write(|w| w.set_key(Key::ENABLE));

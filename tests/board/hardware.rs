@@ -1,0 +1,129 @@
+//! The reasons of the non-maskable interrupt, the divider of the UART, the timing of a conversion, the guard of the stack, the test of the trips.
+
+use firmware::board::start::TripFailure;
+use nucleo_g474re::alarm::{Alarm, Word};
+use nucleo_g474re::baud::divider;
+use nucleo_g474re::config::{TRIP_A, trip_codes};
+use nucleo_g474re::pages::{FLASH, SECOND_BANK, START};
+use nucleo_g474re::sampling::{CYCLES_PER_CONVERSION, DIVIDER, MARGIN, TRIGGER_AFTER, sampling_ns, source_ohm};
+use nucleo_g474re::stack::{GUARD, GUARD_SIZE, attributes, has_overflowed};
+use nucleo_g474re::trips::{ALWAYS, Levels};
+
+const SYSTEM_HZ: u32 = 170_000_000;
+
+#[test]
+fn a_damaged_word_is_of_the_settings_only_in_their_bank() {
+    let word = |in_second_bank, offset| Some(Word { in_system_memory: false, in_second_bank, offset });
+    let two_banks = |word| Alarm::of(false, false, word, true);
+    assert_eq!(two_banks(word(true, START - SECOND_BANK)), Alarm::Settings);
+    assert_eq!(two_banks(word(false, START - SECOND_BANK)), Alarm::Code(START - SECOND_BANK + FLASH));
+    assert_eq!(two_banks(word(false, 0x1234)), Alarm::Code(FLASH + 0x1234));
+    // The factory's calibration is read once, and must not be taken for the settings.
+    let factory = Some(Word { in_system_memory: true, in_second_bank: true, offset: START - SECOND_BANK });
+    assert_eq!(two_banks(factory), Alarm::Code(START));
+    // One bank: the offset is that in the whole flash.
+    assert_eq!(Alarm::of(false, false, word(false, START - FLASH), false), Alarm::Settings);
+    assert_eq!(Alarm::of(false, false, word(false, START - FLASH - 8), false), Alarm::Code(START - 8));
+}
+
+#[test]
+fn a_clock_or_parity_failure_outranks_a_damaged_word() {
+    let word = Some(Word { in_system_memory: false, in_second_bank: true, offset: START - SECOND_BANK });
+    assert_eq!(Alarm::of(true, true, word, true), Alarm::ClockFailed);
+    assert_eq!(Alarm::of(false, true, word, true), Alarm::RamParity);
+    assert_eq!(Alarm::of(false, false, None, true), Alarm::Unknown);
+}
+
+#[test]
+fn the_uart_divider_has_twenty_bits_and_is_rounded() {
+    assert_eq!(divider(SYSTEM_HZ, 921_600), Some(47_222));
+    // 115 200 baud takes more than 16 bits.
+    assert_eq!(divider(SYSTEM_HZ, 115_200), Some(377_778));
+    let baud = 256.0 * f64::from(SYSTEM_HZ) / 377_778.0;
+    assert!((baud / 115_200.0 - 1.0).abs() < 1e-5, "{baud}");
+}
+
+#[test]
+fn a_baud_rate_that_cannot_be_had_is_refused() {
+    for baud in [0, 300, 41_000, 60_000_000, u32::MAX] {
+        assert_eq!(divider(SYSTEM_HZ, baud), None, "{baud}");
+    }
+    assert!(divider(SYSTEM_HZ, 42_000).is_some() && divider(SYSTEM_HZ, 56_000_000).is_some());
+}
+
+#[test]
+fn a_conversion_ends_three_cycles_before_the_next_trigger() {
+    let adc_ns = f64::from(DIVIDER) / f64::from(SYSTEM_HZ) * 1e9;
+    let margin_ns = f64::from(MARGIN) / 8.0 * adc_ns;
+    println!("margin {margin_ns:.1} ns, sampling {:.1} ns", sampling_ns(SYSTEM_HZ as f32));
+    assert!((f64::from(CYCLES_PER_CONVERSION) / f64::from(DIVIDER) - 2.125 - 3.5 - 12.5 - f64::from(MARGIN) / 8.0).abs() < 1e-12);
+    assert!((margin_ns - 73.5).abs() < 0.1, "{margin_ns}");
+    // The sampling ends a quarter of a sample after the step of the DAC, within a cycle.
+    let end = f64::from(TRIGGER_AFTER) + 3.0 + f64::from(DIVIDER) * (2.125 + 3.5);
+    assert!((end - 42.5).abs() <= 1.0, "{end}");
+}
+
+#[test]
+fn the_source_of_the_front_end_settles_within_the_sampling() {
+    let sampling = sampling_ns(SYSTEM_HZ as f32);
+    assert!((sampling - 82.35).abs() < 0.01, "{sampling}");
+    let most = source_ohm(sampling);
+    assert!((most - 240.0).abs() < 1.0, "{most}");
+    // docs/board.md: an op-amp, 100 ohm and 1 nF.
+    assert!(most > 2.0 * 100.0);
+}
+
+#[test]
+fn the_stack_guard_is_an_aligned_region_without_access() {
+    assert_eq!((GUARD_SIZE.is_power_of_two(), GUARD % GUARD_SIZE), (true, 0));
+    // SIZE = 13 of 2^(13 + 1) bytes, AP = 0, XN, enabled.
+    assert_eq!(attributes(), 0x1000_001b);
+}
+
+#[test]
+fn only_a_fault_at_the_guard_or_while_stacking_is_an_overflow() {
+    let (access, valid, stacking, lazy) = (1 << 1, 1 << 7, 1 << 4, 1 << 5);
+    assert!(has_overflowed(access | valid, GUARD) && has_overflowed(access | valid, GUARD + GUARD_SIZE - 4));
+    assert!(has_overflowed(stacking, 0) && has_overflowed(lazy, 0));
+    for (status, address) in
+        [(0, GUARD), (access, GUARD), (access | valid, GUARD - 4), (access | valid, GUARD + GUARD_SIZE), (1, GUARD)]
+    {
+        assert!(!has_overflowed(status, address), "{status:#x} {address:#x}");
+    }
+}
+
+#[test]
+fn a_missing_wire_or_an_offset_at_rest_fails_by_name() {
+    let failure = |positive, negative| Levels { positive, negative }.failure();
+    assert_eq!(failure(2048, 2050), None);
+    // A pin that is not connected was pulled down.
+    assert_eq!((failure(2048, 300), failure(300, 2048)), (Some(TripFailure::Wire), Some(TripFailure::NotAtRest)));
+    assert_eq!(
+        (failure(2048 + 201, 2249), failure(2048 - 201, 1847)),
+        (Some(TripFailure::NotAtRest), Some(TripFailure::NotAtRest))
+    );
+    assert_eq!((failure(2100, 2140), failure(2100, 2141)), (None, Some(TripFailure::Wire)));
+}
+
+/// Comparators as the board has them, of which one or the other may be stuck.
+#[test]
+fn each_trip_that_does_not_act_is_found() {
+    let test = |levels: Levels, positive: fn(bool) -> bool, negative: fn(bool) -> bool| {
+        let trips = |(upper, lower): (u16, u16)| positive(levels.positive > upper) || negative(levels.negative < lower);
+        levels.steps().into_iter().find(|&(thresholds, must_trip, _)| trips(thresholds) != must_trip).map(|(.., failure)| failure)
+    };
+    let (works, dead, stuck): (fn(bool) -> bool, fn(bool) -> bool, fn(bool) -> bool) = (|trips| trips, |_| false, |_| true);
+    for level in [1848, 2048, 2248] {
+        let levels = Levels { positive: level, negative: level };
+        assert_eq!(test(levels, works, works), None);
+        assert_eq!(test(levels, dead, works), Some(TripFailure::NoPositive));
+        assert_eq!(test(levels, works, dead), Some(TripFailure::NoNegative));
+        assert_eq!(
+            (test(levels, stuck, works), test(levels, works, stuck)),
+            (Some(TripFailure::Standing), Some(TripFailure::Standing))
+        );
+        // It ends with the thresholds of the run.
+        assert_eq!(levels.steps()[4].0, trip_codes(TRIP_A));
+        assert!(levels.positive > ALWAYS.0 && levels.negative < ALWAYS.1);
+    }
+}
