@@ -108,11 +108,12 @@ fn a_missing_wire_or_an_offset_at_rest_fails_by_name() {
 /// Comparators as the board has them, of which one or the other may be stuck.
 #[test]
 fn each_trip_that_does_not_act_is_found() {
-    let test = |levels: Levels, positive: fn(bool) -> bool, negative: fn(bool) -> bool| {
+    type Comparator = fn(bool) -> bool;
+    let test = |levels: Levels, positive: Comparator, negative: Comparator| {
         let trips = |(upper, lower): (u16, u16)| positive(levels.positive > upper) || negative(levels.negative < lower);
         levels.steps().into_iter().find(|&(thresholds, must_trip, _)| trips(thresholds) != must_trip).map(|(.., failure)| failure)
     };
-    let (works, dead, stuck): (fn(bool) -> bool, fn(bool) -> bool, fn(bool) -> bool) = (|trips| trips, |_| false, |_| true);
+    let (works, dead, stuck): (Comparator, Comparator, Comparator) = (|trips| trips, |_| false, |_| true);
     for level in [1848, 2048, 2248] {
         let levels = Levels { positive: level, negative: level };
         assert_eq!(test(levels, works, works), None);
