@@ -30,6 +30,21 @@ pub struct Access {
     pub pc: u32,
 }
 
+/// A breakpoint instruction.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Breakpoint {
+    /// Its number; 0xAB asks for semihosting.
+    pub number: u8,
+    /// R0: the operation, in semihosting.
+    pub r0: u32,
+    /// R1: its argument, in semihosting.
+    pub r1: u32,
+    /// Address of the instruction.
+    pub pc: u32,
+    /// When it executes.
+    pub at: Cycle,
+}
+
 /// Why an access is not answered.
 #[derive(Debug)]
 pub enum Fault {
@@ -74,6 +89,12 @@ pub trait Chip {
 
     /// The processor has locked up: a fault within the hard fault or NMI handler.
     fn lockup(&mut self, at: Cycle, ports: Ports) -> Result<(), Fault>;
+
+    /// A breakpoint instruction executes. With a value the program goes on and finds it in R0, as after a semihosting call; without one there is
+    /// no debugger and no host, and the processor takes a hard fault.
+    fn breakpoint(&mut self, _breakpoint: Breakpoint, _ports: Ports) -> Result<Option<u32>, Fault> {
+        Ok(None)
+    }
 
     /// The reset line was pulled, by the part itself or by `SYSRESETREQ`: registers go to their reset values. Memories keep theirs.
     fn reset(&mut self, at: Cycle, ports: Ports);

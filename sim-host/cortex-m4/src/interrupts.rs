@@ -40,20 +40,22 @@ impl Interrupts {
         self.changed = true;
     }
 
+    /// Whether something has changed since [`take_changed`](Interrupts::take_changed).
+    pub(crate) fn has_changed(&self) -> bool {
+        self.changed
+    }
+
     /// Whether something has changed since the last call.
-    #[expect(dead_code, reason = "asked by the processor")]
     pub(crate) fn take_changed(&mut self) -> bool {
         std::mem::take(&mut self.changed)
     }
 
     /// Whether the NMI was pended since the last call.
-    #[expect(dead_code, reason = "asked by the processor")]
     pub(crate) fn take_nmi(&mut self) -> bool {
         std::mem::take(&mut self.nmi)
     }
 
     /// Whether the reset line was pulled since the last call.
-    #[expect(dead_code, reason = "asked by the processor")]
     pub(crate) fn take_reset(&mut self) -> bool {
         std::mem::take(&mut self.reset)
     }

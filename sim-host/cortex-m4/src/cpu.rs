@@ -1,0 +1,289 @@
+//! Registers and state of the processor itself.
+
+use crate::chip::Cycle;
+use crate::exceptions::{Dwt, Mpu, Nvic, Scb, SysTick};
+use crate::op::{Decoded, Sets, Shift};
+
+/// Condition flags, saturation flag and the four greater-or-equal flags of the DSP extension.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct Flags {
+    pub(crate) n: bool,
+    pub(crate) z: bool,
+    pub(crate) c: bool,
+    pub(crate) v: bool,
+    pub(crate) q: bool,
+    pub(crate) ge: u8,
+}
+
+impl Flags {
+    /// As APSR holds them (B1.4.2).
+    pub(crate) fn bits(self) -> u32 {
+        let bit = |flag: bool, at: u32| u32::from(flag) << at;
+        bit(self.n, 31) | bit(self.z, 30) | bit(self.c, 29) | bit(self.v, 28) | bit(self.q, 27) | u32::from(self.ge) << 16
+    }
+
+    /// From APSR.
+    pub(crate) fn from_bits(apsr: u32) -> Flags {
+        let bit = |at: u32| apsr >> at & 1 == 1;
+        Flags { n: bit(31), z: bit(30), c: bit(29), v: bit(28), q: bit(27), ge: (apsr >> 16 & 15) as u8 }
+    }
+
+    /// Whether a condition of four bits holds (A7.3.1).
+    #[inline]
+    pub(crate) fn hold(self, condition: u8) -> bool {
+        match condition {
+            0b0000 => self.z,
+            0b0001 => !self.z,
+            0b0010 => self.c,
+            0b0011 => !self.c,
+            0b0100 => self.n,
+            0b0101 => !self.n,
+            0b0110 => self.v,
+            0b0111 => !self.v,
+            0b1000 => self.c && !self.z,
+            0b1001 => !self.c || self.z,
+            0b1010 => self.n == self.v,
+            0b1011 => self.n != self.v,
+            0b1100 => !self.z && self.n == self.v,
+            0b1101 => self.z || self.n != self.v,
+            _ => true,
+        }
+    }
+}
+
+/// Why an instruction did not finish. `Copy` and small, as every access returns it; what goes with it stands in [`Cpu`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Trap {
+    Undefined,
+    NoCoprocessor,
+    /// A branch to an even address.
+    InvalidState,
+    /// An `EXC_RETURN` that fits no active exception.
+    InvalidReturn,
+    Unaligned,
+    DivideByZero,
+    /// Data at [`Cpu::fault_address`].
+    Bus,
+    Fetch,
+    /// The MPU forbids the data at [`Cpu::fault_address`].
+    Memory,
+    MemoryFetch,
+    Breakpoint,
+    /// `SVC`: an exception rather than a fault, with the next instruction as the return address.
+    Supervisor,
+    /// The run ends with [`Cpu::stop`].
+    Stop,
+}
+
+/// The load or arithmetic that ended last, for what overlaps with it.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Last {
+    pub(crate) register: u8,
+    pub(crate) end: Cycle,
+}
+
+/// The processor without what surrounds it.
+#[derive(Debug)]
+pub(crate) struct Cpu {
+    /// R0 to R14; the last reads, while an instruction runs, as its address plus 4.
+    pub(crate) r: [u32; 16],
+    /// Address of the instruction that runs, or runs next.
+    pub(crate) pc: u32,
+    /// Where it goes on.
+    pub(crate) next: u32,
+    pub(crate) flags: Flags,
+    /// ITSTATE: 0 outside of an IT block.
+    pub(crate) it: u8,
+    /// S0 to S31.
+    pub(crate) s: [u32; 32],
+    pub(crate) fpscr: u32,
+
+    /// The stack pointer that is not in use: PSP, or MSP while `on_process_stack`.
+    pub(crate) other_sp: u32,
+    pub(crate) on_process_stack: bool,
+    /// CONTROL.nPRIV
+    pub(crate) unprivileged: bool,
+    /// CONTROL.FPCA
+    pub(crate) float_active: bool,
+    pub(crate) primask: bool,
+    pub(crate) faultmask: bool,
+    pub(crate) basepri: u8,
+    /// IPSR: the exception that is handled, 0 in thread mode.
+    pub(crate) ipsr: u16,
+
+    pub(crate) nvic: Nvic,
+    pub(crate) scb: Scb,
+    pub(crate) systick: SysTick,
+    pub(crate) mpu: Mpu,
+    pub(crate) dwt: Dwt,
+
+    /// Floating-point instructions may run without a look at CPACR and the lazy state.
+    pub(crate) float_ready: bool,
+    /// The address that is marked exclusive.
+    pub(crate) exclusive: Option<u32>,
+    /// The event register of `WFE`.
+    pub(crate) event: bool,
+    pub(crate) asleep: Option<Sleep>,
+    pub(crate) locked: bool,
+
+    pub(crate) cycle: Cycle,
+    pub(crate) instructions: u64,
+    /// Cycles of the instruction that runs.
+    pub(crate) cost: u32,
+    /// Until when instructions run without a look at events.
+    pub(crate) deadline: Cycle,
+    /// An `EXC_RETURN` that the instruction has put into the PC.
+    pub(crate) exception_return: Option<u32>,
+    /// Aligned 8 bytes that the last fetch came from, and no aligned address at first.
+    pub(crate) fetched: u32,
+    /// Register that the instruction before has computed, or none.
+    pub(crate) computed: u8,
+    pub(crate) last_load: Last,
+    pub(crate) last_float: Last,
+    pub(crate) fault_address: u32,
+    pub(crate) stop: Option<Box<dyn std::error::Error + Send + Sync>>,
+}
+
+/// What the processor sleeps for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Sleep {
+    Interrupt,
+    Event,
+}
+
+impl Cpu {
+    /// The state after power-on, with `bits` implemented bits of interrupt priorities.
+    pub(crate) fn new(priority_bits: u8) -> Cpu {
+        Cpu {
+            r: [0; 16],
+            pc: 0,
+            next: 0,
+            flags: Flags::default(),
+            it: 0,
+            s: [0; 32],
+            fpscr: 0,
+            other_sp: 0,
+            on_process_stack: false,
+            unprivileged: false,
+            float_active: false,
+            primask: false,
+            faultmask: false,
+            basepri: 0,
+            ipsr: 0,
+            nvic: Nvic::new(priority_bits),
+            scb: Scb::default(),
+            systick: SysTick::default(),
+            mpu: Mpu::default(),
+            dwt: Dwt::default(),
+            float_ready: false,
+            exclusive: None,
+            event: false,
+            asleep: None,
+            locked: false,
+            cycle: 0,
+            instructions: 0,
+            cost: 0,
+            deadline: 0,
+            exception_return: None,
+            fetched: 1,
+            computed: Decoded::NONE,
+            last_load: Last::default(),
+            last_float: Last::default(),
+            fault_address: 0,
+            stop: None,
+        }
+    }
+
+    #[inline(always)]
+    pub(crate) fn get(&self, n: u8) -> u32 {
+        self.r[usize::from(n & 15)]
+    }
+
+    /// Writes a register. The two lowest bits of the stack pointer are always 0.
+    #[inline(always)]
+    pub(crate) fn set(&mut self, d: u8, value: u32) {
+        self.r[usize::from(d & 15)] = value & !(3 * u32::from(d == 13));
+    }
+
+    #[inline(always)]
+    pub(crate) fn sets(&self, sets: Sets) -> bool {
+        match sets {
+            Sets::Never => false,
+            Sets::Always => true,
+            Sets::OutsideIt => self.it == 0,
+        }
+    }
+
+    #[inline(always)]
+    pub(crate) fn set_nz(&mut self, result: u32) {
+        self.flags.n = result >> 31 == 1;
+        self.flags.z = result == 0;
+    }
+
+    /// `Shift_C` (A2.2.1): the shifted value and the carry out.
+    #[inline]
+    pub(crate) fn shift(&self, value: u32, shift: Shift, amount: u8) -> (u32, bool) {
+        let carry = self.flags.c;
+        let amount = u32::from(amount);
+        if amount == 0 {
+            return (value, carry);
+        }
+        let bit = |at: u32| value.checked_shr(at).unwrap_or(0) & 1 == 1;
+        match shift {
+            Shift::Lsl => (value.checked_shl(amount).unwrap_or(0), amount <= 32 && bit(32 - amount)),
+            Shift::Lsr => (value.checked_shr(amount).unwrap_or(0), bit(amount - 1)),
+            Shift::Asr => ((value as i32 >> amount.min(31)) as u32, bit(amount.min(32) - 1)),
+            Shift::Ror => {
+                let result = value.rotate_right(amount);
+                (result, result >> 31 == 1)
+            }
+            Shift::Rrx => (u32::from(carry) << 31 | value >> 1, bit(0)),
+        }
+    }
+
+    /// Whether the processor may do everything: in handlers, and in thread mode unless CONTROL.nPRIV is set.
+    pub(crate) fn privileged(&self) -> bool {
+        self.ipsr != 0 || !self.unprivileged
+    }
+
+    /// Chooses the stack pointer in use.
+    pub(crate) fn use_process_stack(&mut self, process: bool) {
+        if process != self.on_process_stack {
+            std::mem::swap(&mut self.r[13], &mut self.other_sp);
+            self.on_process_stack = process;
+        }
+    }
+
+    /// Lets events be looked at before the next instruction.
+    #[inline]
+    pub(crate) fn attend(&mut self) {
+        self.deadline = 0;
+    }
+
+    /// Branches to an address whose lowest bit says Thumb, or returns from an exception (`BXWritePC`, `LoadWritePC`).
+    #[inline]
+    pub(crate) fn branch_exchange(&mut self, target: u32) {
+        if self.ipsr != 0 && target >= 0xF000_0000 {
+            self.exception_return = Some(target);
+        } else {
+            self.branch_to(target);
+        }
+    }
+
+    /// The same without the return (`BLXWritePC`). An even address clears EPSR.T, and the next instruction faults.
+    #[inline]
+    pub(crate) fn branch_to(&mut self, target: u32) {
+        self.next = if target & 1 == 1 { target & !1 } else { target | INVALID };
+        self.cost += crate::cycles::REFILL;
+    }
+
+    /// Branches within Thumb code.
+    #[inline(always)]
+    pub(crate) fn branch(&mut self, target: u32) {
+        self.next = target & !1;
+        self.cost += crate::cycles::REFILL;
+    }
+}
+
+/// A program counter with this bit stands for a branch out of Thumb state.
+pub(crate) const INVALID: u32 = 1;

@@ -1,0 +1,364 @@
+//! A part with its processor, and the run.
+
+use crate::chip::{Chip, Cycle, Ports};
+use crate::cpu::{Cpu, INVALID, Sleep, Trap};
+use crate::decode;
+use crate::elf::{self, ImageError, Symbols};
+use crate::interrupts::Interrupts;
+use crate::memory::Memory;
+use crate::op::Decoded;
+use crate::profile::Profile;
+
+/// Why a run has stopped before its end.
+#[derive(Debug, thiserror::Error)]
+#[error("{finding}, at {pc:#010x} in {function}, cycle {cycle}")]
+pub struct Stop {
+    /// The instruction that ran.
+    pub pc: u32,
+    /// Its function, or a note that there is no symbol.
+    pub function: String,
+    /// Cycle at which the instruction began.
+    pub cycle: Cycle,
+    /// What the part or the processor has found.
+    #[source]
+    pub finding: Box<dyn std::error::Error + Send + Sync>,
+}
+
+/// The processor with its memories and the part around it.
+#[derive(Debug)]
+pub struct Machine<C> {
+    pub(crate) cpu: Cpu,
+    /// Flash and RAM.
+    pub memory: Memory,
+    /// The lines from the part to the processor.
+    pub interrupts: Interrupts,
+    /// The part.
+    pub chip: C,
+    pub(crate) symbols: Symbols,
+    /// What the part shows at address 0 after reset.
+    pub(crate) boot: u32,
+    /// The access is one of an unprivileged load or store.
+    pub(crate) as_user: bool,
+    pub(crate) profile: Option<Box<Profile>>,
+}
+
+impl<C: Chip> Machine<C> {
+    /// Loads an ELF file into the memories and resets the processor. `priority_bits` is how many bits of an interrupt priority the part implements.
+    pub fn new(elf: &[u8], mut memory: Memory, chip: C, priority_bits: u8) -> Result<Machine<C>, ImageError> {
+        let (symbols, boot) = elf::load(elf, &mut memory)?;
+        Ok(Machine { symbols, ..Machine::of_memory(memory, chip, boot, priority_bits) })
+    }
+
+    /// A machine whose program stands in the memories already, its vector table at `boot`.
+    pub fn of_memory(memory: Memory, chip: C, boot: u32, priority_bits: u8) -> Machine<C> {
+        let mut machine = Machine {
+            cpu: Cpu::new(priority_bits),
+            memory,
+            interrupts: Interrupts::default(),
+            chip,
+            symbols: Symbols::default(),
+            boot,
+            as_user: false,
+            profile: None,
+        };
+        machine.start();
+        machine
+    }
+
+    /// Starts from the vector table. Cycles and instructions count on.
+    fn start(&mut self) {
+        let (cycle, instructions, bits) = (self.cpu.cycle, self.cpu.instructions, self.cpu.nvic.priority_bits());
+        self.cpu = Cpu { cycle, instructions, ..Cpu::new(bits) };
+        self.cpu.r[14] = u32::MAX;
+        let (stack, entry) = (self.vector(0), self.vector(1));
+        self.cpu.cost = 0;
+        match (stack, entry) {
+            (Ok(stack), Ok(entry)) => {
+                self.cpu.set(13, stack);
+                self.cpu.pc = if entry & 1 == 1 { entry & !1 } else { entry | INVALID };
+            }
+            _ => self.lock_up(),
+        }
+    }
+
+    /// Resets the part and the processor, as the reset line does.
+    pub fn reset(&mut self) {
+        let ports = Ports { memory: &mut self.memory, interrupts: &mut self.interrupts };
+        self.chip.reset(self.cpu.cycle, ports);
+        let _ = (self.interrupts.take_reset(), self.interrupts.take_nmi());
+        self.start();
+    }
+
+    /// Runs to the first instruction that ends at or after `until`.
+    pub fn run_until(&mut self, until: Cycle) -> Result<(), Stop> {
+        self.cpu.attend();
+        let ended = if self.profile.is_some() { self.run::<true>(until) } else { self.run::<false>(until) };
+        ended.map_err(|_| self.stop())
+    }
+
+    /// Runs one instruction, or sleeps until the next event, at most until `until`.
+    pub fn step(&mut self, until: Cycle) -> Result<(), Stop> {
+        self.cpu.attend();
+        let stepped = match self.attend(until) {
+            Ok(true) => self.instruction::<true>(),
+            Ok(false) => Ok(()),
+            Err(trap) => Err(trap),
+        };
+        stepped.map_err(|_| self.stop())
+    }
+
+    fn stop(&mut self) -> Stop {
+        let pc = self.cpu.pc;
+        let function = self.symbols.function(pc).map_or_else(|| "code without a symbol".to_owned(), |function| function.name.clone());
+        let finding = self.cpu.stop.take().unwrap_or_else(|| "the run was stopped".into());
+        Stop { pc, function, cycle: self.cpu.cycle, finding }
+    }
+
+    fn run<const PROFILE: bool>(&mut self, until: Cycle) -> Result<(), Trap> {
+        loop {
+            if self.cpu.cycle >= self.cpu.deadline && !self.attend(until)? {
+                return Ok(());
+            }
+            self.instruction::<PROFILE>()?;
+        }
+    }
+
+    /// Looks at events: the part, the timer, exceptions, sleep. False at the end of the run.
+    #[inline(never)]
+    fn attend(&mut self, until: Cycle) -> Result<bool, Trap> {
+        loop {
+            self.settle()?;
+            let now = self.cpu.cycle;
+            if now >= until {
+                return Ok(false);
+            }
+            let event = self.chip.due().min(self.cpu.systick.due()).min(until);
+            if self.cpu.locked || self.sleeps() {
+                self.cpu.cycle = event.max(now);
+                continue;
+            }
+            let priority = self.cpu.execution_priority();
+            if let Some(exception) = self.cpu.preempting(priority) {
+                self.enter(exception);
+                continue;
+            }
+            self.cpu.deadline = event;
+            return Ok(true);
+        }
+    }
+
+    /// Lets happen what is due, and takes over the lines.
+    fn settle(&mut self) -> Result<(), Trap> {
+        let now = self.cpu.cycle;
+        if self.cpu.stop.is_some() {
+            return Err(Trap::Stop);
+        }
+        if self.chip.due() <= now {
+            let ports = Ports { memory: &mut self.memory, interrupts: &mut self.interrupts };
+            self.chip.advance(now, ports).map_err(|fault| self.cpu.trap(fault))?;
+        }
+        if self.cpu.systick.advance(now) {
+            self.cpu.nvic.pend_system(crate::exceptions::SYSTICK);
+        }
+        if self.interrupts.take_changed() {
+            if self.interrupts.take_reset() {
+                self.reset();
+                return Ok(());
+            }
+            self.cpu.nvic.update(&mut self.interrupts);
+            self.cpu.event |= self.cpu.scb.events_on_pend();
+        }
+        Ok(())
+    }
+
+    /// Whether the processor goes on sleeping. An interrupt wakes it even where PRIMASK holds it back (B1.5.19).
+    fn sleeps(&mut self) -> bool {
+        let Some(sleep) = self.cpu.asleep else { return false };
+        let masked = std::mem::take(&mut self.cpu.primask);
+        let wakes = self.cpu.preempting(self.cpu.execution_priority()).is_some();
+        self.cpu.primask = masked;
+        let wakes = wakes || sleep == Sleep::Event && std::mem::take(&mut self.cpu.event);
+        if wakes {
+            self.cpu.asleep = None;
+        }
+        !wakes
+    }
+
+    /// Fetches, decodes where needed, and executes one instruction.
+    #[inline(always)]
+    fn instruction<const PROFILE: bool>(&mut self) -> Result<(), Trap> {
+        let pc = self.cpu.pc;
+        let decoded = match self.cached(pc) {
+            Some(decoded) => decoded,
+            None => match self.fetch(pc) {
+                Ok(decoded) => decoded,
+                Err(trap) => {
+                    self.cpu.next = pc;
+                    self.cpu.instructions += 1;
+                    return self.take(trap);
+                }
+            },
+        };
+        let cpu = &mut self.cpu;
+        cpu.cost = u32::from(decoded.cycles);
+        cpu.next = pc.wrapping_add(decoded.len.into());
+        cpu.r[15] = pc.wrapping_add(4);
+        let before = cpu.fetched;
+        if (pc.wrapping_add(u32::from(decoded.len) - 1)) & !7 != cpu.fetched {
+            self.fetch_wait(pc, decoded.len)?;
+        }
+        let cpu = &mut self.cpu;
+        if decoded.bases & 15 == cpu.computed || decoded.bases >> 4 == cpu.computed {
+            cpu.cost += 1;
+        }
+        cpu.computed = decoded.computes;
+        let in_block = cpu.it;
+        let done = if in_block != 0 && !cpu.flags.hold(in_block >> 4) {
+            cpu.cost = 1;
+            Ok(())
+        } else {
+            self.execute(decoded.op)
+        };
+        let cpu = &mut self.cpu;
+        let cost = cpu.cost;
+        cpu.instructions += 1;
+        match done {
+            Ok(()) => {
+                cpu.pc = cpu.next;
+                if in_block != 0 {
+                    cpu.advance_it();
+                }
+                cpu.cycle += Cycle::from(cost);
+            }
+            Err(Trap::Stop) => return Err(Trap::Stop),
+            Err(trap) => {
+                cpu.cycle += Cycle::from(cost);
+                self.take(trap)?;
+            }
+        }
+        if PROFILE {
+            self.profile_instruction(pc, cost, u32::from(before != self.cpu.fetched));
+        }
+        if let Some(link) = self.cpu.exception_return.take() {
+            if let Err(trap) = self.leave(link) {
+                self.take(trap)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// The instruction at `pc`, if it is decoded.
+    #[inline(always)]
+    fn cached(&self, pc: u32) -> Option<Decoded> {
+        let bank = self.memory.banks.get(usize::from(self.memory.by_top[(pc >> 24) as usize]))?;
+        let decoded = bank.code.get(pc.wrapping_sub(bank.region.base) as usize / 2)?;
+        (decoded.len != 0 && pc & INVALID == 0).then_some(*decoded)
+    }
+
+    /// Decodes the instruction at `pc`.
+    #[cold]
+    fn fetch(&mut self, pc: u32) -> Result<Decoded, Trap> {
+        if pc & INVALID != 0 {
+            return Err(Trap::InvalidState);
+        }
+        // Device memory and the system space hold no code (B3.1).
+        if matches!(pc >> 29, 2 | 5..) {
+            return Err(Trap::MemoryFetch);
+        }
+        let (bank, from) = self.memory.find(pc).ok_or(Trap::Fetch)?;
+        let bytes = &self.memory.banks[bank].region.bytes;
+        let half = |at: usize| bytes.get(at..at + 2).map(|bytes| u16::from_le_bytes([bytes[0], bytes[1]]));
+        let first = half(from).ok_or(Trap::Fetch)?;
+        let second = half(from + 2).unwrap_or(0);
+        if decode::is_wide(first) && from + 4 > bytes.len() {
+            return Err(Trap::Fetch);
+        }
+        let decoded = decode::decode(pc, first, second);
+        self.memory.banks[bank].remember(from, decoded);
+        Ok(decoded)
+    }
+
+    /// The fetch enters other 8 bytes: wait states of the memory, and damage.
+    #[inline]
+    fn fetch_wait(&mut self, pc: u32, len: u8) -> Result<(), Trap> {
+        let last = pc.wrapping_add(u32::from(len) - 1) & !7;
+        let first = pc & !7;
+        let entered = [(first, first != self.cpu.fetched), (last, last != first)];
+        self.cpu.fetched = last;
+        let Some((bank, _)) = self.memory.find(pc) else { return Ok(()) };
+        if self.memory.banks[bank].region.waits {
+            for (address, _) in entered.into_iter().filter(|(_, entered)| *entered) {
+                self.cpu.cost += self.chip.fetch_wait(address, self.cpu.cycle);
+            }
+        }
+        if !self.memory.damaged.is_empty() {
+            self.report_damage(pc, len.into())?;
+        }
+        Ok(())
+    }
+
+    /// Cycles since power-on.
+    pub fn cycle(&self) -> Cycle {
+        self.cpu.cycle
+    }
+
+    /// Instructions since power-on; skipped ones of an IT block count.
+    pub fn instructions(&self) -> u64 {
+        self.cpu.instructions
+    }
+
+    /// Whether the processor has locked up, until the next reset.
+    pub fn is_locked_up(&self) -> bool {
+        self.cpu.locked
+    }
+
+    /// Whether the processor sleeps in `WFI` or `WFE`.
+    pub fn is_asleep(&self) -> bool {
+        self.cpu.asleep.is_some()
+    }
+
+    /// The exception that is handled, 0 in thread mode.
+    pub fn exception(&self) -> u16 {
+        self.cpu.ipsr
+    }
+
+    /// A register: R0 to R14; 15 is the address of the next instruction.
+    pub fn register(&self, number: u8) -> u32 {
+        if number == 15 { self.cpu.pc & !INVALID } else { self.cpu.get(number) }
+    }
+
+    /// Sets a register: R0 to R14; 15 is the address of the next instruction.
+    pub fn set_register(&mut self, number: u8, value: u32) {
+        if number == 15 { self.cpu.pc = value & !1 } else { self.cpu.set(number, value) }
+    }
+
+    /// A floating-point register, S0 to S31, by its bits.
+    pub fn float_register(&self, number: u8) -> u32 {
+        self.cpu.s[usize::from(number & 31)]
+    }
+
+    /// APSR: the condition flags, Q and GE.
+    pub fn flags(&self) -> u32 {
+        self.cpu.flags.bits()
+    }
+
+    /// FPSCR.
+    pub fn fpscr(&self) -> u32 {
+        self.cpu.fpscr
+    }
+
+    /// The main or the process stack pointer, whichever is in use.
+    pub fn stack_pointer(&self, process: bool) -> u32 {
+        self.cpu.stack_pointer(process)
+    }
+
+    /// CFSR and HFSR: why the last fault was taken (ARM DDI 0403, B3.2.15 and B3.2.16).
+    pub fn fault_status(&self) -> (u32, u32) {
+        (self.cpu.scb.cfsr, self.cpu.scb.hfsr)
+    }
+
+    /// The functions and objects of the image.
+    pub fn symbols(&self) -> &Symbols {
+        &self.symbols
+    }
+}
