@@ -60,7 +60,7 @@ pub(crate) fn of(op: &Op) -> u8 {
         Op::TableBranch { .. } => 3,
         Op::Barrier | Op::ChangeState { .. } | Op::ReadSpecial { .. } | Op::WriteSpecial { .. } => 2,
         Op::Float2 { float: Float2::Div, .. } | Op::Float1 { float: Float1::Sqrt, .. } => 14,
-        Op::Float2 { float: Float2::Sub | Float2::Nmul | Float2::Add | Float2::Mul, .. } => 1,
+        Op::Float2 { float: Float2::Sub | Float2::Nmul, .. } => 1,
         Op::Float2 { .. } => 3,
         Op::FloatLoad { double, .. } | Op::FloatStore { double, .. } => 2 + u8::from(*double),
         Op::FloatLoadMany { count, .. } | Op::FloatStoreMany { count, .. } => 1 + count,

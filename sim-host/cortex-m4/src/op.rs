@@ -128,12 +128,10 @@ pub(crate) enum Product {
     Differences,
 }
 
-/// Floating-point operations of two operands and a destination.
+/// Floating-point operations of two operands and a destination, but for the sum and the product.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Float2 {
-    Add,
     Sub,
-    Mul,
     Nmul,
     Div,
     Mla,

@@ -82,8 +82,7 @@ fn shift_add(code: u32) -> Op {
         0b01110 => Op::AddImm { d, n, sets, imm: u32::from(m) },
         0b01111 => Op::SubImm { d, n, sets, imm: u32::from(m) },
         kind => match kind >> 2 {
-            // `MOVS Rd, Rm` sets the flags always: it is not allowed within an IT block.
-            0b000 if amount == 0 => Op::MovReg { d, m: n, sets: Sets::Always },
+            0b000 if amount == 0 => Op::MovReg { d, m: n, sets },
             0b000 => Op::ShiftImm { d, m: n, sets, shift: Shift::Lsl, amount },
             0b001 => Op::ShiftImm { d, m: n, sets, shift: Shift::Lsr, amount: if amount == 0 { 32 } else { amount } },
             _ => Op::ShiftImm { d, m: n, sets, shift: Shift::Asr, amount: if amount == 0 { 32 } else { amount } },

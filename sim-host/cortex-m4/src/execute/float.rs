@@ -37,9 +37,7 @@ impl Cpu {
         let (x, y, a) = (self.float(n), self.float(m), self.float(d));
         let fpscr = &mut self.fpscr;
         match op {
-            Float2::Add => float::add(x, y, fpscr),
             Float2::Sub => float::subtract(x, y, fpscr),
-            Float2::Mul => float::multiply(x, y, fpscr),
             Float2::Nmul => float::negate(float::multiply(x, y, fpscr)),
             Float2::Div => float::divide(x, y, fpscr),
             Float2::Mla => float::add(a, float::multiply(x, y, fpscr), fpscr),
@@ -99,7 +97,7 @@ impl<C: Chip> Machine<C> {
             }
             Op::Float2 { float, d, n, m } => {
                 cpu.operands(n, m);
-                if !matches!(float, Float2::Add | Float2::Sub | Float2::Mul | Float2::Nmul | Float2::Div) && n != d && m != d {
+                if !matches!(float, Float2::Sub | Float2::Nmul | Float2::Div) && n != d && m != d {
                     cpu.operands(d, d);
                 }
                 let result = cpu.float2(float, d, n, m);

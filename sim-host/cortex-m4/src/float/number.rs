@@ -51,6 +51,10 @@ pub(super) fn is_nan(bits: u32) -> bool {
 
 /// `FPProcessNaNs`: the first signalling operand, made quiet, else the first quiet one.
 pub(super) fn propagate(operands: &[u32], fpscr: &mut u32) -> u32 {
+    // Each operand is unpacked, and may be flushed.
+    for bits in operands {
+        unpack(*bits, fpscr);
+    }
     let signalling = operands.iter().find(|bits| is_signalling(**bits));
     if signalling.is_some() {
         *fpscr |= IOC;

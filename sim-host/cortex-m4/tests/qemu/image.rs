@@ -1,0 +1,66 @@
+//! A program that runs cases one after the other: it loads the state of each, runs its instructions, stores the state in place.
+
+use crate::cases::{Case, STATE};
+
+/// Where the states are: the upper half of the 4 MiB at address 0 of the MPS2 boards.
+pub const STATES: u32 = 0x0020_0000;
+/// Cases that fit one program.
+pub const CASES: usize = 6000;
+
+/// `MOVW`, `MOVT`: a constant into a low register.
+fn constant(register: u16, value: u32) -> Vec<u16> {
+    let half = |opcode: u16, value: u16| {
+        let (i, high) = (value >> 11 & 1, value >> 12);
+        [opcode | i << 10 | high, (value >> 8 & 7) << 12 | register << 8 | value & 0xFF]
+    };
+    [half(0xF240, value as u16), half(0xF2C0, (value >> 16) as u16)].concat()
+}
+
+/// The address of a case's state.
+pub fn state_address(number: usize) -> u32 {
+    STATES + (number * STATE) as u32
+}
+
+/// The whole memory: vectors, code, states.
+pub fn build(cases: &[Case]) -> Vec<u8> {
+    let mut code: Vec<u16> = Vec::new();
+    // CPACR: access to the FPU; then DSB, ISB.
+    code.extend(constant(0, 0xE000_ED88));
+    code.extend([0xF44F, 0x0170, 0x6001, 0xF3BF, 0x8F4F, 0xF3BF, 0x8F6F]);
+    for (number, case) in cases.iter().enumerate() {
+        code.extend(constant(0, state_address(number)));
+        // MOV SP, R0; ADD R0, SP, #64; VLDM R0, {S0-S31}; FPSCR; APSR; LDM SP, {R0-R12, LR}
+        code.extend([0x4685, 0xA810, 0xEC90, 0x0A20, 0x980F, 0xEEE1, 0x0A10, 0x980E, 0xF380, 0x8C00, 0xE89D, 0x5FFF]);
+        code.extend(&case.code);
+        // STM SP, {R0-R12, LR}; APSR; FPSCR; VSTM
+        code.extend([0xE88D, 0x5FFF, 0xF3EF, 0x8000, 0x900E, 0xEEF1, 0x0A10, 0x900F, 0xA810, 0xEC80, 0x0A20]);
+    }
+    // Faults end the program as well: the states after them stay as they are.
+    let end = 0x100 + 2 * code.len() as u32;
+    let arguments = end.next_multiple_of(4) + 0x40;
+    let call = |operation: u16, argument: u32| [vec![0x2000 | operation], constant(1, argument), vec![0xBEAB]].concat();
+    code.extend(call(1, arguments)); // SYS_OPEN
+    code.extend(constant(1, arguments + 16));
+    code.push(0x6008); // STR R0, [R1]
+    code.extend(call(5, arguments + 16)); // SYS_WRITE
+    code.extend(call(0x18, 0x2_0026)); // SYS_EXIT
+    code.push(0xE7FE);
+
+    let mut image = vec![0; STATES as usize];
+    let mut put = |at: u32, words: &[u32]| {
+        for (place, word) in image[at as usize..].chunks_exact_mut(4).zip(words) {
+            place.copy_from_slice(&word.to_le_bytes());
+        }
+    };
+    put(0, &[0x003F_FF00, 0x101]);
+    put(8, &[end | 1; 14]);
+    let len = (cases.len() * STATE) as u32;
+    // ":tt" for writing is standard output.
+    put(arguments, &[arguments + 32, 4, 3, 0, 0, STATES, len, 0, u32::from_le_bytes(*b":tt\0")]);
+    for (place, half) in image[0x100..].chunks_exact_mut(2).zip(&code) {
+        place.copy_from_slice(&half.to_le_bytes());
+    }
+    assert!(0x100 + 2 * code.len() < arguments as usize && arguments + 64 < STATES, "the code leaves room for the states");
+    image.extend(cases.iter().flat_map(|case| case.state).flat_map(u32::to_le_bytes));
+    image
+}
