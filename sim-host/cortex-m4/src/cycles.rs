@@ -54,7 +54,9 @@ pub(crate) fn of(op: &Op) -> u8 {
         Op::StoreReg { .. } => 2,
         Op::Unprivileged { load: true, .. } => 2,
         Op::LoadDouble { .. } | Op::StoreDouble { .. } | Op::LoadDoubleLiteral { .. } => 3,
-        Op::LoadMany { list, .. } | Op::StoreMany { list, .. } | Op::Push { list } | Op::Pop { list } => 1 + list.count_ones() as u8,
+        Op::LoadMany { list, .. } | Op::StoreMany { list, .. } | Op::Push { list } | Op::Pop { list } => {
+            1 + list.count_ones() as u8
+        }
         Op::LoadExclusive { .. } | Op::StoreExclusive { .. } => 2,
         Op::Branch { .. } | Op::BranchLink { .. } => 1 + refill,
         Op::TableBranch { .. } => 3,

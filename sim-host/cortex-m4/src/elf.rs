@@ -80,10 +80,11 @@ impl Symbols {
 
 /// Writes the segments to the memories; the symbols, and the lowest load address, where the vector table is.
 pub(crate) fn load(file: &[u8], memory: &mut Memory) -> Result<(Symbols, u32), ImageError> {
-    if object::FileKind::parse(file)? != object::FileKind::Elf32 {
+    // The sixth byte says the byte order: 1 for little-endian.
+    if object::FileKind::parse(file)? != object::FileKind::Elf32 || file.get(5) != Some(&1) {
         return Err(ImageError::NotArm);
     }
-    let elf: ElfFile32<'_, LittleEndian> = ElfFile32::parse(file).map_err(|_| ImageError::NotArm)?;
+    let elf: ElfFile32<'_, LittleEndian> = ElfFile32::parse(file)?;
     let header: &FileHeader32<LittleEndian> = elf.elf_header();
     if header.e_machine(LittleEndian) != EM_ARM {
         return Err(ImageError::NotArm);
@@ -114,7 +115,8 @@ fn symbols(elf: &ElfFile32<'_, LittleEndian>) -> Symbols {
     for symbol in elf.symbols() {
         let Ok(name) = symbol.name() else { continue };
         // `$t`, `$d`: marks of code and data.
-        if name.is_empty() || name.starts_with('$') || !symbol.is_definition() {
+        let is_place = !symbol.is_undefined() && !matches!(symbol.kind(), SymbolKind::File | SymbolKind::Section);
+        if name.is_empty() || name.starts_with('$') || !is_place {
             continue;
         }
         let is_code = symbol.kind() == SymbolKind::Text;

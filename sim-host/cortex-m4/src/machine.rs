@@ -109,7 +109,8 @@ impl<C: Chip> Machine<C> {
 
     fn stop(&mut self) -> Stop {
         let pc = self.cpu.pc;
-        let function = self.symbols.function(pc).map_or_else(|| "code without a symbol".to_owned(), |function| function.name.clone());
+        let function =
+            self.symbols.function(pc).map_or_else(|| "code without a symbol".to_owned(), |function| function.name.clone());
         let finding = self.cpu.stop.take().unwrap_or_else(|| "the run was stopped".into());
         Stop { pc, function, cycle: self.cpu.cycle, finding }
     }
@@ -239,10 +240,10 @@ impl<C: Chip> Machine<C> {
         if PROFILE {
             self.profile_instruction(pc, cost, u32::from(before != self.cpu.fetched));
         }
-        if let Some(link) = self.cpu.exception_return.take() {
-            if let Err(trap) = self.leave(link) {
-                self.take(trap)?;
-            }
+        if let Some(link) = self.cpu.exception_return.take()
+            && let Err(trap) = self.leave(link)
+        {
+            self.take(trap)?;
         }
         Ok(())
     }

@@ -64,7 +64,13 @@ impl<C: Chip> Machine<C> {
     pub fn functions_of(&self, profile: &Profile) -> Vec<(Option<&str>, Spent)> {
         let functions = self.symbols.functions();
         let name = |index: usize| functions.get(index).map(|function| function.name.as_str());
-        let mut all: Vec<_> = profile.spent.iter().enumerate().filter(|(_, spent)| spent.cycles > 0).map(|(index, spent)| (name(index), *spent)).collect();
+        let mut all: Vec<_> = profile
+            .spent
+            .iter()
+            .enumerate()
+            .filter(|(_, spent)| spent.cycles > 0)
+            .map(|(index, spent)| (name(index), *spent))
+            .collect();
         all.sort_by_key(|(_, spent)| std::cmp::Reverse(spent.cycles));
         all
     }

@@ -20,25 +20,25 @@ fn m(code: u32) -> u8 {
     single(code, 0, 5)
 }
 
-pub(super) fn decode(address: u32, code: u32) -> Op {
+pub(super) fn decode(code: u32) -> Op {
     let coprocessor = field(code, 8, 4);
     if coprocessor & 0b1110 != 0b1010 {
         return Op::NoCoprocessor;
     }
     let double = coprocessor == 0b1011;
     match field(code, 24, 2) {
-        _ if bit(code, 28) && !(field(code, 24, 4) == 0b1110) => Op::Undefined,
-        0b00 | 0b01 => transfer(address, code, double),
+        // The unconditional forms (`CDP2`, `MCR2` …) are not allotted.
+        _ if bit(code, 28) => Op::Undefined,
+        0b00 | 0b01 => transfer(code, double),
         0b10 if bit(code, 4) => move_core(code, double),
         0b10 if double => Op::NoCoprocessor,
-        0b10 if bit(code, 28) => Op::Undefined,
         0b10 => data(code),
         _ => Op::Undefined,
     }
 }
 
 /// A6.5: loads and stores, and moves of two registers (A6.7).
-fn transfer(address: u32, code: u32, double: bool) -> Op {
+fn transfer(code: u32, double: bool) -> Op {
     let (load, back, up, before) = (bit(code, 20), bit(code, 21), bit(code, 23), bit(code, 24));
     let rn = reg(code, 16);
     let first = if double { (field(code, 22, 1) << 4 | field(code, 12, 4)) as u8 * 2 } else { d(code) };
@@ -48,8 +48,6 @@ fn transfer(address: u32, code: u32, double: bool) -> Op {
     if before && !back {
         let offset = (field(code, 0, 8) << 2) as i16;
         let offset = if up { offset } else { -offset };
-        // Aligned at run time: register 15 reads as the word-aligned address of this instruction plus 4.
-        let _ = address;
         return match (first < 32, load) {
             (false, _) => Op::Undefined,
             (_, true) => Op::FloatLoad { d: first, n: rn, double, offset },
@@ -81,9 +79,6 @@ fn move_two(code: u32, double: bool) -> Op {
 fn move_core(code: u32, double: bool) -> Op {
     let t = reg(code, 12);
     let load = bit(code, 20);
-    if bit(code, 28) {
-        return Op::Undefined;
-    }
     if double {
         let s = (field(code, 7, 1) << 4 | field(code, 16, 4)) as u8 * 2 + field(code, 21, 1) as u8;
         return match (field(code, 22, 2), s < 32, field(code, 5, 2)) {
@@ -129,7 +124,7 @@ fn data(code: u32) -> Op {
 
 /// `VFPExpandImm` (A6.4.1)
 fn expand(imm8: u32) -> u32 {
-    let exponent = if bit(imm8, 6) { 0b0_1111_1 << 25 } else { 1 << 30 };
+    let exponent = if bit(imm8, 6) { 0b1_1111 << 25 } else { 1 << 30 };
     (imm8 >> 7) << 31 | exponent | field(imm8, 0, 6) << 19
 }
 

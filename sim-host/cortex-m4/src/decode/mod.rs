@@ -30,7 +30,7 @@ fn wide(address: u32, code: u32) -> Op {
             0b00 if bit(code, 22) => load_store::dual_or_exclusive(address, code),
             0b00 => load_store::multiple(code),
             0b01 => data::shifted_register(code),
-            _ => float::decode(address, code),
+            _ => float::decode(code),
         },
         0b10 => {
             if bit(code, 15) {
@@ -48,7 +48,7 @@ fn wide(address: u32, code: u32) -> Op {
             0b010 => data::register(code),
             0b011 if bit(code, 23) => data::long_multiply(code),
             0b011 => data::multiply(code),
-            _ => float::decode(address, code),
+            _ => float::decode(code),
         },
     }
 }

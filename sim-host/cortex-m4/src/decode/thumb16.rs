@@ -22,9 +22,7 @@ pub(super) fn decode(address: u32, code: u32) -> Op {
         0b0111 => sized(bit(code, 11), Size::Byte, code, 0),
         0b1000 => sized(bit(code, 11), Size::Half, code, 1),
         0b1001 => word_immediate(bit(code, 11), low(code, 8), 13, field(code, 0, 8)),
-        0b1010 if bit(code, 11) => {
-            Op::AddImm { d: low(code, 8), n: 13, sets: Sets::Never, imm: field(code, 0, 8) << 2 }
-        }
+        0b1010 if bit(code, 11) => Op::AddImm { d: low(code, 8), n: 13, sets: Sets::Never, imm: field(code, 0, 8) << 2 },
         0b1010 => mov((address & !3).wrapping_add(4 + (field(code, 0, 8) << 2)), low(code, 8)),
         0b1011 => miscellaneous(address, code),
         0b1100 => {

@@ -63,7 +63,8 @@ impl<C: Chip> Machine<C> {
         let padded = align && sp & 4 != 0;
         let handler = cpu.ipsr != 0;
         let link = 0xFFFF_FFE1 | u32::from(!float) << 4 | u32::from(!handler) << 3 | u32::from(cpu.on_process_stack) << 2;
-        let words = [cpu.r[0], cpu.r[1], cpu.r[2], cpu.r[3], cpu.r[12], cpu.r[14], cpu.pc & !1, cpu.xpsr() | u32::from(padded) << 9];
+        let words =
+            [cpu.r[0], cpu.r[1], cpu.r[2], cpu.r[3], cpu.r[12], cpu.r[14], cpu.pc & !1, cpu.xpsr() | u32::from(padded) << 9];
         cpu.r[13] = frame;
         let mut failed = None;
         for (at, word) in (frame..).step_by(4).zip(words) {
@@ -257,9 +258,11 @@ impl<C: Chip> Machine<C> {
         cpu.float_ready = false;
         cpu.use_process_stack(process);
         let size = if float { EXTENDED } else { BASIC };
-        cpu.r[13] = frame.wrapping_add(size) | 4 * (xpsr >> 9 & u32::from(cpu.scb.aligns_stack() || float) & 1);
-        (cpu.r[0], cpu.r[1], cpu.r[2], cpu.r[3], cpu.r[12], cpu.r[14]) = (words[0], words[1], words[2], words[3], words[4], words[5]);
-        cpu.pc = words[6] & !1 | u32::from(xpsr >> 24 & 1 == 0) * crate::cpu::INVALID;
+        let padding = 4 * u32::from(xpsr >> 9 & 1 == 1 && (cpu.scb.aligns_stack() || float));
+        cpu.r[13] = frame.wrapping_add(size) | padding;
+        (cpu.r[0], cpu.r[1], cpu.r[2], cpu.r[3], cpu.r[12], cpu.r[14]) =
+            (words[0], words[1], words[2], words[3], words[4], words[5]);
+        cpu.pc = words[6] & !1 | if xpsr >> 24 & 1 == 0 { crate::cpu::INVALID } else { 0 };
         cpu.flags = Flags::from_bits(xpsr);
         cpu.it = ((xpsr >> 25 & 3) | (xpsr >> 10 & 0x3F) << 2) as u8;
         cpu.ipsr = ipsr;

@@ -17,8 +17,7 @@ pub struct UnknownRegister {
 }
 
 /// Handlers' states in SHCSR: exception number and bits of active and pending (B3.2.13).
-const HANDLERS: [(u16, u32, u32); 6] =
-    [(4, 0, 13), (5, 1, 14), (6, 3, 12), (11, 7, 15), (14, 10, 32), (15, 11, 32)];
+const HANDLERS: [(u16, u32, u32); 6] = [(4, 0, 13), (5, 1, 14), (6, 3, 12), (11, 7, 15), (14, 10, 32), (15, 11, 32)];
 
 /// Where a word of 32 interrupt lines stands in the set of all.
 fn word(set: u128, number: u32) -> u32 {
@@ -184,7 +183,19 @@ impl<C: Chip> Machine<C> {
 
 /// ID_PFR0 to ID_ISAR4 (ARM DDI 0439, table 4-1).
 const IDENTITY: [u32; 13] = [
-    0x0000_0030, 0x0000_0200, 0x0010_0000, 0, 0x0010_0030, 0, 0x0100_0000, 0, 0x0114_1110, 0x0211_2000, 0x2123_2231, 0x0111_1131, 0x0131_0132,
+    0x0000_0030,
+    0x0000_0200,
+    0x0010_0000,
+    0,
+    0x0010_0030,
+    0,
+    0x0100_0000,
+    0,
+    0x0114_1110,
+    0x0211_2000,
+    0x2123_2231,
+    0x0111_1131,
+    0x0131_0132,
 ];
 
 /// Four priorities, from that of `first`.

@@ -205,7 +205,8 @@ impl<C: Chip> Machine<C> {
     /// Hands a breakpoint to the part, which may answer it as a semihosting host does.
     fn breakpoint(&mut self, number: u8) -> Result<(), Trap> {
         let call = crate::chip::Breakpoint { number, r0: self.cpu.r[0], r1: self.cpu.r[1], pc: self.cpu.pc, at: self.cpu.cycle };
-        let answer = self.chip.breakpoint(call, crate::chip::Ports { memory: &mut self.memory, interrupts: &mut self.interrupts });
+        let answer =
+            self.chip.breakpoint(call, crate::chip::Ports { memory: &mut self.memory, interrupts: &mut self.interrupts });
         self.look_at_part();
         match answer {
             Ok(Some(r0)) => {

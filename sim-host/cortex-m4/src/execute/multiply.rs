@@ -27,7 +27,7 @@ impl Cpu {
         };
         let result = match product {
             Product::Half { top_n, top_m } => overflows(half(x, top_n) * half(y, top_m) + signed),
-            Product::Wide { top_m } => overflows((i64::from(x as i32) * half(y, top_m) >> 16) + signed),
+            Product::Wide { top_m } => overflows(((i64::from(x as i32) * half(y, top_m)) >> 16) + signed),
             Product::Dual { swap, subtract } => overflows(dual(x, y, swap, subtract) + signed),
             Product::Most { round, subtract } => {
                 let exact = i64::from(x as i32) * i64::from(y as i32);

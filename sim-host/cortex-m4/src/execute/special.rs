@@ -32,7 +32,9 @@ impl Cpu {
             16 if privileged => u32::from(self.primask),
             17 | 18 if privileged => u32::from(self.basepri),
             19 if privileged => u32::from(self.faultmask),
-            20 => u32::from(self.float_active) << 2 | u32::from(self.process_stack_selected()) << 1 | u32::from(self.unprivileged),
+            20 => {
+                u32::from(self.float_active) << 2 | u32::from(self.process_stack_selected()) << 1 | u32::from(self.unprivileged)
+            }
             _ => 0,
         };
         self.set(d, value);

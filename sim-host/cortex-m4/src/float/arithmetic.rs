@@ -1,8 +1,6 @@
 //! Sums, products, quotients, roots, comparison.
 
-use super::number::{
-    Finite, Number, SINGLE, infinity, invalid, is_nan, propagate, round, shift_sticky, unpack, zero,
-};
+use super::number::{Finite, Number, SINGLE, infinity, invalid, is_nan, propagate, round, shift_sticky, unpack, zero};
 use super::{DZC, IOC, Rounding, as_host, is_plain};
 
 fn finish(number: Finite, fpscr: &mut u32) -> u32 {
@@ -113,7 +111,7 @@ pub(crate) fn divide(a: u32, b: u32, fpscr: &mut u32) -> u32 {
             }
             (dividend, divisor) => {
                 let wide = dividend << 64;
-                let significand = wide / divisor | u128::from(wide % divisor != 0);
+                let significand = (wide / divisor) | u128::from(wide % divisor != 0);
                 finish(Finite { negative, exponent: x.exponent - y.exponent - 64, significand }, fpscr)
             }
         },
@@ -168,11 +166,9 @@ pub(crate) fn multiply_add(addend: u32, a: u32, b: u32, fpscr: &mut u32) -> u32 
         return if without_product { invalid(fpscr) } else { result };
     }
     let product = match (unpack(a, fpscr), unpack(b, fpscr)) {
-        (Number::Finite(x), Number::Finite(y)) => Number::Finite(Finite {
-            negative,
-            exponent: x.exponent + y.exponent,
-            significand: x.significand * y.significand,
-        }),
+        (Number::Finite(x), Number::Finite(y)) => {
+            Number::Finite(Finite { negative, exponent: x.exponent + y.exponent, significand: x.significand * y.significand })
+        }
         (Number::Finite(x), _) | (_, Number::Finite(x)) if x.significand == 0 => Number::Nan,
         _ => Number::Infinite { negative },
     };

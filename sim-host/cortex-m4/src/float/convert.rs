@@ -1,6 +1,8 @@
 //! Conversions: integers, fixed point, half precision.
 
-use super::number::{DEFAULT_NAN, Finite, HALF, INFINITY, Number, SINGLE, infinity, is_nan, propagate, round, rounds_up, unpack, zero};
+use super::number::{
+    DEFAULT_NAN, Finite, HALF, INFINITY, Number, SINGLE, infinity, is_nan, propagate, round, rounds_up, unpack, zero,
+};
 use super::{AHP, DN, IOC, IXC, Rounding};
 
 /// `FixedToFP`: the lowest 16 or 32 bits with `fraction` bits below the point.

@@ -10,7 +10,9 @@ pub(super) const INFINITY: u32 = 0x7F80_0000;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Number {
     Nan,
-    Infinite { negative: bool },
+    Infinite {
+        negative: bool,
+    },
     /// `significand · 2^exponent`
     Finite(Finite),
 }
@@ -160,7 +162,7 @@ pub(super) fn round(number: Finite, format: Format, mode: Rounding, fpscr: &mut 
             Rounding::Down => negative,
             Rounding::Zero => false,
         };
-        return sign | (highest << format.fraction) - u32::from(!away);
+        return sign | ((highest << format.fraction) - u32::from(!away));
     }
     if inexact {
         *fpscr |= IXC | if tiny { UFC } else { 0 };

@@ -28,9 +28,8 @@ pub fn place(register: u32) -> usize {
 
 /// A word: one at a border, one with few bits, or any.
 fn word(rng: &mut impl Rng) -> u32 {
-    const BORDERS: [u32; 14] = [
-        0, 1, 2, 31, 32, 33, 0x7F, 0x80, 0xFFFF, 0x8000, 0x7FFF_FFFF, 0x8000_0000, 0xFFFF_FFFF, 0x7FFF_8000,
-    ];
+    const BORDERS: [u32; 14] =
+        [0, 1, 2, 31, 32, 33, 0x7F, 0x80, 0xFFFF, 0x8000, 0x7FFF_FFFF, 0x8000_0000, 0xFFFF_FFFF, 0x7FFF_8000];
     match rng.next_u32() % 8 {
         0..3 => BORDERS[rng.next_u32() as usize % BORDERS.len()],
         3 => rng.next_u32() & 0x8000_7FFF,
@@ -42,11 +41,26 @@ fn word(rng: &mut impl Rng) -> u32 {
 /// The bits of a number of single precision: special ones, ones near each other, or any.
 fn float(rng: &mut impl Rng) -> u32 {
     const SPECIAL: [u32; 16] = [
-        0, 1, 0x007F_FFFF, 0x0080_0000, 0x0080_0001, 0x3F80_0000, 0x3F80_0001, 0x3F7F_FFFF, 0x4F00_0000, 0x4EFF_FFFF, 0x7F7F_FFFF,
-        0x7F80_0000, 0x7FC0_0000, 0x7F80_0001, 0x7FC1_2345, 0x3F00_0000,
+        0,
+        1,
+        0x007F_FFFF,
+        0x0080_0000,
+        0x0080_0001,
+        0x3F80_0000,
+        0x3F80_0001,
+        0x3F7F_FFFF,
+        0x4F00_0000,
+        0x4EFF_FFFF,
+        0x7F7F_FFFF,
+        0x7F80_0000,
+        0x7FC0_0000,
+        0x7F80_0001,
+        0x7FC1_2345,
+        0x3F00_0000,
     ];
     let sign = rng.next_u32() & 1 << 31;
-    let near = |rng: &mut _, exponent: u32, span: u32| (exponent + Rng::next_u32(rng) % span) << 23 | Rng::next_u32(rng) & 0x7F_FFFF;
+    let near =
+        |rng: &mut _, exponent: u32, span: u32| (exponent + Rng::next_u32(rng) % span) << 23 | Rng::next_u32(rng) & 0x7F_FFFF;
     sign | match rng.next_u32() % 8 {
         0..2 => SPECIAL[rng.next_u32() as usize % SPECIAL.len()],
         2..5 => near(rng, 120, 14),
@@ -82,7 +96,8 @@ fn instance(pattern: &str, rng: &mut impl Rng) -> u32 {
         let run = letters[at..].iter().take_while(|other| **other == letter).count();
         let is_register = b"dnmatlh".contains(&letter) && (run == 3 || run == 4);
         if is_register {
-            let value = *registers[usize::from(letter)].get_or_insert_with(|| if run == 3 { rng.next_u32() % 8 } else { register(rng) });
+            let value =
+                *registers[usize::from(letter)].get_or_insert_with(|| if run == 3 { rng.next_u32() % 8 } else { register(rng) });
             code = code << run | value;
             at += run;
         } else {
@@ -142,10 +157,7 @@ pub fn branch(rng: &mut impl Rng) -> Case {
             let register = register(rng);
             state[place(register)] = rng.next_u32() % 3;
             // Bytes 2, 3, 4 halfwords on.
-            return Case {
-                code: vec![0xE8DF, 0xF000 | register as u16, 0x0302, 0x0004, 0x3001, 0x3101, 0x3201, 0xBF00],
-                state,
-            };
+            return Case { code: vec![0xE8DF, 0xF000 | register as u16, 0x0302, 0x0004, 0x3001, 0x3101, 0x3201, 0xBF00], state };
         }
         _ => {
             let register = register(rng);

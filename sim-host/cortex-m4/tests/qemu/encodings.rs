@@ -116,7 +116,11 @@ pub const CLASSES: &[Class] = &[
         ],
     },
     Class { name: "extract", allowed: extract, patterns: &["11110011u100nnnn0iiiddddii0wwwww"] },
-    Class { name: "insert", allowed: insert, patterns: &["111100110110nnnn0iiiddddii0wwwww", "11110011011011110iiiddddii0wwwww"] },
+    Class {
+        name: "insert",
+        allowed: insert,
+        patterns: &["111100110110nnnn0iiiddddii0wwwww", "11110011011011110iiiddddii0wwwww"],
+    },
     Class { name: "saturate", allowed: saturate, patterns: &["11110011u0s0nnnn0iiiddddii0wwwww"] },
     Class {
         name: "extend, reverse, select",
@@ -258,9 +262,5 @@ pub const CLASSES: &[Class] = &[
             "111011101i11110yiiii1010y1i0iiii",
         ],
     },
-    Class {
-        name: "float fixed point",
-        allowed: fixed_point,
-        patterns: &["111011101i111p1uiiii1010y1i0iiii"],
-    },
+    Class { name: "float fixed point", allowed: fixed_point, patterns: &["111011101i111p1uiiii1010y1i0iiii"] },
 ];

@@ -11,10 +11,10 @@ use std::path::Path;
 use std::process::{Command, Stdio};
 
 use cases::{Case, STATE};
-use sonoglide_cortex_m4::{Access, Breakpoint, Chip, Cycle, Fault, Machine, Memory, Ports, Region};
 use encodings::{CLASSES, Class};
 use rand_core::SeedableRng;
 use rand_xoshiro::Xoshiro256PlusPlus;
+use sonoglide_cortex_m4::{Access, Breakpoint, Chip, Cycle, Fault, Machine, Memory, Ports, Region};
 
 /// A part that has memory only, and ends at the first breakpoint.
 struct Bare;
@@ -107,7 +107,15 @@ fn compare(class: &str, cases: &[Case]) -> Vec<String> {
         if !wrong.is_empty() {
             let words: Vec<_> = wrong
                 .iter()
-                .map(|index| format!("{} {:#010x} -> {:#010x}, QEMU {:#010x}", name(*index), case.state[*index], ours[*index], theirs[*index]))
+                .map(|index| {
+                    format!(
+                        "{} {:#010x} -> {:#010x}, QEMU {:#010x}",
+                        name(*index),
+                        case.state[*index],
+                        ours[*index],
+                        theirs[*index]
+                    )
+                })
                 .collect();
             differences.push(format!("{class}: {:04x?}, FPSCR {:#010x}: {}", case.code, case.state[15], words.join("; ")));
         }
@@ -143,7 +151,12 @@ fn check(name: &str, mut generate: impl FnMut(u32, &mut Xoshiro256PlusPlus) -> C
         done += count;
     }
     println!("{name}: {total} cases, {} differ", differences.len());
-    assert!(differences.is_empty(), "{} of {total} differ:\n{}", differences.len(), differences[..differences.len().min(12)].join("\n"));
+    assert!(
+        differences.is_empty(),
+        "{} of {total} differ:\n{}",
+        differences.len(),
+        differences[..differences.len().min(12)].join("\n")
+    );
 }
 
 fn class(name: &str) -> &'static Class {
@@ -159,7 +172,15 @@ fn check_classes(names: &[&str]) {
 
 #[test]
 fn data_processing_agrees() {
-    check_classes(&["immediate", "plain immediate", "shifted register", "extract", "insert", "16 bits", "compare of high registers"]);
+    check_classes(&[
+        "immediate",
+        "plain immediate",
+        "shifted register",
+        "extract",
+        "insert",
+        "16 bits",
+        "compare of high registers",
+    ]);
 }
 
 #[test]

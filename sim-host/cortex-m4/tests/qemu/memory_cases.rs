@@ -67,7 +67,7 @@ pub fn narrow(at: u32, rng: &mut impl Rng) -> Case {
         0 => (0x6000 | below(rng, 2) << 11 | imm << 6 | n << 3 | t, target - 4 * imm),
         1 => (0x7000 | below(rng, 2) << 11 | imm << 6 | n << 3 | t, target - imm),
         2 => (0x8000 | below(rng, 2) << 11 | imm << 6 | n << 3 | t, target - 2 * imm),
-        3 => (0x9000 | below(rng, 2) << 11 | t << 8 | SCRATCH / 4 | below(rng, SCRATCH_LEN / 4), target),
+        3 => (0x9000 | below(rng, 2) << 11 | t << 8 | (SCRATCH / 4) | below(rng, SCRATCH_LEN / 4), target),
         4 => {
             let m = (n + 1 + below(rng, 7)) % 8;
             let index = below(rng, 1000);

@@ -1,0 +1,103 @@
+//! The cycle table on short kernels, against the figures that ARM DDI 0439 prints (section 3.3, table 7-1).
+
+use crate::support::{RAM, machine};
+
+/// Cycles of `kernel` between two `NOP`s, without wait states, from R1 to R7 in RAM.
+fn cycles(kernel: &[u16]) -> u64 {
+    let nops = [0xBF00; 2];
+    let code = [&nops[..], kernel, &nops].concat();
+    let mut machine = machine(&code, &[(3, &[0xE7FE])]);
+    for register in 1..8 {
+        machine.set_register(register, RAM + 64 * u32::from(register));
+    }
+    // Each word of the RAM is an address of the RAM.
+    for word in machine.memory.get_mut(RAM, 0x1000).expect("the RAM").chunks_exact_mut(4) {
+        word.copy_from_slice(&RAM.to_le_bytes());
+    }
+    machine.set_register(0, 3);
+    let end = machine.register(15) + 2 * (2 + kernel.len() as u32);
+    machine.step(u64::MAX).expect("a NOP");
+    machine.step(u64::MAX).expect("a NOP");
+    let before = machine.cycle();
+    while machine.register(15) != end {
+        machine.step(u64::MAX).expect("the kernel");
+        assert!(machine.exception() == 0 && machine.cycle() < 10_000, "the kernel ends");
+    }
+    machine.cycle() - before
+}
+
+#[test]
+fn loads_in_a_row_are_pipelined() {
+    // "LDR R0,[R1]; LDR R1,[R2] - normally three cycles total"
+    assert_eq!(cycles(&[0x6808, 0x6811]), 3);
+    // "LDR R0,[R1,R5]; LDR R1,[R2]; LDR R2,[R3,#4] - normally four cycles total", without the register offset.
+    assert_eq!(cycles(&[0x6808, 0x6811, 0x685A]), 4);
+    // LDR R2, [R1]; LDR R0, [R2]: the result of the first is the address of the second.
+    assert_eq!(cycles(&[0x680A, 0x6810]), 4);
+    // Not directly behind each other.
+    assert_eq!(cycles(&[0x6808, 0xBF00, 0x6811]), 2 + 1 + 2);
+}
+
+#[test]
+fn a_store_takes_one_cycle_and_ends_the_row() {
+    // STR R0, [R1]
+    assert_eq!(cycles(&[0x6008]), 1);
+    // LDR; STR; LDR
+    assert_eq!(cycles(&[0x6810, 0x6008, 0x6818]), 2 + 1 + 2);
+}
+
+#[test]
+fn an_address_just_computed_costs_a_cycle() {
+    // ADDS R1, #4; LDR R0, [R1]
+    assert_eq!(cycles(&[0x3104, 0x6808]), 1 + 3);
+    // with an instruction between
+    assert_eq!(cycles(&[0x3104, 0xBF00, 0x6808]), 1 + 1 + 2);
+}
+
+#[test]
+fn several_words_cost_one_more_than_their_number() {
+    // LDM R1!, {R2-R5}; PUSH, POP of two; LDRD R4, R5, [R2]
+    assert_eq!(cycles(&[0xC93C]), 5);
+    assert_eq!(cycles(&[0xB430, 0xBC30]), 3 + 3);
+    assert_eq!(cycles(&[0xE9D2, 0x4500]), 3);
+}
+
+#[test]
+fn products_take_one_cycle_and_quotients_twelve() {
+    // SMLABB, UMULL, MLA; UDIV
+    assert_eq!(cycles(&[0xFB11, 0x3002, 0xFBA2, 0x0103, 0xFB01, 0x3002]), 3);
+    assert_eq!(cycles(&[0xFBB1, 0xF0F2]), 12);
+}
+
+#[test]
+fn a_loop_pays_the_refill_on_each_turn_but_the_last() {
+    // SUBS R0, #1; BNE: three turns
+    assert_eq!(cycles(&[0x3801, 0xD1FD]), 3 + 2 * 4 + 1);
+}
+
+#[test]
+fn floating_point_takes_the_manuals_cycles() {
+    // CPACR
+    let start = |kernel: &[u16]| cycles(&[crate::support::store(0xE000_ED88, 0xF0_0000), kernel.to_vec()].concat());
+    let base = start(&[]);
+    // VMUL; VFMA; VDIV; VSQRT of independent registers
+    assert_eq!(start(&[0xEE20, 0x0A81]) - base, 1);
+    assert_eq!(start(&[0xEEA0, 0x0A81]) - base, 3);
+    assert_eq!(start(&[0xEE80, 0x0A81]) - base, 14);
+    assert_eq!(start(&[0xEEB1, 0x0AC0]) - base, 14);
+    // VMUL S0, S1, S2; VMUL S1, S0, S0 waits for the first.
+    assert_eq!(start(&[0xEE20, 0x0A81, 0xEE60, 0x0A00]) - base, 3);
+    // VLDM R2, {S0-S7}: one more than words
+    assert_eq!(start(&[0xEC92, 0x0A08]) - base, 9);
+}
+
+#[test]
+fn wait_states_are_those_of_each_eight_bytes() {
+    let mut machine = machine(&[0xBF00; 64], &[]);
+    machine.chip.waits = (4, 0);
+    let (cycle, instructions) = (machine.cycle(), 32);
+    for _ in 0..instructions {
+        machine.step(u64::MAX).expect("a NOP");
+    }
+    assert_eq!(machine.cycle() - cycle, instructions + 4 * instructions / 4);
+}

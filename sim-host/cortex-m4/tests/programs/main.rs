@@ -1,0 +1,6 @@
+//! Small programs as machine code: exceptions, cycles, the loading of an image.
+
+mod cycles;
+mod elf;
+mod exceptions;
+mod support;
