@@ -71,6 +71,7 @@ mod elf;
 mod exceptions;
 mod execute;
 mod float;
+mod inspect;
 mod interrupts;
 mod machine;
 mod memory;

@@ -72,7 +72,7 @@ fn functions_have_their_demangled_names() {
 
 #[test]
 fn files_that_do_not_fit_are_refused_by_name() {
-    let refused = |file: File| load(&file).err().expect("the file is refused");
+    let refused = |file: File| load(&file).expect_err("the file is refused");
     assert!(matches!(refused(File { machine: 62, ..File::default() }), ImageError::NotArm));
     assert!(matches!(refused(File { entry: CODE + 8, ..File::default() }), ImageError::NotThumb(_)));
     assert!(matches!(refused(File { symbols: false, ..File::default() }), ImageError::Stripped));

@@ -1,0 +1,73 @@
+//! What a debugger sees of the machine.
+
+use crate::chip::{Chip, Cycle};
+use crate::cpu::INVALID;
+use crate::elf::Symbols;
+use crate::machine::Machine;
+
+impl<C: Chip> Machine<C> {
+    /// Cycles since power-on.
+    pub fn cycle(&self) -> Cycle {
+        self.cpu.cycle
+    }
+
+    /// Instructions since power-on; skipped ones of an IT block count.
+    pub fn instructions(&self) -> u64 {
+        self.cpu.instructions
+    }
+
+    /// Whether the processor has locked up, until the next reset.
+    pub fn is_locked_up(&self) -> bool {
+        self.cpu.locked
+    }
+
+    /// Whether the processor sleeps in `WFI` or `WFE`.
+    pub fn is_asleep(&self) -> bool {
+        self.cpu.asleep.is_some()
+    }
+
+    /// The exception that is handled, 0 in thread mode.
+    pub fn exception(&self) -> u16 {
+        self.cpu.ipsr
+    }
+
+    /// A register: R0 to R14; 15 is the address of the next instruction.
+    pub fn register(&self, number: u8) -> u32 {
+        if number == 15 { self.cpu.pc & !INVALID } else { self.cpu.get(number) }
+    }
+
+    /// Sets a register: R0 to R14; 15 is the address of the next instruction.
+    pub fn set_register(&mut self, number: u8, value: u32) {
+        if number == 15 { self.cpu.pc = value & !1 } else { self.cpu.set(number, value) }
+    }
+
+    /// A floating-point register, S0 to S31, by its bits.
+    pub fn float_register(&self, number: u8) -> u32 {
+        self.cpu.s[usize::from(number & 31)]
+    }
+
+    /// APSR: the condition flags, Q and GE.
+    pub fn flags(&self) -> u32 {
+        self.cpu.flags.bits()
+    }
+
+    /// FPSCR.
+    pub fn fpscr(&self) -> u32 {
+        self.cpu.fpscr
+    }
+
+    /// The main or the process stack pointer, whichever is in use.
+    pub fn stack_pointer(&self, process: bool) -> u32 {
+        self.cpu.stack_pointer(process)
+    }
+
+    /// CFSR and HFSR: why the last fault was taken (ARM DDI 0403, B3.2.15 and B3.2.16).
+    pub fn fault_status(&self) -> (u32, u32) {
+        (self.cpu.scb.cfsr, self.cpu.scb.hfsr)
+    }
+
+    /// The functions and objects of the image.
+    pub fn symbols(&self) -> &Symbols {
+        &self.symbols
+    }
+}
