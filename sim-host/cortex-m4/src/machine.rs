@@ -100,7 +100,14 @@ impl<C: Chip> Machine<C> {
     pub fn step(&mut self, until: Cycle) -> Result<(), Stop> {
         self.cpu.attend();
         let stepped = match self.attend(until) {
-            Ok(true) => self.instruction::<true>(),
+            Ok(true) => {
+                let before = self.cpu.instructions;
+                let mut done = Ok(());
+                while done.is_ok() && self.cpu.instructions == before {
+                    done = self.instruction::<true>();
+                }
+                done
+            }
             Ok(false) => Ok(()),
             Err(trap) => Err(trap),
         };
@@ -185,20 +192,14 @@ impl<C: Chip> Machine<C> {
         !wakes
     }
 
-    /// Fetches, decodes where needed, and executes one instruction.
+    /// Executes one instruction. One that is not decoded yet is only decoded: it runs with the next call.
     #[inline(always)]
     fn instruction<const PROFILE: bool>(&mut self) -> Result<(), Trap> {
         let pc = self.cpu.pc;
+        // One copy, from one place: anything else makes the compiler take it apart and put it together again.
         let decoded = match self.cached(pc) {
-            Some(decoded) => decoded,
-            None => match self.fetch(pc) {
-                Ok(decoded) => decoded,
-                Err(trap) => {
-                    self.cpu.next = pc;
-                    self.cpu.instructions += 1;
-                    return self.take(trap);
-                }
-            },
+            Some(decoded) => *decoded,
+            None => return self.prepare(pc),
         };
         let cpu = &mut self.cpu;
         cpu.cost = u32::from(decoded.cycles);
@@ -250,15 +251,25 @@ impl<C: Chip> Machine<C> {
 
     /// The instruction at `pc`, if it is decoded.
     #[inline(always)]
-    fn cached(&self, pc: u32) -> Option<Decoded> {
+    fn cached(&self, pc: u32) -> Option<&Decoded> {
         let bank = self.memory.banks.get(usize::from(self.memory.by_top[(pc >> 24) as usize]))?;
         let decoded = bank.code.get(pc.wrapping_sub(bank.region.base) as usize / 2)?;
-        (decoded.len != 0 && pc & INVALID == 0).then_some(*decoded)
+        (decoded.len != 0 && pc & INVALID == 0).then_some(decoded)
     }
 
-    /// Decodes the instruction at `pc`.
+    /// Decodes the instruction at `pc`, or takes the fault of its fetch.
     #[cold]
-    fn fetch(&mut self, pc: u32) -> Result<Decoded, Trap> {
+    #[inline(never)]
+    fn prepare(&mut self, pc: u32) -> Result<(), Trap> {
+        self.fetch(pc).or_else(|trap| {
+            self.cpu.next = pc;
+            self.cpu.instructions += 1;
+            self.take(trap)
+        })
+    }
+
+    /// Decodes an instruction into the place next to its bytes.
+    fn fetch(&mut self, pc: u32) -> Result<(), Trap> {
         if pc & INVALID != 0 {
             return Err(Trap::InvalidState);
         }
@@ -276,7 +287,7 @@ impl<C: Chip> Machine<C> {
         }
         let decoded = decode::decode(pc, first, second);
         self.memory.banks[bank].remember(from, decoded);
-        Ok(decoded)
+        Ok(())
     }
 
     /// The fetch enters other 8 bytes: wait states of the memory, and damage.
