@@ -1,0 +1,158 @@
+//! Writes the register map of the part from the metadata of `stm32-metapac`, which is made from ST's own description: addresses as constants
+//! that patterns can name, and a table of every register with its fields.
+
+use std::collections::BTreeMap;
+use std::fmt::Write as _;
+use std::path::Path;
+use std::{env, fs};
+
+use stm32_metapac::metadata::ir::{Access, Array, BitOffset, Block, BlockItemInner, FieldSet, IR, Register};
+use stm32_metapac::metadata::{METADATA, PeripheralRccRegister};
+
+/// The same name in the ways that metadata writes it: `TIM_GP16` and `TimGp16`.
+fn plain(name: &str) -> String {
+    name.replace('_', "").to_lowercase()
+}
+
+fn block<'a>(ir: &'a IR, name: &str) -> &'a Block {
+    ir.blocks.iter().find(|block| plain(block.name) == plain(name)).expect("a block that is named")
+}
+
+/// Offsets of the elements of an array, and what follows the name of each.
+fn elements(array: Option<&Array>) -> Vec<(u32, String)> {
+    match array {
+        None => vec![(0, String::new())],
+        Some(Array::Regular(array)) => (0..array.len).map(|n| (n * array.stride, format!("_{n}"))).collect(),
+        Some(Array::Cursed(array)) => array.offsets.iter().enumerate().map(|(n, &at)| (at, format!("_{n}"))).collect(),
+    }
+}
+
+/// Every register of a block: offset, name, description.
+fn registers<'a>(ir: &'a IR, of: &'a Block, at: u32, prefix: &str, into: &mut BTreeMap<u32, (String, &'a Register)>) {
+    for item in of.items {
+        for (offset, suffix) in elements(item.array.as_ref()) {
+            let name = format!("{prefix}{}{suffix}", item.name.to_uppercase());
+            let here = at + item.byte_offset + offset;
+            match &item.inner {
+                BlockItemInner::Register(register) => {
+                    // A second view of the same address adds nothing: the first one has the plain fields.
+                    into.entry(here).or_insert((name, register));
+                }
+                BlockItemInner::Block(inner) => registers(ir, block(ir, inner.block), here, &format!("{name}_"), into),
+            }
+        }
+    }
+    // Last: a block has its own view of what it extends.
+    if let Some(base) = of.extends {
+        registers(ir, block(ir, base), at, prefix, into);
+    }
+}
+
+/// Every field: name, lowest bit, width.
+fn fields(ir: &IR, set: &FieldSet, into: &mut Vec<(String, u32, u32)>) {
+    if let Some(base) = set.extends.and_then(|base| ir.fieldsets.iter().find(|set| set.name == base)) {
+        fields(ir, base, into);
+    }
+    for field in set.fields {
+        for (offset, suffix) in elements(field.array.as_ref()) {
+            let name = format!("{}{suffix}", field.name.to_uppercase());
+            match &field.bit_offset {
+                BitOffset::Regular(at) => into.push((name, at.offset + offset, field.bit_size)),
+                BitOffset::Cursed(at) => {
+                    for range in at.ranges {
+                        into.push((name.clone(), range.start() + offset, range.end() - range.start() + 1));
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// Address and bit of a field of RCC.
+fn field_of_rcc(of: Option<&PeripheralRccRegister>) -> Option<(u32, u32)> {
+    let of = of?;
+    let rcc = METADATA.peripherals.iter().find(|peripheral| peripheral.name == "RCC")?;
+    let ir = rcc.registers.as_ref()?.ir;
+    let item = ir.blocks[0].items.iter().find(|item| item.name.eq_ignore_ascii_case(of.register))?;
+    let BlockItemInner::Register(register) = &item.inner else { return None };
+    let set = ir.fieldsets.iter().find(|set| Some(set.name) == register.fieldset)?;
+    let field = set.fields.iter().find(|field| field.name.eq_ignore_ascii_case(of.field))?;
+    let BitOffset::Regular(at) = &field.bit_offset else { return None };
+    Some((rcc.address as u32 + item.byte_offset, 1 << at.offset))
+}
+
+fn main() -> std::fmt::Result {
+    let (mut offsets, mut bases, mut table) = (BTreeMap::new(), String::new(), Vec::new());
+    for peripheral in METADATA.peripherals {
+        let Some(of) = &peripheral.registers else { continue };
+        let mut found = BTreeMap::new();
+        registers(of.ir, block(of.ir, of.block), 0, "", &mut found);
+        writeln!(bases, "    pub const {}: u32 = {:#x};", peripheral.name, peripheral.address)?;
+        offsets.entry(plain(of.block)).or_insert_with(|| {
+            found.iter().map(|(at, (name, _))| format!("        pub const {name}: u32 = {at:#x};\n")).collect::<String>()
+        });
+        for (at, (name, register)) in &found {
+            let mut list = Vec::new();
+            let set = register.fieldset.and_then(|name| of.ir.fieldsets.iter().find(|set| set.name == name));
+            match set {
+                Some(set) => fields(of.ir, set, &mut list),
+                None => list.push((name.clone(), 0, register.bit_size)),
+            }
+            list.sort_by_key(|(_, at, _)| *at);
+            let list: String = list.iter().map(|(name, at, size)| format!("({name:?}, {at}, {size}), ")).collect();
+            let access = match register.access {
+                Access::ReadWrite => "ReadWrite",
+                Access::Read => "Read",
+                Access::Write => "Write",
+            };
+            table.push((
+                peripheral.address as u32 + at,
+                format!(
+                    "Register {{ peripheral: {:?}, name: {name:?}, base: {:#x}, address: {:#x}, access: Access::{access}, enable: {:?}, reset: {:?}, \
+                     fields: &[{list}] }},\n",
+                    peripheral.name,
+                    peripheral.address,
+                    peripheral.address as u32 + at,
+                    field_of_rcc(peripheral.rcc.as_ref().and_then(|rcc| rcc.enable.as_ref())),
+                    field_of_rcc(peripheral.rcc.as_ref().and_then(|rcc| rcc.reset.as_ref())),
+                ),
+            ));
+        }
+    }
+    table.sort();
+    let mut text = format!(
+        "/// First address of each peripheral.\npub mod base {{\n{bases}}}\n/// Offsets of the registers, by kind of peripheral.\npub mod at {{\n"
+    );
+    for (kind, list) in offsets {
+        writeln!(text, "    pub mod {kind} {{\n{list}    }}")?;
+    }
+    writeln!(text, "}}\n/// Interrupt lines.\npub mod line {{")?;
+    for interrupt in METADATA.interrupts {
+        writeln!(text, "    pub const {}: u16 = {};", interrupt.name, interrupt.number)?;
+    }
+    writeln!(
+        text,
+        "}}\n/// Peripheral, signal, pin and alternate function.\npub static SIGNALS: &[(&str, &str, &str, Option<u8>)] = &["
+    )?;
+    for peripheral in METADATA.peripherals {
+        for pin in peripheral.pins {
+            writeln!(text, "({:?}, {:?}, {:?}, {:?}),", peripheral.name, pin.signal, pin.pin, pin.af)?;
+        }
+    }
+    writeln!(
+        text,
+        "];\n/// Peripheral, number among its triggers, and source.\npub static TRIGGERS: &[(&str, &str, &str)] = &["
+    )?;
+    for peripheral in METADATA.peripherals {
+        for trigger in peripheral.triggers {
+            writeln!(text, "({:?}, {:?}, {:?}),", peripheral.name, trigger.signal, trigger.source)?;
+        }
+    }
+    writeln!(text, "];\n/// Every register of the part, by address.\npub static REGISTERS: &[Register] = &[")?;
+    table.iter().for_each(|(_, row)| text.push_str(row));
+    text.push_str("];\n");
+    let to = env::var("OUT_DIR").expect("the directory that cargo names");
+    fs::write(Path::new(&to).join("registers.rs"), text).expect("a directory that can be written");
+    println!("cargo:rerun-if-changed=build.rs");
+    Ok(())
+}

@@ -1,0 +1,138 @@
+//! Comparators and op-amps. RM0440 24 and 25.
+//!
+//! A comparator is looked at when something it sees may have changed: a DAC, a conversion's instant, the wires. Its delay is not modelled.
+
+use cortex_m4::{Cycle, Fault, Ports};
+use stm32_metapac::comp::regs::Csr;
+use stm32_metapac::opamp::regs::Csr as OpampCsr;
+
+use crate::factory::reference_volts;
+use crate::finding::Rule;
+use crate::map::SIGNALS;
+use crate::map::base::{COMP1, OPAMP1};
+use crate::part::{Now, Stm32g474};
+use crate::wires::{Pin, Wires};
+
+const COUNT: u32 = 7;
+const VALUE: u32 = 1 << 30;
+const LOCK: u32 = 1 << 31;
+
+/// The DAC channels of INMSEL = 4 and 5, of each comparator: DAC from 1, channel from 0 (24.3.2, table of the inverting inputs).
+const DACS: [[(usize, usize); 2]; 7] = [
+    [(3, 0), (1, 0)],
+    [(3, 1), (1, 1)],
+    [(3, 0), (1, 0)],
+    [(3, 1), (1, 0)],
+    [(4, 0), (1, 1)],
+    [(4, 1), (2, 0)],
+    [(4, 0), (2, 0)],
+];
+
+/// The pins of an input, by its name among the signals, for each comparator.
+fn pin_of(comparator: u32, signal: &str) -> Option<Pin> {
+    let name = format!("COMP{}", comparator + 1);
+    SIGNALS
+        .iter()
+        .find(|(peripheral, input, ..)| *peripheral == name && *input == signal)
+        .and_then(|(.., pin, _)| Pin::named(pin))
+}
+
+impl<W: Wires> Stm32g474<W> {
+    pub(crate) fn write_comp(&mut self, now: Now, address: u32, value: u32, ports: &mut Ports) -> Result<(), Fault> {
+        let old = self.regs[address];
+        if old & LOCK != 0 {
+            let bits = (value ^ old) & !VALUE;
+            return if bits == 0 { Ok(()) } else { self.report(now, address, bits, value, Rule::Locked) };
+        }
+        // Blanking needs the timers' outputs.
+        self.refuse_bits(now, address, value, 7 << 19)?;
+        let csr = Csr(value);
+        let comparator = (address - COMP1) / 4;
+        if csr.en()
+            && (self.plus_pin(comparator, csr).is_none()
+                || (csr.inmsel().to_bits() > 5 && self.minus_pin(comparator, csr).is_none()))
+        {
+            return self.refuse(now, address, "an input");
+        }
+        self.regs[address] = value & !VALUE | old & VALUE;
+        self.compare(now.at, ports);
+        self.update_breaks(now.at, ports);
+        Ok(())
+    }
+
+    fn plus_pin(&self, comparator: u32, csr: Csr) -> Option<Pin> {
+        pin_of(comparator, if csr.inpsel() { "INP1" } else { "INP0" })
+    }
+
+    fn minus_pin(&self, comparator: u32, csr: Csr) -> Option<Pin> {
+        pin_of(comparator, if csr.inmsel().to_bits() == 6 { "INM0" } else { "INM1" })
+    }
+
+    /// Voltage at the inverting input (24.3.2).
+    fn threshold(&mut self, at: Cycle, comparator: u32, csr: Csr) -> f64 {
+        match csr.inmsel().to_bits() {
+            // A quarter to the whole of the reference, by its divider.
+            quarter @ 0..=3 => reference_volts() * f64::from(quarter + 1) / 4.0,
+            way @ 4..=5 => {
+                let (dac, channel) = DACS[comparator as usize][usize::from(way - 4)];
+                self.dacs[dac - 1].volts(channel, self.config.vdda)
+            }
+            _ => match self.minus_pin(comparator, csr) {
+                Some(pin) => self.wires.volts(at, pin),
+                None => 0.0,
+            },
+        }
+    }
+
+    /// Compares again; the breaks follow if an output has changed.
+    pub(crate) fn compare(&mut self, at: Cycle, ports: &mut Ports) {
+        let before = self.compared;
+        for comparator in 0..COUNT {
+            let address = COMP1 + 4 * comparator;
+            let csr = Csr(self.regs[address]);
+            if !csr.en() {
+                self.compared &= !(1 << comparator);
+                self.regs[address] &= !VALUE;
+                continue;
+            }
+            let threshold = self.threshold(at, comparator, csr);
+            let Some(pin) = self.plus_pin(comparator, csr) else { continue };
+            let plus = self.wires.volts(at, pin);
+            let inverted = csr.polarity().to_bits() != 0;
+            let was = (before >> comparator & 1 != 0) ^ inverted;
+            // Rises above the threshold, falls by the hysteresis below it: steps of 10 mV (24.6.1, HYST).
+            let hysteresis = f64::from(csr.hyst().to_bits()) * 0.01;
+            let above = plus > if was { threshold - hysteresis } else { threshold };
+            let output = above ^ inverted;
+            self.compared = self.compared & !(1 << comparator) | u8::from(output) << comparator;
+            self.regs[address] = self.regs[address] & !VALUE | if output { VALUE } else { 0 };
+        }
+        if self.compared != before {
+            self.update_breaks(at, ports);
+        }
+    }
+
+    /// Whether a comparator is on.
+    pub(crate) fn compares(&self) -> bool {
+        (0..COUNT).any(|comparator| self.regs[COMP1 + 4 * comparator] & 1 != 0)
+    }
+
+    /// OPAMPx_CSR (25.5): a follower does nothing that the wires could not see at the DAC; other modes are refused.
+    pub(crate) fn write_opamp(&mut self, now: Now, address: u32, value: u32) -> Result<(), Fault> {
+        if (address - OPAMP1) % 4 != 0 || address >= OPAMP1 + 0x18 {
+            return self.refuse(now, address, "the timer-controlled multiplexer");
+        }
+        let old = self.regs[address];
+        if old & LOCK != 0 {
+            let bits = value ^ old;
+            return if bits == 0 { Ok(()) } else { self.report(now, address, bits, value, Rule::Locked) };
+        }
+        self.refuse_bits(now, address, value, 1 << 1 | 1 << 11)?;
+        let csr = OpampCsr(value);
+        if csr.opampen() && (csr.vm_sel().to_bits() != 3 || csr.pga_gain().to_bits() != 0) {
+            return self.refuse(now, address, "a mode that is not a follower");
+        }
+        self.regs[address] = value;
+        Ok(())
+    }
+}

@@ -1,0 +1,51 @@
+//! What the factory has written: RM0440 48, DS12288 (calibration values).
+
+use cortex_m4::Memory;
+
+use crate::part::Config;
+
+/// Raw data of the temperature sensor at 30 °C and 130 °C, and of the reference, each at a supply of 3.0 V: typical values (DS12288).
+pub const TS_CAL1: u32 = 1035;
+/// At 130 °C.
+pub const TS_CAL2: u32 = 1376;
+/// Of the reference.
+pub const VREFINT_CAL: u32 = 1655;
+/// The supply that they were measured at, V.
+const CALIBRATED_AT: f64 = 3.0;
+
+/// The word at an address of the factory's area; none where the area has nothing that is known.
+pub fn read(address: u32, config: &Config) -> Option<u32> {
+    match address {
+        0x1fff_75a8 => Some(VREFINT_CAL << 16 | TS_CAL1),
+        0x1fff_75c8 => Some(TS_CAL2 << 16),
+        0x1fff_7590 => Some(config.id[0]),
+        0x1fff_7594 => Some(config.id[1]),
+        0x1fff_7598 => Some(config.id[2]),
+        // Package (LQFP64) and size of the flash, KiB.
+        0x1fff_7500 => Some(0),
+        0x1fff_75e0 => Some(512),
+        _ => None,
+    }
+}
+
+/// Voltage of the temperature sensor, V.
+pub fn sensor_volts(celsius: f64) -> f64 {
+    let codes = f64::from(TS_CAL1) + (celsius - 30.0) / 100.0 * f64::from(TS_CAL2 - TS_CAL1);
+    codes / 4096.0 * CALIBRATED_AT
+}
+
+/// Voltage of the internal reference, V.
+pub fn reference_volts() -> f64 {
+    f64::from(VREFINT_CAL) / 4096.0 * CALIBRATED_AT
+}
+
+/// Gives the RAM the bits that it comes up with: any, but the same each time.
+pub fn scramble(memory: &mut Memory) {
+    for (base, len) in [(0x2000_0000, 0x1_8000), (0x1000_0000, 0x8000)] {
+        let mut state = 0x9e37_79b9_u32;
+        for byte in memory.get_mut(base, len).unwrap_or_default() {
+            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            *byte = (state >> 24) as u8;
+        }
+    }
+}

@@ -1,0 +1,371 @@
+//! The clock tree and the resets. RM0440 7.
+
+use cortex_m4::{Cycle, Fault, Ports};
+use stm32_metapac::flash::regs::Acr;
+use stm32_metapac::rcc::regs::{Cfgr, Cr, Csr, Pllcfgr};
+use stm32_metapac::rcc::vals::Pllsrc;
+
+use crate::finding::Rule;
+use crate::map::base::{FLASH, PWR, RCC};
+use crate::map::{REGISTERS, at};
+use crate::part::{Now, Stm32g474};
+use crate::time::{Event, Ps, US};
+use crate::wires::Wires;
+
+/// HSI16, Hz.
+pub const HSI_HZ: u64 = 16_000_000;
+
+/// The clocks that become ready, as events have them.
+const HSI: usize = 0;
+const HSE: usize = 1;
+const PLL: usize = 2;
+const LSI: usize = 3;
+const HSI48: usize = 4;
+/// Start-up times, typical (DS12288, oscillator characteristics): HSI16, HSE, PLL lock, LSI, HSI48.
+const START_UP: [Ps; 5] = [US, 2000 * US, 15 * US, 130 * US, 4 * US];
+
+/// RCC_CSR's flags (RM0440 7.4.28).
+const PIN: u32 = 1 << 26;
+const BOR: u32 = 1 << 27;
+const SOFTWARE: u32 = 1 << 28;
+/// The watchdog's.
+pub const IWDG_FLAG: u32 = 1 << 29;
+const FLAGS: u32 = 0xfe << 24;
+
+/// What RCC has besides its registers.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Rcc {
+    /// Enable register and bits of the last write, and when what they enable may be accessed.
+    pub enabled: (u32, u32),
+    pub settled: Cycle,
+    /// Flags of the reset that is under way.
+    pub cause: u32,
+    pub power_lost: bool,
+    /// Since when the core has half of a clock above 80 MHz.
+    halved: Option<Ps>,
+    hse_dead: bool,
+}
+
+/// Division of RCC_CFGR.HPRE (7.4.3).
+fn hpre(cfgr: Cfgr) -> u64 {
+    match cfgr.hpre().to_bits() {
+        code @ 8..=11 => 2 << (code - 8),
+        code @ 12..=15 => 64 << (code - 12),
+        _ => 1,
+    }
+}
+
+/// Division of RCC_CFGR.PPRE1 or 2.
+fn ppre(code: u8) -> u64 {
+    if code < 4 { 1 } else { 2 << (code - 4) }
+}
+
+impl<W: Wires> Stm32g474<W> {
+    fn cr(&self) -> Cr {
+        Cr(self.regs[RCC + at::rcc::CR])
+    }
+
+    fn cfgr(&self) -> Cfgr {
+        Cfgr(self.regs[RCC + at::rcc::CFGR])
+    }
+
+    /// Core cycles of a cycle of APB1 or 2.
+    pub(crate) fn apb(&self, bus: u8) -> u64 {
+        ppre(if bus == 1 { self.cfgr().ppre1().to_bits() } else { self.cfgr().ppre2().to_bits() })
+    }
+
+    /// Core cycles of a timer's cycle: twice the bus clock where that is divided (7.2.13).
+    pub(crate) fn timer_cycle(&self) -> u64 {
+        match self.apb(1) {
+            1 => 1,
+            divided => divided / 2,
+        }
+    }
+
+    /// SYSCLK, Hz.
+    pub(crate) fn sysclk(&self, sw: u8) -> u64 {
+        match sw {
+            1 => self.config.hsi_hz,
+            2 => self.config.crystal_hz.unwrap_or(0),
+            _ => self.vco() / (2 * (u64::from(Pllcfgr(self.regs[RCC + at::rcc::PLLCFGR]).pllr().to_bits()) + 1)),
+        }
+    }
+
+    /// The present SYSCLK, Hz.
+    pub(crate) fn system_hz(&self) -> u64 {
+        self.sysclk(self.cfgr().sws().to_bits())
+    }
+
+    /// The PLL's output P, Hz: divided by PLLPDIV, or by 7 or 17 (7.4.4).
+    pub(crate) fn pll_p(&self) -> u64 {
+        let pll = Pllcfgr(self.regs[RCC + at::rcc::PLLCFGR]);
+        let divider = match pll.0 >> 27 {
+            0 => 7 + 10 * u64::from(pll.0 >> 17 & 1),
+            divider => u64::from(divider),
+        };
+        self.vco() / divider
+    }
+
+    fn pll_input(&self) -> u64 {
+        let pll = Pllcfgr(self.regs[RCC + at::rcc::PLLCFGR]);
+        let source = match pll.pllsrc() {
+            Pllsrc::HSI => self.config.hsi_hz,
+            Pllsrc::HSE => self.config.crystal_hz.unwrap_or(0),
+            _ => 0,
+        };
+        source / (u64::from(pll.pllm().to_bits()) + 1)
+    }
+
+    fn vco(&self) -> u64 {
+        self.pll_input() * u64::from(Pllcfgr(self.regs[RCC + at::rcc::PLLCFGR]).plln().to_bits())
+    }
+
+    fn ready_bit(clock: usize) -> (u32, u32) {
+        match clock {
+            HSI => (RCC + at::rcc::CR, 1 << 10),
+            HSE => (RCC + at::rcc::CR, 1 << 17),
+            PLL => (RCC + at::rcc::CR, 1 << 25),
+            LSI => (RCC + at::rcc::CSR, 1 << 1),
+            _ => (RCC + at::rcc::CRRCR, 1 << 1),
+        }
+    }
+
+    /// A clock was switched on or off.
+    fn switch(&mut self, now: Now, clock: usize, was: bool, on: bool) {
+        let (register, bit) = Self::ready_bit(clock);
+        if on && !was {
+            let dead = clock == HSE && (self.config.crystal_hz.is_none() || self.rcc.hse_dead);
+            if !dead {
+                let due = self.time.cycle(self.time.ps(now.at) + START_UP[clock]);
+                self.agenda.set(Event::Ready(clock), due);
+            }
+        } else if !on {
+            self.agenda.clear(Event::Ready(clock));
+            self.regs[register] &= !bit;
+        }
+    }
+
+    pub(crate) fn clock_ready(&mut self, _at: Cycle, clock: usize, _ports: &mut Ports) {
+        let (register, bit) = Self::ready_bit(clock);
+        self.regs[register] |= bit;
+    }
+
+    pub(crate) fn write_rcc(&mut self, now: Now, address: u32, value: u32, ports: &mut Ports) -> Result<(), Fault> {
+        let old = self.regs[address];
+        match address - RCC {
+            at::rcc::CR => self.write_cr(now, Cr(old), Cr(value))?,
+            at::rcc::CFGR => self.write_cfgr(now, Cfgr(old), Cfgr(value))?,
+            at::rcc::PLLCFGR => {
+                if self.cr().pllon() && value & !0x111_0000 != old & !0x111_0000 {
+                    self.report(now, address, value ^ old, value, Rule::PllRunning)?;
+                }
+                self.regs[address] = value;
+            }
+            at::rcc::CSR => {
+                let (before, wanted) = (Csr(old), Csr(value));
+                self.switch(now, LSI, before.lsion(), wanted.lsion());
+                let kept = if wanted.rmvf() { 0 } else { old & FLAGS };
+                self.regs[address] = kept | (self.regs[address] & 2) | (value & 1);
+            }
+            at::rcc::CRRCR => {
+                self.switch(now, HSI48, old & 1 != 0, value & 1 != 0);
+                self.regs[address] = self.regs[address] & !1 | value & 1;
+            }
+            at::rcc::CICR => self.regs[RCC + at::rcc::CIFR] &= !value,
+            at::rcc::CIER => {
+                self.refuse_bits(now, address, value, u32::MAX)?;
+            }
+            at::rcc::BDCR => self.refuse_bits(now, address, value, u32::MAX)?,
+            at::rcc::AHB1ENR | at::rcc::AHB2ENR | at::rcc::AHB3ENR | at::rcc::APB1ENR1 | at::rcc::APB1ENR2 | at::rcc::APB2ENR => {
+                let risen = value & !old;
+                if risen != 0 {
+                    // Two cycles of the peripheral's bus (7.2.17).
+                    (self.rcc.enabled, self.rcc.settled) = ((address, risen), now.at + 2 * self.apb(1).max(self.apb(2)));
+                }
+                self.regs[address] = value;
+            }
+            at::rcc::AHB1RSTR
+            | at::rcc::AHB2RSTR
+            | at::rcc::AHB3RSTR
+            | at::rcc::APB1RSTR1
+            | at::rcc::APB1RSTR2
+            | at::rcc::APB2RSTR => {
+                self.regs[address] = value;
+                self.reset_peripherals(now, address, value & !old, ports);
+            }
+            _ => self.regs[address] = value,
+        }
+        Ok(())
+    }
+
+    /// Resets those peripherals whose bit has risen.
+    fn reset_peripherals(&mut self, now: Now, register: u32, bits: u32, ports: &mut Ports) {
+        let hit = |reset: Option<(u32, u32)>| reset.is_some_and(|(at, bit)| at == register && bit & bits != 0);
+        self.regs.reset(|register| hit(register.reset));
+        let mut bases: Vec<u32> = REGISTERS.iter().filter(|register| hit(register.reset)).map(|register| register.base).collect();
+        bases.dedup();
+        for base in bases {
+            self.forget(now, base, ports);
+        }
+    }
+
+    fn write_cr(&mut self, now: Now, old: Cr, new: Cr) -> Result<(), Fault> {
+        let address = RCC + at::rcc::CR;
+        let used = self.cfgr().sws().to_bits();
+        let mut kept = new;
+        // What the core runs from cannot be stopped (7.4.1).
+        let source = Pllcfgr(self.regs[RCC + at::rcc::PLLCFGR]).pllsrc();
+        kept.set_hsion(new.hsion() || used == 1 || (used == 3 && source == Pllsrc::HSI));
+        kept.set_hseon(new.hseon() || used == 2 || (used == 3 && source == Pllsrc::HSE));
+        kept.set_pllon(new.pllon() || used == 3);
+        if kept.pllon() && !old.pllon() {
+            let ready = match source {
+                Pllsrc::HSI => old.hsirdy(),
+                Pllsrc::HSE => old.hserdy(),
+                _ => false,
+            };
+            if !ready {
+                self.report(now, address, 1 << 24, new.0, Rule::ClockNotReady)?;
+            }
+            // DS12288, PLL characteristics: input 2.66 to 16 MHz, VCO 96 to 344 MHz, output to 170 MHz.
+            let fits = (2_660_000..=16_000_000).contains(&self.pll_input())
+                && (96_000_000..=344_000_000).contains(&self.vco())
+                && self.sysclk(3) <= 170_000_000;
+            if !fits {
+                self.report(now, RCC + at::rcc::PLLCFGR, u32::MAX, self.regs[RCC + at::rcc::PLLCFGR], Rule::PllRange)?;
+            }
+        }
+        let ready = 1 << 10 | 1 << 17 | 1 << 25;
+        self.regs[address] = kept.0 & !ready | old.0 & ready;
+        self.switch(now, HSI, old.hsion(), kept.hsion());
+        self.switch(now, HSE, old.hseon(), kept.hseon());
+        self.switch(now, PLL, old.pllon(), kept.pllon());
+        Ok(())
+    }
+
+    fn write_cfgr(&mut self, now: Now, old: Cfgr, new: Cfgr) -> Result<(), Fault> {
+        let address = RCC + at::rcc::CFGR;
+        let wanted = new.sw().to_bits();
+        let ready = match wanted {
+            1 => self.cr().hsirdy(),
+            2 => self.cr().hserdy(),
+            3 => self.cr().pllrdy() && Pllcfgr(self.regs[RCC + at::rcc::PLLCFGR]).pllren(),
+            _ => return self.refuse(now, address, "SW = 0"),
+        };
+        let used = if ready { wanted } else { old.sws().to_bits() };
+        if !ready {
+            self.report(now, address, 3, new.0, Rule::ClockNotReady)?;
+        }
+        self.check_clock(now, old, new, used)?;
+        self.regs[address] = new.0 & !0xc | u32::from(used) << 2;
+        self.set_clock(now.at);
+        Ok(())
+    }
+
+    /// What the manual asks of a change of the core clock: voltage (6.1.5), wait states (3.3.3), and half the frequency on the way (7.2.7).
+    fn check_clock(&mut self, now: Now, old: Cfgr, new: Cfgr, used: u8) -> Result<(), Fault> {
+        let address = RCC + at::rcc::CFGR;
+        let (before, system) = (self.time.hz(), self.sysclk(used));
+        let after = system / hpre(new);
+        if after > self.most_hz() {
+            self.report(now, address, 0xf3, new.0, Rule::Boost)?;
+        }
+        if self.wait_states(after) > Acr(self.regs[FLASH + at::flash::ACR]).latency().to_bits() {
+            self.report(now, address, 0xf3, new.0, Rule::WaitStates)?;
+        }
+        let time = self.time.ps(now.at);
+        if after > 80_000_000 && before <= 80_000_000 {
+            let halved = self.rcc.halved.is_some_and(|since| time - since >= US);
+            // 85 MHz on the way to 170 is itself above 80.
+            if old.sws().to_bits() != used && after * 2 <= system {
+                self.rcc.halved = Some(time);
+            } else if !halved || old.sws().to_bits() != used {
+                self.report(now, address, 0xf3, new.0, Rule::HalfFrequency)?;
+            }
+        } else if after > before && after > 80_000_000 {
+            if self.rcc.halved.is_some_and(|since| time - since < US) {
+                self.report(now, address, 0xf0, new.0, Rule::HalfFrequency)?;
+            }
+        } else if after <= 80_000_000 {
+            self.rcc.halved = (system > 80_000_000).then_some(time);
+        }
+        Ok(())
+    }
+
+    /// The fastest clock at the present voltage: 170 MHz in boost, 150 MHz in range 1, 26 MHz in range 2 (6.1.5).
+    pub(crate) fn most_hz(&self) -> u64 {
+        match (self.range(), self.regs[PWR + at::pwr::CR5] & 1 == 0) {
+            (1, true) => 170_000_000,
+            (1, false) => 150_000_000,
+            _ => 26_000_000,
+        }
+    }
+
+    /// Wait states that a clock needs: steps of 34 MHz in boost, 30 in range 1, 12 in range 2 (3.3.3, table of wait states).
+    pub(crate) fn wait_states(&self, hz: u64) -> u8 {
+        let step = match self.most_hz() {
+            170_000_000 => 34_000_000,
+            150_000_000 => 30_000_000,
+            _ => 12_000_000,
+        };
+        hz.div_ceil(step).saturating_sub(1) as u8
+    }
+
+    /// Takes over the clock that RCC_CFGR names.
+    fn set_clock(&mut self, at: Cycle) {
+        let hz = (self.sysclk(self.cfgr().sws().to_bits()) / hpre(self.cfgr())).max(1);
+        if hz != self.time.hz() {
+            let before = self.time;
+            self.time.set(at, hz);
+            self.agenda.retime(&before, &self.time.clone());
+        }
+        self.retime_timers(at);
+    }
+
+    /// The crystal stops: with CSS on, the core falls back to HSI, and the NMI says so (7.2.11).
+    pub(crate) fn hse_stops(&mut self, at: Cycle, ports: &mut Ports) {
+        self.rcc.hse_dead = true;
+        let mut cr = self.cr();
+        if !cr.hserdy() {
+            return;
+        }
+        let source = Pllcfgr(self.regs[RCC + at::rcc::PLLCFGR]).pllsrc();
+        let used = self.cfgr().sws().to_bits();
+        let from_hse = used == 2 || (used == 3 && source == Pllsrc::HSE);
+        cr.set_hserdy(false);
+        if cr.csson() {
+            cr.set_hseon(false);
+            if source == Pllsrc::HSE {
+                cr.set_pllon(false);
+                cr.set_pllrdy(false);
+            }
+            self.regs[RCC + at::rcc::CIFR] |= 1 << 8;
+            ports.interrupts.pend_nmi();
+            if from_hse {
+                cr.set_hsion(true);
+                cr.set_hsirdy(true);
+                self.regs[RCC + at::rcc::CFGR] = self.cfgr().0 & !0xf | 0b0101;
+            }
+        }
+        self.regs[RCC + at::rcc::CR] = cr.0;
+        self.set_clock(at);
+    }
+
+    /// The PLL unlocks. As the system clock it takes the processor with it: nothing is executed any more, and the run ends.
+    pub(crate) fn pll_unlocks(&mut self, at: Cycle) -> Result<(), Fault> {
+        self.regs[RCC + at::rcc::CR] &= !(1 << 25);
+        if self.cfgr().sws().to_bits() == 3 {
+            return self.refuse(self.now(at), RCC + at::rcc::CR, "the processor without a clock");
+        }
+        Ok(())
+    }
+
+    /// RCC_CSR after a reset: what pulled it, and the pin, which every reset pulls (7.1.2); after power-on nothing else.
+    pub(crate) fn reset_flags(&mut self, before: &crate::map::Registers) {
+        let cause = std::mem::take(&mut self.rcc);
+        let own = if cause.cause == 0 { SOFTWARE } else { cause.cause };
+        let old = before[RCC + at::rcc::CSR] & FLAGS;
+        self.regs[RCC + at::rcc::CSR] = if cause.power_lost { BOR | PIN } else { old | own | PIN };
+        self.rcc.hse_dead = cause.hse_dead;
+    }
+}

@@ -1,0 +1,210 @@
+//! TIM1 as a switch: channels that are forced, and breaks that drop them without the processor. RM0440 28.
+//!
+//! The counter is not modelled: what needs it is refused.
+
+use cortex_m4::{Cycle, Fault, Ports};
+use stm32_metapac::dbgmcu::regs::Apb2fzr;
+use stm32_metapac::syscfg::regs::Cfgr2;
+use stm32_metapac::timer::regs::{BdtrAdv, CcerAdv, Cr2Adv};
+use stm32_metapac::timer::vals::{Bkp, Ossi, Ossr};
+
+use crate::finding::Rule;
+use crate::map::at::{self, timadv as reg};
+use crate::map::base::{DBGMCU, SYSCFG, TIM1};
+use crate::map::{SIGNALS, line};
+use crate::part::{Now, Stm32g474};
+use crate::wires::{Level, Pin, Wires};
+
+/// TIM1_SR: break, break 2, system break (28.6.5).
+const BIF: u32 = 1 << 7;
+const B2IF: u32 = 1 << 8;
+const SBIF: u32 = 1 << 13;
+const MOE: u32 = 1 << 15;
+
+/// What TIM1 has besides its registers.
+#[derive(Clone, Debug)]
+pub(crate) struct Tim1 {
+    /// The processor has locked up; a read of flash could not be corrected.
+    pub lockup: bool,
+    pub ecc: bool,
+    /// BDTR.LOCK has been written.
+    lock: u8,
+    /// Break 1 and 2 stand.
+    active: [bool; 2],
+    levels: [Level; 4],
+}
+
+impl Default for Tim1 {
+    fn default() -> Self {
+        Tim1 { lockup: false, ecc: false, lock: 0, active: [false; 2], levels: [Level::Floating; 4] }
+    }
+}
+
+impl Tim1 {
+    /// What a channel, from zero, does to its pin.
+    pub fn level(&self, channel: usize) -> Level {
+        self.levels[channel]
+    }
+}
+
+impl<W: Wires> Stm32g474<W> {
+    fn bdtr(&self) -> BdtrAdv {
+        BdtrAdv(self.regs[TIM1 + reg::BDTR])
+    }
+
+    pub(crate) fn read_tim1(&self, address: u32) -> u32 {
+        self.regs[address]
+    }
+
+    pub(crate) fn write_tim1(&mut self, now: Now, address: u32, value: u32, ports: &mut Ports) -> Result<(), Fault> {
+        let old = self.regs[address];
+        match address - TIM1 {
+            reg::CR1 => self.refuse_bits(now, address, value, !(1 << 2 | 1 << 7 | 3 << 8))?,
+            reg::CR2 => self.refuse_bits(now, address, value, !0x5_ff00)?,
+            reg::DIER => self.refuse_bits(now, address, value, !(1 << 7))?,
+            reg::SMCR | reg::CCMR3 | reg::DTR2 | reg::ECR | reg::DCR | reg::DMAR | reg::OR | reg::TISEL => {
+                self.refuse_bits(now, address, value, u32::MAX)?;
+            }
+            reg::CCMR_INPUT_0 | reg::CCMR_INPUT_1 => self.check_modes(now, address, value)?,
+            _ => {}
+        }
+        let locked = self.locked_bits(address) & (value ^ old);
+        if locked != 0 {
+            self.report(now, address, locked, value, Rule::TimLocked)?;
+        }
+        let value = value & !locked | old & locked;
+        match address - TIM1 {
+            reg::SR => self.regs[address] = old & value,
+            reg::EGR => {
+                self.refuse_bits(now, address, value, !0x181)?;
+                for (bit, flag) in [(7, BIF), (8, B2IF)] {
+                    if value >> bit & 1 != 0 {
+                        self.break_now(flag);
+                    }
+                }
+            }
+            reg::BDTR => {
+                // Bidirectional breaks.
+                self.refuse_bits(now, address, value, 0xf << 26)?;
+                self.regs[address] = value & !(3 << 8) | old & 3 << 8;
+                if self.tim1.lock == 0 {
+                    self.tim1.lock = BdtrAdv(value).lock().to_bits();
+                    self.regs[address] = value;
+                }
+            }
+            _ => self.regs[address] = value,
+        }
+        self.update_breaks(now.at, ports);
+        Ok(())
+    }
+
+    /// Only forced and frozen channels: the counter stands.
+    fn check_modes(&mut self, now: Now, address: u32, value: u32) -> Result<(), Fault> {
+        for half in [0, 8] {
+            let mode = value >> (4 + half) & 7 | value >> (16 + half) & 1 << 3;
+            if value >> half & 3 != 0 || !matches!(mode, 0 | 4 | 5) {
+                return self.refuse(now, address, "a mode that needs the counter, or an input");
+            }
+        }
+        self.refuse_bits(now, address, value, 0x8484)
+    }
+
+    /// What BDTR.LOCK protects (28.6.20).
+    fn locked_bits(&self, address: u32) -> u32 {
+        let level = self.tim1.lock;
+        let bits = |from: u8, bits: u32| if level >= from { bits } else { 0 };
+        match address - TIM1 {
+            // LOCK itself; dead time, breaks and their polarity, automatic output; then OSSI and OSSR.
+            reg::BDTR => bits(1, 3 << 8 | 0xff | 7 << 12 | 0x3f << 20 | 0xf << 16 | 0xf << 26) | bits(2, 3 << 10),
+            reg::CR2 => bits(1, 0x5_ff00),
+            reg::AF1 | reg::AF2 => bits(1, u32::MAX),
+            // Polarities.
+            reg::CCER => bits(2, 0x22_aaaa),
+            reg::CCMR_INPUT_0 | reg::CCMR_INPUT_1 => bits(3, 0x0101_7878),
+            _ => 0,
+        }
+    }
+
+    /// MOE falls.
+    fn break_now(&mut self, flag: u32) {
+        self.regs[TIM1 + reg::SR] |= flag;
+        self.regs[TIM1 + reg::BDTR] &= !MOE;
+    }
+
+    /// Level of a break's sources before its polarity: pins, comparators (28.3.17, AF1 and AF2).
+    fn break_level(&mut self, at: Cycle, number: usize) -> bool {
+        let af = self.regs[TIM1 + if number == 0 { reg::AF1 } else { reg::AF2 }];
+        let mut level = false;
+        if af & 1 != 0 {
+            let signal = if number == 0 { "BKIN" } else { "BKIN2" };
+            level |= self.routed_level(at, signal) ^ (af >> 9 & 1 != 0);
+        }
+        for comparator in 0..7 {
+            if af >> (1 + comparator) & 1 != 0 {
+                let inverted = comparator < 4 && af >> (10 + comparator) & 1 != 0;
+                level |= (self.compared >> comparator & 1 != 0) ^ inverted;
+            }
+        }
+        level
+    }
+
+    /// Level of the pin that carries a signal of TIM1; low if none does.
+    fn routed_level(&mut self, at: Cycle, signal: &str) -> bool {
+        SIGNALS
+            .iter()
+            .filter(|(peripheral, name, ..)| (*peripheral, *name) == ("TIM1", signal))
+            .filter_map(|(.., pin, af)| Some((Pin::named(pin)?, (*af)?)))
+            .find(|(pin, af)| self.alternate(*pin) == Some(*af))
+            .is_some_and(|(pin, _)| self.input_level(at, pin))
+    }
+
+    /// Breaks that the system raises by itself (SYSCFG_CFGR2): lockup, low supply, flash.
+    fn system_break(&self) -> bool {
+        let cfgr2 = Cfgr2(self.regs[SYSCFG + at::syscfg::CFGR2]);
+        (cfgr2.cll() && self.tim1.lockup) || (cfgr2.pvdl() && self.pvd()) || (cfgr2.eccl() && self.tim1.ecc)
+    }
+
+    /// Takes over the breaks' inputs, and the outputs that follow.
+    pub(crate) fn update_breaks(&mut self, at: Cycle, ports: &mut Ports) {
+        let bdtr = self.bdtr();
+        for (number, flag) in [(0, BIF), (1, B2IF)] {
+            let active = bdtr.bke(number) && self.break_level(at, number) == (bdtr.bkp(number) == Bkp::ACTIVE_HIGH);
+            self.tim1.active[number] = active;
+            if active {
+                // While it stands, the flag comes again and MOE cannot be set.
+                self.break_now(flag);
+            }
+        }
+        if self.system_break() {
+            self.break_now(SBIF);
+        }
+        let flags = self.regs[TIM1 + reg::SR] & (BIF | B2IF | SBIF) != 0;
+        ports.interrupts.set(line::TIM1_BRK_TIM15, flags && self.regs[TIM1 + reg::DIER] & 1 << 7 != 0);
+        self.update_enable(at, ports);
+    }
+
+    /// Levels of the channels (28.6.20, table of output control bits).
+    pub(crate) fn update_enable(&mut self, at: Cycle, _ports: &mut Ports) {
+        let (bdtr, ccer, cr2) = (self.bdtr(), CcerAdv(self.regs[TIM1 + reg::CCER]), Cr2Adv(self.regs[TIM1 + reg::CR2]));
+        let stands = self.halted && Apb2fzr(self.regs[DBGMCU + at::dbgmcu::APB2FZR]).tim1();
+        let level = |high: bool| if high { Level::High } else { Level::Low };
+        let levels: [Level; 4] = std::array::from_fn(|channel| {
+            let ccmr = self.regs[TIM1 + if channel < 2 { reg::CCMR_INPUT_0 } else { reg::CCMR_INPUT_1 }];
+            let forced_high = ccmr >> (8 * (channel % 2) + 4) & 7 == 5;
+            let inverted = ccer.ccp(channel);
+            match (bdtr.moe() && !stands, ccer.cce(channel)) {
+                (true, true) => level(forced_high ^ inverted),
+                (true, false) if bdtr.ossr() == Ossr::IDLE_LEVEL => level(inverted),
+                (false, _) if bdtr.ossi() == Ossi::IDLE_LEVEL => {
+                    let broken = self.tim1.active[1];
+                    level(if broken { inverted } else { cr2.ois(channel) })
+                }
+                _ => Level::Floating,
+            }
+        });
+        if levels != self.tim1.levels {
+            self.tim1.levels = levels;
+            self.pins_changed(at);
+        }
+    }
+}
