@@ -9,6 +9,14 @@ use std::{env, fs};
 use stm32_metapac::metadata::ir::{Access, Array, BitOffset, Block, BlockItemInner, FieldSet, IR, Register};
 use stm32_metapac::metadata::{METADATA, PeripheralRccRegister};
 
+/// Registers whose fields the metadata has wrong: RM0440 6.4.5, where R1MODE is bit 8 and not 0, and 38.7.5, where BRR has 20 bits. ST's SVD agrees
+/// with the manual in both.
+const CORRECTIONS: &[(&str, &str, &[(&str, u32, u32)])] =
+    &[("PWR", "CR5", &[("R1MODE", 8, 1)]), ("LPUART1", "BRR", &[("BRR", 0, 20)])];
+
+/// GPIOx_BRR.
+static BRR: Register = Register { access: Access::Write, bit_size: 16, fieldset: None };
+
 /// The same name in the ways that metadata writes it: `TIM_GP16` and `TimGp16`.
 fn plain(name: &str) -> String {
     name.replace('_', "").to_lowercase()
@@ -28,15 +36,20 @@ fn elements(array: Option<&Array>) -> Vec<(u32, String)> {
 }
 
 /// Every register of a block: offset, name, description.
-fn registers<'a>(ir: &'a IR, of: &'a Block, at: u32, prefix: &str, into: &mut BTreeMap<u32, (String, &'a Register)>) {
+fn registers<'a>(ir: &'a IR, of: &'a Block, at: u32, prefix: &str, into: &mut BTreeMap<u32, (String, Vec<&'a Register>)>) {
     for item in of.items {
         for (offset, suffix) in elements(item.array.as_ref()) {
-            let name = format!("{prefix}{}{suffix}", item.name.to_uppercase());
+            // CCMR1 and CCMR2 have a view for inputs and one for outputs.
+            let name = match (item.name, suffix.as_str()) {
+                ("ccmr_input" | "ccmr_output", "_0" | "") => "CCMR1".to_owned(),
+                ("ccmr_input" | "ccmr_output", _) => "CCMR2".to_owned(),
+                (name, suffix) => format!("{prefix}{}{suffix}", name.to_uppercase()),
+            };
             let here = at + item.byte_offset + offset;
             match &item.inner {
                 BlockItemInner::Register(register) => {
-                    // A second view of the same address adds nothing: the first one has the plain fields.
-                    into.entry(here).or_insert((name, register));
+                    // Some addresses have several views, which share one register.
+                    into.entry(here).or_insert((name, Vec::new())).1.push(register);
                 }
                 BlockItemInner::Block(inner) => registers(ir, block(ir, inner.block), here, &format!("{name}_"), into),
             }
@@ -87,20 +100,32 @@ fn main() -> std::fmt::Result {
         let Some(of) = &peripheral.registers else { continue };
         let mut found = BTreeMap::new();
         registers(of.ir, block(of.ir, of.block), 0, "", &mut found);
+        if of.kind == "gpio" {
+            // GPIOx_BRR (RM0440 9.4.11), which the metadata does not have: the upper half of BSRR at an address of its own.
+            found.insert(0x28, ("BRR".to_owned(), vec![&BRR]));
+        }
         writeln!(bases, "    pub const {}: u32 = {:#x};", peripheral.name, peripheral.address)?;
         offsets.entry(plain(of.block)).or_insert_with(|| {
             found.iter().map(|(at, (name, _))| format!("        pub const {name}: u32 = {at:#x};\n")).collect::<String>()
         });
-        for (at, (name, register)) in &found {
+        for (at, (name, views)) in &found {
             let mut list = Vec::new();
-            let set = register.fieldset.and_then(|name| of.ir.fieldsets.iter().find(|set| set.name == name));
-            match set {
-                Some(set) => fields(of.ir, set, &mut list),
-                None => list.push((name.clone(), 0, register.bit_size)),
+            for view in views {
+                let set = view.fieldset.and_then(|name| of.ir.fieldsets.iter().find(|set| set.name == name));
+                match set {
+                    Some(set) => fields(of.ir, set, &mut list),
+                    None => list.push((name.clone(), 0, view.bit_size)),
+                }
             }
-            list.sort_by_key(|(_, at, _)| *at);
+            if let Some((.., corrected)) =
+                CORRECTIONS.iter().find(|(of, register, _)| (*of, *register) == (peripheral.name, name))
+            {
+                list = corrected.iter().map(|(name, at, size)| ((*name).to_owned(), *at, *size)).collect();
+            }
+            list.sort_by_key(|(_, at, size)| (*at, *size));
+            list.dedup();
             let list: String = list.iter().map(|(name, at, size)| format!("({name:?}, {at}, {size}), ")).collect();
-            let access = match register.access {
+            let access = match views[0].access {
                 Access::ReadWrite => "ReadWrite",
                 Access::Read => "Read",
                 Access::Write => "Write",

@@ -90,12 +90,13 @@ impl<W: Wires> Stm32g474<W> {
                 let odr = &mut self.regs[port + reg::ODR];
                 *odr = *odr & !(value >> 16) | value & 0xffff;
             }
+            reg::BRR => self.regs[port + reg::ODR] &= !value,
             reg::LCKR => return self.refuse(now, address, "the register"),
             _ => self.regs[address] = value,
         }
         self.pins_changed(now.at);
         // Only what is in its alternate function can reach a break.
-        if address - port != reg::BSRR && address - port != reg::ODR {
+        if !matches!(address - port, reg::BSRR | reg::BRR | reg::ODR) {
             self.update_breaks(now.at, ports);
         }
         self.update_exti(now.at, ports);

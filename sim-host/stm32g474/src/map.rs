@@ -48,10 +48,6 @@ pub use generated::{REGISTERS, SIGNALS, TRIGGERS, at, base, line};
 impl Register {
     /// The bits that are defined; all others are reserved.
     pub fn mask(&self) -> u32 {
-        // LPUART_BRR has 20 bits (RM0440 38.7.5); the metadata has those of the USARTs.
-        if self.base == base::LPUART1 && self.address == base::LPUART1 + at::lpuart::BRR {
-            return 0xf_ffff;
-        }
         self.fields.iter().fold(0, |mask, (_, low, width)| mask | ((((1_u64 << width) - 1) as u32) << low))
     }
 
@@ -175,5 +171,7 @@ mod tests {
         let registers = Registers::default();
         let (register, mask) = registers.find(base::IWDG + at::iwdg::RLR).unwrap();
         assert_eq!((register.peripheral, register.name, mask), ("IWDG", "RLR", 0xfff));
+        assert_eq!(registers.find(base::PWR + at::pwr::CR5).unwrap().1, 0x100);
+        assert_eq!(registers.find(base::LPUART1 + at::lpuart::BRR).unwrap().1, 0xf_ffff);
     }
 }

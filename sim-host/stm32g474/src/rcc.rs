@@ -24,6 +24,8 @@ const HSI48: usize = 4;
 /// Start-up times, typical (DS12288, oscillator characteristics): HSI16, HSE, PLL lock, LSI, HSI48.
 const START_UP: [Ps; 5] = [US, 2000 * US, 15 * US, 130 * US, 4 * US];
 
+/// PWR_CR5.R1MODE (6.4.5): cleared, the regulator boosts.
+const R1MODE: u32 = 1 << 8;
 /// RCC_CSR's flags (RM0440 7.4.28).
 const PIN: u32 = 1 << 26;
 const BOR: u32 = 1 << 27;
@@ -294,7 +296,7 @@ impl<W: Wires> Stm32g474<W> {
 
     /// The fastest clock at the present voltage: 170 MHz in boost, 150 MHz in range 1, 26 MHz in range 2 (6.1.5).
     pub(crate) fn most_hz(&self) -> u64 {
-        match (self.range(), self.regs[PWR + at::pwr::CR5] & 1 == 0) {
+        match (self.range(), self.regs[PWR + at::pwr::CR5] & R1MODE == 0) {
             (1, true) => 170_000_000,
             (1, false) => 150_000_000,
             _ => 26_000_000,

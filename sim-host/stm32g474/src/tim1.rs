@@ -65,7 +65,7 @@ impl<W: Wires> Stm32g474<W> {
             reg::SMCR | reg::CCMR3 | reg::DTR2 | reg::ECR | reg::DCR | reg::DMAR | reg::OR | reg::TISEL => {
                 self.refuse_bits(now, address, value, u32::MAX)?;
             }
-            reg::CCMR_INPUT_0 | reg::CCMR_INPUT_1 => self.check_modes(now, address, value)?,
+            reg::CCMR1 | reg::CCMR2 => self.check_modes(now, address, value)?,
             _ => {}
         }
         let locked = self.locked_bits(address) & (value ^ old);
@@ -120,7 +120,7 @@ impl<W: Wires> Stm32g474<W> {
             reg::AF1 | reg::AF2 => bits(1, u32::MAX),
             // Polarities.
             reg::CCER => bits(2, 0x22_aaaa),
-            reg::CCMR_INPUT_0 | reg::CCMR_INPUT_1 => bits(3, 0x0101_7878),
+            reg::CCMR1 | reg::CCMR2 => bits(3, 0x0101_7878),
             _ => 0,
         }
     }
@@ -189,7 +189,7 @@ impl<W: Wires> Stm32g474<W> {
         let stands = self.halted && Apb2fzr(self.regs[DBGMCU + at::dbgmcu::APB2FZR]).tim1();
         let level = |high: bool| if high { Level::High } else { Level::Low };
         let levels: [Level; 4] = std::array::from_fn(|channel| {
-            let ccmr = self.regs[TIM1 + if channel < 2 { reg::CCMR_INPUT_0 } else { reg::CCMR_INPUT_1 }];
+            let ccmr = self.regs[TIM1 + if channel < 2 { reg::CCMR1 } else { reg::CCMR2 }];
             let forced_high = ccmr >> (8 * (channel % 2) + 4) & 7 == 5;
             let inverted = ccer.ccp(channel);
             match (bdtr.moe() && !stands, ccer.cce(channel)) {

@@ -253,7 +253,7 @@ impl<W: Wires> Stm32g474<W> {
             _ => return Cycle::MAX,
         };
         let compare = u64::from(self.regs[first(index) + at::CCR_0 + 4 * channel]);
-        let mode = CcmrOutputGp16(self.regs[first(index) + at::CCMR_INPUT_0 + channel / 2 * 4]).ocm(channel as usize % 2);
+        let mode = CcmrOutputGp16(self.regs[first(index) + at::CCMR1 + channel / 2 * 4]).ocm(channel as usize % 2);
         match mode {
             // High below the compare value: rises with the update (29.5.8).
             Ocm::PWM_MODE1 if compare > 0 && compare < self.period(index) => self.next_match(at, index, 0),
