@@ -128,7 +128,10 @@ impl<W: Wires> Stm32g474<W> {
         let old = self.regs[address];
         let on = self.regs[registers(channel)] & 1 != 0;
         // CPAR, CMAR, CNDTR, and all of CCR but the enables of interrupts and itself, only while it is off (12.4.3).
-        let bits = if offset == 0 { (value ^ old) & !0xf } else { value ^ self.read_dma(address) };
+        let bits = value ^ self.read_dma(address);
+        // What is written together with a cleared enable has no effect: those fields are read-only until then (12.6.3).
+        let value = if on && offset == 0 && value & 1 == 0 { old & !0xf | value & 0xf } else { value };
+        let bits = if offset == 0 { (value ^ old) & !0xf } else { bits };
         if on && bits != 0 {
             return self.report(now, address, bits, value, Rule::DmaEnabled);
         }
