@@ -9,10 +9,12 @@ use std::{env, fs};
 use stm32_metapac::metadata::ir::{Access, Array, BitOffset, Block, BlockItemInner, FieldSet, IR, Register};
 use stm32_metapac::metadata::{METADATA, PeripheralRccRegister};
 
+/// Names, lowest bits and widths.
+type Fields = &'static [(&'static str, u32, u32)];
+
 /// Registers whose fields the metadata has wrong: RM0440 6.4.5, where R1MODE is bit 8 and not 0, and 38.7.5, where BRR has 20 bits. ST's SVD agrees
 /// with the manual in both.
-const CORRECTIONS: &[(&str, &str, &[(&str, u32, u32)])] =
-    &[("PWR", "CR5", &[("R1MODE", 8, 1)]), ("LPUART1", "BRR", &[("BRR", 0, 20)])];
+const CORRECTIONS: &[(&str, &str, Fields)] = &[("PWR", "CR5", &[("R1MODE", 8, 1)]), ("LPUART1", "BRR", &[("BRR", 0, 20)])];
 
 /// GPIOx_BRR.
 static BRR: Register = Register { access: Access::Write, bit_size: 16, fieldset: None };

@@ -3,40 +3,28 @@
 //! A conversion is three events: its trigger, the instant at which the input is held, and its end. `adc_control.rs` has the registers.
 
 use cortex_m4::{Cycle, Fault, Ports};
-use stm32_metapac::adc::regs::{Cfgr, Cfgr2, Cr, Isr, Smpr, Smpr2, Sqr1, Sqr2, Sqr3, Sqr4};
+use stm32_metapac::adc::regs::{Cfgr, Cfgr2, Cr, Isr, Sqr1};
 use stm32_metapac::adccommon::regs::Ccr;
 
+use crate::adc_inputs::Input;
 use crate::factory::{reference_volts, sensor_volts};
 use crate::finding::Rule;
 use crate::map::at::{adc as reg, adccommon as common};
-use crate::map::base::{ADC1, ADC2, ADC3, ADC4, ADC5, ADC12_COMMON, ADC345_COMMON, RCC};
-use crate::map::{SIGNALS, at, line};
+use crate::map::base::{ADC1, ADC2, ADC3, ADC4, ADC5, ADC12_COMMON, ADC345_COMMON};
+use crate::map::line;
 use crate::part::{Now, Stm32g474};
 use crate::time::{Event, Ps};
-use crate::wires::{Pin, Wires};
+use crate::wires::Wires;
 
 pub(crate) const BASES: [u32; 5] = [ADC1, ADC2, ADC3, ADC4, ADC5];
 /// DMA requests (13.3.2, table of requests).
 const REQUESTS: [u8; 5] = [5, 36, 37, 38, 39];
-/// Sampling times, ADC cycles (21.4.12).
-const SAMPLING: [f64; 8] = [2.5, 6.5, 12.5, 24.5, 47.5, 92.5, 247.5, 640.5];
 /// ADC cycles of a conversion after the sampling, 12 bits (21.4.16).
 const CONVERSION: f64 = 12.5;
-/// ADC cycles from a trigger to the start of the sampling, by CKMODE (DS12288, ADC characteristics, t_LATR): the most, where the clock is asynchronous.
-const LATENCY: [f64; 4] = [2.5, 2.0, 2.25, 2.125];
 /// Margin between the end of a conversion and the next trigger below which [`Rule::AdcTriggerMargin`] speaks, ADC cycles.
 const MARGIN: f64 = 0.25;
 /// Regular simultaneous mode (ADCx_CCR.DUAL).
 pub(crate) const SIMULTANEOUS: u8 = 6;
-
-/// What an ADC converts.
-#[derive(Clone, Copy, Debug, PartialEq)]
-enum Input {
-    Pin(Pin),
-    Sensor,
-    Reference,
-    Unknown,
-}
 
 /// An ADC.
 #[derive(Clone, Debug)]
@@ -47,7 +35,11 @@ pub(crate) struct Adc {
     /// A conversion is under way; when it ends, or the last one has ended, to a fraction of a cycle.
     pub busy: bool,
     end: f64,
-    inputs: [Input; 16],
+    pub inputs: [Input; 16],
+    /// Core cycles of an ADC cycle, from a trigger to the sampling, and of the sampling of each place of the sequence.
+    pub period: f64,
+    pub latency: f64,
+    pub sampling: [f64; 16],
     rank: usize,
     held: u32,
     sum: u32,
@@ -67,6 +59,9 @@ impl Default for Adc {
             busy: false,
             end: f64::NEG_INFINITY,
             inputs: [Input::Unknown; 16],
+            period: 1.0,
+            latency: 0.0,
+            sampling: [0.0; 16],
             rank: 0,
             held: 0,
             sum: 0,
@@ -95,6 +90,12 @@ pub(crate) fn common_of(index: usize) -> u32 {
     if index < 2 { ADC12_COMMON } else { ADC345_COMMON }
 }
 
+/// The first cycle that is not before a time; `f64::ceil` is a call on some hosts.
+fn first_cycle(time: f64) -> Cycle {
+    let whole = time as Cycle;
+    whole + Cycle::from((whole as f64) < time)
+}
+
 impl<W: Wires> Stm32g474<W> {
     pub(crate) fn adc_cr(&self, index: usize) -> Cr {
         Cr(self.regs[BASES[index] + reg::CR])
@@ -102,25 +103,6 @@ impl<W: Wires> Stm32g474<W> {
 
     pub(crate) fn adc_ccr(&self, index: usize) -> Ccr {
         Ccr(self.regs[common_of(index) + common::CCR])
-    }
-
-    /// Core cycles of an ADC cycle; none without a clock (21.4.3).
-    pub(crate) fn adc_period(&self, index: usize) -> Option<f64> {
-        let ccr = self.adc_ccr(index);
-        match ccr.ckmode().to_bits() {
-            0 => {
-                let select = self.regs[RCC + at::rcc::CCIPR] >> (if index < 2 { 28 } else { 30 }) & 3;
-                let kernel = match select {
-                    1 => self.pll_p(),
-                    2 => self.system_hz(),
-                    _ => return None,
-                };
-                const PRESCALERS: [u32; 12] = [1, 2, 4, 6, 8, 10, 12, 16, 32, 64, 128, 256];
-                let prescaler = PRESCALERS.get(usize::from(ccr.presc().to_bits()))?;
-                Some(f64::from(*prescaler) * self.time.hz() as f64 / kernel as f64)
-            }
-            mode => Some(f64::from(1 << (mode - 1))),
-        }
     }
 
     /// Whether an ADC is the slave of a pair that converts together.
@@ -131,73 +113,6 @@ impl<W: Wires> Stm32g474<W> {
     /// The ADC that converts with this one.
     pub(crate) fn partner(&self, index: usize) -> Option<usize> {
         (matches!(index, 0 | 2) && self.adc_ccr(index).dual().to_bits() == SIMULTANEOUS).then_some(index + 1)
-    }
-
-    /// What is at a channel (21.4.11, table of the inputs).
-    fn input(&self, index: usize, channel: u8) -> Input {
-        let internal = match (index, channel) {
-            (0, 16) | (4, 4) => Some(Input::Sensor),
-            (0 | 2 | 3 | 4, 18) => Some(Input::Reference),
-            _ => None,
-        };
-        let name = format!("ADC{}", index + 1);
-        let signal = format!("IN{channel}");
-        let pin = || {
-            SIGNALS
-                .iter()
-                .find(|(peripheral, input, ..)| *peripheral == name && *input == signal)
-                .and_then(|(.., pin, _)| Pin::named(pin))
-        };
-        internal.or_else(|| pin().map(Input::Pin)).unwrap_or(Input::Unknown)
-    }
-
-    /// The channel of a place in the sequence (21.7.11 to 21.7.14).
-    fn channel(&self, index: usize, rank: usize) -> u8 {
-        let base = BASES[index];
-        match rank {
-            0..4 => Sqr1(self.regs[base + reg::SQR1]).sq(rank),
-            4..9 => Sqr2(self.regs[base + reg::SQR2]).sq(rank - 4),
-            9..14 => Sqr3(self.regs[base + reg::SQR3]).sq(rank - 9),
-            _ => Sqr4(self.regs[base + reg::SQR4]).sq(rank - 14),
-        }
-    }
-
-    /// Looks up the sequence when it is started.
-    pub(crate) fn prepare_adc(&mut self, now: Now, index: usize) -> Result<(), Fault> {
-        let length = usize::from(Sqr1(self.regs[BASES[index] + reg::SQR1]).l());
-        for rank in 0..=length {
-            let channel = self.channel(index, rank);
-            let input = self.input(index, channel);
-            let ccr = self.adc_ccr(index);
-            match input {
-                Input::Unknown => return self.refuse(now, BASES[index] + reg::SQR1, &format!("channel {channel}")),
-                Input::Sensor if !ccr.vsenseen() => {
-                    self.report(now, common_of(index) + common::CCR, 1 << 23, ccr.0, Rule::AdcInternalOff)?;
-                }
-                Input::Reference if !ccr.vrefen() => {
-                    self.report(now, common_of(index) + common::CCR, 1 << 22, ccr.0, Rule::AdcInternalOff)?;
-                }
-                _ => {}
-            }
-            self.adcs[index].inputs[rank] = input;
-        }
-        self.adcs[index].stop();
-        Ok(())
-    }
-
-    fn sampling(&self, index: usize, rank: usize) -> f64 {
-        let channel = self.channel(index, rank);
-        let smpr = Smpr(self.regs[BASES[index] + reg::SMPR]);
-        let time = if channel < 10 {
-            smpr.smp(usize::from(channel))
-        } else {
-            Smpr2(self.regs[BASES[index] + reg::SMPR2]).smp(usize::from(channel) - 10)
-        };
-        match time.to_bits() {
-            // SMPPLUS makes 2.5 cycles 3.5 (21.7.6).
-            0 if smpr.smpplus() => 3.5,
-            code => SAMPLING[usize::from(code)],
-        }
     }
 
     /// The timers, from TIM2, that trigger each ADC.
@@ -222,34 +137,28 @@ impl<W: Wires> Stm32g474<W> {
             let isr = self.regs[BASES[index] + reg::ISR];
             return self.report(now, BASES[index] + reg::CFGR, 0x1f << 5, isr, Rule::AdcTriggerLost);
         }
-        let Some(period) = self.adc_period(index) else {
-            return self.refuse(now, BASES[index] + reg::CR, "an ADC without a clock");
-        };
-        if at as f64 - self.adcs[index].end < MARGIN * period {
+        let adc = &self.adcs[index];
+        let latency = adc.latency;
+        if at as f64 - adc.end < MARGIN * adc.period {
             self.report(now, BASES[index] + reg::SMPR, u32::MAX, self.regs[BASES[index] + reg::SMPR], Rule::AdcTriggerMargin)?;
         }
-        self.convert(index, at as f64 + LATENCY[usize::from(self.adc_ccr(index).ckmode().to_bits())] * period, period);
+        self.convert(index, at as f64 + latency);
         Ok(())
     }
 
     /// A conversion, sampling from `from` on.
-    fn convert(&mut self, index: usize, from: f64, period: f64) {
-        let hold = from + self.sampling(index, self.adcs[index].rank) * period;
+    fn convert(&mut self, index: usize, from: f64) {
         let adc = &mut self.adcs[index];
-        (adc.busy, adc.end) = (true, hold + CONVERSION * period);
-        let end = adc.end.ceil() as Cycle;
-        self.agenda.set(Event::AdcHold(index), hold.ceil() as Cycle);
+        let hold = from + adc.sampling[adc.rank];
+        (adc.busy, adc.end) = (true, hold + CONVERSION * adc.period);
+        let end = first_cycle(adc.end);
+        self.agenda.set(Event::AdcHold(index), first_cycle(hold));
         self.agenda.set(Event::AdcEnd(index), end);
     }
 
     /// Starts a conversion by software.
-    pub(crate) fn start_adc(&mut self, now: Now, index: usize) -> Result<(), Fault> {
-        let Some(period) = self.adc_period(index) else {
-            return self.refuse(now, BASES[index] + reg::CR, "an ADC without a clock");
-        };
-        let latency = LATENCY[usize::from(self.adc_ccr(index).ckmode().to_bits())];
-        self.convert(index, now.at as f64 + latency * period, period);
-        Ok(())
+    pub(crate) fn start_adc(&mut self, now: Now, index: usize) {
+        self.convert(index, now.at as f64 + self.adcs[index].latency);
     }
 
     /// The input is held: 12 bits of it, in units of the reference (21.4.32).
@@ -262,7 +171,7 @@ impl<W: Wires> Stm32g474<W> {
                 Input::Reference if self.adc_ccr(member).vrefen() => reference_volts(),
                 _ => 0.0,
             };
-            let code = (volts / self.config.vdda * 4096.0).round().clamp(0.0, 4095.0) as u32;
+            let code = (volts / self.config.vdda * 4096.0 + 0.5).clamp(0.0, 4095.0) as u32;
             self.adcs[member].held = self.adcs[member].stuck.map_or(code, u32::from);
         }
     }
@@ -282,11 +191,10 @@ impl<W: Wires> Stm32g474<W> {
         }
         self.adcs[index].busy = false;
         let end = self.adcs[index].end;
-        let period = self.adc_period(index).unwrap_or(1.0);
         if self.adcs[index].count < wanted {
             // The next one of the sum comes with a trigger of its own, or at once.
             if cfgr2.trovs().to_bits() == 0 {
-                self.convert(index, end, period);
+                self.convert(index, end);
             }
             return Ok(());
         }
@@ -299,12 +207,12 @@ impl<W: Wires> Stm32g474<W> {
         }
         self.adcs[index].rank = if last { 0 } else { self.adcs[index].rank + 1 };
         if !last || cfgr.cont() {
-            self.convert(index, end, period);
+            self.convert(index, end);
         } else if cfgr.exten().to_bits() == 0 {
             self.regs[base + reg::CR] &= !(1 << 2);
         }
         self.ask_dma(at, index, ports)?;
-        self.adc_line(index, ports);
+        self.update_adc_line(index, ports);
         Ok(())
     }
 
@@ -349,12 +257,19 @@ impl<W: Wires> Stm32g474<W> {
 
     /// A DMA channel is on: a value that waits is taken.
     pub(crate) fn serve_adc(&mut self, now: Now, request: u8, ports: &mut Ports) -> Result<(), Fault> {
-        for index in 0..5 {
-            if REQUESTS[index] == request && self.adcs[index].waits {
+        for (index, own) in REQUESTS.into_iter().enumerate() {
+            if own == request && self.adcs[index].waits {
                 self.adcs[index].waits = !self.request(now, request, ports)?;
             }
         }
         Ok(())
+    }
+
+    /// The same, where only a flag has changed: most ADCs have no interrupt.
+    pub(crate) fn update_adc_line(&self, index: usize, ports: &mut Ports) {
+        if self.regs[BASES[index] + reg::IER] != 0 {
+            self.adc_line(index, ports);
+        }
     }
 
     pub(crate) fn adc_line(&self, index: usize, ports: &mut Ports) {

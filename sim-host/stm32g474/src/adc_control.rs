@@ -49,7 +49,7 @@ impl<W: Wires> Stm32g474<W> {
     /// Reading the data clears EOC (21.7.16).
     fn take_result(&mut self, index: usize, ports: &mut Ports) {
         self.regs[BASES[index] + reg::ISR] &= !4;
-        self.adc_line(index, ports);
+        self.update_adc_line(index, ports);
     }
 
     pub(crate) fn read_adc_common(&mut self, _now: Now, address: u32, ports: &mut Ports) -> u32 {
@@ -97,7 +97,12 @@ impl<W: Wires> Stm32g474<W> {
                 self.adc_line(index, ports);
                 return Ok(());
             }
-            reg::IER => self.refuse_bits(now, address, value, !0x1f)?,
+            reg::IER => {
+                self.refuse_bits(now, address, value, !0x1f)?;
+                self.regs[address] = value;
+                self.adc_line(index, ports);
+                return Ok(());
+            }
             reg::CR => return self.write_adc_cr(now, index, Cr(value)),
             reg::CFGR => {
                 let cfgr = Cfgr(value);
@@ -219,12 +224,15 @@ impl<W: Wires> Stm32g474<W> {
             self.prepare_adc(now, member)?;
         }
         self.regs[address] |= 1 << 2;
-        if Cfgr(self.regs[BASES[index] + reg::CFGR]).exten().to_bits() == 0 { self.start_adc(now, index) } else { Ok(()) }
+        if Cfgr(self.regs[BASES[index] + reg::CFGR]).exten().to_bits() == 0 {
+            self.start_adc(now, index)
+        }
+        Ok(())
     }
 
     /// Forgets the state of the ADCs that RCC resets: they are reset by pair and by three.
     pub(crate) fn reset_adc(&mut self, base: u32) {
-        let group: &[usize] = if base <= ADC2 && base >= ADC1 || base == common_of(0) { &[0, 1] } else { &[2, 3, 4] };
+        let group: &[usize] = if (ADC1..=ADC2).contains(&base) || base == common_of(0) { &[0, 1] } else { &[2, 3, 4] };
         for index in group {
             self.stop_adc(*index);
             self.adcs[*index].reset();

@@ -119,7 +119,7 @@ impl<W: Wires> Stm32g474<W> {
 
     /// OPAMPx_CSR (25.5): a follower does nothing that the wires could not see at the DAC; other modes are refused.
     pub(crate) fn write_opamp(&mut self, now: Now, address: u32, value: u32) -> Result<(), Fault> {
-        if (address - OPAMP1) % 4 != 0 || address >= OPAMP1 + 0x18 {
+        if !(address - OPAMP1).is_multiple_of(4) || address >= OPAMP1 + 0x18 {
             return self.refuse(now, address, "the timer-controlled multiplexer");
         }
         let old = self.regs[address];

@@ -237,9 +237,9 @@ impl<W: Wires> Stm32g474<W> {
 
     /// A DMA channel is on: a request that stands is served.
     pub(crate) fn serve_dac(&mut self, now: Now, request: u8, ports: &mut Ports) -> Result<(), Fault> {
-        for index in 0..4 {
-            for channel in 0..2 {
-                if REQUESTS[index][channel] == request && self.dacs[index].waits[channel] {
+        for (index, own) in REQUESTS.into_iter().enumerate() {
+            for (channel, own) in own.into_iter().enumerate() {
+                if own == request && self.dacs[index].waits[channel] {
                     self.dacs[index].waits[channel] = !self.request(now, request, ports)?;
                 }
             }
@@ -251,6 +251,6 @@ impl<W: Wires> Stm32g474<W> {
         let (sr, cr) = (self.regs[first(index) + reg::SR], self.dac_cr(index));
         let high = (0..2).any(|channel| cr.dmaudrie(channel) && sr & UNDERRUN[channel] != 0);
         // DAC1 and DAC3 share TIM6's line, DAC2 and DAC4 TIM7's.
-        ports.interrupts.set(if index % 2 == 0 { line::TIM6_DAC } else { line::TIM7_DAC }, high);
+        ports.interrupts.set(if index.is_multiple_of(2) { line::TIM6_DAC } else { line::TIM7_DAC }, high);
     }
 }

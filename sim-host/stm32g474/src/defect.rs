@@ -1,5 +1,12 @@
 //! What can be made to fail.
 
+use cortex_m4::{Cycle, Fault, Ports};
+
+use crate::factory;
+use crate::part::Stm32g474;
+use crate::time::Event;
+use crate::wires::{Pin, Wires};
+
 /// What becomes of the RAM in a brown-out.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Ram {
@@ -62,10 +69,65 @@ pub enum Defect {
     /// An input pin is stuck at a level.
     PinStuck {
         /// The pin.
-        pin: crate::Pin,
+        pin: Pin,
         /// The level.
         high: bool,
     },
     /// The supply falls below the threshold of PWR_CR2.PLS, or comes back.
     SupplyLow(bool),
+}
+
+impl<W: Wires> Stm32g474<W> {
+    /// Plans a defect.
+    pub fn inject(&mut self, at: Cycle, defect: Defect) {
+        self.defects.push((at, defect));
+        self.defects.sort_by_key(|(at, _)| *at);
+        self.plan_defect();
+    }
+
+    pub(crate) fn plan_defect(&mut self) {
+        let next = self.defects.first().map_or(Cycle::MAX, |(at, _)| *at);
+        self.agenda.set(Event::Defect, next);
+    }
+
+    /// A level of an input pin that a defect holds.
+    pub(crate) fn stuck_pins(&self, port: u8) -> impl Iterator<Item = (u8, bool)> {
+        self.stuck.iter().filter(move |(pin, _)| pin.port == port).map(|(pin, high)| (pin.number, *high))
+    }
+
+    /// A defect sets in.
+    pub(crate) fn fail(&mut self, at: Cycle, ports: &mut Ports) -> Result<(), Fault> {
+        while self.defects.first().is_some_and(|(due, _)| *due <= at) {
+            let (_, defect) = self.defects.remove(0);
+            match defect {
+                Defect::AdcStuck { adc, code } => self.adcs[usize::from(adc - 1)].stuck = Some(code),
+                Defect::TimerHalts { timer } => self.halt_timer(at, usize::from(timer - 2)),
+                Defect::DmaHalts { dma, channel } => self.dma.halt(usize::from((dma - 1) * 8 + channel - 1)),
+                Defect::HseStops => self.hse_stops(at, ports)?,
+                Defect::PllUnlocks => self.pll_unlocks(at)?,
+                Defect::BrownOut { ram } => {
+                    self.flash_loses_power(ports);
+                    if ram == Ram::Lost {
+                        factory::scramble(ports.memory);
+                    }
+                    self.rcc.power_lost = true;
+                    ports.interrupts.pull_reset();
+                }
+                Defect::FlashBits { address, bits } => self.flip_flash(address, bits, ports),
+                Defect::RamBit { address, bit } => {
+                    if let Some([byte]) = ports.memory.get_mut(address, 1) {
+                        *byte ^= 1 << (bit & 7);
+                    }
+                }
+                Defect::UartNoise { bytes } => self.uart.noise = bytes,
+                Defect::PinStuck { pin, high } => {
+                    self.stuck.push((pin, high));
+                    self.look_at_inputs(at, ports)?;
+                }
+                Defect::SupplyLow(low) => self.supply(at, low, ports),
+            }
+        }
+        self.plan_defect();
+        Ok(())
+    }
 }

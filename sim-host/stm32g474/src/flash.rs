@@ -174,7 +174,7 @@ impl<W: Wires> Stm32g474<W> {
         let second = self.flash.half.take();
         flags.set_pgserr(!cr.pg() || cr.per() || *self.flash_sr() & 0xfa != 0 || second.is_some_and(|(at, _)| at + 4 != address));
         flags.set_sizerr(access.width != Width::Word);
-        flags.set_pgaerr(second.is_none() && address % 8 != 0);
+        flags.set_pgaerr(second.is_none() && !address.is_multiple_of(8));
         if flags.0 != 0 {
             *self.flash_sr() |= flags.0;
             self.flash_line(ports);

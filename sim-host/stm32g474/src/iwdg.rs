@@ -7,7 +7,7 @@ use crate::finding::Rule;
 use crate::map::at;
 use crate::map::base::{DBGMCU, IWDG};
 use crate::part::{Now, Stm32g474};
-use crate::rcc::IWDG_FLAG;
+use crate::resets::IWDG_FLAG;
 use crate::time::{Event, Ps};
 use crate::wires::Wires;
 

@@ -1,11 +1,54 @@
-//! The registers of an STM32G474 in software, and a lint of how a program uses them.
+//! The registers of an STM32G474RE in software, and a lint of how a program uses them.
 //!
-//! It is the [`Chip`](cortex_m4::Chip) around the processor of the crate `cortex-m4`. What hangs on its pins stands behind a trait of this crate.
+//! ```text
+//! processor ── Chip ──> bus ──> RCC PWR FLASH SYSCFG EXTI GPIO DMA TIM ADC DAC COMP OPAMP LPUART IWDG
+//!                        │                                            │
+//!                       Lint (Finding)                              Wires: the board at the pins
+//! ```
+//!
+//! [`Stm32g474`] is the [`Chip`](cortex_m4::Chip) around the processor of the crate `cortex-m4`. What hangs on its pins is a [`Wires`].
+//! Names, fields and addresses of the registers are made from the metadata of `stm32-metapac` when the crate is built ([`map`]); what the
+//! registers do is written from RM0440, the data sheet DS12288 and the errata ES0430.
+//!
+//! Nothing is stepped: a counter's value and the time of the next trigger, conversion, byte or bite follow from when each was started, and the processor
+//! asks by [`due`](cortex_m4::Chip::due) when it has to call next. Time is counted in cycles of the core clock; what lasts so many seconds moves when that changes.
+//!
+//! An address, a register or a feature that the model does not know stops the run ([`NotModelled`]), and so does what a program does wrong
+//! ([`Finding`]), unless its [`Rule`] is set to be collected. A [`Defect`] makes something fail.
+//!
+//! ```
+//! use cortex_m4::{Access, Chip, Fault, Interrupts, Ports, Width};
+//! use sonoglide_stm32g474::map::{at, base};
+//! use sonoglide_stm32g474::{Bare, Config, Finding, Rule, Stm32g474};
+//!
+//! let mut part = Stm32g474::new(Config::default(), Bare);
+//! let (mut memory, mut interrupts) = (Stm32g474::<Bare>::memory(), Interrupts::default());
+//! let mut write = |address, value, at| {
+//!     let access = Access { address, width: Width::Word, at, pc: 0x0800_0200 };
+//!     part.write(access, value, Ports { memory: &mut memory, interrupts: &mut interrupts })
+//! };
+//!
+//! // An output of a port whose clock is off.
+//! let Err(Fault::Stop(error)) = write(base::GPIOA + at::gpio::BSRR, 1 << 5, 10) else { panic!("it is not found") };
+//! assert_eq!(error.downcast_ref::<Finding>().unwrap().rule, Rule::Unclocked);
+//!
+//! write(base::RCC + at::rcc::AHB2ENR, 1, 12).unwrap();
+//! write(base::GPIOA + at::gpio::BSRR, 1 << 5, 20).unwrap();
+//! ```
+//!
+//! # What is simplified
+//!
+//! DMA serves a request at once; comparators act without delay, and look when a DAC, a conversion or the wires change; the regulator follows
+//! PWR_CR1 at once; an encoder is a position, not two wires; timers 2 to 5 count up, and TIM1's counter stands.
 #![forbid(unsafe_code)]
 
 mod adc;
 mod adc_control;
+mod adc_inputs;
+mod adc_timing;
 mod art;
+mod bus;
+mod clock_rules;
 mod comp;
 mod dac;
 mod defect;
@@ -20,10 +63,12 @@ mod part;
 mod pwr;
 mod rcc;
 mod reset;
+mod resets;
 mod syscfg;
 mod tim1;
 mod time;
 mod timer;
+mod triggers;
 mod uart;
 mod wires;
 

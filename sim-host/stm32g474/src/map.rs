@@ -68,6 +68,7 @@ impl Register {
 const WORDS: usize = 0xd100;
 
 /// The place of an address in [`Registers`].
+#[inline(always)]
 fn place(address: u32) -> Option<usize> {
     let (from, first, last) = match address >> 20 {
         0x400 => (0x4000_0000, 0, 0xc000),
@@ -134,12 +135,14 @@ impl Registers {
 impl Index<u32> for Registers {
     type Output = u32;
 
+    #[inline(always)]
     fn index(&self, address: u32) -> &u32 {
         &self.values[place(address).unwrap_or(0)]
     }
 }
 
 impl IndexMut<u32> for Registers {
+    #[inline(always)]
     fn index_mut(&mut self, address: u32) -> &mut u32 {
         &mut self.values[place(address).unwrap_or(0)]
     }

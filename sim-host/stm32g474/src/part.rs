@@ -1,18 +1,17 @@
 //! The part: who answers at which address, and what happens when.
 
-use cortex_m4::{Access, Chip, Cycle, Fault, Memory, Ports, Region, Width};
+use cortex_m4::{Cycle, Fault, Memory, Ports, Region};
 
 use crate::adc::Adc;
 use crate::art::Art;
 use crate::dac::Dac;
-use crate::defect::{Defect, Ram};
+use crate::defect::Defect;
 use crate::dma::Dma;
-use crate::factory;
 use crate::finding::{Finding, Lint, NotModelled, Rule};
 use crate::flash::Flash;
 use crate::gpio::Gpio;
 use crate::iwdg::Iwdg;
-use crate::map::{self, Register, Registers, base};
+use crate::map::Registers;
 use crate::rcc::{HSI_HZ, Rcc};
 use crate::tim1::Tim1;
 use crate::time::{Agenda, Event, TimeBase};
@@ -69,7 +68,7 @@ pub struct Stm32g474<W> {
     /// The time of the last access, fetch or event.
     pub(crate) last: Cycle,
     /// The last change of the wires that was looked at.
-    looked: Cycle,
+    pub(crate) looked: Cycle,
     pub(crate) rcc: Rcc,
     pub(crate) flash: Flash,
     pub(crate) art: Art,
@@ -87,8 +86,8 @@ pub struct Stm32g474<W> {
     pub(crate) supply_low: bool,
     /// Levels of the pins that EXTI looks at.
     pub(crate) exti: u16,
-    defects: Vec<(Cycle, Defect)>,
-    stuck: Vec<(Pin, bool)>,
+    pub(crate) defects: Vec<(Cycle, Defect)>,
+    pub(crate) stuck: Vec<(Pin, bool)>,
 }
 
 impl<W: Wires> Stm32g474<W> {
@@ -148,13 +147,6 @@ impl<W: Wires> Stm32g474<W> {
         self.time.cycle((seconds * 1e12) as u64)
     }
 
-    /// Plans a defect.
-    pub fn inject(&mut self, at: Cycle, defect: Defect) {
-        self.defects.push((at, defect));
-        self.defects.sort_by_key(|(at, _)| *at);
-        self.plan_defect();
-    }
-
     /// A debugger halts the processor, or lets it go on: DBGMCU says which peripherals stand meanwhile (RM0440 47.6).
     pub fn debugger(&mut self, at: Cycle, halted: bool, mut ports: Ports) -> Result<(), Fault> {
         self.run(at, &mut ports)?;
@@ -172,11 +164,6 @@ impl<W: Wires> Stm32g474<W> {
     /// Whether the enable pin of TIM1's channel 3 (PA10) is driven high.
     pub fn enable_is_high(&self) -> bool {
         self.tim1.level(2) == crate::Level::High
-    }
-
-    fn plan_defect(&mut self) {
-        let next = self.defects.first().map_or(Cycle::MAX, |(at, _)| *at);
-        self.agenda.set(Event::Defect, next);
     }
 
     pub(crate) fn now(&self, at: Cycle) -> Now {
@@ -212,96 +199,6 @@ impl<W: Wires> Stm32g474<W> {
         self.refuse(now, address, &names.join("+"))
     }
 
-    /// The register at an address that a program accesses, if the peripheral has its clock.
-    fn target(&mut self, now: Now, address: u32) -> Result<(&'static Register, u32), Fault> {
-        let Some(found) = self.regs.find(address & !3) else {
-            return if Registers::covers(address) { self.refuse(now, address, "a register") } else { Err(Fault::Bus) };
-        };
-        if let Some((enable, bit)) = found.0.enable {
-            if self.regs[enable] & bit == 0 {
-                self.report(now, found.0.address, u32::MAX, 0, Rule::Unclocked)?;
-            } else if now.at < self.rcc.settled && self.rcc.enabled == (enable, self.rcc.enabled.1 | bit) {
-                self.report(now, found.0.address, u32::MAX, 0, Rule::ClockSettle)?;
-            }
-        }
-        Ok(found)
-    }
-
-    /// Reads a register as the bus does: by a program, or by DMA.
-    pub(crate) fn load(&mut self, now: Now, register: &Register, ports: &mut Ports) -> Result<u32, Fault> {
-        let address = register.address;
-        match register.base {
-            base::GPIOA | base::GPIOB | base::GPIOC | base::GPIOD | base::GPIOE | base::GPIOF | base::GPIOG => {
-                Ok(self.read_gpio(now, address))
-            }
-            base::DMA1 | base::DMA2 => Ok(self.read_dma(address)),
-            base::TIM2 | base::TIM3 | base::TIM4 | base::TIM5 => Ok(self.read_timer(now, address)),
-            base::TIM1 => Ok(self.read_tim1(address)),
-            base::ADC1 | base::ADC2 | base::ADC3 | base::ADC4 | base::ADC5 => Ok(self.read_adc(now, address, ports)),
-            base::ADC12_COMMON | base::ADC345_COMMON => Ok(self.read_adc_common(now, address, ports)),
-            base::DAC1 | base::DAC2 | base::DAC3 | base::DAC4 => Ok(self.read_dac(address)),
-            base::IWDG if address == base::IWDG + map::at::iwdg::SR => Ok(self.iwdg_status(now.at)),
-            base::IWDG => Ok(self.regs[address]),
-            base::LPUART1 => Ok(self.read_uart(now, address, ports)),
-            base::COMP1
-            | base::COMP2
-            | base::COMP3
-            | base::COMP4
-            | base::COMP5
-            | base::COMP6
-            | base::COMP7
-            | base::OPAMP1
-            | base::OPAMP2
-            | base::OPAMP3
-            | base::OPAMP4
-            | base::OPAMP5
-            | base::OPAMP6
-            | base::RCC
-            | base::PWR
-            | base::SYSCFG
-            | base::FLASH
-            | base::DMAMUX1
-            | base::EXTI
-            | base::DBGMCU => Ok(self.regs[address]),
-            _ => self.refuse(now, address, "the peripheral"),
-        }
-    }
-
-    /// Writes a register as the bus does.
-    pub(crate) fn store(&mut self, now: Now, register: &Register, value: u32, ports: &mut Ports) -> Result<(), Fault> {
-        let address = register.address;
-        match register.base {
-            base::GPIOA | base::GPIOB | base::GPIOC | base::GPIOD | base::GPIOE | base::GPIOF | base::GPIOG => {
-                self.write_gpio(now, address, value, ports)
-            }
-            base::DMA1 | base::DMA2 => self.write_dma(now, address, value, ports),
-            base::DMAMUX1 => self.write_dmamux(now, address, value, ports),
-            base::TIM2 | base::TIM3 | base::TIM4 | base::TIM5 => self.write_timer(now, address, value, ports),
-            base::TIM1 => self.write_tim1(now, address, value, ports),
-            base::ADC1 | base::ADC2 | base::ADC3 | base::ADC4 | base::ADC5 => self.write_adc(now, address, value, ports),
-            base::ADC12_COMMON | base::ADC345_COMMON => self.write_adc_common(now, address, value),
-            base::DAC1 | base::DAC2 | base::DAC3 | base::DAC4 => self.write_dac(now, address, value, ports),
-            base::LPUART1 => self.write_uart(now, address, value, ports),
-            base::COMP1 | base::COMP2 | base::COMP3 | base::COMP4 | base::COMP5 | base::COMP6 | base::COMP7 => {
-                self.write_comp(now, address, value, ports)
-            }
-            base::OPAMP1 | base::OPAMP2 | base::OPAMP3 | base::OPAMP4 | base::OPAMP5 | base::OPAMP6 => {
-                self.write_opamp(now, address, value)
-            }
-            base::RCC => self.write_rcc(now, address, value, ports),
-            base::PWR => self.write_pwr(now, address, value),
-            base::SYSCFG => self.write_syscfg(now, address, value, ports),
-            base::FLASH => self.write_flash_register(now, address, value, ports),
-            base::IWDG => self.write_iwdg(now, address, value),
-            base::EXTI => self.write_exti(now, address, value, ports),
-            base::DBGMCU => {
-                self.regs[address] = value;
-                Ok(())
-            }
-            _ => self.refuse(now, address, "the peripheral"),
-        }
-    }
-
     /// Lets happen what is due until `to`.
     pub(crate) fn run(&mut self, to: Cycle, ports: &mut Ports) -> Result<(), Fault> {
         self.last = to;
@@ -334,51 +231,10 @@ impl<W: Wires> Stm32g474<W> {
     }
 
     /// The wires have changed by themselves: pins, then comparators.
-    fn look_at_inputs(&mut self, at: Cycle, ports: &mut Ports) -> Result<(), Fault> {
+    pub(crate) fn look_at_inputs(&mut self, at: Cycle, ports: &mut Ports) -> Result<(), Fault> {
         self.update_exti(at, ports);
         self.compare(at, ports);
         self.update_breaks(at, ports);
-        Ok(())
-    }
-
-    /// A level of an input pin that a defect holds.
-    pub(crate) fn stuck_pins(&self, port: u8) -> impl Iterator<Item = (u8, bool)> {
-        self.stuck.iter().filter(move |(pin, _)| pin.port == port).map(|(pin, high)| (pin.number, *high))
-    }
-
-    /// A defect sets in.
-    fn fail(&mut self, at: Cycle, ports: &mut Ports) -> Result<(), Fault> {
-        while self.defects.first().is_some_and(|(due, _)| *due <= at) {
-            let (_, defect) = self.defects.remove(0);
-            match defect {
-                Defect::AdcStuck { adc, code } => self.adcs[usize::from(adc - 1)].stuck = Some(code),
-                Defect::TimerHalts { timer } => self.halt_timer(at, usize::from(timer - 2)),
-                Defect::DmaHalts { dma, channel } => self.dma.halt(usize::from((dma - 1) * 8 + channel - 1)),
-                Defect::HseStops => self.hse_stops(at, ports),
-                Defect::PllUnlocks => self.pll_unlocks(at)?,
-                Defect::BrownOut { ram } => {
-                    self.flash_loses_power(ports);
-                    if ram == Ram::Lost {
-                        factory::scramble(ports.memory);
-                    }
-                    self.rcc.power_lost = true;
-                    ports.interrupts.pull_reset();
-                }
-                Defect::FlashBits { address, bits } => self.flip_flash(address, bits, ports),
-                Defect::RamBit { address, bit } => {
-                    if let Some([byte]) = ports.memory.get_mut(address, 1) {
-                        *byte ^= 1 << (bit & 7);
-                    }
-                }
-                Defect::UartNoise { bytes } => self.uart.noise = bytes,
-                Defect::PinStuck { pin, high } => {
-                    self.stuck.push((pin, high));
-                    self.look_at_inputs(at, ports)?;
-                }
-                Defect::SupplyLow(low) => self.supply(at, low, ports),
-            }
-        }
-        self.plan_defect();
         Ok(())
     }
 
@@ -395,115 +251,5 @@ impl<W: Wires> Stm32g474<W> {
     pub(crate) fn pull_reset(&mut self, flag: u32, ports: &mut Ports) {
         self.rcc.cause |= flag;
         ports.interrupts.pull_reset();
-    }
-}
-
-impl<W: Wires> Chip for Stm32g474<W> {
-    fn read(&mut self, access: Access, mut ports: Ports) -> Result<u32, Fault> {
-        let now = Now { at: access.at, pc: access.pc };
-        self.pc = access.pc;
-        self.run(access.at, &mut ports)?;
-        let shift = access.address % 4 * 8;
-        let word = match factory::read(access.address & !3, &self.config) {
-            Some(word) => word,
-            None => {
-                let (register, _) = self.target(now, access.address)?;
-                self.load(now, register, &mut ports)?
-            }
-        };
-        Ok(match access.width {
-            Width::Word => word,
-            Width::Half => word >> shift & 0xffff,
-            Width::Byte => word >> shift & 0xff,
-        })
-    }
-
-    fn write(&mut self, access: Access, value: u32, mut ports: Ports) -> Result<(), Fault> {
-        let now = Now { at: access.at, pc: access.pc };
-        self.pc = access.pc;
-        self.run(access.at, &mut ports)?;
-        if (0x0800_0000..0x0808_0000).contains(&access.address) {
-            return self.program(now, access, value, &mut ports);
-        }
-        let (register, mask) = self.target(now, access.address)?;
-        let narrow = match access.width {
-            Width::Word => None,
-            Width::Half => Some(0xffff_u32),
-            Width::Byte => Some(0xff),
-        };
-        let value = match narrow {
-            None => value,
-            Some(lanes) => {
-                if register.peripheral.starts_with("DAC") || register.peripheral.starts_with("ADC") {
-                    self.report(now, register.address, u32::MAX, value, Rule::Width)?;
-                }
-                let shift = access.address % 4 * 8;
-                let old = if register.access == map::Access::Write { 0 } else { self.regs[register.address] };
-                old & !(lanes << shift) | (value & lanes) << shift
-            }
-        };
-        if register.access == map::Access::Read {
-            return self.report(now, register.address, u32::MAX, value, Rule::ReadOnly);
-        }
-        let reserved = (value ^ self.regs[register.address]) & !mask;
-        if reserved != 0 && (register.access != map::Access::Write || value & !mask != 0) {
-            self.report(now, register.address, reserved, value, Rule::Reserved)?;
-        }
-        self.store(now, register, value, &mut ports)
-    }
-
-    fn due(&self) -> Cycle {
-        let wires = self.wires.due();
-        let wires = if wires == self.looked { Cycle::MAX } else { wires };
-        self.agenda.next().min(wires).min(self.next_byte())
-    }
-
-    fn advance(&mut self, now: Cycle, mut ports: Ports) -> Result<(), Fault> {
-        self.run(now, &mut ports)
-    }
-
-    fn fetch_wait(&mut self, address: u32, at: Cycle) -> u32 {
-        (self.pc, self.last) = (address, at);
-        self.flash_stall(address, at) + self.art.fetch(address, at)
-    }
-
-    fn load_wait(&mut self, address: u32, at: Cycle) -> u32 {
-        self.flash_stall(address, at) + self.art.load(address)
-    }
-
-    fn damaged(&mut self, address: u32, mut ports: Ports) -> Result<(), Fault> {
-        self.ecc(address, &mut ports)
-    }
-
-    fn lockup(&mut self, at: Cycle, mut ports: Ports) -> Result<(), Fault> {
-        self.run(at, &mut ports)?;
-        self.tim1.lockup = true;
-        self.update_breaks(at, &mut ports);
-        Ok(())
-    }
-
-    fn reset(&mut self, at: Cycle, mut ports: Ports) {
-        let before = self.regs.clone();
-        self.flash_loses_power(&mut ports);
-        self.regs.reset(|_| true);
-        self.reset_flags(&before);
-        self.time.set(at, self.config.hsi_hz);
-        self.agenda = Agenda::default();
-        self.plan_defect();
-        self.flash = self.flash.after_reset();
-        self.art = Art::default();
-        self.dma = self.dma.after_reset();
-        self.timers.iter_mut().for_each(Timer::reset);
-        self.tim1 = Tim1::default();
-        self.adcs.iter_mut().for_each(Adc::reset);
-        self.dacs = Default::default();
-        self.uart.reset();
-        self.iwdg = Iwdg::default();
-        self.compared = 0;
-        self.rewire();
-        for line in 0..cortex_m4::LINES {
-            ports.interrupts.set(line, false);
-        }
-        self.pins_changed(at);
     }
 }

@@ -1,12 +1,11 @@
 //! The clock tree and the resets. RM0440 7.
 
 use cortex_m4::{Cycle, Fault, Ports};
-use stm32_metapac::flash::regs::Acr;
 use stm32_metapac::rcc::regs::{Cfgr, Cr, Csr, Pllcfgr};
 use stm32_metapac::rcc::vals::Pllsrc;
 
 use crate::finding::Rule;
-use crate::map::base::{FLASH, PWR, RCC};
+use crate::map::base::RCC;
 use crate::map::{REGISTERS, at};
 use crate::part::{Now, Stm32g474};
 use crate::time::{Event, Ps, US};
@@ -24,15 +23,8 @@ const HSI48: usize = 4;
 /// Start-up times, typical (DS12288, oscillator characteristics): HSI16, HSE, PLL lock, LSI, HSI48.
 const START_UP: [Ps; 5] = [US, 2000 * US, 15 * US, 130 * US, 4 * US];
 
-/// PWR_CR5.R1MODE (6.4.5): cleared, the regulator boosts.
-const R1MODE: u32 = 1 << 8;
-/// RCC_CSR's flags (RM0440 7.4.28).
-const PIN: u32 = 1 << 26;
-const BOR: u32 = 1 << 27;
-const SOFTWARE: u32 = 1 << 28;
-/// The watchdog's.
-pub const IWDG_FLAG: u32 = 1 << 29;
-const FLAGS: u32 = 0xfe << 24;
+/// RCC_CSR's flags (7.4.28).
+pub(crate) const FLAGS: u32 = 0xfe << 24;
 
 /// What RCC has besides its registers.
 #[derive(Clone, Debug, Default)]
@@ -44,12 +36,12 @@ pub(crate) struct Rcc {
     pub cause: u32,
     pub power_lost: bool,
     /// Since when the core has half of a clock above 80 MHz.
-    halved: Option<Ps>,
-    hse_dead: bool,
+    pub halved: Option<Ps>,
+    pub hse_dead: bool,
 }
 
 /// Division of RCC_CFGR.HPRE (7.4.3).
-fn hpre(cfgr: Cfgr) -> u64 {
+pub(crate) fn hpre(cfgr: Cfgr) -> u64 {
     match cfgr.hpre().to_bits() {
         code @ 8..=11 => 2 << (code - 8),
         code @ 12..=15 => 64 << (code - 12),
@@ -63,11 +55,11 @@ fn ppre(code: u8) -> u64 {
 }
 
 impl<W: Wires> Stm32g474<W> {
-    fn cr(&self) -> Cr {
+    pub(crate) fn cr(&self) -> Cr {
         Cr(self.regs[RCC + at::rcc::CR])
     }
 
-    fn cfgr(&self) -> Cfgr {
+    pub(crate) fn cfgr(&self) -> Cfgr {
         Cfgr(self.regs[RCC + at::rcc::CFGR])
     }
 
@@ -260,61 +252,11 @@ impl<W: Wires> Stm32g474<W> {
         }
         self.check_clock(now, old, new, used)?;
         self.regs[address] = new.0 & !0xc | u32::from(used) << 2;
-        self.set_clock(now.at);
-        Ok(())
-    }
-
-    /// What the manual asks of a change of the core clock: voltage (6.1.5), wait states (3.3.3), and half the frequency on the way (7.2.7).
-    fn check_clock(&mut self, now: Now, old: Cfgr, new: Cfgr, used: u8) -> Result<(), Fault> {
-        let address = RCC + at::rcc::CFGR;
-        let (before, system) = (self.time.hz(), self.sysclk(used));
-        let after = system / hpre(new);
-        if after > self.most_hz() {
-            self.report(now, address, 0xf3, new.0, Rule::Boost)?;
-        }
-        if self.wait_states(after) > Acr(self.regs[FLASH + at::flash::ACR]).latency().to_bits() {
-            self.report(now, address, 0xf3, new.0, Rule::WaitStates)?;
-        }
-        let time = self.time.ps(now.at);
-        if after > 80_000_000 && before <= 80_000_000 {
-            let halved = self.rcc.halved.is_some_and(|since| time - since >= US);
-            // 85 MHz on the way to 170 is itself above 80.
-            if old.sws().to_bits() != used && after * 2 <= system {
-                self.rcc.halved = Some(time);
-            } else if !halved || old.sws().to_bits() != used {
-                self.report(now, address, 0xf3, new.0, Rule::HalfFrequency)?;
-            }
-        } else if after > before && after > 80_000_000 {
-            if self.rcc.halved.is_some_and(|since| time - since < US) {
-                self.report(now, address, 0xf0, new.0, Rule::HalfFrequency)?;
-            }
-        } else if after <= 80_000_000 {
-            self.rcc.halved = (system > 80_000_000).then_some(time);
-        }
-        Ok(())
-    }
-
-    /// The fastest clock at the present voltage: 170 MHz in boost, 150 MHz in range 1, 26 MHz in range 2 (6.1.5).
-    pub(crate) fn most_hz(&self) -> u64 {
-        match (self.range(), self.regs[PWR + at::pwr::CR5] & R1MODE == 0) {
-            (1, true) => 170_000_000,
-            (1, false) => 150_000_000,
-            _ => 26_000_000,
-        }
-    }
-
-    /// Wait states that a clock needs: steps of 34 MHz in boost, 30 in range 1, 12 in range 2 (3.3.3, table of wait states).
-    pub(crate) fn wait_states(&self, hz: u64) -> u8 {
-        let step = match self.most_hz() {
-            170_000_000 => 34_000_000,
-            150_000_000 => 30_000_000,
-            _ => 12_000_000,
-        };
-        hz.div_ceil(step).saturating_sub(1) as u8
+        self.set_clock(now.at)
     }
 
     /// Takes over the clock that RCC_CFGR names.
-    fn set_clock(&mut self, at: Cycle) {
+    pub(crate) fn set_clock(&mut self, at: Cycle) -> Result<(), Fault> {
         let hz = (self.sysclk(self.cfgr().sws().to_bits()) / hpre(self.cfgr())).max(1);
         if hz != self.time.hz() {
             let before = self.time;
@@ -322,52 +264,6 @@ impl<W: Wires> Stm32g474<W> {
             self.agenda.retime(&before, &self.time.clone());
         }
         self.retime_timers(at);
-    }
-
-    /// The crystal stops: with CSS on, the core falls back to HSI, and the NMI says so (7.2.11).
-    pub(crate) fn hse_stops(&mut self, at: Cycle, ports: &mut Ports) {
-        self.rcc.hse_dead = true;
-        let mut cr = self.cr();
-        if !cr.hserdy() {
-            return;
-        }
-        let source = Pllcfgr(self.regs[RCC + at::rcc::PLLCFGR]).pllsrc();
-        let used = self.cfgr().sws().to_bits();
-        let from_hse = used == 2 || (used == 3 && source == Pllsrc::HSE);
-        cr.set_hserdy(false);
-        if cr.csson() {
-            cr.set_hseon(false);
-            if source == Pllsrc::HSE {
-                cr.set_pllon(false);
-                cr.set_pllrdy(false);
-            }
-            self.regs[RCC + at::rcc::CIFR] |= 1 << 8;
-            ports.interrupts.pend_nmi();
-            if from_hse {
-                cr.set_hsion(true);
-                cr.set_hsirdy(true);
-                self.regs[RCC + at::rcc::CFGR] = self.cfgr().0 & !0xf | 0b0101;
-            }
-        }
-        self.regs[RCC + at::rcc::CR] = cr.0;
-        self.set_clock(at);
-    }
-
-    /// The PLL unlocks. As the system clock it takes the processor with it: nothing is executed any more, and the run ends.
-    pub(crate) fn pll_unlocks(&mut self, at: Cycle) -> Result<(), Fault> {
-        self.regs[RCC + at::rcc::CR] &= !(1 << 25);
-        if self.cfgr().sws().to_bits() == 3 {
-            return self.refuse(self.now(at), RCC + at::rcc::CR, "the processor without a clock");
-        }
-        Ok(())
-    }
-
-    /// RCC_CSR after a reset: what pulled it, and the pin, which every reset pulls (7.1.2); after power-on nothing else.
-    pub(crate) fn reset_flags(&mut self, before: &crate::map::Registers) {
-        let cause = std::mem::take(&mut self.rcc);
-        let own = if cause.cause == 0 { SOFTWARE } else { cause.cause };
-        let old = before[RCC + at::rcc::CSR] & FLAGS;
-        self.regs[RCC + at::rcc::CSR] = if cause.power_lost { BOR | PIN } else { old | own | PIN };
-        self.rcc.hse_dead = cause.hse_dead;
+        self.retime_adcs(self.now(at))
     }
 }

@@ -99,7 +99,7 @@ impl<W: Wires> Stm32g474<W> {
             TIM2..=TIM5 => self.reset_timer(now.at, base),
             ADC1..ADC345_COMMON => self.reset_adc(base),
             LPUART1 => self.uart.reset(),
-            _ if base >= DAC1 && (base - DAC1) % 0x400 == 0 && (base - DAC1) / 0x400 < 4 => {
+            _ if base >= DAC1 && (base - DAC1).is_multiple_of(0x400) && (base - DAC1) / 0x400 < 4 => {
                 self.dacs[((base - DAC1) / 0x400) as usize] = Default::default();
             }
             _ => {}

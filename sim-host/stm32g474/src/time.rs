@@ -113,24 +113,32 @@ impl Event {
 #[derive(Clone, Debug)]
 pub struct Agenda {
     at: [Cycle; COUNT],
+    /// Those that happen at all, a bit each: few.
+    planned: u32,
     next: Cycle,
+    first: usize,
 }
 
 impl Default for Agenda {
     fn default() -> Self {
-        Agenda { at: [Cycle::MAX; COUNT], next: Cycle::MAX }
+        Agenda { at: [Cycle::MAX; COUNT], planned: 0, next: Cycle::MAX, first: COUNT }
     }
 }
 
 impl Agenda {
     /// Something happens at `at`, and not when it was to happen before.
     pub fn set(&mut self, event: Event, at: Cycle) {
-        let slot = &mut self.at[event.index()];
-        let was = std::mem::replace(slot, at);
-        if at <= self.next {
-            self.next = at;
-        } else if was == self.next {
-            self.next = self.at.iter().copied().fold(Cycle::MAX, Cycle::min);
+        let index = event.index();
+        self.at[index] = at;
+        if at == Cycle::MAX {
+            self.planned &= !(1 << index);
+        } else {
+            self.planned |= 1 << index;
+        }
+        if index == self.first {
+            self.find_first();
+        } else if (at, index) < (self.next, self.first) {
+            (self.next, self.first) = (at, index);
         }
     }
 
@@ -154,11 +162,23 @@ impl Agenda {
         if self.next > now {
             return None;
         }
-        let at = self.next;
-        let index = self.at.iter().position(|slot| *slot == at)?;
-        self.at[index] = Cycle::MAX;
-        self.next = self.at.iter().copied().fold(Cycle::MAX, Cycle::min);
-        Some((at, Event::of(index)))
+        let taken = (self.next, Event::of(self.first));
+        self.at[self.first] = Cycle::MAX;
+        self.planned &= !(1 << self.first);
+        self.find_first();
+        Some(taken)
+    }
+
+    fn find_first(&mut self) {
+        (self.next, self.first) = (Cycle::MAX, COUNT);
+        let mut left = self.planned;
+        while left != 0 {
+            let index = left.trailing_zeros() as usize;
+            left &= left - 1;
+            if self.at[index] < self.next {
+                (self.next, self.first) = (self.at[index], index);
+            }
+        }
     }
 
     /// The core clock has changed: what is due in seconds moves in cycles.
@@ -168,7 +188,7 @@ impl Agenda {
                 *slot = after.cycle(before.ps(*slot));
             }
         }
-        self.next = self.at.iter().copied().fold(Cycle::MAX, Cycle::min);
+        self.find_first();
     }
 }
 

@@ -1,8 +1,6 @@
 //! The block stream as a whole: timers, converters, DMA.
 
-mod common;
-
-use common::{ADC_RING, DAC_RING, Rig, Setup};
+use crate::rig::{ADC_RING, DAC_RING, Rig, Setup};
 use cortex_m4::Cycle;
 use sonoglide_stm32g474::map::{at, base::*, line};
 use sonoglide_stm32g474::{Level, Pin, Wires};

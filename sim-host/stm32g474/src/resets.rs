@@ -1,0 +1,67 @@
+//! Clocks that fail, and the flags of resets. RM0440 7.1, 7.2.11.
+
+use cortex_m4::{Cycle, Fault, Ports};
+use stm32_metapac::rcc::regs::Pllcfgr;
+use stm32_metapac::rcc::vals::Pllsrc;
+
+use crate::map::base::RCC;
+use crate::map::{Registers, at};
+use crate::part::Stm32g474;
+use crate::rcc::FLAGS;
+use crate::wires::Wires;
+
+/// RCC_CSR's flags (RM0440 7.4.28).
+const PIN: u32 = 1 << 26;
+const BOR: u32 = 1 << 27;
+const SOFTWARE: u32 = 1 << 28;
+/// The watchdog's.
+pub(crate) const IWDG_FLAG: u32 = 1 << 29;
+
+impl<W: Wires> Stm32g474<W> {
+    /// The crystal stops: with CSS on, the core falls back to HSI, and the NMI says so (7.2.11).
+    pub(crate) fn hse_stops(&mut self, at: Cycle, ports: &mut Ports) -> Result<(), Fault> {
+        self.rcc.hse_dead = true;
+        let mut cr = self.cr();
+        if !cr.hserdy() {
+            return Ok(());
+        }
+        let source = Pllcfgr(self.regs[RCC + at::rcc::PLLCFGR]).pllsrc();
+        let used = self.cfgr().sws().to_bits();
+        let from_hse = used == 2 || (used == 3 && source == Pllsrc::HSE);
+        cr.set_hserdy(false);
+        if cr.csson() {
+            cr.set_hseon(false);
+            if source == Pllsrc::HSE {
+                cr.set_pllon(false);
+                cr.set_pllrdy(false);
+            }
+            self.regs[RCC + at::rcc::CIFR] |= 1 << 8;
+            ports.interrupts.pend_nmi();
+            if from_hse {
+                cr.set_hsion(true);
+                cr.set_hsirdy(true);
+                self.regs[RCC + at::rcc::CFGR] = self.cfgr().0 & !0xf | 0b0101;
+            }
+        }
+        self.regs[RCC + at::rcc::CR] = cr.0;
+        self.set_clock(at)
+    }
+
+    /// The PLL unlocks. As the system clock it takes the processor with it: nothing is executed any more, and the run ends.
+    pub(crate) fn pll_unlocks(&mut self, at: Cycle) -> Result<(), Fault> {
+        self.regs[RCC + at::rcc::CR] &= !(1 << 25);
+        if self.cfgr().sws().to_bits() == 3 {
+            return self.refuse(self.now(at), RCC + at::rcc::CR, "the processor without a clock");
+        }
+        Ok(())
+    }
+
+    /// RCC_CSR after a reset: what pulled it, and the pin, which every reset pulls (7.1.2); after power-on nothing else.
+    pub(crate) fn reset_flags(&mut self, before: &Registers) {
+        let cause = std::mem::take(&mut self.rcc);
+        let own = if cause.cause == 0 { SOFTWARE } else { cause.cause };
+        let old = before[RCC + at::rcc::CSR] & FLAGS;
+        self.regs[RCC + at::rcc::CSR] = if cause.power_lost { BOR | PIN } else { old | own | PIN };
+        self.rcc.hse_dead = cause.hse_dead;
+    }
+}
