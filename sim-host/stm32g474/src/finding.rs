@@ -114,6 +114,22 @@ rules! {
     UartLost, "RM0440 38.4.5", "a byte is lost";
 }
 
+impl Rule {
+    /// Whether the rule is about something that happens by itself: no instruction does it, and it may come a million times a second.
+    fn comes_by_itself(self) -> bool {
+        matches!(
+            self,
+            Rule::AdcTriggerLost
+                | Rule::AdcTriggerMargin
+                | Rule::AdcOverrun
+                | Rule::DacUnderrun
+                | Rule::DmaError
+                | Rule::IwdgMissing
+                | Rule::UartLost
+        )
+    }
+}
+
 impl fmt::Display for Rule {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         f.write_str(self.text())
@@ -176,7 +192,7 @@ pub enum Verdict {
 #[derive(Clone, Debug)]
 pub struct Lint {
     verdicts: Vec<Verdict>,
-    /// What was collected, in order. An equal one of the same instruction is counted once.
+    /// What was collected, in order. One of the same instruction, or one that comes by itself, is counted once.
     pub findings: Vec<Finding>,
 }
 
@@ -209,11 +225,11 @@ impl Lint {
             Verdict::Stop => return Err(Fault::Stop(Box::new(finding))),
             Verdict::Collect => {
                 let known = |old: &Finding| {
-                    (old.rule, old.pc, old.register, old.bits) == (finding.rule, finding.pc, finding.register, finding.bits)
-                        && old.peripheral == finding.peripheral
+                    (old.rule, old.peripheral, old.register, old.bits)
+                        == (finding.rule, finding.peripheral, finding.register, finding.bits)
+                        && (old.pc == finding.pc || finding.rule.comes_by_itself())
                 };
-                // Lost triggers come a million times a second.
-                if !self.findings.iter().rev().take(64).any(known) {
+                if !self.findings.iter().any(known) {
                     self.findings.push(finding);
                 }
             }
