@@ -8,7 +8,7 @@
 //! | 3 | invalid scene |
 //! | 4 | the run finished, but an expectation was missed |
 //! | 5 | board or link not found or lost |
-//! | 130 | interrupted; what there was is kept, and marked |
+//! | 130 | interrupted; the results so far are written, and marked |
 
 /// Writes a line to standard error. A reader of it that has gone away is no failure, where `eprintln!` would panic.
 macro_rules! say {
@@ -39,7 +39,7 @@ use scene::resolved::resolved_toml;
 use scene::{builtin, schema, suite};
 
 const EXIT_CODES: &str = "Exit codes: 0 done; 1 the run failed; 2 usage; 3 invalid scene; 4 the run finished but an expectation was \
-missed; 5 QEMU or board not found or lost; 130 interrupted, with what there was kept and marked.";
+missed; 5 QEMU or board not found or lost; 130 interrupted, with the results so far written and marked.";
 const RUN_FAILED: u8 = 1;
 const USAGE: u8 = 2;
 const INVALID_SCENE: u8 = 3;
@@ -146,7 +146,7 @@ struct RunArgs {
 
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum Format {
-    /// Tables.
+    /// Tables for a reader.
     Human,
     /// The summary, as JSON.
     Json,
@@ -169,7 +169,7 @@ pub fn main() -> ExitCode {
         Some(Command::Schema { suite }) => print(&format!("{:#}\n", if suite { suite::schema() } else { schema::schema() })),
     };
     done.unwrap_or_else(|error| {
-        // A reader that has gone away (`sim-host list | head -1`) is nobody's mistake.
+        // A reader that has gone away (`sim-host list | head -1`) is no error.
         if error.downcast_ref::<io::Error>().is_some_and(|io| io.kind() == io::ErrorKind::BrokenPipe) {
             return ExitCode::SUCCESS;
         }
@@ -203,12 +203,12 @@ struct Color {
 
 impl Color {
     fn new(choice: ColorChoice) -> Self {
-        let wanted = |terminal: bool| match choice {
+        let colored = |terminal: bool| match choice {
             ColorChoice::Always => true,
             ColorChoice::Never => false,
             ColorChoice::Auto => terminal && std::env::var_os("NO_COLOR").is_none_or(|value| value.is_empty()),
         };
-        Color { stdout: wanted(io::stdout().is_terminal()), stderr: wanted(io::stderr().is_terminal()) }
+        Color { stdout: colored(io::stdout().is_terminal()), stderr: colored(io::stderr().is_terminal()) }
     }
 }
 

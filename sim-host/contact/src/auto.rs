@@ -21,7 +21,7 @@ use super::{Shape, SolveError};
 /// How a problem is to be solved.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Numerics {
-    /// The method.
+    /// Integration method that solves the problem.
     pub method: Method,
     /// Steps a period; none: the method's own choice, and finer where the tolerance needs it.
     pub steps_per_period: Option<u32>,
@@ -39,18 +39,18 @@ impl Default for Numerics {
     }
 }
 
-/// A solved problem.
+/// Solution of a contact problem, with the settings that it was solved by.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Solution {
     /// The method that was used.
     pub method: Method,
     /// Why this one, in words.
     pub why: String,
-    /// Its steps a period; none in closed form.
+    /// Steps per period of the method; none in closed form.
     pub steps_per_period: Option<u32>,
-    /// Its order, where it can be chosen.
+    /// Order of the method, where it can be chosen.
     pub order: Option<u32>,
-    /// The ratios.
+    /// Friction and power ratios of the solution.
     pub ratios: Ratios,
     /// The sums behind them; none in closed form.
     pub tally: Option<Tally>,
@@ -84,11 +84,11 @@ pub fn solve(problem: &Problem, numerics: &Numerics, watch: &mut impl FnMut(&Sta
     solve_with(problem, numerics, &|| (), None, watch)
 }
 
-/// The same; `pause` is called every now and then in the runs that are not watched. With a `clock` the solution is timed, for which short runs
-/// are repeated.
+/// Solves a problem as [`solve`] does; `pause` is called every now and then in the runs without a watch. With a `clock` the solution is
+/// timed, for which short runs are repeated.
 ///
 /// # Errors
-/// As of [`solve`].
+/// The errors of [`solve`].
 pub fn solve_with(
     problem: &Problem,
     numerics: &Numerics,

@@ -18,7 +18,7 @@
 //! well). Below 50 % it is continued by a straight line to zero, because a power law of 0.078 would leave most of the effect to a
 //! vibration of nothing. Hertz's contact ([`hertz`](super::hertz)) gives trends of this kind, and why it is not used stands there, too.
 
-/// The law's constants.
+/// Constants of the empirical friction law.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EmpiricalLaw {
     /// Part of the friction that goes at the reference load, amplitude and speed, R0.
@@ -42,7 +42,7 @@ pub struct EmpiricalLaw {
 }
 
 impl EmpiricalLaw {
-    /// As fitted.
+    /// Constants fitted to the thesis's experiment 2.
     pub const FITTED: Self = EmpiricalLaw {
         reduction: 0.587,
         load_n: 270.0,

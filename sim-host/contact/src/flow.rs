@@ -10,7 +10,7 @@
 /// A square matrix, row by row.
 pub type Matrix<const M: usize> = [[f64; M]; M];
 
-/// `exp(a)`, to round-off.
+/// Matrix exponential `exp(a)`, to round-off.
 pub fn exponential<const M: usize>(a: &Matrix<M>) -> Matrix<M> {
     let halvings = halvings(a);
     let scale = 0.5f64.powi(halvings);

@@ -34,7 +34,7 @@ impl Forcing {
         }
     }
 
-    /// The same forcing with its beginning `s` seconds later.
+    /// The forcing with its time counted from `s` seconds after its beginning.
     pub fn later(&self, s: f64) -> Forcing {
         match *self {
             Forcing::Cosine { size, turns, hz, hz_per_s } => {

@@ -39,13 +39,13 @@ const POINTS: u32 = 256;
 /// A loaded contact whose bodies vibrate across it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HertzProblem {
-    /// Load W, N.
+    /// Static load W of the contact, N.
     pub normal_n: f64,
     /// Contact stiffness K, N/m^1.5.
     pub stiffness_n_per_m15: f64,
     /// Amplitude of the vibration a, m.
     pub amplitude_m: f64,
-    /// Its shape: sine, square, sawtooth, triangle or still.
+    /// Shape of the vibration: sine, square, sawtooth, triangle or still.
     pub shape: Shape,
 }
 
@@ -65,11 +65,11 @@ pub struct HertzSolution {
 /// A moment of the period.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HertzPoint {
-    /// Phase, turns.
+    /// Phase of the vibration, turns.
     pub phase_turns: f64,
     /// Deflection d, m; negative is a gap.
     pub deflection_m: f64,
-    /// Normal force, N.
+    /// Normal force at that phase, N.
     pub normal_n: f64,
 }
 

@@ -12,7 +12,7 @@ use super::closed::swing::{CUT, SERIES, TERMS};
 use super::closed::{self, NO_MEMORY_LOST};
 use functions::{Lanes, arc_cosine, exponential, less_one};
 
-/// Points abreast.
+/// Number of points that are computed side by side.
 pub const LANES: usize = 4;
 
 /// Friction ratios of the points (xi, kappa), see [`closed::friction_ratio`].
@@ -130,8 +130,8 @@ impl Way {
         let most = self.exponent.to_array().into_iter().fold(0.0, f64::max);
         let mut sum = Lanes::ZERO;
         for node in gauss::half(most) {
-            let kept = exponential(-self.kappa * self.slip(reach * node.at));
-            sum += (kept + whole / kept) * node.weight;
+            let decay = exponential(-self.kappa * self.slip(reach * node.at));
+            sum += (decay + whole / decay) * node.weight;
         }
         reach * sum
     }
@@ -148,17 +148,17 @@ impl Way {
         if !far.any() {
             return self.half;
         }
-        let wanted = CUT / self.kappa;
-        let quadratic = (wanted * 2.0 / self.sine).sqrt();
+        let cut_slip = CUT / self.kappa;
+        let quadratic = (cut_slip * 2.0 / self.sine).sqrt();
         let towards = self.cosine.simd_lt(Lanes::ZERO);
-        let cubic = towards.select((wanted * 6.0 / -self.cosine).cbrt(), Lanes::splat(f64::INFINITY));
+        let cubic = towards.select((cut_slip * 6.0 / -self.cosine).cbrt(), Lanes::splat(f64::INFINITY));
         let mut u = quadratic.min(cubic).min(self.half);
         for _ in 0..4 {
             let square = u * u;
             let (one, other) = series(square);
             let slip = square * (self.sine * one - self.cosine * u * other);
             let speed = self.sine * u * (1.0 - square * other) - self.cosine * square * one;
-            u = (u + (wanted - slip) / speed).min(self.half);
+            u = (u + (cut_slip - slip) / speed).min(self.half);
         }
         far.select(u, self.half)
     }

@@ -49,7 +49,7 @@ pub enum Method {
 }
 
 impl Method {
-    /// Its name in a scene.
+    /// Name of the method in a scene.
     pub fn name(self) -> &'static str {
         match self {
             Method::Auto => "auto",

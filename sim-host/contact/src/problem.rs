@@ -10,12 +10,12 @@
 use super::state::State;
 use super::waveform::Waveform;
 
-/// A contact study.
+/// Contact problem: motion, friction law, forcing and time span.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Problem {
     /// What moves the contact besides the sliding.
     pub motion: Motion,
-    /// The friction law.
+    /// Friction law of the contact.
     pub law: Law,
     /// Coulomb force Fc = mu N, N.
     pub coulomb_n: f64,
@@ -25,13 +25,13 @@ pub struct Problem {
     pub sign: Sign,
     /// Force on the oscillator, N; or, in a kinematic motion, the vibration velocity itself, m/s.
     pub waveform: Waveform,
-    /// Where it begins.
+    /// State at the beginning of the run.
     pub start: State,
     /// New Coulomb forces on the way: time, s, and force, N; in ascending order of time.
     pub load_steps: Vec<(f64, f64)>,
     /// The means are over this window, s.
     pub window_s: (f64, f64),
-    /// The end, s.
+    /// End of the run, s.
     pub duration_s: f64,
 }
 

@@ -2,13 +2,13 @@
 
 use super::{Law, Motion, Problem, Shape, Sign, State, Waveform};
 
-/// Drive frequency, Hz.
+/// Drive frequency of Table 4.1, Hz.
 pub const DRIVE_HZ: f64 = 60e3;
-/// Peak force, N.
+/// Peak drive force of Table 4.1, N.
 pub const FORCE_N: f64 = 384.0;
-/// Mass, kg.
+/// Mass of the oscillator of Table 4.1, kg.
 pub const MASS_KG: f64 = 0.02;
-/// Stiffness Ks, N/m.
+/// Stiffness Ks of the oscillator of Table 4.1, N/m.
 pub const STIFFNESS_N_PER_M: f64 = 133e6;
 /// Tangential stiffness Kt, N/m.
 pub const CONTACT_N_PER_M: f64 = 0.056e6;
@@ -37,7 +37,7 @@ pub fn table_4_1(velocity_ratio: f64, periods: f64) -> Problem {
     problem
 }
 
-/// The standard case.
+/// The contact problem of Table 4.1 with its standard values.
 pub fn standard() -> Problem {
     table_4_1(VELOCITY_RATIO, PERIODS)
 }

@@ -5,7 +5,7 @@
 //! | friction ratio r | mean F / Fc | 4.17 |
 //! | power ratio phi | mean F V / (Fc Vt) | 4.18, 4.27 |
 //! | input ratio phi_iu | mean Fe x' / (Fc Vt) | 4.31 |
-//! | printed power ratio | `1 + phi_iu - phi_su`, phi_su of the mean stored energy | 4.35: wrong, kept to be shown |
+//! | printed power ratio | `1 + phi_iu - phi_su`, phi_su of the mean stored energy | 4.35: wrong, given for comparison |
 //!
 //! From `m x'' + c x' + Ks x = Fe - F` and `V = Vt + s x'` (s = 1 passive, -1 literal) follows, without approximation,
 //!
@@ -19,25 +19,25 @@ use super::problem::{Motion, Problem};
 pub use super::state::State;
 use super::timeline::Stretch;
 
-/// Integrals over time.
+/// Integrals over time of forces, powers and energies.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Totals {
-    /// Of friction, N s.
+    /// Integral of the friction, N s.
     pub friction_n_s: f64,
-    /// Of friction times slip velocity, J.
+    /// Integral of friction times slip velocity, J.
     pub friction_work_j: f64,
-    /// Of friction as the oscillator felt it, N s. A method that hands friction over at chosen moments does not hand over exactly
-    /// the integral above.
+    /// Integral of the friction that acts on the oscillator, N s. A method that applies friction at chosen moments does not apply
+    /// exactly the integral above.
     pub felt_n_s: f64,
-    /// Of friction times slip velocity, as the oscillator felt it, J.
+    /// Integral of slip velocity times the friction that acts on the oscillator, J.
     pub felt_work_j: f64,
-    /// Of forcing times x', J; in a kinematic motion of friction times x', which is what moves it.
+    /// Integral of forcing times x', J; in a kinematic motion of friction times x', which is the work that moves it.
     pub input_j: f64,
     /// Lost in the damper, J.
     pub damping_j: f64,
-    /// Of the kinetic energy m x'^2 / 2, J s.
+    /// Integral of the kinetic energy m x'^2 / 2, J s.
     pub kinetic_j_s: f64,
-    /// Of the potential energy Ks x^2 / 2, J s.
+    /// Integral of the potential energy Ks x^2 / 2, J s.
     pub potential_j_s: f64,
 }
 
@@ -73,7 +73,7 @@ pub struct Tally {
 pub struct Meter {
     /// Integrals since the beginning of the run.
     pub totals: Totals,
-    /// What comes out.
+    /// Integrals and peaks of the run.
     pub tally: Tally,
     opened: Option<(Totals, State)>,
     closed: bool,

@@ -6,7 +6,7 @@ use super::problem::Problem;
 /// A smooth stretch of time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stretch {
-    /// Beginning, s.
+    /// Beginning of the piece, s.
     pub start_s: f64,
     /// Length, s. Whole pieces of a periodic waveform have bit-equal lengths.
     pub length_s: f64,

@@ -24,13 +24,13 @@ use super::forcing::Forcing;
 /// Shape of a forcing of peak one.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Shape {
-    /// Cosine.
+    /// Cosine of constant amplitude.
     Sine,
     /// Square of duty one half.
     Square,
-    /// Rising sawtooth.
+    /// Rising sawtooth of constant amplitude.
     Sawtooth,
-    /// Symmetric triangle.
+    /// Symmetric triangle of constant amplitude.
     Triangle,
     /// Uniformly distributed values, each held.
     Random {
@@ -39,7 +39,7 @@ pub enum Shape {
         /// Seed of the values.
         seed: u64,
     },
-    /// Linear chirp.
+    /// Linear chirp, which repeats.
     Chirp {
         /// First frequency, Hz.
         start_hz: f64,
@@ -48,7 +48,7 @@ pub enum Shape {
         /// From the first to the last, s.
         sweep_s: f64,
     },
-    /// Nothing.
+    /// No excitation at all.
     Still,
 }
 
@@ -62,12 +62,12 @@ pub struct Waveform {
     held: Vec<f64>,
 }
 
-/// A smooth piece.
+/// A piece of a waveform, within which the forcing is smooth.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Piece {
-    /// Beginning, s.
+    /// Beginning of the piece, s.
     pub start_s: f64,
-    /// Length, s.
+    /// Length of the piece, s.
     pub length_s: f64,
     /// Which of the pieces of a period this is; none if no other is like it.
     pub template: Option<usize>,
@@ -91,17 +91,17 @@ impl Waveform {
         Waveform { shape, amplitude, frequency_hz, held }
     }
 
-    /// Its shape.
+    /// Shape of the waveform over time.
     pub fn shape(&self) -> Shape {
         self.shape
     }
 
-    /// Its peak: N on an oscillator, m/s in a kinematic motion.
+    /// Peak of the waveform: N on an oscillator, m/s in a kinematic motion.
     pub fn amplitude(&self) -> f64 {
         self.amplitude
     }
 
-    /// Its frequency, Hz; of a random waveform or a chirp, the one that periods are counted by.
+    /// Frequency of the waveform, Hz; of a random waveform or a chirp, the one that periods are counted by.
     pub fn frequency_hz(&self) -> f64 {
         self.frequency_hz
     }
@@ -116,7 +116,7 @@ impl Waveform {
         }
     }
 
-    /// Piece number `index`.
+    /// Piece number `index` of the waveform.
     pub fn piece(&self, index: u64) -> Piece {
         let (count, period_s) = (index as f64, 1.0 / self.frequency_hz);
         let (a, half_s) = (self.amplitude, 0.5 * period_s);
@@ -159,7 +159,7 @@ impl Waveform {
         }
     }
 
-    /// The piece that begins anew at a moment within piece `index`: the same forcing, seen from there.
+    /// The forcing of piece `index` with its time counted from a moment within the piece.
     pub fn forcing_from(&self, index: u64, time_s: f64) -> Forcing {
         match self.shape {
             Shape::Chirp { start_hz, stop_hz, sweep_s } => Sweep { start_hz, stop_hz, sweep_s }.forcing(self.amplitude, time_s),

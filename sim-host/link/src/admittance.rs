@@ -23,17 +23,17 @@ use crate::session::Session;
 use crate::terminal_plot::TerminalPlot;
 use report::{self, Axis, Figure, Marker, Report, Series, Style};
 
-/// Places of a drawn loop.
+/// Points of a drawn loop.
 const PLACES: usize = 400;
 /// Ring-up time constants that a place is given to settle, and at least, s.
 const SETTLE: (f64, f64) = (12.0, 2e-3);
 
-/// A loop.
+/// Admittance loop of a transducer.
 #[derive(Clone, Debug, Default)]
 pub struct Loop {
     c0_f: f64,
     resonances: Vec<Resonance>,
-    /// The one that is wanted.
+    /// The resonance of the working mode, if a scan has chosen one.
     chosen: Option<Resonance>,
     /// Frequencies, Hz, and admittances there, S, as measured.
     pub measured: Vec<(f64, Complex64)>,

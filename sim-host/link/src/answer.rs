@@ -5,10 +5,10 @@ use serde_json::{Map, Value, json};
 use crate::link_error::LinkError;
 use crate::refusal;
 
-/// An answer.
+/// Answer to a command, in words and as fields.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Answer {
-    /// The command.
+    /// Name of the command.
     pub command: String,
     /// For a reader; lines.
     pub text: String,

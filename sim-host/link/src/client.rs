@@ -30,10 +30,10 @@ const PATIENCE: Duration = Duration::from_millis(250);
 const AFTER_DAMAGE: Duration = Duration::from_millis(20);
 /// Copies of a command that may stay without an answer before the link is given up.
 const COPIES: u32 = 5;
-/// Copies that may be answered by damage: somebody is there, and sooner or later a frame comes whole.
+/// Copies that may be answered by damaged frames: the board is there, and sooner or later a frame arrives whole.
 const DAMAGED: u32 = 12;
 
-/// The client.
+/// Client of a board: sends commands and receives answers and telemetry.
 pub struct Client {
     line: Line,
     sequence: u16,
@@ -62,7 +62,7 @@ impl Client {
         }
     }
 
-    /// The port's name.
+    /// Name of the port.
     pub fn port(&self) -> &str {
         self.line.port.name()
     }
@@ -126,14 +126,14 @@ impl Client {
             if now >= until {
                 return Ok(None);
             }
-            // Answers to nobody are counted, and damage costs a report.
+            // Answers to no command of this client are counted, and damage costs a report.
             if let Some(Came::Frame(_)) = self.line.receive(until - now)? {
                 self.line.counts.late += 1;
             }
         }
     }
 
-    /// Forgets the telemetry that nobody has taken.
+    /// Discards the telemetry that has not been taken.
     pub fn forget_telemetry(&mut self) {
         self.line.telemetry.clear();
     }
@@ -218,7 +218,7 @@ impl Client {
         Ok(self.status()?.map(|report| report.orders_sequence))
     }
 
-    /// Why nobody answers.
+    /// The error for a command without an answer.
     fn silence(&self, damaged: bool, seconds: f64) -> LinkError {
         let port = self.line.port.name().to_owned();
         match (self.identity, self.line.raw.count()) {

@@ -57,7 +57,7 @@ pub enum Order {
 }
 
 impl Order {
-    /// Its name.
+    /// Name of the command on the command line.
     pub fn name(&self) -> &'static str {
         match self {
             Order::Identify => "identify",
@@ -77,7 +77,7 @@ impl Order {
         }
     }
 
-    /// Does it.
+    /// Runs the command in a session.
     pub fn run(&self, session: &mut Session) -> Result<Answer, LinkError> {
         let answer = match self {
             Order::Identify => identify::run(session),

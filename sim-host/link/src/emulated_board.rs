@@ -1,7 +1,7 @@
 //! A whole board under QEMU, a scene's plant at its converters, and its serial port here.
 //!
-//! The image (`link`, of the package `qemu-m4`) is the block task and the slow side as a board has them. Its UART is QEMU's, with a socket at
-//! the other end. What was sent is heard in the next block and what it answers is here after that block, so that a dialogue is the same every
+//! The image (`link`, of the package `qemu-m4`) is the block interrupt and the background task as a board has them. Its UART is QEMU's, with a socket at
+//! the other end. The board receives what was sent in the next block, and its answer is here after that block, so that a dialogue is the same every
 //! time. There is no pace of a wire: bytes take no time.
 
 use std::io::{self, ErrorKind, Read, Write};
@@ -17,15 +17,15 @@ use hal_mock::tracer::Tracer;
 
 use crate::simulated_board::Rig;
 use pil::PilError;
+use pil::cpu_affinity::CpuAffinity;
 use pil::emulator::Serial;
-use pil::one_core::OneCore;
 use pil::pipes::Pipes;
 use scene::Driven;
 use scene::settings;
 use sim::processor::Lost;
 use sim::run::breakable_plant;
 
-/// The board.
+/// A board that runs in QEMU, with a simulated plant.
 pub struct EmulatedBoard {
     pipes: Pipes,
     config: Config,
@@ -35,14 +35,14 @@ pub struct EmulatedBoard {
     beat: Beat,
     played: Played,
     resets: u32,
-    _core: OneCore,
+    _core: CpuAffinity,
 }
 
 impl EmulatedBoard {
-    /// Starts an [image](pil::link_image()) as the board of a scene, just powered. Of what goes over the converters the last `keep` blocks are
-    /// kept.
+    /// Starts an [image](pil::link_image()) as the board of a scene, just powered. The last `keep` blocks at the converters are
+    /// recorded.
     pub fn start(image: &Path, scene: &Driven, keep: usize) -> Result<Self, PilError> {
-        let core = OneCore::pin();
+        let core = CpuAffinity::pin();
         let (serial, at_board) = UnixStream::pair()?;
         serial.set_nonblocking(true)?;
         let mut pipes = Pipes::start(image, Serial::Socket(at_board))?;
@@ -54,7 +54,7 @@ impl EmulatedBoard {
         Ok(EmulatedBoard { pipes, config, serial, clock, block_s, beat, played, resets: 0, _core: core })
     }
 
-    /// What its controller is told.
+    /// Configuration of the board's controller.
     pub fn config(&self) -> &Config {
         &self.config
     }
@@ -69,7 +69,7 @@ impl EmulatedBoard {
         Duration::from_secs_f64(self.clock.blocks() as f64 * self.block_s)
     }
 
-    /// Plays one block.
+    /// Plays one block of the board and its plant.
     pub fn block(&mut self) -> Result<(), Lost> {
         let EmulatedBoard { pipes, clock, beat, played, .. } = self;
         clock.tick(|sense, drive| {
@@ -89,12 +89,12 @@ impl EmulatedBoard {
         &self.played.board
     }
 
-    /// How often it has reset itself.
+    /// How often the board has reset itself.
     pub fn resets(&self) -> u32 {
         self.resets
     }
 
-    /// How deep its stack has been: until it was built, and in the blocks since, with block task and slow side.
+    /// Stack depth of the board: until its controller was built, and in the blocks since, with block interrupt and background task.
     pub fn stack(&mut self) -> Result<Closing, Lost> {
         self.pipes.close()
     }
@@ -132,7 +132,7 @@ impl Read for EmulatedBoard {
     }
 }
 
-/// What it is to hear in the next block.
+/// What the board is to receive in the next block.
 impl Write for EmulatedBoard {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
         let count = self.serial.write(bytes)?;

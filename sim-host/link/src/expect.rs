@@ -12,12 +12,12 @@ use crate::answer::Answer;
 use crate::link_error::LinkError;
 use scene::nearest::{listed, nearest};
 
-/// An expectation.
+/// An expectation of one field of the last answer.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Expect {
     name: String,
     relation: Relation,
-    value: Wanted,
+    value: Expected,
     tolerance: f64,
 }
 
@@ -32,13 +32,13 @@ enum Relation {
 }
 
 #[derive(Clone, Debug, PartialEq)]
-enum Wanted {
+enum Expected {
     Number(f64),
     Word(String),
 }
 
 impl Expect {
-    /// From the words after `expect`. An error names the word that is wrong, by its place; one past the last is that one is missing.
+    /// Parses the words after `expect`. An error names the word that is wrong, by its place; one past the last is that one is missing.
     pub fn parse(words: &[&str]) -> Result<Self, (usize, String)> {
         const FORM: &str = "expect NAME = VALUE [+- TOLERANCE]";
         let name = words.first().ok_or((0, format!("a field is missing: {FORM}")))?;
@@ -52,8 +52,8 @@ impl Expect {
             _ => return Err((1, "one of = != < <= > >= stands here".into())),
         };
         let value = words.get(2).ok_or((2, format!("a value is missing: {FORM}")))?;
-        let value = value.parse().map_or_else(|_| Wanted::Word((*value).to_owned()), Wanted::Number);
-        if matches!(value, Wanted::Word(_)) && !matches!(relation, Relation::Equal | Relation::Unequal) {
+        let value = value.parse().map_or_else(|_| Expected::Word((*value).to_owned()), Expected::Number);
+        if matches!(value, Expected::Word(_)) && !matches!(relation, Relation::Equal | Relation::Unequal) {
             return Err((2, "only numbers have an order".into()));
         }
         let tolerance = match words.get(3..) {
@@ -67,7 +67,7 @@ impl Expect {
         Ok(Expect { name: (*name).to_owned(), relation, value, tolerance })
     }
 
-    /// Holds it against an answer.
+    /// Judges an answer by the expectation.
     pub fn judge(&self, answer: &Answer) -> Result<Answer, LinkError> {
         let found = find(answer, &self.name).ok_or_else(|| {
             let names = || answer.fields.keys().map(String::as_str);
@@ -76,26 +76,26 @@ impl Expect {
             LinkError::Failed(format!("`{}` has no field `{}`; it has {}", answer.command, self.name, listed(which, "and")))
         })?;
         let holds = match (&self.value, found.as_f64()) {
-            (Wanted::Number(wanted), Some(number)) => match self.relation {
-                Relation::Equal => (number - wanted).abs() <= self.tolerance,
-                Relation::Unequal => number != *wanted,
-                Relation::Less => number < *wanted,
-                Relation::AtMost => number <= *wanted,
-                Relation::More => number > *wanted,
-                Relation::AtLeast => number >= *wanted,
+            (Expected::Number(value), Some(number)) => match self.relation {
+                Relation::Equal => (number - value).abs() <= self.tolerance,
+                Relation::Unequal => number != *value,
+                Relation::Less => number < *value,
+                Relation::AtMost => number <= *value,
+                Relation::More => number > *value,
+                Relation::AtLeast => number >= *value,
             },
-            (Wanted::Number(_), None) => self.relation == Relation::Unequal,
-            (Wanted::Word(wanted), _) => (shown(found) == *wanted) == (self.relation == Relation::Equal),
+            (Expected::Number(_), None) => self.relation == Relation::Unequal,
+            (Expected::Word(value), _) => (shown(found) == *value) == (self.relation == Relation::Equal),
         };
         let line = format!("{} is {}", self.name, shown(found));
         if holds {
             Ok(Answer::to("expect").line(line).field(&self.name, found.clone()))
         } else {
-            Err(LinkError::Failed(format!("{line}, which is not {}", self.wanted())))
+            Err(LinkError::Failed(format!("{line}, which is not {}", self.shown())))
         }
     }
 
-    fn wanted(&self) -> String {
+    fn shown(&self) -> String {
         let relation = match self.relation {
             Relation::Equal => "=",
             Relation::Unequal => "!=",
@@ -105,8 +105,8 @@ impl Expect {
             Relation::AtLeast => ">=",
         };
         let value = match &self.value {
-            Wanted::Number(number) => number.to_string(),
-            Wanted::Word(word) => word.clone(),
+            Expected::Number(number) => number.to_string(),
+            Expected::Word(word) => word.clone(),
         };
         let tolerance = if self.tolerance > 0.0 { format!(" +- {}", self.tolerance) } else { String::new() };
         format!("{relation} {value}{tolerance}")

@@ -6,9 +6,9 @@
 //!                          answer               frames of firmware::board::link: sequence numbers, checks, asking again
 //! ```
 //!
-//! [`port`] carries bytes and tells the time; the time of a [simulated board](simulated_board) is the one it plays in, and passes only
-//! while somebody waits for it, so that a dialogue is the same every time and as fast as the machine. [`client`] asks and is answered.
-//! [`session`] waits, keeps the board from thinking that its host has gone, and leaves the drive as the user wants it left. Each
+//! [`port`] carries bytes and has the clock; the time of a [simulated board](simulated_board) is the one it plays in, and passes only
+//! while a caller waits for it, so that a dialogue is the same every time and as fast as the machine. [`client`] asks and is answered.
+//! [`session`] waits, keeps the board's host timeout from running out, and leaves the drive in the state that the user has asked for. Each
 //! [command](commands) is one file, and gives an [`answer`](answer::Answer), for a reader or as a line of JSON.
 //!
 //! # Example

@@ -9,7 +9,7 @@ use crate::refusal;
 use report::ReportError;
 use scene::diagnostic::Report;
 
-/// What goes wrong.
+/// Errors of a dialogue with a board.
 #[derive(Debug, thiserror::Error)]
 pub enum LinkError {
     /// The port cannot be opened.
@@ -64,12 +64,12 @@ pub enum LinkError {
         /// Why.
         why: String,
     },
-    /// The board does not obey.
+    /// The board refuses a command.
     #[error("{}", refusal::sentence(command, *refusal))]
     Refused {
-        /// What it was told.
+        /// The refused command.
         command: String,
-        /// Why not.
+        /// Why the board refuses it.
         refusal: Refusal,
     },
     /// The board answers something else than what was asked.
@@ -83,7 +83,7 @@ pub enum LinkError {
     /// An argument cannot be what is meant.
     #[error("{0}")]
     Usage(String),
-    /// It was done, and has failed.
+    /// The command was carried out, and has failed.
     #[error("{0}")]
     Failed(String),
     /// A script is wrong: a report with line and caret.
@@ -105,13 +105,13 @@ pub enum LinkError {
         /// Why.
         io: io::Error,
     },
-    /// A figure.
+    /// A figure cannot be drawn.
     #[error("{}", whole(.0))]
     Figure(#[from] ReportError),
     /// Standard output is gone.
     #[error(transparent)]
     Output(#[from] io::Error),
-    /// Ctrl-C.
+    /// Ctrl-C has interrupted the command.
     #[error("interrupted")]
     Interrupted,
 }

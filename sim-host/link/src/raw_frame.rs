@@ -1,9 +1,9 @@
-//! What came, byte for byte: for the moment in which it turns out to be nothing that is understood.
+//! The bytes received, to be shown if they turn out to be no frame of the link.
 
-/// Most bytes that are kept.
+/// Most bytes that are stored.
 const MOST: usize = 256;
 
-/// The bytes that came last, and how many there were.
+/// The first bytes received since the last frame, and their number.
 #[derive(Clone, Debug, Default)]
 pub struct RawFrame {
     first: Vec<u8>,
@@ -48,7 +48,7 @@ impl RawFrame {
         format!("\"{}{rest}\"", first.escape_ascii())
     }
 
-    /// Forgets them.
+    /// Discards the bytes received so far.
     pub fn clear(&mut self) {
         *self = RawFrame::default();
     }

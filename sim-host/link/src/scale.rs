@@ -6,7 +6,7 @@ use crate::client::Client;
 use crate::link_error::LinkError;
 use crate::parameter::{parameter, report};
 
-/// Scale factors.
+/// Scale factors from codes to volts and amperes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Scale {
     /// Samples a second, Hz.
@@ -26,7 +26,7 @@ pub struct Scale {
 }
 
 impl Scale {
-    /// Asks the board.
+    /// Asks the board for its scale factors.
     pub fn ask(converters: &Converters, client: &mut Client) -> Result<Self, LinkError> {
         let sample_hz = f64::from(converters.sample_hz);
         let mut acts = |name: &str| Ok::<f64, LinkError>(report(parameter(name)?, client)?.acts.into());

@@ -25,7 +25,7 @@ use crate::link_error::LinkError;
 use crate::session::Session;
 use scene::diagnostic::{Place, Problem, Report, Source};
 
-/// A script.
+/// A script of commands, waits and expectations.
 #[derive(Clone, Debug)]
 pub struct Script {
     name: String,
@@ -35,9 +35,9 @@ pub struct Script {
 /// A line that does something.
 #[derive(Clone, Debug)]
 pub struct Line {
-    /// Its number, from one.
+    /// Number of the line, from one.
     pub number: usize,
-    /// What it says.
+    /// Text of the line, without its comment.
     pub text: String,
     /// It must fail.
     fails: bool,
@@ -75,8 +75,8 @@ impl Script {
         let (mut lines, mut problems) = (Vec::new(), Vec::new());
         let mut start = 0;
         for (n, whole) in text.split_inclusive('\n').enumerate() {
-            let told = before_comment(whole).trim_end();
-            match line(n + 1, told) {
+            let code = before_comment(whole).trim_end();
+            match line(n + 1, code) {
                 Ok(found) => lines.extend(found),
                 Err((at, message, help)) => {
                     let problem = Problem::new(Place::new(0, start + at.start..start + at.end), message, "here");
@@ -94,11 +94,11 @@ impl Script {
         Err(LinkError::Script(Report::new(vec![Source { name: name.to_owned(), text: text.to_owned() }], problems)))
     }
 
-    /// Does what it says, and tells of every line what has come of it. Ends with the first that fails.
+    /// Runs the script, and calls `report` with each line and its result. Ends with the first line that fails.
     pub fn run(
         &self,
         session: &mut Session,
-        mut told: impl FnMut(&Line, &Result<Answer, LinkError>) -> Result<(), LinkError>,
+        mut report: impl FnMut(&Line, &Result<Answer, LinkError>) -> Result<(), LinkError>,
     ) -> Result<(), LinkError> {
         for line in &self.lines {
             let mut done = match &line.step {
@@ -110,7 +110,7 @@ impl Script {
                 done = opposite(done);
                 session.last = done.as_ref().cloned().unwrap_or_default();
             }
-            told(line, &done)?;
+            report(line, &done)?;
             if let Err(error) = done {
                 return Err(LinkError::At { place: format!("{}:{}", self.name, line.number), error: Box::new(error) });
             }
@@ -120,7 +120,7 @@ impl Script {
 }
 
 impl Line {
-    /// The command's name.
+    /// Name of the line's command.
     pub fn name(&self) -> &'static str {
         match &self.step {
             Step::Order(order) => order.name(),

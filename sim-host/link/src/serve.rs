@@ -1,6 +1,6 @@
 //! `serve`: a simulated board at a TCP port, in real time, for clients that come and go.
 //!
-//! One client at a time; the next waits until the first has gone. The board plays on whether anybody listens or not, as a real one does.
+//! One client at a time; the next waits until the first has gone. The board goes on with or without a client, as a real one does.
 
 use std::io::{self, Read, Write};
 use std::net::{TcpListener, TcpStream};
@@ -18,7 +18,7 @@ const ROOM: usize = 4096;
 /// How far the board may fall behind before it gives up catching up.
 const BEHIND: Duration = Duration::from_millis(200);
 
-/// Plays until `stop` is set. `note` is told who comes and goes, and where the machine is too slow.
+/// Plays until `stop` is set. `note` is called when a client comes or goes, and where the machine is too slow.
 pub fn serve(board: &mut SimulatedBoard, listener: &TcpListener, stop: &AtomicBool, note: fn(&str)) -> io::Result<()> {
     listener.set_nonblocking(true)?;
     let mut client: Option<TcpStream> = None;
@@ -65,7 +65,7 @@ fn accepted(listener: &TcpListener, note: fn(&str)) -> io::Result<Option<TcpStre
 fn exchange(board: &mut SimulatedBoard, stream: &mut TcpStream) -> bool {
     let mut bytes = [0; 1024];
     let count = board.receive(&mut bytes);
-    // What a full socket does not take is lost, as on a wire that nobody listens to.
+    // What a full socket does not take is lost, as on a wire without a receiver.
     let sent = count == 0 || waits(stream.write_all(&bytes[..count])).is_some();
     // However much a client sends, it does not keep the board from its next block; what is beyond the wire's room is lost.
     for _ in 0..READS {
@@ -79,7 +79,7 @@ fn exchange(board: &mut SimulatedBoard, stream: &mut TcpStream) -> bool {
     sent
 }
 
-/// What came of it; `Some(None)`: nothing now. `None`: it is over.
+/// The result of a read or write; `Some(None)` if nothing can be moved now, `None` if the connection is over.
 fn waits<T>(done: io::Result<T>) -> Option<Option<T>> {
     match done {
         Ok(value) => Some(Some(value)),

@@ -35,9 +35,9 @@ pub struct SessionOptions {
 
 /// A session with one board: it keeps the board's host timeout from running out, and silences the drive at its end.
 pub struct Session {
-    /// The client.
+    /// Client that the session speaks through.
     pub client: Client,
-    /// The board's identity.
+    /// Identity of the connected board.
     pub identity: Identity,
     options: SessionOptions,
     /// The host timeout in force, s.
@@ -82,14 +82,14 @@ impl Session {
         let configured = report(parameter("link.patience_s")?, &mut self.client)?;
         if matches!(configured.kept, StoredState::Partly | StoredState::Refused | StoredState::Damaged | StoredState::Version(_))
         {
-            // Whatever is asked for next, it meets other settings than were stored.
+            // All further commands meet other settings than were stored.
             self.client.note(&words::stored(configured.kept));
         }
-        let wanted_s = if self.options.stay { Some(0.0) } else { self.options.host_timeout_s };
-        let host_timeout_s = wanted_s.unwrap_or(configured.acts);
+        let requested_s = if self.options.stay { Some(0.0) } else { self.options.host_timeout_s };
+        let host_timeout_s = requested_s.unwrap_or(configured.acts);
         self.host_timeout_s = host_timeout_s;
         let silent = self.client.status()?.is_none_or(|report| matches!(report.mode, Mode::Idle | Mode::Fault));
-        if silent || wanted_s.is_some() {
+        if silent || requested_s.is_some() {
             self.client.order(Command::Patience(host_timeout_s))?;
         }
         if host_timeout_s > 0.0 {
@@ -117,7 +117,7 @@ impl Session {
     /// Leaves: the drive falls silent if this user has ordered it on, unless it is to stay. Says what it does now.
     pub fn leave(&mut self) -> Result<Option<&'static str>, LinkError> {
         self.client.part();
-        // Whatever comes of it, it is not tried again.
+        // Whether it succeeds or not, it is not tried again.
         let driving = std::mem::take(&mut self.driving);
         let said = match (driving, self.options.stay) {
             (false, _) => None,
@@ -158,7 +158,7 @@ impl Session {
         }
     }
 
-    /// Lets time pass.
+    /// Waits while telemetry is received and the host timeout is served.
     pub fn wait(&mut self, time: Duration) -> Result<(), LinkError> {
         self.watch(time, 0, |_| None::<()>).map(drop)
     }
@@ -269,25 +269,25 @@ impl Drop for Session {
     }
 }
 
-/// Who looks on while a command is under way.
+/// Callbacks for the progress of a command.
 #[derive(Clone, Copy, Default)]
 pub struct Live {
-    /// Told of stages.
+    /// Called with the line of each stage.
     pub stage: Option<fn(&str)>,
-    /// Told of reports: a line, and fields.
+    /// Called with each report: a line, and fields.
     pub report: Option<fn(&str, &Value)>,
 }
 
 impl Live {
-    /// A stage has begun.
+    /// Calls back that a stage has begun.
     pub fn stage(&self, line: &str) {
-        self.stage.into_iter().for_each(|told| told(line));
+        self.stage.into_iter().for_each(|call| call(line));
     }
 
-    /// A report has come.
+    /// Calls back with a report.
     pub fn report(&self, line: &str, fields: impl FnOnce() -> Value) {
-        if let Some(told) = self.report {
-            told(line, &fields());
+        if let Some(call) = self.report {
+            call(line, &fields());
         }
     }
 }

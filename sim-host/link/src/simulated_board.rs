@@ -1,4 +1,4 @@
-//! A simulated board: the firmware's block task, slow side, settings and watchdog on doubles, a scene's plant behind its converters, and the
+//! A simulated board: the firmware's block interrupt, background task, settings and watchdog on mocks, a scene's plant behind its converters, and the
 //! bytes of its UART at the pace of the real one.
 //!
 //! Time is what is played. A byte takes ten bits at [`BAUD`], in either direction, so that a dialogue meets here what it meets on a board: a
@@ -42,7 +42,7 @@ impl Analog for Shared {
     }
 }
 
-/// The board.
+/// A simulated board with its plant and its serial port.
 pub struct SimulatedBoard {
     setup: Setup,
     /// None where it does not start any more.
@@ -56,7 +56,7 @@ pub struct SimulatedBoard {
 }
 
 impl SimulatedBoard {
-    /// The board that a scene describes, just powered. Of what goes over the converters the last `keep` blocks are kept.
+    /// The board that a scene describes, just powered. The last `keep` blocks at the converters are recorded.
     pub fn new(scene: &Driven, keep: usize) -> Result<Self, firmware::seam::error::Error> {
         let setup = Setup { config: settings::config(scene), to_host: FIFO, ..Setup::default() };
         let rig = Rc::new(RefCell::new(Tracer::new(breakable_plant(scene), keep)));
@@ -65,7 +65,7 @@ impl SimulatedBoard {
         Ok(SimulatedBoard { setup, bench, rig, to_board, to_host, credit: 0, blocks: 0 })
     }
 
-    /// What its controller is told.
+    /// Configuration of the board's controller.
     pub fn config(&self) -> &Config {
         &self.setup.config
     }
@@ -97,7 +97,7 @@ impl SimulatedBoard {
         count
     }
 
-    /// Plays one block.
+    /// Plays one block of the board and its plant.
     pub fn block(&mut self) {
         self.blocks += 1;
         let Some(bench) = &mut self.bench else {
@@ -109,7 +109,7 @@ impl SimulatedBoard {
         let bytes = (self.credit / sample_hz) as usize;
         self.credit %= sample_hz;
         let there: Vec<u8> = self.to_board.drain(..bytes.min(self.to_board.len())).collect();
-        // The mock's wire to the board is endless, and nobody cuts it.
+        // The mock's wire to the board is endless, and is never cut.
         let _ = bench.host.send_bytes(&there);
         bench.block();
         self.to_host.extend(bench.host.link.inner.take(bytes));
@@ -124,7 +124,7 @@ impl SimulatedBoard {
         }
     }
 
-    /// Begins anew, on the same flash; what is on its way to the board is lost, and the plant goes on.
+    /// Restarts the board on the same flash; bytes on their way to the board are lost, and the plant goes on.
     fn reset(&mut self, start: Start) {
         let Some(bench) = self.bench.take() else { return };
         self.setup.flash = bench.power_off();

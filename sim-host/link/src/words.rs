@@ -5,7 +5,7 @@ use firmware::board::stored_state::StoredState;
 use firmware::seam::fault::{Fault, Limit};
 use firmware::seam::mode::Mode;
 
-/// A mode's name.
+/// Name of a mode, in words.
 pub fn mode(mode: Mode) -> String {
     let plain = format!("{mode:?}");
     // SelfTest is self_test.
@@ -59,10 +59,10 @@ pub fn start(start: &Start) -> String {
         Start::PowerOn => "power on".into(),
         Start::Pin => "reset by its pin".into(),
         Start::Ordered => "reset by order".into(),
-        Start::Watchdog => "reset by the watchdog: the block stream or the slow side had died".into(),
+        Start::Watchdog => "reset by the watchdog: the block stream or the background task had stopped".into(),
         Start::Panic(place) => format!("reset after a panic at {}:{}", place.file.as_str(), place.line),
         Start::HardFault(address) => format!("reset after a hard fault at {address:#010x}"),
-        Start::Unexpected(number) => format!("reset after interrupt {number}, which nobody has asked for"),
+        Start::Unexpected(number) => format!("reset after interrupt {number}, which is not enabled"),
         Start::StreamLost(blocks) => format!("reset after a stream of samples that was lost after {blocks} blocks"),
         Start::DamagedCode(address) => {
             format!("reset after a damaged word of the code at {address:#010x}: flash the board again")

@@ -15,7 +15,7 @@ const LONG_NS: f64 = 2e9;
 /// A peer with what was measured of it.
 pub struct Entry {
     peer: Box<dyn Peer>,
-    /// Its name.
+    /// Name of the peer and its method.
     pub name: String,
     /// Where it comes from.
     pub family: Family,
@@ -27,7 +27,7 @@ pub struct Entry {
 
 /// A peer at a setting.
 pub struct Point {
-    /// The setting.
+    /// Setting of the peer's accuracy.
     pub setting: Setting,
     /// What came out, or why nothing did; nothing before the first run.
     pub result: Option<Result<Run, String>>,
@@ -49,7 +49,7 @@ pub struct Run {
 pub enum Quantity {
     /// The mean friction ratio.
     Mean,
-    /// Friction over time.
+    /// The friction over time.
     Force,
 }
 
@@ -102,14 +102,14 @@ impl Entry {
 ///
 /// # Errors
 /// If there is no reference for a number of periods.
-pub fn run(entries: &mut [Entry], rounds: u32, told: impl Fn(&str)) -> anyhow::Result<()> {
+pub fn run(entries: &mut [Entry], rounds: u32, report: impl Fn(&str)) -> anyhow::Result<()> {
     let lengths: BTreeSet<u32> = entries.iter().map(|entry| entry.periods).collect();
     let mut cases = BTreeMap::new();
     for periods in lengths {
         let case = Case::new(periods);
         let reference = Reference::new(&case)?;
         let (mean, force) = reference.apart;
-        told(&format!(
+        report(&format!(
             "reference over {periods} periods: mean friction ratio {:.15}; two methods differ by {mean:.0e}, in F by {force:.0e}",
             reference.mean()
         ));
@@ -124,7 +124,7 @@ pub fn run(entries: &mut [Entry], rounds: u32, told: impl Fn(&str)) -> anyhow::R
                 }
             }
         }
-        told(&format!("round {round} of {rounds} done"));
+        report(&format!("round {round} of {rounds} done"));
     }
     Ok(())
 }

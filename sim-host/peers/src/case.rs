@@ -17,9 +17,9 @@ use contact::table_4_1::{COULOMB_N, DRIVE_HZ, FORCE_N, MASS_KG, STIFFNESS_N_PER_
 /// The case over a number of periods.
 #[derive(Clone, Debug)]
 pub struct Case {
-    /// Its length; an even number, so that the window begins with a period.
+    /// Length of the run in periods; an even number, so that the window begins with a period.
     pub periods: u32,
-    /// In SI units.
+    /// The problem in SI units.
     pub problem: Problem,
     /// In units of order one.
     pub scaled: Scaled,
@@ -28,15 +28,15 @@ pub struct Case {
 /// The coefficients in units of order one.
 #[derive(Clone, Copy, Debug, serde::Serialize)]
 pub struct Scaled {
-    /// Sliding velocity xi.
+    /// Sliding velocity xi, scaled.
     pub sliding: f64,
     /// Vibration amplitude in Dahl lengths, kappa.
     pub kappa: f64,
-    /// Spring a.
+    /// Coefficient a of the spring.
     pub spring: f64,
-    /// Forcing g.
+    /// Coefficient g of the forcing.
     pub forcing: f64,
-    /// Friction e.
+    /// Coefficient e of the friction.
     pub friction: f64,
     /// What the quadrature state gains a unit of phase and force, 1 / (2 pi N).
     pub share: f64,
@@ -79,7 +79,7 @@ pub fn quarter(number: u32) -> f64 {
 }
 
 impl Scaled {
-    /// Slip velocity V.
+    /// Slip velocity V of a state.
     pub fn slip(&self, y: &[f64]) -> f64 {
         self.sliding + y[1]
     }
@@ -94,7 +94,7 @@ impl Scaled {
         rates[3] = self.share * y[2];
     }
 
-    /// The same with the sign taken from the slip, as the equation is written.
+    /// Rates with the sign taken from the slip velocity, as the equation is written.
     #[inline]
     pub fn free(&self, cosine: f64, y: &[f64], rates: &mut [f64]) {
         self.held(self.slip(y).signum(), cosine, y, rates);

@@ -1,6 +1,6 @@
 //! diffsol: Runge-Kutta of Tsitouras, backward differences, and a diagonally implicit method, with its own root finding.
 //!
-//! At a root the state goes back to it, the held sign flips, the slip is set to zero exactly, and the rates are computed anew, since the
+//! At a root the state goes back to it, the held sign flips, the slip is set to zero exactly, and the rates are computed again, since the
 //! method reuses them. Whole turns are then taken off the clock: the root finder's own tolerance grows with the time.
 
 use std::cell::Cell;
@@ -18,7 +18,7 @@ use crate::peer::{Family, Outcome, Peer, Samples, Setting, tolerances};
 /// One of its methods.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Method {
-    /// Explicit, order five.
+    /// Explicit Runge-Kutta method of order five.
     Tsit45,
     /// Backward differences, orders one to five.
     Bdf,
@@ -26,7 +26,7 @@ pub enum Method {
     Esdirk34,
 }
 
-/// The peer.
+/// The diffsol library with one of its methods.
 pub struct Diffsol(pub Method);
 
 impl Peer for Diffsol {

@@ -98,7 +98,7 @@ fn write_ratios(entries: &[Entry], dir: &Path) -> anyhow::Result<()> {
     Ok(file.flush()?)
 }
 
-/// One figure for each quantity and each family beside ours: more curves than that cannot be told apart.
+/// One figure for each quantity and each family beside ours: more curves than that cannot be distinguished.
 fn figures(entries: &[Entry]) -> Vec<Figure> {
     let quantities = [
         (Quantity::Mean, "mean", "error of the mean friction ratio"),

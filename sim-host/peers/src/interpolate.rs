@@ -25,7 +25,7 @@ const LEAST_ERROR: f64 = 1e-17;
 
 /// Cost of an error on a curve that is given from coarse to fine, straight between points in logarithms.
 ///
-/// The error has to be kept from there on: a coarse point that is better than its finer neighbours by luck does not count. None if there
+/// The error has to hold from there on: a coarse point that is better than its finer neighbours by luck does not count. None if there
 /// is no curve.
 pub fn cost(curve: &[Measured], target: f64) -> Option<Cost> {
     let least = *curve.iter().min_by(|a, b| a.error.total_cmp(&b.error))?;
@@ -76,7 +76,7 @@ mod tests {
 
     #[test]
     fn luck_does_not_count() {
-        // The coarse point is below 1e-5 once; only from 1e-6 on is it kept.
+        // The coarse point is below 1e-5 once; only from 1e-6 on does it stay there.
         let points = curve(&[(1e-3, 1.0), (1e-6, 2.0), (1e-4, 4.0), (1e-6, 8.0)]);
         let Some(Cost::At(found)) = cost(&points, 1e-5) else { panic!() };
         assert!((found - 32f64.sqrt()).abs() < 1e-12, "{found}");

@@ -97,17 +97,17 @@ fn from_reversal_to_reversal(mut leg: Leg, mut contact: Contact, samples: &mut S
     }
 }
 
-/// The beginning.
+/// State at the beginning, at rest.
 pub fn at_rest() -> Y {
     let mut y = Y::zeros();
     y[4] = 1.0;
     y
 }
 
-/// The right-hand side.
+/// Right-hand side of the equations of motion.
 #[derive(Clone, Copy)]
 pub struct Contact {
-    /// Coefficients.
+    /// Coefficients of the scaled equations.
     pub scaled: Scaled,
     /// The sign of the slip, where it is held.
     pub sign: Option<f64>,

@@ -1,10 +1,10 @@
-//! What a peer is: somebody's integrator, used on the case as well as its interface allows.
+//! A peer: an integrator of another project, used on the case as well as its interface allows.
 
 use std::fmt;
 
 use crate::case::Case;
 
-/// An integrator.
+/// An integrator that the methods are compared with.
 pub trait Peer {
     /// Whose it is, which method, and how reversals of the slip are treated.
     fn name(&self) -> String;
@@ -22,9 +22,9 @@ pub trait Peer {
 /// Where a peer comes from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Family {
-    /// This project.
+    /// A method of this project.
     Ours,
-    /// A Rust library.
+    /// A library in Rust.
     Rust,
     /// Python; slow enough to get fewer periods.
     Python,
@@ -35,7 +35,7 @@ pub enum Family {
 pub enum Setting {
     /// Absolute and relative tolerance.
     Tolerance(f64),
-    /// Steps a period.
+    /// Constant number of steps per period.
     Steps(u32),
 }
 

@@ -22,7 +22,7 @@ pub struct Cell {
 }
 
 impl Cell {
-    /// Cost over ours.
+    /// Cost of the peer over that of our method.
     pub fn ratio(&self) -> Option<f64> {
         Some(self.cost?.value()? / self.ours?.value()?)
     }
@@ -72,7 +72,7 @@ pub fn usable(entry: &Entry) -> bool {
     entry.curve(Quantity::Mean).iter().any(|point| point.error < USELESS)
 }
 
-/// Cost over ours.
+/// Table of costs over those of our method.
 pub fn ratios(entries: &[Entry]) -> TableBlock {
     let caption = "Cost at the same error, over the cheapest of ours at that error: interpolated on each peer's own work-precision curve, \
                    never beyond it. >= and <=: one side is better than asked at its coarsest already; ~: both are. best: the error is \
@@ -80,7 +80,7 @@ pub fn ratios(entries: &[Entry]) -> TableBlock {
     table("ratios", "Cost over ours, at the same error", caption, entries, Cell::ratio_text)
 }
 
-/// Cost by itself.
+/// Table of the costs themselves.
 pub fn costs(entries: &[Entry]) -> TableBlock {
     let caption = "Wall time, us a period, on this machine in this run: good for ratios only.";
     table("costs", "Cost at the same error, us a period", caption, entries, Cell::cost_text)

@@ -21,7 +21,7 @@ const PATIENCE: Duration = Duration::from_secs(30);
 const LOOKS: u32 = 8;
 /// How long QEMU may take to end by itself once its pipe has ended.
 const FAREWELL: Duration = Duration::from_secs(2);
-/// What is kept of QEMU's standard error, in bytes.
+/// Most bytes of QEMU's standard error that are stored.
 const KEPT_BYTES: u64 = 16 * 1024;
 
 /// QEMU, running an image. Killed when dropped.
@@ -35,7 +35,7 @@ pub struct Emulator {
 
 /// What is at the other end of the machine's serial port.
 pub enum Serial {
-    /// Nothing.
+    /// The machine has no serial port.
     None,
     /// A stream of bytes, of which the other end stays here.
     Socket(UnixStream),
@@ -170,8 +170,8 @@ fn spawn(image: &Path, serial: Serial, reads: OwnedFd, writes: OwnedFd) -> io::R
 
 /// Keeps the beginning of what QEMU says, and reads the rest away, so that it never waits for a reader.
 fn listen(mut stderr: ChildStderr) -> String {
-    let mut kept = Vec::new();
+    let mut stored = Vec::new();
     let mut first = (&mut stderr).take(KEPT_BYTES);
-    let _ = first.read_to_end(&mut kept).and_then(|_| io::copy(&mut stderr, &mut io::sink()));
-    String::from_utf8_lossy(&kept).into_owned()
+    let _ = first.read_to_end(&mut stored).and_then(|_| io::copy(&mut stderr, &mut io::sink()));
+    String::from_utf8_lossy(&stored).into_owned()
 }

@@ -15,7 +15,7 @@ pub const IMAGE_VARIABLE: &str = "SONOGLIDE_PIL_IMAGE";
 const TARGET: &str = "thumbv7em-none-eabihf";
 const WORKSPACE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../..");
 
-/// Set by whoever runs this process for host code; meant neither for the image nor for its directory.
+/// Environment variables that the caller sets for host code; they are meant neither for the image nor for its directory.
 const NOT_INHERITED: [&str; 4] = ["RUSTFLAGS", "CARGO_ENCODED_RUSTFLAGS", "CARGO_BUILD_RUSTFLAGS", "CARGO_BUILD_TARGET"];
 
 /// Why there can be no processor in the loop here, and what to install. `None`: nothing is missing.

@@ -27,17 +27,17 @@
 #![forbid(unsafe_code)]
 
 #[cfg(target_os = "linux")]
+pub mod cpu_affinity;
+#[cfg(target_os = "linux")]
 pub mod emulator;
 mod image;
 pub mod machine;
-#[cfg(target_os = "linux")]
-pub mod one_core;
 #[cfg(target_os = "linux")]
 pub mod pipes;
 #[cfg(target_os = "linux")]
 mod qemu;
 #[cfg(not(target_os = "linux"))]
-#[path = "nowhere.rs"]
+#[path = "unsupported.rs"]
 mod qemu;
 #[cfg(target_os = "linux")]
 mod size;

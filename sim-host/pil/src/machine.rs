@@ -1,10 +1,11 @@
 //! The emulated machine.
 
-/// The emulator.
+/// Program of the emulator.
 pub const PROGRAM: &str = "qemu-system-arm";
 
-/// Its arguments, before the image: an STM32F405, with flash and RAM where the reference board has them, and semihosting on this
-/// host's files. Its time passes by instructions, one nanosecond each, which is how the image counts them.
+/// Arguments of the emulator, before the image: an STM32F405, with flash and RAM where the reference board has them, and
+/// semihosting on this host's files. The machine's time passes by instructions, one nanosecond each, by which the image counts
+/// them.
 pub const ARGUMENTS: [&str; 10] = [
     "-M",
     "netduinoplus2",
@@ -18,7 +19,7 @@ pub const ARGUMENTS: [&str; 10] = [
     "-kernel",
 ];
 
-/// Arguments of a machine whose serial port nobody hears.
+/// Arguments of a machine without a serial port to the host.
 pub const NO_SERIAL: [&str; 2] = ["-serial", "null"];
 
 /// Arguments of a machine whose first serial port is the socket that it has inherited as its file 5.

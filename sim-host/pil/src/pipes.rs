@@ -23,7 +23,7 @@ impl Pipes {
         Ok(Pipes { to, from, buffer: lockstep::BUFFER, emulator })
     }
 
-    /// QEMU.
+    /// The running QEMU process.
     pub fn emulator(&self) -> &Emulator {
         &self.emulator
     }

@@ -9,8 +9,8 @@ use firmware::seam::config::Config;
 use firmware::seam::telemetry::Telemetry;
 
 use super::PilError;
+use super::cpu_affinity::CpuAffinity;
 use super::emulator::Serial;
-use super::one_core::OneCore;
 use super::pipes::Pipes;
 use super::size::Size;
 use sim::processor::{Lost, Memory, Processor};
@@ -24,14 +24,14 @@ pub struct Qemu {
     silence: DriveBlock,
     question: Question,
     answer: Answer,
-    _core: OneCore,
+    _core: CpuAffinity,
 }
 
 impl Qemu {
     /// Starts an [image](fn@super::image) and builds its controller.
     pub fn start(image: &Path, config: &Config) -> Result<Self, PilError> {
         // Before the pipes' process is started, which inherits it.
-        let core = OneCore::pin();
+        let core = CpuAffinity::pin();
         let mut pipes = Pipes::start(image, Serial::None)?;
         let mut opening = Opening::default();
         pipes.ask(config, &mut opening)?;
@@ -48,12 +48,12 @@ impl Qemu {
         }
     }
 
-    /// Sets how long QEMU may take for an answer; 30 s unless told. Longer is for a debugger on the guest.
+    /// Sets how long QEMU may take for an answer; 30 s by default. A longer time is for a debugger on the guest.
     pub fn set_patience(&mut self, patience: Duration) {
         self.pipes.emulator().set_patience(patience);
     }
 
-    /// QEMU's process.
+    /// Process id of QEMU.
     pub fn process_id(&self) -> u32 {
         self.pipes.emulator().process_id()
     }

@@ -13,12 +13,12 @@ const RAM: std::ops::Range<u64> = 0x2000_0000..0x4000_0000;
 pub struct Size {
     /// Vectors, code, constants, and what static variables begin with.
     pub flash: u64,
-    /// Static variables.
+    /// Size of the static variables, bytes.
     pub ram: u64,
 }
 
 impl Size {
-    /// Reads an image.
+    /// Reads the sizes of an image.
     pub fn of(image: &Path) -> io::Result<Self> {
         let bytes = std::fs::read(image)?;
         let file = object::File::parse(&*bytes).map_err(io::Error::other)?;

@@ -30,9 +30,9 @@ pub struct BeltMotion {
 struct Ripple {
     rms: f64,
     hz: f64,
-    /// For which step the next two are made, what is kept of a quadrature over it, and what comes anew.
+    /// The step that `decay` (of a quadrature over one step) and `fresh` (scale of the new random part) are computed for, s.
     step_s: f64,
-    kept: f64,
+    decay: f64,
     fresh: f64,
     quadratures: [f64; 2],
     random: Xoshiro256PlusPlus,
@@ -51,11 +51,11 @@ impl BeltMotion {
         BeltMotion { nominal_m_per_s: speed_m_per_s, ripple: None, halt: None, time_s: 0.0, speed_m_per_s, position_m: 0.0 }
     }
 
-    /// The same with a ripple of this rms, as a part of the speed, about this frequency, Hz. The seed decides what it looks like.
+    /// The belt with a ripple of this rms, as a part of the speed, about this frequency, Hz. The seed determines the ripple.
     pub fn with_ripple(mut self, rms: f64, hz: f64, seed: u64) -> Self {
         let mut random = Xoshiro256PlusPlus::seed_from_u64(seed);
         let quadratures = std::array::from_fn(|_| StandardNormal.sample(&mut random));
-        self.ripple = (rms > 0.0).then_some(Ripple { rms, hz, step_s: 0.0, kept: 1.0, fresh: 0.0, quadratures, random });
+        self.ripple = (rms > 0.0).then_some(Ripple { rms, hz, step_s: 0.0, decay: 1.0, fresh: 0.0, quadratures, random });
         self
     }
 
@@ -64,7 +64,7 @@ impl BeltMotion {
         self.nominal_m_per_s
     }
 
-    /// Sets it, m/s.
+    /// Sets the nominal speed of the belt, m/s.
     pub fn set_nominal(&mut self, speed_m_per_s: f64) {
         self.nominal_m_per_s = speed_m_per_s;
     }
@@ -84,7 +84,7 @@ impl BeltMotion {
         self.speed_m_per_s
     }
 
-    /// Its speed in the last step, m/s.
+    /// Speed of the belt in the last step, m/s.
     pub fn speed_m_per_s(&self) -> f64 {
         self.speed_m_per_s
     }
@@ -98,12 +98,12 @@ impl BeltMotion {
 impl Ripple {
     fn next(&mut self, time_s: f64, step_s: f64) -> f64 {
         if step_s != self.step_s {
-            let kept = libm::exp(-step_s * self.hz / MEMORY_PERIODS);
-            (self.step_s, self.kept, self.fresh) = (step_s, kept, (1.0 - kept * kept).sqrt());
+            let decay = libm::exp(-step_s * self.hz / MEMORY_PERIODS);
+            (self.step_s, self.decay, self.fresh) = (step_s, decay, (1.0 - decay * decay).sqrt());
         }
         for quadrature in &mut self.quadratures {
             let normal: f64 = StandardNormal.sample(&mut self.random);
-            *quadrature = self.kept * *quadrature + self.fresh * normal;
+            *quadrature = self.decay * *quadrature + self.fresh * normal;
         }
         let (sine, cosine) = libm::sincos(std::f64::consts::TAU * self.hz * time_s);
         self.rms * (self.quadratures[0] * cosine + self.quadratures[1] * sine)

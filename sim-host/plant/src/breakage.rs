@@ -22,10 +22,10 @@ pub const DEPOLED_COUPLING: f64 = 0.1;
 pub const CRACKED_Q: f64 = 0.2;
 /// Where the mode of a crack is, relative to the series resonance.
 pub const CRACK_RESONANCE: f64 = 0.985;
-/// The motional capacitance of that mode, relative to that of the wanted one.
+/// The motional capacitance of that mode, relative to that of the working mode.
 pub const CRACK_STRENGTH: f64 = 0.2;
 
-/// What breaks.
+/// A part of the transducer that breaks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Breakage {
     /// A short across the stack.
@@ -41,7 +41,7 @@ pub enum Breakage {
 pub struct Scheduled {
     /// In which block, counted from zero: so from its beginning.
     pub at_block: u64,
-    /// What.
+    /// The part that breaks.
     pub breakage: Breakage,
 }
 

@@ -7,15 +7,15 @@ use scene::Bvd;
 /// The equivalent circuit in the form the equations need.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Circuit {
-    /// Clamped capacitance, F.
+    /// Clamped capacitance of the transducer, F.
     pub c0_f: f64,
-    /// Motional capacitance, F.
+    /// Motional capacitance of the branch, F.
     pub cm_f: f64,
-    /// Motional inductance, H.
+    /// Motional inductance of the branch, H.
     pub lm_h: f64,
-    /// Motional resistance, ohm.
+    /// Motional resistance of the branch, ohm.
     pub rm_ohm: f64,
-    /// Force factor, N/V.
+    /// Force factor of the branch, N/V.
     pub force_factor_n_per_v: f64,
 }
 
@@ -35,12 +35,12 @@ impl Circuit {
         Circuit { c0_f: bvd.c0_f, cm_f, lm_h, rm_ohm, force_factor_n_per_v: bvd.force_factor_n_per_v }
     }
 
-    /// Series resonance, rad/s.
+    /// Series resonance of the branch, rad/s.
     pub fn omega(&self) -> f64 {
         1.0 / (self.lm_h * self.cm_f).sqrt()
     }
 
-    /// Series resonance, Hz.
+    /// Series resonance of the branch, Hz.
     pub fn series_resonance_hz(&self) -> f64 {
         self.omega() / std::f64::consts::TAU
     }
@@ -50,14 +50,14 @@ impl Circuit {
         self.omega() * self.lm_h / self.rm_ohm
     }
 
-    /// The same inductance and quality factor at another resonance.
+    /// The circuit with another series resonance, at constant inductance and quality factor.
     pub fn with_series_resonance(self, hz: f64) -> Self {
         let omega = std::f64::consts::TAU * hz;
         let cm_f = 1.0 / (omega * omega * self.lm_h);
         Circuit { cm_f, rm_ohm: omega * self.lm_h / self.q(), ..self }
     }
 
-    /// The same resonance with another quality factor.
+    /// The circuit with another quality factor, at constant resonance.
     pub fn with_q(self, q: f64) -> Self {
         Circuit { rm_ohm: self.omega() * self.lm_h / q, ..self }
     }

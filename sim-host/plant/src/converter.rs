@@ -9,7 +9,7 @@ use rand_xoshiro::Xoshiro256PlusPlus;
 
 use scene::{Amplifier, Sensors};
 
-/// The DAC.
+/// DAC of one lane, whose output is held between samples.
 #[derive(Clone, Debug)]
 pub struct Dac {
     mid_code: f64,
@@ -40,7 +40,7 @@ impl Dac {
     }
 }
 
-/// One ADC channel.
+/// One channel of the ADC, with its noise.
 #[derive(Clone, Debug)]
 pub struct Adc {
     lsb_per_unit: f64,
@@ -64,7 +64,7 @@ impl Adc {
         }
     }
 
-    /// One conversion.
+    /// Converts a value to a code.
     #[inline]
     pub fn convert(&mut self, value: f64) -> u16 {
         let normal: f64 = StandardNormal.sample(&mut self.random);

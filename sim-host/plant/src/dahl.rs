@@ -11,7 +11,7 @@
 //! located on the quadratic through both velocities and the slip (error of fourth order), and the step is split there.
 //! The time mean over the step is the trapezium with end corrections (fourth order).
 
-/// The contact.
+/// Contact with Dahl friction.
 #[derive(Clone, Debug)]
 pub struct Dahl {
     /// Tangential stiffness, N/m.

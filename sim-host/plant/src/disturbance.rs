@@ -17,7 +17,7 @@ impl Change {
         Change { disturbance, added: 0.0, done: false }
     }
 
-    /// What changes.
+    /// Key of the scene whose value changes.
     pub fn key(&self) -> DisturbedKey {
         self.disturbance.key
     }

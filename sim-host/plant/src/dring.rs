@@ -51,7 +51,7 @@ pub struct Bench {
     pub shoulder: Span,
     /// Webbing between D-ring and spool.
     pub retractor: Span,
-    /// The D-ring.
+    /// D-ring that the webbing slides over.
     pub capstan: Capstan,
     /// Force at which the load limiter lets the spool turn, N.
     pub limiter_n: f64,
@@ -60,7 +60,7 @@ pub struct Bench {
 }
 
 impl Bench {
-    /// Of a scene; the pulse begins at the scene's time.
+    /// The bench of a scene; the pulse begins at the scene's time.
     pub fn of(scene: &scene::Dring) -> Self {
         Bench {
             torso_kg: scene.torso_mass_kg(),
@@ -85,7 +85,7 @@ impl Bench {
         }
     }
 
-    /// The same belt with nothing that lowers its friction.
+    /// The bench with a passive belt, whose friction is never lowered.
     pub fn passive(&self) -> Self {
         Bench { actuator: Actuator::None, ..self.clone() }
     }

@@ -55,7 +55,7 @@ pub struct DrivenStack {
     time_s: f64,
     energy: Energy,
     truth: Truth,
-    /// Sample by sample, of the last block, where somebody looks.
+    /// The samples of the last block, where they are recorded.
     samples: Option<Vec<Sample>>,
 }
 
@@ -137,7 +137,7 @@ impl DrivenStack {
         }
     }
 
-    /// The last block sample by sample, if kept.
+    /// The samples of the last block, if they are recorded.
     pub fn samples(&self) -> &[Sample] {
         self.samples.as_deref().unwrap_or(&[])
     }

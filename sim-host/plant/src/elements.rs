@@ -12,7 +12,7 @@ use scene::{DisturbedKey, Driven, FaultKind};
 /// What a stack's elements are made from.
 #[derive(Clone, Debug)]
 pub struct Elements {
-    /// The wanted mode at rest and at ambient temperature.
+    /// The working mode at rest and at ambient temperature.
     rest: Circuit,
     shift: Option<Shift>,
     temperature_k: f64,
@@ -24,7 +24,7 @@ pub struct Elements {
 }
 
 impl Elements {
-    /// Those of a scene's stack, and the parts that it begins with, at rest.
+    /// The elements of a scene's stack, and its parts at rest.
     pub fn new(scene: &Driven, stack: &scene::Stack) -> (Self, Parts) {
         let mut parts = Parts::of(stack);
         parts.circuit = damped(parts.circuit, scene);

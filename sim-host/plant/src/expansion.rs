@@ -27,9 +27,9 @@ const SAME: f64 = 1e-9;
 /// What moves, and by how much: elements relative to where the series was made.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Path {
-    /// The wanted mode's resonance, with inductance and quality factor kept: `1/Cm` with `(1 + s)^2`, `Rm` with `1 + s`.
+    /// The working mode's resonance at constant inductance and quality factor: `1/Cm` with `(1 + s)^2`, `Rm` with `1 + s`.
     Resonance,
-    /// The wanted mode's damping: `Rm` with `1 + s`.
+    /// The working mode's damping: `Rm` with `1 + s`.
     Damping,
     /// The clamped capacitance: `1/C0` with `1 + s`.
     Clamped,

@@ -1,4 +1,4 @@
-//! The force channel that the controller hears: a second-order Butterworth low-pass like the load cell's, faster, with noise, read once a
+//! The force channel of the controller: a second-order Butterworth low-pass like the load cell's, faster, with noise, read once a
 //! block.
 
 use rand_core::SeedableRng;
@@ -7,7 +7,7 @@ use rand_xoshiro::Xoshiro256PlusPlus;
 
 use crate::load_cell::LoadCell;
 
-/// The channel.
+/// Force channel: a force sensor with a low pass and noise.
 #[derive(Clone, Debug)]
 pub struct ForceChannel {
     cell: LoadCell,

@@ -83,10 +83,10 @@ pub fn circuit_of(scene: &Driven) -> Circuit {
     }
 }
 
-/// The plant.
+/// The simulated plant between DAC and ADC.
 #[derive(Clone, Debug)]
 pub enum Plant {
-    /// Around a stack.
+    /// A plant around a piezo stack.
     Stack(Box<DrivenStack>),
     /// Around the stator of a motor.
     Motor(Box<Motor>),
@@ -158,7 +158,7 @@ impl Plant {
         of_any!(self, plant => plant.keep_samples(keep));
     }
 
-    /// The last block sample by sample, if kept.
+    /// The samples of the last block, if they are recorded.
     pub fn samples(&self) -> &[Sample] {
         of_any!(self, plant => plant.samples())
     }

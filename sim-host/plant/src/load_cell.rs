@@ -3,7 +3,7 @@
 
 use contact::flow::{Matrix, exponential};
 
-/// The cell.
+/// Load cell that measures friction.
 #[derive(Clone, Debug)]
 pub struct LoadCell {
     flow: Matrix<3>,

@@ -68,7 +68,7 @@ pub struct Motor {
     linear: Linear,
     rotor: Option<Rotor>,
     load_cell: LoadCell,
-    /// What the controller was told, for the truth about it.
+    /// Nominal values of the controller, for comparison with the truth.
     nominal_hz: f64,
     direction: Direction,
     played_lanes: u8,
@@ -78,7 +78,7 @@ pub struct Motor {
     time_s: f64,
     energy: Energy,
     truth: Truth,
-    /// Sample by sample, of the last block, where somebody looks.
+    /// The samples of the last block, where they are recorded.
     samples: Option<Vec<Sample>>,
 }
 
@@ -161,7 +161,7 @@ impl Motor {
         }
     }
 
-    /// The last block sample by sample, if kept.
+    /// The samples of the last block, if they are recorded.
     pub fn samples(&self) -> &[Sample] {
         self.samples.as_deref().unwrap_or(&[])
     }

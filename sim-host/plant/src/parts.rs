@@ -1,16 +1,16 @@
-//! The elements of a stack's network: the circuit of the wanted mode, what leaks, and the further modes.
+//! The elements of a stack's network: the circuit of the working mode, the leakage, and the further modes.
 
 use crate::circuit::Circuit;
 
-/// A further mode: a series branch in parallel with that of the wanted one. Its force factor does not matter, as it does not move the
+/// A further mode: a series branch in parallel with that of the working mode. Its force factor does not matter, as it does not move the
 /// tip along the friction.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Branch {
-    /// Capacitance, F.
+    /// Motional capacitance of the mode, F.
     pub cm_f: f64,
-    /// Inductance, H.
+    /// Motional inductance of the mode, H.
     pub lm_h: f64,
-    /// Resistance, ohm.
+    /// Motional resistance of the mode, ohm.
     pub rm_ohm: f64,
 }
 
@@ -26,12 +26,12 @@ impl Branch {
         Branch { cm_f: 1.0 / (omega * omega * lm_h), lm_h, rm_ohm: omega * lm_h / q }
     }
 
-    /// Series resonance, rad/s.
+    /// Series resonance of the mode, rad/s.
     pub fn omega(&self) -> f64 {
         1.0 / (self.lm_h * self.cm_f).sqrt()
     }
 
-    /// Series resonance, Hz.
+    /// Series resonance of the mode, Hz.
     pub fn series_resonance_hz(&self) -> f64 {
         self.omega() / std::f64::consts::TAU
     }
@@ -41,7 +41,7 @@ impl Branch {
         self.omega() * self.lm_h / self.rm_ohm
     }
 
-    /// The same inductance and quality factor at another resonance, Hz.
+    /// The branch with another series resonance, Hz, at constant inductance and quality factor.
     pub fn with_series_resonance(self, hz: f64) -> Self {
         Self::at(hz, self.q(), self.lm_h)
     }
@@ -50,16 +50,16 @@ impl Branch {
 /// The elements of a stack's network.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Parts {
-    /// The circuit of the wanted mode.
+    /// The circuit of the working mode.
     pub circuit: Circuit,
     /// Conductance in parallel with the clamped capacitance, S.
     pub leak_s: f64,
-    /// Further modes.
+    /// Branches of further modes.
     pub further: Vec<Branch>,
 }
 
 impl Parts {
-    /// Those of a scene's stack at rest and at ambient temperature. The dielectric loss is a conductance that has the stated loss
+    /// The elements of a scene's stack at rest and at ambient temperature. The dielectric loss is a conductance that has the stated loss
     /// tangent at the series resonance: `G = tan(delta) omega C0`, and keeps its value whatever changes on the way.
     pub fn of(stack: &scene::Stack) -> Self {
         let circuit = Circuit::of(&stack.bvd);
@@ -69,7 +69,7 @@ impl Parts {
 }
 
 impl From<Circuit> for Parts {
-    /// The wanted mode alone, which does not leak.
+    /// The working mode alone, without leakage.
     fn from(circuit: Circuit) -> Self {
         Parts { circuit, leak_s: 0.0, further: Vec::new() }
     }

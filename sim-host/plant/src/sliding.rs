@@ -12,7 +12,7 @@ pub struct Sliding {
     mu: f64,
     self_weight_n: f64,
     load_n: f64,
-    /// What moves.
+    /// Belt or slider that the tip touches.
     pub belt: BeltMotion,
 }
 
@@ -41,7 +41,7 @@ impl Sliding {
         self.dahl.set_coulomb_force(self.mu * (load_n + self.self_weight_n));
     }
 
-    /// Friction now, N.
+    /// Friction at present, N.
     pub fn force(&self) -> f64 {
         self.dahl.force()
     }

@@ -72,7 +72,7 @@ impl Stack {
         stack
     }
 
-    /// The circuit of the wanted mode as it is now.
+    /// The circuit of the working mode in its present state.
     pub fn circuit(&self) -> &Circuit {
         &self.parts.circuit
     }
@@ -82,7 +82,7 @@ impl Stack {
         &self.parts
     }
 
-    /// Changes the wanted mode's circuit. The tip goes on as it did, so that with an unchanged force factor the charge on the motional
+    /// Changes the working mode's circuit. The tip goes on as it did, so that with an unchanged force factor the charge on the motional
     /// capacitor and the current stay.
     pub fn set_circuit(&mut self, circuit: Circuit) {
         self.set(Parts { circuit, ..self.parts.clone() });
@@ -229,7 +229,7 @@ impl Stack {
         self.state(TOTAL)
     }
 
-    /// Motional current, A.
+    /// Motional current of the working mode, A.
     #[inline]
     pub fn motional_current(&self) -> f64 {
         self.state(I)
@@ -241,13 +241,13 @@ impl Stack {
         self.state(VC)
     }
 
-    /// Tip velocity, m/s.
+    /// Velocity of the tip, m/s.
     #[inline]
     pub fn tip_velocity(&self) -> f64 {
         self.motional_current() * self.tip_per_ampere
     }
 
-    /// Tip displacement, m.
+    /// Displacement of the tip, m.
     #[inline]
     pub fn tip_displacement(&self) -> f64 {
         self.motional_voltage() * self.tip_per_volt

@@ -27,9 +27,9 @@ pub struct Layout {
     pub timing: Timing,
     /// How long the sample before goes on into this one, s: what a delay of the drive is beyond whole samples.
     pub late_s: f64,
-    /// Source resistance, ohm.
+    /// Source resistance of the amplifier, ohm.
     pub source_ohm: f64,
-    /// Further modes.
+    /// Number of further modes.
     pub further: usize,
 }
 

@@ -5,9 +5,9 @@
 pub struct Truth {
     /// Friction: mean over the block, and its extremes at the steps, N.
     pub friction_mean_n: f64,
-    /// Smallest friction, N.
+    /// Smallest friction within the block, N.
     pub friction_min_n: f64,
-    /// Largest friction, N.
+    /// Largest friction within the block, N.
     pub friction_max_n: f64,
     /// The load cell's reading at the block's end, N.
     pub load_cell_n: f64,
@@ -28,7 +28,7 @@ pub struct Truth {
     pub friction_on_slider_w: f64,
     /// How far belt or slider have come at the block's end, m.
     pub belt_position_m: f64,
-    /// Their speed, m/s.
+    /// Speed of belt or slider at the block's end, m/s.
     pub belt_speed_m_per_s: f64,
     /// What only a stack has.
     pub tip: Option<TipMotion>,
@@ -90,11 +90,11 @@ pub struct MotorTruth {
 pub struct Sample {
     /// Voltage at the stack, V.
     pub voltage_v: f64,
-    /// Motional current, A.
+    /// Motional current of the sample, A.
     pub motional_current_a: f64,
-    /// Tip velocity, m/s.
+    /// Tip velocity of the sample, m/s.
     pub tip_velocity_m_per_s: f64,
-    /// Its envelope, `sqrt(v^2 + (w_s x)^2)`; of a stator that of the stronger wave's crests, m/s.
+    /// Envelope of the tip velocity, `sqrt(v^2 + (w_s x)^2)`; of a stator that of the stronger wave's crests, m/s.
     pub tip_envelope_m_per_s: f64,
     /// Friction, mean over the sample, N.
     pub friction_n: f64,

@@ -23,7 +23,7 @@ pub struct Webbing {
     law: EmpiricalLaw,
     mu: f64,
     load_n: f64,
-    /// What moves.
+    /// Belt that the horn presses on.
     pub belt: BeltMotion,
     /// Where it last went, one or minus one; zero before it moves.
     way: f64,

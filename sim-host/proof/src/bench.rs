@@ -7,9 +7,9 @@ use scene::suite::{self, LoadedSuite};
 
 const TRACKING: &str = include_str!("../suites/tracking.toml");
 
-/// A bench.
+/// A bench of `sim-host validate`.
 pub struct Bench {
-    /// Its name on the command line.
+    /// Name of the bench on the command line.
     pub name: &'static str,
     /// What it does, in one line.
     pub about: &'static str,
@@ -17,7 +17,7 @@ pub struct Bench {
     pub has_quick: bool,
     /// The text of its suite, if it is one.
     pub suite: Option<&'static str>,
-    /// Runs it.
+    /// Function that runs the bench.
     pub run: fn(&mut Options) -> Result<Evidence, Error>,
 }
 

@@ -1,4 +1,4 @@
-//! The blocks of the documentation that `sim-host validate` writes are what it prints. `UPDATE_DOCS=1 cargo test docs` writes them anew.
+//! The blocks of the documentation that `sim-host validate` writes are what it prints. `UPDATE_DOCS=1 cargo test docs` regenerates them.
 
 use crate::bench::named;
 use crate::evidence::{Evidence, Options};

@@ -7,7 +7,7 @@ use sim::study::suite::{CaseResult, SuiteResult};
 /// The text of the suite.
 pub(crate) const SUITE: &str = include_str!("../suites/friction.toml");
 
-/// Runs the suite.
+/// Runs the suite of the friction switch.
 pub fn run(options: &mut Options) -> Result<Evidence, Error> {
     built_in(("friction", SUITE), options, |result, report| {
         report.figures.push(figure(result));
@@ -30,7 +30,7 @@ fn figure(result: &SuiteResult) -> Figure {
         Some(Series {
             name: format!("{law}, {contact}"),
             csv_column: format!("ratio_{}_{}", law.replace([' ', '\''], "_"), contact.replace(' ', "")),
-            x: held().map(|step| step.wanted).collect(),
+            x: held().map(|step| step.set_point).collect(),
             y: held().map(|step| step.truth).collect(),
             style,
         })

@@ -45,12 +45,12 @@ impl Runs {
     pub const QUICK: Self = Runs { runs: 60, seconds: 10, other_seconds: 2 };
 }
 
-/// What came of many runs of one event.
+/// Results of many runs of one event.
 #[derive(Clone, Debug)]
 pub struct Stopped {
-    /// Which.
+    /// Event of the runs.
     pub event: &'static Event,
-    /// Runs.
+    /// Number of runs.
     pub runs: u32,
     /// Runs in which the drive went on.
     pub missed: u32,
@@ -74,7 +74,7 @@ impl Stopped {
 /// A fault of the encoder that nothing but energy or time can end.
 #[derive(Clone, Debug)]
 pub struct Undetected {
-    /// Which.
+    /// Fault of the encoder.
     pub encoder: &'static EncoderFault,
     /// How long it lasted, s; none if it still does after a minute.
     pub undetected_s: Option<f64>,
@@ -87,9 +87,9 @@ pub struct Undetected {
 /// How often a moving belt was taken for a standing one.
 #[derive(Clone, Debug)]
 pub struct Passed {
-    /// Which.
+    /// Belt that moved.
     pub belt: &'static MovingBelt,
-    /// Seconds of belt.
+    /// Simulated time of the belt, s.
     pub seconds: f64,
     /// Mutes and faults; a fault ends a part.
     pub trips: u32,
@@ -104,7 +104,7 @@ impl Passed {
     }
 }
 
-/// Runs everything.
+/// Runs all events, faults and belts.
 pub fn evidence(options: &mut Options) -> Result<Evidence, Error> {
     let runs = if options.quick { Runs::QUICK } else { Runs::FULL };
     let plan = Plan::of_the_scene()?;

@@ -25,7 +25,7 @@ use target::Counted;
 
 /// A way to make the drive's sine: what it costs and how good it is.
 pub struct Row {
-    /// Which.
+    /// Generator of the sine.
     pub generator: Generator,
     /// Instructions for one sine with its cosine.
     pub instructions: f64,

@@ -69,7 +69,7 @@ pub struct Findings {
     pub figures: Vec<Figure>,
     /// The claims, in the thesis's order.
     pub claims: Vec<Claim>,
-    /// The contradictions.
+    /// Contradictions within the thesis.
     pub errata: Vec<Erratum>,
     /// What is left open.
     pub choices: Vec<Choice>,
@@ -128,7 +128,7 @@ impl Findings {
         experiments.into_iter().chain(parameters).chain(found).collect()
     }
 
-    /// The report.
+    /// Report of all claims and figures.
     pub fn report(&self) -> Report {
         let count =
             |verdict: Verdict| (verdict.word().to_owned(), format!("{} of {} claims", self.count(verdict), self.claims.len()));

@@ -117,10 +117,10 @@
   }
 
   function xRange(figure, whole) {
-    const wanted = figure.x.range;
+    const shown = figure.x.range;
     // What the plot asks for without a zoom is the extent of the data.
     return (u, low, high) =>
-      low == null || (low <= whole[0] && high >= whole[1]) ? wanted : [low, high];
+      low == null || (low <= whole[0] && high >= whole[1]) ? shown : [low, high];
   }
 
   // Runs `draw` in CSS pixels, clipped to the plot.

@@ -1,5 +1,5 @@
 //! A crash that can be played: the belt as it is beside the belt whose friction is switched, drawn from the side, with the force at the
-//! shoulder as bars over time. For readers who have never heard of a capstan.
+//! shoulder as bars over time. For readers who do not know what a capstan is.
 //!
 //! Plain data: the page draws it.
 

@@ -6,7 +6,7 @@
 //! <!-- end -->
 //! ```
 //!
-//! and a test with `docs` in its name holds it against what the command prints. `UPDATE_DOCS=1 cargo test docs` writes all of them anew.
+//! and a test with `docs` in its name holds it against what the command prints. `UPDATE_DOCS=1 cargo test docs` regenerates all of them.
 
 use std::fs;
 use std::path::{Path, PathBuf};

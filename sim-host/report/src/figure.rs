@@ -1,4 +1,4 @@
-//! What a report is made of: plain data, filled in by whoever has something to show.
+//! What a report is made of: plain data, filled in by the instruments and studies.
 //!
 //! Nothing here knows how it will be drawn. The same [`Figure`] becomes an SVG for a paper, a PNG
 //! for a README, a CSV for the reader's own tools and a panel of the HTML page, so the four can
@@ -41,9 +41,9 @@ pub struct Figure {
     pub title: String,
     /// What the reader should see in it; shown in the page, not in the image.
     pub caption: String,
-    /// Horizontal axis.
+    /// Horizontal axis of the figure.
     pub x: Axis,
-    /// Vertical axis.
+    /// Vertical axis of the figure.
     pub y: Axis,
     /// Curves, drawn in this order, coloured by their place in the list.
     pub series: Vec<Series>,
@@ -100,7 +100,7 @@ pub struct Series {
     pub name: String,
     /// Name of the column in the CSV, with the unit, such as `friction_true_n`.
     pub csv_column: String,
-    /// Abscissae.
+    /// Abscissae of the points.
     pub x: Vec<f64>,
     /// Ordinates, one for each x.
     pub y: Vec<f64>,
@@ -111,7 +111,7 @@ pub struct Series {
 /// How a [`Series`] is drawn.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub enum Style {
-    /// A solid line.
+    /// Points joined by a solid line.
     #[default]
     Line,
     /// A dashed line, for models and references.
@@ -132,18 +132,18 @@ pub enum Style {
 pub struct Span {
     /// Where the interval begins.
     pub from: f64,
-    /// Where it ends.
+    /// Where the shaded span ends.
     pub to: f64,
     /// What holds within it, such as `ON`.
     pub label: String,
 }
 
-/// A labelled point.
+/// A point with a label.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Marker {
-    /// Abscissa.
+    /// Abscissa of the point.
     pub x: f64,
-    /// Ordinate.
+    /// Ordinate of the point.
     pub y: f64,
     /// Text beside the point.
     pub label: String,

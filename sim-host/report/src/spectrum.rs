@@ -59,8 +59,8 @@ impl Spectrum {
 
     /// The strongest folded harmonic, dB relative to the tone.
     ///
-    /// A harmonic `k` beyond half the sample rate is heard at `|k f - m fs|`. One that falls on the tone, on the mean, or on a
-    /// harmonic that is not folded cannot be told from them, and is left out. `None` if all are.
+    /// A harmonic `k` beyond half the sample rate appears at `|k f - m fs|`. One that falls on the tone, on the mean, or on a
+    /// harmonic that is not folded cannot be distinguished from them, and is left out. `None` if all are.
     pub fn alias_dbc(&self) -> Option<f64> {
         let own: Vec<usize> = (1..).map(|k| f64::from(k) * self.tone).take_while(|&f| f <= 0.5).map(|f| self.bin(f)).collect();
         let apart = |bin: usize| bin > 2 * LOBE && own.iter().all(|&other| bin.abs_diff(other) > 2 * LOBE);
@@ -107,7 +107,7 @@ impl Spectrum {
     }
 }
 
-/// Where a frequency is heard, in 0 to 0.5 cycles a sample.
+/// The frequency at which a sampled tone appears (aliasing), in 0 to 0.5 cycles a sample.
 fn fold(cycles_per_sample: f64) -> f64 {
     (cycles_per_sample - cycles_per_sample.round()).abs()
 }
@@ -181,7 +181,7 @@ mod tests {
 
     #[test]
     fn only_what_is_folded_is_an_alias() {
-        // 13 f = 0.525 is heard at 0.475; 3 f is no alias, however strong.
+        // 13 f = 0.525 appears at 0.475; 3 f is no alias, however strong.
         let wave = |n: f64| tone(n) + 0.3 * (3.0 * TAU * TONE * n).sin() + 1e-3 * (13.0 * TAU * TONE * n).sin();
         let spectrum = Spectrum::new(&samples(wave), TONE);
         near(spectrum.alias_dbc().unwrap(), -60.0, 0.01);

@@ -27,11 +27,11 @@ pub struct Comparison {
     pub case: Vec<Case>,
 }
 
-/// One case.
+/// A case of the comparison.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Case {
-    /// Its name, in tables and expectations.
+    /// Name of the case, in tables and expectations.
     pub name: String,
     /// What is changed in it, each as `key=value`.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]

@@ -9,13 +9,13 @@ use contact::empirical::EmpiricalLaw;
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Contact {
-    /// Coulomb's model.
+    /// Coulomb's model of friction.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub coulomb: Option<Coulomb>,
-    /// Dahl's model.
+    /// Dahl's model of friction.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub dahl: Option<Dahl>,
-    /// The LuGre model.
+    /// The LuGre model of friction.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub lugre: Option<Lugre>,
     /// Hertz's contact under vibration across the surface.
@@ -30,7 +30,7 @@ pub struct Contact {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Coulomb {
-    /// Coefficient of friction.
+    /// Coefficient of friction of the contact.
     #[schemars(range(min = 0.0, max = 5.0))]
     pub mu: f64,
     /// Normal force, N. Default with `rig.sdof`: the weight of its mass, m g with g = 9.81 m/s^2.
@@ -46,7 +46,7 @@ pub struct Coulomb {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Dahl {
-    /// Coefficient of friction.
+    /// Coefficient of friction of the contact.
     #[schemars(range(min = 0.0, max = 5.0))]
     pub mu: f64,
     /// Normal force, N. Default with `rig.sdof`: the weight of its mass, m g with g = 9.81 m/s^2.
@@ -103,7 +103,7 @@ pub struct Lugre {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Hertz {
-    /// Coefficient of friction.
+    /// Coefficient of friction of the contact.
     #[schemars(range(min = 0.0, max = 5.0))]
     pub mu: f64,
     /// Mean normal force, N.
@@ -128,13 +128,13 @@ pub struct Empirical {
     /// Part of the friction that goes at reference load, amplitude and speed if the vibration lasts.
     #[schemars(range(min = 0.0, max = 1.0))]
     pub reduction: f64,
-    /// Reference load, N.
+    /// Reference load of the law, N.
     #[schemars(range(min = 1.0, max = 1e4))]
     pub reference_load_n: f64,
     /// Reference amplitude, part of the full one.
     #[schemars(range(min = 1e-3, max = 1.0))]
     pub reference_amplitude_fraction: f64,
-    /// Reference speed, m/s.
+    /// Reference speed of the law, m/s.
     #[schemars(range(min = 0.0, max = 10.0))]
     pub reference_speed_m_per_s: f64,
     /// Speed at which half of the effect on a creeping belt is left, m/s; not from the thesis, which has one speed.
@@ -173,7 +173,7 @@ impl Default for Empirical {
 }
 
 impl Empirical {
-    /// The law.
+    /// The empirical law with these constants.
     pub fn law(&self) -> EmpiricalLaw {
         EmpiricalLaw {
             reduction: self.reduction,
@@ -203,18 +203,18 @@ pub enum Sign {
 /// The model that the contact of a contact study has.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Model<'a> {
-    /// Coulomb's.
+    /// Coulomb's model of friction.
     Coulomb(&'a Coulomb),
-    /// Dahl's.
+    /// Dahl's model of friction.
     Dahl(&'a Dahl),
-    /// LuGre.
+    /// The LuGre model of friction.
     Lugre(&'a Lugre),
-    /// Hertz's.
+    /// Hertz's contact under vibration across the surface.
     Hertz(&'a Hertz),
 }
 
 impl Contact {
-    /// Its model; none if it says too little.
+    /// The contact's model; none if the table is incomplete.
     pub fn model(&self) -> Option<Model<'_>> {
         let coulomb = self.coulomb.as_ref().map(Model::Coulomb);
         let dahl = self.dahl.as_ref().map(Model::Dahl);

@@ -1,4 +1,4 @@
-//! `[controller]`: the firmware that drives, and what it is told. Its tables are described in the firmware's own configuration.
+//! `[controller]`: the settings of the firmware that drives. Their tables are described in the firmware's own configuration.
 
 use firmware::seam::config::Config;
 use schemars::JsonSchema;
@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use super::{Burst, Drive, Friction, Limits, Phasing, Restraint, Sweep, Thermometer, Tracking};
 
-/// The firmware that drives, and what it is told.
+/// The settings of the firmware that drives the transducer: its nominal values, set points and limits.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Controller {
@@ -14,7 +14,7 @@ pub struct Controller {
     #[serde(default = "default::block_samples")]
     #[schemars(range(min = Config::BLOCK_SAMPLES.min as u16, max = Config::BLOCK_SAMPLES.max as u16))]
     pub block_samples: u16,
-    /// The drive.
+    /// The drive: frequency, amplitude and shape.
     pub drive: Drive,
     /// A chirp while running. Without it the frequency is the tracked one, or stays.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -25,10 +25,10 @@ pub struct Controller {
     /// When the drive is ON. Without it: always, once locked.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub burst: Option<Burst>,
-    /// The friction that is wanted. Without it amplitude and bursts are what they are told to be.
+    /// The target friction. Without it amplitude and bursts are those of the settings.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub friction: Option<Friction>,
-    /// How the frequency is found and kept, and what a user knows of the transducer beforehand.
+    /// How the resonance is found and tracked, and the nominal values of the transducer.
     pub tracking: Tracking,
     /// The stack as a thermometer of itself.
     #[serde(default, skip_serializing_if = "is_default")]

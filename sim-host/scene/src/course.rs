@@ -10,18 +10,18 @@ pub struct Disturbance {
     /// When it begins, s.
     #[schemars(range(min = 0.0, max = 1e5))]
     pub at_s: f64,
-    /// What changes.
+    /// Plant value that changes.
     pub key: DisturbedKey,
-    /// The new value.
+    /// New value, of a step.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub to: Option<f64>,
-    /// Slope, per second.
+    /// Slope of a ramp, per second.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub rate_per_s: Option<f64>,
     /// Amplitude of a sine about the present value.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub sine_amplitude: Option<f64>,
-    /// Its frequency, Hz.
+    /// Frequency of the sine, Hz.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 0.0, max = 1e4))]
     pub sine_hz: Option<f64>,
@@ -36,7 +36,7 @@ pub enum DisturbedKey {
     /// Quality factor; the motional inductance stays.
     #[serde(rename = "stack.bvd.q")]
     Q,
-    /// Clamped capacitance, F.
+    /// Clamped capacitance of the stack, F.
     #[serde(rename = "stack.bvd.c0_f")]
     ClampedCapacitance,
     /// Temperature of the stack over ambient, K.
@@ -54,7 +54,7 @@ pub enum DisturbedKey {
     /// Load on the slider, N.
     #[serde(rename = "rig.slider.load_n")]
     Load,
-    /// Sliding speed, m/s.
+    /// Sliding speed of the slider, m/s.
     #[serde(rename = "rig.slider.speed_m_per_s")]
     Speed,
     /// Force of a horn on a belt, N; with it goes how much the belt damps the horn.
@@ -84,11 +84,11 @@ pub struct Fault {
     /// When, s: from the block that it falls into; at 0 it has been so from the beginning.
     #[schemars(range(min = 0.0, max = 1e5))]
     pub at_s: f64,
-    /// What.
+    /// Part that breaks, and how.
     pub kind: FaultKind,
 }
 
-/// What breaks.
+/// Kinds of faults.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum FaultKind {

@@ -19,7 +19,7 @@ pub struct Source {
 pub struct Place {
     /// Which source: an index into [`Report::sources`].
     pub source: usize,
-    /// First byte.
+    /// Offset of the first byte.
     pub start: usize,
     /// One past the last byte.
     pub end: usize,
@@ -35,7 +35,7 @@ impl Place {
 /// One thing that is wrong.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Problem {
-    /// Where.
+    /// Place of the problem in its source.
     pub at: Place,
     /// What is wrong, in one line.
     pub message: String,

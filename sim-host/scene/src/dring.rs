@@ -35,7 +35,7 @@ pub struct Dring {
     /// Peak of the half-sine pulse, g of 9.81 m/s^2.
     #[schemars(range(min = 0.1, max = 200.0))]
     pub pulse_g: f64,
-    /// Its length, ms.
+    /// Length of the half-sine pulse, ms.
     #[schemars(range(min = 1.0, max = 1e3))]
     pub pulse_ms: f64,
     /// When it begins, s.
@@ -73,7 +73,7 @@ pub struct Dring {
     pub edge_ms: f64,
 }
 
-/// Who sits there.
+/// Size of the occupant, by percentile.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub enum Occupant {
     /// 5th percentile: a torso of 14 kg.
@@ -106,7 +106,7 @@ pub enum ActuatorKind {
     Ideal,
     /// A tip that vibrates along the webbing, by Coulomb's law.
     Tangential,
-    /// The same by the limit of Dahl's law for a soft contact.
+    /// A tip that vibrates along the webbing, by the limit of Dahl's law for a soft contact.
     TangentialDahl,
     /// A tip along the webbing that is limited by its power.
     Power,

@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Excitation {
-    /// Waveform over time.
+    /// Waveform of the excitation over time.
     pub waveform: Waveform,
     /// Peak force F0 on the mass of `rig.sdof`, N.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -61,23 +61,23 @@ pub struct Excitation {
     pub friction0_n: f64,
 }
 
-/// Waveform over time.
+/// Waveforms of an excitation over time.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum Waveform {
-    /// Cosine.
+    /// Cosine of constant amplitude.
     Sine,
     /// Square of duty one half.
     Square,
-    /// Rising sawtooth.
+    /// Rising sawtooth of constant amplitude.
     Sawtooth,
-    /// Symmetric triangle.
+    /// Symmetric triangle of constant amplitude.
     Triangle,
     /// Uniformly distributed values, each held for `hold_time_s`.
     Random,
     /// Linear chirp from `start_hz` to `stop_hz`.
     Chirp,
-    /// Nothing.
+    /// No excitation at all.
     Still,
 }
 
@@ -85,7 +85,7 @@ pub enum Waveform {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum Match {
-    /// The peak.
+    /// The waveforms have equal peaks.
     #[default]
     Peak,
     /// The root mean square.

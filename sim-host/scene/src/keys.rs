@@ -11,7 +11,7 @@ pub struct Key {
     pub path: String,
     /// Whether it is a table, and may be there several times.
     pub table: Option<Repeats>,
-    /// What it means.
+    /// Meaning of the key or table.
     pub meaning: String,
     /// The unit that its name ends in.
     pub unit: Option<String>,
@@ -24,9 +24,9 @@ pub struct Key {
 /// Whether a table is there once or several times.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Repeats {
-    /// `[table]`.
+    /// The table is there once, as `[table]`.
     Once,
-    /// `[[table]]`.
+    /// The table may be there several times, as `[[table]]`.
     Several,
 }
 

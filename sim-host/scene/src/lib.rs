@@ -89,7 +89,7 @@ pub struct Scene {
     /// What a reader of the report should know, a paragraph each: what was chosen, and why.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub notes: Vec<String>,
-    /// Simulated time, s.
+    /// Simulated time of the run, s.
     #[schemars(range(min = 1e-4, max = 1e5))]
     pub duration_s: f64,
     /// Seed of all noise: the same seed gives the same run, bit for bit.
@@ -101,10 +101,10 @@ pub struct Scene {
     #[serde(default = "default::runs", skip_serializing_if = "is_one")]
     #[schemars(range(min = 1, max = 100_000))]
     pub runs: u32,
-    /// The firmware that drives, and what it is told. A scene has this, or `[excitation]`.
+    /// The settings of the firmware that drives the transducer. A scene has this table or `[excitation]`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub controller: Option<Controller>,
-    /// What shakes the contact of a contact study. A scene has this, or `[controller]`.
+    /// The excitation of a contact study. A scene has this table or `[controller]`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub excitation: Option<Excitation>,
     /// The power amplifier between DAC and stack.

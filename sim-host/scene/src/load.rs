@@ -15,11 +15,11 @@ use super::{Scene, builtin, rules};
 /// A scene and where it comes from.
 #[derive(Clone, Debug)]
 pub struct Loaded {
-    /// Its name: that of a built-in scene, or of the file without folder and ending.
+    /// Name of the scene: that of a built-in scene, or of the file without folder and ending.
     pub name: String,
     /// What messages call its text: the built-in name, the file's path, or `<stdin>`.
     pub origin: String,
-    /// The scene.
+    /// The scene as read, with its changes.
     pub scene: Scene,
     /// The text as read.
     pub input: String,
@@ -29,7 +29,7 @@ pub struct Loaded {
     pub run: Option<u32>,
 }
 
-/// A scene without what is run beside it, to be made anew with some values changed; its text is read only once.
+/// A scene without its grid and comparison, from which copies with some values changed are made; its text is read only once.
 #[derive(Debug)]
 pub struct Template<'a> {
     loaded: &'a Loaded,
@@ -47,14 +47,14 @@ impl Template<'_> {
         }
         match judge(root) {
             Ok(scene) if problems.is_empty() => Ok(scene),
-            // Only a text that is read anew has the places that a report points at.
+            // Only a text that is read again has the places that a report points at.
             _ => self.loaded.cell(sets).map(|cell| cell.scene),
         }
     }
 }
 
 impl Loaded {
-    /// The scene as one to be made anew many times.
+    /// The scene as a template, from which many changed copies are made.
     pub fn template(&self) -> Result<Template<'_>, LoadError> {
         let (sources, read) = read(&self.origin, &self.input, &self.sets);
         let mut root = read.map_err(|problems| LoadError::Invalid(Report::new(sources, problems)))?;
@@ -62,7 +62,7 @@ impl Loaded {
         Ok(Template { loaded: self, root })
     }
 
-    /// The same scene with further changes and nothing run beside it: a cell of its grid, or a case of its comparison.
+    /// The scene with further changes, without its grid and comparison: a cell of its grid, or a case of its comparison.
     pub fn cell(&self, sets: &[String]) -> Result<Self, LoadError> {
         let sets = [self.sets.as_slice(), sets].concat();
         Ok(Self { name: self.name.clone(), ..loaded(&self.origin, &self.input, &sets, rules::alone)? })

@@ -9,27 +9,27 @@ use std::sync::LazyLock;
 
 pub use table::METRICS;
 
-/// A metric.
+/// A metric of a run, as the tables describe it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Metric {
-    /// Its name, of one run, and of the median of several.
+    /// Name of the metric, of one run and of the median of several.
     pub name: &'static str,
-    /// Its unit; `1` of a ratio or a count.
+    /// Unit of the metric; `1` of a ratio or a count.
     pub unit: &'static str,
     /// Which values it may have.
     pub sign: Sign,
     /// What part of a run it is measured over.
     pub window: Window,
-    /// What it means.
+    /// Meaning of the metric.
     pub meaning: &'static str,
 }
 
 /// Which values a metric may have, and so what several runs make of it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Sign {
-    /// Zero or more.
+    /// The metric is zero or more.
     Magnitude,
-    /// Either sign.
+    /// The metric may have either sign.
     Signed,
     /// Either sign, and best at zero: of several runs, percentile and maximum are of the absolute value.
     Error,
@@ -58,13 +58,13 @@ impl Sign {
 /// What part of a run a metric is measured over.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Window {
-    /// Steady blocks.
+    /// All steady blocks of the run.
     Steady,
     /// The drive is OFF.
     Off,
     /// The drive is ON.
     On,
-    /// The same two by the load cell.
+    /// The blocks with drive ON and OFF, by the load cell.
     LoadCell,
     /// The end of the first ON window of a belt under a horn.
     EndOfOn,
@@ -72,7 +72,7 @@ pub enum Window {
     SetPoint,
     /// The window of a contact study.
     Periods,
-    /// The whole run.
+    /// The whole run, from its first block.
     Run,
     /// The edges of bursts.
     Edges,
@@ -84,7 +84,7 @@ pub enum Window {
     Event,
     /// The latest estimate of scan or observer.
     Identified,
-    /// A crash.
+    /// The crash, from the beginning of its pulse.
     Crash,
     /// The end of the run.
     End,
@@ -116,7 +116,7 @@ impl Window {
         Window::Runs,
     ];
 
-    /// A short name.
+    /// Short name of the window.
     pub fn name(self) -> &'static str {
         match self {
             Window::Steady => "steady",
@@ -184,11 +184,11 @@ pub const RENAMED: &[(&str, &str)] =
 /// A figure that depends on the machine: none of a run's metrics, because it differs from run to run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct MachineFigure {
-    /// Its name.
+    /// Name of the figure.
     pub name: &'static str,
-    /// Its unit.
+    /// Unit of the figure.
     pub unit: &'static str,
-    /// What it means.
+    /// Meaning of the figure.
     pub meaning: &'static str,
 }
 
@@ -213,7 +213,7 @@ pub fn machine_figure(name: &str) -> Option<&'static MachineFigure> {
 /// Names of a metric over several runs besides its median.
 #[derive(Debug)]
 pub struct OfRuns {
-    /// The metric.
+    /// The metric of one run.
     pub metric: &'static Metric,
     /// Name of the 95th percentile.
     pub p95: String,

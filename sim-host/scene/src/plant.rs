@@ -10,10 +10,10 @@ pub struct Amplifier {
     /// Output at the DAC's end of range, V; the range is this much on each side.
     #[schemars(range(min = 0.1, max = 1e4))]
     pub full_scale_v: f64,
-    /// Corner frequency, Hz.
+    /// Corner frequency of the amplifier, Hz.
     #[schemars(range(min = 1e3, max = 1e7))]
     pub bandwidth_hz: f64,
-    /// Source resistance, ohm.
+    /// Source resistance of the amplifier, ohm.
     #[schemars(range(min = 1e-3, max = 1e4))]
     pub source_ohm: f64,
     /// Pure delay between DAC and amplifier, s; of a stack.
@@ -85,7 +85,7 @@ pub struct Sensors {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 0.1, max = 1e4))]
     pub encoder_counts_per_mm: Option<f64>,
-    /// Bandwidth of the force channel that the controller hears, Hz. Absent: there is none.
+    /// Bandwidth of the controller's force channel, Hz. Absent: there is none.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 1.0, max = 1e5))]
     pub force_hz: Option<f64>,
@@ -124,7 +124,7 @@ fn is_zero(value: &f64) -> bool {
     *value == 0.0
 }
 
-/// The piezo stack.
+/// The piezo stack with its modes.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Stack {
@@ -134,23 +134,23 @@ pub struct Stack {
     pub temperature_k: f64,
     /// Butterworth-Van Dyke equivalent circuit.
     pub bvd: Bvd,
-    /// Further modes, which are not wanted.
+    /// Further modes, which disturb the working mode.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     #[schemars(length(max = 3))]
     pub mode: Vec<Mode>,
 }
 
-/// A further mode: a series branch in parallel with that of the wanted one. It moves no tip along the friction.
+/// A further mode: a series branch in parallel with that of the working mode. It does not move the tip in the direction of friction.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Mode {
-    /// Series resonance, Hz.
+    /// Series resonance of the mode, Hz.
     #[schemars(range(min = 100.0, max = 450e3))]
     pub series_resonance_hz: f64,
     /// Quality factor at series resonance.
     #[schemars(range(min = 1.0, max = 1e6))]
     pub q: f64,
-    /// Motional inductance, H.
+    /// Motional inductance of the mode, H.
     #[schemars(range(min = 1e-9, max = 1e4))]
     pub lm_h: f64,
 }
@@ -160,22 +160,22 @@ pub struct Mode {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Bvd {
-    /// Clamped capacitance, F.
+    /// Clamped capacitance of the stack, F.
     #[schemars(range(min = 1e-13, max = 1e-3))]
     pub c0_f: f64,
-    /// Motional capacitance, F.
+    /// Motional capacitance of the working mode, F.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 1e-16, max = 1e-3))]
     pub cm_f: Option<f64>,
-    /// Motional inductance, H.
+    /// Motional inductance of the working mode, H.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 1e-9, max = 1e4))]
     pub lm_h: Option<f64>,
-    /// Motional resistance, ohm.
+    /// Motional resistance of the working mode, ohm.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 1e-6, max = 1e7))]
     pub rm_ohm: Option<f64>,
-    /// Series resonance, Hz.
+    /// Series resonance of the working mode, Hz.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 100.0, max = 450e3))]
     pub series_resonance_hz: Option<f64>,

@@ -60,7 +60,7 @@ pub fn problem(study: &Excited, law: Law) -> Result<Problem, SolveError> {
     Ok(Problem { sliding_m_per_s, ..problem })
 }
 
-/// The same problem with the sine of the scene's peak and frequency, which velocity ratio and kappa are counted by.
+/// The problem with the sine of the scene's peak and frequency, by which velocity ratio and kappa are counted.
 pub fn sine(study: &Excited, problem: &Problem) -> Problem {
     Problem { waveform: waveform(study, Shape::Sine, peak(study)), ..problem.clone() }
 }

@@ -15,12 +15,12 @@ pub struct Grid {
     pub metric: String,
     /// Key that changes from row to row.
     pub row_key: String,
-    /// Its values.
+    /// Values of the row key.
     #[schemars(length(min = 1, max = 32))]
     pub rows: Vec<f64>,
     /// Key that changes from column to column.
     pub column_key: String,
-    /// Its values.
+    /// Values of the column key.
     #[schemars(length(min = 1, max = 32))]
     pub columns: Vec<f64>,
     /// Further changes for every cell, each as `key=value` (a shorter timeline, say).
@@ -42,7 +42,7 @@ pub struct Trace {
     /// Form of the file.
     #[serde(default)]
     pub format: TraceFormat,
-    /// From, s.
+    /// Beginning of the recording, s.
     #[serde(default)]
     #[schemars(range(min = 0.0, max = 1e5))]
     pub from_s: f64,
@@ -81,7 +81,7 @@ pub enum Signal {
     VCode,
     /// Code of the current sense, `adc_bits` wide: `sensors.i_full_scale_a` times `code / 2^(adc_bits - 1) - 1` is the current.
     ICode,
-    /// Frequency driven, Hz.
+    /// Frequency of the drive, Hz.
     FrequencyHz,
     /// True voltage at the stack, V.
     StackVoltageV,
@@ -97,28 +97,28 @@ pub enum Signal {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Expect {
-    /// The metric.
+    /// Metric that is expected.
     pub metric: String,
-    /// Of this case of the comparison, rather than of the scene's own run. With `match`.
+    /// Case of the comparison that is meant, rather than the scene's own run. With `match`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub case: Option<String>,
     /// At equal peak, rms or power. With `case`.
     #[serde(rename = "match", skip_serializing_if = "Option::is_none")]
     pub matched: Option<Equal>,
-    /// Smallest value.
+    /// Smallest value that is expected.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub min: Option<f64>,
-    /// Largest value.
+    /// Largest value that is expected.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub max: Option<f64>,
-    /// The value itself.
+    /// Value that is expected, within `tolerance`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub value: Option<f64>,
     /// How far from `value` it may be.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 0.0, max = 1e12))]
     pub tolerance: Option<f64>,
-    /// Why.
+    /// Source of the expected value.
     #[serde(default)]
     pub source: String,
 }

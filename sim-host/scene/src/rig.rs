@@ -40,7 +40,7 @@ pub struct Slider {
     /// Weight of the transducer itself, N.
     #[schemars(range(min = 0.0, max = 1e4))]
     pub self_weight_n: f64,
-    /// Sliding speed, m/s.
+    /// Sliding speed of the slider, m/s.
     #[schemars(range(min = -10.0, max = 10.0))]
     pub speed_m_per_s: f64,
     /// Ripple of the speed, rms as a part of it: Gaussian, of a narrow band about `ripple_hz`.
@@ -90,7 +90,7 @@ pub struct Kinematic {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Sdof {
-    /// Mass m, kg.
+    /// Mass m of the oscillator, kg.
     #[schemars(range(min = 1e-9, max = 1e6))]
     pub mass_kg: f64,
     /// System stiffness Ks, N/m.
@@ -117,7 +117,7 @@ pub struct Rotor {
     /// Force that presses the rotor on, N.
     #[schemars(range(min = 1e-3, max = 1e5))]
     pub preload_n: f64,
-    /// Coefficient of friction.
+    /// Coefficient of friction between rotor and stator.
     #[schemars(range(min = 0.0, max = 2.0))]
     pub mu: f64,
     /// Mean radius of the contact, m.

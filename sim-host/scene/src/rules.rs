@@ -159,7 +159,7 @@ impl<'a> Rules<'a> {
         self.root.entry(path).map_or_else(|| self.place(path), |entry| entry.key.clone())
     }
 
-    /// Of two values that contradict each other, the one to point at: that of the newer text, or else the first.
+    /// The path to point at, of two whose values contradict each other: that of the newer text, or else the first.
     fn newer<'p>(&self, path: &'p str, other: &'p str) -> &'p str {
         if self.given(other) && self.place(other).source < self.place(path).source { other } else { path }
     }

@@ -40,13 +40,13 @@ pub enum Kind {
     Table,
     /// A list of values or tables.
     List,
-    /// A finite number.
+    /// A number, which is finite.
     Number,
-    /// A whole number.
+    /// A number without a fraction.
     Integer,
-    /// Any string.
+    /// A string without restriction.
     Text,
-    /// `true` or `false`.
+    /// A flag, `true` or `false`.
     Flag,
     /// One string out of a few.
     Choice,
@@ -57,7 +57,7 @@ pub enum Kind {
 pub struct Schema(&'static Value);
 
 impl Schema {
-    /// The whole scene.
+    /// Schema of the whole scene.
     pub fn root() -> Self {
         Self(&ROOT)
     }
@@ -150,12 +150,12 @@ impl Schema {
             .collect()
     }
 
-    /// Its documentation: meaning and unit.
+    /// Documentation of the value: meaning and unit.
     pub fn description(self) -> Option<&'static str> {
         self.0["description"].as_str()
     }
 
-    /// Its default, if it has one.
+    /// Default of the value, if it has one.
     pub fn default(self) -> Option<&'static Value> {
         self.0.get("default")
     }

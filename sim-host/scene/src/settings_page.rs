@@ -15,7 +15,7 @@ use super::schema::{Kind, Schema, join};
 const HEAD: &str = "\
 # Settings of the controller
 
-What can be set, within which range, what it is if nobody says anything, and where it can be set. Every table is generated from
+Every setting with its range, its default, and where it can be set. Every table is generated from
 `firmware/src/seam/config`, where each setting is described once: the build's check, the scene's keys, the JSON Schema (`sim-host schema`) and the
 parameters of the link follow from the same lines.
 

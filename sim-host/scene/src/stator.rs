@@ -27,13 +27,13 @@ pub struct Stator {
     /// Modal force per volt of a lane whose tabs stand on crests, N/V.
     #[schemars(range(min = 1e-6, max = 1e4))]
     pub force_factor_n_per_v: f64,
-    /// Wave length, m.
+    /// Wave length of the working modes, m.
     #[schemars(range(min = 1e-4, max = 10.0))]
     pub wave_length_m: f64,
     /// Height of the driving surface over the neutral plane, m: half the thickness of a uniform stator.
     #[schemars(range(min = 1e-6, max = 1.0))]
     pub surface_height_m: f64,
-    /// Electrode tabs.
+    /// Number of electrode tabs around the ring.
     #[serde(default = "default::tabs")]
     #[schemars(range(min = 1, max = 240))]
     pub tabs: u16,

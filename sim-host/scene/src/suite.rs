@@ -74,7 +74,7 @@ pub struct Suite {
     /// Changes with a name, for several cases.
     #[serde(default)]
     pub preset: Vec<Preset>,
-    /// The cases.
+    /// The cases of the suite.
     #[schemars(length(min = 1, max = 1000))]
     pub case: Vec<SuiteCase>,
     /// What must come of them.
@@ -101,7 +101,7 @@ pub struct Quick {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Preset {
-    /// Its name, for `use` and `each` of a case.
+    /// Name of the preset, for `use` and `each` of a case.
     pub name: String,
     /// The changes, each as `key=value`.
     pub set: Vec<String>,
@@ -111,12 +111,12 @@ pub struct Preset {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SuiteCase {
-    /// Its name, in tables and targets.
+    /// Name of the case, in tables and targets.
     pub name: String,
     /// The group that tables and targets know it by.
     #[serde(default)]
     pub group: String,
-    /// Its scene, if it is not that of the suite.
+    /// Scene of the case, if it is not that of the suite.
     pub scene: Option<String>,
     /// How often it is run, if not as often as the suite says.
     #[schemars(range(min = 1, max = 100_000))]
@@ -127,7 +127,7 @@ pub struct SuiteCase {
     /// Presets of which each makes a case of its own, with its name behind.
     #[serde(default)]
     pub each: Vec<String>,
-    /// Its own changes, over the presets, each as `key=value`.
+    /// Changes of this case, over those of its presets, each as `key=value`.
     #[serde(default)]
     pub set: Vec<String>,
 }
@@ -138,17 +138,17 @@ pub struct SuiteCase {
 pub struct Target {
     /// The metric; of several runs the median, or with `_p95` or `_max` behind.
     pub metric: String,
-    /// Of the cases of these groups; without it and `cases`, of all.
+    /// Groups whose cases the target is for; without them and `cases`, it is for all cases.
     #[serde(default)]
     pub groups: Vec<String>,
-    /// Of these cases.
+    /// Cases that the target is for.
     #[serde(default)]
     pub cases: Vec<String>,
-    /// Smallest value.
+    /// Smallest value that is allowed.
     pub min: Option<f64>,
-    /// Largest value.
+    /// Largest value that is allowed.
     pub max: Option<f64>,
-    /// The value itself.
+    /// Value that is demanded, within `tolerance`.
     pub value: Option<f64>,
     /// How far from the value it may be.
     pub tolerance: Option<f64>,
@@ -164,7 +164,7 @@ pub struct Target {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SuiteTable {
-    /// Its heading.
+    /// Heading of the table.
     pub title: String,
     /// The groups whose cases it shows; without them, all cases.
     #[serde(default)]
@@ -181,7 +181,7 @@ pub struct SuiteTable {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Column {
-    /// Its heading, with the unit.
+    /// Heading of the column, with the unit.
     pub title: String,
     /// The metrics that it shows, beside each other.
     #[schemars(length(min = 1, max = 8))]
@@ -202,13 +202,13 @@ pub struct Column {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum Statistic {
-    /// The 5th percentile.
+    /// The 5th percentile of the runs.
     P5,
     /// The median; of what is counted, the sum.
     Median,
-    /// The 95th percentile.
+    /// The 95th percentile of the runs.
     P95,
-    /// The largest.
+    /// The largest value of the runs.
     Max,
     /// All values that there are.
     Values,
@@ -229,9 +229,9 @@ fn median() -> Vec<Statistic> {
 /// A suite, and its cases as scenes.
 #[derive(Clone, Debug)]
 pub struct LoadedSuite {
-    /// Its name: that of the file without folder and ending.
+    /// Name of the suite: that of the file without folder and ending.
     pub name: String,
-    /// The suite.
+    /// The suite as its file describes it.
     pub suite: Suite,
     /// Every case as a scene, in the order of the file.
     pub cases: Vec<ReadyCase>,

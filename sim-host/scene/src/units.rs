@@ -94,7 +94,7 @@ fn single(name: &str) -> Option<Unit> {
     let (_, symbol, base, _) =
         find(name.strip_prefix(prefix)?).filter(|(spelling, _, base, _)| spelling.eq_ignore_ascii_case(base))?;
     Some(match (*prefix, *base) {
-        // Nobody drives a transducer at millihertz.
+        // No transducer is driven at millihertz.
         ("m", "Hz") => simple("MHz", base, 1e6),
         ("m", "ohm") => Unit { symbol: name.to_owned(), scale: None, dimension: (*base).to_owned() },
         ("g", _) => simple(&format!("G{symbol}"), base, *scale),

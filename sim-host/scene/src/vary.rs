@@ -1,4 +1,4 @@
-//! `[[vary]]`: what differs from run to run of a scene with several `runs`: truth of the plant, or what the controller is told.
+//! `[[vary]]`: what differs from run to run of a scene with several `runs`: a true value of the plant, or a nominal value of the controller.
 //!
 //! Of a number `x` of the scene and a part `u`, uniform in `[0, 1)`:
 //!
@@ -11,11 +11,11 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// A number of the scene that each of its `runs` draws anew. Give `spread`, or `factor`, or `from` and `to`.
+/// A number of the scene that each of its `runs` draws again. Give `spread`, or `factor`, or `from` and `to`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Vary {
-    /// The number: tables and key, with points between. Of the plant, or of what the controller is told.
+    /// Path of the number, a true value of the plant or a nominal value of the controller: tables and key, with points between.
     pub key: String,
     /// Uniform within this part of the scene's value, to either side.
     #[serde(skip_serializing_if = "Option::is_none")]

@@ -15,9 +15,9 @@ const TOLERANCE: f64 = 1e-7;
 /// A scene, by its kind.
 #[derive(Clone, Copy, Debug)]
 pub enum Kind<'a> {
-    /// The firmware drives.
+    /// A scene in which the firmware drives.
     Driven(Driven<'a>),
-    /// A contact study.
+    /// A scene of a contact study.
     Excited(Excited<'a>),
 }
 
@@ -25,13 +25,13 @@ pub enum Kind<'a> {
 #[derive(Clone, Copy, Debug)]
 pub struct Driven<'a> {
     scene: &'a Scene,
-    /// The firmware that drives, and what it is told.
+    /// The settings of the firmware that drives.
     pub controller: &'a Controller,
-    /// The power amplifier.
+    /// The power amplifier between DAC and transducer.
     pub amplifier: &'a Amplifier,
     /// The converters and the load cell.
     pub sensors: &'a Sensors,
-    /// What it drives.
+    /// The transducer that the amplifier drives.
     pub transducer: Transducer<'a>,
 }
 
@@ -105,7 +105,7 @@ pub struct Excited<'a> {
     scene: &'a Scene,
     /// What shakes the contact.
     pub excitation: &'a Excitation,
-    /// The contact.
+    /// The friction model of the contact.
     pub model: Model<'a>,
     /// What it is part of.
     pub body: Body<'a>,
@@ -114,7 +114,7 @@ pub struct Excited<'a> {
 /// What a studied contact is part of.
 #[derive(Clone, Copy, Debug)]
 pub enum Body<'a> {
-    /// A given vibration.
+    /// A vibration that is given, whatever the friction.
     Kinematic(&'a Kinematic),
     /// One mass on a spring.
     Sdof(&'a Sdof),

@@ -38,7 +38,7 @@ const BLOCKS: usize = 500;
 struct Recorded {
     controller: Controller,
     plant: Plant,
-    heard: Vec<SenseBlock>,
+    sensed: Vec<SenseBlock>,
     played: Vec<DriveBlock>,
 }
 
@@ -69,9 +69,9 @@ fn recorded(scene: &Scene) -> Recorded {
         drive_into(&mut controller, &mut clock);
     }
     let (start, plant) = (controller.clone(), clock.analog.clone());
-    let (heard, played) =
+    let (sensed, played) =
         (0..BLOCKS).map(|_| drive_into(&mut controller, &mut clock)).map(|(_, sense, drive)| (sense, drive)).unzip();
-    Recorded { controller: start, plant, heard, played }
+    Recorded { controller: start, plant, sensed, played }
 }
 
 /// The two halves by themselves, replayed.
@@ -79,13 +79,13 @@ fn halves(criterion: &mut Criterion) {
     let with_contact = recorded(&scene("experiment-1", &[]));
     let alone = recorded(&scene("lock", &[]));
     let mut group = criterion.benchmark_group("replayed");
-    let samples = BLOCKS * with_contact.heard[0].v.len();
+    let samples = BLOCKS * with_contact.sensed[0].v.len();
     group.throughput(Throughput::Elements(samples as u64));
     group.bench_function("controller", |bencher| {
         let mut drive = with_contact.controller.silence();
         bencher.iter_batched_ref(
             || with_contact.controller.clone(),
-            |controller| with_contact.heard.iter().map(|sense| controller.process(&ORDERS, sense, &mut drive).block).last(),
+            |controller| with_contact.sensed.iter().map(|sense| controller.process(&ORDERS, sense, &mut drive).block).last(),
             BatchSize::SmallInput,
         );
     });

@@ -31,16 +31,16 @@ use settings::Settings;
 use transducer::Full;
 use verification::Verified;
 
-/// The advice.
+/// Advice on the settings of a stack's controller.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Advice {
-    /// The transducer.
+    /// Full equivalent circuit of the transducer.
     pub transducer: Full,
-    /// What to tell the controller.
+    /// Advised settings of the controller.
     pub settings: Settings,
-    /// What the observer will do then.
+    /// Predicted behaviour of the observer with these settings.
     pub prediction: Prediction,
-    /// What to know.
+    /// Warnings about the case and its settings.
     pub warnings: Vec<String>,
     /// The prediction, put to the test.
     #[serde(skip_serializing_if = "Option::is_none")]

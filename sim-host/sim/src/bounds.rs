@@ -2,19 +2,19 @@
 
 use firmware::seam::block::LATENCY_BLOCKS;
 
-use crate::cramer_rao::{Drive, Knowledge, Setting, Start, Told, ramp, time_to};
+use crate::cramer_rao::{Drive, Knowledge, PriorKnowledge, Setting, Start, ramp, time_to};
 
 use plant::circuit::Circuit;
 use plant::circuit_of;
 use scene::{DisturbedKey, Driven};
 
-/// From the end of the last block that is heard to the beginning of the first that plays what was heard: in between plays the one that was
+/// Blocks from the end of the last measured one to the beginning of the first that plays its estimate: in between plays one that was
 /// decided before.
 const DECIDED_BLOCKS: f64 = LATENCY_BLOCKS as f64 - 1.0;
-/// To its end, where a block's error counts.
+/// Blocks from the end of the last measured one to the end of the first that plays its estimate, where a block's error counts.
 pub const PLAYED_BLOCKS: f64 = LATENCY_BLOCKS as f64;
 
-/// What nothing can undercut.
+/// Lower bounds of lock time and tracking error.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Bounds {
     /// Time to play the resonance within 20 Hz and within 4 Hz at 95 %, ms: from rest, or from the step if there is one.
@@ -24,11 +24,11 @@ pub struct Bounds {
 }
 
 impl Bounds {
-    /// Of a scene.
+    /// The bounds of a scene.
     pub fn of(scene: &Driven) -> Self {
         let Some(setting) = Setting::of(scene).map(|cold| after_the_step(scene, &cold)) else { return Bounds::default() };
         let rate = scene.disturbance.iter().find_map(|change| change.rate_per_s);
-        let known = Setting { told: Told { voltage: Knowledge::Unknown, ..Told::LM_AND_C0 }, ..setting };
+        let known = Setting { prior: PriorKnowledge { voltage: Knowledge::Unknown, ..PriorKnowledge::LM_AND_C0 }, ..setting };
         Bounds {
             times_ms: [20.0, 4.0].map(|hz| time_to(&setting, hz, DECIDED_BLOCKS).map(|s| 1e3 * s)),
             ramp_hz: rate.and_then(|rate| ramp(&known, rate.abs(), PLAYED_BLOCKS)).map(|best| best.error_hz()),
@@ -60,7 +60,7 @@ fn after_the_step(scene: &Driven, cold: &Setting) -> Setting {
         circuit: loaded(after),
         start: Start::Jump(loaded(before)),
         drive: Drive { volts, hz: before.series_resonance_hz(), ..cold.drive },
-        told: Told { voltage: Knowledge::Unknown, ..Told::LM_AND_C0 },
+        prior: PriorKnowledge { voltage: Knowledge::Unknown, ..PriorKnowledge::LM_AND_C0 },
         ..*cold
     }
 }

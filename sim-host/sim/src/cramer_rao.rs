@@ -1,17 +1,18 @@
-//! The bound of resonance tracking: how well anything that hears voltage and current can know the series resonance, and how soon.
+//! The bound of resonance tracking: the least error with which voltage and current determine the series resonance, and how soon.
 //!
 //! ```text
-//! circuit, drive, start --> response (exact current, derivatives) --> information (sum over samples + what was told) --> bound
+//! circuit, drive, start --> response (exact current, derivatives) --> information (sum over samples + prior) --> bound
 //!                                                                            |
 //!                                                                            +--> ramp: lag against jitter
 //! ```
 //!
-//! Cramer-Rao's bound of a stack (Butterworth 1914, Van Dyke 1928) that is driven by a sine of constant frequency at its terminals, heard
-//! through converters with white noise. Unknown are resonance, Q, Lm and C0, each with what was told of it, and size and phase of the
-//! voltage, which are either known (a calibrated amplifier) or heard through a converter, too. It knows nothing of the firmware.
+//! Cramer-Rao's bound of a stack (Butterworth 1914, Van Dyke 1928) that is driven by a sine of constant frequency at its terminals, whose
+//! voltage and current are measured by converters with white noise. Unknown are resonance, Q, Lm and C0, each with its prior, and
+//! amplitude and phase of the voltage, which are either known (a calibrated amplifier) or measured by a converter, too. The bound does
+//! not depend on the firmware.
 //!
-//! A bound for unbiased estimates of constants. An estimate that is drawn to what was told beforehand does no better on average (van
-//! Trees 1968). Beside the model: one mode, no offset of the converters, no skew, no aliases, and the drive does not follow what was found.
+//! A bound for unbiased estimates of constants. An estimate that is drawn towards its prior does no better on average (van
+//! Trees 1968). Beside the model: one mode, no offset of the converters, no skew, no aliases, and the drive does not follow the estimate.
 
 mod information;
 mod ramp;
@@ -31,23 +32,23 @@ use plant::circuit_of;
 use response::{PARAMETERS, Parameter, Response};
 use scene::{Driven, Sensors, Transducer};
 
-/// From here a curve goes, s.
+/// Where a curve begins, s.
 const FIRST_S: f64 = 25e-6;
-/// To here a curve goes, s.
+/// Where a curve ends, s.
 const LAST_S: f64 = 5e-3;
-/// Points of a curve.
+/// Number of points of a curve.
 const POINTS: u32 = 60;
-/// As long is waited for an accuracy, s.
-const PATIENCE_S: f64 = 20e-3;
+/// Longest time in which an accuracy is looked for, s.
+const LONGEST_S: f64 = 20e-3;
 /// Standard deviations to either side that hold 95 % of a Gaussian.
 pub const DEVIATIONS_95: f64 = 1.96;
 
-/// A sine at the terminals.
+/// A sinusoidal voltage at the terminals.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Drive {
-    /// Peak, V.
+    /// Peak voltage of the drive, V.
     pub volts: f64,
-    /// Frequency, Hz.
+    /// Frequency of the drive, Hz.
     pub hz: f64,
     /// Phase of the cosine at t = 0, rad; minus a quarter of a turn is a sine, which begins at zero.
     pub phase_rad: f64,
@@ -59,38 +60,38 @@ impl Drive {
     }
 }
 
-/// What is there at t = 0.
+/// State of the stack at t = 0.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Start {
     /// A stack at rest, whose drive begins.
     Rest,
     /// A stack that has been driven for long.
     Settled,
-    /// A stack that has been driven for long while it was this one, and was heard for long: its total current is known, and its motional
-    /// current as far as C0 is.
+    /// A stack that has been driven for long with this circuit, and measured for long: its total current is known, and its
+    /// motional current as far as C0 is.
     Jump(Circuit),
 }
 
-/// What is known beforehand.
+/// Prior knowledge of each parameter.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Told {
-    /// Of the series resonance, Hz.
+pub struct PriorKnowledge {
+    /// Prior of the series resonance, Hz.
     pub resonance_hz: Knowledge,
-    /// Of the logarithm of Q.
+    /// Prior of the logarithm of Q.
     pub q: Knowledge,
-    /// Of Lm, relative.
+    /// Prior of Lm, relative.
     pub lm: Knowledge,
-    /// Of C0, relative.
+    /// Prior of C0, relative.
     pub c0: Knowledge,
-    /// Of the voltage, relative, and of its phase, rad. Where it is not known it is heard.
+    /// Prior of the voltage, relative, and of its phase, rad. Where the voltage is not known it is measured.
     pub voltage: Knowledge,
-    /// Of the motional current and charge at t = 0, as currents, A. `Unknown` is a window of something that goes on.
+    /// Prior of the motional current and charge at t = 0, as currents, A. `Unknown` stands for a window of a continuing drive.
     pub state: Knowledge,
 }
 
-impl Told {
-    /// Nothing but where it starts from and what drives it.
-    pub const NOTHING: Self = Told {
+impl PriorKnowledge {
+    /// No prior but of the initial state and the drive, which are known.
+    pub const NONE: Self = PriorKnowledge {
         resonance_hz: Knowledge::Unknown,
         q: Knowledge::Unknown,
         lm: Knowledge::Unknown,
@@ -98,13 +99,13 @@ impl Told {
         voltage: Knowledge::Known,
         state: Knowledge::Known,
     };
-    /// Lm and C0 as well.
-    pub const LM_AND_C0: Self = Told { lm: Knowledge::Known, c0: Knowledge::Known, ..Told::NOTHING };
+    /// Lm and C0 are known, too.
+    pub const LM_AND_C0: Self = PriorKnowledge { lm: Knowledge::Known, c0: Knowledge::Known, ..PriorKnowledge::NONE };
 
-    /// What is told of a stack before a cold start: its resonance within a part of the nominal one, Q within a factor of two, Lm within a
-    /// tenth; and C0 within a quarter of a per cent, because it has been calibrated. The voltage is heard.
+    /// Prior of a stack before a cold start: its resonance within a part of the nominal one, Q within a factor of two, Lm within a
+    /// tenth; and C0 within a quarter of a per cent, because it has been calibrated. The voltage is measured.
     pub fn cold(nominal_hz: f64, span: f64) -> Self {
-        Told {
+        PriorKnowledge {
             resonance_hz: Knowledge::either_side(nominal_hz * span),
             q: Knowledge::either_side(2f64.ln()),
             lm: Knowledge::either_side(0.1),
@@ -120,16 +121,16 @@ impl Told {
     }
 }
 
-/// What is heard of what.
+/// An experiment: a driven circuit, how it is sampled, and the priors.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Setting {
-    /// The truth.
+    /// True circuit of the stack.
     pub circuit: Circuit,
-    /// What drives it.
+    /// Voltage that drives the stack.
     pub drive: Drive,
-    /// What is there at t = 0.
+    /// State of the stack at t = 0.
     pub start: Start,
-    /// Samples a second, Hz.
+    /// Sample rate of the converters, Hz.
     pub sample_hz: f64,
     /// Length of a block, s.
     pub block_s: f64,
@@ -137,8 +138,8 @@ pub struct Setting {
     pub current_noise_a: f64,
     /// Noise of a sample of the voltage, V rms.
     pub voltage_noise_v: f64,
-    /// What is known beforehand.
-    pub told: Told,
+    /// Prior knowledge of each parameter.
+    pub prior: PriorKnowledge,
 }
 
 /// Noise of a sample, the mean of its conversions, in the unit of the range's end: the converter's own and that of rounding.
@@ -148,7 +149,7 @@ pub fn noise(sensors: &Sensors, full_scale: f64) -> f64 {
 }
 
 impl Setting {
-    /// A cold start of a scene's stack, driven at the nominal frequency from rest. `None` for a stator, and where no voltage is told.
+    /// A cold start of a scene's stack, driven at the nominal frequency from rest. `None` for a stator, and where no voltage is given.
     ///
     /// The drive is that behind the amplifier's source resistance, which is counted to the stack's own; through it C0 draws its current,
     /// too, which is left out (`omega C0 R`: 2 % at 0.3 ohm, 300 nF and 40 kHz).
@@ -165,12 +166,12 @@ impl Setting {
             block_s: f64::from(scene.controller.block_samples) / sensors.sample_hz,
             current_noise_a: noise(sensors, sensors.i_full_scale_a),
             voltage_noise_v: noise(sensors, sensors.v_full_scale_v),
-            told: Told::cold(drive.frequency_hz, tracking.span),
+            prior: PriorKnowledge::cold(drive.frequency_hz, tracking.span),
         })
     }
 
-    /// Information after each sample, with its time, s: without what was told.
-    fn heard(&self) -> impl Iterator<Item = (f64, Information)> {
+    /// Information after each sample, with its time, s: without the priors.
+    fn information(&self) -> impl Iterator<Item = (f64, Information)> {
         let response = Response::new(&self.circuit, &self.drive, &self.start);
         let (current, voltage) = (self.current_noise_a.powi(2), self.voltage_noise_v.powi(2));
         let (mut information, sample_hz) = (Information::default(), self.sample_hz);
@@ -184,16 +185,16 @@ impl Setting {
         })
     }
 
-    /// Bound after each sample: time, s, and least error of the resonance, Hz rms; infinite as long as it cannot be told.
+    /// Bound after each sample: time, s, and least error of the resonance, Hz rms; infinite as long as the samples do not determine it.
     fn bounds(&self) -> impl Iterator<Item = (f64, f64)> {
-        let told = self.told.of_each();
+        let prior = self.prior.of_each();
         let mut weight = [0.0; PARAMETERS];
         weight[Parameter::Resonance as usize] = 1.0;
-        self.heard().map(move |(time_s, information)| (time_s, information.with(&told).deviation(&weight, &told)))
+        self.information().map(move |(time_s, information)| (time_s, information.with(&prior).deviation(&weight, &prior)))
     }
 }
 
-/// The least error of the resonance, Hz rms, against the time listened, s: from 25 us to 5 ms, evenly on a logarithmic axis.
+/// The least error of the resonance, Hz rms, against the time measured, s: from 25 us to 5 ms, evenly on a logarithmic axis.
 pub fn bound(setting: &Setting) -> Vec<(f64, f64)> {
     let step = (LAST_S / FIRST_S).powf(f64::from(POINTS - 1).recip());
     let mut times = (0..POINTS).map(|n| FIRST_S * step.powi(n as i32)).peekable();
@@ -210,20 +211,20 @@ pub fn bound(setting: &Setting) -> Vec<(f64, f64)> {
     curve
 }
 
-/// The least error of the resonance after a time, Hz rms; infinite if it cannot be told by then.
+/// The least error of the resonance after a time, Hz rms; infinite if the samples do not determine it by then.
 pub fn bound_at(setting: &Setting, time_s: f64) -> f64 {
     let half_s = 0.5 / setting.sample_hz;
     setting.bounds().take_while(|point| point.0 < time_s + half_s).last().map_or(f64::INFINITY, |point| point.1)
 }
 
-/// The least error, Hz rms, in steady state by a window of this length, s: of the phase alone, nothing rings.
+/// The least error, Hz rms, in steady state by a window of this length, s: by the phase alone, without a transient.
 pub fn steady(setting: &Setting, memory_s: f64) -> f64 {
     bound_at(&Setting { start: Start::Settled, ..*setting }, memory_s)
 }
 
-/// From when on the resonance can be played within so many Hz at 95 %, s: the time to hear it, and `latency_blocks` until what was heard is
+/// From when on the resonance can be played within so many Hz at 95 %, s: the time to measure it, and `latency_blocks` until the estimate is
 /// played. `None` if that takes longer than 20 ms.
 pub fn time_to(setting: &Setting, hz: f64, latency_blocks: f64) -> Option<f64> {
-    let mut bounds = setting.bounds().take_while(|point| point.0 < PATIENCE_S);
+    let mut bounds = setting.bounds().take_while(|point| point.0 < LONGEST_S);
     bounds.find(|point| DEVIATIONS_95 * point.1 <= hz).map(|point| point.0 + latency_blocks * setting.block_s)
 }

@@ -14,24 +14,24 @@ pub use page::page;
 /// A column of a table, or a field of a JSON file.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Column {
-    /// Its name.
+    /// Name of the column.
     pub name: String,
-    /// Its unit; `1` of a ratio or a count, empty of a text.
+    /// Unit of the column; `1` of a ratio or a count, empty of a text.
     pub unit: String,
-    /// What it means.
+    /// Meaning of the column.
     pub meaning: String,
 }
 
 /// A file that a run leaves.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct DataFile {
-    /// Its name.
+    /// Name of the file.
     pub name: &'static str,
-    /// Of which runs it is left.
+    /// Kinds of runs that leave the file.
     pub of: &'static str,
-    /// What it holds.
+    /// Contents of the file.
     pub meaning: &'static str,
-    /// Its columns or fields, if they are the same in every run.
+    /// Columns or fields of the file, if they are the same in every run.
     pub columns: Vec<Column>,
 }
 

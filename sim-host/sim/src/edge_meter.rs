@@ -11,9 +11,9 @@
 use crate::schedule::first_window;
 use scene::{Burst, Driven};
 
-/// Bursts that are kept: the first that are played while running.
+/// Most bursts that are recorded: the first that are played while running.
 const MOST: usize = 64;
-/// So many time constants of the plant are watched after an edge.
+/// Time constants of the plant that are recorded after an edge.
 const WATCHED: f64 = 8.0;
 /// The most codes that a burst pays back in a sample.
 const PAID_BACK: f64 = 32.0;
@@ -53,7 +53,7 @@ pub struct EdgeMeter {
 }
 
 impl EdgeMeter {
-    /// For the bursts of a scene, whose plant rings with this time constant.
+    /// A meter for the bursts of a scene whose plant has this time constant of vibration, s.
     pub fn new(scene: &Driven, time_constant_s: f64) -> Self {
         let sample_s = 1.0 / scene.sensors.sample_hz;
         EdgeMeter {
@@ -70,7 +70,7 @@ impl EdgeMeter {
 
     /// Whether the block of `samples` samples that begins with sample number `first` is to be looked at, sample by sample. Only what is played while
     /// `running` counts.
-    pub fn wants(&mut self, first: u64, samples: u64, running: bool) -> bool {
+    pub fn records(&mut self, first: u64, samples: u64, running: bool) -> bool {
         let (from_s, to_s) = (first as f64 * self.sample_s, (first + samples) as f64 * self.sample_s);
         if let Some(burst) = self.burst.as_ref().filter(|_| running && self.done.len() < MOST) {
             let next = first_window(burst, from_s - 0.5 * self.sample_s).filter(|window| window.0 < to_s);
@@ -160,7 +160,7 @@ mod tests {
             let mut meter = meter();
             for block in 0..60u64 {
                 let first = 32 * block;
-                if meter.wants(first, 32, true) {
+                if meter.records(first, 32, true) {
                     let codes: Vec<u16> = (0..32).map(|n| (2048.0 + code(first as usize + n, brake)) as u16).collect();
                     meter.take(first, &codes, (0..32).map(|n| (first + n) as f64), 40.4e3);
                 }

@@ -1,4 +1,4 @@
-//! Runs of a scene: the firmware's controller against the plant, what is measured, and what is told of it.
+//! Runs of a scene: the firmware's controller against the plant, what is measured, and how the results are shown.
 //!
 //! ```text
 //! scene [controller] --> settings --> processor (the firmware's controller, here or in an emulator)

@@ -24,7 +24,7 @@ pub use folder::Folder;
 /// What went wrong with the folder.
 #[derive(Debug, thiserror::Error)]
 pub enum OutputError {
-    /// A file.
+    /// A file cannot be written.
     #[error("cannot write `{path}`")]
     Write {
         /// The file or folder.
@@ -41,7 +41,7 @@ pub enum OutputError {
         /// The file.
         path: PathBuf,
     },
-    /// A file of somebody else has the name of one of the run's.
+    /// A file that is not of a run has the name of one of the run's.
     #[error(
         "`{path}` is not of an earlier run, and is not written over; the whole run is in `{run}` instead: move one of the two, or choose another folder with -o"
     )]
@@ -54,7 +54,7 @@ pub enum OutputError {
     /// A figure or the report.
     #[error(transparent)]
     Report(#[from] ReportError),
-    /// The trace.
+    /// The trace cannot be written.
     #[error("cannot write the trace")]
     Trace(#[from] csv::Error),
     /// The table of several runs.

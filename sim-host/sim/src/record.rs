@@ -15,16 +15,16 @@ use plant::dring::crash::Playback;
 use plant::energy::Energy;
 use plant::truth::{Sample, Truth};
 
-/// One block.
+/// Record of one block: command, estimate, measurement and truth.
 #[derive(Clone, Copy, Debug)]
 pub struct Row {
     /// Time at the block's end, s.
     pub time_s: f64,
-    /// What the controller was doing when it had heard this block.
+    /// Mode of the controller after it had measured this block.
     pub mode: Mode,
-    /// Its fault number, or zero.
+    /// Fault number of the controller, or zero.
     pub fault: u8,
-    /// Its limit number, or zero.
+    /// Limit number of the controller, or zero.
     pub limit: u8,
     /// Whether it called itself locked.
     pub locked: bool,
@@ -36,7 +36,7 @@ pub struct Row {
     pub envelope: f64,
     /// What the codes that were playing drive.
     pub swing: Swing,
-    /// Estimate: resonance, Hz.
+    /// Estimate: resonance of the transducer, Hz.
     pub resonance_estimate_hz: f64,
     /// Estimate: motional current, A.
     pub motional_current_a: f64,
@@ -50,26 +50,26 @@ pub struct Row {
     pub belt_counts: Option<i32>,
     /// Sensed: force channel, N.
     pub force_n: Option<f64>,
-    /// Truth.
+    /// Truth: state of the plant.
     pub truth: Truth,
 }
 
-/// A stretch of time kept sample by sample.
+/// A stretch of time that is recorded sample by sample.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Window {
-    /// What it shows.
+    /// Contents of the window, as a title.
     pub title: String,
     /// The moment it is about, s.
     pub edge_s: f64,
-    /// From, s.
+    /// Beginning of the window, s.
     pub from_s: f64,
-    /// To, s.
+    /// End of the window, s.
     pub to_s: f64,
     /// What it waits for, from `from_s` on; then it takes as long as it was to.
     pub trigger: Option<Trigger>,
     /// Time of the first sample's end, s.
     pub start_s: f64,
-    /// Samples.
+    /// Samples within the window.
     pub samples: Vec<Sample>,
 }
 
@@ -78,14 +78,15 @@ pub struct Window {
 pub struct Trigger {
     /// Mean frequency of a sweep's first block, Hz.
     pub first_hz: f64,
-    /// Of its second, Hz. A sweep that comes back has its first and second block at its end, too, the other way round.
+    /// Mean frequency of a sweep's second block, Hz. A sweep that comes back has its first and second block at its end, too, the
+    /// other way round.
     pub second_hz: f64,
     /// Mean frequency of the block before, Hz.
     pub before_hz: f64,
 }
 
 impl Window {
-    /// Told when a block begins, s, and its mean frequency, Hz: opens if that is what it waited for.
+    /// Takes the beginning of a block, s, and its mean frequency, Hz, and opens the window if they are those of its trigger.
     pub fn record_frequency(&mut self, begins_s: f64, frequency_hz: f64) {
         let Some(trigger) = &mut self.trigger else { return };
         let near_hz = 0.25 * (trigger.second_hz - trigger.first_hz).abs();
@@ -103,11 +104,11 @@ impl Window {
 /// Instructions that blocks have taken.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Instructions {
-    /// Blocks.
+    /// Number of blocks.
     pub blocks: u64,
-    /// Of all blocks.
+    /// Instructions of all blocks together.
     pub total: u64,
-    /// Of the block that has taken most.
+    /// Instructions of the block that has taken most.
     pub worst: u32,
 }
 
@@ -137,9 +138,9 @@ pub struct Record {
     pub edges: Vec<Edges>,
     /// What the scene's `[trace]` asks for.
     pub trace: Option<Tracer>,
-    /// The last telemetry.
+    /// Last telemetry of the controller.
     pub last: Telemetry,
-    /// The energy budget.
+    /// Energy budget of the plant.
     pub energy: Energy,
     /// What a crash came to.
     pub crash: Option<Playback>,
@@ -174,7 +175,7 @@ pub struct Command {
 }
 
 impl Command {
-    /// Frequency, Hz.
+    /// Frequency of the command, Hz.
     pub fn frequency_hz(&self, sample_hz: f64) -> f64 {
         cycles_per_sample(self.word) * sample_hz
     }

@@ -39,11 +39,11 @@ pub enum RunError {
 /// How far a run looks beyond its own metrics.
 #[derive(Default)]
 pub struct Watch<'a> {
-    /// Stretches to keep sample by sample.
+    /// Stretches of time to record sample by sample.
     pub windows: Vec<Window>,
-    /// Set from outside to stop the run.
+    /// Flag that the caller sets to stop the run.
     pub stop: Option<&'a AtomicBool>,
-    /// Told the simulated time every now and then.
+    /// Called with the simulated time, s, every now and then.
     pub progress: Option<&'a mut dyn FnMut(f64)>,
     /// Times the run; without it the record has no wall time.
     pub clock: Option<Clock>,
@@ -115,7 +115,7 @@ pub fn run_on(processor: &mut dyn Processor, scene: &Driven, mut watch: Watch) -
     Ok(record)
 }
 
-/// What is ordered: a run, if wanted after a calibration.
+/// The orders of a run, which may begin with a calibration.
 struct Script {
     orders: Orders,
     /// Friction ratios to be ordered, and when, s; the last one first.
@@ -180,7 +180,7 @@ struct Recorder {
     played: u64,
     /// Frequency of the block that is about to play, Hz.
     frequency_hz: f64,
-    /// The controller was running when it had heard the block before.
+    /// Whether the controller was running after the block before.
     running: bool,
 }
 
@@ -246,8 +246,8 @@ impl Analog for Recorder {
             window.record_frequency(from_s, self.frequency_hz);
         }
         let open = |window: &Window| window.trigger.is_none() && window.from_s < to_s && window.to_s > from_s;
-        let traced = self.tracer.as_mut().filter(|tracer| tracer.wants(self.played, samples));
-        let edge = self.edges.wants(self.played, samples, self.running);
+        let traced = self.tracer.as_mut().filter(|tracer| tracer.records(self.played, samples));
+        let edge = self.edges.records(self.played, samples, self.running);
         self.plant.inner.keep_samples(edge || traced.is_some() || self.windows.iter().any(open));
         self.plant.exchange(drive, sense);
         self.slow = sense.slow;
@@ -265,7 +265,7 @@ impl Analog for Recorder {
         }
         if let Some(tracer) = traced {
             let samples = self.plant.inner.samples();
-            tracer.keep(&Played { first: self.played, frequency_hz: self.frequency_hz, drive, sense, samples });
+            tracer.record(&Played { first: self.played, frequency_hz: self.frequency_hz, drive, sense, samples });
         }
         self.played += samples;
     }

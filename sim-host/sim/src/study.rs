@@ -65,39 +65,39 @@ pub struct Study<'a> {
     pub run_number: Option<u32>,
     /// The scene as it was run.
     pub scene: &'a Scene,
-    /// What came of it.
+    /// Result of the scene, by its kind.
     pub outcome: Outcome<'a>,
-    /// The numbers.
+    /// Metrics of the scene's run.
     pub metrics: Metrics,
-    /// The expectations, judged.
+    /// Expectations of the scene with their results.
     pub judged: Vec<Judged>,
-    /// The grid, run.
+    /// Results of the scene's grid.
     pub grid: Option<GridResult>,
-    /// The comparison, run.
+    /// Results of the scene's comparison.
     pub comparison: Option<ComparisonResult>,
     /// Whether it was stopped before its end.
     pub interrupted: bool,
 }
 
-/// What came of a scene, by its kind.
+/// Result of a scene, by its kind.
 #[derive(Clone, Debug)]
 pub enum Outcome<'a> {
-    /// The firmware drove.
+    /// A run in which the firmware drove.
     Driven(Box<Run<'a>>),
     /// A contact was studied by itself.
     Contact(Box<Solved<'a>>),
-    /// Either, many times.
+    /// Many runs of either kind.
     MonteCarlo(Box<MonteCarlo>),
 }
 
-/// An expectation and how it came out.
+/// An expectation and its result.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Judged {
-    /// The metric.
+    /// Metric that is expected.
     pub metric: String,
     /// The case it is of, and what is equal there; none of the scene's own run.
     pub case: Option<(String, Equal)>,
-    /// Its value, if the run has one.
+    /// Value of the metric, if the run has one.
     pub value: Option<f64>,
     /// The limit, as text.
     pub limit: String,

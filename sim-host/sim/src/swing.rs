@@ -10,7 +10,7 @@ use scene::Driven;
 pub struct Swing {
     /// Largest voltage to either side, V.
     pub peak_v: f64,
-    /// Mean square, V².
+    /// Mean square of the codes, V².
     pub square_v2: f64,
 }
 

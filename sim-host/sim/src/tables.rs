@@ -175,7 +175,7 @@ pub fn all_metrics(study: &Study) -> TableBlock {
     TableBlock::new("metrics", "All metrics", "", &["metric", "value"], rows)
 }
 
-/// Four significant digits.
+/// A number with four significant digits.
 pub fn number(value: f64) -> String {
     digits(value, 4)
 }

@@ -1,11 +1,11 @@
-//! The signals that a scene's `[trace]` asks for, as they are played and heard.
+//! The signals that a scene's `[trace]` asks for, as they are played and measured.
 
 use firmware::seam::block::{DriveBlock, SenseBlock};
 
 use plant::truth::Sample;
 use scene::{Signal, Trace};
 
-/// Takes blocks as they are played, and keeps what the scene asks for.
+/// Takes blocks as they are played, and records what the scene asks for.
 #[derive(Clone, Debug)]
 pub struct Tracer {
     signals: Vec<Signal>,
@@ -15,17 +15,17 @@ pub struct Tracer {
     rows: Vec<Vec<f64>>,
 }
 
-/// What there is to know of one block.
+/// Codes and truth of one block.
 pub struct Played<'a> {
-    /// Number of its first sample.
+    /// Number of the block's first sample.
     pub first: u64,
-    /// Frequency, Hz.
+    /// Drive frequency of the block, Hz.
     pub frequency_hz: f64,
-    /// Drive codes.
+    /// Drive codes of all lanes.
     pub drive: &'a DriveBlock,
-    /// Sense codes.
+    /// Sense codes of voltage and current.
     pub sense: &'a SenseBlock,
-    /// The truth, sample by sample.
+    /// True values of the plant, sample by sample.
     pub samples: &'a [Sample],
 }
 
@@ -47,18 +47,18 @@ impl Tracer {
         &self.signals
     }
 
-    /// What was kept: time, s, then the signals.
+    /// The recorded rows: time, s, then the signals.
     pub fn rows(&self) -> &[Vec<f64>] {
         &self.rows
     }
 
-    /// Whether any of `samples` samples from `first` on are wanted.
-    pub fn wants(&self, first: u64, samples: u64) -> bool {
+    /// Whether any of `samples` samples from `first` on are to be recorded.
+    pub fn records(&self, first: u64, samples: u64) -> bool {
         first < self.samples.end && first + samples > self.samples.start
     }
 
-    /// Keeps what is wanted of a block.
-    pub fn keep(&mut self, played: &Played) {
+    /// Records the samples of a block that the scene asks for.
+    pub fn record(&mut self, played: &Played) {
         for (n, sample) in played.samples.iter().enumerate() {
             let number = played.first + n as u64;
             if self.samples.contains(&number) && (number - self.samples.start).is_multiple_of(self.every) {

@@ -30,7 +30,7 @@ fn listen(mut request: impl FnMut() + Send + 'static) -> std::io::Result<()> {
     use signal_hook::iterator::Signals;
 
     let mut signals = Signals::new([SIGINT, SIGTERM])?;
-    // Whoever starts this program with `nohup` wants it to outlive the terminal.
+    // A program that is started with `nohup` is to outlive the terminal.
     if !ignores_hang_up() {
         signals.add_signal(SIGHUP)?;
     }

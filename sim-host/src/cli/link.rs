@@ -24,7 +24,7 @@ use link::simulated_board::SimulatedBoard;
 
 /// Set by Ctrl-C, and by any other request to end.
 static STOP: AtomicBool = AtomicBool::new(false);
-/// Whoever read standard output has closed it: what is under way ends as by Ctrl-C, and nobody is left to be told.
+/// The reader of standard output has closed it: the command under way ends as by Ctrl-C, and nothing more is printed.
 static CLOSED: AtomicBool = AtomicBool::new(false);
 
 /// What a simulated board is called: `sim:SCENE`.
@@ -143,7 +143,7 @@ fn with_port(args: &LinkArgs, port: Box<dyn Port>) -> Result<(), LinkError> {
         }
         _ => None,
     };
-    // Not before the script is read, which may come from somebody who never ends it; before anything is asked of the board.
+    // Not before the script is read, which may come from a pipe that never ends; before anything is asked of the board.
     interrupts::set(&STOP)?;
     let client = Client::new(port, &STOP, note);
     let mut session = Session::begin(client, SessionOptions { host_timeout_s: args.host_timeout, stay: args.stay })?;
@@ -218,7 +218,7 @@ fn tell(text: &str, name: &str, done: &Result<Answer, LinkError>, format: Format
     Ok(out.flush()?)
 }
 
-/// Who is told of stages and reports.
+/// Callbacks that print stages and reports.
 fn live(format: Format) -> Live {
     let stage = io::stderr().is_terminal().then_some((|line| note(&format!("{line}…"))) as fn(&str));
     let report: fn(&str, &Value) = match format {

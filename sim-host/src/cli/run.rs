@@ -49,7 +49,7 @@ fn one_of(loaded: &Loaded, number: u32) -> Result<Loaded, LoadError> {
 }
 
 fn run_loaded(args: &RunArgs, loaded: &Loaded, color: Color) -> anyhow::Result<ExitCode> {
-    // Not before the scene is read, which may come from somebody who never ends it.
+    // Not before the scene is read, which may come from a pipe that never ends.
     interrupts::set(&STOP)?;
     let image = match (args.pil, loaded.scene.driven()) {
         (false, _) => None,
@@ -80,8 +80,8 @@ fn run_loaded(args: &RunArgs, loaded: &Loaded, color: Color) -> anyhow::Result<E
     let start = image.as_deref().map(|image| move |config: &Config| emulated(image, config));
     let start = start.as_ref().map(|start| start as Start);
     let mut progress = Progress::new(loaded.scene.duration_s, loaded.scene.runs, args.quiet);
-    let told = &mut |reached| progress.at(reached);
-    let options = Options { start, stop: Some(&STOP), progress: Some(told), clock: Some(super::clock) };
+    let report = &mut |reached| progress.at(reached);
+    let options = Options { start, stop: Some(&STOP), progress: Some(report), clock: Some(super::clock) };
     let study = study::run(loaded, options);
     drop(progress);
     let study = match study {
@@ -105,10 +105,12 @@ fn run_loaded(args: &RunArgs, loaded: &Loaded, color: Color) -> anyhow::Result<E
     if let Some(dir) = dir.filter(|_| !args.quiet) {
         say!("report: {}", dir.join("report.html").display());
     }
-    Ok(match () {
-        () if study.interrupted => ExitCode::from(INTERRUPTED),
-        () if !study.passes() => ExitCode::from(EXPECTATION_MISSED),
-        () => ExitCode::SUCCESS,
+    Ok(if study.interrupted {
+        ExitCode::from(INTERRUPTED)
+    } else if !study.passes() {
+        ExitCode::from(EXPECTATION_MISSED)
+    } else {
+        ExitCode::SUCCESS
     })
 }
 

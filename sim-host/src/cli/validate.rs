@@ -141,7 +141,7 @@ fn with<T>(args: &ValidateArgs, counted: Option<(&Path, &[&str])>, run: impl FnO
     run(&mut Options { quick: args.quick, counted, progress })
 }
 
-/// Writes the folder, if one is wanted, and prints. Fails where a target is missed.
+/// Writes the folder, unless `--no-report` is given, and prints. Fails where a target is missed.
 fn end(found: Result<Evidence, Error>, name: &str, args: &ValidateArgs, color: Color) -> anyhow::Result<ExitCode> {
     let evidence = match found {
         Ok(evidence) => evidence,

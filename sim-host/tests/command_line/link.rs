@@ -21,7 +21,7 @@ fn a_script_is_done_line_by_line_and_its_answers_are_lines_of_json() {
     assert!(lines.iter().all(|line| line["done"] == true));
     assert!((lines[0]["series_resonance_hz"].as_f64().expect("a number") - 40_519.9).abs() < 2.0);
     assert!(folder.read("scan/admittance.svg").starts_with("<svg") && folder.read("capture.csv").lines().count() == 1025);
-    // The same words again, and nothing is told but the answers.
+    // The same commands again, and nothing but the answers is printed.
     let again = sim_host(&["link", "sim:lock", "script", &script, "--format", "json"]);
     assert_eq!((stdout(&again), stderr(&again)), (stdout(&output), String::new()));
 }
@@ -37,13 +37,13 @@ fn the_first_line_that_fails_ends_a_script() {
 }
 
 #[test]
-fn mistakes_are_told_with_their_exit_codes() {
+fn mistakes_have_their_messages_and_exit_codes() {
     let folder = Folder::new("link-mistakes");
     let wrong = folder.write("wrong.txt", "identify\nscna\n");
-    let nobody = TcpListener::bind("127.0.0.1:0").expect("a port").local_addr().expect("an address");
+    let closed = TcpListener::bind("127.0.0.1:0").expect("a port").local_addr().expect("an address");
     let cases: [(&[&str], i32, &str); 9] = [
         (&["/dev/ttyNOT", "status"], 5, "there is no such port"),
-        (&[&format!("tcp:{nobody}"), "status"], 5, "nothing listens there"),
+        (&[&format!("tcp:{closed}"), "status"], 5, "nothing listens there"),
         (&["tcp:nowhere", "status"], 5, "this is no `tcp:HOST:PORT`"),
         (&["sim:lokc", "status"], 3, "try `lock`"),
         (&["sim:contact", "status"], 2, "has no [controller]"),

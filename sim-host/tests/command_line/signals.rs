@@ -1,4 +1,4 @@
-//! Signals to a client of a board that drives: whatever ends it, the drive falls silent, unless it was told to go on.
+//! Signals to a client of a board that drives: whatever ends it, the drive falls silent, unless it was ordered to go on.
 
 use std::io::{BufRead, BufReader};
 use std::process::{Child, ChildStdout, Command, Stdio};

@@ -114,8 +114,8 @@ impl Lines {
         for (piece, begin) in self.pieces.iter().zip(&self.begins) {
             if left < piece.phase {
                 let slip = piece.slip_at(left);
-                let kept = if slip == 0.0 { 1.0 } else { (-self.kappa * slip).exp() };
-                return piece.sign + (begin - piece.sign) * kept;
+                let decay = if slip == 0.0 { 1.0 } else { (-self.kappa * slip).exp() };
+                return piece.sign + (begin - piece.sign) * decay;
             }
             left -= piece.phase;
         }
@@ -158,17 +158,17 @@ impl Piece {
             return (0.0, 0.0);
         }
         // Phase at which kappa times slip is CUT: |v0| u + |slope| u^2 / 2 when speeding up, less when slowing down.
-        let wanted = CUT / kappa;
-        let reach = if self.slip() <= wanted {
+        let cut_slip = CUT / kappa;
+        let reach = if self.slip() <= cut_slip {
             self.phase
         } else {
             let signed = 0.5 * slope * self.sign;
-            2.0 * wanted / (v0.abs() + (v0 * v0 + 4.0 * signed * wanted).max(0.0).sqrt())
+            2.0 * cut_slip / (v0.abs() + (v0 * v0 + 4.0 * signed * cut_slip).max(0.0).sqrt())
         };
         let sums = gauss::whole().iter().fold((0.0, 0.0), |(held, moving), node| {
             let u = reach * node.at;
-            let kept = node.weight * (-kappa * self.slip_at(u)).exp();
-            (held + kept, moving + (v0 + slope * u - xi) * kept)
+            let decay = node.weight * (-kappa * self.slip_at(u)).exp();
+            (held + decay, moving + (v0 + slope * u - xi) * decay)
         });
         (reach * sums.0, reach * sums.1)
     }

@@ -52,7 +52,7 @@ impl Point {
         (problem.waveform.shape() == Shape::Sine && velocity_ratio.is_finite()).then_some(Point { velocity_ratio, kappa })
     }
 
-    /// As [`ClosedForm::start_left`].
+    /// Part of the initial friction that is left after so many periods, as [`ClosedForm::start_left`] gives it.
     pub fn start_left(&self, periods: f64) -> f64 {
         left_after(forget(self.velocity_ratio, self.kappa), periods)
     }

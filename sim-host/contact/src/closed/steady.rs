@@ -61,10 +61,10 @@ impl Steady {
             Course::Dahl { ways: [forward, backward], distances } => {
                 let half_rad = 0.5 * forward.length_rad();
                 if p.abs() <= half_rad {
-                    return 1.0 - distances[0] * forward.kept(p + half_rad);
+                    return 1.0 - distances[0] * forward.decay(p + half_rad);
                 }
                 let since = if p > 0.0 { p - half_rad } else { p + TAU - half_rad };
-                distances[1] * backward.kept(since.min(backward.length_rad())) - 1.0
+                distances[1] * backward.decay(since.min(backward.length_rad())) - 1.0
             }
         }
     }

@@ -81,7 +81,7 @@ impl Swing {
     }
 
     /// `exp(-kappa slip)` at a phase since the beginning, rad.
-    pub(super) fn kept(&self, u: f64) -> f64 {
+    pub(super) fn decay(&self, u: f64) -> f64 {
         let slip =
             if u <= self.half_rad { self.slip(u) } else { 2.0 * self.slip(self.half_rad) - self.slip(self.length_rad() - u) };
         (-self.kappa * slip).exp()
@@ -99,8 +99,8 @@ impl Swing {
         let sum: f64 = gauss::half(rule)
             .iter()
             .map(|node| {
-                let kept = (-self.kappa * self.slip(reach * node.at)).exp();
-                node.weight * (kept + whole / kept)
+                let decay = (-self.kappa * self.slip(reach * node.at)).exp();
+                node.weight * (decay + whole / decay)
             })
             .sum();
         reach * sum
@@ -113,8 +113,8 @@ impl Swing {
             .iter()
             .map(|node| {
                 let u = reach * node.at;
-                let kept = (-self.kappa * self.slip(u)).exp();
-                node.weight * (self.half_rad - u).cos() * (kept + whole / kept)
+                let decay = (-self.kappa * self.slip(u)).exp();
+                node.weight * (self.half_rad - u).cos() * (decay + whole / decay)
             })
             .sum();
         reach * sum
@@ -146,15 +146,15 @@ impl Swing {
             return self.half_rad;
         }
         // From the slip at small phases, sin h u^2 / 2 - cos h u^3 / 6; then Newton: slip is convex up to the middle.
-        let wanted = CUT / self.kappa;
-        let quadratic = (2.0 * wanted / self.sine).sqrt();
-        let cubic = if self.cosine < 0.0 { (6.0 * wanted / -self.cosine).cbrt() } else { f64::INFINITY };
+        let cut_slip = CUT / self.kappa;
+        let quadratic = (2.0 * cut_slip / self.sine).sqrt();
+        let cubic = if self.cosine < 0.0 { (6.0 * cut_slip / -self.cosine).cbrt() } else { f64::INFINITY };
         let mut u = quadratic.min(cubic).min(self.half_rad);
         for _ in 0..4 {
             let (one, other) = self.series(u * u);
             let slip = u * u * (self.sine * one - self.cosine * u * other);
             let speed = self.sine * u * (1.0 - u * u * other) - self.cosine * u * u * one;
-            u = (u + (wanted - slip) / speed).min(self.half_rad);
+            u = (u + (cut_slip - slip) / speed).min(self.half_rad);
         }
         u
     }

@@ -16,7 +16,7 @@
 /// States: y, y', and the integrals of y+, y+^(3/2), 1 in contact, input and damping.
 type Y = [f64; 7];
 
-/// A driven contact.
+/// Hertzian contact of a mass that a periodic force drives.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DrivenContact {
     /// Force amplitude over load, F0 / W.
@@ -33,11 +33,11 @@ pub struct DrivenContact {
     pub settle_periods: u32,
     /// Periods of the means.
     pub mean_periods: u32,
-    /// Steps a period.
+    /// Steps per period of the driving force.
     pub steps_per_period: u32,
 }
 
-/// Its steady motion.
+/// Steady motion of a driven contact.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DrivenMotion {
     /// Mean friction over friction without vibration, by area: mean d+ / d0.

@@ -42,12 +42,12 @@ pub struct Part {
     pub first: f64,
     /// Sign of the last slip.
     pub sign: f64,
-    /// Reversals within.
+    /// Number of reversals within the step.
     pub reversals: u32,
 }
 
 impl Bristle {
-    /// Of a law with bristles; none of Coulomb's.
+    /// The flow of a law with bristles; none of Coulomb's law.
     pub fn new(law: Law, coulomb_n: f64) -> Option<Self> {
         match law {
             Law::Coulomb => None,
@@ -83,7 +83,7 @@ impl Bristle {
         self.with_reversals(f, h, slip)
     }
 
-    /// The same where the parabola may cross zero.
+    /// Flow over a step where the parabola of the slip velocity may cross zero.
     fn with_reversals(&self, f: f64, h: f64, [v0, vm, v1]: [f64; 3]) -> Part {
         // v0 + b u + c u^2 over u from 0 to 1
         let (b, c) = (4.0 * vm - 3.0 * v0 - v1, 2.0 * (v0 - 2.0 * vm + v1));

@@ -42,7 +42,7 @@ const MANY: u32 = 1000;
 enum Contact {
     /// Slips, in this direction.
     Slip(f64),
-    /// Holds.
+    /// The contact sticks: its slip velocity is zero.
     Stick,
 }
 

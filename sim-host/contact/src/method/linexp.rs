@@ -34,13 +34,13 @@ use crate::tally::{State, Tally};
 use crate::timeline::{Stretch, Timeline};
 
 const METHOD: &str = "linexp";
-/// Orders there are.
+/// Orders of the method that can be chosen.
 pub const ORDERS: [u32; 3] = [2, 4, 6];
 
 /// What a run computes besides the motion and the friction.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Options {
-    /// Nothing.
+    /// Compute motion and friction only.
     #[default]
     Plain,
     /// Add up what forcing and damper do; every step is an exact step.

@@ -24,7 +24,7 @@ pub struct Oscillator {
     pub stiffness: f64,
 }
 
-/// Coefficients of a kick's response that are kept. Kicks carry the third and higher terms of friction over a step h, so what is left
+/// Number of coefficients of a kick's response. Kicks carry the third and higher terms of friction over a step h, so what is left
 /// out is of order h^11.
 pub const KERNEL: usize = 8;
 

@@ -46,7 +46,7 @@ struct Point {
     slope: f64,
 }
 
-/// The root between a point and `high`, where the polynomial has the value `last` of opposite sign: Newton's method, kept within the
+/// The root between a point and `high`, where the polynomial has the value `last` of opposite sign: Newton's method, bracketed by the
 /// bracket.
 ///
 /// It begins on the parabola through both values with the slope at the point, and ends with a step shorter than `enough`, of which the

@@ -11,18 +11,18 @@ pub struct Point {
     pub at: f64,
     /// Slip times sign, m/s.
     pub value: f64,
-    /// Its slope per whole step, m/s.
+    /// Slope of the value per whole step, m/s.
     pub slope: f64,
 }
 
 /// What two points say about the slip between them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Verdict {
-    /// It keeps its sign.
+    /// The slip velocity keeps its sign.
     Keeps,
-    /// It is about to leave through zero right at the first point.
+    /// The slip velocity leaves through zero right at the first point.
     AtOnce,
-    /// It reverses in between: within `low` and `high`, near `guess`.
+    /// The slip velocity reverses in between: within `low` and `high`, near `guess`.
     Reverses {
         /// Still positive, or rising from zero.
         low: f64,
@@ -31,7 +31,7 @@ pub enum Verdict {
         /// Where the cubic crosses.
         guess: f64,
     },
-    /// It has a minimum near here that may be below zero.
+    /// The slip velocity has a minimum near this part of the step, which may be below zero.
     Dips(f64),
 }
 

@@ -24,7 +24,7 @@ pub fn run(problem: &Problem, steps_per_period: u32, watch: &mut impl FnMut(&Sta
     go::<FULL>(problem, steps_per_period, watch)
 }
 
-/// The same steps without the integrals of the energies, which are zero in the tally, as are its peaks: to be timed.
+/// Runs a problem without the integrals of the energies, for timing; they and the peaks are zero in the tally.
 pub fn run_plain(problem: &Problem, steps_per_period: u32, watch: &mut impl FnMut(&State)) -> Result<Tally, SolveError> {
     go::<LEAN>(problem, steps_per_period, watch)
 }

@@ -1,7 +1,7 @@
 //! Runge-Kutta of fourth order between the reversals of the slip.
 //!
 //! The sign of the slip is a state of its own: it is frozen within a step, so that the right-hand side is analytic there, and it changes
-//! only at a reversal, which is located by steps to it (Newton, kept inside a bracket). There the slip is set to exactly zero, and
+//! only at a reversal, which is located by steps to it (Newton's method inside a bracket). There the slip is set to exactly zero, and
 //! no sign is ever taken from its round-off. A step whose slip falls first and rises afterwards is searched for a dip below zero.
 //! Order four, where the thesis's method has two. No step straddles two stretches of the timeline.
 
@@ -26,7 +26,7 @@ pub fn run(problem: &Problem, steps_per_period: u32, watch: &mut impl FnMut(&Sta
     go::<FULL>(problem, steps_per_period, watch)
 }
 
-/// The same steps without the integrals of the energies, which are zero in the tally: to be timed.
+/// Runs a problem without the integrals of the energies, for timing; they are zero in the tally.
 pub fn run_plain(problem: &Problem, steps_per_period: u32, watch: &mut impl FnMut(&State)) -> Result<Tally, SolveError> {
     go::<LEAN>(problem, steps_per_period, watch)
 }

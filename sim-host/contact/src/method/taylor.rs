@@ -8,7 +8,7 @@
 //!
 //! so each coefficient follows from the ones before with a single Cauchy product, that of V and f; which is the friction power, too
 //! (Barrio 2005; Jorba and Zou 2005). A reversal is the first root of the polynomial V; there the sign flips, V is zero exactly, and
-//! the series begins anew. All integrals are those of the polynomials.
+//! a new series begins. All integrals are those of the polynomials.
 
 use super::polynomial::{first_reversal, integral, product, value};
 use crate::SolveError;
@@ -19,7 +19,7 @@ use crate::timeline::Timeline;
 
 const METHOD: &str = "taylor";
 
-/// Orders there are.
+/// Orders of the series that can be chosen.
 pub const ORDERS: [u32; 7] = [8, 12, 16, 20, 24, 28, 32];
 /// Where the last coefficients of friction over Fc are larger than this, the step is too long for the series.
 const LARGEST_LAST_TERM: f64 = 1e-9;

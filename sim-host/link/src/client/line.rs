@@ -17,8 +17,8 @@ const REOPENINGS: u32 = 10;
 const REOPEN_PAUSE: Duration = Duration::from_millis(300);
 /// Longest stretch without a look at Ctrl-C.
 const SLICE: Duration = Duration::from_millis(50);
-/// Telemetry that is kept until somebody takes it.
-const KEPT: usize = 4096;
+/// Most telemetry reports that are stored until the caller takes them.
+const MOST_REPORTS: usize = 4096;
 
 /// A port, and what has come over it.
 pub(super) struct Line {
@@ -38,7 +38,7 @@ pub(super) struct Line {
 pub struct Counts {
     /// Commands sent, without copies.
     pub commands: u32,
-    /// Copies of commands.
+    /// Copies of commands that were sent again.
     pub repeated: u32,
     /// Frames that came damaged.
     pub damaged: u32,
@@ -102,7 +102,7 @@ impl Line {
             match self.receiver.take::<Reply>(byte) {
                 None => {}
                 Some(Ok(Frame { sequence, body: Reply::Telemetry(telemetry), .. })) => {
-                    self.telemetry.drain(..(self.telemetry.len() + 1).saturating_sub(KEPT));
+                    self.telemetry.drain(..(self.telemetry.len() + 1).saturating_sub(MOST_REPORTS));
                     self.telemetry.push_back((sequence, telemetry));
                     return Ok(Some(Came::Telemetry));
                 }

@@ -1,7 +1,7 @@
 //! `burst`: the gate of a drive that runs, opened and closed.
 //!
-//! With `--on` and `--off` times the host times each edge itself: coarse, by a round trip and the machine's mood. What that comes to is
-//! measured by the board's own block counter, and told. Bursts to the sample are the board's: a schedule in its configuration
+//! With `--on` and `--off` times the host times each edge itself: coarse, within a round trip and the scheduling of the machine. The
+//! achieved times are measured by the board's own block counter, and printed. Bursts to the sample are the board's: a schedule in its configuration
 //! (`burst.period_s`, `burst.duty`), followed with `--scheduled`.
 
 use std::time::Duration;
@@ -31,7 +31,7 @@ pub struct BurstArgs {
     /// As the configured schedule says.
     #[arg(long, conflicts_with_all = ["on", "off", "brake"])]
     scheduled: bool,
-    /// Close the gate, and drive against what rings.
+    /// Close the gate, and drive against the residual vibration.
     #[arg(long, conflicts_with_all = ["on", "off"])]
     brake: bool,
 }
@@ -47,7 +47,7 @@ fn span(text: &str) -> Result<Span, String> {
     if text == "forever" { Ok(Span::Forever) } else { seconds(text).map(Span::Seconds) }
 }
 
-/// Does it.
+/// Opens and closes the gate as the arguments say.
 pub fn run(args: &BurstArgs, session: &mut Session) -> Result<Answer, LinkError> {
     let report = session.status()?;
     session.check(&report)?;
@@ -75,7 +75,7 @@ pub fn run(args: &BurstArgs, session: &mut Session) -> Result<Answer, LinkError>
         (None, Some(Span::Forever)) => gate(session, Gate::Off, "the gate is closed; the frequency is held", "off"),
         _ if args.scheduled => gate(session, Gate::Scheduled, "bursts by the configured schedule", "scheduled"),
         _ if args.brake => {
-            gate(session, Gate::Brake, "the gate is closed, and what rings is stopped by drive against it", "brake")
+            gate(session, Gate::Brake, "the gate is closed, and the residual vibration is stopped by drive against it", "brake")
         }
         _ => Err(LinkError::Usage("burst what? --on S --off S --count N, --on, --off, --scheduled or --brake".into())),
     }

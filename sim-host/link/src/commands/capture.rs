@@ -68,9 +68,9 @@ impl When {
 pub struct Captured {
     /// How it came about.
     pub report: CaptureReport,
-    /// Voltage codes.
+    /// Codes of the voltage channel.
     pub v: Vec<u16>,
-    /// Current codes.
+    /// Codes of the current channel.
     pub i: Vec<u16>,
     /// Drive codes, as they played at the same time.
     pub drive: Vec<u16>,

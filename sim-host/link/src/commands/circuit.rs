@@ -1,10 +1,10 @@
-//! The transducer that the board has identified, told.
+//! The transducer that the board has identified, in words and fields.
 
 use firmware::seam::telemetry::Telemetry;
 
 use crate::answer::{Answer, quantity, short};
 
-/// The transducer that was identified.
+/// Adds the identified transducer of a report to an answer.
 pub fn in_words(report: &Telemetry, answer: Answer) -> Answer {
     let Some(found) = &report.transducer else { return answer };
     let scatter = &found.deviations;

@@ -41,10 +41,10 @@ impl DriveArgs {
     }
 }
 
-/// Drives.
+/// Drives with the amplitude, detuning and quadrature of the arguments.
 pub fn run(args: &DriveArgs, session: &mut Session) -> Result<Answer, LinkError> {
     let amplitude = args.volts.map(Amplitude::Volts).or(args.current.map(Amplitude::MotionalCurrent));
-    // Before the drive sounds, so that it does not begin louder than it is to be.
+    // Before the drive begins, so that it does not begin with another amplitude.
     session.client.order(Command::Amplitude(amplitude))?;
     session.client.order(Command::Detune(Hertz(args.detune.unwrap_or(0.0))))?;
     session.client.order(Command::Quadrature(args.quadrature.map(Turns)))?;

@@ -27,7 +27,7 @@ enum What {
     Log,
 }
 
-/// Does it.
+/// Shows or clears the fault as the arguments say.
 pub fn run(args: &FaultArgs, session: &mut Session) -> Result<Answer, LinkError> {
     match args.what {
         None => {

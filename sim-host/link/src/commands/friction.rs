@@ -1,4 +1,4 @@
-//! `friction`: what the friction switch is to hold.
+//! `friction`: sets the set point of the friction switch.
 
 use clap::Args;
 use firmware::board::command::Command;
@@ -13,34 +13,34 @@ use crate::session::Session;
 pub struct FrictionArgs {
     /// A part of the friction without drive, 0 to 1; a force as `0.05N`; or `configured`.
     #[arg(value_name = "RATIO|FORCE", value_parser = target)]
-    target: Wanted,
+    target: SetPoint,
 }
 
-/// What is wanted.
+/// Set point of the friction switch.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Wanted {
-    /// What the configuration says.
+pub enum SetPoint {
+    /// The configured set point.
     Configured,
-    /// This.
-    This(Target),
+    /// A set point given on the command line.
+    Given(Target),
 }
 
-fn target(text: &str) -> Result<Wanted, String> {
+fn target(text: &str) -> Result<SetPoint, String> {
     const EXPECTED: &str = "a ratio from 0 to 1 (0.4), a force (0.05N), or `configured`";
     let number = |text: &str| text.trim().parse::<f32>().map_err(|_| EXPECTED.to_owned());
     let target = match text.strip_suffix(['N', 'n']) {
-        _ if text == "configured" => return Ok(Wanted::Configured),
+        _ if text == "configured" => return Ok(SetPoint::Configured),
         Some(newtons) => Target::Force(number(newtons)?),
         None => Target::Ratio(number(text)?),
     };
-    if target.is_plausible() { Ok(Wanted::This(target)) } else { Err(EXPECTED.into()) }
+    if target.is_plausible() { Ok(SetPoint::Given(target)) } else { Err(EXPECTED.into()) }
 }
 
-/// Orders it.
+/// Sends the set point to the board.
 pub fn run(args: &FrictionArgs, session: &mut Session) -> Result<Answer, LinkError> {
     let ordered = match args.target {
-        Wanted::Configured => None,
-        Wanted::This(target) => Some(target),
+        SetPoint::Configured => None,
+        SetPoint::Given(target) => Some(target),
     };
     session.client.order(Command::Friction(ordered))?;
     let answer = Answer::to("friction");
@@ -60,10 +60,10 @@ mod tests {
     use super::*;
 
     #[test]
-    fn ratios_and_forces_are_told_apart() {
-        assert_eq!(target("0.4"), Ok(Wanted::This(Target::Ratio(0.4))));
-        assert_eq!(target("0.05N"), Ok(Wanted::This(Target::Force(0.05))));
-        assert_eq!(target("configured"), Ok(Wanted::Configured));
+    fn ratios_and_forces_are_distinguished() {
+        assert_eq!(target("0.4"), Ok(SetPoint::Given(Target::Ratio(0.4))));
+        assert_eq!(target("0.05N"), Ok(SetPoint::Given(Target::Force(0.05))));
+        assert_eq!(target("configured"), Ok(SetPoint::Configured));
         assert!(["1.5", "-1", "half", "nan", "-3N", ""].iter().all(|text| target(text).is_err()));
     }
 }

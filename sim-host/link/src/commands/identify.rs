@@ -1,4 +1,4 @@
-//! `identify`.
+//! `identify`: asks the board for its identity.
 
 use firmware::board::command::{Command, Identity, Reply};
 
@@ -7,7 +7,7 @@ use crate::client::unexpected;
 use crate::link_error::LinkError;
 use crate::session::Session;
 
-/// Asks anew.
+/// Asks the board for its identity once more, and measures the round trip.
 pub fn run(session: &mut Session) -> Result<Answer, LinkError> {
     let began = session.client.now();
     let identity = match session.client.ask(Command::Identify)? {

@@ -37,7 +37,7 @@ pub struct Locked {
     pub blocks: u32,
     /// From the report before to that one, blocks: what it may have been earlier.
     pub gap_blocks: u32,
-    /// It ran when the order came.
+    /// Whether the board had already locked when the command came.
     pub already: bool,
 }
 
@@ -101,7 +101,7 @@ pub fn acquire(args: &LockArgs, session: &mut Session) -> Result<Locked, LinkErr
     Ok(Locked { report, blocks: report.block.wrapping_sub(before.block), gap_blocks, already: false })
 }
 
-/// Whether this is a run that has come to its frequency. One that only holds what it was told has no transducer, and tracks nothing.
+/// Whether this is a run that has come to its frequency. One that only holds the nominal frequency has no transducer, and tracks nothing.
 fn is_it(report: &Telemetry) -> bool {
     report.mode == Mode::Run && (report.locked || report.transducer.is_none())
 }

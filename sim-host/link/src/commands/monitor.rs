@@ -63,7 +63,7 @@ pub fn run(args: &MonitorArgs, session: &mut Session) -> Result<Answer, LinkErro
     Ok(answer.line(format!("{reports} reports; {}", what_it_does(&report, session)?)))
 }
 
-/// What the drive does, and what becomes of it when nobody watches.
+/// What the drive does, and what happens to it without a host.
 pub fn what_it_does(report: &Telemetry, session: &mut Session) -> Result<String, LinkError> {
     Ok(match report.mode {
         Mode::Idle => "the drive is silent".into(),

@@ -1,4 +1,4 @@
-//! `reset`: the board begins anew.
+//! `reset`: restarts the board.
 
 use std::time::Duration;
 

@@ -43,7 +43,7 @@ pub enum SettingsOrder {
     Trims,
 }
 
-/// Does it.
+/// Runs an order on the board's settings.
 pub fn run(order: &SettingsOrder, session: &mut Session) -> Result<Answer, LinkError> {
     let plain = |session: &mut Session, verb: Verb, line: &str| -> Result<Answer, LinkError> {
         session.client.order(Command::Settings(verb))?;
@@ -70,11 +70,11 @@ fn get(parameters: &[&Parameter], session: &mut Session) -> Result<Answer, LinkE
     let width = parameters.iter().map(|parameter| parameter.name.len()).max().unwrap_or(0);
     let mut answer =
         Answer::to("settings").line(format!("{:width$}  {:>12}  {:>12}  {:>12}  range", "", "active", "set", "default"));
-    let mut kept = StoredState::Nothing;
+    let mut stored = StoredState::Nothing;
     for parameter in parameters {
         let of = report(parameter, &mut session.client)?;
-        kept = of.kept;
-        let reset = match kept {
+        stored = of.kept;
+        let reset = match stored {
             _ if of.next == of.acts => "",
             // Left out, or held within a limit; or set since.
             StoredState::Partly | StoredState::Refused => "  (not active as it is set)",
@@ -95,7 +95,7 @@ fn get(parameters: &[&Parameter], session: &mut Session) -> Result<Answer, LinkE
             answer = fields.into_iter().fold(answer, |answer, (name, value)| answer.field(name, short(value)));
         }
     }
-    Ok(answer.line(words::stored(kept)).field("kept", kept_name(kept)))
+    Ok(answer.line(words::stored(stored)).field("kept", state_name(stored)))
 }
 
 fn set(parameter: &Parameter, value: f32, session: &mut Session) -> Result<Answer, LinkError> {
@@ -130,7 +130,7 @@ pub fn trims(session: &mut Session, mut answer: Answer) -> Result<Answer, LinkEr
             return Ok(answer
                 .line(format!("{none}{}", words::stored(report.kept)))
                 .field("trim_points", report.points)
-                .field("kept", kept_name(report.kept)));
+                .field("kept", state_name(report.kept)));
         };
         let lanes = found.lanes.iter().map(|trim| format!("{:+.3} deg x {:.4}", 360.0 * trim.phase_turns, trim.gain));
         answer = answer.line(format!("{:9.1} Hz: {}", found.hz, lanes.collect::<Vec<_>>().join(" | ")));
@@ -155,8 +155,8 @@ fn range(min: f32, max: f32) -> String {
     }
 }
 
-fn kept_name(kept: StoredState) -> &'static str {
-    match kept {
+fn state_name(stored: StoredState) -> &'static str {
+    match stored {
         StoredState::Nothing => "nothing",
         StoredState::Stored => "stored",
         StoredState::Damaged => "damaged",

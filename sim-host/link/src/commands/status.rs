@@ -10,7 +10,7 @@ use crate::link_error::LinkError;
 use crate::session::Session;
 use crate::words;
 
-/// Asks.
+/// Asks the board for its present state.
 pub fn run(session: &mut Session) -> Result<Answer, LinkError> {
     let report = session.status()?;
     Ok(in_words(&report, Answer::to("status")))
@@ -41,7 +41,7 @@ pub fn in_words(report: &Telemetry, answer: Answer) -> Answer {
     fields(report, answer)
 }
 
-/// A report's numbers.
+/// Adds the numbers of a report to an answer.
 pub fn fields(report: &Telemetry, answer: Answer) -> Answer {
     answer
         .field("block", report.block)

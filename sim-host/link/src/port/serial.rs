@@ -34,7 +34,7 @@ fn device(name: &str) -> Result<Box<dyn SerialPort>, LinkError> {
         .timeout(LONGEST)
         .open()
         .map_err(|error| LinkError::Open { port: name.to_owned(), why: why(name, &error) })?;
-    // What another program has left unread is nobody's answer. A device that cannot do this has nothing to forget.
+    // What another program has left unread answers no command of ours. A device that cannot do this has nothing to discard.
     let _ = device.clear(ClearBuffer::All);
     Ok(device)
 }

@@ -9,7 +9,7 @@ use super::Port;
 use crate::link_error::LinkError;
 use crate::simulated_board::SimulatedBoard;
 
-/// A simulated board as a port. Whoever has the other end of the [`Rc`] sees the plant.
+/// A simulated board as a port. The holder of the other end of the [`Rc`] sees the plant.
 pub struct Simulated {
     name: String,
     board: Rc<RefCell<SimulatedBoard>>,

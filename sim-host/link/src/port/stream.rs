@@ -9,7 +9,7 @@ use crate::link_error::LinkError;
 /// A stream of bytes whose reads come back soon: with `TimedOut` or `WouldBlock` where nothing has come, and with nothing at its end.
 pub struct Stream<S> {
     name: String,
-    /// What is behind.
+    /// Stream that carries the bytes.
     pub inner: S,
     opened: Instant,
 }

@@ -10,7 +10,7 @@ use crate::link_error::LinkError;
 /// How long a host may take to accept.
 const CONNECT: Duration = Duration::from_secs(3);
 
-/// A TCP connection.
+/// A TCP connection to a board.
 pub struct Tcp {
     name: String,
     address: String,

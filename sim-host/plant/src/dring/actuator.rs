@@ -31,23 +31,23 @@ const NORMAL_AT_N: f64 = 270.0;
 const NORMAL_EXPONENT: f64 = -0.0584;
 /// The least amplitude that counts, so that no law is steeper than can be followed.
 const LEAST_AMPLITUDE: f64 = 0.01;
-/// Ratios are kept so far from one, where some speeds are infinite.
+/// Least distance of a ratio from one, where some speeds are infinite.
 const BELOW_ONE: f64 = 1e-6;
 
 /// What lowers the friction.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Actuator {
-    /// Nothing does.
+    /// The belt has no actuator.
     None,
-    /// A perfect switch.
+    /// The actuator is a perfect switch of the friction.
     Ideal,
     /// A tip that vibrates along the webbing with this peak velocity, m/s, by Coulomb's law.
     Tangential(f64),
-    /// The same by the limit of Dahl's law.
+    /// A tip that vibrates along the webbing with this peak velocity, m/s, by the limit of Dahl's law.
     TangentialDahl(f64),
     /// So much power into the contact, W.
     Power(f64),
-    /// The simulated stack, along the webbing: its tip velocity is told while it runs.
+    /// The simulated stack, along the webbing: the caller gives its tip velocity while it runs.
     Stack,
     /// A vibration across the webbing.
     Normal,
@@ -63,7 +63,7 @@ pub struct Effect {
 }
 
 impl Actuator {
-    /// That of a scene.
+    /// The actuator of a scene's D-ring.
     pub fn of(dring: &scene::Dring) -> Self {
         match dring.actuator {
             ActuatorKind::Ideal => Actuator::Ideal,

@@ -4,7 +4,7 @@
 //! the ring is `int T dphi = (T_high - T_low) / (r mu)`, and what friction would be there without an actuator is
 //! `Fc = mu int T dphi = (T_high - T_low) / r`.
 
-/// The D-ring.
+/// D-ring with the friction of webbing that wraps around it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Capstan {
     /// Angle of wrap, rad.

@@ -36,11 +36,11 @@ const STATES: usize = 3;
 pub struct Belt {
     /// How far the torso has gone, m.
     pub x_m: f64,
-    /// Its speed, m/s.
+    /// Speed of the torso, m/s.
     pub v_m_per_s: f64,
     /// Webbing that has come over the D-ring, m.
     pub payout_m: f64,
-    /// Its speed, m/s.
+    /// Speed of the webbing over the D-ring, m/s.
     pub payout_m_per_s: f64,
     /// Force at the shoulder, N.
     pub shoulder_n: f64,
@@ -59,7 +59,7 @@ pub struct Frame {
     pub amplitude: f64,
     /// The belt that is switched.
     pub switched: Belt,
-    /// The passive belt.
+    /// The passive belt, for comparison.
     pub passive: Belt,
 }
 
@@ -72,7 +72,7 @@ pub struct Playback {
     pub frames: Vec<Frame>,
     /// Extremes of the belt that is switched.
     pub switched: Extremes,
-    /// Of the passive belt.
+    /// Extremes of the passive belt.
     pub passive: Extremes,
     /// When the drive went ON, s since the pulse began.
     pub low_s: Option<f64>,
@@ -109,7 +109,7 @@ pub struct Crash {
 }
 
 impl Crash {
-    /// At rest.
+    /// A crash before its pulse, with torso and webbing at rest.
     pub fn new(scene: &Driven, stack: DrivenStack, dring: &scene::Dring) -> Self {
         let bench = Bench::of(dring);
         let (drive, sensors) = (&scene.controller.drive, scene.sensors);
@@ -158,7 +158,7 @@ impl Crash {
         self.stack.keep_samples(keep);
     }
 
-    /// The last block sample by sample, if kept.
+    /// The samples of the last block, if they are recorded.
     pub fn samples(&self) -> &[Sample] {
         self.stack.samples()
     }

@@ -9,38 +9,38 @@ use super::state::{Ramp, State, Tensions, Way};
 pub enum End {
     /// The lowest friction: webbing slides no faster than the actuator can follow.
     Floor,
-    /// The highest.
+    /// The highest friction: webbing slides at least as fast as the actuator can follow.
     Full,
 }
 
 /// What webbing does at the D-ring.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Slide {
-    /// It stands.
+    /// The webbing does not slide.
     Stuck,
-    /// It slides, and friction is at one end, at any speed on the right side of that of the law.
+    /// The webbing slides with the friction at one end, at any speed on the right side of that of the law.
     Held(Way, End),
-    /// It slides as fast as the law says.
+    /// The webbing slides at the speed that the law gives.
     Law(Way),
 }
 
 /// What the spool does.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Spool {
-    /// It stands.
+    /// The spool does not turn.
     Locked,
     /// The limiter lets it turn.
     Yields,
-    /// It winds up loose webbing.
+    /// The spool winds up loose webbing.
     Winds,
 }
 
-/// All of it.
+/// Discrete state of the whole bench.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Mode {
-    /// At the D-ring.
+    /// Motion of the webbing at the D-ring.
     pub slide: Slide,
-    /// At the spool.
+    /// Motion of the spool.
     pub spool: Spool,
     /// The part of its law that the shoulder span is in.
     pub part: Part,
@@ -55,7 +55,7 @@ pub struct Mode {
 /// A bench in a mode, under a ramp.
 #[derive(Clone, Copy, Debug)]
 pub struct Phase<'a> {
-    /// What stays.
+    /// Constants of the bench.
     pub bench: &'a Bench,
     /// What it is doing.
     pub mode: Mode,
@@ -64,7 +64,7 @@ pub struct Phase<'a> {
 }
 
 impl Phase<'_> {
-    /// Tensions, N.
+    /// Tensions in a state, N.
     pub fn tensions(&self, state: &State) -> Tensions {
         Tensions {
             shoulder_n: self.bench.shoulder.tension_n(state.x_m - state.payout_m, self.mode.part),

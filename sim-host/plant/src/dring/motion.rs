@@ -25,12 +25,12 @@ const MOST_AT_ONCE: u32 = 12;
 /// by so much at first, s, and twice as much each time that it does not help.
 const FORCED_S: f64 = 1e-9;
 
-/// Extremes so far.
+/// Extremes of forces, ways and speeds so far.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Extremes {
     /// Largest force at the shoulder, N.
     pub shoulder_n: f64,
-    /// When, s.
+    /// When the force at the shoulder was largest, s.
     pub shoulder_s: f64,
     /// Farthest way of the torso, m.
     pub excursion_m: f64,
@@ -68,7 +68,7 @@ impl Motion {
         Phase { bench: &self.bench, mode: self.mode, ramp: self.ramp }
     }
 
-    /// Where everything is.
+    /// Positions, speeds and work at present.
     pub fn state(&self) -> &State {
         &self.state
     }
@@ -78,7 +78,7 @@ impl Motion {
         self.mode
     }
 
-    /// Tensions now, N.
+    /// Tensions at present, N.
     pub fn tensions(&self) -> Tensions {
         self.phase().tensions(&self.state)
     }
@@ -92,7 +92,7 @@ impl Motion {
         self.phase().rates(&self.state, self.time_s).payout_m
     }
 
-    /// Extremes so far.
+    /// Extremes of the motion so far.
     pub fn extremes(&self) -> Extremes {
         self.extremes
     }

@@ -8,14 +8,14 @@
 
 use std::f64::consts::PI;
 
-/// A half-sine pulse.
+/// Half-sine pulse of the vehicle's deceleration.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pulse {
     /// When it begins, s.
     pub at_s: f64,
-    /// Its peak, m/s^2.
+    /// Peak deceleration of the pulse, m/s^2.
     pub peak_m_per_s2: f64,
-    /// Its length, s.
+    /// Length of the pulse, s.
     pub length_s: f64,
 }
 

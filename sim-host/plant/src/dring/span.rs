@@ -6,10 +6,10 @@
 //!   = T0 + k (e - slack)  e > slack
 //! ```
 
-/// A span.
+/// A span of webbing, as a spring with slack.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Span {
-    /// Stiffness, N/m.
+    /// Stiffness of the span, N/m.
     pub stiffness_n_per_m: f64,
     /// Elongation that costs no more force, m.
     pub slack_m: f64,
@@ -22,9 +22,9 @@ pub struct Span {
 pub enum Part {
     /// Shorter than before the crash.
     Loose,
-    /// Within its slack.
+    /// The span is within its slack.
     Slack,
-    /// Beyond.
+    /// The span is stretched beyond its slack.
     Taut,
 }
 

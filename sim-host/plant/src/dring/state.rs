@@ -3,9 +3,9 @@
 /// Which way webbing slides over the D-ring.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Way {
-    /// To the torso.
+    /// Webbing slides towards the torso.
     Out,
-    /// To the spool.
+    /// Webbing slides towards the spool.
     Back,
 }
 
@@ -21,9 +21,9 @@ impl Way {
 pub struct Ramp {
     /// Amplitude at `from_s`, 0 to 1.
     pub at: f64,
-    /// Its rate, 1/s.
+    /// Rate of the amplitude, 1/s.
     pub rate_per_s: f64,
-    /// When, s.
+    /// Beginning of the ramp, s.
     pub from_s: f64,
 }
 
@@ -46,9 +46,9 @@ impl Ramp {
 /// Where everything is, and what work has been done since the beginning. Lengths in m, counted from rest.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct State {
-    /// Torso.
+    /// Position of the torso, m.
     pub x_m: f64,
-    /// Its speed, m/s.
+    /// Speed of the torso, m/s.
     pub v_m_per_s: f64,
     /// Webbing that has come over the D-ring.
     pub payout_m: f64,
@@ -80,9 +80,9 @@ impl State {
 /// Tensions before and behind the D-ring, N.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tensions {
-    /// At the shoulder.
+    /// Tension at the shoulder, N.
     pub shoulder_n: f64,
-    /// At the spool.
+    /// Tension at the spool, N.
     pub retractor_n: f64,
 }
 

@@ -76,14 +76,14 @@ impl Motor {
 
     pub(super) fn sample(&self, force_n: f64) -> Sample {
         let (q, s, v) = (self.linear.amplitudes(), self.linear.velocities(), self.linear.voltages());
-        let heard = self.model.participation[0];
+        let part = self.model.participation[0];
         let omega = TAU * self.model.series_resonance_hz;
         // Each mode turns as `w q - j s`; a quarter turn apart in one sense or the other they make the two waves.
         let wave = |sense: f64| 0.5 * (omega * q[0] + sense * s[1]).hypot(sense * omega * q[1] - s[0]);
         Sample {
             voltage_v: v[0],
-            motional_current_a: self.model.force_factor_n_per_v * (heard[0] * s[0] + heard[1] * s[1]),
-            tip_velocity_m_per_s: heard[0] * s[0] + heard[1] * s[1],
+            motional_current_a: self.model.force_factor_n_per_v * (part[0] * s[0] + part[1] * s[1]),
+            tip_velocity_m_per_s: part[0] * s[0] + part[1] * s[1],
             tip_envelope_m_per_s: wave(1.0).max(wave(-1.0)),
             friction_n: force_n,
             motor: Some(MotorSample {

@@ -31,7 +31,7 @@ pub(super) fn length(x: f64, y: f64) -> f64 {
 /// The contact layer as the friction sees it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Layer {
-    /// Coefficient of friction.
+    /// Coefficient of friction between rotor and stator.
     pub mu: f64,
     /// Stiffness of the whole layer, N/m: force over approach if it touched everywhere.
     pub stiffness_n_per_m: f64,
@@ -55,11 +55,11 @@ pub struct Crest {
 pub struct Pull {
     /// Force on the rotor along the ring, N.
     pub force_n: f64,
-    /// The same weighted with `cos p`, N.
+    /// Force along the ring weighted with `cos p`, N.
     pub cos_n: f64,
-    /// The same weighted with `sin p`, N.
+    /// Force along the ring weighted with `sin p`, N.
     pub sin_n: f64,
-    /// Normal force, N.
+    /// Normal force on the rotor, N.
     pub normal_n: f64,
 }
 

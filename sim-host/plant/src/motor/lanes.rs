@@ -31,9 +31,9 @@ pub struct Lanes {
 /// What one lane plays within a sample: one voltage until its delay is over, then the other.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Played {
-    /// Before, V.
+    /// Voltages before the lane's delay is over, V.
     pub before: [f64; MAX_LANES],
-    /// After, V.
+    /// Voltages after the lane's delay is over, V.
     pub after: [f64; MAX_LANES],
 }
 

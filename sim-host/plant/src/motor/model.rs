@@ -1,4 +1,4 @@
-//! The stator as two modes of one ring, and what the controller hears of them.
+//! The stator as two modes of one ring, and the signals that the controller measures.
 //!
 //! ```text
 //! w(x, t) = q_s sin kx + q_c cos kx                  (thesis B.11: a travelling wave is both, a quarter period apart)
@@ -22,7 +22,7 @@ pub struct Model {
     /// Resonance half way between the modes, Hz.
     pub series_resonance_hz: f64,
     split_hz: f64,
-    /// Modal mass, kg.
+    /// Modal mass of each mode, kg.
     pub mass_kg: f64,
     /// Damping of both modes, N s/m.
     pub damping_n_s_per_m: f64,
@@ -73,9 +73,9 @@ impl Model {
         };
         // In phase with lane 0: a lane a quarter turn off drives its own mode, not this one's conductance.
         let in_phase = |mode: usize| -> f64 {
-            let heard = self.participation[0][mode];
+            let lane_0 = self.participation[0][mode];
             let played = self.participation.iter().take(lanes.into()).enumerate();
-            heard * played.map(|(lane, part)| part[mode] * (turn * 0.25 * TAU * lane as f64).cos()).sum::<f64>()
+            lane_0 * played.map(|(lane, part)| part[mode] * (turn * 0.25 * TAU * lane as f64).cos()).sum::<f64>()
         };
         let together: f64 = (0..MODES).map(in_phase).sum::<f64>() * self.force_factor_n_per_v.powi(2);
         let stiffness = (TAU * self.series_resonance_hz).powi(2) * self.mass_kg;
@@ -110,7 +110,7 @@ mod tests {
             let circuit = model.circuit(4, direction);
             assert!((circuit.series_resonance_hz() / 40e3 - 1.0).abs() < 1e-12);
             assert!((circuit.q() / stator().q - 1.0).abs() < 1e-12);
-            // Two lanes push the mode that lane 0 hears: half the resistance of one alone.
+            // Two lanes push the mode that lane 0 measures: half the resistance of one alone.
             assert!((2.0 * circuit.rm_ohm / model.circuit(1, direction).rm_ohm - 1.0).abs() < 1e-12);
         }
     }

@@ -29,7 +29,7 @@ pub(super) const D: usize = E + MAX_LANES;
 pub(super) const DRIVE: usize = STATES;
 pub(super) const FORCE: usize = DRIVE + MAX_LANES;
 
-/// States and inputs.
+/// Number of states and inputs.
 pub const WIDTH: usize = FORCE + MODES;
 
 /// `x' = A x` for states and inputs together; the rows of the inputs are zero.

@@ -34,7 +34,7 @@ pub struct Dragged {
     pub force_n: f64,
     /// Mean friction on the sine and the cosine mode, N.
     pub modes_n: [f64; MODES],
-    /// Normal force, N.
+    /// Normal force on the rotor, N.
     pub normal_n: f64,
 }
 
@@ -82,12 +82,12 @@ impl Rotor {
         }
     }
 
-    /// Speed, rad/s.
+    /// Speed of the rotor, rad/s.
     pub fn rad_per_s(&self) -> f64 {
         self.speed / self.radius_m
     }
 
-    /// Surface speed, m/s.
+    /// Surface speed of the rotor, m/s.
     pub fn speed(&self) -> f64 {
         self.speed
     }
@@ -107,7 +107,7 @@ impl Rotor {
         self.torque_nm = torque_nm;
     }
 
-    /// Preload, N.
+    /// Preload of the rotor, N.
     pub fn preload_n(&self) -> f64 {
         self.preload_n
     }

@@ -24,10 +24,10 @@ pub struct Steady {
 }
 
 /// The `x` between two ends where a rising function reaches a value.
-fn root(mut low: f64, mut high: f64, wanted: f64, of: impl Fn(f64) -> f64) -> f64 {
+fn root(mut low: f64, mut high: f64, target: f64, of: impl Fn(f64) -> f64) -> f64 {
     for _ in 0..HALVINGS {
         let middle = 0.5 * (low + high);
-        if of(middle) < wanted { low = middle } else { high = middle }
+        if of(middle) < target { low = middle } else { high = middle }
     }
     0.5 * (low + high)
 }

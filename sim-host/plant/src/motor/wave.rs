@@ -23,11 +23,11 @@ pub struct Tone {
 /// Amplitudes of the two waves.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Waves {
-    /// Of the wave that turns the rotor forwards, m.
+    /// Amplitude of the wave that turns the rotor forwards, m.
     pub forward_m: f64,
-    /// Of the other, m.
+    /// Amplitude of the wave that turns the rotor backwards, m.
     pub backward_m: f64,
-    /// Frequency, rad/s.
+    /// Frequency of both waves, rad/s.
     pub omega: f64,
 }
 
@@ -45,9 +45,9 @@ impl Tone {
     /// The waves that the modes are at an instant.
     pub fn waves(&self, model: &Model, q: [f64; MODES], s: [f64; MODES]) -> Waves {
         let natural = std::f64::consts::TAU * model.series_resonance_hz;
-        let heard = (self.restored / self.moved).sqrt();
+        let measured = (self.restored / self.moved).sqrt();
         // Silence has no frequency.
-        let omega = if heard.is_finite() && (heard / natural - 1.0).abs() < 0.5 { heard } else { natural };
+        let omega = if measured.is_finite() && (measured / natural - 1.0).abs() < 0.5 { measured } else { natural };
         // y + i y' / w = (q_c - s_s / w) + i (q_s + s_c / w)
         let half = |sign: f64| 0.5 * (q[1] - sign * s[0] / omega).hypot(q[0] + sign * s[1] / omega);
         Waves { forward_m: half(1.0), backward_m: half(-1.0), omega }

@@ -34,13 +34,13 @@ const TIMES: &[(&str, Option<f64>, Option<f64>)] = &[
 
 /// A crash with the switch thrown at stated moments.
 pub struct Scheduled {
-    /// Who sits there.
+    /// Percentile of the occupant.
     pub occupant: &'static str,
     /// When LOW begins, ms since the crash does.
     pub low_ms: Option<f64>,
     /// When HIGH comes back, ms.
     pub high_ms: Option<f64>,
-    /// What comes of it.
+    /// Results of the crash.
     pub extremes: Extremes,
     /// What the passive belt makes of it.
     pub passive: Extremes,

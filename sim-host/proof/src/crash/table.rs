@@ -29,7 +29,7 @@ fn unsigned(text: &str) -> String {
     if digits.starts_with("0.0") { digits.to_owned() } else { text.to_owned() }
 }
 
-/// When the switch is thrown, and what comes of it.
+/// Table of the moments at which the switch is thrown, and the results.
 pub(super) fn scheduled(crashes: &[Scheduled]) -> TableBlock {
     let row = |timed: &Scheduled| {
         let at = |ms: Option<f64>| ms.map_or_else(|| "never".into(), |ms| format!("{ms:.0}"));

@@ -9,21 +9,21 @@ use rand_xoshiro::Xoshiro256PlusPlus;
 pub struct Build {
     /// Speed of the belt, m/s.
     pub speed_m_per_s: f64,
-    /// Its ripple, rms as a part of it.
+    /// Ripple of the belt's speed, rms as a part of it.
     pub ripple_rms: f64,
     /// Counts of the encoder, 1/mm.
     pub counts_per_mm: f64,
     /// Which part of a count the belt has passed at the beginning.
     pub phase: f64,
-    /// `limits.belt_stop_ms`.
+    /// Setting `limits.belt_stop_ms` of the controller.
     pub stop_ms: f64,
     /// Bandwidth of the force channel, Hz, if there is one.
     pub force_hz: Option<f64>,
-    /// `limits.energy_j_per_m`.
+    /// Setting `limits.energy_j_per_m` of the controller.
     pub energy_j_per_m: Option<f64>,
-    /// `limits.on_time_s`.
+    /// Setting `limits.on_time_s` of the controller.
     pub on_time_s: Option<f64>,
-    /// Of the ripple and of the noise.
+    /// Seed of the ripple and of the noise.
     pub seed: u64,
 }
 

@@ -14,7 +14,7 @@ const FORCE_HZ: f64 = 500.0;
 /// The drive is to be OFF so soon, ms.
 const TARGET_MS: f64 = 5.0;
 
-/// What happens.
+/// Events of belt and encoder.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum What {
     /// The belt comes to a stand, at once or over up to 20 ms.
@@ -32,15 +32,15 @@ pub enum What {
 /// An event, and what must come of it.
 #[derive(Clone, Copy, Debug)]
 pub struct Event {
-    /// Its name.
+    /// Name of the event, in tables.
     pub name: &'static str,
-    /// What happens.
+    /// Event of belt or encoder.
     pub what: What,
-    /// `limits.belt_stop_ms`.
+    /// Setting `limits.belt_stop_ms` of the controller.
     pub stop_ms: f64,
     /// Bandwidth of the force channel, Hz, if there is one.
     pub force_hz: Option<f64>,
-    /// The drive must be OFF within so long, ms; none where it is only told how long it takes.
+    /// The drive must be OFF within so long, ms; none where the time is only reported.
     pub at_most_ms: Option<f64>,
 }
 
@@ -48,7 +48,7 @@ const fn event(name: &'static str, what: What) -> Event {
     Event { name, what, stop_ms: STOP_MS, force_hz: Some(FORCE_HZ), at_most_ms: Some(TARGET_MS) }
 }
 
-/// Every event.
+/// All events that are run.
 pub const EVENTS: &[Event] = &[
     event("stop", What::Stops),
     event("slow", What::Slows),
@@ -87,13 +87,13 @@ impl Event {
 pub struct EncoderFault {
     /// The pace at which the encoder counts while the belt stands, m/s.
     pub pace_m_per_s: f64,
-    /// `limits.energy_j_per_m`.
+    /// Setting `limits.energy_j_per_m` of the controller.
     pub energy_j_per_m: Option<f64>,
-    /// `limits.on_time_s`.
+    /// Setting `limits.on_time_s` of the controller.
     pub on_time_s: Option<f64>,
 }
 
-/// Every encoder.
+/// All faults of the encoder that are run.
 pub const ENCODER_FAULTS: &[EncoderFault] = &[
     EncoderFault { pace_m_per_s: 0.005, energy_j_per_m: Some(100.0), on_time_s: None },
     EncoderFault { pace_m_per_s: 0.01, energy_j_per_m: Some(100.0), on_time_s: None },
@@ -103,7 +103,7 @@ pub const ENCODER_FAULTS: &[EncoderFault] = &[
 ];
 
 impl EncoderFault {
-    /// What it is told by.
+    /// The rig with the limits that are to catch the fault.
     pub fn build(&self) -> Build {
         Build {
             speed_m_per_s: 0.0,
@@ -124,13 +124,13 @@ impl EncoderFault {
 pub struct MovingBelt {
     /// Counts of its encoder, 1/mm.
     pub counts_per_mm: f64,
-    /// `limits.belt_stop_ms`.
+    /// Setting `limits.belt_stop_ms` of the controller.
     pub stop_ms: f64,
-    /// Its speed, m/s.
+    /// Speed of the belt, m/s.
     pub speed_m_per_s: f64,
     /// Ripple, rms as a part of it, at 10 Hz.
     pub ripple_rms: f64,
-    /// It must not trip at all.
+    /// Whether the belt must not trip at all.
     pub must_pass: bool,
 }
 
@@ -141,7 +141,7 @@ const fn belt(counts_per_mm: f64, stop_ms: f64, speed_m_per_s: f64, ripple_rms: 
     MovingBelt { counts_per_mm, stop_ms, speed_m_per_s, ripple_rms, must_pass: false }
 }
 
-/// Every belt.
+/// All moving belts that are run.
 pub const MOVING_BELTS: &[MovingBelt] = &[
     MovingBelt { must_pass: true, ..belt(100.0, STOP_MS, 0.01, 0.1) },
     belt(100.0, STOP_MS, 0.01, 0.125),
@@ -160,7 +160,7 @@ pub const MOVING_BELTS: &[MovingBelt] = &[
 ];
 
 impl MovingBelt {
-    /// In words.
+    /// Speed, encoder and ripple of the belt, in words.
     pub fn name(&self) -> String {
         let MovingBelt { counts_per_mm, stop_ms, speed_m_per_s, ripple_rms, .. } = self;
         format!("{counts_per_mm} counts/mm, {stop_ms} ms, {} mm/s, {} %", 1e3 * speed_m_per_s, 100.0 * ripple_rms)

@@ -20,7 +20,7 @@ pub struct MeanFriction {
 }
 
 impl MeanFriction {
-    /// A relaxed contact.
+    /// A contact whose force is zero at first.
     pub fn new(stiffness_n_per_m: f64, coulomb_n: f64) -> Self {
         MeanFriction { stiffness_n_per_m, coulomb_n, force_n: 0.0 }
     }
@@ -30,8 +30,8 @@ impl MeanFriction {
         let magnitude = mean_magnitude(speed, vibration);
         if magnitude > 0.0 {
             let steady = self.coulomb_n * speed / magnitude;
-            let kept = libm::exp(-self.stiffness_n_per_m * magnitude / self.coulomb_n * step_s);
-            self.force_n = steady + kept * (self.force_n - steady);
+            let decay = libm::exp(-self.stiffness_n_per_m * magnitude / self.coulomb_n * step_s);
+            self.force_n = steady + decay * (self.force_n - steady);
         }
         self.force_n
     }

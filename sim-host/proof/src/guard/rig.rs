@@ -45,7 +45,7 @@ pub struct Plan {
 }
 
 impl Plan {
-    /// That of the scene `belt-stop`.
+    /// The plan of the scene `belt-stop`.
     pub fn of_the_scene() -> Result<Self, LoadError> {
         Ok(Plan::of(&load(SCENE, &[])?).unwrap_or_else(|| unreachable!("{SCENE} slides a contact past a stack")))
     }
@@ -92,10 +92,10 @@ enum Says {
     Pace(f64, f64),
 }
 
-/// The rig.
+/// Rig of a belt with its encoder and the firmware's interlock.
 pub struct Rig {
     block_s: f64,
-    kept: f64,
+    decay: f64,
     full_m_per_s: f64,
     power_w: f64,
     slowest_m_per_s: f64,
@@ -132,7 +132,7 @@ impl Rig {
         let channel = |hz| ForceChannel::new(hz, plan.block_s, plan.force_noise_n, build.seed ^ (1 << 62));
         Ok(Rig {
             block_s: plan.block_s,
-            kept: libm::exp(-plan.block_s / plan.tau_s),
+            decay: libm::exp(-plan.block_s / plan.tau_s),
             full_m_per_s: plan.tip_m_per_s,
             power_w: plan.power_w,
             slowest_m_per_s: slowest_m_per_s(build.counts_per_mm, build.stop_ms),
@@ -166,7 +166,7 @@ impl Rig {
         let on = self.pending[slot];
         let speed = self.motion.advance(self.block_s);
         let aim = if on { self.full_m_per_s } else { 0.0 };
-        self.tip_m_per_s = aim + self.kept * (self.tip_m_per_s - aim);
+        self.tip_m_per_s = aim + self.decay * (self.tip_m_per_s - aim);
         let force = self.friction.slide(speed, self.tip_m_per_s, self.block_s);
         let reading = self.channel.as_mut().map(|channel| channel.measure(force));
         self.last = match says {
@@ -222,7 +222,7 @@ impl Rig {
         let slowing_s = 0.25 * stopping_s;
         let pace = self.motion.speed_m_per_s().max(from_speed) * self.counts_per_m * self.block_s;
         let counts = f64::from(self.last.counts);
-        let (mut since, mut off, mut quiet, mut rings, mut spent_j) = (None, None, None, 0.0, 0.0);
+        let (mut since, mut off, mut quiet, mut before_off, mut spent_j) = (None, None, None, 0.0, 0.0);
         let until = at + (PATIENCE_S / self.block_s) as u64;
         while self.block < until && quiet.is_none() {
             let begins_s = self.time_s();
@@ -247,9 +247,9 @@ impl Rig {
                 spent_j += self.power_w * self.block_s;
             }
             if off.is_none() && !on {
-                (off, rings) = (Some(begins_s), before_m_per_s);
+                (off, before_off) = (Some(begins_s), before_m_per_s);
             }
-            if off.is_some() && self.tip_m_per_s <= RUNG_DOWN * rings {
+            if off.is_some() && self.tip_m_per_s <= RUNG_DOWN * before_off {
                 quiet = Some(self.time_s());
             }
         }

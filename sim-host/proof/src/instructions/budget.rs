@@ -1,7 +1,7 @@
 //! What may be spent: a bound for each kernel, in instructions, and for the error of the sine that it buys.
 //!
 //! A block of 32 samples at 1 Msps lasts 32 us, 5440 cycles of the reference board's 170 MHz: 170 a sample. What the controller takes
-//! of it must leave room for what an instruction is not: wait states, taken branches, the interrupt itself, and the slow side.
+//! of it must leave room for what an instruction is not: wait states, taken branches, the interrupt itself, and the background task.
 
 use serde::Deserialize;
 
@@ -14,16 +14,16 @@ use crate::evidence::Error;
 /// converter is 6.1e-5 of its half range.
 const BUDGET: &str = include_str!("budget.csv");
 
-/// A bound.
+/// Bound of the cost or error of kernels.
 #[derive(Clone, Debug, Deserialize)]
 pub struct Bound {
     /// Group of the kernels, as counted.
     pub group: String,
     /// What is bounded: a kernel, or the sum of several with ` + ` between.
     pub kernels: String,
-    /// Its name in the table.
+    /// Name of the bound in the table.
     pub name: String,
-    /// In what.
+    /// Unit of the bound.
     pub unit: Unit,
     /// The most that it may be.
     pub at_most: f64,
@@ -35,9 +35,9 @@ pub struct Bound {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Unit {
-    /// Instructions a sample.
+    /// Instructions for each sample.
     Sample,
-    /// Instructions a block.
+    /// Instructions for each block.
     Block,
     /// The largest error of a generator of amplitude one.
     Error,
@@ -45,14 +45,14 @@ pub enum Unit {
 
 /// A bound, with what was counted.
 pub struct Judged {
-    /// The bound.
+    /// Bound that was judged.
     pub bound: Bound,
-    /// What was counted.
+    /// Counted or computed value.
     pub found: f64,
 }
 
 impl Judged {
-    /// Whether it is kept.
+    /// Whether the count is within its bound.
     pub fn holds(&self) -> bool {
         self.found <= self.bound.at_most
     }

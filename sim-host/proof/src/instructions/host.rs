@@ -26,15 +26,15 @@ const HALF_RANGE: f64 = 2047.0;
 /// A way in which the controller makes a sine with its cosine.
 #[derive(Clone, Copy, Debug)]
 pub struct Generator {
-    /// Its name among the counts of the target.
+    /// Name of the generator among the counts of the target.
     pub name: &'static str,
-    /// How it works.
+    /// Principle of the generator, in a few words.
     pub how: &'static str,
     /// Sines and cosines of one block.
     block: fn(&Stretch) -> [(f32, f32); SAMPLES],
 }
 
-/// Both ways.
+/// Both generators that the controller uses.
 pub const GENERATORS: [Generator; 2] = [
     Generator { name: "rotation", how: "512 pairs, second order", block: rotations },
     Generator { name: "swing", how: "y + d, d - c y, restarted each block", block: swings },
@@ -62,7 +62,7 @@ pub struct Quality {
     pub sfdr_db: f64,
     /// The tone over all the rest, dB.
     pub sndr_db: f64,
-    /// The same of 12-bit codes.
+    /// The tone over all the rest with 12-bit codes, dB.
     pub sndr_12_bit_db: f64,
 }
 

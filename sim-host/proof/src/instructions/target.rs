@@ -16,7 +16,7 @@ pub const INSTRUCTIONS_PER_TICK: f64 = 1000.0 / 168.0;
 pub struct Counted {
     /// What it belongs to.
     pub group: String,
-    /// Its name.
+    /// Name of the kernel.
     pub kernel: String,
     /// Samples it handles in one repetition.
     pub samples: u32,
@@ -32,7 +32,7 @@ impl Counted {
         self.ticks as f64 * INSTRUCTIONS_PER_TICK / f64::from(self.repetitions)
     }
 
-    /// Instructions a sample.
+    /// Instructions for each sample.
     pub fn per_sample(&self) -> f64 {
         self.per_block() / f64::from(self.samples)
     }

@@ -4,7 +4,7 @@ use std::hint::black_box;
 use std::time::Instant;
 
 use super::interpolate::cost_at;
-use super::method::Side;
+use super::method::Role;
 use super::work::{Curve, Point};
 use contact::closed;
 use contact::table_4_1::{VELOCITY_RATIO, table_4_1};
@@ -12,9 +12,9 @@ use contact::table_4_1::{VELOCITY_RATIO, table_4_1};
 /// A claim and what was measured.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Claim {
-    /// What is claimed.
+    /// The claim in words.
     pub what: String,
-    /// What was compared.
+    /// Methods and settings that were compared.
     pub how: String,
     /// The bound that the measured value must keep.
     pub target: Target,
@@ -24,7 +24,7 @@ pub struct Claim {
     pub by_instructions: Option<f64>,
 }
 
-/// A bound.
+/// Bound of the measured value.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Target {
     /// A speed-up of so many times at least.
@@ -44,17 +44,17 @@ impl Claim {
 }
 
 /// Speed-ups at equal error of F: error, against whom, and at least how much.
-const AT_EQUAL_ERROR: [(f64, Side, f64); 4] =
-    [(1e-6, Side::Fair, 25.0), (1e-6, Side::Plain, 50.0), (1e-8, Side::Fair, 80.0), (1e-8, Side::Plain, 160.0)];
+const AT_EQUAL_ERROR: [(f64, Role, f64); 4] =
+    [(1e-6, Role::Fair, 25.0), (1e-6, Role::Plain, 50.0), (1e-8, Role::Fair, 80.0), (1e-8, Role::Plain, 160.0)];
 /// The thesis's step and the step of linexp that stands against it.
 const THESIS_STEPS: u32 = 1000;
 const SWIFT: (&str, u32) = ("linexp-2", 8);
 const AGAINST_THE_THESIS: f64 = 40.0;
 
-/// All claims.
+/// Judges all claims by the measured curves.
 pub fn judge(curves: &[Curve]) -> Vec<Claim> {
     let mut claims: Vec<Claim> =
-        AT_EQUAL_ERROR.iter().map(|&(error, side, target)| equal_error(curves, error, side, target)).collect();
+        AT_EQUAL_ERROR.iter().map(|&(error, role, target)| equal_error(curves, error, role, target)).collect();
     claims.push(thesis_step(curves));
     claims.push(closed_form());
     claims
@@ -63,16 +63,16 @@ pub fn judge(curves: &[Curve]) -> Vec<Claim> {
 const BY_TIME: fn(&Point) -> Option<f64> = |point| Some(point.ns);
 const BY_INSTRUCTIONS: fn(&Point) -> Option<f64> = |point| point.instructions;
 
-/// The cheapest on one side at an error of F, and its name.
-fn cheapest(curves: &[Curve], side: Side, error: f64, cost: fn(&Point) -> Option<f64>) -> Option<(f64, &'static str)> {
+/// The least cost among the methods of a role at an error of F, and the method's name.
+fn cheapest(curves: &[Curve], role: Role, error: f64, cost: fn(&Point) -> Option<f64>) -> Option<(f64, &'static str)> {
     let of = |curve: &Curve| Some((cost_at(&curve.of(cost, |point| point.errors.force), error)?, curve.method.name));
-    curves.iter().filter(|curve| curve.method.side == side).filter_map(of).min_by(|a, b| a.0.total_cmp(&b.0))
+    curves.iter().filter(|curve| curve.method.role == role).filter_map(of).min_by(|a, b| a.0.total_cmp(&b.0))
 }
 
-fn equal_error(curves: &[Curve], error: f64, side: Side, target: f64) -> Claim {
-    let pair = |cost| cheapest(curves, Side::Ours, error, cost).zip(cheapest(curves, side, error, cost));
+fn equal_error(curves: &[Curve], error: f64, role: Role, target: f64) -> Claim {
+    let pair = |cost| cheapest(curves, Role::Ours, error, cost).zip(cheapest(curves, role, error, cost));
     let ratio = |cost| pair(cost).map(|(ours, theirs)| theirs.0 / ours.0);
-    let who = if side == Side::Fair { "RK4, fair" } else { "RK4, plain" };
+    let who = if role == Role::Fair { "RK4, fair" } else { "RK4, plain" };
     let how = pair(BY_TIME).map_or_else(
         || "a curve does not reach this error".to_owned(),
         |(ours, theirs)| format!("{} {:.0} ns, {} {:.0} ns", ours.1, ours.0, theirs.1, theirs.0),
@@ -88,7 +88,7 @@ fn equal_error(curves: &[Curve], error: f64, side: Side, target: f64) -> Claim {
 
 fn thesis_step(curves: &[Curve]) -> Claim {
     let ours = curves.iter().find(|curve| curve.method.name == SWIFT.0).and_then(|curve| curve.at(SWIFT.1));
-    let fair = curves.iter().find(|curve| curve.method.side == Side::Fair).and_then(|curve| curve.at(THESIS_STEPS));
+    let fair = curves.iter().find(|curve| curve.method.role == Role::Fair).and_then(|curve| curve.at(THESIS_STEPS));
     let ratio = |cost: fn(&Point) -> Option<f64>| Some(cost(fair?)? / cost(ours?)?);
     let how = ours.zip(fair).map(|(ours, fair)| format!("{} {:.0} ns, rk4-fair {:.0} ns", SWIFT.0, ours.ns, fair.ns));
     Claim {

@@ -26,7 +26,7 @@ pub fn work(study: &Study) -> Result<String, csv::Error> {
     Ok(String::from_utf8_lossy(&bytes).into_owned())
 }
 
-/// The page.
+/// Page of the study's report.
 pub fn page(study: &Study) -> Report {
     Report {
         title: "Precision: speed against error".into(),

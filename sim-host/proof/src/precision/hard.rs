@@ -18,21 +18,21 @@ use contact::{Problem, SolveError, State, Tally, linexp, rk4};
 /// How much is run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Scale {
-    /// All.
+    /// All periods of the case.
     Full,
     /// As much as a test may take: the longest case is a tenth as long.
     Quick,
 }
 
-/// A hard case.
+/// A problem that is hard to integrate.
 pub struct Case {
-    /// Its name, in a few words.
+    /// Name of the case, in a few words.
     pub name: &'static str,
-    /// Runs it.
+    /// Function that runs the case.
     pub run: fn(Scale) -> Result<Found, SolveError>,
 }
 
-/// What was found.
+/// Results of a hard case.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Found {
     /// What is hard about it.
@@ -41,12 +41,12 @@ pub struct Found {
     pub naive: String,
     /// What the chosen method does.
     pub chosen: String,
-    /// What must hold.
+    /// Invariants that must hold.
     pub checks: Vec<Check>,
 }
 
 impl Found {
-    /// Whether everything holds.
+    /// Whether all invariants hold.
     pub fn holds(&self) -> bool {
         self.checks.iter().all(Check::holds)
     }
@@ -57,7 +57,7 @@ impl Found {
 pub struct Check {
     /// What the number is.
     pub what: String,
-    /// The number.
+    /// Value that was found.
     pub found: f64,
     /// The least and the most that it may be.
     pub within: (f64, f64),
@@ -84,7 +84,7 @@ impl Check {
         Check { what: what.into(), found: found as f64, within: (expected as f64, expected as f64) }
     }
 
-    /// Whether it holds. What is no number does not.
+    /// Whether the value is within its bounds. A NaN is not.
     pub fn holds(&self) -> bool {
         self.found >= self.within.0 && self.found <= self.within.1
     }
@@ -93,17 +93,21 @@ impl Check {
 impl std::fmt::Display for Check {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let Check { what, found, within: (least, most) } = self;
-        match () {
-            () if least == most => write!(f, "{what}: {found} (must be {most})"),
-            () if *least == 0.0 && *most < 0.1 => write!(f, "{what}: {found:.1e} (<= {most:.0e})"),
-            () if *least == 0.0 => write!(f, "{what}: {found:.5} (<= {most})"),
-            () if most.is_infinite() => write!(f, "{what}: {found:.5} (>= {least})"),
-            () => write!(f, "{what}: {found:.5} ({least} to {most})"),
+        if least == most {
+            write!(f, "{what}: {found} (must be {most})")
+        } else if *least == 0.0 && *most < 0.1 {
+            write!(f, "{what}: {found:.1e} (<= {most:.0e})")
+        } else if *least == 0.0 {
+            write!(f, "{what}: {found:.5} (<= {most})")
+        } else if most.is_infinite() {
+            write!(f, "{what}: {found:.5} (>= {least})")
+        } else {
+            write!(f, "{what}: {found:.5} ({least} to {most})")
         }
     }
 }
 
-/// All of them.
+/// All hard cases.
 pub static CASES: [Case; 29] = [
     Case { name: "Kt x 1e3", run: |_| stiff::contact(1e3) },
     Case { name: "Kt x 3e3", run: |_| stiff::contact(3e3) },

@@ -30,7 +30,7 @@ pub enum Uncounted {
     /// There is no counter.
     #[error("{COUNTER} is not on PATH")]
     Absent,
-    /// It did not count.
+    /// The count of the instructions failed.
     #[error("{COUNTER} did not count {method} at {steps} steps: {said}")]
     Failed {
         /// The method.

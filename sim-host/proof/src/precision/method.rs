@@ -5,35 +5,35 @@ use contact::{Problem, SolveError, State, Tally, linexp, midpoint, rk4, rk4_even
 
 /// Runs a problem at so many steps a period.
 pub type Run = fn(&Problem, u32) -> Result<Tally, SolveError>;
-/// The same with somebody who sees the states.
+/// Runs a problem at so many steps a period, with a callback for the states.
 pub type Watched = fn(&Problem, u32, &mut dyn FnMut(&State)) -> Result<Tally, SolveError>;
 
-/// Who a method stands for in a claim.
+/// Role of a method in a claim.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Side {
+pub enum Role {
     /// One of the methods that are claimed to be fast.
     Ours,
     /// The thesis's method as it stands.
     Plain,
     /// The thesis's method, as fast as it can be made without changing it.
     Fair,
-    /// Neither.
+    /// A method for comparison only.
     Other,
 }
 
-/// A method.
+/// A method with its step counts.
 pub struct Method {
-    /// Its name, in one word.
+    /// Name of the method, in one word.
     pub name: &'static str,
-    /// Who it stands for.
-    pub side: Side,
-    /// As it is timed: nobody watches.
+    /// Role of the method in a claim.
+    pub role: Role,
+    /// The method as it is timed, without a callback.
     pub run: Run,
-    /// With the states seen.
+    /// The method with a callback for the states.
     pub watched: Watched,
     /// Steps a period; all multiples of four, so that every quarter period is the end of a step.
     pub steps: &'static [u32],
-    /// Those of a quick measurement.
+    /// Steps a period of a quick measurement.
     pub quick_steps: &'static [u32],
 }
 
@@ -51,10 +51,10 @@ pub fn by_name(name: &str) -> Option<&'static Method> {
 
 /// One row: the same call, once unwatched and once watched.
 macro_rules! method {
-    ($name:literal, $side:ident, $steps:expr, $quick:expr, |$problem:ident, $n:ident, $watch:ident| $call:expr) => {
+    ($name:literal, $role:ident, $steps:expr, $quick:expr, |$problem:ident, $n:ident, $watch:ident| $call:expr) => {
         Method {
             name: $name,
-            side: Side::$side,
+            role: Role::$role,
             run: |$problem, $n| {
                 let $watch = &mut |_: &State| ();
                 $call
@@ -69,7 +69,7 @@ macro_rules! method {
     };
 }
 
-/// All of them.
+/// All methods that are measured.
 pub static METHODS: [Method; 12] = [
     method!("linexp-2", Ours, [4, 8, 12, 16, 24, 32, 64, 128, 256], [8, 16, 64], |p, n, w| linexp::run(
         p,

@@ -41,7 +41,7 @@ fn figure(study: &Study, id: &str, title: &str, y: &str, error: fn(&Point) -> f6
 }
 
 fn series(curve: &Curve, error: fn(&Point) -> f64) -> Series {
-    let ours = curve.method.side == super::method::Side::Ours;
+    let ours = curve.method.role == super::method::Role::Ours;
     Series {
         name: curve.method.name.into(),
         csv_column: curve.method.name.into(),

@@ -19,7 +19,7 @@ pub const INDEPENDENT_AGREEMENT: f64 = 1e-11;
 /// The reference and its credentials.
 #[derive(Clone, Debug)]
 pub struct Reference {
-    /// The states.
+    /// States of the reference at the quarter periods.
     pub sample: Sample,
     /// How far the other setting of the series is.
     pub settings: Errors,
@@ -30,7 +30,7 @@ pub struct Reference {
 /// Why there is no reference.
 #[derive(Debug, thiserror::Error)]
 pub enum NoReference {
-    /// A run failed.
+    /// A run of the reference failed.
     #[error(transparent)]
     SolveError(#[from] SolveError),
     /// The runs do not agree.

@@ -17,11 +17,11 @@ pub struct Sample {
 /// How far a run is from the reference, each the largest over the quarter periods.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Errors {
-    /// Of friction, over Fc.
+    /// Error of the friction, over Fc.
     pub force: f64,
-    /// Of the mean friction ratio.
+    /// Error of the mean friction ratio.
     pub mean: f64,
-    /// Of displacement, over the largest.
+    /// Error of the displacement, over the largest.
     pub displacement: f64,
 }
 

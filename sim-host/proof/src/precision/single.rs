@@ -10,7 +10,7 @@ use contact::table_4_1::{CONTACT_N_PER_M, COULOMB_N, DRIVE_HZ, FORCE_N, MASS_KG,
 pub enum Clock {
     /// `t += h`, and `cos(w t)`.
     Accumulated,
-    /// The number of the step within its period: begins anew every period.
+    /// The number of the step within its period: restarts every period.
     Reset,
 }
 

@@ -9,19 +9,19 @@ use crate::evidence::Options;
 use contact::SolveError;
 use contact::table_4_1;
 
-/// What was measured.
+/// Results of the work-precision study.
 pub struct Study {
     /// Whether it was a quick measurement.
     pub quick: bool,
-    /// Rounds of timing.
+    /// Number of rounds of timing.
     pub rounds: u32,
-    /// The truth.
+    /// Reference solution that errors are counted from.
     pub reference: Reference,
     /// Work and precision of every method.
     pub curves: Vec<Curve>,
     /// Why there are no instruction counts.
     pub uncounted: Option<String>,
-    /// The claims.
+    /// Claims with their results.
     pub claims: Vec<Claim>,
     /// The hard cases, in order.
     pub hard: Vec<(&'static Case, Result<Found, SolveError>)>,
@@ -37,7 +37,7 @@ impl Study {
 const ROUNDS: u32 = 15;
 const QUICK_ROUNDS: u32 = 3;
 
-/// Measures.
+/// Measures work and precision of all methods.
 pub fn measure(options: &mut Options) -> Result<Study, NoReference> {
     let Options { quick, counted, progress: say } = options;
     let (quick, counted) = (*quick, *counted);

@@ -60,7 +60,7 @@ fn rows_of(curve: &Curve) -> Vec<Vec<String>> {
     curve.points.iter().enumerate().map(row).collect()
 }
 
-/// The claims.
+/// Table of the claims.
 pub fn claims(claims: &[Claim]) -> TableBlock {
     let value = |claim: &Claim, measured: Option<f64>| match (measured, claim.target) {
         (None, _) => "-".into(),
@@ -89,7 +89,7 @@ pub fn claims(claims: &[Claim]) -> TableBlock {
     )
 }
 
-/// In a word.
+/// The verdict in one word.
 pub fn verdict(holds: Option<bool>) -> &'static str {
     match holds {
         Some(true) => "PASS",
@@ -118,7 +118,7 @@ pub fn hard_in_short(cases: &[(&'static Case, Result<Found, SolveError>)]) -> Ta
     )
 }
 
-/// The hard cases.
+/// Table of the hard cases.
 pub fn hard(cases: &[(&'static Case, Result<Found, SolveError>)]) -> TableBlock {
     let row = |(case, found): &(&'static Case, Result<Found, SolveError>)| match found {
         Ok(found) => {

@@ -21,15 +21,15 @@ pub struct Point {
     pub ns: f64,
     /// Instructions a drive period took, if they were counted.
     pub instructions: Option<f64>,
-    /// Errors.
+    /// Errors against the reference.
     pub errors: Errors,
 }
 
 /// A method at all its settings, in ascending order of steps.
 pub struct Curve {
-    /// The method.
+    /// Method of the curve.
     pub method: &'static Method,
-    /// Its settings.
+    /// Measured points, one for each setting.
     pub points: Vec<Point>,
 }
 

@@ -5,7 +5,7 @@
 
 use contact::{Law, Motion, Problem, Shape, Sign, State, Waveform, table_4_1};
 
-/// Gravity, m/s^2.
+/// Acceleration of gravity, m/s^2.
 pub const GRAVITY: f64 = 9.81;
 /// Length of a run from rest, s: sixty periods. The thesis names neither a simulation time nor an averaging window.
 pub const SHORT_S: f64 = 1e-3;
@@ -21,19 +21,19 @@ pub const STEP_S: f64 = 1.667e-8;
 /// One set of parameters.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Case {
-    /// Mass m, kg.
+    /// Mass m of the oscillator, kg.
     pub mass_kg: f64,
     /// System stiffness Ks, N/m.
     pub stiffness_n_per_m: f64,
     /// Structural damping ratio; the thesis has none.
     pub damping_ratio: f64,
-    /// Excitation frequency, Hz.
+    /// Frequency of the excitation, Hz.
     pub frequency_hz: f64,
     /// Control force, peak, N.
     pub force_n: f64,
     /// Tangential contact stiffness Kt, N/m.
     pub contact_n_per_m: f64,
-    /// Coefficient of friction.
+    /// Coefficient of friction of the contact.
     pub mu: f64,
     /// Which way the vibration counts in the slip.
     pub sign: Sign,
@@ -64,17 +64,17 @@ impl Case {
         self.mu * self.mass_kg * GRAVITY
     }
 
-    /// Natural frequency, Hz.
+    /// Natural frequency of the oscillator, Hz.
     pub fn natural_hz(&self) -> f64 {
         self.natural_rad_per_s() / std::f64::consts::TAU
     }
 
-    /// Natural frequency, rad/s.
+    /// Natural frequency of the oscillator, rad/s.
     pub fn natural_rad_per_s(&self) -> f64 {
         (self.stiffness_n_per_m / self.mass_kg).sqrt()
     }
 
-    /// Excitation frequency, rad/s.
+    /// Frequency of the excitation, rad/s.
     pub fn omega(&self) -> f64 {
         std::f64::consts::TAU * self.frequency_hz
     }
@@ -96,7 +96,7 @@ impl Case {
         self.problem(motion, Waveform::new(shape, self.force_n, self.frequency_hz, duration_s), sliding_m_per_s, duration_s)
     }
 
-    /// The same with the sine, at a velocity ratio by the steady vibration velocity of this case.
+    /// The problem with the sine, at a velocity ratio by the steady vibration velocity of this case.
     pub fn at_ratio(&self, velocity_ratio: f64, duration_s: f64) -> Problem {
         self.oscillator(Shape::Sine, velocity_ratio * self.vibration_m_per_s(), duration_s)
     }

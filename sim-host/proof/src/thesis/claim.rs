@@ -7,11 +7,11 @@
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Verdict {
-    /// It holds in every check.
+    /// The claim holds in every check.
     Reproduced,
-    /// It holds in some checks.
+    /// The claim holds in some checks.
     Conditional,
-    /// It holds in none.
+    /// The claim holds in no check.
     Refuted,
 }
 
@@ -40,13 +40,13 @@ pub struct Check {
 /// A claim with its checks.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Claim {
-    /// Short name.
+    /// Short name of the claim.
     pub id: &'static str,
     /// Section, equation or figure of the thesis.
     pub section: &'static str,
     /// The claim, in our words.
     pub says: &'static str,
-    /// What was computed.
+    /// Computed checks of the claim.
     pub checks: Vec<Check>,
 }
 
@@ -79,7 +79,7 @@ pub fn series(name: &str, labels: &[String], values: &[f64]) -> Vec<(String, f64
     labels.iter().zip(values).map(|(label, &value)| (format!("{name}({label})"), value)).collect()
 }
 
-/// A named number.
+/// A number with its name.
 pub fn number(name: impl Into<String>, value: f64) -> (String, f64) {
     (name.into(), value)
 }

@@ -13,15 +13,15 @@ use sim::run::{Watch, run};
 /// Most points of a curve.
 const POINTS: usize = 1200;
 
-/// What is kept of a run.
+/// The recorded curves of a run.
 pub struct Ran {
-    /// Its metrics.
+    /// Metrics of the run.
     pub metrics: Metrics,
-    /// Time, s.
+    /// Time of each point, s.
     pub time_s: Vec<f64>,
     /// Friction: the load cell's reading, N.
     pub cell_n: Vec<f64>,
-    /// True friction, N.
+    /// True friction at each point, N.
     pub friction_n: Vec<f64>,
 }
 

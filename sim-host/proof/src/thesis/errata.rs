@@ -13,22 +13,22 @@ use contact::SolveError;
 pub use beam::table as equations;
 pub use open::{Choice, choices};
 
-/// A contradiction.
+/// A contradiction within the thesis.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Erratum {
-    /// Short name.
+    /// Short name of the contradiction.
     pub id: &'static str,
     /// Equations, tables and sections that disagree.
     pub places: &'static str,
-    /// What is printed.
+    /// Statement as it is printed.
     pub printed: &'static str,
-    /// What holds instead.
+    /// Statement that holds instead.
     pub instead: &'static str,
     /// Whether the numbers show it, and the numbers.
     pub evidence: Check,
 }
 
-/// All contradictions.
+/// All contradictions that were found.
 pub fn all() -> Result<Vec<Erratum>, SolveError> {
     Ok([sign::errata()?, energy::errata()?, transducer::errata(), beam::errata(), sheet::errata()].concat())
 }

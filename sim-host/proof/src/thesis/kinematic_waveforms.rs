@@ -25,7 +25,7 @@ const DECLARED: &str = "The waveform is the vibration velocity itself, 60 kHz; t
 /// How the waveforms are made comparable; the thesis does not say.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Match {
-    /// Equal peak velocity.
+    /// The waveforms have equal peak velocities.
     Peak,
     /// Equal root mean square.
     Rms,
@@ -45,7 +45,7 @@ pub fn problem(case: &Case, shape: Shape, matched: Match, velocity_ratio: f64) -
 
 /// Ratios of all waveforms over the velocity ratio.
 pub struct Curves {
-    /// The waveforms.
+    /// Waveforms that are compared.
     pub waveforms: [Named; 5],
     ratios: Vec<f64>,
     peak: Vec<Vec<Ratios>>,
@@ -74,7 +74,7 @@ pub fn results() -> Result<(Curves, Traces, Vec<Figure>), SolveError> {
 }
 
 impl Traces {
-    /// Of these waveforms, in this contact.
+    /// The traces of these waveforms, in this contact.
     pub fn new(waveforms: &[Named], case: &Case) -> Result<Self, SolveError> {
         let problems: Vec<Problem> =
             waveforms.iter().map(|named| problem(case, named.shape, Match::Peak, PLOTTED_RATIO)).collect();
@@ -115,7 +115,7 @@ impl Curves {
         curves.iter().map(|curve| of(&curve[index])).collect()
     }
 
-    /// The waveforms' names.
+    /// Names of the waveforms.
     pub fn labels(&self) -> Vec<String> {
         labels(&self.waveforms)
     }

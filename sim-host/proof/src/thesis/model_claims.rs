@@ -6,7 +6,7 @@ use super::claim::{Check, Claim, number, series};
 use super::{steady, sweep};
 use contact::{Law, Problem, Shape, SolveError};
 
-/// All claims.
+/// All claims about the models.
 pub fn of() -> Result<Vec<Claim>, SolveError> {
     Ok(vec![coulomb_knows_one_ratio()?, lugre_becomes_dahl()?, coulomb_reduces_more(), dahl_depends(), less_at_higher_ratio()])
 }

@@ -69,10 +69,10 @@ fn of(results: &Results) -> Result<Vec<Claim>, SolveError> {
 /// A quantity of all waveforms, with the random one in either reading.
 fn both_readings(results: &Results, name: &str, values: &[f64], extreme: fn(&[f64], usize) -> bool) -> Vec<Check> {
     let check = |condition: &str, left_out: usize| {
-        let kept: Vec<usize> = (0..values.len()).filter(|&index| index != left_out).collect();
-        let labels: Vec<String> = kept.iter().map(|&index| results.waveforms[index].name.to_owned()).collect();
-        let kept: Vec<f64> = kept.iter().map(|&index| values[index]).collect();
-        Check::new(condition, extreme(&kept, CHIRP), series(name, &labels, &kept))
+        let included: Vec<usize> = (0..values.len()).filter(|&index| index != left_out).collect();
+        let labels: Vec<String> = included.iter().map(|&index| results.waveforms[index].name.to_owned()).collect();
+        let values: Vec<f64> = included.iter().map(|&index| values[index]).collect();
+        Check::new(condition, extreme(&values, CHIRP), series(name, &labels, &values))
     };
     vec![
         check("first ms, random held for a solver step", RANDOM_TENTH),

@@ -23,15 +23,15 @@ pub fn waveforms(duration_s: f64) -> Vec<Named> {
     [all(duration_s, Hold::TenthPeriod).as_slice(), &[stepped]].concat()
 }
 
-/// The waveforms' results.
+/// Results of the waveforms on the oscillator.
 pub struct Results {
-    /// The waveforms.
+    /// Waveforms that are compared.
     pub waveforms: Vec<Named>,
     ratios: Vec<f64>,
     curves: Vec<Vec<Ratios>>,
     /// At a velocity ratio of one half, over time.
     pub states: Vec<Vec<State>>,
-    /// Their problems.
+    /// Problems of the waveforms.
     pub problems: Vec<Problem>,
 }
 
@@ -41,7 +41,7 @@ pub fn problem(named: &Named, velocity_ratio: f64, duration_s: f64) -> Problem {
 }
 
 impl Results {
-    /// Runs all waveforms.
+    /// Runs the problems of all waveforms.
     pub fn new() -> Result<Self, SolveError> {
         let waveforms = waveforms(SHORT_S);
         let ratios = sweep::spaced(0.05, 1.0, 20);
@@ -65,7 +65,7 @@ impl Results {
         self.problems.iter().zip(&self.states).map(one).collect()
     }
 
-    /// The waveforms' names.
+    /// Names of the waveforms.
     pub fn labels(&self) -> Vec<String> {
         labels(&self.waveforms)
     }

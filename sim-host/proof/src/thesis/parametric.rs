@@ -28,7 +28,7 @@ pub struct Parametric {
 pub struct Names {
     /// Number of the figure, such as `4-11`.
     pub number: &'static str,
-    /// What is varied.
+    /// Parameter that is varied.
     pub of: &'static str,
     /// What the reader should see.
     pub remark: String,
@@ -61,7 +61,7 @@ impl Parametric {
         self.from_rest.iter().map(|curve| of(&curve[self.index(velocity_ratio)]).unwrap_or(f64::NAN)).collect()
     }
 
-    /// The same with one sliding speed for all.
+    /// A quantity with one sliding speed for all curves, curve by curve.
     pub fn fixed_speed(&self, of: impl Fn(&Ratios) -> Option<f64>) -> Vec<f64> {
         self.fixed_speed.iter().map(|ratios| of(ratios).unwrap_or(f64::NAN)).collect()
     }

@@ -26,7 +26,7 @@ pub fn axis(label: &str) -> Axis {
     Axis { label: label.into(), ..Axis::default() }
 }
 
-/// A logarithmic axis.
+/// A logarithmic axis with a label.
 pub fn log_axis(label: &str) -> Axis {
     Axis { label: label.into(), log: true, range: None }
 }
@@ -36,12 +36,12 @@ pub fn ranged(label: &str, from: f64, to: f64) -> Axis {
     Axis { label: label.into(), log: false, range: Some((from, to)) }
 }
 
-/// A curve.
+/// A curve as a solid line.
 pub fn line(name: impl Into<String>, column: impl Into<String>, x: &[f64], y: Vec<f64>) -> Series {
     Series { name: name.into(), csv_column: column.into(), x: x.to_vec(), y, style: Style::Line }
 }
 
-/// A dashed curve.
+/// A curve as a dashed line.
 pub fn dashed(name: impl Into<String>, column: impl Into<String>, x: &[f64], y: Vec<f64>) -> Series {
     Series { style: Style::Dashed, ..line(name, column, x, y) }
 }

@@ -13,12 +13,12 @@ pub struct Spectrum {
     pub amplitude: Vec<f64>,
 }
 
-/// A spectral line.
+/// One line of a spectrum.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Line {
-    /// Frequency, Hz.
+    /// Frequency of the line, Hz.
     pub hz: f64,
-    /// Amplitude.
+    /// Amplitude of the line.
     pub amplitude: f64,
 }
 

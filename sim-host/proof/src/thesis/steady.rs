@@ -4,12 +4,12 @@
 
 use contact::closed;
 
-/// Steady ratios.
+/// Steady ratios of friction and power.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Steady {
-    /// Friction ratio.
+    /// Mean friction over that without vibration.
     pub friction: f64,
-    /// Power dissipation ratio.
+    /// Power dissipated over that without vibration.
     pub power: f64,
 }
 
@@ -20,7 +20,7 @@ impl Steady {
     }
 }
 
-/// Dahl's.
+/// Steady ratios of Dahl friction.
 pub fn dahl(velocity_ratio: f64, kappa: f64) -> Steady {
     let power = closed::power_ratio(velocity_ratio, kappa).unwrap_or(f64::NAN);
     Steady { friction: closed::friction_ratio(velocity_ratio, kappa), power }

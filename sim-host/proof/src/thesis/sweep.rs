@@ -10,7 +10,7 @@ pub fn numerics() -> Numerics {
     Numerics { tolerance: 1e-6, ..Numerics::default() }
 }
 
-/// Solves a problem.
+/// Solution of a problem by the automatic method.
 pub fn solution(problem: &Problem) -> Result<Solution, SolveError> {
     solve(problem, &numerics(), &mut |_| ())
 }

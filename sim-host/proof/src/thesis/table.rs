@@ -55,7 +55,7 @@ pub fn claims(findings: &Findings) -> TableBlock {
     TableBlock::new("claims", "Claims of chapters 3 and 4 and appendix B", caption, &header, rows)
 }
 
-/// The contradictions.
+/// Table of the contradictions.
 pub fn errata(findings: &Findings) -> TableBlock {
     let row = |erratum: &Erratum| {
         let Check { condition, holds, numbers: values } = &erratum.evidence;

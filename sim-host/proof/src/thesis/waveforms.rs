@@ -79,7 +79,7 @@ pub fn two_figures(
     };
     let (periodic, others) = curves.split_at(3);
     let mut first = draw(id.into(), format!("{title}: sine, square, sawtooth"), periodic);
-    // More periods than can be told apart are left to the file of numbers.
+    // More periods than can be distinguished are left to the file of numbers.
     let end = time.1.last().copied().unwrap_or(0.0);
     first.x.range = (time.0.ends_with("[ms]")).then_some((0.0, 0.4 * end));
     [first, draw(format!("{id}-chirp-random"), format!("{title}: chirp, random"), others)]

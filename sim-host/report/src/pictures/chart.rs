@@ -37,13 +37,13 @@ pub(super) type Chart<'a, DB> = ChartContext<'a, DB, Cartesian2d<Scale, Scale>>;
 
 /// A figure on its way onto a surface.
 pub(super) struct Plot<'f, 's, DB: DrawingBackend> {
-    /// What to draw.
+    /// Figure that is drawn.
     pub figure: &'f Figure,
     /// Where to draw it.
     pub sheet: &'s Sheet<'s, DB>,
-    /// Horizontal scale.
+    /// Scale of the horizontal axis.
     pub x: Scale,
-    /// Vertical scale.
+    /// Scale of the vertical axis.
     pub y: Scale,
 }
 

@@ -35,7 +35,7 @@ pub(super) fn section(view: &CrashView) -> Result<String, String> {
 }
 
 impl Instant {
-    /// The same to a tenth of a millimetre and a newton.
+    /// The instant rounded to a tenth of a millimetre and to a newton.
     fn rounded(&self) -> Instant {
         let to = |value: f64, parts: f64| (value * parts).round() / parts;
         Instant {

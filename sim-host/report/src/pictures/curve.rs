@@ -36,8 +36,8 @@ impl<DB: DrawingBackend> Plot<'_, '_, DB> {
         for piece in pieces {
             let (xs, ys): (Vec<f64>, Vec<f64>) = piece.into_iter().unzip();
             let share = (decimate::LIMIT * xs.len()).div_ceil(total);
-            let kept = decimate::keep(&[&xs, &ys], share);
-            let path = kept.into_iter().map(|i| (xs[i], ys[i])).collect();
+            let indices = decimate::keep(&[&xs, &ys], share);
+            let path = indices.into_iter().map(|i| (xs[i], ys[i])).collect();
             if series.style == Style::Dashed {
                 self.dashes(chart, path, color, 3.5)?;
             } else {
@@ -51,7 +51,7 @@ impl<DB: DrawingBackend> Plot<'_, '_, DB> {
         series.x.iter().zip(&series.y).map(|(&x, &y)| self.point(x, y))
     }
 
-    /// A solid line.
+    /// Draws a solid line along a path.
     fn stroke(&self, chart: &mut Chart<DB>, path: Vec<(f64, f64)>, color: RGBColor, width: f64) -> Result<(), Failure<DB>> {
         let style = self.sheet.pen.line(color, width);
         if self.sheet.pen.whole_paths {
@@ -89,10 +89,10 @@ impl<DB: DrawingBackend> Plot<'_, '_, DB> {
         for (below, above) in below.into_iter().zip(above) {
             let (xs, lows): (Vec<f64>, Vec<f64>) = below.into_iter().unzip();
             let highs: Vec<f64> = above.into_iter().map(|(_, high)| high).collect();
-            let kept = decimate::keep(&[&xs, &lows, &highs], decimate::LIMIT);
+            let indices = decimate::keep(&[&xs, &lows, &highs], decimate::LIMIT);
             let corner = |i: usize, edge: &[f64]| (xs[i], edge[i].clamp(self.y.low, self.y.high));
-            let there = kept.iter().map(|&i| corner(i, &lows));
-            let back = kept.iter().rev().map(|&i| corner(i, &highs));
+            let there = indices.iter().map(|&i| corner(i, &lows));
+            let back = indices.iter().rev().map(|&i| corner(i, &highs));
             chart.plotting_area().draw(&Polygon::new(there.chain(back).collect::<Vec<_>>(), tint(color)))?;
         }
         Ok(())

@@ -19,20 +19,20 @@ pub(super) fn keep(columns: &[&[f64]], limit: usize) -> Vec<usize> {
         return (0..length).collect();
     }
     let runs = (limit / (2 * columns.len())).max(1);
-    let mut kept = Vec::with_capacity(limit + runs);
+    let mut indices = Vec::with_capacity(limit + runs);
     for run in 0..runs {
         let (start, end) = (run * length / runs, (run + 1) * length / runs);
-        let first = kept.len();
+        let first = indices.len();
         for column in columns {
             let finite = || (start..end).filter(|&i| column[i].is_finite());
-            kept.extend(finite().min_by(|&a, &b| column[a].total_cmp(&column[b])));
-            kept.extend(finite().max_by(|&a, &b| column[a].total_cmp(&column[b])));
-            kept.extend((start..end).find(|&i| !column[i].is_finite()));
+            indices.extend(finite().min_by(|&a, &b| column[a].total_cmp(&column[b])));
+            indices.extend(finite().max_by(|&a, &b| column[a].total_cmp(&column[b])));
+            indices.extend((start..end).find(|&i| !column[i].is_finite()));
         }
-        kept[first..].sort_unstable();
+        indices[first..].sort_unstable();
     }
-    kept.dedup();
-    kept
+    indices.dedup();
+    indices
 }
 
 #[cfg(test)]
@@ -52,12 +52,12 @@ mod tests {
         let mut y = vec![0.0; 100_000];
         y[12_345] = 7.0;
         y[54_321] = -9.0;
-        let kept = keep(&[&x, &y], 400);
+        let indices = keep(&[&x, &y], 400);
         for index in [0, 12_345, 54_321, 99_999] {
-            assert!(kept.contains(&index), "{index} is missing");
+            assert!(indices.contains(&index), "{index} is missing");
         }
-        assert!(kept.len() <= 400);
-        assert!(kept.is_sorted_by(|a, b| a < b));
+        assert!(indices.len() <= 400);
+        assert!(indices.is_sorted_by(|a, b| a < b));
     }
 
     #[test]
@@ -69,7 +69,7 @@ mod tests {
 
     #[test]
     fn a_trace_of_gaps_only_stays_one() {
-        let kept = keep(&[&vec![f64::NAN; 5_000]], 100);
-        assert!(!kept.is_empty());
+        let indices = keep(&[&vec![f64::NAN; 5_000]], 100);
+        assert!(!indices.is_empty());
     }
 }

@@ -15,7 +15,7 @@ const PLOT_LIBRARY: &str = include_str!("../../assets/uPlot.iife.min.js");
 const PLOT_LICENSE: &str = include_str!("../../assets/uPlot.LICENSE");
 const SCRIPT: &str = include_str!("../../assets/report.js");
 
-/// Pictures may be part of the page, as those of maps are, and come from nowhere else.
+/// Pictures may be part of the page, as those of maps are; pictures of other origins are not loaded.
 const POLICY: &str = "default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inline'; img-src data:";
 
 /// Figures a reader can do without a list of contents for.

@@ -68,7 +68,7 @@ fn curve<'a>(figure: &Figure, index: usize, series: &'a Series) -> Curve<'a> {
 
     // A position that the axis lacks would make the script reject the whole curve.
     let placed = |x: f64| x.is_finite() && (x > 0.0 || !figure.x.log);
-    let kept: Vec<usize> = decimate::keep(&shown, decimate::LIMIT).into_iter().filter(|&i| placed(xs[i])).collect();
+    let indices: Vec<usize> = decimate::keep(&shown, decimate::LIMIT).into_iter().filter(|&i| placed(xs[i])).collect();
     let value = |y: f64| if y > 0.0 || !figure.y.log { rounded(y) } else { f64::NAN };
     Curve {
         name: &series.name,
@@ -79,8 +79,8 @@ fn curve<'a>(figure: &Figure, index: usize, series: &'a Series) -> Curve<'a> {
             Style::Band { .. } => "band",
         },
         color: css(series_color(index)),
-        x: distinct(kept.iter().map(|&i| xs[i])),
-        columns: columns.iter().map(|c| kept.iter().map(|&i| value(c[i])).collect()).collect(),
+        x: distinct(indices.iter().map(|&i| xs[i])),
+        columns: columns.iter().map(|c| indices.iter().map(|&i| value(c[i])).collect()).collect(),
     }
 }
 

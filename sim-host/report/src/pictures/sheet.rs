@@ -15,7 +15,7 @@ pub(super) type Failure<DB> = DrawingAreaErrorKind<<DB as DrawingBackend>::Error
 /// Text of one look.
 #[derive(Clone, Copy)]
 pub(super) struct Lettering {
-    /// Size in points.
+    /// Size of the text, in points.
     pub size: f64,
     /// Colour of the letters.
     pub color: RGBColor,

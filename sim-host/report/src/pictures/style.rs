@@ -62,19 +62,19 @@ pub(super) fn css(color: RGBColor) -> String {
 /// Draws in points of the canvas on a surface `zoom` times as fine.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Pen {
-    /// Pixels per point.
+    /// Pixels of the picture per point.
     pub zoom: u32,
     /// The surface draws a thick path of any shape well, as a whole.
     pub whole_paths: bool,
 }
 
 impl Pen {
-    /// For vector pictures.
+    /// A pen for vector pictures.
     pub const fn vector(zoom: u32) -> Self {
         Self { zoom, whole_paths: true }
     }
 
-    /// For bitmaps, whose rasterizer fills the outline of a thick path by the even-odd rule: a path
+    /// A pen for bitmaps, whose rasterizer fills the outline of a thick path by the even-odd rule: a path
     /// that crosses its own outline gets holes.
     pub const fn bitmap(zoom: u32) -> Self {
         Self { zoom, whole_paths: false }

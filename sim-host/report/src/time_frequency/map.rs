@@ -28,7 +28,7 @@ impl Map {
         self.columns.iter().map(|column| strongest(column) as f64 * self.bin_hz).collect()
     }
 
-    /// The largest power.
+    /// Largest power of the map.
     pub fn peak(&self) -> f64 {
         self.columns.iter().flatten().copied().fold(0.0, f64::max)
     }

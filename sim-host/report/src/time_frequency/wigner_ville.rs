@@ -21,7 +21,7 @@ use rustfft::FftPlanner;
 
 use super::{Map, analytic};
 
-/// How the distribution is smoothed, and how finely it is wanted.
+/// Smoothing and resolution of the distribution.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Smoothing {
     /// Rows, from zero to half the sample rate.

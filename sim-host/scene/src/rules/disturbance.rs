@@ -206,7 +206,7 @@ mod tests {
     fn changes_of_one_key_add_up() {
         assert_eq!(leaves(5.0, &[(1.0, Sine(3.0)), (2.0, Sine(3.0))], POSITIVE, 6.0), Some((1, 2.0)));
         assert_eq!(leaves(5.0, &[(0.0, Ramp(-1.0)), (2.0, Sine(2.0))], POSITIVE, 6.0), Some((1, 3.0)));
-        // A step begins anew; what was a ramp before goes on.
+        // A step sets a new value; a ramp from before goes on.
         assert_eq!(leaves(5.0, &[(0.0, Ramp(-1.0)), (4.0, To(3.0))], POSITIVE, 6.5), None);
         assert_eq!(leaves(5.0, &[(0.0, Ramp(-1.0)), (4.0, To(1.0))], POSITIVE, 6.5), Some((0, 5.0)));
         assert_eq!(leaves(5.0, &[(0.0, Sine(4.0)), (4.0, To(5.0))], POSITIVE, 6.0), Some((0, 4.0)));

@@ -1,4 +1,4 @@
-//! A D-ring: it has its own contact, and the restraint that decides on it hears the belt's force.
+//! A D-ring: it has its own contact, and the restraint that decides on it measures the belt's force.
 
 use super::{Rules, shown};
 use crate::diagnostic::Problem;

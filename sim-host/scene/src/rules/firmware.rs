@@ -20,7 +20,7 @@ const BEGINNINGS: &str = "controller.burst.on_s";
 const SCALE: &str = "one code must be worth something the firmware can calculate with";
 const CARRIED: &str =
     "no chirp through 0 Hz, nor above 0.45 of `sensors.sample_hz`; about a resonance, as offsets from `drive.frequency_hz`";
-const LOUDEST: &str = "the loudest lane, with its `gain_trim`, must stay within `controller.limits.voltage_v`";
+const LARGEST: &str = "the lane of the largest voltage, with its `gain_trim`, must stay within `controller.limits.voltage_v`";
 
 /// Parameters of the firmware, the keys that they come from, and on what their ranges depend. Others have the name of their key
 /// in `[controller]`, and a range of their own.
@@ -31,8 +31,8 @@ const PARAMETERS: &[(&str, &str, &str)] = &[
     ("front_end.ampere_per_lsb", "sensors.i_full_scale_a", SCALE),
     ("front_end.drive_volt_per_lsb", "amplifier.full_scale_v", SCALE),
     ("drive.frequency_hz", FREQUENCY, "a tone needs more than two samples a period, of `sensors.sample_hz`"),
-    ("drive.amplitude_v", AMPLITUDE, LOUDEST),
-    ("drive.scan_volts", SCAN, LOUDEST),
+    ("drive.amplitude_v", AMPLITUDE, LARGEST),
+    ("drive.scan_volts", SCAN, LARGEST),
     ("drive.scan_volts", AMPLITUDE, "without `scan_v`, self-test and scan have this voltage, too"),
     ("drive.motional_current_a", VELOCITY, "motional current = force factor x velocity, within `controller.limits.current_a`"),
     (

@@ -23,19 +23,13 @@ impl Rules<'_> {
                 VELOCITY,
                 true,
                 "friction is switched by tip velocity, up to that of the drive",
-                "the loudest drive that the switch may use",
+                "the maximum amplitude that the switch may use",
             ),
-            (
-                FORCE,
-                CHANNEL,
-                self.given(FORCE),
-                "a force can only be wanted where there is a force channel",
-                "or give `target_ratio`",
-            ),
+            (FORCE, CHANNEL, self.given(FORCE), "a target force needs a force channel", "or give `target_ratio`"),
             (PREFER, PERIOD, bursts, "bursts need a period", "their `duty` is set by the switch, whatever it says"),
         ];
-        for (key, needed, wanted, message, help) in needs {
-            if wanted && self.lacks(needed) {
+        for (key, needed, applies, message, help) in needs {
+            if applies && self.lacks(needed) {
                 let problem = Problem::new(self.place(key), message, format!("needs `{needed}`"));
                 self.add(needed, problem.help(help));
             }

@@ -13,9 +13,9 @@ const EXCITATION: &str = "excitation";
 /// What kind of scene it is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Kind {
-    /// The firmware drives.
+    /// A scene in which the firmware drives.
     Driven,
-    /// A contact study.
+    /// A scene of a contact study.
     Excited,
 }
 
@@ -43,7 +43,7 @@ const STUDY_KEYS: &[&str] = &["method", "order", "tolerance", "window_periods"];
 const MOST_DRIVEN_STEPS: f64 = 4096.0;
 
 impl Rules<'_> {
-    /// Finds out what kind of scene it is: exactly one of two tables says so.
+    /// Finds out what kind of scene it is: exactly one of two tables decides it.
     pub(super) fn kind(&mut self) {
         self.kind = match (self.given(CONTROLLER), self.given(EXCITATION)) {
             (true, false) => Some(Kind::Driven),

@@ -11,11 +11,11 @@ use crate::tree::Node;
 /// A case that is a scene.
 #[derive(Clone, Debug)]
 pub struct ReadyCase {
-    /// Its name; with that of the preset behind, if it is one of several.
+    /// Name of the case, with that of the preset behind, if it is one of several.
     pub name: String,
-    /// Its name in the suite.
+    /// Name of the case in the suite.
     pub base: String,
-    /// Its group.
+    /// Group of the case.
     pub group: String,
     /// The scene, to be run as often as the case says.
     pub loaded: Loaded,

@@ -33,9 +33,9 @@ fn a_contact_study_has_no_tables_of_a_driven_scene() {
         ("[[fault]]\nat_s = 1e-3\nkind = \"open\"", "[[fault]]"),
         ("[stack.bvd]\nc0_f = 3e-7\nseries_resonance_hz = 4e4\nq = 60\ncoupling = 0.25", "[stack]"),
     ] {
-        let told = report(&format!("{STUDY}\n{table}\n"), &[]);
+        let problems = report(&format!("{STUDY}\n{table}\n"), &[]);
         says(
-            &told,
+            &problems,
             &[&format!("{header} has no place in a contact study"), "belongs to [controller]", "a.toml:18:", "1 problem"],
         );
     }

@@ -36,8 +36,8 @@ fn a_stator_has_a_rotor_and_no_contact() {
 
 #[test]
 fn only_a_stator_has_lanes_that_differ() {
-    let told = problems_of(example(), &["amplifier.lane_gain_error=[0, 0.1]"]);
-    says(&told, &["`amplifier.lane_gain_error` has no place beside [stack]", "belongs to [stator]", "1 problem"]);
+    let problems = problems_of(example(), &["amplifier.lane_gain_error=[0, 0.1]"]);
+    says(&problems, &["`amplifier.lane_gain_error` has no place beside [stack]", "belongs to [stator]", "1 problem"]);
 }
 
 #[test]

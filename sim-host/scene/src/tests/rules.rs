@@ -76,8 +76,8 @@ fn the_cells_of_the_grid_are_scenes() {
     says(&with_line("set", "set = [\"a\"]"), &["in the cells of the grid: a change is written `key=value`", "a.toml:43:8"]);
 }
 
-/// What is changed about the example below: one mistake, to be told whatever else is wrong.
-fn told_beside(other: &str, changes: &[&str], parts: &[&str]) {
+/// What is changed about the example below: one mistake, which is reported whatever else is wrong.
+fn reported_beside(other: &str, changes: &[&str], parts: &[&str]) {
     let text = format!("colour = \"red\"\n{}", example().replacen("frequency_hz", &format!("{other}\nfrequency_hz"), 1));
     let report = report(&text, changes);
     says(&report, &["unknown key `colour`"]);
@@ -87,16 +87,24 @@ fn told_beside(other: &str, changes: &[&str], parts: &[&str]) {
 #[test]
 fn one_mistake_does_not_hide_another() {
     let both = ["controller.drive.amplitude_v=3", "controller.drive.velocity_m_per_s=1"];
-    told_beside("flavour = 3", &both, &["unknown key `flavour`", "exclude each other", "2 problems in a.toml"]);
-    told_beside("lanes = 9", &["controller.drive.scan_v=30"], &["`controller.drive.lanes` is out of range", "30 V, more than"]);
-    told_beside("flavour = 3", &["controller.drive.frequency_hz=445e3"], &["too fast for the converters"]);
-    told_beside("", &["controller.tracking.flavour=1", "controller.drive.frequency_hz=445e3"], &["too fast for the converters"]);
-    told_beside("", &["controller.burst.flavour=1", "controller.burst.off_s=[1]"], &["ends at 1 s, but begins at 3 s only"]);
-    told_beside("", &["controller.burst.edge=hrd", "controller.burst.period_s=1"], &["`period_s` needs `duty`, too"]);
-    told_beside("", &["expect.0.flavour=1", "expect.0.min=70"], &["nothing is at least 70 and at most 69"]);
-    told_beside("", &["expect.0.min=70", "expect.0.metric=q_percent"], &["nothing is at least 70", "no metric `q_percent`"]);
-    told_beside("", &["fault.0.at_s=9", "fault.0.kind=opn"], &["did you mean `open`?", "`fault.0.at_s` is 9 s"]);
-    told_beside("", &["grid.flavour=1", "grid.metric=redction_percent"], &["did you mean `reduction_percent`?"]);
+    reported_beside("flavour = 3", &both, &["unknown key `flavour`", "exclude each other", "2 problems in a.toml"]);
+    reported_beside(
+        "lanes = 9",
+        &["controller.drive.scan_v=30"],
+        &["`controller.drive.lanes` is out of range", "30 V, more than"],
+    );
+    reported_beside("flavour = 3", &["controller.drive.frequency_hz=445e3"], &["too fast for the converters"]);
+    reported_beside(
+        "",
+        &["controller.tracking.flavour=1", "controller.drive.frequency_hz=445e3"],
+        &["too fast for the converters"],
+    );
+    reported_beside("", &["controller.burst.flavour=1", "controller.burst.off_s=[1]"], &["ends at 1 s, but begins at 3 s only"]);
+    reported_beside("", &["controller.burst.edge=hrd", "controller.burst.period_s=1"], &["`period_s` needs `duty`, too"]);
+    reported_beside("", &["expect.0.flavour=1", "expect.0.min=70"], &["nothing is at least 70 and at most 69"]);
+    reported_beside("", &["expect.0.min=70", "expect.0.metric=q_percent"], &["nothing is at least 70", "no metric `q_percent`"]);
+    reported_beside("", &["fault.0.at_s=9", "fault.0.kind=opn"], &["did you mean `open`?", "`fault.0.at_s` is 9 s"]);
+    reported_beside("", &["grid.flavour=1", "grid.metric=redction_percent"], &["did you mean `reduction_percent`?"]);
     let without_rig: String = example().split_inclusive("\n\n").filter(|part| !part.contains("[rig")).collect();
     says(&report(&format!("colour = \"red\"\n{without_rig}"), &[]), &["[contact] without [rig]", "unknown key `colour`"]);
     says(

@@ -1,4 +1,4 @@
-//! What is advised on: a stack, and the sensors and the amplifier around it, as a scene of their own.
+//! The case that is advised on: a stack, and the sensors and the amplifier around it, as a scene of their own.
 
 use plant::circuit::Circuit;
 use plant::circuit_of;
@@ -6,34 +6,34 @@ use scene::load::{LoadError, Loaded, load_text};
 use scene::resolved::resolved_toml;
 use scene::{Amplifier, Bvd, Controller, Driven, Scene, Sensors, Stack, Tracking, TrackingMode, Transducer};
 
-/// How far off what is told beforehand may be: the resonance and the inductance relative, Q by a factor.
-pub const TOLD: Spread = Spread { resonance: 0.02, q: 2.0, lm: 0.1 };
+/// Largest error of the nominal values: the resonance and the inductance relative, Q by a factor.
+pub const NOMINAL_ERROR: Spread = Spread { resonance: 0.02, q: 2.0, lm: 0.1 };
 /// Coupling that a stack can have.
 const COUPLING: std::ops::RangeInclusive<f64> = 1e-4..=0.99;
-/// Nominal values are told with so many digits.
+/// Digits with which nominal values are written.
 const DIGITS: i32 = 4;
 
-/// How far off what is told may be, to either side.
+/// Half widths of the errors of the nominal values.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Spread {
-    /// Of the series resonance, relative.
+    /// Error of the series resonance, relative.
     pub resonance: f64,
-    /// Of Q, a factor.
+    /// Error of Q, a factor.
     pub q: f64,
-    /// Of the motional inductance, relative.
+    /// Error of the motional inductance, relative.
     pub lm: f64,
 }
 
 /// A transducer by its numbers, as telemetry or a report print them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Numbers {
-    /// Series resonance, Hz.
+    /// Series resonance of the stack, Hz.
     pub frequency_hz: f64,
-    /// Quality factor.
+    /// Quality factor of the stack.
     pub q: f64,
-    /// Clamped capacitance, F.
+    /// Clamped capacitance of the stack, F.
     pub c0_f: f64,
-    /// Motional inductance, H.
+    /// Motional inductance of the stack, H.
     pub lm_h: f64,
 }
 
@@ -81,10 +81,10 @@ pub enum CaseError {
     Scene(#[from] LoadError),
 }
 
-/// What is advised on.
+/// A case that is advised on.
 #[derive(Clone, Debug)]
 pub struct Case {
-    /// The scene: one stack, driven continuously at its resonance and followed by the observer, and told the truth.
+    /// The scene: one stack, driven continuously at its resonance and followed by the observer, with the true values as nominal ones.
     scene: Scene,
     /// As asked for, V.
     pub asked_v: f64,
@@ -97,13 +97,13 @@ pub struct Case {
 /// The parts of a case, as its equations need them.
 #[derive(Clone, Copy, Debug)]
 pub struct Parts<'a> {
-    /// The firmware and what it is told.
+    /// Settings of the controller.
     pub controller: &'a Controller,
-    /// The amplifier.
+    /// Amplifier between DAC and stack.
     pub amplifier: &'a Amplifier,
-    /// The converters.
+    /// Converters of voltage and current.
     pub sensors: &'a Sensors,
-    /// The stack.
+    /// Equivalent circuit of the stack.
     pub circuit: Circuit,
 }
 
@@ -132,7 +132,7 @@ impl Case {
         case.with(block_samples, asked_v.min(most_v))
     }
 
-    /// The same with another length of a block and another voltage.
+    /// The case with another length of a block and another voltage.
     pub fn with(&self, block_samples: u16, volts: f64) -> Result<Self, CaseError> {
         self.changed(|controller| {
             controller.block_samples = block_samples;
@@ -140,7 +140,7 @@ impl Case {
         })
     }
 
-    /// The same with another window and another fall-back loop.
+    /// The case with another window and another bandwidth of the fall-back loop.
     pub fn tracking(&self, span: f64, bandwidth_hz: f64) -> Result<Self, CaseError> {
         self.changed(|controller| (controller.tracking.span, controller.tracking.bandwidth_hz) = (span, bandwidth_hz))
     }
@@ -150,12 +150,12 @@ impl Case {
         if let Some(controller) = &mut scene.controller {
             change(controller);
         }
-        // Read anew, so that what a user has given by hand is judged like any scene.
+        // Read again, so that what a user has given by hand is judged like any scene.
         let scene = load_text("the advised scene", &resolved_toml(&scene), &[])?.scene;
         Ok(Case { scene, ..self.clone() })
     }
 
-    /// The scene.
+    /// The scene of the case.
     pub fn scene(&self) -> &Scene {
         &self.scene
     }
@@ -165,7 +165,7 @@ impl Case {
         self.scene.driven()
     }
 
-    /// Its parts. `None` of no case: it was made of these.
+    /// The parts of the case. They are never `None`: the case was made of them.
     pub fn parts(&self) -> Option<Parts<'_>> {
         let driven = self.scene.driven()?;
         let (controller, amplifier, sensors) = (driven.controller, driven.amplifier, driven.sensors);

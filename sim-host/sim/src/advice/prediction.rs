@@ -2,12 +2,12 @@
 //!
 //! | | is |
 //! |---|---|
-//! | lock time to B | from the first sample of the lock stage to the last moment that the frequency played is more than B off: median and 95th percentile of noisy cold starts over what may be told ([`TOLD`]) |
+//! | lock time to B | from the first sample of the lock stage to the last moment that the frequency played is more than B off: median and 95th percentile of noisy cold starts over the errors that nominal values may have ([`NOMINAL_ERROR`]) |
 //! | jitter | standard deviation of the frequency played, steady |
 //! | bandwidth | from a swing of the true resonance to the frequency played, down by 3 dB; without noise |
 //! | lag | true resonance less the frequency played, on a ramp; without noise |
 //! | bias | what a clamped capacitance that is 1 % more than was calibrated, or a current that is sampled 1 ns later, adds to the lock point |
-//! | loss | from the moment that nothing rings any more until the lock is called lost |
+//! | loss | from the moment that the vibration has ended until the lock is called lost |
 //!
 //! The bound of the jitter is that of a window of something that goes on, whose middle lies as far back as the observer is behind on a ramp
 //! without its second integrator; Lm and C0 are known, because what is wrong with them is bias. The bound of a ramp is the best compromise of
@@ -20,11 +20,11 @@ use rand_xoshiro::Xoshiro256PlusPlus;
 use rayon::prelude::*;
 use serde::Serialize;
 
-use super::case::{Case, TOLD};
+use super::case::{Case, NOMINAL_ERROR};
 use super::rehearsal::{Bench, Rehearsal};
 use super::response::bandwidth_hz;
 use super::rig::Rig;
-use crate::cramer_rao::{DEVIATIONS_95, Knowledge, Setting, Told, ramp, ramp_with_slope, steady, time_to};
+use crate::cramer_rao::{DEVIATIONS_95, Knowledge, PriorKnowledge, Setting, ramp, ramp_with_slope, steady, time_to};
 use plant::circuit::Circuit;
 
 /// Cold starts of a prediction.
@@ -47,50 +47,50 @@ const DEVIATIONS_50: f64 = 0.6745;
 const ONE_PERCENT: f64 = 0.01;
 const ONE_NS: f64 = 1e-9;
 
-/// What the observer will do.
+/// Predicted behaviour of the observer.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Prediction {
     /// Cold starts that were rehearsed.
     pub draws: u64,
-    /// Times to lock.
+    /// Lock times to within several bounds.
     pub lock: Vec<LockTime>,
     /// Standard deviation of the frequency played, Hz.
     pub jitter_hz: f64,
-    /// As the observer states it itself, Hz.
+    /// Standard deviation as the observer states it itself, Hz.
     pub jitter_stated_hz: f64,
-    /// Bound of it, Hz.
+    /// Bound of the standard deviation, Hz.
     pub jitter_bound_hz: f64,
     /// Bandwidth from true resonance to drive, Hz.
     pub bandwidth_hz: Option<f64>,
-    /// Ramps.
+    /// Lags on several ramps of the resonance.
     pub ramps: Vec<Ramp>,
     /// Lock point for each per cent of C0, Hz.
     pub bias_hz_per_percent_c0: f64,
     /// Lock point for each ns that the current is sampled later than the voltage, Hz.
     pub bias_hz_per_ns_skew: f64,
-    /// Time to notice that nothing rings any more, ms.
+    /// Time until the end of the vibration is noticed, ms.
     pub loss_noticed_ms: Option<f64>,
 }
 
-/// Time to lock.
+/// Time to lock to within a bound.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct LockTime {
-    /// To within so much, Hz.
+    /// Bound to which the time is counted, Hz.
     pub within_hz: f64,
     /// Median and 95th percentile, ms; nothing where it takes longer than was watched.
     pub median_ms: Option<f64>,
-    /// The 95th percentile.
+    /// The 95th percentile of the lock times, ms.
     pub p95_ms: Option<f64>,
     /// Bounds of both, ms.
     pub bound_median_ms: Option<f64>,
-    /// Of the 95th percentile.
+    /// Bound of the 95th percentile, ms.
     pub bound_p95_ms: Option<f64>,
 }
 
 /// A resonance that drifts.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Ramp {
-    /// Its rate, Hz/s.
+    /// Rate of the drift, Hz/s.
     pub hz_per_s: f64,
     /// Lag of the firmware's observer, Hz.
     pub lag_hz: f64,
@@ -102,10 +102,11 @@ pub struct Ramp {
     pub bound_slope_hz: f64,
 }
 
-/// Predicts.
+/// Predicts the observer's behaviour for a case; none where it has no rig.
 pub fn predict(case: &Case) -> Option<Prediction> {
     let rig = Rig::of(case)?;
-    let setting = Setting { told: Told::cold(rig.bench.nominal_hz, TOLD.resonance), ..Setting::of(&case.driven()?)? };
+    let setting =
+        Setting { prior: PriorKnowledge::cold(rig.bench.nominal_hz, NOMINAL_ERROR.resonance), ..Setting::of(&case.driven()?)? };
     let latency = LATENCY_BLOCKS as f64;
     let times = lock_times(&rig, DRAWS);
     let bound_ms = |hz: f64| time_to(&setting, hz, latency).map(|s| 1e3 * s);
@@ -124,16 +125,16 @@ pub fn predict(case: &Case) -> Option<Prediction> {
     (0..rig.blocks(SETTLED_S)).for_each(|_| {
         without_rate.step(&rig.circuit);
     });
-    let heard = Told { voltage: Knowledge::Unknown, state: Knowledge::Unknown, ..Told::LM_AND_C0 };
-    let heard = Setting { told: heard, ..setting };
+    let prior = PriorKnowledge { voltage: Knowledge::Unknown, state: Knowledge::Unknown, ..PriorKnowledge::LM_AND_C0 };
+    let tracking = Setting { prior, ..setting };
     let behind_s = lag_hz(&rig, without_rate.clone(), RAMPS_HZ_PER_S[0]) / RAMPS_HZ_PER_S[0];
     let memory_s = 2.0 * (behind_s - latency * rig.block_s).max(rig.block_s);
     let ramps = RAMPS_HZ_PER_S.map(|hz_per_s| Ramp {
         hz_per_s,
         lag_hz: lag_hz(&rig, locked.0.clone(), hz_per_s),
         lag_without_rate_hz: lag_hz(&rig, without_rate.clone(), hz_per_s),
-        bound_constant_hz: ramp(&heard, hz_per_s, latency).map(|best| best.error_hz()),
-        bound_slope_hz: ramp_with_slope(&heard, memory_s, latency),
+        bound_constant_hz: ramp(&tracking, hz_per_s, latency).map(|best| best.error_hz()),
+        bound_slope_hz: ramp_with_slope(&tracking, memory_s, latency),
     });
     let bias = |bench: Bench| settle(&rig, bench).1 - locked.1;
     Some(Prediction {
@@ -141,7 +142,7 @@ pub fn predict(case: &Case) -> Option<Prediction> {
         lock,
         jitter_hz,
         jitter_stated_hz,
-        jitter_bound_hz: steady(&heard, memory_s),
+        jitter_bound_hz: steady(&tracking, memory_s),
         bandwidth_hz,
         ramps: ramps.to_vec(),
         bias_hz_per_percent_c0: bias(Bench { c0_error: ONE_PERCENT, ..rig.bench }),
@@ -215,7 +216,7 @@ fn lag_hz(rig: &Rig, mut settled: Rehearsal, hz_per_s: f64) -> f64 {
     last.iter().sum::<f64>() / last.len() as f64
 }
 
-/// When it is noticed that nothing rings any more, s.
+/// When the end of the vibration is noticed, s.
 fn loss_s(rig: &Rig, mut settled: Rehearsal) -> Option<f64> {
     /// So many times the inductance is no branch any more.
     const BROKEN: f64 = 1e6;

@@ -31,11 +31,11 @@ const LEARN_BLOCKS: usize = 64;
 /// What is around the stack.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bench {
-    /// Nominal frequency, Hz.
+    /// Nominal frequency of the drive, Hz.
     pub nominal_hz: f64,
     /// Peak drive voltage, V, behind so many ohms.
     pub volts: f64,
-    /// Source resistance, ohm.
+    /// Source resistance of the amplifier, ohm.
     pub source_ohm: f64,
     /// Samples a second, Hz.
     pub sample_hz: f64,
@@ -49,21 +49,21 @@ pub struct Bench {
     pub skew_s: f64,
 }
 
-/// Who follows.
+/// Estimator that follows the resonance.
 #[derive(Clone, Debug)]
 pub enum Follower {
-    /// The whole tracker.
+    /// The whole tracker of the firmware.
     Tracker(Box<Tracker>),
     /// The observer by itself, without its second integrator.
     WithoutRate(Box<Observer>),
 }
 
-/// A block.
+/// A block that was played and measured.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Block {
     /// Frequency played, and the true resonance in the middle of the block, Hz.
     pub played_hz: f64,
-    /// The true resonance.
+    /// True resonance of the stack, Hz.
     pub resonance_hz: f64,
     /// Standard deviation that the observer states, Hz.
     pub stated_hz: f64,
@@ -87,7 +87,7 @@ pub struct Rehearsal {
     /// Blocks played.
     block: usize,
     learned: bool,
-    /// Offsets that are decided on and not yet heard, the next first, Hz.
+    /// Offsets that are decided on and not yet played, the next first, Hz.
     ahead_hz: [f64; LATENCY_BLOCKS],
     current_a: f64,
     charge_c: f64,
@@ -115,7 +115,7 @@ impl Rehearsal {
         }
     }
 
-    /// Lets the follower begin on what it is told.
+    /// Starts the follower from a prior.
     pub fn observe(&mut self, prior: &Prior) {
         match &mut self.follower {
             Follower::Tracker(tracker) => tracker.observe(self.branch, Default::default(), prior),
@@ -128,7 +128,7 @@ impl Rehearsal {
         (self.block as f64 + 0.5) * f64::from(self.bench.samples) / self.bench.sample_hz
     }
 
-    /// Plays a block on a stack, hears it, and decides.
+    /// Plays a block on a stack, measures it, and decides on the next.
     pub fn step(&mut self, circuit: &Circuit) -> Block {
         let offset_hz = self.ahead_hz[self.block % LATENCY_BLOCKS];
         let played_hz = self.bench.nominal_hz + offset_hz;
@@ -136,7 +136,7 @@ impl Rehearsal {
         let sensed = self.play(circuit, played_hz);
         let volts = self.bench.volts as f32;
         let relative = (played_hz / self.bench.nominal_hz) as f32;
-        let heard = PlayedBlock {
+        let played = PlayedBlock {
             offset_hz: offset_hz as f32,
             volts,
             envelope: whole.then_some(1.0),
@@ -149,7 +149,7 @@ impl Rehearsal {
         let (next_hz, stated_hz, state) = match &mut self.follower {
             Follower::Tracker(tracker) => {
                 let current = tracker.motional_current(&sensed, relative);
-                tracker.follow(&sensed, current, current, &heard);
+                tracker.follow(&sensed, current, current, &played);
                 if tracker.has_converged()
                     && (!self.learned || self.block.is_multiple_of(LEARN_BLOCKS))
                     && let Some(transducer) = tracker.identify()
@@ -164,7 +164,7 @@ impl Rehearsal {
                 observer.follow(
                     current,
                     sensed.v,
-                    Played { offset_hz: heard.offset_hz, steady_v: heard.envelope.map(|_| volts) },
+                    Played { offset_hz: played.offset_hz, steady_v: played.envelope.map(|_| volts) },
                 );
                 observer.forget_rate();
                 (observer.offset_hz(), observer.deviation_hz(), None)

@@ -8,7 +8,7 @@ use rand_core::SeedableRng;
 use rand_distr::{Distribution, Uniform};
 use rand_xoshiro::Xoshiro256PlusPlus;
 
-use super::case::{Case, TOLD};
+use super::case::{Case, NOMINAL_ERROR};
 use super::rehearsal::{Bench, Follower, Rehearsal};
 use crate::cramer_rao::noise;
 use plant::circuit::Circuit;
@@ -25,7 +25,7 @@ const C0_ERROR: f64 = 1e-3;
 pub struct Rig {
     /// What is around the stack.
     pub bench: Bench,
-    /// The stack.
+    /// Equivalent circuit of the stack.
     pub circuit: Circuit,
     /// Length of a block, s.
     pub block_s: f64,
@@ -34,7 +34,7 @@ pub struct Rig {
 }
 
 impl Rig {
-    /// Of a case; nothing if the firmware refuses its settings.
+    /// The rig of a case; `None` if the firmware refuses its settings.
     pub fn of(case: &Case) -> Option<Self> {
         let driven = case.driven()?;
         let parts = case.parts()?;
@@ -80,28 +80,28 @@ impl Rig {
         (time_s / self.block_s).ceil() as usize
     }
 
-    /// A cold start of the tracker on the stack itself, told the truth.
+    /// A cold start of the tracker on the stack itself, with the true values as nominal ones.
     pub fn start(&self, bench: Bench, random: Option<Xoshiro256PlusPlus>) -> Rehearsal {
         self.begin(bench, Follower::Tracker(Box::new(self.tracker.clone())), &self.prior, 0.0, random)
     }
 
-    /// The same of the observer by itself, without its second integrator.
+    /// A cold start of the observer by itself, without its second integrator.
     pub fn start_without_rate(&self) -> Rehearsal {
         let observer = Observer::new(self.bench.nominal_hz as f32, self.block_s as f32);
         self.begin(self.bench, Follower::WithoutRate(Box::new(observer)), &self.prior, 0.0, None)
     }
 
-    /// A cold start with noise, of a stack beside the nominal one, about which the tracker is told something else again: draw `number`.
+    /// A cold start with noise, of a stack beside the nominal one, with nominal values that are off once more: draw `number`.
     pub fn draw(&self, number: u64) -> (Rehearsal, Circuit) {
         let mut random = Xoshiro256PlusPlus::seed_from_u64(number);
         let mut side = || Uniform::new(-1.0, 1.0).map_or(0.0, |uniform| uniform.sample(&mut random));
         let [hz, q, lm, phase, c0] = [side(), side(), side(), side(), side()];
         // At the same coupling.
-        let hz = self.circuit.series_resonance_hz() * (1.0 + TOLD.resonance * hz);
+        let hz = self.circuit.series_resonance_hz() * (1.0 + NOMINAL_ERROR.resonance * hz);
         let lm_h = 1.0 / ((std::f64::consts::TAU * hz).powi(2) * self.circuit.cm_f);
         let circuit = Circuit { lm_h, ..self.circuit }.with_q(self.circuit.q());
         let prior = Prior {
-            q: (f64::from(self.prior.q) * TOLD.q.powf(q)) as f32,
+            q: (f64::from(self.prior.q) * NOMINAL_ERROR.q.powf(q)) as f32,
             lm_h: ((lm_h * (1.0 + LM_ERROR * lm)) as f32, (LM_MEASURED * lm_h) as f32),
             ..self.prior
         };

@@ -9,7 +9,7 @@ use firmware::seam::block::LATENCY_BLOCKS;
 use realfft::num_complex::Complex64;
 use serde::Serialize;
 
-use super::case::{Case, CaseError, Parts, TOLD, rounded};
+use super::case::{Case, CaseError, NOMINAL_ERROR, Parts, rounded};
 use super::prediction::{lock_times, percentile_ms};
 use super::rig::Rig;
 use super::transducer::Full;
@@ -20,25 +20,25 @@ pub const LEAST_PERIODS: f64 = 0.6;
 const BLOCKS: [u16; 6] = [8, 16, 24, 32, 48, 64];
 /// Cold starts for each.
 const DRAWS: u64 = 100;
-/// A block that locks so much later than the best, at most, is kept: a shorter one takes more of the processor.
-const KEPT: f64 = 1.25;
+/// The present length of a block stays if it locks at most so much later than the best: a shorter block takes more of the processor.
+const GOOD_ENOUGH: f64 = 1.25;
 /// Part of a sensor's range, and of a limit, that is used.
 const USED: f64 = 0.9;
 /// Phase that the fall-back loop may lose by its delay, rad.
 const PHASE_RAD: f64 = 0.1;
-/// Window about the nominal frequency: what may be told wrong, and a quarter more.
-const SPAN: f64 = 1.25 * TOLD.resonance;
+/// Window about the nominal frequency: the error of the nominal resonance, and a quarter more.
+const SPAN: f64 = 1.25 * NOMINAL_ERROR.resonance;
 /// Part of the way to the antiresonance that a window may have.
 const SHORT_OF: f64 = 0.9;
 /// Steps of the bandwidth, Hz.
 const STEP_HZ: f64 = 10.0;
-/// A span is told in steps of this.
+/// Steps of the span.
 const STEP: f64 = 5e-4;
 
-/// What to tell the controller.
+/// The advised settings of the controller.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Settings {
-    /// To paste into a scene.
+    /// Lines to paste into a scene.
     pub snippet: String,
     /// Samples in a block.
     pub block_samples: u16,
@@ -48,49 +48,49 @@ pub struct Settings {
     pub span: f64,
     /// Bandwidth of the fall-back loop, Hz.
     pub bandwidth_hz: f64,
-    /// The drive.
+    /// Advised drive voltage and its measurement.
     pub drive: Drive,
 }
 
 /// A length of a block, and when it locks to 4 Hz.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct BlockTime {
-    /// Samples.
+    /// Samples in a block.
     pub samples: u16,
     /// Periods of the drive in it.
     pub periods: f64,
-    /// Median, ms.
+    /// Median of the lock times, ms.
     pub lock_4hz_median_ms: Option<f64>,
-    /// 95th percentile, ms.
+    /// 95th percentile of the lock times, ms.
     pub lock_4hz_p95_ms: Option<f64>,
 }
 
 /// The drive and what the converters see of it.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Drive {
-    /// As asked for, V peak.
+    /// Peak voltage as asked for, V.
     pub asked_v: f64,
-    /// As advised: as asked for, or as much of it as is allowed.
+    /// Peak voltage as advised, V: as asked for, or as much of it as is allowed.
     pub advised_v: f64,
-    /// The largest that sensor, limits and amplifier allow at the resonance.
+    /// Largest peak voltage that sensor, limits and amplifier allow at the resonance, V.
     pub largest_v: f64,
-    /// What bounds that.
+    /// Part or limit that bounds the largest voltage.
     pub bounded_by: &'static str,
-    /// Peak current at the resonance as advised, A, and as asked for.
+    /// Peak current at the resonance at the advised voltage, A.
     pub current_a: f64,
-    /// At what was asked for, A.
+    /// Peak current at the resonance at the voltage asked for, A.
     pub asked_current_a: f64,
-    /// Peak current and voltage in LSB.
+    /// Peak current in LSB of its converter.
     pub current_lsb: f64,
-    /// Of the voltage.
+    /// Peak voltage in LSB of its converter.
     pub voltage_lsb: f64,
     /// End of the converter's range, LSB.
     pub full_scale_lsb: f64,
     /// Part of the drive that is left at the stack at the resonance, behind the amplifier's source resistance.
     pub left_at_stack: f64,
-    /// Rms noise of a block's motional current, A, and against the current, parts per million.
+    /// Rms noise of a block's motional current, A.
     pub block_noise_a: f64,
-    /// Against the current at the resonance.
+    /// Rms noise of a block's motional current over the current at the resonance, parts per million.
     pub block_noise_ppm: f64,
 }
 
@@ -117,7 +117,7 @@ pub fn advise(case: &Case) -> Result<Option<(Settings, Case)>, CaseError> {
     let span = span(&full);
     let bandwidth_hz = bandwidth_hz(block_s);
     let advised = case.with(block_samples, advised_v)?.tracking(span, bandwidth_hz)?;
-    let (Some(rig), Some(told)) = (Rig::of(&advised), advised.parts()) else { return Ok(None) };
+    let (Some(rig), Some(parts)) = (Rig::of(&advised), advised.parts()) else { return Ok(None) };
     let lsb = f64::from(1u32 << (parts.sensors.adc_bits - 1));
     let ohm = ohm(&parts);
     let current_a = advised_v / ohm;
@@ -135,7 +135,7 @@ pub fn advise(case: &Case) -> Result<Option<(Settings, Case)>, CaseError> {
         block_noise_a: rig.noise_a(),
         block_noise_ppm: 1e6 * rig.noise_a() * (parts.circuit.rm_ohm + parts.amplifier.source_ohm) / advised_v,
     };
-    let settings = Settings { snippet: snippet(&told), block_samples, blocks, span, bandwidth_hz, drive };
+    let settings = Settings { snippet: snippet(&parts), block_samples, blocks, span, bandwidth_hz, drive };
     Ok(Some((settings, advised)))
 }
 
@@ -144,8 +144,8 @@ fn choose(blocks: &[BlockTime], present: u16) -> u16 {
     let time = |block: &BlockTime| block.lock_4hz_p95_ms.unwrap_or(f64::INFINITY);
     let fit = || blocks.iter().filter(|block| block.periods >= LEAST_PERIODS);
     let Some(best) = fit().min_by(|a, b| time(a).total_cmp(&time(b))) else { return present };
-    let kept = fit().any(|block| block.samples == present && time(block) <= KEPT * time(best));
-    if kept { present } else { best.samples }
+    let stays = fit().any(|block| block.samples == present && time(block) <= GOOD_ENOUGH * time(best));
+    if stays { present } else { best.samples }
 }
 
 /// What the amplifier sees at the series resonance, ohm.
@@ -178,10 +178,10 @@ fn largest_v(parts: &Parts<'_>) -> (f64, &'static str) {
     (rounded((volts / step + 1e-9).floor() * step), by)
 }
 
-/// Short of the antiresonance, if there is room for what may be told wrong.
+/// Short of the antiresonance, if there is room for the error of the nominal resonance.
 fn span(full: &Full) -> f64 {
     let room = SHORT_OF * (full.parallel_resonance_hz / full.series_resonance_hz - 1.0);
-    let span = if room > TOLD.resonance { SPAN.min(room) } else { SPAN };
+    let span = if room > NOMINAL_ERROR.resonance { SPAN.min(room) } else { SPAN };
     rounded((span / STEP + 1e-9).floor() * STEP)
 }
 

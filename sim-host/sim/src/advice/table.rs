@@ -90,9 +90,9 @@ fn lock(advice: &Advice) -> TableBlock {
         std::iter::once(format!("{:.0}", time.within_hz)).chain(times).collect()
     };
     let caption = format!(
-        "Rehearsed: {} cold starts of the firmware's tracker on the linear model; told are the resonance within 2 %, Q within a factor of 2, Lm \
-         within 10 %. The first block is silent. Bound: Cramer-Rao, from the \
-         first sample of the drive, with two blocks until what was heard is played.",
+        "Rehearsed: {} cold starts of the firmware's tracker on the linear model; the nominal values are off by up to 2 % (resonance), a factor of 2 (Q) and \
+         10 % (Lm). The first block is silent. Bound: Cramer-Rao, from the \
+         first sample of the drive, with two blocks from measurement to playback.",
         advice.prediction.draws
     );
     let header = ["to within [Hz]", "median [ms]", "bound [ms]", "95 % [ms]", "bound [ms]"];
@@ -134,7 +134,7 @@ fn steady(advice: &Advice) -> TableBlock {
         "current sampled later",
     ));
     let loss = it.loss_noticed_ms.map_or_else(|| "not within 1 s".into(), |ms| format!("{ms:.2} ms"));
-    rows.push(line("loss noticed after".into(), loss, String::new(), "nothing rings any more"));
+    rows.push(line("loss noticed after".into(), loss, String::new(), "the vibration has ended"));
     block("Predicted steady state", &["", "predicted", "bound", ""], rows, "")
 }
 

@@ -21,21 +21,21 @@ pub const ZERO_PHASE_M: f64 = 2.0;
 /// A transducer in full.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Full {
-    /// Series resonance, Hz.
+    /// Series resonance of the stack, Hz.
     pub series_resonance_hz: f64,
-    /// Parallel resonance, Hz.
+    /// Parallel resonance of the stack, Hz.
     pub parallel_resonance_hz: f64,
-    /// Quality factor.
+    /// Quality factor of the stack.
     pub q: f64,
-    /// Motional resistance, ohm.
+    /// Motional resistance of the stack, ohm.
     pub rm_ohm: f64,
-    /// Motional inductance, H.
+    /// Motional inductance of the stack, H.
     pub lm_h: f64,
-    /// Motional capacitance, F.
+    /// Motional capacitance of the stack, F.
     pub cm_f: f64,
-    /// Clamped capacitance, F.
+    /// Clamped capacitance of the stack, F.
     pub c0_f: f64,
-    /// Effective coupling.
+    /// Effective electromechanical coupling.
     pub coupling: f64,
     /// Figure of merit M.
     pub figure_of_merit: f64,
@@ -46,7 +46,7 @@ pub struct Full {
 }
 
 impl Full {
-    /// Of a circuit.
+    /// The derived values of a circuit.
     pub fn of(circuit: &Circuit) -> Self {
         let (hz, q) = (circuit.series_resonance_hz(), circuit.q());
         let Circuit { c0_f, cm_f, lm_h, rm_ohm, .. } = *circuit;

@@ -1,9 +1,9 @@
-//! The prediction put to the test: the whole controller, from its self-test on, on the plant of the scenes, many times. What may be told
-//! wrong is drawn anew each time, as for the prediction, and C0 within 5 % before its calibration.
+//! The prediction put to the test: the whole controller, from its self-test on, on the plant of the scenes, many times. The errors
+//! of the nominal values are drawn again each time, as for the prediction, and C0 within 5 % before its calibration.
 
 use serde::Serialize;
 
-use super::case::{Case, TOLD};
+use super::case::{Case, NOMINAL_ERROR};
 use super::prediction::BOUNDS_HZ;
 use crate::metrics::Metrics;
 use crate::study::{self, Options, StudyError};
@@ -11,8 +11,8 @@ use scene::Vary;
 use scene::load::{LoadError, load_text};
 use scene::resolved::resolved_toml;
 
-/// C0 as told is off by this part at most.
-const TOLD_C0: f64 = 0.05;
+/// Largest error of the nominal C0, relative.
+const NOMINAL_C0_ERROR: f64 = 0.05;
 /// Self-test, calibration and lock take less, s; and so many time constants of the resonance follow.
 const DURATION: (f64, f64) = (0.3, 4.0);
 /// Lock times, as metrics.
@@ -22,18 +22,18 @@ const LOCK_TIMES: [(&str, &str); 3] = [
     ("lock_time_4hz_ms", "lock_time_4hz_ms_p95"),
 ];
 
-/// What came of it.
+/// Results of the verification.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Verified {
-    /// Runs, and how many of them locked.
+    /// Number of runs.
     pub runs: u32,
-    /// That came to a lock.
+    /// Number of runs that locked.
     pub locked: f64,
-    /// That ended in a fault.
+    /// Number of runs that ended in a fault.
     pub faulted: f64,
-    /// That called themselves locked and were not.
+    /// Number of runs that reported a lock away from the resonance.
     pub false_locks: f64,
-    /// Times to lock.
+    /// Lock times to within several bounds.
     pub lock: Vec<Measured>,
     /// Standard deviation of the frequency played, Hz: median.
     pub jitter_hz: Option<f64>,
@@ -44,11 +44,11 @@ pub struct Verified {
 /// A lock time, measured.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Measured {
-    /// To within so much, Hz.
+    /// Bound to which the time is counted, Hz.
     pub within_hz: f64,
-    /// Median, ms.
+    /// Median of the lock times, ms.
     pub median_ms: Option<f64>,
-    /// 95th percentile, ms.
+    /// 95th percentile of the lock times, ms.
     pub p95_ms: Option<f64>,
 }
 
@@ -63,7 +63,7 @@ pub enum VerifyError {
     Study(#[from] StudyError),
 }
 
-/// Runs the advised settings so many times; `progress` is told how many have come to their end.
+/// Runs the advised settings so many times; `progress` receives the number of runs that have ended.
 pub fn verify(case: &Case, runs: u32, progress: &mut (dyn FnMut(f64) + Send)) -> Result<Verified, VerifyError> {
     let mut scene = case.scene().clone();
     let time_constant_s = case.parts().map_or(0.0, |parts| parts.circuit.time_constant_s());
@@ -71,10 +71,10 @@ pub fn verify(case: &Case, runs: u32, progress: &mut (dyn FnMut(f64) + Send)) ->
     let vary =
         |key: &str, spread: Option<f64>, factor: Option<f64>| Vary { key: key.into(), spread, factor, from: None, to: None };
     scene.vary = vec![
-        vary("stack.bvd.series_resonance_hz", Some(TOLD.resonance), None),
-        vary("controller.tracking.nominal_q", None, Some(TOLD.q)),
-        vary("controller.tracking.nominal_lm_h", Some(TOLD.lm), None),
-        vary("controller.tracking.nominal_c0_f", Some(TOLD_C0), None),
+        vary("stack.bvd.series_resonance_hz", Some(NOMINAL_ERROR.resonance), None),
+        vary("controller.tracking.nominal_q", None, Some(NOMINAL_ERROR.q)),
+        vary("controller.tracking.nominal_lm_h", Some(NOMINAL_ERROR.lm), None),
+        vary("controller.tracking.nominal_c0_f", Some(NOMINAL_C0_ERROR), None),
     ];
     let loaded = load_text("the advised scene", &resolved_toml(&scene), &[])?;
     let study = study::run(&loaded, Options { progress: Some(progress), ..Options::default() })?;

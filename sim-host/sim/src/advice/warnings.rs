@@ -7,7 +7,7 @@ use super::transducer::{Full, ZERO_PHASE_M};
 
 /// A ring-up longer than this is long, ms.
 const LONG_MS: f64 = 5.0;
-/// Rings are gone after so many time constants: to a hundredth.
+/// Time constants after which residual vibration has fallen to a hundredth.
 const GONE: f64 = 4.6;
 /// So many deviations of jitter hold for thousands of blocks.
 const DEVIATIONS: f64 = 4.0;
@@ -18,7 +18,7 @@ const LEFT: f64 = 0.5;
 /// A block that uses less of the sensor's range than this is little, parts.
 const LITTLE: f64 = 0.05;
 
-/// All that apply.
+/// All warnings that apply to a case.
 pub fn of(case: &Case, parts: &Parts<'_>, full: &Full, settings: &Settings, prediction: &Prediction) -> Vec<String> {
     let mut said = Vec::new();
     let drive = &settings.drive;
@@ -84,7 +84,7 @@ pub fn of(case: &Case, parts: &Parts<'_>, full: &Full, settings: &Settings, pred
     if case.modes > 0 {
         said.push(format!(
             "The scene has {} further mode{}, which this advice leaves out: a mode nearby pulls the lock point, and one in the window may be taken for \
-             the wanted one. Run the scene itself.",
+             the working mode. Run the scene itself.",
             case.modes,
             if case.modes == 1 { "" } else { "s" }
         ));

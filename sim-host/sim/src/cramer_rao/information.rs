@@ -1,24 +1,24 @@
-//! Fisher's information (Fisher 1922) of a few parameters, and what it says about one of them.
+//! Fisher's information (Fisher 1922) of a few parameters, and the least standard deviation of one of them.
 //!
-//! Samples `x(n) + noise` of independent noise with standard deviation s add `sum (dx/da)(dx/db) / s^2`; what was known beforehand with
+//! Samples `x(n) + noise` of independent noise with standard deviation s add `sum (dx/da)(dx/db) / s^2`; a prior of
 //! standard deviation p adds `1 / p^2` (van Trees 1968, section 2.4). No unbiased estimate has a smaller covariance than the inverse
 //! (Rao 1945, Cramer 1946).
 
 use super::response::PARAMETERS;
 
-/// What is known of a parameter beforehand.
+/// Prior knowledge of a parameter.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Knowledge {
-    /// Nothing.
+    /// The parameter is unknown.
     Unknown,
-    /// Its standard deviation, in the parameter's unit.
+    /// The parameter has a prior of this standard deviation, in its unit.
     Within(f64),
-    /// Everything.
+    /// The parameter is known exactly.
     Known,
 }
 
 impl Knowledge {
-    /// That it lies within so much to either side, anywhere as likely: as wide as a Gaussian of the same variance.
+    /// A uniform prior of this half width, in the parameter's unit, as the Gaussian of the same variance.
     pub fn either_side(half_width: f64) -> Self {
         Knowledge::Within(half_width / 3f64.sqrt())
     }
@@ -41,12 +41,12 @@ impl Information {
         }
     }
 
-    /// What it says about each pair with one parameter.
+    /// The information shared by one parameter with each of them.
     pub(super) fn column(&self, n: usize) -> [f64; PARAMETERS] {
         self.0[n]
     }
 
-    /// With what was known beforehand: no row or column for what is known.
+    /// The information with the priors added; rows and columns of known parameters are zero.
     pub(super) fn with(mut self, known: &[Knowledge; PARAMETERS]) -> Self {
         for (n, knowledge) in known.iter().enumerate() {
             match knowledge {
@@ -61,7 +61,7 @@ impl Information {
         self
     }
 
-    /// The inverse times a vector, by Cholesky's factors; what is known stays zero. `None` if something cannot be told.
+    /// The inverse times a vector, by Cholesky's factors; what is known stays zero. `None` if a parameter is not determined.
     pub(super) fn solve(&self, vector: &[f64; PARAMETERS], known: &[Knowledge; PARAMETERS]) -> Option<[f64; PARAMETERS]> {
         let is_known = |n: usize| known[n] == Knowledge::Known;
         // Ones on the diagonal: the units differ by orders.
@@ -93,7 +93,7 @@ impl Information {
         Some(std::array::from_fn(|n| x[n] * scale[n]))
     }
 
-    /// The least standard deviation of a weighted sum of the parameters; infinite if it cannot be told.
+    /// The least standard deviation of a weighted sum of the parameters; infinite if it is not determined.
     pub(super) fn deviation(&self, weight: &[f64; PARAMETERS], known: &[Knowledge; PARAMETERS]) -> f64 {
         let Some(x) = self.solve(weight, known) else { return f64::INFINITY };
         x.iter().zip(weight).map(|(x, weight)| x * weight).sum::<f64>().sqrt()

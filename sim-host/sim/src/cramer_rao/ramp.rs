@@ -1,4 +1,4 @@
-//! A resonance that drifts at a constant rate: how long a memory is best.
+//! The best length of memory for a resonance that drifts at a constant rate.
 //!
 //! ```text
 //! lag(T) = r (T - m(T) + latency),   jitter(T) = bound over a window of length T whose first state is not known
@@ -6,7 +6,7 @@
 //!
 //! The least-squares estimate of a resonance that is taken for constant is the true one at the moment m, the window's centre as its
 //! information is weighted: `m = (F^-1 F_r)_f`, `F_r` the information shared with the rate. What the current was when the window began is
-//! not known: a short window tells the resonance by how the current changes in it, and no more. An estimate that fits the slope, too, has
+//! not known: a short window determines the resonance only by the change of the current within it. An estimate that fits the slope, too, has
 //! no lag but more jitter.
 
 use super::information::Knowledge;
@@ -16,42 +16,42 @@ use super::{LAST_S, Setting, Start};
 /// The best memory for a ramp.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Compromise {
-    /// Length of the window, s.
+    /// Length of the estimator's window, s.
     pub memory_s: f64,
-    /// How far the estimate is behind, Hz.
+    /// Lag of the estimate behind the true resonance, Hz.
     pub lag_hz: f64,
-    /// Its noise, Hz rms.
+    /// Noise of the estimate, Hz rms.
     pub jitter_hz: f64,
 }
 
 impl Compromise {
-    /// Both together, Hz rms.
+    /// Lag and jitter together, Hz rms.
     pub fn error_hz(&self) -> f64 {
         self.lag_hz.hypot(self.jitter_hz)
     }
 }
 
-/// A window of something that goes on.
+/// The same experiment as a window of a continuing drive.
 fn going_on(setting: &Setting) -> Setting {
     let mut setting = Setting { start: Start::Settled, ..*setting };
-    setting.told.state = Knowledge::Unknown;
-    setting.told.resonance_hz = Knowledge::Unknown;
+    setting.prior.state = Knowledge::Unknown;
+    setting.prior.resonance_hz = Knowledge::Unknown;
     setting
 }
 
 /// The window of up to 5 ms that follows a ramp with the least error, by an estimate that takes the resonance for constant and that is
-/// played `latency_blocks` later. `None` if no window tells the resonance.
+/// played `latency_blocks` later. `None` if no window determines the resonance.
 pub fn ramp(setting: &Setting, hz_per_s: f64, latency_blocks: f64) -> Option<Compromise> {
     let setting = going_on(setting);
-    let told = setting.told.of_each();
+    let prior = setting.prior.of_each();
     let mut weight = [0.0; PARAMETERS];
     weight[Parameter::Resonance as usize] = 1.0;
-    let windows = setting.heard().take_while(|window| window.0 <= LAST_S).filter_map(|(memory_s, information)| {
+    let windows = setting.information().take_while(|window| window.0 <= LAST_S).filter_map(|(memory_s, information)| {
         let shared = information.column(Parameter::Rate as usize);
-        let information = information.with(&told);
-        let centre_s = information.solve(&shared, &told)?[Parameter::Resonance as usize];
+        let information = information.with(&prior);
+        let centre_s = information.solve(&shared, &prior)?[Parameter::Resonance as usize];
         let lag_hz = hz_per_s * (memory_s - centre_s + latency_blocks * setting.block_s);
-        Some(Compromise { memory_s, lag_hz, jitter_hz: information.deviation(&weight, &told) })
+        Some(Compromise { memory_s, lag_hz, jitter_hz: information.deviation(&weight, &prior) })
     });
     windows.min_by(|a, b| a.error_hz().total_cmp(&b.error_hz()))
 }
@@ -59,14 +59,14 @@ pub fn ramp(setting: &Setting, hz_per_s: f64, latency_blocks: f64) -> Option<Com
 /// Jitter, Hz rms, of an estimate by a window of this length, s, that fits the slope, too, and is played ahead by the latency.
 pub fn ramp_with_slope(setting: &Setting, memory_s: f64, latency_blocks: f64) -> f64 {
     let setting = going_on(setting);
-    let mut told = setting.told.of_each();
-    told[Parameter::Rate as usize] = Knowledge::Unknown;
+    let mut prior = setting.prior.of_each();
+    prior[Parameter::Rate as usize] = Knowledge::Unknown;
     let half_s = 0.5 / setting.sample_hz;
-    let Some((time_s, information)) = setting.heard().take_while(|window| window.0 < memory_s + half_s).last() else {
+    let Some((time_s, information)) = setting.information().take_while(|window| window.0 < memory_s + half_s).last() else {
         return f64::INFINITY;
     };
     let mut weight = [0.0; PARAMETERS];
     weight[Parameter::Resonance as usize] = 1.0;
     weight[Parameter::Rate as usize] = time_s + latency_blocks * setting.block_s;
-    information.with(&told).deviation(&weight, &told)
+    information.with(&prior).deviation(&weight, &prior)
 }

@@ -19,7 +19,7 @@ use plant::circuit::Circuit;
 /// What may be unknown: a place in derivatives and information.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Parameter {
-    /// Series resonance, Hz.
+    /// Series resonance of the stack, Hz.
     Resonance,
     /// Logarithm of the quality factor.
     Q,
@@ -27,7 +27,7 @@ pub(super) enum Parameter {
     Lm,
     /// Logarithm of the clamped capacitance.
     C0,
-    /// Voltage, relative.
+    /// Relative deviation of the voltage.
     Voltage,
     /// Phase of the voltage, rad.
     Phase,
@@ -71,7 +71,7 @@ struct State {
 }
 
 impl State {
-    /// Of a current that rings as `Re{phasor exp(j omega t)}`.
+    /// Response of a current `Re{phasor exp(j omega t)}`.
     fn of(phasor: Complex64, omega: f64) -> Self {
         State { current: phasor.re, charge: phasor.im / omega }
     }
@@ -154,7 +154,7 @@ impl Response {
             }
         }
 
-        // What was heard before a jump is the sum of both branches: the less C0 takes, the more was motional.
+        // The current measured before a jump is the sum of both branches: the less C0 takes, the more was motional.
         by[Parameter::C0 as usize].steady = clamped;
         if matches!(start, Start::Jump(_)) {
             by[Parameter::C0 as usize].free = poles.left_by(State::of(-clamped, omega));

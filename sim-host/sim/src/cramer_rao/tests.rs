@@ -10,13 +10,13 @@ pub(super) fn sensors(oversample: u8) -> Sensors {
 }
 
 /// Set A at 40 kHz, driven so far beside its resonance.
-pub(super) fn set_a(q: f64, beside_hz: f64, told: Told) -> Setting {
+pub(super) fn set_a(q: f64, beside_hz: f64, prior: PriorKnowledge) -> Setting {
     let circuit = Circuit { c0_f: 300e-9, cm_f: 20e-9, lm_h: 0.7916e-3, rm_ohm: 1.0, force_factor_n_per_v: 1.0 };
-    setting(circuit.with_q(q), beside_hz, told, &sensors(1))
+    setting(circuit.with_q(q), beside_hz, prior, &sensors(1))
 }
 
 /// From rest by 3 V.
-pub(super) fn setting(circuit: Circuit, beside_hz: f64, told: Told, sensors: &Sensors) -> Setting {
+pub(super) fn setting(circuit: Circuit, beside_hz: f64, prior: PriorKnowledge, sensors: &Sensors) -> Setting {
     let hz = circuit.series_resonance_hz() + beside_hz;
     Setting {
         circuit,
@@ -26,15 +26,15 @@ pub(super) fn setting(circuit: Circuit, beside_hz: f64, told: Told, sensors: &Se
         block_s: 32e-6,
         current_noise_a: noise(sensors, sensors.i_full_scale_a),
         voltage_noise_v: noise(sensors, sensors.v_full_scale_v),
-        told,
+        prior,
     }
 }
 
 /// The resonance is 200 Hz higher and the load heavier from t = 0 on; the drive was on the old resonance.
-pub(super) fn load_step(told: Told, oversample: u8) -> Setting {
-    let before = set_a(65.0, 0.0, told);
+pub(super) fn load_step(prior: PriorKnowledge, oversample: u8) -> Setting {
+    let before = set_a(65.0, 0.0, prior);
     let circuit = before.circuit.with_series_resonance(before.drive.hz + 200.0).with_q(20.0);
-    Setting { start: Start::Jump(before.circuit), drive: before.drive, ..setting(circuit, 0.0, told, &sensors(oversample)) }
+    Setting { start: Start::Jump(before.circuit), drive: before.drive, ..setting(circuit, 0.0, prior, &sensors(oversample)) }
 }
 
 /// Current and voltage at the end of each sample by Runge and Kutta's rule, of a circuit that may change, from this motional current and
@@ -47,7 +47,7 @@ pub(super) fn simulated(circuit: impl Fn(f64) -> Circuit, drive: &Drive, state: 
         let now = circuit(t);
         [(drive.volts * angle(t).cos() - now.rm_ohm * current - charge / now.cm_f) / now.lm_h, current]
     };
-    let (step_s, mut state, mut heard) = (1e-6 / f64::from(STEPS), state, Vec::new());
+    let (step_s, mut state, mut measured) = (1e-6 / f64::from(STEPS), state, Vec::new());
     for n in 0..samples * STEPS {
         let t = f64::from(n) * step_s;
         let along = |by: [f64; 2], part: f64| [state[0] + part * step_s * by[0], state[1] + part * step_s * by[1]];
@@ -59,10 +59,10 @@ pub(super) fn simulated(circuit: impl Fn(f64) -> Circuit, drive: &Drive, state: 
         if (n + 1) % STEPS == 0 {
             let end = f64::from(n + 1) * step_s;
             let clamped = -circuit(end).c0_f * omega * drive.volts * angle(end).sin();
-            heard.push([state[0] + clamped, drive.volts * angle(end).cos()]);
+            measured.push([state[0] + clamped, drive.volts * angle(end).cos()]);
         }
     }
-    heard
+    measured
 }
 
 /// Motional current and charge at the start.

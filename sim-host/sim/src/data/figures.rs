@@ -7,9 +7,9 @@ pub struct FigureData {
     pub id: &'static str,
     /// What is along its first column, with its unit.
     pub x: &'static str,
-    /// Its other columns, as far as a scene has them; `*` stands for any text.
+    /// Columns of the file after the first, as far as a scene has them; `*` stands for any text.
     pub columns: &'static [&'static str],
-    /// What it shows.
+    /// Contents of the figure.
     pub meaning: &'static str,
 }
 

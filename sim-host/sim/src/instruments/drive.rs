@@ -40,23 +40,22 @@ impl Instrument for Drive {
 /// Tip velocity three ways.
 fn tip_velocity(run: &View) -> Option<Figure> {
     let rows = run.rows;
-    let told = run.scene.controller.tracking.nominal_force_factor_n_per_v?;
+    let nominal = run.scene.controller.tracking.nominal_force_factor_n_per_v?;
     let mut series = Vec::new();
     if let Some(velocity) = run.scene.ordered_velocity_m_per_s() {
         series.push(curve(rows, "command", "tip_velocity_command_m_per_s", Style::Dashed, |row| velocity * row.envelope));
     }
     series.push(curve(rows, "controller's estimate", "tip_velocity_estimate_m_per_s", Style::Line, |row| {
-        row.motional_current_a / told
+        row.motional_current_a / nominal
     }));
     series.push(curve(rows, "truth", "tip_velocity_true_m_per_s", Style::Line, |row| row.truth.tip_velocity_m_per_s));
     let largest = binned(rows).map(|bin| mean(bin, |row| row.truth.tip_velocity_m_per_s)).fold(0.0, f64::max);
     (largest > 0.0).then(|| Figure {
         id: "tip-velocity".into(),
         title: "Tip velocity: command, estimate, truth".into(),
-        caption:
-            "Peak velocity of the tip. The estimate is the motional current over the force factor that the controller is told; \
+        caption: "Peak velocity of the tip. The estimate is the motional current over the controller's nominal force factor; \
                   the truth is the simulated stack's."
-                .into(),
+            .into(),
         x: axis("time [s]"),
         y: axis("tip velocity [m/s]"),
         series,

@@ -16,7 +16,7 @@ const SETTLE_PART: f64 = 1.0 / 3.0;
 
 /// A scene and the record of its run, with what all instruments share: which blocks are steady, and for how long the envelope has been constant.
 pub struct View<'a> {
-    /// The scene.
+    /// Scene that was run.
     pub scene: Driven<'a>,
     /// The record of its run.
     pub record: &'a Record,
@@ -31,7 +31,7 @@ pub struct View<'a> {
     pub(super) steps_s: Vec<f64>,
     /// What is settled comes so long after an edge, s.
     pub(super) settle_s: f64,
-    /// The friction switch holds what was wanted last from here on, s.
+    /// When the friction switch begins to hold its last set point, s.
     held_from_s: f64,
 }
 
@@ -85,10 +85,10 @@ impl<'a> View<'a> {
     /// Blocks of the run with this envelope, so long after an edge, s, and after the last step disturbance.
     pub(super) fn settled(&self, envelope: f64, settle_s: f64) -> impl Iterator<Item = &'a Row> + '_ {
         let last_step_s = self.steps_s.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-        let kept = move |row: &Row, calm: f64| {
+        let counts = move |row: &Row, calm: f64| {
             row.mode == Mode::Run && row.envelope == envelope && calm > settle_s && row.time_s > last_step_s
         };
-        self.rows.iter().zip(&self.calm_s).filter(move |&(row, &calm)| kept(row, calm)).map(|(row, _)| row)
+        self.rows.iter().zip(&self.calm_s).filter(move |&(row, &calm)| counts(row, calm)).map(|(row, _)| row)
     }
 
     /// Running, envelope one, some time after the last edge, and after the last step disturbance.

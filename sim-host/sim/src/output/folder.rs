@@ -2,7 +2,7 @@
 //!
 //! A run is written into a folder of its own within it, and moved from there when it is whole; the manifest comes last and lists the files, so
 //! that the next run removes exactly these. While files are moved the manifest says `complete: false` and lists those of both runs: whenever
-//! that ends, the next run knows what to clean up. Files that no manifest lists are somebody else's: they are neither removed nor written over.
+//! that ends, the next run knows what to clean up. Files that no manifest lists are not of a run: they are neither removed nor written over.
 
 use std::collections::BTreeSet;
 use std::fs::{self, File, TryLockError};
@@ -39,13 +39,13 @@ pub struct Folder {
 }
 
 impl Folder {
-    /// Makes the folder ready, before a run that may take long; refuses one with files of a run that has no manifest, or of somebody else.
+    /// Makes the folder ready, before a run that may take long; refuses one with files of a run that has no manifest, or of another origin.
     pub fn open(dir: &Path) -> Result<Self, OutputError> {
         let made = !dir.exists();
         fs::create_dir_all(dir).map_err(write(dir))?;
         let own = format!("{UNFINISHED}{}-{}", std::process::id(), COUNT.fetch_add(1, Ordering::Relaxed));
         let unfinished = dir.join(own);
-        // Nobody else takes the new folder for one that was left.
+        // No other process takes the new folder for one that was left.
         let _alone = locked(dir);
         former(dir)?;
         fs::create_dir_all(&unfinished).map_err(write(&unfinished))?;
@@ -127,7 +127,7 @@ fn remove_left(dir: &Path) {
     let Ok(entries) = fs::read_dir(dir) else { return };
     let left = entries.flatten().filter(|entry| entry.file_name().to_string_lossy().starts_with(UNFINISHED));
     for path in left.map(|entry| entry.path()) {
-        // Whoever lives holds the lock of its own.
+        // A process that lives holds the lock of its own folder.
         if let Ok(folder) = File::open(&path)
             && !matches!(folder.try_lock(), Err(TryLockError::WouldBlock | TryLockError::Error(_)))
         {

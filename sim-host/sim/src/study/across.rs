@@ -29,7 +29,7 @@ pub struct Across {
     pub peak_normal_n: f64,
 }
 
-/// Solves it; `pause` is called now and then in the runs that nobody watches.
+/// Solves the problem; `pause` is called now and then in the runs without a watch.
 pub(super) fn solve(
     problem: &Problem,
     model: &Hertz,

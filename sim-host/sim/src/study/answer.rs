@@ -6,9 +6,9 @@ use contact::{Problem, Solution};
 /// A problem and its solution.
 #[derive(Clone, Debug)]
 pub struct Answer {
-    /// The problem.
+    /// Problem that was solved.
     pub problem: Problem,
-    /// Its solution.
+    /// Solution of the problem.
     pub solution: Solution,
     /// The normal direction, if the vibration is across the surface.
     pub across: Option<Across>,

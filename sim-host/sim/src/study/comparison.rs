@@ -15,7 +15,7 @@ use scene::resolved::resolved_json;
 use scene::schema::Schema;
 use scene::{Case, Comparison, Equal, Scene};
 
-/// A comparison, run.
+/// Results of a comparison.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ComparisonResult {
     /// The comparison asked for.
@@ -29,7 +29,7 @@ pub struct ComparisonResult {
 /// The cases at equal peak, rms or power.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Matched {
-    /// What is equal.
+    /// Quantity that is equal in all cases.
     pub equal: Equal,
     /// The metric that is equal, of the first case.
     pub target: Option<f64>,
@@ -40,11 +40,11 @@ pub struct Matched {
 /// A case at equal peak, rms or power.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CaseResult {
-    /// Its name.
+    /// Name of the case.
     pub name: String,
-    /// Its amplitude, in the unit of the amplitude key.
+    /// Amplitude of the case, in the unit of the amplitude key.
     pub amplitude: f64,
-    /// Its metrics at that amplitude.
+    /// Metrics of the case at that amplitude.
     pub metrics: Metrics,
     /// How it was matched.
     pub standing: Standing,
@@ -53,17 +53,17 @@ pub struct CaseResult {
 /// How a case compares with the first.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Standing {
-    /// It is equal, to so much of a part.
+    /// The case is matched, up to a relative deviation.
     Equal {
         /// Its metric over the first case's, less one.
         off: f64,
     },
-    /// It would take more than is allowed; amplitude and metrics are those of the most that is.
+    /// A match would take more than the largest amplitude allowed; amplitude and metrics are those of the largest.
     Beyond {
         /// The amplitude that it would take.
         needs: f64,
     },
-    /// It cannot be matched: a run of it has no such metric. The amplitude is that run's.
+    /// The case cannot be matched, because a run of it has no such metric. The amplitude is that run's.
     Unmeasured {
         /// The fault that the run ended in, if that is why.
         fault: Option<Fault>,
@@ -181,8 +181,8 @@ fn number(scene: &Scene, key: &str) -> Option<f64> {
 fn allowed(scene: &Scene, key: &str) -> (f64, f64) {
     let (least, most) = Schema::root().at(key).map_or((None, None), Schema::range);
     let drive = scene.driven().map_or(f64::INFINITY, |scene| {
-        let loudest = scene.controller.phasing.gain_trim.iter().copied().fold(1.0, f64::max);
-        scene.controller.limits.voltage_v.min(scene.amplifier.full_scale_v) / loudest
+        let largest_trim = scene.controller.phasing.gain_trim.iter().copied().fold(1.0, f64::max);
+        scene.controller.limits.voltage_v.min(scene.amplifier.full_scale_v) / largest_trim
     });
     (least.unwrap_or(0.0), most.unwrap_or(f64::MAX).min(drive))
 }

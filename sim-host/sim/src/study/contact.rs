@@ -15,7 +15,7 @@ use scene::{Excited, Model, problem};
 /// A contact study, solved.
 #[derive(Clone, Debug)]
 pub struct Solved<'a> {
-    /// The scene.
+    /// Scene of the contact study.
     pub scene: Excited<'a>,
     /// The answer; none if it was stopped before there was one.
     pub answer: Option<Answer>,

@@ -22,7 +22,7 @@ const WAVE_PERIODS: f64 = 10.0;
 /// Where the controller of a study ran, and so what its result can show.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Level {
-    /// On the host.
+    /// The controller ran on the host.
     Sil,
     /// As thumb code in an emulator.
     Pil,
@@ -44,14 +44,14 @@ impl std::fmt::Display for Level {
     }
 }
 
-/// A driven run.
+/// A run in which the firmware drove, with its results.
 #[derive(Clone, Debug)]
 pub struct Run<'a> {
-    /// The scene.
+    /// Scene that was run.
     pub scene: Driven<'a>,
     /// Where the controller ran.
     pub level: Level,
-    /// What was recorded.
+    /// Record of the run.
     pub record: Record,
 }
 

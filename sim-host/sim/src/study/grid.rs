@@ -101,7 +101,7 @@ mod tests {
         read.into_iter().flatten().collect()
     }
 
-    /// Of each cell, whether its steady state alone gives the metric.
+    /// For each cell, whether its steady state alone gives the metric.
     fn steady(loaded: &Loaded, grid: &Grid) -> Vec<bool> {
         read(loaded, grid, |made| value(made, grid, Mean::named(&grid.metric)).map(|value| value.steady().is_some()))
     }
@@ -145,7 +145,7 @@ mod tests {
         }
     }
 
-    /// A cell is the scene with its keys set, as if it were read anew.
+    /// A cell is the scene with its keys set, as if it were read from its file.
     #[test]
     fn a_cell_is_a_scene_of_its_own() {
         for scene in ["contact-kinematic", "experiment-1", "experiment-2", "experiment-2-heavy", "usm-miscalibrated"] {

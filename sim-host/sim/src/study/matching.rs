@@ -13,7 +13,7 @@ const MOST_RUNS: usize = 12;
 pub struct Point {
     /// Amplitude, in the unit of its key.
     pub amplitude: f64,
-    /// The metric.
+    /// Metric that the run gave.
     pub metric: f64,
 }
 
@@ -31,9 +31,9 @@ pub struct Target {
 /// How it came out.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Found {
-    /// The best run.
+    /// The run that is nearest to the target.
     At(Point),
-    /// It would take more than the largest amplitude allowed.
+    /// A match would take more than the largest amplitude allowed.
     Beyond {
         /// The amplitude that it would take, by the slope of the last runs.
         needs: f64,
@@ -61,11 +61,11 @@ pub fn find<E>(
         if off(&best) <= CLOSE {
             break;
         }
-        let wanted = last.amplitude * (target.metric / last.metric).powf(1.0 / slope);
-        if wanted > target.allowed.1 && last.amplitude == target.allowed.1 {
-            return Ok(Found::Beyond { needs: wanted, reached: last });
+        let needed = last.amplitude * (target.metric / last.metric).powf(1.0 / slope);
+        if needed > target.allowed.1 && last.amplitude == target.allowed.1 {
+            return Ok(Found::Beyond { needs: needed, reached: last });
         }
-        let next = wanted.clamp(target.allowed.0, target.allowed.1);
+        let next = needed.clamp(target.allowed.0, target.allowed.1);
         if next == last.amplitude {
             break;
         }

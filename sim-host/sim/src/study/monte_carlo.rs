@@ -1,7 +1,7 @@
-//! Monte Carlo: a scene run many times, each time with a seed of its own and with what the scene varies drawn anew.
+//! Monte Carlo: a scene run many times, each time with a seed of its own and with what the scene varies drawn again.
 //!
 //! What run `r` of a scene is follows from the scene's seed and from `r` only ([`draw`]), so that a run can be repeated by itself and
-//! nothing depends on the number of threads. Of each run its metrics are kept and, if the firmware drives, how its frequency error
+//! nothing depends on the number of threads. Of each run its metrics are stored and, if the firmware drives, how its frequency error
 //! fell ([`error`]); its record is not, so that memory is a few kilobytes a run.
 
 pub mod draw;
@@ -65,9 +65,9 @@ pub struct MonteCarlo {
 /// One of the runs.
 #[derive(Clone, Debug, PartialEq)]
 pub struct OneRun {
-    /// What it drew.
+    /// Values that the run has drawn.
     pub draw: Draw,
-    /// Its metrics.
+    /// Metrics of the run.
     pub metrics: Metrics,
     /// Whether it came to a lock that was one.
     pub locked: bool,
@@ -116,7 +116,7 @@ impl MonteCarlo {
         worst.filter(|run| size(run) > 0.0)
     }
 
-    /// No runs.
+    /// A result without any runs.
     pub fn none() -> Self {
         MonteCarlo {
             keys: Vec::new(),

@@ -65,7 +65,7 @@ impl<'a> Plan<'a> {
         Ok(Plan { template, start, stop, progress: Mutex::new(progress), done: AtomicU32::new(0) })
     }
 
-    /// Makes the cell of each item, reads what is wanted of it, and counts it as done. Nothing of a cell that was stopped.
+    /// Makes the cell of each item, reads its result, and counts it as done. Nothing of a cell that was stopped.
     pub(super) fn run<I: Send, T: Send>(
         &self,
         items: Vec<I>,

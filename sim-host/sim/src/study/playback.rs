@@ -1,9 +1,9 @@
-//! What is kept of a contact study on its way: the last periods step by step, and the extremes of the whole run bin by bin. However
+//! The record of a contact study: the last periods step by step, and the extremes of the whole run bin by bin. However
 //! long the run, the playback stays as long as it is.
 
 use contact::State;
 
-/// Periods that are kept step by step.
+/// Periods that are recorded step by step.
 const LAST_PERIODS: f64 = 4.0;
 /// Most states of the last periods: beyond, every second is dropped, then every second of what is left, and so on.
 const MOST_STATES: usize = 1 << 14;
@@ -41,22 +41,22 @@ fn full_s(bin: &Bin, bin_s: f64) -> f64 {
 /// Smallest and largest value.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Range {
-    /// Smallest.
+    /// Smallest value in the range.
     pub least: f64,
-    /// Largest.
+    /// Largest value in the range.
     pub most: f64,
 }
 
 /// A part of a run.
 #[derive(Clone, Copy, Debug)]
 pub struct Bin {
-    /// Its end, s.
+    /// End of the bin, s.
     pub end_s: f64,
-    /// Friction, N.
+    /// Range of the friction, N.
     pub friction_n: Range,
-    /// Velocity x', m/s.
+    /// Range of the velocity x', m/s.
     pub velocity_m_per_s: Range,
-    /// Displacement x, m.
+    /// Range of the displacement x, m.
     pub displacement_m: Range,
     /// Integral of friction over the bin, by trapezoids, N s.
     friction_n_s: f64,
@@ -91,7 +91,7 @@ impl Bin {
         Bin { end_s, friction_n: nothing, velocity_m_per_s: nothing, displacement_m: nothing, friction_n_s: 0.0, seen_s: 0.0 }
     }
 
-    /// Mean friction, N.
+    /// Mean friction in the bin, N.
     pub fn mean_friction_n(&self) -> f64 {
         self.friction_n_s / self.seen_s
     }
@@ -119,7 +119,7 @@ impl Playback {
         }
     }
 
-    /// Takes a state; says whether a bin is full. Time that goes back is a run that begins anew.
+    /// Takes a state; says whether a bin is full. Time that goes back is the beginning of another run.
     #[inline]
     pub fn see(&mut self, state: &State) -> bool {
         let step_s = state.time_s - self.before.time_s;
@@ -128,7 +128,7 @@ impl Playback {
         }
         self.skipped += 1;
         if self.skipped >= self.every || (state.time_s >= self.last_from_s && !self.in_last_periods) {
-            self.keep(state);
+            self.record(state);
         }
         let full = state.time_s > self.full_s;
         if full {
@@ -163,12 +163,12 @@ impl Playback {
         &self.last
     }
 
-    /// The whole run.
+    /// Bins of the whole run.
     pub fn bins(&self) -> &[Bin] {
         &self.bins
     }
 
-    fn keep(&mut self, state: &State) {
+    fn record(&mut self, state: &State) {
         if state.time_s >= self.last_from_s && !self.in_last_periods {
             self.in_last_periods = true;
             self.last.clear();

@@ -20,17 +20,17 @@ pub type Progress<'a> = &'a mut (dyn FnMut(&str) + Send);
 
 /// A suite that was run.
 pub struct SuiteResult<'a> {
-    /// The suite.
+    /// Suite that was run.
     pub suite: &'a LoadedSuite,
-    /// Its cases, in order.
+    /// Results of the cases, in order.
     pub cases: Vec<CaseResult<'a>>,
-    /// Its targets, each for all cases that it is of.
+    /// Targets of the suite, each judged over all cases that it is for.
     pub judged: Vec<Judged>,
 }
 
 /// A case that was run.
 pub struct CaseResult<'a> {
-    /// The case.
+    /// Case that was run.
     pub case: &'a ReadyCase,
     /// Metrics of each run that came to its end.
     pub each: Vec<Metrics>,
@@ -45,7 +45,7 @@ pub struct CaseResult<'a> {
 
 /// A target, held against the cases that it is of.
 pub struct Judged {
-    /// The metric.
+    /// Metric of the target.
     pub metric: String,
     /// The limit, as text.
     pub limit: String,
@@ -120,8 +120,8 @@ impl<'a> CaseResult<'a> {
 fn derived(scene: &Scene, metrics: &Metrics, steps: &[Step]) -> Vec<(&'static str, Option<f64>)> {
     let Some(scene) = scene.driven() else { return Vec::new() };
     let Bounds { times_ms: [to_20_hz, to_4_hz], ramp_hz } = Bounds::of(&scene);
-    let loudest = scene.controller.drive.velocity_m_per_s;
-    let floor = scene.sliding().zip(loudest).zip(metrics.get("kappa"));
+    let tip_m_per_s = scene.controller.drive.velocity_m_per_s;
+    let floor = scene.sliding().zip(tip_m_per_s).zip(metrics.get("kappa"));
     let error = |step: &Step| Some((step.estimate? - step.truth).abs());
     let held = || steps.iter().filter(|step| !step.is_refused());
     let any = |value: f64| (!steps.is_empty()).then_some(value);
@@ -131,7 +131,7 @@ fn derived(scene: &Scene, metrics: &Metrics, steps: &[Step]) -> Vec<(&'static st
         ("bound_ramp_hz", ramp_hz),
         (
             "friction_floor",
-            floor.map(|(((_, slider), loudest), kappa)| closed::friction_ratio(slider.speed_m_per_s / loudest, kappa)),
+            floor.map(|(((_, slider), tip_m_per_s), kappa)| closed::friction_ratio(slider.speed_m_per_s / tip_m_per_s, kappa)),
         ),
         ("friction_ratio_estimate_error", held().filter_map(error).reduce(f64::max)),
         ("friction_ratios", any(steps.len() as f64)),

@@ -24,7 +24,7 @@ pub struct Law {
 }
 
 impl Law {
-    /// Its frequency so long after its beginning, Hz.
+    /// Frequency of the sweep so long after its beginning, Hz.
     pub fn frequency_hz(&self, after_s: f64) -> f64 {
         let share = after_s / self.time_s;
         if self.exponential {

@@ -38,7 +38,7 @@ pub(super) fn first(series: &[f64], zeros: usize) -> Option<f64> {
     None
 }
 
-/// The zero between a place that is not below zero and one that is: Newton, kept within by bisection.
+/// The zero between a place that is not below zero and one that is: Newton's method, bracketed by bisection.
 fn locate(polynomial: &[f64], mut from: f64, mut to: f64) -> f64 {
     let mut at = 0.5 * (from + to);
     for _ in 0..80 {

@@ -268,7 +268,7 @@ where
         part.kicks[..part.count].iter().map(|(when, kick)| kick * value(&self.kernel, since(*when))).sum()
     }
 
-    /// The same of the velocity, m/s.
+    /// How much the kicks so far have changed the velocity at a moment of the part, m/s.
     pub fn answer_velocity(&self, part: &Substep<N>, at: f64) -> f64 {
         let since = |when: f64| (at - when) * part.unit_s;
         part.kicks[..part.count].iter().map(|(when, kick)| kick * slope(&self.kernel, since(*when))).sum()

@@ -8,13 +8,13 @@ const TWO: f64 = 0.288_675_134_594_812_88;
 const THREE: f64 = 0.387_298_334_620_741_7;
 
 impl<const K: usize> Nodes<K> {
-    /// Where they are.
+    /// Places of the nodes, as parts of the step.
     pub const AT: [f64; K] = pick([0.5], [0.5 - TWO, 0.5 + TWO], [0.5 - THREE, 0.5, 0.5 + THREE]);
-    /// Their weights.
+    /// Weights of the nodes, whose sum is one.
     pub const WEIGHT: [f64; K] = pick([1.0], [0.5, 0.5], [5.0 / 18.0, 8.0 / 18.0, 5.0 / 18.0]);
     /// Weights of a mean that knows the ends, their slopes and their curvatures, too; exact for degree 7, 7 and 9.
     const MEAN: [f64; K] = pick([16.0 / 35.0], [27.0 / 35.0; 2], [125.0 / 189.0, 352.0 / 945.0, 125.0 / 189.0]);
-    /// The same of the ends, and of slopes and curvatures there: one number for each K.
+    /// Weights of the ends, of their slopes and of their curvatures: one number for each K.
     const OUTER: (f64, f64, f64) = match K {
         1 => (19.0 / 70.0, 1.0 / 35.0, 1.0 / 840.0),
         2 => (-19.0 / 70.0, -1.0 / 20.0, -1.0 / 420.0),
@@ -35,9 +35,9 @@ impl<const K: usize> Nodes<K> {
 /// What is known at an end of a step.
 #[derive(Clone, Copy, Debug)]
 pub struct End {
-    /// Value.
+    /// Value of the function at the end.
     pub value: f64,
-    /// Its rate.
+    /// Slope of the function at the end.
     pub slope: f64,
     /// The rate of that.
     pub curvature: f64,

@@ -8,13 +8,13 @@ use super::quadrature::Nodes;
 
 /// Numbers side by side.
 pub(super) trait SimdNodes: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> {
-    /// The last lane.
+    /// Number of the last lane.
     const END: usize;
 
     /// A number for each lane.
     fn each(of: impl Fn(usize) -> f64) -> Self;
 
-    /// The same number in all lanes.
+    /// One number in all lanes.
     fn all(value: f64) -> Self;
 
     /// The number in a lane.
@@ -61,7 +61,7 @@ impl SimdNodes for f64x4 {
 
 /// How many lanes that takes.
 pub(super) trait Places {
-    /// The lanes.
+    /// Type that holds a number for each node.
     type Lanes: SimdNodes;
 }
 

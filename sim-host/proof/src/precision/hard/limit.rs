@@ -22,7 +22,7 @@ const LOOKS: u32 = 256;
 pub struct Limit {
     /// Mean of sgn V over the window.
     pub coulomb: f64,
-    /// The same of a stiff Dahl contact, with the lag after each reversal.
+    /// Mean friction ratio of a stiff Dahl contact, with the lag after each reversal.
     pub lagging: f64,
 }
 

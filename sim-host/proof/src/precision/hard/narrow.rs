@@ -1,4 +1,4 @@
-//! Single precision: fit for use if the phase begins anew every period, and not if the time is added up.
+//! Single precision: fit for use if the phase restarts every period, and not if the time is added up.
 
 use super::{Check, Found, last, linexp};
 use crate::precision::single::{Clock, run};

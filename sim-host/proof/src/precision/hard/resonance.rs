@@ -90,7 +90,7 @@ pub fn damped_without_friction() -> Result<Found, SolveError> {
     })
 }
 
-/// Damped, with friction.
+/// Resonance of a damped oscillator with friction.
 pub fn damped_with_friction() -> Result<Found, SolveError> {
     let problem = driven(SETTLED, 1.0, ZETA);
     let (end, _) = last(|mut watch| method::run(&problem, 64, 4, Options::Plain, &mut watch))?;

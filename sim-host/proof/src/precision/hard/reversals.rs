@@ -83,7 +83,7 @@ pub fn touching() -> Result<Found, SolveError> {
     })
 }
 
-/// The same of a motion that is given: the slip touches zero once a period and is never below it, but for round-off.
+/// A given motion whose slip velocity touches zero once a period and is never below it, but for round-off.
 pub fn touching_given_motion() -> Result<Found, SolveError> {
     let standard = table_4_1(1.0, 200.0);
     let waveform = Waveform::new(Shape::Sine, standard.vibration_m_per_s(), DRIVE_HZ, standard.duration_s);

@@ -104,7 +104,7 @@ pub fn table() -> TableBlock {
     )
 }
 
-/// The contradictions.
+/// Contradictions in the equations of the beam.
 pub fn errata() -> Vec<Erratum> {
     let of = |id, place: &str, places, instead| {
         let found = printed().into_iter().find(|equation| equation.place == place);

@@ -76,7 +76,7 @@ fn sliding_work() -> Result<Erratum, SolveError> {
     Ok(Erratum {
         id: "energy-sliding-work",
         places: "4.23, 4.24, 4.28",
-        printed: "With ultrasonics the slide still takes Fn Vt T, and m Vt^2/2 anew in every T.",
+        printed: "With ultrasonics the slide still takes Fn Vt T, and m Vt^2/2 again in every T.",
         instead: "With ultrasonics it takes r Fn Vt T; a constant speed takes no kinetic energy.",
         evidence: Check::new(
             "velocity ratio 0.5, first ms from rest",

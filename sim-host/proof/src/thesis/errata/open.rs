@@ -14,7 +14,7 @@ use contact::{Shape, Sign};
 /// Something that must be chosen before the equations have an answer.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Choice {
-    /// What is open.
+    /// Question that the thesis leaves open.
     pub what: &'static str,
     /// What is chosen here.
     pub here: &'static str,
@@ -22,7 +22,7 @@ pub struct Choice {
     pub numbers: Vec<(String, f64)>,
 }
 
-/// All open choices.
+/// All choices that the thesis leaves open.
 pub fn choices() -> Result<Vec<Choice>, SolveError> {
     Ok([oscillator()?, waveforms()?].concat())
 }

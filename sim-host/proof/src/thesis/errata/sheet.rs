@@ -8,7 +8,7 @@ use crate::thesis::motor::{
     DENSITY_5A_KG_PER_M3, DENSITY_5H_KG_PER_M3, DENSITY_KG_PER_M3, DENSITY_SIMULATED_KG_PER_M3, MEASURED_HZ, Pattern, Sheet,
 };
 
-/// What disagrees.
+/// Contradictions in the values of the sheet.
 pub fn errata() -> Vec<Erratum> {
     vec![material(), density(), pattern()]
 }

@@ -21,7 +21,7 @@ fn shaped(name: &str, shape: fn(f64) -> f64) -> Curve {
     Curve { name: name.into(), lasting: Box::new(lasting), lag_s: LAG_S }
 }
 
-/// All of them.
+/// All laws that are compared.
 pub fn all() -> Vec<Curve> {
     let used = EmpiricalLaw::FITTED;
     let (q, s) = (used.amplitude_exponent, used.amplitude_load_exponent);
@@ -50,15 +50,15 @@ pub fn all() -> Vec<Curve> {
     ]
 }
 
-/// Lags, s, with which the words about ON times are kept: from, to, in steps of a millisecond.
+/// Lags, s, with which the statement about ON times is met: from, to, in steps of a millisecond.
 fn lags() -> (f64, f64) {
-    let keeps = |ms: &u32| {
+    let meets = |ms: &u32| {
         let used = EmpiricalLaw::FITTED;
         refitted(String::new(), 1e-3 * f64::from(*ms), used.amplitude_exponent, used.amplitude_load_exponent).bottoms_out()
     };
-    let kept: Vec<u32> = (1..2000).filter(keeps).collect();
+    let met: Vec<u32> = (1..2000).filter(meets).collect();
     let seconds = |ms: Option<&u32>| ms.map_or(f64::NAN, |&ms| 1e-3 * f64::from(ms));
-    (seconds(kept.first()), seconds(kept.last()))
+    (seconds(met.first()), seconds(met.last()))
 }
 
 /// The laws side by side.
@@ -66,17 +66,17 @@ pub fn table() -> TableBlock {
     let row = |curve: Curve| {
         let at = |load: f64| format!("{:.1}", curve.percent(load, AMPLITUDES[1], 2.0));
         let on = [0.5, 1.0, 2.5].map(|on_s| format!("{:.1}", curve.percent(LOADS_N[0], AMPLITUDES[1], on_s))).join(", ");
-        let kept = curve.words().map(|word| if word.kept { "yes" } else { "no" }).join(", ");
+        let met = curve.statements().map(|statement| if statement.met { "yes" } else { "no" }).join(", ");
         let gains = [LOADS_N[0], LOADS_N[1]].map(|load| format!("{:.2}", curve.gain(load)));
         let [light, middle] = gains;
         let between = if curve.falls_between() { "yes" } else { "no" };
-        vec![curve.name.clone(), at(270.0), at(450.0), at(670.0), light, middle, on, kept, between.into()]
+        vec![curve.name.clone(), at(270.0), at(450.0), at(670.0), light, middle, on, met, between.into()]
     };
     let (from, to) = lags();
     let caption = format!(
-        "Reduction in per cent after 2 s at {} mm/s and 70 %, each law with R0 and p through the two stated numbers where it has them. Words \
-         kept: ON times, load, amplitude at 270 N, amplitude at 450 N. The law as used keeps them at the loads tested; between 270 and 450 N \
-         it rises a little at 50 %, which q 0.07, s 2.4 does not. Lags from {} to {} s keep the words about ON times.",
+        "Reduction in per cent after 2 s at {} mm/s and 70 %, each law with R0 and p through the two stated numbers where it has them. Statements \
+         met: ON times, load, amplitude at 270 N, amplitude at 450 N. The law as used meets them at the loads tested; between 270 and 450 N \
+         it rises a little at 50 %, which q 0.07, s 2.4 does not. Lags from {} to {} s meet the statement about ON times.",
         significant(1e3 * SPEED_M_PER_S),
         significant(from),
         significant(to)
@@ -105,20 +105,20 @@ pub fn table() -> TableBlock {
 mod tests {
     use super::*;
 
-    /// What is stated leaves room: lags of 0.35 to 0.55 s, and other exponents, keep every word.
+    /// What is stated leaves room: lags of 0.35 to 0.55 s, and other exponents, meet every statement.
     #[test]
-    fn the_words_do_not_determine_the_law() {
+    fn the_statements_do_not_determine_the_law() {
         let all = all();
-        let kept = |name: &str| all.iter().find(|curve| curve.name == name).unwrap().words().map(|word| word.kept);
+        let met = |name: &str| all.iter().find(|curve| curve.name == name).unwrap().statements().map(|statement| statement.met);
         for name in ["as used", "lag 0.35 s", "lag 0.55 s", "q 0.055, s 3", "q 0.07, s 2.4", "q 0.09, s 6", "straight over W"] {
-            assert_eq!(kept(name), [true; 4], "{name}");
+            assert_eq!(met(name), [true; 4], "{name}");
         }
         for (name, broken) in [("lag 0.25 s", 0), ("lag 0.8 s", 0), ("q 0.078, s 0", 3), ("q 0, s 4", 2), ("q 0.15, s 5", 1)] {
-            assert!(!kept(name)[broken], "{name}");
+            assert!(!met(name)[broken], "{name}");
         }
         let falls = |name: &str| all.iter().find(|curve| curve.name == name).unwrap().falls_between();
         assert!(falls("q 0.07, s 2.4") && !falls("as used"));
-        assert_eq!(kept("Hertz's contact, its stiffness through 58 %"), [true, true, true, false]);
+        assert_eq!(met("Hertz's contact, its stiffness through 58 %"), [true, true, true, false]);
     }
 
     /// By hand: 1 - exp(-1 / lag) = 0.95 at 0.3338 s; the other end from exp(-2 / lag) - exp(-2.5 / lag).

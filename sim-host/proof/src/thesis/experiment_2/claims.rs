@@ -14,7 +14,7 @@ const SIGNIFICANT: f64 = 1.0;
 const INSIGNIFICANT: f64 = 0.5;
 const FIT: &str = "scene experiment-2, FITTED";
 
-/// All of them.
+/// All claims of the second experiment.
 pub fn all(runs: &Runs) -> Result<Vec<Claim>, SolveError> {
     let hertz = Hertz::through(0.01 * POINTS[0].percent);
     Ok(vec![
@@ -196,11 +196,11 @@ fn amplitude(runs: &Runs, hertz: &Hertz, index: usize, holds: fn(f64) -> bool) -
 /// At 450 and 670 N the amplitude would have to rise: can it?
 fn made_up_for(hertz: &Hertz) -> Claim {
     let curve = Curve::fitted();
-    let wanted = curve.percent(LOADS_N[0], AMPLITUDES[1], 2.0);
+    let target = curve.percent(LOADS_N[0], AMPLITUDES[1], 2.0);
     let by_law = |load: f64| {
         let most = curve.percent(load, 1.0, 2.0);
-        let numbers = vec![number("wanted [%]", wanted), number("at full amplitude [%]", most)];
-        Check::new(format!("{load} N; the law, FITTED, at 100 %"), most >= wanted, numbers)
+        let numbers = vec![number("target [%]", target), number("at full amplitude [%]", most)];
+        Check::new(format!("{load} N; the law, FITTED, at 100 %"), most >= target, numbers)
     };
     let by_hertz = |load: f64| {
         // The same a/d0, and d0 goes with the load's power 2/3.

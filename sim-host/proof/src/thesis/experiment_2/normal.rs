@@ -27,7 +27,7 @@ pub const WOVEN_PA: f64 = 100e6;
 /// A contact of a stiffness, N/m^1.5.
 #[derive(Clone, Copy, Debug)]
 pub struct Hertz {
-    /// The stiffness.
+    /// Stiffness of the contact, N/m^1.5.
     pub stiffness_n_per_m15: f64,
 }
 
@@ -44,11 +44,11 @@ pub fn reduction(ratio: f64) -> f64 {
 }
 
 /// The amplitude, in static deflections, that a reduction takes.
-pub fn ratio_for(wanted: f64) -> f64 {
+pub fn ratio_for(target: f64) -> f64 {
     let (mut low, mut high) = (1e-3f64, 1e6f64);
     for _ in 0..100 {
         let middle = (low * high).sqrt();
-        if reduction(middle) < wanted { low = middle } else { high = middle }
+        if reduction(middle) < target { low = middle } else { high = middle }
     }
     (low * high).sqrt()
 }
@@ -61,12 +61,12 @@ pub fn far(ratio: f64) -> f64 {
 
 impl Hertz {
     /// The contact whose reduction at 270 N and 70 % is this.
-    pub fn through(wanted: f64) -> Self {
-        let static_m = AMPLITUDES[1] * FULL_M / ratio_for(wanted);
+    pub fn through(target: f64) -> Self {
+        let static_m = AMPLITUDES[1] * FULL_M / ratio_for(target);
         Hertz { stiffness_n_per_m15: LOADS_N[0] / static_m.powf(1.5) }
     }
 
-    /// Static deflection, m.
+    /// Static deflection under a load, m.
     pub fn static_m(&self, load_n: f64) -> f64 {
         (load_n / self.stiffness_n_per_m15).powf(2.0 / 3.0)
     }

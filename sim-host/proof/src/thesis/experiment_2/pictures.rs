@@ -18,7 +18,7 @@ const CELL_HZ: f64 = 80.0;
 const FIT: &str = "FIT: the scene experiment-2 as run, controller and stack simulated, the belt by the empirical law. mu 0.3 is assumed, so only \
                    ratios can be compared. Reading of the load cell; in the first tenth of a second calibration and lock shake the belt.";
 
-/// All of them.
+/// All figures of the second experiment.
 pub fn all(runs: &Runs) -> Result<Vec<Figure>, SolveError> {
     Ok(vec![
         duration(runs)?,

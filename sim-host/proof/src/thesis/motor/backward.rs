@@ -41,7 +41,8 @@ impl Errors {
         kx.cos() * wt.cos() + (1.0 + self.gain) * kx.sin() * (wt + self.phase_rad).sin()
     }
 
-    /// The same by projecting samples of the displacement, as of a scanning vibrometer, on both waves.
+    /// The backward wave over the forward one, by projecting samples of the displacement, as of a scanning vibrometer, on both
+    /// waves.
     pub fn backward_by_projection(&self) -> f64 {
         const N: u32 = 24;
         let angle = |i: u32| TAU * f64::from(i) / f64::from(N);
@@ -57,7 +58,8 @@ impl Errors {
         onto(-1.0) / onto(1.0)
     }
 
-    /// The same by the largest and the smallest amplitude along the wave: (S - 1)/(S + 1) of the standing wave ratio S.
+    /// The backward wave over the forward one, by the largest and the smallest amplitude along the wave: (S - 1)/(S + 1) of the
+    /// standing wave ratio S.
     pub fn backward_by_envelope(&self) -> f64 {
         let along =
             (0..4000).map(|i| TAU * f64::from(i) / 4000.0).map(|kx| self.field(kx, 0.0).hypot(self.field(kx, 0.25 * TAU)));

@@ -1,6 +1,6 @@
 //! How long charge takes to spread over an electrode (B.6).
 //!
-//! A tab is a playback with resistance along it and capacitance through the sheet: fed at one end, the far end follows as
+//! A tab is a film with resistance along it and capacitance through the sheet: fed at one end, the far end follows as
 //! `V(L)/V(0) = 1/cosh(sqrt(i w R C))`.
 
 use std::f64::consts::TAU;
@@ -12,31 +12,31 @@ use super::sheet::{PERMITTIVITY, SIDE_M, THICKNESS_M, VACUUM_F_PER_M};
 
 /// Resistivity of nickel in bulk at 20 C, Ohm m (*CRC Handbook of Chemistry and Physics*: 6.93 at 20 C).
 const NICKEL_OHM_M: f64 = 6.93e-8;
-/// Thickness of the playback, m: 1000 angstroms (B.4.1).
+/// Thickness of the film, m: 1000 angstroms (B.4.1).
 const FILM_M: f64 = 100e-9;
 /// Speed of light, m/s.
 const LIGHT_M_PER_S: f64 = 299_792_458.0;
 
 /// An electrode that is fed along one edge.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Playback {
+pub struct Electrode {
     /// Length from the fed edge, m.
     pub length_m: f64,
-    /// Width, m.
+    /// Width of the electrode, m.
     pub width_m: f64,
-    /// Resistivity over that of nickel in bulk; a thin sputtered playback has more.
+    /// Resistivity over that of nickel in bulk; a thin sputtered film has more.
     pub resistivity: f64,
 }
 
-impl Playback {
+impl Electrode {
     /// A tab, fed at its end.
-    pub fn tab(resistivity: f64) -> Playback {
-        Playback { length_m: SIDE_M, width_m: Pattern::PRINTED.width_m, resistivity }
+    pub fn tab(resistivity: f64) -> Electrode {
+        Electrode { length_m: SIDE_M, width_m: Pattern::PRINTED.width_m, resistivity }
     }
 
     /// The whole face, fed along an edge.
-    pub fn whole(resistivity: f64) -> Playback {
-        Playback { length_m: SIDE_M, width_m: SIDE_M, resistivity }
+    pub fn whole(resistivity: f64) -> Electrode {
+        Electrode { length_m: SIDE_M, width_m: SIDE_M, resistivity }
     }
 
     /// Resistance from end to end, Ohm.
@@ -73,9 +73,9 @@ mod tests {
     /// A ladder of resistors and capacitors, from its open end.
     #[test]
     fn the_far_end_is_that_of_a_ladder() {
-        let playback = Playback::tab(30.0);
+        let electrode = Electrode::tab(30.0);
         let rungs = 2000;
-        let (r, c) = (playback.ohm() / f64::from(rungs), playback.farad() / f64::from(rungs));
+        let (r, c) = (electrode.ohm() / f64::from(rungs), electrode.farad() / f64::from(rungs));
         let omega = TAU * 40e3;
         let (mut voltage, mut current) = (Complex64::new(1.0, 0.0), Complex64::default());
         for _ in 0..rungs {
@@ -84,15 +84,15 @@ mod tests {
         }
         let ladder = 1.0 / voltage;
         // A rung is a 2000th of the line.
-        assert!((ladder - playback.far_end(40e3)).norm() < 1e-3, "{ladder} {}", playback.far_end(40e3));
+        assert!((ladder - electrode.far_end(40e3)).norm() < 1e-3, "{ladder} {}", electrode.far_end(40e3));
     }
 
     #[test]
     fn a_short_line_lags_by_half_of_rc() {
-        let playback = Playback::tab(1.0);
-        let expected = (0.5 * TAU * 40e3 * playback.ohm() * playback.farad()).to_degrees();
-        assert!((playback.lag_deg(40e3) / expected - 1.0).abs() < 1e-3, "{}", playback.lag_deg(40e3));
+        let electrode = Electrode::tab(1.0);
+        let expected = (0.5 * TAU * 40e3 * electrode.ohm() * electrode.farad()).to_degrees();
+        assert!((electrode.lag_deg(40e3) / expected - 1.0).abs() < 1e-3, "{}", electrode.lag_deg(40e3));
         // 13 squares of 0.69 ohm, and 6.3 nF.
-        assert!((playback.ohm() - 9.0).abs() < 0.05 && (1e9 * playback.farad() - 6.33).abs() < 0.01);
+        assert!((electrode.ohm() - 9.0).abs() < 0.05 && (1e9 * electrode.farad() - 6.33).abs() < 0.01);
     }
 }

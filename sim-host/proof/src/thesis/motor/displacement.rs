@@ -34,7 +34,7 @@ fn lift(k: f64, z_m: f64) -> f64 {
     highest.fold(0.0, f64::max) / MEASURED_M
 }
 
-/// The claims.
+/// Claims about the displacement.
 pub fn claims() -> Vec<Claim> {
     vec![tens_and_hundreds(), twenty(), layer()]
 }

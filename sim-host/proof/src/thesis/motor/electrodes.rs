@@ -29,18 +29,18 @@ pub enum Order {
 /// Tabs on the sheet.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pattern {
-    /// How many.
+    /// Number of tabs.
     pub tabs: u32,
     /// Width of a tab, m.
     pub width_m: f64,
     /// Gap between two, m.
     pub gap_m: f64,
-    /// Their signals.
+    /// Order of the tabs' signals.
     pub order: Order,
 }
 
 impl Order {
-    /// The same in words.
+    /// The order in words.
     pub fn words(self) -> &'static str {
         match self {
             Order::FourPhase => "each tab a quarter period after the last",
@@ -50,7 +50,7 @@ impl Order {
 }
 
 impl Pattern {
-    /// The prototype's (B.4.1).
+    /// Pattern of the prototype (B.4.1).
     pub const PRINTED: Pattern = Pattern { tabs: 12, width_m: 0.2196 * INCH_M, gap_m: 0.0196 * INCH_M, order: Order::FourPhase };
 
     /// Distance of the tabs, m.
@@ -140,7 +140,7 @@ pub fn figures() -> Vec<Figure> {
     ]
 }
 
-/// The claims.
+/// Claims about the electrodes.
 pub fn claims() -> Vec<Claim> {
     vec![fills(), travels()]
 }

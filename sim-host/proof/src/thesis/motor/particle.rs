@@ -29,7 +29,7 @@ impl Face {
         Face { amplitude_m: MEASURED_M, omega: TAU * frequency_hz, k, z_m: sheet.face_m() }
     }
 
-    /// B.11, m.
+    /// Displacement by equation B.11, m.
     fn w(&self, x: f64, t: f64) -> f64 {
         self.amplitude_m * (self.omega * t - self.k * x).sin()
     }
@@ -93,7 +93,7 @@ pub fn figure() -> Figure {
     }
 }
 
-/// The claims.
+/// Claims about the motion of a particle.
 pub fn claims() -> Vec<Claim> {
     vec![ellipse(), towards_source()]
 }

@@ -9,7 +9,7 @@ pub fn all_pass_deg(frequency_hz: f64, own_hz: f64) -> f64 {
     -2.0 * (frequency_hz / own_hz).atan().to_degrees()
 }
 
-/// The claim.
+/// Claim about drives that are not in quadrature.
 pub fn claim() -> Claim {
     let [low, high] = MEASURED_HZ;
     let check = |condition: &str, own: f64, at: f64| {

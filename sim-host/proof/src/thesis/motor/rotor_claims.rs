@@ -35,7 +35,7 @@ fn no_load_mm_per_s(frequency_hz: f64, voltage_v: f64, load_at_60_v: f64) -> f64
     contact.speed(0.0).unwrap_or(0.0) * crest_mm_per_s(frequency_hz, voltage_v)
 }
 
-/// Speed over voltage.
+/// Figure of the speed over the voltage.
 pub fn figure() -> Figure {
     let volts = sweep::spaced(1.0, 80.0, 159);
     let of = |value: &dyn Fn(f64) -> f64| volts.iter().map(|&v| value(v)).collect::<Vec<_>>();
@@ -58,7 +58,7 @@ pub fn figure() -> Figure {
     draw("app-b-rotor", "Appendix B.7: speed of the rotor over voltage", caption, axes, all)
 }
 
-/// The claims.
+/// Claims about the rotor.
 pub fn claims() -> Vec<Claim> {
     vec![voltage(), opposing(), friction(), torque()]
 }

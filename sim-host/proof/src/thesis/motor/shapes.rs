@@ -4,7 +4,7 @@
 //! sheet, and it no longer looks like a wave that travels.
 
 use super::backward::{AMPLIFIER_DEG, Errors, standing_wave_ratio};
-use super::charge::{Playback, travel_s};
+use super::charge::{Electrode, travel_s};
 use super::electrodes::{Order, Pattern, TRAVELS};
 use super::sheet::{QUALITY, SIDE_M, Sheet};
 use super::{MEASURED_HZ, plate};
@@ -13,7 +13,7 @@ use crate::thesis::picture::{dashed, figure as draw, line, ranged};
 use crate::thesis::sweep;
 use report::{Figure, Marker};
 
-/// How much more a thin sputtered playback may resist than nickel in bulk.
+/// How much more a thin sputtered film may resist than nickel in bulk.
 const THIN_FILM: f64 = 3.0;
 /// Imbalance of the two standing waves beside the phase error.
 const IMBALANCE: f64 = 0.1;
@@ -33,7 +33,7 @@ fn degrees(frequency_hz: f64, delay_s: f64) -> f64 {
 pub fn figure() -> Figure {
     let khz = sweep::spaced(2.0, 50.0, 481);
     let of = |value: &dyn Fn(f64) -> f64| khz.iter().map(|khz| value(1e3 * khz)).collect::<Vec<_>>();
-    let tab = Playback::tab(THIN_FILM);
+    let tab = Electrode::tab(THIN_FILM);
     let pattern = |hz: f64| Pattern::PRINTED.weaker_over_stronger(Sheet::BEAM.wave_number(hz));
     let series = vec![
         line("tabs that do not fit the wave", "pattern", &khz, of(&pattern)),
@@ -53,7 +53,7 @@ pub fn figure() -> Figure {
     drawn
 }
 
-/// The claims.
+/// Claims about the shapes of the waves.
 pub fn claims() -> Vec<Claim> {
     vec![charge(), amplifier(), erratic()]
 }
@@ -66,13 +66,13 @@ fn spoils(condition: impl Into<String>, backward: f64, mut numbers: Vec<(String,
 
 fn charge() -> Claim {
     let at = MEASURED_HZ[1];
-    let playback = |condition: &str, playback: Playback| {
-        let lag = playback.lag_deg(at);
+    let electrode = |condition: &str, electrode: Electrode| {
+        let lag = electrode.lag_deg(at);
         let numbers = vec![
-            number("resistance [ohm]", playback.ohm()),
-            number("capacitance [nF]", 1e9 * playback.farad()),
+            number("resistance [ohm]", electrode.ohm()),
+            number("capacitance [nF]", 1e9 * electrode.farad()),
             number("lag of the far end [deg]", lag),
-            number("voltage there over that at the feed", playback.far_end(at).norm()),
+            number("voltage there over that at the feed", electrode.far_end(at).norm()),
         ];
         spoils(condition, Errors::degrees(lag).backward(), numbers)
     };
@@ -83,9 +83,9 @@ fn charge() -> Claim {
         section: "B.6",
         says: "Charge needs a finite time through the electrode, and so the shapes are erratic (amplitude varying more than twofold).",
         checks: vec![
-            playback("a tab fed at its end, nickel as in bulk, 40 kHz", Playback::tab(1.0)),
-            playback("a tab fed at its end, three times that resistivity, 40 kHz", Playback::tab(THIN_FILM)),
-            playback("the whole face fed along an edge, three times, 40 kHz", Playback::whole(THIN_FILM)),
+            electrode("a tab fed at its end, nickel as in bulk, 40 kHz", Electrode::tab(1.0)),
+            electrode("a tab fed at its end, three times that resistivity, 40 kHz", Electrode::tab(THIN_FILM)),
+            electrode("the whole face fed along an edge, three times, 40 kHz", Electrode::whole(THIN_FILM)),
             spoils("light through the ceramic, 40 kHz", Errors::degrees(light).backward(), numbers),
         ],
     }

@@ -45,9 +45,9 @@ pub const DENSITY_5A_KG_PER_M3: f64 = 7750.0;
 pub struct Sheet {
     /// Young's modulus along the wave, Pa.
     pub modulus_pa: f64,
-    /// Density, kg/m^3.
+    /// Density of the material, kg/m^3.
     pub density_kg_per_m3: f64,
-    /// Thickness, m.
+    /// Thickness of the layer, m.
     pub thickness_m: f64,
     /// Poisson's ratio: zero for a narrow beam, whose sides are free to move.
     pub poisson: f64,

@@ -4,10 +4,10 @@ use super::*;
 
 fn cases() -> [Setting; 4] {
     [
-        set_a(65.0, 400.0, Told::NOTHING),
-        Setting { start: Start::Settled, ..set_a(65.0, 400.0, Told::NOTHING) },
-        load_step(Told::NOTHING, 1),
-        set_a(3.0, -2000.0, Told::NOTHING),
+        set_a(65.0, 400.0, PriorKnowledge::NONE),
+        Setting { start: Start::Settled, ..set_a(65.0, 400.0, PriorKnowledge::NONE) },
+        load_step(PriorKnowledge::NONE, 1),
+        set_a(3.0, -2000.0, PriorKnowledge::NONE),
     ]
 }
 
@@ -20,10 +20,10 @@ fn the_current_is_that_of_the_differential_equation() {
     let mut worst: f64 = 0.0;
     for setting in cases() {
         let response = Response::new(&setting.circuit, &setting.drive, &setting.start);
-        for (n, heard) in simulated(|_| setting.circuit, &setting.drive, first_state(&setting), 1000).iter().enumerate() {
+        for (n, measured) in simulated(|_| setting.circuit, &setting.drive, first_state(&setting), 1000).iter().enumerate() {
             let t = time_s(n);
-            assert!((response.voltage(t).0 - heard[1]).abs() < 1e-11);
-            worst = worst.max((response.current(t).0 - heard[0]).abs());
+            assert!((response.voltage(t).0 - measured[1]).abs() < 1e-11);
+            worst = worst.max((response.current(t).0 - measured[0]).abs());
         }
     }
     // 1.2e-10 A of up to 1 A: what is left are Runge and Kutta's steps.
@@ -82,8 +82,8 @@ fn the_first_state_rings_down() {
         let response = Response::new(&setting.circuit, &setting.drive, &setting.start);
         let silent = Drive { volts: 0.0, ..setting.drive };
         for (parameter, state) in [(Parameter::State, [1.0, 0.0]), (Parameter::StateQuadrature, [0.0, 1.0 / omega])] {
-            for (n, heard) in simulated(|_| setting.circuit, &silent, state, 500).iter().enumerate() {
-                worst = worst.max((response.current(time_s(n)).1[parameter as usize] - heard[0]).abs());
+            for (n, measured) in simulated(|_| setting.circuit, &silent, state, 500).iter().enumerate() {
+                worst = worst.max((response.current(time_s(n)).1[parameter as usize] - measured[0]).abs());
             }
         }
     }
@@ -94,7 +94,7 @@ fn the_first_state_rings_down() {
 /// The sum before the jump is known: with more C0 less of it was motional.
 #[test]
 fn what_c0_took_before_a_jump_was_not_motional() {
-    let setting = load_step(Told::NOTHING, 1);
+    let setting = load_step(PriorKnowledge::NONE, 1);
     let (response, part) = (Response::new(&setting.circuit, &setting.drive, &setting.start), 1e-4);
     let omega = std::f64::consts::TAU * setting.drive.hz;
     let clamped = Complex64::new(0.0, omega * setting.circuit.c0_f) * setting.drive.phasor() * part;

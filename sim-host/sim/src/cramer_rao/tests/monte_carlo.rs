@@ -30,21 +30,21 @@ fn expected(setting: &Setting, by: &[f64; 6], samples: usize) -> Vec<f64> {
         .collect()
 }
 
-/// Gauss and Newton's fit; what it finds, as a distance from the truth. `told` is where each parameter was said to be.
-fn fit(setting: &Setting, heard: &[f64], told: &[f64; 6]) -> [f64; 6] {
-    let knowledge = &setting.told.of_each()[..6];
+/// Gauss and Newton's fit; the result as a distance from the truth. `prior` is the mean of each parameter's prior.
+fn fit(setting: &Setting, measured: &[f64], prior: &[f64; 6]) -> [f64; 6] {
+    let knowledge = &setting.prior.of_each()[..6];
     let free: Vec<usize> = (0..6).filter(|&n| knowledge[n] != Knowledge::Known).collect();
     let mut at = [100.0, 0.2, 0.05, 0.002, 0.0, 0.0];
     (0..6).filter(|n| !free.contains(n)).for_each(|n| at[n] = 0.0);
     for _ in 0..7 {
-        let model = expected(setting, &at, heard.len() / 2);
+        let model = expected(setting, &at, measured.len() / 2);
         let by: Vec<Vec<f64>> = free
             .iter()
             .map(|&n| {
                 let beside = |sign: f64| {
                     let mut other = at;
                     other[n] += sign * STEPS[n];
-                    expected(setting, &other, heard.len() / 2)
+                    expected(setting, &other, measured.len() / 2)
                 };
                 beside(1.0).iter().zip(beside(-1.0)).map(|(a, b)| (a - b) / (2.0 * STEPS[n])).collect()
             })
@@ -52,10 +52,10 @@ fn fit(setting: &Setting, heard: &[f64], told: &[f64; 6]) -> [f64; 6] {
         let rows = free.iter().enumerate().map(|(row, &n)| {
             let mut sums: Vec<f64> = by.iter().map(|other| by[row].iter().zip(other).map(|(a, b)| a * b).sum()).collect();
             let mut right: f64 =
-                by[row].iter().zip(heard.iter().zip(&model)).map(|(by, (heard, model))| by * (heard - model)).sum();
+                by[row].iter().zip(measured.iter().zip(&model)).map(|(by, (measured, model))| by * (measured - model)).sum();
             if let Knowledge::Within(deviation) = knowledge[n] {
                 sums[row] += deviation.powi(-2);
-                right += (told[n] - at[n]) / deviation.powi(2);
+                right += (prior[n] - at[n]) / deviation.powi(2);
             }
             sums.push(right);
             sums
@@ -78,7 +78,7 @@ fn ratio(setting: &Setting, oversample: u8, samples: u32) -> f64 {
                 let sum: f64 = (0..oversample).map(|_| f64::from(adc.convert(value)) - 2048.0).sum();
                 sum * lsb / f64::from(oversample)
             };
-            let heard: Vec<f64> = pure
+            let measured: Vec<f64> = pure
                 .iter()
                 .flat_map(|&[i, v]| {
                     [
@@ -88,12 +88,12 @@ fn ratio(setting: &Setting, oversample: u8, samples: u32) -> f64 {
                 })
                 .collect();
             let mut chance = Adc::new(&Sensors { adc_bits: 16, noise_lsb: 1000.0, ..sensors.clone() }, 32.768, 3 * seed + 3);
-            // What was told is off by its own standard deviation: a Gaussian in steps of a thousandth.
-            let told = std::array::from_fn(|n| match setting.told.of_each()[n] {
+            // The mean of a prior is off by the prior's standard deviation: a Gaussian in steps of a thousandth.
+            let prior = std::array::from_fn(|n| match setting.prior.of_each()[n] {
                 Knowledge::Within(deviation) => deviation * (f64::from(chance.convert(0.0)) - 32768.0) / 1000.0,
                 _ => 0.0,
             });
-            fit(setting, &heard, &told)[0].powi(2)
+            fit(setting, &measured, &prior)[0].powi(2)
         })
         .sum();
     let error_hz = (square / SEEDS as f64).sqrt();
@@ -105,18 +105,21 @@ fn ratio(setting: &Setting, oversample: u8, samples: u32) -> f64 {
 #[test]
 fn fits_reach_the_bound() {
     let cold = |q: f64| {
-        let setting = set_a(q, 400.0, Told::NOTHING);
-        Setting { told: Told::cold(setting.drive.hz, 0.02), ..super::setting(setting.circuit, 400.0, setting.told, &sensors(2)) }
+        let setting = set_a(q, 400.0, PriorKnowledge::NONE);
+        Setting {
+            prior: PriorKnowledge::cold(setting.drive.hz, 0.02),
+            ..super::setting(setting.circuit, 400.0, setting.prior, &sensors(2))
+        }
     };
-    let heard = Told { voltage: Knowledge::Unknown, ..Told::LM_AND_C0 };
+    let measured = PriorKnowledge { voltage: Knowledge::Unknown, ..PriorKnowledge::LM_AND_C0 };
     let cases = [
-        ("Q 65, nothing told", set_a(65.0, 400.0, Told::NOTHING), 1, 200),
-        ("Q 65, nothing told", set_a(65.0, 400.0, Told::NOTHING), 1, 500),
-        ("Q 500, nothing told", set_a(500.0, 0.0, Told::NOTHING), 1, 300),
-        ("Q 20, Lm and C0 told, voltage heard", set_a(20.0, 0.0, heard), 1, 200),
-        ("Q 65, told as at a cold start", cold(65.0), 2, 100),
-        ("Q 200, told as at a cold start", cold(200.0), 2, 300),
-        ("load step, Lm and C0 told", load_step(Told::LM_AND_C0, 1), 1, 100),
+        ("Q 65, no priors", set_a(65.0, 400.0, PriorKnowledge::NONE), 1, 200),
+        ("Q 65, no priors", set_a(65.0, 400.0, PriorKnowledge::NONE), 1, 500),
+        ("Q 500, no priors", set_a(500.0, 0.0, PriorKnowledge::NONE), 1, 300),
+        ("Q 20, Lm and C0 known, voltage measured", set_a(20.0, 0.0, measured), 1, 200),
+        ("Q 65, priors of a cold start", cold(65.0), 2, 100),
+        ("Q 200, priors of a cold start", cold(200.0), 2, 300),
+        ("load step, Lm and C0 known", load_step(PriorKnowledge::LM_AND_C0, 1), 1, 100),
     ];
     for (name, setting, oversample, samples) in cases {
         print!("{name:36}");

@@ -2,7 +2,7 @@
 
 use super::*;
 
-/// Blocks from what is heard to what is played.
+/// Blocks from a measured one to the one that plays its estimate.
 const LATENCY_BLOCKS: f64 = 3.0;
 const TIMES_S: [f64; 6] = [50e-6, 100e-6, 200e-6, 300e-6, 500e-6, 1e-3];
 
@@ -16,8 +16,10 @@ const STUDY: [(f64, [f64; 6], [f64; 6]); 2] = [
 #[test]
 fn a_study_of_the_same_stack_found_the_same() {
     for (q, unknown, known) in STUDY {
-        for (told, name, figures) in [(Told::NOTHING, "all unknown", unknown), (Told::LM_AND_C0, "Lm, C0 known", known)] {
-            let here = TIMES_S.map(|time_s| bound_at(&set_a(q, 400.0, told), time_s));
+        for (prior, name, figures) in
+            [(PriorKnowledge::NONE, "all unknown", unknown), (PriorKnowledge::LM_AND_C0, "Lm, C0 known", known)]
+        {
+            let here = TIMES_S.map(|time_s| bound_at(&set_a(q, 400.0, prior), time_s));
             println!("Q {q:3} {name:13} {here:8.3?} study {figures:?}");
             for (here, figure) in here.iter().zip(figures) {
                 // Its figures have two digits. The worst are 0.0744 for 0.07, and 63.1 for 67 at 50 us.
@@ -25,7 +27,7 @@ fn a_study_of_the_same_stack_found_the_same() {
             }
         }
     }
-    let settled = steady(&set_a(65.0, 0.0, Told::LM_AND_C0), 1e-3);
+    let settled = steady(&set_a(65.0, 0.0, PriorKnowledge::LM_AND_C0), 1e-3);
     assert!((settled - 0.0285).abs() < 5e-5, "{settled}");
 }
 
@@ -34,7 +36,7 @@ fn milliseconds(time_s: Option<f64>) -> String {
 }
 
 fn stacks() -> Vec<(String, Circuit, Sensors)> {
-    let of_a = |q: f64| (format!("40 kHz Q {q}"), set_a(q, 0.0, Told::NOTHING).circuit, sensors(2));
+    let of_a = |q: f64| (format!("40 kHz Q {q}"), set_a(q, 0.0, PriorKnowledge::NONE).circuit, sensors(2));
     let welder = Circuit { c0_f: 10e-9, cm_f: 0.2e-9, lm_h: 316.6e-3, rm_ohm: 25.0, force_factor_n_per_v: 1.0 };
     let small = Sensors { i_full_scale_a: 0.1, ..sensors(2) };
     [20.0, 65.0, 200.0, 500.0].map(of_a).into_iter().chain([("20 kHz Q 1592, 0.1 A".into(), welder, small)]).collect()
@@ -42,40 +44,42 @@ fn stacks() -> Vec<(String, Circuit, Sensors)> {
 
 #[test]
 fn the_table() {
-    println!("cold start 1 % beside, told f0 2 %, Lm 10 %, Q x2, C0 0.25 %; 3 V, 12 bit, 1 LSB, 2 conversions; latency 3 blocks");
+    println!(
+        "cold start 1 % beside, priors f0 2 %, Lm 10 %, Q x2, C0 0.25 %; 3 V, 12 bit, 1 LSB, 2 conversions; latency 3 blocks"
+    );
     println!(
         "stack                  voltage  Hz rms at 50/100/200/300/500/1000 us                    ms to 20 Hz, 4 Hz  steady 1 ms"
     );
     for (name, circuit, sensors) in stacks() {
         let nominal_hz = circuit.series_resonance_hz() * 1.01;
-        for (heard, voltage) in [("known", Knowledge::Known), ("heard", Knowledge::Unknown)] {
-            let told = Told { voltage, ..Told::cold(nominal_hz, 0.02) };
-            let cold = setting(circuit, 0.01 * circuit.series_resonance_hz(), told, &sensors);
+        for (voltage_name, voltage) in [("known", Knowledge::Known), ("measured", Knowledge::Unknown)] {
+            let prior = PriorKnowledge { voltage, ..PriorKnowledge::cold(nominal_hz, 0.02) };
+            let cold = setting(circuit, 0.01 * circuit.series_resonance_hz(), prior, &sensors);
             let rms = TIMES_S.map(|time_s| bound_at(&cold, time_s));
             let to = [20.0, 4.0].map(|hz| milliseconds(time_to(&cold, hz, LATENCY_BLOCKS)));
-            let on = setting(circuit, 0.0, Told { voltage, ..Told::LM_AND_C0 }, &sensors);
-            println!("{name:22} {heard:8} {rms:8.3?} {} {} {:8.4}", to[0], to[1], steady(&on, 1e-3));
+            let on = setting(circuit, 0.0, PriorKnowledge { voltage, ..PriorKnowledge::LM_AND_C0 }, &sensors);
+            println!("{name:22} {voltage_name:8} {rms:8.3?} {} {} {:8.4}", to[0], to[1], steady(&on, 1e-3));
             assert!(rms.is_sorted_by(|a, b| a >= b));
         }
     }
     println!("load step +200 Hz, Q 65 to 20 at t = 0: ms to 20 Hz, 4 Hz, 3 blocks of latency in it");
-    let priors = Told { q: Knowledge::Unknown, resonance_hz: Knowledge::Unknown, ..Told::cold(40e3, 0.02) };
-    for (name, told) in [
-        ("all unknown, moment and state known", Told::NOTHING),
-        ("Lm, C0, moment and state known", Told::LM_AND_C0),
-        ("the same, voltage heard", Told { voltage: Knowledge::Unknown, ..Told::LM_AND_C0 }),
-        ("Lm 10 %, C0 0.25 %, voltage heard", priors),
-        ("the same, moment and state unknown", Told { state: Knowledge::Unknown, ..priors }),
+    let priors = PriorKnowledge { q: Knowledge::Unknown, resonance_hz: Knowledge::Unknown, ..PriorKnowledge::cold(40e3, 0.02) };
+    for (name, prior) in [
+        ("all unknown, moment and state known", PriorKnowledge::NONE),
+        ("Lm, C0, moment and state known", PriorKnowledge::LM_AND_C0),
+        ("the same, voltage measured", PriorKnowledge { voltage: Knowledge::Unknown, ..PriorKnowledge::LM_AND_C0 }),
+        ("Lm 10 %, C0 0.25 %, voltage measured", priors),
+        ("the same, moment and state unknown", PriorKnowledge { state: Knowledge::Unknown, ..priors }),
     ] {
-        let step = load_step(told, 2);
+        let step = load_step(prior, 2);
         let to = [20.0, 4.0].map(|hz| milliseconds(time_to(&step, hz, LATENCY_BLOCKS)));
         println!("  {name:36} {} {}", to[0], to[1]);
     }
     println!(
-        "ramp of 10 kHz/s, Lm and C0 known, voltage heard: best memory ms, lag Hz, jitter Hz rms; with slope at 0.5, 1, 2 ms"
+        "ramp of 10 kHz/s, Lm and C0 known, voltage measured: best memory ms, lag Hz, jitter Hz rms; with slope at 0.5, 1, 2 ms"
     );
     for (name, circuit, sensors) in stacks() {
-        let on = setting(circuit, 0.0, Told { voltage: Knowledge::Unknown, ..Told::LM_AND_C0 }, &sensors);
+        let on = setting(circuit, 0.0, PriorKnowledge { voltage: Knowledge::Unknown, ..PriorKnowledge::LM_AND_C0 }, &sensors);
         for blocks in [0.0, LATENCY_BLOCKS] {
             let best = ramp(&on, 10e3, blocks).unwrap();
             let slope = [0.5e-3, 1e-3, 2e-3].map(|memory_s| ramp_with_slope(&on, memory_s, blocks));

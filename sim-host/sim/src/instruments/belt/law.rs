@@ -3,7 +3,7 @@
 use contact::empirical::{EmpiricalLaw, reached};
 use report::{TableBlock, significant};
 
-/// Loads, N (3.2.3.2).
+/// Loads of the experiment, N (3.2.3.2).
 pub const LOADS_N: [f64; 3] = [270.0, 450.0, 670.0];
 /// Amplitudes, part of the full one (3.2.3.2).
 pub const AMPLITUDES: [f64; 2] = [0.5, 0.7];
@@ -16,11 +16,11 @@ pub const LAG_S: f64 = 0.45;
 
 /// A number that is stated.
 pub struct Point {
-    /// Load, N.
+    /// Load on the belt, N.
     pub load_n: f64,
-    /// Speed, m/s.
+    /// Speed of the belt, m/s.
     pub speed_m_per_s: f64,
-    /// Reduction, %.
+    /// Reduction of the friction, %.
     pub percent: f64,
     /// Where, and what is not stated with it.
     pub source: &'static str,
@@ -58,21 +58,21 @@ const INSIGNIFICANT: f64 = 0.5;
 
 /// A law with a lag.
 pub struct Curve {
-    /// What it is.
+    /// Name of the law, in tables.
     pub name: String,
     /// Part of the friction that goes in the end, of load, N, speed, m/s, and amplitude, part of the full one.
     pub lasting: Box<dyn Fn(f64, f64, f64) -> f64>,
-    /// Lag, s.
+    /// Lag of the friction, s.
     pub lag_s: f64,
 }
 
-/// Words of the thesis, and whether a law keeps them.
-pub struct Word {
-    /// What is said.
+/// A statement of the thesis, and whether a law meets it.
+pub struct Statement {
+    /// The statement with its section, and the criterion in numbers.
     pub says: &'static str,
-    /// Whether the law says so too.
-    pub kept: bool,
-    /// By which numbers.
+    /// Whether the law meets the statement.
+    pub met: bool,
+    /// The law's numbers that decide it.
     pub numbers: String,
 }
 
@@ -92,7 +92,7 @@ impl Curve {
         self.at_speed(load_n, SPEED_M_PER_S, amplitude, on_s)
     }
 
-    /// Reduction, %.
+    /// Reduction at a speed of the belt, %.
     pub fn at_speed(&self, load_n: f64, speed_m_per_s: f64, amplitude: f64, on_s: f64) -> f64 {
         100.0 * reached((self.lasting)(load_n, speed_m_per_s, amplitude), on_s, self.lag_s)
     }
@@ -118,32 +118,32 @@ impl Curve {
         at(1.0) < BOTTOMED * lasting && at(2.5) - at(2.0) < SIGNIFICANT
     }
 
-    /// The thesis's words.
-    pub fn words(&self) -> [Word; 4] {
+    /// The four statements of the thesis in words, each held against the law.
+    pub fn statements(&self) -> [Statement; 4] {
         let at = |on_s: f64| self.percent(LOADS_N[0], AMPLITUDES[1], on_s);
         let over_load = |amplitude: f64| LOADS_N.map(|load| self.percent(load, amplitude, 2.0));
         let falls = |values: [f64; 3]| values.windows(2).all(|pair| pair[1] < pair[0]);
         let list = |values: &[f64]| values.iter().map(|&value| significant(value)).collect::<Vec<_>>().join(", ");
         let [half, more] = AMPLITUDES.map(over_load);
         [
-            Word {
+            Statement {
                 says: "3.2.3.1: 0.5 and 1 s do not bottom out (1 s: less than 95 % of what lasts), more than 2 s gains nothing (less than a point)",
-                kept: self.bottoms_out(),
+                met: self.bottoms_out(),
                 numbers: format!("0.5, 1, 2, 2.5 s: {} %", list(&[0.5, 1.0, 2.0, 2.5].map(at))),
             },
-            Word {
+            Statement {
                 says: "3.2.3.2: the reduction falls with the load, at 50 % and at 70 %",
-                kept: falls(half) && falls(more),
+                met: falls(half) && falls(more),
                 numbers: format!("270, 450, 670 N: at 50 % {} %, at 70 % {} %", list(&half), list(&more)),
             },
-            Word {
+            Statement {
                 says: "3.2.3.3: at 270 N more at 70 % than at 50 % (a point or more)",
-                kept: self.gain(LOADS_N[0]) >= SIGNIFICANT,
+                met: self.gain(LOADS_N[0]) >= SIGNIFICANT,
                 numbers: format!("{} points", significant(self.gain(LOADS_N[0]))),
             },
-            Word {
+            Statement {
                 says: "3.2.3.3: at 450 N no significant change from 50 % to 70 % (less than half a point)",
-                kept: self.gain(LOADS_N[1]).abs() < INSIGNIFICANT,
+                met: self.gain(LOADS_N[1]).abs() < INSIGNIFICANT,
                 numbers: format!("{} points", significant(self.gain(LOADS_N[1]))),
             },
         ]
@@ -155,7 +155,7 @@ fn exponent_for(points: f64, percent: f64) -> f64 {
     (1.0 - points / percent).ln() / (AMPLITUDES[0] / AMPLITUDES[1]).ln()
 }
 
-/// The smallest q with which 270 N keeps the words about the amplitude.
+/// The smallest q with which 270 N meets the statement about the amplitude.
 fn least_q() -> f64 {
     exponent_for(SIGNIFICANT, POINTS[0].percent)
 }
@@ -173,7 +173,7 @@ fn least_s(q: f64) -> f64 {
     (q / exponent_for(INSIGNIFICANT, percent)).ln() / (LOADS_N[1] / LOADS_N[0]).ln()
 }
 
-/// The stated points and words with what a law says instead.
+/// The stated points and statements beside the values of a law.
 pub fn residuals(law: EmpiricalLaw, lag_s: f64) -> TableBlock {
     let curve = Curve::of("", law, lag_s);
     let point = |point: &Point| {
@@ -182,11 +182,11 @@ pub fn residuals(law: EmpiricalLaw, lag_s: f64) -> TableBlock {
             format!("{} % at {} N, {} mm/s, 70 %, 2 s", point.percent, point.load_n, significant(1e3 * point.speed_m_per_s));
         vec![says, format!("{got:.2} %"), format!("{:+.2} points", got - point.percent), point.source.into()]
     };
-    let word = |word: Word| {
-        let kept = if word.kept { "met" } else { "not met" };
-        vec![word.says.into(), word.numbers, kept.into(), "thesis, in words".into()]
+    let statement = |statement: Statement| {
+        let result = if statement.met { "met" } else { "not met" };
+        vec![statement.says.into(), statement.numbers, result.into(), "thesis, in words".into()]
     };
-    let rows = POINTS.iter().map(point).chain(curve.words().into_iter().map(word)).collect();
+    let rows = POINTS.iter().map(point).chain(curve.statements().into_iter().map(statement)).collect();
     let caption = "In closed form: the law with its lag. The thesis states two numbers and the four sentences; nothing else of the law is known.";
     TableBlock::new(
         "law-residuals",

@@ -9,7 +9,7 @@ use crate::tables::precise;
 use plant::circuit_of;
 use report::TableBlock;
 
-/// Command (or what the controller was told), estimate, truth.
+/// The table of command (or nominal value), estimate and truth.
 pub(super) fn three_ways(run: &View, metrics: &Metrics) -> TableBlock {
     let steady: Vec<&Row> = run.steady().collect();
     let mean = |value: &dyn Fn(&Row) -> f64| {
@@ -21,8 +21,9 @@ pub(super) fn three_ways(run: &View, metrics: &Metrics) -> TableBlock {
     let truth = circuit_of(&run.scene);
     let identified =
         |value: fn(&firmware::seam::transducer::Transducer) -> f32| found.as_ref().map(|found| f64::from(value(found)));
-    let velocity_estimate =
-        tracking.nominal_force_factor_n_per_v.and_then(|told| mean(&|row| row.motional_current_a).map(|amperes| amperes / told));
+    let velocity_estimate = tracking
+        .nominal_force_factor_n_per_v
+        .and_then(|nominal| mean(&|row| row.motional_current_a).map(|amperes| amperes / nominal));
     let mut rows = vec![
         (
             "drive frequency, steady [Hz]",
@@ -60,7 +61,7 @@ pub(super) fn three_ways(run: &View, metrics: &Metrics) -> TableBlock {
     let deviation = |what: &str| found.as_ref().and_then(|found| stated(what, &found.deviations));
     let rows = rows
         .into_iter()
-        .map(|(what, told, found, truth)| vec![what.into(), cell(told), cell(found), cell(deviation(what)), cell(truth)])
+        .map(|(what, command, found, truth)| vec![what.into(), cell(command), cell(found), cell(deviation(what)), cell(truth)])
         .collect();
     TableBlock::new(
         "three-ways",

@@ -9,7 +9,7 @@ use crate::study::driven::WAVE;
 use crate::study::sweep_record::TITLE;
 use report::{Figure, Series, Span, Style};
 
-/// One figure for each edge that was kept, and really played: an ON window may begin before there is a lock.
+/// One figure for each edge that was recorded and played: an ON window may begin before there is a lock.
 pub(super) fn of(run: &View) -> Vec<Figure> {
     let Some(run_s) = run.plays_from(Mode::Run) else { return Vec::new() };
     let whole = |window: &Window| window.title == TITLE || window.title == WAVE;

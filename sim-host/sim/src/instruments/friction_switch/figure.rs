@@ -16,26 +16,26 @@ pub(super) fn ratio(run: &View) -> Option<Figure> {
     let coulomb_n = run.silent_friction_n()?;
     let held = &rows[rows.partition_point(|row| row.time_s < begins_s)..];
     let first = configured(friction, coulomb_n).unwrap_or(1.0);
-    let wanted = |row: &Row| {
+    let set_point = |row: &Row| {
         let step = friction.step_s.iter().zip(&friction.step_ratio).rfind(|(at_s, _)| **at_s <= row.time_s);
         step.map_or(first, |(_, ratio)| *ratio)
     };
-    let belief =
-        |of: fn(&FrictionEstimate) -> f32| move |row: &Row| row.friction.as_ref().map_or(1.0, |belief| f64::from(of(belief)));
+    let estimate =
+        |of: fn(&FrictionEstimate) -> f32| move |row: &Row| row.friction.as_ref().map_or(1.0, |estimate| f64::from(of(estimate)));
     Some(Figure {
         id: "friction-ratio".into(),
         title: "Friction ratio: command, estimate, truth".into(),
         caption: "Friction over that without vibration, after the survey. The estimate is the law's, at the tip velocity that the controller measures; the \
-                  truth is the simulated contact's, each point a mean over some blocks. Below the floor nothing is to be had: the loudest drive is what is \
-                  played, and the controller says so."
+                  truth is the simulated contact's, each point a mean over some blocks. Set points below the floor cannot be reached: the controller plays the maximum \
+                  amplitude, and states a limit."
             .into(),
         x: axis("time [s]"),
         y: axis("friction ratio"),
         series: vec![
             curve(held, "truth", "friction_ratio_true", Style::Line, |row| row.truth.friction_mean_n / coulomb_n),
-            curve(held, "controller's estimate", "friction_ratio_estimate", Style::Line, belief(|belief| belief.ratio)),
-            curve(held, "command", "friction_ratio_wanted", Style::Dashed, wanted),
-            curve(held, "floor, estimated", "friction_floor_estimate", Style::Dashed, belief(|belief| belief.floor)),
+            curve(held, "controller's estimate", "friction_ratio_estimate", Style::Line, estimate(|estimate| estimate.ratio)),
+            curve(held, "command", "friction_ratio_wanted", Style::Dashed, set_point),
+            curve(held, "floor, estimated", "friction_floor_estimate", Style::Dashed, estimate(|estimate| estimate.floor)),
         ],
         interactive: true,
         ..Figure::default()

@@ -10,35 +10,35 @@ use crate::record::Row;
 use plant::circuit_of;
 use scene::{Driven, Friction};
 
-/// What is held comes so long after what was wanted, s: the amplitude has settled, and so has the smoothed force.
+/// Time from a new set point until it counts as held, s: the amplitude has settled, and so has the smoothed force.
 const HOLD_S: f64 = 0.05;
 
-/// One wanted ratio, three ways.
+/// One set point of the friction ratio, with its estimate and truth.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Step {
-    /// Command.
-    pub wanted: f64,
-    /// What the controller believes.
+    /// Set point of the ratio.
+    pub set_point: f64,
+    /// Ratio as the controller estimates it.
     pub estimate: Option<f64>,
-    /// What its force channel says.
+    /// Ratio as the force channel measures it.
     pub sensed: Option<f64>,
-    /// Truth.
+    /// True ratio of the simulated contact.
     pub truth: f64,
     /// The limit that the controller stated, or zero.
     pub limit: u8,
-    /// It was had by bursts.
+    /// Whether the ratio was reached by bursts.
     pub bursts: bool,
 }
 
 impl Step {
-    /// Whether the controller has said that it cannot be had.
+    /// Whether the controller has stated that the set point cannot be reached.
     pub fn is_refused(&self) -> bool {
         [Limit::NoAuthority, Limit::RatioUnreachable].iter().any(|&limit| limit as u8 == self.limit)
     }
 
-    /// Truth less command.
+    /// True ratio less the set point.
     pub fn error(&self) -> f64 {
-        self.truth - self.wanted
+        self.truth - self.set_point
     }
 }
 
@@ -48,7 +48,7 @@ impl<'a> View<'a> {
         mean(self.settled(0.0, self.settle_s).map(|row| row.truth.friction_mean_n))
     }
 
-    /// When the last wanted ratio began to be held, s.
+    /// When the last set point began to be held, s.
     pub(in crate::instruments) fn held_from_s(&self) -> f64 {
         let Some(friction) = &self.scene.controller.friction else { return f64::NEG_INFINITY };
         self.surveyed_s().unwrap_or(f64::INFINITY).max(friction.step_s.last().copied().unwrap_or(0.0))
@@ -59,7 +59,7 @@ impl<'a> View<'a> {
         self.rows.iter().find(|row| row.friction.is_some()).map(|row| row.time_s)
     }
 
-    /// The rows over which the last wanted ratio is held. None where the friction is not switched.
+    /// The rows over which the last set point is held. None where the friction is not switched.
     pub(in crate::instruments) fn held(&self) -> Option<&'a [Row]> {
         self.scene.controller.friction.as_ref()?;
         Some(self.whole_bursts(self.held_from_s(), f64::INFINITY))
@@ -77,21 +77,21 @@ impl<'a> View<'a> {
         &rows[rows.len() - blocks.min(rows.len())..]
     }
 
-    /// All ratios that were wanted, and what came of them.
+    /// All set points of the ratio, and the results.
     pub fn steps(&self) -> Vec<Step> {
         let Some(friction) = &self.scene.controller.friction else { return Vec::new() };
         let (Some(surveyed_s), Some(coulomb_n)) = (self.surveyed_s(), self.silent_friction_n()) else { return Vec::new() };
-        let first = configured(friction, coulomb_n).map(|wanted| (surveyed_s, wanted));
+        let first = configured(friction, coulomb_n).map(|ratio| (surveyed_s, ratio));
         let ordered = friction.step_s.iter().copied().zip(friction.step_ratio.iter().copied());
         let all: Vec<_> = first.into_iter().chain(ordered).collect();
         let ends = all.iter().skip(1).map(|step| step.0).chain([f64::INFINITY]);
-        let step = |(&(from_s, wanted), to_s): (&(f64, f64), f64)| {
+        let step = |(&(from_s, set_point), to_s): (&(f64, f64), f64)| {
             let rows = self.whole_bursts(from_s.max(surveyed_s), to_s);
-            let believed = || rows.iter().filter_map(|row| row.friction);
+            let estimates = || rows.iter().filter_map(|row| row.friction);
             Some(Step {
-                wanted,
-                estimate: mean(believed().map(|belief| belief.ratio.into())),
-                sensed: mean(believed().filter_map(|belief| belief.force_ratio).map(f64::from)),
+                set_point,
+                estimate: mean(estimates().map(|estimate| estimate.ratio.into())),
+                sensed: mean(estimates().filter_map(|estimate| estimate.force_ratio).map(f64::from)),
                 truth: mean(rows.iter().map(|row| row.truth.friction_mean_n))? / coulomb_n,
                 limit: rows.last()?.limit,
                 bursts: mean(rows.iter().map(|row| f64::from(u8::from(row.envelope == 0.0))))
@@ -105,32 +105,34 @@ impl<'a> View<'a> {
         let Some(held) = self.held() else { return };
         let steps = self.steps();
         let last = steps.last();
-        metrics.put("friction_ratio_wanted", last.map(|step| step.wanted));
+        metrics.put("friction_ratio_wanted", last.map(|step| step.set_point));
         metrics.put("friction_ratio_estimate", last.and_then(|step| step.estimate));
         metrics.put("friction_ratio_sensed", last.and_then(|step| step.sensed));
         let errors = steps.iter().filter(|step| !step.is_refused()).map(Step::error);
         metrics.put("friction_ratio_error", errors.max_by(|one, other| one.abs().total_cmp(&other.abs())));
         metrics.put("ratios_refused", steps.iter().filter(|step| step.is_refused()).count() as f64);
-        metrics
-            .put("friction_floor_estimate", mean(held.iter().filter_map(|row| row.friction).map(|belief| belief.floor.into())));
+        metrics.put(
+            "friction_floor_estimate",
+            mean(held.iter().filter_map(|row| row.friction).map(|estimate| estimate.floor.into())),
+        );
         let last = held.last().and_then(|row| row.friction);
-        metrics.put("kappa_estimate", last.map(|belief| f64::from(belief.kappa)));
-        metrics.put("kappa_deviation", last.map(|belief| f64::from(belief.kappa_deviation)));
-        metrics.put("kappa", loudest_kappa(&self.scene));
+        metrics.put("kappa_estimate", last.map(|estimate| f64::from(estimate.kappa)));
+        metrics.put("kappa_deviation", last.map(|estimate| f64::from(estimate.kappa_deviation)));
+        metrics.put("kappa", largest_kappa(&self.scene));
         let began_s = self.rows.iter().find(|row| row.mode == Mode::Run).map(|row| row.time_s);
         metrics.put("survey_time_ms", began_s.zip(self.surveyed_s()).map(|(began, ended)| 1e3 * (ended - began)));
     }
 }
 
-/// What is wanted until something else is ordered; of a force, by the friction in silence, N.
+/// The configured set point of the ratio, which holds until another is ordered; a force counts relative to the friction in silence, N.
 pub fn configured(friction: &Friction, coulomb_n: f64) -> Option<f64> {
     friction.target_ratio.or(friction.target_force_n.map(|newtons| newtons / coulomb_n))
 }
 
-/// `Kt Vv / (w Fc)` at the loudest drive of the switch.
-fn loudest_kappa(scene: &Driven) -> Option<f64> {
+/// `Kt Vv / (w Fc)` at the maximum amplitude of the switch.
+fn largest_kappa(scene: &Driven) -> Option<f64> {
     let (contact, slider) = scene.sliding()?;
     let coulomb_n = contact.mu * (slider.load_n + slider.self_weight_n);
-    let loudest = scene.controller.drive.velocity_m_per_s?;
-    Some(contact.stiffness_n_per_m * loudest / (circuit_of(scene).omega() * coulomb_n))
+    let tip_m_per_s = scene.controller.drive.velocity_m_per_s?;
+    Some(contact.stiffness_n_per_m * tip_m_per_s / (circuit_of(scene).omega() * coulomb_n))
 }

@@ -35,11 +35,11 @@ const ROUNDING: f64 = 1e-3;
 /// What the controller said of its lock, judged.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct LockClaims {
-    /// It was locked, and said so.
+    /// Whether the controller reported a lock at the resonance.
     pub true_lock: bool,
-    /// It said so and was not.
+    /// Whether the controller reported a lock away from the resonance.
     pub false_lock: bool,
-    /// It was, and still said so when it was not any more.
+    /// Whether the controller still reported a lock after it was lost.
     pub undetected_loss: bool,
 }
 

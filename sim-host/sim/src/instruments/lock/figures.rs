@@ -29,7 +29,7 @@ pub(super) fn acquisition(run: &View) -> Option<Figure> {
         id: "acquisition".into(),
         title: "Acquisition: scan, then lock".into(),
         caption:
-            "A sweep over the window and a tenth more, from whose spectrum all resonances are found; then, if the wanted one is not known \
+            "A sweep over the window and a tenth more, from whose spectrum all resonances are found; then, if the working mode is not known \
                   well enough, slow sweeps over two bandwidths about it. Nothing settles in between."
                 .into(),
         x: axis("time from the first sample of the scan [ms]"),

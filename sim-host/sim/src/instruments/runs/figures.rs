@@ -25,7 +25,7 @@ pub fn of(scene: &Scene, runs: &MonteCarlo) -> Vec<Figure> {
     [error(runs, limits), within(runs, &lock, &LOCK), within(runs, &relock, &RELOCK)].into_iter().flatten().collect()
 }
 
-/// The Cramer-Rao bound of a cold start of the scene itself, each point as late as what was heard can be played. Only of an observer, whose
+/// The Cramer-Rao bound of a cold start of the scene itself, each point delayed until its estimate can be played. Only for an observer, whose
 /// lock stage begins from rest; a loop's begins where a scan has ended.
 fn limit(scene: &Scene) -> Option<Series> {
     let driven = scene.driven().filter(|driven| driven.controller.tracking.mode == TrackingMode::Observer)?;

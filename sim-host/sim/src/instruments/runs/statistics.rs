@@ -20,16 +20,16 @@ const TIMES: [&str; 2] = ["_ms", "_us"];
 /// What several runs come to.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Statistics {
-    /// The numbers.
+    /// Metrics of all runs together.
     pub metrics: Metrics,
-    /// Those that would be infinite.
+    /// Names of the metrics that would be infinite.
     pub endless: Vec<&'static str>,
 }
 
 /// One metric of all runs.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Spread {
-    /// The median.
+    /// Median of the values.
     pub median: f64,
     /// The 95th percentile; of the absolute value if the metric is signed.
     pub p95: f64,

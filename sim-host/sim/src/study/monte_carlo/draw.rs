@@ -18,7 +18,7 @@ const SEED_BITS: u32 = 53;
 /// What varies in a scene, and about what.
 #[derive(Clone, Debug)]
 pub struct Draws {
-    /// The keys.
+    /// Keys of the values that vary.
     pub keys: Vec<String>,
     seed: u64,
     varied: Vec<Varied>,
@@ -36,9 +36,9 @@ struct Varied {
 pub struct Draw {
     /// The run's number, from 1.
     pub number: u32,
-    /// Its seed.
+    /// Seed of the run.
     pub seed: u64,
-    /// Its values, one for each key that varies.
+    /// Values of the run, one for each key that varies.
     pub values: Vec<f64>,
 }
 
@@ -51,7 +51,7 @@ impl Draw {
 }
 
 impl Draws {
-    /// Of a scene that has passed its rules.
+    /// The draws of a scene that has passed its rules.
     pub fn of(scene: &Scene) -> Self {
         let resolved = resolved::resolved_json(scene);
         let varied = scene.vary.iter().map(|vary| Varied {

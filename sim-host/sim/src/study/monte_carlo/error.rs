@@ -9,7 +9,7 @@ use scene::Driven;
 /// From one moment to the next, once that is a block and more.
 const RATIO: f64 = 1.04;
 
-/// The moments at which errors are kept.
+/// The moments at which errors are recorded.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Grid {
     /// Ends of blocks, s from the first sample of the lock stage.
@@ -17,7 +17,7 @@ pub struct Grid {
 }
 
 impl Grid {
-    /// Of a scene: from its first block to its duration.
+    /// The moments of a scene, from its first block to its duration.
     pub fn of(scene: &Driven) -> Self {
         let block_s = f64::from(scene.controller.block_samples) / scene.sensors.sample_hz;
         let most = (scene.duration_s / block_s) as u64;

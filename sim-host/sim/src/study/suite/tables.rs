@@ -49,7 +49,7 @@ impl SuiteResult<'_> {
         TableBlock::new(&format!("table-{}", number + 1), &table.title, &table.caption, &header, of.map(row).collect())
     }
 
-    /// Of every group the metrics of its targets.
+    /// Default tables: for every group the metrics of its targets.
     fn default_tables(&self) -> Vec<SuiteTable> {
         let mut groups: Vec<&String> = self.cases.iter().map(|case| &case.case.group).collect();
         groups.dedup();
@@ -103,8 +103,8 @@ fn cell(case: &CaseResult, column: &Column) -> String {
 /// A set point of a friction ratio, and by how much the true ratio is off; of one that is refused, the limit and the ratio.
 fn step(step: &Step) -> String {
     match step.is_refused() {
-        true => format!("{:.3}: limit {}, {:.3}", step.wanted, step.limit, step.truth),
-        false => format!("{:.3}: {:+.4}", step.wanted, step.error()),
+        true => format!("{:.3}: limit {}, {:.3}", step.set_point, step.limit, step.truth),
+        false => format!("{:.3}: {:+.4}", step.set_point, step.error()),
     }
 }
 
