@@ -154,12 +154,7 @@ fn judge(mut root: Node) -> Result<Scene, Vec<Problem>> {
     if !problems.is_empty() {
         return Err(problems);
     }
-    scene_of(&root).map_err(|error| vec![Problem::new(root.place.clone(), error.message(), "")])
-}
-
-/// The scene that a tree is, with the defaults of its kind.
-pub(super) fn scene_of(root: &Node) -> Result<Scene, toml::de::Error> {
-    root.to_toml().try_into().map(Scene::complete)
+    Scene::of_tree(&root).map_err(|error| vec![Problem::new(root.place.clone(), error.message(), "")])
 }
 
 /// The scene laid over its base, that over its own, and so on. Adds the bases to the sources.

@@ -1,8 +1,8 @@
 //! One text laid over another: a scene over its base, and `--set key=value` over a scene.
 
 use super::diagnostic::{Place, Problem};
+use super::exclusive::EXCLUSIVE;
 use super::nearest::short;
-use super::rules;
 use super::schema::{is_index, join, without_indices};
 use super::tree::{Entry, Node, Origin, Table, Value};
 
@@ -78,7 +78,7 @@ fn set_leaf(node: &mut Node, leaf: &Node) {
 }
 
 /// Lays `over` on `under`: tables are merged, everything else is replaced. In a list of tables, keys that are numbers count its
-/// entries. A key that excludes others (see [`rules::EXCLUSIVE`]) replaces them.
+/// entries. A key that excludes others (see [`EXCLUSIVE`]) replaces them.
 pub(super) fn overlay(under: &mut Node, over: Node, path: &str, problems: &mut Vec<Problem>) {
     match (&mut under.value, over.value) {
         (Value::Table(below), Value::Table(above)) => {
@@ -140,7 +140,7 @@ fn empty_like(value: &Value) -> Value {
 /// Removes the keys that those of `above` exclude. Of two in the same text, neither gives way: that is for the rules to tell.
 fn give_way(below: &mut Table, above: &Table, path: &str) {
     let path = without_indices(path);
-    for group in rules::EXCLUSIVE.iter().filter(|group| group.table == path) {
+    for group in EXCLUSIVE.iter().filter(|group| group.table == path) {
         for chosen in group.alternatives {
             let Some(source) = chosen.keys.iter().find_map(|key| above.get(*key)).map(|entry| entry.key.source) else { continue };
             let others = group.alternatives.iter().filter(|other| other.keys != chosen.keys).flat_map(|other| other.keys);

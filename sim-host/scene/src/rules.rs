@@ -26,6 +26,7 @@ mod webbing;
 mod window;
 
 use super::diagnostic::{Place, Problem};
+use super::exclusive::EXCLUSIVE;
 use super::nearest::{listed, nearest, short, shown};
 use super::schema::{Schema, join};
 use super::tree::Node;
@@ -33,7 +34,6 @@ use super::walk::{Findings, walk};
 use crate::metrics;
 
 pub(super) use cells::alone;
-pub use exclusive::{Alternative, EXCLUSIVE, Exclusive};
 use kind::Kind;
 
 /// Checks a scene on which the walk has been: adds to what it found.

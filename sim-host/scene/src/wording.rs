@@ -2,14 +2,14 @@
 
 use super::nearest::{short, shown};
 use super::schema::{Kind, Schema, is_index, without_indices};
-use super::suite;
+use super::suite::file;
 use super::tree::Entry;
 use super::units;
 
 /// A table as its header would be written.
 pub(super) fn header(path: &str) -> String {
     let table = without_indices(path);
-    let known = Schema::root().at(&table).or_else(|| suite::root().at(&table));
+    let known = Schema::root().at(&table).or_else(|| file::root().at(&table));
     let list = known.is_some_and(|schema| schema.kind() == Kind::List);
     match table.as_str() {
         "" => "the top level".to_owned(),

@@ -1,60 +1,12 @@
-//! Keys and tables that exclude each other.
+//! The rule for keys and tables that exclude each other.
 
 use super::Rules;
 use crate::diagnostic::Problem;
+use crate::exclusive::{Alternative, Exclusive};
 use crate::nearest::listed;
 use crate::schema::{Kind, Schema, join};
 use crate::tree::Node;
 use crate::wording::{header, within};
-
-/// Keys of a table that exclude each other.
-#[derive(Debug)]
-pub struct Exclusive {
-    /// Path of the table.
-    pub table: &'static str,
-    /// What one of must be given.
-    pub alternatives: &'static [Alternative],
-}
-
-/// One way to say it.
-#[derive(Debug)]
-pub struct Alternative {
-    /// The keys of this way.
-    pub keys: &'static [&'static str],
-    /// Whether all of them are needed, rather than any.
-    pub complete: bool,
-}
-
-const fn all(keys: &'static [&'static str]) -> Alternative {
-    Alternative { keys, complete: true }
-}
-
-const fn any(keys: &'static [&'static str]) -> Alternative {
-    Alternative { keys, complete: false }
-}
-
-/// All groups of keys that exclude each other. Laid over a scene, a key takes the place of those that it excludes.
-pub const EXCLUSIVE: &[Exclusive] = &[
-    Exclusive { table: "controller.drive", alternatives: &[all(&["amplitude_v"]), all(&["velocity_m_per_s"])] },
-    Exclusive { table: "controller.burst", alternatives: &[all(&["on_s", "off_s"]), all(&["period_s", "duty"])] },
-    Exclusive { table: "controller.friction", alternatives: &[all(&["target_ratio"]), all(&["target_force_n"])] },
-    Exclusive { table: "excitation", alternatives: &[all(&["velocity_ratio"]), all(&["sliding_m_per_s"])] },
-    Exclusive {
-        table: "stack.bvd",
-        alternatives: &[all(&["cm_f", "lm_h", "rm_ohm"]), all(&["series_resonance_hz", "q", "coupling"])],
-    },
-    Exclusive {
-        table: "contact",
-        alternatives: &[all(&["coulomb"]), all(&["dahl"]), all(&["lugre"]), all(&["hertz"]), all(&["empirical"])],
-    },
-    Exclusive {
-        table: "rig",
-        alternatives: &[all(&["slider"]), all(&["kinematic"]), all(&["sdof"]), all(&["rotor"]), all(&["belt"]), all(&["dring"])],
-    },
-    Exclusive { table: "disturbance", alternatives: &[all(&["to"]), all(&["rate_per_s"]), all(&["sine_amplitude", "sine_hz"])] },
-    Exclusive { table: "vary", alternatives: &[all(&["spread"]), all(&["factor"]), all(&["from", "to"])] },
-    Exclusive { table: "expect", alternatives: &[any(&["min", "max"]), all(&["value", "tolerance"])] },
-];
 
 impl Rules<'_> {
     pub(super) fn exclusive(&mut self, group: &Exclusive, path: &str) {

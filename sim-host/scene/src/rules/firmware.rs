@@ -6,8 +6,8 @@ use firmware::seam::error::Error;
 use super::Rules;
 use super::drive::AMPLITUDE_FRACTION;
 use super::drive::{AMPLITUDE, FREQUENCY, SCAN, VELOCITY};
+use crate::Scene;
 use crate::diagnostic::Problem;
-use crate::load::scene_of;
 use crate::schema::{Schema, join};
 use crate::settings;
 use crate::wording::{bound, quantity, range};
@@ -64,7 +64,7 @@ impl Rules<'_> {
         if !self.findings.problems.is_empty() {
             return;
         }
-        let Ok(scene) = scene_of(self.root) else { return };
+        let Ok(scene) = Scene::of_tree(self.root) else { return };
         let Some(scene) = scene.driven() else { return };
         let Err(error) = Controller::build(&settings::config(&scene)) else { return };
         match error {

@@ -1,9 +1,10 @@
 //! A belt under a horn: its contact, its amplitude and its trigger.
 
+use super::Rules;
 use super::drive::{AMPLITUDE, AMPLITUDE_FRACTION, VELOCITY};
 use super::kind::{BELT, EMPIRICAL, Kind};
-use super::{Exclusive, Rules};
 use crate::diagnostic::Problem;
+use crate::exclusive::Exclusive;
 use crate::schema::join;
 use crate::wording::header;
 

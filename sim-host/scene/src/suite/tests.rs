@@ -67,3 +67,19 @@ fn what_is_wrong_is_named_with_its_place() {
         }
     }
 }
+
+#[test]
+fn mistakes_of_the_suite_and_of_its_cases_are_shown_together() {
+    let text =
+        TWO.replace("max = 0.5", "maxx = 0.5").replace("noise_lsb=2", "noise_lbs=2").replace("title = \"Two loads\"\n", "");
+    let shown = wrong(&text);
+    for part in ["unknown key `maxx`", "`title` is missing", "in the case `noise`", "3 problems"] {
+        assert!(shown.contains(part), "`{part}` is missing:\n{shown}");
+    }
+}
+
+#[test]
+fn a_case_with_a_mistake_of_its_own_does_not_hide_another() {
+    let shown = wrong(&TWO.replace("group = \"cold\"", "colour = \"cold\"").replace("noise_lsb=2", "noise_lbs=2"));
+    assert!(shown.contains("unknown key `colour`") && shown.contains("in the case `noise`"), "{shown}");
+}

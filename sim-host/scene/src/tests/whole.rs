@@ -2,9 +2,9 @@
 
 use super::{example, loaded, says};
 use crate::Scene;
+use crate::exclusive::EXCLUSIVE;
 use crate::load::{LoadError, load_text};
 use crate::resolved::{resolved_json, resolved_toml};
-use crate::rules::EXCLUSIVE;
 use crate::schema::Schema;
 
 #[test]
