@@ -26,8 +26,13 @@ use super::SolveError;
 use super::problem::{Law, Motion, Problem};
 use super::tally::{State, Tally};
 
-/// A way to solve a problem.
+/// Method of a contact study.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(
+    feature = "schema",
+    derive(serde::Serialize, serde::Deserialize, schemars::JsonSchema),
+    serde(rename_all = "kebab-case")
+)]
 pub enum Method {
     /// The cheapest that meets the tolerance.
     #[default]
@@ -44,7 +49,7 @@ pub enum Method {
     Rk4,
     /// Runge-Kutta with located reversals.
     Rk4Events,
-    /// Friction exact in slip at the midpoint, for stiff bristles.
+    /// Exponential midpoint, friction exact in slip, for stiff LuGre contacts.
     Midpoint,
 }
 

@@ -7,7 +7,7 @@ mod stream;
 mod tcp;
 
 use std::io;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 pub use listed::listed;
 pub use serial::{BAUD, Serial};
@@ -71,7 +71,22 @@ fn is_timeout(error: &io::Error) -> bool {
     matches!(error.kind(), io::ErrorKind::TimedOut | io::ErrorKind::WouldBlock | io::ErrorKind::Interrupted)
 }
 
-/// An end of a stream that says no more.
+/// Reads until something has come or `wait` is over; `read` returns soon, with a timeout where nothing has come, and is given the time left.
+fn within(wait: Duration, mut read: impl FnMut(Duration) -> io::Result<usize>) -> io::Result<usize> {
+    let until = Instant::now() + wait;
+    loop {
+        match read(until.saturating_duration_since(Instant::now())) {
+            Ok(0) => return Err(ended()),
+            Err(error) if is_timeout(&error) => std::thread::yield_now(),
+            read => return read,
+        }
+        if Instant::now() >= until {
+            return Ok(0);
+        }
+    }
+}
+
+/// The error of a stream whose other end is closed.
 fn ended() -> io::Error {
     io::Error::new(io::ErrorKind::UnexpectedEof, "the other end has closed the connection")
 }

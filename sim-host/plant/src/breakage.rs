@@ -9,8 +9,9 @@
 //! The depoled stack's clamped capacitance is that of unpoled ceramic of the lead zirconate titanate family, whose permittivity is some
 //! tens of per cent below that of poled one; the cracked one's mode is the crack's own half of the stack. The sizes are assumptions.
 
+use crate::circuit::Branch;
 use crate::circuit::Circuit;
-use crate::parts::{Branch, Parts};
+use crate::parts::Parts;
 
 /// What a short is left with, ohm.
 pub const SHORT_OHM: f64 = 0.05;

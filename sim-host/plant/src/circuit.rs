@@ -19,6 +19,51 @@ pub struct Circuit {
     pub force_factor_n_per_v: f64,
 }
 
+/// A series branch of the equivalent circuit: that of one mode.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Branch {
+    /// Motional capacitance of the mode, F.
+    pub cm_f: f64,
+    /// Motional inductance of the mode, H.
+    pub lm_h: f64,
+    /// Motional resistance of the mode, ohm.
+    pub rm_ohm: f64,
+}
+
+impl Branch {
+    /// The branch of a further mode: `Cm = 1 / (omega^2 Lm)`, `Rm = omega Lm / Q`. Its force factor does not matter, as it does not move
+    /// the tip along the friction.
+    pub fn of(mode: &scene::Mode) -> Self {
+        Self::at(mode.series_resonance_hz, mode.q, mode.lm_h)
+    }
+
+    /// The branch with this resonance, Hz, quality factor and inductance, H.
+    pub fn at(series_resonance_hz: f64, q: f64, lm_h: f64) -> Self {
+        let omega = std::f64::consts::TAU * series_resonance_hz;
+        Branch { cm_f: 1.0 / (omega * omega * lm_h), lm_h, rm_ohm: omega * lm_h / q }
+    }
+
+    /// Series resonance of the mode, rad/s.
+    pub fn omega(&self) -> f64 {
+        1.0 / (self.lm_h * self.cm_f).sqrt()
+    }
+
+    /// Series resonance of the mode, Hz.
+    pub fn series_resonance_hz(&self) -> f64 {
+        self.omega() / std::f64::consts::TAU
+    }
+
+    /// Quality factor at series resonance.
+    pub fn q(&self) -> f64 {
+        self.omega() * self.lm_h / self.rm_ohm
+    }
+
+    /// The branch with another series resonance, Hz, at constant inductance and quality factor.
+    pub fn with_series_resonance(self, hz: f64) -> Self {
+        Self::at(hz, self.q(), self.lm_h)
+    }
+}
+
 impl Circuit {
     /// From either form of a scene's stack. A scene that has passed its rules gives one of them in full.
     pub fn of(bvd: &Bvd) -> Self {
@@ -35,26 +80,30 @@ impl Circuit {
         Circuit { c0_f: bvd.c0_f, cm_f, lm_h, rm_ohm, force_factor_n_per_v: bvd.force_factor_n_per_v }
     }
 
+    /// The motional branch of the circuit.
+    fn branch(&self) -> Branch {
+        Branch { cm_f: self.cm_f, lm_h: self.lm_h, rm_ohm: self.rm_ohm }
+    }
+
     /// Series resonance of the branch, rad/s.
     pub fn omega(&self) -> f64 {
-        1.0 / (self.lm_h * self.cm_f).sqrt()
+        self.branch().omega()
     }
 
     /// Series resonance of the branch, Hz.
     pub fn series_resonance_hz(&self) -> f64 {
-        self.omega() / std::f64::consts::TAU
+        self.branch().series_resonance_hz()
     }
 
     /// Quality factor at series resonance.
     pub fn q(&self) -> f64 {
-        self.omega() * self.lm_h / self.rm_ohm
+        self.branch().q()
     }
 
     /// The circuit with another series resonance, at constant inductance and quality factor.
     pub fn with_series_resonance(self, hz: f64) -> Self {
-        let omega = std::f64::consts::TAU * hz;
-        let cm_f = 1.0 / (omega * omega * self.lm_h);
-        Circuit { cm_f, rm_ohm: omega * self.lm_h / self.q(), ..self }
+        let Branch { cm_f, lm_h, rm_ohm } = self.branch().with_series_resonance(hz);
+        Circuit { cm_f, lm_h, rm_ohm, ..self }
     }
 
     /// The circuit with another quality factor, at constant resonance.

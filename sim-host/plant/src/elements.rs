@@ -2,8 +2,9 @@
 //! amplitude make of it.
 
 use crate::breakage::{Breakage, Scheduled};
+use crate::circuit::Branch;
 use crate::circuit::Circuit;
-use crate::parts::{Branch, Parts};
+use crate::parts::Parts;
 use crate::shift::Shift;
 use crate::stack::Stack;
 use crate::webbing::{damped, with_damping};

@@ -174,8 +174,8 @@ fn size<const N: usize>(matrix: &Matrix<N>, parts: &Parts) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::circuit::Branch;
     use crate::circuit::Circuit;
-    use crate::parts::Branch;
     use crate::timing::Timing;
 
     const A3: Circuit = Circuit { c0_f: 300e-9, cm_f: 20e-9, lm_h: 0.7916e-3, rm_ohm: 3.08, force_factor_n_per_v: 5.566 };

@@ -1,5 +1,6 @@
 //! `[integrator]`: how finely the contact is stepped, and by what.
 
+use contact::Method;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -26,27 +27,4 @@ pub struct Integrator {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(length(min = 2, max = 2), inner(range(min = 0.0, max = 1e12)))]
     pub window_periods: Option<Vec<f64>>,
-}
-
-/// Method of a contact study.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "kebab-case")]
-pub enum Method {
-    /// The cheapest that meets the tolerance.
-    #[default]
-    Auto,
-    /// Steady state in closed form.
-    Closed,
-    /// Friction on the motion that the oscillator has without it.
-    Frozen,
-    /// Exact linear flow, friction exact in slip.
-    Linexp,
-    /// Taylor series of high order.
-    Taylor,
-    /// The thesis's Runge-Kutta of fixed step.
-    Rk4,
-    /// Runge-Kutta with located reversals.
-    Rk4Events,
-    /// Exponential midpoint, for stiff LuGre contacts.
-    Midpoint,
 }

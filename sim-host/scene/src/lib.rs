@@ -27,6 +27,7 @@ mod course;
 pub mod diagnostic;
 mod dring;
 mod excitation;
+mod exclusive;
 mod integrator;
 pub mod keys;
 pub mod load;
@@ -35,7 +36,7 @@ pub mod problem;
 pub mod resolved;
 mod results;
 mod rig;
-pub mod rules;
+mod rules;
 pub mod schema;
 pub mod settings;
 pub mod settings_page;
@@ -66,7 +67,7 @@ pub use firmware::seam::config::scene::{Burst, Drive, Friction, Limits, Phasing,
 pub use firmware::seam::config::{
     Around, ChirpKind, Direction, Edge, FrictionLaw, Prefer, ShapeKind as Shape, Then, TrackingMode,
 };
-pub use integrator::{Integrator, Method};
+pub use integrator::Integrator;
 pub use nearest::shown;
 pub use plant::{Amplifier, Bvd, Mode, Sensors, Stack};
 pub use results::{Expect, Grid, Signal, Trace, TraceFormat};

@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use super::{Body, Excited, Match, Method, Model, Sign, VibrationVelocity, Waveform};
+use super::{Body, Excited, Match, Model, Sign, VibrationVelocity, Waveform};
 use contact::{self, Law, Motion, Numerics, Problem, Shape, SolveError, State};
 
 /// What a mass weighs unless a scene says what presses on the contact, m/s^2.
@@ -70,16 +70,7 @@ pub fn numerics(study: &Excited) -> Numerics {
     let integrator = &study.integrator;
     let default = Numerics::default();
     Numerics {
-        method: match integrator.method.unwrap_or_default() {
-            Method::Auto => contact::Method::Auto,
-            Method::Closed => contact::Method::Closed,
-            Method::Frozen => contact::Method::Frozen,
-            Method::Linexp => contact::Method::Linexp,
-            Method::Taylor => contact::Method::Taylor,
-            Method::Rk4 => contact::Method::Rk4,
-            Method::Rk4Events => contact::Method::Rk4Events,
-            Method::Midpoint => contact::Method::Midpoint,
-        },
+        method: integrator.method.unwrap_or_default(),
         steps_per_period: integrator.steps_per_period,
         order: integrator.order,
         tolerance: integrator.tolerance.unwrap_or(default.tolerance),

@@ -3,10 +3,13 @@
 use std::f64::consts::TAU;
 use std::ops::Deref;
 
+use contact::Method;
+
 use super::contact::Model;
+use super::tree::Node;
 use super::{
-    Amplifier, Belt, Controller, Dahl, Dring, Empirical, Excitation, FaultKind, Kinematic, Method, Rotor, Scene, Sdof, Sensors,
-    Slider, Stack, Stator,
+    Amplifier, Belt, Controller, Dahl, Dring, Empirical, Excitation, FaultKind, Kinematic, Rotor, Scene, Sdof, Sensors, Slider,
+    Stack, Stator,
 };
 
 /// Largest error of the mean friction ratio of a contact study that names none.
@@ -150,8 +153,13 @@ impl Scene {
         Some(Excited { scene: self, excitation: self.excitation.as_ref()?, model: self.contact.as_ref()?.model()?, body })
     }
 
+    /// The scene that a tree is, with the defaults of its kind.
+    pub(super) fn of_tree(root: &Node) -> Result<Self, toml::de::Error> {
+        root.to_toml().try_into().map(Scene::complete)
+    }
+
     /// Writes out the defaults of the tables and keys that this kind of scene has, and no others.
-    pub(super) fn complete(mut self) -> Self {
+    fn complete(mut self) -> Self {
         if self.controller.is_some() {
             self.amplifier.get_or_insert_default();
             self.sensors.get_or_insert_default();

@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 use serialport::{ClearBuffer, ErrorKind, SerialPort};
 
 use super::listed::sentence;
-use super::{Port, is_timeout};
+use super::{Port, within};
 use crate::link_error::LinkError;
 
 /// Bits a second of the board's UART.
@@ -65,19 +65,10 @@ impl Port for Serial {
     }
 
     fn receive(&mut self, into: &mut [u8], wait: Duration) -> io::Result<usize> {
-        let until = Instant::now() + wait;
-        loop {
-            let left = until.saturating_duration_since(Instant::now());
+        within(wait, |left| {
             self.device.set_timeout(left.clamp(SHORTEST, LONGEST))?;
-            match self.device.read(into) {
-                Ok(0) => return Err(super::ended()),
-                Err(error) if is_timeout(&error) => {}
-                read => return read,
-            }
-            if Instant::now() >= until {
-                return Ok(0);
-            }
-        }
+            self.device.read(into)
+        })
     }
 
     fn now(&self) -> Duration {

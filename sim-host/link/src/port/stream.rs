@@ -3,7 +3,7 @@
 use std::io::{self, Read, Write};
 use std::time::{Duration, Instant};
 
-use super::{Port, ended, is_timeout};
+use super::{Port, within};
 use crate::link_error::LinkError;
 
 /// A stream of bytes whose reads come back soon: with `TimedOut` or `WouldBlock` where nothing has come, and with nothing at its end.
@@ -32,17 +32,7 @@ impl<S: Read + Write> Port for Stream<S> {
     }
 
     fn receive(&mut self, into: &mut [u8], wait: Duration) -> io::Result<usize> {
-        let until = Instant::now() + wait;
-        loop {
-            match self.inner.read(into) {
-                Ok(0) => return Err(ended()),
-                Err(error) if is_timeout(&error) => std::thread::yield_now(),
-                read => return read,
-            }
-            if Instant::now() >= until {
-                return Ok(0);
-            }
-        }
+        within(wait, |_| self.inner.read(into))
     }
 
     fn now(&self) -> Duration {

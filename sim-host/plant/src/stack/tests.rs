@@ -4,7 +4,7 @@ use realfft::num_complex::Complex64;
 
 use super::*;
 use crate::breakage::Breakage;
-use crate::parts::Branch;
+use crate::circuit::Branch;
 
 fn timing(step_s: f64) -> Timing {
     Timing { sample_s: step_s, steps: 1, conversions: 1, skew_s: 0.0 }

@@ -3,7 +3,8 @@
 use super::{says, sets};
 use crate::load::load_text;
 use crate::resolved::{resolved_json, resolved_toml};
-use crate::{Method, Scene, Sign};
+use crate::{Scene, Sign};
+use contact::Method;
 
 /// A contact study of these tests' own, so that line numbers stay what they are.
 fn example() -> &'static str {
