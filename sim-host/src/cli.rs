@@ -27,7 +27,7 @@ mod run;
 mod validate;
 
 use std::io::{self, IsTerminal, Write};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::sync::LazyLock;
 use std::time::{Duration, Instant};
@@ -37,6 +37,7 @@ use clap::{Args, ColorChoice, Parser, Subcommand, ValueEnum};
 use scene::load::{LoadError, Loaded, load};
 use scene::resolved::resolved_toml;
 use scene::{builtin, schema, suite};
+use sim::output::{Folder, OutputError};
 
 const EXIT_CODES: &str = "Exit codes: 0 done; 1 the run failed; 2 usage; 3 invalid scene; 4 the run finished but an expectation was \
 missed; 5 QEMU or board not found or lost; 130 interrupted, with the results so far written and marked.";
@@ -209,6 +210,17 @@ impl Color {
             ColorChoice::Auto => terminal && std::env::var_os("NO_COLOR").is_none_or(|value| value.is_empty()),
         };
         Color { stdout: colored(io::stdout().is_terminal()), stderr: colored(io::stderr().is_terminal()) }
+    }
+}
+
+/// Opens the folder of a result, if there is to be one; the exit code where its files are not those of an earlier result.
+fn open(dir: Option<&Path>) -> Result<Result<Option<Folder>, ExitCode>, OutputError> {
+    match dir.map(Folder::open).transpose() {
+        Err(error @ OutputError::Strange { .. }) => {
+            say!("error: {error}");
+            Ok(Err(ExitCode::from(USAGE)))
+        }
+        folder => folder.map(Ok),
     }
 }
 

@@ -8,6 +8,7 @@ use firmware::seam::refusal::Refusal;
 use crate::refusal;
 use report::ReportError;
 use scene::diagnostic::Report;
+use sim::output::OutputError;
 
 /// Errors of a dialogue with a board.
 #[derive(Debug, thiserror::Error)]
@@ -105,6 +106,9 @@ pub enum LinkError {
         /// Why.
         io: io::Error,
     },
+    /// The folder of a result cannot be written.
+    #[error(transparent)]
+    Folder(#[from] OutputError),
     /// A figure cannot be drawn.
     #[error("{}", whole(.0))]
     Figure(#[from] ReportError),

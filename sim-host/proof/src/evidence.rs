@@ -1,6 +1,7 @@
 //! Evidence: the tables, figures and missed targets that every bench gives, made by a suite or by code.
 
 use std::path::Path;
+use std::sync::atomic::AtomicBool;
 
 use serde_json::{Map, Value, json};
 
@@ -17,6 +18,8 @@ pub struct Options<'a> {
     pub quick: bool,
     /// The program to count instructions of, and the options that make it run one method alone (`precision`).
     pub counted: Option<(&'a Path, &'a [&'a str])>,
+    /// Flag that the caller sets to stop the cases of a suite.
+    pub stop: Option<&'a AtomicBool>,
     /// Called with what comes next.
     pub progress: &'a mut (dyn FnMut(&str) + Send),
 }
@@ -87,7 +90,7 @@ pub fn run_suite(
     options: &mut Options,
     more: impl FnOnce(&SuiteResult, &mut Report) -> Result<(), Error>,
 ) -> Result<Evidence, Error> {
-    let result = sim::study::suite::run(loaded, options.progress)?;
+    let result = sim::study::suite::run(loaded, options.stop, options.progress)?;
     let suite = &loaded.suite;
     let footer = vec![("suite".to_owned(), loaded.name.clone())];
     let mut report = Report { title: suite.title.clone(), tables: result.tables(), footer, ..Report::default() };

@@ -21,6 +21,7 @@ use link::script::Script;
 use link::serve::serve;
 use link::session::{Live, Session, SessionOptions};
 use link::simulated_board::SimulatedBoard;
+use sim::output::OutputError;
 
 /// Set by Ctrl-C, and by any other request to end.
 static STOP: AtomicBool = AtomicBool::new(false);
@@ -264,7 +265,7 @@ fn failed(error: &LinkError, color: Color) -> ExitCode {
         _ if error.is_lost() => LOST,
         LinkError::Interrupted if CLOSED.load(Ordering::Relaxed) => return ExitCode::SUCCESS,
         LinkError::Interrupted => INTERRUPTED,
-        LinkError::Usage(_) | LinkError::Script(_) => USAGE,
+        LinkError::Usage(_) | LinkError::Script(_) | LinkError::Folder(OutputError::Strange { .. }) => USAGE,
         LinkError::Output(error) if error.kind() == io::ErrorKind::BrokenPipe => return ExitCode::SUCCESS,
         _ => RUN_FAILED,
     };

@@ -12,7 +12,7 @@ use super::{
 };
 use pil::{self, Qemu};
 use scene::load::{LoadError, Loaded};
-use sim::output::{Folder, OutputError};
+use sim::output;
 use sim::processor::Processor;
 use sim::run::RunError;
 use sim::study::monte_carlo::draw::Draws;
@@ -69,13 +69,9 @@ fn run_loaded(args: &RunArgs, loaded: &Loaded, color: Color) -> anyhow::Result<E
     let default_dir = || PathBuf::from("out").join(format!("{}{run}{}", loaded.name, if args.pil { "-pil" } else { "" }));
     let dir = (!args.no_report).then(|| args.output.clone().unwrap_or_else(default_dir));
     // Before a run that may take long.
-    let folder = match dir.as_deref().map(Folder::open).transpose() {
+    let folder = match super::open(dir.as_deref())? {
         Ok(folder) => folder,
-        Err(error @ OutputError::Strange { .. }) => {
-            say!("error: {error}");
-            return Ok(ExitCode::from(USAGE));
-        }
-        Err(error) => return Err(error.into()),
+        Err(code) => return Ok(code),
     };
     let start = image.as_deref().map(|image| move |config: &Config| emulated(image, config));
     let start = start.as_ref().map(|start| start as Start);

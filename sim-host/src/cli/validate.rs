@@ -4,11 +4,12 @@ use std::ffi::OsString;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use anyhow::Context;
 use clap::Args;
 
-use super::{Color, EXIT_CODES, EXPECTATION_MISSED, Format, RUN_FAILED, USAGE, invalid, print};
+use super::{Color, EXIT_CODES, EXPECTATION_MISSED, Format, INTERRUPTED, RUN_FAILED, USAGE, interrupts, invalid, print};
 use proof::bench::{BENCHES, Bench, named};
 use proof::evidence::{Error, Evidence, Options, run_suite};
 use proof::precision::instructions::run_alone;
@@ -16,6 +17,12 @@ use report::Report;
 use scene::load::LoadError;
 use scene::nearest::{listed, nearest};
 use scene::suite::{self, LoadedSuite};
+use serde_json::json;
+use sim::output::Folder;
+use sim::study::StudyError;
+
+/// Set by Ctrl-C, and by any other request to end.
+static STOP: AtomicBool = AtomicBool::new(false);
 
 /// Arguments of the command.
 #[derive(Args)]
@@ -32,7 +39,7 @@ pub(super) struct ValidateArgs {
     /// Print the tables as Markdown, as the documentation has them.
     #[arg(long)]
     markdown: bool,
-    /// Folder for tables and figures. Default: `out/BENCH`.
+    /// Folder for tables and figures; of all benches, for a folder of each. Default: `out/BENCH`.
     #[arg(short, long = "output", value_name = "DIR")]
     output: Option<PathBuf>,
     /// What to print on standard output.
@@ -69,6 +76,7 @@ pub(super) fn run(args: &ValidateArgs, color: Color) -> anyhow::Result<ExitCode>
     if let Some(setting) = &args.alone {
         return alone(setting);
     }
+    interrupts::set(&STOP)?;
     match args.what.iter().map(String::as_str).collect::<Vec<_>>()[..] {
         [] if args.list => print(&benches()),
         [] => all(args, color),
@@ -81,7 +89,7 @@ pub(super) fn run(args: &ValidateArgs, color: Color) -> anyhow::Result<ExitCode>
             Err(error) => Ok(invalid(&error, color)),
         },
         [name] => match named(name) {
-            Some(bench) => one(bench, args, color),
+            Some(bench) => one(bench, args.output.clone(), args, color),
             None => Ok(unknown(name, "neither a bench nor a TOML file", BENCHES.iter())),
         },
         _ => {
@@ -103,13 +111,17 @@ fn all(args: &ValidateArgs, color: Color) -> anyhow::Result<ExitCode> {
     let mut failed = None;
     for bench in &BENCHES {
         say!("validate {}", bench.name);
-        let code = one(bench, args, color)?;
+        let dir = args.output.as_ref().map(|dir| dir.join(bench.name));
+        let code = one(bench, dir, args, color)?;
         failed = failed.or((code != ExitCode::SUCCESS).then_some(code));
+        if STOP.load(Ordering::Relaxed) {
+            break;
+        }
     }
     Ok(failed.unwrap_or(ExitCode::SUCCESS))
 }
 
-fn one(bench: &Bench, args: &ValidateArgs, color: Color) -> anyhow::Result<ExitCode> {
+fn one(bench: &Bench, dir: Option<PathBuf>, args: &ValidateArgs, color: Color) -> anyhow::Result<ExitCode> {
     if args.list {
         return match bench.load(args.quick).transpose()? {
             Some(loaded) => print(&cases(&loaded)),
@@ -118,46 +130,65 @@ fn one(bench: &Bench, args: &ValidateArgs, color: Color) -> anyhow::Result<ExitC
     }
     let executable = std::env::current_exe()?;
     let counted = (!args.no_count).then_some((executable.as_path(), ALONE.as_slice()));
-    end(with(args, counted, |options| (bench.run)(options)), bench.name, args, color)
+    let what = What { name: bench.name, dir, is_suite: bench.suite.is_some(), counted };
+    evidence(&what, args, color, bench.run)
 }
 
 fn suite(loaded: &LoadedSuite, args: &ValidateArgs, color: Color) -> anyhow::Result<ExitCode> {
     if args.list {
         return print(&cases(loaded));
     }
-    end(with(args, None, |options| run_suite(loaded, options, |_, _| Ok(()))), &loaded.name, args, color)
+    let what = What { name: &loaded.name, dir: args.output.clone(), is_suite: true, counted: None };
+    evidence(&what, args, color, |options| run_suite(loaded, options, |_, _| Ok(())))
 }
 
 fn cases(loaded: &LoadedSuite) -> String {
     loaded.cases.iter().map(|case| format!("{}: {}\n", case.name, case.command)).collect()
 }
 
-fn with<T>(args: &ValidateArgs, counted: Option<(&Path, &[&str])>, run: impl FnOnce(&mut Options) -> T) -> T {
+/// A bench or suite that is run.
+struct What<'a> {
+    name: &'a str,
+    /// The folder for its files, if it is not the usual one.
+    dir: Option<PathBuf>,
+    is_suite: bool,
+    counted: Option<(&'a Path, &'a [&'a str])>,
+}
+
+/// Runs a bench, writes its folder, unless `--no-report` is given, and prints. Fails where a target is missed.
+fn evidence(
+    what: &What,
+    args: &ValidateArgs,
+    color: Color,
+    run: impl FnOnce(&mut Options) -> Result<Evidence, Error>,
+) -> anyhow::Result<ExitCode> {
+    let dir = (!args.no_report).then(|| what.dir.clone().unwrap_or_else(|| Path::new("out").join(what.name)));
+    let folder = match super::open(dir.as_deref())? {
+        Ok(folder) => folder,
+        Err(code) => return Ok(code),
+    };
     let progress = &mut |next: &str| {
+        // A bench that is no suite has no other place where it could end.
+        if !what.is_suite && STOP.load(Ordering::Relaxed) {
+            std::process::exit(INTERRUPTED.into());
+        }
         if !args.quiet {
             say!("{next}");
         }
     };
-    run(&mut Options { quick: args.quick, counted, progress })
-}
-
-/// Writes the folder, unless `--no-report` is given, and prints. Fails where a target is missed.
-fn end(found: Result<Evidence, Error>, name: &str, args: &ValidateArgs, color: Color) -> anyhow::Result<ExitCode> {
-    let evidence = match found {
+    let evidence = match run(&mut Options { quick: args.quick, counted: what.counted, stop: Some(&STOP), progress }) {
         Ok(evidence) => evidence,
         Err(Error::Scene(error @ LoadError::Invalid(_))) => return Ok(invalid(&error, color)),
+        Err(Error::Study(StudyError::Interrupted)) => {
+            say!("interrupted: the cases are not complete, and nothing is written");
+            return Ok(ExitCode::from(INTERRUPTED));
+        }
         Err(error) => return Err(error.into()),
     };
-    if !args.no_report {
-        let folder = args.output.clone().unwrap_or_else(|| Path::new("out").join(name));
-        let footer = [("sim-host".to_owned(), sim::VERSION.to_owned())];
-        let footer = footer.into_iter().chain(evidence.report.footer.clone()).collect();
-        report::write(&Report { footer, ..evidence.report.clone() }, &folder)?;
-        for (file, text) in &evidence.files {
-            fs::write(folder.join(file), text).with_context(|| format!("cannot write {}", folder.join(file).display()))?;
-        }
+    if let (Some(dir), Some(folder)) = (dir, folder) {
+        write(&evidence, what.name, args.quick, &folder)?;
         if !args.quiet {
-            say!("report: {}", folder.join("report.html").display());
+            say!("report: {}", dir.join("report.html").display());
         }
     }
     let tables = evidence.printed.as_ref().unwrap_or(&evidence.report.tables);
@@ -170,6 +201,19 @@ fn end(found: Result<Evidence, Error>, name: &str, args: &ValidateArgs, color: C
         say!("missed: {missed}");
     }
     Ok(if evidence.missed.is_empty() { ExitCode::SUCCESS } else { ExitCode::from(EXPECTATION_MISSED) })
+}
+
+/// Writes tables, figures and further files, in place of the result that the folder holds.
+fn write(evidence: &Evidence, name: &str, quick: bool, folder: &Folder) -> anyhow::Result<()> {
+    let dir = folder.unfinished();
+    let footer = [("sim-host".to_owned(), sim::VERSION.to_owned())];
+    let footer = footer.into_iter().chain(evidence.report.footer.clone()).collect();
+    report::write(&Report { footer, ..evidence.report.clone() }, dir)?;
+    for (file, text) in &evidence.files {
+        fs::write(dir.join(file), text).with_context(|| format!("cannot write {}", dir.join(file).display()))?;
+    }
+    let manifest = json!({ "program": "sim-host", "version": sim::VERSION, "bench": name, "quick": quick, "complete": true });
+    Ok(folder.finish(manifest)?)
 }
 
 fn alone(setting: &str) -> anyhow::Result<ExitCode> {

@@ -1,20 +1,21 @@
 //! `capture`: voltage, current and drive, sample by sample, around a trigger.
 
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::time::Duration;
 
 use clap::{Args, ValueEnum};
 use firmware::board::capture::{Arm, CaptureReport, CaptureState, CaptureVerb, PARTS, SAMPLES, Trigger};
 use firmware::board::command::{Command, Reply};
 
-use super::seconds;
+use super::{manifest, seconds};
 use crate::answer::{Answer, quantity};
 use crate::client::unexpected;
 use crate::link_error::LinkError;
 use crate::scale::Scale;
 use crate::session::Session;
 use report::{self, Axis, Figure, Report, Series, Span};
+use sim::output::Folder;
 
 /// Arguments of the command.
 #[derive(Args, Clone, Debug)]
@@ -78,12 +79,12 @@ pub struct Captured {
 
 /// Arms, waits, reads and writes.
 pub fn run(args: &CaptureArgs, session: &mut Session) -> Result<Answer, LinkError> {
+    // A folder that cannot be is known before the trigger comes.
+    let folder = args.output.as_deref().map(Folder::open).transpose()?;
     if !args.read {
         if usize::from(args.before) > SAMPLES {
             return Err(LinkError::Usage(format!("--before is 0 to {SAMPLES} samples, not {}", args.before)));
         }
-        // A folder that cannot be is known before the trigger comes.
-        args.output.iter().try_for_each(|dir| make(dir))?;
         let arm = Arm { trigger: args.trigger.trigger(), before: args.before, lane: args.lane };
         session.client.order(Command::Capture(CaptureVerb::Arm(arm)))?;
         if args.arm {
@@ -115,8 +116,8 @@ pub fn run(args: &CaptureArgs, session: &mut Session) -> Result<Answer, LinkErro
         .field("peak_voltage_v", volts)
         .field("peak_current_a", amperes)
         .field("peak_drive_v", drive);
-    if let Some(dir) = &args.output {
-        session.meanwhile(|| write(&captured, &scale, dir))??;
+    if let (Some(dir), Some(folder)) = (&args.output, &folder) {
+        session.meanwhile(|| write(&captured, &scale, folder))??;
         answer = answer
             .line(format!("written: {}", dir.join("capture.csv").display()))
             .field("csv", dir.join("capture.csv").to_string_lossy());
@@ -164,14 +165,9 @@ pub fn fetch(within: Duration, session: &mut Session) -> Result<Captured, LinkEr
     Ok(captured)
 }
 
-/// A folder.
-fn make(dir: &Path) -> Result<(), LinkError> {
-    fs::create_dir_all(dir).map_err(|io| LinkError::Write { path: dir.to_owned(), io })
-}
-
 /// Writes codes and SI units, and draws them.
-fn write(captured: &Captured, scale: &Scale, dir: &Path) -> Result<(), LinkError> {
-    make(dir)?;
+fn write(captured: &Captured, scale: &Scale, folder: &Folder) -> Result<(), LinkError> {
+    let dir = folder.unfinished();
     let path = dir.join("capture.csv");
     let time_s: Vec<f64> =
         (0..captured.v.len()).map(|n| (n as f64 - f64::from(captured.report.before)) / scale.sample_hz).collect();
@@ -221,5 +217,6 @@ fn write(captured: &Captured, scale: &Scale, dir: &Path) -> Result<(), LinkError
         footer: vec![("sim-host".into(), sim::VERSION.to_owned())],
         ..Report::default()
     };
-    Ok(report::write(&page, dir)?)
+    report::write(&page, dir)?;
+    Ok(folder.finish(manifest("capture"))?)
 }

@@ -15,12 +15,14 @@ use firmware::seam::transducer::Transducer;
 use serde_json::json;
 
 use super::circuit::in_words;
+use super::manifest;
 use crate::admittance::{self, Loop};
 use crate::answer::{Answer, quantity, short};
 use crate::client::unexpected;
 use crate::link_error::LinkError;
 use crate::session::Session;
 use crate::words;
+use sim::output::Folder;
 
 /// Longest that a scan may take.
 const LONGEST: Duration = Duration::from_secs(10);
@@ -41,6 +43,8 @@ pub struct ScanArgs {
 
 /// Scans, measures, and draws.
 pub fn run(args: &ScanArgs, session: &mut Session) -> Result<Answer, LinkError> {
+    // A folder that cannot be is known before the scan.
+    let folder = args.output.as_deref().map(Folder::open).transpose()?;
     let report = scan(session)?;
     let found = match session.client.ask(Command::Resonances)? {
         Reply::Resonances(found) => found,
@@ -52,12 +56,13 @@ pub fn run(args: &ScanArgs, session: &mut Session) -> Result<Answer, LinkError> 
     }
     let answer = in_words(&report, list(&found, report.transducer.as_ref(), Answer::to("scan")));
     let answer = drawn.compared(answer);
-    let answer = match &args.output {
-        Some(dir) => {
-            drawn.write(dir)?;
+    let answer = match (&args.output, &folder) {
+        (Some(dir), Some(folder)) => {
+            drawn.write(folder.unfinished())?;
+            folder.finish(manifest("scan"))?;
             answer.line(format!("written: {}", dir.join("admittance.svg").display()))
         }
-        None => answer.line(drawn.in_terminal()),
+        _ => answer.line(drawn.in_terminal()),
     };
     Ok(answer)
 }

@@ -39,7 +39,7 @@ const QUICK_ROUNDS: u32 = 3;
 
 /// Measures work and precision of all methods.
 pub fn measure(options: &mut Options) -> Result<Study, NoReference> {
-    let Options { quick, counted, progress: say } = options;
+    let Options { quick, counted, progress: say, .. } = options;
     let (quick, counted) = (*quick, *counted);
     say("reference");
     let reference = reference::make(&table_4_1::standard())?;

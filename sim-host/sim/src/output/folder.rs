@@ -70,9 +70,9 @@ impl Folder {
             return Err(OutputError::InTheWay { path: self.dir.join(file), run: self.beside()? });
         }
         let both: BTreeSet<&String> = former.union(&files).collect();
-        self.put(&json!({
-            "program": manifest["program"], "version": manifest["version"], "scene": manifest["scene"], "complete": false, "files": both,
-        }))?;
+        let mut moving = manifest.clone();
+        (moving["complete"], moving["files"]) = (json!(false), json!(both));
+        self.put(&moving)?;
         self.publish(MANIFEST)?;
         for file in former.difference(&files) {
             let path = self.dir.join(file);

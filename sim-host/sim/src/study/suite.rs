@@ -2,6 +2,7 @@
 
 mod tables;
 
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, PoisonError};
 
 use rayon::prelude::*;
@@ -59,17 +60,20 @@ pub struct Judged {
     pub source: String,
 }
 
-/// Runs every case of a suite, in parallel.
+/// Runs every case of a suite, in parallel, until `stop` is set from outside.
 ///
 /// # Errors
-/// If a case has no result.
-pub fn run<'a>(suite: &'a LoadedSuite, progress: Progress) -> Result<SuiteResult<'a>, StudyError> {
+/// If a case has no result, or was stopped.
+pub fn run<'a>(suite: &'a LoadedSuite, stop: Option<&AtomicBool>, progress: Progress) -> Result<SuiteResult<'a>, StudyError> {
     let progress = Mutex::new(progress);
     let one = |case: &'a ReadyCase| {
+        if stop.is_some_and(|stop| stop.load(Ordering::Relaxed)) {
+            return Err(StudyError::Interrupted);
+        }
         progress.lock().unwrap_or_else(PoisonError::into_inner)(&case.name);
-        let study = super::run(&case.loaded, super::Options::default());
+        let study = super::run(&case.loaded, super::Options { stop, ..super::Options::default() });
         let study = study.map_err(|error| StudyError::EmptyCell(format!("of the case `{}`", case.name), Box::new(error)))?;
-        Ok(CaseResult::read(case, study))
+        if study.interrupted { Err(StudyError::Interrupted) } else { Ok(CaseResult::read(case, study)) }
     };
     let cases = suite.cases.par_iter().map(one).collect::<Result<Vec<_>, StudyError>>()?;
     let judged = suite.suite.target.iter().map(|target| Judged::of(target, &cases)).collect();
