@@ -25,7 +25,7 @@ use self::cases::{ENCODER_FAULTS, EVENTS, EncoderFault, Event, MOVING_BELTS, Mov
 use self::rig::{Plan, Rig};
 use crate::evidence::{Error, Evidence, Options};
 use report::Report;
-use sim::instruments::runs::statistics::{Spread, spread_of};
+use sim::study::monte_carlo::statistics::{Spread, spread_of};
 
 /// Runs of each event, seconds of belt for the one that must not trip at all, and for each of the others.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

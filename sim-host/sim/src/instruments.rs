@@ -1,14 +1,13 @@
 //! Instruments: what is measured of a run, and how that is shown. One phenomenon has one folder, with its metrics, its tables and its figures.
 //!
 //! [`DRIVEN`] lists the instruments of a driven run. Metrics, reports and figures walk this list; an instrument of which a scene has nothing adds
-//! nothing. [`contact`] is the instrument of a contact study, [`runs`] that of a scene that is run many times.
+//! nothing. What is shown of a contact study and of many runs stands with them, in [`study`](crate::study).
 
 pub mod belt;
 mod belt_stop;
 mod circuit;
-pub mod contact;
 pub mod crash;
-mod curves;
+pub(crate) mod curves;
 mod drive;
 mod edges;
 mod energy;
@@ -18,15 +17,13 @@ mod guard;
 pub mod lock;
 mod motor;
 mod processor;
-pub mod runs;
 pub mod sweep;
 mod view;
 
 pub use view::View;
 
 use crate::metrics::Metrics;
-use crate::record::Record;
-use crate::study::{Outcome, Study};
+use crate::record::{Record, Window};
 use report::{Figure, TableBlock};
 use scene::Driven;
 
@@ -35,6 +32,11 @@ pub type Line = (&'static str, &'static str, &'static str);
 
 /// One phenomenon of a driven run.
 pub trait Instrument: Sync {
+    /// The stretches of a run of this scene that are to be recorded sample by sample.
+    fn windows(&self, _scene: &Driven) -> Vec<Window> {
+        Vec::new()
+    }
+
     /// Adds the metrics of a run.
     fn metrics(&self, _run: &View, _metrics: &mut Metrics) {}
 
@@ -77,6 +79,11 @@ pub static DRIVEN: [&dyn Instrument; 14] = [
     &processor::ProcessorLoad,
 ];
 
+/// The windows of all instruments, for a run of this scene.
+pub fn windows(scene: &Driven) -> Vec<Window> {
+    DRIVEN.iter().flat_map(|instrument| instrument.windows(scene)).collect()
+}
+
 /// The metrics of a driven run.
 pub fn measure(scene: &Driven, record: &Record) -> Metrics {
     let mut metrics = Metrics::default();
@@ -86,18 +93,4 @@ pub fn measure(scene: &Driven, record: &Record) -> Metrics {
     }
     metrics.put("plant_states", record.plant_states as f64);
     metrics
-}
-
-/// The figures of a study, the most telling first.
-pub fn figures(study: &Study) -> Vec<Figure> {
-    let own = match &study.outcome {
-        Outcome::Driven(run) => {
-            let view = View::new(&run.scene, &run.record);
-            DRIVEN.iter().flat_map(|instrument| instrument.figures(&view)).collect()
-        }
-        Outcome::Contact(solved) => contact::figures::of(solved),
-        Outcome::MonteCarlo(runs) => runs::figures::of(study.scene, runs),
-    };
-    let sweeps = study.comparison.iter().flat_map(|comparison| &comparison.sweeps);
-    own.into_iter().chain(sweeps.flat_map(sweep::figures)).collect()
 }

@@ -34,8 +34,10 @@ pub mod cramer_rao;
 pub mod data;
 pub mod edge_meter;
 pub mod explain;
+pub mod figures;
 pub mod instruments;
 pub mod metrics;
+pub mod numbers;
 #[cfg(feature = "files")]
 pub mod output;
 pub mod processor;

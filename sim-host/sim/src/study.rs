@@ -13,7 +13,6 @@ mod plan;
 pub mod playback;
 mod stopped;
 pub mod suite;
-pub mod sweep_record;
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -50,6 +49,9 @@ pub enum StudyError {
     /// The contact study has no answer.
     #[error("the contact study has no answer")]
     Contact(#[from] SolveError),
+    /// The cases of a suite were stopped from outside.
+    #[error("interrupted")]
+    Interrupted,
 }
 
 /// The result of a study.

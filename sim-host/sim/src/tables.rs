@@ -3,8 +3,10 @@
 mod comparison;
 mod driven;
 
-use crate::instruments::{self, Line, View, contact, crash, runs};
-use crate::study::{Outcome, Study};
+use crate::figures;
+use crate::instruments::{Line, View, crash};
+use crate::numbers::{number, precise};
+use crate::study::{Outcome, Study, contact, monte_carlo};
 use report::{Report, TableBlock};
 use scene::metrics;
 
@@ -14,7 +16,7 @@ pub fn report(study: &Study) -> Report {
     let preface = match &study.outcome {
         Outcome::Driven(run) => driven::preface(run),
         Outcome::Contact(_) => contact::table::PREFACE.to_owned(),
-        Outcome::MonteCarlo(runs) => runs::table::preface(runs),
+        Outcome::MonteCarlo(runs) => monte_carlo::table::preface(runs),
     };
     Report {
         title: scene.title.clone(),
@@ -22,7 +24,7 @@ pub fn report(study: &Study) -> Report {
         summary: headline(study),
         paragraphs: [remarks(study), scene.notes.clone(), vec![preface]].concat(),
         tables: tables(study),
-        figures: instruments::figures(study),
+        figures: figures::of(study),
         crash: study.run().and_then(|run| crash::view(&View::new(&run.scene, &run.record))),
         appendix: vec![all_metrics(study)],
         footer: footer(study),
@@ -37,7 +39,7 @@ pub fn tables(study: &Study) -> Vec<TableBlock> {
     match &study.outcome {
         Outcome::Driven(run) => tables.extend(driven::tables(run, &study.metrics)),
         Outcome::Contact(solved) => tables.extend(contact::table::tables(study, solved)),
-        Outcome::MonteCarlo(runs) => tables.extend(runs::table::tables(study, runs)),
+        Outcome::MonteCarlo(runs) => tables.extend(monte_carlo::table::tables(study, runs)),
     }
     tables.extend(grid(study));
     tables.retain(|table| !table.rows.is_empty());
@@ -57,7 +59,7 @@ pub fn remarks(study: &Study) -> Vec<String> {
     remarks.extend(match &study.outcome {
         Outcome::Driven(run) => driven::remarks(run),
         Outcome::Contact(solved) => contact::table::remarks(solved),
-        Outcome::MonteCarlo(runs) => runs::table::remarks(study, runs),
+        Outcome::MonteCarlo(runs) => monte_carlo::table::remarks(study, runs),
     });
     remarks
 }
@@ -77,7 +79,7 @@ pub fn headline(study: &Study) -> Vec<(String, String)> {
     let (first, lines) = match &study.outcome {
         Outcome::Driven(run) => (driven::fault(run), driven::headline()),
         Outcome::Contact(solved) => (contact::table::ratio(solved), contact::table::HEADLINE.to_vec()),
-        Outcome::MonteCarlo(runs) => (Some(runs::table::count(runs)), runs::table::HEADLINE.to_vec()),
+        Outcome::MonteCarlo(runs) => (Some(monte_carlo::table::count(runs)), monte_carlo::table::HEADLINE.to_vec()),
     };
     let tile = |&(label, metric, unit): &Line| {
         study.metrics.get(metric).map(|value| (label.to_owned(), format!("{} {unit}", number(value)).trim_end().to_owned()))
@@ -90,7 +92,7 @@ pub fn manner(study: &Study) -> String {
     match &study.outcome {
         Outcome::Driven(run) => driven::manner(run),
         Outcome::Contact(solved) => contact::table::manner(solved),
-        Outcome::MonteCarlo(runs) => runs::table::manner(runs),
+        Outcome::MonteCarlo(runs) => monte_carlo::table::manner(runs),
     }
 }
 
@@ -99,7 +101,7 @@ pub fn reached(study: &Study) -> String {
     let reached_s = match &study.outcome {
         Outcome::Driven(run) => driven::reached_s(run),
         Outcome::Contact(solved) => contact::table::reached_s(solved),
-        Outcome::MonteCarlo(runs) => return runs::table::reached(runs),
+        Outcome::MonteCarlo(runs) => return monte_carlo::table::reached(runs),
     };
     format!("{} s of {} s", number(reached_s), study.scene.duration_s)
 }
@@ -122,7 +124,7 @@ fn footer(study: &Study) -> Vec<(String, String)> {
     let own = match &study.outcome {
         Outcome::Driven(run) => driven::footer(run),
         Outcome::Contact(solved) => contact::table::footer(solved),
-        Outcome::MonteCarlo(runs) => runs::table::footer(runs),
+        Outcome::MonteCarlo(runs) => monte_carlo::table::footer(runs),
     };
     let all = [("scene", study.name.clone()), ("seed", study.scene.seed.to_string()), ("sim-host", crate::VERSION.to_owned())];
     all.into_iter().chain(own).map(|(label, value)| (label.to_owned(), value)).collect()
@@ -173,44 +175,4 @@ fn in_a_grid(value: f64) -> String {
 pub fn all_metrics(study: &Study) -> TableBlock {
     let rows = study.metrics.iter().map(|(name, value)| vec![name.to_owned(), number(value)]).collect();
     TableBlock::new("metrics", "All metrics", "", &["metric", "value"], rows)
-}
-
-/// A number with four significant digits.
-pub fn number(value: f64) -> String {
-    digits(value, 4)
-}
-
-/// Seven significant digits, for what is compared.
-pub(crate) fn precise(value: f64) -> String {
-    digits(value, 7)
-}
-
-fn digits(value: f64, digits: usize) -> String {
-    let size = value.abs();
-    if value == 0.0 {
-        return "0".into();
-    }
-    if !(1e-3..1e7).contains(&size) {
-        return format!("{value:.*e}", digits - 1);
-    }
-    // Digits after the point such that there are as many in all; whole numbers keep none.
-    let before = size.log10().floor() as i32 + 1;
-    let after = (digits as i32 - before).max(0) as usize;
-    let text = format!("{value:.after$}");
-    if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn numbers_read_well() {
-        assert_eq!(number(67.440_118), "67.44");
-        assert_eq!(number(0.144), "0.144");
-        assert_eq!(number(2.0008e-8), "2.001e-8");
-        assert_eq!(number(-5.2), "-5.2");
-        assert_eq!(precise(39_999.290_1), "39999.29");
-        assert_eq!(number(8.0), "8");
-    }
 }

@@ -2,7 +2,7 @@
 
 use super::{Passed, Stopped, Undetected};
 use report::{TableBlock, verdict};
-use sim::instruments::runs::statistics::Spread;
+use sim::study::monte_carlo::statistics::Spread;
 
 /// A welder's power, W.
 const WELDER_W: f64 = 2500.0;

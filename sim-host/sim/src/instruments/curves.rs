@@ -8,7 +8,7 @@ use report::{Axis, Series, Span, Style};
 const BINS: usize = 3000;
 
 /// An axis with a label, linear, as long as its data.
-pub(super) fn axis(label: &str) -> Axis {
+pub(crate) fn axis(label: &str) -> Axis {
     Axis { label: label.into(), ..Axis::default() }
 }
 

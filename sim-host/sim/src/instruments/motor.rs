@@ -3,15 +3,22 @@
 mod figures;
 mod metrics;
 mod table;
+mod window;
 
 use super::{Instrument, Line, View};
 use crate::metrics::Metrics;
+use crate::record::Window;
 use report::{Figure, TableBlock};
+use scene::Driven;
 
 /// The instrument of scenes with a stator.
 pub(super) struct Motor;
 
 impl Instrument for Motor {
+    fn windows(&self, scene: &Driven) -> Vec<Window> {
+        window::of(scene).into_iter().collect()
+    }
+
     fn metrics(&self, run: &View, metrics: &mut Metrics) {
         run.motor(metrics);
     }

@@ -2,7 +2,7 @@
 
 use super::{Instrument, View};
 use crate::metrics::Metrics;
-use crate::tables::number;
+use crate::numbers::number;
 use report::TableBlock;
 
 /// The instrument of runs in an emulator.

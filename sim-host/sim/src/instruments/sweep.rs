@@ -1,12 +1,17 @@
 //! The time-frequency pictures of a sweep, which thesis 4.4 asks for: the short-time transform of the whole sweep, and the Wigner-Ville
 //! distribution of the stretch in which it passes the resonance.
 
+pub mod record;
+
 use super::curves::axis;
 use super::{Instrument, View};
-use crate::study::sweep_record::SweepRecord;
+use crate::record::Window;
 use plant::truth::Sample;
 use report::time_frequency::{Map, Smoothing, stft, wigner_ville, window_for};
 use report::{Figure, HeatMap};
+use scene::Driven;
+
+use record::SweepRecord;
 
 /// Most columns of a picture.
 const COLUMNS: usize = 480;
@@ -42,6 +47,10 @@ const FRICTION: Signal = Signal { id: "friction", name: "friction", of: |sample|
 pub(super) struct Sweep;
 
 impl Instrument for Sweep {
+    fn windows(&self, scene: &Driven) -> Vec<Window> {
+        record::window(scene).into_iter().collect()
+    }
+
     fn figures(&self, run: &View) -> Vec<Figure> {
         SweepRecord::of("", &run.scene, run.record).iter().flat_map(figures).collect()
     }

@@ -31,7 +31,7 @@ impl Mean {
         })
     }
 
-    /// The metric of each study, as [`metrics`](crate::instruments::contact::metrics) has it; none where a study has no power ratio.
+    /// The metric of each study, as [`metrics`](crate::study::contact::metrics) has it; none where a study has no power ratio.
     pub(super) fn of(self, studies: &[Steady]) -> Vec<Option<f64>> {
         let points: Vec<(f64, f64)> = studies.iter().map(|study| (study.point.velocity_ratio, study.point.kappa)).collect();
         let ratios = if self == Mean::PowerRatio { lanes::power_ratios(&points) } else { lanes::friction_ratios(&points) };

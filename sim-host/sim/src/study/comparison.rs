@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use super::StudyError;
 use super::matching::{Found, Target, find};
 use super::plan::{Cell, Made, Plan};
-use super::sweep_record::SweepRecord;
+use crate::instruments::sweep::record::SweepRecord;
 use crate::metrics::Metrics;
 use scene::load::Loaded;
 use scene::resolved::resolved_json;

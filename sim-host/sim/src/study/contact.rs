@@ -1,5 +1,9 @@
 //! A study of a contact by itself.
 
+pub mod figures;
+pub mod metrics;
+pub mod table;
+
 use std::sync::atomic::AtomicBool;
 
 use super::StudyError;
@@ -7,7 +11,6 @@ use super::across;
 use super::answer::Answer;
 use super::playback::Playback;
 use super::stopped::{leave_if, unless_stopped};
-use crate::instruments::contact::metrics as contact_metrics;
 use crate::metrics::Metrics;
 use contact::{self, Clock, Law, SolveError, State};
 use scene::{Excited, Model, problem};
@@ -52,7 +55,7 @@ pub(super) fn cell(scene: &Excited, stop: &AtomicBool) -> Result<Metrics, StudyE
 }
 
 fn measured(scene: &Excited, answer: Option<&Answer>) -> Metrics {
-    answer.map_or_else(Metrics::default, |answer| contact_metrics::of(scene, answer))
+    answer.map_or_else(Metrics::default, |answer| metrics::of(scene, answer))
 }
 
 fn answer(

@@ -6,6 +6,9 @@
 
 pub mod draw;
 pub mod error;
+pub mod figures;
+pub mod statistics;
+pub mod table;
 
 #[cfg(test)]
 mod tests;
@@ -14,12 +17,12 @@ use std::sync::atomic::AtomicBool;
 
 use self::draw::{Draw, Draws};
 use self::error::Grid;
+use self::statistics::Statistics;
 use super::driven::Level;
 use super::plan::{Cell, Made, Plan, Progress};
 use super::{Options, StudyError};
 use crate::instruments::View;
 use crate::instruments::lock::claims;
-use crate::instruments::runs::statistics::{self, Statistics};
 use crate::metrics::Metrics;
 use crate::record::text_hash;
 use scene::load::Loaded;

@@ -13,8 +13,8 @@ use std::sync::{Mutex, PoisonError};
 
 use rayon::prelude::*;
 
-use super::sweep_record::SweepRecord;
 use super::{Start, StudyError, contact, driven};
+use crate::instruments::sweep::record::SweepRecord;
 use crate::metrics::Metrics;
 use crate::record::Record;
 use scene::load::{Loaded, Template};

@@ -2,7 +2,7 @@
 
 use super::law;
 use crate::metrics::Metrics;
-use crate::tables::precise;
+use crate::numbers::precise;
 use contact::empirical::reached;
 use report::TableBlock;
 use scene::Driven;

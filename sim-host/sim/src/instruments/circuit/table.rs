@@ -4,8 +4,8 @@ use firmware::seam::transducer::Deviations;
 
 use crate::instruments::View;
 use crate::metrics::Metrics;
+use crate::numbers::precise;
 use crate::record::Row;
-use crate::tables::precise;
 use plant::circuit_of;
 use report::TableBlock;
 

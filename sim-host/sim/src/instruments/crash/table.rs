@@ -1,7 +1,7 @@
 //! A crash in words, and both belts in a table.
 
 use crate::instruments::View;
-use crate::tables::number;
+use crate::numbers::number;
 use plant::dring::crash::Playback;
 use plant::dring::motion::Extremes;
 use report::TableBlock;

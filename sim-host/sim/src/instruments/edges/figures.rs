@@ -2,18 +2,17 @@
 
 use firmware::seam::mode::Mode;
 
+use super::windows::{OFF, ON};
 use crate::instruments::View;
 use crate::instruments::curves::axis;
 use crate::record::Window;
-use crate::study::driven::WAVE;
-use crate::study::sweep_record::TITLE;
 use report::{Figure, Series, Span, Style};
 
 /// One figure for each edge that was recorded and played: an ON window may begin before there is a lock.
 pub(super) fn of(run: &View) -> Vec<Figure> {
     let Some(run_s) = run.plays_from(Mode::Run) else { return Vec::new() };
-    let whole = |window: &Window| window.title == TITLE || window.title == WAVE;
-    let played = |window: &&Window| window.edge_s > run_s && !whole(window) && !window.samples.is_empty();
+    let at_an_edge = |window: &Window| [ON, OFF].contains(&window.title.as_str());
+    let played = |window: &&Window| window.edge_s > run_s && at_an_edge(window) && !window.samples.is_empty();
     run.record.windows.iter().filter(played).map(|window| edge(run, window)).collect()
 }
 
@@ -39,7 +38,7 @@ fn edge(run: &View, window: &Window) -> Figure {
         let speed = |n: usize| window.samples[n].motor.map_or(0.0, |motor| motor.rotor_rad_per_s);
         series.push(relative("rotor speed", "rotor_speed_relative", &speed));
     }
-    let on = window.title == "on";
+    let on = window.title == ON;
     let what = match (on, run.scene.sliding().is_some(), run.scene.rotor().is_some()) {
         (true, _, true) => "drive ON, the rotor starts",
         (false, _, true) => "drive OFF, the rotor stops",

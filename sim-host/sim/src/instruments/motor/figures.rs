@@ -1,9 +1,9 @@
 //! The figures of a travelling-wave motor: its rotor, its waves, the path of its surface, its lanes.
 
+use super::window::WAVE;
 use crate::instruments::View;
 use crate::instruments::curves::{axis, binned, curve, shaded};
 use crate::record::{Row, Window};
-use crate::study::driven::WAVE;
 use plant::truth::{MotorSample, MotorTruth};
 use report::{Figure, Series, Style};
 

@@ -1,7 +1,7 @@
 //! A motor against the closed forms.
 
 use crate::metrics::Metrics;
-use crate::tables::precise;
+use crate::numbers::precise;
 use report::TableBlock;
 use scene::Driven;
 

@@ -1,9 +1,9 @@
 //! A contact study in words and tables.
 
 use crate::instruments::Line;
+use crate::numbers::{number, precise};
 use crate::study::Study;
 use crate::study::contact::Solved;
-use crate::tables::{number, precise};
 use contact::Solution;
 use report::TableBlock;
 use scene::{Body, Model, Sign, VibrationVelocity, problem};

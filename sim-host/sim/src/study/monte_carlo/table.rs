@@ -2,9 +2,9 @@
 
 use super::statistics::{self, Spread};
 use crate::instruments::Line;
+use crate::numbers::number;
 use crate::study::Study;
 use crate::study::monte_carlo::MonteCarlo;
-use crate::tables::number;
 use report::TableBlock;
 use scene::metrics;
 
@@ -131,7 +131,7 @@ fn spreads(study: &Study, runs: &MonteCarlo) -> TableBlock {
         header.pop();
         rows.iter_mut().for_each(|row| drop(row.pop()));
     }
-    let caption = "95 % of the runs are at or below the second number. A run without a time took for ever. Of bias and phase, the second and \
+    let caption = "95 % of the runs are at or below the second number. A run without a time never came to it, and counts as infinite. Of bias and phase, the second and \
                    third number are of the absolute value. Times are from the first sample of the lock stage, or from the last step.";
     TableBlock::new("runs", "All runs", caption, &header, rows)
 }

@@ -1,0 +1,41 @@
+//! Numbers as tables show them.
+
+/// A number with four significant digits.
+pub fn number(value: f64) -> String {
+    digits(value, 4)
+}
+
+/// A number with seven significant digits, to be compared with others.
+pub(crate) fn precise(value: f64) -> String {
+    digits(value, 7)
+}
+
+fn digits(value: f64, digits: usize) -> String {
+    let size = value.abs();
+    if value == 0.0 {
+        return "0".into();
+    }
+    if !(1e-3..1e7).contains(&size) {
+        return format!("{value:.*e}", digits - 1);
+    }
+    // Digits after the point such that there are as many in all; whole numbers keep none.
+    let before = size.log10().floor() as i32 + 1;
+    let after = (digits as i32 - before).max(0) as usize;
+    let text = format!("{value:.after$}");
+    if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_read_well() {
+        assert_eq!(number(67.440_118), "67.44");
+        assert_eq!(number(0.144), "0.144");
+        assert_eq!(number(2.0008e-8), "2.001e-8");
+        assert_eq!(number(-5.2), "-5.2");
+        assert_eq!(precise(39_999.290_1), "39999.29");
+        assert_eq!(number(8.0), "8");
+    }
+}
