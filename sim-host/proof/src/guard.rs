@@ -50,7 +50,7 @@ impl Runs {
 pub struct Stopped {
     /// Event of the runs.
     pub event: &'static Event,
-    /// Number of runs.
+    /// Number of runs of the event.
     pub runs: u32,
     /// Runs in which the drive went on.
     pub missed: u32,
@@ -87,7 +87,7 @@ pub struct Undetected {
 /// How often a moving belt was taken for a standing one.
 #[derive(Clone, Debug)]
 pub struct Passed {
-    /// Belt that moved.
+    /// Belt that moves in the runs.
     pub belt: &'static MovingBelt,
     /// Simulated time of the belt, s.
     pub seconds: f64,

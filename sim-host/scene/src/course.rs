@@ -88,7 +88,7 @@ pub struct Fault {
     pub kind: FaultKind,
 }
 
-/// Kinds of faults.
+/// Kinds of faults that a scene can have.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum FaultKind {

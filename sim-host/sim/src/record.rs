@@ -104,7 +104,7 @@ impl Window {
 /// Instructions that blocks have taken.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Instructions {
-    /// Number of blocks.
+    /// Number of blocks that were counted.
     pub blocks: u64,
     /// Instructions of all blocks together.
     pub total: u64,

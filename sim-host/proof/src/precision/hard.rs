@@ -107,7 +107,7 @@ impl std::fmt::Display for Check {
     }
 }
 
-/// All hard cases.
+/// All hard cases of the bench.
 pub static CASES: [Case; 29] = [
     Case { name: "Kt x 1e3", run: |_| stiff::contact(1e3) },
     Case { name: "Kt x 3e3", run: |_| stiff::contact(3e3) },

@@ -35,7 +35,7 @@ pub struct Full {
     pub cm_f: f64,
     /// Clamped capacitance of the stack, F.
     pub c0_f: f64,
-    /// Effective electromechanical coupling.
+    /// Effective electromechanical coupling of the stack.
     pub coupling: f64,
     /// Figure of merit M.
     pub figure_of_merit: f64,

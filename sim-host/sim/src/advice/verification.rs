@@ -25,7 +25,7 @@ const LOCK_TIMES: [(&str, &str); 3] = [
 /// Results of the verification.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Verified {
-    /// Number of runs.
+    /// Number of runs of the verification.
     pub runs: u32,
     /// Number of runs that locked.
     pub locked: f64,

@@ -29,7 +29,7 @@ pub enum Order {
 /// Tabs on the sheet.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pattern {
-    /// Number of tabs.
+    /// Number of tabs on the sheet.
     pub tabs: u32,
     /// Width of a tab, m.
     pub width_m: f64,
