@@ -9,7 +9,7 @@ use scene::suite::LoadedSuite;
 use sim::study::suite::{SuiteResult, run};
 
 static SUITE: LazyLock<LoadedSuite> = LazyLock::new(|| named("crash").and_then(|bench| bench.load(true)).unwrap().unwrap());
-static RESULT: LazyLock<SuiteResult> = LazyLock::new(|| run(&SUITE, &mut |_| ()).unwrap());
+static RESULT: LazyLock<SuiteResult> = LazyLock::new(|| run(&SUITE, None, &mut |_| ()).unwrap());
 
 fn metric(case: &str, metric: &str) -> f64 {
     RESULT.case(case).and_then(|case| case.metrics.get(metric)).unwrap()
