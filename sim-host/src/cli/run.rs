@@ -12,7 +12,6 @@ use super::{
 };
 use pil::{self, Qemu};
 use scene::load::{LoadError, Loaded};
-use sim::output;
 use sim::processor::Processor;
 use sim::run::RunError;
 use sim::study::monte_carlo::draw::Draws;
