@@ -1,4 +1,4 @@
-//! The slow side and the controller whole, on doubles: what a board's user sees, without a board.
+//! The background task and the controller as a whole, on mocks: what a board's user sees, without a board.
 //!
 //! On the loop-back nothing resonates, so the frequency is held: a run order leads through the self-test straight to running.
 //! Drive codes are in samples since the first one played; the order of a run is given before the first block, unless a scenario
@@ -41,7 +41,7 @@ const MID: u16 = 2048;
 const CODES_PER_VOLT: f64 = 100.0;
 /// Samples in a block.
 const BLOCK: usize = 32;
-/// Blocks that certainly suffice for a self-test, and that are kept of each run.
+/// Blocks that certainly suffice for a self-test, and that are recorded of each run.
 const PATIENCE: u64 = 200;
 const KEEP: usize = 20_000;
 
@@ -77,7 +77,7 @@ fn running<'a>(queues: &'a mut Queues, setup: &Setup) -> Bench<'a, Load> {
     let mut bench = bench(queues, setup);
     assert_eq!(bench.ask(Command::Run), Some(Reply::Ack));
     assert!(bench.run_until(|report| report.mode == Mode::Run, PATIENCE).is_some(), "{:?}", bench.latest());
-    // What is heard lags behind what is reported; from here on both are the run's own.
+    // Measured blocks lag behind the reports; from here on both are the run's own.
     bench.blocks(4);
     bench
 }

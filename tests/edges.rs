@@ -24,7 +24,7 @@ fn of(metrics: &Metrics, name: &str) -> f64 {
     metrics.get(name).unwrap_or(f64::NAN)
 }
 
-/// A stack of another Q, of which the controller is told half as much again, at another drive and under another limit.
+/// A stack of another Q, with a nominal Q of one and a half times that, at another drive and under another limit.
 fn stack(q: f64, volts: f64, limit_v: f64) -> Vec<String> {
     // Its windows as many time constants apart as those of Q 65.
     let longer = (q / 65.0).max(1.0);
@@ -93,7 +93,7 @@ fn bursts_of_any_rate_are_as_long_as_they_are_ordered() {
         for duty in [0.1, 0.5, 0.9] {
             let (v, v2, limit, frequency) = mean(hz, duty);
             println!("| {hz} | {duty} | {:.3} | {:.3} | {limit} | {frequency:.1} |", v / level, v2 / square);
-            // Measured: 0.005 as long as the edges do not meet, 0.022 where they do; and 2.2 Hz where the bursts are too short to be heard.
+            // Measured: 0.005 as long as the edges do not meet, 0.022 where they do; and 2.2 Hz where the bursts are too short to be measured.
             let bound = if hz > 1000.0 { 0.025 } else { 0.007 };
             assert!((v / level - duty).abs() < bound, "{hz} Hz, {duty}: {}", v / level);
             assert!((frequency - 40_320.0).abs() < 3.0, "{hz} Hz, {duty}: {frequency} Hz");

@@ -1,4 +1,4 @@
-//! The friction switch: its law against the host's closed form, and what it does with what it is told and what it hears.
+//! The friction switch: its law against the host's closed form, and its use of nominal values and measurements.
 
 use contact::closed;
 use firmware::act::friction::dahl::{coulomb, friction_ratio};
@@ -37,32 +37,32 @@ fn the_law_agrees_with_the_closed_form() {
     assert!(worst.0 < 7e-6, "{worst:?}");
 }
 
-/// What is driven by the inverse has, by the closed form, the ratio that was wanted. Measured: 1.002e-4; the solution ends at 1e-4.
+/// What is driven by the inverse has, by the closed form, the target ratio. Measured: 1.002e-4; the solution ends at 1e-4.
 #[test]
 fn the_inverse_leads_back_to_the_closed_form() {
     let mut worst = (0.0f64, 0.0, 0.0);
     for lambda in kappas() {
         for n in 1..200 {
-            let wanted = 0.005 * n as f32;
-            let solution = solve(wanted, lambda, 0.05);
+            let target = 0.005 * n as f32;
+            let solution = solve(target, lambda, 0.05);
             let ratio = closed::friction_ratio(solution.xi.into(), (lambda / solution.xi).into());
-            let error = (ratio - f64::from(wanted.max(solution.floor))).abs();
-            worst = if error > worst.0 { (error, wanted, lambda) } else { worst };
+            let error = (ratio - f64::from(target.max(solution.floor))).abs();
+            worst = if error > worst.0 { (error, target, lambda) } else { worst };
         }
     }
     println!("worst {worst:?}");
     assert!(worst.0 < 1.05e-4, "{worst:?}");
 }
 
-/// The reference is what the Coulomb law is: driven by its inverse, a soft contact has up to 0.39 more friction than was wanted. Measured: 0.387.
+/// The reference is what the Coulomb law is: driven by its inverse, a soft contact has a ratio up to 0.39 above its target. Measured: 0.387.
 #[test]
 fn the_coulomb_inverse_errs_as_it_is_said_to() {
     let errors = velocity_ratios().map(|xi| closed::friction_ratio(xi.into(), 1e-6) - f64::from(coulomb(xi)));
     let worst = errors.fold(0.0, f64::max);
     assert!((worst - 0.387).abs() < 0.001, "{worst}");
-    for wanted in [0.2f32, 0.5, 0.9] {
-        let xi = solve(wanted, f32::INFINITY, 0.05).xi;
-        assert!((xi - (0.5 * std::f32::consts::PI * wanted).sin()).abs() < 2e-4, "{wanted}: {xi}");
+    for target in [0.2f32, 0.5, 0.9] {
+        let xi = solve(target, f32::INFINITY, 0.05).xi;
+        assert!((xi - (0.5 * std::f32::consts::PI * target).sin()).abs() < 2e-4, "{target}: {xi}");
     }
 }
 
@@ -89,7 +89,7 @@ fn switched(changes: &[&str]) -> (Metrics, Vec<Step>, Record) {
     (measure(&scene, &record), View::new(&scene, &record).steps(), record)
 }
 
-/// The encoder's speed counts, not the one that is told.
+/// The encoder's speed counts, not the nominal one.
 #[test]
 fn the_speed_is_the_encoders() {
     let (_, steps, _) = switched(&["sensors.encoder_counts_per_mm=100", "controller.friction.speed_m_per_s=0.06"]);
@@ -124,15 +124,15 @@ fn without_authority_it_says_so_and_is_silent() {
     assert!(last.friction.is_some());
 }
 
-/// Without a force channel nothing is surveyed: the ratio is as good as what was told.
+/// Without a force channel nothing is surveyed: the ratio is as good as the nominal contact.
 #[test]
-fn without_a_force_channel_it_goes_by_what_it_was_told() {
-    let told = ["controller.friction.dahl_length_m=0.5e-6", "controller.friction.speed_m_per_s=0.038"];
+fn without_a_force_channel_the_nominal_contact_counts() {
+    let nominal = ["controller.friction.dahl_length_m=0.5e-6", "controller.friction.speed_m_per_s=0.038"];
     let text = include_str!("../sim-host/scene/scenes/friction-ratio.toml")
         .replace("force_hz = 500", "")
         .replace("force_noise_n = 0.003", "");
     let sets = ["duration_s=0.4", "controller.friction.step_s=[]", "controller.friction.step_ratio=[]"];
-    let sets: Vec<String> = sets.iter().chain(&told).map(|&set| set.to_owned()).collect();
+    let sets: Vec<String> = sets.iter().chain(&nominal).map(|&set| set.to_owned()).collect();
     let loaded = scene::load::load_text("without", &text, &sets).unwrap_or_else(|error| panic!("{error}"));
     let scene = loaded.scene.driven().unwrap();
     let record = run(&scene, Watch::default()).unwrap();

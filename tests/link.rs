@@ -21,7 +21,7 @@ use link::session::{Session, SessionOptions};
 use link::simulated_board::SimulatedBoard;
 use scene::load::load;
 
-/// Ctrl-C that nobody presses.
+/// Ctrl-C that is never pressed.
 static NEVER: AtomicBool = AtomicBool::new(false);
 
 /// The board of a scene with changes, which keeps the last blocks that went over its converters.

@@ -50,9 +50,9 @@ fn jump(to: &str, back: Option<(&str, &str)>, changes: &[&str]) -> (Record, Metr
 #[test]
 fn it_locks_in_a_third_of_a_millisecond_at_any_q() {
     for (q, volts, bound) in [(400, 1, 0.1), (100, 3, 0.1), (65, 3, 0.1), (40, 3, 0.15), (25, 3, 0.5), (20, 3, 0.8)] {
-        let told = format!("controller.tracking.nominal_q={}", f64::from(q) / 1.5);
+        let nominal_q = format!("controller.tracking.nominal_q={}", f64::from(q) / 1.5);
         let (record, metrics) =
-            observed(&[&format!("stack.bvd.q={q}"), &told, &format!("controller.drive.amplitude_v={volts}.0")]);
+            observed(&[&format!("stack.bvd.q={q}"), &nominal_q, &format!("controller.drive.amplitude_v={volts}.0")]);
         assert_eq!((last(&record).mode, last(&record).fault), (Mode::Run, 0), "Q {q}");
         let (time, bias) = (of(&metrics, "lock_time_20hz_ms"), of(&metrics, "frequency_bias_hz"));
         assert!(time <= 0.42 && bias.abs() < bound, "Q {q}: {time} ms, {bias} Hz");
@@ -120,9 +120,9 @@ fn what_is_outside_the_window_is_no_resonance() {
     assert_eq!(last(&record).fault, Fault::NoResonance.code());
 }
 
-/// Told an inductance of 0.3 mH, it finds one of 0.79 mH where it was told to look.
+/// With a nominal inductance of 0.3 mH, it finds one of 0.79 mH in the configured window.
 #[test]
-fn another_resonance_than_the_one_it_was_told_of_is_a_fault() {
+fn another_resonance_than_the_nominal_one_is_a_fault() {
     let (record, _) = observed(&["controller.tracking.nominal_lm_h=0.3e-3"]);
     assert_eq!(last(&record).fault, Fault::WrongMode.code());
     assert!(record.rows.iter().all(|row| row.mode != Mode::Run));
@@ -165,7 +165,7 @@ fn what_is_broken_is_named_at_power_on() {
     }
 }
 
-/// At 1 kHz and half a millisecond of ring-up, each burst is heard for a few blocks only; and the resonance has moved in between.
+/// At 1 kHz and half a millisecond of ring-up, each burst is measured in a few blocks only; and the resonance has moved in between.
 #[test]
 fn short_bursts_are_tracked() {
     let burst = [
@@ -198,12 +198,12 @@ fn the_phase_is_the_judge_of_the_observer() {
     let prior = Prior { offset_hz: (0.0, 1000.0), q: 65.0, lm_h: (0.7916e-3, 0.08e-3), axis: one, noise_a: 5e-4 };
     tracker.observe(Motional { y0: Phasor::new(0.0, 0.075), axis: one }, Known { c0_f: (300e-9, 1e-9), modes: (1, 0) }, &prior);
     let sensed = Sensed { v: one * 3.0, i: one };
-    let heard =
+    let played =
         PlayedBlock { offset_hz: 0.0, volts: 3.0, envelope: Some(1.0), pure: true, on: true, driven: true, rung_up: false };
     let mut follow = |phase: f32, blocks: usize| {
         let turned = Phasor::new(phase.to_radians().cos(), phase.to_radians().sin());
         for _ in 0..blocks {
-            tracker.follow(&sensed, one, turned, &heard);
+            tracker.follow(&sensed, one, turned, &played);
             if let Some(transducer) = tracker.identify().filter(|_| tracker.has_converged()) {
                 tracker.set_resonance(&transducer);
             }

@@ -3,7 +3,7 @@
 //!     cargo test -p scenarios on_target -- --nocapture     # with each test's name, and what it says
 //!
 //! embedded-test leaves a list of the tests in the image: in the section `.embedded_test`, symbols whose names are JSON, each at the address of
-//! the function to be run. The function is told to the processor as its command line, by semihosting; it ends by an exit, or by an abort,
+//! the function to be run. The processor receives the function's name as its command line, by semihosting; it ends by an exit, or by an abort,
 //! which is a panic. Skipped as the [processor in the loop](super::processor_in_the_loop) is.
 
 use std::path::Path;

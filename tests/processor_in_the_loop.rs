@@ -55,7 +55,7 @@ fn scene(name: &str) -> Scene {
     load(name, &[]).expect("a built-in scene").scene
 }
 
-/// What the firmware is told in a built-in scene.
+/// Configuration of the firmware in a built-in scene.
 fn config(name: &str) -> Config {
     settings::config(&scene(name).driven().expect("a driven scene"))
 }

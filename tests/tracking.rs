@@ -72,7 +72,7 @@ fn a_run_can_follow_a_run_at_once() {
     }
 }
 
-/// At 1 kHz and half a millisecond of ring-up, each burst is heard for a few blocks only.
+/// At 1 kHz and half a millisecond of ring-up, each burst is measured in a few blocks only.
 #[test]
 fn short_bursts_are_tracked() {
     let scene = load(
@@ -95,7 +95,7 @@ fn short_bursts_are_tracked() {
     assert!((last.frequency_hz - 40_700.0).abs() < 5.0, "{} Hz", last.frequency_hz);
 }
 
-/// Bursts of four periods tell nothing: the frequency is held, and the telemetry says that nobody listens.
+/// Bursts of four periods contain no information: the frequency is held, and the telemetry reports that it is not tracked.
 #[test]
 fn bursts_too_short_to_hear_are_a_limit_and_no_lock() {
     let sets = ["duration_s=0.5", "controller.burst.period_s=1e-3", "controller.burst.duty=0.1"].map(String::from);
@@ -153,9 +153,9 @@ fn motional_phase_locks_at_every_q() {
     // 1 V at Q 400, because 3 V would be over the current limit there. What is left is the noise of the identification: the bounds
     // are four standard deviations over seeds.
     for (q, volts, bound) in [(400, 1, 0.2), (100, 3, 0.15), (65, 3, 0.15), (40, 3, 0.4), (25, 3, 1.1), (20, 3, 1.9)] {
-        let told = format!("controller.tracking.nominal_q={}", f64::from(q) / 1.5);
+        let nominal_q = format!("controller.tracking.nominal_q={}", f64::from(q) / 1.5);
         let amplitude = format!("controller.drive.amplitude_v={volts}.0");
-        let bias = bias_hz(&[&format!("stack.bvd.q={q}"), &told, &amplitude, "duration_s=1.2"])
+        let bias = bias_hz(&[&format!("stack.bvd.q={q}"), &nominal_q, &amplitude, "duration_s=1.2"])
             .unwrap_or_else(|| panic!("no lock at Q {q}"));
         assert!(bias.abs() < bound, "Q {q}: {bias} Hz");
     }
@@ -176,10 +176,10 @@ fn it_finds_the_resonance_anywhere_in_the_window() {
 }
 
 #[test]
-fn what_the_controller_is_told_may_be_wrong() {
-    for told in ["nominal_q=32", "nominal_q=129", "nominal_c0_f=285e-9", "nominal_c0_f=315e-9"] {
-        let bias = bias_hz(&[&format!("controller.tracking.{told}")]).unwrap_or_else(|| panic!("no lock with {told}"));
-        assert!(bias.abs() < 0.25, "{told}: {bias} Hz");
+fn nominal_values_may_be_wrong() {
+    for nominal in ["nominal_q=32", "nominal_q=129", "nominal_c0_f=285e-9", "nominal_c0_f=315e-9"] {
+        let bias = bias_hz(&[&format!("controller.tracking.{nominal}")]).unwrap_or_else(|| panic!("no lock with {nominal}"));
+        assert!(bias.abs() < 0.25, "{nominal}: {bias} Hz");
     }
 }
 

@@ -20,7 +20,7 @@ use crate::seam::mode::Mode;
 use crate::seam::telemetry::Telemetry;
 use crate::sense::demod::demodulate;
 
-/// The controller.
+/// The controller of a board: one call for each block.
 #[derive(Clone)]
 #[repr(C)]
 pub struct Controller {

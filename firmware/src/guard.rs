@@ -36,9 +36,9 @@ pub struct Driven {
     pub volts: Option<f32>,
     /// What the drive is for.
     pub stage: Stage,
-    /// The order and the schedule want the drive to be ON.
-    pub wanted: bool,
-    /// It was ON throughout.
+    /// The order and the schedule request the drive to be ON.
+    pub requested: bool,
+    /// The drive was ON throughout the block.
     pub full: bool,
     /// The amplitude asked for, in whatever unit.
     pub asked: f32,
@@ -66,7 +66,7 @@ impl From<Mode> for Stage {
     }
 }
 
-/// The guard's memory.
+/// The guard: protection of stack, board and user, with its state.
 #[derive(Clone, Debug)]
 pub struct Guard {
     electrical: Electrical,
@@ -78,7 +78,7 @@ pub struct Guard {
 }
 
 impl Guard {
-    /// Checks the limits.
+    /// Builds a guard of the configured limits, and checks these.
     pub fn build(config: &Config, block_s: f32) -> Result<Self, Error> {
         Ok(Guard {
             electrical: Electrical::build(config),
@@ -131,7 +131,7 @@ impl Guard {
         self.weld.is_muted()
     }
 
-    /// Whether what is reported as muted is also wanted.
+    /// Whether a drive is requested while it is muted.
     pub(crate) fn mutes(&self) -> bool {
         self.weld.mutes()
     }

@@ -7,7 +7,7 @@ use firmware::seam::block::{DriveBlock, SenseBlock};
 /// One call is one block of virtual time: `sense` holds what was sampled **while** `drive` played. An implementer fills
 /// `sense.v` and `sense.i` with as many codes as each lane of `drive` has, and the slow readings it has sensors for.
 pub trait Analog {
-    /// Plays `drive`, and fills `sense` with what was heard meanwhile.
+    /// Plays `drive`, and fills `sense` with the codes sampled meanwhile.
     fn exchange(&mut self, drive: &DriveBlock, sense: &mut SenseBlock);
 }
 

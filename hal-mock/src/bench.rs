@@ -24,7 +24,7 @@
 //! # }
 //! ```
 //!
-//! Both sides of the driver run in one thread: the block task whenever a block has been played, the slow side after every
+//! Both sides of the driver run in one thread: the block task whenever a block has been played, the background task after every
 //! [`Setup::poll_every`] blocks or when the test says so.
 
 use std::time::Duration;
@@ -61,9 +61,9 @@ pub type Queues = queues::Queues<{ ORDERS_DEPTH + 1 }, 64>;
 /// How the bench is set up.
 #[derive(Clone, Debug)]
 pub struct Setup {
-    /// The controller's configuration.
+    /// Configuration of the controller.
     pub config: Config,
-    /// Blocks between two turns of the slow side.
+    /// Blocks between two turns of the background task.
     pub poll_every: u32,
     /// How long the watchdog waits.
     pub watchdog: Duration,
@@ -76,7 +76,7 @@ pub struct Setup {
 }
 
 impl Default for Setup {
-    /// The configuration that fits the loop-back, a turn of the slow side after every block, 10 ms, an endless link, and four empty pages.
+    /// The configuration that fits the loop-back, a turn of the background task after every block, 10 ms, an endless link, and four empty pages.
     fn default() -> Self {
         Setup {
             config: loop_back::config(),
@@ -89,17 +89,17 @@ impl Default for Setup {
     }
 }
 
-/// The bench.
+/// A driver on the bench, with all of its peripherals mocked.
 pub struct Bench<'a, A> {
-    /// The enable pin.
+    /// Probe of the enable pin.
     pub enable: Probe,
     /// The emergency stop's contact: low is pressed.
     pub stop: Switch,
-    /// The watchdog.
+    /// The board's watchdog.
     pub watchdog: Watchdog,
-    /// The host.
+    /// The host at the other end of the link.
     pub host: Host,
-    /// The time.
+    /// The simulated time.
     pub clock: Clock,
     blocks: BlockClock<Timed<A>>,
     block_samples: u64,
@@ -110,7 +110,7 @@ pub struct Bench<'a, A> {
 }
 
 impl<'a, A: Analog> Bench<'a, A> {
-    /// Puts the driver on the bench, with `analog` behind its converters, the power just on and the emergency stop released. What is kept in
+    /// Puts the driver on the bench, with `analog` behind its converters, the power just on and the emergency stop released. What is stored in
     /// the flash goes before what the configuration says.
     pub fn new(queues: &'a mut Queues, setup: &Setup, analog: A) -> Result<Self, Error> {
         let (hot, slow) = queues.split(Box::leak(Box::default()));
@@ -157,7 +157,7 @@ impl<'a, A: Analog> Bench<'a, A> {
         &mut self.blocks.analog.inner
     }
 
-    /// Plays one block, and lets the slow side have its turn if it is due.
+    /// Plays one block, and gives the background task its turn if it is due.
     pub fn block(&mut self) {
         let task = &mut self.task;
         self.blocks.tick(|sense, drive| task.run(sense, drive));
@@ -166,7 +166,7 @@ impl<'a, A: Analog> Bench<'a, A> {
         }
     }
 
-    /// Plays `count` blocks.
+    /// Plays this number of blocks.
     pub fn blocks(&mut self, count: u64) {
         (0..count).for_each(|_| self.block());
     }
@@ -176,7 +176,7 @@ impl<'a, A: Analog> Bench<'a, A> {
         self.blocks.blocks()
     }
 
-    /// Plays blocks until the slow side has seen a report like this; returns how many, or `None` if it was not seen in time.
+    /// Plays blocks until the background task has seen a report like this; returns how many, or `None` if it was not seen in time.
     pub fn run_until(&mut self, mut seen: impl FnMut(&Telemetry) -> bool, at_most: u64) -> Option<u64> {
         (1..=at_most).find(|_| {
             self.block();
@@ -184,7 +184,7 @@ impl<'a, A: Analog> Bench<'a, A> {
         })
     }
 
-    /// Lets time pass without blocks: the block stream has died, and only the slow side goes on.
+    /// Lets time pass without blocks: the block stream has died, and only the background task goes on.
     pub fn stall(&mut self, time: Duration) {
         let until = self.clock.now() + time;
         while self.clock.now() < until {
@@ -193,19 +193,19 @@ impl<'a, A: Analog> Bench<'a, A> {
         }
     }
 
-    /// One turn of the slow side.
+    /// Gives the background task one turn.
     pub fn poll(&mut self) {
         if let Err(error) = self.app.poll() {
             self.errors.push(error);
         }
     }
 
-    /// What the slow side has failed with so far.
+    /// Errors of the background task so far.
     pub fn errors(&self) -> &[AppError] {
         &self.errors
     }
 
-    /// Sends a command, gives the slow side a turn, and returns its answer. Time stands still.
+    /// Sends a command, gives the background task a turn, and returns its answer. Time stands still.
     pub fn ask(&mut self, command: Command) -> Option<Reply> {
         let sequence = self.host.send(command).ok()?;
         self.poll();
@@ -223,7 +223,7 @@ impl<'a, A: Analog> Bench<'a, A> {
         self.stop.set(true);
     }
 
-    /// The latest report that the slow side has seen.
+    /// The latest report that the background task has seen.
     pub fn latest(&self) -> Option<&Telemetry> {
         self.app.latest()
     }

@@ -25,7 +25,7 @@ impl<A: Analog> BlockClock<A> {
         self.pending.iter_mut().for_each(|pending| pending.clone_from(silence));
     }
 
-    /// Plays one block and hands what was heard to `process`, whose codes play [`LATENCY_BLOCKS`] blocks later.
+    /// Plays one block and hands the sampled codes to `process`, whose codes play [`LATENCY_BLOCKS`] blocks later.
     pub fn tick<T>(&mut self, process: impl FnOnce(&SenseBlock, &mut DriveBlock) -> T) -> T {
         let slot = &mut self.pending[(self.block % LATENCY_BLOCKS as u64) as usize];
         self.analog.exchange(slot, &mut self.sense);

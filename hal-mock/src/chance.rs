@@ -29,7 +29,7 @@ impl Chance {
         self.0.next_u64() % bound.max(1)
     }
 
-    /// Any byte.
+    /// Returns a random byte.
     pub fn byte(&mut self) -> u8 {
         self.0.next_u64() as u8
     }

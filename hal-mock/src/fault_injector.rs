@@ -1,6 +1,6 @@
 //! Middleware on the converters: breaks things between the load and the controller, on schedule or by seeded chance.
 //!
-//! What is played passes unchanged; what is heard is damaged. A scheduled fault strikes at its block and lasts until
+//! Drive codes pass unchanged; sampled codes are damaged. A scheduled fault strikes at its block and lasts until
 //! [`FaultInjector::repair`], or is over at once where it is an event ([`FaultKind::lasts`]). A fault by chance strikes single
 //! blocks. Where nothing is scheduled and no chance is set, the middleware changes nothing.
 
@@ -13,7 +13,7 @@ use crate::analog::Analog;
 use crate::chance::Chance;
 use crate::fault_injector::encoder::Encoder;
 
-/// What breaks.
+/// Kind of an injected fault.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FaultKind {
     /// A broken lead: the current channel reads zero current.
@@ -28,7 +28,7 @@ pub enum FaultKind {
     Saturation,
     /// The belt's encoder stays at its last count; where there is none, there is one that stands.
     BeltStopped,
-    /// The same, of a belt that moves.
+    /// The belt's encoder stays at its last count while the belt moves.
     EncoderStuck,
     /// The belt's encoder goes on counting as it last did.
     EncoderLies,
@@ -59,16 +59,16 @@ impl FaultKind {
 /// Something that breaks at a certain block.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Scheduled {
-    /// In which block, counted from zero.
+    /// The block at which the fault strikes, counted from zero.
     pub at_block: u64,
-    /// What.
+    /// Kind of the fault.
     pub kind: FaultKind,
 }
 
-/// The fault injector.
+/// An analog side whose sampled codes are damaged by scheduled faults.
 #[derive(Clone, Debug)]
 pub struct FaultInjector<A> {
-    /// What is behind.
+    /// The analog side behind the injector.
     pub inner: A,
     mid_code: u16,
     max_code: u16,
@@ -84,7 +84,7 @@ pub struct FaultInjector<A> {
 }
 
 impl<A> FaultInjector<A> {
-    /// Breaks nothing until told to. The front end says where zero and the end of the range are.
+    /// An injector without faults, until one is scheduled. The front end says where zero and the end of the range are.
     pub fn new(inner: A, front_end: &FrontEnd, seed: u64) -> Self {
         FaultInjector {
             inner,
@@ -186,8 +186,9 @@ impl<A: Analog> Analog for FaultInjector<A> {
     fn exchange(&mut self, drive: &DriveBlock, sense: &mut SenseBlock) {
         self.inner.exchange(drive, sense);
         let events = self.strikes();
-        let tells = |kind: &FaultKind| !matches!(kind, FaultKind::BeltStopped | FaultKind::EncoderStuck | FaultKind::EncoderLies);
-        if let Some(belt) = sense.slow.belt.filter(|_| self.broken.iter().all(tells)) {
+        let measures =
+            |kind: &FaultKind| !matches!(kind, FaultKind::BeltStopped | FaultKind::EncoderStuck | FaultKind::EncoderLies);
+        if let Some(belt) = sense.slow.belt.filter(|_| self.broken.iter().all(measures)) {
             self.encoder.update(belt);
         }
         let broken = self.broken.clone();
@@ -221,19 +222,19 @@ mod tests {
         sense
     }
 
-    fn heard(injector: &mut FaultInjector<LoopBack>, blocks: usize) -> Vec<SenseBlock> {
+    fn sampled(injector: &mut FaultInjector<LoopBack>, blocks: usize) -> Vec<SenseBlock> {
         (0..blocks).map(|_| sense(injector)).collect()
     }
 
     #[test]
     fn inactive_it_changes_nothing() {
         let mut bare = LoopBack::of(&loop_back::config());
-        assert_eq!(heard(&mut injector(1), 5), (0..5).map(|_| sense(&mut bare)).collect::<Vec<_>>());
+        assert_eq!(sampled(&mut injector(1), 5), (0..5).map(|_| sense(&mut bare)).collect::<Vec<_>>());
     }
 
     #[test]
     fn lasting_faults_last_from_their_block_until_repaired() {
-        let healthy = heard(&mut injector(1), 8);
+        let healthy = sampled(&mut injector(1), 8);
         let cases: [(FaultKind, Shows); 7] = [
             (FaultKind::Open, |sense| sense.i.iter().all(|&code| code == 2048) && sense.v[3] == 2021),
             (FaultKind::Swapped, |sense| sense.i[31] == 2000 + 7 * 31 && sense.v[31] != sense.i[31]),
@@ -246,11 +247,11 @@ mod tests {
         for (kind, shows) in cases {
             let mut injector = injector(1);
             injector.schedule(Scheduled { at_block: 3, kind });
-            let got = heard(&mut injector, 6);
+            let got = sampled(&mut injector, 6);
             assert_eq!(got[..3], healthy[..3], "{kind:?}");
             assert!(kind.lasts() && got[3..].iter().all(shows), "{kind:?}: {:?}", got[3]);
             injector.repair(kind);
-            assert_eq!(heard(&mut injector, 2), healthy[6..], "{kind:?}");
+            assert_eq!(sampled(&mut injector, 2), healthy[6..], "{kind:?}");
         }
     }
 
@@ -261,11 +262,11 @@ mod tests {
             let mut injector = injector(1);
             injector.inner.set_belt(Some(3));
             injector.schedule(Scheduled { at_block: 10, kind });
-            heard(&mut injector, 10);
+            sampled(&mut injector, 10);
             // It stands, or so it would say.
             injector.inner.set_belt(Some(0));
-            let heard = heard(&mut injector, 5);
-            heard.iter().map(|sense| sense.slow.belt.unwrap()).map(|belt| (belt.counts, belt.broken)).collect::<Vec<_>>()
+            let sampled = sampled(&mut injector, 5);
+            sampled.iter().map(|sense| sense.slow.belt.unwrap()).map(|belt| (belt.counts, belt.broken)).collect::<Vec<_>>()
         };
         assert_eq!(counts_after(FaultKind::EncoderStuck), [(30, false); 5]);
         assert_eq!(counts_after(FaultKind::EncoderLost), [(30, true); 5]);
@@ -274,7 +275,7 @@ mod tests {
 
     #[test]
     fn events_strike_one_block() {
-        let healthy = heard(&mut injector(1), 4);
+        let healthy = sampled(&mut injector(1), 4);
         let cases: [(FaultKind, Shows); 3] = [
             (FaultKind::Dropout, |sense| sense.v.is_empty() && sense.i.is_empty()),
             (FaultKind::LateBlock, |sense| sense.slow.missed_blocks == Some(1)),
@@ -283,7 +284,7 @@ mod tests {
         for (kind, shows) in cases {
             let mut injector = injector(1);
             injector.schedule(Scheduled { at_block: 2, kind });
-            let got = heard(&mut injector, 4);
+            let got = sampled(&mut injector, 4);
             assert!(!kind.lasts() && shows(&got[2]), "{kind:?}");
             assert_eq!((&got[..2], &got[3..]), (&healthy[..2], &healthy[3..]), "{kind:?}");
         }
@@ -294,7 +295,7 @@ mod tests {
         let missed = |seed| {
             let mut injector = injector(seed);
             injector.set_chance(FaultKind::LateBlock, 0.1);
-            heard(&mut injector, 5000).iter().map(|sense| sense.slow.missed_blocks.is_some()).collect::<Vec<_>>()
+            sampled(&mut injector, 5000).iter().map(|sense| sense.slow.missed_blocks.is_some()).collect::<Vec<_>>()
         };
         let one = missed(1);
         assert!((400..600).contains(&one.iter().filter(|&&struck| struck).count()));
@@ -304,9 +305,9 @@ mod tests {
 
     #[test]
     fn flips_single_bits_inside_the_range() {
-        let (healthy, mut injector) = (heard(&mut injector(1), 100), injector(1));
+        let (healthy, mut injector) = (sampled(&mut injector(1), 100), injector(1));
         injector.set_bit_flips(0.05);
-        let got = heard(&mut injector, 100);
+        let got = sampled(&mut injector, 100);
         let pairs = healthy.iter().zip(&got).flat_map(|(a, b)| a.v.iter().chain(&a.i).zip(b.v.iter().chain(&b.i)));
         let distances: Vec<u32> = pairs.map(|(a, b)| (a ^ b).count_ones()).collect();
         assert!(distances.iter().all(|&bits| bits <= 1));

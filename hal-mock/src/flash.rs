@@ -28,7 +28,7 @@ const WORDS_PER_PAGE: usize = PAGE_BYTES / WORD_BYTES;
 pub enum FlashError {
     /// Address or length are not multiples of what they must be.
     NotAligned,
-    /// Beyond the end.
+    /// An address is beyond the end of the flash.
     OutOfBounds,
     /// The word has been written since its page was erased.
     NotErased,
@@ -72,7 +72,7 @@ enum Reach {
     Torn,
 }
 
-/// The flash.
+/// A flash of pages and words, in memory.
 #[derive(Clone, Debug)]
 pub struct Flash {
     bytes: Vec<u8>,

@@ -8,7 +8,7 @@ use firmware::seam::telemetry::Telemetry;
 use crate::link::{End, LinkError};
 use crate::noise::Noisy;
 
-/// The host.
+/// A host at the other end of the link.
 #[derive(Debug)]
 pub struct Host {
     /// The host's end; its noise damages what the host sends.
@@ -67,7 +67,7 @@ impl Host {
         self.answers().filter(|(answered, _)| *answered == sequence).last().map(|(_, reply)| *reply)
     }
 
-    /// What came damaged.
+    /// Errors of the frames that were received damaged.
     pub fn spoiled(&self) -> &[FrameError] {
         &self.spoiled
     }

@@ -44,7 +44,7 @@ impl embedded_io::Error for LinkError {
 /// What a writer meets in a wire without room.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum WhenFull {
-    /// [`LinkError::WouldWait`].
+    /// The writer gets [`LinkError::WouldWait`].
     #[default]
     Refuses,
     /// The writer waits until there is room. No time passes, but the bytes that were waited for are counted.
@@ -102,7 +102,7 @@ impl End {
     }
 
     /// Bytes that the writer at the other end had to wait with, because this end had not taken enough.
-    pub fn kept_waiting(&self) -> u64 {
+    pub fn write_waits(&self) -> u64 {
         self.inward.borrow().waited
     }
 
@@ -204,7 +204,7 @@ mod tests {
     fn a_patient_writer_is_counted() {
         let (mut board, mut host) = duplex(Wire { when_full: WhenFull::Waits, ..NARROW }, Wire::default());
         board.write_all(b"abcdef").unwrap();
-        assert_eq!((host.kept_waiting(), board.write_ready()), (2, Ok(false)));
+        assert_eq!((host.write_waits(), board.write_ready()), (2, Ok(false)));
         assert_eq!(host.take(9), b"abcdef");
     }
 

@@ -33,7 +33,7 @@ impl LoopBack {
         LoopBack::new(front_end.sense_mid_code, amperes_per_step / front_end.ampere_per_lsb)
     }
 
-    /// The same with so many times the capacitance: a transducer that is shorted, or hardly there.
+    /// The same load with so many times the capacitance: a transducer that is shorted, or hardly there.
     pub fn times(self, factor: f32) -> Self {
         LoopBack { current_per_step: self.current_per_step * factor, ..self }
     }

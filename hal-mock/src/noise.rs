@@ -8,7 +8,7 @@ use crate::chance::Chance;
 /// A link that damages what is written through it.
 #[derive(Debug)]
 pub struct Noisy<L> {
-    /// What is behind.
+    /// The link behind the noise.
     pub inner: L,
     flip: f64,
     drop: f64,
@@ -16,7 +16,7 @@ pub struct Noisy<L> {
 }
 
 impl<L> Noisy<L> {
-    /// A link that damages nothing until told to.
+    /// A link that damages nothing until damage is scheduled.
     pub fn new(inner: L) -> Self {
         Noisy { inner, flip: 0.0, drop: 0.0, chance: Chance::new(0) }
     }

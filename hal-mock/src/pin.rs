@@ -24,9 +24,9 @@ impl digital::Error for PinFailed {
 /// A change of an output.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Change {
-    /// When.
+    /// Time of the change.
     pub at: Duration,
-    /// To what.
+    /// Level after the change.
     pub high: bool,
 }
 
@@ -47,7 +47,7 @@ pub struct Output {
 #[derive(Clone, Debug)]
 pub struct Probe(Rc<RefCell<OutputState>>);
 
-/// An output that nobody has driven yet, and the probe on it.
+/// An output that was not driven yet, and the probe on it.
 pub fn output(clock: &Clock) -> (Output, Probe) {
     let state = Rc::<RefCell<OutputState>>::default();
     (Output { state: state.clone(), clock: clock.clone() }, Probe(state))
@@ -138,7 +138,7 @@ pub fn input(high: bool) -> (Input, Switch) {
 }
 
 impl Switch {
-    /// Sets the level.
+    /// Sets the level of the input.
     pub fn set(&self, high: bool) {
         self.0.borrow_mut().high = high;
     }

@@ -44,7 +44,7 @@ impl Clock {
 /// without this middleware costs nothing.
 #[derive(Clone, Debug)]
 pub struct Timed<A> {
-    /// What is behind.
+    /// The analog side whose blocks take time.
     pub inner: A,
     clock: Clock,
 }

@@ -1,6 +1,6 @@
 //! Middleware on the converters: remembers what went over them.
 //!
-//! A running hash of all drive codes says whether two runs are the same, bit for bit; the last blocks in both directions are kept
+//! A running hash of all drive codes says whether two runs are the same, bit for bit; the last blocks in both directions are retained
 //! for looking at, and [`Tracer::dump`] writes them down.
 
 use std::collections::VecDeque;
@@ -30,7 +30,7 @@ impl fmt::Debug for DriveHash {
 }
 
 impl DriveHash {
-    /// Adds one block.
+    /// Adds one block to the hash.
     pub fn add(&mut self, drive: &DriveBlock) {
         let mut bytes = [0; 2 * MAX_BLOCK_SAMPLES];
         for lane in &drive.lanes {
@@ -52,9 +52,9 @@ impl DriveHash {
 pub struct Exchange {
     /// Which block, counted from zero.
     pub block: u64,
-    /// What was played.
+    /// Codes that were played in the block.
     pub drive: DriveBlock,
-    /// What was heard meanwhile.
+    /// Codes that were sampled in the block.
     pub sense: SenseBlock,
 }
 
@@ -82,21 +82,21 @@ fn write_range(f: &mut fmt::Formatter<'_>, codes: &Codes) -> fmt::Result {
     }
 }
 
-/// The tracer.
+/// An analog side whose blocks are recorded.
 #[derive(Clone, Debug)]
 pub struct Tracer<A> {
-    /// What is behind.
+    /// The analog side behind the tracer.
     pub inner: A,
     hash: DriveHash,
     keep: usize,
-    kept: VecDeque<Exchange>,
+    retained: VecDeque<Exchange>,
     block: u64,
 }
 
 impl<A> Tracer<A> {
     /// Traces what goes to and from `inner`, and keeps the last `keep` blocks.
     pub fn new(inner: A, keep: usize) -> Self {
-        Tracer { inner, hash: DriveHash::default(), keep, kept: VecDeque::new(), block: 0 }
+        Tracer { inner, hash: DriveHash::default(), keep, retained: VecDeque::new(), block: 0 }
     }
 
     /// The hash of all drive codes so far.
@@ -104,14 +104,14 @@ impl<A> Tracer<A> {
         self.hash.value()
     }
 
-    /// The blocks that are kept, the oldest first.
+    /// The retained blocks, the oldest first.
     pub fn blocks(&self) -> impl DoubleEndedIterator<Item = &Exchange> + ExactSizeIterator {
-        self.kept.iter()
+        self.retained.iter()
     }
 
-    /// The blocks that are kept, one a line.
+    /// The retained blocks, one a line.
     pub fn dump(&self) -> String {
-        self.kept.iter().map(|exchange| format!("{exchange}\n")).collect()
+        self.retained.iter().map(|exchange| format!("{exchange}\n")).collect()
     }
 }
 
@@ -120,8 +120,8 @@ impl<A: Analog> Analog for Tracer<A> {
         self.inner.exchange(drive, sense);
         self.hash.add(drive);
         if self.keep > 0 {
-            self.kept.drain(..(self.kept.len() + 1).saturating_sub(self.keep));
-            self.kept.push_back(Exchange { block: self.block, drive: drive.clone(), sense: sense.clone() });
+            self.retained.drain(..(self.retained.len() + 1).saturating_sub(self.keep));
+            self.retained.push_back(Exchange { block: self.block, drive: drive.clone(), sense: sense.clone() });
         }
         self.block += 1;
     }
@@ -145,12 +145,12 @@ mod tests {
     #[test]
     fn keeps_the_last_blocks_in_order() {
         let tracer = traced(2, &[ramp(1), ramp(2), ramp(3)]);
-        let kept: Vec<_> = tracer.blocks().map(|exchange| (exchange.block, exchange.drive.clone())).collect();
-        assert_eq!(kept, [(1, ramp(2)), (2, ramp(3))]);
+        let retained: Vec<_> = tracer.blocks().map(|exchange| (exchange.block, exchange.drive.clone())).collect();
+        assert_eq!(retained, [(1, ramp(2)), (2, ramp(3))]);
     }
 
     #[test]
-    fn the_hash_sees_every_code_and_their_order_but_not_how_much_is_kept() {
+    fn the_hash_sees_every_code_and_their_order_only() {
         let hash = |keep, blocks: &[DriveBlock]| traced(keep, blocks).hash();
         let whole = hash(0, &[ramp(1), ramp(2)]);
         assert_eq!(whole, hash(9, &[ramp(1), ramp(2)]));

@@ -52,7 +52,7 @@ impl Watchdog {
 
 impl firmware::board::app::Watchdog for Watchdog {
     fn feed(&mut self) {
-        // A bite that nobody has looked at yet must not be lost.
+        // A bite that was not read yet must not be lost.
         self.bitten();
         self.fed.set(self.clock.now());
     }

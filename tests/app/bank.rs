@@ -71,8 +71,8 @@ impl Analog for Bank {
             for (lane, codes) in drive.lanes.iter().enumerate() {
                 let volts = self.amplifiers[lane].play((f64::from(codes[n]) - f64::from(MID)) / CODES_PER_VOLT);
                 self.outputs[lane].push_back(volts);
-                let kept = self.outputs[lane].len().saturating_sub(600 * BLOCK);
-                self.outputs[lane].drain(..kept);
+                let surplus = self.outputs[lane].len().saturating_sub(600 * BLOCK);
+                self.outputs[lane].drain(..surplus);
             }
             let (volts, connected) = (self.amplifiers[listen].volts, self.deaf != Some(listen));
             // 200 nF, 2 mA a code.

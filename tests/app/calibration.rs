@@ -1,4 +1,4 @@
-//! Lane calibration, whole: amplifiers that differ, a multiplexer, noise; and the trims that are found, kept, and act after a restart.
+//! Lane calibration, whole: amplifiers that differ, a multiplexer, noise; and the trims that are found, stored, and active after a restart.
 
 use firmware::board::command::{Command, Reply, TrimReport, Verb};
 use firmware::board::parameters::Overrides;
@@ -106,14 +106,14 @@ fn the_lanes_of_the_thesis_are_within_a_tenth_of_a_degree_and_of_a_per_cent_afte
 }
 
 #[test]
-fn trims_are_kept_over_a_restart_and_act_from_the_first_block() {
+fn trims_survive_a_restart_and_act_from_the_first_block() {
     let mut setup = four_lanes(Direction::Forward);
     let mut queues = Queues::default();
     let mut bench = bench_of(&mut queues, &setup, Bank::new(THESIS, 1.0));
-    assert_eq!(report(&mut bench, 0), TrimReport { kept: StoredState::Nothing, points: 0, point: None });
+    assert_eq!(report(&mut bench, 0), TrimReport { stored: StoredState::Nothing, points: 0, point: None });
     calibrated(&mut bench);
     let found: Vec<TrimReport> = (0..6).map(|point| report(&mut bench, point)).collect();
-    assert!(found.iter().all(|report| (report.kept, report.points) == (StoredState::Stored, 5)) && found[5].point.is_none());
+    assert!(found.iter().all(|report| (report.stored, report.points) == (StoredState::Stored, 5)) && found[5].point.is_none());
 
     setup.flash = bench.power_off();
     let mut queues = Queues::default();
@@ -138,7 +138,7 @@ fn a_calibration_leaves_parameters_that_are_refused_as_they_are_and_its_trims_ac
             calibrated(&mut bench);
         }
         let report = report(&mut bench, 0);
-        assert_eq!((report.kept, report.points), (StoredState::Refused, 5), "{calibrates}");
+        assert_eq!((report.stored, report.points), (StoredState::Refused, 5), "{calibrates}");
         setup.flash = bench.power_off();
     }
 }
@@ -149,18 +149,18 @@ fn defaults_and_clear_each_do_their_half() {
     let mut queues = Queues::default();
     let mut bench = bench_of(&mut queues, &setup, Bank::new(THESIS, 0.0));
     calibrated(&mut bench);
-    // No trims act from now on, and what is kept stays.
+    // No trims are active from now on, and the stored ones stay.
     assert_eq!(bench.ask(Command::Settings(Verb::Defaults)), Some(Reply::Ack));
     run(&mut bench);
     assert!(errors(&mut bench, 0.25).0 > 8.0);
     setup.flash = bench.power_off();
     let mut queues = Queues::default();
     let mut bench = bench_of(&mut queues, &setup, Bank::new(THESIS, 0.0));
-    assert_eq!(report(&mut bench, 0).kept, StoredState::Stored);
+    assert_eq!(report(&mut bench, 0).stored, StoredState::Stored);
     bench.blocks(4);
-    // Nothing is kept from now on, and what acts stays.
+    // Nothing is stored from now on, and the active trims stay.
     assert_eq!(bench.ask(Command::Settings(Verb::Clear)), Some(Reply::Ack));
-    assert_eq!((report(&mut bench, 0).kept, report(&mut bench, 0).points), (StoredState::Nothing, 5));
+    assert_eq!((report(&mut bench, 0).stored, report(&mut bench, 0).points), (StoredState::Nothing, 5));
     let mut cleared = setup.clone();
     cleared.flash = {
         run(&mut bench);
@@ -169,7 +169,7 @@ fn defaults_and_clear_each_do_their_half() {
     };
     let mut queues = Queues::default();
     let mut bench = bench_of(&mut queues, &cleared, Bank::new(THESIS, 0.0));
-    assert_eq!(report(&mut bench, 0), TrimReport { kept: StoredState::Nothing, points: 0, point: None });
+    assert_eq!(report(&mut bench, 0), TrimReport { stored: StoredState::Nothing, points: 0, point: None });
 }
 
 #[test]
@@ -190,7 +190,7 @@ fn while_it_drives_nothing_is_written() {
 }
 
 #[test]
-fn a_lane_that_is_not_heard_or_too_far_off_is_a_fault_and_changes_nothing() {
+fn a_lane_that_is_silent_or_too_far_off_is_a_fault() {
     let cases: [fn(&mut Bank); 4] = [
         |bank| bank.deaf = Some(2),
         |bank| bank.amplifiers[1].gain = 0.6,
@@ -262,7 +262,7 @@ fn a_calibration_is_done_once_for_each_order_and_one_lane_needs_none() {
     assert_eq!(one.ask(Command::Calibrate), Some(Reply::Ack));
     assert!(one.run_until(|report| report.mode == Mode::Calibrate, PATIENCE).is_some());
     one.blocks(PATIENCE);
-    assert_eq!((one.mode(), one.fault(), report(&mut one, 0).kept), (Mode::Idle, None, StoredState::Nothing));
+    assert_eq!((one.mode(), one.fault(), report(&mut one, 0).stored), (Mode::Idle, None, StoredState::Nothing));
     assert_eq!(one.power_off().operations(), 0);
 
     let mut queues = Queues::default();
@@ -273,7 +273,7 @@ fn a_calibration_is_done_once_for_each_order_and_one_lane_needs_none() {
         four.blocks(PATIENCE);
         assert_eq!((four.mode(), four.analog().sounds), (Mode::Idle, false), "{command:?}");
     }
-    // What is kept already is not written again.
+    // A record that is stored already is not written again.
     let words = four.power_off().words_written();
     assert!((20..40).contains(&words), "{words}");
 }
@@ -285,7 +285,7 @@ fn a_flash_that_fails_is_reported_and_the_trims_act_all_the_same() {
     let mut queues = Queues::default();
     let mut bench = bench_of(&mut queues, &setup, Bank::new(THESIS, 1.0));
     calibrated(&mut bench);
-    assert_eq!((report(&mut bench, 0).kept, bench.fault()), (StoredState::Failed, None));
+    assert_eq!((report(&mut bench, 0).stored, bench.fault()), (StoredState::Failed, None));
     assert_eq!(bench.ask(Command::Settings(Verb::Store)), Some(Reply::Nak(Refusal::Flash)));
     run(&mut bench);
     assert!(errors(&mut bench, 0.25).0 < LEFT.0);
@@ -297,10 +297,10 @@ fn a_flash_that_fails_is_reported_and_the_trims_act_all_the_same() {
     let mut bench = bench_of(&mut queues, &setup, Bank::new(THESIS, 1.0));
     assert!(matches!(
         report(&mut bench, 0),
-        TrimReport { kept: StoredState::Nothing | StoredState::Damaged, points: 0, point: None }
+        TrimReport { stored: StoredState::Nothing | StoredState::Damaged, points: 0, point: None }
     ));
     calibrated(&mut bench);
-    assert_eq!(report(&mut bench, 0).kept, StoredState::Stored);
+    assert_eq!(report(&mut bench, 0).stored, StoredState::Stored);
 }
 
 #[test]

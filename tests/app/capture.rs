@@ -172,15 +172,15 @@ fn what_is_not_there_is_refused() {
 }
 
 #[test]
-fn armed_again_it_begins_anew_and_a_full_one_stays_until_then() {
+fn armed_again_it_restarts_and_a_full_one_stays_until_then() {
     let mut queues = Queues::default();
     let mut bench = running(&mut queues, &Setup::default());
     arm(&mut bench, Trigger::Fault, 1000, 0);
     bench.blocks(100);
     assert_eq!(state(&mut bench).samples, 1000);
     arm(&mut bench, Trigger::Fault, 900, 0);
-    let anew = state(&mut bench);
-    assert!(anew.state == CaptureState::Armed && usize::from(anew.samples) <= BLOCK, "{anew:?}");
+    let again = state(&mut bench);
+    assert!(again.state == CaptureState::Armed && usize::from(again.samples) <= BLOCK, "{again:?}");
     arm(&mut bench, Trigger::Now, 0, 0);
     let (report, first) = codes(&mut bench);
     bench.ask(Command::Amplitude(Some(Amplitude::Volts(5.0))));

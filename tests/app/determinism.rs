@@ -58,7 +58,7 @@ fn middleware_that_does_nothing_nests_in_any_order() {
 }
 
 #[test]
-fn how_often_the_slow_side_turns_does_not_change_what_is_played() {
+fn the_pace_of_the_background_task_does_not_change_the_drive() {
     let hash = |poll_every| {
         let setup = Setup { poll_every, ..Setup::default() };
         last_codes(Tracer::new(LoopBack::of(&setup.config), 0), &setup, Tracer::hash)

@@ -1,4 +1,4 @@
-//! A host that vanishes while the drive is on: the drive stops, or goes on, as it was told.
+//! A host that vanishes while the drive is on: the drive stops, or goes on, as configured.
 
 use firmware::board::command::{Command, Reply};
 use firmware::seam::block::{Gate, LATENCY_BLOCKS};
@@ -23,7 +23,7 @@ fn the_drive_stops_when_the_patience_is_over_and_not_before() {
     let mut queues = Queues::default();
     let mut bench = running(&mut queues, &impatient());
     bench.ask(Command::Status);
-    let heard = u64::from(bench.latest().unwrap().block);
+    let received = u64::from(bench.latest().unwrap().block);
     bench.blocks(SILENT);
     assert_eq!((bench.mode(), bench.fault()), (Mode::Run, None));
     bench.blocks(3);
@@ -31,14 +31,14 @@ fn the_drive_stops_when_the_patience_is_over_and_not_before() {
     assert!(!bench.enable.is_high());
     // Judged with the report of the block after the patience, ordered with the next, and the latency after that.
     let last = last_sounding(&mut bench).unwrap();
-    assert_eq!(last, heard + SILENT + 1 + LATENCY_BLOCKS as u64);
+    assert_eq!(last, received + SILENT + 1 + LATENCY_BLOCKS as u64);
     bench.blocks(PATIENCE);
     assert_eq!((bench.fault(), last_sounding(&mut bench)), (Some(Fault::HostLost), Some(last)));
     assert_eq!(bench.watchdog.bitten(), None);
 }
 
 #[test]
-fn told_to_go_on_it_goes_on() {
+fn configured_to_go_on_it_goes_on() {
     for setup in [Setup::default(), impatient()] {
         let mut queues = Queues::default();
         let mut bench = bench(&mut queues, &setup);

@@ -13,7 +13,7 @@ use proptest::prelude::*;
 use super::frame::frame;
 use super::*;
 
-/// Sends bytes, gives the slow side a turn, and returns all that it answers.
+/// Sends bytes, gives the background task a turn, and returns all that it answers.
 fn answers_to(bench: &mut Bench<Load>, bytes: &[u8]) -> Vec<(u16, Reply)> {
     bench.host.forget();
     bench.host.send_bytes(bytes).unwrap();
@@ -95,7 +95,7 @@ fn a_command_is_obeyed_however_its_bytes_are_spread_over_time() {
 }
 
 #[test]
-fn orders_that_nobody_takes_are_refused_as_busy_and_obeyed_later() {
+fn orders_without_room_are_refused_as_busy_and_obeyed_later() {
     let mut queues = Queues::default();
     let mut bench = bench(&mut queues, &Setup::default());
     assert!((0..ORDERS_DEPTH).all(|_| bench.ask(Command::Gate(Gate::Off)) == Some(Reply::Ack)));
@@ -179,7 +179,7 @@ fn telemetry_comes_at_the_ordered_rate_with_sequence_numbers() {
 }
 
 #[test]
-fn telemetry_keeps_its_rate_on_average_when_the_slow_side_is_slow() {
+fn telemetry_keeps_its_mean_rate_under_a_slow_background_task() {
     let (blocks, _) = telemetry(8, 100, 10_000);
     assert!((99..=102).contains(&blocks.len()), "{} frames", blocks.len());
 }
@@ -192,7 +192,7 @@ fn the_longest_interval_is_not_the_shortest() {
     }
 }
 
-/// A link that carries two bytes a block, 62.5 kB/s, and makes a writer wait when 256 are on their way.
+/// A link that transmits two bytes a block, 62.5 kB/s, and makes a writer wait when 256 are on their way.
 fn slow_link() -> Setup {
     Setup { to_host: Wire { capacity: Some(256), when_full: WhenFull::Waits }, ..Setup::default() }
 }
@@ -233,7 +233,7 @@ fn more_commands_at_once_than_there_is_room_for_answers_are_all_answered() {
 }
 
 #[test]
-fn telemetry_never_makes_the_slow_side_wait() {
+fn telemetry_never_makes_the_background_task_wait() {
     let mut queues = Queues::default();
     let mut bench = running(&mut queues, &slow_link());
     bench.ask(Command::TelemetryEvery(1));
@@ -241,7 +241,7 @@ fn telemetry_never_makes_the_slow_side_wait() {
         bench.block();
         bench.host.receive(2);
     }
-    assert_eq!(bench.host.link.inner.kept_waiting(), 0);
+    assert_eq!(bench.host.link.inner.write_waits(), 0);
 }
 
 #[test]

@@ -44,7 +44,7 @@ fn loudest(bench: &mut Bench<Load>) -> u16 {
     peak(&played(bench, 0)[began..])
 }
 
-/// A flash in which this is kept.
+/// A flash in which this record is stored.
 fn keeping(trims: LaneTrims, parameters: &[(u8, f32)]) -> Flash {
     let mut settings = Settings::new(Flash::new(4, 1)).unwrap();
     settings.store(&Record { trims, parameters: Overrides::from_iter(parameters.iter().copied()) }).unwrap();
@@ -69,21 +69,21 @@ fn what_is_set_acts_after_a_reset_if_it_was_stored() {
             built_in: 3.0,
             min: 1e-3,
             max: 1e4,
-            kept: StoredState::Nothing,
+            stored: StoredState::Nothing,
         };
         assert_eq!(built_in, expected);
         assert_eq!(bench.ask(Command::Settings(Verb::Set(AMPLITUDE, 2.0))), Some(Reply::Ack));
-        assert_eq!(get(&mut bench, AMPLITUDE), ParameterReport { next: 2.0, kept: StoredState::Changed, ..built_in });
+        assert_eq!(get(&mut bench, AMPLITUDE), ParameterReport { next: 2.0, stored: StoredState::Changed, ..built_in });
         if stores {
             assert_eq!(bench.ask(Command::Settings(Verb::Store)), Some(Reply::Ack));
-            assert_eq!(get(&mut bench, AMPLITUDE), ParameterReport { next: 2.0, kept: StoredState::Stored, ..built_in });
+            assert_eq!(get(&mut bench, AMPLITUDE), ParameterReport { next: 2.0, stored: StoredState::Stored, ..built_in });
         }
         assert_eq!(loudest(&mut bench), 300);
 
         setup.flash = bench.power_off();
         let mut queues = Queues::default();
         let mut bench = silent(&mut queues, &setup);
-        let after = ParameterReport { acts: 2.0, next: 2.0, kept: StoredState::Stored, ..built_in };
+        let after = ParameterReport { acts: 2.0, next: 2.0, stored: StoredState::Stored, ..built_in };
         assert_eq!(get(&mut bench, AMPLITUDE), if stores { after } else { built_in });
         assert_eq!(loudest(&mut bench), if stores { 200 } else { 300 });
     }
@@ -97,14 +97,14 @@ fn defaults_and_clear_take_back_what_each_is_for() {
     let mut bench = silent(&mut queues, &setup);
     assert_eq!(bench.ask(Command::Settings(Verb::Defaults)), Some(Reply::Ack));
     let report = get(&mut bench, AMPLITUDE);
-    assert_eq!((report.acts, report.next, report.kept), (2.0, 3.0, StoredState::Changed));
+    assert_eq!((report.acts, report.next, report.stored), (2.0, 3.0, StoredState::Changed));
     assert!(matches!(bench.ask(Command::Settings(Verb::Trims(0))), Some(Reply::Settings(report)) if report.points == 0));
     // Not stored: after a reset all is as before.
     setup.flash = bench.power_off();
     let mut queues = Queues::default();
     let mut bench = silent(&mut queues, &setup);
     let report = get(&mut bench, AMPLITUDE);
-    assert_eq!((report.acts, report.next, report.kept), (2.0, 2.0, StoredState::Stored));
+    assert_eq!((report.acts, report.next, report.stored), (2.0, 2.0, StoredState::Stored));
     assert!(matches!(bench.ask(Command::Settings(Verb::Trims(0))), Some(Reply::Settings(report)) if report.points == 1));
     // Stored, nothing is left of either.
     assert_eq!(bench.ask(Command::Settings(Verb::Defaults)), Some(Reply::Ack));
@@ -117,7 +117,7 @@ fn defaults_and_clear_take_back_what_each_is_for() {
     let mut bench = silent(&mut queues, &setup);
     assert_eq!(bench.ask(Command::Settings(Verb::Clear)), Some(Reply::Ack));
     let report = get(&mut bench, AMPLITUDE);
-    assert_eq!((report.acts, report.next, report.kept), (2.0, 2.0, StoredState::Nothing));
+    assert_eq!((report.acts, report.next, report.stored), (2.0, 2.0, StoredState::Nothing));
     assert_eq!(Settings::new(bench.power_off()).unwrap().record(), (Record::default(), StoredState::Nothing));
 }
 
@@ -177,7 +177,7 @@ fn a_lower_limit_holds_and_what_is_stored_against_one_never_acts() {
         let mut queues = Queues::default();
         let mut bench = silent(&mut queues, &setup);
         let report = get(&mut bench, AMPLITUDE);
-        assert_eq!((report.acts, report.kept), (2.0, StoredState::Partly), "{wrong:?}");
+        assert_eq!((report.acts, report.stored), (2.0, StoredState::Partly), "{wrong:?}");
         let limit = get(&mut bench, VOLTAGE_LIMIT);
         assert_eq!((limit.acts, limit.next), (12.0, 12.0), "{wrong:?}");
         match lowest {
@@ -201,7 +201,7 @@ fn settings_that_make_no_configuration_give_way_to_what_is_built_in_within_the_l
     let mut bench = silent(&mut queues, &setup);
     let report = get(&mut bench, VOLTAGE_LIMIT);
     // What was set is still there to be looked at, and to be put right.
-    assert_eq!((report.acts, report.next, report.kept), (2.0, 2.0, StoredState::Refused));
+    assert_eq!((report.acts, report.next, report.stored), (2.0, 2.0, StoredState::Refused));
     assert_eq!((get(&mut bench, AMPLITUDE).acts, get(&mut bench, AMPLITUDE).next), (2.0, 3.0));
     assert!(matches!(bench.ask(Command::Settings(Verb::Trims(0))), Some(Reply::Settings(report)) if report.points == 1));
     assert_eq!(loudest(&mut bench), 200);
@@ -212,7 +212,7 @@ fn settings_that_make_no_configuration_give_way_to_what_is_built_in_within_the_l
     setup.flash = bench.power_off();
     let mut queues = Queues::default();
     let mut bench = silent(&mut queues, &setup);
-    assert_eq!((get(&mut bench, VOLTAGE_LIMIT).acts, get(&mut bench, VOLTAGE_LIMIT).kept), (2.0, StoredState::Stored));
+    assert_eq!((get(&mut bench, VOLTAGE_LIMIT).acts, get(&mut bench, VOLTAGE_LIMIT).stored), (2.0, StoredState::Stored));
     assert_eq!(loudest(&mut bench), 150);
 }
 

@@ -68,7 +68,7 @@ fn a_few_flipped_bits_do_not_stop_a_run() {
 }
 
 #[test]
-fn more_current_than_the_limit_mutes_when_it_is_heard() {
+fn more_current_than_the_limit_mutes_once_it_is_measured() {
     // Three volts draw 0.15 A, the self-test a fifteenth of that.
     let mut queues = Queues::default();
     let mut bench = ordered_to_run_with(&mut queues, &setup(|config| config.limits.current_a = 0.1), &[]);
@@ -168,7 +168,7 @@ fn a_burst_over_a_still_belt_never_begins() {
         bench.blocks(50);
     }
     assert_eq!((bench.fault(), last_sounding(&mut bench)), (None, silent));
-    // It is a fault only while it is wanted.
+    // It is a fault only while a drive is requested.
     bench.blocks(2 * LATCH_BLOCKS);
     assert_eq!((bench.fault(), limit(&bench)), (None, None));
 }
@@ -189,10 +189,10 @@ fn a_belt_sensor_that_is_gone_or_broken_is_a_fault_at_once() {
 }
 
 #[test]
-fn without_the_encoder_that_was_told_of_nothing_is_driven() {
+fn without_the_configured_encoder_nothing_is_driven() {
     let mut queues = Queues::default();
-    let told = setup(|config| config.front_end.metre_per_count = Some(1e-5));
-    let mut bench = ordered_to_run_with(&mut queues, &told, &[]);
+    let with_encoder = setup(|config| config.front_end.metre_per_count = Some(1e-5));
+    let mut bench = ordered_to_run_with(&mut queues, &with_encoder, &[]);
     bench.blocks(50);
     assert_eq!((bench.fault(), last_sounding(&mut bench)), (Some(Fault::BeltSensorLost), None));
 }
@@ -202,7 +202,7 @@ fn a_belt_at_rest_is_waited_for() {
     let mut queues = Queues::default();
     let mut bench = bench(&mut queues, &Setup::default());
     set_belt(&mut bench, 0);
-    // It is known to be at rest once it has been heard for as long as a stop takes.
+    // The belt is known to be at rest once it has been measured for as long as a stop takes.
     bench.blocks(BELT_BLOCKS + 1);
     bench.ask(Command::Run);
     assert!(bench.run_until(|report| report.mode == Mode::Run, PATIENCE).is_some());

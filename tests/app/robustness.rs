@@ -49,7 +49,7 @@ fn honest(chance: &mut Chance) -> Command {
     }
 }
 
-/// What the link carries before each block, and the honest frames among it.
+/// Bytes on the link before each block, and the honest frames among it.
 struct Traffic {
     sent: Vec<Vec<u8>>,
     honest: HashSet<Vec<u8>>,
@@ -109,17 +109,17 @@ impl Traffic {
     fn purged(&self) -> Vec<Vec<u8>> {
         let mut pending = vec![];
         let purge = |bytes: &Vec<u8>| {
-            let mut kept = vec![];
+            let mut honest = vec![];
             for &byte in bytes {
                 pending.push(byte);
                 if byte == 0 {
                     let frame = std::mem::take(&mut pending);
                     if self.honest.contains(&frame) {
-                        kept.extend(frame);
+                        honest.extend(frame);
                     }
                 }
             }
-            kept
+            honest
         };
         self.sent.iter().map(purge).collect()
     }

@@ -1,27 +1,27 @@
-//! What is kept in flash, whenever power goes and whatever is in it.
+//! Settings in flash, whenever power goes and whatever the flash contains.
 
 use embedded_storage::nor_flash::{NorFlash, ReadNorFlash};
 use firmware::board::parameters::Overrides;
-use firmware::board::settings::{NotKept, Record, Settings};
+use firmware::board::settings::{NotStored, Record, Settings};
 use firmware::board::stored_state::StoredState;
 use firmware::seam::config::{LaneTrims, Trim, TrimPoint};
 use firmware::seam::error::Error;
 use hal_mock::chance::Chance;
 use hal_mock::flash::{Flash, PAGE_BYTES};
 
-/// Trims that are told from others by a number.
+/// Trims that are identified by a number.
 fn trims(number: u16) -> LaneTrims {
     let lane = |lane: usize| Trim { phase_turns: 1e-5 * f32::from(number) + 0.01 * lane as f32, gain: 0.9 };
     (0..5).map(|point| TrimPoint { hz: 39e3 + 500.0 * point as f32, lanes: std::array::from_fn(lane) }).collect()
 }
 
-/// Trims and parameters that are told from others by the same number: old ones beside new ones are no such record.
+/// Trims and parameters that are identified by the same number: old ones beside new ones are no such record.
 fn record(number: u16) -> Record {
     let parameters: Overrides = (1..=9).map(|key| (key, f32::from(key) + f32::from(number))).collect();
     Record { trims: trims(number), parameters }
 }
 
-fn kept(flash: &Flash) -> (Record, StoredState) {
+fn read(flash: &Flash) -> (Record, StoredState) {
     Settings::new(flash.clone()).unwrap().record()
 }
 
@@ -51,7 +51,7 @@ fn wear(pages: usize, record: impl Fn(u16) -> Record) -> u32 {
 }
 
 #[test]
-fn the_latest_is_what_is_kept_however_often_pages_go_round() {
+fn the_latest_record_stands_however_often_pages_go_round() {
     for pages in [4, 6, 10] {
         // Ten lane trims a page, or eight of them with nine parameters, and every page as often as any other.
         let alone = wear(pages, |number| Record { trims: trims(number), ..Record::default() });
@@ -62,7 +62,7 @@ fn the_latest_is_what_is_kept_however_often_pages_go_round() {
 }
 
 #[test]
-fn what_is_kept_already_wears_nothing() {
+fn storing_the_same_again_wears_nothing() {
     let mut settings = Settings::new(Flash::new(4, 1)).unwrap();
     settings.store(&record(1)).unwrap();
     let mut flash = settings.release();
@@ -89,7 +89,7 @@ fn whenever_power_goes_the_old_or_the_new_is_there_and_the_next_write_is_whole()
     for writes in (0..4).chain(12..20).chain(28..40).chain(60..72) {
         for seed in 0..4 {
             let flash = filled(writes, seed);
-            let (old, _) = kept(&flash);
+            let (old, _) = read(&flash);
             for operations in 0.. {
                 let mut cut = flash.clone();
                 cut.cut_power_after(operations);
@@ -99,7 +99,7 @@ fn whenever_power_goes_the_old_or_the_new_is_there_and_the_next_write_is_whole()
                 if stored.is_ok() {
                     break;
                 }
-                assert_eq!((stored, cut.is_off()), (Err(NotKept), true));
+                assert_eq!((stored, cut.is_off()), (Err(NotStored), true));
                 cuts += 1;
                 cut.restore_power();
                 let mut settings = Settings::new(cut).unwrap();
@@ -112,7 +112,7 @@ fn whenever_power_goes_the_old_or_the_new_is_there_and_the_next_write_is_whole()
                 assert!(whole, "{writes} writes, cut after {operations}: {state:?}");
                 settings.store(&record(1001)).unwrap();
                 assert_eq!(
-                    kept(&settings.release()),
+                    read(&settings.release()),
                     (record(1001), StoredState::Stored),
                     "{writes} writes, cut after {operations}"
                 );
@@ -136,7 +136,7 @@ fn power_that_goes_again_and_again_loses_nothing() {
             let stored = settings.store(&record(number));
             flash = settings.release();
             flash.restore_power();
-            let (now, state) = kept(&flash);
+            let (now, state) = read(&flash);
             assert_eq!(state, StoredState::Stored, "{seed} {number}");
             assert!(now == record(number) || (now == last && stored.is_err()), "{seed} {number}");
             last = now;
@@ -163,7 +163,7 @@ fn whatever_is_in_the_flash_it_is_read_without_harm_and_can_be_written() {
         let (found, state) = settings.record();
         assert!(found.is_empty() || state == StoredState::Stored, "{seed}: {state:?}");
         settings.store(&record(9)).unwrap();
-        assert_eq!(kept(&settings.release()), (record(9), StoredState::Stored), "{seed}");
+        assert_eq!(read(&settings.release()), (record(9), StoredState::Stored), "{seed}");
     }
 }
 
@@ -196,7 +196,7 @@ fn trims_that_cannot_be_are_damaged_and_a_flash_that_is_too_small_is_refused() {
     ];
     for trims in wrong {
         let mut settings = Settings::new(Flash::new(4, 1)).unwrap();
-        // What is stored is read again before it counts as kept.
+        // A record is read back before it counts as stored.
         let record = Record { trims: trims.clone(), ..record(1) };
         assert!(settings.store(&record).is_err(), "{trims:?}");
         assert_eq!(settings.record(), (Record::default(), StoredState::Damaged), "{trims:?}");

@@ -1,7 +1,7 @@
 //! Status, the fault log, what started the board, and resets.
 
 use firmware::board::command::{Command, Reply};
-use firmware::board::fault_log::{FaultReport, KEPT_FAULTS};
+use firmware::board::fault_log::{FaultReport, LOGGED_FAULTS};
 use firmware::board::start::{FileName, Place, Start, TripFailure};
 use firmware::seam::fault::Fault;
 use firmware::seam::mode::Mode;
@@ -31,7 +31,7 @@ fn status_is_the_latest_block() {
 }
 
 #[test]
-fn a_fault_is_kept_with_what_was_played_and_heard() {
+fn a_fault_is_logged_with_what_was_played_and_measured() {
     let mut queues = Queues::default();
     let mut bench = running(&mut queues, &Setup::default());
     assert_eq!(faults(&mut bench, 0), FaultReport { count: 0, entry: None, last_run: Start::PowerOn });
@@ -53,7 +53,7 @@ fn a_fault_is_kept_with_what_was_played_and_heard() {
 fn the_newest_fault_comes_first_and_beyond_the_last_there_is_none() {
     let mut queues = Queues::default();
     let mut bench = running(&mut queues, &Setup::default());
-    for n in 0..KEPT_FAULTS + 2 {
+    for n in 0..LOGGED_FAULTS + 2 {
         let kind = if n % 2 == 0 { FaultKind::LateBlock } else { FaultKind::OverCurrentTrip };
         bench.analog().inner.strike(kind);
         bench.blocks(5);
@@ -62,16 +62,16 @@ fn the_newest_fault_comes_first_and_beyond_the_last_there_is_none() {
         bench.ask(Command::Run);
         assert!(bench.run_until(|report| report.mode == Mode::Run, PATIENCE).is_some());
     }
-    let entries: Vec<_> = (0..KEPT_FAULTS as u8 + 1).map(|later| faults(&mut bench, later).entry).collect();
+    let entries: Vec<_> = (0..LOGGED_FAULTS as u8 + 1).map(|later| faults(&mut bench, later).entry).collect();
     let kinds: Vec<_> = entries.iter().flatten().map(|entry| entry.fault).collect();
-    assert_eq!(kinds, [Fault::OverCurrent, Fault::LateBlock].repeat(KEPT_FAULTS / 2));
+    assert_eq!(kinds, [Fault::OverCurrent, Fault::LateBlock].repeat(LOGGED_FAULTS / 2));
     assert!(entries.iter().flatten().map(|entry| entry.block).is_sorted_by(|newer, older| newer > older));
-    assert_eq!((entries[KEPT_FAULTS], faults(&mut bench, 255).entry), (None, None));
-    assert_eq!(usize::from(faults(&mut bench, 0).count), KEPT_FAULTS + 2);
+    assert_eq!((entries[LOGGED_FAULTS], faults(&mut bench, 255).entry), (None, None));
+    assert_eq!(usize::from(faults(&mut bench, 0).count), LOGGED_FAULTS + 2);
 }
 
 #[test]
-fn the_host_is_told_what_started_the_board() {
+fn the_host_learns_what_started_the_board() {
     let panic = Start::Panic(Place { file: FileName::of("firmware/src/controller.rs"), line: 311 });
     for start in [
         Start::PowerOn,

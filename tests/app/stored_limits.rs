@@ -54,7 +54,7 @@ fn value(key: u8) -> BoxedStrategy<f32> {
     prop_oneof![4 => within, 4 => near, 2 => edges, 1 => wild].boxed()
 }
 
-/// Any record: up to half of the parameters, keys that nobody knows, a key twice, and lane trims.
+/// Any record: up to half of the parameters, unknown keys, a key twice, and lane trims.
 fn record() -> impl Strategy<Value = Record> {
     let entry = prop_oneof![12 => 1_u8..=21, 6 => 8_u8..=14, 1 => prop::sample::select(vec![0, 22, 255])]
         .prop_flat_map(|key| value(key).prop_map(move |value| (key, value)));
@@ -104,7 +104,7 @@ proptest! {
             if of.acts.to_bits() != stored.to_bits() && !record.parameters.iter().any(|&(other, value)| other == key && value.to_bits() != stored.to_bits()) {
                 let other_kind = [AMPLITUDE, CURRENT].contains(&key) && of.acts == 0.0;
                 let no_period = key == 20 && report(19).is_some_and(|period| period.acts == 0.0);
-                prop_assert!(matches!(of.kept, StoredState::Partly | StoredState::Refused) || other_kind || no_period, "{key}: {stored} stored, {of:?}");
+                prop_assert!(matches!(of.stored, StoredState::Partly | StoredState::Refused) || other_kind || no_period, "{key}: {stored} stored, {of:?}");
             }
         }
         // What acts is within what acts.
@@ -154,7 +154,7 @@ fn a_limit_that_nothing_judges_is_refused_and_takes_no_other_limit_with_it() {
         let acts = [VOLTAGE_LIMIT, ENERGY_PER_METRE, 21].map(|key| get(&mut bench, key).acts);
         assert_eq!(acts, [2.0, if encoder { 1000.0 } else { f32::INFINITY }, 0.5]);
         let report = get(&mut bench, AMPLITUDE);
-        assert_eq!((report.kept, report.next), (StoredState::Refused, 3.0));
+        assert_eq!((report.stored, report.next), (StoredState::Refused, 3.0));
         assert!((report.acts - 2.0 / 1.02).abs() < 1e-6, "{report:?}");
     }
 }
@@ -172,5 +172,5 @@ fn each_that_does_not_fit_is_left_out_alone() {
     bench.blocks(4);
     let acts = [4, AMPLITUDE, VOLTAGE_LIMIT, 15, 18, 21].map(|key| get(&mut bench, key).acts);
     assert_eq!(acts, [41e3, 5.0, 5.0, 60.0, built_in, 2.5]);
-    assert_eq!((get(&mut bench, 18).next, get(&mut bench, 18).kept), (1000.0, StoredState::Refused));
+    assert_eq!((get(&mut bench, 18).next, get(&mut bench, 18).stored), (1000.0, StoredState::Refused));
 }

@@ -41,8 +41,8 @@ fn the_dummy_load_is_what_the_board_expects() {
     );
 
     let config = config();
-    let (told, tracking) = (f64::from(config.drive.frequency_hz), &config.tracking);
-    assert!((series_hz / told - 1.0).abs() < 0.02, "{series_hz}");
+    let (nominal_hz, tracking) = (f64::from(config.drive.frequency_hz), &config.tracking);
+    assert!((series_hz / nominal_hz - 1.0).abs() < 0.02, "{series_hz}");
     assert!((0.5..2.0).contains(&(q / f64::from(tracking.nominal_q))), "{q}");
     assert!((f64::from(tracking.nominal_c0_f) / C0_F - 1.0).abs() < 0.05);
     // Far from the limit, and from the end of the channel.

@@ -13,7 +13,7 @@ fn remaining(moved: usize) -> u16 {
 #[test]
 fn a_position_counts_up_while_dma_counts_down() {
     assert_eq!([64, 63, 33, 32, 1].map(position), [0, 1, 31, 32, 63]);
-    // What it may show for a moment as it begins anew.
+    // A state that it may show for a moment after a restart.
     assert_eq!(position(0), 0);
     assert!((0..3 * RING).all(|moved| position(remaining(moved)) == moved % RING));
 }

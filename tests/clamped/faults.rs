@@ -29,13 +29,13 @@ fn ends_with(fault: Fault, case: &Case) -> u64 {
 
 #[test]
 fn a_depoled_stack_has_shifted_its_capacitance() {
-    for told_c0 in [1.3, 0.78] {
+    for nominal_c0 in [1.3, 0.78] {
         for q in [20.0, 65.0, 500.0] {
-            assert!(ends_with(Fault::CapacitanceShifted, &Case { told_c0, q, ..Case::default() }) < 1400);
+            assert!(ends_with(Fault::CapacitanceShifted, &Case { nominal_c0, q, ..Case::default() }) < 1400);
         }
     }
-    for told_c0 in [1.18, 0.86] {
-        let (found, _) = calibrate(&mut Rig::new(&Case { told_c0, ..Case::default() }, 1));
+    for nominal_c0 in [1.18, 0.86] {
+        let (found, _) = calibrate(&mut Rig::new(&Case { nominal_c0, ..Case::default() }, 1));
         assert!(found.is_ok(), "{found:?}");
     }
 }
@@ -44,7 +44,7 @@ fn a_depoled_stack_has_shifted_its_capacitance() {
 #[test]
 fn a_cracked_stack_is_damaged() {
     for q in [65.0, 200.0, 500.0] {
-        let case = Case { q: q / 5.0, told_q: 5.0, second: Some((0.2, 0.985)), ..Case::default() };
+        let case = Case { q: q / 5.0, nominal_q: 5.0, second: Some((0.2, 0.985)), ..Case::default() };
         assert!(ends_with(Fault::ResonanceDamaged, &case) < 1700);
     }
 }

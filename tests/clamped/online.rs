@@ -7,7 +7,7 @@ use firmware::sense::motional::Motional;
 use num_complex::Complex64;
 
 use super::Spread;
-use super::rig::{Case, Heard, Rig, wide};
+use super::rig::{Case, Exchange, Rig, wide};
 
 const SEEDS: u64 = 12;
 const VOLTS: f32 = 3.0;
@@ -55,15 +55,15 @@ impl Locked {
         let (detune_hz, half_hz, motional) = (self.detunes[slot], self.half_hz, self.motional);
         let (mut update, mut offset_hz, mut next) = (None, self.offset_hz, 0.0);
         let mut online = online;
-        self.rig.block(|heard| {
-            let Heard { sensed, relative, .. } = heard;
+        self.rig.block(|exchange| {
+            let Exchange { sensed, relative, .. } = exchange;
             let block = Block { sensed, relative: *relative, detune_hz, steady: true };
-            let wanted = online.as_mut().map(|online| online.step(&block)).unwrap_or_default();
+            let output = online.as_mut().map(|online| online.step(&block)).unwrap_or_default();
             let current = motional.current(sensed, *relative) * Phasor::new(1.0, detune_hz / half_hz);
-            if !wanted.hold {
+            if !output.hold {
                 offset_hz += 0.02 * std::f32::consts::TAU * argument(motional.phase_of(current, sensed.v)).0 * half_hz;
             }
-            (update, next) = (wanted.update, wanted.detune_hz);
+            (update, next) = (output.update, output.detune_hz);
             (offset_hz + next, VOLTS)
         });
         (self.offset_hz, self.detunes[slot]) = (offset_hz, next);
@@ -109,9 +109,9 @@ fn by_a_tone_beside(case: &Case, seed: u64, blocks: usize) -> f64 {
     let mut sum = (Complex64::default(), 0.0);
     for n in 0..blocks - wait + LATENCY_BLOCKS {
         let level = 0.5 - 0.5 * (std::f64::consts::TAU * ((n as f64 + 0.5) / length).min(1.0)).cos();
-        let heard = rig.block(|_| (offset as f32, VOLTS * level as f32));
+        let exchange = rig.block(|_| (offset as f32, VOLTS * level as f32));
         if n >= LATENCY_BLOCKS {
-            let [v, i] = [heard.sensed.v, heard.sensed.i].map(wide);
+            let [v, i] = [exchange.sensed.v, exchange.sensed.i].map(wide);
             sum = (sum.0 + i * v.conj(), sum.1 + v.norm_sqr());
         }
     }
@@ -123,7 +123,7 @@ fn by_a_tone_beside(case: &Case, seed: u64, blocks: usize) -> f64 {
 fn by_ring_ups(case: &Case, seed: u64, blocks: usize) -> f64 {
     let mut locked = Locked::new(case, seed);
     let (rig, motional, tau) = (&mut locked.rig, locked.motional, tau_blocks(case));
-    let heard_from = LATENCY_BLOCKS + 1;
+    let measured_from = LATENCY_BLOCKS + 1;
     let used = (tau / 2).clamp(4, 12);
     let shots = (blocks / (7 * tau + used)).max(1);
     let mut found = 0.0;
@@ -132,13 +132,13 @@ fn by_ring_ups(case: &Case, seed: u64, blocks: usize) -> f64 {
             rig.block(|_| (0.0, 0.0));
         });
         let mut moments = [[0.0; 4]; 3];
-        for n in 0..heard_from + used {
-            let heard = rig.block(|_| (0.0, VOLTS));
-            if n < heard_from {
+        for n in 0..measured_from + used {
+            let exchange = rig.block(|_| (0.0, VOLTS));
+            if n < measured_from {
                 continue;
             }
-            let current = motional.phase_of(motional.current(&heard.sensed, heard.relative), heard.sensed.v);
-            let y = f64::from(current.im / heard.sensed.v.norm_sqr());
+            let current = motional.phase_of(motional.current(&exchange.sensed, exchange.relative), exchange.sensed.v);
+            let y = f64::from(current.im / exchange.sensed.v.norm_sqr());
             let t = (n - LATENCY_BLOCKS) as f64 + 0.5;
             let powers = [1.0, t, t * t, y];
             moments.iter_mut().zip(powers).for_each(|(row, power)| row.iter_mut().zip(powers).for_each(|(x, p)| *x += power * p));

@@ -1,4 +1,4 @@
-//! The calibration at power-on, over seeds: what is told is drawn within its bounds.
+//! The calibration at power-on, over seeds: the nominal values are drawn within their bounds.
 
 use std::f64::consts::TAU;
 
@@ -16,7 +16,7 @@ pub fn calibrate(rig: &mut Rig) -> (Result<Clamped, Fault>, u64) {
     let mut power_on = PowerOn::build(&rig.config);
     for _ in 0..20_000 {
         let mut end = None;
-        rig.block(|heard| match power_on.listen(&heard.sensed) {
+        rig.block(|exchange| match power_on.listen(&exchange.sensed) {
             Step::Tone { offset_hz, volts, .. } => (offset_hz, volts),
             Step::Failed(fault) => {
                 end = Some(Err(fault));

@@ -27,7 +27,7 @@ pub fn wide(x: Phasor) -> Complex64 {
     Complex64::new(x.re.into(), x.im.into())
 }
 
-/// A transducer, and what the firmware is told of it.
+/// A transducer, and its nominal values in the firmware.
 #[derive(Clone, Debug)]
 pub struct Case {
     pub nominal_hz: f64,
@@ -35,8 +35,8 @@ pub struct Case {
     pub c0_f: f64,
     pub cm_f: f64,
     pub resonance: f64,
-    pub told_q: f64,
-    pub told_c0: f64,
+    pub nominal_q: f64,
+    pub nominal_c0: f64,
     pub skew_s: f64,
     pub loss: f64,
     /// Strength and place of a second resonance, relative to the first.
@@ -47,7 +47,7 @@ pub struct Case {
 }
 
 impl Default for Case {
-    /// Set A of 65, told the truth.
+    /// The 40 kHz stack of Q 65, with nominal values that are true.
     fn default() -> Self {
         Case {
             nominal_hz: 40e3,
@@ -55,8 +55,8 @@ impl Default for Case {
             c0_f: 300e-9,
             cm_f: 20e-9,
             resonance: 1.0,
-            told_q: 1.0,
-            told_c0: 1.0,
+            nominal_q: 1.0,
+            nominal_c0: 1.0,
             skew_s: 0.0,
             loss: 0.0,
             second: None,
@@ -67,11 +67,11 @@ impl Default for Case {
 }
 
 impl Case {
-    /// Told within its bounds: the resonance within 2 %, Q within a factor of 2, C0 within 5 %; evenly, by the golden ratio's multiples.
+    /// The same with nominal values within their bounds: the resonance within 2 %, Q within a factor of 2, C0 within 5 %; evenly, by the golden ratio's multiples.
     pub fn with_nominal_values(&self, seed: u64) -> Self {
         let draw = |ratio: f64| 2.0 * (seed as f64 * ratio).fract() - 1.0;
         let (hz, q, c0) = (draw(0.618_033_988_75), draw(0.754_877_666_25), draw(0.569_840_290_99));
-        Case { resonance: 1.0 + 0.02 * hz, told_q: self.told_q * q.exp2(), told_c0: 1.0 + 0.05 * c0, ..self.clone() }
+        Case { resonance: 1.0 + 0.02 * hz, nominal_q: self.nominal_q * q.exp2(), nominal_c0: 1.0 + 0.05 * c0, ..self.clone() }
     }
 }
 
@@ -138,9 +138,9 @@ impl Analog for Bench {
     }
 }
 
-/// What was heard of a block, and what played in it.
+/// Phasors measured in a block, and what was played in it.
 #[derive(Clone, Copy, Default)]
-pub struct Heard {
+pub struct Exchange {
     pub sensed: Sensed,
     pub relative: f32,
     pub offset_hz: f32,
@@ -153,7 +153,7 @@ pub struct Rig {
     convert: Convert,
     hold: Hold,
     nco: Nco,
-    played: [(Stretch, Heard); LATENCY_BLOCKS],
+    played: [(Stretch, Exchange); LATENCY_BLOCKS],
 }
 
 impl Rig {
@@ -165,8 +165,8 @@ impl Rig {
             format!("seed={seed}"),
             "duration_s=10.0".into(),
             format!("controller.drive.frequency_hz={:?}", case.nominal_hz),
-            format!("controller.tracking.nominal_q={:?}", case.q * case.told_q),
-            format!("controller.tracking.nominal_c0_f={:e}", case.c0_f * case.told_c0),
+            format!("controller.tracking.nominal_q={:?}", case.q * case.nominal_q),
+            format!("controller.tracking.nominal_c0_f={:e}", case.c0_f * case.nominal_c0),
             "controller.tracking.span=0.02".into(),
             format!("stack.bvd.c0_f={:e}", case.c0_f),
             format!("stack.bvd.series_resonance_hz={hz:?}"),
@@ -205,29 +205,29 @@ impl Rig {
         let hold = Hold::build(case.nominal_hz as f32, sensors.sample_hz as f32).unwrap();
         let silence = DriveBlock::silent(1, BLOCK, front_end.drive_mid_code);
         let tone = Stretch { word: hold.word(), ..Stretch::default() };
-        let played = [(tone, Heard { relative: 1.0, ..Heard::default() }); LATENCY_BLOCKS];
+        let played = [(tone, Exchange { relative: 1.0, ..Exchange::default() }); LATENCY_BLOCKS];
         Rig { clock: BlockClock::new(bench, &silence), config, truth, convert, hold, nco: Nco::default(), played }
     }
 
-    /// One block: hands on what was heard, and plays what is wanted: an offset from the nominal frequency, Hz, and volts.
-    pub fn block(&mut self, mut wants: impl FnMut(&Heard) -> (f32, f32)) -> Heard {
+    /// One block: hands on its phasors, and plays what `wants` returns: an offset from the nominal frequency, Hz, and volts.
+    pub fn block(&mut self, mut wants: impl FnMut(&Exchange) -> (f32, f32)) -> Exchange {
         let slot = (self.clock.blocks() % LATENCY_BLOCKS as u64) as usize;
-        let (tone, mut heard) = self.played[slot];
-        let hz = f64::from(self.hold.nominal_hz() + heard.offset_hz);
+        let (tone, mut exchange) = self.played[slot];
+        let hz = f64::from(self.hold.nominal_hz() + exchange.offset_hz);
         self.clock.analog.conductance = self.truth.loss * TAU * hz * self.truth.circuit.c0_f;
         let (front_end, nominal_hz) = (&self.config.front_end, self.hold.nominal_hz());
         let (convert, hold, nco, played) = (&self.convert, &mut self.hold, &mut self.nco, &mut self.played[slot]);
         self.clock.tick(|sense, drive| {
-            heard.sensed = demodulate(convert, sense, &tone).0;
-            let (offset_hz, volts) = wants(&heard);
+            exchange.sensed = demodulate(convert, sense, &tone).0;
+            let (offset_hz, volts) = wants(&exchange);
             hold.retune(offset_hz);
             let stretch = nco.advance((hold.word(), 0), BLOCK);
-            *played = (stretch, Heard { relative: 1.0 + offset_hz / nominal_hz, offset_hz, ..Heard::default() });
+            *played = (stretch, Exchange { relative: 1.0 + offset_hz / nominal_hz, offset_hz, ..Exchange::default() });
             for (n, code) in drive.lanes[0].iter_mut().enumerate() {
                 let volts = sine::rotation(stretch.phase_at(n)).im * volts;
                 *code = (f32::from(front_end.drive_mid_code) + volts / front_end.drive_volt_per_lsb + 0.5) as u16;
             }
         });
-        heard
+        exchange
     }
 }

@@ -79,9 +79,9 @@ fn a_fast_amplifier_and_a_settled_tone_agree_with_it() {
     let mut rig = Rig::new(&case, 1);
     let mut sum = (Complex64::default(), 0.0);
     for block in 0..4000 {
-        let heard = rig.block(|_| (312.0, 3.0));
+        let exchange = rig.block(|_| (312.0, 3.0));
         if block > 1000 {
-            let [v, i] = [heard.sensed.v, heard.sensed.i].map(super::rig::wide);
+            let [v, i] = [exchange.sensed.v, exchange.sensed.i].map(super::rig::wide);
             sum = (sum.0 + i * v.conj(), sum.1 + v.norm_sqr());
         }
     }

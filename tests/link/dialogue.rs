@@ -88,7 +88,7 @@ pub fn judge_captures<'a>(
     played: impl Iterator<Item = &'a Exchange>,
 ) {
     let mut played = played.peekable();
-    assert_eq!(played.peek().map(|exchange| exchange.block), Some(0), "all blocks are kept");
+    assert_eq!(played.peek().map(|exchange| exchange.block), Some(0), "all blocks are recorded");
     let played: Vec<[u16; 3]> = played
         .flat_map(|exchange| {
             let senses = exchange.sense.v.iter().zip(&exchange.sense.i);
@@ -109,7 +109,7 @@ pub fn judge_captures<'a>(
 }
 
 #[test]
-fn what_a_rig_is_told_is_what_the_plant_did() {
+fn what_a_rig_reports_is_what_the_plant_did() {
     let board = board("lock", &[], 60_000);
     let folder = Folder::new("dialogue");
     let answers = hold(port(&board), &folder.0);
@@ -131,11 +131,14 @@ fn what_a_rig_is_told_is_what_the_plant_did() {
         let runs = blocks.chunk_by(|a, b| a == b).filter(|run| !run[0]).map(<[bool]>::len);
         runs.filter(|&length| (140..200).contains(&length)).collect()
     });
-    let told_ms = (number(burst, "shortest_on_ms"), number(burst, "longest_on_ms"));
+    let reported_ms = (number(burst, "shortest_on_ms"), number(burst, "longest_on_ms"));
     let played_ms: Vec<f64> = lengths.iter().map(|&blocks| 1e3 * blocks as f64 * board.block_s()).collect();
-    println!("told {told_ms:?} ms, played {played_ms:?} ms");
+    println!("reported {reported_ms:?} ms, played {played_ms:?} ms");
     // The gate opens where the first lane passes zero, and closes with a whole period: a block to either side.
-    assert!(played_ms.len() >= 3 && played_ms.iter().all(|&ms| ms > told_ms.0 - 0.07 && ms < told_ms.1 + 0.07), "{played_ms:?}");
+    assert!(
+        played_ms.len() >= 3 && played_ms.iter().all(|&ms| ms > reported_ms.0 - 0.07 && ms < reported_ms.1 + 0.07),
+        "{played_ms:?}"
+    );
 }
 
 #[test]

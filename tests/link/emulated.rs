@@ -16,13 +16,13 @@ use scene::load::load;
 use super::dialogue::{Folder, answer, hold, judge_captures, judge_scan};
 use crate::processor_in_the_loop::is_there;
 
-/// Blocks that are kept: all of a dialogue.
+/// Blocks that are recorded: all of a dialogue.
 const KEEP: usize = 60_000;
 
 /// Most of the stack in the blocks, bytes; measured: 5264.
 const MOST_STACK: u32 = 6 << 10;
 
-/// A board as a port: its time passes only while somebody waits, a block at a time.
+/// A board as a port: its time passes only while the host waits, a block at a time.
 struct Emulated(Rc<RefCell<EmulatedBoard>>);
 
 impl Port for Emulated {
@@ -73,7 +73,7 @@ fn a_board_in_qemu_is_talked_to_as_one_on_a_bench() {
 
     judge_captures(&answers, &folder.0, board.config(), board.rig().blocks());
     assert!(!board.pins().enable && !board.pins().failed && board.resets() == 0);
-    // Block task and slow side one after the other: on a board, the task comes on top of what the slow side is at.
+    // Block task and background task one after the other: on a board, the block task interrupts the background task.
     assert!((2000..MOST_STACK).contains(&stack.stack_blocks_bytes), "{stack:?}");
     println!("{:.3} s of a dialogue in {:.2?}; {stack:?}", board.now().as_secs_f64(), began.elapsed());
 }

@@ -18,14 +18,14 @@ fn is_silent(board: &SimulatedBoard) -> bool {
 }
 
 #[test]
-fn a_host_that_waits_is_heard_of_and_one_that_dies_is_missed() {
+fn a_host_that_waits_is_no_loss_and_one_that_dies_is() {
     let board = board("lock", &[], 4);
     let options = SessionOptions { host_timeout_s: Some(0.1), stay: false };
     let mut session = Session::begin(client(port(&board)), options).unwrap();
     // Ten times the board's patience.
     run("drive\nwait 1\nstatus\nexpect mode = run\nexpect fault = none", &mut session).unwrap();
     assert!(!is_silent(&board.borrow()));
-    // It dies: nobody says that it leaves.
+    // It dies: no frame says that it leaves.
     std::mem::forget(session);
     let block_s = board.borrow().block_s();
     let blocks = |seconds: f64| (0..(seconds / block_s) as u32).for_each(|_| board.borrow_mut().block());
@@ -72,7 +72,7 @@ fn a_program_that_fails_leaves_no_drive_behind() {
 }
 
 #[test]
-fn a_drive_that_was_left_on_is_missed_again_once_somebody_else_drives() {
+fn a_drive_left_on_has_its_timeout_again_under_the_next_host() {
     let board = board("lock", &[], 4);
     let mut session = super::session(&board);
     run("settings set link.patience_s 0.1\nsettings store\nreset", &mut session).unwrap();
@@ -81,7 +81,7 @@ fn a_drive_that_was_left_on_is_missed_again_once_somebody_else_drives() {
     run("drive", &mut session).unwrap();
     session.leave().unwrap();
     drop(session);
-    // The next one finds a board that waits for nobody, drives, and dies.
+    // The next host finds a board without a host timeout, drives, and dies.
     let mut session = super::session(&board);
     run("drive", &mut session).unwrap();
     std::mem::forget(session);

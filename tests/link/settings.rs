@@ -1,4 +1,4 @@
-//! Settings over the link: what is out of range is told with its range, and what is stored acts after a reset.
+//! Settings over the link: a value out of range is refused with its range, and a stored one is active after a reset.
 
 use std::sync::Mutex;
 use std::sync::atomic::AtomicBool;
@@ -36,7 +36,7 @@ fn a_stored_limit_acts_whatever_else_is_stored_and_what_does_not_is_said() {
     run(text, &mut session(&board)).unwrap_or_else(|error| panic!("{error}"));
     let refused = refused("settings set limits.energy_j_per_m 1000");
     assert!(refused.contains("limits.energy_j_per_m") && refused.contains("belt encoder"), "{refused}");
-    // Whoever connects is told before anything is done.
+    // A host is informed as soon as it connects.
     static NOTES: Mutex<Vec<String>> = Mutex::new(Vec::new());
     static NEVER: AtomicBool = AtomicBool::new(false);
     let note: fn(&str) = |line| NOTES.lock().unwrap().push(line.to_owned());

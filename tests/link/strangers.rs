@@ -1,4 +1,4 @@
-//! Whoever answers, and is no board: said so, and nothing is done.
+//! A device that answers and is no board: the host says so, and does nothing.
 
 use std::io::{self, Cursor, Read, Write};
 
@@ -9,7 +9,7 @@ use link::port::Stream;
 use super::client;
 use crate::app::frame::frame;
 
-/// Something that says what it says, whatever it is told.
+/// A device with a fixed answer to everything that it receives.
 struct Parrot {
     says: Vec<u8>,
     ready: Cursor<Vec<u8>>,
@@ -53,7 +53,7 @@ fn another_device_is_shown_what_it_says() {
 }
 
 #[test]
-fn nobody_is_told_apart_from_somebody_else() {
+fn silence_differs_from_an_answer_of_another_device() {
     let error = met(b"");
     assert!(error.is_lost() && error.to_string().contains("nothing answers there (asked 5 times"), "{error}");
 }

@@ -136,8 +136,8 @@ fn a_board_scans_locks_bursts_and_captures_over_its_uart() {
     assert_eq!(host.ask(Command::Settings(Verb::Store)), Reply::Ack);
     assert_eq!(host.ask(Command::Reset), Reply::Ack);
     assert_eq!(host.board.resets(), 1);
-    let Reply::Parameter(kept) = host.ask(Command::Settings(Verb::Get(15))) else { panic!("no parameter") };
-    assert_eq!((kept.acts, kept.kept), (61.0, StoredState::Stored));
+    let Reply::Parameter(report) = host.ask(Command::Settings(Verb::Get(15))) else { panic!("no parameter") };
+    assert_eq!((report.acts, report.stored), (61.0, StoredState::Stored));
     let Reply::Faults(log) = host.ask(Command::Faults(0)) else { panic!("no fault log") };
     assert_eq!((log.count, log.last_run), (0, Start::Ordered));
 

@@ -18,7 +18,7 @@ use super::{bits, image};
 /// Of a scene with many runs, so many are run.
 const RUNS: u32 = 8;
 
-/// What is compared of a scene, and told of it.
+/// Figures of a scene that are compared and reported.
 struct Played {
     hash: u64,
     /// The last report of a single run, bit for bit; the metrics of several.

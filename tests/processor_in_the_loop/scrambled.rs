@@ -9,9 +9,9 @@ use rand_xoshiro::Xoshiro256PlusPlus;
 
 use super::{one_in, pick};
 
-/// What is heard at the moment.
+/// The present input of the converters.
 #[derive(Clone, Copy)]
-enum Heard {
+enum Input {
     /// The loop-back, with noise.
     Load,
     /// Any codes at all.
@@ -27,7 +27,7 @@ pub(super) struct Scrambled {
     load: LoopBack,
     front_end: FrontEnd,
     random: Xoshiro256PlusPlus,
-    heard: Heard,
+    input: Input,
     left: u32,
     /// Of the belt.
     counts: i32,
@@ -42,7 +42,7 @@ impl Scrambled {
             load: LoopBack::new(front_end.sense_mid_code, amperes / front_end.ampere_per_lsb),
             front_end,
             random: Xoshiro256PlusPlus::seed_from_u64(!seed),
-            heard: Heard::Load,
+            input: Input::Load,
             left: 400,
             counts: i32::MAX - 3000,
         }
@@ -50,20 +50,20 @@ impl Scrambled {
 
     /// Mostly a load, for long enough to get somewhere.
     fn next_stretch(&mut self) {
-        use Heard::*;
-        self.heard = *pick(&mut self.random, &[Load, Load, Load, Load, Anything, Railed, Cut]);
-        self.left = if matches!(self.heard, Load) { 300 } else { 1 + self.random.next_u32() % 12 };
+        use Input::*;
+        self.input = *pick(&mut self.random, &[Load, Load, Load, Load, Anything, Railed, Cut]);
+        self.left = if matches!(self.input, Load) { 300 } else { 1 + self.random.next_u32() % 12 };
     }
 
     fn scramble(&mut self, channel: &mut Codes) {
         let (random, max) = (&mut self.random, self.front_end.sense_max_code);
-        match self.heard {
-            Heard::Load => {
+        match self.input {
+            Input::Load => {
                 channel.iter_mut().for_each(|code| *code = code.saturating_add(random.next_u32() as u16 % 7).min(max));
             }
-            Heard::Anything => channel.iter_mut().for_each(|code| *code = random.next_u32() as u16),
-            Heard::Railed => channel.iter_mut().for_each(|code| *code = *pick(random, &[0, max])),
-            Heard::Cut => channel.truncate(*pick(random, &[0, 1, 2, 3, 7])),
+            Input::Anything => channel.iter_mut().for_each(|code| *code = random.next_u32() as u16),
+            Input::Railed => channel.iter_mut().for_each(|code| *code = *pick(random, &[0, max])),
+            Input::Cut => channel.truncate(*pick(random, &[0, 1, 2, 3, 7])),
         }
     }
 }

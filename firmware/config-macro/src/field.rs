@@ -23,7 +23,7 @@ pub(crate) struct Field {
     pub(crate) place: Place,
 }
 
-/// What a field is if nobody says anything.
+/// The default of a field.
 pub(crate) enum Otherwise {
     /// That of its type.
     OfType,

@@ -1,6 +1,6 @@
 //! One description of a setting, from which everything else that is known of it follows.
 //!
-//! A table of settings is a struct; each field says what the setting means, what it may be, and what it is if nobody says anything:
+//! A table of settings is a struct; each field says what the setting means, which values are permitted, and which is the default:
 //!
 //! ```ignore
 //! #[settings(table = "limits", scene = Limits)]
@@ -23,7 +23,7 @@
 //!
 //! | option of a field | says |
 //! |---|---|
-//! | `default`, `default = X` | the value if nobody says anything; an `Option` and a `Vec` have one by themselves |
+//! | `default`, `default = X` | the value of a key that is not given; an `Option` and a `Vec` have a default by themselves |
 //! | `min = X, max = Y` | the range, of each entry where there are several: both or neither |
 //! | `key = N` | it can be set over the link and stored, under this number; needs a range |
 //! | `ceiling` | over the link it can be lowered, never raised beyond what is built in |

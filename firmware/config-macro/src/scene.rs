@@ -74,7 +74,7 @@ fn double(ty: &Type) -> TokenStream {
     if is(ty, "f32") { quote!(f64) } else { quote!(#ty) }
 }
 
-fn is_kept_quiet(field: &Field) -> Option<&'static str> {
+fn is_omitted(field: &Field) -> Option<&'static str> {
     Some(match &field.value {
         Value::Optional(_) => "::core::option::Option::is_none",
         Value::Several(..) => "::std::vec::Vec::is_empty",
@@ -113,7 +113,7 @@ fn member(field: &Field) -> TokenStream {
             Some(quote!(#[serde(default = #function)]))
         }
     };
-    let quiet = is_kept_quiet(field).map(|function| quote!(#[serde(skip_serializing_if = #function)]));
+    let quiet = is_omitted(field).map(|function| quote!(#[serde(skip_serializing_if = #function)]));
     quote!(#(#documentation)* #default #quiet #schema pub #name: #ty,)
 }
 

@@ -1,12 +1,12 @@
-//! The friction switch: from a wanted friction ratio, or a wanted force, to tip velocity or burst duty.
+//! The friction switch: from the set point of a friction ratio, or of a friction force, to tip velocity or burst duty.
 //!
-//! Vibration along the motion lowers the mean friction of a sliding contact. By how much is told by the [law](dahl), and the drive that does it
-//! by its [inverse]; the amplitude loop holds the motional current that belongs to it: tip velocity times force factor, which is told
-//! as nominal. What the contact is, nobody tells: a `survey` measures its friction in silence and at three amplitudes and
+//! Vibration along the motion lowers the mean friction of a sliding contact. By how much follows from the [law](dahl), and the drive that does it
+//! from its [inverse]; the amplitude loop holds the motional current that belongs to it: tip velocity times the nominal
+//! force factor. The contact is not configured but identified: a `survey` measures its friction in silence and at three amplitudes and
 //! fits it. Where the law is steep, bursts take the place of the amplitude (`regime`).
 //!
 //! ```text
-//! wanted ratio -> inverse law -> regime -> amplitude, gate, ON time of bursts -> amplitude loop and burst
+//! target ratio -> inverse law -> regime -> amplitude, gate, ON time of bursts -> amplitude loop and burst
 //!                    ^  Dahl length, scale, friction in silence, dead time
 //!                 survey <- force, motional current, belt speed
 //! ```
@@ -23,7 +23,7 @@ mod terms;
 #[cfg(test)]
 mod tests;
 
-pub use terms::{Sensed, Wanted};
+pub use terms::{Sensed, SetPoint};
 
 use crate::act::friction::average::LowPass;
 use crate::act::friction::dahl::Evaluation;
@@ -52,15 +52,15 @@ enum Work {
     /// Nothing, for so many blocks more.
     Rest(u32),
     /// Seeks the drive for this ratio.
-    Solve { wanted: f32, least_xi: f32, inverse: Inverse },
+    Solve { target: f32, least_xi: f32, inverse: Inverse },
     /// Evaluates the ratio at what is measured.
     Estimate(Evaluation),
 }
 
-/// The switch.
+/// The friction switch: a controller of the friction ratio by amplitude or bursts.
 #[derive(Clone, Debug)]
 pub struct FrictionSwitch {
-    _carried: features::Friction,
+    _enabled: features::Friction,
     law: FrictionLaw,
     target: Target,
     omega: f32,
@@ -89,17 +89,17 @@ pub struct FrictionSwitch {
     belief: Option<FrictionEstimate>,
     /// The ratio that is being solved for, or was last.
     last: f32,
-    /// The ratio that is wanted now.
+    /// The target of the friction ratio now.
     asked: f32,
-    /// What is to be played.
-    ordered: Wanted,
+    /// Set point of the drive.
+    ordered: SetPoint,
 }
 
 impl FrictionSwitch {
-    /// Checks the settings of a switch; none, if none is wanted.
+    /// Checks the settings of a friction switch; `None` if none is configured.
     pub(crate) fn build(config: &Config, block_s: f32) -> Result<Option<Self>, Error> {
         let Some(friction) = &config.friction else { return Ok(None) };
-        let carried = features::friction()?;
+        let enabled = features::friction()?;
         friction.check_all()?;
         let Amplitude::MotionalCurrent(most_amperes) = config.drive.amplitude else {
             return Err(Error::FrictionWithoutCurrent);
@@ -113,7 +113,7 @@ impl FrictionSwitch {
             libm::roundf(bursts * samples / f32::from(config.block_samples)) as u32
         };
         let mut switch = FrictionSwitch {
-            _carried: carried,
+            _enabled: enabled,
             law: friction.law,
             target: friction.target,
             omega: core::f32::consts::TAU * config.drive.frequency_hz,
@@ -138,24 +138,24 @@ impl FrictionSwitch {
             belief: None,
             last: 1.0,
             asked: 1.0,
-            ordered: Wanted::Silence,
+            ordered: SetPoint::Silence,
         };
         switch.restart();
         Ok(Some(switch))
     }
 
-    /// Forgets the contact, and surveys it anew.
+    /// Forgets the contact, and surveys it again.
     pub(crate) fn restart(&mut self) {
         let loudest = self.most_amperes / self.force_factor;
         let (settle, average) = (self.settle_blocks, self.average_blocks);
         self.survey = Some(Survey::new(self.omega, loudest, settle, average, self.burst_blocks));
         (self.play, self.found, self.implausible, self.belief) = (Play::Silence, None, false, None);
-        (self.work, self.ordered) = (Work::Rest(0), Wanted::Silence);
+        (self.work, self.ordered) = (Work::Rest(0), SetPoint::Silence);
         self.solution = Solution { xi: 1.0, ratio: 1.0, floor: 1.0 };
     }
 
     /// Takes one block of a run, and says what to play. `ordered` takes the place of the configured target.
-    pub fn step(&mut self, ordered: Option<Target>, sensed: &Sensed) -> Wanted {
+    pub fn step(&mut self, ordered: Option<Target>, sensed: &Sensed) -> SetPoint {
         if let Some(speed) = sensed.belt_m_per_s.filter(|speed| speed.is_finite()) {
             self.speed.take(speed.abs());
         }
@@ -172,19 +172,19 @@ impl FrictionSwitch {
         }
         self.asked = self.ratio_of(ordered.unwrap_or(self.target));
         self.ordered = match self.choice.regime() {
-            Regime::Silent => Wanted::Silence,
+            Regime::Silent => SetPoint::Silence,
             Regime::Amplitude(xi) => self.current(self.contact().scale * self.speed.value / xi),
-            Regime::Bursts(on) => Wanted::Bursts { amperes: self.most_amperes, on_samples: on * self.period.unwrap_or(0.0) },
+            Regime::Bursts(on) => SetPoint::Bursts { amperes: self.most_amperes, on_samples: on * self.period.unwrap_or(0.0) },
         };
         self.ordered
     }
 
-    /// What is to be played, as the last step has said.
-    pub fn wanted(&self) -> Wanted {
+    /// Set point of the drive, from the last step.
+    pub fn set_point(&self) -> SetPoint {
         self.ordered
     }
 
-    /// Why the friction is not what is wanted, if it is not.
+    /// Why the friction misses its set point, if it does.
     pub(crate) fn limit(&self) -> Option<Limit> {
         match self.choice.short() {
             _ if self.survey.is_some() => None,
@@ -236,34 +236,34 @@ impl FrictionSwitch {
     }
 
     /// So much, or as much as there is.
-    fn current(&self, tip_m_per_s: f32) -> Wanted {
+    fn current(&self, tip_m_per_s: f32) -> SetPoint {
         let amperes = tip_m_per_s * self.force_factor;
-        Wanted::Current(if amperes < self.most_amperes { amperes } else { self.most_amperes })
+        SetPoint::Current(if amperes < self.most_amperes { amperes } else { self.most_amperes })
     }
 
     fn step_survey(&mut self, sensed: &Sensed) {
         let Some(survey) = &mut self.survey else { return };
-        let heard = Reading { speed_m_per_s: self.speed.value, tip_m_per_s: self.tip.value, force_n: sensed.force_n };
-        match survey.step(&heard) {
+        let reading = Reading { speed_m_per_s: self.speed.value, tip_m_per_s: self.tip.value, force_n: sensed.force_n };
+        match survey.step(&reading) {
             Progress::Busy(Play::Same) => {}
             Progress::Busy(play) => self.play = play,
             Progress::Found(found) => (self.survey, self.found) = (None, Some(found)),
-            Progress::Unheard => self.survey = None,
+            Progress::NoForce => self.survey = None,
             Progress::Implausible => (self.survey, self.implausible) = (None, true),
         }
     }
 
-    fn surveyed(&self) -> Wanted {
+    fn surveyed(&self) -> SetPoint {
         match self.play {
             Play::Tip(tip) => self.current(tip),
             Play::Bursts => {
-                Wanted::Bursts { amperes: self.most_amperes, on_samples: survey::TRIAL_DUTY * self.period.unwrap_or(0.0) }
+                SetPoint::Bursts { amperes: self.most_amperes, on_samples: survey::TRIAL_DUTY * self.period.unwrap_or(0.0) }
             }
-            Play::Silence | Play::Same => Wanted::Silence,
+            Play::Silence | Play::Same => SetPoint::Silence,
         }
     }
 
-    /// The ratio that is wanted. A force of which nobody knows what part it is, is not a number.
+    /// Target of the friction ratio. It is not a number for a force while the friction without vibration is unknown.
     fn ratio_of(&self, target: Target) -> f32 {
         match (target, self.found) {
             (Target::Ratio(ratio), _) => ratio,
@@ -277,20 +277,20 @@ impl FrictionSwitch {
         if let Some(survey) = &mut self.survey {
             return survey.work();
         }
-        let wanted = self.asked;
-        let new = wanted.to_bits() != self.last.to_bits();
+        let target = self.asked;
+        let new = target.to_bits() != self.last.to_bits();
         match &mut self.work {
             Work::Rest(left) if *left > 0 && !new => *left -= 1,
             Work::Rest(_) => {
-                // What is begun is ended: a wanted ratio that moves all the time must not keep it from that.
-                self.last = wanted;
-                self.work = self.solve(wanted);
+                // A solution that was begun is completed: a target that moves all the time must not prevent that.
+                self.last = target;
+                self.work = self.solve(target);
             }
-            Work::Solve { wanted, least_xi, inverse } => {
+            Work::Solve { target, least_xi, inverse } => {
                 let Some(solution) = inverse.step() else { return };
-                let (wanted, least_xi) = (*wanted, *least_xi);
+                let (target, least_xi) = (*target, *least_xi);
                 self.solution = solution;
-                self.choice.choose(wanted, least_xi, &solution, self.dead());
+                self.choice.choose(target, least_xi, &solution, self.dead());
                 let tip = self.tip.value;
                 let xi = self.contact().scale * self.speed.value / tip;
                 self.work = Work::Estimate(Evaluation::new(xi, tip / (self.omega * self.contact().dahl_length_m)));
@@ -304,7 +304,7 @@ impl FrictionSwitch {
         }
     }
 
-    fn solve(&self, wanted: f32) -> Work {
+    fn solve(&self, target: f32) -> Work {
         let contact = self.contact();
         let speed = contact.scale * self.speed.value;
         let least_xi = speed * self.force_factor / self.most_amperes;
@@ -312,6 +312,6 @@ impl FrictionSwitch {
             FrictionLaw::Dahl => speed / (self.omega * contact.dahl_length_m),
             FrictionLaw::Coulomb => f32::INFINITY,
         };
-        Work::Solve { wanted, least_xi, inverse: Inverse::new(wanted, lambda, least_xi) }
+        Work::Solve { target, least_xi, inverse: Inverse::new(target, lambda, least_xi) }
     }
 }

@@ -15,9 +15,9 @@
 //!                                                                        \--- not light, or latest_ms over ---------> High
 //! ```
 //!
-//! The seat tells the mass. The crash itself does not: by the time that it must be decided, force and payout of a light occupant in a hard
+//! The mass is a reading of the seat. It cannot be inferred from the crash itself: by the time that it must be decided, force and payout of a light occupant in a hard
 //! crash are those of a heavy one in a soft crash (docs/crash.md). The reading that counts is the one of the block in which the crash is
-//! sensed; it must be from `least_kg` to `most_kg`, or nobody is light.
+//! sensed; it must be from `least_kg` to `most_kg`, or no occupant is classified as light.
 
 use crate::seam::block::{Gate, Orders};
 use crate::seam::config;
@@ -25,7 +25,7 @@ use crate::seam::error::Error;
 use crate::seam::features;
 use crate::seam::mode::Mode;
 
-/// Webbing that must have come out under the force, counts of the encoder, where there is one: a force without it is a sensor that lies.
+/// Webbing that must have come out under the force, counts of the encoder, where there is one: a force without it is a sensor fault.
 const COUNTS: u32 = 2;
 
 /// How far the decision is.
@@ -35,27 +35,27 @@ enum State {
     Waiting { felt: u32, counts: u32 },
     /// A crash, with so many blocks left to decide.
     Deciding { left: u32 },
-    /// It stays HIGH.
+    /// The friction stays HIGH.
     High,
-    /// It stays LOW.
+    /// The friction stays LOW.
     Low,
 }
 
-/// What the seat says of the occupant.
+/// Class of the occupant, by the reading of the seat.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Class {
-    /// So light that the belt should pull less.
+    /// An occupant so light that the belt should pull less.
     Light,
-    /// Anybody else.
+    /// Any other occupant.
     Other,
-    /// The seat says nothing, or what cannot be.
+    /// The seat has no reading, or one that cannot be.
     Unknown,
 }
 
 /// The decision and what it goes by.
 #[derive(Clone, Debug)]
 pub(crate) struct Restraint {
-    _carried: features::Friction,
+    _enabled: features::Friction,
     sensed_n: f32,
     confirm_blocks: u32,
     latest_blocks: u32,
@@ -68,7 +68,7 @@ pub(crate) struct Restraint {
 impl Restraint {
     /// Checks the settings.
     pub(crate) fn build(restraint: &config::Restraint, block_s: f32) -> Result<Self, Error> {
-        let carried = features::friction()?;
+        let enabled = features::friction()?;
         restraint.check()?;
         type Settings = config::Restraint;
         Settings::LATEST_N.check_within(restraint.latest_n.into(), restraint.sensed_n.into(), f64::INFINITY)?;
@@ -77,7 +77,7 @@ impl Restraint {
         Settings::LIGHT_BELOW_KG.check_within(restraint.light_below_kg.into(), least.into(), most.into())?;
         let blocks = |ms: f32| (ms * 1e-3 / block_s) as u32;
         Ok(Restraint {
-            _carried: carried,
+            _enabled: enabled,
             sensed_n: restraint.sensed_n,
             // The block that shows it counts.
             confirm_blocks: blocks(restraint.confirm_ms).max(1),
@@ -146,7 +146,7 @@ mod tests {
     /// Blocks of 1 ms: a crash is sensed at 300 N in the second block, and LOW may come in ten more, below 2500 N.
     fn restraint() -> Restraint {
         Restraint {
-            _carried: features::Carried,
+            _enabled: features::Enabled,
             sensed_n: 300.0,
             confirm_blocks: 2,
             latest_blocks: 10,

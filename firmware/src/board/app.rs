@@ -1,6 +1,6 @@
-//! The slow side: commands in, telemetry out, the enable pin, the emergency stop, the watchdog, and what is kept over power-off.
+//! The background task: commands in, telemetry out, the enable pin, the emergency stop, the watchdog, and the stored settings.
 //!
-//! Generic over embedded-hal, embedded-io and embedded-storage, and as slow as it likes to be: what must be fast is in the block task or in
+//! Generic over embedded-hal, embedded-io and embedded-storage, and without a deadline: whatever has one is in the block task or in
 //! hardware. The board calls [`App::poll`] in a loop.
 //!
 //! * The enable pin is high only while the controller is driving or an attempt to drive has just been ordered, there is no fault, and the emergency stop is
@@ -8,8 +8,8 @@
 //! * The emergency stop drops the enable pin here, without waiting for the controller, and orders a fault that stays. The pin stays
 //!   down until the controller has fallen silent, however short the press.
 //! * The watchdog is fed only while blocks keep coming: if the block stream dies, the board resets.
-//! * What a calibration has found is [kept](crate::board::settings). That waits until the drive is silent: an erase of the flash may stall the processor.
-//! * A host that is silent for longer than the patience while the drive is on is a fault that stays, like the emergency stop.
+//! * The trims that a calibration has found are [stored](crate::board::settings) once the drive is silent: an erase of the flash may stall the processor.
+//! * A host that is silent for longer than the host timeout while the drive is on is a fault that stays, like the emergency stop.
 //! * Nothing here waits for the link, but an ordered reset for its answer to leave. What is to be sent goes through a buffer; while a reply would not fit, no further command is
 //!   read, and telemetry that does not fit is left out.
 
@@ -30,7 +30,7 @@ use crate::board::command::{Converters, Reply, ResonanceReport};
 use crate::board::fault_log::FaultLog;
 use crate::board::link::Receiver;
 use crate::board::power_up::PowerUp;
-use crate::board::queues::SlowEnds;
+use crate::board::queues::BackgroundEnds;
 use crate::board::settings::Settings;
 use crate::board::settings_store::SettingsStore;
 use crate::board::start::Start;
@@ -42,14 +42,14 @@ use crate::seam::transducer::{MOST_MODES, Resonance};
 
 /// A watchdog that resets the board unless it is fed in time. embedded-hal 1.0 has no such trait.
 pub trait Watchdog {
-    /// Starts the time anew.
+    /// Restarts the watchdog's period.
     fn feed(&mut self);
 
     /// Resets the board at once, and leaves word that it was ordered. On a board it does not return.
     fn reset(&mut self);
 }
 
-/// The board's peripherals that the slow side needs.
+/// The board's peripherals that the background task needs.
 pub struct Peripherals<L, E, S, W, F: NorFlash> {
     /// The link to the host.
     pub link: L,
@@ -57,15 +57,15 @@ pub struct Peripherals<L, E, S, W, F: NorFlash> {
     pub enable: E,
     /// The emergency stop's contact; low is pressed, so that a broken wire stops.
     pub stop: S,
-    /// The watchdog.
+    /// The watchdog, which this task feeds while blocks keep coming.
     pub watchdog: W,
-    /// What is kept over power-off.
+    /// The settings in flash.
     pub settings: Settings<F>,
     /// What started the board.
     pub start: Start,
 }
 
-/// The slow side.
+/// The background task of a board, over its peripherals.
 pub struct App<'a, L, E, S, W, F: NorFlash> {
     peripherals: Peripherals<L, E, S, W, F>,
     orders: Producer<'a, Orders>,
@@ -79,13 +79,13 @@ pub struct App<'a, L, E, S, W, F: NorFlash> {
     attempted: Option<u32>,
     /// The emergency stop was pressed, and the controller has not fallen silent since.
     stopping: bool,
-    /// A press that the controller has not been told of yet.
+    /// The emergency stop was pressed, and no order has gone to the controller since.
     unordered: bool,
     seen: Option<Telemetry>,
     telemetry_every: u32,
     last_telemetry: u32,
     telemetry_frames: u16,
-    /// What the telemetry has told of the last scan.
+    /// Resonances of the last scan, as far as the telemetry has reported them.
     resonances: [Option<Resonance>; MOST_MODES],
     converters: Converters,
     /// What the controller is configured for.
@@ -114,10 +114,10 @@ where
     W: Watchdog,
     F: NorFlash,
 {
-    /// A slow side at its ends of the queues, for what the board was started with.
+    /// A background task at its ends of the queues, for what the board was started with.
     ///
     /// Drops the enable pin; if that fails, the first [`App::poll`] will say so.
-    pub fn new(mut peripherals: Peripherals<L, E, S, W, F>, ends: SlowEnds<'a>, power_up: &PowerUp) -> Self {
+    pub fn new(mut peripherals: Peripherals<L, E, S, W, F>, ends: BackgroundEnds<'a>, power_up: &PowerUp) -> Self {
         let _ = peripherals.enable.set_low();
         let config = &power_up.config;
         App {
@@ -210,7 +210,7 @@ where
         self.seen.is_some_and(|seen| !matches!(seen.mode, Mode::Idle | Mode::Fault))
     }
 
-    /// Whether the drive is silent and has not been told to be anything else.
+    /// Whether the drive is silent and no other request is pending.
     fn is_silent(&self) -> bool {
         self.seen.is_some_and(|seen| seen.orders_sequence == self.latest.sequence) && !self.drives()
     }
@@ -246,7 +246,7 @@ where
         self.peripherals.enable.set_state(on.into()).map_err(|_| AppError::Pin)
     }
 
-    /// Orders the fault of a host that is lost, and takes it back from one that is heard again.
+    /// Orders the fault of a lost host, and withdraws the order once a frame of the host is received again.
     fn watch_host(&mut self) {
         let lost = self.host.is_lost(self.block(), self.drives());
         if lost != self.latest.host_lost {
@@ -256,7 +256,7 @@ where
         }
     }
 
-    /// The latest block that was heard of.
+    /// Telemetry of the latest block that was received.
     fn block(&self) -> u32 {
         self.seen.as_ref().map_or(0, |seen| seen.block)
     }

@@ -1,9 +1,9 @@
-//! The hot side's end of the queues: what a board's DMA interrupt calls.
+//! The block task: what a board's block interrupt calls, at its ends of the queues.
 
 use heapless::spsc::{Consumer, Producer};
 
 use crate::board::capture::recorder::Recorder;
-use crate::board::queues::HotEnds;
+use crate::board::queues::BlockEnds;
 use crate::controller::Controller;
 use crate::seam::block::{DriveBlock, Orders, SenseBlock};
 use crate::seam::config::{Config, LaneTrims};
@@ -18,18 +18,18 @@ pub struct BlockTask<'a> {
     trims_out: Producer<'a, LaneTrims>,
     trims_in: Consumer<'a, LaneTrims>,
     recorder: Recorder<'a>,
-    /// Calibrations that the slow side has been told of.
-    told: u32,
+    /// Calibrations that were reported to the background task.
+    reported: u32,
     latest: Orders,
 }
 
 impl<'a> BlockTask<'a> {
     /// Builds the controller in its place, and a task that takes orders and leaves reports, and what else goes between the two sides.
-    pub fn build(config: &Config, ends: HotEnds<'a>) -> Result<Self, Error> {
-        let HotEnds { place, orders, reports, trims_out, trims_in, recorder } = ends;
+    pub fn build(config: &Config, ends: BlockEnds<'a>) -> Result<Self, Error> {
+        let BlockEnds { place, orders, reports, trims_out, trims_in, recorder } = ends;
         let controller = Controller::build_in(place, config)?;
-        let told = controller.calibrations();
-        Ok(BlockTask { controller, orders, reports, trims_out, trims_in, recorder, told, latest: Orders::default() })
+        let reported = controller.calibrations();
+        Ok(BlockTask { controller, orders, reports, trims_out, trims_in, recorder, reported, latest: Orders::default() })
     }
 
     /// A block of silence: what plays until the first call has returned.
@@ -37,7 +37,7 @@ impl<'a> BlockTask<'a> {
         self.controller.silence()
     }
 
-    /// One block: the contract of [`Controller::process`]. Telemetry that the slow side has no room for is dropped; it sees the gap
+    /// One block: the contract of [`Controller::process`]. Telemetry that the queue has no room for is dropped; the background task sees the gap
     /// in the block numbers.
     pub fn run(&mut self, sense: &SenseBlock, drive: &mut DriveBlock) {
         // One order a block, so that none is skipped: a clear followed by a run must both be seen.
@@ -56,8 +56,8 @@ impl<'a> BlockTask<'a> {
     /// Leaves the trims of a calibration that has been completed; where there is no room yet, with a later block.
     fn tell_of_calibration(&mut self) {
         let completed = self.controller.calibrations();
-        if completed != self.told && self.trims_out.enqueue(self.controller.calibration().clone()).is_ok() {
-            self.told = completed;
+        if completed != self.reported && self.trims_out.enqueue(self.controller.calibration().clone()).is_ok() {
+            self.reported = completed;
         }
     }
 }

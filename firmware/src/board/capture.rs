@@ -1,7 +1,7 @@
 //! Captures: the raw codes of voltage, current and one lane's drive around a trigger.
 //!
 //! A host arms a capture, waits for it to fill, and reads it part by part. The [memory] changes hands: the block task has it while it
-//! [records](recorder), and gives it to the slow side when it is full, which reads it at leisure. Nothing is shared but two short queues.
+//! [records](recorder), and hands it to the background task when it is full, which reads it without a deadline. Nothing is shared but two short queues.
 //!
 //! ```text
 //!               before            SAMPLES - before
@@ -21,53 +21,53 @@ use crate::seam::telemetry::Telemetry;
 
 /// Samples of a capture: 1.024 ms at 1 Msps.
 pub const SAMPLES: usize = 1024;
-/// Samples of a part. Three times as many codes of two bytes fit into a frame.
+/// Samples of a part of a capture. Three times as many codes of two bytes fit into a frame.
 pub const PART: usize = 32;
-/// Parts of a capture.
+/// Number of parts of a full capture.
 pub const PARTS: u16 = (SAMPLES / PART) as u16;
 
-/// What to do with the capture.
+/// Operation on the capture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum CaptureVerb {
-    /// Begin to record, and forget what was recorded.
+    /// Starts to record, and discards what was recorded.
     Arm(Arm),
-    /// How far is it?
+    /// Asks for the state of the capture.
     State,
-    /// Give this part of a full capture, from zero.
+    /// Asks for the part with this number of a full capture, from zero.
     Read(u16),
-    /// Forget what was recorded, and record no more.
+    /// Discards what was recorded, and ends the recording.
     Disarm,
 }
 
-/// What to record.
+/// Settings of a capture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Arm {
-    /// What ends the wait.
+    /// The event that the capture waits for.
     pub trigger: Trigger,
-    /// Samples to keep from before the trigger, up to [`SAMPLES`]; fewer where it comes early.
+    /// Samples of the capture that precede the trigger, up to [`SAMPLES`]; fewer where the trigger comes early.
     pub before: u16,
-    /// The lane whose drive to record.
+    /// Number of the lane whose drive codes are recorded.
     pub lane: u8,
 }
 
-/// What a capture waits for. All but the first are changes: what is so already when it is armed must end first.
+/// Event that a capture waits for. All but the first are changes: a condition that holds already when the capture is armed must end first.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Trigger {
-    /// Nothing.
+    /// No event: the capture begins at once.
     #[default]
     Now,
-    /// A fault.
+    /// A fault is raised.
     Fault,
-    /// The drive goes on.
+    /// The drive is switched on.
     On,
-    /// The tracker locks.
+    /// The tracker acquires its lock.
     Locked,
-    /// The tracker is not locked any more.
+    /// The tracker loses its lock.
     Unlocked,
 }
 
 impl Trigger {
-    /// Whether what it waits for is so.
+    /// Whether the condition of this trigger holds in a block with this report.
     fn is_so(self, report: &Telemetry) -> bool {
         match self {
             Trigger::Now => true,
@@ -79,45 +79,45 @@ impl Trigger {
     }
 }
 
-/// How far a capture is.
+/// State of a capture.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum CaptureState {
-    /// Nothing is recorded.
+    /// The capture is empty and not armed.
     #[default]
     Empty,
-    /// It waits for its trigger.
+    /// The capture waits for its trigger.
     Armed,
-    /// It has met it, and records what follows.
+    /// The trigger has come, and the samples after it are being recorded.
     Triggered,
-    /// It can be read.
+    /// The capture is complete and can be read.
     Full,
 }
 
-/// How far a capture is, with what it has.
+/// Report of a capture's progress.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct CaptureReport {
-    /// How far it is.
+    /// State of the capture.
     pub state: CaptureState,
-    /// Samples recorded so far that belong to it.
+    /// Samples of the capture that are recorded so far.
     pub samples: u16,
-    /// How many of them stand before the trigger.
+    /// Samples of the capture that precede the trigger.
     pub before: u16,
-    /// The block whose first sample follows those, once it is triggered.
+    /// Number of the block whose first sample is the trigger, once it has come.
     pub block: u32,
 }
 
-/// A part of a capture.
+/// A part of a capture, as it is read over the link.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Part {
-    /// Its number.
+    /// Number of this part, from zero.
     pub part: u16,
-    /// Voltage codes.
+    /// Codes of the voltage converter.
     #[serde(with = "raw")]
     pub v: [u16; PART],
-    /// Current codes.
+    /// Codes of the current converter.
     #[serde(with = "raw")]
     pub i: [u16; PART],
-    /// Codes of the lane's drive.
+    /// Drive codes of the recorded lane.
     #[serde(with = "raw")]
     pub drive: [u16; PART],
 }

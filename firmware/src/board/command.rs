@@ -1,31 +1,31 @@
-//! What the host may ask, and what it gets back.
+//! Commands of the host, and replies of the board.
 //!
 //! Nothing that a host sends can exceed a limit: a command changes the [`Orders`], and the controller clamps and judges those; and a
 //! [parameter](crate::board::parameters) can lower a limit, not raise it.
 //!
 //! Every frame has one answer:
 //!
-//! | what comes | is answered by | and |
+//! | frame | answer | effect |
 //! |---|---|---|
 //! | damaged, cut short, too long | `Nak(Damaged)`, number 0 | the next frame after a zero is obeyed |
 //! | of another protocol version | `Nak(Version)` | nothing happens |
 //! | whole, and nothing that is known | `Nak(Unknown)` | nothing happens |
 //! | the same frame twice, or frames in another order | each by its own answer | each is obeyed as it comes |
 //! | a number that is none, or negative where it must not be | `Nak(NotPlausible)` | nothing happens |
-//! | a parameter out of its range, patience beyond an hour | `Nak(OutOfRange)` | nothing happens |
-//! | a parameter that nobody knows | `Nak(NoSuchKey)` | nothing happens |
+//! | a parameter out of its range, a host timeout beyond an hour | `Nak(OutOfRange)` | nothing happens |
+//! | an unknown parameter | `Nak(NoSuchKey)` | nothing happens |
 //! | an order, and the queue to the block task is full | `Nak(Busy)` | nothing happens |
 //! | a reset, a store, a clear, a set or defaults while it drives, or has been ordered to | `Nak(Driving)` | nothing happens |
-//! | a store that the flash does not take | `Nak(Flash)` | what was kept before is kept; what acts stays |
+//! | a store that the flash does not take | `Nak(Flash)` | what was stored before stays stored; active values stay |
 //! | a capture of a lane that there is not, or of more before the trigger than there is room for | `Nak(OutOfRange)` | what was recorded stays |
-//! | an arming while one is armed, or full | `Ack` | it begins anew; what was recorded is gone |
+//! | an arming while one is armed, or full | `Ack` | the capture restarts; what was recorded is gone |
 //! | a friction without a friction switch, an occupant without a belt, a limit that nothing here could judge | `Nak(NotConfigured)` | nothing happens |
 //! | a reading before the capture is full | `Nak(NotCaptured)` | |
 //! | a reading beyond its end | `Nak(OutOfRange)` | |
 //! | anything of a capture before the last was answered | `Nak(Busy)` | the last is answered |
-//! | a fault beyond the last that is kept | a report without one | |
+//! | a fault beyond the last in the log | a report without one | |
 //! | a fault cleared while the emergency stop is pressed | `Ack` | the fault stays |
-//! | nothing that is understood, for longer than the patience, while it drives | | fault 12, muted; with a patience of zero it goes on |
+//! | nothing that is understood, for longer than the host timeout, while it drives | | fault 12, muted; with a timeout of zero it goes on |
 //!
 //! Settings of another version are named in reports ([`StoredState::Version`]), not read, and written over by an order to store or to clear only.
 
@@ -43,144 +43,144 @@ use crate::seam::telemetry::Telemetry;
 use crate::seam::transducer::{MOST_MODES, Resonance};
 use crate::seam::units::{Hertz, Turns};
 
-/// A command. On the wire it is its place in this list, so that new ones stand at its end.
+/// A command of the host. Its number on the wire is its place in this list, so that new commands stand at the end.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Command {
-    /// Who are you?
+    /// Asks for the identity of the board.
     Identify,
-    /// Fall silent.
+    /// Ends the drive: the controller falls silent.
     Idle,
-    /// Self-test and scan, then fall silent.
+    /// Runs the self-test and the scan, then ends the drive.
     Scan,
-    /// Self-test, scan, lock, run.
+    /// Runs the self-test, the scan and the lock, then drives.
     Run,
-    /// When to let the drive through while running.
+    /// Sets when the drive is let through while running.
     Gate(Gate),
-    /// The amplitude to hold; `None` is the configured one.
+    /// Sets the amplitude; `None` is the configured one.
     Amplitude(Option<Amplitude>),
-    /// Forget the fault.
+    /// Clears the fault, and ends the request to drive.
     ClearFault,
-    /// Send telemetry every so many blocks; 0 is never.
+    /// Sends telemetry every so many blocks; 0 is never.
     TelemetryEvery(u32),
-    /// How far beside the resonance to drive.
+    /// Sets the offset of the drive from the resonance.
     Detune(Hertz),
-    /// How far lanes 1 and 3 lead lanes 0 and 2; `None` is the configured direction.
+    /// Sets by how much lanes 1 and 3 lead lanes 0 and 2; `None` is the configured direction.
     Quadrature(Option<Turns>),
-    /// Self-test, and trim the lanes by what they are measured to be; then fall silent.
+    /// Runs the self-test, measures the lanes and trims them; then ends the drive.
     Calibrate,
-    /// What to do with lane trims and parameters, and with what is kept of them over power-off.
+    /// Reads or changes lane trims, parameters and the stored settings.
     Settings(Verb),
-    /// Which resonances has the last scan found?
+    /// Asks for the resonances that the last scan has found.
     Resonances,
-    /// The friction to hold; `None` is the configured target.
+    /// Sets the target of the friction switch; `None` is the configured one.
     Friction(Option<Target>),
-    /// Torso mass of the occupant, kg, as the seat has read it; `None` where it has not.
+    /// Sets the torso mass of the occupant, kg, as the seat has read it; `None` where there is no reading.
     Occupant(Option<f32>),
-    /// The latest block.
+    /// Asks for the telemetry of the latest block.
     Status,
-    /// What to do with the capture.
+    /// Arms, reads or ends a capture.
     Capture(CaptureVerb),
-    /// A fault, by how many came after it, and what started the board.
+    /// Asks for a fault of the log, by how many came after it, and for what started the board.
     Faults(u8),
-    /// Reset the part, in silence only. The answer leaves before.
+    /// Resets the board, in silence only. The answer is sent before.
     Reset,
-    /// How long the host may be silent while the drive is on, s; zero is for ever.
+    /// Sets the host timeout: how long the host may be silent while the drive is on, s; zero is for ever.
     Patience(f32),
 }
 
-/// What to do with lane trims and parameters. What acts, what is set and what is kept are three things: each verb says which it is about. Trims act
+/// Operation on lane trims and parameters. Active, set and stored values are three things: each verb names those that it changes. Trims act
 /// as soon as they are found; parameters act after a reset, if they have been stored.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Verb {
-    /// Report the trims that act, at the calibrated frequency with this number, and what is kept.
+    /// Reports the active trims, at the calibrated frequency with this number, and the state of the stored settings.
     Trims(u8),
-    /// Report the parameter with this key.
+    /// Reports the parameter with this key.
     Get(u8),
-    /// Set the parameter with this key.
+    /// Sets the parameter with this key.
     Set(u8, f32),
-    /// Keep the trims that act and the parameters that are set. A calibration keeps its trims by itself, beside the parameters that are kept.
+    /// Stores the active trims and the set parameters. A calibration stores its trims by itself, beside the parameters that are stored already.
     Store,
-    /// Keep nothing. What acts and what is set stay.
+    /// Clears the stored settings. Active and set values stay.
     Clear,
-    /// Trim by nothing from now on, and set all parameters to what is built in. What is kept stays.
+    /// Removes the active trims, and sets all parameters to their defaults. The stored settings stay.
     Defaults,
 }
 
-/// What the board sends.
+/// A frame of the board: the answer to a command, or telemetry.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Reply {
-    /// The command with this frame's sequence number is obeyed.
+    /// The command with this frame's sequence number was accepted.
     Ack,
-    /// It is not.
+    /// The command with this frame's sequence number was refused.
     Nak(Refusal),
-    /// Who this is.
+    /// Identity of the board.
     Identity(Identity),
-    /// The latest block; its frame's sequence number counts telemetry frames, so that a lost one is seen.
+    /// Telemetry of the latest block; the frame's sequence number counts telemetry frames, so that a lost one is seen.
     Telemetry(Telemetry),
-    /// The lane trims.
+    /// The lane trims at one frequency.
     Settings(TrimReport),
-    /// The resonances of the last scan, those that were heard of since.
+    /// The resonances of the last scan that were reported so far.
     Resonances(ResonanceReport),
-    /// The latest block; nothing before the first.
+    /// Telemetry of the latest block; `None` before the first.
     Status(Option<Telemetry>),
-    /// A parameter.
+    /// The values of a parameter.
     Parameter(ParameterReport),
-    /// How far the capture is.
+    /// State of the capture.
     Capture(CaptureReport),
-    /// A part of the capture.
+    /// A part of a full capture.
     Captured(Part),
-    /// A fault.
+    /// A fault of the log.
     Faults(FaultReport),
 }
 
-/// The lane trims, one frequency at a time.
+/// Report of the lane trims, one frequency at a time.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct TrimReport {
-    /// What is kept over power-off.
-    pub kept: StoredState,
-    /// How many calibrated frequencies there are; none is no trims.
+    /// State of the stored settings.
+    pub stored: StoredState,
+    /// Number of calibrated frequencies; zero where there are no trims.
     pub points: u8,
-    /// The one that was asked for.
+    /// The trims at the frequency that was asked for.
     pub point: Option<TrimPoint>,
 }
 
-/// The resonances of the last scan.
+/// Report of the resonances of the last scan.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct ResonanceReport {
-    /// The one that was chosen; none is that the scan has not ended, or has failed.
+    /// Place of the chosen resonance; `None` where the scan has not ended, or has failed.
     pub chosen: Option<u8>,
-    /// At rising frequencies.
+    /// The resonances, at rising frequencies.
     pub found: [Option<Resonance>; MOST_MODES],
 }
 
-/// Who this is.
+/// Identity of a board.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Identity {
     /// Version of the link's protocol.
     pub protocol: u8,
     /// Version of the firmware: major, minor, patch.
     pub firmware: [u8; 3],
-    /// Its converters.
+    /// The converters of the board.
     pub converters: Converters,
 }
 
-/// What a board's converters are, and no setting changes: without it a host cannot tell what a code or a block number is.
+/// Properties of a board's converters, which no setting changes: with them a host converts codes and block numbers.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Converters {
-    /// Samples a second, Hz.
+    /// Sample rate of the converters, Hz.
     pub sample_hz: u32,
-    /// Samples in a block.
+    /// Samples of a block.
     pub block_samples: u16,
-    /// Drive lanes that play.
+    /// Number of drive lanes in use.
     pub lanes: u8,
-    /// The sense code at zero.
+    /// Sense code at zero input.
     pub sense_mid_code: u16,
-    /// The drive code at zero volts.
+    /// Drive code at zero volts.
     pub drive_mid_code: u16,
 }
 
 impl Converters {
-    /// Those of a configuration.
+    /// The converters of a configuration.
     pub fn of(config: &Config) -> Self {
         Converters {
             sample_hz: config.sample_hz as u32,
@@ -193,7 +193,7 @@ impl Converters {
 }
 
 impl Command {
-    /// The orders after this command; `None` where it changes none.
+    /// The orders after this command; `None` for a command that changes none.
     pub fn applied_to(&self, orders: &Orders) -> Result<Option<Orders>, Refusal> {
         let mut next = Orders { sequence: orders.sequence.wrapping_add(1), clear_fault: false, ..*orders };
         match *self {

@@ -1,4 +1,4 @@
-//! The fault log: what the last faults were, and what was heard with each.
+//! The fault log: the last faults, and what was played and measured with each.
 
 use serde::{Deserialize, Serialize};
 
@@ -9,49 +9,49 @@ use crate::seam::phasor::Phasor;
 use crate::seam::telemetry::Telemetry;
 use crate::seam::units::{Hertz, Volts};
 
-/// Faults that are kept.
-pub const KEPT_FAULTS: usize = 8;
+/// Number of faults in the log.
+pub const LOGGED_FAULTS: usize = 8;
 
-/// A fault, with what the block reported that brought it.
+/// A fault of the log, with the report of the block that raised it.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct FaultEntry {
-    /// The block.
+    /// Number of the block.
     pub block: u32,
-    /// The fault.
+    /// The fault that was raised.
     pub fault: Fault,
-    /// What the controller was doing when it came.
+    /// Mode of the controller when the fault was raised.
     pub mode: Mode,
-    /// Whether the tracker was locked then.
+    /// Whether the tracker was locked when the fault was raised.
     pub locked: bool,
     /// Frequency of the codes that were returned last before it.
     pub frequency: Hertz,
-    /// Their peak voltage, before the envelope.
+    /// Peak voltage of these codes, before the envelope.
     pub drive: Volts,
-    /// Their mean envelope, 0 to 1.
+    /// Mean envelope of these codes, 0 to 1.
     pub envelope: f32,
-    /// Voltage phasor of the block heard, V peak.
+    /// Voltage phasor of the measured block, V peak.
     pub v: Phasor,
-    /// Its current phasor, A peak.
+    /// Current phasor of the measured block, A peak.
     pub i: Phasor,
-    /// Its motional current, A peak.
+    /// Motional current of the measured block, A peak.
     pub motional_current: Phasor,
 }
 
-/// A fault of the log, with what stands around it.
+/// Answer to a request for a fault of the log.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct FaultReport {
     /// Faults since the board was started, up to 65 535.
     pub count: u16,
-    /// The one that was asked for; nothing where there were not so many, or where it is not kept any more.
+    /// The requested fault; `None` where there were fewer, or where the log has dropped it.
     pub entry: Option<FaultEntry>,
-    /// What started the board.
+    /// What started the board last.
     pub last_run: Start,
 }
 
 /// The last faults. A reset forgets them; what a reset was for is in [`Start`].
 #[derive(Clone, Debug, Default)]
 pub(crate) struct FaultLog {
-    entries: heapless::HistoryBuf<FaultEntry, KEPT_FAULTS>,
+    entries: heapless::HistoryBuf<FaultEntry, LOGGED_FAULTS>,
     count: u16,
 }
 
@@ -90,10 +90,10 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_last_faults_are_kept_newest_first_and_all_are_counted() {
+    fn the_log_has_the_last_faults_and_the_count_of_all() {
         let mut log = FaultLog::default();
         let mut before = None;
-        for n in 0..2 * KEPT_FAULTS as u32 + 3 {
+        for n in 0..2 * LOGGED_FAULTS as u32 + 3 {
             // Each comes after a block without, and lasts for three.
             for (k, fault) in
                 [None, Some(Fault::OverCurrent), Some(Fault::OverCurrent), Some(Fault::OverCurrent)].into_iter().enumerate()
@@ -110,15 +110,15 @@ mod tests {
                 before = Some(report);
             }
         }
-        let count = 2 * KEPT_FAULTS as u16 + 3;
-        for later in 0..KEPT_FAULTS as u8 {
+        let count = 2 * LOGGED_FAULTS as u16 + 3;
+        for later in 0..LOGGED_FAULTS as u8 {
             let report = log.report(later, Start::Watchdog);
-            let entry = report.entry.expect("one that is kept");
+            let entry = report.entry.expect("an entry of the log");
             assert_eq!((report.count, report.last_run), (count, Start::Watchdog));
             assert_eq!(entry.block, 10 * (u32::from(count) - 1 - u32::from(later)) + 1);
             assert_eq!((entry.mode, entry.drive, entry.fault), (Mode::Run, Volts(3.0), Fault::OverCurrent));
         }
-        assert_eq!(log.report(KEPT_FAULTS as u8, Start::Pin).entry, None);
+        assert_eq!(log.report(LOGGED_FAULTS as u8, Start::Pin).entry, None);
     }
 
     #[test]

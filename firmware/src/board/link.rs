@@ -22,27 +22,27 @@ const MAX_PLAIN: usize = MAX_FRAME - 3;
 // Bit by bit: a frame has some 60 bytes, and a table would take a kilobyte.
 static CRC: Crc<u32, NoTable> = Crc::<u32, NoTable>::new(&CRC_32_ISCSI);
 
-/// A frame.
+/// A frame of the link, decoded.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Frame<T> {
     /// Version of the protocol.
     pub version: u8,
-    /// Number of this frame; a reply carries that of its command.
+    /// Number of this frame; a reply has that of its command.
     pub sequence: u16,
-    /// What it says.
+    /// Content of the frame.
     pub body: T,
 }
 
 /// What is wrong with a frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FrameError {
-    /// Longer than [`MAX_FRAME`].
+    /// A frame is longer than [`MAX_FRAME`].
     TooLong,
     /// Badly stuffed, or with a wrong checksum.
     Damaged,
-    /// Whole, but of another protocol version; with the sequence number it carries.
+    /// A whole frame of another protocol version, with its sequence number.
     Version(u16),
-    /// Whole, but its body is nothing that is known here; with the sequence number it carries.
+    /// A whole frame with an unknown body, with its sequence number.
     Unknown(u16),
 }
 
@@ -171,7 +171,7 @@ mod tests {
             built_in: 3.0,
             min: 4.0,
             max: 5.0,
-            kept: StoredState::Version(255),
+            stored: StoredState::Version(255),
         };
         let place = Place { file: FileName::of(&"x".repeat(NAME)), line: u32::MAX };
         let entry = FaultEntry {
@@ -193,7 +193,7 @@ mod tests {
             (Reply::Telemetry(full), 190),
             (Reply::Status(Some(full)), 191),
             (Reply::Resonances(ResonanceReport { chosen: Some(3), found }), 81),
-            (Reply::Settings(TrimReport { kept: StoredState::Version(255), points: 5, point: Some(Default::default()) }), 51),
+            (Reply::Settings(TrimReport { stored: StoredState::Version(255), points: 5, point: Some(Default::default()) }), 51),
             (Reply::Parameter(parameter), 34),
             (Reply::Capture(capture), 23),
             (Reply::Captured(part), 206),

@@ -1,4 +1,4 @@
-//! Records exchanged with a processor that runs the controller elsewhere.
+//! Records exchanged between a host and a processor that runs the controller.
 //!
 //! Host and processor take turns, so that neither ever holds more than one record:
 //!
@@ -7,7 +7,7 @@
 //! host       Config            Question            Question            (none)            (end of stream)
 //! processor          Opening             Answer              Answer            Closing
 //!
-//! all of a board's program, with the block task and the slow side
+//! all of a board's program, with the block task and the background task
 //! host       Config            Beat            Beat                              Config
 //! processor          Opening         Played          Played (it resets itself)           Opening
 //!
@@ -17,7 +17,7 @@
 //!
 //! A body is postcard, but for the codes, which stand before it as they are: as postcard's variable-length integers they would take more
 //! instructions than the controller itself, and as part of a larger value they would be copied on its stack. A record without a body asks
-//! for the [`Closing`]: what the run has needed of the processor. More questions may follow. The records' versions are those of this crate:
+//! for the [`Closing`]: the stack that the run has used. More questions may follow. The records' versions are those of this crate:
 //! both ends are built from the same source.
 
 mod wire;
@@ -39,7 +39,7 @@ pub(crate) const MAX_REASON: usize = 192;
 /// Room for any record.
 pub type Buffer = [u8; MAX_RECORD];
 
-/// An empty buffer.
+/// An empty buffer for any record.
 pub const BUFFER: Buffer = [0; MAX_RECORD];
 
 const LENGTH_BYTES: usize = 2;
@@ -47,16 +47,16 @@ const LENGTH_BYTES: usize = 2;
 /// The record that asks for the [`Closing`].
 pub const CLOSE: [u8; LENGTH_BYTES] = [0; LENGTH_BYTES];
 
-/// What can be sent.
+/// A value that can be sent as a record.
 pub trait Record {
-    /// Writes it to the beginning of `room`, and returns what is left; `None` if it does not fit.
+    /// Writes the record to the beginning of `room`, and returns the rest; `None` if it does not fit.
     fn put<'a>(&self, room: &'a mut [u8]) -> Option<&'a mut [u8]>;
 
-    /// Reads it from the beginning of `bytes`, and returns what is left; `None` if there is no such thing. It is then of no use.
+    /// Reads the record from the beginning of `bytes`, and returns the rest; `None` if the bytes are no such record, which must not be used then.
     fn take<'a>(&mut self, bytes: &'a [u8]) -> Option<&'a [u8]>;
 }
 
-/// A record that is postcard as a whole.
+/// Records that are postcard as a whole.
 macro_rules! plain {
     ($($record:ty),+) => {
         $(impl Record for $record {
@@ -73,16 +73,16 @@ macro_rules! plain {
 
 plain!(Config, Closing);
 
-/// What the processor says to its configuration.
+/// Answer of the processor to its configuration.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Opening {
-    /// Whether the controller is built, or why not.
+    /// Whether the controller was built, or why not.
     pub built: Result<(), Reason>,
-    /// A block of silence: what plays until it has answered.
+    /// A block of silence, which plays until the first answer.
     pub silence: DriveBlock,
 }
 
-/// Why a configuration is refused, in words.
+/// The reason for which a configuration is refused, in words.
 pub type Reason = String<MAX_REASON>;
 
 impl Default for Opening {
@@ -104,9 +104,9 @@ impl Record for Opening {
 /// The arguments of [`Controller::process`](crate::controller::Controller::process).
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Question {
-    /// The latest orders.
+    /// The latest orders of the host.
     pub orders: Orders,
-    /// What the converters saw.
+    /// Codes that the converters sampled.
     pub sense: SenseBlock,
 }
 
@@ -120,12 +120,12 @@ impl Record for Question {
     }
 }
 
-/// Its results.
+/// The results of [`Controller::process`](crate::controller::Controller::process).
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Answer {
     /// The codes to play.
     pub drive: DriveBlock,
-    /// The report.
+    /// The report of the block.
     pub telemetry: Telemetry,
     /// Instructions that the call has taken, to within a tick of the processor's timer (about 6); `None` where it cannot count them.
     pub instructions: Option<u32>,
@@ -141,30 +141,30 @@ impl Record for Answer {
     }
 }
 
-/// What a run has needed of the processor.
+/// Use of the processor's stack in a run.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Closing {
-    /// The deepest that the stack was until the controller was built, bytes from its top.
+    /// Largest depth of the stack until the controller was built, bytes from its top.
     pub stack_power_up_bytes: u32,
-    /// The deepest that it was since then, bytes from its top.
+    /// Largest depth of the stack since then, bytes from its top.
     pub stack_blocks_bytes: u32,
 }
 
-/// A block of a whole board, as its pins and converters see it.
+/// Inputs of a whole board in one block.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Beat {
-    /// What the converters saw.
+    /// Codes that the converters sampled.
     pub sense: SenseBlock,
-    /// The rest.
+    /// The other inputs of the board.
     pub pins: Pins,
 }
 
-/// What else comes to a board with a block.
+/// Inputs of a board in one block, other than those of its converters.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Pins {
-    /// Bytes that were sent to its serial port since it was started. It hears all of them before it goes on.
+    /// Bytes that were sent to the board's serial port since it was started. The board receives all of them before it goes on.
     pub sent: u32,
-    /// The emergency stop is pressed.
+    /// Whether the emergency stop is pressed.
     pub stop: bool,
 }
 
@@ -178,25 +178,25 @@ impl Record for Beat {
     }
 }
 
-/// What a board makes of it.
+/// Outputs of a whole board in one block.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Played {
     /// The codes to play.
     pub drive: DriveBlock,
-    /// The rest.
+    /// The other outputs of the board.
     pub board: Board,
 }
 
-/// What else can be seen of a board after a block.
+/// Outputs of a board after a block, other than those of its converters.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Board {
-    /// The amplifier is enabled.
+    /// Whether the amplifier is enabled.
     pub enable: bool,
-    /// How often the watchdog was fed so far.
+    /// Number of times the watchdog was fed so far.
     pub fed: u32,
-    /// A pin or the link has failed.
+    /// Whether a pin or the link has failed.
     pub failed: bool,
-    /// It resets itself now, and then waits for a configuration.
+    /// Whether the board resets itself now, and then waits for a configuration.
     pub resets: bool,
 }
 
@@ -239,7 +239,7 @@ pub fn receive<E>(buffer: &mut Buffer, mut read: impl FnMut(&mut [u8]) -> Result
     }
 }
 
-/// Reads the record in what [`receive`] has returned, in place of what `record` was.
+/// Reads the body that [`receive`] has returned into `record`.
 pub fn decode(body: &[u8], record: &mut impl Record) -> Result<(), BadRecord> {
     match record.take(body) {
         Some([]) => Ok(()),
@@ -247,7 +247,7 @@ pub fn decode(body: &[u8], record: &mut impl Record) -> Result<(), BadRecord> {
     }
 }
 
-/// The configuration in what [`receive`] has returned: the one record that there is none of before it comes.
+/// Reads the configuration in the body that [`receive`] has returned: the one record that has no default.
 pub fn configuration(body: &[u8]) -> Result<Config, BadRecord> {
     match postcard::take_from_bytes(body) {
         Ok((config, [])) => Ok(config),

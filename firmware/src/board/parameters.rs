@@ -19,16 +19,16 @@ use crate::board::stored_state::StoredState;
 use crate::seam::config::{Burst, Config, Drive, FrontEnd, Limits, Link, Parameter, Tracking};
 use crate::seam::refusal::Refusal;
 
-/// The most parameters that can be kept.
+/// Largest number of parameters that can be stored.
 pub(crate) const MOST_PARAMETERS: usize = 24;
 
-/// Parameters that differ from what is built in, by their keys.
+/// Parameters that differ from their defaults, by their keys.
 pub type Overrides = heapless::Vec<(u8, f32), MOST_PARAMETERS>;
 
 /// A value of each parameter, in the order of [`PARAMETERS`].
 pub type Values = [f32; PARAMETERS.len()];
 
-/// One parameter, reported.
+/// Report of one parameter.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ParameterReport {
     /// Key of the parameter.
@@ -43,8 +43,8 @@ pub struct ParameterReport {
     pub min: f32,
     /// The largest value that can be set; infinity is no limit.
     pub max: f32,
-    /// What is kept over power-off, of all settings.
-    pub kept: StoredState,
+    /// State of the stored settings as a whole.
+    pub stored: StoredState,
 }
 
 /// The place of a parameter in [`PARAMETERS`].
@@ -63,7 +63,7 @@ pub(crate) fn overrides(values: &Values, built_in: &Values) -> Overrides {
     differing.map(|(parameter, (&value, _))| (parameter.key, value)).collect()
 }
 
-/// What is built in with overrides on top, and whether all of them could be used: one that nobody knows, or that is out of its range, is not.
+/// The defaults with overrides on top, and whether all overrides could be used: one that is unknown or out of its range is not.
 ///
 /// A limit that is out of its range is the nearest that it can be, and one that cannot be read is the lowest: it is never what is built in
 /// because something lower was stored.

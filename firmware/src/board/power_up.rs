@@ -1,9 +1,9 @@
-//! Power-up: the configuration that is built in, with what the settings have of it.
+//! Power-up: the built-in configuration, overridden by the stored settings.
 //!
-//! | what is kept | what acts |
+//! | stored | active |
 //! |---|---|
 //! | trims and parameters that can be used | they |
-//! | a parameter that nobody knows, or out of its range | what is built in, in its place; of a limit the nearest value that it can have: [`StoredState::Partly`] |
+//! | an unknown parameter, or one out of its range | its default; of a limit the nearest value that it can have: [`StoredState::Partly`] |
 //! | settings that together do not build | the limits, and within them whatever else of it still builds: [`StoredState::Refused`] |
 //! | nothing, or something that cannot be read | all that is built in |
 //!
@@ -16,7 +16,7 @@ use embedded_storage::nor_flash::NorFlash;
 
 use crate::board::block_task::BlockTask;
 use crate::board::parameters::{PARAMETERS, Values, apply, overridden, values_of};
-use crate::board::queues::HotEnds;
+use crate::board::queues::BlockEnds;
 use crate::board::settings::Settings;
 use crate::board::stored_state::StoredState;
 use crate::controller::Controller;
@@ -37,29 +37,29 @@ pub struct PowerUp {
     /// Parameters that are built in, and those that are set.
     pub(crate) built_in: Values,
     pub(crate) next: Values,
-    pub(crate) kept: StoredState,
+    pub(crate) stored: StoredState,
 }
 
 impl PowerUp {
-    /// Reads what is kept, and puts it in place of what is built in.
+    /// Reads the stored settings, and puts them in place of the built-in ones.
     pub fn read<F: NorFlash>(built_in: &Config, settings: &mut Settings<F>) -> Self {
-        let (record, kept) = settings.record();
+        let (record, stored) = settings.record();
         let mut config = built_in.clone();
         let built_in = values_of(&config);
         let (next, all) = overridden(&record.parameters, &built_in);
         apply(&mut config, &next, &built_in, |_| true);
-        if kept == StoredState::Stored && !record.trims.is_empty() {
+        if stored == StoredState::Stored && !record.trims.is_empty() {
             config.phasing.calibration = record.trims;
         }
-        PowerUp { config, built_in, next, kept: if all { kept } else { StoredState::Partly } }
+        PowerUp { config, built_in, next, stored: if all { stored } else { StoredState::Partly } }
     }
 
-    /// Builds the controller where it is to stay, and the task of it; where what is kept does not make one, of as much of it as does, within the
+    /// Builds the controller at its final place, and its task; where the stored settings do not make one, of as much of them as does, within the
     /// limits that are set.
-    pub fn build<'a>(&mut self, built_in: &Config, ends: HotEnds<'a>) -> Result<BlockTask<'a>, Error> {
+    pub fn build<'a>(&mut self, built_in: &Config, ends: BlockEnds<'a>) -> Result<BlockTask<'a>, Error> {
         if Controller::check(&self.config).is_err() {
             self.fall_back(built_in);
-            self.kept = StoredState::Refused;
+            self.stored = StoredState::Refused;
         }
         BlockTask::build(&self.config, ends)
     }

@@ -1,4 +1,4 @@
-//! The queues between the slow side and the block task, with the place of the controller: what a board has once, as a static.
+//! The queues between the background task and the block task, with the place of the controller: a board has them once, as a static.
 
 use core::mem::MaybeUninit;
 
@@ -11,10 +11,10 @@ use crate::seam::block::Orders;
 use crate::seam::config::LaneTrims;
 use crate::seam::telemetry::Telemetry;
 
-/// One on its way, and the place that a ring keeps empty.
+/// One element, and the place that a ring buffer leaves empty.
 const ONE: usize = 2;
 
-/// The queues. Those of orders and of reports have room for one less than their numbers say.
+/// The queues between the two tasks. Those of orders and of reports have room for one element less than their numbers say.
 pub struct Queues<const ORDERS: usize, const REPORTS: usize> {
     orders: Queue<Orders, ORDERS>,
     reports: Queue<Telemetry, REPORTS>,
@@ -25,42 +25,42 @@ pub struct Queues<const ORDERS: usize, const REPORTS: usize> {
     place: MaybeUninit<Controller>,
 }
 
-/// What the [block task](crate::board::block_task::BlockTask) has of them.
-pub struct HotEnds<'a> {
-    /// Where the controller is to stand.
+/// The ends of the queues that the [block task](crate::board::block_task::BlockTask) owns.
+pub struct BlockEnds<'a> {
+    /// Place of the controller.
     pub place: &'a mut MaybeUninit<Controller>,
-    /// Orders to obey.
+    /// Orders to the controller.
     pub orders: Consumer<'a, Orders>,
-    /// What each block reports.
+    /// Telemetry of each block.
     pub reports: Producer<'a, Telemetry>,
-    /// What a calibration has found, to be kept.
+    /// Trims that a calibration has found, to be stored.
     pub trims_out: Producer<'a, LaneTrims>,
-    /// What to trim by from now on; taken in silence only.
+    /// Trims to use from now on; taken in silence only.
     pub trims_in: Consumer<'a, LaneTrims>,
-    /// Records raw codes.
+    /// The recorder of captures.
     pub recorder: Recorder<'a>,
 }
 
-/// What the [slow side](crate::board::app::App) has of them: the other ends.
-pub struct SlowEnds<'a> {
-    /// Orders to be obeyed.
+/// The ends of the queues that the [background task](crate::board::app::App) owns.
+pub struct BackgroundEnds<'a> {
+    /// Orders to the controller.
     pub orders: Producer<'a, Orders>,
-    /// What each block has reported.
+    /// Telemetry of each block.
     pub reports: Consumer<'a, Telemetry>,
-    /// What a calibration has found.
+    /// Trims that a calibration has found.
     pub trims_out: Consumer<'a, LaneTrims>,
-    /// What is to be trimmed by.
+    /// Trims to use from now on.
     pub trims_in: Producer<'a, LaneTrims>,
-    /// What the recorder is asked.
+    /// Requests to the recorder.
     pub requests: Producer<'a, CaptureRequest>,
-    /// What it answers.
+    /// Replies of the recorder.
     pub replies: Consumer<'a, CaptureReply>,
-    /// What it records into.
+    /// The memory of captures.
     pub memory: &'static mut Memory,
 }
 
 impl<const ORDERS: usize, const REPORTS: usize> Queues<ORDERS, REPORTS> {
-    /// Empty queues.
+    /// Empty queues, and a place without a controller.
     pub const fn new() -> Self {
         Queues {
             orders: Queue::new(),
@@ -73,16 +73,22 @@ impl<const ORDERS: usize, const REPORTS: usize> Queues<ORDERS, REPORTS> {
         }
     }
 
-    /// Their ends; the memory of captures goes to and fro between them.
-    pub fn split(&mut self, memory: &'static mut Memory) -> (HotEnds<'_>, SlowEnds<'_>) {
+    /// Splits the queues into their ends; the memory of captures goes to and fro between the two tasks.
+    pub fn split(&mut self, memory: &'static mut Memory) -> (BlockEnds<'_>, BackgroundEnds<'_>) {
         let ((orders_in, orders_out), (reports_in, reports_out)) = (self.orders.split(), self.reports.split());
         let ((trims_out_in, trims_out_out), (trims_in_in, trims_in_out)) = (self.trims_out.split(), self.trims_in.split());
         let ((requests_in, requests_out), (replies_in, replies_out)) = (self.requests.split(), self.replies.split());
         let recorder = Recorder::new(requests_out, replies_in);
         let place = &mut self.place;
-        let hot =
-            HotEnds { place, orders: orders_out, reports: reports_in, trims_out: trims_out_in, trims_in: trims_in_out, recorder };
-        let slow = SlowEnds {
+        let block = BlockEnds {
+            place,
+            orders: orders_out,
+            reports: reports_in,
+            trims_out: trims_out_in,
+            trims_in: trims_in_out,
+            recorder,
+        };
+        let background = BackgroundEnds {
             orders: orders_in,
             reports: reports_out,
             trims_out: trims_out_out,
@@ -91,7 +97,7 @@ impl<const ORDERS: usize, const REPORTS: usize> Queues<ORDERS, REPORTS> {
             replies: replies_out,
             memory,
         };
-        (hot, slow)
+        (block, background)
     }
 }
 

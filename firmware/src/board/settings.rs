@@ -1,7 +1,7 @@
-//! Settings: what is kept in flash over power-off.
+//! Settings stored in flash.
 //!
 //! Two maps of keys to values (`sequential-storage`), each in its half of the flash, and written in turns: whenever power goes, and however
-//! often, what was kept before is in the half that was not being written. One map alone survives one cut: what a cut has left it repairs by
+//! often, the previous record is in the half that was not being written. One map alone survives one cut: what a cut has left it repairs by
 //! erasing the page that it was writing to, and a second cut then finds neither the old nor the new. Pages are used in turns too, which spreads
 //! the wear.
 //!
@@ -35,7 +35,7 @@ use crate::generate::phasing::check_calibration;
 use crate::seam::config::LaneTrims;
 use crate::seam::error::{Error, in_range};
 
-/// The key of what is kept, in the two maps. A number never changes its meaning.
+/// Key of the record in the two maps. A number never changes its meaning.
 const RECORD: u8 = 1;
 /// Version of the record as it is written now, and of lane trims alone.
 const VERSION: u8 = 2;
@@ -45,27 +45,27 @@ const HEAD: usize = 5;
 /// Room for the longest value with its key and version, bytes: a multiple of any flash's word.
 const LONGEST: usize = 352;
 
-/// What is kept together.
+/// The stored settings, which are written as a whole.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Record {
-    /// Lane trims.
+    /// Trims of the lanes, by frequency.
     pub trims: LaneTrims,
-    /// Parameters that differ from what is built in.
+    /// Parameters that differ from their defaults.
     pub parameters: Overrides,
 }
 
 impl Record {
-    /// Whether there is nothing to keep.
+    /// Whether there is nothing to store.
     pub fn is_empty(&self) -> bool {
         self.trims.is_empty() && self.parameters.is_empty()
     }
 }
 
-/// The flash has failed, and settings are not kept.
+/// The flash has failed, and settings are not stored.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct NotKept;
+pub struct NotStored;
 
-/// The store.
+/// The settings in flash.
 pub struct Settings<F> {
     flash: F,
     /// Bytes of each half.
@@ -75,23 +75,23 @@ pub struct Settings<F> {
 /// One half, for as long as it is read or written.
 type Map<'a, F> = MapStorage<u8, Blocking<&'a mut F>, Cache<Uncached, Uncached, Uncached, u8>>;
 
-/// What a half has.
+/// Content of a half.
 struct Found {
     /// Which write it was.
     number: u32,
-    kept: StoredState,
+    state: StoredState,
     /// It is what was expected.
     same: bool,
 }
 
 impl Found {
     /// Nothing that has a number.
-    fn without(kept: StoredState) -> Self {
-        Found { number: 0, kept, same: false }
+    fn without(state: StoredState) -> Self {
+        Found { number: 0, state, same: false }
     }
 
     fn is_newer_than(&self, other: &Found) -> bool {
-        match (self.kept, other.kept) {
+        match (self.state, other.state) {
             // What cannot be read has no number.
             (StoredState::Nothing, _) => false,
             (_, StoredState::Nothing) => true,
@@ -114,45 +114,45 @@ impl<F: NorFlash> Settings<F> {
         Ok(Settings { flash, half: half as u32 })
     }
 
-    /// What is kept; nothing where there is nothing that can be used, and why.
+    /// The stored record and its state; an empty record where nothing can be used.
     pub fn record(&mut self) -> (Record, StoredState) {
         let (half, latest) = self.latest(&[]);
-        let stored = latest.kept == StoredState::Stored;
+        let stored = latest.state == StoredState::Stored;
         let record = if stored { self.read(half, decode).ok().flatten().unwrap_or_default() } else { Record::default() };
-        // That there is nothing is kept as such.
-        let kept = if stored && record.is_empty() { StoredState::Nothing } else { latest.kept };
-        (record, kept)
+        // A stored record may be an empty one.
+        let state = if stored && record.is_empty() { StoredState::Nothing } else { latest.state };
+        (record, state)
     }
 
-    /// Keeps a record. What is kept already is not written again.
-    pub fn store(&mut self, record: &Record) -> Result<(), NotKept> {
+    /// Stores a record. A record that is stored already is not written again.
+    pub fn store(&mut self, record: &Record) -> Result<(), NotStored> {
         let mut value = [0; LONGEST];
-        let length = HEAD + postcard::to_slice(record, &mut value[HEAD..]).map_err(|_| NotKept)?.len();
+        let length = HEAD + postcard::to_slice(record, &mut value[HEAD..]).map_err(|_| NotStored)?.len();
         let (half, latest) = self.latest(&value[HEAD..length]);
-        if latest.kept == StoredState::Stored && latest.same || latest.kept == StoredState::Nothing && record.is_empty() {
+        if latest.state == StoredState::Stored && latest.same || latest.state == StoredState::Nothing && record.is_empty() {
             return Ok(());
         }
         value[0] = VERSION;
         value[1..HEAD].copy_from_slice(&latest.number.wrapping_add(1).to_le_bytes());
         let value = &value[..length];
-        // Into the other half. If it is beyond repair it is erased first: what is kept stands in this one.
+        // Into the other half. If that is beyond repair it is erased first: the previous record is in this one.
         if self.write(1 - half, value).is_ok() && self.keeps(value) {
             return Ok(());
         }
-        let mut map = self.map(1 - half).ok_or(NotKept)?;
-        wait(map.erase_all()).map_err(|_| NotKept)?;
+        let mut map = self.map(1 - half).ok_or(NotStored)?;
+        wait(map.erase_all()).map_err(|_| NotStored)?;
         self.write(1 - half, value)?;
-        if self.keeps(value) { Ok(()) } else { Err(NotKept) }
+        if self.keeps(value) { Ok(()) } else { Err(NotStored) }
     }
 
     /// Whether this is what would be read now: damage elsewhere in the flash may hide what was written.
     fn keeps(&mut self, value: &[u8]) -> bool {
         let latest = self.latest(&value[HEAD..]).1;
-        latest.kept == StoredState::Stored && latest.same
+        latest.state == StoredState::Stored && latest.same
     }
 
-    /// Keeps nothing.
-    pub fn clear(&mut self) -> Result<(), NotKept> {
+    /// Clears the stored settings.
+    pub fn clear(&mut self) -> Result<(), NotStored> {
         // Written over by nothing rather than erased: whenever power goes, it is all there or all gone.
         self.store(&Record::default())
     }
@@ -167,7 +167,7 @@ impl<F: NorFlash> Settings<F> {
         let [first, second] = [0, 1].map(|half| match self.read(half, |bytes| look(bytes, expected)) {
             Ok(Some(found)) => found,
             Ok(None) => Found::without(StoredState::Nothing),
-            Err(NotKept) => Found::without(StoredState::Damaged),
+            Err(NotStored) => Found::without(StoredState::Damaged),
         });
         if second.is_newer_than(&first) { (1, second) } else { (0, first) }
     }
@@ -178,20 +178,20 @@ impl<F: NorFlash> Settings<F> {
     }
 
     /// What is made of the value in a half; none where there is none, and an error where nothing can be made of it.
-    fn read<T>(&mut self, half: u32, make: impl FnOnce(&[u8]) -> Option<T>) -> Result<Option<T>, NotKept> {
+    fn read<T>(&mut self, half: u32, make: impl FnOnce(&[u8]) -> Option<T>) -> Result<Option<T>, NotStored> {
         let mut buffer = [0; LONGEST];
-        let mut map = self.map(half).ok_or(NotKept)?;
+        let mut map = self.map(half).ok_or(NotStored)?;
         match wait(map.fetch_item::<&[u8]>(&mut buffer, &RECORD)) {
-            Ok(Some(bytes)) => make(bytes).map(Some).ok_or(NotKept),
+            Ok(Some(bytes)) => make(bytes).map(Some).ok_or(NotStored),
             Ok(None) => Ok(None),
-            Err(_) => Err(NotKept),
+            Err(_) => Err(NotStored),
         }
     }
 
-    fn write(&mut self, half: u32, value: &[u8]) -> Result<(), NotKept> {
+    fn write(&mut self, half: u32, value: &[u8]) -> Result<(), NotStored> {
         let mut buffer = [0; LONGEST];
-        let mut map = self.map(half).ok_or(NotKept)?;
-        wait(map.store_item(&mut buffer, &RECORD, &value)).map_err(|_| NotKept)
+        let mut map = self.map(half).ok_or(NotStored)?;
+        wait(map.store_item(&mut buffer, &RECORD, &value)).map_err(|_| NotStored)
     }
 }
 
@@ -199,11 +199,11 @@ impl<F: NorFlash> Settings<F> {
 fn look(bytes: &[u8], expected: &[u8]) -> Option<Found> {
     let (head, value) = bytes.split_at_checked(HEAD)?;
     let number = u32::from_le_bytes(head[1..].try_into().ok()?);
-    let kept = match head[0] {
+    let state = match head[0] {
         VERSION | TRIMS_ALONE => decode(bytes).map(|_| StoredState::Stored)?,
         other => StoredState::Version(other),
     };
-    Some(Found { number, kept, same: head[0] == VERSION && value == expected })
+    Some(Found { number, state, same: head[0] == VERSION && value == expected })
 }
 
 /// The record in a value; `None` where it is damaged, or of another version. Not inlined: a record is not to stand on the stack for longer.

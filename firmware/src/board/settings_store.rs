@@ -1,4 +1,4 @@
-//! The slow side's end of the settings: what a calibration has found comes in, parameters are set, and what is to be kept is kept.
+//! Settings in the background task: trims of a calibration arrive, parameters are set, and both are stored.
 
 use embedded_storage::nor_flash::NorFlash;
 use heapless::spsc::{Consumer, Producer};
@@ -12,7 +12,7 @@ use crate::seam::config::ENERGY_PER_METRE;
 use crate::seam::config::LaneTrims;
 use crate::seam::refusal::Refusal;
 
-/// The settings that act and those that are set, as far as the slow side knows, and what is kept of them.
+/// Active and set values of the settings, as far as the background task knows them, and the state of the stored ones.
 pub(crate) struct SettingsStore<'a> {
     trims_out: Consumer<'a, LaneTrims>,
     trims_in: Producer<'a, LaneTrims>,
@@ -20,17 +20,17 @@ pub(crate) struct SettingsStore<'a> {
     acts: Values,
     next: Values,
     built_in: Values,
-    kept: StoredState,
+    stored: StoredState,
     /// A parameter was set since the settings were stored or read.
     changed: bool,
-    /// What was wrong with the parameters that are kept, at power-up.
+    /// What was wrong with the stored parameters at power-up.
     flaw: Option<StoredState>,
     /// The belt has an encoder, by which an energy for each metre of it is known.
     has_encoder: bool,
 }
 
 impl<'a> SettingsStore<'a> {
-    /// A keeper between the two queues of trims, for what the board was started with.
+    /// A settings store between the two queues of trims, for what the board was started with.
     pub(crate) fn new(trims_out: Consumer<'a, LaneTrims>, trims_in: Producer<'a, LaneTrims>, power_up: &PowerUp) -> Self {
         SettingsStore {
             trims_out,
@@ -39,28 +39,28 @@ impl<'a> SettingsStore<'a> {
             acts: values_of(&power_up.config),
             next: power_up.next,
             built_in: power_up.built_in,
-            kept: power_up.kept,
+            stored: power_up.stored,
             changed: false,
-            flaw: Some(power_up.kept).filter(|kept| matches!(kept, StoredState::Partly | StoredState::Refused)),
+            flaw: Some(power_up.stored).filter(|state| matches!(state, StoredState::Partly | StoredState::Refused)),
             has_encoder: power_up.config.front_end.metre_per_count.is_some(),
         }
     }
 
-    /// Takes what a calibration has found, and keeps it once the drive is silent.
+    /// Takes the trims that a calibration has found, and stores them once the drive is silent.
     pub(crate) fn keep<F: NorFlash>(&mut self, silent: bool, settings: &mut Settings<F>) {
         while let Some(found) = self.trims_out.dequeue() {
             self.trims = found;
             // What another version has left is not written over without an order.
-            if !matches!(self.kept, StoredState::Version(_)) {
-                self.kept = StoredState::Due;
+            if !matches!(self.stored, StoredState::Version(_)) {
+                self.stored = StoredState::Due;
             }
         }
-        if silent && self.kept == StoredState::Due {
-            // Beside the parameters that are kept: those that are only set wait for an order. That it was not kept is in the report.
+        if silent && self.stored == StoredState::Due {
+            // Beside the stored parameters: those that are only set wait for an order. A failure is in the report.
             let parameters = settings.record().0.parameters;
             let stored = self.store(Record { trims: self.trims.clone(), parameters }, settings);
             if let (Ok(()), Some(flaw)) = (stored, self.flaw) {
-                self.kept = flaw;
+                self.stored = flaw;
             }
         }
     }
@@ -77,7 +77,7 @@ impl<'a> SettingsStore<'a> {
                 self.store(record, settings).map(|()| (self.changed, self.flaw) = (false, None))
             }
             Verb::Clear => {
-                settings.clear().map(|()| (self.kept, self.flaw) = (StoredState::Nothing, None)).map_err(|_| Refusal::Flash)
+                settings.clear().map(|()| (self.stored, self.flaw) = (StoredState::Nothing, None)).map_err(|_| Refusal::Flash)
             }
             Verb::Defaults => {
                 let taken = self.trims_in.enqueue(LaneTrims::new()).map_err(|_| Refusal::Busy);
@@ -104,29 +104,29 @@ impl<'a> SettingsStore<'a> {
     }
 
     fn store<F: NorFlash>(&mut self, record: Record, settings: &mut Settings<F>) -> Result<(), Refusal> {
-        let stored = settings.store(&record);
-        self.kept = match stored {
+        let result = settings.store(&record);
+        self.stored = match result {
             Ok(()) if record.is_empty() => StoredState::Nothing,
             Ok(()) => StoredState::Stored,
             // Not tried again unless it is ordered: that would wear the flash out.
             Err(_) => StoredState::Failed,
         };
-        stored.map_err(|_| Refusal::Flash)
+        result.map_err(|_| Refusal::Flash)
     }
 
     fn trims(&self, point: u8) -> TrimReport {
         let point = self.trims.get(usize::from(point)).copied();
-        TrimReport { kept: self.kept, points: self.trims.len() as u8, point }
+        TrimReport { stored: self.stored, points: self.trims.len() as u8, point }
     }
 
     fn parameter(&self, key: u8) -> Result<ParameterReport, Refusal> {
         let place = place_of(key)?;
         let built_in = self.built_in[place];
         let (min, max) = PARAMETERS[place].range.of(built_in);
-        let kept = match self.kept {
+        let stored = match self.stored {
             StoredState::Stored | StoredState::Nothing if self.changed => StoredState::Changed,
-            kept => kept,
+            state => state,
         };
-        Ok(ParameterReport { key, acts: self.acts[place], next: self.next[place], built_in, min, max, kept })
+        Ok(ParameterReport { key, acts: self.acts[place], next: self.next[place], built_in, min, max, stored })
     }
 }

@@ -9,20 +9,20 @@ pub const NAME: usize = 40;
 /// What started the board.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Start {
-    /// Power, or nobody knows.
+    /// Power-on, or an unknown cause.
     #[default]
     PowerOn,
-    /// The reset pin.
+    /// A low level at the reset pin.
     Pin,
-    /// An order to reset.
+    /// An order of the host to reset.
     Ordered,
-    /// The watchdog: the block stream, or the slow side, had died.
+    /// The watchdog: the block stream or the background task had died.
     Watchdog,
-    /// A panic.
+    /// A panic, at this line of the source.
     Panic(Place),
     /// A hard fault, at this address of the code.
     HardFault(u32),
-    /// An interrupt that nobody has asked for, with its number.
+    /// An interrupt without a handler, with its number.
     Unexpected(u32),
     /// DMA or a converter had lost a sample, after so many blocks.
     StreamLost(u32),
@@ -55,12 +55,12 @@ pub enum TripFailure {
     Standing,
 }
 
-/// A line of a file.
+/// A line of a source file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Place {
-    /// The file: the end of its name.
+    /// End of the file's name.
     pub file: FileName,
-    /// The line.
+    /// Number of the line.
     pub line: u32,
 }
 
@@ -82,7 +82,7 @@ impl FileName {
         FileName { length: end.len() as u8, bytes }
     }
 
-    /// The name.
+    /// The name as text.
     pub fn as_str(&self) -> &str {
         self.bytes.get(..self.length.into()).and_then(|bytes| core::str::from_utf8(bytes).ok()).unwrap_or("?")
     }

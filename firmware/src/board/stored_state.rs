@@ -1,27 +1,27 @@
-//! What the flash has of the settings, and what has become of it.
+//! State of the settings in flash.
 
 use serde::{Deserialize, Serialize};
 
-/// What is kept, and what has become of it.
+/// State of the stored settings.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum StoredState {
-    /// Nothing.
+    /// Nothing is stored.
     #[default]
     Nothing,
-    /// What acted when it was stored, or came from there at power-up.
+    /// The stored settings are the active ones, or will be after a reset.
     Stored,
-    /// Something that cannot be read, or cannot be trims.
+    /// The stored settings cannot be read, or cannot be trims.
     Damaged,
-    /// Something of this other version. It stays until an order to store or to clear.
+    /// The stored settings are of this other version. They stay until an order to store or to clear.
     Version(u8),
-    /// What acts is to be kept, as soon as the drive is silent.
+    /// The active trims are stored as soon as the drive is silent.
     Due,
-    /// The flash does not take it.
+    /// The flash has failed to store the settings.
     Failed,
-    /// Parameters, of which some do not act: nobody knows them here, or they are out of their ranges.
+    /// Some stored parameters are not active: they are unknown here, or out of their ranges.
     Partly,
-    /// Settings that together do not make a configuration: the limits act, and of the rest what builds with them.
+    /// The stored settings together give no valid configuration: the limits are active, and of the rest what is valid with them.
     Refused,
-    /// Not what is set: a parameter was set since, and is lost with a reset unless it is stored.
+    /// The stored settings differ from the set ones: a parameter was set since, and is lost with a reset unless it is stored.
     Changed,
 }

@@ -33,7 +33,7 @@ impl Chain {
         let driven = Driven {
             volts,
             stage: Stage::from(mode),
-            wanted: mode == Mode::Lock || mode == Mode::Run && self.generator.burst.is_wanted(gate, now),
+            requested: mode == Mode::Lock || mode == Mode::Run && self.generator.burst.is_requested(gate, now),
             full: played.is_full(),
             asked,
         };

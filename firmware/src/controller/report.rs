@@ -15,7 +15,7 @@ use crate::sense::demod::Sensed;
 use crate::track::tracker::State;
 
 impl Controller {
-    /// Why the friction of a contact, or of a D-ring, is not what is wanted.
+    /// Why the friction of a contact, or of a D-ring, misses its set point.
     #[inline(never)]
     fn service_limit(&self, orders: &Orders) -> Option<Limit> {
         let unknown = |restraint: &Restraint| restraint.class(orders.torso_kg) == Class::Unknown;
@@ -45,7 +45,7 @@ impl Controller {
             true if track.tracker.limited() || plan.limited => Some(Limit::FrequencyWindow),
             true if generator.phasing.quadrature(orders.quadrature).1 => Some(Limit::QuadratureRequest),
             true => serves.then(|| self.service_limit(orders)).flatten().or_else(|| match state {
-                State::Unheard => Some(Limit::NotTracking),
+                State::Unmeasured => Some(Limit::NotTracking),
                 _ if generator.burst.limited() && mode == Mode::Run => Some(Limit::BoostLimited),
                 _ => None,
             }),

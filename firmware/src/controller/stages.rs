@@ -3,7 +3,7 @@
 //! | stage | modes | finds |
 //! |---|---|---|
 //! | [`SelfTest`] | `SelfTest` | the zeros and the noise of the sense channels, and whether there is a transducer |
-//! | [`Scan`] | `Scan` | the resonances in the window, and the wanted one |
+//! | [`Scan`] | `Scan` | the resonances in the window, and the chosen one |
 //! | [`PowerOn`] | `Clamped` | the clamped branch, without ringing the resonance up |
 //! | [`Calibrate`] | `Calibrate` | what trims the lanes |
 //! | [`Follow`] | `Lock`, `Run` | nothing: it drives the resonance |

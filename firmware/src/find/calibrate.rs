@@ -1,7 +1,7 @@
-//! Calibration of the lanes: what does each amplifier add to what it was told, and what must be taken from it?
+//! Calibration of the lanes: by how much each amplifier departs from its nominal gain and phase, and the trims that correct it.
 //!
 //! All lanes are driven at the scan voltage, untrimmed, and the sense channels listen to one after the other. At each of a few frequencies
-//! over the window, with `V(lane)` the voltage heard and `offset(lane)` where the lane ought to stand:
+//! over the window, with `V(lane)` the measured voltage and `offset(lane)` the nominal phase of the lane:
 //!
 //! ```text
 //! E(lane)     = V(lane) / V(0) exp(-j offset(lane))
@@ -9,11 +9,11 @@
 //! gain trim   = (1 / |E|) / largest of all lanes       so that no lane gets more than it is ordered
 //! ```
 //!
-//! Trims only ever turn a lane down: the limits hold whatever is found, and what is kept can never make a configuration one that is refused.
+//! Trims only ever turn a lane down: the limits hold whatever is found, and stored trims can never make a configuration invalid.
 //! The price is that all lanes are as loud as the weakest. Corrections that the configuration has stay; what is found is what they leave.
 //!
 //! A second pass over the same frequencies verifies the trims. What does not come out within 0.1 degrees and 0.1 % of lane 0, is more than 45
-//! degrees or 3 dB to begin with, or is not heard at all, is a fault, and the trims are what they were before.
+//! degrees or 3 dB to begin with, or is not measured at all, is a fault, and the trims are what they were before.
 //!
 //! What limits it:
 //!
@@ -21,7 +21,7 @@
 //!   averaged that one code leaves 0.006 %, and 0.0034 degrees, as a standard deviation; where the scan voltage is less than 92 codes, more.
 //! * Rounding, of both converters, repeats with the wave where that is a simple fraction of the sample rate, and then does not average out:
 //!   the frequencies are none.
-//! * Ring-up. A resonant load pulls the source. At each frequency 16 nominal time constants pass first: a Q of twice what was told leaves
+//! * Ring-up. A resonant load pulls the source. At each frequency 16 nominal time constants pass first: a Q of twice the nominal one leaves
 //!   0.03 % of that pull.
 //! * What is folded onto the carrier (images of the DAC) is common to all lanes, and cancels.
 //! * Between the frequencies, straight lines: exact for a delay; in the widest window, and for one pole at twice the frequency, 0.02 degrees
@@ -75,7 +75,7 @@ pub(crate) struct Calibrate {
     lane: usize,
     blocks: u32,
     sum: Phasor,
-    heard: [Phasor; MAX_LANES],
+    measured: [Phasor; MAX_LANES],
     found: LaneTrims,
     /// The trims as they were, while this is not over.
     before: Option<LaneTrims>,
@@ -102,7 +102,7 @@ impl Calibrate {
             lane: 0,
             blocks: 0,
             sum: Phasor::default(),
-            heard: [Phasor::default(); MAX_LANES],
+            measured: [Phasor::default(); MAX_LANES],
             found: LaneTrims::new(),
             before: None,
             completed: 0,
@@ -121,7 +121,7 @@ impl Calibrate {
         }
     }
 
-    /// Takes the phasors of the block just heard and says what to do next. Clears the trims when it begins, and sets them.
+    /// Takes the phasors of the measured block and returns the next step. Clears the trims when it begins, and sets them.
     // Not inlined: a block takes fewer instructions so, which `docs/instructions.md` counts.
     #[inline(never)]
     pub(crate) fn listen(&mut self, phasing: &mut Phasing, sensed: &Sensed) -> Step {
@@ -140,7 +140,7 @@ impl Calibrate {
         if self.blocks < settles + self.average_blocks {
             return self.tone();
         }
-        self.heard[self.lane] = core::mem::take(&mut self.sum);
+        self.measured[self.lane] = core::mem::take(&mut self.sum);
         (self.lane, self.blocks) = (self.lane + 1, 0);
         if self.lane < self.lanes { self.tone() } else { self.take_point(phasing) }
     }
@@ -163,7 +163,7 @@ impl Calibrate {
         Step::Tone { offset_hz: self.window_hz * POSITIONS[self.point], volts: self.volts, lane: self.lane as u8 }
     }
 
-    /// All lanes have been heard at this frequency.
+    /// All lanes have been measured at this frequency.
     fn take_point(&mut self, phasing: &mut Phasing) -> Step {
         let errors = self.errors(phasing.quadrature(None).0);
         let bound = if self.pass == Pass::Measure { PLAUSIBLE } else { (RESIDUAL.0, 1.0 + RESIDUAL.1) };
@@ -191,10 +191,10 @@ impl Calibrate {
     /// Each lane relative to lane 0 and to where it ought to stand: phase and gain.
     fn errors(&self, quadrature: f32) -> [(Turns, f32); MAX_LANES] {
         let offsets = Phasing::offsets(quadrature);
-        let reference = self.heard[0];
+        let reference = self.measured[0];
         core::array::from_fn(|lane| {
             let ideal = sine::rotation(u64::from(offsets[lane]) << 32);
-            let error = self.heard[lane] * reference.conj() * ideal.conj();
+            let error = self.measured[lane] * reference.conj() * ideal.conj();
             (argument(error), magnitude(error) / reference.norm_sqr())
         })
     }

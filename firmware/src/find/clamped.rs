@@ -48,7 +48,7 @@ const EDGE: f32 = 0.2;
 const LEAST_NOISE: f32 = 2.25;
 /// What the model leaves at best, relative to the clamped susceptance: ringing, rounding.
 const FLOOR: f32 = 3e-4;
-/// How far the capacitance may be from what was told.
+/// How far the capacitance may be from its nominal value.
 const CAPACITANCE_SHIFT: f32 = 0.2;
 /// Smallest Q, relative to the nominal one, which may be wrong by two. A crack leaves a fifth.
 const SMALLEST_Q: f32 = 0.4;
@@ -68,7 +68,7 @@ enum Stage {
     Tones,
     Fit,
     Judge,
-    Tell,
+    Report,
     Over,
 }
 
@@ -83,7 +83,7 @@ pub struct PowerOn {
     volts: f32,
     /// Variance of a current and of a voltage, relative to what the scan voltage makes, of one part of a block's phasor.
     noise: (f32, f32),
-    /// What the scan voltage drives through the clamped capacitance as told, A.
+    /// Current of the scan voltage through the nominal clamped capacitance, A.
     amperes: f32,
     offsets: [f32; MAX_POINTS],
     tone_blocks: u32,
@@ -157,11 +157,11 @@ impl PowerOn {
 
     /// The clamped branch, once it is measured: from the last silent block on.
     pub fn found(&self) -> Option<&Clamped> {
-        let told = self.stage == Stage::Over;
-        self.verdict.as_ref().filter(|_| told).and_then(|verdict| verdict.as_ref().ok())
+        let is_over = self.stage == Stage::Over;
+        self.verdict.as_ref().filter(|_| is_over).and_then(|verdict| verdict.as_ref().ok())
     }
 
-    /// Takes the phasors of the block just heard and says what to do next.
+    /// Takes the phasors of the measured block and returns the next step.
     pub fn listen(&mut self, sensed: &Sensed) -> Step {
         match self.stage {
             Stage::Tones => {
@@ -186,10 +186,10 @@ impl PowerOn {
             }
             Stage::Judge => {
                 // What follows from it takes a block of its own.
-                (self.stage, self.verdict) = (Stage::Tell, self.fit.solution().map(|solution| self.judge(solution)));
+                (self.stage, self.verdict) = (Stage::Report, self.fit.solution().map(|solution| self.judge(solution)));
                 Step::Silence
             }
-            Stage::Tell => {
+            Stage::Report => {
                 self.stage = Stage::Over;
                 match self.verdict {
                     Some(Err(Fault::NoResonance | Fault::ResonanceDamaged)) if self.twice => {
@@ -222,7 +222,7 @@ impl PowerOn {
         let x = self.offsets[((block / self.tone_blocks) as usize).min(MAX_POINTS - 1)];
         let y = iv / (vv * TAU * self.nominal_hz * self.nominal_c0_f);
         let square = |x: f32| x * x;
-        // A Hann window hears as much noise as two thirds of its length without.
+        // A Hann window passes as much noise as two thirds of its length without.
         let noise = 1.5 * (self.noise.0 + y.norm_sqr() * self.noise.1) / self.tone_blocks as f32;
         self.fit.add(Point { x, y, deviation: libm::sqrtf(noise + square(FLOOR)) });
     }
@@ -239,12 +239,16 @@ impl PowerOn {
         // What is no number does not hold, either.
         let resonates = found.lm_h.value > SIGNIFICANT * found.lm_h.deviation;
         let holds = explained && resonates && turn < LARGEST_TURN;
-        match () {
-            () if resonates && (found.resonance_hz.value / self.nominal_hz - 1.0).abs() > self.window => Err(Fault::NoResonance),
-            () if !holds => Err(Fault::ResonanceDamaged),
-            () if shift > CAPACITANCE_SHIFT * self.nominal_c0_f => Err(Fault::CapacitanceShifted),
-            () if cracked || q_at_most < SMALLEST_Q * self.nominal_q => Err(Fault::ResonanceDamaged),
-            () => Ok(found),
+        if resonates && (found.resonance_hz.value / self.nominal_hz - 1.0).abs() > self.window {
+            Err(Fault::NoResonance)
+        } else if !holds {
+            Err(Fault::ResonanceDamaged)
+        } else if shift > CAPACITANCE_SHIFT * self.nominal_c0_f {
+            Err(Fault::CapacitanceShifted)
+        } else if cracked || q_at_most < SMALLEST_Q * self.nominal_q {
+            Err(Fault::ResonanceDamaged)
+        } else {
+            Ok(found)
         }
     }
 }

@@ -1,6 +1,6 @@
 //! What a transducer is: its equivalent circuit, how sure that is, and what else rings.
 //!
-//! [`pole_fit`]: resonances from a spectrum. [`mode_search`]: how many it shows. [`choice`]: the one that is wanted.
+//! [`pole_fit`]: resonances from a spectrum. [`mode_search`]: how many it shows. [`choice`]: the one to drive.
 //! [`triangle`]: the least squares behind the fit.
 
 pub(crate) mod choice;

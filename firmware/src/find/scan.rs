@@ -4,8 +4,8 @@
 //! |---|---|---|
 //! | window | a sweep over the window and a tenth more, in 8 to 16 ms | its [spectrum] |
 //! | search | the middle of the window | [all resonances](crate::find::identify::mode_search), one line of the spectrum a block |
-//! | fine | slow sweeps over two bandwidths about the [wanted](crate::find::identify::choice) one, as often as the deviations require | a spectrum, and a fit: the result |
-//! | ring-down | the resonance | until what the sweep has left no longer turns the phase, so that whoever tracks from there hears one tone only |
+//! | fine | slow sweeps over two bandwidths about the [chosen](crate::find::identify::choice) one, as often as the deviations require | a spectrum, and a fit: the result |
+//! | ring-down | the resonance | until what the sweep has left no longer turns the phase, so that a tracker that starts from there measures one tone only |
 //!
 //! A window that is too wide for the lines of one spectrum is swept and searched part by part. The nominal Q may be wrong by a factor of
 //! four.
@@ -21,7 +21,7 @@ pub(crate) mod spectrum;
 use heapless::Vec;
 
 use crate::find::identify::choice::Choice;
-use crate::find::identify::mode_search::{ModeSearch, Told};
+use crate::find::identify::mode_search::{ModeSearch, Nominal};
 use crate::find::identify::pole_fit::{Circuit, Pole};
 use crate::find::scan::baseband::Baseband;
 use crate::find::scan::modes::Modes;
@@ -42,7 +42,7 @@ use crate::sense::motional::Motional;
 const MARGIN: f32 = 0.1;
 /// Shortest and longest sweep of the window, s.
 const WINDOW_S: (f32, f32) = (8e-3, 16e-3);
-/// Blocks that are heard before a sweep's own: the latency, and the rising half of the first triangle.
+/// Blocks that are measured before a sweep's own: the latency, and the rising half of the first triangle.
 const BEFORE: u32 = LATENCY_BLOCKS as u32 + 1;
 
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -58,7 +58,7 @@ enum Stage {
 /// The scan, in progress.
 #[derive(Clone, Debug)]
 pub(crate) struct Scan {
-    /// The clamped capacitance, as told.
+    /// The nominal clamped capacitance.
     bare: Circuit,
     nominal_hz: f32,
     /// Peak voltage of the drive, V.
@@ -81,13 +81,13 @@ pub(crate) struct Scan {
 }
 
 impl Scan {
-    /// A scan of the configured window. It [begins](Self::restart) when it is wanted.
+    /// A scan of the configured window. It [begins](Self::restart) when it is ordered.
     // Not inlined: it is written where the controller stands.
     #[inline(never)]
     pub(crate) fn build(config: &Config, hold: &Hold) -> Self {
         let tracking = &config.tracking;
         let nominal_hz = config.drive.frequency_hz;
-        let told = Told { steps: (config.front_end.volt_per_lsb, config.front_end.ampere_per_lsb), q: tracking.nominal_q };
+        let nominal = Nominal { steps: (config.front_end.volt_per_lsb, config.front_end.ampere_per_lsb), q: tracking.nominal_q };
         let bare = Circuit::bare(nominal_hz, tracking.nominal_c0_f);
         let block_s = f32::from(config.block_samples) / config.sample_hz;
         let window_hz = tracking.span * nominal_hz;
@@ -101,7 +101,7 @@ impl Scan {
         };
         let spectrum = whole.spectrum(block_s);
         Scan {
-            search: ModeSearch::new(&told, bare.clone()),
+            search: ModeSearch::new(&nominal, bare.clone()),
             bare,
             nominal_hz,
             volts: config.drive.scan_volts,
@@ -140,7 +140,7 @@ impl Scan {
         }
     }
 
-    /// Takes the block just heard and says what to do next.
+    /// Takes the measured block and returns the next step.
     pub(crate) fn listen(&mut self, convert: &Convert, sense: &SenseBlock, sensed: &Sensed) -> Step {
         self.blocks += 1;
         self.still_blocks += 1;
@@ -148,7 +148,7 @@ impl Scan {
             Stage::Window(part) => {
                 // The last block of the sweep has enough to do, and in the first there is nothing measured yet.
                 if self.blocks == 1 {
-                    let (blocks, samples) = self.heard();
+                    let (blocks, samples) = self.measured();
                     self.search.restart(&self.bare, blocks, samples);
                 }
                 if self.sweep(convert, sense) {
@@ -228,17 +228,17 @@ impl Scan {
         Step::Tone { offset_hz, volts: self.volts, lane: 0 }
     }
 
-    /// Offset of the wanted resonance, as far as it is known, Hz.
+    /// Offset of the chosen resonance, as far as it is known, Hz.
     fn resonance_hz(&self) -> f32 {
-        self.modes.wanted().map_or(0.0, |(pole, _)| pole.offset_hz)
+        self.modes.chosen().map_or(0.0, |(pole, _)| pole.offset_hz)
     }
 
     /// Takes a block of a sweep. Returns whether it was the last.
     fn sweep(&mut self, convert: &Convert, sense: &SenseBlock) -> bool {
         if self.blocks >= BEFORE {
-            let heard = self.baseband.take(convert, sense);
+            let sensed = self.baseband.take(convert, sense);
             if self.blocks > BEFORE {
-                self.spectrum.add(&heard);
+                self.spectrum.add(&sensed);
             }
         }
         self.still_blocks = 0;
@@ -258,12 +258,12 @@ impl Scan {
         }
     }
 
-    /// Chooses the wanted resonance, and decides whether it is known well enough.
+    /// Chooses the resonance, and decides whether it is known well enough.
     fn choose(&mut self) -> Step {
         if let Err(fault) = self.modes.choose(&self.choice) {
             return Step::Failed(fault);
         }
-        let Some(&(pole, deviations)) = self.modes.wanted() else { return Step::Failed(Fault::NoResonance) };
+        let Some(&(pole, deviations)) = self.modes.chosen() else { return Step::Failed(Fault::NoResonance) };
         let reach_hz = self.window_hz * (1.0 + MARGIN);
         let hz = self.nominal_hz + pole.offset_hz;
         let fine = self.pass.fine(
@@ -275,26 +275,26 @@ impl Scan {
             self.begin_pass(Pass { repeats: fine.repeats.max(1), ..fine }, Stage::Fine);
             return self.tune();
         }
-        let wanted = |other: &Pole| other.offset_hz == pole.offset_hz;
-        self.take(self.search.found().0.poles.iter().position(wanted).unwrap_or(0))
+        let chosen = |other: &Pole| other.offset_hz == pole.offset_hz;
+        self.take(self.search.found().0.poles.iter().position(chosen).unwrap_or(0))
     }
 
     /// Blocks and samples of the spectrum.
-    fn heard(&self) -> (u32, u32) {
+    fn measured(&self) -> (u32, u32) {
         (self.pass.blocks(), self.pass.blocks() * self.block_samples)
     }
 
-    /// Fits the wanted resonance, and with it what else is in the fine pass.
+    /// Fits the chosen resonance, and with it what else is in the fine pass.
     fn begin_fit(&mut self) {
         let mut circuit = Circuit { poles: Vec::new(), ..self.search.found().0.clone() };
         let (centre_hz, half_hz) = (self.pass.centre_hz, 0.5 * self.pass.width_hz);
         // There is room: no more are found than fit in.
-        circuit.poles.extend(self.modes.wanted().map(|(pole, _)| *pole));
+        circuit.poles.extend(self.modes.chosen().map(|(pole, _)| *pole));
         for pole in self.modes.others() {
             let inside = (pole.offset_hz - centre_hz).abs() < half_hz;
             let _ = if inside { circuit.poles.push(*pole) } else { circuit.known.push(*pole) };
         }
-        let (blocks, samples) = self.heard();
+        let (blocks, samples) = self.measured();
         self.search.again(&circuit, blocks, samples);
     }
 

@@ -5,7 +5,7 @@
 //! the voltage, the voltage must be what was played, the current what the capacitance takes, each within a factor.
 //!
 //! It takes 96 blocks from silence, and 1000 and 40 nominal time constants more where something still rings. A swapped pair of channels is known
-//! 4 blocks after the tone is heard, the rest at its end.
+//! 4 blocks after the tone is measured, the rest at its end.
 
 use crate::generate::step::Step;
 use crate::seam::block::{LATENCY_BLOCKS, SenseBlock};
@@ -19,12 +19,12 @@ use crate::sense::demod::Sensed;
 const SILENT_BLOCKS: u32 = 32;
 /// Quiet: the current's rms about its mean is below this part of what the tone will draw, or below so many codes.
 const QUIET: (f32, f32) = (0.25, 16.0);
-/// How long an earlier run may ring, nominal time constants and at least, in blocks. Q may be twice what was told.
+/// How long an earlier run may ring, nominal time constants and at least, in blocks. Q may be twice the nominal one.
 const RING_DOWN: (f32, u32) = (40.0, 1000);
 /// Blocks of the tone, and how many at its end are measured.
 const TONE_BLOCKS: u32 = 64;
 const MEASURED_BLOCKS: u32 = 16;
-/// Blocks of the tone, from its first on, by whose phase swapped channels are told: before the guard finds the voltage implausible.
+/// Blocks of the tone, from its first on, by whose phase swapped channels are recognized: before the guard finds the voltage implausible.
 const PHASE_BLOCKS: u32 = 4;
 /// Smallest amplitude whose phase is judged, codes: noise alone leaves a quarter of one.
 const PHASE_CODES: f32 = 4.0;
@@ -85,7 +85,7 @@ impl SelfTest {
         sensed.i.norm_sqr() > most * most
     }
 
-    /// Mean square of the noise of voltage and current, codes, as heard in silence.
+    /// Mean square of the noise of voltage and current, codes, as measured in silence.
     pub(crate) fn noise(&self) -> (f32, f32) {
         self.noise
     }
@@ -106,7 +106,7 @@ impl SelfTest {
     #[inline(never)]
     pub(crate) fn listen(&mut self, convert: &mut Convert, sense: &SenseBlock, sensed: &Sensed, played: f32) -> Step {
         const TONE_ENDS: u32 = SILENT_BLOCKS + TONE_BLOCKS;
-        const FIRST_HEARD: u32 = SILENT_BLOCKS + LATENCY_BLOCKS as u32;
+        const FIRST_MEASURED: u32 = SILENT_BLOCKS + LATENCY_BLOCKS as u32;
         self.block += 1;
         if !self.quiet {
             return self.wait_for_quiet(convert, sense);
@@ -123,11 +123,11 @@ impl SelfTest {
                 }
                 if n == SILENT_BLOCKS { self.judge_offset(convert) } else { Step::Silence }
             }
-            n if (FIRST_HEARD..FIRST_HEARD + PHASE_BLOCKS).contains(&n) => {
+            n if (FIRST_MEASURED..FIRST_MEASURED + PHASE_BLOCKS).contains(&n) => {
                 self.first.0 += magnitude(sensed.v) / PHASE_BLOCKS as f32;
                 self.first.1 += magnitude(sensed.i) / PHASE_BLOCKS as f32;
                 self.lead += sensed.i * sensed.v.conj();
-                if n + 1 == FIRST_HEARD + PHASE_BLOCKS && self.is_swapped(convert) {
+                if n + 1 == FIRST_MEASURED + PHASE_BLOCKS && self.is_swapped(convert) {
                     return Step::Failed(Fault::SenseSwapped);
                 }
                 self.tone()
@@ -172,8 +172,8 @@ impl SelfTest {
 
     /// Whether the current lags where it must lead.
     fn is_swapped(&self, convert: &Convert) -> bool {
-        let heard = convert.v.codes(self.first.0) > PHASE_CODES && convert.i.codes(self.first.1) > PHASE_CODES;
-        heard && self.lead.im < -self.lead.re.abs()
+        let measured = convert.v.codes(self.first.0) > PHASE_CODES && convert.i.codes(self.first.1) > PHASE_CODES;
+        measured && self.lead.im < -self.lead.re.abs()
     }
 
     fn judge_tone(&self, played: f32) -> Step {

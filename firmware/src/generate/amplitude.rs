@@ -101,16 +101,16 @@ impl AmplitudeLoop {
         self.asked = None;
     }
 
-    /// What is heard next had been rung up by a boost: there is nothing to wait for.
+    /// The next measured block had been rung up by a boost: there is nothing to wait for.
     pub(crate) fn has_rung_up(&mut self) {
         if let Some(asked) = self.asked {
             self.expected = asked;
         }
     }
 
-    /// Follows one block: what is asked for, the mean envelope of the block heard, and the motional current in it.
-    pub(crate) fn update(&mut self, wanted: Amplitude, envelope: f32, motional_current: Phasor) {
-        let asked = match wanted {
+    /// Follows one block: what is asked for, the mean envelope of the measured block, and its motional current.
+    pub(crate) fn update(&mut self, target: Amplitude, envelope: f32, motional_current: Phasor) {
+        let asked = match target {
             Amplitude::Volts(volts) => {
                 self.within = SETTLED.1;
                 volts
@@ -174,7 +174,7 @@ impl AmplitudeLoop {
 
     fn hold(&mut self, amperes: f32, envelope: f32, motional_current: Phasor) -> f32 {
         if self.lag == 0.0 {
-            // Nothing is identified, so nobody knows which voltage that would be.
+            // Nothing is identified, so that the voltage for it is unknown.
             return 0.0;
         }
         let ceiling = up_to(self.limits.current_a, amperes);

@@ -40,9 +40,9 @@ const LONGEST_EDGE: f32 = (1 << 20) as f32;
 /// The envelope of one block.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Envelope<'a> {
-    /// The same throughout.
+    /// A constant envelope.
     Flat(f32),
-    /// Sample by sample.
+    /// An envelope that changes, sample by sample.
     Edge(&'a [f32]),
 }
 
@@ -80,7 +80,7 @@ enum State {
     },
 }
 
-/// The envelope generator.
+/// The generator of the bursts' envelope.
 #[derive(Clone, Debug)]
 pub struct Burst {
     schedule: Schedule,
@@ -168,8 +168,8 @@ impl Burst {
         self.brake
     }
 
-    /// Whether the drive is wanted under this gate at sample `now`.
-    pub(crate) fn is_wanted(&mut self, gate: Gate, now: u64) -> bool {
+    /// Whether this gate requests the drive at sample `now`.
+    pub(crate) fn is_requested(&mut self, gate: Gate, now: u64) -> bool {
         self.gate(gate, now).0
     }
 

@@ -3,7 +3,7 @@
 use crate::seam::config::FrontEnd;
 use crate::seam::error::{Error, in_range};
 
-/// The drive converter: `code = mid + volts / volt_per_lsb`, rounded to nearest. Whoever makes a drive keeps within the headroom.
+/// The drive converter: `code = mid + volts / volt_per_lsb`, rounded to nearest. The caller keeps the drive within the headroom.
 #[derive(Clone, Debug)]
 pub struct DriveScale {
     mid_code: u16,

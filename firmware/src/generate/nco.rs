@@ -84,7 +84,7 @@ impl Phases {
     }
 }
 
-/// The oscillator's phase.
+/// A numerically controlled oscillator: its phase.
 #[derive(Clone, Debug, Default)]
 pub struct Nco {
     phase: u64,

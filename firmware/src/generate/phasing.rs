@@ -8,7 +8,7 @@
 //! sin(theta + offset) = sin(theta) cos(offset) + cos(theta) sin(offset)
 //! ```
 //!
-//! so that a sine's lanes are the rows of a matrix, times one pair a sample. Lanes that no trim tells apart are each other's opposites to the last bit, and
+//! so that a sine's lanes are the rows of a matrix, times one pair a sample. Lanes with the same trim are each other's opposites to the last bit, and
 //! one of the two is written as that.
 
 use heapless::Vec;
@@ -24,7 +24,7 @@ use crate::seam::units::Turns;
 pub(crate) const MAX_QUADRATURE: f32 = 0.25;
 /// Where the lanes stand: turns, and quadratures.
 const OFFSETS: [(f32, f32); MAX_LANES] = [(0.0, 0.0), (0.0, 1.0), (0.5, 0.0), (0.5, 1.0)];
-/// Trims are looked up anew when the frequency has moved by this part of itself.
+/// Trims are looked up again when the frequency has moved by this part of itself.
 const RETRIM: f32 = 1e-4;
 
 /// One lane, ready to be applied.
@@ -32,7 +32,7 @@ const RETRIM: f32 = 1e-4;
 pub struct Lane {
     /// Phase offset, 2^32 a turn.
     pub offset: u32,
-    /// Gain.
+    /// Gain of the lane.
     pub gain: f32,
     /// The gain in the direction of the offset.
     pub row: Phasor,

@@ -3,7 +3,7 @@
 //! | shape | is made | file |
 //! |---|---|---|
 //! | sine | from one rotating phasor, for all lanes | [`sine`] |
-//! | square, sawtooth | by tables of one period, each the sum of as many harmonics as the sample rate carries | `square`, `sawtooth`, `bands` |
+//! | square, sawtooth | by tables of one period, each the sum of as many harmonics as the sample rate permits | `square`, `sawtooth`, `bands` |
 //! | noise | by a filter, from random numbers | `noise` |
 
 pub(crate) mod bands;
@@ -21,11 +21,11 @@ use crate::seam::features::{self, Waveforms};
 /// A waveform, ready to be played.
 #[derive(Clone, Debug)]
 pub enum Shape {
-    /// A sine.
+    /// A sine wave.
     Sine,
     /// A waveform of harmonics.
     Harmonics(Waveforms, &'static Bands),
-    /// A noise.
+    /// A band-limited noise.
     Noise(Waveforms, Noise),
 }
 
@@ -39,7 +39,7 @@ impl Shape {
         }
     }
 
-    /// The configured waveform.
+    /// Builds the configured waveform.
     pub fn build(config: &Config) -> Result<Self, Error> {
         Ok(match config.drive.shape {
             ShapeKind::Sine => Shape::Sine,

@@ -28,7 +28,7 @@ const PAYBACK: (f32, f32) = (32.0, 0.125);
 /// over hours of steady drive is no volt-second of a burst.
 const MOST_OWED: (i32, f32) = (1 << 14, 2.0);
 
-/// The shaper.
+/// The shaper: it turns phase, envelope and amplitude into the codes of all lanes.
 #[derive(Clone, Debug)]
 pub struct Shaper {
     dither: Option<Dither>,
@@ -39,44 +39,44 @@ pub struct Shaper {
     driven: f32,
 }
 
-/// What is to be played.
+/// What a block is to play.
 pub struct Play<'a> {
-    /// The converter.
+    /// Scale of the drive converters.
     pub scale: &'a DriveScale,
-    /// The lanes.
+    /// The lanes, with their offsets and gains.
     pub lanes: &'a Vec<Lane, MAX_LANES>,
-    /// The phase.
+    /// The phase over the block.
     pub stretch: Stretch,
-    /// Samples.
+    /// Number of samples.
     pub samples: usize,
     /// Peak voltage before the envelope, V, and how many times louder the envelope may get.
     pub volts: f32,
-    /// At least one.
+    /// Largest ratio of the envelope to one; at least one.
     pub louder: f32,
-    /// The envelope.
+    /// The envelope over the block.
     pub envelope: Envelope<'a>,
 }
 
 /// How large the waveform may be, codes.
 #[derive(Clone, Copy)]
 struct Size {
-    wanted: f32,
+    target: f32,
     room: f32,
 }
 
 impl Size {
     fn of(play: &Play) -> Self {
-        Size { wanted: play.volts * play.scale.lsb_per_volt(), room: play.scale.headroom() / play.louder }
+        Size { target: play.volts * play.scale.lsb_per_volt(), room: play.scale.headroom() / play.louder }
     }
 
     /// For a lane's gain of one; no more than the converter has room for at the lane's own gain.
     fn at(&self, gain: f32) -> f32 {
-        if self.wanted * gain > self.room { self.room / gain } else { self.wanted }
+        if self.target * gain > self.room { self.room / gain } else { self.target }
     }
 }
 
 impl Shaper {
-    /// The configured shaper.
+    /// Builds the configured shaper.
     pub fn build(config: &Config) -> Self {
         Shaper {
             dither: config.drive.dither.then(|| Dither::new(config.drive.seed)),
@@ -105,9 +105,9 @@ impl Shaper {
             return self.silence(play, drive);
         }
         let size = Size::of(play);
-        self.driven = size.wanted;
+        self.driven = size.target;
         if play.louder > 1.0 && !play.envelope.is_flat() {
-            self.let_owe(size.wanted * play.louder, play.stretch.frequency());
+            self.let_owe(size.target * play.louder, play.stretch.frequency());
         }
         match shape {
             Shape::Sine if play.stretch.step == 0 => self.steady(size, play, drive),
@@ -124,7 +124,7 @@ impl Shaper {
         self.most_owed = ((MOST_OWED.1 * half_cycle).min(1e8) as i32).max(MOST_OWED.0);
     }
 
-    /// A sine of constant frequency. Most blocks are one of the first two, which are kept apart so that neither pays for the other.
+    /// A sine of constant frequency. Most blocks are one of the first two, which are separate so that neither costs the other time.
     fn steady(&mut self, size: Size, play: &Play, drive: &mut DriveBlock) {
         match (&self.dither, play.envelope) {
             (None, Envelope::Flat(1.0)) => self.even(size, play, drive),

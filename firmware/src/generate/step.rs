@@ -10,7 +10,7 @@ use crate::seam::units::Turns;
 pub enum Step {
     /// Silence. The frequency stays where it is.
     Silence,
-    /// A tone.
+    /// A tone for a measurement.
     Tone {
         /// Offset from the nominal frequency, Hz.
         offset_hz: f32,
@@ -33,7 +33,7 @@ pub enum Step {
 /// What is played in the next block, before the burst schedule limits it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Plan {
-    /// Peak voltage, V.
+    /// Peak voltage before the envelope, V.
     pub volts: f32,
     /// When the drive is let through.
     pub(crate) gate: Gate,
@@ -81,12 +81,12 @@ impl Plan {
 /// How a stage of the way to [`Mode::Run`] is getting on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Progress {
-    /// It goes on.
+    /// The stage goes on.
     Busy,
-    /// It is over.
+    /// The stage is complete.
     Done,
-    /// It has to go back to an earlier one.
+    /// The controller has to go back to this earlier stage.
     Back(Mode),
-    /// It has failed.
+    /// The stage has failed with this fault.
     Failed(Fault),
 }

@@ -9,13 +9,13 @@ use crate::generate::sweep::hold::Hold;
 use crate::seam::config::{Config, Sweep as SweepConfig};
 use crate::seam::error::Error;
 
-/// The highest frequency that a sample rate carries, as a part of it.
+/// The highest frequency that a sample rate permits, as a part of it.
 pub(crate) const HIGHEST: f64 = 0.45;
 
 /// The frequency held, and the chirp that departs from it while running.
 #[derive(Clone, Debug)]
 pub struct Sweep {
-    /// The frequency held.
+    /// The constant frequency that is held without a chirp.
     pub hold: Hold,
     chirp: Option<Chirp>,
 }
@@ -36,7 +36,7 @@ impl Sweep {
         self.chirp.is_none()
     }
 
-    /// Begins the chirp anew.
+    /// Restarts the chirp.
     pub(crate) fn restart(&mut self) {
         self.chirp.iter_mut().for_each(Chirp::restart);
     }

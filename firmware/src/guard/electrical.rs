@@ -57,8 +57,8 @@ impl Electrical {
         // Squares are compared: a root takes as long as a period of the lock-in.
         let square = |x: f32| x * x;
         let wrong_voltage = played.is_some_and(|volts| {
-            let heard = sensed.v.norm_sqr();
-            heard > square(volts * VOLTAGE_FACTOR) || heard < square(volts / VOLTAGE_FACTOR)
+            let measured = sensed.v.norm_sqr();
+            measured > square(volts * VOLTAGE_FACTOR) || measured < square(volts / VOLTAGE_FACTOR)
         });
         let no_current = played.is_some_and(|volts| sensed.i.norm_sqr() < square(OPEN_PART * self.clamped_siemens * volts));
         let count = |counter: u32, wrong: bool| if wrong { counter.saturating_add(1) } else { 0 };
@@ -72,14 +72,20 @@ impl Electrical {
         let Suspect { v: look_at_v, i: look_at_i } = suspect;
         let clipped = |scale: &SenseScale, codes: &Codes| scale.clipped(codes) * CLIPPED_PART > self.samples;
         let over_current = look_at_i && convert.i.beyond(&sense.i, self.current_limit) >= OVER_CURRENT_SAMPLES;
-        match () {
-            () if missed || cut => Some(Fault::LateBlock),
-            () if look_at_v && clipped(&convert.v, &sense.v) => Some(Fault::SenseSaturated),
-            () if tripped || over_current => Some(Fault::OverCurrent),
-            () if look_at_i && clipped(&convert.i, &sense.i) => Some(Fault::SenseSaturated),
-            () if self.wrong_voltage >= IMPLAUSIBLE_BLOCKS => Some(Fault::SensorImplausible),
-            () if self.no_current >= IMPLAUSIBLE_BLOCKS => Some(Fault::LoadOpen),
-            () => None,
+        if missed || cut {
+            Some(Fault::LateBlock)
+        } else if look_at_v && clipped(&convert.v, &sense.v) {
+            Some(Fault::SenseSaturated)
+        } else if tripped || over_current {
+            Some(Fault::OverCurrent)
+        } else if look_at_i && clipped(&convert.i, &sense.i) {
+            Some(Fault::SenseSaturated)
+        } else if self.wrong_voltage >= IMPLAUSIBLE_BLOCKS {
+            Some(Fault::SensorImplausible)
+        } else if self.no_current >= IMPLAUSIBLE_BLOCKS {
+            Some(Fault::LoadOpen)
+        } else {
+            None
         }
     }
 }

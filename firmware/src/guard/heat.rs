@@ -3,7 +3,7 @@
 //! The hottest counts: what the sensor at the driver says, and what the stack says of itself. A stack is its own thermometer: a kelvin
 //! moves its series resonance by `hz_per_k` and its clamped capacitance by a part `c0_per_k`, both of which the tracker measures. What
 //! they were when the stack was first locked counts as the temperature of the board then, or `ambient_c` without such a sensor; that
-//! is kept until power-off. A load moves the resonance, too, and makes it a thermometer of some kelvin; the capacitance does not
+//! is retained until power-off. A load moves the resonance, too, and makes it a thermometer of some kelvin; the capacitance does not
 //! feel the load, and is known to 1 %.
 //!
 //! From [`DERATE_K`] below `limits.temperature_c` on, the amplitude asked for falls along a straight line to a tenth at the limit, where it
@@ -37,7 +37,7 @@ pub(crate) struct Heat {
     most_c: f32,
     kelvin_per_hz: f32,
     kelvin_per_part: f32,
-    /// As the board's sensor said last, or as was told.
+    /// Last reading of the board's sensor; before the first, the configured ambient temperature.
     board_c: f32,
     /// The stack when it was first measured, and its temperature then.
     cold: Option<(Thermometers, f32)>,
@@ -55,13 +55,13 @@ pub(crate) struct Heat {
 impl Heat {
     /// A watch that keeps the configured limits, by the configured coefficients.
     pub(crate) fn build(config: &Config, block_s: f32) -> Self {
-        let (limits, told) = (&config.limits, &config.thermometer);
+        let (limits, thermometer) = (&config.limits, &config.thermometer);
         let inverse = |per_k: f32| if per_k == 0.0 { 0.0 } else { 1.0 / per_k };
         Heat {
             most_c: limits.temperature_c,
-            kelvin_per_hz: inverse(told.hz_per_k),
-            kelvin_per_part: inverse(told.c0_per_k),
-            board_c: told.ambient_c,
+            kelvin_per_hz: inverse(thermometer.hz_per_k),
+            kelvin_per_part: inverse(thermometer.c0_per_k),
+            board_c: thermometer.ambient_c,
             cold: None,
             stack_c: f32::NEG_INFINITY,
             by_heat: 1.0,
@@ -85,7 +85,7 @@ impl Heat {
         self.stack_c = cold_c + by_resonance.max(by_capacitance);
     }
 
-    /// Whether the stack has told its temperature.
+    /// Whether the temperature of the stack is known.
     pub(super) fn knows_the_stack(&self) -> bool {
         self.cold.is_some()
     }

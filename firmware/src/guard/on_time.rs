@@ -18,7 +18,7 @@ impl OnTime {
         OnTime { most: (on_time_s / block_s) as u32, on: 0 }
     }
 
-    /// Takes one block.
+    /// Takes one block, and returns a fault if the drive was ON for too long.
     pub fn inspect(&mut self, driving: bool) -> Option<Fault> {
         self.on = if driving { self.on.saturating_add(1) } else { self.on.saturating_sub(1) };
         (self.on > self.most).then_some(Fault::OnTimeExceeded)

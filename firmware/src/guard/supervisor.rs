@@ -16,14 +16,14 @@ use crate::seam::config::TrackingMode;
 use crate::seam::fault::Fault;
 use crate::seam::mode::Mode;
 
-/// How a run comes to its frequency.
+/// How a run finds its frequency.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Acquisition {
-    /// It is told.
+    /// At the nominal frequency.
     Nominal,
-    /// By a scan.
+    /// At a resonance that a scan finds.
     Scanned,
-    /// By an observer, which needs the clamped branch.
+    /// At the estimate of an observer, which needs the clamped branch.
     Observed,
 }
 
@@ -131,7 +131,7 @@ impl Supervisor {
         }
     }
 
-    /// The order is carried out.
+    /// The order is executed.
     fn end(&mut self, orders: &Orders) -> Mode {
         self.done = Some(orders.attempt);
         Mode::Idle

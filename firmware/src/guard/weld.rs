@@ -7,7 +7,7 @@
 //! ```
 //!
 //! Thesis 3.2.3.1: where the belt ceases to move, the energy suffices to weld it. A layer of 100 um of nylon melts within 7.3 ms of 2.5 kW
-//! (`sim-host validate guard`), so that the drive must be OFF within 5 ms. The damping of the resonance cannot tell: what a stop changes of it is less
+//! (`sim-host validate guard`), so that the drive must be OFF within 5 ms. The damping of the resonance does not show it: what a stop changes of it is less
 //! than what it is known to (docs/guard.md).
 
 pub mod belt_motion;
@@ -26,7 +26,7 @@ use crate::sense::belt::Belt;
 /// What is driven in a block.
 #[derive(Clone, Copy, Debug)]
 pub struct Driving<'a> {
-    /// Whether anything is.
+    /// Whether the block is driven.
     pub driving: bool,
     /// Electrical power into the stack, W.
     pub power_w: f32,
@@ -66,8 +66,8 @@ impl Weld {
             return None;
         }
         let Driving { driving: on, power_w, driven } = *driving;
-        let motion = self.motion.step(belt, driven.stage, on, driven.wanted);
-        self.mutes = self.motion.is_muted() && driven.wanted;
+        let motion = self.motion.step(belt, driven.stage, on, driven.requested);
+        self.mutes = self.motion.is_muted() && driven.requested;
         let energy = self.energy.step(power_w, belt.fresh_counts());
         let force = self.force.step(force, on, driven.full, driven.asked);
         motion.or(energy).or(force)
@@ -78,7 +78,7 @@ impl Weld {
         self.motion.is_muted()
     }
 
-    /// Whether it is also wanted.
+    /// Whether a drive is requested while it is muted.
     pub(crate) fn mutes(&self) -> bool {
         self.mutes
     }

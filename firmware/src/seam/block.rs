@@ -21,12 +21,12 @@ pub const LATENCY_BLOCKS: usize = 2;
 /// Converter codes of one channel over one block.
 pub type Codes = Vec<u16, MAX_BLOCK_SAMPLES>;
 
-/// What the slow side wants, latched at the start of each block.
+/// Orders of the background task, latched at the start of each block.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Orders {
     /// Rises by one with every new order, so that a report says which order it obeys.
     pub sequence: u32,
-    /// What to do.
+    /// The state that the controller is asked for.
     pub request: Request,
     /// Rises by one with every order to scan, to calibrate or to run, so that what is done is repeated only if it is ordered again.
     pub attempt: u32,
@@ -39,7 +39,7 @@ pub struct Orders {
     /// How far lanes 1 and 3 lead lanes 0 and 2: a quarter turn forward, minus a quarter in reverse, zero a standing wave, and speeds in
     /// between. `None` is the configured direction.
     pub quadrature: Option<Turns>,
-    /// What is wanted of the friction; `None` is the configured target. Nothing where no friction switch is configured.
+    /// Set point of the friction; `None` is the configured target. It has no effect where no friction switch is configured.
     pub friction: Option<Target>,
     /// Torso mass of the occupant, kg, as the seat has read it; `None` where it has not.
     pub torso_kg: Option<f32>,
@@ -54,7 +54,7 @@ pub struct Orders {
 /// What the controller is asked to do.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Request {
-    /// Stay silent.
+    /// Stay silent, without a fault.
     #[default]
     Idle,
     /// Self-test and scan, then fall silent again with the transducer identified.
@@ -71,7 +71,7 @@ pub enum Gate {
     /// As the configured burst schedule says.
     #[default]
     Scheduled,
-    /// Always.
+    /// The drive is always on.
     On,
     /// Never; the frequency is held.
     Off,
@@ -99,17 +99,17 @@ impl Amplitude {
     }
 }
 
-/// What is wanted of the friction.
+/// Set point of the friction.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Target {
-    /// This part of the friction without vibration, 0 to 1.
+    /// A part of the friction without vibration, 0 to 1.
     Ratio(f32),
-    /// This friction, N. Needs a force sensor.
+    /// A friction force, N. Needs a force sensor.
     Force(f32),
 }
 
 impl Target {
-    /// A number that can be wanted.
+    /// Whether the target is a finite number and not negative.
     pub fn is_plausible(&self) -> bool {
         match *self {
             Target::Ratio(ratio) => (0.0..=1.0).contains(&ratio),
@@ -125,7 +125,7 @@ pub struct SenseBlock {
     pub v: Codes,
     /// Current codes, sampled with the voltage.
     pub i: Codes,
-    /// The slow readings.
+    /// Readings that change slowly.
     pub slow: SlowSense,
 }
 
@@ -153,7 +153,7 @@ pub struct BeltSense {
     pub broken: bool,
 }
 
-/// Protection that acts in hardware, faster than a block, and tells the controller afterwards.
+/// Protection that acts in hardware, faster than a block, and is reported to the controller afterwards.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Trips {
     /// The comparator on the current sense has fired.

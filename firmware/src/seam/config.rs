@@ -60,15 +60,15 @@ pub struct Config {
     pub lanes: u8,
     /// What a converter code is worth.
     pub front_end: FrontEnd,
-    /// The drive.
+    /// Frequency, amplitude and waveform of the drive.
     pub drive: Drive,
     /// What the frequency does while running.
     pub sweep: Sweep,
     /// Lane offsets and trims.
     pub phasing: Phasing,
-    /// The ON/OFF schedule.
+    /// Schedule of the bursts.
     pub burst: Burst,
-    /// How the frequency is found and kept.
+    /// How the frequency is found and tracked.
     pub tracking: Tracking,
     /// The stack as a thermometer of itself.
     pub thermometer: Thermometer,

@@ -25,7 +25,7 @@ pub enum Error {
     NoiseWithTracking,
     /// A noise has no frequency that could be swept.
     NoiseWithSweep,
-    /// A chirp between two frequencies goes where it is told, not where the resonance is.
+    /// A chirp between two frequencies follows its own course, not the resonance.
     ChirpAgainstTracking,
     /// A chirp about the resonance needs one that is tracked.
     ResonanceWithoutTracking,

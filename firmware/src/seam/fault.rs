@@ -22,7 +22,7 @@ macro_rules! numbered {
             /// All of them, by their numbers.
             pub const ALL: &'static [Self] = &[$(Self::$variant),*];
 
-            /// The number.
+            /// Number of the fault.
             pub fn code(self) -> u8 {
                 self as u8
             }
@@ -143,6 +143,6 @@ numbered! {
     RatioUnreachable = 103, "the friction asked for is out of reach", "ask for a higher ratio, or survey the contact";
     /// The limits leave too little above the drive for a boosted edge, which then ends below its level; or it is left out beside the resonance.
     BoostLimited = 104, "the limits leave too little for a boosted edge", "less amplitude, a higher limit, or a hard edge";
-    /// The seat has read no torso mass, or one that cannot be: nobody is classified as light, and friction stays HIGH in a crash.
+    /// The seat has read no torso mass, or one that cannot be: no occupant is classified as light, and friction stays HIGH in a crash.
     RestraintUnclassified = 105, "the seat has not said who sits in it", "look at the seat's sensor";
 }

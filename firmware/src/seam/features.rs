@@ -1,4 +1,4 @@
-//! What an image carries of the controller, by Cargo features: a part that is left out takes no flash.
+//! Parts of the controller that Cargo features enable: a part that is left out takes no flash.
 //!
 //! | feature | the parts | without it |
 //! |---|---|---|
@@ -10,20 +10,20 @@
 
 use crate::seam::error::Error;
 
-/// The token of a part that is not left out.
+/// The token of an enabled part.
 #[derive(Clone, Copy, Debug)]
-pub struct Carried;
+pub struct Enabled;
 
 /// The token of the other waveforms.
 #[cfg(feature = "waveforms")]
-pub type Waveforms = Carried;
+pub type Waveforms = Enabled;
 /// The token of the other waveforms: there is none.
 #[cfg(not(feature = "waveforms"))]
 pub type Waveforms = core::convert::Infallible;
 
 /// The token of what decides on friction.
 #[cfg(feature = "friction")]
-pub type Friction = Carried;
+pub type Friction = Enabled;
 /// The token of what decides on friction: there is none.
 #[cfg(not(feature = "friction"))]
 pub type Friction = core::convert::Infallible;
@@ -31,7 +31,7 @@ pub type Friction = core::convert::Infallible;
 /// For a waveform that is no sine, or a chirp.
 pub fn waveforms() -> Result<Waveforms, Error> {
     #[cfg(feature = "waveforms")]
-    return Ok(Carried);
+    return Ok(Enabled);
     #[cfg(not(feature = "waveforms"))]
     return Err(Error::LeftOut { parameter: "drive.shape or sweep", feature: "waveforms" });
 }
@@ -39,7 +39,7 @@ pub fn waveforms() -> Result<Waveforms, Error> {
 /// For a friction switch or a restraint.
 pub fn friction() -> Result<Friction, Error> {
     #[cfg(feature = "friction")]
-    return Ok(Carried);
+    return Ok(Enabled);
     #[cfg(not(feature = "friction"))]
     return Err(Error::LeftOut { parameter: "friction or restraint", feature: "friction" });
 }

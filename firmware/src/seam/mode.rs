@@ -13,7 +13,7 @@ pub enum Mode {
     SelfTest,
     /// Looking for the resonance.
     Scan,
-    /// Pulling in.
+    /// Acquiring the lock.
     Lock,
     /// Driving, by the burst schedule.
     Run,

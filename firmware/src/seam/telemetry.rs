@@ -1,4 +1,4 @@
-//! What a block reports. Leaves sideways, by value; the slow side thins it out and sends it.
+//! Telemetry: the report of a block. The background task thins it out and sends it.
 
 use serde::{Deserialize, Serialize};
 
@@ -33,13 +33,13 @@ pub struct Telemetry {
     pub drive: Volts,
     /// Mean envelope of the codes returned, 0 to 1.
     pub envelope: f32,
-    /// Voltage phasor of the block heard, V peak, relative to the drive that was played in it.
+    /// Voltage phasor of the measured block, V peak, relative to the drive that was played in it.
     pub v: Phasor,
-    /// Current phasor of the block heard, A peak.
+    /// Current phasor of the measured block, A peak.
     pub i: Phasor,
-    /// Motional current of the block heard, A peak.
+    /// Motional current of the measured block, A peak.
     pub motional_current: Phasor,
-    /// Phase that the tracker drives to zero, of the block heard.
+    /// Phase that the tracker drives to zero, of the measured block.
     pub phase: Turns,
     /// The transducer, once identified.
     pub transducer: Option<Transducer>,
@@ -52,7 +52,7 @@ pub struct Telemetry {
 /// What the switch believes of the contact.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct FrictionEstimate {
-    /// The survey is over, and has found the contact; if not, it is as told.
+    /// The survey is over, and has found the contact; if not, the contact is the nominal one.
     pub identified: bool,
     /// Friction ratio, by the law and the tip velocity that is measured.
     pub ratio: f32,

@@ -80,11 +80,11 @@ pub struct Deviations {
 /// One of the resonances that a scan has found.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Resonance {
-    /// Series resonance, Hz.
+    /// Series resonance of this mode, Hz.
     pub hz: f32,
-    /// Quality factor.
+    /// Quality factor of this mode.
     pub q: f32,
-    /// Motional inductance, H.
+    /// Motional inductance of this mode, H.
     pub lm_h: f32,
     /// Motional conductance at the resonance, S.
     pub conductance_s: f32,
@@ -97,7 +97,7 @@ pub struct Listed {
     pub place: u8,
     /// Number of resonances in the list.
     pub of: u8,
-    /// The resonance.
+    /// The resonance at this place.
     pub resonance: Resonance,
 }
 

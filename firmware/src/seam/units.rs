@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-/// Frequency in hertz.
+/// A frequency in hertz.
 #[derive(Clone, Copy, Debug, PartialEq, PartialOrd, Default, Serialize, Deserialize)]
 pub struct Hertz(pub f32);
 
@@ -19,7 +19,7 @@ pub struct Amperes(pub f32);
 pub struct Turns(pub f32);
 
 impl Turns {
-    /// The same angle in degrees.
+    /// The angle in degrees.
     pub fn degrees(self) -> f32 {
         self.0 * 360.0
     }

@@ -1,4 +1,4 @@
-//! The belt, as its encoder tells it: how far it has paid out, how fast it is, and whether what lies under the tip is new.
+//! The belt, as its encoder measures it: how far it has paid out, how fast it is, and whether what lies under the tip is new.
 //!
 //! Payout is counts times metres a count. **New ground** is a count further out than the belt has been since it was last drawn back by
 //! `PLAY_M`: a belt that swings to and fro by less than that stays where it is, as far as the heat in it goes.
@@ -12,24 +12,24 @@ use crate::seam::config::Config;
 
 /// How far a belt is drawn back before its way out counts as new again, m: a fifth of a contact of 10 mm.
 pub(crate) const PLAY_M: f32 = 2e-3;
-/// The same where nobody has said what a count is worth, in counts.
+/// The same where the length of a count is not configured, in counts.
 const PLAY_COUNTS: i32 = 200;
 /// The speed is measured over so long, s,
 const SPEED_S: f32 = 5e-3;
 /// or over so many counts.
 const SPEED_COUNTS: i32 = 200;
 
-/// The belt.
+/// The belt: its position and speed, from the counts of its encoder.
 #[derive(Clone, Debug)]
 pub struct Belt {
-    /// Zero where nobody has said.
+    /// Length of a count, m; zero where it is not configured.
     metre_per_count: f32,
     block_s: f32,
     play: i32,
     speed_blocks: u32,
-    /// There is an encoder: it was told of, or has been heard.
+    /// There is an encoder: it is configured, or has been read.
     expected: bool,
-    heard: Option<Counter>,
+    counter: Option<Counter>,
     /// New ground in the last block, counts.
     fresh: u32,
     /// Blocks since there was any.
@@ -55,16 +55,16 @@ impl Belt {
         Belt::of(config.front_end.metre_per_count.unwrap_or(0.0), block_s)
     }
 
-    /// A belt of which a count is worth so many metres; zero where nobody has said, and then there is an encoder only if it is heard.
+    /// A belt of which a count is worth so many metres; zero where that is not configured, and then there is an encoder only if it is read.
     pub(crate) fn of(metre_per_count: f32, block_s: f32) -> Self {
-        let told = metre_per_count > 0.0;
+        let configured = metre_per_count > 0.0;
         Belt {
             metre_per_count,
             block_s,
-            play: if told { (PLAY_M / metre_per_count) as i32 } else { PLAY_COUNTS },
+            play: if configured { (PLAY_M / metre_per_count) as i32 } else { PLAY_COUNTS },
             speed_blocks: (SPEED_S / block_s) as u32,
-            expected: told,
-            heard: None,
+            expected: configured,
+            counter: None,
             fresh: 0,
             still: 0,
         }
@@ -77,25 +77,25 @@ impl Belt {
         }
         self.expected = true;
         self.fresh = 0;
-        match (sense.filter(|sense| !sense.broken), &mut self.heard) {
-            (None, heard) => *heard = None,
-            (Some(sense), Some(heard)) => {
-                self.fresh = heard.advance(sense.counts, self.play);
-                heard.measure(self.speed_blocks);
+        match (sense.filter(|sense| !sense.broken), &mut self.counter) {
+            (None, counter) => *counter = None,
+            (Some(sense), Some(counter)) => {
+                self.fresh = counter.advance(sense.counts, self.play);
+                counter.measure(self.speed_blocks);
             }
-            (Some(sense), heard) => *heard = Some(Counter::from(sense.counts)),
+            (Some(sense), counter) => *counter = Some(Counter::from(sense.counts)),
         }
         self.still = if self.fresh > 0 { 0 } else { self.still.saturating_add(1) };
     }
 
-    /// Whether there is an encoder: one was told of, or has been heard.
+    /// Whether there is an encoder: one is configured, or has been read.
     pub(crate) fn is_expected(&self) -> bool {
         self.expected
     }
 
     /// Whether there should be an encoder and is none, or one with a broken line.
     pub(crate) fn is_lost(&self) -> bool {
-        self.expected && self.heard.is_none()
+        self.expected && self.counter.is_none()
     }
 
     /// New ground in the last block, counts.
@@ -110,8 +110,8 @@ impl Belt {
 
     /// Its speed, m/s, to a per cent; less than zero as it is drawn back. `None` while it is not known.
     pub(crate) fn speed_m_per_s(&self) -> Option<f32> {
-        let heard = self.heard.filter(|_| self.metre_per_count > 0.0)?;
-        Some(heard.limited_speed()? * self.metre_per_count / self.block_s)
+        let counter = self.counter.filter(|_| self.metre_per_count > 0.0)?;
+        Some(counter.limited_speed()? * self.metre_per_count / self.block_s)
     }
 }
 
@@ -134,7 +134,7 @@ impl Counter {
         beyond.max(0) as u32
     }
 
-    /// Measures the speed anew at an edge, if the last one was long enough ago.
+    /// Measures the speed again at an edge, if the last one was long enough ago.
     fn measure(&mut self, blocks: u32) {
         let moved = self.last.wrapping_sub(self.anchor);
         if self.since_edge == 0 && (self.since_anchor >= blocks || moved.unsigned_abs() >= SPEED_COUNTS as u32) {

@@ -111,11 +111,11 @@ impl SenseScale {
 /// All converters of the front end.
 #[derive(Clone, Debug)]
 pub struct Convert {
-    /// Voltage sense.
+    /// Scale of the voltage channel.
     pub v: SenseScale,
-    /// Current sense.
+    /// Scale of the current channel.
     pub i: SenseScale,
-    /// Drive.
+    /// Scale of the drive converters.
     pub drive: DriveScale,
 }
 

@@ -16,7 +16,7 @@
 //! s(n) = x(n) + 2 cos(omega) s(n - 1) - s(n - 2),    r = exp(-j theta(N - 1)) (s(N - 1) - exp(-j omega) s(N - 2))
 //! ```
 //!
-//! The same walk over the codes tells the [guard](crate::guard) where it need not look: with `E = sum x^2 - Re{X conj(r)}`, the energy that the
+//! The same pass over the codes shows the [guard](crate::guard) where it need not look: with `E = sum x^2 - Re{X conj(r)}`, the energy that the
 //! tone leaves unexplained, no sample is larger than `|X| + sqrt(E)`.
 
 use crate::generate::nco::Stretch;
@@ -40,9 +40,9 @@ pub struct Sensed {
 /// Whether codes of a block may be an end of the converter's range, or beyond the channel's limit.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Suspect {
-    /// Of the voltage.
+    /// Codes of the voltage channel may be.
     pub v: bool,
-    /// Of the current.
+    /// Codes of the current channel may be.
     pub i: bool,
 }
 
@@ -62,7 +62,7 @@ pub fn demodulate(convert: &Convert, sense: &SenseBlock, tone: &Stretch) -> (Sen
     let half = sine::rotation(span / 2);
     let middle = sine::rotation(tone.phase.wrapping_add(span / 2).wrapping_sub(tone.word / 2)).conj();
     let last = sine::rotation(tone.phase.wrapping_add(span).wrapping_sub(tone.word)).conj();
-    // Where the block shows so little of a period that the fit cannot tell sine from cosine, the guard looks for itself.
+    // Where the block shows so little of a period that the fit cannot distinguish sine from cosine, the guard looks for itself.
     let image = middle * middle * (2.0 * half.im * half.re / (turn.im * count));
     let scale = 2.0 / (count * (1.0 - image.norm_sqr()));
     let blind = image.norm_sqr() > BLIND;
@@ -127,19 +127,6 @@ mod tests {
     use crate::seam::config::FrontEnd;
     use crate::seam::phasor::{argument, magnitude};
 
-    const FRONT_END: FrontEnd = FrontEnd {
-        volt_per_lsb: 0.01,
-        ampere_per_lsb: 0.002,
-        sense_mid_code: 2048,
-        sense_max_code: 4095,
-        drive_volt_per_lsb: 0.01,
-        drive_mid_code: 2048,
-        drive_max_code: 4095,
-        drive_lanes: 4,
-        metre_per_count: None,
-        force_hz: None,
-    };
-
     fn tone(amplitude: f64, turns: f64, hz: f64, samples: usize) -> Codes {
         let wave = |n: usize| amplitude * libm::cos(core::f64::consts::TAU * (turns + hz * 1e-6 * n as f64));
         (0..samples).map(|n| libm::round(2048.0 + wave(n)) as u16).collect()
@@ -147,7 +134,7 @@ mod tests {
 
     #[test]
     fn finds_amplitude_and_phase_at_any_block_length_and_frequency() {
-        let convert = Convert::build(&FRONT_END).unwrap();
+        let convert = Convert::build(&FrontEnd::OF_TESTS).unwrap();
         for samples in [16, 25, 32, 50, 64] {
             for hz in [20_000.0, 40_000.0, 40_400.0, 61_234.5] {
                 let phase = 0.123_f64;
@@ -171,7 +158,7 @@ mod tests {
     /// One code at an end of the range is never overlooked, wherever it stands and however large the tone is.
     #[test]
     fn no_code_out_of_order_is_overlooked() {
-        let mut convert = Convert::build(&FRONT_END).unwrap();
+        let mut convert = Convert::build(&FrontEnd::OF_TESTS).unwrap();
         convert.i.set_limit(3.0);
         let played = Stretch { phase: tuning_word(0.3), word: tuning_word(0.0404), step: 0 };
         for amplitude in [0.0, 10.0, 700.0, 1400.0] {

@@ -2,7 +2,7 @@
 //! `I_m = I - Y0(f) V`, with `Y0(f) = g0 + j b0 f / f0`.
 //!
 //! Plain V-I phase has no zero at all once `M = 1 / (omega C0 Rm) < 2`, which is where a loaded stack works; the motional
-//! phase always has one, at the series resonance. `Y0` also carries what the images of a zero-order-hold DAC add to the
+//! phase always has one, at the series resonance. `Y0` also includes what the images of a zero-order-hold DAC add to the
 //! current through C0, so it is measured in place (`crate::find::identify`) and not computed from C0.
 
 use crate::seam::phasor::Phasor;

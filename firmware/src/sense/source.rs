@@ -2,13 +2,13 @@
 //!
 //! `g` is what amplifier, hold and delay make of the drive, loaded by the clamped capacitance; `z` is the source's impedance, so loaded. Both are
 //! fitted by least squares to all blocks that are driven throughout: in a ring-up the current changes under a constant drive. Where none has been
-//! heard for long, `z` is what it was.
+//! measured for long, `z` is what it was.
 //!
 //! The source damps what rings: in the frame of the drive `I_m' = -alpha I_m + beta V` becomes `I_m' = -(alpha + beta z) I_m + beta g u`.
 
 use crate::seam::phasor::Phasor;
 
-/// Blocks after which what was heard counts for half.
+/// Blocks after which earlier measurements count for half.
 const MEMORY: u32 = 1024;
 /// Part of the current that must have changed by itself for an impedance to be known.
 const CHANGED: f32 = 1e-3;
@@ -51,8 +51,8 @@ impl Source {
         let part = 1.0 / self.drive;
         let by_itself = self.current - part * self.drive_current.norm_sqr();
         if by_itself > CHANGED * self.current {
-            let told = self.drive_voltage * self.drive_current.conj() * part - self.voltage_current;
-            self.impedance = told / by_itself;
+            let correlation = self.drive_voltage * self.drive_current.conj() * part - self.voltage_current;
+            self.impedance = correlation / by_itself;
         }
         Some(((self.drive_voltage + self.impedance * self.drive_current) * part, self.impedance))
     }
@@ -74,7 +74,7 @@ mod tests {
         let near = |(got_g, got_z): (Phasor, Phasor)| (got_g - g).norm_sqr() < 1e-8 && (got_z - z).norm_sqr() < 1e-8;
         // Measured: 6e-7 of either.
         assert!(near(source.seen().unwrap()), "{:?}", source.seen());
-        // A steady drive tells nothing new, and takes nothing away.
+        // A steady drive adds no information, and removes none.
         for _ in 0..20_000 {
             update(&mut source, 3.0, Phasor::new(-0.3, -0.8));
         }

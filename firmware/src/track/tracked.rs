@@ -171,7 +171,7 @@ impl Track {
     fn retry_lock(&mut self, fault: Fault) -> Progress {
         match self.tracker.retry_lock(fault == Fault::LossOfLock) {
             Some(Retry::Nearby | Retry::Window) => Progress::Back(Mode::Lock),
-            Some(Retry::Anew) => Progress::Back(Mode::SelfTest),
+            Some(Retry::Calibrate) => Progress::Back(Mode::SelfTest),
             Some(Retry::Scan) => Progress::Back(Mode::Scan),
             None => Progress::Failed(fault),
         }

@@ -1,6 +1,6 @@
 //! Phasors to frequency: keeps the drive at the resonance while it moves.
 //!
-//! The motional current is taken out of the total ([`Motional`]). The [`observer`] tells the resonance from how it changes, as far as it is
+//! The motional current is taken out of the total ([`Motional`]). The [`observer`] estimates the resonance from how it changes, as far as it is
 //! believed; or the phase of one of the two currents is driven to zero by `phase_loop`, and `lock_detector` says whether to
 //! believe that. The motional phase, of which the observer knows nothing, is also the judge of the observer. In between the tracker decides
 //! when there is a phase to measure: not while the envelope is at an edge or the stack rings up, and not when it does not ring at all.
@@ -38,7 +38,7 @@ const LOCK_TIMEOUT: (u32, f32) = (2000, 50.0);
 /// Where a scan has found the resonance, it is within this part of the bandwidth.
 const SCANNED: f32 = 0.1;
 /// Longest time under drive without hearing anything, in the same terms.
-const UNHEARD: (u32, f32) = (500, 20.0);
+const UNMEASURED: (u32, f32) = (500, 20.0);
 
 /// Which phase is driven to zero.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -49,24 +49,24 @@ enum PhaseDetector {
     Total,
 }
 
-/// How the lock is.
+/// State of the lock.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum State {
-    /// Not yet.
+    /// The lock is being acquired.
     Seeking,
-    /// Locked.
+    /// The tracker is locked.
     Locked,
-    /// Locked when it was last heard, which is long ago: the bursts are too short.
-    Unheard,
-    /// It was locked, and is no more.
+    /// Locked when it was last measured, which is long ago: the bursts are too short.
+    Unmeasured,
+    /// The lock was lost.
     Lost,
-    /// The observer is sure of itself, and the motional phase says otherwise.
+    /// The observer has converged, and the motional phase disagrees.
     Disagree,
-    /// It has taken too long.
+    /// The lock was not acquired in time.
     TimedOut,
 }
 
-/// What was played in the block that is heard.
+/// What was played in the measured block.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PlayedBlock {
     /// Frequency, as an offset from the nominal one, Hz.
@@ -75,9 +75,9 @@ pub struct PlayedBlock {
     pub volts: f32,
     /// The envelope, where it was the same throughout.
     pub envelope: Option<f32>,
-    /// It was a sine: harmonics leak into the lock-in, by another part in every block.
+    /// The drive was a sine: harmonics leak into the lock-in, by another part in every block.
     pub pure: bool,
-    /// The envelope was one throughout.
+    /// The envelope was one throughout the block.
     pub on: bool,
     /// There was drive at all.
     pub driven: bool,
@@ -85,7 +85,7 @@ pub struct PlayedBlock {
     pub rung_up: bool,
 }
 
-/// The tracker.
+/// The tracker of the resonance.
 #[derive(Clone, Debug)]
 pub struct Tracker {
     detector: Option<PhaseDetector>,
@@ -100,12 +100,12 @@ pub struct Tracker {
     rm_ohm: f32,
     /// `2 pi tau`: how much a hertz of detuning is of the phase's own scale, 1/Hz.
     turn_per_hz: f32,
-    /// Blocks heard since the envelope is one, and how many of them it waits.
+    /// Blocks measured since the envelope is one, and how many of them it waits.
     on_blocks: u32,
     ring_up_blocks: u32,
-    /// Blocks under drive since anything was heard, and how many that may be.
-    unheard_blocks: u32,
-    unheard_limit: u32,
+    /// Blocks under drive since the phase was measured last, and how many that may be.
+    unmeasured_blocks: u32,
+    unmeasured_limit: u32,
     /// Blocks since it was seeded, and how many a lock may take; without an observer, which counts for itself.
     blocks: u32,
     timeout_blocks: u32,
@@ -134,8 +134,8 @@ impl Tracker {
             turn_per_hz: 0.0,
             on_blocks: 0,
             ring_up_blocks: 0,
-            unheard_blocks: 0,
-            unheard_limit: 0,
+            unmeasured_blocks: 0,
+            unmeasured_limit: 0,
             blocks: 0,
             timeout_blocks: 0,
         })
@@ -160,7 +160,7 @@ impl Tracker {
         self.observed.is_some()
     }
 
-    /// Lets the observer begin on a transducer that nobody has seen ring yet.
+    /// Lets the observer begin on a transducer that was never driven yet.
     pub fn observe(&mut self, branch: Motional, known: Known, prior: &Prior) {
         (self.motional, self.known) = (branch, known);
         self.restart_clock(prior.q / (core::f32::consts::PI * self.nominal_hz * self.block_s));
@@ -210,7 +210,7 @@ impl Tracker {
         }
     }
 
-    /// Takes a clamped branch that was measured anew, and the standard deviation of its capacitance, relative.
+    /// Takes a clamped branch that was measured again, and the standard deviation of its capacitance, relative.
     pub(crate) fn set_branch(&mut self, branch: Motional, deviation: f32) {
         let c0_f = branch.y0.im / (core::f32::consts::TAU * self.nominal_hz);
         (self.motional, self.known.c0_f) = (branch, (c0_f, deviation * c0_f));
@@ -228,7 +228,7 @@ impl Tracker {
     fn restart_clock(&mut self, tau_blocks: f32) {
         let limit = |(blocks, time_constants): (u32, f32)| blocks + (time_constants * tau_blocks) as u32;
         self.lock.restart(tau_blocks);
-        (self.unheard_blocks, self.unheard_limit) = (0, limit(UNHEARD));
+        (self.unmeasured_blocks, self.unmeasured_limit) = (0, limit(UNMEASURED));
         (self.blocks, self.timeout_blocks) = (0, limit(LOCK_TIMEOUT));
     }
 
@@ -251,30 +251,30 @@ impl Tracker {
     }
 
     /// Follows one block. `at_lock_point` is its motional current at the lock point. Returns the phase that is driven to
-    /// zero, which is zero where nothing was heard.
-    pub fn follow(&mut self, sensed: &Sensed, motional_current: Phasor, at_lock_point: Phasor, heard: &PlayedBlock) -> Turns {
+    /// zero, which is zero where nothing was measured.
+    pub fn follow(&mut self, sensed: &Sensed, motional_current: Phasor, at_lock_point: Phasor, played: &PlayedBlock) -> Turns {
         let Some(detector) = self.detector else { return Turns(0.0) };
-        self.unheard_blocks = self.unheard_blocks.saturating_add(heard.driven.into());
-        self.on_blocks = if heard.on { self.on_blocks.saturating_add(1) } else { 0 };
-        if heard.rung_up && heard.on {
+        self.unmeasured_blocks = self.unmeasured_blocks.saturating_add(played.driven.into());
+        self.on_blocks = if played.on { self.on_blocks.saturating_add(1) } else { 0 };
+        if played.rung_up && played.on {
             self.on_blocks = self.on_blocks.max(self.ring_up_blocks + 1);
         }
         let fits = self.lock.agrees();
         if let Some(observed) = &mut self.observed {
-            observed.follow(motional_current, sensed.v, heard, fits);
+            observed.follow(motional_current, sensed.v, played, fits);
         } else {
             self.blocks = self.blocks.saturating_add(1);
         }
-        if self.on_blocks <= self.ring_up_blocks || !heard.on {
+        if self.on_blocks <= self.ring_up_blocks || !played.on {
             self.phase_loop.hold();
             return Turns(0.0);
         }
-        self.unheard_blocks = 0;
+        self.unmeasured_blocks = 0;
         let rings = match self.observed.as_ref().filter(|observed| observed.is_confident()) {
             // A load that comes down leaves less of the current than what it was identified by.
-            Some(observed) => observed.observer().rings(at_lock_point, RINGS_ABOVE, heard.volts),
+            Some(observed) => observed.observer().rings(at_lock_point, RINGS_ABOVE, played.volts),
             None => {
-                let above = RINGS_ABOVE * heard.volts / self.rm_ohm;
+                let above = RINGS_ABOVE * played.volts / self.rm_ohm;
                 at_lock_point.norm_sqr() > above * above
             }
         };
@@ -303,7 +303,7 @@ impl Tracker {
 
     /// How the lock is.
     pub fn state(&self) -> State {
-        let locked = if self.unheard_blocks > self.unheard_limit { State::Unheard } else { State::Locked };
+        let locked = if self.unmeasured_blocks > self.unmeasured_limit { State::Unmeasured } else { State::Locked };
         match (&self.observed, self.lock.state()) {
             (Some(observed), Lock::Lost) if observed.is_confident() && !self.limited() => State::Disagree,
             (Some(_), Lock::Lost) | (None, Lock::Lost) => State::Lost,

@@ -5,7 +5,7 @@ use firmware::seam::block::BeltSense;
 /// The pace is the mean over so many blocks.
 const PACE_BLOCKS: u32 = 1024;
 
-/// The encoder as it has been heard.
+/// The encoder, as it has been read.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Encoder {
     last: BeltSense,

@@ -80,10 +80,12 @@ impl Session {
     /// not cut short by a client that only reads.
     pub fn agree_on_host_timeout(&mut self) -> Result<(), LinkError> {
         let configured = report(parameter("link.patience_s")?, &mut self.client)?;
-        if matches!(configured.kept, StoredState::Partly | StoredState::Refused | StoredState::Damaged | StoredState::Version(_))
-        {
+        if matches!(
+            configured.stored,
+            StoredState::Partly | StoredState::Refused | StoredState::Damaged | StoredState::Version(_)
+        ) {
             // All further commands meet other settings than were stored.
-            self.client.note(&words::stored(configured.kept));
+            self.client.note(&words::stored(configured.stored));
         }
         let requested_s = if self.options.stay { Some(0.0) } else { self.options.host_timeout_s };
         let host_timeout_s = requested_s.unwrap_or(configured.acts);

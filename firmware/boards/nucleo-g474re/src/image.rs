@@ -30,7 +30,7 @@ use defmt_rtt as _;
 use firmware::board::app::{self, App};
 use firmware::board::capture::memory::Memory;
 use firmware::board::power_up::PowerUp;
-use firmware::board::queues::{HotEnds, Queues, SlowEnds};
+use firmware::board::queues::{BackgroundEnds, BlockEnds, Queues};
 use firmware::board::settings::Settings;
 use firmware::board::start::Start;
 use firmware::seam::fault::Fault;
@@ -95,7 +95,7 @@ type Background = App<'static, Link, Enable, Stop, IndependentWatchdog, Pages>;
 /// afterwards.
 #[inline(never)]
 fn build(
-    (hot_ends, slow_ends): (HotEnds<'static>, SlowEnds<'static>),
+    (hot_ends, slow_ends): (BlockEnds<'static>, BackgroundEnds<'static>),
     enable: Enable,
     stop: Stop,
     start: Start,

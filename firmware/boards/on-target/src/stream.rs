@@ -15,7 +15,7 @@ pub const IDLE_BLOCKS: u32 = 20;
 /// Blocks in all: 96 ms, of which the last 35 are bursts with the tracker locked.
 pub const BLOCKS: u32 = 3000;
 
-/// What was played.
+/// Result of playing a stream.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Played {
     /// Of every code played and every code sensed (FNV-1a, 64 bits).
@@ -26,7 +26,7 @@ pub struct Played {
     pub driven: u32,
 }
 
-/// Plays it, each block by way of `each`, which is told the block's number and must call once what it is given.
+/// Plays it, each block by way of `each`, which receives the block's number and must call its argument once.
 pub fn play(mut each: impl FnMut(u32, &mut dyn FnMut())) -> Result<Played, Error> {
     let mut controller = Controller::build(&config(TrackingMode::Observer, 1, SAMPLES))?;
     let mut playing = [controller.silence(), controller.silence()];

@@ -20,11 +20,11 @@ const CALIBRATION_TURNS: u32 = 50_000;
 const CALIBRATION_TICKS: u32 = 16_800;
 const CALIBRATION_TOLERANCE: u32 = 4;
 
-/// The timer.
+/// A hardware timer of the emulated board, as a counter of instructions.
 pub struct Counter;
 
 impl Counter {
-    /// Starts the timer.
+    /// Starts the timer, and returns its counter.
     pub fn start() -> Self {
         // Taken once only; afterwards it runs already.
         if let Some(mut peripherals) = Peripherals::take() {
@@ -51,7 +51,7 @@ impl Counter {
         self.since(before)
     }
 
-    /// The timer.
+    /// Present count of the timer.
     pub fn now(&self) -> u32 {
         SYST::get_current()
     }

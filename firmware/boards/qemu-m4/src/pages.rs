@@ -1,4 +1,4 @@
-//! A flash in RAM, for what is kept over power-off: a word is written once after each erase of its page, and can only lose bits.
+//! A flash in RAM, for the stored settings: a word is written once after each erase of its page, and can only lose bits.
 //!
 //! It forgets when the emulator ends. What a cut of power leaves is tried on the host (`hal-mock`).
 
@@ -12,14 +12,14 @@ pub const PAGE_BYTES: usize = 2048;
 const WORD_BYTES: usize = 8;
 const ERASED: u8 = 0xff;
 
-/// The flash.
+/// A flash of a few pages in RAM.
 #[repr(C)]
 pub struct Pages {
     bytes: [u8; PAGES * PAGE_BYTES],
 }
 
 impl Pages {
-    /// An erased one.
+    /// An erased flash.
     pub const fn new() -> Self {
         Pages { bytes: [ERASED; PAGES * PAGE_BYTES] }
     }

@@ -29,7 +29,7 @@ impl Pipes {
         lockstep::receive(&mut self.buffer, |bytes| self.from_host.read(bytes)).map_err(|_| "the host's pipe fails")
     }
 
-    /// Sends a record.
+    /// Sends a record to the host.
     pub fn send(&mut self, record: &impl Record) -> Result<(), &'static str> {
         let bytes = lockstep::encode(record, &mut self.buffer).map_err(|_| "a record is too long")?;
         self.to_host.write_all(bytes).map_err(|_| "the pipe to the host fails")

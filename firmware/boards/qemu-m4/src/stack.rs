@@ -38,7 +38,7 @@ fn end() -> usize {
 #[inline(never)]
 pub fn paint() {
     for address in (end()..msp::read() as usize - MARGIN).step_by(WORD) {
-        // SAFETY: RAM between the static variables and the stack, which nobody owns: no function is called while it is painted, and no
+        // SAFETY: RAM between the static variables and the stack, which no variable owns: no function is called while it is painted, and no
         // interrupt is enabled that would be lower than the margin.
         unsafe { ptr::write_volatile(ptr::with_exposed_provenance_mut::<u32>(address), PAINT) };
     }

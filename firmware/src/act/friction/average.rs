@@ -4,15 +4,15 @@
 #[derive(Clone, Copy, Debug)]
 pub(super) struct LowPass {
     gain: f32,
-    /// Its value; before the first one, what was told.
+    /// The filtered value; before the first sample, the nominal one.
     pub value: f32,
     begun: bool,
 }
 
 impl LowPass {
     /// With this part of the difference a block, and this value until there is another.
-    pub(super) fn new(gain: f32, told: f32) -> Self {
-        LowPass { gain: if gain < 1.0 { gain } else { 1.0 }, value: told, begun: false }
+    pub(super) fn new(gain: f32, nominal: f32) -> Self {
+        LowPass { gain: if gain < 1.0 { gain } else { 1.0 }, value: nominal, begun: false }
     }
 
     /// Takes a value; what is not a number is left out.

@@ -87,7 +87,7 @@ struct Way {
     reach: f32,
     /// `1 - exp(-2A)`: how much of a difference in friction the way takes off; and what is left of it.
     forgotten: f32,
-    kept: f32,
+    retained: f32,
     integral: f32,
 }
 
@@ -96,7 +96,7 @@ impl Way {
         let mut way = Way { half, sine, cosine, kappa, ..Way::default() };
         way.exponent = kappa * way.slip(half).0;
         way.forgotten = -libm::expm1f(-2.0 * way.exponent);
-        way.kept = 1.0 - way.forgotten;
+        way.retained = 1.0 - way.forgotten;
         way.reach = way.reach();
         way
     }
@@ -116,19 +116,19 @@ impl Way {
         }
         // The slip is convex up to its middle, which is beyond the cut: from there Newton's method comes down without a jump. A guess from the
         // quadratic, which forward is too far and backward too near, is as good a beginning where the way is long.
-        let wanted = CUT / self.kappa;
-        let mut u = libm::sqrtf(2.0 * wanted / self.sine).min(self.half);
+        let target = CUT / self.kappa;
+        let mut u = libm::sqrtf(2.0 * target / self.sine).min(self.half);
         for _ in 0..CUT_STEPS {
             let (slip, slope) = self.slip(u);
-            u = (u - (slip - wanted) / slope.max(f32::MIN_POSITIVE)).clamp(0.0, self.half);
+            u = (u - (slip - target) / slope.max(f32::MIN_POSITIVE)).clamp(0.0, self.half);
         }
         u
     }
 
     fn add(&mut self, nodes: &[(f32, f32)]) {
         for &(at, weight) in nodes {
-            let kept = libm::expf(-self.kappa * self.slip(self.reach * at).0);
-            self.integral += self.reach * weight * (kept + self.kept / kept);
+            let retained = libm::expf(-self.kappa * self.slip(self.reach * at).0);
+            self.integral += self.reach * weight * (retained + self.retained / retained);
         }
     }
 }
@@ -148,11 +148,14 @@ impl Evaluation {
     /// Begins to evaluate the ratio at a velocity ratio and a kappa, neither below zero. What is not a number is no vibration.
     pub(crate) fn new(xi: f32, kappa: f32) -> Self {
         let xi = xi.abs();
-        let known = match () {
-            () if xi.is_nan() || xi >= 1.0 => Some(1.0),
-            () if kappa.is_nan() || kappa < NO_MEMORY_LOST => Some(limit(xi)),
-            () if kappa >= NO_MEMORY => Some(coulomb(xi)),
-            () => None,
+        let known = if xi.is_nan() || xi >= 1.0 {
+            Some(1.0)
+        } else if kappa.is_nan() || kappa < NO_MEMORY_LOST {
+            Some(limit(xi))
+        } else if kappa >= NO_MEMORY {
+            Some(coulomb(xi))
+        } else {
+            None
         };
         Evaluation { xi, ways: [Way { kappa, ..Way::default() }; 2], step: 0, known }
     }
@@ -188,7 +191,7 @@ impl Evaluation {
         let [forward, backward] = &self.ways;
         let (a, b) = (forward.forgotten, backward.forgotten);
         // 1 - exp(-2 (A + B)), without a difference.
-        let both = a + b * forward.kept;
+        let both = a + b * forward.retained;
         let difference = a * backward.integral - b * forward.integral;
         let ratio = coulomb(self.xi) + difference / (PI * both);
         if ratio < 1.0 { ratio } else { 1.0 }

@@ -36,7 +36,7 @@ const SMALL_STEP: f32 = 1e-3;
 /// Friction at one amplitude.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Observation {
-    /// Sliding speed, as measured or told, m/s.
+    /// Sliding speed, measured or nominal, m/s.
     pub(crate) speed_m_per_s: f32,
     /// Tip velocity, by the nominal force factor, m/s.
     pub(crate) tip_m_per_s: f32,
@@ -56,7 +56,7 @@ pub(crate) struct Contact {
 }
 
 impl Contact {
-    /// As told: nothing is identified.
+    /// The nominal contact: nothing is identified yet.
     pub(crate) fn nominal(dahl_length_m: f32) -> Self {
         Contact { dahl_length_m, scale: 1.0, length_deviation: LENGTH.1 }
     }
@@ -74,7 +74,7 @@ struct Trial {
 enum Stage {
     /// One of the lengths to begin at.
     Beginning(u32),
-    /// A derivative.
+    /// A trial for the derivative by one of the parameters.
     Slope(usize),
     /// A step from the best.
     Trial,
@@ -270,8 +270,8 @@ mod tests {
         let of = |n: i32| {
             let tip = 0.038 / (0.22 + 0.0075 * n as f32);
             let truth = friction_ratio(0.038 / tip, tip / (OMEGA * length));
-            let told = contact.scale * 0.038 / scale / tip;
-            (friction_ratio(told, tip / (OMEGA * contact.dahl_length_m)) - truth).abs()
+            let nominal = contact.scale * 0.038 / scale / tip;
+            (friction_ratio(nominal, tip / (OMEGA * contact.dahl_length_m)) - truth).abs()
         };
         (0..=100).map(of).fold(0.0, f32::max)
     }

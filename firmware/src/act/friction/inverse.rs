@@ -1,4 +1,4 @@
-//! The inverse law: the velocity ratio at which the friction is what is wanted, a piece at a time.
+//! The inverse law: the velocity ratio that gives a target friction ratio, calculated a piece at a time.
 //!
 //! Of a contact at a given sliding speed, velocity ratio and kappa are not independent: `kappa = lambda / xi` with
 //!
@@ -14,12 +14,12 @@
 
 use super::dahl::Evaluation;
 
-/// A solution is one within this of the wanted ratio.
+/// A solution deviates from the target ratio by less than this.
 const NEAR: f32 = 1e-4;
 /// Evaluations that are enough for any contact: see the tests.
 const MOST_EVALUATIONS: u32 = 24;
 
-/// What is found.
+/// Solution of the inverse law.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Solution {
     /// Velocity ratio Vt / Vv to drive at.
@@ -33,10 +33,10 @@ pub struct Solution {
 /// A solution that is being sought.
 #[derive(Clone, Debug)]
 pub(crate) struct Inverse {
-    wanted: f32,
+    target: f32,
     lambda: f32,
     floor: f32,
-    /// `u` and what the ratio there is above the wanted one: not below zero, and below it.
+    /// `u`, and the excess of the ratio there over the target: at a place where the excess is not negative, and at one where it is.
     above: (f32, f32),
     below: (f32, f32),
     /// Where the ratio is being evaluated, and how.
@@ -54,25 +54,25 @@ enum Side {
 }
 
 impl Inverse {
-    /// Begins to seek where the ratio is `wanted`, for `xi` from `least_xi`, that of the loudest drive, to one. What is not a number is one.
-    pub(crate) fn new(wanted: f32, lambda: f32, least_xi: f32) -> Self {
-        let wanted = if wanted < 1.0 { wanted } else { 1.0 };
+    /// Begins to seek where the ratio is `target`, for `xi` from `least_xi`, that of the maximum amplitude, to one. What is not a number is one.
+    pub(crate) fn new(target: f32, lambda: f32, least_xi: f32) -> Self {
+        let target = if target < 1.0 { target } else { 1.0 };
         let least_xi = if least_xi < 1.0 { least_xi.max(0.0) } else { 1.0 };
         let at = libm::sqrtf(1.0 - least_xi);
         let evaluation = evaluation(at, lambda);
-        let above = (0.0, 1.0 - wanted);
-        Inverse { wanted, lambda, floor: 1.0, above, below: (at, 0.0), at, evaluation, evaluations: 0, replaced: None }
+        let above = (0.0, 1.0 - target);
+        Inverse { target, lambda, floor: 1.0, above, below: (at, 0.0), at, evaluation, evaluations: 0, replaced: None }
     }
 
     /// Goes on by one step; the solution, once it is found.
     pub(crate) fn step(&mut self) -> Option<Solution> {
         let ratio = self.evaluation.step()?;
-        let excess = ratio - self.wanted;
+        let excess = ratio - self.target;
         self.evaluations += 1;
         if self.evaluations == 1 {
             self.floor = ratio;
             if excess >= -NEAR || self.above.1 <= NEAR {
-                // The loudest is not enough, or just so; or nothing at all is wanted.
+                // The maximum amplitude is not enough, or just so; or the target is no reduction at all.
                 let xi = if excess >= -NEAR { 1.0 - self.at * self.at } else { 1.0 };
                 return Some(Solution { xi, ratio: if excess >= -NEAR { ratio } else { 1.0 }, floor: ratio });
             }
@@ -113,8 +113,8 @@ fn evaluation(u: f32, lambda: f32) -> Evaluation {
 }
 
 /// The solution, at once.
-pub fn solve(wanted: f32, lambda: f32, least_xi: f32) -> Solution {
-    let mut inverse = Inverse::new(wanted, lambda, least_xi);
+pub fn solve(target: f32, lambda: f32, least_xi: f32) -> Solution {
+    let mut inverse = Inverse::new(target, lambda, least_xi);
     loop {
         if let Some(solution) = inverse.step() {
             return solution;
@@ -132,16 +132,16 @@ mod tests {
     }
 
     #[test]
-    fn the_ratio_there_is_the_wanted_one() {
+    fn the_solution_has_the_ratio_that_was_asked_for() {
         for lambda in lambdas() {
             for least_xi in [0.0, 0.05, 0.217, 0.6, 0.95] {
                 for n in 1..100 {
-                    let wanted = 0.01 * n as f32;
-                    let solution = solve(wanted, lambda, least_xi);
+                    let target = 0.01 * n as f32;
+                    let solution = solve(target, lambda, least_xi);
                     let ratio = friction_ratio(solution.xi, lambda / solution.xi);
-                    assert!((least_xi - 1e-6..=1.0).contains(&solution.xi), "{wanted} {lambda} {least_xi}: {solution:?}");
-                    if wanted >= solution.floor {
-                        assert!((ratio - wanted).abs() <= 1.01 * NEAR, "{wanted} {lambda} {least_xi}: {solution:?} {ratio}");
+                    assert!((least_xi - 1e-6..=1.0).contains(&solution.xi), "{target} {lambda} {least_xi}: {solution:?}");
+                    if target >= solution.floor {
+                        assert!((ratio - target).abs() <= 1.01 * NEAR, "{target} {lambda} {least_xi}: {solution:?} {ratio}");
                     } else {
                         assert!((solution.xi - least_xi).abs() < 1e-6 && solution.ratio == solution.floor, "{solution:?}");
                     }
@@ -179,15 +179,15 @@ mod tests {
     fn what_cannot_be_is_the_nearest_that_can() {
         let loudest = solve(0.05, 0.3, 0.2);
         assert!((loudest.xi - 0.2).abs() < 1e-6 && loudest.ratio > 0.05 && loudest.ratio == loudest.floor, "{loudest:?}");
-        for wanted in [1.0, 1.5, f32::NAN, f32::INFINITY] {
-            let silent = solve(wanted, 0.3, 0.2);
-            assert!(silent.xi == 1.0 && silent.ratio == 1.0 && silent.floor < 0.5, "{wanted}: {silent:?}");
+        for target in [1.0, 1.5, f32::NAN, f32::INFINITY] {
+            let silent = solve(target, 0.3, 0.2);
+            assert!(silent.xi == 1.0 && silent.ratio == 1.0 && silent.floor < 0.5, "{target}: {silent:?}");
         }
         for least_xi in [1.0, 3.0, f32::NAN, f32::INFINITY] {
             assert_eq!(solve(0.3, 0.3, least_xi), Solution { xi: 1.0, ratio: 1.0, floor: 1.0 }, "{least_xi}");
         }
-        for wanted in [-1.0, 0.0, f32::NEG_INFINITY] {
-            assert!((solve(wanted, 0.3, 0.2).xi - 0.2).abs() < 1e-6, "{wanted}");
+        for target in [-1.0, 0.0, f32::NEG_INFINITY] {
+            assert!((solve(target, 0.3, 0.2).xi - 0.2).abs() < 1e-6, "{target}");
         }
         // A speed of zero leaves nothing to slide, and no kappa.
         assert!(solve(0.5, 0.0, 0.0).xi > 0.0 && solve(0.5, f32::NAN, 0.2).ratio <= 1.0);

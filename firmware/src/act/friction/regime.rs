@@ -4,7 +4,7 @@
 //!
 //! * by **amplitude**, at the velocity ratio that the inverse law says. It takes the least power, and is exact within a carrier period.
 //! * by **bursts** of the loudest drive, whose ratio is the floor `r_on`: `r = 1 - (1 - r_on) (on + dead)`, with the ON time and the dead time as
-//!   parts of the period. It can be told by duties from a fifth to 0.85; beyond, an edge is as long as what is left.
+//!   parts of the period. This holds for duties from a fifth to 0.85; beyond, an edge is as long as what is left.
 //!
 //! Close to the velocity threshold, where the tip is hardly faster than the belt, the friction of a stiff contact falls by twice the part by
 //! which the velocity ratio is wrong: 0.04 for 2 %. There bursts are the better way, where their duty allows it.
@@ -20,7 +20,7 @@ const DUTIES: (f32, f32) = (0.2, 0.85);
 const MARGIN: f32 = 0.03;
 /// Velocity ratio from which bursts are better, and below which they are not any more.
 const THRESHOLD: (f32, f32) = (0.9, 0.85);
-/// A wanted ratio is refused if it is so much below the floor.
+/// A target ratio is refused if it is below the floor by more than this.
 const TOLERANCE: f32 = 2e-3;
 /// Without authority, it is believed to have come back below this velocity ratio of the loudest drive.
 const REGAINED: f32 = 0.98;
@@ -37,12 +37,12 @@ pub(crate) enum Regime {
     Bursts(f32),
 }
 
-/// Why the ratio is not what is wanted.
+/// Why the friction ratio misses its target.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Short {
     /// The belt is faster than the tip can be.
     NoAuthority,
-    /// It is below the floor, above one, or not a number.
+    /// The target is below the floor, above one, or not a number.
     Unreachable,
 }
 
@@ -65,29 +65,33 @@ impl Choice {
         self.regime
     }
 
-    /// Why it is not what is wanted.
+    /// Why the friction ratio misses its target; `None` if it does not.
     pub(crate) fn short(&self) -> Option<Short> {
         self.short
     }
 
-    /// Chooses for a wanted ratio: `least_xi` is the velocity ratio of the loudest drive, and `dead` the dead time of bursts as a part of their
+    /// Chooses for a target ratio: `least_xi` is the velocity ratio of the maximum amplitude, and `dead` the dead time of bursts as a part of their
     /// period, if there can be any.
-    pub(crate) fn choose(&mut self, wanted: f32, least_xi: f32, solution: &Solution, dead: Option<f32>) {
+    pub(crate) fn choose(&mut self, target: f32, least_xi: f32, solution: &Solution, dead: Option<f32>) {
         let gone = self.short == Some(Short::NoAuthority);
         let authority = least_xi < if gone { REGAINED } else { 1.0 };
-        (self.regime, self.short) = match () {
-            () if wanted == 1.0 => (Regime::Silent, None),
-            () if wanted.is_nan() || wanted > 1.0 => (Regime::Silent, Some(Short::Unreachable)),
-            () if !authority => (Regime::Silent, Some(Short::NoAuthority)),
-            () if wanted < solution.floor - TOLERANCE => (Regime::Amplitude(least_xi), Some(Short::Unreachable)),
-            () => (self.between(wanted, solution, dead), None),
+        (self.regime, self.short) = if target == 1.0 {
+            (Regime::Silent, None)
+        } else if target.is_nan() || target > 1.0 {
+            (Regime::Silent, Some(Short::Unreachable))
+        } else if !authority {
+            (Regime::Silent, Some(Short::NoAuthority))
+        } else if target < solution.floor - TOLERANCE {
+            (Regime::Amplitude(least_xi), Some(Short::Unreachable))
+        } else {
+            (self.between(target, solution, dead), None)
         };
     }
 
-    fn between(&self, wanted: f32, solution: &Solution, dead: Option<f32>) -> Regime {
+    fn between(&self, target: f32, solution: &Solution, dead: Option<f32>) -> Regime {
         let by_amplitude = Regime::Amplitude(solution.xi);
         let Some(dead) = dead else { return by_amplitude };
-        let on = (1.0 - wanted) / (1.0 - solution.floor) - dead;
+        let on = (1.0 - target) / (1.0 - solution.floor) - dead;
         let bursting = matches!(self.regime, Regime::Bursts(_));
         let margin = if bursting { MARGIN } else { 0.0 };
         let possible = (DUTIES.0 - margin..=DUTIES.1 + margin).contains(&on);
@@ -112,7 +116,7 @@ mod tests {
         }
     }
 
-    /// Up and down through all ratios: the mean is what is wanted, on either side of every change, and each way is changed once only.
+    /// Up and down through all ratios: the mean ratio is the target on either side of every change, and each regime is left once only.
     #[test]
     fn the_mean_does_not_jump() {
         for (prefer, changes) in [(Prefer::Amplitude, 4), (Prefer::Bursts, 4)] {
@@ -120,15 +124,15 @@ mod tests {
                 let mut choice = Choice::new(prefer);
                 let mut changed = 0;
                 let up_and_down = (0..=2000).map(|n| 0.5e-3 * (n.min(2000 - n) * 2) as f32);
-                for wanted in up_and_down {
-                    let solution = solve(wanted, lambda, LEAST_XI);
+                for target in up_and_down {
+                    let solution = solve(target, lambda, LEAST_XI);
                     let before = core::mem::discriminant(&choice.regime);
-                    choice.choose(wanted, LEAST_XI, &solution, Some(0.04));
+                    choice.choose(target, LEAST_XI, &solution, Some(0.04));
                     changed += u32::from(before != core::mem::discriminant(&choice.regime));
                     let got = mean(choice.regime, lambda, 0.04);
-                    let reachable = wanted >= solution.floor - TOLERANCE;
-                    assert!((got - wanted.max(solution.floor)).abs() < 2.1e-3, "{wanted} {lambda}: {choice:?} {got}");
-                    assert_eq!(choice.short, (!reachable).then_some(Short::Unreachable), "{wanted} {lambda}");
+                    let reachable = target >= solution.floor - TOLERANCE;
+                    assert!((got - target.max(solution.floor)).abs() < 2.1e-3, "{target} {lambda}: {choice:?} {got}");
+                    assert_eq!(choice.short, (!reachable).then_some(Short::Unreachable), "{target} {lambda}");
                 }
                 // Out of silence and into it again, besides.
                 assert!(changed <= changes + 3, "{prefer:?} {lambda}: {changed}");
@@ -145,9 +149,9 @@ mod tests {
             let mut choice = Choice::new(Prefer::Bursts);
             let mut changed = 0;
             for n in 0..1000 {
-                let wanted = 1.0 - (1.0 - floor) * (duty + if n % 2 == 0 { 0.01 } else { -0.01 });
+                let target = 1.0 - (1.0 - floor) * (duty + if n % 2 == 0 { 0.01 } else { -0.01 });
                 let before = core::mem::discriminant(&choice.regime);
-                choice.choose(wanted, LEAST_XI, &solve(wanted, lambda, LEAST_XI), Some(0.0));
+                choice.choose(target, LEAST_XI, &solve(target, lambda, LEAST_XI), Some(0.0));
                 changed += u32::from(before != core::mem::discriminant(&choice.regime));
             }
             assert!(changed <= 2, "{duty}: {changed}");
@@ -158,8 +162,8 @@ mod tests {
     fn what_cannot_be_says_so() {
         let solution = solve(0.3, 1.0, LEAST_XI);
         let mut choice = Choice::new(Prefer::Amplitude);
-        let mut chosen = |wanted, least_xi, solution: &Solution| {
-            choice.choose(wanted, least_xi, solution, None);
+        let mut chosen = |target, least_xi, solution: &Solution| {
+            choice.choose(target, least_xi, solution, None);
             (choice.regime(), choice.short())
         };
         assert_eq!(chosen(1.0, LEAST_XI, &solution), (Regime::Silent, None));

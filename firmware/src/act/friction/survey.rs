@@ -1,4 +1,4 @@
-//! What there is to be known of the contact, measured in place while running: the friction without vibration, at three amplitudes, and, where
+//! Identification of the contact in place, while running: the friction without vibration, at three amplitudes, and, where
 //! there are bursts, at half duty.
 //!
 //! ```text
@@ -9,7 +9,7 @@
 //! does not matter, but its zero does: an offset of 1 % of the friction is 0.01 in a ratio near zero. The softer amplitudes lie where the inverse
 //! law is used: the last at a velocity ratio of 0.85, the other half way in between.
 //!
-//! Bursts are told by how much their friction is lower than their ON time says, as a time that is added to each: the **dead time**, of edges,
+//! Bursts are described by how much their friction is lower than their ON time implies, as a time that is added to each: the **dead time**, of edges,
 //! of the contact's own memory and of gates that wait for a passage through zero.
 
 use heapless::Vec;
@@ -37,7 +37,7 @@ pub(crate) struct Reading {
 /// What is to be played meanwhile.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Play {
-    /// Nothing.
+    /// The drive is silent.
     Silence,
     /// This tip velocity, m/s.
     Tip(f32),
@@ -61,13 +61,13 @@ pub(crate) struct Found {
 /// How a survey is getting on.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Progress {
-    /// It goes on, with this.
+    /// The survey goes on, with this drive.
     Busy(Play),
-    /// It is over.
+    /// The survey is over, with this result.
     Found(Found),
-    /// No force was heard: there is no sensor.
-    Unheard,
-    /// What was heard cannot be friction.
+    /// No force was measured: there is no sensor.
+    NoForce,
+    /// The measured force cannot be friction.
     Implausible,
 }
 
@@ -91,11 +91,11 @@ struct Means {
 }
 
 impl Means {
-    fn take(&mut self, heard: &Reading) {
+    fn take(&mut self, reading: &Reading) {
         self.blocks += 1;
-        self.tip += heard.tip_m_per_s;
-        self.speed += heard.speed_m_per_s;
-        if let Some(force) = heard.force_n.filter(|force| force.is_finite()) {
+        self.tip += reading.tip_m_per_s;
+        self.speed += reading.speed_m_per_s;
+        if let Some(force) = reading.force_n.filter(|force| force.is_finite()) {
             self.forces += 1;
             self.force += force;
         }
@@ -155,13 +155,13 @@ impl Survey {
     }
 
     /// Takes one block.
-    pub(crate) fn step(&mut self, heard: &Reading) -> Progress {
+    pub(crate) fn step(&mut self, reading: &Reading) -> Progress {
         if self.place == Place::Fit {
             return self.fitted();
         }
         self.blocks += 1;
         if self.blocks > self.settle_blocks {
-            self.means.take(heard);
+            self.means.take(reading);
         }
         let average_blocks = self.burst_blocks.filter(|_| self.place == Place::Bursts).unwrap_or(self.average_blocks);
         if self.blocks < self.settle_blocks + average_blocks {
@@ -171,7 +171,7 @@ impl Survey {
         self.blocks = 0;
         match means.force_n() {
             Some(force) => self.conclude(&means, force),
-            None => Progress::Unheard,
+            None => Progress::NoForce,
         }
     }
 
@@ -251,7 +251,7 @@ mod tests {
 
     const OMEGA: f32 = 2.0 * core::f32::consts::PI * 40e3;
 
-    /// A survey of a contact of 0.5 um whose force is told by `force`: what is played, and the true friction.
+    /// A survey of a contact of 0.5 um whose measured force is a function of what is played and of the true friction.
     fn survey(bursts: bool, force: impl Fn(Play, f32) -> Option<f32>) -> (Progress, u32) {
         let mut survey = Survey::new(OMEGA, 0.175, 20, 100, bursts.then_some(120));
         let mut play = Play::Silence;
@@ -264,9 +264,9 @@ mod tests {
             let ratio = if tip > 0.0 { friction_ratio(0.038 / tip, tip / (OMEGA * 0.5e-6)) } else { 1.0 };
             // A dead time of 0.03 of the period.
             let ratio = if play == Play::Bursts { 1.0 - (TRIAL_DUTY + 0.03) * (1.0 - ratio) } else { ratio };
-            let heard = Reading { speed_m_per_s: 0.038, tip_m_per_s: tip, force_n: force(play, 0.144 * ratio) };
+            let reading = Reading { speed_m_per_s: 0.038, tip_m_per_s: tip, force_n: force(play, 0.144 * ratio) };
             survey.work();
-            match survey.step(&heard) {
+            match survey.step(&reading) {
                 Progress::Busy(Play::Same) => {}
                 Progress::Busy(next) => play = next,
                 over => return (over, n),
@@ -298,8 +298,8 @@ mod tests {
 
     #[test]
     fn what_is_no_friction_is_refused() {
-        assert_eq!(survey(false, |_, _| None).0, Progress::Unheard);
-        assert_eq!(survey(false, |_, _| Some(f32::NAN)).0, Progress::Unheard);
+        assert_eq!(survey(false, |_, _| None).0, Progress::NoForce);
+        assert_eq!(survey(false, |_, _| Some(f32::NAN)).0, Progress::NoForce);
         assert_eq!(survey(false, |_, _| Some(0.0)).0, Progress::Implausible);
         let louder = |play, force: f32| Some(if matches!(play, Play::Tip(_)) { 2.0 } else { force });
         assert_eq!(survey(false, louder).0, Progress::Implausible);

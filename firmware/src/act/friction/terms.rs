@@ -1,22 +1,22 @@
-//! What the switch is asked, what it hears, what it orders, and what it believes.
+//! Quantities of the friction switch: its measurements, its set point, and its estimate.
 
-/// What is to be played.
+/// Set point of the drive, from the friction switch.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Wanted {
-    /// Nothing.
+pub enum SetPoint {
+    /// The drive is silent.
     Silence,
-    /// This motional current, A.
+    /// A motional current, A peak.
     Current(f32),
-    /// This motional current, A, for so many samples of each burst.
+    /// A motional current during part of each burst period.
     Bursts {
-        /// Peak, A.
+        /// Motional current, A peak.
         amperes: f32,
         /// ON time of a burst, samples.
         on_samples: f32,
     },
 }
 
-/// What one block has to say.
+/// Measurements of one block that the friction switch uses.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Sensed {
     /// Belt speed, m/s; none without a sensor.

@@ -44,14 +44,14 @@ struct Bench {
     length: f32,
     coulomb_n: f32,
     sensor: f32,
-    wanted: Wanted,
+    set_point: SetPoint,
     tip: f32,
 }
 
 impl Bench {
     fn new(config: &Config, length: f32, sensor: f32) -> Self {
         let switch = FrictionSwitch::build(config, 32e-6).unwrap().unwrap();
-        Bench { switch, speed: 0.038, length, coulomb_n: 0.144, sensor, wanted: Wanted::Silence, tip: 0.0 }
+        Bench { switch, speed: 0.038, length, coulomb_n: 0.144, sensor, set_point: SetPoint::Silence, tip: 0.0 }
     }
 
     /// The true ratio of what is played, over whole bursts.
@@ -60,17 +60,17 @@ impl Bench {
             let tip = amperes / FORCE_FACTOR;
             friction_ratio(self.speed / tip, tip / (OMEGA * self.length))
         };
-        match self.wanted {
-            Wanted::Silence => 1.0,
-            Wanted::Current(amperes) => of(amperes),
-            Wanted::Bursts { amperes, on_samples } => 1.0 - (1.0 - of(amperes)) * (on_samples / PERIOD as f32 + 0.02),
+        match self.set_point {
+            SetPoint::Silence => 1.0,
+            SetPoint::Current(amperes) => of(amperes),
+            SetPoint::Bursts { amperes, on_samples } => 1.0 - (1.0 - of(amperes)) * (on_samples / PERIOD as f32 + 0.02),
         }
     }
 
     fn block(&mut self, order: Option<Target>) {
-        let amperes = match self.wanted {
-            Wanted::Silence => None,
-            Wanted::Current(amperes) | Wanted::Bursts { amperes, .. } => Some(amperes),
+        let amperes = match self.set_point {
+            SetPoint::Silence => None,
+            SetPoint::Current(amperes) | SetPoint::Bursts { amperes, .. } => Some(amperes),
         };
         // The tip follows with a time constant of 16 blocks.
         self.tip += (amperes.unwrap_or(0.0) - self.tip) / 16.0;
@@ -80,7 +80,7 @@ impl Bench {
             motional_a: amperes.map(|_| self.tip),
         };
         self.switch.work();
-        self.wanted = self.switch.step(order, &sensed);
+        self.set_point = self.switch.step(order, &sensed);
     }
 
     fn run(&mut self, blocks: u32, order: Option<Target>) -> f32 {
@@ -93,20 +93,20 @@ fn periodic() -> Schedule {
     Schedule::Periodic { period_s: 1e-3, duty: 0.5 }
 }
 
-/// Command, belief and truth, over what can be wanted. Measured: 4.9e-4, with a speed that is 2 % off.
+/// Set point, estimate and truth, over all targets that can be reached. Measured: 4.9e-4, with a speed that is 2 % off.
 #[test]
-fn the_ratio_is_the_wanted_one() {
+fn the_ratio_comes_to_the_set_point() {
     for (schedule, sensor) in [(Schedule::Continuous, 0.98), (Schedule::Continuous, 1.02), (periodic(), 0.98)] {
         for length in [0.15e-6, 0.5e-6, 2e-6, 5.36e-6] {
             let mut bench = Bench::new(&config(schedule.clone()), length, sensor);
             bench.run(8000, None);
             let floor = bench.switch.belief().unwrap().floor;
             for n in 0..20 {
-                let wanted = floor + 0.01 + (0.985 - floor) * n as f32 / 20.0;
-                let got = bench.run(700, Some(Target::Ratio(wanted)));
+                let set_point = floor + 0.01 + (0.985 - floor) * n as f32 / 20.0;
+                let got = bench.run(700, Some(Target::Ratio(set_point)));
                 let belief = bench.switch.belief().unwrap();
-                assert!((got - wanted).abs() < 6e-4, "{length} {wanted}: {got}");
-                assert!((belief.ratio - got).abs() < 3e-3, "{length} {wanted}: {got} {belief:?}");
+                assert!((got - set_point).abs() < 6e-4, "{length} {set_point}: {got}");
+                assert!((belief.ratio - got).abs() < 3e-3, "{length} {set_point}: {got} {belief:?}");
                 assert!(belief.identified && bench.switch.limit().is_none());
             }
         }
@@ -120,7 +120,7 @@ fn a_force_is_a_ratio_of_what_was_surveyed() {
     let got = bench.run(300, Some(Target::Force(0.072)));
     assert!((got - 0.5).abs() < 2e-3, "{got}");
     bench.run(300, Some(Target::Force(0.2)));
-    assert_eq!((bench.switch.limit(), bench.wanted), (Some(Limit::RatioUnreachable), Wanted::Silence));
+    assert_eq!((bench.switch.limit(), bench.set_point), (Some(Limit::RatioUnreachable), SetPoint::Silence));
 }
 
 /// The numbers of what cannot be, and what is driven instead.
@@ -132,58 +132,58 @@ fn what_cannot_be_is_refused_by_number() {
     let floor = bench.switch.belief().unwrap().floor;
     assert_eq!(bench.switch.limit(), Some(Limit::RatioUnreachable));
     assert!((floor - 0.2318).abs() < 2e-3 && (got - floor).abs() < 1e-3, "{floor} {got}");
-    for wanted in [f32::NAN, 1.5, f32::INFINITY] {
-        bench.run(300, Some(Target::Ratio(wanted)));
-        assert_eq!((bench.switch.limit(), bench.wanted), (Some(Limit::RatioUnreachable), Wanted::Silence), "{wanted}");
+    for set_point in [f32::NAN, 1.5, f32::INFINITY] {
+        bench.run(300, Some(Target::Ratio(set_point)));
+        assert_eq!((bench.switch.limit(), bench.set_point), (Some(Limit::RatioUnreachable), SetPoint::Silence), "{set_point}");
     }
     bench.speed = 0.2;
     bench.run(2000, Some(Target::Ratio(0.5)));
-    assert_eq!((bench.switch.limit(), bench.wanted), (Some(Limit::NoAuthority), Wanted::Silence));
+    assert_eq!((bench.switch.limit(), bench.set_point), (Some(Limit::NoAuthority), SetPoint::Silence));
     // Slower again, it goes on.
     bench.speed = 0.05;
     let got = bench.run(2000, Some(Target::Ratio(0.5)));
     assert!(bench.switch.limit().is_none() && (got - 0.5).abs() < 2e-3, "{got}");
 }
 
-/// Without a force sensor the switch goes by what it was told; a wanted force nobody can have.
+/// Without a force sensor the switch uses the nominal contact; a force as target is out of reach.
 #[test]
-fn without_a_force_sensor_it_goes_by_what_it_was_told() {
+fn without_a_force_sensor_the_nominal_contact_counts() {
     let mut switch = FrictionSwitch::build(&config(Schedule::Continuous), 32e-6).unwrap().unwrap();
     let mut run = |target: Target| {
-        let mut wanted = Wanted::Silence;
+        let mut set_point = SetPoint::Silence;
         for _ in 0..5000 {
             switch.work();
-            wanted = switch.step(Some(target), &Sensed { motional_a: Some(0.5), ..Sensed::default() });
+            set_point = switch.step(Some(target), &Sensed { motional_a: Some(0.5), ..Sensed::default() });
         }
-        (wanted, switch.limit(), switch.belief().unwrap())
+        (set_point, switch.limit(), switch.belief().unwrap())
     };
-    let (wanted, limit, belief) = run(Target::Ratio(0.5));
-    let Wanted::Current(amperes) = wanted else { panic!("{wanted:?}") };
+    let (set_point, limit, belief) = run(Target::Ratio(0.5));
+    let SetPoint::Current(amperes) = set_point else { panic!("{set_point:?}") };
     let tip = amperes / FORCE_FACTOR;
     assert!((friction_ratio(0.038 / tip, tip / (OMEGA * 0.5e-6)) - 0.5).abs() < 1e-3);
     assert!(limit.is_none() && !belief.identified && belief.force_ratio.is_none(), "{belief:?}");
-    let (wanted, limit, _) = run(Target::Force(0.1));
-    assert_eq!((wanted, limit), (Wanted::Silence, Some(Limit::RatioUnreachable)));
+    let (set_point, limit, _) = run(Target::Force(0.1));
+    assert_eq!((set_point, limit), (SetPoint::Silence, Some(Limit::RatioUnreachable)));
 }
 
-/// The wanted ratio moves slowly through both ways of having it: at no block is the mean far from what is wanted.
+/// The target moves slowly through both regimes: at no block is the mean ratio far from it.
 #[test]
 fn from_amplitude_to_bursts_and_back_without_a_bump() {
-    let mut told = config(periodic());
-    told.friction.as_mut().unwrap().prefer = Prefer::Bursts;
-    let mut bench = Bench::new(&told, 0.5e-6, 1.0);
+    let mut settings = config(periodic());
+    settings.friction.as_mut().unwrap().prefer = Prefer::Bursts;
+    let mut bench = Bench::new(&settings, 0.5e-6, 1.0);
     bench.run(10_000, None);
     bench.run(500, Some(Target::Ratio(0.95)));
     let (mut worst, mut changes) = (0.0f32, 0);
     for n in 0..60_000 {
-        let wanted = 0.3 + 0.65 * (n as f32 / 30e3 - 1.0).abs();
-        let before = core::mem::discriminant(&bench.wanted);
-        bench.block(Some(Target::Ratio(wanted)));
-        changes += u32::from(core::mem::discriminant(&bench.wanted) != before);
-        worst = worst.max((bench.ratio() - wanted).abs());
+        let set_point = 0.3 + 0.65 * (n as f32 / 30e3 - 1.0).abs();
+        let before = core::mem::discriminant(&bench.set_point);
+        bench.block(Some(Target::Ratio(set_point)));
+        changes += u32::from(core::mem::discriminant(&bench.set_point) != before);
+        worst = worst.max((bench.ratio() - set_point).abs());
     }
     assert!(changes == 4, "{changes} changes");
-    // Measured: 0.0028, the most that the wanted ratio moves while a solution is sought.
+    // Measured: 0.0028, the most that the target moves while a solution is sought.
     assert!(worst < 0.0035, "{worst}");
 }
 
@@ -205,8 +205,8 @@ fn no_sensor_can_make_it_play_nonsense() {
                     };
                     switch.work();
                     match switch.step(None, &sensed) {
-                        Wanted::Silence => {}
-                        Wanted::Current(amperes) | Wanted::Bursts { amperes, .. } => {
+                        SetPoint::Silence => {}
+                        SetPoint::Current(amperes) | SetPoint::Bursts { amperes, .. } => {
                             assert!((0.0..=MOST * FORCE_FACTOR).contains(&amperes), "{belt} {force} {motional}: {amperes}");
                         }
                     }

@@ -1,4 +1,4 @@
-//! The slow side of captures: what is asked of the recorder, and what is read of what it has given.
+//! Captures in the background task: requests to the recorder, and reading of the memory that it hands over.
 
 use heapless::spsc::{Consumer, Producer};
 
@@ -8,7 +8,7 @@ use crate::board::capture::{Arm, CaptureReport, CaptureVerb, PARTS, SAMPLES};
 use crate::board::command::Reply;
 use crate::seam::refusal::Refusal;
 
-/// Captures, as the slow side knows them.
+/// State of the captures in the background task.
 pub(super) struct Captures<'a> {
     requests: Producer<'a, CaptureRequest>,
     replies: Consumer<'a, CaptureReply>,

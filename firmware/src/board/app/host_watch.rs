@@ -1,38 +1,38 @@
 //! Whether the host is still there while the drive is on. Time is the number of blocks: the same run is the same run.
 
-/// The patience with the host.
+/// The host timeout: it ends a drive whose host has vanished.
 #[derive(Clone, Debug)]
 pub(super) struct HostWatch {
     block_s: f32,
     /// Blocks that the host may be silent for; zero is for ever.
     patience: u32,
-    /// The block at which it was last heard.
-    heard: u32,
+    /// The block in which the last frame of the host was received.
+    last_received: u32,
     lost: bool,
 }
 
 impl HostWatch {
-    /// A patience of so many seconds, in blocks of this length, s.
+    /// A host timeout of so many seconds, in blocks of this length, s.
     pub(super) fn new(patience_s: f32, block_s: f32) -> Self {
-        let mut watch = HostWatch { block_s, patience: 0, heard: 0, lost: false };
+        let mut watch = HostWatch { block_s, patience: 0, last_received: 0, lost: false };
         watch.set(patience_s);
         watch
     }
 
-    /// Another patience, s; zero is for ever.
+    /// Sets the host timeout, s; zero is for ever.
     pub(super) fn set(&mut self, patience_s: f32) {
         self.patience = if patience_s > 0.0 { ((patience_s / self.block_s) as u32).max(1) } else { 0 };
     }
 
-    /// The host was heard, when this was the latest block.
+    /// Records that a frame of the host was received in this block.
     pub(super) fn update(&mut self, block: u32) {
-        (self.heard, self.lost) = (block, false);
+        (self.last_received, self.lost) = (block, false);
     }
 
-    /// Whether the host is lost, at this block: it has been silent for too long under drive, and was not heard since.
+    /// Whether the host is lost, at this block: it has been silent for too long under drive, and no frame was received since.
     pub(super) fn is_lost(&mut self, block: u32, drives: bool) -> bool {
-        // What is under way when the host orders a drive is older than what was heard.
-        let silent = block.wrapping_sub(self.heard);
+        // A block that is under way when the host orders a drive is older than the frame received last.
+        let silent = block.wrapping_sub(self.last_received);
         self.lost |= drives && self.patience > 0 && silent > self.patience;
         self.lost
     }
@@ -43,7 +43,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn is_lost_after_its_patience_under_drive_only_and_found_when_it_is_heard() {
+    fn a_host_is_lost_after_its_timeout_and_under_drive_only() {
         let mut watch = HostWatch::new(1.0, 32e-6);
         watch.update(u32::MAX - 10);
         let after = |blocks: u32| (u32::MAX - 10).wrapping_add(blocks);
@@ -57,7 +57,7 @@ mod tests {
     }
 
     #[test]
-    fn no_patience_told_is_patience_for_ever_and_the_shortest_is_a_block() {
+    fn without_a_timeout_it_never_ends_and_the_shortest_is_a_block() {
         let mut watch = HostWatch::new(0.0, 32e-6);
         assert!(!watch.is_lost(u32::MAX, true));
         watch.set(1e-9);

@@ -1,4 +1,4 @@
-//! What the slow side does with a command: its answer, and the orders that come of it.
+//! Execution of a command by the background task: its answer, and the orders that follow from it.
 
 use embedded_hal::digital::{InputPin, OutputPin};
 use embedded_io::{Read, ReadReady, Write, WriteReady};

@@ -9,7 +9,7 @@ use crate::seam::block::{LATENCY_BLOCKS, MAX_BLOCK_SAMPLES};
 /// A ring of samples.
 type Ring = [u16; SAMPLES];
 
-/// Room for a capture, in the RAM of a board. It changes hands: the recorder has it while it records, and the slow side while it is read.
+/// Room for a capture, in the RAM of a board. The memory changes hands: the recorder owns it while it records, and the background task while it is read.
 #[repr(align(4))]
 pub struct Memory {
     v: Ring,
@@ -20,7 +20,7 @@ pub struct Memory {
 }
 
 impl Memory {
-    /// All zero.
+    /// A memory of zeros.
     pub const fn new() -> Self {
         Memory { v: [0; SAMPLES], i: [0; SAMPLES], drive: [0; SAMPLES], coming: [[0; MAX_BLOCK_SAMPLES]; LATENCY_BLOCKS] }
     }

@@ -1,5 +1,5 @@
 //! The recorder: the block task's part of a capture. Disarmed it costs a block two comparisons; armed, four copies of a block of codes. What it
-//! has recorded it gives away whole, so that nobody reads it in the block's time.
+//! has recorded it hands over whole, so that no time of a block is spent on reading it.
 
 use heapless::spsc::{Consumer, Producer};
 
@@ -8,29 +8,29 @@ use super::{Arm, CaptureReport, CaptureState, SAMPLES, Trigger};
 use crate::seam::block::{DriveBlock, LATENCY_BLOCKS, SenseBlock};
 use crate::seam::telemetry::Telemetry;
 
-/// What the recorder is asked.
+/// Request to the recorder.
 pub enum CaptureRequest {
-    /// Record this, from now on; into this memory, where it does not have it still.
+    /// Records with these settings from now on, into this memory, unless the recorder still owns it.
     Record(Arm, Option<&'static mut Memory>),
-    /// How far is it? What is full comes with the answer.
+    /// Asks for the state. A full memory comes with the reply.
     Look,
-    /// Record no more, and give the memory back.
+    /// Ends the recording and returns the memory.
     Stop,
 }
 
-/// What it answers.
+/// Reply of the recorder.
 pub enum CaptureReply {
-    /// It records.
+    /// The recording has begun.
     Records,
-    /// It is not full yet.
+    /// The capture is not full yet.
     Not(CaptureReport),
-    /// It is full: the first sample stands there in the rings.
+    /// The capture is full: its report, the place of its first sample in the ring buffers, and the memory.
     Full(CaptureReport, usize, &'static mut Memory),
-    /// It has stopped.
+    /// The recording has ended; the memory, if the recorder owned it.
     Stopped(Option<&'static mut Memory>),
 }
 
-/// The recorder.
+/// The recorder of captures in the block task.
 pub struct Recorder<'a> {
     requests: Consumer<'a, CaptureRequest>,
     replies: Producer<'a, CaptureReply>,
@@ -44,7 +44,7 @@ pub struct Recorder<'a> {
     /// Which of the coming blocks is the older one, and how many there are.
     older: usize,
     coming: usize,
-    /// What the trigger waits for was so in the last block; nobody knows in the first.
+    /// Whether the trigger's condition held in the last block; unknown in the first.
     was_so: Option<bool>,
     /// The trigger has come, and its first sample has not.
     met: bool,
@@ -55,7 +55,7 @@ pub struct Recorder<'a> {
 }
 
 impl<'a> Recorder<'a> {
-    /// A recorder that takes wishes from one queue and leaves answers in another.
+    /// A recorder that takes requests from one queue and leaves replies in another.
     pub fn new(requests: Consumer<'a, CaptureRequest>, replies: Producer<'a, CaptureReply>) -> Self {
         Recorder {
             requests,
@@ -75,7 +75,7 @@ impl<'a> Recorder<'a> {
         }
     }
 
-    /// After each block: what it heard, what it returned, and its report.
+    /// Takes a block: the codes that were sampled, the codes that were returned, and its report.
     #[inline]
     pub fn follow(&mut self, sense: &SenseBlock, drive: &DriveBlock, report: &Telemetry) {
         if self.requests.ready() {
@@ -106,7 +106,7 @@ impl<'a> Recorder<'a> {
             }
             None => return,
         };
-        // The slow side asks one thing at a time: there is room for the answer.
+        // The background task sends one request at a time: there is room for the reply.
         let _ = self.replies.enqueue(answer);
     }
 

@@ -155,15 +155,15 @@ fn only_what_differs_is_kept_and_what_cannot_be_is_left_out() {
     assert!(overrides(&built_in, &built_in).is_empty());
     let mut values = built_in;
     (values[7], values[20]) = (2.0, 1.5);
-    let kept = overrides(&values, &built_in);
-    assert_eq!(kept, [(8, 2.0), (21, 1.5)]);
-    assert_eq!(overridden(&kept, &built_in), (values, true));
+    let stored = overrides(&values, &built_in);
+    assert_eq!(stored, [(8, 2.0), (21, 1.5)]);
+    assert_eq!(overridden(&stored, &built_in), (values, true));
     for wrong in [(8, 1000.0), (21, f32::NAN), (21, f32::INFINITY), (0, 1.0), (99, 1.0)] {
-        let mut kept = kept.clone();
-        kept.retain(|(key, _)| *key != wrong.0);
-        let expected = overridden(&kept, &built_in).0;
-        kept.push(wrong).unwrap();
-        assert_eq!(overridden(&kept, &built_in), (expected, false), "{wrong:?}");
+        let mut stored = stored.clone();
+        stored.retain(|(key, _)| *key != wrong.0);
+        let expected = overridden(&stored, &built_in).0;
+        stored.push(wrong).unwrap();
+        assert_eq!(overridden(&stored, &built_in), (expected, false), "{wrong:?}");
     }
     // A limit that cannot be is the nearest that can; of two the lower one.
     for (wrong, limit) in

@@ -1,4 +1,4 @@
-//! What is kept: its form on the flash, and what becomes of what another version has left.
+//! Stored settings: their form on the flash, and what becomes of those that another version has left.
 
 use embedded_storage::nor_flash::{NorFlashError, NorFlashErrorKind, ReadNorFlash};
 use heapless::spsc::Queue;
@@ -19,7 +19,7 @@ fn value<T: Serialize>(version: u8, number: u32, value: &T) -> std::vec::Vec<u8>
 
 /// Number, record, and what it is.
 fn parse(bytes: &[u8]) -> Option<(u32, Record, StoredState)> {
-    look(bytes, &[]).map(|found| (found.number, decode(bytes).unwrap_or_default(), found.kept))
+    look(bytes, &[]).map(|found| (found.number, decode(bytes).unwrap_or_default(), found.state))
 }
 
 fn longest() -> Record {
@@ -49,7 +49,7 @@ fn lane_trims_alone_are_read_as_such() {
 fn another_version_is_named_and_not_read() {
     let found = parse(&value(VERSION + 1, 9, &longest())).unwrap();
     assert_eq!(found, (9, Record::default(), StoredState::Version(VERSION + 1)));
-    // Nor is what was kept before it taken for what is kept now.
+    // Nor is an earlier record taken for the present one.
     let found = look(&value(VERSION + 1, 9, &longest()), &[]).unwrap();
     let before = look(&value(VERSION, 8, &longest()), &[]).unwrap();
     assert!(found.is_newer_than(&before) && !before.is_newer_than(&found));
@@ -64,7 +64,7 @@ fn what_is_cut_short_is_damaged() {
 
 #[test]
 fn numbers_come_round_and_what_cannot_be_read_is_older_than_what_can() {
-    let found = |number, kept| Found { number, kept, same: false };
+    let found = |number, state| Found { number, state, same: false };
     let rows = [
         found(0, StoredState::Nothing),
         found(0, StoredState::Damaged),
@@ -148,9 +148,9 @@ fn with_keeper(settings: &mut Settings<Ram>, act: impl FnOnce(&mut SettingsStore
     act(&mut settings_store, settings);
 }
 
-fn kept(settings_store: &mut SettingsStore, settings: &mut Settings<Ram>) -> StoredState {
+fn state(settings_store: &mut SettingsStore, settings: &mut Settings<Ram>) -> StoredState {
     match settings_store.obey(Verb::Trims(0), true, settings) {
-        Reply::Settings(report) => report.kept,
+        Reply::Settings(report) => report.stored,
         other => panic!("{other:?}"),
     }
 }
@@ -161,14 +161,14 @@ fn what_another_version_has_left_stays_until_it_is_ordered_away() {
         let mut settings = left_by_another(VERSION + 1, &longest());
         let before = settings.flash.0;
         with_keeper(&mut settings, |settings_store, settings| {
-            assert_eq!(kept(settings_store, settings), StoredState::Version(VERSION + 1));
+            assert_eq!(state(settings_store, settings), StoredState::Version(VERSION + 1));
             // What a calibration finds acts, and is not written.
             settings_store.keep(true, settings);
             assert_eq!(settings_store.obey(Verb::Set(5, 2.0), true, settings), Reply::Ack);
             assert_eq!(settings_store.obey(Verb::Defaults, true, settings), Reply::Ack);
-            assert_eq!((kept(settings_store, settings), settings.flash.0 == before), (StoredState::Version(VERSION + 1), true));
+            assert_eq!((state(settings_store, settings), settings.flash.0 == before), (StoredState::Version(VERSION + 1), true));
             assert_eq!(settings_store.obey(verb, true, settings), Reply::Ack);
-            assert_eq!(kept(settings_store, settings), StoredState::Nothing);
+            assert_eq!(state(settings_store, settings), StoredState::Nothing);
         });
         assert_eq!(settings.record(), (Record::default(), StoredState::Nothing), "{verb:?}");
     }
@@ -182,13 +182,13 @@ fn a_calibration_is_kept_beside_the_parameters_that_are_kept_not_those_that_are_
     with_keeper(&mut settings, |settings_store, settings| {
         assert_eq!(settings_store.obey(Verb::Set(5, 1.0), true, settings), Reply::Ack);
         settings_store.keep(false, settings);
-        assert_eq!(kept(settings_store, settings), StoredState::Due);
+        assert_eq!(state(settings_store, settings), StoredState::Due);
         settings_store.keep(true, settings);
         assert_eq!(settings.record(), (Record { trims: longest().trims, parameters }, StoredState::Stored));
         assert_eq!(settings_store.obey(Verb::Store, false, settings), Reply::Nak(Refusal::Driving));
         assert_eq!(settings_store.obey(Verb::Store, true, settings), Reply::Ack);
     });
-    // What nobody knows is not kept by an order.
+    // An unknown parameter is not stored by an order.
     let expected = Record { trims: longest().trims, parameters: Overrides::from_iter([(5, 1.0)]) };
     assert_eq!(settings.record(), (expected, StoredState::Stored));
 }

@@ -72,7 +72,7 @@ impl Follow {
         let on = played.is_full();
         let boosts = chain.generator.burst.boosts();
         let info = self.edges.block_info(chain.block, boosts);
-        let heard = PlayedBlock {
+        let block = PlayedBlock {
             offset_hz: played.offset_hz,
             volts: played.volts,
             envelope: (played.flat && info.telling).then_some(played.envelope),
@@ -83,7 +83,7 @@ impl Follow {
         };
         let track = &mut chain.track;
         let at_lock_point = track.tracker.at_lock_point(motional, played.detune_hz);
-        let phase = track.tracker.follow(sensed, motional, at_lock_point, &heard);
+        let phase = track.tracker.follow(sensed, motional, at_lock_point, &block);
         if track.transducer_by_now().is_none() && track.tracker.has_converged() {
             let transducer = track.begin_to_learn(chain.block);
             chain.generator.amplitude.seed(transducer, magnitude(motional));
@@ -96,7 +96,7 @@ impl Follow {
         chain.generator.sweep.hold.retune(offset_hz);
         // An edge is never quite one, whatever its mean rounds to.
         let envelope = if played.flat || played.envelope > 1.0 { played.envelope } else { played.envelope.min(0.999) };
-        // Before the order's own amplitude: what rings was driven by the one before.
+        // Before the order's own amplitude: the residual vibration was driven by the one before.
         if boosts {
             self.edges.prepare_boost(chain, measured, gate);
         } else {
@@ -124,7 +124,7 @@ impl Follow {
         let progress = chain.track.progress(chain.supervisor.mode(), &chain.generator.amplitude);
         let plan = Plan { volts, gate, listen: 0, tracked_hz, phase, limited, progress };
         if chain.guard.is_muted() {
-            // Silent within the block, whatever the edge: a burst without a voltage ends at once, and begins anew.
+            // Silent within the block, whatever the edge: a burst without a voltage ends at once, and begins again.
             return Plan { volts: 0.0, ..plan };
         }
         if chain.supervisor.mode() == Mode::Run
@@ -167,7 +167,7 @@ impl Follow {
         }
     }
 
-    /// Measures the clamped capacitance anew, where it may drift, by small steps of a drive that is otherwise left alone.
+    /// Measures the clamped capacitance again, where it may drift, by small steps of a drive that is otherwise left alone.
     fn probe(&mut self, chain: &mut Chain, measured: &Measured) {
         let Measured { orders, sensed, played, .. } = *measured;
         let (track, generator) = (&mut chain.track, &chain.generator);
@@ -180,10 +180,10 @@ impl Follow {
             && chain.supervisor.mode() == Mode::Run;
         let whole = played.flat && played.envelope == 1.0 && !generator.amplitude.limited() && !track.tracker.limited();
         let steady = alone && whole && track.tracker.state() == State::Locked;
-        let heard = online::Sample { sensed, relative: played.relative, detune_hz: played.detune_hz, steady };
-        let wanted = track.online.step(&heard);
-        self.probe_hz = wanted.detune_hz;
-        if let Some(update) = wanted.update {
+        let sample = online::Sample { sensed, relative: played.relative, detune_hz: played.detune_hz, steady };
+        let output = track.online.step(&sample);
+        self.probe_hz = output.detune_hz;
+        if let Some(update) = output.update {
             track.tracker.set_branch(update.motional, update.deviation);
         }
     }
@@ -199,8 +199,8 @@ impl Follow {
         let window = chain.track.tracker.window_hz();
         let running = chain.supervisor.mode() == Mode::Run;
         let asked = if running && orders.detune.0.is_finite() { orders.detune.0 } else { 0.0 };
-        let wanted = tracked_hz + asked + self.probe_hz;
+        let ordered_hz = tracked_hz + asked + self.probe_hz;
         // `clamp` could panic, for all that the compiler knows.
-        (smaller(larger(wanted, -window), window), wanted.abs() > window)
+        (smaller(larger(ordered_hz, -window), window), ordered_hz.abs() > window)
     }
 }

@@ -14,18 +14,7 @@ fn config(lanes: u8) -> Config {
         sample_hz: 1e6,
         block_samples: 32,
         lanes,
-        front_end: FrontEnd {
-            volt_per_lsb: 0.01,
-            ampere_per_lsb: 0.002,
-            sense_mid_code: 2048,
-            sense_max_code: 4095,
-            drive_volt_per_lsb: 0.01,
-            drive_mid_code: 2048,
-            drive_max_code: 4095,
-            drive_lanes: 4,
-            metre_per_count: None,
-            force_hz: None,
-        },
+        front_end: FrontEnd::OF_TESTS,
         drive: Drive::sine(40_000.0, Amplitude::Volts(3.0), SCAN_VOLTS),
         sweep: Sweep::Hold,
         phasing: PhasingConfig::default(),
@@ -61,7 +50,7 @@ impl Errors {
     }
 }
 
-/// A bank of amplifiers with their multiplexer, and how a block of it is heard with noise of so many codes.
+/// A bank of amplifiers with their multiplexer, and the phasors of its blocks, measured with noise of so many codes.
 struct Bank {
     errors: Errors,
     codes: f32,
@@ -87,9 +76,9 @@ impl Bank {
         self.rung = (hz, if hz == self.rung.0 { self.rung.1 + 1 } else { 0 });
         // Q 100 at 40 kHz: 0.796 ms, in blocks of 32 us.
         let pulled = 1.0 - self.pull * (1.0 - libm::expf(-(self.rung.1 as f32) / 24.87));
-        let heard =
+        let measured =
             if self.deaf == Some(lane) { Phasor::default() } else { row * self.errors.at(lane, hz) * (SCAN_VOLTS * pulled) };
-        heard + noise
+        measured + noise
     }
 }
 
@@ -199,8 +188,8 @@ fn trims_that_do_not_verify_are_a_fault() {
     let end = (0..100_000).find_map(|_| {
         bank.errors.gain[1] = if phasing.calibration().is_empty() { 1.0 } else { 1.0015 };
         let hz = 40e3 + calibrate.window_hz * POSITIONS[calibrate.point];
-        let heard = bank.update(&mut phasing, 0.25, hz, calibrate.lane);
-        let step = calibrate.listen(&mut phasing, &Sensed { v: heard, ..Sensed::default() });
+        let measured = bank.update(&mut phasing, 0.25, hz, calibrate.lane);
+        let step = calibrate.listen(&mut phasing, &Sensed { v: measured, ..Sensed::default() });
         (!matches!(step, Step::Tone { .. })).then_some(step)
     });
     assert_eq!((end, phasing.calibration().len()), (Some(Step::Failed(Fault::LaneImplausible)), 0));
@@ -263,14 +252,14 @@ fn between_the_frequencies_a_pole_bends_little() {
 }
 
 #[test]
-fn a_load_that_rings_twice_as_long_as_told_does_not_matter() {
+fn a_load_of_twice_the_nominal_q_does_not_matter() {
     let config = config(2);
     let mut phasing = Phasing::build(&config).unwrap();
     let mut bank = Bank::new(NONE, 0.0);
     bank.pull = 0.3;
     assert_eq!(calibrate(&config, &mut phasing, &mut bank).1, Step::Done { volts: 0.0 });
     let after = residual(&config, &mut phasing, &bank, 0.25);
-    std::println!("a pull of 30 % that rings up twice as slowly as told: {:.1e}", after.1);
+    std::println!("a pull of 30 % that rings up twice as slowly as nominal: {:.1e}", after.1);
     // exp(-8) of it at the first block that counts, and less on average.
     assert!(after.1 < 0.3 * 3.4e-4, "{after:?}");
 }

@@ -1,7 +1,7 @@
 //! The elements of the [model](super::model) from admittances at some frequencies: Gauss and Newton's iteration, one admittance a block, then what is known
 //! beforehand, then the solution. With two resonances, whose rows are longer, one part of an admittance a block.
 //!
-//! Started by a linear fit without losses (Levy 1959), so that nobody needs to know where the resonance is: with `Z = Im Y / u`, `v = u^2 - 1`,
+//! Started by a linear fit without losses (Levy 1959), so that no initial value of the resonance is needed: with `Z = Im Y / u`, `v = u^2 - 1`,
 //!
 //! ```text
 //! one resonance:  Z v   = w Z - p + c v,              us^2 - 1 = w,  k = p - c w
@@ -24,7 +24,7 @@ const ROUNDS: (u32, u32) = (5, 8);
 const MISFIT: f32 = 4.0;
 /// Where a second resonance is looked for first, above the first, and how strong, relative to it.
 const SECOND: (f32, f32) = (0.06, 0.15);
-/// What is known beforehand: an element, and its standard deviation about zero. Of loss, about what was told, relative to that. `theta` of 0.1 rad
+/// Priors: an element, and its standard deviation about zero. That of the loss is about the nominal loss, relative to it. `theta` of 0.1 rad
 /// is 400 ns at 40 kHz.
 const KNOWN: [(usize, f32); 4] = [(XS, 0.1), (D, 4.0), (THETA, 0.1), (X2, 0.2)];
 /// How the loss of the clamped branch rises with the frequency: between that of a dielectric (1) and of images (2), and to what part of the
@@ -264,8 +264,8 @@ mod tests {
 
     const TONES: [f32; MAX_POINTS] = [-0.0413, 0.0413, -0.0692, 0.113, -0.1126, 0.1544, -0.171, 0.2124];
 
-    fn solve(told_loss: f32, elements: &Elements) -> Solution {
-        let mut fit = Fit::new(told_loss);
+    fn solve(nominal_loss: f32, elements: &Elements) -> Solution {
+        let mut fit = Fit::new(nominal_loss);
         for x in TONES {
             fit.add(Point { x, y: admittance(elements, x).0, deviation: 4e-4 });
         }

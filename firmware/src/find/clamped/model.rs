@@ -9,7 +9,7 @@
 //! `c` is the clamped capacitance, `g + h x` what it loses (a leak is flat, a dielectric's loss grows with the frequency, images of the DAC with its
 //! square), `k = Cm / C0 us^2` the motional branch with its resonance `us` and its loss `d = 1 / Q`; `k2`, `u2` a second one, as lossy as
 //! the first (Butterworth 1914, Van Dyke 1928). `theta` is what sensing turns: skew between the converters, delay of an image. Loss turns the
-//! clamped part only and skew the motional part as well; that is what tells them apart.
+//! clamped part only and skew the motional part as well; by that they can be distinguished.
 
 use crate::generate::shape::sine;
 use crate::seam::phasor::Phasor;
@@ -37,7 +37,7 @@ pub(crate) const K2: usize = 7;
 /// Place of the second resonance, `u2 - 1`.
 pub(crate) const X2: usize = 8;
 
-/// The elements. Resonances are kept as `us - 1`, which f32 resolves to 1e-9.
+/// The elements. Resonances are stored as `us - 1`, which f32 resolves to 1e-9.
 pub(crate) type Elements = [f32; UNKNOWNS];
 
 /// `exp(j angle)` of an angle of less than half a turn, rad. Error: 2e-7.

@@ -12,7 +12,7 @@
 //! `b` is known to `s (1 + x^2) / (2 sqrt(2) x)`.
 //!
 //! A round is `+ - - +`, so that a resonance that drifts evenly does not look like a capacitance. Between rounds nothing is disturbed until C0 may have
-//! wandered further than is wanted; each round is blended with what was known by the two variances (Kalman 1960).
+//! wandered further than the target deviation; each round is blended with the estimate before it by the two variances (Kalman 1960).
 
 use crate::seam::block::LATENCY_BLOCKS;
 use crate::seam::config::Config;
@@ -26,19 +26,19 @@ const STEP: f32 = 0.15;
 const QUARTER: (f32, f32) = (20.0, 1.0);
 /// Time constants that a step settles for: 2 % of it is left, the same on both sides.
 const SETTLES: f32 = 4.0;
-/// Deviation of a C0 that was told and not measured, relative.
-const TOLD: f32 = 0.05;
+/// Deviation of a nominal C0 that was not measured, relative.
+const NOMINAL_DEVIATION: f32 = 0.05;
 /// Deviation of C0, relative, from which on a round is made.
-const WANTED: f32 = 7e-4;
+const TARGET_DEVIATION: f32 = 7e-4;
 /// A result that differs from what was expected by more of its standard deviations than this, and is then made again before it counts.
 const SURPRISE: f32 = 6.0;
 
 /// A block under drive.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sample<'a> {
-    /// What was heard of it.
+    /// Phasors measured in the block.
     pub sensed: &'a Sensed,
-    /// Its frequency, relative to the nominal one.
+    /// Frequency of the block, relative to the nominal one.
     pub relative: f32,
     /// How far beside the lock point that was on purpose, Hz.
     pub detune_hz: f32,
@@ -46,25 +46,25 @@ pub struct Sample<'a> {
     pub steady: bool,
 }
 
-/// What is known anew.
+/// A new estimate of the clamped branch.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Update {
-    /// The clamped branch, as all that is known says.
+    /// The clamped branch, by all measurements so far.
     pub motional: Motional,
     /// Standard deviation of its susceptance, relative to it.
     pub(crate) deviation: f32,
-    /// What this round alone would have said more, relative, and its standard deviation.
+    /// By how much the estimate of this round alone is larger, relative, and its standard deviation.
     pub(crate) round: (f32, f32),
 }
 
-/// What the estimator wants, and has found.
+/// Output of the estimator after a block: its order to the drive, and its estimate.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Wanted {
+pub struct Output {
     /// How far beside the lock point to drive, Hz.
     pub detune_hz: f32,
-    /// The block just heard had not settled after a step: its phase says nothing of the resonance to who takes it for a steady one.
+    /// The measured block had not settled after a step: its phase must not be used as that of a steady state.
     pub hold: bool,
-    /// What is known anew.
+    /// A new estimate, at the end of a round.
     pub update: Option<Update>,
 }
 
@@ -101,7 +101,7 @@ impl Side {
     }
 }
 
-/// The estimator.
+/// The estimator of the clamped capacitance while running.
 #[derive(Clone, Debug)]
 pub struct Online {
     block_s: f32,
@@ -113,7 +113,7 @@ pub struct Online {
     step_hz: f32,
     settle_blocks: u32,
     quarter_blocks: u32,
-    /// Blocks of this round, zero between rounds; and blocks heard since the last step.
+    /// Blocks of this round, zero between rounds; and blocks measured since the last step.
     round: u32,
     settled: u32,
     last_hz: f32,
@@ -141,7 +141,7 @@ impl Online {
             block_s,
             drift_per_s,
             motional,
-            variance: TOLD * TOLD,
+            variance: NOMINAL_DEVIATION * NOMINAL_DEVIATION,
             step_hz: 0.0,
             settle_blocks: 0,
             quarter_blocks: 0,
@@ -177,7 +177,7 @@ impl Online {
         self.drift_per_s > 0.0
     }
 
-    /// The clamped branch, as all that is known says.
+    /// The clamped branch, by all measurements so far.
     pub fn motional(&self) -> Motional {
         self.motional
     }
@@ -188,29 +188,29 @@ impl Online {
     }
 
     /// Takes a block and says what to do next.
-    pub fn step(&mut self, heard: &Sample) -> Wanted {
+    pub fn step(&mut self, sample: &Sample) -> Output {
         let wandered = self.drift_per_s * self.block_s;
         // As a walk whose standard deviation after a round is what a steady drift would make in it.
         self.variance += wandered * wandered * self.round_blocks() as f32;
-        let stepped = (heard.detune_hz - self.last_hz).abs() > 0.5 * self.step_hz;
+        let stepped = (sample.detune_hz - self.last_hz).abs() > 0.5 * self.step_hz;
         self.settled = if stepped { 0 } else { self.settled.saturating_add(1) };
-        self.last_hz = heard.detune_hz;
+        self.last_hz = sample.detune_hz;
         let hold = self.settled < self.settle_blocks;
-        if !heard.steady {
+        if !sample.steady {
             self.stop();
-            return Wanted { hold, ..Wanted::default() };
+            return Output { hold, ..Output::default() };
         }
-        if self.round == 0 && self.variance < WANTED * WANTED {
-            return Wanted { hold, ..Wanted::default() };
+        if self.round == 0 && self.variance < TARGET_DEVIATION * TARGET_DEVIATION {
+            return Output { hold, ..Output::default() };
         }
-        self.listen(heard, hold);
+        self.listen(sample, hold);
         self.round += 1;
         if self.round <= self.round_blocks() + LATENCY_BLOCKS as u32 {
-            return Wanted { detune_hz: self.wanted_hz(), hold, update: None };
+            return Output { detune_hz: self.probe_hz(), hold, update: None };
         }
         let update = self.finish();
         self.stop();
-        Wanted { hold, update, ..Wanted::default() }
+        Output { hold, update, ..Output::default() }
     }
 
     fn stop(&mut self) {
@@ -223,7 +223,7 @@ impl Online {
         3 * self.settle_blocks + 4 * self.quarter_blocks
     }
 
-    fn wanted_hz(&self) -> f32 {
+    fn probe_hz(&self) -> f32 {
         let first = self.settle_blocks + self.quarter_blocks;
         let second = first + self.settle_blocks + 2 * self.quarter_blocks;
         match self.round {
@@ -233,15 +233,15 @@ impl Online {
         }
     }
 
-    fn listen(&mut self, heard: &Sample, hold: bool) {
-        let square = heard.sensed.v.norm_sqr();
-        let side = &mut self.sides[usize::from(heard.detune_hz > 0.0)];
-        if hold || heard.detune_hz.abs() < 0.5 * self.step_hz || square == 0.0 {
+    fn listen(&mut self, sample: &Sample, hold: bool) {
+        let square = sample.sensed.v.norm_sqr();
+        let side = &mut self.sides[usize::from(sample.detune_hz > 0.0)];
+        if hold || sample.detune_hz.abs() < 0.5 * self.step_hz || square == 0.0 {
             side.last = None;
             return;
         }
-        let current = self.motional.current(heard.sensed, heard.relative);
-        side.take(self.motional.phase_of(current, heard.sensed.v) / square, heard.relative);
+        let current = self.motional.current(sample.sensed, sample.relative);
+        side.take(self.motional.phase_of(current, sample.sensed.v) / square, sample.relative);
     }
 
     /// What the round says.
@@ -267,11 +267,11 @@ impl Online {
         if !(found.is_finite() && variance.is_finite() && variance > 0.0) {
             return None;
         }
-        // One that nobody expects may be a load that changed in the middle of it.
+        // An unexpected one may be a load that changed in the middle of it.
         let surprising = found * found > SURPRISE * SURPRISE * (self.variance + variance);
         if surprising && !self.doubted {
             self.doubted = true;
-            self.variance = self.variance.max(WANTED * WANTED);
+            self.variance = self.variance.max(TARGET_DEVIATION * TARGET_DEVIATION);
             return None;
         }
         if surprising {

@@ -10,13 +10,13 @@ const TAU: f32 = core::f32::consts::TAU;
 /// A value and its standard deviation.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Measured {
-    /// The value.
+    /// The estimated value.
     pub value: f32,
     /// Its standard deviation.
     pub(crate) deviation: f32,
 }
 
-/// What the tones have told.
+/// Measurements of the tones.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Clamped {
     /// The clamped branch and the axis, for tracking.
@@ -25,11 +25,11 @@ pub struct Clamped {
     pub c0_f: Measured,
     /// What sensing turns the motional admittance by, rad: the axis.
     pub(crate) turn_rad: Measured,
-    /// Motional inductance, H.
+    /// Motional inductance of the transducer, H.
     pub lm_h: Measured,
-    /// Series resonance, Hz.
+    /// Series resonance of the transducer, Hz.
     pub resonance_hz: Measured,
-    /// Quality factor.
+    /// Quality factor of the resonance.
     pub q: Measured,
     /// Standard deviation of the lock point that follows from [`Clamped::motional`], Hz.
     pub lock_deviation_hz: f32,

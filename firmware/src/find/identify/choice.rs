@@ -1,20 +1,20 @@
-//! Which of several resonances is wanted. By this rule, and by nothing else:
+//! The choice among several resonances, by this rule and nothing else:
 //!
 //! 1. It is in the window. If none is, there is no resonance (fault 30).
-//! 2. If the motional inductance was told (`tracking.nominal_lm_h`): it is within a factor of two of that. If none is, what is there is another
+//! 2. If a motional inductance is configured (`tracking.nominal_lm_h`): that of the chosen resonance is within a factor of two of that. If none is, what is there is another
 //!    one (fault 34).
 //! 3. Of those that are left, the one of the largest motional capacitance, which does not depend on how much it is damped. If the
-//!    inductance was not told, and another has more than `ALIKE` of that, nobody can say which is wanted (fault 34).
+//!    inductance is not configured, and another has more than `ALIKE` of that, the choice is ambiguous (fault 34).
 
 use crate::seam::fault::Fault;
 use crate::seam::transducer::Resonance;
 
-/// How far the motional inductance may be from what was told.
+/// How far the motional inductance may be from its nominal value.
 const LM_FACTOR: f32 = 2.0;
 /// Capacitances that are alike.
 const ALIKE: f32 = 0.8;
 
-/// The rule, with what was told.
+/// The rule, with the nominal values that it uses.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Choice {
     /// Middle of the window, and how far it goes to each side, Hz.
@@ -24,12 +24,12 @@ pub(crate) struct Choice {
 }
 
 impl Choice {
-    /// The place of the wanted one in the list, or the fault.
+    /// The place of the chosen resonance in the list, or the fault.
     pub(crate) fn of(&self, found: &[Resonance]) -> Result<usize, Fault> {
         let (centre_hz, half_hz) = self.window_hz;
         let inside = |resonance: &Resonance| (resonance.hz - centre_hz).abs() <= half_hz;
         let fits = |resonance: &Resonance| {
-            self.nominal_lm_h.is_none_or(|told| resonance.lm_h < told * LM_FACTOR && resonance.lm_h * LM_FACTOR > told)
+            self.nominal_lm_h.is_none_or(|nominal| resonance.lm_h < nominal * LM_FACTOR && resonance.lm_h * LM_FACTOR > nominal)
         };
         if !found.iter().any(inside) {
             return Err(Fault::NoResonance);
@@ -61,7 +61,7 @@ mod tests {
     }
 
     #[test]
-    fn the_strongest_in_the_window_is_wanted() {
+    fn the_strongest_in_the_window_is_chosen() {
         let found = [resonance(38_000.0, 1e-4), resonance(39_500.0, 4e-3), resonance(40_400.0, 8e-4)];
         assert_eq!(choice(None).of(&found), Ok(2));
         assert_eq!(choice(None).of(&found[..1]), Err(Fault::NoResonance));
@@ -69,7 +69,7 @@ mod tests {
     }
 
     #[test]
-    fn what_was_told_decides() {
+    fn the_nominal_inductance_decides() {
         let found = [resonance(39_500.0, 4e-3), resonance(40_400.0, 8e-4)];
         assert_eq!(choice(Some(3e-3)).of(&found), Ok(0));
         assert_eq!(choice(Some(1e-3)).of(&found), Ok(1));

@@ -17,7 +17,7 @@ const NONE: Phasor = Phasor::new(0.0, 0.0);
 pub(crate) struct Pole {
     /// Series resonance, as an offset from the nominal frequency, Hz.
     pub offset_hz: f32,
-    /// Quality factor.
+    /// Quality factor of the resonance.
     pub q: f32,
     /// Admittance at the series resonance, S.
     pub(crate) conductance: Phasor,
@@ -38,7 +38,7 @@ pub(crate) struct Circuit {
     pub y0: Phasor,
     /// Clamped capacitance by which it rises, F.
     pub c0_f: f32,
-    /// What of the current is nobody's, A.
+    /// Current that the circuit does not explain, A.
     pub(crate) rest: Phasor,
 }
 

@@ -1,7 +1,7 @@
 //! How many resonances a spectrum shows, and which.
 //!
 //! Where the lines stand out most of what is explained so far, one more resonance is assumed, and all of them are fitted together. It is
-//! kept if each of them is there by seven standard deviations and if it halves what is left. That ends when what is left is no more than
+//! accepted if each of them is there by seven standard deviations and if it halves what is left. That ends when what is left is no more than
 //! the converters' noise may be, or with four. A block does as much of it as one has time for.
 
 use heapless::Vec;
@@ -61,7 +61,7 @@ enum Stage {
 /// The search, in progress.
 #[derive(Clone, Debug)]
 pub(crate) struct ModeSearch {
-    told_q: f32,
+    nominal_q: f32,
     /// Noise of a sample's current that needs no explanation, A.
     amperes: f32,
     /// Variance of a line's current that needs no explanation, A^2.
@@ -78,9 +78,9 @@ pub(crate) struct ModeSearch {
     found_variance: f32,
 }
 
-/// Steps of the converters, and what is told.
+/// Steps of the converters, and the nominal Q.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Told {
+pub(crate) struct Nominal {
     /// Volts and amperes a step.
     pub(crate) steps: (f32, f32),
     /// Quality factor, within a factor of four.
@@ -89,15 +89,15 @@ pub(crate) struct Told {
 
 impl ModeSearch {
     /// A search by a bare capacitance, that [begins](Self::restart) with its first spectrum.
-    pub(crate) fn new(told: &Told, bare: Circuit) -> Self {
+    pub(crate) fn new(nominal: &Nominal, bare: Circuit) -> Self {
         ModeSearch {
-            told_q: told.q,
-            amperes: NOISE_STEPS * told.steps.1,
+            nominal_q: nominal.q,
+            amperes: NOISE_STEPS * nominal.steps.1,
             unexplained: 0.0,
             most: 0,
             stage: Stage::Done,
             line: 0,
-            fit: PoleFit::new(bare, told.steps.0 / told.steps.1),
+            fit: PoleFit::new(bare, nominal.steps.0 / nominal.steps.1),
             fitted: Circuit::default(),
             deviations: Vec::new(),
             found: Circuit::default(),
@@ -106,14 +106,14 @@ impl ModeSearch {
         }
     }
 
-    /// Begins from scratch. `samples` are all that the spectrum has heard, in `blocks`.
+    /// Begins from scratch. `samples` are all that the spectrum has taken, in `blocks`.
     pub(crate) fn restart(&mut self, bare: &Circuit, blocks: u32, samples: u32) {
         self.again(bare, blocks, samples);
         self.most = MOST_MODES;
         self.stage = Stage::Seek { best: (0.0, 0), sum: 0.0, largest: 0.0 };
     }
 
-    /// Fits anew what another spectrum has shown.
+    /// Fits the same modes again to another spectrum.
     pub(crate) fn again(&mut self, found: &Circuit, blocks: u32, samples: u32) {
         // Of noise of variance s^2, a sum of B phasors of N samples each has 4 B s^2 / N.
         self.unexplained = 4.0 * self.amperes * self.amperes * (blocks as f32) * (blocks as f32) / samples.max(1) as f32;
@@ -166,8 +166,8 @@ impl ModeSearch {
 
     fn assume(&mut self, spectrum: &Spectrum, line: usize) {
         let offset_hz = spectrum.offset_hz(line);
-        // As it was told, or as wide as two lines, whichever is less sharp.
-        let q = self.told_q.min(0.5 * (self.found.nominal_hz + offset_hz) / spectrum.spacing_hz());
+        // The nominal Q, or that of a width of two lines, whichever is less sharp.
+        let q = self.nominal_q.min(0.5 * (self.found.nominal_hz + offset_hz) / spectrum.spacing_hz());
         let mut assumed = self.found.clone();
         // There is room: there are less than the most.
         let _ = assumed.poles.push(Pole { offset_hz, q, ..Pole::default() });

@@ -4,7 +4,7 @@
 //! X(k) = (2 / N) sum over blocks k - 1 and k of triangle(n) x(n) exp(-j theta(n)),    theta(n) = theta0 + n omega
 //! ```
 //!
-//! Unlike the [lock-in](crate::sense::demod), which follows the drive's own phase, this is the same linear filter for all that is heard, whatever
+//! Unlike the [lock-in](crate::sense::demod), which follows the drive's own phase, this is the same linear filter for every signal, whatever
 //! the drive does: what voltage and current have to do with one another stays exactly what it was before the filter, and its droop is the
 //! same in both. Of a tone at the reference the triangle leaves the image
 //!
@@ -29,7 +29,7 @@ pub(crate) struct Baseband {
 }
 
 impl Baseband {
-    /// Starts anew with a reference of this tuning word. The first phasor, which lacks its rising half, is to be thrown away.
+    /// Restarts with a reference of this tuning word. The first phasor, which lacks its rising half, is to be thrown away.
     pub(crate) fn restart(&mut self, word: u64) {
         *self = Baseband { word, ..Baseband::default() };
     }
@@ -53,9 +53,9 @@ impl Baseband {
         let image = first * first * (part * part);
         let scale = 1.0 / (1.0 - image.norm_sqr());
         let whole = |x: Phasor| (x - x.conj() * image) * scale;
-        let heard = Sensed { v: whole(self.rising.v + v_falling), i: whole(self.rising.i + i_falling) };
+        let sensed = Sensed { v: whole(self.rising.v + v_falling), i: whole(self.rising.i + i_falling) };
         self.rising = Sensed { v: v_rising, i: i_rising };
-        heard
+        sensed
     }
 }
 
@@ -93,7 +93,7 @@ mod tests {
     use crate::seam::phasor::magnitude;
 
     /// What a tone leaves at an offset from the reference, over 4 ms.
-    fn heard(hz: f64, reference_hz: f64, offset_hz: f64) -> Phasor {
+    fn sensed(hz: f64, reference_hz: f64, offset_hz: f64) -> Phasor {
         let convert = Convert::build(&front_end()).unwrap();
         let mut baseband = Baseband::default();
         baseband.restart(tuning_word(reference_hz / 1e6));
@@ -111,14 +111,14 @@ mod tests {
 
     #[test]
     fn a_tone_at_the_reference_is_one() {
-        let x = heard(40_000.0, 40_000.0, 0.0);
+        let x = sensed(40_000.0, 40_000.0, 0.0);
         assert!((x - Phasor::new(1.0, 0.0)).norm_sqr() < 1e-4 * 1e-4, "{x}");
     }
 
     /// Twice 46.875 kHz is three times the block rate: there the image of one side of the band folds onto the other.
     #[test]
     fn an_image_that_folds_into_the_band_is_small() {
-        let (there, image) = (heard(47_875.0, 46_875.0, 1000.0), magnitude(heard(47_875.0, 46_875.0, -1000.0)));
+        let (there, image) = (sensed(47_875.0, 46_875.0, 1000.0), magnitude(sensed(47_875.0, 46_875.0, -1000.0)));
         // 1.2e-4; a boxcar leaves 1.1 %.
         assert!(magnitude(there) > 0.99 && image < 2e-4, "{there} {image}");
     }

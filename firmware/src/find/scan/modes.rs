@@ -1,4 +1,4 @@
-//! The resonances that a scan has found, and the one that is wanted.
+//! The resonances that a scan has found, and the chosen one.
 
 use heapless::Vec;
 
@@ -17,7 +17,7 @@ pub(crate) struct Modes {
     nominal_hz: f32,
     found: Vec<(Pole, Deviations), MOST_MODES>,
     listed: Resonances,
-    wanted: usize,
+    chosen: usize,
 }
 
 impl Modes {
@@ -41,19 +41,19 @@ impl Modes {
         Some(Listed { place: place as u8, of: self.listed.len() as u8, resonance })
     }
 
-    /// The place of the wanted one.
+    /// The place of the chosen resonance.
     pub(crate) fn place(&self) -> usize {
-        self.wanted
+        self.chosen
     }
 
-    /// The wanted one.
-    pub(crate) fn wanted(&self) -> Option<&(Pole, Deviations)> {
-        self.found.get(self.wanted)
+    /// The chosen resonance.
+    pub(crate) fn chosen(&self) -> Option<&(Pole, Deviations)> {
+        self.found.get(self.chosen)
     }
 
-    /// The others.
+    /// The resonances that were not chosen.
     pub(crate) fn others(&self) -> impl Iterator<Item = &Pole> {
-        self.found.iter().enumerate().filter(|(n, _)| *n != self.wanted).map(|(_, (pole, _))| pole)
+        self.found.iter().enumerate().filter(|(n, _)| *n != self.chosen).map(|(_, (pole, _))| pole)
     }
 
     /// Adds one that has been found; the weakest is left out where there is no room. What a part of the window has shown already, the next
@@ -76,16 +76,16 @@ impl Modes {
         self.list();
     }
 
-    /// Chooses the wanted one.
+    /// Chooses the resonance to drive.
     pub(crate) fn choose(&mut self, choice: &Choice) -> Result<(), Fault> {
-        self.wanted = choice.of(&self.listed)?;
+        self.chosen = choice.of(&self.listed)?;
         Ok(())
     }
 
-    /// The wanted one is known better now.
+    /// Replaces the chosen resonance by a better estimate.
     pub(crate) fn refine(&mut self, pole: Pole, deviations: Deviations) {
-        if let Some(wanted) = self.found.get_mut(self.wanted) {
-            *wanted = (pole, deviations);
+        if let Some(chosen) = self.found.get_mut(self.chosen) {
+            *chosen = (pole, deviations);
             self.list();
         }
     }

@@ -5,7 +5,7 @@
 //!            centre + width ((1 - x) / 0.25 - 1/2)        from there on
 //! ```
 //!
-//! Up in three quarters of the time, and down in one, so that what stands at the upper end still has time to be heard. The offsets of a
+//! Up in three quarters of the time, and down in one, so that a resonance at the upper end still has time to decay within the pass. The offsets of a
 //! period from its centre add up to nothing, so that it repeats itself against a reference at the centre.
 
 use crate::find::scan::spectrum::{MOST_LINES, Spectrum};
@@ -21,17 +21,17 @@ const FINE_S: (f32, f32) = (4e-3, 20e-3);
 const LONGEST_S: f32 = 0.04;
 /// Width of the fine pass in bandwidths of the resonance.
 const FINE_BANDWIDTHS: f32 = 2.0;
-/// The deviation of the resonance that is wanted, in bandwidths, or in parts of the frequency if that is more.
-const WANTED: (f32, f32) = (1e-4, 5e-7);
+/// Target of the resonance's deviation, in bandwidths, or in parts of the frequency if that is more.
+const TARGET: (f32, f32) = (1e-4, 5e-7);
 
 /// What a pass has shown of a resonance.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Seen {
     /// Series resonance, Hz.
     pub(crate) hz: f32,
-    /// The same, as an offset from the nominal frequency, Hz.
+    /// Series resonance, as an offset from the nominal frequency, Hz.
     pub offset_hz: f32,
-    /// Quality factor.
+    /// Quality factor of the resonance.
     pub q: f32,
     /// Standard deviation of the resonance, Hz.
     pub(crate) deviation_hz: f32,
@@ -61,7 +61,7 @@ impl Pass {
         Pass { centre_hz: 0.5 * (low_hz + high_hz), width_hz, period_blocks, repeats: 1 }
     }
 
-    /// The fine pass about a resonance that this one has shown, within `reach_hz` of the nominal frequency: as long as the wanted deviation
+    /// The fine pass about a resonance that this one has shown, within `reach_hz` of the nominal frequency: as long as the target deviation
     /// takes, which is not at all if it is reached already.
     pub(crate) fn fine(&self, seen: &Seen, reach_hz: f32, block_s: f32) -> Self {
         let bandwidth_hz = seen.hz / seen.q;
@@ -71,11 +71,11 @@ impl Pass {
         // Slow, so that a load that depends on amplitude shows what it shows when it has settled.
         let slow_s = ((MOST_LINES - 4) as f32 / fine.width_hz).min(40e-3);
         let fine = Pass { period_blocks: fine.period_blocks.max((slow_s / block_s) as u32), ..fine };
-        let excess = seen.deviation_hz / (WANTED.0 * bandwidth_hz).max(WANTED.1 * seen.hz);
+        let excess = seen.deviation_hz / (TARGET.0 * bandwidth_hz).max(TARGET.1 * seen.hz);
         // The time that this pass has spent there, for a deviation that falls with the root of it.
         let there_s = self.blocks() as f32 * block_s * (fine.width_hz / self.width_hz).min(1.0);
-        let wanted_s = (there_s * excess * excess).min(LONGEST_S);
-        let repeats = if excess > 1.0 { (wanted_s / (fine.period_blocks as f32 * block_s)) as u32 + 1 } else { 0 };
+        let target_s = (there_s * excess * excess).min(LONGEST_S);
+        let repeats = if excess > 1.0 { (target_s / (fine.period_blocks as f32 * block_s)) as u32 + 1 } else { 0 };
         Pass { repeats, ..fine }
     }
 
@@ -121,7 +121,7 @@ mod tests {
         let window = Pass::between(-1100.0, 1100.0, (8e-3, 16e-3), 32e-6);
         let repeats =
             |deviation_hz: f32| window.fine(&Seen { hz: 40e3, offset_hz: 0.0, q: 65.0, deviation_hz }, 1100.0, 32e-6).repeats;
-        // Wanted are 0.0615 Hz; a period of 30 ms.
+        // The target is 0.0615 Hz; a period of 30 ms.
         assert_eq!([0.05, 0.07, 0.1, 0.2].map(repeats), [0, 1, 1, 2]);
     }
 

@@ -1,4 +1,4 @@
-//! Waits at the resonance until what a sweep has left no longer turns the motional phase, so that whoever tracks from there hears one tone
+//! Waits at the resonance until what a sweep has left no longer turns the motional phase, so that a tracker that starts from there measures one tone
 //! only. What rings freely at the very frequency that is driven does not turn it, however long it rings; and after four time constants
 //! nothing does.
 
@@ -17,7 +17,7 @@ const IN_PHASE: (f32, u32) = (0.01, 8);
 pub(crate) struct RingDown {
     /// The transducer.
     pub(crate) transducer: Transducer,
-    /// Its branch for tracking.
+    /// The clamped branch, for tracking.
     pub motional: Motional,
     blocks: u32,
     in_phase: u32,
@@ -37,8 +37,8 @@ impl RingDown {
     pub(crate) fn is_over(&mut self, sensed: &Sensed, relative: f32) -> bool {
         self.blocks += 1;
         let phase = self.motional.phase_of(self.motional.current(sensed, relative), sensed.v);
-        let heard = self.blocks > LATENCY_BLOCKS as u32;
-        let within = heard && phase.re > 0.0 && phase.im.abs() < IN_PHASE.0 * phase.re;
+        let measured = self.blocks > LATENCY_BLOCKS as u32;
+        let within = measured && phase.re > 0.0 && phase.im.abs() < IN_PHASE.0 * phase.re;
         self.in_phase = if within { self.in_phase + 1 } else { 0 };
         self.in_phase >= IN_PHASE.1 || self.blocks >= self.longest_blocks
     }

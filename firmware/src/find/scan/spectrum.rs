@@ -38,16 +38,16 @@ impl Spectrum {
     }
 
     /// Adds the phasors of the next block.
-    pub(crate) fn add(&mut self, heard: &Sensed) {
+    pub(crate) fn add(&mut self, sensed: &Sensed) {
         let step = sine::rotation(self.phase).conj();
         self.phase = self.phase.wrapping_add(self.word);
-        self.v[MOST_PAIRS] += heard.v;
-        self.i[MOST_PAIRS] += heard.i;
+        self.v[MOST_PAIRS] += sensed.v;
+        self.i[MOST_PAIRS] += sensed.i;
         let mut turn = step;
         let each = pairs(&mut self.v).zip(pairs(&mut self.i)).take(self.pairs);
         for (v, i) in each {
-            both_ways(v, heard.v, turn);
-            both_ways(i, heard.i, turn);
+            both_ways(v, sensed.v, turn);
+            both_ways(i, sensed.i, turn);
             turn *= step;
         }
     }

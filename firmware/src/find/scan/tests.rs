@@ -14,13 +14,13 @@ use std::vec::Vec as List;
 
 const SAMPLES: usize = 32;
 
-/// What is scanned, and what is told of it.
+/// A transducer that is scanned, and its nominal values.
 struct Case {
     branches: List<Branch>,
     c0_f: f64,
     nominal_hz: f32,
     nominal_q: f32,
-    told_c0: f32,
+    nominal_c0_f: f32,
     nominal_lm_h: Option<f32>,
     span: f32,
     volts: f32,
@@ -35,7 +35,7 @@ fn stack(hz: f64, q: f64) -> Case {
         c0_f: 300e-9,
         nominal_hz: 40e3,
         nominal_q: 65.0,
-        told_c0: 0.95 * 300e-9,
+        nominal_c0_f: 0.95 * 300e-9,
         nominal_lm_h: None,
         span: 0.025,
         volts: 3.0,
@@ -67,7 +67,7 @@ fn scan(case: &Case, seed: u64) -> Scanned {
             span: case.span,
             bandwidth_hz: 200.0,
             nominal_lm_h: case.nominal_lm_h,
-            ..Tracking::new(case.nominal_q, case.told_c0)
+            ..Tracking::new(case.nominal_q, case.nominal_c0_f)
         },
         thermometer: Thermometer::default(),
         limits: Limits { voltage_v: 15.0, current_a: 4.0, ..Limits::default() },
@@ -94,7 +94,7 @@ fn scan(case: &Case, seed: u64) -> Scanned {
         let now_s = (block + 1) as f32 * 32e-6;
         if matches!(before, Stage::Search(_)) && !matches!(scan.stage, Stage::Search(_) | Stage::Window(_)) {
             result.searched_s = now_s;
-            if let Some(found) = scan.modes.wanted() {
+            if let Some(found) = scan.modes.chosen() {
                 let deviations = found.1;
                 let place = scan.search.found().0.poles.iter().position(|pole| *pole == found.0).unwrap_or(0);
                 result.first = Some(Transducer { deviations, ..scan.search.found().0.transducer(place) });
@@ -146,7 +146,7 @@ fn welder(hz: f64, q: f64) -> Case {
         c0_f: 10e-9,
         nominal_hz: 20e3,
         nominal_q: 500.0,
-        told_c0: 10.4e-9,
+        nominal_c0_f: 10.4e-9,
         volts: 10.0,
         front_end,
         ..stack(hz, q)
@@ -242,15 +242,15 @@ fn a_second_mode_is_listed_and_not_chosen() {
 }
 
 #[test]
-fn the_told_inductance_decides_which_mode() {
+fn the_nominal_inductance_decides_which_mode() {
     let mut case = Case { span: 0.05, ..stack(40_100.0, 65.0) };
     case.branches.push(Branch { hz: 41_500.0, q: 100.0, lm_h: 3.3 * 791.6e-6 });
-    for (told, expected) in [(2.6e-3, Ok(41_500.0)), (0.8e-3, Ok(40_100.0)), (0.1, Err(Fault::WrongMode))] {
-        let case = Case { nominal_lm_h: Some(told), branches: case.branches.clone(), front_end: front_end(), ..case };
+    for (nominal, expected) in [(2.6e-3, Ok(41_500.0)), (0.8e-3, Ok(40_100.0)), (0.1, Err(Fault::WrongMode))] {
+        let case = Case { nominal_lm_h: Some(nominal), branches: case.branches.clone(), front_end: front_end(), ..case };
         let found = scan(&case, 1).found.map(|(found, _)| found.series_resonance_hz);
         match (found, expected) {
-            (Ok(hz), Ok(expected)) => assert!((hz - expected).abs() < 1.0, "{told}: {hz}"),
-            (found, expected) => assert_eq!(found, expected, "{told}"),
+            (Ok(hz), Ok(expected)) => assert!((hz - expected).abs() < 1.0, "{nominal}: {hz}"),
+            (found, expected) => assert_eq!(found, expected, "{nominal}"),
         }
     }
 }
@@ -281,8 +281,8 @@ fn a_wide_window_is_searched_part_by_part() {
 
 #[test]
 fn the_nominal_q_may_be_wrong_by_four() {
-    for (told, q) in [(16.0, 65.0), (260.0, 65.0), (80.0, 20.0), (5.0, 20.0)] {
-        let case = Case { nominal_q: told, ..stack(40_300.0, q) };
+    for (nominal, q) in [(16.0, 65.0), (260.0, 65.0), (80.0, 20.0), (5.0, 20.0)] {
+        let case = Case { nominal_q: nominal, ..stack(40_300.0, q) };
         let found = scan(&case, 5).found.expect("a resonance").0;
         assert!((found.series_resonance_hz - 40_300.0).abs() < 2.0 && (f64::from(found.q) / q - 1.0).abs() < 5e-3, "{found:?}");
     }

@@ -12,7 +12,7 @@ use crate::seam::block::Gate;
 
 /// A stroke that wants more than its ceiling by this part is limited.
 const LIMITED: f32 = 0.01;
-/// Strokes for a drive that differs by less than this part need not be made anew.
+/// Strokes for a drive that differs by less than this part need not be planned again.
 const SAME: f32 = 0.01;
 
 /// A stroke of so many half cycles is long enough for a tracker to listen to.
@@ -106,9 +106,9 @@ impl Boost {
 
     /// Begins a stroke from what rings to what shall ring, V.
     fn begin(&mut self, stroke: Stroke, to: f32, strokes: &Strokes) {
-        let wanted = stroke.volts(self.ring.volts(), to);
-        self.limited = !strokes.lands || wanted.abs() > (1.0 + LIMITED) * strokes.ceiling;
-        self.stroke_volts = wanted.clamp(-strokes.ceiling, strokes.ceiling);
+        let needed = stroke.volts(self.ring.volts(), to);
+        self.limited = !strokes.lands || needed.abs() > (1.0 + LIMITED) * strokes.ceiling;
+        self.stroke_volts = needed.clamp(-strokes.ceiling, strokes.ceiling);
         self.stroke = stroke.half_cycles;
     }
 }
@@ -194,7 +194,7 @@ impl Burst {
         }
     }
 
-    /// Takes what was heard to ring in a block, as the steady drive that would hold it, V.
+    /// Takes the vibration measured in a block, as the steady drive that would hold it, V.
     pub(crate) fn update(&mut self, volts: f32) {
         if let Some(boost) = &mut self.boost {
             boost.ring.update(volts);
@@ -206,7 +206,7 @@ impl Burst {
         self.boost.as_ref().is_some_and(|boost| boost.ring.was_rung_up(volts))
     }
 
-    /// Whether what plays now tells a tracker something: the drive, and a long boost of it. What a brake and its payback leave is nearly nothing.
+    /// Whether the block being played is informative to a tracker: the drive, and a long boost of it. A brake and its DC-offset correction leave almost no signal.
     pub(crate) fn is_telling(&self) -> bool {
         self.boost.as_ref().is_none_or(|boost| match self.state {
             State::Open { .. } => true,

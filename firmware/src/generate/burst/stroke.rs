@@ -30,13 +30,13 @@ pub(crate) struct Stroke {
     /// Half cycles.
     pub(crate) half_cycles: u32,
     /// `q^n`.
-    kept: f32,
+    retained: f32,
 }
 
 impl Stroke {
     /// The drive that brings what rings from `from` to `to`, V.
     pub(crate) fn volts(&self, from: f32, to: f32) -> f32 {
-        (to - from * self.kept) / (1.0 - self.kept)
+        (to - from * self.retained) / (1.0 - self.retained)
     }
 }
 
@@ -64,7 +64,7 @@ impl Strokes {
         }
         // exp(-d), error d^4 / 24.
         let d = 1.0 / self.per_time_constant;
-        Stroke { half_cycles: stroke.half_cycles + 1, kept: stroke.kept * (1.0 - d * (1.0 - 0.5 * d * (1.0 - d / 3.0))) }
+        Stroke { half_cycles: stroke.half_cycles + 1, retained: stroke.retained * (1.0 - d * (1.0 - 0.5 * d * (1.0 - d / 3.0))) }
     }
 }
 
@@ -77,7 +77,7 @@ pub(crate) struct Planner {
     /// Half cycles, as soon as they are known.
     up: u32,
     down: u32,
-    kept_up: f32,
+    retained_up: f32,
     lands: bool,
     step: Step,
 }
@@ -88,8 +88,8 @@ enum Step {
     #[default]
     Up,
     Down,
-    KeptUp,
-    KeptDown,
+    RetainedUp,
+    RetainedDown,
 }
 
 impl Planner {
@@ -116,19 +116,19 @@ impl Planner {
                 let down = fewest(libm::log1pf(part));
                 let odd = self.lands && self.up % 2 == 1 && self.up <= even(down) + LOST && self.up >= down;
                 (self.up, self.down) = if odd { (self.up, self.up) } else { (even(self.up), even(down)) };
-                self.step = Step::KeptUp;
+                self.step = Step::RetainedUp;
             }
-            Step::KeptUp => {
-                self.kept_up = kept(self.up, h);
-                self.step = Step::KeptDown;
+            Step::RetainedUp => {
+                self.retained_up = retained(self.up, h);
+                self.step = Step::RetainedDown;
             }
-            Step::KeptDown => {
+            Step::RetainedDown => {
                 self.step = Step::Up;
                 return Some(Strokes {
-                    up: Stroke { half_cycles: self.up, kept: self.kept_up },
+                    up: Stroke { half_cycles: self.up, retained: self.retained_up },
                     down: Stroke {
                         half_cycles: self.down,
-                        kept: if self.up == self.down { self.kept_up } else { kept(self.down, h) },
+                        retained: if self.up == self.down { self.retained_up } else { retained(self.down, h) },
                     },
                     volts: self.volts,
                     ceiling: self.ceiling,
@@ -142,7 +142,7 @@ impl Planner {
 }
 
 /// What is left after so many half cycles.
-fn kept(half_cycles: u32, per_time_constant: f32) -> f32 {
+fn retained(half_cycles: u32, per_time_constant: f32) -> f32 {
     libm::expf(-(half_cycles as f32) / per_time_constant)
 }
 
@@ -156,7 +156,7 @@ mod tests {
 
     impl Stroke {
         fn of(half_cycles: u32, per_time_constant: f32) -> Self {
-            Stroke { half_cycles, kept: kept(half_cycles, per_time_constant) }
+            Stroke { half_cycles, retained: retained(half_cycles, per_time_constant) }
         }
     }
 
@@ -193,9 +193,9 @@ mod tests {
                     let n = stroke.half_cycles as f32;
                     assert!(n >= bound && n <= bound + 2.0, "Q {q}, H {headroom}: {n} for {bound}");
                     let u = stroke.volts(from, to);
-                    let kept = libm::expf(-n / h);
+                    let retained = libm::expf(-n / h);
                     assert!(u.abs() <= 3.0 * headroom * 1.0001, "{u}");
-                    assert!((from * kept + u * (1.0 - kept) - to).abs() < 1e-5);
+                    assert!((from * retained + u * (1.0 - retained) - to).abs() < 1e-5);
                 }
                 assert!(strokes.lands && (strokes.up.half_cycles + strokes.down.half_cycles).is_multiple_of(2));
             }
@@ -216,6 +216,6 @@ mod tests {
         let other = strokes.with_parity(strokes.up, strokes.up.half_cycles.is_multiple_of(2));
         let exact = Stroke::of(strokes.up.half_cycles + 1, 12.7);
         // Measured: 1.5e-6 of 0.7.
-        assert!(other.half_cycles == exact.half_cycles && (other.kept - exact.kept).abs() < 3e-6, "{other:?} {exact:?}");
+        assert!(other.half_cycles == exact.half_cycles && (other.retained - exact.retained).abs() < 3e-6, "{other:?} {exact:?}");
     }
 }

@@ -58,7 +58,7 @@ fn blocks_join_without_a_seam() {
         let mut parts = whole.clone();
         let got: std::vec::Vec<f32> = (0..8).flat_map(|k| levels(&mut parts, Gate::Scheduled, 16 * k, 16)).collect();
         let expected: std::vec::Vec<f32> = (0..2).flat_map(|k| levels(&mut whole, Gate::Scheduled, 64 * k, 64)).collect();
-        // A soft edge is swung anew in each block. Measured: 1.4e-6, and nothing at its ends, nor of a hard one.
+        // The oscillator of a soft edge is set again in each block. Measured: 1.4e-6, and nothing at its ends, nor of a hard one.
         let same = |(got, expected): (&f32, &f32)| {
             got == expected || (edge != Edge::Hard && *got > 0.0 && *got < 1.0 && (got - expected).abs() < 2e-6)
         };
@@ -83,7 +83,7 @@ fn periodic_schedule_repeats() {
 
 /// A resonance `y' = (drive - y) / tau` in envelope: after the brake nothing is left, whatever the headroom.
 #[test]
-fn a_brake_stops_what_rings() {
+fn a_brake_stops_the_residual_vibration() {
     for (q, headroom) in [(65.0, 1.0), (65.0, 5.16), (20.0, 1.5), (200.0, 2.0)] {
         let periods = q / core::f32::consts::PI;
         let brake = Brake::of(periods, headroom);

@@ -62,7 +62,7 @@ impl Section {
     }
 }
 
-/// The noise generator.
+/// The generator of band-limited noise.
 #[derive(Clone, Debug)]
 pub struct Noise {
     white: White,

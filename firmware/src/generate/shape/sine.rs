@@ -80,7 +80,7 @@ impl Steady {
 }
 
 impl Swing {
-    /// The next sample.
+    /// Returns the next sample of the wave.
     #[inline]
     pub fn take(&mut self) -> f32 {
         let y = self.y;

@@ -48,7 +48,7 @@ enum Law {
 /// The chirp.
 #[derive(Clone, Debug)]
 pub(crate) struct Chirp {
-    _carried: Waveforms,
+    _enabled: Waveforms,
     legs: [Leg; 2],
     then: Then,
     around: Around,
@@ -62,9 +62,9 @@ pub(crate) struct Chirp {
 }
 
 impl Chirp {
-    /// Checks a chirp: both ends within what the sample rate carries, none at or through 0 Hz.
+    /// Checks a chirp: both ends within what the sample rate permits, none at or through 0 Hz.
     pub(crate) fn build(config: &Config, whole: &Whole) -> Result<Self, Error> {
-        let carried = features::waveforms()?;
+        let enabled = features::waveforms()?;
         config.check()?;
         let sample_hz = f64::from(whole.sample_hz);
         let block_s = f64::from(whole.block_samples) / sample_hz;
@@ -96,7 +96,7 @@ impl Chirp {
         let blocks = libm::round(config.time_s / block_s).max(1.0);
         let leg = |from: f64, to: f64| Leg::new(config.kind, from / sample_hz, to / sample_hz, blocks, whole.block_samples);
         let mut chirp = Chirp {
-            _carried: carried,
+            _enabled: enabled,
             legs: [leg(start, stop), leg(stop, start)],
             then: config.then,
             around: config.around,
@@ -189,7 +189,7 @@ mod tests {
         let leg = |from: f64, to: f64| Leg::new(kind, from / 1e6, to / 1e6, blocks as f64, 32);
         let legs = [leg(from, to), leg(to, from)];
         let mut chirp = Chirp {
-            _carried: features::Carried,
+            _enabled: features::Enabled,
             legs,
             then,
             around: Around::Zero,

@@ -6,7 +6,7 @@
 //!
 //! While the resonance is followed, a stop mutes the drive, and it goes on when the belt does: after `REARM_BLOCKS` blocks with new
 //! ground, none more than `T / 2` after the one before, so that a belt which creeps about the threshold does not make the drive flutter.
-//! What has been muted for `LATCH_S` while it was wanted is a fault.
+//! A drive that has been muted for `LATCH_S` while it was requested is a fault.
 //!
 //! A measurement cannot be interrupted. It may take place over a belt at rest, for `LATCH_S` of drive in all; over a belt that has moved
 //! since the order, a stop is a fault at once.
@@ -21,7 +21,7 @@ const REARM_BLOCKS: u32 = 4;
 /// Longest mute, and longest measurement over a belt at rest, s.
 const LATCH_S: f32 = 0.1;
 
-/// The interlock.
+/// The interlock of the drive with the motion of the belt.
 #[derive(Clone, Debug)]
 pub struct BeltMotion {
     stop_blocks: u32,
@@ -33,9 +33,9 @@ pub struct BeltMotion {
     rearmed: u32,
     /// Something has moved, or has been driven: what stands now has stopped.
     armed: bool,
-    /// The encoder has been heard before this block.
+    /// The encoder has been read before this block.
     met: bool,
-    /// Blocks that were wanted and muted, or measured at rest.
+    /// Blocks in which a requested drive was muted, or the belt was measured at rest.
     over: u32,
 }
 
@@ -65,8 +65,8 @@ impl BeltMotion {
         self.muted
     }
 
-    /// Takes one block, in which the belt has been heard; `driving` says whether anything was played in it.
-    pub(super) fn step(&mut self, belt: &Belt, stage: Stage, driving: bool, wanted: bool) -> Option<Fault> {
+    /// Takes one block, in which the encoder has been read; `driving` says whether anything was played in it.
+    pub(super) fn step(&mut self, belt: &Belt, stage: Stage, driving: bool, requested: bool) -> Option<Fault> {
         let met = core::mem::replace(&mut self.met, true);
         let before = core::mem::replace(&mut self.still, belt.still_blocks());
         if self.still == 0 {
@@ -90,9 +90,9 @@ impl BeltMotion {
             }
             Stage::Following => {
                 // Where nothing has ever moved or been driven, it waits.
-                // What is heard while it waits is the end of a measurement.
+                // Blocks measured while it waits are the end of a measurement.
                 self.armed |= driving && !(self.muted && met);
-                self.over = if self.muted && self.armed { self.over + u32::from(wanted) } else { 0 };
+                self.over = if self.muted && self.armed { self.over + u32::from(requested) } else { 0 };
                 false
             }
         };

@@ -48,7 +48,7 @@ impl EnergyPerLength {
         self.spent_j = if spent_j < 0.0 { 0.0 } else { spent_j };
         let within = self.spent_j <= self.most_j;
         if !within {
-            // The fault ends the drive; what comes after it begins anew.
+            // The fault ends the drive; what comes after it begins from zero.
             self.spent_j = 0.0;
         }
         (!within).then_some(Fault::EnergyPerLength)

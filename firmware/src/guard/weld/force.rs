@@ -7,10 +7,10 @@
 //!
 //! Valid where the drive is ON for longer than it takes to settle (`SETTLE_S` and the channel's own time), and where the force stands out
 //! of its noise: shorter bursts, and forces of less than four times the noise, are not judged. A belt that has stood from the beginning cannot be
-//! told by it. A new amplitude is learned anew.
+//! recognized by it. A new amplitude is learned again.
 //!
 //! A channel whose reading is no number, is missing, or is the same to the last bit for `STUCK_S` under drive is broken: fault 46. A
-//! converter's noise must be more than its last bit. That is all that is asked of the tension of a belt that restrains somebody in a crash.
+//! converter's noise must be more than its last bit. That is all that is asked of the tension of a belt that restrains an occupant in a crash.
 
 use crate::seam::config::Config;
 use crate::seam::fault::Fault;
@@ -38,9 +38,9 @@ const TAKES_BACK: u32 = 8;
 /// The watch over the force channel.
 #[derive(Clone, Debug)]
 pub(crate) struct ForceWatch {
-    /// There is a channel.
-    told: bool,
-    /// It tells the friction under the tip, and not the tension of a belt in a crash, which comes and goes by itself.
+    /// A force channel is configured.
+    has_channel: bool,
+    /// The channel measures the friction under the tip, and not the tension of a belt in a crash, which comes and goes by itself.
     is_friction: bool,
     settle_blocks: u32,
     hold_blocks: u32,
@@ -62,7 +62,7 @@ impl ForceWatch {
         let hz = config.front_end.force_hz;
         let channel_s = hz.map_or(0.0, |hz| CHANNEL_TIMES / (core::f32::consts::TAU * hz));
         ForceWatch {
-            told: hz.is_some(),
+            has_channel: hz.is_some(),
             is_friction: config.restraint.is_none(),
             settle_blocks: ((SETTLE_S + channel_s) / block_s) as u32,
             hold_blocks: (HOLD_S / block_s) as u32,
@@ -85,7 +85,7 @@ impl ForceWatch {
 
     /// Takes one block's reading, N; whether the drive was on in it at all and throughout, and the amplitude asked for.
     pub(super) fn step(&mut self, force: Option<f32>, driving: bool, full: bool, asked: f32) -> Option<Fault> {
-        if !self.told || !driving {
+        if !self.has_channel || !driving {
             (self.settled, self.same) = (0, 0);
             return None;
         }
@@ -135,7 +135,7 @@ mod tests {
 
     fn watch() -> ForceWatch {
         ForceWatch {
-            told: true,
+            has_channel: true,
             is_friction: true,
             settle_blocks: 143,
             hold_blocks: 93,
@@ -188,7 +188,7 @@ mod tests {
     }
 
     #[test]
-    fn another_amplitude_and_a_pause_are_learned_anew() {
+    fn another_amplitude_and_a_pause_are_learned_again() {
         let mut watch = watch();
         assert_eq!(run(&mut watch, 5000, readings(1.0, 0.05)), None);
         let mut quiet = readings(0.2, 0.05);
@@ -209,7 +209,7 @@ mod tests {
         for reading in [None, Some(f32::NAN), Some(f32::INFINITY)] {
             assert_eq!(watch().step(reading, true, true, 3.0), broken, "{reading:?}");
         }
-        // Nobody minds while it is silent.
+        // It is no fault while the drive is silent.
         assert_eq!(watch().step(None, false, false, 3.0), None);
     }
 }

@@ -23,7 +23,7 @@ pub struct Burst {
     /// Beginnings of the ON windows, s.
     #[setting(scene, min = 0.0, max = 1e5)]
     pub on_s: Vec<f64, MAX_WINDOWS>,
-    /// Their ends, s.
+    /// Ends of the ON windows, s.
     #[setting(scene, min = 0.0, max = 1e5)]
     pub off_s: Vec<f64, MAX_WINDOWS>,
     /// Period of a repeated burst, s.
@@ -77,7 +77,7 @@ impl Burst {
 /// When the drive is ON.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub enum Schedule {
-    /// Always, while running.
+    /// The drive is on throughout a run.
     #[default]
     Continuous,
     /// In each window from `.0` to `.1`, s.
@@ -97,7 +97,7 @@ pub enum Schedule {
 #[serde(rename_all = "lowercase")]
 pub enum Edge {
     // Where the first lane passes zero, and for whole periods.
-    /// At once.
+    /// The envelope changes at once.
     #[default]
     Hard,
     /// Along a raised cosine.

@@ -9,7 +9,7 @@ use super::{Config, Limits, Setting};
 use crate::seam::block::Amplitude;
 use crate::seam::config::Parameter;
 
-/// The drive.
+/// Frequency, amplitude and waveform of the drive.
 #[settings(table = "drive", scene = Drive)]
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Drive {
@@ -19,7 +19,7 @@ pub struct Drive {
     /// The amplitude asked for while running.
     #[setting(controller)]
     pub amplitude: Amplitude,
-    /// Peak voltage, V.
+    /// Peak drive voltage, V.
     #[setting(scene, min = 1e-3, max = 1e4, key = 5, read = amplitude_v, write = set_amplitude_v)]
     pub amplitude_v: Option<f32>,
     /// Peak tip velocity, held by the motional-current loop, m/s. Needs `tracking.nominal_force_factor_n_per_v`.
@@ -93,12 +93,12 @@ impl Drive {
 #[cfg_attr(feature = "scene", derive(JsonSchema))]
 #[serde(rename_all = "lowercase")]
 pub enum ShapeKind {
-    /// Sine.
+    /// A sine wave.
     #[default]
     Sine,
-    /// Square, band-limited.
+    /// A band-limited square wave.
     Square,
-    /// Sawtooth, rising, band-limited.
+    /// A band-limited sawtooth that rises.
     Sawtooth,
     /// Gaussian noise within a band, clipped at the peak, which is four times its rms. Nothing can be tracked by it.
     Noise,

@@ -1,4 +1,4 @@
-//! What a user sets of the friction switch.
+//! Settings of the friction switch.
 
 use config_macro::settings;
 #[cfg(feature = "scene")]
@@ -9,27 +9,27 @@ use super::{Setting, Tracking};
 use crate::seam::block::Target;
 use crate::seam::error::Error;
 
-/// The friction switch: the friction that is wanted, and what is known of the contact beforehand. It sets amplitude and bursts, up to
-/// the drive's amplitude, which is its loudest.
+/// The friction switch: the set point of the friction, and the nominal contact. The switch sets amplitude and bursts, up to
+/// the drive's amplitude, which is its maximum.
 #[settings(table = "friction", scene = Friction)]
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Friction {
-    /// What is wanted until an order says otherwise.
+    /// Set point of the friction until an order changes it.
     #[setting(controller)]
     pub target: Target,
-    /// Wanted friction, as a part of that without vibration.
+    /// Set point of the friction, as a part of that without vibration.
     #[setting(scene, min = 0.0, max = 1.0)]
     pub target_ratio: Option<f32>,
-    /// Wanted friction, N. Needs `sensors.force_hz`.
+    /// Set point of the friction, N. Needs `sensors.force_hz`.
     #[setting(scene, min = 0.0, max = 1e6)]
     pub target_force_n: Option<f32>,
-    /// When other ratios are ordered, s.
+    /// Times at which other friction ratios are ordered, s.
     #[setting(scene, min = 0.0, max = 1e5)]
     pub step_s: Vec<f32>,
-    /// Those ratios.
+    /// Friction ratios that are ordered at these times.
     #[setting(scene, min = 0.0, max = 1.0)]
     pub step_ratio: Vec<f32>,
-    /// The law that is inverted.
+    /// The friction law that is inverted.
     #[setting(default)]
     pub law: FrictionLaw,
     /// What is preferred where amplitude and bursts are both possible. Bursts need `burst.period_s`; their duty is set by the switch.
@@ -38,10 +38,10 @@ pub struct Friction {
     /// Amperes of motional current per m/s of tip velocity: the force factor, N/V.
     #[setting(controller)]
     pub force_factor_n_per_v: f32,
-    /// Sliding speed as told, m/s, where no encoder tells it.
+    /// Nominal sliding speed, m/s, where no encoder measures it.
     #[setting(min = 1e-6, max = 100.0)]
     pub speed_m_per_s: f32,
-    /// Dahl length Fc / Kt as told, m, where no force channel allows a survey.
+    /// Nominal Dahl length Fc / Kt, m, where no force channel allows a survey.
     #[setting(default = 0.5e-6, min = 1e-9, max = 1e-3)]
     pub dahl_length_m: f32,
     /// For how long the force is averaged at each place of the survey, s.
@@ -65,7 +65,7 @@ impl Friction {
     }
 }
 
-/// The law that is inverted.
+/// The friction law that is inverted.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "scene", derive(JsonSchema))]
 #[serde(rename_all = "lowercase")]
@@ -73,7 +73,7 @@ pub enum FrictionLaw {
     /// Dahl's, with the stiffness that the survey finds.
     #[default]
     Dahl,
-    // By it a soft contact has up to 0.39 more than is wanted.
+    // With it the ratio of a soft contact is up to 0.39 above its target.
     /// Coulomb's, the reference that is shown to err.
     Coulomb,
 }
@@ -86,6 +86,6 @@ pub enum Prefer {
     /// Amplitude, but for the velocity threshold.
     #[default]
     Amplitude,
-    /// Bursts.
+    /// Bursts, where their duty allows them.
     Bursts,
 }

@@ -34,3 +34,20 @@ pub struct FrontEnd {
     #[setting(min = 1.0, max = 1e5)]
     pub force_hz: Option<f32>,
 }
+
+#[cfg(test)]
+impl FrontEnd {
+    /// The front end of the unit tests: converters of 12 bits, four lanes, no encoder and no force channel.
+    pub(crate) const OF_TESTS: Self = FrontEnd {
+        volt_per_lsb: 0.01,
+        ampere_per_lsb: 0.002,
+        sense_mid_code: 2048,
+        sense_max_code: 4095,
+        drive_volt_per_lsb: 0.01,
+        drive_mid_code: 2048,
+        drive_max_code: 4095,
+        drive_lanes: 4,
+        metre_per_count: None,
+        force_hz: None,
+    };
+}

@@ -15,7 +15,7 @@ pub const MAX_TRIM_POINTS: usize = 5;
 #[settings(table = "phasing", scene = Phasing)]
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Phasing {
-    /// Turning direction.
+    /// Turning direction of a four-phase drive.
     #[setting(default)]
     pub direction: Direction,
     /// How far lanes 1 and 3 lead lanes 0 and 2, turns: a quarter runs forward, zero stands. Takes the place of `direction`.
@@ -42,7 +42,7 @@ pub type LaneTrims = Vec<TrimPoint, MAX_TRIM_POINTS>;
 /// Trims of all lanes at one frequency.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct TrimPoint {
-    /// Frequency, Hz.
+    /// Frequency at which the trims were measured, Hz.
     pub hz: f32,
     /// Trims, lane by lane.
     pub lanes: [Trim; MAX_LANES],
@@ -53,7 +53,7 @@ pub struct TrimPoint {
 pub struct Trim {
     /// Added to the lane's phase, turns.
     pub phase_turns: f32,
-    /// Multiplies its gain.
+    /// Multiplies the lane's gain.
     pub gain: f32,
 }
 

@@ -26,7 +26,7 @@ pub struct Restraint {
     /// The smallest torso mass that the seat can have read, kg.
     #[setting(default = 5.0, min = 0.0, max = 1e3)]
     pub least_kg: f32,
-    /// The largest, kg.
+    /// The largest torso mass that the seat can have read, kg.
     #[setting(default = 60.0, min = 0.0, max = 1e3)]
     pub most_kg: f32,
 }

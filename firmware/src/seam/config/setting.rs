@@ -6,7 +6,7 @@ use crate::seam::error::{Error, in_range};
 /// The name of a setting and the range of its values.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Setting {
-    /// Its place in the configuration, with its unit.
+    /// Path of the setting in the configuration, with its unit.
     pub name: &'static str,
     /// The smallest value that it may have.
     pub min: f64,

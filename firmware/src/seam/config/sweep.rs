@@ -8,10 +8,10 @@ use serde::{Deserialize, Serialize};
 /// What the frequency does while running.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub enum Sweep {
-    /// It stays where it is tracked, or where it was put.
+    /// The frequency stays where it is tracked, or where it was put.
     #[default]
     Hold,
-    /// It moves by itself.
+    /// The frequency follows a chirp.
     Chirp(Chirp),
 }
 
@@ -31,7 +31,7 @@ pub struct Chirp {
     /// How long that takes, s; whole blocks.
     #[setting(min = 1e-5, max = 1e5)]
     pub time_s: f64,
-    /// What follows.
+    /// What follows the end of the chirp.
     #[setting(default)]
     pub then: Then,
     /// What the frequencies count from.
@@ -44,10 +44,10 @@ pub struct Chirp {
 #[cfg_attr(feature = "scene", derive(JsonSchema))]
 #[serde(rename_all = "lowercase")]
 pub enum ChirpKind {
-    /// By equal steps.
+    /// The frequency changes by equal steps.
     #[default]
     Linear,
-    /// By equal ratios.
+    /// The frequency changes by equal ratios.
     Exponential,
 }
 
@@ -56,10 +56,10 @@ pub enum ChirpKind {
 #[cfg_attr(feature = "scene", derive(JsonSchema))]
 #[serde(rename_all = "lowercase")]
 pub enum Then {
-    /// The last frequency.
+    /// The last frequency is held.
     #[default]
     Hold,
-    /// The same chirp again.
+    /// The same chirp is repeated.
     Repeat,
     /// The way back, and so on.
     UpDown,

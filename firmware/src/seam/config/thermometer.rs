@@ -1,4 +1,4 @@
-//! By what the stack tells its temperature.
+//! How the temperature of the stack is inferred.
 
 use config_macro::settings;
 use serde::{Deserialize, Serialize};

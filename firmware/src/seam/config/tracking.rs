@@ -1,15 +1,15 @@
-//! How the frequency is found and kept.
+//! How the frequency is found and tracked.
 
 use config_macro::settings;
 #[cfg(feature = "scene")]
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// How the frequency is found and kept. The nominal values are what a user knows beforehand, not the truth.
+/// How the frequency is found and tracked. The nominal values are priors, not the truth.
 #[settings(table = "tracking", scene = Tracking, new)]
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Tracking {
-    /// What is tracked.
+    /// Quantity that is tracked.
     #[setting(default)]
     pub mode: TrackingMode,
     /// Frequency window on each side, as a fraction of the nominal frequency.
@@ -27,7 +27,7 @@ pub struct Tracking {
     /// Clamped capacitance, F.
     #[setting(min = 1e-12, max = 1e-3, key = 16)]
     pub nominal_c0_f: f32,
-    /// How fast the clamped capacitance may drift, relative, per second: the observer then measures it anew while running, as often as that demands,
+    /// How fast the clamped capacitance may drift, relative, per second: the observer then measures it again while running, as often as that demands,
     /// by small steps of the frequency. Zero: never.
     #[setting(default, min = 0.0, max = 10.0, quiet)]
     pub c0_drift_per_s: f32,
@@ -36,7 +36,7 @@ pub struct Tracking {
     pub nominal_force_factor_n_per_v: Option<f32>,
 }
 
-/// What is tracked.
+/// Quantity that is tracked.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "scene", derive(JsonSchema))]
 #[serde(rename_all = "snake_case")]

@@ -55,10 +55,10 @@ impl Learning {
         let omega = TAU * hz;
         let (lm_h, alpha, c0_f) = (observer.lm_h(), observer.damping(), known.c0_f.0);
         let cm_f = 1.0 / (omega * omega * lm_h);
-        let told = &mut self.transducer;
-        (told.series_resonance_hz, told.q, told.rm_ohm) = (hz, 0.5 * omega / alpha, 2.0 * alpha * lm_h);
-        (told.lm_h, told.cm_f, told.c0_f) = (lm_h, cm_f, c0_f);
-        (told.modes, told.chosen) = known.modes;
+        let reported = &mut self.transducer;
+        (reported.series_resonance_hz, reported.q, reported.rm_ohm) = (hz, 0.5 * omega / alpha, 2.0 * alpha * lm_h);
+        (reported.lm_h, reported.cm_f, reported.c0_f) = (lm_h, cm_f, c0_f);
+        (reported.modes, reported.chosen) = known.modes;
         (self.part, self.clamped) = (cm_f / (c0_f + cm_f), known.c0_f.1 / c0_f);
         (self.spread, self.left) = (observer.spread(), 3);
     }
@@ -139,19 +139,19 @@ mod tests {
             strength: [none, part(observer.strength_deviation()), none],
             y0: [none, none, part(TAU * found.series_resonance_hz * known.c0_f.1)],
         };
-        let (told, all) = (found.deviations, scatter.products().deviations(&found));
-        for (name, told, expected) in [
-            ("series", told.series_resonance_hz, all.series_resonance_hz),
-            ("parallel", told.parallel_resonance_hz, all.parallel_resonance_hz),
-            ("Q", told.q, all.q),
-            ("Rm", told.rm_ohm, all.rm_ohm),
-            ("Lm", told.lm_h, all.lm_h),
-            ("Cm", told.cm_f, all.cm_f),
-            ("C0", told.c0_f, all.c0_f),
-            ("coupling", told.coupling, all.coupling),
+        let (reported, all) = (found.deviations, scatter.products().deviations(&found));
+        for (name, reported, expected) in [
+            ("series", reported.series_resonance_hz, all.series_resonance_hz),
+            ("parallel", reported.parallel_resonance_hz, all.parallel_resonance_hz),
+            ("Q", reported.q, all.q),
+            ("Rm", reported.rm_ohm, all.rm_ohm),
+            ("Lm", reported.lm_h, all.lm_h),
+            ("Cm", reported.cm_f, all.cm_f),
+            ("C0", reported.c0_f, all.c0_f),
+            ("coupling", reported.coupling, all.coupling),
         ] {
             // Measured: 2e-7, rounding.
-            assert!((told / expected - 1.0).abs() < 1e-6, "{name}: {told} {expected}");
+            assert!((reported / expected - 1.0).abs() < 1e-6, "{name}: {reported} {expected}");
         }
     }
 }

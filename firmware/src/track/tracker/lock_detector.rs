@@ -15,14 +15,14 @@ const LOST_BLOCKS: u32 = 80;
 /// Blocks outside that one between the bounds makes up for.
 const FORGIVEN: u32 = 4;
 
-/// What the phase says.
+/// State of the lock, by the phase.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Lock {
-    /// Not yet.
+    /// The lock is being acquired.
     Seeking,
-    /// Locked.
+    /// The phase is locked.
     Locked,
-    /// It was, and is no more.
+    /// The lock was lost.
     Lost,
 }
 

@@ -20,7 +20,7 @@ const INNER: (f32, f32) = (0.087_488_66, 1e-4);
 const DOUBT: (u32, u32) = (16, 96);
 /// The phase loop leads until the doubt is down to this.
 const TRUSTED: u32 = 8;
-/// So many times below the Q that was told, which may be wrong by two and loaded by a few, there is nothing left to lock to.
+/// So many times below the nominal Q, which may be wrong by two and loaded by a few, there is nothing left to lock to.
 const LEAST_Q: f32 = 10.0;
 /// Blocks that the observer may take to lock.
 const TIMEOUT: u32 = 128;
@@ -32,13 +32,13 @@ const NEARBY: f32 = 5e-3;
 /// Where a lock is sought.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Retry {
-    /// Where it was when it was lost.
+    /// Where the lock was lost.
     Nearby,
     /// In the whole window.
     Window,
     /// In the whole window, after another self-test and another measurement of the clamped branch.
-    Anew,
-    /// By a scan.
+    Calibrate,
+    /// At a resonance that a scan finds.
     Scan,
 }
 
@@ -69,7 +69,7 @@ pub(crate) struct Observed {
 }
 
 impl Observed {
-    /// For a nominal frequency and a window of `window_hz` to each side, told a block every `block_s` seconds.
+    /// For a nominal frequency and a window of `window_hz` to each side, with a block every `block_s` seconds.
     pub(crate) fn new(nominal_hz: f32, block_s: f32, window_hz: f32) -> Self {
         let prior = Prior { offset_hz: (0.0, 0.0), q: 1.0, lm_h: (1.0, 0.1), axis: Phasor::new(1.0, 0.0), noise_a: 1.0 };
         Observed {
@@ -111,23 +111,23 @@ impl Observed {
         let next = match self.seek {
             _ if was_locked && self.blocks > LASTED => Retry::Nearby,
             Retry::Nearby => Retry::Window,
-            Retry::Window => Retry::Anew,
-            Retry::Anew => Retry::Scan,
+            Retry::Window => Retry::Calibrate,
+            Retry::Calibrate => Retry::Scan,
             Retry::Scan => return None,
         };
         let nearby = (self.observer.offset_hz(), NEARBY * self.nominal_hz);
         match next {
             Retry::Nearby => self.start(&Prior { offset_hz: nearby, ..self.prior }, next),
             Retry::Window => self.start(&{ self.prior }, next),
-            Retry::Anew | Retry::Scan => self.seek = next,
+            Retry::Calibrate | Retry::Scan => self.seek = next,
         }
         Some(next)
     }
 
-    /// Begins in the whole window with what the clamped branch has told.
+    /// Begins in the whole window with the prior that the clamped branch gives.
     pub(crate) fn start_cold(&mut self, prior: &Prior) {
         // The second time after a lock was lost.
-        let seek = if self.seek == Retry::Anew { Retry::Anew } else { Retry::Window };
+        let seek = if self.seek == Retry::Calibrate { Retry::Calibrate } else { Retry::Window };
         self.start(prior, seek);
     }
 
@@ -136,13 +136,13 @@ impl Observed {
         (self.seek, self.locked, self.inside) = (Retry::Scan, false, 0);
     }
 
-    /// Follows one block. `fits`: the motional phase, as far as it was heard, does not speak against a lock.
+    /// Follows one block. `fits`: the motional phase, as far as it was measured, does not speak against a lock.
     #[inline]
-    pub(crate) fn follow(&mut self, motional_current: Phasor, v: Phasor, heard: &PlayedBlock, fits: bool) {
-        self.pure = heard.pure;
-        let steady_v = heard.envelope.filter(|_| heard.pure).map(|envelope| heard.volts * envelope);
-        self.observer.follow(motional_current, v, Played { offset_hz: heard.offset_hz, steady_v });
-        self.blocks = self.blocks.saturating_add(heard.driven.into());
+    pub(crate) fn follow(&mut self, motional_current: Phasor, v: Phasor, played: &PlayedBlock, fits: bool) {
+        self.pure = played.pure;
+        let steady_v = played.envelope.filter(|_| played.pure).map(|envelope| played.volts * envelope);
+        self.observer.follow(motional_current, v, Played { offset_hz: played.offset_hz, steady_v });
+        self.blocks = self.blocks.saturating_add(played.driven.into());
         if self.observer.is_within(self.worth_hz) {
             self.shown_hz = self.observer.ahead_hz();
         }
@@ -156,7 +156,7 @@ impl Observed {
         self.confident = self.leads() && self.observer.is_as_good_as(INNER.0, self.inner_hz);
         let within =
             self.confident && fits && self.observer.damping() < self.most_damping && self.shown_hz.abs() < self.window_hz;
-        self.inside = if within { self.inside.saturating_add(heard.driven.into()) } else { 0 };
+        self.inside = if within { self.inside.saturating_add(played.driven.into()) } else { 0 };
         self.locked |= self.inside >= LOCK_BLOCKS;
     }
 

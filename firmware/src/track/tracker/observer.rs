@@ -13,9 +13,9 @@
 //! ```
 //!
 //! to second order in `(w0 - w) T`. A Kalman filter (R. E. Kalman 1960; extended, because `a` multiplies `Im`) follows three unknowns: `Im`,
-//! `p = (-alpha + j (w0 - wn)) T` about the nominal frequency, and, as long as it is not known well, how `b` compares with what was told. `Im` and
+//! `p = (-alpha + j (w0 - wn)) T` about the nominal frequency, and, as long as it is not known well, how `b` compares with its nominal value. `Im` and
 //! `p` are complex, and everything is analytic in them, so that each has one complex row of the covariance; `b` is real up to the axis of the sensing
-//! chain, and takes the real part of its correction. While the current builds up, its curvature tells the detuning; once it stands, its phase does: the filter's weights
+//! chain, and takes the real part of its correction. While the current builds up, its curvature shows the detuning; once it is steady, its phase does: the filter's weights
 //! go from one to the other by themselves.
 //!
 //! * Noise is that of the converters, which is measured beforehand, with what an envelope that changes within a block leaks into its phasor, and
@@ -23,9 +23,9 @@
 //! * An innovation of more than five deviations is no noise: the load has jumped. The **gate** opens: frequency and damping may be anything
 //!   nearby again, and the rate is forgotten.
 //! * A second integrator follows a resonance that moves steadily, but not before the frequency has settled.
-//! * Without drive the ring-down is heard while there is any, and then only the deviation grows.
+//! * Without drive the ring-down is measured while there is any, and then only the deviation grows.
 //!
-//! The same equation tells detuning and half bandwidth of superconducting cavities.
+//! The same equation gives detuning and half bandwidth of superconducting cavities.
 
 mod readings;
 
@@ -58,15 +58,15 @@ const MODEL: f32 = 5e-4;
 const SILENT: f32 = 8.0;
 /// The drive is the same as long as its voltage changes by no more than this part a block.
 const SAME: f32 = 0.02;
-/// The estimate may pass what was told by so much, on its way.
+/// By how much the estimate may pass the bounds of the prior, on its way.
 const WINDOW: f32 = 1.5;
 /// Range of the damping, `-alpha T`: from Q = 2 to a resonance that drives itself.
 const DAMPING: (f32, f32) = (-1.5, 0.02);
-/// The frequency has settled when a block tells no more than this times what a block forgets.
+/// The frequency has settled when the information of a block is no more than this times what a block forgets.
 const SETTLED: f32 = 2.0;
 /// Damping of the second integrator: critical.
 const RATE: f32 = 0.25;
-/// From the block that is heard to the one that is decided on.
+/// From the measured block to the one that is decided on.
 const AHEAD_BLOCKS: f32 = crate::seam::block::LATENCY_BLOCKS as f32;
 
 /// What was played in a block, as the observer needs it.
@@ -78,7 +78,7 @@ pub struct Played {
     pub steady_v: Option<f32>,
 }
 
-/// The observer.
+/// The observer of the resonance: an extended Kalman filter of the motional current.
 #[derive(Clone, Debug)]
 pub struct Observer {
     nominal_hz: f32,
@@ -93,15 +93,15 @@ pub struct Observer {
     window: f32,
     /// Variance of a block's phasor by noise alone, A².
     noise: f32,
-    /// Inductance as told, H; and twice that by the block, ohm.
+    /// Nominal inductance, H; and twice that by the block, ohm.
     lm_h: f32,
     ohm_per_pole: f32,
-    /// `beta T` as told, along the axis of the sensing chain, A/V.
-    told: Phasor,
+    /// Nominal `beta T`, along the axis of the sensing chain, A/V.
+    nominal_strength: Phasor,
     current: Phasor,
     /// `(-alpha + j (w0 - wn)) T`.
     pole: Phasor,
-    /// `beta`, relative to what was told.
+    /// `beta`, relative to its nominal value.
     strength: f32,
     /// How far the pole moves in a block.
     rate: f32,
@@ -126,7 +126,7 @@ struct Covariance {
 }
 
 impl Observer {
-    /// An observer about `nominal_hz`, told a block every `block_s` seconds.
+    /// An observer about `nominal_hz`, with a block every `block_s` seconds.
     pub fn new(nominal_hz: f32, block_s: f32) -> Self {
         let wander = TAU * WANDER * nominal_hz * block_s;
         Observer {
@@ -140,7 +140,7 @@ impl Observer {
             noise: 1.0,
             lm_h: 1.0,
             ohm_per_pole: 0.0,
-            told: Phasor::new(0.0, 0.0),
+            nominal_strength: Phasor::new(0.0, 0.0),
             current: Phasor::new(0.0, 0.0),
             pole: Phasor::new(0.0, 0.0),
             strength: 1.0,
@@ -163,7 +163,7 @@ impl Observer {
         let spread_of_strength = larger(deviation / lm_h, KNOWN_AT_BEST);
         self.lm_h = lm_h;
         self.ohm_per_pole = 2.0 * lm_h / self.block_s;
-        self.told = prior.axis * (self.block_s / (2.0 * lm_h));
+        self.nominal_strength = prior.axis * (self.block_s / (2.0 * lm_h));
         let damping = -core::f32::consts::PI * self.nominal_hz / prior.q * self.block_s;
         self.pole = Phasor::new(damping.max(DAMPING.0), TAU * offset_hz * self.block_s);
         self.strength = 1.0;
@@ -184,14 +184,14 @@ impl Observer {
         let silent = played.steady_v == Some(0.0) && current.norm_sqr() < SILENT * SILENT * self.noise;
         if silent || !played.steady_v.zip(before.steady_v).is_some_and(same) {
             // Noise, whose turns would be taken for those of a current; or an edge of the drive, where nothing follows from the block before.
-            let grows = (self.told * voltage).norm_sqr();
+            let grows = (self.nominal_strength * voltage).norm_sqr();
             return self.jump(current, self.noise + LEAK * LEAK * grows);
         }
 
         // Where the model says the current is now.
         let half = self.half_block(0.5 * (before.offset_hz + played.offset_hz));
         let a = half * half;
-        let per_strength = half * mean_v * self.told;
+        let per_strength = half * mean_v * self.nominal_strength;
         let driven = per_strength * self.strength;
         let per_pole = a * self.current + driven * 0.5;
         let expected = a * self.current + driven;
@@ -222,27 +222,27 @@ impl Observer {
         }
 
         let part = 1.0 / total;
-        let kept = noise * part;
+        let retained = noise * part;
         let gain_pole = row_pole.conj() * part;
         let correction = gain_pole * innovation;
-        let told = row_pole.norm_sqr() * part;
-        self.current = current - innovation * kept;
+        let learned = row_pole.norm_sqr() * part;
+        self.current = current - innovation * retained;
         self.pole += correction;
         self.covariance = Covariance {
-            current: variance * kept,
-            current_pole: row_pole * kept,
-            pole: larger(p.pole - told, 0.0) + self.wander,
+            current: variance * retained,
+            current_pole: row_pole * retained,
+            pole: larger(p.pole - learned, 0.0) + self.wander,
             ..p
         };
         if learns {
             self.strength += dot(innovation, row_strength) * part;
-            self.covariance.current_strength = row_strength * kept;
+            self.covariance.current_strength = row_strength * retained;
             self.covariance.pole_strength -= gain_pole * row_strength;
             self.covariance.strength = larger(p.strength - row_strength.norm_sqr() * part, 0.0);
         }
-        // A ring-down tells too little for a rate that would go on when nothing is heard any more.
+        // A ring-down has too little information for a rate that would go on when nothing is measured any more.
         let driven = played.steady_v.is_some_and(|volts| volts > 0.0);
-        if driven && self.calm > ARMED && told < SETTLED * self.wander {
+        if driven && self.calm > ARMED && learned < SETTLED * self.wander {
             let weight = dot(gain_pole.conj(), per_pole).clamp(0.0, 1.0);
             self.rate += RATE * weight * correction.im;
         }

@@ -1,4 +1,4 @@
-//! What an observer is told before it begins.
+//! Priors: the knowledge with which an observer begins.
 
 use crate::seam::phasor::Phasor;
 

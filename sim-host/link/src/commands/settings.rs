@@ -73,7 +73,7 @@ fn get(parameters: &[&Parameter], session: &mut Session) -> Result<Answer, LinkE
     let mut stored = StoredState::Nothing;
     for parameter in parameters {
         let of = report(parameter, &mut session.client)?;
-        stored = of.kept;
+        stored = of.stored;
         let reset = match stored {
             _ if of.next == of.acts => "",
             // Left out, or held within a limit; or set since.
@@ -128,9 +128,9 @@ pub fn trims(session: &mut Session, mut answer: Answer) -> Result<Answer, LinkEr
         let Some(found) = report.point.filter(|_| point < report.points) else {
             let none = if point == 0 { "no lane trims are active; " } else { "" };
             return Ok(answer
-                .line(format!("{none}{}", words::stored(report.kept)))
+                .line(format!("{none}{}", words::stored(report.stored)))
                 .field("trim_points", report.points)
-                .field("kept", state_name(report.kept)));
+                .field("kept", state_name(report.stored)));
         };
         let lanes = found.lanes.iter().map(|trim| format!("{:+.3} deg x {:.4}", 360.0 * trim.phase_turns, trim.gain));
         answer = answer.line(format!("{:9.1} Hz: {}", found.hz, lanes.collect::<Vec<_>>().join(" | ")));

@@ -180,7 +180,7 @@ impl Rig {
         let driven = Driven {
             volts: Some(if on { 1.0 } else { 0.0 }),
             stage: Stage::Following,
-            wanted: true,
+            requested: true,
             full: on && self.was_on,
             asked: 1.0,
         };

@@ -1,4 +1,4 @@
-//! What only the board has, at the state it is in after a reset. Nobody has run this.
+//! What only the board has, at the state it is in after a reset. These tests have not been run yet.
 //!
 //! What needs the board's converters running (mid-code on its outputs and inputs) is not here: the modules that start them are its image's
 //! own, and the first-power checklist of docs/board.md looks at them.

@@ -1,9 +1,9 @@
 //! What a block takes: instructions in QEMU, by its system timer; cycles on the board, by the core's own counter.
 
-/// What is counted.
+/// Unit of the counts on an emulated board.
 #[cfg(not(feature = "hil"))]
 pub const UNIT: &str = "instructions";
-/// What is counted.
+/// Unit of the counts on a real board.
 #[cfg(feature = "hil")]
 pub const UNIT: &str = "cycles";
 
@@ -28,7 +28,7 @@ mod instructions {
             Meter(counter)
         }
 
-        /// What `work` takes.
+        /// Instructions that `work` takes.
         pub fn of(&self, work: &mut dyn FnMut()) -> u32 {
             let before = self.0.now();
             work();
@@ -42,11 +42,11 @@ mod cycles {
     use cortex_m::Peripherals;
     use cortex_m::peripheral::DWT;
 
-    /// Counts cycles, at the part's 16 MHz after reset, where the flash makes nobody wait: fewer than at full speed.
+    /// Counts cycles, at the part's 16 MHz after reset, where the flash has no wait states: fewer than at full speed.
     pub struct Meter;
 
     impl Meter {
-        /// Starts the counter.
+        /// Starts the processor's cycle counter.
         pub fn start() -> Self {
             let mut core = Peripherals::take().expect("taken once");
             core.DCB.enable_trace();
@@ -54,7 +54,7 @@ mod cycles {
             Meter
         }
 
-        /// What `work` takes.
+        /// Cycles that `work` takes.
         pub fn of(&self, work: &mut dyn FnMut()) -> u32 {
             let before = DWT::cycle_count();
             work();

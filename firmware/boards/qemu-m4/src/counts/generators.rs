@@ -14,7 +14,7 @@ use crate::repeat::repeat;
 const SAMPLES: usize = 32;
 const REPETITIONS: u32 = 600;
 
-/// Counts both.
+/// Counts the instructions of both generators.
 pub fn count(counter: &Counter) {
     let empty = blocks(counter, nothing);
     let print = |name, ticks: i64| line("generator", name, SAMPLES, REPETITIONS, ticks - empty);
@@ -50,7 +50,7 @@ fn rotations(stretch: &Stretch, samples: usize) {
     }
 }
 
-/// Two swings, set anew for the block, one a quarter turn ahead of the other.
+/// Two oscillators, set again for the block, one a quarter turn ahead of the other.
 #[inline]
 fn swings(stretch: &Stretch, samples: usize) {
     let steady = Steady::new(stretch);

@@ -23,7 +23,7 @@ const LONG_BLOCK: usize = 64;
 /// A power-up ends before this.
 const MOST_BLOCKS: u32 = 30_000;
 
-/// The block of the run in which the load comes, and how many blocks are told apart from then on. It comes where a burst is on.
+/// The block of the run in which the load comes, and how many blocks are counted one by one from then on. It comes where a burst is on.
 const LOAD: (u32, u32) = (1000, 64);
 
 /// What is powered up, and how.
@@ -39,7 +39,7 @@ struct Trial {
 }
 
 /// Counts power-ups with one lane and with four, in blocks and in longer blocks; of a second resonance, of the phase loop behind a scan, and of boosted
-/// bursts, only what differs. Lanes that are trimmed are nobody's opposites.
+/// bursts, only what differs. A trimmed lane is the exact opposite of no other lane.
 pub fn count(counter: &Counter) {
     for (name, lanes, gains) in [("one lane", 1, &[][..]), ("four lanes", 4, &[]), ("four trimmed lanes", 4, &TRIMMED)] {
         for (length, samples) in [("", SAMPLES), (", 64 samples a block", LONG_BLOCK)] {
@@ -60,9 +60,9 @@ pub fn count(counter: &Counter) {
 
 /// Gains of four lanes of which none is like another.
 const TRIMMED: [f32; 4] = [0.99, 1.0, 0.98, 0.97];
-/// How many kinds of blocks are told apart.
+/// Number of kinds of blocks that are counted separately.
 const KINDS: usize = 9;
-/// What is told apart: the mode a block begins in, and in a run what the envelope is.
+/// The kind of a block: the mode that it begins in, and in a run the envelope as well.
 const NAMES: [&str; KINDS] = [
     "idle",
     "self-test",

@@ -37,7 +37,7 @@ const AT_RESONANCE: Sensed = Sensed { v: Phasor::new(VOLTS, 0.0), i: Phasor::new
 /// Rms noise of a block's current, A.
 const NOISE_A: f32 = 5e-4;
 const NOMINAL_HZ: f32 = 40e3;
-const HEARD: PlayedBlock = PlayedBlock {
+const PLAYED: PlayedBlock = PlayedBlock {
     offset_hz: STACK.series_resonance_hz - NOMINAL_HZ,
     volts: VOLTS,
     envelope: Some(1.0),
@@ -68,7 +68,7 @@ pub fn count(counter: &Counter) {
 /// A stage's name, and the stage.
 type Print<'a> = &'a dyn Fn(&str, &mut dyn FnMut());
 
-/// What looks at the sense codes and at what is heard in them.
+/// Stages that evaluate the sense codes and the phasors measured from them.
 fn listening(print: Print) {
     let config = config(TrackingMode::PhaseLock, 4, SAMPLES);
     let convert = convert(&config);
@@ -79,7 +79,7 @@ fn listening(print: Print) {
     });
     let sensed = Sensed { v: Phasor::new(3.0, 0.0), i: Phasor::new(1.0, 0.15) };
     let mut guard = Guard::build(&config, BLOCK_S).expect("valid limits");
-    let driven = Driven { volts: Some(3.0), stage: Stage::Following, wanted: true, full: true, asked: 3.0 };
+    let driven = Driven { volts: Some(3.0), stage: Stage::Following, requested: true, full: true, asked: 3.0 };
     let belt = Belt::build(&config, BLOCK_S);
     print("guard", &mut || {
         black_box(inspect(&mut guard, black_box(&convert), black_box(&sense), black_box(&sensed), black_box(&belt), &driven));
@@ -124,8 +124,8 @@ fn tracking(print: Print, mode: TrackingMode, block_s: f32, name: &str) {
     let mut tracker = Tracker::build(&config(mode, 4, SAMPLES), block_s).expect("valid tracking");
     tracker.seed(&STACK, branch, NOISE_A);
     let follow = |tracker: &mut Tracker| {
-        let (sensed, current, heard) = black_box(&(AT_RESONANCE, CURRENT, HEARD));
-        black_box(tracker.follow(sensed, *current, *current, heard));
+        let (sensed, current, played) = black_box(&(AT_RESONANCE, CURRENT, PLAYED));
+        black_box(tracker.follow(sensed, *current, *current, played));
     };
     // Until it has locked.
     (0..SETTLING_BLOCKS).for_each(|_| follow(&mut tracker));
@@ -142,8 +142,8 @@ fn observing(print: Print) {
     let lm_h = (STACK.lm_h, 2e-3 * STACK.lm_h);
     observer.start(&Prior { offset_hz: (offset_hz, spread_hz), q, lm_h, axis, noise_a: NOISE_A });
     let follow = |observer: &mut Observer, steady_v: Option<f32>| {
-        let heard = (CURRENT, AT_RESONANCE.v, Played { offset_hz, steady_v });
-        let (current, voltage, played) = black_box(&heard);
+        let inputs = (CURRENT, AT_RESONANCE.v, Played { offset_hz, steady_v });
+        let (current, voltage, played) = black_box(&inputs);
         observer.follow(*current, *voltage, *played);
     };
     (0..SETTLING_BLOCKS).for_each(|_| follow(&mut observer, Some(VOLTS)));

@@ -15,8 +15,8 @@ use qemu_m4::pipes::{Pipes, configuration, read, reason};
 use qemu_m4::stack;
 use semihosting::{eprintln, process};
 
-use crate::kept;
 use crate::pins::{self, Enable, Stop, VirtualWatchdog};
+use crate::retained;
 use crate::usart::{self, Usart};
 
 /// Room of the queues; one place of each stays empty.
@@ -59,7 +59,7 @@ fn serve() -> Result<(), &'static str> {
         played.board = pins::seen(failed);
         pipes.send(&*played)?;
         if played.board.resets {
-            kept::reset()
+            retained::reset()
         }
     }
     Ok(())
@@ -71,10 +71,10 @@ fn records() -> Option<&'static mut (Beat, Played)> {
     singleton!(: (Beat, Played) = Default::default())
 }
 
-/// The slow side of this board.
+/// The background task of this board.
 type Slow = App<'static, Usart, Enable, Stop, VirtualWatchdog, &'static mut Pages>;
 
-/// Builds both sides of what the host describes, with what is kept, and answers; `None` where the host is not there any more, or has been
+/// Builds the block task and the background task of the configuration that the host has sent, with the stored settings, and answers; `None` where the host is not there any more, or has been
 /// refused. Not inlined: what that takes of the stack is given back here.
 #[inline(never)]
 fn open(pipes: &mut Pipes, link: Usart) -> Result<Option<&'static mut (BlockTask<'static>, Slow)>, &'static str> {
@@ -83,7 +83,7 @@ fn open(pipes: &mut Pipes, link: Usart) -> Result<Option<&'static mut (BlockTask
     let queues = singleton!(: Queues<ORDERS, REPORTS> = Queues::new()).ok_or(TWICE)?;
     let memory = singleton!(: Memory = Memory::new()).ok_or(TWICE)?;
     let (hot, slow) = queues.split(memory);
-    let (pages, start) = kept::take().ok_or(TWICE)?;
+    let (pages, start) = retained::take().ok_or(TWICE)?;
     let mut settings = Settings::new(pages).map_err(|_| "the settings do not fit")?;
     let mut power_up = PowerUp::read(&built_in, &mut settings);
     match power_up.build(&built_in, hot) {

@@ -1,7 +1,7 @@
-//! A whole board under QEMU: block task, slow side, settings and watchdog, with the link over an emulated UART.
+//! A whole board under QEMU: block task, background task, settings and watchdog, with the link over an emulated UART.
 //!
-//! The host plays the converters and the pins, a block at a time (`firmware::board::lockstep`, `Beat`); whoever has the other end of the UART talks
-//! to the slow side as to a board. Nothing here knows time: a byte that the host has sent is heard in the next block.
+//! The host plays the converters and the pins, a block at a time (`firmware::board::lockstep`, `Beat`); the program at the other end of the UART talks
+//! to the background task as to a board. Nothing here knows time: a byte that the host has sent is received in the next block.
 //!
 //! Built for the host, it is a stub that says so.
 #![cfg_attr(target_os = "none", no_std, no_main)]
@@ -9,9 +9,9 @@
 #[cfg(target_os = "none")]
 mod image;
 #[cfg(target_os = "none")]
-mod kept;
-#[cfg(target_os = "none")]
 mod pins;
+#[cfg(target_os = "none")]
+mod retained;
 #[cfg(target_os = "none")]
 mod usart;
 

@@ -27,7 +27,7 @@ pub fn seen(failed: bool) -> Board {
     }
 }
 
-/// The amplifier's enable.
+/// Output that enables the emulated amplifier.
 pub struct Enable;
 
 impl ErrorType for Enable {

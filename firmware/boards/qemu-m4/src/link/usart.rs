@@ -31,7 +31,7 @@ const MOST_SLEEPS: u32 = 20;
 /// Bytes that the host has sent since the board was started.
 static SENT: AtomicU32 = AtomicU32::new(0);
 
-/// Tells how many bytes the host has sent so far: they are heard before anything else is done.
+/// Sets how many bytes the host has sent so far: they are received before anything else is done.
 pub fn receive(sent: u32) {
     SENT.store(sent, Ordering::Relaxed);
 }
@@ -57,7 +57,7 @@ fn write(register: usize, value: u32) {
     unsafe { ptr::write_volatile(ptr::with_exposed_provenance_mut::<u32>(register), value) }
 }
 
-/// The port.
+/// The serial port of the link.
 pub struct Usart {
     taken: u32,
 }

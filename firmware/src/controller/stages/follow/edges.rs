@@ -1,7 +1,7 @@
 //! How a burst's edges are prepared: the brake of a plain burst, and the strokes of a boosted one.
 //!
 //! Strokes are planned from what is known in place: the resonance's damping and inductance, which the tracker has identified; what the
-//! [source](crate::sense::source) adds to the damping; and what rings, by the motional current that was heard last. The steady current of a drive of one
+//! [source](crate::sense::source) adds to the damping; and the residual vibration, by the motional current that was measured last. The steady current of a drive of one
 //! volt is then `S = beta g / a`, `a = alpha + Re(beta z)`, and what rings, as the drive that would hold it, is `R = Re(I_m / S)`.
 
 use crate::controller::chain::{Chain, Measured};
@@ -17,7 +17,7 @@ use crate::seam::phasor::Phasor;
 use crate::sense::source::Source;
 use crate::track::tracked::LEARN_BLOCKS;
 
-/// How often strokes are made anew, blocks.
+/// Interval at which strokes are planned again, blocks.
 const RENEW_BLOCKS: u64 = 64;
 /// Of a steady drive, one block of so many is listened to for the source.
 const STEADY: u64 = 8;
@@ -26,12 +26,12 @@ const CURRENT: f32 = 0.85;
 /// A drive further from the resonance than this part of the half bandwidth is not boosted.
 const BESIDE: f32 = 0.1;
 
-/// What a block of a boosted burst tells.
+/// Use of a block of a boosted burst for the tracker.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct BlockInfo {
     /// What it drives had rung up before.
     pub(crate) rung_up: bool,
-    /// It tells the tracker something.
+    /// The block is informative to the tracker.
     pub(crate) telling: bool,
     /// Nothing was paid back in it.
     even: bool,
@@ -51,7 +51,7 @@ pub(crate) struct Edges {
     sample_hz: f32,
     planned: u64,
     stage: Stage,
-    told: [BlockInfo; LATENCY_BLOCKS],
+    infos: [BlockInfo; LATENCY_BLOCKS],
     /// Nothing is owed after the last block.
     even: bool,
     /// The drive that the present brake or boost is for, V.
@@ -62,7 +62,7 @@ pub(crate) struct Edges {
 #[derive(Clone, Copy, Debug)]
 enum Stage {
     Idle,
-    /// The rate, 1/s.
+    /// Calculates the rate of the ring-up at the highest voltage, 1/s.
     Ceiling(f32),
     Strokes(Planner),
 }
@@ -75,7 +75,7 @@ impl Edges {
             sample_hz: config.sample_hz,
             planned: 0,
             stage: Stage::Idle,
-            told: [BlockInfo::PLAIN; LATENCY_BLOCKS],
+            infos: [BlockInfo::PLAIN; LATENCY_BLOCKS],
             even: true,
             braked_volts: 0.0,
         }
@@ -100,28 +100,32 @@ impl Edges {
 /// Whether edges can be what they are asked to be.
 pub(crate) fn check(config: &Config) -> Result<(), Error> {
     let tracked = matches!(config.tracking.mode, TrackingMode::Observer | TrackingMode::PhaseLock);
-    match () {
-        () if config.burst.edge != Edge::Boost => Ok(()),
-        () if config.drive.shape != ShapeKind::Sine => Err(Error::BoostOfShape),
-        () if config.sweep != Sweep::Hold => Err(Error::BoostWithSweep),
-        () if !tracked => Err(Error::BoostWithoutTracking),
-        () => Ok(()),
+    if config.burst.edge != Edge::Boost {
+        Ok(())
+    } else if config.drive.shape != ShapeKind::Sine {
+        Err(Error::BoostOfShape)
+    } else if config.sweep != Sweep::Hold {
+        Err(Error::BoostWithSweep)
+    } else if !tracked {
+        Err(Error::BoostWithoutTracking)
+    } else {
+        Ok(())
     }
 }
 
 impl Edges {
-    /// What the block that is heard tells.
+    /// Use of the measured block for the tracker.
     #[inline]
     pub(crate) fn block_info(&self, block: u64, boosts: bool) -> BlockInfo {
-        if boosts { self.told[(block % LATENCY_BLOCKS as u64) as usize] } else { BlockInfo::PLAIN }
+        if boosts { self.infos[(block % LATENCY_BLOCKS as u64) as usize] } else { BlockInfo::PLAIN }
     }
 
-    /// Notes what the block tells that has been written, of a drive of `volts` and this mean envelope.
+    /// Records the use of the block that has been written, of a drive of `volts` and this mean envelope.
     #[inline(never)]
     pub(crate) fn record(&mut self, block: u64, generator: &Generator, volts: f32, level: f32) {
         let (rung_up, telling) = (generator.burst.was_rung_up(volts), generator.burst.is_telling());
         let even = core::mem::replace(&mut self.even, generator.shaper.is_even()) || level != 0.0;
-        self.told[(block % LATENCY_BLOCKS as u64) as usize] = BlockInfo { rung_up, telling, even };
+        self.infos[(block % LATENCY_BLOCKS as u64) as usize] = BlockInfo { rung_up, telling, even };
     }
 
     /// Prepares the boosted edge that may come next under this gate.
@@ -130,7 +134,7 @@ impl Edges {
         let Measured { orders, sensed, motional, played, .. } = *measured;
         let (block, burst) = (chain.block, &mut chain.generator.burst);
         if played.flat && played.pure && self.block_info(block, true).even {
-            // Silence tells nothing but noise, and a steady drive little.
+            // Silence contains nothing but noise, and a steady drive little information.
             if played.envelope > 1.0
                 || played.envelope > 0.0 && (chain.supervisor.mode() == Mode::Lock || block.is_multiple_of(STEADY))
             {
@@ -202,7 +206,7 @@ impl Edges {
         self.stage = Stage::Strokes(Planner::new(half_cycles, volts, ceiling));
     }
 
-    /// The brake for what rings. It is made anew where the drive has changed, because its level counts from the drive.
+    /// The brake for the residual vibration. It is planned again where the drive has changed, because its level counts from the drive.
     pub(crate) fn prepare_brake(&mut self, chain: &mut Chain, gate: Gate) {
         const SAME: f32 = 0.01;
         let Generator { burst, amplitude, .. } = &mut chain.generator;

@@ -1,7 +1,7 @@
-//! The friction switch: it orders amplitude and gate of a run, where nobody else does.
+//! The friction switch: it orders amplitude and gate of a run, where the host does not.
 
 use super::Follow;
-use crate::act::friction::{FrictionSwitch, Sensed, Wanted};
+use crate::act::friction::{FrictionSwitch, Sensed, SetPoint};
 use crate::controller::chain::{Chain, Measured};
 use crate::seam::block::{Amplitude, Gate, Orders};
 use crate::seam::fault::Limit;
@@ -24,7 +24,7 @@ impl Follow {
             force_n: sense.slow.force,
             motional_a: on.then(|| magnitude(motional)),
         };
-        if let Wanted::Bursts { on_samples, .. } = friction.step(orders.friction, &sensed) {
+        if let SetPoint::Bursts { on_samples, .. } = friction.step(orders.friction, &sensed) {
             chain.generator.burst.set_on(on_samples);
         }
     }
@@ -39,15 +39,15 @@ impl Follow {
         }
         // A schedule that repeats is the switch's own; windows are the user's, except while surveying.
         let on = if chain.generator.burst.repeats() || friction.is_surveying() { Gate::On } else { Gate::Scheduled };
-        let (amplitude, gate) = match friction.wanted() {
-            Wanted::Silence => (None, Gate::Off),
-            Wanted::Current(amperes) => (Some(amperes), on),
-            Wanted::Bursts { amperes, .. } => (Some(amperes), Gate::Scheduled),
+        let (amplitude, gate) = match friction.set_point() {
+            SetPoint::Silence => (None, Gate::Off),
+            SetPoint::Current(amperes) => (Some(amperes), on),
+            SetPoint::Bursts { amperes, .. } => (Some(amperes), Gate::Scheduled),
         };
         (gate, amplitude.map(Amplitude::MotionalCurrent))
     }
 
-    /// Why the friction is not what is wanted.
+    /// Why the friction misses its set point.
     pub(crate) fn friction_limit(&self, orders: &Orders) -> Option<Limit> {
         self.friction.as_ref().filter(|_| is_free(orders)).and_then(FrictionSwitch::limit)
     }

@@ -14,11 +14,11 @@ fn admittance(c0_f: f32, q: f32, hz: f32, turn: f32) -> Phasor {
     (branch + Phasor::new(0.0, TAU * hz * c0_f)) * Phasor::new(libm::cosf(turn), libm::sinf(turn))
 }
 
-/// Follows a stack of `c0_f`, `beside` half bandwidths off its resonance, by an estimator that was told 300 nF, until it says something.
+/// Follows a stack of `c0_f`, `beside` half bandwidths off its resonance, by an estimator with a nominal 300 nF, until its first update.
 fn first_update(c0_f: f32, q: f32, beside: f32, turn: f32) -> (Update, u32) {
     let axis = Phasor::new(libm::cosf(turn), libm::sinf(turn));
-    let told = Motional { y0: axis * Phasor::new(0.0, TAU * NOMINAL_HZ * 300e-9), axis };
-    let mut online = Online::new(32e-6, told, NOMINAL_HZ, q, 0.1);
+    let prior = Motional { y0: axis * Phasor::new(0.0, TAU * NOMINAL_HZ * 300e-9), axis };
+    let mut online = Online::new(32e-6, prior, NOMINAL_HZ, q, 0.1);
     let mut detunes = [0.0; LATENCY_BLOCKS];
     for block in 0..5000_u32 {
         let detune_hz = detunes[block as usize % LATENCY_BLOCKS];
@@ -26,11 +26,11 @@ fn first_update(c0_f: f32, q: f32, beside: f32, turn: f32) -> (Update, u32) {
         let noise = if block % 2 == 0 { 1e-4 } else { -1e-4 };
         let i = admittance(c0_f, q, hz, turn) * 3.0 + Phasor::new(noise, -noise);
         let sensed = Sensed { v: Phasor::new(3.0, 0.0), i };
-        let wanted = online.step(&Sample { sensed: &sensed, relative: hz / NOMINAL_HZ, detune_hz, steady: true });
-        if let Some(update) = wanted.update {
+        let output = online.step(&Sample { sensed: &sensed, relative: hz / NOMINAL_HZ, detune_hz, steady: true });
+        if let Some(update) = output.update {
             return (update, block);
         }
-        detunes[block as usize % LATENCY_BLOCKS] = wanted.detune_hz;
+        detunes[block as usize % LATENCY_BLOCKS] = output.detune_hz;
     }
     panic!("it says nothing");
 }
@@ -47,13 +47,13 @@ fn a_capacitance_is_found_beside_the_lock_point_and_behind_skew() {
 
 #[test]
 fn it_does_not_disturb_what_is_not_steady_nor_what_is_known() {
-    let told = Motional::of_capacitance(300e-9, NOMINAL_HZ);
-    let mut online = Online::new(32e-6, told, NOMINAL_HZ, 20.0, 0.1);
+    let prior = Motional::of_capacitance(300e-9, NOMINAL_HZ);
+    let mut online = Online::new(32e-6, prior, NOMINAL_HZ, 20.0, 0.1);
     let sensed = Sensed { v: Phasor::new(3.0, 0.0), i: admittance(300e-9, 20.0, NOMINAL_HZ, 0.0) * 3.0 };
-    let heard = Sample { sensed: &sensed, relative: 1.0, detune_hz: 0.0, steady: false };
-    assert_eq!(online.step(&heard).detune_hz, 0.0);
-    online.seed(told, 1e-5, NOMINAL_HZ, 20.0);
-    assert_eq!(online.step(&Sample { steady: true, ..heard }).detune_hz, 0.0);
-    let rounds = (0..30_000).filter(|_| online.step(&Sample { steady: true, ..heard }).detune_hz != 0.0).count();
+    let sample = Sample { sensed: &sensed, relative: 1.0, detune_hz: 0.0, steady: false };
+    assert_eq!(online.step(&sample).detune_hz, 0.0);
+    online.seed(prior, 1e-5, NOMINAL_HZ, 20.0);
+    assert_eq!(online.step(&Sample { steady: true, ..sample }).detune_hz, 0.0);
+    let rounds = (0..30_000).filter(|_| online.step(&Sample { steady: true, ..sample }).detune_hz != 0.0).count();
     assert!(rounds > 0, "it never looks again");
 }

@@ -25,8 +25,8 @@ impl Plant {
 
     /// One sample at so many volts. Returns the amplitude.
     fn step(&mut self, volts: f64) -> f64 {
-        let kept = libm::exp(-self.alpha);
-        let kick = |v: f64| kept * v + (1.0 - kept) * volts;
+        let retained = libm::exp(-self.alpha);
+        let kick = |v: f64| retained * v + (1.0 - retained) * volts;
         let (s, c) = (libm::sin(self.omega), libm::cos(self.omega));
         let v = kick(self.v);
         (self.x, self.v) = (c * self.x + s * v, kick(c * v - s * self.x));

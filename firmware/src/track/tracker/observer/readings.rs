@@ -72,7 +72,7 @@ impl Observer {
         -self.pole.re / self.block_s
     }
 
-    /// Motional inductance, H.
+    /// Estimated motional inductance, H.
     pub fn lm_h(&self) -> f32 {
         self.lm_h / self.strength.max(1e-3)
     }

@@ -33,14 +33,14 @@ struct Loop {
 }
 
 impl Loop {
-    fn new(resonance_hz: f64, q: f64, told_lm: f64) -> Self {
+    fn new(resonance_hz: f64, q: f64, nominal_lm: f64) -> Self {
         let mut observer = Observer::new(NOMINAL_HZ as f32, BLOCK_S as f32);
         let axis = Phasor::new(1.0, 0.0);
         let offset_hz = (0.0, 1000.0);
         observer.start(&Prior {
             offset_hz,
             q: q as f32,
-            lm_h: ((LM_H * told_lm) as f32, (0.1 * LM_H) as f32),
+            lm_h: ((LM_H * nominal_lm) as f32, (0.1 * LM_H) as f32),
             axis,
             noise_a: NOISE_A as f32,
         });
@@ -76,9 +76,9 @@ impl Loop {
         let middle = settled + (self.current - settled) * exp(s * (0.5 * BLOCK_S));
         self.current = settled + (self.current - settled) * exp(s * BLOCK_S);
         let noise = Complex64::new(self.normal(), self.normal()) * (NOISE_A / 2f64.sqrt());
-        let heard = middle + noise;
+        let measured = middle + noise;
         let steady_v = (self.block > 0).then_some(self.volts as f32);
-        let phasor = Phasor::new(heard.re as f32, heard.im as f32);
+        let phasor = Phasor::new(measured.re as f32, measured.im as f32);
         let noise_v = Complex64::new(self.normal(), self.normal()) * (NOISE_V / 2f64.sqrt());
         let voltage = Phasor::new((self.volts + noise_v.re) as f32, noise_v.im as f32);
         self.observer.follow(phasor, voltage, Played { offset_hz: played as f32, steady_v });
@@ -109,13 +109,13 @@ fn a_cold_start_takes_a_dozen_blocks() {
 }
 
 #[test]
-fn an_inductance_that_was_told_wrong_is_learned() {
-    for told in [0.7, 0.9, 1.1, 1.3] {
-        let mut cold = Loop::new(40_500.0, 65.0, told);
-        assert!(cold.settle(40, 20.0) <= 14, "{told}");
+fn a_wrong_nominal_inductance_is_learned() {
+    for nominal in [0.7, 0.9, 1.1, 1.3] {
+        let mut cold = Loop::new(40_500.0, 65.0, nominal);
+        assert!(cold.settle(40, 20.0) <= 14, "{nominal}");
         cold.settle(300, 20.0);
         let (found, deviation) = (f64::from(cold.observer.lm_h()) / LM_H - 1.0, f64::from(cold.observer.strength_deviation()));
-        assert!(found.abs() < 5.0 * deviation && deviation < 5e-3, "{told}: {found} {deviation}");
+        assert!(found.abs() < 5.0 * deviation && deviation < 5e-3, "{nominal}: {found} {deviation}");
     }
 }
 
@@ -178,7 +178,7 @@ fn the_deviation_bounds_the_errors() {
     }
 }
 
-/// Noise alone has turns, too. Whoever follows them is 20 Hz away after a second.
+/// Noise alone has turns, too. An observer that follows them is 20 Hz away after a second.
 #[test]
 fn silence_moves_nothing() {
     let mut run = Loop::new(40_100.0, 65.0, 1.0);

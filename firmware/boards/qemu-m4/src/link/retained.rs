@@ -1,4 +1,4 @@
-//! What survives a reset of the emulated board: the pages of the settings, and what the reset was for.
+//! Memory that survives a reset of the emulated board: the pages of the settings, and whether the reset was ordered.
 //!
 //! It stands in RAM that QEMU's STM32F405 has behind what `memory.x` gives to an image: nothing is loaded there, so that a reset leaves it as it
 //! is. With the end of QEMU it is gone.
@@ -11,9 +11,9 @@ use cortex_m::peripheral::SCB;
 use firmware::board::start::Start;
 use qemu_m4::pages::Pages;
 
-/// What is there. QEMU's RAM is zero when it starts.
+/// The retained memory. QEMU's RAM is zero when it starts.
 #[repr(C)]
-struct Kept {
+struct Retained {
     /// [`WRITTEN`], once this was.
     mark: u32,
     /// [`WRITTEN`], if the reset was ordered.
@@ -31,21 +31,21 @@ pub fn take() -> Option<(&'static mut Pages, Start)> {
     if TAKEN.swap(true, Ordering::Relaxed) {
         return None;
     }
-    let kept = ptr::with_exposed_provenance_mut::<Kept>(ADDRESS);
+    let retained = ptr::with_exposed_provenance_mut::<Retained>(ADDRESS);
     // SAFETY: RAM of the machine that nothing else uses, aligned, and large enough (32 KiB at least). Any bytes are a value of these types.
-    let kept = unsafe { &mut *kept };
-    let ordered = kept.mark == WRITTEN && kept.ordered == WRITTEN;
-    if kept.mark != WRITTEN {
-        kept.pages.clear();
+    let retained = unsafe { &mut *retained };
+    let ordered = retained.mark == WRITTEN && retained.ordered == WRITTEN;
+    if retained.mark != WRITTEN {
+        retained.pages.clear();
     }
-    (kept.mark, kept.ordered) = (WRITTEN, 0);
-    Some((&mut kept.pages, if ordered { Start::Ordered } else { Start::PowerOn }))
+    (retained.mark, retained.ordered) = (WRITTEN, 0);
+    Some((&mut retained.pages, if ordered { Start::Ordered } else { Start::PowerOn }))
 }
 
-/// Resets the board.
+/// Resets the board, and records that the reset was ordered.
 pub fn reset() -> ! {
-    let kept = ptr::with_exposed_provenance_mut::<Kept>(ADDRESS);
-    // SAFETY: as above. Whoever has the pages is not called any more; they are not touched.
-    unsafe { ptr::write_volatile(&raw mut (*kept).ordered, WRITTEN) };
+    let retained = ptr::with_exposed_provenance_mut::<Retained>(ADDRESS);
+    // SAFETY: as above. The owner of the pages is not called any more; they are not touched.
+    unsafe { ptr::write_volatile(&raw mut (*retained).ordered, WRITTEN) };
     SCB::sys_reset()
 }
