@@ -11,8 +11,8 @@ mod stages;
 
 use crate::controller::chain::{Chain, Measured};
 use crate::controller::stages::Stages;
-use crate::generate::generator::Played;
 use crate::generate::phasing::check_calibration;
+use crate::generate::signal_generator::Played;
 use crate::generate::step::Plan;
 use crate::seam::block::{DriveBlock, LATENCY_BLOCKS, Orders, SenseBlock};
 use crate::seam::config::LaneTrims;

@@ -11,10 +11,10 @@
 pub(crate) mod amplitude;
 pub mod burst;
 pub(crate) mod drive_scale;
-pub(crate) mod generator;
 pub mod nco;
 pub mod phasing;
 pub mod shape;
 pub mod shaper;
+pub(crate) mod signal_generator;
 pub mod step;
 pub mod sweep;

@@ -2,5 +2,5 @@
 //!
 //! This layer depends on [`seam`](crate::seam), [`generate`](crate::generate), [`sense`](crate::sense) and [`find`](crate::find).
 
-pub(crate) mod tracked;
+pub(crate) mod tracked_transducer;
 pub mod tracker;

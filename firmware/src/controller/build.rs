@@ -17,11 +17,11 @@ use crate::find::scan::Scan;
 use crate::find::self_test::SelfTest;
 use crate::generate::amplitude::AmplitudeLoop;
 use crate::generate::burst::Burst;
-use crate::generate::generator::{Generator, Played};
 use crate::generate::nco::Nco;
 use crate::generate::phasing::Phasing;
 use crate::generate::shape::Shape;
 use crate::generate::shaper::Shaper;
+use crate::generate::signal_generator::{Played, SignalGenerator};
 use crate::generate::sweep::Sweep;
 use crate::guard::Guard;
 use crate::guard::supervisor::{Acquisition, Supervisor};
@@ -30,7 +30,7 @@ use crate::seam::config::{Config, ShapeKind, Sweep as SweepKind, TrackingMode};
 use crate::seam::error::Error;
 use crate::sense::belt::Belt;
 use crate::sense::convert::Convert;
-use crate::track::tracked::Track;
+use crate::track::tracked_transducer::TrackedTransducer;
 use crate::track::tracker::Tracker;
 
 /// What a configuration may be refused for: all that is small.
@@ -102,7 +102,7 @@ impl Parts {
         let tracker = Tracker::build(config, block_s)?;
         let amplitude = AmplitudeLoop::build(config, block_s)?;
         let friction = FrictionSwitch::build(config, block_s)?;
-        let generator = Generator {
+        let generator = SignalGenerator {
             nco: Nco::default(),
             samples: config.block_samples.into(),
             sweep,
@@ -114,7 +114,7 @@ impl Parts {
             shape,
         };
         let supervisor = Supervisor::new(Acquisition::of(config.tracking.mode));
-        let track = Track::build(config, tracker);
+        let track = TrackedTransducer::build(config, tracker);
         let chain = Chain { block: 0, supervisor, track, generator, convert, guard, belt, restraint };
         Ok(Parts { chain, follow: Follow::build(config, friction) })
     }

@@ -1,7 +1,7 @@
 //! The signal chain, which all stages share, and the block that they look at.
 
 use crate::act::restraint::Restraint;
-use crate::generate::generator::{Generator, Played};
+use crate::generate::signal_generator::{Played, SignalGenerator};
 use crate::guard::Guard;
 use crate::guard::supervisor::Supervisor;
 use crate::seam::block::{Orders, SenseBlock};
@@ -9,7 +9,7 @@ use crate::seam::phasor::Phasor;
 use crate::sense::belt::Belt;
 use crate::sense::convert::Convert;
 use crate::sense::demod::Sensed;
-use crate::track::tracked::Track;
+use crate::track::tracked_transducer::TrackedTransducer;
 
 /// The signal chain. What every block reads stands first and in this order, within reach of one instruction.
 #[derive(Clone, Debug)]
@@ -18,8 +18,8 @@ pub(crate) struct Chain {
     /// The number of this block.
     pub(crate) block: u64,
     pub(crate) supervisor: Supervisor,
-    pub(crate) track: Track,
-    pub(crate) generator: Generator,
+    pub(crate) track: TrackedTransducer,
+    pub(crate) generator: SignalGenerator,
     pub(crate) convert: Convert,
     pub(crate) guard: Guard,
     pub(crate) belt: Belt,

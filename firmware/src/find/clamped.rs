@@ -20,7 +20,6 @@ pub(crate) mod fit;
 pub(crate) mod model;
 pub mod online;
 pub(crate) mod reading;
-pub(crate) mod triangle;
 
 use crate::find::clamped::fit::{Fit, MAX_POINTS, Point, Solution};
 pub use crate::find::clamped::reading::{Clamped, Measured};

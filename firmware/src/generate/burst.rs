@@ -14,6 +14,8 @@
 pub(crate) mod boost;
 mod brake;
 mod duty;
+pub(crate) mod envelope;
+mod passage;
 mod ring;
 mod schedule;
 mod soft;
@@ -27,6 +29,8 @@ use heapless::Vec;
 
 use crate::generate::burst::boost::Boost;
 pub use crate::generate::burst::brake::Brake;
+use crate::generate::burst::envelope::Envelope;
+use crate::generate::burst::passage::{ends_falling, falling, until_passage};
 use crate::generate::burst::schedule::Schedule;
 use crate::generate::nco::Stretch;
 use crate::seam::block::{Gate, MAX_BLOCK_SAMPLES};
@@ -36,30 +40,6 @@ use crate::seam::error::Error;
 
 /// The longest soft edge, samples: its cosine has 2^32 steps a turn.
 const LONGEST_EDGE: f32 = (1 << 20) as f32;
-
-/// The envelope of one block.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Envelope<'a> {
-    /// A constant envelope.
-    Flat(f32),
-    /// An envelope that changes, sample by sample.
-    Edge(&'a [f32]),
-}
-
-impl Envelope<'_> {
-    /// The envelope's mean over the block.
-    pub(crate) fn mean(&self) -> f32 {
-        match self {
-            Envelope::Flat(level) => *level,
-            Envelope::Edge(levels) => levels.iter().sum::<f32>() / levels.len().max(1) as f32,
-        }
-    }
-
-    /// Whether it is the same throughout.
-    pub(crate) fn is_flat(&self) -> bool {
-        matches!(self, Envelope::Flat(_))
-    }
-}
 
 /// Where the envelope stands.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -301,33 +281,4 @@ impl Burst {
             Gate::Off | Gate::Brake => (false, u64::MAX),
         }
     }
-}
-
-/// Whether the sine falls below zero after this phase: the second half of the turn.
-fn falling(phase: u64) -> bool {
-    phase >> 63 == 1
-}
-
-/// After how many samples the next zero is passed, one at least; and the phase then.
-fn until_passage(phase: u64, word: u64) -> (usize, u64) {
-    // Not more than that many, by a division of 32 bits; the rest one by one. Above 0.01 cycles a sample that is one or none.
-    let (rest, step) = ((1 << 31) - 1 - (phase << 1 >> 33) as u32, (word >> 32) as u32);
-    let mut samples = rest / step.saturating_add(1);
-    let mut there = phase.wrapping_add(u64::from(samples).wrapping_mul(word));
-    while falling(there) == falling(phase) && samples < MAX_BLOCK_SAMPLES as u32 {
-        samples += 1;
-        there = there.wrapping_add(word);
-    }
-    (samples as usize, there)
-}
-
-/// The same after the last sample of a block.
-#[inline]
-fn ends_falling(stretch: &Stretch, samples: usize) -> bool {
-    let last = samples.saturating_sub(1);
-    falling(if stretch.step == 0 {
-        stretch.phase.wrapping_add(stretch.word.wrapping_mul(last as u64))
-    } else {
-        stretch.phase_at(last)
-    })
 }

@@ -9,7 +9,7 @@ mod rows;
 
 use heapless::Vec;
 
-use crate::generate::burst::Envelope;
+use crate::generate::burst::envelope::Envelope;
 use crate::generate::drive_scale::DriveScale;
 use crate::generate::nco::Stretch;
 use crate::generate::phasing::Lane;

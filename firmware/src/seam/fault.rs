@@ -53,7 +53,7 @@ macro_rules! numbered {
             type Error = &'static str;
 
             fn try_from(code: u8) -> Result<Self, Self::Error> {
-                [$($name::$variant),*].into_iter().find(|&known| known as u8 == code).ok_or("a number without a meaning")
+                Self::ALL.iter().copied().find(|&known| known as u8 == code).ok_or("a number without a meaning")
             }
         }
     };

@@ -8,8 +8,8 @@ use crate::controller::chain::{Chain, Measured};
 use crate::controller::stages::Stage;
 use crate::controller::stages::follow::edges::Edges;
 use crate::find::clamped::online;
-use crate::generate::generator::Played;
 use crate::generate::shape::Shape;
+use crate::generate::signal_generator::Played;
 use crate::generate::step::Progress;
 use crate::generate::step::{Plan, Step};
 use crate::guard::heat::Thermometers;
@@ -19,7 +19,7 @@ use crate::seam::config::Config;
 use crate::seam::fault::Fault;
 use crate::seam::mode::Mode;
 use crate::seam::phasor::magnitude;
-use crate::track::tracked::LEARN_BLOCKS;
+use crate::track::tracked_transducer::LEARN_BLOCKS;
 use crate::track::tracker::{PlayedBlock, State};
 
 /// The stage of lock and run.

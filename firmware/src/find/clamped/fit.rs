@@ -13,7 +13,7 @@
 use heapless::Vec;
 
 use crate::find::clamped::model::{C, D, Elements, G, H, K, K2, THETA, UNKNOWNS, X2, XS, admittance};
-use crate::find::clamped::triangle::Triangle;
+use crate::find::givens::RealTriangle;
 use crate::seam::phasor::Phasor;
 
 /// The most admittances there can be.
@@ -65,7 +65,7 @@ pub(crate) struct Solution {
     /// The elements.
     pub(crate) elements: Elements,
     /// Their triangular factor.
-    pub(crate) triangle: Triangle<UNKNOWNS>,
+    pub(crate) triangle: RealTriangle<UNKNOWNS>,
     /// Root of what is left in the mean of the degrees of freedom, in standard deviations: one, if the model holds.
     pub(crate) misfit: f32,
 }
@@ -86,7 +86,7 @@ pub(crate) struct Fit {
     round: u32,
     block: usize,
     elements: Elements,
-    triangle: Triangle<UNKNOWNS>,
+    triangle: RealTriangle<UNKNOWNS>,
     best: Option<Solution>,
 }
 
@@ -100,7 +100,7 @@ impl Fit {
             round: 0,
             block: 0,
             elements: Elements::default(),
-            triangle: Triangle::default(),
+            triangle: RealTriangle::default(),
             best: None,
         }
     }

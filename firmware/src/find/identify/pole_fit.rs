@@ -20,9 +20,9 @@
 //! `G` comes out complex: its argument is what the sensing chain adds, and becomes the axis of the motional phase. `Y0` comes out as the
 //! converters see it. Valid for resonances inside the spectrum, with Q above about five.
 
+use crate::find::givens::ComplexTriangle;
 pub(crate) use crate::find::identify::circuit::{Circuit, Pole};
 use crate::find::identify::scatter::{Products, Scatter};
-use crate::find::identify::triangle::Triangle;
 use crate::seam::phasor::Phasor;
 use crate::seam::transducer::{Deviations, MOST_MODES};
 use crate::sense::demod::Sensed;
@@ -48,7 +48,7 @@ pub(crate) struct PoleFit {
     assumed: Circuit,
     /// Noise of the voltage over that of the current, ohm.
     noise_ohm: f32,
-    triangle: Triangle<MOST>,
+    triangle: ComplexTriangle<MOST>,
     /// What has been solved so far, and how many parts of the solution are done.
     unknowns: [Phasor; MOST],
     zeros: [Phasor; MOST_MODES],
@@ -77,7 +77,7 @@ impl PoleFit {
         PoleFit {
             assumed,
             noise_ohm,
-            triangle: Triangle::new(unknowns),
+            triangle: ComplexTriangle::new(unknowns),
             unknowns: [NONE; MOST],
             zeros: [NONE; MOST_MODES],
             determined: false,

@@ -6,7 +6,7 @@ use crate::seam::transducer::{Deviations, Transducer};
 const J: Phasor = Phasor::new(0.0, 1.0);
 const NONE: Phasor = Phasor::new(0.0, 0.0);
 
-/// Independent parts, of variance one half each way ([`Triangle::spread`](crate::find::identify::triangle::Triangle::spread)), of what the circuit
+/// Independent parts, of variance one half each way ([`ComplexTriangle::spread`](crate::find::givens::ComplexTriangle::spread)), of what the circuit
 /// follows from.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Scatter<const N: usize> {

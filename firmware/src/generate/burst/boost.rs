@@ -4,9 +4,10 @@
 //! come to. A gate that turns round before a stroke is over is followed after whole periods of it, so that these cancel; a boost of an odd number
 //! of half cycles is paid back by a brake of an odd number.
 
+use super::passage::ends_falling;
 use super::ring::Ring;
 use super::stroke::{Stroke, Strokes};
-use super::{Burst, State, ends_falling};
+use super::{Burst, State};
 use crate::generate::nco::Stretch;
 use crate::seam::block::Gate;
 

@@ -2,7 +2,7 @@
 
 use core::hint::black_box;
 
-use firmware::generate::burst::Envelope;
+use firmware::generate::burst::envelope::Envelope;
 use firmware::generate::nco::{Stretch, tuning_word};
 use firmware::generate::phasing::Phasing;
 use firmware::generate::shape::Shape;

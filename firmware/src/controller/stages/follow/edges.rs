@@ -7,7 +7,7 @@
 use crate::controller::chain::{Chain, Measured};
 use crate::generate::burst::Brake;
 use crate::generate::burst::stroke::Planner;
-use crate::generate::generator::Generator;
+use crate::generate::signal_generator::Generator;
 use crate::seam::block::{Gate, LATENCY_BLOCKS, Orders};
 use crate::seam::compare::{larger, smaller};
 use crate::seam::config::{Config, Edge, ShapeKind, Sweep, TrackingMode};
@@ -15,7 +15,7 @@ use crate::seam::error::Error;
 use crate::seam::mode::Mode;
 use crate::seam::phasor::Phasor;
 use crate::sense::source::Source;
-use crate::track::tracked::LEARN_BLOCKS;
+use crate::track::tracked_transducer::LEARN_BLOCKS;
 
 /// Interval at which strokes are planned again, blocks.
 const RENEW_BLOCKS: u64 = 64;
@@ -122,7 +122,7 @@ impl Edges {
 
     /// Records the use of the block that has been written, of a drive of `volts` and this mean envelope.
     #[inline(never)]
-    pub(crate) fn record(&mut self, block: u64, generator: &Generator, volts: f32, level: f32) {
+    pub(crate) fn record(&mut self, block: u64, generator: &SignalGenerator, volts: f32, level: f32) {
         let (rung_up, telling) = (generator.burst.was_rung_up(volts), generator.burst.is_telling());
         let even = core::mem::replace(&mut self.even, generator.shaper.is_even()) || level != 0.0;
         self.infos[(block % LATENCY_BLOCKS as u64) as usize] = BlockInfo { rung_up, telling, even };
@@ -195,7 +195,7 @@ impl Edges {
     fn plan_ceiling(&mut self, chain: &mut Chain, rate: f32) {
         let resonance_hz = chain.track.transducer_by_now().map(|transducer| transducer.series_resonance_hz);
         let (Some(resonance_hz), Some(per_ampere)) = (resonance_hz, self.per_ampere) else { return };
-        let Generator { burst, amplitude, samples, .. } = &mut chain.generator;
+        let SignalGenerator { burst, amplitude, samples, .. } = &mut chain.generator;
         burst.set_rate(rate / self.sample_hz, *samples);
         let volts = self.braked_volts;
         let most = CURRENT * amplitude.most_amperes();
@@ -209,7 +209,7 @@ impl Edges {
     /// The brake for the residual vibration. It is planned again where the drive has changed, because its level counts from the drive.
     pub(crate) fn prepare_brake(&mut self, chain: &mut Chain, gate: Gate) {
         const SAME: f32 = 0.01;
-        let Generator { burst, amplitude, .. } = &mut chain.generator;
+        let SignalGenerator { burst, amplitude, .. } = &mut chain.generator;
         let volts = amplitude.volts();
         if burst.is_under_way(gate) {
             // It brakes what it was made for.

@@ -1,5 +1,5 @@
 use super::*;
-use crate::generate::burst::Envelope;
+use crate::generate::burst::envelope::Envelope;
 use crate::generate::nco::{Stretch, tuning_word};
 use crate::seam::block::Gate;
 use crate::seam::config::{Burst as Config, Edge};

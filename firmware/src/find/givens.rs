@@ -1,8 +1,8 @@
-//! Linear least squares in complex numbers, row by row: rows are folded into a triangular factor `R` by Givens rotations as they arrive.
-//! No storage, and the condition number is not squared, which is what makes f32 enough (W. Givens 1958).
+//! Linear least squares, row by row: each row is folded into a triangular factor `R` by Givens rotations as it arrives.
 //!
-//! Of rows whose right-hand sides have independent circular noise of variance `s^2`, the unknowns `x` scatter by `R^-1 e`, so that any real
-//! number that follows from them, `dy = Re{g x}`, has the variance
+//! Nothing is stored but the factor, and the condition number is not squared, which is what makes f32 enough (W. Givens 1958). Rows of real
+//! numbers are divided by their standard deviations. Of complex rows whose right-hand sides have independent circular noise of variance `s^2`, the
+//! unknowns `x` scatter by `R^-1 e`, so that any real number that follows from them, `dy = Re{g x}`, has the variance
 //!
 //! ```text
 //! var y = s^2 / 2 |R^-T g|^2,    s^2 = (what is left of the right-hand sides) / (rows - unknowns)
@@ -10,9 +10,84 @@
 
 use crate::seam::phasor::Phasor;
 
-/// A triangular factor with its right-hand side, of `N` unknowns at most.
+/// A triangular factor of `N` real unknowns, with its right-hand side.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct RealTriangle<const N: usize> {
+    rows: [[f32; N]; N],
+    right: [f32; N],
+    /// Sum of squares that no choice of the unknowns explains.
+    rest: f32,
+}
+
+impl<const N: usize> Default for RealTriangle<N> {
+    fn default() -> Self {
+        RealTriangle { rows: [[0.0; N]; N], right: [0.0; N], rest: 0.0 }
+    }
+}
+
+impl<const N: usize> RealTriangle<N> {
+    /// Forgets all equations.
+    pub(crate) fn restart(&mut self) {
+        self.rows.as_flattened_mut().fill(0.0);
+        self.right.fill(0.0);
+        self.rest = 0.0;
+    }
+
+    /// Folds in one equation `row . unknowns = right`, divided by its standard deviation.
+    pub(crate) fn fold(&mut self, row: [f32; N], right: f32) {
+        self.fold_among(N, row, right);
+    }
+
+    /// The same of an equation among so many of the unknowns, the first; of the others nothing has been said so far.
+    pub(crate) fn fold_among(&mut self, unknowns: usize, mut row: [f32; N], mut right: f32) {
+        let unknowns = unknowns.min(N);
+        for n in 0..unknowns {
+            let (own, b) = (&mut self.rows[n], row[n]);
+            if b == 0.0 {
+                continue;
+            }
+            let a = own[n];
+            let size = libm::sqrtf(a * a + b * b);
+            let (cosine, sine) = (a / size, b / size);
+            own[n] = cosine * a + sine * b;
+            for k in n + 1..unknowns {
+                (own[k], row[k]) = (cosine * own[k] + sine * row[k], cosine * row[k] - sine * own[k]);
+            }
+            let own_right = &mut self.right[n];
+            (*own_right, right) = (cosine * *own_right + sine * right, cosine * right - sine * *own_right);
+        }
+        self.rest += right * right;
+    }
+
+    /// The unknowns; zero where nothing was said of one.
+    pub(crate) fn solve(&self) -> [f32; N] {
+        let mut unknowns = [0.0; N];
+        for n in (0..N).rev() {
+            let known = (n + 1..N).fold(self.right[n], |rest, k| rest - self.rows[n][k] * unknowns[k]);
+            unknowns[n] = if self.rows[n][n] == 0.0 { 0.0 } else { known / self.rows[n][n] };
+        }
+        unknowns
+    }
+
+    /// Standard deviation of the sum `of . unknowns`, for rows that were divided by theirs: `|R^-T of|`.
+    pub(crate) fn deviation(&self, of: &[f32; N]) -> f32 {
+        let mut forward = [0.0; N];
+        for n in 0..N {
+            let known = (0..n).fold(of[n], |rest, k| rest - self.rows[k][n] * forward[k]);
+            forward[n] = if self.rows[n][n] == 0.0 { 0.0 } else { known / self.rows[n][n] };
+        }
+        libm::sqrtf(forward.iter().map(|x| x * x).sum())
+    }
+
+    /// Sum of squares that the unknowns leave.
+    pub(crate) fn rest(&self) -> f32 {
+        self.rest
+    }
+}
+
+/// A triangular factor of at most `N` complex unknowns, with its right-hand side. A row is folded in over several calls.
 #[derive(Clone, Debug)]
-pub(crate) struct Triangle<const N: usize> {
+pub(crate) struct ComplexTriangle<const N: usize> {
     unknowns: usize,
     rows: [[Phasor; N]; N],
     right: [Phasor; N],
@@ -25,15 +100,15 @@ pub(crate) struct Triangle<const N: usize> {
     pivot: usize,
 }
 
-impl<const N: usize> Triangle<N> {
-    /// An empty one.
+impl<const N: usize> ComplexTriangle<N> {
+    /// A factor without rows.
     pub(crate) fn new(unknowns: usize) -> Self {
         let (unknowns, none) = (unknowns.min(N), [Phasor::default(); N]);
         let (rows, right) = ([none; N], none);
-        Triangle { unknowns, rows, right, left: 0.0, count: 0, row: none, row_right: Phasor::default(), pivot: unknowns }
+        ComplexTriangle { unknowns, rows, right, left: 0.0, count: 0, row: none, row_right: Phasor::default(), pivot: unknowns }
     }
 
-    /// Empties it, for so many unknowns.
+    /// Removes all rows, for so many unknowns.
     pub(crate) fn restart(&mut self, unknowns: usize) {
         self.unknowns = unknowns.min(N);
         for row in &mut self.rows[..self.unknowns] {
@@ -53,7 +128,7 @@ impl<const N: usize> Triangle<N> {
         (self.row, self.row_right, self.pivot) = (row, right, 0);
     }
 
-    /// Folds it in by so many rotations or a few more. Returns whether it is in.
+    /// Folds the row in by so many rotations or a few more. Returns whether it is complete.
     pub(crate) fn fold(&mut self, rotations: usize) -> bool {
         let mut done = 0;
         while self.pivot < self.unknowns && done < rotations {
@@ -119,6 +194,21 @@ mod tests {
     use super::*;
     use crate::find::scan::bench::Noise;
 
+    /// A straight line through four points, with one unknown of which nothing is said.
+    #[test]
+    fn a_line_and_its_error_bars() {
+        let mut triangle = RealTriangle::<3>::default();
+        for (x, y) in [(0.0, 1.1), (1.0, 2.9), (2.0, 5.1), (3.0, 6.9)] {
+            triangle.fold([1.0 / 0.1, x / 0.1, 0.0], y / 0.1);
+        }
+        let [offset, slope, nothing] = triangle.solve();
+        assert!((offset - 1.06).abs() < 1e-5 && (slope - 1.96).abs() < 1e-5 && nothing == 0.0, "{offset} {slope}");
+        // Textbook: sigma / sqrt(sum (x - mean)^2), and of the value in the middle, sigma / sqrt(n).
+        assert!((triangle.deviation(&[0.0, 1.0, 0.0]) - 0.1 / 5.0f32.sqrt()).abs() < 1e-6);
+        assert!((triangle.deviation(&[1.0, 1.5, 0.0]) - 0.05).abs() < 1e-6);
+        assert!((triangle.rest() - 3.2).abs() < 1e-3, "{}", triangle.rest());
+    }
+
     #[test]
     fn finds_the_unknowns_and_how_far_they_scatter() {
         let truth = [Phasor::new(1.0, -2.0), Phasor::new(0.3, 0.7)];
@@ -126,7 +216,7 @@ mod tests {
         let (mut sum, mut stated) = (0.0, 0.0);
         const RUNS: usize = 400;
         for _ in 0..RUNS {
-            let mut triangle = Triangle::<3>::new(2);
+            let mut triangle = ComplexTriangle::<3>::new(2);
             for n in 0..12 {
                 let x = n as f32 / 11.0;
                 let row = [Phasor::new(1.0, 0.0), Phasor::new(x, x * x), Phasor::default()];
@@ -145,6 +235,6 @@ mod tests {
 
     #[test]
     fn without_rows_there_is_no_answer() {
-        assert!(Triangle::<3>::new(3).solve().is_none());
+        assert!(ComplexTriangle::<3>::new(3).solve().is_none());
     }
 }

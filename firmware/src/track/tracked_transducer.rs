@@ -22,7 +22,7 @@ const SAME_MODE: f32 = 2.0;
 /// The tracked transducer.
 #[derive(Clone, Debug)]
 #[repr(C)]
-pub(crate) struct Track {
+pub(crate) struct TrackedTransducer {
     /// The block in which the transducer was learned.
     learned: u64,
     /// Time constant of the resonance by the nominal Q, periods.
@@ -38,10 +38,10 @@ pub(crate) struct Track {
     pub(crate) online: Online,
 }
 
-impl Track {
+impl TrackedTransducer {
     /// Nothing is known but the nominal values.
     pub(crate) fn build(config: &Config, tracker: Tracker) -> Self {
-        Track {
+        TrackedTransducer {
             learned: 0,
             nominal_periods: config.tracking.nominal_q / core::f32::consts::PI,
             nominal_lm_h: config.tracking.nominal_lm_h,

@@ -54,7 +54,7 @@ impl Played {
 /// The generator: everything between a plan and the codes. Small parts that every block reads stand first.
 #[derive(Clone, Debug)]
 #[repr(C)]
-pub(crate) struct Generator {
+pub(crate) struct SignalGenerator {
     pub(crate) nco: Nco,
     /// Samples in a block.
     pub(crate) samples: usize,
@@ -67,7 +67,7 @@ pub(crate) struct Generator {
     pub(crate) shape: Shape,
 }
 
-impl Generator {
+impl SignalGenerator {
     /// A block of silence.
     pub(crate) fn silence(&self) -> DriveBlock {
         DriveBlock::silent(self.phasing.count(), self.samples, self.scale.silence())

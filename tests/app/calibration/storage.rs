@@ -1,0 +1,123 @@
+//! Trims in flash: stored by a calibration, active after a restart, and removed by an order.
+
+use firmware::board::command::{Command, Reply, TrimReport, Verb};
+use firmware::board::parameters::Overrides;
+use firmware::board::settings::{Record, Settings};
+use firmware::board::stored_state::StoredState;
+use firmware::seam::config::{Direction, LaneTrims};
+use firmware::seam::refusal::Refusal;
+use hal_mock::bench::{Queues, Setup};
+use hal_mock::flash::Flash;
+
+use super::super::bank::{Bank, THESIS};
+use super::super::*;
+use super::{LEFT, bench_of, calibrated, errors, four_lanes, report, run};
+
+#[test]
+fn trims_survive_a_restart_and_act_from_the_first_block() {
+    let mut setup = four_lanes(Direction::Forward);
+    let mut queues = Queues::default();
+    let mut bench = bench_of(&mut queues, &setup, Bank::new(THESIS, 1.0));
+    assert_eq!(report(&mut bench, 0), TrimReport { stored: StoredState::Nothing, points: 0, point: None });
+    calibrated(&mut bench);
+    let found: Vec<TrimReport> = (0..6).map(|point| report(&mut bench, point)).collect();
+    assert!(found.iter().all(|report| (report.stored, report.points) == (StoredState::Stored, 5)) && found[5].point.is_none());
+
+    setup.flash = bench.power_off();
+    let mut queues = Queues::default();
+    let mut bench = bench_of(&mut queues, &setup, Bank::new(THESIS, 1.0));
+    assert!((0..6).all(|point| report(&mut bench, point) == found[usize::from(point)]));
+    run(&mut bench);
+    let after = errors(&mut bench, 0.25);
+    assert!(after.0 < LEFT.0 && after.1 < LEFT.1, "{after:?}");
+}
+
+#[test]
+fn a_calibration_leaves_parameters_that_are_refused_as_they_are_and_its_trims_act() {
+    // A drive of 3 V under a limit of 2 V makes no configuration: key 8 is `limits.voltage_v`.
+    let mut settings = Settings::new(Flash::new(4, 1)).unwrap();
+    settings.store(&Record { trims: LaneTrims::new(), parameters: Overrides::from_iter([(8, 2.0)]) }).unwrap();
+    let mut setup = Setup { flash: settings.release(), ..four_lanes(Direction::Forward) };
+    for calibrates in [true, false] {
+        let mut queues = Queues::default();
+        let mut bench = bench_of(&mut queues, &setup, Bank::new(THESIS, 1.0));
+        bench.blocks(4);
+        if calibrates {
+            calibrated(&mut bench);
+        }
+        let report = report(&mut bench, 0);
+        assert_eq!((report.stored, report.points), (StoredState::Refused, 5), "{calibrates}");
+        setup.flash = bench.power_off();
+    }
+}
+
+#[test]
+fn defaults_and_clear_each_do_their_half() {
+    let mut setup = four_lanes(Direction::Forward);
+    let mut queues = Queues::default();
+    let mut bench = bench_of(&mut queues, &setup, Bank::new(THESIS, 0.0));
+    calibrated(&mut bench);
+    // No trims are active from now on, and the stored ones stay.
+    assert_eq!(bench.ask(Command::Settings(Verb::Defaults)), Some(Reply::Ack));
+    run(&mut bench);
+    assert!(errors(&mut bench, 0.25).0 > 8.0);
+    setup.flash = bench.power_off();
+    let mut queues = Queues::default();
+    let mut bench = bench_of(&mut queues, &setup, Bank::new(THESIS, 0.0));
+    assert_eq!(report(&mut bench, 0).stored, StoredState::Stored);
+    bench.blocks(4);
+    // Nothing is stored from now on, and the active trims stay.
+    assert_eq!(bench.ask(Command::Settings(Verb::Clear)), Some(Reply::Ack));
+    assert_eq!((report(&mut bench, 0).stored, report(&mut bench, 0).points), (StoredState::Nothing, 5));
+    let mut cleared = setup.clone();
+    cleared.flash = {
+        run(&mut bench);
+        assert!(errors(&mut bench, 0.25).0 < LEFT.0);
+        bench.power_off()
+    };
+    let mut queues = Queues::default();
+    let mut bench = bench_of(&mut queues, &cleared, Bank::new(THESIS, 0.0));
+    assert_eq!(report(&mut bench, 0), TrimReport { stored: StoredState::Nothing, points: 0, point: None });
+}
+
+#[test]
+fn while_it_drives_nothing_is_written() {
+    let setup = four_lanes(Direction::Forward);
+    let mut queues = Queues::default();
+    let mut bench = bench_of(&mut queues, &setup, Bank::new(THESIS, 0.0));
+    run(&mut bench);
+    for verb in [Verb::Store, Verb::Clear, Verb::Defaults] {
+        assert_eq!(bench.ask(Command::Settings(verb)), Some(Reply::Nak(Refusal::Driving)), "{verb:?}");
+    }
+    // Nor between an order to drive and its first block.
+    assert_eq!(bench.ask(Command::Idle), Some(Reply::Ack));
+    bench.blocks(4);
+    assert_eq!(bench.ask(Command::Run), Some(Reply::Ack));
+    assert_eq!(bench.ask(Command::Settings(Verb::Store)), Some(Reply::Nak(Refusal::Driving)));
+    assert_eq!(bench.power_off().operations(), 0);
+}
+
+#[test]
+fn a_flash_that_fails_is_reported_and_the_trims_act_all_the_same() {
+    let mut setup = four_lanes(Direction::Forward);
+    setup.flash.cut_power_after(3);
+    let mut queues = Queues::default();
+    let mut bench = bench_of(&mut queues, &setup, Bank::new(THESIS, 1.0));
+    calibrated(&mut bench);
+    assert_eq!((report(&mut bench, 0).stored, bench.fault()), (StoredState::Failed, None));
+    assert_eq!(bench.ask(Command::Settings(Verb::Store)), Some(Reply::Nak(Refusal::Flash)));
+    run(&mut bench);
+    assert!(errors(&mut bench, 0.25).0 < LEFT.0);
+    // The next power-up finds nothing that is whole, says so or has nothing, and runs.
+    let mut flash: Flash = bench.power_off();
+    flash.restore_power();
+    setup.flash = flash;
+    let mut queues = Queues::default();
+    let mut bench = bench_of(&mut queues, &setup, Bank::new(THESIS, 1.0));
+    assert!(matches!(
+        report(&mut bench, 0),
+        TrimReport { stored: StoredState::Nothing | StoredState::Damaged, points: 0, point: None }
+    ));
+    calibrated(&mut bench);
+    assert_eq!(report(&mut bench, 0).stored, StoredState::Stored);
+}
