@@ -57,7 +57,7 @@ fn on_times_agree_with_the_closed_form() {
     }
 }
 
-/// An amplifier that cannot give what 670 N takes leaves the horn short, and the law hears that, not the order.
+/// An amplifier that cannot give what 670 N takes leaves the horn short, and the law uses that amplitude, not the ordered one.
 #[test]
 fn the_law_hears_the_true_amplitude() {
     let weak = ["rig.belt.load_n=670", "controller.limits.voltage_v=400"];

@@ -248,7 +248,7 @@ fn no_order_takes_a_brake_over_the_limit() {
             assert!(samples[2000..].iter().all(|&x| x == 0.0), "{first} V, then {then} V after {pause} blocks");
         }
     }
-    // An order that brakes and lowers the drive at once brakes what rings.
+    // An order that brakes and lowers the drive at once brakes the residual vibration.
     let mut driver = Driver::running(&limited);
     driver.order(|orders| orders.amplitude = Some(Amplitude::Volts(10.0)));
     driver.blocks(20);

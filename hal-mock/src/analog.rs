@@ -2,7 +2,7 @@
 
 use firmware::seam::block::{DriveBlock, SenseBlock};
 
-/// Something that plays a block of drive codes and hears a block of sense codes at the same time.
+/// An analog side: it plays a block of drive codes and samples a block of sense codes at the same time.
 ///
 /// One call is one block of virtual time: `sense` holds what was sampled **while** `drive` played. An implementer fills
 /// `sense.v` and `sense.i` with as many codes as each lane of `drive` has, and the slow readings it has sensors for.

@@ -1,4 +1,4 @@
-//! The block clock: plays, hears, and calls the controller, block after block, with the latency of half/complete DMA.
+//! The block clock: plays, samples, and calls the controller, block after block, with the latency of half/complete DMA.
 
 use firmware::seam::block::{DriveBlock, LATENCY_BLOCKS, SenseBlock};
 

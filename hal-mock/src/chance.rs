@@ -1,4 +1,4 @@
-//! Seeded chance for the doubles that damage things: the same seed damages the same run in the same way.
+//! Seeded chance for the mocks that inject faults: the same seed damages the same run in the same way.
 
 use rand_core::{Rng, SeedableRng};
 use rand_distr::{Distribution, StandardUniform};

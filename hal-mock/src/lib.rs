@@ -1,4 +1,4 @@
-//! Doubles for every seam of the Sonoglide controller, on one virtual clock.
+//! Mocks of every interface of the Sonoglide controller, on one virtual clock.
 //!
 //! * [`analog`]: the converters, as one trait; [`block_clock`] drives a controller through it with the latency of a real
 //!   DMA, and is what the simulator uses too. [`loop_back`] is the simplest thing to put behind it.

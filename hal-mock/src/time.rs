@@ -1,4 +1,4 @@
-//! Virtual time: what all doubles look at, and only the block stream (or a test that lets it stand still) moves.
+//! Virtual time: what all mocks read, and only the block stream (or a test that lets it stand still) moves.
 //!
 //! `now = samples / sample_hz`. Samples are counted, not nanoseconds, so that no run ever drifts, whatever the rate.
 

@@ -91,7 +91,7 @@ fn a_capture_is_what_went_over_the_converters_whatever_the_block_and_the_trigger
             assert_eq!(report.samples as usize, SAMPLES);
             assert_eq!(report.before, if trigger == Trigger::Now { 0 } else { before });
             assert_eq!(codes, truth(&mut bench, &report, 0), "{block} {trigger:?} {before}");
-            // The loop-back hears its own drive in the same sample.
+            // The loop-back samples its own drive in the same sample.
             assert_eq!(codes[0], codes[2], "{block} {trigger:?} {before}");
         }
     }

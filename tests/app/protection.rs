@@ -132,7 +132,7 @@ fn a_stopped_belt_mutes_after_its_time_and_faults_a_tenth_of_a_second_later() {
         assert_eq!(bench.fault(), None);
         bench.block();
         assert_eq!(bench.fault(), Some(Fault::BeltStopped));
-        // One block more pays back the volt-seconds that rounding has left.
+        // One block more corrects the DC offset that rounding has left.
         assert_eq!(last_sounding(&mut bench), Some(stopped + BELT_BLOCKS + LATENCY_BLOCKS as u64));
     }
 }

@@ -90,7 +90,7 @@ fn the_gate_closes_and_opens_by_order_on_whole_periods_and_the_phase_runs_on() {
     let codes = played(&mut bench, 0);
     let whole = codes_of_run(&setup, bench.played());
     for (n, (&code, &uninterrupted)) in codes.iter().zip(&whole).enumerate() {
-        // It closes within a period, pays back what that has left, and opens within half a period.
+        // It closes within a period, corrects the DC offset that this has left, and opens within half a period.
         match n {
             n if (ordered[0]..ordered[0] + 25).contains(&n) => {}
             n if (ordered[0] + 25..ordered[0] + 80).contains(&n) => assert!(code.abs_diff(MID) <= 32, "sample {n}"),

@@ -1,4 +1,4 @@
-//! Converters that mostly hear a load, and now and then anything.
+//! Converters that mostly sample a load, and now and then anything.
 
 use firmware::seam::block::{BeltSense, Codes, DriveBlock, SenseBlock, SlowSense, Trips};
 use firmware::seam::config::{Config, FrontEnd};

@@ -65,7 +65,7 @@ pub struct FrictionSwitch {
     target: Target,
     omega: f32,
     force_factor: f32,
-    /// Loudest motional current, A.
+    /// Largest motional current, A.
     most_amperes: f32,
     /// Period of the bursts, samples, if there are any.
     period: Option<f32>,
@@ -204,7 +204,7 @@ impl FrictionSwitch {
         self.implausible
     }
 
-    /// What is believed of the contact, since the last calculation; nothing before the survey is over.
+    /// Estimate of the contact by the last calculation; `None` before the survey is over.
     pub(crate) fn belief(&self) -> Option<FrictionEstimate> {
         self.belief
     }

@@ -9,7 +9,7 @@
 //!
 //! which at 40 kHz and C0 / Cm = 15 is 7.5 Hz per % and 2.5 Hz per 10 ns at Q 20, 0.7 Hz and 0.8 Hz at Q 65.
 //!
-//! Eight tones, four on each side of the window in which the resonance may be, each of 200 periods. The stack hears each tone rise and fall; what
+//! Eight tones, four on each side of the window in which the resonance may be, each of 200 periods. Each tone rises and falls; what
 //! its start leaves ringing at the resonance is beside the tone, and a Hann window over the tone does not see it: nothing waits for a ring-down,
 //! whatever Q is. A `model` of the whole admittance is then fitted, one admittance a block, while the drive is silent.
 //!

@@ -116,7 +116,7 @@ impl SelfTest {
                 self.mean_codes.0 += convert.v.mean_code(&sense.v) / SILENT_BLOCKS as f32;
                 self.mean_codes.1 += convert.i.mean_code(&sense.i) / SILENT_BLOCKS as f32;
                 if n > SILENT_BLOCKS / 2 {
-                    // What rings has died away further by then.
+                    // The residual vibration has decayed further by then.
                     let square = |rms: f32| rms * rms / (SILENT_BLOCKS - SILENT_BLOCKS / 2) as f32;
                     self.noise.0 += square(convert.v.rms_code(&sense.v));
                     self.noise.1 += square(convert.i.rms_code(&sense.i));

@@ -25,7 +25,7 @@ const SETTLED: (f32, u32) = (0.01, 32);
 /// The amplitude control. Without an identified transducer a motional current cannot be held, and plays as silence.
 #[derive(Clone, Debug)]
 pub(crate) struct AmplitudeLoop {
-    /// The voltage limit is that of the loudest lane.
+    /// The voltage limit is that of the lane with the largest gain.
     limits: Limits,
     /// As configured, V.
     voltage_limit: f32,
@@ -44,7 +44,7 @@ pub(crate) struct AmplitudeLoop {
     asked: Option<f32>,
 }
 
-/// The largest amplitude that the voltage limit and the converters leave to a drive whose loudest lane is trimmed, V.
+/// The largest amplitude that the voltage limit and the converters leave to a drive with trimmed lanes, V.
 pub(crate) fn most_volts(config: &Config) -> Result<f32, Error> {
     let converter_v = DriveScale::build(&config.front_end)?.range_v();
     Ok(config.limits.voltage_v.min(converter_v) / phasing::loudest(&config.phasing))
@@ -85,7 +85,7 @@ impl AmplitudeLoop {
         self.within = 0;
     }
 
-    /// The loudest lane now has this gain, and the limit is for that lane. Returns what is left for the others, V.
+    /// Sets the largest gain of a lane; the voltage limit is for that lane. Returns the limit of the drive before the gain, V.
     pub(crate) fn set_loudest(&mut self, gain: f32) -> f32 {
         self.limits.voltage_v = self.voltage_limit / gain;
         self.limits.voltage_v
@@ -136,7 +136,7 @@ impl AmplitudeLoop {
         if self.volts > 0.0 { (self.limits.voltage_v / self.volts).max(1.0) } else { 1.0 }
     }
 
-    /// The voltage limit, of the loudest lane, V.
+    /// The voltage limit, of the lane with the largest gain, V.
     pub(crate) fn most_volts(&self) -> f32 {
         self.limits.voltage_v
     }

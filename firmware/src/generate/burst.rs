@@ -4,10 +4,10 @@
 //!
 //! * hard: the burst begins at the next passage of the first lane through zero, in either direction, and ends at the first passage in the
 //!   same direction after the gate has closed: it lasts a whole number of periods, so that its volt-seconds cancel (to the sample; what
-//!   sampling and rounding leave, the [shaper](crate::generate::shaper) pays back).
+//!   sampling and rounding leave, the [shaper](crate::generate::shaper) corrects).
 //! * soft: the envelope follows the gate along a ramp, which an opposite order turns round: `envelope = (1 - cos(pi ramp)) / 2`.
 //!
-//! * boost: by whole half cycles of louder drive up, and of drive against what rings down, as fast as the limits allow (`boost`).
+//! * boost: up by whole half cycles of a larger drive, and down by drive against the vibration, as fast as the limits allow (`boost`).
 //!
 //! A burst that is ended by a brake goes on for some half cycles against its own phase, so that what it has rung up is rung down.
 

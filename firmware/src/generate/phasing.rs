@@ -59,7 +59,7 @@ fn phase_of_turns(turns: f32) -> u32 {
     ((turns * 1_073_741_824.0) as i32 as u32) << 2
 }
 
-/// The gain of the loudest lane, at least one: a voltage limit is for that lane.
+/// The largest gain of a lane, at least one: a voltage limit is for that lane.
 pub fn loudest(phasing: &PhasingConfig) -> f32 {
     loudest_of(|lane| phasing.gain_trim.get(lane).copied().unwrap_or(1.0), &phasing.calibration)
 }
@@ -132,7 +132,7 @@ impl Phasing {
         core::mem::replace(&mut self.calibration, calibration)
     }
 
-    /// The gain of the loudest lane with the present trims, at least one.
+    /// The largest gain of a lane with the present trims, at least one.
     pub fn loudest(&self) -> f32 {
         loudest_of(|lane| self.fixed.get(lane).map_or(1.0, |trim| trim.gain), &self.calibration)
     }

@@ -24,7 +24,7 @@ use crate::seam::phasor::Phasor;
 
 /// The most that is paid back in a sample: codes, and a part of the amplitude.
 const PAYBACK: (f32, f32) = (32.0, 0.125);
-/// The most that is ever owed, codes times samples, or that many half cycles of the loudest drive of an edge, if that is more: what rounding adds up
+/// The most that is ever owed, codes times samples, or that many half cycles of the largest drive of an edge, if that is more: what rounding adds up
 /// over hours of steady drive is no volt-second of a burst.
 const MOST_OWED: (i32, f32) = (1 << 14, 2.0);
 

@@ -86,7 +86,7 @@ impl SignalGenerator {
         (block + LATENCY_BLOCKS as u64) * self.samples as u64
     }
 
-    /// Takes the present trims into account for the voltage limit, which is that of the loudest lane. Returns that limit, V.
+    /// Takes the present trims into account for the voltage limit, which is that of the lane with the largest gain. Returns that limit, V.
     pub(crate) fn set_loudest(&mut self) -> f32 {
         self.amplitude.set_loudest(self.phasing.loudest())
     }

@@ -75,7 +75,7 @@ pub enum Gate {
     On,
     /// Never; the frequency is held.
     Off,
-    /// Never, and what rings is stopped by drive against it, as loud as the limit allows.
+    /// The drive is off, and the residual vibration is stopped by drive against it, up to the voltage limit.
     Brake,
 }
 

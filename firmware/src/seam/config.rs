@@ -74,7 +74,7 @@ pub struct Config {
     pub thermometer: Thermometer,
     /// What must never be exceeded.
     pub limits: Limits,
-    /// The friction switch, which then sets amplitude and bursts while running. The drive's amplitude is its loudest.
+    /// The friction switch, which then sets amplitude and bursts while running. The drive's amplitude is its maximum.
     pub friction: Option<Friction>,
     /// When the drive of a seat belt's D-ring is ON, in place of burst schedule and gate; `None`: it serves no belt.
     pub restraint: Option<Restraint>,

@@ -45,11 +45,11 @@ pub struct Telemetry {
     pub transducer: Option<Transducer>,
     /// One of the resonances that the scan has found, each in its turn.
     pub listed: Option<Listed>,
-    /// What the friction switch believes, once its survey is over.
+    /// Estimate of the friction switch, once its survey is over.
     pub friction: Option<FrictionEstimate>,
 }
 
-/// What the switch believes of the contact.
+/// The friction switch's estimate of the contact.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct FrictionEstimate {
     /// The survey is over, and has found the contact; if not, the contact is the nominal one.
@@ -58,7 +58,7 @@ pub struct FrictionEstimate {
     pub ratio: f32,
     /// Friction ratio by the force sensor; not before there is something to compare with.
     pub force_ratio: Option<f32>,
-    /// Vibration amplitude at the loudest drive, in Dahl lengths: kappa there.
+    /// Largest vibration amplitude, in Dahl lengths: kappa there.
     pub kappa: f32,
     /// Standard deviation of kappa, relative.
     pub kappa_deviation: f32,

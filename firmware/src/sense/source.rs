@@ -4,7 +4,7 @@
 //! fitted by least squares to all blocks that are driven throughout: in a ring-up the current changes under a constant drive. Where none has been
 //! measured for long, `z` is what it was.
 //!
-//! The source damps what rings: in the frame of the drive `I_m' = -alpha I_m + beta V` becomes `I_m' = -(alpha + beta z) I_m + beta g u`.
+//! The source damps the vibration: in the frame of the drive `I_m' = -alpha I_m + beta V` becomes `I_m' = -(alpha + beta z) I_m + beta g u`.
 
 use crate::seam::phasor::Phasor;
 

@@ -1,8 +1,8 @@
 //! Phasors to frequency: keeps the drive at the resonance while it moves.
 //!
-//! The motional current is taken out of the total ([`Motional`]). The [`observer`] estimates the resonance from how it changes, as far as it is
-//! believed; or the phase of one of the two currents is driven to zero by `phase_loop`, and `lock_detector` says whether to
-//! believe that. The motional phase, of which the observer knows nothing, is also the judge of the observer. In between the tracker decides
+//! The motional current is taken out of the total ([`Motional`]). The [`observer`] estimates the resonance from how it changes, as far as its estimate is
+//! trusted; or the phase of one of the two currents is driven to zero by `phase_loop`, and `lock_detector` decides whether to
+//! trust that. The motional phase, which the observer does not use, also verifies the observer. In between the tracker decides
 //! when there is a phase to measure: not while the envelope is at an edge or the stack rings up, and not when it does not ring at all.
 
 pub mod identified;

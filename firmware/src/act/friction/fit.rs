@@ -265,7 +265,7 @@ mod tests {
         }
     }
 
-    /// The worst error of a ratio that is asked for, between those of the loudest drive and of the softest that does anything.
+    /// The worst error of a ratio that is asked for, between those of the maximum amplitude and of the smallest one with an effect.
     fn worst(length: f32, contact: Contact, scale: f32) -> f32 {
         let of = |n: i32| {
             let tip = 0.038 / (0.22 + 0.0075 * n as f32);

@@ -6,7 +6,7 @@
 //! lambda = Kt Vt / (w Fc) = Vt / (w l),    l = Fc / Kt  the Dahl length, m
 //! ```
 //!
-//! so that the friction ratio falls with the tip velocity alone, from one at `xi = 1` to the **floor** at the loudest drive. In between it is
+//! so that the friction ratio falls with the tip velocity alone, from one at `xi = 1` to the **floor** at the maximum amplitude. In between it is
 //! found by the Illinois rule (Dowell and Jarratt 1971), which keeps what is sought between two values. What is sought is
 //! `u = sqrt(1 - xi)`, over which the ratio has no infinite slope: `(2/pi) asin xi` goes as `1 - (2/pi) sqrt(2) u` near one.
 //!
@@ -26,7 +26,7 @@ pub struct Solution {
     pub xi: f32,
     /// The friction ratio there.
     pub(crate) ratio: f32,
-    /// The least friction ratio, that of the loudest drive; one without authority.
+    /// The smallest friction ratio, that of the maximum amplitude; one without authority.
     pub floor: f32,
 }
 

@@ -3,7 +3,7 @@
 //! Both ways have the same mean, so that going from one to the other does not change it:
 //!
 //! * by **amplitude**, at the velocity ratio that the inverse law says. It takes the least power, and is exact within a carrier period.
-//! * by **bursts** of the loudest drive, whose ratio is the floor `r_on`: `r = 1 - (1 - r_on) (on + dead)`, with the ON time and the dead time as
+//! * by **bursts** of the maximum amplitude, whose ratio is the floor `r_on`: `r = 1 - (1 - r_on) (on + dead)`, with the ON time and the dead time as
 //!   parts of the period. This holds for duties from a fifth to 0.85; beyond, an edge is as long as what is left.
 //!
 //! Close to the velocity threshold, where the tip is hardly faster than the belt, the friction of a stiff contact falls by twice the part by
@@ -22,7 +22,7 @@ const MARGIN: f32 = 0.03;
 const THRESHOLD: (f32, f32) = (0.9, 0.85);
 /// A target ratio is refused if it is below the floor by more than this.
 const TOLERANCE: f32 = 2e-3;
-/// Without authority, it is believed to have come back below this velocity ratio of the loudest drive.
+/// Authority that was lost is regained below this velocity ratio of the maximum amplitude.
 const REGAINED: f32 = 0.98;
 
 /// How the ratio is had.
@@ -33,7 +33,7 @@ pub(crate) enum Regime {
     Silent,
     /// A steady drive at this velocity ratio.
     Amplitude(f32),
-    /// Bursts of the loudest drive, ON for this part of their period.
+    /// Bursts of the maximum amplitude, ON for this part of their period.
     Bursts(f32),
 }
 

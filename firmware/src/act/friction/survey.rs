@@ -2,7 +2,7 @@
 //! there are bursts, at half duty.
 //!
 //! ```text
-//! silent -> loudest -> two softer -> (fit) -> bursts -> over
+//! silent -> maximum amplitude -> two smaller ones -> (fit) -> bursts -> over
 //! ```
 //!
 //! Each place is left to settle, and then the force sensor is averaged; what counts is the ratio to the force in silence, so that its gain
@@ -41,7 +41,7 @@ pub(crate) enum Play {
     Silence,
     /// This tip velocity, m/s.
     Tip(f32),
-    /// Bursts of the loudest drive with [`TRIAL_DUTY`].
+    /// Bursts of the maximum amplitude with [`TRIAL_DUTY`].
     Bursts,
     /// As before: it is being calculated.
     Same,
@@ -115,7 +115,7 @@ impl Means {
 #[derive(Clone, Debug)]
 pub(crate) struct Survey {
     omega: f32,
-    /// The loudest tip velocity, m/s.
+    /// The largest tip velocity, m/s.
     loudest: f32,
     settle_blocks: u32,
     average_blocks: u32,
@@ -190,7 +190,7 @@ impl Survey {
         }
         if let (Place::Bursts, Some(contact), Some(loudest)) = (self.place, self.contact, self.observations.first()) {
             let part = (1.0 - ratio) / (1.0 - loudest.ratio);
-            // Without an effect of the loudest drive there are no bursts to speak of.
+            // Without an effect of the maximum amplitude, bursts have none either.
             let dead = if part.is_finite() { (part - TRIAL_DUTY).clamp(-TRIAL_DUTY, TRIAL_DUTY) } else { 0.0 };
             return Progress::Found(Found { contact, coulomb_n: self.coulomb_n.abs(), dead });
         }
@@ -233,7 +233,7 @@ impl Survey {
         }
     }
 
-    /// The tip velocity of an amplitude, m/s: the loudest, the softest, and their geometric mean.
+    /// The tip velocity of an amplitude, m/s: the largest, the smallest, and their geometric mean.
     fn tip(&self, n: usize) -> f32 {
         let softest = (self.speed / SOFTEST_XI).min(self.loudest);
         match n {

@@ -1,4 +1,4 @@
-//! The calibration of the lanes as a stage: the voltage limit is that of the lane that is the loudest with the new trims.
+//! The calibration of the lanes as a stage: the voltage limit is that of the lane with the largest gain by the new trims.
 
 use crate::controller::chain::{Chain, Measured};
 use crate::controller::stages::Stage;

@@ -21,7 +21,7 @@ pub(crate) struct Pole {
     pub q: f32,
     /// Admittance at the series resonance, S.
     pub(crate) conductance: Phasor,
-    /// What rings by itself, at the same place, A.
+    /// Free vibration, at the same place, A.
     pub(crate) transient: Phasor,
 }
 

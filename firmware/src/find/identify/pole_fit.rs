@@ -6,7 +6,7 @@
 //! I = Y0 V + T0 + sum (G V + T) phi(f),    phi(f) = 1 / (1 + j Q (f / fs - fs / f))
 //! ```
 //!
-//! The `T` are what rings at the beginning and at the end of the record: for a rational system they are of this form exactly, whatever was
+//! The `T` are the free vibration at the beginning and at the end of the record: for a rational system they are of this form exactly, whatever was
 //! before and whatever was cut off (R. Pintelon, J. Schoukens and G. Vandersteen 1997), so that nothing has to settle. With poles that are
 //! assumed, and the unknown `s` for how wrong they are,
 //!

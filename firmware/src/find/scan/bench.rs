@@ -89,7 +89,7 @@ impl Bench {
         Bench { noise_lsb: 1.0, noise: Noise::new(seed), x: [0.0; STATES], flow, source_ohm, front_end }
     }
 
-    /// Plays a block, and hears it.
+    /// Plays a block, and samples it.
     pub(crate) fn exchange(&mut self, drive: &DriveBlock, sense: &mut SenseBlock) {
         sense.v.clear();
         sense.i.clear();

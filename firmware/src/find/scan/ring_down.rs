@@ -1,5 +1,5 @@
 //! Waits at the resonance until what a sweep has left no longer turns the motional phase, so that a tracker that starts from there measures one tone
-//! only. What rings freely at the very frequency that is driven does not turn it, however long it rings; and after four time constants
+//! only. A free vibration at the driven frequency does not turn it, however long it lasts; and after four time constants
 //! nothing does.
 
 use crate::seam::block::LATENCY_BLOCKS;
@@ -33,7 +33,7 @@ impl RingDown {
         RingDown { transducer, motional, blocks: 0, in_phase: 0, longest_blocks }
     }
 
-    /// Hears a block of the tone, at `relative` times the nominal frequency. Returns whether it has rung down.
+    /// Takes a block of the tone, at `relative` times the nominal frequency. Returns whether the free vibration has decayed.
     pub(crate) fn is_over(&mut self, sensed: &Sensed, relative: f32) -> bool {
         self.blocks += 1;
         let phase = self.motional.phase_of(self.motional.current(sensed, relative), sensed.v);

@@ -1,7 +1,7 @@
 //! Fourier coefficients of voltage and current at a row of frequencies about a reference, gathered block by block.
 //!
 //! The frequencies are `b` over the period of the sweep, so that a sweep that is repeated puts all its energy there, and a tone that rings
-//! freely begins and ends with the same phase in all of them: what rings at the beginning of a record, and what at its end, is one and
+//! freely begins and ends with the same phase in all of them: the free vibration at the beginning of a record, and that at its end, is one and
 //! the same smooth function of frequency ([`crate::find::identify::pole_fit`]).
 
 use crate::generate::shape::sine;

@@ -1,6 +1,6 @@
 //! The boosted burst: rung up by a [stroke](super::stroke) louder than the drive, held, and rung down by one against it.
 //!
-//! Each stroke is planned where it begins, from what rings at that moment: what an earlier burst has left, or what a short one has
+//! Each stroke is planned where it begins, from the vibration at that moment: what an earlier burst has left, or what a short one has
 //! come to. A gate that turns round before a stroke is over is followed after whole periods of it, so that these cancel; a boost of an odd number
 //! of half cycles is paid back by a brake of an odd number.
 
@@ -105,7 +105,7 @@ impl Boost {
         State::Braking { left: down.half_cycles }
     }
 
-    /// Begins a stroke from what rings to what shall ring, V.
+    /// Begins a stroke from the present vibration to a target, V.
     fn begin(&mut self, stroke: Stroke, to: f32, strokes: &Strokes) {
         let needed = stroke.volts(self.ring.volts(), to);
         self.limited = !strokes.lands || needed.abs() > (1.0 + LIMITED) * strokes.ceiling;
@@ -188,7 +188,7 @@ impl Burst {
         }
     }
 
-    /// Takes the rate by which what rings decays, 1/sample, in blocks of so many samples.
+    /// Sets the decay rate of the vibration, 1/sample, in blocks of so many samples.
     pub(crate) fn set_rate(&mut self, per_sample: f32, samples: usize) {
         if let Some(boost) = &mut self.boost {
             boost.ring.set_rate(per_sample, samples);
@@ -216,7 +216,7 @@ impl Burst {
         })
     }
 
-    /// Forgets what rings, of another transducer or of another time.
+    /// Forgets the vibration of another transducer or of another time.
     pub(crate) fn restart(&mut self) {
         if let Some(boost) = &mut self.boost {
             *boost = Boost::default();

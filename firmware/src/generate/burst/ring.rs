@@ -1,4 +1,4 @@
-//! What rings, as the steady drive that would hold it (V), followed block by block: `R' = -a (R - u)` under a drive of `u`.
+//! The free vibration, as the steady drive that would hold it (V), followed block by block: `R' = -a (R - u)` under a drive of `u`.
 //!
 //! It is known up to the end of the last block that was planned. A measurement is of a block before that, so that its ends are stored until then.
 
@@ -9,7 +9,7 @@ const BELIEVED: f32 = 0.5;
 /// Rung up: within this part of the drive.
 const RUNG_UP: f32 = 0.1;
 
-/// What rings.
+/// Model of the vibration.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Ring {
     /// `a`, 1/sample; zero as long as nothing is known.

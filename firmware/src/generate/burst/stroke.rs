@@ -1,6 +1,6 @@
-//! Strokes: whole half cycles of drive that bring what rings from one level to another.
+//! Strokes: whole half cycles of drive that bring the vibration from one level to another.
 //!
-//! What rings is counted as the steady drive that would hold it, `R` (V). At the resonance, under a drive of `u` for `n` half cycles,
+//! The vibration is expressed as the steady drive that would hold it, `R` (V). At the resonance, under a drive of `u` for `n` half cycles,
 //!
 //! ```text
 //! R1 = R0 q^n + u (1 - q^n),    q = exp(-1 / h),    h = 2 f tau half cycles a time constant
@@ -34,7 +34,7 @@ pub(crate) struct Stroke {
 }
 
 impl Stroke {
-    /// The drive that brings what rings from `from` to `to`, V.
+    /// The drive that brings the vibration from `from` to `to`, V.
     pub(crate) fn volts(&self, from: f32, to: f32) -> f32 {
         (to - from * self.retained) / (1.0 - self.retained)
     }

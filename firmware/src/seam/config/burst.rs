@@ -102,7 +102,7 @@ pub enum Edge {
     Hard,
     /// Along a raised cosine.
     Soft,
-    /// As fast as `limits.voltage_v` allows, up by louder drive and down by drive against what rings. For sines whose resonance is tracked.
+    /// As fast as `limits.voltage_v` allows, up by a larger drive and down by drive against the residual vibration. For sines whose resonance is tracked.
     Boost,
 }
 

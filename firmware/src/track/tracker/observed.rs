@@ -1,4 +1,4 @@
-//! Whom to believe: the observer, from when on, and when no longer.
+//! When the observer is trusted: from when on, and when no longer.
 //!
 //! It leads as soon as its deviation is small enough to be worth following, and is locked when that has been within 5 degrees of motional phase for
 //! 8 blocks. Where its gate opens again and again, its model does not hold, and the [phase loop](super::phase_loop) leads until it does; and
@@ -16,7 +16,7 @@ use crate::track::tracker::observer::{Observer, Played, Prior};
 const WORTH: f32 = 5e-3;
 /// A lock is within 5 degrees of motional phase, rad, or within this part of the frequency if that is more.
 const INNER: (f32, f32) = (0.087_488_66, 1e-4);
-/// What an opening of the gate adds to the doubt, which fades by one a block; and how much of it ends the belief.
+/// What an opening of the gate adds to the doubt, which fades by one a block; and how much of it ends the trust.
 const DOUBT: (u32, u32) = (16, 96);
 /// The phase loop leads until the doubt is down to this.
 const TRUSTED: u32 = 8;
@@ -42,7 +42,7 @@ pub(crate) enum Retry {
     Scan,
 }
 
-/// The observer, and how far it is believed.
+/// The observer, and how far it is trusted.
 #[derive(Clone, Debug)]
 pub(crate) struct Observed {
     observer: Observer,

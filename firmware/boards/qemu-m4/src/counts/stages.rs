@@ -30,7 +30,7 @@ const REPETITIONS: u32 = 500;
 /// Length of a block, s.
 const BLOCK_S: f32 = 32e-6;
 
-/// What a tracker hears at the resonance of [`STACK`], A and V: `V / Rm`.
+/// Phasors measured at the resonance of [`STACK`], A and V: `V / Rm`.
 const VOLTS: f32 = 3.0;
 const CURRENT: Phasor = Phasor::new(VOLTS / STACK.rm_ohm, 0.01);
 const AT_RESONANCE: Sensed = Sensed { v: Phasor::new(VOLTS, 0.0), i: Phasor::new(1.0, 0.228) };

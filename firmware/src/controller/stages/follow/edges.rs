@@ -2,7 +2,7 @@
 //!
 //! Strokes are planned from what is known in place: the resonance's damping and inductance, which the tracker has identified; what the
 //! [source](crate::sense::source) adds to the damping; and the residual vibration, by the motional current that was measured last. The steady current of a drive of one
-//! volt is then `S = beta g / a`, `a = alpha + Re(beta z)`, and what rings, as the drive that would hold it, is `R = Re(I_m / S)`.
+//! volt is then `S = beta g / a`, `a = alpha + Re(beta z)`, and the residual vibration, as the drive that would hold it, is `R = Re(I_m / S)`.
 
 use crate::controller::chain::{Chain, Measured};
 use crate::generate::burst::Brake;
@@ -172,7 +172,7 @@ impl Edges {
         }
     }
 
-    /// The rate by which what rings decays, and what a steady drive holds.
+    /// The decay rate of the vibration, and the level that a steady drive holds.
     fn plan_rate(&mut self, chain: &mut Chain, orders: &Orders) {
         let transducer = chain.track.transducer_by_now();
         let Some((lm_h, time_constant_s)) = transducer.map(|it| (it.lm_h, it.time_constant_s())) else { return };

@@ -113,7 +113,7 @@ fn boost_and_brake_land_at_any_q() {
 }
 
 /// Gates that open and close at any time: the level is never passed by more than it takes, what a brake leaves is little, and volt-seconds cancel
-/// as far as a payback can do the rest.
+/// as far as a DC-offset correction can do the rest.
 #[test]
 fn a_gate_that_turns_round_early_is_followed() {
     let mut seed = 1u32;
