@@ -6,7 +6,6 @@
 //!   same direction after the gate has closed: it lasts a whole number of periods, so that its volt-seconds cancel (to the sample; what
 //!   sampling and rounding leave, the [shaper](crate::generate::shaper) corrects).
 //! * soft: the envelope follows the gate along a ramp, which an opposite order turns round: `envelope = (1 - cos(pi ramp)) / 2`.
-//!
 //! * boost: up by whole half cycles of a larger drive, and down by drive against the vibration, as fast as the limits allow (`boost`).
 //!
 //! A burst that is ended by a brake goes on for some half cycles against its own phase, so that what it has rung up is rung down.
