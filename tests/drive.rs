@@ -173,7 +173,7 @@ fn largest_step(hz: f64, amplitude: f64) -> f64 {
 }
 
 #[test]
-fn frequency_amplitude_and_direction_change_without_a_break_in_phase() {
+fn frequency_amplitude_direction_change_with_continuous_phase() {
     let mut driver = Driver::running(&changed(|config| config.lanes = 4));
     let mut largest = 0.0f64;
     for (n, hz) in [0.0, 1500.0, -1900.0, 37.5, 1990.0, 0.0].into_iter().enumerate() {
@@ -210,7 +210,7 @@ fn a_chirp_ends_where_it_should_and_never_breaks() {
 }
 
 #[test]
-fn what_an_order_asks_too_much_of_is_limited_and_reported_by_number() {
+fn an_order_beyond_a_limit_is_limited_and_reported_by_number() {
     let mut driver = Driver::running(&changed(|_| ()));
     driver.order(|orders| orders.detune = Hertz(1e6));
     let report = driver.blocks(2);

@@ -71,7 +71,7 @@ mod tests {
     use crate::link::{Wire, duplex};
 
     #[test]
-    fn noise_flips_single_bits_and_drops_bytes_as_often_as_asked_and_the_same_way_again() {
+    fn noise_damages_bytes_at_its_rate_and_alike_for_a_seed() {
         let damaged = |flip, drop| {
             let (board, mut host) = duplex(Wire::default(), Wire::default());
             let mut noisy = Noisy::new(board);

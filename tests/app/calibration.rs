@@ -77,7 +77,7 @@ fn report(bench: &mut Bench<Bank>, point: u8) -> TrimReport {
 }
 
 #[test]
-fn the_lanes_of_the_thesis_are_within_a_tenth_of_a_degree_and_of_a_per_cent_afterwards() {
+fn the_lanes_of_the_thesis_end_within_0_1_degrees_and_0_1_percent() {
     for (direction, quadrature) in [(Direction::Forward, 0.25), (Direction::Reverse, -0.25)] {
         let mut queues = Queues::default();
         let mut bench = bench_of(&mut queues, &four_lanes(direction), Bank::new(THESIS, 1.0));
@@ -136,7 +136,7 @@ fn a_lane_that_is_silent_or_too_far_off_is_a_fault() {
 }
 
 #[test]
-fn another_order_ends_a_calibration_and_the_trims_are_what_they_were() {
+fn another_order_ends_a_calibration_and_leaves_the_trims() {
     let orders = [(Command::Idle, Mode::Idle), (Command::Run, Mode::Run), (Command::Scan, Mode::Scan)];
     for (order, mode) in orders {
         let mut queues = Queues::default();
@@ -170,7 +170,7 @@ fn a_stop_in_a_calibration_is_a_stop() {
 }
 
 #[test]
-fn a_calibration_is_done_once_for_each_order_and_one_lane_needs_none() {
+fn a_calibration_runs_once_an_order_and_one_lane_needs_none() {
     let mut queues = Queues::default();
     let mut one = bench_of(&mut queues, &Setup::default(), Bank::new(THESIS, 0.0));
     assert_eq!(one.ask(Command::Calibrate), Some(Reply::Ack));

@@ -63,7 +63,7 @@ fn truth(bench: &mut Bench<Load>, report: &CaptureReport, lane: usize) -> [Vec<u
 }
 
 #[test]
-fn a_capture_is_what_went_over_the_converters_whatever_the_block_and_the_trigger() {
+fn a_capture_is_what_went_over_the_converters_for_any_trigger() {
     for block in [8, 24, 32, 63, 64] {
         for (trigger, before) in [
             (Trigger::Now, 0),
@@ -204,7 +204,7 @@ fn what_is_so_already_is_no_trigger() {
 }
 
 #[test]
-fn other_commands_and_telemetry_go_on_and_a_second_wish_is_refused_as_busy() {
+fn other_commands_go_on_and_a_second_request_is_refused_as_busy() {
     let mut queues = Queues::default();
     let mut bench = running(&mut queues, &Setup::default());
     bench.ask(Command::TelemetryEvery(1));

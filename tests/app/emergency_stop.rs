@@ -96,7 +96,7 @@ fn a_press_shorter_than_a_block_is_not_lost() {
 }
 
 #[test]
-fn works_while_the_block_stream_stands_still_and_its_queue_is_full() {
+fn a_stop_works_while_the_block_stream_stands_still() {
     let mut queues = Queues::default();
     let mut bench = running(&mut queues, &Setup::default());
     let busy = (0..20).find(|_| bench.ask(Command::Gate(Gate::Off)) == Some(Reply::Nak(Refusal::Busy)));

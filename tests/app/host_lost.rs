@@ -50,7 +50,7 @@ fn configured_to_go_on_it_goes_on() {
 }
 
 #[test]
-fn an_order_of_patience_acts_at_once_and_one_that_is_none_is_refused() {
+fn an_ordered_timeout_acts_at_once_and_no_number_is_refused() {
     let mut queues = Queues::default();
     let mut bench = running(&mut queues, &Setup::default());
     for (seconds, refusal) in [
@@ -120,7 +120,7 @@ fn one_that_comes_back_clears_it_and_only_an_order_drives_again() {
 }
 
 #[test]
-fn a_stream_that_stood_still_with_its_queue_full_hears_of_it_later() {
+fn a_stream_that_stood_still_receives_the_order_later() {
     let mut queues = Queues::default();
     let mut bench = running(&mut queues, &impatient());
     bench.blocks(SILENT - 10);

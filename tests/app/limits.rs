@@ -48,7 +48,7 @@ fn exactly_the_limit_is_no_limit() {
 }
 
 #[test]
-fn an_amplitude_that_is_no_amplitude_is_refused_and_changes_nothing() {
+fn an_amplitude_that_is_none_is_refused_and_changes_nothing() {
     let mut queues = Queues::default();
     let mut bench = running(&mut queues, &Setup::default());
     let sequence = bench.latest().unwrap().orders_sequence;

@@ -23,7 +23,7 @@ fn answers_to(bench: &mut Bench<Load>, bytes: &[u8]) -> Vec<(u16, Reply)> {
 }
 
 #[test]
-fn a_frame_with_a_flipped_bit_is_refused_as_damaged_and_the_next_is_obeyed() {
+fn a_frame_with_a_flipped_bit_is_refused_and_the_next_obeyed() {
     let mut queues = Queues::default();
     let mut bench = bench(&mut queues, &Setup::default());
     let (good, next) = (encode(7, Command::Run).unwrap(), encode(8, Command::Identify).unwrap());
@@ -219,7 +219,7 @@ fn a_slow_link_drops_telemetry_but_no_answer() {
 }
 
 #[test]
-fn more_commands_at_once_than_there_is_room_for_answers_are_all_answered() {
+fn more_commands_than_room_for_answers_are_all_answered() {
     let mut queues = Queues::default();
     let narrow = Wire { capacity: Some(64), when_full: WhenFull::Refuses };
     let mut bench = bench(&mut queues, &Setup { to_host: narrow, ..Setup::default() });

@@ -163,7 +163,7 @@ fn nothing_is_set_or_written_while_it_drives() {
 }
 
 #[test]
-fn a_lower_limit_holds_and_what_is_stored_against_one_never_acts() {
+fn a_lower_limit_holds_and_a_stored_value_above_it_never_acts() {
     let setup = Setup { flash: keeping(LaneTrims::new(), &[(VOLTAGE_LIMIT, 4.0)]), ..Setup::default() };
     let mut queues = Queues::default();
     let mut bench = silent(&mut queues, &setup);
@@ -193,7 +193,7 @@ fn a_lower_limit_holds_and_what_is_stored_against_one_never_acts() {
 }
 
 #[test]
-fn settings_that_make_no_configuration_give_way_to_what_is_built_in_within_the_limits_that_are_set() {
+fn invalid_settings_give_way_to_defaults_within_the_stored_limits() {
     // A drive of 3 V under a limit of 2 V.
     let mut setup = setup(|config| config.lanes = 2);
     setup.flash = keeping(trims(), &[(VOLTAGE_LIMIT, 2.0)]);

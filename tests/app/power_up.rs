@@ -20,7 +20,7 @@ fn silent_at_mid_code_until_ordered() {
 }
 
 #[test]
-fn the_enable_pin_is_driven_low_by_the_first_turn_and_stays_there() {
+fn the_enable_pin_is_low_from_the_first_turn_on() {
     let mut queues = Queues::default();
     let mut bench = bench(&mut queues, &Setup::default());
     bench.poll();

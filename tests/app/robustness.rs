@@ -158,7 +158,7 @@ fn outcome(sent: &[Vec<u8>]) -> (Outcome, usize, usize) {
 }
 
 #[test]
-fn of_ten_thousand_frames_only_the_honest_ones_do_anything_and_each_is_answered() {
+fn of_ten_thousand_frames_only_honest_ones_have_an_effect() {
     for seed in [1, 2] {
         let traffic = traffic(seed);
         let purged = traffic.purged();

@@ -8,7 +8,7 @@ use hal_mock::bench::{Queues, Setup};
 use super::*;
 
 #[test]
-fn a_run_order_leads_through_the_self_test_to_running_and_idle_back() {
+fn a_run_order_leads_through_the_self_test_and_idle_leads_back() {
     let mut queues = Queues::default();
     let mut bench = bench(&mut queues, &Setup::default());
     let mut modes = vec![bench.mode()];
@@ -50,7 +50,7 @@ fn the_enable_pin_is_high_while_driving_and_only_then() {
 }
 
 #[test]
-fn the_self_test_plays_half_the_scan_voltage_and_the_run_what_is_configured() {
+fn the_self_test_plays_half_the_scan_voltage() {
     let mut queues = Queues::default();
     let mut bench = running(&mut queues, &Setup::default());
     let began = bench.played() as usize * BLOCK;
@@ -76,7 +76,7 @@ fn idle_mutes_when_the_codes_on_their_way_have_played() {
 }
 
 #[test]
-fn the_gate_closes_and_opens_by_order_on_whole_periods_and_the_phase_runs_on() {
+fn the_gate_moves_on_whole_periods_and_the_phase_runs_on() {
     let mut queues = Queues::default();
     let setup = Setup::default();
     let mut bench = running(&mut queues, &setup);

@@ -79,7 +79,7 @@ fn a_small_offset_is_removed() {
 }
 
 #[test]
-fn a_voltage_that_is_half_or_twice_what_was_played_is_implausible() {
+fn half_or_twice_the_played_voltage_is_implausible() {
     for factor in [0.5, 2.0] {
         let setup = setup(|config| config.front_end.volt_per_lsb *= factor);
         let load = LoopBack::of(&setup.config);

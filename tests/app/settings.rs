@@ -83,7 +83,7 @@ fn filled(writes: u16, seed: u64) -> Flash {
 }
 
 #[test]
-fn whenever_power_goes_the_old_or_the_new_is_there_and_the_next_write_is_whole() {
+fn a_power_cut_leaves_the_old_or_the_new_record_whole() {
     let mut cuts = 0;
     // Every state of the pages: none, the first of a page, its last, and the change to the next, with and without an erase.
     for writes in (0..4).chain(12..20).chain(28..40).chain(60..72) {
@@ -145,7 +145,7 @@ fn power_that_goes_again_and_again_loses_nothing() {
 }
 
 #[test]
-fn whatever_is_in_the_flash_it_is_read_without_harm_and_can_be_written() {
+fn any_content_of_the_flash_is_read_safely_and_can_be_replaced() {
     for seed in 0..400 {
         let mut chance = Chance::new(seed);
         let mut flash = if seed % 2 == 0 { Flash::new(4, seed) } else { filled(seed as u16 % 83, seed) };
@@ -188,7 +188,7 @@ fn a_flipped_bit_is_seen() {
 }
 
 #[test]
-fn trims_that_cannot_be_are_damaged_and_a_flash_that_is_too_small_is_refused() {
+fn impossible_trims_are_damage_and_a_small_flash_is_refused() {
     let wrong = [
         LaneTrims::from_iter([TrimPoint { hz: 40e3, lanes: [Trim { phase_turns: f32::NAN, gain: 1.0 }; 4] }]),
         LaneTrims::from_iter([TrimPoint { hz: 40e3, lanes: [Trim { phase_turns: 0.0, gain: 3.0 }; 4] }]),

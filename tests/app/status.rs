@@ -50,7 +50,7 @@ fn a_fault_is_logged_with_what_was_played_and_measured() {
 }
 
 #[test]
-fn the_newest_fault_comes_first_and_beyond_the_last_there_is_none() {
+fn the_newest_fault_is_first_and_none_follows_the_last() {
     let mut queues = Queues::default();
     let mut bench = running(&mut queues, &Setup::default());
     for n in 0..LOGGED_FAULTS + 2 {
@@ -106,7 +106,7 @@ fn a_reset_is_answered_before_it_comes_and_only_in_silence() {
 }
 
 #[test]
-fn a_reset_waits_until_its_answer_has_left_and_nothing_is_obeyed_meanwhile() {
+fn a_reset_waits_until_its_answer_has_left() {
     let mut queues = Queues::default();
     let narrow = Wire { capacity: Some(4), when_full: WhenFull::Refuses };
     let mut bench = bench(&mut queues, &Setup { to_host: narrow, ..Setup::default() });

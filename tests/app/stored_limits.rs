@@ -85,7 +85,7 @@ proptest! {
     #![proptest_config(cases(1500))]
 
     #[test]
-    fn of_any_record_the_limits_act_the_board_runs_and_what_does_not_act_is_named(mut setup in board(), record in record(), volts in 0.1_f32..100.0) {
+    fn of_any_record_the_limits_act_and_the_board_runs(mut setup in board(), record in record(), volts in 0.1_f32..100.0) {
         setup.flash = storing(&record);
         let mut queues = Queues::default();
         // It starts, whatever is stored.
@@ -135,7 +135,7 @@ proptest! {
 }
 
 #[test]
-fn a_limit_that_nothing_judges_is_refused_and_takes_no_other_limit_with_it() {
+fn a_limit_that_nothing_judges_is_refused_alone() {
     for encoder in [false, true] {
         let mut setup = setup(|config| config.front_end.metre_per_count = encoder.then_some(1e-6));
         let mut queues = Queues::default();

@@ -26,7 +26,7 @@ fn scales_are_those_of_the_circuit() {
 }
 
 #[test]
-fn the_comparators_act_between_the_limit_and_the_end_of_the_range() {
+fn the_comparators_act_between_limit_and_end_of_the_range() {
     let limits = config().limits;
     assert!(limits.current_a < TRIP_A && TRIP_A < range_a(), "{} {TRIP_A} {}", limits.current_a, range_a());
     let (upper, lower) = trip_codes(TRIP_A);

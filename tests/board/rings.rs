@@ -21,7 +21,7 @@ fn a_position_counts_up_while_dma_counts_down() {
 /// A DAC and an ADC in lockstep, with an interrupt whenever a half of the ADC's ring is full, that leaves the number of the block and the sample:
 /// what plays while the ADC converts sample `n` of block `k` is what was left for it `LATENCY_BLOCKS` before.
 #[test]
-fn what_is_left_for_a_block_plays_two_blocks_later_and_with_its_own_samples() {
+fn a_block_plays_two_blocks_later_with_its_own_samples() {
     let mut ring = [usize::MAX; RING];
     let (mut fetched, mut held, mut played) = (0, usize::MAX, Vec::new());
     for trigger in 0..8 * BLOCK {
@@ -53,7 +53,7 @@ fn a_block_is_late_once_its_first_sample_may_have_been_fetched() {
 }
 
 #[test]
-fn missed_blocks_are_counted_over_the_counters_end_and_through_jitter() {
+fn missed_blocks_are_counted_across_wrap_and_jitter() {
     let mut beat = Beat::default();
     let start = u32::MAX - CYCLES_PER_BLOCK;
     let at = |blocks: f32| start.wrapping_add((blocks * CYCLES_PER_BLOCK as f32) as u32);

@@ -60,7 +60,7 @@ fn looks(period: usize, blocks: usize, broken: [bool; 4]) -> Option<usize> {
 }
 
 #[test]
-fn a_broken_wire_is_found_while_the_belt_moves_and_both_even_when_it_stands() {
+fn a_broken_wire_is_found_in_motion_and_two_even_at_rest() {
     for wire in 0..4 {
         let broken = core::array::from_fn(|n| n == wire);
         // Within a period, however long, and within 24 blocks of a period of four.
@@ -73,7 +73,7 @@ fn a_broken_wire_is_found_while_the_belt_moves_and_both_even_when_it_stands() {
 }
 
 #[test]
-fn whole_wires_are_never_broken_even_if_a_look_falls_on_an_edge_now_and_then() {
+fn whole_wires_are_never_broken_even_if_read_on_an_edge() {
     assert_eq!(looks(4, 1000, [false; 4]), None);
     assert_eq!(looks(400, 1000, [false; 4]), None);
     let mut wires = Wires::default();

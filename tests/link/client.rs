@@ -119,7 +119,7 @@ fn an_order_whose_acknowledgement_is_lost_is_obeyed_once() {
 }
 
 #[test]
-fn an_order_that_may_be_repeated_is_repeated_until_it_is_acknowledged() {
+fn a_repeatable_order_is_repeated_until_it_is_acknowledged() {
     let board = board("lock", &[], 0);
     let bad = Bad::new(port(&board), 0);
     let lose = bad.lose.clone();
@@ -150,7 +150,7 @@ fn a_dialogue_over_a_line_that_flips_bits_comes_to_the_same() {
 }
 
 #[test]
-fn a_port_that_goes_away_is_opened_again_and_what_was_asked_is_answered() {
+fn a_lost_port_is_opened_again_and_the_request_answered() {
     let listener = TcpListener::bind("127.0.0.1:0").unwrap();
     let address = listener.local_addr().unwrap().to_string();
     static STOP: AtomicBool = AtomicBool::new(false);

@@ -26,7 +26,7 @@ fn what_is_stored_acts_after_a_reset_and_limits_the_drive() {
 }
 
 #[test]
-fn a_stored_limit_acts_whatever_else_is_stored_and_what_does_not_is_said() {
+fn a_stored_limit_acts_whatever_else_is_stored() {
     let board = board("lock", &[], 0);
     // Below the drive that is built in, and beside a limit that nothing on this board could judge.
     let text = "settings set limits.voltage_v 0.5\n! settings set limits.energy_j_per_m 1000\nsettings store\nreset\n\

@@ -190,7 +190,7 @@ mod tests {
     }
 
     #[test]
-    fn four_lanes_are_a_quarter_turn_apart_and_reverse_runs_the_other_way() {
+    fn four_lanes_are_a_quarter_turn_apart_in_either_direction() {
         assert_eq!(offsets(&mut phasing(4), 40e3, 0.25), [0, 1 << 30, 2 << 30, 3 << 30]);
         assert_eq!(offsets(&mut phasing(4), 40e3, -0.25), [0, 3 << 30, 2 << 30, 1 << 30]);
         assert_eq!(offsets(&mut phasing(4), 40e3, 0.0), [0, 0, 2 << 30, 2 << 30]);

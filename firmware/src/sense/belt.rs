@@ -208,7 +208,7 @@ mod tests {
     }
 
     #[test]
-    fn swinging_to_and_fro_is_no_new_ground_and_drawing_back_makes_some() {
+    fn swinging_to_and_fro_is_no_new_ground_but_drawing_back_is() {
         let (mut belt, mut position) = (belt(), 0.0);
         moves(&mut belt, &mut position, 0.038, 1000);
         for _ in 0..20 {

@@ -19,7 +19,7 @@ fn what_is_written_is_read_and_an_erase_takes_one_page() {
 }
 
 #[test]
-fn a_word_is_written_once_after_an_erase_even_with_the_same_value() {
+fn a_word_is_written_only_once_after_an_erase() {
     let mut flash = Flash::new(1, 1);
     for value in [[0xFF; 8], [0x5A; 8]] {
         flash.erase(0, PAGE).unwrap();
@@ -85,7 +85,7 @@ fn a_cut_erase_leaves_a_page_that_must_be_erased_again() {
 }
 
 #[test]
-fn a_cut_that_is_taken_back_does_not_come_and_the_same_seed_tears_alike() {
+fn a_cancelled_cut_does_not_come_and_a_seed_tears_alike() {
     let torn = |seed, back: bool| {
         let mut flash = Flash::new(1, seed);
         flash.cut_power_after(0);
@@ -101,7 +101,7 @@ fn a_cut_that_is_taken_back_does_not_come_and_the_same_seed_tears_alike() {
 }
 
 #[test]
-fn agrees_with_a_plain_model_whatever_is_done_and_whenever_power_goes() {
+fn agrees_with_a_plain_model_under_any_power_cut() {
     let mut chance = Chance::new(2024);
     for seed in 0..200 {
         let mut flash = Flash::new(2, seed);

@@ -33,7 +33,7 @@ fn trims_survive_a_restart_and_act_from_the_first_block() {
 }
 
 #[test]
-fn a_calibration_leaves_parameters_that_are_refused_as_they_are_and_its_trims_act() {
+fn a_calibration_keeps_its_trims_beside_refused_parameters() {
     // A drive of 3 V under a limit of 2 V makes no configuration: key 8 is `limits.voltage_v`.
     let mut settings = Settings::new(Flash::new(4, 1)).unwrap();
     settings.store(&Record { trims: LaneTrims::new(), parameters: Overrides::from_iter([(8, 2.0)]) }).unwrap();
@@ -98,7 +98,7 @@ fn while_it_drives_nothing_is_written() {
 }
 
 #[test]
-fn a_flash_that_fails_is_reported_and_the_trims_act_all_the_same() {
+fn a_failed_flash_is_reported_and_the_trims_act_all_the_same() {
     let mut setup = four_lanes(Direction::Forward);
     setup.flash.cut_power_after(3);
     let mut queues = Queues::default();

@@ -118,7 +118,7 @@ fn the_build_refuses_by_name_what_is_out_of_range() {
 }
 
 #[test]
-fn a_limit_is_lowered_and_never_raised_and_a_scale_moves_by_a_tenth() {
+fn a_limit_is_never_raised_and_a_scale_moves_by_a_tenth() {
     let built_in = values_of(&config());
     let with = |name: &str, value: f32| {
         let place = PARAMETERS.iter().position(|parameter| parameter.name == name).expect("a parameter");

@@ -63,7 +63,7 @@ fn what_is_cut_short_is_damaged() {
 }
 
 #[test]
-fn numbers_come_round_and_what_cannot_be_read_is_older_than_what_can() {
+fn record_numbers_wrap_and_an_unreadable_record_is_older() {
     let found = |number, state| Found { number, state, same: false };
     let rows = [
         found(0, StoredState::Nothing),
@@ -175,7 +175,7 @@ fn what_another_version_has_left_stays_until_it_is_ordered_away() {
 }
 
 #[test]
-fn a_calibration_is_kept_beside_the_parameters_that_are_kept_not_those_that_are_set() {
+fn a_calibration_stores_its_trims_and_no_set_parameter() {
     let mut settings = Settings::new(Ram([0xFF; 4096])).unwrap();
     let parameters = Overrides::from_iter([(5, 2.0), (99, 1.0)]);
     settings.store(&Record { trims: LaneTrims::new(), parameters: parameters.clone() }).unwrap();

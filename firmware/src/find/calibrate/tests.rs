@@ -118,7 +118,7 @@ fn residual(config: &Config, phasing: &mut Phasing, bank: &Bank, quadrature: f32
 }
 
 #[test]
-fn what_the_thesis_saw_is_trimmed_over_the_whole_window_in_noise_of_a_code() {
+fn the_lane_errors_of_the_thesis_are_trimmed_in_noise_of_a_code() {
     for quadrature in [Direction::Forward, Direction::Reverse] {
         for span in [0.01, 0.05, 0.2] {
             let mut config = config(4);
@@ -156,7 +156,7 @@ fn trims_only_turn_down_and_go_on_top_of_what_is_configured() {
 }
 
 #[test]
-fn what_no_trim_is_for_is_a_fault_and_the_trims_are_what_they_were() {
+fn an_error_beyond_trimming_is_a_fault_and_changes_no_trims() {
     let cases: [fn(&mut Bank); 6] = [
         |bank| bank.errors.delay_s[2] = 4e-6,
         |bank| bank.errors.gain[1] = 0.65,
@@ -196,7 +196,7 @@ fn trims_that_do_not_verify_are_a_fault() {
 }
 
 #[test]
-fn one_lane_needs_no_trims_and_an_abandoned_calibration_leaves_them() {
+fn one_lane_needs_no_trims_and_an_abort_leaves_them() {
     let one = config(1);
     let mut phasing = Phasing::build(&one).unwrap();
     let (done, end, blocks) = calibrate(&one, &mut phasing, &mut Bank::new(NONE, 0.0));

@@ -116,7 +116,7 @@ mod tests {
     }
 
     #[test]
-    fn the_weakest_of_five_is_left_out_and_what_is_seen_twice_counts_once() {
+    fn the_weakest_of_five_is_left_out_and_none_counts_twice() {
         let mut modes = Modes::new(40e3);
         for (offset_hz, conductance_s) in [(900.0, 0.2), (-900.0, 0.1), (0.0, 0.3), (500.0, 0.05), (-300.0, 0.4), (-302.0, 0.4)] {
             modes.add(pole(offset_hz, conductance_s), Deviations::default(), true);

@@ -256,7 +256,7 @@ fn the_nominal_inductance_decides_which_mode() {
 }
 
 #[test]
-fn neither_a_capacitor_nor_what_is_outside_the_window_is_a_resonance() {
+fn a_capacitor_or_a_peak_outside_the_window_is_no_resonance() {
     for seed in 1..10 {
         let mut case = Case { span: if seed % 2 == 0 { 0.025 } else { 0.05 }, ..stack(40_100.0, 65.0) };
         case.branches[0].lm_h = 1e4;

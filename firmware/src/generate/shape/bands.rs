@@ -133,7 +133,7 @@ mod tests {
     }
 
     #[test]
-    fn harmonics_are_those_of_the_waveform_and_end_below_half_the_sample_rate() {
+    fn harmonics_are_those_of_the_waveform_below_half_the_rate() {
         for (bands, even) in [(&square::BANDS, 0.0), (&sawtooth::BANDS, -1.0)] {
             for cycles in [0.001, 0.02, 0.04, 0.0401, 0.046, 0.11, 0.2, 0.4] {
                 let blend = bands.at(cycles);

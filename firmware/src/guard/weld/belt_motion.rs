@@ -144,7 +144,7 @@ mod tests {
     const NEVER: u32 = u32::MAX;
 
     #[test]
-    fn a_stop_mutes_after_its_time_and_latches_after_a_tenth_of_a_second() {
+    fn a_stop_mutes_and_becomes_a_fault_after_a_tenth_of_a_second() {
         let mut rig = Rig::new();
         assert_eq!(rig.blocks(1000, 10, Stage::Following), None);
         assert!(!rig.motion.is_muted());
@@ -157,7 +157,7 @@ mod tests {
     }
 
     #[test]
-    fn a_belt_that_moves_again_is_driven_again_and_one_that_creeps_is_not() {
+    fn a_moving_belt_is_driven_again_and_a_creeping_one_is_not() {
         let mut rig = Rig::new();
         rig.blocks(1000, 10, Stage::Following);
         rig.blocks(2 * STOP, NEVER, Stage::Following);
@@ -173,7 +173,7 @@ mod tests {
     }
 
     #[test]
-    fn a_belt_at_rest_is_waited_for_and_measured_over_for_a_tenth_of_a_second() {
+    fn a_belt_at_rest_is_waited_for_during_a_tenth_of_a_second() {
         let mut rig = Rig::new();
         assert_eq!(rig.blocks(LATCH, NEVER, Stage::Measuring), None);
         assert_eq!(rig.blocks(100 + STOP, NEVER, Stage::Measuring), Some(Fault::BeltStopped));
