@@ -7,7 +7,7 @@
 use crate::controller::chain::{Chain, Measured};
 use crate::generate::burst::Brake;
 use crate::generate::burst::stroke::Planner;
-use crate::generate::signal_generator::Generator;
+use crate::generate::signal_generator::SignalGenerator;
 use crate::seam::block::{Gate, LATENCY_BLOCKS, Orders};
 use crate::seam::compare::{larger, smaller};
 use crate::seam::config::{Config, Edge, ShapeKind, Sweep, TrackingMode};
