@@ -10,7 +10,6 @@ use hal_mock::bench::{Queues, Setup};
 use hal_mock::flash::Flash;
 
 use super::super::bank::{Bank, THESIS};
-use super::super::*;
 use super::{LEFT, bench_of, calibrated, errors, four_lanes, report, run};
 
 #[test]
