@@ -238,16 +238,12 @@ impl PowerOn {
         // What is no number does not hold, either.
         let resonates = found.lm_h.value > SIGNIFICANT * found.lm_h.deviation;
         let holds = explained && resonates && turn < LARGEST_TURN;
-        if resonates && (found.resonance_hz.value / self.nominal_hz - 1.0).abs() > self.window {
-            Err(Fault::NoResonance)
-        } else if !holds {
-            Err(Fault::ResonanceDamaged)
-        } else if shift > CAPACITANCE_SHIFT * self.nominal_c0_f {
-            Err(Fault::CapacitanceShifted)
-        } else if cracked || q_at_most < SMALLEST_Q * self.nominal_q {
-            Err(Fault::ResonanceDamaged)
-        } else {
-            Ok(found)
+        match () {
+            () if resonates && (found.resonance_hz.value / self.nominal_hz - 1.0).abs() > self.window => Err(Fault::NoResonance),
+            () if !holds => Err(Fault::ResonanceDamaged),
+            () if shift > CAPACITANCE_SHIFT * self.nominal_c0_f => Err(Fault::CapacitanceShifted),
+            () if cracked || q_at_most < SMALLEST_Q * self.nominal_q => Err(Fault::ResonanceDamaged),
+            () => Ok(found),
         }
     }
 }

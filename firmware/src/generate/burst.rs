@@ -13,7 +13,7 @@
 pub(crate) mod boost;
 mod brake;
 mod duty;
-pub(crate) mod envelope;
+pub mod envelope;
 mod passage;
 mod ring;
 mod schedule;
