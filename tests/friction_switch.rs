@@ -99,7 +99,7 @@ fn the_speed_is_the_encoders() {
 #[test]
 fn a_force_is_held_by_the_force_channel() {
     let (_, steps, _) = switched(&["controller.friction.target_force_n=0.072"]);
-    assert!((steps[0].wanted - 0.5).abs() < 1e-3 && steps[0].error().abs() < 0.01, "{steps:?}");
+    assert!((steps[0].set_point - 0.5).abs() < 1e-3 && steps[0].error().abs() < 0.01, "{steps:?}");
 }
 
 /// 10 N on a contact that is stiffer than any of the campaign: it takes a sixth of the amplitude, and the loop gives it back.

@@ -9,7 +9,7 @@ use scene::builtin;
 use scene::load::{Loaded, load};
 use scene::metrics;
 use sim::data::FigureData;
-use sim::instruments;
+use sim::figures;
 use sim::study::comparison::Standing;
 use sim::study::{self, Options, Study};
 
@@ -57,7 +57,7 @@ fn of_one(name: &'static str) -> &'static str {
 
 /// docs/data.md lists each figure of a study with its columns.
 fn every_figure_is_described(study: &Study) {
-    for figure in instruments::figures(study) {
+    for figure in figures::of(study) {
         let data = FigureData::of(&figure.id).unwrap_or_else(|| panic!("{}: no data of `{}`", study.name, figure.id));
         // Of a contact study time is in periods.
         assert!(data.x == figure.x.label || data.id == "friction", "{}: {} is over {}", study.name, figure.id, figure.x.label);
