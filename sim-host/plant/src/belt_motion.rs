@@ -125,7 +125,7 @@ mod tests {
     const STEP_S: f64 = 32e-6;
 
     #[test]
-    fn a_plain_belt_moves_as_told_and_stops_along_a_line() {
+    fn a_plain_belt_keeps_its_speed_and_stops_along_a_line() {
         let mut belt = BeltMotion::new(0.05);
         belt.halt(1000.0 * STEP_S, 500.0 * STEP_S);
         (0..2000).for_each(|_| {

@@ -77,7 +77,7 @@ fn two_runs_leave_the_same_bytes_but_for_those_of_the_machine() {
 }
 
 #[test]
-fn a_run_takes_the_place_of_another_and_leaves_what_is_somebody_elses() {
+fn a_run_takes_the_place_of_another_and_leaves_foreign_files() {
     let folder = Folder::new("places");
     let (both, alone) = (folder.0.join("both"), folder.0.join("alone"));
     run(&CONTACT, &alone);

@@ -119,7 +119,7 @@ mod tests {
     }
 
     #[test]
-    fn a_cubic_is_told_exactly() {
+    fn a_cubic_is_found_exactly() {
         // (u - 0.3) (u - 0.8) (u + 2), negative: falls through 0.3 last seen positive... and again beyond.
         let p = |u: f64| {
             let (a, b, c) = (u - 0.3, u - 0.8, u + 2.0);

@@ -154,7 +154,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_is_quadratic_is_told_and_what_is_not_is_not() {
+    fn a_quadratic_mass_dependence_is_recognised() {
         let seen: Vec<Vec<f64>> = (0..200).map(|n| vec![f64::from(n % 17), f64::from(n % 23)]).collect();
         let masses: Vec<f64> = seen.iter().map(|s| 3.0 + s[0] - 0.1 * s[0] * s[1] + 0.2 * s[1] * s[1]).collect();
         assert!((estimate(None, &masses, &seen).r2 - 1.0).abs() < 1e-12);

@@ -188,7 +188,7 @@ mod tests {
     const POSITIVE: super::Range = (Some(0.0), Some(10.0));
 
     #[test]
-    fn the_time_and_the_cause_are_told() {
+    fn the_time_and_the_cause_are_reported() {
         assert_eq!(leaves(4.0, &[(1.0, Ramp(-2.0))], POSITIVE, 5.0), Some((0, 3.0)));
         assert_eq!(leaves(4.0, &[(1.0, Ramp(-2.0))], POSITIVE, 2.9), None);
         assert_eq!(leaves(4.0, &[(1.0, Sine(4.5))], POSITIVE, 5.0), Some((0, 1.0)));

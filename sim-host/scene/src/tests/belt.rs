@@ -107,7 +107,7 @@ fn a_trigger_delay_moves_windows() {
 
 /// What the belt orders is in range of the firmware, or the belt's key is named.
 #[test]
-fn the_firmware_s_limit_is_told_by_the_amplitude() {
+fn the_firmware_s_limit_is_reported_at_the_amplitude() {
     let limit = ["controller.limits.current_a=2"];
     says(&problems_of(&limit), &["the firmware refuses `rig.belt.amplitude_fraction`", "must be"]);
 }

@@ -21,7 +21,7 @@ fn another_unit_is_converted() {
 }
 
 #[test]
-fn a_key_in_the_wrong_table_is_told_its_home() {
+fn a_key_in_the_wrong_table_is_reported_with_its_home() {
     says(&with_line("[contact", "[contact.dahl]\nseed = 3"), &["key `seed` is misplaced", "belongs at the top level"]);
     says(&with_line("scan_v", "scan_v = 3\nduty = 0.5"), &["belongs in [controller.burst]"]);
 }

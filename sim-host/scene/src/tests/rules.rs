@@ -114,7 +114,7 @@ fn one_mistake_does_not_hide_another() {
 }
 
 #[test]
-fn one_mistake_is_told_once() {
+fn one_mistake_is_reported_once() {
     says(&with_line("[rig.slider]", "[rg.slider]"), &["did you mean `rig`?", "1 problem"]);
     says(&with_line("[rig.slider]", "[slider]"), &["belongs in [rig]", "1 problem"]);
     says(&with_line("off_s", "of_s = [5.0]"), &["1 problem"]);
@@ -161,7 +161,7 @@ fn the_scan_and_the_lock_in_can_work() {
 }
 
 #[test]
-fn what_the_firmware_refuses_is_told_at_its_key() {
+fn what_the_firmware_refuses_is_reported_at_its_key() {
     says(
         &report(example(), &["controller.tracking.bandwidth_hz=800"]),
         &["refuses `controller.tracking.bandwidth_hz` of 800 Hz", "--set:1:34", "must be from 0.1 to 625 Hz", "block_samples"],

@@ -115,7 +115,7 @@ mod tests {
     }
 
     #[test]
-    fn what_the_limit_forbids_is_told_with_what_it_would_take() {
+    fn what_the_limit_forbids_has_what_it_would_take() {
         let (found, _) = counted(3.0, 40.0, 2.0, 15.466, |a| Some(0.1 * a * a));
         let Found::Beyond { needs, reached } = found else { panic!("{found:?}") };
         assert!((needs - 20.0).abs() < 1e-9 && reached.amplitude == 15.466, "{found:?}");

@@ -115,7 +115,7 @@ fn what_c0_took_before_a_jump_was_not_motional() {
 
 /// The slope's derivative is a solution up to a free oscillation, which the first state takes.
 #[test]
-fn a_slope_of_the_resonance_is_heard_as_a_difference_of_ramps() {
+fn a_slope_of_the_resonance_is_a_difference_of_ramps() {
     let setting = cases()[1];
     let (response, rate) = (Response::new(&setting.circuit, &setting.drive, &setting.start), 1e3);
     let resonance = setting.circuit.series_resonance_hz();
