@@ -65,5 +65,5 @@ fn what_cannot_be_set_says_what_can() {
     let silent = refused("burst --on");
     assert!(silent.contains("`lock` or `drive` first"), "{silent}");
     let folder = refused("capture -o /proc/none");
-    assert!(folder.contains("cannot write /proc/none"), "{folder}");
+    assert!(folder.contains("cannot write `/proc/none`"), "{folder}");
 }
