@@ -132,8 +132,15 @@ impl<C: Chip> Machine<C> {
     }
 
     /// Refuses what the MPU forbids.
+    #[inline(always)]
     fn check(&mut self, address: u32, write: bool) -> Result<(), Trap> {
         let privileged = self.cpu.privileged() && !self.as_user;
+        if privileged && self.cpu.mpu.is_open(address) { Ok(()) } else { self.check_regions(address, write, privileged) }
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn check_regions(&mut self, address: u32, write: bool, privileged: bool) -> Result<(), Trap> {
         let without = self.cpu.faultmask || self.cpu.ipsr == 2 || self.cpu.ipsr == 3;
         if self.cpu.mpu.allows(address, write, privileged, without) {
             return Ok(());
@@ -175,7 +182,7 @@ impl<C: Chip> Machine<C> {
     #[inline(never)]
     fn load_elsewhere(&mut self, size: Size, address: u32) -> Result<u32, Trap> {
         self.cpu.fault_address = address;
-        if address >> 20 == 0xE00 {
+        if is_private(address) {
             return self.read_private(size.width(), address).map(|value| size.extend(value));
         }
         if let Some((byte, bit)) = bit_band(address) {
@@ -197,7 +204,7 @@ impl<C: Chip> Machine<C> {
             Width::Half => value & 0xFFFF,
             Width::Byte => value & 0xFF,
         };
-        if address >> 20 == 0xE00 {
+        if is_private(address) {
             return self.write_private(size.width(), address, value);
         }
         if let Some((byte, bit)) = bit_band(address) {
@@ -235,4 +242,9 @@ impl<C: Chip> Machine<C> {
         self.look_at_part();
         answer.map_err(|fault| self.cpu.trap(fault))
     }
+}
+
+/// The processor's own registers: the internal part of the private peripheral bus (B3.1). The external part is the part's.
+fn is_private(address: u32) -> bool {
+    address >> 18 == 0xE000_0000 >> 18
 }

@@ -2,6 +2,7 @@
 
 use crate::chip::Cycle;
 use crate::exceptions::{Dwt, Mpu, Nvic, Scb, SysTick};
+use crate::machine::Passage;
 use crate::op::{Decoded, Sets, Shift};
 
 /// Condition flags, saturation flag and the four greater-or-equal flags of the DSP extension.
@@ -142,6 +143,26 @@ pub(crate) struct Cpu {
     pub(crate) last_float: Last,
     pub(crate) fault_address: u32,
     pub(crate) stop: Option<Box<dyn std::error::Error + Send + Sync>>,
+    pub(crate) watch: Watch,
+}
+
+/// What a run does for its observer, over resets too.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Watch {
+    /// The exception whose entries and returns end a run; 0: none.
+    pub(crate) exception: u16,
+    pub(crate) passage: Option<Passage>,
+    /// The entry that was chained to that return.
+    pub(crate) chained: Option<Passage>,
+    /// Cycles of time for a cycle of cost in that exception, in 65536ths, and the part of a cycle that is still owed.
+    pub(crate) rate: u32,
+    pub(crate) owed: u64,
+}
+
+impl Default for Watch {
+    fn default() -> Self {
+        Watch { exception: 0, passage: None, chained: None, rate: 1 << 16, owed: 0 }
+    }
 }
 
 /// What the processor sleeps for.
@@ -191,7 +212,17 @@ impl Cpu {
             last_float: Last::default(),
             fault_address: 0,
             stop: None,
+            watch: Watch::default(),
         }
+    }
+
+    /// Adds the cost of the present instruction, exception entry or return to the time.
+    #[inline(always)]
+    pub(crate) fn spend(&mut self) {
+        let rate = if self.ipsr == self.watch.exception { self.watch.rate } else { 1 << 16 };
+        let owed = self.watch.owed + u64::from(self.cost) * u64::from(rate);
+        self.cycle += owed >> 16;
+        self.watch.owed = owed & 0xFFFF;
     }
 
     #[inline(always)]

@@ -82,6 +82,6 @@ pub use chip::{Access, Breakpoint, Chip, Cycle, Fault, Ports, Width};
 pub use elf::{Function, ImageError, Symbols};
 pub use exceptions::UnknownRegister;
 pub use interrupts::{Interrupts, LINES};
-pub use machine::{Machine, Stop};
+pub use machine::{Machine, Passage, Stop};
 pub use memory::{Memory, Region};
 pub use profile::{Handled, Profile, Spent};

@@ -24,6 +24,17 @@ pub struct Stop {
     pub finding: Box<dyn std::error::Error + Send + Sync>,
 }
 
+/// The watched exception was entered, or has returned.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Passage {
+    /// Entered; otherwise returned.
+    pub entered: bool,
+    /// When: at the entry's beginning, or the return's.
+    pub at: Cycle,
+    /// Instructions until then.
+    pub instructions: u64,
+}
+
 /// The processor with its memories and the part around it.
 #[derive(Debug)]
 pub struct Machine<C> {
@@ -67,8 +78,9 @@ impl<C: Chip> Machine<C> {
 
     /// Starts from the vector table. Cycles and instructions count on.
     fn start(&mut self) {
-        let (cycle, instructions, bits) = (self.cpu.cycle, self.cpu.instructions, self.cpu.nvic.priority_bits());
-        self.cpu = Cpu { cycle, instructions, ..Cpu::new(bits) };
+        let (cycle, instructions, watch, bits) =
+            (self.cpu.cycle, self.cpu.instructions, self.cpu.watch, self.cpu.nvic.priority_bits());
+        self.cpu = Cpu { cycle, instructions, watch, ..Cpu::new(bits) };
         self.cpu.r[14] = u32::MAX;
         let (stack, entry) = (self.vector(0), self.vector(1));
         self.cpu.cost = 0;
@@ -89,11 +101,36 @@ impl<C: Chip> Machine<C> {
         self.start();
     }
 
-    /// Runs to the first instruction that ends at or after `until`.
-    pub fn run_until(&mut self, until: Cycle) -> Result<(), Stop> {
+    /// Runs to the first instruction that ends at or after `until`, or to the next passage of the [watched](Machine::watch) exception.
+    pub fn run_until(&mut self, until: Cycle) -> Result<Option<Passage>, Stop> {
         self.cpu.attend();
         let ended = if self.profile.is_some() { self.run::<true>(until) } else { self.run::<false>(until) };
-        ended.map_err(|_| self.stop())
+        ended.map_err(|_| self.stop())?;
+        let watch = &mut self.cpu.watch;
+        Ok(std::mem::replace(&mut watch.passage, watch.chained.take()))
+    }
+
+    /// Ends runs at each entry and return of an exception; `None` at none.
+    pub fn watch(&mut self, exception: Option<u16>) {
+        self.cpu.watch.exception = exception.unwrap_or(0);
+    }
+
+    /// Lets the [watched](Machine::watch) exception take `rate` cycles of time for each cycle that its instructions cost: below one it is shorter than the
+    /// part would be at it, while all else, delays among it, takes its time. To a 65536th, without drift.
+    pub fn set_rate(&mut self, rate: f64) {
+        self.cpu.watch.rate = (rate * 65536.0) as u32;
+    }
+
+    /// Notes that an exception is entered or returned from.
+    pub(crate) fn pass(&mut self, exception: u16, entered: bool) {
+        let cpu = &mut self.cpu;
+        if exception == cpu.watch.exception {
+            let passage = Some(Passage { entered, at: cpu.cycle, instructions: cpu.instructions });
+            // It may return and be entered again in one go.
+            let place = if cpu.watch.passage.is_none() { &mut cpu.watch.passage } else { &mut cpu.watch.chained };
+            *place = passage;
+            cpu.attend();
+        }
     }
 
     /// Runs one instruction, or sleeps until the next event, at most until `until`.
@@ -137,7 +174,7 @@ impl<C: Chip> Machine<C> {
         loop {
             self.settle()?;
             let now = self.cpu.cycle;
-            if now >= until {
+            if now >= until || self.cpu.watch.passage.is_some() {
                 return Ok(false);
             }
             let event = self.chip.due().min(self.cpu.systick.due()).min(until);
@@ -197,8 +234,8 @@ impl<C: Chip> Machine<C> {
     fn instruction<const PROFILE: bool>(&mut self) -> Result<(), Trap> {
         let pc = self.cpu.pc;
         // One copy, from one place: anything else makes the compiler take it apart and put it together again.
-        let decoded = match self.cached(pc) {
-            Some(decoded) => *decoded,
+        let (decoded, waits) = match self.cached(pc) {
+            Some((decoded, waits)) => (*decoded, waits),
             None => return self.prepare(pc),
         };
         let cpu = &mut self.cpu;
@@ -206,8 +243,15 @@ impl<C: Chip> Machine<C> {
         cpu.next = pc.wrapping_add(decoded.len.into());
         cpu.r[15] = pc.wrapping_add(4);
         let before = cpu.fetched;
-        if (pc.wrapping_add(u32::from(decoded.len) - 1)) & !7 != cpu.fetched {
-            self.fetch_wait(pc, decoded.len)?;
+        let last = cpu.next.wrapping_sub(1) & !7;
+        if last != before {
+            cpu.fetched = last;
+            if waits {
+                self.fetch_wait(pc & !7, before, last);
+            }
+            if !self.memory.damaged.is_empty() {
+                self.report_damage(pc, decoded.len.into())?;
+            }
         }
         let cpu = &mut self.cpu;
         if decoded.bases & 15 == cpu.computed || decoded.bases >> 4 == cpu.computed {
@@ -230,11 +274,11 @@ impl<C: Chip> Machine<C> {
                 if in_block != 0 {
                     cpu.advance_it();
                 }
-                cpu.cycle += Cycle::from(cost);
+                cpu.spend();
             }
             Err(Trap::Stop) => return Err(Trap::Stop),
             Err(trap) => {
-                cpu.cycle += Cycle::from(cost);
+                cpu.spend();
                 self.take(trap)?;
             }
         }
@@ -249,12 +293,13 @@ impl<C: Chip> Machine<C> {
         Ok(())
     }
 
-    /// The instruction at `pc`, if it is decoded.
+    /// The instruction at `pc`, if it is decoded, and whether its memory has wait states.
     #[inline(always)]
-    fn cached(&self, pc: u32) -> Option<&Decoded> {
+    fn cached(&self, pc: u32) -> Option<(&Decoded, bool)> {
         let bank = self.memory.banks.get(usize::from(self.memory.by_top[(pc >> 24) as usize]))?;
-        let decoded = bank.code.get(pc.wrapping_sub(bank.region.base) as usize / 2)?;
-        (decoded.len != 0 && pc & INVALID == 0).then_some(decoded)
+        // The lowest bit, INVALID, becomes the highest: no region is that long.
+        let decoded = bank.code.get(pc.wrapping_sub(bank.region.base).rotate_right(INVALID) as usize)?;
+        (decoded.len != 0).then_some((decoded, bank.region.waits))
     }
 
     /// Decodes the instruction at `pc`, or takes the fault of its fetch.
@@ -290,22 +335,14 @@ impl<C: Chip> Machine<C> {
         Ok(())
     }
 
-    /// The fetch enters other 8 bytes: wait states of the memory, and damage.
+    /// Wait states of an instruction that lies in the aligned 8 bytes at `first` and `last`, fetched after those at `before`.
     #[inline]
-    fn fetch_wait(&mut self, pc: u32, len: u8) -> Result<(), Trap> {
-        let last = pc.wrapping_add(u32::from(len) - 1) & !7;
-        let first = pc & !7;
-        let entered = [(first, first != self.cpu.fetched), (last, last != first)];
-        self.cpu.fetched = last;
-        let Some((bank, _)) = self.memory.find(pc) else { return Ok(()) };
-        if self.memory.banks[bank].region.waits {
-            for (address, _) in entered.into_iter().filter(|(_, entered)| *entered) {
-                self.cpu.cost += self.chip.fetch_wait(address, self.cpu.cycle);
-            }
+    fn fetch_wait(&mut self, first: u32, before: u32, last: u32) {
+        if first != before {
+            self.cpu.cost += self.chip.fetch_wait(first, self.cpu.cycle);
         }
-        if !self.memory.damaged.is_empty() {
-            self.report_damage(pc, len.into())?;
+        if last != first {
+            self.cpu.cost += self.chip.fetch_wait(last, self.cpu.cycle);
         }
-        Ok(())
     }
 }

@@ -6,43 +6,91 @@
 use cortex_m4::Cycle;
 use stm32_metapac::flash::regs::Acr;
 
+/// Lines of the flash: 512 KiB.
+const LINES: usize = 0x8_0000 / 32;
+/// No line of a cache.
+const NONE: u8 = u8::MAX;
+
+/// A line of a cache, between the one that was used after it and the one that was used before it.
+#[derive(Clone, Copy, Debug)]
+struct Line {
+    /// The line of the flash.
+    of: u16,
+    /// A bit for each of the four words.
+    valid: u8,
+    newer: u8,
+    older: u8,
+}
+
 /// A cache of `N` lines of 32 bytes.
 #[derive(Clone, Debug)]
 struct Cache<const N: usize> {
-    /// Address / 32 plus one.
-    tags: [u32; N],
-    /// A bit for each of the four words.
-    valid: [u8; N],
-    used: [u64; N],
-    clock: u64,
-    last: usize,
+    lines: [Line; N],
+    newest: u8,
+    oldest: u8,
+    /// For each line of the flash the one of the cache that has it.
+    place: Box<[u8]>,
 }
 
 impl<const N: usize> Default for Cache<N> {
     fn default() -> Self {
-        Cache { tags: [0; N], valid: [0; N], used: [0; N], clock: 0, last: 0 }
+        // In a row, none of them in use.
+        let lines = std::array::from_fn(|n| Line {
+            of: 0,
+            valid: 0,
+            newer: if n == 0 { NONE } else { n as u8 - 1 },
+            older: if n == N - 1 { NONE } else { n as u8 + 1 },
+        });
+        Cache { lines, newest: 0, oldest: N as u8 - 1, place: vec![NONE; LINES].into() }
     }
 }
 
 impl<const N: usize> Cache<N> {
     /// Whether the word is there; if not, it is from now on.
+    #[inline]
     fn hit(&mut self, address: u32) -> bool {
-        let (tag, bit) = (address / 32 + 1, 1 << (address / 8 % 4));
-        self.clock += 1;
-        let line = if self.tags[self.last] == tag {
-            self.last
-        } else if let Some(line) = self.tags.iter().position(|at| *at == tag) {
-            line
-        } else {
-            let oldest = (0..N).min_by_key(|line| self.used[*line]).unwrap_or(0);
-            (self.tags[oldest], self.valid[oldest]) = (tag, 0);
-            oldest
-        };
-        self.last = line;
-        self.used[line] = self.clock;
-        let hit = self.valid[line] & bit != 0;
-        self.valid[line] |= bit;
+        let newest = &self.lines[usize::from(self.newest)];
+        if newest.valid >> (address / 8 % 4) & 1 != 0 && usize::from(newest.of) == address as usize / 32 % LINES {
+            return true;
+        }
+        self.look_up(address)
+    }
+
+    fn look_up(&mut self, address: u32) -> bool {
+        let (of, bit) = (address as usize / 32 % LINES, 1 << (address / 8 % 4));
+        let mut at = self.place[of];
+        if at == NONE {
+            at = self.oldest;
+            let line = &mut self.lines[usize::from(at)];
+            // A line that was never used has no words, and its place may be another's.
+            if line.valid != 0 {
+                self.place[usize::from(line.of)] = NONE;
+            }
+            (line.of, line.valid) = (of as u16, 0);
+            self.place[of] = at;
+        }
+        self.use_line(at);
+        let line = &mut self.lines[usize::from(at)];
+        let hit = line.valid & bit != 0;
+        line.valid |= bit;
         hit
+    }
+
+    /// Puts a line before all others.
+    fn use_line(&mut self, at: u8) {
+        if at == self.newest {
+            return;
+        }
+        let Line { newer, older, .. } = self.lines[usize::from(at)];
+        self.lines[usize::from(newer)].older = older;
+        match older {
+            NONE => self.oldest = newer,
+            older => self.lines[usize::from(older)].newer = newer,
+        }
+        let line = &mut self.lines[usize::from(at)];
+        (line.newer, line.older) = (NONE, self.newest);
+        self.lines[usize::from(self.newest)].newer = at;
+        self.newest = at;
     }
 }
 
@@ -80,6 +128,7 @@ impl Art {
     }
 
     /// Wait states of a fetch of the 8 bytes at `address`.
+    #[inline]
     pub fn fetch(&mut self, address: u32, at: Cycle) -> u32 {
         let latency = u32::from(self.control.latency().to_bits());
         if self.control.icen() && self.code.hit(address) {
@@ -97,6 +146,7 @@ impl Art {
     }
 
     /// Wait states of a load of data.
+    #[inline]
     pub fn load(&mut self, address: u32) -> u32 {
         if self.control.dcen() && self.data.hit(address) { 0 } else { u32::from(self.control.latency().to_bits()) }
     }
@@ -130,6 +180,15 @@ mod tests {
         let mut round = |at| (0..132).map(|word| art.fetch(0x0800_0000 + 8 * word, at)).sum::<u32>();
         round(0);
         assert_eq!(round(10_000), 132 * 4);
+    }
+
+    #[test]
+    fn the_line_that_was_not_used_for_longest_is_replaced() {
+        let mut art = art(false, true);
+        let mut waits = |line: u32| art.fetch(0x0800_0000 + 32 * line, 0);
+        assert_eq!((0..32).map(&mut waits).sum::<u32>(), 32 * 4);
+        assert_eq!([0, 2, 32].map(&mut waits), [0, 0, 4], "32 takes the place of 1");
+        assert_eq!([0, 2, 3, 32, 1, 4].map(&mut waits), [0, 0, 0, 0, 4, 4], "1 takes the place of 4");
     }
 
     #[test]

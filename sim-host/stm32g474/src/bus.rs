@@ -39,7 +39,7 @@ impl<W: Wires> Stm32g474<W> {
             }
             base::DMA1 | base::DMA2 => Ok(self.read_dma(address)),
             base::TIM2 | base::TIM3 | base::TIM4 | base::TIM5 => Ok(self.read_timer(now, address)),
-            base::TIM1 => Ok(self.read_tim1(address)),
+            base::TIM1 => Ok(self.read_tim1(now, address)),
             base::ADC1 | base::ADC2 | base::ADC3 | base::ADC4 | base::ADC5 => Ok(self.read_adc(now, address, ports)),
             base::ADC12_COMMON | base::ADC345_COMMON => Ok(self.read_adc_common(now, address, ports)),
             base::DAC1 | base::DAC2 | base::DAC3 | base::DAC4 => Ok(self.read_dac(address)),
@@ -92,7 +92,7 @@ impl<W: Wires> Stm32g474<W> {
                 self.write_opamp(now, address, value)
             }
             base::RCC => self.write_rcc(now, address, value, ports),
-            base::PWR => self.write_pwr(now, address, value),
+            base::PWR => self.write_pwr(now, address, value, ports),
             base::SYSCFG => self.write_syscfg(now, address, value, ports),
             base::FLASH => self.write_flash_register(now, address, value, ports),
             base::IWDG => self.write_iwdg(now, address, value),
@@ -215,5 +215,7 @@ impl<W: Wires> Chip for Stm32g474<W> {
             ports.interrupts.set(line, false);
         }
         self.pins_changed(at);
+        let flags = self.regs[base::RCC + map::at::rcc::CSR];
+        self.wires.reset(at, flags);
     }
 }

@@ -2,6 +2,8 @@
 //!
 //! A comparator is looked at when something it sees may have changed: a DAC, a conversion's instant, the wires. Its delay is not modelled.
 
+use std::sync::LazyLock;
+
 use cortex_m4::{Cycle, Fault, Ports};
 use stm32_metapac::comp::regs::Csr;
 use stm32_metapac::opamp::regs::Csr as OpampCsr;
@@ -28,14 +30,19 @@ const DACS: [[(usize, usize); 2]; 7] = [
     [(4, 0), (2, 0)],
 ];
 
-/// The pins of an input, by its name among the signals, for each comparator.
-fn pin_of(comparator: u32, signal: &str) -> Option<Pin> {
-    let name = format!("COMP{}", comparator + 1);
-    SIGNALS
-        .iter()
-        .find(|(peripheral, input, ..)| *peripheral == name && *input == signal)
-        .and_then(|(.., pin, _)| Pin::named(pin))
-}
+/// The inputs with a pin of their own, by their names among the signals.
+const INPUTS: [&str; 4] = ["INP0", "INP1", "INM0", "INM1"];
+
+/// The pins of these inputs, of each comparator.
+static PINS: LazyLock<[[Option<Pin>; 4]; COUNT as usize]> = LazyLock::new(|| {
+    std::array::from_fn(|comparator| {
+        let name = format!("COMP{}", comparator + 1);
+        INPUTS.map(|signal| {
+            let found = SIGNALS.iter().find(|(peripheral, input, ..)| *peripheral == name && *input == signal);
+            found.and_then(|(.., pin, _)| Pin::named(pin))
+        })
+    })
+});
 
 impl<W: Wires> Stm32g474<W> {
     pub(crate) fn write_comp(&mut self, now: Now, address: u32, value: u32, ports: &mut Ports) -> Result<(), Fault> {
@@ -61,11 +68,11 @@ impl<W: Wires> Stm32g474<W> {
     }
 
     fn plus_pin(&self, comparator: u32, csr: Csr) -> Option<Pin> {
-        pin_of(comparator, if csr.inpsel() { "INP1" } else { "INP0" })
+        PINS[comparator as usize][usize::from(csr.inpsel())]
     }
 
     fn minus_pin(&self, comparator: u32, csr: Csr) -> Option<Pin> {
-        pin_of(comparator, if csr.inmsel().to_bits() == 6 { "INM0" } else { "INM1" })
+        PINS[comparator as usize][if csr.inmsel().to_bits() == 6 { 2 } else { 3 }]
     }
 
     /// Voltage at the inverting input (24.3.2).

@@ -101,7 +101,7 @@ impl<W: Wires> Stm32g474<W> {
                         self.step(now, index, channel, ports)?;
                     }
                 }
-                self.put_out(now.at, index, ports)
+                self.put_out(now.at, index, false, ports)
             }
             _ => self.refuse(now, address, "the register"),
         }
@@ -119,11 +119,11 @@ impl<W: Wires> Stm32g474<W> {
                 }
             }
         }
-        if stepped { self.put_out(now.at, index, ports) } else { Ok(()) }
+        if stepped { self.put_out(now.at, index, false, ports) } else { Ok(()) }
     }
 
-    fn put_out(&mut self, at: Cycle, index: usize, ports: &mut Ports) -> Result<(), Fault> {
-        self.wires.dac(at, index as u8 + 1, self.dacs[index].output);
+    fn put_out(&mut self, at: Cycle, index: usize, triggered: bool, ports: &mut Ports) -> Result<(), Fault> {
+        self.wires.dac(at, index as u8 + 1, self.dacs[index].output, triggered);
         if self.compares() {
             self.compare(at, ports);
         }
@@ -167,7 +167,7 @@ impl<W: Wires> Stm32g474<W> {
         *sr = *sr & !(1 << 11 | 1 << 27) | ready;
         self.rewire();
         if (old ^ value.0) & 0x0001_0001 != 0 || value.en(0) || value.en(1) {
-            self.put_out(now.at, index, ports)?;
+            self.put_out(now.at, index, false, ports)?;
         }
         self.dac_line(index, ports);
         Ok(())
@@ -206,7 +206,7 @@ impl<W: Wires> Stm32g474<W> {
                 self.step(now, index, channel, ports)?;
             }
             if both != 0 {
-                self.put_out(at, index, ports)?;
+                self.put_out(at, index, true, ports)?;
             }
         }
         Ok(())

@@ -82,6 +82,8 @@ rules! {
     DmaEnabled, "RM0440 12.4.3", "the channel is on";
     /// A DMA transfer goes to an address that nothing answers.
     DmaError, "RM0440 12.4.5", "nothing answers at the address of the transfer";
+    /// The counter of TIM1 is enabled with nothing to count to.
+    TimBlocked, "RM0440 28.6.14", "the counter is blocked while ARR is zero";
     /// A field of TIM1 is changed that BDTR.LOCK protects.
     TimLocked, "RM0440 28.6.20", "TIMx_BDTR.LOCK protects the field";
     /// A comparator, op-amp or SYSCFG register is changed after its lock.

@@ -37,6 +37,16 @@ impl Default for Gpio {
     }
 }
 
+/// The pins, a bit each, whose two bits of a register are `value`.
+fn pairs(register: u32, value: u32) -> u16 {
+    let unlike = register ^ (value * 0x5555_5555);
+    let mut bits = !(unlike | unlike >> 1) & 0x5555_5555;
+    for (shift, mask) in [(1, 0x3333_3333), (2, 0x0f0f_0f0f), (4, 0x00ff_00ff), (8, 0xffff)] {
+        bits = (bits | bits >> shift) & mask;
+    }
+    bits as u16
+}
+
 impl<W: Wires> Stm32g474<W> {
     fn port(port: u8) -> u32 {
         GPIOA + u32::from(port) * STRIDE
@@ -58,7 +68,7 @@ impl<W: Wires> Stm32g474<W> {
         let wires = self.wires.inputs(at, port);
         let pulls = self.regs[Self::port(port) + reg::PUPDR];
         let index = usize::from(port);
-        let pulled_up = (0..16).filter(|n| pulls >> (2 * n) & 3 == 1).fold(0, |bits, n| bits | 1_u16 << n);
+        let pulled_up = pairs(pulls, 1);
         let mut levels = pulled_up & !wires.driven | wires.high & wires.driven;
         levels = levels & !self.gpio.driven[index] | self.gpio.high[index] & self.gpio.driven[index];
         for (number, high) in self.stuck_pins(port) {
@@ -78,7 +88,7 @@ impl<W: Wires> Stm32g474<W> {
             return self.regs[address];
         }
         // An analog pin reads as low (9.3.12).
-        let analog = (0..16).filter(|number| self.mode(Pin { port, number: *number }) == 3).fold(0, |bits, n| bits | 1_u16 << n);
+        let analog = pairs(self.regs[Self::port(port) + reg::MODER], 3);
         u32::from(self.levels(now.at, port) & !analog)
     }
 
@@ -125,7 +135,7 @@ impl<W: Wires> Stm32g474<W> {
         for port in 0..PORTS {
             let modes = self.regs[Self::port(port as u8) + reg::MODER];
             // All analog or input, as after reset: nothing is driven.
-            let candidates = (0..16_u8).filter(|n| matches!(modes >> (2 * n) & 3, 1 | 2)).fold(0, |bits, n| bits | 1_u16 << n);
+            let candidates = pairs(modes, 1) | pairs(modes, 2);
             let looked_at = candidates | self.gpio.driven[port];
             for number in (0..16).filter(|number| looked_at >> number & 1 != 0) {
                 let pin = Pin { port: port as u8, number };

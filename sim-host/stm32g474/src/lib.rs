@@ -39,7 +39,7 @@
 //! # What is simplified
 //!
 //! DMA serves a request at once; comparators act without delay, and look when a DAC, a conversion or the wires change; the regulator follows
-//! PWR_CR1 at once; an encoder is a position, not two wires; timers 2 to 5 count up, and TIM1's counter stands.
+//! PWR_CR1 at once; an encoder is a position, not two wires; timers 2 to 5 count up, and TIM1's counter counts up once, in one-pulse mode.
 #![forbid(unsafe_code)]
 
 mod adc;
@@ -66,6 +66,7 @@ mod reset;
 mod resets;
 mod syscfg;
 mod tim1;
+mod tim1_counter;
 mod time;
 mod timer;
 mod triggers;

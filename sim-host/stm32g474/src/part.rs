@@ -152,7 +152,8 @@ impl<W: Wires> Stm32g474<W> {
         self.run(at, &mut ports)?;
         self.halted = halted;
         self.halt_iwdg(at);
-        self.update_enable(at, &mut ports);
+        self.retime_counter(at);
+        self.update_breaks(at, &mut ports);
         Ok(())
     }
 
@@ -216,6 +217,7 @@ impl<W: Wires> Stm32g474<W> {
             let Some((at, event)) = self.agenda.take(to) else { return Ok(()) };
             match event {
                 Event::Timer(index) => self.timer_due(at, index, ports)?,
+                Event::Tim1 => self.tim1_due(at, ports),
                 Event::AdcHold(index) => self.adc_hold(at, index),
                 Event::AdcEnd(index) => self.adc_end(at, index, ports)?,
                 Event::AdcReady(index) => self.adc_ready(at, index, ports),

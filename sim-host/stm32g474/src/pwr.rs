@@ -19,7 +19,7 @@ impl<W: Wires> Stm32g474<W> {
         Cr1(self.regs[PWR + at::pwr::CR1]).vos().to_bits()
     }
 
-    pub(crate) fn write_pwr(&mut self, now: Now, address: u32, value: u32) -> Result<(), Fault> {
+    pub(crate) fn write_pwr(&mut self, now: Now, address: u32, value: u32, ports: &mut Ports) -> Result<(), Fault> {
         match address - PWR {
             at::pwr::CR1 => {
                 if !(1..=2).contains(&Cr1(value).vos().to_bits()) {
@@ -36,7 +36,8 @@ impl<W: Wires> Stm32g474<W> {
                     return self.report(now, address, value ^ self.regs[address], value, Rule::Locked);
                 }
                 self.regs[address] = value;
-                self.update_pvd();
+                self.update_pvd(ports);
+                self.update_breaks(now.at, ports);
             }
             at::pwr::SCR => {}
             _ => self.regs[address] = value,
@@ -60,14 +61,18 @@ impl<W: Wires> Stm32g474<W> {
     /// The supply falls below the threshold of PVD, or comes back.
     pub(crate) fn supply(&mut self, at: Cycle, low: bool, ports: &mut Ports) {
         self.supply_low = low;
-        self.update_pvd();
+        self.update_pvd(ports);
         self.update_breaks(at, ports);
     }
 
-    fn update_pvd(&mut self) {
+    fn update_pvd(&mut self, ports: &mut Ports) {
+        let was = self.pvd();
         let low = self.supply_low && self.regs[PWR + at::pwr::CR2] & 1 != 0;
         let status = &mut self.regs[PWR + at::pwr::SR2];
         *status = *status & !PVDO | if low { PVDO } else { 0 };
+        if low != was {
+            self.pvd_edge(low, ports);
+        }
     }
 
     /// Whether PVD sees a low supply: PWR_SR2.PVDO.

@@ -264,6 +264,7 @@ impl<W: Wires> Stm32g474<W> {
             self.agenda.retime(&before, &self.time.clone());
         }
         self.retime_timers(at);
+        self.retime_counter(at);
         self.retime_adcs(self.now(at))
     }
 }

@@ -37,6 +37,7 @@ impl<W: Wires> Stm32g474<W> {
             }
             self.regs[RCC + at::rcc::CIFR] |= 1 << 8;
             ports.interrupts.pend_nmi();
+            self.clock_failure_break(at, ports);
             if from_hse {
                 cr.set_hsion(true);
                 cr.set_hsirdy(true);

@@ -9,6 +9,9 @@ use crate::part::{Now, Stm32g474};
 use crate::tim1::Tim1;
 use crate::wires::Wires;
 
+/// The line of EXTI from PVDO (15.3.2, table of lines).
+pub(crate) const PVD: u32 = 1 << 16;
+
 /// Interrupt lines of EXTI 0 to 15.
 fn exti_line(number: u32) -> u16 {
     match number {
@@ -44,8 +47,8 @@ impl<W: Wires> Stm32g474<W> {
 
     pub(crate) fn write_exti(&mut self, now: Now, address: u32, value: u32, ports: &mut Ports) -> Result<(), Fault> {
         match address - EXTI {
-            // Lines of pins only: those of comparators and others are not connected.
-            at::exti::RTSR_0 | at::exti::FTSR_0 => self.refuse_bits(now, address, value, !0xffff)?,
+            // Lines of pins and of PVD: those of comparators and others are not connected.
+            at::exti::RTSR_0 | at::exti::FTSR_0 => self.refuse_bits(now, address, value, !(0xffff | PVD))?,
             at::exti::RTSR_1 | at::exti::FTSR_1 | at::exti::SWIER_0 | at::exti::SWIER_1 | at::exti::EMR_0 | at::exti::EMR_1 => {
                 self.refuse_bits(now, address, value, u32::MAX)?;
             }
@@ -80,8 +83,16 @@ impl<W: Wires> Stm32g474<W> {
         self.exti_lines(ports);
     }
 
+    /// PVDO has changed: an edge where it is asked for.
+    pub(crate) fn pvd_edge(&mut self, low: bool, ports: &mut Ports) {
+        let edges = self.regs[EXTI + if low { at::exti::RTSR_0 } else { at::exti::FTSR_0 }];
+        self.regs[EXTI + at::exti::PR_0] |= edges & PVD;
+        self.exti_lines(ports);
+    }
+
     fn exti_lines(&mut self, ports: &mut Ports) {
         let pending = self.regs[EXTI + at::exti::PR_0] & self.regs[EXTI + at::exti::IMR_0];
+        ports.interrupts.set(line::PVD_PVM, pending & PVD != 0);
         for number in [0, 1, 2, 3, 4, 5, 10] {
             let group: u32 = match number {
                 5 => 0x3e0,

@@ -1,6 +1,4 @@
-//! TIM1 as a switch: channels that are forced, and breaks that drop them without the processor. RM0440 28.
-//!
-//! The counter is not modelled: what needs it is refused.
+//! TIM1 as a switch: channels that are forced or that its counter ends (`tim1_counter.rs`), and breaks that drop them without the processor. RM0440 28.
 
 use cortex_m4::{Cycle, Fault, Ports};
 use stm32_metapac::dbgmcu::regs::Apb2fzr;
@@ -13,12 +11,14 @@ use crate::map::at::{self, timadv as reg};
 use crate::map::base::{DBGMCU, SYSCFG, TIM1};
 use crate::map::{SIGNALS, line};
 use crate::part::{Now, Stm32g474};
+use crate::tim1_counter::Counter;
 use crate::wires::{Level, Pin, Wires};
 
 /// TIM1_SR: break, break 2, system break (28.6.5).
 const BIF: u32 = 1 << 7;
 const B2IF: u32 = 1 << 8;
 const SBIF: u32 = 1 << 13;
+const AOE: u32 = 1 << 14;
 const MOE: u32 = 1 << 15;
 
 /// What TIM1 has besides its registers.
@@ -32,11 +32,29 @@ pub(crate) struct Tim1 {
     /// Break 1 and 2 stand.
     active: [bool; 2],
     levels: [Level; 4],
+    pub counter: Counter,
+    /// The pins that BKIN and BKIN2 can come from, with their alternate functions.
+    pins: [Vec<(Pin, u8)>; 2],
 }
 
 impl Default for Tim1 {
     fn default() -> Self {
-        Tim1 { lockup: false, ecc: false, lock: 0, active: [false; 2], levels: [Level::Floating; 4] }
+        let pins = ["BKIN", "BKIN2"].map(|signal| {
+            SIGNALS
+                .iter()
+                .filter(|(peripheral, name, ..)| (*peripheral, *name) == ("TIM1", signal))
+                .filter_map(|(.., pin, af)| Some((Pin::named(pin)?, (*af)?)))
+                .collect()
+        });
+        Tim1 {
+            lockup: false,
+            ecc: false,
+            lock: 0,
+            active: [false; 2],
+            levels: [Level::Floating; 4],
+            counter: Counter::default(),
+            pins,
+        }
     }
 }
 
@@ -52,22 +70,30 @@ impl<W: Wires> Stm32g474<W> {
         BdtrAdv(self.regs[TIM1 + reg::BDTR])
     }
 
-    pub(crate) fn read_tim1(&self, address: u32) -> u32 {
-        self.regs[address]
+    pub(crate) fn read_tim1(&mut self, now: Now, address: u32) -> u32 {
+        match address - TIM1 {
+            reg::CNT => self.tim1_count(now.at),
+            reg::SR => {
+                self.see_compares(now.at);
+                self.regs[address]
+            }
+            reg::EGR => 0,
+            _ => self.regs[address],
+        }
     }
 
     pub(crate) fn write_tim1(&mut self, now: Now, address: u32, value: u32, ports: &mut Ports) -> Result<(), Fault> {
         let old = self.regs[address];
         match address - TIM1 {
-            reg::CR1 => self.refuse_bits(now, address, value, !(1 << 2 | 1 << 7 | 3 << 8))?,
             reg::CR2 => self.refuse_bits(now, address, value, !0x5_ff00)?,
-            reg::DIER => self.refuse_bits(now, address, value, !(1 << 7))?,
+            reg::DIER => self.refuse_bits(now, address, value, !(1 << 7 | 1))?,
             reg::SMCR | reg::CCMR3 | reg::DTR2 | reg::ECR | reg::DCR | reg::DMAR | reg::OR | reg::TISEL => {
                 self.refuse_bits(now, address, value, u32::MAX)?;
             }
             reg::CCMR1 | reg::CCMR2 => self.check_modes(now, address, value)?,
-            _ => {}
+            _ => self.check_counter(now, address, value)?,
         }
+        self.see_compares(now.at);
         let locked = self.locked_bits(address) & (value ^ old);
         if locked != 0 {
             self.report(now, address, locked, value, Rule::TimLocked)?;
@@ -77,6 +103,9 @@ impl<W: Wires> Stm32g474<W> {
             reg::SR => self.regs[address] = old & value,
             reg::EGR => {
                 self.refuse_bits(now, address, value, !0x181)?;
+                if value & 1 != 0 {
+                    self.update_counter(now.at, true);
+                }
                 for (bit, flag) in [(7, BIF), (8, B2IF)] {
                     if value >> bit & 1 != 0 {
                         self.break_now(flag);
@@ -92,21 +121,24 @@ impl<W: Wires> Stm32g474<W> {
                     self.regs[address] = value;
                 }
             }
+            reg::CNT => self.set_count(now.at, value),
             _ => self.regs[address] = value,
         }
+        self.rebase_counter(now.at);
+        self.plan_counter(now.at);
         self.update_breaks(now.at, ports);
         Ok(())
     }
 
-    /// Only forced and frozen channels: the counter stands.
+    /// Frozen and forced channels, and both modes of edge-aligned PWM without preload, which one-pulse mode permits (28.6.8).
     fn check_modes(&mut self, now: Now, address: u32, value: u32) -> Result<(), Fault> {
         for half in [0, 8] {
             let mode = value >> (4 + half) & 7 | value >> (16 + half) & 1 << 3;
-            if value >> half & 3 != 0 || !matches!(mode, 0 | 4 | 5) {
-                return self.refuse(now, address, "a mode that needs the counter, or an input");
+            if value >> half & 3 != 0 || !matches!(mode, 0 | 4..=7) {
+                return self.refuse(now, address, "a mode that is neither forced nor PWM, or an input");
             }
         }
-        self.refuse_bits(now, address, value, 0x8484)
+        self.refuse_bits(now, address, value, 0x8c8c)
     }
 
     /// What BDTR.LOCK protects (28.6.20).
@@ -125,6 +157,19 @@ impl<W: Wires> Stm32g474<W> {
         }
     }
 
+    /// AOE: an update sets MOE, unless a break stands (28.6.20).
+    pub(crate) fn enable_by_update(&mut self) {
+        let bdtr = &mut self.regs[TIM1 + reg::BDTR];
+        if *bdtr & AOE != 0 {
+            *bdtr |= MOE;
+        }
+    }
+
+    /// Whether a debugger has halted the processor, and the counter stands with it (47.6.7).
+    pub(crate) fn tim1_stands(&self) -> bool {
+        self.halted && Apb2fzr(self.regs[DBGMCU + at::dbgmcu::APB2FZR]).tim1()
+    }
+
     /// MOE falls.
     fn break_now(&mut self, flag: u32) {
         self.regs[TIM1 + reg::SR] |= flag;
@@ -136,8 +181,7 @@ impl<W: Wires> Stm32g474<W> {
         let af = self.regs[TIM1 + if number == 0 { reg::AF1 } else { reg::AF2 }];
         let mut level = false;
         if af & 1 != 0 {
-            let signal = if number == 0 { "BKIN" } else { "BKIN2" };
-            level |= self.routed_level(at, signal) ^ (af >> 9 & 1 != 0);
+            level |= self.routed_level(at, number) ^ (af >> 9 & 1 != 0);
         }
         for comparator in 0..7 {
             if af >> (1 + comparator) & 1 != 0 {
@@ -148,17 +192,21 @@ impl<W: Wires> Stm32g474<W> {
         level
     }
 
-    /// Level of the pin that carries a signal of TIM1; low if none does.
-    fn routed_level(&mut self, at: Cycle, signal: &str) -> bool {
-        SIGNALS
-            .iter()
-            .filter(|(peripheral, name, ..)| (*peripheral, *name) == ("TIM1", signal))
-            .filter_map(|(.., pin, af)| Some((Pin::named(pin)?, (*af)?)))
-            .find(|(pin, af)| self.alternate(*pin) == Some(*af))
-            .is_some_and(|(pin, _)| self.input_level(at, pin))
+    /// Level of the pin that carries a break; low if none does.
+    fn routed_level(&mut self, at: Cycle, number: usize) -> bool {
+        let pin = self.tim1.pins[number].iter().find(|(pin, af)| self.alternate(*pin) == Some(*af)).map(|(pin, _)| *pin);
+        pin.is_some_and(|pin| self.input_level(at, pin))
     }
 
-    /// Breaks that the system raises by itself (SYSCFG_CFGR2): lockup, low supply, flash.
+    /// The clock security system has seen the crystal fail: an event that no bit of SYSCFG has to connect (28.3.17).
+    pub(crate) fn clock_failure_break(&mut self, at: Cycle, ports: &mut Ports) {
+        if self.bdtr().bke(0) {
+            self.break_now(SBIF);
+        }
+        self.update_breaks(at, ports);
+    }
+
+    /// Breaks that the system raises by itself (SYSCFG_CFGR2): lockup, low supply, flash; BKE lets them through as it does the first break's (28.6.20).
     fn system_break(&self) -> bool {
         let cfgr2 = Cfgr2(self.regs[SYSCFG + at::syscfg::CFGR2]);
         (cfgr2.cll() && self.tim1.lockup) || (cfgr2.pvdl() && self.pvd()) || (cfgr2.eccl() && self.tim1.ecc)
@@ -175,10 +223,11 @@ impl<W: Wires> Stm32g474<W> {
                 self.break_now(flag);
             }
         }
-        if self.system_break() {
+        if bdtr.bke(0) && self.system_break() {
             self.break_now(SBIF);
         }
         let flags = self.regs[TIM1 + reg::SR] & (BIF | B2IF | SBIF) != 0;
+        self.counter_line(ports);
         ports.interrupts.set(line::TIM1_BRK_TIM15, flags && self.regs[TIM1 + reg::DIER] & 1 << 7 != 0);
         self.update_enable(at, ports);
     }
@@ -186,14 +235,12 @@ impl<W: Wires> Stm32g474<W> {
     /// Levels of the channels (28.6.20, table of output control bits).
     pub(crate) fn update_enable(&mut self, at: Cycle, _ports: &mut Ports) {
         let (bdtr, ccer, cr2) = (self.bdtr(), CcerAdv(self.regs[TIM1 + reg::CCER]), Cr2Adv(self.regs[TIM1 + reg::CR2]));
-        let stands = self.halted && Apb2fzr(self.regs[DBGMCU + at::dbgmcu::APB2FZR]).tim1();
+        let stands = self.tim1_stands();
         let level = |high: bool| if high { Level::High } else { Level::Low };
         let levels: [Level; 4] = std::array::from_fn(|channel| {
-            let ccmr = self.regs[TIM1 + if channel < 2 { reg::CCMR1 } else { reg::CCMR2 }];
-            let forced_high = ccmr >> (8 * (channel % 2) + 4) & 7 == 5;
             let inverted = ccer.ccp(channel);
             match (bdtr.moe() && !stands, ccer.cce(channel)) {
-                (true, true) => level(forced_high ^ inverted),
+                (true, true) => level(self.tim1_reference(at, channel) ^ inverted),
                 (true, false) if bdtr.ossr() == Ossr::IDLE_LEVEL => level(inverted),
                 (false, _) if bdtr.ossi() == Ossi::IDLE_LEVEL => {
                     let broken = self.tim1.active[1];

@@ -68,6 +68,8 @@ pub enum Event {
     Ready(usize),
     /// The next defect.
     Defect,
+    /// TIM1: an edge of a channel, or the end of its count.
+    Tim1,
 }
 
 const COUNT: usize = 32;
@@ -88,7 +90,8 @@ impl Event {
             22 => Event::Flash,
             23 => Event::Iwdg,
             24..29 => Event::Ready(index - 24),
-            _ => Event::Defect,
+            29 => Event::Defect,
+            _ => Event::Tim1,
         }
     }
 
@@ -105,6 +108,7 @@ impl Event {
             Event::Iwdg => 23,
             Event::Ready(n) => 24 + n,
             Event::Defect => 29,
+            Event::Tim1 => 30,
         }
     }
 }

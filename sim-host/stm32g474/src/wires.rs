@@ -67,8 +67,9 @@ pub struct Received {
 ///
 /// A board that changes an input by itself says when, by [`due`](Wires::due); the part asks for it again after every call.
 pub trait Wires {
-    /// DAC `dac` (1 to 4) puts out other codes of 12 bits on its two channels: once a trigger.
-    fn dac(&mut self, at: Cycle, dac: u8, codes: [u16; 2]);
+    /// DAC `dac` (1 to 4) puts out other codes of 12 bits on its two channels: by a trigger of a timer, or because the
+    /// program has written them or has switched a channel.
+    fn dac(&mut self, at: Cycle, dac: u8, codes: [u16; 2], triggered: bool);
 
     /// The voltage of an analog pin, V.
     fn volts(&mut self, at: Cycle, pin: Pin) -> f64;
@@ -106,6 +107,9 @@ pub trait Wires {
         None
     }
 
+    /// The part is reset; `flags` is RCC_CSR as the program finds it (RM0440 7.4.28).
+    fn reset(&mut self, _at: Cycle, _flags: u32) {}
+
     /// The transmitter has sent a byte; its stop bit ends at `at`.
     fn sent(&mut self, _at: Cycle, _byte: u8) {}
 }
@@ -115,7 +119,7 @@ pub trait Wires {
 pub struct Bare;
 
 impl Wires for Bare {
-    fn dac(&mut self, _at: Cycle, _dac: u8, _codes: [u16; 2]) {}
+    fn dac(&mut self, _at: Cycle, _dac: u8, _codes: [u16; 2], _triggered: bool) {}
 
     fn volts(&mut self, _at: Cycle, _pin: Pin) -> f64 {
         1.65

@@ -37,7 +37,6 @@ impl Cpu {
 impl<C: Chip> Machine<C> {
     /// Enters an exception from the present instruction: stacks a frame and goes to the handler.
     pub(crate) fn enter(&mut self, exception: u16) {
-        let cycle = self.cpu.cycle;
         self.cpu.cost = ENTRY;
         let (link, failed) = self.stack();
         let exception = match failed {
@@ -49,7 +48,7 @@ impl<C: Chip> Machine<C> {
         };
         self.cpu.r[14] = link;
         self.activate(exception);
-        self.cpu.cycle = cycle + u64::from(self.cpu.cost);
+        self.cpu.spend();
     }
 
     /// Writes the frame; `EXC_RETURN`, and the fault that happened on the way.
@@ -120,6 +119,7 @@ impl<C: Chip> Machine<C> {
         cpu.fetched = 1;
         cpu.attend();
         self.profile_entry(exception);
+        self.pass(exception, true);
         match self.vector(exception) {
             Ok(target) => {
                 self.cpu.pc = if target & 1 == 1 { target & !1 } else { target | crate::cpu::INVALID };
@@ -187,6 +187,7 @@ impl<C: Chip> Machine<C> {
             return self.refuse(link);
         }
         self.profile_return(returning);
+        self.pass(returning, false);
         if returning != NMI {
             self.cpu.faultmask = false;
         }
@@ -195,16 +196,14 @@ impl<C: Chip> Machine<C> {
         let priority = self.cpu.execution_priority();
         if let Some(next) = self.cpu.preempting(priority) {
             self.cpu.cost = TAIL_CHAIN;
-            let cycle = self.cpu.cycle;
             self.cpu.r[14] = link;
             self.activate(next);
-            self.cpu.cycle = cycle + u64::from(self.cpu.cost);
+            self.cpu.spend();
             return Ok(());
         }
-        let cycle = self.cpu.cycle;
         self.cpu.cost = RETURN;
         self.unstack(handler, process, float, link)?;
-        self.cpu.cycle = cycle + u64::from(self.cpu.cost);
+        self.cpu.spend();
         if !handler && self.cpu.scb.sleeps_on_exit() {
             self.cpu.asleep = Some(Sleep::Interrupt);
         }

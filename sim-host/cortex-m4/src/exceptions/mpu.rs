@@ -11,6 +11,18 @@ pub(crate) struct Mpu {
     number: usize,
     /// MPU_RBAR without its region number, MPU_RASR.
     regions: [(u32, u32); REGIONS],
+    /// First address of the lowest enabled region, and bytes from there to the end of the last one.
+    spanned: (u32, u64),
+}
+
+/// The addresses of a region that is enabled: the first one, and how many.
+fn span((base, attributes): (u32, u32)) -> Option<(u32, u64)> {
+    let bits = (attributes >> 1 & 0x1F) + 1;
+    if attributes & 1 == 0 || bits < 5 {
+        return None;
+    }
+    let size = 1u64 << bits;
+    Some(((u64::from(base) & !(size - 1)) as u32, size))
 }
 
 impl Mpu {
@@ -42,6 +54,16 @@ impl Mpu {
             0x10 | 0x18 | 0x20 | 0x28 => self.regions[self.number].1 = value,
             _ => {}
         }
+        let spans = || self.regions.iter().filter_map(|region| span(*region));
+        let first = spans().map(|(first, _)| first).min().unwrap_or(0);
+        let end = spans().map(|(first, size)| u64::from(first) + size).max().unwrap_or(0);
+        self.spanned = (first, end - u64::from(first));
+    }
+
+    /// Whether privileged code may do everything at an address, as no region comes near it (MPU_CTRL.PRIVDEFENA).
+    #[inline(always)]
+    pub(crate) fn is_open(&self, address: u32) -> bool {
+        self.control & 4 != 0 && u64::from(address.wrapping_sub(self.spanned.0)) >= self.spanned.1
     }
 
     /// Whether an access may happen. `negative` is an execution priority below 0, which the MPU sits out unless HFNMIENA is set.
@@ -49,15 +71,11 @@ impl Mpu {
         if negative && self.control & 2 == 0 || address >> 20 == 0xE00 {
             return true;
         }
-        let hit = self.regions.iter().rev().find(|(base, attributes)| {
-            let bits = (attributes >> 1 & 0x1F) + 1;
-            if attributes & 1 == 0 || bits < 5 {
-                return false;
-            }
-            let size = 1u64 << bits;
-            let offset = u64::from(address).wrapping_sub(u64::from(*base) & !(size - 1));
+        let hit = self.regions.iter().rev().find(|region| {
+            let Some((first, size)) = span(**region) else { return false };
+            let offset = u64::from(address).wrapping_sub(u64::from(first));
             // From 256 bytes on each eighth can be left out.
-            offset < size && (bits < 8 || attributes >> (8 + (offset >> (bits - 3))) & 1 == 0)
+            offset < size && (size < 256 || region.1 >> (8 + offset * 8 / size) & 1 == 0)
         });
         let Some((_, attributes)) = hit else { return privileged && self.control & 4 != 0 };
         match (attributes >> 24 & 7, write) {
@@ -66,6 +84,37 @@ impl Mpu {
             (0b101, false) => privileged,
             (0b110 | 0b111, false) => true,
             _ => false,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_open_is_allowed_and_regions_are_not_open() {
+        let mut mpu = Mpu::default();
+        // Two regions without access: 32 bytes at 0x2000_0100, and 256 at 0x2000_0400.
+        for (number, base, bits) in [(0, 0x2000_0100, 5), (3, 0x2000_0400, 8)] {
+            mpu.write(0x08, number);
+            mpu.write(0x0C, base);
+            mpu.write(0x10, (bits - 1) << 1 | 1);
+        }
+        mpu.write(0x04, 1);
+        assert!(!mpu.is_open(0), "without PRIVDEFENA nothing is");
+        mpu.write(0x04, 5);
+        for (address, open, allowed) in [
+            (0x2000_00FF, true, true),
+            (0x2000_0100, false, false),
+            (0x2000_011F, false, false),
+            (0x2000_0120, false, true),
+            (0x2000_04FF, false, false),
+            (0x2000_0500, true, true),
+            (0, true, true),
+            (u32::MAX, true, true),
+        ] {
+            assert_eq!((mpu.is_open(address), mpu.allows(address, true, true, false)), (open, allowed), "{address:#x}");
         }
     }
 }

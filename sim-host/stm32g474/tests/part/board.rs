@@ -34,7 +34,7 @@ impl Default for Board {
 }
 
 impl Wires for Board {
-    fn dac(&mut self, _at: Cycle, _dac: u8, _codes: [u16; 2]) {}
+    fn dac(&mut self, _at: Cycle, _dac: u8, _codes: [u16; 2], _triggered: bool) {}
 
     fn volts(&mut self, _at: Cycle, pin: Pin) -> f64 {
         if pin == Pin::new('A', 7) { self.current[1] } else { self.current[0] }

@@ -7,3 +7,4 @@ mod protection;
 mod rig;
 mod rules;
 mod streams;
+mod tim1;

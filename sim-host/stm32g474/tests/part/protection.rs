@@ -156,3 +156,29 @@ fn a_low_supply_breaks_if_it_is_connected() {
     assert_eq!(last_level(&rig), Level::Low);
     assert_eq!(rig.read(PWR + at::pwr::SR2) >> 11 & 1, 1);
 }
+
+#[test]
+fn a_crystal_that_fails_drops_the_enable_by_css() {
+    for (csson, level) in [(0, Level::High), (1 << 19, Level::Low)] {
+        let mut rig = armed();
+        rig.set(RCC + at::rcc::CR, 1 << 16);
+        rig.poll(RCC + at::rcc::CR, 1 << 17, 1 << 17);
+        rig.set(RCC + at::rcc::CR, csson);
+        rig.part.inject(rig.now + 1, Defect::HseStops);
+        rig.wait(4);
+        assert_eq!(last_level(&rig), level);
+        assert_eq!(rig.read(TIM1 + at::timadv::SR) >> 13 & 1 == 1, level == Level::Low);
+    }
+}
+
+#[test]
+fn a_fault_of_the_part_breaks_only_with_bke() {
+    let mut rig = board();
+    rig.write(SYSCFG + at::syscfg::CFGR2, 1);
+    rig.write(TIM1 + at::timadv::BDTR, 1 << 15);
+    let now = rig.now;
+    rig.part.lockup(now, Ports { memory: &mut rig.memory, interrupts: &mut rig.interrupts }).unwrap();
+    assert_eq!(rig.read(TIM1 + at::timadv::BDTR) >> 15 & 1, 1);
+    rig.set(TIM1 + at::timadv::BDTR, 1 << 12);
+    assert_eq!(rig.read(TIM1 + at::timadv::BDTR) >> 15 & 1, 0);
+}

@@ -14,7 +14,7 @@ struct Recorder {
 }
 
 impl Wires for Recorder {
-    fn dac(&mut self, at: Cycle, dac: u8, codes: [u16; 2]) {
+    fn dac(&mut self, at: Cycle, dac: u8, codes: [u16; 2], _triggered: bool) {
         if dac == 1 {
             self.codes.push((at, codes[0]));
             self.code = codes[0];

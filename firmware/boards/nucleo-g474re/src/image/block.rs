@@ -121,11 +121,11 @@ pub fn hand_over(state: &'static mut BlockInterrupt) {
 
 #[interrupt]
 fn DMA1_CHANNEL1() {
-    static mut STATE: Option<&'static mut BlockInterrupt> = None;
-    if STATE.is_none() {
-        *STATE = masked::free(|token| HANDOVER.borrow(token).take());
+    static mut BLOCK_INTERRUPT: Option<&'static mut BlockInterrupt> = None;
+    if BLOCK_INTERRUPT.is_none() {
+        *BLOCK_INTERRUPT = masked::free(|token| HANDOVER.borrow(token).take());
     }
-    if let Some(state) = STATE {
+    if let Some(state) = BLOCK_INTERRUPT {
         state.block();
     }
 }

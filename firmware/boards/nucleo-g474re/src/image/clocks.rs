@@ -18,6 +18,8 @@ use stm32_metapac::{FLASH, PWR, RCC};
 
 /// The processor's clock, Hz.
 pub const SYSTEM_HZ: u32 = 170_000_000;
+/// PWR_CR5.R1MODE (6.4.5), 1 after reset.
+const R1MODE: u32 = 1 << 8;
 /// Cycles of a microsecond.
 pub const CYCLES_PER_US: u32 = SYSTEM_HZ / 1_000_000;
 
@@ -53,11 +55,13 @@ pub fn start(may_try_crystal: bool) -> Source {
     // RCC_CR.HSION, HSIRDY (7.4.1): the oscillator that reset has started.
     RCC.cr().modify(|w| w.set_hsion(true));
     while !RCC.cr().read().hsirdy() {}
-    // RCC_APB1ENR1.PWREN (7.4.17).
+    // RCC_APB1ENR1.PWREN (7.4.17), and the two cycles until PWR can be accessed (7.2.17).
     RCC.apb1enr1().modify(|w| w.set_pwren(true));
+    delay(8);
     // PWR_CR1.VOS = 01, range 1 (6.4.1); PWR_CR5.R1MODE = 0, boost (6.4.5); PWR_SR2.VOSF clears when it is there (6.4.7).
     PWR.cr1().modify(|w| w.set_vos(Vos::RANGE1));
-    PWR.cr5().modify(|w| w.set_r1mode(false));
+    // By number, as the description that `stm32-metapac` was made from has the bit at the wrong place.
+    PWR.cr5().modify(|w| w.0 &= !R1MODE);
     while PWR.sr2().read().vosf() {}
     // FLASH_ACR.LATENCY = 4 wait states for up to 170 MHz in boost; prefetch and both caches (3.7.1).
     FLASH.acr().modify(|w| {

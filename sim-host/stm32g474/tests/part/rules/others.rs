@@ -19,6 +19,16 @@ fn tim_locked() {
 }
 
 #[test]
+fn tim_blocked() {
+    fn counter(rig: &mut Rig<Bare>, last: u32) {
+        up(rig);
+        rig.write(TIM1 + at::timadv::ARR, last);
+        rig.write(TIM1 + at::timadv::CR1, 1 << 3 | 1);
+    }
+    check(Rule::TimBlocked, |rig| counter(rig, 1), |rig| counter(rig, 0));
+}
+
+#[test]
 fn locked() {
     fn comparator(rig: &mut Rig<Bare>, locks: u32) {
         up(rig);
