@@ -240,56 +240,73 @@ impl DrivenStack {
         };
         self.time_s += block_s;
     }
-}
 
-impl Analog for DrivenStack {
-    fn exchange(&mut self, drive: &DriveBlock, sense: &mut SenseBlock) {
+    /// Begins a block: what changes in the plant changes between two blocks.
+    pub(crate) fn begin(&mut self) -> Sums {
         self.disturb();
         let block_s = self.block_s;
         if let Some(belt) = self.belt() {
             belt.advance(block_s);
         }
-        let codes = drive.lanes.first().map_or(&[][..], |lane| lane.as_slice());
-        let (steps, step_s) = (self.timing.steps as usize, self.timing.step_s());
-        // The pull of a belt hardly changes from one block to the next, and has no value within it.
-        let pull_n = self.webbing.as_ref().map_or(0.0, |_| self.truth.friction_mean_n);
-        let mut sums = Sums::new();
-        sense.v.clear();
-        sense.i.clear();
         if let Some(samples) = &mut self.samples {
             samples.clear();
         }
-        for &code in codes {
-            let volts = self.dac.volts(code);
-            let (volts, before) = self.delay.as_mut().map_or((volts, volts), |delay| delay.pass(volts));
-            let mut drive = self.stack.held(volts);
-            let (mut v, mut i, mut friction) = (0, 0, 0.0);
-            for step in 0..steps {
-                if before != volts {
-                    drive = self.stack.held_late(step, volts, before);
-                }
-                let force = self.step(&drive, step_s, &mut sums);
-                friction += force;
-                let (v_adc, i_adc) = (&mut self.v_adc, &mut self.i_adc);
-                self.stack.sample(step, &drive, force, |voltage, current| {
-                    v += v_adc.convert(voltage);
-                    i += i_adc.convert(current);
-                });
+        Sums::new()
+    }
+
+    /// Plays one code, and returns the codes of voltage and current that were sampled meanwhile.
+    #[inline]
+    pub(crate) fn play(&mut self, code: u16, sums: &mut Sums) -> (u16, u16) {
+        let (steps, step_s) = (self.timing.steps as usize, self.timing.step_s());
+        let volts = self.dac.volts(code);
+        let (volts, before) = self.delay.as_mut().map_or((volts, volts), |delay| delay.pass(volts));
+        let mut drive = self.stack.held(volts);
+        let (mut v, mut i, mut friction) = (0, 0, 0.0);
+        for step in 0..steps {
+            if before != volts {
+                drive = self.stack.held_late(step, volts, before);
             }
+            let force = self.step(&drive, step_s, sums);
+            friction += force;
+            let (v_adc, i_adc) = (&mut self.v_adc, &mut self.i_adc);
+            self.stack.sample(step, &drive, force, |voltage, current| {
+                v += v_adc.convert(voltage);
+                i += i_adc.convert(current);
+            });
+        }
+        if let Some(samples) = &mut self.samples {
+            // The pull of a belt hardly changes from one block to the next, and has no value within it.
+            let pull_n = self.webbing.as_ref().map_or(0.0, |_| self.truth.friction_mean_n);
+            samples.push(Sample {
+                voltage_v: self.stack.voltage(),
+                motional_current_a: self.stack.motional_current(),
+                tip_velocity_m_per_s: self.stack.tip_velocity(),
+                tip_envelope_m_per_s: self.stack.tip_amplitude(),
+                friction_n: pull_n + friction / steps as f64,
+                ..Sample::default()
+            });
+        }
+        (v, i)
+    }
+
+    /// Ends a block of `samples` samples, and reads the slow sensors.
+    pub(crate) fn end(&mut self, sums: &Sums, samples: usize) -> SlowSense {
+        self.account(sums, (samples * self.timing.steps as usize) as f64);
+        self.slow()
+    }
+}
+
+impl Analog for DrivenStack {
+    fn exchange(&mut self, drive: &DriveBlock, sense: &mut SenseBlock) {
+        let codes = drive.lanes.first().map_or(&[][..], |lane| lane.as_slice());
+        let mut sums = self.begin();
+        sense.v.clear();
+        sense.i.clear();
+        for &code in codes {
+            let (v, i) = self.play(code, &mut sums);
             // A sense block holds as many samples as the longest drive block.
             let _ = (sense.v.push(v), sense.i.push(i));
-            if let Some(samples) = &mut self.samples {
-                samples.push(Sample {
-                    voltage_v: self.stack.voltage(),
-                    motional_current_a: self.stack.motional_current(),
-                    tip_velocity_m_per_s: self.stack.tip_velocity(),
-                    tip_envelope_m_per_s: self.stack.tip_amplitude(),
-                    friction_n: pull_n + friction / steps as f64,
-                    ..Sample::default()
-                });
-            }
         }
-        self.account(&sums, (codes.len() * steps) as f64);
-        sense.slow = self.slow();
+        sense.slow = self.end(&sums, codes.len());
     }
 }

@@ -48,6 +48,7 @@ pub mod shift;
 pub mod sliding;
 pub mod stack;
 pub mod step_flow;
+pub mod stream;
 mod sums;
 pub mod timing;
 pub mod truth;

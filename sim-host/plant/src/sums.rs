@@ -1,6 +1,7 @@
 //! What is added up over the steps of one block.
 
 /// Sums over the steps of a block.
+#[derive(Clone, Debug)]
 pub(super) struct Sums {
     pub(super) lost: f64,
     pub(super) current_peak: f64,
