@@ -7,6 +7,7 @@ mod clamped;
 mod contact;
 mod drive;
 mod edges;
+mod flashed_image;
 mod friction;
 mod friction_switch;
 mod link;

@@ -39,7 +39,12 @@ fn image() -> Option<PathBuf> {
 
 /// Whether there can be a processor in the loop; if not, that has been said.
 pub fn is_there(what: &str) -> bool {
-    let Some(reason) = pil::missing() else { return true };
+    is_possible(what, pil::missing())
+}
+
+/// Whether nothing is missing for what is to be tested; if something is, that has been said.
+pub fn is_possible(what: &str, missing: Option<String>) -> bool {
+    let Some(reason) = missing else { return true };
     let in_ci = std::env::var("CI").is_ok_and(|ci| ci == "true");
     let excused = std::env::var_os("SONOGLIDE_PIL_UNAVAILABLE").is_some();
     assert!(!in_ci || excused, "no processor in the loop in continuous integration: {reason}");

@@ -17,10 +17,12 @@ use sim::study::{self, Options, Study};
 const NOT_GOLDEN: [&str; 2] = ["energy_residual", "error_estimate"];
 
 /// Metrics of no built-in scene as it is: of an emulator, of a damper, of an actuator with a law, of a step under another scan.
-const ELSEWHERE: [&str; 9] = [
+const ELSEWHERE: [&str; 11] = [
     "instructions_total",
     "mean_block_instructions",
     "worst_block_instructions",
+    "mean_block_cycles",
+    "worst_block_cycles",
     "stack_power_up_bytes",
     "stack_blocks_bytes",
     "image_flash_bytes",

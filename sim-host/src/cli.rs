@@ -125,7 +125,7 @@ struct RunArgs {
     /// Of a scene with several `runs`: only this one of them, from 1, with its full report.
     #[arg(long, value_name = "R")]
     run: Option<u32>,
-    /// Folder for manifest, summary, trace, report and figures, in place of the run that it holds; other files in it stay. Default: `out/SCENE`, with `-run-R` or `-pil` behind.
+    /// Folder for manifest, summary, trace, report and figures, in place of the run that it holds; other files in it stay. Default: `out/SCENE`, with `-run-R`, `-pil` or `-board` behind.
     #[arg(short, long = "output", value_name = "DIR")]
     output: Option<PathBuf>,
     /// What to print on standard output.
@@ -137,12 +137,25 @@ struct RunArgs {
     /// Run the controller as thumb code in QEMU, in lockstep with the same plant.
     #[arg(long)]
     pil: bool,
+    /// Run the image that is flashed, on a model of its part, and replay what its controller saw. Without a file the image is built from the present
+    /// source.
+    #[arg(long, value_name = "ELF", num_args = 0..=1, require_equals = true, conflicts_with = "pil")]
+    board: Option<Option<PathBuf>>,
+    /// With --board: let the block interrupt take a part of its time only, as if the processor were so many times as fast there.
+    #[arg(long, value_name = "X", requires = "board", value_parser = times)]
+    board_speed: Option<f64>,
     /// Say nothing but the result.
     #[arg(short, long)]
     quiet: bool,
     /// Say more: all metrics, and the modes that the controller goes through.
     #[arg(short, long)]
     verbose: bool,
+}
+
+/// How many times as fast a processor is.
+fn times(text: &str) -> Result<f64, String> {
+    let times = text.parse::<f64>().ok().filter(|times| (0.01..=100.0).contains(times));
+    times.ok_or_else(|| "must be from 0.01 to 100".to_owned())
 }
 
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -189,6 +202,8 @@ impl RunArgs {
             format: Format::Human,
             no_report: false,
             pil: false,
+            board: None,
+            board_speed: None,
             quiet: false,
             verbose: false,
         }

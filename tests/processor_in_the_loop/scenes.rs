@@ -5,13 +5,12 @@
 use std::fmt::Write as _;
 use std::path::Path;
 
-use firmware::seam::config::Config;
 use pil::Qemu;
-use scene::builtin;
 use scene::load::load;
+use scene::{Driven, builtin, settings};
 use sim::processor::Processor;
 use sim::study::monte_carlo::MonteCarlo;
-use sim::study::{self, Options, Outcome, Start};
+use sim::study::{self, Level, Options, Outcome, Start};
 
 use super::{bits, image};
 
@@ -38,8 +37,9 @@ fn played(name: &str, image: Option<&Path>) -> Option<Played> {
     }
     // What stands beside the scene's own runs is run on the host in either case.
     (loaded.scene.grid, loaded.scene.comparison) = (None, None);
-    let start = image.map(|image| move |config: &Config| Ok(Box::new(Qemu::start(image, config)?) as Box<dyn Processor>));
-    let start = start.as_ref().map(|start| start as Start);
+    let start = image
+        .map(|image| move |scene: &Driven| Ok(Box::new(Qemu::start(image, &settings::config(scene))?) as Box<dyn Processor>));
+    let start = start.as_ref().map(|start| Start { level: Level::Pil, processor: start });
     let study = study::run(&loaded, Options { start, ..Options::default() }).unwrap_or_else(|error| panic!("{name}: {error}"));
     let metrics = METRICS.iter().map(|metric| study.metrics.get(metric)).collect();
     Some(match &study.outcome {

@@ -41,6 +41,7 @@ pub mod commands;
 pub mod emulated_board;
 pub mod expect;
 pub mod link_error;
+pub mod modelled_board;
 pub mod parameter;
 pub mod port;
 pub mod raw_frame;

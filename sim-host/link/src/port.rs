@@ -11,7 +11,7 @@ use std::time::{Duration, Instant};
 
 pub use listed::listed;
 pub use serial::{BAUD, Serial};
-pub use simulated::Simulated;
+pub use simulated::{InProcess, Simulated};
 pub use stream::Stream;
 pub use tcp::Tcp;
 

@@ -1,4 +1,4 @@
-//! `serve`: a simulated board at a TCP port, in real time, for clients that come and go.
+//! `serve`: a board in this process at a TCP port, in real time, for clients that come and go.
 //!
 //! One client at a time; the next waits until the first has gone. The board goes on with or without a client, as a real one does.
 
@@ -7,7 +7,7 @@ use std::net::{TcpListener, TcpStream};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-use crate::simulated_board::SimulatedBoard;
+use crate::port::InProcess;
 
 /// Pause between two turns.
 const TURN: Duration = Duration::from_micros(500);
@@ -19,7 +19,7 @@ const ROOM: usize = 4096;
 const BEHIND: Duration = Duration::from_millis(200);
 
 /// Plays until `stop` is set. `note` is called when a client comes or goes, and where the machine is too slow.
-pub fn serve(board: &mut SimulatedBoard, listener: &TcpListener, stop: &AtomicBool, note: fn(&str)) -> io::Result<()> {
+pub fn serve(board: &mut impl InProcess, listener: &TcpListener, stop: &AtomicBool, note: fn(&str)) -> io::Result<()> {
     listener.set_nonblocking(true)?;
     let mut client: Option<TcpStream> = None;
     let (mut began, mut slow) = (Instant::now(), false);
@@ -41,7 +41,7 @@ pub fn serve(board: &mut SimulatedBoard, listener: &TcpListener, stop: &AtomicBo
             }
         }
         while board.now() < due.min(began.elapsed()) {
-            board.block();
+            board.block()?;
         }
         std::thread::sleep(TURN);
     }
@@ -62,7 +62,7 @@ fn accepted(listener: &TcpListener, note: fn(&str)) -> io::Result<Option<TcpStre
 }
 
 /// Carries what there is, both ways. False: the client has gone.
-fn exchange(board: &mut SimulatedBoard, stream: &mut TcpStream) -> bool {
+fn exchange(board: &mut impl InProcess, stream: &mut TcpStream) -> bool {
     let mut bytes = [0; 1024];
     let count = board.receive(&mut bytes);
     // What a full socket does not take is lost, as on a wire without a receiver.

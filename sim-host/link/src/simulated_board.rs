@@ -6,6 +6,7 @@
 
 use std::cell::RefCell;
 use std::collections::VecDeque;
+use std::io;
 use std::rc::Rc;
 use std::time::Duration;
 
@@ -18,7 +19,7 @@ use hal_mock::fault_injector::FaultInjector;
 use hal_mock::link::{WhenFull, Wire};
 use hal_mock::tracer::Tracer;
 
-use crate::port::BAUD;
+use crate::port::{BAUD, InProcess};
 use plant::Plant;
 use scene::Driven;
 use scene::settings;
@@ -149,4 +150,27 @@ impl SimulatedBoard {
 fn powered(setup: &Setup, rig: &Rc<RefCell<Rig>>) -> Result<Bench<'static, Shared>, firmware::seam::error::Error> {
     // As a board's statics: they stay for as long as the process does.
     Bench::new(Box::leak(Box::default()), setup, Shared(rig.clone()))
+}
+
+impl InProcess for SimulatedBoard {
+    fn send(&mut self, bytes: &[u8]) {
+        SimulatedBoard::send(self, bytes);
+    }
+
+    fn waiting(&self) -> usize {
+        SimulatedBoard::waiting(self)
+    }
+
+    fn receive(&mut self, into: &mut [u8]) -> usize {
+        SimulatedBoard::receive(self, into)
+    }
+
+    fn now(&self) -> Duration {
+        SimulatedBoard::now(self)
+    }
+
+    fn block(&mut self) -> io::Result<()> {
+        SimulatedBoard::block(self);
+        Ok(())
+    }
 }

@@ -33,9 +33,14 @@ pub fn missing() -> Option<String> {
     if env::var_os(IMAGE_VARIABLE).is_some() {
         return None;
     }
+    missing_to_build()
+}
+
+/// Why no image can be built here, and what to install. `None`: nothing is missing.
+pub fn missing_to_build() -> Option<String> {
     if !Path::new(WORKSPACE).join("firmware/boards/qemu-m4").is_dir() {
         return Some(format!(
-            "the source of the image is not here; run in a checkout of Sonoglide (`cargo run --release --`), or name a built image by {IMAGE_VARIABLE}"
+            "the source of the image is not here; run in a checkout of Sonoglide (`cargo run --release --`), or name a built image (--board=ELF, {IMAGE_VARIABLE})"
         ));
     }
     if has_core_library() {
@@ -84,7 +89,7 @@ pub fn test_image() -> Result<PathBuf, PilError> {
         return Err(PilError::Missing(reason));
     }
     // The file of a test has a name that cargo alone knows.
-    let (_, messages) = cargo(&["-p", "on-target", "--test", "on_target", "--message-format", "json-render-diagnostics"])?;
+    let (_, messages) = cargo("pil", &["-p", "on-target", "--test", "on_target", "--message-format", "json-render-diagnostics"])?;
     let artifact = |line: &str| {
         let message: Value = serde_json::from_str(line).ok()?;
         (message["target"]["name"] == "on_target").then(|| message["executable"].as_str().map(PathBuf::from))?
@@ -92,17 +97,26 @@ pub fn test_image() -> Result<PathBuf, PilError> {
     messages.lines().find_map(artifact).ok_or_else(|| PilError::Build("cargo names no file of the tests".into()))
 }
 
+/// The image that is flashed, as `cargo fw` builds it from the present source.
+pub fn board_image() -> Result<PathBuf, PilError> {
+    if let Some(reason) = missing_to_build() {
+        return Err(PilError::Missing(reason));
+    }
+    let (folder, _) = cargo("board", &["-p", "sonoglide-nucleo-g474re"])?;
+    Ok(folder.join(TARGET).join("board/nucleo-g474re"))
+}
+
 /// Builds one image of the package `qemu-m4`.
 fn build(image: &str) -> Result<PathBuf, PilError> {
-    let (folder, _) = cargo(&["-p", "sonoglide-qemu-m4", "--bin", image])?;
+    let (folder, _) = cargo("pil", &["-p", "sonoglide-qemu-m4", "--bin", image])?;
     Ok(folder.join(TARGET).join("pil").join(image))
 }
 
-/// Builds something for the target; returns the target directory, and what cargo prints.
-fn cargo(what: &[&str]) -> Result<(PathBuf, String), PilError> {
+/// Builds something for the target in a profile; returns the target directory, and what cargo prints.
+fn cargo(profile: &str, what: &[&str]) -> Result<(PathBuf, String), PilError> {
     let folder = env::var_os("CARGO_TARGET_DIR").map_or_else(|| Path::new(WORKSPACE).join("target"), PathBuf::from).join("pil");
     let built = run("CARGO", "cargo", |cargo| {
-        cargo.args(["build", "--quiet", "--profile", "pil", "--target", TARGET, "--target-dir"]).arg(&folder).args(what)
+        cargo.args(["build", "--quiet", "--profile", profile, "--target", TARGET, "--target-dir"]).arg(&folder).args(what)
     });
     match built {
         Ok(output) if output.status.success() => Ok((folder, String::from_utf8_lossy(&output.stdout).into_owned())),

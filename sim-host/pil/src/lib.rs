@@ -42,7 +42,7 @@ mod qemu;
 #[cfg(target_os = "linux")]
 mod size;
 
-pub use image::{IMAGE_VARIABLE, counting_image, image, link_image, missing, test_image};
+pub use image::{IMAGE_VARIABLE, board_image, counting_image, image, link_image, missing, missing_to_build, test_image};
 pub use qemu::Qemu;
 
 /// Why there is no processor in the loop.

@@ -18,6 +18,11 @@ pub trait Processor {
         None
     }
 
+    /// Cycles that the latest block has taken of the processor, with what surrounds the controller there, where they are counted.
+    fn cycles(&self) -> Option<u32> {
+        None
+    }
+
     /// What the controller has needed of its memory so far, where that is measured.
     fn memory(&mut self) -> Result<Option<Memory>, Lost> {
         Ok(None)

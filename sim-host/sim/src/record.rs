@@ -101,23 +101,23 @@ impl Window {
     }
 }
 
-/// Instructions that blocks have taken.
+/// What blocks have taken of a processor: instructions, or cycles.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Instructions {
+pub struct Taken {
     /// Number of blocks that were counted.
     pub blocks: u64,
-    /// Instructions of all blocks together.
+    /// Of all blocks together.
     pub total: u64,
-    /// Instructions of the block that has taken most.
+    /// Of the block that has taken most.
     pub worst: u32,
 }
 
-impl Instructions {
+impl Taken {
     /// Counts one more block.
-    pub fn add(&mut self, instructions: u32) {
+    pub fn add(&mut self, taken: u32) {
         self.blocks += 1;
-        self.total += u64::from(instructions);
-        self.worst = self.worst.max(instructions);
+        self.total += u64::from(taken);
+        self.worst = self.worst.max(taken);
     }
 }
 
@@ -147,7 +147,9 @@ pub struct Record {
     /// States that were integrated.
     pub plant_states: usize,
     /// Instructions of all blocks, where they are counted.
-    pub instructions: Option<Instructions>,
+    pub instructions: Option<Taken>,
+    /// Cycles of all blocks, where they are counted.
+    pub cycles: Option<Taken>,
     /// What the controller has needed of its processor's memory, where that is measured.
     pub memory: Option<Memory>,
     /// Hash of every drive code played.

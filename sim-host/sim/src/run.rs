@@ -93,6 +93,9 @@ pub fn run_on(processor: &mut dyn Processor, scene: &Driven, mut watch: Watch) -
         if let Some(instructions) = processor.instructions() {
             record.instructions.get_or_insert_default().add(instructions);
         }
+        if let Some(cycles) = processor.cycles() {
+            record.cycles.get_or_insert_default().add(cycles);
+        }
         let played = std::mem::replace(slot, Command::of(&telemetry));
         let time_s = (block + 1) as f64 * samples as f64 / sample_hz;
         if (block + 1).is_multiple_of(every) {

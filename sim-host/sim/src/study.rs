@@ -16,10 +16,9 @@ pub mod suite;
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use firmware::seam::config::Config;
-
 use self::comparison::ComparisonResult;
 use self::contact::Solved;
+pub use self::driven::Level;
 use self::driven::Run;
 use self::grid::GridResult;
 use self::monte_carlo::MonteCarlo;
@@ -29,7 +28,7 @@ use crate::run::RunError;
 use ::contact::{Clock, SolveError};
 use scene::load::{LoadError, Loaded};
 use scene::metrics;
-use scene::{Equal, Expect, Kind, Scene, shown};
+use scene::{Driven, Equal, Expect, Kind, Scene, shown};
 
 /// Why a study has no result.
 #[derive(Debug, thiserror::Error)]
@@ -134,8 +133,17 @@ impl Study<'_> {
     }
 }
 
-/// Starts a processor that is to run the controller of this configuration: each run of a scene has one of its own.
-pub type Start<'a> = &'a (dyn Fn(&Config) -> Result<Box<dyn Processor>, RunError> + Sync);
+/// A processor other than this process for the controllers of a study: each run of a scene has one of its own.
+#[derive(Clone, Copy)]
+pub struct Start<'a> {
+    /// What it is.
+    pub level: Level,
+    /// Starts one for a scene.
+    pub processor: &'a Starting<'a>,
+}
+
+/// Starts a processor for a scene.
+pub type Starting<'a> = dyn Fn(&Driven) -> Result<Box<dyn Processor>, RunError> + Sync + 'a;
 
 /// What a study is given from outside. By default nothing: controllers run in this process, to the end, untimed.
 #[derive(Default)]

@@ -4,6 +4,7 @@ use std::cell::RefCell;
 use std::fs;
 use std::io::{self, IsTerminal, Read, Write};
 use std::net::TcpListener;
+use std::path::PathBuf;
 use std::process::ExitCode;
 use std::rc::Rc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -12,15 +13,17 @@ use clap::{Args, Subcommand};
 use serde_json::Value;
 
 use super::{Color, Format, INTERRUPTED, LOST, RUN_FAILED, SceneArgs, USAGE, interrupts, with_scene};
+use board::Board;
 use link::answer::{Answer, failure};
 use link::client::Client;
 use link::commands::{Order, amount, monitor, seconds};
 use link::link_error::LinkError;
-use link::port::{Port, Serial, Simulated, Tcp};
+use link::port::{InProcess, Port, Serial, Simulated, Tcp};
 use link::script::Script;
 use link::serve::serve;
 use link::session::{Live, Session, SessionOptions};
 use link::simulated_board::SimulatedBoard;
+use scene::Driven;
 use sim::output::OutputError;
 
 /// Set by Ctrl-C, and by any other request to end.
@@ -30,11 +33,14 @@ static CLOSED: AtomicBool = AtomicBool::new(false);
 
 /// What a simulated board is called: `sim:SCENE`.
 const SIMULATED: &str = "sim:";
+/// What the flashed image on a model of its part is called: `board:SCENE`.
+const MODELLED: &str = "board:";
 
 /// Arguments of the command.
 #[derive(Args)]
 pub(super) struct LinkArgs {
-    /// A serial device (/dev/ttyACM0, COM3), `tcp:HOST:PORT`, or `sim:SCENE`: a simulated board in this process.
+    /// A serial device (/dev/ttyACM0, COM3), `tcp:HOST:PORT`, `sim:SCENE`: a simulated board in this process, or `board:SCENE`: the image that is
+    /// flashed, on a model of its part.
     port: String,
     #[command(subcommand)]
     order: LinkOrder,
@@ -44,6 +50,12 @@ pub(super) struct LinkArgs {
     /// Of a simulated board: seed of all noise.
     #[arg(long, value_name = "N", global = true)]
     seed: Option<u64>,
+    /// Of board:SCENE: the image, an ELF file, in place of the one that is built from the present source.
+    #[arg(long, value_name = "ELF", global = true)]
+    image: Option<PathBuf>,
+    /// Of board:SCENE: let the block interrupt take a part of its time only, as if the processor were so many times as fast there.
+    #[arg(long, value_name = "X", global = true, value_parser = super::times)]
+    board_speed: Option<f64>,
     /// A simulated board is not faster than a real one.
     #[arg(long, global = true)]
     real_time: bool,
@@ -67,7 +79,7 @@ enum LinkOrder {
         /// The file; `-` is standard input.
         file: String,
     },
-    /// Put the simulated board at a TCP port, in real time, until Ctrl-C.
+    /// Put the board of this process at a TCP port, in real time, until Ctrl-C.
     Serve {
         /// Where to listen; port 0 takes a free one. The address is printed.
         #[arg(long, value_name = "HOST:PORT", default_value = "127.0.0.1:0")]
@@ -85,27 +97,42 @@ pub(super) fn run(args: &LinkArgs, color: Color) -> anyhow::Result<ExitCode> {
     if std::env::args().any(|argument| argument.split('=').next() == Some("--patience")) {
         say!("note: `--patience` is `--host-timeout` now; the old name goes with the next version");
     }
-    match args.port.strip_prefix(SIMULATED) {
-        Some(scene) => {
-            let mut sets = args.sets.clone();
-            sets.extend(args.seed.map(|seed| format!("seed={seed}")));
-            with_scene(&SceneArgs { scene: scene.to_owned(), sets }, color, |loaded| {
-                let Some(driven) = loaded.scene.driven() else {
-                    return Ok(failed(
-                        &LinkError::Usage(format!("`{}` has no [controller]: there is nothing to talk to", loaded.name)),
-                        color,
-                    ));
-                };
-                let board = SimulatedBoard::new(&driven, 0)
-                    .map_err(|why| LinkError::Usage(format!("the firmware refuses this scene: {why}")));
-                done(board.and_then(|board| with_board(args, board)), color)
-            })
-        }
-        None if !args.sets.is_empty() || args.seed.is_some() || args.real_time => {
-            Ok(failed(&LinkError::Usage("--set, --seed and --real-time are of a simulated board, sim:SCENE".into()), color))
-        }
-        None => done(open(&args.port).and_then(|port| with_port(args, port)), color),
+    let modelled = args.port.strip_prefix(MODELLED);
+    if modelled.is_none() && (args.image.is_some() || args.board_speed.is_some()) {
+        return Ok(failed(&LinkError::Usage("--image and --board-speed are of the modelled part, board:SCENE".into()), color));
     }
+    let Some(scene) = modelled.or(args.port.strip_prefix(SIMULATED)) else {
+        if !args.sets.is_empty() || args.seed.is_some() || args.real_time {
+            let usage = "--set, --seed and --real-time are of a board in this process, sim:SCENE or board:SCENE";
+            return Ok(failed(&LinkError::Usage(usage.into()), color));
+        }
+        return done(open(&args.port).and_then(|port| with_port(args, port)), color);
+    };
+    let mut sets = args.sets.clone();
+    sets.extend(args.seed.map(|seed| format!("seed={seed}")));
+    with_scene(&SceneArgs { scene: scene.to_owned(), sets }, color, |loaded| {
+        let Some(driven) = loaded.scene.driven() else {
+            let usage = format!("`{}` has no [controller]: there is nothing to talk to", loaded.name);
+            return Ok(failed(&LinkError::Usage(usage), color));
+        };
+        if modelled.is_some() {
+            return done(modelled_board(args, &driven).and_then(|board| with_board(args, board)), color);
+        }
+        let board =
+            SimulatedBoard::new(&driven, 0).map_err(|why| LinkError::Usage(format!("the firmware refuses this scene: {why}")));
+        done(board.and_then(|board| with_board(args, board)), color)
+    })
+}
+
+/// The flashed image on a model of its part, with a scene's plant at its pins.
+fn modelled_board(args: &LinkArgs, scene: &Driven) -> Result<Board, LinkError> {
+    let image = match &args.image {
+        Some(file) => file.clone(),
+        None => pil::board_image().map_err(|error| LinkError::Usage(error.to_string()))?,
+    };
+    let elf = fs::read(&image).map_err(|error| LinkError::Usage(format!("{} cannot be read: {error}", image.display())))?;
+    let options = board::Options { rate: args.board_speed.map(|times| 1.0 / times), record: false };
+    Board::start(&elf, scene, options).map_err(|error| LinkError::Usage(error.to_string()))
 }
 
 fn open(port: &str) -> Result<Box<dyn Port>, LinkError> {
@@ -115,7 +142,7 @@ fn open(port: &str) -> Result<Box<dyn Port>, LinkError> {
     })
 }
 
-fn with_board(args: &LinkArgs, mut board: SimulatedBoard) -> Result<(), LinkError> {
+fn with_board(args: &LinkArgs, mut board: impl InProcess + 'static) -> Result<(), LinkError> {
     if let LinkOrder::Serve { listen } = &args.order {
         let listener = TcpListener::bind(listen)
             .map_err(|error| LinkError::Open { port: format!("tcp:{listen}"), why: error.to_string() })?;
@@ -140,7 +167,7 @@ fn with_port(args: &LinkArgs, port: Box<dyn Port>) -> Result<(), LinkError> {
     let script = match &args.order {
         LinkOrder::Script { file } => Some(read(file)?),
         LinkOrder::Serve { .. } => {
-            return Err(LinkError::Usage("serve is of a simulated board: `sim-host link sim:SCENE serve`".into()));
+            return Err(LinkError::Usage("serve is of a board in this process: `sim-host link sim:SCENE serve`".into()));
         }
         _ => None,
     };

@@ -1,21 +1,22 @@
 //! `sim-host run`.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::process::ExitCode;
 use std::sync::atomic::AtomicBool;
-
-use firmware::seam::config::Config;
 
 use super::progress::Progress;
 use super::{
     Color, EXPECTATION_MISSED, Format, INTERRUPTED, LOST, RUN_FAILED, RunArgs, SceneArgs, USAGE, interrupts, invalid, with_scene,
 };
-use pil::{self, Qemu};
+use link::modelled_board::record;
+use pil::{self, PilError, Qemu};
+use scene::Driven;
 use scene::load::{LoadError, Loaded};
+use scene::settings::config;
 use sim::processor::Processor;
 use sim::run::RunError;
 use sim::study::monte_carlo::draw::Draws;
-use sim::study::{self, Options, Start, Study, StudyError};
+use sim::study::{self, Level, Options, Start, Study, StudyError};
 use sim::{output, tables};
 
 /// Set by Ctrl-C, and by any other request to end.
@@ -50,30 +51,23 @@ fn one_of(loaded: &Loaded, number: u32) -> Result<Loaded, LoadError> {
 fn run_loaded(args: &RunArgs, loaded: &Loaded, color: Color) -> anyhow::Result<ExitCode> {
     // Not before the scene is read, which may come from a pipe that never ends.
     interrupts::set(&STOP)?;
-    let image = match (args.pil, loaded.scene.driven()) {
-        (false, _) => None,
-        (true, None) => {
-            say!("error: --pil runs the controller in QEMU, and `{}` has no [controller]", loaded.name);
-            return Ok(ExitCode::from(USAGE));
+    let image = match image(args, loaded) {
+        Ok(image) => image,
+        Err((code, error)) => {
+            say!("error: {error}");
+            return Ok(ExitCode::from(code));
         }
-        (true, Some(_)) => match pil::image() {
-            Ok(image) => Some(image),
-            Err(error) => {
-                say!("error: {error}");
-                return Ok(ExitCode::from(LOST));
-            }
-        },
     };
     let run = args.run.map_or_else(String::new, |number| format!("-run-{number}"));
-    let default_dir = || PathBuf::from("out").join(format!("{}{run}{}", loaded.name, if args.pil { "-pil" } else { "" }));
+    let default_dir = || PathBuf::from("out").join(format!("{}{run}{}", loaded.name, image.as_ref().map_or("", Image::ending)));
     let dir = (!args.no_report).then(|| args.output.clone().unwrap_or_else(default_dir));
     // Before a run that may take long.
     let folder = match super::open(dir.as_deref())? {
         Ok(folder) => folder,
         Err(code) => return Ok(code),
     };
-    let start = image.as_deref().map(|image| move |config: &Config| emulated(image, config));
-    let start = start.as_ref().map(|start| start as Start);
+    let start = image.as_ref().map(|image| move |scene: &Driven| image.start(scene));
+    let start = start.as_ref().zip(image.as_ref()).map(|(start, image)| Start { level: image.level(), processor: start });
     let mut progress = Progress::new(loaded.scene.duration_s, loaded.scene.runs, args.quiet);
     let report = &mut |reached| progress.at(reached);
     let options = Options { start, stop: Some(&STOP), progress: Some(report), clock: Some(super::clock) };
@@ -109,8 +103,60 @@ fn run_loaded(args: &RunArgs, loaded: &Loaded, color: Color) -> anyhow::Result<E
     })
 }
 
-fn emulated(image: &Path, config: &Config) -> Result<Box<dyn Processor>, RunError> {
-    Ok(Box::new(Qemu::start(image, config)?))
+/// An image that runs the controller in place of this process.
+enum Image {
+    /// The controller under QEMU.
+    Emulated(PathBuf),
+    /// The flashed image, its bytes, on a model of its part that takes so many cycles for each one of its processor.
+    Flashed { elf: Vec<u8>, rate: Option<f64> },
+}
+
+impl Image {
+    /// What a run's default folder ends in.
+    fn ending(&self) -> &'static str {
+        match self {
+            Image::Emulated(_) => "-pil",
+            Image::Flashed { .. } => "-board",
+        }
+    }
+
+    fn level(&self) -> Level {
+        match self {
+            Image::Emulated(_) => Level::Pil,
+            Image::Flashed { .. } => Level::Board,
+        }
+    }
+
+    fn start(&self, scene: &Driven) -> Result<Box<dyn Processor>, RunError> {
+        match self {
+            Image::Emulated(image) => Ok(Box::new(Qemu::start(image, &config(scene))?)),
+            Image::Flashed { elf, rate } => {
+                let replay = record(elf, scene, *rate, &STOP).map_err(|error| RunError::NoProcessor(error.into()))?;
+                Ok(Box::new(replay))
+            }
+        }
+    }
+}
+
+/// The image that the arguments ask for, if they do; an exit code and why where there is none.
+fn image(args: &RunArgs, loaded: &Loaded) -> Result<Option<Image>, (u8, String)> {
+    let option = if args.pil { "--pil" } else { "--board" };
+    if !args.pil && args.board.is_none() {
+        return Ok(None);
+    }
+    let Some(scene) = loaded.scene.driven() else {
+        return Err((USAGE, format!("{option} runs the controller as thumb code, and `{}` has no [controller]", loaded.name)));
+    };
+    let lost = |error: PilError| (LOST, error.to_string());
+    match &args.board {
+        None => pil::image().map(|image| Some(Image::Emulated(image))).map_err(lost),
+        Some(file) => {
+            board::configure::stored(&scene).map_err(|error| (USAGE, error.to_string()))?;
+            let file = file.clone().map_or_else(|| pil::board_image().map_err(lost), Ok)?;
+            let elf = std::fs::read(&file).map_err(|error| (USAGE, format!("{} cannot be read: {error}", file.display())))?;
+            Ok(Some(Image::Flashed { elf, rate: args.board_speed.map(|times| 1.0 / times) }))
+        }
+    }
 }
 
 fn human(study: &Study, args: &RunArgs, color: Color) -> String {

@@ -47,7 +47,7 @@ fn mistakes_have_their_messages_and_exit_codes() {
         (&["tcp:nowhere", "status"], 5, "this is no `tcp:HOST:PORT`"),
         (&["sim:lokc", "status"], 3, "try `lock`"),
         (&["sim:contact", "status"], 2, "has no [controller]"),
-        (&["/dev/ttyNOT", "status", "--seed", "3"], 2, "of a simulated board"),
+        (&["/dev/ttyNOT", "status", "--seed", "3"], 2, "of a board in this process"),
         (&["sim:lock", "script", &wrong], 2, "wrong.txt:2:1"),
         (&["sim:lock", "settings", "get", "limit.voltage_v"], 1, "did you mean `limits.voltage_v`?"),
         (&["sim:lock", "drive", "--volts", "1", "--current", "1"], 2, "cannot be used with"),

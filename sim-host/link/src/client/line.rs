@@ -123,6 +123,10 @@ impl Line {
 
     /// Opens the port again, and goes on as if nothing had been: what was under way is asked for again.
     pub(super) fn reopen(&mut self, why: &str) -> Result<(), LinkError> {
+        // A board in this process has stopped for good.
+        if self.port.stands_still() {
+            return Err(self.lost(why.to_owned()));
+        }
         (self.note)(&format!("lost {}: {why}; trying to open it again", self.port.name()));
         let mut why = why.to_owned();
         for _ in 0..REOPENINGS {

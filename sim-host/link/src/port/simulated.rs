@@ -1,4 +1,5 @@
-//! A simulated board in this process. Its time passes only while the client waits, a block at a time.
+//! A board in this process: the firmware on mocks, or the flashed image on the model of its part. Its time passes only while the client waits, a block at
+//! a time.
 
 use std::cell::RefCell;
 use std::io;
@@ -7,24 +8,41 @@ use std::time::{Duration, Instant};
 
 use super::Port;
 use crate::link_error::LinkError;
-use crate::simulated_board::SimulatedBoard;
 
-/// A simulated board as a port. The holder of the other end of the [`Rc`] sees the plant.
-pub struct Simulated {
+/// A board in this process.
+pub trait InProcess {
+    /// Puts bytes on the wire to the board.
+    fn send(&mut self, bytes: &[u8]);
+
+    /// How many bytes are on the wire to the board.
+    fn waiting(&self) -> usize;
+
+    /// Takes bytes that have come from the board; 0 where none have.
+    fn receive(&mut self, into: &mut [u8]) -> usize;
+
+    /// Time since the power came.
+    fn now(&self) -> Duration;
+
+    /// Plays one block. Fails where the board cannot go on.
+    fn block(&mut self) -> io::Result<()>;
+}
+
+/// A board in this process as a port. The holder of the other end of the [`Rc`] sees the plant.
+pub struct Simulated<B> {
     name: String,
-    board: Rc<RefCell<SimulatedBoard>>,
+    board: Rc<RefCell<B>>,
     /// Where it is not to be faster than real: when it was opened.
     paced: Option<Instant>,
 }
 
-impl Simulated {
+impl<B: InProcess> Simulated<B> {
     /// A board of this name; `paced`: not faster than real.
-    pub fn new(name: &str, board: Rc<RefCell<SimulatedBoard>>, paced: bool) -> Self {
+    pub fn new(name: &str, board: Rc<RefCell<B>>, paced: bool) -> Self {
         Simulated { name: name.to_owned(), board, paced: paced.then(Instant::now) }
     }
 }
 
-impl Port for Simulated {
+impl<B: InProcess> Port for Simulated<B> {
     fn name(&self) -> &str {
         &self.name
     }
@@ -42,7 +60,7 @@ impl Port for Simulated {
             if count > 0 || board.now() >= until {
                 return Ok(count);
             }
-            board.block();
+            board.block()?;
             if let Some(ahead) = self.paced.and_then(|opened| board.now().checked_sub(opened.elapsed())) {
                 std::thread::sleep(ahead);
             }

@@ -132,6 +132,8 @@ pub const METRICS: &[Metric] = &[
     row("instructions_total", "1", Magnitude, Blocks, "Instructions of all calls, each to within a tick of the emulated timer (6)"),
     row("mean_block_instructions", "1", Magnitude, Blocks, "Instructions of one call, mean"),
     row("worst_block_instructions", "1", Magnitude, Blocks, "Instructions of one call, the most"),
+    row("mean_block_cycles", "1", Magnitude, Blocks, "Cycles of the block interrupt in the flashed image, mean"),
+    row("worst_block_cycles", "1", Magnitude, Blocks, "Cycles of the block interrupt in the flashed image, the most"),
     row("stack_power_up_bytes", "bytes", Magnitude, Event, "The deepest that the image's stack was until the controller was built"),
     row("stack_blocks_bytes", "bytes", Magnitude, Blocks, "The deepest that the image's stack was in the blocks, with all that stands above `process`"),
     row("image_flash_bytes", "bytes", Magnitude, Event, "Flash of the image: code, constants and what static variables begin with"),

@@ -10,7 +10,6 @@ use crate::record::Record;
 use crate::run::{self, RunError, Watch};
 use contact::Clock;
 use scene::Driven;
-use scene::settings;
 
 /// Where the controller of a study ran, and so what its result can show.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -19,12 +18,14 @@ pub enum Level {
     Sil,
     /// As thumb code in an emulator.
     Pil,
+    /// In the image that is flashed, on a model of its part.
+    Board,
 }
 
 impl Level {
     /// The level of runs whose processors are started like this.
     pub fn of(start: Option<Start>) -> Self {
-        if start.is_some() { Level::Pil } else { Level::Sil }
+        start.map_or(Level::Sil, |start| start.level)
     }
 }
 
@@ -33,6 +34,9 @@ impl std::fmt::Display for Level {
         f.write_str(match self {
             Level::Sil => "SIL (software in the loop: the controller on the host)",
             Level::Pil => "PIL (processor in the loop: the controller as thumb code in QEMU)",
+            Level::Board => {
+                "PIL (processor in the loop: the flashed image on a model of its part, replayed on the host bit for bit)"
+            }
         })
     }
 }
@@ -64,7 +68,12 @@ pub(super) fn run<'a, 'w>(
 /// Runs a scene with the controller on a processor that `start` starts, or in this process.
 fn run_where(scene: &Driven, start: Option<Start>, watch: Watch) -> Result<Record, RunError> {
     match start {
-        Some(start) => run::run_on(&mut *start(&settings::config(scene))?, scene, watch),
+        Some(start) => {
+            // What it takes to start the processor is waited for as well.
+            let timed = watch.clock.map(|clock| (clock, clock()));
+            let record = run::run_on(&mut *(start.processor)(scene)?, scene, watch)?;
+            Ok(Record { wall_s: timed.map(|(clock, began)| (clock() - began).as_secs_f64()), ..record })
+        }
         None => run::run(scene, watch),
     }
 }

@@ -1,0 +1,244 @@
+//! The board: an image on its part, with a scene's plant at the pins.
+
+use std::collections::VecDeque;
+use std::time::Duration;
+
+use cortex_m4::{Cycle, ImageError, Machine, Passage, Stop};
+use firmware::seam::block::{DriveBlock, Orders, Request, SenseBlock};
+use firmware::seam::config::{Config, LaneTrims};
+use nucleo_g474re::{config, pages};
+use plant::Plant;
+use plant::stream::Stream;
+use scene::Driven;
+use stm32g474::Stm32g474;
+
+use crate::configure::{self, Misfit};
+use crate::load::Load;
+use crate::recording::Call;
+use crate::variables::{DebugInfoError, Place, ReadError, Variables};
+use crate::wires::{Bench, Reset};
+
+/// The block interrupt: DMA1 channel 1, interrupt 11 (RM0440 table 97), the exception 16 later.
+const BLOCK_INTERRUPT: u16 = 16 + 11;
+/// Bits of an interrupt priority that the part has (PM0214 4.3).
+const PRIORITY_BITS: u8 = 4;
+/// Cycles a second once the image has set up its clocks.
+const HZ: u64 = 170_000_000;
+
+/// Why a board could not be started, or did not go on.
+#[derive(Debug, thiserror::Error)]
+pub enum BoardError {
+    /// The image cannot be loaded.
+    #[error("the image cannot be run: {0}")]
+    Image(#[from] ImageError),
+    /// Its variables cannot be read.
+    #[error("the image cannot be observed: {0}")]
+    DebugInfo(#[from] DebugInfoError),
+    /// The image has no variable of this name.
+    #[error("the image cannot be observed: it has no variable `{0}`, so it is not the driver board's image of this version")]
+    Unlike(&'static str),
+    /// A variable has another type than here.
+    #[error("the image cannot be observed: {0}")]
+    Variable(#[from] ReadError),
+    /// The scene asks for what the image cannot do.
+    #[error(transparent)]
+    Misfit(#[from] Misfit),
+    /// The board has no place for this plant.
+    #[error("this scene has no place on the board: {0}")]
+    Plant(&'static str),
+    /// A finding of the model.
+    #[error(transparent)]
+    Stopped(#[from] Stop),
+}
+
+/// How a board is started.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Options {
+    /// Cycles of time for each cycle that the block interrupt costs, in place of one: below one it is shorter than the part would be at it.
+    pub rate: Option<f64>,
+    /// Records each call of the controller, for a replay.
+    pub record: bool,
+}
+
+/// A board that runs an image.
+pub struct Board {
+    machine: Machine<Stm32g474<Bench>>,
+    config: Config,
+    variables: BlockVariables,
+    record: bool,
+    rate: f64,
+    /// Calls of the controller so far, if recorded.
+    pub calls: Vec<Call>,
+    /// The block interrupt's share of the processor.
+    pub load: Load,
+    entered: Option<Passage>,
+}
+
+/// Where the block interrupt of the image has its variables.
+struct BlockVariables {
+    /// The reference to all that the interrupt has, once it has it.
+    state: Place,
+    queues: Place,
+    /// Where the queue of trims was read from at the last call.
+    trims_head: usize,
+}
+
+impl Board {
+    /// Powers a board with this image and with the settings of a scene in its flash.
+    pub fn start(elf: &[u8], scene: &Driven, options: Options) -> Result<Self, BoardError> {
+        let stored = configure::stored(scene)?;
+        let mut memory = Stm32g474::<Bench>::memory();
+        if let Some(flash) = memory.get_mut(pages::FLASH, (pages::START + pages::SIZE - pages::FLASH) as usize) {
+            configure::store(stored, flash)?;
+        }
+        let mut asked = scene::settings::config(scene);
+        asked.link = config::config().link;
+        let samples = usize::from(asked.block_samples);
+        let bench = Bench::new(Stream::new(stack_of(scene)?, samples), samples);
+        let chip = Stm32g474::new(stm32g474::Config::default(), bench);
+        let mut machine = Machine::new(elf, memory, chip, PRIORITY_BITS)?;
+        machine.watch(Some(BLOCK_INTERRUPT));
+        let rate = options.rate.unwrap_or(1.0);
+        machine.set_rate(rate);
+        let found = Variables::of(elf, &[STATE, QUEUES])?;
+        let place = |name| found.get(name).cloned().ok_or(BoardError::Unlike(name));
+        let variables = BlockVariables { state: place(STATE)?, queues: place(QUEUES)?, trims_head: 0 };
+        Ok(Board {
+            machine,
+            config: asked,
+            variables,
+            record: options.record,
+            rate,
+            calls: Vec::new(),
+            load: Load::default(),
+            entered: None,
+        })
+    }
+
+    /// The configuration of the image's controller.
+    pub fn config(&self) -> &Config {
+        &self.config
+    }
+
+    /// Runs for a time.
+    pub fn run_for(&mut self, time: Duration) -> Result<(), BoardError> {
+        let cycles = (time.as_secs_f64() * self.machine.chip.hz() as f64).ceil() as Cycle;
+        self.run_until(self.machine.cycle() + cycles.max(1))
+    }
+
+    /// Runs for the time of a block.
+    pub fn run_block(&mut self) -> Result<(), BoardError> {
+        self.run_for(Duration::from_secs_f64(f64::from(self.config.block_samples) / f64::from(self.config.sample_hz)))
+    }
+
+    fn run_until(&mut self, until: Cycle) -> Result<(), BoardError> {
+        while self.machine.cycle() < until {
+            match self.machine.run_until(until)? {
+                Some(passage) if passage.entered => self.entered = Some(passage),
+                Some(passage) => self.block_ended(passage)?,
+                None => (),
+            }
+        }
+        Ok(())
+    }
+
+    /// The block interrupt has returned: what it saw and answered stands in its variables.
+    fn block_ended(&mut self, returned: Passage) -> Result<(), BoardError> {
+        let (mut cycles, mut instructions) = (0, 0);
+        if let Some(entered) = self.entered.take() {
+            // What it costs the part, whatever time it was given.
+            cycles = ((returned.at - entered.at) as f64 / self.rate).round() as Cycle;
+            instructions = returned.instructions - entered.instructions;
+            self.load.add(cycles, instructions);
+        }
+        let memory = &self.machine.memory;
+        let Some(state) = self.variables.state.target(memory) else { return Ok(()) };
+        let field = |place: &Place, name| place.field(name).ok_or(BoardError::Unlike(name));
+        let orders: Orders = field(&field(&state, "task")?, "latest")?.read(memory)?;
+        if self.record {
+            let trims = self.variables.trims(memory)?;
+            let sense: SenseBlock = field(&state, "sense")?.read(memory)?;
+            let drive: DriveBlock = field(&state, "drive")?.read(memory)?;
+            self.calls.push(Call { orders, trims, sense, drive, taken: (instructions as u32, cycles as u32) });
+        }
+        if orders.request != Request::Idle {
+            self.machine.chip.wires.begin();
+        }
+        Ok(())
+    }
+
+    /// Puts bytes on the wire to the board.
+    pub fn send(&mut self, bytes: &[u8]) {
+        self.bench_mut().to_board.extend(bytes);
+    }
+
+    /// Takes bytes that have come from the board; 0 where none have.
+    pub fn receive(&mut self, into: &mut [u8]) -> usize {
+        let from: &mut VecDeque<u8> = &mut self.bench_mut().to_host;
+        let count = into.len().min(from.len());
+        into.iter_mut().zip(from.drain(..count)).for_each(|(into, byte)| *into = byte);
+        count
+    }
+
+    /// Time since the power came.
+    pub fn now(&self) -> Duration {
+        Duration::from_secs_f64(self.machine.chip.seconds(self.machine.cycle()))
+    }
+
+    /// Why the part was last reset, if it was since it was powered.
+    pub fn was_reset(&self) -> Option<Reset> {
+        self.machine.chip.wires.resets.last().copied()
+    }
+
+    /// What hangs on the pins.
+    pub fn bench(&self) -> &Bench {
+        &self.machine.chip.wires
+    }
+
+    /// What hangs on the pins, to be changed.
+    pub fn bench_mut(&mut self) -> &mut Bench {
+        &mut self.machine.chip.wires
+    }
+
+    /// The processor, its memories and the part.
+    pub fn machine(&self) -> &Machine<Stm32g474<Bench>> {
+        &self.machine
+    }
+
+    /// The processor, its memories and the part, to be changed.
+    pub fn machine_mut(&mut self) -> &mut Machine<Stm32g474<Bench>> {
+        &mut self.machine
+    }
+
+    /// Cycles of a block: what the interrupt may take at most.
+    pub fn block_cycles(&self) -> Cycle {
+        (f64::from(self.config.block_samples) / f64::from(self.config.sample_hz) * HZ as f64) as Cycle
+    }
+}
+
+/// The statics of the image that are read: the block interrupt's own, and the queues.
+const STATE: &str = "BLOCK_INTERRUPT";
+const QUEUES: &str = "QUEUES";
+
+impl BlockVariables {
+    /// The trims that the interrupt has taken from its queue since the last call.
+    fn trims(&mut self, memory: &cortex_m4::Memory) -> Result<Option<LaneTrims>, BoardError> {
+        let field = |place: &Place, name| place.field(name).ok_or(BoardError::Unlike(name));
+        let queue = field(&self.queues, "trims_in")?;
+        let head: usize = field(&queue, "head")?.read(memory)?;
+        let before = std::mem::replace(&mut self.trims_head, head);
+        if before == head {
+            return Ok(None);
+        }
+        Ok(Some(field(&queue, "buffer")?.element(before).ok_or(BoardError::Unlike("buffer"))?.read(memory)?))
+    }
+}
+
+fn stack_of(scene: &Driven) -> Result<plant::driven_stack::DrivenStack, BoardError> {
+    match Plant::new(scene) {
+        _ if !scene.fault.is_empty() => Err(BoardError::Plant("its faults are those of converters that the board does not have")),
+        Plant::Stack(stack) => Ok(*stack),
+        Plant::Motor(_) => Err(BoardError::Plant("the image drives one lane, and a motor has several")),
+        Plant::Crash(_) => Err(BoardError::Plant("the image has no restraint control (feature `friction`)")),
+    }
+}

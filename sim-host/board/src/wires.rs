@@ -1,0 +1,229 @@
+//! What hangs on the pins of the Nucleo-G474RE: amplifier, plant, sense channels, emergency stop and the host's serial line.
+//!
+//! ```text
+//! DAC1 channel 1 (PA4) -> amplifier, while PA10 is high -> stack -> V (PA0), I (PA1 and PA7)
+//! PC3 <- closed contact of the emergency stop          LPUART1 <-> host
+//! ```
+//!
+//! Offset, noise and rounding of the converters are those of the scene's plant. A plant adds up the conversions of a sample; each of the two that the
+//! part makes finds half of that sum at its pin.
+
+use std::collections::VecDeque;
+use std::fmt;
+
+use cortex_m4::Cycle;
+use nucleo_g474re::config::{CONVERSIONS, SILENCE};
+use plant::stream::Stream;
+use stm32g474::{Drive, Level, Pin, Received, Wires};
+
+/// Amplifier enable.
+const ENABLE: Pin = Pin::new('A', 10);
+/// The voltage channel.
+const VOLTAGE: Pin = Pin::new('A', 0);
+/// The current channel, and the comparator of its negative trip.
+const CURRENT: [Pin; 2] = [Pin::new('A', 1), Pin::new('A', 7)];
+/// Emergency stop: high while it is not pressed.
+const STOP: Pin = Pin::new('C', 3);
+/// Cycles of a sample: 170 MHz, 1 MHz.
+const SAMPLE_CYCLES: Cycle = 170;
+/// Volts of a code of the ADC.
+const VOLT_PER_CODE: f64 = 3.3 / 4096.0;
+/// The code of zero at the sense channels, of one conversion.
+const ZERO: u16 = 2048;
+
+/// A change of the amplifier's enable.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Edge {
+    /// When.
+    pub at: Cycle,
+    /// To what.
+    pub high: bool,
+}
+
+/// A reset of the part.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Reset {
+    /// When.
+    pub at: Cycle,
+    /// Its flags in RCC_CSR.
+    flags: u32,
+}
+
+impl fmt::Display for Reset {
+    /// Its cause, by the flags of RCC_CSR (RM0440 7.4.28): the first one of these, as every reset pulls the pin too.
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        let causes = [
+            (29, "the independent watchdog"),
+            (28, "software"),
+            (30, "the window watchdog"),
+            (27, "brown-out"),
+            (26, "the reset pin"),
+        ];
+        let cause = causes.iter().find(|(bit, _)| self.flags >> bit & 1 == 1);
+        f.write_str(cause.map_or("an unknown cause", |(_, name)| name))
+    }
+}
+
+/// The plant, and when its time runs.
+#[derive(Clone, Debug)]
+enum Scene {
+    /// At rest: every block begins with the plant as the scene describes it, until the image has an order.
+    Waiting { fresh: Box<Stream>, now: Box<Stream> },
+    /// The scene is under way.
+    Running(Box<Stream>),
+}
+
+/// The wires of a board.
+#[derive(Clone, Debug)]
+pub struct Bench {
+    scene: Scene,
+    /// Codes of the two conversions of the present sample, of voltage and of current.
+    conversions: [[u16; CONVERSIONS as usize]; 2],
+    /// When the present sample began.
+    began: Cycle,
+    /// Codes that left the DAC, one a sample, since its first trigger.
+    pub codes: Vec<u16>,
+    block_samples: usize,
+    /// The scene is to begin with the next block.
+    ordered: bool,
+    first_block: Option<usize>,
+    enabled: bool,
+    /// Changes of the enable so far.
+    pub edges: Vec<Edge>,
+    /// Samples with a code other than silence while the amplifier was off: it plays zero volts then.
+    pub lost_samples: u64,
+    /// Resets of the part so far.
+    pub resets: Vec<Reset>,
+    /// From when on the emergency stop is pressed, or its wire broken.
+    stop_pressed: Option<Cycle>,
+    /// Bytes on their way to the board.
+    pub to_board: VecDeque<u8>,
+    /// Bytes that the board has sent.
+    pub to_host: VecDeque<u8>,
+}
+
+impl Bench {
+    /// A board whose plant waits for an order; `block_samples` samples are a block.
+    pub fn new(plant: Stream, block_samples: usize) -> Self {
+        let scene = Scene::Waiting { fresh: Box::new(plant.clone()), now: Box::new(plant) };
+        Bench {
+            scene,
+            conversions: [[ZERO; CONVERSIONS as usize]; 2],
+            began: 0,
+            codes: Vec::new(),
+            block_samples,
+            ordered: false,
+            first_block: None,
+            enabled: false,
+            edges: Vec::new(),
+            lost_samples: 0,
+            resets: Vec::new(),
+            stop_pressed: None,
+            to_board: VecDeque::new(),
+            to_host: VecDeque::new(),
+        }
+    }
+
+    /// Lets the scene's time run from the next block on.
+    pub fn begin(&mut self) {
+        self.ordered = true;
+    }
+
+    /// The first block of the scene, counted from the first one that the converters have played; none before it has begun.
+    pub fn first_block(&self) -> Option<usize> {
+        self.first_block
+    }
+
+    /// Presses the emergency stop at a cycle that is to come; its contact stays open.
+    pub fn press_stop(&mut self, at: Cycle) {
+        self.stop_pressed = Some(at);
+    }
+
+    /// The plant.
+    pub fn plant(&self) -> &Stream {
+        match &self.scene {
+            Scene::Waiting { now, .. } => now,
+            Scene::Running(plant) => plant,
+        }
+    }
+
+    fn begin_block(&mut self) {
+        if let Scene::Waiting { fresh, now } = &mut self.scene {
+            if self.ordered {
+                self.first_block = Some(self.codes.len() / self.block_samples);
+                self.scene = Scene::Running(fresh.clone());
+            } else {
+                now.clone_from(fresh);
+            }
+        }
+    }
+
+    fn play(&mut self, code: u16) {
+        if self.codes.len().is_multiple_of(self.block_samples) {
+            self.begin_block();
+        }
+        self.codes.push(code);
+        let plant = match &mut self.scene {
+            Scene::Waiting { now, .. } => now,
+            Scene::Running(plant) => plant,
+        };
+        let driven = if self.enabled { code } else { SILENCE };
+        self.lost_samples += u64::from(driven != code);
+        let (v, i) = plant.play(driven);
+        self.conversions = [v, i].map(|sum| [sum / CONVERSIONS, sum - sum / CONVERSIONS]);
+    }
+}
+
+impl Wires for Bench {
+    fn dac(&mut self, at: Cycle, dac: u8, codes: [u16; 2], triggered: bool) {
+        if dac == 1 && triggered {
+            self.began = at;
+            self.play(codes[0]);
+        }
+    }
+
+    fn volts(&mut self, at: Cycle, pin: Pin) -> f64 {
+        let channel = match pin {
+            VOLTAGE => 0,
+            pin if CURRENT.contains(&pin) => 1,
+            // Nothing is connected there: half of the supply.
+            _ => return f64::from(ZERO) * VOLT_PER_CODE,
+        };
+        let conversion = usize::from(at - self.began >= SAMPLE_CYCLES / 2);
+        f64::from(self.conversions[channel][conversion]) * VOLT_PER_CODE
+    }
+
+    fn output(&mut self, at: Cycle, pin: Pin, level: Level) {
+        let high = level == Level::High;
+        if pin == ENABLE && high != self.enabled {
+            self.enabled = high;
+            self.edges.push(Edge { at, high });
+        }
+    }
+
+    fn inputs(&mut self, at: Cycle, port: u8) -> Drive {
+        let closed = port == STOP.port && self.stop_pressed.is_none_or(|pressed| at < pressed);
+        let high = if closed { 1 << STOP.number } else { 0 };
+        Drive { driven: high, high }
+    }
+
+    fn due(&self) -> Cycle {
+        self.stop_pressed.unwrap_or(Cycle::MAX)
+    }
+
+    fn byte_due(&self) -> Cycle {
+        if self.to_board.is_empty() { Cycle::MAX } else { 0 }
+    }
+
+    fn receive(&mut self, _at: Cycle) -> Option<Received> {
+        self.to_board.pop_front().map(|byte| Received { byte, ..Received::default() })
+    }
+
+    fn reset(&mut self, at: Cycle, flags: u32) {
+        self.resets.push(Reset { at, flags });
+    }
+
+    fn sent(&mut self, _at: Cycle, byte: u8) {
+        self.to_host.push_back(byte);
+    }
+}

@@ -1,0 +1,136 @@
+//! The flashed image on the model of its part, as a board that the client talks to, and as a processor that runs a scene.
+//!
+//! ```text
+//! scene, ELF --> board (plant at its pins) <-- serial line --> client: run --> recording --> replay: the processor of a run
+//! ```
+//!
+//! The image is not changed and not observed by itself: it hears its orders over its serial line. What it has seen and answered is recorded, and a
+//! run on the host replays it: the same controller returns the same codes to the same input, bit for bit, or the run fails. The rest of the
+//! run (metrics, tables, files) is that of any other processor.
+
+use std::cell::RefCell;
+use std::io;
+use std::rc::Rc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
+
+use board::recording::{Replay, first_difference};
+use board::{Board, BoardError, Load, Options, Reset};
+use firmware::board::command::Command;
+use firmware::seam::block::{Gate, LATENCY_BLOCKS};
+use firmware::seam::units::Hertz;
+use scene::Driven;
+use sim::processor::Lost;
+
+use crate::client::Client;
+use crate::link_error::LinkError;
+use crate::port::{InProcess, Simulated};
+
+impl InProcess for Board {
+    fn send(&mut self, bytes: &[u8]) {
+        Board::send(self, bytes);
+    }
+
+    fn waiting(&self) -> usize {
+        self.bench().to_board.len()
+    }
+
+    fn receive(&mut self, into: &mut [u8]) -> usize {
+        Board::receive(self, into)
+    }
+
+    fn now(&self) -> Duration {
+        Board::now(self)
+    }
+
+    fn block(&mut self) -> io::Result<()> {
+        Board::run_block(self).map_err(io::Error::other)
+    }
+}
+
+/// Why a scene could not be run on the image.
+#[derive(Debug, thiserror::Error)]
+pub enum RecordError {
+    /// The board could not be started, or has stopped.
+    #[error(transparent)]
+    Board(#[from] BoardError),
+    /// It does not answer as it should.
+    #[error(transparent)]
+    Link(#[from] LinkError),
+    /// It has answered, and never began to drive.
+    #[error("the board was ordered to run, and had not begun after {0:?}")]
+    Idle(Duration),
+    /// It was reset on the way.
+    #[error(
+        "the board was reset by {cause} before the scene had ended. Its longest block interrupt took {worst_cycles} cycles, and a block has \
+         {block_cycles}{}", too_slow(*worst_cycles, *block_cycles)
+    )]
+    Reset {
+        /// What has reset it.
+        cause: Reset,
+        /// Cycles of its longest block interrupt.
+        worst_cycles: u64,
+        /// Cycles of a block.
+        block_cycles: u64,
+    },
+    /// Something else than its controller's codes left the DAC.
+    #[error("sample {0} that left the DAC is not the code that the controller returned for it")]
+    Played(usize),
+    /// The host does not return what the image returned.
+    #[error(transparent)]
+    Lost(#[from] Lost),
+}
+
+/// What to do about blocks that are too long.
+fn too_slow(worst: u64, block: u64) -> String {
+    if worst < block {
+        String::new()
+    } else {
+        format!(": `--board-speed {}` lets it take that part of its time", worst.div_ceil(block) + 1)
+    }
+}
+
+/// The longest that a board may take from its first order to its first block of it.
+const BEGINS_WITHIN: Duration = Duration::from_millis(100);
+
+/// Runs a scene on an image, and gives its replay.
+pub fn record(elf: &[u8], scene: &Driven, rate: Option<f64>, stop: &'static AtomicBool) -> Result<Replay, RecordError> {
+    let board = Rc::new(RefCell::new(Board::start(elf, scene, Options { rate, record: true })?));
+    let ordered = order(board.clone(), scene, stop);
+    let mut board = board.borrow_mut();
+    // A board that is reset answers too late, or not at all: the reset is the cause.
+    reset(&board)?;
+    ordered?;
+    let ordered = board.now();
+    let blocks = (scene.duration_s * scene.sensors.sample_hz / f64::from(scene.controller.block_samples)).ceil() as usize;
+    // Those that the run asks for, and those in which their codes play.
+    let enough =
+        |board: &Board| board.bench().first_block().is_some_and(|first| board.calls.len() > first + blocks + LATENCY_BLOCKS);
+    while !enough(&board) && !stop.load(Ordering::Relaxed) {
+        board.run_block()?;
+        reset(&board)?;
+        if board.bench().first_block().is_none() && board.now() > ordered + BEGINS_WITHIN {
+            return Err(RecordError::Idle(BEGINS_WITHIN));
+        }
+    }
+    let calls = std::mem::take(&mut board.calls);
+    if let Some(sample) = first_difference(&calls, &board.bench().codes) {
+        return Err(RecordError::Played(sample));
+    }
+    Ok(Replay::new(board.config(), calls, board.bench().first_block().unwrap_or(0))?)
+}
+
+/// Orders the board to run, without a host timeout: nothing is asked of it afterwards.
+fn order(board: Rc<RefCell<Board>>, scene: &Driven, stop: &'static AtomicBool) -> Result<(), LinkError> {
+    let mut client = Client::new(Box::new(Simulated::new("the modelled board", board, false)), stop, |_| ());
+    client.connect()?;
+    let detune = Hertz(scene.controller.drive.detune_hz as f32);
+    let orders = [Command::Patience(0.0), Command::Detune(detune), Command::Gate(Gate::Scheduled), Command::Run];
+    orders.into_iter().try_for_each(|order| client.order(order))
+}
+
+fn reset(board: &Board) -> Result<(), RecordError> {
+    let Load { worst_cycles, .. } = board.load;
+    let cause = board.was_reset();
+    cause.map_or(Ok(()), |cause| Err(RecordError::Reset { cause, worst_cycles, block_cycles: board.block_cycles() }))
+}
