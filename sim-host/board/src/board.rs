@@ -94,7 +94,7 @@ impl Board {
         let mut asked = scene::settings::config(scene);
         asked.link = config::config().link;
         let samples = usize::from(asked.block_samples);
-        let bench = Bench::new(Stream::new(stack_of(scene)?, samples), samples);
+        let bench = Bench::new(Stream::new(stack_of(scene)?, samples), samples, options.record);
         let chip = Stm32g474::new(stm32g474::Config::default(), bench);
         let mut machine = Machine::new(elf, memory, chip, PRIORITY_BITS)?;
         machine.watch(Some(BLOCK_INTERRUPT));

@@ -81,8 +81,10 @@ pub struct Bench {
     conversions: [[u16; CONVERSIONS as usize]; 2],
     /// When the present sample began.
     began: Cycle,
-    /// Codes that left the DAC, one a sample, since its first trigger.
-    pub codes: Vec<u16>,
+    /// Samples played since the DAC was first triggered.
+    samples: usize,
+    /// Codes that left the DAC in them, if they are recorded.
+    pub codes: Option<Vec<u16>>,
     block_samples: usize,
     /// The scene is to begin with the next block.
     ordered: bool,
@@ -103,14 +105,15 @@ pub struct Bench {
 }
 
 impl Bench {
-    /// A board whose plant waits for an order; `block_samples` samples are a block.
-    pub fn new(plant: Stream, block_samples: usize) -> Self {
+    /// A board whose plant waits for an order; `block_samples` samples are a block. What leaves the DAC is recorded if asked for.
+    pub fn new(plant: Stream, block_samples: usize, record: bool) -> Self {
         let scene = Scene::Waiting { fresh: Box::new(plant.clone()), now: Box::new(plant) };
         Bench {
             scene,
             conversions: [[ZERO; CONVERSIONS as usize]; 2],
             began: 0,
-            codes: Vec::new(),
+            samples: 0,
+            codes: record.then(Vec::new),
             block_samples,
             ordered: false,
             first_block: None,
@@ -150,7 +153,7 @@ impl Bench {
     fn begin_block(&mut self) {
         if let Scene::Waiting { fresh, now } = &mut self.scene {
             if self.ordered {
-                self.first_block = Some(self.codes.len() / self.block_samples);
+                self.first_block = Some(self.samples / self.block_samples);
                 self.scene = Scene::Running(fresh.clone());
             } else {
                 now.clone_from(fresh);
@@ -159,10 +162,13 @@ impl Bench {
     }
 
     fn play(&mut self, code: u16) {
-        if self.codes.len().is_multiple_of(self.block_samples) {
+        if self.samples.is_multiple_of(self.block_samples) {
             self.begin_block();
         }
-        self.codes.push(code);
+        self.samples += 1;
+        if let Some(codes) = &mut self.codes {
+            codes.push(code);
+        }
         let plant = match &mut self.scene {
             Scene::Waiting { now, .. } => now,
             Scene::Running(plant) => plant,

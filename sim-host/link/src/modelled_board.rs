@@ -76,6 +76,9 @@ pub enum RecordError {
     /// Something else than its controller's codes left the DAC.
     #[error("sample {0} that left the DAC is not the code that the controller returned for it")]
     Played(usize),
+    /// The amplifier was off while the DAC played: the plant did not follow the codes.
+    #[error("the amplifier was off during {0} samples that the DAC played: a trip, or an enable that came too late")]
+    Off(u64),
     /// The host does not return what the image returned.
     #[error(transparent)]
     Lost(#[from] Lost),
@@ -114,8 +117,11 @@ pub fn record(elf: &[u8], scene: &Driven, rate: Option<f64>, stop: &'static Atom
         }
     }
     let calls = std::mem::take(&mut board.calls);
-    if let Some(sample) = first_difference(&calls, &board.bench().codes) {
+    if let Some(sample) = first_difference(&calls, board.bench().codes.as_deref().unwrap_or(&[])) {
         return Err(RecordError::Played(sample));
+    }
+    if board.bench().lost_samples > 0 {
+        return Err(RecordError::Off(board.bench().lost_samples));
     }
     Ok(Replay::new(board.config(), calls, board.bench().first_block().unwrap_or(0))?)
 }

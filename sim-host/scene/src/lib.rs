@@ -1,7 +1,7 @@
 //! A scene: everything a run needs, as one TOML file. The same file is command-line input, test case and snapshot.
 //!
 //! These types are the one description of what a scene may say. The JSON Schema, the checks on keys, types and ranges, and
-//! the comments of `sim-host show` are all derived from them; [`rules`] adds what a schema cannot say.
+//! the comments of `sim-host show` are all derived from them; the rules add what a schema cannot say.
 //!
 //! # Example
 //!

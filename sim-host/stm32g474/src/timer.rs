@@ -28,7 +28,7 @@ pub(crate) struct Timer {
     flag: bool,
     /// Position of the encoder when the counter was zero.
     zero: i32,
-    /// Next rise of TRGO, and next update that somebody waits for.
+    /// Next rise of TRGO, and next update that an output or an interrupt needs.
     pub trigger: Cycle,
     pub update: Cycle,
     dead: bool,

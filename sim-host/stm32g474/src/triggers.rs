@@ -51,7 +51,7 @@ impl<W: Wires> Stm32g474<W> {
         }
     }
 
-    /// Plans the next event of a timer: only if somebody waits for it.
+    /// Plans the next event of a timer: only where an output or an interrupt needs it.
     pub(crate) fn plan_timer(&mut self, at: Cycle, index: usize) {
         let timer = &self.timers[index];
         let (mut trigger, mut update) = (Cycle::MAX, Cycle::MAX);
@@ -69,7 +69,7 @@ impl<W: Wires> Stm32g474<W> {
 
     pub(crate) fn timer_due(&mut self, at: Cycle, index: usize, ports: &mut Ports) -> Result<(), Fault> {
         let (triggers, updates) = (self.timers[index].trigger <= at, self.timers[index].update <= at);
-        // The next one of each comes a period later; a write in between plans anew.
+        // The next one of each comes a period later; a write in between plans it again.
         let period = self.period(index) * self.timers[index].step;
         let timer = &mut self.timers[index];
         if triggers {
