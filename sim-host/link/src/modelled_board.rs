@@ -4,7 +4,7 @@
 //! scene, ELF --> board (plant at its pins) <-- serial line --> client: run --> recording --> replay: the processor of a run
 //! ```
 //!
-//! The image is not changed and not observed by itself: it hears its orders over its serial line. What it has seen and answered is recorded, and a
+//! The image is not changed and not observed by itself: it receives its orders over its serial line. What it has seen and answered is recorded, and a
 //! run on the host replays it: the same controller returns the same codes to the same input, bit for bit, or the run fails. The rest of the
 //! run (metrics, tables, files) is that of any other processor.
 
