@@ -89,7 +89,7 @@ fn blocks_that_are_too_long_end_in_the_watchdog() {
     while board.was_reset().is_none() && board.now() < Duration::from_millis(60) {
         board.run_block().expect("no finding");
     }
-    let worst = board.load.worst_cycles;
+    let worst = u64::from(board.load.worst);
     assert_eq!(
         board.was_reset().map(|reset| reset.to_string()).as_deref(),
         (worst > board.block_cycles()).then_some("the independent watchdog"),

@@ -10,10 +10,10 @@ use nucleo_g474re::{config, pages};
 use plant::Plant;
 use plant::stream::Stream;
 use scene::Driven;
+use sim::record::Taken;
 use stm32g474::Stm32g474;
 
 use crate::configure::{self, Misfit};
-use crate::load::Load;
 use crate::recording::Call;
 use crate::variables::{DebugInfoError, Place, ReadError, Variables};
 use crate::wires::{Bench, Reset};
@@ -69,8 +69,8 @@ pub struct Board {
     rate: f64,
     /// Calls of the controller so far, if recorded.
     pub calls: Vec<Call>,
-    /// The block interrupt's share of the processor.
-    pub load: Load,
+    /// Cycles that the block interrupt has cost, entry and return included.
+    pub load: Taken,
     entered: Option<Passage>,
 }
 
@@ -110,7 +110,7 @@ impl Board {
             record: options.record,
             rate,
             calls: Vec::new(),
-            load: Load::default(),
+            load: Taken::default(),
             entered: None,
         })
     }
@@ -149,7 +149,7 @@ impl Board {
             // What it costs the part, whatever time it was given.
             cycles = ((returned.at - entered.at) as f64 / self.rate).round() as Cycle;
             instructions = returned.instructions - entered.instructions;
-            self.load.add(cycles, instructions);
+            self.load.add(cycles as u32);
         }
         let memory = &self.machine.memory;
         let Some(state) = self.variables.state.target(memory) else { return Ok(()) };

@@ -31,11 +31,9 @@
 
 mod board;
 pub mod configure;
-mod load;
 pub mod recording;
 pub mod variables;
 mod wires;
 
 pub use board::{Board, BoardError, Options};
-pub use load::Load;
 pub use wires::{Bench, Edge, Reset};

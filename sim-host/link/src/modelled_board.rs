@@ -15,7 +15,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
 use board::recording::{Replay, first_difference};
-use board::{Board, BoardError, Load, Options, Reset};
+use board::{Board, BoardError, Options, Reset};
 use firmware::board::command::Command;
 use firmware::seam::block::{Gate, LATENCY_BLOCKS};
 use firmware::seam::units::Hertz;
@@ -136,7 +136,7 @@ fn order(board: Rc<RefCell<Board>>, scene: &Driven, stop: &'static AtomicBool) -
 }
 
 fn reset(board: &Board) -> Result<(), RecordError> {
-    let Load { worst_cycles, .. } = board.load;
+    let worst_cycles = board.load.worst.into();
     let cause = board.was_reset();
     cause.map_or(Ok(()), |cause| Err(RecordError::Reset { cause, worst_cycles, block_cycles: board.block_cycles() }))
 }
