@@ -2,8 +2,8 @@
 
 use crate::chip::Cycle;
 use crate::exceptions::{Dwt, Mpu, Nvic, Scb, SysTick};
-use crate::machine::Passage;
 use crate::op::{Decoded, Sets, Shift};
+use crate::watch::Watch;
 
 /// Condition flags, saturation flag and the four greater-or-equal flags of the DSP extension.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -146,25 +146,6 @@ pub(crate) struct Cpu {
     pub(crate) watch: Watch,
 }
 
-/// What a run does for its observer, over resets too.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Watch {
-    /// The exception whose entries and returns end a run; 0: none.
-    pub(crate) exception: u16,
-    pub(crate) passage: Option<Passage>,
-    /// The entry that was chained to that return.
-    pub(crate) chained: Option<Passage>,
-    /// Cycles of time for a cycle of cost in that exception, in 65536ths, and the part of a cycle that is still owed.
-    pub(crate) rate: u32,
-    pub(crate) owed: u64,
-}
-
-impl Default for Watch {
-    fn default() -> Self {
-        Watch { exception: 0, passage: None, chained: None, rate: 1 << 16, owed: 0 }
-    }
-}
-
 /// What the processor sleeps for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Sleep {
@@ -219,10 +200,7 @@ impl Cpu {
     /// Adds the cost of the present instruction, exception entry or return to the time.
     #[inline(always)]
     pub(crate) fn spend(&mut self) {
-        let rate = if self.ipsr == self.watch.exception { self.watch.rate } else { 1 << 16 };
-        let owed = self.watch.owed + u64::from(self.cost) * u64::from(rate);
-        self.cycle += owed >> 16;
-        self.watch.owed = owed & 0xFFFF;
+        self.cycle += self.watch.time_of(self.cost, self.ipsr);
     }
 
     #[inline(always)]

@@ -2,12 +2,11 @@
 
 use crate::chip::{Chip, Cycle, Ports};
 use crate::cpu::{Cpu, INVALID, Sleep, Trap};
-use crate::decode;
 use crate::elf::{self, ImageError, Symbols};
 use crate::interrupts::Interrupts;
 use crate::memory::Memory;
-use crate::op::Decoded;
 use crate::profile::Profile;
+use crate::watch::Passage;
 
 /// Why a run has stopped before its end.
 #[derive(Debug, thiserror::Error)]
@@ -22,17 +21,6 @@ pub struct Stop {
     /// What the part or the processor has found.
     #[source]
     pub finding: Box<dyn std::error::Error + Send + Sync>,
-}
-
-/// The watched exception was entered, or has returned.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Passage {
-    /// Entered; otherwise returned.
-    pub entered: bool,
-    /// When: at the entry's beginning, or the return's.
-    pub at: Cycle,
-    /// Instructions until then.
-    pub instructions: u64,
 }
 
 /// The processor with its memories and the part around it.
@@ -106,31 +94,7 @@ impl<C: Chip> Machine<C> {
         self.cpu.attend();
         let ended = if self.profile.is_some() { self.run::<true>(until) } else { self.run::<false>(until) };
         ended.map_err(|_| self.stop())?;
-        let watch = &mut self.cpu.watch;
-        Ok(std::mem::replace(&mut watch.passage, watch.chained.take()))
-    }
-
-    /// Ends runs at each entry and return of an exception; `None` at none.
-    pub fn watch(&mut self, exception: Option<u16>) {
-        self.cpu.watch.exception = exception.unwrap_or(0);
-    }
-
-    /// Lets the [watched](Machine::watch) exception take `rate` cycles of time for each cycle that its instructions cost: below one it is shorter than the
-    /// part would be at it, while all else, delays among it, takes its time. To a 65536th, without drift.
-    pub fn set_rate(&mut self, rate: f64) {
-        self.cpu.watch.rate = (rate * 65536.0) as u32;
-    }
-
-    /// Notes that an exception is entered or returned from.
-    pub(crate) fn pass(&mut self, exception: u16, entered: bool) {
-        let cpu = &mut self.cpu;
-        if exception == cpu.watch.exception {
-            let passage = Some(Passage { entered, at: cpu.cycle, instructions: cpu.instructions });
-            // It may return and be entered again in one go.
-            let place = if cpu.watch.passage.is_none() { &mut cpu.watch.passage } else { &mut cpu.watch.chained };
-            *place = passage;
-            cpu.attend();
-        }
+        Ok(self.cpu.watch.take_passage())
     }
 
     /// Runs one instruction, or sleeps until the next event, at most until `until`.
@@ -174,7 +138,7 @@ impl<C: Chip> Machine<C> {
         loop {
             self.settle()?;
             let now = self.cpu.cycle;
-            if now >= until || self.cpu.watch.passage.is_some() {
+            if now >= until || self.cpu.watch.has_passed() {
                 return Ok(false);
             }
             let event = self.chip.due().min(self.cpu.systick.due()).min(until);
@@ -291,58 +255,5 @@ impl<C: Chip> Machine<C> {
             self.take(trap)?;
         }
         Ok(())
-    }
-
-    /// The instruction at `pc`, if it is decoded, and whether its memory has wait states.
-    #[inline(always)]
-    fn cached(&self, pc: u32) -> Option<(&Decoded, bool)> {
-        let bank = self.memory.banks.get(usize::from(self.memory.by_top[(pc >> 24) as usize]))?;
-        // The lowest bit, INVALID, becomes the highest: no region is that long.
-        let decoded = bank.code.get(pc.wrapping_sub(bank.region.base).rotate_right(INVALID) as usize)?;
-        (decoded.len != 0).then_some((decoded, bank.region.waits))
-    }
-
-    /// Decodes the instruction at `pc`, or takes the fault of its fetch.
-    #[cold]
-    #[inline(never)]
-    fn prepare(&mut self, pc: u32) -> Result<(), Trap> {
-        self.fetch(pc).or_else(|trap| {
-            self.cpu.next = pc;
-            self.cpu.instructions += 1;
-            self.take(trap)
-        })
-    }
-
-    /// Decodes an instruction into the place next to its bytes.
-    fn fetch(&mut self, pc: u32) -> Result<(), Trap> {
-        if pc & INVALID != 0 {
-            return Err(Trap::InvalidState);
-        }
-        // Device memory and the system space hold no code (B3.1).
-        if matches!(pc >> 29, 2 | 5..) {
-            return Err(Trap::MemoryFetch);
-        }
-        let (bank, from) = self.memory.find(pc).ok_or(Trap::Fetch)?;
-        let bytes = &self.memory.banks[bank].region.bytes;
-        let half = |at: usize| bytes.get(at..at + 2).map(|bytes| u16::from_le_bytes([bytes[0], bytes[1]]));
-        let first = half(from).ok_or(Trap::Fetch)?;
-        let second = half(from + 2).unwrap_or(0);
-        if decode::is_wide(first) && from + 4 > bytes.len() {
-            return Err(Trap::Fetch);
-        }
-        let decoded = decode::decode(pc, first, second);
-        self.memory.banks[bank].remember(from, decoded);
-        Ok(())
-    }
-
-    /// Wait states of an instruction that lies in the aligned 8 bytes at `first` and `last`, fetched after those at `before`.
-    #[inline]
-    fn fetch_wait(&mut self, first: u32, before: u32, last: u32) {
-        if first != before {
-            self.cpu.cost += self.chip.fetch_wait(first, self.cpu.cycle);
-        }
-        if last != first {
-            self.cpu.cost += self.chip.fetch_wait(last, self.cpu.cycle);
-        }
     }
 }
