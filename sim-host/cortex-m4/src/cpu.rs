@@ -1,10 +1,9 @@
 //! Registers and state of the processor itself.
 
-use std::sync::Arc;
-
 use crate::chip::Cycle;
 use crate::exceptions::{Dwt, Mpu, Nvic, Scb, SysTick};
 use crate::op::{Decoded, Sets, Shift};
+use crate::timing::Timing;
 use crate::watch::Watch;
 
 /// Condition flags, saturation flag and the four greater-or-equal flags of the DSP extension.
@@ -86,7 +85,7 @@ pub(crate) struct Last {
 }
 
 /// The processor without what surrounds it.
-#[derive(Clone, Debug)]
+#[derive(Debug)]
 pub(crate) struct Cpu {
     /// R0 to R14; the last reads, while an instruction runs, as its address plus 4.
     pub(crate) r: [u32; 16],
@@ -139,13 +138,15 @@ pub(crate) struct Cpu {
     pub(crate) exception_return: Option<u32>,
     /// Aligned 8 bytes that the last fetch came from, and no aligned address at first.
     pub(crate) fetched: u32,
-    /// Register that the instruction before has computed, or none.
+    /// Register that the instruction before has computed, or none, or that it was a branch.
     pub(crate) computed: u8,
+    pub(crate) timing: Timing,
+    /// 32-bit instructions in a row that are not aligned.
+    pub(crate) unaligned: u32,
     pub(crate) last_load: Last,
     pub(crate) last_float: Last,
     pub(crate) fault_address: u32,
-    /// Shared, so that a processor can be cloned.
-    pub(crate) stop: Option<Arc<dyn std::error::Error + Send + Sync>>,
+    pub(crate) stop: Option<Box<dyn std::error::Error + Send + Sync>>,
     pub(crate) watch: Watch,
 }
 
@@ -192,6 +193,8 @@ impl Cpu {
             exception_return: None,
             fetched: 1,
             computed: Decoded::NONE,
+            timing: Timing::Longest,
+            unaligned: 0,
             last_load: Last::default(),
             last_float: Last::default(),
             fault_address: 0,
@@ -270,30 +273,6 @@ impl Cpu {
     #[inline]
     pub(crate) fn attend(&mut self) {
         self.deadline = 0;
-    }
-
-    /// Branches to an address whose lowest bit says Thumb, or returns from an exception (`BXWritePC`, `LoadWritePC`).
-    #[inline]
-    pub(crate) fn branch_exchange(&mut self, target: u32) {
-        if self.ipsr != 0 && target >= 0xF000_0000 {
-            self.exception_return = Some(target);
-        } else {
-            self.branch_to(target);
-        }
-    }
-
-    /// The same without the return (`BLXWritePC`). An even address clears EPSR.T, and the next instruction faults.
-    #[inline]
-    pub(crate) fn branch_to(&mut self, target: u32) {
-        self.next = if target & 1 == 1 { target & !1 } else { target | INVALID };
-        self.cost += crate::cycles::REFILL;
-    }
-
-    /// Branches within Thumb code.
-    #[inline(always)]
-    pub(crate) fn branch(&mut self, target: u32) {
-        self.next = target & !1;
-        self.cost += crate::cycles::REFILL;
     }
 }
 

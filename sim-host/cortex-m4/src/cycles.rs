@@ -1,17 +1,17 @@
-//! Cycles of each instruction: an upper bound, after ARM DDI 0439 (Cortex-M4 technical reference manual), section 3.3 and table 7-1.
+//! Cycles of each instruction, after ARM DDI 0439 (Cortex-M4 technical reference manual), section 3.3 and table 7-1. Where these leave a range, [`Timing`]
+//! says which end of it.
 //!
 //! | what | cycles |
 //! |---|---|
 //! | data processing, DSP, bit fields, `MUL`, `MLA`, `SMLAxy`, `SMLAD`, `SMULL`, `SMMLA` … | 1 |
 //! | `SDIV`, `UDIV` | 12 (2 to 12: how the quotient ends it early is not published) |
 //! | `LDR` of any size, register or immediate offset | 2; 1 right after another load whose result is not its address |
-//! | `LDR` relative to the PC | 1 more, for contention with the fetch |
 //! | any access whose address the instruction before has computed | 1 more |
 //! | `STR` with immediate offset; with register offset | 1; 2, or 1 right after a load |
 //! | `LDRD`, `STRD`, `LDM`, `STM`, `PUSH`, `POP` | 1 + N words |
 //! | unaligned access | 1 more for a halfword, 2 more for a word |
-//! | a branch that is taken, any write to the PC | [`REFILL`] more |
-//! | `TBB`, `TBH` | 3 + [`REFILL`] |
+//! | a branch that is taken, any write to the PC | the refill more, see [`timing`](crate::timing) |
+//! | `TBB`, `TBH` | 3, and the refill |
 //! | `MRS`, `MSR`, `CPS`, barriers; `LDREX`, `STREX` | 2 |
 //! | `IT` | 1, as if never folded |
 //! | `VADD`, `VMUL`, `VCVT`, `VCMP`, `VMOV`, `VMRS` … | 1 |
@@ -28,12 +28,17 @@
 //!
 //! Added by the part: wait states of a fetch that enters another aligned 8 bytes, and of a load. Not modelled: contention on the bus matrix between
 //! fetches, loads and DMA; wait states of peripherals; the write buffer's stall (a `STR` that finds it full);
-//! and, on the side of too many cycles, speculative fetches of branch targets, `VDIV` in parallel with integer instructions, abandoned `LDM`, late arrival.
+//! and, on the side of too many cycles, `VDIV` in parallel with integer instructions, `IT` folded into the instruction before it, abandoned `LDM`, late arrival.
+//!
+//! # Compared with measurements
+//!
+//! The example `benchmarks` of `sonoglide-stm32g474` runs Embench, CoreMark and Dhrystone on the model. Embench publishes the cycles of each of its programs
+//! on an STM32F407 without wait states. `docs/board.md` has the result.
 
+#[cfg(doc)]
+use crate::Timing;
 use crate::op::{Float1, Float2, Op};
 
-/// Worst refill of the pipeline after a branch (`P` of the manual: 1 to 3).
-pub const REFILL: u32 = 3;
 /// Entry of an exception, from memory without wait states.
 pub const ENTRY: u32 = 12;
 /// Return from an exception (10 to 12).
@@ -45,12 +50,11 @@ pub const FLOAT_FRAME: u32 = 17;
 
 /// Cycles of `op` without what depends on operands: branch taken, quotient, alignment, pipelining of loads.
 pub(crate) fn of(op: &Op) -> u8 {
-    let refill = REFILL as u8;
     match op {
         Op::Divide { .. } => 12,
         Op::LoadPc { .. } | Op::LoadPcReg { .. } | Op::LoadPcLiteral { .. } => 2, // and the refill
         Op::LdrImm { .. } | Op::LoadImm { .. } | Op::LoadReg { .. } | Op::LoadIndexed { .. } => 2,
-        Op::LoadLiteral { .. } => 3,
+        Op::LoadLiteral { .. } => 2,
         Op::StoreReg { .. } => 2,
         Op::Unprivileged { load: true, .. } => 2,
         Op::LoadDouble { .. } | Op::StoreDouble { .. } | Op::LoadDoubleLiteral { .. } => 3,
@@ -58,7 +62,6 @@ pub(crate) fn of(op: &Op) -> u8 {
             1 + list.count_ones() as u8
         }
         Op::LoadExclusive { .. } | Op::StoreExclusive { .. } => 2,
-        Op::Branch { .. } | Op::BranchLink { .. } => 1 + refill,
         Op::TableBranch { .. } => 3,
         Op::Barrier | Op::ChangeState { .. } | Op::ReadSpecial { .. } | Op::WriteSpecial { .. } => 2,
         Op::Float2 { float: Float2::Div, .. } | Op::Float1 { float: Float1::Sqrt, .. } => 14,

@@ -51,7 +51,7 @@
 //!   does something plain, or takes it as undefined.
 //! * Exceptions with priorities, tail-chaining, lazy stacking of floating-point registers, escalation and lockup. An access to a register of the
 //!   processor that is not modelled stops the run.
-//! * Cycles as an upper bound without contention on the buses: [`cycles`].
+//! * Cycles without contention on the buses, as they usually are or as many as the manual allows: [`cycles`], [`Timing`].
 //!
 //! # What is not
 //!
@@ -72,13 +72,13 @@ mod exceptions;
 mod execute;
 mod fetch;
 mod float;
-mod halt;
 mod inspect;
 mod interrupts;
 mod machine;
 mod memory;
 mod op;
 mod profile;
+pub mod timing;
 mod watch;
 
 pub use chip::{Access, Breakpoint, Chip, Cycle, Fault, Ports, Width};
@@ -88,4 +88,5 @@ pub use interrupts::{Interrupts, LINES};
 pub use machine::{Machine, Stop};
 pub use memory::{Memory, Region};
 pub use profile::{Handled, Profile, Spent};
+pub use timing::Timing;
 pub use watch::Passage;

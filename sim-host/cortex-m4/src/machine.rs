@@ -1,13 +1,12 @@
 //! A part with its processor, and the run.
 
-use std::sync::Arc;
-
 use crate::chip::{Chip, Cycle, Ports};
 use crate::cpu::{Cpu, INVALID, Sleep, Trap};
 use crate::elf::{self, ImageError, Symbols};
 use crate::interrupts::Interrupts;
 use crate::memory::Memory;
 use crate::profile::Profile;
+use crate::timing::Timing;
 use crate::watch::Passage;
 
 /// Why a run has stopped before its end.
@@ -22,11 +21,11 @@ pub struct Stop {
     pub cycle: Cycle,
     /// What the part or the processor has found.
     #[source]
-    pub finding: Arc<dyn std::error::Error + Send + Sync>,
+    pub finding: Box<dyn std::error::Error + Send + Sync>,
 }
 
-/// The processor with its memories and the part around it. A clone goes on from the same state.
-#[derive(Clone, Debug)]
+/// The processor with its memories and the part around it.
+#[derive(Debug)]
 pub struct Machine<C> {
     pub(crate) cpu: Cpu,
     /// Flash and RAM.
@@ -35,7 +34,7 @@ pub struct Machine<C> {
     pub interrupts: Interrupts,
     /// The part.
     pub chip: C,
-    pub(crate) symbols: Arc<Symbols>,
+    pub(crate) symbols: Symbols,
     /// What the part shows at address 0 after reset.
     pub(crate) boot: u32,
     /// The access is one of an unprivileged load or store.
@@ -47,7 +46,7 @@ impl<C: Chip> Machine<C> {
     /// Loads an ELF file into the memories and resets the processor. `priority_bits` is how many bits of an interrupt priority the part implements.
     pub fn new(elf: &[u8], mut memory: Memory, chip: C, priority_bits: u8) -> Result<Machine<C>, ImageError> {
         let (symbols, boot) = elf::load(elf, &mut memory)?;
-        Ok(Machine { symbols: Arc::new(symbols), ..Machine::of_memory(memory, chip, boot, priority_bits) })
+        Ok(Machine { symbols, ..Machine::of_memory(memory, chip, boot, priority_bits) })
     }
 
     /// A machine whose program stands in the memories already, its vector table at `boot`.
@@ -57,7 +56,7 @@ impl<C: Chip> Machine<C> {
             memory,
             interrupts: Interrupts::default(),
             chip,
-            symbols: Arc::default(),
+            symbols: Symbols::default(),
             boot,
             as_user: false,
             profile: None,
@@ -68,9 +67,8 @@ impl<C: Chip> Machine<C> {
 
     /// Starts from the vector table. Cycles and instructions count on.
     fn start(&mut self) {
-        let (cycle, instructions, watch, bits) =
-            (self.cpu.cycle, self.cpu.instructions, self.cpu.watch, self.cpu.nvic.priority_bits());
-        self.cpu = Cpu { cycle, instructions, watch, ..Cpu::new(bits) };
+        let Cpu { cycle, instructions, watch, timing, ref nvic, .. } = self.cpu;
+        self.cpu = Cpu { cycle, instructions, watch, timing, ..Cpu::new(nvic.priority_bits()) };
         self.cpu.r[14] = u32::MAX;
         let (stack, entry) = (self.vector(0), self.vector(1));
         self.cpu.cost = 0;
@@ -81,6 +79,11 @@ impl<C: Chip> Machine<C> {
             }
             _ => self.lock_up(),
         }
+    }
+
+    /// Chooses which cycles are counted where the manual leaves them open; [`Timing::Longest`] at first.
+    pub fn set_timing(&mut self, timing: Timing) {
+        self.cpu.timing = timing;
     }
 
     /// Resets the part and the processor, as the reset line does.
@@ -117,15 +120,11 @@ impl<C: Chip> Machine<C> {
         stepped.map_err(|_| self.stop())
     }
 
-    pub(crate) fn stop(&mut self) -> Stop {
+    fn stop(&mut self) -> Stop {
         let pc = self.cpu.pc;
         let function =
             self.symbols.function(pc).map_or_else(|| "code without a symbol".to_owned(), |function| function.name.clone());
-        let finding = self
-            .cpu
-            .stop
-            .take()
-            .unwrap_or_else(|| Box::<dyn std::error::Error + Send + Sync>::from("the run was stopped").into());
+        let finding = self.cpu.stop.take().unwrap_or_else(|| "the run was stopped".into());
         Stop { pc, function, cycle: self.cpu.cycle, finding }
     }
 
@@ -163,7 +162,7 @@ impl<C: Chip> Machine<C> {
     }
 
     /// Lets happen what is due, and takes over the lines.
-    pub(crate) fn settle(&mut self) -> Result<(), Trap> {
+    fn settle(&mut self) -> Result<(), Trap> {
         let now = self.cpu.cycle;
         if self.cpu.stop.is_some() {
             return Err(Trap::Stop);
@@ -226,6 +225,11 @@ impl<C: Chip> Machine<C> {
         let cpu = &mut self.cpu;
         if decoded.bases & 15 == cpu.computed || decoded.bases >> 4 == cpu.computed {
             cpu.cost += 1;
+        }
+        if decoded.len == 4 && pc & 2 != 0 {
+            cpu.fetch_unaligned();
+        } else {
+            cpu.unaligned = 0;
         }
         cpu.computed = decoded.computes;
         let in_block = cpu.it;

@@ -119,6 +119,9 @@ impl<C: Chip> Machine<C> {
                 cpu.fpscr = cpu.fpscr & 0x0FFF_FFFF | flags << 28;
             }
             Op::FloatLoad { d, n, double, offset } => {
+                if n == 15 {
+                    cpu.load_from_code();
+                }
                 let (address, _) = cpu.indexed(n, crate::op::Index::Offset, offset);
                 let first = self.load_aligned(address)?;
                 if double {

@@ -4,6 +4,7 @@ use crate::chip::Chip;
 use crate::cpu::{Cpu, Last, Trap};
 use crate::machine::Machine;
 use crate::op::{Index, Size};
+use crate::timing::Target;
 
 impl Cpu {
     /// The address of an access and the value of its base register afterwards.
@@ -69,7 +70,7 @@ impl<C: Chip> Machine<C> {
             }
         }
         if list >> 15 == 1 {
-            self.cpu.branch_exchange(values[15]);
+            self.cpu.branch_exchange(values[15], Target::Loaded);
         }
         Ok(())
     }

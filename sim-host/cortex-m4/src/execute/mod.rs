@@ -11,6 +11,7 @@ use crate::chip::Chip;
 use crate::cpu::{Sleep, Trap};
 use crate::machine::Machine;
 use crate::op::{Index, Op, Sets, Size};
+use crate::timing::Target;
 
 impl<C: Chip> Machine<C> {
     /// Executes one decoded instruction.
@@ -42,8 +43,8 @@ impl<C: Chip> Machine<C> {
                 cpu.logical(d, result, carry, sets);
             }
             Op::MovTop { d, imm } => cpu.set(d, cpu.get(d) & 0xFFFF | u32::from(imm) << 16),
-            Op::MovPc { m } => cpu.branch(cpu.get(m)),
-            Op::AddPc { m } => cpu.branch(cpu.get(15).wrapping_add(cpu.get(m))),
+            Op::MovPc { m } => cpu.branch(cpu.get(m), Target::Register),
+            Op::AddPc { m } => cpu.branch(cpu.get(15).wrapping_add(cpu.get(m)), Target::Register),
             Op::Bits { bits, d, m } => cpu.bits(bits, d, m),
             Op::Extend { extend, d, n, m, rotate } => cpu.extend(extend, d, n, m, rotate),
             Op::Extract { signed, d, n, lsb, width } => cpu.extract(signed, d, n, lsb, width),
@@ -64,25 +65,25 @@ impl<C: Chip> Machine<C> {
             Op::Long { long, lo, hi, n, m } => cpu.long(long, lo, hi, n, m),
             Op::Divide { signed, d, n, m } => return cpu.divide(signed, d, n, m),
 
-            Op::Branch { target } => cpu.next = target,
+            Op::Branch { target } => cpu.branch(target, Target::Immediate),
             Op::BranchIf { condition, target } => {
                 if cpu.flags.hold(condition) {
-                    cpu.branch(target);
+                    cpu.branch(target, Target::Immediate);
                 }
             }
             Op::BranchLink { target } => {
                 cpu.r[14] = cpu.next | 1;
-                cpu.next = target;
+                cpu.branch(target, Target::Immediate);
             }
-            Op::BranchExchange { m } => cpu.branch_exchange(cpu.get(m)),
+            Op::BranchExchange { m } => cpu.branch_exchange(cpu.get(m), Target::Register),
             Op::BranchLinkExchange { m } => {
                 let target = cpu.get(m);
                 cpu.r[14] = cpu.next | 1;
-                cpu.branch_to(target);
+                cpu.branch_to(target, Target::Register);
             }
             Op::BranchZero { n, nonzero, target } => {
                 if (cpu.get(n) != 0) == nonzero {
-                    cpu.branch(target);
+                    cpu.branch(target, Target::Immediate);
                 }
             }
             Op::It { state } => cpu.it = state,
@@ -134,7 +135,10 @@ impl<C: Chip> Machine<C> {
                 cpu.pipeline(n, m);
                 self.store(size, address, value)?;
             }
-            Op::LoadLiteral { size, t, address } => self.load_to(size, t, address, 15, 15)?,
+            Op::LoadLiteral { size, t, address } => {
+                cpu.load_from_code();
+                self.load_to(size, t, address, 15, 15)?;
+            }
             Op::LoadIndexed { size, t, n, after, offset } => {
                 let base = cpu.get(n);
                 let moved = base.wrapping_add_signed(offset.into());
@@ -152,16 +156,17 @@ impl<C: Chip> Machine<C> {
                 let (address, moved) = cpu.indexed(n, index, offset);
                 let target = self.load(Size::Word, address)?;
                 self.cpu.set(n, moved);
-                self.cpu.branch_exchange(target);
+                self.cpu.branch_exchange(target, Target::Loaded);
             }
             Op::LoadPcReg { n, m, shift } => {
                 let address = cpu.get(n).wrapping_add(cpu.get(m) << shift);
                 let target = self.load(Size::Word, address)?;
-                self.cpu.branch_exchange(target);
+                self.cpu.branch_exchange(target, Target::Loaded);
             }
             Op::LoadPcLiteral { address } => {
+                cpu.load_from_code();
                 let target = self.load(Size::Word, address)?;
-                self.cpu.branch_exchange(target);
+                self.cpu.branch_exchange(target, Target::Loaded);
             }
             Op::Unprivileged { load, size, t, n, offset } => {
                 let address = cpu.get(n).wrapping_add(offset.into());
@@ -181,7 +186,10 @@ impl<C: Chip> Machine<C> {
                 self.store_aligned(address.wrapping_add(4), second)?;
                 self.cpu.set(n, moved);
             }
-            Op::LoadDoubleLiteral { t, t2, address } => self.load_double(t, t2, address)?,
+            Op::LoadDoubleLiteral { t, t2, address } => {
+                cpu.load_from_code();
+                self.load_double(t, t2, address)?;
+            }
             Op::LoadMany { n, list, before, back } => self.load_many(n, list, before, back)?,
             Op::StoreMany { n, list, before, back } => self.store_many(n, list, before, back)?,
             Op::Push { list } => self.store_many(13, list, true, true)?,
@@ -194,7 +202,7 @@ impl<C: Chip> Machine<C> {
                     true => self.load(Size::Half, base.wrapping_add(index << 1))?,
                     false => self.load(Size::Byte, base.wrapping_add(index))?,
                 };
-                self.cpu.branch(self.cpu.get(15).wrapping_add(offset << 1));
+                self.cpu.branch(self.cpu.get(15).wrapping_add(offset << 1), Target::Loaded);
             }
 
             _ => return self.execute_float(op),

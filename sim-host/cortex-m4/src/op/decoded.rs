@@ -19,6 +19,8 @@ pub(crate) struct Decoded {
 impl Decoded {
     /// No register.
     pub(crate) const NONE: u8 = 0xFF;
+    /// What a branch computes: the next instruction is its target.
+    pub(crate) const TARGET: u8 = 0xFE;
     pub(crate) const NOTHING: Decoded = Decoded { op: Op::Undefined, len: 0, cycles: 0, computes: Decoded::NONE, bases: 0xFF };
 
     pub(crate) fn new(op: Op, len: u8) -> Decoded {

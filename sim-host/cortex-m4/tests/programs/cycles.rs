@@ -1,12 +1,19 @@
 //! The cycle table on short kernels, against the figures that ARM DDI 0439 prints (section 3.3, table 7-1).
 
+use sonoglide_cortex_m4::Timing::{self, Longest, Usual};
+
 use crate::support::{RAM, machine};
 
 /// Cycles of `kernel` between two `NOP`s, without wait states, from R1 to R7 in RAM.
 fn cycles(kernel: &[u16]) -> u64 {
+    cycles_of(Longest, kernel)
+}
+
+fn cycles_of(timing: Timing, kernel: &[u16]) -> u64 {
     let nops = [0xBF00; 2];
     let code = [&nops[..], kernel, &nops].concat();
     let mut machine = machine(&code, &[(3, &[0xE7FE])]);
+    machine.set_timing(timing);
     for register in 1..8 {
         machine.set_register(register, RAM + 64 * u32::from(register));
     }
@@ -73,6 +80,46 @@ fn products_take_one_cycle_and_quotients_twelve() {
 fn a_loop_pays_the_refill_on_each_turn_but_the_last() {
     // SUBS R0, #1; BNE: three turns
     assert_eq!(cycles(&[0x3801, 0xD1FD]), 3 + 2 * 4 + 1);
+    assert_eq!(cycles_of(Usual, &[0x3801, 0xD1FD]), 3 + 2 * 2 + 1);
+}
+
+#[test]
+fn the_refill_depends_on_the_target() {
+    let cycles = [Usual, Longest].map(|timing| move |kernel: &[u16]| cycles_of(timing, kernel));
+    let both = |kernel: &[u16]| cycles.map(|cycles| cycles(kernel));
+    // B over a NOP, to NOP
+    assert_eq!(both(&[0xE000, 0xBF00, 0xBF00]), [2 + 1, 4 + 1]);
+    // to a 32-bit MOV that is aligned, and to one that is not
+    assert_eq!(both(&[0xE000, 0xBF00, 0xF04F, 0x0400]), [2 + 1, 4 + 1]);
+    assert_eq!(both(&[0xE7FF, 0xF04F, 0x0400]), [2 + 2, 4 + 1]);
+    // BL to a BX LR, and over it by B
+    assert_eq!(both(&[0xF000, 0xF801, 0xE000, 0x4770]), [2 + 3 + 2, 4 + 4 + 4]);
+    // ADR R4, the last NOP; PUSH {R4}; POP {PC} of an odd address
+    assert_eq!(both(&[0xA401, 0x3401, 0xB410, 0xBD00, 0xBF00]), [1 + 1 + 2 + 5 + 1; 2]);
+}
+
+#[test]
+fn the_third_wide_instruction_that_is_not_aligned_waits() {
+    let cycles = |timing, aligned: bool, count: usize| {
+        let nop = if aligned { &[][..] } else { &[0xBF00] };
+        // MOV.W R4, #0
+        cycles_of(timing, &[nop, &[0xF04F, 0x0400].repeat(count)].concat()) - nop.len() as u64
+    };
+    assert_eq!([1, 2, 3, 4, 6].map(|count| cycles(Usual, true, count)), [1, 2, 3, 4, 6]);
+    assert_eq!([1, 2, 3, 4, 6].map(|count| cycles(Usual, false, count)), [1, 2, 4, 5, 7]);
+    assert_eq!([1, 2, 3, 4, 6].map(|count| cycles(Longest, false, count)), [1, 2, 4, 6, 10]);
+}
+
+#[test]
+fn a_load_relative_to_the_pc_may_wait_for_the_fetch() {
+    // LDR R4, [PC]; LDR R5, [PC]; LDR R6, [R1]
+    let loads = [0x4C00, 0x4D00, 0x680E];
+    assert_eq!(cycles_of(Usual, &loads), 2 + 1 + 1);
+    assert_eq!(cycles_of(Longest, &loads), 3 + 3 + 1);
+    // VLDR S0, [PC], with the FPU on
+    let start = crate::support::store(0xE000_ED88, 0xF0_0000);
+    let cost = |timing| cycles_of(timing, &[&start[..], &[0xED9F, 0x0A00]].concat()) - cycles_of(timing, &start);
+    assert_eq!((cost(Usual), cost(Longest)), (2, 3));
 }
 
 #[test]

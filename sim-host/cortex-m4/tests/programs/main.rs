@@ -3,5 +3,4 @@
 mod cycles;
 mod elf;
 mod exceptions;
-mod halt;
 mod support;

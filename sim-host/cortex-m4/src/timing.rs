@@ -1,0 +1,99 @@
+//! What the manual leaves open of the cycles of an instruction: the longest, or the usual.
+//!
+//! | | [`Timing::Longest`] | [`Timing::Usual`] |
+//! |---|---|---|
+//! | refill of the pipeline after an immediate branch | 3 | 1 |
+//! | after a branch to a register | 3 | 2 |
+//! | if the target is a 32-bit instruction that is not aligned | | 1 more |
+//! | after a load of the PC, `TBB`, `TBH` | 3 | 3 |
+//! | 32-bit instructions in a row that are not aligned | 1 more for the third and each that follows | 1 more for the third |
+//! | load relative to the PC | 1 more, and never pipelined | as any load |
+//!
+//! The refill takes 1 to 3 cycles "depending on the alignment and width of the target instruction, and whether the processor manages to speculate the
+//! address early" (ARM DDI 0439, table 3-1); "normally" 1 after an immediate branch, 2 after one to a register, longer to unaligned 32-bit
+//! instructions (ARM DDI 0337E, 18.2, of the Cortex-M3, which has the same pipeline). A load relative to the PC "might" take one more (DDI 0439,
+//! 3.3.2). The rows of unaligned instructions are measured on an STM32L4 (compendium.i-0.nl, "Alignment rules"): three or more take one more
+//! cycle; of the longest rows that figure says too little, so that the bound counts each.
+
+use crate::cpu::{Cpu, INVALID};
+use crate::op::Decoded;
+
+/// Which cycles are counted where the manual leaves them open.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Timing {
+    /// The most that the manual allows.
+    Longest,
+    /// What is normal by the manual, or measured.
+    Usual,
+}
+
+/// Where the address of a branch comes from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Target {
+    Immediate,
+    Register,
+    /// Memory; added to the PC in a table branch.
+    Loaded,
+}
+
+/// The longest refill of the pipeline.
+pub const REFILL: u32 = 3;
+
+impl Timing {
+    #[inline(always)]
+    fn refill(self, target: Target) -> u32 {
+        match (self, target) {
+            (Timing::Longest, _) | (_, Target::Loaded) => REFILL,
+            (Timing::Usual, Target::Immediate) => 1,
+            (Timing::Usual, Target::Register) => 2,
+        }
+    }
+}
+
+impl Cpu {
+    /// Branches to an address whose lowest bit says Thumb, or returns from an exception (`BXWritePC`, `LoadWritePC`).
+    #[inline]
+    pub(crate) fn branch_exchange(&mut self, address: u32, target: Target) {
+        if self.ipsr != 0 && address >= 0xF000_0000 {
+            self.exception_return = Some(address);
+        } else {
+            self.branch_to(address, target);
+        }
+    }
+
+    /// The same without the return (`BLXWritePC`). An even address clears EPSR.T, and the next instruction faults.
+    #[inline]
+    pub(crate) fn branch_to(&mut self, address: u32, target: Target) {
+        self.branch(address, target);
+        self.next |= INVALID & !address;
+    }
+
+    /// Branches within Thumb code.
+    #[inline(always)]
+    pub(crate) fn branch(&mut self, address: u32, target: Target) {
+        self.next = address & !1;
+        self.cost += self.timing.refill(target);
+        self.unaligned = 0;
+        if self.timing == Timing::Usual && target != Target::Loaded {
+            self.computed = Decoded::TARGET;
+        }
+    }
+
+    /// Adds what a 32-bit instruction costs more where it is not aligned.
+    #[inline(always)]
+    pub(crate) fn fetch_unaligned(&mut self) {
+        self.unaligned += 1;
+        if self.unaligned >= 3 && (self.timing == Timing::Longest || self.unaligned == 3) {
+            self.cost += 1;
+        }
+        if self.computed == Decoded::TARGET {
+            self.cost += 1;
+        }
+    }
+
+    /// Adds what a load relative to the PC may cost more.
+    #[inline(always)]
+    pub(crate) fn load_from_code(&mut self) {
+        self.cost += u32::from(self.timing == Timing::Longest);
+    }
+}
