@@ -4,6 +4,7 @@
 //! Skipped, with a message, where QEMU or the target's core library is not installed. In continuous integration (`CI=true`) that
 //! is a failure, unless `SONOGLIDE_PIL_UNAVAILABLE` says that installing them was tried and was not possible.
 
+mod interpreter;
 #[cfg(target_os = "linux")]
 mod link;
 mod scenes;

@@ -81,7 +81,8 @@ pub(crate) enum Trap {
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Last {
     pub(crate) register: u8,
-    pub(crate) end: Cycle,
+    /// Number of the instruction that follows it.
+    pub(crate) next: u64,
 }
 
 /// The processor without what surrounds it.
@@ -201,12 +202,6 @@ impl Cpu {
             stop: None,
             watch: Watch::default(),
         }
-    }
-
-    /// Adds the cost of the present instruction, exception entry or return to the time.
-    #[inline(always)]
-    pub(crate) fn spend(&mut self) {
-        self.cycle += self.watch.time_of(self.cost, self.ipsr);
     }
 
     #[inline(always)]

@@ -86,6 +86,11 @@ impl<C: Chip> Machine<C> {
         self.cpu.timing = timing;
     }
 
+    /// Lets SysTick, where it counts the core clock, count `counts` times in `cycles` cycles: once in each at first.
+    pub fn set_systick_clock(&mut self, counts: u32, cycles: u32) {
+        self.cpu.systick.set_core_clock(counts, cycles);
+    }
+
     /// Resets the part and the processor, as the reset line does.
     pub fn reset(&mut self) {
         let ports = Ports { memory: &mut self.memory, interrupts: &mut self.interrupts };

@@ -25,6 +25,8 @@ pub enum Timing {
     Longest,
     /// What is normal by the manual, or measured.
     Usual,
+    /// One cycle for each instruction and none for exceptions or wait states: time as an emulator counts it.
+    Instructions,
 }
 
 /// Where the address of a branch comes from.
@@ -44,13 +46,29 @@ impl Timing {
     fn refill(self, target: Target) -> u32 {
         match (self, target) {
             (Timing::Longest, _) | (_, Target::Loaded) => REFILL,
-            (Timing::Usual, Target::Immediate) => 1,
-            (Timing::Usual, Target::Register) => 2,
+            (_, Target::Immediate) => 1,
+            (_, Target::Register) => 2,
         }
     }
 }
 
 impl Cpu {
+    /// Adds the cost of the present instruction to the time.
+    #[inline(always)]
+    pub(crate) fn spend(&mut self) {
+        if self.timing == Timing::Instructions {
+            self.cost = 1;
+        }
+        self.cycle += self.watch.time_of(self.cost, self.ipsr);
+    }
+
+    /// Adds that of an exception's entry or return.
+    pub(crate) fn spend_exception(&mut self) {
+        if self.timing != Timing::Instructions {
+            self.cycle += self.watch.time_of(self.cost, self.ipsr);
+        }
+    }
+
     /// Branches to an address whose lowest bit says Thumb, or returns from an exception (`BXWritePC`, `LoadWritePC`).
     #[inline]
     pub(crate) fn branch_exchange(&mut self, address: u32, target: Target) {

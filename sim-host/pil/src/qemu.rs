@@ -78,8 +78,10 @@ impl Processor for Qemu {
 
     fn memory(&mut self) -> Result<Option<Memory>, Lost> {
         let closing = self.pipes.close()?;
-        let Size { flash, ram } =
-            Size::of(&self.image).map_err(|error| Lost(format!("its image {} cannot be read: {error}", self.image.display())))?;
+        let unreadable =
+            |error: &dyn std::error::Error| Lost(format!("its image {} cannot be read: {error}", self.image.display()));
+        let elf = std::fs::read(&self.image).map_err(|error| unreadable(&error))?;
+        let Size { flash, ram } = Size::of(&elf).map_err(|error| unreadable(&error))?;
         let Closing { stack_power_up_bytes: stack_power_up, stack_blocks_bytes: stack_blocks } = closing;
         Ok(Some(Memory { stack_power_up, stack_blocks, flash, ram }))
     }

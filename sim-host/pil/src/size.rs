@@ -1,8 +1,5 @@
 //! How much memory an image takes, by the sections of its ELF file.
 
-use std::io;
-use std::path::Path;
-
 use object::{Object as _, ObjectSection as _, SectionFlags, SectionKind, elf};
 
 /// Where the RAM of the machine begins and ends: all that is loaded stands in the flash as well.
@@ -18,10 +15,9 @@ pub struct Size {
 }
 
 impl Size {
-    /// Reads the sizes of an image.
-    pub fn of(image: &Path) -> io::Result<Self> {
-        let bytes = std::fs::read(image)?;
-        let file = object::File::parse(&*bytes).map_err(io::Error::other)?;
+    /// Reads the sizes of an image, an ELF file.
+    pub fn of(elf: &[u8]) -> Result<Self, object::Error> {
+        let file = object::File::parse(elf)?;
         let mut size = Size::default();
         for section in file.sections() {
             let SectionFlags::Elf { sh_flags, .. } = section.flags() else { continue };

@@ -48,7 +48,7 @@ impl<C: Chip> Machine<C> {
         };
         self.cpu.r[14] = link;
         self.activate(exception);
-        self.cpu.spend();
+        self.cpu.spend_exception();
     }
 
     /// Writes the frame; `EXC_RETURN`, and the fault that happened on the way.
@@ -198,12 +198,12 @@ impl<C: Chip> Machine<C> {
             self.cpu.cost = TAIL_CHAIN;
             self.cpu.r[14] = link;
             self.activate(next);
-            self.cpu.spend();
+            self.cpu.spend_exception();
             return Ok(());
         }
         self.cpu.cost = RETURN;
         self.unstack(handler, process, float, link)?;
-        self.cpu.spend();
+        self.cpu.spend_exception();
         if !handler && self.cpu.scb.sleeps_on_exit() {
             self.cpu.asleep = Some(Sleep::Interrupt);
         }

@@ -15,22 +15,28 @@ pub(crate) struct SysTick {
     reload: u32,
     /// The count while it stands.
     value: u32,
-    /// When a running counter comes to zero.
+    /// When a running counter comes to zero, in cycles of the processor times the counts of [`rate`](SysTick::rate): a whole number.
     zero: Cycle,
-    /// Cycles of the processor in one of the reference clock.
-    divider: u32,
+    /// Counts of the core clock in so many cycles of the processor.
+    core: (u32, u32),
 }
 
 impl Default for SysTick {
     fn default() -> SysTick {
-        SysTick { control: 0, reload: 0, value: 0, zero: Cycle::MAX, divider: 8 }
+        SysTick { control: 0, reload: 0, value: 0, zero: Cycle::MAX, core: (1, 1) }
     }
 }
 
 impl SysTick {
-    /// Cycles a count.
-    fn step(&self) -> Cycle {
-        if self.control & CLKSOURCE != 0 { 1 } else { self.divider.into() }
+    /// Lets it count `counts` times in `cycles` cycles where it counts the core clock.
+    pub(crate) fn set_core_clock(&mut self, counts: u32, cycles: u32) {
+        self.core = (counts, cycles);
+    }
+
+    /// Counts, in so many cycles. The reference clock is an eighth of the processor's.
+    fn rate(&self) -> (Cycle, Cycle) {
+        let (counts, cycles) = if self.control & CLKSOURCE != 0 { self.core } else { (1, 8) };
+        (counts.into(), cycles.into())
     }
 
     fn runs(&self) -> bool {
@@ -39,7 +45,7 @@ impl SysTick {
 
     /// When the counter next comes to zero.
     pub(crate) fn due(&self) -> Cycle {
-        if self.runs() { self.zero } else { Cycle::MAX }
+        if self.runs() { self.zero.div_ceil(self.rate().0) } else { Cycle::MAX }
     }
 
     /// Lets it count to `now`; whether the exception is pended.
@@ -47,10 +53,11 @@ impl SysTick {
         if self.due() > now {
             return false;
         }
-        let period = Cycle::from(self.reload + 1) * self.step();
+        let (counts, cycles) = self.rate();
+        let period = Cycle::from(self.reload + 1) * cycles;
         self.control |= COUNTFLAG;
         // With a reload of 0 it stops at zero.
-        self.zero = if self.reload == 0 { Cycle::MAX } else { self.zero + ((now - self.zero) / period + 1) * period };
+        self.zero = if self.reload == 0 { Cycle::MAX } else { self.zero + ((now * counts - self.zero) / period + 1) * period };
         self.value = 0;
         self.control & TICKINT != 0
     }
@@ -59,7 +66,8 @@ impl SysTick {
         if !self.runs() {
             return self.value;
         }
-        let left = ((self.zero - now.min(self.zero)) / self.step()) as u32;
+        let (counts, cycles) = self.rate();
+        let left = self.zero.saturating_sub(now * counts).div_ceil(cycles) as u32;
         // The count of a whole period is that of zero itself, just before the reload.
         if left > self.reload && self.value == 0 { 0 } else { left & MASK }
     }
@@ -105,8 +113,9 @@ impl SysTick {
 
     /// Counts down from `count`, or from the reload value after zero.
     fn start(&mut self, count: u32, now: Cycle) {
+        let (counts, cycles) = self.rate();
         self.value = count;
         let steps = if count == 0 { self.reload + 1 } else { count };
-        self.zero = if count == 0 && self.reload == 0 { Cycle::MAX } else { now + Cycle::from(steps) * self.step() };
+        self.zero = if count == 0 && self.reload == 0 { Cycle::MAX } else { now * counts + Cycle::from(steps) * cycles };
     }
 }

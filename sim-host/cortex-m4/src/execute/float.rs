@@ -21,14 +21,14 @@ impl Cpu {
     #[inline(always)]
     fn result(&mut self, d: u8, value: u32) {
         self.set_float(d, value);
-        self.last_float = Last { register: d, end: self.cycle + u64::from(self.cost) };
+        self.last_float = Last { register: d, next: self.instructions + 1 };
     }
 
     /// An operand, with the wait for it.
     #[inline(always)]
     fn operands(&mut self, n: u8, m: u8) {
         let last = self.last_float;
-        if last.end == self.cycle && (last.register == n || last.register == m) {
+        if last.next == self.instructions && (last.register == n || last.register == m) {
             self.cost += 1;
         }
     }

@@ -23,7 +23,7 @@ impl Cpu {
     #[inline(always)]
     pub(super) fn pipeline(&mut self, n: u8, m: u8) {
         let last = self.last_load;
-        if last.end == self.cycle && last.register != n && last.register != m && self.cost == 2 {
+        if last.next == self.instructions && last.register != n && last.register != m && self.cost == 2 {
             self.cost = 1;
         }
     }
@@ -36,7 +36,7 @@ impl<C: Chip> Machine<C> {
         self.cpu.pipeline(n, m);
         let value = self.load(size, address)?;
         self.cpu.set(t, value);
-        self.cpu.last_load = Last { register: t, end: self.cpu.cycle + u64::from(self.cpu.cost) };
+        self.cpu.last_load = Last { register: t, next: self.cpu.instructions + 1 };
         Ok(())
     }
 

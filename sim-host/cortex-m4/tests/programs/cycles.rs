@@ -46,6 +46,42 @@ fn loads_in_a_row_are_pipelined() {
 }
 
 #[test]
+fn a_slower_clock_changes_no_cost() {
+    // LDR R0, [R1]; LDR R4, [R2], eight times, at an eighth of the time: pipelined as ever.
+    let loads = [0x6808, 0x6814].repeat(8);
+    let mut machine = machine(&[&[0xBF00; 2][..], &loads].concat(), &[]);
+    for register in [1, 2] {
+        machine.set_register(register, RAM);
+    }
+    // The exception that is watched is none, so that the rate is that of the thread.
+    machine.set_rate(0.125);
+    for _ in 0..2 + loads.len() {
+        machine.step(u64::MAX).expect("the program");
+    }
+    assert_eq!(machine.cycle(), (2 + 2 + 15) / 8);
+}
+
+#[test]
+fn time_can_be_counted_in_instructions() {
+    // LDR; UDIV; B to the next; two NOPs
+    let kernel = [0x6810, 0xFBB1, 0xF0F2, 0xE7FF, 0xBF00, 0xBF00];
+    assert_eq!(cycles_of(Timing::Instructions, &kernel), 5);
+    // SysTick of 21 counts in 125 cycles: reload, enable, 250 NOPs, its count into R3.
+    let store = crate::support::store;
+    let start = [store(0xE000_E014, 999), store(0xE000_E018, 0), store(0xE000_E010, 5)].concat();
+    let nops = 250;
+    let read = [crate::support::constant(0, 0xE000_E018), vec![0x6803]].concat();
+    let mut machine = machine(&[start, vec![0xBF00; nops], read].concat(), &[]);
+    machine.set_timing(Timing::Instructions);
+    machine.set_systick_clock(21, 125);
+    for _ in 0..3 * 5 + nops + 3 {
+        machine.step(u64::MAX).expect("the program");
+    }
+    // From the store to the load there are the NOPs and the constant.
+    assert_eq!(machine.register(3), 1000 - (250 + 3) * 21 / 125);
+}
+
+#[test]
 fn a_store_takes_one_cycle_and_ends_the_row() {
     // STR R0, [R1]
     assert_eq!(cycles(&[0x6008]), 1);
