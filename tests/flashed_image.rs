@@ -162,10 +162,10 @@ fn settings_are_stored_in_the_flash_and_are_there_after_a_reset() {
 #[test]
 fn a_scene_that_the_image_cannot_do_is_refused_by_name() {
     let Some(elf) = elf() else { return };
-    let loaded = load("burst", &[]).expect("a built-in scene");
+    let loaded = load("usm", &[]).expect("a built-in scene");
     let scene = loaded.scene.driven().expect("a driven scene");
     let Err(BoardError::Misfit(misfit)) = Board::start(elf, &scene, Options::default()) else { panic!("it starts") };
-    assert!(misfit.to_string().contains("burst."), "{misfit}");
+    assert!(misfit.to_string().contains("lanes"), "{misfit}");
     assert!(matches!(
         Board::start(b"nothing", &dummy_load().scene.driven().expect("driven"), Options::default()),
         Err(BoardError::Image(_))

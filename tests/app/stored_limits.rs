@@ -110,6 +110,12 @@ proptest! {
         // What acts is within what acts.
         let acts = |key: u8| report(key).map_or(f32::NAN, |of| of.acts);
         prop_assert!(acts(SCAN) <= acts(VOLTAGE_LIMIT) && acts(AMPLITUDE) <= acts(VOLTAGE_LIMIT) && acts(CURRENT) <= acts(9));
+        // Whatever a code is said to be worth, no limit is beyond the code of what is built in.
+        for (limit, scale) in [(VOLTAGE_LIMIT, DRIVE_SCALE), (9, 2)] {
+            let built_in = |key: u8| report(key).map_or(f32::NAN, |of| of.built_in);
+            let (codes, most) = (acts(limit) / acts(scale), built_in(limit) / built_in(scale));
+            prop_assert!(codes <= most * (1.0 + 1e-6), "{limit}: {codes} codes of {most}");
+        }
         // An order above a limit is held to it, on every lane.
         prop_assert_eq!(bench.ask(Command::Amplitude(Some(Amplitude::Volts(volts)))), Some(Reply::Ack));
         prop_assert_eq!(bench.ask(Command::Run), Some(Reply::Ack));

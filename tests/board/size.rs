@@ -17,11 +17,9 @@ use object::{Object as _, ObjectSection as _, ObjectSymbol as _, SectionFlags, S
 const TARGET: &str = "thumbv7em-none-eabihf";
 const WORKSPACE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/..");
 
-/// What the image may take, bytes. Of the flash 64 KiB are aimed at, which the controller alone exceeds: half of the bank that the code has is what must hold.
-const FLASH: u64 = 128 << 10;
-const FLASH_AIM: u64 = 64 << 10;
-/// The first bank: the second is the settings'.
+/// What the image may take, bytes: the first bank, as the second one has the settings. 64 KiB are aimed at, which the controller alone exceeds.
 const BANK: u64 = 256 << 10;
+const FLASH_AIM: u64 = 64 << 10;
 const RAM: u64 = 24 << 10;
 const CCMRAM: u64 = 32 << 10;
 
@@ -123,7 +121,7 @@ fn the_image_keeps_within_its_budgets() {
     }
     let Taken { flash, ram, ccmram } = Taken::by(&sections);
     println!("\n| memory | bytes | budget | aimed at |\n|---|---|---|---|");
-    let rows = [("flash", flash, FLASH, FLASH_AIM), ("static RAM", ram, RAM, RAM), ("core-coupled RAM", ccmram, CCMRAM, CCMRAM)];
+    let rows = [("flash", flash, BANK, FLASH_AIM), ("static RAM", ram, RAM, RAM), ("core-coupled RAM", ccmram, CCMRAM, CCMRAM)];
     for (memory, taken, budget, aim) in rows {
         println!("| {memory} | {taken} | {budget} | {aim}: {} |", if taken <= aim { "met" } else { "missed" });
     }
@@ -134,7 +132,7 @@ fn the_image_keeps_within_its_budgets() {
         "the hot code is not in the core-coupled RAM"
     );
     assert!(ram <= RAM && ccmram <= CCMRAM, "{ram} {ccmram}");
-    assert!(flash <= FLASH, "{flash}");
+    assert!(flash <= BANK, "{flash}");
 }
 
 /// What is left out by default can be had: all of it fits beside the settings, and its hot code into the core-coupled RAM (or it would not link).

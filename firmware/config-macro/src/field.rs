@@ -43,7 +43,7 @@ pub(crate) enum Place {
 pub(crate) enum Hold {
     Range,
     Ceiling,
-    Near,
+    Scale,
 }
 
 /// A number as it is written, which may be negative.
@@ -90,7 +90,7 @@ impl Field {
                     "max" => most = Some(number(&option)?),
                     "key" => made.key = Some(option.value()?.parse()?),
                     "ceiling" => made.hold = Hold::Ceiling,
-                    "near" => made.hold = Hold::Near,
+                    "scale" => made.hold = Hold::Scale,
                     "read" => read = Some(option.value()?.parse()?),
                     "write" => write = Some(option.value()?.parse()?),
                     "quiet" => made.quiet = true,
@@ -106,8 +106,8 @@ impl Field {
         if made.quiet && !matches!(made.default, Some(Otherwise::OfType)) {
             return Err(Error::new(span, "what is quiet has the default of its type"));
         }
-        if made.key.is_some() && made.range.is_none() {
-            return Err(Error::new(span, "what has a key has a range"));
+        if made.hold != Hold::Range && made.range.is_none() {
+            return Err(Error::new(span, "a limit and a scale factor have a range"));
         }
         Ok(made)
     }

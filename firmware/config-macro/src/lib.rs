@@ -25,9 +25,9 @@
 //! |---|---|
 //! | `default`, `default = X` | the value of a key that is not given; an `Option` and a `Vec` have a default by themselves |
 //! | `min = X, max = Y` | the range, of each entry where there are several: both or neither |
-//! | `key = N` | it can be set over the link and stored, under this number; needs a range |
-//! | `ceiling` | over the link it can be lowered, never raised beyond what is built in |
-//! | `near` | over the link it can be set within a tenth of what is built in |
+//! | `key = N` | it can be set over the link and stored, under this number; without a range its type is a `Choice` |
+//! | `ceiling` | a limit: over the link it can be lowered, never raised beyond what is built in |
+//! | `scale` | a scale factor: the ceilings of limits that are judged by it follow it |
 //! | `read = F, write = F` | how the link reads and writes it, where that is not the field itself |
 //! | `quiet` | a scene that is written out leaves it out where it is the default |
 //! | `scene` | a key of the scene only: what the controller has instead is derived from it |

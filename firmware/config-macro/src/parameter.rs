@@ -23,10 +23,13 @@ impl Table {
 
     fn parameter(&self, field: &Field) -> Option<TokenStream> {
         let (key, constant) = (field.key.as_ref()?, field.constant());
+        let is_choice = field.range.is_none();
+        let (ty, path) = (&field.ty, self.path(field));
         let range = match field.hold {
+            _ if is_choice => quote!(crate::seam::config::Range::Choice(<#ty as crate::seam::config::Choice>::NAMES)),
             Hold::Range => quote!(Self::#constant.range()),
-            Hold::Ceiling => quote!(Self::#constant.up_to_built_in()),
-            Hold::Near => quote!(crate::seam::config::Range::NearBuiltIn),
+            Hold::Ceiling => quote!(Self::#constant.up_to_ceiling()),
+            Hold::Scale => quote!(Self::#constant.scale()),
         };
         let tables = self.options.path().map(|table| format_ident!("{table}"));
         let name = &field.name;
@@ -37,12 +40,16 @@ impl Table {
                 quote!(|config| #place.unwrap_or(f32::INFINITY)),
                 quote!(|config, value| #place = value.is_finite().then_some(value)),
             ),
+            (None, _) if is_choice => (
+                quote!(|config| crate::seam::config::Choice::place(#place)),
+                quote!(|config, value| #place = crate::seam::config::Choice::at(value)),
+            ),
             (None, _) => (quote!(|config| #place), quote!(|config, value| #place = value)),
         };
         Some(quote! {
             crate::seam::config::Parameter {
                 key: #key,
-                name: Self::#constant.name,
+                name: #path,
                 range: #range,
                 read: #read,
                 write: #write,

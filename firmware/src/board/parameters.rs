@@ -5,22 +5,24 @@
 //!
 //! | range | of | because |
 //! |---|---|---|
-//! | up to what is built in | limits | what a host sends can exceed none |
-//! | within a tenth of what is built in | scale factors of the front end | limits are judged by what they measure |
-//! | between two numbers | all others | |
+//! | up to a [ceiling](ceilings) | limits | what a host sends can exceed none |
+//! | between two numbers | scale factors of the front end | the ceilings of limits that are judged by them follow them |
+//! | between two numbers, or one of a few | all others | |
 //!
-//! Whatever is set, the voltage and the current that the stack ends up with are thus within 11 % of what the image was built for (1 / 0.9), a power within
-//! 23 %. That a configuration holds together (a drive within its limit, a band within the loop's) is for
+//! Whatever is set, the converters thus never play or pass a code beyond what the image was built for. That a configuration holds together (a drive within its limit, a band within the loop's) is for
 //! [`build`](crate::controller::Controller::build) to say: see [`power_up`](crate::board::power_up).
+
+mod ceilings;
 
 use serde::{Deserialize, Serialize};
 
+pub use crate::board::parameters::ceilings::ceiling;
 use crate::board::stored_state::StoredState;
-use crate::seam::config::{Burst, Config, Drive, FrontEnd, Limits, Link, Parameter, Tracking};
+use crate::seam::config::{Burst, Config, Drive, FrontEnd, Limits, Link, Parameter, Thermometer, Tracking};
 use crate::seam::refusal::Refusal;
 
 /// Largest number of parameters that can be stored.
-pub(crate) const MOST_PARAMETERS: usize = 24;
+pub(crate) const MOST_PARAMETERS: usize = 52;
 
 /// Parameters that differ from their defaults, by their keys.
 pub type Overrides = heapless::Vec<(u8, f32), MOST_PARAMETERS>;
@@ -53,7 +55,7 @@ pub(crate) fn place_of(key: u8) -> Result<usize, Refusal> {
 }
 
 /// All parameters of a configuration.
-pub(crate) fn values_of(config: &Config) -> Values {
+pub fn values_of(config: &Config) -> Values {
     core::array::from_fn(|place| (PARAMETERS[place].read)(config))
 }
 
@@ -74,27 +76,46 @@ pub(crate) fn overridden(overrides: &Overrides, built_in: &Values) -> (Values, b
             all = false;
             continue;
         };
-        let parameter = &PARAMETERS[place];
-        let usable = parameter.check(value, built_in[place]).is_ok();
+        if PARAMETERS[place].is_limit() {
+            continue;
+        }
+        let usable = PARAMETERS[place].check(value, built_in[place]).is_ok();
         all &= usable;
-        if parameter.is_limit() {
-            let (least, most) = parameter.range.of(built_in[place]);
-            // A not-a-number is below all.
-            let nearest = if value > least { value.min(most) } else { least };
-            // Of two that contradict each other the lower one.
-            values[place] = values[place].min(if usable { value } else { nearest });
-        } else if usable {
+        if usable {
             values[place] = value;
         }
+    }
+    // Limits after the scale factors that their ceilings follow, and from there down: of two that contradict each other the lower one acts.
+    let limits =
+        || overrides.iter().filter_map(|&(key, value)| Some((place_of(key).ok()?, value))).filter(|(place, _)| is_limit(*place));
+    for (place, _) in limits() {
+        values[place] = f32::INFINITY;
+    }
+    for (place, value) in limits() {
+        let (parameter, ceiling) = (&PARAMETERS[place], ceiling(place, &values, built_in));
+        let usable = parameter.check(value, ceiling).is_ok();
+        all &= usable;
+        let (least, most) = parameter.range.of(ceiling);
+        // A not-a-number is below all. A ceiling below the least leaves the least, which does not build with such a scale factor.
+        let nearest = if value > least { value.min(most).max(least) } else { least };
+        values[place] = values[place].min(if usable { value } else { nearest });
     }
     (values, all)
 }
 
-/// Writes what differs from what is built in into a configuration: those parameters whose places `acts` has.
+fn is_limit(place: usize) -> bool {
+    PARAMETERS[place].is_limit()
+}
+
+/// Writes what differs from what is built in into a configuration: those parameters whose places `acts` has, with every limit held to its ceiling.
 pub fn apply(config: &mut Config, values: &Values, built_in: &Values, acts: impl Fn(usize) -> bool) {
-    for (place, parameter) in PARAMETERS.iter().enumerate().filter(|(place, _)| acts(*place)) {
-        if values[place] != built_in[place] {
-            (parameter.write)(config, values[place]);
+    let mut acting: Values = core::array::from_fn(|place| if acts(place) { values[place] } else { built_in[place] });
+    for place in (0..PARAMETERS.len()).filter(|&place| is_limit(place)) {
+        acting[place] = acting[place].min(ceiling(place, &acting, built_in));
+    }
+    for (place, parameter) in PARAMETERS.iter().enumerate() {
+        if acting[place] != built_in[place] {
+            (parameter.write)(config, acting[place]);
         }
     }
 }
@@ -108,6 +129,8 @@ const TABLES: &[&[Parameter]] = &[
     Tracking::PARAMETERS,
     Burst::PERIOD,
     Burst::PARAMETERS,
+    Burst::WINDOWS,
+    Thermometer::PARAMETERS,
     Link::PARAMETERS,
 ];
 

@@ -4,7 +4,7 @@ use embedded_storage::nor_flash::NorFlash;
 use heapless::spsc::{Consumer, Producer};
 
 use crate::board::command::{Reply, TrimReport, Verb};
-use crate::board::parameters::{PARAMETERS, ParameterReport, Values, overrides, place_of, values_of};
+use crate::board::parameters::{PARAMETERS, ParameterReport, Values, ceiling, overrides, place_of, values_of};
 use crate::board::power_up::PowerUp;
 use crate::board::settings::{Record, Settings};
 use crate::board::stored_state::StoredState;
@@ -93,7 +93,7 @@ impl<'a> SettingsStore<'a> {
 
     fn set(&mut self, key: u8, value: f32) -> Result<(), Refusal> {
         let place = place_of(key)?;
-        PARAMETERS[place].check(value, self.built_in[place])?;
+        PARAMETERS[place].check(value, ceiling(place, &self.next, &self.built_in))?;
         // A limit that nothing is judged by would be none.
         if key == ENERGY_PER_METRE && !self.has_encoder && value != self.built_in[place] {
             return Err(Refusal::NotConfigured);
@@ -121,12 +121,14 @@ impl<'a> SettingsStore<'a> {
 
     fn parameter(&self, key: u8) -> Result<ParameterReport, Refusal> {
         let place = place_of(key)?;
-        let built_in = self.built_in[place];
-        let (min, max) = PARAMETERS[place].range.of(built_in);
+        let (built_in, ceiling) = (self.built_in[place], ceiling(place, &self.next, &self.built_in));
+        let (min, max) = PARAMETERS[place].range.of(ceiling);
+        // A limit that was not set falls with its ceiling.
+        let next = if PARAMETERS[place].is_limit() { self.next[place].min(ceiling) } else { self.next[place] };
         let stored = match self.stored {
             StoredState::Stored | StoredState::Nothing if self.changed => StoredState::Changed,
             state => state,
         };
-        Ok(ParameterReport { key, acts: self.acts[place], next: self.next[place], built_in, min, max, stored })
+        Ok(ParameterReport { key, acts: self.acts[place], next, built_in, min, max, stored })
     }
 }

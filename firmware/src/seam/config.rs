@@ -26,6 +26,7 @@ pub use crate::seam::config::friction::{Friction, FrictionLaw, Prefer};
 pub use crate::seam::config::front_end::FrontEnd;
 pub use crate::seam::config::limits::Limits;
 pub use crate::seam::config::link::Link;
+pub(crate) use crate::seam::config::parameter::Choice;
 pub use crate::seam::config::parameter::{ENERGY_PER_METRE, Parameter, Range};
 pub use crate::seam::config::phasing::{Direction, LaneTrims, MAX_TRIM_POINTS, Phasing, Trim, TrimPoint};
 pub use crate::seam::config::restraint::Restraint;

@@ -6,7 +6,7 @@ use std::time::Duration;
 use cortex_m4::{Cycle, ImageError, Machine, Passage, Stop};
 use firmware::seam::block::{DriveBlock, Orders, Request, SenseBlock};
 use firmware::seam::config::{Config, LaneTrims};
-use nucleo_g474re::{config, pages};
+use nucleo_g474re::pages;
 use plant::Plant;
 use plant::stream::Stream;
 use scene::Driven;
@@ -89,11 +89,9 @@ impl Board {
         let stored = configure::stored(scene)?;
         let mut memory = Stm32g474::<Bench>::memory();
         if let Some(flash) = memory.get_mut(pages::FLASH, (pages::START + pages::SIZE - pages::FLASH) as usize) {
-            configure::store(stored, flash)?;
+            configure::store(stored.overrides, flash)?;
         }
-        let mut asked = scene::settings::config(scene);
-        asked.link = config::config().link;
-        let samples = usize::from(asked.block_samples);
+        let samples = usize::from(stored.config.block_samples);
         let bench = Bench::new(Stream::new(stack_of(scene)?, samples), samples, options.record);
         let chip = Stm32g474::new(stm32g474::Config::default(), bench);
         let mut machine = Machine::new(elf, memory, chip, PRIORITY_BITS)?;
@@ -105,7 +103,7 @@ impl Board {
         let variables = BlockVariables { state: place(STATE)?, queues: place(QUEUES)?, trims_head: 0 };
         Ok(Board {
             machine,
-            config: asked,
+            config: stored.config,
             variables,
             record: options.record,
             rate,

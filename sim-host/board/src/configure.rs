@@ -6,9 +6,9 @@
 use embedded_storage::nor_flash::{
     ErrorType, NorFlash, NorFlashError, NorFlashErrorKind, ReadNorFlash, check_erase, check_read, check_write,
 };
-use firmware::board::parameters::{Overrides, PARAMETERS};
+use firmware::board::parameters::{Overrides, PARAMETERS, ceiling, values_of};
 use firmware::board::settings::{Record, Settings};
-use firmware::seam::config::{Config, Range};
+use firmware::seam::config::{Config, Link, Range, ShapeKind};
 use nucleo_g474re::pages;
 use scene::Driven;
 use serde_json::Value;
@@ -18,48 +18,73 @@ use serde_json::Value;
 #[error("the image cannot be configured as this scene asks:\n{}", .0.join("\n"))]
 pub struct Misfit(pub Vec<String>);
 
+/// What an image is configured by, and what it does then.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Stored {
+    /// Parameters, to be stored in its flash.
+    pub overrides: Overrides,
+    /// The configuration that it starts with: that of the scene, in the precision of the parameters.
+    pub config: Config,
+}
+
 /// What has to be stored so that the image does what a scene asks.
-pub fn stored(scene: &Driven) -> Result<Overrides, Misfit> {
+pub fn stored(scene: &Driven) -> Result<Stored, Misfit> {
     overrides(&scene::settings::config(scene), &nucleo_g474re::config::config())
 }
 
 /// What has to be stored so that an image with the configuration `built_in` has the configuration `asked`.
-pub fn overrides(asked: &Config, built_in: &Config) -> Result<Overrides, Misfit> {
-    let (mut configured, mut overrides, mut misfits) = (built_in.clone(), Overrides::new(), Vec::new());
-    for parameter in &PARAMETERS {
-        let (value, default) = ((parameter.read)(asked), (parameter.read)(built_in));
-        if value == default || value.is_nan() && default.is_nan() {
+pub fn overrides(asked: &Config, built_in: &Config) -> Result<Stored, Misfit> {
+    let defaults = values_of(built_in);
+    let (mut values, mut config) = (defaults, built_in.clone());
+    let (mut overrides, mut misfits, mut lower) = (Overrides::new(), Vec::new(), String::new());
+    for (place, parameter) in PARAMETERS.iter().enumerate() {
+        let (value, ceiling) = ((parameter.read)(asked), ceiling(place, &values, &defaults));
+        let checked = parameter.check(value, ceiling);
+        // No scene has a host timeout. Zero that cannot be set is an amplitude of the other kind, and follows from that.
+        if value == defaults[place] && checked.is_ok()
+            || value == 0.0 && checked.is_err()
+            || parameter.name == Link::PATIENCE_S.name
+        {
             continue;
         }
-        // What cannot be set is reported once: here, and not among the differences below.
-        (parameter.write)(&mut configured, value);
-        match parameter.check(value, default) {
-            Ok(()) => drop(overrides.push((parameter.key, value))),
-            Err(_) => misfits.push(format!(
-                "  {}: {value}, and the image can be set {}",
-                parameter.name,
-                range(parameter.range, default)
-            )),
+        values[place] = value;
+        // What cannot be set is named here, and not among the differences below.
+        (parameter.write)(&mut config, value);
+        if checked.is_ok() {
+            let _ = overrides.push((parameter.key, value));
+            continue;
+        }
+        misfits.push(format!("  {}: {value}, and the image can be set {}", parameter.name, range(parameter.range, ceiling)));
+        if parameter.is_limit() {
+            lower += &format!(" --set controller.{}={ceiling}", parameter.name);
         }
     }
-    // The host timeout is the link's, and no scene says it.
-    configured.link = asked.link;
+    let mut same = Config { link: built_in.link, ..asked.clone() };
+    if asked.drive.shape != ShapeKind::Noise {
+        same.drive.noise_band_hz = built_in.drive.noise_band_hz;
+        if !asked.drive.dither {
+            // Nothing is drawn by it.
+            same.drive.seed = built_in.drive.seed;
+        }
+    }
     let json = |config: &Config| serde_json::to_value(config).unwrap_or_default();
-    differences("", &json(asked), &json(&configured), &mut misfits);
-    if misfits.is_empty() { Ok(overrides) } else { Err(Misfit(misfits)) }
+    differences("", &json(&same), &json(&config), &mut misfits);
+    match (misfits.is_empty(), lower.is_empty()) {
+        (true, _) => Ok(Stored { overrides, config }),
+        (false, true) => Err(Misfit(misfits)),
+        (false, false) => Err(Misfit(misfits.into_iter().chain([format!("the limits fit with{lower}")]).collect())),
+    }
 }
 
-fn range(range: Range, built_in: f32) -> String {
-    let (least, most) = range.of(built_in);
-    let why = match range {
-        Range::Within(..) => "",
-        Range::UpToBuiltIn(..) => ", as a limit can only be lowered",
-        Range::NearBuiltIn => ", within a tenth of its front end",
-    };
-    format!("from {least} to {most}{why}")
+fn range(range: Range, ceiling: f32) -> String {
+    match (range, range.of(ceiling)) {
+        (Range::Choice(names), _) => format!("to {}", names.join(", ")),
+        (Range::UpToCeiling(..), (least, most)) => format!("from {least} to {most}, as a limit can only be lowered"),
+        (_, (least, most)) => format!("from {least} to {most}"),
+    }
 }
 
-/// Names what differs in two configurations, by the paths of its fields.
+/// Names what differs in two configurations, by the paths of its fields. Parameters are of single precision.
 fn differences(path: &str, asked: &Value, image: &Value, found: &mut Vec<String>) {
     match (asked, image) {
         (Value::Object(asked), Value::Object(image)) if asked.keys().eq(image.keys()) => {
@@ -68,11 +93,19 @@ fn differences(path: &str, asked: &Value, image: &Value, found: &mut Vec<String>
                 differences(&path, value, &image[key], found);
             }
         }
+        (Value::Array(asked), Value::Array(image)) if asked.len() == image.len() => {
+            asked.iter().zip(image).for_each(|(asked, image)| differences(path, asked, image, found));
+        }
+        (Value::Number(asked), Value::Number(image)) if single(asked) == single(image) => (),
         _ if asked != image => {
             found.push(format!("  {path}: {asked}, and the image has {image}, which cannot be set over the link"))
         }
         _ => (),
     }
+}
+
+fn single(number: &serde_json::Number) -> Option<f32> {
+    number.as_f64().map(|number| number as f32)
 }
 
 /// Stores settings in the flash of a part: `flash` is all of it, as it lies at [`pages::FLASH`].
@@ -141,14 +174,14 @@ mod tests {
     #[test]
     fn the_images_own_configuration_needs_nothing_stored() {
         let built_in = nucleo_g474re::config::config();
-        assert_eq!(overrides(&built_in, &built_in), Ok(Overrides::new()));
+        assert_eq!(overrides(&built_in, &built_in).unwrap().overrides, Overrides::new());
     }
 
     #[test]
     fn the_dummy_loads_scene_fits_the_image() {
         let loaded = scene::load::load("dummy-load", &[]).unwrap();
         let asked = scene::settings::config(&loaded.scene.driven().unwrap());
-        let stored = overrides(&asked, &nucleo_g474re::config::config()).unwrap();
+        let stored = overrides(&asked, &nucleo_g474re::config::config()).unwrap().overrides;
         // The scale factors of the two sense channels, a hair beside the board's, and the nominal values of its load.
         assert!(stored.len() < 6, "{stored:?}");
     }
@@ -159,7 +192,7 @@ mod tests {
         let mut asked = built_in.clone();
         asked.drive.frequency_hz = 28e3;
         asked.limits.current_a = 1.5;
-        let stored = overrides(&asked, &built_in).unwrap();
+        let stored = overrides(&asked, &built_in).unwrap().overrides;
         assert_eq!(stored.len(), 2);
         let mut flash = vec![0xff; 0x8_0000];
         store(stored.clone(), &mut flash).unwrap();
@@ -173,17 +206,18 @@ mod tests {
     fn what_the_image_cannot_do_is_named() {
         let built_in = nucleo_g474re::config::config();
         let mut asked = built_in.clone();
-        asked.front_end.drive_volt_per_lsb *= 1.3;
+        asked.front_end.drive_max_code = 1023;
         asked.limits.current_a = 30.0;
         asked.lanes = 2;
         asked.phasing.direction = firmware::seam::config::Direction::Reverse;
         let Misfit(misfits) = overrides(&asked, &built_in).unwrap_err();
         let named = |name: &str| misfits.iter().filter(|line| line.trim_start().starts_with(name)).count();
         assert_eq!(
-            ["front_end.drive_volt_per_lsb", "limits.current_a", "lanes", "phasing.direction"].map(named),
+            ["front_end.drive_max_code", "limits.current_a", "lanes", "phasing.direction"].map(named),
             [1; 4],
             "{misfits:#?}"
         );
-        assert_eq!(misfits.len(), 4, "{misfits:#?}");
+        assert_eq!(misfits.last().unwrap(), "the limits fit with --set controller.limits.current_a=3");
+        assert_eq!(misfits.len(), 5, "{misfits:#?}");
     }
 }

@@ -20,11 +20,11 @@
 //! let image = nucleo_g474re::config::config();
 //! let loaded = load("dummy-load", &["controller.limits.current_a=1.5".into()])?;
 //! let asked = scene::settings::config(&loaded.scene.driven().expect("the firmware drives it"));
-//! assert!(overrides(&asked, &image)?.iter().any(|(_, value)| *value == 1.5));
+//! assert!(overrides(&asked, &image)?.overrides.iter().any(|(_, value)| *value == 1.5));
 //!
-//! let loaded = load("burst", &[])?;
+//! let loaded = load("usm", &[])?;
 //! let asked = scene::settings::config(&loaded.scene.driven().expect("the firmware drives it"));
-//! assert!(overrides(&asked, &image).unwrap_err().to_string().contains("burst.schedule"));
+//! assert!(overrides(&asked, &image).unwrap_err().to_string().contains("lanes"));
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 #![forbid(unsafe_code)]

@@ -2,7 +2,7 @@
 
 use firmware::board::command::{Command, Reply, Verb};
 use firmware::board::parameters::{PARAMETERS, ParameterReport};
-use firmware::seam::config::Parameter;
+use firmware::seam::config::{Parameter, Range};
 
 use crate::client::{Client, unexpected};
 use crate::link_error::LinkError;
@@ -28,5 +28,74 @@ pub fn report(parameter: &Parameter, client: &mut Client) -> Result<ParameterRep
     match client.ask(Command::Settings(Verb::Get(parameter.key)))? {
         Reply::Parameter(report) => Ok(report),
         reply => Err(unexpected("settings get", &reply)),
+    }
+}
+
+/// The value of a parameter, as a user writes it: a number, or one of its names.
+pub fn read(parameter: &Parameter, text: &str) -> Result<f32, LinkError> {
+    let number = || match text {
+        "none" => Some(f32::INFINITY),
+        text => text.parse().ok(),
+    };
+    let (place, wanted) = match parameter.range {
+        Range::Choice(names) => {
+            (names.iter().position(|name| *name == text).map(|place| place as f32), listed(names.iter().copied(), "or"))
+        }
+        _ => (None, "a number, or `none` where there may be none".to_owned()),
+    };
+    place.or_else(number).ok_or_else(|| LinkError::Failed(format!("{} is {wanted}, not `{text}`", parameter.name)))
+}
+
+/// A parameter's value as a reader wants it.
+pub fn shown(parameter: &Parameter, value: f32) -> String {
+    match parameter.range {
+        Range::Choice(names) => names.get(value as usize).map_or_else(|| number(value), |name| (*name).to_owned()),
+        _ => number(value),
+    }
+}
+
+fn number(value: f32) -> String {
+    match value {
+        _ if value.is_infinite() => "none".into(),
+        _ if value == 0.0 || (1e-3..1e6).contains(&value.abs()) => value.to_string(),
+        _ => format!("{value:e}"),
+    }
+}
+
+/// What a parameter can be.
+pub fn range(parameter: &Parameter, min: f32, max: f32) -> String {
+    match (parameter.range, max) {
+        (Range::Choice(names), _) => listed(names.iter().copied(), "or"),
+        (_, max) if min == max => "as built".into(),
+        (_, max) if max.is_infinite() => format!("{} and more", number(min)),
+        _ => format!("{} to {}", number(min), number(max)),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ranges_read_well() {
+        let current = parameter("limits.current_a").unwrap();
+        let shown = |min, max| range(current, min, max);
+        assert_eq!(
+            (shown(0.001, f32::INFINITY), shown(1e-12, 1e-3), shown(2.0, 2.0)),
+            ("0.001 and more".into(), "1e-12 to 0.001".into(), "as built".into())
+        );
+        assert_eq!(range(parameter("burst.edge").unwrap(), 0.0, 2.0), "`hard`, `soft` or `boost`");
+    }
+
+    #[test]
+    fn a_value_is_a_number_or_a_name() {
+        let edge = parameter("burst.edge").unwrap();
+        assert_eq!(["hard", "boost", "1", "7"].map(|text| read(edge, text).unwrap()), [0.0, 2.0, 1.0, 7.0]);
+        assert_eq!(shown(edge, 2.0), "boost");
+        assert_eq!(read(edge, "soft ").unwrap_err().to_string(), "burst.edge is `hard`, `soft` or `boost`, not `soft `");
+        let limit = parameter("limits.power_w").unwrap();
+        assert_eq!(["none", "1e2"].map(|text| read(limit, text).unwrap()), [f32::INFINITY, 100.0]);
+        let refused = read(limit, "much").unwrap_err().to_string();
+        assert_eq!(refused, "limits.power_w is a number, or `none` where there may be none, not `much`");
     }
 }

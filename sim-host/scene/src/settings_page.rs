@@ -21,7 +21,8 @@ parameters of the link follow from the same lines.
 
 A **key** stands in the `[controller]` part of a scene; its unit is the end of its name. A **parameter** is set over the link with
 `sim-host link PORT settings set NAME VALUE`, where its name is table and key, and acts after `store` and `reset`; its number never changes its
-meaning. A limit can be lowered over the link and never raised beyond what is built into the image; a scale factor can be set within a tenth of what is built in.
+meaning. A limit can be lowered over the link and never raised beyond what is built into the image; the ceiling of a limit of
+voltage, current or power is as many codes of the converters as what is built in, whatever their scale factors say that a code is worth.
 ";
 
 /// The settings that only a board has.
@@ -109,8 +110,28 @@ pub(super) fn default(schema: Schema, required: bool) -> String {
 /// The number of a parameter, and what holds it back besides its range.
 fn held(parameter: &Parameter) -> String {
     match parameter.range {
-        Range::Within(..) => parameter.key.to_string(),
-        Range::UpToBuiltIn(..) => format!("{}, lowered only", parameter.key),
-        Range::NearBuiltIn => format!("{}, within a tenth", parameter.key),
+        Range::Within(..) | Range::Scale(..) | Range::Choice(_) => parameter.key.to_string(),
+        Range::UpToCeiling(..) => format!("{}, lowered only", parameter.key),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_choice_has_the_same_names_over_the_link_and_in_a_scene() {
+        let mut choices = 0;
+        for (path, table) in Schema::tables() {
+            for (key, schema) in table.properties() {
+                let name = join(path.strip_prefix("controller.").unwrap_or(&path), key);
+                let Some(parameter) = PARAMETERS.iter().find(|parameter| parameter.name == name) else { continue };
+                let Range::Choice(names) = parameter.range else { continue };
+                choices += 1;
+                let expected = if schema.kind() == Kind::Flag { vec!["false", "true"] } else { schema.choices() };
+                assert_eq!(names, expected, "{name}");
+            }
+        }
+        assert_eq!(choices, PARAMETERS.iter().filter(|parameter| matches!(parameter.range, Range::Choice(_))).count());
     }
 }

@@ -4,7 +4,8 @@ use super::*;
 use crate::controller::Controller;
 use crate::seam::block::Amplitude;
 use crate::seam::config::{
-    Burst, Drive, FrontEnd, Limits, Link, Phasing, Range, Schedule, Sweep, Thermometer, Tracking, TrackingMode,
+    Burst, Choice, Drive, Edge, FrontEnd, Limits, Link, MAX_WINDOWS, Phasing, Range, Schedule, Sweep, Thermometer, Tracking,
+    TrackingMode,
 };
 use crate::seam::error::Error;
 
@@ -48,8 +49,18 @@ fn another(parameter: &Parameter, built_in: f32) -> f32 {
         "burst.period_s" => 0.01,
         "burst.duty" => 0.25,
         "link.patience_s" => 2.5,
+        "tracking.nominal_lm_h" => 0.8e-3,
+        "tracking.c0_drift_per_s" | "thermometer.hz_per_k" | "thermometer.c0_per_k" => 0.01,
+        // Within its window, which is from 0.1 s to 0.15 s or as much later.
+        name if name.starts_with("burst.o") => built_in + 0.01,
+        _ if matches!(parameter.range, Range::Choice(_)) => 1.0 - built_in,
         _ => 0.95 * built_in,
     }
+}
+
+/// As many windows as there can be.
+fn windows() -> Schedule {
+    Schedule::Windows((0..MAX_WINDOWS).map(|n| (0.1 + 0.1 * n as f64, 0.15 + 0.1 * n as f64)).collect())
 }
 
 #[test]
@@ -59,7 +70,7 @@ fn keys_and_names_are_told_apart_and_zero_is_no_key() {
         assert!(parameter.key != 0 && PARAMETERS[..place].iter().all(|other| other.name != parameter.name), "{}", parameter.name);
     }
     assert!(PARAMETERS.len() <= MOST_PARAMETERS);
-    assert_eq!([0, 22, 255].map(place_of), [Err(Refusal::NoSuchKey); 3]);
+    assert_eq!([0, 32, 56, 255].map(place_of), [Err(Refusal::NoSuchKey); 4]);
 }
 
 #[test]
@@ -82,8 +93,11 @@ fn what_is_written_is_read_and_builds_and_nothing_else_moves() {
         if parameter.name == "burst.duty" {
             config.burst.schedule = Schedule::Periodic { period_s: 0.01, duty: 0.5 };
         }
+        if parameter.name.starts_with("burst.o") {
+            config.burst.schedule = windows();
+        }
         let before = values_of(&config);
-        let value = another(parameter, built_in[place]);
+        let value = another(parameter, before[place]);
         assert_eq!(parameter.check(value, built_in[place]), Ok(()), "{}", parameter.name);
         (parameter.write)(&mut config, value);
         let values = values_of(&config);
@@ -101,24 +115,30 @@ fn what_is_written_is_read_and_builds_and_nothing_else_moves() {
 fn the_build_refuses_by_name_what_is_out_of_range() {
     let built_in = values_of(&config());
     for (place, parameter) in PARAMETERS.iter().enumerate() {
-        let (Range::Within(least, most) | Range::UpToBuiltIn(least, most)) = parameter.range else { continue };
+        let (Range::Within(least, most) | Range::Scale(least, most) | Range::UpToCeiling(least, most)) = parameter.range else {
+            continue;
+        };
         for value in [least - 1.0, 2.0 * most, f32::NAN] {
             let mut config = config();
             // A duty needs a period, and where there is none, it is that of a drive that is always on.
-            config.burst.schedule = Schedule::Periodic { period_s: 0.01, duty: 0.5 };
+            config.burst.schedule =
+                if parameter.name.starts_with("burst.o") { windows() } else { Schedule::Periodic { period_s: 0.01, duty: 0.5 } };
             (parameter.write)(&mut config, value);
             if (parameter.read)(&config) == built_in[place] {
                 continue;
             }
             let refused = Controller::check(&config).err();
-            let named = matches!(refused, Some(Error::OutOfRange { parameter: name, .. }) if name == parameter.name);
+            // Of a list the build names the list.
+            let asked: std::string::String = parameter.name.replace(|at: char| at.is_ascii_digit(), "").replace("__s", "_s");
+            let asked = if parameter.name.starts_with("burst.o") { &*asked } else { parameter.name };
+            let named = matches!(refused, Some(Error::OutOfRange { parameter: name, .. }) if name == asked);
             assert!(named || (parameter.read)(&config) == f32::INFINITY, "{} = {value}: {refused:?}", parameter.name);
         }
     }
 }
 
 #[test]
-fn a_limit_is_never_raised_and_a_scale_moves_by_a_tenth() {
+fn a_limit_is_never_raised() {
     let built_in = values_of(&config());
     let with = |name: &str, value: f32| {
         let place = PARAMETERS.iter().position(|parameter| parameter.name == name).expect("a parameter");
@@ -137,8 +157,10 @@ fn a_limit_is_never_raised_and_a_scale_moves_by_a_tenth() {
         }
     }
     assert_eq!(limits, 7);
-    assert_eq!([0.0046, 0.0054].map(|value| with("front_end.volt_per_lsb", value)), [Ok(()); 2]);
-    assert_eq!([0.0044, 0.0056, 0.0].map(|value| with("front_end.volt_per_lsb", value)), [Err(Refusal::OutOfRange); 3]);
+    assert_eq!([1e-9, 0.5, 1e3].map(|value| with("front_end.volt_per_lsb", value)), [Ok(()); 3]);
+    assert_eq!([0.0, -1.0, 2e3].map(|value| with("front_end.volt_per_lsb", value)), [Err(Refusal::OutOfRange); 3]);
+    assert_eq!([0.0, 1.0, 2.0].map(|value| with("burst.edge", value)), [Ok(()); 3]);
+    assert_eq!([-1.0, 0.5, 3.0, f32::INFINITY].map(|value| with("burst.edge", value)), [Err(Refusal::OutOfRange); 4]);
     assert_eq!([0.0, 1.0, 3600.0].map(|value| with("link.patience_s", value)), [Ok(()); 3]);
     assert_eq!([-1.0, 3601.0, f32::INFINITY].map(|value| with("link.patience_s", value)), [Err(Refusal::OutOfRange); 3]);
     assert!(
@@ -147,6 +169,67 @@ fn a_limit_is_never_raised_and_a_scale_moves_by_a_tenth() {
             .zip(built_in)
             .all(|(parameter, built_in)| parameter.check(f32::NAN, built_in) == Err(Refusal::NotPlausible))
     );
+}
+
+#[test]
+fn a_limit_rises_with_its_scale_factors_and_never_in_codes() {
+    let built_in = values_of(&config());
+    let place = |key| place_of(key).unwrap();
+    // An amplifier of a hundred times the gain, and a shunt of twice the ohms.
+    let scales = [(3, 0.8), (2, 0.5e-3)];
+    for (limit, ceiling) in [(8, 1546.6), (9, 1.5), (11, built_in[place(11)])] {
+        let set = |value| overridden(&scales.into_iter().chain([(limit, value)]).collect(), &built_in);
+        let with = |value| {
+            let (values, all) = set(value);
+            (values[place(limit)], all)
+        };
+        let near = |value: f32, expected: f32| (value / expected - 1.0).abs() < 1e-6;
+        assert_eq!(with(0.9 * ceiling), (0.9 * ceiling, true));
+        let (held, all) = with(1.1 * ceiling);
+        assert!(near(held, ceiling) && !all, "{limit}: {held}");
+        // In whatever order they were stored.
+        let (values, all) = overridden(&[(limit, 0.9 * ceiling)].into_iter().chain(scales).collect(), &built_in);
+        assert_eq!((values[place(limit)], all), (0.9 * ceiling, true));
+        // What was not stored falls with its ceiling, and does not rise.
+        let mut config = config();
+        apply(&mut config, &overridden(&scales.into_iter().collect(), &built_in).0, &built_in, |_| true);
+        let acts = (PARAMETERS[place(limit)].read)(&config);
+        assert!(near(acts, ceiling.min(built_in[place(limit)])), "{limit}: {acts}");
+        // Without its scale factors a limit is held to what is built in.
+        let mut config = self::config();
+        apply(&mut config, &set(0.9 * ceiling).0, &built_in, |acting| acting == place(limit));
+        let acts = (PARAMETERS[place(limit)].read)(&config);
+        assert_eq!(acts, (0.9 * ceiling).min(built_in[place(limit)]), "{limit}");
+    }
+}
+
+#[test]
+fn choices_are_told_by_their_places() {
+    fn agree<T: Choice>() {
+        assert_eq!(T::ALL.len(), T::NAMES.len());
+        assert!(T::ALL.iter().all(|choice| T::at(choice.place()) == *choice));
+    }
+    agree::<bool>();
+    agree::<Edge>();
+    agree::<TrackingMode>();
+}
+
+#[test]
+fn windows_are_set_end_by_end() {
+    let mut config = config();
+    let mut set = |key, value| {
+        (PARAMETERS[place_of(key).unwrap()].write)(&mut config, value);
+        config.burst.schedule.clone()
+    };
+    assert_eq!(set(40, 0.0), Schedule::Continuous);
+    assert_eq!(set(43, 2.0), Schedule::Windows([(0.0, 0.0), (0.0, 2.0)].into_iter().collect()));
+    set(42, 1.5);
+    set(41, 0.5);
+    assert_eq!(set(40, 0.25), Schedule::Windows([(0.25, 0.5), (1.5, 2.0)].into_iter().collect()));
+    set(43, 0.0);
+    assert_eq!(set(42, 0.0), Schedule::Windows([(0.25, 0.5)].into_iter().collect()));
+    set(40, 0.0);
+    assert_eq!(set(41, 0.0), Schedule::Continuous);
 }
 
 #[test]

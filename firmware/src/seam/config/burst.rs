@@ -6,7 +6,7 @@ use heapless::Vec;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::Config;
+use super::{Choice, Config};
 use crate::seam::config::{Parameter, Range};
 use crate::seam::error::Error;
 
@@ -33,13 +33,13 @@ pub struct Burst {
     #[setting(scene, min = 0.0, max = 1.0, key = 20, read = duty, write = set_duty)]
     pub duty: Option<f64>,
     /// How the envelope gets there.
-    #[setting(default)]
+    #[setting(default, key = 25)]
     pub edge: Edge,
     /// Length of a soft edge, drive periods.
-    #[setting(default = 5.0, min = 0.5, max = 1e4)]
+    #[setting(default = 5.0, min = 0.5, max = 1e4, key = 26)]
     pub edge_cycles: f32,
     /// What has rung up is rung down at the end of each burst, by drive against it within `limits.voltage_v`.
-    #[setting(default, quiet)]
+    #[setting(default, key = 27, quiet)]
     pub brake: bool,
 }
 
@@ -57,6 +57,26 @@ impl Burst {
             }
         },
     }];
+
+    /// The ends of the windows as parameters, which are counted from one. A window from zero to zero is none, and windows take the place of a period.
+    pub(crate) const WINDOWS: &'static [Parameter] = &[
+        window::<0, ON>(40, "burst.on_1_s"),
+        window::<0, OFF>(41, "burst.off_1_s"),
+        window::<1, ON>(42, "burst.on_2_s"),
+        window::<1, OFF>(43, "burst.off_2_s"),
+        window::<2, ON>(44, "burst.on_3_s"),
+        window::<2, OFF>(45, "burst.off_3_s"),
+        window::<3, ON>(46, "burst.on_4_s"),
+        window::<3, OFF>(47, "burst.off_4_s"),
+        window::<4, ON>(48, "burst.on_5_s"),
+        window::<4, OFF>(49, "burst.off_5_s"),
+        window::<5, ON>(50, "burst.on_6_s"),
+        window::<5, OFF>(51, "burst.off_6_s"),
+        window::<6, ON>(52, "burst.on_7_s"),
+        window::<6, OFF>(53, "burst.off_7_s"),
+        window::<7, ON>(54, "burst.on_8_s"),
+        window::<7, OFF>(55, "burst.off_8_s"),
+    ];
 
     /// Whether the schedule is within its ranges. That a period has a sample at least is for the build to say.
     pub(super) fn check_schedule(&self) -> Result<(), Error> {
@@ -106,6 +126,11 @@ pub enum Edge {
     Boost,
 }
 
+impl Choice for Edge {
+    const ALL: &'static [Self] = &[Edge::Hard, Edge::Soft, Edge::Boost];
+    const NAMES: &'static [&'static str] = &["hard", "soft", "boost"];
+}
+
 /// The period in s, and the ON part of it; a drive that is always on has none.
 fn periodic(config: &Config) -> (f64, f64) {
     match config.burst.schedule {
@@ -123,4 +148,44 @@ fn set_duty(config: &mut Config, value: f32) {
     if let Schedule::Periodic { duty, .. } = &mut config.burst.schedule {
         *duty = value.into();
     }
+}
+
+/// The beginning of a window, and its end.
+const ON: bool = false;
+const OFF: bool = true;
+
+/// One end of window `N`.
+const fn window<const N: usize, const END: bool>(key: u8, name: &'static str) -> Parameter {
+    Parameter { key, name, range: Range::Within(0.0, Burst::ON_S.max as f32), read: end::<N, END>, write: set_end::<N, END> }
+}
+
+fn end<const N: usize, const END: bool>(config: &Config) -> f32 {
+    let window = match &config.burst.schedule {
+        Schedule::Windows(windows) => windows.get(N).copied(),
+        Schedule::Continuous | Schedule::Periodic { .. } => None,
+    };
+    window.map_or(0.0, |(on, off)| if END == ON { on } else { off }) as f32
+}
+
+fn set_end<const N: usize, const END: bool>(config: &mut Config, value: f32) {
+    set_window_end(&mut config.burst.schedule, N, END, value.into());
+}
+
+/// Sets one end of window `n`; the last windows that are none are left out.
+fn set_window_end(schedule: &mut Schedule, n: usize, end: bool, value: f64) {
+    let mut windows = match schedule {
+        Schedule::Windows(windows) => core::mem::take(windows),
+        Schedule::Continuous | Schedule::Periodic { .. } if value == 0.0 => return,
+        Schedule::Continuous | Schedule::Periodic { .. } => Vec::new(),
+    };
+    if windows.len() <= n {
+        let _ = windows.resize(n + 1, (0.0, 0.0));
+    }
+    if let Some((on, off)) = windows.get_mut(n) {
+        *(if end == ON { on } else { off }) = value;
+    }
+    while windows.last() == Some(&(0.0, 0.0)) {
+        windows.pop();
+    }
+    *schedule = if windows.is_empty() { Schedule::Continuous } else { Schedule::Windows(windows) };
 }

@@ -47,7 +47,7 @@ pub struct Drive {
     #[setting(controller)]
     pub noise_band_hz: (f32, f32),
     /// Adds random steps of up to one code before rounding, so that rounding leaves noise in place of harmonics.
-    #[setting(default, quiet)]
+    #[setting(default, key = 28, quiet)]
     pub dither: bool,
     /// Drive lanes; the stack hangs on the first.
     #[setting(scene, default = 1, min = 1, max = 4)]

@@ -8,17 +8,17 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct FrontEnd {
     /// Volts at the stack per voltage code.
-    #[setting(min = 1e-9, max = 1e3, key = 1, near)]
+    #[setting(min = 1e-9, max = 1e3, key = 1, scale)]
     pub volt_per_lsb: f32,
     /// Amperes into the stack per current code.
-    #[setting(min = 1e-9, max = 1e3, key = 2, near)]
+    #[setting(min = 1e-9, max = 1e3, key = 2, scale)]
     pub ampere_per_lsb: f32,
     /// The sense code at zero (before the self-test has measured the offset).
     pub sense_mid_code: u16,
     /// The largest sense code.
     pub sense_max_code: u16,
     /// Volts at the amplifier's output per drive code.
-    #[setting(min = 1e-9, max = 1e3, key = 3, near)]
+    #[setting(min = 1e-9, max = 1e3, key = 3, scale)]
     pub drive_volt_per_lsb: f32,
     /// The drive code at zero volts.
     pub drive_mid_code: u16,

@@ -26,38 +26,61 @@ pub struct Parameter {
 pub enum Range {
     /// From the first to the second.
     Within(f32, f32),
-    /// From the first to what is built in, and not beyond the second; what is built in may be infinity, which is no limit.
-    UpToBuiltIn(f32, f32),
-    /// What is built in, and a tenth more or less.
-    NearBuiltIn,
+    /// A scale factor of the front end, from the first to the second. The ceilings of the limits that are judged by it follow it.
+    Scale(f32, f32),
+    /// A limit, from the first to its ceiling, and not beyond the second; the ceiling may be infinity, which is no limit.
+    UpToCeiling(f32, f32),
+    /// One of these, by its place.
+    Choice(&'static [&'static str]),
 }
 
-/// How far a scale factor may be set from what is built in.
-const NEAR: f32 = 0.1;
-
 impl Range {
-    /// The smallest and the largest value, where this is built in.
-    pub fn of(self, built_in: f32) -> (f32, f32) {
+    /// The smallest and the largest value, where this is the ceiling of a limit.
+    pub fn of(self, ceiling: f32) -> (f32, f32) {
         match self {
-            Range::Within(least, most) => (least, most),
-            Range::UpToBuiltIn(least, most) => (least, built_in.min(most)),
-            Range::NearBuiltIn => (built_in * (1.0 - NEAR), built_in * (1.0 + NEAR)),
+            Range::Within(least, most) | Range::Scale(least, most) => (least, most),
+            Range::UpToCeiling(least, most) => (least, ceiling.min(most)),
+            Range::Choice(names) => (0.0, names.len() as f32 - 1.0),
         }
     }
+}
+
+/// A setting that is one of a few, which have names in a scene and places over the link.
+pub(crate) trait Choice: Copy + PartialEq + 'static {
+    /// All of them.
+    const ALL: &'static [Self];
+    /// Their names, as a scene has them.
+    const NAMES: &'static [&'static str];
+
+    /// The place of this one.
+    fn place(self) -> f32 {
+        Self::ALL.iter().position(|choice| *choice == self).unwrap_or(0) as f32
+    }
+
+    /// The one at a place; the first where there is none.
+    fn at(place: f32) -> Self {
+        Self::ALL.get(place as usize).copied().unwrap_or(Self::ALL[0])
+    }
+}
+
+impl Choice for bool {
+    const ALL: &'static [Self] = &[false, true];
+    const NAMES: &'static [&'static str] = &["false", "true"];
 }
 
 impl Parameter {
     /// Whether it is a limit: what is stored of it is never exceeded.
     pub fn is_limit(&self) -> bool {
-        matches!(self.range, Range::UpToBuiltIn(..))
+        matches!(self.range, Range::UpToCeiling(..))
     }
 
-    /// Refuses a value that it may not have, where `built_in` is built in. What is built in is never refused.
+    /// Refuses a value that it may not have, where `built_in` is built in, or of a limit its ceiling. That is never refused.
     pub fn check(&self, value: f32, built_in: f32) -> Result<(), Refusal> {
         let (least, most) = self.range.of(built_in);
+        let is_whole = !matches!(self.range, Range::Choice(_)) || value == libm::truncf(value);
         match value {
             _ if value.is_nan() => Err(Refusal::NotPlausible),
-            _ if value == built_in || (least..=most).contains(&value) => Ok(()),
+            _ if value == built_in || (least..=most).contains(&value) && is_whole => Ok(()),
             _ => Err(Refusal::OutOfRange),
         }
     }

@@ -20,9 +20,14 @@ impl Setting {
         Range::Within(self.min as f32, self.max as f32)
     }
 
-    /// The values that it may have as a parameter that can be lowered only.
-    pub(crate) const fn up_to_built_in(&self) -> Range {
-        Range::UpToBuiltIn(self.min as f32, self.max as f32)
+    /// The values that it may have as a limit.
+    pub(crate) const fn up_to_ceiling(&self) -> Range {
+        Range::UpToCeiling(self.min as f32, self.max as f32)
+    }
+
+    /// The values that it may have as a scale factor.
+    pub(crate) const fn scale(&self) -> Range {
+        Range::Scale(self.min as f32, self.max as f32)
     }
 
     /// Refuses a value outside the range.

@@ -5,12 +5,14 @@ use config_macro::settings;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use super::Choice;
+
 /// How the frequency is found and tracked. The nominal values are priors, not the truth.
 #[settings(table = "tracking", scene = Tracking, new)]
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Tracking {
     /// Quantity that is tracked.
-    #[setting(default)]
+    #[setting(default, key = 22)]
     pub mode: TrackingMode,
     /// Frequency window on each side, as a fraction of the nominal frequency.
     #[setting(default = 0.025, min = 1e-4, max = 0.2, key = 17)]
@@ -22,14 +24,14 @@ pub struct Tracking {
     #[setting(min = 2.0, max = 1e5, key = 15)]
     pub nominal_q: f32,
     /// Motional inductance, H, within a tenth. Default: what the power-on calibration finds.
-    #[setting(min = 1e-9, max = 1e4)]
+    #[setting(min = 1e-9, max = 1e4, key = 23)]
     pub nominal_lm_h: Option<f32>,
     /// Clamped capacitance, F.
     #[setting(min = 1e-12, max = 1e-3, key = 16)]
     pub nominal_c0_f: f32,
     /// How fast the clamped capacitance may drift, relative, per second: the observer then measures it again while running, as often as that demands,
     /// by small steps of the frequency. Zero: never.
-    #[setting(default, min = 0.0, max = 10.0, quiet)]
+    #[setting(default, min = 0.0, max = 10.0, key = 24, quiet)]
     pub c0_drift_per_s: f32,
     /// Force factor, N/V: tip force per volt, and ampere of motional current per m/s of tip velocity.
     #[setting(scene, min = 1e-6, max = 1e4)]
@@ -50,4 +52,9 @@ pub enum TrackingMode {
     ZeroPhase,
     /// Nothing: the nominal frequency is held.
     Off,
+}
+
+impl Choice for TrackingMode {
+    const ALL: &'static [Self] = &[TrackingMode::Observer, TrackingMode::PhaseLock, TrackingMode::ZeroPhase, TrackingMode::Off];
+    const NAMES: &'static [&'static str] = &["observer", "phase_lock", "zero_phase", "off"];
 }

@@ -13,7 +13,7 @@ use firmware::seam::refusal::Refusal;
 use crate::answer::{Answer, short};
 use crate::client::unexpected;
 use crate::link_error::LinkError;
-use crate::parameter::{parameter, report};
+use crate::parameter::{parameter, range, read, report, shown};
 use crate::session::Session;
 use crate::words;
 
@@ -29,9 +29,9 @@ pub enum SettingsOrder {
     Set {
         /// Its name.
         name: String,
-        /// Its value, in the unit of its name.
+        /// Its value: a number in the unit of its name, or one of its names.
         #[arg(allow_hyphen_values = true)]
-        value: f32,
+        value: String,
     },
     /// Store parameters and lane trims over power-off.
     Store,
@@ -52,7 +52,7 @@ pub fn run(order: &SettingsOrder, session: &mut Session) -> Result<Answer, LinkE
     match order {
         SettingsOrder::Get { name: Some(name) } => get(&[parameter(name)?], session),
         SettingsOrder::Get { name: None } => get(&PARAMETERS.iter().collect::<Vec<_>>(), session),
-        SettingsOrder::Set { name, value } => set(parameter(name)?, *value, session),
+        SettingsOrder::Set { name, value } => set(parameter(name)?, value, session),
         SettingsOrder::Store => plain(session, Verb::Store, "stored over power-off"),
         SettingsOrder::Clear => {
             plain(session, Verb::Clear, "nothing is stored; after a restart all parameters have their defaults")
@@ -84,10 +84,10 @@ fn get(parameters: &[&Parameter], session: &mut Session) -> Result<Answer, LinkE
             .line(format!(
                 "{:width$}  {:>12}  {:>12}  {:>12}  {}{reset}",
                 parameter.name,
-                number(of.acts),
-                number(of.next),
-                number(of.built_in),
-                range(of.min, of.max)
+                shown(parameter, of.acts),
+                shown(parameter, of.next),
+                shown(parameter, of.built_in),
+                range(parameter, of.min, of.max)
             ))
             .field(parameter.name, short(of.next));
         if let [_] = parameters {
@@ -98,12 +98,17 @@ fn get(parameters: &[&Parameter], session: &mut Session) -> Result<Answer, LinkE
     Ok(answer.line(words::stored(stored)).field("kept", state_name(stored)))
 }
 
-fn set(parameter: &Parameter, value: f32, session: &mut Session) -> Result<Answer, LinkError> {
+fn set(parameter: &Parameter, value: &str, session: &mut Session) -> Result<Answer, LinkError> {
+    let value = read(parameter, value)?;
     match session.client.order(Command::Settings(Verb::Set(parameter.key, value))) {
         Err(LinkError::Refused { refusal: Refusal::OutOfRange | Refusal::NotPlausible, .. }) => {
             let of = report(parameter, &mut session.client)?;
-            let range = range(of.min, of.max);
-            Err(LinkError::Failed(format!("{} can be {range}, not {value}; it is {} now", parameter.name, number(of.next))))
+            let range = range(parameter, of.min, of.max);
+            Err(LinkError::Failed(format!(
+                "{} can be {range}, not {value}; it is {} now",
+                parameter.name,
+                shown(parameter, of.next)
+            )))
         }
         Err(LinkError::Refused { refusal: Refusal::NotConfigured, .. }) => Err(LinkError::Failed(format!(
             "{} needs what this board does not have (an energy for each metre of belt needs a belt encoder)",
@@ -111,7 +116,7 @@ fn set(parameter: &Parameter, value: f32, session: &mut Session) -> Result<Answe
         ))),
         done => done.map(|()| {
             Answer::to("settings")
-                .line(format!("{} = {}; active after `settings store` and `reset`", parameter.name, number(value)))
+                .line(format!("{} = {}; active after `settings store` and `reset`", parameter.name, shown(parameter, value)))
                 .field(parameter.name, short(value))
         }),
     }
@@ -135,23 +140,6 @@ pub fn trims(session: &mut Session, mut answer: Answer) -> Result<Answer, LinkEr
         let lanes = found.lanes.iter().map(|trim| format!("{:+.3} deg x {:.4}", 360.0 * trim.phase_turns, trim.gain));
         answer = answer.line(format!("{:9.1} Hz: {}", found.hz, lanes.collect::<Vec<_>>().join(" | ")));
         point += 1;
-    }
-}
-
-/// A parameter's value as a reader wants it.
-fn number(value: f32) -> String {
-    match value {
-        _ if value.is_infinite() => "none".into(),
-        _ if value == 0.0 || (1e-3..1e6).contains(&value.abs()) => value.to_string(),
-        _ => format!("{value:e}"),
-    }
-}
-
-fn range(min: f32, max: f32) -> String {
-    match max {
-        _ if min == max => "as built".into(),
-        _ if max.is_infinite() => format!("{} and more", number(min)),
-        _ => format!("{} to {}", number(min), number(max)),
     }
 }
 
@@ -179,13 +167,5 @@ mod tests {
         assert_eq!(error("limit.voltage_v"), "there is no setting `limit.voltage_v`; did you mean `limits.voltage_v`?");
         assert_eq!(error("scan_volts"), "there is no setting `scan_volts`; did you mean `drive.scan_volts`?");
         assert_eq!(error("colour"), "there is no setting `colour`; `settings get` lists them");
-    }
-
-    #[test]
-    fn ranges_read_well() {
-        assert_eq!(
-            (range(0.001, f32::INFINITY), range(1e-12, 1e-3), range(2.0, 2.0)),
-            ("0.001 and more".into(), "1e-12 to 0.001".into(), "as built".into())
-        );
     }
 }
