@@ -191,6 +191,7 @@ impl<C: Chip> Machine<C> {
         let access = self.access(size, address);
         let ports = Ports { memory: &mut self.memory, interrupts: &mut self.interrupts };
         let answer = self.chip.read(access, ports);
+        self.cpu.cost += self.chip.access_wait(address);
         self.look_at_part();
         answer.map(|value| size.extend(value)).map_err(|fault| self.cpu.trap(fault))
     }
@@ -214,6 +215,7 @@ impl<C: Chip> Machine<C> {
         let access = self.access(size, address);
         let ports = Ports { memory: &mut self.memory, interrupts: &mut self.interrupts };
         let answer = self.chip.write(access, value, ports);
+        self.cpu.cost += self.chip.access_wait(address);
         self.look_at_part();
         answer.map_err(|fault| self.cpu.trap(fault))
     }

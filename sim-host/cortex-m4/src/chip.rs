@@ -84,6 +84,17 @@ pub trait Chip {
     /// Wait states, in cycles, of a load of data from such a region.
     fn load_wait(&mut self, address: u32, at: Cycle) -> u32;
 
+    /// Wait states, in cycles, of an access to the part's registers.
+    fn access_wait(&mut self, _address: u32) -> u32 {
+        0
+    }
+
+    /// Cycles for which other masters of the buses can have held up the processor, at most, since this was asked last. Counted with
+    /// [`Timing::Longest`](crate::Timing::Longest) only.
+    fn held_up(&mut self) -> u32 {
+        0
+    }
+
     /// A load or a fetch hit a place that [`Memory::damage`] has named. The part may pend its NMI; the read goes on.
     fn damaged(&mut self, address: u32, ports: Ports) -> Result<(), Fault>;
 

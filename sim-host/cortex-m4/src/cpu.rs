@@ -78,11 +78,17 @@ pub(crate) enum Trap {
 }
 
 /// The load or arithmetic that ended last, for what overlaps with it.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug)]
 pub(crate) struct Last {
     pub(crate) register: u8,
     /// Number of the instruction that follows it.
     pub(crate) next: u64,
+}
+
+impl Default for Last {
+    fn default() -> Self {
+        Last { register: 0, next: u64::MAX }
+    }
 }
 
 /// The processor without what surrounds it.

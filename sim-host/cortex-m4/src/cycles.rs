@@ -26,8 +26,9 @@
 //! | lazy store of the floating-point registers | [`FLOAT_FRAME`] |
 //! | tail-chained entry | [`TAIL_CHAIN`] |
 //!
-//! Added by the part: wait states of a fetch that enters another aligned 8 bytes, and of a load. Not modelled: contention on the bus matrix between
-//! fetches, loads and DMA; wait states of peripherals; the write buffer's stall (a `STR` that finds it full);
+//! Added by the part: wait states of a fetch that enters another aligned 8 bytes, of a load, and of a register; with [`Timing::Longest`] what DMA can take of
+//! the buses. Not modelled: contention of fetches with loads from the same memory; the write buffer's stall (a `STR` that finds it full, which every store to
+//! a register with wait states is taken for);
 //! and, on the side of too many cycles, `VDIV` in parallel with integer instructions, `IT` folded into the instruction before it, abandoned `LDM`, late arrival.
 //!
 //! # Compared with measurements

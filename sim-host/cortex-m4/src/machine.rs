@@ -176,6 +176,7 @@ impl<C: Chip> Machine<C> {
             let ports = Ports { memory: &mut self.memory, interrupts: &mut self.interrupts };
             self.chip.advance(now, ports).map_err(|fault| self.cpu.trap(fault))?;
         }
+        self.hold_up();
         if self.cpu.systick.advance(now) {
             self.cpu.nvic.pend_system(crate::exceptions::SYSTICK);
         }

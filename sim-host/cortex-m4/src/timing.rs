@@ -8,6 +8,7 @@
 //! | after a load of the PC, `TBB`, `TBH` | 3 | 3 |
 //! | 32-bit instructions in a row that are not aligned | 1 more for the third and each that follows | 1 more for the third |
 //! | load relative to the PC | 1 more, and never pipelined | as any load |
+//! | other masters of the buses | [`Chip::held_up`] more | |
 //!
 //! The refill takes 1 to 3 cycles "depending on the alignment and width of the target instruction, and whether the processor manages to speculate the
 //! address early" (ARM DDI 0439, table 3-1); "normally" 1 after an immediate branch, 2 after one to a register, longer to unaligned 32-bit
@@ -15,7 +16,9 @@
 //! 3.3.2). The rows of unaligned instructions are measured on an STM32L4 (compendium.i-0.nl, "Alignment rules"): three or more take one more
 //! cycle; of the longest rows that figure says too little, so that the bound counts each.
 
+use crate::chip::{Chip, Cycle};
 use crate::cpu::{Cpu, INVALID};
+use crate::machine::Machine;
 use crate::op::Decoded;
 
 /// Which cycles are counted where the manual leaves them open.
@@ -48,6 +51,16 @@ impl Timing {
             (Timing::Longest, _) | (_, Target::Loaded) => REFILL,
             (_, Target::Immediate) => 1,
             (_, Target::Register) => 2,
+        }
+    }
+}
+
+impl<C: Chip> Machine<C> {
+    /// Lets time pass for what other masters of the buses have taken. They do so in time, so that the rate of the watched exception does not count.
+    pub(crate) fn hold_up(&mut self) {
+        let cycles = self.chip.held_up();
+        if self.cpu.timing == Timing::Longest && self.cpu.asleep.is_none() {
+            self.cpu.cycle += Cycle::from(cycles);
         }
     }
 }

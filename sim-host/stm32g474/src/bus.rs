@@ -4,6 +4,7 @@ use cortex_m4::{Access, Chip, Cycle, Fault, Ports, Width};
 
 use crate::adc::Adc;
 use crate::art::Art;
+use crate::contention;
 use crate::factory;
 use crate::finding::Rule;
 use crate::iwdg::Iwdg;
@@ -179,6 +180,14 @@ impl<W: Wires> Chip for Stm32g474<W> {
 
     fn load_wait(&mut self, address: u32, at: Cycle) -> u32 {
         self.flash_stall(address, at) + self.art.load(address)
+    }
+
+    fn access_wait(&mut self, address: u32) -> u32 {
+        contention::wait(address)
+    }
+
+    fn held_up(&mut self) -> u32 {
+        std::mem::take(&mut self.dma.held_up)
     }
 
     fn damaged(&mut self, address: u32, mut ports: Ports) -> Result<(), Fault> {

@@ -6,6 +6,7 @@ use cortex_m4::{Fault, Ports};
 use stm32_metapac::bdma::regs::Cr;
 use stm32_metapac::bdma::vals::Dir;
 
+use crate::contention;
 use crate::finding::Rule;
 use crate::map::base::{DMA1, DMA2, DMAMUX1};
 use crate::map::{at, line};
@@ -36,11 +37,13 @@ pub(crate) struct Dma {
     channels: [Channel; 16],
     /// Channel of each request, plus one.
     of_request: [u8; REQUESTS],
+    /// Cycles for which transfers can have held up the processor, and it does not know yet.
+    pub(crate) held_up: u32,
 }
 
 impl Default for Dma {
     fn default() -> Self {
-        Dma { channels: Default::default(), of_request: [0; REQUESTS] }
+        Dma { channels: Default::default(), of_request: [0; REQUESTS], held_up: 0 }
     }
 }
 
@@ -215,6 +218,7 @@ impl<W: Wires> Stm32g474<W> {
                 None => false,
             }
         };
+        self.dma.held_up += contention::of_transfer(peripheral);
         self.count(now, channel, moved, ports)?;
         Ok(true)
     }

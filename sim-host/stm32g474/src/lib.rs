@@ -50,6 +50,7 @@ mod art;
 mod bus;
 mod clock_rules;
 mod comp;
+mod contention;
 mod dac;
 mod defect;
 mod dma;

@@ -175,6 +175,31 @@ fn floating_point_takes_the_manuals_cycles() {
 }
 
 #[test]
+fn registers_have_wait_states_of_their_own() {
+    // LDR R0, [R1]; STR R0, [R1] of a register of the part
+    let mut machine = machine(&[0x6808, 0x6008], &[]);
+    machine.chip.register_wait = 2;
+    machine.set_register(1, crate::support::PART + 8);
+    machine.step(u64::MAX).expect("the load");
+    assert_eq!(machine.cycle(), 2 + 2);
+    machine.step(u64::MAX).expect("the store");
+    assert_eq!(machine.cycle(), 4 + 1 + 2);
+}
+
+#[test]
+fn other_masters_take_cycles_of_the_longest_timing() {
+    for (timing, cycles) in [(Usual, 2), (Longest, 2 + 5)] {
+        let mut machine = machine(&[0xBF00; 2], &[]);
+        machine.set_timing(timing);
+        machine.step(u64::MAX).expect("a NOP");
+        machine.chip.held_up = 5;
+        machine.step(u64::MAX).expect("a NOP");
+        assert_eq!(machine.cycle(), cycles);
+        assert_eq!(machine.chip.held_up, 0, "it is asked in any case");
+    }
+}
+
+#[test]
 fn wait_states_are_those_of_each_eight_bytes() {
     let mut machine = machine(&[0xBF00; 64], &[]);
     machine.chip.waits = (4, 0);

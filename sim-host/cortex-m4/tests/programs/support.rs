@@ -15,6 +15,9 @@ pub struct Part {
     pub falls: Cycle,
     /// Wait states of a fetch and of a load.
     pub waits: (u32, u32),
+    /// Wait states of a register, and cycles that other masters have taken.
+    pub register_wait: u32,
+    pub held_up: u32,
     pub lockups: u32,
     pub resets: u32,
     pub damaged: Vec<u32>,
@@ -30,6 +33,8 @@ impl Default for Part {
             rises: Cycle::MAX,
             falls: Cycle::MAX,
             waits: (0, 0),
+            register_wait: 0,
+            held_up: 0,
             lockups: 0,
             resets: 0,
             damaged: Vec::new(),
@@ -78,6 +83,14 @@ impl Chip for Part {
 
     fn load_wait(&mut self, _: u32, _: Cycle) -> u32 {
         self.waits.1
+    }
+
+    fn access_wait(&mut self, _: u32) -> u32 {
+        self.register_wait
+    }
+
+    fn held_up(&mut self) -> u32 {
+        std::mem::take(&mut self.held_up)
     }
 
     fn damaged(&mut self, address: u32, ports: Ports) -> Result<(), Fault> {

@@ -8,7 +8,7 @@ pub const STATES: u32 = 0x0020_0000;
 pub const CASES: usize = 6000;
 
 /// `MOVW`, `MOVT`: a constant into a low register.
-fn constant(register: u16, value: u32) -> Vec<u16> {
+pub fn constant(register: u16, value: u32) -> Vec<u16> {
     let half = |opcode: u16, value: u16| {
         let (i, high) = (value >> 11 & 1, value >> 12);
         [opcode | i << 10 | high, (value >> 8 & 7) << 12 | register << 8 | value & 0xFF]
@@ -21,12 +21,14 @@ pub fn state_address(number: usize) -> u32 {
     STATES + (number * STATE) as u32
 }
 
+/// CPACR: access to the FPU; then DSB, ISB.
+pub fn float_on() -> Vec<u16> {
+    [constant(0, 0xE000_ED88), vec![0xF44F, 0x0170, 0x6001, 0xF3BF, 0x8F4F, 0xF3BF, 0x8F6F]].concat()
+}
+
 /// The whole memory: vectors, code, states.
 pub fn build(cases: &[Case]) -> Vec<u8> {
-    let mut code: Vec<u16> = Vec::new();
-    // CPACR: access to the FPU; then DSB, ISB.
-    code.extend(constant(0, 0xE000_ED88));
-    code.extend([0xF44F, 0x0170, 0x6001, 0xF3BF, 0x8F4F, 0xF3BF, 0x8F6F]);
+    let mut code = float_on();
     for (number, case) in cases.iter().enumerate() {
         code.extend(constant(0, state_address(number)));
         // MOV SP, R0; ADD R0, SP, #64; VLDM R0, {S0-S31}; FPSCR; APSR; LDM SP, {R0-R12, LR}
@@ -35,7 +37,13 @@ pub fn build(cases: &[Case]) -> Vec<u8> {
         // STM SP, {R0-R12, LR}; APSR; FPSCR; VSTM
         code.extend([0xE88D, 0x5FFF, 0xF3EF, 0x8000, 0x900E, 0xEEF1, 0x0A10, 0x900F, 0xA810, 0xEC80, 0x0A20]);
     }
-    // Faults end the program as well: the states after them stay as they are.
+    let states: Vec<u32> = cases.iter().flat_map(|case| case.state).collect();
+    assemble(code, 0, &[], &states)
+}
+
+/// A program that begins `entry` halfwords into its code and writes its states to standard output at the end. The `handled` exceptions go to the
+/// code's beginning, all others end the program as well: the states after them stay as they are.
+pub fn assemble(mut code: Vec<u16>, entry: usize, handled: &[usize], states: &[u32]) -> Vec<u8> {
     let end = 0x100 + 2 * code.len() as u32;
     let arguments = end.next_multiple_of(4) + 0x40;
     let call = |operation: u16, argument: u32| [vec![0x2000 | operation], constant(1, argument), vec![0xBEAB]].concat();
@@ -52,15 +60,14 @@ pub fn build(cases: &[Case]) -> Vec<u8> {
             place.copy_from_slice(&word.to_le_bytes());
         }
     };
-    put(0, &[0x003F_FF00, 0x101]);
-    put(8, &[end | 1; 14]);
-    let len = (cases.len() * STATE) as u32;
+    put(0, &[0x003F_FF00, 0x101 + 2 * entry as u32]);
+    put(8, &std::array::from_fn::<u32, 14, _>(|at| if handled.contains(&(at + 2)) { 0x101 } else { end | 1 }));
     // ":tt" for writing is standard output.
-    put(arguments, &[arguments + 32, 4, 3, 0, 0, STATES, len, 0, u32::from_le_bytes(*b":tt\0")]);
+    put(arguments, &[arguments + 32, 4, 3, 0, 0, STATES, 4 * states.len() as u32, 0, u32::from_le_bytes(*b":tt\0")]);
     for (place, half) in image[0x100..].chunks_exact_mut(2).zip(&code) {
         place.copy_from_slice(&half.to_le_bytes());
     }
     assert!(0x100 + 2 * code.len() < arguments as usize && arguments + 64 < STATES, "the code leaves room for the states");
-    image.extend(cases.iter().flat_map(|case| case.state).flat_map(u32::to_le_bytes));
+    image.extend(states.iter().flat_map(|word| word.to_le_bytes()));
     image
 }

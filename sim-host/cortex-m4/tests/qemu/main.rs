@@ -4,6 +4,7 @@
 
 mod cases;
 mod encodings;
+mod exceptions;
 mod image;
 mod memory_cases;
 
@@ -216,4 +217,32 @@ fn loads_and_stores_agree() {
     check("several", memory_cases::several);
     check("stack", |_, rng| memory_cases::stack(rng));
     check("float transfer", memory_cases::float);
+}
+
+#[test]
+fn exceptions_agree() {
+    if !has_qemu() {
+        return;
+    }
+    let mut rng = Xoshiro256PlusPlus::seed_from_u64(number("CORTEX_M4_SEED", 1) as u64);
+    let mut left = number("CORTEX_M4_CASES", 2000);
+    while left > 0 {
+        let count = left.min(exceptions::CASES);
+        let image = exceptions::build(count, &mut rng);
+        let len = count * exceptions::RECORD;
+        let (here, there) = (run_here(&image, len), run_there(&image, "exceptions", len));
+        for (number, (ours, theirs)) in
+            here.chunks_exact(exceptions::RECORD).zip(there.chunks_exact(exceptions::RECORD)).enumerate()
+        {
+            let (ours, theirs) = (words(ours), words(theirs));
+            let differences: Vec<_> = (0..ours.len()).filter(|word| ours[*word] != theirs[*word]).collect();
+            let shown =
+                differences.iter().map(|word| format!("word {word}: {:#010x}, QEMU {:#010x}", ours[*word], theirs[*word]));
+            assert!(differences.is_empty(), "case {number}:\n{}", shown.collect::<Vec<_>>().join("\n"));
+        }
+        // R14 as the handler sees it: each way of return has been taken.
+        let links: std::collections::BTreeSet<_> = here.chunks_exact(exceptions::RECORD).map(|record| words(record)[0]).collect();
+        assert!(count < 200 || links.len() >= 5, "{links:08x?}");
+        left -= count;
+    }
 }

@@ -41,8 +41,8 @@ impl Instrument for ProcessorLoad {
         let whole = |value: f64| if value >= 1e7 { number(value) } else { format!("{value:.0}") };
         let row = |(label, metric): (&str, &str)| Some(vec![label.to_owned(), whole(metrics.get(metric)?)]);
         let caption = if metrics.get("worst_block_cycles").is_some() {
-            "Of the block interrupt in the image that is flashed, with its entry and return. Cycles are an estimate from above by the processor's manual, \
-             without contention on the buses; a block of 32 samples has 5440 of them at 170 MHz."
+            "Of the block interrupt in the image that is flashed, with its entry and return. Cycles are the most that the processor's manual allows, \
+             with what DMA can take of the buses; a block of 32 samples has 5440 of them at 170 MHz."
         } else {
             "Counted in an emulator: instructions, each block's to within 6, and not cycles. The image is built for speed and for any \
              scene; a board's is smaller."

@@ -36,6 +36,12 @@ impl Chip for Hosted {
     fn load_wait(&mut self, address: u32, at: Cycle) -> u32 {
         self.part.load_wait(address, at)
     }
+    fn access_wait(&mut self, address: u32) -> u32 {
+        self.part.access_wait(address)
+    }
+    fn held_up(&mut self) -> u32 {
+        self.part.held_up()
+    }
     fn damaged(&mut self, address: u32, ports: Ports) -> Result<(), Fault> {
         self.part.damaged(address, ports)
     }
