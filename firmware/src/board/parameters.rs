@@ -5,7 +5,7 @@
 //!
 //! | range | of | because |
 //! |---|---|---|
-//! | up to a [ceiling](ceilings) | limits | what a host sends can exceed none |
+//! | up to a [`ceiling`] | limits | what a host sends can exceed none |
 //! | between two numbers | scale factors of the front end | the ceilings of limits that are judged by them follow them |
 //! | between two numbers, or one of a few | all others | |
 //!
