@@ -9,9 +9,9 @@ use firmware::seam::config::{Config, LaneTrims};
 use nucleo_g474re::pages;
 use plant::Plant;
 use plant::stream::Stream;
-use scene::Driven;
+use scene::{Driven, FaultKind};
 use sim::record::Taken;
-use stm32g474::Stm32g474;
+use stm32g474::{Defect, Stm32g474};
 
 use crate::configure::{self, Misfit};
 use crate::recording::Call;
@@ -60,7 +60,8 @@ pub struct Options {
     pub record: bool,
 }
 
-/// A board that runs an image.
+/// A board that runs an image. A clone goes on from the same state.
+#[derive(Clone, Debug)]
 pub struct Board {
     machine: Machine<Stm32g474<Bench>>,
     config: Config,
@@ -75,6 +76,7 @@ pub struct Board {
 }
 
 /// Where the block interrupt of the image has its variables.
+#[derive(Clone, Debug)]
 struct BlockVariables {
     /// The reference to all that the interrupt has, once it has it.
     state: Place,
@@ -165,6 +167,17 @@ impl Board {
         Ok(())
     }
 
+    /// Plans a defect of the part at a cycle that is to come.
+    pub fn inject(&mut self, at: Cycle, defect: Defect) {
+        self.machine.chip.inject(at, defect);
+    }
+
+    /// A debugger halts the processor for a time.
+    pub fn halt_for(&mut self, time: Duration) -> Result<(), BoardError> {
+        let until = self.machine.cycle() + (time.as_secs_f64() * self.machine.chip.hz() as f64).ceil() as Cycle;
+        Ok(self.machine.hold(until)?)
+    }
+
     /// Puts bytes on the wire to the board.
     pub fn send(&mut self, bytes: &[u8]) {
         self.bench_mut().to_board.extend(bytes);
@@ -232,9 +245,16 @@ impl BlockVariables {
     }
 }
 
+/// Whether a fault breaks the stack itself, which the plant of a board has.
+fn is_of_the_stack(kind: FaultKind) -> bool {
+    matches!(kind, FaultKind::Short | FaultKind::Depoled | FaultKind::Cracked)
+}
+
 fn stack_of(scene: &Driven) -> Result<plant::driven_stack::DrivenStack, BoardError> {
     match Plant::new(scene) {
-        _ if !scene.fault.is_empty() => Err(BoardError::Plant("its faults are those of converters that the board does not have")),
+        _ if !scene.fault.iter().all(|fault| is_of_the_stack(fault.kind)) => {
+            Err(BoardError::Plant("its faults are those of converters that the board does not have"))
+        }
         Plant::Stack(stack) => Ok(*stack),
         Plant::Motor(_) => Err(BoardError::Plant("the image drives one lane, and a motor has several")),
         Plant::Crash(_) => Err(BoardError::Plant("the image has no restraint control (feature `friction`)")),

@@ -16,7 +16,7 @@ use std::collections::HashMap;
 
 use object::{Object, ObjectSection};
 
-use std::rc::Rc;
+use std::sync::Arc;
 
 use serde::de::DeserializeOwned;
 
@@ -51,7 +51,7 @@ pub struct Place {
     /// Address of its first byte.
     pub address: u32,
     /// Its type.
-    pub layout: Rc<Layout>,
+    pub layout: Arc<Layout>,
 }
 
 impl Place {
@@ -92,7 +92,7 @@ impl Place {
 }
 
 /// The type behind a pointer that fills all of `layout`.
-fn pointed(layout: &Layout) -> Option<Rc<Layout>> {
+fn pointed(layout: &Layout) -> Option<Arc<Layout>> {
     match &layout.kind {
         Kind::Pointer(target) => Some(target.clone()),
         Kind::Struct(members) => members.iter().find_map(|member| pointed(&member.layout)),

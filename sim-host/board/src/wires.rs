@@ -98,6 +98,14 @@ pub struct Bench {
     pub resets: Vec<Reset>,
     /// From when on the emergency stop is pressed, or its wire broken.
     stop_pressed: Option<Cycle>,
+    /// Analog pins that stand at a voltage from some time on, V.
+    tied: Vec<(Cycle, Pin, f64)>,
+    /// Changes of the wires by themselves that the part has not looked at yet, in order.
+    changes: VecDeque<Cycle>,
+    /// The next so many bytes to the board arrive with a stop bit that is low.
+    pub bad_stop_bits: u32,
+    /// The code that the DAC holds.
+    code: u16,
     /// Bytes on their way to the board.
     pub to_board: VecDeque<u8>,
     /// Bytes that the board has sent.
@@ -122,6 +130,10 @@ impl Bench {
             lost_samples: 0,
             resets: Vec::new(),
             stop_pressed: None,
+            tied: Vec::new(),
+            changes: VecDeque::new(),
+            bad_stop_bits: 0,
+            code: SILENCE,
             to_board: VecDeque::new(),
             to_host: VecDeque::new(),
         }
@@ -140,6 +152,44 @@ impl Bench {
     /// Presses the emergency stop at a cycle that is to come; its contact stays open.
     pub fn press_stop(&mut self, at: Cycle) {
         self.stop_pressed = Some(at);
+        self.plan(at);
+    }
+
+    /// From a cycle that is to come on an analog pin stands at a voltage, V: a wire that is broken, or shorted to something else.
+    pub fn tie(&mut self, at: Cycle, pin: Pin, volts: f64) {
+        self.tied.push((at, pin, volts));
+        self.plan(at);
+    }
+
+    /// The part is to look at the wires at a cycle.
+    fn plan(&mut self, at: Cycle) {
+        self.changes.push_back(at);
+        self.changes.make_contiguous().sort_unstable();
+    }
+
+    /// The part has looked at the wires.
+    fn seen(&mut self, at: Cycle) {
+        while self.changes.front().is_some_and(|change| *change <= at) {
+            self.changes.pop_front();
+        }
+    }
+
+    /// The code that the DAC holds, whether the amplifier passes it on or not.
+    pub fn code(&self) -> u16 {
+        self.code
+    }
+
+    /// Whether the amplifier is on.
+    pub fn is_enabled(&self) -> bool {
+        self.enabled
+    }
+
+    /// Where no trigger comes, the DAC holds its code, and the plant goes on all the same.
+    fn catch_up(&mut self, at: Cycle) {
+        while self.samples > 0 && at >= self.began + 2 * SAMPLE_CYCLES {
+            self.began += SAMPLE_CYCLES;
+            self.play(self.code);
+        }
     }
 
     /// The plant.
@@ -166,6 +216,7 @@ impl Bench {
             self.begin_block();
         }
         self.samples += 1;
+        self.code = code;
         if let Some(codes) = &mut self.codes {
             codes.push(code);
         }
@@ -182,13 +233,24 @@ impl Bench {
 
 impl Wires for Bench {
     fn dac(&mut self, at: Cycle, dac: u8, codes: [u16; 2], triggered: bool) {
-        if dac == 1 && triggered {
+        if dac != 1 {
+            return;
+        }
+        self.catch_up(at);
+        if triggered {
             self.began = at;
             self.play(codes[0]);
+        } else {
+            self.code = codes[0];
         }
     }
 
     fn volts(&mut self, at: Cycle, pin: Pin) -> f64 {
+        self.seen(at);
+        if let Some((.., volts)) = self.tied.iter().rev().find(|(from, tied, _)| *tied == pin && *from <= at) {
+            return *volts;
+        }
+        self.catch_up(at);
         let channel = match pin {
             VOLTAGE => 0,
             pin if CURRENT.contains(&pin) => 1,
@@ -208,13 +270,14 @@ impl Wires for Bench {
     }
 
     fn inputs(&mut self, at: Cycle, port: u8) -> Drive {
+        self.seen(at);
         let closed = port == STOP.port && self.stop_pressed.is_none_or(|pressed| at < pressed);
         let high = if closed { 1 << STOP.number } else { 0 };
         Drive { driven: high, high }
     }
 
     fn due(&self) -> Cycle {
-        self.stop_pressed.unwrap_or(Cycle::MAX)
+        self.changes.front().copied().unwrap_or(Cycle::MAX)
     }
 
     fn byte_due(&self) -> Cycle {
@@ -222,10 +285,16 @@ impl Wires for Bench {
     }
 
     fn receive(&mut self, _at: Cycle) -> Option<Received> {
-        self.to_board.pop_front().map(|byte| Received { byte, ..Received::default() })
+        let byte = self.to_board.pop_front()?;
+        let framing = self.bad_stop_bits > 0;
+        self.bad_stop_bits -= u32::from(framing);
+        Some(Received { byte, framing, ..Received::default() })
     }
 
     fn reset(&mut self, at: Cycle, flags: u32) {
+        // Its outputs have no code then (22.4.2): the amplifier is off.
+        self.catch_up(at);
+        self.code = SILENCE;
         self.resets.push(Reset { at, flags });
     }
 

@@ -49,7 +49,7 @@ impl Cpu {
         match fault {
             Fault::Bus => Trap::Bus,
             Fault::Stop(finding) => {
-                self.stop = Some(finding);
+                self.stop = Some(finding.into());
                 Trap::Stop
             }
         }

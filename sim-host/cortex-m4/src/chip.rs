@@ -107,6 +107,11 @@ pub trait Chip {
         Ok(None)
     }
 
+    /// A debugger halts the processor, or lets it go on.
+    fn halt(&mut self, _at: Cycle, _halted: bool, _ports: Ports) -> Result<(), Fault> {
+        Ok(())
+    }
+
     /// The reset line was pulled, by the part itself or by `SYSRESETREQ`: registers go to their reset values. Memories keep theirs.
     fn reset(&mut self, at: Cycle, ports: Ports);
 }

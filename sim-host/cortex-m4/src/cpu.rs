@@ -1,5 +1,7 @@
 //! Registers and state of the processor itself.
 
+use std::sync::Arc;
+
 use crate::chip::Cycle;
 use crate::exceptions::{Dwt, Mpu, Nvic, Scb, SysTick};
 use crate::op::{Decoded, Sets, Shift};
@@ -92,7 +94,7 @@ impl Default for Last {
 }
 
 /// The processor without what surrounds it.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(crate) struct Cpu {
     /// R0 to R14; the last reads, while an instruction runs, as its address plus 4.
     pub(crate) r: [u32; 16],
@@ -153,7 +155,8 @@ pub(crate) struct Cpu {
     pub(crate) last_load: Last,
     pub(crate) last_float: Last,
     pub(crate) fault_address: u32,
-    pub(crate) stop: Option<Box<dyn std::error::Error + Send + Sync>>,
+    /// Shared, so that a processor can be cloned.
+    pub(crate) stop: Option<Arc<dyn std::error::Error + Send + Sync>>,
     pub(crate) watch: Watch,
 }
 

@@ -72,6 +72,7 @@ mod exceptions;
 mod execute;
 mod fetch;
 mod float;
+mod halt;
 mod inspect;
 mod interrupts;
 mod machine;

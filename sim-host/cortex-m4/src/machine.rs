@@ -1,5 +1,7 @@
 //! A part with its processor, and the run.
 
+use std::sync::Arc;
+
 use crate::chip::{Chip, Cycle, Ports};
 use crate::cpu::{Cpu, INVALID, Sleep, Trap};
 use crate::elf::{self, ImageError, Symbols};
@@ -21,11 +23,11 @@ pub struct Stop {
     pub cycle: Cycle,
     /// What the part or the processor has found.
     #[source]
-    pub finding: Box<dyn std::error::Error + Send + Sync>,
+    pub finding: Arc<dyn std::error::Error + Send + Sync>,
 }
 
-/// The processor with its memories and the part around it.
-#[derive(Debug)]
+/// The processor with its memories and the part around it. A clone goes on from the same state.
+#[derive(Clone, Debug)]
 pub struct Machine<C> {
     pub(crate) cpu: Cpu,
     /// Flash and RAM.
@@ -34,7 +36,7 @@ pub struct Machine<C> {
     pub interrupts: Interrupts,
     /// The part.
     pub chip: C,
-    pub(crate) symbols: Symbols,
+    pub(crate) symbols: Arc<Symbols>,
     /// What the part shows at address 0 after reset.
     pub(crate) boot: u32,
     /// The access is one of an unprivileged load or store.
@@ -46,7 +48,7 @@ impl<C: Chip> Machine<C> {
     /// Loads an ELF file into the memories and resets the processor. `priority_bits` is how many bits of an interrupt priority the part implements.
     pub fn new(elf: &[u8], mut memory: Memory, chip: C, priority_bits: u8) -> Result<Machine<C>, ImageError> {
         let (symbols, boot) = elf::load(elf, &mut memory)?;
-        Ok(Machine { symbols, ..Machine::of_memory(memory, chip, boot, priority_bits) })
+        Ok(Machine { symbols: Arc::new(symbols), ..Machine::of_memory(memory, chip, boot, priority_bits) })
     }
 
     /// A machine whose program stands in the memories already, its vector table at `boot`.
@@ -56,7 +58,7 @@ impl<C: Chip> Machine<C> {
             memory,
             interrupts: Interrupts::default(),
             chip,
-            symbols: Symbols::default(),
+            symbols: Arc::default(),
             boot,
             as_user: false,
             profile: None,
@@ -125,11 +127,15 @@ impl<C: Chip> Machine<C> {
         stepped.map_err(|_| self.stop())
     }
 
-    fn stop(&mut self) -> Stop {
+    pub(crate) fn stop(&mut self) -> Stop {
         let pc = self.cpu.pc;
         let function =
             self.symbols.function(pc).map_or_else(|| "code without a symbol".to_owned(), |function| function.name.clone());
-        let finding = self.cpu.stop.take().unwrap_or_else(|| "the run was stopped".into());
+        let finding = self
+            .cpu
+            .stop
+            .take()
+            .unwrap_or_else(|| Box::<dyn std::error::Error + Send + Sync>::from("the run was stopped").into());
         Stop { pc, function, cycle: self.cpu.cycle, finding }
     }
 
@@ -167,7 +173,7 @@ impl<C: Chip> Machine<C> {
     }
 
     /// Lets happen what is due, and takes over the lines.
-    fn settle(&mut self) -> Result<(), Trap> {
+    pub(crate) fn settle(&mut self) -> Result<(), Trap> {
         let now = self.cpu.cycle;
         if self.cpu.stop.is_some() {
             return Err(Trap::Stop);

@@ -194,6 +194,10 @@ impl<W: Wires> Chip for Stm32g474<W> {
         self.ecc(address, &mut ports)
     }
 
+    fn halt(&mut self, at: Cycle, halted: bool, ports: Ports) -> Result<(), Fault> {
+        self.debugger(at, halted, ports)
+    }
+
     fn lockup(&mut self, at: Cycle, mut ports: Ports) -> Result<(), Fault> {
         self.run(at, &mut ports)?;
         self.tim1.lockup = true;

@@ -110,7 +110,7 @@ impl<W: Wires> Stm32g474<W> {
             // Rises above the threshold, falls by the hysteresis below it: steps of 10 mV (24.6.1, HYST).
             let hysteresis = f64::from(csr.hyst().to_bits()) * 0.01;
             let above = plus > if was { threshold - hysteresis } else { threshold };
-            let output = above ^ inverted;
+            let output = self.stuck_comparators[comparator as usize].unwrap_or(above ^ inverted);
             self.compared = self.compared & !(1 << comparator) | u8::from(output) << comparator;
             self.regs[address] = self.regs[address] & !VALUE | if output { VALUE } else { 0 };
         }

@@ -31,6 +31,13 @@ pub enum Defect {
         /// The timer.
         timer: u8,
     },
+    /// The next `triggers` triggers of timer `timer` (2 to 5) are lost; it counts on.
+    TriggersLost {
+        /// The timer.
+        timer: u8,
+        /// How many.
+        triggers: u32,
+    },
     /// Channel `channel` (1 to 8) of DMA `dma` serves no request any more.
     DmaHalts {
         /// The DMA controller.
@@ -38,9 +45,35 @@ pub enum Defect {
         /// The channel.
         channel: u8,
     },
+    /// Channel `channel` (1 to 8) of DMA `dma` does not see the next `requests` requests.
+    DmaMisses {
+        /// The DMA controller.
+        dma: u8,
+        /// The channel.
+        channel: u8,
+        /// How many.
+        requests: u32,
+    },
+    /// The next transfer of channel `channel` (1 to 8) of DMA `dma` is not answered by the bus: a transfer error, which switches the channel off.
+    DmaFails {
+        /// The DMA controller.
+        dma: u8,
+        /// The channel.
+        channel: u8,
+    },
+    /// The output of comparator `comparator` (1 to 7) is stuck.
+    ComparatorStuck {
+        /// The comparator.
+        comparator: u8,
+        /// The level of its output, after its polarity.
+        high: bool,
+    },
+    /// The oscillator of the watchdog (LSI) has another frequency, Hz.
+    LsiHz(u64),
     /// The crystal stops.
     HseStops,
-    /// The PLL loses its lock, and the processor the clock that it has from it: the run ends here unless the system clock is another one.
+    /// The PLL loses its lock and stops. Where the system clock comes from it, everything that counts cycles of it stands until the watchdog bites; the run
+    /// ends here where that does not run.
     PllUnlocks,
     /// The supply dips: power-on reset; what the flash was writing is damaged.
     BrownOut {
@@ -101,6 +134,14 @@ impl<W: Wires> Stm32g474<W> {
             let (_, defect) = self.defects.remove(0);
             match defect {
                 Defect::AdcStuck { adc, code } => self.adcs[usize::from(adc - 1)].stuck = Some(code),
+                Defect::TriggersLost { timer, triggers } => self.timers[usize::from(timer - 2)].lost = triggers,
+                Defect::DmaMisses { dma, channel, requests } => self.dma.miss(usize::from((dma - 1) * 8 + channel - 1), requests),
+                Defect::DmaFails { dma, channel } => self.dma.fail_next(usize::from((dma - 1) * 8 + channel - 1)),
+                Defect::ComparatorStuck { comparator, high } => {
+                    self.stuck_comparators[usize::from(comparator - 1)] = Some(high);
+                    self.look_at_inputs(at, ports)?;
+                }
+                Defect::LsiHz(hz) => self.change_lsi(at, hz),
                 Defect::TimerHalts { timer } => self.halt_timer(at, usize::from(timer - 2)),
                 Defect::DmaHalts { dma, channel } => self.dma.halt(usize::from((dma - 1) * 8 + channel - 1)),
                 Defect::HseStops => self.hse_stops(at, ports)?,

@@ -29,6 +29,9 @@ struct Channel {
     peripheral: u32,
     memory: u32,
     dead: bool,
+    /// Requests that it is still not to see, and whether its next transfer fails.
+    misses: u32,
+    fails: bool,
 }
 
 /// Both controllers.
@@ -60,6 +63,16 @@ impl Dma {
     /// A channel serves no request any more.
     pub fn halt(&mut self, channel: usize) {
         self.channels[channel & 15].dead = true;
+    }
+
+    /// A channel does not see the next requests.
+    pub fn miss(&mut self, channel: usize, requests: u32) {
+        self.channels[channel & 15].misses = requests;
+    }
+
+    /// The next transfer of a channel fails.
+    pub fn fail_next(&mut self, channel: usize) {
+        self.channels[channel & 15].fails = true;
     }
 }
 
@@ -191,6 +204,14 @@ impl<W: Wires> Stm32g474<W> {
         let control = Cr(state.control);
         if !control.en() || state.dead || state.left == 0 {
             return Ok(false);
+        }
+        if state.misses > 0 {
+            self.dma.channels[channel].misses -= 1;
+            return Ok(false);
+        }
+        if std::mem::take(&mut self.dma.channels[channel].fails) {
+            self.count(now, channel, false, ports)?;
+            return Ok(true);
         }
         let done = state.count - state.left;
         let (psize, msize) = (control.psize().to_bits().min(2), control.msize().to_bits().min(2));

@@ -36,6 +36,19 @@ impl<W: Wires> Stm32g474<W> {
         prescaler * 1_000_000_000_000 / self.config.lsi_hz
     }
 
+    /// LSI changes its frequency: what is left of the count lasts accordingly.
+    pub(crate) fn change_lsi(&mut self, at: Cycle, hz: u64) {
+        let (before, time) = (self.config.lsi_hz, self.time.ps(at));
+        self.config.lsi_hz = hz;
+        let due = self.agenda.get(Event::Iwdg);
+        if due != Cycle::MAX {
+            let left = self.time.ps(due).saturating_sub(time);
+            let left = (u128::from(left) * u128::from(before) / u128::from(hz)) as Ps;
+            let due = self.time.cycle(time + left);
+            self.agenda.set(Event::Iwdg, due);
+        }
+    }
+
     fn feed(&mut self, now: Now, left: Option<Ps>) {
         let time = self.time.ps(now.at);
         self.iwdg.loaded = time;

@@ -82,6 +82,7 @@ pub struct Stm32g474<W> {
     pub(crate) gpio: Gpio,
     /// Outputs of the comparators, a bit each.
     pub(crate) compared: u8,
+    pub(crate) stuck_comparators: [Option<bool>; 7],
     pub(crate) halted: bool,
     pub(crate) supply_low: bool,
     /// Levels of the pins that EXTI looks at.
@@ -115,6 +116,7 @@ impl<W: Wires> Stm32g474<W> {
             iwdg: Iwdg::default(),
             gpio: Gpio::default(),
             compared: 0,
+            stuck_comparators: [None; 7],
             halted: false,
             supply_low: false,
             exti: 0,

@@ -8,6 +8,7 @@ use crate::map::base::RCC;
 use crate::map::{Registers, at};
 use crate::part::Stm32g474;
 use crate::rcc::FLAGS;
+use crate::time::Event;
 use crate::wires::Wires;
 
 /// RCC_CSR's flags (RM0440 7.4.28).
@@ -48,11 +49,17 @@ impl<W: Wires> Stm32g474<W> {
         self.set_clock(at)
     }
 
-    /// The PLL unlocks. As the system clock it takes the processor with it: nothing is executed any more, and the run ends.
+    /// The PLL unlocks. As the system clock it takes with it what counts its cycles: nothing happens until the watchdog bites, by its own oscillator.
     pub(crate) fn pll_unlocks(&mut self, at: Cycle) -> Result<(), Fault> {
         self.regs[RCC + at::rcc::CR] &= !(1 << 25);
         if self.cfgr().sws().to_bits() == 3 {
-            return self.refuse(self.now(at), RCC + at::rcc::CR, "the processor without a clock");
+            let bite = self.agenda.get(Event::Iwdg);
+            if bite == Cycle::MAX {
+                return self.refuse(self.now(at), RCC + at::rcc::CR, "the processor without a clock");
+            }
+            let before = self.time;
+            self.time.stand(at, before.ps(bite));
+            self.agenda.retime(&before, &self.time);
         }
         Ok(())
     }

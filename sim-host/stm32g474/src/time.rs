@@ -37,6 +37,11 @@ impl TimeBase {
         self.since + (u128::from(ps.saturating_sub(self.base)) * u128::from(self.hz)).div_ceil(1_000_000_000_000) as Cycle
     }
 
+    /// The clock stands at this cycle until a time.
+    pub fn stand(&mut self, at: Cycle, until: Ps) {
+        *self = TimeBase { since: at, base: until.max(self.ps(at)), ..*self };
+    }
+
     /// From this cycle on the core has another clock.
     pub fn set(&mut self, at: Cycle, hz: u64) {
         *self = TimeBase { hz, since: at, base: self.ps(at) };

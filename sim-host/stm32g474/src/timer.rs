@@ -32,6 +32,8 @@ pub(crate) struct Timer {
     pub trigger: Cycle,
     pub update: Cycle,
     dead: bool,
+    /// Triggers that are still to be lost.
+    pub lost: u32,
     /// Who takes TRGO: timers, DAC channels, ADCs, a bit each.
     pub to_timers: u8,
     pub to_dacs: u8,

@@ -80,7 +80,9 @@ impl<W: Wires> Stm32g474<W> {
         }
         let next = timer.trigger.min(timer.update);
         self.agenda.set(Event::Timer(index), next);
-        if triggers {
+        let lost = triggers && self.timers[index].lost > 0;
+        self.timers[index].lost -= u32::from(lost);
+        if triggers && !lost {
             self.trigger(at, index, ports)?;
         }
         if updates {

@@ -1,7 +1,7 @@
 //! How a type of the image lies in memory (DWARF 5, chapter 5: data types; 5.7.10: variants).
 
 use std::collections::HashMap;
-use std::rc::Rc;
+use std::sync::Arc;
 
 use gimli::{DebuggingInformationEntry, Dwarf, Reader, Unit, UnitOffset};
 
@@ -34,9 +34,9 @@ pub enum Kind {
     /// An enumeration with values: where its discriminant stands, and the variants.
     Variants(Option<Member>, Vec<Variant>),
     /// An array, by the type and the number of its elements.
-    Array(Rc<Layout>, u32),
+    Array(Arc<Layout>, u32),
     /// A reference or pointer to one value. What it points to is read by its own layout, which is looked up only when it is followed.
-    Pointer(Rc<Layout>),
+    Pointer(Arc<Layout>),
     /// Something that is never read: a function, a slice, a type within itself.
     Opaque,
 }
@@ -49,7 +49,7 @@ pub struct Member {
     /// Where it begins, bytes from the start of the type.
     pub offset: u32,
     /// Its type.
-    pub layout: Rc<Layout>,
+    pub layout: Arc<Layout>,
 }
 
 /// One variant of an enumeration with values.
@@ -65,7 +65,7 @@ pub struct Variant {
 pub(super) struct Types<'a, R: Reader<Offset = usize>> {
     dwarf: &'a Dwarf<R>,
     unit: &'a Unit<R>,
-    known: HashMap<UnitOffset, Rc<Layout>>,
+    known: HashMap<UnitOffset, Arc<Layout>>,
     /// Types that are being laid out: a type within itself ends here.
     open: Vec<UnitOffset>,
 }
@@ -95,7 +95,7 @@ impl<'a, R: Reader<Offset = usize>> Types<'a, R> {
     }
 
     /// The layout of the type at an offset of the unit.
-    pub(super) fn layout(&mut self, at: UnitOffset) -> Result<Rc<Layout>, gimli::Error> {
+    pub(super) fn layout(&mut self, at: UnitOffset) -> Result<Arc<Layout>, gimli::Error> {
         if let Some(known) = self.known.get(&at) {
             return Ok(known.clone());
         }
@@ -103,7 +103,7 @@ impl<'a, R: Reader<Offset = usize>> Types<'a, R> {
         let name = self.name_of(&entry)?.unwrap_or_default();
         let bytes = number(&entry, gimli::DW_AT_byte_size).unwrap_or(0) as u32;
         if self.open.contains(&at) {
-            return Ok(Rc::new(Layout { name, bytes, kind: Kind::Opaque }));
+            return Ok(Arc::new(Layout { name, bytes, kind: Kind::Opaque }));
         }
         self.open.push(at);
         let (kind, bytes) = match entry.tag() {
@@ -119,16 +119,16 @@ impl<'a, R: Reader<Offset = usize>> Types<'a, R> {
             _ => (Kind::Opaque, bytes),
         };
         self.open.pop();
-        let layout = Rc::new(Layout { name, bytes, kind });
+        let layout = Arc::new(Layout { name, bytes, kind });
         self.known.insert(at, layout.clone());
         Ok(layout)
     }
 
     /// The layout of the type that an entry names.
-    fn named(&mut self, entry: &DebuggingInformationEntry<R>) -> Result<Rc<Layout>, gimli::Error> {
+    fn named(&mut self, entry: &DebuggingInformationEntry<R>) -> Result<Arc<Layout>, gimli::Error> {
         match type_of(entry) {
             Some(at) => self.layout(at),
-            None => Ok(Rc::new(Layout { name: String::new(), bytes: 0, kind: Kind::Opaque })),
+            None => Ok(Arc::new(Layout { name: String::new(), bytes: 0, kind: Kind::Opaque })),
         }
     }
 

@@ -1,5 +1,7 @@
 //! The private peripheral bus: which register stands where (B3.1).
 
+use std::sync::Arc;
+
 use super::{EXTERNAL, NMI, PENDSV, SYSTICK};
 use crate::chip::{Chip, Width};
 use crate::cpu::{Cpu, Trap};
@@ -30,7 +32,7 @@ fn lines(number: u32, value: u32) -> u128 {
 
 impl<C: Chip> Machine<C> {
     fn unknown(&mut self, address: u32, write: bool) -> Trap {
-        self.cpu.stop = Some(Box::new(UnknownRegister { address, write }));
+        self.cpu.stop = Some(Arc::new(UnknownRegister { address, write }));
         Trap::Stop
     }
 

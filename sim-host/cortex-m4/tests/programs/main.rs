@@ -3,4 +3,5 @@
 mod cycles;
 mod elf;
 mod exceptions;
+mod halt;
 mod support;

@@ -8,7 +8,7 @@ pub const RAM: u32 = 0x2000_0000;
 pub const PART: u32 = 0x4000_0000;
 
 /// What a test sets, and what it finds afterwards.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct Part {
     /// When line 0 rises, and when it falls.
     pub rises: Cycle,

@@ -95,6 +95,8 @@ fn defects_of_the_stream_are_seen() {
     for (defect, rule) in [
         (Defect::DmaHalts { dma: 1, channel: 1 }, Some(Rule::AdcOverrun)),
         (Defect::DmaHalts { dma: 1, channel: 2 }, Some(Rule::DacUnderrun)),
+        (Defect::DmaMisses { dma: 1, channel: 1, requests: 1 }, Some(Rule::AdcOverrun)),
+        (Defect::DmaMisses { dma: 1, channel: 2, requests: 1 }, Some(Rule::DacUnderrun)),
         (Defect::TimerHalts { timer: 4 }, None),
         (Defect::AdcStuck { adc: 1, code: 7 }, None),
     ] {
@@ -116,4 +118,68 @@ fn defects_of_the_stream_are_seen() {
             _ => {}
         }
     }
+}
+
+#[test]
+fn a_lost_trigger_loses_one_sample() {
+    let moved = |triggers| {
+        let mut rig = Rig::on(Board::default());
+        rig.clocks(Setup::default());
+        rig.streams(Setup::default());
+        rig.us(20);
+        rig.part.inject(rig.now, Defect::TriggersLost { timer: 3, triggers });
+        let left = rig.read(DMA1 + at::dma::CH_1_NDTR);
+        rig.us(20);
+        (left - rig.read(DMA1 + at::dma::CH_1_NDTR), rig.rules())
+    };
+    let ((all, none), (fewer, also_none)) = (moved(0), moved(3));
+    assert_eq!((all - fewer, none, also_none), (3, vec![], vec![]));
+}
+
+#[test]
+fn a_failed_transfer_switches_its_channel_off_and_says_so() {
+    let mut rig = Rig::on(Board::default());
+    rig.clocks(Setup::default());
+    rig.streams(Setup::default());
+    rig.us(20);
+    rig.part.inject(rig.now, Defect::DmaFails { dma: 1, channel: 2 });
+    rig.us(3);
+    assert_eq!(rig.read(DMA1 + at::dma::ISR) >> 4 & 9, 9, "error, and any flag");
+    assert_eq!(rig.read(DMA1 + at::dma::CH_1_CR) & 1, 0);
+    assert!(rig.rules().contains(&Rule::DmaError));
+}
+
+/// Starts a watchdog of ten milliseconds.
+fn watchdog(rig: &mut Rig<Board>) {
+    rig.write(IWDG + at::iwdg::KR, 0xcccc);
+    rig.write(IWDG + at::iwdg::KR, 0x5555);
+    rig.write(IWDG + at::iwdg::RLR, 79);
+    rig.us(300);
+    rig.write(IWDG + at::iwdg::KR, 0xaaaa);
+}
+
+#[test]
+fn the_watchdog_follows_its_oscillator() {
+    for (hz, milliseconds) in [(32_000, 10), (16_000, 20), (64_000, 5)] {
+        let mut rig = board();
+        watchdog(&mut rig);
+        rig.part.inject(rig.now, Defect::LsiHz(hz));
+        rig.us(1000 * milliseconds - 50);
+        assert!(!format!("{:?}", rig.interrupts).contains("reset: true"), "{hz}");
+        rig.us(100);
+        assert!(format!("{:?}", rig.interrupts).contains("reset: true"), "{hz}");
+    }
+}
+
+#[test]
+fn without_its_pll_nothing_happens_until_the_watchdog_bites() {
+    let mut rig = Rig::on(Board::default());
+    rig.clocks(Setup::default());
+    watchdog(&mut rig);
+    let began = rig.part.seconds(rig.now);
+    rig.part.inject(rig.now, Defect::PllUnlocks);
+    rig.wait(10);
+    assert!(format!("{:?}", rig.interrupts).contains("reset: true"));
+    let stood = rig.part.seconds(rig.now) - began;
+    assert!((stood - 10e-3).abs() < 1e-6, "{stood}");
 }
