@@ -236,13 +236,18 @@ impl<C: Chip> Machine<C> {
     /// Lets the part know of a read of damaged bytes.
     #[cold]
     pub(crate) fn report_damage(&mut self, address: u32, len: u32) -> Result<(), Trap> {
-        if !self.memory.is_damaged(address, len) {
-            return Ok(());
+        let (first, last) = (address & !7, address.wrapping_add(len - 1) & !7);
+        for word in [Some(first), (last != first).then_some(last)].into_iter().flatten() {
+            if !self.memory.is_damaged(word) {
+                continue;
+            }
+            let ports = Ports { memory: &mut self.memory, interrupts: &mut self.interrupts };
+            // The address of the access, or the word that it reaches into.
+            let answer = self.chip.damaged(address.max(word), ports);
+            self.look_at_part();
+            answer.map_err(|fault| self.cpu.trap(fault))?;
         }
-        let ports = Ports { memory: &mut self.memory, interrupts: &mut self.interrupts };
-        let answer = self.chip.damaged(address, ports);
-        self.look_at_part();
-        answer.map_err(|fault| self.cpu.trap(fault))
+        Ok(())
     }
 }
 

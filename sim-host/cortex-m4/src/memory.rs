@@ -117,10 +117,9 @@ impl Memory {
         self.damaged.retain(|damaged| *damaged != address & !7);
     }
 
-    /// Whether a read of `len` bytes at `address` touches a damaged place.
-    pub(crate) fn is_damaged(&self, address: u32, len: u32) -> bool {
-        let (first, last) = (address & !7, address.wrapping_add(len - 1) & !7);
-        self.damaged.iter().any(|damaged| *damaged == first || *damaged == last)
+    /// Whether the aligned 8 bytes at `word` are damaged.
+    pub(crate) fn is_damaged(&self, word: u32) -> bool {
+        self.damaged.contains(&word)
     }
 
     /// The region that holds `address`: its number, and the byte within.
