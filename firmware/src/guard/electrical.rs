@@ -14,6 +14,7 @@ const OVER_CURRENT_SAMPLES: usize = 2;
 const IMPLAUSIBLE_BLOCKS: u32 = 8;
 /// The voltage may be this many times smaller or larger than the fundamental that was played (the source sags, harmonics leak into the lock-in).
 const VOLTAGE_FACTOR: f32 = 2.0;
+const SQUARE_FACTOR: f32 = VOLTAGE_FACTOR * VOLTAGE_FACTOR;
 /// Smallest current, relative to what the nominal capacitance takes; at the antiresonance a healthy stack takes a fortieth.
 const OPEN_PART: f32 = 0.01;
 /// Voltages below this many codes are not judged.
@@ -24,7 +25,8 @@ const JUDGED_CODES: f32 = 16.0;
 pub(super) struct Electrical {
     samples: usize,
     current_limit: f32,
-    clamped_siemens: f32,
+    /// Square of the smallest admittance of a load that is there.
+    least_siemens_squared: f32,
     judged_volts: f32,
     wrong_voltage: u32,
     no_current: u32,
@@ -34,10 +36,11 @@ impl Electrical {
     /// A watch that keeps the configured limits.
     pub(super) fn build(config: &Config) -> Self {
         let limits = &config.limits;
+        let least_siemens = OPEN_PART * core::f32::consts::TAU * config.drive.frequency_hz * config.tracking.nominal_c0_f;
         Electrical {
             samples: config.block_samples.into(),
             current_limit: limits.current_a,
-            clamped_siemens: core::f32::consts::TAU * config.drive.frequency_hz * config.tracking.nominal_c0_f,
+            least_siemens_squared: least_siemens * least_siemens,
             judged_volts: JUDGED_CODES * config.front_end.volt_per_lsb.max(config.front_end.drive_volt_per_lsb),
             wrong_voltage: 0,
             no_current: 0,
@@ -54,13 +57,15 @@ impl Electrical {
         suspect: Suspect,
     ) -> Option<Fault> {
         let played = volts.filter(|&volts| volts > self.judged_volts);
-        // Squares are compared: a root takes as long as a period of the lock-in.
-        let square = |x: f32| x * x;
-        let wrong_voltage = played.is_some_and(|volts| {
-            let measured = sensed.v.norm_sqr();
-            measured > square(volts * VOLTAGE_FACTOR) || measured < square(volts / VOLTAGE_FACTOR)
+        let (wrong_voltage, no_current) = played.map_or((false, false), |volts| {
+            // Squares are compared: a root takes as long as a period of the lock-in.
+            let (played, voltage, current) = (volts * volts, sensed.v.norm_sqr(), sensed.i.norm_sqr());
+            let wrong_voltage = voltage > SQUARE_FACTOR * played || SQUARE_FACTOR * voltage < played;
+            let no_current = current < self.least_siemens_squared * played;
+            // A constant has a fundamental too where a block is no whole number of periods; of a current that is none, the load is open.
+            let is_stuck = is_constant(&sense.v) || !no_current && is_constant(&sense.i);
+            (wrong_voltage || is_stuck, no_current)
         });
-        let no_current = played.is_some_and(|volts| sensed.i.norm_sqr() < square(OPEN_PART * self.clamped_siemens * volts));
         let count = |counter: u32, wrong: bool| if wrong { counter.saturating_add(1) } else { 0 };
         self.wrong_voltage = count(self.wrong_voltage, wrong_voltage);
         self.no_current = count(self.no_current, no_current);
@@ -88,4 +93,9 @@ impl Electrical {
             None
         }
     }
+}
+
+/// Whether all codes are the same.
+fn is_constant(codes: &Codes) -> bool {
+    codes.is_sorted_by(|a, b| a == b)
 }

@@ -19,8 +19,6 @@ pub const RING: usize = 2 * BLOCK;
 pub const CYCLES_PER_SAMPLE: u32 = 170;
 /// Cycles of the processor in a block.
 pub const CYCLES_PER_BLOCK: u32 = CYCLES_PER_SAMPLE * BLOCK as u32;
-/// How far the two rings may move against each other, samples: they are read one after the other.
-const STEP: usize = 1;
 
 /// A half of a ring.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -70,18 +68,26 @@ pub fn is_in_time(half: Half, next: usize) -> bool {
 }
 
 /// Whether the two rings are in step: how far the DAC's is ahead does not change. A lost trigger or a lost transfer moves one of them.
+///
+/// For a moment of each sample the lead is another one: after the one ring has moved, and before the other has. That is less than a third of a sample
+/// ([`TRIGGER_AFTER`](crate::sampling::TRIGGER_AFTER): some 8 cycles of 170), so that two of three looks a third of a sample apart agree.
 #[derive(Clone, Debug, Default)]
 pub struct Step {
     lead: Option<usize>,
 }
 
 impl Step {
-    /// Takes the positions in both rings; the first call says what is in step.
-    pub fn holds(&mut self, adc: usize, dac: usize) -> bool {
-        let lead = (dac + RING - adc % RING) % RING;
-        let first = *self.lead.get_or_insert(lead);
-        let moved = (lead + RING - first) % RING;
-        moved.min(RING - moved) <= STEP
+    /// Takes the positions in both rings, of the ADC and of the DAC; `again` looks again, a third of a sample later, and is called twice where the lead is
+    /// another one than before. The first call says what is in step.
+    pub fn holds(&mut self, positions: (usize, usize), mut again: impl FnMut() -> (usize, usize)) -> bool {
+        let lead = |(adc, dac): (usize, usize)| (dac + RING - adc % RING) % RING;
+        let now = lead(positions);
+        if self.lead == Some(now) {
+            return true;
+        }
+        let (second, third) = (lead(again()), lead(again()));
+        let usual = if second == third { second } else { now };
+        *self.lead.get_or_insert(usual) == usual
     }
 }
 

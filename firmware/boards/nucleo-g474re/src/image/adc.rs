@@ -6,8 +6,10 @@
 //! what limits the tracker: one pair.
 //!
 //! What a sample is: `V` and `I` as two sums of 13 bits in one word, ADC_CDR.
+#![expect(unsafe_code, reason = "enabling an interrupt is")]
 
 use cortex_m::asm::delay;
+use cortex_m::peripheral::NVIC;
 use nucleo_g474re::blocks::{RING, position};
 use nucleo_g474re::trips::Levels;
 use stm32_metapac::adc::Adc;
@@ -15,10 +17,11 @@ use stm32_metapac::adc::vals::{Adcaldif, Exten, SampleTime, Trovs};
 use stm32_metapac::adccommon::vals::{Ckmode, Dmacfg, Dual, Mdma};
 use stm32_metapac::bdma::vals::Pl;
 use stm32_metapac::gpio::vals::Pupdr;
-use stm32_metapac::{ADC1, ADC2, ADC12_COMMON, GPIOA};
+use stm32_metapac::{ADC1, ADC2, ADC12_COMMON, GPIOA, Interrupt, interrupt};
 
 use super::clocks::CYCLES_PER_US;
 use super::dma::{Channel, Ring, Way};
+use super::panic;
 use super::pins::Pin;
 use super::protection::CURRENT;
 
@@ -83,6 +86,12 @@ pub fn start() {
             w.set_rovse(true);
         });
     }
+    for adc in [ADC1, ADC2] {
+        // ADC_IER.OVRIE (21.7.2): where a sample is lost, DMA stops (21.4.26), and no block would come to say so.
+        adc.ier().modify(|w| w.set_ovrie(true));
+    }
+    // SAFETY: the handler needs nothing but registers and the note.
+    unsafe { NVIC::unmask(Interrupt::ADC1_2) };
     // ADC_CFGR.EXTSEL, EXTEN (21.7.4): the slave follows the master.
     ADC1.cfgr().modify(|w| {
         w.set_extsel(TRIGGER);
@@ -96,6 +105,12 @@ pub fn start() {
 /// The place in the ring that is filled next.
 pub fn next() -> usize {
     position(CHANNEL.remaining())
+}
+
+/// A sample was lost.
+#[interrupt]
+fn ADC1_2() {
+    panic::end_blocks();
 }
 
 /// Whether a conversion was lost, which stops DMA: ADC_ISR.OVR (21.7.1).

@@ -1,18 +1,18 @@
 //! The block interrupt: reads a block of samples, runs the controller, writes the block that plays two blocks later. At top priority, every 32 us.
 //!
 //! It runs from the core-coupled RAM (`ccmram.x`). A block that comes late, or takes too long, is reported to the controller with the next one, which
-//! mutes: fault 11. A stream that has lost a sample cannot be repaired while it runs: the enable drops, and the part resets.
+//! mutes: fault 11. A stream that has lost a sample cannot be repaired while it runs: the enable drops, no block follows, and the watchdog resets the part.
 
 use core::cell::RefCell;
 use core::sync::atomic::{AtomicU32, Ordering};
 
+use cortex_m::asm::delay;
 use cortex_m::interrupt::{self as masked, Mutex};
 use cortex_m::peripheral::DWT;
 use firmware::board::block_task::BlockTask;
 use firmware::seam::block::{DriveBlock, SenseBlock, SlowSense, Trips};
-use nucleo_g474re::blocks::{BLOCK, Beat, Half, Step, is_in_time};
+use nucleo_g474re::blocks::{BLOCK, Beat, CYCLES_PER_SAMPLE, Half, Step, is_in_time};
 use nucleo_g474re::config::METRE_PER_COUNT;
-use nucleo_g474re::note::Cause;
 use nucleo_g474re::packing;
 use stm32_metapac::{GPIOC, interrupt};
 
@@ -79,8 +79,13 @@ impl BlockInterrupt {
         let began = DWT::cycle_count();
         // DMA has just left the half of the ring that it is not in.
         let (adc, dac) = (adc::next(), self.lanes.next());
-        if adc::CHANNEL.acknowledge() || adc::is_overrun() || !self.lanes.are_fed() || !self.step.holds(adc, dac) {
-            panic::end(Cause::StreamLost, "", count());
+        let again = || {
+            delay(CYCLES_PER_SAMPLE / 3);
+            (adc::next(), self.lanes.next())
+        };
+        if adc::CHANNEL.acknowledge() || adc::is_overrun() || !self.lanes.are_fed() || !self.step.holds((adc, dac), again) {
+            self.lanes.silence();
+            return panic::end_blocks();
         }
         let half = Half::at(adc).other();
         self.multiplex();

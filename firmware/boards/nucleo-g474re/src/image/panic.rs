@@ -6,15 +6,17 @@ use core::panic::PanicInfo;
 use core::ptr;
 
 use cortex_m::interrupt;
-use cortex_m::peripheral::SCB;
+use cortex_m::peripheral::{NVIC, SCB};
 use cortex_m_rt::{ExceptionFrame, exception};
 use nucleo_g474re::note::{Cause, Note};
 
-use super::{guard, protection};
+use stm32_metapac::Interrupt;
+
+use super::{block, guard, protection};
 
 struct Stored(UnsafeCell<Note>);
 
-// SAFETY: read once before any interrupt is enabled, and written only by `end`, with interrupts masked.
+// SAFETY: read once before any interrupt is enabled, and written only by `store`.
 unsafe impl Sync for Stored {}
 
 /// `.uninit` is neither loaded nor cleared at start-up (cortex-m-rt); the RAM holds it over a reset, but not over power-off.
@@ -30,12 +32,25 @@ pub fn last() -> Option<Note> {
     note.read().is_some().then_some(note)
 }
 
+/// Ends the blocks of this run, which have lost a sample: drops the enable, stores the cause, and leaves the reset to the watchdog, which is not fed
+/// without blocks. Where the next run loses samples too, the host is answered meanwhile; a reset at once would leave no time for that.
+pub fn end_blocks() {
+    NVIC::mask(Interrupt::DMA1_CHANNEL1);
+    NVIC::mask(Interrupt::ADC1_2);
+    protection::drop_enable();
+    store(Cause::StreamLost, "", block::count());
+}
+
+fn store(cause: Cause, file: &str, line: u32) {
+    // SAFETY: called at the priority of the block interrupt, or with interrupts masked: nothing else writes it meanwhile.
+    unsafe { ptr::write_volatile(NOTE.0.get(), Note::of(cause, file, line)) };
+}
+
 /// Ends this run: drops the enable, stores the cause, resets.
 pub fn end(cause: Cause, file: &str, line: u32) -> ! {
     interrupt::disable();
     protection::drop_enable();
-    // SAFETY: interrupts are masked, and nothing comes after.
-    unsafe { ptr::write_volatile(NOTE.0.get(), Note::of(cause, file, line)) };
+    store(cause, file, line);
     // A reset also stops the sample clock and takes the DACs to zero, which the amplifier does not pass on while it is disabled.
     SCB::sys_reset()
 }
