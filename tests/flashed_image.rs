@@ -5,6 +5,10 @@
 //!
 //! Skipped, with a message, where the target's core library is not installed.
 
+mod power_cut;
+mod protection;
+mod start;
+
 use std::cell::RefCell;
 use std::rc::Rc;
 use std::sync::OnceLock;
@@ -12,10 +16,7 @@ use std::sync::atomic::AtomicBool;
 use std::time::Duration;
 
 use board::{Board, BoardError, Options};
-use firmware::board::command::{Command, Reply, Verb};
-use firmware::board::start::Start;
-use firmware::board::stored_state::StoredState;
-use firmware::seam::fault::Fault;
+use firmware::board::command::Command;
 use firmware::seam::mode::Mode;
 use link::client::Client;
 use link::modelled_board::record;
@@ -43,13 +44,28 @@ fn dummy_load() -> scene::load::Loaded {
     load("dummy-load", &[]).expect("a built-in scene")
 }
 
-/// A board with the dummy load that was just powered, and a client of it.
-fn board(elf: &[u8], rate: f64) -> (Rc<RefCell<Board>>, Client) {
-    let loaded = dummy_load();
+/// A board with the dummy load and these changes of its scene that was just powered.
+fn powered(elf: &[u8], changes: &[&str], rate: f64) -> Board {
+    let changes: Vec<String> = changes.iter().map(|change| (*change).to_owned()).collect();
+    let loaded = load("dummy-load", &changes).expect("a built-in scene");
     let scene = loaded.scene.driven().expect("a driven scene");
-    let board = Board::start(elf, &scene, Options { rate: Some(rate), record: false }).expect("it starts");
+    Board::start(elf, &scene, Options { rate: Some(rate), ..Options::default() }).expect("it starts")
+}
+
+/// A client of a board.
+fn connected(board: Board) -> (Rc<RefCell<Board>>, Client) {
     let board = Rc::new(RefCell::new(board));
     let client = Client::new(Box::new(Simulated::new("board", board.clone(), false)), &STOP, |_| ());
+    (board, client)
+}
+
+/// A board with the dummy load that drives it, and a client of it that says nothing by itself.
+fn driving(elf: &[u8]) -> (Rc<RefCell<Board>>, Client) {
+    let (board, mut client) = connected(powered(elf, &[], RATE));
+    client.connect().expect("an answer");
+    client.order(Command::Patience(0.0)).expect("acknowledged");
+    client.order(Command::Run).expect("acknowledged");
+    assert!(reaches(&mut client, &board, Mode::Run, Duration::from_millis(200)), "it locks");
     (board, client)
 }
 
@@ -79,84 +95,6 @@ fn the_image_finds_and_locks_the_dummy_load_bit_for_bit() {
     let (instructions, cycles) = (record.instructions.expect("counted"), record.cycles.expect("counted"));
     println!("worst block: {} instructions, {} cycles of 5440", instructions.worst, cycles.worst);
     assert!(cycles.total > instructions.total, "no instruction takes less than a cycle");
-}
-
-#[test]
-fn blocks_that_are_too_long_end_in_the_watchdog() {
-    let Some(elf) = elf() else { return };
-    let (board, _) = board(elf, 1.0);
-    let mut board = board.borrow_mut();
-    while board.was_reset().is_none() && board.now() < Duration::from_millis(60) {
-        board.run_block().expect("no finding");
-    }
-    let worst = u64::from(board.load.worst);
-    assert_eq!(
-        board.was_reset().map(|reset| reset.to_string()).as_deref(),
-        (worst > board.block_cycles()).then_some("the independent watchdog"),
-        "{worst}"
-    );
-    assert!(board.bench().edges.is_empty(), "the amplifier stays off");
-}
-
-#[test]
-fn the_watchdogs_reset_is_told_to_the_client() {
-    let Some(elf) = elf() else { return };
-    let (board, mut client) = board(elf, RATE);
-    client.connect().expect("an answer");
-    // From here on the interrupt takes its own time, and blocks are missed.
-    board.borrow_mut().machine_mut().set_rate(4.0);
-    while board.borrow().was_reset().is_none() && client.now() < Duration::from_millis(200) {
-        board.borrow_mut().run_block().expect("no finding");
-    }
-    board.borrow_mut().machine_mut().set_rate(RATE);
-    board.borrow_mut().run_for(Duration::from_millis(20)).expect("it starts again");
-    let answer = client.ask(Command::Faults(0)).expect("an answer");
-    assert!(matches!(answer, Reply::Faults(log) if log.last_run == Start::Watchdog), "{answer:?}");
-}
-
-#[test]
-fn the_emergency_stop_drops_the_enable_at_once() {
-    let Some(elf) = elf() else { return };
-    let (board, mut client) = board(elf, RATE);
-    client.connect().expect("an answer");
-    client.order(Command::Patience(0.0)).expect("acknowledged");
-    client.order(Command::Run).expect("acknowledged");
-    assert!(reaches(&mut client, &board, Mode::Run, Duration::from_millis(200)), "it locks");
-    assert_eq!(
-        board.borrow().bench().edges.iter().map(|edge| edge.high).collect::<Vec<_>>(),
-        [true],
-        "one rise, and no stray pulse"
-    );
-    let pressed = board.borrow().machine().cycle();
-    board.borrow_mut().bench_mut().press_stop(pressed);
-    board.borrow_mut().run_for(Duration::from_millis(2)).expect("no finding");
-    let edges = board.borrow().bench().edges.clone();
-    let fall = edges.last().expect("an edge");
-    assert!(!fall.high && fall.at - pressed < 170, "{edges:?}, pressed at {pressed}");
-    let report = client.status().expect("an answer").expect("a report");
-    assert_eq!((report.mode, report.fault), (Mode::Fault, Some(Fault::EmergencyStop)));
-}
-
-#[test]
-fn settings_are_stored_in_the_flash_and_are_there_after_a_reset() {
-    let Some(elf) = elf() else { return };
-    let (board, mut client) = board(elf, RATE);
-    client.connect().expect("an answer");
-    /// `tracking.nominal_q`.
-    const KEY: u8 = 15;
-    let get = |client: &mut Client| match client.ask(Command::Settings(Verb::Get(KEY))).expect("an answer") {
-        Reply::Parameter(report) => report,
-        reply => panic!("{reply:?}"),
-    };
-    let before = get(&mut client);
-    let lower = 0.5 * before.acts;
-    client.order(Command::Settings(Verb::Set(KEY, lower))).expect("acknowledged");
-    client.order(Command::Settings(Verb::Store)).expect("acknowledged");
-    client.order(Command::Reset).expect("acknowledged");
-    board.borrow_mut().run_for(Duration::from_millis(40)).expect("it starts again");
-    let after = get(&mut client);
-    assert_eq!((after.acts, after.stored), (lower, StoredState::Stored));
-    assert_eq!(board.borrow().was_reset().map(|reset| reset.to_string()).as_deref(), Some("software"));
 }
 
 #[test]

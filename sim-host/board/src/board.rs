@@ -151,6 +151,10 @@ impl Board {
             instructions = returned.instructions - entered.instructions;
             self.load.add(cycles as u32);
         }
+        if !self.record && self.machine.chip.wires.first_block().is_some() {
+            // Nothing more is to be known of it; and a fault that is injected may have left values in it that no type has.
+            return Ok(());
+        }
         let memory = &self.machine.memory;
         let Some(state) = self.variables.state.target(memory) else { return Ok(()) };
         let field = |place: &Place, name| place.field(name).ok_or(BoardError::Unlike(name));

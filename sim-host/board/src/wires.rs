@@ -92,6 +92,8 @@ pub struct Bench {
     enabled: bool,
     /// Changes of the enable so far.
     pub edges: Vec<Edge>,
+    /// When the last sample began in which the amplifier was on and had a code other than silence.
+    pub last_driven: Cycle,
     /// Samples with a code other than silence while the amplifier was off: it plays zero volts then.
     pub lost_samples: u64,
     /// Resets of the part so far.
@@ -127,6 +129,7 @@ impl Bench {
             first_block: None,
             enabled: false,
             edges: Vec::new(),
+            last_driven: 0,
             lost_samples: 0,
             resets: Vec::new(),
             stop_pressed: None,
@@ -179,6 +182,11 @@ impl Bench {
         self.code
     }
 
+    /// Samples that were played since the DAC was first triggered.
+    pub fn samples(&self) -> usize {
+        self.samples
+    }
+
     /// Whether the amplifier is on.
     pub fn is_enabled(&self) -> bool {
         self.enabled
@@ -226,6 +234,9 @@ impl Bench {
         };
         let driven = if self.enabled { code } else { SILENCE };
         self.lost_samples += u64::from(driven != code);
+        if driven != SILENCE {
+            self.last_driven = self.began;
+        }
         let (v, i) = plant.play(driven);
         self.conversions = [v, i].map(|sum| [sum / CONVERSIONS, sum - sum / CONVERSIONS]);
     }

@@ -1,7 +1,7 @@
 //! The list of benches. Built-in suites and code give the same [`Evidence`].
 
 use crate::evidence::{Error, Evidence, Options, built_in};
-use crate::{crash, friction, guard, instructions, precision, thesis};
+use crate::{board_faults, crash, friction, guard, instructions, precision, thesis};
 use scene::load::LoadError;
 use scene::suite::{self, LoadedSuite};
 
@@ -22,7 +22,7 @@ pub struct Bench {
 }
 
 /// All benches, in the order in which they run.
-pub const BENCHES: [Bench; 7] = [
+pub const BENCHES: [Bench; 8] = [
     Bench {
         name: "tracking",
         about: "every tracking case over many seeds, against targets, Cramer-Rao bounds and the numbers of its faults",
@@ -50,6 +50,13 @@ pub const BENCHES: [Bench; 7] = [
         has_quick: true,
         suite: Some(crash::SUITE),
         run: crash::run,
+    },
+    Bench {
+        name: "board",
+        about: "faults of the driver board against the flashed image on the model of its part: is it off in time, does it say why",
+        has_quick: true,
+        suite: None,
+        run: board_faults::evidence,
     },
     Bench {
         name: "precision",

@@ -65,6 +65,9 @@ pub enum Error {
     /// The image did not come to its end, or printed something else than counts.
     #[error("the image gives no counts: {0}")]
     Counts(String),
+    /// The campaign of faults has no board to begin with.
+    #[error(transparent)]
+    BoardFaults(#[from] crate::board_faults::FaultError),
     /// A table of numbers cannot be written.
     #[error(transparent)]
     Csv(#[from] csv::Error),

@@ -14,6 +14,7 @@
 #![forbid(unsafe_code)]
 
 pub mod bench;
+pub mod board_faults;
 mod crash;
 #[cfg(test)]
 mod docs;

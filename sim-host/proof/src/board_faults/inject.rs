@@ -1,0 +1,179 @@
+//! Makes a fault happen, as it is drawn.
+
+use board::Board;
+use nucleo_g474re::pages;
+use rand_core::Rng;
+use rand_xoshiro::Xoshiro256PlusPlus;
+use stm32g474::map::{at::dma, base::DMA1};
+use stm32g474::{Defect, Pin, Ram};
+
+use super::FaultError;
+use super::kinds::Fault;
+use super::limits::lsi_hz;
+
+/// The sense pins: voltage, current, and the current again at the negative trip.
+const VOLTAGE: Pin = Pin::new('A', 0);
+const CURRENT: [Pin; 2] = [Pin::new('A', 1), Pin::new('A', 7)];
+/// The block interrupt in the interrupt controller: its bit in NVIC_ICER0 (DMA1 channel 1 is line 11).
+const ICER: u32 = 0xE000_E180;
+const BLOCK_INTERRUPT: u32 = 1 << 11;
+/// RAM that the image does not use, below the guard of its stack; `b .` twice.
+const UNUSED: u32 = 0x2000_7ff0;
+const LOOP: u32 = 0xe7fe_e7fe;
+/// Where the part has no memory.
+const NOWHERE: u32 = 0x3000_0000;
+/// Cycles of a millisecond.
+const MS: u64 = 170_000;
+
+/// What a run draws.
+pub struct Draw(pub Xoshiro256PlusPlus);
+
+impl Draw {
+    /// A number below `count`.
+    pub fn below(&mut self, count: u32) -> u32 {
+        ((u64::from(self.0.next_u32()) * u64::from(count)) >> 32) as u32
+    }
+
+    /// A number from 0 to 1.
+    fn part(&mut self) -> f64 {
+        f64::from(self.0.next_u32()) / f64::from(u32::MAX)
+    }
+
+    fn of<T: Copy>(&mut self, list: &[T]) -> T {
+        list[self.below(list.len() as u32) as usize]
+    }
+}
+
+/// Makes it happen now; returns what was drawn, in words.
+pub fn inject(board: &mut Board, fault: Fault, draw: &mut Draw) -> Result<String, FaultError> {
+    if is_upset(fault) {
+        // What a program does after that says nothing about its source.
+        board.machine_mut().chip.lint.set_all(stm32g474::Verdict::Collect);
+    }
+    let at = board.machine().cycle() + 1;
+    let adc = 1 + draw.below(2) as u8;
+    let defect = match fault {
+        Fault::StuckAny => Defect::AdcStuck { adc, code: draw.below(4096) as u16 },
+        Fault::StuckMiddle => Defect::AdcStuck { adc, code: 2048 },
+        Fault::StuckEnd => Defect::AdcStuck { adc, code: draw.of(&[0, 4095]) },
+        Fault::ComparatorActs => Defect::ComparatorStuck { comparator: adc, high: true },
+        Fault::ComparatorDead => Defect::ComparatorStuck { comparator: adc, high: false },
+        Fault::SampleClock => Defect::TimerHalts { timer: 3 },
+        Fault::ConversionClock => Defect::TimerHalts { timer: 4 },
+        Fault::DacTrigger => Defect::TriggersLost { timer: 3, triggers: 1 },
+        Fault::DacTriggers => Defect::TriggersLost { timer: 3, triggers: 2 + draw.below(4) },
+        Fault::AdcTrigger => Defect::TriggersLost { timer: 4, triggers: 1 },
+        Fault::AdcTriggers => Defect::TriggersLost { timer: 4, triggers: 2 + draw.below(3) },
+        Fault::AdcStream => Defect::DmaHalts { dma: 1, channel: 1 },
+        Fault::DacStream => Defect::DmaHalts { dma: 1, channel: 2 },
+        Fault::LinkStream => Defect::DmaHalts { dma: 2, channel: 1 },
+        Fault::AdcTransfer => Defect::DmaFails { dma: 1, channel: 1 },
+        Fault::DacTransfer => Defect::DmaFails { dma: 1, channel: 2 },
+        Fault::AdcOverrun => Defect::DmaMisses { dma: 1, channel: 1, requests: 1 },
+        Fault::DacUnderrun => Defect::DmaMisses { dma: 1, channel: 2, requests: 1 },
+        Fault::Crystal => Defect::HseStops,
+        Fault::Pll => {
+            tolerate(board, at, draw);
+            Defect::PllUnlocks
+        }
+        Fault::SupplyFalls => {
+            board.inject(at + MS + u64::from(draw.below(5 * MS as u32)), Defect::SupplyLow(false));
+            Defect::SupplyLow(true)
+        }
+        Fault::BrownOut => Defect::BrownOut { ram: Ram::Lost },
+        Fault::CodeTwoBits | Fault::CodeOneBit => {
+            let code = symbol(board, "__sidata")? - pages::FLASH;
+            let address = pages::FLASH + draw.below(code);
+            Defect::FlashBits { address, bits: if fault == Fault::CodeTwoBits { 2 } else { 1 } }
+        }
+        Fault::SettingsTwoBits => Defect::FlashBits { address: pages::START + draw.below(pages::SIZE), bits: 2 },
+        Fault::StaticBit => bit_between(board, ("__sdata", "__ebss"), draw)?,
+        Fault::FastCodeBit => bit_between(board, ("__sccmram", "__eccmram"), draw)?,
+        Fault::StackBit => {
+            let address = board.machine().stack_pointer(false) + draw.below(1024);
+            Defect::RamBit { address, bit: draw.below(8) as u8 }
+        }
+        Fault::Noise => Defect::UartNoise { bytes: 1 + draw.below(40) },
+        other => return act(board, other, at, draw),
+    };
+    board.inject(at, defect);
+    Ok(format!("{defect:?}"))
+}
+
+/// Whether a fault changes what the program is, or has.
+fn is_upset(fault: Fault) -> bool {
+    use Fault::{CodeTwoBits, FastCodeBit, HardFault, Lockup, RegisterBit, StackBit, StaticBit};
+    matches!(fault, CodeTwoBits | FastCodeBit | HardFault | Lockup | RegisterBit | StackBit | StaticBit)
+}
+
+/// What is no defect of the part.
+fn act(board: &mut Board, fault: Fault, at: u64, draw: &mut Draw) -> Result<String, FaultError> {
+    match fault {
+        Fault::OpenSense => {
+            let (pin, volts) = (draw.of(&[VOLTAGE, CURRENT[0]]), draw.of(&[0.0, 1.65, 3.3]));
+            board.bench_mut().tie(at, pin, volts);
+            return Ok(format!("{pin} at {volts} V"));
+        }
+        Fault::CurrentUp | Fault::CurrentDown => {
+            let volts = 0.21 * draw.part();
+            let volts = if fault == Fault::CurrentUp { 3.3 - volts } else { volts };
+            CURRENT.into_iter().for_each(|pin| board.bench_mut().tie(at, pin, volts));
+            return Ok(format!("{volts:.3} V"));
+        }
+        Fault::Stop => board.bench_mut().press_stop(at),
+        Fault::Framing => board.bench_mut().bad_stop_bits = 1 + draw.below(40),
+        Fault::RegisterBit => {
+            let (register, bit) = (draw.below(16) as u8, draw.below(32));
+            let machine = board.machine_mut();
+            machine.set_register(register, machine.register(register) ^ 1 << bit);
+            return Ok(format!("R{register} bit {bit} in exception {}", machine.exception()));
+        }
+        Fault::HardFault => board.machine_mut().set_register(15, NOWHERE + 2 * draw.below(1 << 20)),
+        Fault::Lockup => board.machine_mut().set_register(13, NOWHERE + 4 * draw.below(1 << 20)),
+        Fault::AdcChannelOff | Fault::DacChannelOff => {
+            let control = if fault == Fault::AdcChannelOff { dma::CH_0_CR } else { dma::CH_1_CR };
+            let value = board.machine().chip.peek(DMA1 + control);
+            board.machine_mut().poke(DMA1 + control, value & !1)?;
+        }
+        Fault::Masked => {
+            tolerate(board, at, draw);
+            board.machine_mut().mask_interrupts();
+        }
+        Fault::BlockMasked => {
+            tolerate(board, at, draw);
+            board.machine_mut().poke(ICER, BLOCK_INTERRUPT)?;
+        }
+        Fault::BackgroundStands => {
+            tolerate(board, at, draw);
+            while board.machine().exception() != 0 {
+                board.run_for(std::time::Duration::from_nanos(100))?;
+            }
+            board.machine_mut().poke(UNUSED, LOOP)?;
+            board.machine_mut().set_register(15, UNUSED);
+        }
+        Fault::Debugger => {
+            let seconds = 0.2e-3 + 19.8e-3 * draw.part();
+            board.halt_for(std::time::Duration::from_secs_f64(seconds))?;
+            return Ok(format!("{:.1} ms", 1e3 * seconds));
+        }
+        // The others are defects of the part.
+        _ => {}
+    }
+    Ok(String::new())
+}
+
+/// The watchdog's oscillator is anywhere in its tolerance.
+fn tolerate(board: &mut Board, at: u64, draw: &mut Draw) {
+    let hz = lsi_hz(2.0 * draw.part() - 1.0);
+    board.inject(at, Defect::LsiHz(hz));
+}
+
+fn symbol(board: &Board, name: &'static str) -> Result<u32, FaultError> {
+    board.machine().symbols().address(name).ok_or(FaultError::Symbol(name))
+}
+
+/// A bit of the memory between two symbols of the linker.
+fn bit_between(board: &Board, (first, end): (&'static str, &'static str), draw: &mut Draw) -> Result<Defect, FaultError> {
+    let (first, end) = (symbol(board, first)?, symbol(board, end)?);
+    Ok(Defect::RamBit { address: first + draw.below(end - first), bit: draw.below(8) as u8 })
+}

@@ -1,0 +1,167 @@
+//! A board that drives, from which every run begins.
+
+use std::cell::{Ref, RefCell};
+use std::io;
+use std::rc::Rc;
+use std::sync::atomic::AtomicBool;
+use std::time::Duration;
+
+use board::{Board, Options};
+use firmware::board::command::{Command, Reply};
+use firmware::board::fault_log::FaultReport;
+use firmware::seam::fault::Fault;
+use firmware::seam::mode::Mode;
+use firmware::seam::telemetry::Telemetry;
+use link::client::Client;
+use link::port::{InProcess, Simulated};
+use scene::load::load;
+use stm32g474::{Rule, Verdict};
+
+use super::FaultError;
+use super::limits::HOST_S;
+
+/// The part of its time that the block interrupt takes: at all of it, this image misses blocks without any fault.
+pub const RATE: f64 = 1.0 / 8.0;
+/// The scene: the dummy load of `docs/board.md`.
+const SCENE: &str = "dummy-load";
+/// The longest that it may take to lock.
+const LOCKS_WITHIN: Duration = Duration::from_millis(300);
+/// How long it drives before the snapshot is taken.
+const SETTLES: Duration = Duration::from_millis(5);
+static NEVER: AtomicBool = AtomicBool::new(false);
+
+/// What a program can do nothing about: the defects raise these by themselves. Every other finding ends a run.
+const RAISED: [Rule; 7] = [
+    Rule::EccDouble,
+    Rule::AdcOverrun,
+    Rule::AdcTriggerLost,
+    Rule::AdcTriggerMargin,
+    Rule::DacUnderrun,
+    Rule::DmaError,
+    Rule::UartLost,
+];
+
+/// Boots a board with the dummy load, and lets it find it, lock and drive; `sim-host link` would say `run`.
+pub fn driving(elf: &[u8]) -> Result<Board, FaultError> {
+    let loaded = load(SCENE, &[])?;
+    let scene = loaded.scene.driven().ok_or(FaultError::Scene)?;
+    let mut board = Board::start(elf, &scene, Options { rate: Some(RATE), ..Options::default() })?;
+    for rule in RAISED {
+        board.machine_mut().chip.lint.set(rule, Verdict::Collect);
+    }
+    let mut host = Host::of(board);
+    host.ask(Command::Patience(HOST_S as f32), LOCKS_WITHIN)?;
+    host.ask(Command::Run, LOCKS_WITHIN)?;
+    let until = host.now() + LOCKS_WITHIN;
+    while !host.status(LOCKS_WITHIN)?.is_some_and(|report| report.mode == Mode::Run && report.locked) {
+        if host.now() > until {
+            return Err(FaultError::NoLock(LOCKS_WITHIN));
+        }
+        host.run_for(Duration::from_millis(1))?;
+    }
+    let until = host.now() + SETTLES;
+    while host.now() < until {
+        host.status(LOCKS_WITHIN)?;
+    }
+    host.release()
+}
+
+/// A host at the serial line of a board.
+pub struct Host {
+    board: Rc<RefCell<Limited>>,
+    client: Client,
+}
+
+/// A board whose time is limited while the client waits for it.
+struct Limited {
+    board: Board,
+    until: Duration,
+}
+
+impl InProcess for Limited {
+    fn send(&mut self, bytes: &[u8]) {
+        self.board.send(bytes);
+    }
+
+    fn waiting(&self) -> usize {
+        self.board.bench().to_board.len()
+    }
+
+    fn receive(&mut self, into: &mut [u8]) -> usize {
+        self.board.receive(into)
+    }
+
+    fn now(&self) -> Duration {
+        self.board.now()
+    }
+
+    fn block(&mut self) -> io::Result<()> {
+        if self.board.now() >= self.until {
+            return Err(io::ErrorKind::TimedOut.into());
+        }
+        self.board.run_block().map_err(io::Error::other)
+    }
+}
+
+impl Host {
+    /// A host at this board.
+    pub fn of(board: Board) -> Self {
+        let board = Rc::new(RefCell::new(Limited { board, until: Duration::MAX }));
+        let client = Client::new(Box::new(Simulated::new("board", board.clone(), false)), &NEVER, |_| ());
+        Host { board, client }
+    }
+
+    /// Gives the board back.
+    pub fn release(self) -> Result<Board, FaultError> {
+        drop(self.client);
+        Rc::into_inner(self.board).map(|limited| limited.into_inner().board).ok_or(FaultError::Scene)
+    }
+
+    /// Time since the power came.
+    pub fn now(&self) -> Duration {
+        self.client.now()
+    }
+
+    /// Lets the board run.
+    pub fn run_for(&mut self, time: Duration) -> Result<(), FaultError> {
+        Ok(self.board.borrow_mut().board.run_for(time)?)
+    }
+
+    /// Asks, and waits for an answer for so long.
+    pub fn ask(&mut self, command: Command, within: Duration) -> Result<Reply, FaultError> {
+        let until = self.now() + within;
+        self.board.borrow_mut().until = until;
+        Ok(self.client.ask(command)?)
+    }
+
+    /// The board.
+    pub fn board(&self) -> Ref<'_, Board> {
+        Ref::map(self.board.borrow(), |limited| &limited.board)
+    }
+
+    /// The fault of the last telemetry that came by itself.
+    pub fn last_telemetry(&mut self) -> Option<Fault> {
+        self.board.borrow_mut().until = self.now() + Duration::from_millis(10);
+        let mut fault = None;
+        while let Ok(Some((_, report))) = self.client.telemetry(Duration::from_millis(4)) {
+            fault = report.fault;
+        }
+        fault
+    }
+
+    /// The report of the latest block.
+    pub fn status(&mut self, within: Duration) -> Result<Option<Telemetry>, FaultError> {
+        match self.ask(Command::Status, within)? {
+            Reply::Status(report) => Ok(report),
+            _ => Ok(None),
+        }
+    }
+
+    /// The latest fault of the log, and what started the board.
+    pub fn faults(&mut self, within: Duration) -> Result<Option<FaultReport>, FaultError> {
+        match self.ask(Command::Faults(0), within)? {
+            Reply::Faults(report) => Ok(Some(report)),
+            _ => Ok(None),
+        }
+    }
+}

@@ -1,0 +1,148 @@
+//! Settings stored in the flash, and a supply that is cut while they are.
+
+use std::time::Duration;
+
+use board::Board;
+use firmware::board::command::{Command, Reply, Verb};
+use firmware::board::parameters::ParameterReport;
+use firmware::board::stored_state::StoredState;
+use link::client::Client;
+use stm32g474::map::at::flash;
+use stm32g474::map::base::FLASH;
+use stm32g474::{Defect, Ram, Rule, Verdict};
+
+use super::{RATE, connected, elf, powered};
+
+#[test]
+fn settings_are_stored_in_the_flash_and_are_there_after_a_reset() {
+    let Some(elf) = elf() else { return };
+    let (board, mut client) = connected(powered(elf, &[], RATE));
+    client.connect().expect("an answer");
+    /// `tracking.nominal_q`.
+    const KEY: u8 = 15;
+    let get = |client: &mut Client| match client.ask(Command::Settings(Verb::Get(KEY))).expect("an answer") {
+        Reply::Parameter(report) => report,
+        reply => panic!("{reply:?}"),
+    };
+    let before = get(&mut client);
+    let lower = 0.5 * before.acts;
+    client.order(Command::Settings(Verb::Set(KEY, lower))).expect("acknowledged");
+    client.order(Command::Settings(Verb::Store)).expect("acknowledged");
+    client.order(Command::Reset).expect("acknowledged");
+    board.borrow_mut().run_for(Duration::from_millis(40)).expect("it starts again");
+    let after = get(&mut client);
+    assert_eq!((after.acts, after.stored), (lower, StoredState::Stored));
+    assert_eq!(board.borrow().was_reset().map(|reset| reset.to_string()).as_deref(), Some("software"));
+}
+
+/// `limits.current_a` and `tracking.nominal_q`.
+const KEYS: [u8; 2] = [9, 15];
+/// What is stored first, what is stored when the power is cut, and what is stored afterwards.
+const OLD: [f32; 2] = [2.5, 40.0];
+const NEW: [f32; 2] = [2.0, 30.0];
+const LAST: [f32; 2] = [1.5, 20.0];
+/// A start: the flash is read, the converters are calibrated.
+const STARTS_WITHIN: Duration = Duration::from_millis(8);
+/// How closely the flash is looked at, cycles.
+const STEP: u64 = 170;
+
+fn set(client: &mut Client, values: [f32; 2]) {
+    for (key, value) in KEYS.into_iter().zip(values) {
+        client.order(Command::Settings(Verb::Set(key, value))).expect("acknowledged");
+    }
+}
+
+fn parameters(client: &mut Client) -> [ParameterReport; 2] {
+    KEYS.map(|key| match client.ask(Command::Settings(Verb::Get(key))).expect("an answer") {
+        Reply::Parameter(report) => report,
+        reply => panic!("{reply:?}"),
+    })
+}
+
+/// A board that has stored settings so often, `OLD` at last, and has set `NEW`.
+fn prepared(elf: &[u8], stores: u32) -> Board {
+    let mut board = powered(elf, &[], RATE);
+    // What a cut leaves is read as damaged: the image is to bear that.
+    board.machine_mut().chip.lint.set(Rule::EccDouble, Verdict::Collect);
+    let (board, mut client) = connected(board);
+    client.connect().expect("an answer");
+    for left in (0..stores).rev() {
+        set(&mut client, if left % 2 == 0 { OLD } else { LAST });
+        client.order(Command::Settings(Verb::Store)).expect("stored");
+    }
+    set(&mut client, NEW);
+    board.borrow().clone()
+}
+
+/// Begins to store, without an answer.
+fn begin(mut board: Board) -> Board {
+    let frame = firmware::board::link::encode(77, Command::Settings(Verb::Store)).expect("it fits");
+    board.send(&frame);
+    board
+}
+
+/// Cycles at which each operation of the flash begins and ends while the settings are stored.
+fn operations(mut board: Board) -> Vec<(u64, u64)> {
+    let busy = |board: &Board| board.machine().chip.peek(FLASH + flash::SR) >> 16 & 1 == 1;
+    let (mut found, mut began) = (Vec::new(), None);
+    let until = board.now() + Duration::from_millis(60);
+    while board.now() < until {
+        let at = board.machine().cycle();
+        board.machine_mut().run_until(at + STEP).expect("no finding");
+        match (began, busy(&board)) {
+            (None, true) => began = Some(at),
+            (Some(first), false) => {
+                found.push((first, at));
+                began = None;
+            }
+            _ => {}
+        }
+    }
+    found
+}
+
+#[test]
+fn a_power_cut_leaves_the_old_settings_or_the_new_ones() {
+    let Some(elf) = elf() else { return };
+    let (mut cuts, mut kept) = (0, 0);
+    // Into the half that was not written before, and into one that was.
+    for stores in [1, 4] {
+        let board = begin(prepared(elf, stores));
+        let operations = operations(board.clone());
+        assert!(operations.len() >= 3, "{operations:?}");
+        for (place, &(first, last)) in operations.iter().enumerate() {
+            // At its beginning, within, just after, and before the next one.
+            let next = operations.get(place + 1).map_or(last + 1000 * STEP, |(next, _)| *next);
+            for at in [first + STEP, (first + last) / 2, last + 2 * STEP, (last + next) / 2] {
+                cuts += 1;
+                kept += u32::from(is_whole_after(board.clone(), at));
+            }
+        }
+    }
+    println!("{cuts} cuts, the old settings after {kept}");
+    assert!(kept > 0 && kept < cuts, "both have been seen: {kept} of {cuts}");
+}
+
+/// Cuts the power at a cycle, and looks at the settings then; returns whether they are the old ones.
+fn is_whole_after(mut board: Board, at: u64) -> bool {
+    board.inject(at, Defect::BrownOut { ram: Ram::Lost });
+    while board.was_reset().is_none() {
+        board.run_block().expect("no finding");
+    }
+    board.bench_mut().to_host.clear();
+    board.run_for(STARTS_WITHIN).expect("it starts");
+    let (board, mut client) = connected(board);
+    client.connect().expect("an answer");
+    let found = parameters(&mut client);
+    let acts = found.map(|report| report.acts);
+    assert!(acts == OLD || acts == NEW, "cut at {at}: {found:?}");
+    assert!(found.iter().all(|report| report.stored == StoredState::Stored), "cut at {at}: {found:?}");
+    // What the cut has left does not keep the next record from being stored.
+    set(&mut client, LAST);
+    client.order(Command::Settings(Verb::Store)).expect("stored");
+    client.order(Command::Reset).expect("acknowledged");
+    board.borrow_mut().run_for(STARTS_WITHIN).expect("it starts again");
+    let after = parameters(&mut client);
+    assert_eq!(after.map(|report| (report.acts, report.stored)), LAST.map(|value| (value, StoredState::Stored)), "cut at {at}");
+    acts == OLD
+}

@@ -1,0 +1,102 @@
+//! What switches the amplifier off: the over-current trips, the emergency stop, a short; and the test of the trips at start.
+
+use std::time::Duration;
+
+use board::Edge;
+use firmware::board::command::{Command, Reply};
+use firmware::board::start::{Start, TripFailure};
+use firmware::seam::fault::Fault;
+use firmware::seam::mode::Mode;
+use nucleo_g474re::blocks::{BLOCK, CYCLES_PER_SAMPLE};
+use nucleo_g474re::config::SILENCE;
+use stm32g474::Pin;
+
+use super::{RATE, connected, driving, elf, powered, reaches};
+
+/// The current at the positive and at the negative trip.
+const POSITIVE: Pin = Pin::new('A', 1);
+const NEGATIVE: Pin = Pin::new('A', 7);
+/// Cycles of a microsecond, in which hardware acts.
+const MICROSECOND: u64 = 170;
+/// A block, s.
+const BLOCK_S: f64 = 32e-6;
+/// Two blocks: the one that the trip falls into, and the interrupt's.
+const TWO_BLOCKS: Duration = Duration::from_micros(64);
+
+#[test]
+fn the_emergency_stop_drops_the_enable_at_once() {
+    let Some(elf) = elf() else { return };
+    let (board, mut client) = driving(elf);
+    assert_eq!(
+        board.borrow().bench().edges.iter().map(|edge| edge.high).collect::<Vec<_>>(),
+        [true],
+        "one rise, and no stray pulse"
+    );
+    let pressed = board.borrow().machine().cycle();
+    board.borrow_mut().bench_mut().press_stop(pressed);
+    board.borrow_mut().run_for(Duration::from_millis(2)).expect("no finding");
+    let edges = board.borrow().bench().edges.clone();
+    let fall = edges.last().expect("an edge");
+    assert!(!fall.high && fall.at - pressed < 170, "{edges:?}, pressed at {pressed}");
+    let report = client.status().expect("an answer").expect("a report");
+    assert_eq!((report.mode, report.fault), (Mode::Fault, Some(Fault::EmergencyStop)));
+}
+
+#[test]
+fn a_current_beyond_either_trip_drops_the_enable_in_hardware() {
+    let Some(elf) = elf() else { return };
+    // 3.5 A are 3.05 V and 0.25 V; each comparator by itself.
+    for (pin, volts) in [(POSITIVE, 3.1), (NEGATIVE, 0.2)] {
+        let (board, mut client) = driving(elf);
+        let tripped = board.borrow().machine().cycle() + 1000;
+        board.borrow_mut().bench_mut().tie(tripped, pin, volts);
+        board.borrow_mut().run_for(TWO_BLOCKS).expect("no finding");
+        let last: Edge = *board.borrow().bench().edges.last().expect("an edge");
+        assert!(!last.high && last.at - tripped < MICROSECOND, "{last:?}, tripped at {tripped}");
+        assert_eq!(board.borrow().bench().code(), SILENCE, "mid-code from the next block on");
+        let report = client.status().expect("an answer").expect("a report");
+        assert_eq!((report.mode, report.fault), (Mode::Fault, Some(Fault::OverCurrent)), "{pin} at {volts} V");
+        assert_eq!(board.borrow().bench().edges.last(), Some(&last), "it stays off");
+    }
+}
+
+#[test]
+fn a_short_at_the_stack_is_muted_before_the_second_block_ends() {
+    let Some(elf) = elf() else { return };
+    // After a scan of some 45 ms the board drives.
+    let short = ["fault.0.kind=short", "fault.0.at_s=0.12", "duration_s=0.3"];
+    let (board, mut client) = connected(powered(elf, &short, RATE));
+    client.connect().expect("an answer");
+    client.order(Command::Patience(0.0)).expect("acknowledged");
+    client.order(Command::Run).expect("acknowledged");
+    assert!(reaches(&mut client, &board, Mode::Run, Duration::from_millis(115)), "it locks");
+    assert!(reaches(&mut client, &board, Mode::Fault, Duration::from_millis(150)), "it drives on");
+    let report = client.status().expect("an answer").expect("a report");
+    assert_eq!(report.fault, Some(Fault::OverCurrent));
+    let board = board.borrow();
+    let bench = board.bench();
+    let first_block = bench.first_block().expect("an order");
+    let shorted = BLOCK * (first_block + (0.12 / BLOCK_S) as usize);
+    let ago = |samples: usize| board.machine().cycle() - u64::from(CYCLES_PER_SAMPLE) * (bench.samples() - samples) as u64;
+    let fall = bench.edges.last().expect("an edge");
+    assert!(!fall.high && fall.at < ago(shorted + 2 * BLOCK) && fall.at > ago(shorted), "{fall:?}, shorted at {}", ago(shorted));
+}
+
+#[test]
+fn a_missing_wire_to_the_negative_trip_is_found_at_start() {
+    let Some(elf) = elf() else { return };
+    let mut board = powered(elf, &[], RATE);
+    // The image pulls the pin down for a moment, and nothing holds against it.
+    board.bench_mut().tie(0, NEGATIVE, 0.0);
+    let (board, mut client) = connected(board);
+    client.connect().expect("an answer");
+    let answer = client.ask(Command::Faults(0)).expect("an answer");
+    let failed = Start::TripFailed(TripFailure::Wire);
+    assert!(matches!(answer, Reply::Faults(log) if log.last_run == failed), "{answer:?}");
+    client.order(Command::Run).expect("acknowledged");
+    assert!(reaches(&mut client, &board, Mode::Fault, Duration::from_millis(50)), "it drives");
+    let report = client.status().expect("an answer").expect("a report");
+    // A trip during the self-test, whose tone is far below it.
+    assert_eq!(report.fault, Some(Fault::LoadShorted));
+    assert_eq!(board.borrow().bench().edges, [], "the enable never rises");
+}

@@ -1,0 +1,69 @@
+//! What the board starts from: the watchdog, a crystal that does not start.
+
+use std::time::Duration;
+
+use firmware::board::command::{Command, Reply};
+use firmware::board::start::Start;
+use firmware::seam::mode::Mode;
+use stm32g474::Defect;
+use stm32g474::map::at::rcc;
+use stm32g474::map::base::RCC;
+
+use super::{RATE, connected, elf, powered, reaches};
+
+#[test]
+fn blocks_that_are_too_long_end_in_the_watchdog() {
+    let Some(elf) = elf() else { return };
+    let mut board = powered(elf, &[], 1.0);
+    while board.was_reset().is_none() && board.now() < Duration::from_millis(60) {
+        board.run_block().expect("no finding");
+    }
+    let worst = u64::from(board.load.worst);
+    assert_eq!(
+        board.was_reset().map(|reset| reset.to_string()).as_deref(),
+        (worst > board.block_cycles()).then_some("the independent watchdog"),
+        "{worst}"
+    );
+    assert!(board.bench().edges.is_empty(), "the amplifier stays off");
+}
+
+#[test]
+fn the_watchdogs_reset_is_told_to_the_client() {
+    let Some(elf) = elf() else { return };
+    let (board, mut client) = connected(powered(elf, &[], RATE));
+    client.connect().expect("an answer");
+    // From here on the interrupt takes its own time, and blocks are missed.
+    board.borrow_mut().machine_mut().set_rate(1.0);
+    while board.borrow().was_reset().is_none() && client.now() < Duration::from_millis(200) {
+        board.borrow_mut().run_block().expect("no finding");
+    }
+    board.borrow_mut().machine_mut().set_rate(RATE);
+    board.borrow_mut().run_for(Duration::from_millis(20)).expect("it starts again");
+    let answer = client.ask(Command::Faults(0)).expect("an answer");
+    assert!(matches!(answer, Reply::Faults(log) if log.last_run == Start::Watchdog), "{answer:?}");
+}
+
+/// RCC_PLLCFGR.PLLSRC (RM0440 7.4.4).
+const HSI: u32 = 2;
+const HSE: u32 = 3;
+
+#[test]
+fn without_its_crystal_the_board_drives_on_the_internal_oscillator() {
+    let Some(elf) = elf() else { return };
+    for (dead, source) in [(false, HSE), (true, HSI)] {
+        let mut board = powered(elf, &[], RATE);
+        if dead {
+            board.inject(0, Defect::HseStops);
+        }
+        // 20 ms for the crystal, and the start.
+        board.run_for(Duration::from_millis(30)).expect("no finding");
+        let (board, mut client) = connected(board);
+        client.connect().expect("an answer");
+        client.order(Command::Patience(0.0)).expect("acknowledged");
+        client.order(Command::Run).expect("acknowledged");
+        assert!(reaches(&mut client, &board, Mode::Run, Duration::from_millis(200)), "it locks");
+        let board = board.borrow();
+        let chip = &board.machine().chip;
+        assert_eq!((chip.peek(RCC + rcc::PLLCFGR) & 3, chip.hz()), (source, 170_000_000));
+    }
+}
