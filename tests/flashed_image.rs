@@ -7,6 +7,7 @@
 
 mod power_cut;
 mod protection;
+mod refusals;
 mod start;
 
 use std::cell::RefCell;
@@ -86,7 +87,8 @@ fn the_image_finds_and_locks_the_dummy_load_bit_for_bit() {
     let Some(elf) = elf() else { return };
     let loaded = dummy_load();
     let scene = loaded.scene.driven().expect("a driven scene");
-    let mut replay = record(elf, &scene, Some(RATE), &STOP).expect("the image runs the scene");
+    let mut replay =
+        record(elf, &scene, Options { rate: Some(RATE), ..Options::default() }, &STOP).expect("the image runs the scene");
     let record = run_on(&mut replay, &scene, Watch::default()).expect("the host returns what the image returned");
     assert_eq!(record.last.fault, None);
     assert_eq!(record.last.mode, Mode::Run);

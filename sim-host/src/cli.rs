@@ -144,6 +144,9 @@ struct RunArgs {
     /// With --board: let the block interrupt take a part of its time only, as if the processor were so many times as fast there.
     #[arg(long, value_name = "X", requires = "board", value_parser = times)]
     board_speed: Option<f64>,
+    /// With --board: what each function takes of the block interrupt.
+    #[arg(long, requires = "board")]
+    profile: bool,
     /// Say nothing but the result.
     #[arg(short, long)]
     quiet: bool,
@@ -204,6 +207,7 @@ impl RunArgs {
             pil: false,
             board: None,
             board_speed: None,
+            profile: false,
             quiet: false,
             verbose: false,
         }

@@ -3,13 +3,14 @@
 use std::collections::VecDeque;
 use std::time::Duration;
 
-use cortex_m4::{Cycle, ImageError, Machine, Passage, Stop};
+use cortex_m4::{Cycle, Fetches, ImageError, Machine, Passage, Spent, Stop};
 use firmware::seam::block::{DriveBlock, Orders, Request, SenseBlock};
 use firmware::seam::config::{Config, LaneTrims};
 use nucleo_g474re::pages;
 use plant::Plant;
 use plant::stream::Stream;
 use scene::{Driven, FaultKind};
+use sim::processor::{InFunction, Load};
 use sim::record::Taken;
 use stm32g474::{Defect, Stm32g474};
 
@@ -58,6 +59,8 @@ pub struct Options {
     pub rate: Option<f64>,
     /// Records each call of the controller, for a replay.
     pub record: bool,
+    /// Counts what each function takes of the block interrupt.
+    pub profile: bool,
 }
 
 /// A board that runs an image. A clone goes on from the same state.
@@ -72,6 +75,8 @@ pub struct Board {
     pub calls: Vec<Call>,
     /// Cycles that the block interrupt has cost, entry and return included.
     pub load: Taken,
+    /// Its instruction fetches.
+    fetches: Fetches,
     entered: Option<Passage>,
 }
 
@@ -100,6 +105,9 @@ impl Board {
         machine.watch(Some(BLOCK_INTERRUPT));
         let rate = options.rate.unwrap_or(1.0);
         machine.set_rate(rate);
+        if options.profile {
+            machine.start_profile(Some(BLOCK_INTERRUPT));
+        }
         let found = Variables::of(elf, &[STATE, QUEUES])?;
         let place = |name| found.get(name).cloned().ok_or(BoardError::Unlike(name));
         let variables = BlockVariables { state: place(STATE)?, queues: place(QUEUES)?, trims_head: 0 };
@@ -111,6 +119,7 @@ impl Board {
             rate,
             calls: Vec::new(),
             load: Taken::default(),
+            fetches: Fetches::default(),
             entered: None,
         })
     }
@@ -149,6 +158,8 @@ impl Board {
             // What it costs the part, whatever time it was given.
             cycles = ((returned.at - entered.at) as f64 / self.rate).round() as Cycle;
             instructions = returned.instructions - entered.instructions;
+            self.fetches.all += returned.fetches.all - entered.fetches.all;
+            self.fetches.waiting += returned.fetches.waiting - entered.fetches.waiting;
             self.load.add(cycles as u32);
         }
         if !self.record && self.machine.chip.wires.first_block().is_some() {
@@ -180,6 +191,29 @@ impl Board {
     pub fn halt_for(&mut self, time: Duration) -> Result<(), BoardError> {
         let until = self.machine.cycle() + (time.as_secs_f64() * self.machine.chip.hz() as f64).ceil() as Cycle;
         Ok(self.machine.hold(until)?)
+    }
+
+    /// What the processor's time has gone to since this was last asked for.
+    pub fn take_load(&mut self) -> Load {
+        let Fetches { all, waiting } = std::mem::take(&mut self.fetches);
+        let profile = self.machine.take_profile();
+        let functions = profile.as_ref().map(|profile| self.machine.functions_of(profile)).unwrap_or_default();
+        let named = |(name, spent): (Option<&str>, Spent)| InFunction {
+            name: name.unwrap_or("code without a symbol").to_owned(),
+            instructions: spent.instructions,
+            cycles: spent.cycles,
+            flash_fetches: spent.fetches,
+        };
+        let functions = functions.into_iter().map(named).collect();
+        if profile.is_some() {
+            self.machine.start_profile(Some(BLOCK_INTERRUPT));
+        }
+        Load {
+            functions,
+            block_cycles: self.block_cycles() as u32,
+            flash_fetches: waiting as f64 / all.max(1) as f64,
+            longest_masked: self.machine.take_longest_masked() as u32,
+        }
     }
 
     /// Puts bytes on the wire to the board.

@@ -7,7 +7,7 @@ use firmware::controller::Controller;
 use firmware::seam::block::{DriveBlock, LATENCY_BLOCKS, Orders, SenseBlock};
 use firmware::seam::config::{Config, LaneTrims};
 use firmware::seam::telemetry::Telemetry;
-use sim::processor::{Lost, Processor};
+use sim::processor::{Load, Lost, Processor};
 
 /// One call of the controller in the image.
 #[derive(Clone, Debug, PartialEq)]
@@ -30,14 +30,16 @@ pub struct Replay {
     calls: std::vec::IntoIter<Call>,
     block: u64,
     taken: (u32, u32),
+    load: Load,
 }
 
 impl Replay {
-    /// A controller with the image's configuration that has seen the first `before` calls; the others follow by [`process`](Processor::process).
-    pub fn new(config: &Config, calls: Vec<Call>, before: usize) -> Result<Self, Lost> {
+    /// A controller with the image's configuration that has seen the first `before` calls; the others follow by [`process`](Processor::process). `load` is
+    /// what the image's processor was busy with.
+    pub fn new(config: &Config, calls: Vec<Call>, before: usize, load: Load) -> Result<Self, Lost> {
         let controller = Controller::build(config).map_err(|error| Lost(error.to_string()))?;
         let mut drive = controller.silence();
-        let mut replay = Replay { controller, calls: calls.into_iter(), block: 0, taken: (0, 0) };
+        let mut replay = Replay { controller, calls: calls.into_iter(), block: 0, taken: (0, 0), load };
         for _ in 0..before {
             replay.next(&mut drive)?;
         }
@@ -77,6 +79,10 @@ impl Processor for Replay {
 
     fn instructions(&self) -> Option<u32> {
         Some(self.taken.0)
+    }
+
+    fn load(&self) -> Option<Load> {
+        Some(self.load.clone())
     }
 
     fn cycles(&self) -> Option<u32> {

@@ -90,4 +90,4 @@ pub use machine::{Machine, Stop};
 pub use memory::{Memory, Region};
 pub use profile::{Handled, Profile, Spent};
 pub use timing::Timing;
-pub use watch::Passage;
+pub use watch::{Fetches, Passage};

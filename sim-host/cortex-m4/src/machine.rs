@@ -69,7 +69,8 @@ impl<C: Chip> Machine<C> {
 
     /// Starts from the vector table. Cycles and instructions count on.
     fn start(&mut self) {
-        let Cpu { cycle, instructions, watch, timing, ref nvic, .. } = self.cpu;
+        let Cpu { cycle, instructions, mut watch, timing, ref nvic, .. } = self.cpu;
+        watch.mask(false, cycle);
         self.cpu = Cpu { cycle, instructions, watch, timing, ..Cpu::new(nvic.priority_bits()) };
         self.cpu.r[14] = u32::MAX;
         let (stack, entry) = (self.vector(0), self.vector(1));
@@ -227,7 +228,9 @@ impl<C: Chip> Machine<C> {
         let last = cpu.next.wrapping_sub(1) & !7;
         if last != before {
             cpu.fetched = last;
+            cpu.watch.fetches.all += 1;
             if waits {
+                cpu.watch.fetches.waiting += 1;
                 self.fetch_wait(pc & !7, before, last);
             }
             if !self.memory.damaged.is_empty() {
@@ -269,7 +272,7 @@ impl<C: Chip> Machine<C> {
             }
         }
         if PROFILE {
-            self.profile_instruction(pc, cost, u32::from(before != self.cpu.fetched));
+            self.profile_instruction(pc, cost, u32::from(waits && before != self.cpu.fetched));
         }
         if let Some(link) = self.cpu.exception_return.take()
             && let Err(trap) = self.leave(link)

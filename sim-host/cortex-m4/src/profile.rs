@@ -1,4 +1,4 @@
-//! Where the cycles go: by function, by exception, and with interrupts masked.
+//! Where the cycles go: by function and by exception.
 
 use crate::chip::{Chip, Cycle};
 use crate::machine::Machine;
@@ -30,13 +30,12 @@ pub struct Handled {
 pub struct Profile {
     /// By the index of the function; the last one stands for code without a symbol.
     spent: Vec<Spent>,
+    /// The exception in which functions are counted, if not everywhere.
+    only: Option<u16>,
     /// By exception number.
     handled: std::collections::BTreeMap<u16, Handled>,
     /// Exceptions that are active, with the cycle of their entry.
     active: Vec<(u16, Cycle)>,
-    masked_since: Option<Cycle>,
-    /// The longest time with PRIMASK set, in cycles.
-    pub longest_masked: Cycle,
     /// The function of the last instruction and its addresses.
     last: (usize, std::ops::Range<u32>),
 }
@@ -49,10 +48,10 @@ impl Profile {
 }
 
 impl<C: Chip> Machine<C> {
-    /// Begins a profile; a former one is dropped. It slows the run by about a third.
-    pub fn start_profile(&mut self) {
+    /// Begins a profile; a former one is dropped. Functions are counted while `only` that exception is handled, or always. It slows the run by about a third.
+    pub fn start_profile(&mut self, only: Option<u16>) {
         let spent = vec![Spent::default(); self.symbols.functions().len() + 1];
-        self.profile = Some(Box::new(Profile { spent, ..Profile::default() }));
+        self.profile = Some(Box::new(Profile { spent, only, ..Profile::default() }));
     }
 
     /// Ends the profile and hands it out.
@@ -77,7 +76,10 @@ impl<C: Chip> Machine<C> {
 
     /// Counts the instruction at `pc` that has just run.
     pub(crate) fn profile_instruction(&mut self, pc: u32, cycles: u32, fetches: u32) {
-        let Some(profile) = &mut self.profile else { return };
+        let handled = self.cpu.ipsr;
+        let Some(profile) = self.profile.as_mut().filter(|profile| profile.only.is_none_or(|only| only == handled)) else {
+            return;
+        };
         if !profile.last.1.contains(&pc) {
             profile.last = match self.symbols.index(pc) {
                 Some(index) => {
@@ -91,14 +93,6 @@ impl<C: Chip> Machine<C> {
             spent.instructions += 1;
             spent.cycles += Cycle::from(cycles);
             spent.fetches += u64::from(fetches);
-        }
-        match (self.cpu.primask, profile.masked_since) {
-            (true, None) => profile.masked_since = Some(self.cpu.cycle),
-            (false, Some(since)) => {
-                profile.longest_masked = profile.longest_masked.max(self.cpu.cycle - since);
-                profile.masked_since = None;
-            }
-            _ => {}
         }
     }
 

@@ -12,6 +12,17 @@ pub struct Passage {
     pub at: Cycle,
     /// Instructions until then.
     pub instructions: u64,
+    /// Fetches until then.
+    pub fetches: Fetches,
+}
+
+/// Fetches of instructions, each of aligned 8 bytes.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Fetches {
+    /// All of them.
+    pub all: u64,
+    /// Those from a memory with wait states.
+    pub waiting: u64,
 }
 
 /// What a run does for its observer, over resets too.
@@ -25,11 +36,15 @@ pub(crate) struct Watch {
     /// Cycles of time for a cycle of cost in that exception, in 65536ths, and the part of a cycle that is still owed.
     rate: u32,
     owed: u64,
+    pub(crate) fetches: Fetches,
+    masked_since: Option<Cycle>,
+    longest_masked: Cycle,
 }
 
 impl Default for Watch {
     fn default() -> Self {
-        Watch { exception: 0, passage: None, chained: None, rate: 1 << 16, owed: 0 }
+        let (fetches, longest_masked) = (Fetches::default(), 0);
+        Watch { exception: 0, passage: None, chained: None, rate: 1 << 16, owed: 0, fetches, masked_since: None, longest_masked }
     }
 }
 
@@ -41,6 +56,14 @@ impl Watch {
         let owed = self.owed + u64::from(cost) * u64::from(rate);
         self.owed = owed & 0xFFFF;
         owed >> 16
+    }
+
+    /// Notes that PRIMASK is set or cleared.
+    pub(crate) fn mask(&mut self, masked: bool, now: Cycle) {
+        if let Some(since) = self.masked_since.filter(|_| !masked) {
+            self.longest_masked = self.longest_masked.max(now - since);
+        }
+        self.masked_since = masked.then(|| self.masked_since.unwrap_or(now));
     }
 
     pub(crate) fn has_passed(&self) -> bool {
@@ -65,11 +88,16 @@ impl<C: Chip> Machine<C> {
         self.cpu.watch.rate = (rate * 65536.0) as u32;
     }
 
+    /// The longest time with PRIMASK set since this was last asked for, or since the beginning: cycles.
+    pub fn take_longest_masked(&mut self) -> Cycle {
+        std::mem::take(&mut self.cpu.watch.longest_masked)
+    }
+
     /// Notes that an exception is entered or returned from.
     pub(crate) fn pass(&mut self, exception: u16, entered: bool) {
         let cpu = &mut self.cpu;
         if exception == cpu.watch.exception {
-            let passage = Some(Passage { entered, at: cpu.cycle, instructions: cpu.instructions });
+            let passage = Some(Passage { entered, at: cpu.cycle, instructions: cpu.instructions, fetches: cpu.watch.fetches });
             // It may return and be entered again in one go.
             let place = if cpu.watch.passage.is_none() { &mut cpu.watch.passage } else { &mut cpu.watch.chained };
             *place = passage;

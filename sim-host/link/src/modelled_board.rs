@@ -97,14 +97,16 @@ fn too_slow(worst: u64, block: u64) -> String {
 const BEGINS_WITHIN: Duration = Duration::from_millis(100);
 
 /// Runs a scene on an image, and gives its replay.
-pub fn record(elf: &[u8], scene: &Driven, rate: Option<f64>, stop: &'static AtomicBool) -> Result<Replay, RecordError> {
-    let board = Rc::new(RefCell::new(Board::start(elf, scene, Options { rate, record: true })?));
+pub fn record(elf: &[u8], scene: &Driven, options: Options, stop: &'static AtomicBool) -> Result<Replay, RecordError> {
+    let board = Rc::new(RefCell::new(Board::start(elf, scene, Options { record: true, ..options })?));
     let ordered = order(board.clone(), scene, stop);
     let mut board = board.borrow_mut();
     // A board that is reset answers too late, or not at all: the reset is the cause.
     reset(&board)?;
     ordered?;
     let ordered = board.now();
+    // What is masked while it starts delays no block.
+    board.take_load();
     let blocks = (scene.duration_s * scene.sensors.sample_hz / f64::from(scene.controller.block_samples)).ceil() as usize;
     // Those that the run asks for, and those in which their codes play.
     let enough =
@@ -123,7 +125,8 @@ pub fn record(elf: &[u8], scene: &Driven, rate: Option<f64>, stop: &'static Atom
     if board.bench().lost_samples > 0 {
         return Err(RecordError::Off(board.bench().lost_samples));
     }
-    Ok(Replay::new(board.config(), calls, board.bench().first_block().unwrap_or(0))?)
+    let load = board.take_load();
+    Ok(Replay::new(board.config(), calls, board.bench().first_block().unwrap_or(0), load)?)
 }
 
 /// Orders the board to run, without a host timeout: nothing is asked of it afterwards.

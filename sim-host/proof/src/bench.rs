@@ -1,7 +1,7 @@
 //! The list of benches. Built-in suites and code give the same [`Evidence`].
 
 use crate::evidence::{Error, Evidence, Options, built_in};
-use crate::{board_faults, crash, friction, guard, instructions, precision, thesis};
+use crate::{board_faults, board_scenes, crash, friction, guard, instructions, precision, thesis};
 use scene::load::LoadError;
 use scene::suite::{self, LoadedSuite};
 
@@ -22,7 +22,7 @@ pub struct Bench {
 }
 
 /// All benches, in the order in which they run.
-pub const BENCHES: [Bench; 8] = [
+pub const BENCHES: [Bench; 9] = [
     Bench {
         name: "tracking",
         about: "every tracking case over many seeds, against targets, Cramer-Rao bounds and the numbers of its faults",
@@ -52,11 +52,18 @@ pub const BENCHES: [Bench; 8] = [
         run: crash::run,
     },
     Bench {
-        name: "board",
+        name: "board-faults",
         about: "faults of the driver board against the flashed image on the model of its part: is it off in time, does it say why",
         has_quick: true,
         suite: None,
         run: board_faults::evidence,
+    },
+    Bench {
+        name: "board-scenes",
+        about: "every scene with one drive lane by the flashed image on the model of its part, replayed on the host bit for bit",
+        has_quick: true,
+        suite: None,
+        run: board_scenes::evidence,
     },
     Bench {
         name: "precision",

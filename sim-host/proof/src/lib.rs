@@ -15,6 +15,7 @@
 
 pub mod bench;
 pub mod board_faults;
+mod board_scenes;
 mod crash;
 #[cfg(test)]
 mod docs;

@@ -23,10 +23,41 @@ pub trait Processor {
         None
     }
 
+    /// What the processor's time has gone to, where its part is modelled.
+    fn load(&self) -> Option<Load> {
+        None
+    }
+
     /// What the controller has needed of its memory so far, where that is measured.
     fn memory(&mut self) -> Result<Option<Memory>, Lost> {
         Ok(None)
     }
+}
+
+/// What the time of a part went to that runs the block interrupt and a background task.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Load {
+    /// Cycles of a block.
+    pub block_cycles: u32,
+    /// Of the block interrupt's instruction fetches those from flash, 0 to 1.
+    pub flash_fetches: f64,
+    /// The longest time with interrupts masked, cycles.
+    pub longest_masked: u32,
+    /// What each function took of the block interrupts, the most cycles first; empty where it was not asked for.
+    pub functions: Vec<InFunction>,
+}
+
+/// What a function took.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct InFunction {
+    /// Its name.
+    pub name: String,
+    /// Instructions executed in it.
+    pub instructions: u64,
+    /// Cycles of them.
+    pub cycles: u64,
+    /// Fetches of them from flash, of 8 bytes each.
+    pub flash_fetches: u64,
 }
 
 /// What a controller on a processor of its own needs of its memory, bytes.

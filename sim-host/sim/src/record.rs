@@ -8,7 +8,7 @@ use firmware::seam::telemetry::FrictionEstimate;
 use firmware::seam::telemetry::Telemetry;
 
 use crate::edge_meter::Edges;
-use crate::processor::Memory;
+use crate::processor::{Load, Memory};
 use crate::swing::Swing;
 use crate::trace::Tracer;
 use plant::dring::crash::Playback;
@@ -150,6 +150,8 @@ pub struct Record {
     pub instructions: Option<Taken>,
     /// Cycles of all blocks, where they are counted.
     pub cycles: Option<Taken>,
+    /// What the processor's time went to, where its part is modelled.
+    pub load: Option<Load>,
     /// What the controller has needed of its processor's memory, where that is measured.
     pub memory: Option<Memory>,
     /// Hash of every drive code played.

@@ -113,6 +113,7 @@ pub fn run_on(processor: &mut dyn Processor, scene: &Driven, mut watch: Watch) -
     record.windows = recorder.windows;
     record.edges = recorder.edges.finish();
     record.trace = recorder.tracer;
+    record.load = processor.load();
     record.memory = processor.memory()?;
     record.wall_s = watch.clock.zip(began).map(|(clock, began)| (clock() - began).as_secs_f64());
     Ok(record)

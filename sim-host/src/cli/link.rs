@@ -131,7 +131,7 @@ fn modelled_board(args: &LinkArgs, scene: &Driven) -> Result<Board, LinkError> {
         None => pil::board_image().map_err(|error| LinkError::Usage(error.to_string()))?,
     };
     let elf = fs::read(&image).map_err(|error| LinkError::Usage(format!("{} cannot be read: {error}", image.display())))?;
-    let options = board::Options { rate: args.board_speed.map(|times| 1.0 / times), record: false };
+    let options = board::Options { rate: args.board_speed.map(|times| 1.0 / times), ..board::Options::default() };
     Board::start(&elf, scene, options).map_err(|error| LinkError::Usage(error.to_string()))
 }
 

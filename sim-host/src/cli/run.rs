@@ -107,8 +107,8 @@ fn run_loaded(args: &RunArgs, loaded: &Loaded, color: Color) -> anyhow::Result<E
 enum Image {
     /// The controller under QEMU.
     Emulated(PathBuf),
-    /// The flashed image, its bytes, on a model of its part that takes so many cycles for each one of its processor.
-    Flashed { elf: Vec<u8>, rate: Option<f64> },
+    /// The flashed image, its bytes, on a model of its part.
+    Flashed { elf: Vec<u8>, options: board::Options },
 }
 
 impl Image {
@@ -130,8 +130,8 @@ impl Image {
     fn start(&self, scene: &Driven) -> Result<Box<dyn Processor>, RunError> {
         match self {
             Image::Emulated(image) => Ok(Box::new(Qemu::start(image, &config(scene))?)),
-            Image::Flashed { elf, rate } => {
-                let replay = record(elf, scene, *rate, &STOP).map_err(|error| RunError::NoProcessor(error.into()))?;
+            Image::Flashed { elf, options } => {
+                let replay = record(elf, scene, *options, &STOP).map_err(|error| RunError::NoProcessor(error.into()))?;
                 Ok(Box::new(replay))
             }
         }
@@ -154,7 +154,8 @@ fn image(args: &RunArgs, loaded: &Loaded) -> Result<Option<Image>, (u8, String)>
             board::configure::stored(&scene).map_err(|error| (USAGE, error.to_string()))?;
             let file = file.clone().map_or_else(|| pil::board_image().map_err(lost), Ok)?;
             let elf = std::fs::read(&file).map_err(|error| (USAGE, format!("{} cannot be read: {error}", file.display())))?;
-            Ok(Some(Image::Flashed { elf, rate: args.board_speed.map(|times| 1.0 / times) }))
+            let rate = args.board_speed.map(|times| 1.0 / times);
+            Ok(Some(Image::Flashed { elf, options: board::Options { rate, profile: args.profile, ..board::Options::default() } }))
         }
     }
 }

@@ -84,6 +84,7 @@ impl Cpu {
 
     fn set_primask(&mut self, masked: bool) {
         self.primask = masked;
+        self.watch.mask(masked, self.cycle);
     }
 
     /// CONTROL.SPSEL; in handlers it reads as 0 in effect, as the main stack is in use.

@@ -4,6 +4,8 @@
 pub const BLOCK_S: f64 = 32e-6;
 /// The time in which hardware acts: a comparator, a break of TIM1, and the sample of the plant that it falls into, s.
 const HARDWARE_S: f64 = 1e-6;
+/// The time in which the block interrupt is entered, and has looked at the streams and started the count of 96 us again, s.
+const ENTRY_S: f64 = 0.1 * BLOCK_S;
 /// The watchdog, s, and the tolerance of its oscillator (DS12288).
 const WATCHDOG_S: f64 = 10e-3;
 const WATCHDOG_TOLERANCE: f64 = 0.05;
@@ -32,11 +34,11 @@ impl Limit {
     pub fn seconds(self) -> f64 {
         match self {
             Limit::Hardware => HARDWARE_S,
-            // The interrupt is entered and looks at the streams within a tenth of a block.
-            Limit::OneBlock => 1.1 * BLOCK_S,
+            Limit::OneBlock => BLOCK_S + ENTRY_S,
             Limit::Blocks(blocks) => f64::from(blocks + 2) * BLOCK_S,
-            Limit::NoBlock => 3.0 * BLOCK_S + HARDWARE_S,
-            Limit::Watchdog => WATCHDOG_S * (1.0 + WATCHDOG_TOLERANCE),
+            // The last block may be complete, and its interrupt not entered yet.
+            Limit::NoBlock => 3.0 * BLOCK_S + ENTRY_S,
+            Limit::Watchdog => WATCHDOG_S / (1.0 - WATCHDOG_TOLERANCE),
             Limit::HostTimeout => HOST_S + 2.0 * BLOCK_S,
         }
     }

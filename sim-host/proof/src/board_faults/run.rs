@@ -13,7 +13,7 @@ use super::FaultError;
 use super::inject::{Draw, inject};
 use super::kinds::{Fault, Kind};
 use super::limits::{BLOCK_S, Verdict};
-use super::snapshot::Host;
+use super::snapshot::{Host, Snapshot};
 
 /// Any reason that the image can name.
 pub const ANY_REASON: &[&str] = &["*"];
@@ -50,17 +50,18 @@ pub struct Outcome {
 }
 
 /// Runs a kind once.
-pub fn run(snapshot: &Board, kind: &Kind, seed: u64, number: u32) -> Outcome {
+pub fn run(snapshot: &Snapshot, kind: &Kind, seed: u64, number: u32) -> Outcome {
     let place = super::kinds::KINDS.iter().position(|other| other.name == kind.name).unwrap_or(0) as u64;
     let mut draw = Draw(Xoshiro256PlusPlus::seed_from_u64(seed ^ place << 48 ^ u64::from(number) << 16));
     let mut outcome = Outcome::default();
-    if let Err(error) = play(snapshot.clone(), kind, &mut draw, &mut outcome) {
+    if let Err(error) = play(snapshot, kind, &mut draw, &mut outcome) {
         outcome.failed = Some(error.to_string());
     }
     outcome
 }
 
-fn play(mut board: Board, kind: &Kind, draw: &mut Draw, outcome: &mut Outcome) -> Result<(), FaultError> {
+fn play(snapshot: &Snapshot, kind: &Kind, draw: &mut Draw, outcome: &mut Outcome) -> Result<(), FaultError> {
+    let mut board = snapshot.board.clone();
     let span_ns = (f64::from(SPREAD_BLOCKS) * BLOCK_S * 1e9) as u32;
     board.run_for(Duration::from_nanos(draw.below(span_ns).into()))?;
     if kind.fault == Fault::LinkStream {
@@ -85,7 +86,6 @@ fn play(mut board: Board, kind: &Kind, draw: &mut Draw, outcome: &mut Outcome) -
         }
         Verdict::DrivesOn | Verdict::OffOrDrivesOn => {
             let mut host = Host::of(board);
-            let frequency = host.status(ANSWERS_WITHIN).ok().flatten().map(|report| report.frequency.0);
             let until = host.now() + WATCHED;
             while host.now() < until && host.is_driving(&before) {
                 // No answer is judged below.
@@ -97,7 +97,7 @@ fn play(mut board: Board, kind: &Kind, draw: &mut Draw, outcome: &mut Outcome) -
             let mut board = host.release()?;
             if is_driving {
                 let now = board.bench().plant().stack().truth().tip_velocity_m_per_s;
-                outcome.failed = same(frequency, report, (now / velocity - 1.0).abs());
+                outcome.failed = same(snapshot.frequency_hz, report, (now / velocity - 1.0).abs());
                 return Ok(());
             }
             outcome.off_s = before.until_off(&mut board, Duration::ZERO)?;
@@ -110,9 +110,8 @@ fn play(mut board: Board, kind: &Kind, draw: &mut Draw, outcome: &mut Outcome) -
 }
 
 /// What is wrong with a drive that goes on.
-fn same(frequency: Option<f32>, report: Option<firmware::seam::telemetry::Telemetry>, velocity: f64) -> Option<String> {
+fn same(before: f32, report: Option<firmware::seam::telemetry::Telemetry>, velocity: f64) -> Option<String> {
     let Some(report) = report else { return Some("it drives, and does not answer".to_owned()) };
-    let before = frequency.unwrap_or(report.frequency.0);
     if report.mode != Mode::Run || report.fault.is_some() {
         return Some(format!("it drives, and says {:?}, {:?}", report.mode, report.fault));
     }

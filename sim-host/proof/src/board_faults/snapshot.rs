@@ -41,8 +41,16 @@ const RAISED: [Rule; 7] = [
     Rule::UartLost,
 ];
 
+/// A board that drives.
+pub struct Snapshot {
+    /// The board.
+    pub board: Board,
+    /// The frequency that it reports, Hz.
+    pub frequency_hz: f32,
+}
+
 /// Boots a board with the dummy load, and lets it find it, lock and drive; `sim-host link` would say `run`.
-pub fn driving(elf: &[u8]) -> Result<Board, FaultError> {
+pub fn driving(elf: &[u8]) -> Result<Snapshot, FaultError> {
     let loaded = load(SCENE, &[])?;
     let scene = loaded.scene.driven().ok_or(FaultError::Scene)?;
     let mut board = Board::start(elf, &scene, Options { rate: Some(RATE), ..Options::default() })?;
@@ -59,11 +67,14 @@ pub fn driving(elf: &[u8]) -> Result<Board, FaultError> {
         }
         host.run_for(Duration::from_millis(1))?;
     }
-    let until = host.now() + SETTLES;
-    while host.now() < until {
-        host.status(LOCKS_WITHIN)?;
+    let settled = host.now() + SETTLES;
+    loop {
+        let report = host.status(LOCKS_WITHIN)?;
+        if host.now() >= settled {
+            let report = report.ok_or(FaultError::NoLock(LOCKS_WITHIN))?;
+            return Ok(Snapshot { board: host.release()?, frequency_hz: report.frequency.0 });
+        }
     }
-    host.release()
 }
 
 /// A host at the serial line of a board.

@@ -3,18 +3,25 @@
 use super::{Instrument, View};
 use crate::metrics::Metrics;
 use crate::numbers::number;
+use crate::processor::InFunction;
+use crate::record::Taken;
 use report::TableBlock;
 
 /// The instrument of runs in an emulator.
 pub(super) struct ProcessorLoad;
 
 /// What is shown: label, metric.
-const ROWS: [(&str, &str); 9] = [
+const ROWS: [(&str, &str); 14] = [
     ("instructions, all blocks", "instructions_total"),
     ("instructions a block, mean", "mean_block_instructions"),
     ("instructions of the worst block", "worst_block_instructions"),
     ("cycles a block, mean", "mean_block_cycles"),
     ("cycles of the worst block", "worst_block_cycles"),
+    ("load of a block, mean [%]", "mean_block_load_percent"),
+    ("load of the worst block [%]", "worst_block_load_percent"),
+    ("left to the background task [%]", "background_share_percent"),
+    ("instruction fetches from flash [%]", "flash_fetches_percent"),
+    ("longest time with interrupts masked [cycles]", "longest_masked_cycles"),
     ("stack, power-up [bytes]", "stack_power_up_bytes"),
     ("stack, blocks [bytes]", "stack_blocks_bytes"),
     ("flash of the image [bytes]", "image_flash_bytes"),
@@ -30,6 +37,14 @@ impl Instrument for ProcessorLoad {
         let cycles = run.record.cycles;
         metrics.put("mean_block_cycles", cycles.map(|counted| counted.total as f64 / counted.blocks as f64));
         metrics.put("worst_block_cycles", cycles.map(|counted| f64::from(counted.worst)));
+        let load = run.record.load.as_ref();
+        let part = |of: f64| load.map(|load| 100.0 * of / f64::from(load.block_cycles));
+        let mean_percent = metrics.get("mean_block_cycles").and_then(part);
+        metrics.put("mean_block_load_percent", mean_percent);
+        metrics.put("worst_block_load_percent", metrics.get("worst_block_cycles").and_then(part));
+        metrics.put("background_share_percent", mean_percent.map(|percent| (100.0 - percent).max(0.0)));
+        metrics.put("flash_fetches_percent", load.map(|load| 100.0 * load.flash_fetches));
+        metrics.put("longest_masked_cycles", load.map(|load| f64::from(load.longest_masked)));
         let memory = run.record.memory;
         metrics.put("stack_power_up_bytes", memory.map(|memory| f64::from(memory.stack_power_up)));
         metrics.put("stack_blocks_bytes", memory.map(|memory| f64::from(memory.stack_blocks)));
@@ -37,16 +52,48 @@ impl Instrument for ProcessorLoad {
         metrics.put("image_ram_bytes", memory.map(|memory| memory.ram as f64));
     }
 
-    fn tables(&self, _: &View, metrics: &Metrics) -> Vec<TableBlock> {
+    fn tables(&self, run: &View, metrics: &Metrics) -> Vec<TableBlock> {
         let whole = |value: f64| if value >= 1e7 { number(value) } else { format!("{value:.0}") };
         let row = |(label, metric): (&str, &str)| Some(vec![label.to_owned(), whole(metrics.get(metric)?)]);
         let caption = if metrics.get("worst_block_cycles").is_some() {
-            "Of the block interrupt in the image that is flashed, with its entry and return. Cycles are the most that the processor's manual allows, \
-             with what DMA can take of the buses; a block of 32 samples has 5440 of them at 170 MHz."
+            "Of the block interrupt in the image that is flashed, with its entry and return. Cycles are the most that the processor's manual allows, with what DMA \
+             can take of the buses, for the part at its own speed, whatever time the interrupt was given in this run; a block of 32 samples has 5440 of them at 170 MHz."
         } else {
             "Counted in an emulator: instructions, each block's to within 6, and not cycles. The image is built for speed and for any \
              scene; a board's is smaller."
         };
-        vec![TableBlock::new("processor", "Processor", caption, &["", "taken"], ROWS.into_iter().filter_map(row).collect())]
+        let taken =
+            TableBlock::new("processor", "Processor", caption, &["", "taken"], ROWS.into_iter().filter_map(row).collect());
+        let functions = run.record.load.as_ref().map_or(&[][..], |load| &load.functions);
+        [taken].into_iter().chain((!functions.is_empty()).then(|| profile(functions, run.record.cycles))).collect()
     }
+}
+
+/// Most rows of a profile.
+const MOST_FUNCTIONS: usize = 25;
+
+/// The functions that take most of the block interrupt, a block.
+fn profile(functions: &[InFunction], blocks: Option<Taken>) -> TableBlock {
+    let blocks = blocks.map_or(1.0, |taken| taken.blocks as f64);
+    let all: u64 = functions.iter().map(|function| function.cycles).sum();
+    let row = |function: &InFunction| {
+        let a_block = |count: u64| format!("{:.1}", count as f64 / blocks);
+        let InFunction { name, instructions, cycles, flash_fetches } = function;
+        let part = 100.0 * *cycles as f64 / all as f64;
+        vec![name.clone(), format!("{part:.1}"), a_block(*cycles), a_block(*instructions), a_block(*flash_fetches)]
+    };
+    let caption = format!(
+        "Mean of a block, without the cycles of entry and return. The {} functions with the most cycles, of {}; a function that the compiler has put into another \
+         one counts there.",
+        MOST_FUNCTIONS.min(functions.len()),
+        functions.len()
+    );
+    let header = ["function", "part, %", "cycles", "instructions", "fetches from flash"];
+    TableBlock::new(
+        "profile",
+        "Block interrupt by function",
+        caption,
+        &header,
+        functions.iter().take(MOST_FUNCTIONS).map(row).collect(),
+    )
 }

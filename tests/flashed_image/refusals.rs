@@ -1,0 +1,73 @@
+//! What is no image of this board is refused, by what it is.
+
+use object::elf::PT_LOAD;
+use object::read::elf::{ElfFile32, ProgramHeader as _};
+use object::{LittleEndian, Object as _, ObjectSymbol as _};
+
+use super::*;
+
+/// What a board says to an image.
+fn refused(elf: &[u8]) -> String {
+    let loaded = dummy_load();
+    let scene = loaded.scene.driven().expect("a driven scene");
+    Board::start(elf, &scene, Options::default()).expect_err("it is refused").to_string()
+}
+
+fn put(elf: &mut [u8], at: usize, bytes: &[u8]) {
+    elf[at..at + bytes.len()].copy_from_slice(bytes);
+}
+
+/// Fields of an ELF header of 32 bits: address, size and number of the section headers; the machine.
+const E_SHOFF: usize = 32;
+const E_SHNUM: usize = 48;
+const E_MACHINE: usize = 18;
+
+#[test]
+fn an_image_for_another_processor_is_refused() {
+    let Some(elf) = elf() else { return };
+    assert_eq!(refused(b"nothing"), "the image cannot be run: not a readable ELF file");
+    let host = std::fs::read(std::env::current_exe().expect("this program")).expect("it can be read");
+    let not_arm = "the image cannot be run: not for a little-endian 32-bit ARM processor";
+    assert_eq!(refused(&host), not_arm);
+    let mut risc_v = elf.to_vec();
+    put(&mut risc_v, E_MACHINE, &243_u16.to_le_bytes());
+    assert_eq!(refused(&risc_v), not_arm);
+    // Linked for a part whose flash is elsewhere.
+    let file: ElfFile32<LittleEndian> = ElfFile32::parse(elf).expect("an ELF file");
+    let first = file.elf_program_headers().iter().position(|header| header.p_type(LittleEndian) == PT_LOAD).expect("a segment");
+    let (program_headers, entry, physical_address) = (u32::from_le_bytes(elf[28..32].try_into().expect("four")) as usize, 32, 12);
+    let mut moved = elf.to_vec();
+    put(&mut moved, program_headers + first * entry + physical_address, &0x0020_0000_u32.to_le_bytes());
+    let message = refused(&moved);
+    assert!(message.contains("at 0x00200000 lies outside of the part's memories"), "{message}");
+}
+
+#[test]
+fn a_stripped_image_is_refused() {
+    let Some(elf) = elf() else { return };
+    let mut stripped = elf.to_vec();
+    put(&mut stripped, E_SHOFF, &[0; 4]);
+    put(&mut stripped, E_SHNUM, &[0; 4]);
+    assert_eq!(refused(&stripped), "the image cannot be run: stripped: there is no symbol table");
+}
+
+#[test]
+fn an_access_that_the_model_does_not_know_stops_the_run_by_its_address() {
+    let Some(elf) = elf() else { return };
+    let file: ElfFile32<LittleEndian> = ElfFile32::parse(elf).expect("an ELF file");
+    let reset = file.symbols().find(|symbol| symbol.name() == Ok("Reset")).expect("the first function").address() as u32 & !1;
+    let segments = file.elf_program_headers().iter();
+    let offset = |header: &&object::elf::ProgramHeader32<LittleEndian>| {
+        let (from, size) = (header.p_paddr(LittleEndian), header.p_filesz(LittleEndian));
+        (from..from + size).contains(&reset).then(|| (header.p_offset(LittleEndian) + reset - from) as usize)
+    };
+    let at =
+        segments.filter(|header| header.p_type(LittleEndian) == PT_LOAD).find_map(|header| offset(&header)).expect("its bytes");
+    // MOVW R0, #0; MOVT R0, #0x4003; LDR R0, [R0]: between the peripherals.
+    let code: Vec<u8> = [0xF240_u16, 0x0000, 0xF2C4, 0x0003, 0x6800].iter().flat_map(|half| half.to_le_bytes()).collect();
+    let mut other = elf.to_vec();
+    put(&mut other, at, &code);
+    let mut board = powered(&other, &[], RATE);
+    let message = board.run_for(Duration::from_millis(1)).expect_err("it goes on").to_string();
+    assert!(message.contains("0x40030000") && message.contains("Reset"), "{message}");
+}
