@@ -49,7 +49,7 @@ impl Controller {
         let measured = Measured { orders, sense, sensed: &sensed, motional, played: &played[slot] };
         let found = chain.inspect(stages, &measured, suspect);
         if chain.supervisor.judge(orders, found) {
-            chain.begin();
+            chain.begin(orders.request);
             stages.begin(chain);
         }
         let step = stages.step(chain, &measured);

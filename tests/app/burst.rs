@@ -107,7 +107,7 @@ fn soft_windows_rise_and_fall_along_a_raised_cosine() {
 }
 
 #[test]
-fn a_periodic_burst_keeps_its_period_from_the_first_sample_on() {
+fn a_periodic_burst_keeps_its_period_from_the_order_on() {
     let (period, on) = (417, 100);
     let periodic = setup(|config| config.burst.schedule = Schedule::Periodic { period_s: 417e-6, duty: 0.24 });
     let (burst, whole) = (codes_of_run(&periodic, BLOCKS), codes_of_run(&Setup::default(), BLOCKS));
@@ -118,6 +118,36 @@ fn a_periodic_burst_keeps_its_period_from_the_first_sample_on() {
             phase if phase < on => assert_eq!(burst[n], whole[n], "sample {n}"),
             phase if phase < on + 2 * HALF_PERIOD => {}
             _ => assert!(about_zero(burst[n]).abs() <= PAYBACK, "sample {n}"),
+        }
+    }
+}
+
+/// The samples in which sound begins after two periods of silence.
+fn beginnings(codes: &[u16]) -> Vec<usize> {
+    let sounding = codes.iter().enumerate().filter(|(_, code)| about_zero(**code).abs() > PAYBACK).map(|(n, _)| n);
+    let mut before = None;
+    sounding.filter(|&n| before.replace(n).is_none_or(|before| n - before > 4 * HALF_PERIOD)).collect()
+}
+
+#[test]
+fn a_schedule_counts_from_the_order_to_run() {
+    /// No whole number of the periods below.
+    const IDLE_BLOCKS: u64 = 41;
+    let periodic = setup(|config| config.burst.schedule = Schedule::Periodic { period_s: 417e-6, duty: 0.24 });
+    for setup in [windowed((Edge::Hard, 0.5), |_| ()), periodic] {
+        let at_once = beginnings(&codes_of_run(&setup, BLOCKS));
+        let mut queues = Queues::default();
+        let mut bench = bench(&mut queues, &setup);
+        // After silence, and after a run.
+        for _ in 0..2 {
+            bench.ask(Command::Idle);
+            bench.blocks(IDLE_BLOCKS);
+            let silent = played(&mut bench, 0).len();
+            assert_eq!(bench.ask(Command::Run), Some(Reply::Ack));
+            bench.blocks(BLOCKS);
+            let begins = beginnings(&played(&mut bench, 0)[silent..]);
+            let near = |(a, b): (&usize, &usize)| a.abs_diff(*b) <= HALF_PERIOD + 1;
+            assert!(begins.len() == at_once.len() && begins.iter().zip(&at_once).all(near), "{begins:?}, {at_once:?}");
         }
     }
 }

@@ -63,11 +63,14 @@ fn an_access_that_the_model_does_not_know_stops_the_run_by_its_address() {
     };
     let at =
         segments.filter(|header| header.p_type(LittleEndian) == PT_LOAD).find_map(|header| offset(&header)).expect("its bytes");
-    // MOVW R0, #0; MOVT R0, #0x4003; LDR R0, [R0]: between the peripherals.
-    let code: Vec<u8> = [0xF240_u16, 0x0000, 0xF2C4, 0x0003, 0x6800].iter().flat_map(|half| half.to_le_bytes()).collect();
+    // MOVW R0, #0x1058; MOVT R0, #0x4002; MOV R1, #1 << 25; STR R1, [R0]; LDR R1, [R0]: RCC_APB1ENR1.FDCANEN.
+    let clock = [0xF241_u16, 0x0058, 0xF2C4, 0x0002, 0xF04F, 0x7100, 0x6001, 0x6801];
+    // MOVW R0, #0x6400; MOVT R0, #0x4000; LDR R0, [R0]: FDCAN1, which is on the part and not in the model.
+    let load = [0xF246_u16, 0x4000, 0xF2C4, 0x0000, 0x6800];
+    let code: Vec<u8> = clock.iter().chain(&load).flat_map(|half| half.to_le_bytes()).collect();
     let mut other = elf.to_vec();
     put(&mut other, at, &code);
     let mut board = powered(&other, &[], RATE);
     let message = board.run_for(Duration::from_millis(1)).expect_err("it goes on").to_string();
-    assert!(message.contains("0x40030000") && message.contains("Reset"), "{message}");
+    assert!(message.contains("0x40006400") && message.contains("Reset"), "{message}");
 }

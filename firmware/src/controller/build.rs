@@ -115,7 +115,7 @@ impl Parts {
         };
         let supervisor = Supervisor::new(Acquisition::of(config.tracking.mode));
         let track = TrackedTransducer::build(config, tracker);
-        let chain = Chain { block: 0, supervisor, track, generator, convert, guard, belt, restraint };
+        let chain = Chain { block: 0, supervisor, track, generator, convert, guard, belt, restraint, calibrates: false };
         Ok(Parts { chain, follow: Follow::build(config, friction) })
     }
 }

@@ -4,7 +4,7 @@ use crate::act::restraint::Restraint;
 use crate::generate::signal_generator::{Played, SignalGenerator};
 use crate::guard::Guard;
 use crate::guard::supervisor::Supervisor;
-use crate::seam::block::{Orders, SenseBlock};
+use crate::seam::block::{Orders, Request, SenseBlock};
 use crate::seam::phasor::Phasor;
 use crate::sense::belt::Belt;
 use crate::sense::convert::Convert;
@@ -24,11 +24,18 @@ pub(crate) struct Chain {
     pub(crate) guard: Guard,
     pub(crate) belt: Belt,
     pub(crate) restraint: Option<Restraint>,
+    /// The attempt is a calibration.
+    pub(crate) calibrates: bool,
 }
 
 impl Chain {
     /// A new attempt begins: forgets what an earlier one has found.
-    pub(super) fn begin(&mut self) {
+    pub(super) fn begin(&mut self, request: Request) {
+        // A run that follows a calibration counts from there.
+        if !self.calibrates {
+            self.generator.begin_schedule(self.block);
+        }
+        self.calibrates = request == Request::Calibrate;
         self.guard.begin();
         self.track.restart();
         self.generator.restart();

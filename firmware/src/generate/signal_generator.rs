@@ -81,6 +81,11 @@ impl SignalGenerator {
         self.burst.restart();
     }
 
+    /// The burst schedule counts from a block on.
+    pub(crate) fn begin_schedule(&mut self, block: u64) {
+        self.burst.begin_schedule(block * self.samples as u64);
+    }
+
     /// The sample that is played first in the block to be written.
     pub(crate) fn now(&self, block: u64) -> u64 {
         (block + LATENCY_BLOCKS as u64) * self.samples as u64

@@ -8,7 +8,8 @@ use embedded_storage::nor_flash::{
 };
 use firmware::board::parameters::{Overrides, PARAMETERS, ceiling, values_of};
 use firmware::board::settings::{Record, Settings};
-use firmware::seam::config::{Config, Link, Range, ShapeKind};
+use firmware::seam::block::LATENCY_BLOCKS;
+use firmware::seam::config::{Config, Link, Range, Schedule, ShapeKind};
 use nucleo_g474re::pages;
 use scene::Driven;
 use serde_json::Value;
@@ -28,8 +29,16 @@ pub struct Stored {
 }
 
 /// What has to be stored so that the image does what a scene asks.
+///
+/// Windows of a burst count from the order to run. The scene begins with the block in which the codes of that order's block play.
 pub fn stored(scene: &Driven) -> Result<Stored, Misfit> {
-    overrides(&scene::settings::config(scene), &nucleo_g474re::config::config())
+    let mut asked = scene::settings::config(scene);
+    if let Schedule::Windows(windows) = &mut asked.burst.schedule {
+        let samples = LATENCY_BLOCKS as f64 * f64::from(asked.block_samples);
+        let later_s = samples / f64::from(asked.sample_hz);
+        windows.iter_mut().for_each(|(on_s, off_s)| (*on_s, *off_s) = (*on_s + later_s, *off_s + later_s));
+    }
+    overrides(&asked, &nucleo_g474re::config::config())
 }
 
 /// What has to be stored so that an image with the configuration `built_in` has the configuration `asked`.

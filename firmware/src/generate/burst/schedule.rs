@@ -1,4 +1,4 @@
-//! When the gate is open, in samples since the first.
+//! When the gate is open, in samples.
 
 use heapless::Vec;
 
@@ -11,7 +11,11 @@ use crate::seam::error::Error;
 #[derive(Clone, Debug)]
 pub(super) enum Schedule {
     Continuous,
-    Windows(Vec<(u64, u64), MAX_WINDOWS>),
+    Windows {
+        windows: Vec<(u64, u64), MAX_WINDOWS>,
+        /// The sample that they count from: it is part of them.
+        from: u64,
+    },
     Periodic {
         period: u64,
         on: u64,
@@ -33,7 +37,7 @@ impl Schedule {
                 if !in_order {
                     return Err(Error::BurstWindows);
                 }
-                Schedule::Windows(windows)
+                Schedule::Windows { windows, from: 0 }
             }
             &ScheduleConfig::Periodic { period_s, duty } => {
                 config::Burst::PERIOD_S.check_within(period_s, 1.0 / sample_hz, f64::INFINITY)?;
@@ -41,6 +45,19 @@ impl Schedule {
                 Schedule::Periodic { period, on: libm::round(duty * period as f64) as u64, begins: 0, dithered: None }
             }
         })
+    }
+
+    /// Counts from a sample on.
+    pub(super) fn begin(&mut self, sample: u64) {
+        match self {
+            Schedule::Continuous => (),
+            Schedule::Windows { windows, from } => {
+                let later = sample - *from;
+                windows.iter_mut().for_each(|(on, off)| (*on, *off) = (*on + later, *off + later));
+                *from = sample;
+            }
+            Schedule::Periodic { begins, .. } => *begins = sample,
+        }
     }
 
     /// From the next period on, a gate that repeats is open for so many samples on an average, spread over `spread`.
@@ -54,7 +71,7 @@ impl Schedule {
     pub(super) fn gate(&mut self, now: u64) -> (bool, u64) {
         match self {
             Schedule::Continuous => (true, u64::MAX),
-            Schedule::Windows(windows) => windows
+            Schedule::Windows { windows, .. } => windows
                 .iter()
                 .find_map(|&(on, off)| match now {
                     n if n < on => Some((false, on - n)),
@@ -66,7 +83,7 @@ impl Schedule {
                 // Mostly the same period, or the next: a division of 64 bits takes longer than the rest.
                 let mut phase = now.wrapping_sub(*begins);
                 if phase >= *period {
-                    phase = if phase < 2 * *period { phase - *period } else { now % *period };
+                    phase = if phase < 2 * *period { phase - *period } else { phase % *period };
                     *begins = now - phase;
                     if let Some(dithered) = dithered {
                         *on = dithered.next(*period);
@@ -79,6 +96,11 @@ impl Schedule {
 }
 
 impl Burst {
+    /// The schedule counts from a sample on.
+    pub(crate) fn begin_schedule(&mut self, sample: u64) {
+        self.schedule.begin(sample);
+    }
+
     /// Whether the schedule repeats a burst.
     pub(crate) fn repeats(&self) -> bool {
         matches!(self.schedule, Schedule::Periodic { .. })

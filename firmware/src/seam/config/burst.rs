@@ -13,7 +13,7 @@ use crate::seam::error::Error;
 /// The most ON windows a burst schedule can list.
 pub const MAX_WINDOWS: usize = 8;
 
-/// When the drive is ON, counted from the first sample.
+/// When the drive is ON, counted from the order to run, or to calibrate before it.
 #[settings(table = "burst", scene = Burst)]
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Burst {

@@ -28,7 +28,7 @@ pub struct Phasing {
     #[setting(min = 0.0, max = 2.0)]
     pub gain_trim: Vec<f32, MAX_LANES>,
     /// First measure what each lane adds, and trim the lanes by it; then run. The controller listens to one lane after the other, at
-    /// `drive.scan_v` and over the window of `tracking.span`. Windows of a burst count from the first sample all the same.
+    /// `drive.scan_v` and over the window of `tracking.span`. Windows of a burst count from its beginning all the same.
     #[setting(scene, default)]
     pub calibrate: bool,
     /// What a calibration has found, on top of these.

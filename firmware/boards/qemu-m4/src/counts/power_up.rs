@@ -24,7 +24,7 @@ const LONG_BLOCK: usize = 64;
 const MOST_BLOCKS: u32 = 30_000;
 
 /// The block of the run in which the load comes, and how many blocks are counted one by one from then on. It comes where a burst is on.
-const LOAD: (u32, u32) = (1000, 64);
+const LOAD: (u32, u32) = (1100, 64);
 
 /// What is powered up, and how.
 #[derive(Clone)]
