@@ -61,10 +61,9 @@ impl Electrical {
             // Squares are compared: a root takes as long as a period of the lock-in.
             let (played, voltage, current) = (volts * volts, sensed.v.norm_sqr(), sensed.i.norm_sqr());
             let wrong_voltage = voltage > SQUARE_FACTOR * played || SQUARE_FACTOR * voltage < played;
-            let no_current = current < self.least_siemens_squared * played;
-            // A constant has a fundamental too where a block is no whole number of periods; of a current that is none, the load is open.
-            let is_stuck = is_constant(&sense.v) || !no_current && is_constant(&sense.i);
-            (wrong_voltage || is_stuck, no_current)
+            // A constant has a fundamental too where a block is no whole number of periods.
+            let no_current = current < self.least_siemens_squared * played || is_constant(&sense.i);
+            (wrong_voltage || is_constant(&sense.v), no_current)
         });
         let count = |counter: u32, wrong: bool| if wrong { counter.saturating_add(1) } else { 0 };
         self.wrong_voltage = count(self.wrong_voltage, wrong_voltage);

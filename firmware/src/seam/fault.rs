@@ -76,8 +76,9 @@ numbered! {
     OverCurrent = 21, "over-current", "more current than `limits.current_a`: a shorted stack or cable, or a limit below the drive";
     /// In the self-test three times as much current as the nominal capacitance takes.
     LoadShorted = 22, "load shorted", "look for a short in stack and cable";
-    /// In the self-test a third of the current that the nominal capacitance takes; in the run a hundredth, for 8 blocks.
-    LoadOpen = 23, "load open", "no stack, an open cable, or an amplifier that is off";
+    /// In the self-test a third of the current that the nominal capacitance takes; in the run a hundredth, or one code of
+    /// the current, for 8 blocks.
+    LoadOpen = 23, "load open", "no stack, an open cable, an amplifier that is off, or a current channel that stands";
     /// The calibration does not measure a lane, finds it further off than a trim can be for, or its trim does not verify.
     LaneImplausible = 24, "lane implausible", "a lane is not measured or too far off: look at its amplifier and at the order of the lanes";
     /// The clamped capacitance is more than 20 %, and three standard deviations, off its nominal value: known at the end of the calibration at
