@@ -136,6 +136,8 @@ pub(crate) struct Cpu {
     pub(crate) event: bool,
     pub(crate) asleep: Option<Sleep>,
     pub(crate) locked: bool,
+    /// A debugger's step: interrupts, PendSV and SysTick wait.
+    pub(crate) holds_interrupts: bool,
 
     pub(crate) cycle: Cycle,
     pub(crate) instructions: u64,
@@ -196,6 +198,7 @@ impl Cpu {
             event: false,
             asleep: None,
             locked: false,
+            holds_interrupts: false,
             cycle: 0,
             instructions: 0,
             cost: 0,

@@ -4,25 +4,41 @@ use crate::chip::{Chip, Cycle, Ports};
 use crate::machine::{Machine, Stop};
 use crate::op::Size;
 
+/// SysTick's control register: a read clears its COUNTFLAG (B3.3.3).
+const SYST_CSR: u32 = 0xE000_E010;
+
 impl<C: Chip> Machine<C> {
-    /// Holds the processor until a cycle, as a debugger that has halted it does (C1.5.1): the part goes on, a reset ends the halt. DWT_CYCCNT stands
-    /// meanwhile (C1.8.7).
+    /// Holds the processor until a cycle, as a debugger that has halted it does (C1.5.1), and lets it go on.
     pub fn hold(&mut self, until: Cycle) -> Result<(), Stop> {
-        self.cpu.attend();
-        let (control, enabled) = (self.cpu.dwt.control, self.cpu.dwt.enabled);
-        self.cpu.dwt.set_control(control, false, self.cpu.cycle);
         self.tell_part(true)?;
-        let pc = self.cpu.pc;
-        while self.cpu.cycle < until {
-            self.settle().map_err(|_| self.stop())?;
-            if self.cpu.pc != pc {
-                // Only a reset moves it. It has also put the counter into its reset state.
-                return self.tell_part(false);
-            }
-            self.cpu.cycle = self.chip.due().min(until).max(self.cpu.cycle);
-        }
-        self.cpu.dwt.set_control(control, enabled, self.cpu.cycle);
+        self.stand_until(until)?;
         self.tell_part(false)
+    }
+
+    /// Lets time pass to a cycle while the processor stands, halted by a debugger (C1.5): the part goes on, exceptions stay pending, DWT_CYCCNT and
+    /// SysTick stand (C1.8, B3.3). After a reset that falls into it the processor stands at its first instruction.
+    pub fn stand_until(&mut self, until: Cycle) -> Result<(), Stop> {
+        self.cpu.attend();
+        let (began, pc) = (self.cpu.cycle, self.cpu.pc);
+        let (control, enabled) = (self.cpu.dwt.control, self.cpu.dwt.enabled);
+        self.cpu.dwt.set_control(control, false, began);
+        let zero = self.cpu.systick.hold();
+        let mut passed = Ok(());
+        while passed.is_ok() && self.cpu.cycle < until {
+            self.cpu.cycle = self.chip.due().min(until).max(self.cpu.cycle);
+            passed = self.settle().map_err(|_| self.stop());
+        }
+        // Only a reset moves the program counter; it has also put both counters into their reset states.
+        if self.cpu.pc == pc {
+            self.cpu.dwt.set_control(control, enabled, self.cpu.cycle);
+            self.cpu.systick.go_on(zero, self.cpu.cycle - began);
+        }
+        passed
+    }
+
+    /// A register of the processor (NVIC, SCB, MPU, DWT: B3.1) as a debugger reads it; none where the model has none, or where the read would change it.
+    pub fn processor_register(&mut self, address: u32) -> Option<u32> {
+        if address == SYST_CSR { None } else { self.read_register(address) }
     }
 
     fn tell_part(&mut self, halted: bool) -> Result<(), Stop> {

@@ -1,7 +1,7 @@
 //! What a debugger sees of the machine.
 
 use crate::chip::{Chip, Cycle};
-use crate::cpu::INVALID;
+use crate::cpu::{Flags, INVALID};
 use crate::elf::Symbols;
 use crate::machine::Machine;
 
@@ -36,9 +36,14 @@ impl<C: Chip> Machine<C> {
         if number == 15 { self.cpu.pc & !INVALID } else { self.cpu.get(number) }
     }
 
-    /// Sets a register: R0 to R14; 15 is the address of the next instruction.
+    /// Sets a register: R0 to R14; 15 is the address of the next instruction, for which a processor that sleeps wakes.
     pub fn set_register(&mut self, number: u8, value: u32) {
-        if number == 15 { self.cpu.pc = value & !1 } else { self.cpu.set(number, value) }
+        if number == 15 {
+            self.cpu.pc = value & !1;
+            self.cpu.asleep = None;
+        } else {
+            self.cpu.set(number, value);
+        }
     }
 
     /// A floating-point register, S0 to S31, by its bits.
@@ -49,6 +54,27 @@ impl<C: Chip> Machine<C> {
     /// APSR: the condition flags, Q and GE.
     pub fn flags(&self) -> u32 {
         self.cpu.flags.bits()
+    }
+
+    /// xPSR: the condition flags, the state of an IT block and the exception that is handled (B1.4.2).
+    pub fn xpsr(&self) -> u32 {
+        self.cpu.xpsr()
+    }
+
+    /// Sets the condition flags and the state of an IT block, by xPSR; the exception stays as it is.
+    pub fn set_xpsr(&mut self, xpsr: u32) {
+        self.cpu.flags = Flags::from_bits(xpsr);
+        self.cpu.it = ((xpsr >> 25 & 3) | (xpsr >> 10 & 0x3F) << 2) as u8;
+    }
+
+    /// Sets a floating-point register, S0 to S31, by its bits.
+    pub fn set_float_register(&mut self, number: u8, bits: u32) {
+        self.cpu.s[usize::from(number & 31)] = bits;
+    }
+
+    /// Sets FPSCR.
+    pub fn set_fpscr(&mut self, value: u32) {
+        self.cpu.fpscr = value;
     }
 
     /// FPSCR.

@@ -52,16 +52,19 @@
 //! * Exceptions with priorities, tail-chaining, lazy stacking of floating-point registers, escalation and lockup. An access to a register of the
 //!   processor that is not modelled stops the run.
 //! * Cycles without contention on the buses, as they usually are or as many as the manual allows: [`cycles`], [`Timing`].
+//! * A debugger's halt, steps, and runs to breakpoints, as many as it likes: [`Machine::run_to`], [`Machine::step_over`], [`Machine::stand_until`].
 //!
 //! # What is not
 //!
 //! * Late arrival: an exception that comes during the entry of another waits until that has ended. `LDM`, `STM` and divisions are never abandoned.
 //! * Faults of stores are precise; in the part they may come some instructions later, as the write buffer lets them.
-//! * The MPU checks data, not fetches. Debug monitor, watchpoints, breakpoint and trace units, and DWT's counters but CYCCNT do not exist.
+//! * The MPU checks data, not fetches. The registers of the debug monitor, the breakpoint and the trace units and DWT's counters but CYCCNT do not
+//!   exist, nor do watchpoints.
 //! * A lockup ends with a reset only, not with an NMI.
 //! * Sleep takes no cycles to enter or leave. The reference clock of SysTick is an eighth of the processor's.
 #![forbid(unsafe_code)]
 
+mod breakpoints;
 mod bus;
 mod chip;
 mod cpu;
@@ -82,6 +85,7 @@ mod profile;
 pub mod timing;
 mod watch;
 
+pub use breakpoints::{BreakpointInstruction, Ended};
 pub use chip::{Access, Breakpoint, Chip, Cycle, Fault, Ports, Width};
 pub use elf::{Function, ImageError, Symbols};
 pub use exceptions::UnknownRegister;

@@ -42,6 +42,8 @@ pub struct Machine<C> {
     /// The access is one of an unprivileged load or store.
     pub(crate) as_user: bool,
     pub(crate) profile: Option<Box<Profile>>,
+    /// A debugger is attached.
+    pub(crate) debugged: bool,
 }
 
 impl<C: Chip> Machine<C> {
@@ -62,6 +64,7 @@ impl<C: Chip> Machine<C> {
             boot,
             as_user: false,
             profile: None,
+            debugged: false,
         };
         machine.start();
         machine
@@ -151,7 +154,7 @@ impl<C: Chip> Machine<C> {
 
     /// Looks at events: the part, the timer, exceptions, sleep. False at the end of the run.
     #[inline(never)]
-    fn attend(&mut self, until: Cycle) -> Result<bool, Trap> {
+    pub(crate) fn attend(&mut self, until: Cycle) -> Result<bool, Trap> {
         loop {
             self.settle()?;
             let now = self.cpu.cycle;
@@ -164,7 +167,7 @@ impl<C: Chip> Machine<C> {
                 continue;
             }
             let priority = self.cpu.execution_priority();
-            if let Some(exception) = self.cpu.preempting(priority) {
+            if let Some(exception) = self.cpu.enters(priority) {
                 self.enter(exception);
                 continue;
             }
@@ -213,7 +216,7 @@ impl<C: Chip> Machine<C> {
 
     /// Executes one instruction. One that is not decoded yet is only decoded: it runs with the next call.
     #[inline(always)]
-    fn instruction<const PROFILE: bool>(&mut self) -> Result<(), Trap> {
+    pub(crate) fn instruction<const PROFILE: bool>(&mut self) -> Result<(), Trap> {
         let pc = self.cpu.pc;
         // One copy, from one place: anything else makes the compiler take it apart and put it together again.
         let (decoded, waits) = match self.cached(pc) {

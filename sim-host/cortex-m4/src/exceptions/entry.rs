@@ -14,7 +14,7 @@ const EXTENDED: u32 = 0x68;
 
 impl Cpu {
     /// xPSR as it is stacked: flags, IT bits, T, the number of the exception.
-    fn xpsr(&self) -> u32 {
+    pub(crate) fn xpsr(&self) -> u32 {
         let it = u32::from(self.it);
         self.flags.bits() | (it & 3) << 25 | (it >> 2) << 10 | 1 << 24 | u32::from(self.ipsr)
     }
@@ -194,7 +194,7 @@ impl<C: Chip> Machine<C> {
         self.cpu.nvic.update(&mut self.interrupts);
         self.cpu.nvic.deactivate(returning);
         let priority = self.cpu.execution_priority();
-        if let Some(next) = self.cpu.preempting(priority) {
+        if let Some(next) = self.cpu.enters(priority) {
             self.cpu.cost = TAIL_CHAIN;
             self.cpu.r[14] = link;
             self.activate(next);

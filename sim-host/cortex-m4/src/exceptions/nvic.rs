@@ -1,6 +1,6 @@
 //! The nested vectored interrupt controller (B3.4), and the priorities of all exceptions (B1.5.4).
 
-use super::{DEBUG_MONITOR, EXTERNAL, HARD_FAULT, NMI};
+use super::{DEBUG_MONITOR, EXTERNAL, HARD_FAULT, NMI, PENDSV};
 use crate::cpu::Cpu;
 use crate::interrupts::{Interrupts, LINES};
 
@@ -178,6 +178,11 @@ impl Cpu {
             priority = priority.min(-1);
         }
         priority
+    }
+
+    /// The pending exception that preempts a given priority now. Those that a debugger's step holds back (C_MASKINTS, C1.6.2) stay pending.
+    pub(crate) fn enters(&self, priority: i16) -> Option<u16> {
+        self.preempting(priority).filter(|exception| !self.holds_interrupts || *exception < PENDSV)
     }
 
     /// The pending exception that would preempt a given priority.

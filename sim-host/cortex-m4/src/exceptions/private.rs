@@ -79,7 +79,7 @@ impl<C: Chip> Machine<C> {
         known.ok_or_else(|| self.unknown(address, true))
     }
 
-    fn read_register(&mut self, address: u32) -> Option<u32> {
+    pub(crate) fn read_register(&mut self, address: u32) -> Option<u32> {
         let cpu = &mut self.cpu;
         let number = (address & 0x7F) / 4;
         Some(match address {
@@ -109,8 +109,8 @@ impl<C: Chip> Machine<C> {
             0xE000_ED40..0xE000_ED74 => IDENTITY[((address - 0xE000_ED40) / 4) as usize],
             0xE000_ED88 => cpu.scb.cpacr,
             0xE000_ED90..0xE000_EDBC => cpu.mpu.read(address - 0xE000_ED90),
-            // No debugger.
-            0xE000_EDF0 => 0,
+            // C_DEBUGEN of DHCSR.
+            0xE000_EDF0 => self.debugged.into(),
             0xE000_EDFC => cpu.scb.demcr,
             0xE000_EF34 => cpu.scb.fpccr,
             0xE000_EF38 => cpu.scb.fpcar,

@@ -72,6 +72,16 @@ impl SysTick {
         if left > self.reload && self.value == 0 { 0 } else { left & MASK }
     }
 
+    /// Lets it stand; returns when it would come to zero, for [`go_on`](SysTick::go_on).
+    pub(crate) fn hold(&mut self) -> Cycle {
+        std::mem::replace(&mut self.zero, Cycle::MAX)
+    }
+
+    /// Lets it go on after it has stood for some cycles of the processor.
+    pub(crate) fn go_on(&mut self, zero: Cycle, stood: Cycle) {
+        self.zero = if zero == Cycle::MAX { zero } else { zero + stood * self.rate().0 };
+    }
+
     pub(crate) fn read(&mut self, register: u32, now: Cycle) -> u32 {
         match register {
             0 => {

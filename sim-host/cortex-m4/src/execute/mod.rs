@@ -7,6 +7,7 @@ mod load_store;
 mod multiply;
 mod special;
 
+use crate::breakpoints::BreakpointInstruction;
 use crate::chip::Chip;
 use crate::cpu::{Sleep, Trap};
 use crate::machine::Machine;
@@ -220,6 +221,10 @@ impl<C: Chip> Machine<C> {
             Ok(Some(r0)) => {
                 self.cpu.r[0] = r0;
                 Ok(())
+            }
+            Ok(None) if self.debugged => {
+                self.cpu.stop = Some(Box::new(BreakpointInstruction));
+                Err(Trap::Stop)
             }
             Ok(None) => Err(Trap::Breakpoint),
             Err(fault) => Err(self.cpu.trap(fault)),
