@@ -9,11 +9,15 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
 /// Commands that need what a test has not, by how they begin, and why they are not run.
-const NOT_RUN: [(&str, &str); 10] = [
+const NOT_RUN: [(&str, &str); 11] = [
     ("link PORT", "a placeholder"),
     ("link /dev/", "a board at a serial port"),
     ("link tcp:", "a board at the other end"),
     ("link sim:lock serve", "waits for a client; tests/command_line/link.rs has one"),
+    (
+        "link board:dummy-load --board-speed 8 --gdb 127.0.0.1:3333 serve",
+        "waits for a debugger; tests of `sonoglide-link` have one",
+    ),
     ("link sim:lock script rig.txt", "the reader's own script"),
     ("show NAME", "a placeholder"),
     ("run SCENE", "a placeholder"),

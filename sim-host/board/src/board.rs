@@ -137,18 +137,31 @@ impl Board {
 
     /// Runs for the time of a block.
     pub fn run_block(&mut self) -> Result<(), BoardError> {
-        self.run_for(Duration::from_secs_f64(f64::from(self.config.block_samples) / f64::from(self.config.sample_hz)))
+        self.run_for(self.block_time())
+    }
+
+    /// Time of a block.
+    pub(crate) fn block_time(&self) -> Duration {
+        Duration::from_secs_f64(f64::from(self.config.block_samples) / f64::from(self.config.sample_hz))
     }
 
     fn run_until(&mut self, until: Cycle) -> Result<(), BoardError> {
         while self.machine.cycle() < until {
-            match self.machine.run_until(until)? {
-                Some(passage) if passage.entered => self.entered = Some(passage),
-                Some(passage) => self.block_ended(passage)?,
-                None => (),
+            if let Some(passage) = self.machine.run_until(until)? {
+                self.pass(passage)?;
             }
         }
         Ok(())
+    }
+
+    /// The block interrupt was entered, or has returned.
+    pub(crate) fn pass(&mut self, passage: Passage) -> Result<(), BoardError> {
+        if passage.entered {
+            self.entered = Some(passage);
+            Ok(())
+        } else {
+            self.block_ended(passage)
+        }
     }
 
     /// The block interrupt has returned: what it saw and answered stands in its variables.
@@ -185,12 +198,6 @@ impl Board {
     /// Plans a defect of the part at a cycle that is to come.
     pub fn inject(&mut self, at: Cycle, defect: Defect) {
         self.machine.chip.inject(at, defect);
-    }
-
-    /// A debugger halts the processor for a time.
-    pub fn halt_for(&mut self, time: Duration) -> Result<(), BoardError> {
-        let until = self.machine.cycle() + (time.as_secs_f64() * self.machine.chip.hz() as f64).ceil() as Cycle;
-        Ok(self.machine.hold(until)?)
     }
 
     /// What the processor's time has gone to since this was last asked for.

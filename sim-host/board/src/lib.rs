@@ -7,7 +7,7 @@
 //! ```
 //!
 //! [`Board`] runs it. [`configure`] stores a scene's configuration in its flash. [`variables`] reads what the image holds, by the debug information of its ELF, and
-//! [`recording`] replays on the host what its controller has seen.
+//! [`recording`] replays on the host what its controller has seen. [`debugger`] holds it for GDB.
 //!
 //! # Example
 //!
@@ -31,6 +31,7 @@
 
 mod board;
 pub mod configure;
+pub mod debugger;
 pub mod recording;
 pub mod variables;
 mod wires;

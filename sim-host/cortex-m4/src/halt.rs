@@ -8,13 +8,6 @@ use crate::op::Size;
 const SYST_CSR: u32 = 0xE000_E010;
 
 impl<C: Chip> Machine<C> {
-    /// Holds the processor until a cycle, as a debugger that has halted it does (C1.5.1), and lets it go on.
-    pub fn hold(&mut self, until: Cycle) -> Result<(), Stop> {
-        self.tell_part(true)?;
-        self.stand_until(until)?;
-        self.tell_part(false)
-    }
-
     /// Lets time pass to a cycle while the processor stands, halted by a debugger (C1.5): the part goes on, exceptions stay pending, DWT_CYCCNT and
     /// SysTick stand (C1.8, B3.3). After a reset that falls into it the processor stands at its first instruction.
     pub fn stand_until(&mut self, until: Cycle) -> Result<(), Stop> {
@@ -41,7 +34,9 @@ impl<C: Chip> Machine<C> {
         if address == SYST_CSR { None } else { self.read_register(address) }
     }
 
-    fn tell_part(&mut self, halted: bool) -> Result<(), Stop> {
+    /// A debugger has halted the processor, or lets it go on: the part is told, which halts some of its timers (C1.5.1).
+    pub fn set_halted(&mut self, halted: bool) -> Result<(), Stop> {
+        self.cpu.attend();
         let ports = Ports { memory: &mut self.memory, interrupts: &mut self.interrupts };
         let told = self.chip.halt(self.cpu.cycle, halted, ports).map_err(|fault| self.cpu.trap(fault));
         told.map_err(|_| self.stop())

@@ -14,6 +14,7 @@ use std::rc::Rc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
+use board::debugger::Debugged;
 use board::recording::{Replay, first_difference};
 use board::{Board, BoardError, Options, Reset};
 use firmware::board::command::Command;
@@ -45,6 +46,57 @@ impl InProcess for Board {
 
     fn block(&mut self) -> io::Result<()> {
         Board::run_block(self).map_err(io::Error::other)
+    }
+}
+
+/// A modelled board that a debugger can hold. It is let go when the client is asked to end.
+pub struct DebuggedBoard {
+    debugged: Debugged,
+    stop: &'static AtomicBool,
+}
+
+impl DebuggedBoard {
+    /// The board as a client meets it; `stop` asks that client to end.
+    pub fn new(debugged: Debugged, stop: &'static AtomicBool) -> Self {
+        DebuggedBoard { debugged, stop }
+    }
+
+    /// The board and its debugger.
+    pub fn debugged(&self) -> &Debugged {
+        &self.debugged
+    }
+
+    /// The board and its debugger, to be run by another than a client.
+    pub fn debugged_mut(&mut self) -> &mut Debugged {
+        &mut self.debugged
+    }
+}
+
+impl InProcess for DebuggedBoard {
+    fn send(&mut self, bytes: &[u8]) {
+        self.debugged.board_mut().send(bytes);
+    }
+
+    fn waiting(&self) -> usize {
+        InProcess::waiting(self.debugged.board())
+    }
+
+    fn receive(&mut self, into: &mut [u8]) -> usize {
+        self.debugged.board_mut().receive(into)
+    }
+
+    fn now(&self) -> Duration {
+        self.debugged.board().now()
+    }
+
+    fn block(&mut self) -> io::Result<()> {
+        self.debugged.run_block().map_err(io::Error::other)
+    }
+
+    fn is_held(&mut self) -> io::Result<bool> {
+        let looked = if self.stop.load(Ordering::Relaxed) { self.debugged.release() } else { self.debugged.attend() };
+        looked.map_err(io::Error::other)?;
+        Ok(self.debugged.is_held())
     }
 }
 

@@ -11,6 +11,8 @@ use crate::port::InProcess;
 
 /// Pause between two turns.
 const TURN: Duration = Duration::from_micros(500);
+/// How long a turn may take.
+const LONGEST: Duration = Duration::from_millis(10);
 /// Reads of a turn at most.
 const READS: usize = 16;
 /// Bytes that may be on the wire to the board before more are lost: many times the longest frame.
@@ -33,6 +35,12 @@ pub fn serve(board: &mut impl InProcess, listener: &TcpListener, stop: &AtomicBo
             note("the client has gone");
             client = None;
         }
+        if board.is_held()? {
+            // Its time stands, and what a debugger took is not to be caught up with.
+            began = Instant::now().checked_sub(board.now()).unwrap_or(began);
+            std::thread::sleep(TURN);
+            continue;
+        }
         let due = began.elapsed();
         if due > board.now() + BEHIND {
             began += due - board.now();
@@ -40,7 +48,9 @@ pub fn serve(board: &mut impl InProcess, listener: &TcpListener, stop: &AtomicBo
                 note("this machine is slower than the board: the board's time passes more slowly");
             }
         }
-        while board.now() < due.min(began.elapsed()) {
+        // However far the board is behind, its client is not kept waiting.
+        let turn = Instant::now();
+        while board.now() < due.min(began.elapsed()) && turn.elapsed() < LONGEST && !board.is_held()? {
             board.block()?;
         }
         std::thread::sleep(TURN);
@@ -85,5 +95,70 @@ fn waits<T>(done: io::Result<T>) -> Option<Option<T>> {
         Ok(value) => Some(Some(value)),
         Err(error) if matches!(error.kind(), io::ErrorKind::WouldBlock | io::ErrorKind::Interrupted) => Some(None),
         Err(_) => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::VecDeque;
+
+    use super::*;
+
+    /// A board that sends back what it is sent, and takes five times its own time.
+    #[derive(Default)]
+    struct Slow {
+        wire: VecDeque<u8>,
+        now: Duration,
+    }
+
+    impl InProcess for Slow {
+        fn send(&mut self, bytes: &[u8]) {
+            self.wire.extend(bytes);
+        }
+
+        fn waiting(&self) -> usize {
+            0
+        }
+
+        fn receive(&mut self, into: &mut [u8]) -> usize {
+            let count = into.len().min(self.wire.len());
+            into.iter_mut().zip(self.wire.drain(..count)).for_each(|(into, byte)| *into = byte);
+            count
+        }
+
+        fn now(&self) -> Duration {
+            self.now
+        }
+
+        fn block(&mut self) -> io::Result<()> {
+            std::thread::sleep(Duration::from_millis(5));
+            self.now += Duration::from_millis(1);
+            Ok(())
+        }
+    }
+
+    #[test]
+    fn a_board_that_is_slower_than_real_answers_all_the_same() {
+        let listener = TcpListener::bind("127.0.0.1:0").unwrap();
+        let address = listener.local_addr().unwrap();
+        let stop = AtomicBool::new(false);
+        let waits = std::thread::scope(|scope| {
+            scope.spawn(|| serve(&mut Slow::default(), &listener, &stop, |_| ()).unwrap());
+            let mut client = TcpStream::connect(address).unwrap();
+            // Until the board is further behind than it may be.
+            std::thread::sleep(2 * BEHIND);
+            let waits: Vec<Duration> = (0..5)
+                .map(|_| {
+                    let began = Instant::now();
+                    client.write_all(b"x").unwrap();
+                    client.read_exact(&mut [0]).unwrap();
+                    began.elapsed()
+                })
+                .collect();
+            stop.store(true, Ordering::Relaxed);
+            waits
+        });
+        // Turns that catch up become longer and longer.
+        assert!(waits.iter().all(|wait| *wait < Duration::from_millis(500)), "{waits:?}");
     }
 }

@@ -1,5 +1,7 @@
 //! `sim-host link`.
 
+mod modelled_board;
+
 use std::cell::RefCell;
 use std::fs;
 use std::io::{self, IsTerminal, Read, Write};
@@ -13,7 +15,6 @@ use clap::{Args, Subcommand};
 use serde_json::Value;
 
 use super::{Color, Format, INTERRUPTED, LOST, RUN_FAILED, SceneArgs, USAGE, interrupts, with_scene};
-use board::Board;
 use link::answer::{Answer, failure};
 use link::client::Client;
 use link::commands::{Order, amount, monitor, seconds};
@@ -23,7 +24,6 @@ use link::script::Script;
 use link::serve::serve;
 use link::session::{Live, Session, SessionOptions};
 use link::simulated_board::SimulatedBoard;
-use scene::Driven;
 use sim::output::OutputError;
 
 /// Set by Ctrl-C, and by any other request to end.
@@ -56,6 +56,9 @@ pub(super) struct LinkArgs {
     /// Of board:SCENE: let the block interrupt take a part of its time only, as if the processor were so many times as fast there.
     #[arg(long, value_name = "X", global = true, value_parser = super::times)]
     board_speed: Option<f64>,
+    /// Of board:SCENE: a port for GDB, as HOST:PORT; port 0 takes a free one. Standard error names it.
+    #[arg(long, value_name = "ADDRESS", global = true)]
+    gdb: Option<String>,
     /// A simulated board is not faster than a real one.
     #[arg(long, global = true)]
     real_time: bool,
@@ -98,8 +101,9 @@ pub(super) fn run(args: &LinkArgs, color: Color) -> anyhow::Result<ExitCode> {
         say!("note: `--patience` is `--host-timeout` now; the old name goes with the next version");
     }
     let modelled = args.port.strip_prefix(MODELLED);
-    if modelled.is_none() && (args.image.is_some() || args.board_speed.is_some()) {
-        return Ok(failed(&LinkError::Usage("--image and --board-speed are of the modelled part, board:SCENE".into()), color));
+    if modelled.is_none() && (args.image.is_some() || args.board_speed.is_some() || args.gdb.is_some()) {
+        let usage = "--image, --board-speed and --gdb are of the modelled part, board:SCENE";
+        return Ok(failed(&LinkError::Usage(usage.into()), color));
     }
     let Some(scene) = modelled.or(args.port.strip_prefix(SIMULATED)) else {
         if !args.sets.is_empty() || args.seed.is_some() || args.real_time {
@@ -116,23 +120,12 @@ pub(super) fn run(args: &LinkArgs, color: Color) -> anyhow::Result<ExitCode> {
             return Ok(failed(&LinkError::Usage(usage), color));
         };
         if modelled.is_some() {
-            return done(modelled_board(args, &driven).and_then(|board| with_board(args, board)), color);
+            return done(modelled_board::talk(args, &driven), color);
         }
         let board =
             SimulatedBoard::new(&driven, 0).map_err(|why| LinkError::Usage(format!("the firmware refuses this scene: {why}")));
         done(board.and_then(|board| with_board(args, board)), color)
     })
-}
-
-/// The flashed image on a model of its part, with a scene's plant at its pins.
-fn modelled_board(args: &LinkArgs, scene: &Driven) -> Result<Board, LinkError> {
-    let image = match &args.image {
-        Some(file) => file.clone(),
-        None => pil::board_image().map_err(|error| LinkError::Usage(error.to_string()))?,
-    };
-    let elf = fs::read(&image).map_err(|error| LinkError::Usage(format!("{} cannot be read: {error}", image.display())))?;
-    let options = board::Options { rate: args.board_speed.map(|times| 1.0 / times), ..board::Options::default() };
-    Board::start(&elf, scene, options).map_err(|error| LinkError::Usage(error.to_string()))
 }
 
 fn open(port: &str) -> Result<Box<dyn Port>, LinkError> {

@@ -41,7 +41,9 @@ fn mistakes_have_their_messages_and_exit_codes() {
     let folder = Folder::new("link-mistakes");
     let wrong = folder.write("wrong.txt", "identify\nscna\n");
     let closed = TcpListener::bind("127.0.0.1:0").expect("a port").local_addr().expect("an address");
-    let cases: [(&[&str], i32, &str); 9] = [
+    let taken = TcpListener::bind("127.0.0.1:0").expect("a port");
+    let port = taken.local_addr().expect("an address").to_string();
+    let cases: [(&[&str], i32, &str); 12] = [
         (&["/dev/ttyNOT", "status"], 5, "there is no such port"),
         (&[&format!("tcp:{closed}"), "status"], 5, "nothing listens there"),
         (&["tcp:nowhere", "status"], 5, "this is no `tcp:HOST:PORT`"),
@@ -50,6 +52,9 @@ fn mistakes_have_their_messages_and_exit_codes() {
         (&["/dev/ttyNOT", "status", "--seed", "3"], 2, "of a board in this process"),
         (&["sim:lock", "script", &wrong], 2, "wrong.txt:2:1"),
         (&["sim:lock", "settings", "get", "limit.voltage_v"], 1, "did you mean `limits.voltage_v`?"),
+        (&["sim:lock", "status", "--gdb", &port], 2, "are of the modelled part, board:SCENE"),
+        (&["board:dummy-load", "status", "--gdb", "nowhere"], 5, "this is no HOST:PORT"),
+        (&["board:dummy-load", "status", "--gdb", &port], 5, "another program listens there"),
         (&["sim:lock", "drive", "--volts", "1", "--current", "1"], 2, "cannot be used with"),
     ];
     for (arguments, expected, part) in cases {

@@ -7,6 +7,8 @@ mod load_store;
 mod multiply;
 mod special;
 
+use std::sync::Arc;
+
 use crate::breakpoints::BreakpointInstruction;
 use crate::chip::Chip;
 use crate::cpu::{Sleep, Trap};
@@ -223,7 +225,7 @@ impl<C: Chip> Machine<C> {
                 Ok(())
             }
             Ok(None) if self.debugged => {
-                self.cpu.stop = Some(Box::new(BreakpointInstruction));
+                self.cpu.stop = Some(Arc::new(BreakpointInstruction));
                 Err(Trap::Stop)
             }
             Ok(None) => Err(Trap::Breakpoint),

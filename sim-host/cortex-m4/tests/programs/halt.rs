@@ -25,7 +25,7 @@ fn a_halted_processor_stands_and_its_clone_goes_on_alike() {
     let mut twin = machine.clone();
     let (counted, now) = (machine.register(4), machine.cycle());
     machine.chip.rises = now + 10;
-    machine.hold(now + 1000).expect("the part goes on");
+    machine.stand_until(now + 1000).expect("the part goes on");
     assert_eq!((machine.register(4), machine.register(5), machine.cycle()), (counted, 0, now + 1000));
     run(&mut machine, 100);
     assert_eq!(machine.register(5), 1, "the interrupt was pending");

@@ -9,6 +9,9 @@ use std::time::{Duration, Instant};
 use super::Port;
 use crate::link_error::LinkError;
 
+/// Pause between two looks at a board that a debugger holds.
+const HELD: Duration = Duration::from_millis(1);
+
 /// A board in this process.
 pub trait InProcess {
     /// Puts bytes on the wire to the board.
@@ -25,6 +28,11 @@ pub trait InProcess {
 
     /// Plays one block. Fails where the board cannot go on.
     fn block(&mut self) -> io::Result<()>;
+
+    /// Looks after a debugger, where there can be one. True: it holds the board, whose time stands until it lets go.
+    fn is_held(&mut self) -> io::Result<bool> {
+        Ok(false)
+    }
 }
 
 /// A board in this process as a port. The holder of the other end of the [`Rc`] sees the plant.
@@ -59,6 +67,12 @@ impl<B: InProcess> Port for Simulated<B> {
             let count = board.receive(into);
             if count > 0 || board.now() >= until {
                 return Ok(count);
+            }
+            if board.is_held()? {
+                std::thread::sleep(HELD);
+                // What a debugger took is not to be caught up with.
+                self.paced = self.paced.map(|opened| opened + HELD);
+                continue;
             }
             board.block()?;
             if let Some(ahead) = self.paced.and_then(|opened| board.now().checked_sub(opened.elapsed())) {
