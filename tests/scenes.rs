@@ -16,12 +16,17 @@ use sim::study::{self, Options, Study};
 /// What is round-off only.
 const NOT_GOLDEN: [&str; 2] = ["energy_residual", "error_estimate"];
 
-/// Metrics of no built-in scene as it is: of an emulator, of a damper, of an actuator with a law, of a step under another scan.
-const ELSEWHERE: [&str; 11] = [
+/// Metrics of no built-in scene as it is: of an emulator, of the flashed image, of a damper, of an actuator with a law, of a step under another scan.
+const ELSEWHERE: [&str; 16] = [
     "instructions_total",
     "mean_block_instructions",
     "worst_block_instructions",
     "mean_block_cycles",
+    "mean_block_load_percent",
+    "worst_block_load_percent",
+    "background_share_percent",
+    "flash_fetches_percent",
+    "longest_masked_cycles",
     "worst_block_cycles",
     "stack_power_up_bytes",
     "stack_blocks_bytes",
