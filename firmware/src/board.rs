@@ -17,3 +17,4 @@ pub mod settings;
 pub(crate) mod settings_store;
 pub mod start;
 pub mod stored_state;
+pub mod update;

@@ -17,6 +17,7 @@ mod captures;
 mod host_watch;
 mod obey;
 mod outbox;
+mod updates;
 
 use embedded_hal::digital::{InputPin, OutputPin};
 use embedded_io::{Read, ReadReady, Write, WriteReady};
@@ -34,6 +35,7 @@ use crate::board::queues::BackgroundEnds;
 use crate::board::settings::Settings;
 use crate::board::settings_store::SettingsStore;
 use crate::board::start::Start;
+use crate::board::update::Updates;
 use crate::seam::block::{Orders, Request};
 use crate::seam::mode::Mode;
 use crate::seam::refusal::Refusal;
@@ -95,6 +97,12 @@ pub struct App<'a, L, E, S, W, F: NorFlash> {
     host: HostWatch,
     /// A reset is ordered, and its answer on its way.
     resetting: bool,
+    /// What receives updates, on a board that can be updated.
+    updates: Option<&'a mut dyn Updates>,
+    /// Option bytes that are not as they should be, one bit each.
+    option_bytes: u16,
+    /// A host was obeyed since the start.
+    obeyed: bool,
 }
 
 /// A slow peripheral has failed; the drive is disabled.
@@ -143,7 +151,20 @@ where
             restrains: config.restraint.is_some(),
             host: HostWatch::new(config.link.patience_s, f32::from(config.block_samples) / config.sample_hz),
             resetting: false,
+            updates: None,
+            option_bytes: 0,
+            obeyed: false,
         }
+    }
+
+    /// Names what receives updates.
+    pub fn set_updates(&mut self, updates: &'a mut dyn Updates) {
+        self.updates = Some(updates);
+    }
+
+    /// Names the option bytes that are not as they should be, one bit each, for the host.
+    pub fn set_option_bytes(&mut self, option_bytes: u16) {
+        self.option_bytes = option_bytes;
     }
 
     /// One turn of the loop. An error has already dropped the enable pin, as far as that goes.
@@ -173,6 +194,7 @@ where
         self.settings_store.keep(self.is_silent(), &mut self.peripherals.settings);
         self.answer_capture();
         self.obey_link()?;
+        self.tend_updates();
         self.report();
         self.outbox.flush(&mut self.peripherals.link).map_err(|_| AppError::Link)?;
         self.set_enable()?;

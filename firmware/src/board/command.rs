@@ -23,6 +23,10 @@
 //! | a reading before the capture is full | `Nak(NotCaptured)` | |
 //! | a reading beyond its end | `Nak(OutOfRange)` | |
 //! | anything of a capture before the last was answered | `Nak(Busy)` | the last is answered |
+//! | an update while it drives, or has been ordered to | `Nak(Driving)` | nothing happens |
+//! | an update for a board without a first stage | `Nak(NotConfigured)` | nothing happens |
+//! | a part of an update out of order, or an order to install what was not checked | `Nak(OutOfRange)` | what was received stays |
+//! | an update that is not one for this board | a report that names the reason | what was received is not started |
 //! | a fault beyond the last in the log | a report without one | |
 //! | a fault cleared while the emergency stop is pressed | `Ack` | the fault stays |
 //! | nothing that is understood, for longer than the host timeout, while it drives | | fault 12, muted; with a timeout of zero it goes on |
@@ -35,6 +39,7 @@ use crate::board::capture::{CaptureReport, CaptureVerb, Part};
 use crate::board::fault_log::FaultReport;
 use crate::board::parameters::ParameterReport;
 use crate::board::stored_state::StoredState;
+use crate::board::update::{UpdateReport, UpdateVerb};
 use crate::seam::block::Target;
 use crate::seam::block::{Amplitude, Gate, Orders, Request};
 use crate::seam::config::{Config, Link, TrimPoint};
@@ -86,6 +91,8 @@ pub enum Command {
     Reset,
     /// Sets the host timeout: how long the host may be silent while the drive is on, s; zero is for ever.
     Patience(f32),
+    /// Receives, checks or installs another image, in silence only, or asks how that stands.
+    Update(UpdateVerb),
 }
 
 /// Operation on lane trims and parameters. Active, set and stored values are three things: each verb names those that it changes. Trims act
@@ -131,6 +138,8 @@ pub enum Reply {
     Captured(Part),
     /// A fault of the log.
     Faults(FaultReport),
+    /// State of the update.
+    Update(UpdateReport),
 }
 
 /// Report of the lane trims, one frequency at a time.
@@ -198,7 +207,7 @@ impl Command {
         let mut next = Orders { sequence: orders.sequence.wrapping_add(1), clear_fault: false, ..*orders };
         match *self {
             Command::Identify | Command::TelemetryEvery(_) | Command::Settings(_) | Command::Resonances => return Ok(None),
-            Command::Status | Command::Capture(_) | Command::Faults(_) | Command::Reset => return Ok(None),
+            Command::Status | Command::Capture(_) | Command::Faults(_) | Command::Reset | Command::Update(_) => return Ok(None),
             Command::Patience(seconds) if seconds.is_nan() || seconds < 0.0 => return Err(Refusal::NotPlausible),
             Command::Patience(seconds) if f64::from(seconds) > Link::PATIENCE_S.max => return Err(Refusal::OutOfRange),
             Command::Patience(_) => return Ok(None),

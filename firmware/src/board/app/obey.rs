@@ -44,6 +44,7 @@ where
     /// Obeys a command; `None` where its answer comes later.
     fn obey(&mut self, frame: &Frame<Command>) -> Option<Reply> {
         self.host.update(self.block());
+        self.obeyed = true;
         Some(match frame.body {
             Command::Identify => {
                 Reply::Identity(Identity { protocol: link::VERSION, firmware: firmware_version(), converters: self.converters })
@@ -57,6 +58,7 @@ where
             Command::Resonances => Reply::Resonances(self.resonances()),
             Command::Settings(verb) => self.settings_store.obey(verb, self.is_silent(), &mut self.peripherals.settings),
             Command::Status => Reply::Status(self.seen),
+            Command::Update(verb) => self.update(&verb),
             Command::Faults(later) => Reply::Faults(self.faults.report(later, self.peripherals.start)),
             Command::Reset if !self.is_silent() => Reply::Nak(Refusal::Driving),
             Command::Reset => {

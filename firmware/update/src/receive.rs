@@ -1,0 +1,160 @@
+//! The running image's side: stores what the host sends, checks it, and marks it to be started.
+
+use embassy_boot::{BlockingFirmwareState, State};
+use embedded_storage::nor_flash::{NorFlash, ReadNorFlash};
+use firmware::board::update::{CHUNK, Chunk, Standing, UpdateDefect as Defect, UpdateReport, UpdateState, UpdateVerb, Updates};
+use firmware::seam::refusal::Refusal;
+
+use crate::check::{Depth, Target};
+use crate::manifest::MANIFEST;
+
+/// Bytes that the state's flash writes at once, at most.
+const WORD: usize = 8;
+
+/// Where updates are stored, and what they must be.
+pub struct Receiver<S, T> {
+    store: S,
+    state: T,
+    target: Target,
+    /// The protocol of the running image: no update may have an older one.
+    protocol: u8,
+    running: Option<[u16; 3]>,
+    standing: Standing,
+    update: UpdateState,
+    /// Bytes of the update, as the host has announced them.
+    length: u32,
+}
+
+impl<S: NorFlash, T: NorFlash> Receiver<S, T> {
+    /// A receiver that stores updates in `store`, and marks them in the first stage's `state`. `slot` holds the running image.
+    pub fn new<R: ReadNorFlash>(store: S, mut state: T, mut slot: R, target: Target, protocol: u8) -> Self {
+        let running = target.manifest(&mut slot, 0).ok().map(|manifest| manifest.identity.version);
+        let standing = match standing(&mut state) {
+            Some(State::Swap) => Standing::Trial,
+            Some(State::Revert) => Standing::RolledBack,
+            _ => Standing::Confirmed,
+        };
+        Receiver { store, state, target, protocol, running, standing, update: UpdateState::Nothing, length: 0 }
+    }
+
+    /// Gives the flashes back.
+    pub fn release(self) -> (S, T) {
+        (self.store, self.state)
+    }
+
+    fn begin(&mut self, length: u32) -> Result<(), Refusal> {
+        // An image on trial has its predecessor in the store.
+        if self.standing == Standing::Trial {
+            return Err(Refusal::Busy);
+        }
+        self.length = length;
+        let room = self.room();
+        let fits = (MANIFEST as u32 + 1..=room).contains(&length);
+        self.update = if fits { UpdateState::Receiving(0) } else { UpdateState::Refused(Defect::Length(length)) };
+        Ok(())
+    }
+
+    fn room(&self) -> u32 {
+        self.target.room + MANIFEST as u32
+    }
+
+    fn write(&mut self, at: u32, chunk: &Chunk) -> Result<(), Refusal> {
+        // A copy of a chunk whose answer was lost.
+        if matches!(self.update, UpdateState::Receiving(received) if at + CHUNK as u32 == received) {
+            return Ok(());
+        }
+        if self.update != UpdateState::Receiving(at) || at >= self.length {
+            return Err(Refusal::OutOfRange);
+        }
+        let page = S::ERASE_SIZE as u32;
+        let erased = if at.is_multiple_of(page) { self.store.erase(at, at + page) } else { Ok(()) };
+        if erased.and_then(|()| self.store.write(at, chunk.as_flattened())).is_err() {
+            self.update = UpdateState::FlashFailed;
+            return Err(Refusal::Flash);
+        }
+        let received = at + CHUNK as u32;
+        self.update = UpdateState::Receiving(received);
+        // The manifest decides whether the rest is worth sending.
+        if received == MANIFEST as u32
+            && let Err(defect) = self.manifest()
+        {
+            self.update = UpdateState::Refused(defect);
+        }
+        Ok(())
+    }
+
+    fn manifest(&mut self) -> Result<(), Defect> {
+        let manifest = self.target.manifest(&mut self.store, 0)?;
+        if manifest.identity.protocol < self.protocol {
+            return Err(Defect::OlderProtocol(manifest.identity.protocol));
+        }
+        if manifest.length != self.length - MANIFEST as u32 { Err(Defect::Length(manifest.length)) } else { Ok(()) }
+    }
+
+    fn check(&mut self) -> Result<(), Refusal> {
+        match self.update {
+            UpdateState::Receiving(received) if received >= self.length && self.length > 0 => {
+                self.update = UpdateState::Checking;
+                Ok(())
+            }
+            // A copy of an order that was obeyed.
+            UpdateState::Checking | UpdateState::Complete | UpdateState::Refused(_) => Ok(()),
+            _ => Err(Refusal::OutOfRange),
+        }
+    }
+
+    fn install(&mut self) -> Result<(), Refusal> {
+        match self.update {
+            UpdateState::Marked => return Ok(()),
+            UpdateState::Complete => {}
+            _ => return Err(Refusal::OutOfRange),
+        }
+        let mut word = [0; WORD];
+        if BlockingFirmwareState::new(&mut self.state, &mut word[..T::WRITE_SIZE]).mark_updated().is_err() {
+            self.update = UpdateState::FlashFailed;
+            return Err(Refusal::Flash);
+        }
+        self.update = UpdateState::Marked;
+        Ok(())
+    }
+}
+
+/// The state that the first stage has left; `None` where it cannot be read.
+fn standing<T: NorFlash>(state: &mut T) -> Option<State> {
+    let mut word = [0; WORD];
+    BlockingFirmwareState::new(state, &mut word[..T::WRITE_SIZE]).get_state().ok()
+}
+
+impl<S: NorFlash, T: NorFlash> Updates for Receiver<S, T> {
+    fn report(&mut self) -> UpdateReport {
+        UpdateReport { state: self.update, standing: self.standing, running: self.running, room: self.room(), option_bytes: 0 }
+    }
+
+    fn obey(&mut self, verb: &UpdateVerb) -> Result<(), Refusal> {
+        match verb {
+            UpdateVerb::Report => Ok(()),
+            UpdateVerb::Begin(length) => self.begin(*length),
+            UpdateVerb::Write(at, chunk) => self.write(*at, chunk),
+            UpdateVerb::Check => self.check(),
+            UpdateVerb::Install => self.install(),
+        }
+    }
+
+    fn work(&mut self) {
+        if self.update != UpdateState::Checking {
+            return;
+        }
+        let checked = self.manifest().and_then(|()| self.target.image(&mut self.store, 0, Depth::Signature).map(drop));
+        self.update = checked.map_or_else(UpdateState::Refused, |()| UpdateState::Complete);
+    }
+
+    fn confirm(&mut self) {
+        if self.standing != Standing::Trial {
+            return;
+        }
+        let mut word = [0; WORD];
+        if BlockingFirmwareState::new(&mut self.state, &mut word[..T::WRITE_SIZE]).mark_booted().is_ok() {
+            self.standing = Standing::Confirmed;
+        }
+    }
+}

@@ -1,0 +1,132 @@
+//! A board of flash only: a first stage, an image that receives updates, and a host.
+
+use std::cell::RefCell;
+use std::rc::Rc;
+use std::sync::OnceLock;
+use std::vec::Vec;
+
+use firmware::board::update::{CHUNK, Standing, UpdateState, UpdateVerb, Updates as _};
+use firmware::seam::refusal::Refusal;
+
+use super::flash::{Area, PAGE, Part, Torn};
+use crate::check::{Depth, Target};
+use crate::first_stage::{Decision, decide};
+use crate::identity::{Identity, board};
+use crate::key::{DEVELOPMENT_SEED, public};
+use crate::manifest::{MANIFEST, Manifest};
+use crate::receive::Receiver;
+
+/// Pages of the slot; the store has one more.
+pub const SLOT: usize = 5;
+pub const ORIGIN: u32 = 0x0800_4200;
+pub const PROTOCOL: u8 = 2;
+/// Bytes of both images: most of the slot, and no whole number of words.
+const LENGTH: usize = SLOT * PAGE - MANIFEST - 77;
+
+/// What a board starts.
+pub fn target() -> Target {
+    let room = (SLOT * PAGE - MANIFEST) as u32;
+    Target { board: board("test-board"), origin: ORIGIN, room, key: public(&DEVELOPMENT_SEED) }
+}
+
+/// The manifest of an image of this version, not signed, and the image.
+pub fn image(version: u16) -> (Manifest, Vec<u8>) {
+    let bytes: Vec<u8> = (0..LENGTH).map(|n| (n * usize::from(version) % 251) as u8).collect();
+    let identity = Identity { board: board("test-board"), version: [0, 0, version], protocol: PROTOCOL };
+    (Manifest::of(identity, ORIGIN, &bytes), bytes)
+}
+
+/// An update file.
+pub fn file((manifest, image): (Manifest, Vec<u8>)) -> Vec<u8> {
+    [manifest.signed_by(&DEVELOPMENT_SEED).encode().as_slice(), &image].concat()
+}
+
+/// The update to this version, 1 to 3, signed once.
+pub fn update_to(version: u16) -> &'static [u8] {
+    static FILES: OnceLock<[Vec<u8>; 3]> = OnceLock::new();
+    &FILES.get_or_init(|| [1, 2, 3].map(|version| file(image(version))))[usize::from(version) - 1]
+}
+
+/// The board.
+#[derive(Clone, Debug)]
+pub struct Board {
+    pub part: Rc<RefCell<Part>>,
+}
+
+impl Board {
+    /// A board with an image of version 1 in its slot.
+    pub fn new(reads: Torn) -> Self {
+        let mut part = Part::new(2 * SLOT + 2, reads);
+        part.load(0, update_to(1));
+        Board { part: Rc::new(RefCell::new(part)) }
+    }
+
+    /// Another board, in the same state.
+    pub fn copy(&self) -> Self {
+        Board { part: Rc::new(RefCell::new(self.part.borrow().clone())) }
+    }
+
+    fn area(&self, page: usize, pages: usize) -> Area {
+        Area { part: self.part.clone(), from: page * PAGE, size: pages * PAGE }
+    }
+
+    pub fn slot(&self) -> Area {
+        self.area(0, SLOT)
+    }
+
+    pub fn store(&self) -> Area {
+        self.area(SLOT, SLOT + 1)
+    }
+
+    pub fn state(&self) -> Area {
+        self.area(2 * SLOT + 1, 1)
+    }
+
+    /// A reset; the version that starts, `None` where none does or the power goes.
+    pub fn start(&self) -> Option<u16> {
+        let decision = decide(&mut self.slot(), &mut self.store(), &mut self.state(), &target());
+        if self.part.borrow().is_off() || decision == Decision::Nothing {
+            return None;
+        }
+        let manifest = target().image(&mut self.slot(), 0, Depth::Checksum).expect("what starts is whole");
+        Some(manifest.identity.version[2])
+    }
+
+    /// The image that runs.
+    pub fn receiver(&self) -> Receiver<Area, Area> {
+        Receiver::new(self.store(), self.state(), self.slot(), target(), PROTOCOL)
+    }
+
+    /// Sends an update and has it checked and installed; the state in which that ended.
+    pub fn update(&self, file: &[u8]) -> Result<UpdateState, Refusal> {
+        let mut receiver = self.receiver();
+        receiver.obey(&UpdateVerb::Begin(file.len() as u32))?;
+        if let state @ UpdateState::Refused(_) = receiver.report().state {
+            return Ok(state);
+        }
+        for (n, piece) in file.chunks(CHUNK).enumerate() {
+            let mut chunk = [[0xff; 32]; CHUNK / 32];
+            chunk.as_flattened_mut()[..piece.len()].copy_from_slice(piece);
+            let write = UpdateVerb::Write((n * CHUNK) as u32, chunk);
+            receiver.obey(&write)?;
+            if let state @ UpdateState::Refused(_) = receiver.report().state {
+                return Ok(state);
+            }
+            // A copy, as if the answer were lost.
+            receiver.obey(&write)?;
+        }
+        receiver.obey(&UpdateVerb::Check)?;
+        receiver.work();
+        if receiver.report().state == UpdateState::Complete {
+            receiver.obey(&UpdateVerb::Install)?;
+        }
+        Ok(receiver.report().state)
+    }
+
+    /// The host has spoken to the image that runs, which serves blocks.
+    pub fn confirm(&self) -> Standing {
+        let mut receiver = self.receiver();
+        receiver.confirm();
+        receiver.report().standing
+    }
+}
