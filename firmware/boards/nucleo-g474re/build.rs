@@ -10,7 +10,15 @@ fn main() {
     println!("cargo::rerun-if-changed=../../../memory.x");
     println!("cargo::rustc-link-arg-bins=--nmagic");
     let package = std::env::var("CARGO_MANIFEST_DIR").unwrap_or_default();
-    println!("cargo::rustc-link-arg-bins=-T{package}/ccmram.x");
+    // Every image but the first stage has code in core-coupled RAM; behind the first stage it begins further on (`memory.x`).
+    println!("cargo::rustc-link-arg-bin=nucleo-g474re=-T{package}/ccmram.x");
+    if std::env::var_os("CARGO_FEATURE_SLOT").is_some() {
+        println!("cargo::rerun-if-changed=slot.x");
+        println!("cargo::rerun-if-changed=first_stage.x");
+        println!("cargo::rustc-link-arg-bin=nucleo-g474re=--defsym=__slot=1");
+        println!("cargo::rustc-link-arg-bin=nucleo-g474re=-T{package}/slot.x");
+        println!("cargo::rustc-link-arg-bin=first-stage=-T{package}/first_stage.x");
+    }
     println!("cargo::rustc-link-arg-bins=-Tlink.x");
     println!("cargo::rustc-link-arg-bins=-Tdefmt.x");
 }

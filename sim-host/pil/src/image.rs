@@ -106,6 +106,18 @@ pub fn board_image() -> Result<PathBuf, PilError> {
     Ok(folder.join(TARGET).join("board/nucleo-g474re"))
 }
 
+/// The first stage, and the image for the slot behind it, as `cargo first-stage` and `cargo field` build them from the present source.
+pub fn field_images() -> Result<[PathBuf; 2], PilError> {
+    if let Some(reason) = missing_to_build() {
+        return Err(PilError::Missing(reason));
+    }
+    let images = ["first-stage", "nucleo-g474re"];
+    let bins = images.into_iter().flat_map(|image| ["--bin", image]);
+    let arguments: Vec<&str> = ["-p", "sonoglide-nucleo-g474re", "--features", "slot"].into_iter().chain(bins).collect();
+    let (folder, _) = cargo("field", &arguments)?;
+    Ok(images.map(|image| folder.join(TARGET).join("field").join(image)))
+}
+
 /// Builds one image of the package `qemu-m4`.
 fn build(image: &str) -> Result<PathBuf, PilError> {
     let (folder, _) = cargo("pil", &["-p", "sonoglide-qemu-m4", "--bin", image])?;

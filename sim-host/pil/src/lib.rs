@@ -43,7 +43,9 @@ mod qemu;
 mod semihosting;
 mod size;
 
-pub use image::{IMAGE_VARIABLE, board_image, counting_image, image, link_image, missing, missing_to_build, test_image};
+pub use image::{
+    IMAGE_VARIABLE, board_image, counting_image, field_images, image, link_image, missing, missing_to_build, test_image,
+};
 pub use interpreter::Interpreter;
 pub use qemu::Qemu;
 

@@ -11,8 +11,12 @@ mod clocks;
 mod dac;
 mod dma;
 mod encoder;
+#[cfg(feature = "slot")]
+mod field;
+#[cfg_attr(not(feature = "slot"), expect(dead_code, reason = "what updates need"))]
 mod flash;
 mod guard;
+mod options;
 mod panic;
 mod pins;
 mod protection;
@@ -101,7 +105,7 @@ fn build(
     start: Start,
 ) -> &'static mut Background {
     let link = Link::start();
-    let Ok(mut settings) = Settings::new(Pages) else { panic!("the settings do not fit") };
+    let Ok(mut settings) = Settings::new(Pages::SETTINGS) else { panic!("the settings do not fit") };
     let built_in = config();
     let mut power_up = PowerUp::read(&built_in, &mut settings);
     // What is built in is tested on the host.
@@ -114,6 +118,9 @@ fn build(
     let peripherals = app::Peripherals { link, enable, stop, watchdog: IndependentWatchdog::start(), settings, start };
     let background = singleton!(: Background = App::new(peripherals, slow_ends, &power_up));
     let Some(background) = background else { panic!("started twice") };
+    background.set_option_bytes(options::look());
+    #[cfg(feature = "slot")]
+    background.set_updates(field::start());
     background
 }
 

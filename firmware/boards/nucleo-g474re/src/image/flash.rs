@@ -1,10 +1,10 @@
-//! The settings' part of the flash: the last pages of its second bank. RM0440 3.3 (flash of category 3).
+//! Parts of the flash that are written while the board runs: the settings, and what an update needs. RM0440 3.3 (flash of category 3).
 //!
 //! Written in double words, once after each erase; a page is erased in 22 ms (DS12288), while the code goes on from the first bank. If the option
 //! bytes make one bank of the two, nothing is written: an erase would stall the block interrupt.
 //!
-//! A word whose write was cut by power reads as an error of two bits, which raises the non-maskable interrupt (`alarm.rs`): that read fails, and the
-//! processor goes on.
+//! A word whose write was cut by power reads as an error of two bits, which raises the non-maskable interrupt (`alarm.rs`): that read fails, or gives
+//! zeros where the reader has checksums of its own, and the processor goes on.
 //!
 //! The data cache is off while the flash is open: a read of one bank while the other one is written or erased may leave wrong data in it (ES0430
 //! 2.2.2). It is reset before it is on again, because it may hold what the pages held before.
@@ -14,12 +14,15 @@ use core::ptr;
 use core::sync::atomic::{AtomicBool, Ordering, compiler_fence};
 
 use embedded_storage::nor_flash::{ErrorType, NorFlash, NorFlashError, NorFlashErrorKind, ReadNorFlash};
-use nucleo_g474re::pages::{PAGE, SIZE, WORD, address, number};
+use nucleo_g474re::pages::{FLASH as FIRST_BANK, PAGE, SECOND_BANK, SIZE, START, WORD};
+use nucleo_g474re::slots::Area;
 use stm32_metapac::FLASH;
 use stm32_metapac::flash::regs::Sr;
 
 use super::watchdog::nurse;
 
+/// Pages of a bank (RM0440 3.3.1).
+const PAGES_OF_A_BANK: u32 = (SECOND_BANK - FIRST_BANK) / PAGE;
 /// FLASH_KEYR (3.7.3).
 const KEYS: [u32; 2] = [0x4567_0123, 0xcdef_89ab];
 
@@ -49,13 +52,36 @@ impl NorFlashError for FlashError {
     }
 }
 
-/// Marks the read that is under way as failed: the non-maskable interrupt has found a word of the settings that cannot be corrected.
+/// Marks the read that is under way as failed: the non-maskable interrupt has found a word that cannot be corrected.
 pub fn mark_damaged() {
     DAMAGED.store(true, Ordering::Relaxed);
 }
 
-/// The pages of the settings.
-pub struct Pages;
+/// Pages of the flash.
+#[derive(Clone, Copy)]
+pub struct Pages {
+    area: Area,
+    damage: Damage,
+}
+
+/// What the read of a word gives that cannot be corrected.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub enum Damage {
+    /// The read fails.
+    Fails,
+    /// The word reads as zeros: its reader has a checksum over it, or takes any value.
+    Zeros,
+}
+
+impl Pages {
+    /// The pages of the settings.
+    pub const SETTINGS: Pages = Pages::new(Area { start: START, size: SIZE }, Damage::Fails);
+
+    /// Pages of an area.
+    pub const fn new(area: Area, damage: Damage) -> Self {
+        Pages { area, damage }
+    }
+}
 
 impl ErrorType for Pages {
     type Error = FlashError;
@@ -65,18 +91,27 @@ impl ReadNorFlash for Pages {
     const READ_SIZE: usize = 1;
 
     fn read(&mut self, offset: u32, bytes: &mut [u8]) -> Result<(), FlashError> {
-        let at = address(offset, bytes.len() as u32, 1).ok_or(FlashError::Beyond)?;
-        DAMAGED.store(false, Ordering::Relaxed);
-        for (byte, at) in bytes.iter_mut().zip(at..) {
-            // SAFETY: within the settings' pages, which are always mapped; volatile, because they change by other means than writes.
-            *byte = unsafe { ptr::read_volatile(at as *const u8) };
+        let at = self.area.address(offset, bytes.len() as u32, 1).ok_or(FlashError::Beyond)?;
+        let words = bytes.chunks_mut(WORD as usize).zip((at..).step_by(WORD as usize));
+        for (word, at) in words {
+            DAMAGED.store(false, Ordering::Relaxed);
+            for (byte, at) in word.iter_mut().zip(at..) {
+                // SAFETY: within the area, which is always mapped; volatile, because it changes by other means than writes.
+                *byte = unsafe { ptr::read_volatile(at as *const u8) };
+            }
+            compiler_fence(Ordering::SeqCst);
+            if DAMAGED.load(Ordering::Relaxed) {
+                if self.damage == Damage::Fails {
+                    return Err(FlashError::Damaged);
+                }
+                word.fill(0);
+            }
         }
-        compiler_fence(Ordering::SeqCst);
-        if DAMAGED.load(Ordering::Relaxed) { Err(FlashError::Damaged) } else { Ok(()) }
+        Ok(())
     }
 
     fn capacity(&self) -> usize {
-        SIZE as usize
+        self.area.size as usize
     }
 }
 
@@ -86,14 +121,14 @@ impl NorFlash for Pages {
 
     fn erase(&mut self, from: u32, to: u32) -> Result<(), FlashError> {
         let length = to.checked_sub(from).ok_or(FlashError::Beyond)?;
-        let at = address(from, length, PAGE).ok_or(FlashError::Unaligned)?;
+        let at = self.area.address(from, length, PAGE).ok_or(FlashError::Unaligned)?;
         let _open = Open::now()?;
         for page in (at..at + length).step_by(PAGE as usize) {
             // RM0440 3.3.6: FLASH_CR.PER, BKER, PNB, then STRT (3.7.5).
             FLASH.cr().modify(|w| {
                 w.set_per(true);
-                w.set_bker(true);
-                w.set_pnb(number(page));
+                w.set_bker(page >= SECOND_BANK);
+                w.set_pnb(((page - FIRST_BANK) / PAGE % PAGES_OF_A_BANK) as u8);
             });
             FLASH.cr().modify(|w| w.set_strt(true));
             let done = finish();
@@ -104,7 +139,7 @@ impl NorFlash for Pages {
     }
 
     fn write(&mut self, offset: u32, bytes: &[u8]) -> Result<(), FlashError> {
-        let at = address(offset, bytes.len() as u32, WORD).ok_or(FlashError::Unaligned)?;
+        let at = self.area.address(offset, bytes.len() as u32, WORD).ok_or(FlashError::Unaligned)?;
         let _open = Open::now()?;
         let (words, _) = bytes.as_chunks::<{ WORD as usize }>();
         for (word, at) in words.iter().zip((at..).step_by(WORD as usize)) {
@@ -112,7 +147,7 @@ impl NorFlash for Pages {
             let (low, high) = (u32::from_le_bytes([a, b, c, d]), u32::from_le_bytes([e, f, g, h]));
             // RM0440 3.3.7: FLASH_CR.PG, then the two halves of a double word.
             FLASH.cr().modify(|w| w.set_pg(true));
-            // SAFETY: two aligned words within the settings' pages, which no code and no reference is in; the flash is open for it.
+            // SAFETY: two aligned words within the area, which no code that runs and no reference is in; the flash is open for it.
             unsafe {
                 ptr::write_volatile(at as *mut u32, low);
                 ptr::write_volatile((at + 4) as *mut u32, high);

@@ -47,6 +47,28 @@ impl Watchdog for IndependentWatchdog {
     }
 }
 
+/// Lets it wait for eight seconds, while the background task checks an update; blocks go on. Only in silence, with the amplifier off.
+#[cfg(feature = "slot")]
+pub fn relax() {
+    set_period(Pr::DIVIDE_BY64, 4096);
+}
+
+/// Takes it back to its period.
+#[cfg(feature = "slot")]
+pub fn tighten() {
+    set_period(Pr::DIVIDE_BY4, TICKS);
+}
+
+/// Sets prescaler and ticks, and feeds it: IWDG_KR, PR, RLR, SR (42.4).
+#[cfg(feature = "slot")]
+fn set_period(prescaler: Pr, ticks: u16) {
+    IWDG.kr().write(|w| w.set_key(Key::ENABLE));
+    IWDG.pr().write(|w| w.set_pr(prescaler));
+    IWDG.rlr().write(|w| w.set_rl(ticks - 1));
+    while IWDG.sr().read().0 != 0 {}
+    IWDG.kr().write(|w| w.set_key(Key::RESET));
+}
+
 /// Feeds it if a block has come since the last time.
 pub fn nurse() {
     let blocks = block::count();

@@ -1,0 +1,72 @@
+//! The first stage on the part.
+#![expect(unsafe_code, reason = "another image is started, and handlers of exceptions")]
+
+#[expect(dead_code, reason = "the settings are the image's")]
+#[path = "image/flash.rs"]
+mod flash;
+#[path = "stage/watchdog.rs"]
+mod watchdog;
+
+use core::panic::PanicInfo;
+
+use cortex_m::{Peripherals, asm};
+use cortex_m_rt::{entry, exception};
+use nucleo_g474re::slots::{BOARD, MANIFEST, ORIGIN, SLOT, STATE, STORE};
+use stm32_metapac::FLASH;
+use update::check::Target;
+use update::first_stage::{Decision, decide};
+use update::identity::board;
+use update::key;
+
+use self::flash::{Damage, Pages};
+
+#[entry]
+fn main() -> ! {
+    watchdog::start();
+    let target = Target { board: board(BOARD), origin: ORIGIN, room: SLOT.size - MANIFEST, key: key::PUBLIC };
+    let [mut slot, mut store, mut state] = [SLOT, STORE, STATE].map(|area| Pages::new(area, Damage::Zeros));
+    match decide(&mut slot, &mut store, &mut state, &target) {
+        Decision::Start => start_image(),
+        // No image: the watchdog resets the part, and all is tried again.
+        Decision::Nothing => stand(),
+    }
+}
+
+/// Starts the image in the slot, with the watchdog running.
+fn start_image() -> ! {
+    // FLASH_ACR.ICRST, which wants the cache off (RM0440 3.7.1): the slot may have changed.
+    FLASH.acr().modify(|w| w.set_icen(false));
+    FLASH.acr().modify(|w| w.set_icrst(true));
+    FLASH.acr().modify(|w| w.set_icrst(false));
+    FLASH.acr().modify(|w| w.set_icen(true));
+    watchdog::nurse();
+    // SAFETY: nothing of this program runs after this; no interrupt is enabled, and the image was checked.
+    unsafe {
+        let core = Peripherals::steal();
+        core.SCB.vtor.write(ORIGIN);
+        asm::bootload(ORIGIN as *const u32)
+    }
+}
+
+/// Waits for the watchdog.
+fn stand() -> ! {
+    loop {
+        asm::nop();
+    }
+}
+
+// SAFETY: marked because nothing masks it; it uses registers and atomics only.
+#[exception]
+unsafe fn NonMaskableInt() {
+    let status = FLASH.eccr().read();
+    if status.eccd() || status.eccd2() {
+        flash::mark_damaged();
+        // A one clears ECCD (3.7.6).
+        FLASH.eccr().write_value(status);
+    }
+}
+
+#[panic_handler]
+fn panic(_: &PanicInfo) -> ! {
+    stand()
+}
