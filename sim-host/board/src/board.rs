@@ -3,10 +3,10 @@
 use std::collections::VecDeque;
 use std::time::Duration;
 
-use cortex_m4::{Cycle, Fetches, ImageError, Machine, Passage, Spent, Stop};
+use cortex_m4::{Cycle, Fetches, ImageError, Machine, Memory, Passage, Spent, Stop};
 use firmware::seam::block::{DriveBlock, Orders, Request, SenseBlock};
 use firmware::seam::config::{Config, LaneTrims};
-use nucleo_g474re::pages;
+use nucleo_g474re::{pages, slots};
 use plant::Plant;
 use plant::stream::Stream;
 use scene::{Driven, FaultKind};
@@ -93,15 +93,34 @@ struct BlockVariables {
 impl Board {
     /// Powers a board with this image and with the settings of a scene in its flash.
     pub fn start(elf: &[u8], scene: &Driven, options: Options) -> Result<Self, BoardError> {
-        let stored = configure::stored(scene)?;
+        Board::of_memory(elf, elf, Stm32g474::<Bench>::memory(), scene, options)
+    }
+
+    /// Powers a board with a first stage, and with this [update file](crate::update_file) in its slot; `elf` is the file that it was made of.
+    pub fn start_in_slot(
+        first_stage: &[u8],
+        slot: &[u8],
+        elf: &[u8],
+        scene: &Driven,
+        options: Options,
+    ) -> Result<Self, BoardError> {
         let mut memory = Stm32g474::<Bench>::memory();
+        if let Some(bytes) = memory.get_mut(slots::SLOT.start, slot.len().min(slots::SLOT.size as usize)) {
+            bytes.copy_from_slice(&slot[..bytes.len()]);
+        }
+        Board::of_memory(first_stage, elf, memory, scene, options)
+    }
+
+    /// Powers a board that boots the ELF file `boots`, and observes the variables of `elf`.
+    fn of_memory(boots: &[u8], elf: &[u8], mut memory: Memory, scene: &Driven, options: Options) -> Result<Self, BoardError> {
+        let stored = configure::stored(scene)?;
         if let Some(flash) = memory.get_mut(pages::FLASH, (pages::START + pages::SIZE - pages::FLASH) as usize) {
             configure::store(stored.overrides, flash)?;
         }
         let samples = usize::from(stored.config.block_samples);
         let bench = Bench::new(Stream::new(stack_of(scene)?, samples), samples, options.record);
         let chip = Stm32g474::new(stm32g474::Config::default(), bench);
-        let mut machine = Machine::new(elf, memory, chip, PRIORITY_BITS)?;
+        let mut machine = Machine::new(boots, memory, chip, PRIORITY_BITS)?;
         machine.watch(Some(BLOCK_INTERRUPT));
         let rate = options.rate.unwrap_or(1.0);
         machine.set_rate(rate);
@@ -278,7 +297,7 @@ const QUEUES: &str = "QUEUES";
 
 impl BlockVariables {
     /// The trims that the interrupt has taken from its queue since the last call.
-    fn trims(&mut self, memory: &cortex_m4::Memory) -> Result<Option<LaneTrims>, BoardError> {
+    fn trims(&mut self, memory: &Memory) -> Result<Option<LaneTrims>, BoardError> {
         let field = |place: &Place, name| place.field(name).ok_or(BoardError::Unlike(name));
         let queue = field(&self.queues, "trims_in")?;
         let head: usize = field(&queue, "head")?.read(memory)?;

@@ -7,7 +7,8 @@
 //! ```
 //!
 //! [`Board`] runs it. [`configure`] stores a scene's configuration in its flash. [`variables`] reads what the image holds, by the debug information of its ELF, and
-//! [`recording`] replays on the host what its controller has seen. [`debugger`] holds it for GDB.
+//! [`recording`] replays on the host what its controller has seen. [`debugger`] holds it for GDB. [`update_file`] makes the file of a
+//! field update of an ELF file.
 //!
 //! # Example
 //!
@@ -33,6 +34,7 @@ mod board;
 pub mod configure;
 pub mod debugger;
 pub mod recording;
+pub mod update_file;
 pub mod variables;
 mod wires;
 

@@ -14,6 +14,7 @@ pub mod reset;
 pub mod scan;
 pub mod settings;
 pub mod status;
+pub mod update;
 
 use clap::Subcommand;
 use firmware::board::command::Command;
@@ -56,6 +57,8 @@ pub enum Order {
     Fault(fault::FaultArgs),
     /// Record voltage, current and drive sample by sample around a trigger, as CSV and figure.
     Capture(capture::CaptureArgs),
+    /// What runs and how an update stands; with a file: send it, have it checked and installed. Only in silence.
+    Update(update::UpdateArgs),
     /// Fall silent.
     Stop,
     /// Reset the board. Only in silence.
@@ -78,6 +81,7 @@ impl Order {
             Order::Settings(_) => "settings",
             Order::Fault(_) => "fault",
             Order::Capture(_) => "capture",
+            Order::Update(_) => "update",
             Order::Stop => "stop",
             Order::Reset => "reset",
         }
@@ -98,6 +102,7 @@ impl Order {
             Order::Settings(order) => settings::run(order, session),
             Order::Fault(args) => fault::run(args, session),
             Order::Capture(args) => capture::run(args, session),
+            Order::Update(args) => update::run(args, session),
             Order::Stop => stop(session),
             Order::Reset => reset::run(session),
         }?;

@@ -6,7 +6,7 @@ use std::cell::RefCell;
 use std::fs;
 use std::io::{self, IsTerminal, Read, Write};
 use std::net::TcpListener;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::rc::Rc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -17,7 +17,7 @@ use serde_json::Value;
 use super::{Color, Format, INTERRUPTED, LOST, RUN_FAILED, SceneArgs, USAGE, interrupts, with_scene};
 use link::answer::{Answer, failure};
 use link::client::Client;
-use link::commands::{Order, amount, monitor, seconds};
+use link::commands::{Order, amount, monitor, seconds, update};
 use link::link_error::LinkError;
 use link::port::{InProcess, Port, Serial, Simulated, Tcp};
 use link::script::Script;
@@ -35,12 +35,14 @@ static CLOSED: AtomicBool = AtomicBool::new(false);
 const SIMULATED: &str = "sim:";
 /// What the flashed image on a model of its part is called: `board:SCENE`.
 const MODELLED: &str = "board:";
+/// What the file of an update is called, in place of a board: `file:OUT`.
+const FILE: &str = "file:";
 
 /// Arguments of the command.
 #[derive(Args)]
 pub(super) struct LinkArgs {
     /// A serial device (/dev/ttyACM0, COM3), `tcp:HOST:PORT`, `sim:SCENE`: a simulated board in this process, or `board:SCENE`: the image that is
-    /// flashed, on a model of its part.
+    /// flashed, on a model of its part. For `update` also `file:OUT`: makes the file of an update of an ELF file.
     port: String,
     #[command(subcommand)]
     order: LinkOrder,
@@ -56,6 +58,9 @@ pub(super) struct LinkArgs {
     /// Of board:SCENE: let the block interrupt take a part of its time only, as if the processor were so many times as fast there.
     #[arg(long, value_name = "X", global = true, value_parser = super::times)]
     board_speed: Option<f64>,
+    /// Of board:SCENE: the board has a first stage, and the image runs in the slot behind it, so that it can be updated.
+    #[arg(long, global = true)]
+    slot: bool,
     /// Of board:SCENE: a port for GDB, as HOST:PORT; port 0 takes a free one. Standard error names it.
     #[arg(long, value_name = "ADDRESS", global = true)]
     gdb: Option<String>,
@@ -101,9 +106,19 @@ pub(super) fn run(args: &LinkArgs, color: Color) -> anyhow::Result<ExitCode> {
         say!("note: `--patience` is `--host-timeout` now; the old name goes with the next version");
     }
     let modelled = args.port.strip_prefix(MODELLED);
-    if modelled.is_none() && (args.image.is_some() || args.board_speed.is_some() || args.gdb.is_some()) {
-        let usage = "--image, --board-speed and --gdb are of the modelled part, board:SCENE";
+    if modelled.is_none() && (args.image.is_some() || args.board_speed.is_some() || args.slot || args.gdb.is_some()) {
+        let usage = "--image, --board-speed, --slot and --gdb are of the modelled part, board:SCENE";
         return Ok(failed(&LinkError::Usage(usage.into()), color));
+    }
+    if let Some(out) = args.port.strip_prefix(FILE) {
+        let LinkOrder::Order(order @ Order::Update(update)) = &args.order else {
+            return Ok(failed(
+                &LinkError::Usage("`file:OUT` is no board: `update ELF` makes the file of an update there".into()),
+                color,
+            ));
+        };
+        let made = update::make(update, Path::new(out));
+        return done(tell("", order.name(), &made, args.format).and(made.map(drop)), color);
     }
     let Some(scene) = modelled.or(args.port.strip_prefix(SIMULATED)) else {
         if !args.sets.is_empty() || args.seed.is_some() || args.real_time {

@@ -21,6 +21,19 @@ const KEYS: [u32; 2] = [0x4567_0123, 0xcdef_89ab];
 /// FLASH_SR's flags that a one clears.
 const SR_FLAGS: u32 = 0xc3fb;
 
+/// An erase of a page, or the programming of a double word.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct FlashOperation {
+    /// Whether it is an erase.
+    pub erases: bool,
+    /// The page, or the double word.
+    pub address: u32,
+    /// When it begins.
+    pub first: Cycle,
+    /// When it ends, unless power or a reset comes before.
+    pub last: Cycle,
+}
+
 /// What the flash is busy with.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Work {
@@ -39,16 +52,28 @@ pub(crate) struct Flash {
     half: Option<(u32, u32)>,
     /// Double words with one flipped bit: a read corrects it.
     single: Vec<u32>,
+    /// Operations so far, if they are recorded.
+    log: Option<Vec<FlashOperation>>,
 }
 
 impl Flash {
     /// What a reset leaves.
     pub fn after_reset(&self) -> Self {
-        Flash { single: self.single.clone(), ..Flash::default() }
+        Flash { single: self.single.clone(), log: self.log.clone(), ..Flash::default() }
     }
 }
 
 impl<W: Wires> Stm32g474<W> {
+    /// Records the operations of the flash from now on.
+    pub fn record_flash(&mut self) {
+        self.flash.log = Some(Vec::new());
+    }
+
+    /// The operations of the flash since they are recorded, in order.
+    pub fn flash_operations(&self) -> &[FlashOperation] {
+        self.flash.log.as_deref().unwrap_or_default()
+    }
+
     fn flash_sr(&mut self) -> &mut u32 {
         &mut self.regs[FLASH + at::flash::SR]
     }
@@ -158,6 +183,13 @@ impl<W: Wires> Stm32g474<W> {
         self.flash.work = Some(work);
         self.flash.until = self.time.cycle(self.time.ps(now.at) + time);
         self.agenda.set(Event::Flash, self.flash.until);
+        if let Some(log) = &mut self.flash.log {
+            let (erases, address) = match work {
+                Work::Erase { page } => (true, page),
+                Work::Program { address, .. } => (false, address),
+            };
+            log.push(FlashOperation { erases, address, first: now.at, last: self.flash.until });
+        }
         *self.flash_sr() |= 1 << 16;
         Ok(())
     }

@@ -76,5 +76,6 @@ mod wires;
 
 pub use defect::{Defect, Ram};
 pub use finding::{Finding, Lint, NotModelled, Rule, Verdict};
+pub use flash::FlashOperation;
 pub use part::{Config, Stm32g474};
 pub use wires::{Bare, Drive, Level, Pin, Received, Wires};

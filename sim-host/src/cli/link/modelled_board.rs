@@ -3,12 +3,15 @@
 use std::fs;
 use std::io;
 use std::net::TcpListener;
+use std::path::Path;
 
 use board::Board;
 use board::debugger::Debugged;
+use board::update_file::pack;
 use link::link_error::LinkError;
 use link::modelled_board::DebuggedBoard;
 use scene::Driven;
+use update::key::DEVELOPMENT_SEED;
 
 use super::{LinkArgs, STOP, note, with_board};
 
@@ -36,11 +39,29 @@ fn debugger_port(address: &str) -> Result<TcpListener, LinkError> {
 
 /// The flashed image on a model of its part, with a scene's plant at its pins.
 fn started(args: &LinkArgs, scene: &Driven) -> Result<Board, LinkError> {
+    if args.slot {
+        return in_slot(args, scene);
+    }
     let image = match &args.image {
         Some(file) => file.clone(),
         None => pil::board_image().map_err(|error| LinkError::Usage(error.to_string()))?,
     };
-    let elf = fs::read(&image).map_err(|error| LinkError::Usage(format!("{} cannot be read: {error}", image.display())))?;
-    let options = board::Options { rate: args.board_speed.map(|times| 1.0 / times), ..board::Options::default() };
-    Board::start(&elf, scene, options).map_err(|error| LinkError::Usage(error.to_string()))
+    Board::start(&read(&image)?, scene, options(args)).map_err(|error| LinkError::Usage(error.to_string()))
+}
+
+/// The same behind the first stage, signed by the development key.
+fn in_slot(args: &LinkArgs, scene: &Driven) -> Result<Board, LinkError> {
+    let usage = |error: &dyn std::fmt::Display| LinkError::Usage(error.to_string());
+    let [first_stage, image] = pil::field_images().map_err(|error| usage(&error))?;
+    let elf = read(args.image.as_ref().unwrap_or(&image))?;
+    let slot = pack(&elf, Some(&DEVELOPMENT_SEED)).map_err(|error| usage(&error))?;
+    Board::start_in_slot(&read(&first_stage)?, &slot, &elf, scene, options(args)).map_err(|error| usage(&error))
+}
+
+fn read(file: &Path) -> Result<Vec<u8>, LinkError> {
+    fs::read(file).map_err(|error| LinkError::Usage(format!("{} cannot be read: {error}", file.display())))
+}
+
+fn options(args: &LinkArgs) -> board::Options {
+    board::Options { rate: args.board_speed.map(|times| 1.0 / times), ..board::Options::default() }
 }

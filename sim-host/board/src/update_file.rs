@@ -1,0 +1,74 @@
+//! The file of a field update: what the slot of a board is to hold, a manifest and the image behind it.
+//!
+//! ```text
+//! ELF file of `cargo field` -> bytes from ORIGIN on + SONOGLIDE_IDENTITY -> manifest, signed -> file
+//! ```
+
+use nucleo_g474re::slots::{MANIFEST, ORIGIN, SLOT};
+use object::elf::{PT_LOAD, ProgramHeader32};
+use object::read::elf::{ElfFile32, ProgramHeader as _};
+use object::{LittleEndian, Object as _, ObjectSymbol as _};
+use update::identity::{Identity, SIZE, SYMBOL};
+use update::manifest::Manifest;
+
+/// Why an ELF file cannot be made an update.
+#[derive(Debug, thiserror::Error)]
+pub enum PackError {
+    /// The file is no ELF file of 32 bits.
+    #[error("this is no ELF file for the board: {0}")]
+    Elf(#[from] object::Error),
+    /// Something of it lies outside of the slot.
+    #[error(
+        "this image is not linked for the slot behind the first stage ({ORIGIN:#010x}): it has {len} bytes at {address:#010x}. Build it with `cargo field`"
+    )]
+    Elsewhere {
+        /// Address of what lies elsewhere.
+        address: u32,
+        /// Its bytes.
+        len: usize,
+    },
+    /// It does not say what it is.
+    #[error("this image does not say what it is: it has no constant `{SYMBOL}`. Build it with `cargo field`")]
+    Anonymous,
+}
+
+/// Makes the file of an update; not signed where no seed of a key is given.
+pub fn pack(elf: &[u8], seed: Option<&[u8; 32]>) -> Result<Vec<u8>, PackError> {
+    let file: ElfFile32<'_, LittleEndian> = ElfFile32::parse(elf)?;
+    let room = (SLOT.size - MANIFEST) as usize;
+    let mut image = Vec::new();
+    for header in segments(&file) {
+        let (address, len) = (header.p_paddr(LittleEndian), header.p_filesz(LittleEndian) as usize);
+        let from = address.checked_sub(ORIGIN).map(|from| from as usize).filter(|from| from + len <= room);
+        let from = from.ok_or(PackError::Elsewhere { address, len })?;
+        let bytes = header.data(LittleEndian, elf).map_err(|()| PackError::Elsewhere { address, len })?;
+        if image.len() < from + len {
+            image.resize(from + len, 0xff);
+        }
+        image[from..from + len].copy_from_slice(bytes);
+    }
+    let symbol = file.symbols().find(|symbol| symbol.name() == Ok(SYMBOL)).ok_or(PackError::Anonymous)?;
+    let place = (symbol.address() as u32).checked_sub(ORIGIN).ok_or(PackError::Anonymous)? as usize;
+    let identity = image.get(place..place + SIZE).and_then(|bytes| bytes.try_into().ok()).ok_or(PackError::Anonymous)?;
+    let manifest = Manifest::of(Identity::decode(identity), ORIGIN, &image);
+    let manifest = seed.map_or(manifest, |seed| manifest.signed_by(seed));
+    Ok([manifest.encode().as_slice(), &image].concat())
+}
+
+/// The offset, in an ELF file, of the constant that says what the image is; a test makes another version of an image there.
+pub fn identity_offset(elf: &[u8]) -> Result<usize, PackError> {
+    let file: ElfFile32<'_, LittleEndian> = ElfFile32::parse(elf)?;
+    let symbol = file.symbols().find(|symbol| symbol.name() == Ok(SYMBOL)).ok_or(PackError::Anonymous)?;
+    let address = symbol.address() as u32;
+    let holds = |header: &&ProgramHeader32<LittleEndian>| {
+        let from = header.p_paddr(LittleEndian);
+        (from..from + header.p_filesz(LittleEndian)).contains(&address)
+    };
+    let header = segments(&file).find(holds).ok_or(PackError::Anonymous)?;
+    Ok((header.p_offset(LittleEndian) + address - header.p_paddr(LittleEndian)) as usize)
+}
+
+/// What is loaded.
+fn segments<'a>(file: &'a ElfFile32<'_, LittleEndian>) -> impl Iterator<Item = &'a ProgramHeader32<LittleEndian>> {
+    file.elf_program_headers().iter().filter(|header| header.p_type(LittleEndian) == PT_LOAD && header.p_filesz(LittleEndian) > 0)
+}

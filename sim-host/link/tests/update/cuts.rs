@@ -1,0 +1,137 @@
+//! The power goes while the flash is written: by the first stage as it installs an update, by the image as it receives, marks and confirms one. The board
+//! starts, with the old image or the new one, and its amplifier stays off. All operations are cut on simulated flash, by the tests of `sonoglide-update`;
+//! here it is a sample of them, by the images on the part.
+
+use std::time::Duration;
+
+use board::Board;
+use firmware::board::command::Command;
+use firmware::board::link::encode;
+use firmware::board::update::{Standing, UpdateState, UpdateVerb};
+use nucleo_g474re::slots::{STATE, STORE};
+use stm32g474::{Defect, FlashOperation, Ram};
+
+use super::images::{Images, answers, connected, images, powered, report, send, small};
+
+/// How far a board runs at once.
+const STEP: Duration = Duration::from_millis(1);
+/// The longest start: a swap of 117 pages, a signature, and the way back.
+const STARTS_WITHIN: Duration = Duration::from_secs(40);
+
+/// The operations of the flash until `enough`, in the steps of `step`.
+fn operations(mut board: Board, step: Duration, enough: impl Fn(&Board) -> bool) -> Vec<FlashOperation> {
+    board.machine_mut().chip.record_flash();
+    while !enough(&board) {
+        board.run_for(step).expect("no finding");
+    }
+    board.machine().chip.flash_operations().to_vec()
+}
+
+/// For each operation, whether it is an erase.
+fn erases(operations: &[FlashOperation]) -> Vec<bool> {
+    operations.iter().map(|operation| operation.erases).collect()
+}
+
+/// A board whose first stage finds a marked update.
+fn marked(images: &Images) -> Board {
+    let mut board = powered(images);
+    let memory = &mut board.machine_mut().memory;
+    memory.get_mut(STORE.start, images.new.len()).expect("flash").copy_from_slice(&images.new);
+    memory.get_mut(STATE.start, 8).expect("flash").fill(0xf0);
+    board
+}
+
+/// Cuts the power at a cycle; the version that answers then, which has served without the amplifier.
+fn version_after(mut board: Board, at: u64, label: &str) -> u16 {
+    let (resets, edges) = (board.bench().resets.len(), board.bench().edges.len());
+    board.inject(at, Defect::BrownOut { ram: Ram::Lost });
+    while board.bench().resets.len() == resets {
+        board.run_block().expect("no finding");
+    }
+    board.bench_mut().to_host.clear();
+    board.bench_mut().to_board.clear();
+    let (board, mut client) = connected(board);
+    assert!(answers(&mut client, STARTS_WITHIN), "{label}, cut at {at}: nothing starts");
+    assert_eq!(board.borrow().bench().edges.len(), edges, "{label}, cut at {at}: the amplifier stays off");
+    report(&mut client).running.expect("a manifest")[0]
+}
+
+/// Cuts `count` of the operations, spread over them, at their beginning, within, or after them in turns; returns how often the old and the new image answered.
+fn cut(board: &Board, operations: &[FlashOperation], count: usize, label: &str) -> [u32; 2] {
+    let mut versions = [0; 2];
+    let mut running = board.clone();
+    for n in 0..count {
+        let operation = operations[n * (operations.len() - 1) / (count - 1)];
+        let at = [operation.first + 40, (operation.first + operation.last) / 2, operation.last + 40][n % 3];
+        // The way there is taken once.
+        let before = operation.first.saturating_sub(2000);
+        if running.machine().cycle() < before {
+            running.machine_mut().run_until(before).expect("no finding");
+        }
+        let version = version_after(running.clone(), at.max(running.machine().cycle() + 10), label);
+        assert!((1..=2).contains(&version));
+        versions[usize::from(version) - 1] += 1;
+    }
+    println!("{label}: {} operations, {count} cut: old image {}, new image {}", operations.len(), versions[0], versions[1]);
+    versions
+}
+
+#[test]
+fn a_cut_while_the_first_stage_installs_leaves_a_board_that_starts() {
+    let Some(images) = images() else { return };
+    let board = marked(images);
+    let operations = operations(board.clone(), Duration::from_millis(10), |board| board.bench().samples() > 0);
+    assert!(operations.len() > 50_000, "{}", operations.len());
+    assert_eq!(operations.iter().filter(|operation| operation.erases).count(), 2 * 117);
+    let [_, new] = cut(&board, &operations, 7, "installing");
+    assert!(new > 0);
+}
+
+#[test]
+fn a_cut_while_the_image_receives_and_marks_an_update_leaves_the_old_image_or_a_swap() {
+    let Some(images) = images() else { return };
+    let (board, mut client) = connected(powered(images));
+    assert!(answers(&mut client, Duration::from_secs(2)), "it starts");
+    let file = small();
+    client.ask(Command::Update(UpdateVerb::Begin(file.len() as u32))).expect("taken");
+    // The first chunk: the erase of its page, and its words.
+    let mut receiving = board.borrow().clone();
+    let chunk = core::array::from_fn(|row| core::array::from_fn(|n| file[32 * row + n]));
+    receiving.send(&encode(900, Command::Update(UpdateVerb::Write(0, chunk))).expect("it fits"));
+    let within = |board: &Board, time: u64| {
+        let until = board.now() + Duration::from_millis(time);
+        move |board: &Board| board.now() >= until
+    };
+    let found = operations(receiving.clone(), STEP, within(&receiving, 30));
+    assert_eq!(found.len(), 1 + 16);
+    assert_eq!(cut(&receiving, &found, 3, "receiving"), [3, 0]);
+    // The mark: the progress is made invalid, two pages of the state are erased, a word is written.
+    send(&file, &mut client).expect("taken");
+    while report(&mut client).state == UpdateState::Checking {}
+    assert_eq!(report(&mut client).state, UpdateState::Complete);
+    let mut marking = board.borrow().clone();
+    marking.send(&encode(901, Command::Update(UpdateVerb::Install)).expect("it fits"));
+    let found = operations(marking.clone(), STEP, within(&marking, 60));
+    assert_eq!(erases(&found), [false, true, true, false]);
+    // The image of this update hangs: where it was marked, it is swapped in and back again.
+    assert_eq!(cut(&marking, &found, 4, "marking"), [4, 0]);
+}
+
+#[test]
+fn a_cut_while_the_new_image_confirms_itself_leaves_either() {
+    let Some(images) = images() else { return };
+    let mut board = marked(images);
+    while board.bench().samples() == 0 {
+        board.run_for(Duration::from_millis(1)).expect("no finding");
+    }
+    let (board, mut client) = connected(board);
+    assert!(answers(&mut client, Duration::from_secs(1)), "it serves");
+    assert_eq!(report(&mut client).standing, Standing::Trial);
+    // It confirms itself after 0.1 s of blocks.
+    let confirming = board.borrow().clone();
+    let until = confirming.now() + Duration::from_millis(180);
+    let found = operations(confirming.clone(), STEP, |board: &Board| board.now() >= until);
+    assert_eq!(erases(&found), [false, true, true, false]);
+    let [old, new] = cut(&confirming, &found, 4, "confirming");
+    assert!(old + new == 4 && new > 0);
+}
