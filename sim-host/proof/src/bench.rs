@@ -1,7 +1,7 @@
 //! The list of benches. Built-in suites and code give the same [`Evidence`].
 
 use crate::evidence::{Error, Evidence, Options, built_in};
-use crate::{board_faults, board_scenes, crash, friction, guard, instructions, precision, thesis};
+use crate::{board_faults, board_scenes, crash, field_update, friction, guard, instructions, precision, thesis};
 use scene::load::LoadError;
 use scene::suite::{self, LoadedSuite};
 
@@ -22,7 +22,7 @@ pub struct Bench {
 }
 
 /// All benches, in the order in which they run.
-pub const BENCHES: [Bench; 9] = [
+pub const BENCHES: [Bench; 10] = [
     Bench {
         name: "tracking",
         about: "every tracking case over many seeds, against targets, Cramer-Rao bounds and the numbers of its faults",
@@ -64,6 +64,13 @@ pub const BENCHES: [Bench; 9] = [
         has_quick: true,
         suite: None,
         run: board_scenes::evidence,
+    },
+    Bench {
+        name: "update-cuts",
+        about: "power cuts while first stage and image update a board, on the model of the part: who starts afterwards",
+        has_quick: true,
+        suite: None,
+        run: field_update::evidence,
     },
     Bench {
         name: "precision",

@@ -68,6 +68,9 @@ pub enum Error {
     /// The campaign of faults has no board to begin with.
     #[error(transparent)]
     BoardFaults(#[from] crate::board_faults::FaultError),
+    /// The campaign of power cuts has no board to begin with.
+    #[error(transparent)]
+    FieldUpdate(#[from] crate::field_update::UpdateError),
     /// A table of numbers cannot be written.
     #[error(transparent)]
     Csv(#[from] csv::Error),
