@@ -209,15 +209,16 @@ impl Shaper {
         let Blend { lower, upper, weight } = bands.at(play.stretch.frequency());
         for (n, (lane, codes)) in play.lanes.iter().zip(&mut drive.lanes).enumerate() {
             let (peak, mut phases) = (size.at(lane.gain) * lane.gain, play.stretch.phases(lane.offset));
-            let beside = if weight == 1.0 {
-                self.write(play, codes, || peak * upper.at(phases.take()))
-            } else {
-                self.write(play, codes, || {
-                    let phase = phases.take();
-                    let (low, high) = (lower.at(phase), upper.at(phase));
-                    peak * (low + weight * (high - low))
-                })
-            };
+            // One closure for both: the loops around it are written out once.
+            let beside = self.write(play, codes, || {
+                let phase = phases.take();
+                let high = upper.at(phase);
+                if weight == 1.0 {
+                    return peak * high;
+                }
+                let low = lower.at(phase);
+                peak * (low + weight * (high - low))
+            });
             self.owe(n, beside);
         }
     }

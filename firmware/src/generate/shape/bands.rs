@@ -4,6 +4,9 @@
 //! A two-level square sent through a converter at 25 samples a period folds its upper harmonics back into the band: 14 dB below the
 //! fundamental, all together. Tables of 1024 entries with linear interpolation are exact to `(2 pi k / 1024)^2 / 8` of harmonic `k`.
 //!
+//! A wave of sines is odd, so that half of its period is stored; one of odd harmonics is its own mirror within that half as well, and a quarter is. What
+//! is read is the same to the last bit as in a table of the whole period: mirrored entries have the same bits, and interpolation goes the same way.
+//!
 //! Where the frequency moves, the topmost harmonics must neither fold nor jump: they fade as they come near half the sample rate.
 //! Between two bands the waveform is a blend of both tables, and the weight depends on nothing but the frequency.
 
@@ -17,9 +20,32 @@ const FRACTION_SCALE: f32 = 1.0 / (1u32 << FRACTION_BITS) as f32;
 /// A harmonic is whole up to the first of these frequencies (cycles a sample), and gone from the second on.
 const FADE: (f32, f32) = (0.46, 0.5);
 
-/// One period of a waveform; the first entry stands again at the end, for interpolation. And the amplitude of its fundamental.
+/// Entries of half a period and of a quarter, with the first of what follows, for interpolation.
+pub(super) const HALF: usize = LENGTH / 2 + 1;
+pub(super) const QUARTER: usize = LENGTH / 4 + 1;
+
+/// The stored part of one period of a waveform.
 #[derive(Debug)]
-pub(crate) struct Table([f32; LENGTH + 1], f32);
+pub(super) struct Part<const N: usize> {
+    entries: [f32; N],
+    /// Amplitude of its fundamental.
+    fundamental: f32,
+}
+
+/// One period of a waveform, by the part of it that is stored.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Table {
+    entries: &'static [f32],
+    fundamental: f32,
+}
+
+impl<const N: usize> Part<N> {
+    /// The period that this is the half or the quarter of.
+    pub(super) const fn table(&'static self) -> Table {
+        assert!(N == HALF || N == QUARTER);
+        Table { entries: &self.entries, fundamental: self.fundamental }
+    }
+}
 
 impl Table {
     /// The waveform at a phase of `phase / 2^32` turns.
@@ -27,8 +53,14 @@ impl Table {
     pub(crate) fn at(&self, phase: u32) -> f32 {
         let index = (phase >> FRACTION_BITS) as usize;
         let fraction = (phase & ((1 << FRACTION_BITS) - 1)) as f32 * FRACTION_SCALE;
-        let here = self.0[index];
-        here + (self.0[index + 1] - here) * fraction
+        let within = index & (LENGTH / 2 - 1);
+        // The second half of a period, or the second quarter of each half, is read from its end.
+        let mirrored = index & (self.entries.len() - 1) != 0;
+        let (here, next) = if mirrored { (LENGTH / 2 - within, LENGTH / 2 - 1 - within) } else { (within, within + 1) };
+        let entry = |place: usize| self.entries.get(place).copied().unwrap_or(0.0);
+        let (here, next) = (entry(here), entry(next));
+        let value = here + (next - here) * fraction;
+        if index & (LENGTH / 2) != 0 { -value } else { value }
     }
 }
 
@@ -36,16 +68,16 @@ impl Table {
 #[derive(Debug)]
 pub struct Bands {
     /// The highest harmonic of each table, rising, and the tables. From one to the next by a tenth at least, so that no two fade at once.
-    tables: &'static [(u8, &'static Table)],
+    tables: &'static [(u8, Table)],
 }
 
 /// The waveform at one frequency: `lower + weight (upper - lower)`.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Blend {
     /// The table with fewer harmonics.
-    pub(crate) lower: &'static Table,
+    pub(crate) lower: Table,
     /// The table with more.
-    pub(crate) upper: &'static Table,
+    pub(crate) upper: Table,
     /// The weight of the upper, 0 to 1.
     pub(crate) weight: f32,
 }
@@ -53,12 +85,12 @@ pub(crate) struct Blend {
 impl Blend {
     /// Amplitude of the fundamental.
     pub(crate) fn fundamental(&self) -> f32 {
-        self.lower.1 + self.weight * (self.upper.1 - self.lower.1)
+        self.lower.fundamental + self.weight * (self.upper.fundamental - self.lower.fundamental)
     }
 }
 
 impl Bands {
-    pub(super) const fn new(tables: &'static [(u8, &'static Table)]) -> Self {
+    pub(super) const fn new(tables: &'static [(u8, Table)]) -> Self {
         Bands { tables }
     }
 
@@ -89,12 +121,14 @@ const SINES: [f64; LENGTH] = {
 };
 
 /// `p sum_k a(k) sin(2 pi k phase)` of every `every`-th harmonic up to `highest`, `a(k) = 1 / k`, or with falling signs `(-1)^(k + 1) / k`; `p`
-/// makes the peak one.
-pub(super) const fn additive(highest: usize, every: usize, alternating: bool) -> Table {
-    let mut entries = [0.0; LENGTH + 1];
+/// makes the peak one. Of the first `N` entries.
+pub(super) const fn additive<const N: usize>(highest: usize, every: usize, alternating: bool) -> Part<N> {
+    // A quarter is all there is of odd harmonics only.
+    assert!(N == HALF || N == QUARTER && every == 2);
+    let mut sums = [0.0; N];
     let mut peak = 0.0;
     let mut n = 0;
-    while n <= LENGTH {
+    while n < N {
         let mut sum = 0.0;
         let mut k = 1;
         while k <= highest {
@@ -102,19 +136,21 @@ pub(super) const fn additive(highest: usize, every: usize, alternating: bool) ->
             sum += if alternating && k % 2 == 0 { -term } else { term };
             k += every;
         }
-        entries[n] = sum;
-        if sum > peak {
-            peak = sum;
+        sums[n] = sum;
+        // The other half has the same values with the other sign.
+        let size = if sum < 0.0 { -sum } else { sum };
+        if size > peak {
+            peak = size;
         }
         n += 1;
     }
-    let mut scaled = [0.0; LENGTH + 1];
+    let mut entries = [0.0; N];
     n = 0;
-    while n <= LENGTH {
-        scaled[n] = (entries[n] / peak) as f32;
+    while n < N {
+        entries[n] = (sums[n] / peak) as f32;
         n += 1;
     }
-    Table(scaled, (1.0 / peak) as f32)
+    Part { entries, fundamental: (1.0 / peak) as f32 }
 }
 
 #[cfg(test)]
@@ -171,11 +207,36 @@ mod tests {
         }
     }
 
+    /// By a table of the whole period, as the definition has it.
+    #[test]
+    fn a_part_reads_as_the_whole_period_to_the_last_bit() {
+        for (bands, every, alternating) in [(&square::BANDS, 2, false), (&sawtooth::BANDS, 1, true)] {
+            for &(highest, table) in bands.tables {
+                let sum = |n: usize| {
+                    (1..=usize::from(highest)).step_by(every).fold(0.0, |sum, k| {
+                        let term = SINES[(n * k) % LENGTH] / k as f64;
+                        sum + if alternating && k % 2 == 0 { -term } else { term }
+                    })
+                };
+                let sums: std::vec::Vec<f64> = (0..=LENGTH).map(sum).collect();
+                let peak = sums.iter().copied().fold(0.0, f64::max);
+                let entry = |n: usize| (sums[n] / peak) as f32;
+                for phase in (0..1 << 18).map(|n: u32| n << 14 | n & 0x3fff) {
+                    let (index, fraction) = ((phase >> FRACTION_BITS) as usize, phase & ((1 << FRACTION_BITS) - 1));
+                    let whole = entry(index) + (entry(index + 1) - entry(index)) * (fraction as f32 * FRACTION_SCALE);
+                    // Two zeros are equal, whatever their signs; no other two numbers are.
+                    assert_eq!(table.at(phase), whole, "{highest} at {phase:#x}");
+                }
+                assert_eq!(table.fundamental, (1.0 / peak) as f32);
+            }
+        }
+    }
+
     #[test]
     fn the_peak_is_one() {
         for bands in [&square::BANDS, &sawtooth::BANDS] {
             for (highest, table) in bands.tables {
-                let peak = table.0.iter().fold(0.0f32, |peak, x| peak.max(x.abs()));
+                let peak = table.entries.iter().fold(0.0f32, |peak, x| peak.max(x.abs()));
                 assert_eq!(peak, 1.0, "{highest}");
             }
         }

@@ -19,6 +19,9 @@ use crate::seam::config::{Config, Drive};
 use crate::seam::error::Error;
 
 const SECTIONS: usize = 4;
+/// The two poles of the prototype above the real axis, `exp(j pi (5 + 2 n) / 8)`, as libm has them; those below are their conjugates, and give the
+/// conjugate poles.
+const PROTOTYPE: [(f64, f64); 2] = [(-0.3826834323650897, 0.9238795325112867), (-0.9238795325112867, 0.3826834323650899)];
 /// Peak over rms.
 const CREST: f32 = 4.0;
 /// Narrowest band, as a part of its centre, and lowest corner, as a part of the sample rate: poles nearer to the unit circle than single
@@ -108,9 +111,8 @@ fn sections(low: f64, high: f64) -> [Section; SECTIONS] {
     let warped = |cycles: f64| 2.0 * libm::tan(core::f64::consts::PI * cycles);
     let (width, square) = (warped(high) - warped(low), warped(high) * warped(low));
     let section = |prototype: usize, sign: f64| {
-        // The two poles of the prototype above the real axis; those below are their conjugates, and give the conjugate poles.
-        let angle = core::f64::consts::PI * (5.0 + 2.0 * prototype as f64) / 8.0;
-        let half = Complex64::new(libm::cos(angle), libm::sin(angle)) * (0.5 * width);
+        let (re, im) = PROTOTYPE[prototype];
+        let half = Complex64::new(re, im) * (0.5 * width);
         let s = half + root(half * half - square) * sign;
         let z = (Complex64::new(2.0, 0.0) + s) / (Complex64::new(2.0, 0.0) - s);
         Section { a1: (2.0 * z.re) as f32, a2: z.norm_sqr() as f32, ..Section::default() }
@@ -145,5 +147,18 @@ impl Dither {
     pub(crate) fn take(&mut self) -> f32 {
         let next = 0.5 * self.white.next();
         next - core::mem::replace(&mut self.last, next)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn poles_of_the_prototype_are_those_of_libm_to_the_last_bit() {
+        for (n, pole) in PROTOTYPE.into_iter().enumerate() {
+            let angle = core::f64::consts::PI * (5.0 + 2.0 * n as f64) / 8.0;
+            assert_eq!(pole, (libm::cos(angle), libm::sin(angle)));
+        }
     }
 }
