@@ -202,8 +202,10 @@ impl<W: Wires> Stm32g474<W> {
         let now = self.now(at);
         for index in 0..4 {
             let both = channels >> (2 * index) & 3;
-            for channel in (0..2).filter(|channel| both >> channel & 1 != 0) {
-                self.step(now, index, channel, ports)?;
+            // Both put out what they hold before DMA brings anything: one request can be for both (22.4.8).
+            let asks = [0, 1].map(|channel| both >> channel & 1 != 0 && self.put(index, channel));
+            for channel in (0..2).filter(|channel| asks[*channel]) {
+                self.ask(now, index, channel, ports)?;
             }
             if both != 0 {
                 self.put_out(at, index, true, ports)?;
@@ -214,14 +216,21 @@ impl<W: Wires> Stm32g474<W> {
 
     /// A trigger of a channel: what is held is put out, and DMA is asked for more (22.4.8).
     fn step(&mut self, now: Now, index: usize, channel: usize, ports: &mut Ports) -> Result<(), Fault> {
+        if self.put(index, channel) { self.ask(now, index, channel, ports) } else { Ok(()) }
+    }
+
+    /// Puts out what a channel holds; returns whether it then asks DMA for more.
+    fn put(&mut self, index: usize, channel: usize) -> bool {
         let double = Mcr(self.regs[first(index) + reg::MCR]).dmadouble(channel);
         let dac = &mut self.dacs[index];
         let is_second = double && dac.is_second[channel];
         dac.output[channel] = if is_second { dac.second[channel] } else { dac.held[channel] };
         dac.is_second[channel] = double && !is_second;
-        if !self.dac_cr(index).dmaen(channel) || (double && !is_second) {
-            return Ok(());
-        }
+        self.dac_cr(index).dmaen(channel) && (!double || is_second)
+    }
+
+    /// Asks DMA for the next code of a channel.
+    fn ask(&mut self, now: Now, index: usize, channel: usize, ports: &mut Ports) -> Result<(), Fault> {
         let sr = first(index) + reg::SR;
         if self.regs[sr] & UNDERRUN[channel] != 0 {
             return Ok(());
