@@ -83,7 +83,8 @@ pub struct Motor {
 }
 
 /// What a block adds up to besides [`Sums`].
-struct Block {
+#[derive(Clone, Debug)]
+pub(crate) struct Block {
     sums: Sums,
     tone: Tone,
     normal: f64,
@@ -240,47 +241,65 @@ impl Motor {
     }
 }
 
-impl Analog for Motor {
-    fn exchange(&mut self, drive: &DriveBlock, sense: &mut SenseBlock) {
+impl Motor {
+    /// Begins a block: what changes in the plant changes between two blocks.
+    pub(crate) fn begin(&mut self) -> Block {
         self.disturb();
-        let count = drive.lanes.first().map_or(0, |lane| lane.len());
-        // As the board's multiplexer stands while these codes play.
-        let listen = usize::from(drive.listen).min(MAX_LANES - 1);
-        let (steps, step_s) = (self.timing.steps as usize, self.timing.step_s());
-        let mut block = Block { sums: Sums::new(), tone: Tone::default(), normal: 0.0, rotor_work: 0.0 };
-        sense.v.clear();
-        sense.i.clear();
-        sense.slow = SlowSense::default();
         if let Some(samples) = &mut self.samples {
             samples.clear();
         }
+        Block { sums: Sums::new(), tone: Tone::default(), normal: 0.0, rotor_work: 0.0 }
+    }
+
+    /// Plays one code on each lane, and returns the codes of voltage and current that were sampled meanwhile, of the lane `listen`. A lane without a code
+    /// is held at zero volts.
+    pub(crate) fn play(&mut self, codes: &[Option<u16>; MAX_LANES], listen: usize, block: &mut Block) -> (u16, u16) {
+        let (steps, step_s) = (self.timing.steps as usize, self.timing.step_s());
+        let volts: [f64; MAX_LANES] = codes.map(|code| code.map_or(0.0, |code| self.dac.volts(code)));
+        let played = self.lanes.play(&volts);
+        let (mut v, mut i, mut friction) = (0, 0, 0.0);
+        let mut last = Dragged::default();
+        for step in 0..steps {
+            last = self.step(step, &played, step_s, block);
+            friction += last.force_n;
+            let (v_adc, i_adc) = (&mut self.v_adc, &mut self.i_adc);
+            self.linear.sample(step, listen, &played, last.modes_n, |voltage, current| {
+                v += v_adc.convert(voltage);
+                i += i_adc.convert(current);
+            });
+        }
+        let force = self.model.drive_force_n(&self.linear.voltages());
+        let acting = [force[0] + last.modes_n[0], force[1] + last.modes_n[1]];
+        block.tone.update(&self.model, self.linear.amplitudes(), self.linear.velocities(), acting);
+        let sample = self.samples.is_some().then(|| self.sample(friction / steps as f64));
+        if let (Some(samples), Some(sample)) = (&mut self.samples, sample) {
+            samples.push(sample);
+        }
+        (v, i)
+    }
+
+    /// Ends a block in which this was played.
+    pub(crate) fn end(&mut self, drive: &DriveBlock, block: &Block) {
+        let samples = drive.lanes.first().map_or(0, |lane| lane.len());
+        self.account(drive, block, (samples * self.timing.steps as usize) as f64);
+    }
+}
+
+impl Analog for Motor {
+    fn exchange(&mut self, drive: &DriveBlock, sense: &mut SenseBlock) {
+        let count = drive.lanes.first().map_or(0, |lane| lane.len());
+        // As the board's multiplexer stands while these codes play.
+        let listen = usize::from(drive.listen).min(MAX_LANES - 1);
+        let mut block = self.begin();
+        sense.v.clear();
+        sense.i.clear();
+        sense.slow = SlowSense::default();
         for n in 0..count {
-            // A lane that is not driven is held at zero volts.
-            let code =
-                |lane: usize| drive.lanes.get(lane).and_then(|codes| codes.get(n)).map_or(0.0, |&code| self.dac.volts(code));
-            let volts: [f64; MAX_LANES] = std::array::from_fn(code);
-            let played = self.lanes.play(&volts);
-            let (mut v, mut i, mut friction) = (0, 0, 0.0);
-            let mut last = Dragged::default();
-            for step in 0..steps {
-                last = self.step(step, &played, step_s, &mut block);
-                friction += last.force_n;
-                let (v_adc, i_adc) = (&mut self.v_adc, &mut self.i_adc);
-                self.linear.sample(step, listen, &played, last.modes_n, |voltage, current| {
-                    v += v_adc.convert(voltage);
-                    i += i_adc.convert(current);
-                });
-            }
-            let force = self.model.drive_force_n(&self.linear.voltages());
-            let acting = [force[0] + last.modes_n[0], force[1] + last.modes_n[1]];
-            block.tone.update(&self.model, self.linear.amplitudes(), self.linear.velocities(), acting);
+            let codes = std::array::from_fn(|lane| drive.lanes.get(lane).and_then(|codes| codes.get(n)).copied());
+            let (v, i) = self.play(&codes, listen, &mut block);
             // A sense block holds as many samples as the longest drive block.
             let _ = (sense.v.push(v), sense.i.push(i));
-            let sample = self.samples.is_some().then(|| self.sample(friction / steps as f64));
-            if let (Some(samples), Some(sample)) = (&mut self.samples, sample) {
-                samples.push(sample);
-            }
         }
-        self.account(drive, &block, (count * steps) as f64);
+        self.end(drive, &block);
     }
 }

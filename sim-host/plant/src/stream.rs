@@ -3,39 +3,77 @@
 //! The codes are the same, bit for bit: what a sample is depends on no later code, and what changes between two blocks changes where the
 //! blocks of the scene begin.
 
-use firmware::seam::block::SlowSense;
+use firmware::seam::block::{DriveBlock, MAX_LANES, SlowSense};
 
-use crate::driven_stack::DrivenStack;
+use crate::Plant;
+use crate::motor::Block;
 use crate::sums::Sums;
 
-/// A stack that is played code by code.
+/// A plant that is played code by code.
 #[derive(Clone, Debug)]
 pub struct Stream {
-    stack: DrivenStack,
+    plant: Plant,
+    /// The block that is under way, as it has been played.
+    drive: DriveBlock,
     block_samples: usize,
-    sums: Sums,
-    samples: usize,
+    open: Open,
     slow: SlowSense,
 }
 
+/// What the block that is under way has added up to.
+#[derive(Clone, Debug)]
+enum Open {
+    /// None is under way.
+    Between,
+    Stack(Sums),
+    Motor(Box<Block>),
+}
+
 impl Stream {
-    /// Begins with the stack as it is; `block_samples` codes are a block.
-    pub fn new(stack: DrivenStack, block_samples: usize) -> Self {
-        Stream { stack, block_samples, sums: Sums::new(), samples: 0, slow: SlowSense::default() }
+    /// Begins with the plant as it is, on so many lanes; `block_samples` codes are a block.
+    pub fn new(plant: Plant, lanes: usize, block_samples: usize) -> Self {
+        let drive = DriveBlock::silent(lanes, 0, 0);
+        Stream { plant, drive, block_samples, open: Open::Between, slow: SlowSense::default() }
     }
 
-    /// Plays one code, and returns the codes of voltage and current that were sampled meanwhile.
-    pub fn play(&mut self, code: u16) -> (u16, u16) {
-        if self.samples == 0 {
-            self.sums = self.stack.begin();
+    /// Plays one code on each lane, and returns the codes of voltage and current that were sampled meanwhile, of the lane `listen`.
+    pub fn play(&mut self, codes: [u16; MAX_LANES], listen: u8) -> (u16, u16) {
+        for (lane, code) in self.drive.lanes.iter_mut().zip(codes) {
+            // A block has no more samples than there is room for.
+            let _ = lane.push(code);
         }
-        let sampled = self.stack.play(code, &mut self.sums);
-        self.samples += 1;
-        if self.samples == self.block_samples {
-            self.slow = self.stack.end(&self.sums, self.samples);
-            self.samples = 0;
+        if matches!(self.open, Open::Between) {
+            self.open = match &mut self.plant {
+                Plant::Stack(stack) => Open::Stack(stack.begin()),
+                Plant::Crash(crash) => Open::Stack(crash.begin()),
+                Plant::Motor(motor) => Open::Motor(Box::new(motor.begin())),
+            };
+        }
+        let lanes = self.drive.lanes.len();
+        let sampled = match (&mut self.plant, &mut self.open) {
+            (Plant::Stack(stack), Open::Stack(sums)) => stack.play(codes[0], sums),
+            (Plant::Crash(crash), Open::Stack(sums)) => crash.play(codes[0], sums),
+            (Plant::Motor(motor), Open::Motor(block)) => {
+                let codes = std::array::from_fn(|lane| (lane < lanes).then_some(codes[lane]));
+                motor.play(&codes, usize::from(listen).min(MAX_LANES - 1), block)
+            }
+            _ => (0, 0),
+        };
+        if self.drive.lanes.first().is_some_and(|lane| lane.len() == self.block_samples) {
+            self.end();
         }
         sampled
+    }
+
+    fn end(&mut self) {
+        let open = std::mem::replace(&mut self.open, Open::Between);
+        match (&mut self.plant, &open) {
+            (Plant::Stack(stack), Open::Stack(sums)) => self.slow = stack.end(sums, self.block_samples),
+            (Plant::Crash(crash), Open::Stack(sums)) => self.slow = crash.end(&self.drive, sums),
+            (Plant::Motor(motor), Open::Motor(block)) => motor.end(&self.drive, block),
+            _ => {}
+        }
+        self.drive.lanes.iter_mut().for_each(|lane| lane.clear());
     }
 
     /// The slow sensors at the end of the last whole block.
@@ -43,39 +81,44 @@ impl Stream {
         &self.slow
     }
 
-    /// The stack.
-    pub fn stack(&self) -> &DrivenStack {
-        &self.stack
+    /// The plant.
+    pub fn plant(&self) -> &Plant {
+        &self.plant
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use firmware::seam::block::{DriveBlock, SenseBlock};
+    use firmware::seam::block::SenseBlock;
     use hal_mock::analog::Analog;
     use scene::load::load;
 
     use super::*;
-    use crate::Plant;
 
     #[test]
     fn samples_are_those_of_blocks() {
-        for name in ["lock", "friction-ratio", "lock-drift"] {
+        for (name, lanes) in
+            [("lock", 1), ("friction-ratio", 1), ("lock-drift", 1), ("belt-stop", 1), ("dring-crash", 1), ("usm", 4)]
+        {
             let loaded = load(name, &[]).unwrap();
-            let Plant::Stack(stack) = Plant::new(&loaded.scene.driven().unwrap()) else { panic!("{name}") };
-            let (mut blocks, mut stream) = (stack.clone(), Stream::new(*stack, 32));
-            let mut drive = DriveBlock::silent(1, 32, 2048);
+            let mut blocks = Plant::new(&loaded.scene.driven().unwrap());
+            let mut stream = Stream::new(blocks.clone(), lanes, 32);
+            let mut drive = DriveBlock::silent(lanes, 32, 2048);
             let mut sense = SenseBlock::default();
             for block in 0..2000_u32 {
-                for (n, code) in drive.lanes[0].iter_mut().enumerate() {
-                    *code = if (32 * block + n as u32) % 25 < 12 { 2600 } else { 1496 };
+                for (lane, codes) in drive.lanes.iter_mut().enumerate() {
+                    for (n, code) in codes.iter_mut().enumerate() {
+                        let phase = (32 * block + n as u32 + 6 * lane as u32) % 25;
+                        *code = if phase < 12 { 2600 } else { 1496 };
+                    }
                 }
                 blocks.exchange(&drive, &mut sense);
-                let sampled: Vec<(u16, u16)> = drive.lanes[0].iter().map(|&code| stream.play(code)).collect();
+                let codes = |n: usize| std::array::from_fn(|lane| drive.lanes.get(lane).map_or(0, |codes| codes[n]));
+                let sampled: Vec<(u16, u16)> = (0..32).map(|n| stream.play(codes(n), 0)).collect();
                 assert_eq!(sampled, sense.v.iter().copied().zip(sense.i.iter().copied()).collect::<Vec<_>>(), "{name} {block}");
                 assert_eq!(*stream.slow(), sense.slow, "{name} {block}");
             }
-            assert_eq!(stream.stack().truth().tip_velocity_m_per_s, blocks.truth().tip_velocity_m_per_s);
+            assert_eq!(stream.plant().truth(), blocks.truth(), "{name}");
             assert!(blocks.truth().tip_velocity_m_per_s > 0.0, "{name} moves");
         }
     }

@@ -9,7 +9,7 @@
 //! `stack` is the simulated stack itself. Three motions run beside each other: the one that is switched; the same belt with nothing that
 //! lowers its friction; and the first one again at half the step, for the error.
 
-use firmware::seam::block::{DriveBlock, SenseBlock};
+use firmware::seam::block::{DriveBlock, SenseBlock, SlowSense};
 use hal_mock::analog::Analog;
 
 use super::motion::{Extremes, Motion};
@@ -21,6 +21,7 @@ use crate::driven_stack::DrivenStack;
 use crate::encoder::Encoder;
 use crate::energy::Energy;
 use crate::force_channel::ForceChannel;
+use crate::sums::Sums;
 use crate::truth::{Sample, Truth};
 use scene::{self, ActuatorKind, Driven};
 
@@ -214,9 +215,25 @@ fn belt(motion: &Motion) -> Belt {
     }
 }
 
-impl Analog for Crash {
-    fn exchange(&mut self, drive: &DriveBlock, sense: &mut SenseBlock) {
-        self.stack.exchange(drive, sense);
+impl Crash {
+    /// Begins a block.
+    pub(crate) fn begin(&mut self) -> Sums {
+        self.stack.begin()
+    }
+
+    /// Plays one code, and returns the codes of voltage and current that were sampled meanwhile.
+    pub(crate) fn play(&mut self, code: u16, sums: &mut Sums) -> (u16, u16) {
+        self.stack.play(code, sums)
+    }
+
+    /// Ends a block in which this was played, and reads the slow sensors.
+    pub(crate) fn end(&mut self, drive: &DriveBlock, sums: &Sums) -> SlowSense {
+        let slow = self.stack.end(sums, drive.lanes.first().map_or(0, |lane| lane.len()));
+        self.advance(drive, slow)
+    }
+
+    /// Moves torso and belt on by a block, in which the stack has played this; returns what the sensors say.
+    fn advance(&mut self, drive: &DriveBlock, slow: SlowSense) -> SlowSense {
         let plays = self.plays(drive);
         let begins_s = self.blocks as f64 * self.block_s;
         if plays && self.playback.low_s.is_none() && begins_s >= self.bench.pulse.at_s {
@@ -235,10 +252,20 @@ impl Analog for Crash {
             motion.advance_to(time_s);
         }
         let (shoulder_n, payout_m) = (self.switched.tensions().shoulder_n, self.switched.state().payout_m);
-        sense.slow.force = self.force.as_mut().map(|force| force.measure(shoulder_n));
-        sense.slow.belt = self.encoder.map(|encoder| encoder.read(payout_m));
         self.truth =
             Truth { belt_position_m: payout_m, belt_speed_m_per_s: self.switched.payout_m_per_s(), ..*self.stack.truth() };
         self.keep(time_s, plays);
+        SlowSense {
+            force: self.force.as_mut().map(|force| force.measure(shoulder_n)),
+            belt: self.encoder.map(|encoder| encoder.read(payout_m)),
+            ..slow
+        }
+    }
+}
+
+impl Analog for Crash {
+    fn exchange(&mut self, drive: &DriveBlock, sense: &mut SenseBlock) {
+        self.stack.exchange(drive, sense);
+        sense.slow = self.advance(drive, sense.slow);
     }
 }
