@@ -1,10 +1,13 @@
 //! The belt of experiment 2 through the whole chain, against the closed form of its law and against what the thesis states.
 
 use contact::empirical::{EmpiricalLaw, reached};
+use firmware::seam::fault::Fault;
+use firmware::seam::mode::Mode;
 use scene::load::load;
 use sim::instruments::measure;
 use sim::metrics::Metrics;
 use sim::run::{Watch, run};
+use sim::swing::Swing;
 
 const LAG_S: f64 = 0.45;
 
@@ -55,6 +58,17 @@ fn on_times_agree_with_the_closed_form() {
         assert!((got - closed).abs() < 0.4, "{on_s} s: {got} % for {closed} %");
         assert!((metric(&metrics, "on_time_s") - on_s).abs() < 2e-4);
     }
+}
+
+/// A D-ring whose encoder nobody has scaled: the controller itself refuses, before anything is driven.
+#[test]
+fn without_the_belts_scale_nothing_is_driven_at_a_d_ring() {
+    let mut loaded = load("dring-crash", &[]).unwrap_or_else(|error| panic!("{error}"));
+    loaded.scene.sensors.get_or_insert_default().encoder_counts_per_mm = None;
+    let scene = loaded.scene.driven().unwrap();
+    let record = run(&scene, Watch::default()).unwrap();
+    assert_eq!((record.last.mode, record.last.fault), (Mode::Fault, Some(Fault::BeltScaleMissing)));
+    assert!(record.rows.iter().all(|row| row.swing == Swing::default()), "all codes are mid-scale");
 }
 
 /// An amplifier that cannot give what 670 N takes leaves the horn short, and the law uses that amplitude, not the ordered one.

@@ -5,6 +5,7 @@
 //!
 //! Skipped, with a message, where the target's core library is not installed.
 
+mod belt;
 mod power_cut;
 mod protection;
 mod refusals;
@@ -102,10 +103,10 @@ fn the_image_finds_and_locks_the_dummy_load_bit_for_bit() {
 #[test]
 fn a_scene_that_the_image_cannot_do_is_refused_by_name() {
     let Some(elf) = elf() else { return };
-    let loaded = load("usm", &[]).expect("a built-in scene");
+    let loaded = load("waveforms", &[]).expect("a built-in scene");
     let scene = loaded.scene.driven().expect("a driven scene");
     let Err(BoardError::Misfit(misfit)) = Board::start(elf, &scene, Options::default()) else { panic!("it starts") };
-    assert!(misfit.to_string().contains("lanes"), "{misfit}");
+    assert!(misfit.to_string().contains("block_samples"), "{misfit}");
     assert!(matches!(
         Board::start(b"nothing", &dummy_load().scene.driven().expect("driven"), Options::default()),
         Err(BoardError::Image(_))

@@ -3,7 +3,7 @@
 //! | part | watches | says |
 //! |---|---|---|
 //! | `electrical` | voltage, current, lost blocks | faults 11, 20, 21, 23, 28 |
-//! | [`weld`] | whether the belt moves, what its force says, energy for each metre | mutes (limit 101); faults 40 to 43, 46 |
+//! | [`weld`] | whether the belt moves, what its force says, energy for each metre | mutes (limit 101); faults 40 to 43, 46, 47 |
 //! | `heat` | temperature of board and stack, mean power | derates (limit 100); fault 44 |
 //! | [`on_time`] | how long the drive is ON | fault 45 |
 //!
@@ -73,19 +73,21 @@ pub struct Guard {
     weld: Weld,
     heat: Heat,
     on_time: OnTime,
-    /// Power or ON time have a limit.
+    /// Power or ON time have a limit, or there is a D-ring that must not be driven.
     limited: bool,
 }
 
 impl Guard {
     /// Builds a guard of the configured limits, and checks these.
     pub fn build(config: &Config, block_s: f32) -> Result<Self, Error> {
+        let weld = Weld::build(config, block_s)?;
+        let unscaled = weld.is_unscaled();
         Ok(Guard {
             electrical: Electrical::build(config),
-            weld: Weld::build(config, block_s)?,
+            weld,
             heat: Heat::build(config, block_s),
             on_time: OnTime::build(config, block_s),
-            limited: config.limits.power_w.is_some() || config.limits.on_time_s.is_some(),
+            limited: unscaled || config.limits.power_w.is_some() || config.limits.on_time_s.is_some(),
         })
     }
 

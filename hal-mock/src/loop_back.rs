@@ -2,7 +2,9 @@
 //! emergency stop, watchdog and late blocks; it has no resonance to find.
 
 use firmware::seam::block::{Amplitude, BeltSense, DriveBlock, SenseBlock};
-use firmware::seam::config::{Burst, Config, Drive, FrontEnd, Limits, Link, Phasing, Sweep, Thermometer, Tracking, TrackingMode};
+use firmware::seam::config::{
+    Burst, Config, Drive, FrontEnd, HeatSink, Limits, Link, Phasing, Sweep, Thermometer, Tracking, TrackingMode,
+};
 
 use crate::analog::Analog;
 
@@ -63,6 +65,7 @@ pub fn config() -> Config {
             drive_lanes: 4,
             metre_per_count: None,
             force_hz: None,
+            newton_per_lsb: None,
         },
         drive: Drive::sine(40_400.0, Amplitude::Volts(3.0), 1.0),
         sweep: Sweep::Hold,
@@ -70,6 +73,7 @@ pub fn config() -> Config {
         burst: Burst::default(),
         tracking: Tracking { mode: TrackingMode::Off, span: 0.05, bandwidth_hz: 100.0, ..Tracking::new(50.0, 200e-9) },
         thermometer: Thermometer::default(),
+        heat_sink: HeatSink::default(),
         limits: Limits { voltage_v: 12.0, current_a: 3.0, belt_stop_ms: 5.0, ..Limits::default() },
         friction: None,
         restraint: None,

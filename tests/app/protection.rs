@@ -3,9 +3,11 @@
 use firmware::board::command::Command;
 use firmware::controller::Controller;
 use firmware::seam::block::{Gate, LATENCY_BLOCKS};
+use firmware::seam::config::Restraint;
 use firmware::seam::error::Error;
 use firmware::seam::fault::{Fault, Limit};
 use firmware::seam::mode::Mode;
+use firmware::seam::refusal::Refusal;
 use hal_mock::bench::{Bench, Queues, Setup};
 
 use super::*;
@@ -195,6 +197,30 @@ fn without_the_configured_encoder_nothing_is_driven() {
     let mut bench = ordered_to_run_with(&mut queues, &with_encoder, &[]);
     bench.blocks(50);
     assert_eq!((bench.fault(), last_sounding(&mut bench)), (Some(Fault::BeltSensorLost), None));
+}
+
+#[test]
+fn a_d_ring_without_the_scale_of_its_belt_is_not_driven() {
+    let unscaled = setup(|config| config.restraint = Some(Restraint::default()));
+    let mut queues = Queues::default();
+    let mut bench = bench(&mut queues, &unscaled);
+    // An encoder that counts is not enough: nobody has said how much belt a count is.
+    set_belt(&mut bench, 1);
+    for order in [Command::Run, Command::Scan, Command::Calibrate] {
+        assert_eq!(bench.ask(order), Some(Reply::Nak(Refusal::NoBeltScale)), "{order:?}");
+    }
+    bench.blocks(50);
+    assert_eq!((bench.mode(), last_sounding(&mut bench)), (Mode::Idle, None));
+    // With it, it drives.
+    let scaled = setup(|config| {
+        config.restraint = Some(Restraint::default());
+        config.front_end.metre_per_count = Some(1e-5);
+    });
+    let mut queues = Queues::default();
+    let mut bench = super::bench(&mut queues, &scaled);
+    set_belt(&mut bench, 1);
+    assert_eq!(bench.ask(Command::Run), Some(Reply::Ack));
+    assert!(bench.run_until(|report| report.mode == Mode::Run, PATIENCE).is_some(), "{:?}", bench.fault());
 }
 
 #[test]

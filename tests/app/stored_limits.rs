@@ -5,7 +5,7 @@ use firmware::board::parameters::{Overrides, PARAMETERS, ParameterReport};
 use firmware::board::settings::{Record, Settings};
 use firmware::board::stored_state::StoredState;
 use firmware::seam::block::Amplitude;
-use firmware::seam::config::ENERGY_PER_METRE;
+use firmware::seam::config::keys::ENERGY_PER_METRE;
 use firmware::seam::config::{LaneTrims, TrackingMode, Trim, TrimPoint};
 use firmware::seam::refusal::Refusal;
 use hal_mock::bench::{Bench, Queues, Setup};

@@ -16,6 +16,7 @@
 //! |---|---|
 //! | the struct itself, in single precision | the controller |
 //! | `Limits::default()`; with the option `new` and required fields, `Limits::new(...)` | boards and tests |
+//! | with the option `optional`, parameters of a table that a configuration may be without (`seam::config::Optional`) | the link |
 //! | `Limits::VOLTAGE_V`, a `Setting`: name and range | relations that a stage checks itself |
 //! | `Limits::check()`: every value is within its range | the build |
 //! | `Limits::PARAMETERS`: the fields that have a key | the link and the stored settings |

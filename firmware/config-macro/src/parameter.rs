@@ -34,8 +34,21 @@ impl Table {
         let tables = self.options.path().map(|table| format_ident!("{table}"));
         let name = &field.name;
         let place = quote!(config #(.#tables)* .#name);
+        let optional = quote!(<Self as crate::seam::config::Optional>);
         let (read, write) = match (&field.access, &field.value) {
             (Some((read, write)), _) => (quote!(#read), quote!(#write)),
+            // Of a table that is not there the defaults are read, and nothing is written.
+            (None, _) if self.options.optional => {
+                let table = quote!(#optional::of(config).unwrap_or(&#optional::DEFAULT).#name);
+                let (value, from) = match is_choice {
+                    true => (quote!(crate::seam::config::Choice::place(#table)), quote!(crate::seam::config::Choice::at(value))),
+                    false => (table, quote!(value)),
+                };
+                (
+                    quote!(|config| #value),
+                    quote!(|config, value| if let Some(table) = #optional::of_mut(config) { table.#name = #from }),
+                )
+            }
             (None, Value::Optional(_)) => (
                 quote!(|config| #place.unwrap_or(f32::INFINITY)),
                 quote!(|config, value| #place = value.is_finite().then_some(value)),

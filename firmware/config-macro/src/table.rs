@@ -16,6 +16,8 @@ pub(crate) struct Options {
     scene: Option<Ident>,
     /// There is a constructor of what must be given.
     new: bool,
+    /// A configuration may be without it.
+    pub(crate) optional: bool,
 }
 
 /// A table of settings.
@@ -36,6 +38,7 @@ impl Options {
                 Some("table") => options.path = option.value()?.parse::<LitStr>()?.value(),
                 Some("scene") => options.scene = Some(option.value()?.parse()?),
                 Some("new") => options.new = true,
+                Some("optional") => options.optional = true,
                 _ => return Err(option.error("no option of a table of settings")),
             }
             Ok(())

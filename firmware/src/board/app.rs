@@ -93,6 +93,8 @@ pub struct App<'a, L, E, S, W, F: NorFlash> {
     /// What the controller is configured for.
     switches_friction: bool,
     restrains: bool,
+    /// It serves the D-ring of a belt whose motion it cannot know.
+    unscaled: bool,
     faults: FaultLog,
     host: HostWatch,
     /// A reset is ordered, and its answer on its way.
@@ -149,6 +151,7 @@ where
             converters: Converters::of(config),
             switches_friction: config.friction.is_some(),
             restrains: config.restraint.is_some(),
+            unscaled: config.restraint.is_some() && config.front_end.metre_per_count.is_none(),
             host: HostWatch::new(config.link.patience_s, f32::from(config.block_samples) / config.sample_hz),
             resetting: false,
             updates: None,

@@ -20,6 +20,9 @@
 //! | a capture of a lane that there is not, or of more before the trigger than there is room for | `Nak(OutOfRange)` | what was recorded stays |
 //! | an arming while one is armed, or full | `Ack` | the capture restarts; what was recorded is gone |
 //! | a friction without a friction switch, an occupant without a belt, a limit that nothing here could judge | `Nak(NotConfigured)` | nothing happens |
+//! | a run, scan or calibration at a D-ring without the scale of its belt's encoder | `Nak(NoBeltScale)` | nothing happens |
+//! | a parameter of what the image leaves out | `Nak(LeftOut)` | nothing happens |
+//! | a parameter that acts only beside one that is not set | `Nak(NotConfigured)` | nothing happens |
 //! | a reading before the capture is full | `Nak(NotCaptured)` | |
 //! | a reading beyond its end | `Nak(OutOfRange)` | |
 //! | anything of a capture before the last was answered | `Nak(Busy)` | the last is answered |

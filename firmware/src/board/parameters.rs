@@ -9,20 +9,27 @@
 //! | between two numbers | scale factors of the front end | the ceilings of limits that are judged by them follow them |
 //! | between two numbers, or one of a few | all others | |
 //!
+//! Some act only beside another one, [`need_of`] them: what could not act is refused when it is set.
+//!
 //! Whatever is set, the converters thus never play or pass a code beyond what the image was built for. That a configuration holds together (a drive within its limit, a band within the loop's) is for
 //! [`build`](crate::controller::Controller::build) to say: see [`power_up`](crate::board::power_up).
 
 mod ceilings;
+mod needs;
 
 use serde::{Deserialize, Serialize};
 
-pub use crate::board::parameters::ceilings::ceiling;
+pub use crate::board::parameters::ceilings::{AT_D_RING_MS, ceiling};
+pub(crate) use crate::board::parameters::needs::check as check_need;
+pub use crate::board::parameters::needs::{is_idle, need_of};
 use crate::board::stored_state::StoredState;
-use crate::seam::config::{Burst, Config, Drive, FrontEnd, Limits, Link, Parameter, Thermometer, Tracking};
+use crate::seam::config::{
+    Burst, Chirp, Config, Drive, Friction, FrontEnd, HeatSink, Limits, Link, Parameter, Phasing, Restraint, Thermometer, Tracking,
+};
 use crate::seam::refusal::Refusal;
 
 /// Largest number of parameters that can be stored.
-pub(crate) const MOST_PARAMETERS: usize = 52;
+pub(crate) const MOST_PARAMETERS: usize = 84;
 
 /// Parameters that differ from their defaults, by their keys.
 pub type Overrides = heapless::Vec<(u8, f32), MOST_PARAMETERS>;
@@ -132,6 +139,14 @@ const TABLES: &[&[Parameter]] = &[
     Burst::WINDOWS,
     Thermometer::PARAMETERS,
     Link::PARAMETERS,
+    HeatSink::PARAMETERS,
+    Config::PARAMETERS,
+    Phasing::PARAMETERS,
+    Chirp::TIME,
+    Chirp::PARAMETERS,
+    Friction::OTHERS,
+    Friction::PARAMETERS,
+    Restraint::PARAMETERS,
 ];
 
 const COUNT: usize = {

@@ -68,7 +68,7 @@ impl PowerUp {
     #[inline(never)]
     fn fall_back(&mut self, built_in: &Config) {
         let trims = core::mem::take(&mut self.config.phasing.calibration);
-        let mut acting = 0_u64;
+        let mut acting = 0_u128;
         loop {
             let before = acting;
             for rank in 0..RANKS {
@@ -88,7 +88,7 @@ impl PowerUp {
     }
 
     /// What is built in, with what is set of the places in `acting`, and a drive within the limits.
-    fn compose(&mut self, built_in: &Config, acting: u64, trims: &LaneTrims) {
+    fn compose(&mut self, built_in: &Config, acting: u128, trims: &LaneTrims) {
         let config = &mut self.config;
         config.clone_from(built_in);
         apply(config, &self.next, &self.built_in, |place| acting & 1 << place != 0);
@@ -115,6 +115,6 @@ fn rank_of(place: usize) -> u8 {
         Some(Range::UpToCeiling(..)) => 0,
         Some(Range::Scale(..)) => 1,
         None => 2,
-        Some(Range::Within(..) | Range::Choice(_)) => 3,
+        Some(Range::Within(..) | Range::Choice(_) | Range::Whole(..)) => 3,
     }
 }

@@ -43,7 +43,7 @@ const TRIMS_ALONE: u8 = 1;
 /// Version and number.
 const HEAD: usize = 5;
 /// Room for the longest value with its key and version, bytes: a multiple of any flash's word.
-const LONGEST: usize = 480;
+const LONGEST: usize = 672;
 
 /// The stored settings, which are written as a whole.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]

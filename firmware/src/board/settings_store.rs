@@ -4,11 +4,10 @@ use embedded_storage::nor_flash::NorFlash;
 use heapless::spsc::{Consumer, Producer};
 
 use crate::board::command::{Reply, TrimReport, Verb};
-use crate::board::parameters::{PARAMETERS, ParameterReport, Values, ceiling, overrides, place_of, values_of};
+use crate::board::parameters::{PARAMETERS, ParameterReport, Values, ceiling, check_need, overrides, place_of, values_of};
 use crate::board::power_up::PowerUp;
 use crate::board::settings::{Record, Settings};
 use crate::board::stored_state::StoredState;
-use crate::seam::config::ENERGY_PER_METRE;
 use crate::seam::config::LaneTrims;
 use crate::seam::refusal::Refusal;
 
@@ -25,8 +24,6 @@ pub(crate) struct SettingsStore<'a> {
     changed: bool,
     /// What was wrong with the stored parameters at power-up.
     flaw: Option<StoredState>,
-    /// The belt has an encoder, by which an energy for each metre of it is known.
-    has_encoder: bool,
 }
 
 impl<'a> SettingsStore<'a> {
@@ -42,7 +39,6 @@ impl<'a> SettingsStore<'a> {
             stored: power_up.stored,
             changed: false,
             flaw: Some(power_up.stored).filter(|state| matches!(state, StoredState::Partly | StoredState::Refused)),
-            has_encoder: power_up.config.front_end.metre_per_count.is_some(),
         }
     }
 
@@ -94,10 +90,8 @@ impl<'a> SettingsStore<'a> {
     fn set(&mut self, key: u8, value: f32) -> Result<(), Refusal> {
         let place = place_of(key)?;
         PARAMETERS[place].check(value, ceiling(place, &self.next, &self.built_in))?;
-        // A limit that nothing is judged by would be none.
-        if key == ENERGY_PER_METRE && !self.has_encoder && value != self.built_in[place] {
-            return Err(Refusal::NotConfigured);
-        }
+        // A limit that nothing is judged by would be none, and a number of a part that is not there nothing.
+        check_need(place, value, &self.next, &self.built_in)?;
         self.changed |= self.next[place] != value;
         self.next[place] = value;
         Ok(())

@@ -14,7 +14,7 @@ pub mod belt_motion;
 pub mod energy;
 pub mod force;
 
-use super::Driven;
+use super::{Driven, Stage};
 use crate::guard::weld::belt_motion::BeltMotion;
 use crate::guard::weld::energy::EnergyPerLength;
 use crate::guard::weld::force::ForceWatch;
@@ -41,6 +41,8 @@ pub struct Weld {
     force: ForceWatch,
     energy: EnergyPerLength,
     mutes: bool,
+    /// It guards the D-ring of a belt whose motion cannot be known.
+    unscaled: bool,
 }
 
 impl Weld {
@@ -51,6 +53,7 @@ impl Weld {
             force: ForceWatch::build(config, block_s),
             energy: EnergyPerLength::build(config, block_s)?,
             mutes: false,
+            unscaled: config.restraint.is_some() && config.front_end.metre_per_count.is_none(),
         })
     }
 
@@ -60,8 +63,11 @@ impl Weld {
         self.force.begin();
     }
 
-    /// What is wrong, if anything. Without an encoder nothing is judged.
+    /// What is wrong, if anything. Without an encoder nothing is judged, and at a D-ring nothing driven.
     pub fn inspect(&mut self, belt: &Belt, force: Option<f32>, driving: &Driving) -> Option<Fault> {
+        if self.unscaled && driving.driven.stage != Stage::Silent {
+            return Some(Fault::BeltScaleMissing);
+        }
         if !belt.is_expected() {
             return None;
         }
@@ -76,6 +82,11 @@ impl Weld {
     /// Whether the drive must be silent until the belt moves again.
     pub fn is_muted(&self) -> bool {
         self.motion.is_muted()
+    }
+
+    /// Whether it must refuse any drive.
+    pub(crate) fn is_unscaled(&self) -> bool {
+        self.unscaled
     }
 
     /// Whether a drive is requested while it is muted.

@@ -7,6 +7,7 @@ mod burst;
 mod drive;
 mod friction;
 mod front_end;
+mod heat_sink;
 mod limits;
 mod link;
 mod parameter;
@@ -19,15 +20,17 @@ mod tracking;
 
 use serde::{Deserialize, Serialize};
 
-use crate::seam::block::MAX_BLOCK_SAMPLES;
+use crate::seam::block::{MAX_BLOCK_SAMPLES, MAX_LANES};
 pub use crate::seam::config::burst::{Burst, Edge, MAX_WINDOWS, Schedule};
 pub use crate::seam::config::drive::{Drive, ShapeKind};
 pub use crate::seam::config::friction::{Friction, FrictionLaw, Prefer};
 pub use crate::seam::config::front_end::FrontEnd;
+pub use crate::seam::config::heat_sink::HeatSink;
 pub use crate::seam::config::limits::Limits;
 pub use crate::seam::config::link::Link;
-pub(crate) use crate::seam::config::parameter::Choice;
-pub use crate::seam::config::parameter::{ENERGY_PER_METRE, Parameter, Range};
+use crate::seam::config::parameter::keys::{FRICTION_ENABLED, RESTRAINT_ENABLED};
+pub(crate) use crate::seam::config::parameter::{Choice, Optional};
+pub use crate::seam::config::parameter::{Parameter, Range, keys};
 pub use crate::seam::config::phasing::{Direction, LaneTrims, MAX_TRIM_POINTS, Phasing, Trim, TrimPoint};
 pub use crate::seam::config::restraint::Restraint;
 pub use crate::seam::config::setting::Setting;
@@ -73,6 +76,8 @@ pub struct Config {
     pub tracking: Tracking,
     /// The stack as a thermometer of itself.
     pub thermometer: Thermometer,
+    /// The thermistor at the amplifier's heat sink.
+    pub heat_sink: HeatSink,
     /// What must never be exceeded.
     pub limits: Limits,
     /// The friction switch, which then sets amplitude and bursts while running. The drive's amplitude is its maximum.
@@ -91,6 +96,29 @@ impl Config {
     /// Drive lanes: as many as the board has at most.
     pub const LANES: Setting = Setting { name: "lanes", ..FrontEnd::DRIVE_LANES };
 
+    /// Parameters of the configuration itself: its lanes, and the tables that it may be without.
+    pub(crate) const PARAMETERS: &'static [Parameter] = &[
+        Parameter {
+            key: 62,
+            name: Self::LANES.name,
+            range: Range::Whole(1, MAX_LANES as u8),
+            read: |config| config.lanes.into(),
+            write: |config, value| config.lanes = value as u8,
+        },
+        Parameter::flag(
+            FRICTION_ENABLED,
+            "friction.enabled",
+            |config| bool::place(config.friction.is_some()),
+            |config, value| config.friction = bool::at(value).then(|| config.friction.take().unwrap_or(Friction::DEFAULT)),
+        ),
+        Parameter::flag(
+            RESTRAINT_ENABLED,
+            "restraint.enabled",
+            |config| bool::place(config.restraint.is_some()),
+            |config, value| config.restraint = bool::at(value).then(|| config.restraint.take().unwrap_or(Restraint::DEFAULT)),
+        ),
+    ];
+
     /// Whether every value is within its range, of the tables that every image has; names the first that is not. Chirp, friction switch and restraint
     /// check theirs themselves, where the image has them.
     pub(crate) fn check_ranges(&self) -> Result<(), Error> {
@@ -104,6 +132,7 @@ impl Config {
         self.burst.check_schedule()?;
         self.tracking.check()?;
         self.thermometer.check()?;
+        self.heat_sink.check()?;
         self.limits.check()?;
         self.link.check()
     }

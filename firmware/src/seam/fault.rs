@@ -121,6 +121,9 @@ numbered! {
     /// There is no force channel where one is configured, it reads no number or the same to the last bit for 32 ms under drive; or the force in the
     /// survey of the contact is none of friction.
     ForceSensorImplausible = 46, "force sensor implausible", "look at the force channel";
+    /// A restraint serves the D-ring of a belt, and the length of a count of that belt's encoder is not set, so that a belt that stops would be welded:
+    /// known in the block after the order, before anything is driven.
+    BeltScaleMissing = 47, "belt scale missing", "set `front_end.metre_per_count`, the length of belt from one count of its encoder to the next";
 }
 
 numbered! {

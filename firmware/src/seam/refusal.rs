@@ -27,4 +27,8 @@ pub enum Refusal {
     NotCaptured,
     /// Nothing here is configured that it could be for.
     NotConfigured,
+    /// It is for a part of the controller that this image leaves out.
+    LeftOut,
+    /// It would drive at the D-ring of a belt, and the length of a count of the belt's encoder is not set.
+    NoBeltScale,
 }

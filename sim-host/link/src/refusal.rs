@@ -22,6 +22,8 @@ pub fn name(refusal: Refusal) -> &'static str {
         Refusal::NoSuchKey => "no_such_key",
         Refusal::NotCaptured => "not_captured",
         Refusal::NotConfigured => "not_configured",
+        Refusal::LeftOut => "left_out",
+        Refusal::NoBeltScale => "no_belt_scale",
     }
 }
 
@@ -51,6 +53,14 @@ fn words(refusal: Refusal) -> (&'static str, &'static str) {
         Refusal::NotConfigured => (
             "nothing of it is configured for that",
             "An image with a friction switch, and settings for its contact, would have it",
+        ),
+        Refusal::LeftOut => (
+            "its image leaves out that part of the controller",
+            "Flash an image with every part, as `cargo fw` builds it unless told otherwise",
+        ),
+        Refusal::NoBeltScale => (
+            "it serves the D-ring of a belt, and would not know when that belt stops",
+            "Set `front_end.metre_per_count`, the length of belt that a count of its encoder stands for, in m; then `settings store` and `reset`",
         ),
     }
 }

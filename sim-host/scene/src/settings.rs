@@ -24,6 +24,7 @@ pub fn config(scene: &scene::Driven) -> Config {
         }),
         tracking: tracking.settings(),
         thermometer: controller.thermometer.settings(),
+        heat_sink: config::HeatSink::default(),
         limits: controller.limits.settings(),
         friction: controller.friction.as_ref().map(|friction| friction.with(target(friction), force_factor(tracking) as f32)),
         restraint: controller.restraint.as_ref().map(scene::Restraint::settings),
@@ -47,6 +48,8 @@ pub fn front_end(sensors: &scene::Sensors, amplifier: &scene::Amplifier) -> Fron
         drive_lanes: amplifier.lanes,
         metre_per_count: sensors.encoder_counts_per_mm.map(|counts| (1e-3 / counts) as f32),
         force_hz: sensors.force_hz.map(|hz| hz as f32),
+        // A reading of the plant is in newtons.
+        newton_per_lsb: None,
     }
 }
 

@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 use std::sync::LazyLock;
 
 use firmware::board::parameters::PARAMETERS;
-use firmware::seam::config::{FrontEnd, Link};
+use firmware::seam::config::{FrontEnd, HeatSink, Link};
 use firmware::seam::config::{Parameter, Range};
 use schemars::generate::SchemaSettings;
 use serde_json::Value;
@@ -28,6 +28,8 @@ voltage, current or power is as many codes of the converters as what is built in
 /// The settings that only a board has.
 static FRONT_END: LazyLock<Value> =
     LazyLock::new(|| SchemaSettings::draft2020_12().into_generator().into_root_schema_for::<FrontEnd>().to_value());
+static HEAT_SINK: LazyLock<Value> =
+    LazyLock::new(|| SchemaSettings::draft2020_12().into_generator().into_root_schema_for::<HeatSink>().to_value());
 static LINK: LazyLock<Value> =
     LazyLock::new(|| SchemaSettings::draft2020_12().into_generator().into_root_schema_for::<Link>().to_value());
 
@@ -44,7 +46,7 @@ pub fn page() -> String {
         section(&mut page, &title, &path, table, &mut listed);
     }
     page += "\n## Of a board alone\n\nNo scene has these: its converters and sensors say what they are worth, and it is its own host.\n";
-    for (path, value) in [("front_end", &FRONT_END), ("link", &LINK)] {
+    for (path, value) in [("front_end", &FRONT_END), ("heat_sink", &HEAT_SINK), ("link", &LINK)] {
         section(&mut page, &format!("`{path}`"), path, Schema::of(value), &mut listed);
     }
     page += "\n### Other parameters\n\n| name | range | parameter |\n|---|---|---|\n";
@@ -110,7 +112,7 @@ pub(super) fn default(schema: Schema, required: bool) -> String {
 /// The number of a parameter, and what holds it back besides its range.
 fn held(parameter: &Parameter) -> String {
     match parameter.range {
-        Range::Within(..) | Range::Scale(..) | Range::Choice(_) => parameter.key.to_string(),
+        Range::Within(..) | Range::Scale(..) | Range::Choice(_) | Range::Whole(..) => parameter.key.to_string(),
         Range::UpToCeiling(..) => format!("{}, lowered only", parameter.key),
     }
 }
@@ -132,6 +134,9 @@ mod tests {
                 assert_eq!(names, expected, "{name}");
             }
         }
-        assert_eq!(choices, PARAMETERS.iter().filter(|parameter| matches!(parameter.range, Range::Choice(_))).count());
+        // A scene has a table or has it not.
+        let in_scenes =
+            |parameter: &&Parameter| matches!(parameter.range, Range::Choice(_)) && !parameter.name.ends_with(".enabled");
+        assert_eq!(choices, PARAMETERS.iter().filter(in_scenes).count());
     }
 }

@@ -9,10 +9,9 @@
 //! The supply of the converters is taken as 3.3 V. `docs/board.md` has the circuit.
 
 use firmware::seam::block::Amplitude;
-use firmware::seam::config::{self, Burst, Config, Drive, FrontEnd, Limits, Phasing, Sweep, Thermometer, Tracking};
+use firmware::seam::config::{self, Burst, Config, Drive, FrontEnd, HeatSink, Limits, Phasing, Sweep, Thermometer, Tracking};
 
 use crate::blocks::BLOCK;
-use crate::degrees::Thermistor;
 
 /// Reference of the converters, V.
 const REFERENCE_V: f32 = 3.3;
@@ -28,16 +27,11 @@ pub const TRANSIMPEDANCE: f32 = 0.4;
 pub const CONVERSIONS: u16 = 2;
 /// Current at which the comparators drop the amplifier's enable, A peak: beyond the limit of the controller.
 pub const TRIP_A: f32 = 3.5;
-/// Drive lanes: one or two play from DAC1, three or four from DAC3 and DAC4 through the op-amps.
-pub const LANES: u8 = 1;
+/// Drive lanes unless the settings say otherwise: one or two play from DAC1, three or four from DAC3 and DAC4 through the op-amps.
+const LANES: u8 = 1;
 
-/// Belt that passes from one count of its encoder to the next, m; `None`: there is no encoder, and no belt is watched. Where one is
-/// given, wires that are broken or missing are a fault.
-pub const METRE_PER_COUNT: Option<f32> = None;
-
-/// The thermistor at the amplifier's heat sink, on PB14; `None`: there is none, and the temperature is the processor's. Where one is given,
-/// the hotter of the two counts, and a broken one stops the drive.
-pub const HEAT_SINK: Option<Thermistor> = None;
+/// Conversions that a reading of the force channel adds up.
+pub const FORCE_CONVERSIONS: u16 = 16;
 
 /// How long the host may be silent while the drive is on, s.
 pub const PATIENCE_S: f32 = 1.0;
@@ -45,7 +39,7 @@ pub const PATIENCE_S: f32 = 1.0;
 /// The DAC code of zero volts.
 pub const SILENCE: u16 = 2048;
 
-/// The configuration that is built into the image. Lane trims come from the settings.
+/// The configuration that is built into the image. What differs in a circuit comes from the settings: scale factors, lanes, sensors, limits.
 pub fn config() -> Config {
     let sense_volt_per_lsb = REFERENCE_V / CODES / f32::from(CONVERSIONS);
     Config {
@@ -61,8 +55,9 @@ pub fn config() -> Config {
             drive_mid_code: SILENCE,
             drive_max_code: 4095,
             drive_lanes: 4,
-            metre_per_count: METRE_PER_COUNT,
+            metre_per_count: None,
             force_hz: None,
+            newton_per_lsb: None,
         },
         drive: Drive::sine(40e3, Amplitude::Volts(3.0), 1.0),
         sweep: Sweep::Hold,
@@ -70,6 +65,7 @@ pub fn config() -> Config {
         burst: Burst::default(),
         tracking: Tracking { span: 0.05, bandwidth_hz: 500.0, ..Tracking::new(50.0, 300e-9) },
         thermometer: Thermometer::default(),
+        heat_sink: HeatSink::default(),
         limits: Limits { temperature_c: 85.0, ..Limits::default() },
         friction: None,
         restraint: None,
@@ -87,4 +83,9 @@ pub fn trip_codes(ampere: f32) -> (u16, u16) {
 /// The largest current, A peak, that the current channel shows without clipping.
 pub fn range_a() -> f32 {
     REFERENCE_V / 2.0 / TRANSIMPEDANCE
+}
+
+/// Force of a reading of the force channel, N: the sum of its conversions, about mid-scale.
+pub fn force_n(code: u16, newton_per_lsb: f32) -> f32 {
+    (f32::from(code) - f32::from(FORCE_CONVERSIONS * SILENCE)) * newton_per_lsb
 }

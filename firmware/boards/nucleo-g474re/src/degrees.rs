@@ -10,6 +10,7 @@
 //! logarithm is micromath's, 6e-5 off above one, which is 0.003 K at most from -40 to 150 degrees Celsius: a thermistor of 1 % is 0.2 K off by
 //! itself.
 
+use firmware::seam::config::HeatSink;
 use micromath::F32;
 
 /// Temperatures of the calibration, degrees Celsius.
@@ -56,6 +57,12 @@ pub struct Thermistor {
 }
 
 impl Thermistor {
+    /// The thermistor of the settings; `None` where there is none.
+    pub fn of(heat_sink: &HeatSink) -> Option<Self> {
+        let HeatSink { ohm_at_25_c, beta_k, pull_up_ohm } = *heat_sink;
+        ohm_at_25_c.map(|ohm_at_25_c| Thermistor { ohm_at_25_c, beta_k, pull_up_ohm })
+    }
+
     /// Degrees Celsius of a code of 12 bits. A thermistor that is open or short cannot be distinguished from one that is too cold or too hot: it counts
     /// as 155 degrees, so that the drive stops.
     pub fn celsius(&self, code: u16) -> f32 {

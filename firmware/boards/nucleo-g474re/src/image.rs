@@ -15,6 +15,7 @@ mod encoder;
 mod field;
 #[cfg_attr(not(feature = "slot"), expect(dead_code, reason = "what updates need"))]
 mod flash;
+mod force;
 mod guard;
 mod options;
 mod panic;
@@ -39,7 +40,8 @@ use firmware::board::settings::Settings;
 use firmware::board::start::Start;
 use firmware::seam::fault::Fault;
 use firmware::seam::telemetry::Telemetry;
-use nucleo_g474re::config::{LANES, config};
+use nucleo_g474re::config::config;
+use nucleo_g474re::degrees::Thermistor;
 use nucleo_g474re::note::{Cause, Note};
 use stm32_metapac::{Interrupt, RCC};
 
@@ -47,6 +49,7 @@ use self::block::BlockInterrupt;
 use self::dac::Lanes;
 use self::encoder::Encoder;
 use self::flash::Pages;
+use self::force::ForceChannel;
 use self::protection::{Enable, Stop};
 use self::temperature::Thermometer;
 use self::uart::Link;
@@ -75,13 +78,7 @@ fn main() -> ! {
     core.DWT.enable_cycle_counter();
 
     supply::watch();
-    let (enable, stop, failure) = protection::start(LANES, adc::levels());
-    let start = failure.map_or(start, |failure| {
-        defmt::error!("the over-current trips have failed their test, the amplifier stays off: {=u8}", failure as u8);
-        Start::TripFailed(failure)
-    });
-    let mut thermometer = Thermometer::start();
-    let app = build(QUEUES.split(MEMORY), enable, stop, start);
+    let (app, mut thermometer) = build(QUEUES.split(MEMORY), start);
     start_blocks(&mut core.NVIC);
     let mut log = Log::default();
     loop {
@@ -95,22 +92,30 @@ fn main() -> ! {
 /// The background task of this board.
 type Background = App<'static, Link, Enable, Stop, IndependentWatchdog, Pages>;
 
-/// Builds both tasks: hands one over to the block interrupt, and returns the background task. Not inlined: the stack that this takes is free again
-/// afterwards.
+/// Builds both tasks of the settings: hands one over to the block interrupt, and returns the background task. Not inlined: the stack that this takes is
+/// free again afterwards.
 #[inline(never)]
 fn build(
     (hot_ends, slow_ends): (BlockEnds<'static>, BackgroundEnds<'static>),
-    enable: Enable,
-    stop: Stop,
     start: Start,
-) -> &'static mut Background {
+) -> (&'static mut Background, Thermometer) {
     let link = Link::start();
     let Ok(mut settings) = Settings::new(Pages::SETTINGS) else { panic!("the settings do not fit") };
     let built_in = config();
     let mut power_up = PowerUp::read(&built_in, &mut settings);
     // What is built in is tested on the host.
     let Ok(task) = power_up.build(&built_in, hot_ends) else { panic!("the configuration is not valid") };
-    let interrupt = singleton!(: BlockInterrupt = BlockInterrupt::new(task, Lanes::start(LANES), Encoder::start()));
+    let config = &power_up.config;
+    // Which DAC plays decides which one has the thresholds.
+    let (enable, stop, failure) = protection::start(config.lanes, adc::levels());
+    let start = failure.map_or(start, |failure| {
+        defmt::error!("the over-current trips have failed their test, the amplifier stays off: {=u8}", failure as u8);
+        Start::TripFailed(failure)
+    });
+    let thermometer = Thermometer::start(Thermistor::of(&config.heat_sink));
+    let force = config.front_end.newton_per_lsb.map(ForceChannel::start);
+    let encoder = config.front_end.metre_per_count.map(|_| Encoder::start());
+    let interrupt = singleton!(: BlockInterrupt = BlockInterrupt::new(task, Lanes::start(config.lanes), encoder, force));
     let Some(interrupt) = interrupt else { panic!("started twice") };
     block::hand_over(interrupt);
     adc::start();
@@ -121,7 +126,7 @@ fn build(
     background.set_option_bytes(options::look());
     #[cfg(feature = "slot")]
     background.set_updates(field::start());
-    background
+    (background, thermometer)
 }
 
 #[expect(unsafe_code, reason = "enabling an interrupt is")]

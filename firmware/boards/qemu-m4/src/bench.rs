@@ -3,7 +3,7 @@
 use firmware::generate::shape::sine;
 use firmware::seam::block::{Amplitude, DriveBlock, SenseBlock};
 use firmware::seam::config::{
-    Burst, Config, Drive, Edge, FrontEnd, Limits, Link, Phasing, Schedule, Sweep, Thermometer, Tracking, TrackingMode,
+    Burst, Config, Drive, Edge, FrontEnd, HeatSink, Limits, Link, Phasing, Schedule, Sweep, Thermometer, Tracking, TrackingMode,
 };
 
 /// Samples in a block, mostly.
@@ -28,6 +28,7 @@ pub fn config(mode: TrackingMode, lanes: u8, samples: usize) -> Config {
             drive_lanes: 4,
             metre_per_count: None,
             force_hz: None,
+            newton_per_lsb: None,
         },
         drive: Drive::sine(40e3, Amplitude::MotionalCurrent(0.5), 1.0),
         sweep: Sweep::Hold,
@@ -40,6 +41,7 @@ pub fn config(mode: TrackingMode, lanes: u8, samples: usize) -> Config {
         },
         tracking: Tracking { mode, ..Tracking::new(50.0, 290e-9) },
         thermometer: Thermometer::default(),
+        heat_sink: HeatSink::default(),
         limits: Limits { voltage_v: 12.0, current_a: 3.0, belt_stop_ms: 5.0, ..Limits::default() },
         friction: None,
         restraint: None,

@@ -3,7 +3,9 @@
 use super::dahl::friction_ratio;
 use super::*;
 use crate::seam::block::Amplitude;
-use crate::seam::config::{Burst, Drive, Friction, Limits, Link, Phasing, Prefer, Schedule, Sweep, Thermometer, Tracking};
+use crate::seam::config::{
+    Burst, Drive, Friction, HeatSink, Limits, Link, Phasing, Prefer, Schedule, Sweep, Thermometer, Tracking,
+};
 
 const OMEGA: f32 = core::f32::consts::TAU * 40e3;
 const FORCE_FACTOR: f32 = 5.566;
@@ -22,6 +24,7 @@ fn config(schedule: Schedule) -> Config {
         burst: Burst { schedule, ..Burst::default() },
         tracking: Tracking { span: 0.025, bandwidth_hz: 100.0, ..Tracking::new(50.0, 300e-9) },
         thermometer: Thermometer::default(),
+        heat_sink: HeatSink::default(),
         limits: Limits::default(),
         restraint: None,
         link: Link::default(),

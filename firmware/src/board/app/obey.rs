@@ -68,6 +68,8 @@ where
             Command::Capture(verb) => return self.captures.obey(frame.sequence, verb),
             Command::Friction(Some(_)) if !self.switches_friction => Reply::Nak(Refusal::NotConfigured),
             Command::Occupant(Some(_)) if !self.restrains => Reply::Nak(Refusal::NotConfigured),
+            // The controller would refuse it too, by fault 47.
+            Command::Run | Command::Scan | Command::Calibrate if self.unscaled => Reply::Nak(Refusal::NoBeltScale),
             command => self.obey_order(&command).map_or_else(Reply::Nak, |()| Reply::Ack),
         })
     }

@@ -89,6 +89,7 @@ fn longest_config() -> Config {
             drive_lanes: u8::MAX,
             metre_per_count: Some(1.0),
             force_hz: Some(1.0),
+            newton_per_lsb: Some(1.0),
         },
         drive: Drive {
             frequency_hz: 40e3,
@@ -121,6 +122,7 @@ fn longest_config() -> Config {
         },
         tracking: Tracking { mode: TrackingMode::Off, span: 1.0, bandwidth_hz: 1.0, ..Tracking::new(1.0, 1.0) },
         thermometer: Thermometer { hz_per_k: 1.0, c0_per_k: 1.0, ambient_c: 1.0 },
+        heat_sink: HeatSink { ohm_at_25_c: Some(1.0), ..HeatSink::default() },
         limits: Limits {
             voltage_v: 1.0,
             current_a: 1.0,

@@ -4,7 +4,8 @@ use super::*;
 use crate::controller::Controller;
 use crate::seam::block::Amplitude;
 use crate::seam::config::{
-    Burst, Choice, Drive, Edge, FrontEnd, Limits, Link, MAX_WINDOWS, Phasing, Range, Schedule, Sweep, Thermometer, Tracking,
+    Around, Burst, Chirp, ChirpKind, Choice, Direction, Drive, Edge, Friction, FrictionLaw, FrontEnd, HeatSink, Limits, Link,
+    MAX_WINDOWS, Optional, Phasing, Prefer, Range, Restraint, Schedule, ShapeKind, Sweep, Then, Thermometer, Tracking,
     TrackingMode,
 };
 use crate::seam::error::Error;
@@ -26,6 +27,7 @@ pub(crate) fn config() -> Config {
             drive_lanes: 4,
             metre_per_count: None,
             force_hz: None,
+            newton_per_lsb: None,
         },
         drive: Drive::sine(40e3, Amplitude::Volts(3.0), 1.0),
         sweep: Sweep::Hold,
@@ -33,6 +35,7 @@ pub(crate) fn config() -> Config {
         burst: Burst::default(),
         tracking: Tracking { mode: TrackingMode::PhaseLock, span: 0.05, bandwidth_hz: 100.0, ..Tracking::new(50.0, 300e-9) },
         thermometer: Thermometer::default(),
+        heat_sink: HeatSink::default(),
         limits: Limits::default(),
         friction: None,
         restraint: None,
@@ -40,11 +43,46 @@ pub(crate) fn config() -> Config {
     }
 }
 
+/// The configuration in which a parameter acts, and builds.
+fn config_of(parameter: &Parameter) -> Config {
+    let mut config = config();
+    match parameter.name {
+        // A duty needs a period.
+        "burst.duty" => config.burst.schedule = Schedule::Periodic { period_s: 0.01, duty: 0.5 },
+        name if name.starts_with("burst.o") => config.burst.schedule = windows(),
+        name if name.starts_with("friction.") => {
+            config.drive.amplitude = Amplitude::MotionalCurrent(0.5);
+            config.friction = (name != "friction.enabled").then_some(Friction::DEFAULT);
+        }
+        "restraint.enabled" => {}
+        name if name.starts_with("restraint.") => config.restraint = Some(Restraint::DEFAULT),
+        "sweep.around" => config.sweep = Sweep::Chirp(Chirp { start_hz: -300.0, stop_hz: 300.0, time_s: 0.02, ..Chirp::DEFAULT }),
+        name if name.starts_with("sweep.") => {
+            config.tracking.mode = TrackingMode::Off;
+            config.sweep = Sweep::Chirp(Chirp { start_hz: 35e3, stop_hz: 45e3, time_s: 0.02, ..Chirp::DEFAULT });
+        }
+        name if name.starts_with("drive.noise") => {
+            config.tracking.mode = TrackingMode::Off;
+            config.drive.shape = ShapeKind::Noise;
+        }
+        _ => {}
+    }
+    config
+}
+
 /// A value that differs from what is built in and builds.
 fn another(parameter: &Parameter, built_in: f32) -> f32 {
     match parameter.name {
         "limits.power_w" | "limits.on_time_s" => 7.0,
-        "drive.amplitude_v" => 2.0,
+        "drive.amplitude_v" | "lanes" => 2.0,
+        "front_end.metre_per_count" => 1e-5,
+        "front_end.newton_per_lsb" => 1e-3,
+        "front_end.force_hz" => 500.0,
+        "heat_sink.ohm_at_25_c" => 10e3,
+        "friction.target_force_n" => 5.0,
+        "sweep.start_hz" => 34e3,
+        "sweep.stop_hz" => 46e3,
+        "sweep.time_s" => 0.01,
         "drive.motional_current_a" => 0.25,
         "burst.period_s" => 0.01,
         "burst.duty" => 0.25,
@@ -70,7 +108,7 @@ fn keys_and_names_are_told_apart_and_zero_is_no_key() {
         assert!(parameter.key != 0 && PARAMETERS[..place].iter().all(|other| other.name != parameter.name), "{}", parameter.name);
     }
     assert!(PARAMETERS.len() <= MOST_PARAMETERS);
-    assert_eq!([0, 32, 56, 255].map(place_of), [Err(Refusal::NoSuchKey); 4]);
+    assert_eq!([0, 32, 65, 91, 255].map(place_of), [Err(Refusal::NoSuchKey); 5]);
 }
 
 #[test]
@@ -89,13 +127,7 @@ fn what_is_written_is_read_and_builds_and_nothing_else_moves() {
         if parameter.name == "limits.energy_j_per_m" {
             continue;
         }
-        let mut config = config();
-        if parameter.name == "burst.duty" {
-            config.burst.schedule = Schedule::Periodic { period_s: 0.01, duty: 0.5 };
-        }
-        if parameter.name.starts_with("burst.o") {
-            config.burst.schedule = windows();
-        }
+        let mut config = config_of(parameter);
         let before = values_of(&config);
         let value = another(parameter, before[place]);
         assert_eq!(parameter.check(value, built_in[place]), Ok(()), "{}", parameter.name);
@@ -106,7 +138,11 @@ fn what_is_written_is_read_and_builds_and_nothing_else_moves() {
         let moved = |other: &usize| values[*other] != before[*other] && *other != place;
         let others: std::vec::Vec<&str> = (0..PARAMETERS.len()).filter(moved).map(|other| PARAMETERS[other].name).collect();
         // The amplitude is of one kind.
-        let expected: &[&str] = if parameter.name == "drive.motional_current_a" { &["drive.amplitude_v"] } else { &[] };
+        let expected: &[&str] = match parameter.name {
+            "drive.motional_current_a" => &["drive.amplitude_v"],
+            "friction.target_force_n" => &["friction.target_ratio"],
+            _ => &[],
+        };
         assert_eq!(others, expected, "{}", parameter.name);
     }
 }
@@ -119,10 +155,7 @@ fn the_build_refuses_by_name_what_is_out_of_range() {
             continue;
         };
         for value in [least - 1.0, 2.0 * most, f32::NAN] {
-            let mut config = config();
-            // A duty needs a period, and where there is none, it is that of a drive that is always on.
-            config.burst.schedule =
-                if parameter.name.starts_with("burst.o") { windows() } else { Schedule::Periodic { period_s: 0.01, duty: 0.5 } };
+            let mut config = config_of(parameter);
             (parameter.write)(&mut config, value);
             if (parameter.read)(&config) == built_in[place] {
                 continue;
@@ -212,6 +245,13 @@ fn choices_are_told_by_their_places() {
     agree::<bool>();
     agree::<Edge>();
     agree::<TrackingMode>();
+    agree::<ShapeKind>();
+    agree::<Direction>();
+    agree::<ChirpKind>();
+    agree::<Then>();
+    agree::<Around>();
+    agree::<FrictionLaw>();
+    agree::<Prefer>();
 }
 
 #[test]
@@ -272,4 +312,71 @@ fn only_what_differs_is_kept_and_what_cannot_be_is_left_out() {
     apply(&mut config, &values, &built_in, |_| true);
     assert_eq!((config.limits.voltage_v, config.link.patience_s), (2.0, 1.5));
     assert_eq!(config.burst.schedule, Schedule::Continuous);
+}
+
+/// The values of the built-in configuration with some of them set.
+fn with(set: &[(u8, f32)]) -> Values {
+    let mut values = values_of(&config());
+    for &(key, value) in set {
+        values[place_of(key).unwrap()] = value;
+    }
+    values
+}
+
+#[test]
+fn what_could_not_act_is_refused_until_it_can() {
+    let built_in = values_of(&config());
+    let check = |(key, value): (u8, f32), set: &[(u8, f32)]| check_need(place_of(key).unwrap(), value, &with(set), &built_in);
+    // A parameter, and what it needs.
+    let needs = [
+        ((13, 1.0), (56, 1e-5)),
+        ((14, 100.0), (56, 1e-5)),
+        ((83, 1.0), (56, 1e-5)),
+        ((20, 0.5), (19, 0.01)),
+        ((58, 500.0), (57, 1e-3)),
+        ((60, 3000.0), (59, 10e3)),
+        ((61, 5e3), (59, 10e3)),
+        ((69, 1.0), (68, 0.01)),
+        ((73, 1.0), (68, 0.01)),
+        ((75, 0.5), (74, 1.0)),
+        ((82, 0.1), (74, 1.0)),
+        ((84, 500.0), (83, 1.0)),
+        ((90, 50.0), (83, 1.0)),
+    ];
+    for (parameter, need) in needs {
+        assert_eq!(need_of(parameter.0), Some(need.0));
+        assert_eq!(check(parameter, &[]), Err(Refusal::NotConfigured), "{parameter:?}");
+        assert_eq!(check(parameter, &[need]), Ok(()), "{parameter:?}");
+    }
+    assert_eq!((need_of(8), check((8, 2.0), &[]), check((62, 4.0), &[]), check((64, 1.0), &[])), (None, Ok(()), Ok(()), Ok(())));
+}
+
+#[test]
+fn the_belts_scale_stays_while_something_needs_it() {
+    let built_in = values_of(&config());
+    let none = |set: &[(u8, f32)]| check_need(place_of(56).unwrap(), f32::INFINITY, &with(set), &built_in);
+    assert_eq!(none(&[(56, 1e-5)]), Ok(()));
+    for user in [(14, 100.0), (83, 1.0)] {
+        assert_eq!(none(&[(56, 1e-5), user]), Err(Refusal::NotConfigured), "{user:?}");
+        // What is taken away needs nothing.
+        let gone = if user.0 == 14 { f32::INFINITY } else { 0.0 };
+        assert_eq!(check_need(place_of(user.0).unwrap(), gone, &with(&[user]), &built_in), Ok(()));
+    }
+}
+
+#[test]
+fn the_interlock_may_wait_at_a_d_ring_only() {
+    let built_in = values_of(&config());
+    let place = place_of(13).unwrap();
+    let acts = |stored: &[(u8, f32)]| {
+        let (values, all) = overridden(&stored.iter().copied().collect(), &built_in);
+        let mut config = config();
+        apply(&mut config, &values, &built_in, |_| true);
+        (config.limits.belt_stop_ms, all)
+    };
+    let default = built_in[place];
+    assert_eq!(acts(&[(13, 1000.0), (56, 1e-5), (83, 1.0)]), (1000.0, true));
+    assert_eq!(acts(&[(13, 1000.0), (56, 1e-5)]), (default, false));
+    assert_eq!(acts(&[(56, 1e-5), (83, 1.0)]), (default, true), "it rises only if it is set");
+    assert_eq!(acts(&[(13, 2000.0), (83, 1.0)]), (1000.0, false));
 }

@@ -25,7 +25,7 @@ fn parse(bytes: &[u8]) -> Option<(u32, Record, StoredState)> {
 fn longest() -> Record {
     Record {
         trims: (0..5).map(|n| TrimPoint { hz: 40e3 + n as f32, lanes: [Trim { phase_turns: -0.1, gain: 0.9 }; 4] }).collect(),
-        parameters: (0..MOST_PARAMETERS as u8).map(|key| (key + 200, 1.0 / f32::from(key + 1))).collect(),
+        parameters: (0..MOST_PARAMETERS as u8).map(|key| (key + 100, 1.0 / f32::from(key + 1))).collect(),
     }
 }
 
@@ -78,7 +78,7 @@ fn record_numbers_wrap_and_an_unreadable_record_is_older() {
 }
 
 /// A flash of four pages that forgets nothing but what is erased.
-struct Ram([u8; 4 * 1024]);
+struct Ram([u8; 4 * 2048]);
 
 #[derive(Debug)]
 struct Beyond;
@@ -108,7 +108,7 @@ impl ReadNorFlash for Ram {
 
 impl NorFlash for Ram {
     const WRITE_SIZE: usize = 8;
-    const ERASE_SIZE: usize = 1024;
+    const ERASE_SIZE: usize = 2048;
 
     fn erase(&mut self, from: u32, to: u32) -> Result<(), Beyond> {
         self.0.get_mut(from as usize..to as usize).ok_or(Beyond)?.fill(0xFF);
@@ -123,7 +123,7 @@ impl NorFlash for Ram {
 
 /// A store in which this value has been left by another firmware.
 fn left_by_another(version: u8, record: &impl Serialize) -> Settings<Ram> {
-    let mut settings = Settings::new(Ram([0xFF; 4096])).unwrap();
+    let mut settings = Settings::new(Ram([0xFF; 8192])).unwrap();
     settings.write(1, &value(version, 1, record)).unwrap();
     settings
 }
@@ -176,7 +176,7 @@ fn what_another_version_has_left_stays_until_it_is_ordered_away() {
 
 #[test]
 fn a_calibration_stores_its_trims_and_no_set_parameter() {
-    let mut settings = Settings::new(Ram([0xFF; 4096])).unwrap();
+    let mut settings = Settings::new(Ram([0xFF; 8192])).unwrap();
     let parameters = Overrides::from_iter([(5, 2.0), (99, 1.0)]);
     settings.store(&Record { trims: LaneTrims::new(), parameters: parameters.clone() }).unwrap();
     with_keeper(&mut settings, |settings_store, settings| {

@@ -4,7 +4,8 @@ use rand_xoshiro::Xoshiro128StarStar;
 use super::*;
 use crate::seam::block::Amplitude;
 use crate::seam::config::{
-    Burst, Direction, Drive, FrontEnd, Limits, Link, Phasing as PhasingConfig, Sweep, Thermometer, Tracking, TrackingMode,
+    Burst, Direction, Drive, FrontEnd, HeatSink, Limits, Link, Phasing as PhasingConfig, Sweep, Thermometer, Tracking,
+    TrackingMode,
 };
 
 const SCAN_VOLTS: f32 = 3.0;
@@ -21,6 +22,7 @@ fn config(lanes: u8) -> Config {
         burst: Burst::default(),
         tracking: Tracking { mode: TrackingMode::Off, span: 0.05, bandwidth_hz: 100.0, ..Tracking::new(50.0, 200e-9) },
         thermometer: Thermometer::default(),
+        heat_sink: HeatSink::default(),
         limits: Limits { voltage_v: 12.0, ..Limits::default() },
         friction: None,
         restraint: None,

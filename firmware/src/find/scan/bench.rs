@@ -33,6 +33,7 @@ pub(crate) fn front_end() -> FrontEnd {
         drive_lanes: 4,
         metre_per_count: None,
         force_hz: None,
+        newton_per_lsb: None,
     }
 }
 

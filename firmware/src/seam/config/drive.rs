@@ -5,7 +5,7 @@ use config_macro::settings;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::{Config, Limits, Setting};
+use super::{Choice, Config, Limits, Setting};
 use crate::seam::block::Amplitude;
 use crate::seam::config::Parameter;
 
@@ -35,7 +35,7 @@ pub struct Drive {
     #[setting(scene, default, min = -450e3, max = 450e3, quiet)]
     pub detune_hz: f32,
     /// Waveform while running.
-    #[setting(default)]
+    #[setting(default, key = 64)]
     pub shape: ShapeKind,
     /// Lower end of a noise's band, Hz. Default: 0.75 of `frequency_hz`.
     #[setting(scene, min = 100.0, max = 450e3)]
@@ -79,6 +79,20 @@ impl Drive {
             read: |config| config.drive.scan_volts,
             write: |config, value| config.drive.scan_volts = value,
         },
+        Parameter {
+            key: 66,
+            name: Self::NOISE_LOW_HZ.name,
+            range: Self::NOISE_LOW_HZ.range(),
+            read: |config| config.drive.noise_band_hz.0,
+            write: |config, value| config.drive.noise_band_hz.0 = value,
+        },
+        Parameter {
+            key: 67,
+            name: Self::NOISE_HIGH_HZ.name,
+            range: Self::NOISE_HIGH_HZ.range(),
+            read: |config| config.drive.noise_band_hz.1,
+            write: |config, value| config.drive.noise_band_hz.1 = value,
+        },
     ];
 
     /// A plain sine; the band of a noise is as wide as half the frequency.
@@ -102,6 +116,11 @@ pub enum ShapeKind {
     Sawtooth,
     /// Gaussian noise within a band, clipped at the peak, which is four times its rms. Nothing can be tracked by it.
     Noise,
+}
+
+impl Choice for ShapeKind {
+    const ALL: &'static [Self] = &[ShapeKind::Sine, ShapeKind::Square, ShapeKind::Sawtooth, ShapeKind::Noise];
+    const NAMES: &'static [&'static str] = &["sine", "square", "sawtooth", "noise"];
 }
 
 /// The voltage as a parameter: zero where the amplitude is a motional current.

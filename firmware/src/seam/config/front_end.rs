@@ -28,11 +28,14 @@ pub struct FrontEnd {
     #[setting(min = 1, max = 4)]
     pub drive_lanes: u8,
     /// Belt that passes from one count of its encoder to the next, m. Absent: there is no encoder.
-    #[setting(min = 0.9e-7, max = 1.1e-2)]
+    #[setting(min = 0.9e-7, max = 1.1e-2, key = 56)]
     pub metre_per_count: Option<f32>,
     /// Bandwidth of the force channel, Hz. Absent: there is no force channel.
-    #[setting(min = 1.0, max = 1e5)]
+    #[setting(min = 1.0, max = 1e5, key = 58)]
     pub force_hz: Option<f32>,
+    /// Force per code of the force channel, N, where the board converts it. Absent: there is no force channel.
+    #[setting(min = 1e-9, max = 1e3, key = 57)]
+    pub newton_per_lsb: Option<f32>,
 }
 
 #[cfg(test)]
@@ -49,5 +52,6 @@ impl FrontEnd {
         drive_lanes: 4,
         metre_per_count: None,
         force_hz: None,
+        newton_per_lsb: None,
     };
 }

@@ -3,7 +3,7 @@
 use config_macro::settings;
 use serde::{Deserialize, Serialize};
 
-use crate::seam::config::ENERGY_PER_METRE;
+use crate::seam::config::keys::ENERGY_PER_METRE;
 
 /// What must never be exceeded. The defaults are what the stack of the prototype bears.
 #[settings(table = "limits", scene = Limits)]

@@ -3,8 +3,33 @@
 use crate::seam::config::Config;
 use crate::seam::refusal::Refusal;
 
-/// The key of `limits.energy_j_per_m`, which is a limit only where the belt has an encoder.
-pub const ENERGY_PER_METRE: u8 = 14;
+/// Keys of parameters on which others depend, or which depend on others.
+pub mod keys {
+    /// `limits.belt_stop_ms`.
+    pub const BELT_STOP: u8 = 13;
+    /// `limits.energy_j_per_m`.
+    pub const ENERGY_PER_METRE: u8 = 14;
+    /// `burst.period_s`.
+    pub const BURST_PERIOD: u8 = 19;
+    /// `burst.duty`.
+    pub const BURST_DUTY: u8 = 20;
+    /// `front_end.metre_per_count`.
+    pub const METRE_PER_COUNT: u8 = 56;
+    /// `front_end.newton_per_lsb`.
+    pub const NEWTON_PER_LSB: u8 = 57;
+    /// `front_end.force_hz`.
+    pub const FORCE_HZ: u8 = 58;
+    /// `heat_sink.ohm_at_25_c`.
+    pub const NTC_OHM: u8 = 59;
+    /// `drive.shape`.
+    pub const SHAPE: u8 = 64;
+    /// `sweep.time_s`.
+    pub const SWEEP_TIME: u8 = 68;
+    /// `friction.enabled`.
+    pub const FRICTION_ENABLED: u8 = 74;
+    /// `restraint.enabled`.
+    pub const RESTRAINT_ENABLED: u8 = 83;
+}
 
 /// A number of the configuration.
 #[derive(Clone, Copy)]
@@ -21,6 +46,18 @@ pub struct Parameter {
     pub write: fn(&mut Config, f32),
 }
 
+/// A table that a configuration may be without.
+pub(crate) trait Optional: Sized + 'static {
+    /// The table's parameters where there is none.
+    const DEFAULT: Self;
+
+    /// The table of a configuration.
+    fn of(config: &Config) -> Option<&Self>;
+
+    /// The table of a configuration, to be changed.
+    fn of_mut(config: &mut Config) -> Option<&mut Self>;
+}
+
 /// The values that a parameter may have.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Range {
@@ -32,6 +69,8 @@ pub enum Range {
     UpToCeiling(f32, f32),
     /// One of these, by its place.
     Choice(&'static [&'static str]),
+    /// A whole number from the first to the second.
+    Whole(u8, u8),
 }
 
 impl Range {
@@ -41,6 +80,7 @@ impl Range {
             Range::Within(least, most) | Range::Scale(least, most) => (least, most),
             Range::UpToCeiling(least, most) => (least, ceiling.min(most)),
             Range::Choice(names) => (0.0, names.len() as f32 - 1.0),
+            Range::Whole(least, most) => (least.into(), most.into()),
         }
     }
 }
@@ -69,6 +109,11 @@ impl Choice for bool {
 }
 
 impl Parameter {
+    /// A parameter that is true or false.
+    pub(crate) const fn flag(key: u8, name: &'static str, read: fn(&Config) -> f32, write: fn(&mut Config, f32)) -> Self {
+        Parameter { key, name, range: Range::Choice(<bool as Choice>::NAMES), read, write }
+    }
+
     /// Whether it is a limit: what is stored of it is never exceeded.
     pub fn is_limit(&self) -> bool {
         matches!(self.range, Range::UpToCeiling(..))
@@ -77,7 +122,7 @@ impl Parameter {
     /// Refuses a value that it may not have, where `built_in` is built in, or of a limit its ceiling. That is never refused.
     pub fn check(&self, value: f32, built_in: f32) -> Result<(), Refusal> {
         let (least, most) = self.range.of(built_in);
-        let is_whole = !matches!(self.range, Range::Choice(_)) || value == libm::truncf(value);
+        let is_whole = !matches!(self.range, Range::Choice(_) | Range::Whole(..)) || value == libm::truncf(value);
         match value {
             _ if value.is_nan() => Err(Refusal::NotPlausible),
             _ if value == built_in || (least..=most).contains(&value) && is_whole => Ok(()),

@@ -6,6 +6,7 @@ use heapless::Vec;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use super::Choice;
 use crate::seam::block::MAX_LANES;
 
 /// The most frequencies at which lanes are calibrated.
@@ -16,7 +17,7 @@ pub const MAX_TRIM_POINTS: usize = 5;
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Phasing {
     /// Turning direction of a four-phase drive.
-    #[setting(default)]
+    #[setting(default, key = 63)]
     pub direction: Direction,
     /// How far lanes 1 and 3 lead lanes 0 and 2, turns: a quarter runs forward, zero stands. Takes the place of `direction`.
     #[setting(scene, min = -0.25, max = 0.25)]
@@ -74,4 +75,9 @@ pub enum Direction {
     Forward,
     /// Lane 0 leads lane 1.
     Reverse,
+}
+
+impl Choice for Direction {
+    const ALL: &'static [Self] = &[Direction::Forward, Direction::Reverse];
+    const NAMES: &'static [&'static str] = &["forward", "reverse"];
 }

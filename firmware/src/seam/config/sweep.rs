@@ -5,6 +5,8 @@ use config_macro::settings;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use super::{Choice, Config, Optional, Parameter, Range, keys};
+
 /// What the frequency does while running.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub enum Sweep {
@@ -16,27 +18,58 @@ pub enum Sweep {
 }
 
 /// A chirp while running.
-#[settings(table = "sweep", scene = Sweep)]
+#[settings(table = "sweep", scene = Sweep, optional)]
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Chirp {
     /// How it gets from one end to the other.
-    #[setting(default)]
+    #[setting(default, key = 69)]
     pub kind: ChirpKind,
     /// Where it begins, Hz; about a resonance, as an offset from it.
-    #[setting(min = -450e3, max = 450e3)]
+    #[setting(min = -450e3, max = 450e3, key = 70)]
     pub start_hz: f32,
     /// Where it ends, Hz.
-    #[setting(min = -450e3, max = 450e3)]
+    #[setting(min = -450e3, max = 450e3, key = 71)]
     pub stop_hz: f32,
     /// How long that takes, s; whole blocks.
     #[setting(min = 1e-5, max = 1e5)]
     pub time_s: f64,
     /// What follows the end of the chirp.
-    #[setting(default)]
+    #[setting(default, key = 72)]
     pub then: Then,
     /// What the frequencies count from.
-    #[setting(default)]
+    #[setting(default, key = 73)]
     pub around: Around,
+}
+
+impl Chirp {
+    /// The time as a parameter: zero is no chirp. Rounded to a millionth of it, of which single precision has room for no more.
+    pub(crate) const TIME: &'static [Parameter] = &[Parameter {
+        key: keys::SWEEP_TIME,
+        name: Self::TIME_S.name,
+        range: Range::Within(0.0, Self::TIME_S.max as f32),
+        read: |config| Chirp::of(config).map_or(0.0, |chirp| chirp.time_s as f32),
+        write: |config, value| {
+            let time_s = value.into();
+            match Chirp::of_mut(config) {
+                _ if value == 0.0 => config.sweep = Sweep::Hold,
+                Some(chirp) => chirp.time_s = time_s,
+                None => config.sweep = Sweep::Chirp(Chirp { time_s, ..Chirp::DEFAULT }),
+            }
+        },
+    }];
+}
+
+impl Optional for Chirp {
+    const DEFAULT: Self =
+        Chirp { kind: ChirpKind::Linear, start_hz: 0.0, stop_hz: 0.0, time_s: 0.0, then: Then::Hold, around: Around::Zero };
+
+    fn of(config: &Config) -> Option<&Self> {
+        if let Sweep::Chirp(chirp) = &config.sweep { Some(chirp) } else { None }
+    }
+
+    fn of_mut(config: &mut Config) -> Option<&mut Self> {
+        if let Sweep::Chirp(chirp) = &mut config.sweep { Some(chirp) } else { None }
+    }
 }
 
 /// How a chirp gets from one end to the other.
@@ -75,4 +108,19 @@ pub enum Around {
     Zero,
     /// From the resonance, which is tracked meanwhile. Linear only.
     Resonance,
+}
+
+impl Choice for ChirpKind {
+    const ALL: &'static [Self] = &[ChirpKind::Linear, ChirpKind::Exponential];
+    const NAMES: &'static [&'static str] = &["linear", "exponential"];
+}
+
+impl Choice for Then {
+    const ALL: &'static [Self] = &[Then::Hold, Then::Repeat, Then::UpDown];
+    const NAMES: &'static [&'static str] = &["hold", "repeat", "updown"];
+}
+
+impl Choice for Around {
+    const ALL: &'static [Self] = &[Around::Zero, Around::Resonance];
+    const NAMES: &'static [&'static str] = &["zero", "resonance"];
 }

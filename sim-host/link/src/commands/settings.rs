@@ -5,7 +5,7 @@
 
 use clap::Subcommand;
 use firmware::board::command::{Command, Reply, Verb};
-use firmware::board::parameters::PARAMETERS;
+use firmware::board::parameters::{PARAMETERS, need_of};
 use firmware::board::stored_state::StoredState;
 use firmware::seam::config::Parameter;
 use firmware::seam::refusal::Refusal;
@@ -16,6 +16,7 @@ use crate::link_error::LinkError;
 use crate::parameter::{parameter, range, read, report, shown};
 use crate::session::Session;
 use crate::words;
+use scene::nearest::listed;
 
 /// What to do with the settings.
 #[derive(Clone, Debug, Subcommand)]
@@ -110,15 +111,24 @@ fn set(parameter: &Parameter, value: &str, session: &mut Session) -> Result<Answ
                 shown(parameter, of.next)
             )))
         }
-        Err(LinkError::Refused { refusal: Refusal::NotConfigured, .. }) => Err(LinkError::Failed(format!(
-            "{} needs what this board does not have (an energy for each metre of belt needs a belt encoder)",
-            parameter.name
-        ))),
+        Err(LinkError::Refused { refusal: Refusal::NotConfigured, .. }) => Err(LinkError::Failed(idle(parameter))),
         done => done.map(|()| {
             Answer::to("settings")
                 .line(format!("{} = {}; active after `settings store` and `reset`", parameter.name, shown(parameter, value)))
                 .field(parameter.name, short(value))
         }),
+    }
+}
+
+/// Why a parameter would do nothing.
+fn idle(parameter: &Parameter) -> String {
+    let need = need_of(parameter.key).and_then(|key| PARAMETERS.iter().find(|parameter| parameter.key == key));
+    match need {
+        Some(need) => format!("{} does nothing without {}: set that first", parameter.name, need.name),
+        None => {
+            let users = PARAMETERS.iter().filter(|user| need_of(user.key) == Some(parameter.key)).map(|user| user.name);
+            format!("{} is needed by what is set: take that away first, of {}", parameter.name, listed(users, "and"))
+        }
     }
 }
 

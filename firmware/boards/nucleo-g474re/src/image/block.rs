@@ -12,12 +12,12 @@ use cortex_m::peripheral::DWT;
 use firmware::board::block_task::BlockTask;
 use firmware::seam::block::{DriveBlock, SenseBlock, SlowSense, Trips};
 use nucleo_g474re::blocks::{BLOCK, Beat, CYCLES_PER_SAMPLE, Half, Step, is_in_time};
-use nucleo_g474re::config::METRE_PER_COUNT;
 use nucleo_g474re::packing;
 use stm32_metapac::{GPIOC, interrupt};
 
 use super::dac::Lanes;
 use super::encoder::Encoder;
+use super::force::ForceChannel;
 use super::pins::Pin;
 use super::{adc, panic, protection, temperature};
 
@@ -45,7 +45,8 @@ const LISTEN: [Pin; 2] = [Pin::new(GPIOC, 8), Pin::new(GPIOC, 9)];
 pub struct BlockInterrupt {
     task: BlockTask<'static>,
     lanes: Lanes,
-    encoder: Encoder,
+    encoder: Option<Encoder>,
+    force: Option<ForceChannel>,
     beat: Beat,
     step: Step,
     sense: SenseBlock,
@@ -58,13 +59,14 @@ pub struct BlockInterrupt {
 
 impl BlockInterrupt {
     /// The state before the first block.
-    pub fn new(task: BlockTask<'static>, lanes: Lanes, encoder: Encoder) -> Self {
+    pub fn new(task: BlockTask<'static>, lanes: Lanes, encoder: Option<Encoder>, force: Option<ForceChannel>) -> Self {
         LISTEN.into_iter().for_each(Pin::output);
         let drive = task.silence();
         BlockInterrupt {
             task,
             lanes,
             encoder,
+            force,
             beat: Beat::default(),
             step: Step::default(),
             sense: SenseBlock::default(),
@@ -92,9 +94,9 @@ impl BlockInterrupt {
         packing::sense((half.start()..half.start() + BLOCK).map(|place| adc::SAMPLES.read(place)), &mut self.sense);
         let broken = protection::look();
         self.sense.slow = SlowSense {
-            belt: METRE_PER_COUNT.is_some().then(|| self.encoder.read()),
+            belt: self.encoder.as_mut().map(Encoder::read),
             temperature: temperature::latest(),
-            force: None,
+            force: self.force.as_mut().and_then(ForceChannel::read),
             trips: Some(Trips { over_current: broken.over_current }),
             // The cycle counter stands while a debugger has halted the processor.
             missed_blocks: Some(self.beat.missed(began) + u32::from(self.late) + u32::from(broken.stood)),

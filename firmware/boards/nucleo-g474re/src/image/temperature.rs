@@ -8,8 +8,7 @@ use core::sync::atomic::{AtomicU32, Ordering};
 
 use cortex_m::asm::delay;
 use cortex_m::peripheral::DWT;
-use nucleo_g474re::config::HEAT_SINK;
-use nucleo_g474re::degrees::{Calibration, celsius};
+use nucleo_g474re::degrees::{Calibration, Thermistor, celsius};
 use stm32_metapac::adccommon::vals::Ckmode;
 use stm32_metapac::{ADC4, ADC5, ADC345_COMMON, GPIOB};
 
@@ -40,12 +39,13 @@ pub fn latest() -> Option<f32> {
 /// The sensor.
 pub struct Thermometer {
     calibration: Calibration,
+    thermistor: Option<Thermistor>,
     measured: u32,
 }
 
 impl Thermometer {
-    /// Starts the sensor and its ADC.
-    pub fn start() -> Self {
+    /// Starts the sensor and its ADC, and that of a thermistor.
+    pub fn start(thermistor: Option<Thermistor>) -> Self {
         // ADCx_CCR (21.8.2), while its ADCs are off: HCLK / 4, sensor and reference on.
         ADC345_COMMON.ccr().write(|w| {
             w.set_ckmode(Ckmode::SYNC_DIV4);
@@ -54,7 +54,7 @@ impl Thermometer {
         });
         adc::calibrate(ADC5);
         adc::enable(ADC5);
-        if HEAT_SINK.is_some() {
+        if thermistor.is_some() {
             Pin::new(GPIOB, 14).analog();
             adc::calibrate(ADC4);
             adc::enable(ADC4);
@@ -63,7 +63,7 @@ impl Thermometer {
         delay(120 * CYCLES_PER_US);
         // SAFETY: three aligned half-words of the part's read-only memory.
         let [low, high, reference] = [TS_CAL1, TS_CAL2, VREFINT_CAL].map(|at| unsafe { at.read_volatile() });
-        let mut thermometer = Thermometer { calibration: Calibration { low, high, reference }, measured: 0 };
+        let mut thermometer = Thermometer { calibration: Calibration { low, high, reference }, thermistor, measured: 0 };
         thermometer.measure();
         thermometer
     }
@@ -79,7 +79,7 @@ impl Thermometer {
         self.measured = DWT::cycle_count();
         let own = celsius(&self.calibration, adc::convert(ADC5, SENSOR), adc::convert(ADC5, REFERENCE)).unwrap_or(f32::NAN);
         // `max` takes the number where the other is none.
-        let hottest = HEAT_SINK.map_or(own, |thermistor| thermistor.celsius(adc::convert(ADC4, THERMISTOR)).max(own));
+        let hottest = self.thermistor.map_or(own, |thermistor| thermistor.celsius(adc::convert(ADC4, THERMISTOR)).max(own));
         LATEST.store(hottest.to_bits(), Ordering::Relaxed);
     }
 }

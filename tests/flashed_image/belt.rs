@@ -1,0 +1,74 @@
+//! The belt: its encoder's scale is a stored setting, by which the image reads the encoder, and without which it does not drive at a D-ring.
+
+use std::time::Duration;
+
+use board::{Board, configure};
+use firmware::board::command::{Command, Verb};
+use firmware::board::parameters::Overrides;
+use firmware::seam::config::keys::{METRE_PER_COUNT, RESTRAINT_ENABLED};
+use firmware::seam::fault::Fault;
+use firmware::seam::mode::Mode;
+use firmware::seam::refusal::Refusal;
+use link::client::Client;
+use link::link_error::LinkError;
+use nucleo_g474re::config::SILENCE;
+use nucleo_g474re::pages;
+
+use super::{RATE, connected, elf, powered, reaches};
+
+/// A count of 10 um.
+const SCALE: (u8, f32) = (METRE_PER_COUNT, 1e-5);
+
+/// A board with these settings in its flash.
+fn storing(elf: &[u8], parameters: &[(u8, f32)]) -> Board {
+    let mut board = powered(elf, &[], RATE);
+    let bytes = (pages::START + pages::SIZE - pages::FLASH) as usize;
+    let flash = board.machine_mut().memory.get_mut(pages::FLASH, bytes).expect("the flash");
+    configure::store(Overrides::from_iter(parameters.iter().copied()), flash).expect("they fit");
+    board
+}
+
+/// Why an order is refused.
+fn refusal(client: &mut Client, order: Command) -> Option<Refusal> {
+    match client.order(order) {
+        Err(LinkError::Refused { refusal, .. }) => Some(refusal),
+        _ => None,
+    }
+}
+
+#[test]
+fn without_the_belts_scale_the_image_refuses_to_drive_at_a_d_ring() {
+    let Some(elf) = elf() else { return };
+    let (board, mut client) = connected(storing(elf, &[(RESTRAINT_ENABLED, 1.0)]));
+    client.connect().expect("an answer");
+    for order in [Command::Run, Command::Scan, Command::Calibrate] {
+        assert_eq!(refusal(&mut client, order), Some(Refusal::NoBeltScale), "{order:?}");
+    }
+    board.borrow_mut().run_for(Duration::from_millis(5)).expect("no finding");
+    let board = board.borrow();
+    assert!(board.bench().edges.is_empty() && board.bench().code() == SILENCE, "PA10 stays low, the DAC at mid-scale");
+}
+
+#[test]
+fn a_scale_that_is_stored_arms_the_interlock_after_a_reset() {
+    let Some(elf) = elf() else { return };
+    let (board, mut client) = connected(powered(elf, &[], RATE));
+    client.connect().expect("an answer");
+    // What needs the scale is refused before it, and taken after it.
+    let restraint = Command::Settings(Verb::Set(RESTRAINT_ENABLED, 1.0));
+    assert_eq!(refusal(&mut client, restraint), Some(Refusal::NotConfigured));
+    for order in [Verb::Set(SCALE.0, SCALE.1), Verb::Set(RESTRAINT_ENABLED, 1.0), Verb::Store] {
+        client.order(Command::Settings(order)).expect("acknowledged");
+    }
+    let gone = Command::Settings(Verb::Set(METRE_PER_COUNT, f32::INFINITY));
+    assert_eq!(refusal(&mut client, gone), Some(Refusal::NotConfigured));
+    client.order(Command::Reset).expect("acknowledged");
+    board.borrow_mut().run_for(Duration::from_millis(50)).expect("no finding");
+    client.connect().expect("an answer");
+    // No encoder hangs on the dummy load: its lines contradict each other nowhere.
+    client.order(Command::Patience(0.0)).expect("acknowledged");
+    client.order(Command::Run).expect("acknowledged");
+    assert!(reaches(&mut client, &board, Mode::Fault, Duration::from_millis(100)), "it must not drive");
+    let report = client.status().expect("an answer").expect("a report");
+    assert_eq!(report.fault, Some(Fault::BeltSensorLost));
+}
