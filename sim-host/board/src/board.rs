@@ -7,8 +7,6 @@ use cortex_m4::{Cycle, Fetches, ImageError, Machine, Memory, Passage, Spent, Sto
 use firmware::seam::block::{DriveBlock, Orders, Request, SenseBlock};
 use firmware::seam::config::{Config, LaneTrims};
 use nucleo_g474re::{pages, slots};
-use plant::Plant;
-use plant::stream::Stream;
 use scene::{Driven, FaultKind};
 use sim::processor::{InFunction, Load};
 use sim::record::Taken;
@@ -118,7 +116,8 @@ impl Board {
             configure::store(stored.overrides, flash)?;
         }
         let samples = usize::from(stored.config.block_samples);
-        let bench = Bench::new(Stream::new(stack_of(scene)?, samples), samples, options.record);
+        check(scene)?;
+        let bench = Bench::new(scene, stored.config.lanes, samples, options.record);
         let chip = Stm32g474::new(stm32g474::Config::default(), bench);
         let mut machine = Machine::new(boots, memory, chip, PRIORITY_BITS)?;
         machine.watch(Some(BLOCK_INTERRUPT));
@@ -309,18 +308,19 @@ impl BlockVariables {
     }
 }
 
-/// Whether a fault breaks the stack itself, which the plant of a board has.
-fn is_of_the_stack(kind: FaultKind) -> bool {
-    matches!(kind, FaultKind::Short | FaultKind::Depoled | FaultKind::Cracked)
-}
-
-fn stack_of(scene: &Driven) -> Result<plant::driven_stack::DrivenStack, BoardError> {
-    match Plant::new(scene) {
-        _ if !scene.fault.iter().all(|fault| is_of_the_stack(fault.kind)) => {
-            Err(BoardError::Plant("its faults are those of converters that the board does not have"))
-        }
-        Plant::Stack(stack) => Ok(*stack),
-        Plant::Motor(_) => Err(BoardError::Plant("the image drives one lane, and a motor has several")),
-        Plant::Crash(_) => Err(BoardError::Plant("the image has no restraint control (feature `friction`)")),
+/// Refuses a scene with faults of converters that the board does not have (those of the plant and of its sensors have a place here), and one that
+/// calibrates its lanes.
+fn check(scene: &Driven) -> Result<(), BoardError> {
+    let of_converters = |kind: FaultKind| {
+        use FaultKind::{Dropout, LateBlock, Open, Saturation, SensorStuck, Swapped};
+        matches!(kind, Dropout | LateBlock | Open | Saturation | SensorStuck | Swapped)
+    };
+    if scene.fault.iter().any(|fault| of_converters(fault.kind)) {
+        return Err(BoardError::Plant("its faults are those of converters that the board does not have"));
     }
+    if scene.controller.phasing.calibrate {
+        // The plant of a replay listens to another lane from the first sample of a block on, and the board from its interrupt on.
+        return Err(BoardError::Plant("it calibrates its lanes, and a replay cannot tell when the board's multiplexer switches"));
+    }
+    Ok(())
 }

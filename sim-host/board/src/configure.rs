@@ -9,10 +9,13 @@ use embedded_storage::nor_flash::{
 use firmware::board::parameters::{Overrides, PARAMETERS, ceiling, values_of};
 use firmware::board::settings::{Record, Settings};
 use firmware::seam::block::LATENCY_BLOCKS;
+use firmware::seam::config::keys::RESTRAINT_ENABLED;
 use firmware::seam::config::{Config, Link, Range, Schedule, ShapeKind};
 use nucleo_g474re::pages;
 use scene::Driven;
 use serde_json::Value;
+
+use crate::sensors::newton_per_lsb;
 
 /// Why an image cannot be configured as a scene asks.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -33,6 +36,7 @@ pub struct Stored {
 /// Windows of a burst count from the order to run. The scene begins with the block in which the codes of that order's block play.
 pub fn stored(scene: &Driven) -> Result<Stored, Misfit> {
     let mut asked = scene::settings::config(scene);
+    asked.front_end.newton_per_lsb = newton_per_lsb(scene);
     if let Schedule::Windows(windows) = &mut asked.burst.schedule {
         let samples = LATENCY_BLOCKS as f64 * f64::from(asked.block_samples);
         let later_s = samples / f64::from(asked.sample_hz);
@@ -44,7 +48,20 @@ pub fn stored(scene: &Driven) -> Result<Stored, Misfit> {
 /// What has to be stored so that an image with the configuration `built_in` has the configuration `asked`.
 pub fn overrides(asked: &Config, built_in: &Config) -> Result<Stored, Misfit> {
     let defaults = values_of(built_in);
+    let mut same = Config { link: built_in.link, ..asked.clone() };
+    if asked.drive.shape != ShapeKind::Noise {
+        same.drive.noise_band_hz = built_in.drive.noise_band_hz;
+        if !asked.drive.dither {
+            // Nothing is drawn by it.
+            same.drive.seed = built_in.drive.seed;
+        }
+    }
+    let asked = &same;
     let (mut values, mut config) = (defaults, built_in.clone());
+    if let Some(place) = PARAMETERS.iter().position(|parameter| parameter.key == RESTRAINT_ENABLED) {
+        // A ceiling follows it.
+        values[place] = (PARAMETERS[place].read)(asked);
+    }
     let (mut overrides, mut misfits, mut lower) = (Overrides::new(), Vec::new(), String::new());
     for (place, parameter) in PARAMETERS.iter().enumerate() {
         let (value, ceiling) = ((parameter.read)(asked), ceiling(place, &values, &defaults));
@@ -68,16 +85,8 @@ pub fn overrides(asked: &Config, built_in: &Config) -> Result<Stored, Misfit> {
             lower += &format!(" --set controller.{}={ceiling}", parameter.name);
         }
     }
-    let mut same = Config { link: built_in.link, ..asked.clone() };
-    if asked.drive.shape != ShapeKind::Noise {
-        same.drive.noise_band_hz = built_in.drive.noise_band_hz;
-        if !asked.drive.dither {
-            // Nothing is drawn by it.
-            same.drive.seed = built_in.drive.seed;
-        }
-    }
     let json = |config: &Config| serde_json::to_value(config).unwrap_or_default();
-    differences("", &json(&same), &json(&config), &mut misfits);
+    differences("", &json(asked), &json(&config), &mut misfits);
     match (misfits.is_empty(), lower.is_empty()) {
         (true, _) => Ok(Stored { overrides, config }),
         (false, true) => Err(Misfit(misfits)),
@@ -217,12 +226,12 @@ mod tests {
         let mut asked = built_in.clone();
         asked.front_end.drive_max_code = 1023;
         asked.limits.current_a = 30.0;
-        asked.lanes = 2;
-        asked.phasing.direction = firmware::seam::config::Direction::Reverse;
+        asked.block_samples = 64;
+        asked.phasing.gain_trim.push(0.9).unwrap();
         let Misfit(misfits) = overrides(&asked, &built_in).unwrap_err();
         let named = |name: &str| misfits.iter().filter(|line| line.trim_start().starts_with(name)).count();
         assert_eq!(
-            ["front_end.drive_max_code", "limits.current_a", "lanes", "phasing.direction"].map(named),
+            ["front_end.drive_max_code", "limits.current_a", "block_samples", "phasing.gain_trim"].map(named),
             [1; 4],
             "{misfits:#?}"
         );

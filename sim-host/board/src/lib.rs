@@ -23,9 +23,9 @@
 //! let asked = scene::settings::config(&loaded.scene.driven().expect("the firmware drives it"));
 //! assert!(overrides(&asked, &image)?.overrides.iter().any(|(_, value)| *value == 1.5));
 //!
-//! let loaded = load("usm", &[])?;
+//! let loaded = load("lock", &["controller.block_samples=64".into()])?;
 //! let asked = scene::settings::config(&loaded.scene.driven().expect("the firmware drives it"));
-//! assert!(overrides(&asked, &image).unwrap_err().to_string().contains("lanes"));
+//! assert!(overrides(&asked, &image).unwrap_err().to_string().contains("block_samples"));
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 #![forbid(unsafe_code)]
@@ -35,6 +35,7 @@ pub mod configure;
 pub mod debugger;
 pub mod recording;
 pub mod update_file;
+mod sensors;
 pub mod variables;
 mod wires;
 

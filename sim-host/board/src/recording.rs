@@ -4,7 +4,7 @@
 //! codes, bit for bit, or the image has computed something else than the source says.
 
 use firmware::controller::Controller;
-use firmware::seam::block::{DriveBlock, LATENCY_BLOCKS, Orders, SenseBlock};
+use firmware::seam::block::{DriveBlock, LATENCY_BLOCKS, MAX_LANES, Orders, SenseBlock};
 use firmware::seam::config::{Config, LaneTrims};
 use firmware::seam::telemetry::Telemetry;
 use sim::processor::{Load, Lost, Processor};
@@ -31,15 +31,20 @@ pub struct Replay {
     block: u64,
     taken: (u32, u32),
     load: Load,
+    /// The block in which the amplifier was off under a code for the first time.
+    cut: Option<u64>,
+    /// The controller has reported a fault.
+    faulted: bool,
 }
 
 impl Replay {
     /// A controller with the image's configuration that has seen the first `before` calls; the others follow by [`process`](Processor::process). `load` is
-    /// what the image's processor was busy with.
-    pub fn new(config: &Config, calls: Vec<Call>, before: usize, load: Load) -> Result<Self, Lost> {
+    /// what the image's processor was busy with, and `cut` the block in which the amplifier was off under a code for the first time: that must be by a
+    /// fault. From there on the plant of a replay, whose amplifier plays to the end, need not give what the board has sampled.
+    pub fn new(config: &Config, calls: Vec<Call>, before: usize, load: Load, cut: Option<u64>) -> Result<Self, Lost> {
         let controller = Controller::build(config).map_err(|error| Lost(error.to_string()))?;
         let mut drive = controller.silence();
-        let mut replay = Replay { controller, calls: calls.into_iter(), block: 0, taken: (0, 0), load };
+        let mut replay = Replay { controller, calls: calls.into_iter(), block: 0, taken: (0, 0), load, cut, faulted: false };
         for _ in 0..before {
             replay.next(&mut drive)?;
         }
@@ -56,10 +61,23 @@ impl Replay {
         }
         let telemetry = self.controller.process(&call.orders, &call.sense, drive);
         self.taken = call.taken;
+        self.faulted |= telemetry.fault.is_some();
+        if self.is_cut() && !self.faulted {
+            return Err(Lost(format!(
+                "the amplifier was off in block {block}, which played, and no fault says why: a trip, or an enable that came too late"
+            )));
+        }
         if *drive != call.drive {
             return Err(Lost(format!("in block {block} the image computed other codes than the host does from the same input")));
         }
         Ok((call.sense, telemetry))
+    }
+}
+
+impl Replay {
+    /// Whether the amplifier was off in the block that was processed last, or before.
+    fn is_cut(&self) -> bool {
+        self.cut.is_some_and(|cut| self.block > cut)
     }
 }
 
@@ -71,7 +89,7 @@ impl Processor for Replay {
     /// The orders are those of the recording. The sense codes have to be the recorded ones: the plant of a replay is that of the recording.
     fn process(&mut self, _orders: &Orders, sense: &SenseBlock, drive: &mut DriveBlock) -> Result<Telemetry, Lost> {
         let (seen, telemetry) = self.next(drive)?;
-        if (&seen.v, &seen.i) != (&sense.v, &sense.i) {
+        if (&seen.v, &seen.i) != (&sense.v, &sense.i) && !self.is_cut() {
             return Err(Lost(format!("in block {} the plant gives other codes than the board has sampled", self.block - 1)));
         }
         Ok(telemetry)
@@ -90,13 +108,17 @@ impl Processor for Replay {
     }
 }
 
-/// The first sample at which the codes that left the DAC differ from those that the controller returned; none where all are the same.
+/// The first sample at which the codes that left the DACs differ from those that the controller returned; none where all are the same.
 ///
 /// A block plays [`LATENCY_BLOCKS`] blocks after its sense block.
-pub fn first_difference(calls: &[Call], played: &[u16]) -> Option<usize> {
-    let returned = calls.iter().flat_map(|call| call.drive.lanes.first().map_or(&[][..], |lane| lane.as_slice()));
-    let samples = calls.first().and_then(|call| call.drive.lanes.first()).map_or(0, |lane| lane.len());
-    let from = LATENCY_BLOCKS * samples;
-    let both = returned.zip(played.get(from..).unwrap_or(&[]));
-    both.enumerate().find(|(_, (returned, played))| returned != played).map(|(n, _)| from + n)
+pub fn first_difference(calls: &[Call], played: &[[u16; MAX_LANES]]) -> Option<usize> {
+    let lanes = calls.first().map_or(0, |call| call.drive.lanes.len());
+    let of_lane = |lane: usize| {
+        let returned = calls.iter().flat_map(move |call| call.drive.lanes.get(lane).map_or(&[][..], |codes| codes.as_slice()));
+        let samples = calls.first().and_then(|call| call.drive.lanes.get(lane)).map_or(0, |codes| codes.len());
+        let from = LATENCY_BLOCKS * samples;
+        let both = returned.zip(played.get(from..).unwrap_or(&[]));
+        both.enumerate().find(|(_, (returned, played))| **returned != played[lane]).map(|(n, _)| from + n)
+    };
+    (0..lanes).filter_map(of_lane).min()
 }

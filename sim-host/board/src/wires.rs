@@ -1,7 +1,8 @@
 //! What hangs on the pins of the Nucleo-G474RE: amplifier, plant, sense channels, emergency stop and the host's serial line.
 //!
 //! ```text
-//! DAC1 channel 1 (PA4) -> amplifier, while PA10 is high -> stack -> V (PA0), I (PA1 and PA7)
+//! DAC1, or DAC3 and DAC4 -> amplifiers, while PA10 is high -> plant -> V (PA0), I (PA1 and PA7), of the lane of PC8 and PC9
+//! encoder (PB2, PC12, PC10, PC11), force (PB0) <- plant
 //! PC3 <- closed contact of the emergency stop          LPUART1 <-> host
 //! ```
 //!
@@ -12,10 +13,19 @@ use std::collections::VecDeque;
 use std::fmt;
 
 use cortex_m4::Cycle;
+use firmware::seam::block::MAX_LANES;
 use nucleo_g474re::config::{CONVERSIONS, SILENCE};
+use plant::Plant;
 use plant::stream::Stream;
+use scene::Driven;
 use stm32g474::{Drive, Level, Pin, Received, Wires};
 
+use crate::sensors::Sensors;
+
+/// Address of the multiplexer of the sense channels.
+const LISTEN: [Pin; 2] = [Pin::new('C', 8), Pin::new('C', 9)];
+/// The force channel.
+const FORCE: Pin = Pin::new('B', 0);
 /// Amplifier enable.
 const ENABLE: Pin = Pin::new('A', 10);
 /// The voltage channel.
@@ -83,8 +93,13 @@ pub struct Bench {
     began: Cycle,
     /// Samples played since the DAC was first triggered.
     samples: usize,
-    /// Codes that left the DAC in them, if they are recorded.
-    pub codes: Option<Vec<u16>>,
+    /// Codes that left the DACs in them, of each lane, if they are recorded.
+    pub codes: Option<Vec<[u16; MAX_LANES]>>,
+    /// Lanes that play: two at most by DAC1, more by DAC3 and DAC4.
+    lanes: u8,
+    sensors: Sensors,
+    /// The lane whose voltage and current are measured.
+    listen: u8,
     block_samples: usize,
     /// The scene is to begin with the next block.
     ordered: bool,
@@ -94,8 +109,8 @@ pub struct Bench {
     pub edges: Vec<Edge>,
     /// When the last sample began in which the amplifier was on and had a code other than silence.
     pub last_driven: Cycle,
-    /// Samples with a code other than silence while the amplifier was off: it plays zero volts then.
-    pub lost_samples: u64,
+    /// The first sample with a code other than silence while the amplifier was off, which plays zero volts then.
+    pub first_lost: Option<usize>,
     /// Resets of the part so far.
     pub resets: Vec<Reset>,
     /// From when on the emergency stop is pressed, or its wire broken.
@@ -106,8 +121,8 @@ pub struct Bench {
     changes: VecDeque<Cycle>,
     /// The next so many bytes to the board arrive with a stop bit that is low.
     pub bad_stop_bits: u32,
-    /// The code that the DAC holds.
-    code: u16,
+    /// The codes that the DACs hold, of each lane.
+    held: [u16; MAX_LANES],
     /// Bytes on their way to the board.
     pub to_board: VecDeque<u8>,
     /// Bytes that the board has sent.
@@ -115,8 +130,10 @@ pub struct Bench {
 }
 
 impl Bench {
-    /// A board whose plant waits for an order; `block_samples` samples are a block. What leaves the DAC is recorded if asked for.
-    pub fn new(plant: Stream, block_samples: usize, record: bool) -> Self {
+    /// A board whose plant waits for an order; `block_samples` samples are a block, on so many lanes. What leaves the DACs is recorded if asked for.
+    pub fn new(scene: &Driven, lanes: u8, block_samples: usize, record: bool) -> Self {
+        let plant = Stream::new(Plant::new(scene), lanes.into(), block_samples);
+        let sensors = Sensors::of(scene);
         let scene = Scene::Waiting { fresh: Box::new(plant.clone()), now: Box::new(plant) };
         Bench {
             scene,
@@ -124,19 +141,22 @@ impl Bench {
             began: 0,
             samples: 0,
             codes: record.then(Vec::new),
+            lanes,
+            sensors,
+            listen: 0,
             block_samples,
             ordered: false,
             first_block: None,
             enabled: false,
             edges: Vec::new(),
             last_driven: 0,
-            lost_samples: 0,
+            first_lost: None,
             resets: Vec::new(),
             stop_pressed: None,
             tied: Vec::new(),
             changes: VecDeque::new(),
             bad_stop_bits: 0,
-            code: SILENCE,
+            held: [SILENCE; MAX_LANES],
             to_board: VecDeque::new(),
             to_host: VecDeque::new(),
         }
@@ -177,9 +197,9 @@ impl Bench {
         }
     }
 
-    /// The code that the DAC holds, whether the amplifier passes it on or not.
+    /// The code that the DAC of the first lane holds, whether the amplifier passes it on or not.
     pub fn code(&self) -> u16 {
-        self.code
+        self.held[0]
     }
 
     /// Samples that were played since the DAC was first triggered.
@@ -196,7 +216,7 @@ impl Bench {
     fn catch_up(&mut self, at: Cycle) {
         while self.samples > 0 && at >= self.began + 2 * SAMPLE_CYCLES {
             self.began += SAMPLE_CYCLES;
-            self.play(self.code);
+            self.play();
         }
     }
 
@@ -219,40 +239,50 @@ impl Bench {
         }
     }
 
-    fn play(&mut self, code: u16) {
+    fn play(&mut self) {
         if self.samples.is_multiple_of(self.block_samples) {
             self.begin_block();
         }
         self.samples += 1;
-        self.code = code;
         if let Some(codes) = &mut self.codes {
-            codes.push(code);
+            codes.push(self.held);
         }
-        let plant = match &mut self.scene {
-            Scene::Waiting { now, .. } => now,
-            Scene::Running(plant) => plant,
+        let (plant, under_way) = match &mut self.scene {
+            Scene::Waiting { now, .. } => (now, false),
+            Scene::Running(plant) => (plant, true),
         };
-        let driven = if self.enabled { code } else { SILENCE };
-        self.lost_samples += u64::from(driven != code);
-        if driven != SILENCE {
+        let driven = if self.enabled { self.held } else { [SILENCE; MAX_LANES] };
+        if driven != self.held && self.first_lost.is_none() {
+            self.first_lost = Some(self.samples - 1);
+        }
+        if driven != [SILENCE; MAX_LANES] {
             self.last_driven = self.began;
         }
-        let (v, i) = plant.play(driven);
+        let (v, i) = plant.play(driven, self.listen);
+        if self.samples.is_multiple_of(self.block_samples) {
+            self.sensors.update(*plant.slow(), under_way);
+        }
         self.conversions = [v, i].map(|sum| [sum / CONVERSIONS, sum - sum / CONVERSIONS]);
     }
 }
 
 impl Wires for Bench {
     fn dac(&mut self, at: Cycle, dac: u8, codes: [u16; 2], triggered: bool) {
-        if dac != 1 {
-            return;
+        // The other ones have the thresholds of the comparators.
+        let place = match (dac, self.lanes > 2) {
+            (1, false) | (3, true) => 0,
+            (4, true) => 2,
+            _ => return,
+        };
+        // Of two that step together the second one is put out when the first has been.
+        let last = place + 2 >= usize::from(self.lanes);
+        if !triggered || place == 0 {
+            self.catch_up(at);
         }
-        self.catch_up(at);
-        if triggered {
+        self.held[place..place + 2].copy_from_slice(&codes);
+        if triggered && last {
             self.began = at;
-            self.play(codes[0]);
-        } else {
-            self.code = codes[0];
+            self.play();
         }
     }
 
@@ -262,6 +292,11 @@ impl Wires for Bench {
             return *volts;
         }
         self.catch_up(at);
+        if pin == FORCE
+            && let Some(code) = self.sensors.force_code()
+        {
+            return f64::from(code) * VOLT_PER_CODE;
+        }
         let channel = match pin {
             VOLTAGE => 0,
             pin if CURRENT.contains(&pin) => 1,
@@ -274,6 +309,9 @@ impl Wires for Bench {
 
     fn output(&mut self, at: Cycle, pin: Pin, level: Level) {
         let high = level == Level::High;
+        if let Some(bit) = LISTEN.iter().position(|listen| *listen == pin) {
+            self.listen = self.listen & !(1 << bit) | u8::from(high) << bit;
+        }
         if pin == ENABLE && high != self.enabled {
             self.enabled = high;
             self.edges.push(Edge { at, high });
@@ -284,7 +322,16 @@ impl Wires for Bench {
         self.seen(at);
         let closed = port == STOP.port && self.stop_pressed.is_none_or(|pressed| at < pressed);
         let high = if closed { 1 << STOP.number } else { 0 };
-        Drive { driven: high, high }
+        self.sensors.levels(port, Drive { driven: high, high })
+    }
+
+    fn encoder(&mut self, at: Cycle) -> i32 {
+        self.catch_up(at);
+        self.sensors.counts()
+    }
+
+    fn celsius(&mut self, _at: Cycle) -> f64 {
+        self.sensors.celsius()
     }
 
     fn due(&self) -> Cycle {
@@ -305,7 +352,7 @@ impl Wires for Bench {
     fn reset(&mut self, at: Cycle, flags: u32) {
         // Its outputs have no code then (22.4.2): the amplifier is off.
         self.catch_up(at);
-        self.code = SILENCE;
+        self.held = [SILENCE; MAX_LANES];
         self.resets.push(Reset { at, flags });
     }
 

@@ -18,8 +18,8 @@ use board::debugger::Debugged;
 use board::recording::{Replay, first_difference};
 use board::{Board, BoardError, Options, Reset};
 use firmware::board::command::Command;
-use firmware::seam::block::{Gate, LATENCY_BLOCKS};
-use firmware::seam::units::Hertz;
+use firmware::seam::block::{Gate, LATENCY_BLOCKS, Target};
+use firmware::seam::units::{Hertz, Turns};
 use scene::Driven;
 use sim::processor::Lost;
 
@@ -128,9 +128,6 @@ pub enum RecordError {
     /// Something else than its controller's codes left the DAC.
     #[error("sample {0} that left the DAC is not the code that the controller returned for it")]
     Played(usize),
-    /// The amplifier was off while the DAC played: the plant did not follow the codes.
-    #[error("the amplifier was off during {0} samples that the DAC played: a trip, or an enable that came too late")]
-    Off(u64),
     /// The host does not return what the image returned.
     #[error(transparent)]
     Lost(#[from] Lost),
@@ -151,43 +148,59 @@ const BEGINS_WITHIN: Duration = Duration::from_millis(100);
 /// Runs a scene on an image, and gives its replay.
 pub fn record(elf: &[u8], scene: &Driven, options: Options, stop: &'static AtomicBool) -> Result<Replay, RecordError> {
     let board = Rc::new(RefCell::new(Board::start(elf, scene, Options { record: true, ..options })?));
-    let ordered = order(board.clone(), scene, stop);
-    let mut board = board.borrow_mut();
+    let mut client = Client::new(Box::new(Simulated::new("the modelled board", board.clone(), false)), stop, |_| ());
+    let ordered = order(&mut client, scene);
     // A board that is reset answers too late, or not at all: the reset is the cause.
-    reset(&board)?;
+    reset(&board.borrow())?;
     ordered?;
-    let ordered = board.now();
+    let ordered = board.borrow().now();
     // What is masked while it starts delays no block.
-    board.take_load();
-    let blocks = (scene.duration_s * scene.sensors.sample_hz / f64::from(scene.controller.block_samples)).ceil() as usize;
-    // Those that the run asks for, and those in which their codes play.
-    let enough =
-        |board: &Board| board.bench().first_block().is_some_and(|first| board.calls.len() > first + blocks + LATENCY_BLOCKS);
-    while !enough(&board) && !stop.load(Ordering::Relaxed) {
+    board.borrow_mut().take_load();
+    let block_s = f64::from(scene.controller.block_samples) / scene.sensors.sample_hz;
+    let blocks = (scene.duration_s / block_s).ceil() as usize;
+    let mut later = friction_orders(scene);
+    loop {
+        let played = board.borrow().bench().first_block().map_or(0, |first| board.borrow().calls.len().saturating_sub(first));
+        // Those that the run asks for, and those in which their codes play.
+        if played > blocks + LATENCY_BLOCKS || stop.load(Ordering::Relaxed) {
+            break;
+        }
+        while let Some((_, order)) = later.pop_if(|(at_s, _)| played > 0 && *at_s <= played as f64 * block_s) {
+            client.order(order)?;
+        }
+        let mut board = board.borrow_mut();
         board.run_block()?;
         reset(&board)?;
         if board.bench().first_block().is_none() && board.now() > ordered + BEGINS_WITHIN {
             return Err(RecordError::Idle(BEGINS_WITHIN));
         }
     }
+    let mut board = board.borrow_mut();
     let calls = std::mem::take(&mut board.calls);
     if let Some(sample) = first_difference(&calls, board.bench().codes.as_deref().unwrap_or(&[])) {
         return Err(RecordError::Played(sample));
     }
-    if board.bench().lost_samples > 0 {
-        return Err(RecordError::Off(board.bench().lost_samples));
-    }
     let load = board.take_load();
-    Ok(Replay::new(board.config(), calls, board.bench().first_block().unwrap_or(0), load)?)
+    let cut = board.bench().first_lost.map(|sample| (sample / usize::from(scene.controller.block_samples)) as u64);
+    Ok(Replay::new(board.config(), calls, board.bench().first_block().unwrap_or(0), load, cut)?)
 }
 
-/// Orders the board to run, without a host timeout: nothing is asked of it afterwards.
-fn order(board: Rc<RefCell<Board>>, scene: &Driven, stop: &'static AtomicBool) -> Result<(), LinkError> {
-    let mut client = Client::new(Box::new(Simulated::new("the modelled board", board, false)), stop, |_| ());
+/// Orders the board to run, without a host timeout.
+fn order(client: &mut Client, scene: &Driven) -> Result<(), LinkError> {
     client.connect()?;
     let detune = Hertz(scene.controller.drive.detune_hz as f32);
-    let orders = [Command::Patience(0.0), Command::Detune(detune), Command::Gate(Gate::Scheduled), Command::Run];
+    let occupant = scene.dring().and_then(|dring| dring.seat_reading_kg()).map(|kg| Command::Occupant(Some(kg as f32)));
+    let quadrature = scene.controller.phasing.quadrature_turns.map(|turns| Command::Quadrature(Some(Turns(turns as f32))));
+    let orders = [Command::Patience(0.0), Command::Detune(detune), Command::Gate(Gate::Scheduled)];
+    let orders = orders.into_iter().chain(occupant).chain(quadrature).chain([Command::Run]);
     orders.into_iter().try_for_each(|order| client.order(order))
+}
+
+/// Friction ratios that a scene orders while it runs, and when, s; the last one first.
+fn friction_orders(scene: &Driven) -> Vec<(f64, Command)> {
+    let friction = scene.controller.friction.iter();
+    let steps = friction.flat_map(|friction| friction.step_s.iter().zip(&friction.step_ratio).rev());
+    steps.map(|(at_s, ratio)| (*at_s, Command::Friction(Some(Target::Ratio(*ratio as f32))))).collect()
 }
 
 fn reset(board: &Board) -> Result<(), RecordError> {

@@ -1,7 +1,7 @@
 //! The list of benches. Built-in suites and code give the same [`Evidence`].
 
 use crate::evidence::{Error, Evidence, Options, built_in};
-use crate::{board_faults, board_scenes, crash, field_update, friction, guard, instructions, precision, thesis};
+use crate::{board_faults, board_scenes, crash, features, field_update, friction, guard, instructions, precision, thesis};
 use scene::load::LoadError;
 use scene::suite::{self, LoadedSuite};
 
@@ -22,7 +22,7 @@ pub struct Bench {
 }
 
 /// All benches, in the order in which they run.
-pub const BENCHES: [Bench; 10] = [
+pub const BENCHES: [Bench; 11] = [
     Bench {
         name: "tracking",
         about: "every tracking case over many seeds, against targets, Cramer-Rao bounds and the numbers of its faults",
@@ -60,7 +60,7 @@ pub const BENCHES: [Bench; 10] = [
     },
     Bench {
         name: "board-scenes",
-        about: "every scene with one drive lane by the flashed image on the model of its part, replayed on the host bit for bit",
+        about: "every scene that the board can play by the flashed image on the model of its part, replayed on the host bit for bit",
         has_quick: true,
         suite: None,
         run: board_scenes::evidence,
@@ -71,6 +71,13 @@ pub const BENCHES: [Bench; 10] = [
         has_quick: true,
         suite: None,
         run: field_update::evidence,
+    },
+    Bench {
+        name: "features",
+        about: "features of the controller, and the scenes by which each was run: simulated, in QEMU, by the flashed image, on hardware",
+        has_quick: false,
+        suite: None,
+        run: features::evidence,
     },
     Bench {
         name: "precision",

@@ -1,4 +1,4 @@
-//! Every scene with one drive lane, run by the flashed image on a model of its part.
+//! Every scene that the board can play, run by the flashed image on a model of its part.
 //!
 //! ```text
 //! scene, changed to what the board has --> stored settings --> image on its part, plant at its pins --> replay on the host, bit for bit --> expectations
@@ -12,7 +12,7 @@ use link::modelled_board::record;
 use rayon::prelude::*;
 use report::{Report, TableBlock, verdict};
 use scene::load::{LoadError, Loaded, load};
-use scene::{Driven, Scene};
+use scene::{Driven, Equal, Expect, Scene};
 use sim::processor::Processor;
 use sim::run::RunError;
 use sim::study::monte_carlo::draw::Draws;
@@ -25,11 +25,32 @@ const RATE: f64 = 1.0 / 8.0;
 /// Nothing sets it: the caller's flag is looked at between scenes.
 static NEVER: AtomicBool = AtomicBool::new(false);
 
-/// A scene, and what of it is changed: limits that the board's converters allow, and the length of its blocks.
-struct Case {
-    scene: &'static str,
+/// A scene, or a case of its comparison at equal peak, and what of it is changed: limits that the board's converters allow, and the length of its blocks.
+#[derive(Clone, Copy)]
+pub(crate) struct Case {
+    pub(crate) scene: &'static str,
+    pub(crate) case: Option<&'static str>,
     sets: &'static [&'static str],
     quick: bool,
+}
+
+impl Case {
+    const fn of(scene: &'static str, sets: &'static [&'static str]) -> Self {
+        Case { scene, case: None, sets, quick: false }
+    }
+
+    const fn quick(self) -> Self {
+        Case { quick: true, ..self }
+    }
+
+    const fn case(self, case: &'static str) -> Self {
+        Case { case: Some(case), ..self }
+    }
+
+    /// Name of the scene, and of its case.
+    pub(crate) fn name(&self) -> String {
+        self.case.map_or_else(|| self.scene.to_owned(), |case| format!("{}: {case}", self.scene))
+    }
 }
 
 const COOLER: &str = "controller.limits.temperature_c=85";
@@ -38,27 +59,48 @@ const WELDER: &[&str] = &["controller.block_samples=32", "controller.limits.curr
 const HEAVY: &[&str] = &["controller.block_samples=32", "controller.limits.current_a=3.6363637", COOLER];
 const RANGE_5_V: &str = "controller.limits.voltage_v=4.6866665";
 const QUARTER_AMPERE: &[&str] = &[RANGE_5_V, "controller.limits.current_a=0.18181819", COOLER];
-const CASES: [Case; 20] = [
-    Case { scene: "dummy-load", sets: &[], quick: true },
-    Case { scene: "lock", sets: FLAGSHIP, quick: true },
-    Case { scene: "lock-step", sets: FLAGSHIP, quick: true },
-    Case { scene: "lock-any", sets: FLAGSHIP, quick: false },
-    Case { scene: "lock-cold", sets: FLAGSHIP, quick: false },
-    Case { scene: "lock-load", sets: FLAGSHIP, quick: false },
-    Case { scene: "lock-drift", sets: FLAGSHIP, quick: false },
-    Case { scene: "lock-welder", sets: WELDER, quick: false },
-    Case { scene: "burst", sets: FLAGSHIP, quick: true },
-    Case { scene: "experiment-1", sets: FLAGSHIP, quick: false },
-    Case { scene: "experiment-1-fast", sets: FLAGSHIP, quick: false },
-    Case { scene: "experiment-1-fitted", sets: FLAGSHIP, quick: false },
-    Case { scene: "experiment-2", sets: HEAVY, quick: false },
-    Case { scene: "experiment-2-heavy", sets: HEAVY, quick: false },
-    Case { scene: "transducer-gb-4540-4sh", sets: QUARTER_AMPERE, quick: false },
-    Case { scene: "transducer-ma40s4s", sets: &[RANGE_5_V, "controller.limits.current_a=0.0072727273", COOLER], quick: true },
-    Case { scene: "transducer-skymen-60w", sets: &[RANGE_5_V, "controller.limits.current_a=0.36363637", COOLER], quick: false },
-    Case { scene: "transducer-smbltd45f28h", sets: QUARTER_AMPERE, quick: false },
-    Case { scene: "transducer-smbltd45f40h-1", sets: QUARTER_AMPERE, quick: false },
-    Case { scene: "transducer-smbltd45f40h-2", sets: QUARTER_AMPERE, quick: false },
+const BELT: &[&str] = FLAGSHIP;
+const MOTOR: &[&str] = &["controller.limits.current_a=0.03636364", COOLER];
+const WAVES: &[&str] = &["controller.block_samples=32", "controller.limits.current_a=2.909091", COOLER];
+/// The scenes.
+pub(crate) const CASES: &[Case] = &[
+    Case::of("dummy-load", &[]).quick(),
+    Case::of("lock", FLAGSHIP).quick(),
+    Case::of("lock-step", FLAGSHIP).quick(),
+    Case::of("lock-any", FLAGSHIP),
+    Case::of("lock-cold", FLAGSHIP),
+    Case::of("lock-load", FLAGSHIP),
+    Case::of("lock-drift", FLAGSHIP),
+    Case::of("lock-welder", WELDER),
+    Case::of("burst", FLAGSHIP).quick(),
+    Case::of("experiment-1", FLAGSHIP),
+    Case::of("experiment-1-fast", FLAGSHIP),
+    Case::of("experiment-1-fitted", FLAGSHIP),
+    Case::of("experiment-2", HEAVY),
+    Case::of("experiment-2-heavy", HEAVY),
+    Case::of("transducer-gb-4540-4sh", QUARTER_AMPERE),
+    Case::of("transducer-ma40s4s", &[RANGE_5_V, "controller.limits.current_a=0.0072727273", COOLER]).quick(),
+    Case::of("transducer-skymen-60w", &[RANGE_5_V, "controller.limits.current_a=0.36363637", COOLER]),
+    Case::of("transducer-smbltd45f28h", QUARTER_AMPERE),
+    Case::of("transducer-smbltd45f40h-1", QUARTER_AMPERE),
+    Case::of("transducer-smbltd45f40h-2", QUARTER_AMPERE),
+    Case::of("belt-stop", BELT).quick(),
+    Case::of("belt-stop-slow", BELT),
+    Case::of("belt-stop-stuck", BELT),
+    Case::of("belt-stop-lost", BELT),
+    Case::of("belt-stop-lies", BELT),
+    Case::of("friction-ratio", FLAGSHIP),
+    Case::of("friction-burst", FLAGSHIP),
+    Case::of("dring-crash", FLAGSHIP).quick(),
+    Case::of("usm", MOTOR).quick(),
+    Case::of("usm-miscalibrated", MOTOR),
+    Case::of("waveforms", WAVES),
+    Case::of("waveforms", WAVES).case("square"),
+    Case::of("waveforms", WAVES).case("sawtooth"),
+    Case::of("waveforms", WAVES).case("noise 30 to 50 kHz"),
+    Case::of("waveforms", WAVES).case("chirp 20 to 200 kHz in 10 ms"),
+    Case::of("waveforms", WAVES).case("chirp about the tracked resonance"),
+    Case::of("waveforms-fast", WAVES),
 ];
 
 /// Runs the scenes.
@@ -67,7 +109,7 @@ pub fn evidence(options: &mut Options) -> Result<Evidence, Error> {
         .map_err(|error| pil::PilError::Missing(format!("the image cannot be read: {error}")))?;
     let cases: Vec<&Case> = CASES.iter().filter(|case| case.quick || !options.quick).collect();
     (options.progress)("the flashed image");
-    let ran = cases.into_par_iter().map(|case| run(case, &elf).map(|ran| (case.scene, ran))).collect::<Result<Vec<_>, _>>()?;
+    let ran = cases.into_par_iter().map(|case| run(case, &elf).map(|ran| (case.name(), ran))).collect::<Result<Vec<_>, _>>()?;
     let missed = ran.iter().filter_map(|(scene, ran)| ran.failed.as_ref().map(|failed| format!("{scene}: {failed}"))).collect();
     let caption = "By the flashed image on the model of its part, each with its interrupt at an eighth of its time; cycles are those that it costs. Of a scene of many \
                    runs the first one. Replayed on the host bit for bit: orders, codes of the converters, codes that left the DAC.";
@@ -104,11 +146,24 @@ struct Ran {
 }
 
 /// A scene of one run and one case, changed.
-fn loaded(case: &Case) -> Result<Loaded, LoadError> {
+pub(crate) fn loaded(case: &Case) -> Result<Loaded, LoadError> {
     let sets: Vec<String> = case.sets.iter().map(|&set| set.to_owned()).collect();
     let all = load(case.scene, &sets)?;
+    if let Some(name) = case.case {
+        let cases = all.scene.comparison.iter().flat_map(|comparison| &comparison.case);
+        let of_case: Vec<String> = cases.filter(|of| of.name == name).flat_map(|of| of.set.clone()).collect();
+        let cell = all.cell(&of_case)?;
+        // What is expected of it at equal peak, and that nothing is wrong.
+        let at_peak = |expect: &Expect| expect.case.as_deref() == Some(name) && expect.matched == Some(Equal::Peak);
+        let of_all = |expect: &Expect| expect.case.is_none() && expect.metric == "fault_code";
+        let expect = all.scene.expect.iter().filter(|expect| at_peak(expect) || of_all(expect));
+        let expect = expect.map(|expect| Expect { case: None, matched: None, ..expect.clone() }).collect();
+        let scene = Scene { grid: None, comparison: None, expect, ..cell.scene.clone() };
+        return Ok(Loaded { scene, ..cell });
+    }
     if all.scene.runs == 1 {
-        let scene = Scene { grid: None, comparison: None, ..all.scene.clone() };
+        let expect = all.scene.expect.iter().filter(|expect| expect.case.is_none()).cloned().collect();
+        let scene = Scene { grid: None, comparison: None, expect, ..all.scene.clone() };
         return Ok(Loaded { scene, ..all });
     }
     let draws = Draws::of(&all.scene);
@@ -132,7 +187,7 @@ fn run(case: &Case, elf: &[u8]) -> Result<Ran, Error> {
         Ok(study) => study,
         Err(error) => {
             let failed = format!("{:#}", anyhow::Error::from(error));
-            let row = [case.scene.to_owned(), changed, duration, failed.clone()].into_iter();
+            let row = [case.name(), changed, duration, failed.clone()].into_iter();
             let row = row.chain(std::iter::repeat_n(String::new(), 4)).chain([verdict(false).to_owned()]).collect();
             return Ok(Ran { row, failed: Some(failed) });
         }
@@ -141,7 +196,7 @@ fn run(case: &Case, elf: &[u8]) -> Result<Ran, Error> {
     let metric = |name| study.metrics.get(name).map_or_else(String::new, |value| format!("{value:.0}"));
     let met = study.judged.iter().filter(|judged| judged.pass).count();
     let row = vec![
-        case.scene.to_owned(),
+        case.name(),
         changed,
         duration,
         metric("worst_block_instructions"),
@@ -167,6 +222,6 @@ mod tests {
         }
         let evidence = evidence(&mut Options { quick: true, counted: None, stop: None, progress: &mut |_| () }).unwrap();
         assert!(evidence.missed.is_empty(), "{:#?}", evidence.missed);
-        assert!(evidence.docs[0].rows.len() >= 5);
+        assert!(evidence.docs[0].rows.len() >= 8);
     }
 }

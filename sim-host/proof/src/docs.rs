@@ -52,6 +52,11 @@ fn instructions_has_these_counts() {
 }
 
 #[test]
+fn features_have_these_levels() {
+    assert_eq!(evidence("features", "features.md").missed, [""; 0]);
+}
+
+#[test]
 fn thesis_has_these_numbers() {
     block("thesis-errata.md", "sim-host validate thesis", &markdown(&thesis::table::in_short(&thesis::tests::FINDINGS)));
     block("experiment-2.md", "sim-host validate thesis", &markdown(&thesis::experiment_2_tables()));

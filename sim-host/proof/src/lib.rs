@@ -20,6 +20,7 @@ mod crash;
 #[cfg(test)]
 mod docs;
 pub mod evidence;
+mod features;
 pub mod field_update;
 mod friction;
 pub mod guard;

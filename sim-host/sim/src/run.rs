@@ -215,12 +215,15 @@ pub fn breakable_plant(scene: &Driven) -> FaultInjector<Plant> {
     let plant = Plant::new(scene);
     let block_s = plant.sample_s() * f64::from(scene.controller.block_samples);
     let mut plant = FaultInjector::new(plant, &settings::config(scene).front_end, scene.seed);
-    for fault in &scene.fault {
-        if let Some(kind) = kind(fault.kind) {
-            plant.schedule(Scheduled { at_block: (fault.at_s / block_s) as u64, kind });
-        }
-    }
+    faults(scene, block_s).for_each(|fault| plant.schedule(fault));
     plant
+}
+
+/// The faults of a scene that are not of the plant itself, in blocks of this length, s.
+pub fn faults(scene: &Driven, block_s: f64) -> impl Iterator<Item = Scheduled> {
+    let scheduled =
+        move |fault: &scene::Fault| kind(fault.kind).map(|kind| Scheduled { at_block: (fault.at_s / block_s) as u64, kind });
+    scene.fault.iter().filter_map(scheduled)
 }
 
 /// A scene's fault as the injector's; none if it breaks the plant itself.

@@ -70,7 +70,7 @@ fn play(snapshot: &Snapshot, kind: &Kind, draw: &mut Draw, outcome: &mut Outcome
         board = host.release()?;
     }
     let before = Watch::new(&board);
-    let velocity = board.bench().plant().stack().truth().tip_velocity_m_per_s;
+    let velocity = board.bench().plant().plant().truth().tip_velocity_m_per_s;
     outcome.drawn = inject(&mut board, kind.fault, draw)?;
     match kind.verdict {
         Verdict::Off(limit) => {
@@ -96,7 +96,7 @@ fn play(snapshot: &Snapshot, kind: &Kind, draw: &mut Draw, outcome: &mut Outcome
             let report = if is_driving { asked(&mut host, Host::status) } else { None };
             let mut board = host.release()?;
             if is_driving {
-                let now = board.bench().plant().stack().truth().tip_velocity_m_per_s;
+                let now = board.bench().plant().plant().truth().tip_velocity_m_per_s;
                 outcome.failed = same(snapshot.frequency_hz, report, (now / velocity - 1.0).abs());
                 return Ok(());
             }
