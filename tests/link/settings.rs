@@ -35,7 +35,7 @@ fn a_stored_limit_acts_whatever_else_is_stored() {
         drive --volts 12\nstatus\nexpect limit = 96\nexpect drive_v <= 0.5\nstop\n";
     run(text, &mut session(&board)).unwrap_or_else(|error| panic!("{error}"));
     let refused = refused("settings set limits.energy_j_per_m 1000");
-    assert!(refused.contains("limits.energy_j_per_m") && refused.contains("belt encoder"), "{refused}");
+    assert!(refused.contains("limits.energy_j_per_m") && refused.contains("without front_end.metre_per_count: set that first"), "{refused}");
     // A host is informed as soon as it connects.
     static NOTES: Mutex<Vec<String>> = Mutex::new(Vec::new());
     static NEVER: AtomicBool = AtomicBool::new(false);
@@ -58,6 +58,8 @@ fn what_cannot_be_set_says_what_can() {
     assert!(too_much.contains("limits.voltage_v can be 0.001 to 15.466, not 1000"), "{too_much}");
     let unknown = refused("settings set limits.volt 3");
     assert!(unknown.contains("there is no setting `limits.volt`; did you mean `limits.voltage_v`?"), "{unknown}");
+    let idle = refused("settings set friction.speed_m_per_s 0.05");
+    assert!(idle.contains("friction.speed_m_per_s does nothing without friction.enabled: set that first"), "{idle}");
     let no_number = refused("settings set limits.voltage_v nan");
     assert!(no_number.contains("limits.voltage_v can be"), "{no_number}");
     let lane = refused("capture --lane 3");
