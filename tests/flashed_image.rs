@@ -29,7 +29,7 @@ use sim::run::{Watch, run_on};
 use crate::processor_in_the_loop::is_possible;
 
 /// The part of its time that the block interrupt takes here.
-const RATE: f64 = 1.0 / 8.0;
+pub(crate) const RATE: f64 = 1.0 / 8.0;
 static STOP: AtomicBool = AtomicBool::new(false);
 
 /// The image; none where it cannot be built, which has then been said.
@@ -47,7 +47,7 @@ fn dummy_load() -> scene::load::Loaded {
 }
 
 /// A board with the dummy load and these changes of its scene that was just powered.
-fn powered(elf: &[u8], changes: &[&str], rate: f64) -> Board {
+pub(crate) fn powered(elf: &[u8], changes: &[&str], rate: f64) -> Board {
     let changes: Vec<String> = changes.iter().map(|change| (*change).to_owned()).collect();
     let loaded = load("dummy-load", &changes).expect("a built-in scene");
     let scene = loaded.scene.driven().expect("a driven scene");
@@ -55,7 +55,7 @@ fn powered(elf: &[u8], changes: &[&str], rate: f64) -> Board {
 }
 
 /// A client of a board.
-fn connected(board: Board) -> (Rc<RefCell<Board>>, Client) {
+pub(crate) fn connected(board: Board) -> (Rc<RefCell<Board>>, Client) {
     let board = Rc::new(RefCell::new(board));
     let client = Client::new(Box::new(Simulated::new("board", board.clone(), false)), &STOP, |_| ());
     (board, client)

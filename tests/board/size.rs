@@ -12,7 +12,13 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 use std::sync::{Mutex, PoisonError};
 
+use firmware::board::command::{Command as Order, Verb};
+use firmware::seam::config::keys;
+use firmware::seam::refusal::Refusal;
+use link::link_error::LinkError;
 use object::{Object as _, ObjectSection as _, ObjectSymbol as _, SectionFlags, SectionKind, elf};
+
+use crate::flashed_image::{RATE, connected, powered};
 
 const TARGET: &str = "thumbv7em-none-eabihf";
 const WORKSPACE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/..");
@@ -145,13 +151,21 @@ fn parts_that_are_left_out_take_no_flash() {
         &["--no-default-features", "--features", "friction"],
         &["--no-default-features"],
     ];
-    let mut sizes = Vec::new();
+    let (mut sizes, mut smallest) = (Vec::new(), Vec::new());
     println!("\n| `cargo fw …` | flash |\n|---|---|");
     for options in options {
         let Some(bytes) = image(options) else { return };
         let taken = Taken::by(&sections(&object::File::parse(&*bytes).expect("an ELF file")));
         println!("| `{}` | {} |", options.join(" "), taken.flash);
         sizes.push(taken.flash);
+        smallest = bytes;
+    }
+    // What it leaves out is refused when it is set, on the model of the part.
+    let (_board, mut client) = connected(powered(&smallest, &[], RATE));
+    client.connect().expect("an answer");
+    for key in [keys::SHAPE, keys::SWEEP_TIME, keys::FRICTION_ENABLED] {
+        let refused = client.order(Order::Settings(Verb::Set(key, 1.0)));
+        assert!(matches!(refused, Err(LinkError::Refused { refusal: Refusal::LeftOut, .. })), "{key}: {refused:?}");
     }
     assert!(sizes.is_sorted_by(|larger, smaller| larger > &(smaller + 4096)), "{sizes:?}");
 }
