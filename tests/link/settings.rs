@@ -35,7 +35,10 @@ fn a_stored_limit_acts_whatever_else_is_stored() {
         drive --volts 12\nstatus\nexpect limit = 96\nexpect drive_v <= 0.5\nstop\n";
     run(text, &mut session(&board)).unwrap_or_else(|error| panic!("{error}"));
     let refused = refused("settings set limits.energy_j_per_m 1000");
-    assert!(refused.contains("limits.energy_j_per_m") && refused.contains("without front_end.metre_per_count: set that first"), "{refused}");
+    assert!(
+        refused.contains("limits.energy_j_per_m") && refused.contains("without front_end.metre_per_count: set that first"),
+        "{refused}"
+    );
     // A host is informed as soon as it connects.
     static NOTES: Mutex<Vec<String>> = Mutex::new(Vec::new());
     static NEVER: AtomicBool = AtomicBool::new(false);

@@ -34,8 +34,8 @@ mod board;
 pub mod configure;
 pub mod debugger;
 pub mod recording;
-pub mod update_file;
 mod sensors;
+pub mod update_file;
 pub mod variables;
 mod wires;
 
