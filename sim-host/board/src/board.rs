@@ -14,8 +14,9 @@ use stm32g474::{Defect, Stm32g474};
 
 use crate::configure::{self, Misfit};
 use crate::recording::Call;
+use crate::reset::Reset;
 use crate::variables::{DebugInfoError, Place, ReadError, Variables};
-use crate::wires::{Bench, Reset};
+use crate::wires::Bench;
 
 /// The block interrupt: DMA1 channel 1, interrupt 11 (RM0440 table 97), the exception 16 later.
 const BLOCK_INTERRUPT: u16 = 16 + 11;

@@ -34,10 +34,12 @@ mod board;
 pub mod configure;
 pub mod debugger;
 pub mod recording;
+mod reset;
 mod sensors;
 pub mod update_file;
 pub mod variables;
 mod wires;
 
 pub use board::{Board, BoardError, Options};
-pub use wires::{Bench, Edge, Reset};
+pub use reset::Reset;
+pub use wires::{Bench, Edge};

@@ -10,7 +10,6 @@
 //! part makes finds half of that sum at its pin.
 
 use std::collections::VecDeque;
-use std::fmt;
 
 use cortex_m4::Cycle;
 use firmware::seam::block::MAX_LANES;
@@ -20,6 +19,7 @@ use plant::stream::Stream;
 use scene::Driven;
 use stm32g474::{Drive, Level, Pin, Received, Wires};
 
+use crate::reset::Reset;
 use crate::sensors::Sensors;
 
 /// Address of the multiplexer of the sense channels.
@@ -48,30 +48,6 @@ pub struct Edge {
     pub at: Cycle,
     /// To what.
     pub high: bool,
-}
-
-/// A reset of the part.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Reset {
-    /// When.
-    pub at: Cycle,
-    /// Its flags in RCC_CSR.
-    flags: u32,
-}
-
-impl fmt::Display for Reset {
-    /// Its cause, by the flags of RCC_CSR (RM0440 7.4.28): the first one of these, as every reset pulls the pin too.
-    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        let causes = [
-            (29, "the independent watchdog"),
-            (28, "software"),
-            (30, "the window watchdog"),
-            (27, "brown-out"),
-            (26, "the reset pin"),
-        ];
-        let cause = causes.iter().find(|(bit, _)| self.flags >> bit & 1 == 1);
-        f.write_str(cause.map_or("an unknown cause", |(_, name)| name))
-    }
 }
 
 /// The plant, and when its time runs.
