@@ -20,6 +20,7 @@ use rayon::prelude::*;
 
 use self::kinds::{KINDS, Kind};
 use self::run::{Outcome, run};
+use crate::campaign_error::CampaignError;
 use crate::evidence::{Error, Evidence, Options};
 use report::Report;
 
@@ -28,35 +29,6 @@ pub const SEED: u64 = 0x5046_4155_4c54;
 /// Runs of each kind.
 const RUNS: u32 = 100;
 const QUICK: u32 = 4;
-
-/// Why a run, or the campaign, has no result.
-#[derive(Debug, thiserror::Error)]
-pub enum FaultError {
-    /// The board has stopped: a finding of the model.
-    #[error(transparent)]
-    Board(#[from] board::BoardError),
-    /// The processor has.
-    #[error(transparent)]
-    Stopped(#[from] cortex_m4::Stop),
-    /// It does not answer.
-    #[error(transparent)]
-    Link(#[from] link::link_error::LinkError),
-    /// The scene is not valid.
-    #[error(transparent)]
-    Load(#[from] scene::load::LoadError),
-    /// The scene has no drive, or its board is in use.
-    #[error("the scene of the campaign has no board")]
-    Scene,
-    /// The image has no such symbol.
-    #[error("the image has no symbol {0}")]
-    Symbol(&'static str),
-    /// It was ordered to drive, and does not.
-    #[error("the board has not locked within {0:?}")]
-    NoLock(std::time::Duration),
-    /// The image cannot be read.
-    #[error("the image cannot be read: {0}")]
-    Io(#[from] std::io::Error),
-}
 
 /// The runs of a kind.
 #[derive(Clone, Debug)]
@@ -69,7 +41,7 @@ pub struct Tried {
 
 /// Runs the campaign.
 pub fn evidence(options: &mut Options) -> Result<Evidence, Error> {
-    let elf = std::fs::read(pil::board_image()?).map_err(FaultError::Io)?;
+    let elf = std::fs::read(pil::board_image()?).map_err(CampaignError::Io)?;
     let runs = if options.quick { QUICK } else { RUNS };
     let tried = campaign(&elf, KINDS, runs, SEED, &mut |next| (options.progress)(next))?;
     let tables = table::tables(&tried, SEED);
@@ -99,7 +71,7 @@ pub fn campaign(
     runs: u32,
     seed: u64,
     progress: &mut dyn FnMut(&str),
-) -> Result<Vec<Tried>, FaultError> {
+) -> Result<Vec<Tried>, CampaignError> {
     let snapshot = snapshot::driving(elf)?;
     let tried = kinds.iter().map(|kind| {
         progress(kind.name);

@@ -65,12 +65,9 @@ pub enum Error {
     /// The image did not come to its end, or printed something else than counts.
     #[error("the image gives no counts: {0}")]
     Counts(String),
-    /// The campaign of faults has no board to begin with.
+    /// A campaign against the flashed image has no board to begin with.
     #[error(transparent)]
-    BoardFaults(#[from] crate::board_faults::FaultError),
-    /// The campaign of power cuts has no board to begin with.
-    #[error(transparent)]
-    FieldUpdate(#[from] crate::field_update::UpdateError),
+    Campaign(#[from] crate::campaign_error::CampaignError),
     /// A table of numbers cannot be written.
     #[error(transparent)]
     Csv(#[from] csv::Error),

@@ -18,6 +18,7 @@ use report::Report;
 use stm32g474::FlashOperation;
 
 use self::boards::{FieldImages, Phase, prepared, version_after};
+use crate::campaign_error::CampaignError;
 use crate::evidence::{Error, Evidence, Options};
 
 /// Cuts of each phase.
@@ -31,32 +32,6 @@ const BEFORE: u64 = 2000;
 const POSITIONS: usize = 3;
 /// Cycles after the beginning, or the end, of an operation.
 const AFTER: u64 = 40;
-
-/// Why the campaign has no result.
-#[derive(Debug, thiserror::Error)]
-pub enum UpdateError {
-    /// The board has stopped: a finding of the model.
-    #[error(transparent)]
-    Board(#[from] board::BoardError),
-    /// The processor has.
-    #[error(transparent)]
-    Stopped(#[from] cortex_m4::Stop),
-    /// It does not answer.
-    #[error(transparent)]
-    Link(#[from] link::link_error::LinkError),
-    /// The scene is not valid.
-    #[error(transparent)]
-    Load(#[from] scene::load::LoadError),
-    /// The image cannot be made an update.
-    #[error(transparent)]
-    Pack(#[from] board::update_file::PackError),
-    /// An image cannot be read.
-    #[error("the image cannot be read: {0}")]
-    Io(#[from] std::io::Error),
-    /// The board does not come to the phase.
-    #[error("the board does not come to {0}")]
-    NotThere(&'static str),
-}
 
 /// The version that answered after a cut, or what was wrong.
 pub type Outcome = Result<u16, String>;
@@ -100,7 +75,7 @@ pub fn campaign(
     phases: &[Phase],
     cuts: usize,
     progress: &mut dyn FnMut(&str),
-) -> Result<Vec<Tried>, UpdateError> {
+) -> Result<Vec<Tried>, CampaignError> {
     let tried = phases.iter().map(|&phase| {
         progress(phase.name());
         let (board, operations) = prepared(images, phase)?;
@@ -111,7 +86,7 @@ pub fn campaign(
     tried.collect()
 }
 
-fn outcomes(mut board: Board, phase: Phase, operations: &[FlashOperation], cuts: usize) -> Result<Vec<Outcome>, UpdateError> {
+fn outcomes(mut board: Board, phase: Phase, operations: &[FlashOperation], cuts: usize) -> Result<Vec<Outcome>, CampaignError> {
     let mut outcomes = Vec::with_capacity(cuts);
     let numbers: Vec<usize> = (0..cuts).collect();
     for batch in numbers.chunks(BATCH) {

@@ -7,9 +7,9 @@ use rand_xoshiro::Xoshiro256PlusPlus;
 use stm32g474::map::{at::dma, base::DMA1};
 use stm32g474::{Defect, Pin, Ram};
 
-use super::FaultError;
 use super::kinds::Fault;
 use super::limits::lsi_hz;
+use crate::campaign_error::CampaignError;
 
 /// The sense pins: voltage, current, and the current again at the negative trip.
 const VOLTAGE: Pin = Pin::new('A', 0);
@@ -45,7 +45,7 @@ impl Draw {
 }
 
 /// Makes it happen now; returns what was drawn, in words.
-pub fn inject(board: &mut Board, fault: Fault, draw: &mut Draw) -> Result<String, FaultError> {
+pub fn inject(board: &mut Board, fault: Fault, draw: &mut Draw) -> Result<String, CampaignError> {
     if is_upset(fault) {
         // What a program does after that says nothing about its source.
         board.machine_mut().chip.lint.set_all(stm32g474::Verdict::Collect);
@@ -107,7 +107,7 @@ fn is_upset(fault: Fault) -> bool {
 }
 
 /// What is no defect of the part.
-fn act(board: &mut Board, fault: Fault, at: u64, draw: &mut Draw) -> Result<String, FaultError> {
+fn act(board: &mut Board, fault: Fault, at: u64, draw: &mut Draw) -> Result<String, CampaignError> {
     match fault {
         Fault::OpenSense => {
             let (pin, volts) = (draw.of(&[VOLTAGE, CURRENT[0]]), draw.of(&[0.0, 1.65, 3.3]));
@@ -168,12 +168,12 @@ fn tolerate(board: &mut Board, at: u64, draw: &mut Draw) {
     board.inject(at, Defect::LsiHz(hz));
 }
 
-fn symbol(board: &Board, name: &'static str) -> Result<u32, FaultError> {
-    board.machine().symbols().address(name).ok_or(FaultError::Symbol(name))
+fn symbol(board: &Board, name: &'static str) -> Result<u32, CampaignError> {
+    board.machine().symbols().address(name).ok_or(CampaignError::Symbol(name))
 }
 
 /// A bit of the memory between two symbols of the linker.
-fn bit_between(board: &Board, (first, end): (&'static str, &'static str), draw: &mut Draw) -> Result<Defect, FaultError> {
+fn bit_between(board: &Board, (first, end): (&'static str, &'static str), draw: &mut Draw) -> Result<Defect, CampaignError> {
     let (first, end) = (symbol(board, first)?, symbol(board, end)?);
     Ok(Defect::RamBit { address: first + draw.below(end - first), bit: draw.below(8) as u8 })
 }

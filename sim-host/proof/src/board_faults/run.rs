@@ -9,11 +9,11 @@ use firmware::seam::mode::Mode;
 use rand_core::SeedableRng;
 use rand_xoshiro::Xoshiro256PlusPlus;
 
-use super::FaultError;
 use super::inject::{Draw, inject};
 use super::kinds::{Fault, Kind};
 use super::limits::{BLOCK_S, Verdict};
 use super::snapshot::{Host, Snapshot};
+use crate::campaign_error::CampaignError;
 
 /// Any reason that the image can name.
 pub const ANY_REASON: &[&str] = &["*"];
@@ -60,7 +60,7 @@ pub fn run(snapshot: &Snapshot, kind: &Kind, seed: u64, number: u32) -> Outcome 
     outcome
 }
 
-fn play(snapshot: &Snapshot, kind: &Kind, draw: &mut Draw, outcome: &mut Outcome) -> Result<(), FaultError> {
+fn play(snapshot: &Snapshot, kind: &Kind, draw: &mut Draw, outcome: &mut Outcome) -> Result<(), CampaignError> {
     let mut board = snapshot.board.clone();
     let span_ns = (f64::from(SPREAD_BLOCKS) * BLOCK_S * 1e9) as u32;
     board.run_for(Duration::from_nanos(draw.below(span_ns).into()))?;
@@ -134,12 +134,12 @@ fn unnamed(kind: &Kind, reason: Option<&str>) -> Option<String> {
 }
 
 /// Asks until there is an answer.
-fn asked<T>(host: &mut Host, question: impl Fn(&mut Host, Duration) -> Result<Option<T>, FaultError>) -> Option<T> {
+fn asked<T>(host: &mut Host, question: impl Fn(&mut Host, Duration) -> Result<Option<T>, CampaignError>) -> Option<T> {
     (0..QUESTIONS).find_map(|_| question(host, ANSWERS_WITHIN).ok().flatten())
 }
 
 /// Lets the board come to rest, and asks why it is off; what is wrong meanwhile.
-fn reason(mut board: Board, before: &Watch, outcome: &mut Outcome) -> Result<Option<String>, FaultError> {
+fn reason(mut board: Board, before: &Watch, outcome: &mut Outcome) -> Result<Option<String>, CampaignError> {
     let until = board.now() + AFTERWARDS;
     let mut restarted = board.now();
     let mut resets = board.bench().resets.len();

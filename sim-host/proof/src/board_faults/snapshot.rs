@@ -17,8 +17,8 @@ use link::port::{InProcess, Simulated};
 use scene::load::load;
 use stm32g474::{Rule, Verdict};
 
-use super::FaultError;
 use super::limits::HOST_S;
+use crate::campaign_error::CampaignError;
 
 /// The part of its time that the block interrupt takes: at all of it, this image misses blocks without any fault.
 pub const RATE: f64 = 1.0 / 8.0;
@@ -50,9 +50,9 @@ pub struct Snapshot {
 }
 
 /// Boots a board with the dummy load, and lets it find it, lock and drive; `sim-host link` would say `run`.
-pub fn driving(elf: &[u8]) -> Result<Snapshot, FaultError> {
+pub fn driving(elf: &[u8]) -> Result<Snapshot, CampaignError> {
     let loaded = load(SCENE, &[])?;
-    let scene = loaded.scene.driven().ok_or(FaultError::Scene)?;
+    let scene = loaded.scene.driven().ok_or(CampaignError::Scene)?;
     let mut board = Board::start(elf, &scene, Options { rate: Some(RATE), ..Options::default() })?;
     for rule in RAISED {
         board.machine_mut().chip.lint.set(rule, Verdict::Collect);
@@ -63,7 +63,7 @@ pub fn driving(elf: &[u8]) -> Result<Snapshot, FaultError> {
     let until = host.now() + LOCKS_WITHIN;
     while !host.status(LOCKS_WITHIN)?.is_some_and(|report| report.mode == Mode::Run && report.locked) {
         if host.now() > until {
-            return Err(FaultError::NoLock(LOCKS_WITHIN));
+            return Err(CampaignError::NoLock(LOCKS_WITHIN));
         }
         host.run_for(Duration::from_millis(1))?;
     }
@@ -71,7 +71,7 @@ pub fn driving(elf: &[u8]) -> Result<Snapshot, FaultError> {
     loop {
         let report = host.status(LOCKS_WITHIN)?;
         if host.now() >= settled {
-            let report = report.ok_or(FaultError::NoLock(LOCKS_WITHIN))?;
+            let report = report.ok_or(CampaignError::NoLock(LOCKS_WITHIN))?;
             return Ok(Snapshot { board: host.release()?, frequency_hz: report.frequency.0 });
         }
     }
@@ -123,9 +123,9 @@ impl Host {
     }
 
     /// Gives the board back.
-    pub fn release(self) -> Result<Board, FaultError> {
+    pub fn release(self) -> Result<Board, CampaignError> {
         drop(self.client);
-        Rc::into_inner(self.board).map(|limited| limited.into_inner().board).ok_or(FaultError::Scene)
+        Rc::into_inner(self.board).map(|limited| limited.into_inner().board).ok_or(CampaignError::Scene)
     }
 
     /// Time since the power came.
@@ -134,12 +134,12 @@ impl Host {
     }
 
     /// Lets the board run.
-    pub fn run_for(&mut self, time: Duration) -> Result<(), FaultError> {
+    pub fn run_for(&mut self, time: Duration) -> Result<(), CampaignError> {
         Ok(self.board.borrow_mut().board.run_for(time)?)
     }
 
     /// Asks, and waits for an answer for so long.
-    pub fn ask(&mut self, command: Command, within: Duration) -> Result<Reply, FaultError> {
+    pub fn ask(&mut self, command: Command, within: Duration) -> Result<Reply, CampaignError> {
         let until = self.now() + within;
         self.board.borrow_mut().until = until;
         Ok(self.client.ask(command)?)
@@ -161,7 +161,7 @@ impl Host {
     }
 
     /// The report of the latest block.
-    pub fn status(&mut self, within: Duration) -> Result<Option<Telemetry>, FaultError> {
+    pub fn status(&mut self, within: Duration) -> Result<Option<Telemetry>, CampaignError> {
         match self.ask(Command::Status, within)? {
             Reply::Status(report) => Ok(report),
             _ => Ok(None),
@@ -169,7 +169,7 @@ impl Host {
     }
 
     /// The latest fault of the log, and what started the board.
-    pub fn faults(&mut self, within: Duration) -> Result<Option<FaultReport>, FaultError> {
+    pub fn faults(&mut self, within: Duration) -> Result<Option<FaultReport>, CampaignError> {
         match self.ask(Command::Faults(0), within)? {
             Reply::Faults(report) => Ok(Some(report)),
             _ => Ok(None),

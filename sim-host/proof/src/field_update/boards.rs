@@ -18,7 +18,7 @@ use stm32g474::{Defect, FlashOperation, Ram, Rule, Verdict};
 use update::identity::NAME;
 use update::key::DEVELOPMENT_SEED;
 
-use super::UpdateError;
+use crate::campaign_error::CampaignError;
 
 /// The part of its time that the block interrupt takes here, so that it fits into a block.
 const RATE: f64 = 1.0 / 8.0;
@@ -41,7 +41,7 @@ impl FieldImages {
     /// The images as they are built from the present source.
     pub fn built() -> Result<Self, crate::evidence::Error> {
         let [first_stage, elf] = pil::field_images()?;
-        let read = |file| std::fs::read(file).map_err(UpdateError::Io);
+        let read = |file| std::fs::read(file).map_err(CampaignError::Io);
         let (first_stage, elf) = (read(first_stage)?, read(elf)?);
         let [old, new] = [1, 2].map(|major| file(&elf, major));
         Ok(FieldImages { first_stage, old: old?, new: new?, elf })
@@ -49,7 +49,7 @@ impl FieldImages {
 }
 
 /// The update of an image with another version, which stands in a constant of its own.
-fn file(elf: &[u8], major: u16) -> Result<Vec<u8>, UpdateError> {
+fn file(elf: &[u8], major: u16) -> Result<Vec<u8>, CampaignError> {
     let mut elf = elf.to_vec();
     let at = identity_offset(&elf)? + NAME;
     elf[at..at + 6].copy_from_slice(&[major as u8, 0, 0, 0, 0, 0]);
@@ -97,7 +97,7 @@ impl Phase {
 }
 
 /// A board at the beginning of a phase, and the operations of its flash until the end of it.
-pub fn prepared(images: &FieldImages, phase: Phase) -> Result<(Board, Vec<FlashOperation>), UpdateError> {
+pub fn prepared(images: &FieldImages, phase: Phase) -> Result<(Board, Vec<FlashOperation>), CampaignError> {
     let mut board = powered(images)?;
     let blocks = |board: &Board| board.bench().samples();
     let waits = match phase {
@@ -112,13 +112,13 @@ pub fn prepared(images: &FieldImages, phase: Phase) -> Result<(Board, Vec<FlashO
             client.1.ask(Command::Update(UpdateVerb::Begin(images.new.len() as u32)))?;
             board = released(client);
             let write = UpdateVerb::Write(0, rows(&images.new[..CHUNK]));
-            board.send(&encode(900, Command::Update(write)).map_err(|_| UpdateError::NotThere("a frame"))?);
+            board.send(&encode(900, Command::Update(write)).map_err(|_| CampaignError::NotThere("a frame"))?);
             Some(Duration::from_millis(30))
         }
         Phase::Marking => {
             started(&mut board)?;
             board = complete(board, images)?;
-            board.send(&encode(901, Command::Update(UpdateVerb::Install)).map_err(|_| UpdateError::NotThere("a frame"))?);
+            board.send(&encode(901, Command::Update(UpdateVerb::Install)).map_err(|_| CampaignError::NotThere("a frame"))?);
             Some(Duration::from_millis(60))
         }
         Phase::Confirming => {
@@ -151,9 +151,9 @@ pub fn prepared(images: &FieldImages, phase: Phase) -> Result<(Board, Vec<FlashO
 }
 
 /// A board with the old image in its slot that was just powered.
-fn powered(images: &FieldImages) -> Result<Board, UpdateError> {
+fn powered(images: &FieldImages) -> Result<Board, CampaignError> {
     let loaded = load("dummy-load", &[])?;
-    let scene = loaded.scene.driven().ok_or(UpdateError::NotThere("a drive"))?;
+    let scene = loaded.scene.driven().ok_or(CampaignError::NotThere("a drive"))?;
     let options = Options { rate: Some(RATE), ..Options::default() };
     let mut board = Board::start_in_slot(&images.first_stage, &images.old, &images.elf, &scene, options)?;
     // What a cut leaves is read as damaged: both images are to bear that.
@@ -172,12 +172,12 @@ fn mark(board: &mut Board, images: &FieldImages) {
 }
 
 /// Runs until the image plays its first sample.
-fn started(board: &mut Board) -> Result<(), UpdateError> {
+fn started(board: &mut Board) -> Result<(), CampaignError> {
     let until = board.now() + STARTS_WITHIN;
     while board.bench().samples() == 0 {
         board.run_for(Duration::from_millis(1))?;
         if board.now() > until {
-            return Err(UpdateError::NotThere("a first sample"));
+            return Err(CampaignError::NotThere("a first sample"));
         }
     }
     Ok(())
@@ -201,7 +201,7 @@ fn rows(piece: &[u8]) -> [[u8; 32]; CHUNK / 32] {
 }
 
 /// The board with an update that is received and checked.
-fn complete(board: Board, images: &FieldImages) -> Result<Board, UpdateError> {
+fn complete(board: Board, images: &FieldImages) -> Result<Board, CampaignError> {
     let mut client = client_of(board);
     client.1.connect()?;
     client.1.ask(Command::Update(UpdateVerb::Begin(images.new.len() as u32)))?;
@@ -214,15 +214,15 @@ fn complete(board: Board, images: &FieldImages) -> Result<Board, UpdateError> {
         match report(&mut client.1)?.state {
             UpdateState::Complete => return Ok(released(client)),
             UpdateState::Checking if client.1.now() < until => {}
-            _ => return Err(UpdateError::NotThere("an update that is checked")),
+            _ => return Err(CampaignError::NotThere("an update that is checked")),
         }
     }
 }
 
-fn report(client: &mut Client) -> Result<UpdateReport, UpdateError> {
+fn report(client: &mut Client) -> Result<UpdateReport, CampaignError> {
     match client.ask(Command::Update(UpdateVerb::Report))? {
         Reply::Update(report) => Ok(report),
-        _ => Err(UpdateError::NotThere("a report")),
+        _ => Err(CampaignError::NotThere("a report")),
     }
 }
 
@@ -236,7 +236,7 @@ pub fn version_after(board: Board, at: u64, phase: Phase) -> Result<u16, String>
     if phase.allows(version) { Ok(version) } else { Err(format!("cut at cycle {at}: version {version} answers")) }
 }
 
-fn answered(mut board: Board, at: u64) -> Result<(Board, u16), UpdateError> {
+fn answered(mut board: Board, at: u64) -> Result<(Board, u16), CampaignError> {
     let resets = board.bench().resets.len();
     board.inject(at, Defect::BrownOut { ram: Ram::Lost });
     while board.bench().resets.len() == resets {
@@ -251,6 +251,6 @@ fn answered(mut board: Board, at: u64) -> Result<(Board, u16), UpdateError> {
             return Err(error.into());
         }
     }
-    let version = report(&mut client.1)?.running.ok_or(UpdateError::NotThere("a version"))?[0];
+    let version = report(&mut client.1)?.running.ok_or(CampaignError::NotThere("a version"))?[0];
     Ok((released(client), version))
 }
