@@ -38,6 +38,13 @@ impl Controller {
 
     /// One block: what the converters saw, what to play two blocks later, and a report.
     pub fn process(&mut self, orders: &Orders, sense: &SenseBlock, drive: &mut DriveBlock) -> Telemetry {
+        let mut report = Telemetry::default();
+        self.process_into(orders, sense, drive, &mut report);
+        report
+    }
+
+    /// The same, with the report in the place of an earlier one.
+    pub fn process_into(&mut self, orders: &Orders, sense: &SenseBlock, drive: &mut DriveBlock, report: &mut Telemetry) {
         let Controller { played, chain, stages } = self;
         let slot = (chain.block % LATENCY_BLOCKS as u64) as usize;
         let (sensed, suspect) = demodulate(&chain.convert, sense, &played[slot].tone);
@@ -60,7 +67,7 @@ impl Controller {
         played[slot] = chain.generator.play(orders, &plan, modes, chain.block, drive);
         stages.follow.work(chain, &plan, &played[slot]);
         chain.block += 1;
-        self.report(orders, &plan, slot, sensed, motional)
+        self.report(orders, &plan, slot, (&sensed, motional), report);
     }
 
     /// The trims that act, from a calibration or from the configuration.

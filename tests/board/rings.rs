@@ -1,6 +1,8 @@
 //! The rings: halves, slots, steps, late blocks, packed words, received bytes.
 
 use firmware::seam::block::{DriveBlock, LATENCY_BLOCKS, SenseBlock};
+use std::cell::Cell;
+
 use nucleo_g474re::blocks::{BLOCK, Beat, CYCLES_PER_BLOCK, Half, RING, Step, is_in_time, position, slot};
 use nucleo_g474re::packing;
 use nucleo_g474re::ring::Reader;
@@ -94,18 +96,24 @@ fn streams_are_in_step_until_one_has_lost_a_sample() {
 #[test]
 fn words_hold_both_channels_and_both_lanes() {
     let mut sense = SenseBlock::default();
-    packing::sense([0x1ffe_0003, 0x0000_1fff].into_iter(), &mut sense);
+    packing::sense(&[0x1ffe_0003, 0x0000_1fff], |word| *word, &mut sense);
     assert_eq!((&sense.v[..], &sense.i[..]), (&[0x0003, 0x1fff][..], &[0x1ffe, 0x0000][..]));
-    // Of a longer one no more than fits is taken, and nothing of the one before stays.
-    packing::sense((0..100).map(|n| n << 16 | (n + 1)), &mut sense);
-    assert_eq!((sense.v.len(), sense.v[0], sense.i[63]), (64, 1, 63));
+    // Nothing of the one before stays.
+    let ring: [u32; BLOCK + 3] = core::array::from_fn(|n| (n << 16 | (n + 1)) as u32);
+    packing::sense(&ring, |word| *word, &mut sense);
+    assert_eq!((sense.v.len(), sense.v[0], sense.i[BLOCK + 2]), (BLOCK + 3, 1, BLOCK as u16 + 2));
 
     let lanes = |codes: &[u16]| codes.iter().copied().collect();
     let drive = DriveBlock { lanes: [lanes(&[1, 2]), lanes(&[3, 4]), lanes(&[5, 6])].into_iter().collect(), listen: 0 };
-    assert_eq!(packing::drive(&drive, 0, 1, 2048), 0x0004_0002);
-    // The fourth lane is not there, nor is a third sample.
-    assert_eq!(packing::drive(&drive, 1, 0, 2048), 0x0800_0005);
-    assert_eq!(packing::drive(&drive, 0, 2, 2048), 0x0800_0800);
+    let words = |pair: usize| {
+        let ring = [const { Cell::new(0) }; 2];
+        packing::drive(&drive, pair, 2048, (&ring[1], &ring[..1]), Cell::set);
+        [ring[1].get(), ring[0].get()]
+    };
+    assert_eq!(words(0), [0x0003_0001, 0x0004_0002]);
+    // The fourth lane is not there, nor is a third pair.
+    assert_eq!(words(1), [0x0800_0005, 0x0800_0006]);
+    assert_eq!(words(2), [0x0800_0800; 2]);
 }
 
 #[test]

@@ -71,7 +71,8 @@ pub struct Peripherals<L, E, S, W, F: NorFlash> {
 pub struct App<'a, L, E, S, W, F: NorFlash> {
     peripherals: Peripherals<L, E, S, W, F>,
     orders: Producer<'a, Orders>,
-    telemetry: Consumer<'a, Telemetry>,
+    telemetry: Consumer<'a, &'static mut Telemetry>,
+    read: Producer<'a, &'static mut Telemetry>,
     captures: Captures<'a>,
     settings_store: SettingsStore<'a>,
     receiver: Receiver,
@@ -134,6 +135,7 @@ where
             peripherals,
             orders: ends.orders,
             telemetry: ends.reports,
+            read: ends.read,
             captures: Captures::new(ends.requests, ends.replies, ends.memory, config.lanes),
             settings_store: SettingsStore::new(ends.trims_out, ends.trims_in, power_up),
             receiver: Receiver::default(),
@@ -219,8 +221,10 @@ where
                     places.get_mut(usize::from(listed.place)).into_iter().for_each(|place| *place = Some(listed.resonance));
                 }
             }
-            self.faults.record(&telemetry, self.seen.as_ref());
-            self.seen = Some(telemetry);
+            self.faults.record(telemetry, self.seen.as_ref());
+            self.seen = Some(*telemetry);
+            // There is room: as many go round as the queue holds.
+            let _ = self.read.enqueue(telemetry);
             came = true;
         }
         came

@@ -29,9 +29,9 @@ impl Controller {
         orders: &Orders,
         plan: &Plan,
         slot: usize,
-        sensed: Sensed,
-        motional_current: Phasor,
-    ) -> Telemetry {
+        (sensed, motional_current): (&Sensed, Phasor),
+        report: &mut Telemetry,
+    ) {
         let played = &self.played[slot];
         let Chain { supervisor, track, generator, guard, .. } = &self.chain;
         let mode = supervisor.mode();
@@ -51,29 +51,27 @@ impl Controller {
             }),
             false => None,
         };
-        let mut report = Telemetry {
-            block: (self.chain.block - 1) as u32,
-            orders_sequence: orders.sequence,
-            mode,
-            fault: supervisor.fault(),
-            limit,
-            locked: following && state == State::Locked,
-            tuning_word: played.tone.word,
-            frequency: Hertz(generator.sweep.hold.nominal_hz() + played.offset_hz),
-            resonance: Hertz(generator.sweep.hold.nominal_hz() + track.tracker.estimate_hz()),
-            drive: Volts(played.volts),
-            envelope: played.envelope,
-            v: sensed.v,
-            i: sensed.i,
-            motional_current,
-            phase: plan.phase,
-            transducer: None,
-            listed: self.stages.scan.modes().in_turn(self.chain.block as usize),
-            friction: self.stages.follow.friction.as_ref().and_then(FrictionSwitch::belief),
-        };
-        if let Some(transducer) = track.transducer() {
-            report.transducer.get_or_insert_default().copy(transducer);
+        // Each where it stands: whole, it would be built beside and copied.
+        report.block = (self.chain.block - 1) as u32;
+        report.orders_sequence = orders.sequence;
+        report.mode = mode;
+        report.fault = supervisor.fault();
+        report.limit = limit;
+        report.locked = following && state == State::Locked;
+        report.tuning_word = played.tone.word;
+        report.frequency = Hertz(generator.sweep.hold.nominal_hz() + played.offset_hz);
+        report.resonance = Hertz(generator.sweep.hold.nominal_hz() + track.tracker.estimate_hz());
+        report.drive = Volts(played.volts);
+        report.envelope = played.envelope;
+        report.v = sensed.v;
+        report.i = sensed.i;
+        report.motional_current = motional_current;
+        report.phase = plan.phase;
+        report.listed = self.stages.scan.modes().in_turn(self.chain.block as usize);
+        report.friction = self.stages.follow.friction.as_ref().and_then(FrictionSwitch::belief);
+        match track.transducer() {
+            Some(transducer) => report.transducer.get_or_insert_default().copy(transducer),
+            None => report.transducer = None,
         }
-        report
     }
 }

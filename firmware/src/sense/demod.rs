@@ -106,16 +106,26 @@ impl Ring {
 #[inline(always)]
 fn ring(convert: &Convert, v: &[u16], i: &[u16], k: f32) -> (Ring, Ring) {
     let (v_zero, i_zero) = (convert.v.zero(), convert.i.zero());
-    let (mut v_ring, mut i_ring) = (Ring::default(), Ring::default());
-    let mut take = |(&v, &i): (&u16, &u16)| {
-        v_ring.take(f32::from(v) - v_zero, k);
-        i_ring.take(f32::from(i) - i_zero, k);
-    };
+    let mut rings = (Ring::default(), Ring::default());
     let ((v_fours, v_rest), (i_fours, i_rest)) = (v.as_chunks::<4>(), i.as_chunks::<4>());
-    for (v_four, i_four) in v_fours.iter().zip(i_fours) {
-        v_four.iter().zip(i_four).for_each(&mut take);
+    // Written out: a compiler that saves code leaves a loop or a closure here, with all of its state in memory.
+    for ([v0, v1, v2, v3], [i0, i1, i2, i3]) in v_fours.iter().zip(i_fours) {
+        rings = both(rings, (*v0, *i0), (v_zero, i_zero), k);
+        rings = both(rings, (*v1, *i1), (v_zero, i_zero), k);
+        rings = both(rings, (*v2, *i2), (v_zero, i_zero), k);
+        rings = both(rings, (*v3, *i3), (v_zero, i_zero), k);
     }
-    v_rest.iter().zip(i_rest).for_each(&mut take);
+    for (v, i) in v_rest.iter().zip(i_rest) {
+        rings = both(rings, (*v, *i), (v_zero, i_zero), k);
+    }
+    rings
+}
+
+/// A sample of both channels.
+#[inline(always)]
+fn both((mut v_ring, mut i_ring): (Ring, Ring), (v, i): (u16, u16), (v_zero, i_zero): (f32, f32), k: f32) -> (Ring, Ring) {
+    v_ring.take(f32::from(v) - v_zero, k);
+    i_ring.take(f32::from(i) - i_zero, k);
     (v_ring, i_ring)
 }
 

@@ -62,6 +62,12 @@ pub fn slot(half: Half, sample: usize) -> usize {
     (half.start() + sample + RING - 1) % RING
 }
 
+/// The places of a half's samples in the DAC's ring: that of the first, and those of the others.
+pub fn places<Place>(ring: &[Place; RING], half: Half) -> (&Place, &[Place]) {
+    let start = half.start();
+    (&ring[slot(half, 0)], &ring[start..start + BLOCK - 1])
+}
+
 /// Whether the codes written for `half` are there before they are fetched, with a sample to spare. `next` is the place that DMA fetches next.
 pub fn is_in_time(half: Half, next: usize) -> bool {
     Half::at(next + 1) == half.other()

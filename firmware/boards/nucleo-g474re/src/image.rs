@@ -33,9 +33,8 @@ use cortex_m_rt::entry;
 // For the log.
 use defmt_rtt as _;
 use firmware::board::app::{self, App};
-use firmware::board::capture::memory::Memory;
 use firmware::board::power_up::PowerUp;
-use firmware::board::queues::{BackgroundEnds, BlockEnds, Queues};
+use firmware::board::queues::{BackgroundEnds, BlockEnds, Loans, Queues};
 use firmware::board::settings::Settings;
 use firmware::board::start::Start;
 use firmware::seam::fault::Fault;
@@ -64,7 +63,7 @@ defmt::timestamp!("{=u32} blocks", block::count());
 #[entry]
 fn main() -> ! {
     static mut QUEUES: Queues<ORDERS, REPORTS> = Queues::new();
-    static mut MEMORY: Memory = Memory::new();
+    static mut LOANS: Loans<REPORTS> = Loans::new();
 
     ccmram::load();
     let Some(mut core) = Peripherals::take() else { panic!("started twice") };
@@ -78,7 +77,7 @@ fn main() -> ! {
     core.DWT.enable_cycle_counter();
 
     supply::watch();
-    let (app, mut thermometer) = build(QUEUES.split(MEMORY), start);
+    let (app, mut thermometer) = build(QUEUES.split(LOANS), start);
     start_blocks(&mut core.NVIC);
     let mut log = Log::default();
     loop {

@@ -6,21 +6,57 @@
 
 use firmware::seam::block::{DriveBlock, SenseBlock};
 
-/// Separates a block of words from the ADC pair into voltage and current. Words beyond a block are left out.
-pub fn sense(words: impl Iterator<Item = u32>, sense: &mut SenseBlock) {
-    sense.v.clear();
-    sense.i.clear();
-    for word in words {
-        // A block that is cut short is a fault of its own.
-        let _ = sense.v.push(word as u16);
-        let _ = sense.i.push((word >> 16) as u16);
+/// Separates a block of words from the ADC pair into voltage and current.
+pub fn sense<Place>(places: &[Place], read: impl Fn(&Place) -> u32, sense: &mut SenseBlock) {
+    let SenseBlock { v, i, .. } = sense;
+    for channel in [&mut *v, &mut *i] {
+        if channel.len() != places.len() {
+            // There is room for as many: a block fits.
+            let _ = channel.resize_default(places.len());
+        }
+    }
+    let separate = |place: &Place| {
+        let word = read(place);
+        (word as u16, (word >> 16) as u16)
+    };
+    let ((fours, rest), (v_fours, v_rest), (i_fours, i_rest)) =
+        (places.as_chunks::<4>(), v.as_chunks_mut::<4>(), i.as_chunks_mut::<4>());
+    // Written out: a compiler that saves code leaves a loop of four here.
+    for (([p0, p1, p2, p3], [v0, v1, v2, v3]), [i0, i1, i2, i3]) in fours.iter().zip(v_fours).zip(i_fours) {
+        (*v0, *i0) = separate(p0);
+        (*v1, *i1) = separate(p1);
+        (*v2, *i2) = separate(p2);
+        (*v3, *i3) = separate(p3);
+    }
+    for ((place, v), i) in rest.iter().zip(v_rest).zip(i_rest) {
+        (*v, *i) = separate(place);
     }
 }
 
-/// The word that a DAC pair plays: lanes `2 * pair` and `2 * pair + 1`. A lane or a sample that is not there is silence.
-pub fn drive(block: &DriveBlock, pair: usize, sample: usize, silence: u16) -> u32 {
-    let code = |lane: usize| block.lanes.get(lane).and_then(|codes| codes.get(sample)).copied().unwrap_or(silence);
-    word(code(2 * pair), code(2 * pair + 1))
+/// Leaves the words that a DAC pair plays in their places, the first in `head` and the others in `tail`: lanes `2 * pair` and `2 * pair + 1`. A lane that is
+/// not there is silence.
+pub fn drive<Place>(block: &DriveBlock, pair: usize, silence: u16, (head, tail): (&Place, &[Place]), put: impl Fn(&Place, u32)) {
+    let lane = |number: usize| {
+        block.lanes.get(number).filter(|codes| codes.len() == tail.len() + 1).and_then(|codes| codes.split_first())
+    };
+    match (lane(2 * pair), lane(2 * pair + 1)) {
+        (Some((first, firsts)), Some((second, seconds))) => {
+            put(head, word(*first, *second));
+            for ((place, first), second) in tail.iter().zip(firsts).zip(seconds) {
+                put(place, word(*first, *second));
+            }
+        }
+        (Some((first, firsts)), None) => {
+            put(head, word(*first, silence));
+            for (place, first) in tail.iter().zip(firsts) {
+                put(place, word(*first, silence));
+            }
+        }
+        _ => {
+            put(head, word(silence, silence));
+            tail.iter().for_each(|place| put(place, word(silence, silence)));
+        }
+    }
 }
 
 /// Two codes as one word.

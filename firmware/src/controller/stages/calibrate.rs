@@ -10,6 +10,8 @@ impl Stage for Calibrate {
         self.abandon(&mut chain.generator.phasing);
     }
 
+    // Not inlined: what runs in every block is small enough for the fast memory of a board so.
+    #[inline(never)]
     fn step(&mut self, chain: &mut Chain, measured: &Measured) -> Step {
         let step = self.listen(&mut chain.generator.phasing, measured.sensed);
         if matches!(step, Step::Done { .. }) {

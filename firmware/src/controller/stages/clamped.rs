@@ -10,6 +10,8 @@ impl Stage for PowerOn {
         self.restart();
     }
 
+    // Not inlined: what runs in every block is small enough for the fast memory of a board so.
+    #[inline(never)]
     fn step(&mut self, chain: &mut Chain, measured: &Measured) -> Step {
         let step = self.listen(measured.sensed);
         // Taken in silence; the block in which it is over has its tone.

@@ -11,6 +11,8 @@ impl Stage for Scan {
         self.restart();
     }
 
+    // Not inlined: what runs in every block is small enough for the fast memory of a board so.
+    #[inline(never)]
     fn step(&mut self, chain: &mut Chain, measured: &Measured) -> Step {
         let step = self.listen(&chain.convert, measured.sense, measured.sensed);
         if let (Step::Done { .. }, Some((transducer, branch))) = (step, self.found()) {

@@ -12,6 +12,8 @@ impl Stage for SelfTest {
         self.restart();
     }
 
+    // Not inlined: what runs in every block is small enough for the fast memory of a board so.
+    #[inline(never)]
     fn step(&mut self, chain: &mut Chain, measured: &Measured) -> Step {
         let played_v = measured.played.volts * measured.played.audible.unwrap_or(1.0);
         let step = self.listen(&mut chain.convert, measured.sense, measured.sensed, played_v);

@@ -16,6 +16,7 @@ use nucleo_g474re::packing;
 use stm32_metapac::{GPIOC, interrupt};
 
 use super::dac::Lanes;
+use super::dma::Place;
 use super::encoder::Encoder;
 use super::force::ForceChannel;
 use super::pins::Pin;
@@ -91,7 +92,8 @@ impl BlockInterrupt {
         }
         let half = Half::at(adc).other();
         self.multiplex();
-        packing::sense((half.start()..half.start() + BLOCK).map(|place| adc::SAMPLES.read(place)), &mut self.sense);
+        let filled = &adc::SAMPLES.places()[half.start()..half.start() + BLOCK];
+        packing::sense(filled, Place::read, &mut self.sense);
         let broken = protection::look();
         self.sense.slow = SlowSense {
             belt: self.encoder.as_mut().map(Encoder::read),

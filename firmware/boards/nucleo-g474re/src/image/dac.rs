@@ -10,7 +10,7 @@
 
 use cortex_m::asm::delay;
 use firmware::seam::block::DriveBlock;
-use nucleo_g474re::blocks::{BLOCK, Half, RING, position, slot};
+use nucleo_g474re::blocks::{Half, RING, places, position};
 use nucleo_g474re::config::SILENCE;
 use nucleo_g474re::packing;
 use stm32_metapac::bdma::vals::Pl;
@@ -21,7 +21,7 @@ use stm32_metapac::opamp::vals::{VmSel, VpSel};
 use stm32_metapac::{DAC1, DAC3, DAC4, GPIOA, GPIOB, OPAMP3, OPAMP4, OPAMP5, OPAMP6};
 
 use super::clocks::CYCLES_PER_US;
-use super::dma::{Channel, Ring, Way};
+use super::dma::{Channel, Place, Ring, Way};
 use super::pins::Pin;
 
 const QUIET: u32 = (SILENCE as u32) << 16 | SILENCE as u32;
@@ -71,13 +71,13 @@ impl Lanes {
     /// Leaves a block in a half of the rings.
     pub fn write(&self, half: Half, block: &DriveBlock) {
         for (pair, ring) in RINGS.iter().enumerate().take(self.converters.len()) {
-            (0..BLOCK).for_each(|sample| ring.write(slot(half, sample), packing::drive(block, pair, sample, SILENCE)));
+            packing::drive(block, pair, SILENCE, places(ring.places(), half), Place::write);
         }
     }
 
     /// Plays mid-code from the next sample on, in both halves.
     pub fn silence(&self) {
-        RINGS.iter().for_each(|ring| (0..RING).for_each(|place| ring.write(place, QUIET)));
+        RINGS.iter().flat_map(Ring::places).for_each(|place| place.write(QUIET));
     }
 
     /// The place in the rings that is fetched next.

@@ -17,11 +17,32 @@ use stm32_metapac::bdma::Dma;
 use stm32_metapac::bdma::vals::{Dir, Pl, Size};
 use stm32_metapac::{DMA1, DMA2, DMAMUX1};
 
-/// Memory that DMA and the processor share.
-pub struct Ring<T, const N: usize>(UnsafeCell<[T; N]>);
+/// An element of memory that DMA and the processor share.
+#[repr(transparent)]
+pub struct Place<T>(UnsafeCell<T>);
 
 // SAFETY: every access is volatile and of one element, and elements are words or bytes that are read and written at once; `blocks` and
 // `ring` decide which of them may be used when, and a mistake there is a wrong code, not a broken invariant.
+unsafe impl<T: Copy + Send> Sync for Place<T> {}
+
+impl<T: Copy> Place<T> {
+    /// The value.
+    pub fn read(&self) -> T {
+        // SAFETY: aligned, and initialised; volatile, because DMA writes it.
+        unsafe { ptr::read_volatile(self.0.get()) }
+    }
+
+    /// Sets the value.
+    pub fn write(&self, value: T) {
+        // SAFETY: aligned; volatile, because DMA reads it. Only one execution level writes to any ring.
+        unsafe { ptr::write_volatile(self.0.get(), value) }
+    }
+}
+
+/// A ring of such elements.
+pub struct Ring<T, const N: usize>(UnsafeCell<[T; N]>);
+
+// SAFETY: as that of its elements, which are all that is given out.
 unsafe impl<T: Copy + Send, const N: usize> Sync for Ring<T, N> {}
 
 impl<T: Copy, const N: usize> Ring<T, N> {
@@ -30,21 +51,10 @@ impl<T: Copy, const N: usize> Ring<T, N> {
         Ring(UnsafeCell::new([value; N]))
     }
 
-    /// An element.
-    pub fn read(&self, place: usize) -> T {
-        // SAFETY: within the array, aligned, and initialised; volatile, because DMA writes it.
-        unsafe { ptr::read_volatile(self.element(place)) }
-    }
-
-    /// Sets an element.
-    pub fn write(&self, place: usize, value: T) {
-        // SAFETY: within the array and aligned; volatile, because DMA reads it. Only one execution level writes to any ring.
-        unsafe { ptr::write_volatile(self.element(place), value) }
-    }
-
-    fn element(&self, place: usize) -> *mut T {
-        // SAFETY: the offset stays within the array.
-        unsafe { self.0.get().cast::<T>().add(place % N) }
+    /// Its elements.
+    pub fn places(&self) -> &[Place<T>; N] {
+        // SAFETY: an element has the layout of its value, and allows what the cell of all of them allows.
+        unsafe { &*self.0.get().cast() }
     }
 
     fn address(&self) -> u32 {

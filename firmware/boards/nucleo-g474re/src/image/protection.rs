@@ -25,7 +25,7 @@ use core::sync::atomic::{AtomicBool, Ordering};
 use cortex_m::asm::delay;
 use embedded_hal::digital::{ErrorType, InputPin, OutputPin};
 use firmware::board::start::TripFailure;
-use nucleo_g474re::blocks::CYCLES_PER_BLOCK;
+use nucleo_g474re::blocks::CYCLES_PER_SAMPLE;
 use nucleo_g474re::config::{TRIP_A, trip_codes};
 use nucleo_g474re::trips::{ALWAYS, Levels, Thresholds};
 use stm32_metapac::comp::vals::{Hysteresis, Inm, Polarity};
@@ -49,7 +49,7 @@ const CHANNEL_3: usize = 2;
 const BREAK: usize = 0;
 const BREAK_2: usize = 1;
 /// Cycles without a block after which the enable drops: three blocks.
-const ALIVE: u32 = 3 * CYCLES_PER_BLOCK;
+const ALIVE: u32 = 96 * CYCLES_PER_SAMPLE;
 /// Where each block puts the counter, and the channel's compare value: high from here to the end.
 const BEGINNING: u16 = 1;
 

@@ -84,7 +84,7 @@ impl Read for Link {
         let mut count = 0;
         for byte in bytes {
             let Some(place) = self.reader.take(CHANNEL.remaining()) else { break };
-            *byte = RECEIVED.read(place);
+            *byte = RECEIVED.places()[place].read();
             count += 1;
         }
         Ok(count)
