@@ -38,7 +38,7 @@ pub fn play(mut each: impl FnMut(u32, &mut dyn FnMut())) -> Result<Played, Error
         played.codes = [&drive.lanes[0], &sense.i].into_iter().fold(played.codes, hash_codes);
         let orders = orders(block);
         let mut report = Telemetry::default();
-        each(block, &mut || report = controller.process(&orders, &sense, drive));
+        each(block, &mut || controller.process_into(&orders, &sense, drive, &mut report));
         played.words = hash(played.words, &report.tuning_word.to_le_bytes());
         played.driven += u32::from(report.mode == Mode::Run && report.drive.0 * report.envelope > 0.0);
     }

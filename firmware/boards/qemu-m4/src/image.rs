@@ -54,7 +54,7 @@ fn serve() -> Result<(), &'static str> {
         }
         read(body, question)?;
         let before = counter.now();
-        answer.telemetry = controller.process(&question.orders, &question.sense, &mut answer.drive);
+        controller.process_into(&question.orders, &question.sense, &mut answer.drive, &mut answer.telemetry);
         let ticks = counter.since(before);
         answer.instructions = counts.then(|| ticks * 125 / 21);
         pipes.send(&*answer)?;

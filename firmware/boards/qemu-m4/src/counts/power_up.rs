@@ -143,7 +143,7 @@ fn power_up(counter: &Counter, trial: &Trial) -> [Tally; KINDS] {
     let mut controller = Controller::build(&config).expect("a valid configuration");
     let mut playing = [controller.silence(), controller.silence()];
     let (mut transducer, mut sense) = (trial.transducer.clone(), SenseBlock::default());
-    let (mut mode, mut running) = (Mode::Idle, 0);
+    let (mut mode, mut running, mut report) = (Mode::Idle, 0, Telemetry::default());
     for block in 0..MOST_BLOCKS {
         let drive: &mut DriveBlock = &mut playing[block as usize % 2];
         if running == LOAD.0 {
@@ -153,7 +153,7 @@ fn power_up(counter: &Counter, trial: &Trial) -> [Tally; KINDS] {
         let request = if block < IDLE_BLOCKS { Request::Idle } else { Request::Run };
         let orders = Orders { sequence: 1, request, attempt: 1, ..Orders::default() };
         let before = counter.now();
-        let report = controller.process(&orders, &sense, drive);
+        controller.process_into(&orders, &sense, drive, &mut report);
         let ticks = counter.since(before);
         let loaded = (LOAD.0..LOAD.0 + LOAD.1).contains(&running);
         tallies[if loaded { LOADED } else { kind(mode, &report) }].add(ticks);
