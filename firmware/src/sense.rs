@@ -6,4 +6,5 @@ pub mod belt;
 pub mod convert;
 pub mod demod;
 pub mod motional;
+pub(crate) mod resonator;
 pub(crate) mod source;

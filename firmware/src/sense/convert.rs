@@ -5,12 +5,15 @@ use crate::seam::block::Codes;
 use crate::seam::config::FrontEnd;
 use crate::seam::error::{Error, in_range};
 use crate::seam::phasor::Phasor;
+use crate::sense::resonator::Scale;
 
 /// One sense channel: `x = (code - zero) * per_lsb`.
 #[derive(Clone, Debug)]
 pub struct SenseScale {
     mid_code: u16,
     zero: f32,
+    /// The same for the lock-in.
+    fixed: Scale,
     per_lsb: f32,
     max_code: u16,
     /// The largest value that is in order, in SI.
@@ -22,7 +25,9 @@ pub struct SenseScale {
 impl SenseScale {
     fn build(per_lsb: f32, mid_code: u16, max_code: u16) -> Result<Self, Error> {
         in_range("front_end.sense_mid_code", mid_code.into(), 1.0, f64::from(max_code) - 1.0)?;
-        let mut scale = SenseScale { mid_code, zero: f32::from(mid_code), per_lsb, max_code, limit: f32::INFINITY, reach: 0.0 };
+        let zero = f32::from(mid_code);
+        let fixed = Scale::new(zero, max_code);
+        let mut scale = SenseScale { mid_code, zero, fixed, per_lsb, max_code, limit: f32::INFINITY, reach: 0.0 };
         scale.set_limit(f32::INFINITY);
         Ok(scale)
     }
@@ -74,6 +79,11 @@ impl SenseScale {
         self.reach > 0.0 && rest >= 0.0 && rest * rest >= 4.0 * amplitude_square * energy
     }
 
+    /// Codes about zero in fixed point.
+    pub(crate) fn fixed(&self) -> &Scale {
+        &self.fixed
+    }
+
     /// The code of zero, to a fraction.
     pub(crate) fn zero(&self) -> f32 {
         self.zero
@@ -87,13 +97,17 @@ impl SenseScale {
 
     /// Moves the zero by a measured offset, in codes.
     pub fn shift_zero(&mut self, codes: f32) {
-        self.zero += codes;
-        self.set_limit(self.limit);
+        self.set_zero(self.zero + codes);
     }
 
     /// Forgets measured offsets.
     pub(crate) fn restore_zero(&mut self) {
-        self.zero = f32::from(self.mid_code);
+        self.set_zero(f32::from(self.mid_code));
+    }
+
+    fn set_zero(&mut self, zero: f32) {
+        self.zero = zero;
+        self.fixed = Scale::new(zero, self.max_code);
         self.set_limit(self.limit);
     }
 

@@ -9,21 +9,17 @@
 //! X  = (2 / N) (r - conj(r) S2 / N) / (1 - |S2|^2 / N^2)
 //! ```
 //!
-//! Being the least-squares fit, it is at the Cramer-Rao bound in white noise. The sum `r` comes from a resonator that the codes ring up
-//! (G. Goertzel 1958):
-//!
-//! ```text
-//! s(n) = x(n) + 2 cos(omega) s(n - 1) - s(n - 2),    r = exp(-j theta(N - 1)) (s(N - 1) - exp(-j omega) s(N - 2))
-//! ```
+//! Being the least-squares fit, it is at the Cramer-Rao bound in white noise. The sum `r` comes from a [resonator](super::resonator) that the codes ring up.
 //!
 //! The same pass over the codes shows the [guard](crate::guard) where it need not look: with `E = sum x^2 - Re{X conj(r)}`, the energy that the
 //! tone leaves unexplained, no sample is larger than `|X| + sqrt(E)`.
 
 use crate::generate::nco::Stretch;
-use crate::generate::shape::sine;
+use crate::generate::shape::sine::{self, Coefficient};
 use crate::seam::block::SenseBlock;
 use crate::seam::phasor::Phasor;
 use crate::sense::convert::{Convert, SenseScale};
+use crate::sense::resonator::Rung;
 
 /// Beyond this `|S2|^2 / N^2` single precision has not much to say of a phasor.
 const BLIND: f32 = 0.95;
@@ -56,7 +52,8 @@ pub fn demodulate(convert: &Convert, sense: &SenseBlock, tone: &Stretch) -> (Sen
         return (Sensed::default(), Suspect { v: true, i: true });
     }
     let count = samples as f32;
-    let turn = sine::rotation(tone.word);
+    let half_turn = sine::rotation(tone.word / 2);
+    let (sine_square, turn) = (half_turn.im * half_turn.im, half_turn * half_turn);
     let span = tone.word.wrapping_mul(samples as u64);
     // The phase in the middle of the block leads to the last sample's, and twice of it is that of S2.
     let half = sine::rotation(span / 2);
@@ -66,67 +63,16 @@ pub fn demodulate(convert: &Convert, sense: &SenseBlock, tone: &Stretch) -> (Sen
     let image = middle * middle * (2.0 * half.im * half.re / (turn.im * count));
     let scale = 2.0 / (count * (1.0 - image.norm_sqr()));
     let blind = image.norm_sqr() > BLIND;
-    let (v, i) = ring(convert, &sense.v[..samples], &sense.i[..samples], 2.0 * turn.re);
-    let fit = |channel: &SenseScale, ring: Ring| {
-        let r = last * ring.against(turn);
+    let coefficient = Coefficient::of(sine_square);
+    let fit = |channel: &SenseScale, codes: &[u16]| {
+        let rung = Rung::up(codes, channel.fixed(), coefficient);
+        let r = last * rung.against(turn, sine_square);
         let x = (r - r.conj() * image) * scale;
-        let left = ring.energy - (x.re * r.re + x.im * r.im);
+        let left = rung.energy - (x.re * r.re + x.im * r.im);
         (channel.scale(x), blind || !channel.holds(x.norm_sqr(), left))
     };
-    let ((v, v_suspect), (i, i_suspect)) = (fit(&convert.v, v), fit(&convert.i, i));
+    let ((v, v_suspect), (i, i_suspect)) = (fit(&convert.v, &sense.v[..samples]), fit(&convert.i, &sense.i[..samples]));
     (Sensed { v, i }, Suspect { v: v_suspect, i: i_suspect })
-}
-
-/// The resonator of a channel.
-#[derive(Clone, Copy, Default)]
-struct Ring {
-    /// `s(n)` and `s(n - 1)`.
-    late: f32,
-    early: f32,
-    /// Of the codes so far.
-    energy: f32,
-}
-
-impl Ring {
-    /// Takes a code about zero; `k` is `2 cos(omega)`.
-    #[inline(always)]
-    fn take(&mut self, x: f32, k: f32) {
-        self.energy += x * x;
-        (self.late, self.early) = (x - self.early + k * self.late, self.late);
-    }
-
-    /// What has been rung up, against the phase of the last code.
-    #[inline]
-    fn against(&self, turn: Phasor) -> Phasor {
-        Phasor::new(self.late - turn.re * self.early, turn.im * self.early)
-    }
-}
-
-/// Lets the codes of both channels, equally many, ring up a resonator each. Side by side, neither waits for its own last step.
-#[inline(always)]
-fn ring(convert: &Convert, v: &[u16], i: &[u16], k: f32) -> (Ring, Ring) {
-    let (v_zero, i_zero) = (convert.v.zero(), convert.i.zero());
-    let mut rings = (Ring::default(), Ring::default());
-    let ((v_fours, v_rest), (i_fours, i_rest)) = (v.as_chunks::<4>(), i.as_chunks::<4>());
-    // Written out: a compiler that saves code leaves a loop or a closure here, with all of its state in memory.
-    for ([v0, v1, v2, v3], [i0, i1, i2, i3]) in v_fours.iter().zip(i_fours) {
-        rings = both(rings, (*v0, *i0), (v_zero, i_zero), k);
-        rings = both(rings, (*v1, *i1), (v_zero, i_zero), k);
-        rings = both(rings, (*v2, *i2), (v_zero, i_zero), k);
-        rings = both(rings, (*v3, *i3), (v_zero, i_zero), k);
-    }
-    for (v, i) in v_rest.iter().zip(i_rest) {
-        rings = both(rings, (*v, *i), (v_zero, i_zero), k);
-    }
-    rings
-}
-
-/// A sample of both channels.
-#[inline(always)]
-fn both((mut v_ring, mut i_ring): (Ring, Ring), (v, i): (u16, u16), (v_zero, i_zero): (f32, f32), k: f32) -> (Ring, Ring) {
-    v_ring.take(f32::from(v) - v_zero, k);
-    i_ring.take(f32::from(i) - i_zero, k);
-    (v_ring, i_ring)
 }
 
 #[cfg(test)]

@@ -2,7 +2,7 @@
 //!
 //! A lane that is the opposite of another is written with it: its codes are the other's about mid-code, to the last bit.
 
-use crate::generate::shape::sine::Swing;
+use crate::generate::shape::sine::{Coefficient, Steps, Swing};
 
 /// What is to be written.
 #[derive(Clone, Copy)]
@@ -17,9 +17,17 @@ pub(super) struct Row {
 
 /// Under an envelope of one. Returns the sum of the codes.
 #[inline(never)]
-pub(super) fn even(Row { mut swing, base, .. }: Row, codes: &mut [u16]) -> i32 {
-    let mut sum = 0;
-    let mut put = |code: &mut u16| sum += write(code, base + swing.take());
+pub(super) fn even(row: Row, codes: &mut [u16]) -> i32 {
+    match row.swing.steps() {
+        (steps, false) => even_of::<0>(steps, row.base, codes),
+        (steps, true) => even_of::<{ Coefficient::SHIFT }>(steps, row.base, codes),
+    }
+}
+
+#[inline(always)]
+fn even_of<const SHIFT: u32>(mut steps: Steps, base: f32, codes: &mut [u16]) -> i32 {
+    let (mut sum, base) = (0, fixed(base));
+    let mut put = |code: &mut u16| sum += step::<SHIFT>(code, &mut steps, base);
     let (eights, rest) = codes.as_chunks_mut::<8>();
     for eight in eights {
         eight.iter_mut().for_each(&mut put);
@@ -30,10 +38,18 @@ pub(super) fn even(Row { mut swing, base, .. }: Row, codes: &mut [u16]) -> i32 {
 
 /// The same, and its opposite.
 #[inline(never)]
-pub(super) fn even_both(Row { mut swing, base, twice }: Row, codes: &mut [u16], opposites: &mut [u16]) -> i32 {
-    let mut sum = 0;
+pub(super) fn even_both(row: Row, codes: &mut [u16], opposites: &mut [u16]) -> i32 {
+    match row.swing.steps() {
+        (steps, false) => even_both_of::<0>(steps, &row, codes, opposites),
+        (steps, true) => even_both_of::<{ Coefficient::SHIFT }>(steps, &row, codes, opposites),
+    }
+}
+
+#[inline(always)]
+fn even_both_of<const SHIFT: u32>(mut steps: Steps, row: &Row, codes: &mut [u16], opposites: &mut [u16]) -> i32 {
+    let (mut sum, base, twice) = (0, fixed(row.base), row.twice);
     let mut put = |(code, opposite): (&mut u16, &mut u16)| {
-        sum += write(code, base + swing.take());
+        sum += step::<SHIFT>(code, &mut steps, base);
         *opposite = twice.wrapping_sub(*code);
     };
     let ((eights, rest), (opposite_eights, opposite_rest)) = (codes.as_chunks_mut::<8>(), opposites.as_chunks_mut::<8>());
@@ -73,6 +89,20 @@ pub(super) fn edge_both(row: Row, levels: &[f32], codes: &mut [u16], opposites: 
     }
     rest.iter_mut().zip(opposite_rest).zip(last).for_each(&mut put);
     sum
+}
+
+/// A number of codes, as large as the steps are.
+#[inline(always)]
+fn fixed(codes: f32) -> u32 {
+    (codes * (1 << Steps::FRACTION) as f32) as u32
+}
+
+/// Writes the next code, and returns it.
+#[inline(always)]
+fn step<const SHIFT: u32>(place: &mut u16, steps: &mut Steps, base: u32) -> i32 {
+    let code = base.wrapping_add(steps.take::<SHIFT>() as u32) >> Steps::FRACTION;
+    *place = code as u16;
+    code as i32
 }
 
 /// Writes a code, and returns it.
