@@ -7,6 +7,7 @@ use crate::cpu::{Cpu, INVALID, Sleep, Trap};
 use crate::elf::{self, ImageError, Symbols};
 use crate::interrupts::Interrupts;
 use crate::memory::Memory;
+use crate::op::Decoded;
 use crate::profile::Profile;
 use crate::timing::Timing;
 use crate::watch::Passage;
@@ -245,7 +246,7 @@ impl<C: Chip> Machine<C> {
             cpu.cost += 1;
         }
         if decoded.len == 4 && pc & 2 != 0 {
-            cpu.fetch_unaligned();
+            cpu.fetch_unaligned(decoded.bases != Decoded::NO_BASES);
         } else {
             cpu.unaligned = 0;
         }

@@ -6,7 +6,7 @@
 //! | after a branch to a register | 3 | 2 |
 //! | if the target is a 32-bit instruction that is not aligned | | 1 more |
 //! | after a load of the PC, `TBB`, `TBH` | 3 | 3 |
-//! | 32-bit instructions in a row that are not aligned | 1 more for the third and each that follows | 1 more for the third |
+//! | 32-bit instructions in a row that are not aligned | 1 more for the third and each load or store that follows | 1 more for the third |
 //! | load relative to the PC | 1 more, and never pipelined | as any load |
 //! | other masters of the buses | [`Chip::held_up`] more | |
 //!
@@ -14,7 +14,8 @@
 //! address early" (ARM DDI 0439, table 3-1); "normally" 1 after an immediate branch, 2 after one to a register, longer to unaligned 32-bit
 //! instructions (ARM DDI 0337E, 18.2, of the Cortex-M3, which has the same pipeline). A load relative to the PC "might" take one more (DDI 0439,
 //! 3.3.2). The rows of unaligned instructions are measured on an STM32L4 (compendium.i-0.nl, "Alignment rules"): three or more take one more
-//! cycle; of the longest rows that figure says too little, so that the bound counts each.
+//! cycle, and a mix with loads and stores can take more than one, so that the bound counts each of these. More is not lost: the fetch brings a word a cycle into a
+//! buffer of three, whatever stands in it (ARM article KA8521).
 
 use crate::chip::{Chip, Cycle};
 use crate::cpu::{Cpu, INVALID};
@@ -110,11 +111,11 @@ impl Cpu {
         }
     }
 
-    /// Adds what a 32-bit instruction costs more where it is not aligned.
+    /// Adds what a 32-bit instruction costs more where it is not aligned; whether it loads or stores.
     #[inline(always)]
-    pub(crate) fn fetch_unaligned(&mut self) {
+    pub(crate) fn fetch_unaligned(&mut self, accesses_memory: bool) {
         self.unaligned += 1;
-        if self.unaligned >= 3 && (self.timing == Timing::Longest || self.unaligned == 3) {
+        if self.unaligned == 3 || self.unaligned > 3 && accesses_memory && self.timing == Timing::Longest {
             self.cost += 1;
         }
         if self.computed == Decoded::TARGET {

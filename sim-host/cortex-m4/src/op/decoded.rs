@@ -21,7 +21,10 @@ impl Decoded {
     pub(crate) const NONE: u8 = 0xFF;
     /// What a branch computes: the next instruction is its target.
     pub(crate) const TARGET: u8 = 0xFE;
-    pub(crate) const NOTHING: Decoded = Decoded { op: Op::Undefined, len: 0, cycles: 0, computes: Decoded::NONE, bases: 0xFF };
+    /// No load or store, or one relative to the PC.
+    pub(crate) const NO_BASES: u8 = 0xFF;
+    pub(crate) const NOTHING: Decoded =
+        Decoded { op: Op::Undefined, len: 0, cycles: 0, computes: Decoded::NONE, bases: Decoded::NO_BASES };
 
     pub(crate) fn new(op: Op, len: u8) -> Decoded {
         Decoded { op, len, cycles: crate::cycles::of(&op), computes: op.computes(), bases: op.bases() }

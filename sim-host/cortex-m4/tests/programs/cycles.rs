@@ -143,7 +143,10 @@ fn the_third_wide_instruction_that_is_not_aligned_waits() {
     };
     assert_eq!([1, 2, 3, 4, 6].map(|count| cycles(Usual, true, count)), [1, 2, 3, 4, 6]);
     assert_eq!([1, 2, 3, 4, 6].map(|count| cycles(Usual, false, count)), [1, 2, 4, 5, 7]);
-    assert_eq!([1, 2, 3, 4, 6].map(|count| cycles(Longest, false, count)), [1, 2, 4, 6, 10]);
+    assert_eq!([1, 2, 3, 4, 6].map(|count| cycles(Longest, false, count)), [1, 2, 4, 5, 7]);
+    // NOP; MOV.W R4, #0, four times; STR.W R4, [R1], twice; MOV.W R4, #0
+    let mixed = [&[0xBF00][..], &[0xF04F, 0x0400].repeat(4), &[0xF8C1, 0x4000].repeat(2), &[0xF04F, 0x0400]].concat();
+    assert_eq!([Usual, Longest].map(|timing| cycles_of(timing, &mixed)), [1 + 7 + 1, 1 + 7 + 3]);
 }
 
 #[test]
