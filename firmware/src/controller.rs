@@ -82,6 +82,7 @@ impl Controller {
 
     /// Trims the lanes. Only in silence, because the drive would jump, and only by what can be trims and leaves a scan within the limit;
     /// returns whether it was done.
+    #[inline(never)]
     pub fn trim(&mut self, trims: LaneTrims) -> bool {
         let silent = matches!(self.chain.supervisor.mode(), Mode::Idle | Mode::Fault);
         if !silent || check_calibration(&trims).is_err() {

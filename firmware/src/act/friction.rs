@@ -155,6 +155,7 @@ impl FrictionSwitch {
     }
 
     /// Takes one block of a run, and says what to play. `ordered` takes the place of the configured target.
+    #[inline(never)]
     pub fn step(&mut self, ordered: Option<Target>, sensed: &Sensed) -> SetPoint {
         if let Some(speed) = sensed.belt_m_per_s.filter(|speed| speed.is_finite()) {
             self.speed.take(speed.abs());
@@ -273,6 +274,7 @@ impl FrictionSwitch {
     }
 
     /// Goes on with what is being calculated, or begins with what is next: a few hundred instructions, for blocks that have time for them.
+    #[inline(never)]
     pub(crate) fn work(&mut self) {
         if let Some(survey) = &mut self.survey {
             return survey.work();

@@ -30,6 +30,7 @@ pub(crate) struct Chain {
 
 impl Chain {
     /// A new attempt begins: forgets what an earlier one has found.
+    #[inline(never)]
     pub(super) fn begin(&mut self, request: Request) {
         // A run that follows a calibration counts from there.
         if !self.calibrates {

@@ -46,6 +46,7 @@ pub(crate) struct Stages {
 
 impl Stages {
     /// A new attempt begins.
+    #[inline(never)]
     pub(crate) fn begin(&mut self, chain: &mut Chain) {
         self.follow.begin(chain);
         self.self_test.begin(chain);

@@ -22,6 +22,7 @@ pub mod online;
 pub(crate) mod reading;
 
 use crate::find::clamped::fit::{Fit, MAX_POINTS, Point, Solution};
+use crate::find::clamped::reading::Deviations;
 pub use crate::find::clamped::reading::{Clamped, Measured};
 use crate::generate::shape::sine;
 use crate::generate::step::Step;
@@ -91,6 +92,7 @@ pub struct PowerOn {
     iv: Phasor,
     vv: f32,
     fit: Fit,
+    deviations: Deviations,
     verdict: Option<Result<Clamped, Fault>>,
     /// A transducer that looks like none, or like a broken one, is measured once more: a resonance that comes back in the middle of the
     /// measurement makes it look so.
@@ -129,6 +131,7 @@ impl PowerOn {
             iv: Phasor::default(),
             vv: 0.0,
             fit: Fit::new(1.0 / tracking.nominal_q),
+            deviations: Deviations::default(),
             verdict: None,
             twice: false,
         }
@@ -146,6 +149,7 @@ impl PowerOn {
         (self.stage, self.block) = (Stage::Tones, 0);
         (self.iv, self.vv) = (Phasor::default(), 0.0);
         self.fit = Fit::new(1.0 / self.nominal_q);
+        self.deviations.restart();
     }
 
     /// Takes the variances of the phasors of a block's voltage and current by noise, both components, V² and A².
@@ -184,8 +188,14 @@ impl PowerOn {
                 Step::Silence
             }
             Stage::Judge => {
-                // What follows from it takes a block of its own.
-                (self.stage, self.verdict) = (Stage::Report, self.fit.solution().map(|solution| self.judge(solution)));
+                match self.fit.solution() {
+                    // What follows from it takes a block of its own.
+                    Some(solution) if self.deviations.read_on(solution) => {
+                        (self.stage, self.verdict) = (Stage::Report, Some(self.judge(solution)));
+                    }
+                    Some(_) => {}
+                    None => (self.stage, self.verdict) = (Stage::Report, None),
+                }
                 Step::Silence
             }
             Stage::Report => {
@@ -227,7 +237,7 @@ impl PowerOn {
     }
 
     fn judge(&self, solution: &Solution) -> Result<Clamped, Fault> {
-        let found = reading::read(solution, self.nominal_hz, self.nominal_c0_f);
+        let found = reading::read(solution, &self.deviations, self.nominal_hz, self.nominal_c0_f);
         let q_at_most = found.q.value + SIGMAS * found.q.deviation;
         let cracked = found
             .second_mode

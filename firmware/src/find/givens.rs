@@ -1,7 +1,8 @@
 //! Linear least squares, row by row: each row is folded into a triangular factor `R` by Givens rotations as it arrives.
 //!
-//! Nothing is stored but the factor, and the condition number is not squared, which is what makes f32 enough (W. Givens 1958). Rows of real
-//! numbers are divided by their standard deviations. Of complex rows whose right-hand sides have independent circular noise of variance `s^2`, the
+//! Nothing is stored but the factor, and the condition number is not squared, which is what makes f32 enough (W. Givens 1958). Of real numbers the
+//! factor is `R = sqrt(D) U` with ones on the diagonal of `U`, which needs no root (W. M. Gentleman 1973). Rows of them are divided by their standard
+//! deviations. Of complex rows whose right-hand sides have independent circular noise of variance `s^2`, the
 //! unknowns `x` scatter by `R^-1 e`, so that any real number that follows from them, `dy = Re{g x}`, has the variance
 //!
 //! ```text
@@ -13,6 +14,7 @@ use crate::seam::phasor::Phasor;
 /// A triangular factor of `N` real unknowns, with its right-hand side.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct RealTriangle<const N: usize> {
+    /// `U`, and `D` in the place of its ones.
     rows: [[f32; N]; N],
     right: [f32; N],
     /// Sum of squares that no choice of the unknowns explains.
@@ -41,22 +43,26 @@ impl<const N: usize> RealTriangle<N> {
     /// The same of an equation among so many of the unknowns, the first; of the others nothing has been said so far.
     pub(crate) fn fold_among(&mut self, unknowns: usize, mut row: [f32; N], mut right: f32) {
         let unknowns = unknowns.min(N);
+        let mut weight = 1.0;
         for n in 0..unknowns {
             let (own, b) = (&mut self.rows[n], row[n]);
-            if b == 0.0 {
+            let (before, weighted) = (own[n], weight * b);
+            let after = before + weighted * b;
+            // Of a row that was the first to say something of an unknown nothing is left.
+            if weighted == 0.0 || after == 0.0 {
                 continue;
             }
-            let a = own[n];
-            let size = libm::sqrtf(a * a + b * b);
-            let (cosine, sine) = (a / size, b / size);
-            own[n] = cosine * a + sine * b;
-            for k in n + 1..unknowns {
-                (own[k], row[k]) = (cosine * own[k] + sine * row[k], cosine * row[k] - sine * own[k]);
+            let (keep, take) = (before / after, weighted / after);
+            (own[n], weight) = (after, weight * keep);
+            for (own, row) in own[n + 1..unknowns].iter_mut().zip(&mut row[n + 1..unknowns]) {
+                let left = *row - b * *own;
+                *own = keep * *own + take * *row;
+                *row = left;
             }
-            let own_right = &mut self.right[n];
-            (*own_right, right) = (cosine * *own_right + sine * right, cosine * right - sine * *own_right);
+            let own = self.right[n];
+            (self.right[n], right) = (keep * own + take * right, right - b * own);
         }
-        self.rest += right * right;
+        self.rest += weight * right * right;
     }
 
     /// The unknowns; zero where nothing was said of one.
@@ -64,19 +70,26 @@ impl<const N: usize> RealTriangle<N> {
         let mut unknowns = [0.0; N];
         for n in (0..N).rev() {
             let known = (n + 1..N).fold(self.right[n], |rest, k| rest - self.rows[n][k] * unknowns[k]);
-            unknowns[n] = if self.rows[n][n] == 0.0 { 0.0 } else { known / self.rows[n][n] };
+            unknowns[n] = if self.rows[n][n] == 0.0 { 0.0 } else { known };
         }
         unknowns
     }
 
     /// Standard deviation of the sum `of . unknowns`, for rows that were divided by theirs: `|R^-T of|`.
     pub(crate) fn deviation(&self, of: &[f32; N]) -> f32 {
-        let mut forward = [0.0; N];
-        for n in 0..N {
-            let known = (0..n).fold(of[n], |rest, k| rest - self.rows[k][n] * forward[k]);
-            forward[n] = if self.rows[n][n] == 0.0 { 0.0 } else { known / self.rows[n][n] };
+        let (mut forward, mut square) = (*of, 0.0);
+        for (n, row) in self.rows.iter().enumerate() {
+            let (x, of_row) = (forward[n], row[n]);
+            // What it does not depend on, and of what nothing was said.
+            if x == 0.0 || of_row == 0.0 {
+                continue;
+            }
+            square += x * x / of_row;
+            for (later, own) in forward[n + 1..].iter_mut().zip(&row[n + 1..]) {
+                *later -= own * x;
+            }
         }
-        libm::sqrtf(forward.iter().map(|x| x * x).sum())
+        libm::sqrtf(square)
     }
 
     /// Sum of squares that the unknowns leave.

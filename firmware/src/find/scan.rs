@@ -157,7 +157,9 @@ impl Scan {
                 self.tune()
             }
             Stage::Search(part) => {
-                if !self.search.step(&self.spectrum) {
+                // What it has found has a block of its own.
+                if !self.search.is_over() {
+                    self.search.step(&self.spectrum);
                     return self.tune();
                 }
                 self.take_part(part);
@@ -177,8 +179,10 @@ impl Scan {
                 // The last block of the sweep had enough to do.
                 if self.blocks == 1 {
                     self.begin_fit();
-                } else if self.search.step(&self.spectrum) {
+                } else if self.search.is_over() {
                     return self.take_fit();
+                } else {
+                    self.search.step(&self.spectrum);
                 }
                 self.tune()
             }
@@ -235,6 +239,9 @@ impl Scan {
 
     /// Takes a block of a sweep. Returns whether it was the last.
     fn sweep(&mut self, convert: &Convert, sense: &SenseBlock) -> bool {
+        if self.blocks + 1 == BEFORE {
+            self.baseband.play();
+        }
         if self.blocks >= BEFORE {
             let sensed = self.baseband.take(convert, sense);
             if self.blocks > BEFORE {

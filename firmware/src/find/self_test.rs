@@ -113,13 +113,15 @@ impl SelfTest {
         }
         match self.block {
             n if n <= SILENT_BLOCKS => {
-                self.mean_codes.0 += convert.v.mean_code(&sense.v) / SILENT_BLOCKS as f32;
-                self.mean_codes.1 += convert.i.mean_code(&sense.i) / SILENT_BLOCKS as f32;
+                let ((v, v_variance), (i, i_variance)) =
+                    (convert.v.mean_and_variance(&sense.v), convert.i.mean_and_variance(&sense.i));
+                self.mean_codes.0 += v / SILENT_BLOCKS as f32;
+                self.mean_codes.1 += i / SILENT_BLOCKS as f32;
                 if n > SILENT_BLOCKS / 2 {
                     // The residual vibration has decayed further by then.
-                    let square = |rms: f32| rms * rms / (SILENT_BLOCKS - SILENT_BLOCKS / 2) as f32;
-                    self.noise.0 += square(convert.v.rms_code(&sense.v));
-                    self.noise.1 += square(convert.i.rms_code(&sense.i));
+                    let part = 1.0 / (SILENT_BLOCKS - SILENT_BLOCKS / 2) as f32;
+                    self.noise.0 += part * v_variance;
+                    self.noise.1 += part * i_variance;
                 }
                 if n == SILENT_BLOCKS { self.judge_offset(convert) } else { Step::Silence }
             }
@@ -147,7 +149,8 @@ impl SelfTest {
         let (part, codes) = QUIET;
         let tone_codes = convert.i.codes(self.volts * self.clamped_siemens);
         // What was played before may still sound.
-        self.quiet = self.block > LATENCY_BLOCKS as u32 && convert.i.rms_code(&sense.i) < codes.max(part * tone_codes);
+        let loudest = codes.max(part * tone_codes);
+        self.quiet = self.block > LATENCY_BLOCKS as u32 && convert.i.mean_and_variance(&sense.i).1 < loudest * loudest;
         if self.quiet {
             self.block = 0;
         } else if self.block > self.ring_down_blocks {

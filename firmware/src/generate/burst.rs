@@ -223,7 +223,14 @@ impl Burst {
             let (samples, there) =
                 if stretch.step == 0 { until_passage(phase, stretch.word) } else { (1, stretch.phase_at(n + 1)) };
             let next = span.end.min(n + samples);
-            self.levels.get_mut(n..next).into_iter().for_each(|levels| levels.fill(level));
+            if let Some(levels) = self.levels.get_mut(n..next) {
+                let (fours, rest) = levels.as_chunks_mut::<4>();
+                // Written out: a compiler that saves code leaves a loop of one here.
+                for [first, second, third, fourth] in fours {
+                    (*first, *second, *third, *fourth) = (level, level, level, level);
+                }
+                rest.fill(level);
+            }
             if let Some(boost) = &mut self.boost {
                 boost.advance(level, next - n);
             }

@@ -141,15 +141,20 @@ impl Phasing {
     pub fn lanes(&mut self, hz: f32, quadrature: f32) -> &Vec<Lane, MAX_LANES> {
         let moved = !self.calibration.is_empty() && (hz - self.hz).abs() > RETRIM * hz;
         if self.lanes.is_empty() || quadrature != self.quadrature || moved {
-            (self.hz, self.quadrature) = (hz, quadrature);
-            let offset = |lane: usize| OFFSETS[lane].0 + OFFSETS[lane].1 * quadrature;
-            self.lanes = (0..self.fixed.len()).map(|lane| self.lane(lane, offset(lane))).collect();
-            for n in 2..self.lanes.len() {
-                self.lanes[n].mirrors =
-                    self.lanes[n].row == -self.lanes[n - 2].row && self.lanes[n].gain == self.lanes[n - 2].gain;
-            }
+            self.set(hz, quadrature);
         }
         &self.lanes
+    }
+
+    /// Calculates the lanes at a frequency and a quadrature.
+    #[inline(never)]
+    fn set(&mut self, hz: f32, quadrature: f32) {
+        (self.hz, self.quadrature) = (hz, quadrature);
+        let offset = |lane: usize| OFFSETS[lane].0 + OFFSETS[lane].1 * quadrature;
+        self.lanes = (0..self.fixed.len()).map(|lane| self.lane(lane, offset(lane))).collect();
+        for n in 2..self.lanes.len() {
+            self.lanes[n].mirrors = self.lanes[n].row == -self.lanes[n - 2].row && self.lanes[n].gain == self.lanes[n - 2].gain;
+        }
     }
 
     fn lane(&self, lane: usize, offset_turns: f32) -> Lane {

@@ -17,7 +17,7 @@ use crate::generate::shape::Shape;
 use crate::generate::shape::bands::{Bands, Blend};
 use crate::generate::shape::noise::{Dither, Noise};
 use crate::generate::shape::sine::{self, Steady};
-use crate::generate::shaper::rows::Row;
+use crate::generate::shaper::rows::{Levels, Row};
 use crate::seam::block::{Codes, DriveBlock, MAX_BLOCK_SAMPLES, MAX_LANES};
 use crate::seam::config::Config;
 use crate::seam::phasor::Phasor;
@@ -142,6 +142,9 @@ impl Shaper {
     /// Under an envelope that differs from sample to sample, without a dither.
     #[inline(never)]
     fn edge(&mut self, size: Size, play: &Play, drive: &mut DriveBlock, levels: &[f32]) {
+        // As loud as it may get, and levels as parts of that.
+        let (loudest, levels) = (play.louder, Levels::of(levels, play.louder));
+        let size = Size { target: size.target * loudest, room: size.room * loudest };
         let one = |row: Row, codes: &mut [u16]| rows::edge(row, levels, codes);
         self.swing(size, play, drive, one, |row, codes, opposite| rows::edge_both(row, levels, codes, opposite));
     }
@@ -284,16 +287,24 @@ impl Shaper {
         let (mid, (codes, part)) = (play.scale.silence(), PAYBACK);
         let most = (self.driven * part).clamp(1.0, codes) as i32;
         for (codes, owed) in drive.lanes.iter_mut().zip(&mut self.owed) {
-            let (eights, rest) = codes.as_chunks_mut::<8>();
-            eights.fill([mid; 8]);
+            let (fours, rest) = codes.as_chunks_mut::<4>();
+            // Written out: a compiler that saves code calls a copy of four here.
+            for [first, second, third, fourth] in fours {
+                (*first, *second, *third, *fourth) = (mid, mid, mid, mid);
+            }
             rest.fill(mid);
-            for code in codes {
-                if *owed == 0 {
-                    break;
-                }
-                let back = (*owed).clamp(-most, most);
-                *owed -= back;
-                *code = (i32::from(mid) - back) as u16;
+            if *owed == 0 {
+                continue;
+            }
+            // By the most, as often as that goes, and then what is left.
+            let (whole, most) = (owed.unsigned_abs() / most as u32, most * owed.signum());
+            let whole = codes.len().min(whole as usize);
+            let (all, left) = codes.split_at_mut(whole);
+            all.fill((i32::from(mid) - most) as u16);
+            *owed -= whole as i32 * most;
+            if let Some(code) = left.first_mut() {
+                *code = (i32::from(mid) - *owed) as u16;
+                *owed = 0;
             }
         }
     }

@@ -3,11 +3,9 @@
 use crate::seam::block::{Codes, SenseBlock};
 use crate::seam::config::Config;
 use crate::seam::fault::Fault;
-use crate::sense::convert::{Convert, SenseScale};
+use crate::sense::convert::{CLIPPED_PART, Convert, SenseScale};
 use crate::sense::demod::{Sensed, Suspect};
 
-/// Part of a block that may stand at the end of a converter's range.
-const CLIPPED_PART: usize = 8;
 /// Samples of a block over the current limit that make a fault: one may be a glitch of the converter.
 const OVER_CURRENT_SAMPLES: usize = 2;
 /// Blocks for which the voltage or the current may be implausible before that counts.
@@ -25,6 +23,8 @@ const JUDGED_CODES: f32 = 16.0;
 pub(super) struct Electrical {
     samples: usize,
     current_limit: f32,
+    /// The limit is nearer than the ends of the converter's range: what stands there is beyond it.
+    limit_is_nearer: bool,
     /// Square of the smallest admittance of a load that is there.
     least_siemens_squared: f32,
     judged_volts: f32,
@@ -37,9 +37,11 @@ impl Electrical {
     pub(super) fn build(config: &Config) -> Self {
         let limits = &config.limits;
         let least_siemens = OPEN_PART * core::f32::consts::TAU * config.drive.frequency_hz * config.tracking.nominal_c0_f;
+        let (mid, max) = (f32::from(config.front_end.sense_mid_code), f32::from(config.front_end.sense_max_code));
         Electrical {
             samples: config.block_samples.into(),
             current_limit: limits.current_a,
+            limit_is_nearer: limits.current_a < config.front_end.ampere_per_lsb * mid.min(max - mid),
             least_siemens_squared: least_siemens * least_siemens,
             judged_volts: JUDGED_CODES * config.front_end.volt_per_lsb.max(config.front_end.drive_volt_per_lsb),
             wrong_voltage: 0,
@@ -74,15 +76,14 @@ impl Electrical {
         let cut = sense.v.len() != self.samples || sense.i.len() != self.samples;
         // Clipping and over-current are looked for where there can be any.
         let Suspect { v: look_at_v, i: look_at_i } = suspect;
-        let clipped = |scale: &SenseScale, codes: &Codes| scale.clipped(codes) * CLIPPED_PART > self.samples;
-        let over_current = look_at_i && convert.i.beyond(&sense.i, self.current_limit) >= OVER_CURRENT_SAMPLES;
+        let over_current = look_at_i && self.is_over_current(&convert.i, &sense.i);
         if missed || cut {
             Some(Fault::LateBlock)
-        } else if look_at_v && clipped(&convert.v, &sense.v) {
+        } else if look_at_v && self.is_clipped(&convert.v, &sense.v) {
             Some(Fault::SenseSaturated)
         } else if tripped || over_current {
             Some(Fault::OverCurrent)
-        } else if look_at_i && clipped(&convert.i, &sense.i) {
+        } else if look_at_i && !self.limit_is_nearer && self.is_clipped(&convert.i, &sense.i) {
             Some(Fault::SenseSaturated)
         } else if self.wrong_voltage >= IMPLAUSIBLE_BLOCKS {
             Some(Fault::SensorImplausible)
@@ -91,6 +92,18 @@ impl Electrical {
         } else {
             None
         }
+    }
+
+    /// Whether too many codes stand at an end of the range.
+    #[inline(never)]
+    fn is_clipped(&self, scale: &SenseScale, codes: &Codes) -> bool {
+        scale.clipped(codes) * CLIPPED_PART > self.samples
+    }
+
+    /// Whether too many codes are beyond the current limit.
+    #[inline(never)]
+    fn is_over_current(&self, scale: &SenseScale, codes: &Codes) -> bool {
+        scale.beyond(codes, self.current_limit) >= OVER_CURRENT_SAMPLES
     }
 }
 

@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 use crate::seam::units::{Hertz, Turns};
 
 /// The longest block a controller can be built for, in samples.
-pub const MAX_BLOCK_SAMPLES: usize = 64;
+pub const MAX_BLOCK_SAMPLES: usize = 100;
 
 /// The most drive lanes (four-phase motor signals).
 pub const MAX_LANES: usize = 4;

@@ -18,23 +18,23 @@ pub struct SenseScale {
     max_code: u16,
     /// The largest value that is in order, in SI.
     limit: f32,
-    /// How far from zero a code certainly is neither an end of the range nor beyond the limit.
+    /// How far from the lock-in's zero a code certainly is neither an end of the range nor beyond the limit.
     reach: f32,
+    /// Mean square, about the lock-in's zero, below which no block is clipped, if that is all that can be out of order; codes squared.
+    unclipped: f32,
 }
+
+/// The part of a block's codes that may stand at the ends of the converter's range.
+pub(crate) const CLIPPED_PART: usize = 8;
 
 impl SenseScale {
     fn build(per_lsb: f32, mid_code: u16, max_code: u16) -> Result<Self, Error> {
         in_range("front_end.sense_mid_code", mid_code.into(), 1.0, f64::from(max_code) - 1.0)?;
         let zero = f32::from(mid_code);
         let fixed = Scale::new(zero, max_code);
-        let mut scale = SenseScale { mid_code, zero, fixed, per_lsb, max_code, limit: f32::INFINITY, reach: 0.0 };
+        let mut scale = SenseScale { mid_code, zero, fixed, per_lsb, max_code, limit: f32::INFINITY, reach: 0.0, unclipped: 0.0 };
         scale.set_limit(f32::INFINITY);
         Ok(scale)
-    }
-
-    /// The codes of a block about zero.
-    fn centred<'a>(&'a self, codes: &'a Codes) -> impl Iterator<Item = f32> + 'a {
-        codes.iter().map(|&code| f32::from(code) - self.zero)
     }
 
     /// A phasor in codes, in SI.
@@ -42,15 +42,18 @@ impl SenseScale {
         codes * self.per_lsb
     }
 
-    /// Mean of a block, in codes about the present zero.
-    pub(crate) fn mean_code(&self, codes: &Codes) -> f32 {
-        self.centred(codes).sum::<f32>() / codes.len().max(1) as f32
-    }
-
-    /// Rms of a block about its own mean, in codes.
-    pub(crate) fn rms_code(&self, codes: &Codes) -> f32 {
-        let mean = self.mean_code(codes);
-        libm::sqrtf(self.centred(codes).map(|code| (code - mean) * (code - mean)).sum::<f32>() / codes.len().max(1) as f32)
+    /// Mean of a block, in codes about the present zero, and mean square about that mean. In whole numbers, which are exact.
+    pub(crate) fn mean_and_variance(&self, codes: &Codes) -> (f32, f32) {
+        let (count, mid) = (codes.len().max(1) as i64, i32::from(self.mid_code));
+        let (mut sum, mut squares) = (0i32, 0i64);
+        for &code in codes {
+            let code = i32::from(code) - mid;
+            sum += code;
+            squares += i64::from(code) * i64::from(code);
+        }
+        let scatter = count * squares - i64::from(sum) * i64::from(sum);
+        let count = count as f32;
+        (sum as f32 / count + (mid as f32 - self.zero), scatter as f32 / (count * count))
     }
 
     /// Variance of a phasor that is fitted to `samples` codes of this variance, both components, in SI. Rounding adds a twelfth.
@@ -67,7 +70,9 @@ impl SenseScale {
     pub fn set_limit(&mut self, limit: f32) {
         self.limit = limit;
         let ends = (self.zero - 1.0).min(f32::from(self.max_code) - 1.0 - self.zero);
-        self.reach = self.codes(limit).min(ends);
+        self.reach = self.codes(limit).min(ends) - self.fixed.off();
+        let end = ends - self.fixed.off();
+        self.unclipped = if limit < f32::INFINITY || end < 0.0 { 0.0 } else { end * end / CLIPPED_PART as f32 };
     }
 
     /// Whether no code of a block can be out of order: of a tone with this square of its amplitude, and with so much energy beside it (both in
@@ -79,20 +84,22 @@ impl SenseScale {
         self.reach > 0.0 && rest >= 0.0 && rest * rest >= 4.0 * amplitude_square * energy
     }
 
+    /// Whether so little energy, in codes, of so many samples is no clipping, where nothing else can be out of order.
+    pub(crate) fn is_unclipped(&self, energy: f32, samples: usize) -> bool {
+        energy < self.unclipped * samples as f32
+    }
+
     /// Codes about zero in fixed point.
     pub(crate) fn fixed(&self) -> &Scale {
         &self.fixed
     }
 
-    /// The code of zero, to a fraction.
-    pub(crate) fn zero(&self) -> f32 {
-        self.zero
-    }
-
     /// How many samples of a block are beyond `limit` (in SI) on either side of zero.
     pub(crate) fn beyond(&self, codes: &Codes, limit: f32) -> usize {
         let limit = self.codes(limit);
-        self.centred(codes).filter(|code| code.abs() > limit).count()
+        // Conversions cut off, and saturate.
+        let (least, most) = (self.zero - limit, (self.zero + limit) as u16);
+        outside(codes, least as u16 + u16::from(f32::from(least as u16) < least), most)
     }
 
     /// Moves the zero by a measured offset, in codes.
@@ -118,8 +125,25 @@ impl SenseScale {
 
     /// How many samples of a block stand at either end of the converter.
     pub(crate) fn clipped(&self, codes: &Codes) -> usize {
-        codes.iter().filter(|&&code| code == 0 || code >= self.max_code).count()
+        outside(codes, 1, self.max_code - 1)
     }
+}
+
+/// How many codes are not within `least` to `most`.
+fn outside(codes: &Codes, least: u16, most: u16) -> usize {
+    let (least, most) = (i32::from(least), i32::from(most));
+    // Below zero if either difference is.
+    let beside = |code: &u16| (i32::from(*code) - least) | (most - i32::from(*code));
+    let count = |codes: &[u16]| codes.iter().filter(|code| beside(code) < 0).count();
+    let (fours, rest) = codes.as_chunks::<4>();
+    let mut all = count(rest);
+    // Four at a time: most are not.
+    for four @ [a, b, c, d] in fours {
+        if beside(a) | beside(b) | beside(c) | beside(d) < 0 {
+            all += count(four);
+        }
+    }
+    all
 }
 
 /// All converters of the front end.

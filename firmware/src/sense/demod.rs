@@ -9,7 +9,7 @@
 //! X  = (2 / N) (r - conj(r) S2 / N) / (1 - |S2|^2 / N^2)
 //! ```
 //!
-//! Being the least-squares fit, it is at the Cramer-Rao bound in white noise. The sum `r` comes from a [resonator](super::resonator) that the codes ring up.
+//! Being the least-squares fit, it is at the Cramer-Rao bound in white noise. The sum `r` comes from a resonator (`resonator.rs`) that the codes ring up.
 //!
 //! The same pass over the codes shows the [guard](crate::guard) where it need not look: with `E = sum x^2 - Re{X conj(r)}`, the energy that the
 //! tone leaves unexplained, no sample is larger than `|X| + sqrt(E)`.
@@ -33,7 +33,7 @@ pub struct Sensed {
     pub i: Phasor,
 }
 
-/// Whether codes of a block may be an end of the converter's range, or beyond the channel's limit.
+/// Whether so many codes of a block may be an end of the converter's range that it is clipped, or any may be beyond the channel's limit.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Suspect {
     /// Codes of the voltage channel may be.
@@ -63,16 +63,35 @@ pub fn demodulate(convert: &Convert, sense: &SenseBlock, tone: &Stretch) -> (Sen
     let image = middle * middle * (2.0 * half.im * half.re / (turn.im * count));
     let scale = 2.0 / (count * (1.0 - image.norm_sqr()));
     let blind = image.norm_sqr() > BLIND;
+    let reference = Reference { turn, sine_square, last, image, scale };
     let coefficient = Coefficient::of(sine_square);
-    let fit = |channel: &SenseScale, codes: &[u16]| {
+    let (v, v_holds) = reference.fit(&convert.v, &sense.v[..samples], coefficient);
+    let (i, i_holds) = reference.fit(&convert.i, &sense.i[..samples], coefficient);
+    (Sensed { v, i }, Suspect { v: blind || !v_holds, i: blind || !i_holds })
+}
+
+/// What both channels of a block are fitted to.
+struct Reference {
+    /// Rotation of a sample, and the square of the sine of half of it.
+    turn: Phasor,
+    sine_square: f32,
+    /// Against the phase of the last sample.
+    last: Phasor,
+    /// `S2 / N`, and `2 / N / (1 - |S2 / N|^2)`.
+    image: Phasor,
+    scale: f32,
+}
+
+impl Reference {
+    /// The phasor of a channel's codes, in SI, and whether all of these are in order.
+    #[inline(always)]
+    fn fit(&self, channel: &SenseScale, codes: &[u16], coefficient: Coefficient) -> (Phasor, bool) {
         let rung = Rung::up(codes, channel.fixed(), coefficient);
-        let r = last * rung.against(turn, sine_square);
-        let x = (r - r.conj() * image) * scale;
+        let r = self.last * rung.against(self.turn, self.sine_square);
+        let x = (r - r.conj() * self.image) * self.scale;
         let left = rung.energy - (x.re * r.re + x.im * r.im);
-        (channel.scale(x), blind || !channel.holds(x.norm_sqr(), left))
-    };
-    let ((v, v_suspect), (i, i_suspect)) = (fit(&convert.v, &sense.v[..samples]), fit(&convert.i, &sense.i[..samples]));
-    (Sensed { v, i }, Suspect { v: v_suspect, i: i_suspect })
+        (channel.scale(x), channel.holds(x.norm_sqr(), left) || channel.is_unclipped(rung.energy, codes.len()))
+    }
 }
 
 #[cfg(test)]
@@ -111,7 +130,8 @@ mod tests {
         }
     }
 
-    /// One code at an end of the range is never overlooked, wherever it stands and however large the tone is.
+    /// One code beyond the limit, or more than an eighth of a block at an end of the range, is never overlooked, wherever it stands and however
+    /// large the tone is.
     #[test]
     fn no_code_out_of_order_is_overlooked() {
         let mut convert = Convert::build(&FrontEnd::OF_TESTS).unwrap();
@@ -122,8 +142,8 @@ mod tests {
                 let clean = tone(amplitude, 0.3, 40_400.0, 32);
                 let mut sense = SenseBlock { v: clean.clone(), i: clean, ..SenseBlock::default() };
                 assert_eq!(demodulate(&convert, &sense, &played).1, Suspect::default(), "{amplitude}");
-                let channel = if v { &mut sense.v } else { &mut sense.i };
-                channel[n] = code;
+                let (channel, count) = if v { (&mut sense.v, 5) } else { (&mut sense.i, 1) };
+                (n..n + count).for_each(|n| channel[n % 32] = code);
                 let suspect = demodulate(&convert, &sense, &played).1;
                 assert!(if v { suspect.v } else { suspect.i }, "{amplitude} {n} {code}: {suspect:?}");
             }

@@ -211,12 +211,17 @@ pub fn friction_ratio(xi: f32, kappa: f32) -> f32 {
 
 /// The ratio of Coulomb friction, `(2/pi) asin xi` (thesis 4.3): the reference. Its inverse is `Vv / Vt = 1 / sin(pi r / 2)`.
 pub fn coulomb(xi: f32) -> f32 {
-    FRAC_2_PI * libm::asinf(if xi < 1.0 { xi } else { 1.0 })
+    FRAC_2_PI * arc_sine(if xi < 1.0 { xi } else { 1.0 })
+}
+
+/// `asin x`, 0 to 1, by single precision only, which that of the library is not.
+fn arc_sine(x: f32) -> f32 {
+    libm::atan2f(x, libm::sqrtf((1.0 - x) * (1.0 + x)))
 }
 
 /// The ratio as kappa goes to zero, where the friction is constant: net slip over slip, `(pi/2) xi / (xi asin xi + sqrt(1 - xi^2))`.
 fn limit(xi: f32) -> f32 {
-    let ratio = 0.5 * PI * xi / (xi * libm::asinf(xi) + libm::sqrtf((1.0 - xi) * (1.0 + xi)));
+    let ratio = 0.5 * PI * xi / (xi * arc_sine(xi) + libm::sqrtf((1.0 - xi) * (1.0 + xi)));
     if ratio < 1.0 { ratio } else { 1.0 }
 }
 

@@ -9,8 +9,8 @@ use crate::board::command::Reply;
 use crate::board::update::{UpdateReport, UpdateVerb};
 use crate::seam::refusal::Refusal;
 
-/// Blocks that an image on trial must have served: 0.1 s of blocks of 32 us, ten periods of the watchdog.
-const SERVED: u32 = 3125;
+/// Blocks that an image on trial must have served: 0.1 s of blocks of 100 us, ten periods of the watchdog.
+const SERVED: u32 = 1000;
 
 impl<'a, L, E, S, W, F> App<'a, L, E, S, W, F>
 where

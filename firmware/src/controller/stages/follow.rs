@@ -168,6 +168,7 @@ impl Follow {
     }
 
     /// Measures the clamped capacitance again, where it may drift, by small steps of a drive that is otherwise left alone.
+    #[inline(never)]
     fn probe(&mut self, chain: &mut Chain, measured: &Measured) {
         let Measured { orders, sensed, played, .. } = *measured;
         let (track, generator) = (&mut chain.track, &chain.generator);

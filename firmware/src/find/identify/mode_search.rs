@@ -8,7 +8,7 @@ use heapless::Vec;
 
 use crate::find::identify::pole_fit::{Circuit, Pole, PoleFit, Solution};
 use crate::find::scan::spectrum::Spectrum;
-use crate::seam::transducer::{Deviations, MOST_MODES};
+use crate::seam::transducer::{Deviations, MOST_MODES, Transducer};
 
 /// Most iterations of a fit.
 const ITERATIONS: u8 = 12;
@@ -49,6 +49,13 @@ enum Stage {
     Solve {
         iterations: u8,
     },
+    /// Reads the circuit that the solution is, and then goes on from there.
+    Read {
+        iterations: u8,
+    },
+    Go {
+        iterations: u8,
+    },
     /// States the deviations of what has been fitted, one resonance after the other.
     State {
         next: usize,
@@ -70,6 +77,7 @@ pub(crate) struct ModeSearch {
     stage: Stage,
     line: usize,
     fit: PoleFit,
+    solution: Option<Solution>,
     /// Of the present fit.
     fitted: Circuit,
     deviations: Vec<Deviations, MOST_MODES>,
@@ -98,6 +106,7 @@ impl ModeSearch {
             stage: Stage::Done,
             line: 0,
             fit: PoleFit::new(bare, nominal.steps.0 / nominal.steps.1),
+            solution: None,
             fitted: Circuit::default(),
             deviations: Vec::new(),
             found: Circuit::default(),
@@ -126,18 +135,31 @@ impl ModeSearch {
         self.found_variance = f32::INFINITY;
     }
 
-    /// Does a block's worth of it. Returns whether it is over.
-    pub(crate) fn step(&mut self, spectrum: &Spectrum) -> bool {
+    /// Whether it is over.
+    pub(crate) fn is_over(&self) -> bool {
+        self.stage == Stage::Done
+    }
+
+    /// Does a block's worth of it.
+    pub(crate) fn step(&mut self, spectrum: &Spectrum) {
         match &self.stage {
             &Stage::Seek { best, sum, largest } => self.seek(spectrum, best, sum, largest),
             &Stage::Assume { line } => self.assume(spectrum, line),
             &Stage::Fit { iterations } => self.fit(spectrum, iterations),
-            &Stage::Solve { iterations } => self.solve(iterations),
+            &Stage::Solve { iterations } => {
+                if self.fit.solve() {
+                    self.stage = Stage::Read { iterations };
+                }
+            }
+            &Stage::Read { iterations } => {
+                self.solution = self.fit.solution();
+                self.stage = Stage::Go { iterations };
+            }
+            &Stage::Go { iterations } => self.go_on(iterations),
             &Stage::State { next } => self.state(next, spectrum),
             Stage::Keep => self.keep(),
             Stage::Done => {}
         }
-        self.stage == Stage::Done
     }
 
     /// What was found.
@@ -190,12 +212,9 @@ impl ModeSearch {
         self.stage = Stage::Solve { iterations };
     }
 
-    fn solve(&mut self, iterations: u8) {
-        if !self.fit.solve() {
-            return;
-        }
+    fn go_on(&mut self, iterations: u8) {
         let hopeless = iterations <= ITERATIONS - PATIENCE && self.fit.variance() > BEGUN * self.found_variance;
-        match self.fit.solution() {
+        match self.solution.take() {
             None => self.stage = Stage::Done,
             Some(_) if hopeless => self.stage = Stage::Done,
             Some(Solution { circuit, moved }) if iterations > 1 && moved > STANDS_STILL => self.begin(&circuit, iterations - 1),
@@ -208,8 +227,7 @@ impl ModeSearch {
     }
 
     fn state(&mut self, next: usize, spectrum: &Spectrum) {
-        let Some(deviations) = self.fit.deviations(&self.fitted, next) else { return };
-        let lm_h = self.fitted.transducer(next).lm_h;
+        let Some(&Transducer { lm_h, deviations, .. }) = self.fit.state(&self.fitted, next) else { return };
         let reach_hz = 0.5 * spectrum.lines() as f32 * spectrum.spacing_hz();
         let beside_hz = (self.fitted.poles[next].offset_hz - spectrum.centre_hz()).abs();
         // There is room: there are as many as poles.

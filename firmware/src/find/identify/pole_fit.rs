@@ -24,7 +24,7 @@ use crate::find::givens::ComplexTriangle;
 pub(crate) use crate::find::identify::circuit::{Circuit, Pole};
 use crate::find::identify::scatter::{Products, Scatter};
 use crate::seam::phasor::Phasor;
-use crate::seam::transducer::{Deviations, MOST_MODES};
+use crate::seam::transducer::{MOST_MODES, Transducer};
 use crate::sense::demod::Sensed;
 
 const TAU: f32 = core::f32::consts::TAU;
@@ -58,6 +58,8 @@ pub(crate) struct PoleFit {
     scatter: Scatter<MOST>,
     products: Products,
     scattered: usize,
+    /// The resonance that is being stated, with its deviations.
+    stated: Transducer,
 }
 
 /// What a fit has found.
@@ -85,6 +87,7 @@ impl PoleFit {
             scatter: Scatter { pole: [NONE; MOST], strength: [NONE; MOST], y0: [NONE; MOST] },
             products: Products::default(),
             scattered: 0,
+            stated: Transducer::default(),
         }
     }
 
@@ -206,9 +209,12 @@ impl PoleFit {
         self.triangle.variance()
     }
 
-    /// By how much the numbers of one resonance of what was found scatter; `None` while that takes more blocks.
-    pub(crate) fn deviations(&mut self, found: &Circuit, which: usize) -> Option<Deviations> {
-        let Some(pole) = found.poles.get(which) else { return Some(Deviations::default()) };
+    /// Goes on with one resonance of what was found, and by how much its numbers scatter; `None` while that takes more blocks.
+    pub(crate) fn state(&mut self, found: &Circuit, which: usize) -> Option<&Transducer> {
+        let Some(pole) = found.poles.get(which) else {
+            self.stated = Transducer::default();
+            return Some(&self.stated);
+        };
         let at = CLAMPED + EACH * which;
         let part = self.scattered;
         self.scattered += 1;
@@ -226,11 +232,17 @@ impl PoleFit {
             }
             2 => self.scatter.y0 = of(&[(0, ONE)]),
             3 => self.products = self.scatter.products(),
+            4 => self.stated = found.transducer(which),
             _ => {
-                self.scattered = 0;
-                return Some(self.products.deviations(&found.transducer(which)));
+                let mut deviations = self.stated.deviations;
+                self.products.deviate(&self.stated, part - 5, &mut deviations);
+                self.stated.deviations = deviations;
             }
         }
-        None
+        if part < 6 {
+            return None;
+        }
+        self.scattered = 0;
+        Some(&self.stated)
     }
 }

@@ -42,8 +42,8 @@ pub(crate) struct Products {
 }
 
 impl Products {
-    /// The deviations of a circuit.
-    pub(crate) fn deviations(&self, t: &Transducer) -> Deviations {
+    /// Leaves the deviations of a circuit in `deviations`: in two parts, of which a block has time for one.
+    pub(crate) fn deviate(&self, t: &Transducer, part: usize, deviations: &mut Deviations) {
         // Relative changes, as the factors of those three.
         let series = [Phasor::new(0.5, 0.0), NONE, NONE];
         let q = [J * t.q, NONE, NONE];
@@ -53,16 +53,17 @@ impl Products {
             |parts: &[([Phasor; 3], f32)]| parts.iter().fold([NONE; 3], |sum, (of, by)| [0, 1, 2].map(|n| sum[n] + of[n] * *by));
         let cm = sum(&[(lm, -1.0), (series, -2.0)]);
         let ratio = sum(&[(cm, 1.0), (c0, -1.0)]);
-        let part = t.cm_f / (t.c0_f + t.cm_f);
-        Deviations {
-            series_resonance_hz: self.of(series) * t.series_resonance_hz,
-            parallel_resonance_hz: self.of(sum(&[(series, 1.0), (ratio, 0.5 * part)])) * t.parallel_resonance_hz,
-            q: self.of(q) * t.q,
-            rm_ohm: self.of(sum(&[(lm, 1.0), (series, 1.0), (q, -1.0)])) * t.rm_ohm,
-            lm_h: self.of(lm) * t.lm_h,
-            cm_f: self.of(cm) * t.cm_f,
-            c0_f: self.of(c0) * t.c0_f,
-            coupling: self.of(ratio) * 0.5 * (1.0 - part) * t.coupling,
+        let motional = t.cm_f / (t.c0_f + t.cm_f);
+        if part == 0 {
+            deviations.series_resonance_hz = self.of(series) * t.series_resonance_hz;
+            deviations.parallel_resonance_hz = self.of(sum(&[(series, 1.0), (ratio, 0.5 * motional)])) * t.parallel_resonance_hz;
+            deviations.q = self.of(q) * t.q;
+            deviations.rm_ohm = self.of(sum(&[(lm, 1.0), (series, 1.0), (q, -1.0)])) * t.rm_ohm;
+        } else {
+            deviations.lm_h = self.of(lm) * t.lm_h;
+            deviations.cm_f = self.of(cm) * t.cm_f;
+            deviations.c0_f = self.of(c0) * t.c0_f;
+            deviations.coupling = self.of(ratio) * 0.5 * (1.0 - motional) * t.coupling;
         }
     }
 

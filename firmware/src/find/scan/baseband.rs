@@ -14,42 +14,66 @@
 //!
 //! (L. Fejer 1900), 1.4 % for 32 samples of 40 kHz, which is subtracted; of what changes slowly there remains little.
 
-use crate::generate::shape::sine;
-use crate::seam::block::SenseBlock;
+use crate::generate::nco::Stretch;
+use crate::generate::shape::sine::{self, Steady};
+use crate::seam::block::{MAX_BLOCK_SAMPLES, SenseBlock};
 use crate::seam::phasor::Phasor;
 use crate::sense::convert::{Convert, SenseScale};
 use crate::sense::demod::Sensed;
+use crate::sense::resonator::Scale;
+
+/// Amplitude of the reference: with it a whole block of the largest codes, 2^13, adds up to less than 2^31.
+const AMPLITUDE: f32 = 2047.0;
+/// Bits that sums of sums have less.
+const LESS: u32 = 8;
 
 /// The reference, and what the rising half of the triangle has gathered.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub(crate) struct Baseband {
     word: u64,
     phase: u64,
+    /// Cosine (lower half) and sine of the reference in a block that begins with it.
+    waves: [u32; MAX_BLOCK_SAMPLES],
     rising: Sensed,
 }
 
+impl Default for Baseband {
+    fn default() -> Self {
+        Baseband { word: 0, phase: 0, waves: [0; MAX_BLOCK_SAMPLES], rising: Sensed::default() }
+    }
+}
+
 impl Baseband {
-    /// Restarts with a reference of this tuning word. The first phasor, which lacks its rising half, is to be thrown away.
+    /// Restarts with a reference of this tuning word. It is to be [played](Self::play) then. The first phasor, which lacks its rising half, is to be thrown away.
     pub(crate) fn restart(&mut self, word: u64) {
-        *self = Baseband { word, ..Baseband::default() };
+        (self.word, self.phase, self.rising) = (word, 0, Sensed::default());
+    }
+
+    /// Plays the reference, before the first block is taken.
+    pub(crate) fn play(&mut self) {
+        let word = self.word;
+        let steady = Steady::new(&Stretch { phase: 0, word, step: 0 });
+        let (mut cosine, mut sine) = (steady.swing(Phasor::new(0.0, AMPLITUDE)), steady.swing(Phasor::new(AMPLITUDE, 0.0)));
+        // Above zero, where to cut is to round.
+        let rounded = |x: f32| (x + (4096.0 + 0.5)) as i32 - 4096;
+        for wave in &mut self.waves {
+            *wave = (rounded(sine.take()) as u32) << 16 | rounded(cosine.take()) as u32 & 0xffff;
+        }
     }
 
     /// Takes a block.
     pub(crate) fn take(&mut self, convert: &Convert, sense: &SenseBlock) -> Sensed {
         let samples = sense.v.len().min(sense.i.len());
-        let turn = sine::rotation(self.word).conj();
         let first = sine::rotation(self.phase).conj();
-        let mut reference = first;
-        let (mut v, mut i) = (Moments::default(), Moments::default());
-        let (v_zero, i_zero) = (convert.v.zero(), convert.i.zero());
-        for (&v_code, &i_code) in sense.v.iter().zip(&sense.i) {
-            v.add(reference * (f32::from(v_code) - v_zero));
-            i.add(reference * (f32::from(i_code) - i_zero));
-            reference *= turn;
-        }
+        let of = |codes: &[u16], channel: &SenseScale| {
+            let moments = Moments::of(codes, &self.waves, channel.fixed());
+            let (falling, rising) = moments.halves(samples, channel);
+            (first * falling, first * rising)
+        };
+        let ((v_falling, v_rising), (i_falling, i_rising)) = (of(&sense.v, &convert.v), of(&sense.i, &convert.i));
         self.phase = self.phase.wrapping_add(self.word.wrapping_mul(samples as u64));
-        let ((v_falling, v_rising), (i_falling, i_rising)) = (v.halves(samples, &convert.v), i.halves(samples, &convert.i));
-        let part = sine::rotation(self.word.wrapping_mul(samples as u64)).im / (samples.max(1) as f32 * turn.im);
+        let whole_turn = sine::rotation(self.word.wrapping_mul(samples as u64)).im;
+        let part = whole_turn / (samples.max(1) as f32 * -sine::rotation(self.word).im);
         let image = first * first * (part * part);
         let scale = 1.0 / (1.0 - image.norm_sqr());
         let whole = |x: Phasor| (x - x.conj() * image) * scale;
@@ -59,18 +83,38 @@ impl Baseband {
     }
 }
 
-/// Sum, and the sum of the sums so far, which weighs the first sample most.
-#[derive(Clone, Copy, Default)]
+/// Sum of codes times reference, and the sum of the sums so far, which weighs the first sample most: cosine, sine.
 struct Moments {
-    sum: Phasor,
-    sums: Phasor,
+    sum: [i32; 2],
+    sums: [i32; 2],
 }
 
 impl Moments {
-    #[inline]
-    fn add(&mut self, x: Phasor) {
-        self.sum += x;
-        self.sums += self.sum;
+    /// Of the codes of a channel. In halves of words, which a Cortex-M4 multiplies and adds in one cycle (`SMLATB`, `SMLATT`).
+    #[inline(never)]
+    fn of(codes: &[u16], waves: &[u32], scale: &Scale) -> Self {
+        let mut moments = Moments { sum: [0; 2], sums: [0; 2] };
+        let (one, minus_zero) = scale.doubled();
+        let ((pairs, rest), (waves, last)) = (codes.as_chunks::<2>(), waves.as_chunks::<2>());
+        // No more than two at a time: for more there are no registers.
+        for ([first, second], [wave, next]) in pairs.iter().zip(waves) {
+            moments.add(*first, *wave, one, minus_zero);
+            moments.add(*second, *next, one, minus_zero);
+        }
+        let last = waves.get(pairs.len()).map_or(last, |pair| pair);
+        for (code, wave) in rest.iter().zip(last) {
+            moments.add(*code, *wave, one, minus_zero);
+        }
+        moments
+    }
+
+    #[inline(always)]
+    fn add(&mut self, code: u16, wave: u32, one: u32, minus_zero: u32) {
+        let x = u32::from(code).wrapping_mul(one).wrapping_add(minus_zero) as i32 >> 16;
+        self.sum[0] = self.sum[0].wrapping_add(x * i32::from(wave as i16));
+        self.sum[1] = self.sum[1].wrapping_add(x * (wave as i32 >> 16));
+        self.sums[0] = self.sums[0].wrapping_add(self.sum[0] >> LESS);
+        self.sums[1] = self.sums[1].wrapping_add(self.sum[1] >> LESS);
     }
 
     /// By the falling and by the rising half of the triangle, in SI.
@@ -79,8 +123,11 @@ impl Moments {
             return (Phasor::default(), Phasor::default());
         }
         let count = samples as f32;
-        let falling = self.sums / count;
-        (channel.scale(falling * (2.0 / count)), channel.scale((self.sum - falling) * (2.0 / count)))
+        // Times exp(-j theta), whose sine is the other way round; in codes.
+        let step = channel.fixed().half_word() / AMPLITUDE;
+        let codes = |[re, im]: [i32; 2], size: f32| Phasor::new(re as f32, -(im as f32)) * (size * step);
+        let (sum, falling) = (codes(self.sum, 1.0), codes(self.sums, (1 << LESS) as f32 / count));
+        (channel.scale(falling * (2.0 / count)), channel.scale((sum - falling) * (2.0 / count)))
     }
 }
 
@@ -97,6 +144,7 @@ mod tests {
         let convert = Convert::build(&front_end()).unwrap();
         let mut baseband = Baseband::default();
         baseband.restart(tuning_word(reference_hz / 1e6));
+        baseband.play();
         let mut sum = Phasor::default();
         for block in 0..126 {
             let wave = |n: usize| 1500.0 * libm::cos(core::f64::consts::TAU * hz * 1e-6 * (32 * block + n) as f64);

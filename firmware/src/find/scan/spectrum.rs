@@ -23,8 +23,16 @@ pub(crate) struct Spectrum {
     /// Of a turn in so many blocks as a period has.
     word: u64,
     phase: u64,
-    v: [Phasor; MOST_LINES],
-    i: [Phasor; MOST_LINES],
+    middle: Sensed,
+    /// The lines above and below the reference, from it outwards.
+    around: [Pair; MOST_PAIRS],
+}
+
+/// Two lines as far above the reference and below it.
+#[derive(Clone, Copy, Debug, Default)]
+struct Pair {
+    above: Sensed,
+    below: Sensed,
 }
 
 impl Spectrum {
@@ -32,22 +40,21 @@ impl Spectrum {
     pub(crate) fn new(centre_hz: f32, width_hz: f32, period_blocks: u32, block_s: f32) -> Self {
         let spacing_hz = 1.0 / (period_blocks.max(1) as f32 * block_s);
         let pairs = (0.5 * width_hz / spacing_hz + 0.5) as usize;
-        let none = [Phasor::default(); MOST_LINES];
         let word = u64::MAX / u64::from(period_blocks.max(1));
-        Spectrum { centre_hz, spacing_hz, pairs: pairs.min(MOST_PAIRS), word, phase: 0, v: none, i: none }
+        let (middle, around) = (Sensed::default(), [Pair::default(); MOST_PAIRS]);
+        Spectrum { centre_hz, spacing_hz, pairs: pairs.min(MOST_PAIRS), word, phase: 0, middle, around }
     }
 
     /// Adds the phasors of the next block.
     pub(crate) fn add(&mut self, sensed: &Sensed) {
         let step = sine::rotation(self.phase).conj();
         self.phase = self.phase.wrapping_add(self.word);
-        self.v[MOST_PAIRS] += sensed.v;
-        self.i[MOST_PAIRS] += sensed.i;
+        self.middle.v += sensed.v;
+        self.middle.i += sensed.i;
         let mut turn = step;
-        let each = pairs(&mut self.v).zip(pairs(&mut self.i)).take(self.pairs);
-        for (v, i) in each {
-            both_ways(v, sensed.v, turn);
-            both_ways(i, sensed.i, turn);
+        for Pair { above, below } in self.around.iter_mut().take(self.pairs) {
+            both_ways((&mut above.v, &mut below.v), sensed.v, turn);
+            both_ways((&mut above.i, &mut below.i), sensed.i, turn);
             turn *= step;
         }
     }
@@ -74,8 +81,12 @@ impl Spectrum {
 
     /// Voltage and current of a line.
     pub(crate) fn at(&self, line: usize) -> Sensed {
-        let n = (MOST_PAIRS + line - self.pairs).min(MOST_LINES - 1);
-        Sensed { v: self.v[n], i: self.i[n] }
+        let pair = |distance: usize| self.around[distance.clamp(1, MOST_PAIRS) - 1];
+        match line {
+            _ if line == self.pairs => self.middle,
+            _ if line > self.pairs => pair(line - self.pairs).above,
+            _ => pair(self.pairs - line).below,
+        }
     }
 }
 
@@ -85,12 +96,6 @@ fn both_ways((above, below): (&mut Phasor, &mut Phasor), x: Phasor, turn: Phasor
     let (cc, ss, cs, sc) = (x.re * turn.re, x.im * turn.im, x.re * turn.im, x.im * turn.re);
     *above += Phasor::new(cc - ss, sc + cs);
     *below += Phasor::new(cc + ss, sc - cs);
-}
-
-/// The lines above and below the reference, from it outwards.
-fn pairs(lines: &mut [Phasor; MOST_LINES]) -> impl Iterator<Item = (&mut Phasor, &mut Phasor)> {
-    let (below, above) = lines.split_at_mut(MOST_PAIRS);
-    above.iter_mut().skip(1).zip(below.iter_mut().rev())
 }
 
 #[cfg(test)]

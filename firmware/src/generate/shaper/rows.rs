@@ -3,6 +3,21 @@
 //! A lane that is the opposite of another is written with it: its codes are the other's about mid-code, to the last bit.
 
 use crate::generate::shape::sine::{Coefficient, Steps, Swing};
+use crate::seam::fixed_point::upper;
+
+/// Levels of an edge, and what makes the largest of them 2^31.
+#[derive(Clone, Copy)]
+pub(super) struct Levels<'a> {
+    levels: &'a [f32],
+    one: f32,
+}
+
+impl<'a> Levels<'a> {
+    /// Levels up to `loudest`.
+    pub(super) fn of(levels: &'a [f32], loudest: f32) -> Self {
+        Levels { levels, one: 2_147_483_648.0 / loudest }
+    }
+}
 
 /// What is to be written.
 #[derive(Clone, Copy)]
@@ -27,12 +42,17 @@ pub(super) fn even(row: Row, codes: &mut [u16]) -> i32 {
 #[inline(always)]
 fn even_of<const SHIFT: u32>(mut steps: Steps, base: f32, codes: &mut [u16]) -> i32 {
     let (mut sum, base) = (0, fixed(base));
-    let mut put = |code: &mut u16| sum += step::<SHIFT>(code, &mut steps, base);
-    let (eights, rest) = codes.as_chunks_mut::<8>();
-    for eight in eights {
-        eight.iter_mut().for_each(&mut put);
+    let (fours, rest) = codes.as_chunks_mut::<4>();
+    // Written out: a compiler that saves code leaves a loop of four here.
+    for [first, second, third, fourth] in fours {
+        sum += step::<SHIFT>(first, &mut steps, base);
+        sum += step::<SHIFT>(second, &mut steps, base);
+        sum += step::<SHIFT>(third, &mut steps, base);
+        sum += step::<SHIFT>(fourth, &mut steps, base);
     }
-    rest.iter_mut().for_each(&mut put);
+    for code in rest {
+        sum += step::<SHIFT>(code, &mut steps, base);
+    }
     sum
 }
 
@@ -48,46 +68,58 @@ pub(super) fn even_both(row: Row, codes: &mut [u16], opposites: &mut [u16]) -> i
 #[inline(always)]
 fn even_both_of<const SHIFT: u32>(mut steps: Steps, row: &Row, codes: &mut [u16], opposites: &mut [u16]) -> i32 {
     let (mut sum, base, twice) = (0, fixed(row.base), row.twice);
-    let mut put = |(code, opposite): (&mut u16, &mut u16)| {
-        sum += step::<SHIFT>(code, &mut steps, base);
-        *opposite = twice.wrapping_sub(*code);
-    };
-    let ((eights, rest), (opposite_eights, opposite_rest)) = (codes.as_chunks_mut::<8>(), opposites.as_chunks_mut::<8>());
-    for (eight, opposites) in eights.iter_mut().zip(opposite_eights) {
-        eight.iter_mut().zip(opposites).for_each(&mut put);
+    let ((fours, rest), (opposite_fours, opposite_rest)) = (codes.as_chunks_mut::<4>(), opposites.as_chunks_mut::<4>());
+    for ([first, second, third, fourth], [opposite, next, after, last]) in fours.iter_mut().zip(opposite_fours) {
+        sum += step_both::<SHIFT>(first, opposite, &mut steps, base, twice);
+        sum += step_both::<SHIFT>(second, next, &mut steps, base, twice);
+        sum += step_both::<SHIFT>(third, after, &mut steps, base, twice);
+        sum += step_both::<SHIFT>(fourth, last, &mut steps, base, twice);
     }
-    rest.iter_mut().zip(opposite_rest).for_each(&mut put);
+    for (code, opposite) in rest.iter_mut().zip(opposite_rest) {
+        sum += step_both::<SHIFT>(code, opposite, &mut steps, base, twice);
+    }
     sum
 }
 
 /// Under an envelope that differs from sample to sample.
 #[inline(never)]
-pub(super) fn edge(Row { mut swing, base, .. }: Row, levels: &[f32], codes: &mut [u16]) -> i32 {
-    let mut sum = 0;
-    let mut put = |(code, level): (&mut u16, &f32)| sum += write(code, base + level * swing.take());
-    let ((eights, rest), (levels, last)) = (codes.as_chunks_mut::<8>(), levels.as_chunks::<8>());
-    for (eight, levels) in eights.iter_mut().zip(levels) {
-        eight.iter_mut().zip(levels).for_each(&mut put);
+pub(super) fn edge(row: Row, levels: Levels, codes: &mut [u16]) -> i32 {
+    match row.swing.steps() {
+        (steps, false) => edge_of::<0>(steps, row.base, levels, codes),
+        (steps, true) => edge_of::<{ Coefficient::SHIFT }>(steps, row.base, levels, codes),
     }
-    rest.iter_mut().zip(last).for_each(&mut put);
+}
+
+#[inline(always)]
+fn edge_of<const SHIFT: u32>(mut steps: Steps, base: f32, Levels { levels, one }: Levels, codes: &mut [u16]) -> i32 {
+    // A product with a level has one bit less.
+    let (mut sum, base) = (0, fixed(base) >> 1);
+    let ((fours, rest), (levels, last)) = (codes.as_chunks_mut::<4>(), levels.as_chunks::<4>());
+    for ([first, second, third, fourth], [a, b, c, d]) in fours.iter_mut().zip(levels) {
+        sum += level_step::<SHIFT>(first, *a * one, &mut steps, base);
+        sum += level_step::<SHIFT>(second, *b * one, &mut steps, base);
+        sum += level_step::<SHIFT>(third, *c * one, &mut steps, base);
+        sum += level_step::<SHIFT>(fourth, *d * one, &mut steps, base);
+    }
+    for (code, level) in rest.iter_mut().zip(last) {
+        sum += level_step::<SHIFT>(code, *level * one, &mut steps, base);
+    }
     sum
 }
 
 /// The same, and its opposite.
 #[inline(never)]
-pub(super) fn edge_both(row: Row, levels: &[f32], codes: &mut [u16], opposites: &mut [u16]) -> i32 {
-    let Row { mut swing, base, twice } = row;
-    let mut sum = 0;
-    let mut put = |((code, opposite), level): ((&mut u16, &mut u16), &f32)| {
-        sum += write(code, base + level * swing.take());
-        *opposite = twice.wrapping_sub(*code);
-    };
-    let ((eights, rest), (levels, last)) = (codes.as_chunks_mut::<8>(), levels.as_chunks::<8>());
-    let (opposite_eights, opposite_rest) = opposites.as_chunks_mut::<8>();
-    for ((eight, opposites), levels) in eights.iter_mut().zip(opposite_eights).zip(levels) {
-        eight.iter_mut().zip(opposites).zip(levels).for_each(&mut put);
+pub(super) fn edge_both(row: Row, levels: Levels, codes: &mut [u16], opposites: &mut [u16]) -> i32 {
+    let sum = edge(row, levels, codes);
+    let (twice, (fours, rest)) = (row.twice, codes.as_chunks::<4>());
+    let (opposite_fours, opposite_rest) = opposites.as_chunks_mut::<4>();
+    for ([a, b, c, d], [w, x, y, z]) in fours.iter().zip(opposite_fours) {
+        (*w, *x) = (twice.wrapping_sub(*a), twice.wrapping_sub(*b));
+        (*y, *z) = (twice.wrapping_sub(*c), twice.wrapping_sub(*d));
     }
-    rest.iter_mut().zip(opposite_rest).zip(last).for_each(&mut put);
+    for (code, opposite) in rest.iter().zip(opposite_rest) {
+        *opposite = twice.wrapping_sub(*code);
+    }
     sum
 }
 
@@ -105,12 +137,21 @@ fn step<const SHIFT: u32>(place: &mut u16, steps: &mut Steps, base: u32) -> i32 
     code as i32
 }
 
-/// Writes a code, and returns it.
+/// Writes the next code and its opposite, and returns it.
 #[inline(always)]
-fn write(place: &mut u16, value: f32) -> i32 {
-    let code = value as i32;
-    *place = code as u16;
+fn step_both<const SHIFT: u32>(place: &mut u16, opposite: &mut u16, steps: &mut Steps, base: u32, twice: u16) -> i32 {
+    let code = step::<SHIFT>(place, steps, base);
+    *opposite = twice.wrapping_sub(code as u16);
     code
+}
+
+/// Writes the next code at a level, 2^31 for one, and returns it.
+#[inline(always)]
+fn level_step<const SHIFT: u32>(place: &mut u16, level: f32, steps: &mut Steps, base: u32) -> i32 {
+    let swung = upper(steps.take::<SHIFT>(), level as i32);
+    let code = base.wrapping_add(swung as u32) >> (Steps::FRACTION - 1);
+    *place = code as u16;
+    code as i32
 }
 
 #[cfg(test)]
@@ -133,6 +174,7 @@ mod tests {
             let of = |amplitude: f32| Row { swing: steady.swing(Phasor::new(amplitude, 0.0)), base: 2048.5, twice: 2 * mid };
             let ([mut lane, mut opposite, mut own], levels) = ([[0; 64]; 3], &levels[..samples]);
             let (lane, opposite, own) = (&mut lane[..samples], &mut opposite[..samples], &mut own[..samples]);
+            let levels = Levels::of(levels, 1.0);
             for flat in [true, false] {
                 let sums = if flat {
                     (even_both(of(1500.0), lane, opposite), even(of(-1500.0), own))
@@ -147,7 +189,7 @@ mod tests {
                 all += samples;
             }
         }
-        // Measured: 39 of 178 000, where rounding meets half a code.
-        assert!(different < 45 && all == 178_000, "{different} of {all}");
+        // Measured: 56 of 178 000, where rounding meets half a code.
+        assert!(different < 60 && all == 178_000, "{different} of {all}");
     }
 }

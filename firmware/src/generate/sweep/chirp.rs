@@ -120,6 +120,7 @@ impl Chirp {
     }
 
     /// Word of the next block's first sample and its increment; `held` is the word of the tracked resonance.
+    #[inline(never)]
     pub(crate) fn next(&mut self, held: u64) -> (u64, u64) {
         let base = match self.around {
             Around::Zero => 0,

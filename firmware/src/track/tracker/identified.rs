@@ -122,6 +122,7 @@ mod tests {
     use super::*;
     use crate::find::identify::scatter::Scatter;
     use crate::seam::phasor::Phasor;
+    use crate::seam::transducer::Deviations;
     use crate::track::tracker::observer::Prior;
 
     /// By the scatter of independent parts, as a fit states it.
@@ -139,7 +140,8 @@ mod tests {
             strength: [none, part(observer.strength_deviation()), none],
             y0: [none, none, part(TAU * found.series_resonance_hz * known.c0_f.1)],
         };
-        let (reported, all) = (found.deviations, scatter.products().deviations(&found));
+        let (reported, mut all) = (found.deviations, Deviations::default());
+        [0, 1].into_iter().for_each(|part| scatter.products().deviate(&found, part, &mut all));
         for (name, reported, expected) in [
             ("series", reported.series_resonance_hz, all.series_resonance_hz),
             ("parallel", reported.parallel_resonance_hz, all.parallel_resonance_hz),
