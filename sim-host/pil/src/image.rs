@@ -111,11 +111,12 @@ pub fn field_images() -> Result<[PathBuf; 2], PilError> {
     if let Some(reason) = missing_to_build() {
         return Err(PilError::Missing(reason));
     }
-    let images = ["first-stage", "nucleo-g474re"];
-    let bins = images.into_iter().flat_map(|image| ["--bin", image]);
-    let arguments: Vec<&str> = ["-p", "sonoglide-nucleo-g474re", "--features", "slot"].into_iter().chain(bins).collect();
-    let (folder, _) = cargo("field", &arguments)?;
-    Ok(images.map(|image| folder.join(TARGET).join("field").join(image)))
+    // The first stage has a profile of its own: it must be small, and the image fast.
+    let build = |image: &str, profile: &str| -> Result<PathBuf, PilError> {
+        let (folder, _) = cargo(profile, &["-p", "sonoglide-nucleo-g474re", "--features", "slot", "--bin", image])?;
+        Ok(folder.join(TARGET).join(profile).join(image))
+    };
+    Ok([build("first-stage", "first-stage")?, build("nucleo-g474re", "field")?])
 }
 
 /// Builds one image of the package `qemu-m4`.

@@ -63,7 +63,7 @@ pub fn config() -> Config {
         sweep: Sweep::Hold,
         phasing: Phasing::default(),
         burst: Burst::default(),
-        tracking: Tracking { span: 0.05, bandwidth_hz: 500.0, ..Tracking::new(50.0, 300e-9) },
+        tracking: Tracking { span: 0.05, bandwidth_hz: 200.0, ..Tracking::new(50.0, 300e-9) },
         thermometer: Thermometer::default(),
         heat_sink: HeatSink::default(),
         limits: Limits { temperature_c: 85.0, ..Limits::default() },

@@ -42,13 +42,29 @@ pub fn drive<Place>(block: &DriveBlock, pair: usize, silence: u16, (head, tail):
     match (lane(2 * pair), lane(2 * pair + 1)) {
         (Some((first, firsts)), Some((second, seconds))) => {
             put(head, word(*first, *second));
-            for ((place, first), second) in tail.iter().zip(firsts).zip(seconds) {
+            let ((fours, rest), (firsts, first_rest)) = (tail.as_chunks::<4>(), firsts.as_chunks::<4>());
+            let (seconds, second_rest) = seconds.as_chunks::<4>();
+            // Written out: a compiler that saves code leaves a loop of four here.
+            for (([p0, p1, p2, p3], [a0, a1, a2, a3]), [b0, b1, b2, b3]) in fours.iter().zip(firsts).zip(seconds) {
+                put(p0, word(*a0, *b0));
+                put(p1, word(*a1, *b1));
+                put(p2, word(*a2, *b2));
+                put(p3, word(*a3, *b3));
+            }
+            for ((place, first), second) in rest.iter().zip(first_rest).zip(second_rest) {
                 put(place, word(*first, *second));
             }
         }
         (Some((first, firsts)), None) => {
             put(head, word(*first, silence));
-            for (place, first) in tail.iter().zip(firsts) {
+            let ((fours, rest), (firsts, first_rest)) = (tail.as_chunks::<4>(), firsts.as_chunks::<4>());
+            for ([p0, p1, p2, p3], [a0, a1, a2, a3]) in fours.iter().zip(firsts) {
+                put(p0, word(*a0, silence));
+                put(p1, word(*a1, silence));
+                put(p2, word(*a2, silence));
+                put(p3, word(*a3, silence));
+            }
+            for (place, first) in rest.iter().zip(first_rest) {
                 put(place, word(*first, silence));
             }
         }

@@ -8,6 +8,8 @@
 //! A word of a ring is two lanes, into DAC_DHR12RD with a single request for both (22.4.8). The trigger moves the held word to the output and
 //! then asks for the next one, so that a word plays one trigger after it was fetched: [`slot`].
 
+use core::hint::black_box;
+
 use cortex_m::asm::delay;
 use firmware::seam::block::DriveBlock;
 use nucleo_g474re::blocks::{Half, RING, places, position};
@@ -71,13 +73,16 @@ impl Lanes {
     /// Leaves a block in a half of the rings.
     pub fn write(&self, half: Half, block: &DriveBlock) {
         for (pair, ring) in RINGS.iter().enumerate().take(self.converters.len()) {
-            packing::drive(block, pair, SILENCE, places(ring.places(), half), Place::write);
+            // A length that the compiler knows it would write out whole, which would fill the core-coupled RAM.
+            let (head, tail) = places(ring.places(), half);
+            packing::drive(block, pair, SILENCE, (head, black_box(tail)), Place::write);
         }
     }
 
     /// Plays mid-code from the next sample on, in both halves.
+    #[inline(never)]
     pub fn silence(&self) {
-        RINGS.iter().flat_map(Ring::places).for_each(|place| place.write(QUIET));
+        RINGS.iter().for_each(|ring| black_box(ring.places()).iter().for_each(|place| place.write(QUIET)));
     }
 
     /// The place in the rings that is fetched next.

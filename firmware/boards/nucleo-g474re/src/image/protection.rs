@@ -6,12 +6,12 @@
 //! I (PA7) < lower ---- COMP2 --+            |
 //! faults of the part ----------+            +-- TIM1 drops MOE --+-- channel 3, PA10, low -- amplifier off
 //! stop contact (PC3) low ---------- break 2 -+                    |
-//! no block for 96 us ---- counter of TIM1 ends at zero ----------+
+//! no block for 200 us --- counter of TIM1 ends at zero ----------+
 //! ```
 //!
 //! * TIM1 is used for nothing else. A break acts without its clock (28.3.17).
 //! * The counter of TIM1 runs once (28.3.22, one-pulse mode), and every block puts it back to its beginning. Channel 3 is high while the counter is
-//!   not zero (28.3.12, PWM mode 2): a processor that stands, in a lockup or by a debugger, drops the enable after 96 us.
+//!   not zero (28.3.12, PWM mode 2): a processor that stands, in a lockup or by a debugger, drops the enable after 200 us.
 //! * The counter runs on while a debugger has halted the processor. Stopping it (DBG_TIM1_STOP) would drop the output at once, but MOE would stay
 //!   set, and the amplifier would come back as the processor goes on (28.3.31). The block that follows a halt finds that the counter has ended, and drops
 //!   MOE: the enable stays down.
@@ -25,7 +25,7 @@ use core::sync::atomic::{AtomicBool, Ordering};
 use cortex_m::asm::delay;
 use embedded_hal::digital::{ErrorType, InputPin, OutputPin};
 use firmware::board::start::TripFailure;
-use nucleo_g474re::blocks::CYCLES_PER_SAMPLE;
+use nucleo_g474re::blocks::{CYCLES_PER_BLOCK, MISSED};
 use nucleo_g474re::config::{TRIP_A, trip_codes};
 use nucleo_g474re::trips::{ALWAYS, Levels, Thresholds};
 use stm32_metapac::comp::vals::{Hysteresis, Inm, Polarity};
@@ -48,8 +48,8 @@ const TIM1_FUNCTION: u8 = 6;
 const CHANNEL_3: usize = 2;
 const BREAK: usize = 0;
 const BREAK_2: usize = 1;
-/// Cycles without a block after which the enable drops: three blocks.
-const ALIVE: u32 = 96 * CYCLES_PER_SAMPLE;
+/// Cycles without a block after which the enable drops.
+const ALIVE: u32 = MISSED * CYCLES_PER_BLOCK;
 /// Where each block puts the counter, and the channel's compare value: high from here to the end.
 const BEGINNING: u16 = 1;
 
@@ -132,7 +132,7 @@ fn breaks() {
     STOP.alternate(TIM1_FUNCTION, Pupdr::PULL_DOWN);
     // DBGMCU_APB2FZR (47.6.7), which a reset leaves as it is: the counter runs on while a debugger has halted the processor.
     DBGMCU.apb2fzr().modify(|w| w.set_tim1(false));
-    // CR1.OPM (28.6.1), ARR (28.6.14), CCR3 (28.6.18): once, for three blocks.
+    // CR1.OPM (28.6.1), ARR (28.6.14), CCR3 (28.6.18): once, for as long.
     TIM1.cr1().modify(|w| w.set_opm(true));
     TIM1.arr().write(|w| w.set_arr(ALIVE as u16 - 1));
     TIM1.ccr(CHANNEL_3).write(|w| w.set_ccr(BEGINNING));

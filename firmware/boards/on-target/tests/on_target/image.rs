@@ -46,7 +46,7 @@ mod tests {
     /// What the controller may take of the stack, bytes: as of all of the board's image.
     const STACK_BYTES: u32 = 4096;
     /// The same while it is built; given back before the first block.
-    const BUILD_STACK_BYTES: u32 = 20 << 10;
+    const BUILD_STACK_BYTES: u32 = 26 << 10;
 
     fn controller() -> Controller {
         Controller::build(&config(TrackingMode::Observer, 4, SAMPLES)).expect("a valid configuration")
