@@ -1,8 +1,5 @@
 //! The image that is flashed, unmodified, on the model of its part (crates `cortex-m4`, `stm32g474`, `board`), with a plant at its pins.
 //!
-//! The block interrupt of this image takes longer than a block, so that at the part's own speed its watchdog resets it. Wherever a test drives, the
-//! interrupt takes an eighth of its time.
-//!
 //! Skipped, with a message, where the target's core library is not installed.
 
 mod belt;
@@ -17,19 +14,18 @@ use std::sync::OnceLock;
 use std::sync::atomic::AtomicBool;
 use std::time::Duration;
 
+use board::configure::load;
 use board::{Board, BoardError, Options};
 use firmware::board::command::Command;
 use firmware::seam::mode::Mode;
 use link::client::Client;
 use link::modelled_board::record;
 use link::port::Simulated;
-use scene::load::load;
+use nucleo_g474re::blocks::CYCLES_PER_BLOCK;
 use sim::run::{Watch, run_on};
 
 use crate::processor_in_the_loop::is_possible;
 
-/// The part of its time that the block interrupt takes here.
-pub(crate) const RATE: f64 = 1.0 / 8.0;
 static STOP: AtomicBool = AtomicBool::new(false);
 
 /// The image; none where it cannot be built, which has then been said.
@@ -47,11 +43,11 @@ fn dummy_load() -> scene::load::Loaded {
 }
 
 /// A board with the dummy load and these changes of its scene that was just powered.
-pub(crate) fn powered(elf: &[u8], changes: &[&str], rate: f64) -> Board {
+pub(crate) fn powered(elf: &[u8], changes: &[&str]) -> Board {
     let changes: Vec<String> = changes.iter().map(|change| (*change).to_owned()).collect();
     let loaded = load("dummy-load", &changes).expect("a built-in scene");
     let scene = loaded.scene.driven().expect("a driven scene");
-    Board::start(elf, &scene, Options { rate: Some(rate), ..Options::default() }).expect("it starts")
+    Board::start(elf, &scene, Options::default()).expect("it starts")
 }
 
 /// A client of a board.
@@ -63,7 +59,7 @@ pub(crate) fn connected(board: Board) -> (Rc<RefCell<Board>>, Client) {
 
 /// A board with the dummy load that drives it, and a client of it that says nothing by itself.
 fn driving(elf: &[u8]) -> (Rc<RefCell<Board>>, Client) {
-    let (board, mut client) = connected(powered(elf, &[], RATE));
+    let (board, mut client) = connected(powered(elf, &[]));
     client.connect().expect("an answer");
     client.order(Command::Patience(0.0)).expect("acknowledged");
     client.order(Command::Run).expect("acknowledged");
@@ -88,15 +84,14 @@ fn the_image_finds_and_locks_the_dummy_load_bit_for_bit() {
     let Some(elf) = elf() else { return };
     let loaded = dummy_load();
     let scene = loaded.scene.driven().expect("a driven scene");
-    let mut replay =
-        record(elf, &scene, Options { rate: Some(RATE), ..Options::default() }, &STOP).expect("the image runs the scene");
+    let mut replay = record(elf, &scene, Options::default(), &STOP).expect("the image runs the scene");
     let record = run_on(&mut replay, &scene, Watch::default()).expect("the host returns what the image returned");
     assert_eq!(record.last.fault, None);
     assert_eq!(record.last.mode, Mode::Run);
     let frequency_hz = f64::from(record.last.frequency.0);
     assert!((frequency_hz - 40_111.0).abs() < 1.0, "{frequency_hz}");
     let (instructions, cycles) = (record.instructions.expect("counted"), record.cycles.expect("counted"));
-    println!("worst block: {} instructions, {} cycles of 5440", instructions.worst, cycles.worst);
+    println!("worst block: {} instructions, {} cycles of {CYCLES_PER_BLOCK}", instructions.worst, cycles.worst);
     assert!(cycles.total > instructions.total, "no instruction takes less than a cycle");
 }
 

@@ -260,7 +260,17 @@ fn with_scene(
     color: Color,
     then: impl FnOnce(&Loaded) -> anyhow::Result<ExitCode>,
 ) -> anyhow::Result<ExitCode> {
-    match load(&args.scene, &args.sets) {
+    with_scene_on(args, &[], color, then)
+}
+
+/// The same, with values for keys that the scene and its changes do not give.
+fn with_scene_on(
+    args: &SceneArgs,
+    defaults: &[String],
+    color: Color,
+    then: impl FnOnce(&Loaded) -> anyhow::Result<ExitCode>,
+) -> anyhow::Result<ExitCode> {
+    match load(&args.scene, &args.sets).and_then(|loaded| loaded.with_defaults(defaults)) {
         Ok(loaded) => then(&loaded),
         Err(error) => Ok(invalid(&error, color)),
     }

@@ -1,6 +1,7 @@
 //! What the board is configured with: a controller can be built of it, and its scales agree with its circuit.
 
 use firmware::controller::Controller;
+use nucleo_g474re::blocks::BLOCK;
 use nucleo_g474re::config::{SILENCE, TRIP_A, config, range_a, trip_codes};
 
 #[test]
@@ -10,7 +11,7 @@ fn a_controller_can_be_built_for_one_two_and_four_lanes() {
         config.lanes = lanes;
         let controller = Controller::build(&config).expect("a valid configuration");
         let silence = controller.silence();
-        assert_eq!((silence.lanes.len(), silence.lanes[0].len()), (usize::from(lanes), 32));
+        assert_eq!((silence.lanes.len(), silence.lanes[0].len()), (usize::from(lanes), BLOCK));
         assert!(silence.lanes.iter().flatten().all(|&code| code == SILENCE));
     }
 }

@@ -14,7 +14,8 @@ fn remaining(moved: usize) -> u16 {
 
 #[test]
 fn a_position_counts_up_while_dma_counts_down() {
-    assert_eq!([64, 63, 33, 32, 1].map(position), [0, 1, 31, 32, 63]);
+    let block = BLOCK as u16;
+    assert_eq!([2 * block, 2 * block - 1, block + 1, block, 1].map(position), [0, 1, BLOCK - 1, BLOCK, RING - 1]);
     // A state that it may show for a moment after a restart.
     assert_eq!(position(0), 0);
     assert!((0..3 * RING).all(|moved| position(remaining(moved)) == moved % RING));
@@ -50,8 +51,8 @@ fn a_block_plays_two_blocks_later_with_its_own_samples() {
 fn a_block_is_late_once_its_first_sample_may_have_been_fetched() {
     // The first half begins in the last place of the ring: in time while DMA is in the second half before that.
     let in_time = |half| (0..RING).filter(|&next| is_in_time(half, next)).collect::<Vec<_>>();
-    assert_eq!(in_time(Half::First), (31..63).collect::<Vec<_>>());
-    assert_eq!(in_time(Half::Second), (0..31).chain([63]).collect::<Vec<_>>());
+    assert_eq!(in_time(Half::First), (BLOCK - 1..RING - 1).collect::<Vec<_>>());
+    assert_eq!(in_time(Half::Second), (0..BLOCK - 1).chain([RING - 1]).collect::<Vec<_>>());
 }
 
 #[test]
@@ -84,8 +85,8 @@ fn streams_are_in_step_until_one_has_lost_a_sample() {
                         positions(at, lost)
                     })
                 };
-                assert!(holds(32.0 + f64::from(first) / 20.0, (0, 0)));
-                let holds = holds(64.0 + f64::from(part) / 20.0, lost);
+                assert!(holds(BLOCK as f64 + f64::from(first) / 20.0, (0, 0)));
+                let holds = holds(RING as f64 + f64::from(part) / 20.0, lost);
                 assert!(holds == (lost == (0, 0)) || part > 17, "{first} {part} {lost:?}");
                 assert!(holds || lost != (0, 0), "{first} {part}");
             }
@@ -99,9 +100,10 @@ fn words_hold_both_channels_and_both_lanes() {
     packing::sense(&[0x1ffe_0003, 0x0000_1fff], |word| *word, &mut sense);
     assert_eq!((&sense.v[..], &sense.i[..]), (&[0x0003, 0x1fff][..], &[0x1ffe, 0x0000][..]));
     // Nothing of the one before stays.
-    let ring: [u32; BLOCK + 3] = core::array::from_fn(|n| (n << 16 | (n + 1)) as u32);
+    const ODD: usize = BLOCK - 3;
+    let ring: [u32; ODD] = core::array::from_fn(|n| (n << 16 | (n + 1)) as u32);
     packing::sense(&ring, |word| *word, &mut sense);
-    assert_eq!((sense.v.len(), sense.v[0], sense.i[BLOCK + 2]), (BLOCK + 3, 1, BLOCK as u16 + 2));
+    assert_eq!((sense.v.len(), sense.v[0], sense.i[ODD - 1]), (ODD, 1, ODD as u16 - 1));
 
     let lanes = |codes: &[u16]| codes.iter().copied().collect();
     let drive = DriveBlock { lanes: [lanes(&[1, 2]), lanes(&[3, 4]), lanes(&[5, 6])].into_iter().collect(), listen: 0 };

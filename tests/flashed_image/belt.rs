@@ -14,14 +14,14 @@ use link::link_error::LinkError;
 use nucleo_g474re::config::SILENCE;
 use nucleo_g474re::pages;
 
-use super::{RATE, connected, elf, powered, reaches};
+use super::{connected, elf, powered, reaches};
 
 /// A count of 10 um.
 const SCALE: (u8, f32) = (METRE_PER_COUNT, 1e-5);
 
 /// A board with these settings in its flash.
 fn storing(elf: &[u8], parameters: &[(u8, f32)]) -> Board {
-    let mut board = powered(elf, &[], RATE);
+    let mut board = powered(elf, &[]);
     let bytes = (pages::START + pages::SIZE - pages::FLASH) as usize;
     let flash = board.machine_mut().memory.get_mut(pages::FLASH, bytes).expect("the flash");
     configure::store(Overrides::from_iter(parameters.iter().copied()), flash).expect("they fit");
@@ -52,7 +52,7 @@ fn without_the_belts_scale_the_image_refuses_to_drive_at_a_d_ring() {
 #[test]
 fn a_scale_that_is_stored_arms_the_interlock_after_a_reset() {
     let Some(elf) = elf() else { return };
-    let (board, mut client) = connected(powered(elf, &[], RATE));
+    let (board, mut client) = connected(powered(elf, &[]));
     client.connect().expect("an answer");
     // What needs the scale is refused before it, and taken after it.
     let restraint = Command::Settings(Verb::Set(RESTRAINT_ENABLED, 1.0));

@@ -11,12 +11,12 @@ use stm32g474::map::at::flash;
 use stm32g474::map::base::FLASH;
 use stm32g474::{Defect, Ram, Rule, Verdict};
 
-use super::{RATE, connected, elf, powered};
+use super::{connected, elf, powered};
 
 #[test]
 fn settings_are_stored_in_the_flash_and_are_there_after_a_reset() {
     let Some(elf) = elf() else { return };
-    let (board, mut client) = connected(powered(elf, &[], RATE));
+    let (board, mut client) = connected(powered(elf, &[]));
     client.connect().expect("an answer");
     /// `tracking.nominal_q`.
     const KEY: u8 = 15;
@@ -42,7 +42,7 @@ const OLD: [f32; 2] = [2.5, 40.0];
 const NEW: [f32; 2] = [2.0, 30.0];
 const LAST: [f32; 2] = [1.5, 20.0];
 /// A start: the flash is read, the converters are calibrated.
-const STARTS_WITHIN: Duration = Duration::from_millis(8);
+const STARTS_WITHIN: Duration = Duration::from_millis(20);
 /// How closely the flash is looked at, cycles.
 const STEP: u64 = 170;
 
@@ -61,7 +61,7 @@ fn parameters(client: &mut Client) -> [ParameterReport; 2] {
 
 /// A board that has stored settings so often, `OLD` at last, and has set `NEW`.
 fn prepared(elf: &[u8], stores: u32) -> Board {
-    let mut board = powered(elf, &[], RATE);
+    let mut board = powered(elf, &[]);
     // What a cut leaves is read as damaged: the image is to bear that.
     board.machine_mut().chip.lint.set(Rule::EccDouble, Verdict::Collect);
     let (board, mut client) = connected(board);

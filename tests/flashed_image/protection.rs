@@ -11,7 +11,7 @@ use nucleo_g474re::blocks::{BLOCK, CYCLES_PER_SAMPLE};
 use nucleo_g474re::config::SILENCE;
 use stm32g474::Pin;
 
-use super::{RATE, connected, driving, elf, powered, reaches};
+use super::{connected, driving, elf, powered, reaches};
 
 /// The current at the positive and at the negative trip.
 const POSITIVE: Pin = Pin::new('A', 1);
@@ -19,9 +19,9 @@ const NEGATIVE: Pin = Pin::new('A', 7);
 /// Cycles of a microsecond, in which hardware acts.
 const MICROSECOND: u64 = 170;
 /// A block, s.
-const BLOCK_S: f64 = 32e-6;
+const BLOCK_S: f64 = BLOCK as f64 * 1e-6;
 /// Two blocks: the one that the trip falls into, and the interrupt's.
-const TWO_BLOCKS: Duration = Duration::from_micros(64);
+const TWO_BLOCKS: Duration = Duration::from_micros(2 * BLOCK as u64);
 
 #[test]
 fn the_emergency_stop_drops_the_enable_at_once() {
@@ -65,7 +65,7 @@ fn a_short_at_the_stack_is_muted_before_the_second_block_ends() {
     let Some(elf) = elf() else { return };
     // After a scan of some 45 ms the board drives.
     let short = ["fault.0.kind=short", "fault.0.at_s=0.12", "duration_s=0.3"];
-    let (board, mut client) = connected(powered(elf, &short, RATE));
+    let (board, mut client) = connected(powered(elf, &short));
     client.connect().expect("an answer");
     client.order(Command::Patience(0.0)).expect("acknowledged");
     client.order(Command::Run).expect("acknowledged");
@@ -85,7 +85,7 @@ fn a_short_at_the_stack_is_muted_before_the_second_block_ends() {
 #[test]
 fn a_missing_wire_to_the_negative_trip_is_found_at_start() {
     let Some(elf) = elf() else { return };
-    let mut board = powered(elf, &[], RATE);
+    let mut board = powered(elf, &[]);
     // The image pulls the pin down for a moment, and nothing holds against it.
     board.bench_mut().tie(0, NEGATIVE, 0.0);
     let (board, mut client) = connected(board);

@@ -70,7 +70,7 @@ fn an_access_that_the_model_does_not_know_stops_the_run_by_its_address() {
     let code: Vec<u8> = clock.iter().chain(&load).flat_map(|half| half.to_le_bytes()).collect();
     let mut other = elf.to_vec();
     put(&mut other, at, &code);
-    let mut board = powered(&other, &[], RATE);
+    let mut board = powered(&other, &[]);
     let message = board.run_for(Duration::from_millis(1)).expect_err("it goes on").to_string();
     assert!(message.contains("0x40006400") && message.contains("Reset"), "{message}");
 }

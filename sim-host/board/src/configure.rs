@@ -13,6 +13,7 @@ use firmware::seam::config::keys::RESTRAINT_ENABLED;
 use firmware::seam::config::{Config, Link, Range, Schedule, ShapeKind};
 use nucleo_g474re::pages;
 use scene::Driven;
+use scene::load::{LoadError, Loaded};
 use serde_json::Value;
 
 use crate::sensors::newton_per_lsb;
@@ -29,6 +30,16 @@ pub struct Stored {
     pub overrides: Overrides,
     /// The configuration that it starts with: that of the scene, in the precision of the parameters.
     pub config: Config,
+}
+
+/// What a scene that says nothing of it is run with by the image: the length of its blocks, as `key=value`.
+pub fn defaults() -> [String; 1] {
+    [format!("controller.block_samples={}", nucleo_g474re::blocks::BLOCK)]
+}
+
+/// Loads a scene, as [`scene::load::load`] does, for the image.
+pub fn load(source: &str, sets: &[String]) -> Result<Loaded, LoadError> {
+    scene::load::load(source, sets)?.with_defaults(&defaults())
 }
 
 /// What has to be stored so that the image does what a scene asks.
@@ -197,7 +208,7 @@ mod tests {
 
     #[test]
     fn the_dummy_loads_scene_fits_the_image() {
-        let loaded = scene::load::load("dummy-load", &[]).unwrap();
+        let loaded = load("dummy-load", &[]).unwrap();
         let asked = scene::settings::config(&loaded.scene.driven().unwrap());
         let stored = overrides(&asked, &nucleo_g474re::config::config()).unwrap().overrides;
         // The scale factors of the two sense channels, a hair beside the board's, and the nominal values of its load.
@@ -226,7 +237,7 @@ mod tests {
         let mut asked = built_in.clone();
         asked.front_end.drive_max_code = 1023;
         asked.limits.current_a = 30.0;
-        asked.block_samples = 64;
+        asked.block_samples = 50;
         asked.phasing.gain_trim.push(0.9).unwrap();
         let Misfit(misfits) = overrides(&asked, &built_in).unwrap_err();
         let named = |name: &str| misfits.iter().filter(|line| line.trim_start().starts_with(name)).count();

@@ -15,15 +15,14 @@
 //! What of a scene the image takes over as stored settings, and what it has no parameter for:
 //!
 //! ```
-//! use scene::load::load;
-//! use sonoglide_board::configure::overrides;
+//! use sonoglide_board::configure::{load, overrides};
 //!
 //! let image = nucleo_g474re::config::config();
 //! let loaded = load("dummy-load", &["controller.limits.current_a=1.5".into()])?;
 //! let asked = scene::settings::config(&loaded.scene.driven().expect("the firmware drives it"));
 //! assert!(overrides(&asked, &image)?.overrides.iter().any(|(_, value)| *value == 1.5));
 //!
-//! let loaded = load("lock", &["controller.block_samples=64".into()])?;
+//! let loaded = load("lock", &["controller.block_samples=50".into()])?;
 //! let asked = scene::settings::config(&loaded.scene.driven().expect("the firmware drives it"));
 //! assert!(overrides(&asked, &image).unwrap_err().to_string().contains("block_samples"));
 //! # Ok::<(), Box<dyn std::error::Error>>(())

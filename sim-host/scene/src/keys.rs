@@ -77,7 +77,7 @@ mod tests {
         let keys = keys();
         let key = |path: &str| keys.iter().find(|key| key.path == path).unwrap_or_else(|| panic!("{path}"));
         let block = key("controller.block_samples");
-        assert_eq!((block.range.as_str(), block.default.as_str(), block.table), ("8 to 64", "32", None));
+        assert_eq!((block.range.as_str(), block.default.as_str(), block.table), ("8 to 100", "32", None));
         assert_eq!(key("rig.slider.speed_m_per_s").unit.as_deref(), Some("m/s"));
         assert_eq!((key("rig.slider").table, key("expect").table), (Some(Repeats::Once), Some(Repeats::Several)));
         assert!(keys.iter().all(|key| !key.meaning.is_empty()), "{:?}", keys.iter().find(|key| key.meaning.is_empty()));

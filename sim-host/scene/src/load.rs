@@ -62,6 +62,21 @@ impl Loaded {
         Ok(Template { loaded: self, root })
     }
 
+    /// The scene with values for keys that neither it nor a change gives, as `key=value`; no key of a list.
+    pub fn with_defaults(self, defaults: &[String]) -> Result<Self, LoadError> {
+        let (_, root) = read(&self.origin, &self.input, &self.sets);
+        let gives = |set: &&String| {
+            let mut keys = set.split('=').next().unwrap_or_default().split('.');
+            root.as_ref().is_ok_and(|root| keys.try_fold(root, |node, key| Some(&node.table()?.get(key)?.node)).is_some())
+        };
+        let missing: Vec<String> = defaults.iter().filter(|set| !gives(set)).cloned().collect();
+        if missing.is_empty() {
+            return Ok(self);
+        }
+        let sets = [missing, self.sets].concat();
+        Ok(Self { name: self.name, ..loaded(&self.origin, &self.input, &sets, |_| ())? })
+    }
+
     /// The scene with further changes, without its grid and comparison: a cell of its grid, or a case of its comparison.
     pub fn cell(&self, sets: &[String]) -> Result<Self, LoadError> {
         let sets = [self.sets.as_slice(), sets].concat();

@@ -226,7 +226,7 @@ mod tests {
         let root = Schema::root();
         let block = root.at("controller.block_samples").unwrap();
         assert_eq!(block.kind(), Kind::Integer);
-        assert_eq!(block.range(), (Some(8.0), Some(64.0)));
+        assert_eq!(block.range(), (Some(8.0), Some(100.0)));
         assert_eq!(block.default(), Some(&json!(32)));
         assert_eq!(block.description(), Some("Samples in a block."));
         assert_eq!(root.at("controller.drive.shape").unwrap().choices(), ["sine", "square", "sawtooth", "noise"]);

@@ -14,7 +14,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use clap::{Args, Subcommand};
 use serde_json::Value;
 
-use super::{Color, Format, INTERRUPTED, LOST, RUN_FAILED, SceneArgs, USAGE, interrupts, with_scene};
+use super::{Color, Format, INTERRUPTED, LOST, RUN_FAILED, SceneArgs, USAGE, interrupts, with_scene_on};
 use link::answer::{Answer, failure};
 use link::client::Client;
 use link::commands::{Order, amount, monitor, seconds, update};
@@ -129,7 +129,8 @@ pub(super) fn run(args: &LinkArgs, color: Color) -> anyhow::Result<ExitCode> {
     };
     let mut sets = args.sets.clone();
     sets.extend(args.seed.map(|seed| format!("seed={seed}")));
-    with_scene(&SceneArgs { scene: scene.to_owned(), sets }, color, |loaded| {
+    let defaults = if modelled.is_some() { board::configure::defaults().to_vec() } else { Vec::new() };
+    with_scene_on(&SceneArgs { scene: scene.to_owned(), sets }, &defaults, color, |loaded| {
         let Some(driven) = loaded.scene.driven() else {
             let usage = format!("`{}` has no [controller]: there is nothing to talk to", loaded.name);
             return Ok(failed(&LinkError::Usage(usage), color));

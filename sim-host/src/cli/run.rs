@@ -6,7 +6,8 @@ use std::sync::atomic::AtomicBool;
 
 use super::progress::Progress;
 use super::{
-    Color, EXPECTATION_MISSED, Format, INTERRUPTED, LOST, RUN_FAILED, RunArgs, SceneArgs, USAGE, interrupts, invalid, with_scene,
+    Color, EXPECTATION_MISSED, Format, INTERRUPTED, LOST, RUN_FAILED, RunArgs, SceneArgs, USAGE, interrupts, invalid,
+    with_scene_on,
 };
 use link::modelled_board::record;
 use pil::{self, PilError, Qemu};
@@ -26,7 +27,8 @@ static STOP: AtomicBool = AtomicBool::new(false);
 pub(super) fn run(args: &RunArgs, color: Color) -> anyhow::Result<ExitCode> {
     let mut sets = args.scene.sets.clone();
     sets.extend(args.seed.map(|seed| format!("seed={seed}")));
-    with_scene(&SceneArgs { scene: args.scene.scene.clone(), sets }, color, |loaded| match args.run {
+    let defaults = if args.board.is_some() { board::configure::defaults().to_vec() } else { Vec::new() };
+    with_scene_on(&SceneArgs { scene: args.scene.scene.clone(), sets }, &defaults, color, |loaded| match args.run {
         None => run_loaded(args, loaded, color),
         Some(number) if loaded.scene.runs == 1 || !(1..=loaded.scene.runs).contains(&number) => {
             let have = if loaded.scene.runs == 1 { "is run once" } else { "has runs 1 to " };

@@ -8,7 +8,7 @@ use cortex_m4::{Cycle, Ended};
 use crate::board::{Board, BoardError};
 
 /// Time that passes at a halt while the processor stands, before the board's time stands too: what reacts to a halt has reacted by then. The image's
-/// timer drops the amplifier 96 us after the last block.
+/// timer drops the amplifier 200 us after the last block.
 const SETTLES: Duration = Duration::from_micros(200);
 
 impl Board {

@@ -4,14 +4,12 @@ use std::io::{ErrorKind, Read, Write};
 use std::net::{TcpListener, TcpStream};
 use std::time::{Duration, Instant};
 
+use board::configure::load;
 use board::debugger::Debugged;
 use board::{Board, Options};
-use scene::load::load;
 
 /// How long an answer may take.
 const ANSWER: Duration = Duration::from_secs(20);
-/// The part of its time that the block interrupt takes here, so that it fits into a block.
-pub const RATE: f64 = 1.0 / 8.0;
 /// Registers by number: program counter, xPSR.
 pub const PC: usize = 15;
 pub const XPSR: usize = 16;
@@ -31,7 +29,7 @@ pub fn elf() -> Option<Vec<u8>> {
 pub fn board(elf: &[u8], record: bool) -> Board {
     let loaded = load("dummy-load", &[]).expect("a built-in scene");
     let scene = loaded.scene.driven().expect("a driven scene");
-    Board::start(elf, &scene, Options { rate: Some(RATE), record, ..Options::default() }).expect("it starts")
+    Board::start(elf, &scene, Options { record, ..Options::default() }).expect("it starts")
 }
 
 /// The board with a port for a debugger.

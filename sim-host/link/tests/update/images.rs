@@ -7,13 +7,13 @@ use std::sync::OnceLock;
 use std::sync::atomic::AtomicBool;
 use std::time::Duration;
 
+use board::configure::load;
 use board::update_file::{identity_offset, pack};
 use board::{Board, Options};
 use firmware::board::command::{Command, Reply};
 use firmware::board::link::VERSION;
 use firmware::board::update::{CHUNK, UpdateReport, UpdateState, UpdateVerb};
 use nucleo_g474re::slots::{BOARD, ORIGIN};
-use scene::load::load;
 use sonoglide_link::client::Client;
 use sonoglide_link::link_error::LinkError;
 use sonoglide_link::port::Simulated;
@@ -22,8 +22,6 @@ use update::identity::{Identity, NAME, board as named};
 use update::key::DEVELOPMENT_SEED;
 use update::manifest::Manifest;
 
-/// The part of its time that the block interrupt takes here, so that it fits into a block.
-const RATE: f64 = 1.0 / 8.0;
 pub static STOP: AtomicBool = AtomicBool::new(false);
 
 /// First stage and image as they are built, and the files of two updates of this image.
@@ -62,7 +60,7 @@ pub fn images() -> Option<&'static Images> {
 pub fn powered(images: &Images) -> Board {
     let loaded = load("dummy-load", &[]).expect("a built-in scene");
     let scene = loaded.scene.driven().expect("a driven scene");
-    let options = Options { rate: Some(RATE), ..Options::default() };
+    let options = Options::default();
     let mut board = Board::start_in_slot(&images.first_stage, &images.old, &images.elf, &scene, options).expect("it starts");
     // What a cut leaves is read as damaged: both images are to bear that.
     board.machine_mut().chip.lint.set(Rule::EccDouble, Verdict::Collect);

@@ -1,10 +1,12 @@
 //! What must come of a fault, and how soon: the protection table of `docs/board.md`.
 
+use nucleo_g474re::blocks::{BLOCK, MISSED};
+
 /// A block, s.
-pub const BLOCK_S: f64 = 32e-6;
+pub const BLOCK_S: f64 = BLOCK as f64 * 1e-6;
 /// The time in which hardware acts: a comparator, a break of TIM1, and the sample of the plant that it falls into, s.
 const HARDWARE_S: f64 = 1e-6;
-/// The time in which the block interrupt is entered, and has looked at the streams and started the count of 96 us again, s: the longest time with interrupts
+/// The time in which the block interrupt is entered, and has looked at the streams and started the count without a block again, s: the longest time with interrupts
 /// masked, 6.0 us (`sim-host run dummy-load --board --board-speed 8`), and what it does until then.
 const ENTRY_S: f64 = 8e-6;
 /// The watchdog, s, and the tolerance of its oscillator (DS12288).
@@ -22,7 +24,7 @@ pub enum Limit {
     OneBlock,
     /// "8 blocks" and so on (`seam::fault`): whole blocks after the one that the fault falls into, and that of the interrupt that mutes.
     Blocks(u32),
-    /// "No block for 96 us".
+    /// "No block for 200 us".
     NoBlock,
     /// "10 ms (±5 %)".
     Watchdog,
@@ -38,7 +40,7 @@ impl Limit {
             Limit::OneBlock => BLOCK_S + ENTRY_S,
             Limit::Blocks(blocks) => f64::from(blocks + 2) * BLOCK_S,
             // The last block may be complete, and its interrupt not entered yet.
-            Limit::NoBlock => 3.0 * BLOCK_S + ENTRY_S,
+            Limit::NoBlock => f64::from(MISSED) * BLOCK_S + ENTRY_S,
             Limit::Watchdog => WATCHDOG_S / (1.0 - WATCHDOG_TOLERANCE),
             Limit::HostTimeout => HOST_S + 2.0 * BLOCK_S,
         }

@@ -6,6 +6,7 @@ use std::rc::Rc;
 use std::sync::atomic::AtomicBool;
 use std::time::Duration;
 
+use board::configure::load;
 use board::{Board, Options};
 use firmware::board::command::{Command, Reply};
 use firmware::board::fault_log::FaultReport;
@@ -14,14 +15,11 @@ use firmware::seam::mode::Mode;
 use firmware::seam::telemetry::Telemetry;
 use link::client::Client;
 use link::port::{InProcess, Simulated};
-use scene::load::load;
 use stm32g474::{Rule, Verdict};
 
 use super::limits::HOST_S;
 use crate::campaign_error::CampaignError;
 
-/// The part of its time that the block interrupt takes: at all of it, this image misses blocks without any fault.
-pub const RATE: f64 = 1.0 / 8.0;
 /// The scene: the dummy load of `docs/board.md`.
 const SCENE: &str = "dummy-load";
 /// The longest that it may take to lock.
@@ -53,7 +51,7 @@ pub struct Snapshot {
 pub fn driving(elf: &[u8]) -> Result<Snapshot, CampaignError> {
     let loaded = load(SCENE, &[])?;
     let scene = loaded.scene.driven().ok_or(CampaignError::Scene)?;
-    let mut board = Board::start(elf, &scene, Options { rate: Some(RATE), ..Options::default() })?;
+    let mut board = Board::start(elf, &scene, Options::default())?;
     for rule in RAISED {
         board.machine_mut().chip.lint.set(rule, Verdict::Collect);
     }

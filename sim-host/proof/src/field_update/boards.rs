@@ -5,6 +5,7 @@ use std::rc::Rc;
 use std::sync::atomic::AtomicBool;
 use std::time::Duration;
 
+use board::configure::load;
 use board::update_file::{identity_offset, pack};
 use board::{Board, Options};
 use firmware::board::command::{Command, Reply};
@@ -13,15 +14,12 @@ use firmware::board::update::{CHUNK, UpdateReport, UpdateState, UpdateVerb};
 use link::client::Client;
 use link::port::Simulated;
 use nucleo_g474re::slots::{STATE, STORE};
-use scene::load::load;
 use stm32g474::{Defect, FlashOperation, Ram, Rule, Verdict};
 use update::identity::NAME;
 use update::key::DEVELOPMENT_SEED;
 
 use crate::campaign_error::CampaignError;
 
-/// The part of its time that the block interrupt takes here, so that it fits into a block.
-const RATE: f64 = 1.0 / 8.0;
 /// The longest start: a swap of 117 pages, a signature, and the way back.
 const STARTS_WITHIN: Duration = Duration::from_secs(40);
 static STOP: AtomicBool = AtomicBool::new(false);
@@ -154,7 +152,7 @@ pub fn prepared(images: &FieldImages, phase: Phase) -> Result<(Board, Vec<FlashO
 fn powered(images: &FieldImages) -> Result<Board, CampaignError> {
     let loaded = load("dummy-load", &[])?;
     let scene = loaded.scene.driven().ok_or(CampaignError::NotThere("a drive"))?;
-    let options = Options { rate: Some(RATE), ..Options::default() };
+    let options = Options::default();
     let mut board = Board::start_in_slot(&images.first_stage, &images.old, &images.elf, &scene, options)?;
     // What a cut leaves is read as damaged: both images are to bear that.
     board.machine_mut().chip.lint.set(Rule::EccDouble, Verdict::Collect);

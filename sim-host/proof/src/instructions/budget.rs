@@ -1,7 +1,7 @@
 //! What may be spent: a bound for each kernel, in instructions, and for the error of the sine that it buys.
 //!
-//! A block of 32 samples at 1 Msps lasts 32 us, 5440 cycles of the reference board's 170 MHz: 170 a sample. What the controller takes
-//! of it must leave room for what an instruction is not: wait states, taken branches, the interrupt itself, and the background task.
+//! The counts are of the emulated image, in which a grown kernel shows at once and by its name. Whether a block has time for them is a matter of the image
+//! that is flashed, which is compiled otherwise: its cycles are gated by `sim-host validate board-scenes`.
 
 use serde::Deserialize;
 
@@ -9,9 +9,7 @@ use super::Row;
 use super::target::{Counted, find};
 use crate::evidence::Error;
 
-/// Every bound, a line each; `aim` is what is aimed at where that is less, as the bound follows when the controller gets there. Of a block's
-/// 5440 cycles, 75 % are aimed at for four lanes and 45 % for one: the rest is for what an instruction is not. Half a step of a 14-bit
-/// converter is 6.1e-5 of its half range.
+/// Every bound, a line each; `aim` is what is aimed at where that is less. Half a step of a 14-bit converter is 6.1e-5 of its half range.
 const BUDGET: &str = include_str!("budget.csv");
 
 /// Bound of the cost or error of kernels.

@@ -153,7 +153,10 @@ fn the_scan_and_the_lock_in_can_work() {
         &with_line("frequency_hz", "frequency_hz = 10e3"),
         &["less than half a period of 9750 Hz", "must be at least 16025.7 Hz", "or give `controller.block_samples` 52 at least"],
     );
-    says(&with_line("frequency_hz", "frequency_hz = 2e3"), &["no block is long enough for it; `controller.block_samples` is 64"]);
+    says(
+        &with_line("frequency_hz", "frequency_hz = 2e3"),
+        &["no block is long enough for it; `controller.block_samples` is 100"],
+    );
     says(
         &report(example(), &["controller.block_samples=8"]),
         &["--set:1:26", "must be at least 13", "`controller.drive.frequency_hz`"],
