@@ -13,8 +13,7 @@
 
 /// Samples in a block: as many as the part has time for, in whole periods of 40 kHz and of 20 kHz.
 ///
-/// Most of what a block costs does not depend on its length. By the model of the part, a block of 64 takes 71 % of its cycles while the drive runs, 109 % in a
-/// scan and 119 % at the edges of a boosted burst.
+/// Most of what a block costs does not depend on its length. Blocks of 64 were measured before this was chosen: `docs/board.md`.
 pub const BLOCK: usize = 100;
 /// Blocks that may be missed before the amplifier's enable drops, but for a part of one.
 pub const MISSED: u32 = 2;
