@@ -6,6 +6,8 @@ use crate::seam::fault::Fault;
 use crate::sense::convert::{CLIPPED_PART, Convert, SenseScale};
 use crate::sense::demod::{Sensed, Suspect};
 
+/// Part of the range within which a limit is certainly nearer than its ends: a self-test moves the zero by a twentieth at most.
+const NEARER: f32 = 0.9;
 /// Samples of a block over the current limit that make a fault: one may be a glitch of the converter.
 const OVER_CURRENT_SAMPLES: usize = 2;
 /// Blocks for which the voltage or the current may be implausible before that counts.
@@ -41,7 +43,7 @@ impl Electrical {
         Electrical {
             samples: config.block_samples.into(),
             current_limit: limits.current_a,
-            limit_is_nearer: limits.current_a < config.front_end.ampere_per_lsb * mid.min(max - mid),
+            limit_is_nearer: limits.current_a < NEARER * config.front_end.ampere_per_lsb * mid.min(max - mid),
             least_siemens_squared: least_siemens * least_siemens,
             judged_volts: JUDGED_CODES * config.front_end.volt_per_lsb.max(config.front_end.drive_volt_per_lsb),
             wrong_voltage: 0,
