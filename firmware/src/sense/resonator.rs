@@ -151,7 +151,7 @@ mod tests {
                 let random = |n: u64| (n + 1 + 97 * trial).wrapping_mul(0x9e37_79b9_7f4a_7c15);
                 let turns = if trial % 3 == 0 { 0.04 } else { 0.001 + 0.498 * (random(1000) >> 40) as f64 / 16_777_216.0 };
                 let omega = core::f64::consts::TAU * turns;
-                let samples = [16, 25, 32, 50, 63, 64][trial as usize % 6];
+                let samples = [16, 25, 32, 64, 99, 100][trial as usize % 6];
                 let codes: std::vec::Vec<u16> = (0..samples)
                     .map(|n| match trial % 5 {
                         0 => max_code,
