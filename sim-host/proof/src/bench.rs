@@ -1,7 +1,9 @@
 //! The list of benches. Built-in suites and code give the same [`Evidence`].
 
 use crate::evidence::{Error, Evidence, Options, built_in};
-use crate::{board_faults, board_scenes, crash, features, field_update, friction, guard, instructions, precision, thesis};
+use crate::{
+    board_faults, board_scenes, crash, features, field_update, friction, guard, instructions, precision, thesis, transducers,
+};
 use scene::load::LoadError;
 use scene::suite::{self, LoadedSuite};
 
@@ -22,13 +24,20 @@ pub struct Bench {
 }
 
 /// All benches, in the order in which they run.
-pub const BENCHES: [Bench; 11] = [
+pub const BENCHES: [Bench; 12] = [
     Bench {
         name: "tracking",
         about: "every tracking case over many seeds, against targets, Cramer-Rao bounds and the numbers of its faults",
         has_quick: true,
         suite: Some(TRACKING),
         run: |options| built_in(("tracking", TRACKING), options, |_, _| Ok(())),
+    },
+    Bench {
+        name: "transducers",
+        about: "600 random transducers with wrong nominal values, and what breaks a lock, each judged against the plant and a baseline",
+        has_quick: true,
+        suite: Some(transducers::SUITE),
+        run: transducers::run,
     },
     Bench {
         name: "friction",

@@ -28,3 +28,4 @@ pub mod guard;
 pub mod instructions;
 pub mod precision;
 pub mod thesis;
+mod transducers;

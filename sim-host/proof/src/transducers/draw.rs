@@ -1,0 +1,194 @@
+//! The random set: transducers of six kinds, and nominal values of them that are wrong.
+//!
+//! Transducer `n` follows from `n` alone. Its circuit is drawn within the ranges of its kind, log-uniformly, again and again until a resonance is there to be seen,
+//! `M = Q k^2 / (1 - k^2) >= 0.5` (IEEE 177), and its resistance is at least a tenth of the amplifier's source resistance.
+//!
+//! | nominal value | wrong by, log-uniform | of every sixth transducer of a kind, of which only the band is known |
+//! |---|---|---|
+//! | resonance | 3 %; window 3.75 % | 8 %; window 10 % |
+//! | Q | a factor of 3 | 160, whatever it is |
+//! | Lm | a factor of 2 | not given |
+//! | C0 | 30 % | 30 nF, whatever it is |
+
+use std::f64::consts::TAU;
+
+use rand_core::SeedableRng;
+use rand_distr::{Distribution, StandardUniform};
+use rand_xoshiro::Xoshiro256PlusPlus;
+
+/// Least figure of merit of a transducer of the set.
+pub const LEAST_M: f64 = 0.5;
+/// Least motional resistance, ohm: a tenth of the source resistance of the scenes' amplifier.
+pub const LEAST_OHM: f64 = 0.03;
+/// Every so many transducers of a kind nothing but the band is known.
+const BAND_ONLY: u32 = 6;
+/// Nominal Q and C0, F, of a transducer of which only the band is known: in the middle of what there is.
+const GUESS: (f64, f64) = (160.0, 30e-9);
+/// Steps of the coarse scan that a scene may have, which bounds a nominal Q by the window.
+const MOST_SCAN_STEPS: f64 = 400.0;
+
+/// A kind of transducer: ranges of its circuit.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Kind {
+    /// Name of the kind, in tables.
+    pub name: &'static str,
+    /// Series resonance, Hz.
+    pub hz: (f64, f64),
+    /// Quality factor at series resonance.
+    pub q: (f64, f64),
+    /// Effective coupling.
+    pub coupling: (f64, f64),
+    /// Clamped capacitance, F.
+    pub c0_f: (f64, f64),
+    /// Number of further modes.
+    pub modes: usize,
+}
+
+/// The kinds of the set. The last two take every range of the others together.
+pub const KINDS: [Kind; 6] = [
+    Kind { name: "Langevin", hz: (18e3, 60e3), q: (100.0, 2000.0), coupling: (0.1, 0.4), c0_f: (1e-9, 15e-9), modes: 0 },
+    Kind { name: "PMN-PT stack", hz: (20e3, 100e3), q: (5.0, 200.0), coupling: (0.3, 0.75), c0_f: (30e-9, 3e-6), modes: 0 },
+    Kind { name: "welder with horn", hz: (18e3, 40e3), q: (300.0, 5000.0), coupling: (0.03, 0.2), c0_f: (2e-9, 50e-9), modes: 0 },
+    Kind {
+        name: "weakly coupled ring",
+        hz: (20e3, 100e3),
+        q: (100.0, 5000.0),
+        coupling: (0.02, 0.1),
+        c0_f: (0.3e-9, 20e-9),
+        modes: 0,
+    },
+    Kind { name: "two modes", hz: (18e3, 100e3), q: (5.0, 5000.0), coupling: (0.02, 0.75), c0_f: (0.3e-9, 3e-6), modes: 1 },
+    Kind { name: "three modes", hz: (18e3, 100e3), q: (5.0, 5000.0), coupling: (0.02, 0.75), c0_f: (0.3e-9, 3e-6), modes: 2 },
+];
+
+/// A further mode of a transducer.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FurtherMode {
+    /// Series resonance of the mode, Hz: 0.3 % to 15 % above or below the working mode.
+    pub hz: f64,
+    /// Quality factor of the mode: a fifth to five times that of the working mode.
+    pub q: f64,
+    /// Motional capacitance of the mode, as a part of that of the working mode: 1 % to 30 %.
+    pub share: f64,
+}
+
+/// Nominal values of a transducer, as the controller has them.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Nominal {
+    /// Nominal resonance, Hz.
+    pub hz: f64,
+    /// Frequency window on each side, relative.
+    pub span: f64,
+    /// Nominal quality factor.
+    pub q: f64,
+    /// Nominal motional inductance, H, if one is given.
+    pub lm_h: Option<f64>,
+    /// Nominal clamped capacitance, F.
+    pub c0_f: f64,
+}
+
+/// A transducer of the set.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Transducer {
+    /// Number of the transducer in the set, from zero.
+    pub number: u32,
+    /// Kind of the transducer.
+    pub kind: &'static Kind,
+    /// Series resonance, Hz.
+    pub hz: f64,
+    /// Quality factor at series resonance.
+    pub q: f64,
+    /// Effective coupling.
+    pub coupling: f64,
+    /// Clamped capacitance, F.
+    pub c0_f: f64,
+    /// Further modes of the transducer.
+    pub modes: Vec<FurtherMode>,
+    /// Whether only the band is known of it.
+    pub band_only: bool,
+    /// Nominal values of the transducer.
+    pub nominal: Nominal,
+}
+
+impl Transducer {
+    /// Draws transducer `number`. The kinds take turns.
+    pub fn draw(number: u32) -> Self {
+        let mut random = Random(Xoshiro256PlusPlus::seed_from_u64(number.into()));
+        let kinds = KINDS.len() as u32;
+        let kind = &KINDS[(number % kinds) as usize];
+        let mut transducer = loop {
+            let [hz, q, coupling, c0_f] = [kind.hz, kind.q, kind.coupling, kind.c0_f].map(|(from, to)| random.log(from, to));
+            let nominal = Nominal { hz, span: 0.0, q, lm_h: None, c0_f };
+            let drawn = Transducer { number, kind, hz, q, coupling, c0_f, modes: Vec::new(), band_only: false, nominal };
+            if drawn.figure_of_merit() >= LEAST_M && drawn.rm_ohm() >= LEAST_OHM {
+                break drawn;
+            }
+        };
+        transducer.modes = (0..kind.modes).map(|_| random.further(transducer.hz, transducer.q)).collect();
+        transducer.band_only = number / kinds % BAND_ONLY == BAND_ONLY - 1;
+        transducer.nominal = random.nominal(&transducer);
+        transducer
+    }
+
+    /// Motional capacitance, F: `C0 k^2 / (1 - k^2)`.
+    pub fn cm_f(&self) -> f64 {
+        self.c0_f * self.coupling.powi(2) / (1.0 - self.coupling.powi(2))
+    }
+
+    /// Motional inductance, H.
+    pub fn lm_h(&self) -> f64 {
+        1.0 / ((TAU * self.hz).powi(2) * self.cm_f())
+    }
+
+    /// Motional resistance, ohm.
+    pub fn rm_ohm(&self) -> f64 {
+        1.0 / (TAU * self.hz * self.cm_f() * self.q)
+    }
+
+    /// Figure of merit, `M = 1 / (omega C0 Rm)`.
+    pub fn figure_of_merit(&self) -> f64 {
+        self.q * self.cm_f() / self.c0_f
+    }
+}
+
+/// The random numbers of a transducer.
+struct Random(Xoshiro256PlusPlus);
+
+impl Random {
+    /// Uniform in 0 to 1.
+    fn part(&mut self) -> f64 {
+        StandardUniform.sample(&mut self.0)
+    }
+
+    /// Uniform in -1 to 1.
+    fn side(&mut self) -> f64 {
+        2.0 * self.part() - 1.0
+    }
+
+    /// Log-uniform between two values.
+    fn log(&mut self, from: f64, to: f64) -> f64 {
+        from * (to / from).powf(self.part())
+    }
+
+    /// A mode beside one of this resonance, Hz, and quality factor.
+    fn further(&mut self, hz: f64, q: f64) -> FurtherMode {
+        let side = if self.part() < 0.5 { -1.0 } else { 1.0 };
+        let apart = side * self.log(0.003, 0.15);
+        let (mode_q, share) = (q * 5.0f64.powf(self.side()), self.log(0.01, 0.3));
+        FurtherMode { hz: hz * (1.0 + apart), q: mode_q.max(2.0), share }
+    }
+
+    /// Nominal values that are wrong.
+    fn nominal(&mut self, of: &Transducer) -> Nominal {
+        let [hz, q, lm, c0] = [self.side(), self.side(), self.side(), self.side()];
+        if of.band_only {
+            let (q, c0_f) = GUESS;
+            return Nominal { hz: of.hz * (1.0 + 0.08 * hz), span: 0.1, q, lm_h: None, c0_f };
+        }
+        let span = 0.0375;
+        // What a scene allows: a Q of 2, and the scan's steps.
+        let q = (of.q * 3f64.powf(q)).clamp(2.0, MOST_SCAN_STEPS / (2.0 * span));
+        let lm_h = Some(of.lm_h() * 2f64.powf(lm));
+        Nominal { hz: of.hz * (1.0 + 0.03 * hz), span, q, lm_h, c0_f: of.c0_f * 1.3f64.powf(c0) }
+    }
+}
