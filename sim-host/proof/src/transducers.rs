@@ -61,7 +61,10 @@ struct Tried {
 #[derive(Clone, Debug)]
 struct TriedTransducer {
     transducer: Transducer,
+    /// The run with the observer, the default mode of tracking.
     tried: Tried,
+    /// The run with the phase loop, which begins with a scan.
+    phase_lock: Tried,
 }
 
 /// A case of the suite that was run.
@@ -97,15 +100,21 @@ pub(crate) fn run(options: &mut Options) -> Result<Evidence, Error> {
     })
 }
 
-/// Runs a transducer of the random set.
+/// Runs a transducer of the random set, in either mode of tracking.
 fn of_set(number: u32, stop: Option<&AtomicBool>) -> Result<TriedTransducer, Error> {
     let transducer = Transducer::draw(number);
-    let sets = front_end::sets(&transducer);
-    let loaded = load(front_end::SCENE, &sets)?;
-    let scene = loaded.scene.driven().ok_or(StudyError::Incomplete)?;
-    let sets: String = sets.iter().map(|set| format!(" --set {set}")).collect();
-    let command = format!("sim-host run {}{sets}", front_end::SCENE);
-    Ok(TriedTransducer { transducer, tried: Tried { command, judged: of_scene(&scene, false, stop)? } })
+    let by_mode = |mode: &str| {
+        let sets = front_end::sets(&transducer, mode);
+        let loaded = load(front_end::SCENE, &sets)?;
+        let scene = loaded.scene.driven().ok_or(StudyError::Incomplete)?;
+        let sets: String = sets.iter().map(|set| format!(" --set {set}")).collect();
+        Ok::<_, Error>(Tried {
+            command: format!("sim-host run {}{sets}", front_end::SCENE),
+            judged: of_scene(&scene, false, stop)?,
+        })
+    };
+    let (tried, phase_lock) = (by_mode("observer")?, by_mode("phase_lock")?);
+    Ok(TriedTransducer { transducer, tried, phase_lock })
 }
 
 /// Runs a case of the suite as often as it says.

@@ -1,6 +1,6 @@
 //! The baseline: what was counted when it was written, and nothing may be worse.
 //!
-//! `baseline.csv` has a row for each kind of the random set and each case, of the quick and of the full variant. A row is worse than its baseline if fewer runs lock,
+//! `baseline.csv` has a row for each kind of the random set, for all of it by the phase loop, and for each case, of the quick and of the full variant. A row is worse than its baseline if fewer runs lock,
 //! more lock silently outside the bound, or more end in a fault that does not hold. `UPDATE_DOCS=1 cargo test docs` writes it, with the tables.
 
 use std::fmt::Write;
@@ -41,7 +41,8 @@ pub(super) fn count(quick: bool, set: &[TriedTransducer], cases: &[TriedCase]) -
     };
     let of_kind = |name: &str| set.iter().filter(|tried| tried.transducer.kind.name == name).map(|tried| &tried.tried).collect();
     let kinds = KINDS.iter().map(|kind| counted(kind.name, of_kind(kind.name)));
-    kinds.chain(cases.iter().map(|case| counted(&case.name, case.runs.iter().collect()))).collect()
+    let phase_lock = counted("all, phase_lock", set.iter().map(|tried| &tried.phase_lock).collect());
+    kinds.chain([phase_lock]).chain(cases.iter().map(|case| counted(&case.name, case.runs.iter().collect()))).collect()
 }
 
 /// What has become worse, a line each.

@@ -3,7 +3,8 @@
 //! The ranges are those that a user would choose who has measured the transducer, or has asked `sim-host advise` for its voltage:
 //!
 //! * **Drive**: 3 V, or as much less as keeps the largest current within nine tenths of the limit of 3 A, in two digits.
-//! * **Current range**: the least of 0.5 mA, 1, 2, 5 mA, ... 5 A of which the largest current is nine tenths at most; the limit is nine tenths of it, and 3 A at most.
+//! * **Current range**: the least of 0.5 mA, 1, 2, 5 mA, ... 5 A whose limit leaves the largest current nine tenths; the limit is nine tenths of the range, and 3 A
+//!   at most.
 //! * **Voltage range**: the least of 2, 5, 10 and 20 V of which the drive is nine tenths at most.
 //! * **Block**: 32 samples, or 50 where those hold less than 0.6 periods at the lower end of the window.
 //!
@@ -42,7 +43,9 @@ const CALIBRATION_PERIODS: f64 = 1600.0;
 /// Time for the self-test before them, for the fit behind them, and for the lock of a transducer that does not ring, s.
 const REST_S: f64 = 0.05;
 /// Ring-down times that a transducer has beyond that to be locked, each `Q / (pi fs)`.
-pub const RING_DOWNS: f64 = 10.0;
+const RING_DOWNS: f64 = 10.0;
+/// How much more time the phase loop has, whose scan waits for the transducer at each step.
+const SCAN: f64 = 2.0;
 
 /// The front end's settings of a transducer.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -96,7 +99,7 @@ fn admittance(of: &Transducer, hz: f64) -> Complex64 {
 /// The least range of the series 0.5, 1, 2 mA and so on that takes this current, A.
 fn range_a(current_a: f64) -> f64 {
     let mut ranges = (-3..1).flat_map(|decade| [0.5, 1.0, 2.0].map(|step| step * 10f64.powi(decade)));
-    ranges.find(|range| USED * range >= current_a).unwrap_or(LARGEST_RANGE_A)
+    ranges.find(|range| USED * USED * range >= current_a).unwrap_or(LARGEST_RANGE_A)
 }
 
 /// Two digits, downwards.
@@ -110,12 +113,13 @@ fn rounded(value: f64) -> f64 {
     format!("{value:.4e}").parse().unwrap_or(value)
 }
 
-/// Changes of [`SCENE`] that make it that of a transducer, as `key=value`.
-pub fn sets(of: &Transducer) -> Vec<String> {
+/// Changes of [`SCENE`] that make it that of a transducer, in a mode of tracking, as `key=value`.
+pub fn sets(of: &Transducer, mode: &str) -> Vec<String> {
     let (front_end, nominal) = (FrontEnd::of(of), &of.nominal);
     let ring_down_s = of.q / (std::f64::consts::PI * of.hz);
-    let duration_s = REST_S + CALIBRATION_PERIODS / nominal.hz + RING_DOWNS * ring_down_s;
-    let mode = |(place, mode): (usize, &FurtherMode)| {
+    let allowed_s = REST_S + CALIBRATION_PERIODS / nominal.hz + RING_DOWNS * ring_down_s;
+    let duration_s = if mode == "phase_lock" { SCAN * allowed_s } else { allowed_s };
+    let further = |(place, mode): (usize, &FurtherMode)| {
         let lm_h = 1.0 / ((TAU * mode.hz).powi(2) * mode.share * of.cm_f());
         [("series_resonance_hz", mode.hz), ("q", mode.q), ("lm_h", lm_h)]
             .map(|(key, value)| (format!("stack.mode.{place}.{key}"), value))
@@ -139,10 +143,10 @@ pub fn sets(of: &Transducer) -> Vec<String> {
     ];
     let own = own.map(|(key, value)| (key.to_owned(), value)).into_iter();
     let lm = nominal.lm_h.map(|lm_h| ("controller.tracking.nominal_lm_h".to_owned(), lm_h));
-    let numbers = own.chain(lm).chain(of.modes.iter().enumerate().flat_map(mode));
+    let numbers = own.chain(lm).chain(of.modes.iter().enumerate().flat_map(further));
     let fixed = [
         format!("seed={}", of.number + 1),
-        "controller.tracking.mode=observer".to_owned(),
+        format!("controller.tracking.mode={mode}"),
         format!("controller.block_samples={}", front_end.block_samples),
     ];
     fixed.into_iter().chain(numbers.map(|(key, value)| format!("{key}={:?}", rounded(value)))).collect()
@@ -155,7 +159,7 @@ mod tests {
 
     #[test]
     fn ranges_are_the_least_that_fit() {
-        for (current_a, range) in [(0.1e-3, 0.5e-3), (0.44e-3, 0.5e-3), (0.46e-3, 1e-3), (2.69, 5.0), (1.81, 5.0), (0.9, 1.0)] {
+        for (current_a, range) in [(0.1e-3, 0.5e-3), (0.40e-3, 0.5e-3), (0.41e-3, 1e-3), (2.69, 5.0), (1.63, 5.0), (0.8, 1.0)] {
             assert!((range_a(current_a) / range - 1.0).abs() < 1e-12, "{current_a}: {}", range_a(current_a));
         }
         assert!((two_digits(2.789) - 2.7).abs() < 1e-12 && (two_digits(0.1234) - 0.12).abs() < 1e-12);
@@ -173,7 +177,7 @@ mod tests {
     fn every_transducer_fits_its_front_end() {
         for transducer in (0..600).map(Transducer::draw) {
             let front_end = FrontEnd::of(&transducer);
-            assert!(front_end.current_a <= USED * front_end.current_range_a.min(LIMIT_A), "{front_end:?}");
+            assert!(front_end.current_a <= USED * (USED * front_end.current_range_a).min(LIMIT_A), "{front_end:?}");
             assert!(front_end.current_a > 0.1 * front_end.current_range_a, "{front_end:?} of {transducer:?}");
         }
         assert!(KINDS.iter().all(|kind| kind.modes <= 3));

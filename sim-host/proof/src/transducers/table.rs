@@ -63,9 +63,16 @@ fn by_range(set: &[TriedTransducer]) -> TableBlock {
     let prior = [("only the band is known", true), ("nominal values are wrong", false)]
         .map(|(name, band_only)| part(name, set, move |tried| tried.transducer.band_only == band_only));
     let parts = quality.into_iter().chain(coupling).chain(prior);
-    let rows = parts.map(|part| outcomes(&part.0, &summary(&part))).collect();
-    let caption = "Columns as above.";
-    TableBlock::new("ranges", "Random set, by quality factor, coupling and prior", caption, &header("part", &HEADER), rows)
+    let mut rows: Vec<_> = parts.map(|part| outcomes(&part.0, &summary(&part))).collect();
+    rows.push(outcomes("all, by `phase_lock`", &Summary::of(set.iter().map(|tried| &tried.phase_lock.judged))));
+    let caption = "Columns as above. The last row is of the same transducers with `tracking.mode = \"phase_lock\"`, which begins with a scan of the window and has twice the time; all others are of the observer.";
+    TableBlock::new(
+        "ranges",
+        "Random set, by quality factor, coupling, prior and mode of tracking",
+        caption,
+        &header("part", &HEADER),
+        rows,
+    )
 }
 
 /// A row of outcomes.
@@ -186,9 +193,11 @@ pub(super) fn csv(set: &[TriedTransducer]) -> Result<String, Error> {
         "q_deviation",
         "c0_error_f",
         "c0_deviation_f",
+        "phase_lock_outcome",
+        "phase_lock_fault",
         "command",
     ])?;
-    for TriedTransducer { transducer, tried } in set {
+    for TriedTransducer { transducer, tried, phase_lock } in set {
         let (judged, nominal) = (&tried.judged, &transducer.nominal);
         let (outcome, fault) = outcome(judged);
         let given = |value: Option<f64>| value.map_or_else(String::new, |value| format!("{value:.6e}"));
@@ -213,7 +222,8 @@ pub(super) fn csv(set: &[TriedTransducer]) -> Result<String, Error> {
             let stated = judged.stated.map(|stated| stated[place]);
             record.extend([stated.map(|stated| stated.error), stated.map(|stated| stated.deviation)].map(given));
         }
-        record.push(tried.command.clone());
+        let (outcome, fault) = self::outcome(&phase_lock.judged);
+        record.extend([outcome.to_owned(), fault.map_or_else(String::new, |fault| fault.to_string()), tried.command.clone()]);
         writer.write_record(record)?;
     }
     let bytes = writer.into_inner().map_err(|error| csv::Error::from(error.into_error()))?;
