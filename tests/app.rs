@@ -9,6 +9,7 @@ mod burst;
 mod calibration;
 mod capture;
 mod determinism;
+mod dropped_queue;
 mod emergency_stop;
 pub mod frame;
 mod host_lost;

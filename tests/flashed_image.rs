@@ -6,6 +6,7 @@ mod belt;
 mod power_cut;
 mod protection;
 mod refusals;
+mod silence;
 mod start;
 
 use std::cell::RefCell;

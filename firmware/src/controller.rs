@@ -1,7 +1,8 @@
 //! The controller: `Config -> build -> Controller`, and `process` once a block.
 //!
 //! Contract: the codes returned for sense block `k` play as block `k + 2` ([`LATENCY_BLOCKS`]). After `build` nothing can
-//! fail: trouble is a numbered fault in the telemetry, and a muted drive.
+//! fail: trouble is a numbered fault in the telemetry, and a muted drive. The block that enters a fault also drops what is queued
+//! ([`DriveBlock::drops_queue`]).
 
 mod build;
 mod chain;
@@ -65,6 +66,11 @@ impl Controller {
 
         let modes = (chain.supervisor.mode(), chain.track.tracker.observes());
         played[slot] = chain.generator.play(orders, &plan, modes, chain.block, drive);
+        drive.drops_queue = chain.supervisor.take_raised();
+        if drive.drops_queue {
+            // These are silent already; what was returned before them is on its way.
+            played.iter_mut().enumerate().filter(|(other, _)| *other != slot).for_each(|(_, queued)| queued.drop_rest());
+        }
         stages.follow.work(chain, &plan, &played[slot]);
         chain.block += 1;
         self.report(orders, &plan, slot, (&sensed, motional), report);

@@ -213,7 +213,7 @@ mod tests {
     }
 
     fn wave() -> DriveBlock {
-        DriveBlock { lanes: [(0..32).map(|n| 2000 + 7 * n).collect()].into_iter().collect(), listen: 0 }
+        DriveBlock { lanes: [(0..32).map(|n| 2000 + 7 * n).collect()].into_iter().collect(), listen: 0, drops_queue: false }
     }
 
     fn sense(analog: &mut impl Analog) -> SenseBlock {

@@ -109,7 +109,11 @@ mod tests {
         let mut load = LoopBack::of(&config());
         let mut sense = SenseBlock::default();
         load.exchange(
-            &DriveBlock { lanes: [[2048, 2148, 2148, 2048].into_iter().collect()].into_iter().collect(), listen: 0 },
+            &DriveBlock {
+                lanes: [[2048, 2148, 2148, 2048].into_iter().collect()].into_iter().collect(),
+                listen: 0,
+                drops_queue: false,
+            },
             &mut sense,
         );
         assert_eq!(sense.v, [2048, 2148, 2148, 2048]);

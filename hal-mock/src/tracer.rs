@@ -133,7 +133,7 @@ mod tests {
     use crate::loop_back::LoopBack;
 
     fn ramp(from: u16) -> DriveBlock {
-        DriveBlock { lanes: [(from..from + 4).collect()].into_iter().collect(), listen: 0 }
+        DriveBlock { lanes: [(from..from + 4).collect()].into_iter().collect(), listen: 0, drops_queue: false }
     }
 
     fn traced(keep: usize, blocks: &[DriveBlock]) -> Tracer<LoopBack> {

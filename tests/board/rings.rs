@@ -106,7 +106,11 @@ fn words_hold_both_channels_and_both_lanes() {
     assert_eq!((sense.v.len(), sense.v[0], sense.i[ODD - 1]), (ODD, 1, ODD as u16 - 1));
 
     let lanes = |codes: &[u16]| codes.iter().copied().collect();
-    let drive = DriveBlock { lanes: [lanes(&[1, 2]), lanes(&[3, 4]), lanes(&[5, 6])].into_iter().collect(), listen: 0 };
+    let drive = DriveBlock {
+        lanes: [lanes(&[1, 2]), lanes(&[3, 4]), lanes(&[5, 6])].into_iter().collect(),
+        listen: 0,
+        drops_queue: false,
+    };
     let words = |pair: usize| {
         let ring = [const { Cell::new(0) }; 2];
         packing::drive(&drive, pair, 2048, (&ring[1], &ring[..1]), Cell::set);

@@ -44,6 +44,14 @@ impl Played {
         Played { tone, relative: 1.0, flat: true, pure: true, ..Played::default() }
     }
 
+    /// The block was dropped while it played, or before: how much of it has played is for the board to know.
+    #[cold]
+    #[inline(never)]
+    pub(crate) fn drop_rest(&mut self) {
+        self.audible = None;
+        self.flat = false;
+    }
+
     /// Whether the drive was fully ON throughout the block.
     #[inline]
     pub(crate) fn is_full(&self) -> bool {

@@ -10,6 +10,8 @@
 //! An order to scan or to calibrate goes from anywhere to SelfTest, and from Scan or Calibrate back to Idle. A calibration that another order
 //! ends has changed nothing.
 
+use core::mem;
+
 use crate::generate::step::Progress;
 use crate::seam::block::{Orders, Request};
 use crate::seam::config::TrackingMode;
@@ -44,6 +46,8 @@ pub(crate) struct Supervisor {
     acquisition: Acquisition,
     mode: Mode,
     fault: Option<Fault>,
+    /// The fault is new.
+    raised: bool,
     obeyed: u32,
     /// The attempt that is done.
     done: Option<u32>,
@@ -52,7 +56,7 @@ pub(crate) struct Supervisor {
 impl Supervisor {
     /// Idle, for runs that come to their frequency in this way.
     pub(crate) fn new(acquisition: Acquisition) -> Self {
-        Supervisor { acquisition, mode: Mode::Idle, fault: None, obeyed: 0, done: None }
+        Supervisor { acquisition, mode: Mode::Idle, fault: None, raised: false, obeyed: 0, done: None }
     }
 
     /// What the controller is doing.
@@ -63,6 +67,12 @@ impl Supervisor {
     /// Why the drive is muted.
     pub(crate) fn fault(&self) -> Option<Fault> {
         self.fault
+    }
+
+    /// Whether a fault was raised since this was last asked for.
+    #[inline]
+    pub(crate) fn take_raised(&mut self) -> bool {
+        mem::take(&mut self.raised)
     }
 
     /// Takes this block's order and what the guard has found. Returns whether a new attempt begins.
@@ -140,6 +150,7 @@ impl Supervisor {
     fn raise(&mut self, fault: Fault) {
         if self.mode != Mode::Fault {
             self.fault = Some(fault);
+            self.raised = true;
             self.mode = Mode::Fault;
         }
     }

@@ -18,6 +18,12 @@ pub const MAX_LANES: usize = 4;
 /// block `k` play as block `k + LATENCY_BLOCKS`, because `k + 1` was returned by the call before.
 pub const LATENCY_BLOCKS: usize = 2;
 
+/// The sample of the block that is playing from which a queue that is [dropped](DriveBlock::drops_queue) is silent at the latest: the controller answers
+/// within three quarters of a block. Simulated boards are silent from exactly this sample on; a real one, from its answer on.
+pub const fn dropped_from(block_samples: usize) -> usize {
+    block_samples - block_samples / 4
+}
+
 /// Converter codes of one channel over one block.
 pub type Codes = Vec<u16, MAX_BLOCK_SAMPLES>;
 
@@ -167,6 +173,9 @@ pub struct DriveBlock {
     pub lanes: Vec<Codes, MAX_LANES>,
     /// The lane that the sense channels are connected to while these codes play, by the board's multiplexer.
     pub listen: u8,
+    /// The controller has entered a fault: what was returned before and has not played yet must not play. The board is silent at once on all lanes, in the
+    /// block that plays at present by sample [`dropped_from`] at the latest, and then plays these codes, which are silent, too.
+    pub drops_queue: bool,
 }
 
 impl DriveBlock {
@@ -175,6 +184,6 @@ impl DriveBlock {
     /// Lanes beyond [`MAX_LANES`] and samples beyond [`MAX_BLOCK_SAMPLES`] are left out.
     pub fn silent(lanes: usize, samples: usize, code: u16) -> Self {
         let lane: Codes = core::iter::repeat_n(code, samples.min(MAX_BLOCK_SAMPLES)).collect();
-        DriveBlock { lanes: core::iter::repeat_n(lane, lanes.min(MAX_LANES)).collect(), listen: 0 }
+        DriveBlock { lanes: core::iter::repeat_n(lane, lanes.min(MAX_LANES)).collect(), listen: 0, drops_queue: false }
     }
 }

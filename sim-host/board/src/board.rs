@@ -206,7 +206,8 @@ impl Board {
             let trims = self.variables.trims(memory)?;
             let sense: SenseBlock = field(&state, "sense")?.read(memory)?;
             let drive: DriveBlock = field(&state, "drive")?.read(memory)?;
-            self.calls.push(Call { orders, trims, sense, drive, taken: (instructions as u32, cycles as u32) });
+            let taken = (instructions as u32, cycles as u32);
+            self.calls.push(Call { orders, trims, sense, drive, silent_from: None, taken });
         }
         if orders.request != Request::Idle {
             self.machine.chip.wires.begin();

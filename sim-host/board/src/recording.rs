@@ -7,6 +7,7 @@ use firmware::controller::Controller;
 use firmware::seam::block::{DriveBlock, LATENCY_BLOCKS, MAX_LANES, Orders, SenseBlock};
 use firmware::seam::config::{Config, LaneTrims};
 use firmware::seam::telemetry::Telemetry;
+use nucleo_g474re::config::SILENCE;
 use sim::processor::{Load, Lost, Processor};
 
 /// One call of the controller in the image.
@@ -20,6 +21,8 @@ pub struct Call {
     pub sense: SenseBlock,
     /// What the controller returned, to play two blocks later.
     pub drive: DriveBlock,
+    /// Where the controller dropped the queue: the sample of the block that was playing from which silence left the DACs.
+    pub silent_from: Option<usize>,
     /// Instructions and cycles of the interrupt that made the call.
     pub taken: (u32, u32),
 }
@@ -30,6 +33,7 @@ pub struct Replay {
     calls: std::vec::IntoIter<Call>,
     block: u64,
     taken: (u32, u32),
+    silent_from: Option<usize>,
     load: Load,
     /// The block in which the amplifier was off under a code for the first time.
     cut: Option<u64>,
@@ -44,7 +48,8 @@ impl Replay {
     pub fn new(config: &Config, calls: Vec<Call>, before: usize, load: Load, cut: Option<u64>) -> Result<Self, Lost> {
         let controller = Controller::build(config).map_err(|error| Lost(error.to_string()))?;
         let mut drive = controller.silence();
-        let mut replay = Replay { controller, calls: calls.into_iter(), block: 0, taken: (0, 0), load, cut, faulted: false };
+        let (calls, taken) = (calls.into_iter(), (0, 0));
+        let mut replay = Replay { controller, calls, block: 0, taken, silent_from: None, load, cut, faulted: false };
         for _ in 0..before {
             replay.next(&mut drive)?;
         }
@@ -60,7 +65,7 @@ impl Replay {
             self.controller.trim(trims);
         }
         let telemetry = self.controller.process(&call.orders, &call.sense, drive);
-        self.taken = call.taken;
+        (self.taken, self.silent_from) = (call.taken, call.silent_from);
         self.faulted |= telemetry.fault.is_some();
         if self.is_cut() && !self.faulted {
             return Err(Lost(format!(
@@ -95,6 +100,10 @@ impl Processor for Replay {
         Ok(telemetry)
     }
 
+    fn silent_from(&self) -> Option<usize> {
+        self.silent_from
+    }
+
     fn instructions(&self) -> Option<u32> {
         Some(self.taken.0)
     }
@@ -108,17 +117,30 @@ impl Processor for Replay {
     }
 }
 
-/// The first sample at which the codes that left the DACs differ from those that the controller returned; none where all are the same.
+/// Notes from which sample on each queue that was dropped was silent. Returns the first sample at which the codes that left the DACs differ from those that
+/// the controller returned; none where all are the same.
 ///
-/// A block plays [`LATENCY_BLOCKS`] blocks after its sense block.
-pub fn first_difference(calls: &[Call], played: &[[u16; MAX_LANES]]) -> Option<usize> {
-    let lanes = calls.first().map_or(0, |call| call.drive.lanes.len());
-    let of_lane = |lane: usize| {
-        let returned = calls.iter().flat_map(move |call| call.drive.lanes.get(lane).map_or(&[][..], |codes| codes.as_slice()));
-        let samples = calls.first().and_then(|call| call.drive.lanes.get(lane)).map_or(0, |codes| codes.len());
-        let from = LATENCY_BLOCKS * samples;
-        let both = returned.zip(played.get(from..).unwrap_or(&[]));
-        both.enumerate().find(|(_, (returned, played))| **returned != played[lane]).map(|(n, _)| from + n)
-    };
-    (0..lanes).filter_map(of_lane).min()
+/// A block plays [`LATENCY_BLOCKS`] blocks after its sense block. One that was dropped plays as it was returned, and from some sample on silence.
+pub fn compare(calls: &mut [Call], played: &[[u16; MAX_LANES]]) -> Option<usize> {
+    let samples = calls.first()?.drive.lanes.first()?.len();
+    for block in LATENCY_BLOCKS..=calls.len() {
+        // The answer of the call between had dropped it, or not.
+        let answered = &calls[block - LATENCY_BLOCKS].drive.lanes;
+        let dropped = calls[block - 1].drive.drops_queue;
+        let first = block * samples;
+        let Some(played) = played.get(first..first + samples) else { break };
+        let differs = |n: usize| answered.iter().enumerate().any(|(lane, codes)| codes[n] != played[n][lane]);
+        let different = (0..samples).find(|&n| differs(n));
+        if dropped {
+            let from = different.unwrap_or(samples);
+            let silent = |codes: &[u16; MAX_LANES]| codes[..answered.len()].iter().all(|&code| code == SILENCE);
+            if let Some(n) = (from..samples).find(|&n| !silent(&played[n])) {
+                return Some(first + n);
+            }
+            calls[block - 1].silent_from = Some(from);
+        } else if let Some(n) = different {
+            return Some(first + n);
+        }
+    }
+    None
 }

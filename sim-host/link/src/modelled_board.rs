@@ -15,7 +15,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
 use board::debugger::Debugged;
-use board::recording::{Replay, first_difference};
+use board::recording::{Replay, compare};
 use board::{Board, BoardError, Options, Reset};
 use firmware::board::command::Command;
 use firmware::seam::block::{Gate, LATENCY_BLOCKS, Target};
@@ -176,8 +176,8 @@ pub fn record(elf: &[u8], scene: &Driven, options: Options, stop: &'static Atomi
         }
     }
     let mut board = board.borrow_mut();
-    let calls = std::mem::take(&mut board.calls);
-    if let Some(sample) = first_difference(&calls, board.bench().codes.as_deref().unwrap_or(&[])) {
+    let mut calls = std::mem::take(&mut board.calls);
+    if let Some(sample) = compare(&mut calls, board.bench().codes.as_deref().unwrap_or(&[])) {
         return Err(RecordError::Played(sample));
     }
     let load = board.take_load();

@@ -40,7 +40,8 @@ impl Bench {
     fn play(&mut self, codes: &[u16]) {
         let mut sense = SenseBlock::default();
         for block in codes.chunks(32) {
-            let drive = DriveBlock { lanes: [block.iter().copied().collect()].into_iter().collect(), listen: 0 };
+            let drive =
+                DriveBlock { lanes: [block.iter().copied().collect()].into_iter().collect(), listen: 0, drops_queue: false };
             self.plant.exchange(&drive, &mut sense);
         }
     }

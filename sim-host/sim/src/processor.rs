@@ -13,6 +13,11 @@ pub trait Processor {
     /// One block. Fails only where the controller runs elsewhere and is lost.
     fn process(&mut self, orders: &Orders, sense: &SenseBlock, drive: &mut DriveBlock) -> Result<Telemetry, Lost>;
 
+    /// The sample of the block after the latest one from which a [dropped](DriveBlock::drops_queue) queue was silent, where that was measured.
+    fn silent_from(&self) -> Option<usize> {
+        None
+    }
+
     /// Instructions that the latest block has taken, where they are counted.
     fn instructions(&self) -> Option<u32> {
         None

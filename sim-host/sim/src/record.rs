@@ -34,6 +34,8 @@ pub struct Row {
     pub drive_v: f64,
     /// Command: mean envelope that was playing.
     pub envelope: f64,
+    /// How much of the end of this block was dropped by a fault, and silent, s.
+    pub dropped_s: f64,
     /// What the codes that were playing drive.
     pub swing: Swing,
     /// Estimate: resonance of the transducer, Hz.
@@ -176,6 +178,8 @@ pub struct Command {
     word: u64,
     drive_v: f64,
     envelope: f64,
+    /// How much of its end was dropped, s.
+    pub dropped_s: f64,
 }
 
 impl Command {
@@ -186,7 +190,8 @@ impl Command {
 
     /// What a report says of the codes that came with it.
     pub fn of(telemetry: &Telemetry) -> Self {
-        Command { word: telemetry.tuning_word, drive_v: telemetry.drive.0.into(), envelope: telemetry.envelope.into() }
+        let (drive_v, envelope) = (telemetry.drive.0.into(), telemetry.envelope.into());
+        Command { word: telemetry.tuning_word, drive_v, envelope, dropped_s: 0.0 }
     }
 }
 
@@ -213,6 +218,7 @@ impl Row {
             frequency_hz: command.frequency_hz(sample_hz),
             drive_v: command.drive_v * command.envelope,
             envelope: command.envelope,
+            dropped_s: command.dropped_s,
             swing,
             resonance_estimate_hz: telemetry.resonance.0.into(),
             motional_current_a: magnitude(telemetry.motional_current).into(),

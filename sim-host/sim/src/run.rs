@@ -87,7 +87,10 @@ pub fn run_on(processor: &mut dyn Processor, scene: &Driven, mut watch: Watch) -
         script.order_friction(block as f64 * samples as f64 / sample_hz);
         let slot = &mut pending[(block % LATENCY_BLOCKS as u64) as usize];
         clock.analog.frequency_hz = slot.frequency_hz(sample_hz);
-        let telemetry = clock.tick(|sense, drive| processor.process(&script.orders, sense, drive))?;
+        let telemetry = clock.tick_with(|sense, drive| {
+            let telemetry = processor.process(&script.orders, sense, drive);
+            (telemetry, processor.silent_from())
+        })?;
         script.follow(telemetry.mode);
         clock.analog.running = telemetry.mode == Mode::Run;
         if let Some(instructions) = processor.instructions() {
@@ -97,6 +100,7 @@ pub fn run_on(processor: &mut dyn Processor, scene: &Driven, mut watch: Watch) -
             record.cycles.get_or_insert_default().add(cycles);
         }
         let played = std::mem::replace(slot, Command::of(&telemetry));
+        pending[((block + 1) % LATENCY_BLOCKS as u64) as usize].dropped_s = clock.dropped() as f64 / sample_hz;
         let time_s = (block + 1) as f64 * samples as f64 / sample_hz;
         if (block + 1).is_multiple_of(every) {
             let happened = (clock.analog.swing, clock.analog.slow, clock.analog.plant.inner.truth());

@@ -4,7 +4,7 @@
 //! when this is compiled. Others go sample by sample, which takes many times as long.
 
 use super::{PART, Part, SAMPLES};
-use crate::seam::block::{LATENCY_BLOCKS, MAX_BLOCK_SAMPLES};
+use crate::seam::block::{LATENCY_BLOCKS, MAX_BLOCK_SAMPLES, dropped_from};
 
 /// A ring of samples.
 type Ring = [u16; SAMPLES];
@@ -34,6 +34,13 @@ impl Memory {
         } else {
             coming.iter_mut().zip(codes).for_each(|(to, from)| *to = *from);
         }
+    }
+
+    /// Puts silence for what was put by in a place and is [dropped](crate::seam::block::DriveBlock::drops_queue).
+    #[cold]
+    pub(super) fn drop_rest(&mut self, place: usize, samples: usize, silence: u16) {
+        let coming = self.coming.get_mut(place).and_then(|coming| coming.get_mut(dropped_from(samples)..samples));
+        coming.into_iter().for_each(|codes| codes.fill(silence));
     }
 
     /// Takes a block of [`PART`] samples of voltage and current, and the codes that were put by in a place, to a place of the rings. Returns

@@ -146,6 +146,12 @@ impl<'a> Recorder<'a> {
             memory.put_by(self.older, lane);
         }
         self.older = 1 - self.older;
+        if drive.drops_queue
+            && let (Some(memory), Some(lane)) = (&mut self.memory, drive.lanes.first())
+            && let Some(&silence) = lane.first()
+        {
+            memory.drop_rest(self.older, lane.len(), silence);
+        }
     }
 
     fn trigger(&mut self, block: u32) {

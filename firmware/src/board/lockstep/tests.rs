@@ -68,7 +68,7 @@ fn longest_answer() -> Answer {
         friction: Some(FrictionEstimate { force_ratio: Some(1.0), ..FrictionEstimate::default() }),
         ..Telemetry::default()
     };
-    let drive = DriveBlock { lanes: core::iter::repeat_n(codes(), MAX_LANES).collect(), listen: 3 };
+    let drive = DriveBlock { lanes: core::iter::repeat_n(codes(), MAX_LANES).collect(), listen: 3, drops_queue: true };
     Answer { drive, telemetry, instructions: Some(u32::MAX) }
 }
 

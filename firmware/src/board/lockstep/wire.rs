@@ -29,15 +29,15 @@ pub(super) fn take_sense<'a>(sense: &mut SenseBlock, bytes: &'a [u8]) -> Option<
 
 /// Puts all lanes.
 pub(super) fn put_drive<'a>(drive: &DriveBlock, room: &'a mut [u8]) -> Option<&'a mut [u8]> {
-    let ([lanes, listen], room) = room.split_first_chunk_mut()?;
-    (*lanes, *listen) = (drive.lanes.len() as u8, drive.listen);
+    let ([lanes, listen, drops_queue], room) = room.split_first_chunk_mut()?;
+    (*lanes, *listen, *drops_queue) = (drive.lanes.len() as u8, drive.listen, drive.drops_queue.into());
     drive.lanes.iter().try_fold(room, |room, lane| put_codes(lane, room))
 }
 
 /// Takes all lanes.
 pub(super) fn take_drive<'a>(drive: &mut DriveBlock, bytes: &'a [u8]) -> Option<&'a [u8]> {
-    let ([lanes, listen], bytes) = bytes.split_first_chunk()?;
-    drive.listen = *listen;
+    let ([lanes, listen, drops_queue], bytes) = bytes.split_first_chunk()?;
+    (drive.listen, drive.drops_queue) = (*listen, *drops_queue != 0);
     let lanes = usize::from(*lanes);
     if lanes > MAX_LANES {
         return None;

@@ -124,7 +124,7 @@ pub const METRICS: &[Metric] = &[
     row("coupling_sd", "1", Magnitude, Identified, "Standard deviation that the controller states of `coupling`"),
     row("modes_found", "1", Magnitude, Identified, "Resonances that the scan lists, in the window and beside it"),
     row("fault_code", "1", Code, End, "Number of the fault in which the run ended; 0 is none"),
-    row("fault_latency_us", "us", Magnitude, Event, "From the scene's first fault to the first block without drive once the controller has faulted, or has been muted (limit 101) until it did"),
+    row("fault_latency_us", "us", Magnitude, Event, "From the scene's first fault to the first sample without drive once the controller has faulted and dropped what was queued, or to the first block without drive where it has been muted (limit 101) until it did"),
     row("limit_code", "1", Code, End, "Number of the limit in the last block under drive; 0 is none"),
     row("belt_stop_to_mute_ms", "ms", Magnitude, Event, "From the moment that the belt is slower than `1 / (n T)`, the slowest whose counts come in time, or that its encoder fails, to the first block without drive; not where the drive was OFF then"),
     row("ring_down_ms", "ms", Magnitude, Event, "From the block of `belt_stop_to_mute_ms`, the first without drive, to 5 % of the tip velocity before it"),

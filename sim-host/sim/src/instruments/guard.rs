@@ -30,7 +30,7 @@ fn limit_code(run: &View) -> Option<u8> {
     run.rows.iter().rfind(|row| row.drive_v > 0.0).map(|row| row.limit)
 }
 
-/// From the first fault of the scene to the first block without drive.
+/// From the first fault of the scene to the first sample without drive: the beginning of a block, or what the fault dropped of the one before.
 fn fault_latency_s(run: &View) -> Option<f64> {
     let at = run.scene.fault.iter().map(|fault| fault.at_s).reduce(f64::min)?;
     let faulted = run.rows.iter().position(|row| row.fault != 0).filter(|&row| row > 0)?;
@@ -38,6 +38,10 @@ fn fault_latency_s(run: &View) -> Option<f64> {
     // What was muted until it faulted has been silent for longer.
     let silent =
         run.rows[..=muted].iter().rev().take_while(|row| row.drive_v == 0.0 && row.time_s - run.block_s >= at - 1e-9).last()?;
-    let muted = if run.rows[faulted - 1].limit == Limit::BeltMuted as u8 { silent } else { &run.rows[muted] };
-    Some(muted.time_s - run.block_s - at)
+    let (muted, dropped_s) = if run.rows[faulted - 1].limit == Limit::BeltMuted as u8 {
+        (silent, 0.0)
+    } else {
+        (&run.rows[muted], run.rows[muted - 1].dropped_s)
+    };
+    Some(muted.time_s - run.block_s - dropped_s - at)
 }

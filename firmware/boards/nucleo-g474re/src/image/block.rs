@@ -111,6 +111,9 @@ impl BlockInterrupt {
             self.lanes.silence();
         }
         self.task.run(&self.sense, &mut self.drive);
+        if self.drive.drops_queue {
+            self.lanes.silence();
+        }
         if !broken.cut {
             self.lanes.write(half, &self.drive);
         }

@@ -82,7 +82,8 @@ impl Lanes {
     /// Plays mid-code from the next sample on, in both halves.
     #[inline(never)]
     pub fn silence(&self) {
-        RINGS.iter().for_each(|ring| black_box(ring.places()).iter().for_each(|place| place.write(QUIET)));
+        let playing = RINGS.iter().take(self.converters.len());
+        playing.for_each(|ring| black_box(ring.places()).iter().for_each(|place| place.write(QUIET)));
     }
 
     /// The place in the rings that is fetched next.
