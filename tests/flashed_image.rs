@@ -60,7 +60,12 @@ pub(crate) fn connected(board: Board) -> (Rc<RefCell<Board>>, Client) {
 
 /// A board with the dummy load that drives it, and a client of it that says nothing by itself.
 fn driving(elf: &[u8]) -> (Rc<RefCell<Board>>, Client) {
-    let (board, mut client) = connected(powered(elf, &[]));
+    driving_with(elf, &[])
+}
+
+/// The same with these changes of its scene.
+fn driving_with(elf: &[u8], changes: &[&str]) -> (Rc<RefCell<Board>>, Client) {
+    let (board, mut client) = connected(powered(elf, changes));
     client.connect().expect("an answer");
     client.order(Command::Patience(0.0)).expect("acknowledged");
     client.order(Command::Run).expect("acknowledged");

@@ -3,11 +3,11 @@
 use firmware::board::start::TripFailure;
 use nucleo_g474re::alarm::{Alarm, Word};
 use nucleo_g474re::baud::divider;
-use nucleo_g474re::config::{TRIP_A, trip_codes};
+use nucleo_g474re::config::{TRIP_A, config, trip_codes};
 use nucleo_g474re::pages::{FLASH, SECOND_BANK, START};
 use nucleo_g474re::sampling::{CYCLES_PER_CONVERSION, DIVIDER, MARGIN, TRIGGER_AFTER, sampling_ns, source_ohm};
 use nucleo_g474re::stack::{GUARD, GUARD_SIZE, attributes, has_overflowed};
-use nucleo_g474re::trips::{ALWAYS, Levels};
+use nucleo_g474re::trips::{ALWAYS, Levels, thresholds};
 
 const SYSTEM_HZ: u32 = 170_000_000;
 
@@ -105,17 +105,52 @@ fn a_missing_wire_or_an_offset_at_rest_fails_by_name() {
     assert_eq!((failure(2100, 2140), failure(2100, 2141)), (None, Some(TripFailure::Wire)));
 }
 
+/// Thresholds for a current limit, A, with the current channel as built.
+fn built(limit_a: f32) -> (u16, u16) {
+    thresholds(limit_a, config().front_end.ampere_per_lsb)
+}
+
+#[test]
+fn the_trips_follow_the_limit_by_half_an_ampere() {
+    assert_eq!(built(config().limits.current_a), trip_codes(TRIP_A));
+    // 496.5 codes an ampere, and 248 beyond.
+    assert_eq!((built(1.0), built(0.1)), ((2792, 1303), (2345, 1750)));
+    // Half the shunt: the same code is twice the current.
+    assert_eq!(thresholds(2.0, 2.0 * config().front_end.ampere_per_lsb), built(1.0));
+    for (limit_a, ampere_per_lsb) in [(3.1, 1e-3), (1e3, 1e-3), (3.0, 1e-6), (f32::NAN, 1e-3), (3.0, 0.0), (f32::INFINITY, 1e-3)]
+    {
+        assert_eq!(thresholds(limit_a, ampere_per_lsb), trip_codes(TRIP_A), "{limit_a} {ampere_per_lsb}: never beyond");
+    }
+}
+
+#[test]
+fn no_limit_is_so_low_that_rest_trips() {
+    let (upper, lower) = built(1e-6);
+    // Wherever the zero may be, with the comparator's hysteresis.
+    let (highest, lowest) = (2048 + 200, 2048 - 200);
+    assert!(Levels { positive: highest, negative: highest }.failure().is_none());
+    assert!(highest + 37 < upper && lowest - 37 > lower, "{upper} {lower}");
+    // And the limit itself is reached first.
+    for limit_a in [1e-6, 0.01, 0.5, 1.0, 2.0, 3.0] {
+        let limit = (limit_a / config().front_end.ampere_per_lsb / 2.0) as u16;
+        assert!(highest + limit < built(limit_a).0 && lowest - limit > built(limit_a).1, "{limit_a}");
+    }
+}
+
 /// Comparators as the board has them, of which one or the other may be stuck.
 #[test]
 fn each_trip_that_does_not_act_is_found() {
     type Comparator = fn(bool) -> bool;
-    let test = |levels: Levels, positive: Comparator, negative: Comparator| {
+    let test = |levels: Levels, run: (u16, u16), positive: Comparator, negative: Comparator| {
         let trips = |(upper, lower): (u16, u16)| positive(levels.positive > upper) || negative(levels.negative < lower);
-        levels.steps().into_iter().find(|&(thresholds, must_trip, _)| trips(thresholds) != must_trip).map(|(.., failure)| failure)
+        let mut steps = levels.steps(run).into_iter();
+        steps.find(|&(thresholds, must_trip, _)| trips(thresholds) != must_trip).map(|(.., failure)| failure)
     };
     let (works, dead, stuck): (Comparator, Comparator, Comparator) = (|trips| trips, |_| false, |_| true);
-    for level in [1848, 2048, 2248] {
+    let cases = [1848, 2048, 2248].map(|level| [3.0, 1.0, 1e-6].map(|limit_a| (level, built(limit_a))));
+    for (level, run) in cases.into_iter().flatten() {
         let levels = Levels { positive: level, negative: level };
+        let test = |levels, positive, negative| test(levels, run, positive, negative);
         assert_eq!(test(levels, works, works), None);
         assert_eq!(test(levels, dead, works), Some(TripFailure::NoPositive));
         assert_eq!(test(levels, works, dead), Some(TripFailure::NoNegative));
@@ -124,7 +159,7 @@ fn each_trip_that_does_not_act_is_found() {
             (Some(TripFailure::Standing), Some(TripFailure::Standing))
         );
         // It ends with the thresholds of the run.
-        assert_eq!(levels.steps()[4].0, trip_codes(TRIP_A));
+        assert_eq!(levels.steps(run)[4].0, run);
         assert!(levels.positive > ALWAYS.0 && levels.negative < ALWAYS.1);
     }
 }

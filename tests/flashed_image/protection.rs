@@ -11,7 +11,7 @@ use nucleo_g474re::blocks::{BLOCK, CYCLES_PER_SAMPLE};
 use nucleo_g474re::config::SILENCE;
 use stm32g474::Pin;
 
-use super::{connected, driving, elf, powered, reaches};
+use super::{connected, driving, driving_with, elf, powered, reaches};
 
 /// The current at the positive and at the negative trip.
 const POSITIVE: Pin = Pin::new('A', 1);
@@ -57,6 +57,33 @@ fn a_current_beyond_either_trip_drops_the_enable_in_hardware() {
         let report = client.status().expect("an answer").expect("a report");
         assert_eq!((report.mode, report.fault), (Mode::Fault, Some(Fault::OverCurrent)), "{pin} at {volts} V");
         assert_eq!(board.borrow().bench().edges.last(), Some(&last), "it stays off");
+    }
+}
+
+#[test]
+fn the_trips_follow_the_stored_limit() {
+    let Some(elf) = elf() else { return };
+    // About 1.65 V, 0.4 V an ampere. The trip of a limit of 1 A acts at 1.5 A, the negative one by its hysteresis later; that of the 3 A as built, at 3.5 A.
+    let volts = |ampere: f64| 1.65 + 0.4 * ampere;
+    let limited = ["controller.limits.current_a=1"];
+    // What else drops the enable is the controller, which sees it with the end of the block.
+    for (changes, ampere, trips) in
+        [(&limited[..], 1.53, true), (&limited, -1.6, true), (&limited, 1.4, false), (&[], 1.53, false)]
+    {
+        let (board, mut client) = driving_with(elf, changes);
+        let pin = if ampere > 0.0 { POSITIVE } else { NEGATIVE };
+        let tripped = board.borrow().machine().cycle() + 1000;
+        board.borrow_mut().bench_mut().tie(tripped, pin, volts(ampere));
+        board.borrow_mut().run_for(Duration::from_micros(10)).expect("no finding");
+        let fell = !board.borrow().bench().is_enabled();
+        assert_eq!(fell, trips, "{ampere} A with {changes:?}");
+        let last: Edge = *board.borrow().bench().edges.last().expect("an edge");
+        assert!(!trips || last.at - tripped < MICROSECOND, "{last:?}, tripped at {tripped}");
+        if trips {
+            board.borrow_mut().run_for(TWO_BLOCKS).expect("no finding");
+            let report = client.status().expect("an answer").expect("a report");
+            assert_eq!((report.mode, report.fault), (Mode::Fault, Some(Fault::OverCurrent)), "{ampere} A");
+        }
     }
 }
 

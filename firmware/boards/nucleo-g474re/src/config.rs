@@ -25,7 +25,7 @@ pub const DIVIDER: f32 = 12.5;
 pub const TRANSIMPEDANCE: f32 = 0.4;
 /// Conversions in a sample.
 pub const CONVERSIONS: u16 = 2;
-/// Current at which the comparators drop the amplifier's enable, A peak: beyond the limit of the controller.
+/// The largest current at which the comparators drop the amplifier's enable, A peak: beyond the largest limit of the controller.
 pub const TRIP_A: f32 = 3.5;
 /// Drive lanes unless the settings say otherwise: one or two play from DAC1, three or four from DAC3 and DAC4 through the op-amps.
 const LANES: u8 = 1;

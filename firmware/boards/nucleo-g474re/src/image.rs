@@ -42,6 +42,7 @@ use firmware::seam::telemetry::Telemetry;
 use nucleo_g474re::config::config;
 use nucleo_g474re::degrees::Thermistor;
 use nucleo_g474re::note::{Cause, Note};
+use nucleo_g474re::trips::thresholds;
 use stm32_metapac::{Interrupt, RCC};
 
 use self::block::BlockInterrupt;
@@ -106,7 +107,8 @@ fn build(
     let Ok(task) = power_up.build(&built_in, hot_ends) else { panic!("the configuration is not valid") };
     let config = &power_up.config;
     // Which DAC plays decides which one has the thresholds.
-    let (enable, stop, failure) = protection::start(config.lanes, adc::levels());
+    let (enable, stop, failure) =
+        protection::start(config.lanes, thresholds(config.limits.current_a, config.front_end.ampere_per_lsb), adc::levels());
     let start = failure.map_or(start, |failure| {
         defmt::error!("the over-current trips have failed their test, the amplifier stays off: {=u8}", failure as u8);
         Start::TripFailed(failure)

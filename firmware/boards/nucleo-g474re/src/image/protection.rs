@@ -17,7 +17,7 @@
 //!   MOE: the enable stays down.
 //! * The DAC has no break input: the block interrupt sees the break's flag, and plays mid-code from then on.
 //! * The enable stays down until it was ordered low and then high again: [`Enable`].
-//! * The thresholds come from the DAC that does not play. The comparators, the polarities and the idle level are locked until the next reset.
+//! * The thresholds follow the stored current limit (`trips.rs`), and come from the DAC that does not play. The comparators, the polarities and the idle level are locked until the next reset.
 
 use core::convert::Infallible;
 use core::sync::atomic::{AtomicBool, Ordering};
@@ -26,7 +26,6 @@ use cortex_m::asm::delay;
 use embedded_hal::digital::{ErrorType, InputPin, OutputPin};
 use firmware::board::start::TripFailure;
 use nucleo_g474re::blocks::{CYCLES_PER_BLOCK, MISSED};
-use nucleo_g474re::config::{TRIP_A, trip_codes};
 use nucleo_g474re::trips::{ALWAYS, Levels, Thresholds};
 use stm32_metapac::comp::vals::{Hysteresis, Inm, Polarity};
 use stm32_metapac::dac::Dac;
@@ -56,13 +55,13 @@ const BEGINNING: u16 = 1;
 /// A break has dropped the enable, and it has not been ordered low since.
 static CUT: AtomicBool = AtomicBool::new(false);
 
-/// Arms the protection, with the enable down, and tests the over-current trips; the sample clock need not run.
-pub fn start(lanes: u8, levels: Levels) -> (Enable, Stop, Option<TripFailure>) {
+/// Arms the protection with these over-current thresholds and the enable down, and tests the over-current trips; the sample clock need not run.
+pub fn start(lanes: u8, thresholds: Thresholds, levels: Levels) -> (Enable, Stop, Option<TripFailure>) {
     let dac = if Lanes::are_four(lanes) { DAC1 } else { DAC3 };
-    thresholds(dac);
+    route(dac, thresholds);
     comparators(lanes);
     breaks();
-    let failure = levels.failure().or_else(|| test(dac, &levels));
+    let failure = levels.failure().or_else(|| test(dac, thresholds, &levels));
     if failure.is_some() {
         set(dac, ALWAYS);
     }
@@ -71,8 +70,8 @@ pub fn start(lanes: u8, levels: Levels) -> (Enable, Stop, Option<TripFailure>) {
 }
 
 /// Moves each threshold past the current at rest, which must raise the break, and back; the enable is down.
-fn test(dac: Dac, levels: &Levels) -> Option<TripFailure> {
-    let failed = levels.steps().into_iter().find(|&(thresholds, must_trip, _)| {
+fn test(dac: Dac, thresholds: Thresholds, levels: &Levels) -> Option<TripFailure> {
+    let failed = levels.steps(thresholds).into_iter().find(|&(thresholds, must_trip, _)| {
         set(dac, thresholds);
         // The flag stays clear only where the input of the break is: TIM1_SR.BIF (28.6.5).
         clear(|w| w.set_bif(BREAK, false));
@@ -90,9 +89,9 @@ fn set(dac: Dac, (upper, lower): Thresholds) {
 }
 
 /// The thresholds, from the DAC that does not play, to the comparators only: DAC_MCR (22.7.17), DAC_CR (22.7.1). They are there before the outputs are.
-fn thresholds(dac: Dac) {
+fn route(dac: Dac, thresholds: Thresholds) {
     dac.mcr().modify(|w| w.set_hfsel(HFSEL));
-    set(dac, trip_codes(TRIP_A));
+    set(dac, thresholds);
     dac.mcr().modify(|w| {
         w.set_mode(0, Mode::NORMAL_INT_BUFDIS);
         w.set_mode(1, Mode::NORMAL_INT_BUFDIS);
