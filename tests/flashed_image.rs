@@ -2,6 +2,7 @@
 //!
 //! Skipped, with a message, where the target's core library is not installed.
 
+mod amplifier;
 mod belt;
 mod power_cut;
 mod protection;

@@ -2,7 +2,7 @@
 //!
 //! | part | watches | says |
 //! |---|---|---|
-//! | `electrical` | voltage, current, lost blocks | faults 11, 20, 21, 23, 28 |
+//! | `electrical` | voltage, current, lost blocks | faults 11, 13, 20, 21, 23, 28 |
 //! | [`weld`] | whether the belt moves, what its force says, energy for each metre | mutes (limit 101); faults 40 to 43, 46, 47 |
 //! | `heat` | temperature of board and stack, mean power | derates (limit 100); fault 44 |
 //! | [`on_time`] | how long the drive is ON | fault 45 |

@@ -44,6 +44,8 @@ pub enum FaultKind {
     LateBlock,
     /// The comparator on the current fires. An event.
     OverCurrentTrip,
+    /// The amplifier reports a fault. An event.
+    AmplifierFault,
 }
 
 /// What a board reads that is on fire, degrees Celsius.
@@ -52,7 +54,7 @@ pub const OVERTEMPERATURE_C: f32 = 200.0;
 impl FaultKind {
     /// Whether it lasts from its block on; an event strikes one block.
     pub fn lasts(self) -> bool {
-        !matches!(self, FaultKind::Dropout | FaultKind::LateBlock | FaultKind::OverCurrentTrip)
+        !matches!(self, FaultKind::Dropout | FaultKind::LateBlock | FaultKind::OverCurrentTrip | FaultKind::AmplifierFault)
     }
 }
 
@@ -165,7 +167,8 @@ impl<A> FaultInjector<A> {
                 sense.i.clear();
             }
             FaultKind::LateBlock => sense.slow.missed_blocks = Some(sense.slow.missed_blocks.unwrap_or(0) + 1),
-            FaultKind::OverCurrentTrip => sense.slow.trips = Some(Trips { over_current: true }),
+            FaultKind::AmplifierFault => sense.slow.trips = Some(Trips { amplifier_fault: true, ..Trips::default() }),
+            FaultKind::OverCurrentTrip => sense.slow.trips = Some(Trips { over_current: true, ..Trips::default() }),
         }
     }
 
@@ -279,7 +282,7 @@ mod tests {
         let cases: [(FaultKind, Shows); 3] = [
             (FaultKind::Dropout, |sense| sense.v.is_empty() && sense.i.is_empty()),
             (FaultKind::LateBlock, |sense| sense.slow.missed_blocks == Some(1)),
-            (FaultKind::OverCurrentTrip, |sense| sense.slow.trips == Some(Trips { over_current: true })),
+            (FaultKind::OverCurrentTrip, |sense| sense.slow.trips == Some(Trips { over_current: true, ..Trips::default() })),
         ];
         for (kind, shows) in cases {
             let mut injector = injector(1);

@@ -36,6 +36,7 @@ fn what_is_certain_mutes_at_once() {
     assert_eq!(struck(FaultKind::Dropout), (Some(Fault::LateBlock), 0, latency));
     assert_eq!(struck(FaultKind::Saturation), (Some(Fault::SenseSaturated), 0, latency));
     assert_eq!(struck(FaultKind::OverCurrentTrip), (Some(Fault::OverCurrent), 0, latency));
+    assert_eq!(struck(FaultKind::AmplifierFault), (Some(Fault::AmplifierFault), 0, latency));
 }
 
 #[test]
@@ -87,7 +88,8 @@ fn more_current_than_the_limit_mutes_once_it_is_measured() {
 fn a_silent_driver_does_not_fault() {
     let mut queues = Queues::default();
     let mut bench = bench(&mut queues, &Setup::default());
-    for kind in [FaultKind::LateBlock, FaultKind::OverCurrentTrip, FaultKind::Saturation, FaultKind::BeltStopped] {
+    let kinds = [FaultKind::LateBlock, FaultKind::OverCurrentTrip, FaultKind::AmplifierFault, FaultKind::Saturation];
+    for kind in kinds.into_iter().chain([FaultKind::BeltStopped]) {
         bench.analog().inner.strike(kind);
         bench.blocks(300);
         assert_eq!((bench.mode(), bench.fault()), (Mode::Idle, None), "{kind:?}");

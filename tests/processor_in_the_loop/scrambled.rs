@@ -93,7 +93,7 @@ fn slow(random: &mut Xoshiro256PlusPlus, counts: &mut i32) -> SlowSense {
         belt: (!one_in(random, 5000)).then_some(BeltSense { counts: *counts, broken: one_in(random, 5000) }),
         temperature: *pick(random, &[None, Some(21.5)]),
         force: (!one_in(random, 5000)).then(|| (random.next_u32() % 1000) as f32 * 0.01),
-        trips: one_in(random, 3000).then_some(Trips { over_current: true }),
+        trips: one_in(random, 3000).then_some(Trips { over_current: true, ..Trips::default() }),
         missed_blocks: one_in(random, 3000).then_some(1),
     }
 }

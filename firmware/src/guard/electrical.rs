@@ -73,7 +73,7 @@ impl Electrical {
         self.wrong_voltage = count(self.wrong_voltage, wrong_voltage);
         self.no_current = count(self.no_current, no_current);
 
-        let tripped = sense.slow.trips.is_some_and(|trips| trips.over_current);
+        let tripped = sense.slow.trips.is_some_and(|trips| trips.over_current | trips.amplifier_fault);
         let missed = sense.slow.missed_blocks.is_some_and(|missed| missed > 0);
         let cut = sense.v.len() != self.samples || sense.i.len() != self.samples;
         // Clipping and over-current are looked for where there can be any.
@@ -84,7 +84,7 @@ impl Electrical {
         } else if look_at_v && self.is_clipped(&convert.v, &sense.v) {
             Some(Fault::SenseSaturated)
         } else if tripped || over_current {
-            Some(Fault::OverCurrent)
+            Some(tripped_by(sense))
         } else if look_at_i && !self.limit_is_nearer && self.is_clipped(&convert.i, &sense.i) {
             Some(Fault::SenseSaturated)
         } else if self.wrong_voltage >= IMPLAUSIBLE_BLOCKS {
@@ -107,6 +107,14 @@ impl Electrical {
     fn is_over_current(&self, scale: &SenseScale, codes: &Codes) -> bool {
         scale.beyond(codes, self.current_limit) >= OVER_CURRENT_SAMPLES
     }
+}
+
+/// What has tripped: an amplifier that says so itself, or the current.
+#[cold]
+#[inline(never)]
+fn tripped_by(sense: &SenseBlock) -> Fault {
+    let amplifier = sense.slow.trips.is_some_and(|trips| trips.amplifier_fault);
+    if amplifier { Fault::AmplifierFault } else { Fault::OverCurrent }
 }
 
 /// Whether all codes are the same.

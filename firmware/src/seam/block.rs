@@ -164,6 +164,8 @@ pub struct BeltSense {
 pub struct Trips {
     /// The comparator on the current sense has fired.
     pub over_current: bool,
+    /// The amplifier says that it has failed, or has protected itself.
+    pub amplifier_fault: bool,
 }
 
 /// The codes to play, for each lane.

@@ -69,6 +69,8 @@ numbered! {
     /// No frame that is understood has come from the host for longer than the host timeout (`link.patience_s`, 1 s where nothing else is set, or an
     /// order) while the drive is on. Clearing it needs the host back, and drives nothing.
     HostLost = 12, "host lost", "the host said nothing for longer than its timeout while it drove; see --host-timeout and --stay";
+    /// The amplifier's own fault output is active: known with that block.
+    AmplifierFault = 13, "amplifier fault", "the power amplifier reports a fault of its own: look at its supply, temperature and load";
     /// A sense channel is offset by more than 5 %, stuck, or for 8 blocks (in the self-test 96) does not show within a factor of 2 the fundamental
     /// that was played; or the stack does not ring down.
     SensorImplausible = 20, "sense channel implausible", "a sense line is open, stuck or offset, or the amplifier is not on";

@@ -4,6 +4,7 @@
 //! DAC1, or DAC3 and DAC4 -> amplifiers, while PA10 is high -> plant -> V (PA0), I (PA1 and PA7), of the lane of PC8 and PC9
 //! encoder (PB2, PC12, PC10, PC11), force (PB0) <- plant
 //! PC3 <- closed contact of the emergency stop          LPUART1 <-> host
+//! PA6 <- fault output of the amplifier                 PA9 -> status LED
 //! ```
 //!
 //! Offset, noise and rounding of the converters are those of the scene's plant. A plant adds up the conversions of a sample; each of the two that the
@@ -34,6 +35,10 @@ const VOLTAGE: Pin = Pin::new('A', 0);
 const CURRENT: [Pin; 2] = [Pin::new('A', 1), Pin::new('A', 7)];
 /// Emergency stop: high while it is not pressed.
 const STOP: Pin = Pin::new('C', 3);
+/// The amplifier's fault output, open drain: low while it has one.
+const AMPLIFIER_FAULT: Pin = Pin::new('A', 6);
+/// The status LED.
+const LED: Pin = Pin::new('A', 9);
 /// Cycles of a sample: 170 MHz, 1 MHz.
 const SAMPLE_CYCLES: Cycle = 170;
 /// Volts of a code of the ADC.
@@ -41,7 +46,7 @@ const VOLT_PER_CODE: f64 = 3.3 / 4096.0;
 /// The code of zero at the sense channels, of one conversion.
 const ZERO: u16 = 2048;
 
-/// A change of the amplifier's enable.
+/// A change of the amplifier's enable, or of the status LED.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Edge {
     /// When.
@@ -91,6 +96,10 @@ pub struct Bench {
     pub resets: Vec<Reset>,
     /// From when on the emergency stop is pressed, or its wire broken.
     stop_pressed: Option<Cycle>,
+    /// From when on the amplifier reports a fault.
+    amplifier_failed: Option<Cycle>,
+    /// Changes of the status LED so far.
+    pub led: Vec<Edge>,
     /// Analog pins that stand at a voltage from some time on, V.
     tied: Vec<(Cycle, Pin, f64)>,
     /// Changes of the wires by themselves that the part has not looked at yet, in order.
@@ -129,6 +138,8 @@ impl Bench {
             first_lost: None,
             resets: Vec::new(),
             stop_pressed: None,
+            amplifier_failed: None,
+            led: Vec::new(),
             tied: Vec::new(),
             changes: VecDeque::new(),
             bad_stop_bits: 0,
@@ -152,6 +163,11 @@ impl Bench {
     pub fn press_stop(&mut self, at: Cycle) {
         self.stop_pressed = Some(at);
         self.plan(at);
+    }
+
+    /// From a cycle on the amplifier reports a fault; never, or no longer, by none.
+    pub fn fail_amplifier(&mut self, at: Option<Cycle>) {
+        self.amplifier_failed = at;
     }
 
     /// From a cycle that is to come on an analog pin stands at a voltage, V: a wire that is broken, or shorted to something else.
@@ -288,6 +304,9 @@ impl Wires for Bench {
         if let Some(bit) = LISTEN.iter().position(|listen| *listen == pin) {
             self.listen = self.listen & !(1 << bit) | u8::from(high) << bit;
         }
+        if pin == LED && high != self.led.last().is_some_and(|edge| edge.high) {
+            self.led.push(Edge { at, high });
+        }
         if pin == ENABLE && high != self.enabled {
             self.enabled = high;
             self.edges.push(Edge { at, high });
@@ -298,7 +317,9 @@ impl Wires for Bench {
         self.seen(at);
         let closed = port == STOP.port && self.stop_pressed.is_none_or(|pressed| at < pressed);
         let high = if closed { 1 << STOP.number } else { 0 };
-        self.sensors.levels(port, Drive { driven: high, high })
+        let failed = port == AMPLIFIER_FAULT.port && self.amplifier_failed.is_some_and(|failed| at >= failed);
+        let low = if failed { 1 << AMPLIFIER_FAULT.number } else { 0 };
+        self.sensors.levels(port, Drive { driven: high | low, high })
     }
 
     fn encoder(&mut self, at: Cycle) -> i32 {

@@ -17,6 +17,7 @@ mod field;
 mod flash;
 mod force;
 mod guard;
+mod led;
 mod options;
 mod panic;
 mod pins;
@@ -78,6 +79,7 @@ fn main() -> ! {
     core.DWT.enable_cycle_counter();
 
     supply::watch();
+    led::start();
     let (app, mut thermometer) = build(QUEUES.split(LOANS), start);
     start_blocks(&mut core.NVIC);
     let mut log = Log::default();
@@ -86,6 +88,7 @@ fn main() -> ! {
         let _ = app.poll();
         thermometer.poll();
         log.look(app.latest());
+        led::show(app.latest());
     }
 }
 

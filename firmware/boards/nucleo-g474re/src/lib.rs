@@ -7,6 +7,7 @@ pub mod baud;
 pub mod blocks;
 pub mod config;
 pub mod degrees;
+pub mod led;
 pub mod note;
 pub mod options;
 pub mod packing;

@@ -49,7 +49,7 @@ fn longest_question() -> Question {
         belt: Some(BeltSense { counts: i32::MIN, broken: true }),
         temperature: Some(1.0),
         force: Some(1.0),
-        trips: Some(Trips { over_current: true }),
+        trips: Some(Trips { over_current: true, amplifier_fault: true }),
         missed_blocks: Some(u32::MAX),
     };
     Question { orders, sense: SenseBlock { v: codes(), i: codes(), slow } }

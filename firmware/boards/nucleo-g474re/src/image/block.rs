@@ -102,7 +102,7 @@ impl BlockInterrupt {
             belt: self.encoder.as_mut().map(Encoder::read),
             temperature: temperature::latest(),
             force: self.force.as_mut().and_then(ForceChannel::read),
-            trips: Some(Trips { over_current: broken.over_current }),
+            trips: Some(Trips { over_current: broken.over_current, amplifier_fault: broken.amplifier_fault }),
             // The cycle counter stands while a debugger has halted the processor.
             missed_blocks: Some(self.beat.missed(began) + u32::from(self.late) + u32::from(broken.stood)),
         };

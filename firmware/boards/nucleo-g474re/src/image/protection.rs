@@ -43,6 +43,9 @@ use super::pins::Pin;
 const ENABLE: Pin = Pin::new(GPIOA, 10);
 const STOP: Pin = Pin::new(GPIOC, 3);
 const TIM1_FUNCTION: u8 = 6;
+/// The amplifier's fault output, low while it has one; pulled up, so that an amplifier without one reports none. Each block reads it. It is no break: such an
+/// output is often low until the amplifier has its supply, and a break that stands would fail the test of the trips at start.
+const AMPLIFIER_FAULT: Pin = Pin::new(GPIOA, 6);
 /// Of TIM1's channels and breaks, counted from zero.
 const CHANNEL_3: usize = 2;
 const BREAK: usize = 0;
@@ -129,6 +132,7 @@ pub const CURRENT: [Pin; 2] = [Pin::new(GPIOA, 1), Pin::new(GPIOA, 7)];
 fn breaks() {
     // A wire that is broken is a stop.
     STOP.alternate(TIM1_FUNCTION, Pupdr::PULL_DOWN);
+    AMPLIFIER_FAULT.input(Pupdr::PULL_UP);
     // DBGMCU_APB2FZR (47.6.7), which a reset leaves as it is: the counter runs on while a debugger has halted the processor.
     DBGMCU.apb2fzr().modify(|w| w.set_tim1(false));
     // CR1.OPM (28.6.1), ARR (28.6.14), CCR3 (28.6.18): once, for as long.
@@ -181,6 +185,8 @@ fn clear(flags: impl FnOnce(&mut SrAdv)) {
 pub struct Broken {
     /// The comparators have dropped the enable since the last block.
     pub over_current: bool,
+    /// The amplifier reports a fault at present.
+    pub amplifier_fault: bool,
     /// The counter has ended: the processor stood.
     pub stood: bool,
     /// The enable is down since a break: play mid-code.
@@ -205,7 +211,7 @@ pub fn look() -> Broken {
     if !cut {
         TIM1.cnt().write(|w| w.set_cnt(BEGINNING));
     }
-    Broken { over_current, stood, cut }
+    Broken { over_current, amplifier_fault: !AMPLIFIER_FAULT.is_high(), stood, cut }
 }
 
 /// Drops the enable, from anywhere, for good: it must be ordered low before it can rise again. TIM1_BDTR.MOE (28.6.20).
