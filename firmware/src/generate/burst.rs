@@ -28,8 +28,8 @@ use heapless::Vec;
 
 use crate::generate::burst::boost::Boost;
 pub use crate::generate::burst::brake::Brake;
-use crate::generate::burst::envelope::Envelope;
-use crate::generate::burst::passage::{ends_falling, falling, until_passage};
+use crate::generate::burst::envelope::{Envelope, Levels};
+use crate::generate::burst::passage::{ends_falling, falling, passages_within, until_passage, until_passage_of_chirp};
 use crate::generate::burst::schedule::Schedule;
 use crate::generate::nco::Stretch;
 use crate::seam::block::{Gate, MAX_BLOCK_SAMPLES};
@@ -81,8 +81,9 @@ pub struct Burst {
     /// There is a brake or a boost, and how much louder than the drive it may get.
     moves: bool,
     loudest: f32,
-    /// The envelope of the last block with an edge.
-    levels: Vec<f32, MAX_BLOCK_SAMPLES>,
+    /// The envelope of the last block with an edge, as [`Levels`], and their sum.
+    levels: Vec<i32, MAX_BLOCK_SAMPLES>,
+    sum: f32,
 }
 
 impl Burst {
@@ -111,6 +112,7 @@ impl Burst {
             moves: config.edge == Edge::Boost,
             loudest: 1.0,
             levels: Vec::new(),
+            sum: 0.0,
         })
     }
 
@@ -181,13 +183,15 @@ impl Burst {
             let _ = self.levels.resize_default(samples);
         }
         let (mut done, samples) = (0, self.levels.len());
+        self.sum = 0.0;
         loop {
             let span = stays.min((samples - done) as u64) as usize;
             self.span(open, self.brakes(gate), stretch, done..done + span);
             done += span;
             if done == samples {
                 self.end_block();
-                return Envelope::Edge(&self.levels);
+                let mean = self.sum / samples as f32;
+                return Envelope::Edge(Levels { parts: &self.levels, loudest: self.loudest, mean });
             }
             (open, stays) = self.gate(gate, now + done as u64);
         }
@@ -211,6 +215,7 @@ impl Burst {
 
     /// The same, half cycle by half cycle.
     fn half_cycles(&mut self, open: bool, brake: Option<Brake>, stretch: &Stretch, span: Range<usize>) {
+        let one = Levels::one(self.loudest);
         let mut n = span.start;
         let mut phase = stretch.phase_at(n);
         while n < span.end {
@@ -220,22 +225,55 @@ impl Burst {
                 self.pass(open, brake);
             }
             let level = self.level();
-            let (samples, there) =
-                if stretch.step == 0 { until_passage(phase, stretch.word) } else { (1, stretch.phase_at(n + 1)) };
-            let next = span.end.min(n + samples);
-            if let Some(levels) = self.levels.get_mut(n..next) {
-                let (fours, rest) = levels.as_chunks_mut::<4>();
+            let (next, there) = if self.stays(open) {
+                // Only the last passage is of interest.
+                self.falling = falling(stretch.phase_at(span.end - 1));
+                (span.end, phase)
+            } else if stretch.step == 0 {
+                let passages = self.left(open).min(passages_within(phase, stretch.word, span.end - n)).max(1);
+                self.skip(passages - 1);
+                let (samples, there) = until_passage(phase, stretch.word, passages);
+                (span.end.min(n + samples), there)
+            } else {
+                let (samples, there) = until_passage_of_chirp(phase, stretch.word_at(n), stretch.step, span.end - n);
+                (n + samples, there)
+            };
+            if let Some(parts) = self.levels.get_mut(n..next) {
+                let part = (level * one) as i32;
+                let (fours, rest) = parts.as_chunks_mut::<4>();
                 // Written out: a compiler that saves code leaves a loop of one here.
                 for [first, second, third, fourth] in fours {
-                    (*first, *second, *third, *fourth) = (level, level, level, level);
+                    (*first, *second, *third, *fourth) = (part, part, part, part);
                 }
-                rest.fill(level);
+                rest.fill(part);
             }
+            self.sum += level * (next - n) as f32;
             if let Some(boost) = &mut self.boost {
                 boost.advance(level, next - n);
             }
             (n, phase) = (next, there);
         }
+    }
+
+    /// Half cycles for which the level stays as long as the gate does.
+    fn left(&self, open: bool) -> u32 {
+        match (self.state, open) {
+            (State::Rising { left, .. }, true) | (State::Braking { left }, false) => left,
+            _ => 1,
+        }
+    }
+
+    /// Counts off so many of them, but not the last one.
+    fn skip(&mut self, passages: u32) {
+        if let State::Rising { left, .. } | State::Braking { left } = &mut self.state {
+            *left -= passages;
+        }
+        self.falling ^= passages % 2 == 1;
+    }
+
+    /// Whether no passage through zero changes anything as long as the gate stays.
+    fn stays(&self, open: bool) -> bool {
+        matches!((self.state, open), (State::Closed, false) | (State::Open { .. }, true))
     }
 
     fn level(&self) -> f32 {

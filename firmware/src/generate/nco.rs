@@ -38,6 +38,11 @@ impl Stretch {
         self.phase.wrapping_add(n.wrapping_mul(self.word)).wrapping_add(pairs.wrapping_mul(self.step))
     }
 
+    /// Increment of the phase after sample `n`.
+    pub(crate) fn word_at(&self, n: usize) -> u64 {
+        self.word.wrapping_add((n as u64).wrapping_mul(self.step))
+    }
+
     /// The tone of constant frequency that is nearest to the first `samples` samples, in the sense of least squares. A chirp of rate `c` (Hz/s) deviates from it by `pi c (T / 2)^2 / 3` rad rms at most over a block of `T`.
     pub(crate) fn chord(&self, samples: usize) -> Stretch {
         if self.step == 0 {

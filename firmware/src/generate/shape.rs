@@ -30,13 +30,9 @@ pub enum Shape {
 }
 
 impl Shape {
-    /// The amplitude of its fundamental, of a peak of one, at a frequency (cycles a sample). A noise has none.
-    pub(crate) fn fundamental(&self, cycles_per_sample: f32) -> Option<f32> {
-        match self {
-            Shape::Sine => Some(1.0),
-            Shape::Harmonics(_, bands) => Some(bands.at(cycles_per_sample).fundamental()),
-            Shape::Noise(..) => None,
-        }
+    /// Whether it has a fundamental: a noise has none.
+    pub(crate) fn has_fundamental(&self) -> bool {
+        !matches!(self, Shape::Noise(..))
     }
 
     /// Builds the configured waveform.

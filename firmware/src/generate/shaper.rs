@@ -1,26 +1,29 @@
 //! The shaper: phase, shape, lanes and envelope to codes.
 //! `drive(n, lane) = mid + envelope(n) * volts * gain(lane) * shape(phase(n) + offset(lane))`.
 //!
+//! A plain sine is written as it is swung. Whatever else is played is put down as a [`Wave`] first, sample by sample, and then written.
+//!
 //! Amplitudes are limited here to what the converter has, once a block, so that no code can run over. What a burst leaves in volt-seconds
 //! (its sampling, its rounding, the shape of its edges) is counted in codes and paid back in the silence after it, an eighth of the
 //! amplitude a sample at most: over burst and silence the codes of every lane add up to nothing.
 
 mod rows;
+mod wave;
 
 use heapless::Vec;
 
-use crate::generate::burst::envelope::Envelope;
+use crate::generate::burst::envelope::{Envelope, Levels};
 use crate::generate::drive_scale::DriveScale;
 use crate::generate::nco::Stretch;
 use crate::generate::phasing::Lane;
 use crate::generate::shape::Shape;
-use crate::generate::shape::bands::{Bands, Blend};
+use crate::generate::shape::bands::Blend;
 use crate::generate::shape::noise::{Dither, Noise};
-use crate::generate::shape::sine::{self, Steady};
-use crate::generate::shaper::rows::{Levels, Row};
-use crate::seam::block::{Codes, DriveBlock, MAX_BLOCK_SAMPLES, MAX_LANES};
+use crate::generate::shape::sine::{Steady, Steps};
+use crate::generate::shape::square;
+use crate::generate::shaper::wave::Wave;
+use crate::seam::block::{Codes, DriveBlock, MAX_LANES};
 use crate::seam::config::Config;
-use crate::seam::phasor::Phasor;
 
 /// The most that is paid back in a sample: codes, and a part of the amplitude.
 const PAYBACK: (f32, f32) = (32.0, 0.125);
@@ -37,6 +40,8 @@ pub struct Shaper {
     most_owed: i32,
     /// Amplitude of the last block that was driven, codes.
     driven: f32,
+    /// What a block plays, where it is no plain sine.
+    wave: Wave,
 }
 
 /// What a block is to play.
@@ -83,6 +88,7 @@ impl Shaper {
             owed: [0; MAX_LANES],
             most_owed: MOST_OWED.0,
             driven: 0.0,
+            wave: Wave::default(),
         }
     }
 
@@ -98,11 +104,12 @@ impl Shaper {
         self.silence(play, drive);
     }
 
-    /// Writes one block of codes.
-    pub fn shape(&mut self, shape: &mut Shape, play: &Play, drive: &mut DriveBlock) {
+    /// Writes one block of codes. Returns the amplitude of its fundamental, of a peak of one; a noise has none, and of silence it is one.
+    pub fn shape(&mut self, shape: &mut Shape, play: &Play, drive: &mut DriveBlock) -> Option<f32> {
         fit(play, drive);
         if play.volts == 0.0 || play.envelope == Envelope::Flat(0.0) {
-            return self.silence(play, drive);
+            self.silence(play, drive);
+            return shape.has_fundamental().then_some(1.0);
         }
         let size = Size::of(play);
         self.driven = size.target;
@@ -111,10 +118,19 @@ impl Shaper {
         }
         match shape {
             Shape::Sine if play.stretch.step == 0 => self.steady(size, play, drive),
-            Shape::Sine => self.chirp(size, play, drive),
-            Shape::Harmonics(_, bands) => self.harmonics(bands, size, play, drive),
-            Shape::Noise(_, noise) => self.noise(noise, size, play, drive),
+            // A sine whose frequency moves.
+            Shape::Sine => self.read(&square::SINE, size, play, drive),
+            Shape::Harmonics(_, bands) => {
+                let blend = bands.at(play.stretch.frequency());
+                self.read(&blend, size, play, drive);
+                return Some(blend.fundamental());
+            }
+            Shape::Noise(_, noise) => {
+                self.noise(noise, size, play, drive);
+                return None;
+            }
         }
+        Some(1.0)
     }
 
     /// Lets as much be owed as an edge of this amplitude, codes, may leave.
@@ -127,6 +143,7 @@ impl Shaper {
     /// A sine of constant frequency. Most blocks are one of the first two, which are separate so that neither costs the other time.
     fn steady(&mut self, size: Size, play: &Play, drive: &mut DriveBlock) {
         match (&self.dither, play.envelope) {
+            _ if play.stretch.word > Steps::HIGHEST => self.swung(size, play, drive),
             (None, Envelope::Flat(1.0)) => self.even(size, play, drive),
             (None, Envelope::Edge(levels)) => self.edge(size, play, drive, levels),
             _ => self.swung(size, play, drive),
@@ -136,140 +153,71 @@ impl Shaper {
     /// Under an envelope of one, without a dither.
     #[inline(never)]
     fn even(&mut self, size: Size, play: &Play, drive: &mut DriveBlock) {
-        self.swing(size, play, drive, rows::even, rows::even_both);
+        self.swing(size, play, drive, rows::even);
     }
 
     /// Under an envelope that differs from sample to sample, without a dither.
     #[inline(never)]
-    fn edge(&mut self, size: Size, play: &Play, drive: &mut DriveBlock, levels: &[f32]) {
-        // As loud as it may get, and levels as parts of that.
-        let (loudest, levels) = (play.louder, Levels::of(levels, play.louder));
-        let size = Size { target: size.target * loudest, room: size.room * loudest };
-        let one = |row: Row, codes: &mut [u16]| rows::edge(row, levels, codes);
-        self.swing(size, play, drive, one, |row, codes, opposite| rows::edge_both(row, levels, codes, opposite));
+    fn edge(&mut self, size: Size, play: &Play, drive: &mut DriveBlock, levels: Levels) {
+        // As loud as it may get, of which the levels are parts.
+        let size = Size { target: size.target * levels.loudest, room: size.room * levels.loudest };
+        self.swing(size, play, drive, |steps, base, codes| rows::edge(steps, base, levels.parts, codes));
     }
 
-    /// Writes each lane's swing, and with it the lane that is its opposite, if there is one.
+    /// Writes each lane's swing, or that of the lane that it is the opposite of, about mid-code.
     #[inline(always)]
-    fn swing(
-        &mut self,
-        size: Size,
-        play: &Play,
-        drive: &mut DriveBlock,
-        one: impl Fn(Row, &mut [u16]) -> i32,
-        both: impl Fn(Row, &mut [u16], &mut [u16]) -> i32,
-    ) {
+    fn swing(&mut self, size: Size, play: &Play, drive: &mut DriveBlock, row: impl Fn(Steps, f32, &mut [u16]) -> i32) {
         let steady = Steady::new(&play.stretch);
         let (mid, base) = (play.scale.silence(), play.scale.rounding_base());
         let silent = i32::from(mid) * play.samples as i32;
-        let mut lanes = drive.lanes.as_mut_slice();
+        // Of the last two lanes.
+        let mut beside = [0; 2];
         for (n, lane) in play.lanes.iter().enumerate() {
-            let Some((codes, rest)) = lanes.split_first_mut() else { break };
-            lanes = rest;
-            if n >= 2 && lane.mirrors {
-                continue;
-            }
-            let row = Row { swing: steady.swing(lane.row * size.at(lane.gain)), base, twice: mid.wrapping_mul(2) };
-            match (play.lanes.get(n + 2), lanes.get_mut(1)) {
-                (Some(Lane { mirrors: true, .. }), Some(opposite)) => {
-                    let beside = both(row, codes, opposite) - silent;
-                    self.owe(n, beside);
-                    self.owe(n + 2, -beside);
+            let Some((before, [codes, ..])) = drive.lanes.split_at_mut_checked(n) else { break };
+            let this = match before.iter().nth_back(1).filter(|_| lane.mirrors) {
+                Some(other) => {
+                    rows::opposite(mid, other, codes);
+                    -beside[0]
                 }
-                _ => {
-                    let beside = one(row, codes) - silent;
-                    self.owe(n, beside);
-                }
-            }
+                None => row(steady.swing(lane.row * size.at(lane.gain)).steps().0, base, codes) - silent,
+            };
+            beside = [beside[1], this];
+            self.owe(n, this);
         }
     }
 
-    /// Under any other envelope, or with a dither.
+    /// A sine under any other envelope, or with a dither.
     #[inline(never)]
     fn swung(&mut self, size: Size, play: &Play, drive: &mut DriveBlock) {
         let steady = Steady::new(&play.stretch);
         for (n, (lane, codes)) in play.lanes.iter().zip(&mut drive.lanes).enumerate() {
-            let mut swing = steady.swing(lane.row * size.at(lane.gain));
-            let beside = self.write(play, codes, || swing.take());
-            self.owe(n, beside);
+            self.wave.swing(&steady.swing(lane.row * size.at(lane.gain)), play.samples);
+            self.write(play, Wave::OF_STEPS, n, codes);
         }
     }
 
-    /// A sine whose frequency moves: one pair a sample, for all lanes.
+    /// What tables hold.
     #[inline(never)]
-    fn chirp(&mut self, size: Size, play: &Play, drive: &mut DriveBlock) {
-        let (mut pairs, mut phases) = ([Phasor::default(); MAX_BLOCK_SAMPLES], play.stretch.phases(0));
-        pairs.iter_mut().take(play.samples).for_each(|z| *z = sine::rotation(u64::from(phases.take()) << 32));
+    fn read(&mut self, blend: &Blend, size: Size, play: &Play, drive: &mut DriveBlock) {
         for (n, (lane, codes)) in play.lanes.iter().zip(&mut drive.lanes).enumerate() {
-            let (row, mut pairs) = (lane.row * size.at(lane.gain), pairs.iter());
-            let beside = self.write(play, codes, || pairs.next().map_or(0.0, |z| z.im * row.re + z.re * row.im));
-            self.owe(n, beside);
-        }
-    }
-
-    #[inline(never)]
-    fn harmonics(&mut self, bands: &Bands, size: Size, play: &Play, drive: &mut DriveBlock) {
-        let Blend { lower, upper, weight } = bands.at(play.stretch.frequency());
-        for (n, (lane, codes)) in play.lanes.iter().zip(&mut drive.lanes).enumerate() {
-            let (peak, mut phases) = (size.at(lane.gain) * lane.gain, play.stretch.phases(lane.offset));
-            // One closure for both: the loops around it are written out once.
-            let beside = self.write(play, codes, || {
-                let phase = phases.take();
-                let high = upper.at(phase);
-                if weight == 1.0 {
-                    return peak * high;
-                }
-                let low = lower.at(phase);
-                peak * (low + weight * (high - low))
-            });
-            self.owe(n, beside);
+            self.wave.read(blend, play.stretch.phases(lane.offset), play.samples);
+            self.write(play, size.at(lane.gain) * lane.gain, n, codes);
         }
     }
 
     #[inline(never)]
     fn noise(&mut self, noise: &mut Noise, size: Size, play: &Play, drive: &mut DriveBlock) {
-        let mut wave = [0.0; MAX_BLOCK_SAMPLES];
-        wave.iter_mut().take(play.samples).for_each(|value| *value = noise.take());
+        self.wave.fill(noise, play.samples);
         for (n, (lane, codes)) in play.lanes.iter().zip(&mut drive.lanes).enumerate() {
-            let (peak, mut values) = (size.at(lane.gain) * lane.gain, wave.iter());
-            let beside = self.write(play, codes, || peak * values.next().copied().unwrap_or(0.0));
-            self.owe(n, beside);
+            self.write(play, size.at(lane.gain) * lane.gain, n, codes);
         }
     }
 
-    /// Rounds a waveform to the codes of a lane, and returns their sum about mid-code. Amplitudes are limited where they are made, so that every
-    /// sum is a code.
-    #[inline(always)]
-    fn write(&mut self, play: &Play, codes: &mut Codes, mut next: impl FnMut() -> f32) -> i32 {
-        let base = play.scale.rounding_base();
-        let mut sum = 0;
-        let mut put = |place: &mut u16, value: f32| {
-            let code = (base + value) as i32;
-            sum += code;
-            *place = code as u16;
-        };
-        match (&mut self.dither, play.envelope) {
-            (None, Envelope::Flat(1.0)) => {
-                // Two by two: most of the time is spent here.
-                let (pairs, rest) = codes.as_chunks_mut::<2>();
-                for [first, second] in pairs {
-                    put(first, next());
-                    put(second, next());
-                }
-                rest.iter_mut().for_each(|place| put(place, next()));
-            }
-            (None, Envelope::Flat(level)) => codes.iter_mut().for_each(|place| put(place, level * next())),
-            (None, Envelope::Edge(levels)) => codes.iter_mut().zip(levels).for_each(|(place, level)| put(place, level * next())),
-            (Some(dither), Envelope::Flat(level)) => {
-                codes.iter_mut().for_each(|place| put(place, level * next() + dither.take()));
-            }
-            (Some(dither), Envelope::Edge(levels)) => codes.iter_mut().zip(levels).for_each(|(place, level)| {
-                // Silence is silent.
-                let dithered = if *level == 0.0 { 0.0 } else { dither.take() };
-                put(place, level * next() + dithered);
-            }),
-        }
-        sum - i32::from(play.scale.silence()) * play.samples as i32
+    /// Rounds the waveform, of this peak in codes, to the codes of a lane. Amplitudes are limited where they are made, so that every sum is a code.
+    #[inline(never)]
+    fn write(&mut self, play: &Play, peak: f32, lane: usize, codes: &mut Codes) {
+        let sum = self.wave.write(peak, play.scale.rounding_base(), &play.envelope, self.dither.as_mut(), codes);
+        self.owe(lane, sum - i32::from(play.scale.silence()) * play.samples as i32);
     }
 
     /// Adds what a lane has played beside mid-code to what it owes.

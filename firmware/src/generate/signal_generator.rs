@@ -142,12 +142,17 @@ impl SignalGenerator {
         let shaped = running || mode == Mode::Lock && !observed;
         let pure = !shaped || matches!(self.shape, Shape::Sine);
         let shape = if shaped { &mut self.shape } else { &mut plain };
-        match mode {
-            Mode::Idle | Mode::Fault => self.shaper.mute(&play, drive),
-            Mode::SelfTest | Mode::Clamped if plan.volts == 0.0 => self.shaper.mute(&play, drive),
-            _ => self.shaper.shape(shape, &play, drive),
-        }
-        let fundamental = shape.fundamental(tone.frequency()).filter(|_| plan.listen == 0);
+        let muted = match mode {
+            Mode::Idle | Mode::Fault => true,
+            Mode::SelfTest | Mode::Clamped => plan.volts == 0.0,
+            _ => false,
+        };
+        let fundamental = if muted {
+            self.shaper.mute(&play, drive);
+            Some(1.0)
+        } else {
+            self.shaper.shape(shape, &play, drive)
+        };
         drive.listen = plan.listen;
         Played {
             tone,
@@ -155,7 +160,7 @@ impl SignalGenerator {
             offset_hz,
             detune_hz: plan.tracked_hz.filter(|_| running).map_or(0.0, |tracked_hz| offset_hz - tracked_hz),
             volts,
-            audible: fundamental.map(|part| part * gain),
+            audible: fundamental.filter(|_| plan.listen == 0).map(|part| part * gain),
             envelope: level,
             flat,
             pure,

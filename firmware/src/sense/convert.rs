@@ -94,6 +94,16 @@ impl SenseScale {
         &self.fixed
     }
 
+    /// The code of zero, with its measured offset.
+    pub(crate) fn zero(&self) -> f32 {
+        self.zero
+    }
+
+    /// The largest code.
+    pub(crate) fn max_code(&self) -> u16 {
+        self.max_code
+    }
+
     /// How many samples of a block are beyond `limit` (in SI) on either side of zero.
     pub(crate) fn beyond(&self, codes: &Codes, limit: f32) -> usize {
         let limit = self.codes(limit);
@@ -129,22 +139,32 @@ impl SenseScale {
     }
 }
 
-/// How many codes are not within `least` to `most`.
+/// How many codes are not within `least` to `most`, which is not the lesser one.
 fn outside(codes: &Codes, least: u16, most: u16) -> usize {
-    let (least, most) = (i32::from(least), i32::from(most));
-    // Below zero if either difference is.
-    let beside = |code: &u16| (i32::from(*code) - least) | (most - i32::from(*code));
-    let count = |codes: &[u16]| codes.iter().filter(|code| beside(code) < 0).count();
-    let (fours, rest) = codes.as_chunks::<4>();
+    let beside = |code: &&u16| **code < least || **code > most;
+    let count = |codes: &[u16]| codes.iter().filter(beside).count();
+    if most > MIDDLE || least > MIDDLE {
+        return count(codes);
+    }
+    // Two at a time, of which bit 15 and bit 31 say that one is beside: what a carry takes from the other half, it takes only with its own bit set.
+    let twice = |code: u16| u32::from(code) * 0x1_0001;
+    let (above, below) = (twice(MIDDLE - most), twice(MIDDLE + least));
+    let bits = |first: u16, second: u16| {
+        let both = u32::from(first) | u32::from(second) << 16;
+        both.wrapping_add(above) | below.wrapping_sub(both)
+    };
+    let (eights, rest) = codes.as_chunks::<8>();
     let mut all = count(rest);
-    // Four at a time: most are not.
-    for four @ [a, b, c, d] in fours {
-        if beside(a) | beside(b) | beside(c) | beside(d) < 0 {
-            all += count(four);
+    for eight @ [a, b, c, d, e, f, g, h] in eights {
+        if (bits(*a, *b) | bits(*c, *d) | bits(*e, *f) | bits(*g, *h)) & twice(MIDDLE + 1) != 0 {
+            all += count(eight);
         }
     }
     all
 }
+
+/// The largest code whose uppermost bit is free.
+const MIDDLE: u16 = 0x7fff;
 
 /// All converters of the front end.
 #[derive(Clone, Debug)]
@@ -166,5 +186,46 @@ impl Convert {
             i: sense(front_end.ampere_per_lsb)?,
             drive: DriveScale::build(front_end)?,
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Against one comparison after the other, over all codes, also such as no converter has.
+    #[test]
+    fn codes_outside_are_counted_one_and_all() {
+        let mut random = 1u64;
+        let mut next = |most: u64| {
+            random = random.wrapping_mul(0x5851_f42d_4c95_7f2d).wrapping_add(0x1405_7b7e_f767_814f);
+            ((random >> 33) * most >> 31) as u16
+        };
+        let mut seen = [0; 3];
+        for trial in 0..200_000 {
+            let range = [0x1000, 0x2000, 0x8000, 0x1_0000][trial % 4];
+            let (one, other) = (next(range), next(range));
+            let (least, most) = (one.min(other), one.max(other));
+            let codes: Codes = (0..8 + trial % 90).map(|_| next(if trial % 3 == 0 { 0x1_0000 } else { range })).collect();
+            let expected = codes.iter().filter(|&&code| code < least || code > most).count();
+            assert_eq!(outside(&codes, least, most), expected, "{least} to {most}: {codes:?}");
+            seen[if expected == 0 {
+                0
+            } else if expected < codes.len() {
+                1
+            } else {
+                2
+            }] += 1;
+        }
+        assert!(seen[1] > 100_000 && seen[2] > 100, "{seen:?}");
+        // Whole blocks in order, but for one code.
+        for at in 0..32 {
+            let mut codes: Codes = core::iter::repeat_n(4096, 32).collect();
+            assert_eq!(outside(&codes, 1, 8190), 0);
+            for code in [0, 8191, 0x7fff, 0x8000, 0x9000, 0xffff] {
+                codes[at] = code;
+                assert_eq!(outside(&codes, 1, 8190), 1, "{code} at {at}");
+            }
+        }
     }
 }

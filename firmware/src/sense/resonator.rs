@@ -44,18 +44,6 @@ impl Scale {
         Scale { one, minus_zero: minus_zero as u32, step, square: 4_294_967_296.0 / (size * size) }
     }
 
-    /// The same twice as large, whose upper half-word is the code, rounded, by 2^13 for a range: what to multiply it by, and what to add.
-    #[inline]
-    pub(crate) fn doubled(&self) -> (u32, u32) {
-        (self.one << 1, (self.minus_zero << 1).wrapping_add(1 << 15))
-    }
-
-    /// What a step of that upper half-word is, in codes.
-    #[inline]
-    pub(crate) fn half_word(&self) -> f32 {
-        32_768.0 / self.one as f32
-    }
-
     /// How far the zero here may be from the one that was asked for, in codes.
     pub(crate) fn off(&self) -> f32 {
         self.step

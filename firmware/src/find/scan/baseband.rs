@@ -20,9 +20,9 @@ use crate::seam::block::{MAX_BLOCK_SAMPLES, SenseBlock};
 use crate::seam::phasor::Phasor;
 use crate::sense::convert::{Convert, SenseScale};
 use crate::sense::demod::Sensed;
-use crate::sense::resonator::Scale;
 
-/// Amplitude of the reference: with it a whole block of the largest codes, 2^13, adds up to less than 2^31.
+/// Bits of a code, and amplitude of the reference: a whole block of the largest codes adds up to less than 2^31.
+const BITS: u32 = 13;
 const AMPLITUDE: f32 = 2047.0;
 /// Bits that sums of sums have less.
 const LESS: u32 = 8;
@@ -34,12 +34,13 @@ pub(crate) struct Baseband {
     phase: u64,
     /// Cosine (lower half) and sine of the reference in a block that begins with it.
     waves: [u32; MAX_BLOCK_SAMPLES],
+    unit: Unit,
     rising: Sensed,
 }
 
 impl Default for Baseband {
     fn default() -> Self {
-        Baseband { word: 0, phase: 0, waves: [0; MAX_BLOCK_SAMPLES], rising: Sensed::default() }
+        Baseband { word: 0, phase: 0, waves: [0; MAX_BLOCK_SAMPLES], unit: Unit::default(), rising: Sensed::default() }
     }
 }
 
@@ -49,8 +50,8 @@ impl Baseband {
         (self.word, self.phase, self.rising) = (word, 0, Sensed::default());
     }
 
-    /// Plays the reference, before the first block is taken.
-    pub(crate) fn play(&mut self) {
+    /// Plays the reference for blocks of so many samples, before the first one is taken.
+    pub(crate) fn play(&mut self, samples: usize) {
         let word = self.word;
         let steady = Steady::new(&Stretch { phase: 0, word, step: 0 });
         let (mut cosine, mut sine) = (steady.swing(Phasor::new(0.0, AMPLITUDE)), steady.swing(Phasor::new(AMPLITUDE, 0.0)));
@@ -59,6 +60,7 @@ impl Baseband {
         for wave in &mut self.waves {
             *wave = (rounded(sine.take()) as u32) << 16 | rounded(cosine.take()) as u32 & 0xffff;
         }
+        self.unit = Unit::of(self.waves.get(..samples).unwrap_or_default());
     }
 
     /// Takes a block.
@@ -66,8 +68,7 @@ impl Baseband {
         let samples = sense.v.len().min(sense.i.len());
         let first = sine::rotation(self.phase).conj();
         let of = |codes: &[u16], channel: &SenseScale| {
-            let moments = Moments::of(codes, &self.waves, channel.fixed());
-            let (falling, rising) = moments.halves(samples, channel);
+            let (falling, rising) = self.unit.halves(codes, &self.waves, channel);
             (first * falling, first * rising)
         };
         let ((v_falling, v_rising), (i_falling, i_rising)) = (of(&sense.v, &convert.v), of(&sense.i, &convert.i));
@@ -83,51 +84,84 @@ impl Baseband {
     }
 }
 
-/// Sum of codes times reference, and the sum of the sums so far, which weighs the first sample most: cosine, sine.
+/// Sum of codes times reference, and the sum of the sums so far, which weighs the first sample most: cosine, sine. They may wrap: what is left of them
+/// without the codes' zero does not.
+#[derive(Clone, Copy, Debug, Default)]
 struct Moments {
     sum: [i32; 2],
     sums: [i32; 2],
 }
 
 impl Moments {
-    /// Of the codes of a channel. In halves of words, which a Cortex-M4 multiplies and adds in one cycle (`SMLATB`, `SMLATT`).
+    /// Of the codes of a channel as they are, about nothing, so that they are read and multiplied by halves of words, each in one cycle of a Cortex-M4
+    /// (`SMLABB`, `SMLATT`). Codes of more than [`BITS`] lose so many.
     #[inline(never)]
-    fn of(codes: &[u16], waves: &[u32], scale: &Scale) -> Self {
-        let mut moments = Moments { sum: [0; 2], sums: [0; 2] };
-        let (one, minus_zero) = scale.doubled();
+    fn of(codes: &[u16], waves: &[u32], less: u32) -> Self {
+        let mut moments = Moments::default();
+        if less > 0 {
+            codes.iter().zip(waves).for_each(|(code, wave)| moments.add((code >> less).into(), *wave));
+            return moments;
+        }
         let ((pairs, rest), (waves, last)) = (codes.as_chunks::<2>(), waves.as_chunks::<2>());
         // No more than two at a time: for more there are no registers.
         for ([first, second], [wave, next]) in pairs.iter().zip(waves) {
-            moments.add(*first, *wave, one, minus_zero);
-            moments.add(*second, *next, one, minus_zero);
+            moments.add((*first as i16).into(), *wave);
+            moments.add((*second as i16).into(), *next);
         }
-        let last = waves.get(pairs.len()).map_or(last, |pair| pair);
-        for (code, wave) in rest.iter().zip(last) {
-            moments.add(*code, *wave, one, minus_zero);
-        }
+        let next = waves.get(pairs.len()).map_or(last, |pair| pair);
+        rest.iter().zip(next).for_each(|(code, wave)| moments.add((*code).into(), *wave));
         moments
     }
 
     #[inline(always)]
-    fn add(&mut self, code: u16, wave: u32, one: u32, minus_zero: u32) {
-        let x = u32::from(code).wrapping_mul(one).wrapping_add(minus_zero) as i32 >> 16;
-        self.sum[0] = self.sum[0].wrapping_add(x * i32::from(wave as i16));
-        self.sum[1] = self.sum[1].wrapping_add(x * (wave as i32 >> 16));
+    fn add(&mut self, code: i32, wave: u32) {
+        self.sum[0] = self.sum[0].wrapping_add(code * i32::from(wave as i16));
+        self.sum[1] = self.sum[1].wrapping_add(code * (wave as i32 >> 16));
         self.sums[0] = self.sums[0].wrapping_add(self.sum[0] >> LESS);
         self.sums[1] = self.sums[1].wrapping_add(self.sum[1] >> LESS);
     }
+}
 
-    /// By the falling and by the rising half of the triangle, in SI.
-    fn halves(&self, samples: usize, channel: &SenseScale) -> (Phasor, Phasor) {
-        if samples == 0 {
-            return (Phasor::default(), Phasor::default());
+/// The same of codes of one: what a zero of so much adds.
+#[derive(Clone, Copy, Debug, Default)]
+struct Unit {
+    sum: [i32; 2],
+    /// Not by [`LESS`] bits less.
+    sums: [i32; 2],
+}
+
+impl Unit {
+    fn of(waves: &[u32]) -> Self {
+        let mut unit = Unit::default();
+        for wave in waves {
+            unit.sum = [unit.sum[0] + i32::from(*wave as i16), unit.sum[1] + (*wave as i32 >> 16)];
+            unit.sums = [unit.sums[0] + unit.sum[0], unit.sums[1] + unit.sum[1]];
         }
-        let count = samples as f32;
-        // Times exp(-j theta), whose sine is the other way round; in codes.
-        let step = channel.fixed().half_word() / AMPLITUDE;
-        let codes = |[re, im]: [i32; 2], size: f32| Phasor::new(re as f32, -(im as f32)) * (size * step);
-        let (sum, falling) = (codes(self.sum, 1.0), codes(self.sums, (1 << LESS) as f32 / count));
-        (channel.scale(falling * (2.0 / count)), channel.scale((sum - falling) * (2.0 / count)))
+        unit
+    }
+
+    /// Of the codes of a channel, by the falling and by the rising half of the triangle, in SI.
+    fn halves(&self, codes: &[u16], waves: &[u32], channel: &SenseScale) -> (Phasor, Phasor) {
+        let count = codes.len().max(1) as f32;
+        let less = (u16::BITS - channel.max_code().leading_zeros()).saturating_sub(BITS);
+        let Moments { sum, sums } = Moments::of(codes, waves, less);
+        // Bits that are cut off are half of themselves on an average.
+        let size = (1 << less) as f32;
+        let zero = (channel.zero() + 0.5) / size - 0.5;
+        let (whole, part) = (zero as i32, zero - (zero as i32) as f32);
+        let about = |n: usize| {
+            let sums_of_zero = ((i64::from(whole) * i64::from(self.sums[n])) >> LESS) as i32;
+            (
+                sum[n].wrapping_sub(whole.wrapping_mul(self.sum[n])) as f32 - part * self.sum[n] as f32,
+                sums[n].wrapping_sub(sums_of_zero) as f32 - part * self.sums[n] as f32 * (1.0 / (1 << LESS) as f32),
+            )
+        };
+        let ((sum_re, sums_re), (sum_im, sums_im)) = (about(0), about(1));
+        // Times exp(-j theta), whose sine is the other way round.
+        let sum = Phasor::new(sum_re, -sum_im);
+        let falling = Phasor::new(sums_re, -sums_im) * ((1 << LESS) as f32 / count);
+        let scale = 2.0 / (count * AMPLITUDE) * size;
+        (channel.scale(falling * scale), channel.scale((sum - falling) * scale))
     }
 }
 
@@ -144,7 +178,7 @@ mod tests {
         let convert = Convert::build(&front_end()).unwrap();
         let mut baseband = Baseband::default();
         baseband.restart(tuning_word(reference_hz / 1e6));
-        baseband.play();
+        baseband.play(32);
         let mut sum = Phasor::default();
         for block in 0..126 {
             let wave = |n: usize| 1500.0 * libm::cos(core::f64::consts::TAU * hz * 1e-6 * (32 * block + n) as f64);

@@ -6,7 +6,32 @@ pub enum Envelope<'a> {
     /// A constant envelope.
     Flat(f32),
     /// An envelope that changes, sample by sample.
-    Edge(&'a [f32]),
+    Edge(Levels<'a>),
+}
+
+/// The levels of an edge, sample by sample, in fixed point.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Levels<'a> {
+    /// Of the loudest level: 2^31 for all of it.
+    pub parts: &'a [i32],
+    /// The loudest level that there may be; at least one.
+    pub loudest: f32,
+    /// Mean of the levels.
+    pub mean: f32,
+}
+
+impl Levels<'_> {
+    /// What makes a level a part of the loudest one. A level of all of it saturates, one step of 2^-31 below.
+    #[inline]
+    pub(crate) fn one(loudest: f32) -> f32 {
+        2_147_483_648.0 / loudest
+    }
+
+    /// The levels, one by one.
+    #[cfg(test)]
+    pub(crate) fn to_vec(self) -> std::vec::Vec<f32> {
+        self.parts.iter().map(|&part| part as f32 / Levels::one(self.loudest)).collect()
+    }
 }
 
 impl Envelope<'_> {
@@ -14,12 +39,7 @@ impl Envelope<'_> {
     pub(crate) fn mean(&self) -> f32 {
         match self {
             Envelope::Flat(level) => *level,
-            Envelope::Edge(levels) => {
-                let (fours, rest) = levels.as_chunks::<4>();
-                // Four sums, none of which waits for another.
-                let [a, b, c, d] = fours.iter().fold([0.0; 4], |[a, b, c, d], [w, x, y, z]| [a + w, b + x, c + y, d + z]);
-                ((a + b) + (c + d) + rest.iter().sum::<f32>()) / levels.len().max(1) as f32
-            }
+            Envelope::Edge(levels) => levels.mean,
         }
     }
 

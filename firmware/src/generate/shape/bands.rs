@@ -1,11 +1,12 @@
 //! Waveforms of many harmonics, free of aliases: for each band of frequencies a table of one period, the sum of those harmonics that lie
-//! below half the sample rate.
+//! below half the sample rate. In fixed point: 16 bits, interpolated to 30.
 //!
 //! A two-level square sent through a converter at 25 samples a period folds its upper harmonics back into the band: 14 dB below the
-//! fundamental, all together. Tables of 1024 entries with linear interpolation are exact to `(2 pi k / 1024)^2 / 8` of harmonic `k`.
+//! fundamental, all together. Tables of 1024 entries with linear interpolation are exact to `(2 pi k / 1024)^2 / 8` of harmonic `k`, and to half of
+//! 2^-15 of the peak: a sixteenth of the smallest step of a 12-bit converter.
 //!
-//! A wave of sines is odd, so that half of its period is stored; one of odd harmonics is its own mirror within that half as well, and a quarter is. What
-//! is read is the same to the last bit as in a table of the whole period: mirrored entries have the same bits, and interpolation goes the same way.
+//! A wave of sines is odd, so that half of its period is stored. The other half is read backwards from its end, and turned over: `wave(-phase)`
+//! is `-wave(phase)`, with the complement of the phase in place of its opposite, 2^-32 of a turn beside it.
 //!
 //! Where the frequency moves, the topmost harmonics must neither fold nor jump: they fade as they come near half the sample rate.
 //! Between two bands the waveform is a blend of both tables, and the weight depends on nothing but the frequency.
@@ -16,51 +17,35 @@ use super::sine::sine_of_turns;
 pub(super) const LENGTH: usize = 1 << INDEX_BITS;
 const INDEX_BITS: u32 = 10;
 const FRACTION_BITS: u32 = 32 - INDEX_BITS;
-const FRACTION_SCALE: f32 = 1.0 / (1u32 << FRACTION_BITS) as f32;
+/// Bits of an entry's fraction, and of the part of the way to the next one.
+const ENTRY_BITS: u32 = 15;
+const WAY_BITS: u32 = 15;
 /// A harmonic is whole up to the first of these frequencies (cycles a sample), and gone from the second on.
 const FADE: (f32, f32) = (0.46, 0.5);
 
-/// Entries of half a period and of a quarter, with the first of what follows, for interpolation.
-pub(super) const HALF: usize = LENGTH / 2 + 1;
-pub(super) const QUARTER: usize = LENGTH / 4 + 1;
+/// Entries of half a period, with the first of what follows, for interpolation.
+const HALF: usize = LENGTH / 2 + 1;
 
-/// The stored part of one period of a waveform.
+/// One period of a waveform, by its first half.
 #[derive(Debug)]
-pub(super) struct Part<const N: usize> {
-    entries: [f32; N],
+pub(crate) struct Table {
+    /// 2^15 for one, which itself is one less.
+    entries: [i16; HALF],
     /// Amplitude of its fundamental.
     fundamental: f32,
 }
 
-/// One period of a waveform, by the part of it that is stored.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Table {
-    entries: &'static [f32],
-    fundamental: f32,
-}
-
-impl<const N: usize> Part<N> {
-    /// The period that this is the half or the quarter of.
-    pub(super) const fn table(&'static self) -> Table {
-        assert!(N == HALF || N == QUARTER);
-        Table { entries: &self.entries, fundamental: self.fundamental }
-    }
-}
-
 impl Table {
-    /// The waveform at a phase of `phase / 2^32` turns.
-    #[inline]
-    pub(crate) fn at(&self, phase: u32) -> f32 {
-        let index = (phase >> FRACTION_BITS) as usize;
-        let fraction = (phase & ((1 << FRACTION_BITS) - 1)) as f32 * FRACTION_SCALE;
-        let within = index & (LENGTH / 2 - 1);
-        // The second half of a period, or the second quarter of each half, is read from its end.
-        let mirrored = index & (self.entries.len() - 1) != 0;
-        let (here, next) = if mirrored { (LENGTH / 2 - within, LENGTH / 2 - 1 - within) } else { (within, within + 1) };
-        let entry = |place: usize| self.entries.get(place).copied().unwrap_or(0.0);
-        let (here, next) = (entry(here), entry(next));
-        let value = here + (next - here) * fraction;
-        if index & (LENGTH / 2) != 0 { -value } else { value }
+    /// The waveform at a phase of `phase / 2^32` turns: 2^30 for one.
+    #[inline(always)]
+    pub(crate) fn at(&self, phase: u32) -> i32 {
+        // All bits of the sign, in the second half.
+        let turned = phase as i32 >> 31;
+        let phase = phase ^ turned as u32;
+        let (index, way) =
+            ((phase >> FRACTION_BITS) as usize % (LENGTH / 2), phase >> (FRACTION_BITS - WAY_BITS) & ((1 << WAY_BITS) - 1));
+        let (here, next) = (i32::from(self.entries[index]), i32::from(self.entries[index + 1]));
+        ((here << WAY_BITS) + (next - here) * way as i32) ^ turned
     }
 }
 
@@ -68,16 +53,16 @@ impl Table {
 #[derive(Debug)]
 pub struct Bands {
     /// The highest harmonic of each table, rising, and the tables. From one to the next by a tenth at least, so that no two fade at once.
-    tables: &'static [(u8, Table)],
+    tables: &'static [(u8, &'static Table)],
 }
 
 /// The waveform at one frequency: `lower + weight (upper - lower)`.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Blend {
     /// The table with fewer harmonics.
-    pub(crate) lower: Table,
+    pub(crate) lower: &'static Table,
     /// The table with more.
-    pub(crate) upper: Table,
+    pub(crate) upper: &'static Table,
     /// The weight of the upper, 0 to 1.
     pub(crate) weight: f32,
 }
@@ -90,22 +75,19 @@ impl Blend {
 }
 
 impl Bands {
-    pub(super) const fn new(tables: &'static [(u8, Table)]) -> Self {
+    pub(super) const fn new(tables: &'static [(u8, &'static Table)]) -> Self {
         Bands { tables }
     }
 
     /// The waveform at a frequency, in cycles a sample.
     pub(crate) fn at(&self, cycles_per_sample: f32) -> Blend {
-        let (_, fundamental) = self.tables[0];
-        let mut blend = Blend { lower: fundamental, upper: fundamental, weight: 0.0 };
-        for &(highest, table) in self.tables {
-            let weight = ((FADE.1 - f32::from(highest) * cycles_per_sample) / (FADE.1 - FADE.0)).clamp(0.0, 1.0);
-            if weight == 0.0 {
-                break;
-            }
-            blend = Blend { lower: blend.upper, upper: table, weight };
-        }
-        blend
+        // Harmonics that are there, if only just; a conversion saturates.
+        let there = (FADE.1 / cycles_per_sample) as u32;
+        let above = self.tables.iter().position(|&(highest, _)| u32::from(highest) > there).unwrap_or(self.tables.len());
+        let at = |n: usize| self.tables[n.min(self.tables.len() - 1)];
+        let ((_, lower), (highest, upper)) = (at(above.saturating_sub(2)), at(above.saturating_sub(1)));
+        let weight = ((FADE.1 - f32::from(highest) * cycles_per_sample) / (FADE.1 - FADE.0)).clamp(0.0, 1.0);
+        Blend { lower, upper, weight }
     }
 }
 
@@ -121,14 +103,12 @@ const SINES: [f64; LENGTH] = {
 };
 
 /// `p sum_k a(k) sin(2 pi k phase)` of every `every`-th harmonic up to `highest`, `a(k) = 1 / k`, or with falling signs `(-1)^(k + 1) / k`; `p`
-/// makes the peak one. Of the first `N` entries.
-pub(super) const fn additive<const N: usize>(highest: usize, every: usize, alternating: bool) -> Part<N> {
-    // A quarter is all there is of odd harmonics only.
-    assert!(N == HALF || N == QUARTER && every == 2);
-    let mut sums = [0.0; N];
+/// makes the peak one.
+pub(super) const fn additive(highest: usize, every: usize, alternating: bool) -> Table {
+    let mut sums = [0.0; HALF];
     let mut peak = 0.0;
     let mut n = 0;
-    while n < N {
+    while n < HALF {
         let mut sum = 0.0;
         let mut k = 1;
         while k <= highest {
@@ -144,13 +124,16 @@ pub(super) const fn additive<const N: usize>(highest: usize, every: usize, alter
         }
         n += 1;
     }
-    let mut entries = [0.0; N];
+    let one = (1i32 << ENTRY_BITS) as f64;
+    let mut entries = [0; HALF];
     n = 0;
-    while n < N {
-        entries[n] = (sums[n] / peak) as f32;
+    while n < HALF {
+        let entry = sums[n] / peak * one;
+        // To the nearest; one itself saturates.
+        entries[n] = (entry + if entry < 0.0 { -0.5 } else { 0.5 }) as i16;
         n += 1;
     }
-    Part { entries, fundamental: (1.0 / peak) as f32 }
+    Table { entries, fundamental: (1.0 / peak) as f32 }
 }
 
 #[cfg(test)]
@@ -158,12 +141,14 @@ mod tests {
     use super::*;
     use crate::generate::shape::{sawtooth, square};
 
+    const ONE: f64 = 1_073_741_824.0;
+
     /// Amplitude of harmonic `k` of a blend.
     fn harmonic(blend: &Blend, k: usize) -> f64 {
         let at = |n: usize| {
             let phase = (n << FRACTION_BITS) as u32;
-            let (lower, upper) = (blend.lower.at(phase), blend.upper.at(phase));
-            f64::from(lower + blend.weight * (upper - lower))
+            let (lower, upper) = (f64::from(blend.lower.at(phase)), f64::from(blend.upper.at(phase)));
+            (lower + f64::from(blend.weight) * (upper - lower)) / ONE
         };
         2.0 * (0..LENGTH).map(|n| at(n) * SINES[(n * k) % LENGTH]).sum::<f64>() / LENGTH as f64
     }
@@ -178,12 +163,13 @@ mod tests {
                 for k in 2..26 {
                     let expected = if k % 2 == 0 { even / k as f64 } else { 1.0 / k as f64 };
                     let found = harmonic(&blend, k) / fundamental;
+                    // What 16 bits leave of rounding, in a single harmonic.
                     if k as f32 * cycles >= FADE.1 {
-                        assert!(found.abs() < 1e-6, "{k} of {cycles}: {found}");
+                        assert!(found.abs() < 3e-6, "{k} of {cycles}: {found}");
                     }
                     // What is below the fade of the next table is whole.
                     if k as f32 * cycles < 0.35 {
-                        assert!((found - expected).abs() < 1e-6, "{k} of {cycles}: {found}");
+                        assert!((found - expected).abs() < 3e-6, "{k} of {cycles}: {found}");
                     }
                 }
             }
@@ -207,27 +193,29 @@ mod tests {
         }
     }
 
-    /// By a table of the whole period, as the definition has it.
+    /// Against the sum of sines itself, at phases between the entries and at both ends of either half.
     #[test]
-    fn a_part_reads_as_the_whole_period_to_the_last_bit() {
+    fn a_wave_is_the_sum_of_its_harmonics() {
         for (bands, every, alternating) in [(&square::BANDS, 2, false), (&sawtooth::BANDS, 1, true)] {
             for &(highest, table) in bands.tables {
-                let sum = |n: usize| {
+                let sum = |turns: f64| {
                     (1..=usize::from(highest)).step_by(every).fold(0.0, |sum, k| {
-                        let term = SINES[(n * k) % LENGTH] / k as f64;
+                        let term = libm::sin(core::f64::consts::TAU * turns * k as f64) / k as f64;
                         sum + if alternating && k % 2 == 0 { -term } else { term }
                     })
                 };
-                let sums: std::vec::Vec<f64> = (0..=LENGTH).map(sum).collect();
-                let peak = sums.iter().copied().fold(0.0, f64::max);
-                let entry = |n: usize| (sums[n] / peak) as f32;
-                for phase in (0..1 << 18).map(|n: u32| n << 14 | n & 0x3fff) {
-                    let (index, fraction) = ((phase >> FRACTION_BITS) as usize, phase & ((1 << FRACTION_BITS) - 1));
-                    let whole = entry(index) + (entry(index + 1) - entry(index)) * (fraction as f32 * FRACTION_SCALE);
-                    // Two zeros are equal, whatever their signs; no other two numbers are.
-                    assert_eq!(table.at(phase), whole, "{highest} at {phase:#x}");
-                }
-                assert_eq!(table.fundamental, (1.0 / peak) as f32);
+                let peak = (0..=LENGTH).map(|n| sum(n as f64 / LENGTH as f64)).fold(0.0, f64::max);
+                // Of linear interpolation, by the second derivative; and half of 2^-15, or all of it at the peak.
+                let squares = (1..=usize::from(highest)).step_by(every).map(|k| k as f64).sum::<f64>();
+                let step = core::f64::consts::TAU / LENGTH as f64;
+                let bound = step * step / 8.0 * squares / peak + 1.0 / 32_768.0;
+                let phases =
+                    (0..1 << 14).map(|n: u32| n << 18 | n << 4).chain([0, 1, u32::MAX, 1 << 31, (1 << 31) - 1, (1 << 31) + 1]);
+                let worst = phases.fold(0.0, |worst: f64, phase| {
+                    let found = f64::from(table.at(phase)) / ONE;
+                    worst.max((found - sum(f64::from(phase) / 4_294_967_296.0) / peak).abs())
+                });
+                assert!(worst < bound && worst > 0.2 * bound, "{highest}: {worst} of {bound}");
             }
         }
     }
@@ -236,8 +224,8 @@ mod tests {
     fn the_peak_is_one() {
         for bands in [&square::BANDS, &sawtooth::BANDS] {
             for (highest, table) in bands.tables {
-                let peak = table.entries.iter().fold(0.0f32, |peak, x| peak.max(x.abs()));
-                assert_eq!(peak, 1.0, "{highest}");
+                let peak = table.entries.iter().fold(0, |peak, x| peak.max(x.abs()));
+                assert_eq!(peak, i16::MAX, "{highest}");
             }
         }
     }

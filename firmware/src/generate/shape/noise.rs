@@ -31,7 +31,7 @@ const LOWEST: f64 = 1e-3;
 /// Samples of the impulse response that count. The narrowest band at the lowest corner rings on, and comes out 3 per cent louder.
 const RESPONSE: usize = 1 << 16;
 
-/// Numbers evenly distributed in -1 to 1.
+/// Words of evenly distributed bits.
 #[derive(Clone, Debug)]
 struct White(Xoroshiro64Star);
 
@@ -41,8 +41,8 @@ impl White {
     }
 
     #[inline]
-    fn next(&mut self) -> f32 {
-        self.0.next_u32() as i32 as f32 * (1.0 / 2_147_483_648.0)
+    fn word(&mut self) -> u32 {
+        self.0.next_u32()
     }
 }
 
@@ -56,7 +56,7 @@ struct Section {
 }
 
 impl Section {
-    #[inline]
+    #[inline(always)]
     fn next(&mut self, x: f32) -> f32 {
         let y = x + self.s1;
         self.s1 = self.s2 + self.a1 * y;
@@ -86,24 +86,32 @@ impl Noise {
         Ok(noise)
     }
 
-    /// The next sample, -1 to 1.
-    #[inline]
-    pub(crate) fn take(&mut self) -> f32 {
-        let white = self.white.next() * self.scale;
-        self.filter(white).clamp(-1.0, 1.0)
-    }
-
-    #[inline]
-    fn filter(&mut self, x: f32) -> f32 {
-        self.sections.iter_mut().fold(x, |x, section| section.next(x))
+    /// The next samples, -1 to 1, where 2^30 is one.
+    #[inline(never)]
+    pub(crate) fn fill(&mut self, samples: &mut [i32]) {
+        // Out of memory for as long: all of it is in registers.
+        let (mut white, mut sections) = (self.white.clone(), self.sections);
+        // A word is twice as large as what it becomes, whose conversion saturates beyond two.
+        let (scale, one) = (self.scale * 0.5, 1 << 30);
+        for place in samples {
+            let noise = filter(&mut sections, white.word() as i32 as f32 * scale);
+            *place = (noise as i32).clamp(-one, one - 1);
+        }
+        (self.white, self.sections) = (white, sections);
     }
 
     /// Of what comes out, by the energy of the impulse response; evenly distributed numbers have a mean square of a third.
     fn rms(&self) -> f32 {
-        let mut probe = self.clone();
-        let response = (0..RESPONSE).map(|n| probe.filter(if n == 0 { 1.0 } else { 0.0 }));
+        let mut sections = self.sections;
+        let response = (0..RESPONSE).map(|n| filter(&mut sections, if n == 0 { 1.0 } else { 0.0 }));
         libm::sqrtf(response.map(|y| y * y).sum::<f32>() / 3.0)
     }
+}
+
+/// Through all sections.
+#[inline(always)]
+fn filter([a, b, c, d]: &mut [Section; SECTIONS], x: f32) -> f32 {
+    d.next(c.next(b.next(a.next(x))))
 }
 
 /// The band-pass between two frequencies, in cycles a sample.
@@ -132,21 +140,26 @@ fn root(z: Complex64) -> Complex64 {
 #[derive(Clone, Debug)]
 pub(crate) struct Dither {
     white: White,
-    last: f32,
+    /// The last number, 0 to 2^16.
+    last: i32,
 }
 
 impl Dither {
     /// A dither.
     pub(crate) fn new(seed: u64) -> Self {
         // Beside the noise's own stream.
-        Dither { white: White::new(!seed), last: 0.0 }
+        Dither { white: White::new(!seed), last: 1 << 15 }
     }
 
-    /// The next value, in codes.
-    #[inline]
-    pub(crate) fn take(&mut self) -> f32 {
-        let next = 0.5 * self.white.next();
-        next - core::mem::replace(&mut self.last, next)
+    /// The next two values, in codes, of so many bits of a fraction. Numbers have 16 bits, two of them in a random word; that they lie about 2^15 goes with
+    /// the difference.
+    #[inline(always)]
+    pub(crate) fn take<const FRACTION: u32>(&mut self) -> [i32; 2] {
+        let word = self.white.word();
+        let (one, other) = ((word & 0xffff) as i32, (word >> 16) as i32);
+        let [first, second] = [one - self.last, other - one];
+        self.last = other;
+        [first >> (16 - FRACTION), second >> (16 - FRACTION)]
     }
 }
 

@@ -124,6 +124,8 @@ pub struct Steps {
 impl Steps {
     /// Bits of a fraction.
     pub const FRACTION: u32 = 15;
+    /// The highest tuning word whose coefficient is certainly a small one.
+    pub const HIGHEST: u64 = (0.115 * 18_446_744_073_709_551_616.0) as u64;
 
     /// Returns the next sample of the wave, 2^15 large; `SHIFT` is zero, or that of a large [`Coefficient`].
     #[inline(always)]

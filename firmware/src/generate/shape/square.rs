@@ -3,9 +3,9 @@
 //! The peaks are the ripple beside each edge; with eleven harmonics the tops lie 15 per cent below them, and the fundamental is 1.08. A true
 //! square belongs to a full bridge, not to a converter.
 
-use super::bands::{Bands, Part, QUARTER, Table, additive};
+use super::bands::{Bands, Blend, Table, additive};
 
-static PARTS: [Part<QUARTER>; 10] = [
+static TABLES: [Table; 10] = [
     odd_up_to(1),
     odd_up_to(3),
     odd_up_to(5),
@@ -20,23 +20,23 @@ static PARTS: [Part<QUARTER>; 10] = [
 
 /// The square's tables.
 pub(crate) static BANDS: Bands = Bands::new(&[
-    (1, PARTS[0].table()),
-    (3, PARTS[1].table()),
-    (5, PARTS[2].table()),
-    (7, PARTS[3].table()),
-    (9, PARTS[4].table()),
-    (11, PARTS[5].table()),
-    (13, PARTS[6].table()),
-    (17, PARTS[7].table()),
-    (21, PARTS[8].table()),
-    (25, PARTS[9].table()),
+    (1, &TABLES[0]),
+    (3, &TABLES[1]),
+    (5, &TABLES[2]),
+    (7, &TABLES[3]),
+    (9, &TABLES[4]),
+    (11, &TABLES[5]),
+    (13, &TABLES[6]),
+    (17, &TABLES[7]),
+    (21, &TABLES[8]),
+    (25, &TABLES[9]),
 ]);
 
 /// The sine, which every waveform is where nothing else is below half the sample rate.
-pub(super) const fn fundamental() -> Table {
-    PARTS[0].table()
-}
+pub(super) static FUNDAMENTAL: &Table = &TABLES[0];
+/// The same at any frequency.
+pub(crate) static SINE: Blend = Blend { lower: FUNDAMENTAL, upper: FUNDAMENTAL, weight: 1.0 };
 
-const fn odd_up_to(highest: usize) -> Part<QUARTER> {
+const fn odd_up_to(highest: usize) -> Table {
     additive(highest, 2, false)
 }

@@ -2,7 +2,7 @@
 
 use core::hint::black_box;
 
-use firmware::generate::burst::envelope::Envelope;
+use firmware::generate::burst::envelope::{Envelope, Levels};
 use firmware::generate::nco::{Stretch, tuning_word};
 use firmware::generate::phasing::Phasing;
 use firmware::generate::shape::Shape;
@@ -155,8 +155,8 @@ fn observing(print: Print) {
 fn shapes(print: Print) {
     let held = Stretch { phase: 1 << 60, word: tuning_word(40_400.0 / 1e6), step: 0 };
     let chirp = Stretch { step: 1 << 40, ..held };
-    let levels = [0.5; SAMPLES];
-    let (flat, edge) = (Envelope::Flat(1.0), Envelope::Edge(&levels));
+    let levels = [1 << 30; SAMPLES];
+    let (flat, edge) = (Envelope::Flat(1.0), Envelope::Edge(Levels { parts: &levels, loudest: 1.0, mean: 0.5 }));
     use ShapeKind::{Noise, Sawtooth, Sine, Square};
     for (name, shape, dither, lanes, stretch, envelope) in [
         ("sine, one lane", Sine, false, 1, held, flat),

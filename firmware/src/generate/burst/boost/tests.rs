@@ -51,6 +51,7 @@ impl Bench {
         let per_time_constant = (2.0 * q / core::f64::consts::PI) as f32;
         burst.set_strokes(Some(Strokes::of(per_time_constant, VOLTS, ceiling)));
         burst.set_rate(plant.alpha as f32, BLOCK);
+        burst.set_drive(VOLTS);
         burst.update(0.0);
         Bench { burst, plant, block: 0, played: std::vec::Vec::new() }
     }

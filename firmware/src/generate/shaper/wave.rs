@@ -1,0 +1,136 @@
+//! A waveform over a block, in fixed point: put down sample by sample by its shape, then rounded to codes under its envelope.
+//!
+//! `code = floor(base + peak wave)`, with wave in 2^-30 and peak, in codes, in 2^-15, so that the product in 2^-13 is the upper half of 64 bits:
+//! off by 1.2e-4 of a code, and always down.
+
+use crate::generate::burst::envelope::Envelope;
+use crate::generate::nco::Phases;
+use crate::generate::shape::bands::Blend;
+use crate::generate::shape::noise::{Dither, Noise};
+use crate::generate::shape::sine::{Coefficient, Steps, Swing};
+use crate::seam::block::MAX_BLOCK_SAMPLES;
+use crate::seam::fixed_point::upper;
+
+/// Bits of a fraction of a code, as it is written.
+const FRACTION: u32 = 13;
+
+/// A waveform, sample by sample: 2^30 is one.
+#[derive(Clone, Debug)]
+pub(super) struct Wave([i32; MAX_BLOCK_SAMPLES]);
+
+impl Default for Wave {
+    fn default() -> Self {
+        Wave([0; MAX_BLOCK_SAMPLES])
+    }
+}
+
+impl Wave {
+    /// The peak by which a wave of steps is written, codes: they are codes themselves, in 2^-15.
+    pub(super) const OF_STEPS: f32 = 32_768.0;
+
+    fn first(&mut self, samples: usize) -> &mut [i32] {
+        self.0.get_mut(..samples).unwrap_or_default()
+    }
+
+    /// A sine of constant frequency, in steps.
+    pub(super) fn swing(&mut self, swing: &Swing, samples: usize) {
+        fn swing_of<const SHIFT: u32>(mut steps: Steps, wave: &mut [i32]) {
+            four_by_four(wave, || steps.take::<SHIFT>());
+        }
+        match swing.steps() {
+            (steps, false) => swing_of::<0>(steps, self.first(samples)),
+            (steps, true) => swing_of::<{ Coefficient::SHIFT }>(steps, self.first(samples)),
+        }
+    }
+
+    /// What two tables hold.
+    pub(super) fn read(&mut self, blend: &Blend, mut phases: Phases, samples: usize) {
+        let Blend { lower, upper: table, weight } = blend;
+        let places = self.first(samples).iter_mut();
+        if *weight == 1.0 {
+            return places.for_each(|place| *place = table.at(phases.take()));
+        }
+        // Of 2^31, which half a difference is multiplied by, and shifted back.
+        let weight = (weight * 2_147_483_648.0) as i32;
+        for place in places {
+            let phase = phases.take();
+            let (low, high) = (lower.at(phase), table.at(phase));
+            *place = low + (upper((high - low) >> 1, weight) << 2);
+        }
+    }
+
+    /// A noise.
+    pub(super) fn fill(&mut self, noise: &mut Noise, samples: usize) {
+        noise.fill(self.first(samples));
+    }
+
+    /// Rounded to codes under an envelope, of this peak in codes, about a base that truncation rounds with. Returns the sum of the codes. A block with an
+    /// edge has no dither: what rounding has to do with the signal is heard in a long tone only, and silence is silent.
+    pub(super) fn write(&self, peak: f32, base: f32, envelope: &Envelope, dither: Option<&mut Dither>, codes: &mut [u16]) -> i32 {
+        let base = (base * (1 << FRACTION) as f32) as i32;
+        // In 2^-15: up to 2^16 codes.
+        let fixed = |codes: f32| (codes * 32_768.0) as i32;
+        match (envelope, dither) {
+            (Envelope::Edge(levels), _) => self.edge(fixed(peak * levels.loudest), base, levels.parts, codes),
+            (Envelope::Flat(level), None) => {
+                let peak = fixed(peak * level);
+                self.put(codes, || [0; 2], |wave, _| base + upper(wave, peak))
+            }
+            (Envelope::Flat(level), Some(dither)) => {
+                let peak = fixed(peak * level);
+                self.put(codes, || dither.take::<FRACTION>(), |wave, dither| base + upper(wave, peak) + dither)
+            }
+        }
+    }
+
+    /// Under the levels of an edge, of which these are the parts: 2^31 for the loudest.
+    #[inline(always)]
+    fn edge(&self, peak: i32, base: i32, parts: &[i32], codes: &mut [u16]) -> i32 {
+        let (mut sum, end) = (0, codes.len().saturating_sub(1));
+        let mut put = |place: &mut u16, wave, part| {
+            let code = (base + upper(upper(wave, part) << 1, peak)) >> FRACTION;
+            *place = code as u16;
+            sum += code;
+        };
+        let ((pairs, rest), (parts, last)) = (codes.as_chunks_mut::<2>(), parts.as_chunks::<2>());
+        for (([first, second], [wave, next]), [part, other]) in pairs.iter_mut().zip(self.0.as_chunks::<2>().0).zip(parts) {
+            put(first, *wave, *part);
+            put(second, *next, *other);
+        }
+        if let ([only], [part], Some(wave)) = (rest, last, self.0.get(end)) {
+            put(only, *wave, *part);
+        }
+        sum
+    }
+
+    /// Writes every code, two by two, by its wave and by what else it depends on.
+    #[inline(always)]
+    fn put(&self, codes: &mut [u16], mut next: impl FnMut() -> [i32; 2], value: impl Fn(i32, i32) -> i32) -> i32 {
+        let (mut sum, last) = (0, codes.len().saturating_sub(1));
+        let mut put = |place: &mut u16, wave, other| {
+            let code = value(wave, other) >> FRACTION;
+            *place = code as u16;
+            sum += code;
+        };
+        let (pairs, rest) = codes.as_chunks_mut::<2>();
+        for ([first, second], [wave, following]) in pairs.iter_mut().zip(self.0.as_chunks::<2>().0) {
+            let [one, other] = next();
+            put(first, *wave, one);
+            put(second, *following, other);
+        }
+        if let ([only], Some(wave)) = (rest, self.0.get(last)) {
+            put(only, *wave, next()[0]);
+        }
+        sum
+    }
+}
+
+/// Fills a wave four by four: a compiler that saves code leaves a loop of one.
+#[inline(always)]
+fn four_by_four(wave: &mut [i32], mut next: impl FnMut() -> i32) {
+    let (fours, rest) = wave.as_chunks_mut::<4>();
+    for [first, second, third, fourth] in fours {
+        (*first, *second, *third, *fourth) = (next(), next(), next(), next());
+    }
+    rest.iter_mut().for_each(|place| *place = next());
+}
