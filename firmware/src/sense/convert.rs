@@ -199,7 +199,7 @@ mod tests {
         let mut random = 1u64;
         let mut next = |most: u64| {
             random = random.wrapping_mul(0x5851_f42d_4c95_7f2d).wrapping_add(0x1405_7b7e_f767_814f);
-            ((random >> 33) * most >> 31) as u16
+            (((random >> 33) * most) >> 31) as u16
         };
         let mut seen = [0; 3];
         for trial in 0..200_000 {

@@ -4,7 +4,7 @@
 //! scene, changed to what the board has --> stored settings --> image on its part, plant at its pins --> replay on the host, bit for bit --> expectations
 //! ```
 //!
-//! At the part's own speed, and no block may pass its budget. Where a block has no time for the scene, the interrupt takes an eighth of its time.
+//! At the part's own speed, and no block may pass its budget.
 
 use std::sync::atomic::AtomicBool;
 
@@ -22,9 +22,7 @@ use sim::study::{self, Level, Options as StudyOptions, Outcome, Start};
 
 use crate::evidence::{Error, Evidence, Options};
 
-/// The part of its time that the block interrupt takes where a block has no time for the scene: what it costs is counted all the same.
-const OVERLOADED: f64 = 1.0 / 8.0;
-/// The most of a block's cycles that a scene may take which runs at the part's own speed, %: a gate.
+/// The most of a block's cycles that a scene may take, %: a gate.
 const BUDGET: f64 = 96.0;
 /// Nothing sets it: the caller's flag is looked at between scenes.
 static NEVER: AtomicBool = AtomicBool::new(false);
@@ -36,17 +34,11 @@ pub(crate) struct Case {
     pub(crate) case: Option<&'static str>,
     sets: &'static [&'static str],
     quick: bool,
-    overloaded: bool,
 }
 
 impl Case {
     const fn of(scene: &'static str, sets: &'static [&'static str]) -> Self {
-        Case { scene, case: None, sets, quick: false, overloaded: false }
-    }
-
-    /// A block has no time for it.
-    const fn overloaded(self) -> Self {
-        Case { overloaded: true, ..self }
+        Case { scene, case: None, sets, quick: false }
     }
 
     const fn quick(self) -> Self {
@@ -106,17 +98,17 @@ pub(crate) const CASES: &[Case] = &[
     Case::of("belt-stop-lost", BROKEN_LINE),
     Case::of("belt-stop-lies", LIES),
     Case::of("friction-ratio", FLAGSHIP),
-    Case::of("friction-burst", FLAGSHIP).overloaded(),
+    Case::of("friction-burst", FLAGSHIP),
     Case::of("dring-crash", FLAGSHIP).quick(),
-    Case::of("usm", MOTOR).overloaded().quick(),
-    Case::of("usm-miscalibrated", MOTOR).overloaded(),
-    Case::of("waveforms", WAVES).overloaded(),
-    Case::of("waveforms", WAVES).overloaded().case("square"),
-    Case::of("waveforms", WAVES).overloaded().case("sawtooth"),
-    Case::of("waveforms", WAVES).overloaded().case("noise 30 to 50 kHz"),
-    Case::of("waveforms", WAVES).overloaded().case("chirp 20 to 200 kHz in 10 ms"),
-    Case::of("waveforms", WAVES).overloaded().case("chirp about the tracked resonance"),
-    Case::of("waveforms-fast", WAVES).overloaded(),
+    Case::of("usm", MOTOR).quick(),
+    Case::of("usm-miscalibrated", MOTOR),
+    Case::of("waveforms", WAVES),
+    Case::of("waveforms", WAVES).case("square"),
+    Case::of("waveforms", WAVES).case("sawtooth"),
+    Case::of("waveforms", WAVES).case("noise 30 to 50 kHz"),
+    Case::of("waveforms", WAVES).case("chirp 20 to 200 kHz in 10 ms"),
+    Case::of("waveforms", WAVES).case("chirp about the tracked resonance"),
+    Case::of("waveforms-fast", WAVES),
 ];
 
 /// Runs the scenes.
@@ -127,8 +119,7 @@ pub fn evidence(options: &mut Options) -> Result<Evidence, Error> {
     (options.progress)("the flashed image");
     let ran = cases.into_par_iter().map(|case| run(case, &elf).map(|ran| (case.name(), ran))).collect::<Result<Vec<_>, _>>()?;
     let missed = ran.iter().filter_map(|(scene, ran)| ran.failed.as_ref().map(|failed| format!("{scene}: {failed}"))).collect();
-    let caption = "By the flashed image on the model of its part, at its own speed; where a block has no time for a scene, with the interrupt at an eighth of its \
-                   time. Cycles are those that a block costs, %: of those that it has. Of a scene of many runs the first one. Replayed on the host bit for bit: orders, codes of the converters, codes that left the DAC.";
+    let caption = "By the flashed image on the model of its part, at its own speed. Cycles are those that a block costs, %: of those that it has. Of a scene of many runs the first one. Replayed on the host bit for bit: orders, codes of the converters, codes that left the DAC.";
     let header = [
         "scene",
         "changed",
@@ -138,7 +129,6 @@ pub fn evidence(options: &mut Options) -> Result<Evidence, Error> {
         "%",
         "mean, cycles",
         "%",
-        "at the part's speed",
         "drive hash",
         "expectations",
         "",
@@ -192,13 +182,8 @@ pub(crate) fn loaded(case: &Case) -> Result<Loaded, LoadError> {
 fn run(case: &Case, elf: &[u8]) -> Result<Ran, Error> {
     let loaded = loaded(case)?;
     let start = |scene: &Driven| {
-        let replay = record(
-            elf,
-            scene,
-            board::Options { rate: case.overloaded.then_some(OVERLOADED), ..board::Options::default() },
-            &NEVER,
-        )
-        .map_err(|error| RunError::NoProcessor(error.into()))?;
+        let replay =
+            record(elf, scene, board::Options::default(), &NEVER).map_err(|error| RunError::NoProcessor(error.into()))?;
         Ok(Box::new(replay) as Box<dyn Processor>)
     };
     let studied = study::run(
@@ -212,7 +197,7 @@ fn run(case: &Case, elf: &[u8]) -> Result<Ran, Error> {
         Err(error) => {
             let failed = format!("{:#}", anyhow::Error::from(error));
             let row = [case.name(), changed, duration, failed.clone()].into_iter();
-            let row = row.chain(std::iter::repeat_n(String::new(), 7)).chain([verdict(false).to_owned()]).collect();
+            let row = row.chain(std::iter::repeat_n(String::new(), 6)).chain([verdict(false).to_owned()]).collect();
             return Ok(Ran { row, failed: Some(failed) });
         }
     };
@@ -229,13 +214,12 @@ fn run(case: &Case, elf: &[u8]) -> Result<Ran, Error> {
         format!("{:.1}", load("worst_block_cycles")),
         metric("mean_block_cycles"),
         format!("{:.1}", load("mean_block_cycles")),
-        if case.overloaded { "no" } else { "yes" }.to_owned(),
         format!("{:016x}", of.record.drive_hash),
         format!("{met} of {}", study.judged.len()),
         verdict(study.passes()).to_owned(),
     ];
     let missed: Vec<&str> = study.judged.iter().filter(|judged| !judged.pass).map(|judged| judged.metric.as_str()).collect();
-    let over = !case.overloaded && load("worst_block_cycles") > BUDGET;
+    let over = load("worst_block_cycles") > BUDGET;
     let missed: Vec<&str> = missed.into_iter().chain(over.then_some("the cycles of a block")).collect();
     Ok(Ran { row, failed: (!missed.is_empty()).then(|| missed.join(", ")) })
 }
