@@ -240,7 +240,7 @@ impl Scan {
     /// Takes a block of a sweep. Returns whether it was the last.
     fn sweep(&mut self, convert: &Convert, sense: &SenseBlock) -> bool {
         if self.blocks + 1 == BEFORE {
-            self.baseband.play(self.block_samples as usize);
+            self.baseband.play(self.block_samples as usize, convert.v.max_code());
         }
         if self.blocks >= BEFORE {
             let sensed = self.baseband.take(convert, sense);

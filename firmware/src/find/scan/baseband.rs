@@ -35,12 +35,16 @@ pub(crate) struct Baseband {
     /// Cosine (lower half) and sine of the reference in a block that begins with it.
     waves: [u32; MAX_BLOCK_SAMPLES],
     unit: Unit,
+    /// `k` but for its phase, and `1 / (1 - |k|^2)`.
+    image: f32,
+    whole: f32,
     rising: Sensed,
 }
 
 impl Default for Baseband {
     fn default() -> Self {
-        Baseband { word: 0, phase: 0, waves: [0; MAX_BLOCK_SAMPLES], unit: Unit::default(), rising: Sensed::default() }
+        let (waves, unit, rising) = ([0; MAX_BLOCK_SAMPLES], Unit::default(), Sensed::default());
+        Baseband { word: 0, phase: 0, waves, unit, image: 0.0, whole: 1.0, rising }
     }
 }
 
@@ -50,8 +54,8 @@ impl Baseband {
         (self.word, self.phase, self.rising) = (word, 0, Sensed::default());
     }
 
-    /// Plays the reference for blocks of so many samples, before the first one is taken.
-    pub(crate) fn play(&mut self, samples: usize) {
+    /// Plays the reference for blocks of so many samples, of codes up to `max_code`, before the first one is taken.
+    pub(crate) fn play(&mut self, samples: usize, max_code: u16) {
         let word = self.word;
         let steady = Steady::new(&Stretch { phase: 0, word, step: 0 });
         let (mut cosine, mut sine) = (steady.swing(Phasor::new(0.0, AMPLITUDE)), steady.swing(Phasor::new(AMPLITUDE, 0.0)));
@@ -60,24 +64,24 @@ impl Baseband {
         for wave in &mut self.waves {
             *wave = (rounded(sine.take()) as u32) << 16 | rounded(cosine.take()) as u32 & 0xffff;
         }
-        self.unit = Unit::of(self.waves.get(..samples).unwrap_or_default());
+        self.unit = Unit::of(self.waves.get(..samples).unwrap_or_default(), max_code);
+        let whole_turn = sine::rotation(word.wrapping_mul(samples as u64)).im;
+        let part = whole_turn / (samples.max(1) as f32 * sine::rotation(word).im);
+        self.image = part * part;
+        self.whole = 1.0 / (1.0 - self.image * self.image);
     }
 
     /// Takes a block.
     pub(crate) fn take(&mut self, convert: &Convert, sense: &SenseBlock) -> Sensed {
-        let samples = sense.v.len().min(sense.i.len());
         let first = sine::rotation(self.phase).conj();
         let of = |codes: &[u16], channel: &SenseScale| {
             let (falling, rising) = self.unit.halves(codes, &self.waves, channel);
             (first * falling, first * rising)
         };
         let ((v_falling, v_rising), (i_falling, i_rising)) = (of(&sense.v, &convert.v), of(&sense.i, &convert.i));
-        self.phase = self.phase.wrapping_add(self.word.wrapping_mul(samples as u64));
-        let whole_turn = sine::rotation(self.word.wrapping_mul(samples as u64)).im;
-        let part = whole_turn / (samples.max(1) as f32 * -sine::rotation(self.word).im);
-        let image = first * first * (part * part);
-        let scale = 1.0 / (1.0 - image.norm_sqr());
-        let whole = |x: Phasor| (x - x.conj() * image) * scale;
+        self.phase = self.phase.wrapping_add(self.word.wrapping_mul(sense.v.len() as u64));
+        let image = first * first * self.image;
+        let whole = |x: Phasor| (x - x.conj() * image) * self.whole;
         let sensed = Sensed { v: whole(self.rising.v + v_falling), i: whole(self.rising.i + i_falling) };
         self.rising = Sensed { v: v_rising, i: i_rising };
         sensed
@@ -122,32 +126,37 @@ impl Moments {
     }
 }
 
-/// The same of codes of one: what a zero of so much adds.
+/// The same of codes of one, which is what a zero of so much adds; and what else goes for all blocks of a length.
 #[derive(Clone, Copy, Debug, Default)]
 struct Unit {
     sum: [i32; 2],
     /// Not by [`LESS`] bits less.
     sums: [i32; 2],
+    /// Bits that codes have more than [`BITS`], and a part of one that they are cut to.
+    less: u32,
+    size: f32,
+    /// What makes sums of sums a mean, and a mean an amplitude.
+    mean: f32,
+    amplitude: f32,
 }
 
 impl Unit {
-    fn of(waves: &[u32]) -> Self {
-        let mut unit = Unit::default();
+    fn of(waves: &[u32], max_code: u16) -> Self {
+        let (mut sum, mut sums) = ([0; 2], [0; 2]);
         for wave in waves {
-            unit.sum = [unit.sum[0] + i32::from(*wave as i16), unit.sum[1] + (*wave as i32 >> 16)];
-            unit.sums = [unit.sums[0] + unit.sum[0], unit.sums[1] + unit.sum[1]];
+            sum = [sum[0] + i32::from(*wave as i16), sum[1] + (*wave as i32 >> 16)];
+            sums = [sums[0] + sum[0], sums[1] + sum[1]];
         }
-        unit
+        let less = (u16::BITS - max_code.leading_zeros()).saturating_sub(BITS);
+        let (count, size) = (waves.len().max(1) as f32, 1.0 / (1 << less) as f32);
+        Unit { sum, sums, less, size, mean: (1 << LESS) as f32 / count, amplitude: 2.0 / (count * AMPLITUDE * size) }
     }
 
     /// Of the codes of a channel, by the falling and by the rising half of the triangle, in SI.
     fn halves(&self, codes: &[u16], waves: &[u32], channel: &SenseScale) -> (Phasor, Phasor) {
-        let count = codes.len().max(1) as f32;
-        let less = (u16::BITS - channel.max_code().leading_zeros()).saturating_sub(BITS);
-        let Moments { sum, sums } = Moments::of(codes, waves, less);
+        let Moments { sum, sums } = Moments::of(codes, waves, self.less);
         // Bits that are cut off are half of themselves on an average.
-        let size = (1 << less) as f32;
-        let zero = (channel.zero() + 0.5) / size - 0.5;
+        let zero = (channel.zero() + 0.5) * self.size - 0.5;
         let (whole, part) = (zero as i32, zero - (zero as i32) as f32);
         let about = |n: usize| {
             let sums_of_zero = ((i64::from(whole) * i64::from(self.sums[n])) >> LESS) as i32;
@@ -159,9 +168,8 @@ impl Unit {
         let ((sum_re, sums_re), (sum_im, sums_im)) = (about(0), about(1));
         // Times exp(-j theta), whose sine is the other way round.
         let sum = Phasor::new(sum_re, -sum_im);
-        let falling = Phasor::new(sums_re, -sums_im) * ((1 << LESS) as f32 / count);
-        let scale = 2.0 / (count * AMPLITUDE) * size;
-        (channel.scale(falling * scale), channel.scale((sum - falling) * scale))
+        let falling = Phasor::new(sums_re, -sums_im) * self.mean;
+        (channel.scale(falling * self.amplitude), channel.scale((sum - falling) * self.amplitude))
     }
 }
 
@@ -171,30 +179,57 @@ mod tests {
     use crate::find::scan::bench::front_end;
     use crate::generate::nco::tuning_word;
     use crate::seam::block::Codes;
+    use crate::seam::config::FrontEnd;
     use crate::seam::phasor::magnitude;
 
     /// What a tone leaves at an offset from the reference, over 4 ms.
     fn sensed(hz: f64, reference_hz: f64, offset_hz: f64) -> Phasor {
-        let convert = Convert::build(&front_end()).unwrap();
+        sensed_by(&front_end(), 32, 0.0, (hz, reference_hz, offset_hz))
+    }
+
+    /// The same of another front end, in blocks of so many samples, beside a measured zero.
+    fn sensed_by(front_end: &FrontEnd, samples: usize, beside: f32, (hz, reference_hz, offset_hz): (f64, f64, f64)) -> Phasor {
+        let mut convert = Convert::build(front_end).unwrap();
+        convert.v.shift_zero(beside);
+        let (mid, amplitude) =
+            (f64::from(front_end.sense_mid_code) + f64::from(beside), 0.73 * f64::from(front_end.sense_mid_code));
         let mut baseband = Baseband::default();
         baseband.restart(tuning_word(reference_hz / 1e6));
-        baseband.play(32);
-        let mut sum = Phasor::default();
-        for block in 0..126 {
-            let wave = |n: usize| 1500.0 * libm::cos(core::f64::consts::TAU * hz * 1e-6 * (32 * block + n) as f64);
-            let codes: Codes = (0..32).map(|n| libm::round(2048.0 + wave(n)) as u16).collect();
+        baseband.play(samples, front_end.sense_max_code);
+        let (mut sum, blocks) = (Phasor::default(), 4032 / samples);
+        for block in 0..blocks {
+            let at = |n: usize| (samples * block + n) as f64;
+            let wave = |n: usize| amplitude * libm::cos(core::f64::consts::TAU * hz * 1e-6 * at(n));
+            let codes: Codes = (0..samples).map(|n| libm::round(mid + wave(n)) as u16).collect();
             let x = baseband.take(&convert, &SenseBlock { v: codes.clone(), i: codes, ..SenseBlock::default() }).v;
             if block > 0 {
-                sum += x * sine::rotation(tuning_word((offset_hz * 32e-6 * block as f64).rem_euclid(1.0))).conj();
+                sum += x * sine::rotation(tuning_word((offset_hz * 1e-6 * at(0)).rem_euclid(1.0))).conj();
             }
         }
-        sum / (125.0 * 1500.0 * front_end().volt_per_lsb)
+        sum / ((blocks - 1) as f32 * amplitude as f32 * front_end.volt_per_lsb)
     }
 
     #[test]
     fn a_tone_at_the_reference_is_one() {
         let x = sensed(40_000.0, 40_000.0, 0.0);
         assert!((x - Phasor::new(1.0, 0.0)).norm_sqr() < 1e-4 * 1e-4, "{x}");
+    }
+
+    /// Converters of 12, 13 and 16 bits, whose codes are cut to 13; blocks of all lengths; low and high frequencies; zeros between two codes.
+    #[test]
+    fn it_is_one_for_any_converter_and_any_block() {
+        for (mid, max) in [(2048, 4095), (4096, 8191), (32_768, 65_535)] {
+            let front_end = FrontEnd { sense_mid_code: mid, sense_max_code: max, ..front_end() };
+            for samples in [31, 32, 64, 99, 100] {
+                for hz in [18_000.0, 40_000.0, 97_000.0, 300_000.0] {
+                    for beside in [0.0, 3.3, -150.7] {
+                        let x = sensed_by(&front_end, samples, beside, (hz, hz, 0.0));
+                        let off = magnitude(x - Phasor::new(1.0, 0.0));
+                        assert!(off < 3e-4, "{max} {samples} {hz} {beside}: {x}, {off}");
+                    }
+                }
+            }
+        }
     }
 
     /// Twice 46.875 kHz is three times the block rate: there the image of one side of the band folds onto the other.
