@@ -189,10 +189,12 @@ impl Shaper {
     /// A sine under any other envelope, or with a dither.
     #[inline(never)]
     fn swung(&mut self, size: Size, play: &Play, drive: &mut DriveBlock) {
+        // As loud as it may get, so that no level is more than one.
+        let size = Size { target: size.target * play.louder, room: size.room * play.louder };
         let steady = Steady::new(&play.stretch);
         for (n, (lane, codes)) in play.lanes.iter().zip(&mut drive.lanes).enumerate() {
             self.wave.swing(&steady.swing(lane.row * size.at(lane.gain)), play.samples);
-            self.write(play, Wave::OF_STEPS, n, codes);
+            self.write(play, Wave::OF_STEPS / play.louder, n, codes);
         }
     }
 

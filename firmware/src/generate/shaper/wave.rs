@@ -25,7 +25,7 @@ impl Default for Wave {
 }
 
 impl Wave {
-    /// The peak by which a wave of steps is written, codes: they are codes themselves, in 2^-15.
+    /// The peak by which a wave of steps is written, codes: they are codes themselves, in 2^-15. It is the largest that there may be.
     pub(super) const OF_STEPS: f32 = 32_768.0;
 
     fn first(&mut self, samples: usize) -> &mut [i32] {
@@ -133,4 +133,44 @@ fn four_by_four(wave: &mut [i32], mut next: impl FnMut() -> i32) {
         (*first, *second, *third, *fourth) = (next(), next(), next(), next());
     }
     rest.iter_mut().for_each(|place| *place = next());
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::generate::burst::envelope::Levels;
+    use crate::generate::nco::{Stretch, tuning_word};
+    use crate::generate::shape::sine::Steady;
+    use crate::seam::phasor::Phasor;
+
+    const BASE: f32 = 2048.5;
+
+    /// Every code is the nearest one, or the one beside it where the exact value lies near half a code; by steps and by their peak, under levels and edges,
+    /// in blocks of odd length, too.
+    #[test]
+    fn codes_are_those_of_the_product() {
+        for samples in [31, 32, 99, 100] {
+            let stretch = Stretch { phase: 0x1234_5678_9abc_def0, word: tuning_word(0.0404), step: 0 };
+            let mut wave = Wave::default();
+            wave.swing(&Steady::new(&stretch).swing(Phasor::new(1900.0, 0.0)), samples);
+            let parts: std::vec::Vec<i32> = (0..samples).map(|n| ((n as i32) << 24) - (1 << 30)).collect();
+            let edge = Envelope::Edge(Levels { parts: &parts, loudest: 4.0, mean: 0.0 });
+            for (envelope, peak) in
+                [(Envelope::Flat(1.0), 1.0), (Envelope::Flat(-0.37), 1.0), (Envelope::Flat(3.9), 0.25), (edge, 0.25)]
+            {
+                let mut codes = std::vec![0; samples];
+                let sum = wave.write(peak * Wave::OF_STEPS, BASE, &envelope, None, &mut codes);
+                assert_eq!(sum, codes.iter().map(|&code| i32::from(code)).sum::<i32>());
+                for (n, &code) in codes.iter().enumerate() {
+                    let level = match envelope {
+                        Envelope::Flat(level) => f64::from(level),
+                        Envelope::Edge(levels) => 4.0 * f64::from(levels.parts[n]) / 2_147_483_648.0,
+                    };
+                    let phase = core::f64::consts::TAU * (stretch.phase_at(n) as f64 / 18_446_744_073_709_551_616.0);
+                    let exact = 2048.0 + 1900.0 * f64::from(peak) * level * libm::sin(phase);
+                    assert!((f64::from(code) - exact).abs() < 0.53, "{n} of {samples}: {code} for {exact}");
+                }
+            }
+        }
+    }
 }

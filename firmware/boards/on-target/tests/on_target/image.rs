@@ -46,7 +46,7 @@ mod tests {
     /// What the controller may take of the stack, bytes: as of all of the board's image.
     const STACK_BYTES: u32 = 4096;
     /// The same while it is built; given back before the first block.
-    const BUILD_STACK_BYTES: u32 = 26 << 10;
+    const BUILD_STACK_BYTES: u32 = 27 << 10;
 
     fn controller() -> Controller {
         Controller::build(&config(TrackingMode::Observer, 4, SAMPLES)).expect("a valid configuration")
@@ -167,7 +167,8 @@ mod tests {
             let report = controller.process(if block < BLOCKS - 100 { &run } else { &stop }, &sense, drive);
             sounded |= report.mode == Mode::Run && *drive != silence;
             if block >= BLOCKS - 100 {
-                assert_eq!((report.fault, &*drive), (Some(Fault::EmergencyStop), &silence), "block {block}");
+                assert_eq!((report.fault, &drive.lanes), (Some(Fault::EmergencyStop), &silence.lanes), "block {block}");
+                assert_eq!(drive.drops_queue, block == BLOCKS - 100, "block {block}");
             }
         }
         assert!(sounded);
