@@ -5,6 +5,7 @@ use std::time::Duration;
 use firmware::board::command::{Command, Reply};
 use firmware::board::start::Start;
 use firmware::seam::mode::Mode;
+use nucleo_g474re::stack::{GUARD, GUARD_SIZE};
 use stm32g474::Defect;
 use stm32g474::map::at::rcc;
 use stm32g474::map::base::RCC;
@@ -40,6 +41,22 @@ fn the_watchdogs_reset_is_told_to_the_client() {
     board.borrow_mut().run_for(Duration::from_millis(20)).expect("it starts again");
     let answer = client.ask(Command::Faults(0)).expect("an answer");
     assert!(matches!(answer, Reply::Faults(log) if log.last_run == Start::Watchdog), "{answer:?}");
+}
+
+/// Of the 48 KiB above the guard: what is not zero after power-up was written by it.
+#[test]
+fn power_up_leaves_room_above_the_guard_of_the_stack() {
+    /// The end of SRAM2, and the least that is left, bytes.
+    const TOP: u32 = 0x2001_8000;
+    const LEFT: u32 = 4096;
+    let Some(elf) = elf() else { return };
+    let mut board = powered(elf, &[]);
+    board.run_for(Duration::from_millis(60)).expect("no finding");
+    let (bottom, memory) = (GUARD + GUARD_SIZE, &board.machine().memory);
+    let stack = memory.get(bottom, (TOP - bottom) as usize).expect("RAM");
+    let left = stack.iter().position(|&byte| byte != 0).expect("a stack") as u32;
+    println!("stack at power-up: {} of {} bytes", TOP - bottom - left, TOP - bottom);
+    assert!((LEFT..TOP - bottom - 16_384).contains(&left), "{left}");
 }
 
 /// RCC_PLLCFGR.PLLSRC (RM0440 7.4.4).
