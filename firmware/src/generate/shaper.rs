@@ -1,7 +1,7 @@
 //! The shaper: phase, shape, lanes and envelope to codes.
 //! `drive(n, lane) = mid + envelope(n) * volts * gain(lane) * shape(phase(n) + offset(lane))`.
 //!
-//! A plain sine is written as it is swung. Whatever else is played is put down as a [`Wave`] first, sample by sample, and then written.
+//! A plain sine is written as it is swung. Whatever else is played is put down as a wave first, sample by sample, and then written.
 //!
 //! Amplitudes are limited here to what the converter has, once a block, so that no code can run over. What a burst leaves in volt-seconds
 //! (its sampling, its rounding, the shape of its edges) is counted in codes and paid back in the silence after it, an eighth of the
