@@ -87,16 +87,16 @@ pub struct Step {
 }
 
 impl Step {
-    /// Takes the positions in both rings, of the ADC and of the DAC; `again` looks again, a third of a sample later, and is called twice where the lead is
-    /// another one than before. The first call says what is in step.
+    /// Takes the positions in both rings, of the ADC and of the DAC. Where the lead is another one than before, `again` looks three more times, a third of
+    /// a sample later each, and these decide: the first look may lie a whole sample before one of them, and does not count. The first call says what is
+    /// in step.
     pub fn holds(&mut self, positions: (usize, usize), mut again: impl FnMut() -> (usize, usize)) -> bool {
         let lead = |(adc, dac): (usize, usize)| (dac + RING - adc % RING) % RING;
-        let now = lead(positions);
-        if self.lead == Some(now) {
+        if self.lead == Some(lead(positions)) {
             return true;
         }
-        let (second, third) = (lead(again()), lead(again()));
-        let usual = if second == third { second } else { now };
+        let [first, second, third] = [(); 3].map(|()| lead(again()));
+        let usual = if second == third { second } else { first };
         *self.lead.get_or_insert(usual) == usual
     }
 }
@@ -113,5 +113,53 @@ impl Beat {
         let last = self.last.replace(now).unwrap_or(now.wrapping_sub(CYCLES_PER_BLOCK));
         let due = (now.wrapping_sub(last) + CYCLES_PER_BLOCK / 2) / CYCLES_PER_BLOCK;
         due.saturating_sub(1)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The positions at a cycle: the ADC's ring moves with each sample, the DAC's `apart` cycles later.
+    fn at(cycle: u32, apart: u32) -> (usize, usize) {
+        let place = |cycle: u32| (cycle / CYCLES_PER_SAMPLE) as usize % RING;
+        (place(cycle + CYCLES_PER_SAMPLE), place(cycle + 7 * CYCLES_PER_SAMPLE - apart))
+    }
+
+    /// Whether the rings are in step at a cycle, where looking takes `before` cycles until the first look after it and `between` from one to the next.
+    fn is_in_step(step: &mut Step, cycle: u32, before: u32, between: u32) -> bool {
+        let mut now = cycle + before;
+        let again = || {
+            let seen = at(now, 8);
+            now += between;
+            seen
+        };
+        step.holds(at(cycle, 8), again)
+    }
+
+    #[test]
+    fn rings_in_step_are_so_at_any_cycle_however_long_the_first_look_took() {
+        for began in 0..CYCLES_PER_SAMPLE {
+            // The loop of `delay` takes three to five cycles, and what looks some ten.
+            for between in 45..=80 {
+                let mut step = Step::default();
+                for cycle in began..began + 3 * CYCLES_PER_SAMPLE {
+                    let before = 20 + cycle % 200;
+                    assert!(is_in_step(&mut step, cycle, before, between), "{began} {between} {cycle} {before}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_lost_trigger_is_seen_at_all_cycles_but_those_between_the_two_rings() {
+        for lost in [1, RING - 1] {
+            let mut seen = 0;
+            for cycle in 0..CYCLES_PER_SAMPLE {
+                let mut step = Step { lead: Some((6 + lost) % RING) };
+                seen += u32::from(!is_in_step(&mut step, cycle, 60, 57));
+            }
+            assert!(seen >= CYCLES_PER_SAMPLE - 8, "{lost}: {seen}");
+        }
     }
 }

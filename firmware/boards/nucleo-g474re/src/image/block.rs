@@ -39,7 +39,7 @@ pub fn worst_cycles() -> u32 {
     WORST.load(Ordering::Relaxed)
 }
 
-/// What `delay` is told to take a third of a sample together with the two positions that are read: its loop takes three to five cycles for two of these.
+/// What `delay` is told to take a third of a sample together with the two positions that are read: its loop takes three to five cycles for each of these.
 const A_THIRD: u32 = CYCLES_PER_SAMPLE / 14;
 
 /// The sense multiplexer's address: the lane whose voltage and current are measured.
