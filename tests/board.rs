@@ -3,9 +3,7 @@
 mod config;
 mod dummy_load;
 mod hardware;
-mod led;
 mod option_bytes;
-mod rings;
 mod sensors;
 mod size;
 mod storage;

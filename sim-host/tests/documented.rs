@@ -205,9 +205,10 @@ fn sources(folder: &Path, into: &mut String) {
 
 #[test]
 fn every_documented_test_is_there() {
-    let folders = ["firmware", "firmware/update", "hal-mock", "sim-host", "tests", "firmware/boards/on-target"]
-        .into_iter()
-        .map(str::to_owned);
+    let folders =
+        ["firmware", "firmware/update", "hal-mock", "sim-host", "tests", "firmware/boards/common", "firmware/boards/on-target"]
+            .into_iter()
+            .map(str::to_owned);
     let crates =
         ["board", "contact", "cortex-m4", "scene", "plant", "report", "sim", "pil", "link", "proof", "peers", "stm32g474"];
     let folders: Vec<_> = folders.chain(crates.map(|name| format!("sim-host/{name}"))).collect();

@@ -1,55 +1,6 @@
-//! What outlives a run: the note in RAM, and the pages of the settings.
+//! The pages of the settings.
 
-use firmware::board::start::{FileName, Place, Start};
-use nucleo_g474re::note::{Cause, Note};
-use nucleo_g474re::pages::{PAGE, PAGES, SECOND_BANK, SIZE, START, WORD, address, number};
-
-#[test]
-fn a_note_is_read_back_with_the_end_of_a_long_name() {
-    let note = Note::of(Cause::Panic, "src/image.rs", 81);
-    assert_eq!(note.read(), Some((Cause::Panic, "src/image.rs", 81)));
-    let long = format!("/{}/src/lib.rs", "x".repeat(60));
-    let (_, name, _) =
-        Note::of(Cause::StreamLost, &long, 7).read().map(|(cause, name, line)| (cause, name.to_owned(), line)).unwrap();
-    assert_eq!((name.len(), name.ends_with("x/src/lib.rs")), (40, true));
-}
-
-#[test]
-fn a_note_says_what_started_the_part() {
-    let file = FileName::of("src/image.rs");
-    let rows = [
-        (Cause::Panic, Start::Panic(Place { file, line: 81 })),
-        (Cause::HardFault, Start::HardFault(81)),
-        (Cause::Unexpected, Start::Unexpected(81)),
-        (Cause::StreamLost, Start::StreamLost(81)),
-        (Cause::Ordered, Start::Ordered),
-        (Cause::DamagedCode, Start::DamagedCode(81)),
-        (Cause::ClockFailed, Start::ClockFailed),
-        (Cause::StackOverflow, Start::StackOverflow(81)),
-        (Cause::SupplyLow, Start::SupplyLow),
-        (Cause::RamParity, Start::RamParity),
-    ];
-    assert_eq!(rows.map(|(cause, _)| cause), Cause::ALL);
-    // The number stands in the note, which another image may read.
-    assert_eq!(rows.map(|(cause, _)| cause as u8), [1, 2, 3, 4, 5, 6, 7, 8, 9, 10]);
-    for (cause, start) in rows {
-        assert_eq!(Note::of(cause, "src/image.rs", 81).start(), Some(start));
-    }
-    assert_eq!(Note::BLANK.start(), None);
-}
-
-#[test]
-fn ram_that_holds_anything_is_no_note() {
-    assert_eq!(Note::BLANK.read(), None);
-    // A bit that has fallen since.
-    let mut note = Note::of(Cause::Panic, "src/image.rs", 81);
-    note.line = 80;
-    assert_eq!(note.read(), None);
-    assert!(Note::of(Cause::HardFault, "", 0x0800_1234).read().is_some());
-    // A character that was cut in two.
-    let cut = Note::of(Cause::Panic, &"ä".repeat(21)[..42].replacen('ä', "-", 1), 1);
-    assert!(cut.read().is_some());
-}
+use nucleo_g474re::pages::{PAGE, PAGES, SECOND_BANK, SETTINGS, SIZE, START, WORD, number};
 
 #[test]
 fn the_settings_are_the_last_pages_of_the_second_bank() {
@@ -57,15 +8,5 @@ fn the_settings_are_the_last_pages_of_the_second_bank() {
     let pages: Vec<_> = (0..PAGES).map(|page| number(START + page * PAGE)).collect();
     assert_eq!(pages, (120..128).collect::<Vec<_>>());
     const { assert!(START > SECOND_BANK) };
-}
-
-#[test]
-fn nothing_beyond_the_pages_or_off_the_grid_has_an_address() {
-    assert_eq!(address(0, SIZE, PAGE), Some(START));
-    assert_eq!(address(PAGE, PAGE, PAGE), Some(START + PAGE));
-    for (offset, length, grid) in
-        [(0, SIZE + PAGE, PAGE), (SIZE, WORD, WORD), (4, WORD, WORD), (0, 4, WORD), (u32::MAX, 8, 1), (8, PAGE, PAGE)]
-    {
-        assert_eq!(address(offset, length, grid), None, "{offset} {length} {grid}");
-    }
+    assert_eq!((SETTINGS.address(0, SIZE, PAGE), SETTINGS.address(SIZE, WORD, WORD)), (Some(START), None));
 }

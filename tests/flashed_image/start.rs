@@ -5,7 +5,7 @@ use std::time::Duration;
 use firmware::board::command::{Command, Reply};
 use firmware::board::start::Start;
 use firmware::seam::mode::Mode;
-use nucleo_g474re::stack::{GUARD, GUARD_SIZE};
+use nucleo_g474re::stack::GUARD;
 use stm32g474::Defect;
 use stm32g474::map::at::rcc;
 use stm32g474::map::base::RCC;
@@ -52,7 +52,7 @@ fn power_up_leaves_room_above_the_guard_of_the_stack() {
     let Some(elf) = elf() else { return };
     let mut board = powered(elf, &[]);
     board.run_for(Duration::from_millis(60)).expect("no finding");
-    let (bottom, memory) = (GUARD + GUARD_SIZE, &board.machine().memory);
+    let (bottom, memory) = (GUARD.end(), &board.machine().memory);
     let stack = memory.get(bottom, (TOP - bottom) as usize).expect("RAM");
     let left = stack.iter().position(|&byte| byte != 0).expect("a stack") as u32;
     println!("stack at power-up: {} of {} bytes", TOP - bottom - left, TOP - bottom);

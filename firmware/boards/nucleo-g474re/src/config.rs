@@ -16,7 +16,7 @@ use crate::blocks::BLOCK;
 /// Reference of the converters, V.
 const REFERENCE_V: f32 = 3.3;
 /// Codes of a converter.
-const CODES: f32 = 4096.0;
+pub const CODES: f32 = 4096.0;
 /// Volts at the stack per volt of the DAC.
 pub const AMPLIFIER: f32 = 10.0;
 /// Volts at the stack per volt of the ADC.

@@ -28,6 +28,8 @@ mod timers;
 mod uart;
 mod watchdog;
 
+use boards_common::note::{Cause, Note};
+use boards_common::thermistor::Thermistor;
 use cortex_m::peripheral::NVIC;
 use cortex_m::{Peripherals, singleton};
 use cortex_m_rt::entry;
@@ -40,9 +42,7 @@ use firmware::board::settings::Settings;
 use firmware::board::start::Start;
 use firmware::seam::fault::Fault;
 use firmware::seam::telemetry::Telemetry;
-use nucleo_g474re::config::config;
-use nucleo_g474re::degrees::Thermistor;
-use nucleo_g474re::note::{Cause, Note};
+use nucleo_g474re::config::{CODES, config};
 use nucleo_g474re::trips::thresholds;
 use stm32_metapac::{Interrupt, RCC};
 
@@ -116,7 +116,7 @@ fn build(
         defmt::error!("the over-current trips have failed their test, the amplifier stays off: {=u8}", failure as u8);
         Start::TripFailed(failure)
     });
-    let thermometer = Thermometer::start(Thermistor::of(&config.heat_sink));
+    let thermometer = Thermometer::start(Thermistor::of(&config.heat_sink, CODES));
     let force = config.front_end.newton_per_lsb.map(ForceChannel::start);
     let encoder = config.front_end.metre_per_count.map(|_| Encoder::start());
     let interrupt = singleton!(: BlockInterrupt = BlockInterrupt::new(task, Lanes::start(config.lanes), encoder, force));

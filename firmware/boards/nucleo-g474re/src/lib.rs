@@ -1,4 +1,5 @@
-//! What of the board needs no board: pure functions of numbers that its registers and rings hold, tested on the host.
+//! What of the board needs no board: pure functions of numbers that its registers and rings hold, tested on the host. What another board would have
+//! too is in `boards_common`.
 #![no_std]
 #![forbid(unsafe_code)]
 
@@ -7,14 +8,9 @@ pub mod baud;
 pub mod blocks;
 pub mod config;
 pub mod degrees;
-pub mod led;
-pub mod note;
 pub mod options;
-pub mod packing;
 pub mod pages;
-pub mod ring;
 pub mod sampling;
 pub mod slots;
 pub mod stack;
 pub mod trips;
-pub mod wires;

@@ -3,6 +3,8 @@
 //! Reading one bank goes on while the other is erased or written (RM0440 3.3.9, read-while-write), so that a page's erase does not stall the
 //! block interrupt.
 
+use boards_common::area::Area;
+
 /// Bytes of a page in dual-bank mode (RM0440 3.3.1).
 pub const PAGE: u32 = 2048;
 /// Bytes that are written at once.
@@ -17,12 +19,8 @@ pub const PAGES: u32 = 8;
 pub const START: u32 = 0x0808_0000 - PAGES * PAGE;
 /// Bytes of the settings.
 pub const SIZE: u32 = PAGES * PAGE;
-
-/// The address of `length` bytes at an offset; `None` beyond the end, or off the grid.
-pub fn address(offset: u32, length: u32, grid: u32) -> Option<u32> {
-    let end = offset.checked_add(length)?;
-    (end <= SIZE && offset.is_multiple_of(grid) && length.is_multiple_of(grid)).then_some(START + offset)
-}
+/// The settings.
+pub const SETTINGS: Area = Area { start: START, size: SIZE };
 
 /// The number within its bank of the page at an address (`PNB` of RM0440 3.7.5).
 pub fn number(address: u32) -> u8 {

@@ -8,6 +8,8 @@
 //!
 //! The running image writes to the second bank only, so that its own code can be read meanwhile (RM0440 3.3.9).
 
+use boards_common::area::Area;
+
 use crate::pages::{FLASH, PAGE, SECOND_BANK, START};
 
 /// Bytes of a manifest before the image.
@@ -29,20 +31,3 @@ const _: () = assert!(SLOT.start + SLOT.size <= SECOND_BANK && STATE.start + STA
 const _: () = assert!(8 * (2 + 4 * (SLOT.size / PAGE)) <= STATE.size);
 // VTOR ignores the low bits: ARM DDI 0403 B3.2.5; 16 exceptions and 102 interrupts.
 const _: () = assert!(ORIGIN.is_multiple_of(512) && 4 * (16 + 102) <= 512);
-
-/// A part of the flash, whole pages.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Area {
-    /// Address of its first byte.
-    pub start: u32,
-    /// Bytes.
-    pub size: u32,
-}
-
-impl Area {
-    /// The address of `length` bytes at an offset; `None` beyond the end, or off the grid.
-    pub fn address(&self, offset: u32, length: u32, grid: u32) -> Option<u32> {
-        let end = offset.checked_add(length)?;
-        (end <= self.size && offset.is_multiple_of(grid) && length.is_multiple_of(grid)).then_some(self.start + offset)
-    }
-}

@@ -8,9 +8,10 @@
 //! What a sample is: `V` and `I` as two sums of 13 bits in one word, ADC_CDR.
 #![expect(unsafe_code, reason = "enabling an interrupt is")]
 
+use boards_common::position::position;
 use cortex_m::asm::delay;
 use cortex_m::peripheral::NVIC;
-use nucleo_g474re::blocks::{RING, position};
+use nucleo_g474re::blocks::RING;
 use nucleo_g474re::trips::Levels;
 use stm32_metapac::adc::Adc;
 use stm32_metapac::adc::vals::{Adcaldif, Exten, SampleTime, Trovs};
@@ -104,7 +105,7 @@ pub fn start() {
 
 /// The place in the ring that is filled next.
 pub fn next() -> usize {
-    position(CHANNEL.remaining())
+    position::<RING>(CHANNEL.remaining().into())
 }
 
 /// A sample was lost.

@@ -4,9 +4,9 @@
 //! has the crystal's failure, the flash's and the RAM's (`supply.rs`).
 #![expect(unsafe_code, reason = "the handler of an exception")]
 
+use boards_common::note::Cause;
 use cortex_m_rt::exception;
 use nucleo_g474re::alarm::{Alarm, Word};
-use nucleo_g474re::note::Cause;
 use stm32_metapac::{FLASH, RCC, SYSCFG};
 
 use super::{flash, panic, protection};

@@ -6,13 +6,13 @@
 use core::cell::RefCell;
 use core::sync::atomic::{AtomicU32, Ordering};
 
+use boards_common::packing;
 use cortex_m::asm::delay;
 use cortex_m::interrupt::{self as masked, Mutex};
 use cortex_m::peripheral::DWT;
 use firmware::board::block_task::BlockTask;
 use firmware::seam::block::{DriveBlock, SenseBlock, SlowSense, Trips};
-use nucleo_g474re::blocks::{BLOCK, Beat, CYCLES_PER_SAMPLE, Half, Step, is_in_time};
-use nucleo_g474re::packing;
+use nucleo_g474re::blocks::{AHEAD, Beat, CYCLES_PER_SAMPLE, Half, Step};
 use stm32_metapac::{GPIOC, interrupt};
 
 use super::dac::Lanes;
@@ -95,8 +95,7 @@ impl BlockInterrupt {
         }
         let half = Half::at(adc).other();
         self.multiplex();
-        let filled = &adc::SAMPLES.places()[half.start()..half.start() + BLOCK];
-        packing::sense(filled, Place::read, &mut self.sense);
+        packing::sense(half.filled(adc::SAMPLES.places()), Place::read, &mut self.sense);
         let broken = protection::look();
         self.sense.slow = SlowSense {
             belt: self.encoder.as_mut().map(Encoder::read),
@@ -117,7 +116,7 @@ impl BlockInterrupt {
         if !broken.cut {
             self.lanes.write(half, &self.drive);
         }
-        self.late = !is_in_time(half, self.lanes.next());
+        self.late = !half.is_in_time::<AHEAD>(self.lanes.next());
         WORST.fetch_max(DWT::cycle_count().wrapping_sub(began), Ordering::Relaxed);
         COUNT.fetch_add(1, Ordering::Relaxed);
     }

@@ -6,15 +6,16 @@
 //! | 3 or 4 | DAC3, DAC4 | PB11, PB1, PB12, PA8, through OPAMP6, 3, 4, 5 as fast followers | DAC3 and DAC4 are made for 15 Msps, the op-amps for 45 V/us (DS12288) |
 //!
 //! A word of a ring is two lanes, into DAC_DHR12RD with a single request for both (22.4.8). The trigger moves the held word to the output and
-//! then asks for the next one, so that a word plays one trigger after it was fetched: [`slot`].
+//! then asks for the next one, so that a word plays one trigger after it was fetched: [`AHEAD`].
 
 use core::hint::black_box;
 
+use boards_common::packing;
+use boards_common::position::position;
 use cortex_m::asm::delay;
 use firmware::seam::block::DriveBlock;
-use nucleo_g474re::blocks::{Half, RING, places, position};
+use nucleo_g474re::blocks::{AHEAD, Half, RING};
 use nucleo_g474re::config::SILENCE;
-use nucleo_g474re::packing;
 use stm32_metapac::bdma::vals::Pl;
 use stm32_metapac::dac::Dac;
 use stm32_metapac::dac::vals::Mode;
@@ -26,7 +27,7 @@ use super::clocks::CYCLES_PER_US;
 use super::dma::{Channel, Place, Ring, Way};
 use super::pins::Pin;
 
-const QUIET: u32 = (SILENCE as u32) << 16 | SILENCE as u32;
+const QUIET: u32 = packing::word(SILENCE, SILENCE);
 
 /// What plays: lanes 0 and 1, and lanes 2 and 3.
 static RINGS: [Ring<u32, RING>; 2] = [Ring::new(QUIET), Ring::new(QUIET)];
@@ -74,7 +75,7 @@ impl Lanes {
     pub fn write(&self, half: Half, block: &DriveBlock) {
         for (pair, ring) in RINGS.iter().enumerate().take(self.converters.len()) {
             // A length that the compiler knows it would write out whole, which would fill the core-coupled RAM.
-            let (head, tail) = places(ring.places(), half);
+            let (head, tail) = half.played::<AHEAD, _>(ring.places());
             packing::drive(block, pair, SILENCE, (head, black_box(tail)), Place::write);
         }
     }
@@ -88,7 +89,7 @@ impl Lanes {
 
     /// The place in the rings that is fetched next.
     pub fn next(&self) -> usize {
-        position(CHANNELS[0].remaining())
+        position::<RING>(CHANNELS[0].remaining().into())
     }
 
     /// Whether the pairs are fetched together, and none has missed a trigger: DAC_SR.DMAUDR1 (22.7.14), which stops its requests.

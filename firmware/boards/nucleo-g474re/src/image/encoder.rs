@@ -3,8 +3,8 @@
 //! `A` on PB2, `B` on PC12, their complements on PC10 and PC11, so that [`Wires`] sees whether the wires contradict each other. All pulled
 //! down: a wire that is broken is low.
 
+use boards_common::wires::Wires;
 use firmware::seam::block::BeltSense;
-use nucleo_g474re::wires::Wires;
 use stm32_metapac::gpio::vals::Pupdr;
 use stm32_metapac::timer::vals::{CcmrInputCcs, FilterValue, Sms};
 use stm32_metapac::{GPIOB, GPIOC, TIM5};

@@ -13,9 +13,9 @@
 use core::ptr;
 use core::sync::atomic::{AtomicBool, Ordering, compiler_fence};
 
+use boards_common::area::Area;
 use embedded_storage::nor_flash::{ErrorType, NorFlash, NorFlashError, NorFlashErrorKind, ReadNorFlash};
-use nucleo_g474re::pages::{FLASH as FIRST_BANK, PAGE, SECOND_BANK, SIZE, START, WORD};
-use nucleo_g474re::slots::Area;
+use nucleo_g474re::pages::{FLASH as FIRST_BANK, PAGE, SECOND_BANK, SETTINGS, WORD};
 use stm32_metapac::FLASH;
 use stm32_metapac::flash::regs::Sr;
 
@@ -75,7 +75,7 @@ pub enum Damage {
 
 impl Pages {
     /// The pages of the settings.
-    pub const SETTINGS: Pages = Pages::new(Area { start: START, size: SIZE }, Damage::Fails);
+    pub const SETTINGS: Pages = Pages::new(SETTINGS, Damage::Fails);
 
     /// Pages of an area.
     pub const fn new(area: Area, damage: Damage) -> Self {

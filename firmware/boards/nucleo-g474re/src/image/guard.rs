@@ -1,9 +1,9 @@
-//! Sets up the guard below the stack ([`stack`]) in the memory protection unit. ARM DDI 0403 B3.5.
+//! Sets up the guard below the stack ([`GUARD`]) in the memory protection unit. ARM DDI 0403 B3.5.
 #![expect(unsafe_code, reason = "registers of the processor")]
 
 use cortex_m::asm::{dsb, isb};
 use cortex_m::peripheral::{MPU, SCB};
-use nucleo_g474re::stack::{self, GUARD};
+use nucleo_g474re::stack::GUARD;
 
 /// Starts the guard. The stack must be above it.
 pub fn start(unit: &MPU) {
@@ -12,8 +12,8 @@ pub fn start(unit: &MPU) {
     // SAFETY: region 0 covers no static memory (the linker script sees to it) and nothing of the stack that is in use.
     unsafe {
         unit.rnr.write(0);
-        unit.rbar.write(GUARD);
-        unit.rasr.write(stack::attributes());
+        unit.rbar.write(GUARD.start());
+        unit.rasr.write(GUARD.attributes());
         unit.ctrl.write(CONTROL);
     }
     dsb();
@@ -24,5 +24,5 @@ pub fn start(unit: &MPU) {
 pub fn has_overflowed() -> bool {
     // SAFETY: two reads of registers without side effects.
     let (status, address) = unsafe { ((*SCB::PTR).cfsr.read(), (*SCB::PTR).mmfar.read()) };
-    stack::has_overflowed(status, address)
+    GUARD.has_overflowed(status, address)
 }

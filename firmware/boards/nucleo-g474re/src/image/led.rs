@@ -1,9 +1,9 @@
 //! The status LED at PA9. The board's own, LD2, hangs on PA5, which is a drive lane.
 
+use boards_common::led::is_lit;
 use firmware::seam::mode::Mode;
 use firmware::seam::telemetry::Telemetry;
 use nucleo_g474re::blocks::BLOCK;
-use nucleo_g474re::led::is_lit;
 use stm32_metapac::GPIOA;
 
 use super::block;

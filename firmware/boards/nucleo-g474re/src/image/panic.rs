@@ -5,11 +5,10 @@ use core::cell::UnsafeCell;
 use core::panic::PanicInfo;
 use core::ptr;
 
+use boards_common::note::{Cause, Note};
 use cortex_m::interrupt;
 use cortex_m::peripheral::{NVIC, SCB};
 use cortex_m_rt::{ExceptionFrame, exception};
-use nucleo_g474re::note::{Cause, Note};
-
 use stm32_metapac::Interrupt;
 
 use super::{block, guard, protection};

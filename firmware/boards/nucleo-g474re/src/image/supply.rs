@@ -11,9 +11,9 @@
 //! The parity of the RAM is an option byte (SRAM_PE) that is off as delivered.
 #![expect(unsafe_code, reason = "enabling an interrupt is")]
 
+use boards_common::note::Cause;
 use cortex_m::asm::delay;
 use cortex_m::peripheral::NVIC;
-use nucleo_g474re::note::Cause;
 use stm32_metapac::syscfg::regs::Cfgr2;
 use stm32_metapac::{EXTI, FLASH, Interrupt, PWR, SYSCFG, interrupt};
 

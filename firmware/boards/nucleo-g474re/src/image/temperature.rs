@@ -6,9 +6,10 @@
 
 use core::sync::atomic::{AtomicU32, Ordering};
 
+use boards_common::thermistor::Thermistor;
 use cortex_m::asm::delay;
 use cortex_m::peripheral::DWT;
-use nucleo_g474re::degrees::{Calibration, Thermistor, celsius};
+use nucleo_g474re::degrees::{Calibration, celsius};
 use stm32_metapac::adccommon::vals::Ckmode;
 use stm32_metapac::{ADC4, ADC5, ADC345_COMMON, GPIOB};
 

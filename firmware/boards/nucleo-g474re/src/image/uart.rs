@@ -5,9 +5,10 @@
 
 use core::convert::Infallible;
 
+use boards_common::position::position;
+use boards_common::reader::Reader;
 use embedded_io::{ErrorType, Read, ReadReady, Write, WriteReady};
 use nucleo_g474re::baud::divider;
-use nucleo_g474re::ring::Reader;
 use stm32_metapac::bdma::vals::Pl;
 use stm32_metapac::gpio::vals::Pupdr;
 use stm32_metapac::usart::regs::Brr;
@@ -69,13 +70,18 @@ impl Link {
     }
 }
 
+/// The place in the ring that is filled next.
+fn filled() -> usize {
+    position::<ROOM>(CHANNEL.remaining().into())
+}
+
 impl ErrorType for Link {
     type Error = Infallible;
 }
 
 impl ReadReady for Link {
     fn read_ready(&mut self) -> Result<bool, Infallible> {
-        Ok(self.reader.waiting(CHANNEL.remaining()) > 0)
+        Ok(self.reader.waiting(filled()) > 0)
     }
 }
 
@@ -83,7 +89,7 @@ impl Read for Link {
     fn read(&mut self, bytes: &mut [u8]) -> Result<usize, Infallible> {
         let mut count = 0;
         for byte in bytes {
-            let Some(place) = self.reader.take(CHANNEL.remaining()) else { break };
+            let Some(place) = self.reader.take(filled()) else { break };
             *byte = RECEIVED.places()[place].read();
             count += 1;
         }

@@ -5,8 +5,8 @@
 
 use core::sync::atomic::{AtomicU32, Ordering};
 
+use boards_common::note::Cause;
 use firmware::board::app::Watchdog;
-use nucleo_g474re::note::Cause;
 use stm32_metapac::iwdg::vals::{Key, Pr};
 use stm32_metapac::{DBGMCU, IWDG};
 

@@ -1,12 +1,13 @@
 //! Words of DMA: two converters move as one, so that they stay together.
 //!
-//! The ADC pair writes `V` in the lower half-word and `I` in the upper, each the sum of two conversions (RM0440 21.4.30: the master's
-//! data in the lower half of `ADC_CDR`). A DAC pair takes its first lane in the lower half-word and its second in the upper
-//! (RM0440 22.7.9, `DAC_DHR12RD`).
+//! The ADC pair writes `V` in the lower half-word and `I` in the upper. A DAC pair takes its first lane in the lower half-word and its second in the upper.
+//! Two converters of an STM32 do so (RM0440 21.4.30: the master's data in the lower half of `ADC_CDR`; 22.7.9, `DAC_DHR12RD`), and half-words that alternate
+//! in memory, `V` first, are the same words on a little-endian processor.
 
 use firmware::seam::block::{DriveBlock, SenseBlock};
 
 /// Separates a block of words from the ADC pair into voltage and current.
+#[inline]
 pub fn sense<Place>(places: &[Place], read: impl Fn(&Place) -> u32, sense: &mut SenseBlock) {
     let SenseBlock { v, i, .. } = sense;
     for channel in [&mut *v, &mut *i] {
@@ -33,15 +34,25 @@ pub fn sense<Place>(places: &[Place], read: impl Fn(&Place) -> u32, sense: &mut 
     }
 }
 
-/// Leaves the words that a DAC pair plays in their places, the first in `head` and the others in `tail`: lanes `2 * pair` and `2 * pair + 1`. A lane that is
-/// not there is silence.
-pub fn drive<Place>(block: &DriveBlock, pair: usize, silence: u16, (head, tail): (&Place, &[Place]), put: impl Fn(&Place, u32)) {
+/// Leaves the words that a DAC pair plays in their places, the first in `head` and the others in `tail` ([`Half::played`](crate::half::Half::played)): lanes
+/// `2 * pair` and `2 * pair + 1`. A lane that is not there, or has another length, is silence.
+#[inline]
+pub fn drive<const AHEAD: usize, Place>(
+    block: &DriveBlock,
+    pair: usize,
+    silence: u16,
+    (head, tail): (&[Place; AHEAD], &[Place]),
+    put: impl Fn(&Place, u32),
+) {
     let lane = |number: usize| {
-        block.lanes.get(number).filter(|codes| codes.len() == tail.len() + 1).and_then(|codes| codes.split_first())
+        let codes = block.lanes.get(number).filter(|codes| codes.len() == tail.len() + AHEAD);
+        codes.and_then(|codes| codes.split_first_chunk::<AHEAD>())
     };
     match (lane(2 * pair), lane(2 * pair + 1)) {
         (Some((first, firsts)), Some((second, seconds))) => {
-            put(head, word(*first, *second));
+            for ((place, first), second) in head.iter().zip(first).zip(second) {
+                put(place, word(*first, *second));
+            }
             let ((fours, rest), (firsts, first_rest)) = (tail.as_chunks::<4>(), firsts.as_chunks::<4>());
             let (seconds, second_rest) = seconds.as_chunks::<4>();
             // Written out: a compiler that saves code leaves a loop of four here.
@@ -56,7 +67,7 @@ pub fn drive<Place>(block: &DriveBlock, pair: usize, silence: u16, (head, tail):
             }
         }
         (Some((first, firsts)), None) => {
-            put(head, word(*first, silence));
+            head.iter().zip(first).for_each(|(place, first)| put(place, word(*first, silence)));
             let ((fours, rest), (firsts, first_rest)) = (tail.as_chunks::<4>(), firsts.as_chunks::<4>());
             for ([p0, p1, p2, p3], [a0, a1, a2, a3]) in fours.iter().zip(firsts) {
                 put(p0, word(*a0, silence));
@@ -69,13 +80,14 @@ pub fn drive<Place>(block: &DriveBlock, pair: usize, silence: u16, (head, tail):
             }
         }
         _ => {
-            put(head, word(silence, silence));
+            head.iter().for_each(|place| put(place, word(silence, silence)));
             tail.iter().for_each(|place| put(place, word(silence, silence)));
         }
     }
 }
 
 /// Two codes as one word.
-pub fn word(first: u16, second: u16) -> u32 {
-    u32::from(second) << 16 | u32::from(first)
+#[inline]
+pub const fn word(first: u16, second: u16) -> u32 {
+    (second as u32) << 16 | first as u32
 }

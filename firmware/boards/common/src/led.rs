@@ -18,6 +18,7 @@ const PAUSE: u32 = 1200;
 const IDLE: (u32, u32) = (2000, 50);
 
 /// Whether the LED is lit so many milliseconds after any moment, for a mode and a fault.
+#[inline]
 pub fn is_lit(mode: Mode, fault: Option<Fault>, milliseconds: u32) -> bool {
     match (mode, fault) {
         (_, Some(fault)) => flashes(fault.code(), milliseconds),

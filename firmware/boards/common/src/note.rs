@@ -49,6 +49,7 @@ impl Cause {
     ];
 
     /// The name of the cause in the log.
+    #[inline]
     pub fn name(self) -> &'static str {
         match self {
             Cause::Panic => "a panic",
@@ -88,6 +89,7 @@ impl Note {
     pub const BLANK: Note = Note { mark: 0, cause: 0, line: 0, length: 0, name: [0; NAME], seal: 0 };
 
     /// A note of a cause and its place: of a long file name the end is stored.
+    #[inline]
     pub fn of(cause: Cause, file: &str, line: u32) -> Note {
         let bytes = file.as_bytes();
         let end = &bytes[bytes.len().saturating_sub(NAME)..];
@@ -98,6 +100,7 @@ impl Note {
     }
 
     /// The cause, the file and the line; `None` where there is no note.
+    #[inline]
     pub fn read(&self) -> Option<(Cause, &str, u32)> {
         let cause = Cause::of(self.cause).filter(|_| self.mark == MARK && self.seal == self.sum())?;
         let name = core::str::from_utf8(self.name.get(..self.length as usize)?).unwrap_or("?");
@@ -105,6 +108,7 @@ impl Note {
     }
 
     /// What started the board, by its note.
+    #[inline]
     pub fn start(&self) -> Option<Start> {
         self.read().map(|(cause, file, line)| match cause {
             Cause::Panic => Start::Panic(Place { file: FileName::of(file), line }),

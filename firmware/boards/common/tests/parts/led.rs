@@ -1,8 +1,8 @@
 //! What the status LED shows.
 
+use boards_common::led::is_lit;
 use firmware::seam::fault::Fault;
 use firmware::seam::mode::Mode;
-use nucleo_g474re::led::is_lit;
 
 /// Lengths of the flashes that begin within so many milliseconds.
 fn flashes(mode: Mode, fault: Option<Fault>, within: u32) -> Vec<u32> {

@@ -9,15 +9,16 @@ pub struct Reader<const N: usize> {
 }
 
 impl<const N: usize> Reader<N> {
-    /// Bytes that wait to be read, from the number of transfers that remain until DMA starts again at `N`.
-    pub fn waiting(&self, remaining: u16) -> usize {
-        let filled = N.wrapping_sub(remaining.into()) % N;
+    /// Bytes that wait to be read, from the [position](crate::position::position) that DMA fills next.
+    #[inline]
+    pub fn waiting(&self, filled: usize) -> usize {
         (filled + N - self.next) % N
     }
 
     /// The place of the next byte; `None` while nothing waits.
-    pub fn take(&mut self, remaining: u16) -> Option<usize> {
-        if self.waiting(remaining) == 0 {
+    #[inline]
+    pub fn take(&mut self, filled: usize) -> Option<usize> {
+        if self.waiting(filled) == 0 {
             return None;
         }
         let place = self.next;

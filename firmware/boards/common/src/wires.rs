@@ -18,6 +18,7 @@ pub struct Wires {
 impl Wires {
     /// Takes the levels of both channels, each with its complement. Returns whether a line is broken; that ends once they have contradicted
     /// each other for long.
+    #[inline]
     pub fn look(&mut self, channels: [(bool, bool); 2]) -> bool {
         let agrees = channels.iter().any(|(wire, complement)| wire == complement);
         self.suspicion = if agrees { (self.suspicion + AGREES).min(2 * BROKEN) } else { self.suspicion.saturating_sub(1) };
