@@ -1,0 +1,138 @@
+//! What such a board writes itself: its constants, its statics, and its interrupt.
+
+use boards_common::position::position;
+use boards_common::{beat, half, packing, step};
+use firmware::board::block_task::BlockTask;
+use firmware::board::queues::{BackgroundEnds, Loans, Queues};
+use firmware::seam::block::{DriveBlock, Orders, SenseBlock};
+use firmware::seam::config::Config;
+use firmware::seam::telemetry::Telemetry;
+use hal_mock::loop_back::{self, LoopBack};
+
+use crate::part::Part;
+
+/// Samples in a block, and in a ring.
+pub const BLOCK: usize = 64;
+pub const RING: usize = 2 * BLOCK;
+/// Words that wait for the DACs.
+pub const AHEAD: usize = 4;
+/// Cycles of a sample and of a block: 150 MHz at 500 kHz.
+pub const CYCLES_PER_SAMPLE: u32 = 300;
+pub const CYCLES_PER_BLOCK: u32 = CYCLES_PER_SAMPLE * BLOCK as u32;
+/// The code of zero.
+pub const SILENCE: u16 = 2048;
+
+type Half = half::Half<RING>;
+type Step = step::Step<RING>;
+type Beat = beat::Beat<CYCLES_PER_BLOCK>;
+
+/// A capacitor in place of the stack, on two lanes.
+fn config() -> Config {
+    Config { sample_hz: 500e3, block_samples: BLOCK as u16, lanes: 2, ..loop_back::config() }
+}
+
+/// The board, with the background's ends of the queues.
+pub struct Board {
+    /// The part.
+    pub part: Part,
+    /// What the controller has answered.
+    pub answers: Vec<DriveBlock>,
+    /// The streams have lost a sample, and no block follows.
+    pub has_ended: bool,
+    task: BlockTask<'static>,
+    beat: Beat,
+    step: Step,
+    sense: SenseBlock,
+    drive: DriveBlock,
+    late: bool,
+    background: BackgroundEnds<'static>,
+    latest: Telemetry,
+}
+
+impl Board {
+    /// A board in silence.
+    pub fn new() -> Self {
+        let config = config();
+        let queues: &mut Queues<9, 5> = Box::leak(Box::default());
+        let (ends, background) = queues.split(Box::leak(Box::<Loans<5>>::default()));
+        let task = BlockTask::build(&config, ends).expect("it builds");
+        let drive = task.silence();
+        Board {
+            part: Part::new(LoopBack::of(&config)),
+            answers: Vec::new(),
+            has_ended: false,
+            task,
+            beat: Beat::default(),
+            step: Step::default(),
+            sense: SenseBlock::default(),
+            drive,
+            late: false,
+            background,
+            latest: Telemetry::default(),
+        }
+    }
+
+    /// Orders something of the controller.
+    pub fn order(&mut self, orders: Orders) {
+        self.background.orders.enqueue(orders).expect("there is room");
+    }
+
+    /// The report of the last block.
+    pub fn latest(&self) -> &Telemetry {
+        &self.latest
+    }
+
+    /// Blocks that were missed before the last one, as the controller was told.
+    pub fn missed(&self) -> Option<u32> {
+        self.sense.slow.missed_blocks
+    }
+
+    /// Waits for the interrupt, serves it in so many cycles, and reads the reports.
+    pub fn block(&mut self, cycles: u32) {
+        self.part.wait_for_interrupt();
+        // From the trigger to the first look.
+        self.part.advance(20);
+        self.interrupt(cycles);
+        while let Some(report) = self.background.reports.dequeue() {
+            self.latest = report.clone();
+            let _ = self.background.read.enqueue(report);
+        }
+    }
+
+    /// Serves no interrupt for so many cycles, from the next one on.
+    pub fn mask(&mut self, cycles: u32) {
+        self.part.wait_for_interrupt();
+        self.part.advance(cycles);
+    }
+
+    /// The block interrupt.
+    fn interrupt(&mut self, cycles: u32) {
+        let began = self.part.cycle_count();
+        let positions = |part: &Part| (position::<RING>(part.adc_remaining()), position::<RING>(part.dac_remaining()));
+        let (adc, dac) = positions(&self.part);
+        let again = || {
+            self.part.advance(CYCLES_PER_SAMPLE / 3);
+            positions(&self.part)
+        };
+        if !self.step.holds((adc, dac), again) {
+            self.has_ended = true;
+            return self.silence();
+        }
+        let half = Half::at(adc).other();
+        packing::sense(half.filled(&self.part.samples), |place| place.get(), &mut self.sense);
+        self.sense.slow.missed_blocks = Some(self.beat.missed(began) + u32::from(self.late));
+        self.task.run(&self.sense, &mut self.drive);
+        self.part.advance(cycles);
+        if self.drive.drops_queue {
+            self.silence();
+        }
+        packing::drive(&self.drive, 0, SILENCE, half.played::<AHEAD, _>(&self.part.codes), |place, word| place.set(word));
+        self.late = !half.is_in_time::<AHEAD>(position::<RING>(self.part.dac_remaining()));
+        self.answers.push(self.drive.clone());
+    }
+
+    /// Silence in both halves.
+    fn silence(&self) {
+        self.part.codes.iter().for_each(|place| place.set(packing::word(SILENCE, SILENCE)));
+    }
+}
