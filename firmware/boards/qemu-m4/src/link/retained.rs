@@ -1,4 +1,4 @@
-//! Memory that survives a reset of the emulated board: the pages of the settings, and whether the reset was ordered.
+//! Memory that survives a reset of the emulated board: the pages of the settings, and the note of why the last run ended.
 //!
 //! It stands in RAM that QEMU's STM32F405 has behind what `memory.x` gives to an image: nothing is loaded there, so that a reset leaves it as it
 //! is. With the end of QEMU it is gone.
@@ -7,6 +7,7 @@
 use core::ptr;
 use core::sync::atomic::{AtomicBool, Ordering};
 
+use boards_common::note::{Cause, Note};
 use cortex_m::peripheral::SCB;
 use firmware::board::start::Start;
 use qemu_m4::pages::Pages;
@@ -16,8 +17,7 @@ use qemu_m4::pages::Pages;
 struct Retained {
     /// [`WRITTEN`], once this was.
     mark: u32,
-    /// [`WRITTEN`], if the reset was ordered.
-    ordered: u32,
+    note: Note,
     pages: Pages,
 }
 
@@ -34,18 +34,18 @@ pub fn take() -> Option<(&'static mut Pages, Start)> {
     let retained = ptr::with_exposed_provenance_mut::<Retained>(ADDRESS);
     // SAFETY: RAM of the machine that nothing else uses, aligned, and large enough (32 KiB at least). Any bytes are a value of these types.
     let retained = unsafe { &mut *retained };
-    let ordered = retained.mark == WRITTEN && retained.ordered == WRITTEN;
     if retained.mark != WRITTEN {
         retained.pages.clear();
     }
-    (retained.mark, retained.ordered) = (WRITTEN, 0);
-    Some((&mut retained.pages, if ordered { Start::Ordered } else { Start::PowerOn }))
+    retained.mark = WRITTEN;
+    let note = core::mem::replace(&mut retained.note, Note::BLANK);
+    Some((&mut retained.pages, note.start().unwrap_or(Start::PowerOn)))
 }
 
-/// Resets the board, and records that the reset was ordered.
+/// Resets the board, and leaves a note that the reset was ordered.
 pub fn reset() -> ! {
     let retained = ptr::with_exposed_provenance_mut::<Retained>(ADDRESS);
     // SAFETY: as above. The owner of the pages is not called any more; they are not touched.
-    unsafe { ptr::write_volatile(&raw mut (*retained).ordered, WRITTEN) };
+    unsafe { ptr::write_volatile(&raw mut (*retained).note, Note::of(Cause::Ordered, "", 0)) };
     SCB::sys_reset()
 }
