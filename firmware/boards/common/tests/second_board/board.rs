@@ -16,8 +16,10 @@ pub const BLOCK: usize = 64;
 pub const RING: usize = 2 * BLOCK;
 /// Words that wait for the DACs.
 pub const AHEAD: usize = 4;
-/// Cycles of a sample and of a block: 150 MHz at 500 kHz.
-pub const CYCLES_PER_SAMPLE: u32 = 300;
+/// Samples a second.
+const SAMPLE_HZ: u32 = 500_000;
+/// Cycles of a sample and of a block, at 150 MHz.
+pub const CYCLES_PER_SAMPLE: u32 = 150_000_000 / SAMPLE_HZ;
 pub const CYCLES_PER_BLOCK: u32 = CYCLES_PER_SAMPLE * BLOCK as u32;
 /// The code of zero.
 pub const SILENCE: u16 = 2048;
@@ -28,7 +30,7 @@ type Beat = beat::Beat<CYCLES_PER_BLOCK>;
 
 /// A capacitor in place of the stack, on two lanes.
 fn config() -> Config {
-    Config { sample_hz: 500e3, block_samples: BLOCK as u16, lanes: 2, ..loop_back::config() }
+    Config { sample_hz: SAMPLE_HZ as f32, block_samples: BLOCK as u16, lanes: 2, ..loop_back::config() }
 }
 
 /// The board, with the background's ends of the queues.
@@ -94,7 +96,7 @@ impl Board {
         self.part.advance(20);
         self.interrupt(cycles);
         while let Some(report) = self.background.reports.dequeue() {
-            self.latest = report.clone();
+            self.latest = *report;
             let _ = self.background.read.enqueue(report);
         }
     }
