@@ -72,7 +72,13 @@ impl Stages {
                 step
             }
             Mode::Scan => self.scan.step(chain, measured),
-            Mode::Clamped => self.clamped.step(chain, measured),
+            Mode::Clamped => {
+                let step = self.clamped.step(chain, measured);
+                if let Step::Instead(mode) = step {
+                    self.go_back(chain, mode);
+                }
+                step
+            }
             Mode::Calibrate => self.calibrate.step(chain, measured),
             Mode::Lock | Mode::Run => {
                 let step = self.follow.step(chain, measured);
@@ -86,7 +92,7 @@ impl Stages {
         }
     }
 
-    /// Prepares the stage that a lost lock goes back to.
+    /// Prepares the stage that a lost lock goes back to, or that takes the place of another one.
     #[inline(never)]
     fn go_back(&mut self, chain: &mut Chain, mode: Mode) {
         match mode {

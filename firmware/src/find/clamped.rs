@@ -29,6 +29,7 @@ use crate::generate::step::Step;
 use crate::seam::block::LATENCY_BLOCKS;
 use crate::seam::config::Config;
 use crate::seam::fault::Fault;
+use crate::seam::mode::Mode;
 use crate::seam::phasor::Phasor;
 use crate::sense::demod::Sensed;
 
@@ -48,10 +49,13 @@ const EDGE: f32 = 0.2;
 const LEAST_NOISE: f32 = 2.25;
 /// What the model leaves at best, relative to the clamped susceptance: ringing, rounding.
 const FLOOR: f32 = 3e-4;
-/// How far the capacitance may be from its nominal value.
-const CAPACITANCE_SHIFT: f32 = 0.2;
-/// Smallest Q, relative to the nominal one, which may be wrong by two. A crack leaves a fifth.
-const SMALLEST_Q: f32 = 0.4;
+/// How far the capacitance may be from its nominal value; and how far with a coupling that has gone as well, as that of a stack that has depoled: with an
+/// inductance so many times the nominal one, or without a resonance that stands out.
+const CAPACITANCE_SHIFT: f32 = 0.4;
+const DEPOLED: (f32, f32) = (0.2, 5.0);
+/// Smallest Q, relative to the nominal one, which may be wrong by three; and with the company of a crack, which leaves a fifth.
+const SMALLEST_Q: f32 = 0.25;
+const CRACKED_Q: f32 = 0.4;
 /// Rms of what two resonances leave, in standard deviations, beyond which the transducer is not one that could be tracked. Healthy ones leave 4 at most.
 const LARGEST_MISFIT: f32 = 20.0;
 /// Deviation of the motional phase at the lock point, rad, beyond which there is nothing to lock to. Healthy transducers leave 2e-3 at most.
@@ -62,6 +66,15 @@ const SIGNIFICANT: f32 = 10.0;
 const SIGMAS: f32 = 3.0;
 /// A second resonance that is as near as this to the first, and this strong, relative to the first, is the company of a crack.
 const CRACK: (f32, f32) = (0.035, 0.1);
+
+/// Why the measurement says nothing to begin on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Refused {
+    /// It tells that there is something wrong.
+    Fault(Fault),
+    /// It does not tell: no resonance stands out, or two do not explain it. A scan looks at the resonance itself, and takes longer.
+    Unclear,
+}
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Stage {
@@ -78,6 +91,7 @@ pub struct PowerOn {
     nominal_hz: f32,
     nominal_c0_f: f32,
     nominal_q: f32,
+    nominal_lm_h: Option<f32>,
     /// Where the resonance may be, relative to the nominal frequency, with what the estimate may be off by.
     window: f32,
     volts: f32,
@@ -93,7 +107,7 @@ pub struct PowerOn {
     vv: f32,
     fit: Fit,
     deviations: Deviations,
-    verdict: Option<Result<Clamped, Fault>>,
+    verdict: Option<Result<Clamped, Refused>>,
     /// A transducer that looks like none, or like a broken one, is measured once more: a resonance that comes back in the middle of the
     /// measurement makes it look so.
     twice: bool,
@@ -113,6 +127,7 @@ impl PowerOn {
             nominal_hz: drive.frequency_hz,
             nominal_c0_f: tracking.nominal_c0_f,
             nominal_q: tracking.nominal_q,
+            nominal_lm_h: tracking.nominal_lm_h,
             window: tracking.span + 0.5 * NEAREST,
             volts: drive.scan_volts,
             noise: (
@@ -130,7 +145,7 @@ impl PowerOn {
             block: 0,
             iv: Phasor::default(),
             vv: 0.0,
-            fit: Fit::new(1.0 / tracking.nominal_q),
+            fit: Fit::new(1.0 / tracking.nominal_q, drive.frequency_hz),
             deviations: Deviations::default(),
             verdict: None,
             twice: false,
@@ -148,7 +163,7 @@ impl PowerOn {
         self.twice = false;
         (self.stage, self.block) = (Stage::Tones, 0);
         (self.iv, self.vv) = (Phasor::default(), 0.0);
-        self.fit = Fit::new(1.0 / self.nominal_q);
+        self.fit = Fit::new(1.0 / self.nominal_q, self.nominal_hz);
         self.deviations.restart();
     }
 
@@ -201,11 +216,12 @@ impl PowerOn {
             Stage::Report => {
                 self.stage = Stage::Over;
                 match self.verdict {
-                    Some(Err(Fault::NoResonance | Fault::ResonanceDamaged)) if self.twice => {
+                    Some(Err(Refused::Unclear | Refused::Fault(Fault::NoResonance | Fault::ResonanceDamaged))) if self.twice => {
                         self.restart();
                         Step::Silence
                     }
-                    Some(Err(fault)) => Step::Failed(fault),
+                    Some(Err(Refused::Unclear)) => Step::Instead(Mode::Scan),
+                    Some(Err(Refused::Fault(fault))) => Step::Failed(fault),
                     _ => Step::Silence,
                 }
             }
@@ -236,23 +252,29 @@ impl PowerOn {
         self.fit.add(Point { x, y, deviation: libm::sqrtf(noise + square(FLOOR)) });
     }
 
-    fn judge(&self, solution: &Solution) -> Result<Clamped, Fault> {
+    fn judge(&self, solution: &Solution) -> Result<Clamped, Refused> {
         let found = reading::read(solution, &self.deviations, self.nominal_hz, self.nominal_c0_f);
         let q_at_most = found.q.value + SIGMAS * found.q.deviation;
         let cracked = found
             .second_mode
             .is_some_and(|(hz, strength)| (hz / found.resonance_hz.value - 1.0).abs() < CRACK.0 && strength > CRACK.1);
-        let shift = (found.c0_f.value - self.nominal_c0_f).abs() - SIGMAS * found.c0_f.deviation;
+        let shift = ((found.c0_f.value - self.nominal_c0_f).abs() - SIGMAS * found.c0_f.deviation) / self.nominal_c0_f;
         let turn = 2.0 * found.lock_deviation_hz * found.q.value / found.resonance_hz.value;
         let explained = fit::is_plausible(&solution.elements) && solution.misfit < LARGEST_MISFIT;
         // What is no number does not hold, either.
         let resonates = found.lm_h.value > SIGNIFICANT * found.lm_h.deviation;
+        let uncoupled = !resonates || self.nominal_lm_h.is_some_and(|nominal| found.lm_h.value > DEPOLED.1 * nominal);
+        let shifted = shift > if uncoupled { DEPOLED.0 } else { CAPACITANCE_SHIFT };
         let holds = explained && resonates && turn < LARGEST_TURN;
         match () {
-            () if resonates && (found.resonance_hz.value / self.nominal_hz - 1.0).abs() > self.window => Err(Fault::NoResonance),
-            () if !holds => Err(Fault::ResonanceDamaged),
-            () if shift > CAPACITANCE_SHIFT * self.nominal_c0_f => Err(Fault::CapacitanceShifted),
-            () if cracked || q_at_most < SMALLEST_Q * self.nominal_q => Err(Fault::ResonanceDamaged),
+            () if resonates && (found.resonance_hz.value / self.nominal_hz - 1.0).abs() > self.window => {
+                Err(Refused::Fault(Fault::NoResonance))
+            }
+            () if explained && shifted => Err(Refused::Fault(Fault::CapacitanceShifted)),
+            () if !holds => Err(Refused::Unclear),
+            () if q_at_most < if cracked { CRACKED_Q } else { SMALLEST_Q } * self.nominal_q => {
+                Err(Refused::Fault(Fault::ResonanceDamaged))
+            }
             () => Ok(found),
         }
     }

@@ -14,12 +14,14 @@ use crate::seam::fault::Fault;
 use crate::seam::phasor::{Phasor, magnitude};
 use crate::sense::convert::Convert;
 use crate::sense::demod::Sensed;
+use crate::sense::source::LARGEST_OHM;
 
 /// Blocks of silence that are averaged.
 const SILENT_BLOCKS: u32 = 32;
-/// Quiet: the current's rms about its mean is below this part of what the tone will draw, or below so many codes.
-const QUIET: (f32, f32) = (0.25, 16.0);
-/// How long an earlier run may ring, nominal time constants and at least, in blocks. Q may be twice the nominal one.
+/// Quiet: the current's rms about its mean is below this part of what the tone will draw, or below so many codes; what is below so many more when
+/// nothing rings any longer is noise.
+const QUIET: (f32, f32, f32) = (0.25, 2.0, 16.0);
+/// How long an earlier run may ring, nominal time constants and at least, in blocks. Q may be three times the nominal one.
 const RING_DOWN: (f32, u32) = (40.0, 1000);
 /// Blocks of the tone, and how many at its end are measured.
 const TONE_BLOCKS: u32 = 64;
@@ -35,8 +37,9 @@ const TONE_AMPLITUDE: f32 = 0.5;
 const LARGEST_OFFSET: f32 = 0.05;
 /// How far the voltage may be from what was played.
 const VOLTAGE_FACTOR: f32 = 1.5;
-/// How far the current may be from what the nominal capacitance takes: 1.4 at this frequency by coupling alone.
-const CURRENT_FACTOR: f32 = 3.0;
+/// How much less, and more, the current may be than what the nominal capacitance takes. By coupling alone it is `1 + k^2 / (1 - k^2) / (1 - 0.85^2)` times that,
+/// 1.4 at k = 0.3 and 5.6 at 0.75; and the nominal capacitance may be off by 30 %. A short takes a hundred times as much.
+const CURRENT_FACTORS: (f32, f32) = (3.0, 8.0);
 
 /// The self-test, in progress.
 #[derive(Clone, Debug)]
@@ -81,7 +84,7 @@ impl SelfTest {
 
     /// Whether the tone, of which `played` volts are, draws more current than any transducer would.
     pub(crate) fn is_short(&self, sensed: &Sensed, played: f32) -> bool {
-        let most = CURRENT_FACTOR * self.clamped_siemens * played;
+        let most = CURRENT_FACTORS.1 * self.clamped_siemens * played;
         sensed.i.norm_sqr() > most * most
     }
 
@@ -146,14 +149,15 @@ impl SelfTest {
     }
 
     fn wait_for_quiet(&mut self, convert: &Convert, sense: &SenseBlock) -> Step {
-        let (part, codes) = QUIET;
+        let (part, codes, noisy) = QUIET;
         let tone_codes = convert.i.codes(self.volts * self.clamped_siemens);
         // What was played before may still sound.
-        let loudest = codes.max(part * tone_codes);
+        let rung_down = self.block > self.ring_down_blocks;
+        let loudest = if rung_down { noisy } else { codes }.max(part * tone_codes);
         self.quiet = self.block > LATENCY_BLOCKS as u32 && convert.i.mean_and_variance(&sense.i).1 < loudest * loudest;
         if self.quiet {
             self.block = 0;
-        } else if self.block > self.ring_down_blocks {
+        } else if rung_down {
             return Step::Failed(Fault::SensorImplausible);
         }
         Step::Silence
@@ -184,11 +188,11 @@ impl SelfTest {
         let expected = volts * self.clamped_siemens;
         if volts > played * VOLTAGE_FACTOR {
             Step::Failed(Fault::SensorImplausible)
-        } else if amperes > expected * CURRENT_FACTOR {
+        } else if amperes > expected * CURRENT_FACTORS.1 {
             Step::Failed(Fault::LoadShorted)
-        } else if volts < played / VOLTAGE_FACTOR {
+        } else if volts * VOLTAGE_FACTOR < played - LARGEST_OHM * amperes {
             Step::Failed(Fault::SensorImplausible)
-        } else if amperes < expected / CURRENT_FACTOR {
+        } else if amperes < expected / CURRENT_FACTORS.0 {
             Step::Failed(Fault::LoadOpen)
         } else {
             Step::Done { volts: 0.0 }

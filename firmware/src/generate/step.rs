@@ -26,6 +26,8 @@ pub enum Step {
         /// Peak voltage, V; zero is silence.
         volts: f32,
     },
+    /// The stage cannot tell; silence, and another stage takes its place.
+    Instead(Mode),
     /// The stage has failed; the drive is muted.
     Failed(Fault),
 }
@@ -73,6 +75,7 @@ impl Plan {
                 let gate = if volts > 0.0 { Gate::On } else { Gate::Off };
                 Plan { volts, gate, progress: Progress::Done, ..Plan::SILENT }
             }
+            Step::Instead(mode) => Plan { progress: Progress::Back(mode), ..Plan::SILENT },
             Step::Failed(fault) => Plan { progress: Progress::Failed(fault), ..Plan::SILENT },
         }
     }
@@ -85,7 +88,7 @@ pub enum Progress {
     Busy,
     /// The stage is complete.
     Done,
-    /// The controller has to go back to this earlier stage.
+    /// The controller has to go to this other stage.
     Back(Mode),
     /// The stage has failed with this fault.
     Failed(Fault),

@@ -5,6 +5,7 @@ use crate::seam::config::Config;
 use crate::seam::fault::Fault;
 use crate::sense::convert::{CLIPPED_PART, Convert, SenseScale};
 use crate::sense::demod::{Sensed, Suspect};
+use crate::sense::source::LARGEST_OHM;
 
 /// Part of the range within which a limit is certainly nearer than its ends: a self-test moves the zero by a twentieth at most.
 const NEARER: f32 = 0.9;
@@ -12,7 +13,8 @@ const NEARER: f32 = 0.9;
 const OVER_CURRENT_SAMPLES: usize = 2;
 /// Blocks for which the voltage or the current may be implausible before that counts.
 const IMPLAUSIBLE_BLOCKS: u32 = 8;
-/// The voltage may be this many times smaller or larger than the fundamental that was played (the source sags, harmonics leak into the lock-in).
+/// The voltage may be this many times smaller or larger than the fundamental that was played (harmonics leak into the lock-in), and smaller by what
+/// the current makes of the source's resistance: a resonance of less than that takes most of the voltage away.
 const VOLTAGE_FACTOR: f32 = 2.0;
 const SQUARE_FACTOR: f32 = VOLTAGE_FACTOR * VOLTAGE_FACTOR;
 /// Smallest current, relative to what the nominal capacitance takes; at the antiresonance a healthy stack takes a fortieth.
@@ -64,7 +66,8 @@ impl Electrical {
         let (wrong_voltage, no_current) = played.map_or((false, false), |volts| {
             // Squares are compared: a root takes as long as a period of the lock-in.
             let (played, voltage, current) = (volts * volts, sensed.v.norm_sqr(), sensed.i.norm_sqr());
-            let wrong_voltage = voltage > SQUARE_FACTOR * played || SQUARE_FACTOR * voltage < played;
+            let low = SQUARE_FACTOR * voltage < played && !sags(volts, voltage, current);
+            let wrong_voltage = voltage > SQUARE_FACTOR * played || low;
             // A constant has a fundamental too where a block is no whole number of periods.
             let no_current = current < self.least_siemens_squared * played || is_constant(&sense.i);
             (wrong_voltage || is_constant(&sense.v), no_current)
@@ -115,6 +118,14 @@ impl Electrical {
 fn tripped_by(sense: &SenseBlock) -> Fault {
     let amplifier = sense.slow.trips.is_some_and(|trips| trips.amplifier_fault);
     if amplifier { Fault::AmplifierFault } else { Fault::OverCurrent }
+}
+
+/// Whether the current explains a voltage that is low, of what was played, V; squares of the other two.
+#[cold]
+#[inline(never)]
+fn sags(played: f32, voltage: f32, current: f32) -> bool {
+    let expected = played - LARGEST_OHM * libm::sqrtf(current);
+    expected <= 0.0 || SQUARE_FACTOR * voltage >= expected * expected
 }
 
 /// Whether all codes are the same.

@@ -8,6 +8,8 @@
 
 use crate::seam::phasor::Phasor;
 
+/// The largest resistance of a source that is reckoned with before it has been seen, ohm.
+pub(crate) const LARGEST_OHM: f32 = 0.5;
 /// Blocks after which earlier measurements count for half.
 const MEMORY: u32 = 1024;
 /// Part of the current that must have changed by itself for an impedance to be known.

@@ -3,12 +3,12 @@
 //! With `u = f / f_nominal = 1 + x`, everything relative to the nominal clamped susceptance `w C0`:
 //!
 //! ```text
-//! Y(u) = exp(j theta u) (g + h x + j c u + j k u / (us^2 - u^2 + j d u us) + j k2 u / (u2^2 - u^2 + j d u u2))
+//! Y(u) = exp(j theta u) (g + h x + j c u + j k u / (us^2 - u^2 + j d u us) + j k2 u / (u2^2 - u^2 + j d2 u u2))
 //! ```
 //!
 //! `c` is the clamped capacitance, `g + h x` what it loses (a leak is flat, a dielectric's loss grows with the frequency, images of the DAC with its
-//! square), `k = Cm / C0 us^2` the motional branch with its resonance `us` and its loss `d = 1 / Q`; `k2`, `u2` a second one, as lossy as
-//! the first (Butterworth 1914, Van Dyke 1928). `theta` is what sensing turns: skew between the converters, delay of an image. Loss turns the
+//! square), `k = Cm / C0 us^2` the motional branch with its resonance `us` and its loss `d = 1 / Q`; `k2`, `u2`, `d2` a second one
+//! (Butterworth 1914, Van Dyke 1928). `theta` is what sensing turns: skew between the converters, delay of an image. Loss turns the
 //! clamped part only and skew the motional part as well; by that they can be distinguished.
 
 use crate::generate::shape::sine;
@@ -17,7 +17,7 @@ use crate::seam::phasor::Phasor;
 const J: Phasor = Phasor::new(0.0, 1.0);
 
 /// Unknowns of the model.
-pub(crate) const UNKNOWNS: usize = 9;
+pub(crate) const UNKNOWNS: usize = 10;
 /// Place of the clamped capacitance, `c`.
 pub(crate) const C: usize = 0;
 /// Place of the clamped branch's loss at the nominal frequency, `g`.
@@ -36,6 +36,8 @@ pub(crate) const THETA: usize = 6;
 pub(crate) const K2: usize = 7;
 /// Place of the second resonance, `u2 - 1`.
 pub(crate) const X2: usize = 8;
+/// Place of the second resonance's loss, `d2`.
+pub(crate) const D2: usize = 9;
 
 /// The elements. Resonances are stored as `us - 1`, which f32 resolves to 1e-9.
 pub(crate) type Elements = [f32; UNKNOWNS];
@@ -62,7 +64,7 @@ pub(crate) fn admittance(e: &Elements, x: f32) -> (Phasor, [Phasor; UNKNOWNS]) {
     let u = 1.0 + x;
     let turned = turn(e[THETA] * u);
     let (first, first_by_x, first_by_d) = branch(x, e[XS], e[D]);
-    let (second, second_by_x, second_by_d) = branch(x, e[X2], e[D]);
+    let (second, second_by_x, second_by_d) = branch(x, e[X2], e[D2]);
     let y = turned * (Phasor::new(e[G] + e[H] * x, e[C] * u) + first * e[K] + second * e[K2]);
     let by = [
         turned * J * u,
@@ -70,10 +72,11 @@ pub(crate) fn admittance(e: &Elements, x: f32) -> (Phasor, [Phasor; UNKNOWNS]) {
         turned * x,
         turned * first,
         turned * first_by_x * e[K],
-        turned * (first_by_d * e[K] + second_by_d * e[K2]),
+        turned * first_by_d * e[K],
         J * u * y,
         turned * second,
         turned * second_by_x * e[K2],
+        turned * second_by_d * e[K2],
     ];
     (y, by)
 }
@@ -85,7 +88,7 @@ mod tests {
 
     #[test]
     fn derivatives_are_those_of_the_admittance() {
-        let e: Elements = [1.03, 0.01, 0.02, 0.07, 0.013, 0.02, 0.01, 0.015, 0.07];
+        let e: Elements = [1.03, 0.01, 0.02, 0.07, 0.013, 0.02, 0.01, 0.015, 0.07, 0.01];
         for x in [-0.2, -0.05, 0.05, 0.15] {
             let (_, by) = admittance(&e, x);
             for n in 0..UNKNOWNS {

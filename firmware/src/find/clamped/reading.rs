@@ -1,7 +1,7 @@
 //! What the fitted elements say of the transducer, and how far each may be off.
 
 use crate::find::clamped::fit::Solution;
-use crate::find::clamped::model::{self, C, D, Elements, G, H, K, K2, THETA, UNKNOWNS, X2, XS, turn};
+use crate::find::clamped::model::{self, C, D, D2, Elements, G, H, K, K2, THETA, UNKNOWNS, X2, XS, turn};
 use crate::seam::phasor::Phasor;
 use crate::sense::motional::Motional;
 
@@ -97,7 +97,7 @@ fn turns(e: &Elements) -> [f32; UNKNOWNS] {
     let (axis, (_, by)) = (turn(e[THETA] * us), branch(e));
     let conductance = e[K] / (e[D] * us);
     let mut turns: [f32; UNKNOWNS] = core::array::from_fn(|n| match n {
-        C | G | H | THETA | K2 | X2 => (by[n] * axis.conj()).im / conductance,
+        C | G | H | THETA | K2 | X2 | D2 => (by[n] * axis.conj()).im / conductance,
         _ => 0.0,
     });
     turns[THETA] += us;

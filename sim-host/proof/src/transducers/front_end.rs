@@ -44,7 +44,7 @@ const CALIBRATION_PERIODS: f64 = 1600.0;
 const REST_S: f64 = 0.05;
 /// Ring-down times that a transducer has beyond that to be locked, each `Q / (pi fs)`.
 const RING_DOWNS: f64 = 10.0;
-/// How much more time the phase loop has, whose scan waits for the transducer at each step.
+/// How much more time all have: a scan, by which the phase loop begins, and the observer where its calibration cannot tell, waits for the transducer.
 const SCAN: f64 = 2.0;
 
 /// The front end's settings of a transducer.
@@ -118,7 +118,7 @@ pub fn sets(of: &Transducer, mode: &str) -> Vec<String> {
     let (front_end, nominal) = (FrontEnd::of(of), &of.nominal);
     let ring_down_s = of.q / (std::f64::consts::PI * of.hz);
     let allowed_s = REST_S + CALIBRATION_PERIODS / nominal.hz + RING_DOWNS * ring_down_s;
-    let duration_s = if mode == "phase_lock" { SCAN * allowed_s } else { allowed_s };
+    let duration_s = SCAN * allowed_s;
     let further = |(place, mode): (usize, &FurtherMode)| {
         let lm_h = 1.0 / ((TAU * mode.hz).powi(2) * mode.share * of.cm_f());
         [("series_resonance_hz", mode.hz), ("q", mode.q), ("lm_h", lm_h)]
