@@ -24,7 +24,7 @@ fn changed(change: impl FnOnce(&mut Config)) -> Config {
     // Nearly all of the converter's range: 2040 of 2047 codes.
     (config.drive.amplitude, config.limits.voltage_v) = (Amplitude::Volts(20.4), 20.46);
     // The loop-back's current follows the voltage's steps, which are large here.
-    (config.tracking.nominal_c0_f, config.drive.scan_volts) = (20e-9, 10.0);
+    (config.tracking.nominal_c0_f, config.drive.scan_volts) = (Some(20e-9), 10.0);
     config.drive.frequency_hz = TONE_HZ as f32;
     change(&mut config);
     config
@@ -232,7 +232,7 @@ fn no_order_takes_a_brake_over_the_limit() {
     let limited = changed(|config| {
         (config.drive.amplitude, config.limits.voltage_v) = (Amplitude::Volts(3.0), 12.0);
         config.drive.scan_volts = 3.0;
-        config.tracking.nominal_c0_f = 100e-9;
+        config.tracking.nominal_c0_f = Some(100e-9);
     });
     for (first, then) in [(3.0, 12.0), (12.0, 3.0), (1.0, 1e9), (3.0, 0.0)] {
         for pause in 1..12 {

@@ -31,7 +31,7 @@ impl LoopBack {
     /// that of [`config`] has.
     pub fn of(config: &Config) -> Self {
         let front_end = &config.front_end;
-        let amperes_per_step = config.tracking.nominal_c0_f * config.sample_hz * front_end.drive_volt_per_lsb;
+        let amperes_per_step = config.tracking.c0_f() * config.sample_hz * front_end.drive_volt_per_lsb;
         LoopBack::new(front_end.sense_mid_code, amperes_per_step / front_end.ampere_per_lsb)
     }
 
@@ -71,7 +71,13 @@ pub fn config() -> Config {
         sweep: Sweep::Hold,
         phasing: Phasing::default(),
         burst: Burst::default(),
-        tracking: Tracking { mode: TrackingMode::Off, span: 0.05, bandwidth_hz: 100.0, ..Tracking::new(50.0, 200e-9) },
+        tracking: Tracking {
+            mode: TrackingMode::Off,
+            span: 0.05,
+            bandwidth_hz: 100.0,
+            nominal_c0_f: Some(200e-9),
+            ..Tracking::new(50.0)
+        },
         thermometer: Thermometer::default(),
         heat_sink: HeatSink::default(),
         limits: Limits { voltage_v: 12.0, current_a: 3.0, belt_stop_ms: 5.0, ..Limits::default() },

@@ -37,7 +37,7 @@ impl Scrambled {
     pub(super) fn new(config: &Config, seed: u64) -> Self {
         let front_end = config.front_end.clone();
         // Current codes for a drive code of change in a sample: I = C dV/dt.
-        let amperes = config.tracking.nominal_c0_f * config.sample_hz * front_end.drive_volt_per_lsb;
+        let amperes = config.tracking.c0_f() * config.sample_hz * front_end.drive_volt_per_lsb;
         Scrambled {
             load: LoopBack::new(front_end.sense_mid_code, amperes / front_end.ampere_per_lsb),
             front_end,

@@ -66,8 +66,12 @@ impl Stages {
             Mode::SelfTest => {
                 let step = self.self_test.step(chain, measured);
                 if matches!(step, Step::Done { .. }) {
-                    let (v, i) = chain.track.noise;
-                    self.clamped.set_noise(v, i);
+                    let c0_f = self.self_test.capacitance_f();
+                    self.clamped.prepare(chain.track.noise, c0_f);
+                    if let Some(c0_f) = c0_f {
+                        self.scan.reckon_with(c0_f);
+                        chain.track.tracker.reckon_with(c0_f);
+                    }
                 }
                 step
             }

@@ -89,16 +89,18 @@ enum Stage {
 #[derive(Clone, Debug)]
 pub struct PowerOn {
     nominal_hz: f32,
-    nominal_c0_f: f32,
+    /// The capacitance that all is relative to, F, and whether it is the nominal one.
+    c0_f: f32,
+    is_nominal: bool,
     nominal_q: f32,
     nominal_lm_h: Option<f32>,
     /// Where the resonance may be, relative to the nominal frequency, with what the estimate may be off by.
     window: f32,
     volts: f32,
-    /// Variance of a current and of a voltage, relative to what the scan voltage makes, of one part of a block's phasor.
+    /// Variance of a current and of a voltage, relative to what the scan voltage makes of the capacitance, of one part of a block's phasor.
     noise: (f32, f32),
-    /// Current of the scan voltage through the nominal clamped capacitance, A.
-    amperes: f32,
+    /// The least variances of the same that are reckoned with, of a voltage and of a current, V² and A².
+    least_noise: (f32, f32),
     offsets: [f32; MAX_POINTS],
     tone_blocks: u32,
     stage: Stage,
@@ -117,7 +119,6 @@ impl PowerOn {
     /// A calibration by the configured drive and window, which the scan has checked.
     pub fn build(config: &Config) -> Self {
         let (drive, tracking) = (&config.drive, &config.tracking);
-        let susceptance = TAU * drive.frequency_hz * tracking.nominal_c0_f;
         let block_periods = drive.frequency_hz * f32::from(config.block_samples) / config.sample_hz;
         let nearest = tracking.span + NEAREST;
         let square = |x: f32| x * x;
@@ -125,16 +126,14 @@ impl PowerOn {
         let highest = HIGHEST * config.sample_hz / drive.frequency_hz - 1.0;
         PowerOn {
             nominal_hz: drive.frequency_hz,
-            nominal_c0_f: tracking.nominal_c0_f,
+            c0_f: tracking.c0_f(),
+            is_nominal: tracking.nominal_c0_f.is_some(),
             nominal_q: tracking.nominal_q,
             nominal_lm_h: tracking.nominal_lm_h,
             window: tracking.span + 0.5 * NEAREST,
             volts: drive.scan_volts,
-            noise: (
-                per_block * square(config.front_end.ampere_per_lsb / (drive.scan_volts * susceptance)),
-                per_block * square(config.front_end.volt_per_lsb / drive.scan_volts),
-            ),
-            amperes: drive.scan_volts * susceptance,
+            least_noise: (per_block * square(config.front_end.volt_per_lsb), per_block * square(config.front_end.ampere_per_lsb)),
+            noise: (0.0, 0.0),
             // Below and above in turns.
             offsets: core::array::from_fn(|n| match n % 2 {
                 0 => -nearest - BELOW[n / 2],
@@ -167,10 +166,13 @@ impl PowerOn {
         self.deviations.restart();
     }
 
-    /// Takes the variances of the phasors of a block's voltage and current by noise, both components, V² and A².
-    pub(crate) fn set_noise(&mut self, v: f32, i: f32) {
-        let (i, v) = (0.5 * i / (self.amperes * self.amperes), 0.5 * v / (self.volts * self.volts));
-        self.noise = (self.noise.0.max(i), self.noise.1.max(v));
+    /// Takes the variances of the phasors of a block's voltage and current by noise, both components, V² and A²; and a capacitance to reckon with, F,
+    /// where there is no nominal one.
+    pub(crate) fn prepare(&mut self, (v, i): (f32, f32), c0_f: Option<f32>) {
+        self.c0_f = c0_f.unwrap_or(self.c0_f);
+        let amperes = self.volts * TAU * self.nominal_hz * self.c0_f;
+        let relative = |variance: f32, least: f32, whole: f32| (0.5 * variance).max(least) / (whole * whole);
+        self.noise = (relative(i, self.least_noise.1, amperes), relative(v, self.least_noise.0, self.volts));
     }
 
     /// The clamped branch, once it is measured: from the last silent block on.
@@ -245,7 +247,7 @@ impl PowerOn {
         }
         let (iv, vv) = (core::mem::take(&mut self.iv), core::mem::take(&mut self.vv));
         let x = self.offsets[((block / self.tone_blocks) as usize).min(MAX_POINTS - 1)];
-        let y = iv / (vv * TAU * self.nominal_hz * self.nominal_c0_f);
+        let y = iv / (vv * TAU * self.nominal_hz * self.c0_f);
         let square = |x: f32| x * x;
         // A Hann window passes as much noise as two thirds of its length without.
         let noise = 1.5 * (self.noise.0 + y.norm_sqr() * self.noise.1) / self.tone_blocks as f32;
@@ -253,12 +255,12 @@ impl PowerOn {
     }
 
     fn judge(&self, solution: &Solution) -> Result<Clamped, Refused> {
-        let found = reading::read(solution, &self.deviations, self.nominal_hz, self.nominal_c0_f);
+        let found = reading::read(solution, &self.deviations, self.nominal_hz, self.c0_f);
         let q_at_most = found.q.value + SIGMAS * found.q.deviation;
         let cracked = found
             .second_mode
             .is_some_and(|(hz, strength)| (hz / found.resonance_hz.value - 1.0).abs() < CRACK.0 && strength > CRACK.1);
-        let shift = ((found.c0_f.value - self.nominal_c0_f).abs() - SIGMAS * found.c0_f.deviation) / self.nominal_c0_f;
+        let shift = ((found.c0_f.value - self.c0_f).abs() - SIGMAS * found.c0_f.deviation) / self.c0_f;
         let turn = 2.0 * found.lock_deviation_hz * found.q.value / found.resonance_hz.value;
         let explained = fit::is_plausible(&solution.elements) && solution.misfit < LARGEST_MISFIT;
         // What is no number does not hold, either.
@@ -270,9 +272,9 @@ impl PowerOn {
             () if resonates && (found.resonance_hz.value / self.nominal_hz - 1.0).abs() > self.window => {
                 Err(Refused::Fault(Fault::NoResonance))
             }
-            () if explained && shifted => Err(Refused::Fault(Fault::CapacitanceShifted)),
+            () if explained && shifted && self.is_nominal => Err(Refused::Fault(Fault::CapacitanceShifted)),
             () if !holds => Err(Refused::Unclear),
-            () if q_at_most < if cracked { CRACKED_Q } else { SMALLEST_Q } * self.nominal_q => {
+            () if self.is_nominal && q_at_most < if cracked { CRACKED_Q } else { SMALLEST_Q } * self.nominal_q => {
                 Err(Refused::Fault(Fault::ResonanceDamaged))
             }
             () => Ok(found),

@@ -88,7 +88,7 @@ impl Scan {
         let tracking = &config.tracking;
         let nominal_hz = config.drive.frequency_hz;
         let nominal = Nominal { steps: (config.front_end.volt_per_lsb, config.front_end.ampere_per_lsb), q: tracking.nominal_q };
-        let bare = Circuit::bare(nominal_hz, tracking.nominal_c0_f);
+        let bare = Circuit::bare(nominal_hz, tracking.c0_f());
         let block_s = f32::from(config.block_samples) / config.sample_hz;
         let window_hz = tracking.span * nominal_hz;
         let reach_hz = window_hz * (1.0 + MARGIN);
@@ -125,6 +125,11 @@ impl Scan {
     pub(crate) fn restart(&mut self) {
         self.modes = Modes::new(self.nominal_hz);
         self.begin_part(0);
+    }
+
+    /// Takes a clamped capacitance to begin with, F, where there is no nominal one.
+    pub(crate) fn reckon_with(&mut self, c0_f: f32) {
+        self.bare = Circuit::bare(self.nominal_hz, c0_f);
     }
 
     /// The resonances found by the last scan.

@@ -2,14 +2,15 @@
 //!
 //! First silence, until nothing rings any more; then the mean code of each channel is its offset, which must be small, and is
 //! removed from then on. Then a tone well below the resonance, where the transducer is little more than its clamped capacitance: the current must lead
-//! the voltage, the voltage must be what was played, the current what the capacitance takes, each within a factor.
+//! the voltage, the voltage must be what was played, the current what the nominal capacitance takes, each within a factor. Without a nominal
+//! one the capacitance only has to be that of a transducer, and all that follows reckons with what was measured.
 //!
 //! It takes 96 blocks from silence, and 1000 and 40 nominal time constants more where something still rings. A swapped pair of channels is known
 //! 4 blocks after the tone is measured, the rest at its end.
 
 use crate::generate::step::Step;
 use crate::seam::block::{LATENCY_BLOCKS, SenseBlock};
-use crate::seam::config::Config;
+use crate::seam::config::{Config, Tracking};
 use crate::seam::fault::Fault;
 use crate::seam::phasor::{Phasor, magnitude};
 use crate::sense::convert::Convert;
@@ -46,7 +47,11 @@ const CURRENT_FACTORS: (f32, f32) = (3.0, 8.0);
 pub(crate) struct SelfTest {
     offset_hz: f32,
     volts: f32,
-    clamped_siemens: f32,
+    /// Susceptance of the nominal capacitance, and the least and the largest of any transducer, S, at the tone's frequency.
+    clamped_siemens: Option<f32>,
+    any_siemens: (f32, f32),
+    /// Capacitance that draws the tone's current, F.
+    capacitance_f: f32,
     ring_down_blocks: u32,
     /// Blocks of the present phase, and whether it is quiet.
     block: u32,
@@ -67,10 +72,14 @@ impl SelfTest {
         let hz = config.drive.frequency_hz * TONE_FREQUENCY;
         let tau_s = config.tracking.nominal_q / (core::f32::consts::PI * config.drive.frequency_hz);
         let block_s = f32::from(config.block_samples) / config.sample_hz;
+        let omega = core::f32::consts::TAU * hz;
+        let (least_f, largest_f) = Tracking::CAPACITANCES_F;
         SelfTest {
             offset_hz: hz - config.drive.frequency_hz,
             volts: config.drive.scan_volts * TONE_AMPLITUDE,
-            clamped_siemens: core::f32::consts::TAU * hz * config.tracking.nominal_c0_f,
+            clamped_siemens: config.tracking.nominal_c0_f.map(|c0_f| omega * c0_f),
+            any_siemens: (omega * least_f, omega * largest_f),
+            capacitance_f: config.tracking.c0_f(),
             ring_down_blocks: RING_DOWN.1 + (RING_DOWN.0 * tau_s / block_s) as u32,
             block: 0,
             quiet: false,
@@ -84,8 +93,18 @@ impl SelfTest {
 
     /// Whether the tone, of which `played` volts are, draws more current than any transducer would.
     pub(crate) fn is_short(&self, sensed: &Sensed, played: f32) -> bool {
-        let most = CURRENT_FACTORS.1 * self.clamped_siemens * played;
+        let most = self.admittances().1 * played;
         sensed.i.norm_sqr() > most * most
+    }
+
+    /// The least and the largest admittance that a transducer has at the tone's frequency, S.
+    fn admittances(&self) -> (f32, f32) {
+        self.clamped_siemens.map_or(self.any_siemens, |nominal| (nominal / CURRENT_FACTORS.0, nominal * CURRENT_FACTORS.1))
+    }
+
+    /// Capacitance that draws the tone's current, F, where there is no nominal one: the clamped one, and what coupling adds to it.
+    pub(crate) fn capacitance_f(&self) -> Option<f32> {
+        self.clamped_siemens.is_none().then_some(self.capacitance_f)
     }
 
     /// Mean square of the noise of voltage and current, codes, as measured in silence.
@@ -150,7 +169,7 @@ impl SelfTest {
 
     fn wait_for_quiet(&mut self, convert: &Convert, sense: &SenseBlock) -> Step {
         let (part, codes, noisy) = QUIET;
-        let tone_codes = convert.i.codes(self.volts * self.clamped_siemens);
+        let tone_codes = convert.i.codes(self.volts * self.clamped_siemens.unwrap_or(0.0));
         // What was played before may still sound.
         let rung_down = self.block > self.ring_down_blocks;
         let loudest = if rung_down { noisy } else { codes }.max(part * tone_codes);
@@ -183,18 +202,19 @@ impl SelfTest {
         measured && self.lead.im < -self.lead.re.abs()
     }
 
-    fn judge_tone(&self, played: f32) -> Step {
+    fn judge_tone(&mut self, played: f32) -> Step {
         let (volts, amperes) = self.sum;
-        let expected = volts * self.clamped_siemens;
+        let (least, most) = self.admittances();
         if volts > played * VOLTAGE_FACTOR {
             Step::Failed(Fault::SensorImplausible)
-        } else if amperes > expected * CURRENT_FACTORS.1 {
+        } else if amperes > volts * most {
             Step::Failed(Fault::LoadShorted)
         } else if volts * VOLTAGE_FACTOR < played - LARGEST_OHM * amperes {
             Step::Failed(Fault::SensorImplausible)
-        } else if amperes < expected / CURRENT_FACTORS.0 {
+        } else if amperes < volts * least {
             Step::Failed(Fault::LoadOpen)
         } else {
+            self.capacitance_f = amperes * self.any_siemens.0.recip() * Tracking::CAPACITANCES_F.0 / volts;
             Step::Done { volts: 0.0 }
         }
     }

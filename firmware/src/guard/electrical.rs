@@ -1,7 +1,7 @@
 //! What voltage and current say: one block's phasors, and its raw codes where the lock-in has seen some that may be out of order.
 
 use crate::seam::block::{Codes, SenseBlock};
-use crate::seam::config::Config;
+use crate::seam::config::{Config, Tracking};
 use crate::seam::fault::Fault;
 use crate::sense::convert::{CLIPPED_PART, Convert, SenseScale};
 use crate::sense::demod::{Sensed, Suspect};
@@ -40,7 +40,8 @@ impl Electrical {
     /// A watch that keeps the configured limits.
     pub(super) fn build(config: &Config) -> Self {
         let limits = &config.limits;
-        let least_siemens = OPEN_PART * core::f32::consts::TAU * config.drive.frequency_hz * config.tracking.nominal_c0_f;
+        let least_c0_f = config.tracking.nominal_c0_f.unwrap_or(Tracking::CAPACITANCES_F.0);
+        let least_siemens = OPEN_PART * core::f32::consts::TAU * config.drive.frequency_hz * least_c0_f;
         let (mid, max) = (f32::from(config.front_end.sense_mid_code), f32::from(config.front_end.sense_max_code));
         Electrical {
             samples: config.block_samples.into(),

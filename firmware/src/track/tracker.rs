@@ -114,7 +114,7 @@ pub struct Tracker {
 impl Tracker {
     /// A tracker that knows what a user knows.
     pub fn build(config: &Config, block_s: f32) -> Result<Self, Error> {
-        let nominal = Motional::of_capacitance(config.tracking.nominal_c0_f, config.drive.frequency_hz);
+        let nominal = Motional::of_capacitance(config.tracking.c0_f(), config.drive.frequency_hz);
         Ok(Tracker {
             detector: match config.tracking.mode {
                 TrackingMode::Observer | TrackingMode::PhaseLock => Some(PhaseDetector::Motional),
@@ -153,6 +153,12 @@ impl Tracker {
         self.phase_loop.seed(0.0, f32::INFINITY);
         self.rm_ohm = 0.0;
         self.observed.iter_mut().for_each(Observed::restart);
+    }
+
+    /// Takes a clamped capacitance to begin with, F, where there is no nominal one.
+    pub(crate) fn reckon_with(&mut self, c0_f: f32) {
+        self.nominal = Motional::of_capacitance(c0_f, self.nominal_hz);
+        self.motional = self.nominal;
     }
 
     /// Whether an observer tracks.

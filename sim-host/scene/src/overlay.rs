@@ -3,7 +3,7 @@
 use super::diagnostic::{Place, Problem};
 use super::exclusive::EXCLUSIVE;
 use super::nearest::short;
-use super::schema::{is_index, join, without_indices};
+use super::schema::{Schema, is_index, join, without_indices};
 use super::tree::{Entry, Node, Origin, Table, Value};
 
 /// Parses one `--set` argument, `key=value`. A value that is no TOML is taken as a string, so that names need no quotes in a
@@ -78,13 +78,17 @@ fn set_leaf(node: &mut Node, leaf: &Node) {
 }
 
 /// Lays `over` on `under`: tables are merged, everything else is replaced. In a list of tables, keys that are numbers count its
-/// entries. A key that excludes others (see [`EXCLUSIVE`]) replaces them.
+/// entries. A key that excludes others (see [`EXCLUSIVE`]) replaces them. A number that may be absent is so with `none`.
 pub(super) fn overlay(under: &mut Node, over: Node, path: &str, problems: &mut Vec<Problem>) {
     match (&mut under.value, over.value) {
         (Value::Table(below), Value::Table(above)) => {
             give_way(below, &above, path);
             for (name, entry) in above {
                 let path = join(path, &name);
+                if is_none(&path, &entry.node.value) {
+                    below.remove(&name);
+                    continue;
+                }
                 match below.get_mut(&name) {
                     Some(old) => overlay(&mut old.node, entry.node, &path, problems),
                     None => {
@@ -102,6 +106,12 @@ pub(super) fn overlay(under: &mut Node, over: Node, path: &str, problems: &mut V
         }
         (_, value) => *under = Node { place: over.place, value },
     }
+}
+
+/// Whether a value says that a number is absent that may be so.
+fn is_none(path: &str, value: &Value) -> bool {
+    let may_be = || Schema::root().at(path).is_some_and(|schema| schema.is_number() && schema.is_optional());
+    matches!(value, Value::Text(text) if text == "none") && may_be()
 }
 
 fn put(list: &mut Vec<Node>, index: usize, entry: Entry, path: &str, problems: &mut Vec<Problem>) {

@@ -63,7 +63,7 @@ pub fn config() -> Config {
         sweep: Sweep::Hold,
         phasing: Phasing::default(),
         burst: Burst::default(),
-        tracking: Tracking { span: 0.05, bandwidth_hz: 200.0, ..Tracking::new(50.0, 300e-9) },
+        tracking: Tracking { span: 0.05, bandwidth_hz: 200.0, nominal_c0_f: Some(300e-9), ..Tracking::new(50.0) },
         thermometer: Thermometer::default(),
         heat_sink: HeatSink::default(),
         limits: Limits { temperature_c: 85.0, ..Limits::default() },

@@ -39,7 +39,7 @@ pub fn config(mode: TrackingMode, lanes: u8, samples: usize) -> Config {
             edge_cycles: 8.0,
             ..Burst::default()
         },
-        tracking: Tracking { mode, ..Tracking::new(50.0, 290e-9) },
+        tracking: Tracking { mode, nominal_c0_f: Some(290e-9), ..Tracking::new(50.0) },
         thermometer: Thermometer::default(),
         heat_sink: HeatSink::default(),
         limits: Limits { voltage_v: 12.0, current_a: 3.0, belt_stop_ms: 5.0, ..Limits::default() },

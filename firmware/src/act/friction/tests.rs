@@ -22,7 +22,7 @@ fn config(schedule: Schedule) -> Config {
         sweep: Sweep::Hold,
         phasing: Phasing::default(),
         burst: Burst { schedule, ..Burst::default() },
-        tracking: Tracking { span: 0.025, bandwidth_hz: 100.0, ..Tracking::new(50.0, 300e-9) },
+        tracking: Tracking { span: 0.025, bandwidth_hz: 100.0, nominal_c0_f: Some(300e-9), ..Tracking::new(50.0) },
         thermometer: Thermometer::default(),
         heat_sink: HeatSink::default(),
         limits: Limits::default(),

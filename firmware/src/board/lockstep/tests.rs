@@ -120,7 +120,13 @@ fn longest_config() -> Config {
             edge_cycles: 1.0,
             brake: true,
         },
-        tracking: Tracking { mode: TrackingMode::Off, span: 1.0, bandwidth_hz: 1.0, ..Tracking::new(1.0, 1.0) },
+        tracking: Tracking {
+            mode: TrackingMode::Off,
+            span: 1.0,
+            bandwidth_hz: 1.0,
+            nominal_c0_f: Some(1.0),
+            ..Tracking::new(1.0)
+        },
         thermometer: Thermometer { hz_per_k: 1.0, c0_per_k: 1.0, ambient_c: 1.0 },
         heat_sink: HeatSink { ohm_at_25_c: Some(1.0), ..HeatSink::default() },
         limits: Limits {

@@ -33,7 +33,13 @@ pub(crate) fn config() -> Config {
         sweep: Sweep::Hold,
         phasing: Phasing::default(),
         burst: Burst::default(),
-        tracking: Tracking { mode: TrackingMode::PhaseLock, span: 0.05, bandwidth_hz: 100.0, ..Tracking::new(50.0, 300e-9) },
+        tracking: Tracking {
+            mode: TrackingMode::PhaseLock,
+            span: 0.05,
+            bandwidth_hz: 100.0,
+            nominal_c0_f: Some(300e-9),
+            ..Tracking::new(50.0)
+        },
         thermometer: Thermometer::default(),
         heat_sink: HeatSink::default(),
         limits: Limits::default(),

@@ -20,7 +20,13 @@ fn config(lanes: u8) -> Config {
         sweep: Sweep::Hold,
         phasing: PhasingConfig::default(),
         burst: Burst::default(),
-        tracking: Tracking { mode: TrackingMode::Off, span: 0.05, bandwidth_hz: 100.0, ..Tracking::new(50.0, 200e-9) },
+        tracking: Tracking {
+            mode: TrackingMode::Off,
+            span: 0.05,
+            bandwidth_hz: 100.0,
+            nominal_c0_f: Some(200e-9),
+            ..Tracking::new(50.0)
+        },
         thermometer: Thermometer::default(),
         heat_sink: HeatSink::default(),
         limits: Limits { voltage_v: 12.0, ..Limits::default() },

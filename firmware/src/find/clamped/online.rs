@@ -129,7 +129,7 @@ impl Online {
         let tracking = &config.tracking;
         Online::new(
             block_s,
-            Motional::of_capacitance(tracking.nominal_c0_f, config.drive.frequency_hz),
+            Motional::of_capacitance(tracking.c0_f(), config.drive.frequency_hz),
             config.drive.frequency_hz,
             tracking.nominal_q,
             tracking.c0_drift_per_s,

@@ -67,7 +67,8 @@ fn scan(case: &Case, seed: u64) -> Scanned {
             span: case.span,
             bandwidth_hz: 200.0,
             nominal_lm_h: case.nominal_lm_h,
-            ..Tracking::new(case.nominal_q, case.nominal_c0_f)
+            nominal_c0_f: Some(case.nominal_c0_f),
+            ..Tracking::new(case.nominal_q)
         },
         thermometer: Thermometer::default(),
         heat_sink: HeatSink::default(),

@@ -20,15 +20,16 @@ pub struct Tracking {
     /// Bandwidth of the phase loop, Hz.
     #[setting(default = 200.0, min = 0.1, max = 1000.0, key = 18)]
     pub bandwidth_hz: f32,
-    /// Quality factor, within a factor of two.
+    /// Quality factor, within a factor of three.
     #[setting(min = 2.0, max = 1e5, key = 15)]
     pub nominal_q: f32,
-    /// Motional inductance, H, within a tenth. Default: what the power-on calibration finds.
+    /// Motional inductance, H, within a factor of two. Default: what the power-on calibration finds.
     #[setting(min = 1e-9, max = 1e4, key = 23)]
     pub nominal_lm_h: Option<f32>,
-    /// Clamped capacitance, F.
+    /// Clamped capacitance, F, within a third. Default: what the self-test measures, from 0.1 nF to 20 µF; nothing that is found is then held against
+    /// nominal values.
     #[setting(min = 1e-12, max = 1e-3, key = 16)]
-    pub nominal_c0_f: f32,
+    pub nominal_c0_f: Option<f32>,
     /// How fast the clamped capacitance may drift, relative, per second: the observer then measures it again while running, as often as that demands,
     /// by small steps of the frequency. Zero: never.
     #[setting(default, min = 0.0, max = 10.0, key = 24, quiet)]
@@ -36,6 +37,16 @@ pub struct Tracking {
     /// Force factor, N/V: tip force per volt, and ampere of motional current per m/s of tip velocity.
     #[setting(scene, min = 1e-6, max = 1e4)]
     pub nominal_force_factor_n_per_v: Option<f32>,
+}
+
+impl Tracking {
+    /// The least and the largest clamped capacitance of a transducer, F.
+    pub(crate) const CAPACITANCES_F: (f32, f32) = (0.1e-9, 20e-6);
+
+    /// A clamped capacitance to begin with, F: the nominal one, or one in the middle of what there is.
+    pub fn c0_f(&self) -> f32 {
+        self.nominal_c0_f.unwrap_or(30e-9)
+    }
 }
 
 /// Quantity that is tracked.

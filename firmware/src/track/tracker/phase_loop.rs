@@ -102,7 +102,13 @@ mod tests {
     /// Closes the loop on the linear phase response of a resonance `detuning` away, with two blocks of delay, and
     /// returns how many blocks it takes to stay within `tolerance_hz`.
     fn settle(q: f32, assumed_q: f32, detuning: f32, tolerance_hz: f32) -> usize {
-        let tracking = Tracking { mode: TrackingMode::PhaseLock, span: 0.025, bandwidth_hz: 200.0, ..Tracking::new(q, 300e-9) };
+        let tracking = Tracking {
+            mode: TrackingMode::PhaseLock,
+            span: 0.025,
+            bandwidth_hz: 200.0,
+            nominal_c0_f: Some(300e-9),
+            ..Tracking::new(q)
+        };
         let mut pll = PhaseLoop::build(&tracking, 40e3, BLOCK_S).unwrap();
         let tau = q / (core::f32::consts::PI * 40e3);
         pll.seed(0.0, assumed_q / (core::f32::consts::PI * 40e3));

@@ -8,7 +8,7 @@
 //! | resonance | 3 %; window 3.75 % | 8 %; window 10 % |
 //! | Q | a factor of 3 | 160, whatever it is |
 //! | Lm | a factor of 2 | not given |
-//! | C0 | 30 % | 30 nF, whatever it is |
+//! | C0 | 30 % | not given |
 
 use std::f64::consts::TAU;
 
@@ -22,8 +22,8 @@ pub const LEAST_M: f64 = 0.5;
 pub const LEAST_OHM: f64 = 0.03;
 /// Every so many transducers of a kind nothing but the band is known.
 const BAND_ONLY: u32 = 6;
-/// Nominal Q and C0, F, of a transducer of which only the band is known: in the middle of what there is.
-const GUESS: (f64, f64) = (160.0, 30e-9);
+/// Nominal Q of a transducer of which only the band is known: in the middle of what there is.
+const GUESSED_Q: f64 = 160.0;
 /// Steps of the coarse scan that a scene may have, which bounds a nominal Q by the window.
 const MOST_SCAN_STEPS: f64 = 400.0;
 
@@ -83,8 +83,8 @@ pub struct Nominal {
     pub q: f64,
     /// Nominal motional inductance, H, if one is given.
     pub lm_h: Option<f64>,
-    /// Nominal clamped capacitance, F.
-    pub c0_f: f64,
+    /// Nominal clamped capacitance, F, if one is given.
+    pub c0_f: Option<f64>,
 }
 
 /// A transducer of the set.
@@ -118,7 +118,7 @@ impl Transducer {
         let kind = &KINDS[(number % kinds) as usize];
         let mut transducer = loop {
             let [hz, q, coupling, c0_f] = [kind.hz, kind.q, kind.coupling, kind.c0_f].map(|(from, to)| random.log(from, to));
-            let nominal = Nominal { hz, span: 0.0, q, lm_h: None, c0_f };
+            let nominal = Nominal { hz, span: 0.0, q, lm_h: None, c0_f: None };
             let drawn = Transducer { number, kind, hz, q, coupling, c0_f, modes: Vec::new(), band_only: false, nominal };
             if drawn.figure_of_merit() >= LEAST_M && drawn.rm_ohm() >= LEAST_OHM {
                 break drawn;
@@ -182,13 +182,12 @@ impl Random {
     fn nominal(&mut self, of: &Transducer) -> Nominal {
         let [hz, q, lm, c0] = [self.side(), self.side(), self.side(), self.side()];
         if of.band_only {
-            let (q, c0_f) = GUESS;
-            return Nominal { hz: of.hz * (1.0 + 0.08 * hz), span: 0.1, q, lm_h: None, c0_f };
+            return Nominal { hz: of.hz * (1.0 + 0.08 * hz), span: 0.1, q: GUESSED_Q, lm_h: None, c0_f: None };
         }
         let span = 0.0375;
         // What a scene allows: a Q of 2, and the scan's steps.
         let q = (of.q * 3f64.powf(q)).clamp(2.0, MOST_SCAN_STEPS / (2.0 * span));
         let lm_h = Some(of.lm_h() * 2f64.powf(lm));
-        Nominal { hz: of.hz * (1.0 + 0.03 * hz), span, q, lm_h, c0_f: of.c0_f * 1.3f64.powf(c0) }
+        Nominal { hz: of.hz * (1.0 + 0.03 * hz), span, q, lm_h, c0_f: Some(of.c0_f * 1.3f64.powf(c0)) }
     }
 }

@@ -139,7 +139,6 @@ pub fn sets(of: &Transducer, mode: &str) -> Vec<String> {
         ("controller.tracking.span", nominal.span),
         ("controller.tracking.bandwidth_hz", BANDWIDTH_HZ),
         ("controller.tracking.nominal_q", nominal.q),
-        ("controller.tracking.nominal_c0_f", nominal.c0_f),
     ];
     let own = own.map(|(key, value)| (key.to_owned(), value)).into_iter();
     let lm = nominal.lm_h.map(|lm_h| ("controller.tracking.nominal_lm_h".to_owned(), lm_h));
@@ -147,6 +146,7 @@ pub fn sets(of: &Transducer, mode: &str) -> Vec<String> {
     let fixed = [
         format!("seed={}", of.number + 1),
         format!("controller.tracking.mode={mode}"),
+        format!("controller.tracking.nominal_c0_f={}", nominal.c0_f.map_or("none".into(), |c0_f| format!("{:?}", rounded(c0_f)))),
         format!("controller.block_samples={}", front_end.block_samples),
     ];
     fixed.into_iter().chain(numbers.map(|(key, value)| format!("{key}={:?}", rounded(value)))).collect()

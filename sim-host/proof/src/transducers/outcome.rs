@@ -157,7 +157,7 @@ impl Truth {
             q: stepped_to(DisturbedKey::Q).unwrap_or_else(|| circuit.q()),
             c0_f: stepped_to(DisturbedKey::ClampedCapacitance).unwrap_or(circuit.c0_f),
             apart: (hz / controller.drive.frequency_hz - 1.0, tracking.span),
-            c0_ratio: circuit.c0_f / tracking.nominal_c0_f,
+            c0_ratio: tracking.nominal_c0_f.map_or(1.0, |nominal| circuit.c0_f / nominal),
             lm_ratio: tracking.nominal_lm_h.map_or(1.0, |nominal| circuit.lm_h / nominal),
             too_much: volts / (circuit.rm_ohm + scene.amplifier.source_ohm) > most_a,
         }

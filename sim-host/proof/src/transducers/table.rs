@@ -215,7 +215,7 @@ pub(super) fn csv(set: &[TriedTransducer]) -> Result<String, Error> {
             ]
             .map(|value| given(Some(value))),
         );
-        record.extend([nominal.lm_h, Some(transducer.lm_h()), Some(nominal.c0_f)].map(given));
+        record.extend([nominal.lm_h, Some(transducer.lm_h()), nominal.c0_f].map(given));
         record.extend([outcome.to_owned(), fault.map_or_else(String::new, |fault| fault.to_string())]);
         record.extend([judged.bias_hz, judged.lock_ms, judged.power_on_ms].map(given));
         for place in 0..3 {

@@ -221,7 +221,7 @@ fn alone(scene: &Scene, driven: Driven<'_>, circuit: Circuit) -> Scene {
         mode: TrackingMode::Observer,
         nominal_q: rounded(circuit.q()),
         nominal_lm_h: Some(rounded(lm_h)),
-        nominal_c0_f: rounded(c0_f),
+        nominal_c0_f: Some(rounded(c0_f)),
         ..controller.tracking
     };
     (controller.sweep, controller.burst) = (None, None);

@@ -53,7 +53,7 @@ pub(super) fn three_ways(run: &View, metrics: &Metrics) -> TableBlock {
         ("Rm [ohm]", None, identified(|t| t.rm_ohm), Some(truth.rm_ohm)),
         ("Lm [mH]", None, identified(|t| t.lm_h * 1e3), Some(truth.lm_h * 1e3)),
         ("Cm [nF]", None, identified(|t| t.cm_f * 1e9), Some(truth.cm_f * 1e9)),
-        ("C0 [nF]", Some(tracking.nominal_c0_f * 1e9), identified(|t| t.c0_f * 1e9), Some(truth.c0_f * 1e9)),
+        ("C0 [nF]", tracking.nominal_c0_f.map(|c0_f| c0_f * 1e9), identified(|t| t.c0_f * 1e9), Some(truth.c0_f * 1e9)),
         ("coupling", None, identified(|t| t.coupling), Some((truth.cm_f / (truth.c0_f + truth.cm_f)).sqrt())),
     ];
     rows.retain(|row| row.2.is_some());
