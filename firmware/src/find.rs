@@ -6,6 +6,7 @@
 
 pub(crate) mod calibrate;
 pub mod clamped;
+mod damage;
 pub(crate) mod givens;
 pub(crate) mod identify;
 pub(crate) mod scan;

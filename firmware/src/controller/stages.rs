@@ -102,7 +102,7 @@ impl Stages {
         match mode {
             Mode::SelfTest => {
                 self.self_test.begin(chain);
-                self.clamped.begin_twice();
+                self.clamped.begin_twice(chain.track.transducer().map(|transducer| transducer.q));
             }
             Mode::Scan => self.scan.begin(chain),
             _ => {}

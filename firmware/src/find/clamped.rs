@@ -24,6 +24,7 @@ pub(crate) mod reading;
 use crate::find::clamped::fit::{Fit, MAX_POINTS, Point, Solution};
 use crate::find::clamped::reading::Deviations;
 pub use crate::find::clamped::reading::{Clamped, Measured};
+use crate::find::damage::{Damage, damage};
 use crate::generate::shape::sine;
 use crate::generate::step::Step;
 use crate::seam::block::LATENCY_BLOCKS;
@@ -53,9 +54,8 @@ const FLOOR: f32 = 3e-4;
 /// inductance so many times the nominal one, or without a resonance that stands out.
 const CAPACITANCE_SHIFT: f32 = 0.4;
 const DEPOLED: (f32, f32) = (0.2, 5.0);
-/// Smallest Q, relative to the nominal one, which may be wrong by three; and with the company of a crack, which leaves a fifth.
-const SMALLEST_Q: f32 = 0.25;
-const CRACKED_Q: f32 = 0.4;
+/// Smallest Q, relative to the one that was tracked before, which a load may have lowered by three.
+const FALLEN_Q: f32 = 0.3;
 /// Rms of what two resonances leave, in standard deviations, beyond which the transducer is not one that could be tracked. Healthy ones leave 4 at most.
 const LARGEST_MISFIT: f32 = 20.0;
 /// Deviation of the motional phase at the lock point, rad, beyond which there is nothing to lock to. Healthy transducers leave 2e-3 at most.
@@ -64,15 +64,13 @@ const LARGEST_TURN: f32 = 0.1;
 const SIGNIFICANT: f32 = 10.0;
 /// Deviations that a judgement leaves room for.
 const SIGMAS: f32 = 3.0;
-/// A second resonance that is as near as this to the first, and this strong, relative to the first, is the company of a crack.
-const CRACK: (f32, f32) = (0.035, 0.1);
 
 /// Why the measurement says nothing to begin on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Refused {
     /// It tells that there is something wrong.
     Fault(Fault),
-    /// It does not tell: no resonance stands out, or two do not explain it. A scan looks at the resonance itself, and takes longer.
+    /// It does not tell: no resonance stands out, two do not explain it, or the one is much as that of a crack. A scan looks at the resonance itself, and takes longer.
     Unclear,
 }
 
@@ -113,6 +111,8 @@ pub struct PowerOn {
     /// A transducer that looks like none, or like a broken one, is measured once more: a resonance that comes back in the middle of the
     /// measurement makes it look so.
     twice: bool,
+    /// Q of the resonance that was lost.
+    tracked_q: Option<f32>,
 }
 
 impl PowerOn {
@@ -148,18 +148,19 @@ impl PowerOn {
             deviations: Deviations::default(),
             verdict: None,
             twice: false,
+            tracked_q: None,
         }
     }
 
-    /// Begins for a resonance that was lost: what looks like none, or like a broken one, is measured once more.
-    pub(crate) fn begin_twice(&mut self) {
+    /// Begins for a resonance that was lost, which had this Q: what looks like none, or like a broken one, is measured once more.
+    pub(crate) fn begin_twice(&mut self, tracked_q: Option<f32>) {
         self.restart();
-        self.twice = true;
+        (self.twice, self.tracked_q) = (true, tracked_q);
     }
 
     /// Begins again.
     pub(crate) fn restart(&mut self) {
-        self.twice = false;
+        (self.twice, self.tracked_q) = (false, None);
         (self.stage, self.block) = (Stage::Tones, 0);
         (self.iv, self.vv) = (Phasor::default(), 0.0);
         self.fit = Fit::new(1.0 / self.nominal_q, self.nominal_hz);
@@ -219,7 +220,9 @@ impl PowerOn {
                 self.stage = Stage::Over;
                 match self.verdict {
                     Some(Err(Refused::Unclear | Refused::Fault(Fault::NoResonance | Fault::ResonanceDamaged))) if self.twice => {
+                        let tracked_q = self.tracked_q;
                         self.restart();
+                        self.tracked_q = tracked_q;
                         Step::Silence
                     }
                     Some(Err(Refused::Unclear)) => Step::Instead(Mode::Scan),
@@ -257,9 +260,9 @@ impl PowerOn {
     fn judge(&self, solution: &Solution) -> Result<Clamped, Refused> {
         let found = reading::read(solution, &self.deviations, self.nominal_hz, self.c0_f);
         let q_at_most = found.q.value + SIGMAS * found.q.deviation;
-        let cracked = found
-            .second_mode
-            .is_some_and(|(hz, strength)| (hz / found.resonance_hz.value - 1.0).abs() < CRACK.0 && strength > CRACK.1);
+        let company = found.second_mode.map(|(hz, strength)| (hz / found.resonance_hz.value - 1.0, strength));
+        let damage = if self.is_nominal { damage(q_at_most / self.nominal_q, company) } else { Damage::None };
+        let damaged = damage == Damage::Certain || self.tracked_q.is_some_and(|q| q_at_most < FALLEN_Q * q);
         let shift = ((found.c0_f.value - self.c0_f).abs() - SIGMAS * found.c0_f.deviation) / self.c0_f;
         let turn = 2.0 * found.lock_deviation_hz * found.q.value / found.resonance_hz.value;
         let explained = fit::is_plausible(&solution.elements) && solution.misfit < LARGEST_MISFIT;
@@ -273,10 +276,9 @@ impl PowerOn {
                 Err(Refused::Fault(Fault::NoResonance))
             }
             () if explained && shifted && self.is_nominal => Err(Refused::Fault(Fault::CapacitanceShifted)),
-            () if !holds => Err(Refused::Unclear),
-            () if self.is_nominal && q_at_most < if cracked { CRACKED_Q } else { SMALLEST_Q } * self.nominal_q => {
-                Err(Refused::Fault(Fault::ResonanceDamaged))
-            }
+            // Two that are near share their strength in many ways, and are as lossy in all of them.
+            () if explained && damaged => Err(Refused::Fault(Fault::ResonanceDamaged)),
+            () if !holds || damage == Damage::Possible => Err(Refused::Unclear),
             () => Ok(found),
         }
     }

@@ -20,6 +20,7 @@ pub(crate) mod spectrum;
 
 use heapless::Vec;
 
+use crate::find::damage::{Damage, damage};
 use crate::find::identify::choice::Choice;
 use crate::find::identify::mode_search::{ModeSearch, Nominal};
 use crate::find::identify::pole_fit::{Circuit, Pole};
@@ -31,7 +32,7 @@ use crate::find::scan::spectrum::Spectrum;
 use crate::generate::step::Step;
 use crate::generate::sweep::hold::Hold;
 use crate::seam::block::{LATENCY_BLOCKS, SenseBlock};
-use crate::seam::config::Config;
+use crate::seam::config::{Config, TrackingMode};
 use crate::seam::fault::Fault;
 use crate::seam::transducer::Transducer;
 use crate::sense::convert::Convert;
@@ -64,6 +65,8 @@ pub(crate) struct Scan {
     /// Peak voltage of the drive, V.
     volts: f32,
     choice: Choice,
+    /// Nominal Q, where a Q is held against it: of an observer's transducer that is known.
+    judged_q: Option<f32>,
     window_hz: f32,
     parts: u32,
     block_s: f32,
@@ -106,6 +109,7 @@ impl Scan {
             nominal_hz,
             volts: config.drive.scan_volts,
             choice: Choice { window_hz: (nominal_hz, window_hz), nominal_lm_h: tracking.nominal_lm_h },
+            judged_q: tracking.nominal_c0_f.filter(|_| tracking.mode == TrackingMode::Observer).map(|_| tracking.nominal_q),
             window_hz,
             parts,
             block_s,
@@ -325,6 +329,18 @@ impl Scan {
     /// Takes this resonance of the latest fit as the result.
     fn take(&mut self, place: usize) -> Step {
         let (circuit, deviations) = self.search.found();
+        if let Some(nominal_q) = self.judged_q
+            && let Some((chosen, _)) = self.modes.chosen()
+        {
+            let whole_hz = self.nominal_hz + chosen.offset_hz;
+            let others = self
+                .modes
+                .others()
+                .map(|other| ((other.offset_hz - chosen.offset_hz) / whole_hz, other.strength() / chosen.strength()));
+            if damage(chosen.q / nominal_q, others) == Damage::Certain {
+                return Step::Failed(Fault::ResonanceDamaged);
+            }
+        }
         let transducer = Transducer {
             deviations: deviations.get(place).copied().unwrap_or_default(),
             modes: self.modes.listed().len() as u8,

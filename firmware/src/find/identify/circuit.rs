@@ -25,6 +25,13 @@ pub(crate) struct Pole {
     pub(crate) transient: Phasor,
 }
 
+impl Pole {
+    /// `G / Q`, which does not depend on how much a resonance is damped.
+    pub(crate) fn strength(&self) -> f32 {
+        magnitude(self.conductance) / self.q
+    }
+}
+
 /// All resonances, and what is left without them.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Circuit {

@@ -63,10 +63,10 @@ impl Modes {
         if again && self.found.iter().any(|(other, _)| (other.offset_hz - pole.offset_hz).abs() < apart_hz) {
             return;
         }
-        let of = |n: usize| strength(&self.found[n].0);
+        let of = |n: usize| self.found[n].0.strength();
         let weakest = (0..self.found.len()).min_by(|&a, &b| of(a).total_cmp(&of(b))).filter(|_| self.found.is_full());
         match weakest {
-            Some(weakest) if of(weakest) > strength(&pole) => return,
+            Some(weakest) if of(weakest) > pole.strength() => return,
             Some(weakest) => drop(self.found.remove(weakest)),
             None => {}
         }
@@ -93,11 +93,6 @@ impl Modes {
     fn list(&mut self) {
         self.listed = self.found.iter().map(|(pole, _)| resonance(pole, self.nominal_hz)).collect();
     }
-}
-
-/// `G / Q`, which does not depend on how much a resonance is damped.
-fn strength(pole: &Pole) -> f32 {
-    magnitude(pole.conductance) / pole.q
 }
 
 fn resonance(pole: &Pole, nominal_hz: f32) -> Resonance {
