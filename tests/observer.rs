@@ -165,6 +165,21 @@ fn what_is_broken_is_named_at_power_on() {
     }
 }
 
+/// Without a nominal capacitance the self-test measures it; and still tells what is no transducer.
+#[test]
+fn a_capacitance_that_nobody_knows_is_measured() {
+    let unknown = ["controller.tracking.nominal_c0_f=none", "controller.tracking.nominal_lm_h=none"];
+    let (record, metrics) = observed(&unknown);
+    let bias = of(&metrics, "frequency_bias_hz");
+    assert!(last(&record).locked && bias.abs() < 1.0, "{bias} Hz");
+    for (kind, code) in [("open", Fault::LoadOpen), ("short", Fault::LoadShorted)] {
+        let fault = [&format!("fault.0.kind={kind}"), "fault.0.at_s=0.0"];
+        let (record, _) = observed(&[&unknown[..], &fault].concat());
+        let faulted = record.rows.iter().find(|row| row.fault != 0).unwrap_or_else(|| panic!("{kind}: no fault"));
+        assert_eq!(faulted.fault, code.code(), "{kind}");
+    }
+}
+
 /// At 1 kHz and half a millisecond of ring-up, each burst is measured in a few blocks only; and the resonance has moved in between.
 #[test]
 fn short_bursts_are_tracked() {

@@ -72,22 +72,23 @@ numbered! {
     /// The amplifier's own fault output is active: known with that block.
     AmplifierFault = 13, "amplifier fault", "the power amplifier reports a fault of its own: look at its supply, temperature and load";
     /// A sense channel is offset by more than 5 %, stuck, or for 8 blocks (in the self-test 96) does not show within a factor of 2 the fundamental
-    /// that was played; or the stack does not ring down.
+    /// that was played, less what a source of 0.5 ohm takes of it under the current; or the stack does not ring down.
     SensorImplausible = 20, "sense channel implausible", "a sense line is open, stuck or offset, or the amplifier is not on";
     /// Two samples of a block are over `limits.current_a`, or the board's comparator has seen more: known with that block.
     OverCurrent = 21, "over-current", "more current than `limits.current_a`: a shorted stack or cable, or a limit below the drive";
-    /// In the self-test three times as much current as the nominal capacitance takes.
+    /// In the self-test eight times as much current as the nominal capacitance takes, or, without a nominal one, as much as 20 uF.
     LoadShorted = 22, "load shorted", "look for a short in stack and cable";
-    /// In the self-test a third of the current that the nominal capacitance takes; in the run a hundredth, or one code of
+    /// In the self-test a third of the current that the nominal capacitance takes, or, without a nominal one, that of 0.1 nF; in the run a hundredth, or one code of
     /// the current, for 8 blocks.
     LoadOpen = 23, "load open", "no stack, an open cable, an amplifier that is off, or a current channel that stands";
     /// The calibration does not measure a lane, finds it further off than a trim can be for, or its trim does not verify.
     LaneImplausible = 24, "lane implausible", "a lane is not measured or too far off: look at its amplifier and at the order of the lanes";
-    /// The clamped capacitance is more than 20 %, and three standard deviations, off its nominal value: known at the end of the calibration at
-    /// power-on, 45 ms at 40 kHz.
+    /// The clamped capacitance is more than 40 %, and three standard deviations, off its nominal value; or more than 20 %, with an Lm of five times its
+    /// nominal value, or without a resonance that stands out: known at the end of the calibration at power-on, 45 ms at 40 kHz.
     CapacitanceShifted = 25, "capacitance shifted", "another stack than the nominal one (`tracking.nominal_c0_f`), or one that has depoled";
-    /// The calibration at power-on finds no resonance above the noise, a Q below 0.4 of the nominal one, a second resonance within 3.5 % of at
-    /// least a tenth of the strength, or what two resonances do not explain: known after 43 to 55 ms at 40 kHz.
+    /// The calibration at power-on finds a Q below a third of the nominal one, or below half of it with a second resonance within 3.5 % of at
+    /// least a tenth of the strength: known after 43 to 60 ms at 40 kHz, and later where a scan has to look for the second one. After a loss of lock also a Q
+    /// below 0.3 of what was tracked. Without a nominal C0 only this.
     ResonanceDamaged = 26, "resonance damaged", "the stack rings otherwise than its nominal values say: a crack, a loose horn, or another stack";
     /// In the self-test the current lags the voltage where only a capacitance can be: the two sense channels are swapped, or one of them is
     /// reversed. Known 4 blocks after the tone is measured.

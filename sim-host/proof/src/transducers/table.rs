@@ -65,7 +65,7 @@ fn by_range(set: &[TriedTransducer]) -> TableBlock {
     let parts = quality.into_iter().chain(coupling).chain(prior);
     let mut rows: Vec<_> = parts.map(|part| outcomes(&part.0, &summary(&part))).collect();
     rows.push(outcomes("all, by `phase_lock`", &Summary::of(set.iter().map(|tried| &tried.phase_lock.judged))));
-    let caption = "Columns as above. The last row is of the same transducers with `tracking.mode = \"phase_lock\"`, which begins with a scan of the window and has twice the time; all others are of the observer.";
+    let caption = "Columns as above. The last row is of the same transducers with `tracking.mode = \"phase_lock\"`, which begins with a scan of the window; all others are of the observer.";
     TableBlock::new(
         "ranges",
         "Random set, by quality factor, coupling, prior and mode of tracking",
@@ -131,7 +131,7 @@ fn fault_codes(set: &[TriedTransducer]) -> TableBlock {
         vec![code.to_string(), fault.called().to_owned(), all.to_string(), holds.to_string(), kinds.join(", ")]
     };
     let rows = faults(set.iter().map(|tried| &tried.tried.judged)).into_iter().map(row).collect();
-    let caption = "Faults that have ended a run, and how many of them hold: a resonance outside the window (30), a C0 more than 20 % off its nominal value (25), an Lm off by more than two \
+    let caption = "Faults that have ended a run, and how many of them hold: a resonance outside the window (30), a C0 more than 40 % off its nominal value (25), an Lm off by more than two \
                    (34), more current than the range (21, 28); faults 31 and 32 say only that there is no lock.";
     TableBlock::new("faults", "Random set, faults", caption, &["fault", "name", "runs", "of which hold", "kinds"], rows)
 }

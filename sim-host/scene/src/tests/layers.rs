@@ -10,6 +10,8 @@ fn changes_replace_add_and_count() {
     assert_eq!(loaded(&["expect.0.min=1"]).expect[0].min, Some(1.0));
     assert_eq!(driven(&["controller.block_samples=16.0"]).block_samples, 16);
     assert_eq!(driven(&["controller.burst.on_s.0=2"]).burst.unwrap().on_s, [2.0]);
+    assert_eq!(driven(&["controller.tracking.nominal_c0_f=none"]).tracking.nominal_c0_f, None);
+    says(&report(example(), &["controller.tracking.nominal_q=none"]), &["`controller.tracking.nominal_q` cannot be a string"]);
     let new = ["grid.set=[]", "disturbance.0.at_s=1", "disturbance.0.key=rig.slider.load_n", "disturbance.0.to=5"];
     assert_eq!(loaded(&new).disturbance[0].to, Some(5.0));
     let drive = driven(&["controller.drive.amplitude_v=3"]).drive;
