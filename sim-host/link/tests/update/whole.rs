@@ -2,11 +2,25 @@
 
 use std::time::{Duration, Instant};
 
+use firmware::board::command::{Command, Reply, Verb};
+use firmware::board::parameters::ParameterReport;
 use firmware::board::update::Standing;
+use sonoglide_link::client::Client;
 use sonoglide_link::commands::update::{UpdateArgs, run};
 use sonoglide_link::session::{Session, SessionOptions};
 
 use super::images::{answers, connected, images, powered, report, small};
+
+/// Key of `limits.current_a`, and a value that is not the built-in one, A.
+const CURRENT_LIMIT: (u8, f32) = (9, 2.25);
+
+/// The current limit, as the board has it.
+fn current_limit(client: &mut Client) -> ParameterReport {
+    match client.ask(Command::Settings(Verb::Get(CURRENT_LIMIT.0))).expect("an answer") {
+        Reply::Parameter(report) => report,
+        reply => panic!("{reply:?}"),
+    }
+}
 
 #[test]
 fn an_update_over_the_link_is_installed_and_confirmed_with_the_amplifier_off() {
@@ -17,6 +31,11 @@ fn an_update_over_the_link_is_installed_and_confirmed_with_the_amplifier_off() {
     let before = report(&mut client);
     println!("{before:?}: {:?} of the board, {:?} here", board.borrow().now(), began.elapsed());
     assert_eq!((before.running, before.standing), (Some([1, 0, 0]), Standing::Confirmed));
+    let (key, value) = CURRENT_LIMIT;
+    for verb in [Verb::Set(key, value), Verb::Store] {
+        client.ask(Command::Settings(verb)).expect("accepted");
+    }
+    assert_ne!(current_limit(&mut client).acts, value, "it acts after a reset");
     let mut session = Session::begin(client, SessionOptions::default()).expect("a session");
     let file = std::env::temp_dir().join(format!("sonoglide-update-{}", std::process::id()));
     std::fs::write(&file, &images.new).expect("a file");
@@ -25,6 +44,7 @@ fn an_update_over_the_link_is_installed_and_confirmed_with_the_amplifier_off() {
     println!("{}: {:?} of the board, {:?} here", answer.text, board.borrow().now(), began.elapsed());
     assert_eq!(answer.fields["version"], "2.0.0");
     assert_eq!(answer.fields["standing"], "confirmed");
+    assert_eq!(current_limit(&mut session.client).acts, value, "what was stored outlasts an update");
     let board = board.borrow();
     assert!(board.bench().edges.is_empty(), "the amplifier stays off: {:?}", board.bench().edges);
     assert_eq!(board.bench().resets.len(), 1, "{:?}", board.bench().resets);
