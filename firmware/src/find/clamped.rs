@@ -51,7 +51,7 @@ const LEAST_NOISE: f32 = 2.25;
 /// What the model leaves at best, relative to the clamped susceptance: ringing, rounding.
 const FLOOR: f32 = 3e-4;
 /// How far the capacitance may be from its nominal value; and how far with a coupling that has gone as well, as that of a stack that has depoled: with an
-/// inductance so many times the nominal one, or without a resonance that stands out.
+/// inductance so many times the nominal one at least, or, where none is given, without a resonance that stands out.
 const CAPACITANCE_SHIFT: f32 = 0.4;
 const DEPOLED: (f32, f32) = (0.2, 5.0);
 /// Smallest Q, relative to the one that was tracked before, which a load may have lowered by three.
@@ -268,7 +268,8 @@ impl PowerOn {
         let explained = fit::is_plausible(&solution.elements) && solution.misfit < LARGEST_MISFIT;
         // What is no number does not hold, either.
         let resonates = found.lm_h.value > SIGNIFICANT * found.lm_h.deviation;
-        let uncoupled = !resonates || self.nominal_lm_h.is_some_and(|nominal| found.lm_h.value > DEPOLED.1 * nominal);
+        let most_strength = 1.0 + SIGMAS * found.lm_h.deviation / found.lm_h.value;
+        let uncoupled = self.nominal_lm_h.map_or(!resonates, |nominal| found.lm_h.value > DEPOLED.1 * nominal * most_strength);
         let shifted = shift > if uncoupled { DEPOLED.0 } else { CAPACITANCE_SHIFT };
         let holds = explained && resonates && turn < LARGEST_TURN;
         match () {

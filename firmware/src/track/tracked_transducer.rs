@@ -18,6 +18,10 @@ use crate::track::tracker::{State, Tracker};
 pub(crate) const LEARN_BLOCKS: u64 = 64;
 /// A resonance whose motional inductance is this many times smaller or larger than its nominal value is another one.
 const SAME_MODE: f32 = 2.0;
+/// Where only the band is known, the calibration's Q is taken if it is known to this part.
+const CLEAR_Q: f32 = 0.3;
+/// Standard deviations that this leaves room for.
+const SIGMAS: f32 = 3.0;
 
 /// The tracked transducer.
 #[derive(Clone, Debug)]
@@ -27,6 +31,8 @@ pub(crate) struct TrackedTransducer {
     learned: u64,
     /// Time constant of the resonance by the nominal Q, periods.
     nominal_periods: f32,
+    /// More than the band is known.
+    is_known: bool,
     /// Nominal motional inductance, H.
     nominal_lm_h: Option<f32>,
     /// Variances of a block's voltage and current by noise, both components, V² and A², as measured in the self-test's silence.
@@ -44,6 +50,7 @@ impl TrackedTransducer {
         TrackedTransducer {
             learned: 0,
             nominal_periods: config.tracking.nominal_q / core::f32::consts::PI,
+            is_known: config.tracking.nominal_c0_f.is_some(),
             nominal_lm_h: config.tracking.nominal_lm_h,
             noise: (0.0, 0.0),
             transducer: None,
@@ -89,9 +96,11 @@ impl TrackedTransducer {
     /// Takes the clamped branch, and lets the observer begin anywhere in the window.
     pub(crate) fn observe(&mut self, clamped: &Clamped) {
         let window_hz = self.tracker.window_hz();
+        let known_q = core::f32::consts::PI * self.nominal_periods;
+        let q = if self.is_known || clamped.q.deviation > CLEAR_Q * clamped.q.value { known_q } else { clamped.q.value };
         let prior = Prior {
             offset_hz: (0.0, window_hz),
-            q: core::f32::consts::PI * self.nominal_periods,
+            q,
             // Measured to a part in five hundred; the nominal value is what it is compared with once it has locked.
             lm_h: (clamped.lm_h.value, clamped.lm_h.deviation),
             axis: clamped.motional.axis,
@@ -177,9 +186,10 @@ impl TrackedTransducer {
         }
     }
 
-    /// Whether it has locked to another resonance than the nominal one, by its inductance.
+    /// Whether it has locked to another resonance than the nominal one, by its inductance, whatever that may be off by: once it has been learned.
     fn is_another_mode(&self) -> bool {
-        let strength = |nominal: f32| self.transducer_by_now().map_or(1.0, |transducer| nominal / transducer.lm_h);
-        self.nominal_lm_h.is_some_and(|nominal| !(1.0 / SAME_MODE..SAME_MODE).contains(&strength(nominal)))
+        let (Some(nominal), Some(transducer)) = (self.nominal_lm_h, &self.transducer) else { return false };
+        let within = SIGMAS * transducer.deviations.lm_h;
+        transducer.lm_h + within < nominal / SAME_MODE || transducer.lm_h - within > nominal * SAME_MODE
     }
 }
