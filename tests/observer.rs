@@ -156,7 +156,7 @@ fn what_is_broken_is_named_at_power_on() {
         ("sensor_stuck", Fault::SensorImplausible, 2e-3),
         ("swapped", Fault::SenseSwapped, 2e-3),
         ("depoled", Fault::CapacitanceShifted, 50e-3),
-        ("cracked", Fault::ResonanceDamaged, 55e-3),
+        ("cracked", Fault::ResonanceDamaged, 60e-3),
     ] {
         let (record, _) = observed(&[&format!("fault.0.kind={kind}"), "fault.0.at_s=0.0"]);
         let faulted = record.rows.iter().find(|row| row.fault != 0).unwrap_or_else(|| panic!("{kind}: no fault"));

@@ -42,7 +42,7 @@ fn end_on(times: f32) -> Option<u8> {
 #[test]
 fn a_healthy_load_passes() {
     assert_eq!(end_with(&[]), None);
-    assert_eq!((end_on(0.5), end_on(2.5)), (None, None));
+    assert_eq!((end_on(0.5), end_on(7.0)), (None, None));
 }
 
 #[test]
@@ -53,7 +53,7 @@ fn an_open_current_channel_is_an_open_load() {
 
 #[test]
 fn a_hundredfold_current_is_a_shorted_load() {
-    assert_eq!((end_on(100.0), end_on(4.0)), (Some(22), Some(22)));
+    assert_eq!((end_on(100.0), end_on(9.0)), (Some(22), Some(22)));
 }
 
 #[test]

@@ -14,12 +14,14 @@ use super::power_on::calibrate;
 use super::rig::{Case, Rig};
 
 const SEEDS: u64 = 12;
+/// 60 ms of blocks: the requirement, with every way tried to explain what was measured.
+const WITHIN: u64 = 1875;
 
 /// Each seed must end with this fault. Returns the most blocks that took.
 fn ends_with(fault: Fault, case: &Case) -> u64 {
     let ends = (1..=SEEDS).map(|seed| {
         let (found, blocks) = calibrate(&mut Rig::new(case, seed));
-        assert_eq!(found.err(), Some(fault), "seed {seed} of {case:?}");
+        assert_eq!(found.err(), Some(Some(fault)), "seed {seed} of {case:?}");
         blocks
     });
     let blocks = ends.max().unwrap();
@@ -29,12 +31,14 @@ fn ends_with(fault: Fault, case: &Case) -> u64 {
 
 #[test]
 fn a_depoled_stack_has_shifted_its_capacitance() {
-    for nominal_c0 in [1.3, 0.78] {
-        for q in [20.0, 65.0, 500.0] {
-            assert!(ends_with(Fault::CapacitanceShifted, &Case { nominal_c0, q, ..Case::default() }) < 1400);
+    for q in [20.0, 65.0, 500.0] {
+        let depoled = Case { c0_f: 200e-9, cm_f: 0.2e-9, nominal_c0: 1.5, q, ..Case::default() };
+        assert!(ends_with(Fault::CapacitanceShifted, &depoled) < 1400);
+        for nominal_c0 in [1.5, 0.7] {
+            assert!(ends_with(Fault::CapacitanceShifted, &Case { nominal_c0, q, ..Case::default() }) < WITHIN);
         }
     }
-    for nominal_c0 in [1.18, 0.86] {
+    for nominal_c0 in [1.25, 0.8] {
         let (found, _) = calibrate(&mut Rig::new(&Case { nominal_c0, ..Case::default() }, 1));
         assert!(found.is_ok(), "{found:?}");
     }
@@ -45,14 +49,16 @@ fn a_depoled_stack_has_shifted_its_capacitance() {
 fn a_cracked_stack_is_damaged() {
     for q in [65.0, 200.0, 500.0] {
         let case = Case { q: q / 5.0, nominal_q: 5.0, second: Some((0.2, 0.985)), ..Case::default() };
-        assert!(ends_with(Fault::ResonanceDamaged, &case) < 1700);
+        assert!(ends_with(Fault::ResonanceDamaged, &case) < WITHIN);
     }
 }
 
+/// There may be one that is too weak to be seen from beside it.
 #[test]
-fn a_stack_without_its_resonance_is_damaged() {
-    for cm_f in [20e-13, 20e-15] {
-        assert!(ends_with(Fault::ResonanceDamaged, &Case { cm_f, ..Case::default() }) < 1700);
+fn a_stack_without_its_resonance_is_left_to_a_scan() {
+    for (cm_f, seed) in [20e-13, 20e-15].into_iter().flat_map(|cm_f| (1..=SEEDS).map(move |seed| (cm_f, seed))) {
+        let (found, blocks) = calibrate(&mut Rig::new(&Case { cm_f, ..Case::default() }, seed));
+        assert!(found == Err(None) && blocks < 2000, "{found:?} after {blocks} blocks");
     }
 }
 

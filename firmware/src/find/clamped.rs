@@ -50,9 +50,9 @@ const EDGE: f32 = 0.2;
 const LEAST_NOISE: f32 = 2.25;
 /// What the model leaves at best, relative to the clamped susceptance: ringing, rounding.
 const FLOOR: f32 = 3e-4;
-/// How far the capacitance may be from its nominal value; and how far with a coupling that has gone as well, as that of a stack that has depoled: with an
-/// inductance so many times the nominal one at least, or, where none is given, without a resonance that stands out.
-const CAPACITANCE_SHIFT: f32 = 0.4;
+/// How far the capacitance may be from its nominal value, with a nominal inductance that agrees, and without one; and how far with a coupling that has gone as
+/// well, as that of a stack that has depoled: with an inductance so many times the nominal one at least, or without a resonance that stands out.
+const CAPACITANCE_SHIFT: (f32, f32) = (0.4, 0.3);
 const DEPOLED: (f32, f32) = (0.2, 5.0);
 /// Smallest Q, relative to the one that was tracked before, which a load may have lowered by three.
 const FALLEN_Q: f32 = 0.3;
@@ -270,7 +270,8 @@ impl PowerOn {
         let resonates = found.lm_h.value > SIGNIFICANT * found.lm_h.deviation;
         let most_strength = 1.0 + SIGMAS * found.lm_h.deviation / found.lm_h.value;
         let uncoupled = self.nominal_lm_h.map_or(!resonates, |nominal| found.lm_h.value > DEPOLED.1 * nominal * most_strength);
-        let shifted = shift > if uncoupled { DEPOLED.0 } else { CAPACITANCE_SHIFT };
+        let alone = if self.nominal_lm_h.is_some() { CAPACITANCE_SHIFT.0 } else { CAPACITANCE_SHIFT.1 };
+        let shifted = shift > if uncoupled { DEPOLED.0 } else { alone };
         let holds = explained && resonates && turn < LARGEST_TURN;
         match () {
             () if resonates && (found.resonance_hz.value / self.nominal_hz - 1.0).abs() > self.window => {

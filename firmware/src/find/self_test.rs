@@ -19,9 +19,13 @@ use crate::sense::source::LARGEST_OHM;
 
 /// Blocks of silence that are averaged.
 const SILENT_BLOCKS: u32 = 32;
-/// Quiet: the current's rms about its mean is below this part of what the tone will draw, or below so many codes; what is below so many more when
-/// nothing rings any longer is noise.
+/// Quiet: the current's rms about its mean is below this part of what the tone will draw, or below so many codes; or below so many more, and does not
+/// fall any longer: that is noise.
 const QUIET: (f32, f32, f32) = (0.25, 2.0, 16.0);
+/// It falls if its mean square in one window is less than this part of that in the one before. A window has so many blocks at least, and half a nominal time
+/// constant: in that what rings falls to 0.37 of its square, with three times the nominal Q to 0.72.
+const FALLS: f32 = 0.85;
+const WINDOW: (u32, f32) = (16, 0.5);
 /// How long an earlier run may ring, nominal time constants and at least, in blocks. Q may be three times the nominal one.
 const RING_DOWN: (f32, u32) = (40.0, 1000);
 /// Blocks of the tone, and how many at its end are measured.
@@ -53,6 +57,9 @@ pub(crate) struct SelfTest {
     /// Capacitance that draws the tone's current, F.
     capacitance_f: f32,
     ring_down_blocks: u32,
+    window_blocks: u32,
+    /// Sums of mean squares in silence: of this window, and of the one before.
+    heard: (f32, f32),
     /// Blocks of the present phase, and whether it is quiet.
     block: u32,
     quiet: bool,
@@ -81,6 +88,8 @@ impl SelfTest {
             any_siemens: (omega * least_f, omega * largest_f),
             capacitance_f: config.tracking.c0_f(),
             ring_down_blocks: RING_DOWN.1 + (RING_DOWN.0 * tau_s / block_s) as u32,
+            window_blocks: WINDOW.0.max((WINDOW.1 * tau_s / block_s) as u32),
+            heard: (0.0, f32::INFINITY),
             block: 0,
             quiet: false,
             mean_codes: (0.0, 0.0),
@@ -116,6 +125,7 @@ impl SelfTest {
     pub(crate) fn restart(&mut self) {
         self.block = 0;
         self.quiet = false;
+        self.heard = (0.0, f32::INFINITY);
         self.mean_codes = (0.0, 0.0);
         self.sum = (0.0, 0.0);
         self.first = (0.0, 0.0);
@@ -171,12 +181,18 @@ impl SelfTest {
         let (part, codes, noisy) = QUIET;
         let tone_codes = convert.i.codes(self.volts * self.clamped_siemens.unwrap_or(0.0));
         // What was played before may still sound.
-        let rung_down = self.block > self.ring_down_blocks;
-        let loudest = if rung_down { noisy } else { codes }.max(part * tone_codes);
-        self.quiet = self.block > LATENCY_BLOCKS as u32 && convert.i.mean_and_variance(&sense.i).1 < loudest * loudest;
+        let loudest = codes.max(part * tone_codes);
+        let variance = convert.i.mean_and_variance(&sense.i).1;
+        self.heard.0 += variance;
+        let is_window = self.block.is_multiple_of(self.window_blocks);
+        let is_noise = is_window && self.heard.0 > FALLS * self.heard.1 && variance < noisy * noisy;
+        if is_window {
+            self.heard = (0.0, self.heard.0);
+        }
+        self.quiet = self.block > LATENCY_BLOCKS as u32 && (variance < loudest * loudest || is_noise);
         if self.quiet {
             self.block = 0;
-        } else if rung_down {
+        } else if self.block > self.ring_down_blocks {
             return Step::Failed(Fault::SensorImplausible);
         }
         Step::Silence

@@ -83,8 +83,8 @@ numbered! {
     LoadOpen = 23, "load open", "no stack, an open cable, an amplifier that is off, or a current channel that stands";
     /// The calibration does not measure a lane, finds it further off than a trim can be for, or its trim does not verify.
     LaneImplausible = 24, "lane implausible", "a lane is not measured or too far off: look at its amplifier and at the order of the lanes";
-    /// The clamped capacitance is more than 40 %, and three standard deviations, off its nominal value; or more than 20 %, with an Lm of five times its
-    /// nominal value, or without a resonance that stands out: known at the end of the calibration at power-on, 45 ms at 40 kHz.
+    /// The clamped capacitance is more than 40 % off its nominal value, without a nominal Lm 30 %, and three standard deviations; or more than 20 %, with an Lm
+    /// of five times its nominal value, or, where none is given, without a resonance that stands out: known at the end of the calibration at power-on, 45 ms at 40 kHz.
     CapacitanceShifted = 25, "capacitance shifted", "another stack than the nominal one (`tracking.nominal_c0_f`), or one that has depoled";
     /// The calibration at power-on finds a Q below a third of the nominal one, or below half of it with a second resonance within 3.5 % of at
     /// least a tenth of the strength: known after 43 to 60 ms at 40 kHz, and later where a scan has to look for the second one. After a loss of lock also a Q

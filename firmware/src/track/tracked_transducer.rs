@@ -33,8 +33,9 @@ pub(crate) struct TrackedTransducer {
     nominal_periods: f32,
     /// More than the band is known.
     is_known: bool,
-    /// Nominal motional inductance, H.
+    /// Nominal motional inductance, H, and the standard deviation of the one that was begun with, relative.
     nominal_lm_h: Option<f32>,
+    lm_deviation: f32,
     /// Variances of a block's voltage and current by noise, both components, V² and A², as measured in the self-test's silence.
     pub(crate) noise: (f32, f32),
     transducer: Option<Transducer>,
@@ -52,6 +53,7 @@ impl TrackedTransducer {
             nominal_periods: config.tracking.nominal_q / core::f32::consts::PI,
             is_known: config.tracking.nominal_c0_f.is_some(),
             nominal_lm_h: config.tracking.nominal_lm_h,
+            lm_deviation: 0.0,
             noise: (0.0, 0.0),
             transducer: None,
             learning: Learning::default(),
@@ -106,6 +108,7 @@ impl TrackedTransducer {
             axis: clamped.motional.axis,
             noise_a: self.noise_a(&clamped.motional),
         };
+        self.lm_deviation = clamped.lm_h.deviation / clamped.lm_h.value;
         let modes = 1 + u8::from(clamped.second_mode.is_some());
         let known = Known { c0_f: (clamped.c0_f.value, clamped.c0_f.deviation), modes: (modes, 0) };
         self.tracker.observe(clamped.motional, known, &prior);
@@ -116,6 +119,7 @@ impl TrackedTransducer {
     /// Takes the transducer that the scan has found.
     pub(crate) fn adopt(&mut self, transducer: &Transducer, branch: Motional) {
         self.tracker.seed(transducer, branch, self.noise_a(&branch));
+        self.lm_deviation = transducer.deviations.lm_h / transducer.lm_h;
         let deviation = transducer.deviations.c0_f / transducer.c0_f;
         self.online.seed(branch, deviation, transducer.series_resonance_hz, transducer.q);
         self.transducer = Some(*transducer);
@@ -186,10 +190,10 @@ impl TrackedTransducer {
         }
     }
 
-    /// Whether it has locked to another resonance than the nominal one, by its inductance, whatever that may be off by: once it has been learned.
+    /// Whether it has locked to another resonance than the nominal one, by its inductance, whatever that may have been off by in the beginning.
     fn is_another_mode(&self) -> bool {
-        let (Some(nominal), Some(transducer)) = (self.nominal_lm_h, &self.transducer) else { return false };
-        let within = SIGMAS * transducer.deviations.lm_h;
-        transducer.lm_h + within < nominal / SAME_MODE || transducer.lm_h - within > nominal * SAME_MODE
+        let (Some(nominal), Some(transducer)) = (self.nominal_lm_h, self.transducer_by_now()) else { return false };
+        let (ratio, off) = (transducer.lm_h / nominal, SIGMAS * self.lm_deviation);
+        ratio * (1.0 + off) < 1.0 / SAME_MODE || ratio > SAME_MODE * (1.0 + off)
     }
 }

@@ -17,7 +17,7 @@ fn evidence(name: &str, page: &str) -> Evidence {
 /// What is missed stands in the page, under "What falls short".
 #[test]
 fn tracking_has_these_numbers() {
-    const KNOWN: [&str; 3] = ["open, while running", "depoled, while running", "cracked, while running"];
+    const KNOWN: [&str; 4] = ["open, while running", "depoled, while running", "cracked, while running", "cracked, at power-on"];
     let missed = evidence("tracking", "tracking.md").missed;
     let other: Vec<_> = missed.iter().filter(|missed| !KNOWN.iter().any(|known| missed.contains(known))).collect();
     assert!(other.is_empty(), "{other:?}");

@@ -8,8 +8,9 @@
 //! two:            Z v^2 = -a Z v - b Z + c v^2 + e v + p,   us^2 - 1 and u2^2 - 1 the roots of v^2 + a v + b
 //! ```
 //!
-//! What one resonance cannot explain is tried with two: with another one above, with one below, then, where neither explains it, from such a start. Two are
-//! taken for one only where they leave a third of what one leaves: with ten unknowns of sixteen numbers they always leave less.
+//! What one resonance cannot explain is tried with two: with another one above, then from such a start, both as lossy as the first; where
+//! neither explains it, with a loss of its own, from the best of these, or from one below. Two are taken for one only where they leave a third of what one
+//! leaves: with nine or ten unknowns of sixteen numbers they always leave less.
 
 use heapless::Vec;
 
@@ -19,17 +20,20 @@ use crate::seam::phasor::Phasor;
 
 /// The most admittances there can be.
 pub(crate) const MAX_POINTS: usize = 8;
-/// Iterations with one resonance, and with two. They square the error from 1e-2 on, or nearly so.
-const ROUNDS: (u32, u32) = (5, 8);
+/// Iterations with one resonance, with two, and with two of which one has a loss of its own, for which there is the least time. They square the error from 1e-2 on, or
+/// nearly so.
+const ROUNDS: (u32, u32, u32) = (5, 8, 5);
 /// Beyond this rms residual, in standard deviations, one resonance does not explain what was measured.
 const MISFIT: f32 = 4.0;
 /// Two resonances are taken where they leave less than this part of what one leaves.
 const BETTER: f32 = 1.0 / 3.0;
 /// Where a second resonance is looked for first, above and below the first, and how strong, relative to it.
 const SECOND: (f32, f32) = (0.06, 0.15);
-/// Priors: an element, and its standard deviation about zero. Those of the losses are about the nominal loss, relative to it; `theta`'s is a time, s, by which
+/// Priors: an element, and its standard deviation about zero. That of the loss is about the nominal loss, relative to it, that of a second resonance's about the first's; `theta`'s is a time, s, by which
 /// the sense channels are apart.
-const KNOWN: [(usize, f32); 5] = [(XS, 0.1), (D, 4.0), (THETA, 100e-9), (X2, 0.2), (D2, 4.0)];
+const KNOWN: [(usize, f32); 5] = [(XS, 0.1), (D, 4.0), (THETA, 150e-9), (X2, 0.2), (D2, 1.0)];
+/// The standard deviation of a second resonance's loss about the first's where they are taken to be the same, relative to it.
+const ALIKE: f32 = 0.01;
 /// How the loss of the clamped branch rises with the frequency: between that of a dielectric (1) and of images (2), and to what part of the
 /// clamped susceptance that is known.
 const LOSS_RISES: (f32, f32) = (1.5, 0.02);
@@ -59,9 +63,10 @@ const PARTS: [Part; 2] = [|y| y.re, |y| y.im];
 enum Stage {
     StartOne,
     One,
-    /// With a second resonance above the first, and below.
+    /// With a second resonance above the first.
     Above,
-    Below,
+    /// With one as lossy as it may be.
+    Free,
     StartTwo,
     Two,
 }
@@ -131,7 +136,7 @@ impl Fit {
     /// Does a block's worth of it. Returns whether it is over.
     pub(crate) fn advance(&mut self) -> bool {
         let starts = matches!(self.stage, Stage::StartOne | Stage::StartTwo);
-        let blocks = if matches!(self.stage, Stage::Above | Stage::Below | Stage::Two) { 2 } else { 1 };
+        let blocks = if matches!(self.stage, Stage::Above | Stage::Free | Stage::Two) { 2 } else { 1 };
         let (row, part) = (self.block / blocks, self.block % blocks);
         self.block += 1;
         match self.points.get(row) {
@@ -213,7 +218,7 @@ impl Fit {
                 D => (self.loss, deviation * self.loss),
                 THETA => (0.0, deviation * self.omega),
                 X2 | D2 if self.stage == Stage::One => continue,
-                D2 => (self.loss, deviation * self.loss),
+                D2 => (self.elements[D], if self.stage == Stage::Free { deviation } else { ALIKE } * self.elements[D]),
                 _ => (0.0, deviation),
             };
             let mut row = [0.0; UNKNOWNS];
@@ -240,7 +245,11 @@ impl Fit {
             }
         }
         self.round += 1;
-        let (rounds, unknowns) = if self.stage == Stage::One { (ROUNDS.0, K2) } else { (ROUNDS.1, UNKNOWNS) };
+        let (rounds, unknowns) = match self.stage {
+            Stage::One => (ROUNDS.0, K2),
+            Stage::Free => (ROUNDS.2, UNKNOWNS),
+            _ => (ROUNDS.1, UNKNOWNS),
+        };
         if self.round < rounds {
             self.triangle.restart();
             return false;
@@ -262,9 +271,13 @@ impl Fit {
                 self.one = best.elements;
                 self.start_beside(Stage::Above, SECOND.0)
             }
-            Stage::Above if best.misfit > MISFIT => self.start_beside(Stage::Below, -SECOND.0),
-            Stage::Below if best.misfit > MISFIT => {
+            Stage::Above if best.misfit > MISFIT => {
                 self.stage = Stage::StartTwo;
+                false
+            }
+            Stage::Two if best.misfit > MISFIT && best.elements[K2] == 0.0 => self.start_beside(Stage::Free, -SECOND.0),
+            Stage::Two if best.misfit > MISFIT => {
+                (self.elements, self.round, self.stage) = (best.elements, 0, Stage::Free);
                 false
             }
             _ => true,

@@ -234,7 +234,7 @@ mod tests {
     #[test]
     fn a_fault_holds_where_the_plant_agrees() {
         let outcome = |truth: Truth, fault: Fault| truth.of_fault(fault, &[]);
-        for (c0_ratio, holds) in [(1.19, false), (1.21, true), (0.81, false), (0.79, true)] {
+        for (c0_ratio, holds) in [(1.39, false), (1.41, true), (0.61, false), (0.59, true)] {
             let fault = Fault::CapacitanceShifted;
             let expected = if holds { Outcome::Refused(fault) } else { Outcome::Accused(fault) };
             assert_eq!(outcome(truth(c0_ratio, 1.0), fault), expected, "{c0_ratio}");

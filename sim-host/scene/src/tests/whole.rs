@@ -31,7 +31,7 @@ fn resolved_scenes_read_back_the_same() {
     }
     says(
         &resolved_toml(&loaded(&[])),
-        &["c0_f = 3e-7 ", "# Clamped capacitance, F.", "shape = \"sine\"", "sine | square", "\n[sensors]\n"],
+        &["c0_f = 3e-7 ", "# Clamped capacitance, F, within a third.", "shape = \"sine\"", "sine | square", "\n[sensors]\n"],
     );
 }
 

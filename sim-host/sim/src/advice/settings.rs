@@ -204,6 +204,6 @@ fn snippet(parts: &Parts<'_>) -> String {
         tracking.bandwidth_hz,
         tracking.nominal_q,
         tracking.nominal_lm_h.unwrap_or(parts.circuit.lm_h),
-        tracking.nominal_c0_f,
+        tracking.nominal_c0_f.unwrap_or(parts.circuit.c0_f),
     )
 }
