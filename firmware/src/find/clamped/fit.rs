@@ -338,7 +338,7 @@ mod tests {
                 "{:?}",
                 found.elements
             );
-            assert!((found.elements[C] - exact[C]).abs() < 1e-3 && found.misfit < 1.0, "{:?}", found.elements);
+            assert!((found.elements[C] - exact[C]).abs() < 1e-3 && found.misfit < MISFIT, "{:?}", found.elements);
         }
     }
 }

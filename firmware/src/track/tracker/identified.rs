@@ -143,7 +143,7 @@ mod tests {
         let scatter = Scatter {
             pole: [part(2.0 * observer.deviation_hz() / found.series_resonance_hz), none, none],
             strength: [none, part(observer.strength_deviation()), none],
-            y0: [none, none, part(TAU * found.series_resonance_hz * known.c0_f.1)],
+            y0: [none, none, part(TAU * found.series_resonance_hz * (known.c0_f.1 + IMAGES * known.c0_f.0))],
         };
         let (reported, mut all) = (found.deviations, Deviations::default());
         [0, 1].into_iter().for_each(|part| scatter.products().deviate(&found, part, &mut all));
