@@ -311,7 +311,7 @@ impl BlockVariables {
 }
 
 /// Refuses a scene with faults of converters that the board does not have (those of the plant and of its sensors have a place here), and one that
-/// calibrates its lanes.
+/// calibrates its lanes, which the order to run does not.
 fn check(scene: &Driven) -> Result<(), BoardError> {
     let of_converters = |kind: FaultKind| {
         use FaultKind::{Dropout, LateBlock, Open, Saturation, SensorStuck, Swapped};
@@ -321,8 +321,7 @@ fn check(scene: &Driven) -> Result<(), BoardError> {
         return Err(BoardError::Plant("its faults are those of converters that the board does not have"));
     }
     if scene.controller.phasing.calibrate {
-        // The plant of a replay listens to another lane from the first sample of a block on, and the board from its interrupt on.
-        return Err(BoardError::Plant("it calibrates its lanes, and a replay cannot tell when the board's multiplexer switches"));
+        return Err(BoardError::Plant("it calibrates its lanes, which a client orders: `link board:SCENE calibrate`"));
     }
     Ok(())
 }

@@ -124,6 +124,8 @@ fn breakage(kind: FaultKind) -> Option<Breakage> {
         | FaultKind::EncoderLies
         | FaultKind::ForceStuck
         | FaultKind::Overtemperature => None,
+        // Of a motor.
+        FaultKind::LaneOpen | FaultKind::LaneWeak | FaultKind::LaneReversed | FaultKind::LanesExchanged => None,
     }
 }
 

@@ -17,6 +17,7 @@
 
 mod account;
 pub mod crest;
+mod lane_fault;
 pub mod lanes;
 pub mod linear;
 pub mod model;
@@ -39,6 +40,7 @@ use crate::converter::{Adc, Dac};
 use crate::disturbance::Change;
 use crate::energy::Energy;
 use crate::load_cell::LoadCell;
+use crate::motor::lane_fault::{LaneFault, lane_faults};
 use crate::motor::lanes::{Lanes, Played};
 use crate::motor::linear::Linear;
 use crate::motor::model::Model;
@@ -73,6 +75,9 @@ pub struct Motor {
     direction: Direction,
     played_lanes: u8,
     changes: Vec<Change>,
+    /// Faults of lanes that are still to come, each with the block that it happens in.
+    lane_faults: Vec<(u64, LaneFault)>,
+    block: u64,
     /// The resonance as disturbed so far, Hz; the model follows in steps that are worth it.
     asked_hz: f64,
     time_s: f64,
@@ -121,6 +126,8 @@ impl Motor {
             direction: scene.controller.phasing.direction,
             played_lanes: drive.lanes,
             changes: scene.disturbance.iter().cloned().map(Change::new).collect(),
+            lane_faults: lane_faults(scene, block_s),
+            block: 0,
             asked_hz: model.series_resonance_hz,
             model,
             time_s: 0.0,
@@ -177,6 +184,22 @@ impl Motor {
         }
         changes.retain(|change| !change.is_over());
         self.changes = changes;
+    }
+
+    /// Lets the faults of lanes happen that the block which begins now is due for.
+    fn break_lanes(&mut self) {
+        let block = self.block;
+        let due: Vec<_> = self.lane_faults.extract_if(.., |(at_block, _)| *at_block <= block).map(|(_, fault)| fault).collect();
+        for fault in due {
+            match fault {
+                LaneFault::Open { lane } => {
+                    self.model.connected[lane] = false;
+                    self.linear.remake(&self.model, &self.amplifier, self.timing, self.lanes.rest());
+                }
+                LaneFault::Weak { lane, part } => self.lanes.weaken(lane, part),
+                LaneFault::Exchanged { one, other } => self.lanes.exchange(one, other),
+            }
+        }
     }
 
     fn value(&self, key: DisturbedKey) -> f64 {
@@ -245,6 +268,8 @@ impl Motor {
     /// Begins a block: what changes in the plant changes between two blocks.
     pub(crate) fn begin(&mut self) -> Block {
         self.disturb();
+        self.break_lanes();
+        self.block += 1;
         if let Some(samples) = &mut self.samples {
             samples.clear();
         }

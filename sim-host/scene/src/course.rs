@@ -86,6 +86,18 @@ pub struct Fault {
     pub at_s: f64,
     /// Part that breaks, and how.
     pub kind: FaultKind,
+    /// Lane of a stator that it happens to, from 0; of the kinds `lane_open`, `lane_weak`, `lane_reversed` and `lanes_exchanged`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 0, max = 3))]
+    pub lane: Option<u8>,
+    /// Lane that plays what `lane` should, and the other way round; of `lanes_exchanged`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 0, max = 3))]
+    pub other_lane: Option<u8>,
+    /// Part of its voltage that the lane still plays; of `lane_weak`. Absent: a half.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 0.0, max = 1.0))]
+    pub gain: Option<f64>,
 }
 
 /// Kinds of faults that a scene can have.
@@ -122,4 +134,12 @@ pub enum FaultKind {
     ForceStuck,
     /// The temperature sensor at the driver reads 200 degrees Celsius.
     Overtemperature,
+    /// The electrodes of a lane of the stator are not connected: its amplifier plays, and nothing draws a current.
+    LaneOpen,
+    /// The amplifier of a lane plays only a part of its voltage.
+    LaneWeak,
+    /// The amplifier of a lane plays the opposite of its voltage.
+    LaneReversed,
+    /// The inputs of the amplifiers of two lanes are exchanged.
+    LanesExchanged,
 }

@@ -18,6 +18,7 @@ mod friction;
 mod grid;
 mod integrator;
 mod kind;
+mod lane_fault;
 mod motor;
 mod timeline;
 mod tracking;

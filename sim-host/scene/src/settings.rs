@@ -17,7 +17,7 @@ pub fn config(scene: &scene::Driven) -> Config {
         front_end: front_end(scene.sensors, scene.amplifier),
         drive: drive(scene),
         sweep: controller.sweep.as_ref().map_or(config::Sweep::Hold, |sweep| config::Sweep::Chirp(sweep.settings())),
-        phasing: controller.phasing.with(LaneTrims::new()),
+        phasing: phasing(scene),
         burst: controller.burst.as_ref().map_or_else(config::Burst::default, |burst| {
             let schedule = schedule(burst, scene.trigger_delay_s());
             burst.with(schedule)
@@ -30,6 +30,12 @@ pub fn config(scene: &scene::Driven) -> Config {
         restraint: controller.restraint.as_ref().map(scene::Restraint::settings),
         link: Link::default(),
     }
+}
+
+/// The lanes; those beside the first have nothing to watch where a stack hangs on that.
+fn phasing(scene: &scene::Driven) -> config::Phasing {
+    let phasing = scene.controller.phasing.with(LaneTrims::new());
+    config::Phasing { watch: phasing.watch && scene.stator().is_some(), ..phasing }
 }
 
 /// The converters' scale factors.

@@ -2,6 +2,7 @@
 
 use firmware::generate::nco::cycles_per_sample;
 use firmware::seam::block::SlowSense;
+use firmware::seam::fault::Limit;
 use firmware::seam::mode::Mode;
 use firmware::seam::phasor::magnitude;
 use firmware::seam::telemetry::FrictionEstimate;
@@ -196,6 +197,11 @@ impl Command {
 }
 
 impl Row {
+    /// Whether the controller drives beside the resonance on purpose, to measure the clamped branch there.
+    pub fn probes(&self) -> bool {
+        self.limit == Limit::Probing as u8
+    }
+
     /// The row of a block in which `command` played.
     pub fn new(
         time_s: f64,

@@ -246,6 +246,10 @@ fn kind(kind: scene::FaultKind) -> Option<FaultKind> {
         scene::FaultKind::ForceStuck => Some(FaultKind::ForceStuck),
         scene::FaultKind::Overtemperature => Some(FaultKind::Overtemperature),
         scene::FaultKind::Short | scene::FaultKind::Depoled | scene::FaultKind::Cracked => None,
+        scene::FaultKind::LaneOpen
+        | scene::FaultKind::LaneWeak
+        | scene::FaultKind::LaneReversed
+        | scene::FaultKind::LanesExchanged => None,
     }
 }
 

@@ -51,8 +51,9 @@ impl Motor {
 
     fn motor_truth(&self, drive: &DriveBlock, waves: &Waves, force_n: f64, normal_n: f64) -> MotorTruth {
         let surface = |amplitude: f64| waves.omega * self.model.slope * amplitude;
+        let played = |lane: usize| drive.lanes.get(self.lanes.sources()[lane]).into_iter().flatten();
         let codes: Vec<Vec<f64>> =
-            drive.lanes.iter().map(|codes| codes.iter().map(|&code| self.dac.volts(code)).collect()).collect();
+            (0..drive.lanes.len()).map(|lane| played(lane).map(|&code| self.dac.volts(code)).collect()).collect();
         let cycles = waves.omega * self.timing.sample_s / TAU;
         let ratio = waves.omega / (TAU * self.nominal_hz);
         let errors = tones::errors(codes.iter().map(Vec::as_slice), &self.lanes.errors(), self.direction, cycles, ratio);

@@ -1,4 +1,4 @@
-//! What the four amplifiers get wrong: gain and phase of each lane.
+//! What the four amplifiers get wrong: gain and phase of each lane, and what breaks on the way (`lane_fault.rs`).
 //!
 //! The thesis measured 5 to 10 degrees between amplifiers. Its phase grows with frequency, as that of any amplifier below its
 //! corner does; a *delay* does so exactly in proportion, changes no amplitude, and can be integrated exactly behind a converter
@@ -26,6 +26,10 @@ pub struct Lanes {
     /// The rest of it, in samples, 0 to 1.
     rest: [f64; MAX_LANES],
     lead_turns: [f64; MAX_LANES],
+    /// The converter that each amplifier is connected to.
+    source: [usize; MAX_LANES],
+    /// What faults have made of each amplifier's gain; negative of one that is reversed.
+    fault_gain: [f64; MAX_LANES],
 }
 
 /// What one lane plays within a sample: one voltage until its delay is over, then the other.
@@ -54,7 +58,24 @@ impl Lanes {
             whole: samples.map(|delay| delay as usize),
             rest: samples.map(f64::fract),
             lead_turns,
+            source: std::array::from_fn(|lane| lane),
+            fault_gain: [1.0; MAX_LANES],
         }
+    }
+
+    /// From now on a lane plays this part of what it has played, the opposite of it where that is negative.
+    pub(crate) fn weaken(&mut self, lane: usize, part: f64) {
+        self.fault_gain[lane] *= part;
+    }
+
+    /// From now on two amplifiers have each other's input.
+    pub(crate) fn exchange(&mut self, one: usize, other: usize) {
+        self.source.swap(one, other);
+    }
+
+    /// The converter that each amplifier is connected to.
+    pub(crate) fn sources(&self) -> [usize; MAX_LANES] {
+        self.source
     }
 
     /// How long after the beginning of a sample each lane changes its voltage, in samples.
@@ -62,18 +83,18 @@ impl Lanes {
         self.rest
     }
 
-    /// Gain and lead of each lane, turns at the nominal frequency: the error itself.
+    /// Gain and lead of each lane, turns at the nominal frequency: the error itself. A gain is negative where the lane is reversed.
     pub fn errors(&self) -> [(f64, f64); MAX_LANES] {
-        std::array::from_fn(|lane| (self.gain[lane], self.lead_turns[lane]))
+        std::array::from_fn(|lane| (self.gain[lane] * self.fault_gain[lane], self.lead_turns[lane]))
     }
 
     /// Takes what the converters hold in the next sample, V, and returns what the amplifiers are given within it.
     #[inline]
     pub fn play(&mut self, volts: &[f64; MAX_LANES]) -> Played {
         let mut played = Played::default();
-        for (lane, (line, volts)) in self.lines.iter_mut().zip(volts).enumerate() {
+        for (lane, line) in self.lines.iter_mut().enumerate() {
             line.pop_back();
-            line.push_front(*volts);
+            line.push_front(self.fault_gain[lane] * volts[self.source[lane]]);
             let whole = self.whole[lane];
             played.before[lane] = self.gain[lane] * line[whole + 1];
             played.after[lane] = self.gain[lane] * line[whole];

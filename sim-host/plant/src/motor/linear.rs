@@ -117,15 +117,17 @@ impl Linear {
         let source = amplifier.source_ohm;
         let mut look = |step: usize, lane: usize, [v, i]: [f64; 2]| {
             let (early, late) = (*flows.over(v), *flows.over(i));
+            // Measured at the amplifier's terminals: without electrodes there, all of its output, and no current.
+            let terminal = if model.connected[lane] { V + lane } else { E + lane };
             // The total current is (e - v) / Rs.
-            let total = |column: usize| (late[E + lane][column] - late[V + lane][column]) / source;
-            let both = |column: usize| f64x2::new([early[V + lane][column], total(column)]);
+            let total = |column: usize| (late[E + lane][column] - late[terminal][column]) / source;
+            let both = |column: usize| f64x2::new([early[terminal][column], total(column)]);
             Look {
                 state: std::array::from_fn(both),
                 drive: std::array::from_fn(|by| {
                     let at = into(step, by);
-                    let voltage = flows.drive(V + lane, by, v, at);
-                    let (e, v) = (flows.drive(E + lane, by, i, at), flows.drive(V + lane, by, i, at));
+                    let voltage = flows.drive(terminal, by, v, at);
+                    let (e, v) = (flows.drive(E + lane, by, i, at), flows.drive(terminal, by, i, at));
                     std::array::from_fn(|n| f64x2::new([voltage[n], (e[n] - v[n]) / source]))
                 }),
                 force: std::array::from_fn(|mode| both(FORCE + mode)),

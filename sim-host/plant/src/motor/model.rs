@@ -30,6 +30,8 @@ pub struct Model {
     pub force_factor_n_per_v: f64,
     /// Clamped capacitance of each lane, F.
     pub c0_f: f64,
+    /// Lanes whose electrodes are connected to their amplifier.
+    pub connected: [bool; MAX_LANES],
     /// How much of each lane each mode feels.
     pub participation: Participation,
     /// Wave number k, rad/m.
@@ -49,6 +51,7 @@ impl Model {
             damping_n_s_per_m: TAU * stator.series_resonance_hz * stator.modal_mass_kg / stator.q,
             force_factor_n_per_v: stator.force_factor_n_per_v,
             c0_f: stator.c0_f,
+            connected: [true; MAX_LANES],
             participation: participation(stator),
             wave_number,
             slope: wave_number * stator.surface_height_m,

@@ -9,7 +9,7 @@
 //! | `d_j` its scaled slope | V | `d_j' = w_a (u_j - e_j - sqrt(2) d_j)` |
 //!
 //! `phi` is the force factor, N/V, and `p_jm` the participation of lane j in mode m: what a volt pushes, a metre per second gives
-//! back as current. Inputs are the four drives `u_j`, V, and the friction on the two modes `Q_m`, N.
+//! back as current. The electrodes of a lane that is not connected have no current from `e_j`, and keep the charge that they had. Inputs are the four drives `u_j`, V, and the friction on the two modes `Q_m`, N.
 
 use firmware::seam::block::MAX_LANES;
 
@@ -46,8 +46,10 @@ pub fn network(model: &Model, amplifier: &Amplifier) -> Network {
         a[d][e] = -corner;
         a[d][d] = -corner * std::f64::consts::SQRT_2;
         a[d][DRIVE + lane] = corner;
-        a[v][e] = 1.0 / (source * model.c0_f);
-        a[v][v] = -1.0 / (source * model.c0_f);
+        if model.connected[lane] {
+            a[v][e] = 1.0 / (source * model.c0_f);
+            a[v][v] = -1.0 / (source * model.c0_f);
+        }
         for mode in 0..MODES {
             let coupling = model.force_factor_n_per_v * model.participation[lane][mode];
             a[v][S + mode] = -coupling / model.c0_f;

@@ -54,8 +54,9 @@ pub fn errors<'a>(
     let mut worst = LaneErrors::default();
     for (lane, (samples, &(gain, lead))) in volts.zip(amplifiers).enumerate() {
         let (re, im) = phasor(samples.iter().copied(), cycles);
-        let turns = libm::atan2(im, re) / TAU + lead * ratio - quarter * lane as f64;
-        let amplitude = gain * re.hypot(im);
+        let reversed = if gain < 0.0 { 0.5 } else { 0.0 };
+        let turns = libm::atan2(im, re) / TAU + lead * ratio + reversed - quarter * lane as f64;
+        let amplitude = gain.abs() * re.hypot(im);
         let &mut (zero_turns, zero_amplitude) = first.get_or_insert((turns, amplitude));
         if zero_amplitude < 1e-9 {
             return None;

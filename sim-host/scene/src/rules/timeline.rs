@@ -43,6 +43,7 @@ impl Rules<'_> {
             if let Some(time) = self.number(&at_s) {
                 self.within_the_run(&at_s, time);
             }
+            self.fault_of_a_lane(&path);
         }
     }
 

@@ -73,6 +73,40 @@ fn what_only_a_stack_can_do_has_no_place_beside_a_stator() {
 }
 
 #[test]
+fn a_fault_of_a_lane_says_which_lane() {
+    let fault = |changes: &[&str]| {
+        let keys: Vec<String> = changes.iter().map(|change| format!("fault.0.{change}")).collect();
+        ["fault.0.at_s=0.1".to_owned()].into_iter().chain(keys).collect::<Vec<_>>()
+    };
+    let problems = |changes: &[&str]| {
+        let fault = fault(changes);
+        problems_of(USM, &fault.iter().map(String::as_str).collect::<Vec<_>>())
+    };
+    for changes in [
+        &["kind=lane_open", "lane=0"][..],
+        &["kind=lane_weak", "lane=1"],
+        &["kind=lane_weak", "lane=1", "gain=0.3"],
+        &["kind=lane_reversed", "lane=3"],
+        &["kind=lanes_exchanged", "lane=1", "other_lane=2"],
+    ] {
+        assert!(load_text("usm", USM, &fault(changes)).is_ok(), "{changes:?}");
+    }
+    says(&problems(&["kind=lane_open"]), &["the fault `lane_open` lacks `fault.0.lane`", "1 problem"]);
+    says(&problems(&["kind=lanes_exchanged", "lane=1"]), &["lacks `fault.0.other_lane`", "1 problem"]);
+    says(&problems(&["kind=lanes_exchanged", "lane=1", "other_lane=1"]), &["exchanged with itself", "1 problem"]);
+    says(&problems(&["kind=lane_open", "lane=1", "gain=0.5"]), &["`fault.0.gain` has no place", "lane_weak", "1 problem"]);
+    says(&problems(&["kind=open", "lane=1"]), &["`fault.0.lane` has no place beside the fault `open`", "1 problem"]);
+    says(&problems(&["kind=lane_open", "lane=4"]), &["must be from 0 to 3", "1 problem"]);
+    let two = ["controller.drive.lanes=2", "fault.0.at_s=0.1", "fault.0.kind=lane_open", "fault.0.lane=2"];
+    says(&problems_of(USM, &two), &["there is no lane 2", "must be less than 2", "1 problem"]);
+    let stack = ["fault.0.at_s=0.1", "fault.0.kind=lane_weak", "fault.0.lane=0"];
+    match load_text("example", example(), &sets(&stack)) {
+        Ok(_) => panic!("a stack has no lanes"),
+        Err(error) => says(&error.to_string(), &["cannot have `lane_weak`", "needs [stator]", "1 problem"]),
+    }
+}
+
+#[test]
 fn a_stack_with_everything_reads_back() {
     let changes = [
         "stack.temperature_k=12",

@@ -41,9 +41,9 @@ impl View<'_> {
         }
     }
 
-    /// The blocks under drive between two moments, s.
+    /// The blocks under drive at the lock point between two moments, s.
     fn driven(&self, from: f64, to: f64) -> impl Iterator<Item = &Row> {
-        self.rows.iter().filter(move |row| row.time_s > from && row.time_s < to && row.drive_v > 0.0)
+        self.rows.iter().filter(move |row| row.time_s > from && row.time_s < to && row.drive_v > 0.0 && !row.probes())
     }
 
     /// When the first OFF of the run begins, after a moment, that lasts longer than [`PAUSE_S`], s.
@@ -67,7 +67,7 @@ impl View<'_> {
     }
 
     fn steady_state(&self, metrics: &mut Metrics) {
-        let errors = || self.steady().map(|row| row.frequency_hz - row.truth.series_resonance_hz);
+        let errors = || self.steady().filter(|row| !row.probes()).map(|row| row.frequency_hz - row.truth.series_resonance_hz);
         let bias = mean(errors());
         metrics.put("frequency_bias_hz", bias);
         metrics.put("frequency_jitter_hz", bias.and_then(|bias| mean(errors().map(|e| (e - bias).powi(2)))).map(f64::sqrt));
