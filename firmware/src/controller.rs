@@ -7,6 +7,7 @@
 mod build;
 mod chain;
 mod guarded;
+mod lanes;
 mod report;
 mod stages;
 
@@ -48,7 +49,12 @@ impl Controller {
     pub fn process_into(&mut self, orders: &Orders, sense: &SenseBlock, drive: &mut DriveBlock, report: &mut Telemetry) {
         let Controller { played, chain, stages } = self;
         let slot = (chain.block % LATENCY_BLOCKS as u64) as usize;
-        let (sensed, suspect) = demodulate(&chain.convert, sense, &played[slot].tone);
+        let (mut sensed, suspect) = demodulate(&chain.convert, sense, &played[slot].tone);
+        // A scan has no time for what it does not need.
+        let scans = matches!(chain.supervisor.mode(), Mode::Scan | Mode::Clamped);
+        if chain.lanes.are_several() && !(scans && chain.lanes.are_at_home()) {
+            chain.listen_to_lanes(orders, &played[slot], &mut sensed);
+        }
         let motional = chain.track.tracker.motional_current(&sensed, played[slot].relative);
 
         chain.belt.update(sense.slow.belt);

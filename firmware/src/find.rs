@@ -1,5 +1,5 @@
 //! What runs before the drive can follow the resonance: self-test, scan and identification of the transducer, measurement of its clamped branch, and
-//! calibration of the drive lanes.
+//! calibration of the drive lanes; and the watch on the lanes, which goes on while it runs.
 //!
 //! Each takes measured blocks and answers with the [step](crate::generate::step::Step) to play next. This layer depends on
 //! [`seam`](crate::seam), [`generate`](crate::generate) and [`sense`](crate::sense).
@@ -9,5 +9,6 @@ pub mod clamped;
 mod damage;
 pub(crate) mod givens;
 pub(crate) mod identify;
+pub(crate) mod lanes;
 pub(crate) mod scan;
 pub(crate) mod self_test;

@@ -1,15 +1,15 @@
 //! The simplest load: a capacitor on the drive, seen by both sense channels. Enough for power-up, self-test, burst,
 //! emergency stop, watchdog and late blocks; it has no resonance to find.
 
-use firmware::seam::block::{Amplitude, BeltSense, DriveBlock, SenseBlock};
+use firmware::seam::block::{Amplitude, BeltSense, DriveBlock, MAX_LANES, SenseBlock};
 use firmware::seam::config::{
     Burst, Config, Drive, FrontEnd, HeatSink, Limits, Link, Phasing, Sweep, Thermometer, Tracking, TrackingMode,
 };
 
 use crate::analog::Analog;
 
-/// Wires the first drive lane back to the sense channels: the voltage as played, the current as its difference from sample
-/// to sample, as a capacitor would draw.
+/// Wires the drive lane that is listened to back to the sense channels: the voltage as played, the current as its difference from sample
+/// to sample, as a capacitor would draw. Each lane has such a capacitor.
 #[derive(Clone, Debug)]
 pub struct LoopBack {
     mid_code: u16,
@@ -17,14 +17,14 @@ pub struct LoopBack {
     current_per_step: f32,
     belt: Option<BeltSense>,
     counts_per_block: i32,
-    last: u16,
+    last: [u16; MAX_LANES],
 }
 
 impl LoopBack {
     /// A capacitor that draws `current_per_step` current codes for a change of one voltage code in a sample. Both channels
     /// rest at `mid_code`.
     pub fn new(mid_code: u16, current_per_step: f32) -> Self {
-        LoopBack { mid_code, current_per_step, belt: None, counts_per_block: 0, last: mid_code }
+        LoopBack { mid_code, current_per_step, belt: None, counts_per_block: 0, last: [mid_code; MAX_LANES] }
     }
 
     /// The nominal clamped capacitance of a configuration, `i = C0 dV/dt`. Its voltage sense must have the drive's scale, as
@@ -89,12 +89,17 @@ pub fn config() -> Config {
 
 impl Analog for LoopBack {
     fn exchange(&mut self, drive: &DriveBlock, sense: &mut SenseBlock) {
-        let lane = drive.lanes.first().map_or(&[][..], |lane| lane.as_slice());
+        let listen = usize::from(drive.listen).min(MAX_LANES - 1);
+        let lane = drive.lanes.get(listen).map_or(&[][..], |lane| lane.as_slice());
         sense.v = lane.iter().copied().collect();
         sense.i.clear();
+        let mut last = self.last[listen];
+        for (last, lane) in self.last.iter_mut().zip(&drive.lanes) {
+            *last = lane.last().copied().unwrap_or(*last);
+        }
         for &code in lane {
-            let step = f32::from(code) - f32::from(self.last);
-            self.last = code;
+            let step = f32::from(code) - f32::from(last);
+            last = code;
             // As long as the voltage codes, which fit.
             let _ = sense.i.push((f32::from(self.mid_code) + step * self.current_per_step).clamp(0.0, 65535.0) as u16);
         }

@@ -13,6 +13,7 @@ use crate::act::friction::FrictionSwitch;
 use crate::act::restraint::Restraint;
 use crate::find::calibrate::Calibrate;
 use crate::find::clamped::PowerOn;
+use crate::find::lanes::Lanes;
 use crate::find::scan::Scan;
 use crate::find::self_test::SelfTest;
 use crate::generate::amplitude::AmplitudeLoop;
@@ -115,7 +116,8 @@ impl Parts {
         };
         let supervisor = Supervisor::new(Acquisition::of(config.tracking.mode));
         let track = TrackedTransducer::build(config, tracker);
-        let chain = Chain { block: 0, supervisor, track, generator, convert, guard, belt, restraint, calibrates: false };
+        let lanes = Lanes::build(config, block_s);
+        let chain = Chain { block: 0, supervisor, track, generator, convert, guard, belt, restraint, calibrates: false, lanes };
         Ok(Parts { chain, follow: Follow::build(config, friction) })
     }
 }

@@ -1,6 +1,7 @@
 //! The signal chain, which all stages share, and the block that they look at.
 
 use crate::act::restraint::Restraint;
+use crate::find::lanes::Lanes;
 use crate::generate::signal_generator::{Played, SignalGenerator};
 use crate::guard::Guard;
 use crate::guard::supervisor::Supervisor;
@@ -26,6 +27,7 @@ pub(crate) struct Chain {
     pub(crate) restraint: Option<Restraint>,
     /// The attempt is a calibration.
     pub(crate) calibrates: bool,
+    pub(crate) lanes: Lanes,
 }
 
 impl Chain {
@@ -38,6 +40,7 @@ impl Chain {
         }
         self.calibrates = request == Request::Calibrate;
         self.guard.begin();
+        self.lanes.begin();
         self.track.restart();
         self.generator.restart();
         self.restraint.iter_mut().for_each(Restraint::restart);

@@ -44,10 +44,9 @@ impl Controller {
             true if generator.amplitude.limited() => Some(Limit::OverVoltageRequest),
             true if track.tracker.limited() || plan.limited => Some(Limit::FrequencyWindow),
             true if generator.phasing.quadrature(orders.quadrature).1 => Some(Limit::QuadratureRequest),
-            true => serves.then(|| self.service_limit(orders)).flatten().or_else(|| match state {
-                State::Unmeasured => Some(Limit::NotTracking),
-                _ if generator.burst.limited() && mode == Mode::Run => Some(Limit::BoostLimited),
-                _ => None,
+            true => serves.then(|| self.service_limit(orders)).flatten().or_else(|| match track.limit(state) {
+                None if generator.burst.limited() && mode == Mode::Run => Some(Limit::BoostLimited),
+                limit => limit,
             }),
             false => None,
         };

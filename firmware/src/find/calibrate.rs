@@ -29,7 +29,7 @@
 //! * What is trimmed is the voltage at the terminals under the load of this calibration. A lane whose load differs from the others' pulls its
 //!   source differently, and that changes with the load.
 
-use crate::generate::phasing::Phasing;
+use crate::generate::phasing::{PLAUSIBLE, Phasing, SWITCH_BLOCKS};
 use crate::generate::shape::sine;
 use crate::generate::step::Step;
 use crate::seam::block::{LATENCY_BLOCKS, MAX_LANES};
@@ -43,14 +43,10 @@ use crate::sense::demod::Sensed;
 const POSITIONS: [f32; 5] = [-0.996, -0.513, 0.017, 0.509, 0.996];
 /// Nominal time constants that a frequency rings up for.
 const RING_UP: f32 = 16.0;
-/// Blocks that the multiplexer may take to switch.
-const SWITCH_BLOCKS: u32 = 4;
 /// Relative noise of a lane's error that one code of noise may leave.
 const NOISE: f32 = 6e-5;
 /// Fewest and most blocks to average.
 const AVERAGE: (f32, f32) = (64.0, 4096.0);
-/// Largest error that can be a lane's: turns, and a factor to either side.
-const PLAUSIBLE: (f32, f32) = (0.125, core::f32::consts::SQRT_2);
 /// Largest error that is left: turns, and a part.
 const RESIDUAL: (f32, f32) = (0.1 / 360.0, 1e-3);
 

@@ -37,7 +37,6 @@ use crate::seam::fault::Fault;
 use crate::seam::transducer::Transducer;
 use crate::sense::convert::Convert;
 use crate::sense::demod::Sensed;
-use crate::sense::motional::Motional;
 
 /// How far the sweep goes over the ends of the window, as a part of it: what stands there is seen, and not taken for something inside.
 const MARGIN: f32 = 0.1;
@@ -141,10 +140,10 @@ impl Scan {
         &self.modes
     }
 
-    /// The transducer that the scan has found, and its branch for tracking; once it is over.
-    pub(crate) fn found(&self) -> Option<(&Transducer, &Motional)> {
+    /// What the scan has found; once it is over.
+    pub(crate) fn found(&self) -> Option<&RingDown> {
         match &self.stage {
-            Stage::RingDown(result) => Some((&result.transducer, &result.motional)),
+            Stage::RingDown(result) => Some(result),
             _ => None,
         }
     }
@@ -349,7 +348,12 @@ impl Scan {
         };
         // During the search it was not the resonance that was driven.
         let still_blocks = if self.stage == Stage::Fit { self.still_blocks } else { 0 };
-        self.begin(Stage::RingDown(RingDown::new(transducer, circuit.motional(place), still_blocks, self.block_s)));
+        self.begin(Stage::RingDown(RingDown::new(
+            transducer,
+            (circuit.motional(place), circuit.slope_beside(place)),
+            still_blocks,
+            self.block_s,
+        )));
         self.tune()
     }
 }

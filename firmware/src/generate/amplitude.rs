@@ -10,6 +10,7 @@
 use crate::generate::drive_scale::DriveScale;
 use crate::generate::phasing;
 use crate::seam::block::Amplitude;
+use crate::seam::compare::larger;
 use crate::seam::config::{Config, Drive, Limits};
 use crate::seam::error::Error;
 use crate::seam::phasor::{Phasor, magnitude};
@@ -38,6 +39,10 @@ pub(crate) struct AmplitudeLoop {
     integral_volts: f32,
     volts: f32,
     limited: bool,
+    /// Part by which the amplitude rises a block at the start, the part that it has risen to, and the motional current that it rises from, A.
+    rise: f32,
+    risen: f32,
+    rises_from_a: f32,
     /// Blocks in which the amplitude was what is asked for.
     within: u32,
     /// What was asked for last, A.
@@ -73,6 +78,9 @@ impl AmplitudeLoop {
             integral_volts: config.drive.scan_volts,
             volts: config.drive.scan_volts,
             limited: false,
+            rise: if config.drive.soft_start_s > block_s { block_s / config.drive.soft_start_s } else { 1.0 },
+            risen: 0.0,
+            rises_from_a: 0.0,
             within: 0,
             asked: None,
         })
@@ -96,6 +104,7 @@ impl AmplitudeLoop {
         self.ohm = transducer.rm_ohm;
         self.lag = (self.block_s / transducer.time_constant_s()).min(1.0);
         self.expected = motional_current;
+        (self.risen, self.rises_from_a) = (0.0, motional_current);
         self.integral_volts = self.start_volts;
         self.within = 0;
         self.asked = None;
@@ -110,6 +119,7 @@ impl AmplitudeLoop {
 
     /// Follows one block: what is asked for, the mean envelope of the measured block, and its motional current.
     pub(crate) fn update(&mut self, target: Amplitude, envelope: f32, motional_current: Phasor) {
+        let target = if self.risen < 1.0 { self.rise_to(target) } else { target };
         let asked = match target {
             Amplitude::Volts(volts) => {
                 self.within = SETTLED.1;
@@ -161,6 +171,18 @@ impl AmplitudeLoop {
         self.limited
     }
 
+    /// The amplitude of a soft start on its way to what is asked for.
+    // Not inlined: the fast memory of a board has no room for it.
+    #[inline(never)]
+    fn rise_to(&mut self, target: Amplitude) -> Amplitude {
+        self.risen += self.rise;
+        let rise = |from: f32, to: f32| if self.risen < 1.0 && to > from { from + self.risen * (to - from) } else { to };
+        match target {
+            Amplitude::Volts(volts) => Amplitude::Volts(rise(self.start_volts, volts)),
+            Amplitude::MotionalCurrent(amperes) => Amplitude::MotionalCurrent(rise(self.rises_from_a, amperes)),
+        }
+    }
+
     /// As much more is asked for, as much more voltage it takes: the loop corrects only what that is wrong by.
     fn follow(&mut self, asked: f32) {
         if let Some(before) = self.asked.filter(|&before| before != asked && before > 0.0) {
@@ -184,13 +206,15 @@ impl AmplitudeLoop {
             return self.integral_volts;
         }
         let motional_current = magnitude(motional_current);
-        let error_volts = self.ohm * (self.expected - motional_current);
+        // A load of ten times the resistance leaves a tenth of the bandwidth, were it not for what the loop has found of it by now.
+        let ohm = larger(self.ohm, self.integral_volts / ceiling);
+        let error_volts = ohm * (self.expected - motional_current);
         self.within = if (ceiling - motional_current).abs() < SETTLED.0 * ceiling { self.within.saturating_add(1) } else { 0 };
         if !error_volts.is_finite() {
             return self.integral_volts;
         }
         let integral_gain = core::f32::consts::TAU * BANDWIDTH_HZ * self.block_s;
-        self.integral_volts = (self.integral_volts + integral_gain * error_volts).clamp(0.0, self.limits.voltage_v);
+        self.integral_volts = up_to(self.limits.voltage_v, self.integral_volts + integral_gain * error_volts);
         self.integral_volts + error_volts * integral_gain / self.lag
     }
 }
@@ -234,6 +258,9 @@ mod tests {
             integral_volts: 1.0,
             volts: 1.0,
             limited: false,
+            rise: 1.0,
+            risen: 0.0,
+            rises_from_a: 0.0,
             within: 0,
             asked: None,
         }
@@ -271,6 +298,30 @@ mod tests {
                 hold.update(Amplitude::MotionalCurrent(asked), 1.0, current.into());
             }
             assert!((current / asked - 1.0).abs() < 0.01, "{asked}: {current}");
+        }
+    }
+
+    /// From the voltage, or the current, that it starts with, along a straight line.
+    #[test]
+    fn a_soft_start_rises_along_a_line() {
+        for (asked, from, to) in [(Amplitude::Volts(5.0), 1.0, 5.0), (Amplitude::Volts(0.5), 0.5, 0.5)] {
+            let mut hold = AmplitudeLoop { rise: 0.01, ..amplitude_loop(1.0) };
+            hold.seed(&transducer(65.0, 3.0), 0.0);
+            for n in 1..200 {
+                hold.update(asked, 1.0, Phasor::default());
+                let part = (n as f32 * 0.01).min(1.0);
+                assert!((hold.volts() - (from + part * (to - from))).abs() < 1e-4, "{n}: {}", hold.volts());
+            }
+        }
+        let mut hold = AmplitudeLoop { rise: 1e-3, ..amplitude_loop(1.0) };
+        hold.seed(&transducer(65.0, 3.0), 0.2);
+        let (lag, mut current) = (32e-6 * core::f32::consts::PI * 40e3 / 65.0, 0.2);
+        for n in 1..=1200 {
+            current += lag * (hold.volts() / 3.0 - current);
+            hold.update(Amplitude::MotionalCurrent(1.0), 1.0, current.into());
+            let line = 0.2 + 0.8 * (n as f32 * 1e-3).min(1.0);
+            // It lags by the ring-up, 16 blocks; the loop, whose time constant is 83 blocks, finds the load on the way.
+            assert!(n < 250 || (current - line).abs() < 0.03, "{n}: {current} for {line}");
         }
     }
 

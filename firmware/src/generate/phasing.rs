@@ -24,6 +24,10 @@ use crate::seam::units::Turns;
 pub(crate) const MAX_QUADRATURE: f32 = 0.25;
 /// Where the lanes stand: turns, and quadratures.
 const OFFSETS: [(f32, f32); MAX_LANES] = [(0.0, 0.0), (0.0, 1.0), (0.5, 0.0), (0.5, 1.0)];
+/// Largest error that can be a lane's: turns, and a factor to either side.
+pub(crate) const PLAUSIBLE: (f32, f32) = (0.125, core::f32::consts::SQRT_2);
+/// Blocks that the multiplexer of the sense channels may take to switch to another lane.
+pub(crate) const SWITCH_BLOCKS: u32 = 4;
 /// Trims are looked up again when the frequency has moved by this part of itself.
 const RETRIM: f32 = 1e-4;
 
@@ -144,6 +148,11 @@ impl Phasing {
             self.set(hz, quadrature);
         }
         &self.lanes
+    }
+
+    /// The gain of a lane, as it was last played.
+    pub(crate) fn gain(&self, lane: usize) -> f32 {
+        self.lanes.get(lane).map_or(1.0, |lane| lane.gain)
     }
 
     /// Calculates the lanes at a frequency and a quadrature.

@@ -35,6 +35,8 @@ pub(crate) struct Played {
     pub(crate) flat: bool,
     /// The drive was a sine.
     pub(crate) pure: bool,
+    /// The lane that the sense channels were connected to.
+    pub(crate) lane: u8,
 }
 
 impl Played {
@@ -164,6 +166,7 @@ impl SignalGenerator {
             envelope: level,
             flat,
             pure,
+            lane: plan.listen,
         }
     }
 }

@@ -81,7 +81,9 @@ numbered! {
     /// In the self-test a third of the current that the nominal capacitance takes, or, without a nominal one, that of 0.1 nF; in the run a hundredth, or one code of
     /// the current, for 8 blocks.
     LoadOpen = 23, "load open", "no stack, an open cable, an amplifier that is off, or a current channel that stands";
-    /// The calibration does not measure a lane, finds it further off than a trim can be for, or its trim does not verify.
+    /// The voltage of a lane is more than 45 degrees or 3 dB off the one that it should have beside lane 0: weak, dead, reversed, or exchanged with another
+    /// one. Known at the end of the self-test, and in a steady run within 40 ms. Or the calibration does not measure a lane, finds it further off
+    /// than a trim can be for, or its trim does not verify.
     LaneImplausible = 24, "lane implausible", "a lane is not measured or too far off: look at its amplifier and at the order of the lanes";
     /// The clamped capacitance is more than 40 % off its nominal value, without a nominal Lm 30 %, and three standard deviations; or more than 20 %, with an Lm
     /// of five times its nominal value, or, where none is given, without a resonance that stands out: known at the end of the calibration at power-on, 45 ms at 40 kHz.
@@ -96,6 +98,9 @@ numbered! {
     /// A sense channel stands at the end of its range for more than an eighth of a block: known with that block. A current that is over its limit
     /// there is fault 21.
     SenseSaturated = 28, "sense channel saturated", "more than the front end can measure: lower the drive or the gain";
+    /// A lane other than the first has its voltage, and draws less than a quarter of the current of its clamped capacitance and of lane 0: nothing is
+    /// connected. Known when fault 24 is. Lane 0 is fault 23.
+    LaneOpen = 29, "lane open", "an amplifier has no load: look at the cable and the electrodes of lanes 1 to 3";
     /// The scan has found no resonance in the window.
     NoResonance = 30, "no resonance", "none in the window: look at the nominal frequency and the span; is the horn on?";
     /// The phase loop has not locked within 64 ms and 50 time constants, or the observer has found nothing within 128 blocks each way that it
@@ -148,8 +153,13 @@ numbered! {
     NoAuthority = 102, "the belt is faster than the tip can be", "a slower belt, or a larger amplitude";
     /// The friction ratio asked for is below what the maximum amplitude gives, above one, or not known, because the contact was not surveyed.
     RatioUnreachable = 103, "the friction asked for is out of reach", "ask for a higher ratio, or survey the contact";
-    /// The limits leave too little above the drive for a boosted edge, which then ends below its level; or it is left out beside the resonance.
-    BoostLimited = 104, "the limits leave too little for a boosted edge", "less amplitude, a higher limit, or a hard edge";
+    /// The limits leave too little above the drive for a boosted edge, which then ends below its level; or it is left out beside the resonance, or because
+    /// another mode is so near that a beat with it takes more than three time constants.
+    BoostLimited = 104, "the limits or another mode leave too little for a boosted edge", "less amplitude, a higher limit, or a hard edge";
     /// The seat has read no torso mass, or one that cannot be: no occupant is classified as light, and friction stays HIGH in a crash.
     RestraintUnclassified = 105, "the seat has not said who sits in it", "look at the seat's sensor";
+    /// The drive steps by 7 % of the bandwidth to both sides of the resonance, to measure the clamped branch there: some ring-down times after a lock or a change of the load.
+    Probing = 106, "the clamped capacitance is being measured", "nothing: it is over in some ring-down times";
+    /// Another resonance is so near that the lock may be off by more than half a per cent of the bandwidth, even after a scan.
+    LockUncertain = 107, "another resonance is so near that the lock is uncertain", "look at the scan: move the other mode away, or track that one";
 }

@@ -1,11 +1,14 @@
 //! What is known of the transducer, and what follows it: tracker, clamped capacitance, and the equivalent circuit that is learned on the way.
 
 use crate::find::clamped::Clamped;
-use crate::find::clamped::online::Online;
+use crate::find::clamped::online::{Online, Update};
+use crate::find::lanes::Lanes;
+use crate::find::scan::ring_down::RingDown;
 use crate::generate::amplitude::AmplitudeLoop;
 use crate::generate::step::Progress;
+use crate::seam::compare::{larger, smaller};
 use crate::seam::config::Config;
-use crate::seam::fault::Fault;
+use crate::seam::fault::{Fault, Limit};
 use crate::seam::mode::Mode;
 use crate::seam::transducer::Transducer;
 use crate::sense::motional::Motional;
@@ -20,6 +23,8 @@ pub(crate) const LEARN_BLOCKS: u64 = 64;
 const SAME_MODE: f32 = 2.0;
 /// Where only the band is known, the calibration's Q is taken if it is known to this part.
 const CLEAR_Q: f32 = 0.3;
+/// A lock that was further off than this before the clamped branch was measured at the lock point is not alone, or was not measured well: bandwidths, and Hz.
+const ALONE: (f32, f32) = (0.006, 1.0);
 /// Standard deviations that this leaves room for.
 const SIGMAS: f32 = 3.0;
 
@@ -43,6 +48,10 @@ pub(crate) struct TrackedTransducer {
     learning: Learning,
     pub(crate) tracker: Tracker,
     pub(crate) online: Online,
+    /// The mode that disturbs the driven one most: its series resonance, Hz, and its motional capacitance relative to that of the driven one.
+    pub(crate) beside: Option<(f32, f32)>,
+    /// The lock was not where the branch that it began with had put it: another resonance is near by.
+    is_uncertain: bool,
 }
 
 impl TrackedTransducer {
@@ -59,12 +68,15 @@ impl TrackedTransducer {
             learning: Learning::default(),
             tracker,
             online: Online::build(config),
+            beside: None,
+            is_uncertain: false,
         }
     }
 
     /// Forgets the transducer.
     pub(crate) fn restart(&mut self) {
-        self.transducer = None;
+        (self.transducer, self.beside) = (None, None);
+        self.is_uncertain = false;
         self.learning.abandon();
         self.tracker.restart();
     }
@@ -114,16 +126,49 @@ impl TrackedTransducer {
         self.tracker.observe(clamped.motional, known, &prior);
         let (c0, hz, q) = (clamped.c0_f, clamped.resonance_hz.value, clamped.q.value);
         self.online.seed(clamped.motional, c0.deviation / c0.value, hz, q);
+        self.beside = clamped.second_mode;
     }
 
     /// Takes the transducer that the scan has found.
-    pub(crate) fn adopt(&mut self, transducer: &Transducer, branch: Motional) {
+    pub(crate) fn adopt(&mut self, found: &RingDown, beside: Option<(f32, f32)>) {
+        let (transducer, branch) = (&found.transducer, found.motional);
         self.tracker.seed(transducer, branch, self.noise_a(&branch));
         self.lm_deviation = transducer.deviations.lm_h / transducer.lm_h;
         let deviation = transducer.deviations.c0_f / transducer.c0_f;
         self.online.seed(branch, deviation, transducer.series_resonance_hz, transducer.q);
-        self.transducer = Some(*transducer);
+        self.online.set_slope(found.slope);
+        (self.transducer, self.beside) = (Some(*transducer), beside);
         self.learning.abandon();
+    }
+
+    /// Takes the clamped branch as it was measured at the lock point.
+    pub(crate) fn take(&mut self, update: &Update) {
+        self.tracker.set_branch(update.motional, update.deviation, update.was_off.is_none());
+        if let Some((was_off, transducer)) = update.was_off.zip(self.transducer_by_now()) {
+            // A susceptance that is off by the whole conductance moves the lock point by half a bandwidth.
+            self.is_uncertain = 0.5 * was_off > larger(ALONE.0, ALONE.1 * transducer.q / transducer.series_resonance_hz);
+        }
+    }
+
+    /// Where to drive, as an offset from the nominal frequency, Hz: within the window, and far enough from its ends for the steps of a measurement that is under way. A
+    /// clamped capacitance that is wrong may have pushed it there.
+    // Not inlined: the fast memory of a board has no room for it.
+    #[inline(never)]
+    pub(crate) fn lock_point_hz(&self) -> f32 {
+        let within_hz = larger(self.tracker.window_hz() - self.online.reach_hz(), 0.0);
+        smaller(larger(self.tracker.offset_hz(), -within_hz), within_hz)
+    }
+
+    /// What is not as it should be with the lock.
+    // Not inlined, as above.
+    #[inline(never)]
+    pub(crate) fn limit(&self, state: State) -> Option<Limit> {
+        match state {
+            State::Unmeasured => Some(Limit::NotTracking),
+            _ if self.online.probes() => Some(Limit::Probing),
+            _ if self.is_uncertain => Some(Limit::LockUncertain),
+            _ => None,
+        }
     }
 
     /// Begins to take what the observer, which is sure of it, knows of the transducer. What the loops need is taken at once, and returned.
@@ -166,22 +211,40 @@ impl TrackedTransducer {
         }
     }
 
-    /// How the lock is getting on.
-    pub(crate) fn progress(&mut self, mode: Mode, amplitude: &AmplitudeLoop) -> Progress {
+    /// Whether the lock is lost, or on another resonance: a lane that has failed looks like that, too.
+    #[inline(never)]
+    pub(crate) fn is_in_doubt(&self) -> bool {
+        self.tracker.tracks() && (self.tracker.state() != State::Locked || self.is_another_mode() || self.leaves_to_a_scan())
+    }
+
+    /// Whether the lock is so uncertain that it is left to a scan.
+    fn leaves_to_a_scan(&self) -> bool {
+        self.is_uncertain && self.tracker.has_a_scan_left()
+    }
+
+    /// How the lock is getting on. A fault in a run waits until the lanes have been judged.
+    pub(crate) fn progress(&mut self, mode: Mode, amplitude: &AmplitudeLoop, lanes: &mut Lanes) -> Progress {
         let locking = mode == Mode::Lock;
         match self.tracker.state() {
             _ if !self.tracker.tracks() => Progress::Busy,
-            State::Disagree => Progress::Failed(Fault::TrackersDisagree),
-            State::Locked if self.is_another_mode() => Progress::Failed(Fault::WrongMode),
+            // Where something has changed, the clamped branch is in doubt, and with it the phase.
+            State::Disagree if locking || !self.online.doubts() => lanes.judged(locking, Fault::TrackersDisagree),
+            State::Locked if self.is_another_mode() => lanes.judged(locking, Fault::WrongMode),
+            State::Locked if self.leaves_to_a_scan() && !lanes.postpone(locking) && self.tracker.leave_to_a_scan() => {
+                Progress::Back(Mode::Scan)
+            }
             State::Locked if amplitude.settled() => Progress::Done,
-            State::Lost if !locking => self.retry_lock(Fault::LossOfLock),
-            State::TimedOut | State::Lost if locking => self.retry_lock(Fault::NoLock),
+            State::Lost | State::Disagree if !locking => self.retry_lock(Fault::LossOfLock, lanes),
+            State::TimedOut | State::Lost if locking => self.retry_lock(Fault::NoLock, lanes),
             _ => Progress::Busy,
         }
     }
 
     /// Seeks the lock where there is more hope, if there is any left.
-    fn retry_lock(&mut self, fault: Fault) -> Progress {
+    fn retry_lock(&mut self, fault: Fault, lanes: &mut Lanes) -> Progress {
+        if lanes.postpone(fault == Fault::NoLock) {
+            return Progress::Busy;
+        }
         match self.tracker.retry_lock(fault == Fault::LossOfLock) {
             Some(Retry::Nearby | Retry::Window) => Progress::Back(Mode::Lock),
             Some(Retry::Calibrate) => Progress::Back(Mode::SelfTest),
@@ -191,6 +254,8 @@ impl TrackedTransducer {
     }
 
     /// Whether it has locked to another resonance than the nominal one, by its inductance, whatever that may have been off by in the beginning.
+    // Not inlined: it would be so in several places.
+    #[inline(never)]
     fn is_another_mode(&self) -> bool {
         let (Some(nominal), Some(transducer)) = (self.nominal_lm_h, self.transducer_by_now()) else { return false };
         let (ratio, off) = (transducer.lm_h / nominal, SIGMAS * self.lm_deviation);

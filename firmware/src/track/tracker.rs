@@ -216,10 +216,30 @@ impl Tracker {
         }
     }
 
-    /// Takes a clamped branch that was measured again, and the standard deviation of its capacitance, relative.
-    pub(crate) fn set_branch(&mut self, branch: Motional, deviation: f32) {
-        let c0_f = branch.y0.im / (core::f32::consts::TAU * self.nominal_hz);
-        (self.motional, self.known.c0_f) = (branch, (c0_f, deviation * c0_f));
+    /// Takes a clamped branch that was measured at the lock point, and the standard deviation of its susceptance, relative; `drifted`: it differs from the one
+    /// before because C0 does.
+    pub(crate) fn set_branch(&mut self, branch: Motional, deviation: f32, drifted: bool) {
+        if drifted {
+            let (c0_f, deviation_f) = self.known.c0_f;
+            let now_f = c0_f + (branch.y0.im - self.motional.y0.im) / (core::f32::consts::TAU * self.nominal_hz);
+            self.known.c0_f = (now_f, larger(deviation_f, deviation * now_f));
+        }
+        self.motional = branch;
+    }
+
+    /// Whether the observer's gate has opened in the last block: load or resonance have changed abruptly.
+    pub(crate) fn has_been_surprised(&self) -> bool {
+        self.observed.as_ref().is_some_and(|observed| observed.observer().has_opened())
+    }
+
+    /// Whether there is an observer whose lock has not come from a scan.
+    pub(crate) fn has_a_scan_left(&self) -> bool {
+        self.observed.as_ref().is_some_and(Observed::has_a_scan_left)
+    }
+
+    /// Leaves the lock to a scan, unless it has come from one. Returns whether it does.
+    pub(crate) fn leave_to_a_scan(&mut self) -> bool {
+        self.observed.as_mut().is_some_and(Observed::leave_to_a_scan)
     }
 
     /// Takes what is known of the resonance.

@@ -98,6 +98,7 @@ fn longest_config() -> Config {
             shape: ShapeKind::Noise,
             noise_band_hz: (1.0, 2.0),
             dither: true,
+            soft_start_s: 0.5,
             seed: u64::MAX,
         },
         sweep: Sweep::Chirp(Chirp {
@@ -112,6 +113,7 @@ fn longest_config() -> Config {
             direction: Direction::Reverse,
             phase_trim_turns: most(0.0),
             gain_trim: most(1.0),
+            watch: true,
             calibration: core::iter::repeat_n(TrimPoint::default(), MAX_TRIM_POINTS).collect(),
         },
         burst: Burst {

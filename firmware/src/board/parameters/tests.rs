@@ -114,7 +114,7 @@ fn keys_and_names_are_told_apart_and_zero_is_no_key() {
         assert!(parameter.key != 0 && PARAMETERS[..place].iter().all(|other| other.name != parameter.name), "{}", parameter.name);
     }
     assert!(PARAMETERS.len() <= MOST_PARAMETERS);
-    assert_eq!([0, 32, 65, 91, 255].map(place_of), [Err(Refusal::NoSuchKey); 5]);
+    assert_eq!([0, 32, 65, 93, 255].map(place_of), [Err(Refusal::NoSuchKey); 5]);
 }
 
 #[test]

@@ -19,6 +19,7 @@ use crate::seam::config::Config;
 use crate::seam::fault::Fault;
 use crate::seam::mode::Mode;
 use crate::seam::phasor::magnitude;
+use crate::seam::units::Turns;
 use crate::track::tracked_transducer::LEARN_BLOCKS;
 use crate::track::tracker::{PlayedBlock, State};
 
@@ -55,6 +56,9 @@ impl Stage for Follow {
             // What has nothing to lock to waits.
             (_, true) => return Step::Silence,
         };
+        if chain.lanes.are_heard() {
+            return Step::Follow(self.hold(chain, orders, gate));
+        }
         Step::Follow(self.follow(chain, measured, gate, amplitude))
     }
 }
@@ -88,10 +92,12 @@ impl Follow {
             let transducer = track.begin_to_learn(chain.block);
             chain.generator.amplitude.seed(transducer, magnitude(motional));
         }
-        if chain.track.online.drifts() {
+        if chain.track.tracker.observes() && (played.pure || chain.track.online.probes()) {
             self.probe(chain, measured);
+        } else {
+            chain.track.online.rest();
         }
-        let tracked_hz = chain.track.tracker.tracks().then(|| chain.track.tracker.offset_hz());
+        let tracked_hz = chain.track.tracker.tracks().then(|| chain.track.lock_point_hz());
         let (offset_hz, limited) = self.detune(chain, orders, tracked_hz.unwrap_or(0.0));
         chain.generator.sweep.hold.retune(offset_hz);
         // An edge is never quite one, whatever its mean rounds to.
@@ -121,8 +127,8 @@ impl Follow {
         if boosts {
             generator.burst.set_drive(volts);
         }
-        let progress = chain.track.progress(chain.supervisor.mode(), &chain.generator.amplitude);
-        let plan = Plan { volts, gate, listen: 0, tracked_hz, phase, limited, progress };
+        let progress = chain.track.progress(chain.supervisor.mode(), &chain.generator.amplitude, &mut chain.lanes);
+        let plan = Plan { volts, gate, listen: chain.lanes.ordered(), tracked_hz, phase, limited, progress };
         if chain.guard.is_muted() {
             // Silent within the block, whatever the edge: a burst without a voltage ends at once, and begins again.
             return Plan { volts: 0.0, ..plan };
@@ -136,6 +142,25 @@ impl Follow {
         }
         plan
     }
+
+    /// Goes on as before where the measured block is of another lane: tracker and loops hold what they have.
+    // Not inlined: the fast memory of a board has no room for it.
+    #[cold]
+    #[inline(never)]
+    fn hold(&mut self, chain: &mut Chain, orders: &Orders, gate: Gate) -> Plan {
+        let tracked_hz = chain.track.tracker.tracks().then(|| chain.track.lock_point_hz());
+        let (offset_hz, limited) = self.detune(chain, orders, tracked_hz.unwrap_or(0.0));
+        chain.generator.sweep.hold.retune(offset_hz);
+        let under_way = chain.generator.burst.is_under_way(gate);
+        let volts = match (chain.guard.is_muted(), under_way) {
+            (true, _) => 0.0,
+            (false, true) => self.edges.volts(),
+            (false, false) => chain.generator.amplitude.volts(),
+        };
+        let progress = chain.lanes.found().map_or(Progress::Busy, Progress::Failed);
+        Plan { volts, gate, listen: chain.lanes.ordered(), tracked_hz, phase: Turns(0.0), limited, progress }
+    }
+
     /// Remembers what has been written, and calculates beside in a block that has time for it: an edge takes all the time that there is.
     #[inline]
     pub(crate) fn work(&mut self, chain: &mut Chain, plan: &Plan, written: &Played) {
@@ -167,25 +192,25 @@ impl Follow {
         }
     }
 
-    /// Measures the clamped capacitance again, where it may drift, by small steps of a drive that is otherwise left alone.
+    /// Measures the clamped branch at the lock point, by small steps of a drive that is otherwise left alone.
     #[inline(never)]
     fn probe(&mut self, chain: &mut Chain, measured: &Measured) {
         let Measured { orders, sensed, played, .. } = *measured;
         let (track, generator) = (&mut chain.track, &chain.generator);
-        if !track.tracker.observes() {
+        let alone = chain.supervisor.mode() == Mode::Run
+            && matches!(generator.shape, Shape::Sine)
+            && generator.sweep.holds()
+            && orders.detune.0 == 0.0;
+        let level = alone && played.flat && played.envelope == 1.0;
+        if !track.online.listens(level, track.tracker.has_been_surprised()) {
             return;
         }
-        let alone = matches!(generator.shape, Shape::Sine)
-            && generator.sweep.holds()
-            && orders.detune.0 == 0.0
-            && chain.supervisor.mode() == Mode::Run;
-        let whole = played.flat && played.envelope == 1.0 && !generator.amplitude.limited() && !track.tracker.limited();
-        let steady = alone && whole && track.tracker.state() == State::Locked;
+        let steady = level && !generator.amplitude.limited() && track.tracker.state() == State::Locked;
         let sample = online::Sample { sensed, relative: played.relative, detune_hz: played.detune_hz, steady };
         let output = track.online.step(&sample);
         self.probe_hz = output.detune_hz;
         if let Some(update) = output.update {
-            track.tracker.set_branch(update.motional, update.deviation);
+            track.take(&update);
         }
     }
 
@@ -196,6 +221,7 @@ impl Follow {
 
     /// Where to drive, as an offset from the nominal frequency, Hz, and whether the order had to be limited. Only what runs is moved
     /// away from the resonance.
+    #[inline(always)]
     fn detune(&self, chain: &Chain, orders: &Orders, tracked_hz: f32) -> (f32, bool) {
         let window = chain.track.tracker.window_hz();
         let running = chain.supervisor.mode() == Mode::Run;

@@ -15,10 +15,10 @@ impl Stage for Scan {
     #[inline(never)]
     fn step(&mut self, chain: &mut Chain, measured: &Measured) -> Step {
         let step = self.listen(&chain.convert, measured.sense, measured.sensed);
-        if let (Step::Done { .. }, Some((transducer, branch))) = (step, self.found()) {
-            chain.track.adopt(transducer, *branch);
+        if let (Step::Done { .. }, Some(found)) = (step, self.found()) {
+            chain.track.adopt(found, self.modes().beside());
             chain.generator.sweep.hold.retune(chain.track.tracker.offset_hz());
-            chain.generator.amplitude.seed(transducer, magnitude(measured.motional));
+            chain.generator.amplitude.seed(&found.transducer, magnitude(measured.motional));
         }
         step
     }

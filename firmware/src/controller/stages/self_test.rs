@@ -18,11 +18,18 @@ impl Stage for SelfTest {
         let played_v = measured.played.volts * measured.played.audible.unwrap_or(1.0);
         let step = self.listen(&mut chain.convert, measured.sense, measured.sensed, played_v);
         if matches!(step, Step::Done { .. }) {
+            // Known before, and said after what is wrong with lane 0, beside which the others are judged.
+            if let Some(fault) = chain.lanes.found() {
+                return Step::Failed(fault);
+            }
             let (v, i) = self.noise();
             let (convert, samples) = (&chain.convert, chain.generator.samples);
             chain.track.noise = (convert.v.phasor_variance(v, samples), convert.i.phasor_variance(i, samples));
             chain.generator.sweep.hold.retune(0.0);
         }
-        step
+        match step {
+            Step::Tone { offset_hz, volts, .. } => Step::Tone { offset_hz, volts, lane: chain.lanes.ordered() },
+            step => step,
+        }
     }
 }

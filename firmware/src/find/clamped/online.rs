@@ -11,8 +11,10 @@
 //! calibration at power-on, and neither changes with the temperature as C0 does. With steps of `x` half bandwidths and a noise `s` of `Y` in each average,
 //! `b` is known to `s (1 + x^2) / (2 sqrt(2) x)`.
 //!
-//! A round is `+ - - +`, so that a resonance that drifts evenly does not look like a capacitance. Between rounds nothing is disturbed until C0 may have
-//! wandered further than the target deviation; each round is blended with the estimate before it by the two variances (Kalman 1960).
+//! A round is `+ - - +`, so that a resonance that drifts evenly does not look like a capacitance; each is blended with the estimate before it by the two
+//! variances (Kalman 1960). A round is due once the stack has rung up after a cold start or after a scan, which have not measured at the lock point: there, another
+//! resonance near by adds to the susceptance, and images of the drive to the axis, half of whose error a round takes away. It is due again when the load has changed
+//! abruptly, because C0 may have changed with it; and, where C0 is said to drift, when it may have wandered further than the target deviation.
 
 use crate::seam::block::LATENCY_BLOCKS;
 use crate::seam::config::Config;
@@ -30,6 +32,16 @@ const SETTLES: f32 = 4.0;
 const NOMINAL_DEVIATION: f32 = 0.05;
 /// Deviation of C0, relative, from which on a round is made.
 const TARGET_DEVIATION: f32 = 7e-4;
+/// What the branch that a lock begins with may be off by at the lock point, relative to the motional conductance.
+const ELSEWHERE: f32 = 0.02;
+/// By how much of itself C0 may have changed while running.
+const PLAUSIBLE: (f32, f32) = (-0.6, 1.5);
+/// What it is off by that is worth a change, in the same terms: 0.15 % of the bandwidth.
+const WORTH: f32 = 0.003;
+/// The longest time constant with which a round is made unasked, s: it takes 16 to 20 of them, and what a branch is off by is the less in hertz the longer they are.
+const LONGEST_S: f32 = 8e-3;
+/// Standard deviations that a judgement leaves room for.
+const SIGMAS: f32 = 3.0;
 /// A result that differs from what was expected by more of its standard deviations than this, and is then made again before it counts.
 const SURPRISE: f32 = 6.0;
 
@@ -55,6 +67,8 @@ pub struct Update {
     pub(crate) deviation: f32,
     /// By how much the estimate of this round alone is larger, relative, and its standard deviation.
     pub(crate) round: (f32, f32),
+    /// By how much of the motional conductance at least the branch of a lock was off that had only just begun, beyond three standard deviations.
+    pub(crate) was_off: Option<f32>,
 }
 
 /// Output of the estimator after a block: its order to the drive, and its estimate.
@@ -108,6 +122,8 @@ pub struct Online {
     /// How fast C0 may drift, relative, 1/s; zero where it is not measured while running.
     drift_per_s: f32,
     motional: Motional,
+    /// How what other resonances add to it changes with the frequency, S/Hz.
+    slope: Phasor,
     /// Variance of the susceptance, relative to it.
     variance: f32,
     step_hz: f32,
@@ -120,6 +136,21 @@ pub struct Online {
     /// Below and above.
     sides: [Side; 2],
     doubted: bool,
+    /// The branch was not measured at the lock point yet, or not since something has changed.
+    due: Due,
+    /// Blocks of a steady drive.
+    steady: u32,
+}
+
+/// Why a round is made.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Due {
+    /// The lock has begun.
+    Begun,
+    /// Something has changed abruptly.
+    Changed,
+    /// C0 has drifted for long enough.
+    Drift,
 }
 
 impl Online {
@@ -141,6 +172,7 @@ impl Online {
             block_s,
             drift_per_s,
             motional,
+            slope: Phasor::new(0.0, 0.0),
             variance: NOMINAL_DEVIATION * NOMINAL_DEVIATION,
             step_hz: 0.0,
             settle_blocks: 0,
@@ -150,6 +182,8 @@ impl Online {
             last_hz: 0.0,
             sides: [Side::default(); 2],
             doubted: false,
+            due: Due::Begun,
+            steady: 0,
         };
         online.set_resonance(resonance_hz, q);
         online
@@ -160,8 +194,14 @@ impl Online {
         self.motional = motional;
         self.variance = deviation * deviation;
         self.set_resonance(resonance_hz, q);
-        self.doubted = false;
+        self.slope = Phasor::new(0.0, 0.0);
+        (self.doubted, self.due, self.settled) = (false, Due::Begun, u32::MAX);
         self.stop();
+    }
+
+    /// Takes how what other resonances add to the branch changes with the frequency, S/Hz.
+    pub(crate) fn set_slope(&mut self, slope: Phasor) {
+        self.slope = slope;
     }
 
     /// Follows a load that changes the resonance: by these the steps are measured, nothing else. Does not disturb a round.
@@ -172,9 +212,19 @@ impl Online {
         self.quarter_blocks = QUARTER.0.max(QUARTER.1 * tau_blocks) as u32;
     }
 
-    /// Whether it is measured while running.
-    pub(crate) fn drifts(&self) -> bool {
-        self.drift_per_s > 0.0
+    /// Whether a round is under way: the drive is beside the lock point on purpose.
+    pub(crate) fn probes(&self) -> bool {
+        self.round > 0
+    }
+
+    /// Whether something has changed abruptly, and no round since has shown what.
+    pub(crate) fn doubts(&self) -> bool {
+        self.due == Due::Changed
+    }
+
+    /// How far a round that is under way goes to either side, Hz.
+    pub(crate) fn reach_hz(&self) -> f32 {
+        if self.probes() { self.step_hz } else { 0.0 }
     }
 
     /// The clamped branch, by all measurements so far.
@@ -187,7 +237,33 @@ impl Online {
         libm::sqrtf(self.variance)
     }
 
+    /// Whether a block is to be [taken](Self::step): only then is there anything to measure, or to wait for. `level`: the envelope is one throughout; `changed`: load or resonance
+    /// have changed abruptly, by which a round becomes due.
+    #[inline]
+    pub(crate) fn listens(&mut self, level: bool, changed: bool) -> bool {
+        // Its own steps surprise whoever else listens.
+        if self.round > 0 || self.settled < self.settle_blocks {
+            return true;
+        }
+        if changed && self.due == Due::Drift {
+            self.due = Due::Changed;
+        }
+        if !level || changed {
+            self.steady = 0;
+            return false;
+        }
+        self.wants()
+    }
+
+    /// Takes it that a block says nothing: what is driven has to ring up again.
+    #[inline]
+    pub(crate) fn rest(&mut self) {
+        self.steady = 0;
+    }
+
     /// Takes a block and says what to do next.
+    // Not inlined: few blocks are taken, and those that are not shall not wait for the registers that it needs.
+    #[inline(never)]
     pub fn step(&mut self, sample: &Sample) -> Output {
         let wandered = self.drift_per_s * self.block_s;
         // As a walk whose standard deviation after a round is what a steady drift would make in it.
@@ -200,7 +276,9 @@ impl Online {
             self.stop();
             return Output { hold, ..Output::default() };
         }
-        if self.round == 0 && self.variance < TARGET_DEVIATION * TARGET_DEVIATION {
+        self.steady = self.steady.saturating_add(1);
+        // What has not rung up yet would look like a susceptance.
+        if self.round == 0 && (self.steady < self.settle_blocks || self.rests()) {
             return Output { hold, ..Output::default() };
         }
         self.listen(sample, hold);
@@ -209,13 +287,31 @@ impl Online {
             return Output { detune_hz: self.probe_hz(), hold, update: None };
         }
         let update = self.finish();
-        self.stop();
+        self.begin();
         Output { hold, update, ..Output::default() }
     }
 
     fn stop(&mut self) {
+        self.steady = 0;
+        self.begin();
+    }
+
+    fn begin(&mut self) {
         self.round = 0;
         self.sides = [Side::default(); 2];
+    }
+
+    /// Whether C0 cannot have drifted far enough yet.
+    fn rests(&self) -> bool {
+        self.due == Due::Drift && self.variance < TARGET_DEVIATION * TARGET_DEVIATION
+    }
+
+    /// Whether a round is to be made; where C0 drifts, it is counted how far.
+    fn wants(&self) -> bool {
+        match self.due {
+            Due::Begun | Due::Changed => self.settle_blocks as f32 * self.block_s < SETTLES * LONGEST_S,
+            Due::Drift => self.drift_per_s > 0.0,
+        }
     }
 
     /// Blocks of a round: three stretches, the middle one of two quarters.
@@ -240,7 +336,7 @@ impl Online {
             side.last = None;
             return;
         }
-        let current = self.motional.current(sample.sensed, sample.relative);
+        let current = self.motional.current(sample.sensed, sample.relative) - self.slope * sample.sensed.v * sample.detune_hz;
         side.take(self.motional.phase_of(current, sample.sensed.v) / square, sample.relative);
     }
 
@@ -267,8 +363,20 @@ impl Online {
         if !(found.is_finite() && variance.is_finite() && variance > 0.0) {
             return None;
         }
+        // What has changed is not the clamped capacitance.
+        if self.due != Due::Begun && !(PLAUSIBLE.0..PLAUSIBLE.1).contains(&found) {
+            return None;
+        }
+        let conductance = (0.5 * (yb.re + ya.re) / susceptance).abs();
+        // What a lock has begun with is known better than by a single round, unless it was measured where something else is added.
+        let begun = self.due == Due::Begun;
+        let agrees = begun && found.abs() < WORTH * conductance;
+        if begun && !agrees {
+            let elsewhere = ELSEWHERE * conductance;
+            self.variance = self.variance.max(elsewhere * elsewhere);
+        }
         // An unexpected one may be a load that changed in the middle of it.
-        let surprising = found * found > SURPRISE * SURPRISE * (self.variance + variance);
+        let surprising = !agrees && found * found > SURPRISE * SURPRISE * (self.variance + variance);
         if surprising && !self.doubted {
             self.doubted = true;
             self.variance = self.variance.max(TARGET_DEVIATION * TARGET_DEVIATION);
@@ -278,11 +386,14 @@ impl Online {
             self.variance += found * found;
         }
         self.doubted = false;
-        let gain = self.variance / (self.variance + variance);
+        self.due = Due::Drift;
+        let was_off = begun.then(|| (found.abs() - SIGMAS * libm::sqrtf(variance)).max(0.0) / conductance);
+
+        let gain = if agrees { 0.0 } else { self.variance / (self.variance + variance) };
         self.variance *= 1.0 - gain;
         // Along the clamped susceptance, as sensing turns it.
         self.motional.y0 += self.motional.axis * Phasor::new(0.0, gain * b);
-        Some(Update { motional: self.motional, deviation: self.deviation(), round: (found, libm::sqrtf(variance)) })
+        Some(Update { motional: self.motional, deviation: self.deviation(), round: (found, libm::sqrtf(variance)), was_off })
     }
 }
 

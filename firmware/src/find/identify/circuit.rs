@@ -98,6 +98,17 @@ impl Circuit {
         Motional { y0: Phasor::new(there.re, there.im / relative), axis: direction(pole.conductance) }
     }
 
+    /// How what the other resonances add at the place of one changes with the frequency there, S/Hz: `d/df G / (1 + j Q w) = -j 2 Q / f0 G / (1 + j Q w)^2`, nearly.
+    pub(crate) fn slope_beside(&self, which: usize) -> Phasor {
+        let Some(at) = self.poles.get(which) else { return NONE };
+        let others = self.poles.iter().enumerate().filter(|(n, _)| *n != which).map(|(_, pole)| pole).chain(&self.known);
+        let slope = |pole: &Pole| {
+            let phi = self.phi(pole, at.offset_hz);
+            pole.conductance * phi * phi * Phasor::new(0.0, -2.0 * pole.q / (self.nominal_hz + pole.offset_hz))
+        };
+        others.map(slope).sum()
+    }
+
     /// What the clamped capacitance takes more at this offset than at the nominal frequency, S.
     fn slope(&self, offset_hz: f32) -> Phasor {
         J * (TAU * self.c0_f * offset_hz)

@@ -56,6 +56,14 @@ impl Modes {
         self.found.iter().enumerate().filter(|(n, _)| *n != self.chosen).map(|(_, (pole, _))| pole)
     }
 
+    /// Of the others the one that rings most to a step of the drive: its series resonance, Hz, and its motional capacitance relative to that of the chosen one.
+    pub(crate) fn beside(&self) -> Option<(f32, f32)> {
+        let (chosen, _) = self.chosen()?;
+        let disturbs = |pole: &Pole| pole.strength() / (pole.offset_hz - chosen.offset_hz).abs();
+        let most = self.others().max_by(|a, b| disturbs(a).total_cmp(&disturbs(b)))?;
+        Some((self.nominal_hz + most.offset_hz, most.strength() / chosen.strength()))
+    }
+
     /// Adds one that has been found; the weakest is left out where there is no room. What a part of the window has shown already, the next
     /// one does not add.
     pub(crate) fn add(&mut self, pole: Pole, deviations: Deviations, again: bool) {

@@ -3,6 +3,7 @@
 //! nothing does.
 
 use crate::seam::block::LATENCY_BLOCKS;
+use crate::seam::phasor::Phasor;
 use crate::seam::transducer::Transducer;
 use crate::sense::demod::Sensed;
 use crate::sense::motional::Motional;
@@ -19,6 +20,8 @@ pub(crate) struct RingDown {
     pub(crate) transducer: Transducer,
     /// The clamped branch, for tracking.
     pub motional: Motional,
+    /// How what other resonances add to the branch changes with the frequency, S/Hz.
+    pub(crate) slope: Phasor,
     blocks: u32,
     in_phase: u32,
     longest_blocks: u32,
@@ -26,11 +29,11 @@ pub(crate) struct RingDown {
 
 impl RingDown {
     /// Of this result; `still_blocks` have passed since the sweep ended.
-    pub(crate) fn new(transducer: Transducer, motional: Motional, still_blocks: u32, block_s: f32) -> Self {
+    pub(crate) fn new(transducer: Transducer, (motional, slope): (Motional, Phasor), still_blocks: u32, block_s: f32) -> Self {
         let all_blocks = (LONGEST * transducer.time_constant_s() / block_s) as u32;
         // The tone of the resonance itself must have come back.
         let longest_blocks = all_blocks.saturating_sub(still_blocks).max(LATENCY_BLOCKS as u32 + 1);
-        RingDown { transducer, motional, blocks: 0, in_phase: 0, longest_blocks }
+        RingDown { transducer, motional, slope, blocks: 0, in_phase: 0, longest_blocks }
     }
 
     /// Takes a block of the tone, at `relative` times the nominal frequency. Returns whether the free vibration has decayed.
@@ -47,12 +50,11 @@ impl RingDown {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::seam::phasor::Phasor;
 
     fn ring_down(still_blocks: u32) -> RingDown {
         let transducer = Transducer { series_resonance_hz: 40e3, q: 65.0, ..Transducer::default() };
         let motional = Motional { y0: Phasor::new(0.0, 0.075), axis: Phasor::new(1.0, 0.0) };
-        RingDown::new(transducer, motional, still_blocks, 32e-6)
+        RingDown::new(transducer, (motional, Phasor::default()), still_blocks, 32e-6)
     }
 
     /// Blocks until it is over, if the phase is this, rad.

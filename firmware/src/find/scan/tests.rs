@@ -10,6 +10,7 @@ use crate::seam::config;
 use crate::seam::config::{Drive, FrontEnd, HeatSink, Limits, Phasing, Thermometer, Tracking, TrackingMode};
 use crate::seam::transducer::Resonances;
 use crate::sense::demod::demodulate;
+use crate::sense::motional::Motional;
 use std::vec::Vec as List;
 
 const SAMPLES: usize = 32;
@@ -112,7 +113,7 @@ fn scan(case: &Case, seed: u64) -> Scanned {
                 true
             }
             _ => {
-                let (transducer, motional) = scan.found().expect("a transducer");
+                let RingDown { transducer, motional, .. } = scan.found().expect("a transducer");
                 result.found = Ok((*transducer, *motional));
                 true
             }

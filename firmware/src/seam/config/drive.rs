@@ -49,6 +49,9 @@ pub struct Drive {
     /// Adds random steps of up to one code before rounding, so that rounding leaves noise in place of harmonics.
     #[setting(default, key = 28, quiet)]
     pub dither: bool,
+    /// Time in which the amplitude rises from the scan's to what is asked for when a lock has been found, s. Zero: at once.
+    #[setting(default, min = 0.0, max = 100.0, key = 91, quiet)]
+    pub soft_start_s: f32,
     /// Drive lanes; the stack hangs on the first.
     #[setting(scene, default = 1, min = 1, max = 4)]
     pub lanes: u8,
@@ -98,7 +101,16 @@ impl Drive {
     /// A plain sine; the band of a noise is as wide as half the frequency.
     pub fn sine(frequency_hz: f32, amplitude: Amplitude, scan_volts: f32) -> Self {
         let noise_band_hz = (0.75 * frequency_hz, 1.25 * frequency_hz);
-        Drive { frequency_hz, amplitude, scan_volts, shape: ShapeKind::Sine, noise_band_hz, dither: false, seed: 1 }
+        Drive {
+            frequency_hz,
+            amplitude,
+            scan_volts,
+            shape: ShapeKind::Sine,
+            noise_band_hz,
+            dither: false,
+            soft_start_s: 0.0,
+            seed: 1,
+        }
     }
 }
 

@@ -32,6 +32,9 @@ pub struct Phasing {
     /// `drive.scan_v` and over the window of `tracking.span`. Windows of a burst count from its beginning all the same.
     #[setting(scene, default)]
     pub calibrate: bool,
+    /// The other lanes are watched beside the first: faults 24 and 29. Needs the multiplexer at the sense channels. Of a stator; a stack hangs on the first lane alone.
+    #[setting(default = true, key = 92)]
+    pub watch: bool,
     /// What a calibration has found, on top of these.
     #[setting(controller)]
     pub calibration: Vec<TrimPoint, MAX_TRIM_POINTS>,

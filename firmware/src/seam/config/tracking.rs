@@ -31,7 +31,7 @@ pub struct Tracking {
     #[setting(min = 1e-12, max = 1e-3, key = 16)]
     pub nominal_c0_f: Option<f32>,
     /// How fast the clamped capacitance may drift, relative, per second: the observer then measures it again while running, as often as that demands,
-    /// by small steps of the frequency. Zero: never.
+    /// by small steps of the frequency. Zero: only once it has locked, and when the load has changed abruptly.
     #[setting(default, min = 0.0, max = 10.0, key = 24, quiet)]
     pub c0_drift_per_s: f32,
     /// Force factor, N/V: tip force per volt, and ampere of motional current per m/s of tip velocity.

@@ -7,8 +7,8 @@ use crate::track::tracker::observer::{Observer, Spread};
 const TAU: f32 = core::f32::consts::TAU;
 
 /// What the clamped capacitance is known to apart from noise, relative: images of the drive's converter flow through it as well, and are read at the drive's
-/// frequency. Simulated behind an amplifier of 200 kHz it is seen up to 3.2 % too small, the less so the more the source's resistance keeps of the images
-/// (`docs/transducers.md`); a faster amplifier lets more of them through.
+/// frequency. Behind an amplifier of 200 kHz they let it seem up to 3.2 % smaller, the less so the more of them the source's resistance keeps (column `c0_error_f` of the file that
+/// `sim-host validate transducers` writes); a faster amplifier lets more of them through.
 const IMAGES: f32 = 0.018;
 
 /// What was known before: the clamped capacitance, and how many resonances there are.

@@ -124,6 +124,16 @@ impl Observed {
         Some(next)
     }
 
+    /// Whether its lock has not come from a scan.
+    pub(crate) fn has_a_scan_left(&self) -> bool {
+        self.seek != Retry::Scan
+    }
+
+    /// Leaves the lock to a scan, unless it has come from one. Returns whether it does.
+    pub(crate) fn leave_to_a_scan(&mut self) -> bool {
+        core::mem::replace(&mut self.seek, Retry::Scan) != Retry::Scan
+    }
+
     /// Begins in the whole window with the prior that the clamped branch gives.
     pub(crate) fn start_cold(&mut self, prior: &Prior) {
         // The second time after a lock was lost.

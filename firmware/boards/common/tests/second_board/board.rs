@@ -30,7 +30,10 @@ type Beat = beat::Beat<CYCLES_PER_BLOCK>;
 
 /// A capacitor in place of the stack, on two lanes.
 fn config() -> Config {
-    Config { sample_hz: SAMPLE_HZ as f32, block_samples: BLOCK as u16, lanes: 2, ..loop_back::config() }
+    let mut config = Config { sample_hz: SAMPLE_HZ as f32, block_samples: BLOCK as u16, lanes: 2, ..loop_back::config() };
+    // It has no multiplexer at its converters.
+    config.phasing.watch = false;
+    config
 }
 
 /// The board, with the background's ends of the queues.

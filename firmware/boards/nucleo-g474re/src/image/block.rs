@@ -55,8 +55,6 @@ pub struct BlockInterrupt {
     step: Step,
     sense: SenseBlock,
     drive: DriveBlock,
-    /// Where the multiplexer goes with the next block.
-    listen: u8,
     /// The last block was not written in time.
     late: bool,
 }
@@ -75,7 +73,6 @@ impl BlockInterrupt {
             step: Step::default(),
             sense: SenseBlock::default(),
             drive,
-            listen: 0,
             late: false,
         }
     }
@@ -121,12 +118,11 @@ impl BlockInterrupt {
         COUNT.fetch_add(1, Ordering::Relaxed);
     }
 
-    /// Connects the lane that is measured while the block plays that was returned by the call before the last one.
+    /// Connects the lane that is measured while the block plays that the last call returned, which begins.
     fn multiplex(&mut self) {
         for (bit, pin) in LISTEN.into_iter().enumerate() {
-            pin.set(self.listen >> bit & 1 == 1);
+            pin.set(self.drive.listen >> bit & 1 == 1);
         }
-        self.listen = self.drive.listen;
     }
 }
 

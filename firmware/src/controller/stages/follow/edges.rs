@@ -6,7 +6,7 @@
 
 use crate::controller::chain::{Chain, Measured};
 use crate::generate::burst::Brake;
-use crate::generate::burst::stroke::Planner;
+use crate::generate::burst::stroke::{Beside, Planner};
 use crate::generate::signal_generator::SignalGenerator;
 use crate::seam::block::{Gate, LATENCY_BLOCKS, Orders};
 use crate::seam::compare::{larger, smaller};
@@ -192,6 +192,8 @@ impl Edges {
     }
 
     /// The most that an edge may drive with: by the voltage limit, and by what the clamped branch draws beside the motional current.
+    // Not inlined: a block in 64 has it, and the fast memory of a board has no room for it.
+    #[inline(never)]
     fn plan_ceiling(&mut self, chain: &mut Chain, rate: f32) {
         let resonance_hz = chain.track.transducer_by_now().map(|transducer| transducer.series_resonance_hz);
         let (Some(resonance_hz), Some(per_ampere)) = (resonance_hz, self.per_ampere) else { return };
@@ -203,7 +205,9 @@ impl Edges {
         let clamped = libm::sqrtf(larger(left, 0.0) / chain.track.tracker.branch().y0.norm_sqr());
         let ceiling = smaller(clamped, amplitude.most_volts());
         let half_cycles = 2.0 * resonance_hz / rate;
-        self.stage = Stage::Strokes(Planner::new(half_cycles, volts, ceiling));
+        let beside = chain.track.beside;
+        let beside = beside.map(|(hz, strength)| Beside { beat: 2.0 * resonance_hz / (hz - resonance_hz).abs(), strength });
+        self.stage = Stage::Strokes(Planner::new(half_cycles, volts, ceiling, beside));
     }
 
     /// The brake for the residual vibration. It is planned again where the drive has changed, because its level counts from the drive.

@@ -92,4 +92,9 @@ impl Observer {
     pub(crate) fn opened(&self) -> u32 {
         self.opened
     }
+
+    /// Whether the gate has opened in the last block.
+    pub(crate) fn has_opened(&self) -> bool {
+        self.calm == 0
+    }
 }
