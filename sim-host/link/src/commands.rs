@@ -4,6 +4,7 @@ pub mod burst;
 pub mod calibrate;
 pub mod capture;
 pub mod circuit;
+pub mod commission;
 pub mod drive;
 pub mod fault;
 pub mod friction;
@@ -44,6 +45,8 @@ pub enum Order {
     Drive(drive::DriveArgs),
     /// Open and close the gate of a drive that runs.
     Burst(burst::BurstArgs),
+    /// From an unknown transducer to a tuned controller: find its modes in a band, propose settings, test them, and store them on consent.
+    Commission(commission::CommissionArgs),
     /// Hold the friction at a ratio (0.4) or at a force (0.05N); `configured` takes the order back.
     Friction(friction::FrictionArgs),
     /// Measure what each lane's amplifier adds, and trim the lanes by it.
@@ -75,6 +78,7 @@ impl Order {
             Order::Lock(_) => "lock",
             Order::Drive(_) => "drive",
             Order::Burst(_) => "burst",
+            Order::Commission(_) => "commission",
             Order::Friction(_) => "friction",
             Order::Calibrate => "calibrate",
             Order::Monitor(_) => "monitor",
@@ -96,6 +100,7 @@ impl Order {
             Order::Lock(args) => lock::run(args, session),
             Order::Drive(args) => drive::run(args, session),
             Order::Burst(args) => burst::run(args, session),
+            Order::Commission(args) => commission::run(args, session),
             Order::Friction(args) => friction::run(args, session),
             Order::Calibrate => calibrate::run(session),
             Order::Monitor(args) => monitor::run(args, session),

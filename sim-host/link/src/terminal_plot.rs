@@ -7,18 +7,25 @@ const ROWS: usize = 18;
 const PATTERNS: u32 = 0x2800;
 const BITS: [[u32; 4]; 2] = [[0x01, 0x02, 0x04, 0x40], [0x08, 0x10, 0x20, 0x80]];
 
-/// A plot of points in a plane; one unit across is as long as one unit up.
+/// A plot of points in a plane; one unit across is as long as one unit up, unless it is stretched.
 #[derive(Clone, Debug, Default)]
 pub struct TerminalPlot {
     labels: (String, String),
     line: Vec<(f64, f64)>,
     marks: Vec<(f64, f64)>,
+    stretched: bool,
 }
 
 impl TerminalPlot {
     /// An empty plot with labels of its axes.
     pub fn new(across: &str, up: &str) -> Self {
         TerminalPlot { labels: (across.into(), up.into()), ..TerminalPlot::default() }
+    }
+
+    /// Each axis fills its side, whatever its unit.
+    pub fn stretched(mut self) -> Self {
+        self.stretched = true;
+        self
     }
 
     /// Adds a line, as dots close to each other.
@@ -42,12 +49,14 @@ impl TerminalPlot {
             return "(nothing to draw)".into();
         }
         let (wide, high) = ((2 * COLUMNS - 1) as f64, (4 * ROWS - 1) as f64);
-        let unit = ((x.1 - x.0) / wide).max((y.1 - y.0) / high).max(f64::MIN_POSITIVE);
+        let (across, up) = ((x.1 - x.0) / wide, (y.1 - y.0) / high);
+        let units = if self.stretched { (across, up) } else { (across.max(up), across.max(up)) };
+        let units = (units.0.max(f64::MIN_POSITIVE), units.1.max(f64::MIN_POSITIVE));
         // In the middle of what the longer side leaves.
-        let (left, top) = (0.5 * (x.0 + x.1 - unit * wide), 0.5 * (y.0 + y.1 + unit * high));
+        let (left, top) = (0.5 * (x.0 + x.1 - units.0 * wide), 0.5 * (y.0 + y.1 + units.1 * high));
         let dot = |&(x, y): &(f64, f64)| {
-            let place = |distance: f64, most: f64| (distance / unit).round().clamp(0.0, most) as usize;
-            (place(x - left, wide), place(top - y, high))
+            let place = |distance: f64, most: f64| distance.round().clamp(0.0, most) as usize;
+            (place((x - left) / units.0, wide), place((top - y) / units.1, high))
         };
         let mut cells = vec![[0_u32; COLUMNS]; ROWS];
         for (x, y) in self.line.iter().filter(|(x, y)| x.is_finite() && y.is_finite()).map(dot) {
@@ -58,7 +67,7 @@ impl TerminalPlot {
         for (x, y) in self.marks.iter().filter(|(x, y)| x.is_finite() && y.is_finite()).map(dot) {
             rows[y / 4][x / 2] = 'o';
         }
-        let (right, bottom) = (left + unit * wide, top - unit * high);
+        let (right, bottom) = (left + units.0 * wide, top - units.1 * high);
         let mut text = format!("{:>9.1} ┤ {}\n", top, self.labels.1);
         for row in rows {
             text += &format!("{:>9} │{}\n", "", row.into_iter().collect::<String>().trim_end_matches('\u{2800}'));

@@ -1,6 +1,7 @@
 //! The transducer that the board has identified, in words and fields.
 
 use firmware::seam::telemetry::Telemetry;
+use firmware::seam::transducer::Transducer;
 
 use crate::answer::{Answer, quantity, short};
 
@@ -8,21 +9,25 @@ use crate::answer::{Answer, quantity, short};
 pub fn in_words(report: &Telemetry, answer: Answer) -> Answer {
     let Some(found) = &report.transducer else { return answer };
     let scatter = &found.deviations;
+    let answer = answer.line(format!(
+        "series resonance {:.2} +- {:.2} Hz, parallel {:.2} Hz, Q {:.1}, Rm {}, Lm {}, Cm {}, C0 {}, coupling {:.3}",
+        found.series_resonance_hz,
+        scatter.series_resonance_hz,
+        found.parallel_resonance_hz,
+        found.q,
+        quantity(found.rm_ohm.into(), "ohm"),
+        quantity(found.lm_h.into(), "H"),
+        quantity(found.cm_f.into(), "F"),
+        quantity(found.c0_f.into(), "F"),
+        found.coupling,
+    ));
+    fields(found, answer).field("series_resonance_deviation_hz", short(scatter.series_resonance_hz))
+}
+
+/// Adds the values of an identified transducer to an answer, as fields.
+pub fn fields(found: &Transducer, answer: Answer) -> Answer {
     answer
-        .line(format!(
-            "series resonance {:.2} +- {:.2} Hz, parallel {:.2} Hz, Q {:.1}, Rm {}, Lm {}, Cm {}, C0 {}, coupling {:.3}",
-            found.series_resonance_hz,
-            scatter.series_resonance_hz,
-            found.parallel_resonance_hz,
-            found.q,
-            quantity(found.rm_ohm.into(), "ohm"),
-            quantity(found.lm_h.into(), "H"),
-            quantity(found.cm_f.into(), "F"),
-            quantity(found.c0_f.into(), "F"),
-            found.coupling,
-        ))
         .field("series_resonance_hz", short(found.series_resonance_hz))
-        .field("series_resonance_deviation_hz", short(scatter.series_resonance_hz))
         .field("parallel_resonance_hz", short(found.parallel_resonance_hz))
         .field("q", short(found.q))
         .field("rm_ohm", short(found.rm_ohm))

@@ -1,0 +1,45 @@
+//! The drawing of what was found: the size of the admittance over the band, with the tones that were measured.
+
+use std::f64::consts::TAU;
+
+use realfft::num_complex::Complex64;
+
+use super::Commissioned;
+use crate::terminal_plot::TerminalPlot;
+
+/// Points of the line over the band, and about each mode.
+const PLACES: usize = 600;
+const ABOUT: usize = 100;
+
+/// Admittance of the identified circuit, S.
+pub fn admittance(found: &Commissioned, hz: f64) -> Complex64 {
+    let c0_f = f64::from(found.proposal.transducer.c0_f);
+    let motional = found.modes.iter().map(|mode| {
+        let it = &mode.transducer;
+        let series_hz = f64::from(it.series_resonance_hz);
+        Complex64::from(1.0 / f64::from(it.rm_ohm)) / Complex64::new(1.0, f64::from(it.q) * (hz / series_hz - series_hz / hz))
+    });
+    Complex64::new(0.0, TAU * hz * c0_f) + motional.sum::<Complex64>()
+}
+
+/// Frequencies over the band, denser about the modes, Hz.
+pub fn places(found: &Commissioned) -> Vec<f64> {
+    let band = &found.band;
+    let even = (0..=PLACES).map(|n| band.low_hz + (band.high_hz - band.low_hz) * n as f64 / PLACES as f64);
+    let dense = found.modes.iter().flat_map(|mode| {
+        let width_hz = mode.hz() / f64::from(mode.transducer.q);
+        (0..=ABOUT).map(move |n| mode.hz() + width_hz * (6.0 * n as f64 / ABOUT as f64 - 3.0))
+    });
+    let mut places: Vec<f64> = even.chain(dense).filter(|hz| (band.low_hz..=band.high_hz).contains(hz)).collect();
+    places.sort_by(f64::total_cmp);
+    places
+}
+
+/// The drawing in characters.
+pub fn in_terminal(found: &Commissioned) -> String {
+    let mut plot = TerminalPlot::new("kHz", "|Y| [dB over 1 S]").stretched();
+    let decibels = |y: Complex64| 20.0 * y.norm().log10();
+    plot.line(places(found).into_iter().map(|hz| (1e-3 * hz, decibels(admittance(found, hz)))));
+    plot.marks(found.load.tones.iter().map(|(hz, y)| (1e-3 * hz, decibels(*y))));
+    plot.drawn()
+}

@@ -1,0 +1,142 @@
+//! What a commissioning writes: report, settings and twin.
+
+use std::fs;
+use std::path::Path;
+
+use super::drawing::{admittance, places};
+use super::{Commissioned, table};
+use crate::answer::quantity;
+use crate::commands::manifest;
+use crate::link_error::LinkError;
+use crate::parameter::{parameter, shown};
+use report::{self, Axis, Figure, Marker, Report, Series, Style, TableBlock};
+use sim::advice::table::tables;
+use sim::output::Folder;
+
+/// Each proposed setting, its value, and what it is worth.
+pub fn worth(found: &Commissioned) -> Vec<[String; 3]> {
+    let (it, proposal) = (&found.proposal.transducer, &found.proposal);
+    let prediction = &found.advice.prediction;
+    let lock = prediction.lock.iter().find(|lock| lock.within_hz == 20.0);
+    let time = |value: Option<f64>| value.map_or_else(|| "not in time".to_owned(), |ms| format!("{ms:.2} ms"));
+    let locks = lock.map_or_else(String::new, |lock| {
+        format!("; rehearsed: within 20 Hz in {} (95 %: {})", time(lock.median_ms), time(lock.p95_ms))
+    });
+    let worth = |name: &str| match name {
+        "drive.amplitude_v" => format!("{} at the resonance", quantity(proposal.amperes, "A")),
+        "drive.scan_volts" => "self-test and scan as loud as the drive".into(),
+        "limits.voltage_v" | "limits.current_a" => "as given; never exceeded once stored".into(),
+        "tracking.mode" => format!("rehearsed jitter {:.3} Hz", prediction.jitter_hz),
+        "tracking.span" => {
+            format!("finds a resonance that has moved by up to {:.0} Hz", proposal.span * f64::from(it.series_resonance_hz))
+        }
+        "tracking.nominal_q" => format!("+- {:.2} as identified; a loss is noticed by it", it.deviations.q),
+        "tracking.nominal_lm_h" => "another mode is no lock (fault 34)".into(),
+        "tracking.nominal_c0_f" => {
+            format!("{:+.2} Hz of the lock for each per cent that it is off", prediction.bias_hz_per_percent_c0)
+        }
+        "drive.frequency_hz" => format!("+- {:.2} Hz as identified{locks}", it.deviations.series_resonance_hz),
+        _ => String::new(),
+    };
+    proposal
+        .settings()
+        .into_iter()
+        .map(|(name, value)| {
+            let value = parameter(name).map_or_else(|_| value.to_string(), |parameter| shown(parameter, value));
+            [name.to_owned(), value, worth(name)]
+        })
+        .collect()
+}
+
+/// The settings as a script: `sim-host link PORT script settings.txt` stores them.
+fn settings(found: &Commissioned) -> String {
+    let lines: String = worth(found).iter().map(|[name, value, _]| format!("settings set {name} {value}\n")).collect();
+    format!(
+        "# Settings for {}: `sim-host link PORT script` with this file stores them.\n{lines}settings store\nreset\n",
+        found.name
+    )
+}
+
+/// Writes all files into the folder.
+pub fn write(found: &Commissioned, folder: &Folder, dir: &Path) -> Result<(), LinkError> {
+    let at = folder.unfinished();
+    let file =
+        |name: &str, text: &str| fs::write(at.join(name), text).map_err(|io| LinkError::Write { path: dir.join(name), io });
+    file("settings.txt", &settings(found))?;
+    file("twin.toml", &found.twin)?;
+    report::write(&page(found), at)?;
+    folder.finish(manifest("commission"))?;
+    Ok(())
+}
+
+fn page(found: &Commissioned) -> Report {
+    let rows =
+        |lines: Vec<String>| -> Vec<Vec<String>> { lines.into_iter().skip(1).map(|line| vec![line.trim().to_owned()]).collect() };
+    let header = table(&found.modes, None).remove(0);
+    let modes = TableBlock::new(
+        "modes",
+        "Modes",
+        "The mode with the star is driven.",
+        &[header.trim()],
+        rows(table(&found.modes, Some(found.chosen))),
+    );
+    let proposed = TableBlock::new(
+        "settings",
+        "Proposed settings",
+        "What each is worth is rehearsed on the twin, or follows from the identified circuit.",
+        &["setting", "value", "worth"],
+        worth(found).into_iter().map(Vec::from).collect(),
+    );
+    let places = places(found);
+    let line = |name: &str, column: &str, style: Style, points: Vec<(f64, f64)>| Series {
+        name: name.into(),
+        csv_column: column.into(),
+        x: points.iter().map(|(hz, _)| 1e-3 * hz).collect(),
+        y: points.iter().map(|(_, y)| 1e3 * y).collect(),
+        style,
+    };
+    let axis = |label: &str| Axis { label: label.into(), ..Axis::default() };
+    let circuit = places.iter().map(|&hz| (hz, admittance(found, hz).norm())).collect();
+    let tones = found.load.tones.iter().map(|(hz, y)| (*hz, y.norm())).collect();
+    let markers = found.modes.iter().enumerate().map(|(place, mode)| Marker {
+        x: 1e-3 * mode.hz(),
+        y: 1e3 * admittance(found, mode.hz()).norm(),
+        label: format!("{}: {:.1} Hz", place + 1, mode.hz()),
+    });
+    let figure = Figure {
+        id: "admittance_over_frequency".into(),
+        title: "Admittance over frequency".into(),
+        x: axis("frequency [kHz]"),
+        y: Axis { log: true, ..axis("admittance [mS]") },
+        series: vec![
+            line("circuit identified", "admittance_ms", Style::Line, circuit),
+            line("small tones, measured", "measured_admittance_ms", Style::Points, tones),
+        ],
+        markers: markers.collect(),
+        ..Figure::default()
+    };
+    let verified = &found.verified;
+    let (lower_hz, again_hz) = verified.stepped_hz;
+    let tested = TableBlock::new(
+        "test",
+        "Test",
+        "Frequency of the drive with the proposed settings.",
+        &["", "Hz"],
+        [
+            ("locked", verified.locked_hz),
+            ("at 0.7 of the amplitude", lower_hz),
+            ("at full amplitude again", again_hz),
+            ("after a burst", verified.after_burst_hz),
+        ]
+        .map(|(what, hz)| vec![what.to_owned(), format!("{hz:.2}")])
+        .to_vec(),
+    );
+    Report {
+        title: format!("Commissioning of {}", found.name),
+        subtitle: format!("Band {:.0} to {:.0} Hz", found.band.low_hz, found.band.high_hz),
+        tables: [vec![modes, proposed, tested], tables(&found.advice)].concat(),
+        figures: vec![figure],
+        footer: vec![("sim-host".into(), sim::VERSION.to_owned())],
+        ..Report::default()
+    }
+}
