@@ -2,7 +2,8 @@
 
 use crate::evidence::{Error, Evidence, Options, built_in};
 use crate::{
-    board_faults, board_scenes, crash, features, field_update, friction, guard, instructions, precision, thesis, transducers,
+    board_faults, board_scenes, commission, crash, features, field_update, friction, guard, instructions, precision, thesis,
+    transducers,
 };
 use scene::load::LoadError;
 use scene::suite::{self, LoadedSuite};
@@ -24,7 +25,7 @@ pub struct Bench {
 }
 
 /// All benches, in the order in which they run.
-pub const BENCHES: [Bench; 12] = [
+pub const BENCHES: [Bench; 13] = [
     Bench {
         name: "tracking",
         about: "every tracking case over many seeds, against targets, Cramer-Rao bounds and the numbers of its faults",
@@ -38,6 +39,13 @@ pub const BENCHES: [Bench; 12] = [
         has_quick: true,
         suite: Some(transducers::SUITE),
         run: transducers::run,
+    },
+    Bench {
+        name: "commission",
+        about: "random transducers commissioned from a band alone (`link PORT commission`), each judged against the plant",
+        has_quick: true,
+        suite: None,
+        run: commission::run,
     },
     Bench {
         name: "friction",

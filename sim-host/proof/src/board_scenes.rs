@@ -234,7 +234,8 @@ mod tests {
             eprintln!("SKIPPED, scenes by the flashed image: {missing}");
             return;
         }
-        let evidence = evidence(&mut Options { quick: true, counted: None, stop: None, progress: &mut |_| () }).unwrap();
+        let evidence =
+            evidence(&mut Options { quick: true, count: None, counted: None, stop: None, progress: &mut |_| () }).unwrap();
         assert!(evidence.missed.is_empty(), "{:#?}", evidence.missed);
         assert!(evidence.docs[0].rows.len() >= 8);
     }

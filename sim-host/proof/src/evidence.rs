@@ -16,6 +16,8 @@ use sim::study::suite::{Judged, SuiteResult};
 pub struct Options<'a> {
     /// Fewer runs and cases.
     pub quick: bool,
+    /// How many transducers are commissioned, where it is not the usual number (`commission`).
+    pub count: Option<u32>,
     /// The program to count instructions of, and the options that make it run one method alone (`precision`).
     pub counted: Option<(&'a Path, &'a [&'a str])>,
     /// Flag that the caller sets to stop the cases of a suite.
@@ -68,6 +70,9 @@ pub enum Error {
     /// A campaign against the flashed image has no board to begin with.
     #[error(transparent)]
     Campaign(#[from] crate::campaign_error::CampaignError),
+    /// A simulated board has not answered.
+    #[error("a simulated board has failed: {0}")]
+    Board(String),
     /// A table of numbers cannot be written.
     #[error(transparent)]
     Csv(#[from] csv::Error),

@@ -17,6 +17,7 @@ pub mod bench;
 pub mod board_faults;
 mod board_scenes;
 pub mod campaign_error;
+mod commission;
 mod crash;
 #[cfg(test)]
 mod docs;

@@ -13,9 +13,9 @@
 //! All of it is simulated (SIL).
 
 mod baseline;
-mod draw;
-mod front_end;
-mod outcome;
+pub(crate) mod draw;
+pub(crate) mod front_end;
+pub(crate) mod outcome;
 mod restart;
 mod summary;
 mod table;

@@ -17,8 +17,9 @@ const CURRENT: [Pin; 2] = [Pin::new('A', 1), Pin::new('A', 7)];
 /// The block interrupt in the interrupt controller: its bit in NVIC_ICER0 (DMA1 channel 1 is line 11).
 const ICER: u32 = 0xE000_E180;
 const BLOCK_INTERRUPT: u32 = 1 << 11;
-/// RAM that the image does not use, below the guard of its stack; `b .` twice.
+/// RAM that the image does not use, below the guard of its stack; `nop` twice, and `b .` twice.
 const UNUSED: u32 = 0x2000_7ff0;
+const NOPS: u32 = 0xbf00_bf00;
 const LOOP: u32 = 0xe7fe_e7fe;
 /// Where the part has no memory.
 const NOWHERE: u32 = 0x3000_0000;
@@ -148,7 +149,10 @@ fn act(board: &mut Board, fault: Fault, at: u64, draw: &mut Draw) -> Result<Stri
             while board.machine().exception() != 0 {
                 board.run_for(std::time::Duration::from_nanos(100))?;
             }
-            board.machine_mut().poke(UNUSED, LOOP)?;
+            // The background may have been within an IT block, of which four instructions are left at most.
+            board.machine_mut().poke(UNUSED, NOPS)?;
+            board.machine_mut().poke(UNUSED + 4, NOPS)?;
+            board.machine_mut().poke(UNUSED + 8, LOOP)?;
             board.machine_mut().set_register(15, UNUSED);
         }
         Fault::Debugger => {

@@ -24,8 +24,8 @@ use crate::campaign_error::CampaignError;
 const SCENE: &str = "dummy-load";
 /// The longest that it may take to lock.
 const LOCKS_WITHIN: Duration = Duration::from_millis(300);
-/// How long it drives before the snapshot is taken.
-const SETTLES: Duration = Duration::from_millis(5);
+/// How long it drives before the snapshot is taken: the clamped branch has been measured at the lock point by then.
+const SETTLES: Duration = Duration::from_millis(30);
 static NEVER: AtomicBool = AtomicBool::new(false);
 
 /// What a program can do nothing about: the defects raise these by themselves. Every other finding ends a run.

@@ -23,7 +23,7 @@ pub const LEAST_OHM: f64 = 0.03;
 /// Every so many transducers of a kind nothing but the band is known.
 const BAND_ONLY: u32 = 6;
 /// Nominal Q of a transducer of which only the band is known: in the middle of what there is.
-const GUESSED_Q: f64 = 160.0;
+pub const GUESSED_Q: f64 = 160.0;
 /// Steps of the coarse scan that a scene may have, which bounds a nominal Q by the window.
 const MOST_SCAN_STEPS: f64 = 400.0;
 

@@ -43,9 +43,10 @@ const CALIBRATION_PERIODS: f64 = 1600.0;
 /// Time for the self-test before them, for the fit behind them, and for the lock of a transducer that does not ring, s.
 const REST_S: f64 = 0.05;
 /// Ring-down times that a transducer has beyond that to be locked, each `Q / (pi fs)`.
-const RING_DOWNS: f64 = 10.0;
-/// How much more time all have: a scan, by which the phase loop begins, and the observer where its calibration cannot tell, waits for the transducer.
-const SCAN: f64 = 2.0;
+const RING_DOWNS: f64 = 20.0;
+/// How much more time all have: a scan, by which the phase loop begins, and the observer where its calibration or its lock cannot tell, waits for the transducer; another lock
+/// comes after it.
+const SCAN: f64 = 3.0;
 
 /// The front end's settings of a transducer.
 #[derive(Clone, Copy, Debug, PartialEq)]

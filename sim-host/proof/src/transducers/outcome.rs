@@ -38,7 +38,7 @@ const SAME_MODE: f64 = 2.0;
 pub enum Outcome {
     /// It ends locked, within the absolute bound.
     Locked,
-    /// It was locked outside the bound, and said so: by limit 97 or 98 in most blocks of the judged part, or by fault 33 or 34.
+    /// It was locked outside the bound, and said so: by limit 97, 98 or 107 in most blocks of the judged part, or by fault 33 or 34.
     Named,
     /// It ends locked outside the bound, and says nothing.
     Silent,
@@ -106,8 +106,13 @@ pub fn judge(scene: &Driven, record: &Record) -> Judged {
     if judged_rows.is_empty() || !judged_rows.iter().all(|row| row.mode == Mode::Run && row.locked && row.drive_v > 0.0) {
         return judged;
     }
-    let bias_hz = judged_rows.iter().map(error_hz).sum::<f64>() / judged_rows.len() as f64;
-    let limited = [Limit::FrequencyWindow, Limit::NotTracking].map(|limit| limit as u8);
+    let errors = || judged_rows.iter().filter(|row| !row.probes()).map(error_hz);
+    let blocks = errors().count();
+    if blocks == 0 {
+        return judged;
+    }
+    let bias_hz = errors().sum::<f64>() / blocks as f64;
+    let limited = [Limit::FrequencyWindow, Limit::NotTracking, Limit::LockUncertain].map(|limit| limit as u8);
     judged.outcome = match () {
         () if bias_hz.abs() <= truth.bound_hz() => Outcome::Locked,
         () if 2 * judged_rows.iter().filter(|row| limited.contains(&row.limit)).count() > judged_rows.len() => Outcome::Named,
@@ -124,6 +129,11 @@ pub fn judge(scene: &Driven, record: &Record) -> Judged {
     (judged.lock_ms, judged.power_on_ms) = lock_times_ms(&rows[from..to], truth.bound_hz().max(TIMED_HZ)).unzip();
     judged.stated = record.last.transducer.map(|found| truth.against(&found));
     judged
+}
+
+/// Absolute bound of a bias, Hz, of a resonance, Hz, and its Q.
+pub fn bound_hz(hz: f64, q: f64) -> f64 {
+    LEAST_BOUND_HZ.max(BOUND_PART * hz / q)
 }
 
 /// What is true of a transducer at the end of its run, and what its nominal values say.
@@ -165,7 +175,7 @@ impl Truth {
 
     /// Absolute bound of a bias, Hz.
     fn bound_hz(&self) -> f64 {
-        LEAST_BOUND_HZ.max(BOUND_PART * self.hz / self.q)
+        bound_hz(self.hz, self.q)
     }
 
     /// What a run has become that ends in a fault.
@@ -213,7 +223,7 @@ fn error_hz(row: &Row) -> f64 {
 fn lock_times_ms(rows: &[Row], bound_hz: f64) -> Option<(f64, f64)> {
     let first = rows.iter().position(|row| row.mode == Mode::Lock)? + 1;
     let from_s = rows.get(first)?.time_s;
-    let last_outside = rows.iter().rposition(|row| error_hz(row).abs() > bound_hz);
+    let last_outside = rows.iter().rposition(|row| !row.probes() && error_hz(row).abs() > bound_hz);
     let at_s = match last_outside {
         Some(last) if last + 1 == rows.len() => return None,
         Some(last) => rows[last].time_s.max(from_s),

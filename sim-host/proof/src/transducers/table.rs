@@ -10,8 +10,8 @@ use crate::evidence::Error;
 use report::TableBlock;
 
 /// What the columns of the outcomes mean.
-const OUTCOMES: &str = "Locked: within 1 Hz, or 0.5 % of the bandwidth if that is more. Named: locked outside that, and said so by limit 97 or 98, or by fault 33 or 34. \
-     Silent: locked outside that, with neither limit nor fault. Accused: ended by a fault that does not hold, as every transducer is healthy. Refused: ended by a fault \
+const OUTCOMES: &str = "Locked: within 1 Hz, or 0.5 % of the bandwidth if that is more. Named: locked outside that, and said so by limit 97, 98 or 107, or by fault 33 or 34. \
+     Silent: locked outside that, with neither. Accused: ended by a fault that does not hold, as every transducer is healthy. Refused: ended by a fault \
      whose documented reason holds. Late: not locked in time, or ended by fault 31 or 32. Lock and power-on: median and 95 % of the time to within 20 Hz, or the bound if that \
      is more, from the first sample of the lock stage and from power-on, of all runs that end locked. Bias: median and 95 % of its size, of the same.";
 /// Headings of the outcomes.

@@ -10,7 +10,8 @@ use report::docs::is_update;
 
 /// The quick variant.
 fn quick() -> Evidence {
-    run(&mut Options { quick: true, counted: None, stop: None, progress: &mut |_| () }).unwrap_or_else(|error| panic!("{error}"))
+    run(&mut Options { quick: true, count: None, counted: None, stop: None, progress: &mut |_| () })
+        .unwrap_or_else(|error| panic!("{error}"))
 }
 
 /// Writes the counts of the quick variant and of these results of the full one as the baseline.
