@@ -4,6 +4,7 @@
 
 mod amplifier;
 mod belt;
+mod commission;
 mod power_cut;
 mod protection;
 mod refusals;

@@ -1,6 +1,7 @@
 //! The client against the simulated board: what it says is what the plant did, and whatever goes wrong on the way is said and nothing else.
 
 mod client;
+mod commission;
 mod dialogue;
 #[cfg(target_os = "linux")]
 mod emulated;

@@ -1,5 +1,6 @@
 //! Cross-crate tests, in one binary: one module for each thing that is tested whole.
 
+mod amplitude;
 mod app;
 mod belt;
 mod board;

@@ -1,5 +1,7 @@
 //! The four-phase motor under the real controller: which way it turns, how fast, and how it starts and stops.
 
+mod lanes;
+
 use scene::load::load;
 use sim::instruments::measure;
 use sim::metrics::Metrics;

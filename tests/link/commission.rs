@@ -1,0 +1,215 @@
+//! `commission` against the simulated board: what it finds is the plant's, what it cannot do it names, and however it ends the board is as before.
+
+use std::cell::{Cell, RefCell};
+use std::io;
+use std::rc::Rc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
+
+use firmware::seam::mode::Mode;
+use link::answer::Answer;
+use link::client::Client;
+use link::link_error::LinkError;
+use link::port::Port;
+use link::script::Script;
+use link::session::{Session, SessionOptions};
+use link::simulated_board::SimulatedBoard;
+use scene::load::load;
+use sim::run::breakable_plant;
+
+use super::dialogue::Folder;
+use super::{board, client, port, run, session};
+
+/// A board whose nominal values are none of the transducer's: 300 nF as the Nucleo's image has, and a frequency far off.
+const UNKNOWN: [&str; 3] =
+    ["controller.drive.frequency_hz=30e3", "controller.tracking.nominal_q=50", "controller.tracking.nominal_lm_h=none"];
+const COMMAND: &str = "commission --band 30k:45k --max-volts 3";
+
+/// Commissions, and gives the answer or the error.
+fn commissioned(sets: &[&str], command: &str) -> Result<Answer, String> {
+    let sets: Vec<&str> = UNKNOWN.iter().chain(sets).copied().collect();
+    let board = board("lock", &sets, 4);
+    let done = run(command, &mut session(&board)).map_err(|error| error.to_string());
+    is_as_before(&board, command.contains("--yes") && done.is_ok());
+    done.map(|answers| answers.last().expect("an answer").1.clone())
+}
+
+/// The drive is silent, and the board has its settings from before.
+fn is_as_before(board: &Rc<RefCell<SimulatedBoard>>, stored: bool) {
+    let mut session = session(board);
+    let report = session.status().expect("a report");
+    assert_eq!((report.mode, report.fault), (Mode::Idle, None));
+    let kept = if stored { "stored" } else { "nothing" };
+    let expected =
+        format!("settings get drive.frequency_hz\nexpect kept = {kept}\nexpect acts {} 30000", if stored { "!=" } else { "=" });
+    run(&expected, &mut session).unwrap_or_else(|error| panic!("{error}"));
+}
+
+fn field(answer: &Answer, name: &str) -> f64 {
+    answer.fields[name].as_f64().unwrap_or_else(|| panic!("{name}: {answer:?}"))
+}
+
+/// The stack of `lock`: 40 520 Hz, Q 64.6, 300 nF, k 0.25.
+#[test]
+fn an_unknown_transducer_is_found_tested_and_left_as_before() {
+    let answer = commissioned(&[], COMMAND).unwrap();
+    assert!((field(&answer, "series_resonance_hz") - 40_520.0).abs() < 1.0, "{answer:?}");
+    assert!((field(&answer, "locked_hz") - 40_520.0).abs() < 1.0, "{answer:?}");
+    assert!((field(&answer, "q") / 64.6 - 1.0).abs() < 0.01, "{answer:?}");
+    // The images of the DAC take a part of it (docs/transducers.md).
+    assert!((field(&answer, "c0_f") / 300e-9 - 1.0).abs() < 0.02, "{answer:?}");
+    assert!(field(&answer, "board_s") < 3.0, "{answer:?}");
+}
+
+#[test]
+fn on_consent_it_is_stored_and_locks_by_itself() {
+    let sets: Vec<&str> = UNKNOWN.to_vec();
+    let board = board("lock", &sets, 4);
+    let script = format!(
+        "{COMMAND} --max-amps 1 --yes\nreset\nsettings get limits.voltage_v\nexpect acts = 3\nlock\nexpect locked = true"
+    );
+    let answers = run(&script, &mut session(&board)).unwrap();
+    assert!(answers[0].1.fields["stored"].as_bool().unwrap());
+    is_as_before(&board, true);
+}
+
+#[test]
+fn what_is_no_transducer_is_named() {
+    for (sets, name) in [
+        (&["stack.bvd.c0_f=1e-13"][..], "no transducer"),
+        (&["stack.bvd.coupling=0.002"], "a capacitor of"),
+        (&["stack.bvd.series_resonance_hz=50e3"], "outside the band"),
+        (&["stack.bvd={c0_f=1e-10,cm_f=1e-3,lm_h=1e-9,rm_ohm=100.0}"], "a resistor of"),
+        (&["stack.bvd={c0_f=1e-9,cm_f=1e-3,lm_h=1e-9,rm_ohm=0.02}"], "a short"),
+        (&["stack.bvd={c0_f=1e-9,cm_f=1e-3,lm_h=1e-3,rm_ohm=5.0}"], "the current lags the voltage"),
+        (&["stack.mode=[{series_resonance_hz=35e3,q=80.0,lm_h=1.1e-3}]"], "two transducers in parallel"),
+    ] {
+        let error = commissioned(sets, COMMAND).map(|answer| answer.text).unwrap_err();
+        assert!(error.contains(name), "{sets:?}: {error}");
+    }
+    let error = commissioned(&[], "commission --band 5k:45k --max-volts 3").unwrap_err();
+    assert!(error.contains("the converters of this board measure 15625 to 450000 Hz"), "{error}");
+}
+
+#[test]
+fn the_mode_is_chosen_by_its_number() {
+    let two = ["stack.mode=[{series_resonance_hz=35e3,q=80.0,lm_h=1.1e-3}]"];
+    let answer = commissioned(&two, &format!("{COMMAND} --mode 1")).unwrap();
+    assert!((field(&answer, "locked_hz") - 35e3).abs() < 2.2, "{answer:?}");
+    let error = commissioned(&two, &format!("{COMMAND} --mode 3")).unwrap_err();
+    assert!(error.contains("there is no mode 3: 2 were found"), "{error}");
+}
+
+/// Two transducers, each commissioned with a name and stored; back at the first one, its script recalls it.
+#[test]
+fn a_profile_is_recalled_by_its_script() {
+    const SECOND: &str = "stack.bvd.series_resonance_hz=36e3";
+    let put = |board: &Rc<RefCell<SimulatedBoard>>, sets: &[&str]| {
+        let sets: Vec<String> = sets.iter().map(|&set| set.to_owned()).collect();
+        let loaded = load("lock", &sets).unwrap();
+        let scene = loaded.scene.driven().unwrap();
+        board.borrow_mut().change_rig(|rig| rig.inner = breakable_plant(&scene));
+    };
+    let folder = Folder::new("profiles");
+    let file = |name: &str| folder.0.join(name).display().to_string();
+    let commission = |name: &str| format!("{COMMAND} --yes --name {name} -o {}", file(name));
+    let board = board("lock", &UNKNOWN, 4);
+    run(&commission("first"), &mut session(&board)).unwrap();
+    put(&board, &[SECOND]);
+    // The profile of the first one is not that of the second.
+    run("! lock\nfault clear", &mut session(&board)).unwrap();
+    run(&format!("{}\nexpect series_resonance_hz = 36000 +- 1", commission("second")), &mut session(&board)).unwrap();
+    // The lock is within half a per cent of a bandwidth, which is 2.8 Hz there, though it may be driven beside it to measure the clamped branch.
+    run("lock\nwait 0.1\nstatus\nexpect resonance_hz = 36000 +- 2.8", &mut session(&board)).unwrap();
+    put(&board, &[]);
+    let recall = std::fs::read_to_string(format!("{}/settings.txt", file("first"))).unwrap();
+    let answers = run(&format!("{recall}lock\nwait 0.1\nstatus\nexpect resonance_hz = 40520 +- 2.8"), &mut session(&board));
+    answers.unwrap_or_else(|error| panic!("{error}\n{recall}"));
+}
+
+/// A port that presses Ctrl-C after so many frames.
+struct Pressed {
+    port: Box<dyn Port>,
+    left: Cell<u32>,
+    stop: &'static AtomicBool,
+}
+
+impl Port for Pressed {
+    fn name(&self) -> &str {
+        self.port.name()
+    }
+
+    fn send(&mut self, bytes: &[u8]) -> io::Result<()> {
+        self.left.set(self.left.get().wrapping_sub(1));
+        if self.left.get() == 0 {
+            self.stop.store(true, Ordering::Relaxed);
+        }
+        self.port.send(bytes)
+    }
+
+    fn receive(&mut self, into: &mut [u8], wait: Duration) -> io::Result<usize> {
+        self.port.receive(into, wait)
+    }
+
+    fn now(&self) -> Duration {
+        self.port.now()
+    }
+
+    fn reopen(&mut self) -> Result<(), LinkError> {
+        self.port.reopen()
+    }
+
+    fn stands_still(&self) -> bool {
+        self.port.stands_still()
+    }
+}
+
+#[test]
+fn interrupted_anywhere_the_board_is_as_before() {
+    let mut interrupted = 0;
+    for frames in (1..900).step_by(67) {
+        let stop: &'static AtomicBool = Box::leak(Box::default());
+        let sets: Vec<&str> = UNKNOWN.to_vec();
+        let board = board("lock", &sets, 4);
+        let pressed = Pressed { port: port(&board), left: Cell::new(frames + 8), stop };
+        let mut session =
+            Session::begin(Client::new(Box::new(pressed), stop, |note| println!("{note}")), SessionOptions::default()).unwrap();
+        let done = Script::parse("script", COMMAND).unwrap().run(&mut session, |_, _| Ok(()));
+        // Pressed while the settings are restored it ends nothing any more.
+        match done.as_ref().map_err(LinkError::cause) {
+            Err(LinkError::Interrupted) => interrupted += 1,
+            done => assert!(done.is_ok(), "{frames}: {done:?}"),
+        }
+        drop(session);
+        println!("{frames} frames");
+        is_as_before(&board, false);
+    }
+    assert!(interrupted >= 4, "{interrupted}");
+}
+
+/// Every code that the board plays, and every current that flows.
+#[test]
+fn neither_the_volts_nor_the_amperes_are_exceeded() {
+    const VOLTS: f64 = 2.0;
+    const AMPERES: f64 = 0.3;
+    let sets: Vec<&str> = UNKNOWN.to_vec();
+    let board = board("lock", &sets, 400_000);
+    let mut session = Session::begin(client(port(&board)), SessionOptions::default()).unwrap();
+    run(&format!("commission --band 30k:45k --max-volts {VOLTS} --max-amps {AMPERES}"), &mut session).unwrap();
+    let board = board.borrow();
+    let front_end = &board.config().front_end;
+    let (mut volts, mut amperes) = (0.0_f64, 0.0_f64);
+    board.with_rig(|rig| {
+        for exchange in rig.blocks() {
+            let of = |code: u16, mid: u16, per_lsb: f32| (f64::from(code) - f64::from(mid)).abs() * f64::from(per_lsb);
+            for &code in exchange.drive.lanes[0].iter() {
+                volts = volts.max(of(code, front_end.drive_mid_code, front_end.drive_volt_per_lsb));
+            }
+            for &code in exchange.sense.i.iter() {
+                amperes = amperes.max(of(code, front_end.sense_mid_code, front_end.ampere_per_lsb));
+            }
+        }
+    });
+    assert!((0.1..=VOLTS + f64::from(front_end.drive_volt_per_lsb)).contains(&volts), "{volts} V");
+    assert!((0.1..=AMPERES).contains(&amperes), "{amperes} A");
+}
