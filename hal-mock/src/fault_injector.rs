@@ -46,6 +46,8 @@ pub enum FaultKind {
     OverCurrentTrip,
     /// The amplifier reports a fault. An event.
     AmplifierFault,
+    /// The amplifier's supply is outside of its window. An event.
+    Supply,
 }
 
 /// What a board reads that is on fire, degrees Celsius.
@@ -54,7 +56,14 @@ pub const OVERTEMPERATURE_C: f32 = 200.0;
 impl FaultKind {
     /// Whether it lasts from its block on; an event strikes one block.
     pub fn lasts(self) -> bool {
-        !matches!(self, FaultKind::Dropout | FaultKind::LateBlock | FaultKind::OverCurrentTrip | FaultKind::AmplifierFault)
+        !matches!(
+            self,
+            FaultKind::Dropout
+                | FaultKind::LateBlock
+                | FaultKind::OverCurrentTrip
+                | FaultKind::AmplifierFault
+                | FaultKind::Supply
+        )
     }
 }
 
@@ -168,6 +177,7 @@ impl<A> FaultInjector<A> {
             }
             FaultKind::LateBlock => sense.slow.missed_blocks = Some(sense.slow.missed_blocks.unwrap_or(0) + 1),
             FaultKind::AmplifierFault => sense.slow.trips = Some(Trips { amplifier_fault: true, ..Trips::default() }),
+            FaultKind::Supply => sense.slow.trips = Some(Trips { supply: true, ..Trips::default() }),
             FaultKind::OverCurrentTrip => sense.slow.trips = Some(Trips { over_current: true, ..Trips::default() }),
         }
     }

@@ -3,7 +3,7 @@
 
 use firmware::seam::block::{Amplitude, BeltSense, DriveBlock, MAX_LANES, SenseBlock};
 use firmware::seam::config::{
-    Burst, Config, Drive, FrontEnd, HeatSink, Limits, Link, Phasing, Sweep, Thermometer, Tracking, TrackingMode,
+    Burst, Config, Drive, FrontEnd, HeatSink, Limits, Link, Phasing, Supply, Sweep, Thermometer, Tracking, TrackingMode,
 };
 
 use crate::analog::Analog;
@@ -80,6 +80,7 @@ pub fn config() -> Config {
         },
         thermometer: Thermometer::default(),
         heat_sink: HeatSink::default(),
+        supply: Supply::default(),
         limits: Limits { voltage_v: 12.0, current_a: 3.0, belt_stop_ms: 5.0, ..Limits::default() },
         friction: None,
         restraint: None,

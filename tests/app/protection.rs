@@ -37,6 +37,7 @@ fn what_is_certain_mutes_at_once() {
     assert_eq!(struck(FaultKind::Saturation), (Some(Fault::SenseSaturated), 0, latency));
     assert_eq!(struck(FaultKind::OverCurrentTrip), (Some(Fault::OverCurrent), 0, latency));
     assert_eq!(struck(FaultKind::AmplifierFault), (Some(Fault::AmplifierFault), 0, latency));
+    assert_eq!(struck(FaultKind::Supply), (Some(Fault::AmplifierSupply), 0, latency));
 }
 
 #[test]
@@ -88,7 +89,8 @@ fn more_current_than_the_limit_mutes_once_it_is_measured() {
 fn a_silent_driver_does_not_fault() {
     let mut queues = Queues::default();
     let mut bench = bench(&mut queues, &Setup::default());
-    let kinds = [FaultKind::LateBlock, FaultKind::OverCurrentTrip, FaultKind::AmplifierFault, FaultKind::Saturation];
+    let kinds =
+        [FaultKind::LateBlock, FaultKind::OverCurrentTrip, FaultKind::AmplifierFault, FaultKind::Supply, FaultKind::Saturation];
     for kind in kinds.into_iter().chain([FaultKind::BeltStopped]) {
         bench.analog().inner.strike(kind);
         bench.blocks(300);

@@ -24,12 +24,13 @@ pub(crate) use crate::board::parameters::needs::check as check_need;
 pub use crate::board::parameters::needs::{is_idle, need_of};
 use crate::board::stored_state::StoredState;
 use crate::seam::config::{
-    Burst, Chirp, Config, Drive, Friction, FrontEnd, HeatSink, Limits, Link, Parameter, Phasing, Restraint, Thermometer, Tracking,
+    Burst, Chirp, Config, Drive, Friction, FrontEnd, HeatSink, Limits, Link, Parameter, Phasing, Restraint, Supply, Thermometer,
+    Tracking,
 };
 use crate::seam::refusal::Refusal;
 
 /// Largest number of parameters that can be stored.
-pub(crate) const MOST_PARAMETERS: usize = 84;
+pub(crate) const MOST_PARAMETERS: usize = 88;
 
 /// Parameters that differ from their defaults, by their keys.
 pub type Overrides = heapless::Vec<(u8, f32), MOST_PARAMETERS>;
@@ -140,6 +141,7 @@ const TABLES: &[&[Parameter]] = &[
     Thermometer::PARAMETERS,
     Link::PARAMETERS,
     HeatSink::PARAMETERS,
+    Supply::PARAMETERS,
     Config::PARAMETERS,
     Phasing::PARAMETERS,
     Chirp::TIME,

@@ -1,6 +1,6 @@
 //! What voltage and current say: one block's phasors, and its raw codes where the lock-in has seen some that may be out of order.
 
-use crate::seam::block::{Codes, SenseBlock};
+use crate::seam::block::{Codes, SenseBlock, Trips};
 use crate::seam::config::{Config, Tracking};
 use crate::seam::fault::Fault;
 use crate::sense::convert::{CLIPPED_PART, Convert, SenseScale};
@@ -77,7 +77,7 @@ impl Electrical {
         self.wrong_voltage = count(self.wrong_voltage, wrong_voltage);
         self.no_current = count(self.no_current, no_current);
 
-        let tripped = sense.slow.trips.is_some_and(|trips| trips.over_current | trips.amplifier_fault);
+        let tripped = sense.slow.trips.is_some_and(|trips| trips.over_current | trips.amplifier_fault | trips.supply);
         let missed = sense.slow.missed_blocks.is_some_and(|missed| missed > 0);
         let cut = sense.v.len() != self.samples || sense.i.len() != self.samples;
         // Clipping and over-current are looked for where there can be any.
@@ -113,12 +113,15 @@ impl Electrical {
     }
 }
 
-/// What has tripped: an amplifier that says so itself, or the current.
+/// What has tripped: an amplifier that says so itself, its supply, or the current.
 #[cold]
 #[inline(never)]
 fn tripped_by(sense: &SenseBlock) -> Fault {
-    let amplifier = sense.slow.trips.is_some_and(|trips| trips.amplifier_fault);
-    if amplifier { Fault::AmplifierFault } else { Fault::OverCurrent }
+    match sense.slow.trips {
+        Some(Trips { amplifier_fault: true, .. }) => Fault::AmplifierFault,
+        Some(Trips { supply: true, .. }) => Fault::AmplifierSupply,
+        _ => Fault::OverCurrent,
+    }
 }
 
 /// Whether the current explains a voltage that is low, of what was played, V; squares of the other two.

@@ -166,6 +166,8 @@ pub struct Trips {
     pub over_current: bool,
     /// The amplifier says that it has failed, or has protected itself.
     pub amplifier_fault: bool,
+    /// The amplifier's supply is outside of its window.
+    pub supply: bool,
 }
 
 /// The codes to play, for each lane.

@@ -14,6 +14,7 @@ mod parameter;
 mod phasing;
 mod restraint;
 mod setting;
+mod supply;
 mod sweep;
 mod thermometer;
 mod tracking;
@@ -34,6 +35,7 @@ pub use crate::seam::config::parameter::{Parameter, Range, keys};
 pub use crate::seam::config::phasing::{Direction, LaneTrims, MAX_TRIM_POINTS, Phasing, Trim, TrimPoint};
 pub use crate::seam::config::restraint::Restraint;
 pub use crate::seam::config::setting::Setting;
+pub use crate::seam::config::supply::Supply;
 pub use crate::seam::config::sweep::{Around, Chirp, ChirpKind, Sweep, Then};
 pub use crate::seam::config::thermometer::Thermometer;
 pub use crate::seam::config::tracking::{Tracking, TrackingMode};
@@ -78,6 +80,8 @@ pub struct Config {
     pub thermometer: Thermometer,
     /// The thermistor at the amplifier's heat sink.
     pub heat_sink: HeatSink,
+    /// The amplifier's supply.
+    pub supply: Supply,
     /// What must never be exceeded.
     pub limits: Limits,
     /// The friction switch, which then sets amplitude and bursts while running. The drive's amplitude is its maximum.
@@ -133,6 +137,8 @@ impl Config {
         self.tracking.check()?;
         self.thermometer.check()?;
         self.heat_sink.check()?;
+        self.supply.check()?;
+        self.supply.check_window()?;
         self.limits.check()?;
         self.link.check()
     }

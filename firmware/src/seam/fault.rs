@@ -71,6 +71,8 @@ numbered! {
     HostLost = 12, "host lost", "the host said nothing for longer than its timeout while it drove; see --host-timeout and --stay";
     /// The amplifier's own fault output is active: known with that block.
     AmplifierFault = 13, "amplifier fault", "the power amplifier reports a fault of its own: look at its supply, temperature and load";
+    /// The amplifier's supply, where it is measured, is below `supply.min_v` or above `supply.max_v`: known within 11 ms, and before anything is driven.
+    AmplifierSupply = 14, "amplifier supply out of its window", "look at the amplifier's supply, and at `supply.divider`, `supply.min_v` and `supply.max_v`";
     /// A sense channel is offset by more than 5 %, stuck, or for 8 blocks (in the self-test 96) does not show within a factor of 2 the fundamental
     /// that was played, less what a source of 0.5 ohm takes of it under the current; or the stack does not ring down.
     SensorImplausible = 20, "sense channel implausible", "a sense line is open, stuck or offset, or the amplifier is not on";

@@ -25,6 +25,7 @@ pub fn config(scene: &scene::Driven) -> Config {
         tracking: tracking.settings(),
         thermometer: controller.thermometer.settings(),
         heat_sink: config::HeatSink::default(),
+        supply: config::Supply::default(),
         limits: controller.limits.settings(),
         friction: controller.friction.as_ref().map(|friction| friction.with(target(friction), force_factor(tracking) as f32)),
         restraint: controller.restraint.as_ref().map(scene::Restraint::settings),

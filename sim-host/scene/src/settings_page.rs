@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 use std::sync::LazyLock;
 
 use firmware::board::parameters::PARAMETERS;
-use firmware::seam::config::{FrontEnd, HeatSink, Link};
+use firmware::seam::config::{FrontEnd, HeatSink, Link, Supply};
 use firmware::seam::config::{Parameter, Range};
 use schemars::generate::SchemaSettings;
 use serde_json::Value;
@@ -30,6 +30,8 @@ static FRONT_END: LazyLock<Value> =
     LazyLock::new(|| SchemaSettings::draft2020_12().into_generator().into_root_schema_for::<FrontEnd>().to_value());
 static HEAT_SINK: LazyLock<Value> =
     LazyLock::new(|| SchemaSettings::draft2020_12().into_generator().into_root_schema_for::<HeatSink>().to_value());
+static SUPPLY: LazyLock<Value> =
+    LazyLock::new(|| SchemaSettings::draft2020_12().into_generator().into_root_schema_for::<Supply>().to_value());
 static LINK: LazyLock<Value> =
     LazyLock::new(|| SchemaSettings::draft2020_12().into_generator().into_root_schema_for::<Link>().to_value());
 
@@ -46,7 +48,7 @@ pub fn page() -> String {
         section(&mut page, &title, &path, table, &mut listed);
     }
     page += "\n## Of a board alone\n\nNo scene has these: its converters and sensors say what they are worth, and it is its own host.\n";
-    for (path, value) in [("front_end", &FRONT_END), ("heat_sink", &HEAT_SINK), ("link", &LINK)] {
+    for (path, value) in [("front_end", &FRONT_END), ("heat_sink", &HEAT_SINK), ("supply", &SUPPLY), ("link", &LINK)] {
         section(&mut page, &format!("`{path}`"), path, Schema::of(value), &mut listed);
     }
     page += "\n### Other parameters\n\n| name | range | parameter |\n|---|---|---|\n";

@@ -9,7 +9,7 @@
 //! | [`note`] | RAM that a reset leaves as it is |
 //! | [`area`] | pages of flash |
 //! | [`stack_guard`] | a memory protection unit of ARMv7-M |
-//! | [`thermistor`], [`wires`], [`led`] | a thermistor at the heat sink, an encoder with complements, a status LED |
+//! | [`thermistor`], [`supply_window`], [`wires`], [`led`] | a thermistor at the heat sink, the amplifier's supply, an encoder with complements, a status LED |
 //!
 //! All of it is `#[inline]`: it is compiled with the board's package, at the level of that one.
 //!
@@ -60,5 +60,6 @@ pub mod position;
 pub mod reader;
 pub mod stack_guard;
 pub mod step;
+pub mod supply_window;
 pub mod thermistor;
 pub mod wires;

@@ -9,12 +9,14 @@
 //! The supply of the converters is taken as 3.3 V. `docs/board.md` has the circuit.
 
 use firmware::seam::block::Amplitude;
-use firmware::seam::config::{self, Burst, Config, Drive, FrontEnd, HeatSink, Limits, Phasing, Sweep, Thermometer, Tracking};
+use firmware::seam::config::{
+    self, Burst, Config, Drive, FrontEnd, HeatSink, Limits, Phasing, Supply, Sweep, Thermometer, Tracking,
+};
 
 use crate::blocks::BLOCK;
 
 /// Reference of the converters, V.
-const REFERENCE_V: f32 = 3.3;
+pub const REFERENCE_V: f32 = 3.3;
 /// Codes of a converter.
 pub const CODES: f32 = 4096.0;
 /// Volts at the stack per volt of the DAC.
@@ -66,6 +68,7 @@ pub fn config() -> Config {
         tracking: Tracking { span: 0.05, bandwidth_hz: 200.0, nominal_c0_f: Some(300e-9), ..Tracking::new(50.0) },
         thermometer: Thermometer::default(),
         heat_sink: HeatSink::default(),
+        supply: Supply::default(),
         limits: Limits { temperature_c: 85.0, ..Limits::default() },
         friction: None,
         restraint: None,

@@ -9,7 +9,7 @@
 
 /// Temperatures of the calibration, degrees Celsius.
 const CALIBRATED_C: (f32, f32) = (30.0, 130.0);
-/// Temperatures at which the part can run; a sensor that shows others has failed, degrees Celsius.
+/// Temperatures at which the part can run; a sensor that shows others has failed or burns, degrees Celsius.
 const PLAUSIBLE_C: (f32, f32) = (-55.0, 155.0);
 
 /// The factory's calibration, codes of 12 bits at 3.0 V.
@@ -23,13 +23,13 @@ pub struct Calibration {
     pub reference: u16,
 }
 
-/// Degrees Celsius of a sensor's code, beside the code of the internal reference; `None` where that cannot be.
-pub fn celsius(calibration: &Calibration, sensor: u16, reference: u16) -> Option<f32> {
+/// Degrees Celsius of a sensor's code, beside the code of the internal reference. One that cannot be is the hottest, so that the drive stops.
+pub fn celsius(calibration: &Calibration, sensor: u16, reference: u16) -> f32 {
     if calibration.high <= calibration.low || reference == 0 {
-        return None;
+        return PLAUSIBLE_C.1;
     }
     let at_3_v = f32::from(sensor) * f32::from(calibration.reference) / f32::from(reference);
     let (low, high) = (f32::from(calibration.low), f32::from(calibration.high));
     let celsius = CALIBRATED_C.0 + (CALIBRATED_C.1 - CALIBRATED_C.0) * (at_3_v - low) / (high - low);
-    (PLAUSIBLE_C.0..=PLAUSIBLE_C.1).contains(&celsius).then_some(celsius)
+    if (PLAUSIBLE_C.0..=PLAUSIBLE_C.1).contains(&celsius) { celsius } else { PLAUSIBLE_C.1 }
 }

@@ -5,6 +5,7 @@
 
 mod adc;
 mod alarm;
+mod amplifier_supply;
 mod block;
 mod ccmram;
 mod clocks;
@@ -29,6 +30,7 @@ mod uart;
 mod watchdog;
 
 use boards_common::note::{Cause, Note};
+use boards_common::supply_window::SupplyWindow;
 use boards_common::thermistor::Thermistor;
 use cortex_m::peripheral::NVIC;
 use cortex_m::{Peripherals, singleton};
@@ -42,10 +44,11 @@ use firmware::board::settings::Settings;
 use firmware::board::start::Start;
 use firmware::seam::fault::Fault;
 use firmware::seam::telemetry::Telemetry;
-use nucleo_g474re::config::{CODES, config};
+use nucleo_g474re::config::{CODES, REFERENCE_V, config};
 use nucleo_g474re::trips::thresholds;
 use stm32_metapac::{Interrupt, RCC};
 
+use self::amplifier_supply::AmplifierSupply;
 use self::block::BlockInterrupt;
 use self::dac::Lanes;
 use self::encoder::Encoder;
@@ -80,13 +83,14 @@ fn main() -> ! {
 
     supply::watch();
     led::start();
-    let (app, mut thermometer) = build(QUEUES.split(LOANS), start);
+    let (app, mut thermometer, mut amplifier_supply) = build(QUEUES.split(LOANS), start);
     start_blocks(&mut core.NVIC);
     let mut log = Log::default();
     loop {
         // Pins and link of this board cannot fail.
         let _ = app.poll();
         thermometer.poll();
+        amplifier_supply.poll();
         log.look(app.latest());
         led::show(app.latest());
     }
@@ -101,7 +105,7 @@ type Background = App<'static, Link, Enable, Stop, IndependentWatchdog, Pages>;
 fn build(
     (hot_ends, slow_ends): (BlockEnds<'static>, BackgroundEnds<'static>),
     start: Start,
-) -> (&'static mut Background, Thermometer) {
+) -> (&'static mut Background, Thermometer, AmplifierSupply) {
     let link = Link::start();
     let Ok(mut settings) = Settings::new(Pages::SETTINGS) else { panic!("the settings do not fit") };
     let built_in = config();
@@ -117,6 +121,7 @@ fn build(
         Start::TripFailed(failure)
     });
     let thermometer = Thermometer::start(Thermistor::of(&config.heat_sink, CODES));
+    let amplifier_supply = AmplifierSupply::start(SupplyWindow::of(&config.supply, REFERENCE_V, CODES));
     let force = config.front_end.newton_per_lsb.map(ForceChannel::start);
     let encoder = config.front_end.metre_per_count.map(|_| Encoder::start());
     let interrupt = singleton!(: BlockInterrupt = BlockInterrupt::new(task, Lanes::start(config.lanes), encoder, force));
@@ -130,7 +135,7 @@ fn build(
     background.set_option_bytes(options::look());
     #[cfg(feature = "slot")]
     background.set_updates(field::start());
-    (background, thermometer)
+    (background, thermometer, amplifier_supply)
 }
 
 #[expect(unsafe_code, reason = "enabling an interrupt is")]

@@ -3,7 +3,8 @@
 use firmware::generate::shape::sine;
 use firmware::seam::block::{Amplitude, DriveBlock, SenseBlock};
 use firmware::seam::config::{
-    Burst, Config, Drive, Edge, FrontEnd, HeatSink, Limits, Link, Phasing, Schedule, Sweep, Thermometer, Tracking, TrackingMode,
+    Burst, Config, Drive, Edge, FrontEnd, HeatSink, Limits, Link, Phasing, Schedule, Supply, Sweep, Thermometer, Tracking,
+    TrackingMode,
 };
 
 /// Samples in a block, mostly.
@@ -42,6 +43,7 @@ pub fn config(mode: TrackingMode, lanes: u8, samples: usize) -> Config {
         tracking: Tracking { mode, nominal_c0_f: Some(290e-9), ..Tracking::new(50.0) },
         thermometer: Thermometer::default(),
         heat_sink: HeatSink::default(),
+        supply: Supply::default(),
         limits: Limits { voltage_v: 12.0, current_a: 3.0, belt_stop_ms: 5.0, ..Limits::default() },
         friction: None,
         restraint: None,

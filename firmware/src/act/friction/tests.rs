@@ -4,7 +4,7 @@ use super::dahl::friction_ratio;
 use super::*;
 use crate::seam::block::Amplitude;
 use crate::seam::config::{
-    Burst, Drive, Friction, HeatSink, Limits, Link, Phasing, Prefer, Schedule, Sweep, Thermometer, Tracking,
+    Burst, Drive, Friction, HeatSink, Limits, Link, Phasing, Prefer, Schedule, Supply, Sweep, Thermometer, Tracking,
 };
 
 const OMEGA: f32 = core::f32::consts::TAU * 40e3;
@@ -25,6 +25,7 @@ fn config(schedule: Schedule) -> Config {
         tracking: Tracking { span: 0.025, bandwidth_hz: 100.0, nominal_c0_f: Some(300e-9), ..Tracking::new(50.0) },
         thermometer: Thermometer::default(),
         heat_sink: HeatSink::default(),
+        supply: Supply::default(),
         limits: Limits::default(),
         restraint: None,
         link: Link::default(),

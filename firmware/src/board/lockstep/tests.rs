@@ -49,7 +49,7 @@ fn longest_question() -> Question {
         belt: Some(BeltSense { counts: i32::MIN, broken: true }),
         temperature: Some(1.0),
         force: Some(1.0),
-        trips: Some(Trips { over_current: true, amplifier_fault: true }),
+        trips: Some(Trips { over_current: true, amplifier_fault: true, supply: true }),
         missed_blocks: Some(u32::MAX),
     };
     Question { orders, sense: SenseBlock { v: codes(), i: codes(), slow } }
@@ -131,6 +131,7 @@ fn longest_config() -> Config {
         },
         thermometer: Thermometer { hz_per_k: 1.0, c0_per_k: 1.0, ambient_c: 1.0 },
         heat_sink: HeatSink { ohm_at_25_c: Some(1.0), ..HeatSink::default() },
+        supply: Supply::default(),
         limits: Limits {
             voltage_v: 1.0,
             current_a: 1.0,

@@ -7,6 +7,7 @@
 //! | `sweep.*` | `sweep.time_s` |
 //! | `burst.duty` | `burst.period_s` |
 //! | `heat_sink.*` | `heat_sink.ohm_at_25_c` |
+//! | `supply.*` | `supply.divider` |
 //! | `front_end.force_hz` | `front_end.newton_per_lsb` |
 //! | `limits.belt_stop_ms`, `limits.energy_j_per_m`, `restraint.enabled` | `front_end.metre_per_count` |
 //!
@@ -16,19 +17,20 @@
 use crate::board::parameters::{PARAMETERS, Values, place_of};
 use crate::seam::config::keys::{
     BELT_STOP, BURST_DUTY, BURST_PERIOD, ENERGY_PER_METRE, FORCE_HZ, FRICTION_ENABLED, METRE_PER_COUNT, NEWTON_PER_LSB, NTC_OHM,
-    RESTRAINT_ENABLED, SHAPE, SWEEP_TIME,
+    RESTRAINT_ENABLED, SHAPE, SUPPLY_DIVIDER, SWEEP_TIME,
 };
 use crate::seam::error::Error;
 use crate::seam::features;
 use crate::seam::refusal::Refusal;
 
 /// Keys from the first to the second, and the one with which they act.
-const NEEDS: [(u8, u8, u8); 8] = [
+const NEEDS: [(u8, u8, u8); 9] = [
     (BELT_STOP, ENERGY_PER_METRE, METRE_PER_COUNT),
     (RESTRAINT_ENABLED, RESTRAINT_ENABLED, METRE_PER_COUNT),
     (BURST_DUTY, BURST_DUTY, BURST_PERIOD),
     (FORCE_HZ, FORCE_HZ, NEWTON_PER_LSB),
     (NTC_OHM + 1, NTC_OHM + 2, NTC_OHM),
+    (SUPPLY_DIVIDER + 1, SUPPLY_DIVIDER + 2, SUPPLY_DIVIDER),
     (SWEEP_TIME + 1, FRICTION_ENABLED - 1, SWEEP_TIME),
     (FRICTION_ENABLED + 1, RESTRAINT_ENABLED - 1, FRICTION_ENABLED),
     (RESTRAINT_ENABLED + 1, RESTRAINT_ENABLED + 7, RESTRAINT_ENABLED),
@@ -42,7 +44,7 @@ pub fn need_of(key: u8) -> Option<u8> {
 /// Whether a value of the parameter at a place says that there is nothing of it.
 pub fn is_idle(place: usize, value: f32) -> bool {
     match PARAMETERS[place].key {
-        METRE_PER_COUNT | NEWTON_PER_LSB | NTC_OHM | ENERGY_PER_METRE => value.is_infinite(),
+        METRE_PER_COUNT | NEWTON_PER_LSB | NTC_OHM | SUPPLY_DIVIDER | ENERGY_PER_METRE => value.is_infinite(),
         _ => value == 0.0,
     }
 }

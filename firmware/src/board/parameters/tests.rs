@@ -5,7 +5,7 @@ use crate::controller::Controller;
 use crate::seam::block::Amplitude;
 use crate::seam::config::{
     Around, Burst, Chirp, ChirpKind, Choice, Direction, Drive, Edge, Friction, FrictionLaw, FrontEnd, HeatSink, Limits, Link,
-    MAX_WINDOWS, Optional, Phasing, Prefer, Range, Restraint, Schedule, ShapeKind, Sweep, Then, Thermometer, Tracking,
+    MAX_WINDOWS, Optional, Phasing, Prefer, Range, Restraint, Schedule, ShapeKind, Supply, Sweep, Then, Thermometer, Tracking,
     TrackingMode,
 };
 use crate::seam::error::Error;
@@ -42,6 +42,7 @@ pub(crate) fn config() -> Config {
         },
         thermometer: Thermometer::default(),
         heat_sink: HeatSink::default(),
+        supply: Supply::default(),
         limits: Limits::default(),
         friction: None,
         restraint: None,
@@ -85,6 +86,8 @@ fn another(parameter: &Parameter, built_in: f32) -> f32 {
         "front_end.newton_per_lsb" => 1e-3,
         "front_end.force_hz" => 500.0,
         "heat_sink.ohm_at_25_c" => 10e3,
+        "supply.divider" => 11.0,
+        "supply.min_v" => 18.0,
         "friction.target_force_n" => 5.0,
         "sweep.start_hz" => 34e3,
         "sweep.stop_hz" => 46e3,
@@ -114,7 +117,7 @@ fn keys_and_names_are_told_apart_and_zero_is_no_key() {
         assert!(parameter.key != 0 && PARAMETERS[..place].iter().all(|other| other.name != parameter.name), "{}", parameter.name);
     }
     assert!(PARAMETERS.len() <= MOST_PARAMETERS);
-    assert_eq!([0, 32, 65, 93, 255].map(place_of), [Err(Refusal::NoSuchKey); 5]);
+    assert_eq!([0, 32, 65, 96, 255].map(place_of), [Err(Refusal::NoSuchKey); 5]);
 }
 
 #[test]

@@ -4,7 +4,7 @@ use rand_xoshiro::Xoshiro128StarStar;
 use super::*;
 use crate::seam::block::Amplitude;
 use crate::seam::config::{
-    Burst, Direction, Drive, FrontEnd, HeatSink, Limits, Link, Phasing as PhasingConfig, Sweep, Thermometer, Tracking,
+    Burst, Direction, Drive, FrontEnd, HeatSink, Limits, Link, Phasing as PhasingConfig, Supply, Sweep, Thermometer, Tracking,
     TrackingMode,
 };
 
@@ -29,6 +29,7 @@ fn config(lanes: u8) -> Config {
         },
         thermometer: Thermometer::default(),
         heat_sink: HeatSink::default(),
+        supply: Supply::default(),
         limits: Limits { voltage_v: 12.0, ..Limits::default() },
         friction: None,
         restraint: None,

@@ -2,7 +2,7 @@ use super::*;
 use crate::generate::sweep::hold::Hold;
 use crate::seam::block::MAX_LANES;
 use crate::seam::config::{
-    Burst, Direction, Drive, FrontEnd, HeatSink, Limits, Link, Phasing as PhasingConfig, Sweep, Thermometer, Tracking,
+    Burst, Direction, Drive, FrontEnd, HeatSink, Limits, Link, Phasing as PhasingConfig, Supply, Sweep, Thermometer, Tracking,
     TrackingMode,
 };
 use crate::seam::phasor::Phasor;
@@ -25,6 +25,7 @@ fn config(lanes: u8) -> Config {
         tracking: Tracking { mode: TrackingMode::Off, nominal_c0_f: Some(200e-9), ..Tracking::new(50.0) },
         thermometer: Thermometer::default(),
         heat_sink: HeatSink::default(),
+        supply: Supply::default(),
         limits: Limits { voltage_v: 12.0, ..Limits::default() },
         friction: None,
         restraint: None,

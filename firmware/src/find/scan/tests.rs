@@ -7,7 +7,7 @@ use crate::generate::shape::sine;
 use crate::seam::block::Amplitude;
 use crate::seam::block::{DriveBlock, LATENCY_BLOCKS};
 use crate::seam::config;
-use crate::seam::config::{Drive, FrontEnd, HeatSink, Limits, Phasing, Thermometer, Tracking, TrackingMode};
+use crate::seam::config::{Drive, FrontEnd, HeatSink, Limits, Phasing, Supply, Thermometer, Tracking, TrackingMode};
 use crate::seam::transducer::Resonances;
 use crate::sense::demod::demodulate;
 use crate::sense::motional::Motional;
@@ -73,6 +73,7 @@ fn scan(case: &Case, seed: u64) -> Scanned {
         },
         thermometer: Thermometer::default(),
         heat_sink: HeatSink::default(),
+        supply: Supply::default(),
         limits: Limits { voltage_v: 15.0, current_a: 4.0, ..Limits::default() },
         friction: None,
         restraint: None,

@@ -21,6 +21,8 @@ pub mod keys {
     pub const FORCE_HZ: u8 = 58;
     /// `heat_sink.ohm_at_25_c`.
     pub const NTC_OHM: u8 = 59;
+    /// `supply.divider`.
+    pub const SUPPLY_DIVIDER: u8 = 93;
     /// `drive.shape`.
     pub const SHAPE: u8 = 64;
     /// `sweep.time_s`.

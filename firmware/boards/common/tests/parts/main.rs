@@ -9,5 +9,6 @@ mod reader;
 mod rings;
 mod stack_guard;
 mod step;
+mod supply_window;
 mod thermistor;
 mod wires;

@@ -134,6 +134,14 @@ pub fn calibrate(adc: Adc) {
     delay(CYCLES_PER_US);
 }
 
+/// Wakes, calibrates and enables an ADC, once.
+pub fn wake(adc: Adc) {
+    if !adc.cr().read().aden() {
+        calibrate(adc);
+        enable(adc);
+    }
+}
+
 /// Enables an ADC and waits until it is ready: ADC_ISR.ADRDY (21.7.1), ADC_CR.ADEN (21.7.3), RM0440 21.4.9.
 pub fn enable(adc: Adc) {
     adc.isr().write(|w| w.set_adrdy(true));

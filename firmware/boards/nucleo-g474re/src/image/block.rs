@@ -20,7 +20,7 @@ use super::dma::Place;
 use super::encoder::Encoder;
 use super::force::ForceChannel;
 use super::pins::Pin;
-use super::{adc, panic, protection, temperature};
+use super::{adc, amplifier_supply, panic, protection, temperature};
 
 /// Blocks so far.
 static COUNT: AtomicU32 = AtomicU32::new(0);
@@ -96,9 +96,13 @@ impl BlockInterrupt {
         let broken = protection::look();
         self.sense.slow = SlowSense {
             belt: self.encoder.as_mut().map(Encoder::read),
-            temperature: temperature::latest(),
+            temperature: Some(temperature::latest()),
             force: self.force.as_mut().and_then(ForceChannel::read),
-            trips: Some(Trips { over_current: broken.over_current, amplifier_fault: broken.amplifier_fault }),
+            trips: Some(Trips {
+                over_current: broken.over_current,
+                amplifier_fault: broken.amplifier_fault,
+                supply: amplifier_supply::is_out(),
+            }),
             // The cycle counter stands while a debugger has halted the processor.
             missed_blocks: Some(self.beat.missed(began) + u32::from(self.late) + u32::from(broken.stood)),
         };

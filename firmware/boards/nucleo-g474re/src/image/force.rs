@@ -29,8 +29,7 @@ impl ForceChannel {
     /// Starts the channel, after the clock of ADC3 to ADC5 was set (`temperature.rs`). Its first reading comes with the second block.
     pub fn start(newton_per_lsb: f32) -> Self {
         Pin::new(GPIOB, 0).analog();
-        adc::calibrate(ADC3);
-        adc::enable(ADC3);
+        adc::wake(ADC3);
         adc::sequence(ADC3, CHANNEL, SampleTime::CYCLES47_5);
         // ADC_CFGR2 (21.7.5): sums of sixteen, not shifted, all by one trigger.
         ADC3.cfgr2().modify(|w| {

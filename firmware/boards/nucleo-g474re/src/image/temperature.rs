@@ -29,12 +29,12 @@ const VREFINT_CAL: *const u16 = 0x1fff_75aa as *const u16;
 /// Cycles between two measurements: a tenth of a second.
 const EVERY: u32 = 100_000 * CYCLES_PER_US;
 
-/// The latest temperature, as bits of degrees Celsius; not a number is none.
-static LATEST: AtomicU32 = AtomicU32::new(f32::NAN.to_bits());
+/// The latest temperature, as bits of degrees Celsius.
+static LATEST: AtomicU32 = AtomicU32::new(0);
 
-/// The latest measurement, degrees Celsius.
-pub fn latest() -> Option<f32> {
-    Some(f32::from_bits(LATEST.load(Ordering::Relaxed))).filter(|celsius| !celsius.is_nan())
+/// The latest measurement, degrees Celsius; there is one before the first block.
+pub fn latest() -> f32 {
+    f32::from_bits(LATEST.load(Ordering::Relaxed))
 }
 
 /// The sensor.
@@ -53,12 +53,10 @@ impl Thermometer {
             w.set_vsenseen(true);
             w.set_vrefen(true);
         });
-        adc::calibrate(ADC5);
-        adc::enable(ADC5);
+        adc::wake(ADC5);
         if thermistor.is_some() {
             Pin::new(GPIOB, 14).analog();
-            adc::calibrate(ADC4);
-            adc::enable(ADC4);
+            adc::wake(ADC4);
         }
         // t_START of the sensor is 120 us at most (DS12288).
         delay(120 * CYCLES_PER_US);
@@ -78,8 +76,7 @@ impl Thermometer {
 
     fn measure(&mut self) {
         self.measured = DWT::cycle_count();
-        let own = celsius(&self.calibration, adc::convert(ADC5, SENSOR), adc::convert(ADC5, REFERENCE)).unwrap_or(f32::NAN);
-        // `max` takes the number where the other is none.
+        let own = celsius(&self.calibration, adc::convert(ADC5, SENSOR), adc::convert(ADC5, REFERENCE));
         let hottest = self.thermistor.map_or(own, |thermistor| thermistor.celsius(adc::convert(ADC4, THERMISTOR)).max(own));
         LATEST.store(hottest.to_bits(), Ordering::Relaxed);
     }
