@@ -74,9 +74,17 @@ impl<'a> BlockTask<'a> {
 
     /// Leaves the trims of a calibration that has been completed; where there is no room yet, with a later block.
     fn tell_of_calibration(&mut self) {
-        let completed = self.controller.calibrations();
-        if completed != self.reported && self.trims_out.enqueue(self.controller.calibration().clone()).is_ok() {
-            self.reported = completed;
+        if self.controller.calibrations() != self.reported {
+            self.tell();
+        }
+    }
+
+    // Once in a calibration: the fast memory of a board has no room for it.
+    #[cold]
+    #[inline(never)]
+    fn tell(&mut self) {
+        if self.trims_out.enqueue(self.controller.calibration().clone()).is_ok() {
+            self.reported = self.controller.calibrations();
         }
     }
 }

@@ -63,18 +63,7 @@ impl Stages {
                 self.calibrate.begin(chain);
                 Step::Silence
             }
-            Mode::SelfTest => {
-                let step = self.self_test.step(chain, measured);
-                if matches!(step, Step::Done { .. }) {
-                    let c0_f = self.self_test.capacitance_f();
-                    self.clamped.prepare(chain.track.noise, c0_f);
-                    if let Some(c0_f) = c0_f {
-                        self.scan.reckon_with(c0_f);
-                        chain.track.tracker.reckon_with(c0_f);
-                    }
-                }
-                step
-            }
+            Mode::SelfTest => self.test(chain, measured),
             Mode::Scan => self.scan.step(chain, measured),
             Mode::Clamped => {
                 let step = self.clamped.step(chain, measured);
@@ -94,6 +83,21 @@ impl Stages {
                 step
             }
         }
+    }
+
+    /// The self-test, and what it leaves to those that come after it.
+    #[inline(never)]
+    fn test(&mut self, chain: &mut Chain, measured: &Measured) -> Step {
+        let step = self.self_test.step(chain, measured);
+        if matches!(step, Step::Done { .. }) {
+            let c0_f = self.self_test.capacitance_f();
+            self.clamped.prepare(chain.track.noise, c0_f);
+            if let Some(c0_f) = c0_f {
+                self.scan.reckon_with(c0_f);
+                chain.track.tracker.reckon_with(c0_f);
+            }
+        }
+        step
     }
 
     /// Prepares the stage that a lost lock goes back to, or that takes the place of another one.

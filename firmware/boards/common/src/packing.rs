@@ -79,11 +79,15 @@ pub fn drive<const AHEAD: usize, Place>(
                 put(place, word(*first, silence));
             }
         }
-        _ => {
-            head.iter().for_each(|place| put(place, word(silence, silence)));
-            tail.iter().for_each(|place| put(place, word(silence, silence)));
-        }
+        _ => hush(head.iter().chain(tail), word(silence, silence), put),
     }
+}
+
+/// Leaves the same word in every place.
+#[cold]
+#[inline(never)]
+fn hush<'a, Place: 'a>(places: impl Iterator<Item = &'a Place>, word: u32, put: impl Fn(&Place, u32)) {
+    places.for_each(|place| put(place, word));
 }
 
 /// Two codes as one word.
