@@ -79,6 +79,12 @@ impl Stretch {
 }
 
 impl Phases {
+    /// Where the frequency stands, the first phase, and what lies between two.
+    #[inline]
+    pub(crate) fn steady(&self) -> Option<(u32, u32)> {
+        (self.step == 0).then_some((self.phase, self.word))
+    }
+
     /// The next phase, 2^32 a turn.
     #[inline]
     pub(crate) fn take(&mut self) -> u32 {

@@ -45,16 +45,34 @@ impl Wave {
 
     /// What two tables hold.
     pub(super) fn read(&mut self, blend: &Blend, mut phases: Phases, samples: usize) {
-        let Blend { lower, upper: table, weight } = blend;
-        let places = self.first(samples).iter_mut();
-        if *weight == 1.0 {
-            return places.for_each(|place| *place = table.at(phases.take()));
+        if blend.weight == 1.0 {
+            return self.first(samples).iter_mut().for_each(|place| *place = blend.upper.at(phases.take()));
         }
+        // Where the frequency stands, a sample takes a tenth less.
+        match phases.steady() {
+            Some((mut phase, word)) => self.mix(blend, samples, || {
+                let now = phase;
+                phase = phase.wrapping_add(word);
+                now
+            }),
+            None => self.mix_moving(blend, samples, phases),
+        }
+    }
+
+    /// Two tables at a frequency that moves.
+    #[inline(never)]
+    fn mix_moving(&mut self, blend: &Blend, samples: usize, mut phases: Phases) {
+        self.mix(blend, samples, || phases.take());
+    }
+
+    /// What two tables hold at the next phases.
+    #[inline(always)]
+    fn mix(&mut self, blend: &Blend, samples: usize, mut next: impl FnMut() -> u32) {
         // Of 2^31, which half a difference is multiplied by, and shifted back.
-        let weight = (weight * 2_147_483_648.0) as i32;
-        for place in places {
-            let phase = phases.take();
-            let (low, high) = (lower.at(phase), table.at(phase));
+        let weight = (blend.weight * 2_147_483_648.0) as i32;
+        for place in self.first(samples) {
+            let phase = next();
+            let (low, high) = (blend.lower.at(phase), blend.upper.at(phase));
             *place = low + (upper((high - low) >> 1, weight) << 2);
         }
     }
