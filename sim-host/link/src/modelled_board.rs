@@ -147,7 +147,12 @@ const BEGINS_WITHIN: Duration = Duration::from_millis(100);
 
 /// Runs a scene on an image, and gives its replay.
 pub fn record(elf: &[u8], scene: &Driven, options: Options, stop: &'static AtomicBool) -> Result<Replay, RecordError> {
-    let board = Rc::new(RefCell::new(Board::start(elf, scene, Options { record: true, ..options })?));
+    record_on(Board::start(elf, scene, Options { record: true, ..options })?, scene, stop)
+}
+
+/// Runs a scene on a board that was started with it, and [records](Options::record), and gives its replay.
+pub fn record_on(board: Board, scene: &Driven, stop: &'static AtomicBool) -> Result<Replay, RecordError> {
+    let board = Rc::new(RefCell::new(board));
     let mut client = Client::new(Box::new(Simulated::new("the modelled board", board.clone(), false)), stop, |_| ());
     let ordered = order(&mut client, scene);
     // A board that is reset answers too late, or not at all: the reset is the cause.

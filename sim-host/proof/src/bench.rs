@@ -25,7 +25,7 @@ pub struct Bench {
 }
 
 /// All benches, in the order in which they run.
-pub const BENCHES: [Bench; 13] = [
+pub const BENCHES: [Bench; 14] = [
     Bench {
         name: "tracking",
         about: "every tracking case over many seeds, against targets, Cramer-Rao bounds and the numbers of its faults",
@@ -81,6 +81,13 @@ pub const BENCHES: [Bench; 13] = [
         has_quick: true,
         suite: None,
         run: board_scenes::evidence,
+    },
+    Bench {
+        name: "slot-scenes",
+        about: "the same by the image in the slot behind a first stage, which can be updated",
+        has_quick: true,
+        suite: None,
+        run: board_scenes::in_slot,
     },
     Bench {
         name: "update-cuts",

@@ -9,7 +9,8 @@
 use std::sync::atomic::AtomicBool;
 
 use board::configure::load;
-use link::modelled_board::record;
+use board::recording::Replay;
+use link::modelled_board::{record, record_on};
 use nucleo_g474re::blocks::CYCLES_PER_BLOCK;
 use rayon::prelude::*;
 use report::{Report, TableBlock, verdict};
@@ -21,6 +22,7 @@ use sim::study::monte_carlo::draw::Draws;
 use sim::study::{self, Level, Options as StudyOptions, Outcome, Start};
 
 use crate::evidence::{Error, Evidence, Options};
+use crate::field_update::boards::FieldImages;
 
 /// The most of a block's cycles that a scene may take, %: a gate.
 const BUDGET: f64 = 96.0;
@@ -111,13 +113,46 @@ pub(crate) const CASES: &[Case] = &[
     Case::of("waveforms-fast", WAVES),
 ];
 
-/// Runs the scenes.
+/// How the image is flashed.
+enum Flashed {
+    /// By itself.
+    Alone(Vec<u8>),
+    /// Into the slot behind the first stage, where it can be updated.
+    InSlot(Box<FieldImages>),
+}
+
+impl Flashed {
+    /// Runs a scene, and gives its replay.
+    fn record(&self, scene: &Driven) -> Result<Replay, RunError> {
+        let failed = |error: anyhow::Error| RunError::NoProcessor(error.into());
+        match self {
+            Flashed::Alone(elf) => record(elf, scene, board::Options::default(), &NEVER).map_err(|error| failed(error.into())),
+            Flashed::InSlot(images) => {
+                let recorded = board::Options { record: true, ..board::Options::default() };
+                let board = images.started(scene, recorded).map_err(|error| failed(error.into()))?;
+                record_on(board, scene, &NEVER).map_err(|error| failed(error.into()))
+            }
+        }
+    }
+}
+
+/// Runs the scenes on the image that is flashed by itself.
 pub fn evidence(options: &mut Options) -> Result<Evidence, Error> {
     let elf = std::fs::read(pil::board_image()?)
         .map_err(|error| pil::PilError::Missing(format!("the image cannot be read: {error}")))?;
+    scenes(&Flashed::Alone(elf), "board-scenes", "Scenes by the flashed image", options)
+}
+
+/// Runs the scenes on the image in the slot behind the first stage.
+pub fn in_slot(options: &mut Options) -> Result<Evidence, Error> {
+    scenes(&Flashed::InSlot(FieldImages::built()?.into()), "slot-scenes", "Scenes by the image behind a first stage", options)
+}
+
+fn scenes(flashed: &Flashed, id: &str, title: &str, options: &mut Options) -> Result<Evidence, Error> {
     let cases: Vec<&Case> = CASES.iter().filter(|case| case.quick || !options.quick).collect();
     (options.progress)("the flashed image");
-    let ran = cases.into_par_iter().map(|case| run(case, &elf).map(|ran| (case.name(), ran))).collect::<Result<Vec<_>, _>>()?;
+    let ran =
+        cases.into_par_iter().map(|case| run(case, flashed).map(|ran| (case.name(), ran))).collect::<Result<Vec<_>, _>>()?;
     let missed = ran.iter().filter_map(|(scene, ran)| ran.failed.as_ref().map(|failed| format!("{scene}: {failed}"))).collect();
     let caption = "By the flashed image on the model of its part, at its own speed. Cycles are those that a block costs, %: of those that it has. Of a scene of many runs the first one. Replayed on the host bit for bit: orders, codes of the converters, codes that left the DAC.";
     let header = [
@@ -133,16 +168,10 @@ pub fn evidence(options: &mut Options) -> Result<Evidence, Error> {
         "expectations",
         "",
     ];
-    let table = TableBlock::new(
-        "board-scenes",
-        "Scenes by the flashed image",
-        caption,
-        &header,
-        ran.into_iter().map(|(_, ran)| ran.row).collect(),
-    );
+    let table = TableBlock::new(id, title, caption, &header, ran.into_iter().map(|(_, ran)| ran.row).collect());
     Ok(Evidence {
         missed,
-        report: Report { title: "Scenes by the flashed image".into(), tables: vec![table.clone()], ..Report::default() },
+        report: Report { title: title.into(), tables: vec![table.clone()], ..Report::default() },
         docs: vec![table],
         ..Evidence::default()
     })
@@ -179,13 +208,9 @@ pub(crate) fn loaded(case: &Case) -> Result<Loaded, LoadError> {
     all.cell(&draws.draw(1).sets(&draws.keys))
 }
 
-fn run(case: &Case, elf: &[u8]) -> Result<Ran, Error> {
+fn run(case: &Case, flashed: &Flashed) -> Result<Ran, Error> {
     let loaded = loaded(case)?;
-    let start = |scene: &Driven| {
-        let replay =
-            record(elf, scene, board::Options::default(), &NEVER).map_err(|error| RunError::NoProcessor(error.into()))?;
-        Ok(Box::new(replay) as Box<dyn Processor>)
-    };
+    let start = |scene: &Driven| Ok(Box::new(flashed.record(scene)?) as Box<dyn Processor>);
     let studied = study::run(
         &loaded,
         StudyOptions { start: Some(Start { level: Level::Board, processor: &start }), ..StudyOptions::default() },

@@ -20,14 +20,25 @@ pub fn sense<Place>(places: &[Place], read: impl Fn(&Place) -> u32, sense: &mut 
         let word = read(place);
         (word as u16, (word >> 16) as u16)
     };
-    let ((fours, rest), (v_fours, v_rest), (i_fours, i_rest)) =
-        (places.as_chunks::<4>(), v.as_chunks_mut::<4>(), i.as_chunks_mut::<4>());
-    // Written out: a compiler that saves code leaves a loop of four here.
-    for (([p0, p1, p2, p3], [v0, v1, v2, v3]), [i0, i1, i2, i3]) in fours.iter().zip(v_fours).zip(i_fours) {
+    let four = |[p0, p1, p2, p3]: &[Place; 4], [v0, v1, v2, v3]: &mut [u16; 4], [i0, i1, i2, i3]: &mut [u16; 4]| {
         (*v0, *i0) = separate(p0);
         (*v1, *i1) = separate(p1);
         (*v2, *i2) = separate(p2);
         (*v3, *i3) = separate(p3);
+    };
+    let ((fours, rest), (v_fours, v_rest), (i_fours, i_rest)) =
+        (places.as_chunks::<4>(), v.as_chunks_mut::<4>(), i.as_chunks_mut::<4>());
+    let ((places, fours), (v, v_fours), (i, i_fours)) =
+        (fours.as_chunks::<4>(), v_fours.as_chunks_mut::<4>(), i_fours.as_chunks_mut::<4>());
+    // Sixteen, written out: a compiler that saves code leaves a loop of one here.
+    for (([p0, p1, p2, p3], [v0, v1, v2, v3]), [i0, i1, i2, i3]) in places.iter().zip(v).zip(i) {
+        four(p0, v0, i0);
+        four(p1, v1, i1);
+        four(p2, v2, i2);
+        four(p3, v3, i3);
+    }
+    for ((places, v), i) in fours.iter().zip(v_fours).zip(i_fours) {
+        four(places, v, i);
     }
     for ((place, v), i) in rest.iter().zip(v_rest).zip(i_rest) {
         (*v, *i) = separate(place);
@@ -53,14 +64,25 @@ pub fn drive<const AHEAD: usize, Place>(
             for ((place, first), second) in head.iter().zip(first).zip(second) {
                 put(place, word(*first, *second));
             }
-            let ((fours, rest), (firsts, first_rest)) = (tail.as_chunks::<4>(), firsts.as_chunks::<4>());
-            let (seconds, second_rest) = seconds.as_chunks::<4>();
-            // Written out: a compiler that saves code leaves a loop of four here.
-            for (([p0, p1, p2, p3], [a0, a1, a2, a3]), [b0, b1, b2, b3]) in fours.iter().zip(firsts).zip(seconds) {
+            let four = |[p0, p1, p2, p3]: &[Place; 4], [a0, a1, a2, a3]: &[u16; 4], [b0, b1, b2, b3]: &[u16; 4]| {
                 put(p0, word(*a0, *b0));
                 put(p1, word(*a1, *b1));
                 put(p2, word(*a2, *b2));
                 put(p3, word(*a3, *b3));
+            };
+            let ((fours, rest), (firsts, first_rest)) = (tail.as_chunks::<4>(), firsts.as_chunks::<4>());
+            let (seconds, second_rest) = seconds.as_chunks::<4>();
+            let ((places, fours), (firsts, first_fours)) = (fours.as_chunks::<4>(), firsts.as_chunks::<4>());
+            let (seconds, second_fours) = seconds.as_chunks::<4>();
+            // Sixteen, written out: a compiler that saves code leaves a loop of one here.
+            for (([p0, p1, p2, p3], [a0, a1, a2, a3]), [b0, b1, b2, b3]) in places.iter().zip(firsts).zip(seconds) {
+                four(p0, a0, b0);
+                four(p1, a1, b1);
+                four(p2, a2, b2);
+                four(p3, a3, b3);
+            }
+            for ((places, firsts), seconds) in fours.iter().zip(first_fours).zip(second_fours) {
+                four(places, firsts, seconds);
             }
             for ((place, first), second) in rest.iter().zip(first_rest).zip(second_rest) {
                 put(place, word(*first, *second));
@@ -68,12 +90,22 @@ pub fn drive<const AHEAD: usize, Place>(
         }
         (Some((first, firsts)), None) => {
             head.iter().zip(first).for_each(|(place, first)| put(place, word(*first, silence)));
-            let ((fours, rest), (firsts, first_rest)) = (tail.as_chunks::<4>(), firsts.as_chunks::<4>());
-            for ([p0, p1, p2, p3], [a0, a1, a2, a3]) in fours.iter().zip(firsts) {
+            let four = |[p0, p1, p2, p3]: &[Place; 4], [a0, a1, a2, a3]: &[u16; 4]| {
                 put(p0, word(*a0, silence));
                 put(p1, word(*a1, silence));
                 put(p2, word(*a2, silence));
                 put(p3, word(*a3, silence));
+            };
+            let ((fours, rest), (firsts, first_rest)) = (tail.as_chunks::<4>(), firsts.as_chunks::<4>());
+            let ((places, fours), (firsts, first_fours)) = (fours.as_chunks::<4>(), firsts.as_chunks::<4>());
+            for ([p0, p1, p2, p3], [a0, a1, a2, a3]) in places.iter().zip(firsts) {
+                four(p0, a0);
+                four(p1, a1);
+                four(p2, a2);
+                four(p3, a3);
+            }
+            for (places, firsts) in fours.iter().zip(first_fours) {
+                four(places, firsts);
             }
             for (place, first) in rest.iter().zip(first_rest) {
                 put(place, word(*first, silence));

@@ -7,13 +7,14 @@ use std::time::Duration;
 
 use board::configure::load;
 use board::update_file::{identity_offset, pack};
-use board::{Board, Options};
+use board::{Board, BoardError, Options};
 use firmware::board::command::{Command, Reply};
 use firmware::board::link::encode;
 use firmware::board::update::{CHUNK, UpdateReport, UpdateState, UpdateVerb};
 use link::client::Client;
 use link::port::Simulated;
 use nucleo_g474re::slots::{STATE, STORE};
+use scene::Driven;
 use stm32g474::{Defect, FlashOperation, Ram, Rule, Verdict};
 use update::identity::NAME;
 use update::key::DEVELOPMENT_SEED;
@@ -43,6 +44,18 @@ impl FieldImages {
         let (first_stage, elf) = (read(first_stage)?, read(elf)?);
         let [old, new] = [1, 2].map(|major| file(&elf, major));
         Ok(FieldImages { first_stage, old: old?, new: new?, elf })
+    }
+
+    /// A board with the old image in its slot, and with the settings of a scene, that was just powered.
+    fn power(&self, scene: &Driven, options: Options) -> Result<Board, BoardError> {
+        Board::start_in_slot(&self.first_stage, &self.old, &self.elf, scene, options)
+    }
+
+    /// The same, once the first stage has let the image begin.
+    pub fn started(&self, scene: &Driven, options: Options) -> Result<Board, CampaignError> {
+        let mut board = self.power(scene, options)?;
+        started(&mut board)?;
+        Ok(board)
     }
 }
 
@@ -152,8 +165,7 @@ pub fn prepared(images: &FieldImages, phase: Phase) -> Result<(Board, Vec<FlashO
 fn powered(images: &FieldImages) -> Result<Board, CampaignError> {
     let loaded = load("dummy-load", &[])?;
     let scene = loaded.scene.driven().ok_or(CampaignError::NotThere("a drive"))?;
-    let options = Options::default();
-    let mut board = Board::start_in_slot(&images.first_stage, &images.old, &images.elf, &scene, options)?;
+    let mut board = images.power(&scene, Options::default())?;
     // What a cut leaves is read as damaged: both images are to bear that.
     board.machine_mut().chip.lint.set(Rule::EccDouble, Verdict::Collect);
     Ok(board)
