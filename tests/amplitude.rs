@@ -61,3 +61,64 @@ fn a_soft_start_takes_its_time() {
     }
     assert!(record.rows.iter().all(|row| row.fault == 0));
 }
+
+/// Current at the amplifier: of the resonance, which is in phase with the voltage, and of the 300 nF beside it, A peak.
+fn amperes(row: &Row) -> f64 {
+    row.motional_current_a.hypot(std::f64::consts::TAU * 40e3 * 300e-9 * row.drive_v)
+}
+
+/// Six volts would take a third more current than the limit, through the resonance alone.
+#[test]
+fn an_order_beyond_the_current_limit_is_folded_back_and_trips_nothing() {
+    for (q, limit_a) in [(65.0, 1.45), (120.0, 2.2), (200.0, 3.0)] {
+        let sets = [format!("stack.bvd.q={q}"), format!("controller.limits.current_a={limit_a}")];
+        let sets: Vec<&str> = sets.iter().map(String::as_str).chain(["controller.drive.amplitude_v=6"]).collect();
+        let record = record(&sets);
+        let (most, end) = (record.rows.iter().map(amperes).fold(0.0, f64::max), before(&record, 0.2, amperes));
+        let (fault, limit) = record.rows.last().map(|row| (row.fault, row.limit)).unwrap();
+        println!("Q {q}: {most:.3} A at most of {limit_a}, {end:.3} A at the end, fault {fault}, limit {limit}");
+        assert_eq!((fault, limit), (0, 108), "Q {q}");
+        assert!(most < limit_a && (end / limit_a / 0.95 - 1.0).abs() < 0.02, "Q {q}: {most} A, {end} A");
+    }
+}
+
+/// A load that comes off at once leaves a third of the resistance, or a tenth; blocks of 100 samples act too late for the latter.
+#[test]
+fn a_load_that_comes_off_folds_the_drive_back_before_it_trips() {
+    for (q, samples) in [(65.0, 32), (200.0, 32), (65.0, 100)] {
+        let (to, block) = (format!("disturbance.0.to={q}"), format!("controller.block_samples={samples}"));
+        let record = record(&[
+            "stack.bvd.q=20",
+            "controller.tracking.nominal_q=20",
+            "controller.drive.amplitude_v=12",
+            "controller.limits.current_a=3",
+            "disturbance.0.at_s=0.1",
+            "disturbance.0.key=stack.bvd.q",
+            &to,
+            &block,
+        ]);
+        let (most, end) = (record.rows.iter().map(amperes).fold(0.0, f64::max), before(&record, 0.2, amperes));
+        println!("Q 20 to {q}: {:.3} A before, {most:.3} A at most, {end:.3} A at the end", before(&record, 0.1, amperes));
+        assert!(record.rows.iter().all(|row| row.fault == 0), "Q {q}");
+        assert!(most < 3.0 && (end / 2.85 - 1.0).abs() < 0.02, "Q {q}: {most} A, {end} A");
+    }
+}
+
+/// Each burst begins with what the one before has shown of the load.
+#[test]
+fn bursts_are_folded_back_too() {
+    for edge in ["hard", "boost"] {
+        let edge = format!("controller.burst.edge={edge}");
+        let record = record(&[
+            "controller.drive.amplitude_v=12",
+            "controller.limits.current_a=3",
+            "controller.burst.period_s=0.01",
+            "controller.burst.duty=0.5",
+            &edge,
+        ]);
+        let most = record.rows.iter().map(amperes).fold(0.0, f64::max);
+        let folded = record.rows.iter().filter(|row| row.limit == 108).count();
+        println!("{edge}: {most:.3} A at most, folded in {folded} blocks of {}", record.rows.len());
+        assert!(record.rows.iter().all(|row| row.fault == 0) && most < 3.0 && folded > 1000, "{edge}: {most} A");
+    }
+}

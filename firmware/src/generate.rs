@@ -11,6 +11,7 @@
 pub(crate) mod amplitude;
 pub mod burst;
 pub(crate) mod drive_scale;
+pub(crate) mod fold_back;
 pub mod nco;
 pub mod phasing;
 pub mod shape;

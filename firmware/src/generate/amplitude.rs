@@ -8,9 +8,10 @@
 //! set-point through the same lag): it holds still through the edges of a burst and corrects only what the load does.
 
 use crate::generate::drive_scale::DriveScale;
+use crate::generate::fold_back::FoldBack;
 use crate::generate::phasing;
 use crate::seam::block::Amplitude;
-use crate::seam::compare::larger;
+use crate::seam::compare::{larger, smaller};
 use crate::seam::config::{Config, Drive, Limits};
 use crate::seam::error::Error;
 use crate::seam::phasor::{Phasor, magnitude};
@@ -39,6 +40,8 @@ pub(crate) struct AmplitudeLoop {
     integral_volts: f32,
     volts: f32,
     limited: bool,
+    fold_back: FoldBack,
+    folded: bool,
     /// Part by which the amplitude rises a block at the start, the part that it has risen to, and the motional current that it rises from, A.
     rise: f32,
     risen: f32,
@@ -78,6 +81,8 @@ impl AmplitudeLoop {
             integral_volts: config.drive.scan_volts,
             volts: config.drive.scan_volts,
             limited: false,
+            fold_back: FoldBack::build(config.limits.current_a),
+            folded: false,
             rise: if config.drive.soft_start_s > block_s { block_s / config.drive.soft_start_s } else { 1.0 },
             risen: 0.0,
             rises_from_a: 0.0,
@@ -105,6 +110,7 @@ impl AmplitudeLoop {
         self.lag = (self.block_s / transducer.time_constant_s()).min(1.0);
         self.expected = motional_current;
         (self.risen, self.rises_from_a) = (0.0, motional_current);
+        self.fold_back.begin(transducer.lm_h, self.block_s, self.lag);
         self.integral_volts = self.start_volts;
         self.within = 0;
         self.asked = None;
@@ -114,6 +120,15 @@ impl AmplitudeLoop {
     pub(crate) fn has_rung_up(&mut self) {
         if let Some(asked) = self.asked {
             self.expected = asked;
+        }
+    }
+
+    /// Takes the motional current of a block, what it was played with, V, if that was the same throughout, and the susceptance of the clamped branch, S.
+    #[inline]
+    pub(crate) fn watch_current(&mut self, volts: Option<f32>, motional_current: Phasor, susceptance: f32) {
+        match volts {
+            Some(volts) => self.fold_back.watch(volts, magnitude(motional_current), susceptance),
+            None => self.fold_back.interrupt(),
         }
     }
 
@@ -127,8 +142,9 @@ impl AmplitudeLoop {
             }
             Amplitude::MotionalCurrent(amperes) => self.hold(amperes, envelope, motional_current),
         };
-        self.limited = asked > self.limits.voltage_v;
-        self.volts = up_to(self.limits.voltage_v, asked);
+        let most = self.most_now();
+        (self.limited, self.folded) = (asked > most, asked > most && most < self.limits.voltage_v);
+        self.volts = up_to(most, asked);
     }
 
     /// Peak voltage to drive with, V.
@@ -151,6 +167,11 @@ impl AmplitudeLoop {
         self.limits.voltage_v
     }
 
+    /// The most voltage at present: within its own limit, and such that the current stays within its.
+    fn most_now(&self) -> f32 {
+        smaller(self.limits.voltage_v, self.fold_back.ceiling())
+    }
+
     /// The current limit, A.
     pub(crate) fn most_amperes(&self) -> f32 {
         self.limits.current_a
@@ -166,7 +187,12 @@ impl AmplitudeLoop {
         self.within >= SETTLED.1 || self.limited
     }
 
-    /// Whether the voltage limit stops the loop or the order from getting what it wants.
+    /// Whether it is the current limit that does so.
+    pub(crate) fn folded(&self) -> bool {
+        self.folded
+    }
+
+    /// Whether a limit stops the loop or the order from getting what it wants.
     pub(crate) fn limited(&self) -> bool {
         self.limited
     }
@@ -214,13 +240,13 @@ impl AmplitudeLoop {
             return self.integral_volts;
         }
         let integral_gain = core::f32::consts::TAU * BANDWIDTH_HZ * self.block_s;
-        self.integral_volts = up_to(self.limits.voltage_v, self.integral_volts + integral_gain * error_volts);
+        self.integral_volts = up_to(self.most_now(), self.integral_volts + integral_gain * error_volts);
         self.integral_volts + error_volts * integral_gain / self.lag
     }
 }
 
 /// `value` between zero and `limit`; a not-a-number, which an order might carry, is zero.
-fn up_to(limit: f32, value: f32) -> f32 {
+pub(crate) fn up_to(limit: f32, value: f32) -> f32 {
     match value {
         value if value > limit => limit,
         value if value > 0.0 => value,
@@ -258,6 +284,8 @@ mod tests {
             integral_volts: 1.0,
             volts: 1.0,
             limited: false,
+            fold_back: FoldBack::build(3.0),
+            folded: false,
             rise: 1.0,
             risen: 0.0,
             rises_from_a: 0.0,

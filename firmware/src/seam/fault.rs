@@ -164,4 +164,6 @@ numbered! {
     Probing = 106, "the clamped capacitance is being measured", "nothing: it is over in some ring-down times";
     /// Another resonance is so near that the lock may be off by more than half a per cent of the bandwidth, even after a scan.
     LockUncertain = 107, "another resonance is so near that the lock is uncertain", "look at the scan: move the other mode away, or track that one";
+    /// The amplitude is reduced: as much as is asked for would take more than 0.95 of `limits.current_a`.
+    FoldedBack = 108, "the amplitude is reduced: the current is at its limit", "ask for less, or raise the limit in the configuration of the image";
 }

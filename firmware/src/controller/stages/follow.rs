@@ -114,6 +114,8 @@ impl Follow {
             if on && info.rung_up {
                 generator.amplitude.has_rung_up();
             }
+            let susceptance = chain.track.online.motional().y0.im;
+            generator.amplitude.watch_current((on && played.pure).then_some(played.volts), motional, susceptance);
             let asked = self.asked(amplitude).derated(chain.guard.derating());
             generator.amplitude.update(asked, envelope, at_lock_point);
         }
