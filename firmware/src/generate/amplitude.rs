@@ -127,7 +127,7 @@ impl AmplitudeLoop {
     #[inline]
     pub(crate) fn watch_current(&mut self, volts: Option<f32>, motional_current: Phasor, susceptance: f32) {
         match volts {
-            Some(volts) => self.fold_back.watch(volts, magnitude(motional_current), susceptance),
+            Some(volts) => self.fold_back.watch(volts, motional_current, susceptance),
             None => self.fold_back.interrupt(),
         }
     }
