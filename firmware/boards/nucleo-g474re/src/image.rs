@@ -43,6 +43,7 @@ use firmware::board::queues::{BackgroundEnds, BlockEnds, Loans, Queues};
 use firmware::board::settings::Settings;
 use firmware::board::start::Start;
 use firmware::seam::fault::Fault;
+use firmware::seam::mode::Mode;
 use firmware::seam::telemetry::Telemetry;
 use nucleo_g474re::config::{CODES, REFERENCE_V, config};
 use nucleo_g474re::trips::thresholds;
@@ -169,7 +170,8 @@ fn what_started(note: Option<&Note>) -> Start {
     start
 }
 
-/// Logs what has changed: the fault, and the longest block.
+/// Logs what has changed: the fault, and the longest block. A line of the log masks interrupts for up to 6 us, which the long blocks of a start do not
+/// have: it waits until that is over.
 #[derive(Default)]
 struct Log {
     fault: Option<Fault>,
@@ -184,7 +186,8 @@ impl Log {
             self.fault = fault;
         }
         let worst = block::worst_cycles();
-        if worst > self.worst {
+        let starts = report.is_some_and(|report| !matches!(report.mode, Mode::Idle | Mode::Fault | Mode::Run));
+        if worst > self.worst && !starts {
             defmt::info!("worst block {=u32} cycles", worst);
             self.worst = worst;
         }

@@ -57,7 +57,7 @@ impl Instrument for ProcessorLoad {
         let row = |(label, metric): (&str, &str)| Some(vec![label.to_owned(), whole(metrics.get(metric)?)]);
         let caption = if metrics.get("worst_block_cycles").is_some() {
             "Of the block interrupt in the image that is flashed, with its entry and return. Cycles are the most that the processor's manual allows, with what DMA \
-             can take of the buses, for the part at its own speed, whatever time the interrupt was given in this run; a block of 32 samples has 5440 of them at 170 MHz."
+             can take of the buses, for the part at its own speed, whatever time the interrupt was given in this run; a sample of 1 us has 170 of them at 170 MHz."
         } else {
             "Counted in an emulator: instructions, each block's to within 6, and not cycles. The image is built for speed and for any \
              scene; a board's is smaller."
