@@ -211,7 +211,11 @@ fn the_phase_is_the_judge_of_the_observer() {
     let mut tracker = Tracker::build(&config, 32e-6).unwrap();
     let one = Phasor::new(1.0, 0.0);
     let prior = Prior { offset_hz: (0.0, 1000.0), q: 65.0, lm_h: (0.7916e-3, 0.08e-3), axis: one, noise_a: 5e-4 };
-    tracker.observe(Motional { y0: Phasor::new(0.0, 0.075), axis: one }, Known { c0_f: (300e-9, 1e-9), modes: (1, 0) }, &prior);
+    tracker.observe(
+        Motional { y0: Phasor::new(0.0, 0.075), axis: one },
+        Known { c0_f: (300e-9, 1e-9), modes: (1, 0), phase_rad: 0.0, closely: true },
+        &prior,
+    );
     let sensed = Sensed { v: one * 3.0, i: one };
     let played =
         PlayedBlock { offset_hz: 0.0, volts: 3.0, envelope: Some(1.0), pure: true, on: true, driven: true, rung_up: false };

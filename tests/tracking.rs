@@ -72,6 +72,31 @@ fn a_run_can_follow_a_run_at_once() {
     }
 }
 
+/// The frequency of the second block of a lock is the observer's first word.
+#[test]
+fn a_transducer_that_is_driven_again_is_sought_where_it_was() {
+    let moved = ["disturbance.0.at_s=0.12", "disturbance.0.key=stack.bvd.series_resonance_hz"];
+    for (to, same) in [("40520", true), ("40600", true), ("39500", false)] {
+        let to = format!("disturbance.0.to={to}");
+        let mut rig =
+            Rig::new("lock", &["controller.tracking.mode=observer", "stack.bvd.series_resonance_hz=40520", moved[0], moved[1], &to]);
+        let mut lock = || {
+            rig.order(Request::Run);
+            assert_eq!(rig.until(Mode::Lock).fault, None, "{to}");
+            let begun = rig.blocks(3);
+            rig.until(Mode::Run);
+            let locked = rig.blocks(1500);
+            assert_eq!((locked.mode, locked.fault, locked.locked), (Mode::Run, None, true), "{to}");
+            rig.order(Request::Idle);
+            rig.blocks(1200);
+            (begun.frequency.0, locked.frequency.0)
+        };
+        let (first, second) = (lock(), lock());
+        assert!((first.0 - 40_520.0).abs() > 200.0 && (first.1 - 40_520.0).abs() < 1.0, "{first:?}");
+        assert_eq!((second.0 - first.1).abs() < 1.0, same, "{to}: {second:?}");
+    }
+}
+
 /// At 1 kHz and half a millisecond of ring-up, each burst is measured in a few blocks only.
 #[test]
 fn short_bursts_are_tracked() {

@@ -41,8 +41,7 @@ impl Controller {
         let limit = match following {
             true if guard.mutes() => Some(Limit::BeltMuted),
             true if guard.derating() < 1.0 => Some(Limit::Derated),
-            true if generator.amplitude.folded() => Some(Limit::FoldedBack),
-            true if generator.amplitude.limited() => Some(Limit::OverVoltageRequest),
+            true if generator.amplitude.limited() => Some(generator.amplitude.limit()),
             true if track.tracker.limited() || plan.limited => Some(Limit::FrequencyWindow),
             true if generator.phasing.quadrature(orders.quadrature).1 => Some(Limit::QuadratureRequest),
             true => serves.then(|| self.service_limit(orders)).flatten().or_else(|| match track.limit(state) {

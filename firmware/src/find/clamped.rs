@@ -262,7 +262,7 @@ impl PowerOn {
         let q_at_most = found.q.value + SIGMAS * found.q.deviation;
         let company = found.second_mode.map(|(hz, strength)| (hz / found.resonance_hz.value - 1.0, strength));
         let damage = if self.is_nominal { damage(q_at_most / self.nominal_q, company) } else { Damage::None };
-        let damaged = damage == Damage::Certain || self.tracked_q.is_some_and(|q| q_at_most < FALLEN_Q * q);
+        let fallen = self.tracked_q.is_some_and(|q| q_at_most < FALLEN_Q * q);
         let shift = ((found.c0_f.value - self.c0_f).abs() - SIGMAS * found.c0_f.deviation) / self.c0_f;
         let turn = 2.0 * found.lock_deviation_hz * found.q.value / found.resonance_hz.value;
         let explained = fit::is_plausible(&solution.elements) && solution.misfit < LARGEST_MISFIT;
@@ -274,13 +274,11 @@ impl PowerOn {
         let shifted = shift > if uncoupled { DEPOLED.0 } else { alone };
         let holds = explained && resonates && turn < LARGEST_TURN;
         match () {
-            () if resonates && (found.resonance_hz.value / self.nominal_hz - 1.0).abs() > self.window => {
-                Err(Refused::Fault(Fault::NoResonance))
-            }
+            () if resonates && (found.resonance_hz.value / self.nominal_hz - 1.0).abs() > self.window => Err(Refused::Unclear),
             () if explained && shifted && self.is_nominal => Err(Refused::Fault(Fault::CapacitanceShifted)),
             // Two that are near share their strength in many ways, and are as lossy in all of them.
-            () if explained && damaged => Err(Refused::Fault(Fault::ResonanceDamaged)),
-            () if !holds || damage == Damage::Possible => Err(Refused::Unclear),
+            () if explained && fallen => Err(Refused::Fault(Fault::ResonanceDamaged)),
+            () if !holds || damage != Damage::None => Err(Refused::Unclear),
             () => Ok(found),
         }
     }

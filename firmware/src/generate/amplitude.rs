@@ -11,9 +11,10 @@ use crate::generate::drive_scale::DriveScale;
 use crate::generate::fold_back::FoldBack;
 use crate::generate::phasing;
 use crate::seam::block::Amplitude;
-use crate::seam::compare::{larger, smaller};
+use crate::seam::compare::{larger, smaller, up_to};
 use crate::seam::config::{Config, Drive, Limits};
 use crate::seam::error::Error;
+use crate::seam::fault::Limit;
 use crate::seam::phasor::{Phasor, magnitude};
 use crate::seam::transducer::Transducer;
 
@@ -41,7 +42,6 @@ pub(crate) struct AmplitudeLoop {
     volts: f32,
     limited: bool,
     fold_back: FoldBack,
-    folded: bool,
     /// Part by which the amplitude rises a block at the start, the part that it has risen to, and the motional current that it rises from, A.
     rise: f32,
     risen: f32,
@@ -82,7 +82,6 @@ impl AmplitudeLoop {
             volts: config.drive.scan_volts,
             limited: false,
             fold_back: FoldBack::build(config.limits.current_a),
-            folded: false,
             rise: if config.drive.soft_start_s > block_s { block_s / config.drive.soft_start_s } else { 1.0 },
             risen: 0.0,
             rises_from_a: 0.0,
@@ -143,7 +142,7 @@ impl AmplitudeLoop {
             Amplitude::MotionalCurrent(amperes) => self.hold(amperes, envelope, motional_current),
         };
         let most = self.most_now();
-        (self.limited, self.folded) = (asked > most, asked > most && most < self.limits.voltage_v);
+        self.limited = asked > most;
         self.volts = up_to(most, asked);
     }
 
@@ -187,14 +186,14 @@ impl AmplitudeLoop {
         self.within >= SETTLED.1 || self.limited
     }
 
-    /// Whether it is the current limit that does so.
-    pub(crate) fn folded(&self) -> bool {
-        self.folded
-    }
-
     /// Whether a limit stops the loop or the order from getting what it wants.
     pub(crate) fn limited(&self) -> bool {
         self.limited
+    }
+
+    /// Which limit does so: that of the current, or that of the voltage.
+    pub(crate) fn limit(&self) -> Limit {
+        if self.fold_back.ceiling() < self.limits.voltage_v { Limit::FoldedBack } else { Limit::OverVoltageRequest }
     }
 
     /// The amplitude of a soft start on its way to what is asked for.
@@ -245,15 +244,6 @@ impl AmplitudeLoop {
     }
 }
 
-/// `value` between zero and `limit`; a not-a-number, which an order might carry, is zero.
-pub(crate) fn up_to(limit: f32, value: f32) -> f32 {
-    match value {
-        value if value > limit => limit,
-        value if value > 0.0 => value,
-        _ => 0.0,
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -285,7 +275,6 @@ mod tests {
             volts: 1.0,
             limited: false,
             fold_back: FoldBack::build(3.0),
-            folded: false,
             rise: 1.0,
             risen: 0.0,
             rises_from_a: 0.0,

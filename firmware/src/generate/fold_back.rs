@@ -10,8 +10,7 @@
 //!
 //! Both roots follow by a step of Newton's a block, which is never below the root: while it is above, the drive is held back a little more.
 
-use crate::generate::amplitude::up_to;
-use crate::seam::compare::{larger, smaller};
+use crate::seam::compare::{larger, smaller, up_to};
 use crate::seam::phasor::Phasor;
 
 /// Part of the limit that is aimed at.

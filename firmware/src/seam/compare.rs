@@ -12,3 +12,12 @@ pub(crate) fn larger(x: f32, y: f32) -> f32 {
 pub(crate) fn smaller(x: f32, y: f32) -> f32 {
     if x < y { x } else { y }
 }
+
+/// `value` between zero and `limit`; a not-a-number, which an order might carry, is zero.
+pub(crate) fn up_to(limit: f32, value: f32) -> f32 {
+    match value {
+        value if value > limit => limit,
+        value if value > 0.0 => value,
+        _ => 0.0,
+    }
+}

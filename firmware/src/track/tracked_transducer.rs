@@ -1,7 +1,7 @@
 //! What is known of the transducer, and what follows it: tracker, clamped capacitance, and the equivalent circuit that is learned on the way.
 
-use crate::find::clamped::Clamped;
 use crate::find::clamped::online::{Online, Update};
+use crate::find::clamped::{Clamped, Measured};
 use crate::find::lanes::Lanes;
 use crate::find::scan::ring_down::RingDown;
 use crate::generate::amplitude::AmplitudeLoop;
@@ -12,8 +12,8 @@ use crate::seam::fault::{Fault, Limit};
 use crate::seam::mode::Mode;
 use crate::seam::transducer::Transducer;
 use crate::sense::motional::Motional;
-use crate::track::tracker::identified::{Known, Learning};
-use crate::track::tracker::observed::Retry;
+use crate::track::tracker::identified::{FROM_AFAR, Known, Learning};
+use crate::track::tracker::observed::{NEARBY, Retry};
 use crate::track::tracker::observer::Prior;
 use crate::track::tracker::{State, Tracker};
 
@@ -43,15 +43,19 @@ pub(crate) struct TrackedTransducer {
     lm_deviation: f32,
     /// Variances of a block's voltage and current by noise, both components, V² and A², as measured in the self-test's silence.
     pub(crate) noise: (f32, f32),
-    transducer: Option<Transducer>,
-    /// The transducer that is being learned, in parts.
-    learning: Learning,
     pub(crate) tracker: Tracker,
     pub(crate) online: Online,
+    transducer: Option<Transducer>,
+    /// The last one that was tracked without a doubt: resonance, Hz, Q, and Lm, H.
+    remembered: Option<[f32; 3]>,
+    /// The transducer that is being learned, in parts.
+    learning: Learning,
     /// The mode that disturbs the driven one most: its series resonance, Hz, and its motional capacitance relative to that of the driven one.
     pub(crate) beside: Option<(f32, f32)>,
     /// The lock was not where the branch that it began with had put it: another resonance is near by.
     is_uncertain: bool,
+    /// Nor has a scan found another one.
+    is_unexplained: bool,
 }
 
 impl TrackedTransducer {
@@ -65,18 +69,25 @@ impl TrackedTransducer {
             lm_deviation: 0.0,
             noise: (0.0, 0.0),
             transducer: None,
+            remembered: None,
             learning: Learning::default(),
             tracker,
             online: Online::build(config),
             beside: None,
             is_uncertain: false,
+            is_unexplained: false,
         }
     }
 
     /// Forgets the transducer.
+    // Not inlined: the fast memory of a board has no room for it.
+    #[inline(never)]
     pub(crate) fn restart(&mut self) {
+        let certain = self.transducer.take_if(|_| !self.is_uncertain);
+        let remembered = certain.map(|known| [known.series_resonance_hz, known.q, known.lm_h]);
+        self.remembered = remembered.or(self.remembered);
         (self.transducer, self.beside) = (None, None);
-        self.is_uncertain = false;
+        (self.is_uncertain, self.is_unexplained) = (false, false);
         self.learning.abandon();
         self.tracker.restart();
     }
@@ -107,22 +118,31 @@ impl TrackedTransducer {
         libm::sqrtf(i + branch.y0.norm_sqr() * v)
     }
 
-    /// Takes the clamped branch, and lets the observer begin anywhere in the window.
+    /// Resonance, Hz, and Q of the transducer that was tracked last, if this is the same, by its resonance and its Lm as seen from afar.
+    fn remembers(&self, clamped: &Clamped) -> Option<(f32, f32)> {
+        let off = |found: &Measured, known: f32, rest: f32| (found.value - known).abs() > SIGMAS * found.deviation + rest * known;
+        let [hz, q, lm_h] = self.remembered?;
+        let same = !off(&clamped.resonance_hz, hz, NEARBY) && !off(&clamped.lm_h, lm_h, SIGMAS * FROM_AFAR);
+        same.then_some((hz, q))
+    }
+
+    /// Takes the clamped branch, and lets the observer begin where the same transducer was tracked last, or anywhere in the window.
     pub(crate) fn observe(&mut self, clamped: &Clamped) {
         let window_hz = self.tracker.window_hz();
         let known_q = core::f32::consts::PI * self.nominal_periods;
         let q = if self.is_known || clamped.q.deviation > CLEAR_Q * clamped.q.value { known_q } else { clamped.q.value };
+        let remembered = self.remembers(clamped);
         let prior = Prior {
-            offset_hz: (0.0, window_hz),
-            q,
+            offset_hz: remembered.map_or((0.0, window_hz), |(hz, _)| self.tracker.near(hz)),
+            q: remembered.map_or(q, |(_, q)| q),
             // Measured to a part in five hundred; the nominal value is what it is compared with once it has locked.
             lm_h: (clamped.lm_h.value, clamped.lm_h.deviation),
             axis: clamped.motional.axis,
             noise_a: self.noise_a(&clamped.motional),
         };
-        self.lm_deviation = clamped.lm_h.deviation / clamped.lm_h.value;
+        self.lm_deviation = larger(clamped.lm_h.deviation / clamped.lm_h.value, FROM_AFAR);
         let modes = 1 + u8::from(clamped.second_mode.is_some());
-        let known = Known { c0_f: (clamped.c0_f.value, clamped.c0_f.deviation), modes: (modes, 0) };
+        let known = Known { c0_f: (clamped.c0_f.value, clamped.c0_f.deviation), modes: (modes, 0), ..Known::default() };
         self.tracker.observe(clamped.motional, known, &prior);
         let (c0, hz, q) = (clamped.c0_f, clamped.resonance_hz.value, clamped.q.value);
         self.online.seed(clamped.motional, c0.deviation / c0.value, hz, q);
@@ -138,15 +158,20 @@ impl TrackedTransducer {
         self.online.seed(branch, deviation, transducer.series_resonance_hz, transducer.q);
         self.online.set_slope(found.slope);
         (self.transducer, self.beside) = (Some(*transducer), beside);
+        self.is_unexplained = self.is_uncertain && beside.is_none();
         self.learning.abandon();
     }
 
-    /// Takes the clamped branch as it was measured at the lock point.
+    /// Takes the clamped branch as it was measured at the lock point, and the quality factor.
+    // Not inlined: once a round.
+    #[inline(never)]
     pub(crate) fn take(&mut self, update: &Update) {
-        self.tracker.set_branch(update.motional, update.deviation, update.was_off.is_none());
+        self.tracker.set_branch(update.motional, update.deviation, update.was_off);
+        self.tracker.take_q((update.q.value, update.q.deviation));
         if let Some((was_off, transducer)) = update.was_off.zip(self.transducer_by_now()) {
             // A susceptance that is off by the whole conductance moves the lock point by half a bandwidth.
-            self.is_uncertain = 0.5 * was_off > larger(ALONE.0, ALONE.1 * transducer.q / transducer.series_resonance_hz);
+            self.is_uncertain =
+                self.is_unexplained || 0.5 * was_off > larger(ALONE.0, ALONE.1 * transducer.q / transducer.series_resonance_hz);
         }
     }
 

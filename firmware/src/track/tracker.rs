@@ -22,7 +22,7 @@ use crate::sense::demod::Sensed;
 use crate::sense::motional::Motional;
 use crate::track::tracker::identified::{Known, Learning};
 use crate::track::tracker::lock_detector::{Lock, LockDetector};
-use crate::track::tracker::observed::{Observed, Retry};
+use crate::track::tracker::observed::{NEARBY, Observed, Retry};
 use crate::track::tracker::observer::Prior;
 use crate::track::tracker::phase_loop::PhaseLoop;
 
@@ -37,6 +37,9 @@ const UNDECIDED: Turns = Turns(20.0 / 360.0);
 const LOCK_TIMEOUT: (u32, f32) = (2000, 50.0);
 /// Where a scan has found the resonance, it is within this part of the bandwidth.
 const SCANNED: f32 = 0.1;
+/// What other resonances may turn the motional phase at the lock point by: where a scan has found some, rad; and by what part of the conductance a lock had been off.
+const COMPANY: f32 = 0.02;
+const ADDED: f32 = 0.5;
 /// Longest time under drive without hearing anything, in the same terms.
 const UNMEASURED: (u32, f32) = (500, 20.0);
 
@@ -166,7 +169,12 @@ impl Tracker {
         self.observed.is_some()
     }
 
-    /// Lets the observer begin on a transducer that was never driven yet.
+    /// Where a resonance is sought first that was tracked at `hz`, Hz: as an offset from the nominal frequency, and the standard deviation of that.
+    pub(crate) fn near(&self, hz: f32) -> (f32, f32) {
+        (hz - self.nominal_hz, NEARBY * self.nominal_hz)
+    }
+
+    /// Lets the observer begin on a transducer that rings nowhere yet: in the whole window, or nearby, if the prior is narrower than that.
     pub fn observe(&mut self, branch: Motional, known: Known, prior: &Prior) {
         (self.motional, self.known) = (branch, known);
         self.restart_clock(prior.q / (core::f32::consts::PI * self.nominal_hz * self.block_s));
@@ -202,7 +210,12 @@ impl Tracker {
     /// Starts on a transducer that a scan has found, and that rings at its resonance. `noise_a` is the rms noise of a block's current.
     pub fn seed(&mut self, transducer: &Transducer, branch: Motional, noise_a: f32) {
         self.motional = branch;
-        self.known = Known { c0_f: (transducer.c0_f, transducer.deviations.c0_f), modes: (transducer.modes, transducer.chosen) };
+        self.known = Known {
+            c0_f: (transducer.c0_f, transducer.deviations.c0_f),
+            modes: (transducer.modes, transducer.chosen),
+            phase_rad: if transducer.modes > 1 { COMPANY } else { 0.0 },
+            closely: true,
+        };
         let offset_hz = transducer.series_resonance_hz - self.nominal_hz;
         self.phase_loop.seed(offset_hz, transducer.time_constant_s());
         self.set_resonance(transducer);
@@ -216,10 +229,20 @@ impl Tracker {
         }
     }
 
-    /// Takes a clamped branch that was measured at the lock point, and the standard deviation of its susceptance, relative; `drifted`: it differs from the one
-    /// before because C0 does.
-    pub(crate) fn set_branch(&mut self, branch: Motional, deviation: f32, drifted: bool) {
-        if drifted {
+    /// Takes a quality factor that was measured at the lock point, and its standard deviation.
+    pub(crate) fn take_q(&mut self, q: (f32, f32)) {
+        if let Some(observed) = &mut self.observed {
+            observed.take_q(q);
+            self.known.closely = true;
+        }
+    }
+
+    /// Takes a clamped branch that was measured at the lock point, and the standard deviation of its susceptance, relative; `was_off`: by what part of the
+    /// motional conductance the branch was off that a lock had begun with, because other resonances add to it there. Without that C0 has drifted.
+    pub(crate) fn set_branch(&mut self, branch: Motional, deviation: f32, was_off: Option<f32>) {
+        if let Some(was_off) = was_off {
+            self.known.phase_rad = larger(self.known.phase_rad, ADDED * was_off);
+        } else {
             let (c0_f, deviation_f) = self.known.c0_f;
             let now_f = c0_f + (branch.y0.im - self.motional.y0.im) / (core::f32::consts::TAU * self.nominal_hz);
             self.known.c0_f = (now_f, larger(deviation_f, deviation * now_f));

@@ -1,21 +1,17 @@
 //! The clamped capacitance while running: the drive steps to both sides of the lock point, and the motional resistance must be the same on both.
 //!
-//! With `r + j m = (Y - Y0(f)) / axis`, the motional admittance as it is thought to be, the motional resistance is `r / (r^2 + m^2)`. It does not depend on
-//! the frequency; what is thought of C0 is wrong by the susceptance `b` that makes it the same above (`+`) and below (`-`) the resonance:
-//!
-//! ```text
-//! F(b) = r+ (r-^2 + (m- - b u-)^2) - r- (r+^2 + (m+ - b u+)^2) = 0,    u = f / f_nominal
-//! ```
-//!
-//! No Q, no Lm and no lock point enters; nor does a tracker that is off by a little. Only the axis and the loss of the clamped branch are taken from the
-//! calibration at power-on, and neither changes with the temperature as C0 does. With steps of `x` half bandwidths and a noise `s` of `Y` in each average,
-//! `b` is known to `s (1 + x^2) / (2 sqrt(2) x)`.
+//! What is thought of C0 is wrong by the susceptance that makes it so ([`balance`]). No Q, no Lm and no lock point enters; nor does a tracker that is off by a little. Only
+//! the axis and the loss of the clamped branch are taken from the calibration at power-on, and neither changes with the temperature as C0 does.
 //!
 //! A round is `+ - - +`, so that a resonance that drifts evenly does not look like a capacitance; each is blended with the estimate before it by the two
 //! variances (Kalman 1960). A round is due once the stack has rung up after a cold start or after a scan, which have not measured at the lock point: there, another
 //! resonance near by adds to the susceptance, and images of the drive to the axis, half of whose error a round takes away. It is due again when the load has changed
 //! abruptly, because C0 may have changed with it; and, where C0 is said to drift, when it may have wandered further than the target deviation.
 
+mod balance;
+
+use crate::find::clamped::online::balance::{Balance, Side};
+use crate::find::clamped::reading::Measured;
 use crate::seam::block::LATENCY_BLOCKS;
 use crate::seam::config::Config;
 use crate::seam::phasor::Phasor;
@@ -28,6 +24,8 @@ const STEP: f32 = 0.15;
 const QUARTER: (f32, f32) = (20.0, 1.0);
 /// Time constants that a step settles for: 2 % of it is left, the same on both sides.
 const SETTLES: f32 = 4.0;
+/// What of it is left in the mean of quarters of one time constant: 1.7 %, or as little as nothing where the source's resistance damps the resonance more than its own.
+const UNSETTLED: f32 = 0.0085;
 /// Deviation of a nominal C0 that was not measured, relative.
 const NOMINAL_DEVIATION: f32 = 0.05;
 /// Deviation of C0, relative, from which on a round is made.
@@ -69,6 +67,8 @@ pub struct Update {
     pub(crate) round: (f32, f32),
     /// By how much of the motional conductance at least the branch of a lock was off that had only just begun, beyond three standard deviations.
     pub(crate) was_off: Option<f32>,
+    /// Quality factor by this round alone: by how far the motional phase turns from one side to the other.
+    pub(crate) q: Measured,
 }
 
 /// Output of the estimator after a block: its order to the drive, and its estimate.
@@ -80,39 +80,6 @@ pub struct Output {
     pub hold: bool,
     /// A new estimate, at the end of a round.
     pub update: Option<Update>,
-}
-
-/// Sums over the blocks of one side.
-#[derive(Clone, Copy, Debug, Default)]
-struct Side {
-    motional: Phasor,
-    relative: f32,
-    blocks: f32,
-    last: Option<Phasor>,
-    scatter: f32,
-    pairs: f32,
-}
-
-impl Side {
-    fn take(&mut self, y: Phasor, relative: f32) {
-        if let Some(last) = self.last.replace(y) {
-            // Of one part; two of them, and a difference has twice the variance.
-            self.scatter += 0.25 * (y - last).norm_sqr();
-            self.pairs += 1.0;
-        }
-        self.motional += y;
-        self.relative += relative;
-        self.blocks += 1.0;
-    }
-
-    fn mean(&self) -> (Phasor, f32) {
-        (self.motional / self.blocks, self.relative / self.blocks)
-    }
-
-    /// Variance of one part of the mean.
-    fn variance(&self) -> f32 {
-        self.scatter / (self.pairs * self.blocks)
-    }
 }
 
 /// The estimator of the clamped capacitance while running.
@@ -329,11 +296,17 @@ impl Online {
         }
     }
 
+    /// By how much a round's quarters, which begin before the step has settled to the end, make the phase turn too little: half of
+    /// `(3 (1 - e^-n) / 2 + (1 - e^-2n)) e^-s / 2 n` after `s` time constants, with quarters of `n`.
+    fn unsettled(&self) -> f32 {
+        1.0 + UNSETTLED * (self.settle_blocks as f32 / (SETTLES * self.quarter_blocks as f32)).min(1.0)
+    }
+
     fn listen(&mut self, sample: &Sample, hold: bool) {
         let square = sample.sensed.v.norm_sqr();
         let side = &mut self.sides[usize::from(sample.detune_hz > 0.0)];
         if hold || sample.detune_hz.abs() < 0.5 * self.step_hz || square == 0.0 {
-            side.last = None;
+            side.pause();
             return;
         }
         let current = self.motional.current(sample.sensed, sample.relative) - self.slope * sample.sensed.v * sample.detune_hz;
@@ -342,32 +315,15 @@ impl Online {
 
     /// What the round says.
     fn finish(&mut self) -> Option<Update> {
-        let [below, above] = self.sides;
-        if below.pairs == 0.0 || above.pairs == 0.0 {
-            return None;
-        }
-        let ((yb, ub), (ya, ua)) = (below.mean(), above.mean());
-        let (mut b, mut slope) = (0.0, 0.0);
-        for _ in 0..3 {
-            let (mb, ma) = (yb.im - b * ub, ya.im - b * ua);
-            let f = ya.re * (yb.re * yb.re + mb * mb) - yb.re * (ya.re * ya.re + ma * ma);
-            slope = 2.0 * (yb.re * ma * ua - ya.re * mb * ub);
-            b -= f / slope;
-        }
-        let (mb, ma) = (yb.im - b * ub, ya.im - b * ua);
-        let by_below = Phasor::new(2.0 * ya.re * yb.re - ya.re * ya.re - ma * ma, 2.0 * ya.re * mb);
-        let by_above = Phasor::new(yb.re * yb.re + mb * mb - 2.0 * ya.re * yb.re, -2.0 * yb.re * ma);
-        let square = by_below.norm_sqr() * below.variance() + by_above.norm_sqr() * above.variance();
+        let [below, above] = &self.sides;
         let susceptance = self.motional.y0.im;
-        let (found, variance) = (b / susceptance, square / (slope * slope * susceptance * susceptance));
-        if !(found.is_finite() && variance.is_finite() && variance > 0.0) {
-            return None;
-        }
+        let Balance { susceptance: b, variance, conductance, q } = Balance::of(below, above)?;
+        let (found, variance) = (b / susceptance, variance / (susceptance * susceptance));
         // What has changed is not the clamped capacitance.
         if self.due != Due::Begun && !(PLAUSIBLE.0..PLAUSIBLE.1).contains(&found) {
             return None;
         }
-        let conductance = (0.5 * (yb.re + ya.re) / susceptance).abs();
+        let conductance = (conductance / susceptance).abs();
         // What a lock has begun with is known better than by a single round, unless it was measured where something else is added.
         let begun = self.due == Due::Begun;
         let agrees = begun && found.abs() < WORTH * conductance;
@@ -393,7 +349,13 @@ impl Online {
         self.variance *= 1.0 - gain;
         // Along the clamped susceptance, as sensing turns it.
         self.motional.y0 += self.motional.axis * Phasor::new(0.0, gain * b);
-        Some(Update { motional: self.motional, deviation: self.deviation(), round: (found, libm::sqrtf(variance)), was_off })
+        Some(Update {
+            motional: self.motional,
+            deviation: self.deviation(),
+            round: (found, libm::sqrtf(variance)),
+            was_off,
+            q: Measured { value: q.value * self.unsettled(), ..q },
+        })
     }
 }
 

@@ -11,6 +11,15 @@ const TAU: f32 = core::f32::consts::TAU;
 /// `sim-host validate transducers` writes); a faster amplifier lets more of them through.
 const IMAGES: f32 = 0.018;
 
+/// What the motional phase at the lock point is known to apart from noise, rad: the axis of the sensing chain, and the clamped branch that is taken away.
+const PHASE: f32 = 1e-3;
+/// What the strength is known to apart from noise, relative (as above, column `lm_error_h`).
+const STRENGTH: f32 = 6e-3;
+/// The same where it has only been seen from afar: others nearby may have added to it.
+pub(crate) const FROM_AFAR: f32 = 3e-2;
+/// What the motional resistance is known to apart from noise, relative: gains, the loss of the clamped branch.
+const RESISTANCE: f32 = 2e-3;
+
 /// What was known before: the clamped capacitance, and how many resonances there are.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Known {
@@ -18,6 +27,10 @@ pub struct Known {
     pub c0_f: (f32, f32),
     /// Resonances that were found, and the place of this one in their list.
     pub modes: (u8, u8),
+    /// What other resonances may turn the motional phase at the lock point by, rad.
+    pub phase_rad: f32,
+    /// Whether the resonance has been measured at itself, not only from afar, where the strengths of those nearby add up.
+    pub closely: bool,
 }
 
 /// The equivalent circuit, with deviations.
@@ -41,6 +54,8 @@ pub(crate) struct Learning {
     clamped: f32,
     /// `Cm / (C0 + Cm)`.
     part: f32,
+    /// What other resonances turn the motional phase at the lock point by, rad; they add as much to its size.
+    phase_rad: f32,
     /// Parts that are left.
     left: u8,
 }
@@ -49,7 +64,7 @@ impl Default for Learning {
     /// Nothing is being learned.
     fn default() -> Self {
         let (transducer, spread) = (Transducer::default(), Spread::default());
-        Learning { transducer, spread, resonance: 0.0, strength: 0.0, clamped: 0.0, part: 0.0, left: 0 }
+        Learning { transducer, spread, resonance: 0.0, strength: 0.0, clamped: 0.0, part: 0.0, phase_rad: 0.0, left: 0 }
     }
 }
 
@@ -65,7 +80,8 @@ impl Learning {
         (reported.lm_h, reported.cm_f, reported.c0_f) = (lm_h, cm_f, c0_f);
         (reported.modes, reported.chosen) = known.modes;
         (self.part, self.clamped) = (cm_f / (c0_f + cm_f), IMAGES + known.c0_f.1 / c0_f);
-        (self.spread, self.left) = (observer.spread(), 3);
+        (self.phase_rad, self.strength) = (known.phase_rad, if known.closely { STRENGTH } else { FROM_AFAR });
+        (self.spread, self.left) = (observer.spread(), 4);
     }
 
     /// Whether there is nothing to be done.
@@ -87,7 +103,7 @@ impl Learning {
     /// Some roots more.
     #[inline(never)]
     pub(crate) fn advance(&mut self) {
-        let Learning { transducer, spread, resonance, strength, clamped, part, left } = self;
+        let Learning { transducer, spread, resonance, strength, clamped, part, phase_rad, left } = self;
         let Transducer { series_resonance_hz: hz, q, cm_f, c0_f, deviations, .. } = transducer;
         let root = |sum: f32| libm::sqrtf(sum);
         let square = |x: f32| x * x;
@@ -95,9 +111,12 @@ impl Learning {
         // `fp / fs = sqrt(1 + Cm / C0)`, in which the resonance takes back a part of what it moves `fs` by.
         let ratio = |strength: f32, clamped: f32| square(strength) + square(clamped);
         match *left {
+            4 => {
+                // A turn of half a radian is half a half bandwidth.
+                *resonance = root(square(spread.deviation_hz() / *hz) + square(0.5 * (PHASE + *phase_rad) / *q));
+                *strength = root(spread.strength + square(*strength + *phase_rad));
+            }
             3 => {
-                *resonance = spread.deviation_hz() / *hz;
-                *strength = root(spread.strength);
                 transducer.parallel_resonance_hz = *hz * root(1.0 + *cm_f / *c0_f);
                 deviations.series_resonance_hz = *resonance * *hz;
                 deviations.lm_h = *strength * transducer.lm_h;
@@ -107,9 +126,10 @@ impl Learning {
                 let ratio = ratio(*strength, *clamped);
                 deviations.parallel_resonance_hz =
                     root(square((1.0 - *part) * *resonance) + square(0.5 * *part) * ratio) * transducer.parallel_resonance_hz;
-                deviations.q = 2.0 * *q * *resonance * *q;
-                // `Rm = ws Lm / Q`, whose Q is known to half a bandwidth as the resonance is.
-                deviations.rm_ohm = root(square(*resonance) * (1.0 + square(2.0 * *q)) + square(*strength)) * transducer.rm_ohm;
+                // The current shows `Rm` to half a bandwidth as the resonance is known; `Q = ws Lm / Rm`.
+                let half = 2.0 * *q * *resonance;
+                deviations.rm_ohm = root(square(half) + square(RESISTANCE + *phase_rad)) * transducer.rm_ohm;
+                deviations.q = root(square(half) + square(*strength)) * *q;
                 deviations.cm_f = root(square(2.0 * *resonance) + square(*strength)) * *cm_f;
             }
             _ => {
@@ -130,28 +150,31 @@ mod tests {
     use crate::seam::transducer::Deviations;
     use crate::track::tracker::observer::Prior;
 
-    /// By the scatter of independent parts, as a fit states it.
+    /// By the scatter of independent parts, as a fit states it; but Q and Rm, of which the steady current shows the one, and the strength the other.
     #[test]
     fn the_deviations_are_those_of_the_scatter() {
         let mut observer = Observer::new(40e3, 32e-6);
         let axis = Phasor::new(1.0, 0.0);
         observer.start(&Prior { offset_hz: (300.0, 25.0), q: 30.0, lm_h: (0.8e-3, 0.08e-3), axis, noise_a: 1e-3 });
-        let known = Known { c0_f: (290e-9, 4e-9), modes: (1, 0) };
+        let known = Known { c0_f: (290e-9, 4e-9), modes: (2, 0), phase_rad: 0.01, closely: true };
         let found = circuit(&observer, 40e3, &known);
+        let resonance = (observer.deviation_hz() / found.series_resonance_hz).hypot(0.5 * (PHASE + known.phase_rad) / found.q);
+        let strength = observer.strength_deviation().hypot(STRENGTH + known.phase_rad);
         // `w = f / fs - fs / f` changes twice as much as the frequency does, and a part has a variance of one half each way.
         let (none, part) = (Phasor::new(0.0, 0.0), |size: f32| Phasor::new(core::f32::consts::SQRT_2 * size, 0.0));
         let scatter = Scatter {
-            pole: [part(2.0 * observer.deviation_hz() / found.series_resonance_hz), none, none],
-            strength: [none, part(observer.strength_deviation()), none],
+            pole: [part(2.0 * resonance), none, none],
+            strength: [none, part(strength), none],
             y0: [none, none, part(TAU * found.series_resonance_hz * (known.c0_f.1 + IMAGES * known.c0_f.0))],
         };
         let (reported, mut all) = (found.deviations, Deviations::default());
         [0, 1].into_iter().for_each(|part| scatter.products().deviate(&found, part, &mut all));
+        let half = 2.0 * found.q * resonance;
         for (name, reported, expected) in [
             ("series", reported.series_resonance_hz, all.series_resonance_hz),
             ("parallel", reported.parallel_resonance_hz, all.parallel_resonance_hz),
-            ("Q", reported.q, all.q),
-            ("Rm", reported.rm_ohm, all.rm_ohm),
+            ("Q", reported.q, half.hypot(strength) * found.q),
+            ("Rm", reported.rm_ohm, half.hypot(RESISTANCE + known.phase_rad) * found.rm_ohm),
             ("Lm", reported.lm_h, all.lm_h),
             ("Cm", reported.cm_f, all.cm_f),
             ("C0", reported.c0_f, all.c0_f),
@@ -160,5 +183,17 @@ mod tests {
             // Measured: 2e-7, rounding.
             assert!((reported / expected - 1.0).abs() < 1e-6, "{name}: {reported} {expected}");
         }
+    }
+
+    #[test]
+    fn what_was_seen_from_afar_is_known_less() {
+        let mut observer = Observer::new(40e3, 32e-6);
+        let axis = Phasor::new(1.0, 0.0);
+        observer.start(&Prior { offset_hz: (300.0, 25.0), q: 30.0, lm_h: (0.8e-3, 0.1e-6), axis, noise_a: 1e-3 });
+        let lm = |closely: bool| {
+            let found = circuit(&observer, 40e3, &Known { c0_f: (290e-9, 4e-9), modes: (1, 0), phase_rad: 0.0, closely });
+            found.deviations.lm_h / found.lm_h
+        };
+        assert!(lm(true) < 1.1 * STRENGTH && lm(false) > 0.99 * FROM_AFAR, "{} {}", lm(true), lm(false));
     }
 }

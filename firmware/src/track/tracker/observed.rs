@@ -26,8 +26,8 @@ const LEAST_Q: f32 = 10.0;
 const TIMEOUT: u32 = 128;
 /// A lock that was lost sooner than this, in blocks, is not sought the same way again.
 const LASTED: u32 = 3000;
-/// How far from where it was a lost resonance is sought first, relative to the frequency.
-const NEARBY: f32 = 5e-3;
+/// How far from where it was a resonance is sought first that was lost, or that is driven again, relative to the frequency.
+pub(crate) const NEARBY: f32 = 5e-3;
 
 /// Where a lock is sought.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -64,8 +64,8 @@ pub(crate) struct Observed {
     confident: bool,
     /// The last block was of a sine.
     pure: bool,
-    /// Damping of the least Q that may be locked to, 1/s.
-    most_damping: f32,
+    /// What the least Q that may be locked to decays by in a block.
+    most_decay: f32,
 }
 
 impl Observed {
@@ -89,7 +89,7 @@ impl Observed {
             doubted: false,
             confident: false,
             pure: true,
-            most_damping: f32::INFINITY,
+            most_decay: f32::INFINITY,
         }
     }
 
@@ -97,7 +97,7 @@ impl Observed {
     pub(crate) fn start(&mut self, prior: &Prior, seek: Retry) {
         self.observer.start(prior);
         (self.seek, self.shown_hz) = (seek, prior.offset_hz.0);
-        self.most_damping = LEAST_Q * core::f32::consts::PI * self.nominal_hz / prior.q;
+        self.most_decay = LEAST_Q * self.observer.decay_of(prior.q);
         if seek != Retry::Nearby {
             // For the next time: the same, anywhere in the window.
             self.prior = Prior { offset_hz: (0.0, self.window_hz), ..*prior };
@@ -115,9 +115,8 @@ impl Observed {
             Retry::Calibrate => Retry::Scan,
             Retry::Scan => return None,
         };
-        let nearby = (self.observer.offset_hz(), NEARBY * self.nominal_hz);
         match next {
-            Retry::Nearby => self.start(&Prior { offset_hz: nearby, ..self.prior }, next),
+            Retry::Nearby => self.start(&self.nearby(), next),
             Retry::Window => self.start(&{ self.prior }, next),
             Retry::Calibrate | Retry::Scan => self.seek = next,
         }
@@ -134,10 +133,20 @@ impl Observed {
         core::mem::replace(&mut self.seek, Retry::Scan) != Retry::Scan
     }
 
-    /// Begins in the whole window with the prior that the clamped branch gives.
+    /// The prior for a resonance that is near where it was.
+    fn nearby(&self) -> Prior {
+        Prior { offset_hz: (self.observer.offset_hz(), NEARBY * self.nominal_hz), ..self.prior }
+    }
+
+    /// Begins with the prior that the clamped branch gives, in the whole window or nearby.
     pub(crate) fn start_cold(&mut self, prior: &Prior) {
-        // The second time after a lock was lost.
-        let seek = if self.seek == Retry::Calibrate { Retry::Calibrate } else { Retry::Window };
+        let seek = match self.seek {
+            // The second time after a lock was lost.
+            Retry::Calibrate => Retry::Calibrate,
+            _ if prior.offset_hz.1 < self.window_hz => Retry::Nearby,
+            _ => Retry::Window,
+        };
+        self.prior = Prior { offset_hz: (0.0, self.window_hz), ..*prior };
         self.start(prior, seek);
     }
 
@@ -165,7 +174,7 @@ impl Observed {
         }
         self.confident = self.leads() && self.observer.is_as_good_as(INNER.0, self.inner_hz);
         let within =
-            self.confident && fits && self.observer.damping() < self.most_damping && self.shown_hz.abs() < self.window_hz;
+            self.confident && fits && self.observer.decays_by() < self.most_decay && self.shown_hz.abs() < self.window_hz;
         self.inside = if within { self.inside.saturating_add(played.driven.into()) } else { 0 };
         self.locked |= self.inside >= LOCK_BLOCKS;
     }
@@ -198,6 +207,11 @@ impl Observed {
     /// It has taken too long.
     pub(crate) fn timed_out(&self) -> bool {
         self.blocks > TIMEOUT
+    }
+
+    /// Takes a quality factor that was measured at the resonance, and its standard deviation.
+    pub(crate) fn take_q(&mut self, q: (f32, f32)) {
+        self.observer.take_q(q);
     }
 
     /// The observer.

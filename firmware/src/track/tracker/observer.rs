@@ -164,8 +164,7 @@ impl Observer {
         self.lm_h = lm_h;
         self.ohm_per_pole = 2.0 * lm_h / self.block_s;
         self.nominal_strength = prior.axis * (self.block_s / (2.0 * lm_h));
-        let damping = -core::f32::consts::PI * self.nominal_hz / prior.q * self.block_s;
-        self.pole = Phasor::new(damping.max(DAMPING.0), TAU * offset_hz * self.block_s);
+        self.pole = Phasor::new((-self.decay_of(prior.q)).max(DAMPING.0), TAU * offset_hz * self.block_s);
         self.strength = 1.0;
         self.rate = 0.0;
         self.covariance =

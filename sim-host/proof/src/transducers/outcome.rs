@@ -50,6 +50,9 @@ pub enum Outcome {
     Late(Option<Fault>),
 }
 
+/// What a controller states of a transducer, in this order: series resonance, quality factor, motional resistance and inductance, clamped capacitance.
+pub const PARAMETERS: [&str; 5] = ["fs", "Q", "Rm", "Lm", "C0"];
+
 /// Value and stated standard deviation, against the truth.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stated {
@@ -81,8 +84,8 @@ pub struct Judged {
     pub lock_ms: Option<f64>,
     /// The same from power-on, or from the last order to run, ms.
     pub power_on_ms: Option<f64>,
-    /// Series resonance, quality factor and clamped capacitance as the controller states them, of a run that ends locked.
-    pub stated: Option<[Stated; 3]>,
+    /// The [parameters](PARAMETERS) as the controller states them, of a run that ends locked.
+    pub stated: Option<[Stated; PARAMETERS.len()]>,
 }
 
 /// Judges a run.
@@ -140,6 +143,7 @@ pub fn bound_hz(hz: f64, q: f64) -> f64 {
 struct Truth {
     hz: f64,
     q: f64,
+    lm_h: f64,
     c0_f: f64,
     /// Distance of the resonance from its nominal value, and the window, relative.
     apart: (f64, f64),
@@ -165,6 +169,7 @@ impl Truth {
         Truth {
             hz,
             q: stepped_to(DisturbedKey::Q).unwrap_or_else(|| circuit.q()),
+            lm_h: circuit.lm_h,
             c0_f: stepped_to(DisturbedKey::ClampedCapacitance).unwrap_or(circuit.c0_f),
             apart: (hz / controller.drive.frequency_hz - 1.0, tracking.span),
             c0_ratio: tracking.nominal_c0_f.map_or(1.0, |nominal| circuit.c0_f / nominal),
@@ -202,11 +207,14 @@ impl Truth {
     }
 
     /// Stated values against the true ones.
-    fn against(&self, found: &Identified) -> [Stated; 3] {
+    fn against(&self, found: &Identified) -> [Stated; PARAMETERS.len()] {
         let deviations = &found.deviations;
+        let rm_ohm = std::f64::consts::TAU * self.hz * self.lm_h / self.q;
         [
             (found.series_resonance_hz, deviations.series_resonance_hz, self.hz),
             (found.q, deviations.q, self.q),
+            (found.rm_ohm, deviations.rm_ohm, rm_ohm),
+            (found.lm_h, deviations.lm_h, self.lm_h),
             (found.c0_f, deviations.c0_f, self.c0_f),
         ]
         .map(|(value, deviation, truth)| Stated { error: f64::from(value) - truth, deviation: deviation.into() })
@@ -238,7 +246,7 @@ mod tests {
 
     /// A resonance of 40 kHz and Q 50, 1 % above its nominal value in a window of 2 %, with a C0 and an Lm that are off by these factors.
     fn truth(c0_ratio: f64, lm_ratio: f64) -> Truth {
-        Truth { hz: 40e3, q: 50.0, c0_f: 1e-9, apart: (0.01, 0.02), c0_ratio, lm_ratio, too_much: false }
+        Truth { hz: 40e3, q: 50.0, lm_h: 0.1, c0_f: 1e-9, apart: (0.01, 0.02), c0_ratio, lm_ratio, too_much: false }
     }
 
     #[test]

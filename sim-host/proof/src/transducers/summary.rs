@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use firmware::seam::fault::Fault;
 use sim::study::monte_carlo::statistics::{Spread, spread_of};
 
-use super::outcome::{Judged, Outcome};
+use super::outcome::{Judged, Outcome, PARAMETERS};
 
 /// Standard deviations within which a stated value is to be, in 95 of 100 runs.
 pub(super) const COVERED: f64 = 2.0;
@@ -63,10 +63,10 @@ pub(super) struct Summary {
     pub beyond_stated: usize,
     /// Runs that end locked further off than half a bandwidth.
     pub beyond_half_bandwidth: usize,
-    /// Runs that state standard deviations, and of which the truth of resonance, Q and C0 is within two of them.
+    /// Runs that state standard deviations.
     pub stated: usize,
-    /// Of these, those whose resonance, Q and C0 are within two standard deviations.
-    pub covered: [usize; 3],
+    /// Of these, those of which the truth of each [parameter](PARAMETERS) is within two standard deviations.
+    pub covered: [usize; PARAMETERS.len()],
 }
 
 impl Summary {
@@ -85,7 +85,7 @@ impl Summary {
             beyond_stated: end_locked().filter(|judged| judged.beyond_stated == Some(true)).count(),
             beyond_half_bandwidth: end_locked().filter(|judged| judged.beyond_half_bandwidth == Some(true)).count(),
             stated: stated().count(),
-            covered: [covers(0), covers(1), covers(2)],
+            covered: std::array::from_fn(covers),
         }
     }
 }

@@ -3,7 +3,7 @@
 use sim::numbers::number;
 
 use super::draw::KINDS;
-use super::outcome::{Judged, Outcome};
+use super::outcome::{Judged, Outcome, PARAMETERS};
 use super::summary::{Summary, fault_of, faults};
 use super::{TriedCase, TriedTransducer};
 use crate::evidence::Error;
@@ -104,17 +104,11 @@ fn coverage(set: &[TriedTransducer]) -> TableBlock {
         row.extend([beyond_stated, beyond_half_bandwidth].map(|count| count.to_string()));
         row
     };
-    let header = [
-        "kind",
-        "end locked",
-        "state deviations",
-        "fs within 2 sd",
-        "Q within 2 sd",
-        "C0 within 2 sd",
-        "bias beyond 3 sd",
-        "bias beyond half a bandwidth",
-    ];
-    let caption = "Of the runs that end locked without a limit: those that state standard deviations of the transducer, the share of these whose true series resonance, Q and C0 are \
+    let within = PARAMETERS.map(|name| format!("{name} within 2 sd"));
+    let mut header = vec!["kind", "end locked", "state deviations"];
+    header.extend(within.iter().map(String::as_str));
+    header.extend(["bias beyond 3 sd", "bias beyond half a bandwidth"]);
+    let caption = "Of the runs that end locked without a limit: those that state standard deviations of the transducer, the share of these of which the truth is \
                    within two stated standard deviations (95 % would be right), and the runs whose bias is beyond three of the resonance, or beyond half a bandwidth.";
     TableBlock::new("coverage", "Random set, stated uncertainties", caption, &header, kinds(set).iter().map(row).collect())
 }
@@ -191,6 +185,10 @@ pub(super) fn csv(set: &[TriedTransducer]) -> Result<String, Error> {
         "resonance_deviation_hz",
         "q_error",
         "q_deviation",
+        "rm_error_ohm",
+        "rm_deviation_ohm",
+        "lm_error_h",
+        "lm_deviation_h",
         "c0_error_f",
         "c0_deviation_f",
         "phase_lock_outcome",
@@ -218,7 +216,7 @@ pub(super) fn csv(set: &[TriedTransducer]) -> Result<String, Error> {
         record.extend([nominal.lm_h, Some(transducer.lm_h()), nominal.c0_f].map(given));
         record.extend([outcome.to_owned(), fault.map_or_else(String::new, |fault| fault.to_string())]);
         record.extend([judged.bias_hz, judged.lock_ms, judged.power_on_ms].map(given));
-        for place in 0..3 {
+        for place in 0..PARAMETERS.len() {
             let stated = judged.stated.map(|stated| stated[place]);
             record.extend([stated.map(|stated| stated.error), stated.map(|stated| stated.deviation)].map(given));
         }

@@ -42,6 +42,9 @@ fn a_capacitance_is_found_beside_the_lock_point_and_behind_skew() {
         let error = magnitude(update.motional.y0) / (TAU * NOMINAL_HZ * c0_f) - 1.0;
         // Measured: 1.5e-4, of the prior's part.
         assert!(error.abs() < 4e-4, "{c0_f} {q}: {error} after {blocks} blocks");
+        // Half of what a step usually has left is added, of which this one has nothing.
+        let q_error = f64::from(update.q.value / q - 1.0);
+        assert!((0.0..0.011).contains(&q_error) && update.q.deviation < 2e-3 * q, "{q}: {q_error} {:?}", update.q);
     }
 }
 

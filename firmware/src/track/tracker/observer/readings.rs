@@ -4,6 +4,13 @@ use super::{AHEAD_BLOCKS, Observer};
 use crate::seam::compare::larger;
 use crate::seam::phasor::Phasor;
 
+/// `2 sinh(x / 2) = x (1 + x^2 / 24)`, to 0.3 % at 1.5.
+const BY_SQUARE: f32 = 1.0 / 24.0;
+/// What a quality factor measured at the resonance is known to at best, relative: the steps settle to 2 %.
+const AT_BEST: f32 = 5e-3;
+/// A quality factor that differs from what was known by more of its standard deviations than this counts.
+const SURPRISE: f32 = 3.0;
+
 /// Variances of an observer's unknowns.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Spread {
@@ -67,9 +74,41 @@ impl Observer {
         current.norm_sqr() * drop * drop > most * most
     }
 
-    /// Damping `alpha`, 1/s.
+    /// What the current decays by in a block: `alpha T`, as the filter has it.
+    #[inline]
+    pub(crate) fn decays_by(&self) -> f32 {
+        -self.pole.re
+    }
+
+    /// The same of a resonance with this quality factor at the nominal frequency.
+    pub(crate) fn decay_of(&self, q: f32) -> f32 {
+        core::f32::consts::PI * self.nominal_hz / q * self.block_s
+    }
+
+    /// Damping `alpha`, 1/s, by the steady current. A block adds `sqrt(a) b V` to it instead of `(1 - a) / alpha`, so that what settles is `b V / (2 sinh(alpha T / 2))`: at Q 6
+    /// and 87 kHz, with blocks of 32 us, the pole is 8 % low.
     pub(crate) fn damping(&self) -> f32 {
-        -self.pole.re / self.block_s
+        -self.pole.re * (1.0 + BY_SQUARE * self.pole.re * self.pole.re) / self.block_s
+    }
+
+    /// Quality factor.
+    pub(super) fn q(&self) -> f32 {
+        core::f32::consts::PI * (self.nominal_hz + self.offset_hz()) / self.damping()
+    }
+
+    /// Takes a quality factor that was measured at the resonance, and its standard deviation. Where they differ, the strength gives way, which was seen from afar: other
+    /// resonances nearby add to it there. The motional resistance stays, which the steady current shows.
+    pub(crate) fn take_q(&mut self, (q, deviation): (f32, f32)) {
+        let (part, relative) = (self.q() / q, deviation / q);
+        let (off, variance) = (1.0 - part, relative * relative + AT_BEST * AT_BEST);
+        if !(q > 0.0 && off * off > SURPRISE * SURPRISE * (variance + self.covariance.strength)) {
+            return;
+        }
+        let x = self.pole.re;
+        self.pole.re = part * x * (1.0 + BY_SQUARE * x * x) / (1.0 + BY_SQUARE * part * part * x * x);
+        self.strength *= part;
+        self.covariance.strength = variance;
+        (self.covariance.pole_strength, self.covariance.current_strength) = (Phasor::default(), Phasor::default());
     }
 
     /// Estimated motional inductance, H.

@@ -191,3 +191,48 @@ fn silence_moves_nothing() {
     // What it does not measure it may not claim to know.
     assert!((15.0..25.0).contains(&run.observer.deviation_hz()), "{}", run.observer.deviation_hz());
 }
+
+/// `Rm = 2 alpha Lm`, of a resonance that a few blocks ring down.
+#[test]
+fn the_steady_current_shows_the_motional_resistance() {
+    for q in [3.4, 6.0, 20.0, 65.0] {
+        let mut follows = Loop::new(NOMINAL_HZ, q, 1.0);
+        follows.settle(400, 100.0);
+        let observer = &follows.observer;
+        let rm_ohm = f64::from(2.0 * observer.damping() * observer.lm_h());
+        let expected = std::f64::consts::TAU * NOMINAL_HZ * LM_H / q;
+        // Measured: 5e-4 at Q 3.4, whose pole is 8 % low.
+        assert!((rm_ohm / expected - 1.0).abs() < 2e-3, "Q {q}: {rm_ohm} {expected}");
+    }
+}
+
+/// The strength gives way; where the resonance is, and the resistance, stay.
+#[test]
+fn a_quality_factor_measured_at_the_resonance_counts() {
+    let mut follows = Loop::new(NOMINAL_HZ + 300.0, 65.0, 1.0);
+    follows.settle(400, 1.0);
+    let before = (follows.observer.lm_h(), follows.observer.offset_hz());
+    // What agrees changes nothing.
+    follows.observer.take_q((65.3, 0.1));
+    assert_eq!(follows.observer.lm_h(), before.0);
+    follows.observer.take_q((58.5, 0.1));
+    let observer = &follows.observer;
+    let (ratio, moved) = (observer.lm_h() / before.0, observer.offset_hz() - before.1);
+    assert!((ratio - 0.9).abs() < 5e-3 && moved.abs() < 1e-3, "{ratio} {moved}");
+    assert!((observer.q() / 58.5 - 1.0).abs() < 1e-3, "{}", observer.q());
+    // The model holds as well as before: the gate stays shut.
+    let opened = observer.opened();
+    follows.settle(200, 1.0);
+    assert_eq!(follows.observer.opened(), opened);
+}
+
+#[test]
+fn what_is_no_quality_factor_changes_nothing() {
+    let mut follows = Loop::new(NOMINAL_HZ, 65.0, 1.0);
+    follows.settle(400, 1.0);
+    let before = follows.observer.lm_h();
+    for q in [0.0, -65.0, f32::NAN] {
+        follows.observer.take_q((q, 0.1));
+        assert_eq!(follows.observer.lm_h(), before, "{q}");
+    }
+}
