@@ -78,8 +78,10 @@ fn a_transducer_that_is_driven_again_is_sought_where_it_was() {
     let moved = ["disturbance.0.at_s=0.12", "disturbance.0.key=stack.bvd.series_resonance_hz"];
     for (to, same) in [("40520", true), ("40600", true), ("39500", false)] {
         let to = format!("disturbance.0.to={to}");
-        let mut rig =
-            Rig::new("lock", &["controller.tracking.mode=observer", "stack.bvd.series_resonance_hz=40520", moved[0], moved[1], &to]);
+        let mut rig = Rig::new(
+            "lock",
+            &["controller.tracking.mode=observer", "stack.bvd.series_resonance_hz=40520", moved[0], moved[1], &to],
+        );
         let mut lock = || {
             rig.order(Request::Run);
             assert_eq!(rig.until(Mode::Lock).fault, None, "{to}");
