@@ -10,9 +10,11 @@ use std::time::{Duration, Instant};
 use link::emulated_board::EmulatedBoard;
 use link::link_error::LinkError;
 use link::port::Port;
+use link::session::{Session, SessionOptions};
 use pil::link_image;
 use scene::load::load;
 
+use super::{client, run};
 use super::dialogue::{Folder, answer, hold, judge_captures, judge_scan};
 use crate::processor_in_the_loop::is_there;
 
@@ -76,4 +78,29 @@ fn a_board_in_qemu_is_talked_to_as_one_on_a_bench() {
     // Block task and background task one after the other: on a board, the block task interrupts the background task.
     assert!((2000..MOST_STACK).contains(&stack.stack_blocks_bytes), "{stack:?}");
     println!("{:.3} s of a dialogue in {:.2?}; {stack:?}", board.now().as_secs_f64(), began.elapsed());
+}
+
+/// From a band to tested settings; nothing is stored.
+#[test]
+fn a_board_in_qemu_is_commissioned() {
+    if !is_there("link in the loop") {
+        return;
+    }
+    let began = Instant::now();
+    let loaded = load("lock", &[]).unwrap_or_else(|error| panic!("{error}"));
+    let scene = loaded.scene.driven().expect("a driven scene");
+    let board = EmulatedBoard::start(&link_image().expect("the image builds"), &scene, 4).expect("QEMU starts");
+    let board = Rc::new(RefCell::new(board));
+    let mut session = Session::begin(client(Box::new(Emulated(board.clone()))), SessionOptions::default()).expect("an answer");
+    let answers = run("settings get\ncommission --band 30k:45k --max-volts 3\nsettings get", &mut session);
+    let answers = answers.unwrap_or_else(|error| panic!("{error}"));
+    let true_hz = board.borrow().rig().inner.inner.circuit().series_resonance_hz();
+    for name in ["series_resonance_hz", "locked_hz", "after_step_hz", "after_burst_hz"] {
+        let hz = answers[1].1.fields[name].as_f64().expect("a number");
+        assert!((hz - true_hz).abs() < 1.0, "{name}: {hz} Hz, and the plant has {true_hz} Hz");
+    }
+    assert_eq!(answers[0].1.fields, answers[2].1.fields, "the settings are as before");
+    let board = board.borrow();
+    assert!(!board.pins().enable && !board.pins().failed && board.resets() == 0);
+    println!("{:.3} s of a commissioning in {:.2?}", board.now().as_secs_f64(), began.elapsed());
 }

@@ -54,6 +54,8 @@ const FLOOR: f32 = 3e-4;
 /// well, as that of a stack that has depoled: with an inductance so many times the nominal one at least, or without a resonance that stands out.
 const CAPACITANCE_SHIFT: (f32, f32) = (0.4, 0.3);
 const DEPOLED: (f32, f32) = (0.2, 5.0);
+/// Smallest Q, relative to the nominal one, that a scan is left to look at: between a crack's fifth and the third that a nominal Q may be too high by.
+const CRACKED_Q: f32 = 0.27;
 /// Smallest Q, relative to the one that was tracked before, which a load may have lowered by three.
 const FALLEN_Q: f32 = 0.3;
 /// Rms of what two resonances leave, in standard deviations, beyond which the transducer is not one that could be tracked. Healthy ones leave 4 at most.
@@ -70,7 +72,7 @@ const SIGMAS: f32 = 3.0;
 enum Refused {
     /// It tells that there is something wrong.
     Fault(Fault),
-    /// It does not tell: no resonance stands out, two do not explain it, or the one is much as that of a crack. A scan looks at the resonance itself, and takes longer.
+    /// It does not tell: no resonance stands out, two do not explain it, it seems to be outside the window, or much as that of a crack. A scan looks at the resonance itself, and takes longer.
     Unclear,
 }
 
@@ -262,7 +264,8 @@ impl PowerOn {
         let q_at_most = found.q.value + SIGMAS * found.q.deviation;
         let company = found.second_mode.map(|(hz, strength)| (hz / found.resonance_hz.value - 1.0, strength));
         let damage = if self.is_nominal { damage(q_at_most / self.nominal_q, company) } else { Damage::None };
-        let fallen = self.tracked_q.is_some_and(|q| q_at_most < FALLEN_Q * q);
+        let cracked = damage == Damage::Certain && q_at_most < CRACKED_Q * self.nominal_q;
+        let fallen = cracked || self.tracked_q.is_some_and(|q| q_at_most < FALLEN_Q * q);
         let shift = ((found.c0_f.value - self.c0_f).abs() - SIGMAS * found.c0_f.deviation) / self.c0_f;
         let turn = 2.0 * found.lock_deviation_hz * found.q.value / found.resonance_hz.value;
         let explained = fit::is_plausible(&solution.elements) && solution.misfit < LARGEST_MISFIT;

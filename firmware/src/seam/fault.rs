@@ -90,8 +90,8 @@ numbered! {
     /// The clamped capacitance is more than 40 % off its nominal value, without a nominal Lm 30 %, and three standard deviations; or more than 20 %, with an Lm
     /// of five times its nominal value, or, where none is given, without a resonance that stands out: known at the end of the calibration at power-on, 45 ms at 40 kHz.
     CapacitanceShifted = 25, "capacitance shifted", "another stack than the nominal one (`tracking.nominal_c0_f`), or one that has depoled";
-    /// The calibration at power-on finds a Q below a third of the nominal one, or below half of it with a second resonance within 3.5 % of at
-    /// least a tenth of the strength: known after 43 to 60 ms at 40 kHz, and later where a scan has to look for the second one. After a loss of lock also a Q
+    /// The calibration at power-on finds a Q below 0.27 of the nominal one: known after 43 to 60 ms at 40 kHz. Or a scan, to which it leaves what is less clear, finds one below a
+    /// third of the nominal one, or below half of it with a second resonance within 3.5 % of at least a tenth of the strength. After a loss of lock also a Q
     /// below 0.3 of what was tracked. Without a nominal C0 only this.
     ResonanceDamaged = 26, "resonance damaged", "the stack rings otherwise than its nominal values say: a crack, a loose horn, or another stack";
     /// In the self-test the current lags the voltage where only a capacitance can be: the two sense channels are swapped, or one of them is
@@ -162,7 +162,7 @@ numbered! {
     RestraintUnclassified = 105, "the seat has not said who sits in it", "look at the seat's sensor";
     /// The drive steps by 7 % of the bandwidth to both sides of the resonance, to measure the clamped branch there: some ring-down times after a lock or a change of the load.
     Probing = 106, "the clamped capacitance is being measured", "nothing: it is over in some ring-down times";
-    /// Another resonance is so near that the lock may be off by more than half a per cent of the bandwidth, even after a scan.
+    /// Another resonance is so near that the lock may be off by more than half a per cent of the bandwidth, even after a scan; or a scan that such a lock was left to has found no other.
     LockUncertain = 107, "another resonance is so near that the lock is uncertain", "look at the scan: move the other mode away, or track that one";
     /// The amplitude is reduced: as much as is asked for would take more than 0.95 of `limits.current_a`.
     FoldedBack = 108, "the amplitude is reduced: the current is at its limit", "ask for less, or raise the limit in the configuration of the image";

@@ -2,8 +2,8 @@
 
 use crate::evidence::{Error, Evidence, Options, built_in};
 use crate::{
-    board_faults, board_scenes, commission, crash, features, field_update, friction, guard, instructions, precision, thesis,
-    transducers,
+    board_faults, board_scenes, commission, crash, faults, features, field_update, friction, guard, instructions, precision,
+    thesis, transducers,
 };
 use scene::load::LoadError;
 use scene::suite::{self, LoadedSuite};
@@ -25,7 +25,7 @@ pub struct Bench {
 }
 
 /// All benches, in the order in which they run.
-pub const BENCHES: [Bench; 14] = [
+pub const BENCHES: [Bench; 15] = [
     Bench {
         name: "tracking",
         about: "every tracking case over many seeds, against targets, Cramer-Rao bounds and the numbers of its faults",
@@ -67,6 +67,13 @@ pub const BENCHES: [Bench; 14] = [
         has_quick: true,
         suite: Some(crash::SUITE),
         run: crash::run,
+    },
+    Bench {
+        name: "faults",
+        about: "what fails between a board and the controller while it drives six transducers, and as many runs in which nothing does",
+        has_quick: true,
+        suite: None,
+        run: faults::evidence,
     },
     Bench {
         name: "board-faults",

@@ -22,6 +22,7 @@ mod crash;
 #[cfg(test)]
 mod docs;
 pub mod evidence;
+mod faults;
 mod features;
 pub mod field_update;
 mod friction;

@@ -110,9 +110,11 @@ impl Learning {
         // Relative deviations of what it follows from, each on its own; a sum of them adds up in squares. `Cm = 1 / (w^2 Lm)`, and
         // `fp / fs = sqrt(1 + Cm / C0)`, in which the resonance takes back a part of what it moves `fs` by.
         let ratio = |strength: f32, clamped: f32| square(strength) + square(clamped);
+        // The current shows `Rm` to half a bandwidth as the resonance is known; `Q = ws Lm / Rm`.
+        let half = 2.0 * *q * *resonance;
         match *left {
             4 => {
-                // A turn of half a radian is half a half bandwidth.
+                // Half a half bandwidth a radian.
                 *resonance = root(square(spread.deviation_hz() / *hz) + square(0.5 * (PHASE + *phase_rad) / *q));
                 *strength = root(spread.strength + square(*strength + *phase_rad));
             }
@@ -121,15 +123,13 @@ impl Learning {
                 deviations.series_resonance_hz = *resonance * *hz;
                 deviations.lm_h = *strength * transducer.lm_h;
                 deviations.c0_f = *clamped * *c0_f;
+                deviations.q = root(square(half) + square(*strength)) * *q;
+                deviations.rm_ohm = root(square(half) + square(RESISTANCE + *phase_rad)) * transducer.rm_ohm;
             }
             2 => {
                 let ratio = ratio(*strength, *clamped);
                 deviations.parallel_resonance_hz =
                     root(square((1.0 - *part) * *resonance) + square(0.5 * *part) * ratio) * transducer.parallel_resonance_hz;
-                // The current shows `Rm` to half a bandwidth as the resonance is known; `Q = ws Lm / Rm`.
-                let half = 2.0 * *q * *resonance;
-                deviations.rm_ohm = root(square(half) + square(RESISTANCE + *phase_rad)) * transducer.rm_ohm;
-                deviations.q = root(square(half) + square(*strength)) * *q;
                 deviations.cm_f = root(square(2.0 * *resonance) + square(*strength)) * *cm_f;
             }
             _ => {

@@ -3,8 +3,8 @@
 use super::board_settings::BoardSettings;
 use crate::scale::Scale;
 
-/// Part of the given current that the board's limit is set to while nothing is known: a fault ends the drive within a block of the limit's first excess, and at Q 7 that is a third above it (`validate commission --count 180`).
-const MARGIN: f64 = 0.7;
+/// Part of the given current that the board's limit is set to while nothing is known: a fault ends the drive within a block of the limit's first excess.
+const MARGIN: f64 = 0.8;
 /// Codes of the coarser converter that the smallest useful voltage has, and the quietest.
 const LEAST_CODES: (f64, f64) = (8.0, 4.0);
 /// Part of a sense channel's range that is used.

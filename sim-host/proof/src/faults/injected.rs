@@ -1,0 +1,277 @@
+//! A controller between which and its converters something fails: what it is given is spoilt before it, what it answers after it.
+
+use firmware::seam::block::{Codes, DriveBlock, Orders, SenseBlock};
+use firmware::seam::telemetry::Telemetry;
+use sim::processor::{Here, Lost, Processor};
+
+/// Which of the two sense channels.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Channel {
+    /// The voltage's.
+    Voltage,
+    /// The current's.
+    Current,
+}
+
+/// What fails at the seam, from a certain block on.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Failure {
+    /// Nothing.
+    None,
+    /// What a scene's `[[fault]]` of this kind does to the plant.
+    Scene(&'static str),
+    /// A channel's gain becomes so many times what it was; less than zero is a reversed line.
+    Gain(Channel, f64),
+    /// A channel is offset by so many codes.
+    Offset(Channel, i32),
+    /// A channel stays at this code.
+    Stuck(Channel, u16),
+    /// A bit of a channel's codes stays at this.
+    Bit(Channel, u8, bool),
+    /// A channel is late by so many samples.
+    Late(Channel, usize),
+    /// A channel has noise of so many codes, uniform to either side.
+    Noise(Channel, u16),
+    /// A single sample of a channel is at the end of its range.
+    Spike(Channel),
+    /// Voltage and current are exchanged.
+    Exchanged,
+    /// The converters give the same block for ever.
+    Stale,
+    /// The converters give one block twice.
+    StaleOnce,
+    /// The halves of the buffer are exchanged: each second block comes before the first.
+    Halves,
+    /// The DAC plays the same block for ever.
+    Repeats,
+    /// The DAC stays at its code.
+    Holds,
+    /// A bit of the DAC's codes stays at this.
+    DacBit(u8, bool),
+    /// The amplifier's gain becomes so many times what it was.
+    Amplifier(f64),
+    /// The amplifier plays one half wave only.
+    HalfWave,
+    /// The amplifier clips at this part of the drive.
+    Clips(f64),
+    /// The amplifier follows by no more than this part of the drive a sample.
+    Slews(f64),
+    /// The amplifier's supply ripples: this part of the drive, at so many blocks a period.
+    Ripples(f64, u32),
+    /// The amplifier is dead.
+    Dead,
+    /// The host is silent for longer than it may be.
+    HostLost,
+    /// The emergency stop is pressed.
+    EmergencyStop,
+    /// The hardware's comparator on the current has fired.
+    Comparator,
+    /// The amplifier says that it has failed.
+    AmplifierSays,
+    /// The amplifier's supply is outside its window.
+    Supply,
+}
+
+/// The controller, and what fails.
+pub(super) struct Injected {
+    controller: Here,
+    failure: Failure,
+    at_block: u64,
+    block: u64,
+    /// Codes of silence, of sense and drive.
+    middle: (u16, u16),
+    /// The end of the sense channels' range.
+    end: u16,
+    last_sense: SenseBlock,
+    held_sense: Option<SenseBlock>,
+    last_drive: DriveBlock,
+    held_drive: Option<DriveBlock>,
+    followed: f64,
+    random: u64,
+}
+
+impl Injected {
+    /// Fails so from a block on; `middle` and `end`: codes of silence of sense and drive, and the largest code of the sense channels.
+    pub(super) fn new(controller: Here, failure: Failure, at_block: u64, middle: (u16, u16), end: u16) -> Self {
+        Injected {
+            controller,
+            failure,
+            at_block,
+            block: 0,
+            middle,
+            end,
+            last_sense: SenseBlock::default(),
+            held_sense: None,
+            last_drive: DriveBlock::default(),
+            held_drive: None,
+            followed: 0.0,
+            random: at_block.wrapping_mul(0x9E37_79B9_7F4A_7C15) | 1,
+        }
+    }
+
+    /// A number from zero up to `below`.
+    fn random(&mut self, below: u32) -> u32 {
+        self.random ^= self.random << 13;
+        self.random ^= self.random >> 7;
+        self.random ^= self.random << 17;
+        (self.random >> 33) as u32 % below
+    }
+
+    /// What the controller is given of what the converters have seen.
+    fn spoil_sense(&mut self, sense: &SenseBlock) -> SenseBlock {
+        let (mut spoilt, middle, end) = (sense.clone(), i32::from(self.middle.0), i32::from(self.end));
+        let code = |code: i32| code.clamp(0, end) as u16;
+        let first = self.block == self.at_block;
+        match self.failure {
+            Failure::Gain(channel, gain) => {
+                of(&mut spoilt, channel, |was| code(middle + (gain * f64::from(i32::from(was) - middle)).round() as i32));
+            }
+            Failure::Offset(channel, codes) => of(&mut spoilt, channel, |was| code(i32::from(was) + codes)),
+            Failure::Stuck(channel, at) => of(&mut spoilt, channel, |_| at),
+            Failure::Bit(channel, bit, high) => of(&mut spoilt, channel, |was| with_bit(was, bit, high)),
+            Failure::Late(channel, samples) => {
+                let (before, now) = (self.last_sense.clone(), sense.clone());
+                let late: Codes = {
+                    let (before, now) = (lane(&before, channel), lane(&now, channel));
+                    let from = before.len().saturating_sub(samples);
+                    before[from..].iter().chain(now).take(now.len()).copied().collect()
+                };
+                *lane_mut(&mut spoilt, channel) = late;
+            }
+            Failure::Noise(channel, codes) => {
+                let span = 2 * u32::from(codes) + 1;
+                let mut codes_of = core::mem::take(lane_mut(&mut spoilt, channel));
+                for was in &mut codes_of {
+                    *was = code(i32::from(*was) + self.random(span) as i32 - i32::from(codes));
+                }
+                *lane_mut(&mut spoilt, channel) = codes_of;
+            }
+            Failure::Spike(channel) if first => {
+                let at = self.random(lane(&spoilt, channel).len().max(1) as u32) as usize;
+                if let Some(was) = lane_mut(&mut spoilt, channel).get_mut(at) {
+                    *was = self.end;
+                }
+            }
+            Failure::Exchanged => core::mem::swap(&mut spoilt.v, &mut spoilt.i),
+            Failure::Stale => {
+                let held = self.held_sense.get_or_insert_with(|| sense.clone());
+                (spoilt.v, spoilt.i) = (held.v.clone(), held.i.clone());
+            }
+            Failure::StaleOnce if first => {
+                (spoilt.v, spoilt.i) = (self.last_sense.v.clone(), self.last_sense.i.clone());
+            }
+            Failure::Halves => {
+                // The one before the last: a half that is read while the other one fills.
+                let before = self.held_sense.replace(self.last_sense.clone());
+                if let Some(before) = before {
+                    (spoilt.v, spoilt.i) = (before.v, before.i);
+                }
+            }
+            Failure::Comparator => spoilt.slow.trips.get_or_insert_default().over_current = true,
+            Failure::AmplifierSays => spoilt.slow.trips.get_or_insert_default().amplifier_fault = true,
+            Failure::Supply => spoilt.slow.trips.get_or_insert_default().supply = true,
+            _ => {}
+        }
+        spoilt
+    }
+
+    /// What the amplifier plays of what the controller has answered.
+    fn spoil_drive(&mut self, drive: &mut DriveBlock) {
+        let middle = f64::from(self.middle.1);
+        let scaled = |was: u16, by: f64| (middle + by * (f64::from(was) - middle)).round().clamp(0.0, 2.0 * middle) as u16;
+        match self.failure {
+            Failure::Repeats | Failure::Holds => {
+                let holds = self.failure == Failure::Holds;
+                let held = self.held_drive.get_or_insert_with(|| {
+                    let mut held = self.last_drive.clone();
+                    for lane in held.lanes.iter_mut().filter(|_| holds) {
+                        let code = lane.last().copied().unwrap_or(self.middle.1);
+                        lane.fill(code);
+                    }
+                    held
+                });
+                drive.lanes.clone_from(&held.lanes);
+            }
+            Failure::DacBit(bit, high) => each(drive, |was| with_bit(was, bit, high)),
+            Failure::Amplifier(gain) => each(drive, |was| scaled(was, gain)),
+            Failure::HalfWave => each(drive, |was| was.max(self.middle.1)),
+            Failure::Clips(part) => {
+                let most = part * f64::from(swing(&self.last_drive, self.middle.1).max(swing(drive, self.middle.1)));
+                each(drive, |was| (middle + (f64::from(was) - middle).clamp(-most, most)).round() as u16);
+            }
+            Failure::Slews(part) => {
+                let most = part * f64::from(swing(&self.last_drive, self.middle.1).max(swing(drive, self.middle.1)));
+                let mut at = self.followed;
+                for code in drive.lanes.iter_mut().take(1).flatten() {
+                    at += (f64::from(*code) - middle - at).clamp(-most, most);
+                    *code = (middle + at).round() as u16;
+                }
+                self.followed = at;
+            }
+            Failure::Ripples(part, blocks) => {
+                let turn = std::f64::consts::TAU * self.block as f64 / f64::from(blocks);
+                each(drive, |was| scaled(was, 1.0 + part * turn.sin()));
+            }
+            Failure::Dead => each(drive, |_| self.middle.1),
+            _ => {}
+        }
+    }
+}
+
+/// Changes the codes of a channel.
+fn of(sense: &mut SenseBlock, channel: Channel, change: impl Fn(u16) -> u16) {
+    lane_mut(sense, channel).iter_mut().for_each(|code| *code = change(*code));
+}
+
+fn lane(sense: &SenseBlock, channel: Channel) -> &Codes {
+    match channel {
+        Channel::Voltage => &sense.v,
+        Channel::Current => &sense.i,
+    }
+}
+
+fn lane_mut(sense: &mut SenseBlock, channel: Channel) -> &mut Codes {
+    match channel {
+        Channel::Voltage => &mut sense.v,
+        Channel::Current => &mut sense.i,
+    }
+}
+
+fn with_bit(code: u16, bit: u8, high: bool) -> u16 {
+    if high { code | 1 << bit } else { code & !(1 << bit) }
+}
+
+/// Changes the codes of all lanes.
+fn each(drive: &mut DriveBlock, change: impl Fn(u16) -> u16) {
+    drive.lanes.iter_mut().flatten().for_each(|code| *code = change(*code));
+}
+
+/// How far a block swings about silence, codes.
+fn swing(drive: &DriveBlock, middle: u16) -> u16 {
+    drive.lanes.iter().flatten().map(|code| code.abs_diff(middle)).max().unwrap_or(0)
+}
+
+impl Processor for Injected {
+    fn silence(&self) -> DriveBlock {
+        self.controller.silence()
+    }
+
+    fn process(&mut self, orders: &Orders, sense: &SenseBlock, drive: &mut DriveBlock) -> Result<Telemetry, Lost> {
+        let fails = self.block >= self.at_block;
+        let mut orders = *orders;
+        if fails {
+            orders.host_lost |= self.failure == Failure::HostLost;
+            orders.emergency_stop |= self.failure == Failure::EmergencyStop;
+        }
+        let given = if fails { self.spoil_sense(sense) } else { sense.clone() };
+        let telemetry = self.controller.process(&orders, &given, drive)?;
+        let answered = drive.clone();
+        if fails {
+            self.spoil_drive(drive);
+        }
+        self.last_sense.clone_from(sense);
+        self.last_drive = answered;
+        self.block += 1;
+        Ok(telemetry)
+    }
+}

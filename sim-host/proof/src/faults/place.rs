@@ -1,0 +1,121 @@
+//! Where something fails: a transducer, and how it is driven.
+
+use firmware::seam::mode::Mode;
+use scene::load::load;
+use scene::settings;
+use sim::processor::Here;
+use sim::record::Record;
+use sim::run::{RunError, Watch, run_on};
+use sim::study::StudyError;
+
+use super::injected::{Failure, Injected};
+use super::kinds::{Kind, Random};
+use crate::evidence::Error;
+
+/// A scene that runs, in which something may fail.
+pub(super) struct Place {
+    /// Name of the place, in tables.
+    pub(super) name: &'static str,
+    scene: &'static str,
+    sets: &'static [&'static str],
+}
+
+/// All places.
+pub(super) const PLACES: [Place; 6] = [
+    Place { name: "stack, Q 65, steady", scene: "lock", sets: &[ON, OFF] },
+    Place {
+        name: "stack, Q 20, steady",
+        scene: "lock",
+        sets: &[ON, OFF, "stack.bvd.q=20", "controller.tracking.nominal_q=20", "controller.tracking.mode=observer"],
+    },
+    Place { name: "stack, bursts", scene: "lock", sets: &["controller.burst.period_s=8e-3", "controller.burst.duty=0.5"] },
+    Place { name: "Langevin, 28 kHz, steady", scene: "transducer-smbltd45f28h", sets: &[] },
+    Place { name: "welder, steady", scene: "transducer-skymen-60w", sets: &[] },
+    Place { name: "motor, four lanes", scene: MOTOR, sets: &["controller.burst.on_s=[0.0]", "controller.burst.off_s=[9.0]"] },
+];
+
+/// The scene of a motor.
+const MOTOR: &str = "usm";
+const ON: &str = "controller.burst.on_s=[0.0]";
+const OFF: &str = "controller.burst.off_s=[9.0]";
+/// How long a pilot run is, s.
+const PILOT_S: f64 = 0.5;
+/// From the first locked block of a run to the earliest failure, and over how long failures are spread, s.
+const SETTLES_S: f64 = 0.02;
+const SPREAD_S: f64 = 0.01;
+/// How long a run goes on after a failure, s.
+const AFTER_S: f64 = 0.06;
+
+/// A place in which the drive has been seen to run.
+pub(super) struct Running {
+    /// The place.
+    pub(super) place: &'static Place,
+    /// When failures begin, s.
+    from_s: f64,
+}
+
+/// A run with a failure.
+pub(super) struct Failed {
+    /// The voltage limit, V.
+    pub(super) limit_v: f64,
+    /// Half a bandwidth, Hz.
+    pub(super) half_hz: f64,
+    /// The record.
+    pub(super) record: Record,
+    /// When it failed, s.
+    pub(super) at_s: f64,
+}
+
+impl Place {
+    /// The place, once its drive has run without a failure.
+    pub(super) fn pilot(&'static self) -> Result<Running, Error> {
+        let failed = self.run(Failure::None, 0.0, PILOT_S, 0)?;
+        let locked = failed.record.rows.iter().find(|row| row.mode == Mode::Run && row.locked && row.drive_v > 0.0);
+        let first_s = locked.map_or(PILOT_S, |row| row.time_s);
+        Ok(Running { place: self, from_s: first_s + SETTLES_S })
+    }
+
+    fn run(&self, failure: Failure, at_s: f64, until_s: f64, seed: u64) -> Result<Failed, Error> {
+        let mut sets: Vec<String> = self.sets.iter().map(|&set| set.to_owned()).collect();
+        sets.extend([format!("duration_s={until_s}"), format!("seed={seed}")]);
+        if let Failure::Scene(kind) = failure {
+            sets.extend([format!("fault.0.at_s={at_s}"), format!("fault.0.kind={kind}")]);
+        }
+        let loaded = load(self.scene, &sets)?;
+        let scene = loaded.scene.driven().ok_or(StudyError::Incomplete)?;
+        let config = settings::config(&scene);
+        let block_s = f64::from(config.block_samples) / f64::from(config.sample_hz);
+        let front = &config.front_end;
+        let at_block = (at_s / block_s) as u64;
+        let mut injected = Injected::new(
+            Here::new(&config)?,
+            failure,
+            at_block,
+            (front.sense_mid_code, front.drive_mid_code),
+            front.sense_max_code,
+        );
+        let record = run_on(&mut injected, &scene, Watch::default()).map_err(|error: RunError| StudyError::from(error))?;
+        let controller = scene.controller;
+        Ok(Failed {
+            limit_v: controller.limits.voltage_v,
+            half_hz: 0.5 * controller.drive.frequency_hz / controller.tracking.nominal_q,
+            record,
+            at_s: at_block as f64 * block_s,
+        })
+    }
+}
+
+impl Running {
+    /// Whether this kind can happen here: a stator has no stack that could break.
+    pub(super) fn has(&self, kind: &Kind) -> bool {
+        self.place.scene != MOTOR || !matches!((kind.draw)(&mut Random::new(0)), Failure::Scene(_))
+    }
+
+    /// A run in which this kind fails, or nothing does; the same seed is the same run.
+    pub(super) fn fail(&self, kind: Option<&Kind>, seed: u64) -> Result<Failed, Error> {
+        let mut random = Random::new(seed);
+        let at_s = self.from_s + SPREAD_S * random.part();
+        let failure = kind.map_or(Failure::None, |kind| (kind.draw)(&mut random));
+        self.place.run(failure, at_s, at_s + AFTER_S, seed)
+    }
+}
