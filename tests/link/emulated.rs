@@ -14,8 +14,8 @@ use link::session::{Session, SessionOptions};
 use pil::link_image;
 use scene::load::load;
 
-use super::{client, run};
 use super::dialogue::{Folder, answer, hold, judge_captures, judge_scan};
+use super::{client, run};
 use crate::processor_in_the_loop::is_there;
 
 /// Blocks that are recorded: all of a dialogue.

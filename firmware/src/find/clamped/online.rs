@@ -1,6 +1,6 @@
 //! The clamped capacitance while running: the drive steps to both sides of the lock point, and the motional resistance must be the same on both.
 //!
-//! What is thought of C0 is wrong by the susceptance that makes it so ([`balance`]). No Q, no Lm and no lock point enters; nor does a tracker that is off by a little. Only
+//! What is thought of C0 is wrong by the susceptance that makes it so (`balance`). No Q, no Lm and no lock point enters; nor does a tracker that is off by a little. Only
 //! the axis and the loss of the clamped branch are taken from the calibration at power-on, and neither changes with the temperature as C0 does.
 //!
 //! A round is `+ - - +`, so that a resonance that drifts evenly does not look like a capacitance; each is blended with the estimate before it by the two
