@@ -60,8 +60,9 @@ fn edges_are_near_the_time_optimum_at_any_q() {
         println!("| {q} | {volts}, {limit_v} | {rise:.4} | {:.4} | {fall:.4} | {:.4} | {over:.2} | {left:.2} |", best.0, best.1);
         // Measured: at most 0.025 and 0.030 ms more, two and a half half cycles.
         assert!(rise < best.0 + 0.03 && fall < best.1 + 0.035, "Q {q}, {limit_v} V: {rise} ms, {fall} ms");
-        // Measured: at most 0.35 %, and 1.31 % at Q 20 with the true Q; one that is 0.2 % too high overshoots by 0.23 % and leaves 1.22 %.
-        assert!(over < 0.5 && left < 1.4, "Q {q}, {limit_v} V: {over} %, {left} %");
+        // Measured: at most 0.35 % and 0.79 %; at Q 20 0.10 % and 1.31 %, with a Q that is 0.2 % too high 0.23 % and 1.22 %.
+        let most = if q > 20.0 { 1.0 } else { 1.4 };
+        assert!(over < 0.5 && left < most, "Q {q}, {limit_v} V: {over} %, {left} %");
         assert_eq!((of(&metrics, "fault_code"), of(&metrics, "limit_code")), (0.0, 0.0), "Q {q}, {limit_v} V");
     }
 }

@@ -29,5 +29,6 @@ mod friction;
 pub mod guard;
 pub mod instructions;
 pub mod precision;
+mod random;
 pub mod thesis;
 mod transducers;

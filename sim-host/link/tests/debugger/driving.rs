@@ -54,7 +54,7 @@ fn a_halt_drops_the_enable_and_it_stays_down() {
     assert!(board.borrow_mut().is_held().expect("no error"));
     assert_eq!(board.borrow().debugged().board().now(), stands_at);
     assert_eq!(gdb.ask(board.borrow_mut().debugged_mut(), "D"), "OK");
-    // The first report may be of the block before the halt.
+    // The first report was of a run without a fault; probably of the block before the halt.
     let reports = [(); 2].map(|()| client.status().expect("an answer").expect("a report"));
     assert_eq!((reports[1].mode, reports[1].fault), (Mode::Fault, Some(Fault::LateBlock)), "{reports:?}");
     assert_eq!(levels(&board.borrow()), [true, false]);

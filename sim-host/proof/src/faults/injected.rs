@@ -4,6 +4,8 @@ use firmware::seam::block::{Codes, DriveBlock, Orders, SenseBlock};
 use firmware::seam::telemetry::Telemetry;
 use sim::processor::{Here, Lost, Processor};
 
+use crate::random::Random;
+
 /// Which of the two sense channels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Channel {
@@ -40,7 +42,7 @@ pub(super) enum Failure {
     Stale,
     /// The converters give one block twice.
     StaleOnce,
-    /// The halves of the buffer are exchanged: each second block comes before the first.
+    /// The halves of the buffer are exchanged: each is read a block late.
     Halves,
     /// The DAC plays the same block for ever.
     Repeats,
@@ -87,7 +89,7 @@ pub(super) struct Injected {
     last_drive: DriveBlock,
     held_drive: Option<DriveBlock>,
     followed: f64,
-    random: u64,
+    random: Random,
 }
 
 impl Injected {
@@ -105,16 +107,8 @@ impl Injected {
             last_drive: DriveBlock::default(),
             held_drive: None,
             followed: 0.0,
-            random: at_block.wrapping_mul(0x9E37_79B9_7F4A_7C15) | 1,
+            random: Random::new(at_block),
         }
-    }
-
-    /// A number from zero up to `below`.
-    fn random(&mut self, below: u32) -> u32 {
-        self.random ^= self.random << 13;
-        self.random ^= self.random >> 7;
-        self.random ^= self.random << 17;
-        (self.random >> 33) as u32 % below
     }
 
     /// What the controller is given of what the converters have seen.
@@ -139,15 +133,14 @@ impl Injected {
                 *lane_mut(&mut spoilt, channel) = late;
             }
             Failure::Noise(channel, codes) => {
-                let span = 2 * u32::from(codes) + 1;
                 let mut codes_of = core::mem::take(lane_mut(&mut spoilt, channel));
                 for was in &mut codes_of {
-                    *was = code(i32::from(*was) + self.random(span) as i32 - i32::from(codes));
+                    *was = code(i32::from(*was) + self.random.whole(0, 2 * u32::from(codes)) as i32 - i32::from(codes));
                 }
                 *lane_mut(&mut spoilt, channel) = codes_of;
             }
             Failure::Spike(channel) if first => {
-                let at = self.random(lane(&spoilt, channel).len().max(1) as u32) as usize;
+                let at = self.random.whole(0, lane(&spoilt, channel).len().saturating_sub(1) as u32) as usize;
                 if let Some(was) = lane_mut(&mut spoilt, channel).get_mut(at) {
                     *was = self.end;
                 }
@@ -157,16 +150,9 @@ impl Injected {
                 let held = self.held_sense.get_or_insert_with(|| sense.clone());
                 (spoilt.v, spoilt.i) = (held.v.clone(), held.i.clone());
             }
-            Failure::StaleOnce if first => {
-                (spoilt.v, spoilt.i) = (self.last_sense.v.clone(), self.last_sense.i.clone());
-            }
-            Failure::Halves => {
-                // The one before the last: a half that is read while the other one fills.
-                let before = self.held_sense.replace(self.last_sense.clone());
-                if let Some(before) = before {
-                    (spoilt.v, spoilt.i) = (before.v, before.i);
-                }
-            }
+            // The half that is read is the one that was filled before.
+            Failure::Halves => (spoilt.v, spoilt.i) = (self.last_sense.v.clone(), self.last_sense.i.clone()),
+            Failure::StaleOnce if first => (spoilt.v, spoilt.i) = (self.last_sense.v.clone(), self.last_sense.i.clone()),
             Failure::Comparator => spoilt.slow.trips.get_or_insert_default().over_current = true,
             Failure::AmplifierSays => spoilt.slow.trips.get_or_insert_default().amplifier_fault = true,
             Failure::Supply => spoilt.slow.trips.get_or_insert_default().supply = true,

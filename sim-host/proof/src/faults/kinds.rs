@@ -1,10 +1,7 @@
 //! What fails, and what is promised of it.
 
-use rand_core::SeedableRng;
-use rand_distr::{Distribution, StandardUniform};
-use rand_xoshiro::Xoshiro256PlusPlus;
-
 use super::injected::{Channel, Failure};
+use crate::random::Random;
 
 /// A kind of failure.
 pub(super) struct Kind {
@@ -18,39 +15,6 @@ pub(super) struct Kind {
     pub(super) named: &'static [u8],
     /// Within what time it is off, ms, where that is promised.
     pub(super) off_ms: Option<f64>,
-}
-
-/// The random numbers of a run.
-pub(super) struct Random(Xoshiro256PlusPlus);
-
-impl Random {
-    /// Those of a run.
-    pub(super) fn new(seed: u64) -> Self {
-        Random(Xoshiro256PlusPlus::seed_from_u64(seed))
-    }
-
-    /// Uniform in 0 to 1.
-    pub(super) fn part(&mut self) -> f64 {
-        StandardUniform.sample(&mut self.0)
-    }
-
-    /// Uniform between two values.
-    fn between(&mut self, from: f64, to: f64) -> f64 {
-        from + (to - from) * self.part()
-    }
-
-    /// A whole number from one to another, both among them.
-    fn whole(&mut self, from: u32, to: u32) -> u32 {
-        from + (self.part() * f64::from(to - from + 1)) as u32
-    }
-
-    fn side(&mut self) -> f64 {
-        if self.part() < 0.5 { -1.0 } else { 1.0 }
-    }
-
-    fn level(&mut self) -> bool {
-        self.part() < 0.5
-    }
 }
 
 use Channel::{Current, Voltage};
@@ -118,14 +82,14 @@ pub(super) const KINDS: [Kind; 40] = [
     Kind {
         name: "current offset",
         what: "the current channel is offset by 200 to 1500 codes",
-        draw: |random| Failure::Offset(Current, (random.side() * random.between(200.0, 1500.0)) as i32),
+        draw: |random| Failure::Offset(Current, offset(random)),
         named: SENSE_OR_LIMIT,
         off_ms: None,
     },
     Kind {
         name: "voltage offset",
         what: "the voltage channel is offset by 200 to 1500 codes",
-        draw: |random| Failure::Offset(Voltage, (random.side() * random.between(200.0, 1500.0)) as i32),
+        draw: |random| Failure::Offset(Voltage, offset(random)),
         named: SENSE_OR_LIMIT,
         off_ms: None,
     },
@@ -146,14 +110,14 @@ pub(super) const KINDS: [Kind; 40] = [
     Kind {
         name: "current bit",
         what: "one of the bits 4 to 11 of the current channel stays low or high",
-        draw: |random| Failure::Bit(Current, random.whole(4, 11) as u8, random.level()),
+        draw: |random| Failure::Bit(Current, random.whole(4, 11) as u8, random.toss()),
         named: SENSE_OR_LIMIT,
         off_ms: None,
     },
     Kind {
         name: "voltage bit",
         what: "one of the bits 4 to 11 of the voltage channel stays low or high",
-        draw: |random| Failure::Bit(Voltage, random.whole(4, 11) as u8, random.level()),
+        draw: |random| Failure::Bit(Voltage, random.whole(4, 11) as u8, random.toss()),
         named: SENSE_OR_LIMIT,
         off_ms: None,
     },
@@ -231,7 +195,7 @@ pub(super) const KINDS: [Kind; 40] = [
     Kind {
         name: "DAC bit",
         what: "one of the bits 4 to 11 of the DAC stays low or high",
-        draw: |random| Failure::DacBit(random.whole(4, 11) as u8, random.level()),
+        draw: |random| Failure::DacBit(random.whole(4, 11) as u8, random.toss()),
         named: SENSE_OR_LIMIT,
         off_ms: None,
     },
@@ -336,8 +300,14 @@ pub(super) const KINDS: [Kind; 40] = [
     Kind {
         name: "amplifier fault",
         what: "the amplifier says that it has failed, or its supply is outside its window",
-        draw: |random| if random.level() { Failure::AmplifierSays } else { Failure::Supply },
+        draw: |random| if random.toss() { Failure::AmplifierSays } else { Failure::Supply },
         named: &[13, 14],
         off_ms: Some(REPORTED_MS),
     },
 ];
+
+/// Codes by which a channel is offset.
+fn offset(random: &mut Random) -> i32 {
+    let codes = random.whole(200, 1500) as i32;
+    if random.toss() { -codes } else { codes }
+}

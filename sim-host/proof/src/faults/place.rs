@@ -1,6 +1,7 @@
 //! Where something fails: a transducer, and how it is driven.
 
 use firmware::seam::mode::Mode;
+use plant::circuit_of;
 use scene::load::load;
 use scene::settings;
 use sim::processor::Here;
@@ -9,8 +10,9 @@ use sim::run::{RunError, Watch, run_on};
 use sim::study::StudyError;
 
 use super::injected::{Failure, Injected};
-use super::kinds::{Kind, Random};
+use super::kinds::Kind;
 use crate::evidence::Error;
+use crate::random::Random;
 
 /// A scene that runs, in which something may fail.
 pub(super) struct Place {
@@ -58,7 +60,7 @@ pub(super) struct Running {
 pub(super) struct Failed {
     /// The voltage limit, V.
     pub(super) limit_v: f64,
-    /// Half a bandwidth, Hz.
+    /// Half a bandwidth of the true resonance before the failure, Hz.
     pub(super) half_hz: f64,
     /// The record.
     pub(super) record: Record,
@@ -95,10 +97,10 @@ impl Place {
             front.sense_max_code,
         );
         let record = run_on(&mut injected, &scene, Watch::default()).map_err(|error: RunError| StudyError::from(error))?;
-        let controller = scene.controller;
+        let circuit = circuit_of(&scene);
         Ok(Failed {
-            limit_v: controller.limits.voltage_v,
-            half_hz: 0.5 * controller.drive.frequency_hz / controller.tracking.nominal_q,
+            limit_v: scene.controller.limits.voltage_v,
+            half_hz: 0.5 * circuit.series_resonance_hz() / circuit.q(),
             record,
             at_s: at_block as f64 * block_s,
         })

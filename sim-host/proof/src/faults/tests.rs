@@ -3,7 +3,7 @@
 use super::*;
 
 /// Runs of the quick variant that are dangerous in the end without a word.
-const UNDETECTED: usize = 9;
+const UNDETECTED: usize = 8;
 
 #[test]
 fn nothing_becomes_worse() {

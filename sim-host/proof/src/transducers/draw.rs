@@ -12,9 +12,7 @@
 
 use std::f64::consts::TAU;
 
-use rand_core::SeedableRng;
-use rand_distr::{Distribution, StandardUniform};
-use rand_xoshiro::Xoshiro256PlusPlus;
+use crate::random::Random;
 
 /// Least figure of merit of a transducer of the set.
 pub const LEAST_M: f64 = 0.5;
@@ -113,7 +111,7 @@ pub struct Transducer {
 impl Transducer {
     /// Draws transducer `number`. The kinds take turns.
     pub fn draw(number: u32) -> Self {
-        let mut random = Random(Xoshiro256PlusPlus::seed_from_u64(number.into()));
+        let mut random = Random::new(number.into());
         let kinds = KINDS.len() as u32;
         let kind = &KINDS[(number % kinds) as usize];
         let mut transducer = loop {
@@ -151,28 +149,11 @@ impl Transducer {
     }
 }
 
-/// The random numbers of a transducer.
-struct Random(Xoshiro256PlusPlus);
-
+/// What is drawn of a transducer.
 impl Random {
-    /// Uniform in 0 to 1.
-    fn part(&mut self) -> f64 {
-        StandardUniform.sample(&mut self.0)
-    }
-
-    /// Uniform in -1 to 1.
-    fn side(&mut self) -> f64 {
-        2.0 * self.part() - 1.0
-    }
-
-    /// Log-uniform between two values.
-    fn log(&mut self, from: f64, to: f64) -> f64 {
-        from * (to / from).powf(self.part())
-    }
-
     /// A mode beside one of this resonance, Hz, and quality factor.
     fn further(&mut self, hz: f64, q: f64) -> FurtherMode {
-        let side = if self.part() < 0.5 { -1.0 } else { 1.0 };
+        let side = if self.toss() { -1.0 } else { 1.0 };
         let apart = side * self.log(0.003, 0.15);
         let (mode_q, share) = (q * 5.0f64.powf(self.side()), self.log(0.01, 0.3));
         FurtherMode { hz: hz * (1.0 + apart), q: mode_q.max(2.0), share }
