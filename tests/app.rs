@@ -27,6 +27,7 @@ mod settings;
 mod status;
 mod stored_limits;
 mod watchdog;
+mod wrap;
 
 use firmware::board::command::{Command, Reply};
 use firmware::seam::config::Config;

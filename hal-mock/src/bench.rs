@@ -132,6 +132,9 @@ impl<'a, A: Analog> Bench<'a, A> {
             start: setup.start,
         };
 
+        let mut app = App::new(peripherals, slow, &power_up);
+        let built_in = setup.config.clone();
+        app.set_built_in(Box::leak(Box::new(move || built_in.clone())));
         Ok(Bench {
             enable,
             stop,
@@ -142,7 +145,7 @@ impl<'a, A: Analog> Bench<'a, A> {
             block_samples: setup.config.block_samples.into(),
             poll_every: setup.poll_every.max(1),
             task,
-            app: App::new(peripherals, slow, &power_up),
+            app,
             errors: Vec::new(),
         })
     }

@@ -8,6 +8,8 @@
 //!
 //! The same seed leaves the same halves. From then on every call fails until [`Flash::restore_power`]. (The real part checks
 //! each word's error correction code and raises an interrupt on a torn one, rather than reading it as it is.)
+//!
+//! A word can be damaged at any time ([`Flash::damage`]): its bits flip, or it cannot be read any more, until its page is erased.
 
 use embedded_storage::nor_flash::{
     ErrorType, NorFlash, NorFlashError, NorFlashErrorKind, ReadNorFlash, check_erase, check_read, check_write,
@@ -34,6 +36,8 @@ pub enum FlashError {
     NotErased,
     /// The power is off.
     PowerCut,
+    /// A word in it is damaged.
+    Unreadable,
 }
 
 impl NorFlashError for FlashError {
@@ -41,7 +45,7 @@ impl NorFlashError for FlashError {
         match self {
             FlashError::NotAligned => NorFlashErrorKind::NotAligned,
             FlashError::OutOfBounds => NorFlashErrorKind::OutOfBounds,
-            FlashError::NotErased | FlashError::PowerCut => NorFlashErrorKind::Other,
+            FlashError::NotErased | FlashError::PowerCut | FlashError::Unreadable => NorFlashErrorKind::Other,
         }
     }
 }
@@ -65,6 +69,15 @@ enum Power {
     Off,
 }
 
+/// What has become of a word that is damaged.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Damage {
+    /// These bits of it have flipped, and nothing notices.
+    Flips([u8; WORD_BYTES]),
+    /// It cannot be read: its error correction code says so.
+    Unreadable,
+}
+
 /// How far an operation comes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Reach {
@@ -78,6 +91,8 @@ pub struct Flash {
     bytes: Vec<u8>,
     /// For each word, whether it must not be written before the next erase.
     written: Vec<bool>,
+    /// For each word, whether it cannot be read.
+    unreadable: Vec<bool>,
     erases: Vec<u32>,
     words_written: u64,
     power: Power,
@@ -90,6 +105,7 @@ impl Flash {
         Flash {
             bytes: vec![ERASED; pages * PAGE_BYTES],
             written: vec![false; pages * WORDS_PER_PAGE],
+            unreadable: vec![false; pages * WORDS_PER_PAGE],
             erases: vec![0; pages],
             words_written: 0,
             power: Power::On,
@@ -117,6 +133,17 @@ impl Flash {
         self.power = Power::CutAfter(operations);
     }
 
+    /// Damages a word.
+    pub fn damage(&mut self, word: usize, damage: Damage) {
+        match damage {
+            Damage::Flips(bits) => {
+                let bytes = &mut self.bytes[word * WORD_BYTES..][..WORD_BYTES];
+                bytes.iter_mut().zip(bits).for_each(|(byte, bits)| *byte ^= bits);
+            }
+            Damage::Unreadable => self.unreadable[word] = true,
+        }
+    }
+
     /// Whether the power is off.
     pub fn is_off(&self) -> bool {
         self.power == Power::Off
@@ -130,6 +157,13 @@ impl Flash {
     /// All bytes as they are, power or not: for looking at what a cut has left.
     pub fn bytes(&self) -> &[u8] {
         &self.bytes
+    }
+
+    /// Turns bits of a byte, power or not, as a cell does that has lost its charge. Beyond the end there is nothing to turn.
+    pub fn turn_bits(&mut self, at: usize, bits: u8) {
+        if let Some(byte) = self.bytes.get_mut(at) {
+            *byte ^= bits;
+        }
     }
 
     fn powered(&self) -> Result<(), FlashError> {
@@ -163,7 +197,9 @@ impl Flash {
             let from = self.bytes[at];
             self.bytes[at] = if reach == Reach::Whole { ERASED } else { self.torn(from, ERASED) };
         }
-        self.written[page * WORDS_PER_PAGE..(page + 1) * WORDS_PER_PAGE].fill(reach == Reach::Torn);
+        let words = page * WORDS_PER_PAGE..(page + 1) * WORDS_PER_PAGE;
+        self.written[words.clone()].fill(reach == Reach::Torn);
+        self.unreadable[words].fill(false);
         self.powered()
     }
 
@@ -191,6 +227,10 @@ impl ReadNorFlash for Flash {
     fn read(&mut self, offset: u32, into: &mut [u8]) -> Result<(), FlashError> {
         self.powered()?;
         check_read(self, offset, into.len())?;
+        let words = offset as usize / WORD_BYTES..(offset as usize + into.len()).div_ceil(WORD_BYTES);
+        if self.unreadable[words].contains(&true) {
+            return Err(FlashError::Unreadable);
+        }
         into.copy_from_slice(&self.bytes[offset as usize..][..into.len()]);
         Ok(())
     }

@@ -9,7 +9,7 @@ use firmware::seam::config::keys::ENERGY_PER_METRE;
 use firmware::seam::config::{LaneTrims, TrackingMode, Trim, TrimPoint};
 use firmware::seam::refusal::Refusal;
 use hal_mock::bench::{Bench, Queues, Setup};
-use hal_mock::flash::Flash;
+use hal_mock::flash::{Damage, Flash, PAGE_BYTES, WORD_BYTES};
 use proptest::prelude::*;
 
 use super::*;
@@ -118,7 +118,10 @@ proptest! {
         }
         // An order above a limit is held to it, on every lane.
         prop_assert_eq!(bench.ask(Command::Amplitude(Some(Amplitude::Volts(volts)))), Some(Reply::Ack));
-        prop_assert_eq!(bench.ask(Command::Run), Some(Reply::Ack));
+        // An energy for each metre of a belt that nothing counts does not act: then nothing is driven.
+        let unjudged = setup.config.front_end.metre_per_count.is_none() && report(ENERGY_PER_METRE).is_some_and(|of| of.next.is_finite());
+        let answer = if unjudged { Reply::Nak(Refusal::LimitsUnsure) } else { Reply::Ack };
+        prop_assert_eq!(bench.ask(Command::Run), Some(answer));
         bench.blocks(150);
         let most_codes = (acts(VOLTAGE_LIMIT) / acts(DRIVE_SCALE)).min(2047.0);
         for lane in 0..usize::from(setup.config.lanes) {
@@ -179,4 +182,142 @@ fn each_that_does_not_fit_is_left_out_alone() {
     let acts = [4, AMPLITUDE, VOLTAGE_LIMIT, 15, 18, 21].map(|key| get(&mut bench, key).acts);
     assert_eq!(acts, [41e3, 5.0, 5.0, 60.0, built_in, 2.5]);
     assert_eq!((get(&mut bench, 18).next, get(&mut bench, 18).stored), (1000.0, StoredState::Refused));
+}
+
+/// Any records one after the other, of which the last one counts, and words that are damaged then.
+fn damaged_flash() -> impl Strategy<Value = (Record, Flash)> {
+    let word = prop_oneof![3 => 0_usize..40, 3 => 512_usize..552, 2 => 0_usize..4 * PAGE_BYTES / WORD_BYTES];
+    let bits = prop_oneof![2 => (0_u32..64).prop_map(|bit| 1_u64 << bit), 1 => any::<u64>(), 1 => Just(u64::MAX)];
+    let damage = prop_oneof![2 => bits.prop_map(|bits| Damage::Flips(bits.to_le_bytes())), 1 => Just(Damage::Unreadable)];
+    (prop::collection::vec(record(), 1..=4), prop::collection::vec((word, damage), 0..=4)).prop_map(|(records, damages)| {
+        let mut settings = Settings::new(Flash::new(4, 1)).unwrap();
+        records.iter().for_each(|record| settings.store(record).unwrap());
+        let mut flash = settings.release();
+        damages.into_iter().for_each(|(word, damage)| flash.damage(word, damage));
+        (records.last().unwrap().clone(), flash)
+    })
+}
+
+proptest! {
+    #![proptest_config(cases(3000))]
+
+    #[test]
+    fn whatever_is_damaged_no_limit_acts_above_the_last_that_was_stored((record, flash) in damaged_flash(), mut setup in board()) {
+        setup.flash = flash;
+        let mut queues = Queues::default();
+        let mut bench = bench(&mut queues, &setup);
+        bench.blocks(4);
+        let drives = match bench.ask(Command::Run) {
+            Some(Reply::Ack) => true,
+            Some(Reply::Nak(Refusal::LimitsUnsure)) => false,
+            other => panic!("{other:?}"),
+        };
+        let mut above = false;
+        for parameter in PARAMETERS.iter().filter(|parameter| parameter.is_limit()) {
+            let of = get(&mut bench, parameter.key);
+            let stored = record.parameters.iter().filter(|(key, _)| *key == parameter.key).map(|&(_, value)| value);
+            for value in stored.filter(|value| !value.is_nan()) {
+                above |= of.acts > value.max(of.min);
+            }
+        }
+        prop_assert!(!(drives && above), "{record:?}");
+        if !drives {
+            // It says why, and another order is refused alike.
+            prop_assert_eq!(bench.ask(Command::Scan), Some(Reply::Nak(Refusal::LimitsUnsure)));
+            let stored = get(&mut bench, VOLTAGE_LIMIT).stored;
+            prop_assert!(stored.hides_limits() || stored == StoredState::Refused, "{stored:?}");
+        }
+    }
+}
+
+/// A board whose settings cannot be read, and the limit that was stored in them.
+fn unreadable() -> Flash {
+    let mut flash =
+        storing(&Record { trims: LaneTrims::new(), parameters: Overrides::from_iter([(VOLTAGE_LIMIT, 2.0), (AMPLITUDE, 1.0)]) });
+    [2, 2 * PAGE_BYTES / WORD_BYTES + 2].into_iter().for_each(|word| flash.damage(word, Damage::Unreadable));
+    flash
+}
+
+#[test]
+fn a_board_that_cannot_read_its_limits_drives_when_they_are_stored_again_or_cleared() {
+    for clears in [true, false] {
+        let mut setup = setup(|_| {});
+        setup.flash = unreadable();
+        let mut queues = Queues::default();
+        let mut bench = bench(&mut queues, &setup);
+        bench.blocks(4);
+        assert_eq!(get(&mut bench, VOLTAGE_LIMIT).stored, StoredState::Damaged);
+        let verbs = if clears {
+            vec![Verb::Clear]
+        } else {
+            vec![Verb::Set(VOLTAGE_LIMIT, 2.0), Verb::Set(AMPLITUDE, 1.0), Verb::Set(SCAN, 1.0), Verb::Store]
+        };
+        for verb in verbs {
+            assert_eq!(bench.ask(Command::Settings(verb)), Some(Reply::Ack));
+        }
+        // What acts is what acted at the start: not before a reset.
+        for order in [Command::Run, Command::Scan, Command::Calibrate] {
+            assert_eq!(bench.ask(order), Some(Reply::Nak(Refusal::LimitsUnsure)));
+        }
+        bench.blocks(50);
+        assert!(played(&mut bench, 0).iter().all(|&code| code == MID));
+        setup.flash = bench.power_off();
+        let mut queues = Queues::default();
+        let mut bench = super::bench(&mut queues, &setup);
+        bench.blocks(4);
+        assert_eq!(get(&mut bench, VOLTAGE_LIMIT).acts, if clears { setup.config.limits.voltage_v } else { 2.0 });
+        assert_eq!(bench.ask(Command::Run), Some(Reply::Ack));
+    }
+}
+
+#[test]
+fn a_record_of_which_one_copy_is_damaged_is_named_until_it_is_stored_again() {
+    let mut setup = setup(|_| {});
+    setup.flash = storing(&Record { trims: LaneTrims::new(), parameters: Overrides::from_iter([(VOLTAGE_LIMIT, 5.0)]) });
+    setup.flash.damage(2, Damage::Flips([1; 8]));
+    let mut queues = Queues::default();
+    let mut bench = bench(&mut queues, &setup);
+    bench.blocks(4);
+    let report = get(&mut bench, VOLTAGE_LIMIT);
+    assert_eq!((report.acts, report.stored), (5.0, StoredState::OneCopy));
+    // For a drive within that limit.
+    for key in [AMPLITUDE, SCAN] {
+        assert_eq!(bench.ask(Command::Settings(Verb::Set(key, 1.0))), Some(Reply::Ack));
+    }
+    assert_eq!(bench.ask(Command::Settings(Verb::Store)), Some(Reply::Ack));
+    assert_eq!(get(&mut bench, VOLTAGE_LIMIT).stored, StoredState::Stored);
+    assert_eq!(bench.ask(Command::Settings(Verb::Stores)), Some(Reply::Stores(2)));
+    // The other copy may go now.
+    setup.flash = bench.power_off();
+    setup.flash.damage(2 * PAGE_BYTES / WORD_BYTES + 2, Damage::Flips([1; 8]));
+    let mut queues = Queues::default();
+    let mut bench = super::bench(&mut queues, &setup);
+    bench.blocks(4);
+    assert_eq!(get(&mut bench, VOLTAGE_LIMIT).acts, 5.0);
+}
+
+#[test]
+fn what_would_not_build_together_is_refused_at_the_store_with_a_key() {
+    let mut queues = Queues::default();
+    let mut setup = setup(|config| config.tracking.mode = TrackingMode::PhaseLock);
+    setup.flash = storing(&Record { trims: LaneTrims::new(), parameters: Overrides::from_iter([(AMPLITUDE, 2.0), (SCAN, 2.0)]) });
+    let mut bench = bench(&mut queues, &setup);
+    bench.blocks(4);
+    // A drive of 2 V within a limit of 1 V.
+    assert_eq!(bench.ask(Command::Settings(Verb::Set(VOLTAGE_LIMIT, 1.0))), Some(Reply::Ack));
+    let refused = bench.ask(Command::Settings(Verb::Store));
+    assert!(matches!(refused, Some(Reply::Nak(Refusal::DoesNotBuild(AMPLITUDE | SCAN)))), "{refused:?}");
+    assert_eq!(get(&mut bench, AMPLITUDE).stored, StoredState::Changed);
+    for key in [AMPLITUDE, SCAN] {
+        assert_eq!(bench.ask(Command::Settings(Verb::Set(key, 0.5))), Some(Reply::Ack));
+    }
+    assert_eq!(bench.ask(Command::Settings(Verb::Store)), Some(Reply::Ack));
+    // A waveform that nothing can be tracked by is of no single key.
+    assert_eq!(bench.ask(Command::Settings(Verb::Set(64, 3.0))), Some(Reply::Ack));
+    assert_eq!(bench.ask(Command::Settings(Verb::Store)), Some(Reply::Nak(Refusal::DoesNotBuild(0))));
+    let (record, state) = Settings::new(bench.power_off()).unwrap().record();
+    assert_eq!(
+        (record.parameters.as_slice(), state),
+        (&[(AMPLITUDE, 0.5), (SCAN, 0.5), (VOLTAGE_LIMIT, 1.0)][..], StoredState::Stored)
+    );
 }

@@ -25,6 +25,8 @@ fn the_flashed_image_is_commissioned_and_left_as_before() {
     for name in ["series_resonance_hz", "locked_hz", "after_step_hz", "after_burst_hz"] {
         assert!((of(name) - true_hz).abs() < 3.0, "{name}: {} Hz, and the plant has {true_hz} Hz", of(name));
     }
+    // But for how often they were stored.
+    [0, 2].iter().for_each(|&n| assert!(found[n].remove("stores").is_some()));
     assert_eq!(found[0], found[2], "the settings are as before");
     assert_eq!(session.status().expect("a report").mode, Mode::Idle);
     println!("{:.3} s of the board's time", board.borrow().now().as_secs_f64());

@@ -3,6 +3,8 @@
 use std::sync::Mutex;
 use std::sync::atomic::AtomicBool;
 
+use firmware::board::settings::{Record, Settings};
+use hal_mock::flash::{Damage, Flash, PAGE_BYTES, WORD_BYTES};
 use link::client::Client;
 use link::commands::settings::{self, SettingsOrder};
 use link::session::Session;
@@ -28,8 +30,9 @@ fn what_is_stored_acts_after_a_reset_and_limits_the_drive() {
 #[test]
 fn a_stored_limit_acts_whatever_else_is_stored() {
     let board = board("lock", &[], 0);
-    // Below the drive that is built in, and beside a limit that nothing on this board could judge.
-    let text = "settings set limits.voltage_v 0.5\n! settings set limits.energy_j_per_m 1000\nsettings store\nreset\n\
+    // Below the drive that is built in, as another image has left it; and beside a limit that nothing on this board could judge.
+    board.borrow_mut().power_cycle(|flash| leave(flash, &[(8, 0.5)]));
+    let text = "! settings set limits.energy_j_per_m 1000\n\
         settings get limits.voltage_v\nexpect acts = 0.5\nexpect kept = refused\n\
         settings get drive.amplitude_v\nexpect acts <= 0.5\n\
         drive --volts 12\nstatus\nexpect limit = 96\nexpect drive_v <= 0.5\nstop\n";
@@ -48,6 +51,46 @@ fn a_stored_limit_acts_whatever_else_is_stored() {
     assert!(NOTES.lock().unwrap().iter().any(|line| line.contains("their limits are active")), "{:?}", NOTES.lock().unwrap());
     let shown = shown_settings(&mut session);
     assert!(shown.contains("(not active as it is set)"), "{shown}");
+}
+
+/// Leaves parameters in a flash, as an image with other built-in ones does.
+fn leave(flash: &mut Flash, parameters: &[(u8, f32)]) {
+    let mut settings = Settings::new(flash.clone()).unwrap();
+    settings.store(&Record { parameters: parameters.iter().copied().collect(), ..Record::default() }).unwrap();
+    *flash = settings.release();
+}
+
+#[test]
+fn what_does_not_fit_together_is_not_stored_and_says_which() {
+    let board = board("lock", &[], 0);
+    let mut session = session(&board);
+    let said = run("settings set limits.voltage_v 0.5\nsettings store", &mut session).unwrap_err().to_string();
+    assert!(said.contains("nothing is stored: drive.") && said.contains("beyond what the others leave it"), "{said}");
+    run("reset\nsettings get limits.voltage_v\nexpect acts > 10\nexpect kept = nothing", &mut session).unwrap();
+}
+
+#[test]
+fn a_board_that_cannot_read_its_settings_says_so_and_drives_nothing_until_they_are_settled() {
+    let board = board("lock", &[], 4);
+    board.borrow_mut().power_cycle(|flash| {
+        leave(flash, &[(8, 5.0), (5, 1.0), (7, 1.0)]);
+        [2, 2 * PAGE_BYTES / WORD_BYTES + 2].into_iter().for_each(|word| flash.damage(word, Damage::Unreadable));
+    });
+    let mut session = session(&board);
+    for order in ["lock", "scan", "calibrate", "drive"] {
+        let said = run(order, &mut session).unwrap_err().to_string();
+        assert!(said.contains("a limit that was stored may not act") && said.contains("settings clear"), "{said}");
+    }
+    run("settings get limits.voltage_v\nexpect kept = damaged\nsettings clear\nreset\nlock\nstop", &mut session).unwrap();
+    // Of one damaged copy it says so, and how often it has stored.
+    board.borrow_mut().power_cycle(|flash| {
+        leave(flash, &[(8, 14.0)]);
+        flash.damage(2, Damage::Unreadable);
+    });
+    let mut session = super::session(&board);
+    run("settings get limits.voltage_v\nexpect acts = 14\nexpect kept = one_copy\nlock\nstop", &mut session).unwrap();
+    let shown = shown_settings(&mut session);
+    assert!(shown.contains("one of the two copies") && shown.contains("settings were stored"), "{shown}");
 }
 
 /// What `settings get` shows.

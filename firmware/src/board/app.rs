@@ -37,6 +37,7 @@ use crate::board::settings_store::SettingsStore;
 use crate::board::start::Start;
 use crate::board::update::Updates;
 use crate::seam::block::{Orders, Request};
+use crate::seam::config::Config;
 use crate::seam::mode::Mode;
 use crate::seam::refusal::Refusal;
 use crate::seam::telemetry::Telemetry;
@@ -75,6 +76,8 @@ pub struct App<'a, L, E, S, W, F: NorFlash> {
     read: Producer<'a, &'static mut Telemetry>,
     captures: Captures<'a>,
     settings_store: SettingsStore<'a>,
+    /// The configuration of the image: what is to be stored is built on it first.
+    built_in: Option<&'a dyn Fn() -> Config>,
     receiver: Receiver,
     outbox: Outbox,
     latest: Orders,
@@ -96,6 +99,8 @@ pub struct App<'a, L, E, S, W, F: NorFlash> {
     restrains: bool,
     /// It serves the D-ring of a belt whose motion it cannot know.
     unscaled: bool,
+    /// A limit that is stored may not act.
+    limits_unsure: bool,
     faults: FaultLog,
     host: HostWatch,
     /// A reset is ordered, and its answer on its way.
@@ -138,6 +143,7 @@ where
             read: ends.read,
             captures: Captures::new(ends.requests, ends.replies, ends.memory, config.lanes),
             settings_store: SettingsStore::new(ends.trims_out, ends.trims_in, power_up),
+            built_in: None,
             receiver: Receiver::default(),
             outbox: Outbox::default(),
             latest: Orders::default(),
@@ -154,6 +160,7 @@ where
             switches_friction: config.friction.is_some(),
             restrains: config.restraint.is_some(),
             unscaled: config.restraint.is_some() && config.front_end.metre_per_count.is_none(),
+            limits_unsure: power_up.limits_are_unsure(),
             host: HostWatch::new(config.link.patience_s, f32::from(config.block_samples) / config.sample_hz),
             resetting: false,
             updates: None,
@@ -165,6 +172,12 @@ where
     /// Names what receives updates.
     pub fn set_updates(&mut self, updates: &'a mut dyn Updates) {
         self.updates = Some(updates);
+    }
+
+    /// Names the configuration of the image, on which settings are built before they are stored. It is made on the stack, and a controller's small parts
+    /// beside it.
+    pub fn set_built_in(&mut self, built_in: &'a dyn Fn() -> Config) {
+        self.built_in = Some(built_in);
     }
 
     /// Names the option bytes that are not as they should be, one bit each, for the host.

@@ -16,11 +16,13 @@
 //! | an unknown parameter | `Nak(NoSuchKey)` | nothing happens |
 //! | an order, and the queue to the block task is full | `Nak(Busy)` | nothing happens |
 //! | a reset, a store, a clear, a set or defaults while it drives, or has been ordered to | `Nak(Driving)` | nothing happens |
-//! | a store that the flash does not take | `Nak(Flash)` | what was stored before stays stored; active values stay |
+//! | a store that the flash does not take | `Nak(Flash)` | what was stored before stays stored, or the new is in one of its two copies; active values stay |
+//! | a store of parameters that do not build together | `Nak(DoesNotBuild)`, with the key of one | what was stored before stays stored |
 //! | a capture of a lane that there is not, or of more before the trigger than there is room for | `Nak(OutOfRange)` | what was recorded stays |
 //! | an arming while one is armed, or full | `Ack` | the capture restarts; what was recorded is gone |
 //! | a friction without a friction switch, an occupant without a belt, a limit that nothing here could judge | `Nak(NotConfigured)` | nothing happens |
 //! | a run, scan or calibration at a D-ring without the scale of its belt's encoder | `Nak(NoBeltScale)` | nothing happens |
+//! | a run, scan or calibration where a stored limit may not act: settings that could not be read at the start, a limit that nothing here judges | `Nak(LimitsUnsure)` | nothing happens |
 //! | a parameter of what the image leaves out | `Nak(LeftOut)` | nothing happens |
 //! | a parameter that acts only beside one that is not set | `Nak(NotConfigured)` | nothing happens |
 //! | a reading before the capture is full | `Nak(NotCaptured)` | |
@@ -34,7 +36,8 @@
 //! | a fault cleared while the emergency stop is pressed | `Ack` | the fault stays |
 //! | nothing that is understood, for longer than the host timeout, while it drives | | fault 12, muted; with a timeout of zero it goes on |
 //!
-//! Settings of another version are named in reports ([`StoredState::Version`]), not read, and written over by an order to store or to clear only.
+//! Settings of another version are named in reports ([`StoredState::Version`]), not read, and written over by an order to store or to clear only;
+//! until then, and a reset, nothing is driven, nor is it where both copies of the settings are damaged: they may have had lower limits.
 
 use serde::{Deserialize, Serialize};
 
@@ -114,6 +117,8 @@ pub enum Verb {
     Clear,
     /// Removes the active trims, and sets all parameters to their defaults. The stored settings stay.
     Defaults,
+    /// Reports how often settings were stored.
+    Stores,
 }
 
 /// A frame of the board: the answer to a command, or telemetry.
@@ -143,6 +148,8 @@ pub enum Reply {
     Faults(FaultReport),
     /// State of the update.
     Update(UpdateReport),
+    /// How often settings were stored: each time wears the flash.
+    Stores(u32),
 }
 
 /// Report of the lane trims, one frequency at a time.

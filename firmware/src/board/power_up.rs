@@ -5,12 +5,14 @@
 //! | trims and parameters that can be used | they |
 //! | an unknown parameter, or one out of its range | its default; of a limit the nearest value that it can have: [`StoredState::Partly`] |
 //! | settings that together do not build | the limits, and within them whatever else of it still builds: [`StoredState::Refused`] |
-//! | nothing, or something that cannot be read | all that is built in |
+//! | one copy of two, the other one being older or damaged | it: [`StoredState::OneCopy`]; the next store writes both |
+//! | nothing | all that is built in |
+//! | something that cannot be read, or of another version | all that is built in, and nothing is driven: a lower limit may be in it |
 //!
 //! **A limit that is stored is never exceeded, whatever else is stored.** Limits come first, the drive is held within them, and everything else is
 //! added to that one by one, in the order in which limits depend on it: scale factors, lane trims, the rest. What does not build with the others
-//! is left out alone. A limit is left out only where nothing is there to judge it by (an energy for each metre of belt without an encoder); that is
-//! refused when it is set.
+//! is left out alone. A limit is left out only where nothing is there to judge it by (an energy for each metre of belt without an encoder): that is
+//! refused when it is set, and where it is stored all the same, nothing is driven.
 
 use embedded_storage::nor_flash::NorFlash;
 
@@ -48,7 +50,7 @@ impl PowerUp {
         let built_in = values_of(&config);
         let (next, all) = overridden(&record.parameters, &built_in);
         apply(&mut config, &next, &built_in, |_| true);
-        if stored == StoredState::Stored && !record.trims.is_empty() {
+        if !record.trims.is_empty() {
             config.phasing.calibration = record.trims;
         }
         PowerUp { config, built_in, next, stored: if all { stored } else { StoredState::Partly } }
@@ -62,6 +64,13 @@ impl PowerUp {
             self.stored = StoredState::Refused;
         }
         BlockTask::build(&self.config, ends)
+    }
+
+    /// Whether a limit may be stored that does not act.
+    pub(crate) fn limits_are_unsure(&self) -> bool {
+        let acts = values_of(&self.config);
+        let is_above = |place: usize| PARAMETERS[place].is_limit() && acts[place] > self.next[place];
+        self.stored.hides_limits() || (0..PARAMETERS.len()).any(is_above)
     }
 
     /// Limits first, and then whatever still builds with them and with what came before it.

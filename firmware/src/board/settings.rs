@@ -1,9 +1,8 @@
 //! Settings stored in flash.
 //!
-//! Two maps of keys to values (`sequential-storage`), each in its half of the flash, and written in turns: whenever power goes, and however
-//! often, the previous record is in the half that was not being written. One map alone survives one cut: what a cut has left it repairs by
-//! erasing the page that it was writing to, and a second cut then finds neither the old nor the new. Pages are used in turns too, which spreads
-//! the wear.
+//! Two maps of keys to values (`sequential-storage`), each in its half of the flash, and the same record with the same number in both: a store
+//! writes it into one, reads it back, and writes it into the other. Whenever power goes, and however often, one half has a record whole, and a
+//! word that is damaged later leaves the other copy. Pages are used in turns, which spreads the wear.
 //!
 //! ```text
 //! key: u8 | version of the value: u8 | number of the write: u32, little-endian | value: postcard
@@ -16,19 +15,31 @@
 //! | 1 | lane trims |
 //! | 2 | lane trims, and the parameters that differ from what is built in |
 //!
-//! What cannot be read, is of another version, or cannot be trims, is as if there were nothing, and says why. A page's erase stalls a processor
-//! that runs from the same flash (25 ms on an STM32G4): store in silence only.
+//! A map falls back to an older value where the latest is damaged: a half whose last value is not the one that is read
+//! (`whole.rs`) does not count.
+//!
+//! | halves | what acts |
+//! |---|---|
+//! | the same record in both | it |
+//! | a record in one, and an older one, nothing, or something that does not count in the other | the latest: [`StoredState::OneCopy`] |
+//! | nothing in one, and in the other something that cannot be read | nothing: the first store was cut off, [`StoredState::Unfinished`] |
+//! | something that does not count in both, or a record that cannot be | nothing: [`StoredState::Damaged`] |
+//! | the latest is of another version | nothing: [`StoredState::Version`] |
+//!
+//! Looking never writes. A page's erase stalls a processor that runs from the same flash (25 ms on an STM32G4): store in silence only.
 
-use core::future::Future;
-use core::pin::pin;
-use core::task::{Context, Poll, Waker};
+mod blocking;
+mod whole;
 
-use embedded_storage::nor_flash::{ErrorType, NorFlash};
-use embedded_storage_async::nor_flash as waiting;
+use core::ops::Range;
+
+use embedded_storage::nor_flash::NorFlash;
 use sequential_storage::cache::{Cache, Uncached};
 use sequential_storage::map::{MapConfig, MapStorage};
 use serde::{Deserialize, Serialize};
 
+use self::blocking::{Blocking, wait};
+use self::whole::{ends_with, is_blank};
 use crate::board::parameters::Overrides;
 use crate::board::stored_state::StoredState;
 use crate::generate::phasing::check_calibration;
@@ -61,7 +72,7 @@ impl Record {
     }
 }
 
-/// The flash has failed, and settings are not stored.
+/// The flash has failed: what is stored is what was stored before, or the new in one of its two copies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct NotStored;
 
@@ -73,33 +84,92 @@ pub struct Settings<F> {
 }
 
 /// One half, for as long as it is read or written.
-type Map<'a, F> = MapStorage<u8, Blocking<&'a mut F>, Cache<Uncached, Uncached, Uncached, u8>>;
+type Map<'a, F> = MapStorage<u8, Blocking<'a, F>, Cache<Uncached, Uncached, Uncached, u8>>;
+
+/// What a half has.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Content {
+    /// Nothing was ever written to it.
+    Blank,
+    /// No value can be read in it.
+    Unread,
+    /// Its last value is damaged, or no record.
+    Damaged,
+    /// A value of this other version.
+    Version(u8),
+    /// A record.
+    Record,
+}
 
 /// Content of a half.
+#[derive(Clone, Copy)]
 struct Found {
-    /// Which write it was.
+    /// Which write it was; of a half that does not count, that of an earlier one.
     number: u32,
-    state: StoredState,
+    content: Content,
     /// It is what was expected.
     same: bool,
 }
 
 impl Found {
     /// Nothing that has a number.
-    fn without(state: StoredState) -> Self {
-        Found { number: 0, state, same: false }
+    fn without(content: Content) -> Self {
+        Found { number: 0, content, same: false }
+    }
+
+    /// Whether it says what was stored.
+    fn counts(&self) -> bool {
+        matches!(self.content, Content::Record | Content::Version(_))
     }
 
     fn is_newer_than(&self, other: &Found) -> bool {
-        match (self.state, other.state) {
-            // What cannot be read has no number.
-            (StoredState::Nothing, _) => false,
-            (_, StoredState::Nothing) => true,
-            (StoredState::Damaged, _) => false,
-            (_, StoredState::Damaged) => true,
-            // Numbers come round.
-            _ => (self.number.wrapping_sub(other.number) as i32) > 0,
+        // Numbers come round.
+        self.counts() && (!other.counts() || (self.number.wrapping_sub(other.number) as i32) > 0)
+    }
+}
+
+/// What both halves have.
+struct Halves {
+    /// The half that was written last.
+    newest: u32,
+    found: [Found; 2],
+}
+
+impl Halves {
+    fn latest(&self) -> &Found {
+        &self.found[self.newest as usize]
+    }
+
+    fn other(&self) -> &Found {
+        &self.found[1 - self.newest as usize]
+    }
+
+    fn state(&self) -> StoredState {
+        let (latest, other) = (self.latest(), self.other());
+        match (latest.content, other.content) {
+            (Content::Record, Content::Record) if latest.number == other.number => StoredState::Stored,
+            (Content::Record, _) => StoredState::OneCopy,
+            (Content::Version(version), _) => StoredState::Version(version),
+            (Content::Blank, Content::Blank) => StoredState::Nothing,
+            (Content::Blank, Content::Unread) | (Content::Unread, Content::Blank) => StoredState::Unfinished,
+            _ => StoredState::Damaged,
         }
+    }
+
+    /// Both have what was expected.
+    fn same(&self) -> bool {
+        self.state() == StoredState::Stored && self.found.iter().all(|found| found.same)
+    }
+
+    /// The number of the next write: what does not count is not to be taken for a later one.
+    fn next_number(&self) -> u32 {
+        let [first, second] = self.found.map(|found| found.number);
+        let latest = match (self.latest().counts(), (first.wrapping_sub(second) as i32) > 0) {
+            (true, _) => self.latest().number,
+            (false, true) => first,
+            (false, false) => second,
+        };
+        latest.wrapping_add(1)
     }
 }
 
@@ -116,39 +186,55 @@ impl<F: NorFlash> Settings<F> {
 
     /// The stored record and its state; an empty record where nothing can be used.
     pub fn record(&mut self) -> (Record, StoredState) {
-        let (half, latest) = self.latest(&[]);
-        let stored = latest.state == StoredState::Stored;
-        let record = if stored { self.read(half, decode).ok().flatten().unwrap_or_default() } else { Record::default() };
+        let halves = self.look(&[]);
+        let state = halves.state();
+        let stored = matches!(state, StoredState::Stored | StoredState::OneCopy);
+        let pages = self.pages(halves.newest);
+        let record = match stored {
+            true => read(&mut self.flash, pages, |_, bytes| decode(bytes)).ok().flatten().flatten(),
+            false => None,
+        };
+        let record = record.unwrap_or_default();
         // A stored record may be an empty one.
-        let state = if stored && record.is_empty() { StoredState::Nothing } else { latest.state };
+        let state = if state == StoredState::Stored && record.is_empty() { StoredState::Nothing } else { state };
         (record, state)
     }
 
-    /// Stores a record. A record that is stored already is not written again.
+    /// How often settings were stored: each time wears the flash.
+    pub fn stores(&mut self) -> u32 {
+        self.look(&[]).next_number().wrapping_sub(1)
+    }
+
+    /// Stores a record, in both halves. A record that is stored already is not written again.
     pub fn store(&mut self, record: &Record) -> Result<(), NotStored> {
         let mut value = [0; LONGEST];
         let length = HEAD + postcard::to_slice(record, &mut value[HEAD..]).map_err(|_| NotStored)?.len();
-        let (half, latest) = self.latest(&value[HEAD..length]);
-        if latest.state == StoredState::Stored && latest.same || latest.state == StoredState::Nothing && record.is_empty() {
+        let halves = self.look(&value[HEAD..length]);
+        if halves.same() || halves.state() == StoredState::Nothing && record.is_empty() {
             return Ok(());
         }
         value[0] = VERSION;
-        value[1..HEAD].copy_from_slice(&latest.number.wrapping_add(1).to_le_bytes());
-        let value = &value[..length];
-        // Into the other half. If that is beyond repair it is erased first: the previous record is in this one.
-        if self.write(1 - half, value).is_ok() && self.keeps(value) {
-            return Ok(());
-        }
-        let mut map = self.map(1 - half).ok_or(NotStored)?;
-        wait(map.erase_all()).map_err(|_| NotStored)?;
-        self.write(1 - half, value)?;
-        if self.keeps(value) { Ok(()) } else { Err(NotStored) }
+        value[1..HEAD].copy_from_slice(&halves.next_number().to_le_bytes());
+        // The half that was written last stands until the other one has the new record.
+        [1 - halves.newest, halves.newest].into_iter().try_for_each(|half| self.put(half, &value[..length]))
     }
 
-    /// Whether this is what would be read now: damage elsewhere in the flash may hide what was written.
-    fn keeps(&mut self, value: &[u8]) -> bool {
-        let latest = self.latest(&value[HEAD..]).1;
-        latest.state == StoredState::Stored && latest.same
+    /// Writes a value into a half, and reads it back. A half that does not take it is erased first.
+    fn put(&mut self, half: u32, value: &[u8]) -> Result<(), NotStored> {
+        if self.write(half, value).is_ok() && self.keeps(half, value) {
+            return Ok(());
+        }
+        let pages = self.pages(half);
+        let mut map = map(Blocking::to_write(&mut self.flash), pages).ok_or(NotStored)?;
+        wait(map.erase_all()).map_err(|_| NotStored)?;
+        self.write(half, value)?;
+        if self.keeps(half, value) { Ok(()) } else { Err(NotStored) }
+    }
+
+    /// Whether this is what would be read now: damage elsewhere in the half may hide what was written.
+    fn keeps(&mut self, half: u32, value: &[u8]) -> bool {
+        let found = self.look_at(half, &value[HEAD..]);
+        found.content == Content::Record && found.same && value[1..HEAD] == found.number.to_le_bytes()
     }
 
     /// Clears the stored settings.
@@ -162,48 +248,57 @@ impl<F: NorFlash> Settings<F> {
         self.flash
     }
 
-    /// The half that was written last, and what it has; whether that is `expected`.
-    fn latest(&mut self, expected: &[u8]) -> (u32, Found) {
-        let [first, second] = [0, 1].map(|half| match self.read(half, |bytes| look(bytes, expected)) {
-            Ok(Some(found)) => found,
-            Ok(None) => Found::without(StoredState::Nothing),
-            Err(NotStored) => Found::without(StoredState::Damaged),
-        });
-        if second.is_newer_than(&first) { (1, second) } else { (0, first) }
+    /// What both halves have; whether that is `expected`.
+    fn look(&mut self, expected: &[u8]) -> Halves {
+        let found = [0, 1].map(|half| self.look_at(half, expected));
+        Halves { newest: found[1].is_newer_than(&found[0]).into(), found }
     }
 
-    fn map(&mut self, half: u32) -> Option<Map<'_, F>> {
-        let config = MapConfig::try_new(half * self.half..(half + 1) * self.half).ok()?;
-        Some(MapStorage::new(Blocking(&mut self.flash), config, Cache::new_uncached()))
-    }
-
-    /// What is made of the value in a half; none where there is none, and an error where nothing can be made of it.
-    fn read<T>(&mut self, half: u32, make: impl FnOnce(&[u8]) -> Option<T>) -> Result<Option<T>, NotStored> {
-        let mut buffer = [0; LONGEST];
-        let mut map = self.map(half).ok_or(NotStored)?;
-        match wait(map.fetch_item::<&[u8]>(&mut buffer, &RECORD)) {
-            Ok(Some(bytes)) => make(bytes).map(Some).ok_or(NotStored),
-            Ok(None) => Ok(None),
-            Err(_) => Err(NotStored),
+    fn look_at(&mut self, half: u32, expected: &[u8]) -> Found {
+        let (pages, flash) = (self.pages(half), &mut self.flash);
+        match read(flash, pages.clone(), |flash, bytes| (look(bytes, expected), ends_with(flash, pages.clone(), RECORD, bytes))) {
+            Ok(Some((Some(found), true))) => found,
+            Ok(Some((found, _))) => Found { content: Content::Damaged, ..found.unwrap_or(Found::without(Content::Damaged)) },
+            Ok(None) if is_blank(&mut self.flash, pages) => Found::without(Content::Blank),
+            Ok(None) | Err(NotStored) => Found::without(Content::Unread),
         }
+    }
+
+    fn pages(&self, half: u32) -> Range<u32> {
+        half * self.half..(half + 1) * self.half
     }
 
     fn write(&mut self, half: u32, value: &[u8]) -> Result<(), NotStored> {
         let mut buffer = [0; LONGEST];
-        let mut map = self.map(half).ok_or(NotStored)?;
+        let pages = self.pages(half);
+        let mut map = map(Blocking::to_write(&mut self.flash), pages).ok_or(NotStored)?;
         wait(map.store_item(&mut buffer, &RECORD, &value)).map_err(|_| NotStored)
     }
 }
 
-/// What a value is, and whether it is the expected one; `None` where it is damaged.
+/// A half as a map.
+fn map<F: NorFlash>(flash: Blocking<'_, F>, pages: Range<u32>) -> Option<Map<'_, F>> {
+    Some(MapStorage::new(flash, MapConfig::try_new(pages).ok()?, Cache::new_uncached()))
+}
+
+/// What is made of the value in a half; none where there is none, and an error where none can be read.
+fn read<F: NorFlash, T>(flash: &mut F, pages: Range<u32>, make: impl FnOnce(&mut F, &[u8]) -> T) -> Result<Option<T>, NotStored> {
+    let mut buffer = [0; LONGEST];
+    let mut map = map(Blocking::to_read(flash), pages).ok_or(NotStored)?;
+    let bytes = wait(map.fetch_item::<&[u8]>(&mut buffer, &RECORD)).map_err(|_| NotStored)?;
+    Ok(bytes.map(|bytes| make(map.destroy().0.release(), bytes)))
+}
+
+/// What a value is, and whether it is the expected one; `None` where it is too short for any.
 fn look(bytes: &[u8], expected: &[u8]) -> Option<Found> {
     let (head, value) = bytes.split_at_checked(HEAD)?;
     let number = u32::from_le_bytes(head[1..].try_into().ok()?);
-    let state = match head[0] {
-        VERSION | TRIMS_ALONE => decode(bytes).map(|_| StoredState::Stored)?,
-        other => StoredState::Version(other),
+    let content = match head[0] {
+        VERSION | TRIMS_ALONE if decode(bytes).is_some() => Content::Record,
+        VERSION | TRIMS_ALONE => Content::Damaged,
+        other => Content::Version(other),
     };
-    Some(Found { number, state, same: head[0] == VERSION && value == expected })
+    Some(Found { number, content, same: head[0] == VERSION && value == expected })
 }
 
 /// The record in a value; `None` where it is damaged, or of another version. Not inlined: a record is not to stand on the stack for longer.
@@ -216,49 +311,6 @@ fn decode(bytes: &[u8]) -> Option<Record> {
         _ => return None,
     };
     check_calibration(&record.trims).is_ok().then_some(record)
-}
-
-/// A flash that makes its caller wait, as one that is waited for.
-struct Blocking<F>(F);
-
-impl<F: ErrorType> ErrorType for Blocking<F> {
-    type Error = F::Error;
-}
-
-impl<F: NorFlash> waiting::ReadNorFlash for Blocking<F> {
-    const READ_SIZE: usize = F::READ_SIZE;
-
-    async fn read(&mut self, offset: u32, bytes: &mut [u8]) -> Result<(), F::Error> {
-        self.0.read(offset, bytes)
-    }
-
-    fn capacity(&self) -> usize {
-        self.0.capacity()
-    }
-}
-
-impl<F: NorFlash> waiting::NorFlash for Blocking<F> {
-    const WRITE_SIZE: usize = F::WRITE_SIZE;
-    const ERASE_SIZE: usize = F::ERASE_SIZE;
-
-    async fn erase(&mut self, from: u32, to: u32) -> Result<(), F::Error> {
-        self.0.erase(from, to)
-    }
-
-    async fn write(&mut self, offset: u32, bytes: &[u8]) -> Result<(), F::Error> {
-        self.0.write(offset, bytes)
-    }
-}
-
-/// What a future comes to. Those of a blocking flash never have to be asked twice.
-fn wait<T>(future: impl Future<Output = T>) -> T {
-    let mut future = pin!(future);
-    let mut context = Context::from_waker(Waker::noop());
-    loop {
-        if let Poll::Ready(value) = future.as_mut().poll(&mut context) {
-            return value;
-        }
-    }
 }
 
 #[cfg(test)]

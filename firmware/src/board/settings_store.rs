@@ -4,11 +4,13 @@ use embedded_storage::nor_flash::NorFlash;
 use heapless::spsc::{Consumer, Producer};
 
 use crate::board::command::{Reply, TrimReport, Verb};
-use crate::board::parameters::{PARAMETERS, ParameterReport, Values, ceiling, check_need, overrides, place_of, values_of};
+use crate::board::parameters::{PARAMETERS, ParameterReport, Values, apply, ceiling, check_need, overrides, place_of, values_of};
 use crate::board::power_up::PowerUp;
 use crate::board::settings::{Record, Settings};
 use crate::board::stored_state::StoredState;
-use crate::seam::config::LaneTrims;
+use crate::controller::Controller;
+use crate::seam::config::{Config, LaneTrims, Parameter};
+use crate::seam::error::Error;
 use crate::seam::refusal::Refusal;
 
 /// Active and set values of the settings, as far as the background task knows them, and the state of the stored ones.
@@ -22,7 +24,7 @@ pub(crate) struct SettingsStore<'a> {
     stored: StoredState,
     /// A parameter was set since the settings were stored or read.
     changed: bool,
-    /// What was wrong with the stored parameters at power-up.
+    /// What was wrong with the stored settings at power-up.
     flaw: Option<StoredState>,
 }
 
@@ -46,32 +48,46 @@ impl<'a> SettingsStore<'a> {
     pub(crate) fn keep<F: NorFlash>(&mut self, silent: bool, settings: &mut Settings<F>) {
         while let Some(found) = self.trims_out.dequeue() {
             self.trims = found;
-            // What another version has left is not written over without an order.
-            if !matches!(self.stored, StoredState::Version(_)) {
+            // What nobody could read is not written over without an order.
+            if !self.stored.hides_limits() {
                 self.stored = StoredState::Due;
             }
         }
-        if silent && self.stored == StoredState::Due {
-            // Beside the stored parameters: those that are only set wait for an order. A failure is in the report.
-            let parameters = settings.record().0.parameters;
-            let stored = self.store(Record { trims: self.trims.clone(), parameters }, settings);
-            if let (Ok(()), Some(flaw)) = (stored, self.flaw) {
-                self.stored = flaw;
-            }
+        if !silent || self.stored != StoredState::Due {
+            return;
+        }
+        let (mut record, found) = settings.record();
+        // What can no longer be read may have limits: without them nothing is stored.
+        if found.hides_limits() {
+            self.stored = StoredState::Failed;
+            return;
+        }
+        // Beside the stored parameters: those that are only set wait for an order. A failure is in the report.
+        record.trims.clone_from(&self.trims);
+        let stored = self.store(&record, settings);
+        if let (Ok(()), Some(flaw)) = (stored, self.flaw) {
+            self.stored = flaw;
         }
     }
 
     /// Obeys a command.
-    pub(crate) fn obey<F: NorFlash>(&mut self, verb: Verb, silent: bool, settings: &mut Settings<F>) -> Reply {
+    pub(crate) fn obey<F: NorFlash>(
+        &mut self,
+        verb: Verb,
+        silent: bool,
+        settings: &mut Settings<F>,
+        built_in: Option<&dyn Fn() -> Config>,
+    ) -> Reply {
         let done = match verb {
             Verb::Trims(point) => return Reply::Settings(self.trims(point)),
+            Verb::Stores => return Reply::Stores(settings.stores()),
             Verb::Get(key) => return self.parameter(key).map_or_else(Reply::Nak, Reply::Parameter),
             _ if !silent => Err(Refusal::Driving),
             Verb::Set(key, value) => self.set(key, value),
-            Verb::Store => {
+            Verb::Store => built_in.map_or(Ok(()), |built_in| self.check(built_in)).and_then(|()| {
                 let record = Record { trims: self.trims.clone(), parameters: overrides(&self.next, &self.built_in) };
-                self.store(record, settings).map(|()| (self.changed, self.flaw) = (false, None))
-            }
+                self.store(&record, settings).map(|()| (self.changed, self.flaw) = (false, None))
+            }),
             Verb::Clear => {
                 settings.clear().map(|()| (self.stored, self.flaw) = (StoredState::Nothing, None)).map_err(|_| Refusal::Flash)
             }
@@ -97,8 +113,24 @@ impl<'a> SettingsStore<'a> {
         Ok(())
     }
 
-    fn store<F: NorFlash>(&mut self, record: Record, settings: &mut Settings<F>) -> Result<(), Refusal> {
-        let result = settings.store(&record);
+    /// Refuses set parameters that with the active trims would not all act after a reset. Not inlined: the stack that this takes is free again before
+    /// anything is stored.
+    #[inline(never)]
+    fn check(&self, built_in: &dyn Fn() -> Config) -> Result<(), Refusal> {
+        let mut config = built_in();
+        apply(&mut config, &self.next, &self.built_in, |_| true);
+        if !self.trims.is_empty() {
+            config.phasing.calibration.clone_from(&self.trims);
+        }
+        Controller::check(&config).map_err(|error| {
+            let named =
+                |parameter: &&Parameter| matches!(error, Error::OutOfRange { parameter: name, .. } if parameter.name == name);
+            Refusal::DoesNotBuild(PARAMETERS.iter().find(named).map_or(0, |parameter| parameter.key))
+        })
+    }
+
+    fn store<F: NorFlash>(&mut self, record: &Record, settings: &mut Settings<F>) -> Result<(), Refusal> {
+        let result = settings.store(record);
         self.stored = match result {
             Ok(()) if record.is_empty() => StoredState::Nothing,
             Ok(()) => StoredState::Stored,
@@ -120,7 +152,9 @@ impl<'a> SettingsStore<'a> {
         // A limit that was not set falls with its ceiling.
         let next = if PARAMETERS[place].is_limit() { self.next[place].min(ceiling) } else { self.next[place] };
         let stored = match self.stored {
-            StoredState::Stored | StoredState::Nothing if self.changed => StoredState::Changed,
+            StoredState::Stored | StoredState::Nothing | StoredState::OneCopy | StoredState::Unfinished if self.changed => {
+                StoredState::Changed
+            }
             state => state,
         };
         Ok(ParameterReport { key, acts: self.acts[place], next, built_in, min, max, stored })

@@ -10,9 +10,9 @@ pub enum StoredState {
     Nothing,
     /// The stored settings are the active ones, or will be after a reset.
     Stored,
-    /// The stored settings cannot be read, or cannot be trims.
+    /// Neither copy of the stored settings can be read, or they cannot be trims: nobody knows the limits that were stored, and the board does not drive.
     Damaged,
-    /// The stored settings are of this other version. They stay until an order to store or to clear.
+    /// The stored settings are of this other version. They stay until an order to store or to clear, and the board does not drive before that.
     Version(u8),
     /// The active trims are stored as soon as the drive is silent.
     Due,
@@ -24,4 +24,15 @@ pub enum StoredState {
     Refused,
     /// The stored settings differ from the set ones: a parameter was set since, and is lost with a reset unless it is stored.
     Changed,
+    /// One of the two copies of the stored settings was older, or could not be read, when the board started. The other one is active.
+    OneCopy,
+    /// The first store was cut off: nothing is stored.
+    Unfinished,
+}
+
+impl StoredState {
+    /// Whether limits may have been stored that nobody knows.
+    pub fn hides_limits(self) -> bool {
+        matches!(self, StoredState::Damaged | StoredState::Version(_))
+    }
 }

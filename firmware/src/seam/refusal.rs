@@ -31,4 +31,9 @@ pub enum Refusal {
     LeftOut,
     /// It would drive at the D-ring of a belt, and the length of a count of the belt's encoder is not set.
     NoBeltScale,
+    /// It would drive, and a limit that was stored may not act: the stored settings could not be read when the board started, or nothing here judges it.
+    LimitsUnsure,
+    /// The settings that are to be stored do not fit together. The key of the parameter that is out of what the others leave it; zero where it is none
+    /// alone.
+    DoesNotBuild(u8),
 }

@@ -137,3 +137,13 @@ fn agrees_with_a_plain_model_under_any_power_cut() {
         }
     }
 }
+
+#[test]
+fn turned_bits_are_read_and_an_erase_sets_them() {
+    let mut flash = Flash::new(1, 1);
+    flash.turn_bits(3, 0x81);
+    flash.turn_bits(usize::MAX, 1);
+    assert_eq!(read(&mut flash, 2), [0xFF, 0x7E, 0xFF]);
+    flash.erase(0, PAGE).unwrap();
+    assert_eq!(read(&mut flash, 3), [0xFF]);
+}

@@ -198,6 +198,10 @@ impl Board {
             // Nothing more is to be known of it; and a fault that is injected may have left values in it that no type has.
             return Ok(());
         }
+        if self.was_reset().is_some_and(|reset| reset.at >= returned.at) {
+            // Power was cut before anybody looked: what stands in the memory is anything.
+            return Ok(());
+        }
         let memory = &self.machine.memory;
         let Some(state) = self.variables.state.target(memory) else { return Ok(()) };
         let field = |place: &Place, name| place.field(name).ok_or(BoardError::Unlike(name));

@@ -49,15 +49,20 @@ pub fn read(parameter: &Parameter, text: &str) -> Result<f32, LinkError> {
 /// A parameter's value as a reader wants it.
 pub fn shown(parameter: &Parameter, value: f32) -> String {
     match parameter.range {
-        Range::Choice(names) => names.get(value as usize).map_or_else(|| number(value), |name| (*name).to_owned()),
+        // A value between two names has none.
+        Range::Choice(names) => match names.iter().zip(0_u8..).find(|(_, place)| f32::from(*place) == value) {
+            Some((name, _)) => (*name).to_owned(),
+            None => number(value),
+        },
         _ => number(value),
     }
 }
 
 fn number(value: f32) -> String {
     match value {
-        _ if value.is_infinite() => "none".into(),
-        _ if value == 0.0 || (1e-3..1e6).contains(&value.abs()) => value.to_string(),
+        // Below all limits is not without one.
+        f32::INFINITY => "none".into(),
+        _ if value.is_infinite() || value == 0.0 || (1e-3..1e6).contains(&value.abs()) => value.to_string(),
         _ => format!("{value:e}"),
     }
 }
@@ -85,6 +90,16 @@ mod tests {
             ("0.001 and more".into(), "1e-12 to 0.001".into(), "as built".into())
         );
         assert_eq!(range(parameter("burst.edge").unwrap(), 0.0, 2.0), "`hard`, `soft` or `boost`");
+    }
+
+    #[test]
+    fn what_is_shown_of_a_value_is_read_as_that_value() {
+        for name in ["limits.power_w", "burst.edge", "friction.enabled"] {
+            let parameter = parameter(name).unwrap();
+            for value in [f32::INFINITY, f32::NEG_INFINITY, 0.0, 0.7, 1.0, -1.0, 300.0] {
+                assert_eq!(read(parameter, &shown(parameter, value)).unwrap(), value, "{name}");
+            }
+        }
     }
 
     #[test]

@@ -13,6 +13,7 @@ pub use listed::listed;
 pub use serial::{BAUD, Serial};
 pub use simulated::{InProcess, Simulated};
 pub use stream::Stream;
+pub(crate) use tcp::HELD;
 pub use tcp::Tcp;
 
 use crate::link_error::LinkError;

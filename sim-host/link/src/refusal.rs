@@ -24,6 +24,8 @@ pub fn name(refusal: Refusal) -> &'static str {
         Refusal::NotConfigured => "not_configured",
         Refusal::LeftOut => "left_out",
         Refusal::NoBeltScale => "no_belt_scale",
+        Refusal::LimitsUnsure => "limits_unsure",
+        Refusal::DoesNotBuild(_) => "does_not_build",
     }
 }
 
@@ -61,6 +63,14 @@ fn words(refusal: Refusal) -> (&'static str, &'static str) {
         Refusal::NoBeltScale => (
             "it serves the D-ring of a belt, and would not know when that belt stops",
             "Set `front_end.metre_per_count`, the length of belt that a count of its encoder stands for, in m; then `settings store` and `reset`",
+        ),
+        Refusal::LimitsUnsure => (
+            "a limit that was stored may not act: its stored settings could not be read when it started, or nothing here judges one of them",
+            "`settings get` shows what acts. Set the limits again and send `settings store`, or `settings clear` for those of the image; then `reset`",
+        ),
+        Refusal::DoesNotBuild(_) => (
+            "the set values do not fit together",
+            "`settings get` shows them; a drive, for one, must be within `limits.voltage_v`",
         ),
     }
 }

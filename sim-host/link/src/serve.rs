@@ -1,13 +1,14 @@
 //! `serve`: a board in this process at a TCP port, in real time, for clients that come and go.
 //!
-//! One client at a time; the next waits until the first has gone. The board goes on with or without a client, as a real one does.
+//! One client at a time. The next waits for a moment, in which the first may go, and is then told who holds the board. The board goes on with or without
+//! a client, as a real one does.
 
 use std::io::{self, Read, Write};
-use std::net::{TcpListener, TcpStream};
+use std::net::{Shutdown, TcpListener, TcpStream};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-use crate::port::InProcess;
+use crate::port::{HELD, InProcess};
 
 /// Pause between two turns.
 const TURN: Duration = Duration::from_micros(500);
@@ -17,6 +18,8 @@ const LONGEST: Duration = Duration::from_millis(10);
 const READS: usize = 16;
 /// Bytes that may be on the wire to the board before more are lost: many times the longest frame.
 const ROOM: usize = 4096;
+/// How long the next client waits for the first to go: what a program has sent as it ended is read first.
+const HELD_AFTER: Duration = Duration::from_millis(500);
 /// How far the board may fall behind before it gives up catching up.
 const BEHIND: Duration = Duration::from_millis(200);
 
@@ -24,16 +27,20 @@ const BEHIND: Duration = Duration::from_millis(200);
 pub fn serve(board: &mut impl InProcess, listener: &TcpListener, stop: &AtomicBool, note: fn(&str)) -> io::Result<()> {
     listener.set_nonblocking(true)?;
     let mut client: Option<TcpStream> = None;
+    let mut door = Door::default();
     let (mut began, mut slow) = (Instant::now(), false);
     while !stop.load(Ordering::Relaxed) {
         if client.is_none() {
-            client = accepted(listener, note)?;
+            client = door.opens(listener)?.inspect(|stream| note(&format!("a client from {}", address(stream))));
         }
         if let Some(stream) = &mut client
             && !exchange(board, stream)
         {
             note("the client has gone");
             client = None;
+        }
+        if let Some(holder) = &client {
+            door.knock(listener, holder)?;
         }
         if board.is_held()? {
             // Its time stands, and what a debugger took is not to be caught up with.
@@ -58,10 +65,43 @@ pub fn serve(board: &mut impl InProcess, listener: &TcpListener, stop: &AtomicBo
     Ok(())
 }
 
-fn accepted(listener: &TcpListener, note: fn(&str)) -> io::Result<Option<TcpStream>> {
+/// Where clients come in.
+#[derive(Default)]
+struct Door {
+    /// The next client, and since when it waits.
+    next: Option<(TcpStream, Instant)>,
+    /// The one that was sent away last: its connection stays until it has read why.
+    away: Option<TcpStream>,
+}
+
+impl Door {
+    /// The next client, if there is one.
+    fn opens(&mut self, listener: &TcpListener) -> io::Result<Option<TcpStream>> {
+        match self.next.take() {
+            Some((next, _)) => Ok(Some(next)),
+            None => accepted(listener),
+        }
+    }
+
+    /// Looks whether another client waits, and sends it away where the first does not go.
+    fn knock(&mut self, listener: &TcpListener, holder: &TcpStream) -> io::Result<()> {
+        match self.next.take_if(|(_, since)| since.elapsed() > HELD_AFTER) {
+            Some((mut next, _)) => {
+                // In one piece; whoever does not read it has gone.
+                let said = format!("{HELD}{}\n", address(holder));
+                let _ = next.write_all(said.as_bytes()).and_then(|()| next.shutdown(Shutdown::Write));
+                self.away = Some(next);
+            }
+            None if self.next.is_none() => self.next = accepted(listener)?.map(|next| (next, Instant::now())),
+            None => {}
+        }
+        Ok(())
+    }
+}
+
+fn accepted(listener: &TcpListener) -> io::Result<Option<TcpStream>> {
     match listener.accept() {
-        Ok((stream, from)) => {
-            note(&format!("a client from {from}"));
+        Ok((stream, _)) => {
             stream.set_nonblocking(true)?;
             stream.set_nodelay(true)?;
             Ok(Some(stream))
@@ -69,6 +109,11 @@ fn accepted(listener: &TcpListener, note: fn(&str)) -> io::Result<Option<TcpStre
         Err(error) if error.kind() == io::ErrorKind::WouldBlock => Ok(None),
         Err(error) => Err(error),
     }
+}
+
+/// Where a client is.
+fn address(stream: &TcpStream) -> String {
+    stream.peer_addr().map_or_else(|_| "an address that is gone".into(), |address| address.to_string())
 }
 
 /// Carries what there is, both ways. False: the client has gone.

@@ -82,7 +82,12 @@ impl Session {
         let configured = report(parameter("link.patience_s")?, &mut self.client)?;
         if matches!(
             configured.stored,
-            StoredState::Partly | StoredState::Refused | StoredState::Damaged | StoredState::Version(_)
+            StoredState::Partly
+                | StoredState::Refused
+                | StoredState::Damaged
+                | StoredState::Version(_)
+                | StoredState::OneCopy
+                | StoredState::Unfinished
         ) {
             // All further commands meet other settings than were stored.
             self.client.note(&words::stored(configured.stored));

@@ -16,6 +16,7 @@ use firmware::seam::config::Config;
 use hal_mock::analog::Analog;
 use hal_mock::bench::{Bench, Setup};
 use hal_mock::fault_injector::FaultInjector;
+use hal_mock::flash::Flash;
 use hal_mock::link::{WhenFull, Wire};
 use hal_mock::tracer::Tracer;
 
@@ -127,8 +128,18 @@ impl SimulatedBoard {
 
     /// Restarts the board on the same flash; bytes on their way to the board are lost, and the plant goes on.
     fn reset(&mut self, start: Start) {
+        self.reset_with(start, |_| ());
+    }
+
+    /// Powers the board off and on, with something done to its flash meanwhile: what another image has left there, or age.
+    pub fn power_cycle(&mut self, change: impl FnOnce(&mut Flash)) {
+        self.reset_with(Start::PowerOn, change);
+    }
+
+    fn reset_with(&mut self, start: Start, change: impl FnOnce(&mut Flash)) {
         let Some(bench) = self.bench.take() else { return };
         self.setup.flash = bench.power_off();
+        change(&mut self.setup.flash);
         self.setup.start = start;
         self.to_board.clear();
         // What has been built once from what is built in can be again: `PowerUp` falls back on that.

@@ -33,9 +33,14 @@ pub fn stored(stored: StoredState) -> String {
     match stored {
         StoredState::Nothing => "the board has stored nothing".into(),
         StoredState::Stored => "the board has stored its settings".into(),
-        StoredState::Damaged => "the stored settings cannot be read; `settings store` replaces them".into(),
+        StoredState::Damaged => {
+            "neither copy of the stored settings can be read, and a lower limit may have been among them: the board drives nothing until \
+             `settings store`, after the limits were set again, or `settings clear`, and `reset`"
+                .into()
+        }
         StoredState::Version(version) => {
-            format!("the stored settings are of version {version}, which the board's firmware does not read; `settings store` replaces them")
+            format!("the stored settings are of version {version}, which the board's firmware does not read: the board drives nothing until `settings store`, \
+                 after the limits were set again, or `settings clear`, and `reset`")
         }
         StoredState::Due => "the board stores its settings as soon as its drive is silent".into(),
         StoredState::Failed => "the board's flash does not store its settings".into(),
@@ -50,6 +55,14 @@ pub fn stored(stored: StoredState) -> String {
                 .into()
         }
         StoredState::Changed => "the set values differ from the stored ones: `settings store` stores them, a restart discards them".into(),
+        StoredState::OneCopy => {
+            "one of the two copies of the stored settings was older, or could not be read, when the board started: the latest one that can be read is \
+             active; `settings store` writes both anew"
+                .into()
+        }
+        StoredState::Unfinished => {
+            "the board has stored nothing: its first `settings store` was cut off; it can be sent again".into()
+        }
     }
 }
 

@@ -301,7 +301,9 @@ fn failed(error: &LinkError, color: Color) -> ExitCode {
         _ if error.is_lost() => LOST,
         LinkError::Interrupted if CLOSED.load(Ordering::Relaxed) => return ExitCode::SUCCESS,
         LinkError::Interrupted => INTERRUPTED,
-        LinkError::Usage(_) | LinkError::Script(_) | LinkError::Folder(OutputError::Strange { .. }) => USAGE,
+        LinkError::Usage(_)
+        | LinkError::Script(_)
+        | LinkError::Folder(OutputError::Strange { .. } | OutputError::Held { .. }) => USAGE,
         LinkError::Output(error) if error.kind() == io::ErrorKind::BrokenPipe => return ExitCode::SUCCESS,
         _ => RUN_FAILED,
     };

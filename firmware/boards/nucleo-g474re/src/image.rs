@@ -133,6 +133,7 @@ fn build(
     let peripherals = app::Peripherals { link, enable, stop, watchdog: IndependentWatchdog::start(), settings, start };
     let background = singleton!(: Background = App::new(peripherals, slow_ends, &power_up));
     let Some(background) = background else { panic!("started twice") };
+    background.set_built_in(&nucleo_g474re::config::config);
     background.set_option_bytes(options::look());
     #[cfg(feature = "slot")]
     background.set_updates(field::start());

@@ -56,7 +56,10 @@ where
                 Reply::Ack
             }
             Command::Resonances => Reply::Resonances(self.resonances()),
-            Command::Settings(verb) => self.settings_store.obey(verb, self.is_silent(), &mut self.peripherals.settings),
+            Command::Settings(verb) => {
+                let silent = self.is_silent();
+                self.settings_store.obey(verb, silent, &mut self.peripherals.settings, self.built_in)
+            }
             Command::Status => Reply::Status(self.seen),
             Command::Update(verb) => self.update(&verb),
             Command::Faults(later) => Reply::Faults(self.faults.report(later, self.peripherals.start)),
@@ -68,6 +71,7 @@ where
             Command::Capture(verb) => return self.captures.obey(frame.sequence, verb),
             Command::Friction(Some(_)) if !self.switches_friction => Reply::Nak(Refusal::NotConfigured),
             Command::Occupant(Some(_)) if !self.restrains => Reply::Nak(Refusal::NotConfigured),
+            Command::Run | Command::Scan | Command::Calibrate if self.limits_unsure => Reply::Nak(Refusal::LimitsUnsure),
             // The controller would refuse it too, by fault 47.
             Command::Run | Command::Scan | Command::Calibrate if self.unscaled => Reply::Nak(Refusal::NoBeltScale),
             command => self.obey_order(&command).map_or_else(Reply::Nak, |()| Reply::Ack),

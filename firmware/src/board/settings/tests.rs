@@ -1,6 +1,6 @@
 //! Stored settings: their form on the flash, and what becomes of those that another version has left.
 
-use embedded_storage::nor_flash::{NorFlashError, NorFlashErrorKind, ReadNorFlash};
+use embedded_storage::nor_flash::{ErrorType, NorFlashError, NorFlashErrorKind, ReadNorFlash};
 use heapless::spsc::Queue;
 
 use super::*;
@@ -18,8 +18,8 @@ fn value<T: Serialize>(version: u8, number: u32, value: &T) -> std::vec::Vec<u8>
 }
 
 /// Number, record, and what it is.
-fn parse(bytes: &[u8]) -> Option<(u32, Record, StoredState)> {
-    look(bytes, &[]).map(|found| (found.number, decode(bytes).unwrap_or_default(), found.state))
+fn parse(bytes: &[u8]) -> Option<(u32, Record, Content)> {
+    look(bytes, &[]).map(|found| (found.number, decode(bytes).unwrap_or_default(), found.content))
 }
 
 fn longest() -> Record {
@@ -35,20 +35,20 @@ fn the_longest_value_fits_and_reads_back() {
     // Its key before it, and words of 32 bytes.
     assert!(bytes.len() + 1 + 32 <= LONGEST, "{}", bytes.len());
     let found = parse(&bytes).unwrap();
-    assert_eq!(found, (7, longest(), StoredState::Stored));
+    assert_eq!(found, (7, longest(), Content::Record));
 }
 
 #[test]
 fn lane_trims_alone_are_read_as_such() {
     let trims = longest().trims;
     let found = parse(&value(TRIMS_ALONE, 7, &trims)).unwrap();
-    assert_eq!(found, (7, Record { trims, parameters: Overrides::new() }, StoredState::Stored));
+    assert_eq!(found, (7, Record { trims, parameters: Overrides::new() }, Content::Record));
 }
 
 #[test]
 fn another_version_is_named_and_not_read() {
     let found = parse(&value(VERSION + 1, 9, &longest())).unwrap();
-    assert_eq!(found, (9, Record::default(), StoredState::Version(VERSION + 1)));
+    assert_eq!(found, (9, Record::default(), Content::Version(VERSION + 1)));
     // Nor is an earlier record taken for the present one.
     let found = look(&value(VERSION + 1, 9, &longest()), &[]).unwrap();
     let before = look(&value(VERSION, 8, &longest()), &[]).unwrap();
@@ -58,22 +58,49 @@ fn another_version_is_named_and_not_read() {
 #[test]
 fn what_is_cut_short_is_damaged() {
     for bytes in [value(VERSION, 7, &longest()), value(TRIMS_ALONE, 7, &longest().trims)] {
-        assert!((0..bytes.len()).all(|length| look(&bytes[..length], &[]).is_none()));
+        let counts = |length: usize| look(&bytes[..length], &[]).is_some_and(|found| found.counts());
+        assert!((0..bytes.len()).all(|length| !counts(length)) && counts(bytes.len()));
     }
 }
 
 #[test]
 fn record_numbers_wrap_and_an_unreadable_record_is_older() {
-    let found = |number, state| Found { number, state, same: false };
-    let rows = [
-        found(0, StoredState::Nothing),
-        found(0, StoredState::Damaged),
-        found(u32::MAX - 1, StoredState::Stored),
-        found(u32::MAX, StoredState::Version(3)),
-        found(0, StoredState::Stored),
-    ];
+    let found = |number, content| Found { number, content, same: false };
+    for content in [Content::Blank, Content::Unread, Content::Damaged] {
+        assert!(
+            !found(9, content).is_newer_than(&found(1, Content::Record))
+                && found(1, Content::Record).is_newer_than(&found(9, content))
+        );
+    }
+    let rows = [found(u32::MAX - 1, Content::Record), found(u32::MAX, Content::Version(3)), found(0, Content::Record)];
     for (n, newer) in rows.iter().enumerate() {
         assert!(rows[..n].iter().all(|older| newer.is_newer_than(older) && !older.is_newer_than(newer)), "{n}");
+    }
+}
+
+#[test]
+fn what_acts_follows_from_both_halves() {
+    let found = |number, content| Found { number, content, same: false };
+    let state =
+        |first: Found, second: Found| Halves { newest: second.is_newer_than(&first).into(), found: [first, second] }.state();
+    let rows = [
+        ((3, Content::Record), (3, Content::Record), StoredState::Stored),
+        ((3, Content::Record), (2, Content::Record), StoredState::OneCopy),
+        ((3, Content::Record), (0, Content::Blank), StoredState::OneCopy),
+        ((3, Content::Record), (0, Content::Unread), StoredState::OneCopy),
+        ((3, Content::Record), (9, Content::Damaged), StoredState::OneCopy),
+        ((3, Content::Record), (2, Content::Version(9)), StoredState::OneCopy),
+        ((2, Content::Record), (3, Content::Version(9)), StoredState::Version(9)),
+        ((3, Content::Damaged), (3, Content::Version(9)), StoredState::Version(9)),
+        ((0, Content::Blank), (0, Content::Blank), StoredState::Nothing),
+        ((0, Content::Blank), (0, Content::Unread), StoredState::Unfinished),
+        ((0, Content::Blank), (2, Content::Damaged), StoredState::Damaged),
+        ((0, Content::Unread), (0, Content::Unread), StoredState::Damaged),
+        ((2, Content::Damaged), (2, Content::Damaged), StoredState::Damaged),
+    ];
+    for (first, second, expected) in rows {
+        let (first, second) = (found(first.0, first.1), found(second.0, second.1));
+        assert_eq!([state(first, second), state(second, first)], [expected; 2]);
     }
 }
 
@@ -124,7 +151,7 @@ impl NorFlash for Ram {
 /// A store in which this value has been left by another firmware.
 fn left_by_another(version: u8, record: &impl Serialize) -> Settings<Ram> {
     let mut settings = Settings::new(Ram([0xFF; 8192])).unwrap();
-    settings.write(1, &value(version, 1, record)).unwrap();
+    [0, 1].into_iter().for_each(|half| settings.write(half, &value(version, 1, record)).unwrap());
     settings
 }
 
@@ -149,7 +176,7 @@ fn with_keeper(settings: &mut Settings<Ram>, act: impl FnOnce(&mut SettingsStore
 }
 
 fn state(settings_store: &mut SettingsStore, settings: &mut Settings<Ram>) -> StoredState {
-    match settings_store.obey(Verb::Trims(0), true, settings) {
+    match settings_store.obey(Verb::Trims(0), true, settings, None) {
         Reply::Settings(report) => report.stored,
         other => panic!("{other:?}"),
     }
@@ -164,10 +191,10 @@ fn what_another_version_has_left_stays_until_it_is_ordered_away() {
             assert_eq!(state(settings_store, settings), StoredState::Version(VERSION + 1));
             // What a calibration finds acts, and is not written.
             settings_store.keep(true, settings);
-            assert_eq!(settings_store.obey(Verb::Set(5, 2.0), true, settings), Reply::Ack);
-            assert_eq!(settings_store.obey(Verb::Defaults, true, settings), Reply::Ack);
+            assert_eq!(settings_store.obey(Verb::Set(5, 2.0), true, settings, None), Reply::Ack);
+            assert_eq!(settings_store.obey(Verb::Defaults, true, settings, None), Reply::Ack);
             assert_eq!((state(settings_store, settings), settings.flash.0 == before), (StoredState::Version(VERSION + 1), true));
-            assert_eq!(settings_store.obey(verb, true, settings), Reply::Ack);
+            assert_eq!(settings_store.obey(verb, true, settings, None), Reply::Ack);
             assert_eq!(state(settings_store, settings), StoredState::Nothing);
         });
         assert_eq!(settings.record(), (Record::default(), StoredState::Nothing), "{verb:?}");
@@ -180,13 +207,13 @@ fn a_calibration_stores_its_trims_and_no_set_parameter() {
     let parameters = Overrides::from_iter([(5, 2.0), (99, 1.0)]);
     settings.store(&Record { trims: LaneTrims::new(), parameters: parameters.clone() }).unwrap();
     with_keeper(&mut settings, |settings_store, settings| {
-        assert_eq!(settings_store.obey(Verb::Set(5, 1.0), true, settings), Reply::Ack);
+        assert_eq!(settings_store.obey(Verb::Set(5, 1.0), true, settings, None), Reply::Ack);
         settings_store.keep(false, settings);
         assert_eq!(state(settings_store, settings), StoredState::Due);
         settings_store.keep(true, settings);
         assert_eq!(settings.record(), (Record { trims: longest().trims, parameters }, StoredState::Stored));
-        assert_eq!(settings_store.obey(Verb::Store, false, settings), Reply::Nak(Refusal::Driving));
-        assert_eq!(settings_store.obey(Verb::Store, true, settings), Reply::Ack);
+        assert_eq!(settings_store.obey(Verb::Store, false, settings, None), Reply::Nak(Refusal::Driving));
+        assert_eq!(settings_store.obey(Verb::Store, true, settings, None), Reply::Ack);
     });
     // An unknown parameter is not stored by an order.
     let expected = Record { trims: longest().trims, parameters: Overrides::from_iter([(5, 1.0)]) };

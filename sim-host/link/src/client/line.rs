@@ -1,6 +1,7 @@
 //! Frames that come over a port, which is opened again where it is lost.
 
 use std::collections::VecDeque;
+use std::io;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
@@ -91,6 +92,10 @@ impl Line {
                 let mut bytes = [0; 256];
                 match self.port.receive(&mut bytes, SLICE.min(until - now)) {
                     Ok(count) => self.came.extend(&bytes[..count]),
+                    // Whoever holds it is not gone by trying again.
+                    Err(error) if error.kind() == io::ErrorKind::ResourceBusy => {
+                        return Err(LinkError::Open { port: self.port.name().to_owned(), why: error.to_string() });
+                    }
                     Err(error) => {
                         self.reopen(&error.to_string())?;
                         return Ok(None);

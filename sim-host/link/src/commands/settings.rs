@@ -18,6 +18,10 @@ use crate::session::Session;
 use crate::words;
 use scene::nearest::listed;
 
+/// How often settings can be stored at least: a page of the Nucleo bears 10 000 erases (DS12288), and each half has four, of three of the longest
+/// records each.
+const STORES: u32 = 100_000;
+
 /// What to do with the settings.
 #[derive(Clone, Debug, Subcommand)]
 pub enum SettingsOrder {
@@ -54,7 +58,7 @@ pub fn run(order: &SettingsOrder, session: &mut Session) -> Result<Answer, LinkE
         SettingsOrder::Get { name: Some(name) } => get(&[parameter(name)?], session),
         SettingsOrder::Get { name: None } => get(&PARAMETERS.iter().collect::<Vec<_>>(), session),
         SettingsOrder::Set { name, value } => set(parameter(name)?, value, session),
-        SettingsOrder::Store => plain(session, Verb::Store, "stored over power-off"),
+        SettingsOrder::Store => store(session),
         SettingsOrder::Clear => {
             plain(session, Verb::Clear, "nothing is stored; after a restart all parameters have their defaults")
         }
@@ -96,7 +100,38 @@ fn get(parameters: &[&Parameter], session: &mut Session) -> Result<Answer, LinkE
             answer = fields.into_iter().fold(answer, |answer, (name, value)| answer.field(name, short(value)));
         }
     }
-    Ok(answer.line(words::stored(stored)).field("kept", state_name(stored)))
+    if let [_] = parameters {
+        return Ok(answer.line(words::stored(stored)).field("kept", state_name(stored)));
+    }
+    let answer = answer.line(words::stored(stored)).field("kept", state_name(stored));
+    match session.client.ask(Command::Settings(Verb::Stores)) {
+        Ok(Reply::Stores(stores)) => Ok(answer
+            .line(format!("settings were stored {stores} times; a flash bears {STORES} at least"))
+            .field("stores", stores)),
+        // A firmware that does not count.
+        Err(LinkError::Refused { refusal: Refusal::Unknown, .. }) => Ok(answer),
+        reply => Err(reply.map_or_else(|error| error, |reply| unexpected("settings get", &reply))),
+    }
+}
+
+fn store(session: &mut Session) -> Result<Answer, LinkError> {
+    let refused = match session.client.order(Command::Settings(Verb::Store)) {
+        Err(LinkError::Refused { refusal: Refusal::DoesNotBuild(key), .. }) => {
+            PARAMETERS.iter().find(|parameter| parameter.key == key)
+        }
+        done => return done.map(|()| Answer::to("settings").line("stored over power-off")),
+    };
+    let what = match refused {
+        Some(parameter) => {
+            let of = report(parameter, &mut session.client)?;
+            format!("{} = {} is beyond what the others leave it", parameter.name, shown(parameter, of.next))
+        }
+        None => "the kind of drive, its waveform or its bursts do not go with what is tracked".into(),
+    };
+    Err(LinkError::Failed(format!(
+        "the set values do not fit together, and nothing is stored: {what}. Set them so that they do (`settings get` shows them), then \
+         `settings store`"
+    )))
 }
 
 fn set(parameter: &Parameter, value: &str, session: &mut Session) -> Result<Answer, LinkError> {
@@ -164,6 +199,8 @@ fn state_name(stored: StoredState) -> &'static str {
         StoredState::Partly => "partly",
         StoredState::Refused => "refused",
         StoredState::Changed => "changed",
+        StoredState::OneCopy => "one_copy",
+        StoredState::Unfinished => "unfinished",
     }
 }
 

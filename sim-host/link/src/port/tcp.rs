@@ -10,6 +10,9 @@ use crate::link_error::LinkError;
 /// How long a host may take to accept.
 const CONNECT: Duration = Duration::from_secs(3);
 
+/// What a served board says to a client that comes while another one holds it; the other's address follows.
+pub(crate) const HELD: &str = "sonoglide: held by the client at ";
+
 /// A TCP connection to a board.
 pub struct Tcp {
     name: String,
@@ -58,6 +61,9 @@ impl Port for Tcp {
         match self.stream.read(into) {
             Ok(0) => Err(ended()),
             Err(error) if is_timeout(&error) => Ok(0),
+            Ok(count) => {
+                held(&into[..count]).map_or(Ok(count), |holder| Err(io::Error::new(io::ErrorKind::ResourceBusy, holder)))
+            }
             read => read,
         }
     }
@@ -70,4 +76,10 @@ impl Port for Tcp {
         self.stream = stream(&self.name, &self.address)?;
         Ok(())
     }
+}
+
+/// Who holds the board, where these bytes say that another client does.
+fn held(bytes: &[u8]) -> Option<String> {
+    let holder = str::from_utf8(bytes).ok()?.strip_prefix(HELD)?.trim_end();
+    Some(format!("the client at {holder} holds the board: end that first (`ss -tnp` shows whose it is)"))
 }

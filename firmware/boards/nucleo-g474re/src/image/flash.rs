@@ -91,6 +91,8 @@ impl ReadNorFlash for Pages {
     const READ_SIZE: usize = 1;
 
     fn read(&mut self, offset: u32, bytes: &mut [u8]) -> Result<(), FlashError> {
+        // Looking through all pages takes longer than the watchdog waits.
+        nurse();
         let at = self.area.address(offset, bytes.len() as u32, 1).ok_or(FlashError::Beyond)?;
         let words = bytes.chunks_mut(WORD as usize).zip((at..).step_by(WORD as usize));
         for (word, at) in words {

@@ -57,7 +57,7 @@ impl BoardSettings {
         for name in NAMES {
             let parameter = parameter(name)?;
             let of = report(parameter, &mut session.client)?;
-            if !matches!(of.stored, StoredState::Nothing | StoredState::Stored) {
+            if !is_settled(of.stored) {
                 return Err(LinkError::Failed(format!(
                     "commissioning ends with the settings as they were, and those of this board are not settled: {}. Before it: `settings \
                      store` and `reset` to keep what is set, or `settings defaults`, `settings store` and `reset`",
@@ -109,7 +109,7 @@ impl BoardSettings {
         session.client.order(Command::Settings(Verb::Store))?;
         reset::run(session)?;
         let stored = report(self.settings[0].parameter, &mut session.client)?.stored;
-        if matches!(stored, StoredState::Nothing | StoredState::Stored) {
+        if is_settled(stored) {
             Ok(())
         } else {
             Err(LinkError::Failed(format!("the settings do not fit beside the board's other ones: {}", words::stored(stored))))
@@ -138,4 +138,9 @@ impl BoardSettings {
             .map(|setting| format!("settings set {} {}", setting.parameter.name, shown(setting.parameter, setting.before)));
         lines.chain(["settings store".into(), "reset".into()]).collect::<Vec<String>>().join("\n")
     }
+}
+
+/// Whether the active settings are the stored ones.
+fn is_settled(stored: StoredState) -> bool {
+    matches!(stored, StoredState::Nothing | StoredState::Stored | StoredState::OneCopy | StoredState::Unfinished)
 }

@@ -1,0 +1,94 @@
+//! Whether the value that was read from a half is the last one that was written to it.
+//!
+//! A map that cannot read its latest value gives the one before. What it passes over is still there: beyond the last byte of the value that it gives,
+//! or in a page whose marks say that it is empty. So the flash itself is looked at. After a whole write of `sequential-storage`
+//!
+//! * one page is open: its first word is marked, its last one is not, and the value, padded by zeros to whole words, is the last that is written in it;
+//! * every other page is closed (both marked), or blank.
+
+use core::ops::Range;
+
+use embedded_storage::nor_flash::NorFlash;
+
+/// Bytes of the longest word.
+const WORD: usize = 32;
+const BLANK: u8 = 0xFF;
+/// A mark needs half of a byte's bits: so few a damaged blank byte does not have.
+const MARK_BITS: u32 = 4;
+
+/// What a page is.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Page {
+    Blank,
+    Open,
+    Closed,
+    Wrong,
+}
+
+/// Whether the pages end with this value of this key.
+pub(super) fn ends_with<F: NorFlash>(flash: &mut F, pages: Range<u32>, key: u8, value: &[u8]) -> bool {
+    let mut open = None;
+    for page in each::<F>(pages) {
+        match state(flash, &page) {
+            Page::Blank | Page::Closed => {}
+            Page::Open if open.is_none() => open = Some(page),
+            Page::Open | Page::Wrong => return false,
+        }
+    }
+    open.is_some_and(|page| is_last(flash, page, key, value))
+}
+
+/// Whether nothing was ever written to the pages.
+pub(super) fn is_blank<F: NorFlash>(flash: &mut F, pages: Range<u32>) -> bool {
+    each::<F>(pages).all(|page| state(flash, &page) == Page::Blank)
+}
+
+/// Bytes that are written at once.
+const fn word<F: NorFlash>() -> u32 {
+    if F::WRITE_SIZE > F::READ_SIZE { F::WRITE_SIZE as u32 } else { F::READ_SIZE as u32 }
+}
+
+fn each<F: NorFlash>(pages: Range<u32>) -> impl Iterator<Item = Range<u32>> {
+    pages.step_by(F::ERASE_SIZE).map(|from| from..from + F::ERASE_SIZE as u32)
+}
+
+fn state<F: NorFlash>(flash: &mut F, page: &Range<u32>) -> Page {
+    let mark = F::READ_SIZE as u32;
+    let is_marked = |flash: &mut F, at: u32| {
+        let mut bytes = [0; WORD];
+        let bytes = &mut bytes[..mark as usize];
+        flash.read(at, bytes).ok().map(|()| bytes.iter().map(|byte| byte.count_zeros()).sum::<u32>() >= MARK_BITS)
+    };
+    match (is_marked(flash, page.start), is_marked(flash, page.end - mark)) {
+        (Some(true), Some(false)) => Page::Open,
+        (Some(true), Some(true)) => Page::Closed,
+        (Some(false), Some(false)) if last_written(flash, page.clone()).is_none() => Page::Blank,
+        _ => Page::Wrong,
+    }
+}
+
+/// The end of the last word in which something is written, or that cannot be read.
+fn last_written<F: NorFlash>(flash: &mut F, range: Range<u32>) -> Option<u32> {
+    let word = word::<F>();
+    let mut bytes = [0; WORD];
+    let bytes = &mut bytes[..word as usize];
+    let mut is_written = |at: u32| flash.read(at, bytes).is_err() || bytes.iter().any(|&byte| byte != BLANK);
+    range.step_by(word as usize).rev().find(|&at| is_written(at)).map(|at| at + word)
+}
+
+/// Whether the last that is written in an open page is this.
+fn is_last<F: NorFlash>(flash: &mut F, page: Range<u32>, key: u8, value: &[u8]) -> bool {
+    let word = word::<F>();
+    let data = page.start + word..page.end - word;
+    let length = (1 + value.len() as u32).next_multiple_of(word);
+    let Some(from) = last_written(flash, data.clone()).and_then(|end| end.checked_sub(length)).filter(|from| data.contains(from))
+    else {
+        return false;
+    };
+    let mut expected = core::iter::once(key).chain(value.iter().copied()).chain(core::iter::repeat(0));
+    let mut bytes = [0; WORD];
+    let bytes = &mut bytes[..word as usize];
+    (from..from + length)
+        .step_by(word as usize)
+        .all(|at| flash.read(at, bytes).is_ok() && bytes.iter().all(|&byte| expected.next() == Some(byte)))
+}
