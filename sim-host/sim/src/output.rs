@@ -41,6 +41,16 @@ pub enum OutputError {
         /// The file.
         path: PathBuf,
     },
+    /// Another run is being written into the folder.
+    #[error(
+        "another run is being written into `{path}`, by process {process}: wait for its end, or choose another folder with -o"
+    )]
+    Held {
+        /// The folder.
+        path: PathBuf,
+        /// Who writes it.
+        process: String,
+    },
     /// A file that is not of a run has the name of one of the run's.
     #[error(
         "`{path}` is not of an earlier run, and is not written over; the whole run is in `{run}` instead: move one of the two, or choose another folder with -o"

@@ -205,14 +205,135 @@ fn an_interrupted_run_takes_the_place_as_a_whole_and_a_killed_one_does_not() {
 
 #[cfg(unix)]
 #[test]
-fn of_two_runs_into_one_folder_at_a_time_one_is_there_as_a_whole() {
+fn of_two_runs_into_one_folder_at_a_time_the_second_is_refused() {
     let folder = Folder::new("two");
     let inner = folder.0.join("run");
-    std::thread::scope(|threads| {
-        for scene in [&DRIVEN[..], &CONTACT[..], &DRIVEN[..], &CONTACT[..]] {
-            let inner = inner.as_path();
-            threads.spawn(move || run(scene, inner));
-        }
+    let path = inner.to_str().expect("a path in UTF-8");
+    let mut first = endless(&inner);
+    begun(&inner);
+    let second = sim_host(&["run", "lock", "-o", path]);
+    assert_eq!(code(&second), 2, "{}", stderr(&second));
+    let process = format!("by process {}", first.id());
+    assert!(stderr(&second).contains(&process) && stderr(&second).contains("another folder with -o"), "{}", stderr(&second));
+    assert_eq!(names(&inner).len(), 1);
+    first.kill().expect("it can be killed");
+    first.wait().expect("an end");
+    // Several at once: whoever is not refused is there as a whole.
+    let ended = std::thread::scope(|threads| {
+        let runs = [&DRIVEN[..], &CONTACT[..], &DRIVEN[..], &CONTACT[..]]
+            .map(|scene| threads.spawn(move || code(&sim_host(&[scene, &["-q", "-o", path]].concat()))));
+        runs.map(|run| run.join().expect("an end"))
     });
+    assert!(ended.iter().all(|code| [0, 2, 4].contains(code)) && ended.iter().any(|code| *code != 2), "{ended:?}");
     assert_eq!((names(&inner), manifest(&inner)["complete"].as_bool()), (listed(&inner), Some(true)));
+}
+
+/// What a folder may hold whenever a run into it has ended before its time: the run of before as a whole, the new one as a whole, or a manifest that
+/// says that it is neither, and lists all that is there. Returns whether it was whole.
+fn is_told(inner: &Path, before: &BTreeSet<String>, was: &Value, context: &str) -> bool {
+    let there: BTreeSet<String> = names(inner).into_iter().filter(|name| !name.starts_with(".unfinished-")).collect();
+    let now = manifest(inner);
+    match now["complete"].as_bool() {
+        Some(true) if now == *was => assert_eq!(&there, before, "{context}"),
+        Some(true) => assert_eq!(there, listed(inner), "{context}"),
+        _ => assert!(there.is_subset(&listed(inner)), "{context}: {there:?} {now}"),
+    }
+    now["complete"] == true
+}
+
+/// A run that cannot make a file longer than so many blocks of 512 bytes, as on a disk that is full; it is told so, or is killed by that.
+#[cfg(target_os = "linux")]
+fn within_blocks(blocks: u32, told: bool, inner: &Path) -> std::process::Output {
+    let program = env!("CARGO_BIN_EXE_sim-host");
+    let trap = if told { "trap '' XFSZ; " } else { "" };
+    let line = format!("{trap}ulimit -c 0; ulimit -f {blocks}; exec \"{program}\" run lock -q -o \"{}\"", inner.display());
+    Command::new("sh").args(["-c", &line]).output().expect("`sh` starts")
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_full_disk_leaves_what_was_there_and_is_named() {
+    let folder = Folder::new("full");
+    let inner = folder.0.join("run");
+    run(&CONTACT, &inner);
+    let (before, was) = (names(&inner), manifest(&inner));
+    // From the first byte on, and from each longer file on.
+    let (mut ended, mut killed) = (0, 0);
+    for blocks in [0, 1, 4, 16, 64, 256] {
+        let output = within_blocks(blocks, true, &inner);
+        if output.status.code() == Some(0) {
+            break;
+        }
+        ended += 1;
+        assert_eq!(code(&output), 1, "{blocks}: {}", stderr(&output));
+        assert!(
+            stderr(&output).contains("cannot write") && stderr(&output).contains("too large"),
+            "{blocks}: {}",
+            stderr(&output)
+        );
+        assert_eq!((names(&inner), manifest(&inner)), (before.clone(), was.clone()), "{blocks}");
+        // Ended by the signal as it writes: nothing cleans up, and what was there is whole.
+        let output = within_blocks(blocks, false, &inner);
+        assert_eq!(output.status.code(), None, "{blocks}: {}", stderr(&output));
+        killed += 1;
+        assert!(is_told(&inner, &before, &was, "killed") && manifest(&inner) == was, "{blocks}");
+        // The next run finds nothing in its way.
+        run(&CONTACT, &inner);
+        assert_eq!((names(&inner), manifest(&inner)), (before.clone(), was.clone()), "{blocks}");
+    }
+    assert!(ended >= 4 && killed >= 4, "{ended} {killed}");
+    // A place that takes no files at all.
+    let output = sim_host(&["run", "lock", "-q", "-o", "/proc/none"]);
+    assert!(code(&output) == 1 && stderr(&output).contains("cannot write `/proc/none`"), "{}", stderr(&output));
+}
+
+#[cfg(unix)]
+#[test]
+fn a_run_that_is_killed_at_any_moment_leaves_a_folder_that_says_what_it_is() {
+    let folder = Folder::new("killed");
+    let inner = folder.0.join("run");
+    let began = std::time::Instant::now();
+    run(&DRIVEN, &inner);
+    let takes = began.elapsed();
+    run(&CONTACT, &inner);
+    let (mut before, mut was) = (names(&inner), manifest(&inner));
+    let (mut whole, mut cut) = (0, 0);
+    for n in 0..24_u32 {
+        let mut child = Command::new(env!("CARGO_BIN_EXE_sim-host"))
+            .args(["run", if n % 2 == 0 { "lock" } else { "dummy-load" }, "-q", "-o"])
+            .arg(&inner)
+            .stdout(Stdio::null())
+            .stderr(Stdio::null())
+            .spawn()
+            .expect("sim-host starts");
+        let until = std::time::Instant::now() + 2 * takes;
+        if n % 4 == 0 {
+            // Somewhere on its way.
+            std::thread::sleep(takes * n / 24);
+        } else {
+            // As it moves its files: as soon as the manifest is another, and a little later.
+            let text = || std::fs::read(inner.join("manifest.json")).unwrap_or_default();
+            let old = text();
+            while text() == old && std::time::Instant::now() < until {
+                std::hint::spin_loop();
+            }
+            let later = std::time::Instant::now() + std::time::Duration::from_micros(20) * (n % 4 - 1) * n;
+            while std::time::Instant::now() < later {
+                std::hint::spin_loop();
+            }
+        }
+        let _ = child.kill();
+        child.wait().expect("an end");
+        if is_told(&inner, &before, &was, &n.to_string()) {
+            whole += 1;
+        } else {
+            cut += 1;
+            // The next run cleans up.
+            run(&CONTACT, &inner);
+            assert_eq!(names(&inner), listed(&inner));
+        }
+        (before, was) = (names(&inner).into_iter().filter(|name| !name.starts_with(".unfinished-")).collect(), manifest(&inner));
+    }
+    println!("{whole} whole, {cut} that say they are not");
+    assert!(whole > 0 && cut > 0, "both have been seen: {whole} {cut}");
 }

@@ -158,6 +158,28 @@ fn a_client_that_is_killed_or_stands_still_is_missed_by_the_board() {
 }
 
 #[test]
+fn a_second_client_is_told_who_holds_the_board_and_changes_nothing() {
+    let (_server, address) = served();
+    let mut first = client(&address, &["drive"]);
+    first.until("the drive is on");
+    for order in [&["stop"][..], &["status"], &["settings", "clear"]] {
+        let began = std::time::Instant::now();
+        let output = sim_host(&[&["link", &address], order].concat());
+        assert_eq!(code(&output), 5, "{}", stderr(&output));
+        assert!(
+            stderr(&output).contains("the client at 127.0.0.1:") && stderr(&output).contains("holds the board"),
+            "{}",
+            stderr(&output)
+        );
+        assert!(began.elapsed() < Duration::from_secs(3));
+    }
+    // The first one drives on, and ends as it would alone; then the next is served.
+    (0..3).for_each(|_| drop(first.until(" locked")));
+    first.signal("TERM");
+    assert_eq!((first.end(), mode(&address).as_str()), (Some(130), "idle"));
+}
+
+#[test]
 fn a_drive_goes_on_only_where_that_is_chosen() {
     let (_server, address) = served();
     answer(&address, &["drive", "--stay"]);

@@ -2,7 +2,8 @@
 //!
 //! A run is written into a folder of its own within it, and moved from there when it is whole; the manifest comes last and lists the files, so
 //! that the next run removes exactly these. While files are moved the manifest says `complete: false` and lists those of both runs: whenever
-//! that ends, the next run knows what to clean up. Files that no manifest lists are not of a run: they are neither removed nor written over.
+//! that ends, the next run knows what to clean up. Files that no manifest lists are not of a run: they are neither removed nor written over. While a run is
+//! being written into a folder, another one is refused.
 
 use std::collections::BTreeSet;
 use std::fs::{self, File, TryLockError};
@@ -39,7 +40,8 @@ pub struct Folder {
 }
 
 impl Folder {
-    /// Makes the folder ready, before a run that may take long; refuses one with files of a run that has no manifest, or of another origin.
+    /// Makes the folder ready, before a run that may take long; refuses one with files of a run that has no manifest, or of another origin, and one into
+    /// which another run is being written.
     pub fn open(dir: &Path) -> Result<Self, OutputError> {
         let made = !dir.exists();
         fs::create_dir_all(dir).map_err(write(dir))?;
@@ -48,6 +50,9 @@ impl Folder {
         // No other process takes the new folder for one that was left.
         let _alone = locked(dir);
         former(dir)?;
+        if let Some(process) = unfinished_runs(dir).find_map(|path| lives(&path).then(|| process_of(&path))) {
+            return Err(OutputError::Held { path: dir.to_owned(), process });
+        }
         fs::create_dir_all(&unfinished).map_err(write(&unfinished))?;
         let living = File::open(&unfinished).ok().filter(|folder| folder.try_lock().is_ok());
         Ok(Folder { dir: dir.to_owned(), made, unfinished, _living: living })
@@ -124,16 +129,29 @@ fn locked(dir: &Path) -> Option<File> {
 
 /// Removes what runs have left that were killed.
 fn remove_left(dir: &Path) {
-    let Ok(entries) = fs::read_dir(dir) else { return };
-    let left = entries.flatten().filter(|entry| entry.file_name().to_string_lossy().starts_with(UNFINISHED));
-    for path in left.map(|entry| entry.path()) {
-        // A process that lives holds the lock of its own folder.
-        if let Ok(folder) = File::open(&path)
-            && !matches!(folder.try_lock(), Err(TryLockError::WouldBlock | TryLockError::Error(_)))
-        {
+    for path in unfinished_runs(dir) {
+        // Where the system locks no folders nobody knows who lives.
+        if File::open(&path).is_ok_and(|folder| folder.try_lock().is_ok()) {
             let _ = fs::remove_dir_all(&path);
         }
     }
+}
+
+/// Where runs are being written, or were when they were killed.
+fn unfinished_runs(dir: &Path) -> impl Iterator<Item = PathBuf> {
+    let entries = fs::read_dir(dir).into_iter().flatten().flatten();
+    entries.filter(|entry| entry.file_name().to_string_lossy().starts_with(UNFINISHED)).map(|entry| entry.path())
+}
+
+/// Whether the process lives that writes this run: it holds the lock of its own folder.
+fn lives(path: &Path) -> bool {
+    File::open(path).is_ok_and(|folder| matches!(folder.try_lock(), Err(TryLockError::WouldBlock)))
+}
+
+/// The process that writes a run, by the name of its folder.
+fn process_of(path: &Path) -> String {
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    name.trim_start_matches(UNFINISHED).split('-').next().unwrap_or_default().to_owned()
 }
 
 /// The files of the run that a folder holds, without its manifest.
