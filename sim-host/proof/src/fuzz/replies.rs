@@ -1,0 +1,85 @@
+//! The host's end of the link: whatever a board, or what stands in for one, sends, the host's reader gives frames or says what is wrong.
+
+use std::cell::RefCell;
+
+use firmware::board::command::Reply;
+use firmware::board::link::{FrameError, MAX_FRAME, Receiver, VERSION, encode};
+use hal_mock::bench::{Bench, Queues, Setup};
+use hal_mock::chance::Chance;
+use hal_mock::loop_back::LoopBack;
+
+use super::frames::{framed, honest};
+use super::target::{Seen, Target};
+
+pub(super) const TARGET: Target =
+    Target { name: "replies", what: "bytes from a board: the host's decoder", seeds_per_million: 20, feed, corpus: |_| Ok(()) };
+
+/// Answers that are made by a board, and damaged frames of each seed.
+const ASKED: usize = 60;
+const FRAMES: usize = 600;
+
+fn feed(seed: u64, seen: &mut Seen) -> Result<(), String> {
+    thread_local! {
+        // The answers of one board serve all seeds: what becomes of them on the way is another thing each time.
+        static WHOLE: RefCell<Vec<Reply>> = RefCell::new(answers());
+    }
+    let mut chance = Chance::new(seed);
+    let (mut receiver, mut raw) = (Receiver::default(), ::link::raw_frame::RawFrame::default());
+    for _ in 0..FRAMES {
+        let pick = chance.below(1 << 20) as usize;
+        let reply = WHOLE.with_borrow(|whole| whole[pick % whole.len()]);
+        let whole = encode(chance.below(1 << 16) as u16, reply).map_err(|error| format!("{error:?}"))?.to_vec();
+        let mut bytes = whole.clone();
+        match chance.below(4) {
+            0 => {}
+            1 => {
+                let at = chance.below(bytes.len() as u64 - 1) as usize;
+                bytes[at] ^= 1 << chance.below(8);
+            }
+            // A right checksum over any bytes, which may say anything.
+            2 => bytes = framed(VERSION, 1, &(0..chance.below(MAX_FRAME as u64 - 10)).map(|_| chance.byte()).collect::<Vec<_>>()),
+            _ => bytes = (0..chance.below(400)).map(|_| chance.byte()).chain([0]).collect(),
+        }
+        seen.input(bytes.len());
+        let mut last = None;
+        for &byte in &bytes {
+            raw.take(byte);
+            if let Some(frame) = receiver.take::<Reply>(byte) {
+                seen.outcome(match &frame {
+                    Ok(_) => "a frame",
+                    Err(FrameError::TooLong) => "too long",
+                    Err(FrameError::Damaged) => "damaged",
+                    Err(FrameError::Version(_)) => "another version",
+                    Err(FrameError::Unknown(_)) => "unknown",
+                });
+                last = Some(frame);
+            }
+        }
+        if raw.shown().is_empty() {
+            return Err("nothing to show of what came".into());
+        }
+        // What is as it was sent is understood, whatever came before it.
+        let understood =
+            matches!(&last, Some(Ok(frame)) if encode(frame.sequence, frame.body).is_ok_and(|again| again == whole[..]));
+        if (bytes == whole) != understood {
+            return Err(format!("{bytes:02x?} is understood as {last:?}"));
+        }
+    }
+    Ok(())
+}
+
+/// What a board answers, of every kind that it has.
+fn answers() -> Vec<Reply> {
+    let (mut chance, mut queues, setup) = (Chance::new(1), Queues::default(), Setup::default());
+    let mut replies = vec![Reply::Ack];
+    if let Ok(mut bench) = Bench::new(&mut queues, &setup, LoopBack::of(&setup.config)) {
+        for _ in 0..ASKED {
+            let _ = bench.ask(honest(&mut chance));
+            bench.blocks(20);
+        }
+        bench.host.receive(usize::MAX);
+        replies.extend(bench.host.answers().map(|(_, reply)| *reply));
+        replies.extend(bench.host.telemetry().map(|(_, report)| Reply::Telemetry(*report)));
+    }
+    replies
+}
