@@ -111,3 +111,6 @@ impl Controller {
         fits
     }
 }
+
+#[cfg(test)]
+mod tests;

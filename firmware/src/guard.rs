@@ -3,6 +3,7 @@
 //! | part | watches | says |
 //! |---|---|---|
 //! | `electrical` | voltage, current, lost blocks | faults 11, 13, 20, 21, 23, 28 |
+//! | `continuity` | how voltage and current of a steady drive change | fault 20 |
 //! | [`weld`] | whether the belt moves, what its force says, energy for each metre | mutes (limit 101); faults 40 to 43, 46, 47 |
 //! | `heat` | temperature of board and stack, mean power | derates (limit 100); fault 44 |
 //! | [`on_time`] | how long the drive is ON | fault 45 |
@@ -10,6 +11,7 @@
 //! Each looks at every block and names what it finds; the first of them is reported. A board without such sensors and limits pays for
 //! three comparisons.
 
+pub(crate) mod continuity;
 mod electrical;
 pub(crate) mod heat;
 pub mod on_time;
@@ -108,6 +110,18 @@ impl Guard {
         suspect: Suspect,
     ) -> Option<Fault> {
         self.electrical.inspect(convert, sense, sensed, volts, suspect)
+    }
+
+    /// Whether so many volts are enough to be judged by.
+    #[inline]
+    pub(crate) fn judges(&self, volts: f32) -> bool {
+        self.electrical.judges(volts)
+    }
+
+    /// Whether voltage or current are implausible by now, and it is not known yet for how long.
+    #[inline]
+    pub(crate) fn doubts(&self) -> bool {
+        self.electrical.doubts()
     }
 
     /// Whether there is more to look at than voltage and current; most boards have none.

@@ -25,6 +25,7 @@ use crate::generate::shaper::Shaper;
 use crate::generate::signal_generator::{Played, SignalGenerator};
 use crate::generate::sweep::Sweep;
 use crate::guard::Guard;
+use crate::guard::continuity::Continuity;
 use crate::guard::supervisor::{Acquisition, Supervisor};
 use crate::seam::block::{Amplitude, LATENCY_BLOCKS};
 use crate::seam::config::{Config, ShapeKind, Sweep as SweepKind, TrackingMode};
@@ -116,8 +117,20 @@ impl Parts {
         };
         let supervisor = Supervisor::new(Acquisition::of(config.tracking.mode));
         let track = TrackedTransducer::build(config, tracker);
-        let lanes = Lanes::build(config, block_s);
-        let chain = Chain { block: 0, supervisor, track, generator, convert, guard, belt, restraint, calibrates: false, lanes };
+        let (lanes, continuity) = (Lanes::build(config, block_s), Continuity::build(config.drive.frequency_hz, block_s));
+        let chain = Chain {
+            block: 0,
+            supervisor,
+            track,
+            generator,
+            convert,
+            guard,
+            belt,
+            restraint,
+            calibrates: false,
+            lanes,
+            continuity,
+        };
         Ok(Parts { chain, follow: Follow::build(config, friction) })
     }
 }

@@ -4,6 +4,7 @@ use crate::act::restraint::Restraint;
 use crate::find::lanes::Lanes;
 use crate::generate::signal_generator::{Played, SignalGenerator};
 use crate::guard::Guard;
+use crate::guard::continuity::Continuity;
 use crate::guard::supervisor::Supervisor;
 use crate::seam::block::{Orders, Request, SenseBlock};
 use crate::seam::phasor::Phasor;
@@ -28,6 +29,7 @@ pub(crate) struct Chain {
     /// The attempt is a calibration.
     pub(crate) calibrates: bool,
     pub(crate) lanes: Lanes,
+    pub(crate) continuity: Continuity,
 }
 
 impl Chain {
@@ -40,6 +42,7 @@ impl Chain {
         }
         self.calibrates = request == Request::Calibrate;
         self.guard.begin();
+        self.continuity.restart();
         self.lanes.begin();
         self.track.restart();
         self.generator.restart();

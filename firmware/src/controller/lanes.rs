@@ -12,7 +12,7 @@ impl Chain {
     // Not inlined: the fast memory of a board has no room for it.
     #[inline(never)]
     pub(super) fn listen_to_lanes(&mut self, orders: &Orders, played: &Played, sensed: &mut Sensed) {
-        let Chain { supervisor, track, generator, lanes, calibrates, .. } = self;
+        let Chain { supervisor, track, generator, lanes, calibrates, continuity, .. } = self;
         let rule = match supervisor.mode() {
             // It listens for itself.
             Mode::Calibrate => return lanes.return_home(),
@@ -20,7 +20,7 @@ impl Chain {
             Mode::Run => Rule::InTurn,
             _ => Rule::Rest,
         };
-        lanes.doubt(rule == Rule::InTurn && track.is_in_doubt());
+        lanes.doubt(rule == Rule::InTurn && (track.is_in_doubt() || continuity.has_failed()));
         let tone = played.lane != 0 || played.audible.is_some();
         let steady = tone && played.is_full() && (rule == Rule::Once || generator.sweep.holds());
         let expected = Expected {

@@ -116,6 +116,11 @@ impl Burst {
         })
     }
 
+    /// Whether bursts begin at once, without a ramp or a boost.
+    pub(crate) fn is_hard(&self) -> bool {
+        self.edge.is_none() && !self.boosts
+    }
+
     /// Whether a burst that ends under this gate ends with a brake.
     pub(crate) fn brakes(&self, gate: Gate) -> bool {
         self.brakes || gate == Gate::Brake

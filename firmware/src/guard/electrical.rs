@@ -63,7 +63,7 @@ impl Electrical {
         volts: Option<f32>,
         suspect: Suspect,
     ) -> Option<Fault> {
-        let played = volts.filter(|&volts| volts > self.judged_volts);
+        let played = volts.filter(|&volts| self.judges(volts));
         let (wrong_voltage, no_current) = played.map_or((false, false), |volts| {
             // Squares are compared: a root takes as long as a period of the lock-in.
             let (played, voltage, current) = (volts * volts, sensed.v.norm_sqr(), sensed.i.norm_sqr());
@@ -81,7 +81,7 @@ impl Electrical {
         let missed = sense.slow.missed_blocks.is_some_and(|missed| missed > 0);
         let cut = sense.v.len() != self.samples || sense.i.len() != self.samples;
         // Clipping and over-current are looked for where there can be any.
-        let Suspect { v: look_at_v, i: look_at_i } = suspect;
+        let Suspect { v: look_at_v, i: look_at_i, .. } = suspect;
         let over_current = look_at_i && self.is_over_current(&convert.i, &sense.i);
         if missed || cut {
             Some(Fault::LateBlock)
@@ -98,6 +98,18 @@ impl Electrical {
         } else {
             None
         }
+    }
+
+    /// Whether so many volts are enough to be judged by.
+    #[inline]
+    pub(super) fn judges(&self, volts: f32) -> bool {
+        volts > self.judged_volts
+    }
+
+    /// Whether voltage or current are implausible by now, and it is not known yet for how long.
+    #[inline]
+    pub(super) fn doubts(&self) -> bool {
+        self.wrong_voltage | self.no_current != 0
     }
 
     /// Whether too many codes stand at an end of the range.

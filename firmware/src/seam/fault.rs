@@ -74,8 +74,10 @@ numbered! {
     /// The amplifier's supply, where it is measured, is below `supply.min_v` or above `supply.max_v`: known within 11 ms, and before anything is driven.
     AmplifierSupply = 14, "amplifier supply out of its window", "look at the amplifier's supply, and at `supply.divider`, `supply.min_v` and `supply.max_v`";
     /// A sense channel is offset by more than 5 %, stuck, or for 8 blocks (in the self-test 96) does not show within a factor of 2 the fundamental
-    /// that was played, less what a source of 0.5 ohm takes of it under the current; or the stack does not ring down.
-    SensorImplausible = 20, "sense channel implausible", "a sense line is open, stuck or offset, or the amplifier is not on";
+    /// that was played, less what a source of 0.5 ohm takes of it under the current; or the stack does not ring down. Or, of a steady sine, for 8 blocks the voltage is 15 %
+    /// off what it was, other than a source of 5 ohm or a delay of 100 us make it, or 1.2 times louder than ordered; and of a resonance that is tracked the tone leaves
+    /// a tenth of a channel's energy unexplained, or the motional current jumps, which takes a time constant to change: known after 8 blocks at most, of several lanes after 16 and a visit to each.
+    SensorImplausible = 20, "sense channel implausible", "a sense line is open, stuck or offset, or the amplifier is off or too loud; where it ends a run, the self-test of the next `lock` tells more";
     /// Two samples of a block are over `limits.current_a`, or the board's comparator has seen more: known with that block.
     OverCurrent = 21, "over-current", "more current than `limits.current_a`: a shorted stack or cable, or a limit below the drive";
     /// In the self-test eight times as much current as the nominal capacitance takes, or, without a nominal one, as much as 20 uF.
@@ -108,7 +110,7 @@ numbered! {
     /// The phase loop has not locked within 64 ms and 50 time constants, or the observer has found nothing within 128 blocks each way that it
     /// seeks, by a scan at last.
     NoLock = 31, "no lock", "it was found, but the loop did not pull in: too much damping, or a resonance that moves";
-    /// The lock is lost: the motional phase is 45 degrees off for 2.6 ms, or for 4 time constants if that is more.
+    /// The lock is lost: the motional phase is 45 degrees off for 2.6 ms, or for 4 time constants if that is more; at the edge of the frequency window, too.
     LossOfLock = 32, "loss of lock", "the resonance has gone: the load, or a stack that breaks; `lock` looks for it again";
     /// The observer has converged, and the motional phase, which it does not use, is 45 degrees off for as long as fault 32 takes.
     TrackersDisagree = 33, "trackers disagree", "two ways to see the resonance say different things: look at the sense channels";

@@ -22,8 +22,12 @@ pub struct SenseScale {
     reach: f32,
     /// Mean square, about the lock-in's zero, below which no block is clipped, if that is all that can be out of order; codes squared.
     unclipped: f32,
+    /// Mean square of a fiftieth of the range, codes squared.
+    loud: f32,
 }
 
+/// What rounding, noise and a small tone may leave, of the range.
+const QUIET_PART: f32 = 0.02;
 /// The part of a block's codes that may stand at the ends of the converter's range.
 pub(crate) const CLIPPED_PART: usize = 8;
 
@@ -32,7 +36,9 @@ impl SenseScale {
         in_range("front_end.sense_mid_code", mid_code.into(), 1.0, f64::from(max_code) - 1.0)?;
         let zero = f32::from(mid_code);
         let fixed = Scale::new(zero, max_code);
-        let mut scale = SenseScale { mid_code, zero, fixed, per_lsb, max_code, limit: f32::INFINITY, reach: 0.0, unclipped: 0.0 };
+        let loud = QUIET_PART * QUIET_PART * f32::from(max_code) * f32::from(max_code);
+        let mut scale =
+            SenseScale { mid_code, zero, fixed, per_lsb, max_code, limit: f32::INFINITY, reach: 0.0, unclipped: 0.0, loud };
         scale.set_limit(f32::INFINITY);
         Ok(scale)
     }
@@ -87,6 +93,11 @@ impl SenseScale {
     /// Whether so little energy, in codes, of so many samples is no clipping, where nothing else can be out of order.
     pub(crate) fn is_unclipped(&self, energy: f32, samples: usize) -> bool {
         energy < self.unclipped * samples as f32
+    }
+
+    /// Whether so much energy, in codes, of so many samples is more than that of a fiftieth of the range, rms.
+    pub(crate) fn is_loud(&self, energy: f32, samples: usize) -> bool {
+        energy > self.loud * samples as f32
     }
 
     /// Codes about zero in fixed point.

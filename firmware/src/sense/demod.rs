@@ -23,6 +23,8 @@ use crate::sense::resonator::Rung;
 
 /// Beyond this `|S2|^2 / N^2` single precision has not much to say of a phasor.
 const BLIND: f32 = 0.95;
+/// The part of a channel's energy that may be none of the tone.
+const UNEXPLAINED: f32 = 0.1;
 
 /// Voltage and current of one block.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -40,6 +42,8 @@ pub struct Suspect {
     pub v: bool,
     /// Codes of the current channel may be.
     pub i: bool,
+    /// More than a tenth of a channel's energy is not of the tone, and more than rounding or a small tone leave.
+    pub unexplained: bool,
 }
 
 /// Voltage and current phasors of a block in which a tone was played (a chirp's chord), and what is out of order in it.
@@ -49,7 +53,7 @@ pub struct Suspect {
 pub fn demodulate(convert: &Convert, sense: &SenseBlock, tone: &Stretch) -> (Sensed, Suspect) {
     let samples = sense.v.len().min(sense.i.len());
     if samples < 2 {
-        return (Sensed::default(), Suspect { v: true, i: true });
+        return (Sensed::default(), Suspect { v: true, i: true, unexplained: true });
     }
     let count = samples as f32;
     let half_turn = sine::rotation(tone.word / 2);
@@ -65,9 +69,10 @@ pub fn demodulate(convert: &Convert, sense: &SenseBlock, tone: &Stretch) -> (Sen
     let blind = image.norm_sqr() > BLIND;
     let reference = Reference { turn, sine_square, last, image, scale };
     let coefficient = Coefficient::of(sine_square);
-    let (v, v_holds) = reference.fit(&convert.v, &sense.v[..samples], coefficient);
-    let (i, i_holds) = reference.fit(&convert.i, &sense.i[..samples], coefficient);
-    (Sensed { v, i }, Suspect { v: blind || !v_holds, i: blind || !i_holds })
+    let (v, v_fit) = reference.fit(&convert.v, &sense.v[..samples], coefficient);
+    let (i, i_fit) = reference.fit(&convert.i, &sense.i[..samples], coefficient);
+    let unexplained = v_fit.unexplained | i_fit.unexplained;
+    (Sensed { v, i }, Suspect { v: blind || !v_fit.holds, i: blind || !i_fit.holds, unexplained })
 }
 
 /// What both channels of a block are fitted to.
@@ -83,15 +88,24 @@ struct Reference {
 }
 
 impl Reference {
-    /// The phasor of a channel's codes, in SI, and whether all of these are in order.
+    /// The phasor of a channel's codes, in SI, and how these fit.
     #[inline(always)]
-    fn fit(&self, channel: &SenseScale, codes: &[u16], coefficient: Coefficient) -> (Phasor, bool) {
+    fn fit(&self, channel: &SenseScale, codes: &[u16], coefficient: Coefficient) -> (Phasor, Fit) {
         let rung = Rung::up(codes, channel.fixed(), coefficient);
         let r = self.last * rung.against(self.turn, self.sine_square);
         let x = (r - r.conj() * self.image) * self.scale;
         let left = rung.energy - (x.re * r.re + x.im * r.im);
-        (channel.scale(x), channel.holds(x.norm_sqr(), left) || channel.is_unclipped(rung.energy, codes.len()))
+        let holds = channel.holds(x.norm_sqr(), left) || channel.is_unclipped(rung.energy, codes.len());
+        (channel.scale(x), Fit { holds, unexplained: left > UNEXPLAINED * rung.energy && channel.is_loud(left, codes.len()) })
     }
+}
+
+/// How the codes of a channel fit.
+struct Fit {
+    /// All of them are in order.
+    holds: bool,
+    /// The tone leaves too much.
+    unexplained: bool,
 }
 
 #[cfg(test)]

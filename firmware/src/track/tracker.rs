@@ -337,9 +337,8 @@ impl Tracker {
                 Some(offset_hz) => self.phase_loop.accompany(error, offset_hz),
                 None => self.phase_loop.update(error),
             };
-            // At the edge of the window a small phase is no lock; nor is a lock of the loop's lost there that was one. An observer would
-            // go on beyond the edge.
-            let undecided = self.phase_loop.limited() && (self.observed.is_none() || phase.0.abs() < UNDECIDED.0);
+            // At the edge of the window a small phase is no lock.
+            let undecided = self.phase_loop.limited() && phase.0.abs() < UNDECIDED.0;
             self.lock.update(if undecided { UNDECIDED } else { phase });
             return phase;
         }

@@ -24,6 +24,8 @@
 //!
 //! An evaluation takes `STEPS` calls, about 400 instructions each, so that it can be spread over as many blocks.
 
+use crate::seam::compare::within;
+
 /// Calls of [`Evaluation::step`] that an evaluation takes.
 pub(crate) const STEPS: u32 = 6;
 
@@ -120,7 +122,7 @@ impl Way {
         let mut u = libm::sqrtf(2.0 * target / self.sine).min(self.half);
         for _ in 0..CUT_STEPS {
             let (slip, slope) = self.slip(u);
-            u = (u - (slip - target) / slope.max(f32::MIN_POSITIVE)).clamp(0.0, self.half);
+            u = within(u - (slip - target) / slope.max(f32::MIN_POSITIVE), 0.0, self.half);
         }
         u
     }

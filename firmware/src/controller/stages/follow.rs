@@ -14,7 +14,7 @@ use crate::generate::step::Progress;
 use crate::generate::step::{Plan, Step};
 use crate::guard::heat::Thermometers;
 use crate::seam::block::{Amplitude, Gate, Orders};
-use crate::seam::compare::{larger, smaller};
+use crate::seam::compare::within;
 use crate::seam::config::Config;
 use crate::seam::fault::Fault;
 use crate::seam::mode::Mode;
@@ -213,6 +213,8 @@ impl Follow {
         self.probe_hz = output.detune_hz;
         if let Some(update) = output.update {
             track.take(&update);
+            // By another branch the motional current is another one.
+            chain.continuity.rest(false);
         }
     }
 
@@ -229,7 +231,6 @@ impl Follow {
         let running = chain.supervisor.mode() == Mode::Run;
         let asked = if running && orders.detune.0.is_finite() { orders.detune.0 } else { 0.0 };
         let ordered_hz = tracked_hz + asked + self.probe_hz;
-        // `clamp` could panic, for all that the compiler knows.
-        (smaller(larger(ordered_hz, -window), window), ordered_hz.abs() > window)
+        (within(ordered_hz, -window, window), ordered_hz.abs() > window)
     }
 }

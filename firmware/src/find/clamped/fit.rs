@@ -16,6 +16,7 @@ use heapless::Vec;
 
 use crate::find::clamped::model::{C, D, D2, Elements, G, H, K, K2, THETA, UNKNOWNS, X2, XS, admittance};
 use crate::find::givens::RealTriangle;
+use crate::seam::compare::within;
 use crate::seam::phasor::Phasor;
 
 /// The most admittances there can be.
@@ -241,9 +242,9 @@ impl Fit {
             let before = *element;
             *element += step;
             match n {
-                XS | X2 => *element = element.clamp(before - LONGEST_STEP, before + LONGEST_STEP),
-                THETA => *element = element.clamp(-LARGEST_THETA, LARGEST_THETA),
-                D | D2 | C | K if before > 0.0 => *element = element.clamp(before / LARGEST_FACTOR, before * LARGEST_FACTOR),
+                XS | X2 => *element = within(*element, before - LONGEST_STEP, before + LONGEST_STEP),
+                THETA => *element = within(*element, -LARGEST_THETA, LARGEST_THETA),
+                D | D2 | C | K if before > 0.0 => *element = within(*element, before / LARGEST_FACTOR, before * LARGEST_FACTOR),
                 _ => {}
             }
         }

@@ -9,6 +9,7 @@
 //! period from its centre add up to nothing, so that it repeats itself against a reference at the centre.
 
 use crate::find::scan::spectrum::{MOST_LINES, Spectrum};
+use crate::seam::compare::within;
 
 /// Fewest lines of a spectrum; there are five unknowns.
 const FEWEST_LINES: f32 = 14.0;
@@ -55,7 +56,7 @@ impl Pass {
     /// is as wide as it has to be for those in the longest time, and not wider than it can be.
     pub(crate) fn between(low_hz: f32, high_hz: f32, (shortest_s, longest_s): (f32, f32), block_s: f32) -> Self {
         let width_hz = (high_hz - low_hz).max(FEWEST_LINES / longest_s);
-        let period_s = (FEWEST_LINES / width_hz).clamp(shortest_s, longest_s);
+        let period_s = within(FEWEST_LINES / width_hz, shortest_s, longest_s);
         let period_blocks = ((period_s / block_s) as u32 + 1).max(FEWEST_BLOCKS);
         let width_hz = width_hz.min(Pass::widest_hz(period_blocks, block_s));
         Pass { centre_hz: 0.5 * (low_hz + high_hz), width_hz, period_blocks, repeats: 1 }
@@ -66,7 +67,7 @@ impl Pass {
     pub(crate) fn fine(&self, seen: &Seen, reach_hz: f32, block_s: f32) -> Self {
         let bandwidth_hz = seen.hz / seen.q;
         // A resonance near the edge of the window is looked at from one side.
-        let end_hz = |bandwidths: f32| (seen.offset_hz + bandwidths * bandwidth_hz).clamp(-reach_hz, reach_hz);
+        let end_hz = |bandwidths: f32| within(seen.offset_hz + bandwidths * bandwidth_hz, -reach_hz, reach_hz);
         let fine = Pass::between(end_hz(-0.5 * FINE_BANDWIDTHS), end_hz(0.5 * FINE_BANDWIDTHS), FINE_S, block_s);
         // Slow, so that a load that depends on amplitude shows what it shows when it has settled.
         let slow_s = ((MOST_LINES - 4) as f32 / fine.width_hz).min(40e-3);

@@ -10,6 +10,7 @@ use super::stroke::{Stroke, Strokes};
 use super::{Burst, State};
 use crate::generate::nco::Stretch;
 use crate::seam::block::Gate;
+use crate::seam::compare::within;
 
 /// A stroke that wants more than its ceiling by this part is limited.
 const LIMITED: f32 = 0.01;
@@ -109,7 +110,7 @@ impl Boost {
     fn begin(&mut self, stroke: Stroke, to: f32, strokes: &Strokes) {
         let needed = stroke.volts(self.ring.volts(), to);
         self.limited = !strokes.lands || needed.abs() > (1.0 + LIMITED) * strokes.ceiling;
-        self.stroke_volts = needed.clamp(-strokes.ceiling, strokes.ceiling);
+        self.stroke_volts = within(needed, -strokes.ceiling, strokes.ceiling);
         self.stroke = stroke.half_cycles;
     }
 }

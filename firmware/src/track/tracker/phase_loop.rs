@@ -4,7 +4,7 @@
 //! its zero at `1 / tau`, `Kp = B` Hz/rad and `Ki = B / tau`, cancels that pole and leaves a first-order loop of bandwidth
 //! `B` at any Q. The blocks on the way (three of 32 us) cost 0.1 rad of phase margin at B = 200 Hz.
 
-use crate::seam::compare::{larger, smaller};
+use crate::seam::compare::within;
 use crate::seam::config::Tracking;
 use crate::seam::error::Error;
 use crate::seam::phasor::{Phasor, argument};
@@ -49,8 +49,8 @@ impl PhaseLoop {
         let phase = argument(error);
         let proportional = self.bandwidth_hz * core::f32::consts::TAU * phase.0;
         // The integral is clamped to the window, which is all the anti-windup a first-order loop needs.
-        self.integral_hz = (self.integral_hz + self.integral_gain * proportional).clamp(-self.window_hz, self.window_hz);
-        self.offset_hz = (self.integral_hz + proportional).clamp(-self.window_hz, self.window_hz);
+        self.integral_hz = within(self.integral_hz + self.integral_gain * proportional, -self.window_hz, self.window_hz);
+        self.offset_hz = within(self.integral_hz + proportional, -self.window_hz, self.window_hz);
         phase
     }
 
@@ -61,7 +61,7 @@ impl PhaseLoop {
 
     /// Goes along with who leads, so that it could take over at any time, and returns one block's phase error.
     pub(crate) fn accompany(&mut self, error: Phasor, offset_hz: f32) -> Turns {
-        self.integral_hz = smaller(larger(offset_hz, -self.window_hz), self.window_hz);
+        self.integral_hz = within(offset_hz, -self.window_hz, self.window_hz);
         self.offset_hz = self.integral_hz;
         argument(error)
     }

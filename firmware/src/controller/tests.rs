@@ -1,0 +1,94 @@
+//! Where counters come round: the number of the block as it is reported, and the numbers of orders.
+
+use super::*;
+use crate::board::parameters::PARAMETERS;
+use crate::board::parameters::tests::config;
+use crate::seam::block::{Gate, Request};
+use crate::seam::config::Config;
+
+/// A capacitor with a series resonance beside it, at the converters of [`config`], a sample at a time.
+#[derive(Default)]
+struct Resonator {
+    drive_v: f64,
+    current_a: f64,
+    charge_c: f64,
+}
+
+impl Resonator {
+    const C0_F: f64 = 300e-9;
+    const LM_H: f64 = 0.6e-3;
+    const CM_F: f64 = 26.4e-9;
+    const RM_OHM: f64 = 3.0;
+    const SAMPLE_S: f64 = 1e-6;
+
+    fn exchange(&mut self, drive: &DriveBlock) -> SenseBlock {
+        let mut sense = SenseBlock::default();
+        for &code in &drive.lanes[0] {
+            let before_v = core::mem::replace(&mut self.drive_v, (f64::from(code) - 2048.0) * 0.008);
+            let slope = self.drive_v - self.charge_c / Self::CM_F - Self::RM_OHM * self.current_a;
+            self.current_a += Self::SAMPLE_S / Self::LM_H * slope;
+            self.charge_c += Self::SAMPLE_S * self.current_a;
+            let current_a = self.current_a + Self::C0_F * (self.drive_v - before_v) / Self::SAMPLE_S;
+            let code = |value: f64| (4096.0 + value).clamp(0.0, 8190.0) as u16;
+            sense.v.push(code(self.drive_v / 0.005)).unwrap();
+            sense.i.push(code(current_a / 0.001)).unwrap();
+        }
+        sense
+    }
+}
+
+/// Bursts, so that the sample clock counts.
+fn in_bursts() -> Config {
+    let mut config = config();
+    for (name, value) in [("burst.period_s", 0.005), ("burst.duty", 0.5)] {
+        let parameter = PARAMETERS.iter().find(|parameter| parameter.name == name).unwrap();
+        (parameter.write)(&mut config, value);
+    }
+    config
+}
+
+/// Codes and reports of a run that begins with this block, and with orders of this number.
+fn run(first: u64, order: u32, blocks: usize) -> std::vec::Vec<(DriveBlock, Telemetry)> {
+    let mut controller = Controller::build(&in_bursts()).unwrap();
+    controller.chain.block = first;
+    let mut queue = [controller.silence(), controller.silence()];
+    let mut load = Resonator::default();
+    let mut played = std::vec::Vec::new();
+    for n in 0..blocks {
+        // A second attempt in the middle, and single orders on the way.
+        let steps = (n / 1000) as u32 + 1;
+        let orders = Orders {
+            sequence: order.wrapping_add(steps),
+            attempt: order.wrapping_add(1 + u32::from(n > blocks / 2)),
+            request: if (blocks / 2 - 100..blocks / 2).contains(&n) { Request::Idle } else { Request::Run },
+            gate: Gate::Scheduled,
+            ..Orders::default()
+        };
+        let sense = load.exchange(&queue[n % 2]);
+        let report = controller.process(&orders, &sense, &mut queue[n % 2]);
+        played.push((queue[n % 2].clone(), report));
+    }
+    played
+}
+
+#[test]
+fn where_the_number_of_the_block_and_of_an_order_come_round_nothing_else_changes() {
+    const BLOCKS: usize = 12_000;
+    let far = run(0, 0, BLOCKS);
+    // It comes to run in both halves, and plays bursts: else the rest says nothing.
+    for half in far.chunks(BLOCKS / 2) {
+        assert!(half.iter().any(|(_, report)| report.mode == Mode::Run), "{:?}", half.last().map(|(_, report)| report));
+        assert!(half.iter().any(|(drive, _)| drive.lanes[0].iter().any(|&code| code.abs_diff(2048) > 300)));
+    }
+    // What is done in every 64th block is to fall on the same ones.
+    for first in [(1 << 32) - 64, (1 << 32) - 6016, (1 << 33) - 128] {
+        let order = u32::MAX - 5;
+        let near = run(first, order, BLOCKS);
+        for (n, ((drive, report), (far_drive, far_report))) in near.iter().zip(&far).enumerate() {
+            assert_eq!(report.block, (first as u32).wrapping_add(far_report.block), "block {n}");
+            assert_eq!(report.orders_sequence, order.wrapping_add(far_report.orders_sequence), "block {n}");
+            let alike = Telemetry { block: far_report.block, orders_sequence: far_report.orders_sequence, ..*report };
+            assert!(drive == far_drive && alike == *far_report, "block {n} from {first}: {report:?}, {far_report:?}");
+        }
+    }
+}
