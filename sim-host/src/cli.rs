@@ -235,7 +235,7 @@ impl Color {
 /// Opens the folder of a result, if there is to be one; the exit code where its files are not those of an earlier result.
 fn open(dir: Option<&Path>) -> Result<Result<Option<Folder>, ExitCode>, OutputError> {
     match dir.map(Folder::open).transpose() {
-        Err(error @ OutputError::Strange { .. }) => {
+        Err(error @ (OutputError::Strange { .. } | OutputError::Held { .. })) => {
             say!("error: {error}");
             Ok(Err(ExitCode::from(USAGE)))
         }

@@ -2,8 +2,8 @@
 
 use crate::evidence::{Error, Evidence, Options, built_in};
 use crate::{
-    board_faults, board_scenes, commission, crash, faults, features, field_update, friction, guard, instructions, precision,
-    thesis, transducers,
+    board_faults, board_scenes, commission, crash, faults, features, field_update, friction, fuzz, guard, instructions,
+    precision, thesis, transducers,
 };
 use scene::load::LoadError;
 use scene::suite::{self, LoadedSuite};
@@ -25,7 +25,7 @@ pub struct Bench {
 }
 
 /// All benches, in the order in which they run.
-pub const BENCHES: [Bench; 15] = [
+pub const BENCHES: [Bench; 17] = [
     Bench {
         name: "tracking",
         about: "every tracking case over many seeds, against targets, Cramer-Rao bounds and the numbers of its faults",
@@ -102,6 +102,20 @@ pub const BENCHES: [Bench; 15] = [
         has_quick: true,
         suite: None,
         run: field_update::evidence,
+    },
+    Bench {
+        name: "fuzz",
+        about: "random and damaged input, made by its structure: the link, the stored settings, scenes, suites, scripts, updates",
+        has_quick: true,
+        suite: None,
+        run: fuzz::evidence,
+    },
+    Bench {
+        name: "soak",
+        about: "boards with their plants under random orders, sensors that fail and heal, and a noisy link, for a thousand million samples",
+        has_quick: true,
+        suite: None,
+        run: fuzz::soak::evidence,
     },
     Bench {
         name: "features",

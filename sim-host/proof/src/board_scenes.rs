@@ -274,7 +274,8 @@ mod tests {
             return;
         }
         let evidence =
-            evidence(&mut Options { quick: true, count: None, counted: None, stop: None, progress: &mut |_| () }).unwrap();
+            evidence(&mut Options { quick: true, count: None, seed: None, counted: None, stop: None, progress: &mut |_| () })
+                .unwrap();
         assert!(evidence.missed.is_empty(), "{:#?}", evidence.missed);
         assert!(evidence.docs[0].rows.len() >= 8);
     }

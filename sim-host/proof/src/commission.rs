@@ -89,7 +89,7 @@ mod tests {
     /// The quick variant has no silent failure and is never too loud. How many are right stands in docs/transducers.md.
     #[test]
     fn none_is_silently_wrong_or_too_loud() {
-        let mut options = Options { quick: true, count: None, counted: None, stop: None, progress: &mut |_| () };
+        let mut options = Options { quick: true, count: None, seed: None, counted: None, stop: None, progress: &mut |_| () };
         let evidence = run(&mut options).unwrap_or_else(|error| panic!("{error}"));
         let missed: Vec<_> = evidence.missed.iter().filter(|missed| !missed.contains("right and in time")).collect();
         assert!(missed.is_empty(), "{missed:?}");

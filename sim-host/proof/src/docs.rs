@@ -8,7 +8,7 @@ use report::docs::{block, is_update, path};
 use report::markdown;
 
 fn evidence(name: &str, page: &str) -> Evidence {
-    let mut options = Options { quick: false, count: None, counted: None, stop: None, progress: &mut |_| () };
+    let mut options = Options { quick: false, count: None, seed: None, counted: None, stop: None, progress: &mut |_| () };
     let evidence = (named(name).unwrap().run)(&mut options).unwrap_or_else(|error| panic!("{error}"));
     block(page, &format!("sim-host validate {name}"), &markdown(&evidence.docs));
     evidence

@@ -16,8 +16,10 @@ use sim::study::suite::{Judged, SuiteResult};
 pub struct Options<'a> {
     /// Fewer runs and cases.
     pub quick: bool,
-    /// How many transducers are commissioned, where it is not the usual number (`commission`).
+    /// How many runs of each kind and place (`faults`), transducers that are commissioned (`commission`), millions of bytes sent (`fuzz`) or of samples driven (`soak`), where it is not the usual number.
     pub count: Option<u32>,
+    /// One input alone, by its seed (`fuzz`, `soak`).
+    pub seed: Option<u64>,
     /// The program to count instructions of, and the options that make it run one method alone (`precision`).
     pub counted: Option<(&'a Path, &'a [&'a str])>,
     /// Flag that the caller sets to stop the cases of a suite.

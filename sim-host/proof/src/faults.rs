@@ -19,15 +19,16 @@ mod tests;
 
 use rayon::prelude::*;
 
-use self::kinds::{KINDS, Kind};
+use self::kinds::Kind;
 use self::place::{PLACES, Place, Running};
 use self::verdict::{Verdict, judge};
 use crate::evidence::{Error, Evidence, Options};
 use report::Report;
 
 /// Runs of each kind in each place, and of its quick variant; and those without a failure.
-const RUNS: [u32; 2] = [34, 2];
-const CALM: [u32; 2] = [340, 10];
+const RUNS: [u32; 2] = [170, 2];
+const CALM: [u32; 2] = [CALM_EACH * RUNS[0], 8];
+const CALM_EACH: u32 = 10;
 
 /// A run, judged.
 struct Tried {
@@ -42,12 +43,12 @@ pub(crate) fn evidence(options: &mut Options) -> Result<Evidence, Error> {
     (options.progress)("pilots");
     let places = PLACES.par_iter().map(Place::pilot).collect::<Result<Vec<_>, _>>()?;
     let mut tried = Vec::new();
-    for kind in &KINDS {
+    for kind in kinds::all() {
         (options.progress)(kind.name);
-        tried.push(runs(&places, Some(kind), RUNS[quick])?);
+        tried.push(runs(&places, Some(kind), options.count.unwrap_or(RUNS[quick]))?);
     }
     (options.progress)("without a failure");
-    let calm = runs(&places, None, CALM[quick])?;
+    let calm = runs(&places, None, options.count.map_or(CALM[quick], |count| CALM_EACH * count))?;
     let missed = table::missed(&tried, &calm);
     let tables = table::tables(&tried, &calm);
     Ok(Evidence {

@@ -26,6 +26,7 @@ mod faults;
 mod features;
 pub mod field_update;
 mod friction;
+mod fuzz;
 pub mod guard;
 pub mod instructions;
 pub mod precision;

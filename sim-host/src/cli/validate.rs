@@ -33,9 +33,13 @@ pub(super) struct ValidateArgs {
     /// The quick variant, where there is one: fewer runs and cases.
     #[arg(long)]
     quick: bool,
-    /// How many transducers to commission (`commission`), in place of the bench's own number.
+    /// How many runs of each kind and place (`faults`), transducers to commission (`commission`), millions of bytes to send (`fuzz`), or millions of samples to drive (`soak`), in place of the bench's
+    /// own number.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     count: Option<u32>,
+    /// One input alone, by the seed that a failure names (`fuzz`, `soak`).
+    #[arg(long, value_name = "SEED", conflicts_with = "count")]
+    seed: Option<u64>,
     /// Say what there is, or how each case of a suite is run by itself, and run nothing.
     #[arg(long)]
     list: bool,
@@ -179,16 +183,22 @@ fn evidence(
             say!("{next}");
         }
     };
-    let evidence =
-        match run(&mut Options { quick: args.quick, count: args.count, counted: what.counted, stop: Some(&STOP), progress }) {
-            Ok(evidence) => evidence,
-            Err(Error::Scene(error @ LoadError::Invalid(_))) => return Ok(invalid(&error, color)),
-            Err(Error::Study(StudyError::Interrupted)) => {
-                say!("interrupted: the cases are not complete, and nothing is written");
-                return Ok(ExitCode::from(INTERRUPTED));
-            }
-            Err(error) => return Err(error.into()),
-        };
+    let evidence = match run(&mut Options {
+        quick: args.quick,
+        count: args.count,
+        seed: args.seed,
+        counted: what.counted,
+        stop: Some(&STOP),
+        progress,
+    }) {
+        Ok(evidence) => evidence,
+        Err(Error::Scene(error @ LoadError::Invalid(_))) => return Ok(invalid(&error, color)),
+        Err(Error::Study(StudyError::Interrupted)) => {
+            say!("interrupted: the cases are not complete, and nothing is written");
+            return Ok(ExitCode::from(INTERRUPTED));
+        }
+        Err(error) => return Err(error.into()),
+    };
     if let (Some(dir), Some(folder)) = (dir, folder) {
         write(&evidence, what.name, args.quick, &folder)?;
         if !args.quiet {

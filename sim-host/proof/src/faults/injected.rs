@@ -1,6 +1,7 @@
 //! A controller between which and its converters something fails: what it is given is spoilt before it, what it answers after it.
 
-use firmware::seam::block::{Codes, DriveBlock, Orders, SenseBlock};
+use firmware::seam::block::{Amplitude, Codes, DriveBlock, Orders, SenseBlock};
+use firmware::seam::config::Config;
 use firmware::seam::telemetry::Telemetry;
 use sim::processor::{Here, Lost, Processor};
 
@@ -22,6 +23,12 @@ pub(super) enum Failure {
     None,
     /// What a scene's `[[fault]]` of this kind does to the plant.
     Scene(&'static str),
+    /// The same to a lane of a motor, and to the one after it where two are exchanged.
+    Lane(&'static str, u8),
+    /// The load changes at once: Q and C0 become so many times what they were, and the resonance moves by so many bandwidths.
+    Load(Load),
+    /// Another amplitude is ordered: this part of the scan's.
+    Ordered(f64),
     /// A channel's gain becomes so many times what it was; less than zero is a reversed line.
     Gain(Channel, f64),
     /// A channel is offset by so many codes.
@@ -52,6 +59,8 @@ pub(super) enum Failure {
     DacBit(u8, bool),
     /// The amplifier's gain becomes so many times what it was.
     Amplifier(f64),
+    /// The amplifier's gain becomes so many times what it was, little by little within so many blocks.
+    Drifts(f64, u32),
     /// The amplifier plays one half wave only.
     HalfWave,
     /// The amplifier clips at this part of the drive.
@@ -74,6 +83,17 @@ pub(super) enum Failure {
     Supply,
 }
 
+/// A load that changes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Load {
+    /// Factor of Q.
+    pub(super) q: f64,
+    /// Factor of C0.
+    pub(super) c0: f64,
+    /// How far the resonance moves, bandwidths as they were before.
+    pub(super) bandwidths: f64,
+}
+
 /// The controller, and what fails.
 pub(super) struct Injected {
     controller: Here,
@@ -84,6 +104,8 @@ pub(super) struct Injected {
     middle: (u16, u16),
     /// The end of the sense channels' range.
     end: u16,
+    /// Peak voltage of the scan, V.
+    scan_v: f32,
     last_sense: SenseBlock,
     held_sense: Option<SenseBlock>,
     last_drive: DriveBlock,
@@ -93,15 +115,17 @@ pub(super) struct Injected {
 }
 
 impl Injected {
-    /// Fails so from a block on; `middle` and `end`: codes of silence of sense and drive, and the largest code of the sense channels.
-    pub(super) fn new(controller: Here, failure: Failure, at_block: u64, middle: (u16, u16), end: u16) -> Self {
+    /// Fails so from a block on.
+    pub(super) fn new(controller: Here, failure: Failure, at_block: u64, config: &Config) -> Self {
+        let front = &config.front_end;
         Injected {
             controller,
             failure,
             at_block,
             block: 0,
-            middle,
-            end,
+            middle: (front.sense_mid_code, front.drive_mid_code),
+            end: front.sense_max_code,
+            scan_v: config.drive.scan_volts,
             last_sense: SenseBlock::default(),
             held_sense: None,
             last_drive: DriveBlock::default(),
@@ -198,6 +222,10 @@ impl Injected {
                 let turn = std::f64::consts::TAU * self.block as f64 / f64::from(blocks);
                 each(drive, |was| scaled(was, 1.0 + part * turn.sin()));
             }
+            Failure::Drifts(gain, blocks) => {
+                let part = (self.block - self.at_block) as f64 / f64::from(blocks);
+                each(drive, |was| scaled(was, 1.0 + (gain - 1.0) * part.min(1.0)));
+            }
             Failure::Dead => each(drive, |_| self.middle.1),
             _ => {}
         }
@@ -248,6 +276,9 @@ impl Processor for Injected {
         if fails {
             orders.host_lost |= self.failure == Failure::HostLost;
             orders.emergency_stop |= self.failure == Failure::EmergencyStop;
+            if let Failure::Ordered(part) = self.failure {
+                orders.amplitude = Some(Amplitude::Volts(part as f32 * self.scan_v));
+            }
         }
         let given = if fails { self.spoil_sense(sense) } else { sense.clone() };
         let telemetry = self.controller.process(&orders, &given, drive)?;

@@ -20,33 +20,41 @@ pub(super) struct Place {
     pub(super) name: &'static str,
     scene: &'static str,
     sets: &'static [&'static str],
+    /// From the first locked block of a run to the earliest failure, s.
+    settles_s: f64,
 }
 
 /// All places.
-pub(super) const PLACES: [Place; 6] = [
-    Place { name: "stack, Q 65, steady", scene: "lock", sets: &[ON, OFF] },
-    Place {
-        name: "stack, Q 20, steady",
-        scene: "lock",
-        sets: &[ON, OFF, "stack.bvd.q=20", "controller.tracking.nominal_q=20", "controller.tracking.mode=observer"],
-    },
-    Place { name: "stack, bursts", scene: "lock", sets: &["controller.burst.period_s=8e-3", "controller.burst.duty=0.5"] },
-    Place { name: "Langevin, 28 kHz, steady", scene: "transducer-smbltd45f28h", sets: &[] },
-    Place { name: "welder, steady", scene: "transducer-skymen-60w", sets: &[] },
-    Place { name: "motor, four lanes", scene: MOTOR, sets: &["controller.burst.on_s=[0.0]", "controller.burst.off_s=[9.0]"] },
+pub(super) const PLACES: [Place; 9] = [
+    Place::of("stack, Q 65, steady", "lock", &[ON, OFF]),
+    Place::of(
+        "stack, Q 20, steady",
+        "lock",
+        &[ON, OFF, "stack.bvd.q=20", "controller.tracking.nominal_q=20", "controller.tracking.mode=observer"],
+    ),
+    Place::of("stack, bursts", "lock", &["controller.burst.period_s=8e-3", "controller.burst.duty=0.5"]),
+    Place::of("Langevin, 28 kHz, steady", "transducer-smbltd45f28h", &[]),
+    Place::of("welder, steady", "transducer-skymen-60w", &[]),
+    Place::of("friction, surveyed", "friction-ratio", &HELD),
+    Place { settles_s: SURVEY_S, ..Place::of("friction, held", "friction-ratio", &HELD) },
+    Place::of("D-ring", "dring-crash", &[]),
+    Place::of("motor, four lanes", MOTOR, &["controller.burst.on_s=[0.0]", "controller.burst.off_s=[9.0]"]),
 ];
 
 /// The scene of a motor.
 const MOTOR: &str = "usm";
+/// One friction ratio throughout, and how long it takes until it is held, s.
+const HELD: [&str; 2] = ["controller.friction.step_s=[]", "controller.friction.step_ratio=[]"];
+const SURVEY_S: f64 = 0.45;
 const ON: &str = "controller.burst.on_s=[0.0]";
 const OFF: &str = "controller.burst.off_s=[9.0]";
 /// How long a pilot run is, s.
 const PILOT_S: f64 = 0.5;
-/// From the first locked block of a run to the earliest failure, and over how long failures are spread, s.
+/// From the first locked block of a run to the earliest failure, where nothing else is waited for; and over how long failures are spread, s.
 const SETTLES_S: f64 = 0.02;
 const SPREAD_S: f64 = 0.01;
 /// How long a run goes on after a failure, s.
-const AFTER_S: f64 = 0.06;
+const AFTER_S: f64 = 0.08;
 
 /// A place in which the drive has been seen to run.
 pub(super) struct Running {
@@ -69,33 +77,57 @@ pub(super) struct Failed {
 }
 
 impl Place {
+    const fn of(name: &'static str, scene: &'static str, sets: &'static [&'static str]) -> Self {
+        Place { name, scene, sets, settles_s: SETTLES_S }
+    }
+
     /// The place, once its drive has run without a failure.
     pub(super) fn pilot(&'static self) -> Result<Running, Error> {
         let failed = self.run(Failure::None, 0.0, PILOT_S, 0)?;
         let locked = failed.record.rows.iter().find(|row| row.mode == Mode::Run && row.locked && row.drive_v > 0.0);
         let first_s = locked.map_or(PILOT_S, |row| row.time_s);
-        Ok(Running { place: self, from_s: first_s + SETTLES_S })
+        Ok(Running { place: self, from_s: first_s + self.settles_s })
+    }
+
+    /// What a scene has to be told of a failure that happens to its plant.
+    fn in_scene(&self, failure: Failure, at_s: f64) -> Result<Vec<String>, Error> {
+        let fault = |kind: &str| vec![format!("fault.0.at_s={at_s}"), format!("fault.0.kind={kind}")];
+        Ok(match failure {
+            Failure::Scene(kind) => fault(kind),
+            Failure::Lane(kind, lane) => {
+                let other = (kind == "lanes_exchanged").then(|| format!("fault.0.other_lane={}", (lane + 1) % 4));
+                fault(kind).into_iter().chain([format!("fault.0.lane={lane}")]).chain(other).collect()
+            }
+            Failure::Load(load) => {
+                let sets: Vec<String> = self.sets.iter().map(|&set| set.to_owned()).collect();
+                let loaded = scene::load::load(self.scene, &sets)?;
+                let circuit = circuit_of(&loaded.scene.driven().ok_or(StudyError::Incomplete)?);
+                let (hz, q) = (circuit.series_resonance_hz(), circuit.q());
+                let to = [
+                    ("series_resonance_hz", hz * (1.0 + load.bandwidths / q)),
+                    ("q", q * load.q),
+                    ("c0_f", circuit.c0_f * load.c0),
+                ];
+                let one = |(n, (key, to)): (usize, (&str, f64))| {
+                    [format!("at_s={at_s}"), format!("key=stack.bvd.{key}"), format!("to={to}")]
+                        .map(|set| format!("disturbance.{n}.{set}"))
+                };
+                to.into_iter().enumerate().flat_map(one).collect()
+            }
+            _ => Vec::new(),
+        })
     }
 
     fn run(&self, failure: Failure, at_s: f64, until_s: f64, seed: u64) -> Result<Failed, Error> {
         let mut sets: Vec<String> = self.sets.iter().map(|&set| set.to_owned()).collect();
         sets.extend([format!("duration_s={until_s}"), format!("seed={seed}")]);
-        if let Failure::Scene(kind) = failure {
-            sets.extend([format!("fault.0.at_s={at_s}"), format!("fault.0.kind={kind}")]);
-        }
+        sets.extend(self.in_scene(failure, at_s)?);
         let loaded = load(self.scene, &sets)?;
         let scene = loaded.scene.driven().ok_or(StudyError::Incomplete)?;
         let config = settings::config(&scene);
         let block_s = f64::from(config.block_samples) / f64::from(config.sample_hz);
-        let front = &config.front_end;
         let at_block = (at_s / block_s) as u64;
-        let mut injected = Injected::new(
-            Here::new(&config)?,
-            failure,
-            at_block,
-            (front.sense_mid_code, front.drive_mid_code),
-            front.sense_max_code,
-        );
+        let mut injected = Injected::new(Here::new(&config)?, failure, at_block, &config);
         let record = run_on(&mut injected, &scene, Watch::default()).map_err(|error: RunError| StudyError::from(error))?;
         let circuit = circuit_of(&scene);
         Ok(Failed {
@@ -108,9 +140,14 @@ impl Place {
 }
 
 impl Running {
-    /// Whether this kind can happen here: a stator has no stack that could break.
+    /// Whether this kind can happen here: a stator has no stack that could break or be loaded, and a stack no lanes.
     pub(super) fn has(&self, kind: &Kind) -> bool {
-        self.place.scene != MOTOR || !matches!((kind.draw)(&mut Random::new(0)), Failure::Scene(_))
+        let motor = self.place.scene == MOTOR;
+        match (kind.draw)(&mut Random::new(0)) {
+            Failure::Scene("short" | "open" | "depoled" | "cracked") | Failure::Load(_) => !motor,
+            Failure::Lane(..) => motor,
+            _ => true,
+        }
     }
 
     /// A run in which this kind fails, or nothing does; the same seed is the same run.

@@ -6,9 +6,13 @@ use report::{TableBlock, verdict};
 use sim::numbers::number;
 
 use super::Tried;
-use super::kinds::{KINDS, Kind};
+use super::kinds::{self, Kind, PARTS, Part};
 use super::place::PLACES;
+use super::verdict::Verdict;
 use crate::evidence::Error;
+
+/// The longest that a run may be dangerous where no longer time is promised, ms.
+const DANGEROUS_MS: f64 = 5.0;
 
 /// Whether every run of a kind is as promised.
 fn holds(kind: &Kind, runs: &[Tried]) -> bool {
@@ -20,7 +24,8 @@ fn why_not(kind: &Kind, run: &Tried) -> Option<&'static str> {
     let verdict = &run.verdict;
     match () {
         () if verdict.is_undetected() => Some("dangerous, and nothing is said"),
-        () if kind.named.is_empty() && verdict.said != 0 => Some("harmless, and accused"),
+        () if verdict.dangerous_ms > kind.off_ms.unwrap_or(0.0).max(DANGEROUS_MS) => Some("dangerous for too long"),
+        () if kind.named.is_empty() && verdict.said != 0 && verdict.said < 96 => Some("harmless, and accused"),
         () if kind.off_ms.is_some_and(|most| verdict.off_ms.is_none_or(|off| off > most)) => Some("not off in time"),
         () if verdict.said >= 10 && verdict.said < 96 && !kind.named.contains(&verdict.said) => Some("named wrongly"),
         () => None,
@@ -41,7 +46,7 @@ pub(super) fn missed(tried: &[Vec<Tried>], calm: &[Tried]) -> Vec<String> {
             run.verdict.said
         ))
     };
-    let mut missed: Vec<String> = KINDS.iter().zip(tried).filter_map(of_kind).collect();
+    let mut missed: Vec<String> = kinds::all().zip(tried).filter_map(of_kind).collect();
     let trips: Vec<_> = calm.iter().filter(|run| run.verdict.said != 0 || run.verdict.still).collect();
     if let Some(first) = trips.first() {
         missed.push(format!(
@@ -57,7 +62,51 @@ pub(super) fn missed(tried: &[Vec<Tried>], calm: &[Tried]) -> Vec<String> {
 
 /// The tables.
 pub(super) fn tables(tried: &[Vec<Tried>], calm: &[Tried]) -> Vec<TableBlock> {
-    vec![matrix(tried), without(calm)]
+    vec![by_part(tried), matrix(tried), without(calm)]
+}
+
+/// The matrix in short, by the part that fails.
+fn by_part(tried: &[Vec<Tried>]) -> TableBlock {
+    let mut rest = tried;
+    let row = |part: &Part| {
+        let (here, others) = rest.split_at(part.kinds.len());
+        rest = others;
+        let runs: Vec<&Tried> = here.iter().flatten().collect();
+        let off: Vec<&Verdict> = runs.iter().map(|run| &run.verdict).filter(|verdict| verdict.off_ms.is_some()).collect();
+        let worst = |of: &dyn Fn(&Verdict) -> f64| off.iter().map(|verdict| of(verdict)).fold(0.0, f64::max);
+        let others = |holds: &dyn Fn(&Verdict) -> bool| {
+            runs.iter().filter(|run| run.verdict.off_ms.is_none() && holds(&run.verdict)).count().to_string()
+        };
+        vec![
+            part.name.to_owned(),
+            here.len().to_string(),
+            runs.len().to_string(),
+            off.len().to_string(),
+            said(runs.iter().map(|run| run.verdict.said)),
+            digits(worst(&|verdict| verdict.off_ms.unwrap_or(0.0))),
+            digits(worst(&|verdict| verdict.energy_j)),
+            others(&|verdict| verdict.said != 0),
+            others(&|verdict| verdict.said == 0 && !verdict.still),
+            others(&Verdict::is_undetected),
+            digits(runs.iter().map(|run| run.verdict.dangerous_ms).fold(0.0, f64::max)),
+        ]
+    };
+    let header = [
+        "part",
+        "kinds",
+        "runs",
+        "off",
+        "by fault or limit",
+        "off within [ms]",
+        "energy until then [J]",
+        "limited",
+        "harmless",
+        "undetected",
+        "dangerous [ms]",
+    ];
+    let caption = "Off: ended by a fault; within what time of the drive at worst, and with how much energy into the motional branch. Limited, harmless, undetected: not ended, as below. \
+                   Dangerous: the longest time above 1.2 times the voltage limit, or more than half a bandwidth beside the resonance, before it was off.";
+    TableBlock::new("parts", "Failures by the part that fails", caption, &header, PARTS.iter().map(row).collect())
 }
 
 fn matrix(tried: &[Vec<Tried>]) -> TableBlock {
@@ -78,7 +127,7 @@ fn matrix(tried: &[Vec<Tried>]) -> TableBlock {
             silent.filter(|run| run.verdict.still).count().to_string(),
             digits(most(&|run| run.verdict.dangerous_ms)),
             digits(most(&|run| run.verdict.energy_j)),
-            said(runs),
+            said(runs.iter().map(|run| run.verdict.said)),
             verdict(holds(kind, runs)).to_owned(),
         ]
     };
@@ -100,12 +149,12 @@ fn matrix(tried: &[Vec<Tried>]) -> TableBlock {
     let caption = "Off: ended by a fault, and how long it was driven after the failure at worst. Limited: the drive goes on, and a limit says so. Harmless: it goes on as it was, and \
                    nothing is said. Undetected: it goes on, more than 1.2 times above the voltage limit or more than half a bandwidth beside the resonance, and nothing is said. \
                    Dangerous: the longest time in such a state. Energy: the most into the motional branch after the failure. Said: faults and limits, and how often.";
-    TableBlock::new("matrix", "Failures while the drive runs", caption, &header, KINDS.iter().zip(tried).map(row).collect())
+    TableBlock::new("matrix", "Failures while the drive runs", caption, &header, kinds::all().zip(tried).map(row).collect())
 }
 
-fn said(runs: &[Tried]) -> String {
+fn said(codes: impl Iterator<Item = u8>) -> String {
     let mut counts: BTreeMap<u8, usize> = BTreeMap::new();
-    runs.iter().filter(|run| run.verdict.said != 0).for_each(|run| *counts.entry(run.verdict.said).or_default() += 1);
+    codes.filter(|&code| code != 0).for_each(|code| *counts.entry(code).or_default() += 1);
     let mut counts: Vec<_> = counts.into_iter().collect();
     counts.sort_by_key(|&(code, count)| (usize::MAX - count, code));
     let each: Vec<String> = counts.iter().map(|(code, count)| format!("{code} ({count})")).collect();
@@ -138,7 +187,7 @@ fn digits(value: f64) -> String {
 pub(super) fn csv(tried: &[Vec<Tried>], calm: &[Tried]) -> Result<String, Error> {
     let mut writer = csv::Writer::from_writer(Vec::new());
     writer.write_record(["kind", "place", "seed", "said", "off_ms", "energy_j", "dangerous_ms", "dangerous_in_the_end"])?;
-    let kinds = KINDS.iter().map(|kind| kind.name).chain(["none"]);
+    let kinds = kinds::all().map(|kind| kind.name).chain(["none"]);
     for (kind, runs) in kinds.zip(tried.iter().map(Vec::as_slice).chain([calm])) {
         for Tried { place, seed, verdict } in runs {
             let off = verdict.off_ms.map_or_else(String::new, |off| format!("{off:.4}"));

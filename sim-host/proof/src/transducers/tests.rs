@@ -10,7 +10,7 @@ use report::docs::is_update;
 
 /// The quick variant.
 fn quick() -> Evidence {
-    run(&mut Options { quick: true, count: None, counted: None, stop: None, progress: &mut |_| () })
+    run(&mut Options { quick: true, count: None, seed: None, counted: None, stop: None, progress: &mut |_| () })
         .unwrap_or_else(|error| panic!("{error}"))
 }
 
