@@ -36,7 +36,7 @@ const PROFILE: &str = "board";
 const LISTED: usize = 10;
 
 /// The image with these arguments of `cargo fw`, built; `None` where it cannot be, which has then been said.
-fn image(options: &[&str]) -> Option<Vec<u8>> {
+pub fn image(options: &[&str]) -> Option<Vec<u8>> {
     let asked = run("RUSTC", "rustc", &["--print", "target-libdir", "--target", TARGET]);
     let folder = String::from_utf8_lossy(&asked.stdout).trim().to_owned();
     if !asked.status.success() || !Path::new(&folder).is_dir() {
