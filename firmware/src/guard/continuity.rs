@@ -104,6 +104,8 @@ pub(crate) struct Continuity {
     starts: Option<[Phasor; 2]>,
     /// It was broken in this attempt.
     failed: bool,
+    /// The last block should have been a sine and was none.
+    torn: bool,
 }
 
 impl Continuity {
@@ -123,6 +125,7 @@ impl Continuity {
             pause: 0,
             starts: None,
             failed: false,
+            torn: false,
         }
     }
 
@@ -137,7 +140,7 @@ impl Continuity {
     #[inline]
     pub(crate) fn rest(&mut self, silent: bool) {
         self.pause = if self.steady > 0 { 0 } else { self.pause.saturating_add(silent.into()) };
-        (self.broken, self.steady) = (0, 0);
+        (self.broken, self.steady, self.torn) = (0, 0, false);
     }
 
     /// Where nothing is tracked, the frequency is an order, and with another one, however far away, everything is new.
@@ -155,9 +158,16 @@ impl Continuity {
         self.failed
     }
 
+    /// Whether the last block should have been a sine and was none: a sample of it has failed, and it says nothing of the resonance.
+    #[inline]
+    pub(crate) fn is_torn(&self) -> bool {
+        self.torn
+    }
+
     /// Takes a block, and returns whether voltage or current have changed as they cannot, in it or before.
     pub(crate) fn is_broken(&mut self, block: &Steady, load: impl FnOnce() -> Load) -> bool {
         self.steady = self.steady.wrapping_add(1);
+        self.torn = block.tracked && block.unexplained;
         self.failed |= match self.steady {
             // Voltage and current by turns: no block has time for both.
             steady if steady & 1 != 0 => self.is_elsewhere(block),
@@ -179,7 +189,7 @@ impl Continuity {
         let off = h - self.voltage;
         let tolerated = VOLTAGE_PART * VOLTAGE_PART * self.voltage.norm_sqr();
         let elsewhere = self.known >= FIRST_BLOCKS && off.norm_sqr() > tolerated && !self.explains(off, y, block.offset_hz);
-        if elsewhere || block.tracked && block.unexplained || h.norm_sqr() > self.loudest {
+        if elsewhere || self.torn || h.norm_sqr() > self.loudest {
             self.broken += 1;
         } else {
             self.broken = 0;

@@ -56,7 +56,7 @@ impl Stage for Follow {
             // What has nothing to lock to waits.
             (_, true) => return Step::Silence,
         };
-        if chain.lanes.are_heard() {
+        if chain.lanes.are_heard() || chain.continuity.is_torn() {
             return Step::Follow(self.hold(chain, orders, gate));
         }
         Step::Follow(self.follow(chain, measured, gate, amplitude))
@@ -145,7 +145,7 @@ impl Follow {
         plan
     }
 
-    /// Goes on as before where the measured block is of another lane: tracker and loops hold what they have.
+    /// Goes on as before where the measured block is of another lane, or says nothing of the resonance: tracker and loops hold what they have.
     // Not inlined: the fast memory of a board has no room for it.
     #[cold]
     #[inline(never)]
