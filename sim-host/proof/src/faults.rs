@@ -6,7 +6,7 @@
 //!                       record, against the plant (verdict) --> tables
 //! ```
 //!
-//! A failure comes while the drive runs, and lasts. Beside each place as many runs without a failure show how often something is said of nothing.
+//! A failure comes while the drive runs, or on its way there, and lasts. Beside each place as many runs without a failure show how often something is said of nothing.
 
 mod injected;
 mod kinds;
@@ -25,9 +25,13 @@ use self::verdict::{Verdict, judge};
 use crate::evidence::{Error, Evidence, Options};
 use report::Report;
 
-/// Runs of each kind in each place, and of its quick variant; and those without a failure.
-const RUNS: [u32; 2] = [170, 2];
-const CALM: [u32; 2] = [CALM_EACH * RUNS[0], 8];
+/// Runs of each kind, by turns in all places that it can happen in, and those without a failure.
+const RUNS: u32 = 1200;
+const CALM: u32 = 12_000;
+/// Those in each place of the quick variant.
+const QUICK: u32 = 2;
+const QUICK_CALM: u32 = 8;
+/// Runs without a failure to each run of a kind.
 const CALM_EACH: u32 = 10;
 
 /// A run, judged.
@@ -39,16 +43,20 @@ struct Tried {
 
 /// Runs all kinds in all places.
 pub(crate) fn evidence(options: &mut Options) -> Result<Evidence, Error> {
-    let quick = usize::from(options.quick);
+    let each = |quick, all| if options.quick { Number::InEach(quick) } else { Number::OfAll(all) };
+    let (failing, calm) = match options.count {
+        Some(count) => (Number::InEach(count), Number::InEach(CALM_EACH * count)),
+        None => (each(QUICK, RUNS), each(QUICK_CALM, CALM)),
+    };
     (options.progress)("pilots");
     let places = PLACES.par_iter().map(Place::pilot).collect::<Result<Vec<_>, _>>()?;
     let mut tried = Vec::new();
     for kind in kinds::all() {
         (options.progress)(kind.name);
-        tried.push(runs(&places, Some(kind), options.count.unwrap_or(RUNS[quick]))?);
+        tried.push(runs(&places, Some(kind), failing)?);
     }
     (options.progress)("without a failure");
-    let calm = runs(&places, None, options.count.map_or(CALM[quick], |count| CALM_EACH * count))?;
+    let calm = runs(&places, None, calm)?;
     let missed = table::missed(&tried, &calm);
     let tables = table::tables(&tried, &calm);
     Ok(Evidence {
@@ -65,10 +73,21 @@ pub(crate) fn evidence(options: &mut Options) -> Result<Evidence, Error> {
     })
 }
 
-fn runs(places: &[Running], kind: Option<&Kind>, number: u32) -> Result<Vec<Tried>, Error> {
-    let here = places.iter().filter(|running| kind.is_none_or(|kind| running.has(kind)));
-    let all = here.flat_map(|running| (0..u64::from(number)).map(move |seed| (running, seed)));
-    let all: Vec<_> = all.collect();
+/// How many runs.
+#[derive(Clone, Copy)]
+enum Number {
+    InEach(u32),
+    OfAll(u32),
+}
+
+/// Runs in which this kind fails, or nothing does, in all places that it can fail in.
+fn runs(places: &[Running], kind: Option<&Kind>, number: Number) -> Result<Vec<Tried>, Error> {
+    let here: Vec<&Running> = places.iter().filter(|running| kind.is_none_or(|kind| running.has(kind))).collect();
+    let number = match number {
+        Number::InEach(number) => number,
+        Number::OfAll(number) => number.div_ceil(here.len() as u32),
+    };
+    let all: Vec<_> = here.iter().flat_map(|&running| (0..u64::from(number)).map(move |seed| (running, seed))).collect();
     let one =
         |&(running, seed): &(&Running, u64)| Ok(Tried { place: running.place, seed, verdict: judge(&running.fail(kind, seed)?) });
     all.par_iter().map(one).collect()

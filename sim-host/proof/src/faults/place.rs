@@ -20,12 +20,19 @@ pub(super) struct Place {
     pub(super) name: &'static str,
     scene: &'static str,
     sets: &'static [&'static str],
-    /// From the first locked block of a run to the earliest failure, s.
-    settles_s: f64,
+    fails: Fails,
+}
+
+/// When something fails.
+enum Fails {
+    /// At some time before it drives: in self-test, calibration, scan or lock.
+    Early,
+    /// So many seconds after the first locked block of a run, and within [`SPREAD_S`] from then on.
+    Driven(f64),
 }
 
 /// All places.
-pub(super) const PLACES: [Place; 9] = [
+pub(super) const PLACES: [Place; 12] = [
     Place::of("stack, Q 65, steady", "lock", &[ON, OFF]),
     Place::of(
         "stack, Q 20, steady",
@@ -36,9 +43,12 @@ pub(super) const PLACES: [Place; 9] = [
     Place::of("Langevin, 28 kHz, steady", "transducer-smbltd45f28h", &[]),
     Place::of("welder, steady", "transducer-skymen-60w", &[]),
     Place::of("friction, surveyed", "friction-ratio", &HELD),
-    Place { settles_s: SURVEY_S, ..Place::of("friction, held", "friction-ratio", &HELD) },
+    Place { fails: Fails::Driven(SURVEY_S), ..Place::of("friction, held", "friction-ratio", &HELD) },
     Place::of("D-ring", "dring-crash", &[]),
-    Place::of("motor, four lanes", MOTOR, &["controller.burst.on_s=[0.0]", "controller.burst.off_s=[9.0]"]),
+    Place::of("motor, four lanes", MOTOR, &[ON, OFF]),
+    Place::early("stack, scan and lock", "lock", &[ON, OFF]),
+    Place::early("stack, calibration and lock", "lock", &[ON, OFF, "controller.tracking.mode=observer"]),
+    Place::early("motor, self-test to lock", MOTOR, &[ON, OFF]),
 ];
 
 /// The scene of a motor.
@@ -53,15 +63,19 @@ const PILOT_S: f64 = 0.5;
 /// From the first locked block of a run to the earliest failure, where nothing else is waited for; and over how long failures are spread, s.
 const SETTLES_S: f64 = 0.02;
 const SPREAD_S: f64 = 0.01;
-/// How long a run goes on after a failure, s.
+/// How long a run goes on after a failure, s: under drive, and where it has to come to a drive or an end first.
 const AFTER_S: f64 = 0.08;
+const EARLY_AFTER_S: f64 = 0.4;
 
 /// A place in which the drive has been seen to run.
 pub(super) struct Running {
     /// The place.
     pub(super) place: &'static Place,
-    /// When failures begin, s.
+    /// When failures begin, and over how long they are spread, s.
     from_s: f64,
+    spread_s: f64,
+    /// How long a run goes on after that, s.
+    after_s: f64,
 }
 
 /// A run with a failure.
@@ -78,7 +92,11 @@ pub(super) struct Failed {
 
 impl Place {
     const fn of(name: &'static str, scene: &'static str, sets: &'static [&'static str]) -> Self {
-        Place { name, scene, sets, settles_s: SETTLES_S }
+        Place { name, scene, sets, fails: Fails::Driven(SETTLES_S) }
+    }
+
+    const fn early(name: &'static str, scene: &'static str, sets: &'static [&'static str]) -> Self {
+        Place { name, scene, sets, fails: Fails::Early }
     }
 
     /// The place, once its drive has run without a failure.
@@ -86,7 +104,17 @@ impl Place {
         let failed = self.run(Failure::None, 0.0, PILOT_S, 0)?;
         let locked = failed.record.rows.iter().find(|row| row.mode == Mode::Run && row.locked && row.drive_v > 0.0);
         let first_s = locked.map_or(PILOT_S, |row| row.time_s);
-        Ok(Running { place: self, from_s: first_s + self.settles_s })
+        Ok(match self.fails {
+            Fails::Early => Running { place: self, from_s: 0.0, spread_s: first_s, after_s: EARLY_AFTER_S },
+            Fails::Driven(settles_s) => {
+                Running { place: self, from_s: first_s + settles_s, spread_s: SPREAD_S, after_s: AFTER_S }
+            }
+        })
+    }
+
+    /// Whether it fails before it drives.
+    pub(super) fn is_early(&self) -> bool {
+        matches!(self.fails, Fails::Early)
     }
 
     /// What a scene has to be told of a failure that happens to its plant.
@@ -153,8 +181,8 @@ impl Running {
     /// A run in which this kind fails, or nothing does; the same seed is the same run.
     pub(super) fn fail(&self, kind: Option<&Kind>, seed: u64) -> Result<Failed, Error> {
         let mut random = Random::new(seed);
-        let at_s = self.from_s + SPREAD_S * random.part();
+        let at_s = self.from_s + self.spread_s * random.part();
         let failure = kind.map_or(Failure::None, |kind| (kind.draw)(&mut random));
-        self.place.run(failure, at_s, at_s + AFTER_S, seed)
+        self.place.run(failure, at_s, at_s + self.after_s, seed)
     }
 }
