@@ -117,7 +117,8 @@ impl Parts {
         };
         let supervisor = Supervisor::new(Acquisition::of(config.tracking.mode));
         let track = TrackedTransducer::build(config, tracker);
-        let (lanes, continuity) = (Lanes::build(config, block_s), Continuity::build(config.drive.frequency_hz, block_s));
+        let (lanes, continuity) =
+            (Lanes::build(config, block_s), Continuity::build(config.drive.frequency_hz, block_s, config.limits.voltage_v));
         let chain = Chain {
             block: 0,
             supervisor,

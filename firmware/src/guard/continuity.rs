@@ -7,7 +7,7 @@
 //! | watched | because | says |
 //! |---|---|---|
 //! | `h` is where it was, but for what a source of up to 5 ohm takes under another current, and for what a delay makes of another frequency | an amplifier and its channel do not change | voltage or drive have failed |
-//! | `h` is not 1.2 times larger than one, or than it was in the beginning | nothing adds to a drive | it is louder than ordered |
+//! | `h` is not 1.2 times larger than one, or than it was in the beginning, and `V` not than the voltage limit | nothing adds to a drive | it is louder than ordered |
 //! | the motional current does not jump from one level to another | it takes a time constant to change | current has failed |
 //! | the tone explains nine tenths of the energy of both channels | a sine was played | a channel is offset, has lost a bit, or the drive is no sine |
 //!
@@ -27,7 +27,7 @@ const SOURCE_OHM: f32 = 5.0;
 const LEAST_PART: f32 = 0.1;
 /// The longest delay between a drive and its voltage that a change of the frequency is taken for, s.
 const DELAY_S: f32 = 1e-4;
-/// How much louder than ordered, or than in the beginning, a voltage may be.
+/// How much louder than ordered, than in the beginning, or than its limit a voltage may be.
 const LOUDER: f32 = 1.2;
 /// Of every second block: for how many a voltage may be where it cannot be, before that counts.
 const BROKEN_BLOCKS: u32 = 4;
@@ -84,6 +84,8 @@ pub(crate) struct Load {
 #[derive(Clone, Debug)]
 pub(crate) struct Continuity {
     periods_per_block: f32,
+    /// The most that the square of a voltage may be, V².
+    limit: f32,
     /// Means of `h`, `y`, S, and of the frequency's offset, Hz.
     voltage: Phasor,
     current: Phasor,
@@ -109,10 +111,11 @@ pub(crate) struct Continuity {
 }
 
 impl Continuity {
-    /// Nothing is known.
-    pub(crate) fn build(frequency_hz: f32, block_s: f32) -> Self {
+    /// Nothing is known, but the limit of the voltage.
+    pub(crate) fn build(frequency_hz: f32, block_s: f32, limit_v: f32) -> Self {
         Continuity {
             periods_per_block: frequency_hz * block_s,
+            limit: LOUDER * LOUDER * limit_v * limit_v,
             voltage: Phasor::default(),
             current: Phasor::default(),
             offset_hz: 0.0,
@@ -189,7 +192,7 @@ impl Continuity {
         let off = h - self.voltage;
         let tolerated = VOLTAGE_PART * VOLTAGE_PART * self.voltage.norm_sqr();
         let elsewhere = self.known >= FIRST_BLOCKS && off.norm_sqr() > tolerated && !self.explains(off, y, block.offset_hz);
-        if elsewhere || self.torn || h.norm_sqr() > self.loudest {
+        if elsewhere || self.torn || h.norm_sqr() > self.loudest || block.v.norm_sqr() > self.limit {
             self.broken += 1;
         } else {
             self.broken = 0;

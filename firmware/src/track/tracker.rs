@@ -35,6 +35,8 @@ const RINGS_ABOVE: f32 = 0.2;
 const UNDECIDED: Turns = Turns(20.0 / 360.0);
 /// Longest time the loop may take to lock, blocks and time constants of the resonance.
 const LOCK_TIMEOUT: (u32, f32) = (2000, 50.0);
+/// A block at the edge of the window, where there is nothing to lock to, counts as so many.
+const AT_EDGE: u32 = 32;
 /// Where a scan has found the resonance, it is within this part of the bandwidth.
 const SCANNED: f32 = 0.1;
 /// What other resonances may turn the motional phase at the lock point by: where a scan has found some, rad; and by what part of the conductance a lock had been off.
@@ -312,7 +314,7 @@ impl Tracker {
         if let Some(observed) = &mut self.observed {
             observed.follow(motional_current, sensed.v, played, fits);
         } else {
-            self.blocks = self.blocks.saturating_add(1);
+            self.blocks = self.blocks.saturating_add(if self.phase_loop.limited() { AT_EDGE } else { 1 });
         }
         if self.on_blocks <= self.ring_up_blocks || !played.on {
             self.phase_loop.hold();

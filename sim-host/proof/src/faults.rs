@@ -8,6 +8,7 @@
 //!
 //! A failure comes while the drive runs, or on its way there, and lasts. Beside each place as many runs without a failure show how often something is said of nothing.
 
+mod codes;
 mod injected;
 mod kinds;
 mod place;
@@ -57,8 +58,10 @@ pub(crate) fn evidence(options: &mut Options) -> Result<Evidence, Error> {
     }
     (options.progress)("without a failure");
     let calm = runs(&places, None, calm)?;
-    let missed = table::missed(&tried, &calm);
-    let tables = table::tables(&tried, &calm);
+    (options.progress)("every code");
+    let (codes, not_raised) = codes::raised()?;
+    let missed = table::missed(&tried, &calm).into_iter().chain(not_raised).collect();
+    let tables: Vec<_> = table::tables(&tried, &calm).into_iter().chain([codes]).collect();
     Ok(Evidence {
         report: Report {
             title: "Faults: what fails at the seam, and what becomes of it".into(),

@@ -3,12 +3,13 @@
 use super::*;
 
 const VOLTS: f32 = 10.0;
+const LIMIT_V: f32 = 15.0;
 const SUSCEPTANCE: f32 = 0.02;
 const CONDUCTANCE: f32 = 0.025;
 const LOAD: Load = Load { periods: 20.7, susceptance: SUSCEPTANCE, noise: 1e-8 };
 
 fn watch() -> Continuity {
-    Continuity::build(40e3, 32e-6)
+    Continuity::build(40e3, 32e-6, LIMIT_V)
 }
 
 /// A block: its voltage and its admittance, relative to what they are at the lock.
@@ -42,6 +43,16 @@ fn a_voltage_that_is_elsewhere_is_known_within_eight_blocks() {
     assert!(known_after(|n| block(one() * (1.0 + 1e-3 * n as f32), one(), 1.0)).is_some_and(|n| (200..=210).contains(&n)));
     assert_eq!(known_after(|n| Steady { unexplained: n % 8 < 6, ..block(one(), one(), 1.0) }), None);
     assert_eq!(known_after(|_| Steady { unexplained: true, ..block(one(), one(), 1.0) }), Some(7));
+}
+
+/// Of an amplifier that was so from the beginning nothing is known but its limit.
+#[test]
+fn no_voltage_is_more_than_a_fifth_above_its_limit() {
+    let known = |louder: f32| {
+        let mut watch = watch();
+        (0..400).position(|_| watch.is_broken(&block(one() * louder, one(), 1.0), || LOAD)).map(|n| n + 1)
+    };
+    assert_eq!((known(1.2 * LIMIT_V / VOLTS - 0.01), known(1.2 * LIMIT_V / VOLTS + 0.01)), (None, Some(7)));
 }
 
 #[test]

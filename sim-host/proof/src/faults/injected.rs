@@ -3,6 +3,7 @@
 use firmware::seam::block::{Amplitude, Codes, DriveBlock, Orders, SenseBlock};
 use firmware::seam::config::Config;
 use firmware::seam::telemetry::Telemetry;
+use firmware::seam::units::Turns;
 use sim::processor::{Here, Lost, Processor};
 
 use crate::random::Random;
@@ -71,6 +72,10 @@ pub(super) enum Failure {
     Ripples(f64, u32),
     /// The amplifier is dead.
     Dead,
+    /// A quadrature of so many turns is ordered.
+    Quadrature(f32),
+    /// The belt's encoder has no scale.
+    NoScale,
     /// The host is silent for longer than it may be.
     HostLost,
     /// The emergency stop is pressed.
@@ -278,6 +283,9 @@ impl Processor for Injected {
             orders.emergency_stop |= self.failure == Failure::EmergencyStop;
             if let Failure::Ordered(part) = self.failure {
                 orders.amplitude = Some(Amplitude::Volts(part as f32 * self.scan_v));
+            }
+            if let Failure::Quadrature(turns) = self.failure {
+                orders.quadrature = Some(Turns(turns));
             }
         }
         let given = if fails { self.spoil_sense(sense) } else { sense.clone() };

@@ -52,12 +52,12 @@ pub(super) const PLACES: [Place; 12] = [
 ];
 
 /// The scene of a motor.
-const MOTOR: &str = "usm";
+pub(super) const MOTOR: &str = "usm";
 /// One friction ratio throughout, and how long it takes until it is held, s.
 const HELD: [&str; 2] = ["controller.friction.step_s=[]", "controller.friction.step_ratio=[]"];
 const SURVEY_S: f64 = 0.45;
-const ON: &str = "controller.burst.on_s=[0.0]";
-const OFF: &str = "controller.burst.off_s=[9.0]";
+pub(super) const ON: &str = "controller.burst.on_s=[0.0]";
+pub(super) const OFF: &str = "controller.burst.off_s=[9.0]";
 /// How long a pilot run is, s.
 const PILOT_S: f64 = 0.5;
 /// From the first locked block of a run to the earliest failure, where nothing else is waited for; and over how long failures are spread, s.
@@ -91,7 +91,7 @@ pub(super) struct Failed {
 }
 
 impl Place {
-    const fn of(name: &'static str, scene: &'static str, sets: &'static [&'static str]) -> Self {
+    pub(super) const fn of(name: &'static str, scene: &'static str, sets: &'static [&'static str]) -> Self {
         Place { name, scene, sets, fails: Fails::Driven(SETTLES_S) }
     }
 
@@ -146,13 +146,17 @@ impl Place {
         })
     }
 
-    fn run(&self, failure: Failure, at_s: f64, until_s: f64, seed: u64) -> Result<Failed, Error> {
+    /// A run of this length in which this fails then.
+    pub(super) fn run(&self, failure: Failure, at_s: f64, until_s: f64, seed: u64) -> Result<Failed, Error> {
         let mut sets: Vec<String> = self.sets.iter().map(|&set| set.to_owned()).collect();
         sets.extend([format!("duration_s={until_s}"), format!("seed={seed}")]);
         sets.extend(self.in_scene(failure, at_s)?);
         let loaded = load(self.scene, &sets)?;
         let scene = loaded.scene.driven().ok_or(StudyError::Incomplete)?;
-        let config = settings::config(&scene);
+        let mut config = settings::config(&scene);
+        if failure == Failure::NoScale {
+            config.front_end.metre_per_count = None;
+        }
         let block_s = f64::from(config.block_samples) / f64::from(config.sample_hz);
         let at_block = (at_s / block_s) as u64;
         let mut injected = Injected::new(Here::new(&config)?, failure, at_block, &config);

@@ -13,6 +13,8 @@ use crate::evidence::Error;
 
 /// The longest that a run may be dangerous where no longer time is promised, ms.
 const DANGEROUS_MS: f64 = 5.0;
+/// The same of what fails on the way to the drive: until the lock is given up.
+const EARLY_MS: f64 = 20.0;
 
 /// What a start may end in, other than a drive: the checks that it has to pass, each of which has a name.
 const CHECKS: core::ops::RangeInclusive<u8> = 20..=34;
@@ -25,11 +27,14 @@ fn holds(kind: &Kind, runs: &[Tried]) -> bool {
 /// Why a run is not as promised.
 fn why_not(kind: &Kind, run: &Tried) -> Option<&'static str> {
     let (verdict, early) = (&run.verdict, run.place.is_early());
-    let in_time = |most: f64| verdict.off_ms.is_some_and(|off| off <= most || early);
+    // What fails on the way to the drive is calibrated away, or known at the end of the stage.
+    let in_time = |most: f64| verdict.off_ms.map_or(early && !verdict.still, |off| off <= most || early);
     let named = kind.named.contains(&verdict.said) || early && CHECKS.contains(&verdict.said);
     match () {
         () if verdict.is_undetected() => Some("dangerous, and nothing is said"),
-        () if verdict.dangerous_ms > kind.off_ms.unwrap_or(0.0).max(DANGEROUS_MS) => Some("dangerous for too long"),
+        () if verdict.dangerous_ms > kind.off_ms.unwrap_or(0.0).max(if early { EARLY_MS } else { DANGEROUS_MS }) => {
+            Some("dangerous for too long")
+        }
         () if kind.named.is_empty() && verdict.said != 0 && verdict.said < 96 => Some("harmless, and accused"),
         () if kind.off_ms.is_some_and(|most| !in_time(most)) => Some("not off in time"),
         () if verdict.said >= 10 && verdict.said < 96 && !named => Some("named wrongly"),
@@ -184,7 +189,7 @@ fn without(calm: &[Tried]) -> TableBlock {
 }
 
 /// Three digits.
-fn digits(value: f64) -> String {
+pub(super) fn digits(value: f64) -> String {
     number(format!("{value:.2e}").parse().unwrap_or(value))
 }
 
