@@ -23,6 +23,7 @@ mod robustness;
 mod run;
 mod scan;
 mod self_test;
+mod session;
 mod settings;
 mod status;
 mod stored_limits;
@@ -69,8 +70,16 @@ fn cases(count: u32) -> Cases {
     Cases { cases: count, rng_seed: RngSeed::Fixed(1), failure_persistence: None, ..Cases::default() }
 }
 
-/// A bench on which nothing has been ordered.
+/// A bench on which nothing has been ordered, whose host has begun a session.
 fn bench<'a>(queues: &'a mut Queues, setup: &Setup) -> Bench<'a, Load> {
+    let mut bench = strange(queues, setup);
+    bench.connect();
+    bench.host.forget();
+    bench
+}
+
+/// A bench whose board has not been asked anything.
+fn strange<'a>(queues: &'a mut Queues, setup: &Setup) -> Bench<'a, Load> {
     Bench::new(queues, setup, load(setup)).unwrap()
 }
 

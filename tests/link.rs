@@ -3,6 +3,7 @@
 mod client;
 mod commission;
 mod dialogue;
+mod displaced;
 #[cfg(target_os = "linux")]
 mod emulated;
 mod leaving;

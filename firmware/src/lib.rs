@@ -63,6 +63,10 @@
 //!     background.poll().ok()?;
 //!     background.latest().copied()
 //! };
+//! // The board obeys the session that began last.
+//! host.send(Command::Identify(7))?;
+//! block();
+//! host.receive(usize::MAX);
 //! host.send(Command::Run)?;
 //! let running = (0..200).find_map(|_| block().filter(|report| report.mode == Mode::Run && report.envelope > 0.0));
 //! assert_eq!(running.map(|report| report.drive.0), Some(3.0), "volts");

@@ -32,6 +32,7 @@ use std::time::Duration;
 use firmware::board::app::{App, AppError, Peripherals};
 use firmware::board::block_task::BlockTask;
 use firmware::board::command::{Command, Reply};
+use firmware::board::link::NO_SESSION;
 use firmware::board::power_up::PowerUp;
 use firmware::board::queues;
 use firmware::board::settings::Settings;
@@ -54,6 +55,11 @@ use crate::watchdog::Watchdog;
 
 /// Orders that may be on their way to the block task.
 pub const ORDERS_DEPTH: usize = 8;
+
+/// The number that the host of a bench draws for its sessions.
+const NONCE: u32 = 0x5eed;
+/// Turns of the background task in which a link that takes a byte at a time has sent its answer.
+const CONNECTS_WITHIN: u32 = 64;
 
 /// The queues between the two sides, and what else they have in common. They outlive the bench, as a board's statics do. A ring of N holds N - 1.
 pub type Queues = queues::Queues<{ ORDERS_DEPTH + 1 }, 64>;
@@ -208,8 +214,24 @@ impl<'a, A: Analog> Bench<'a, A> {
         &self.errors
     }
 
-    /// Sends a command, gives the background task a turn, and returns its answer. Time stands still.
+    /// Begins a session of the host, and returns its number. Time stands still, however many turns a narrow link takes.
+    pub fn connect(&mut self) -> u32 {
+        let asked = self.host.send(Command::Identify(NONCE)).ok();
+        for _ in 0..CONNECTS_WITHIN {
+            self.poll();
+            self.host.receive(usize::MAX);
+            if asked.is_some_and(|sequence| self.host.answer_to(sequence).is_some()) {
+                break;
+            }
+        }
+        self.host.session()
+    }
+
+    /// Sends a command, gives the background task a turn, and returns its answer; a host without a session begins one before. Time stands still.
     pub fn ask(&mut self, command: Command) -> Option<Reply> {
+        if self.host.session() == NO_SESSION && !matches!(command, Command::Identify(_)) {
+            self.connect();
+        }
         let sequence = self.host.send(command).ok()?;
         self.poll();
         self.host.receive(usize::MAX);

@@ -2,7 +2,7 @@
 
 use embedded_io::Write;
 use firmware::board::command::{Command, Reply};
-use firmware::board::link::{self, Frame, FrameError, Receiver};
+use firmware::board::link::{self, Frame, FrameError, NO_SESSION, Receiver};
 use firmware::seam::telemetry::Telemetry;
 
 use crate::link::{End, LinkError};
@@ -15,6 +15,7 @@ pub struct Host {
     pub link: Noisy<End>,
     receiver: Receiver,
     sequence: u16,
+    session: u32,
     frames: Vec<Frame<Reply>>,
     spoiled: Vec<FrameError>,
 }
@@ -22,14 +23,20 @@ pub struct Host {
 impl Host {
     /// A host at this end.
     pub fn new(end: End) -> Self {
-        Host { link: Noisy::new(end), receiver: Receiver::default(), sequence: 0, frames: Vec::new(), spoiled: Vec::new() }
+        let (frames, spoiled) = Default::default();
+        Host { link: Noisy::new(end), receiver: Receiver::default(), sequence: 0, session: NO_SESSION, frames, spoiled }
     }
 
-    /// Sends a command and returns its frame's sequence number.
+    /// The session that the board has given this host; [`NO_SESSION`] before the board has answered [`Command::Identify`].
+    pub fn session(&self) -> u32 {
+        self.session
+    }
+
+    /// Sends a command of this host's session and returns its frame's sequence number.
     pub fn send(&mut self, command: Command) -> Result<u16, LinkError> {
         self.sequence = self.sequence.wrapping_add(1);
         // Every command fits into a frame.
-        let frame = link::encode(self.sequence, command).unwrap_or_default();
+        let frame = link::encode(self.sequence, self.session, command).unwrap_or_default();
         self.link.write_all(&frame).map(|()| self.sequence)
     }
 
@@ -42,11 +49,21 @@ impl Host {
     pub fn receive(&mut self, bytes: usize) {
         for byte in self.link.inner.take(bytes) {
             match self.receiver.take(byte) {
-                Some(Ok(frame)) => self.frames.push(frame),
+                Some(Ok(frame)) => {
+                    if let Reply::Identity(identity) = &frame.body {
+                        self.session = identity.session;
+                    }
+                    self.frames.push(frame);
+                }
                 Some(Err(error)) => self.spoiled.push(error),
                 None => {}
             }
         }
+    }
+
+    /// The frames received so far.
+    pub fn frames(&self) -> &[Frame<Reply>] {
+        &self.frames
     }
 
     /// The telemetry received so far, with its frames' sequence numbers.

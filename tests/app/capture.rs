@@ -213,7 +213,7 @@ fn other_commands_go_on_and_a_second_request_is_refused_as_busy() {
     bench.host.receive(usize::MAX);
     bench.host.forget();
     let first = bench.host.send(Command::Capture(CaptureVerb::Read(3))).unwrap();
-    assert!(matches!(bench.ask(Command::Identify), Some(Reply::Identity(_))));
+    assert!(matches!(bench.ask(Command::Identify(1)), Some(Reply::Identity(_))));
     assert_eq!(bench.ask(Command::Capture(CaptureVerb::State)), Some(Reply::Nak(Refusal::Busy)));
     assert_eq!(bench.host.answer_to(first), None);
     bench.blocks(2);

@@ -2,7 +2,7 @@
 //! would send. Also for frames that the firmware's own encoder does not make.
 
 use firmware::board::command::Command;
-use firmware::board::link::{VERSION, encode};
+use firmware::board::link::{NO_SESSION, VERSION, encode};
 use firmware::seam::block::Amplitude;
 
 /// CRC-32/ISCSI (Castagnoli), reflected.
@@ -13,9 +13,9 @@ fn crc(bytes: &[u8]) -> u32 {
 }
 
 /// A frame of any version and body. Sequence numbers up to 127 are one byte.
-pub fn frame(version: u8, sequence: u8, body: &[u8]) -> Vec<u8> {
+pub fn frame(version: u8, sequence: u8, session: u32, body: &[u8]) -> Vec<u8> {
     assert!(sequence < 0x80);
-    let mut plain = [&[version, sequence], body].concat();
+    let mut plain = [&[version, sequence], &session.to_le_bytes()[..], body].concat();
     plain.extend_from_slice(&crc(&plain).to_le_bytes());
     // Each zero is replaced by the distance to the next; frames here are too short for the longest run.
     assert!(plain.len() < 254);
@@ -27,13 +27,15 @@ pub fn frame(version: u8, sequence: u8, body: &[u8]) -> Vec<u8> {
 #[test]
 fn the_documented_format_is_what_the_firmware_sends() {
     let commands: [(Command, &[u8]); 5] = [
-        (Command::Identify, &[0]),
+        (Command::Identify(300), &[0, 0xAC, 0x02]),
         (Command::Run, &[3]),
         (Command::Amplitude(None), &[5, 0]),
         (Command::Amplitude(Some(Amplitude::Volts(3.0))), &[5, 1, 0, 0, 0, 0x40, 0x40]),
         (Command::TelemetryEvery(300), &[7, 0xAC, 0x02]),
     ];
     for (command, body) in commands {
-        assert_eq!(encode(100, command).unwrap(), frame(VERSION, 100, body)[..], "{command:?}");
+        for session in [NO_SESSION, 0x0102_0304, u32::MAX] {
+            assert_eq!(encode(100, session, command).unwrap(), frame(VERSION, 100, session, body)[..], "{command:?}");
+        }
     }
 }

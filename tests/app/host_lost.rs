@@ -69,12 +69,12 @@ fn an_ordered_timeout_acts_at_once_and_no_number_is_refused() {
 }
 
 #[test]
-fn any_good_frame_is_the_host_and_no_damaged_one() {
+fn any_good_frame_of_the_session_is_the_host_and_no_damaged_one() {
     for (whole, fault) in [(true, None), (false, Some(Fault::HostLost))] {
         let mut queues = Queues::default();
         let mut bench = running(&mut queues, &impatient());
         for _ in 0..10 {
-            let mut frame = firmware::board::link::encode(7, Command::Identify).unwrap();
+            let mut frame = firmware::board::link::encode(7, bench.host.session(), Command::Resonances).unwrap();
             if !whole {
                 frame[1] ^= 0x10;
             }
@@ -105,7 +105,8 @@ fn one_that_comes_back_clears_it_and_only_an_order_drives_again() {
         let silent_from = last_sounding(&mut bench);
         if !clears_first {
             // A host that asks is back, and nothing else.
-            assert!(matches!(bench.ask(Command::Identify), Some(Reply::Identity(_))));
+            assert!(matches!(bench.ask(Command::Identify(1)), Some(Reply::Identity(_))));
+            assert!(matches!(bench.ask(Command::Status), Some(Reply::Status(_))));
             bench.blocks(10);
             assert_eq!(bench.ask(Command::Run), Some(Reply::Ack));
             bench.blocks(10);

@@ -26,14 +26,15 @@ fn answers_to(bench: &mut Bench<Load>, bytes: &[u8]) -> Vec<(u16, Reply)> {
 fn a_frame_with_a_flipped_bit_is_refused_and_the_next_obeyed() {
     let mut queues = Queues::default();
     let mut bench = bench(&mut queues, &Setup::default());
-    let (good, next) = (encode(7, Command::Run).unwrap(), encode(8, Command::Identify).unwrap());
+    let session = bench.host.session();
+    let (good, next) = (encode(7, session, Command::Run).unwrap(), encode(8, session, Command::Resonances).unwrap());
     for bit in 0..8 * (good.len() - 1) {
         let mut bytes = good.to_vec();
         bytes[bit / 8] ^= 1 << (bit % 8);
         bytes.extend_from_slice(&next);
         let answers = answers_to(&mut bench, &bytes);
         let ((sequence, last), damaged) = answers.split_last().unwrap();
-        assert!(matches!((sequence, last), (8, Reply::Identity(_))), "bit {bit}: {answers:?}");
+        assert!(matches!((sequence, last), (8, Reply::Resonances(_))), "bit {bit}: {answers:?}");
         assert!(!damaged.is_empty(), "bit {bit}");
         assert!(damaged.iter().all(|(_, reply)| *reply == Reply::Nak(Refusal::Damaged)), "bit {bit}: {answers:?}");
     }
@@ -45,8 +46,9 @@ fn a_frame_with_a_flipped_bit_is_refused_and_the_next_obeyed() {
 fn another_version_is_named_and_refused_whatever_its_body() {
     let mut queues = Queues::default();
     let mut bench = bench(&mut queues, &Setup::default());
+    let session = bench.host.session();
     for (version, body) in [(VERSION + 1, &[3][..]), (VERSION + 1, &[200; 40]), (0, &[]), (255, &[1, 2, 3])] {
-        let answers = answers_to(&mut bench, &frame(version, 9, body));
+        let answers = answers_to(&mut bench, &frame(version, 9, session, body));
         assert_eq!(answers, [(9, Reply::Nak(Refusal::Version))], "{version} {body:?}");
     }
     bench.blocks(10);
@@ -57,8 +59,9 @@ fn another_version_is_named_and_refused_whatever_its_body() {
 fn a_whole_frame_that_is_no_command_is_refused_as_unknown() {
     let mut queues = Queues::default();
     let mut bench = bench(&mut queues, &Setup::default());
+    let session = bench.host.session();
     for body in [&[99][..], &[], &[4, 77], &[7]] {
-        let answers = answers_to(&mut bench, &frame(VERSION, 9, body));
+        let answers = answers_to(&mut bench, &frame(VERSION, 9, session, body));
         assert_eq!(answers, [(9, Reply::Nak(Refusal::Unknown))], "{body:?}");
     }
 }
@@ -78,7 +81,7 @@ fn what_the_board_is_not_configured_for_is_refused_and_said() {
 fn a_frame_that_is_too_long_is_refused_and_the_next_is_obeyed() {
     let mut queues = Queues::default();
     let mut bench = bench(&mut queues, &Setup::default());
-    let bytes = [&[0x55; 5000], &[0][..], &encode(3, Command::Gate(Gate::On)).unwrap()].concat();
+    let bytes = [&[0x55; 5000], &[0][..], &encode(3, bench.host.session(), Command::Gate(Gate::On)).unwrap()].concat();
     assert_eq!(answers_to(&mut bench, &bytes), [(0, Reply::Nak(Refusal::Damaged)), (3, Reply::Ack)]);
 }
 
@@ -86,7 +89,7 @@ fn a_frame_that_is_too_long_is_refused_and_the_next_is_obeyed() {
 fn a_command_is_obeyed_however_its_bytes_are_spread_over_time() {
     let mut queues = Queues::default();
     let mut bench = bench(&mut queues, &Setup::default());
-    for &byte in &encode(5, Command::Run).unwrap() {
+    for &byte in &encode(5, bench.host.session(), Command::Run).unwrap() {
         bench.host.send_bytes(&[byte]).unwrap();
         bench.blocks(3);
     }
@@ -101,7 +104,7 @@ fn orders_without_room_are_refused_as_busy_and_obeyed_later() {
     assert!((0..ORDERS_DEPTH).all(|_| bench.ask(Command::Gate(Gate::Off)) == Some(Reply::Ack)));
     assert_eq!(bench.ask(Command::Run), Some(Reply::Nak(Refusal::Busy)));
     // What changes no orders needs no room.
-    assert!(matches!(bench.ask(Command::Identify), Some(Reply::Identity(_))));
+    assert!(matches!(bench.ask(Command::Identify(1)), Some(Reply::Identity(_))));
     bench.block();
     assert_eq!(bench.ask(Command::Run), Some(Reply::Ack));
     bench.blocks(ORDERS_DEPTH as u64 + 1);
@@ -127,7 +130,7 @@ fn a_flood_of_garbage_does_not_disturb_the_block_stream() {
         let refused = bench.host.answers().filter(|(_, reply)| matches!(reply, Reply::Nak(_))).count();
         let others = bench.host.answers().count() - refused;
         assert_eq!((bench.mode(), bench.errors(), bench.watchdog.bitten()), (Mode::Run, &[][..], None));
-        assert!(matches!(bench.ask(Command::Identify), Some(Reply::Identity(_))));
+        assert!(matches!(bench.ask(Command::Identify(1)), Some(Reply::Identity(_))));
         (bench.analog().hash(), refused, others)
     };
     let ((quiet, none, _), (flooded, refused, others)) = (run(false), run(true));
@@ -223,7 +226,7 @@ fn more_commands_than_room_for_answers_are_all_answered() {
     let mut queues = Queues::default();
     let narrow = Wire { capacity: Some(64), when_full: WhenFull::Refuses };
     let mut bench = bench(&mut queues, &Setup { to_host: narrow, ..Setup::default() });
-    let asked: Vec<u16> = (0..200).map(|_| bench.host.send(Command::Identify).unwrap()).collect();
+    let asked: Vec<u16> = (0..200).map(|_| bench.host.send(Command::Identify(1)).unwrap()).collect();
     for _ in 0..1000 {
         bench.block();
         bench.host.receive(8);

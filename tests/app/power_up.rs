@@ -32,10 +32,12 @@ fn the_enable_pin_is_low_from_the_first_turn_on() {
 #[test]
 fn identify_is_answered_with_versions_before_any_block() {
     let mut queues = Queues::default();
-    let mut bench = bench(&mut queues, &Setup::default());
+    let mut bench = strange(&mut queues, &Setup::default());
     let version: Vec<u8> = env!("CARGO_PKG_VERSION").split('.').map(|part| part.parse().unwrap()).collect();
     let converters = Converters { sample_hz: 1_000_000, block_samples: 32, lanes: 1, sense_mid_code: 2048, drive_mid_code: 2048 };
-    let identity = Identity { protocol: firmware::board::link::VERSION, firmware: version.try_into().unwrap(), converters };
-    assert_eq!(bench.ask(Command::Identify), Some(Reply::Identity(identity)));
+    let answer = bench.ask(Command::Identify(7));
+    let (protocol, session) = (firmware::board::link::VERSION, bench.host.session());
+    let identity = Identity { protocol, firmware: version.try_into().unwrap(), converters, session };
+    assert_eq!(answer, Some(Reply::Identity(identity)));
     assert_eq!(bench.played(), 0);
 }

@@ -1,4 +1,4 @@
-//! Ten thousand frames, most of them damaged, cut short, doubled, out of order, of another version or of no meaning: whatever they do to the
+//! Ten thousand frames, most of them damaged, cut short, doubled, out of order, of another version or session, or of no meaning: whatever they do to the
 //! link, the board does what the honest frames among them say, and nothing else.
 
 use std::collections::HashSet;
@@ -45,7 +45,8 @@ fn honest(chance: &mut Chance) -> Command {
         24 => Command::Capture(CaptureVerb::State),
         25 => Command::Reset,
         26 => Command::Resonances,
-        _ => Command::Identify,
+        // Who asks for another session ends this one: `session.rs`.
+        _ => Command::Capture(CaptureVerb::Disarm),
     }
 }
 
@@ -55,17 +56,17 @@ struct Traffic {
     honest: HashSet<Vec<u8>>,
 }
 
-fn traffic(seed: u64) -> Traffic {
+fn traffic(seed: u64, session: u32) -> Traffic {
     let mut chance = Chance::new(seed);
     let (mut sent, mut honest_ones, mut sequence) = (Vec::new(), HashSet::new(), 0);
     for _ in 0..FRAMES {
         let mut next = |chance: &mut Chance| {
             sequence += 1;
-            encode(sequence, honest(chance)).unwrap().to_vec()
+            encode(sequence, session, honest(chance)).unwrap().to_vec()
         };
         let one = next(&mut chance);
         let mut bytes = one.clone();
-        match chance.below(9) {
+        match chance.below(10) {
             // As it is.
             0 | 1 => {}
             // Twice.
@@ -89,12 +90,17 @@ fn traffic(seed: u64) -> Traffic {
                 let more = if chance.strikes(0.5) { vec![bytes[at], chance.byte()] } else { vec![] };
                 bytes.splice(at..=at, more);
             }
-            // Of another version, or of no meaning.
+            // Whole, and of another session, or of none.
             7 => {
-                let version = if chance.strikes(0.5) { VERSION } else { [0, 1, 3, 255][chance.below(4) as usize] };
+                let other = [session ^ (1 << chance.below(32)), chance.below(1 << 32) as u32, 0][chance.below(3) as usize];
+                bytes = encode(sequence, other, honest(&mut chance)).unwrap().to_vec();
+            }
+            // Of another version, or of no meaning.
+            8 => {
+                let version = if chance.strikes(0.5) { VERSION } else { [0, 1, 2, 255][chance.below(4) as usize] };
                 let mut body: Vec<u8> = (0..chance.below(60)).map(|_| chance.byte()).collect();
                 body.insert(0, 60 + chance.below(60) as u8);
-                bytes = frame(version, chance.byte() & 0x7F, &body);
+                bytes = frame(version, chance.byte() & 0x7F, session, &body);
             }
             _ => bytes = (0..chance.below(400)).map(|_| chance.byte()).collect(),
         }
@@ -149,7 +155,8 @@ fn outcome(sent: &[Vec<u8>]) -> (Outcome, usize, usize) {
     assert_eq!((bench.host.spoiled(), bench.errors(), bench.watchdog.bitten()), (&[][..], &[][..], None));
     assert!(peak(&played(&mut bench, 0)) <= LIMIT_CODES);
     let sounding = bench.analog().blocks().filter(|exchange| sounds(exchange)).count();
-    let of_frames = |reply: &Reply| matches!(reply, Reply::Nak(Refusal::Damaged | Refusal::Version | Refusal::Unknown));
+    let of_frames =
+        |reply: &Reply| matches!(reply, Reply::Nak(Refusal::Damaged | Refusal::Version | Refusal::Unknown | Refusal::Session));
     let (refused, answers): (Vec<_>, Vec<_>) =
         bench.host.answers().map(|(sequence, reply)| (sequence, *reply)).partition(|(_, reply)| of_frames(reply));
     let (hash, resets) = (bench.analog().hash(), bench.watchdog.resets());
@@ -160,7 +167,9 @@ fn outcome(sent: &[Vec<u8>]) -> (Outcome, usize, usize) {
 #[test]
 fn of_ten_thousand_frames_only_honest_ones_have_an_effect() {
     for seed in [1, 2] {
-        let traffic = traffic(seed);
+        // The session that each board gives the first host.
+        let session = bench(&mut Queues::default(), &Setup::default()).host.session();
+        let traffic = traffic(seed, session);
         let purged = traffic.purged();
         let whole: usize = purged.iter().flatten().filter(|&&byte| byte == 0).count();
         let ((with, refused, sounding), (without, none, _)) = (outcome(&traffic.sent), outcome(&purged));

@@ -47,12 +47,16 @@ fn reports(first: u32) -> (Vec<u32>, Option<u32>) {
         report.mode = if n > 5 { Mode::Run } else { Mode::Idle };
         let Ok(()) = block.reports.enqueue(report) else { panic!("no room for a report") };
         match n {
+            2 => drop(host.send(Command::Identify(1)).unwrap()),
             5 => drop(host.send(Command::TelemetryEvery(7)).unwrap()),
             // 32 ms, which are 1000 blocks.
             20 => drop(host.send(Command::Patience(0.032)).unwrap()),
             _ => {}
         }
         app.poll().unwrap();
+        if n == 2 {
+            host.receive(usize::MAX);
+        }
         while let Some(orders) = block.orders.dequeue() {
             lost = lost.or(orders.host_lost.then_some(n));
         }

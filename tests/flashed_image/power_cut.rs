@@ -59,8 +59,8 @@ fn parameters(client: &mut Client) -> [ParameterReport; 2] {
     })
 }
 
-/// A board that has stored settings so often, `OLD` at last, and has set `NEW`.
-fn prepared(elf: &[u8], stores: u32) -> Board {
+/// A board that has stored settings so often, `OLD` at last, and has set `NEW`; and the session of the host that ordered it.
+fn prepared(elf: &[u8], stores: u32) -> (Board, u32) {
     let mut board = powered(elf, &[]);
     // What a cut leaves is read as damaged: the image is to bear that.
     board.machine_mut().chip.lint.set(Rule::EccDouble, Verdict::Collect);
@@ -71,12 +71,12 @@ fn prepared(elf: &[u8], stores: u32) -> Board {
         client.order(Command::Settings(Verb::Store)).expect("stored");
     }
     set(&mut client, NEW);
-    board.borrow().clone()
+    (board.borrow().clone(), client.session())
 }
 
 /// Begins to store, without an answer.
-fn begin(mut board: Board) -> Board {
-    let frame = firmware::board::link::encode(77, Command::Settings(Verb::Store)).expect("it fits");
+fn begin((mut board, session): (Board, u32)) -> Board {
+    let frame = firmware::board::link::encode(77, session, Command::Settings(Verb::Store)).expect("it fits");
     board.send(&frame);
     board
 }

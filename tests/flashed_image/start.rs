@@ -5,6 +5,7 @@ use std::time::Duration;
 use firmware::board::command::{Command, Reply};
 use firmware::board::start::Start;
 use firmware::seam::mode::Mode;
+use link::link_error::LinkError;
 use nucleo_g474re::stack::GUARD;
 use stm32g474::Defect;
 use stm32g474::map::at::rcc;
@@ -39,6 +40,9 @@ fn the_watchdogs_reset_is_told_to_the_client() {
     }
     board.borrow_mut().machine_mut().set_rate(1.0);
     board.borrow_mut().run_for(Duration::from_millis(20)).expect("it starts again");
+    // The session has ended with the reset, and is named as such.
+    assert!(matches!(client.ask(Command::Faults(0)), Err(LinkError::Displaced { .. })));
+    client.connect().expect("an answer");
     let answer = client.ask(Command::Faults(0)).expect("an answer");
     assert!(matches!(answer, Reply::Faults(log) if log.last_run == Start::Watchdog), "{answer:?}");
 }

@@ -96,6 +96,10 @@ impl Port for Bad {
     fn reopen(&mut self) -> Result<(), LinkError> {
         self.inner.reopen()
     }
+
+    fn nonce(&mut self) -> u32 {
+        self.inner.nonce()
+    }
 }
 
 #[test]

@@ -159,6 +159,10 @@ impl Port for Pressed {
         self.port.reopen()
     }
 
+    fn nonce(&mut self) -> u32 {
+        self.port.nonce()
+    }
+
     fn stands_still(&self) -> bool {
         self.port.stands_still()
     }

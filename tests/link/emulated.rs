@@ -55,6 +55,10 @@ impl Port for Emulated {
     fn reopen(&mut self) -> Result<(), LinkError> {
         Ok(())
     }
+
+    fn nonce(&mut self) -> u32 {
+        self.now().as_nanos() as u32
+    }
 }
 
 #[test]

@@ -64,7 +64,7 @@ fn a_board_of_another_version_is_named_by_it() {
     for (version, hint) in
         [(VERSION - 1, "flash the board again"), (VERSION + 1, "take the program that belongs to its firmware"), (0, "flash")]
     {
-        let error = met(&frame(version, 1, &[1, 1]));
+        let error = met(&frame(version, 1, 0, &[1, 1]));
         let text = error.to_string();
         assert!(error.is_lost() && text.contains(hint), "{text}");
         assert!(

@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 use ::link::emulated_board::EmulatedBoard;
 use firmware::board::capture::{Arm, CaptureState, CaptureVerb, PARTS, Trigger};
 use firmware::board::command::{Command, Reply, Verb};
-use firmware::board::link::{self, Frame, Receiver};
+use firmware::board::link::{self, Frame, NO_SESSION, Receiver};
 use firmware::board::start::Start;
 use firmware::board::stored_state::StoredState;
 use firmware::seam::block::Gate;
@@ -25,6 +25,7 @@ struct Host {
     board: EmulatedBoard,
     receiver: Receiver,
     sequence: u16,
+    session: u32,
 }
 
 impl Host {
@@ -36,7 +37,9 @@ impl Host {
         let scene = scene(name);
         let image = link_image().expect("the image builds");
         let board = EmulatedBoard::start(&image, &scene.driven().expect("a driven scene"), 0).expect("QEMU starts");
-        Some(Host { board, receiver: Receiver::default(), sequence: 0 })
+        let mut host = Host { board, receiver: Receiver::default(), sequence: 0, session: NO_SESSION };
+        host.connect();
+        Some(host)
     }
 
     /// Plays a block, and takes the frames that have come.
@@ -47,10 +50,16 @@ impl Host {
         bytes[..count].iter().filter_map(|&byte| self.receiver.take(byte)).map(|frame| frame.expect("a whole frame")).collect()
     }
 
+    /// Begins a session.
+    fn connect(&mut self) {
+        let Reply::Identity(identity) = self.ask(Command::Identify(7)) else { panic!("no identity") };
+        self.session = identity.session;
+    }
+
     /// Sends a command; what answers it.
     fn ask(&mut self, command: Command) -> Reply {
         self.sequence += 1;
-        let frame = link::encode(self.sequence, command).expect("it fits");
+        let frame = link::encode(self.sequence, self.session, command).expect("it fits");
         self.board.write_all(&frame).expect("a serial port");
         for _ in 0..PATIENCE {
             let answer = self.block().into_iter().find(|frame| frame.sequence == self.sequence);
@@ -86,7 +95,6 @@ impl Host {
 fn a_board_scans_locks_bursts_and_captures_over_its_uart() {
     let began = Instant::now();
     let Some(mut host) = Host::of("lock") else { return };
-    assert!(matches!(host.ask(Command::Identify), Reply::Identity(_)));
     assert_eq!(host.mode(), (Mode::Idle, false, None));
     assert!(!host.board.pins().enable);
 
@@ -136,6 +144,9 @@ fn a_board_scans_locks_bursts_and_captures_over_its_uart() {
     assert_eq!(host.ask(Command::Settings(Verb::Store)), Reply::Ack);
     assert_eq!(host.ask(Command::Reset), Reply::Ack);
     assert_eq!(host.board.resets(), 1);
+    // The session has ended with the reset.
+    assert_eq!(host.ask(Command::Run), Reply::Nak(Refusal::Session));
+    host.connect();
     let Reply::Parameter(report) = host.ask(Command::Settings(Verb::Get(15))) else { panic!("no parameter") };
     assert_eq!((report.acts, report.stored), (61.0, StoredState::Stored));
     let Reply::Faults(log) = host.ask(Command::Faults(0)) else { panic!("no fault log") };

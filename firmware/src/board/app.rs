@@ -9,11 +9,13 @@
 //!   down until the controller has fallen silent, however short the press.
 //! * The watchdog is fed only while blocks keep coming: if the block stream dies, the board resets.
 //! * The trims that a calibration has found are [stored](crate::board::settings) once the drive is silent: an erase of the flash may stall the processor.
+//! * Only frames of the [session](crate::board::command::Command::Identify) that began last are obeyed, and only they show that the host is there.
 //! * A host that is silent for longer than the host timeout while the drive is on is a fault that stays, like the emergency stop.
 //! * Nothing here waits for the link, but an ordered reset for its answer to leave. What is to be sent goes through a buffer; while a reply would not fit, no further command is
 //!   read, and telemetry that does not fit is left out.
 
 mod captures;
+mod host_session;
 mod host_watch;
 mod obey;
 mod outbox;
@@ -25,6 +27,7 @@ use embedded_storage::nor_flash::NorFlash;
 use heapless::spsc::{Consumer, Producer};
 
 use self::captures::Captures;
+use self::host_session::HostSession;
 use self::host_watch::HostWatch;
 use self::outbox::Outbox;
 use crate::board::command::{Converters, Reply, ResonanceReport};
@@ -103,6 +106,7 @@ pub struct App<'a, L, E, S, W, F: NorFlash> {
     limits_unsure: bool,
     faults: FaultLog,
     host: HostWatch,
+    session: HostSession,
     /// A reset is ordered, and its answer on its way.
     resetting: bool,
     /// What receives updates, on a board that can be updated.
@@ -162,6 +166,7 @@ where
             unscaled: config.restraint.is_some() && config.front_end.metre_per_count.is_none(),
             limits_unsure: power_up.limits_are_unsure(),
             host: HostWatch::new(config.link.patience_s, f32::from(config.block_samples) / config.sample_hz),
+            session: HostSession::default(),
             resetting: false,
             updates: None,
             option_bytes: 0,
@@ -332,6 +337,6 @@ where
         // Whole intervals, so that the rate holds on average however seldom anybody polls.
         self.last_telemetry = self.last_telemetry.wrapping_add(passed - passed % self.telemetry_every);
         self.telemetry_frames = self.telemetry_frames.wrapping_add(1);
-        self.outbox.send(self.telemetry_frames, Reply::Telemetry(seen));
+        self.outbox.send(self.telemetry_frames, self.session.number(), Reply::Telemetry(seen));
     }
 }

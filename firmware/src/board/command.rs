@@ -9,6 +9,9 @@
 //! |---|---|---|
 //! | damaged, cut short, too long | `Nak(Damaged)`, number 0 | the next frame after a zero is obeyed |
 //! | of another protocol version | `Nak(Version)` | nothing happens |
+//! | `Identify`, in any session | `Identity`, with a new session | the former session has ended; the drive goes on as it was, and this is no sign of life |
+//! | `Identify` with the number of the one before, and nothing of its session since | `Identity`, with the same session | nothing happens: a copy of the same frame |
+//! | whole, of another session; any but `Identify` before the first of these | `Nak(Session)` | nothing happens, and this is no sign of life |
 //! | whole, and nothing that is known | `Nak(Unknown)` | nothing happens |
 //! | the same frame twice, or frames in another order | each by its own answer | each is obeyed as it comes |
 //! | a number that is none, or negative where it must not be | `Nak(NotPlausible)` | nothing happens |
@@ -34,7 +37,11 @@
 //! | an update that is not one for this board | a report that names the reason | what was received is not started |
 //! | a fault beyond the last in the log | a report without one | |
 //! | a fault cleared while the emergency stop is pressed | `Ack` | the fault stays |
-//! | nothing that is understood, for longer than the host timeout, while it drives | | fault 12, muted; with a timeout of zero it goes on |
+//! | nothing of the session that is understood, for longer than the host timeout, while it drives | | fault 12, muted; with a timeout of zero it goes on |
+//!
+//! A session has a number that the board makes from the number that the host has drawn, so that a frame which was left over in a buffer, and one of
+//! another program, is not obeyed; nor is a whole conversation that comes a second time: its `Identify` begins a session that its other frames do not know.
+//! A session ends with the next one, or with a reset.
 //!
 //! Settings of another version are named in reports ([`StoredState::Version`]), not read, and written over by an order to store or to clear only;
 //! until then, and a reset, nothing is driven, nor is it where both copies of the settings are damaged: they may have had lower limits.
@@ -57,8 +64,8 @@ use crate::seam::units::{Hertz, Turns};
 /// A command of the host. Its number on the wire is its place in this list, so that new commands stand at the end.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Command {
-    /// Asks for the identity of the board.
-    Identify,
+    /// Asks for the identity of the board, and begins a session; with a number that the host has drawn by chance, so that it knows the answer to its own.
+    Identify(u32),
     /// Ends the drive: the controller falls silent.
     Idle,
     /// Runs the self-test and the scan, then ends the drive.
@@ -181,6 +188,8 @@ pub struct Identity {
     pub firmware: [u8; 3],
     /// The converters of the board.
     pub converters: Converters,
+    /// The session that has begun: all further commands have this number in their frames. Never [none](crate::board::link::NO_SESSION).
+    pub session: u32,
 }
 
 /// Properties of a board's converters, which no setting changes: with them a host converts codes and block numbers.
@@ -216,7 +225,7 @@ impl Command {
     pub fn applied_to(&self, orders: &Orders) -> Result<Option<Orders>, Refusal> {
         let mut next = Orders { sequence: orders.sequence.wrapping_add(1), clear_fault: false, ..*orders };
         match *self {
-            Command::Identify | Command::TelemetryEvery(_) | Command::Settings(_) | Command::Resonances => return Ok(None),
+            Command::Identify(_) | Command::TelemetryEvery(_) | Command::Settings(_) | Command::Resonances => return Ok(None),
             Command::Status | Command::Capture(_) | Command::Faults(_) | Command::Reset | Command::Update(_) => return Ok(None),
             Command::Patience(seconds) if seconds.is_nan() || seconds < 0.0 => return Err(Refusal::NotPlausible),
             Command::Patience(seconds) if f64::from(seconds) > Link::PATIENCE_S.max => return Err(Refusal::OutOfRange),

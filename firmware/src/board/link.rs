@@ -1,7 +1,7 @@
 //! Frames: postcard, a CRC-32 over it, COBS, and a zero between frames.
 //!
 //! ```text
-//! COBS( version: u8 | sequence: varint u16 | body: postcard | crc-32/iscsi: 4 bytes, little-endian ) 00
+//! COBS( version: u8 | sequence: varint u16 | session: u32, 4 bytes, little-endian | body: postcard | crc-32/iscsi: 4 bytes, little-endian ) 00
 //! ```
 //!
 //! A zero never occurs inside a frame, so that a receiver that joins late, or after a damaged frame, is in step again at the
@@ -11,7 +11,10 @@ use crc::{CRC_32_ISCSI, Crc, NoTable};
 use serde::{Deserialize, Serialize};
 
 /// Version of the protocol. A frame of another version is refused, not guessed at.
-pub const VERSION: u8 = 2;
+pub const VERSION: u8 = 3;
+
+/// The number of no session: in the frame that asks for one, and in answers to what cannot be read.
+pub const NO_SESSION: u32 = 0;
 
 /// The longest frame, stuffed, with its zero.
 pub const MAX_FRAME: usize = 256;
@@ -29,6 +32,10 @@ pub struct Frame<T> {
     pub version: u8,
     /// Number of this frame; a reply has that of its command.
     pub sequence: u16,
+    /// The session that this frame belongs to: the board obeys no frame of another one. A reply has that of its command, so that no host takes the answer
+    /// to another one for its own; the answer to [`Identify`](crate::board::command::Command::Identify) has the number that was drawn for it, and telemetry the present session.
+    #[serde(with = "postcard::fixint::le")]
+    pub session: u32,
     /// Content of the frame.
     pub body: T,
 }
@@ -42,17 +49,17 @@ pub enum FrameError {
     Damaged,
     /// A whole frame of another protocol version, with its sequence number.
     Version(u16),
-    /// A whole frame with an unknown body, with its sequence number.
-    Unknown(u16),
+    /// A whole frame with an unknown body, with its sequence number and its session.
+    Unknown(u16, u32),
 }
 
 /// A frame on its way out.
 pub(crate) type Encoded = heapless::Vec<u8, MAX_FRAME>;
 
 /// Encodes one frame. Fails only on a body that does not fit into [`MAX_FRAME`].
-pub fn encode<T: Serialize>(sequence: u16, body: T) -> Result<Encoded, FrameError> {
+pub fn encode<T: Serialize>(sequence: u16, session: u32, body: T) -> Result<Encoded, FrameError> {
     let mut plain = [0; MAX_PLAIN];
-    let frame = Frame { version: VERSION, sequence, body };
+    let frame = Frame { version: VERSION, sequence, session, body };
     let plain = checked(&frame, &mut plain).ok_or(FrameError::TooLong)?;
     let mut stuffed = Encoded::new();
     stuffed.resize(cobs::max_encoding_length(plain.len()), 0).map_err(|_| FrameError::TooLong)?;
@@ -103,9 +110,11 @@ fn decode<T: for<'a> Deserialize<'a>>(stuffed: &mut [u8]) -> Result<Frame<T>, Fr
     if version != VERSION {
         return Err(FrameError::Version(sequence));
     }
+    let (session, body) = body.split_first_chunk().ok_or(FrameError::Unknown(sequence, NO_SESSION))?;
+    let session = u32::from_le_bytes(*session);
     match postcard::take_from_bytes(body) {
-        Ok((body, [])) => Ok(Frame { version, sequence, body }),
-        _ => Err(FrameError::Unknown(sequence)),
+        Ok((body, [])) => Ok(Frame { version, sequence, session, body }),
+        _ => Err(FrameError::Unknown(sequence, session)),
     }
 }
 
@@ -137,16 +146,18 @@ mod tests {
             [Command::Run, Command::Gate(Gate::Off), Command::Amplitude(Some(Amplitude::Volts(3.0)))].into_iter().enumerate()
         {
             let sequence = 300 + n as u16;
-            let frames = receive(&encode(sequence, command).unwrap());
-            assert_eq!(frames, [Ok(Frame { version: VERSION, sequence, body: command })]);
+            for session in [NO_SESSION, 1, 0x0100_0001, u32::MAX] {
+                let frames = receive(&encode(sequence, session, command).unwrap());
+                assert_eq!(frames, [Ok(Frame { version: VERSION, sequence, session, body: command })]);
+            }
         }
     }
 
     /// Bytes of a reply's frame, with the longest sequence number.
     fn bytes_of(reply: Reply) -> usize {
-        let frame = encode(u16::MAX, reply).unwrap();
+        let frame = encode(u16::MAX, u32::MAX, reply).unwrap();
         let received = receive::<Reply>(&frame);
-        assert_eq!(received, [Ok(Frame { version: VERSION, sequence: u16::MAX, body: reply })]);
+        assert_eq!(received, [Ok(Frame { version: VERSION, sequence: u16::MAX, session: u32::MAX, body: reply })]);
         frame.len()
     }
 
@@ -190,15 +201,15 @@ mod tests {
         let capture = CaptureReport { state: CaptureState::Full, samples: u16::MAX, before: u16::MAX, block: u32::MAX };
         // The longest replies, and what they take.
         let rows = [
-            (Reply::Telemetry(full), 190),
-            (Reply::Status(Some(full)), 191),
-            (Reply::Resonances(ResonanceReport { chosen: Some(3), found }), 81),
-            (Reply::Settings(TrimReport { stored: StoredState::Version(255), points: 5, point: Some(Default::default()) }), 51),
-            (Reply::Parameter(parameter), 34),
-            (Reply::Capture(capture), 23),
-            (Reply::Captured(part), 206),
-            (Reply::Faults(FaultReport { count: u16::MAX, entry: Some(entry), last_run: Start::Panic(place) }), 106),
-            (Reply::Nak(Refusal::NotCaptured), 12),
+            (Reply::Telemetry(full), 194),
+            (Reply::Status(Some(full)), 195),
+            (Reply::Resonances(ResonanceReport { chosen: Some(3), found }), 85),
+            (Reply::Settings(TrimReport { stored: StoredState::Version(255), points: 5, point: Some(Default::default()) }), 55),
+            (Reply::Parameter(parameter), 38),
+            (Reply::Capture(capture), 27),
+            (Reply::Captured(part), 210),
+            (Reply::Faults(FaultReport { count: u16::MAX, entry: Some(entry), last_run: Start::Panic(place) }), 110),
+            (Reply::Nak(Refusal::NotCaptured), 16),
         ];
         let taken = rows.map(|(reply, _)| bytes_of(reply));
         assert_eq!(taken, rows.map(|(_, bytes)| bytes));
@@ -209,13 +220,13 @@ mod tests {
     fn the_longest_command_fits_many_times() {
         let arm = Arm { trigger: Trigger::Unlocked, before: u16::MAX, lane: 255 };
         for command in [Command::Capture(CaptureVerb::Arm(arm)), Command::Settings(Verb::Set(255, 1.0)), Command::Patience(1.0)] {
-            assert!(encode(u16::MAX, command).unwrap().len() <= 24, "{command:?}");
+            assert!(encode(u16::MAX, u32::MAX, command).unwrap().len() <= 24, "{command:?}");
         }
     }
 
     #[test]
     fn every_flipped_bit_is_seen_and_the_next_frame_is_whole() {
-        let good = encode(7, Command::Amplitude(Some(Amplitude::Volts(3.0)))).unwrap();
+        let good = encode(7, u32::MAX, Command::Amplitude(Some(Amplitude::Volts(3.0)))).unwrap();
         for bit in 0..8 * (good.len() - 1) {
             let mut bytes = good.to_vec();
             bytes[bit / 8] ^= 1 << (bit % 8);
@@ -230,12 +241,27 @@ mod tests {
     #[test]
     fn another_version_is_named() {
         let mut plain = [0; 64];
-        let frame = Frame { version: VERSION + 1, sequence: 9, body: 0xFFu8 };
+        let frame = Frame { version: VERSION + 1, sequence: 9, session: 5, body: 0xFFu8 };
         let plain = checked(&frame, &mut plain).unwrap();
         let mut stuffed = [0; 64];
         let length = cobs::encode(plain, &mut stuffed);
         stuffed[length] = 0;
         assert_eq!(receive::<Command>(&stuffed[..=length]), [Err(FrameError::Version(9))]);
+    }
+
+    #[test]
+    fn what_is_unknown_keeps_its_session_and_a_frame_without_one_has_none() {
+        let receive_plain = |plain: &[u8]| {
+            let mut whole = plain.to_vec();
+            whole.extend(CRC.checksum(plain).to_le_bytes());
+            let mut stuffed = [0; 64];
+            let length = cobs::encode(&whole, &mut stuffed);
+            receive::<Command>(&stuffed[..=length])
+        };
+        assert_eq!(receive_plain(&[VERSION, 9, 4, 3, 2, 1, 99]), [Err(FrameError::Unknown(9, 0x0102_0304))]);
+        for missing in [&[VERSION, 9][..], &[VERSION, 9, 4, 3, 2]] {
+            assert_eq!(receive_plain(missing), [Err(FrameError::Unknown(9, NO_SESSION))]);
+        }
     }
 
     #[test]

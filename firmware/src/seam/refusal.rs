@@ -36,4 +36,6 @@ pub enum Refusal {
     /// The settings that are to be stored do not fit together. The key of the parameter that is out of what the others leave it; zero where it is none
     /// alone.
     DoesNotBuild(u8),
+    /// The frame is of another session than the present one: another host has connected since, or the board was reset.
+    Session,
 }

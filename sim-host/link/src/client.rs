@@ -3,6 +3,11 @@
 //! Every command carries a sequence number, and its answer the same. What does not come back in time, or comes damaged, is asked for again
 //! with the same number, so that a late answer to the first copy is taken for what it is; answers with another number are not ours.
 //!
+//! [`Client::connect`] begins a session at the board, whose number every further command carries, and every answer: what an earlier client has left in a
+//! buffer does not act, and is taken for no answer. Where another client has begun a session since, or the board was reset, it refuses what is of this one,
+//! and the client ends with [`LinkError::Displaced`]; it does not take the board back. It begins another session by itself only where it has none: before the
+//! first, and after a reset that it has ordered, whatever has become of that.
+//!
 //! **A command never acts twice because an answer was lost.** Most may be repeated: asking changes nothing, and an order that says how things
 //! are to be (gate, amplitude, idle, a setting) says the same twice. Those that start something are an exception ([`starts`]): before such a
 //! one is repeated the client asks which order the board has seen last; if that has changed, the first copy has arrived, and it is done.
@@ -14,7 +19,7 @@ use std::time::Duration;
 
 use firmware::board::capture::{CaptureState, CaptureVerb};
 use firmware::board::command::{Command, Identity, Reply};
-use firmware::board::link;
+use firmware::board::link::{self, NO_SESSION};
 use firmware::seam::refusal::Refusal;
 use firmware::seam::telemetry::Telemetry;
 
@@ -47,19 +52,32 @@ impl Client {
         Client { line: Line::new(port, stop, note), sequence: 0, identity: None }
     }
 
-    /// Finds out who is there.
+    /// Finds out who is there, and begins a session.
     pub fn connect(&mut self) -> Result<Identity, LinkError> {
         self.identity = None;
+        self.line.session = NO_SESSION;
         self.line.raw.clear();
         // Ends whatever an earlier host has left unfinished.
         self.line.port.send(&[0]).map_err(|error| self.line.lost(error.to_string()))?;
-        match self.ask(Command::Identify)? {
+        self.identify()
+    }
+
+    /// Asks the board for its identity, in a session of its own from now on.
+    pub fn identify(&mut self) -> Result<Identity, LinkError> {
+        let nonce = self.line.port.nonce();
+        match self.ask(Command::Identify(nonce))? {
             Reply::Identity(identity) => {
                 self.identity = Some(identity);
+                self.line.session = identity.session;
                 Ok(identity)
             }
             reply => Err(unexpected("identify", &reply)),
         }
+    }
+
+    /// The session at the board; [`NO_SESSION`] before the client has connected.
+    pub fn session(&self) -> u32 {
+        self.line.session
     }
 
     /// Name of the port.
@@ -89,6 +107,9 @@ impl Client {
 
     /// Asks, and gives the answer, whatever it is but a refusal.
     pub fn ask(&mut self, command: Command) -> Result<Reply, LinkError> {
+        if self.line.session == NO_SESSION && !matches!(command, Command::Identify(_)) {
+            self.connect()?;
+        }
         if matches!(command, Command::Capture(CaptureVerb::Arm(_))) {
             // So that a capture which is not empty says that the order has arrived.
             self.order(Command::Capture(CaptureVerb::Disarm))?;
@@ -96,7 +117,12 @@ impl Client {
         let before = if starts(&command) { self.order_seen()? } else { None };
         self.sequence = self.sequence.wrapping_add(1);
         self.line.counts.commands += 1;
-        self.ask_as(self.sequence, command, before)
+        let answer = self.ask_as(self.sequence, command, before);
+        if matches!(command, Command::Reset) && !matches!(answer, Err(LinkError::Refused { .. } | LinkError::Displaced { .. })) {
+            // Whether its answer has come or not: it may have ended the session.
+            self.line.session = NO_SESSION;
+        }
+        answer
     }
 
     /// Gives an order, which is acknowledged.
@@ -140,7 +166,12 @@ impl Client {
 
     fn ask_as(&mut self, sequence: u16, command: Command, before: Option<u32>) -> Result<Reply, LinkError> {
         let began = self.line.port.now();
-        let frame = link::encode(sequence, command)
+        // A request for a session is of none, and is answered with its own number.
+        let (session, answered) = match command {
+            Command::Identify(nonce) => (NO_SESSION, nonce),
+            _ => (self.line.session, self.line.session),
+        };
+        let frame = link::encode(sequence, session, command)
             .map_err(|_| LinkError::Usage(format!("`{}` does not fit into a frame", shown(&command))))?;
         let (mut silent, mut damaged) = (0, 0);
         while silent < COPIES && damaged < DAMAGED {
@@ -155,12 +186,15 @@ impl Client {
                 silent += 1;
                 continue;
             }
-            match self.answer(sequence)? {
+            match self.answer(sequence, answered)? {
                 Some(Came::Version(board)) => {
                     return Err(LinkError::Version { port: self.line.port.name().to_owned(), board, ours: link::VERSION });
                 }
                 Some(Came::Frame(frame)) => {
                     return match frame.body {
+                        // An earlier copy has arrived: the session has ended with the reset.
+                        Reply::Nak(Refusal::Session) if matches!(command, Command::Reset) && damaged > 0 => Ok(Reply::Ack),
+                        Reply::Nak(Refusal::Session) => Err(LinkError::Displaced { port: self.line.port.name().to_owned() }),
                         Reply::Nak(refusal) => Err(LinkError::Refused { command: shown(&command), refusal }),
                         body => Ok(body),
                     };
@@ -168,8 +202,8 @@ impl Client {
                 Some(Came::Damage) => damaged += 1,
                 Some(Came::Telemetry) | None => silent += 1,
             }
-            if matches!(command, Command::Reset) {
-                // A second copy would reset a board that has just begun.
+            if matches!(command, Command::Reset) && silent > 0 {
+                // The board restarts, and answers to nothing for a while. A board that has restarted refuses a second copy.
                 return Ok(Reply::Ack);
             }
         }
@@ -177,8 +211,8 @@ impl Client {
         Err(self.silence(damaged > 0, seconds))
     }
 
-    /// The answer with this number, or what came instead of it; none in time.
-    fn answer(&mut self, sequence: u16) -> Result<Option<Came>, LinkError> {
+    /// The answer with this number in this session, or what came instead of it; none in time.
+    fn answer(&mut self, sequence: u16, session: u32) -> Result<Option<Came>, LinkError> {
         let mut until = self.line.port.now() + PATIENCE;
         let mut damaged = false;
         loop {
@@ -187,7 +221,9 @@ impl Client {
                 break;
             }
             match self.line.receive(until - now)? {
-                Some(Came::Frame(frame)) if frame.sequence == sequence => return Ok(Some(Came::Frame(frame))),
+                Some(Came::Frame(frame)) if (frame.sequence, frame.session) == (sequence, session) => {
+                    return Ok(Some(Came::Frame(frame)));
+                }
                 Some(Came::Frame(frame)) if frame.body != Reply::Nak(Refusal::Damaged) => self.line.counts.late += 1,
                 // It may have been another frame, and the answer be on its way.
                 Some(Came::Frame(_) | Came::Damage) => {

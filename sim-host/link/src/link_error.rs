@@ -65,6 +65,15 @@ pub enum LinkError {
         /// Why.
         why: String,
     },
+    /// The board obeys another session.
+    #[error(
+        "the board at {port} obeys another session now: another client has connected since, or the board was reset (`fault log` says by what). \
+         The command was not carried out. Connect again once the other client has ended"
+    )]
+    Displaced {
+        /// The port.
+        port: String,
+    },
     /// The board refuses a command.
     #[error("{}", refusal::sentence(command, *refusal))]
     Refused {
@@ -134,8 +143,8 @@ fn whole(error: &dyn std::error::Error) -> String {
 impl LinkError {
     /// Whether board or link are not there, or not any more.
     pub fn is_lost(&self) -> bool {
-        use LinkError::{Lost, Open, Silent, Stranger, Version};
-        matches!(self.cause(), Open { .. } | Silent { .. } | Stranger { .. } | Version { .. } | Lost { .. })
+        use LinkError::{Displaced, Lost, Open, Silent, Stranger, Version};
+        matches!(self.cause(), Open { .. } | Silent { .. } | Stranger { .. } | Version { .. } | Lost { .. } | Displaced { .. })
     }
 
     /// What has happened, wherever that was.

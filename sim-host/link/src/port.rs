@@ -6,6 +6,7 @@ mod simulated;
 mod stream;
 mod tcp;
 
+use std::hash::{BuildHasher, Hasher, RandomState};
 use std::io;
 use std::time::{Duration, Instant};
 
@@ -35,10 +36,19 @@ pub trait Port {
     /// Opens it again after it was lost.
     fn reopen(&mut self) -> Result<(), LinkError>;
 
+    /// A number for the session that a client is about to begin, by which it knows the answer to its own request. Where others may be at the same board it
+    /// is drawn by [`chance`]; at a board in this process it depends on the board's time alone, so that a dialogue is the same each time.
+    fn nonce(&mut self) -> u32;
+
     /// Whether the board's time stands still while the client does something else.
     fn stands_still(&self) -> bool {
         false
     }
+}
+
+/// A number that no other program draws, but by chance: from the operating system.
+pub fn chance() -> u32 {
+    RandomState::new().build_hasher().finish() as u32
 }
 
 impl<P: Port + ?Sized> Port for Box<P> {
@@ -60,6 +70,10 @@ impl<P: Port + ?Sized> Port for Box<P> {
 
     fn reopen(&mut self) -> Result<(), LinkError> {
         (**self).reopen()
+    }
+
+    fn nonce(&mut self) -> u32 {
+        (**self).nonce()
     }
 
     fn stands_still(&self) -> bool {

@@ -63,7 +63,7 @@ mod tests {
     #[test]
     fn a_frame_tells_its_version_whatever_it_says() {
         let mut raw = RawFrame::default();
-        let frame = encode(300, Command::Identify).unwrap();
+        let frame = encode(300, 0, Command::Identify(7)).unwrap();
         let versions: Vec<u8> = frame.iter().filter_map(|&byte| raw.take(byte)).collect();
         assert_eq!(versions, [VERSION]);
         // A version of nothing is stuffed as a one.

@@ -26,6 +26,7 @@ pub fn name(refusal: Refusal) -> &'static str {
         Refusal::NoBeltScale => "no_belt_scale",
         Refusal::LimitsUnsure => "limits_unsure",
         Refusal::DoesNotBuild(_) => "does_not_build",
+        Refusal::Session => "session",
     }
 }
 
@@ -71,6 +72,10 @@ fn words(refusal: Refusal) -> (&'static str, &'static str) {
         Refusal::DoesNotBuild(_) => (
             "the set values do not fit together",
             "`settings get` shows them; a drive, for one, must be within `limits.voltage_v`",
+        ),
+        Refusal::Session => (
+            "it is of another session: another client has connected since, or the board was reset",
+            "End the other client, or see by `fault log` what has reset the board; then connect again",
         ),
     }
 }

@@ -17,8 +17,8 @@ pub(super) struct Captures<'a> {
     memory: Option<&'static mut Memory>,
     /// What it is full of, and where the first sample stands in it.
     full: Option<(CaptureReport, usize)>,
-    /// What waits for an answer, with the number of its frame.
-    asked: Option<(u16, CaptureVerb)>,
+    /// What waits for an answer, with the number of its frame and its session.
+    asked: Option<(u16, u32, CaptureVerb)>,
 }
 
 impl<'a> Captures<'a> {
@@ -33,7 +33,7 @@ impl<'a> Captures<'a> {
     }
 
     /// Obeys a command; `None` where its answer comes with a later block.
-    pub(super) fn obey(&mut self, sequence: u16, verb: CaptureVerb) -> Option<Reply> {
+    pub(super) fn obey(&mut self, sequence: u16, session: u32, verb: CaptureVerb) -> Option<Reply> {
         let here = self.memory.is_some();
         let wish = match verb {
             _ if self.asked.is_some() || !self.requests.ready() => return Some(Reply::Nak(Refusal::Busy)),
@@ -51,16 +51,16 @@ impl<'a> Captures<'a> {
             CaptureVerb::State | CaptureVerb::Read(_) => CaptureRequest::Look,
             CaptureVerb::Disarm => CaptureRequest::Stop,
         };
-        self.asked = Some((sequence, verb));
+        self.asked = Some((sequence, session, verb));
         // There is room: the last one was answered.
         let _ = self.requests.enqueue(wish);
         None
     }
 
-    /// The answer to an earlier command, with the number of its frame, once it has come.
-    pub(super) fn answer(&mut self) -> Option<(u16, Reply)> {
+    /// The answer to an earlier command, with the number of its frame and its session, once it has come.
+    pub(super) fn answer(&mut self) -> Option<(u16, u32, Reply)> {
         let answer = self.replies.dequeue()?;
-        let (sequence, verb) = self.asked.take()?;
+        let (sequence, session, verb) = self.asked.take()?;
         let reply = match answer {
             CaptureReply::Records => Reply::Ack,
             CaptureReply::Not(report) if verb == CaptureVerb::State => Reply::Capture(report),
@@ -77,7 +77,7 @@ impl<'a> Captures<'a> {
                 }
             }
         };
-        Some((sequence, reply))
+        Some((sequence, session, reply))
     }
 
     fn is_possible(&self, arm: Arm) -> bool {

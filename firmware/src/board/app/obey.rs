@@ -6,7 +6,7 @@ use embedded_storage::nor_flash::NorFlash;
 
 use super::{App, AppError, Watchdog};
 use crate::board::command::{Command, Identity, Reply};
-use crate::board::link::{self, Frame, FrameError};
+use crate::board::link::{self, Frame, FrameError, NO_SESSION};
 use crate::seam::block::Orders;
 use crate::seam::refusal::Refusal;
 
@@ -27,28 +27,38 @@ where
                 break;
             }
             if let Some(frame) = self.receiver.take::<Command>(byte[0]) {
-                let (sequence, reply) = match frame {
-                    Ok(frame) => (frame.sequence, self.obey(&frame)),
-                    Err(FrameError::Version(sequence)) => (sequence, Some(Reply::Nak(Refusal::Version))),
-                    Err(FrameError::Unknown(sequence)) => (sequence, Some(Reply::Nak(Refusal::Unknown))),
-                    Err(FrameError::TooLong | FrameError::Damaged) => (0, Some(Reply::Nak(Refusal::Damaged))),
+                let nak = |refusal| Some(Reply::Nak(refusal));
+                let (sequence, session, reply) = match frame {
+                    Ok(Frame { sequence, body: Command::Identify(nonce), .. }) => (sequence, nonce, Some(self.identify(nonce))),
+                    Ok(frame) if self.session.admits(frame.session) => (frame.sequence, frame.session, self.obey(&frame)),
+                    Err(FrameError::Unknown(sequence, session)) if self.session.admits(session) => {
+                        (sequence, session, nak(Refusal::Unknown))
+                    }
+                    Ok(Frame { sequence, session, .. }) | Err(FrameError::Unknown(sequence, session)) => {
+                        (sequence, session, nak(Refusal::Session))
+                    }
+                    Err(FrameError::Version(sequence)) => (sequence, NO_SESSION, nak(Refusal::Version)),
+                    Err(FrameError::TooLong | FrameError::Damaged) => (0, NO_SESSION, nak(Refusal::Damaged)),
                 };
                 if let Some(reply) = reply {
-                    self.outbox.send(sequence, reply);
+                    self.outbox.send(sequence, session, reply);
                 }
             }
         }
         Ok(())
     }
 
-    /// Obeys a command; `None` where its answer comes later.
+    /// Says who this is, in a session of its own. Whether its host is there is shown by what it says next: this may be an old frame.
+    fn identify(&mut self, nonce: u32) -> Reply {
+        let session = self.session.begin(nonce, self.block());
+        Reply::Identity(Identity { protocol: link::VERSION, firmware: firmware_version(), converters: self.converters, session })
+    }
+
+    /// Obeys a command of the present session; `None` where its answer comes later.
     fn obey(&mut self, frame: &Frame<Command>) -> Option<Reply> {
         self.host.update(self.block());
         self.obeyed = true;
         Some(match frame.body {
-            Command::Identify => {
-                Reply::Identity(Identity { protocol: link::VERSION, firmware: firmware_version(), converters: self.converters })
-            }
             Command::TelemetryEvery(blocks) => {
                 self.telemetry_every = blocks;
                 // The first is due at once.
@@ -68,7 +78,7 @@ where
                 self.resetting = true;
                 Reply::Ack
             }
-            Command::Capture(verb) => return self.captures.obey(frame.sequence, verb),
+            Command::Capture(verb) => return self.captures.obey(frame.sequence, frame.session, verb),
             Command::Friction(Some(_)) if !self.switches_friction => Reply::Nak(Refusal::NotConfigured),
             Command::Occupant(Some(_)) if !self.restrains => Reply::Nak(Refusal::NotConfigured),
             Command::Run | Command::Scan | Command::Calibrate if self.limits_unsure => Reply::Nak(Refusal::LimitsUnsure),
@@ -91,9 +101,9 @@ where
     /// Sends what the recorder has answered, once there is room.
     pub(super) fn answer_capture(&mut self) {
         if self.outbox.has_room()
-            && let Some((sequence, reply)) = self.captures.answer()
+            && let Some((sequence, session, reply)) = self.captures.answer()
         {
-            self.outbox.send(sequence, reply);
+            self.outbox.send(sequence, session, reply);
         }
     }
 }

@@ -27,9 +27,9 @@ impl Outbox {
     }
 
     /// Puts in a frame, for which there is room.
-    pub(super) fn send(&mut self, sequence: u16, reply: Reply) {
+    pub(super) fn send(&mut self, sequence: u16, session: u32, reply: Reply) {
         // The largest reply fits into a frame: tested with the link.
-        if let Ok(frame) = link::encode(sequence, reply) {
+        if let Ok(frame) = link::encode(sequence, session, reply) {
             self.bytes.extend(frame);
         }
     }

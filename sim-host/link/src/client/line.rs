@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
 use firmware::board::command::Reply;
-use firmware::board::link::{Frame, FrameError, Receiver};
+use firmware::board::link::{Frame, FrameError, NO_SESSION, Receiver};
 use firmware::seam::telemetry::Telemetry;
 
 use crate::link_error::LinkError;
@@ -29,6 +29,8 @@ pub(super) struct Line {
     /// Bytes that have come and have not been looked at.
     came: VecDeque<u8>,
     pub(super) telemetry: VecDeque<(u16, Telemetry)>,
+    /// The session of this client; none before the board has given one.
+    pub(super) session: u32,
     pub(super) counts: Counts,
     pub(super) stop: &'static AtomicBool,
     note: fn(&str),
@@ -43,7 +45,7 @@ pub struct Counts {
     pub repeated: u32,
     /// Frames that came damaged.
     pub damaged: u32,
-    /// Answers to what is not asked any more.
+    /// Answers to what is not asked any more, and what is of another session.
     pub late: u32,
     /// Times that the port was opened again.
     pub reopened: u32,
@@ -70,6 +72,7 @@ impl Line {
             raw: RawFrame::default(),
             came,
             telemetry,
+            session: NO_SESSION,
             counts: Counts::default(),
             stop,
             note,
@@ -106,6 +109,12 @@ impl Line {
             version = self.raw.take(byte).or(version);
             match self.receiver.take::<Reply>(byte) {
                 None => {}
+                // What an earlier client has left unread, or what another one has asked for since.
+                Some(Ok(Frame { session, body: Reply::Telemetry(_), .. }))
+                    if self.session != NO_SESSION && session != self.session =>
+                {
+                    self.counts.late += 1;
+                }
                 Some(Ok(Frame { sequence, body: Reply::Telemetry(telemetry), .. })) => {
                     self.telemetry.drain(..(self.telemetry.len() + 1).saturating_sub(MOST_REPORTS));
                     self.telemetry.push_back((sequence, telemetry));
@@ -117,7 +126,7 @@ impl Line {
                     self.counts.damaged += 1;
                     return Ok(Some(Came::Damage));
                 }
-                Some(Err(FrameError::Unknown(_))) => {
+                Some(Err(FrameError::Unknown(..))) => {
                     self.counts.damaged += 1;
                     (self.note)("the board says something that this program does not know: is it newer?");
                     return Ok(Some(Came::Damage));

@@ -1,22 +1,18 @@
 //! `identify`: asks the board for its identity.
 
-use firmware::board::command::{Command, Identity, Reply};
+use firmware::board::command::Identity;
 
 use crate::answer::{Answer, quantity};
-use crate::client::unexpected;
 use crate::link_error::LinkError;
 use crate::session::Session;
 
 /// Asks the board for its identity once more, and measures the round trip.
 pub fn run(session: &mut Session) -> Result<Answer, LinkError> {
     let began = session.client.now();
-    let identity = match session.client.ask(Command::Identify)? {
-        Reply::Identity(identity) => identity,
-        reply => return Err(unexpected("identify", &reply)),
-    };
+    let identity = session.client.identify()?;
     let round_trip_ms = 1e3 * (session.client.now() - began).as_secs_f64();
     session.identity = identity;
-    let Identity { protocol, firmware: [major, minor, patch], converters } = identity;
+    let Identity { protocol, firmware: [major, minor, patch], converters, .. } = identity;
     let counts = session.client.counts();
     let version = format!("{major}.{minor}.{patch}");
     Ok(Answer::to("identify")

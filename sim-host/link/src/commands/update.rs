@@ -155,6 +155,8 @@ fn checked(session: &mut Session) -> Result<UpdateReport, LinkError> {
     while report.state == UpdateState::Checking {
         match ask(UpdateVerb::Report, session) {
             Ok(next) => report = next,
+            // Another session does not become this one again.
+            Err(error @ LinkError::Displaced { .. }) => return Err(error),
             Err(error) if error.is_lost() && session.client.now() < until => {}
             Err(error) => return Err(error),
         }

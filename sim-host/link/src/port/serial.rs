@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 use serialport::{ClearBuffer, ErrorKind, SerialPort};
 
 use super::listed::sentence;
-use super::{Port, within};
+use super::{Port, chance, within};
 use crate::link_error::LinkError;
 
 /// Bits a second of the board's UART.
@@ -78,6 +78,10 @@ impl Port for Serial {
     fn reopen(&mut self) -> Result<(), LinkError> {
         self.device = device(&self.name)?;
         Ok(())
+    }
+
+    fn nonce(&mut self) -> u32 {
+        chance()
     }
 }
 

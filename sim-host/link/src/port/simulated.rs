@@ -89,6 +89,10 @@ impl<B: InProcess> Port for Simulated<B> {
         Ok(())
     }
 
+    fn nonce(&mut self) -> u32 {
+        self.now().as_nanos() as u32
+    }
+
     fn stands_still(&self) -> bool {
         true
     }

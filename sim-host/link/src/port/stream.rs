@@ -3,7 +3,7 @@
 use std::io::{self, Read, Write};
 use std::time::{Duration, Instant};
 
-use super::{Port, within};
+use super::{Port, chance, within};
 use crate::link_error::LinkError;
 
 /// A stream of bytes whose reads come back soon: with `TimedOut` or `WouldBlock` where nothing has come, and with nothing at its end.
@@ -41,5 +41,9 @@ impl<S: Read + Write> Port for Stream<S> {
 
     fn reopen(&mut self) -> Result<(), LinkError> {
         Err(LinkError::Lost { port: self.name.clone(), why: "it cannot be opened again".into() })
+    }
+
+    fn nonce(&mut self) -> u32 {
+        chance()
     }
 }

@@ -4,7 +4,7 @@ use std::io::{self, Read, Write};
 use std::net::{TcpStream, ToSocketAddrs};
 use std::time::{Duration, Instant};
 
-use super::{Port, ended, is_timeout};
+use super::{Port, chance, ended, is_timeout};
 use crate::link_error::LinkError;
 
 /// How long a host may take to accept.
@@ -75,6 +75,10 @@ impl Port for Tcp {
     fn reopen(&mut self) -> Result<(), LinkError> {
         self.stream = stream(&self.name, &self.address)?;
         Ok(())
+    }
+
+    fn nonce(&mut self) -> u32 {
+        chance()
     }
 }
 

@@ -97,7 +97,7 @@ fn a_cut_while_the_image_receives_and_marks_an_update_leaves_the_old_image_or_a_
     // The first chunk: the erase of its page, and its words.
     let mut receiving = board.borrow().clone();
     let chunk = core::array::from_fn(|row| core::array::from_fn(|n| file[32 * row + n]));
-    receiving.send(&encode(900, Command::Update(UpdateVerb::Write(0, chunk))).expect("it fits"));
+    receiving.send(&encode(900, client.session(), Command::Update(UpdateVerb::Write(0, chunk))).expect("it fits"));
     let within = |board: &Board, time: u64| {
         let until = board.now() + Duration::from_millis(time);
         move |board: &Board| board.now() >= until
@@ -110,7 +110,7 @@ fn a_cut_while_the_image_receives_and_marks_an_update_leaves_the_old_image_or_a_
     while report(&mut client).state == UpdateState::Checking {}
     assert_eq!(report(&mut client).state, UpdateState::Complete);
     let mut marking = board.borrow().clone();
-    marking.send(&encode(901, Command::Update(UpdateVerb::Install)).expect("it fits"));
+    marking.send(&encode(901, client.session(), Command::Update(UpdateVerb::Install)).expect("it fits"));
     let found = operations(marking.clone(), STEP, within(&marking, 60));
     assert_eq!(erases(&found), [false, true, true, false]);
     // The image of this update hangs: where it was marked, it is swapped in and back again.

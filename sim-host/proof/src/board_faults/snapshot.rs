@@ -14,6 +14,7 @@ use firmware::seam::fault::Fault;
 use firmware::seam::mode::Mode;
 use firmware::seam::telemetry::Telemetry;
 use link::client::Client;
+use link::link_error::LinkError;
 use link::port::{InProcess, Simulated};
 use stm32g474::{Rule, Verdict};
 
@@ -136,11 +137,17 @@ impl Host {
         Ok(self.board.borrow_mut().board.run_for(time)?)
     }
 
-    /// Asks, and waits for an answer for so long.
+    /// Asks, and waits for an answer for so long; in another session where the board was reset.
     pub fn ask(&mut self, command: Command, within: Duration) -> Result<Reply, CampaignError> {
         let until = self.now() + within;
         self.board.borrow_mut().until = until;
-        Ok(self.client.ask(command)?)
+        match self.client.ask(command) {
+            Err(LinkError::Displaced { .. }) => {
+                self.client.connect()?;
+                Ok(self.client.ask(command)?)
+            }
+            answer => Ok(answer?),
+        }
     }
 
     /// The board.

@@ -121,15 +121,19 @@ pub fn prepared(images: &FieldImages, phase: Phase) -> Result<(Board, Vec<FlashO
             let mut client = client_of(board);
             client.1.connect()?;
             client.1.ask(Command::Update(UpdateVerb::Begin(images.new.len() as u32)))?;
+            let session = client.1.session();
             board = released(client);
             let write = UpdateVerb::Write(0, rows(&images.new[..CHUNK]));
-            board.send(&encode(900, Command::Update(write)).map_err(|_| CampaignError::NotThere("a frame"))?);
+            board.send(&encode(900, session, Command::Update(write)).map_err(|_| CampaignError::NotThere("a frame"))?);
             Some(Duration::from_millis(30))
         }
         Phase::Marking => {
             started(&mut board)?;
-            board = complete(board, images)?;
-            board.send(&encode(901, Command::Update(UpdateVerb::Install)).map_err(|_| CampaignError::NotThere("a frame"))?);
+            let session;
+            (board, session) = complete(board, images)?;
+            board.send(
+                &encode(901, session, Command::Update(UpdateVerb::Install)).map_err(|_| CampaignError::NotThere("a frame"))?,
+            );
             Some(Duration::from_millis(60))
         }
         Phase::Confirming => {
@@ -210,8 +214,8 @@ fn rows(piece: &[u8]) -> [[u8; 32]; CHUNK / 32] {
     core::array::from_fn(|row| core::array::from_fn(|n| piece.get(32 * row + n).copied().unwrap_or(0xff)))
 }
 
-/// The board with an update that is received and checked.
-fn complete(board: Board, images: &FieldImages) -> Result<Board, CampaignError> {
+/// The board with an update that is received and checked, and the session of the host that has sent it.
+fn complete(board: Board, images: &FieldImages) -> Result<(Board, u32), CampaignError> {
     let mut client = client_of(board);
     client.1.connect()?;
     client.1.ask(Command::Update(UpdateVerb::Begin(images.new.len() as u32)))?;
@@ -222,7 +226,10 @@ fn complete(board: Board, images: &FieldImages) -> Result<Board, CampaignError> 
     let until = client.1.now() + STARTS_WITHIN;
     loop {
         match report(&mut client.1)?.state {
-            UpdateState::Complete => return Ok(released(client)),
+            UpdateState::Complete => {
+                let session = client.1.session();
+                return Ok((released(client), session));
+            }
             UpdateState::Checking if client.1.now() < until => {}
             _ => return Err(CampaignError::NotThere("an update that is checked")),
         }

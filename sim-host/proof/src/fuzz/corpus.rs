@@ -10,7 +10,8 @@ macro_rules! folder {
 /// A name, and a text.
 pub(super) type File = (&'static str, &'static str);
 
-/// Traffic to the board, as hexadecimal digits: after a plus a frame that an honest host sends, after a minus anything else; one line before each 200 blocks.
+/// Traffic to the board, as hexadecimal digits: after a plus a frame that an honest host sends, after a minus anything else; one line before each 200 blocks. The frames
+/// have the session that a board gives the host of a bench before its first block.
 pub(super) const LINK: &[File] = folder!["link/boundaries.txt", "link/drive-and-store.txt"];
 /// Scenes, which are also mutated.
 pub(super) const SCENES: &[File] = folder!["scenes/deep.toml", "scenes/empty-tables.toml", "scenes/huge-numbers.toml"];

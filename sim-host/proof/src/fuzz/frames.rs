@@ -4,7 +4,7 @@ use std::collections::HashSet;
 
 use firmware::board::capture::{Arm, CaptureVerb, Trigger};
 use firmware::board::command::{Command, Verb};
-use firmware::board::link::{MAX_FRAME, VERSION, encode};
+use firmware::board::link::{MAX_FRAME, NO_SESSION, VERSION, encode};
 use firmware::board::parameters::PARAMETERS;
 use firmware::board::update::UpdateVerb;
 use firmware::seam::block::{Amplitude, Gate, Target};
@@ -16,6 +16,8 @@ use hal_mock::chance::Chance;
 const BUSY: u64 = 40;
 /// Pieces of traffic that are alike in that.
 const PHASE: u64 = 60;
+/// Version, a sequence number up to 127, and the session, bytes.
+const HEADER: usize = 6;
 /// The longest flood without a frame, bytes.
 const FLOOD: u64 = 4000;
 
@@ -24,12 +26,14 @@ const FLOOD: u64 = 4000;
 pub(super) struct Traffic {
     pub(super) sent: Vec<Vec<u8>>,
     pub(super) honest: HashSet<Vec<u8>>,
+    /// The session of the honest frames.
+    session: u32,
 }
 
 impl Traffic {
-    /// At least so many bytes.
-    pub(super) fn of(chance: &mut Chance, bytes: usize) -> Self {
-        let (mut traffic, mut sequence, mut count) = (Traffic::default(), chance.below(1 << 16) as u16, 0);
+    /// At least so many bytes, for a board that is in this session.
+    pub(super) fn of(chance: &mut Chance, bytes: usize, session: u32) -> Self {
+        let (mut traffic, mut sequence, mut count) = (Traffic { session, ..Traffic::default() }, chance.below(1 << 16) as u16, 0);
         let mut frames = 1;
         while count < bytes {
             if (traffic.sent.len() as u64).is_multiple_of(PHASE) {
@@ -49,12 +53,12 @@ impl Traffic {
     fn frame(&mut self, chance: &mut Chance, sequence: &mut u16, piece: &mut Vec<u8>) {
         let mut next = |chance: &mut Chance| {
             *sequence = sequence.wrapping_add(1);
-            let frame = encode(*sequence, honest(chance)).unwrap_or_default().to_vec();
+            let frame = encode(*sequence, self.session, of_session(chance)).unwrap_or_default().to_vec();
             self.honest.insert(frame.clone());
             frame
         };
         let one = next(chance);
-        piece.extend(match chance.below(14) {
+        piece.extend(match chance.below(15) {
             0..4 => one,
             // Twice; after its successor.
             4 => [&one[..], &one].concat(),
@@ -70,16 +74,22 @@ impl Traffic {
                 [&one[..head as usize], &other[tail as usize..]].concat()
             }
             // Whole, with a checksum that is right, of another version or of no meaning.
-            10 => meaningless(chance),
+            10 => meaningless(chance, self.session),
             // Whole, and with something behind its body.
             11 => {
                 let more: Vec<u8> = (0..=chance.below(4)).map(|_| chance.byte()).collect();
-                framed(VERSION, chance.byte() & 0x7F, &[&body(chance)[..], &more].concat())
+                framed(VERSION, chance.byte() & 0x7F, self.session, &[&body(chance)[..], &more].concat())
             }
             // As long as a frame can be, and a little longer.
             12 => {
                 let length = MAX_FRAME as u64 - 8 + chance.below(12);
                 (0..length).map(|_| chance.byte().max(1)).chain([0]).collect()
+            }
+            // Whole, and of another session, or of none.
+            13 => {
+                let session =
+                    [self.session ^ (1 << chance.below(32)), chance.below(1 << 32) as u32, NO_SESSION][chance.below(3) as usize];
+                encode(*sequence, session, of_session(chance)).unwrap_or_default().to_vec()
             }
             _ => {
                 let most = if chance.strikes(0.05) { FLOOD } else { 100 };
@@ -126,28 +136,28 @@ fn longer_or_shorter(chance: &mut Chance, mut bytes: Vec<u8>) -> Vec<u8> {
 }
 
 /// A whole frame that says nothing: of another version, of no known command, or with a body that ends too early.
-fn meaningless(chance: &mut Chance) -> Vec<u8> {
+fn meaningless(chance: &mut Chance, session: u32) -> Vec<u8> {
     let sequence = chance.byte() & 0x7F;
     match chance.below(3) {
-        0 => framed([0, 1, 3, 255][chance.below(4) as usize], sequence, &body(chance)),
+        0 => framed([0, 1, 2, 255][chance.below(4) as usize], sequence, session, &body(chance)),
         1 => {
             let mut unknown: Vec<u8> = (0..chance.below(60)).map(|_| chance.byte()).collect();
             unknown.insert(0, 60 + chance.below(60) as u8);
-            framed(VERSION, sequence, &unknown)
+            framed(VERSION, sequence, session, &unknown)
         }
         _ => {
             let body = body(chance);
-            framed(VERSION, sequence, &body[..body.len() - 1])
+            framed(VERSION, sequence, session, &body[..body.len() - 1])
         }
     }
 }
 
 /// The body of an honest frame.
 fn body(chance: &mut Chance) -> Vec<u8> {
-    let frame = encode(1, honest(chance)).unwrap_or_default();
+    let frame = encode(1, NO_SESSION, of_session(chance)).unwrap_or_default();
     let plain = unstuffed(&frame);
-    // Behind version and sequence number, before the checksum.
-    plain[2..plain.len() - 4].to_vec()
+    // Behind the header, before the checksum.
+    plain[HEADER..plain.len() - 4].to_vec()
 }
 
 /// The bytes of a frame before they were stuffed: a code says how many of them follow it, and stands for the zero behind those.
@@ -165,8 +175,8 @@ fn unstuffed(frame: &[u8]) -> Vec<u8> {
 }
 
 /// A frame of these bytes with a checksum that is right. It is written here again, so that it does not share its mistakes.
-pub(super) fn framed(version: u8, sequence: u8, body: &[u8]) -> Vec<u8> {
-    let mut plain = [&[version, sequence], body].concat();
+pub(super) fn framed(version: u8, sequence: u8, session: u32, body: &[u8]) -> Vec<u8> {
+    let mut plain = [&[version, sequence], &session.to_le_bytes()[..], body].concat();
     let checksum = plain
         .iter()
         .fold(u32::MAX, |sum, &byte| (0..8).fold(sum ^ u32::from(byte), |sum, _| (sum >> 1) ^ ((sum & 1) * 0x82F6_3B78)));
@@ -224,6 +234,16 @@ pub(super) fn key(chance: &mut Chance) -> u8 {
     }
 }
 
+/// Something that an honest host may say in its session.
+fn of_session(chance: &mut Chance) -> Command {
+    loop {
+        let command = honest(chance);
+        if !matches!(command, Command::Identify(_)) {
+            return command;
+        }
+    }
+}
+
 /// Something that an honest host may say; often enough that it drives.
 pub(super) fn honest(chance: &mut Chance) -> Command {
     let some = chance.strikes(0.8);
@@ -268,7 +288,7 @@ pub(super) fn honest(chance: &mut Chance) -> Command {
             3 => UpdateVerb::Install,
             _ => UpdateVerb::Write(chance.below(1 << 20) as u32, std::array::from_fn(|_| [chance.byte(); 32])),
         }),
-        _ => Command::Identify,
+        _ => Command::Identify(chance.below(1 << 32) as u32),
     }
 }
 
@@ -280,9 +300,10 @@ mod tests {
     fn what_is_framed_here_is_what_the_board_frames() {
         let mut chance = Chance::new(1);
         for _ in 0..2000 {
-            let frame = encode(1, honest(&mut chance)).unwrap();
+            let session = chance.below(1 << 32) as u32;
+            let frame = encode(1, session, honest(&mut chance)).unwrap();
             let plain = unstuffed(&frame);
-            assert_eq!(framed(VERSION, 1, &plain[2..plain.len() - 4]), frame[..]);
+            assert_eq!(framed(VERSION, 1, session, &plain[HEADER..plain.len() - 4]), frame[..]);
         }
     }
 }

@@ -1,10 +1,10 @@
-//! The link: whatever comes over it, the board does what the honest frames say, and nothing else.
+//! The link: whatever comes over it, the board does what the honest frames of its session say, and nothing else.
 //!
 //! Two boards are fed, one by all bytes and one by the honest frames alone: converters, answers, enable pin, flash and resets must be the same to the
 //! last bit. Both go through several lives: what one has stored the next is started with.
 
 use firmware::board::command::Reply;
-use firmware::board::link::encode;
+use firmware::board::link::{NO_SESSION, encode};
 use firmware::seam::refusal::Refusal;
 use hal_mock::bench::{Bench, Queues, Setup};
 use hal_mock::chance::Chance;
@@ -38,9 +38,16 @@ fn feed(seed: u64, seen: &mut Seen) -> Result<(), String> {
     let mut setup = Setup::default();
     setup.config.lanes = [1, 2, 4][chance.below(3) as usize];
     setup.config.link.patience_s = [0.0, 0.01, 1.0][chance.below(3) as usize];
-    let traffic = Traffic::of(&mut chance, BYTES);
+    let traffic = Traffic::of(&mut chance, BYTES, session(&setup)?);
     let lulls: Vec<u64> = traffic.sent.iter().map(|_| if chance.strikes(0.02) { LULL } else { 1 }).collect();
     judge(&setup, &traffic, &lulls, seen)
+}
+
+/// The session that a board gives the host of a bench before its first block: the same in each of its lives, and on each board.
+fn session(setup: &Setup) -> Result<u32, String> {
+    let mut queues = Queues::default();
+    let bench = Bench::new(&mut queues, setup, LoopBack::of(&setup.config));
+    Ok(bench.map_err(|error| format!("the board does not start: {error}"))?.connect())
 }
 
 /// Each of the corpus: lines of hexadecimal digits, honest frames after a plus.
@@ -71,7 +78,7 @@ fn judge(setup: &Setup, traffic: &Traffic, lulls: &[u64], seen: &mut Seen) -> Re
         let honest = traffic.purged(sent);
         let (with, without) = (live(setup, with, sent, lulls, Some(&mut *seen))?, live(setup, without, &honest, lulls, None)?);
         if without.refused > 0 {
-            return Err(format!("{} honest frames are refused as damaged", without.refused));
+            return Err(format!("{} honest frames are refused as damaged or of another session", without.refused));
         }
         if with.life != without.life {
             return Err(differ(&with.life, &without.life));
@@ -107,6 +114,8 @@ fn live(setup: &Setup, flash: Flash, sent: &[Vec<u8>], lulls: &[u64], mut seen: 
     let mut queues = Queues::default();
     let load = Tracer::new(LoopBack::of(&setup.config), 1);
     let mut bench = Bench::new(&mut queues, &setup, load).map_err(|error| format!("the board does not start: {error}"))?;
+    bench.connect();
+    bench.host.forget();
     let mut enabled = Vec::new();
     let mid_code = setup.config.front_end.drive_mid_code;
     for (bytes, &blocks) in sent.iter().zip(lulls) {
@@ -135,7 +144,8 @@ fn live(setup: &Setup, flash: Flash, sent: &[Vec<u8>], lulls: &[u64], mut seen: 
     if !bench.host.spoiled().is_empty() || !bench.errors().is_empty() || bench.watchdog.bitten().is_some() {
         return Err(format!("{:?}, {:?}, {:?}", bench.host.spoiled(), bench.errors(), bench.watchdog.bitten()));
     }
-    let of_frames = |reply: &Reply| matches!(reply, Reply::Nak(Refusal::Damaged | Refusal::Version | Refusal::Unknown));
+    let of_frames =
+        |reply: &Reply| matches!(reply, Reply::Nak(Refusal::Damaged | Refusal::Version | Refusal::Unknown | Refusal::Session));
     let (mut answers, mut refused) = (Vec::new(), 0);
     for (sequence, reply) in bench.host.answers() {
         if let Some(seen) = &mut seen {
@@ -144,7 +154,7 @@ fn live(setup: &Setup, flash: Flash, sent: &[Vec<u8>], lulls: &[u64], mut seen: 
         if of_frames(reply) {
             refused += 1;
         } else {
-            answers.push(encode(sequence, reply).map_err(|error| format!("{error:?}"))?.to_vec());
+            answers.push(encode(sequence, NO_SESSION, reply).map_err(|error| format!("{error:?}"))?.to_vec());
         }
     }
     let (hash, resets) = (bench.analog().hash(), bench.watchdog.resets());

@@ -28,7 +28,9 @@ fn feed(seed: u64, seen: &mut Seen) -> Result<(), String> {
     for _ in 0..FRAMES {
         let pick = chance.below(1 << 20) as usize;
         let reply = WHOLE.with_borrow(|whole| whole[pick % whole.len()]);
-        let whole = encode(chance.below(1 << 16) as u16, reply).map_err(|error| format!("{error:?}"))?.to_vec();
+        let whole = encode(chance.below(1 << 16) as u16, chance.below(1 << 32) as u32, reply)
+            .map_err(|error| format!("{error:?}"))?
+            .to_vec();
         let mut bytes = whole.clone();
         match chance.below(4) {
             0 => {}
@@ -37,7 +39,10 @@ fn feed(seed: u64, seen: &mut Seen) -> Result<(), String> {
                 bytes[at] ^= 1 << chance.below(8);
             }
             // A right checksum over any bytes, which may say anything.
-            2 => bytes = framed(VERSION, 1, &(0..chance.below(MAX_FRAME as u64 - 10)).map(|_| chance.byte()).collect::<Vec<_>>()),
+            2 => {
+                bytes =
+                    framed(VERSION, 1, 7, &(0..chance.below(MAX_FRAME as u64 - 14)).map(|_| chance.byte()).collect::<Vec<_>>())
+            }
             _ => bytes = (0..chance.below(400)).map(|_| chance.byte()).chain([0]).collect(),
         }
         seen.input(bytes.len());
@@ -50,7 +55,7 @@ fn feed(seed: u64, seen: &mut Seen) -> Result<(), String> {
                     Err(FrameError::TooLong) => "too long",
                     Err(FrameError::Damaged) => "damaged",
                     Err(FrameError::Version(_)) => "another version",
-                    Err(FrameError::Unknown(_)) => "unknown",
+                    Err(FrameError::Unknown(..)) => "unknown",
                 });
                 last = Some(frame);
             }
@@ -59,8 +64,7 @@ fn feed(seed: u64, seen: &mut Seen) -> Result<(), String> {
             return Err("nothing to show of what came".into());
         }
         // What is as it was sent is understood, whatever came before it.
-        let understood =
-            matches!(&last, Some(Ok(frame)) if encode(frame.sequence, frame.body).is_ok_and(|again| again == whole[..]));
+        let understood = matches!(&last, Some(Ok(frame)) if encode(frame.sequence, frame.session, frame.body).is_ok_and(|again| again == whole[..]));
         if (bytes == whole) != understood {
             return Err(format!("{bytes:02x?} is understood as {last:?}"));
         }

@@ -10,9 +10,10 @@
 
 use ::link::simulated_board::SimulatedBoard;
 use firmware::board::command::{Command, Reply};
-use firmware::board::link::{Frame, Receiver, encode};
+use firmware::board::link::{Frame, NO_SESSION, Receiver, encode};
 use firmware::board::start::Start;
 use firmware::seam::mode::Mode;
+use firmware::seam::refusal::Refusal;
 use firmware::seam::telemetry::Telemetry;
 use hal_mock::chance::Chance;
 use hal_mock::fault_injector::FaultKind;
@@ -100,6 +101,8 @@ struct Soaked {
     board: SimulatedBoard,
     receiver: Receiver,
     sequence: u16,
+    /// The session at the board; none before it has answered, and once it has refused a frame of it: after a reset.
+    session: u32,
     limit_codes: u16,
     mid_code: u16,
     latest: Option<Telemetry>,
@@ -117,14 +120,26 @@ fn feed(seed: u64, seen: &mut Seen) -> Result<(), String> {
     let limit_codes = (limits.voltage_v / front_end.drive_volt_per_lsb).min(f32::from(u16::MAX) - 1.0) as u16 + 1;
     let mid_code = front_end.drive_mid_code;
     let samples = u64::from(board.config().block_samples);
-    let mut soaked =
-        Soaked { board, receiver: Receiver::default(), sequence: 0, limit_codes, mid_code, latest: None, said: Vec::new() };
+    let mut soaked = Soaked {
+        board,
+        receiver: Receiver::default(),
+        sequence: 0,
+        session: NO_SESSION,
+        limit_codes,
+        mid_code,
+        latest: None,
+        said: Vec::new(),
+    };
     let with_belt = soaked.board.config().front_end.metre_per_count.is_some();
     let faults = if with_belt { [&FAULTS[..], &OF_BELT].concat() } else { FAULTS.to_vec() };
     for _ in 0..SAMPLES / samples {
         if chance.strikes(ORDER) {
             seen.outcome("order");
-            let order = if chance.strikes(0.3) { Command::ClearFault } else { honest(&mut chance) };
+            let order = match soaked.session {
+                NO_SESSION => Command::Identify(chance.below(1 << 32) as u32),
+                _ if chance.strikes(0.3) => Command::ClearFault,
+                _ => honest(&mut chance),
+            };
             soaked.order(order, Some(&mut chance))?;
         }
         if chance.strikes(FAULT) {
@@ -145,7 +160,7 @@ impl Soaked {
     /// Sends an order, by chance with a bit turned.
     fn order(&mut self, command: Command, chance: Option<&mut Chance>) -> Result<(), String> {
         self.sequence = self.sequence.wrapping_add(1);
-        let mut frame = encode(self.sequence, command).map_err(|error| format!("{error:?}"))?;
+        let mut frame = encode(self.sequence, self.session, command).map_err(|error| format!("{error:?}"))?;
         if let Some(chance) = chance
             && chance.strikes(DAMAGE / ORDER)
         {
@@ -199,6 +214,11 @@ impl Soaked {
                 self.latest = Some(*report);
             }
             Reply::Faults(report) if report.last_run == Start::Watchdog => return Err("the watchdog has reset the board".into()),
+            Reply::Identity(identity) => self.session = identity.session,
+            Reply::Nak(Refusal::Session) if frame.session == self.session => {
+                seen.outcome("refused: Session");
+                self.session = NO_SESSION;
+            }
             Reply::Nak(refusal) => seen.outcome(&format!("refused: {refusal:?}")),
             _ => {}
         }
@@ -208,7 +228,11 @@ impl Soaked {
     /// Everything is mended: it falls silent by order, and then drives by order, whatever was before.
     fn in_the_end(&mut self, seen: &mut Seen) -> Result<(), String> {
         self.board.change_rig(|rig| FAULTS.iter().chain(&OF_BELT).for_each(|&kind| rig.inner.repair(kind)));
+        // What was ordered last has been answered, and a reset is over.
+        self.wait(0.02, seen)?;
         self.said.clear();
+        self.order(Command::Identify(1), None)?;
+        self.wait(0.02, seen)?;
         // What was set stands in the flash, and may not fit this plant; the reset is refused as long as it drives.
         for command in [Command::Idle, Command::Patience(0.0), Command::Idle, Command::ClearFault, Command::Faults(0)] {
             self.order(command, None)?;
@@ -247,7 +271,7 @@ mod tests {
         let (seen, failures) = TARGET.run(0..SCENES.len() as u64, None).unwrap();
         println!("{:#?}", seen.outcomes);
         assert!(failures.is_empty(), "{}", failures.join("\n"));
-        for reached in ["mode Run", "fault struck", "refused: Driving"] {
+        for reached in ["mode Run", "fault struck", "refused: Driving", "refused: Session"] {
             assert!(seen.outcomes.contains_key(reached), "{reached}: {:?}", seen.outcomes);
         }
     }

@@ -12,6 +12,7 @@ const REACHED: [(&str, &[&str]); 7] = [
             "refused: Damaged",
             "refused: Version",
             "refused: Unknown",
+            "refused: Session",
             "refused: Busy",
             "refused: Driving",
             "Captured",

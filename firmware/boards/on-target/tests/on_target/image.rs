@@ -143,14 +143,14 @@ mod tests {
     #[test]
     fn a_frame_comes_back_from_the_link_and_a_damaged_one_does_not() {
         let mut receiver = Receiver::default();
-        let mut sent = link::encode(300, Command::TelemetryEvery(7)).expect("it fits");
+        let mut sent = link::encode(300, 7, Command::TelemetryEvery(7)).expect("it fits");
         let mut take = |bytes: &[u8]| bytes.iter().filter_map(|&byte| receiver.take::<Command>(byte)).last();
-        let frame = Frame { version: link::VERSION, sequence: 300, body: Command::TelemetryEvery(7) };
+        let frame = Frame { version: link::VERSION, sequence: 300, session: 7, body: Command::TelemetryEvery(7) };
         assert_eq!(take(&sent), Some(Ok(frame)));
         sent[2] ^= 0x10;
         assert_eq!(take(&sent), Some(Err(FrameError::Damaged)));
         let mut receiver = Receiver::default();
-        let sent = link::encode(9, Reply::Ack).expect("it fits");
+        let sent = link::encode(9, 7, Reply::Ack).expect("it fits");
         let reply = sent.iter().filter_map(|&byte| receiver.take::<Reply>(byte)).last();
         assert!(matches!(reply, Some(Ok(Frame { body: Reply::Ack, .. }))));
     }
