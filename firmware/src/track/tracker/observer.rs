@@ -216,7 +216,7 @@ impl Observer {
         let noise = self.noise + LEAK * LEAK * moved + MODEL * MODEL * current.norm_sqr();
         let total = variance + noise;
         let innovation = current - expected;
-        if self.calm > ARMED && innovation.norm_sqr() > GATE * GATE * total {
+        if self.is_surprised(innovation, total) {
             return self.open(current, noise);
         }
 
@@ -271,6 +271,12 @@ impl Observer {
             ..self.covariance
         };
         self.rate = 0.0;
+    }
+
+    /// Whether an innovation with this variance is no noise: the gate opens, where it is armed.
+    #[inline]
+    fn is_surprised(&self, innovation: Phasor, variance: f32) -> bool {
+        self.calm > ARMED && innovation.norm_sqr() > GATE * GATE * variance
     }
 
     /// The gate opens.
