@@ -162,3 +162,6 @@ impl Guard {
         self.heat.factor()
     }
 }
+
+#[cfg(test)]
+mod tests;

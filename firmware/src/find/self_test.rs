@@ -235,3 +235,6 @@ impl SelfTest {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;

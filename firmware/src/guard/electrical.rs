@@ -148,3 +148,6 @@ fn sags(played: f32, voltage: f32, current: f32) -> bool {
 fn is_constant(codes: &Codes) -> bool {
     codes.is_sorted_by(|a, b| a == b)
 }
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,149 @@
+//! The guard as the controller asks it, by a configuration: what it looks at, what the drive's power is, and which of several faults comes first.
+
+use super::*;
+use crate::board::parameters::tests::config;
+use crate::seam::block::BeltSense;
+use crate::seam::config::Restraint;
+use crate::seam::phasor::Phasor;
+
+const BLOCK_S: f32 = 32e-6;
+/// 5.5 W: `Re(V I*) / 2`.
+const SENSED: Sensed = Sensed { v: Phasor::new(3.0, 4.0), i: Phasor::new(1.0, 2.0) };
+const RUNS: Driven = Driven { volts: Some(5.0), stage: Stage::Following, requested: true, full: true, asked: 3.0 };
+
+fn guard(change: impl FnOnce(&mut Config)) -> Guard {
+    let mut config = config();
+    change(&mut config);
+    Guard::build(&config, BLOCK_S).unwrap()
+}
+
+/// No encoder.
+fn no_belt() -> Belt {
+    Belt::of(0.0, BLOCK_S)
+}
+
+/// After how many blocks like this there is which fault.
+fn found(guard: &mut Guard, belt: &Belt, driven: &Driven, blocks: usize) -> Option<(usize, Fault)> {
+    (1..=blocks).find_map(|n| Some((n, guard.watch(&SenseBlock::default(), &SENSED, belt, driven)?)))
+}
+
+#[test]
+fn each_mode_is_silent_measures_or_follows() {
+    let stages = [Mode::Idle, Mode::Fault, Mode::SelfTest, Mode::Scan, Mode::Calibrate, Mode::Clamped, Mode::Lock, Mode::Run]
+        .map(Stage::from);
+    use Stage::{Following, Measuring, Silent};
+    assert_eq!(stages, [Silent, Silent, Measuring, Measuring, Measuring, Measuring, Following, Following]);
+}
+
+#[test]
+fn there_is_more_to_look_at_with_any_limit_or_sensor() {
+    let quiet = SenseBlock::default();
+    assert!(!guard(|_| {}).watches(&quiet, &no_belt()));
+    assert!(guard(|config| config.limits.power_w = Some(2.0)).watches(&quiet, &no_belt()));
+    assert!(guard(|config| config.limits.on_time_s = Some(1.0)).watches(&quiet, &no_belt()));
+    // A D-ring without the scale of its belt, which is refused.
+    assert!(guard(|config| config.restraint = Some(Restraint::default())).watches(&quiet, &no_belt()));
+    assert!(guard(|_| {}).watches(&quiet, &Belt::of(1e-5, BLOCK_S)));
+    let mut warm = SenseBlock::default();
+    warm.slow.temperature = Some(25.0);
+    assert!(guard(|_| {}).watches(&warm, &no_belt()));
+    let mut thermometer = guard(|config| config.thermometer.c0_per_k = 4e-3);
+    assert!(!thermometer.watches(&quiet, &no_belt()));
+    thermometer.update_temperature(&Thermometers { resonance_hz: 0.0, susceptance: 0.075 });
+    assert!(thermometer.watches(&quiet, &no_belt()));
+}
+
+#[test]
+fn the_on_time_is_limited_on_a_board_without_an_encoder() {
+    // 31 blocks of 32 us in a millisecond.
+    let limited = || guard(|config| config.limits.on_time_s = Some(1e-3));
+    let exceeded = Some((32, Fault::OnTimeExceeded));
+    assert_eq!(found(&mut limited(), &no_belt(), &RUNS, 100), exceeded);
+    // An edge is driven, a tone of nothing is not, nor is a controller that is idle.
+    assert_eq!(found(&mut limited(), &no_belt(), &Driven { volts: None, ..RUNS }, 100), exceeded);
+    assert_eq!(found(&mut limited(), &no_belt(), &Driven { stage: Stage::Measuring, ..RUNS }, 100), exceeded);
+    assert_eq!(found(&mut limited(), &no_belt(), &Driven { volts: Some(0.0), ..RUNS }, 1000), None);
+    assert_eq!(found(&mut limited(), &no_belt(), &Driven { stage: Stage::Silent, ..RUNS }, 1000), None);
+    assert_eq!(found(&mut guard(|_| {}), &no_belt(), &RUNS, 1000), None);
+}
+
+#[test]
+fn the_power_is_limited_on_a_board_without_an_encoder() {
+    let after = |limit: f32, driven: &Driven| {
+        let mut guard = guard(|config| config.limits.power_w = Some(limit));
+        assert_eq!(found(&mut guard, &no_belt(), driven, 20_000), None);
+        guard.derating()
+    };
+    // 5.5 W whatever the drive does: the last tenth of it at 5 W, all of it at 6 W.
+    assert_eq!(after(5.0, &RUNS), 0.1);
+    assert_eq!((after(6.0, &RUNS), after(5.0, &Driven { volts: Some(0.0), ..RUNS })), (1.0, 1.0));
+}
+
+#[test]
+fn the_energy_for_each_metre_is_that_of_the_power() {
+    // The contact bears what 5.5 W are in ten blocks and a half.
+    let mut guard = guard(|config| {
+        config.front_end.metre_per_count = Some(1e-5);
+        config.limits.energy_j_per_m = Some(5.5 * 10.5 * BLOCK_S / 0.01);
+    });
+    let mut belt = Belt::of(1e-5, BLOCK_S);
+    belt.update(Some(BeltSense { counts: 0, broken: false }));
+    assert_eq!(found(&mut guard, &belt, &RUNS, 100), Some((11, Fault::EnergyPerLength)));
+    assert_eq!(found(&mut guard, &belt, &Driven { volts: Some(0.0), ..RUNS }, 50), None);
+}
+
+#[test]
+fn the_belt_is_named_before_the_heat_and_the_heat_before_the_clock() {
+    let mut guard = guard(|config| {
+        (config.limits.on_time_s, config.limits.temperature_c) = (Some(1e-3), 60.0);
+        config.front_end.metre_per_count = Some(1e-5);
+    });
+    let mut hot = SenseBlock::default();
+    let mut belt = Belt::of(1e-5, BLOCK_S);
+    belt.update(Some(BeltSense { counts: 0, broken: false }));
+    assert!((0..40).all(|_| guard.watch(&hot, &SENSED, &belt, &RUNS) != Some(Fault::OverTemperature)));
+    assert_eq!(guard.watch(&hot, &SENSED, &belt, &RUNS), Some(Fault::OnTimeExceeded));
+    hot.slow.temperature = Some(61.0);
+    assert_eq!(guard.watch(&hot, &SENSED, &belt, &RUNS), Some(Fault::OverTemperature));
+    belt.update(None);
+    assert_eq!(guard.watch(&hot, &SENSED, &belt, &RUNS), Some(Fault::BeltSensorLost));
+}
+
+#[test]
+fn a_belt_that_stands_mutes_and_a_new_attempt_may_wait_for_it() {
+    let mut guard = guard(|config| config.front_end.metre_per_count = Some(1e-5));
+    let mut belt = Belt::of(1e-5, BLOCK_S);
+    let mut stands = |guard: &mut Guard, driven: &Driven, blocks: usize| {
+        (1..=blocks).find_map(|n| {
+            belt.update(Some(BeltSense { counts: 0, broken: false }));
+            Some((n, guard.watch(&SenseBlock::default(), &SENSED, &belt, driven)?))
+        })
+    };
+    assert_eq!(stands(&mut guard, &RUNS, 75), None);
+    assert!(!guard.is_muted() && !guard.mutes());
+    assert_eq!(stands(&mut guard, &RUNS, 1), None);
+    assert!(guard.is_muted() && guard.mutes());
+    // Nothing that is requested is muted.
+    let muted = Driven { volts: Some(0.0), ..RUNS };
+    assert_eq!(stands(&mut guard, &Driven { requested: false, ..muted }, 1), None);
+    assert!(guard.is_muted() && !guard.mutes());
+    // A tenth of a second after the drive was muted it is a fault, and a new attempt waits anew.
+    let (blocks, fault) = stands(&mut guard, &muted, 5000).unwrap();
+    assert!(fault == Fault::BeltStopped && (3120..=3126).contains(&blocks), "{blocks}");
+    guard.begin();
+    assert_eq!(stands(&mut guard, &muted, 10_000), None);
+}
+
+#[test]
+fn voltage_and_current_are_judged_from_some_volts_on() {
+    let (mut guard, config) = (guard(|_| {}), config());
+    assert!(guard.judges(0.2) && !guard.judges(0.1) && !guard.doubts());
+    let convert = Convert::build(&config.front_end).unwrap();
+    let codes: crate::seam::block::Codes = (0..32).map(|n| 4096 + n % 2).collect();
+    let sense = SenseBlock { v: codes.clone(), i: codes, ..SenseBlock::default() };
+    let mut inspect = |sensed: &Sensed| guard.inspect(&convert, &sense, sensed, Some(5.0), Suspect::default());
+    assert_eq!(inspect(&SENSED), None);
+    assert!((0..7).all(|_| inspect(&Sensed::default()).is_none()));
+    assert_eq!(inspect(&Sensed::default()), Some(Fault::SensorImplausible));
+    assert!(guard.doubts());
+}
