@@ -10,6 +10,7 @@
 //! is fault 44. The mean power over `POWER_S` is held at `limits.power_w` by an integrator on the same factor:
 //! `f(n + 1) = f(n) + g (1 - P / P0)`.
 
+use crate::seam::compare::smaller;
 use crate::seam::config::Config;
 use crate::seam::fault::Fault;
 
@@ -19,6 +20,8 @@ pub(crate) const DERATE_K: f32 = 20.0;
 const LEAST: f32 = 0.1;
 /// Memory of the mean power, s.
 const POWER_S: f32 = 1e-3;
+/// More than any limit, W.
+const ANY_W: f32 = 1e6;
 /// Time constant of the power's integrator at the limit, s: slow against the ring-up of any stack.
 const INTEGRATOR_S: f32 = 32e-3;
 
@@ -93,7 +96,8 @@ impl Heat {
     /// Takes one block: the board's temperature, and the power in it, W.
     pub(super) fn inspect(&mut self, board_c: Option<f32>, driving: bool, power_w: f32) -> Option<Fault> {
         if self.most_w < f32::INFINITY && driving {
-            self.mean_w += self.mean_part * (power_w - self.mean_w);
+            // What is no number is over any limit.
+            self.mean_w = smaller(self.mean_w + self.mean_part * (power_w - self.mean_w), ANY_W);
             let factor = self.by_power + self.gain * (1.0 - self.mean_w / self.most_w);
             self.by_power = factor.clamp(LEAST, 1.0);
             self.left = self.by_heat.min(self.by_power);
@@ -177,5 +181,65 @@ mod tests {
         // And it comes back.
         (0..10_000).for_each(|_| assert_eq!(heat.inspect(None, true, 0.5), None));
         assert_eq!(heat.factor(), 1.0);
+    }
+
+    #[test]
+    fn a_power_that_is_not_a_number_is_over_the_limit_and_the_limit_stays() {
+        let mut heat = Heat { most_w: 2.0, ..heat() };
+        heat.inspect(None, true, f32::NAN);
+        heat.inspect(None, true, 1.0);
+        assert_eq!(heat.factor(), LEAST);
+        (0..10_000).for_each(|_| assert_eq!(heat.inspect(None, true, 1.0), None));
+        assert_eq!(heat.factor(), 1.0);
+        (0..10_000).for_each(|_| assert_eq!(heat.inspect(None, true, 3.0), None));
+        assert_eq!(heat.factor(), LEAST);
+    }
+
+    #[test]
+    fn the_power_is_brought_down_slowly_and_stays_down_in_a_pause() {
+        let mut heat = Heat { most_w: 2.0, ..heat() };
+        // Twice the limit: a thousandth a block, once the mean is there.
+        (0..400).for_each(|_| assert_eq!(heat.inspect(None, true, 4.0), None));
+        let derated = heat.factor();
+        assert!((0.61..0.66).contains(&derated), "{derated}");
+        (0..10_000).for_each(|_| assert_eq!(heat.inspect(None, false, 0.0), None));
+        assert_eq!(heat.factor(), derated);
+        // The lower of both acts.
+        heat.inspect(Some(79.0), true, 4.0);
+        assert!((heat.factor() - 0.145).abs() < 1e-3, "{}", heat.factor());
+    }
+
+    #[test]
+    fn at_the_limit_it_is_driven_and_above_it_is_not() {
+        let mut heat = heat();
+        assert_eq!(heat.inspect(Some(80.0), true, 1.0), None);
+        assert_eq!(heat.inspect(Some(80.001), false, 0.0), Some(Fault::OverTemperature));
+    }
+
+    #[test]
+    fn the_thermometer_is_as_configured() {
+        let celsius = |hz_per_k: f32, c0_per_k: f32| {
+            let mut config = crate::board::parameters::tests::config();
+            (config.thermometer.hz_per_k, config.thermometer.c0_per_k, config.thermometer.ambient_c) = (hz_per_k, c0_per_k, 20.0);
+            let mut heat = Heat::build(&config, 32e-6);
+            heat.update_temperature(&Thermometers { resonance_hz: 100.0, susceptance: 0.08 });
+            heat.update_temperature(&Thermometers { resonance_hz: -50.0, susceptance: 0.08 * 1.1 });
+            heat.knows_the_stack().then_some(heat.stack_c)
+        };
+        assert_eq!(celsius(0.0, 0.0), None);
+        // 150 Hz lower are 15 K, a tenth more capacitance is 25 K.
+        assert!(celsius(-10.0, 0.0).is_some_and(|found| (found - 35.0).abs() < 0.01));
+        assert!(celsius(0.0, 4e-3).is_some_and(|found| (found - 45.0).abs() < 0.01));
+        assert!(celsius(-10.0, 4e-3).is_some_and(|found| (found - 45.0).abs() < 0.01));
+    }
+
+    #[test]
+    fn the_power_is_averaged_over_a_millisecond_and_brought_down_over_thirty() {
+        let mut config = crate::board::parameters::tests::config();
+        config.limits.power_w = Some(2.0);
+        let mut heat = Heat::build(&config, 32e-6);
+        // Three times the limit: after 8 ms, less the millisecond, 7 / 32 of twice the amplitude are gone, but for what the mean took to come.
+        (0..250).for_each(|_| assert_eq!(heat.inspect(None, true, 6.0), None));
+        assert!((heat.factor() - 0.585).abs() < 0.01, "{}", heat.factor());
     }
 }

@@ -155,3 +155,6 @@ impl Supervisor {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -86,4 +86,40 @@ mod tests {
     fn a_power_that_is_not_a_number_is_over_the_limit() {
         assert_eq!(budget().step(f32::NAN, 1), Some(Fault::EnergyPerLength));
     }
+
+    fn built(joule_per_metre: Option<f32>, metre: Option<f32>) -> Result<EnergyPerLength, Error> {
+        let mut config = crate::board::parameters::tests::config();
+        (config.limits.energy_j_per_m, config.front_end.metre_per_count) = (joule_per_metre, metre);
+        EnergyPerLength::build(&config, 32e-6)
+    }
+
+    #[test]
+    fn a_limit_needs_a_belt_whose_counts_are_worth_something() {
+        assert_eq!(built(Some(100.0), None).err(), Some(Error::EnergyWithoutBelt));
+        // Without one a belt bears everything.
+        for metre in [None, Some(1e-5)] {
+            let mut free = built(None, metre).unwrap();
+            assert_eq!([1e9, f32::INFINITY, f32::NAN].map(|watt| free.step(watt, 0)), [None; 3]);
+        }
+    }
+
+    #[test]
+    fn the_limit_is_for_each_metre() {
+        // A count in each block: a millijoule in 32 us is 31.25 W. A metre that is paid out gives back what it bears, and no more.
+        for (watt, trips) in [(31.0, false), (31.5, true)] {
+            let mut budget = built(Some(100.0), Some(1e-5)).unwrap();
+            assert_eq!((0..1000).find_map(|_| budget.step(0.0, 1000)), None);
+            assert_eq!((0..150_000).any(|_| budget.step(watt, 1).is_some()), trips, "{watt} W");
+        }
+    }
+
+    #[test]
+    fn the_budget_may_be_spent_to_its_end_and_begins_from_zero_after_a_fault() {
+        let mut budget = EnergyPerLength { block_s: 1.0, joule_per_count: 1.0, most_j: 4.0, spent_j: 0.0 };
+        assert_eq!([2.0, 2.0].map(|watt| budget.step(watt, 0)), [None; 2]);
+        assert_eq!(budget.step(0.25, 0), Some(Fault::EnergyPerLength));
+        assert_eq!([4.0, 3.0].map(|watt| budget.step(watt, u32::from(watt < 4.0) * 3)), [None; 2]);
+        assert_eq!(budget.step(f32::NAN, 0), Some(Fault::EnergyPerLength));
+        assert_eq!(budget.step(4.0, 0), None);
+    }
 }

@@ -212,4 +212,122 @@ mod tests {
         // It is no fault while the drive is silent.
         assert_eq!(watch().step(None, false, false, 3.0), None);
     }
+
+    /// A watch of a channel of 1 kHz, at the noise of nothing but its last bits.
+    fn built(change: impl FnOnce(&mut Config)) -> ForceWatch {
+        let mut config = crate::board::parameters::tests::config();
+        config.front_end.force_hz = Some(1e3);
+        change(&mut config);
+        ForceWatch::build(&config, BLOCK_S)
+    }
+
+    /// After how many blocks of `low` a force is known to be gone that was there for `blocks`.
+    fn gone_after(watch: &mut ForceWatch, blocks: u32, low: f32) -> Option<u32> {
+        assert_eq!(run(watch, blocks, readings(1.0, 1e-4)), None);
+        run(watch, 900, readings(low, 1e-4)).map(|(after, _)| after)
+    }
+
+    #[test]
+    fn nothing_is_judged_before_drive_and_channel_have_settled() {
+        // 3 ms and 0.8 ms of the channel: 118 blocks after the one in which the drive has begun. What comes then is what is learned.
+        assert_eq!(gone_after(&mut built(|_| {}), 1 + 117, 0.1), None);
+        // The mean falls to a quarter in 14 blocks, and 93 more are 3 ms.
+        assert_eq!(gone_after(&mut built(|_| {}), 1 + 118, 0.1), Some(14 + 92));
+        // A channel of 100 Hz takes 8 ms more.
+        let slow = |blocks: u32| gone_after(&mut built(|config| config.front_end.force_hz = Some(100.0)), blocks, 0.1);
+        assert_eq!((slow(1 + 341), slow(1 + 342).is_some()), (None, true));
+    }
+
+    #[test]
+    fn a_quarter_of_the_force_is_a_belt_that_moves() {
+        for (low, stands) in [(0.28, false), (0.22, true)] {
+            assert_eq!(gone_after(&mut built(|_| {}), 1000, low).is_some(), stands, "{low}");
+            assert_eq!(gone_after(&mut built(|_| {}), 1000, -low).is_some(), true, "{low}");
+        }
+    }
+
+    #[test]
+    fn without_a_channel_or_on_a_belt_in_a_crash_no_force_is_judged() {
+        assert_eq!(gone_after(&mut built(|config| config.front_end.force_hz = None), 1000, 0.0), None);
+        let restraint = |config: &mut Config| config.restraint = Some(crate::seam::config::Restraint::default());
+        assert_eq!(gone_after(&mut built(restraint), 1000, 0.0), None);
+        assert_eq!(built(|config| config.front_end.force_hz = None).step(None, true, true, 3.0), None);
+        // But the channel of a crash must be alive.
+        assert_eq!(built(restraint).step(None, true, true, 3.0), Some(Fault::ForceSensorImplausible));
+    }
+
+    #[test]
+    fn a_reading_may_stay_the_same_for_a_thousand_blocks_of_drive() {
+        let broken = Some(Fault::ForceSensorImplausible);
+        let mut stuck = built(|_| {});
+        assert!((0..=1000).all(|_| stuck.step(Some(2.0), true, true, 3.0).is_none()));
+        assert_eq!(stuck.step(Some(2.0), true, true, 3.0), broken);
+        // A pause, another reading, and a new attempt begin the count again.
+        let mut again = built(|_| {});
+        for n in 0..3 {
+            assert!((0..1000).all(|_| again.step(Some(2.0), true, true, 3.0).is_none()), "{n}");
+            match n {
+                0 => assert_eq!(again.step(Some(2.0), false, false, 3.0), None),
+                1 => assert_eq!(again.step(Some(2.1), true, true, 3.0), None),
+                _ => again.begin(),
+            }
+        }
+        assert!((0..1000).all(|_| again.step(Some(2.0), true, true, 3.0).is_none()));
+    }
+
+    #[test]
+    fn an_amplitude_within_a_tenth_is_the_same() {
+        for (asked, learned_again) in [(3.29, false), (2.71, false), (3.31, true), (2.69, true), (-3.0, true)] {
+            let mut watch = built(|_| {});
+            assert_eq!(run(&mut watch, 1000, readings(1.0, 1e-4)), None);
+            let mut low = readings(0.1, 1e-4);
+            let stands = (0..900).any(|_| watch.step(Some(low()), true, true, asked).is_some());
+            assert_eq!(stands, !learned_again, "{asked} V");
+        }
+        // So are blocks that are not full, and what a new attempt finds.
+        let mut watch = built(|_| {});
+        assert_eq!(run(&mut watch, 1000, readings(1.0, 1e-4)), None);
+        let mut low = readings(0.1, 1e-4);
+        assert_eq!(watch.step(Some(low()), true, false, 3.0), None);
+        assert!((0..900).all(|_| watch.step(Some(low()), true, true, 3.0).is_none()));
+        assert_eq!(run(&mut watch, 1000, readings(1.0, 1e-4)), None);
+        watch.begin();
+        assert!((0..900).all(|_| watch.step(Some(low()), true, true, 3.0).is_none()));
+    }
+
+    #[test]
+    fn a_force_that_comes_and_goes_takes_back_eight_blocks_for_each() {
+        // Of ten blocks one that is not low takes back eight: it never comes to 93.
+        for (every, stands) in [(9, false), (30, true)] {
+            let mut watch = built(|_| {});
+            assert_eq!(run(&mut watch, 1000, readings(1.0, 1e-4)), None);
+            (watch.mean, watch.scatter) = (0.0, 0.0);
+            let found = (0..900).any(|n: u32| {
+                // The mean itself comes and goes.
+                watch.mean = if n.is_multiple_of(every) { 1.0 } else { 0.0 };
+                watch.step(Some(watch.mean + 1e-6 * n as f32), true, true, 3.0).is_some()
+            });
+            assert_eq!(found, stands, "{every}");
+        }
+    }
+
+    #[test]
+    fn a_force_must_stand_out_of_its_noise_four_times() {
+        // Of a force of 1 N, whose readings are uniform to either side: a scatter of half of it.
+        for (noise, judged) in [(0.4, true), (0.62, false)] {
+            let mut watch = built(|_| {});
+            assert_eq!(run(&mut watch, 3000, readings(1.0, noise)), None);
+            let found = run(&mut watch, 900, readings(0.0, noise));
+            assert_eq!(found.is_some(), judged, "{noise}");
+        }
+    }
+
+    #[test]
+    fn what_is_learned_follows_slowly() {
+        // From 1 N to 0.4 N within 10 ms, which is not low; after 2048 blocks two thirds of that are learned.
+        let mut watch = built(|_| {});
+        assert_eq!(run(&mut watch, 1000, readings(1.0, 1e-4)), None);
+        assert_eq!(run(&mut watch, 2048, readings(0.4, 1e-4)), None);
+        assert!((watch.learned - 0.62).abs() < 0.01, "{}", watch.learned);
+    }
 }
