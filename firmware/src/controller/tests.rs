@@ -1,5 +1,7 @@
 //! Where counters come round: the number of the block as it is reported, and the numbers of orders.
 
+mod guarded;
+
 use super::*;
 use crate::board::parameters::PARAMETERS;
 use crate::board::parameters::tests::config;

@@ -1,0 +1,168 @@
+//! What a controller makes of a channel, a load or a belt that fails, from its orders to the fault that it reports.
+
+use super::*;
+use crate::seam::block::{BeltSense, Codes};
+use crate::seam::config::{Edge, Schedule};
+use crate::seam::fault::Fault;
+
+/// A controller with its load, and what the encoder of its belt has counted, if it has one.
+struct Bench {
+    controller: Controller,
+    queue: [DriveBlock; 2],
+    load: Resonator,
+    blocks: usize,
+    counts: Option<i32>,
+}
+
+fn orders(gate: Gate) -> Orders {
+    Orders { sequence: 1, attempt: 1, request: Request::Run, gate, ..Orders::default() }
+}
+
+impl Bench {
+    fn new(change: impl FnOnce(&mut Config)) -> Self {
+        let mut config = config();
+        change(&mut config);
+        let controller = Controller::build(&config).unwrap();
+        let queue = [controller.silence(), controller.silence()];
+        Bench { controller, queue, load: Resonator::default(), blocks: 0, counts: None }
+    }
+
+    /// One block, whose codes pass through `tamper`.
+    fn block(&mut self, gate: Gate, tamper: impl FnOnce(&mut SenseBlock)) -> Telemetry {
+        let slot = self.blocks % 2;
+        let mut sense = self.load.exchange(&self.queue[slot]);
+        sense.slow.belt = self.counts.map(|counts| BeltSense { counts, broken: false });
+        tamper(&mut sense);
+        self.blocks += 1;
+        self.controller.process(&orders(gate), &sense, &mut self.queue[slot])
+    }
+
+    /// Goes on until it runs, and some blocks more; the belt moves.
+    fn run(mut self, gate: Gate) -> Self {
+        let mut more = 400;
+        while more > 0 {
+            assert!(self.blocks < 10_000, "it does not run");
+            self.counts.iter_mut().for_each(|counts| *counts += 1);
+            let report = self.block(gate, |_| {});
+            assert_eq!(report.fault, None, "block {}", self.blocks);
+            more -= u32::from(report.mode == Mode::Run);
+        }
+        self
+    }
+
+    /// After how many blocks, of so many, there is which fault.
+    fn found(&mut self, blocks: usize, gate: Gate, tamper: impl Fn(&mut SenseBlock)) -> Option<(usize, Fault)> {
+        (1..=blocks).find_map(|n| Some((n, self.block(gate, &tamper).fault?)))
+    }
+
+    /// The fault that ends its self-test.
+    fn tested(tamper: impl Fn(&mut SenseBlock)) -> Option<Fault> {
+        Bench::new(|_| {}).found(300, Gate::On, tamper).map(|(_, fault)| fault)
+    }
+}
+
+/// What a channel reads at another gain.
+fn amplify(codes: &mut Codes, gain: f64) {
+    codes.iter_mut().for_each(|code| *code = (4096.0 + gain * (f64::from(*code) - 4096.0)).clamp(0.0, 8190.0) as u16);
+}
+
+#[test]
+fn more_current_than_the_limit_is_a_short_in_the_self_test_only() {
+    // 32 mA of the tone; 3.2 A are over the limit, 0.3 A are what only a short takes.
+    assert_eq!(Bench::tested(|sense| amplify(&mut sense.i, 120.0)), Some(Fault::LoadShorted));
+    let mut runs = Bench::new(|_| {}).run(Gate::On);
+    assert_eq!(runs.found(3, Gate::On, |sense| amplify(&mut sense.i, 4.0)), Some((1, Fault::OverCurrent)));
+}
+
+#[test]
+fn a_voltage_that_collapses_is_a_short_if_the_current_says_so() {
+    let collapses = |gain: f64| {
+        Bench::tested(|sense| {
+            amplify(&mut sense.v, 0.02);
+            amplify(&mut sense.i, gain);
+        })
+    };
+    assert_eq!((collapses(10.0), collapses(1.0)), (Some(Fault::LoadShorted), Some(Fault::SensorImplausible)));
+    let mut runs = Bench::new(|_| {}).run(Gate::On);
+    let found = runs.found(20, Gate::On, |sense| {
+        amplify(&mut sense.v, 0.02);
+        amplify(&mut sense.i, 2.5);
+    });
+    assert!(found.is_some_and(|(blocks, fault)| blocks <= 12 && fault == Fault::SensorImplausible), "{found:?}");
+}
+
+#[test]
+fn a_channel_whose_gain_changes_in_a_run_is_known_within_a_dozen_blocks() {
+    let changes: [fn(&mut SenseBlock); 4] = [
+        |sense| amplify(&mut sense.i, 0.7),
+        |sense| amplify(&mut sense.i, -1.0),
+        |sense| amplify(&mut sense.v, 0.8),
+        |sense| amplify(&mut sense.v, 1.18),
+    ];
+    for (n, change) in changes.into_iter().enumerate() {
+        let mut runs = Bench::new(|_| {}).run(Gate::On);
+        let found = runs.found(100, Gate::On, change);
+        assert!(found.is_some_and(|(blocks, fault)| blocks <= 12 && fault == Fault::SensorImplausible), "{n}: {found:?}");
+    }
+}
+
+#[test]
+fn without_tracking_another_frequency_is_an_order_and_a_voltage_that_changes_is_not() {
+    let off = |config: &mut Config| config.tracking.mode = crate::seam::config::TrackingMode::Off;
+    let mut runs = Bench::new(off).run(Gate::On);
+    let found = runs.found(100, Gate::On, |sense| amplify(&mut sense.v, 0.8));
+    assert!(found.is_some_and(|(blocks, fault)| blocks <= 12 && fault == Fault::SensorImplausible), "{found:?}");
+    // A current that jumps says nothing where no resonance is tracked.
+    let mut runs = Bench::new(off).run(Gate::On);
+    assert_eq!(runs.found(400, Gate::On, |sense| amplify(&mut sense.i, 0.7)), None);
+}
+
+#[test]
+fn what_fails_between_two_bursts_is_known_as_the_next_one_begins() {
+    let bursts = |config: &mut Config| config.burst.schedule = Schedule::Periodic { period_s: 0.01, duty: 0.5 };
+    let mut runs = Bench::new(bursts).run(Gate::Scheduled);
+    assert_eq!(runs.found(2000, Gate::Scheduled, |_| {}), None);
+    // Until the pause is under way.
+    while runs.block(Gate::Scheduled, |_| {}).envelope > 0.0 {}
+    (0..20).for_each(|_| assert_eq!(runs.block(Gate::Scheduled, |_| {}).fault, None));
+    let mut driven = 0;
+    let found = (0..400).find_map(|_| {
+        let report = runs.block(Gate::Scheduled, |sense| amplify(&mut sense.i, -1.0));
+        driven += usize::from(report.envelope > 0.0);
+        report.fault
+    });
+    assert!(found == Some(Fault::SensorImplausible) && driven <= 5, "{found:?} after {driven}");
+}
+
+#[test]
+fn a_healthy_load_in_bursts_of_any_edge_is_no_failure() {
+    for edge in [Edge::Hard, Edge::Soft, Edge::Boost] {
+        let mut runs = Bench::new(|config| {
+            config.burst.schedule = Schedule::Periodic { period_s: 0.01, duty: 0.5 };
+            config.burst.edge = edge;
+        })
+        .run(Gate::Scheduled);
+        assert_eq!(runs.found(3000, Gate::Scheduled, |_| {}), None, "{edge:?}");
+    }
+}
+
+#[test]
+fn the_clock_of_the_drive_and_the_board_sensor_end_a_run() {
+    let mut runs = Bench::new(|config| config.limits.on_time_s = Some(0.5)).run(Gate::On);
+    let (blocks, fault) = runs.found(20_000, Gate::On, |_| {}).unwrap();
+    assert!(fault == Fault::OnTimeExceeded && runs.blocks > 15_625, "{blocks} {fault:?}");
+    let mut runs = Bench::new(|_| {}).run(Gate::On);
+    assert_eq!(runs.found(9, Gate::On, |sense| sense.slow.temperature = Some(101.0)), Some((1, Fault::OverTemperature)));
+}
+
+#[test]
+fn a_belt_that_stops_is_a_fault_after_a_tenth_of_a_second_of_requested_drive() {
+    let belt = |config: &mut Config| config.front_end.metre_per_count = Some(1e-5);
+    let moves = || Bench { counts: Some(0), ..Bench::new(belt) };
+    let mut runs = moves().run(Gate::On);
+    let (blocks, fault) = runs.found(5000, Gate::On, |_| {}).unwrap();
+    assert!(fault == Fault::BeltStopped && (3190..3210).contains(&blocks), "{blocks} {fault:?}");
+    // A drive that nobody requests is not muted, and waits for as long as it likes.
+    let mut waits = moves().run(Gate::Off);
+    assert_eq!(waits.found(10_000, Gate::Off, |_| {}), None);
+}
