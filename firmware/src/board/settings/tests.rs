@@ -1,5 +1,8 @@
 //! Stored settings: their form on the flash, and what becomes of those that another version has left.
 
+mod copies;
+mod orders;
+
 use embedded_storage::nor_flash::{ErrorType, NorFlashError, NorFlashErrorKind, ReadNorFlash};
 use heapless::spsc::Queue;
 

@@ -1,3 +1,5 @@
+mod schedule;
+
 use super::*;
 use crate::generate::nco::tuning_word;
 use crate::seam::config::Schedule as ScheduleConfig;
@@ -107,4 +109,169 @@ fn windows_out_of_order_are_refused() {
     let windows = [(2.0, 3.0), (1.0, 1.5)].into_iter().collect();
     let config = Config { schedule: ScheduleConfig::Windows(windows), ..Config::default() };
     assert_eq!(Burst::build(&config, 40e3, 1e6).unwrap_err(), Error::BurstWindows);
+}
+
+fn configured(edge: Edge, brake: bool) -> Burst {
+    Burst::build(&Config { schedule: ScheduleConfig::Continuous, edge, edge_cycles: 1.0, brake }, 40e3, 1e6).unwrap()
+}
+
+const BRAKE: Brake = Brake { half_cycles: 4, level: 0.7 };
+
+#[test]
+fn only_hard_bursts_begin_at_once() {
+    assert_eq!([Edge::Hard, Edge::Soft, Edge::Boost].map(|edge| configured(edge, false).is_hard()), [true, false, false]);
+}
+
+#[test]
+fn a_burst_ends_with_a_brake_by_order_or_by_configuration() {
+    let gates = [Gate::Scheduled, Gate::On, Gate::Off, Gate::Brake];
+    assert_eq!(gates.map(|gate| configured(Edge::Hard, false).brakes(gate)), [false, false, false, true]);
+    assert_eq!(gates.map(|gate| configured(Edge::Hard, true).brakes(gate)), [true; 4]);
+}
+
+#[test]
+fn a_brake_may_be_louder_than_the_drive_and_says_so() {
+    let mut braked = configured(Edge::Hard, false);
+    assert_eq!((braked.loudest(), braked.brake()), (1.0, None));
+    for (level, loudest) in [(0.7, 1.0), (3.0, 3.0)] {
+        let brake = Some(Brake { half_cycles: 4, level });
+        braked.set_brake(brake);
+        assert_eq!((braked.loudest(), braked.brake()), (loudest, brake));
+        run(&mut braked, Gate::On, 0..5);
+        let got = run(&mut braked, Gate::Brake, 5..12);
+        let least = got.iter().copied().fold(0.0, f32::min);
+        assert!((least + level).abs() < 1e-6, "{least}");
+    }
+    braked.set_brake(None);
+    assert_eq!((braked.loudest(), braked.brake()), (1.0, None));
+}
+
+#[test]
+fn a_brake_that_has_begun_is_under_way_until_it_is_over() {
+    let gates = [Gate::Scheduled, Gate::On, Gate::Off, Gate::Brake];
+    let under_way = |burst: &Burst| gates.map(|gate| burst.is_under_way(gate));
+    let mut plain = configured(Edge::Hard, false);
+    run(&mut plain, Gate::On, 0..5);
+    assert_eq!(under_way(&plain), [false; 4]);
+    let mut braked = configured(Edge::Hard, false);
+    braked.set_brake(Some(BRAKE));
+    assert_eq!(under_way(&braked), [false; 4]);
+    run(&mut braked, Gate::On, 0..5);
+    assert_eq!(under_way(&braked), [false, false, false, true]);
+    while !matches!(braked.state, State::Braking { .. }) {
+        run(&mut braked, Gate::Brake, 5..6);
+    }
+    assert_eq!(under_way(&braked), [true; 4]);
+    run(&mut braked, Gate::Brake, 6..12);
+    assert_eq!(under_way(&braked), [false; 4]);
+    // A boost is planned for its drive, up and down.
+    let mut boosted = configured(Edge::Boost, false);
+    boosted.state = State::Rising { falling: false, left: 2 };
+    assert_eq!(under_way(&boosted), [true; 4]);
+    boosted.state = State::Open { falling: false };
+    assert_eq!(under_way(&boosted), [false, false, true, true]);
+}
+
+#[test]
+fn a_gate_says_whether_a_drive_is_requested() {
+    let mut periodic = burst(ScheduleConfig::Periodic { period_s: 1e-3, duty: 0.25 }, Edge::Hard);
+    let requested = [0, 249, 250, 999, 1000].map(|now| periodic.is_requested(Gate::Scheduled, now));
+    assert_eq!(requested, [true, true, false, false, true]);
+    assert_eq!([Gate::On, Gate::Off, Gate::Brake].map(|gate| periodic.is_requested(gate, 500)), [true, false, false]);
+}
+
+#[test]
+fn a_soft_edge_is_as_long_as_an_oscillator_can_be_slow() {
+    // 2^20 samples are 1048 periods of 1 kHz.
+    let build = |edge_cycles: f32| {
+        let config = Config { schedule: ScheduleConfig::Continuous, edge: Edge::Soft, edge_cycles, brake: false };
+        Burst::build(&config, 1e3, 1e6).map(drop)
+    };
+    assert_eq!((build(1048.0), build(1049.0).is_err()), (Ok(()), true));
+}
+
+#[test]
+fn a_block_without_an_edge_is_flat_and_one_with_an_edge_has_its_mean() {
+    for edge in [Edge::Hard, Edge::Soft] {
+        let mut bursts = burst(window(77e-6, 333e-6), edge);
+        let mut edges = 0;
+        for k in 0..20 {
+            let expected = levels(&mut bursts.clone(), Gate::Scheduled, 32 * k, 32);
+            let mean = expected.iter().sum::<f32>() / 32.0;
+            let got = bursts.envelope(Gate::Scheduled, 32 * k, &tone(32 * k), 32, 3.0);
+            assert!((got.mean() - mean).abs() < 1e-6, "{edge:?} {k}: {} {mean}", got.mean());
+            let same = expected.iter().all(|level| *level == expected[0]);
+            assert!(!got.is_flat() || same, "{edge:?} {k}");
+            edges += usize::from(!got.is_flat());
+        }
+        // The gate's two blocks, and those in which the drive follows it.
+        assert!((2..=6).contains(&edges), "{edges}");
+    }
+}
+
+#[test]
+fn a_soft_edge_turns_round_where_its_gate_does() {
+    let config = Config { schedule: window(0.0, 50e-6), edge: Edge::Soft, edge_cycles: 4.0, brake: false };
+    let got = run(&mut Burst::build(&config, 40e3, 1e6).unwrap(), Gate::Scheduled, 0..5);
+    assert!((got[49] - 0.5).abs() < 1e-3, "{}", got[49]);
+    for n in 0..49 {
+        assert!((got[48 - n] - got[50 + n]).abs() < 1e-4, "{n}: {} {}", got[48 - n], got[50 + n]);
+    }
+    assert!(got[99..].iter().all(|&level| level == 0.0));
+    let steepest = got.windows(2).map(|pair| (pair[1] - pair[0]).abs()).fold(0.0, f32::max);
+    assert!(steepest < 0.016, "{steepest}");
+}
+
+#[test]
+fn a_brake_ends_a_soft_burst_from_its_full_level() {
+    let mut braked = configured(Edge::Soft, false);
+    braked.set_brake(Some(BRAKE));
+    run(&mut braked, Gate::On, 0..5);
+    let got = run(&mut braked, Gate::Brake, 5..12);
+    let first = got.iter().position(|&level| level != 1.0).unwrap();
+    let end = got.iter().rposition(|&level| level == -0.7).unwrap();
+    assert!(first > 0 && (48..=49).contains(&(end - first)), "{first} {end}");
+    assert!(got[first..=end].iter().all(|&level| level == -0.7) && got[end + 1..].iter().all(|&level| level == 0.0));
+    // An edge that has not come to its end goes back along its ramp.
+    let mut early = configured(Edge::Soft, false);
+    early.set_brake(Some(BRAKE));
+    assert!(levels(&mut early, Gate::On, 0, 16).iter().all(|&level| level < 0.8));
+    assert!(levels(&mut early, Gate::Brake, 16, 32).iter().all(|&level| (0.0..0.8).contains(&level)));
+}
+
+#[test]
+fn a_soft_burst_that_is_ordered_during_a_brake_begins_with_its_ramp() {
+    let mut braked = configured(Edge::Soft, false);
+    braked.set_brake(Some(BRAKE));
+    run(&mut braked, Gate::On, 0..5);
+    while !matches!(braked.state, State::Braking { .. }) {
+        run(&mut braked, Gate::Brake, 5..6);
+    }
+    let got = run(&mut braked, Gate::On, 6..12);
+    let up = got.iter().position(|&level| level > 0.0).unwrap();
+    assert!(got[up] < 0.1 && got[up..].windows(2).all(|pair| pair[1] - pair[0] < 0.1), "{:?}", &got[up..]);
+    assert_eq!(got.last(), Some(&1.0));
+}
+
+#[test]
+fn an_envelope_that_is_set_at_once_has_no_edge() {
+    for edge in [Edge::Hard, Edge::Soft] {
+        let mut now = configured(edge, false);
+        assert_eq!(now.set_envelope_now(true, &tone(0), 32), Envelope::Flat(1.0));
+        assert_eq!(levels(&mut now, Gate::On, 32, 32), [1.0; 32]);
+        assert_eq!(now.set_envelope_now(false, &tone(64), 32), Envelope::Flat(0.0));
+        assert_eq!(levels(&mut now, Gate::Off, 96, 32), [0.0; 32]);
+    }
+}
+
+#[test]
+fn the_shortest_brake_that_the_headroom_allows_is_taken() {
+    for (periods, headroom) in [(20.7, 1.0), (20.7, 5.16), (3.0, 0.5), (60.0, 2.0)] {
+        let brake = Brake::of(periods, headroom);
+        let level = |half_cycles: u32| 1.0 / libm::expm1f(half_cycles as f32 / (2.0 * periods));
+        assert!(level(brake.half_cycles) <= headroom && level(brake.half_cycles - 2) > headroom, "{brake:?}");
+    }
+    // One period at least; without headroom a thousandth is reckoned with.
+    assert_eq!(Brake::of(0.1, 10.0).half_cycles, 2);
+    assert_eq!(Brake::of(20.0, 0.0), Brake::of(20.0, 1e-3));
 }

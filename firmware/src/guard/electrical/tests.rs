@@ -195,6 +195,8 @@ fn what_the_board_reports_is_a_fault_of_that_block() {
     // An amplifier that gives the reason itself; then its supply; and a lost block before all that is measured in it.
     assert_eq!(of(trips(true, true, true), None), Some(Fault::AmplifierFault));
     assert_eq!(of(trips(true, false, true), None), Some(Fault::AmplifierSupply));
+    assert_eq!(of(trips(true, true, false), None), Some(Fault::AmplifierFault));
+    assert_eq!(of(trips(false, true, true), None), Some(Fault::AmplifierFault));
     assert_eq!(of(trips(true, true, true), Some(1)), Some(Fault::LateBlock));
 }
 
