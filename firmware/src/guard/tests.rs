@@ -8,7 +8,7 @@ use crate::seam::phasor::Phasor;
 
 const BLOCK_S: f32 = 32e-6;
 /// 5.5 W: `Re(V I*) / 2`.
-const SENSED: Sensed = Sensed { v: Phasor::new(3.0, 4.0), i: Phasor::new(1.0, 2.0) };
+const SENSED: Sensed = Sensed { v: Phasor::new(3.0, 4.0), i: Phasor::new(2.0, 1.25) };
 const RUNS: Driven = Driven { volts: Some(5.0), stage: Stage::Following, requested: true, full: true, asked: 3.0 };
 
 fn guard(change: impl FnOnce(&mut Config)) -> Guard {
@@ -51,6 +51,15 @@ fn there_is_more_to_look_at_with_any_limit_or_sensor() {
     assert!(!thermometer.watches(&quiet, &no_belt()));
     thermometer.update_temperature(&Thermometers { resonance_hz: 0.0, susceptance: 0.075 });
     assert!(thermometer.watches(&quiet, &no_belt()));
+}
+
+#[test]
+fn a_d_ring_whose_belt_has_no_scale_is_not_driven() {
+    let mut guard = guard(|config| config.restraint = Some(Restraint::default()));
+    assert_eq!(found(&mut guard, &no_belt(), &Driven { stage: Stage::Silent, ..RUNS }, 100), None);
+    for stage in [Stage::Measuring, Stage::Following] {
+        assert_eq!(found(&mut guard, &no_belt(), &Driven { stage, ..RUNS }, 1), Some((1, Fault::BeltScaleMissing)));
+    }
 }
 
 #[test]

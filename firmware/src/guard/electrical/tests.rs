@@ -102,6 +102,15 @@ fn a_voltage_may_be_off_by_a_factor_of_two_for_seven_blocks() {
 }
 
 #[test]
+fn a_voltage_of_a_small_drive_is_judged_by_the_same_factor() {
+    for (volts, wrong) in [(0.51, false), (0.49, true), (1.99, false), (2.01, true)] {
+        let mut rig = Rig::new(&config());
+        rig.sensed = Sensed { v: Phasor::new(0.0, 0.4 * volts), i: Phasor::new(0.001, 0.0) };
+        assert_eq!((0..20).any(|_| rig.block(Some(0.4), Suspect::default()).is_some()), wrong, "{volts} of it");
+    }
+}
+
+#[test]
 fn a_current_explains_a_voltage_that_is_low() {
     // Half an ohm takes 2 V at 4 A, and half of the rest may be missing; from 6 A on it may take all.
     for (volts, amperes, plausible) in

@@ -192,4 +192,29 @@ mod tests {
         assert_eq!(rig.blocks(STOP, NEVER, Stage::Measuring), None);
         assert_eq!(rig.blocks(1, NEVER, Stage::Measuring), Some(Fault::BeltStopped));
     }
+
+    #[test]
+    fn a_measurement_counts_where_it_is_driven_over_a_belt_at_rest() {
+        // For as long as it likes over a belt that moves, and in silence over one that stands.
+        assert_eq!(Rig::new().blocks(3 * LATCH, 10, Stage::Measuring), None);
+        let mut rig = Rig::new();
+        for n in 0..3 * LATCH {
+            rig.belt.update(Some(BeltSense { counts: 0, broken: false }));
+            assert_eq!(rig.motion.step(&rig.belt, Stage::Measuring, false, true), None, "{n}");
+        }
+        assert!((0..=LATCH).any(|_| rig.motion.step(&rig.belt, Stage::Measuring, true, true) == Some(Fault::BeltStopped)));
+    }
+
+    #[test]
+    fn what_has_been_driven_before_the_belt_moved_does_not_wait_for_it() {
+        // In blocks of a belt that stands: those that are driven, and whether that ends in a fault.
+        for (driven, ends) in [(0..0, false), (1..2, true), (3..6, true)] {
+            let mut rig = Rig::new();
+            let found = (0..2 * LATCH).find_map(|n| {
+                rig.belt.update(Some(BeltSense { counts: 0, broken: false }));
+                rig.motion.step(&rig.belt, Stage::Following, driven.contains(&n), true)
+            });
+            assert_eq!(found.is_some(), ends, "{driven:?}");
+        }
+    }
 }

@@ -1,8 +1,7 @@
 //! When the observer is trusted: from when on, and when no longer.
 //!
 //! It leads as soon as its deviation is small enough to be worth following, and is locked when that has been within 5 degrees of motional phase for
-//! 8 blocks. Where its gate opens again and again, its model does not hold, and the [phase loop](super::phase_loop) leads until it does; and
-//! wherever the drive is no sine.
+//! 8 blocks. Wherever the drive is no sine, the [phase loop](super::phase_loop) leads.
 //!
 //! A lock that is lost, or not found in time, is sought again: nearby, then in the whole window, then from the self-test on, which names what
 //! has broken, and then by a scan.
@@ -16,10 +15,6 @@ use crate::track::tracker::observer::{Observer, Played, Prior};
 const WORTH: f32 = 5e-3;
 /// A lock is within 5 degrees of motional phase, rad, or within this part of the frequency if that is more.
 const INNER: (f32, f32) = (0.087_488_66, 1e-4);
-/// What an opening of the gate adds to the doubt, which fades by one a block; and how much of it ends the trust.
-const DOUBT: (u32, u32) = (16, 96);
-/// The phase loop leads until the doubt is down to this.
-const TRUSTED: u32 = 8;
 /// So many times below the nominal Q, which may be wrong by two and loaded by a few, there is nothing left to lock to.
 const LEAST_Q: f32 = 10.0;
 /// Blocks that the observer may take to lock.
@@ -58,9 +53,6 @@ pub(crate) struct Observed {
     blocks: u32,
     inside: u32,
     locked: bool,
-    opened: u32,
-    doubt: u32,
-    doubted: bool,
     confident: bool,
     /// The last block was of a sine.
     pure: bool,
@@ -84,9 +76,6 @@ impl Observed {
             blocks: 0,
             inside: 0,
             locked: false,
-            opened: 0,
-            doubt: 0,
-            doubted: false,
             confident: false,
             pure: true,
             most_decay: f32::INFINITY,
@@ -103,7 +92,6 @@ impl Observed {
             self.prior = Prior { offset_hz: (0.0, self.window_hz), ..*prior };
         }
         (self.blocks, self.inside, self.locked) = (0, 0, false);
-        (self.opened, self.doubt, self.doubted) = (self.observer.opened(), 0, false);
     }
 
     /// Begins again where there is more hope, and says where; nowhere after a scan.
@@ -165,14 +153,7 @@ impl Observed {
         if self.observer.is_within(self.worth_hz) {
             self.shown_hz = self.observer.ahead_hz();
         }
-        let opened = self.observer.opened();
-        // Without a doubt nothing changes.
-        if opened != self.opened || self.doubt > 0 {
-            self.doubt = if opened == self.opened { self.doubt - 1 } else { self.doubt + DOUBT.0 };
-            self.opened = opened;
-            self.doubted = self.doubt > if self.doubted { TRUSTED } else { DOUBT.1 };
-        }
-        self.confident = self.leads() && self.observer.is_as_good_as(INNER.0, self.inner_hz);
+        self.confident = self.pure && self.observer.is_as_good_as(INNER.0, self.inner_hz);
         let within =
             self.confident && fits && self.observer.decays_by() < self.most_decay && self.shown_hz.abs() < self.window_hz;
         self.inside = if within { self.inside.saturating_add(played.driven.into()) } else { 0 };
@@ -181,12 +162,7 @@ impl Observed {
 
     /// The frequency to drive, as an offset from the nominal one, Hz; `None` where the phase loop is to lead.
     pub(crate) fn offset_hz(&self) -> Option<f32> {
-        self.leads().then_some(self.shown_hz)
-    }
-
-    /// It leads, not the phase loop.
-    fn leads(&self) -> bool {
-        self.pure && !self.doubted
+        self.pure.then_some(self.shown_hz)
     }
 
     /// It has locked.
@@ -219,3 +195,6 @@ impl Observed {
         &self.observer
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -110,8 +110,6 @@ pub struct Observer {
     played: Played,
     /// Blocks since a start, a jump of the drive, or the gate.
     calm: u32,
-    /// Times the gate has opened.
-    opened: u32,
 }
 
 /// Covariance of current, pole and strength: upper triangle.
@@ -149,7 +147,6 @@ impl Observer {
             voltage: Phasor::new(0.0, 0.0),
             played: Played { offset_hz: 0.0, steady_v: None },
             calm: 0,
-            opened: 0,
         }
     }
 
@@ -287,7 +284,6 @@ impl Observer {
         self.covariance.pole = self.covariance.pole.max(spread * spread);
         self.covariance.pole_strength = Phasor::new(0.0, 0.0);
         self.calm = 0;
-        self.opened = self.opened.wrapping_add(1);
     }
 }
 

@@ -127,11 +127,6 @@ impl Observer {
         self.rate = 0.0;
     }
 
-    /// Times the gate has opened; wraps.
-    pub(crate) fn opened(&self) -> u32 {
-        self.opened
-    }
-
     /// Whether the gate has opened in the last block.
     pub(crate) fn has_opened(&self) -> bool {
         self.calm == 0
