@@ -1,5 +1,7 @@
 //! Parameters: keys, ranges, and that what is written is read.
 
+mod needs;
+
 use super::*;
 use crate::controller::Controller;
 use crate::seam::block::Amplitude;
@@ -388,23 +390,4 @@ fn the_interlock_may_wait_at_a_d_ring_only() {
     assert_eq!(acts(&[(13, 1000.0), (56, 1e-5)]), (default, false));
     assert_eq!(acts(&[(56, 1e-5), (83, 1.0)]), (default, true), "it rises only if it is set");
     assert_eq!(acts(&[(13, 2000.0), (83, 1.0)]), (1000.0, false));
-}
-
-#[test]
-fn what_is_built_in_may_be_taken_away_without_what_it_needs() {
-    // An energy for each metre is built in, with its belt; the belt is gone by what is set.
-    let built_in = with(&[(14, 100.0), (56, 1e-5), (83, 1.0), (59, 10e3)]);
-    let check = |(key, value): (u8, f32), set: &[(u8, f32)]| {
-        let mut values = built_in;
-        set.iter().for_each(|&(key, value)| values[place_of(key).unwrap()] = value);
-        check_need(place_of(key).unwrap(), value, &values, &built_in)
-    };
-    let no_belt = [(56, f32::INFINITY)];
-    assert_eq!([check((14, f32::INFINITY), &no_belt), check((83, 0.0), &no_belt)], [Ok(()); 2]);
-    assert_eq!(check((14, 50.0), &no_belt), Err(Refusal::NotConfigured));
-    // Zero is no absence of a number that is none of a part.
-    assert_eq!(check((13, 0.0), &no_belt), Err(Refusal::NotConfigured));
-    // What is built in is never refused, but for a belt's scale that goes where something needs it.
-    assert_eq!([check((14, 100.0), &no_belt), check((56, 1e-5), &[])], [Ok(()); 2]);
-    assert_eq!(check((56, f32::INFINITY), &[]), Err(Refusal::NotConfigured));
 }

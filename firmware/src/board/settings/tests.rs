@@ -169,12 +169,17 @@ fn lane_trims_alone_are_read_and_written_over_by_a_whole_record() {
 
 /// A keeper of a board that was started with these settings, and what it makes of a calibration and of orders.
 fn with_keeper(settings: &mut Settings<Ram>, act: impl FnOnce(&mut SettingsStore, &mut Settings<Ram>)) {
+    with_found(longest().trims, settings, act);
+}
+
+/// The same of a calibration that has found these trims.
+fn with_found(trims: LaneTrims, settings: &mut Settings<Ram>, act: impl FnOnce(&mut SettingsStore, &mut Settings<Ram>)) {
     let config = crate::board::parameters::tests::config();
     let power_up = PowerUp::read(&config, settings);
     let (mut found, mut taken): (Queue<LaneTrims, 2>, Queue<LaneTrims, 2>) = (Queue::new(), Queue::new());
     let (mut found_in, found_out) = found.split();
     let mut settings_store = SettingsStore::new(found_out, taken.split().0, &power_up);
-    found_in.enqueue(longest().trims).unwrap();
+    found_in.enqueue(trims).unwrap();
     act(&mut settings_store, settings);
 }
 

@@ -166,3 +166,10 @@ fn a_belt_that_stops_is_a_fault_after_a_tenth_of_a_second_of_requested_drive() {
     let mut waits = moves().run(Gate::Off);
     assert_eq!(waits.found(10_000, Gate::Off, |_| {}), None);
 }
+
+#[test]
+fn the_self_test_expects_the_voltage_of_a_lane_that_is_trimmed() {
+    let mut runs = Bench::new(|config| config.phasing.gain_trim = [0.6].into_iter().collect());
+    let mode = (0..300).map(|_| runs.block(Gate::On, |_| {})).find(|report| !matches!(report.mode, Mode::Idle | Mode::SelfTest));
+    assert_eq!(mode.map(|report| (report.mode, report.fault)), Some((Mode::Scan, None)));
+}

@@ -275,3 +275,24 @@ fn the_shortest_brake_that_the_headroom_allows_is_taken() {
     assert_eq!(Brake::of(0.1, 10.0).half_cycles, 2);
     assert_eq!(Brake::of(20.0, 0.0), Brake::of(20.0, 1e-3));
 }
+
+#[test]
+fn a_burst_of_a_chirp_ends_where_the_chirp_passes_zero() {
+    // From 20 to 60 kHz within a block of 96 samples.
+    let chirp = Stretch { phase: 0, word: tuning_word(0.02), step: tuning_word(0.04 / 96.0) };
+    for closes in 3..60 {
+        let mut chirped = burst(window(1e-6, f64::from(closes) * 1e-6), Edge::Hard);
+        let Envelope::Edge(levels) = chirped.envelope(Gate::Scheduled, 0, &chirp, 96, 3.0) else { panic!("an edge") };
+        let got = levels.to_vec();
+        let passes = |n: &usize| falling(chirp.phase_at(*n)) != falling(chirp.phase_at(n - 1));
+        let edges: std::vec::Vec<usize> = (1..96).filter(|&n| got[n] != got[n - 1]).collect();
+        assert!(edges.iter().all(passes) && edges.len() <= 2, "{closes}: {edges:?}");
+        // The first passage after the gate has opened, and the first in the same direction after it has closed.
+        let passages: std::vec::Vec<usize> = (1..96).filter(passes).collect();
+        let expected = (passages[0] < closes as usize).then(|| {
+            let end = passages.iter().step_by(2).find(|&&n| n >= closes as usize);
+            [Some(passages[0]), end.copied()].into_iter().flatten().collect::<std::vec::Vec<_>>()
+        });
+        assert_eq!(edges, expected.unwrap_or_default(), "{closes}");
+    }
+}

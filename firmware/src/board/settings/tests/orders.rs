@@ -89,6 +89,18 @@ fn what_would_not_build_is_not_stored() {
 }
 
 #[test]
+fn trims_that_do_not_build_are_not_stored() {
+    let mut settings = blank();
+    let out_of_order = longest().trims.into_iter().rev().collect();
+    with_found(out_of_order, &mut settings, |store, settings| {
+        store.keep(false, settings);
+        let refused = store.obey(Verb::Store, true, settings, Some(&built_in));
+        assert!(matches!(refused, Reply::Nak(Refusal::DoesNotBuild(_))), "{refused:?}");
+        assert_eq!(settings.stores(), 0);
+    });
+}
+
+#[test]
 fn settings_are_stored_or_nothing_is() {
     let mut settings = blank();
     with_keeper(&mut settings, |store, settings| {
