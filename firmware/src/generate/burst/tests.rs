@@ -247,7 +247,9 @@ fn a_soft_burst_that_is_ordered_during_a_brake_begins_with_its_ramp() {
     while !matches!(braked.state, State::Braking { .. }) {
         run(&mut braked, Gate::Brake, 5..6);
     }
-    let got = run(&mut braked, Gate::On, 6..12);
+    // In one block: the brake ends, and the drive passes zero again.
+    let mut got = levels(&mut braked, Gate::On, 6 * 32, 96);
+    got.extend(run(&mut braked, Gate::On, 9..12));
     let up = got.iter().position(|&level| level > 0.0).unwrap();
     assert!(got[up] < 0.1 && got[up..].windows(2).all(|pair| pair[1] - pair[0] < 0.1), "{:?}", &got[up..]);
     assert_eq!(got.last(), Some(&1.0));

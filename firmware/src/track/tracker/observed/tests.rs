@@ -173,6 +173,30 @@ fn a_lost_lock_is_sought_nearby_then_in_the_window_then_from_the_self_test_on_an
 }
 
 #[test]
+fn what_was_known_of_the_window_is_kept_for_the_next_time() {
+    let mut rig = Rig::new(NOMINAL_HZ, 65.0);
+    rig.observed.start(&prior(50.0, 20.0, 30.0), Retry::Nearby);
+    assert_eq!((rig.observed.prior.q, rig.observed.prior.offset_hz), (65.0, (0.0, WINDOW_HZ)));
+    rig.observed.start(&prior(50.0, 20.0, 30.0), Retry::Scan);
+    assert_eq!((rig.observed.prior.q, rig.observed.prior.offset_hz), (30.0, (0.0, WINDOW_HZ)));
+}
+
+#[test]
+fn silence_moves_nothing_and_is_no_resonance() {
+    let mut rig = Rig::new(NOMINAL_HZ + 300.0, 65.0);
+    (0..100).for_each(|_| rig.tick(true, |_| {}));
+    let before = rig.observed.observer().offset_hz();
+    let silent =
+        PlayedBlock { offset_hz: before, volts: 3.0, envelope: Some(0.0), pure: true, on: false, driven: false, rung_up: false };
+    for _ in 0..100 {
+        rig.observed.follow(Phasor::default(), Phasor::default(), &silent, true);
+        assert!(!rig.observed.observer().has_opened());
+    }
+    let moved = rig.observed.observer().offset_hz() - before;
+    assert!(moved.abs() < 0.1, "{moved} Hz");
+}
+
+#[test]
 fn a_scan_is_left_once() {
     let mut rig = Rig::new(NOMINAL_HZ, 65.0);
     assert!(rig.observed.has_a_scan_left() && rig.observed.leave_to_a_scan());

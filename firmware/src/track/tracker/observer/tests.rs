@@ -273,6 +273,8 @@ fn the_gate_opens_to_three_hundred_hertz() {
     vague.observer.covariance.pole = 1.0;
     vague.observer.open(Phasor::default(), 1e-6);
     assert!(vague.observer.covariance.pole >= 1.0);
+    // The current is known to twice its noise.
+    assert!((vague.observer.covariance.current / 4e-6 - 1.0).abs() < 1e-6);
 }
 
 /// Where the drive changes, the block before says nothing of the current: its deviation is that of its noise, and the pole is known as before.
