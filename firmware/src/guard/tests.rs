@@ -90,14 +90,14 @@ fn the_power_is_limited_on_a_board_without_an_encoder() {
 
 #[test]
 fn the_energy_for_each_metre_is_that_of_the_power() {
-    // The contact bears what 5.5 W are in ten blocks and a half.
+    // The contact bears what 5.5 W are in a hundred blocks and a half.
     let mut guard = guard(|config| {
         config.front_end.metre_per_count = Some(1e-5);
-        config.limits.energy_j_per_m = Some(5.5 * 10.5 * BLOCK_S / 0.01);
+        config.limits.energy_j_per_m = Some(5.5 * 100.5 * BLOCK_S / 0.01);
     });
     let mut belt = Belt::of(1e-5, BLOCK_S);
     belt.update(Some(BeltSense { counts: 0, broken: false }));
-    assert_eq!(found(&mut guard, &belt, &RUNS, 100), Some((11, Fault::EnergyPerLength)));
+    assert_eq!(found(&mut guard, &belt, &RUNS, 200), Some((101, Fault::EnergyPerLength)));
     assert_eq!(found(&mut guard, &belt, &Driven { volts: Some(0.0), ..RUNS }, 50), None);
 }
 

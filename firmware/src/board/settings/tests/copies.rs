@@ -12,6 +12,8 @@ struct Nor {
     left: usize,
     /// Words that it has written, and how many more lose a bit.
     written: usize,
+    /// Pages that it has erased.
+    erased: usize,
     weak: usize,
 }
 
@@ -21,7 +23,7 @@ impl Nor {
     }
 
     fn of_pages(count: usize) -> Self {
-        Nor { bytes: std::vec![0xFF; count * 2048], left: usize::MAX, written: 0, weak: 0 }
+        Nor { bytes: std::vec![0xFF; count * 2048], left: usize::MAX, written: 0, erased: 0, weak: 0 }
     }
 
     fn spend(&mut self) -> Result<(), Beyond> {
@@ -53,6 +55,7 @@ impl NorFlash for Nor {
 
     fn erase(&mut self, from: u32, to: u32) -> Result<(), Beyond> {
         self.spend()?;
+        self.erased += (to - from) as usize / 2048;
         self.bytes.get_mut(from as usize..to as usize).ok_or(Beyond)?.fill(0xFF);
         Ok(())
     }
@@ -146,7 +149,8 @@ fn where_a_half_has_more_pages_some_are_closed() {
         // A page that was closed is damaged where it says so: one copy less, and the next store makes it anew.
         if n % 7 == 0 {
             let whole = settings.flash.clone();
-            let marks = (0..4).map(|page| 2048 * page).filter(|&at| whole.bytes[at] != 0xFF);
+            let ends = (0..4).flat_map(|page| [2048 * page, 2048 * page + 2040]);
+            let marks = ends.filter(|&at| whole.bytes[at] != 0xFF);
             for at in marks.collect::<std::vec::Vec<_>>() {
                 let mut flash = whole.clone();
                 flash.bytes[at..at + 8].fill(0xFF);
@@ -157,6 +161,9 @@ fn where_a_half_has_more_pages_some_are_closed() {
             }
         }
     }
+    // Nothing was erased but in turns: a page takes three records at least.
+    let erased = settings.flash.erased;
+    assert!((10..=28).contains(&erased), "{erased}");
 }
 
 #[test]
