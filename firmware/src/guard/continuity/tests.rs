@@ -3,7 +3,7 @@
 use super::*;
 
 const VOLTS: f32 = 10.0;
-const LIMIT_V: f32 = 15.0;
+const LIMIT_V: f32 = 25.0;
 const SUSCEPTANCE: f32 = 0.02;
 const CONDUCTANCE: f32 = 0.025;
 const LOAD: Load = Load { periods: 20.7, susceptance: SUSCEPTANCE, noise: 1e-8 };
