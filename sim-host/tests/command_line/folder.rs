@@ -172,6 +172,17 @@ fn a_run_that_fails_leaves_no_folder() {
     assert!(code(&output) == 1 && stderr(&output).contains("cannot write"), "{}", stderr(&output));
 }
 
+/// Neither by a folder without the right to write, which root has everywhere else, nor by a file in its place.
+#[cfg(target_os = "linux")]
+#[test]
+fn where_nothing_can_be_written_the_place_is_named() {
+    for place in ["/proc/sonoglide", "/dev/null/sonoglide"] {
+        let output = sim_host(&["run", "lock", "-q", "-o", place]);
+        let said = stderr(&output);
+        assert!(code(&output) == 1 && said.contains(&format!("cannot write `{place}`")), "{place}: {said}");
+    }
+}
+
 #[cfg(unix)]
 #[test]
 fn an_interrupted_run_takes_the_place_as_a_whole_and_a_killed_one_does_not() {
