@@ -12,7 +12,7 @@
 //! | the tone explains nine tenths of the energy of both channels | a sine was played | a channel is offset, has lost a bit, or the drive is no sine |
 //!
 //! A load that changes bends the motional current for a time constant; a sense chain that fails moves it within two blocks, after which it stays. A clamped capacitance that
-//! changes moves it at once, too, but by a susceptance, and by no more than there is of it. Where a time constant is shorter than four blocks, the two are alike, and jumps say nothing.
+//! changes moves it at once, too, but by a susceptance, and by no more than there is of it. A resonance that jumps turns it until the tracker has followed. Where a time constant is shorter than four blocks, the two are alike, and jumps say nothing.
 
 use core::mem;
 
@@ -45,6 +45,8 @@ const LOST_PART: f32 = 0.8;
 /// After so many time constants nothing is left of an earlier vibration; and how much of it so many blocks of a ring-up bring at most.
 const PAUSE: f32 = 7.0;
 const RISING_BLOCKS: f32 = 2.5;
+/// A resonance that has jumped turns the motional current against the drive until the tracker is there: for so many blocks at most.
+const FOLLOWED_BLOCKS: f32 = 4.0;
 /// A jump is larger than so many standard deviations of a block's noise.
 const NOISE: f32 = 8.0;
 /// The shortest time constant in which a load is told from a jump, blocks.
@@ -84,6 +86,8 @@ pub(crate) struct Load {
 #[derive(Clone, Debug)]
 pub(crate) struct Continuity {
     periods_per_block: f32,
+    /// How far a resonance that has jumped may turn the motional current before it is followed, rad/Hz.
+    turned_per_hz: f32,
     /// The most that the square of a voltage may be, V².
     limit: f32,
     /// Means of `h`, `y`, S, and of the frequency's offset, Hz.
@@ -115,6 +119,7 @@ impl Continuity {
     pub(crate) fn build(frequency_hz: f32, block_s: f32, limit_v: f32) -> Self {
         Continuity {
             periods_per_block: frequency_hz * block_s,
+            turned_per_hz: core::f32::consts::TAU * FOLLOWED_BLOCKS * block_s,
             limit: LOUDER * LOUDER * limit_v * limit_v,
             voltage: Phasor::default(),
             current: Phasor::default(),
@@ -275,14 +280,16 @@ impl Continuity {
             .all(|(&now, then)| exceeds(now - then, then, rise) && self.is_impossible(now - then, block, load))
     }
 
-    /// Whether neither a load nor a clamped capacitance nor noise make such a jump of current by drive, S.
+    /// Whether neither a load nor a clamped capacitance nor noise nor a resonance that the tracker follows make such a jump of current by drive, S.
     #[cold]
     #[inline(never)]
     fn is_impossible(&self, jump: Phasor, block: &Steady, load: &Load) -> bool {
         let admittance = jump * block.v.conj() * (block.volts / block.v.norm_sqr());
         let upright = admittance.re.abs() < UPRIGHT * admittance.im.abs() && admittance.im > -LOST_PART * load.susceptance;
         let slow = load.periods > SLOW_BLOCKS * self.periods_per_block;
-        !upright && slow && jump.norm_sqr() * block.volts * block.volts > NOISE * NOISE * 2.0 * load.noise
+        let turned = self.turned_per_hz * (block.offset_hz - self.offset_hz);
+        let least = larger(NOISE * NOISE * 2.0 * load.noise, turned * turned * block.motional.norm_sqr());
+        !upright && slow && jump.norm_sqr() * block.volts * block.volts > least
     }
 }
 

@@ -93,6 +93,23 @@ fn a_current_that_jumps_is_no_load() {
     }
 }
 
+/// Of 1 kHz in 3 blocks, at each moment of a block: 0.6 rad. A current that is reversed jumps by more, wherever the tracker goes with it.
+#[test]
+fn a_resonance_that_jumps_and_is_followed_is_no_failure() {
+    for moment in [0.0, 0.25, 0.5, 0.75] {
+        for parity in 0..2 {
+            let turned = |n: usize| {
+                let blocks = (n as f32 - parity as f32 - moment + 0.5).clamp(0.0, 3.0);
+                let (sin, cos) = libm::sincosf(core::f32::consts::TAU * 1e3 * 32e-6 * blocks);
+                Phasor::new(cos, sin)
+            };
+            let offset_hz = |n: usize| if n < 3 + parity { 0.0 } else { -1e3 };
+            let after = |sign: f32| known_after(|n| Steady { offset_hz: offset_hz(n), ..block(one(), turned(n) * sign, 1.0) });
+            assert_eq!((after(1.0), after(-1.0).is_some()), (None, true), "{moment} {parity}");
+        }
+    }
+}
+
 #[test]
 fn what_fails_in_a_pause_is_known_when_it_is_over() {
     let ring_up = |n: usize, gain: f32| {
