@@ -36,6 +36,8 @@ const FIRST_BLOCKS: u32 = 16;
 const NEW: f32 = 1.0 / 16.0;
 /// Steady blocks by which a jump is known: the fourth of those that it takes is the tenth.
 const KNOWN_BLOCKS: u32 = 10;
+/// Steady blocks after which nothing rings at another frequency any more.
+const CALM_BLOCKS: u32 = 64;
 /// A jump of the current, relative to it; and by how much less it moves before and after.
 const JUMP_PART: f32 = 0.15;
 const STAYS_PART: f32 = 0.3;
@@ -110,7 +112,7 @@ pub(crate) struct Continuity {
     starts: Option<[Phasor; 2]>,
     /// It was broken in this attempt.
     failed: bool,
-    /// The last block should have been a sine and was none.
+    /// The last block, of a drive that has long been steady, was no sine: one at a time.
     torn: bool,
 }
 
@@ -166,7 +168,7 @@ impl Continuity {
         self.failed
     }
 
-    /// Whether the last block should have been a sine and was none: a sample of it has failed, and it says nothing of the resonance.
+    /// Whether the last block, of a drive that has long been steady, was no sine: a sample of it has failed, and it says nothing of the resonance.
     #[inline]
     pub(crate) fn is_torn(&self) -> bool {
         self.torn
@@ -175,7 +177,7 @@ impl Continuity {
     /// Takes a block, and returns whether voltage or current have changed as they cannot, in it or before.
     pub(crate) fn is_broken(&mut self, block: &Steady, load: impl FnOnce() -> Load) -> bool {
         self.steady = self.steady.wrapping_add(1);
-        self.torn = block.tracked && block.unexplained;
+        self.torn = block.tracked && block.unexplained && self.steady > CALM_BLOCKS && !self.torn;
         self.failed |= match self.steady {
             // Voltage and current by turns: no block has time for both.
             steady if steady & 1 != 0 => self.is_elsewhere(block),
@@ -197,7 +199,7 @@ impl Continuity {
         let off = h - self.voltage;
         let tolerated = VOLTAGE_PART * VOLTAGE_PART * self.voltage.norm_sqr();
         let elsewhere = self.known >= FIRST_BLOCKS && off.norm_sqr() > tolerated && !self.explains(off, y, block.offset_hz);
-        if elsewhere || self.torn || h.norm_sqr() > self.loudest || block.v.norm_sqr() > self.limit {
+        if elsewhere || block.tracked && block.unexplained || h.norm_sqr() > self.loudest || block.v.norm_sqr() > self.limit {
             self.broken += 1;
         } else {
             self.broken = 0;
