@@ -1,4 +1,4 @@
-//! Where counters come round: the number of the block as it is reported, and the numbers of orders.
+//! Where counters come round: the number of the block as it is reported, and the numbers of orders. Where a tone begins.
 
 mod guarded;
 
@@ -93,4 +93,20 @@ fn where_the_number_of_the_block_and_of_an_order_come_round_nothing_else_changes
             assert!(drive == far_drive && alike == *far_report, "block {n} from {first}: {report:?}, {far_report:?}");
         }
     }
+}
+
+/// Twice over: a voltage that jumps draws a peak of current into the clamped capacitance, however small the drive is.
+#[test]
+fn tones_of_self_test_and_scan_begin_at_zero() {
+    // The silence between the two pays back what the self-test has left, by a constant.
+    let is_silent = |drive: &DriveBlock| drive.lanes[0].iter().all(|code| *code == drive.lanes[0][0]);
+    let mut began = std::vec::Vec::new();
+    for [(before, _), (drive, report)] in run(0, 0, 12_000).array_windows() {
+        if matches!(report.mode, Mode::SelfTest | Mode::Scan) && is_silent(before) && !is_silent(drive) {
+            let (first, largest) = (drive.lanes[0][0], drive.lanes[0].iter().map(|code| code.abs_diff(2048)).max());
+            assert!(first == 2048 && largest > Some(50), "{:?}: {:?}", report.mode, drive.lanes[0]);
+            began.push(report.mode);
+        }
+    }
+    assert_eq!(began, [Mode::SelfTest, Mode::Scan].repeat(2));
 }

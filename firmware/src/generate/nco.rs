@@ -108,6 +108,12 @@ impl Nco {
         self.phase = stretch.phase_at(samples);
         stretch
     }
+
+    /// Goes back to the beginning of a cycle.
+    #[inline]
+    pub(crate) fn rewind(&mut self) {
+        self.phase = 0;
+    }
 }
 
 #[cfg(test)]

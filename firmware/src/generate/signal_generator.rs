@@ -125,9 +125,13 @@ impl SignalGenerator {
         let now = self.now(block);
         let louder = self.burst.loudest();
         let envelope = match mode {
-            Mode::Idle | Mode::Fault => self.burst.set_envelope_now(false, &stretch, self.samples),
-            Mode::SelfTest | Mode::Scan | Mode::Calibrate | Mode::Clamped => {
-                self.burst.set_envelope_now(plan.gate == Gate::On, &stretch, self.samples)
+            Mode::Idle | Mode::Fault | Mode::SelfTest | Mode::Scan | Mode::Calibrate | Mode::Clamped => {
+                let open = plan.gate == Gate::On && !matches!(mode, Mode::Idle | Mode::Fault);
+                if !open {
+                    // A tone begins where a cycle does: a jump of the voltage would draw a peak of current into the clamped capacitance.
+                    self.nco.rewind();
+                }
+                self.burst.set_envelope_now(open, &stretch, self.samples)
             }
             // Without a voltage there is no burst: the next one begins at zero.
             Mode::Lock | Mode::Run if plan.volts == 0.0 => self.burst.set_envelope_now(false, &stretch, self.samples),

@@ -88,11 +88,10 @@ mod tests {
 
     /// The quick variant has no silent failure and is never too loud. How many are right stands in docs/transducers.md.
     #[test]
-    fn none_is_silently_wrong_and_one_is_too_loud() {
+    fn none_is_silently_wrong_or_too_loud() {
         let mut options = Options { quick: true, count: None, seed: None, counted: None, stop: None, progress: &mut |_| () };
         let evidence = run(&mut options).unwrap_or_else(|error| panic!("{error}"));
         let missed: Vec<_> = evidence.missed.iter().filter(|missed| !missed.contains("right and in time")).collect();
-        // Known: 1.02 times the amperes in one of 12; docs/transducers.md says of how many more.
-        assert!(missed.len() <= 1 && missed.iter().all(|missed| missed.starts_with("too loud")), "{missed:?}");
+        assert!(missed.is_empty(), "{missed:?}");
     }
 }

@@ -124,16 +124,14 @@ pub fn prepared(images: &FieldImages, phase: Phase) -> Result<(Board, Vec<FlashO
             let session = client.1.session();
             board = released(client);
             let write = UpdateVerb::Write(0, rows(&images.new[..CHUNK]));
-            board.send(&encode(900, session, Command::Update(write)).map_err(|_| CampaignError::NotThere("a frame"))?);
+            send(&mut board, 900, session, Command::Update(write))?;
             Some(Duration::from_millis(30))
         }
         Phase::Marking => {
             started(&mut board)?;
             let session;
             (board, session) = complete(board, images)?;
-            board.send(
-                &encode(901, session, Command::Update(UpdateVerb::Install)).map_err(|_| CampaignError::NotThere("a frame"))?,
-            );
+            send(&mut board, 901, session, Command::Update(UpdateVerb::Install))?;
             Some(Duration::from_millis(60))
         }
         Phase::Confirming => {
@@ -141,7 +139,10 @@ pub fn prepared(images: &FieldImages, phase: Phase) -> Result<(Board, Vec<FlashO
             started(&mut board)?;
             let mut client = client_of(board);
             client.1.connect()?;
+            let session = client.1.session();
             board = released(client);
+            // The first frame that is obeyed: to begin a session is none.
+            send(&mut board, 902, session, Command::Status)?;
             Some(Duration::from_millis(180))
         }
         Phase::Returning => {
@@ -207,6 +208,12 @@ fn client_of(board: Board) -> Connected {
 
 fn released((board, _): Connected) -> Board {
     board.borrow().clone()
+}
+
+/// Sends a command, and waits for no answer.
+fn send(board: &mut Board, sequence: u16, session: u32, command: Command) -> Result<(), CampaignError> {
+    board.send(&encode(sequence, session, command).map_err(|_| CampaignError::NotThere("a frame"))?);
+    Ok(())
 }
 
 /// A chunk as it is sent.

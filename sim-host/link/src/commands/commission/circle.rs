@@ -13,7 +13,7 @@ use firmware::seam::units::Hertz;
 use realfft::num_complex::Complex64;
 
 use super::board_settings::BoardSettings;
-use super::fit::{Point, Resonance};
+use super::fit::Point;
 use super::limits::Bounds;
 use super::probe;
 use super::proposal::{LESS, Proposal, USED, settle_s, width_hz};
@@ -54,7 +54,9 @@ pub fn measure(
     board: &mut BoardSettings,
     session: &mut Session,
 ) -> Result<Result<Circle, Fault>, LinkError> {
-    let (mut of, mut used) = (*of, USED / swell(&of.transducer));
+    let swell = swell(&of.transducer);
+    let mut used = USED / swell;
+    let mut of = of.as_loud_as(of.volts, swell * of.amperes, bounds);
     let hz = f64::from(of.transducer.series_resonance_hz);
     let mut base_hz = hz;
     let mut shifts = SHIFTS.into_iter();
@@ -83,13 +85,12 @@ pub fn measure(
     }
 }
 
-/// The largest admittance on the circle over that at the resonance: beside a large C0 it is larger below the resonance.
+/// The largest current that can flow while the tone goes from one point to another, over that at the resonance. What still rings at the resonance beats with
+/// what the new tone rings up, and with the current of C0, so that for a moment all amounts may add.
 fn swell(of: &Transducer) -> f64 {
-    let (hz, q) = (f64::from(of.series_resonance_hz), f64::from(of.q));
-    let motional = Resonance { hz, q, siemens: 1.0 / f64::from(of.rm_ohm) };
-    let siemens = |hz: f64| (motional.admittance(hz) + Complex64::new(0.0, TAU * hz * f64::from(of.c0_f))).norm();
-    let ends = REACH.min(WINDOW.0 * WINDOW.1 * q) * width_hz(of);
-    (-20..=20).map(|n| siemens(hz + ends * f64::from(n) / 20.0)).fold(0.0, f64::max) / siemens(hz)
+    let omega = TAU * f64::from(of.series_resonance_hz);
+    let (motional, clamped) = (1.0 / f64::from(of.rm_ohm), omega * f64::from(of.c0_f));
+    (motional + clamped) / motional.hypot(clamped)
 }
 
 fn points(
