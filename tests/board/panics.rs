@@ -90,14 +90,16 @@ fn end(name: &str) -> Option<&'static str> {
     ENDS.iter().find(|(part, _)| begins && name.contains(part)).map(|(_, said)| *said)
 }
 
+/// Place of the reason why a function does not panic.
+fn place(name: &str) -> Option<usize> {
+    // A trait's method belongs to the type that has it, a closure or an adapter to what it is in.
+    let begins = |(part, _): &(&str, _)| name.starts_with(part);
+    REASONS.iter().position(begins).or_else(|| REASONS.iter().position(|(part, _)| name.contains(part.trim_start_matches('<'))))
+}
+
 /// Why a function does not panic.
 fn reason(name: &str) -> Option<&'static str> {
-    // A trait's method belongs to the type that has it, a closure or an adapter to what it is in.
-    REASONS
-        .iter()
-        .find(|(part, _)| name.starts_with(part))
-        .or_else(|| REASONS.iter().find(|(part, _)| name.contains(part.trim_start_matches('<'))))
-        .map(|(_, reason)| *reason)
+    place(name).map(|place| REASONS[place].1)
 }
 
 /// Places of what the block interrupt calls, as far as direct branches show, and of all code in the core-coupled RAM. What panics is not followed.
@@ -169,7 +171,13 @@ fn docs_name_every_panic_of_the_flashed_image() {
     let panics = panics(&functions);
     // What is known to be there is found: else this looks at nothing.
     assert!(panics.iter().any(|of| of.function.name.contains("_defmt_acquire")) && block_path(&functions).len() > 50);
+    let checked = |of: &&Panics| of.in_block && ["index", "range"].iter().any(|by| of.by.contains_key(by));
+    let checked: Vec<_> = panics.iter().filter(checked).map(|of| &of.function.name).collect();
+    assert!(checked.is_empty(), "bounds are checked in the block path: {checked:#?}");
     let unreasoned: Vec<_> = panics.iter().map(|of| &of.function.name).filter(|name| reason(name).is_none()).collect();
     assert!(unreasoned.is_empty(), "without a reason: {unreasoned:#?}");
+    let named = |part: &str| panics.iter().any(|of| place(&of.function.name).is_some_and(|place| REASONS[place].0 == part));
+    let idle: Vec<_> = REASONS.iter().map(|(part, _)| part).filter(|part| !named(part)).collect();
+    assert!(idle.is_empty(), "reasons for what does not panic: {idle:#?}");
     report::docs::block("panics.md", "cargo test -p scenarios docs_name_every_panic", &markdown(&functions, &panics));
 }

@@ -97,16 +97,16 @@ fn where_the_number_of_the_block_and_of_an_order_come_round_nothing_else_changes
 
 /// Twice over: a voltage that jumps draws a peak of current into the clamped capacitance, however small the drive is.
 #[test]
-fn tones_of_self_test_and_scan_begin_at_zero() {
+fn a_scan_begins_at_zero() {
     // The silence between the two pays back what the self-test has left, by a constant.
     let is_silent = |drive: &DriveBlock| drive.lanes[0].iter().all(|code| *code == drive.lanes[0][0]);
-    let mut began = std::vec::Vec::new();
+    let mut began = 0;
     for [(before, _), (drive, report)] in run(0, 0, 12_000).array_windows() {
-        if matches!(report.mode, Mode::SelfTest | Mode::Scan) && is_silent(before) && !is_silent(drive) {
+        if report.mode == Mode::Scan && is_silent(before) && !is_silent(drive) {
             let (first, largest) = (drive.lanes[0][0], drive.lanes[0].iter().map(|code| code.abs_diff(2048)).max());
-            assert!(first == 2048 && largest > Some(50), "{:?}: {:?}", report.mode, drive.lanes[0]);
-            began.push(report.mode);
+            assert!(first == 2048 && largest > Some(100), "{:?}", drive.lanes[0]);
+            began += 1;
         }
     }
-    assert_eq!(began, [Mode::SelfTest, Mode::Scan].repeat(2));
+    assert_eq!(began, 2);
 }

@@ -136,7 +136,8 @@ impl Calibrate {
         if self.blocks < settles + self.average_blocks {
             return self.tone();
         }
-        self.measured[self.lane] = core::mem::take(&mut self.sum);
+        let sum = core::mem::take(&mut self.sum);
+        self.measured.get_mut(self.lane).into_iter().for_each(|measured| *measured = sum);
         (self.lane, self.blocks) = (self.lane + 1, 0);
         if self.lane < self.lanes { self.tone() } else { self.take_point(phasing) }
     }
@@ -155,22 +156,28 @@ impl Calibrate {
         Step::Done { volts: 0.0 }
     }
 
+    /// Offset of the present tone, Hz.
+    fn offset_hz(&self) -> f32 {
+        self.window_hz * POSITIONS.get(self.point).unwrap_or(&0.0)
+    }
+
     fn tone(&self) -> Step {
-        Step::Tone { offset_hz: self.window_hz * POSITIONS[self.point], volts: self.volts, lane: self.lane as u8 }
+        Step::Tone { offset_hz: self.offset_hz(), volts: self.volts, lane: self.lane as u8 }
     }
 
     /// All lanes have been measured at this frequency.
     fn take_point(&mut self, phasing: &mut Phasing) -> Step {
         let errors = self.errors(phasing.quadrature(None).0);
+        let errors = errors.get(..self.lanes).unwrap_or(&errors);
         let bound = if self.pass == Pass::Measure { PLAUSIBLE } else { (RESIDUAL.0, 1.0 + RESIDUAL.1) };
-        if !errors[..self.lanes].iter().all(|error| is_within(error, bound)) {
+        if !errors.iter().all(|error| is_within(error, bound)) {
             self.abandon(phasing);
             return Step::Failed(Fault::LaneImplausible);
         }
         if self.pass == Pass::Measure {
-            let hz = self.nominal_hz + self.window_hz * POSITIONS[self.point];
+            let hz = self.nominal_hz + self.offset_hz();
             // As many points as there is room for.
-            let _ = self.found.push(TrimPoint { hz, lanes: trims(&errors[..self.lanes]) });
+            let _ = self.found.push(TrimPoint { hz, lanes: trims(errors) });
         }
         (self.lane, self.point) = (0, self.point + 1);
         if self.point < POSITIONS.len() {

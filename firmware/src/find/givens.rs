@@ -78,16 +78,18 @@ impl<const N: usize> RealTriangle<N> {
     /// Standard deviation of the sum `of . unknowns`, for rows that were divided by theirs: `|R^-T of|`.
     pub(crate) fn deviation(&self, of: &[f32; N]) -> f32 {
         let (mut forward, mut square) = (*of, 0.0);
+        let mut later = forward.as_mut_slice();
         for (n, row) in self.rows.iter().enumerate() {
-            let (x, of_row) = (forward[n], row[n]);
-            // What it does not depend on, and of what nothing was said.
-            if x == 0.0 || of_row == 0.0 {
-                continue;
+            let Some((&mut x, rest)) = later.split_first_mut() else { break };
+            let Some((&of_row, row)) = row.get(n..).and_then(<[f32]>::split_first) else { break };
+            // But for what it does not depend on, and of what nothing was said.
+            if x != 0.0 && of_row != 0.0 {
+                square += x * x / of_row;
+                for (later, own) in rest.iter_mut().zip(row) {
+                    *later -= own * x;
+                }
             }
-            square += x * x / of_row;
-            for (later, own) in forward[n + 1..].iter_mut().zip(&row[n + 1..]) {
-                *later -= own * x;
-            }
+            later = rest;
         }
         libm::sqrtf(square)
     }
@@ -123,12 +125,13 @@ impl<const N: usize> ComplexTriangle<N> {
 
     /// Removes all rows, for so many unknowns.
     pub(crate) fn restart(&mut self, unknowns: usize) {
-        self.unknowns = unknowns.min(N);
-        for row in &mut self.rows[..self.unknowns] {
-            row[..self.unknowns].fill(Phasor::default());
+        let unknowns = unknowns.min(N);
+        for row in &mut self.rows[..unknowns] {
+            row[..unknowns].fill(Phasor::default());
         }
-        self.right[..self.unknowns].fill(Phasor::default());
-        (self.left, self.count, self.pivot) = (0.0, 0, self.unknowns);
+        self.right[..unknowns].fill(Phasor::default());
+        (self.unknowns, self.pivot) = (unknowns, unknowns);
+        (self.left, self.count) = (0.0, 0);
     }
 
     /// Whether no row is being folded in.
@@ -143,11 +146,13 @@ impl<const N: usize> ComplexTriangle<N> {
 
     /// Folds the row in by so many rotations or a few more. Returns whether it is complete.
     pub(crate) fn fold(&mut self, rotations: usize) -> bool {
+        // They are no more anyway: said here, no place is checked below.
+        let unknowns = self.unknowns.min(N);
         let mut done = 0;
-        while self.pivot < self.unknowns && done < rotations {
+        while self.pivot < unknowns && done < rotations {
             let pivot = self.pivot;
             self.pivot += 1;
-            done += self.unknowns - pivot + 1;
+            done += unknowns - pivot + 1;
             let (a, b) = (self.rows[pivot][pivot], self.row[pivot]);
             let square = a.norm_sqr() + b.norm_sqr();
             if square == 0.0 {
@@ -155,7 +160,7 @@ impl<const N: usize> ComplexTriangle<N> {
             }
             let scale = 1.0 / libm::sqrtf(square);
             let (a, b) = (a * scale, b * scale);
-            let columns = pivot..self.unknowns;
+            let columns = pivot..unknowns;
             for (x, y) in self.rows[pivot][columns.clone()].iter_mut().zip(&mut self.row[columns]) {
                 (*x, *y) = (a.conj() * *x + b.conj() * *y, a * *y - b * *x);
             }
@@ -172,9 +177,11 @@ impl<const N: usize> ComplexTriangle<N> {
     /// The unknowns; `None` where the rows do not determine them.
     pub(crate) fn solve(&self) -> Option<[Phasor; N]> {
         let mut unknowns = [Phasor::default(); N];
-        for n in (0..self.unknowns).rev() {
+        let number = self.unknowns.min(N);
+        for n in (0..number).rev() {
             let row = &self.rows[n];
-            let known = (n + 1..self.unknowns).fold(self.right[n], |rest, k| rest - row[k] * unknowns[k]);
+            let later = row.iter().zip(&unknowns).take(number).skip(n + 1);
+            let known = later.fold(self.right[n], |rest, (own, unknown)| rest - *own * *unknown);
             if row[n].norm_sqr() == 0.0 {
                 return None;
             }
@@ -193,7 +200,7 @@ impl<const N: usize> ComplexTriangle<N> {
     /// each way. Sums of such numbers are sums of these.
     pub(crate) fn spread(&self, gradient: &[Phasor; N]) -> [Phasor; N] {
         let mut z = [Phasor::default(); N];
-        for n in 0..self.unknowns {
+        for n in 0..self.unknowns.min(N) {
             let rest = (0..n).fold(gradient[n], |rest, k| rest - self.rows[k][n] * z[k]);
             z[n] = rest / self.rows[n][n];
         }

@@ -69,7 +69,8 @@ pub fn loudest(phasing: &PhasingConfig) -> f32 {
 }
 
 fn loudest_of(fixed: impl Fn(usize) -> f32, calibration: &LaneTrims) -> f32 {
-    let calibrated = |lane: usize| calibration.iter().map(|point| point.lanes[lane].gain).fold(1.0, f32::max);
+    let calibrated =
+        |lane: usize| calibration.iter().filter_map(|point| point.lanes.get(lane)).map(|trim| trim.gain).fold(1.0, f32::max);
     (0..MAX_LANES).map(|lane| fixed(lane) * calibrated(lane)).fold(1.0, f32::max)
 }
 
@@ -122,7 +123,12 @@ impl Phasing {
 
     /// Where each lane ought to stand, 2^32 a turn.
     pub fn offsets(quadrature: f32) -> [u32; MAX_LANES] {
-        OFFSETS.map(|(turns, quadratures)| phase_of_turns(turns + quadratures * quadrature))
+        Self::turns(quadrature).map(phase_of_turns)
+    }
+
+    /// The same in turns.
+    fn turns(quadrature: f32) -> [f32; MAX_LANES] {
+        OFFSETS.map(|(turns, quadratures)| turns + quadratures * quadrature)
     }
 
     /// The trims of a calibration.
@@ -159,15 +165,15 @@ impl Phasing {
     #[inline(never)]
     fn set(&mut self, hz: f32, quadrature: f32) {
         (self.hz, self.quadrature) = (hz, quadrature);
-        let offset = |lane: usize| OFFSETS[lane].0 + OFFSETS[lane].1 * quadrature;
-        self.lanes = (0..self.fixed.len()).map(|lane| self.lane(lane, offset(lane))).collect();
+        let lanes = self.fixed.iter().zip(Self::turns(quadrature)).enumerate();
+        self.lanes = lanes.map(|(n, (fixed, offset_turns))| self.lane(n, fixed, offset_turns)).collect();
         for n in 2..self.lanes.len() {
             self.lanes[n].mirrors = self.lanes[n].row == -self.lanes[n - 2].row && self.lanes[n].gain == self.lanes[n - 2].gain;
         }
     }
 
-    fn lane(&self, lane: usize, offset_turns: f32) -> Lane {
-        let (fixed, found) = (self.fixed[lane], self.calibrated(lane));
+    fn lane(&self, lane: usize, fixed: &Trim, offset_turns: f32) -> Lane {
+        let found = self.calibrated(lane);
         let gain = fixed.gain * found.gain;
         let offset = phase_of_turns(offset_turns + fixed.phase_turns + found.phase_turns);
         Lane { offset, gain, row: sine::rotation(u64::from(offset) << 32) * gain, mirrors: false }
@@ -176,7 +182,7 @@ impl Phasing {
     /// What the calibration says of a lane, on a straight line between its neighbours in frequency.
     fn calibrated(&self, lane: usize) -> Trim {
         let above = self.calibration.iter().position(|point| point.hz >= self.hz).unwrap_or(self.calibration.len());
-        let at = |point: usize| self.calibration.get(point).map(|point| (point.hz, point.lanes[lane]));
+        let at = |point: usize| self.calibration.get(point).and_then(|point| Some((point.hz, *point.lanes.get(lane)?)));
         match (above.checked_sub(1).and_then(at), at(above)) {
             (Some((low_hz, low)), Some((high_hz, high))) => {
                 let part = (self.hz - low_hz) / (high_hz - low_hz);

@@ -125,10 +125,11 @@ impl SignalGenerator {
         let now = self.now(block);
         let louder = self.burst.loudest();
         let envelope = match mode {
-            Mode::Idle | Mode::Fault | Mode::SelfTest | Mode::Scan | Mode::Calibrate | Mode::Clamped => {
-                let open = plan.gate == Gate::On && !matches!(mode, Mode::Idle | Mode::Fault);
-                if !open {
-                    // A tone begins where a cycle does: a jump of the voltage would draw a peak of current into the clamped capacitance.
+            Mode::Idle | Mode::Fault => self.burst.set_envelope_now(false, &stretch, self.samples),
+            Mode::SelfTest | Mode::Scan | Mode::Calibrate | Mode::Clamped => {
+                let open = plan.gate == Gate::On;
+                if mode == Mode::Scan && !open {
+                    // A scan begins at full voltage, and so where a cycle does: a jump would draw a peak of current into the clamped capacitance.
                     self.nco.rewind();
                 }
                 self.burst.set_envelope_now(open, &stretch, self.samples)

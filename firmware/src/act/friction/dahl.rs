@@ -179,8 +179,10 @@ impl Evaluation {
                 self.ways[0] = Way::new(PI - half, sine, -cosine, kappa);
             }
             part => {
-                let (way, place) = (((part - 3) / 2) as usize, ((part - 3) % 2) as usize);
-                self.ways[way].add(&NODES[place * NODES_A_STEP..(place + 1) * NODES_A_STEP]);
+                let place = ((part - 3) % 2) as usize;
+                let [forward, backward] = &mut self.ways;
+                let way = if part < 5 { forward } else { backward };
+                way.add(&NODES[place * NODES_A_STEP..(place + 1) * NODES_A_STEP]);
             }
         }
         if self.step == STEPS {

@@ -137,8 +137,10 @@ impl Fit {
                 if n + 1 < BEGINNINGS.1 { self.begin_at(n + 1) } else { self.slope(0) }
             }
             Stage::Slope(which) => {
-                for (slope, (to, from)) in self.slopes[which].iter_mut().zip(self.trial.ratios.iter().zip(&self.best.ratios)) {
-                    *slope = (to - from) / STEP[which];
+                for (slopes, step) in self.slopes.iter_mut().zip(STEP).skip(which).take(1) {
+                    for (slope, (to, from)) in slopes.iter_mut().zip(self.trial.ratios.iter().zip(&self.best.ratios)) {
+                        *slope = (to - from) / step;
+                    }
                 }
                 if which == 0 { self.slope(1) } else { self.go() }
             }
@@ -197,9 +199,10 @@ impl Fit {
         let expected = [libm::logf(LENGTH.0), 0.0];
         let mut matrix = [priors[0], 0.0, priors[1]];
         let mut downhill = [priors[0] * (expected[0] - self.best.place[0]), priors[1] * (expected[1] - self.best.place[1])];
-        for (k, observation) in self.observations.iter().enumerate() {
-            let (x, y) = (self.slopes[0][k], self.slopes[1][k]);
-            let missing = observation.ratio - self.best.ratios[k];
+        let [by_length, by_scale] = &self.slopes;
+        let slopes = by_length.iter().zip(by_scale);
+        for ((observation, predicted), (x, y)) in self.observations.iter().zip(&self.best.ratios).zip(slopes) {
+            let missing = observation.ratio - predicted;
             matrix = [matrix[0] + WEIGHT * x * x, matrix[1] + WEIGHT * x * y, matrix[2] + WEIGHT * y * y];
             downhill = [downhill[0] + WEIGHT * x * missing, downhill[1] + WEIGHT * y * missing];
         }

@@ -222,12 +222,12 @@ impl Fit {
                 D2 => (self.elements[D], if self.stage == Stage::Free { deviation } else { ALIKE } * self.elements[D]),
                 _ => (0.0, deviation),
             };
-            let mut row = [0.0; UNKNOWNS];
-            row[n] = 1.0 / deviation;
+            let mut row = core::array::from_fn(|k| if k == n { 1.0 / deviation } else { 0.0 });
             if n == D2 {
                 row[D] = -row[D2];
             }
-            self.triangle.fold(row, (expected - self.elements[n]) / deviation);
+            let element = self.elements.get(n).copied().unwrap_or(expected);
+            self.triangle.fold(row, (expected - element) / deviation);
         }
     }
 

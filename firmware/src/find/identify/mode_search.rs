@@ -228,8 +228,9 @@ impl ModeSearch {
 
     fn state(&mut self, next: usize, spectrum: &Spectrum) {
         let Some(&Transducer { lm_h, deviations, .. }) = self.fit.state(&self.fitted, next) else { return };
+        let offset_hz = self.fitted.poles.get(next).map_or(f32::NAN, |pole| pole.offset_hz);
         let reach_hz = 0.5 * spectrum.lines() as f32 * spectrum.spacing_hz();
-        let beside_hz = (self.fitted.poles[next].offset_hz - spectrum.centre_hz()).abs();
+        let beside_hz = (offset_hz - spectrum.centre_hz()).abs();
         // There is room: there are as many as poles.
         let _ = self.deviations.push(deviations);
         let count = self.fitted.poles.len();

@@ -32,7 +32,7 @@ const J: Phasor = Phasor::new(0.0, 1.0);
 const ONE: Phasor = Phasor::new(1.0, 0.0);
 const NONE: Phasor = Phasor::new(0.0, 0.0);
 
-/// Unknowns of the clamped branch, and of each resonance: `G`, `T` and `s`.
+/// Unknowns of the clamped branch, and of each resonance.
 const CLAMPED: usize = 2;
 const EACH: usize = 3;
 /// The most unknowns.
@@ -69,6 +69,11 @@ pub(crate) struct Solution {
     pub(crate) circuit: Circuit,
     /// How far the poles have moved, in parts of their width.
     pub(crate) moved: f32,
+}
+
+/// The unknowns of each resonance: `G`, `T` and `s`.
+fn of_each(unknowns: &[Phasor; MOST]) -> &[[Phasor; EACH]] {
+    unknowns[CLAMPED..].as_chunks().0
 }
 
 impl PoleFit {
@@ -153,12 +158,12 @@ impl PoleFit {
     /// One step towards the zeros.
     fn move_zeros(&mut self) {
         let (assumed, unknowns) = (&self.assumed, &self.unknowns);
-        let s = |n: usize| unknowns[CLAMPED + EACH * n + 2];
-        for (n, (zero, pole)) in self.zeros.iter_mut().zip(&assumed.poles).enumerate() {
-            let others = assumed.poles.iter().enumerate().filter(|(k, _)| *k != n);
-            let rest: Phasor = others.map(|(k, other)| s(k) * assumed.answer(other, *zero)).sum();
+        let solved = of_each(unknowns);
+        for (n, ((zero, pole), [_, _, s])) in self.zeros.iter_mut().zip(&assumed.poles).zip(solved).enumerate() {
+            let others = assumed.poles.iter().zip(solved).enumerate().filter(|(k, _)| *k != n);
+            let rest: Phasor = others.map(|(_, (other, [_, _, s]))| *s * assumed.answer(other, *zero)).sum();
             // 1 + j Q w = -s / (1 + others), hence w.
-            let w = J * (ONE + s(n) / (ONE + rest)) / pole.q;
+            let w = J * (ONE + *s / (ONE + rest)) / pole.q;
             *zero = assumed.complex_hz(pole, w);
         }
     }
@@ -168,29 +173,30 @@ impl PoleFit {
         if !self.determined {
             return None;
         }
-        let of = |n: usize| CLAMPED + EACH * n;
-        let (assumed, unknowns, zeros) = (&self.assumed, &self.unknowns, &self.zeros);
+        let (assumed, unknowns) = (&self.assumed, &self.unknowns);
         let mut circuit = assumed.clone();
         (circuit.y0, circuit.rest) = (unknowns[0], unknowns[1]);
-        let s = |n: usize| unknowns[of(n) + 2];
+        let solved = of_each(unknowns).iter().zip(&self.zeros);
         let mut moved: f32 = 0.0;
-        for (n, pole) in assumed.poles.iter().enumerate() {
+        for (((n, pole), new), (&[strength, transient, s], &zero)) in
+            assumed.poles.iter().enumerate().zip(&mut circuit.poles).zip(solved)
+        {
             // The resonance is as far from zero as the pole. What would grow is taken for what decays as fast.
-            let damping_hz = zeros[n].im.abs();
-            let offset_hz = zeros[n].re + 0.5 * damping_hz * damping_hz / (assumed.nominal_hz + zeros[n].re);
+            let damping_hz = zero.im.abs();
+            let offset_hz = zero.re + 0.5 * damping_hz * damping_hz / (assumed.nominal_hz + zero.re);
             let hz = assumed.nominal_hz + offset_hz;
             let q = 0.5 * hz / damping_hz;
             // The strength G / Q of a pole that has moved.
-            let background = self.background_at(zeros[n], n);
-            let conductance = (unknowns[of(n)] - background * s(n)) * (q / pole.q);
-            let new = Pole { offset_hz, q, conductance, transient: unknowns[of(n) + 1] - unknowns[1] * s(n) };
-            moved = moved.max((new.offset_hz - pole.offset_hz).abs() * q / hz).max((q / pole.q - 1.0).abs());
-            circuit.poles[n] = new;
+            let background = self.background_at(zero, n);
+            let conductance = (strength - background * s) * (q / pole.q);
+            *new = Pole { offset_hz, q, conductance, transient: transient - unknowns[1] * s };
+            moved = moved.max((offset_hz - pole.offset_hz).abs() * q / hz).max((q / pole.q - 1.0).abs());
         }
         let c0_f = circuit.transducer(0).c0_f;
         if c0_f > 0.0 {
             // By the same slope at the place of the first resonance.
-            let shift = J * (TAU * (assumed.c0_f - c0_f) * circuit.poles[0].offset_hz);
+            let first_hz = circuit.poles.first().map_or(0.0, |pole| pole.offset_hz);
+            let shift = J * (TAU * (assumed.c0_f - c0_f) * first_hz);
             (circuit.y0, circuit.c0_f) = (circuit.y0 + shift, c0_f);
         }
         let plausible =
@@ -200,8 +206,8 @@ impl PoleFit {
 
     /// The admittance beside a pole, where that pole is, by the unknowns.
     fn background_at(&self, hz: Phasor, which: usize) -> Phasor {
-        let others = self.assumed.poles.iter().enumerate().filter(|(n, _)| *n != which);
-        others.fold(self.unknowns[0], |sum, (n, other)| sum + self.unknowns[CLAMPED + EACH * n] * self.assumed.answer(other, hz))
+        let others = self.assumed.poles.iter().zip(of_each(&self.unknowns)).enumerate().filter(|(n, _)| *n != which);
+        others.fold(self.unknowns[0], |sum, (_, (other, [g, ..]))| sum + *g * self.assumed.answer(other, hz))
     }
 
     /// Variance of the noise of a line's current, A^2.
@@ -220,7 +226,9 @@ impl PoleFit {
         self.scattered += 1;
         let of = |parts: &[(usize, Phasor)]| {
             let mut gradient = [NONE; MOST];
-            parts.iter().for_each(|&(n, by)| gradient[n] = by);
+            for &(n, by) in parts {
+                gradient.get_mut(n).into_iter().for_each(|place| *place = by);
+            }
             self.triangle.spread(&gradient)
         };
         match part {

@@ -49,8 +49,9 @@ impl Products {
         let q = [J * t.q, NONE, NONE];
         let lm = [NONE, Phasor::new(-1.0, 0.0), NONE];
         let c0 = [NONE, NONE, -J / (core::f32::consts::TAU * t.series_resonance_hz * t.c0_f)];
-        let sum =
-            |parts: &[([Phasor; 3], f32)]| parts.iter().fold([NONE; 3], |sum, (of, by)| [0, 1, 2].map(|n| sum[n] + of[n] * *by));
+        let sum = |parts: &[([Phasor; 3], f32)]| {
+            parts.iter().fold([NONE; 3], |[p, g, y], &([of_p, of_g, of_y], by)| [p + of_p * by, g + of_g * by, y + of_y * by])
+        };
         let cm = sum(&[(lm, -1.0), (series, -2.0)]);
         let ratio = sum(&[(cm, 1.0), (c0, -1.0)]);
         let motional = t.cm_f / (t.c0_f + t.cm_f);

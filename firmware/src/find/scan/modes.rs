@@ -71,11 +71,10 @@ impl Modes {
         if again && self.found.iter().any(|(other, _)| (other.offset_hz - pole.offset_hz).abs() < apart_hz) {
             return;
         }
-        let of = |n: usize| self.found[n].0.strength();
-        let weakest = (0..self.found.len()).min_by(|&a, &b| of(a).total_cmp(&of(b))).filter(|_| self.found.is_full());
-        match weakest {
-            Some(weakest) if of(weakest) > pole.strength() => return,
-            Some(weakest) => drop(self.found.remove(weakest)),
+        let strengths = self.found.iter().map(|(pole, _)| pole.strength()).enumerate();
+        match strengths.min_by(|(_, a), (_, b)| a.total_cmp(b)).filter(|_| self.found.is_full()) {
+            Some((_, weakest)) if weakest > pole.strength() => return,
+            Some((place, _)) => drop(self.found.remove(place)),
             None => {}
         }
         let place = self.found.iter().take_while(|(other, _)| other.offset_hz <= pole.offset_hz).count();

@@ -81,7 +81,7 @@ impl Spectrum {
 
     /// Voltage and current of a line.
     pub(crate) fn at(&self, line: usize) -> Sensed {
-        let pair = |distance: usize| self.around[distance.clamp(1, MOST_PAIRS) - 1];
+        let pair = |distance: usize| self.around.get(distance - 1).copied().unwrap_or_default();
         match line {
             _ if line == self.pairs => self.middle,
             _ if line > self.pairs => pair(line - self.pairs).above,

@@ -54,6 +54,8 @@ impl Table {
 pub struct Bands {
     /// The highest harmonic of each table, rising, and the tables. From one to the next by a tenth at least, so that no two fade at once.
     tables: &'static [(u8, &'static Table)],
+    /// The last of them, which there is.
+    last: (u8, &'static Table),
 }
 
 /// The waveform at one frequency: `lower + weight (upper - lower)`.
@@ -76,7 +78,7 @@ impl Blend {
 
 impl Bands {
     pub(super) const fn new(tables: &'static [(u8, &'static Table)]) -> Self {
-        Bands { tables }
+        Bands { tables, last: tables[tables.len() - 1] }
     }
 
     /// The waveform at a frequency, in cycles a sample.
@@ -84,7 +86,7 @@ impl Bands {
         // Harmonics that are there, if only just; a conversion saturates.
         let there = (FADE.1 / cycles_per_sample) as u32;
         let above = self.tables.iter().position(|&(highest, _)| u32::from(highest) > there).unwrap_or(self.tables.len());
-        let at = |n: usize| self.tables[n.min(self.tables.len() - 1)];
+        let at = |n: usize| self.tables.get(n).copied().unwrap_or(self.last);
         let ((_, lower), (highest, upper)) = (at(above.saturating_sub(2)), at(above.saturating_sub(1)));
         let weight = ((FADE.1 - f32::from(highest) * cycles_per_sample) / (FADE.1 - FADE.0)).clamp(0.0, 1.0);
         Blend { lower, upper, weight }

@@ -55,7 +55,8 @@ pub(crate) struct Chirp {
     samples: i64,
     /// Blocks in a leg.
     blocks: u64,
-    leg: usize,
+    /// On the second leg.
+    back: bool,
     block: u64,
     /// Word at the beginning of the next block.
     word: i64,
@@ -102,7 +103,7 @@ impl Chirp {
             around: config.around,
             samples: whole.block_samples.into(),
             blocks: blocks as u64,
-            leg: 0,
+            back: false,
             block: 0,
             word: 0,
         };
@@ -112,11 +113,11 @@ impl Chirp {
 
     /// Goes back to the beginning.
     pub(crate) fn restart(&mut self) {
-        self.begin(0);
+        self.begin(false);
     }
 
-    fn begin(&mut self, leg: usize) {
-        (self.leg, self.block, self.word) = (leg, 0, self.legs[leg].from);
+    fn begin(&mut self, back: bool) {
+        (self.back, self.block, self.word) = (back, 0, self.legs[usize::from(back)].from);
     }
 
     /// Word of the next block's first sample and its increment; `held` is the word of the tracked resonance.
@@ -128,13 +129,13 @@ impl Chirp {
         };
         if self.block == self.blocks {
             match self.then {
-                Then::Hold => return (base.wrapping_add_signed(self.legs[1 - self.leg].from), 0),
-                Then::Repeat => self.begin(0),
-                Then::UpDown => self.begin(1 - self.leg),
+                Then::Hold => return (base.wrapping_add_signed(self.legs[usize::from(!self.back)].from), 0),
+                Then::Repeat => self.begin(false),
+                Then::UpDown => self.begin(!self.back),
             }
         }
         self.block += 1;
-        let leg = self.legs[self.leg];
+        let leg = self.legs[usize::from(self.back)];
         let (word, step);
         match leg.law {
             Law::Linear { step: exact } => {
@@ -196,7 +197,7 @@ mod tests {
             around: Around::Zero,
             samples: 32,
             blocks,
-            leg: 0,
+            back: false,
             block: 0,
             word: 0,
         };
