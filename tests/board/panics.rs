@@ -28,7 +28,7 @@ const ENDS: [(&str, &str); 12] = [
 ];
 
 /// Why these do not come to it, by how their names begin: functions, and the reason. The first that fits counts.
-const REASONS: [(&str, &str); 35] = [
+const REASONS: [(&str, &str); 23] = [
     (
         "sequential_storage::",
         "the flash's geometry: words and pages of constant size, and cuts of a buffer by lengths that were checked before; damaged flash is fed by `sim-host validate fuzz`",
@@ -49,11 +49,9 @@ const REASONS: [(&str, &str); 35] = [
         "before the first block: numbers of pins, channels and conversions are constants within the register",
     ),
     ("DMA1_CHANNEL1", "pins are constants within the register"),
-    ("__sccmram", "pins are constants within the register"),
     ("_defmt_", "the log's lock is taken with interrupts masked, and given back before"),
     ("cobs::", "the buffer is `max_encoding_length` long"),
     ("sonoglide_firmware::board::app::outbox", "a frame is as long as its buffer at most, by its type"),
-    ("<sonoglide_firmware::board::app::App", "a ring's length is a constant above one"),
     ("sonoglide_firmware::board::app::App", "a ring's length is a constant above one"),
     (
         "sonoglide_firmware::board::block_task",
@@ -68,19 +66,9 @@ const REASONS: [(&str, &str); 35] = [
         "sonoglide_firmware::generate::sweep::chirp",
         "legs are two, and are counted by 0 and 1; a chirp of no blocks is refused when it is built",
     ),
-    ("<sonoglide_firmware::generate::sweep::chirp", "legs are two, and are counted by 0 and 1"),
-    ("sonoglide_firmware::generate::phasing", "lanes are four at most, by their type"),
-    ("sonoglide_firmware::act::friction", "places within arrays of fixed length, counted by steps of fixed number"),
     ("sonoglide_firmware::find::scan::Scan::tune", "a pass has blocks: at least `FEWEST_BLOCKS`"),
-    ("sonoglide_firmware::find::calibrate", "lanes and points are counted to the lengths of their arrays"),
-    ("sonoglide_firmware::find::clamped", "tones have blocks; unknowns are counted to the length of their arrays"),
-    ("sonoglide_firmware::find::identify", "poles and unknowns are counted to the lengths of their arrays"),
     ("sonoglide_firmware::controller::stages::scan", "places are those of a list that was just asked for its length"),
-    ("<sonoglide_firmware::find::scan", "places are those of a list that was just asked for its length"),
     ("sonoglide_firmware::controller::stages::clamped", "tones have blocks; unknowns are counted to the length of their arrays"),
-    ("<core::iter::adapters::map::Map", "the lanes of a trim, which are four by their type"),
-    ("<core::ops::try_trait::Wrapped", "the three unknowns of a scatter, by their type"),
-    ("heapless::", "places are those of a list that was just asked for its length; what is collected has room by its type"),
     ("<heapless::", "what is collected has room by its type"),
 ];
 

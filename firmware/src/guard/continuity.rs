@@ -249,6 +249,10 @@ impl Continuity {
     /// Whether the motional current has jumped between two and four blocks ago, from a level to another one.
     #[inline]
     fn jumps(&mut self, block: &Steady, load: impl FnOnce() -> Load) -> bool {
+        if block.unexplained {
+            // Partly of what was before a failure and partly of what is after it: a level between the two would hide the jump.
+            return false;
+        }
         let [first, before, after] = self.past;
         self.past = [before, after, block.motional];
         let (jump, came, goes_on) = (after - before, before - first, block.motional - after);

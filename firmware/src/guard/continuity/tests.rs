@@ -94,6 +94,33 @@ fn a_current_that_jumps_is_no_load() {
 }
 
 /// Of 1 kHz in 3 blocks, at each moment of a block: 0.6 rad. A current that is reversed jumps by more, wherever the tracker goes with it.
+/// A channel that is reversed within a block leaves a part of its current, and no sine.
+#[test]
+fn a_jump_within_a_block_is_known_as_soon() {
+    for part in [0.9, 0.5, 0.0, -0.5, -0.9] {
+        for first in [0, 1] {
+            let torn = |n: usize| n == first && part * part < 0.9;
+            let left = |n: usize| {
+                if n < first {
+                    1.0
+                } else if n == first {
+                    part
+                } else {
+                    -1.0
+                }
+            };
+            let known = known_after(|n| {
+                let i = one() * left(n);
+                Steady {
+                    unexplained: torn(n),
+                    ..block(one(), i + (i - one()) * Phasor::new(0.0, SUSCEPTANCE / CONDUCTANCE), 1.0)
+                }
+            });
+            assert!(known.is_some_and(|known| known <= 6), "{part} of block {first}: {known:?}");
+        }
+    }
+}
+
 #[test]
 fn a_resonance_that_jumps_and_is_followed_is_no_failure() {
     for moment in [0.0, 0.25, 0.5, 0.75] {
