@@ -53,10 +53,7 @@ const REASONS: [(&str, &str); 23] = [
     ("cobs::", "the buffer is `max_encoding_length` long"),
     ("sonoglide_firmware::board::app::outbox", "a frame is as long as its buffer at most, by its type"),
     ("sonoglide_firmware::board::app::App", "a ring's length is a constant above one"),
-    (
-        "sonoglide_firmware::board::block_task",
-        "a ring's length is a constant above one; the tables of a shape are constants, and not none",
-    ),
+    ("sonoglide_firmware::board::block_task", "a ring's length is a constant above one"),
     ("sonoglide_firmware::board::capture", "a ring's length is a constant above one"),
     ("sonoglide_firmware::board::parameters", "places are those of the list of parameters"),
     ("sonoglide_firmware::generate::burst::Burst::build", "as many windows as the configuration has room for"),
@@ -68,7 +65,7 @@ const REASONS: [(&str, &str); 23] = [
     ),
     ("sonoglide_firmware::find::scan::Scan::tune", "a pass has blocks: at least `FEWEST_BLOCKS`"),
     ("sonoglide_firmware::controller::stages::scan", "places are those of a list that was just asked for its length"),
-    ("sonoglide_firmware::controller::stages::clamped", "tones have blocks; unknowns are counted to the length of their arrays"),
+    ("sonoglide_firmware::controller::stages::clamped", "tones have blocks"),
     ("<heapless::", "what is collected has room by its type"),
 ];
 

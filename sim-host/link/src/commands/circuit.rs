@@ -21,11 +21,7 @@ pub fn in_words(report: &Telemetry, answer: Answer) -> Answer {
         quantity(found.c0_f.into(), "F"),
         found.coupling,
     ));
-    fields(found, answer)
-        .field("series_resonance_deviation_hz", short(scatter.series_resonance_hz))
-        .field("q_deviation", short(scatter.q))
-        .field("rm_deviation_ohm", short(scatter.rm_ohm))
-        .field("lm_deviation_h", short(scatter.lm_h))
+    fields(found, answer).field("series_resonance_deviation_hz", short(scatter.series_resonance_hz))
 }
 
 /// Adds the values of an identified transducer to an answer, as fields.
