@@ -93,6 +93,17 @@ fn stops_by_itself(address: &str) {
     panic!("the drive goes on without a host");
 }
 
+/// Whether a terminal that closes ends what the tests start. What ignores hang-ups, as under `nohup`, hands that on, and its clients outlive the terminal.
+fn hangs_up() -> bool {
+    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
+    let ignored = status.lines().find_map(|line| u64::from_str_radix(line.strip_prefix("SigIgn:")?.trim(), 16).ok());
+    let hangs_up = ignored.is_none_or(|signals| signals & 1 == 0);
+    if !hangs_up {
+        eprintln!("SKIPPED, hang-ups: they are ignored here");
+    }
+    hangs_up
+}
+
 #[test]
 fn a_client_that_is_asked_to_end_silences_the_drive_first() {
     let folder = Folder::new("signals");
@@ -108,7 +119,8 @@ fn a_client_that_is_asked_to_end_silences_the_drive_first() {
         (&["script", &watches], " locked", "TERM"),
     ];
     let (_server, address) = served();
-    for (arguments, on, signal) in cases {
+    let hangs_up = hangs_up();
+    for (arguments, on, signal) in cases.into_iter().filter(|(.., signal)| hangs_up || *signal != "HUP") {
         let mut client = client(&address, arguments);
         // A line of a script is shown when it is done: those that take long are known by the line before.
         client.until(if on.starts_with('>') { "> status" } else { on });
@@ -120,6 +132,9 @@ fn a_client_that_is_asked_to_end_silences_the_drive_first() {
 
 #[test]
 fn a_terminal_that_closes_hangs_up_twice_and_the_drive_is_silenced_all_the_same() {
+    if !hangs_up() {
+        return;
+    }
     let (_server, address) = served();
     let mut client = client(&address, &["drive", "--host-timeout", "0"]);
     client.until("the drive is on");
