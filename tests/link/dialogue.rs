@@ -64,7 +64,7 @@ pub fn judge_scan(scan: &Answer, truth: &Circuit) {
         relative("lm_h", truth.lm_h)
     );
     assert!(hz.abs() < 0.1, "{hz}");
-    assert!(relative("q", truth.q()).abs() < 4e-4, "{}", relative("q", truth.q()));
+    assert!(relative("q", truth.q()).abs() < 2.5e-4, "{}", relative("q", truth.q()));
     assert!(relative("rm_ohm", truth.rm_ohm).abs() < 5e-4, "{}", relative("rm_ohm", truth.rm_ohm));
     assert!(relative("lm_h", truth.lm_h).abs() < 6e-4, "{}", relative("lm_h", truth.lm_h));
 }

@@ -93,21 +93,16 @@ fn a_current_that_jumps_is_no_load() {
     }
 }
 
-/// Of 1 kHz in 3 blocks, at each moment of a block: 0.6 rad. A current that is reversed jumps by more, wherever the tracker goes with it.
 /// A channel that is reversed within a block leaves a part of its current, and no sine.
 #[test]
 fn a_jump_within_a_block_is_known_as_soon() {
     for part in [0.9, 0.5, 0.0, -0.5, -0.9] {
         for first in [0, 1] {
             let torn = |n: usize| n == first && part * part < 0.9;
-            let left = |n: usize| {
-                if n < first {
-                    1.0
-                } else if n == first {
-                    part
-                } else {
-                    -1.0
-                }
+            let left = |n: usize| match n {
+                n if n < first => 1.0,
+                n if n == first => part,
+                _ => -1.0,
             };
             let known = known_after(|n| {
                 let i = one() * left(n);
@@ -121,6 +116,7 @@ fn a_jump_within_a_block_is_known_as_soon() {
     }
 }
 
+/// Of 1 kHz in 3 blocks, at each moment of a block: 0.6 rad. A current that is reversed jumps by more, wherever the tracker goes with it.
 #[test]
 fn a_resonance_that_jumps_and_is_followed_is_no_failure() {
     for moment in [0.0, 0.25, 0.5, 0.75] {
