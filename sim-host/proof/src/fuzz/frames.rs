@@ -18,6 +18,8 @@ const BUSY: u64 = 40;
 const PHASE: u64 = 60;
 /// Version, a sequence number up to 127, and the session, bytes.
 const HEADER: usize = 6;
+/// A frame without a byte in it, which is answered as damaged.
+const NOTHING: [u8; 2] = [1, 0];
 /// The longest flood without a frame, bytes.
 const FLOOD: u64 = 4000;
 
@@ -98,23 +100,28 @@ impl Traffic {
         });
     }
 
-    /// A part of it, without what is not honest: what stands between two zeros and is a whole honest frame.
-    pub(super) fn purged(&self, sent: &[Vec<u8>]) -> Vec<Vec<u8>> {
-        let mut pending = vec![];
+    /// A part of it, in which a frame that is nothing stands for each that is not honest, and how many of them there are: what stands between two
+    /// zeros is one frame. Its answer takes as long, so that what waits for a place in a queue finds the same places.
+    pub(super) fn purged(&self, sent: &[Vec<u8>]) -> (Vec<Vec<u8>>, usize) {
+        let (mut pending, mut nothings) = (vec![], 0);
         let purge = |bytes: &Vec<u8>| {
-            let mut honest = vec![];
+            let mut purged = vec![];
             for &byte in bytes {
                 pending.push(byte);
                 if byte == 0 {
                     if self.honest.contains(&pending) {
-                        honest.extend_from_slice(&pending);
+                        purged.extend_from_slice(&pending);
+                    } else if pending.len() > 1 {
+                        purged.extend_from_slice(&NOTHING);
+                        nothings += 1;
                     }
                     pending.clear();
                 }
             }
-            honest
+            purged
         };
-        sent.iter().map(purge).collect()
+        let purged = sent.iter().map(purge).collect();
+        (purged, nothings)
     }
 }
 

@@ -1,7 +1,7 @@
 //! The link: whatever comes over it, the board does what the honest frames of its session say, and nothing else.
 //!
-//! Two boards are fed, one by all bytes and one by the honest frames alone: converters, answers, enable pin, flash and resets must be the same to the
-//! last bit. Both go through several lives: what one has stored the next is started with.
+//! Two boards are fed, one by all bytes and one by the honest frames, with a frame that is nothing for each of the others: converters, answers, enable
+//! pin, flash and resets must be the same to the last bit. Both go through several lives: what one has stored the next is started with.
 
 use firmware::board::command::Reply;
 use firmware::board::link::{NO_SESSION, encode};
@@ -75,10 +75,10 @@ fn judge(setup: &Setup, traffic: &Traffic, lulls: &[u64], seen: &mut Seen) -> Re
     let mut flashes = [setup.flash.clone(), setup.flash.clone()];
     for (sent, lulls) in traffic.sent.chunks(life).zip(lulls.chunks(life)) {
         let [with, without] = flashes;
-        let honest = traffic.purged(sent);
+        let (honest, nothings) = traffic.purged(sent);
         let (with, without) = (live(setup, with, sent, lulls, Some(&mut *seen))?, live(setup, without, &honest, lulls, None)?);
-        if without.refused > 0 {
-            return Err(format!("{} honest frames are refused as damaged or of another session", without.refused));
+        if without.refused > nothings {
+            return Err(format!("{} honest frames are refused as damaged or of another session", without.refused - nothings));
         }
         if with.life != without.life {
             return Err(differ(&with.life, &without.life));
