@@ -55,7 +55,8 @@ const FAULTS: [FaultKind; 11] = [
 ];
 /// The same of a belt's encoder, where there is one: one that comes and goes is lost.
 const OF_BELT: [FaultKind; 4] = [FaultKind::BeltStopped, FaultKind::EncoderStuck, FaultKind::EncoderLies, FaultKind::EncoderLost];
-/// How long an answer, and a start, may take in the end, s.
+/// How long a reset, an answer, and a start may take in the end, s.
+const RESET_WITHIN_S: f64 = 0.2;
 const ANSWERED_WITHIN_S: f64 = 0.2;
 const RUNS_WITHIN_S: f64 = 1.0;
 
@@ -228,8 +229,8 @@ impl Soaked {
     /// Everything is mended: it falls silent by order, and then drives by order, whatever was before.
     fn in_the_end(&mut self, seen: &mut Seen) -> Result<(), String> {
         self.board.change_rig(|rig| FAULTS.iter().chain(&OF_BELT).for_each(|&kind| rig.inner.repair(kind)));
-        // What was ordered last has been answered, and a reset is over.
-        self.wait(0.02, seen)?;
+        // What was ordered last has been answered, and a reset is over, before which all that the UART holds leaves.
+        self.wait(RESET_WITHIN_S, seen)?;
         self.said.clear();
         self.order(Command::Identify(1), None)?;
         self.wait(0.02, seen)?;
