@@ -19,7 +19,7 @@ const PHASE: u64 = 60;
 /// Version, a sequence number up to 127, and the session, bytes.
 const HEADER: usize = 6;
 /// A frame without a byte in it, which is answered as damaged.
-const NOTHING: [u8; 2] = [1, 0];
+pub(super) const NOTHING: [u8; 2] = [1, 0];
 /// The longest flood without a frame, bytes.
 const FLOOD: u64 = 4000;
 
@@ -100,28 +100,23 @@ impl Traffic {
         });
     }
 
-    /// A part of it, in which a frame that is nothing stands for each that is not honest, and how many of them there are: what stands between two
-    /// zeros is one frame. Its answer takes as long, so that what waits for a place in a queue finds the same places.
-    pub(super) fn purged(&self, sent: &[Vec<u8>]) -> (Vec<Vec<u8>>, usize) {
-        let (mut pending, mut nothings) = (vec![], 0);
+    /// A part of it, with something else in place of each frame that is not honest: what stands between two zeros is one frame.
+    pub(super) fn purged(&self, sent: &[Vec<u8>], instead: &[u8]) -> Vec<Vec<u8>> {
+        let mut pending = vec![];
         let purge = |bytes: &Vec<u8>| {
             let mut purged = vec![];
             for &byte in bytes {
                 pending.push(byte);
                 if byte == 0 {
-                    if self.honest.contains(&pending) {
-                        purged.extend_from_slice(&pending);
-                    } else if pending.len() > 1 {
-                        purged.extend_from_slice(&NOTHING);
-                        nothings += 1;
-                    }
+                    // An empty frame has no answer.
+                    let stands = if self.honest.contains(&pending) { &pending } else { instead };
+                    purged.extend_from_slice(if pending.len() > 1 { stands } else { &[] });
                     pending.clear();
                 }
             }
             purged
         };
-        let purged = sent.iter().map(purge).collect();
-        (purged, nothings)
+        sent.iter().map(purge).collect()
     }
 }
 
