@@ -22,6 +22,8 @@ use crate::seam::transducer::Transducer;
 const BANDWIDTH_HZ: f32 = 60.0;
 /// The loop listens once the ring-up has come so far.
 const LISTEN_ABOVE: f32 = 0.8;
+/// Less than so many codes of the drive converter is none: a dither shows no less, and what is a multiple of the drive stays finite.
+const LEAST_CODES: f32 = 1.0 / 64.0;
 /// Settled: within this part of what is asked for, for so many blocks.
 const SETTLED: (f32, u32) = (0.01, 32);
 
@@ -32,6 +34,8 @@ pub(crate) struct AmplitudeLoop {
     limits: Limits,
     /// As configured, V.
     voltage_limit: f32,
+    /// Less is silence, V.
+    least_volts: f32,
     start_volts: f32,
     block_s: f32,
     ohm: f32,
@@ -73,6 +77,7 @@ impl AmplitudeLoop {
         Ok(AmplitudeLoop {
             limits,
             voltage_limit: config.limits.voltage_v.min(converter_v),
+            least_volts: LEAST_CODES * config.front_end.drive_volt_per_lsb,
             start_volts: config.drive.scan_volts,
             block_s,
             ohm: 0.0,
@@ -143,7 +148,8 @@ impl AmplitudeLoop {
         };
         let most = self.most_now();
         self.limited = asked > most;
-        self.volts = up_to(most, asked);
+        let volts = up_to(most, asked);
+        self.volts = if volts < self.least_volts { 0.0 } else { volts };
     }
 
     /// Peak voltage to drive with, V.
@@ -266,6 +272,7 @@ mod tests {
         AmplitudeLoop {
             limits,
             voltage_limit: 12.0,
+            least_volts: 1e-4,
             start_volts: 1.0,
             block_s: 32e-6,
             ohm: 0.0,
@@ -339,6 +346,18 @@ mod tests {
             let line = 0.2 + 0.8 * (n as f32 * 1e-3).min(1.0);
             // It lags by the ring-up, 16 blocks; the loop, whose time constant is 83 blocks, finds the load on the way.
             assert!(n < 250 || (current - line).abs() < 0.03, "{n}: {current} for {line}");
+        }
+    }
+
+    /// What the converter cannot show is silence, so that no multiple of a drive is without an end.
+    #[test]
+    fn an_amplitude_that_is_next_to_nothing_is_nothing() {
+        let mut hold = amplitude_loop(1.0);
+        hold.seed(&transducer(65.0, 3.0), 0.0);
+        for (asked, played) in [(1e-3, 1e-3), (1e-4, 1e-4), (0.9e-4, 0.0), (1e-30, 0.0), (1e-45, 0.0)] {
+            hold.update(Amplitude::Volts(asked), 1.0, Phasor::default());
+            assert_eq!(hold.volts(), played, "{asked:e}");
+            assert!((1.0..=12.0 / 1e-4).contains(&hold.headroom()), "{asked:e}: {}", hold.headroom());
         }
     }
 

@@ -12,6 +12,7 @@
 //! Between two bands the waveform is a blend of both tables, and the weight depends on nothing but the frequency.
 
 use super::sine::sine_of_turns;
+use crate::seam::fixed_point::upper;
 
 /// Entries in a period.
 pub(super) const LENGTH: usize = 1 << INDEX_BITS;
@@ -19,7 +20,7 @@ const INDEX_BITS: u32 = 10;
 const FRACTION_BITS: u32 = 32 - INDEX_BITS;
 /// Bits of an entry's fraction, and of the part of the way to the next one.
 const ENTRY_BITS: u32 = 15;
-const WAY_BITS: u32 = 15;
+const WAY_BITS: u32 = 14;
 /// A harmonic is whole up to the first of these frequencies (cycles a sample), and gone from the second on.
 const FADE: (f32, f32) = (0.46, 0.5);
 
@@ -39,13 +40,39 @@ impl Table {
     /// The waveform at a phase of `phase / 2^32` turns: 2^30 for one.
     #[inline(always)]
     pub(crate) fn at(&self, phase: u32) -> i32 {
-        // All bits of the sign, in the second half.
+        let half = Half::of(phase);
+        (self.in_half(half) << 1) ^ half.turned
+    }
+
+    /// The same in the first half, whichever it is in, and half of it.
+    #[inline(always)]
+    fn in_half(&self, half: Half) -> i32 {
+        // As one word, which is one access to the flash.
+        let [here, next] = [self.entries[half.index], self.entries[half.index + 1]].map(i16::cast_unsigned);
+        let both = (u32::from(here) | u32::from(next) << 16).cast_signed();
+        i32::from(both as i16) * half.rest + (both >> 16) * half.way
+    }
+}
+
+/// Where a phase is in the first half of a period, or in the second read backwards.
+#[derive(Clone, Copy)]
+struct Half {
+    index: usize,
+    /// Part of the way to the next entry, and what is left of it, of 2^14.
+    way: i32,
+    rest: i32,
+    /// All bits of the sign, in the second half.
+    turned: i32,
+}
+
+impl Half {
+    #[inline(always)]
+    fn of(phase: u32) -> Self {
         let turned = phase as i32 >> 31;
         let phase = phase ^ turned as u32;
-        let (index, way) =
-            ((phase >> FRACTION_BITS) as usize % (LENGTH / 2), phase >> (FRACTION_BITS - WAY_BITS) & ((1 << WAY_BITS) - 1));
-        let (here, next) = (i32::from(self.entries[index]), i32::from(self.entries[index + 1]));
-        ((here << WAY_BITS) + (next - here) * way as i32) ^ turned
+        let index = (phase >> FRACTION_BITS) as usize % (LENGTH / 2);
+        let way = (phase >> (FRACTION_BITS - WAY_BITS) & ((1 << WAY_BITS) - 1)) as i32;
+        Half { index, way, rest: (1 << WAY_BITS) - way, turned }
     }
 }
 
@@ -70,6 +97,20 @@ pub(crate) struct Blend {
 }
 
 impl Blend {
+    /// The weight of the upper table as [`at`](Self::at) multiplies by it: 2^31 for one, which itself is one less.
+    #[inline(always)]
+    pub(crate) fn weight(&self) -> i32 {
+        (self.weight * 2_147_483_648.0) as i32
+    }
+
+    /// The waveform at a phase of `phase / 2^32` turns: 2^30 for one.
+    #[inline(always)]
+    pub(crate) fn at(&self, phase: u32, weight: i32) -> i32 {
+        let half = Half::of(phase);
+        let (low, high) = (self.lower.in_half(half), self.upper.in_half(half));
+        ((low + (upper(high - low, weight) << 1)) << 1) ^ half.turned
+    }
+
     /// Amplitude of the fundamental.
     pub(crate) fn fundamental(&self) -> f32 {
         self.lower.fundamental + self.weight * (self.upper.fundamental - self.lower.fundamental)

@@ -140,7 +140,7 @@ fn root(z: Complex64) -> Complex64 {
 #[derive(Clone, Debug)]
 pub(crate) struct Dither {
     white: White,
-    /// The last number, 0 to 2^16.
+    /// The last number.
     last: i32,
 }
 
@@ -148,18 +148,18 @@ impl Dither {
     /// A dither.
     pub(crate) fn new(seed: u64) -> Self {
         // Beside the noise's own stream.
-        Dither { white: White::new(!seed), last: 1 << 15 }
+        Dither { white: White::new(!seed), last: 0 }
     }
 
-    /// The next two values, in codes, of so many bits of a fraction. Numbers have 16 bits, two of them in a random word; that they lie about 2^15 goes with
-    /// the difference.
+    /// The next two values, in codes, of so many bits of a fraction. So many bits have the numbers, of which two are in a random word, the upper of either half;
+    /// that they lie about a half goes with the difference.
     #[inline(always)]
     pub(crate) fn take<const FRACTION: u32>(&mut self) -> [i32; 2] {
         let word = self.white.word();
-        let (one, other) = ((word & 0xffff) as i32, (word >> 16) as i32);
-        let [first, second] = [one - self.last, other - one];
+        let (one, other) = (((word & 0xffff) >> (16 - FRACTION)) as i32, (word >> (32 - FRACTION)) as i32);
+        let taken = [one - self.last, other - one];
         self.last = other;
-        [first >> (16 - FRACTION), second >> (16 - FRACTION)]
+        taken
     }
 }
 
