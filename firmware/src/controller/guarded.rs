@@ -41,9 +41,14 @@ impl Chain {
         }
         let Measured { sensed, motional, played, .. } = *measured;
         let follows = matches!(self.supervisor.mode(), Mode::Lock | Mode::Run);
+        if !follows {
+            let judged = volts.is_some_and(|volts| self.guard.judges(volts));
+            let misplayed = self.continuity.is_misplayed(sensed.v, judged && suspect.distorted);
+            return (judged && misplayed).then_some(Fault::SensorImplausible);
+        }
         // Of another lane there are no phasors, but the last ones of lane 0.
         let here = self.lanes.are_at_home() && self.generator.sweep.holds();
-        let steady = follows && here && played.pure && played.is_full();
+        let steady = here && played.pure && played.is_full();
         let Some(volts) = volts.filter(|&volts| steady && self.guard.judges(volts)) else {
             self.continuity.rest(played.envelope == 0.0);
             return None;

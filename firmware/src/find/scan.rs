@@ -80,6 +80,8 @@ pub(crate) struct Scan {
     spectrum: Spectrum,
     search: ModeSearch,
     modes: Modes,
+    /// The window has been swept a second time.
+    again: bool,
 }
 
 impl Scan {
@@ -121,13 +123,29 @@ impl Scan {
             baseband: Baseband::default(),
             spectrum,
             modes: Modes::new(nominal_hz),
+            again: false,
         }
     }
 
     /// Begins from the window.
     pub(crate) fn restart(&mut self) {
+        self.again = false;
+        self.begin_window();
+    }
+
+    fn begin_window(&mut self) {
         self.modes = Modes::new(self.nominal_hz);
         self.begin_part(0);
+    }
+
+    /// There is no resonance, or it moved while it was looked at: another sweep of the window will say.
+    #[cold]
+    fn find_nothing(&mut self) -> Step {
+        if core::mem::replace(&mut self.again, true) {
+            return Step::Failed(Fault::NoResonance);
+        }
+        self.begin_window();
+        self.tune()
     }
 
     /// Takes a clamped capacitance to begin with, F, where there is no nominal one.
@@ -275,10 +293,12 @@ impl Scan {
 
     /// Chooses the resonance, and decides whether it is known well enough.
     fn choose(&mut self) -> Step {
-        if let Err(fault) = self.modes.choose(&self.choice) {
-            return Step::Failed(fault);
+        match self.modes.choose(&self.choice) {
+            Err(Fault::NoResonance) => return self.find_nothing(),
+            Err(fault) => return Step::Failed(fault),
+            Ok(()) => {}
         }
-        let Some(&(pole, deviations)) = self.modes.chosen() else { return Step::Failed(Fault::NoResonance) };
+        let Some(&(pole, deviations)) = self.modes.chosen() else { return self.find_nothing() };
         let reach_hz = self.window_hz * (1.0 + MARGIN);
         let hz = self.nominal_hz + pole.offset_hz;
         let fine = self.pass.fine(
@@ -321,7 +341,7 @@ impl Scan {
                 self.modes.refine(*pole, *deviations);
                 self.take(0)
             }
-            _ => Step::Failed(Fault::NoResonance),
+            _ => self.find_nothing(),
         }
     }
 

@@ -7,9 +7,11 @@
 //! | watched | because | says |
 //! |---|---|---|
 //! | `h` is where it was, but for what a source of up to 5 ohm takes under another current, and for what a delay makes of another frequency | an amplifier and its channel do not change | voltage or drive have failed |
-//! | `h` is not 1.2 times larger than one, or than it was in the beginning, and `V` not than the voltage limit | nothing adds to a drive | it is louder than ordered |
+//! | `h` is not 1.2 times larger than one, or than it was in the beginning, and `V` not 1.15 times larger than the voltage limit | nothing adds to a drive | it is louder than ordered |
 //! | the motional current does not jump from one level to another | it takes a time constant to change | current has failed |
 //! | the tone explains nine tenths of the energy of both channels | a sine was played | a channel is offset, has lost a bit, or the drive is no sine |
+//!
+//! Of a self-test, a scan or a calibration, where the frequency moves and the stack rings at others, only the voltage is watched: by its limit, and by what the tone explains of it.
 //!
 //! A load that changes bends the motional current for a time constant; a sense chain that fails moves it within two blocks, after which it stays. A clamped capacitance that
 //! changes moves it at once, too, but by a susceptance, and by no more than there is of it. A resonance that jumps turns it until the tracker has followed. Where a time constant is shorter than four blocks, the two are alike, and jumps say nothing.
@@ -27,11 +29,14 @@ const SOURCE_OHM: f32 = 5.0;
 const LEAST_PART: f32 = 0.1;
 /// The longest delay between a drive and its voltage that a change of the frequency is taken for, s.
 const DELAY_S: f32 = 1e-4;
-/// How much louder than ordered, than in the beginning, or than its limit a voltage may be.
+/// How much louder than ordered or than in the beginning a voltage may be, and how much louder than its limit: 1.2 times that much is dangerous.
 const LOUDER: f32 = 1.2;
+const OVER_LIMIT: f32 = 1.15;
 /// Of every second block: for how many a voltage may be where it cannot be, before that counts.
 const BROKEN_BLOCKS: u32 = 4;
-/// Of the same: by how many a voltage is known, and the part of one in what it is compared with.
+/// For how many blocks of a tone that measures the voltage may be too much, or no tone, before that counts.
+const MISPLAYED_BLOCKS: u32 = 8;
+/// Of every second block: by how many a voltage is known, and the part of one in what it is compared with.
 const FIRST_BLOCKS: u32 = 16;
 const NEW: f32 = 1.0 / 16.0;
 /// Steady blocks by which a jump is known: the fourth of those that it takes is the tenth.
@@ -104,6 +109,8 @@ pub(crate) struct Continuity {
     known: u32,
     /// Blocks running in which the voltage was not where it can be.
     broken: u32,
+    /// Blocks running of a tone that measures, in which it was too much, or no tone.
+    misplayed: u32,
     /// Steady blocks running, and the motional current six, four and two blocks ago, A.
     steady: u32,
     past: [Phasor; 3],
@@ -122,7 +129,7 @@ impl Continuity {
         Continuity {
             periods_per_block: frequency_hz * block_s,
             turned_per_hz: core::f32::consts::TAU * FOLLOWED_BLOCKS * block_s,
-            limit: LOUDER * LOUDER * limit_v * limit_v,
+            limit: OVER_LIMIT * OVER_LIMIT * limit_v * limit_v,
             voltage: Phasor::default(),
             current: Phasor::default(),
             offset_hz: 0.0,
@@ -130,6 +137,7 @@ impl Continuity {
             loudest: f32::INFINITY,
             known: 0,
             broken: 0,
+            misplayed: 0,
             steady: 0,
             past: [Phasor::default(); 3],
             pause: 0,
@@ -142,6 +150,7 @@ impl Continuity {
     /// A new attempt begins.
     pub(crate) fn restart(&mut self) {
         (self.known, self.loudest, self.starts, self.failed) = (0, f32::INFINITY, None, false);
+        self.misplayed = 0;
         self.rest(true);
         self.pause = 0;
     }
@@ -172,6 +181,16 @@ impl Continuity {
     #[inline]
     pub(crate) fn is_torn(&self) -> bool {
         self.torn
+    }
+
+    /// Takes a block of a tone that measures, and returns whether its voltage has been more than the limit allows, or no tone, for too long. Where the frequency
+    /// moves and what rings does not follow, nothing else is known of two blocks.
+    #[inline]
+    pub(crate) fn is_misplayed(&mut self, v: Phasor, distorted: bool) -> bool {
+        self.rest(false);
+        let misplayed = distorted || v.norm_sqr() > self.limit;
+        self.misplayed = if misplayed { self.misplayed + 1 } else { 0 };
+        self.misplayed >= MISPLAYED_BLOCKS
     }
 
     /// Takes a block, and returns whether voltage or current have changed as they cannot, in it or before.

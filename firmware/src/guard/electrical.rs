@@ -11,7 +11,7 @@ use crate::sense::source::LARGEST_OHM;
 const NEARER: f32 = 0.9;
 /// Samples of a block over the current limit that make a fault: one may be a glitch of the converter.
 const OVER_CURRENT_SAMPLES: usize = 2;
-/// Blocks for which the voltage or the current may be implausible before that counts.
+/// Blocks that are judged, one after the other, for which the voltage or the current may be implausible before that counts.
 const IMPLAUSIBLE_BLOCKS: u32 = 8;
 /// The voltage may be this many times smaller or larger than the fundamental that was played (harmonics leak into the lock-in), and smaller by what
 /// the current makes of the source's resistance: a resonance of less than that takes most of the voltage away.
@@ -63,19 +63,18 @@ impl Electrical {
         volts: Option<f32>,
         suspect: Suspect,
     ) -> Option<Fault> {
-        let played = volts.filter(|&volts| self.judges(volts));
-        let (wrong_voltage, no_current) = played.map_or((false, false), |volts| {
+        // An edge and silence say nothing, and the counts stay as they are: the bursts of a friction switch may be shorter than what is counted to.
+        if let Some(volts) = volts.filter(|&volts| self.judges(volts)) {
             // Squares are compared: a root takes as long as a period of the lock-in.
             let (played, voltage, current) = (volts * volts, sensed.v.norm_sqr(), sensed.i.norm_sqr());
             let low = SQUARE_FACTOR * voltage < played && !sags(volts, voltage, current);
             let wrong_voltage = voltage > SQUARE_FACTOR * played || low;
             // A constant has a fundamental too where a block is no whole number of periods.
             let no_current = current < self.least_siemens_squared * played || is_constant(&sense.i);
-            (wrong_voltage || is_constant(&sense.v), no_current)
-        });
-        let count = |counter: u32, wrong: bool| if wrong { counter.saturating_add(1) } else { 0 };
-        self.wrong_voltage = count(self.wrong_voltage, wrong_voltage);
-        self.no_current = count(self.no_current, no_current);
+            let count = |counter: u32, wrong: bool| if wrong { counter.saturating_add(1) } else { 0 };
+            self.wrong_voltage = count(self.wrong_voltage, wrong_voltage || is_constant(&sense.v));
+            self.no_current = count(self.no_current, no_current);
+        }
 
         let tripped = sense.slow.trips.is_some_and(|trips| trips.over_current | trips.amplifier_fault | trips.supply);
         let missed = sense.slow.missed_blocks.is_some_and(|missed| missed > 0);

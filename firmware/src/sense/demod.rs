@@ -44,6 +44,8 @@ pub struct Suspect {
     pub i: bool,
     /// More than a tenth of a channel's energy is not of the tone, and more than rounding or a small tone leave.
     pub unexplained: bool,
+    /// That channel is the voltage.
+    pub distorted: bool,
 }
 
 /// Voltage and current phasors of a block in which a tone was played (a chirp's chord), and what is out of order in it.
@@ -53,7 +55,7 @@ pub struct Suspect {
 pub fn demodulate(convert: &Convert, sense: &SenseBlock, tone: &Stretch) -> (Sensed, Suspect) {
     let samples = sense.v.len().min(sense.i.len());
     if samples < 2 {
-        return (Sensed::default(), Suspect { v: true, i: true, unexplained: true });
+        return (Sensed::default(), Suspect { v: true, i: true, unexplained: true, distorted: true });
     }
     let count = samples as f32;
     let half_turn = sine::rotation(tone.word / 2);
@@ -72,7 +74,8 @@ pub fn demodulate(convert: &Convert, sense: &SenseBlock, tone: &Stretch) -> (Sen
     let (v, v_fit) = reference.fit(&convert.v, &sense.v[..samples], coefficient);
     let (i, i_fit) = reference.fit(&convert.i, &sense.i[..samples], coefficient);
     let unexplained = v_fit.unexplained | i_fit.unexplained;
-    (Sensed { v, i }, Suspect { v: blind || !v_fit.holds, i: blind || !i_fit.holds, unexplained })
+    let distorted = v_fit.unexplained;
+    (Sensed { v, i }, Suspect { v: blind || !v_fit.holds, i: blind || !i_fit.holds, unexplained, distorted })
 }
 
 /// What both channels of a block are fitted to.

@@ -253,6 +253,7 @@ impl TrackedTransducer {
         match self.tracker.state() {
             _ if !self.tracker.tracks() => Progress::Busy,
             // Where something has changed, the clamped branch is in doubt, and with it the phase.
+            _ if locking && self.tracker.is_astray() => self.scan_again(),
             State::Disagree if locking || !self.online.doubts() => lanes.judged(locking, Fault::TrackersDisagree),
             State::Locked if self.is_another_mode() => lanes.judged(locking, Fault::WrongMode),
             State::Locked if self.leaves_to_a_scan() && !lanes.postpone(locking) && self.tracker.leave_to_a_scan() => {
@@ -263,6 +264,13 @@ impl TrackedTransducer {
             State::TimedOut | State::Lost if locking => self.retry_lock(Fault::NoLock, lanes),
             _ => Progress::Busy,
         }
+    }
+
+    /// A channel or a lane has failed since the scan has seen the resonance, or that has moved: another one will say.
+    #[cold]
+    #[inline(never)]
+    fn scan_again(&mut self) -> Progress {
+        if self.tracker.scan_again() { Progress::Back(Mode::Scan) } else { Progress::Failed(Fault::NoLock) }
     }
 
     /// Seeks the lock where there is more hope, if there is any left.

@@ -35,6 +35,8 @@ const RINGS_ABOVE: f32 = 0.2;
 const UNDECIDED: Turns = Turns(20.0 / 360.0);
 /// Longest time the loop may take to lock, blocks and time constants of the resonance.
 const LOCK_TIMEOUT: (u32, f32) = (2000, 50.0);
+/// For so many blocks a lock that is sought may be elsewhere than where a scan has found it.
+const ASTRAY_BLOCKS: u32 = 8;
 /// A block at the edge of the window, where there is nothing to lock to, counts as so many.
 const AT_EDGE: u32 = 32;
 /// Where a scan has found the resonance, it is within this part of the bandwidth.
@@ -111,9 +113,13 @@ pub struct Tracker {
     /// Blocks under drive since the phase was measured last, and how many that may be.
     unmeasured_blocks: u32,
     unmeasured_limit: u32,
-    /// Blocks since it was seeded, and how many a lock may take; without an observer, which counts for itself.
+    /// Blocks since it was seeded, how many a lock may take, and those in which it was elsewhere than where a scan had found it; without an observer, which
+    /// counts for itself.
     blocks: u32,
     timeout_blocks: u32,
+    astray_blocks: u32,
+    /// A lock that went astray has been left to another scan.
+    scanned_again: bool,
 }
 
 impl Tracker {
@@ -143,6 +149,8 @@ impl Tracker {
             unmeasured_limit: 0,
             blocks: 0,
             timeout_blocks: 0,
+            astray_blocks: 0,
+            scanned_again: false,
         })
     }
 
@@ -157,6 +165,7 @@ impl Tracker {
         self.lock.restart(0.0);
         self.phase_loop.seed(0.0, f32::INFINITY);
         self.rm_ohm = 0.0;
+        self.scanned_again = false;
         self.observed.iter_mut().for_each(Observed::restart);
     }
 
@@ -267,6 +276,16 @@ impl Tracker {
         self.observed.as_mut().is_some_and(Observed::leave_to_a_scan)
     }
 
+    /// Whether the lock that is sought by the phase of the motional current is elsewhere than where a scan has just found the resonance.
+    pub(crate) fn is_astray(&self) -> bool {
+        self.astray_blocks >= ASTRAY_BLOCKS && self.detector == Some(PhaseDetector::Motional)
+    }
+
+    /// Leaves a lock that went astray to another scan. Returns whether it does: once.
+    pub(crate) fn scan_again(&mut self) -> bool {
+        !core::mem::replace(&mut self.scanned_again, true)
+    }
+
     /// Takes what is known of the resonance.
     pub fn set_resonance(&mut self, transducer: &Transducer) {
         let tau_s = transducer.time_constant_s();
@@ -280,7 +299,7 @@ impl Tracker {
         let limit = |(blocks, time_constants): (u32, f32)| blocks + (time_constants * tau_blocks) as u32;
         self.lock.restart(tau_blocks);
         (self.unmeasured_blocks, self.unmeasured_limit) = (0, limit(UNMEASURED));
-        (self.blocks, self.timeout_blocks) = (0, limit(LOCK_TIMEOUT));
+        (self.blocks, self.timeout_blocks, self.astray_blocks) = (0, limit(LOCK_TIMEOUT), 0);
     }
 
     /// The motional current of a block, A peak.
@@ -315,6 +334,7 @@ impl Tracker {
             observed.follow(motional_current, sensed.v, played, fits);
         } else {
             self.blocks = self.blocks.saturating_add(if self.phase_loop.limited() { AT_EDGE } else { 1 });
+            self.astray_blocks = if self.phase_loop.is_astray() { self.astray_blocks.saturating_add(1) } else { 0 };
         }
         if self.on_blocks <= self.ring_up_blocks || !played.on {
             self.phase_loop.hold();
@@ -357,6 +377,7 @@ impl Tracker {
         match (&self.observed, self.lock.state()) {
             (Some(observed), Lock::Lost) if observed.is_confident() && !self.limited() => State::Disagree,
             (Some(_), Lock::Lost) | (None, Lock::Lost) => State::Lost,
+            (Some(observed), _) if observed.is_astray() => State::Lost,
             (Some(observed), _) if observed.locked() => locked,
             (Some(observed), _) if observed.timed_out() => State::TimedOut,
             (None, Lock::Locked) => locked,

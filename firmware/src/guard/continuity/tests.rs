@@ -47,12 +47,23 @@ fn a_voltage_that_is_elsewhere_is_known_within_eight_blocks() {
 
 /// Of an amplifier that was so from the beginning nothing is known but its limit.
 #[test]
-fn no_voltage_is_more_than_a_fifth_above_its_limit() {
+fn no_voltage_is_much_above_its_limit() {
     let known = |louder: f32| {
         let mut watch = watch();
         (0..400).position(|_| watch.is_broken(&block(one() * louder, one(), 1.0), || LOAD)).map(|n| n + 1)
     };
-    assert_eq!((known(1.2 * LIMIT_V / VOLTS - 0.01), known(1.2 * LIMIT_V / VOLTS + 0.01)), (None, Some(7)));
+    assert_eq!((known(1.15 * LIMIT_V / VOLTS - 0.01), known(1.15 * LIMIT_V / VOLTS + 0.01)), (None, Some(7)));
+}
+
+/// Nor is that of a tone that measures, or it is no tone, for longer than eight blocks.
+#[test]
+fn a_tone_that_measures_is_a_tone_within_its_limit() {
+    let known = |louder: f32, distorted: fn(usize) -> bool| {
+        let mut watch = watch();
+        (0..400).position(|n| watch.is_misplayed(one() * louder * LIMIT_V, distorted(n))).map(|n| n + 1)
+    };
+    assert_eq!((known(1.14, |_| false), known(1.16, |_| false)), (None, Some(8)));
+    assert_eq!((known(0.5, |n| n % 8 < 7), known(0.5, |_| true)), (None, Some(8)));
 }
 
 #[test]

@@ -19,6 +19,8 @@ const INNER: (f32, f32) = (0.087_488_66, 1e-4);
 const LEAST_Q: f32 = 10.0;
 /// Blocks that the observer may take to lock.
 const TIMEOUT: u32 = 128;
+/// Blocks for which a new lock may stand at the edge of the window.
+const AT_EDGE: u32 = 64;
 /// A lock that was lost sooner than this, in blocks, is not sought the same way again.
 const LASTED: u32 = 3000;
 /// How far from where it was a resonance is sought first that was lost, or that is driven again, relative to the frequency.
@@ -49,9 +51,10 @@ pub(crate) struct Observed {
     prior: Prior,
     seek: Retry,
     shown_hz: f32,
-    /// Blocks since it began, and those at the end of which it was within the bound of a lock.
+    /// Blocks since it began, those at the end of which it was within the bound of a lock, and those at the edge of the window.
     blocks: u32,
     inside: u32,
+    at_edge: u32,
     locked: bool,
     confident: bool,
     /// The last block was of a sine.
@@ -75,6 +78,7 @@ impl Observed {
             shown_hz: 0.0,
             blocks: 0,
             inside: 0,
+            at_edge: 0,
             locked: false,
             confident: false,
             pure: true,
@@ -91,7 +95,7 @@ impl Observed {
             // For the next time: the same, anywhere in the window.
             self.prior = Prior { offset_hz: (0.0, self.window_hz), ..*prior };
         }
-        (self.blocks, self.inside, self.locked) = (0, 0, false);
+        (self.blocks, self.inside, self.at_edge, self.locked) = (0, 0, 0, false);
     }
 
     /// Begins again where there is more hope, and says where; nowhere after a scan.
@@ -156,6 +160,7 @@ impl Observed {
         self.confident = self.pure && self.observer.is_as_good_as(INNER.0, self.inner_hz);
         let within =
             self.confident && fits && self.observer.decays_by() < self.most_decay && self.shown_hz.abs() < self.window_hz;
+        self.at_edge = if self.shown_hz.abs() < self.window_hz { 0 } else { self.at_edge.saturating_add(played.driven.into()) };
         self.inside = if within { self.inside.saturating_add(played.driven.into()) } else { 0 };
         self.locked |= self.inside >= LOCK_BLOCKS;
     }
@@ -178,6 +183,11 @@ impl Observed {
     /// It is sure of itself, and has been for some blocks in which nothing spoke against it.
     pub(crate) fn has_converged(&self) -> bool {
         self.inside >= LOCK_BLOCKS
+    }
+
+    /// A lock that has gone to the edge of the window so soon was none.
+    pub(crate) fn is_astray(&self) -> bool {
+        self.at_edge > AT_EDGE && self.blocks < LASTED
     }
 
     /// It has taken too long.

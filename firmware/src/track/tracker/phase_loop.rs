@@ -10,6 +10,9 @@ use crate::seam::error::Error;
 use crate::seam::phasor::{Phasor, argument};
 use crate::seam::units::Turns;
 
+/// How far from a resonance that a scan has just found a lock may be, bandwidths: further, and the phase is another one than it was in the scan.
+const REACH: f32 = 0.3;
+
 /// The loop.
 #[derive(Clone, Debug)]
 pub(crate) struct PhaseLoop {
@@ -21,6 +24,9 @@ pub(crate) struct PhaseLoop {
     integral_hz: f32,
     /// The last output, offset from the nominal frequency.
     offset_hz: f32,
+    /// Where it was seeded, and how far from there a lock may be, Hz.
+    seeded_hz: f32,
+    reach_hz: f32,
 }
 
 impl PhaseLoop {
@@ -34,6 +40,8 @@ impl PhaseLoop {
             integral_gain: 0.0,
             integral_hz: 0.0,
             offset_hz: 0.0,
+            seeded_hz: 0.0,
+            reach_hz: f32::INFINITY,
         })
     }
 
@@ -42,6 +50,12 @@ impl PhaseLoop {
         self.integral_hz = offset_hz;
         self.offset_hz = offset_hz;
         self.integral_gain = self.block_s / time_constant_s;
+        (self.seeded_hz, self.reach_hz) = (offset_hz, REACH / (core::f32::consts::PI * time_constant_s));
+    }
+
+    /// Whether it has gone further from where it was seeded than a lock there may be.
+    pub(crate) fn is_astray(&self) -> bool {
+        (self.integral_hz - self.seeded_hz).abs() > self.reach_hz
     }
 
     /// Follows one block's phase error and returns it.
@@ -138,6 +152,17 @@ mod tests {
     fn a_q_wrong_by_two_still_locks() {
         assert!(settle(65.0, 130.0, 100.0, 4.0) < 400);
         assert!(settle(65.0, 32.0, 100.0, 4.0) < 400);
+    }
+
+    #[test]
+    fn a_lock_is_where_the_scan_was_to_a_third_of_the_bandwidth() {
+        let tracking = Tracking { bandwidth_hz: 200.0, span: 0.025, ..Tracking::new(65.0) };
+        let mut pll = PhaseLoop::build(&tracking, 40e3, BLOCK_S).unwrap();
+        for (hz, astray) in [(0.0, false), (180.0, false), (-180.0, false), (190.0, true), (-190.0, true)] {
+            pll.seed(300.0, 65.0 / (core::f32::consts::PI * 40e3));
+            pll.accompany(Phasor::new(1.0, 0.0), 300.0 + hz);
+            assert_eq!(pll.is_astray(), astray, "{hz} Hz of a bandwidth of 615 Hz");
+        }
     }
 
     #[test]

@@ -9,6 +9,10 @@ const BLOCK_S: f64 = 32e-6;
 const LM_H: f64 = 0.8e-3;
 const WINDOW_HZ: f32 = 1000.0;
 
+/// A drive at the edge, of which nothing is seen.
+const SILENT_AT_EDGE: PlayedBlock =
+    PlayedBlock { offset_hz: WINDOW_HZ, volts: 3.0, envelope: Some(1.0), pure: false, on: true, driven: true, rung_up: false };
+
 fn prior(offset_hz: f32, deviation_hz: f32, q: f32) -> Prior {
     let lm_h = (LM_H as f32, 0.05 * LM_H as f32);
     Prior { offset_hz: (offset_hz, deviation_hz), q, lm_h, axis: Phasor::new(1.0, 0.0), noise_a: 5e-4 }
@@ -146,6 +150,21 @@ fn it_has_taken_too_long_after_128_driven_blocks() {
     assert!(rig.observed.timed_out());
     rig.observed.start(&prior(0.0, WINDOW_HZ, 65.0), Retry::Window);
     assert!(!rig.observed.timed_out());
+}
+
+#[test]
+fn a_new_lock_that_stands_at_the_edge_of_the_window_was_none() {
+    let mut rig = Rig::new(NOMINAL_HZ + 2.0 * f64::from(WINDOW_HZ), 65.0);
+    rig.observed.shown_hz = WINDOW_HZ;
+    (0..AT_EDGE).for_each(|_| rig.observed.follow(Phasor::default(), Phasor::default(), &SILENT_AT_EDGE, true));
+    assert!(!rig.observed.is_astray());
+    rig.observed.follow(Phasor::default(), Phasor::default(), &SILENT_AT_EDGE, true);
+    assert!(rig.observed.is_astray());
+    // One that has lasted is at a resonance that has gone there.
+    rig.observed.blocks = LASTED;
+    assert!(!rig.observed.is_astray());
+    rig.observed.start(&prior(0.0, WINDOW_HZ, 65.0), Retry::Window);
+    assert!(!rig.observed.is_astray());
 }
 
 #[test]
