@@ -4,7 +4,7 @@ use crate::controller::chain::{Chain, Measured};
 use crate::controller::stages::Stages;
 use crate::guard::continuity::{Load, Steady};
 use crate::guard::{Driven, Stage};
-use crate::seam::block::Amplitude;
+use crate::seam::block::{Amplitude, SenseBlock};
 use crate::seam::fault::Fault;
 use crate::seam::mode::Mode;
 use crate::sense::demod::{Sensed, Suspect};
@@ -39,12 +39,14 @@ impl Chain {
         if self.lanes.are_several() && self.block & 1 == 0 {
             return None;
         }
-        let Measured { sensed, motional, played, .. } = *measured;
+        let Measured { sense, sensed, motional, played, .. } = *measured;
         let follows = matches!(self.supervisor.mode(), Mode::Lock | Mode::Run);
-        if !follows {
-            let judged = volts.is_some_and(|volts| self.guard.judges(volts));
-            let misplayed = self.continuity.is_misplayed(sensed.v, judged && suspect.distorted);
-            return (judged && misplayed).then_some(Fault::SensorImplausible);
+        let silent = volts == Some(0.0);
+        if silent || !follows {
+            let known = silent || volts.is_some_and(|volts| self.guard.judges(volts));
+            let distorted = known && suspect.distorted && (!silent || self.is_loud_in_silence(sense));
+            let misplayed = self.continuity.is_misplayed(sensed.v, distorted, silent);
+            return (known && misplayed).then_some(Fault::SensorImplausible);
         }
         // Of another lane there are no phasors, but the last ones of lane 0.
         let here = self.lanes.are_at_home() && self.generator.sweep.holds();
@@ -64,9 +66,21 @@ impl Chain {
         let track = &self.track;
         let load = || Load { periods: track.periods(), susceptance: track.online.motional().y0.im, noise: track.noise.1 };
         // What is implausible by itself has a name of its own, and some blocks to go.
-        let broken = !self.guard.doubts() && self.continuity.is_broken(&block, load);
+        let broken = if self.guard.doubts() {
+            self.continuity.doubt(&block);
+            false
+        } else {
+            self.continuity.is_broken(&block, load)
+        };
         // So has a lane that has failed.
         (broken && !self.lanes.postpone(self.supervisor.mode() != Mode::Run)).then_some(Fault::SensorImplausible)
+    }
+
+    /// Whether samples of a block of silence are beyond what a voltage may be at most: a bit of the drive's converter stands, or its amplifier.
+    #[cold]
+    #[inline(never)]
+    fn is_loud_in_silence(&self, sense: &SenseBlock) -> bool {
+        self.convert.v.beyond(&sense.v, self.continuity.most_volts()) > 1
     }
 
     /// What sensors beside voltage and current say, and limits of their own.

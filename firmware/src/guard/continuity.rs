@@ -11,7 +11,8 @@
 //! | the motional current does not jump from one level to another | it takes a time constant to change | current has failed |
 //! | the tone explains nine tenths of the energy of both channels | a sine was played | a channel is offset, has lost a bit, or the drive is no sine |
 //!
-//! Of a self-test, a scan or a calibration, where the frequency moves and the stack rings at others, only the voltage is watched: by its limit, and by what the tone explains of it.
+//! Of a self-test, a scan or a calibration, where the frequency moves and the stack rings at others, only the voltage is watched: by its limit, and by what the tone explains of it. In
+//! silence it is none that is beyond its limit.
 //!
 //! A load that changes bends the motional current for a time constant; a sense chain that fails moves it within two blocks, after which it stays. A clamped capacitance that
 //! changes moves it at once, too, but by a susceptance, and by no more than there is of it. A resonance that jumps turns it until the tracker has followed. Where a time constant is shorter than four blocks, the two are alike, and jumps say nothing.
@@ -29,12 +30,14 @@ const SOURCE_OHM: f32 = 5.0;
 const LEAST_PART: f32 = 0.1;
 /// The longest delay between a drive and its voltage that a change of the frequency is taken for, s.
 const DELAY_S: f32 = 1e-4;
+/// How far from where it was it is in a block that is another one's, relative.
+const TORN_PART: f32 = 0.5;
 /// How much louder than ordered or than in the beginning a voltage may be, and how much louder than its limit: 1.2 times that much is dangerous.
 const LOUDER: f32 = 1.2;
 const OVER_LIMIT: f32 = 1.15;
 /// Of every second block: for how many a voltage may be where it cannot be, before that counts.
 const BROKEN_BLOCKS: u32 = 4;
-/// For how many blocks of a tone that measures the voltage may be too much, or no tone, before that counts.
+/// For how many blocks of a tone that measures, or of silence, the voltage may be too much, or what was not played, before that counts.
 const MISPLAYED_BLOCKS: u32 = 8;
 /// Of every second block: by how many a voltage is known, and the part of one in what it is compared with.
 const FIRST_BLOCKS: u32 = 16;
@@ -95,7 +98,8 @@ pub(crate) struct Continuity {
     periods_per_block: f32,
     /// How far a resonance that has jumped may turn the motional current before it is followed, rad/Hz.
     turned_per_hz: f32,
-    /// The most that the square of a voltage may be, V².
+    /// The most that a voltage may be, V, and its square.
+    most_v: f32,
     limit: f32,
     /// Means of `h`, `y`, S, and of the frequency's offset, Hz.
     voltage: Phasor,
@@ -109,7 +113,7 @@ pub(crate) struct Continuity {
     known: u32,
     /// Blocks running in which the voltage was not where it can be.
     broken: u32,
-    /// Blocks running of a tone that measures, in which it was too much, or no tone.
+    /// Blocks running of a tone that measures, or of silence, in which it was too much, or what was not played.
     misplayed: u32,
     /// Steady blocks running, and the motional current six, four and two blocks ago, A.
     steady: u32,
@@ -119,7 +123,7 @@ pub(crate) struct Continuity {
     starts: Option<[Phasor; 2]>,
     /// It was broken in this attempt.
     failed: bool,
-    /// The last block, of a drive that has long been steady, was no sine: one at a time.
+    /// The last block, of a drive that has long been steady, was no sine, or another one: one at a time.
     torn: bool,
 }
 
@@ -129,6 +133,7 @@ impl Continuity {
         Continuity {
             periods_per_block: frequency_hz * block_s,
             turned_per_hz: core::f32::consts::TAU * FOLLOWED_BLOCKS * block_s,
+            most_v: OVER_LIMIT * limit_v,
             limit: OVER_LIMIT * OVER_LIMIT * limit_v * limit_v,
             voltage: Phasor::default(),
             current: Phasor::default(),
@@ -183,11 +188,16 @@ impl Continuity {
         self.torn
     }
 
-    /// Takes a block of a tone that measures, and returns whether its voltage has been more than the limit allows, or no tone, for too long. Where the frequency
-    /// moves and what rings does not follow, nothing else is known of two blocks.
+    /// The most that a voltage may be, V.
+    pub(crate) fn most_volts(&self) -> f32 {
+        self.most_v
+    }
+
+    /// Takes a block of a tone that measures, or of silence, and returns whether its voltage has been more than the limit allows, or what was not played, for
+    /// too long. Where the frequency moves and what rings does not follow, nothing else is known of two blocks.
     #[inline]
-    pub(crate) fn is_misplayed(&mut self, v: Phasor, distorted: bool) -> bool {
-        self.rest(false);
+    pub(crate) fn is_misplayed(&mut self, v: Phasor, distorted: bool, silent: bool) -> bool {
+        self.rest(silent);
         let misplayed = distorted || v.norm_sqr() > self.limit;
         self.misplayed = if misplayed { self.misplayed + 1 } else { 0 };
         self.misplayed >= MISPLAYED_BLOCKS
@@ -196,7 +206,7 @@ impl Continuity {
     /// Takes a block, and returns whether voltage or current have changed as they cannot, in it or before.
     pub(crate) fn is_broken(&mut self, block: &Steady, load: impl FnOnce() -> Load) -> bool {
         self.steady = self.steady.wrapping_add(1);
-        self.torn = block.tracked && block.unexplained && self.steady > CALM_BLOCKS && !self.torn;
+        self.tear(block, block.unexplained || self.is_far(block));
         self.failed |= match self.steady {
             // Voltage and current by turns: no block has time for both.
             steady if steady & 1 != 0 => self.is_elsewhere(block),
@@ -205,6 +215,23 @@ impl Continuity {
             _ => self.jumps(block, load),
         };
         self.failed
+    }
+
+    /// Takes a block whose voltage or current are implausible by themselves.
+    pub(crate) fn doubt(&mut self, block: &Steady) {
+        self.tear(block, true);
+    }
+
+    #[inline]
+    fn tear(&mut self, block: &Steady, torn: bool) {
+        self.torn = torn && block.tracked && self.steady > CALM_BLOCKS && !self.torn;
+    }
+
+    /// Whether the voltage is so far from where it was that the codes are those of another block.
+    #[inline]
+    fn is_far(&self, block: &Steady) -> bool {
+        let off = block.v - self.voltage * block.volts;
+        off.norm_sqr() > TORN_PART * TORN_PART * self.voltage.norm_sqr() * block.volts * block.volts && self.known >= FIRST_BLOCKS
     }
 
     /// Whether the voltage has not been where it can be for too long.

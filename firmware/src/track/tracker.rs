@@ -378,6 +378,7 @@ impl Tracker {
             (Some(observed), Lock::Lost) if observed.is_confident() && !self.limited() => State::Disagree,
             (Some(_), Lock::Lost) | (None, Lock::Lost) => State::Lost,
             (Some(observed), _) if observed.is_astray() => State::Lost,
+            (None, _) if self.phase_loop.has_leapt() => State::Lost,
             (Some(observed), _) if observed.locked() => locked,
             (Some(observed), _) if observed.timed_out() => State::TimedOut,
             (None, Lock::Locked) => locked,

@@ -45,6 +45,28 @@ fn a_voltage_that_is_elsewhere_is_known_within_eight_blocks() {
     assert_eq!(known_after(|_| Steady { unexplained: true, ..block(one(), one(), 1.0) }), Some(7));
 }
 
+/// A single block that is none of the drive says nothing, whatever is wrong with it; of those that follow one another every second.
+#[test]
+fn a_block_of_another_one_is_torn() {
+    let good = || block(one(), one(), 1.0);
+    let elsewhere = || block(one() * Phasor::new(0.0, 1.0), one(), 1.0);
+    let torn = |of: fn(&mut Continuity, &Steady), what: Steady| {
+        let mut watch = watch();
+        (0..100).for_each(|_| assert!(!watch.is_broken(&good(), || LOAD) && !watch.is_torn()));
+        of(&mut watch, &what);
+        let first = watch.is_torn();
+        of(&mut watch, &what);
+        (first, watch.is_torn())
+    };
+    let judged: fn(&mut Continuity, &Steady) = |watch, block| drop(watch.is_broken(block, || LOAD));
+    assert_eq!(torn(judged, elsewhere()), (true, false));
+    assert_eq!(torn(judged, Steady { unexplained: true, ..good() }), (true, false));
+    assert_eq!(torn(judged, block(one() * 1.2, one() * 0.5, 1.0)), (false, false));
+    assert_eq!(torn(Continuity::doubt, good()), (true, false));
+    // Where nothing is tracked, nothing is led astray.
+    assert_eq!(torn(judged, Steady { tracked: false, ..elsewhere() }), (false, false));
+}
+
 /// Of an amplifier that was so from the beginning nothing is known but its limit.
 #[test]
 fn no_voltage_is_much_above_its_limit() {
@@ -60,7 +82,7 @@ fn no_voltage_is_much_above_its_limit() {
 fn a_tone_that_measures_is_a_tone_within_its_limit() {
     let known = |louder: f32, distorted: fn(usize) -> bool| {
         let mut watch = watch();
-        (0..400).position(|n| watch.is_misplayed(one() * louder * LIMIT_V, distorted(n))).map(|n| n + 1)
+        (0..400).position(|n| watch.is_misplayed(one() * louder * LIMIT_V, distorted(n), false)).map(|n| n + 1)
     };
     assert_eq!((known(1.14, |_| false), known(1.16, |_| false)), (None, Some(8)));
     assert_eq!((known(0.5, |n| n % 8 < 7), known(0.5, |_| true)), (None, Some(8)));

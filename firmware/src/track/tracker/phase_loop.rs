@@ -12,6 +12,9 @@ use crate::seam::units::Turns;
 
 /// How far from a resonance that a scan has just found a lock may be, bandwidths: further, and the phase is another one than it was in the scan.
 const REACH: f32 = 0.3;
+/// Part by which where it has been of late follows it in a block, and for how many blocks it may stand at the edge of the window without having drifted there.
+const LATELY: f32 = 1.0 / 1024.0;
+const LEAPT_BLOCKS: u32 = 16;
 
 /// The loop.
 #[derive(Clone, Debug)]
@@ -27,6 +30,9 @@ pub(crate) struct PhaseLoop {
     /// Where it was seeded, and how far from there a lock may be, Hz.
     seeded_hz: f32,
     reach_hz: f32,
+    /// Where it has been of late, Hz, and blocks at the edge of the window since it was elsewhere.
+    lately_hz: f32,
+    leapt_blocks: u32,
 }
 
 impl PhaseLoop {
@@ -42,6 +48,8 @@ impl PhaseLoop {
             offset_hz: 0.0,
             seeded_hz: 0.0,
             reach_hz: f32::INFINITY,
+            lately_hz: 0.0,
+            leapt_blocks: 0,
         })
     }
 
@@ -51,6 +59,12 @@ impl PhaseLoop {
         self.offset_hz = offset_hz;
         self.integral_gain = self.block_s / time_constant_s;
         (self.seeded_hz, self.reach_hz) = (offset_hz, REACH / (core::f32::consts::PI * time_constant_s));
+        (self.lately_hz, self.leapt_blocks) = (offset_hz, 0);
+    }
+
+    /// Whether it has leapt to the edge of the window: a resonance drifts there.
+    pub(crate) fn has_leapt(&self) -> bool {
+        self.leapt_blocks > LEAPT_BLOCKS
     }
 
     /// Whether it has gone further from where it was seeded than a lock there may be.
@@ -65,6 +79,9 @@ impl PhaseLoop {
         // The integral is clamped to the window, which is all the anti-windup a first-order loop needs.
         self.integral_hz = within(self.integral_hz + self.integral_gain * proportional, -self.window_hz, self.window_hz);
         self.offset_hz = within(self.integral_hz + proportional, -self.window_hz, self.window_hz);
+        self.lately_hz += LATELY * (self.offset_hz - self.lately_hz);
+        let leapt = self.limited() && (self.offset_hz - self.lately_hz).abs() > self.reach_hz;
+        self.leapt_blocks = if leapt { self.leapt_blocks + 1 } else { 0 };
         phase
     }
 
