@@ -15,7 +15,14 @@ impl Chain {
         let Measured { sense, sensed, played, .. } = *measured;
         let volts = played.audible.filter(|_| played.flat).map(|part| part * played.volts * played.envelope.abs());
         let electrical = self.guard.inspect(&self.convert, sense, sensed, volts, suspect);
-        let electrical = electrical.or_else(|| self.breaks(measured, volts, suspect));
+        let electrical = electrical.or_else(|| match volts {
+            Some(volts) => self.breaks(measured, volts, suspect),
+            // An edge or a noise.
+            None => {
+                self.continuity.rest(false);
+                None
+            }
+        });
         let watches = self.guard.watches(sense, &self.belt);
         let found = if watches { electrical.or(self.watch(stages, measured, volts)) } else { electrical };
         found.map(|found| self.name(stages, measured, found))
@@ -34,27 +41,26 @@ impl Chain {
     /// Whether voltage and current of a steady drive have changed as they cannot.
     // Not inlined: the fast memory of a board has no room for it.
     #[inline(never)]
-    fn breaks(&mut self, measured: &Measured, volts: Option<f32>, suspect: Suspect) -> Option<Fault> {
+    fn breaks(&mut self, measured: &Measured, volts: f32, suspect: Suspect) -> Option<Fault> {
         // A block of several lanes that is a multiple of something has no time for it.
         if self.lanes.are_several() && self.block & 1 == 0 {
             return None;
         }
         let Measured { sense, sensed, motional, played, .. } = *measured;
         let follows = matches!(self.supervisor.mode(), Mode::Lock | Mode::Run);
-        let silent = volts == Some(0.0);
+        let (silent, judged) = (volts == 0.0, self.guard.judges(volts));
         if silent || !follows {
-            let known = silent || volts.is_some_and(|volts| self.guard.judges(volts));
+            let known = silent || judged;
             let distorted = known && suspect.distorted && (!silent || self.is_loud_in_silence(sense));
             let misplayed = self.continuity.is_misplayed(sensed.v, distorted, silent);
             return (known && misplayed).then_some(Fault::SensorImplausible);
         }
         // Of another lane there are no phasors, but the last ones of lane 0.
         let here = self.lanes.are_at_home() && self.generator.sweep.holds();
-        let steady = here && played.pure && played.is_full();
-        let Some(volts) = volts.filter(|&volts| steady && self.guard.judges(volts)) else {
-            self.continuity.rest(played.envelope == 0.0);
+        if !(here && judged && played.pure && played.is_full()) {
+            self.continuity.rest(false);
             return None;
-        };
+        }
         let Sensed { v, i } = *sensed;
         let tracked = self.track.tracker.tracks();
         if !tracked {

@@ -73,6 +73,8 @@ impl PhaseLoop {
     }
 
     /// Follows one block's phase error and returns it.
+    // Not inlined: the fast memory of a board has no room for it.
+    #[inline(never)]
     pub(crate) fn update(&mut self, error: Phasor) -> Turns {
         let phase = argument(error);
         let proportional = self.bandwidth_hz * core::f32::consts::TAU * phase.0;
