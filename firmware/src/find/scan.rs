@@ -80,7 +80,8 @@ pub(crate) struct Scan {
     spectrum: Spectrum,
     search: ModeSearch,
     modes: Modes,
-    /// The window has been swept a second time.
+    /// Whether the window is swept a second time where nothing is found, and whether it has been. What an observer has sought in vain before is not there.
+    repeats: bool,
     again: bool,
 }
 
@@ -123,13 +124,14 @@ impl Scan {
             baseband: Baseband::default(),
             spectrum,
             modes: Modes::new(nominal_hz),
+            repeats: tracking.mode != TrackingMode::Observer,
             again: false,
         }
     }
 
     /// Begins from the window.
     pub(crate) fn restart(&mut self) {
-        self.again = false;
+        self.again = !self.repeats;
         self.begin_window();
     }
 

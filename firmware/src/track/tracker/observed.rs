@@ -20,7 +20,7 @@ const LEAST_Q: f32 = 10.0;
 /// Blocks that the observer may take to lock.
 const TIMEOUT: u32 = 128;
 /// Blocks for which a new lock may stand at the edge of the window.
-const AT_EDGE: u32 = 64;
+const AT_EDGE: u32 = 448;
 /// A lock that was lost sooner than this, in blocks, is not sought the same way again.
 const LASTED: u32 = 3000;
 /// How far from where it was a resonance is sought first that was lost, or that is driven again, relative to the frequency.
