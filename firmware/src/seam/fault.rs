@@ -75,8 +75,9 @@ numbered! {
     AmplifierSupply = 14, "amplifier supply out of its window", "look at the amplifier's supply, and at `supply.divider`, `supply.min_v` and `supply.max_v`";
     /// A sense channel is offset by more than 5 %, stuck, or for 8 blocks (in the self-test 96) does not show within a factor of 2 the fundamental
     /// that was played, less what a source of 0.5 ohm takes of it under the current; or the stack does not ring down. Or, of a steady sine, for 8 blocks the voltage is 15 %
-    /// off what it was, other than a source of 5 ohm or a delay of 100 us make it, or 1.2 times louder than ordered or than `limits.voltage_v`; and of a resonance that is tracked the tone leaves
+    /// off what it was, other than a source of 5 ohm or a delay of 100 us make it, 1.2 times louder than ordered, or 1.15 times more than `limits.voltage_v`; and of a resonance that is tracked the tone leaves
     /// a tenth of a channel's energy unexplained, or the motional current jumps, which takes a time constant to change: known after 8 blocks at most, of several lanes after 16 and a visit to each.
+    /// Of a tone that measures the voltage is more than that limit, or no tone, and in silence beyond it, for 8 blocks; of several lanes for 16.
     SensorImplausible = 20, "sense channel implausible", "a sense line is open, stuck or offset, or the amplifier is off or too loud; where it ends a run, the self-test of the next `lock` tells more";
     /// Two samples of a block are over `limits.current_a`, or the board's comparator has seen more: known with that block.
     OverCurrent = 21, "over-current", "more current than `limits.current_a`: a shorted stack or cable, or a limit below the drive";
@@ -105,12 +106,12 @@ numbered! {
     /// A lane other than the first has its voltage, and draws less than a quarter of the current of its clamped capacitance and of lane 0: nothing is
     /// connected. Known when fault 24 is. Lane 0 is fault 23.
     LaneOpen = 29, "lane open", "an amplifier has no load: look at the cable and the electrodes of lanes 1 to 3";
-    /// The scan has found no resonance in the window.
+    /// The scan has found no resonance in the window: without an observer, twice.
     NoResonance = 30, "no resonance", "none in the window: look at the nominal frequency and the span; is the horn on?";
-    /// The phase loop has not locked within 64 ms and 50 time constants, or a 32nd of that at the edge of the frequency window, or the observer has found nothing within 128 blocks each way that it
-    /// seeks, by a scan at last.
+    /// The phase loop has not locked within 64 ms and 50 time constants, or a 32nd of that at the edge of the frequency window, or has gone elsewhere than where two scans
+    /// have found the resonance: 0.3 bandwidths for 8 blocks. Or the observer has found nothing within 128 blocks each way that it seeks, by a scan at last.
     NoLock = 31, "no lock", "it was found, but the loop did not pull in: too much damping, or a resonance that moves";
-    /// The lock is lost: the motional phase is 45 degrees off for 2.6 ms, or for 4 time constants if that is more; at the edge of the frequency window, too.
+    /// The lock is lost: the motional phase is 45 degrees off for 2.6 ms, or for 4 time constants if that is more; at the edge of the frequency window, too. Without an observer the loop has leapt there, and stands there for 17 blocks.
     LossOfLock = 32, "loss of lock", "the resonance has gone: the load, or a stack that breaks; `lock` looks for it again";
     /// The observer has converged, and the motional phase, which it does not use, is 45 degrees off for as long as fault 32 takes.
     TrackersDisagree = 33, "trackers disagree", "two ways to see the resonance say different things: look at the sense channels";

@@ -19,8 +19,8 @@ const INNER: (f32, f32) = (0.087_488_66, 1e-4);
 const LEAST_Q: f32 = 10.0;
 /// Blocks that the observer may take to lock.
 const TIMEOUT: u32 = 128;
-/// Blocks for which a new lock may stand at the edge of the window.
-const AT_EDGE: u32 = 448;
+/// Blocks for which a lock may stand at the edge of the window that has gone there before it could have timed out.
+const AT_EDGE: u32 = 256;
 /// A lock that was lost sooner than this, in blocks, is not sought the same way again.
 const LASTED: u32 = 3000;
 /// How far from where it was a resonance is sought first that was lost, or that is driven again, relative to the frequency.
@@ -187,7 +187,7 @@ impl Observed {
 
     /// A lock that has gone to the edge of the window so soon was none.
     pub(crate) fn is_astray(&self) -> bool {
-        self.at_edge > AT_EDGE && self.blocks < LASTED
+        self.at_edge > AT_EDGE && self.blocks < TIMEOUT + AT_EDGE
     }
 
     /// It has taken too long.

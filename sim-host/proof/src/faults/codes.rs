@@ -70,13 +70,7 @@ const EXAMPLES: &[Example] = &[
     Example::failing(28, "the current is beyond its channel", "lock", &[ON, OFF], (Failure::Scene("saturation"), 0.1, 0.15)),
     Example::failing(29, "a lane is open", MOTOR, &[ON, OFF], (Failure::Lane("lane_open", 2), 0.0, 0.3)),
     Example::of(30, "the resonance is outside the window", "lock", &[ON, OFF, "stack.bvd.series_resonance_hz=45e3"], 0.3),
-    Example::failing(
-        31,
-        "the current comes 7 samples late, from the middle of the scan",
-        MOTOR,
-        &[ON, OFF],
-        (Failure::Late(Current, 7), 0.0815, 0.3),
-    ),
+    Example::of(31, "the phase of the whole current is followed, which has no zero at Q 6", "lock", &NO_ZERO, 0.3),
     Example::failing(
         32,
         "the resonance leaps by 8 bandwidths",
@@ -151,6 +145,7 @@ const EXAMPLES: &[Example] = &[
     Example::of(108, "0.95 A are allowed", "lock", &[ON, OFF, OBSERVER, "controller.limits.current_a=0.95"], 0.3),
 ];
 const OBSERVER: &str = "controller.tracking.mode=observer";
+const NO_ZERO: [&str; 5] = [ON, OFF, "controller.tracking.mode=zero_phase", "stack.bvd.q=6", "controller.tracking.nominal_q=6"];
 
 /// Codes and names of all faults and limits.
 fn all() -> impl Iterator<Item = (u8, &'static str)> {

@@ -64,6 +64,8 @@ const PILOT_S: f64 = 0.5;
 /// From the first locked block of the slowest run to the earliest failure, where nothing else is waited for; and over how long failures are spread, s.
 const SETTLES_S: f64 = 0.02;
 const SPREAD_S: f64 = 0.01;
+/// The earliest failure on the way to a drive, s: in the very first block there is nothing yet to repeat or to be lost.
+const EARLIEST_S: f64 = 1e-3;
 /// How long a run goes on after a failure, s: under drive, and where it has to come to a drive or an end first.
 const AFTER_S: f64 = 0.08;
 const EARLY_AFTER_S: f64 = 0.4;
@@ -111,7 +113,7 @@ impl Place {
         let first_s = locked_s.iter().copied().fold(PILOT_S, f64::min);
         let last_s = locked_s.iter().copied().fold(0.0, f64::max);
         Ok(match self.fails {
-            Fails::Early => Running { place: self, from_s: 0.0, spread_s: first_s, after_s: EARLY_AFTER_S },
+            Fails::Early => Running { place: self, from_s: EARLIEST_S, spread_s: first_s - EARLIEST_S, after_s: EARLY_AFTER_S },
             Fails::Driven(settles_s) => Running { place: self, from_s: last_s + settles_s, spread_s: SPREAD_S, after_s: AFTER_S },
         })
     }

@@ -175,15 +175,17 @@ fn without(calm: &[Tried]) -> TableBlock {
     let row = |place: &super::Place| {
         let runs: Vec<&Tried> = calm.iter().filter(|run| run.place.name == place.name).collect();
         let said = runs.iter().filter(|run| run.verdict.said != 0).count();
-        let dangerous = runs.iter().filter(|run| run.verdict.dangerous_ms > 0.0).count();
-        vec![place.name.to_owned(), runs.len().to_string(), said.to_string(), dangerous.to_string()]
+        let dangerous_ms = runs.iter().map(|run| run.verdict.dangerous_ms).fold(0.0, f64::max);
+        let still = runs.iter().filter(|run| run.verdict.still).count();
+        vec![place.name.to_owned(), runs.len().to_string(), said.to_string(), digits(dangerous_ms), still.to_string()]
     };
-    let caption = "Said: a fault has ended the run, or a limit holds in most of its end.";
+    let caption = "Said: a fault has ended the run, or a limit holds in most of its end. Dangerous: the longest time in such a state, and how many runs end in it. \
+                   An observer that seeks its lock drives beside the resonance, by order.";
     TableBlock::new(
         "without",
         "The same without a failure",
         caption,
-        &["place", "runs", "said", "dangerous"],
+        &["place", "runs", "said", "dangerous [ms]", "in the end"],
         PLACES.iter().map(row).collect(),
     )
 }

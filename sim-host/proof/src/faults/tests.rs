@@ -3,7 +3,7 @@
 use super::*;
 
 /// Kinds of which a run or two are dangerous for longer than promised: docs/faults.md says why.
-const KNOWN: [&str; 3] = ["current bit", "current late", "amplifier drifts"];
+const KNOWN: [&str; 2] = ["current bit", "current late"];
 
 #[test]
 fn every_failure_is_as_promised() {

@@ -161,7 +161,7 @@ fn a_new_lock_that_stands_at_the_edge_of_the_window_was_none() {
     rig.observed.follow(Phasor::default(), Phasor::default(), &SILENT_AT_EDGE, true);
     assert!(rig.observed.is_astray());
     // One that has lasted is at a resonance that has gone there.
-    rig.observed.blocks = LASTED;
+    rig.observed.blocks = TIMEOUT + AT_EDGE;
     assert!(!rig.observed.is_astray());
     rig.observed.start(&prior(0.0, WINDOW_HZ, 65.0), Retry::Window);
     assert!(!rig.observed.is_astray());
