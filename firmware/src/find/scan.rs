@@ -82,7 +82,7 @@ pub(crate) struct Scan {
     modes: Modes,
     /// Whether the window is swept a second time where nothing is found, and whether it has been. What an observer has sought in vain before is not there.
     repeats: bool,
-    again: bool,
+    repeated: bool,
 }
 
 impl Scan {
@@ -125,13 +125,13 @@ impl Scan {
             spectrum,
             modes: Modes::new(nominal_hz),
             repeats: tracking.mode != TrackingMode::Observer,
-            again: false,
+            repeated: false,
         }
     }
 
     /// Begins from the window.
     pub(crate) fn restart(&mut self) {
-        self.again = !self.repeats;
+        self.repeated = false;
         self.begin_window();
     }
 
@@ -140,14 +140,14 @@ impl Scan {
         self.begin_part(0);
     }
 
-    /// There is no resonance, or it moved while it was looked at: another sweep of the window will say.
+    /// Begins from the window once more, where there was no resonance, or one that moved while it was looked at: another sweep will say.
     #[cold]
-    fn find_nothing(&mut self) -> Step {
-        if core::mem::replace(&mut self.again, true) {
-            return Step::Failed(Fault::NoResonance);
+    pub(crate) fn repeat(&mut self) -> Option<Step> {
+        if !self.repeats || core::mem::replace(&mut self.repeated, true) {
+            return None;
         }
         self.begin_window();
-        self.tune()
+        Some(self.tune())
     }
 
     /// Takes a clamped capacitance to begin with, F, where there is no nominal one.
@@ -295,12 +295,10 @@ impl Scan {
 
     /// Chooses the resonance, and decides whether it is known well enough.
     fn choose(&mut self) -> Step {
-        match self.modes.choose(&self.choice) {
-            Err(Fault::NoResonance) => return self.find_nothing(),
-            Err(fault) => return Step::Failed(fault),
-            Ok(()) => {}
+        if let Err(fault) = self.modes.choose(&self.choice) {
+            return Step::Failed(fault);
         }
-        let Some(&(pole, deviations)) = self.modes.chosen() else { return self.find_nothing() };
+        let Some(&(pole, deviations)) = self.modes.chosen() else { return Step::Failed(Fault::NoResonance) };
         let reach_hz = self.window_hz * (1.0 + MARGIN);
         let hz = self.nominal_hz + pole.offset_hz;
         let fine = self.pass.fine(
@@ -343,7 +341,7 @@ impl Scan {
                 self.modes.refine(*pole, *deviations);
                 self.take(0)
             }
-            _ => self.find_nothing(),
+            _ => Step::Failed(Fault::NoResonance),
         }
     }
 

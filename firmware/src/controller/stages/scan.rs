@@ -4,6 +4,8 @@ use crate::controller::chain::{Chain, Measured};
 use crate::controller::stages::Stage;
 use crate::find::scan::Scan;
 use crate::generate::step::Step;
+use crate::seam::block::Request;
+use crate::seam::fault::Fault;
 use crate::seam::phasor::magnitude;
 
 impl Stage for Scan {
@@ -15,6 +17,13 @@ impl Stage for Scan {
     #[inline(never)]
     fn step(&mut self, chain: &mut Chain, measured: &Measured) -> Step {
         let step = self.listen(&chain.convert, measured.sense, measured.sensed);
+        // Who orders a scan decides what to do about a window without a resonance.
+        if matches!(step, Step::Failed(Fault::NoResonance))
+            && measured.orders.request == Request::Run
+            && let Some(step) = self.repeat()
+        {
+            return step;
+        }
         if let (Step::Done { .. }, Some(found)) = (step, self.found()) {
             chain.track.adopt(found, self.modes().beside());
             chain.generator.sweep.hold.retune(chain.track.tracker.offset_hz());

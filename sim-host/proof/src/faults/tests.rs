@@ -20,3 +20,23 @@ fn every_code_is_raised() {
     let (_, missed) = codes::raised().unwrap_or_else(|error| panic!("{error}"));
     assert!(missed.is_empty(), "{missed:#?}");
 }
+
+/// A channel that becomes late when the scan is over, and before the lock, turns the phase by 43 degrees: the lock goes elsewhere, another scan sees the same
+/// phase as the lock, and the drive is where it belongs.
+#[test]
+fn a_lock_that_goes_elsewhere_is_scanned_again() {
+    use super::injected::{Channel, Failure};
+    use firmware::seam::mode::Mode;
+
+    let place = PLACES.iter().find(|place| place.name == "stack, scan and lock").unwrap();
+    let scans = |failure: Failure| {
+        let failed = place.run(failure, 0.0157, 0.2, 0).unwrap();
+        let rows = &failed.record.rows;
+        let last = rows.last().unwrap();
+        let beside_hz = (last.frequency_hz - last.truth.series_resonance_hz).abs();
+        assert!(last.mode == Mode::Run && beside_hz < 0.1 * failed.half_hz, "{failure:?}: {:?}, {beside_hz} Hz", last.mode);
+        rows.windows(2).filter(|pair| pair[0].mode != Mode::Scan && pair[1].mode == Mode::Scan).count()
+    };
+    assert_eq!(scans(Failure::None), 1);
+    assert_eq!([Channel::Current, Channel::Voltage].map(|channel| scans(Failure::Late(channel, 3))), [2, 2]);
+}
