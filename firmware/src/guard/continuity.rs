@@ -199,7 +199,7 @@ impl Continuity {
     pub(crate) fn is_misplayed(&mut self, v: Phasor, distorted: bool, silent: bool) -> bool {
         self.rest(silent);
         let misplayed = distorted || v.norm_sqr() > self.limit;
-        self.misplayed = if misplayed { self.misplayed + 1 } else { 0 };
+        self.misplayed = if misplayed { self.misplayed.saturating_add(1) } else { 0 };
         self.misplayed >= MISPLAYED_BLOCKS
     }
 

@@ -48,7 +48,7 @@ impl Wave {
         if blend.weight == 1.0 {
             return self.first(samples).iter_mut().for_each(|place| *place = blend.upper.at(phases.take()));
         }
-        // Where the frequency stands, a sample takes a third less.
+        // Where the frequency stands, a sample takes less.
         match phases.steady() {
             Some((phase, word)) => self.mix_steady(blend, samples, phase, word),
             None => self.mix_moving(blend, samples, phases),

@@ -83,7 +83,7 @@ impl PhaseLoop {
         self.offset_hz = within(self.integral_hz + proportional, -self.window_hz, self.window_hz);
         self.lately_hz += LATELY * (self.offset_hz - self.lately_hz);
         let leapt = self.limited() && (self.offset_hz - self.lately_hz).abs() > self.reach_hz;
-        self.leapt_blocks = if leapt { self.leapt_blocks + 1 } else { 0 };
+        self.leapt_blocks = if leapt { self.leapt_blocks.saturating_add(1) } else { 0 };
         phase
     }
 
@@ -182,6 +182,28 @@ mod tests {
             pll.accompany(Phasor::new(1.0, 0.0), 300.0 + hz);
             assert_eq!(pll.is_astray(), astray, "{hz} Hz of a bandwidth of 615 Hz");
         }
+    }
+
+    /// A phase that is suddenly another one takes the loop to the edge within some blocks; a resonance that drifts takes thousands.
+    #[test]
+    fn what_leaps_to_the_edge_of_the_window_is_no_drift() {
+        let tracking = Tracking { bandwidth_hz: 200.0, span: 0.025, ..Tracking::new(65.0) };
+        let leaps = |turns: f32| {
+            let mut pll = PhaseLoop::build(&tracking, 40e3, BLOCK_S).unwrap();
+            pll.seed(0.0, 65.0 / (core::f32::consts::PI * 40e3));
+            let angle = core::f32::consts::TAU * turns;
+            let error = Phasor::new(libm::cosf(angle), libm::sinf(angle));
+            let mut step = || {
+                pll.update(error);
+                (pll.limited(), pll.has_leapt())
+            };
+            let arrives = (0..20_000).position(|_| step().0).unwrap();
+            (arrives, (1..200).find(|_| step().1))
+        };
+        let (sudden, known) = leaps(0.16);
+        assert!(sudden < 200 && known == Some(LEAPT_BLOCKS), "{sudden}: {known:?}");
+        let (slow, known) = leaps(0.002);
+        assert!(slow > 6000 && known.is_none(), "{slow}: {known:?}");
     }
 
     #[test]
