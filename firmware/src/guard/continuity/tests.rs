@@ -58,7 +58,7 @@ fn a_block_of_another_one_is_torn() {
         of(&mut watch, &what);
         (first, watch.is_torn())
     };
-    let judged: fn(&mut Continuity, &Steady) = |watch, block| drop(watch.is_broken(block, || LOAD));
+    let judged: fn(&mut Continuity, &Steady) = |watch, block| assert!(!watch.is_broken(block, || LOAD));
     assert_eq!(torn(judged, elsewhere()), (true, false));
     assert_eq!(torn(judged, Steady { unexplained: true, ..good() }), (true, false));
     assert_eq!(torn(judged, block(one() * 1.2, one() * 0.5, 1.0)), (false, false));
