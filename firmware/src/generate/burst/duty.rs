@@ -21,7 +21,7 @@ impl Dithered {
         const GOLDEN: u32 = 0x9e37_79b9;
         self.turn = self.turn.wrapping_add(GOLDEN);
         let part = (self.turn >> 8) as f32 / (1 << 24) as f32;
-        // By 32 bits, which are 1.2 hours at 1 MHz: for 64 there is a function.
+        // By 32 bits, which are 1.2 hours at 1 MHz: a conversion to 64 is a call, which the fast memory of a board has no room for.
         u64::from(libm::roundf(self.mean + (part - 0.5) * self.spread).clamp(0.0, period as f32) as u32)
     }
 }
