@@ -24,8 +24,6 @@ use crate::motor::seat;
 const STIFF: f64 = 0.1;
 /// A surface slower than this, m/s, stands.
 const STANDSTILL: f64 = 1e-12;
-/// Steps to find the speed at the end of a step.
-const MOST_STEPS: usize = 60;
 
 /// What the friction did in one step.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -194,26 +192,108 @@ impl Rotor {
         dragged
     }
 
-    /// The friction that agrees with the speed it leads to: of a rotor near standstill.
+    /// The friction that agrees with the speed it leads to: of a rotor near standstill. A step of it may change the speed by far more than the surface has, so
+    /// it is sought by the speed: between those of the surface, or all of it is needed.
     fn holding(&self, wave: &Crest, per_newton: f64, load: f64, most: f64) -> f64 {
         let surface = length(wave.along_m_per_s, wave.across_m_per_s);
+        let needed = |speed: f64| load + (speed - self.speed) / per_newton;
         if surface < STANDSTILL {
-            return (load - self.speed / per_newton).clamp(-most, most);
+            return needed(0.0).clamp(-most, most);
+        }
+        if needed(-surface) >= most {
+            return most;
+        }
+        if needed(surface) <= -most {
+            return -most;
         }
         // The friction falls with the speed, so the root is unique.
-        let (mut low, mut high) = (-most, most);
-        for _ in 0..MOST_STEPS {
-            let force = 0.5 * (low + high);
-            let speed = self.speed + per_newton * (force - load);
-            if wave.friction(&self.layer, speed).force_n > force {
-                low = force
-            } else {
-                high = force
-            }
-            if high - low < 1e-9 * most {
-                break;
-            }
+        let excess = |speed: f64| wave.friction(&self.layer, speed).force_n - needed(speed);
+        needed(fall(excess, -surface, surface, 1e-9 * most * per_newton))
+    }
+}
+
+/// Where a function that falls crosses zero, between `low` and `high`, to `within`.
+///
+/// Bisection's bound on the steps, and a secant's speed: ITP (Oliveira and Takahashi, ACM Trans. Math. Softw. 47, 5, 2021), `k2 = 2`, `n0 = 1`.
+fn fall(of: impl Fn(f64) -> f64, mut low: f64, mut high: f64, within: f64) -> f64 {
+    let (mut above, mut below) = (of(low), of(high));
+    if above <= 0.0 {
+        return low;
+    }
+    if below >= 0.0 {
+        return high;
+    }
+    let bend = 0.2 / (high - low);
+    let mut reach = within * libm::exp2((libm::log2((high - low) / within)).ceil());
+    while high - low > within {
+        let middle = 0.5 * (low + high);
+        let secant = (above * high - below * low) / (above - below);
+        let towards = (middle - secant).signum();
+        let shift = (bend * (high - low).powi(2)).max(0.5 * within);
+        let bent = if shift <= (middle - secant).abs() { secant + towards * shift } else { middle };
+        let most = (reach - 0.5 * (high - low)).max(0.0);
+        let at = if (bent - middle).abs() <= most { bent } else { middle - towards * most };
+        let there = of(at);
+        if there > 0.0 {
+            (low, above) = (at, there);
+        } else if there < 0.0 {
+            (high, below) = (at, there);
+        } else {
+            return at;
         }
-        0.5 * (low + high)
+        reach *= 0.5;
+    }
+    0.5 * (low + high)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::motor::tests::{rotor, stator};
+
+    #[test]
+    fn a_root_is_found_in_no_more_steps_than_by_halves() {
+        let smooth: fn(f64) -> f64 = |x| 0.625 - x.powi(3) - x;
+        let steep: fn(f64) -> f64 = |x| if x < 0.12345 { 1.0 } else { -1e-9 };
+        let flat: fn(f64) -> f64 = |x| libm::acos(x) - 3.0;
+        for (of, root, most) in [(smooth, 0.5, 12), (steep, 0.12345, 33), (flat, libm::cos(3.0), 33)] {
+            let steps = std::cell::Cell::new(0);
+            let counted = |x: f64| {
+                steps.set(steps.get() + 1);
+                of(x)
+            };
+            let found = fall(counted, -1.0, 1.0, 1e-9);
+            assert!((found - root).abs() < 1e-9, "{found}");
+            assert!(steps.get() <= 2 + most, "{}", steps.get());
+        }
+    }
+
+    /// The force leads to a speed at which the friction is that force, or all of it is not enough.
+    #[test]
+    fn the_force_that_holds_agrees_with_its_speed() {
+        let scene = rotor();
+        let mut held = [0; 2];
+        for n in 0..2000 {
+            let at = |k: f64| (f64::from(n) * k).sin();
+            let mut rotor = Rotor::new(&scene, &Model::of(&stator()));
+            rotor.speed = 2e-3 * at(0.91);
+            let wave = Crest {
+                height_m: 1e-6,
+                rotor_m: 1.5e-6 * at(0.37) - 0.6e-6,
+                along_m_per_s: 1e-3 * at(1.7),
+                across_m_per_s: 1e-3 * at(2.3),
+            };
+            let most = rotor.layer.mu * wave.friction(&rotor.layer, rotor.speed).normal_n;
+            if most == 0.0 {
+                continue;
+            }
+            let (per_newton, load) = (2e-3 / most, 1.2 * most * at(0.53));
+            let force = rotor.holding(&wave, per_newton, load, most);
+            let agrees = wave.friction(&rotor.layer, rotor.speed + per_newton * (force - load)).force_n;
+            // The friction is as steep as the root of the distance from the end of the contact.
+            assert!((agrees - force).abs() < 1e-4 * most, "{n}: {force} of {agrees}");
+            held[usize::from(force.abs() == most)] += 1;
+        }
+        assert!(held.iter().all(|&held| held > 100), "{held:?}");
     }
 }

@@ -15,6 +15,11 @@ pub(crate) fn stator() -> Stator {
     usm(&[]).stator.unwrap()
 }
 
+/// The rotor on it.
+pub(crate) fn rotor() -> scene::Rotor {
+    usm(&[]).driven().unwrap().rotor().unwrap().clone()
+}
+
 /// The built-in scene with changes.
 fn usm(sets: &[&str]) -> Scene {
     let sets: Vec<String> = sets.iter().map(|set| (*set).to_owned()).collect();
