@@ -11,6 +11,7 @@ pub(crate) mod observed;
 pub mod observer;
 pub(crate) mod phase_loop;
 pub(crate) mod prior;
+pub(crate) mod stray;
 
 use crate::seam::compare::{larger, smaller};
 use crate::seam::config::{Config, TrackingMode};
@@ -25,6 +26,7 @@ use crate::track::tracker::lock_detector::{Lock, LockDetector};
 use crate::track::tracker::observed::{NEARBY, Observed, Retry};
 use crate::track::tracker::observer::Prior;
 use crate::track::tracker::phase_loop::PhaseLoop;
+use crate::track::tracker::stray::Stray;
 
 /// After an edge of the burst, the tracker waits for the stack to ring up, time constants of the resonance. Before that there is
 /// more noise than phase.
@@ -35,8 +37,6 @@ const RINGS_ABOVE: f32 = 0.2;
 const UNDECIDED: Turns = Turns(20.0 / 360.0);
 /// Longest time the loop may take to lock, blocks and time constants of the resonance.
 const LOCK_TIMEOUT: (u32, f32) = (2000, 50.0);
-/// For so many blocks a lock that is sought may be elsewhere than where a scan has found it.
-const ASTRAY_BLOCKS: u32 = 8;
 /// A block at the edge of the window, where there is nothing to lock to, counts as so many.
 const AT_EDGE: u32 = 32;
 /// Where a scan has found the resonance, it is within this part of the bandwidth.
@@ -101,6 +101,7 @@ pub struct Tracker {
     nominal: Motional,
     motional: Motional,
     phase_loop: PhaseLoop,
+    stray: Stray,
     observed: Option<Observed>,
     known: Known,
     lock: LockDetector,
@@ -113,13 +114,9 @@ pub struct Tracker {
     /// Blocks under drive since the phase was measured last, and how many that may be.
     unmeasured_blocks: u32,
     unmeasured_limit: u32,
-    /// Blocks since it was seeded, how many a lock may take, and those in which it was elsewhere than where a scan had found it; without an observer, which
-    /// counts for itself.
+    /// Blocks since it was seeded, and how many a lock may take; without an observer, which counts for itself.
     blocks: u32,
     timeout_blocks: u32,
-    astray_blocks: u32,
-    /// A lock that went astray has been left to another scan.
-    scanned_again: bool,
 }
 
 impl Tracker {
@@ -137,6 +134,7 @@ impl Tracker {
             nominal,
             motional: nominal,
             phase_loop: PhaseLoop::build(&config.tracking, config.drive.frequency_hz, block_s)?,
+            stray: Stray::default(),
             observed: (config.tracking.mode == TrackingMode::Observer)
                 .then(|| Observed::new(config.drive.frequency_hz, block_s, config.tracking.span * config.drive.frequency_hz)),
             known: Known::default(),
@@ -149,8 +147,6 @@ impl Tracker {
             unmeasured_limit: 0,
             blocks: 0,
             timeout_blocks: 0,
-            astray_blocks: 0,
-            scanned_again: false,
         })
     }
 
@@ -165,7 +161,7 @@ impl Tracker {
         self.lock.restart(0.0);
         self.phase_loop.seed(0.0, f32::INFINITY);
         self.rm_ohm = 0.0;
-        self.scanned_again = false;
+        self.stray = Stray::default();
         self.observed.iter_mut().for_each(Observed::restart);
     }
 
@@ -229,6 +225,7 @@ impl Tracker {
         };
         let offset_hz = transducer.series_resonance_hz - self.nominal_hz;
         self.phase_loop.seed(offset_hz, transducer.time_constant_s());
+        self.stray.seed(offset_hz, transducer.time_constant_s());
         self.set_resonance(transducer);
         self.restart_clock(transducer.time_constant_s() / self.block_s);
         self.on_blocks = self.ring_up_blocks;
@@ -278,12 +275,12 @@ impl Tracker {
 
     /// Whether the lock that is sought by the phase of the motional current is elsewhere than where a scan has just found the resonance.
     pub(crate) fn is_astray(&self) -> bool {
-        self.astray_blocks >= ASTRAY_BLOCKS && self.detector == Some(PhaseDetector::Motional)
+        self.stray.is_astray() && self.detector == Some(PhaseDetector::Motional)
     }
 
     /// Leaves a lock that went astray to another scan. Returns whether it does: once.
     pub(crate) fn scan_again(&mut self) -> bool {
-        !core::mem::replace(&mut self.scanned_again, true)
+        self.stray.scan_again()
     }
 
     /// Takes what is known of the resonance.
@@ -299,7 +296,7 @@ impl Tracker {
         let limit = |(blocks, time_constants): (u32, f32)| blocks + (time_constants * tau_blocks) as u32;
         self.lock.restart(tau_blocks);
         (self.unmeasured_blocks, self.unmeasured_limit) = (0, limit(UNMEASURED));
-        (self.blocks, self.timeout_blocks, self.astray_blocks) = (0, limit(LOCK_TIMEOUT), 0);
+        (self.blocks, self.timeout_blocks) = (0, limit(LOCK_TIMEOUT));
     }
 
     /// The motional current of a block, A peak.
@@ -334,7 +331,7 @@ impl Tracker {
             observed.follow(motional_current, sensed.v, played, fits);
         } else {
             self.blocks = self.blocks.saturating_add(if self.phase_loop.limited() { AT_EDGE } else { 1 });
-            self.astray_blocks = if self.phase_loop.is_astray() { self.astray_blocks.saturating_add(1) } else { 0 };
+            self.stray.seek(self.phase_loop.estimate_hz());
         }
         if self.on_blocks <= self.ring_up_blocks || !played.on {
             self.phase_loop.hold();
@@ -357,7 +354,7 @@ impl Tracker {
             let error = self.motional.phase_of(current, sensed.v);
             let phase = match self.observed.as_ref().and_then(Observed::offset_hz) {
                 Some(offset_hz) => self.phase_loop.accompany(error, offset_hz),
-                None => self.phase_loop.update(error),
+                None => self.lead(error),
             };
             // At the edge of the window a small phase is no lock.
             let undecided = self.phase_loop.limited() && phase.0.abs() < UNDECIDED.0;
@@ -371,6 +368,15 @@ impl Tracker {
         Turns(0.0)
     }
 
+    /// Goes where one block's phase error tells the loop to, and returns it.
+    // Not inlined: the fast memory of a board has no room for it.
+    #[inline(never)]
+    fn lead(&mut self, error: Phasor) -> Turns {
+        let phase = self.phase_loop.update(error);
+        self.stray.go(self.phase_loop.offset_hz(), self.phase_loop.limited());
+        phase
+    }
+
     /// How the lock is.
     pub fn state(&self) -> State {
         let locked = if self.unmeasured_blocks > self.unmeasured_limit { State::Unmeasured } else { State::Locked };
@@ -378,7 +384,7 @@ impl Tracker {
             (Some(observed), Lock::Lost) if observed.is_confident() && !self.limited() => State::Disagree,
             (Some(_), Lock::Lost) | (None, Lock::Lost) => State::Lost,
             (Some(observed), _) if observed.is_astray() => State::Lost,
-            (None, _) if self.phase_loop.has_leapt() => State::Lost,
+            (None, _) if self.stray.has_leapt() => State::Lost,
             (Some(observed), _) if observed.locked() => locked,
             (Some(observed), _) if observed.timed_out() => State::TimedOut,
             (None, Lock::Locked) => locked,

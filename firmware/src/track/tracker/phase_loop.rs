@@ -10,12 +10,6 @@ use crate::seam::error::Error;
 use crate::seam::phasor::{Phasor, argument};
 use crate::seam::units::Turns;
 
-/// How far from a resonance that a scan has just found a lock may be, bandwidths: further, and the phase is another one than it was in the scan.
-const REACH: f32 = 0.3;
-/// Part by which where it has been of late follows it in a block, and for how many blocks it may stand at the edge of the window without having drifted there.
-const LATELY: f32 = 1.0 / 1024.0;
-const LEAPT_BLOCKS: u32 = 16;
-
 /// The loop.
 #[derive(Clone, Debug)]
 pub(crate) struct PhaseLoop {
@@ -27,12 +21,6 @@ pub(crate) struct PhaseLoop {
     integral_hz: f32,
     /// The last output, offset from the nominal frequency.
     offset_hz: f32,
-    /// Where it was seeded, and how far from there a lock may be, Hz.
-    seeded_hz: f32,
-    reach_hz: f32,
-    /// Where it has been of late, Hz, and blocks at the edge of the window since it was elsewhere.
-    lately_hz: f32,
-    leapt_blocks: u32,
 }
 
 impl PhaseLoop {
@@ -46,10 +34,6 @@ impl PhaseLoop {
             integral_gain: 0.0,
             integral_hz: 0.0,
             offset_hz: 0.0,
-            seeded_hz: 0.0,
-            reach_hz: f32::INFINITY,
-            lately_hz: 0.0,
-            leapt_blocks: 0,
         })
     }
 
@@ -58,32 +42,15 @@ impl PhaseLoop {
         self.integral_hz = offset_hz;
         self.offset_hz = offset_hz;
         self.integral_gain = self.block_s / time_constant_s;
-        (self.seeded_hz, self.reach_hz) = (offset_hz, REACH / (core::f32::consts::PI * time_constant_s));
-        (self.lately_hz, self.leapt_blocks) = (offset_hz, 0);
-    }
-
-    /// Whether it has leapt to the edge of the window: a resonance drifts there.
-    pub(crate) fn has_leapt(&self) -> bool {
-        self.leapt_blocks > LEAPT_BLOCKS
-    }
-
-    /// Whether it has gone further from where it was seeded than a lock there may be.
-    pub(crate) fn is_astray(&self) -> bool {
-        (self.integral_hz - self.seeded_hz).abs() > self.reach_hz
     }
 
     /// Follows one block's phase error and returns it.
-    // Not inlined: the fast memory of a board has no room for it.
-    #[inline(never)]
     pub(crate) fn update(&mut self, error: Phasor) -> Turns {
         let phase = argument(error);
         let proportional = self.bandwidth_hz * core::f32::consts::TAU * phase.0;
         // The integral is clamped to the window, which is all the anti-windup a first-order loop needs.
         self.integral_hz = within(self.integral_hz + self.integral_gain * proportional, -self.window_hz, self.window_hz);
         self.offset_hz = within(self.integral_hz + proportional, -self.window_hz, self.window_hz);
-        self.lately_hz += LATELY * (self.offset_hz - self.lately_hz);
-        let leapt = self.limited() && (self.offset_hz - self.lately_hz).abs() > self.reach_hz;
-        self.leapt_blocks = if leapt { self.leapt_blocks.saturating_add(1) } else { 0 };
         phase
     }
 
@@ -171,39 +138,6 @@ mod tests {
     fn a_q_wrong_by_two_still_locks() {
         assert!(settle(65.0, 130.0, 100.0, 4.0) < 400);
         assert!(settle(65.0, 32.0, 100.0, 4.0) < 400);
-    }
-
-    #[test]
-    fn a_lock_is_where_the_scan_was_to_a_third_of_the_bandwidth() {
-        let tracking = Tracking { bandwidth_hz: 200.0, span: 0.025, ..Tracking::new(65.0) };
-        let mut pll = PhaseLoop::build(&tracking, 40e3, BLOCK_S).unwrap();
-        for (hz, astray) in [(0.0, false), (180.0, false), (-180.0, false), (190.0, true), (-190.0, true)] {
-            pll.seed(300.0, 65.0 / (core::f32::consts::PI * 40e3));
-            pll.accompany(Phasor::new(1.0, 0.0), 300.0 + hz);
-            assert_eq!(pll.is_astray(), astray, "{hz} Hz of a bandwidth of 615 Hz");
-        }
-    }
-
-    /// A phase that is suddenly another one takes the loop to the edge within some blocks; a resonance that drifts takes thousands.
-    #[test]
-    fn what_leaps_to_the_edge_of_the_window_is_no_drift() {
-        let tracking = Tracking { bandwidth_hz: 200.0, span: 0.025, ..Tracking::new(65.0) };
-        let leaps = |turns: f32| {
-            let mut pll = PhaseLoop::build(&tracking, 40e3, BLOCK_S).unwrap();
-            pll.seed(0.0, 65.0 / (core::f32::consts::PI * 40e3));
-            let angle = core::f32::consts::TAU * turns;
-            let error = Phasor::new(libm::cosf(angle), libm::sinf(angle));
-            let mut step = || {
-                pll.update(error);
-                (pll.limited(), pll.has_leapt())
-            };
-            let arrives = (0..20_000).position(|_| step().0).unwrap();
-            (arrives, (1..200).find(|_| step().1))
-        };
-        let (sudden, known) = leaps(0.16);
-        assert!(sudden < 200 && known == Some(LEAPT_BLOCKS), "{sudden}: {known:?}");
-        let (slow, known) = leaps(0.002);
-        assert!(slow > 6000 && known.is_none(), "{slow}: {known:?}");
     }
 
     #[test]
