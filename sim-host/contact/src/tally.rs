@@ -18,6 +18,9 @@
 use super::problem::{Motion, Problem};
 pub use super::state::State;
 use super::timeline::Stretch;
+pub use marks::Marks;
+
+mod marks;
 
 /// Integrals over time of forces, powers and energies.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -66,6 +69,8 @@ pub struct Tally {
     pub reversals: u64,
     /// Whether the energies were added up, too; otherwise they are zero.
     pub accounted: bool,
+    /// The friction's integral at some moments of the window, by which two runs are compared.
+    pub marks: Marks,
 }
 
 /// Adds up while a method runs.
@@ -93,6 +98,14 @@ impl Meter {
         if stretch.closes {
             self.close(state, coulomb_n);
         }
+        if self.is_open() {
+            self.tally.marks.add(stretch.start_s, self.totals.friction_n_s);
+        }
+    }
+
+    /// Whether this is within the window.
+    pub fn is_open(&self) -> bool {
+        self.opened.is_some() && !self.closed
     }
 
     /// A step has ended in this state, with friction so large a part of the Coulomb force.

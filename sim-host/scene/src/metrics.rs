@@ -200,7 +200,11 @@ pub const MACHINE: &[MachineFigure] = &[
         unit: "1",
         meaning: "Simulated time over wall time; of several runs, of all together",
     },
-    MachineFigure { name: "ns_per_period", unit: "ns", meaning: "Wall time for a period of the excitation, of a contact study" },
+    MachineFigure {
+        name: "ns_per_period",
+        unit: "ns",
+        meaning: "Wall time for a period of the excitation, of a contact study: all from the question to the answer",
+    },
     MachineFigure { name: "processors", unit: "1", meaning: "Processors that the program may use at the same time" },
     MachineFigure { name: "system", unit: "", meaning: "Operating system and processor that the program was built for" },
 ];

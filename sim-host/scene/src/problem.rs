@@ -15,6 +15,11 @@ const NEARLY_NO_CONTACT_N_PER_M: f64 = 1e-9;
 /// Steps a period at which the largest velocity at a step's end is the peak of a sine within 5e-6 of itself, (pi / 1000)^2 / 2.
 const PEAK_STEPS: u32 = 1000;
 
+/// Metrics that need the energies, which cost ten times what the motion does.
+const ENERGIES: [&str; 5] = ["input_ratio", "stored_ratio", "damper_ratio", "power_ratio_as_printed", "energy_residual"];
+/// Most periods of a study that has the energies whether or not anything is expected of them.
+const ENERGY_PERIODS: f64 = 4096.0;
+
 /// The law of a contact whose vibration is along the motion; none of a Hertzian contact.
 pub fn law(model: &Model) -> Option<Law> {
     match *model {
@@ -65,16 +70,27 @@ pub fn sine(study: &Excited, problem: &Problem) -> Problem {
     Problem { waveform: waveform(study, Shape::Sine, peak(study)), ..problem.clone() }
 }
 
-/// How the problem is to be solved.
-pub fn numerics(study: &Excited) -> Numerics {
+/// How the problem is to be solved: for all that a study reports, or for one metric. The energies of a study of many periods are added up
+/// where one of its expectations is about them.
+pub fn numerics(study: &Excited, metric: Option<&str>) -> Numerics {
     let integrator = &study.integrator;
+    let lugre = matches!(study.model, Model::Lugre(_));
+    // The work of Dahl's and Coulomb's friction telescopes between reversals, and costs nothing.
+    let is_energy = |metric: &str| ENERGIES.contains(&metric) || (lugre && metric == "power_ratio");
+    let energies = match metric {
+        Some(metric) => is_energy(metric),
+        None => {
+            let few = study.duration_s * study.excitation.frequency_hz <= ENERGY_PERIODS;
+            few || study.expect.iter().any(|expect| is_energy(&expect.metric))
+        }
+    };
     let default = Numerics::default();
     Numerics {
         method: integrator.method.unwrap_or_default(),
         steps_per_period: integrator.steps_per_period,
         order: integrator.order,
         tolerance: integrator.tolerance.unwrap_or(default.tolerance),
-        energies: default.energies,
+        energies,
     }
 }
 

@@ -146,6 +146,7 @@ fn with_own(mut of: Value, study: &Study) -> Value {
                 json!({
                     "method": solution.method.name(), "why": solution.why, "order": solution.order,
                     "steps_per_period": solution.steps_per_period, "error_estimate": solution.error_estimate,
+                    "tolerance_met": solution.tolerance_met,
                     "warnings": solution.warnings,
                 })
             }));

@@ -94,3 +94,47 @@ fn a_tolerance_that_is_not_met_is_said() {
     let coarse = Numerics { method: Method::Rk4Events, steps_per_period: Some(8), tolerance: 1e-9, ..Numerics::default() };
     assert!(solve(&with(|_| ()), &coarse, &mut |_| ()).unwrap().warnings[0].contains("not met"));
 }
+
+#[test]
+fn bristles_below_round_off_are_coulombs_limit_with_a_note() {
+    let rigid = with(|problem| problem.coulomb_n = 1e-18 * problem.coulomb_n);
+    let solution = solve(&rigid, &Numerics::default(), &mut |_| ()).unwrap();
+    let coulomb = solve(&Problem { law: Law::Coulomb, ..rigid.clone() }, &Numerics::default(), &mut |_| ()).unwrap();
+    println!("{solution:?}");
+    assert!((solution.ratios.friction - coulomb.ratios.friction).abs() <= solution.error_estimate.unwrap());
+    assert!(
+        solution.method == Method::Linexp && (solution.tolerance_met || solution.warnings.iter().any(|w| w.contains("not met")))
+    );
+}
+
+#[test]
+fn bristle_damping_of_any_size_has_an_answer_or_a_reason() {
+    for sigma1 in [1e5, 1e6, 1e8] {
+        let law = Law::Lugre { stiffness_n_per_m: 56e3, static_ratio: 1.5, stribeck_m_per_s: 0.01, sigma1, sigma2: 0.0 };
+        let damped = Problem { law, ..table_4_1(0.5, 10.0) };
+        match solve(&damped, &Numerics { tolerance: 1e-4, ..Numerics::default() }, &mut |_| ()) {
+            Ok(solution) => {
+                println!("{sigma1:e}: {solution:?}");
+                assert!(solution.ratios.friction.is_finite());
+                assert_eq!(solution.tolerance_met, solution.error_estimate.unwrap() <= 1e-4);
+                assert_eq!(solution.tolerance_met, solution.warnings.is_empty());
+            }
+            Err(error) => assert!(matches!(error, SolveError::Refused { .. }), "{error}"),
+        }
+    }
+}
+
+#[test]
+fn an_answer_that_nobody_watches_is_the_same() {
+    for energies in [false, true] {
+        let numerics = Numerics { energies, ..Numerics::default() };
+        for problem in [with(|_| ()), table_4_1(0.5, 2000.0)] {
+            let mut seen = 0u64;
+            let watched = solve(&problem, &numerics, &mut |_| seen += 1).unwrap();
+            assert_eq!(watched, solve_unwatched(&problem, &numerics, &|| ()).unwrap());
+            assert_eq!(seen, watched.tally.unwrap().steps);
+        }
+    }
+}
+
+mod random;

@@ -43,7 +43,7 @@ pub enum Options {
     /// Compute motion and friction only.
     #[default]
     Plain,
-    /// Add up what forcing and damper do; every step is an exact step.
+    /// Add up what forcing and damper do; every step of the window is an exact step.
     EnergySums,
     /// Leave out what friction does to the motion: the frozen two-frequency motion, with friction on top.
     Frozen,
@@ -109,10 +109,14 @@ where
             }
             exact_step.face(&stretch.forcing, stretch.length_s);
             exact_step.meter.at(&stretch, &state, exact_step.coulomb_n);
+            // The energies are those of the window.
+            exact_step.with_sums = self.with_sums && exact_step.meter.is_open();
             let steps = stretch.steps(self.steps_per_period);
             let h = stretch.length_s / f64::from(steps);
             let table = match stretch.template {
-                Some(template) if !self.with_sums && !exact_step.is_stiff(h) => Some(self.table(template, &stretch, steps, h)),
+                Some(template) if !exact_step.with_sums && !exact_step.is_stiff(h) => {
+                    Some(self.table(template, &stretch, steps, h))
+                }
                 _ => None,
             };
             for step in 0..steps {

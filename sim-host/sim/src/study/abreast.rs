@@ -49,6 +49,6 @@ impl Mean {
 /// The study of a scene that has a closed form for a sine and is to be solved by it; none of any other.
 pub(super) fn steady(scene: &Excited) -> Option<Steady> {
     let problem = problem::problem(scene, problem::law(&scene.model)?).ok()?;
-    let point = contact::closed_point(&problem, &problem::numerics(scene))?;
+    let point = contact::closed_point(&problem, &problem::numerics(scene, None))?;
     Some(Steady { point, coulomb_n: problem.coulomb_n })
 }

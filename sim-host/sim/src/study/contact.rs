@@ -42,15 +42,15 @@ pub(super) fn run<'a>(
             }
         }
     };
-    let answer = unless_stopped(|| answer(&scene, (stop, clock), watch)).transpose()?;
+    let answer = unless_stopped(|| answer(&scene, None, (stop, clock), Some(watch))).transpose()?;
     playback.finish();
     let metrics = measured(&scene, answer.as_ref());
     Ok((Solved { scene, answer, playback }, metrics))
 }
 
-/// The numbers of a scene that is a cell of a grid; none of them if it is stopped.
-pub(super) fn cell(scene: &Excited, stop: &AtomicBool) -> Result<Metrics, StudyError> {
-    let answer = unless_stopped(|| answer(scene, (stop, None), &mut |_: &State| leave_if(stop))).transpose()?;
+/// The numbers of a scene that is a cell of a grid, or as many as one metric needs; none of them if it is stopped.
+pub(super) fn cell(scene: &Excited, metric: Option<&str>, stop: &AtomicBool) -> Result<Metrics, StudyError> {
+    let answer = unless_stopped(|| answer(scene, metric, (stop, None), None::<&mut fn(&State)>)).transpose()?;
     Ok(measured(scene, answer.as_ref()))
 }
 
@@ -58,20 +58,27 @@ fn measured(scene: &Excited, answer: Option<&Answer>) -> Metrics {
     answer.map_or_else(Metrics::default, |answer| metrics::of(scene, answer))
 }
 
-fn answer(
+fn answer<W: FnMut(&State)>(
     scene: &Excited,
+    metric: Option<&str>,
     (stop, clock): (&AtomicBool, Option<Clock>),
-    watch: &mut impl FnMut(&State),
+    watch: Option<&mut W>,
 ) -> Result<Answer, SolveError> {
     // A Hertzian contact has Coulomb's law between its normal force and its friction.
     let problem = problem::problem(scene, problem::law(&scene.model).unwrap_or(Law::Coulomb))?;
-    let (numerics, pause) = (problem::numerics(scene), || leave_if(stop));
+    let (numerics, pause) = (problem::numerics(scene, metric), || leave_if(stop));
     let (solution, across) = match scene.model {
         Model::Hertz(model) => {
-            let (solution, across) = across::solve(&problem, model, &numerics, (&pause, clock), watch)?;
+            let (solution, across) = match watch {
+                Some(watch) => across::solve(&problem, model, &numerics, (&pause, clock), watch)?,
+                None => across::solve(&problem, model, &numerics, (&pause, clock), &mut |_: &State| leave_if(stop))?,
+            };
             (solution, Some(across))
         }
-        _ => (contact::solve_with(&problem, &numerics, &pause, clock, watch)?, None),
+        _ => match watch {
+            Some(watch) => (contact::solve_with(&problem, &numerics, &pause, clock, watch)?, None),
+            None => (contact::solve_unwatched(&problem, &numerics, &pause)?, None),
+        },
     };
     Ok(Answer { problem, solution, across })
 }

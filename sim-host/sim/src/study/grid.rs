@@ -61,7 +61,7 @@ fn cell(grid: &Grid, (row, column): (f64, f64)) -> Cell {
 fn value(made: &Made, grid: &Grid, mean: Option<Mean>) -> Result<Value, StudyError> {
     match made.scene.excited().filter(|_| mean.is_some()).and_then(|scene| abreast::steady(&scene)) {
         Some(steady) => Ok(Value::Steady(steady)),
-        None => Ok(Value::Measured(made.metrics()?.find(&grid.metric))),
+        None => Ok(Value::Measured(made.metric(&grid.metric)?)),
     }
 }
 

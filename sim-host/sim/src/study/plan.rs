@@ -108,9 +108,18 @@ impl<'a> Plan<'a> {
 impl Made<'_, '_> {
     /// Runs the cell, and measures it.
     pub(super) fn metrics(&self) -> Result<Metrics, StudyError> {
+        self.metrics_for(None)
+    }
+
+    /// Runs the cell for one metric: what only others need may be missing.
+    pub(super) fn metric(&self, name: &str) -> Result<Option<f64>, StudyError> {
+        Ok(self.metrics_for(Some(name))?.find(name))
+    }
+
+    fn metrics_for(&self, metric: Option<&str>) -> Result<Metrics, StudyError> {
         match self.scene.kind().ok_or(StudyError::Incomplete)? {
             Kind::Driven(scene) => self.recorded(&scene).map(|(_, metrics)| metrics),
-            Kind::Excited(scene) => contact::cell(&scene, self.plan.stop).map_err(|error| self.empty(error)),
+            Kind::Excited(scene) => contact::cell(&scene, metric, self.plan.stop).map_err(|error| self.empty(error)),
         }
     }
 

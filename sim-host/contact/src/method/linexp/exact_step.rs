@@ -58,7 +58,8 @@ pub(super) struct Exact<const K: usize, const N: usize> {
     pub meter: Meter,
     kt: f64,
     kernel: [f64; KERNEL],
-    with_sums: bool,
+    /// Whether the energies are added up.
+    pub with_sums: bool,
     /// Whether friction acts on the motion.
     coupled: bool,
 }

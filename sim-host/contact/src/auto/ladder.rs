@@ -1,0 +1,157 @@
+//! The settings of a method in order of cost, each about a quarter of the error of the one before: a ladder with rungs.
+//!
+//! | method | rungs (order/steps a period) | a rung's error over that of the rung before |
+//! |---|---|---|
+//! | linexp, frozen | 4/4 4/6 6/6 6/8 6/12 6/16 6/24 6/32 ... | 1/4 ... 1/11 |
+//! | rk4-events | steps times 1.5 | 1.5^-4 = 1/5 |
+//! | midpoint | steps times 2 | 1/4 with bristle damping, 1/16 without |
+//! | taylor | steps times 1.5 | below any of these |
+//!
+//! The step of a Runge-Kutta method is bounded by its stability, `|rate| h < 2.785`: the first rung follows from the fastest rate of the
+//! contact, which [`stable_steps`] has.
+
+use std::f64::consts::TAU;
+
+use crate::method::Method;
+use crate::problem::{Law, Motion, Problem};
+
+/// Part of the error that is expected to be left on the next rung.
+pub const CONTRACTION: f64 = 0.25;
+/// Finest step that is tried, per period, where stability needs none finer.
+const FINEST: u32 = 1 << 14;
+/// Most steps of one run that stability may ask for.
+const MOST_STEPS: f64 = 1e8;
+/// Largest change of the slip in a step, in Stribeck velocities.
+const LEAP: f64 = 6.0;
+/// Largest rate times step of the classical Runge-Kutta method on the negative real axis.
+const STABLE: f64 = 2.785;
+
+/// Steps per period and order of a run.
+pub type Setting = (u32, Option<u32>);
+
+/// The settings of a method for one problem.
+#[derive(Clone, Copy, Debug)]
+pub struct Ladder {
+    method: Method,
+    first_steps: f64,
+    order: Option<u32>,
+    /// Whether the order goes with the rung.
+    climbs: bool,
+    finest: u32,
+}
+
+impl Ladder {
+    /// The ladder of a method; with an order, all its rungs have that.
+    pub fn of(method: Method, problem: &Problem, order: Option<u32>) -> Self {
+        let has_order = method.order().is_some() && problem.law != Law::Coulomb;
+        let climbs = has_order && order.is_none() && method != Method::Taylor;
+        let periods = (problem.duration_s * problem.waveform.frequency_hz()).max(1.0);
+        let (first_steps, finest) = match method {
+            Method::Linexp if problem.law == Law::Coulomb => (16.0, FINEST),
+            Method::Linexp | Method::Frozen => (4.0, FINEST),
+            Method::Rk4Events => {
+                let stable = stable_steps(problem).max(stribeck_steps(problem));
+                (stable.max(24.0), FINEST.max((16.0 * stable).min(MOST_STEPS / periods) as u32))
+            }
+            Method::Midpoint => (stribeck_steps(problem).max(32.0), FINEST),
+            _ => (f64::from(method.steps(problem.kappa()).unwrap_or(1)), FINEST),
+        };
+        Ladder { method, first_steps, order: order.or(method.order()).filter(|_| has_order), climbs, finest }
+    }
+
+    /// The lower rungs: what is not settled there is not worth a pilot.
+    pub fn lower(self) -> Self {
+        let finest = (128.0 * self.first_steps).min(f64::from(self.finest)) as u32;
+        Ladder { finest, ..self }
+    }
+
+    /// Steps and order of a rung; none above the finest.
+    pub fn setting(&self, rung: usize) -> Option<Setting> {
+        let by_half = |first: f64, rung: usize| {
+            let doubled = first * f64::from(rung as u32 / 2).exp2();
+            (if rung.is_multiple_of(2) { doubled } else { 1.5 * doubled }).ceil()
+        };
+        let steps = match (self.climbs, rung) {
+            _ if self.method == Method::Midpoint => self.first_steps * f64::from(rung as u32).exp2(),
+            (true, 0) => self.first_steps,
+            (true, 1 | 2) => 1.5 * self.first_steps,
+            (true, _) => by_half(2.0 * self.first_steps, rung - 3),
+            (false, _) => by_half(self.first_steps, rung),
+        };
+        let order = if self.climbs && rung < 2 { Some(4) } else { self.order };
+        (steps <= f64::from(self.finest)).then_some((steps as u32, order))
+    }
+
+    /// The rung of a setting.
+    pub fn position(&self, setting: Setting) -> usize {
+        (0..).map_while(|rung| self.setting(rung)).position(|on| on == setting).unwrap_or(0)
+    }
+
+    /// The rung on which a contact like the thesis's is somewhat coarser than the tolerance: there the search begins.
+    pub fn start(&self, tolerance: f64) -> usize {
+        let decades = -tolerance.log10();
+        match self.method {
+            Method::Linexp | Method::Frozen if self.climbs => ((decades - 7.0) * 1.3).max(0.0) as usize,
+            Method::Rk4Events => ((decades - 5.0) * 1.2).max(0.0) as usize,
+            Method::Midpoint => ((decades - 4.0) * 1.2).max(0.0) as usize,
+            _ => 0,
+        }
+    }
+}
+
+/// Fewest steps a period at which classical Runge-Kutta is stable: by the slip in bristle lengths, by bristle damping on the mass, and by
+/// mass and contact spring. The friction `sigma1 z'` has the slope `sigma1 (1 - s f / g)` in the slip velocity, up to `2 sigma1`.
+pub fn stable_steps(problem: &Problem) -> f64 {
+    let omega = TAU * problem.waveform.frequency_hz();
+    let speed = problem.vibration_m_per_s().min(1e6) + problem.sliding_m_per_s.abs() + problem.start.v_m_per_s.abs();
+    let (kt, sigma1, sigma2) = match problem.law {
+        Law::Coulomb => return 1.0,
+        Law::Dahl { stiffness_n_per_m } => (stiffness_n_per_m, 0.0, 0.0),
+        Law::Lugre { stiffness_n_per_m, sigma1, sigma2, .. } => (stiffness_n_per_m, sigma1, sigma2),
+    };
+    let least_n = problem.load_steps.iter().map(|&(_, force)| force).fold(problem.coulomb_n, f64::min);
+    let bristle = kt * speed / least_n;
+    let (damping, spring) = match problem.motion {
+        Motion::Kinematic => (0.0, 0.0),
+        Motion::Sdof { mass_kg, .. } => ((2.0 * sigma1 + sigma2) / mass_kg, (2.0 * kt / mass_kg).sqrt()),
+    };
+    TAU / omega * bristle.max(damping).max(spring) / STABLE
+}
+
+/// Steps a period without which a step leaps over the Stribeck peak, and two runs agree on what neither has seen: in a step the slip changes
+/// by less than six Stribeck velocities.
+fn stribeck_steps(problem: &Problem) -> f64 {
+    let Law::Lugre { static_ratio, stribeck_m_per_s, .. } = problem.law else { return 1.0 };
+    let vibration = problem.vibration_m_per_s().min(1e6);
+    let reverses = problem.sliding_m_per_s.abs() < vibration + 3.0 * stribeck_m_per_s;
+    if static_ratio == 1.0 || !reverses {
+        1.0
+    } else {
+        (TAU * vibration / (LEAP * stribeck_m_per_s)).min(f64::from(FINEST) / 8.0)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::table_4_1::standard;
+
+    #[test]
+    fn every_rung_costs_more_than_the_one_before() {
+        for method in [Method::Linexp, Method::Rk4Events, Method::Midpoint, Method::Taylor] {
+            let ladder = Ladder::of(method, &standard(), None);
+            let rungs: Vec<Setting> = (0..).map_while(|rung| ladder.setting(rung)).collect();
+            assert!(rungs.len() >= 9 && rungs[rungs.len() - 1].0 > FINEST / 2, "{method:?}: {rungs:?}");
+            for pair in rungs.windows(2) {
+                assert!(pair[0].0 * pair[0].1.unwrap_or(1) < pair[1].0 * pair[1].1.unwrap_or(1), "{method:?}: {pair:?}");
+                assert!(pair[1].0 <= 2 * pair[0].0, "{method:?}: {pair:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn an_order_that_is_asked_for_stays() {
+        let ladder = Ladder::of(Method::Linexp, &standard(), Some(2));
+        assert_eq!((0..3).map(|rung| ladder.setting(rung)).collect::<Option<Vec<_>>>().unwrap(), [4, 6, 8].map(|n| (n, Some(2))));
+    }
+}

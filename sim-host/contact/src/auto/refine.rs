@@ -1,0 +1,194 @@
+//! Runs on ever higher rungs of a [`Ladder`] until one is known to meet the tolerance, and how large the error of each is.
+//!
+//! The **distance** of two runs is the root mean square of what their mean friction differs by, over Fc, on the spans between the
+//! [`Marks`](crate::tally::Marks) of the window: never less than the difference of the means over the whole window, and not small by chance.
+//! With the distances d1 and d2 of three successive runs a, b, c
+//!
+//! ```text
+//! q    = d2 / d1                   contraction that is seen; expected is 1/4 a rung or less
+//! e(c) = d2 q' / (1 - q')          geometric series (Richardson), with q' no smaller than expected, and d2 no smaller than q' d1
+//! e(c) = max(d1, d2)               where the runs do not contract: one more is needed
+//! e(i) = d(i, c) + e(c)            of any coarser run
+//! ```
+
+use super::ladder::{CONTRACTION, Ladder, Setting};
+use crate::SolveError;
+use crate::tally::Tally;
+
+/// Error of a mean over many steps.
+pub const ROUND_OFF_OF_SUMS: f64 = 1e-13;
+/// Runs contract if the distance falls at least by this on a rung.
+const CONTRACTS: f64 = 0.5;
+/// An estimate within this part of the tolerance is enough.
+const MARGIN: f64 = 0.6;
+/// What a rung of order six leaves of the error: the rungs to be left out are counted by it.
+const STRIDE: f64 = 0.125;
+/// Most rungs at once.
+const LONGEST_STRIDE: f64 = 3.0;
+
+/// A run on a rung.
+#[derive(Clone, Debug)]
+pub struct Rung {
+    /// Number of the rung.
+    pub rung: usize,
+    /// Its steps and order.
+    pub setting: Setting,
+    /// What the run added up.
+    pub tally: Tally,
+}
+
+/// Successive runs of one problem.
+#[derive(Clone, Debug)]
+pub struct Runs {
+    /// From coarse to fine.
+    runs: Vec<Rung>,
+    /// The contraction a rung that is known from elsewhere: two runs tell the error then.
+    expected: Option<f64>,
+    /// What the errors are multiplied by where they fall unevenly.
+    doubt: f64,
+}
+
+/// The run that was chosen.
+#[derive(Clone, Debug)]
+pub struct Found {
+    /// Steps and order of the coarsest run that meets the tolerance; of the finest where none does.
+    pub setting: Setting,
+    /// What it added up; none where only a part of the problem was run.
+    pub tally: Option<Tally>,
+    /// Its estimated error.
+    pub error: f64,
+    /// How much larger the error of the second half is than that of the first.
+    pub growth: f64,
+}
+
+impl Default for Runs {
+    fn default() -> Self {
+        Runs { runs: Vec::new(), expected: None, doubt: 1.0 }
+    }
+}
+
+impl Runs {
+    /// Runs of a problem on part of which this contraction was seen.
+    pub fn expecting(contraction: Option<f64>) -> Self {
+        Runs { expected: contraction, ..Runs::default() }
+    }
+
+    /// Runs whose errors may be larger by a factor than they appear.
+    pub fn doubted(doubt: f64) -> Self {
+        Runs { doubt, ..Runs::default() }
+    }
+
+    /// Climbs until a run has the tolerance, from a rung on, or above those that there are.
+    pub fn climb(
+        &mut self,
+        ladder: &Ladder,
+        start: usize,
+        tolerance: f64,
+        run: &mut dyn FnMut(Setting) -> Result<Tally, SolveError>,
+    ) -> Result<Found, SolveError> {
+        let mut next = start;
+        loop {
+            let Some(setting) = ladder.setting(next) else { break };
+            match run(setting) {
+                Ok(tally) => self.runs.push(Rung { rung: next, setting, tally }),
+                // A step that is too coarse may diverge where a finer one does not.
+                Err(SolveError::Diverged { .. }) if ladder.setting(next + 2).is_some() => {
+                    self.runs.clear();
+                    next += 2;
+                    continue;
+                }
+                Err(error) => return Err(error),
+            }
+            let errors = self.errors();
+            let Some(&least) = errors.last().filter(|_| self.runs.len() > 2 || self.expected.is_some()) else {
+                next += if self.expected.is_some() { 2 } else { 1 };
+                continue;
+            };
+            if errors.iter().any(|&error| error <= MARGIN * tolerance) {
+                break;
+            }
+            let rungs = (least / (MARGIN * tolerance)).ln() / (1.0 / self.seen().unwrap_or(STRIDE).clamp(STRIDE, CONTRACTS)).ln();
+            next += rungs.ceil().clamp(1.0, LONGEST_STRIDE) as usize;
+        }
+        self.coarsest(MARGIN * tolerance).ok_or_else(|| SolveError::Refused {
+            reason: "no step that can be afforded is stable".into(),
+            advice: "give a shorter run, or fewer Dahl lengths in a vibration amplitude".into(),
+        })
+    }
+
+    /// The coarsest run whose error is within the tolerance, or the finest run.
+    pub fn coarsest(&self, tolerance: f64) -> Option<Found> {
+        let errors = self.errors();
+        let index = errors.iter().position(|&error| error <= tolerance).unwrap_or(self.runs.len().checked_sub(1)?);
+        let (rung, finest) = (&self.runs[index], self.runs.last()?);
+        let other = if index + 1 < self.runs.len() { finest } else { self.runs.get(index.wrapping_sub(1)).unwrap_or(rung) };
+        let growth = distance(&rung.tally, &other.tally).1;
+        let error = errors.get(index).copied().unwrap_or(f64::INFINITY);
+        Some(Found { setting: rung.setting, tally: Some(rung.tally), error, growth })
+    }
+
+    /// The part of the distance that a rung leaves.
+    fn seen(&self) -> Option<f64> {
+        let [.., a, b, c] = self.runs.as_slice() else { return None };
+        let (d1, d2) = (distance(&a.tally, &b.tally).0, distance(&b.tally, &c.tally).0);
+        Some((d2.max(ROUND_OFF_OF_SUMS) / d1.max(ROUND_OFF_OF_SUMS)).powf(1.0 / (b.rung - a.rung) as f64))
+    }
+
+    /// The same where it is to be believed: the runs contract, and no faster than expected.
+    pub fn contraction(&self) -> Option<f64> {
+        self.seen().filter(|&seen| seen <= CONTRACTS).map(|seen| seen.max(CONTRACTION))
+    }
+
+    /// The estimated error of each run; nothing is known of one run alone.
+    fn errors(&self) -> Vec<f64> {
+        let least = ROUND_OFF_OF_SUMS;
+        let last = match self.runs.as_slice() {
+            [] | [_] => return Vec::new(),
+            [a, b] => {
+                let left = self.expected.unwrap_or(CONTRACTS).powi((b.rung - a.rung) as i32);
+                distance(&a.tally, &b.tally).0 * left / (1.0 - left)
+            }
+            [.., a, b, c] => {
+                let (d1, d2) = (distance(&a.tally, &b.tally).0, distance(&b.tally, &c.tally).0);
+                match self.contraction() {
+                    Some(q) => {
+                        let expected = q.powi((b.rung - a.rung) as i32);
+                        let left = q.powi((c.rung - b.rung) as i32);
+                        d2.max(expected * d1) * left / (1.0 - left)
+                    }
+                    None => d1.max(d2),
+                }
+            }
+        };
+        let Some((finest, coarser)) = self.runs.split_last() else { return Vec::new() };
+        let of = |rung: &Rung| (distance(&rung.tally, &finest.tally).0 + last).max(least);
+        coarser.iter().map(of).chain([last.max(least)]).map(|error| self.doubt * error).collect()
+    }
+}
+
+/// How far two runs of a problem are apart, of Fc; and how much more so in the second half of the window than in the first.
+pub fn distance(one: &Tally, other: &Tally) -> (f64, f64) {
+    let whole = (one.totals.friction_n_s - other.totals.friction_n_s).abs() / (one.coulomb_n * one.time_s);
+    let (a, b) = (one.marks.get(), other.marks.get());
+    if a.len() != b.len() || a.len() < 4 {
+        return (whole, 1.0);
+    }
+    // The last span is from the last mark to the window's end.
+    let end = |tally: &Tally, first: f64| (tally.first.time_s + tally.time_s, first + tally.totals.friction_n_s);
+    let (a_end, b_end) = (end(one, a[0].1), end(other, b[0].1));
+    let spans = a.iter().zip(b).zip(a.iter().skip(1).chain([&a_end]).zip(b.iter().skip(1).chain([&b_end])));
+    let (mut halves, mut times) = ([0.0; 2], [0.0; 2]);
+    for ((from, other_from), (to, other_to)) in spans {
+        let time_s = to.0 - from.0;
+        if time_s <= 0.0 {
+            continue;
+        }
+        let off = ((to.1 - from.1) - (other_to.1 - other_from.1)) / (one.coulomb_n * time_s);
+        let half = usize::from(from.0 + 0.5 * time_s - one.first.time_s > 0.5 * one.time_s);
+        halves[half] += off * off * time_s;
+        times[half] += time_s;
+    }
+    let rms = ((halves[0] + halves[1]) / (times[0] + times[1])).sqrt();
+    let half = |i: usize| (halves[i] / times[i]).sqrt().max(ROUND_OFF_OF_SUMS);
+    (rms.max(whole), half(1) / half(0))
+}

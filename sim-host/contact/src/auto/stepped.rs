@@ -1,0 +1,227 @@
+//! Answers by steps: the runs that find the settings, the run that is shown, and what to do where a method has no answer.
+
+use super::ladder::{Ladder, stable_steps};
+use super::pilot::Pilot;
+use super::refine::{Found, ROUND_OFF_OF_SUMS, Runs};
+use super::{Numerics, Solution};
+use crate::SolveError;
+use crate::method::Method;
+use crate::problem::{Law, Motion, Problem};
+use crate::tally::{Ratios, State, Tally};
+
+/// Steps between two pauses.
+const PAUSE: u32 = 1 << 16;
+/// Steps a period that stability may ask of Runge-Kutta before midpoint is tried first.
+const MANY_STEPS: f64 = 1000.0;
+/// From this kappa on errors fall unevenly.
+const SMOOTH: f64 = 30.0;
+/// Contact spring, of `m w^2`, from which on the mass rings on its bristles.
+const RINGS: f64 = 0.1;
+/// What estimates are multiplied by; `auto::tests::random` holds them against the truth.
+const UNEVEN: f64 = 3.0;
+const UNEVEN_AND_RINGING: f64 = 10.0;
+/// Bristles this many times shorter than the vibration are rigid.
+const RIGID: f64 = 1e10;
+
+/// The answer of the first method that has the tolerance; if none has, that with the smallest error.
+pub fn chosen<W: FnMut(&State)>(
+    problem: &Problem,
+    numerics: &Numerics,
+    pause: &dyn Fn(),
+    mut watch: Option<&mut W>,
+) -> Result<Solution, SolveError> {
+    let kappa = problem.kappa();
+    let choices = match problem.law {
+        Law::Coulomb => vec![(Method::Linexp, "Coulomb friction: exact from reversal to reversal".to_owned())],
+        Law::Dahl { .. } => {
+            vec![(Method::Linexp, format!("Dahl friction, kappa {kappa:.3}: exact flow, friction exact in slip"))]
+        }
+        Law::Lugre { .. } => {
+            let stable = stable_steps(problem);
+            let located = format!("LuGre friction, stable from {stable:.0} steps on: Runge-Kutta with located reversals");
+            let bounded = format!("stiff bristles, kappa {kappa:.0}: friction exact in slip at the midpoint");
+            let (located, bounded) = ((Method::Rk4Events, located), (Method::Midpoint, bounded));
+            if stable > MANY_STEPS { vec![bounded, located] } else { vec![located, bounded] }
+        }
+    };
+    let mut best: Option<(Method, String, Found)> = None;
+    let mut failed = Vec::new();
+    for (method, why) in choices {
+        match find(problem, numerics, method, pause) {
+            Ok(found) => {
+                let met = found.error <= numerics.tolerance;
+                if best.as_ref().is_none_or(|(.., best)| found.error < best.error) {
+                    best = Some((method, why, found));
+                }
+                if met {
+                    break;
+                }
+            }
+            Err(SolveError::Diverged { method, time_s }) => failed.push(format!("{method} at {time_s:e} s")),
+            Err(SolveError::Refused { .. }) => failed.push(format!("{} at the first steps", method.name())),
+            Err(error) => return Err(error),
+        }
+    }
+    if let Some((method, why, found)) = best {
+        return answer(problem, numerics, (method, why), found, pause, watch);
+    }
+    if matches!(problem.law, Law::Dahl { .. }) && kappa > RIGID {
+        return coulomb_limit(problem, numerics, pause, watch.take());
+    }
+    let reason = format!("the numbers grow without bound ({})", failed.join(", "));
+    let advice = "give a smaller stiffness or bristle damping, a larger friction or mass, or a shorter run".into();
+    Err(SolveError::Refused { reason, advice })
+}
+
+/// Bristles shorter than the round-off of the motion: friction is Coulomb's. Behind a reversal Dahl friction lags by the time in which
+/// the slip, `a t^2 / 2` with `a = w Vv`, is a bristle's length: `w t = sqrt(2 / kappa)`; the mean is off by at most twice that over a
+/// period.
+fn coulomb_limit<W: FnMut(&State)>(
+    problem: &Problem,
+    numerics: &Numerics,
+    pause: &dyn Fn(),
+    watch: Option<&mut W>,
+) -> Result<Solution, SolveError> {
+    let kappa = problem.kappa();
+    let why = format!("Dahl friction with rigid bristles, kappa {kappa:.1e}: its limit, Coulomb friction");
+    let rigid = Problem { law: Law::Coulomb, ..problem.clone() };
+    let mut solution = solve(&rigid, numerics, (Method::Linexp, why), pause, watch)?;
+    let lag = 2.0 * (2.0 / kappa).sqrt() / std::f64::consts::PI;
+    solution.warnings =
+        vec![format!("the bristles are rigid (kappa {kappa:.1e}): solved with Coulomb friction, off by {lag:.1e} at most")];
+    let error = solution.error_estimate.unwrap_or(0.0) + lag;
+    state_error(&mut solution, error, numerics.tolerance);
+    Ok(solution)
+}
+
+fn state_error(solution: &mut Solution, error: f64, tolerance: f64) {
+    solution.error_estimate = Some(error);
+    solution.tolerance_met = error <= tolerance;
+    if !solution.tolerance_met {
+        solution.warnings.push(format!("the tolerance of {tolerance:e} is not met: the friction ratio is good to {error:.1e}"));
+    }
+}
+
+/// The answer of one method.
+pub fn solve<W: FnMut(&State)>(
+    problem: &Problem,
+    numerics: &Numerics,
+    (method, why): (Method, String),
+    pause: &dyn Fn(),
+    watch: Option<&mut W>,
+) -> Result<Solution, SolveError> {
+    let found = find(problem, numerics, method, pause)?;
+    answer(problem, numerics, (method, why), found, pause, watch)
+}
+
+/// A run without a watch, which pauses now and then.
+fn run(
+    problem: &Problem,
+    method: Method,
+    setting: (u32, Option<u32>),
+    accounted: bool,
+    pause: &dyn Fn(),
+) -> Result<Tally, SolveError> {
+    let mut count = 0u32;
+    method.run(problem, setting, accounted, &mut |_: &State| {
+        count = count.wrapping_add(1);
+        if count.is_multiple_of(PAUSE) {
+            pause();
+        }
+    })
+}
+
+/// What an estimate is multiplied by. Bristles that are short beside the vibration make errors that fall unevenly from rung to rung; where the
+/// mass rings on them too, `Kt / (m w^2)` no longer small, runs may agree to a tenth of what they are all off by, on several rungs.
+fn doubt(problem: &Problem) -> f64 {
+    let kt = match problem.law {
+        Law::Coulomb => return 1.0,
+        Law::Dahl { stiffness_n_per_m } | Law::Lugre { stiffness_n_per_m, .. } => stiffness_n_per_m,
+    };
+    let omega = std::f64::consts::TAU * problem.waveform.frequency_hz();
+    let rings = matches!(problem.motion, Motion::Sdof { mass_kg, .. } if kt > RINGS * mass_kg * omega * omega);
+    match (problem.kappa() > SMOOTH, rings) {
+        (false, _) => 1.0,
+        (true, false) => UNEVEN,
+        (true, true) => UNEVEN_AND_RINGING,
+    }
+}
+
+/// The settings that are asked for, or the cheapest of the method that meet the tolerance, with their run and its error.
+fn find(problem: &Problem, numerics: &Numerics, method: Method, pause: &dyn Fn()) -> Result<Found, SolveError> {
+    let ladder = Ladder::of(method, problem, numerics.order);
+    let by = |problem: &Problem, setting| run(problem, method, setting, false, pause);
+    if let Some(steps) = numerics.steps_per_period.or((method == Method::Rk4).then_some(()).and(method.steps(problem.kappa()))) {
+        // What was asked for is what is shown; half the step tells its error.
+        let order = numerics.order.or(method.order()).filter(|_| problem.law != Law::Coulomb && method.order().is_some());
+        let (tally, fine) = (by(problem, (steps, order))?, by(problem, (2 * steps, order))?);
+        let off = (Ratios::of(problem, &tally).friction - Ratios::of(problem, &fine).friction).abs();
+        return Ok(Found { setting: (steps, order), tally: Some(tally), error: off.max(ROUND_OFF_OF_SUMS), growth: 1.0 });
+    }
+    let (start, tolerance) = (ladder.start(numerics.tolerance), numerics.tolerance);
+    let doubt = doubt(problem);
+    let mut runs = Runs::doubted(doubt);
+    let Some(pilot) = Pilot::of(problem) else {
+        return runs.climb(&ladder, start, tolerance, &mut |setting| by(problem, setting));
+    };
+    let goal = (tolerance / pilot.growth).max(2.0 * ROUND_OFF_OF_SUMS);
+    let found = runs.climb(&ladder.lower(), start, goal, &mut |setting| by(&pilot.problem, setting))?;
+    if found.error <= goal && pilot.stands_for_the_record(found.growth) {
+        return Ok(Found { tally: None, error: found.error * pilot.growth, ..found });
+    }
+    // What the pilot has found is compared with a coarser run on the whole record.
+    let mut whole = if doubt > 1.0 { Runs::doubted(doubt) } else { Runs::expecting(runs.contraction()) };
+    whole.climb(&ladder, ladder.position(found.setting).saturating_sub(2), tolerance, &mut |setting| by(problem, setting))
+}
+
+/// Runs what is to be shown, if it has not been, and puts the answer together.
+fn answer<W: FnMut(&State)>(
+    problem: &Problem,
+    numerics: &Numerics,
+    (method, why): (Method, String),
+    found: Found,
+    pause: &dyn Fn(),
+    watch: Option<&mut W>,
+) -> Result<Solution, SolveError> {
+    let setting = found.setting;
+    // A method that adds up the energies in a run of its own has the friction of the run without them.
+    let apart = numerics.energies && method != Method::Midpoint && method != Method::Taylor;
+    let plain = match found.tally {
+        Some(tally) => Some(tally),
+        None if apart => Some(run(problem, method, setting, false, pause)?),
+        None => None,
+    };
+    let shown = match (watch, plain) {
+        (None, Some(plain)) if !apart => plain,
+        (None, _) => run(problem, method, setting, numerics.energies, pause)?,
+        (Some(watch), _) => method.run(problem, setting, numerics.energies, watch)?,
+    };
+    let (mut ratios, mut error) = (Ratios::of(problem, &shown), found.error);
+    if let Some(plain) = plain {
+        let plain = Ratios::of(problem, &plain);
+        ratios = Ratios { friction: plain.friction, power: plain.power.or(ratios.power), ..ratios };
+    }
+    let mut warnings = Vec::new();
+    if method == Method::Frozen {
+        let coupled = run(problem, Method::Linexp, setting, false, pause)?;
+        let left_out = (ratios.friction - Ratios::of(problem, &coupled).friction).abs();
+        warnings
+            .push(format!("what friction does to the motion is left out; with it the friction ratio moves by {left_out:.1e}"));
+        error += left_out;
+    }
+    let mut solution = Solution {
+        method,
+        why,
+        steps_per_period: Some(setting.0),
+        order: setting.1,
+        ratios,
+        tally: Some(shown),
+        error_estimate: None,
+        tolerance_met: true,
+        warnings,
+        states: method.states(problem),
+        ns_per_period: None,
+    };
+    state_error(&mut solution, error, numerics.tolerance);
+    Ok(solution)
+}
