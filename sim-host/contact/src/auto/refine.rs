@@ -87,8 +87,7 @@ impl Runs {
         run: &mut dyn FnMut(Setting) -> Result<Tally, SolveError>,
     ) -> Result<Found, SolveError> {
         let mut next = start;
-        loop {
-            let Some(setting) = ladder.setting(next) else { break };
+        while let Some(setting) = ladder.setting(next) {
             match run(setting) {
                 Ok(tally) => self.runs.push(Rung { rung: next, setting, tally }),
                 // A step that is too coarse may diverge where a finer one does not.

@@ -184,13 +184,9 @@ fn answer<W: FnMut(&State)>(
     watch: Option<&mut W>,
 ) -> Result<Solution, SolveError> {
     let setting = found.setting;
-    // A method that adds up the energies in a run of its own has the friction of the run without them.
+    // Where the record has been run without the energies, the friction is that run's.
     let apart = numerics.energies && method != Method::Midpoint && method != Method::Taylor;
-    let plain = match found.tally {
-        Some(tally) => Some(tally),
-        None if apart => Some(run(problem, method, setting, false, pause)?),
-        None => None,
-    };
+    let plain = found.tally;
     let shown = match (watch, plain) {
         (None, Some(plain)) if !apart => plain,
         (None, _) => run(problem, method, setting, numerics.energies, pause)?,

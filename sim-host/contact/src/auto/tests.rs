@@ -97,7 +97,7 @@ fn a_tolerance_that_is_not_met_is_said() {
 
 #[test]
 fn bristles_below_round_off_are_coulombs_limit_with_a_note() {
-    let rigid = with(|problem| problem.coulomb_n = 1e-18 * problem.coulomb_n);
+    let rigid = with(|problem| problem.coulomb_n *= 1e-18);
     let solution = solve(&rigid, &Numerics::default(), &mut |_| ()).unwrap();
     let coulomb = solve(&Problem { law: Law::Coulomb, ..rigid.clone() }, &Numerics::default(), &mut |_| ()).unwrap();
     println!("{solution:?}");
