@@ -184,9 +184,12 @@ fn answer<W: FnMut(&State)>(
     watch: Option<&mut W>,
 ) -> Result<Solution, SolveError> {
     let setting = found.setting;
-    // Where the record has been run without the energies, the friction is that run's.
+    // Energies are added up in a run of their own; the friction is that of the run without them, so that it is the same whether or not somebody asks for them.
     let apart = numerics.energies && method != Method::Midpoint && method != Method::Taylor;
-    let plain = found.tally;
+    let plain = match found.tally {
+        None if apart => Some(run(problem, method, setting, false, pause)?),
+        tally => tally,
+    };
     let shown = match (watch, plain) {
         (None, Some(plain)) if !apart => plain,
         (None, _) => run(problem, method, setting, numerics.energies, pause)?,
