@@ -1,6 +1,6 @@
 //! Answers by steps: the runs that find the settings, the run that is shown, and what to do where a method has no answer.
 
-use super::ladder::{Ladder, stable_steps};
+use super::ladder::{Ladder, Setting, stable_steps};
 use super::pilot::Pilot;
 use super::refine::{Found, ROUND_OFF_OF_SUMS, Runs};
 use super::{Numerics, Solution};
@@ -22,6 +22,10 @@ const UNEVEN: f64 = 3.0;
 const UNEVEN_AND_RINGING: f64 = 10.0;
 /// Bristles this many times shorter than the vibration are rigid.
 const RIGID: f64 = 1e10;
+
+/// The energies are added up so many rungs above what the friction needs, and not below this one.
+const FINER: usize = 3;
+const FIRST_ENERGIES: usize = 1;
 
 /// The answer of the first method that has the tolerance; if none has, that with the smallest error.
 pub fn chosen<W: FnMut(&State)>(
@@ -174,6 +178,13 @@ fn find(problem: &Problem, numerics: &Numerics, method: Method, pause: &dyn Fn()
     whole.climb(&ladder, ladder.position(found.setting).saturating_sub(2), tolerance, &mut |setting| by(problem, setting))
 }
 
+/// The setting of the run that adds up the energies. Between resonance and excitation they flow to and fro, by many times what friction takes, so their
+/// means need a finer step than the friction's.
+fn for_energies(problem: &Problem, numerics: &Numerics, method: Method, setting: Setting) -> Setting {
+    let ladder = Ladder::of(method, problem, numerics.order);
+    (0..=FINER).rev().find_map(|finer| ladder.setting(ladder.position(setting).max(FIRST_ENERGIES) + finer)).unwrap_or(setting)
+}
+
 /// Runs what is to be shown, if it has not been, and puts the answer together.
 fn answer<W: FnMut(&State)>(
     problem: &Problem,
@@ -190,10 +201,12 @@ fn answer<W: FnMut(&State)>(
         None if apart => Some(run(problem, method, setting, false, pause)?),
         tally => tally,
     };
+    let shown_by =
+        if apart && numerics.steps_per_period.is_none() { for_energies(problem, numerics, method, setting) } else { setting };
     let shown = match (watch, plain) {
         (None, Some(plain)) if !apart => plain,
-        (None, _) => run(problem, method, setting, numerics.energies, pause)?,
-        (Some(watch), _) => method.run(problem, setting, numerics.energies, watch)?,
+        (None, _) => run(problem, method, shown_by, numerics.energies, pause)?,
+        (Some(watch), _) => method.run(problem, shown_by, numerics.energies, watch)?,
     };
     let (mut ratios, mut error) = (Ratios::of(problem, &shown), found.error);
     if let Some(plain) = plain {

@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::table_4_1::table_4_1;
-use crate::taylor;
+use crate::{linexp, taylor};
 
 fn with(change: impl Fn(&mut Problem)) -> Problem {
     let mut problem = table_4_1(0.5, 200.0);
@@ -33,6 +33,25 @@ fn meets_its_tolerance_over_the_map() {
             }
         }
     }
+}
+
+/// The energies that flow to and fro between resonance and excitation are known about as well as the friction.
+#[test]
+fn energies_are_as_good_as_the_friction() {
+    let mut worst = 0.0f64;
+    for (xi, periods) in [(0.5, 40.0), (0.5, 200.0), (0.2, 60.0), (0.9, 60.0)] {
+        for (window, tolerance) in [(true, 1e-5), (true, 1e-7), (true, 1e-9), (false, 1e-7)] {
+            let mut problem = table_4_1(xi, periods);
+            if window {
+                problem.window_s.0 = 0.0;
+            }
+            let truth = Ratios::of(&problem, &linexp::run(&problem, 48, 6, linexp::Options::EnergySums, &mut |_| ()).unwrap());
+            let found = solve(&problem, &Numerics { tolerance, ..Numerics::default() }, &mut |_| ()).unwrap();
+            let off = (found.ratios.input.unwrap() - truth.input.unwrap()).abs() / truth.input.unwrap().abs().max(1.0);
+            worst = worst.max(off / tolerance);
+        }
+    }
+    assert!(worst < 1.0, "{worst}");
 }
 
 #[test]

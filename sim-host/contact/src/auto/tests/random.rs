@@ -4,8 +4,8 @@ use rand_core::{Rng as _, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
 
 use super::*;
+use crate::rk4_events;
 use crate::table_4_1::{DRIVE_HZ, FORCE_N, MASS_KG};
-use crate::{linexp, rk4_events};
 
 /// A generator of contacts.
 struct Contacts(Xoshiro256PlusPlus);
