@@ -173,3 +173,33 @@ fn the_self_test_expects_the_voltage_of_a_lane_that_is_trimmed() {
     let mode = (0..300).map(|_| runs.block(Gate::On, |_| {})).find(|report| !matches!(report.mode, Mode::Idle | Mode::SelfTest));
     assert_eq!(mode.map(|report| (report.mode, report.fault)), Some((Mode::Scan, None)));
 }
+
+/// Half the sample clock, which no tone explains, on so many samples of a block.
+fn disturb(codes: &mut Codes, volts: f64, samples: usize) {
+    let codes = codes.iter_mut().enumerate().take(samples);
+    codes.for_each(|(n, code)| *code = (f64::from(*code) + volts / 0.005 * if n % 2 == 0 { 1.0 } else { -1.0 }) as u16);
+}
+
+#[test]
+fn silence_may_hum_within_the_limit_of_the_voltage_but_not_beyond() {
+    let found = |volts: f64, samples: usize| {
+        let mut runs = Bench::new(|config| config.limits.voltage_v = 12.0).run(Gate::On);
+        assert_eq!(runs.found(100, Gate::Off, |_| {}), None);
+        runs.found(100, Gate::Off, |sense| disturb(&mut sense.v, volts, samples))
+    };
+    assert_eq!((found(13.0, 32), found(15.0, 1), found(15.0, 32)), (None, None, Some((8, Fault::SensorImplausible))));
+}
+
+#[test]
+fn a_tone_that_measures_and_is_none_ends_the_scan() {
+    for (volts, ends) in [(0.2, false), (1.0, true)] {
+        let mut scans = Bench::new(|_| {});
+        while scans.block(Gate::On, |_| {}).mode != Mode::Scan {}
+        let found = scans.found(100, Gate::On, |sense| disturb(&mut sense.v, volts, 32));
+        assert_eq!(
+            found.filter(|found| found.0 <= 10).map(|found| found.1),
+            ends.then_some(Fault::SensorImplausible),
+            "{volts} V"
+        );
+    }
+}

@@ -67,6 +67,20 @@ fn a_block_of_another_one_is_torn() {
     assert_eq!(torn(judged, Steady { tracked: false, ..elsewhere() }), (false, false));
 }
 
+/// By half of what it was, at any gain and amplitude; and not while it may still ring at another frequency.
+#[test]
+fn a_torn_block_is_far_from_a_drive_that_has_long_been_steady() {
+    let torn = |after: usize, part: f32| {
+        let mut watch = watch();
+        (0..after).for_each(|_| assert!(!watch.is_broken(&block(one() * 0.5, one(), 1.0), || LOAD)));
+        let (volts, good) = (4.0, block(one(), one(), 1.0));
+        watch.is_broken(&Steady { volts, v: one() * (0.5 * (1.0 - part) * volts), ..good }, || LOAD);
+        watch.is_torn()
+    };
+    assert_eq!((torn(100, 0.55), torn(100, -0.55), torn(100, 0.45)), (true, true, false));
+    assert_eq!((torn(CALM_BLOCKS as usize, 0.55), torn(CALM_BLOCKS as usize - 1, 0.55)), (true, false));
+}
+
 /// Of an amplifier that was so from the beginning nothing is known but its limit.
 #[test]
 fn no_voltage_is_much_above_its_limit() {
@@ -85,6 +99,7 @@ fn a_tone_that_measures_is_a_tone_within_its_limit() {
         (0..400).position(|n| watch.is_misplayed(one() * louder * LIMIT_V, distorted(n), false)).map(|n| n + 1)
     };
     assert_eq!((known(1.14, |_| false), known(1.16, |_| false)), (None, Some(8)));
+    assert_eq!(watch().most_volts(), 1.15 * LIMIT_V);
     assert_eq!((known(0.5, |n| n % 8 < 7), known(0.5, |_| true)), (None, Some(8)));
 }
 
