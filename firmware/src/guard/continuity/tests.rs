@@ -141,6 +141,15 @@ fn a_current_that_jumps_is_no_load() {
     }
 }
 
+/// Wherever in the window it is driven: what turns the current of a resonance is how far the frequency is from where it was.
+#[test]
+fn a_current_that_jumps_beside_the_nominal_frequency_is_no_load() {
+    let mut watch = watch();
+    let at = |gain: f32| Steady { offset_hz: 900.0, ..block(one(), one() * gain, 1.0) };
+    (0..100).for_each(|_| assert!(!watch.is_broken(&at(1.0), || LOAD)));
+    assert!((0..400).any(|_| watch.is_broken(&at(0.7), || LOAD)));
+}
+
 /// A channel that is reversed within a block leaves a part of its current, and no sine.
 #[test]
 fn a_jump_within_a_block_is_known_as_soon() {

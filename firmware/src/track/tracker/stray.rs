@@ -110,6 +110,9 @@ mod tests {
         assert!(stray.is_astray() && stray.has_leapt() && stray.scan_again());
         stray.seed(1000.0, TAU_S);
         assert!(!stray.is_astray() && !stray.has_leapt() && !stray.scan_again());
+        // It begins where it is seeded: a resonance at the edge has not leapt there.
+        (0..100).for_each(|_| stray.go(1000.0, true));
+        assert!(!stray.has_leapt());
     }
 
     /// A phase that is suddenly another one takes the loop to the edge within some blocks; a resonance that drifts takes thousands.

@@ -160,6 +160,16 @@ fn a_new_lock_that_stands_at_the_edge_of_the_window_was_none() {
     assert!(!rig.observed.is_astray());
     rig.observed.follow(Phasor::default(), Phasor::default(), &SILENT_AT_EDGE, true);
     assert!(rig.observed.is_astray());
+    // Within the window nothing stands at its edge.
+    rig.observed.shown_hz = 0.9 * WINDOW_HZ;
+    rig.observed.follow(Phasor::default(), Phasor::default(), &SILENT_AT_EDGE, true);
+    assert!(!rig.observed.is_astray());
+    rig.observed.blocks = 0;
+    (0..=AT_EDGE).for_each(|_| rig.observed.follow(Phasor::default(), Phasor::default(), &SILENT_AT_EDGE, true));
+    assert!(!rig.observed.is_astray());
+    (rig.observed.shown_hz, rig.observed.blocks) = (WINDOW_HZ, 0);
+    (0..=AT_EDGE).for_each(|_| rig.observed.follow(Phasor::default(), Phasor::default(), &SILENT_AT_EDGE, true));
+    assert!(rig.observed.is_astray());
     // One that has lasted is at a resonance that has gone there.
     rig.observed.blocks = TIMEOUT + AT_EDGE;
     assert!(!rig.observed.is_astray());
