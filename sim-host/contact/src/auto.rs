@@ -9,8 +9,8 @@
 //! | other LuGre | rk4-events, then midpoint | order four, stable from a number of steps on that is known |
 //!
 //! `frozen` is never chosen: it costs what linexp costs, and leaves out what linexp has. How finely is found by runs on a
-//! [`ladder`] of settings: [`refine`] estimates the error of each from how the runs close in on each other. The coarsest that meets the
-//! tolerance has the answer; of a long periodic run the settings are compared on a [`pilot`] alone.
+//! `ladder` of settings: `refine` estimates the error of each from how the runs close in on each other. The coarsest that meets the
+//! tolerance has the answer; of a long periodic run the settings are compared on a `pilot` alone.
 
 use std::time::Duration;
 
