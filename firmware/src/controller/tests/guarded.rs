@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::seam::block::{BeltSense, Codes};
-use crate::seam::config::{Edge, Schedule};
+use crate::seam::config::{Around, Chirp, ChirpKind, Edge, Schedule, ShapeKind, Sweep, Then};
 use crate::seam::fault::Fault;
 
 /// A controller with its load, and what the encoder of its belt has counted, if it has one.
@@ -202,4 +202,21 @@ fn a_tone_that_measures_and_is_none_ends_the_scan() {
             "{volts} V"
         );
     }
+}
+
+/// Of a waveform that is no sine, and of a frequency that moves, one block is not compared with another: a voltage that the range of a plain check allows is none of
+/// a failure.
+#[test]
+fn what_is_no_tone_is_not_compared_with_what_it_was() {
+    let square = |config: &mut Config| config.drive.shape = ShapeKind::Square;
+    let chirp = |config: &mut Config| {
+        let (kind, then, around) = (ChirpKind::Linear, Then::UpDown, Around::Resonance);
+        config.sweep = Sweep::Chirp(Chirp { kind, start_hz: -50.0, stop_hz: 50.0, time_s: 0.01, then, around });
+    };
+    let found = |change: fn(&mut Config)| {
+        let mut runs = Bench::new(change).run(Gate::On);
+        runs.found(200, Gate::On, |sense| amplify(&mut sense.v, 0.8))
+    };
+    assert_eq!((found(square), found(chirp)), (None, None));
+    assert!(found(|_| {}).is_some());
 }
