@@ -25,7 +25,7 @@ const OWN_PERIODS: f64 = 2.0;
 /// A pilot is worth its while where the record is this many times longer.
 const WORTH: f64 = 4.0;
 /// Contact spring, of `m w^2`, and friction, of the force, times the periods that it adds up in, up to which the pilot stands for the
-/// record: of random contacts beyond, one in twenty was off by more than the pilot had it.
+/// record.
 const WEAK: (f64, f64) = (0.01, 0.1);
 /// Growth of the error from the first half of the pilot to the second up to which it does.
 const STEADY: f64 = 3.0;

@@ -155,7 +155,8 @@ fn doubt(problem: &Problem) -> f64 {
 fn find(problem: &Problem, numerics: &Numerics, method: Method, pause: &dyn Fn()) -> Result<Found, SolveError> {
     let ladder = Ladder::of(method, problem, numerics.order);
     let by = |problem: &Problem, setting| run(problem, method, setting, false, pause);
-    if let Some(steps) = numerics.steps_per_period.or((method == Method::Rk4).then_some(()).and(method.steps(problem.kappa()))) {
+    let fixed = || method.steps(problem.kappa()).filter(|_| method == Method::Rk4);
+    if let Some(steps) = numerics.steps_per_period.or_else(fixed) {
         // What was asked for is what is shown; half the step tells its error.
         let order = numerics.order.or(method.order()).filter(|_| problem.law != Law::Coulomb && method.order().is_some());
         let (tally, fine) = (by(problem, (steps, order))?, by(problem, (2 * steps, order))?);
