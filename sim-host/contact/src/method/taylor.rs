@@ -1,15 +1,18 @@
 //! Taylor series of high order with located reversals: the truth in this repository, and the method for tight tolerances.
 //!
-//! Between reversals of the slip velocity the problem is analytic,
+//! Between reversals of the slip velocity the problem is analytic, so each coefficient of its `series` follows from the ones before
+//! (Barrio 2005; Jorba and Zou 2005): for Dahl friction
 //!
 //! ```text
 //! x' = v,   m v' = u(t) - c v - Ks x - Fc f,   f' = (Kt / Fc) (V - s V f),   V = Vt + sign v,   s = sgn V
 //! ```
 //!
-//! so each coefficient follows from the ones before with a single Cauchy product, that of V and f; which is the friction power, too
-//! (Barrio 2005; Jorba and Zou 2005). A reversal is the first root of the polynomial V; there the sign flips, V is zero exactly, and
-//! a new series begins. All integrals are those of the polynomials.
+//! A reversal is the first root of the polynomial V; there the sign flips, V is zero exactly, and a new series begins. All integrals
+//! are those of the polynomials.
 
+mod series;
+
+use self::series::{Begin, Series};
 use super::polynomial::{first_reversal, integral, product, value};
 use crate::SolveError;
 use crate::forcing::Forcing;
@@ -21,8 +24,6 @@ const METHOD: &str = "taylor";
 
 /// Orders of the series that can be chosen.
 pub const ORDERS: [u32; 7] = [8, 12, 16, 20, 24, 28, 32];
-/// Where the last coefficients of friction over Fc are larger than this, the step is too long for the series.
-const LARGEST_LAST_TERM: f64 = 1e-9;
 /// Most parts of a step.
 const MOST_PARTS: u32 = 5_000;
 /// A reversal is located to the square of this part of a step.
@@ -30,7 +31,7 @@ const LOCATED: f64 = 1e-8;
 /// Friction this close to its bound does not change any more; at the bound itself its series ends after the first term.
 const SATURATED: f64 = 1e-15;
 
-/// Runs a problem of Dahl friction; `watch` sees the state after every step.
+/// Runs a problem of Dahl or LuGre friction; `watch` sees the state after every step.
 pub fn run(problem: &Problem, steps_per_period: u32, order: u32, watch: &mut impl FnMut(&State)) -> Result<Tally, SolveError> {
     match order {
         8 => Run::<9>::new(problem)?.all(steps_per_period, watch),
@@ -46,46 +47,35 @@ pub fn run(problem: &Problem, steps_per_period: u32, order: u32, watch: &mut imp
 
 struct Run<'a, const N: usize> {
     problem: &'a Problem,
-    /// Tangential stiffness, N/m.
-    kt: f64,
     coulomb_n: f64,
-    /// Displacement, m; velocity, m/s; friction over Fc.
+    /// Displacement, m; velocity, m/s; force in the bristles and friction, over Fc.
     x: f64,
     v: f64,
+    bristle: f64,
     f: f64,
     /// Sign of the slip velocity.
     sense: f64,
     meter: Meter,
 }
 
-/// Coefficients over one step, in units of the step.
-struct Series<const N: usize> {
-    unit_s: f64,
-    u: [f64; N],
-    x: [f64; N],
-    v: [f64; N],
-    slip: [f64; N],
-    f: [f64; N],
-    /// f V, m/s.
-    power: [f64; N],
-}
-
 impl<'a, const N: usize> Run<'a, N> {
     fn new(problem: &'a Problem) -> Result<Self, SolveError> {
-        let Law::Dahl { stiffness_n_per_m: kt } = problem.law else {
-            let reason = "it integrates Dahl friction; Stribeck and bristle damping are for rk4-events and midpoint".into();
+        if problem.law == Law::Coulomb {
+            let reason = "it integrates friction with bristles; linexp has Coulomb's".into();
             return Err(SolveError::Unsuited { method: METHOD, reason });
-        };
+        }
         let State { x_m, v_m_per_s, force_n, .. } = problem.start;
         let coulomb_n = problem.coulomb_n;
         let meter = Meter::new(true);
-        Ok(Run { problem, kt, coulomb_n, x: x_m, v: v_m_per_s, f: force_n / coulomb_n, sense: 0.0, meter })
+        let bristle = force_n / coulomb_n;
+        Ok(Run { problem, coulomb_n, x: x_m, v: v_m_per_s, bristle, f: bristle, sense: 0.0, meter })
     }
 
     fn all(mut self, steps_per_period: u32, watch: &mut impl FnMut(&State)) -> Result<Tally, SolveError> {
         let mut state = self.state(0.0);
         for stretch in Timeline::new(self.problem) {
             if let Some(force) = stretch.load {
+                self.bristle *= self.coulomb_n / force;
                 self.f *= self.coulomb_n / force;
                 self.coulomb_n = force;
             }
@@ -127,13 +117,14 @@ impl<'a, const N: usize> Run<'a, N> {
     fn step(&mut self, forcing: &Forcing, from_s: f64, h: f64) -> Result<(), SolveError> {
         let mut done_s = 0.0;
         let (mut flips, mut parts) = (0, 0u32);
+        let is_dahl = matches!(self.problem.law, Law::Dahl { .. });
         // The last part ends at the step's end within round-off.
         while h - done_s > 1e-13 * h {
-            if (self.f - self.sense).abs() <= SATURATED {
-                self.f = self.sense;
+            if is_dahl && (self.bristle - self.sense).abs() <= SATURATED {
+                self.bristle = self.sense;
             }
             let mut series = self.expand(forcing, from_s + done_s, h - done_s);
-            let part = series.shorten();
+            let part = series.shorten(&self.problem.law);
             parts += 1;
             if parts > MOST_PARTS {
                 let reason =
@@ -147,7 +138,7 @@ impl<'a, const N: usize> Run<'a, N> {
                 let sense = value(&series.slip, 0.5).signum();
                 (self.sense, reversal) = (sense, None);
                 series = self.expand(forcing, from_s + done_s, h - done_s);
-                series.shorten();
+                series.shorten(&self.problem.law);
             }
             self.advance(&series, reversal.unwrap_or(1.0));
             if reversal.is_some() {
@@ -165,34 +156,8 @@ impl<'a, const N: usize> Run<'a, N> {
 
     /// The series from the present state on.
     fn expand(&self, forcing: &Forcing, at_s: f64, unit_s: f64) -> Series<N> {
-        let u: [f64; N] = forcing.taylor_in(at_s, unit_s);
-        let mut series = Series { unit_s, u, x: [0.0; N], v: [0.0; N], slip: [0.0; N], f: [0.0; N], power: [0.0; N] };
-        let Series { x, v, slip, f, power, .. } = &mut series;
-        let (sign, sense) = (self.problem.sign.factor(), self.sense);
-        let per_force = unit_s * self.kt / self.coulomb_n;
-        (x[0], v[0], f[0]) = (self.x, self.v, self.f);
-        for k in 0..N {
-            let over = if k + 1 < N { 1.0 / (k + 1) as f64 } else { 0.0 };
-            let next = (k + 1).min(N - 1);
-            match self.problem.motion {
-                Motion::Kinematic => v[k] = u[k],
-                Motion::Sdof { mass_kg, stiffness_n_per_m, damping_n_s_per_m } if k + 1 < N => {
-                    let force = u[k] - damping_n_s_per_m * v[k] - stiffness_n_per_m * x[k] - self.coulomb_n * f[k];
-                    v[next] = unit_s / mass_kg * force * over;
-                }
-                Motion::Sdof { .. } => {}
-            }
-            slip[k] = sign * v[k];
-            if k == 0 {
-                slip[0] += self.problem.sliding_m_per_s;
-            }
-            power[k] = (0..=k).map(|j| slip[j] * f[k - j]).sum();
-            if k + 1 < N {
-                x[next] = unit_s * v[k] * over;
-                f[next] = per_force * (slip[k] - sense * power[k]) * over;
-            }
-        }
-        series
+        let begin = Begin { x: self.x, v: self.v, bristle: self.bristle, sense: self.sense, coulomb_n: self.coulomb_n };
+        Series::new(self.problem, &begin, forcing.taylor_in(at_s, unit_s), unit_s)
     }
 
     /// Goes to the part `s` of the series' step.
@@ -214,26 +179,8 @@ impl<'a, const N: usize> Run<'a, N> {
                 totals.potential_j_s += 0.5 * stiffness_n_per_m * h * integral(&product(&series.x, &series.x), s);
             }
         }
-        (self.x, self.v, self.f) = (value(&series.x, s), value(&series.v, s), value(&series.f, s));
-    }
-}
-
-impl<const N: usize> Series<N> {
-    /// Shortens the step to where the last terms of the friction are small; tells to which part.
-    fn shorten(&mut self) -> f64 {
-        let last = self.f[N - 1].abs().max(self.f[N - 2].abs());
-        if last <= LARGEST_LAST_TERM {
-            return 1.0;
-        }
-        let part = (LARGEST_LAST_TERM / last).powf(1.0 / (N - 2) as f64);
-        self.unit_s *= part;
-        for c in [&mut self.u, &mut self.x, &mut self.v, &mut self.slip, &mut self.f, &mut self.power] {
-            c.iter_mut().fold(1.0, |power, c| {
-                *c *= power;
-                power * part
-            });
-        }
-        part
+        (self.x, self.v) = (value(&series.x, s), value(&series.v, s));
+        (self.bristle, self.f) = (value(&series.bristle, s), value(&series.f, s));
     }
 }
 
@@ -242,7 +189,7 @@ mod tests {
     use super::*;
     use crate::table_4_1::table_4_1;
     use crate::tally::Ratios;
-    use crate::{Shape, Waveform, rk4};
+    use crate::{Shape, Waveform, rk4, rk4_events};
 
     fn ratios(problem: &Problem, steps: u32, order: u32) -> (Ratios, Tally) {
         let tally = run(problem, steps, order, &mut |_| ()).unwrap();
@@ -276,6 +223,27 @@ mod tests {
             let error = |steps: u32| forces(steps, order).iter().zip(&exact).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
             let observed = (error(coarse) / error(fine)).log2() / (f64::from(fine) / f64::from(coarse)).log2();
             assert!((observed - f64::from(order)).abs() < 1.5, "order {order}: {observed}");
+        }
+    }
+
+    /// LuGre's friction against Runge-Kutta with located reversals, which shares nothing with the series but the equations.
+    #[test]
+    fn lugre_friction_agrees_with_runge_kutta() {
+        for (stribeck, sigma1, sigma2) in [(1e-2, 0.0, 0.0), (1e-2, 3.0, 1e-3), (1e-3, 0.5, 0.0), (0.1, 0.0, 1e-2)] {
+            for kinematic in [false, true] {
+                let mut problem = table_4_1(0.5, 20.0);
+                problem.law =
+                    Law::Lugre { stiffness_n_per_m: 0.056e6, static_ratio: 1.6, stribeck_m_per_s: stribeck, sigma1, sigma2 };
+                if kinematic {
+                    problem.waveform = Waveform::new(Shape::Sine, problem.vibration_m_per_s(), 60e3, problem.duration_s);
+                    problem.motion = Motion::Kinematic;
+                }
+                let [coarse, fine] = [(16, 24), (24, 32)].map(|(steps, order)| ratios(&problem, steps, order));
+                let other = Ratios::of(&problem, &rk4_events::run(&problem, 8000, &mut |_| ()).unwrap());
+                let off = [coarse.0.friction, other.friction].map(|friction| (friction - fine.0.friction).abs());
+                assert!(off[0] < 1e-12 && off[1] < 1e-10, "{stribeck} {sigma1} {sigma2}, kinematic {kinematic}: {off:?}");
+                assert!(fine.0.energy_residual.unwrap().abs() < 1e-11, "{fine:?}");
+            }
         }
     }
 
