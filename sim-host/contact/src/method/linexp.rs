@@ -119,6 +119,8 @@ where
                 }
                 _ => None,
             };
+            // Added up stretch by stretch: a million small numbers in one sum leave 1e-10 of it.
+            let behind_n_s = std::mem::take(&mut self.exact_step.meter.totals.friction_n_s);
             for step in 0..steps {
                 let table = table.and_then(|index| self.tables.get(index)).and_then(Option::as_ref);
                 let exact_step = &mut self.exact_step;
@@ -135,6 +137,7 @@ where
                 exact_step.meter.step(&state, exact_step.f);
                 watch(&state);
             }
+            self.exact_step.meter.totals.friction_n_s += behind_n_s;
             if !(state.x_m.is_finite() && state.force_n.is_finite()) {
                 return Err(SolveError::Diverged { method: METHOD, time_s: state.time_s });
             }
@@ -158,7 +161,7 @@ where
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::table_4_1::table_4_1;
+    use crate::table_4_1::{DRIVE_HZ, FORCE_N, MASS_KG, table_4_1};
     use crate::tally::Ratios;
     use crate::{Motion, Shape, Sign, Waveform, taylor};
 
@@ -219,6 +222,51 @@ mod tests {
                 assert!(residual.abs() < 5e-12, "{sign:?} {damping_n_s_per_m} {steps} {order}: {residual:e}");
             }
         }
+    }
+
+    /// Natural over drive frequency, contact spring over `m w^2`, friction over force, velocity ratio.
+    fn contact(natural: f64, spring: f64, friction: f64, velocity_ratio: f64, periods: f64) -> Problem {
+        let mut problem = table_4_1(0.0, periods);
+        let inertia = MASS_KG * (std::f64::consts::TAU * DRIVE_HZ).powi(2);
+        problem.motion =
+            Motion::Sdof { mass_kg: MASS_KG, stiffness_n_per_m: inertia * natural * natural, damping_n_s_per_m: 0.0 };
+        problem.law = Law::Dahl { stiffness_n_per_m: inertia * spring };
+        problem.coulomb_n = friction * FORCE_N;
+        problem.sliding_m_per_s = velocity_ratio * problem.vibration_m_per_s();
+        problem
+    }
+
+    /// Rates of friction at its bound are round-off times the stiffness: they count for nothing.
+    #[test]
+    fn friction_at_its_bound_stays_there() {
+        for friction in [1e-6, 1e-9, 1e-12] {
+            let problem = contact(0.2, 0.01, friction, 3.0, 40.0);
+            for steps in [4, 24, 96, 384] {
+                let mean = ratios(&problem, steps, 6, Options::Plain).friction;
+                assert!((mean - 1.0).abs() < 1e-12, "{friction}, {steps} steps: {mean}");
+            }
+        }
+    }
+
+    /// Two reversals within a coarse step, and bristles that are rigid beside it.
+    #[test]
+    fn a_dip_within_a_coarse_step_has_its_friction() {
+        for (natural, spring, friction, velocity_ratio) in [(2.142, 0.146, 1e-7, 2.47), (4.618, 3.7e-3, 2e-10, 4.7)] {
+            let problem = contact(natural, spring, friction, velocity_ratio, 60.0);
+            let truth = truth(&problem).friction;
+            for (steps, bound) in [(4, 1e-3), (16, 1e-5)] {
+                let error = ratios(&problem, steps, 4, Options::Plain).friction - truth;
+                assert!(error.abs() < bound, "{natural}, {steps} steps: {error:e}");
+            }
+        }
+    }
+
+    /// Short parts take less than round-off from what friction is off its bound: that ends.
+    #[test]
+    fn short_steps_come_to_an_end() {
+        let problem = contact(0.026, 48.0, 1.5e-10, 1.3e-6, 100.0);
+        let [coarse, fine] = [84, 1331].map(|steps| ratios(&problem, steps, 6, Options::Plain).friction);
+        assert!((coarse - fine).abs() < 1e-8, "{coarse} {fine}");
     }
 
     #[test]

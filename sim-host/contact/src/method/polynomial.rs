@@ -46,11 +46,14 @@ struct Point {
     slope: f64,
 }
 
+/// A step this much shorter than the one before is of a method that converges by squares.
+const SQUARES: f64 = 0.2;
+
 /// The root between a point and `high`, where the polynomial has the value `last` of opposite sign: Newton's method, bracketed by the
 /// bracket.
 ///
 /// It begins on the parabola through both values with the slope at the point, and ends with a step shorter than `enough`, of which the
-/// square is left.
+/// square is left; near a double root, where as much as the last step may be left, with one shorter than that square.
 fn root<const N: usize>(c: &[f64; N], from: Point, high: f64, last: f64, enough: f64) -> f64 {
     let (mut low, mut high, first) = (from.at, high, from.value);
     let (falls, steep) = (first > 0.0, from.slope * (high - low));
@@ -62,6 +65,7 @@ fn root<const N: usize>(c: &[f64; N], from: Point, high: f64, last: f64, enough:
     let part = Some(first / far).filter(inside).or(Some(far / bend).filter(inside)).unwrap_or(0.5);
     let mut s = low + (high - low) * part;
     let slopes = derivative(c);
+    let mut before = f64::INFINITY;
     for _ in 0..80 {
         let here = value(c, s);
         if (here > 0.0) == falls {
@@ -73,10 +77,12 @@ fn root<const N: usize>(c: &[f64; N], from: Point, high: f64, last: f64, enough:
         // At the root itself round-off decides the side, and Newton's step ends on the bracket's edge: that is inside.
         let inside = newton >= low && newton <= high;
         let next = if inside { newton } else { 0.5 * (low + high) };
-        if inside && (next - s).abs() <= enough || high - low <= 2e-16 {
+        let step = (next - s).abs();
+        let squares = step <= SQUARES * before || step <= enough * enough;
+        if inside && step <= enough && squares || high - low <= 2e-16 {
             return next;
         }
-        s = next;
+        (s, before) = (next, step);
     }
     s
 }

@@ -7,11 +7,11 @@ use super::simd_nodes::SimdNodes;
 /// Up to here the series is good to a few units of the last place: the term left out is below 1e-15.
 const SHORT: f64 = 0.5;
 
-/// `exp(-x)` of each.
+/// `exp(-x)` of each. A slip against its sign is round-off: it does not grow beyond `exp(0.5)`, so that nothing times it is nothing.
 #[inline]
 pub(super) fn decay<L: SimdNodes>(x: L) -> L {
     if (0..=L::END).any(|lane| x.lane(lane).abs() > SHORT) {
-        return L::each(|lane| (-x.lane(lane)).exp());
+        return L::each(|lane| (-x.lane(lane)).min(SHORT).exp());
     }
     // The series to the thirteenth power, in pairs (Estrin) for short chains.
     let pair = |even: usize| L::all(INVERSE[even]) - x * L::all(INVERSE[even + 1]);

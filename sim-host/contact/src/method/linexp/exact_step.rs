@@ -87,7 +87,8 @@ where
             per_metre: 0.0,
             push: 0.0,
             steepest: STEEPEST / f64::from(steps_per_period),
-            saturated: SATURATED,
+            // Where a part takes less than round-off from what is left, it would stay.
+            saturated: SATURATED.max(2.0 * f64::EPSILON * f64::from(steps_per_period) / STEEPEST),
             meter,
             kt,
             kernel: oscillator.kernel(),
@@ -147,6 +148,7 @@ where
 
     /// One step of `h` seconds from `from_s` on, of which `done_s` are behind.
     pub fn step(&mut self, forcing: &Forcing, from_s: f64, h: f64, mut done_s: f64) {
+        let mut flips = 0;
         // The last part ends at the step's end within round-off.
         while h - done_s > 1e-13 * h {
             let left_s = h - done_s;
@@ -157,7 +159,9 @@ where
                 self.x = f64::NAN;
                 return;
             }
-            let end = self.go(&mut self.part(forcing, from_s + done_s, unit_s));
+            let mut part = self.part(forcing, from_s + done_s, unit_s);
+            let end = if flips > 1 { self.touch(&mut part) } else { self.go(&mut part) };
+            flips = if end * unit_s <= SHORTEST * h { flips + 1 } else { 0 };
             done_s = if end == 1.0 && unit_s == left_s { h } else { done_s + end * unit_s };
         }
     }
@@ -186,6 +190,18 @@ where
             return 1.0;
         }
         end
+    }
+
+    /// Goes along a part at whose beginning the slip velocity only touches zero: it has a sign, and no reversal.
+    fn touch(&mut self, part: &mut Substep<N>) -> f64 {
+        let slip = self.sliding + self.sign * value(&part.v, 0.5);
+        if slip * self.sense < 0.0 {
+            self.sense = -self.sense;
+            self.here = self.end(self.f, self.slip_velocity, self.a);
+        }
+        let piece = self.piece(part, 0.0, 1.0);
+        self.take(part, piece);
+        1.0
     }
 
     /// The longest part from here on, s: friction's exponent stays bounded, and the contact spring is resolved.
@@ -234,7 +250,8 @@ where
             if late.abs() < SMALL {
                 s + excess * decays.lane(lane) * (1.0 + late * (1.0 + 0.5 * late))
             } else {
-                s + excess * (late - self.per_metre * s * slips.lane(lane)).exp()
+                // Against the sign that it has, the slip is round-off: friction does not grow by it.
+                s + excess * (late - self.per_metre * s * slips.lane(lane)).min(0.0).exp()
             }
         };
         let mut forces = [0.0; K];
@@ -282,6 +299,8 @@ where
     #[inline]
     pub fn add_friction(&mut self, length_s: f64, forces: &[f64; K], (f, slip_velocity, a): (f64, f64, f64), slip: f64) {
         let s = self.sense;
+        // Friction that is at its bound but for round-off is there: its rates are that round-off times the stiffness, and its square.
+        let f = if (f - s).abs() <= self.saturated { s } else { f };
         let there = self.end(f, slip_velocity, a);
         let ends = [self.here, there];
         let totals = &mut self.meter.totals;
