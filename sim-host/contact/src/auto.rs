@@ -10,7 +10,8 @@
 //!
 //! `frozen` is never chosen: it costs what linexp costs, and leaves out what linexp has. How finely is found by runs on a
 //! `ladder` of settings: `refine` estimates the error of each from how the runs close in on each other. The coarsest that meets the
-//! tolerance has the answer; of a long periodic run the settings are compared on a `pilot` alone.
+//! tolerance has the answer; of a long periodic run the settings are compared on a `pilot` alone. `sim-host validate contacts` holds all of
+//! it against random contacts.
 
 use std::time::Duration;
 

@@ -2,7 +2,7 @@
 //!
 //! | method | rungs (order/steps a period) | a rung's error over that of the rung before |
 //! |---|---|---|
-//! | linexp, frozen | 4/4 4/6 6/6 6/8 6/12 6/16 6/24 6/32 ... | 1/4 ... 1/11 |
+//! | linexp, frozen | 4/4 4/6 6/6 6/8 6/12 6/16 6/24 6/32 ...; of a stiff contact more | 1/4 ... 1/11 |
 //! | rk4-events | steps times 1.5 | 1.5^-4 = 1/5 |
 //! | midpoint | steps times 2 | 1/4 with bristle damping, 1/16 without |
 //! | taylor | steps times 1.5 | below any of these |
@@ -19,6 +19,10 @@ use crate::problem::{Law, Motion, Problem};
 pub const CONTRACTION: f64 = 0.25;
 /// Finest step that is tried, per period, where stability needs none finer.
 const FINEST: u32 = 1 << 14;
+/// The same of order six, which is at round-off there.
+const FINEST_OF_ORDER_SIX: f64 = 2048.0;
+/// Most steps of one run of it, where fewer can be expected to do.
+const MOST_STEPS_OF_ORDER_SIX: f64 = 1e7;
 /// Most steps of one run that stability may ask for.
 const MOST_STEPS: f64 = 1e8;
 /// Largest change of the slip in a step, in Stribeck velocities.
@@ -48,7 +52,12 @@ impl Ladder {
         let periods = (problem.duration_s * problem.waveform.frequency_hz()).max(1.0);
         let (first_steps, finest) = match method {
             Method::Linexp if problem.law == Law::Coulomb => (16.0, FINEST),
-            Method::Linexp | Method::Frozen => (4.0, FINEST),
+            Method::Linexp | Method::Frozen => {
+                let first = 4.0 * contact_over_fastest(problem).max(1.0);
+                let fastest = (problem.motion.fastest_hz() / problem.waveform.frequency_hz()).max(1.0);
+                let afforded = MOST_STEPS_OF_ORDER_SIX / (periods * fastest);
+                (first, afforded.min(FINEST_OF_ORDER_SIX).max(32.0 * first).min(f64::from(FINEST)) as u32)
+            }
             Method::Rk4Events => {
                 let stable = stable_steps(problem).max(stribeck_steps(problem));
                 (stable.max(24.0), FINEST.max((16.0 * stable).min(MOST_STEPS / periods) as u32))
@@ -118,6 +127,18 @@ pub fn stable_steps(problem: &Problem) -> f64 {
     TAU / omega * bristle.max(damping).max(spring) / STABLE
 }
 
+/// Frequency of the mass on the contact spring, over the fastest in forcing and oscillator, which steps are counted by: settings that do not
+/// follow it may agree on what they are all off by.
+fn contact_over_fastest(problem: &Problem) -> f64 {
+    match (problem.law, problem.motion) {
+        (Law::Dahl { stiffness_n_per_m }, Motion::Sdof { mass_kg, .. }) => {
+            let fastest_hz = problem.motion.fastest_hz().max(problem.waveform.frequency_hz());
+            (stiffness_n_per_m / mass_kg).sqrt() / (TAU * fastest_hz)
+        }
+        _ => 1.0,
+    }
+}
+
 /// Steps a period without which a step leaps over the Stribeck peak, and two runs agree on what neither has seen: in a step the slip changes
 /// by less than six Stribeck velocities.
 fn stribeck_steps(problem: &Problem) -> f64 {
@@ -141,7 +162,7 @@ mod tests {
         for method in [Method::Linexp, Method::Rk4Events, Method::Midpoint, Method::Taylor] {
             let ladder = Ladder::of(method, &standard(), None);
             let rungs: Vec<Setting> = (0..).map_while(|rung| ladder.setting(rung)).collect();
-            assert!(rungs.len() >= 9 && rungs[rungs.len() - 1].0 > FINEST / 2, "{method:?}: {rungs:?}");
+            assert!(rungs.len() >= 9 && rungs[rungs.len() - 1].0 > ladder.finest / 2, "{method:?}: {rungs:?}");
             for pair in rungs.windows(2) {
                 assert!(pair[0].0 * pair[0].1.unwrap_or(1) < pair[1].0 * pair[1].1.unwrap_or(1), "{method:?}: {pair:?}");
                 assert!(pair[1].0 <= 2 * pair[0].0, "{method:?}: {pair:?}");

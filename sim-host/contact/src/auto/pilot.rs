@@ -7,11 +7,12 @@
 //! e(record) = e(pilot) sqrt(min(T, 1 / (zeta wn)) / T(pilot))
 //! ```
 //!
-//! A contact that the mass feels, `Kt / (m w^2)` or `Fc / F0` times the periods no longer small, makes more of it; then two runs of the
-//! whole record are compared.
+//! So it is where the bristles have forgotten their past within the pilot. Bristles longer than the vibration wander for many periods, and what
+//! is off with them, and with the motion under them, grows by powers of the time: then two runs of the whole record are compared.
 
 use std::f64::consts::TAU;
 
+use super::refine::ROUND_OFF_OF_SUMS;
 use crate::problem::{Law, Motion, Problem};
 use crate::waveform::Shape;
 
@@ -24,9 +25,12 @@ const LONGEST: f64 = 256.0;
 const OWN_PERIODS: f64 = 2.0;
 /// A pilot is worth its while where the record is this many times longer.
 const WORTH: f64 = 4.0;
-/// Contact spring, of `m w^2`, and friction, of the force, times the periods that it adds up in, up to which the pilot stands for the
-/// record.
-const WEAK: (f64, f64) = (0.01, 0.1);
+/// Lengths of the bristles that the contact slips over in a pilot that stands for the record.
+const FORGETS: f64 = 3.0;
+/// Largest error of a pilot that is to be believed: a coarser run may yet lose its way.
+const MOST: f64 = 1e-6;
+/// By this the record's error is smaller than the pilot's times its growth in nearly all contacts: an estimate within this part is enough.
+const MARGIN: f64 = 0.1;
 /// Growth of the error from the first half of the pilot to the second up to which it does.
 const STEADY: f64 = 3.0;
 
@@ -35,10 +39,10 @@ const STEADY: f64 = 3.0;
 pub struct Pilot {
     /// As a problem, with the mean over all of them.
     pub problem: Problem,
-    /// How much larger the error of the record may be, where the pilot stands for it.
+    /// How much larger the error of the record may be.
     pub growth: f64,
-    /// Whether motion and friction are coupled weakly.
-    weak: bool,
+    /// Whether the bristles forget within it.
+    forgets: bool,
 }
 
 impl Pilot {
@@ -51,30 +55,43 @@ impl Pilot {
         let hz = problem.waveform.frequency_hz();
         let own = problem.motion.natural_hz().map_or(0.0, |natural| OWN_PERIODS * hz / natural);
         let periods = (PART * problem.duration_s * hz).clamp(PERIODS, LONGEST).max(own).ceil();
-        let duration_s = periods / hz;
-        if WORTH * duration_s > problem.duration_s {
+        if WORTH * periods > problem.duration_s * hz {
             return None;
         }
-        let kt = match problem.law {
-            Law::Coulomb => 0.0,
-            Law::Dahl { stiffness_n_per_m } | Law::Lugre { stiffness_n_per_m, .. } => stiffness_n_per_m,
-        };
-        let (weak, forgets_s) = match problem.motion {
-            Motion::Kinematic => (true, 0.0),
-            Motion::Sdof { mass_kg, damping_n_s_per_m, .. } => {
-                let spring = kt / (mass_kg * (TAU * hz).powi(2));
-                let friction = problem.coulomb_n / problem.waveform.amplitude().abs();
-                let forgets_s = 2.0 * mass_kg / damping_n_s_per_m;
-                (spring < WEAK.0 && friction * forgets_s.min(problem.duration_s) * hz < WEAK.1, forgets_s)
+        // Where the record's window begins or ends within a period, so does that of the pilot: half a period has an error that two do not.
+        let (from, to) = (problem.window_s.0 * hz, problem.window_s.1 * hz);
+        let duration_s = (periods + part(to)) / hz;
+        let first = Problem { window_s: (part(from) / hz, duration_s), duration_s, ..problem.clone() };
+        let slipped_m = 4.0 * problem.vibration_m_per_s() / (TAU * hz) * periods + problem.sliding_m_per_s.abs() * duration_s;
+        let forgets = match problem.law {
+            Law::Coulomb => true,
+            Law::Dahl { stiffness_n_per_m } | Law::Lugre { stiffness_n_per_m, .. } => {
+                slipped_m.min(1e6) * stiffness_n_per_m > FORGETS * problem.coulomb_n
             }
         };
-        let growth = if weak { (forgets_s.min(problem.duration_s) / duration_s).sqrt().max(1.0) } else { 1.0 };
-        let first = Problem { window_s: (0.0, duration_s), duration_s, ..problem.clone() };
-        Some(Pilot { problem: first, growth, weak })
+        let growth = match problem.motion {
+            Motion::Kinematic => 1.0,
+            Motion::Sdof { mass_kg, damping_n_s_per_m, .. } => {
+                let damped_s = 2.0 * mass_kg / damping_n_s_per_m;
+                (damped_s.min(problem.duration_s) / duration_s).sqrt().max(1.0)
+            }
+        };
+        Some(Pilot { problem: first, growth, forgets })
     }
 
-    /// Whether an error that grows so much from the pilot's first half to its second is known of the record, too.
-    pub fn stands_for_the_record(&self, growth: f64) -> bool {
-        self.weak && growth <= STEADY
+    /// The error that is to be reached on it for a tolerance of the record.
+    pub fn goal(&self, tolerance: f64) -> f64 {
+        (MARGIN * tolerance / self.growth).clamp(2.0 * ROUND_OFF_OF_SUMS, MOST)
     }
+
+    /// Whether an error, which grows so much from the pilot's first half to its second, is known of the record, too.
+    pub fn stands_for_the_record(&self, error: f64, growth: f64, tolerance: f64) -> bool {
+        self.forgets && growth <= STEADY && error <= self.goal(tolerance) && MARGIN * tolerance >= ROUND_OFF_OF_SUMS * self.growth
+    }
+}
+
+/// The part of a period that a number of periods ends with; none where that is round-off.
+fn part(periods: f64) -> f64 {
+    let part = periods - periods.floor();
+    if part.min(1.0 - part) < 1e-6 { 0.0 } else { part }
 }

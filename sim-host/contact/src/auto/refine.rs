@@ -10,6 +10,9 @@
 //! e(c) = max(d1, d2)               where the runs do not contract: one more is needed
 //! e(i) = d(i, c) + e(c)            of any coarser run
 //! ```
+//!
+//! Of two runs, two rungs apart, all that is known is their distance d: the finer is taken to be off by as much, and has to be better than
+//! the tolerance by more.
 
 use super::ladder::{CONTRACTION, Ladder, Setting};
 use crate::SolveError;
@@ -19,8 +22,11 @@ use crate::tally::Tally;
 pub const ROUND_OFF_OF_SUMS: f64 = 1e-13;
 /// Runs contract if the distance falls at least by this on a rung.
 const CONTRACTS: f64 = 0.5;
-/// An estimate within this part of the tolerance is enough.
+/// An estimate within this part of the tolerance is enough: by three runs, and by two.
 const MARGIN: f64 = 0.6;
+const MARGIN_OF_TWO: f64 = 0.5;
+/// Distances below this that do not fall any more are round-off, of a stiff contact or a long run.
+const SMALL: f64 = 1e-9;
 /// What a rung of order six leaves of the error: the rungs to be left out are counted by it.
 const STRIDE: f64 = 0.125;
 /// Most rungs at once.
@@ -42,8 +48,8 @@ pub struct Rung {
 pub struct Runs {
     /// From coarse to fine.
     runs: Vec<Rung>,
-    /// The contraction a rung that is known from elsewhere: two runs tell the error then.
-    expected: Option<f64>,
+    /// Whether two runs are enough.
+    of_two: bool,
     /// What the errors are multiplied by where they fall unevenly.
     doubt: f64,
 }
@@ -61,21 +67,15 @@ pub struct Found {
     pub growth: f64,
 }
 
-impl Default for Runs {
-    fn default() -> Self {
-        Runs { runs: Vec::new(), expected: None, doubt: 1.0 }
-    }
-}
-
 impl Runs {
-    /// Runs of a problem on part of which this contraction was seen.
-    pub fn expecting(contraction: Option<f64>) -> Self {
-        Runs { expected: contraction, ..Runs::default() }
+    /// Three runs or more, on successive rungs.
+    pub fn of_three() -> Self {
+        Runs { runs: Vec::new(), of_two: false, doubt: 1.0 }
     }
 
-    /// Runs whose errors may be larger by a factor than they appear.
-    pub fn doubted(doubt: f64) -> Self {
-        Runs { doubt, ..Runs::default() }
+    /// Two runs, and more where they do not agree; their errors may be larger by a factor than they appear.
+    pub fn of_two(doubt: f64) -> Self {
+        Runs { runs: Vec::new(), of_two: true, doubt }
     }
 
     /// Climbs until a run has the tolerance, from a rung on, or above those that there are.
@@ -99,20 +99,32 @@ impl Runs {
                 Err(error) => return Err(error),
             }
             let errors = self.errors();
-            let Some(&least) = errors.last().filter(|_| self.runs.len() > 2 || self.expected.is_some()) else {
-                next += if self.expected.is_some() { 2 } else { 1 };
+            let Some(&least) = errors.last().filter(|_| self.runs.len() > 2 || self.of_two) else {
+                next += if self.of_two { 2 } else { 1 };
                 continue;
             };
-            if errors.iter().any(|&error| error <= MARGIN * tolerance) {
+            let enough = self.margin() * tolerance;
+            if errors.iter().any(|&error| error <= enough) || self.is_round_off() {
                 break;
             }
-            let rungs = (least / (MARGIN * tolerance)).ln() / (1.0 / self.seen().unwrap_or(STRIDE).clamp(STRIDE, CONTRACTS)).ln();
+            let rungs = (least / enough).ln() / (1.0 / self.seen().unwrap_or(STRIDE).clamp(STRIDE, CONTRACTS)).ln();
             next += rungs.ceil().clamp(1.0, LONGEST_STRIDE) as usize;
         }
-        self.coarsest(MARGIN * tolerance).ok_or_else(|| SolveError::Refused {
+        self.coarsest(self.margin() * tolerance).ok_or_else(|| SolveError::Refused {
             reason: "no step that can be afforded is stable".into(),
             advice: "give a shorter run, or fewer Dahl lengths in a vibration amplitude".into(),
         })
+    }
+
+    fn margin(&self) -> f64 {
+        if self.runs.len() > 2 { MARGIN } else { MARGIN_OF_TWO }
+    }
+
+    /// Whether the last runs differ by round-off: finer ones have more of it.
+    fn is_round_off(&self) -> bool {
+        let [.., a, b, c, d] = self.runs.as_slice() else { return false };
+        let [first, .., last] = [(a, b), (b, c), (c, d)].map(|(one, other)| distance(&one.tally, &other.tally).0);
+        first < SMALL && last > CONTRACTS * first
     }
 
     /// The coarsest run whose error is within the tolerance, or the finest run.
@@ -134,19 +146,16 @@ impl Runs {
     }
 
     /// The same where it is to be believed: the runs contract, and no faster than expected.
-    pub fn contraction(&self) -> Option<f64> {
+    fn contraction(&self) -> Option<f64> {
         self.seen().filter(|&seen| seen <= CONTRACTS).map(|seen| seen.max(CONTRACTION))
     }
 
     /// The estimated error of each run; nothing is known of one run alone.
     fn errors(&self) -> Vec<f64> {
-        let least = ROUND_OFF_OF_SUMS;
+        let least = self.runs.last().map_or(ROUND_OFF_OF_SUMS, |finest| round_off(&finest.tally));
         let last = match self.runs.as_slice() {
             [] | [_] => return Vec::new(),
-            [a, b] => {
-                let left = self.expected.unwrap_or(CONTRACTS).powi((b.rung - a.rung) as i32);
-                distance(&a.tally, &b.tally).0 * left / (1.0 - left)
-            }
+            [a, b] => distance(&a.tally, &b.tally).0,
             [.., a, b, c] => {
                 let (d1, d2) = (distance(&a.tally, &b.tally).0, distance(&b.tally, &c.tally).0);
                 match self.contraction() {
@@ -163,6 +172,11 @@ impl Runs {
         let of = |rung: &Rung| (distance(&rung.tally, &finest.tally).0 + last).max(least);
         coarser.iter().map(of).chain([last.max(least)]).map(|error| self.doubt * error).collect()
     }
+}
+
+/// What adding up so many steps leaves of a mean.
+pub fn round_off(tally: &Tally) -> f64 {
+    ROUND_OFF_OF_SUMS.max(f64::EPSILON * (tally.steps as f64).sqrt())
 }
 
 /// How far two runs of a problem are apart, of Fc; and how much more so in the second half of the window than in the first.

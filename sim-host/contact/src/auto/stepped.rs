@@ -17,15 +17,18 @@ const MANY_STEPS: f64 = 1000.0;
 const SMOOTH: f64 = 30.0;
 /// Contact spring, of `m w^2`, from which on the mass rings on its bristles.
 const RINGS: f64 = 0.1;
-/// What estimates are multiplied by; `auto::tests::random` holds them against the truth.
+/// What estimates are multiplied by then; `sim-host validate contacts` holds them against the truth.
 const UNEVEN: f64 = 3.0;
-const UNEVEN_AND_RINGING: f64 = 10.0;
+/// No less is stated of what settings are chosen for, of the tolerance: two coarse runs may agree better than they know.
+const LEAST_STATED: f64 = 0.01;
 /// Bristles this many times shorter than the vibration are rigid.
 const RIGID: f64 = 1e10;
 
 /// The energies are added up so many rungs above what the friction needs, and not below this one.
 const FINER: usize = 3;
 const FIRST_ENERGIES: usize = 1;
+/// Nor beyond so many times the steps of the first rung.
+const MOST_FOR_ENERGIES: u32 = 32;
 
 /// The answer of the first method that has the tolerance; if none has, that with the smallest error.
 pub fn chosen<W: FnMut(&State)>(
@@ -135,8 +138,8 @@ fn run(
     })
 }
 
-/// What an estimate is multiplied by. Bristles that are short beside the vibration make errors that fall unevenly from rung to rung; where the
-/// mass rings on them too, `Kt / (m w^2)` no longer small, runs may agree to a tenth of what they are all off by, on several rungs.
+/// What an estimate is multiplied by: where short bristles make the mass ring, `Kt / (m w^2)` no longer small, errors fall unevenly from rung to
+/// rung.
 fn doubt(problem: &Problem) -> f64 {
     let kt = match problem.law {
         Law::Coulomb => return 1.0,
@@ -144,11 +147,7 @@ fn doubt(problem: &Problem) -> f64 {
     };
     let omega = std::f64::consts::TAU * problem.waveform.frequency_hz();
     let rings = matches!(problem.motion, Motion::Sdof { mass_kg, .. } if kt > RINGS * mass_kg * omega * omega);
-    match (problem.kappa() > SMOOTH, rings) {
-        (false, _) => 1.0,
-        (true, false) => UNEVEN,
-        (true, true) => UNEVEN_AND_RINGING,
-    }
+    if problem.kappa() > SMOOTH && rings { UNEVEN } else { 1.0 }
 }
 
 /// The settings that are asked for, or the cheapest of the method that meet the tolerance, with their run and its error.
@@ -164,26 +163,29 @@ fn find(problem: &Problem, numerics: &Numerics, method: Method, pause: &dyn Fn()
         return Ok(Found { setting: (steps, order), tally: Some(tally), error: off.max(ROUND_OFF_OF_SUMS), growth: 1.0 });
     }
     let (start, tolerance) = (ladder.start(numerics.tolerance), numerics.tolerance);
-    let doubt = doubt(problem);
-    let mut runs = Runs::doubted(doubt);
+    // Runs of Runge-Kutta agree by chance more often.
+    let mut whole =
+        if method == Method::Linexp || method == Method::Frozen { Runs::of_two(doubt(problem)) } else { Runs::of_three() };
     let Some(pilot) = Pilot::of(problem) else {
-        return runs.climb(&ladder, start, tolerance, &mut |setting| by(problem, setting));
+        return whole.climb(&ladder, start, tolerance, &mut |setting| by(problem, setting));
     };
-    let goal = (tolerance / pilot.growth).max(2.0 * ROUND_OFF_OF_SUMS);
-    let found = runs.climb(&ladder.lower(), start, goal, &mut |setting| by(&pilot.problem, setting))?;
-    if found.error <= goal && pilot.stands_for_the_record(found.growth) {
+    let goal = pilot.goal(tolerance);
+    let found = Runs::of_three().climb(&ladder.lower(), start, goal, &mut |setting| by(&pilot.problem, setting))?;
+    if pilot.stands_for_the_record(found.error, found.growth, tolerance) {
         return Ok(Found { tally: None, error: found.error * pilot.growth, ..found });
     }
     // What the pilot has found is compared with a coarser run on the whole record.
-    let mut whole = if doubt > 1.0 { Runs::doubted(doubt) } else { Runs::expecting(runs.contraction()) };
     whole.climb(&ladder, ladder.position(found.setting).saturating_sub(2), tolerance, &mut |setting| by(problem, setting))
 }
 
 /// The setting of the run that adds up the energies. Between resonance and excitation they flow to and fro, by many times what friction takes, so their
-/// means need a finer step than the friction's.
+/// means need a finer step than the friction's; but sums over many more steps have only more round-off.
 fn for_energies(problem: &Problem, numerics: &Numerics, method: Method, setting: Setting) -> Setting {
     let ladder = Ladder::of(method, problem, numerics.order);
-    (0..=FINER).rev().find_map(|finer| ladder.setting(ladder.position(setting).max(FIRST_ENERGIES) + finer)).unwrap_or(setting)
+    let most = setting.0.max(MOST_FOR_ENERGIES * ladder.setting(0).map_or(1, |first| first.0));
+    let rung = ladder.position(setting).max(FIRST_ENERGIES);
+    let finer = (0..=FINER).rev().filter_map(|finer| ladder.setting(rung + finer));
+    finer.into_iter().find(|finer| finer.0 <= most).unwrap_or(setting)
 }
 
 /// Runs what is to be shown, if it has not been, and puts the answer together.
@@ -221,6 +223,9 @@ fn answer<W: FnMut(&State)>(
         warnings
             .push(format!("what friction does to the motion is left out; with it the friction ratio moves by {left_out:.1e}"));
         error += left_out;
+    }
+    if numerics.steps_per_period.is_none() {
+        error = error.max(LEAST_STATED * numerics.tolerance);
     }
     let mut solution = Solution {
         method,

@@ -155,5 +155,3 @@ fn an_answer_that_nobody_watches_is_the_same() {
         }
     }
 }
-
-mod random;
