@@ -2,7 +2,7 @@
 
 use crate::evidence::{Error, Evidence, Options, built_in};
 use crate::{
-    board_faults, board_scenes, commission, crash, faults, features, field_update, friction, fuzz, guard, instructions,
+    board_faults, board_scenes, commission, contacts, crash, faults, features, field_update, friction, fuzz, guard, instructions,
     precision, thesis, transducers,
 };
 use scene::load::LoadError;
@@ -25,7 +25,7 @@ pub struct Bench {
 }
 
 /// All benches, in the order in which they run.
-pub const BENCHES: [Bench; 17] = [
+pub const BENCHES: [Bench; 18] = [
     Bench {
         name: "tracking",
         about: "every tracking case over many seeds, against targets, Cramer-Rao bounds and the numbers of its faults",
@@ -123,6 +123,13 @@ pub const BENCHES: [Bench; 17] = [
         has_quick: false,
         suite: None,
         run: features::evidence,
+    },
+    Bench {
+        name: "contacts",
+        about: "random contacts over ten decades of their parameters: does `auto` keep its word, and what does it cost",
+        has_quick: true,
+        suite: None,
+        run: contacts::run,
     },
     Bench {
         name: "precision",

@@ -18,6 +18,7 @@ pub mod board_faults;
 mod board_scenes;
 pub mod campaign_error;
 mod commission;
+mod contacts;
 mod crash;
 #[cfg(test)]
 mod docs;

@@ -1,0 +1,88 @@
+//! Random contacts: does `auto` keep its word, and what does it cost beside the cheapest setting that would have done?
+//!
+//! ```text
+//! contact (draw) --> Taylor series with located reversals --+--> judged at every tolerance --> tables, contacts.csv
+//!                --> `auto`, as a cell of a grid asks it ---+
+//! ```
+
+mod cost;
+mod draw;
+mod judged;
+mod tables;
+
+use std::sync::atomic::Ordering;
+
+use rayon::prelude::*;
+
+use self::draw::{Contact, Friction};
+use self::judged::{Judged, Truth};
+use crate::evidence::{Error, Evidence, Options};
+use report::Report;
+use sim::study::StudyError;
+
+/// Contacts of a law, and those of the quick variant, where no other number is given.
+const SET: [u32; 2] = [1000, 100];
+/// One of so many is timed.
+const TIMED: usize = 7;
+/// The tolerances of Dahl contacts, and of LuGre contacts.
+const TOLERANCES: [&[f64]; 2] = [&[1e-3, 1e-5, 1e-7, 1e-9, 1e-11, 1e-12], &[1e-3, 1e-5, 1e-7, 1e-9]];
+
+/// A contact, and what `auto` says of it.
+struct Tried {
+    friction: Friction,
+    contact: Contact,
+    truth: Option<Truth>,
+    answers: Vec<Judged>,
+}
+
+/// Judges `auto`.
+pub(crate) fn run(options: &mut Options) -> Result<Evidence, Error> {
+    let number = options.count.unwrap_or(SET[usize::from(options.quick)]);
+    let stop = options.stop;
+    let try_one = |(friction, number): (Friction, u32)| {
+        if stop.is_some_and(|stop| stop.load(Ordering::Relaxed)) {
+            return Err(StudyError::Interrupted.into());
+        }
+        let contact = Contact::draw(number, friction);
+        let truth = Truth::of(&contact.problem).ok();
+        let tolerances = TOLERANCES[usize::from(friction == Friction::Lugre)];
+        let answers = tolerances.iter().map(|&tolerance| Judged::of(&contact.problem, truth.as_ref(), tolerance)).collect();
+        Ok(Tried { friction, contact, truth, answers })
+    };
+    let mut set = Vec::new();
+    for friction in [Friction::Dahl, Friction::Lugre] {
+        (options.progress)(&format!("{number} contacts, {friction:?}"));
+        let tried = (0..number).into_par_iter().map(|number| try_one((friction, number)));
+        set.extend(tried.collect::<Result<Vec<Tried>, Error>>()?);
+    }
+    (options.progress)("cost beside the cheapest setting");
+    let costs = cost::of(set.iter().filter(|tried| tried.friction == Friction::Dahl).step_by(TIMED));
+    let tables = tables::tables(&set, &costs);
+    Ok(Evidence {
+        report: Report {
+            title: "Random contacts: does `auto` keep its word?".into(),
+            tables: tables.clone(),
+            ..Report::default()
+        },
+        files: vec![("contacts.csv", tables::csv(&set)?), ("costs.csv", tables::costs_csv(&costs)?)],
+        docs: tables,
+        missed: tables::missed(&set, &costs),
+        ..Evidence::default()
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// None of the quick variant is silently off, low by ten, or without a reason. How many are flagged, how high estimates are and what they
+    /// cost stands in docs/precision.md.
+    #[test]
+    fn auto_keeps_its_word() {
+        let mut options = Options { quick: true, count: None, seed: None, counted: None, stop: None, progress: &mut |_| () };
+        let evidence = run(&mut options).unwrap_or_else(|error| panic!("{error}"));
+        let word = ["silently off", "without advice", "low by 10"];
+        let missed: Vec<_> = evidence.missed.iter().filter(|missed| word.iter().any(|word| missed.contains(word))).collect();
+        assert!(missed.is_empty(), "{missed:#?}");
+    }
+}

@@ -1,0 +1,123 @@
+//! Random contacts over ten decades of every group of their parameters.
+
+use std::f64::consts::TAU;
+
+use contact::auto::stable_steps;
+use contact::{Law, Motion, Problem, Shape, Sign, State, Waveform};
+
+use crate::random::Random;
+
+/// Seed of the contact with number 0; the others follow.
+const SEED: u64 = 0x5eed_c0de;
+/// Mass, kg, drive frequency, Hz, and force, N, of every contact: all else is in ratios to them.
+const MASS_KG: f64 = 0.02;
+const DRIVE_HZ: f64 = 60e3;
+const FORCE_N: f64 = 384.0;
+/// Periods of a contact.
+const PERIODS: (f64, f64) = (20.0, 1000.0);
+/// Most steps a period, and smallest Stribeck velocity over that of the vibration, of a LuGre contact.
+const MOST_STEPS: f64 = 200.0;
+const LEAST_STRIBECK: f64 = 1e-2;
+/// Periods of a contact whose friction has a Stribeck peak.
+const LUGRE_PERIODS: (f64, f64) = (20.0, 60.0);
+
+/// The law of a contact.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Friction {
+    /// Dahl's.
+    Dahl,
+    /// LuGre's.
+    Lugre,
+}
+
+/// A contact drawn by its number.
+#[derive(Clone, Debug)]
+pub struct Contact {
+    /// Number of the draw.
+    pub number: u32,
+    /// The contact as a problem.
+    pub problem: Problem,
+}
+
+impl Contact {
+    /// Draws the contact of a number.
+    ///
+    /// | group | range |
+    /// |---|---|
+    /// | contact spring, `Kt / (m w^2)` | 1e-8 to 1e2 |
+    /// | friction over force, `Fc / F0` | 1e-10 to 1 |
+    /// | velocity ratio, `Vt / Vv` | 1e-7 to 1e3 |
+    /// | Stribeck velocity over that of the vibration | 1e-4 to 1e2 |
+    /// | bristle damping, `sigma1 / (m w)` | none, or 1e-8 to 1e2 |
+    /// | damping ratio | none, or 1e-9 to 10 |
+    /// | natural over drive frequency | 1e-2 to 10 |
+    ///
+    /// A LuGre contact is drawn again until Runge-Kutta is stable at so many steps a period that a reference takes seconds.
+    pub fn draw(number: u32, friction: Friction) -> Self {
+        let mut random = Random::new(SEED ^ (u64::from(number) << 1) ^ u64::from(friction == Friction::Lugre));
+        loop {
+            let problem = draw(&mut random, friction);
+            let stribeck = match problem.law {
+                Law::Lugre { stribeck_m_per_s, .. } => stribeck_m_per_s / problem.vibration_m_per_s(),
+                _ => 1.0,
+            };
+            if friction == Friction::Dahl || stable_steps(&problem) <= MOST_STEPS && stribeck >= LEAST_STRIBECK {
+                return Contact { number, problem };
+            }
+        }
+    }
+}
+
+fn draw(random: &mut Random, friction: Friction) -> Problem {
+    let omega = TAU * DRIVE_HZ;
+    let (least, most) = if friction == Friction::Dahl { PERIODS } else { LUGRE_PERIODS };
+    let periods = random.log(least, most).round();
+    let duration_s = periods / DRIVE_HZ;
+    let natural = omega * random.log(1e-2, 10.0);
+    let stiffness_n_per_m = MASS_KG * natural * natural;
+    let ratio = if random.part() < 0.3 { 0.0 } else { random.log(1e-9, 10.0) };
+    let sdof = Motion::Sdof { mass_kg: MASS_KG, stiffness_n_per_m, damping_n_s_per_m: 2.0 * ratio * MASS_KG * natural };
+    let (kind, shape) = (random.part(), shape(random, periods));
+    let mut problem = Problem {
+        motion: sdof,
+        law: Law::Coulomb,
+        coulomb_n: FORCE_N * random.log(1e-10, 1.0),
+        sliding_m_per_s: 0.0,
+        sign: if random.part() < 0.1 { Sign::Literal } else { Sign::Passive },
+        waveform: Waveform::new(shape, FORCE_N, DRIVE_HZ, duration_s),
+        start: State::default(),
+        load_steps: Vec::new(),
+        window_s: (duration_s * [0.0, 0.5, 0.9][random.whole(0, 2) as usize], duration_s),
+        duration_s,
+    };
+    if kind < 0.1 {
+        problem.waveform = Waveform::new(shape, problem.vibration_m_per_s(), DRIVE_HZ, duration_s);
+        problem.motion = Motion::Kinematic;
+    }
+    let vibration = problem.vibration_m_per_s();
+    problem.sliding_m_per_s = vibration * random.log(1e-7, 1e3);
+    let kt = MASS_KG * omega * omega * random.log(1e-8, 1e2);
+    problem.law = match friction {
+        Friction::Dahl => Law::Dahl { stiffness_n_per_m: kt },
+        Friction::Lugre => Law::Lugre {
+            stiffness_n_per_m: kt,
+            static_ratio: random.log(1.0, 3.0),
+            stribeck_m_per_s: vibration * random.log(1e-4, 1e2),
+            sigma1: if random.toss() { 0.0 } else { MASS_KG * omega * random.log(1e-8, 1e2) },
+            sigma2: 0.0,
+        },
+    };
+    problem
+}
+
+/// A sine in two of three contacts.
+fn shape(random: &mut Random, periods: f64) -> Shape {
+    match random.whole(0, 14) {
+        0 => Shape::Square,
+        1 => Shape::Sawtooth,
+        2 => Shape::Triangle,
+        3 => Shape::Random { hold_s: 0.3 / DRIVE_HZ, seed: 1 },
+        4 => Shape::Chirp { start_hz: 0.5 * DRIVE_HZ, stop_hz: 2.0 * DRIVE_HZ, sweep_s: 0.5 * periods / DRIVE_HZ },
+        _ => Shape::Sine,
+    }
+}

@@ -1,0 +1,131 @@
+//! A contact's friction ratio by `auto`, at a tolerance, held against the Taylor series.
+
+use contact::tally::Ratios;
+use contact::{Law, Numerics, Problem, SolveError, solve_unwatched, taylor};
+
+/// The two settings of the series, steps a period and order: what they differ by is not known of the truth.
+const SETTINGS: [(u32, u32); 2] = [(6, 28), (4, 24)];
+/// Where they differ by more than this part of a tolerance nothing is said of it.
+const KNOWN: f64 = 0.1;
+/// Round-off of a mean.
+const ROUND_OFF: f64 = 2e-14;
+
+/// The truth of a contact.
+#[derive(Clone, Copy, Debug)]
+pub struct Truth {
+    /// Mean friction over Fc.
+    pub friction: f64,
+    /// By how much two settings of the series differ.
+    pub unknown: f64,
+}
+
+impl Truth {
+    /// The truth of a problem.
+    pub fn of(problem: &Problem) -> Result<Self, SolveError> {
+        let by =
+            |(steps, order)| taylor::run(problem, steps, order, &mut |_| ()).map(|tally| Ratios::of(problem, &tally).friction);
+        let (fine, other) = (by(SETTINGS[0])?, by(SETTINGS[1])?);
+        Ok(Truth { friction: fine, unknown: (fine - other).abs().max(ROUND_OFF) })
+    }
+}
+
+/// An answer of `auto`, or its refusal.
+#[derive(Clone, Debug)]
+pub struct Judged {
+    /// Tolerance asked for.
+    pub tolerance: f64,
+    /// The settings, in words; or the refusal.
+    pub how: String,
+    /// What came of it.
+    pub verdict: Verdict,
+}
+
+/// What came of a question.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Verdict {
+    /// An answer.
+    Answered {
+        /// Its error, beyond what is not known of the truth.
+        error: f64,
+        /// The error that it states.
+        estimate: f64,
+        /// Whether it says that it is within the tolerance.
+        met: bool,
+    },
+    /// A refusal with its reason.
+    Refused,
+    /// A refusal without: a bug.
+    Failed,
+    /// The truth is not known well enough.
+    Unknown,
+}
+
+impl Judged {
+    /// Asks `auto`.
+    pub fn of(problem: &Problem, truth: Option<&Truth>, tolerance: f64) -> Self {
+        let numerics = Numerics { tolerance, energies: false, ..Numerics::default() };
+        let solution = match solve_unwatched(problem, &numerics, &|| ()) {
+            Ok(solution) => solution,
+            Err(error) => {
+                let verdict = if matches!(error, SolveError::Refused { .. }) { Verdict::Refused } else { Verdict::Failed };
+                return Judged { tolerance, how: error.to_string(), verdict };
+            }
+        };
+        let order = solution.order.map(|order| format!(" order {order}")).unwrap_or_default();
+        let steps = solution.steps_per_period.map(|steps| format!(" {steps} steps")).unwrap_or_default();
+        let how = format!("{}{order}{steps}", solution.method.name());
+        let Some(truth) = truth.filter(|truth| truth.unknown <= KNOWN * tolerance) else {
+            return Judged { tolerance, how, verdict: Verdict::Unknown };
+        };
+        let error = ((solution.ratios.friction - truth.friction).abs() - truth.unknown).max(0.0);
+        let error = if error.is_nan() { f64::INFINITY } else { error };
+        let estimate = solution.error_estimate.unwrap_or(0.0);
+        Judged { tolerance, how, verdict: Verdict::Answered { error, estimate, met: solution.tolerance_met } }
+    }
+
+    /// Whether it is off by more than the tolerance and does not say so.
+    pub fn is_silent(&self) -> bool {
+        matches!(self.verdict, Verdict::Answered { error, met, .. } if met && error > self.tolerance)
+    }
+
+    /// Whether the stated error is low by more than a factor.
+    pub fn is_low_by(&self, factor: f64) -> bool {
+        matches!(self.verdict, Verdict::Answered { error, estimate, .. } if error > factor * estimate)
+    }
+
+    /// Whether the tolerance is said not to be met.
+    pub fn is_flagged(&self) -> bool {
+        matches!(self.verdict, Verdict::Answered { met: false, .. } | Verdict::Refused)
+    }
+}
+
+/// The groups of a contact, in words.
+pub fn groups(problem: &Problem) -> String {
+    let omega = std::f64::consts::TAU * problem.waveform.frequency_hz();
+    let (kt, lugre) = match problem.law {
+        Law::Coulomb => (0.0, String::new()),
+        Law::Dahl { stiffness_n_per_m } => (stiffness_n_per_m, String::new()),
+        Law::Lugre { stiffness_n_per_m, static_ratio, stribeck_m_per_s, sigma1, .. } => {
+            let stribeck = stribeck_m_per_s / problem.vibration_m_per_s();
+            (stiffness_n_per_m, format!(", Fs/Fc {static_ratio:.2}, Stribeck {stribeck:.1e}, sigma1 {sigma1:.1e}"))
+        }
+    };
+    let motion = match problem.motion {
+        contact::Motion::Kinematic => "kinematic".to_owned(),
+        contact::Motion::Sdof { mass_kg, stiffness_n_per_m, damping_n_s_per_m } => {
+            let natural = problem.motion.natural_hz().unwrap_or(0.0) / problem.waveform.frequency_hz();
+            let zeta = 0.5 * damping_n_s_per_m / (mass_kg * stiffness_n_per_m).sqrt();
+            format!("spring {:.1e}, natural {natural:.3}, zeta {zeta:.1e}", kt / (mass_kg * omega * omega))
+        }
+    };
+    format!(
+        "{motion}, kappa {:.2e}, Fc/F0 {:.1e}, xi {:.1e}, {:?}, {:?}, {:.0} periods, window from {:.0} %{lugre}",
+        problem.kappa(),
+        problem.coulomb_n / problem.waveform.amplitude(),
+        problem.sliding_m_per_s / problem.vibration_m_per_s(),
+        problem.waveform.shape(),
+        problem.sign,
+        problem.duration_s * problem.waveform.frequency_hz(),
+        100.0 * problem.window_s.0 / problem.duration_s,
+    )
+}

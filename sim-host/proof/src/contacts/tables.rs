@@ -1,0 +1,202 @@
+//! The results as tables, and each answer as a line of numbers.
+
+use super::cost::Cost;
+use super::draw::Friction;
+use super::judged::{Judged, Verdict, groups};
+use super::{TOLERANCES, Tried};
+use crate::evidence::Error;
+use report::TableBlock;
+
+const WORD: &str = "Contacts over ten decades of every group of their parameters. Not known: two settings of the Taylor series differ by more than a tenth of \
+     the tolerance, or it needs more than thousands of parts a step. Silent: off by more than the tolerance, and not said. Flagged: the tolerance is \
+     said not to be met, or the question is refused. Low: the stated error times 3, or 10, is less than the true one. High: stated over true error, median, of \
+     answers in steps whose error is above 1e-13.";
+const COST: &str = "Time from the question to the answer, without energies, over that of one run by the cheapest of 54 settings (linexp of order 2, 4, 6, from 4 \
+     to 2048 steps a period) that meets the tolerance together with all finer ones of its order. Every seventh Dahl contact.";
+/// Part that may be flagged, and low by 3.
+const MOST: f64 = 0.01;
+/// The stated error over the true one, median.
+const MOST_HIGH: f64 = 10.0;
+/// Cost over the cheapest setting's: median, and 90 %.
+const MOST_COST: [f64; 2] = [2.0, 4.0];
+/// Below this a stated error is about round-off.
+const ROUND_OFF: f64 = 1e-13;
+/// Answers that are named.
+const NAMED: usize = 20;
+
+/// All tables.
+pub fn tables(set: &[Tried], costs: &[Cost]) -> Vec<TableBlock> {
+    let header =
+        ["law", "tolerance", "contacts", "not known", "silent", "flagged", "refused", "low by 3", "low by 10", "high, median"];
+    let rows = questions().map(|(friction, tolerance)| {
+        let answers = answers(set, friction, tolerance);
+        let count = |is: &dyn Fn(&Judged) -> bool| answers.iter().filter(|(_, judged)| is(judged)).count().to_string();
+        vec![
+            format!("{friction:?}"),
+            format!("{tolerance:.0e}"),
+            answers.len().to_string(),
+            count(&|judged| judged.verdict == Verdict::Unknown),
+            count(&Judged::is_silent),
+            count(&Judged::is_flagged),
+            count(&|judged| matches!(judged.verdict, Verdict::Refused | Verdict::Failed)),
+            count(&|judged| judged.is_low_by(3.0)),
+            count(&|judged| judged.is_low_by(10.0)),
+            high(&answers).map_or("–".into(), |high| format!("{high:.1}")),
+        ]
+    });
+    let word = TableBlock::new("word", "What `auto` says of random contacts", WORD, &header, rows.collect());
+    let header = ["tolerance", "periods", "contacts", "cost, median", "cost, 90 %"];
+    let rows = TOLERANCES[0].iter().flat_map(|&tolerance| {
+        [(0.0, 100.0), (100.0, 300.0), (300.0, 1e9)].map(|(from, to)| {
+            let ratios = ratios(costs, |cost| cost.tolerance == tolerance && cost.periods >= from && cost.periods < to);
+            let part = |part| at(&ratios, part).map_or("–".into(), |ratio| format!("{ratio:.2}"));
+            let periods = if to < 1e9 { format!("{from:.0} to {to:.0}") } else { format!("from {from:.0}") };
+            vec![format!("{tolerance:.0e}"), periods, ratios.len().to_string(), part(0.5), part(0.9)]
+        })
+    });
+    vec![word, TableBlock::new("cost", "What `auto` costs over the cheapest setting", COST, &header, rows.collect())]
+}
+
+/// The targets that are missed.
+pub fn missed(set: &[Tried], costs: &[Cost]) -> Vec<String> {
+    let mut missed = Vec::new();
+    let mut named = Vec::new();
+    for (friction, tolerance) in questions() {
+        let answers = answers(set, friction, tolerance);
+        let mut many = |what: &str, is: &dyn Fn(&Judged) -> bool, part: f64| {
+            let count = answers.iter().filter(|(_, judged)| is(judged)).count();
+            if count as f64 > (part * answers.len() as f64).ceil() {
+                missed.push(format!("{friction:?}, {tolerance:.0e}: {count} of {} {what}", answers.len()));
+            }
+        };
+        many("silently off", &Judged::is_silent, 0.0);
+        many("failed without advice", &|judged| judged.verdict == Verdict::Failed, 0.0);
+        many("flagged", &Judged::is_flagged, MOST);
+        many("low by 3", &|judged| judged.is_low_by(3.0), MOST);
+        many("low by 10", &|judged| judged.is_low_by(10.0), 0.0);
+        if let Some(high) = high(&answers).filter(|high| *high > MOST_HIGH) {
+            missed.push(format!("{friction:?}, {tolerance:.0e}: estimates high by {high:.0}, median"));
+        }
+        let bad = |judged: &Judged| judged.is_silent() || judged.is_low_by(10.0) || judged.verdict == Verdict::Failed;
+        for (tried, judged) in answers.iter().filter(|(_, judged)| bad(judged)) {
+            named.push(format!(
+                "{friction:?} {} at {tolerance:.0e}: {:?}, {}: {}",
+                tried.contact.number,
+                judged.verdict,
+                judged.how,
+                groups(&tried.contact.problem)
+            ));
+        }
+    }
+    for &tolerance in TOLERANCES[0] {
+        let ratios = ratios(costs, |cost| cost.tolerance == tolerance);
+        for (part, most) in [0.5, 0.9].into_iter().zip(MOST_COST) {
+            if let Some(ratio) = at(&ratios, part).filter(|ratio| *ratio > most) {
+                missed.push(format!(
+                    "cost at {tolerance:.0e}: {ratio:.1} times the cheapest at {:.0} %, and {most} is asked",
+                    100.0 * part
+                ));
+            }
+        }
+    }
+    named.truncate(NAMED);
+    missed.extend(named);
+    missed
+}
+
+fn questions() -> impl Iterator<Item = (Friction, f64)> {
+    let of = |friction: Friction| TOLERANCES[usize::from(friction == Friction::Lugre)].iter().map(move |&t| (friction, t));
+    of(Friction::Dahl).chain(of(Friction::Lugre))
+}
+
+fn answers(set: &[Tried], friction: Friction, tolerance: f64) -> Vec<(&Tried, &Judged)> {
+    let of = set.iter().filter(|tried| tried.friction == friction);
+    of.flat_map(|tried| tried.answers.iter().filter(|judged| judged.tolerance == tolerance).map(move |judged| (tried, judged)))
+        .collect()
+}
+
+/// Stated over true error, median.
+fn high(answers: &[(&Tried, &Judged)]) -> Option<f64> {
+    let over = |(_, judged): &(&Tried, &Judged)| match judged.verdict {
+        Verdict::Answered { error, estimate, .. } if error > ROUND_OFF => Some(estimate / error),
+        _ => None,
+    };
+    let mut values: Vec<f64> = answers.iter().filter_map(over).collect();
+    values.sort_by(f64::total_cmp);
+    at(&values, 0.5)
+}
+
+fn ratios(costs: &[Cost], of: impl Fn(&Cost) -> bool) -> Vec<f64> {
+    let mut ratios: Vec<f64> = costs.iter().filter(|cost| of(cost)).map(|cost| cost.ratio).collect();
+    ratios.sort_by(f64::total_cmp);
+    ratios
+}
+
+fn at(sorted: &[f64], part: f64) -> Option<f64> {
+    sorted.get((part * sorted.len() as f64) as usize).copied()
+}
+
+/// Each answer.
+pub fn csv(set: &[Tried]) -> Result<String, Error> {
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    writer.write_record([
+        "law",
+        "number",
+        "tolerance",
+        "verdict",
+        "error",
+        "estimate",
+        "met",
+        "truth_unknown",
+        "how",
+        "contact",
+    ])?;
+    for tried in set {
+        for judged in &tried.answers {
+            let (verdict, error, estimate, met) = match judged.verdict {
+                Verdict::Answered { error, estimate, met } => ("answered", error, estimate, met),
+                Verdict::Refused => ("refused", f64::NAN, f64::NAN, false),
+                Verdict::Failed => ("failed", f64::NAN, f64::NAN, false),
+                Verdict::Unknown => ("unknown", f64::NAN, f64::NAN, false),
+            };
+            let unknown = tried.truth.map_or(f64::NAN, |truth| truth.unknown);
+            writer.write_record([
+                format!("{:?}", tried.friction),
+                tried.contact.number.to_string(),
+                format!("{:.0e}", judged.tolerance),
+                verdict.into(),
+                format!("{error:.3e}"),
+                format!("{estimate:.3e}"),
+                met.to_string(),
+                format!("{unknown:.1e}"),
+                judged.how.clone(),
+                groups(&tried.contact.problem),
+            ])?;
+        }
+    }
+    text(writer)
+}
+
+/// Each question that was timed.
+pub fn costs_csv(costs: &[Cost]) -> Result<String, Error> {
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    writer.write_record(["number", "periods", "kappa", "tolerance", "best_order", "best_steps", "ratio", "auto"])?;
+    for Cost { number, periods, kappa, tolerance, best, ratio, how } in costs {
+        writer.write_record([
+            number.to_string(),
+            format!("{periods:.0}"),
+            format!("{kappa:.2e}"),
+            format!("{tolerance:.0e}"),
+            best.0.to_string(),
+            best.1.to_string(),
+            format!("{ratio:.3}"),
+            how.clone(),
+        ])?;
+    }
+    text(writer)
+}
+
+fn text(writer: csv::Writer<Vec<u8>>) -> Result<String, Error> {
+    let bytes = writer.into_inner().map_err(|error| csv::Error::from(error.into_error()))?;
+    Ok(String::from_utf8_lossy(&bytes).into_owned())
+}
