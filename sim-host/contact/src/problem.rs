@@ -77,6 +77,16 @@ pub enum Law {
     },
 }
 
+impl Law {
+    /// Tangential stiffness Kt of the bristles, N/m; none of Coulomb's law.
+    pub fn stiffness_n_per_m(&self) -> Option<f64> {
+        match *self {
+            Law::Coulomb => None,
+            Law::Dahl { stiffness_n_per_m } | Law::Lugre { stiffness_n_per_m, .. } => Some(stiffness_n_per_m),
+        }
+    }
+}
+
 /// Which way the vibration counts in the slip velocity.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Sign {
@@ -137,11 +147,7 @@ impl Problem {
     /// `kappa = Kt Vv / (w Fc)`: vibration amplitude in Dahl lengths. Infinite for Coulomb friction.
     pub fn kappa(&self) -> f64 {
         let omega = std::f64::consts::TAU * self.waveform.frequency_hz();
-        match self.law {
-            Law::Coulomb => f64::INFINITY,
-            Law::Dahl { stiffness_n_per_m } | Law::Lugre { stiffness_n_per_m, .. } => {
-                stiffness_n_per_m * self.vibration_m_per_s() / (omega * self.coulomb_n)
-            }
-        }
+        let by = |stiffness_n_per_m: f64| stiffness_n_per_m * self.vibration_m_per_s() / (omega * self.coulomb_n);
+        self.law.stiffness_n_per_m().map_or(f64::INFINITY, by)
     }
 }

@@ -63,12 +63,8 @@ impl Pilot {
         let duration_s = (periods + part(to)) / hz;
         let first = Problem { window_s: (part(from) / hz, duration_s), duration_s, ..problem.clone() };
         let slipped_m = 4.0 * problem.vibration_m_per_s() / (TAU * hz) * periods + problem.sliding_m_per_s.abs() * duration_s;
-        let forgets = match problem.law {
-            Law::Coulomb => true,
-            Law::Dahl { stiffness_n_per_m } | Law::Lugre { stiffness_n_per_m, .. } => {
-                slipped_m.min(1e6) * stiffness_n_per_m > FORGETS * problem.coulomb_n
-            }
-        };
+        let kt = problem.law.stiffness_n_per_m();
+        let forgets = kt.is_none_or(|kt| slipped_m.min(1e6) * kt > FORGETS * problem.coulomb_n);
         let growth = match problem.motion {
             Motion::Kinematic => 1.0,
             Motion::Sdof { mass_kg, damping_n_s_per_m, .. } => {

@@ -128,7 +128,7 @@ impl Runs {
     }
 
     /// The coarsest run whose error is within the tolerance, or the finest run.
-    pub fn coarsest(&self, tolerance: f64) -> Option<Found> {
+    fn coarsest(&self, tolerance: f64) -> Option<Found> {
         let errors = self.errors();
         let index = errors.iter().position(|&error| error <= tolerance).unwrap_or(self.runs.len().checked_sub(1)?);
         let (rung, finest) = (&self.runs[index], self.runs.last()?);
@@ -175,7 +175,7 @@ impl Runs {
 }
 
 /// What adding up so many steps leaves of a mean.
-pub fn round_off(tally: &Tally) -> f64 {
+fn round_off(tally: &Tally) -> f64 {
     ROUND_OFF_OF_SUMS.max(f64::EPSILON * (tally.steps as f64).sqrt())
 }
 

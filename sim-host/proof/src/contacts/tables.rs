@@ -6,8 +6,9 @@ use super::judged::{Judged, Verdict, groups};
 use super::{TOLERANCES, Tried};
 use crate::evidence::Error;
 use report::TableBlock;
+use sim::study::monte_carlo::statistics::percentile;
 
-const WORD: &str = "Contacts over ten decades of every group of their parameters. Not known: two settings of the Taylor series differ by more than a tenth of \
+const WORD: &str = "Contact spring, friction, velocity ratio and damping over ten decades, the natural frequency over three. Not known: two settings of the Taylor series differ by more than a tenth of \
      the tolerance, or it needs more than thousands of parts a step. Silent: off by more than the tolerance, and not said. Flagged: the tolerance is \
      said not to be met, or the question is refused. Low: the stated error times 3, or 10, is less than the true one. High: stated over true error, median, of \
      answers in steps whose error is above 1e-13.";
@@ -133,7 +134,7 @@ fn ratios(costs: &[Cost], of: impl Fn(&Cost) -> bool) -> Vec<f64> {
 }
 
 fn at(sorted: &[f64], part: f64) -> Option<f64> {
-    sorted.get((part * sorted.len() as f64) as usize).copied()
+    (!sorted.is_empty()).then(|| percentile(sorted, part))
 }
 
 /// Each answer.

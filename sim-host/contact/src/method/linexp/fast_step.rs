@@ -180,9 +180,7 @@ where
     // A velocity that falls at the beginning and rises at the end may have dipped below zero in between.
     let dips = run.a * s < 0.0 && a_end * s > 0.0;
     let too_steep = exponents.lane(end) > run.steepest && excess.abs() > run.saturated;
-    // A slip that has gone back by many bristle lengths at a node makes friction no number, and so all that follows.
-    let goes_on = slip_velocity * s >= 0.0 && late.abs() <= SMALL;
-    if !goes_on || dips || too_steep {
+    if slip_velocity * s < 0.0 || dips || too_steep || late.abs() > SMALL {
         return false;
     }
     (run.x, run.v) = (x_end, v_end);
