@@ -68,12 +68,12 @@ pub struct Found {
 }
 
 impl Runs {
-    /// Three runs or more, on successive rungs.
-    pub fn of_three() -> Self {
-        Runs { runs: Vec::new(), of_two: false, doubt: 1.0 }
+    /// Three runs or more, on successive rungs; their errors may be larger by a factor than they appear.
+    pub fn of_three(doubt: f64) -> Self {
+        Runs { runs: Vec::new(), of_two: false, doubt }
     }
 
-    /// Two runs, and more where they do not agree; their errors may be larger by a factor than they appear.
+    /// Two runs, and more where they do not agree.
     pub fn of_two(doubt: f64) -> Self {
         Runs { runs: Vec::new(), of_two: true, doubt }
     }

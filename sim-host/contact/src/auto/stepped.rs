@@ -19,6 +19,9 @@ const SMOOTH: f64 = 30.0;
 const RINGS: f64 = 0.1;
 /// What estimates are multiplied by then; `sim-host validate contacts` holds them against the truth.
 const UNEVEN: f64 = 3.0;
+/// Below this kappa bristles outlast many periods; and what estimates of the methods that step in time are multiplied by there.
+const LONG_BRISTLES: f64 = 1.0;
+const UNEVEN_IN_TIME: f64 = 10.0;
 /// No less is stated of what settings are chosen for, of the tolerance: two coarse runs may agree better than they know.
 const LEAST_STATED: f64 = 0.01;
 /// Bristles this many times shorter than the vibration are rigid.
@@ -160,14 +163,17 @@ fn find(problem: &Problem, numerics: &Numerics, method: Method, pause: &dyn Fn()
         return Ok(Found { setting: (steps, order), tally: Some(tally), error: off.max(ROUND_OFF_OF_SUMS), growth: 1.0 });
     }
     let (start, tolerance) = (ladder.start(numerics.tolerance), numerics.tolerance);
-    // Two runs of Runge-Kutta were seen to agree on what both are off by: it takes three.
-    let mut whole =
-        if method == Method::Linexp || method == Method::Frozen { Runs::of_two(doubt(problem)) } else { Runs::of_three() };
+    let mut whole = match method {
+        Method::Linexp | Method::Frozen => Runs::of_two(doubt(problem)),
+        // Two runs of Runge-Kutta were seen to agree on what both are off by, and three where the bristles are long.
+        _ if problem.kappa() < LONG_BRISTLES => Runs::of_three(UNEVEN_IN_TIME),
+        _ => Runs::of_three(1.0),
+    };
     let Some(pilot) = Pilot::of(problem) else {
         return whole.climb(&ladder, start, tolerance, &mut |setting| by(problem, setting));
     };
     let goal = pilot.goal(tolerance);
-    let found = Runs::of_three().climb(&ladder.lower(), start, goal, &mut |setting| by(&pilot.problem, setting))?;
+    let found = Runs::of_three(1.0).climb(&ladder.lower(), start, goal, &mut |setting| by(&pilot.problem, setting))?;
     if pilot.stands_for_the_record(found.error, found.growth, tolerance) {
         return Ok(Found { tally: None, error: found.error * pilot.growth, ..found });
     }
