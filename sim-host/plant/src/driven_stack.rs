@@ -15,6 +15,7 @@ mod changes;
 
 use firmware::seam::block::{DriveBlock, SenseBlock, SlowSense};
 use hal_mock::analog::Analog;
+use wide::f64x2;
 
 use crate::belt_motion::BeltMotion;
 use crate::circuit::Circuit;
@@ -28,7 +29,7 @@ use crate::force_channel::ForceChannel;
 use crate::load_cell::LoadCell;
 use crate::sliding::{Sliding, steps_per_sample};
 use crate::stack::{Held, Stack};
-use crate::sums::Sums;
+use crate::sums::{Rubbing, Step, Sums};
 use crate::timing::Timing;
 use crate::truth::{Sample, TipMotion, Truth};
 use crate::webbing::Webbing;
@@ -38,8 +39,7 @@ use scene::{Dahl, Driven, Slider};
 #[derive(Clone, Debug)]
 pub struct DrivenStack {
     dac: Dac,
-    v_adc: Adc,
-    i_adc: Adc,
+    adc: Adc,
     delay: Option<Delay>,
     timing: Timing,
     stack: Stack,
@@ -57,6 +57,12 @@ pub struct DrivenStack {
     truth: Truth,
     /// The samples of the last block, where they are recorded.
     samples: Option<Vec<Sample>>,
+    /// The last step, and the drive that it was made with, V; whether nothing moved in it.
+    last: Step,
+    held_v: f64,
+    at_rest: bool,
+    /// What the converters have seen in the last sample that was held.
+    seen: Vec<f64x2>,
 }
 
 impl DrivenStack {
@@ -78,9 +84,7 @@ impl DrivenStack {
         let late_s = delay.as_ref().map_or(0.0, Delay::fraction) / sensors.sample_hz;
         let mut plant = DrivenStack {
             dac: Dac::new(sensors, scene.amplifier),
-            // Two streams that never meet, whatever the seed: the halves of a 64-bit space apart.
-            v_adc: Adc::new(sensors, sensors.v_full_scale_v, scene.seed),
-            i_adc: Adc::new(sensors, sensors.i_full_scale_a, scene.seed ^ (1 << 63)),
+            adc: Adc::new(sensors, scene.seed),
             timing,
             delay,
             stack: Stack::with_late_drive(parts, scene.amplifier, timing, late_s),
@@ -97,6 +101,10 @@ impl DrivenStack {
             energy: Energy::default(),
             truth: Truth::default(),
             samples: None,
+            last: Step::default(),
+            held_v: 0.0,
+            at_rest: false,
+            seen: Vec::new(),
         };
         if let (Some(belt), Some(at_s)) = (plant.belt(), scene.belt_stops_s()) {
             // From the block that it falls into, as every fault.
@@ -142,39 +150,41 @@ impl DrivenStack {
         self.samples.as_deref().unwrap_or(&[])
     }
 
-    /// One step with the drive held. Returns the mean friction over it, N.
+    /// One step with the drive held.
     #[inline]
-    fn step(&mut self, drive: &Held, step_s: f64, sums: &mut Sums) -> f64 {
-        let force = match &mut self.sliding {
+    fn step(stack: &mut Stack, sliding: Option<&mut Sliding>, drive: &Held, step_s: f64) -> Step {
+        let friction = match sliding {
             None => {
-                self.stack.advance(drive, 0.0);
-                0.0
+                stack.advance(drive, 0.0);
+                None
             }
             Some(sliding) => {
                 let held = sliding.force();
-                let (v0, position) = (self.stack.tip_velocity(), self.stack.tip_displacement());
-                self.stack.advance(drive, held);
-                let moved = self.stack.tip_displacement() - position;
-                let mean = sliding.slide(v0, self.stack.tip_velocity(), moved, step_s);
-                self.stack.correct_force(mean - held);
-                sums.friction += mean;
-                sums.friction_on_tip += mean * moved;
-                // Not f64::min, which minds not-a-number and costs three times as much.
-                sums.friction_min = if mean < sums.friction_min { mean } else { sums.friction_min };
-                sums.friction_max = if mean > sums.friction_max { mean } else { sums.friction_max };
-                mean
+                let (v0, position) = (stack.tip_velocity(), stack.tip_displacement());
+                stack.advance(drive, held);
+                let moved = stack.tip_displacement() - position;
+                let mean = sliding.slide(v0, stack.tip_velocity(), moved, step_s);
+                stack.correct_force(mean - held);
+                Some(Rubbing { mean_n: mean, work_j: mean * moved, changed: sliding.force() != held })
             }
         };
-        let (v, i) = (self.stack.voltage(), self.stack.motional_current());
-        sums.in_phase += v * i;
-        sums.quadrature += v * self.stack.motional_voltage();
-        sums.lost += i * i;
-        sums.current_peak = if i.abs() > sums.current_peak { i.abs() } else { sums.current_peak };
-        if let Some((current, lost)) = self.stack.further() {
-            sums.further_supplied += v * current;
-            sums.further_lost += lost;
+        Step {
+            friction,
+            voltage: stack.voltage(),
+            current: stack.motional_current(),
+            motional_voltage: stack.motional_voltage(),
+            further: stack.further(),
         }
-        force
+    }
+
+    /// Whether nothing has moved in the last step, and friction is what it was: so it goes on while nothing is changed from outside.
+    fn is_still(&self) -> bool {
+        self.last.friction.is_none_or(|friction| !friction.changed) && self.stack.is_still()
+    }
+
+    #[cfg(test)]
+    pub(crate) fn rests(&self) -> bool {
+        self.at_rest
     }
 
     /// What moves: the slider, or the belt under a horn.
@@ -243,6 +253,7 @@ impl DrivenStack {
 
     /// Begins a block: what changes in the plant changes between two blocks.
     pub(crate) fn begin(&mut self) -> Sums {
+        self.at_rest = false;
         self.disturb();
         let block_s = self.block_s;
         if let Some(belt) = self.belt() {
@@ -261,18 +272,39 @@ impl DrivenStack {
         let volts = self.dac.volts(code);
         let (volts, before) = self.delay.as_mut().map_or((volts, volts), |delay| delay.pass(volts));
         let mut drive = self.stack.held(volts);
+        let held = before == volts && self.held_v == volts;
+        self.held_v = volts;
         let (mut v, mut i, mut friction) = (0, 0, 0.0);
-        for step in 0..steps {
-            if before != volts {
-                drive = self.stack.held_late(step, volts, before);
+        let adc = &mut self.adc;
+        let mut convert = |seen| {
+            let [voltage, current] = adc.convert(seen);
+            v += voltage;
+            i += current;
+        };
+        if held && self.at_rest {
+            // Nothing moves: the steps are all like the last one, and so is what is seen.
+            (0..steps).for_each(|_| sums.add(&self.last));
+            self.seen.iter().copied().for_each(convert);
+            friction += steps as f64 * self.last.friction_n();
+        } else {
+            self.seen.clear();
+            for step in 0..steps {
+                if before != volts {
+                    drive = self.stack.held_late(step, volts, before);
+                }
+                self.last = Self::step(&mut self.stack, self.sliding.as_mut(), &drive, step_s);
+                sums.add(&self.last);
+                let force = self.last.friction_n();
+                friction += force;
+                let seen = &mut self.seen;
+                self.stack.sample(step, &drive, force, |both| {
+                    if held {
+                        seen.push(both);
+                    }
+                    convert(both);
+                });
             }
-            let force = self.step(&drive, step_s, sums);
-            friction += force;
-            let (v_adc, i_adc) = (&mut self.v_adc, &mut self.i_adc);
-            self.stack.sample(step, &drive, force, |voltage, current| {
-                v += v_adc.convert(voltage);
-                i += i_adc.convert(current);
-            });
+            self.at_rest = held && self.is_still();
         }
         if let Some(samples) = &mut self.samples {
             // The pull of a belt hardly changes from one block to the next, and has no value within it.

@@ -62,8 +62,7 @@ const SMALLEST_CHANGE: f64 = 1e-6;
 pub struct Motor {
     dac: Dac,
     lanes: Lanes,
-    v_adc: Adc,
-    i_adc: Adc,
+    adc: Adc,
     timing: Timing,
     amplifier: Amplifier,
     model: Model,
@@ -113,9 +112,7 @@ impl Motor {
         let block_s = f64::from(scene.controller.block_samples) / sensors.sample_hz;
         Motor {
             dac: Dac::new(sensors, scene.amplifier),
-            // Two streams that never meet, whatever the seed: the halves of a 64-bit space apart.
-            v_adc: Adc::new(sensors, sensors.v_full_scale_v, scene.seed),
-            i_adc: Adc::new(sensors, sensors.i_full_scale_a, scene.seed ^ (1 << 63)),
+            adc: Adc::new(sensors, scene.seed),
             timing,
             amplifier: scene.amplifier.clone(),
             linear: Linear::new(&model, scene.amplifier, timing, lanes.rest()),
@@ -287,10 +284,11 @@ impl Motor {
         for step in 0..steps {
             last = self.step(step, &played, step_s, block);
             friction += last.force_n;
-            let (v_adc, i_adc) = (&mut self.v_adc, &mut self.i_adc);
-            self.linear.sample(step, listen, &played, last.modes_n, |voltage, current| {
-                v += v_adc.convert(voltage);
-                i += i_adc.convert(current);
+            let adc = &mut self.adc;
+            self.linear.sample(step, listen, &played, last.modes_n, |seen| {
+                let [voltage, current] = adc.convert(seen);
+                v += voltage;
+                i += current;
             });
         }
         let force = self.model.drive_force_n(&self.linear.voltages());

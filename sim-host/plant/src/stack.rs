@@ -14,6 +14,9 @@ use crate::step_flow::{Layout, Pairs, StepFlow, TOTAL};
 use crate::timing::Timing;
 use scene::Amplifier;
 
+/// What round-off changes in a step, of the largest state.
+const STILL: f64 = 1e-14;
+
 /// The drive's part of a step.
 #[derive(Clone, Copy, Debug)]
 pub struct Held {
@@ -208,6 +211,19 @@ impl Stack {
         self.further.iter_mut().for_each(|state| *state = state.map(ended));
     }
 
+    /// Whether the last step has changed no state by more than round-off of the largest, or of a volt or ampere.
+    pub fn is_still(&self) -> bool {
+        let pairs = self.x.iter().zip(&self.before).map(|(x, before)| (*x, *before));
+        let further = self.further.iter().zip(&self.further_before).map(|(x, before)| (f64x2::new(*x), f64x2::new(*before)));
+        let (mut moved, mut largest) = (f64x2::splat(0.0), f64x2::splat(0.1));
+        for (x, before) in pairs.chain(further) {
+            moved = moved.max((x - before).abs());
+            largest = largest.max(x.abs());
+        }
+        let [moved, largest] = [moved, largest].map(|both| both.to_array().into_iter().fold(0.0, f64::max));
+        moved <= STILL * largest
+    }
+
     /// States of the network.
     pub fn states(&self) -> usize {
         STATES + 2 * self.further.len()
@@ -294,7 +310,7 @@ impl Stack {
     /// Hands voltage and current at each conversion within step `step` of a sample to `convert`. The step has just been made with
     /// this drive and a mean friction of `newtons`.
     #[inline]
-    pub fn sample(&self, step: usize, drive: &Held, newtons: f64, mut convert: impl FnMut(f64, f64)) {
+    pub fn sample(&self, step: usize, drive: &Held, newtons: f64, mut convert: impl FnMut(f64x2)) {
         let [[e, d], [v0, i], [vc, _]] = self.before.map(f64x2::to_array);
         for look in &self.flow.looks[step] {
             let [ke, kd, kv, ki, kc] = look.state;
@@ -305,8 +321,7 @@ impl Stack {
             for ([a, b], &[ik, vk]) in look.further.iter().zip(&self.further_before) {
                 both += *a * ik + *b * vk;
             }
-            let [voltage, current] = both.to_array();
-            convert(voltage, current);
+            convert(both);
         }
     }
 }

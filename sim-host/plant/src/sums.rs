@@ -16,6 +16,37 @@ pub(super) struct Sums {
     pub(super) friction_max: f64,
 }
 
+/// What friction was in a step.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Rubbing {
+    /// Its mean, N.
+    pub(super) mean_n: f64,
+    /// Its work on the tip, J.
+    pub(super) work_j: f64,
+    /// Whether it is another at the end than at the beginning.
+    pub(super) changed: bool,
+}
+
+/// What a step came to.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Step {
+    /// Friction; none without a contact.
+    pub(super) friction: Option<Rubbing>,
+    /// Voltage at the stack, V, current of its working mode, A, and voltage of that one's capacitor, V, at the end.
+    pub(super) voltage: f64,
+    pub(super) current: f64,
+    pub(super) motional_voltage: f64,
+    /// Currents of the further modes, A, and the power that is lost in them, W.
+    pub(super) further: Option<(f64, f64)>,
+}
+
+impl Step {
+    /// Mean friction, N.
+    pub(super) fn friction_n(&self) -> f64 {
+        self.friction.map_or(0.0, |friction| friction.mean_n)
+    }
+}
+
 impl Sums {
     pub(super) fn new() -> Self {
         Sums {
@@ -29,6 +60,27 @@ impl Sums {
             friction_on_tip: 0.0,
             friction_min: f64::INFINITY,
             friction_max: f64::NEG_INFINITY,
+        }
+    }
+
+    /// Adds a step.
+    #[inline]
+    pub(super) fn add(&mut self, step: &Step) {
+        if let Some(Rubbing { mean_n: mean, work_j: work, .. }) = step.friction {
+            self.friction += mean;
+            self.friction_on_tip += work;
+            // Not f64::min, which minds not-a-number and costs three times as much.
+            self.friction_min = if mean < self.friction_min { mean } else { self.friction_min };
+            self.friction_max = if mean > self.friction_max { mean } else { self.friction_max };
+        }
+        let Step { voltage: v, current: i, .. } = *step;
+        self.in_phase += v * i;
+        self.quadrature += v * step.motional_voltage;
+        self.lost += i * i;
+        self.current_peak = if i.abs() > self.current_peak { i.abs() } else { self.current_peak };
+        if let Some((current, lost)) = step.further {
+            self.further_supplied += v * current;
+            self.further_lost += lost;
         }
     }
 }

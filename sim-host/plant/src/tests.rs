@@ -3,6 +3,7 @@
 mod delay;
 mod faults;
 mod further;
+mod rest;
 mod shift;
 
 use std::f64::consts::TAU;

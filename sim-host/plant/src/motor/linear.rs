@@ -205,7 +205,7 @@ impl Linear {
     /// Hands voltage and current of a lane at each conversion within step `step` to `convert`. The step has just been made, with a
     /// friction of so much on each mode.
     #[inline]
-    pub fn sample(&self, step: usize, lane: usize, played: &Played, newtons: [f64; MODES], mut convert: impl FnMut(f64, f64)) {
+    pub fn sample(&self, step: usize, lane: usize, played: &Played, newtons: [f64; MODES], mut convert: impl FnMut(f64x2)) {
         for looks in &self.looks[step] {
             let look = &looks[lane];
             let mut sum = look.force[0] * newtons[0] + look.force[1] * newtons[1];
@@ -217,8 +217,7 @@ impl Linear {
                     sum += *column * x;
                 }
             }
-            let [voltage, current] = sum.to_array();
-            convert(voltage, current);
+            convert(sum);
         }
     }
 }

@@ -65,14 +65,14 @@ fn conversions_lie_on_the_exact_flow() {
             let (mut got, mut seen) = (Vec::new(), Vec::new());
             for step in 0..steps as usize {
                 stack.advance(&stack.held(volts), 0.3);
-                stack.sample(step, &stack.held(volts), 0.3, |v, i| got.push((v, i)));
+                stack.sample(step, &stack.held(volts), 0.3, |seen| got.push(seen.to_array()));
             }
             for _ in 0..60 {
                 fine.advance(&fine.held(volts), 0.3);
                 seen.push((fine.voltage(), fine.current()));
             }
             let at = |time: f64| seen[(time / 20e-9).round() as usize - 1];
-            for (k, (v, i)) in got.iter().enumerate() {
+            for (k, [v, i]) in got.iter().enumerate() {
                 let time = 1.2e-6 * (k + 1) as f64 / f64::from(conversions);
                 let expected = (at(time - skew_s.max(0.0)).0, at(time + skew_s.min(0.0)).1);
                 assert!((v - expected.0).abs() < 1e-9 && (i - expected.1).abs() < 1e-9, "{k}: {v} {i} {expected:?}");
@@ -137,7 +137,7 @@ fn a_late_drive_is_exact() {
             for step in 0..steps as usize {
                 let held = stack.held_late(step, volts, before);
                 stack.advance(&held, 0.3);
-                stack.sample(step, &held, 0.3, |v, i| got.push((v, i)));
+                stack.sample(step, &held, 0.3, |seen| got.push(seen.to_array()));
             }
             for n in 0..60 {
                 fine.advance(&fine.held(if n < late { before } else { volts }), 0.3);
@@ -145,7 +145,7 @@ fn a_late_drive_is_exact() {
             }
             before = volts;
             let at = |time: f64| seen[(time / 20e-9).round() as usize - 1];
-            for (k, (v, i)) in got.iter().enumerate() {
+            for (k, [v, i]) in got.iter().enumerate() {
                 let time = 1.2e-6 * (k + 1) as f64 / f64::from(conversions);
                 let expected = (at(time - skew_s.max(0.0)).0, at(time + skew_s.min(0.0)).1);
                 assert!((v - expected.0).abs() < 1e-9 && (i - expected.1).abs() < 1e-9, "{k}: {v} {i} {expected:?}");

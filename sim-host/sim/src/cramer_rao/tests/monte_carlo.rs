@@ -72,25 +72,24 @@ fn ratio(setting: &Setting, oversample: u8, samples: u32) -> f64 {
     let lsb = |full_scale: f64| full_scale / 2048.0;
     let square: f64 = (0..SEEDS)
         .map(|seed| {
-            let mut current = Adc::new(&sensors, sensors.i_full_scale_a, 3 * seed + 1);
-            let mut voltage = Adc::new(&sensors, sensors.v_full_scale_v, 3 * seed + 2);
-            let mean = |adc: &mut Adc, value: f64, lsb: f64| {
-                let sum: f64 = (0..oversample).map(|_| f64::from(adc.convert(value)) - 2048.0).sum();
-                sum * lsb / f64::from(oversample)
-            };
+            let mut adc = Adc::new(&sensors, 3 * seed + 1);
+            let lsb = [lsb(sensors.v_full_scale_v), lsb(sensors.i_full_scale_a)];
             let measured: Vec<f64> = pure
                 .iter()
                 .flat_map(|&[i, v]| {
-                    [
-                        mean(&mut current, i, lsb(sensors.i_full_scale_a)) / setting.current_noise_a,
-                        mean(&mut voltage, v, lsb(sensors.v_full_scale_v)) / setting.voltage_noise_v,
-                    ]
+                    let mut sum = [0.0; 2];
+                    for _ in 0..oversample {
+                        sum.iter_mut().zip(adc.convert([v, i])).for_each(|(sum, code)| *sum += f64::from(code) - 2048.0);
+                    }
+                    let [v, i] = std::array::from_fn(|channel| sum[channel] * lsb[channel] / f64::from(oversample));
+                    [i / setting.current_noise_a, v / setting.voltage_noise_v]
                 })
                 .collect();
-            let mut chance = Adc::new(&Sensors { adc_bits: 16, noise_lsb: 1000.0, ..sensors.clone() }, 32.768, 3 * seed + 3);
+            let coarse = Sensors { adc_bits: 16, noise_lsb: 1000.0, v_full_scale_v: 32.768, ..sensors.clone() };
+            let mut chance = Adc::new(&coarse, 3 * seed + 3);
             // The mean of a prior is off by the prior's standard deviation: a Gaussian in steps of a thousandth.
             let prior = std::array::from_fn(|n| match setting.prior.of_each()[n] {
-                Knowledge::Within(deviation) => deviation * (f64::from(chance.convert(0.0)) - 32768.0) / 1000.0,
+                Knowledge::Within(deviation) => deviation * (f64::from(chance.convert([0.0; 2])[0]) - 32768.0) / 1000.0,
                 _ => 0.0,
             });
             fit(setting, &measured, &prior)[0].powi(2)
