@@ -25,6 +25,8 @@ use std::fs::{self, File};
 use std::io;
 use std::path::{Path, PathBuf};
 
+use rayon::prelude::*;
+
 use crate::{Figure, HeatMap, Report};
 
 /// Why a report could not be written.
@@ -79,11 +81,11 @@ pub enum ReportError {
 pub fn write(report: &Report, dir: &Path) -> Result<(), ReportError> {
     check(&report.figures)?;
     fs::create_dir_all(dir).map_err(failure(dir))?;
-    for figure in &report.figures {
-        write_figure(figure, dir)?;
-    }
     let path = dir.join("report.html");
-    let page = page::page(report).map_err(undrawn(&path))?;
+    let figures = || report.figures.par_iter().try_for_each(|figure| write_figure(figure, dir));
+    let (figures, page) = rayon::join(figures, || page::page(report).map_err(undrawn(&path)));
+    figures?;
+    let page = page?;
     fs::write(&path, page).map_err(failure(&path))
 }
 

@@ -64,7 +64,7 @@ pub(super) fn png(figure: &Figure, path: &Path) -> Result<(), String> {
         let root = BitMapBackend::with_buffer(&mut pixels, fine).into_drawing_area();
         paint(&root, figure, Pen::bitmap(PNG_ZOOM), true).map_err(|e| e.to_string())?;
     }
-    let pixels = average(&pixels, fine.0 as usize, PNG_ZOOM as usize);
+    let pixels = average::<{ PNG_ZOOM as usize }>(&pixels, fine.0 as usize);
     let root = BitMapBackend::new(path, (width, height)).into_drawing_area();
     let picture = BitMapElement::with_owned_buffer((0, 0), (width, height), pixels).ok_or("the picture has the wrong size")?;
     root.draw(&picture).and_then(|()| root.present()).map_err(|e| e.to_string())
@@ -74,17 +74,17 @@ fn size(figure: &Figure) -> (u32, u32) {
     if figure.is_plane() { SQUARE } else { WIDE }
 }
 
-/// Replaces blocks of `zoom` x `zoom` RGB pixels by their mean.
-fn average(fine: &[u8], fine_width: usize, zoom: usize) -> Vec<u8> {
-    let width = fine_width / zoom;
-    let count = (zoom * zoom) as u32;
-    let mut coarse = Vec::with_capacity(fine.len() / (zoom * zoom));
-    for rows in fine.chunks_exact(3 * fine_width * zoom) {
+/// Replaces blocks of `ZOOM` x `ZOOM` RGB pixels by their mean.
+fn average<const ZOOM: usize>(fine: &[u8], fine_width: usize) -> Vec<u8> {
+    let width = fine_width / ZOOM;
+    let count = (ZOOM * ZOOM) as u32;
+    let mut coarse = Vec::with_capacity(fine.len() / (ZOOM * ZOOM));
+    for rows in fine.chunks_exact(3 * fine_width * ZOOM) {
         let mut sums = vec![0_u32; 3 * width];
         for row in rows.chunks_exact(3 * fine_width) {
-            for (x, pixel) in row.chunks_exact(3).enumerate() {
-                for (channel, &value) in pixel.iter().enumerate() {
-                    sums[3 * (x / zoom) + channel] += u32::from(value);
+            for (sums, pixels) in sums.chunks_exact_mut(3).zip(row.chunks_exact(3 * ZOOM)) {
+                for pixel in pixels.chunks_exact(3) {
+                    sums.iter_mut().zip(pixel).for_each(|(sum, &value)| *sum += u32::from(value));
                 }
             }
         }
@@ -212,6 +212,6 @@ mod tests {
 
     #[test]
     fn averaging_keeps_flat_ground() {
-        assert_eq!(average(&[200; 3 * 4 * 2], 4, 2), [200; 3 * 2]);
+        assert_eq!(average::<2>(&[200; 3 * 4 * 2], 4), [200; 3 * 2]);
     }
 }

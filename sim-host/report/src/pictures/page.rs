@@ -4,6 +4,8 @@
 //! fetch anything else. Every text of the report is user input: it is escaped on its way into the
 //! markup, and the data block for the script cannot contain the end of its own element.
 
+use rayon::prelude::*;
+
 use super::crash_section;
 use super::draw;
 use super::plot_data::{can_zoom, plot_data};
@@ -32,7 +34,7 @@ pub(super) fn page(report: &Report) -> Result<String, String> {
         report.crash.as_ref().map(crash_section::section).transpose()?.unwrap_or_default(),
         contents(&report.figures),
         report.tables.iter().map(table).collect(),
-        report.figures.iter().map(panel).collect::<Result<_, _>>()?,
+        report.figures.par_iter().map(panel).collect::<Result<Vec<_>, _>>()?.concat(),
         report.appendix.iter().map(table).collect(),
         footer(&report.footer),
         scripts(&report.figures)?,
