@@ -198,32 +198,32 @@ pub fn run<'a>(loaded: &'a Loaded, mut options: Options) -> Result<Study<'a>, St
     let scene = &loaded.scene;
     let never = AtomicBool::new(false);
     let stop = options.stop.unwrap_or(&never);
-    let (outcome, metrics, cut) = match scene.kind().ok_or(StudyError::Incomplete)? {
+    let (outcome, metrics, cut, cells) = match scene.kind().ok_or(StudyError::Incomplete)? {
         _ if scene.runs > 1 => {
             let (runs, metrics) = monte_carlo::run(loaded, options, stop)?;
             let cut = runs.runs.len() < scene.runs as usize;
-            (Outcome::MonteCarlo(Box::new(runs)), metrics, cut)
+            (Outcome::MonteCarlo(Box::new(runs)), metrics, cut, None)
         }
         Kind::Driven(scene) => {
-            let progress = options.progress.as_mut().map(|progress| progress as &mut dyn FnMut(f64));
-            let (run, metrics) = driven::run(scene, (options.start, options.clock), stop, progress)?;
+            // One run is one thread: the cells of grid and comparison have the others meanwhile.
+            let Options { start, progress, clock, .. } = options;
+            let run = || driven::run(scene, (start, clock), stop, progress.map(|progress| progress as &mut dyn FnMut(f64)));
+            let (run, cells) = rayon::join(run, || cells(loaded, stop));
+            let (run, metrics) = run?;
             let cut = run.record.interrupted;
-            (Outcome::Driven(Box::new(run)), metrics, cut)
+            (Outcome::Driven(Box::new(run)), metrics, cut, Some(cells?))
         }
         Kind::Excited(scene) => {
             let progress = options.progress.as_mut().map(|progress| progress as &mut dyn FnMut(f64));
             let (solved, metrics) = contact::run(scene, options.clock, stop, progress)?;
             let cut = solved.answer.is_none();
-            (Outcome::Contact(Box::new(solved)), metrics, cut)
+            (Outcome::Contact(Box::new(solved)), metrics, cut, None)
         }
     };
-    let grid = match &scene.grid {
-        Some(grid) if !cut => grid::run(loaded, grid, stop)?,
-        _ => None,
-    };
-    let comparison = match &scene.comparison {
-        Some(comparison) if !cut => comparison::run(loaded, comparison, stop)?,
-        _ => None,
+    let (grid, comparison) = match cells {
+        _ if cut => (None, None),
+        Some(cells) => cells,
+        None => self::cells(loaded, stop)?,
     };
     // How many runs come out in some way is nothing that one run has.
     let has = |expect: &&Expect| scene.runs > 1 || !expect.metric.starts_with("runs_");
@@ -233,6 +233,13 @@ pub fn run<'a>(loaded: &'a Loaded, mut options: Options) -> Result<Study<'a>, St
     let (name, origin, changes) = (loaded.name.clone(), loaded.origin.clone(), loaded.sets.clone());
     let run_number = loaded.run;
     Ok(Study { name, origin, changes, run_number, scene, outcome, metrics, judged, grid, comparison, interrupted })
+}
+
+/// The results of a scene's grid and of its comparison, as far as it has them.
+fn cells(loaded: &Loaded, stop: &AtomicBool) -> Result<(Option<GridResult>, Option<ComparisonResult>), StudyError> {
+    let grid = loaded.scene.grid.as_ref().map(|grid| grid::run(loaded, grid, stop)).transpose()?;
+    let comparison = loaded.scene.comparison.as_ref().map(|comparison| comparison::run(loaded, comparison, stop)).transpose()?;
+    Ok((grid.flatten(), comparison.flatten()))
 }
 
 fn judge(expect: &Expect, metrics: &Metrics, comparison: Option<&ComparisonResult>) -> Judged {
