@@ -40,11 +40,13 @@ pub struct Numerics {
     pub tolerance: f64,
     /// Whether the energies are added up, too, in a run of their own; without them there are friction and power ratio.
     pub energies: bool,
+    /// Whether the run goes on behind the window, for the peaks and reversals that are of all of it.
+    pub whole_run: bool,
 }
 
 impl Default for Numerics {
     fn default() -> Self {
-        Numerics { method: Method::Auto, steps_per_period: None, order: None, tolerance: 1e-7, energies: true }
+        Numerics { method: Method::Auto, steps_per_period: None, order: None, tolerance: 1e-7, energies: true, whole_run: true }
     }
 }
 

@@ -130,6 +130,11 @@ impl Motion {
 }
 
 impl Problem {
+    /// The problem up to the end of its window, which is all that the means are of.
+    pub fn of_window(&self) -> Problem {
+        Problem { duration_s: self.duration_s.min(self.window_s.1), ..self.clone() }
+    }
+
     /// Steady vibration velocity Vv of the sine of this amplitude and frequency, friction apart, m/s: `w F0 / |Ks - m w^2 + i w c|`.
     ///
     /// Infinite at an undamped resonance.

@@ -70,6 +70,9 @@ pub fn sine(study: &Excited, problem: &Problem) -> Problem {
     Problem { waveform: waveform(study, Shape::Sine, peak(study)), ..problem.clone() }
 }
 
+/// Metrics that are of the whole run, not of its window.
+const WHOLE_RUN: [&str; 4] = ["peak_velocity_m_per_s", "peak_displacement_m", "peak_force_ratio", "reversals"];
+
 /// How the problem is to be solved: for all that a study reports, or for one metric. The energies of a study of many periods are added up
 /// where one of its expectations is about them.
 pub fn numerics(study: &Excited, metric: Option<&str>) -> Numerics {
@@ -91,6 +94,7 @@ pub fn numerics(study: &Excited, metric: Option<&str>) -> Numerics {
         order: integrator.order,
         tolerance: integrator.tolerance.unwrap_or(default.tolerance),
         energies,
+        whole_run: metric.is_none_or(|metric| WHOLE_RUN.contains(&metric)),
     }
 }
 

@@ -9,6 +9,8 @@ use crate::method::Method;
 use crate::problem::{Law, Motion, Problem};
 use crate::tally::{Ratios, State, Tally};
 
+/// A run goes on for long behind its window if it is so many times as long.
+const LONG: f64 = 2.0;
 /// Steps between two pauses.
 const PAUSE: u32 = 1 << 16;
 /// Steps a period that stability may ask of Runge-Kutta before midpoint is tried first.
@@ -152,6 +154,7 @@ fn doubt(problem: &Problem) -> f64 {
 
 /// The settings that are asked for, or the cheapest of the method that meet the tolerance, with their run and its error.
 fn find(problem: &Problem, numerics: &Numerics, method: Method, pause: &dyn Fn()) -> Result<Found, SolveError> {
+    let problem = &problem.of_window();
     let ladder = Ladder::of(method, problem, numerics.order);
     let by = |problem: &Problem, setting| run(problem, method, setting, false, pause);
     let fixed = || method.steps(problem.kappa()).filter(|_| method == Method::Rk4);
@@ -181,6 +184,13 @@ fn find(problem: &Problem, numerics: &Numerics, method: Method, pause: &dyn Fn()
     whole.climb(&ladder, ladder.position(found.setting).saturating_sub(2), tolerance, &mut |setting| by(problem, setting))
 }
 
+/// The setting of a run that is only to be looked at.
+fn for_curves(problem: &Problem, numerics: &Numerics, method: Method, setting: Setting) -> Setting {
+    let ladder = Ladder::of(method, problem, numerics.order);
+    let shown = ladder.setting(FIRST_ENERGIES + FINER).filter(|shown| shown.0 > setting.0);
+    shown.filter(|_| numerics.steps_per_period.is_none()).unwrap_or(setting)
+}
+
 /// The setting of the run that adds up the energies. Between resonance and excitation they flow to and fro, by many times what friction takes, so their
 /// means need a finer step than the friction's; but sums over many more steps have only more round-off.
 fn for_energies(problem: &Problem, numerics: &Numerics, method: Method, setting: Setting) -> Setting {
@@ -189,6 +199,37 @@ fn for_energies(problem: &Problem, numerics: &Numerics, method: Method, setting:
     let rung = ladder.position(setting).max(FIRST_ENERGIES);
     let mut finer = (0..=FINER).rev().filter_map(|finer| ladder.setting(rung + finer));
     finer.find(|finer| finer.0 <= most).unwrap_or(setting)
+}
+
+/// Whether somebody asks for what is behind the window.
+fn goes_on(problem: &Problem, numerics: &Numerics) -> bool {
+    numerics.whole_run && problem.window_s.1 < problem.duration_s
+}
+
+/// The run that is shown. Where it goes on for long behind its window, what is of the window is that of a shorter one: energies take many steps.
+fn shown<W: FnMut(&State)>(
+    problem: &Problem,
+    numerics: &Numerics,
+    (method, setting, apart): (Method, Setting, bool),
+    pause: &dyn Fn(),
+    watch: Option<&mut W>,
+) -> Result<Tally, SolveError> {
+    let window = problem.of_window();
+    let whole = if watch.is_some() || goes_on(problem, numerics) { problem } else { &window };
+    let finer =
+        if apart && numerics.steps_per_period.is_none() { for_energies(problem, numerics, method, setting) } else { setting };
+    let long = apart && whole.duration_s > LONG * window.duration_s;
+    let (by, energies) = if long { (for_curves(problem, numerics, method, setting), false) } else { (finer, numerics.energies) };
+    let tally = match watch {
+        Some(watch) => method.run(whole, by, energies, watch)?,
+        None => run(whole, method, by, energies, pause)?,
+    };
+    if !long {
+        return Ok(tally);
+    }
+    let Tally { peak_velocity_m_per_s, peak_displacement_m, peak_force_ratio, steps, reversals, .. } = tally;
+    let of_window = run(&window, method, finer, true, pause)?;
+    Ok(Tally { peak_velocity_m_per_s, peak_displacement_m, peak_force_ratio, steps, reversals, ..of_window })
 }
 
 /// Runs what is to be shown, if it has not been, and puts the answer together.
@@ -204,15 +245,12 @@ fn answer<W: FnMut(&State)>(
     // Energies are added up in a run of their own; the friction is that of the run without them, so that it is the same whether or not somebody asks for them.
     let apart = numerics.energies && method != Method::Midpoint && method != Method::Taylor;
     let plain = match found.tally {
-        None if apart => Some(run(problem, method, setting, false, pause)?),
+        None if apart => Some(run(&problem.of_window(), method, setting, false, pause)?),
         tally => tally,
     };
-    let shown_by =
-        if apart && numerics.steps_per_period.is_none() { for_energies(problem, numerics, method, setting) } else { setting };
-    let shown = match (watch, plain) {
-        (None, Some(plain)) if !apart => plain,
-        (None, _) => run(problem, method, shown_by, numerics.energies, pause)?,
-        (Some(watch), _) => method.run(problem, shown_by, numerics.energies, watch)?,
+    let shown = match plain.filter(|_| !apart && watch.is_none() && !goes_on(problem, numerics)) {
+        Some(plain) => plain,
+        None => shown(problem, numerics, (method, setting, apart), pause, watch)?,
     };
     let (mut ratios, mut error) = (Ratios::of(problem, &shown), found.error);
     if let Some(plain) = plain {
@@ -221,7 +259,7 @@ fn answer<W: FnMut(&State)>(
     }
     let mut warnings = Vec::new();
     if method == Method::Frozen {
-        let coupled = run(problem, Method::Linexp, setting, false, pause)?;
+        let coupled = run(&problem.of_window(), Method::Linexp, setting, false, pause)?;
         let left_out = (ratios.friction - Ratios::of(problem, &coupled).friction).abs();
         warnings
             .push(format!("what friction does to the motion is left out; with it the friction ratio moves by {left_out:.1e}"));
