@@ -2,7 +2,7 @@
 //!
 //! | method | rungs (order/steps a period) | a rung's error over that of the rung before |
 //! |---|---|---|
-//! | linexp, frozen | 4/4 4/6 6/6 6/8 6/12 6/16 6/24 6/32 ...; of a stiff contact more | 1/4 ... 1/11 |
+//! | linexp, frozen | 2/4 4/4 4/6 6/6 6/8 6/12 6/16 6/24 6/32 ...; of a stiff contact more | 1/4 ... 1/11 |
 //! | rk4-events | steps times 1.5 | 1.5^-4 = 1/5 |
 //! | midpoint | steps times 2 | 1/4 with bristle damping, 1/16 without |
 //! | taylor | steps times 1.5 | below any of these |
@@ -82,12 +82,16 @@ impl Ladder {
         };
         let steps = match (self.climbs, rung) {
             _ if self.method == Method::Midpoint => self.first_steps * f64::from(rung as u32).exp2(),
-            (true, 0) => self.first_steps,
-            (true, 1 | 2) => 1.5 * self.first_steps,
-            (true, _) => by_half(2.0 * self.first_steps, rung - 3),
+            (true, 0 | 1) => self.first_steps,
+            (true, 2 | 3) => 1.5 * self.first_steps,
+            (true, _) => by_half(2.0 * self.first_steps, rung - 4),
             (false, _) => by_half(self.first_steps, rung),
         };
-        let order = if self.climbs && rung < 2 { Some(4) } else { self.order };
+        let order = match (self.climbs, rung) {
+            (true, 0) => Some(2),
+            (true, 1 | 2) => Some(4),
+            _ => self.order,
+        };
         (steps <= f64::from(self.finest)).then_some((steps as u32, order))
     }
 
@@ -100,7 +104,7 @@ impl Ladder {
     pub fn start(&self, tolerance: f64) -> usize {
         let decades = -tolerance.log10();
         match self.method {
-            Method::Linexp | Method::Frozen if self.climbs => ((decades - 7.0) * 1.3).max(0.0) as usize,
+            Method::Linexp | Method::Frozen if self.climbs => ((decades - 6.2) * 1.3).max(0.0) as usize,
             Method::Rk4Events => ((decades - 5.0) * 1.2).max(0.0) as usize,
             Method::Midpoint => ((decades - 4.0) * 1.2).max(0.0) as usize,
             _ => 0,

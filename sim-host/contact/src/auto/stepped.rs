@@ -31,7 +31,7 @@ const RIGID: f64 = 1e10;
 
 /// The energies are added up so many rungs above what the friction needs, and not below this one.
 const FINER: usize = 3;
-const FIRST_ENERGIES: usize = 1;
+const FIRST_ENERGIES: usize = 2;
 /// Nor beyond so many times the steps of the first rung.
 const MOST_FOR_ENERGIES: u32 = 32;
 
