@@ -165,9 +165,12 @@ fn find(problem: &Problem, numerics: &Numerics, method: Method, pause: &dyn Fn()
         let off = (Ratios::of(problem, &tally).friction - Ratios::of(problem, &fine).friction).abs();
         return Ok(Found { setting: (steps, order), tally: Some(tally), error: off.max(ROUND_OFF_OF_SUMS), growth: 1.0 });
     }
-    let (start, tolerance) = (ladder.start(numerics.tolerance), numerics.tolerance);
+    // Where errors fall unevenly, order two says nothing of the next rung.
+    let (doubt, tolerance) = (doubt(problem), numerics.tolerance);
+    let first = usize::from(doubt > 1.0);
+    let start = ladder.start(tolerance).max(first);
     let mut whole = match method {
-        Method::Linexp | Method::Frozen => Runs::of_two(doubt(problem)),
+        Method::Linexp | Method::Frozen => Runs::of_two(doubt),
         // Two runs of Runge-Kutta were seen to agree on what both are off by, and three where the bristles are long.
         _ if problem.kappa() < LONG_BRISTLES => Runs::of_three(UNEVEN_IN_TIME),
         _ => Runs::of_three(1.0),
@@ -181,7 +184,9 @@ fn find(problem: &Problem, numerics: &Numerics, method: Method, pause: &dyn Fn()
         return Ok(Found { tally: None, error: found.error * pilot.growth, ..found });
     }
     // What the pilot has found is compared with a coarser run on the whole record.
-    whole.climb(&ladder, ladder.position(found.setting).saturating_sub(2), tolerance, &mut |setting| by(problem, setting))
+    whole.climb(&ladder, ladder.position(found.setting).saturating_sub(2).max(first), tolerance, &mut |setting| {
+        by(problem, setting)
+    })
 }
 
 /// The setting of a run that is only to be looked at.
