@@ -81,7 +81,8 @@ impl Method {
         match self {
             Method::Auto | Method::Closed => None,
             Method::Frozen | Method::Linexp => Some(by_stiffness(4)),
-            Method::Taylor => Some(by_stiffness(8)),
+            // A step that is too long for the series is several of it.
+            Method::Taylor => Some(6),
             Method::Rk4 => Some(1000),
             Method::Rk4Events => Some(by_stiffness(32)),
             Method::Midpoint => Some(by_stiffness(64)),
@@ -92,7 +93,7 @@ impl Method {
     pub fn order(self) -> Option<u32> {
         match self {
             Method::Frozen | Method::Linexp => Some(6),
-            Method::Taylor => Some(16),
+            Method::Taylor => Some(24),
             _ => None,
         }
     }
