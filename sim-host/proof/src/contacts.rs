@@ -24,8 +24,8 @@ use sim::study::StudyError;
 const SET: [u32; 2] = [1000, 100];
 /// One of so many is timed.
 const TIMED: usize = 7;
-/// The tolerances of Dahl contacts, and of LuGre contacts.
-const TOLERANCES: [&[f64]; 2] = [&[1e-3, 1e-5, 1e-7, 1e-9, 1e-11, 1e-12], &[1e-3, 1e-5, 1e-7, 1e-9]];
+/// The tolerances that are asked.
+const TOLERANCES: [f64; 6] = [1e-3, 1e-5, 1e-7, 1e-9, 1e-11, 1e-12];
 
 /// A contact, and what `auto` says of it.
 struct Tried {
@@ -45,8 +45,7 @@ pub(crate) fn run(options: &mut Options) -> Result<Evidence, Error> {
         }
         let contact = Contact::draw(number, friction);
         let truth = Truth::of(&contact.problem).ok();
-        let tolerances = TOLERANCES[usize::from(friction == Friction::Lugre)];
-        let answers = tolerances.iter().map(|&tolerance| Judged::of(&contact.problem, truth.as_ref(), tolerance)).collect();
+        let answers = TOLERANCES.iter().map(|&tolerance| Judged::of(&contact.problem, truth.as_ref(), tolerance)).collect();
         Ok(Tried { friction, contact, truth, answers })
     };
     let mut set = Vec::new();

@@ -174,9 +174,10 @@ impl Runs {
     }
 }
 
-/// What adding up so many steps leaves of a mean.
+/// What adding up so many steps leaves of a mean: of Fc, and of the mean itself where bristle damping takes it beyond.
 fn round_off(tally: &Tally) -> f64 {
-    ROUND_OFF_OF_SUMS.max(f64::EPSILON * (tally.steps as f64).sqrt())
+    let mean = (tally.totals.friction_n_s / (tally.coulomb_n * tally.time_s)).abs();
+    ROUND_OFF_OF_SUMS.max(f64::EPSILON * (tally.steps as f64).sqrt()) * mean.max(1.0)
 }
 
 /// How far two runs of a problem are apart, of Fc; and how much more so in the second half of the window than in the first.

@@ -13,6 +13,8 @@ use crate::tally::{Ratios, State, Tally};
 const LONG: f64 = 2.0;
 /// Steps between two pauses.
 const PAUSE: u32 = 1 << 16;
+/// Below this tolerance methods of order four take more time than the Taylor series.
+const ORDER_FOUR: f64 = 1e-10;
 /// Steps a period that stability may ask of Runge-Kutta before midpoint is tried first.
 const MANY_STEPS: f64 = 1000.0;
 /// From this kappa on errors fall unevenly.
@@ -44,7 +46,7 @@ pub fn chosen<W: FnMut(&State)>(
 ) -> Result<Solution, SolveError> {
     let kappa = problem.kappa();
     // Dear, and at round-off whatever the stiffness.
-    let series = || (Method::Taylor, "no other method was good enough: Taylor series with located reversals".to_owned());
+    let series = || (Method::Taylor, "tight tolerance or stiff contact: Taylor series with located reversals".to_owned());
     let choices = match problem.law {
         Law::Coulomb => vec![(Method::Linexp, "Coulomb friction: exact from reversal to reversal".to_owned())],
         Law::Dahl { .. } => {
@@ -55,7 +57,11 @@ pub fn chosen<W: FnMut(&State)>(
             let located = format!("LuGre friction, stable from {stable:.0} steps on: Runge-Kutta with located reversals");
             let bounded = format!("stiff bristles, kappa {kappa:.0}: friction exact in slip at the midpoint");
             let (located, bounded) = ((Method::Rk4Events, located), (Method::Midpoint, bounded));
-            if stable > MANY_STEPS { vec![bounded, located, series()] } else { vec![located, bounded, series()] }
+            match stable > MANY_STEPS {
+                _ if numerics.tolerance < ORDER_FOUR => vec![series(), located, bounded],
+                true => vec![bounded, located, series()],
+                false => vec![located, bounded, series()],
+            }
         }
     };
     let mut best: Option<(Method, String, Found)> = None;

@@ -47,7 +47,7 @@ pub fn tables(set: &[Tried], costs: &[Cost]) -> Vec<TableBlock> {
     });
     let word = TableBlock::new("word", "What `auto` says of random contacts", WORD, &header, rows.collect());
     let header = ["tolerance", "periods", "contacts", "cost, median", "cost, 90 %"];
-    let rows = TOLERANCES[0].iter().flat_map(|&tolerance| {
+    let rows = TOLERANCES.iter().flat_map(|&tolerance| {
         [(0.0, 100.0), (100.0, 300.0), (300.0, 1e9)].map(|(from, to)| {
             let ratios = ratios(costs, |cost| cost.tolerance == tolerance && cost.periods >= from && cost.periods < to);
             let part = |part| at(&ratios, part).map_or("–".into(), |ratio| format!("{ratio:.2}"));
@@ -89,7 +89,7 @@ pub fn missed(set: &[Tried], costs: &[Cost]) -> Vec<String> {
             ));
         }
     }
-    for &tolerance in TOLERANCES[0] {
+    for tolerance in TOLERANCES {
         let ratios = ratios(costs, |cost| cost.tolerance == tolerance);
         for (part, most) in [0.5, 0.9].into_iter().zip(MOST_COST) {
             if let Some(ratio) = at(&ratios, part).filter(|ratio| *ratio > most) {
@@ -106,7 +106,7 @@ pub fn missed(set: &[Tried], costs: &[Cost]) -> Vec<String> {
 }
 
 fn questions() -> impl Iterator<Item = (Friction, f64)> {
-    let of = |friction: Friction| TOLERANCES[usize::from(friction == Friction::Lugre)].iter().map(move |&t| (friction, t));
+    let of = |friction: Friction| TOLERANCES.iter().map(move |&t| (friction, t));
     of(Friction::Dahl).chain(of(Friction::Lugre))
 }
 
