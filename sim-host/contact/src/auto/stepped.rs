@@ -8,6 +8,7 @@ use crate::SolveError;
 use crate::method::Method;
 use crate::problem::{Law, Motion, Problem};
 use crate::tally::{Ratios, State, Tally};
+use crate::waveform::Shape;
 
 /// A run goes on for long behind its window if it is so many times as long.
 const LONG: f64 = 2.0;
@@ -21,8 +22,13 @@ const MANY_STEPS: f64 = 1000.0;
 const SMOOTH: f64 = 30.0;
 /// Contact spring, of `m w^2`, from which on the mass rings on its bristles.
 const RINGS: f64 = 0.1;
+/// From this contact spring on, of `m w^2`, it does so faster than it is shaken by far.
+const STIFF: f64 = 30.0;
+/// Friction of this part of the force holds the mass at times.
+const HOLDS: f64 = 0.1;
 /// What estimates are multiplied by then; `sim-host validate contacts` holds them against the truth.
 const UNEVEN: f64 = 3.0;
+const VERY_UNEVEN: f64 = 10.0;
 /// Below this kappa bristles outlast many periods; and what estimates of the methods that step in time are multiplied by there.
 const LONG_BRISTLES: f64 = 1.0;
 const UNEVEN_IN_TIME: f64 = 10.0;
@@ -155,13 +161,23 @@ fn run(
     })
 }
 
-/// What an estimate is multiplied by: where short bristles make the mass ring, `Kt / (m w^2)` no longer small, errors fall unevenly from rung to
-/// rung.
+/// What an estimate is multiplied by. Where short bristles make the mass ring, `Kt / (m w^2)` no longer small, errors fall unevenly from rung to
+/// rung, as they do where every change of the forcing is another; and more so where the bristles are stiffer than the mass is heavy, or where
+/// friction is no small part of the force.
 fn doubt(problem: &Problem) -> f64 {
     let Some(kt) = problem.law.stiffness_n_per_m() else { return 1.0 };
     let omega = std::f64::consts::TAU * problem.waveform.frequency_hz();
-    let rings = matches!(problem.motion, Motion::Sdof { mass_kg, .. } if kt > RINGS * mass_kg * omega * omega);
-    if problem.kappa() > SMOOTH && rings { UNEVEN } else { 1.0 }
+    let spring = match problem.motion {
+        Motion::Kinematic => 0.0,
+        Motion::Sdof { mass_kg, .. } => kt / (mass_kg * omega * omega),
+    };
+    let holds = problem.coulomb_n > HOLDS * problem.waveform.amplitude();
+    match spring > RINGS {
+        true if holds || spring > STIFF => VERY_UNEVEN,
+        true if problem.kappa() > SMOOTH => UNEVEN,
+        _ if matches!(problem.waveform.shape(), Shape::Random { .. }) => UNEVEN,
+        _ => 1.0,
+    }
 }
 
 /// The settings that are asked for, or the cheapest of the method that meet the tolerance, with their run and its error.
