@@ -6,6 +6,7 @@ and is not in `wall_ns`. `events` chooses what is measured:
 
     flip      the case itself
     idle      callbacks that do nothing: what events cost without the flip (not a solution)
+    far     an event that is never reached: what looking for it costs (not a solution)
     none      no events (not a solution)
 
 With a Stribeck curve, `edges` adds terminal events where the slip is so many Stribeck velocities: a step that begins there sees the
@@ -20,6 +21,8 @@ from time import perf_counter, perf_counter_ns
 import heyoka as hy
 
 KEPT = {}
+# A velocity that nothing ever has.
+FAR = 50.0
 
 
 def equations(c, phasor):
@@ -63,7 +66,9 @@ def integrator(request):
         return True
 
     events = []
-    if request["events"] != "none":
+    if request["events"] == "far":
+        events.append(hy.t_event(slip + FAR, callback=idle))
+    elif request["events"] != "none":
         events.append(hy.t_event(slip, callback=flip if request["events"] == "flip" else idle))
     if request["edges"]:
         edge = request["edges"] * c["stribeck"]

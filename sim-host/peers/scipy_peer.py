@@ -99,7 +99,7 @@ def solve(request):
             # At zero slip only the next reversal counts, which goes the other way.
             slip.direction = -contact.sign if events else 0.0
             left = mark - contact.passed
-            first = None if step is None else min(step, left)
+            first = min(step, left) if step else None
             leg = solve_ivp(contact.rates, (0.0, left), y, events=slip if events else None, first_step=first, **common)
             if leg.status < 0:
                 raise ArithmeticError(leg.message)

@@ -82,7 +82,9 @@ pub struct EventShare {
     pub flip: f64,
     /// With callbacks that do nothing; friction then saturates, so that it is not the same solution.
     pub idle: f64,
-    /// Without events; the same holds.
+    /// With an event that is never reached; the same holds.
+    pub far: f64,
+    /// Without events.
     pub none: f64,
     /// A callback in Python by itself, ns.
     pub callback_ns: f64,
@@ -90,11 +92,12 @@ pub struct EventShare {
 
 impl std::fmt::Display for EventShare {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let EventShare { flip, idle, none, callback_ns } = self;
+        let EventShare { flip, idle, far, none, callback_ns } = self;
         write!(
             f,
-            "heyoka's events at tolerance 1e-8, ns a period: {flip:.0} with located reversals, {idle:.0} if callbacks do nothing, {none:.0} \
-             without events; two callbacks by themselves take {:.0} in Python, without what calls them",
+            "heyoka's events at tolerance 1e-8, ns a period: {flip:.0} with located reversals, {idle:.0} if callbacks do nothing, {far:.0} with \
+             an event that is never reached, {none:.0} without events; two callbacks by themselves take {:.0} in Python, without what calls \
+             them",
             2.0 * callback_ns
         )
     }
@@ -143,8 +146,8 @@ impl Heyoka {
             }
             Ok(least)
         };
-        let (flip, idle, none) = (least("flip")?, least("idle")?, least("none")?);
-        Ok(EventShare { flip, idle, none, callback_ns: self.greeting.callback_ns })
+        let (flip, idle, far, none) = (least("flip")?, least("idle")?, least("far")?, least("none")?);
+        Ok(EventShare { flip, idle, far, none, callback_ns: self.greeting.callback_ns })
     }
 }
 
