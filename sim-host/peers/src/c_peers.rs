@@ -51,6 +51,13 @@ impl Compiled {
     }
 }
 
+impl Compiled {
+    /// What compiling its program took.
+    pub fn compiling(&self) -> String {
+        format!("{}: compiled by cc in {:.0} ms, which is not counted", self.name, 1e-6 * self.process.compiling_ns)
+    }
+}
+
 impl Peer for Compiled {
     fn name(&self) -> String {
         self.name.clone()

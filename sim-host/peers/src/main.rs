@@ -125,11 +125,17 @@ fn peers(arguments: &Arguments) -> (Vec<Box<dyn Peer>>, Vec<String>) {
     }
     let apt = "apt-get install --no-install-recommends gcc libsundials-dev r-cran-desolve";
     match Compiled::lsodar(&arguments.output) {
-        Ok(lsodar) => peers.push(Box::new(lsodar)),
+        Ok(lsodar) => {
+            notes.push(lsodar.compiling());
+            peers.push(Box::new(lsodar));
+        }
         Err(error) => notes.push(skipped("LSODAR", error, apt)),
     }
     match Compiled::sundials(&arguments.output) {
-        Ok(both) => peers.extend(both.map(|peer| Box::new(peer) as Box<dyn Peer>)),
+        Ok(both) => {
+            notes.extend(both.iter().map(Compiled::compiling));
+            peers.extend(both.map(|peer| Box::new(peer) as Box<dyn Peer>));
+        }
         Err(error) => notes.push(skipped("CVODE, ERKStep", error, apt)),
     }
     peers.push(Box::new(ode_solvers_peer::OdeSolvers));

@@ -5,6 +5,7 @@
 use std::io::{BufRead, BufReader, Write};
 use std::path::Path;
 use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
+use std::time::Instant;
 
 use anyhow::{Context, bail, ensure};
 use serde::Deserialize;
@@ -24,8 +25,15 @@ pub struct Greeting {
 #[derive(Deserialize)]
 #[serde(untagged)]
 enum Answer {
-    Outcome(Outcome),
-    Failure { failure: String },
+    Outcome {
+        #[serde(flatten)]
+        outcome: Outcome,
+        #[serde(default)]
+        jit_ns: f64,
+    },
+    Failure {
+        failure: String,
+    },
 }
 
 /// A running program.
@@ -33,6 +41,8 @@ pub struct Process {
     child: Child,
     requests: Option<ChildStdin>,
     answers: BufReader<ChildStdout>,
+    /// What compiling took, which is in no time of a run: of a C program, or the longest of what was compiled to be run, ns.
+    pub compiling_ns: f64,
 }
 
 impl Process {
@@ -64,18 +74,22 @@ impl Process {
             .arg(format!("{name}.c"))
             .args(libraries)
             .arg("-lm");
+        let began = Instant::now();
         let output = cc.output().context("`cc` does not start")?;
+        let compiling_ns = began.elapsed().as_secs_f64() * 1e9;
         let complaint = String::from_utf8_lossy(&output.stderr);
         let first = complaint.lines().find(|line| line.contains("error") || line.contains("cannot find")).unwrap_or("it failed");
         ensure!(output.status.success(), "`cc`: {first}");
-        Process::start(&mut Command::new(program))
+        let (mut process, greeting) = Process::start(&mut Command::new(program))?;
+        process.compiling_ns = compiling_ns;
+        Ok((process, greeting))
     }
 
     fn start(command: &mut Command) -> anyhow::Result<(Self, Greeting)> {
         let mut child = command.stdin(Stdio::piped()).stdout(Stdio::piped()).spawn()?;
         let requests = child.stdin.take();
         let answers = child.stdout.take().context("no standard output")?;
-        let mut process = Process { child, requests, answers: BufReader::new(answers) };
+        let mut process = Process { child, requests, answers: BufReader::new(answers), compiling_ns: 0.0 };
         let greeting = serde_json::from_str(&process.line()?)?;
         Ok((process, greeting))
     }
@@ -87,7 +101,10 @@ impl Process {
     pub fn ask(&mut self, request: &str) -> anyhow::Result<Outcome> {
         writeln!(self.requests.as_mut().context("no standard input")?, "{request}")?;
         match serde_json::from_str(&self.line()?)? {
-            Answer::Outcome(outcome) => Ok(outcome),
+            Answer::Outcome { outcome, jit_ns } => {
+                self.compiling_ns = self.compiling_ns.max(jit_ns);
+                Ok(outcome)
+            }
             Answer::Failure { failure } => bail!(failure),
         }
     }
