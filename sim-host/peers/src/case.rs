@@ -1,144 +1,198 @@
-//! The case that all peers solve: the thesis's Table 4.1 on one mass and one spring with Dahl friction, from rest.
+//! The cases that all peers solve: one mass, one spring and a contact, from rest, under a force of 384 N (thesis, Table 4.1).
 //!
-//! In units that make every quantity of order one (phase w t, displacement Vv/w, velocity Vv, force Fc) it is
+//! | case | what it is |
+//! |---|---|
+//! | ordinary | Table 4.1: Dahl friction, a weak perturbation of the motion |
+//! | strong | a contact as stiff as the mass's inertia, Kt = m w^2, and friction that is a quarter of what it takes to move the mass |
+//! | LuGre | Table 4.1 with bristle damping, viscous friction and a Stribeck peak of 1 mm/s, a fiftieth of the vibration |
+//! | chirp | Table 4.1 with a force that sweeps from 40 to 80 kHz |
 //!
-//! ```text
-//! x' = v        v' = g cos(t) - a x - e f        f' = kappa V (1 - f sgn V)        V = xi + v        q' = f / (2 pi N)
-//! ```
-//!
-//! with a = (wn/w)^2, g = F0/(m w Vv), e = Fc/(m w Vv). q is the quadrature state: over N periods it grows to the mean of f, so that it
-//! never limits a peer's step. Peers of this project get the same case in SI units, as a [`Problem`].
+//! Peers of this project get a case in SI units, as a [`Problem`], all others its [`Scaled`] coefficients.
 
-use std::f64::consts::{FRAC_PI_2, TAU};
+use std::f64::consts::TAU;
 
-use contact::Problem;
-use contact::table_4_1::{COULOMB_N, DRIVE_HZ, FORCE_N, MASS_KG, STIFFNESS_N_PER_M, VELOCITY_RATIO, table_4_1};
+use contact::table_4_1::{DRIVE_HZ, FORCE_N, MASS_KG, STIFFNESS_N_PER_M, VELOCITY_RATIO, table_4_1};
+use contact::{Law, Problem, Shape, Waveform};
 
-/// The case over a number of periods.
+use crate::scaled::Scaled;
+
+/// Which case.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+pub enum Kind {
+    /// Table 4.1.
+    Ordinary,
+    /// Friction that governs the motion.
+    Strong,
+    /// A narrow Stribeck peak.
+    Lugre,
+    /// A sweep of the frequency.
+    Chirp,
+}
+
+impl Kind {
+    /// All of them.
+    pub const ALL: [Kind; 4] = [Kind::Ordinary, Kind::Strong, Kind::Lugre, Kind::Chirp];
+
+    /// Name of the case.
+    pub fn name(self) -> &'static str {
+        match self {
+            Kind::Ordinary => "ordinary coupling",
+            Kind::Strong => "strong coupling",
+            Kind::Lugre => "LuGre with Stribeck",
+            Kind::Chirp => "chirp",
+        }
+    }
+
+    /// The same as part of a file's name.
+    pub fn stem(self) -> &'static str {
+        match self {
+            Kind::Ordinary => "ordinary",
+            Kind::Strong => "strong",
+            Kind::Lugre => "lugre",
+            Kind::Chirp => "chirp",
+        }
+    }
+}
+
+/// Vibration amplitude in Dahl lengths, strong coupling.
+const STRONG_KAPPA: f64 = 4.0;
+/// Fs / Fc of LuGre's friction.
+const STATIC_RATIO: f64 = 1.5;
+/// Stribeck velocity, m/s.
+const STRIBECK_M_PER_S: f64 = 1e-3;
+/// Bristle damping, N s/m: a quarter of Fc at the vibration's velocity.
+const SIGMA1: f64 = 0.1;
+/// Viscous friction, N s/m.
+const SIGMA2: f64 = 0.01;
+/// First and last frequency of the chirp, Hz.
+const CHIRP_HZ: (f64, f64) = (40e3, 80e3);
+
+/// A case over a number of periods.
 #[derive(Clone, Debug)]
 pub struct Case {
-    /// Length of the run in periods; an even number, so that the window begins with a period.
+    /// Which.
+    pub kind: Kind,
+    /// Length of the run in periods of 60 kHz; an even number, so that the window of the mean begins with a period.
     pub periods: u32,
-    /// The problem in SI units.
+    /// The problem in SI units; the mean is over the second half.
     pub problem: Problem,
     /// In units of order one.
     pub scaled: Scaled,
 }
 
-/// The coefficients in units of order one.
-#[derive(Clone, Copy, Debug, serde::Serialize)]
-pub struct Scaled {
-    /// Sliding velocity xi, scaled.
-    pub sliding: f64,
-    /// Vibration amplitude in Dahl lengths, kappa.
-    pub kappa: f64,
-    /// Coefficient a of the spring.
-    pub spring: f64,
-    /// Coefficient g of the forcing.
-    pub forcing: f64,
-    /// Coefficient e of the friction.
-    pub friction: f64,
-    /// What the quadrature state gains a unit of phase and force, 1 / (2 pi N).
-    pub share: f64,
-}
-
 impl Case {
-    /// The case over so many periods, means over the second half.
-    pub fn new(periods: u32) -> Self {
+    /// A case over so many periods.
+    pub fn new(kind: Kind, periods: u32) -> Self {
         let periods = periods.max(2).next_multiple_of(2);
-        let problem = table_4_1(VELOCITY_RATIO, f64::from(periods));
+        let mut problem = table_4_1(VELOCITY_RATIO, f64::from(periods));
         let omega = TAU * DRIVE_HZ;
         let vibration = problem.vibration_m_per_s();
+        let (mut start, mut rate) = (1.0, 0.0);
+        match kind {
+            Kind::Ordinary => {}
+            Kind::Strong => {
+                let stiffness_n_per_m = MASS_KG * omega * omega;
+                problem.law = Law::Dahl { stiffness_n_per_m };
+                problem.coulomb_n = stiffness_n_per_m * vibration / (omega * STRONG_KAPPA);
+            }
+            Kind::Lugre => {
+                problem.law = Law::Lugre {
+                    stiffness_n_per_m: contact::table_4_1::CONTACT_N_PER_M,
+                    static_ratio: STATIC_RATIO,
+                    stribeck_m_per_s: STRIBECK_M_PER_S,
+                    sigma1: SIGMA1,
+                    sigma2: SIGMA2,
+                };
+            }
+            Kind::Chirp => {
+                let (start_hz, stop_hz) = CHIRP_HZ;
+                let sweep_s = problem.duration_s;
+                problem.waveform = Waveform::new(Shape::Chirp { start_hz, stop_hz, sweep_s }, FORCE_N, DRIVE_HZ, sweep_s);
+                start = start_hz / DRIVE_HZ;
+                rate = (stop_hz - start_hz) / DRIVE_HZ / (TAU * f64::from(periods));
+            }
+        }
         let momentum_rate_n = MASS_KG * omega * vibration;
-        let scaled = Scaled {
+        let mut scaled = Scaled {
             sliding: VELOCITY_RATIO,
-            kappa: problem.kappa(),
+            kappa: 0.0,
             spring: STIFFNESS_N_PER_M / (MASS_KG * omega * omega),
             forcing: FORCE_N / momentum_rate_n,
-            friction: COULOMB_N / momentum_rate_n,
+            friction: problem.coulomb_n / momentum_rate_n,
             share: 1.0 / (TAU * f64::from(periods)),
+            excess: 0.0,
+            stribeck: 1.0,
+            damping: 0.0,
+            viscous: 0.0,
+            start,
+            rate,
         };
-        Case { periods, problem, scaled }
+        if let Some(stiffness) = problem.law.stiffness_n_per_m() {
+            scaled.kappa = stiffness * vibration / (omega * problem.coulomb_n);
+            if let Law::Lugre { static_ratio, stribeck_m_per_s, sigma1, sigma2, .. } = problem.law {
+                scaled.excess = static_ratio - 1.0;
+                scaled.stribeck = stribeck_m_per_s / vibration;
+                scaled.damping = sigma1 * omega / stiffness;
+                scaled.viscous = sigma2 * vibration / problem.coulomb_n;
+            }
+        }
+        Case { kind, periods, problem, scaled }
     }
 
-    /// Number of the last quarter period; the first is number zero.
-    pub fn last_quarter(&self) -> u32 {
-        4 * self.periods
+    /// Length of the run in scaled units.
+    pub fn length(&self) -> f64 {
+        TAU * f64::from(self.periods)
+    }
+
+    /// Where the window of the mean begins, and where it ends with the run.
+    pub fn marks(&self) -> [f64; 2] {
+        [0.5 * self.length(), self.length()]
+    }
+
+    /// Scales of displacement, m, velocity, m/s, and force, N.
+    pub fn scales(&self) -> [f64; 3] {
+        let omega = TAU * DRIVE_HZ;
+        let vibration = self.problem.sliding_m_per_s / VELOCITY_RATIO;
+        [vibration / omega, vibration, self.problem.coulomb_n]
     }
 }
 
-/// Longest step that a peer is allowed from reversal to reversal, as a phase: two reversals in one step would go unnoticed.
+/// Longest step that a peer is allowed from reversal to reversal: two reversals in one step would go unnoticed.
 pub const LONGEST_STEP: f64 = TAU / 6.0;
 
-/// Longest first step after a reversal, as a phase: from zero slip to zero slip nothing shows that there was a reversal.
+/// Longest first step after a reversal: from zero slip to zero slip nothing shows that there was a reversal.
 pub const LONGEST_FIRST_STEP: f64 = TAU / 8.0;
-
-/// Phase of a quarter period.
-pub fn quarter(number: u32) -> f64 {
-    f64::from(number) * FRAC_PI_2
-}
-
-impl Scaled {
-    /// Slip velocity V of a state.
-    pub fn slip(&self, y: &[f64]) -> f64 {
-        self.sliding + y[1]
-    }
-
-    /// Rates of x, v, f, q for a sign of the slip that is held, at a value of the cosine.
-    #[inline]
-    pub fn held(&self, sign: f64, cosine: f64, y: &[f64], rates: &mut [f64]) {
-        let slip = self.slip(y);
-        rates[0] = y[1];
-        rates[1] = self.forcing * cosine - self.spring * y[0] - self.friction * y[2];
-        rates[2] = self.kappa * slip * (1.0 - sign * y[2]);
-        rates[3] = self.share * y[2];
-    }
-
-    /// Rates with the sign taken from the slip velocity, as the equation is written.
-    #[inline]
-    pub fn free(&self, cosine: f64, y: &[f64], rates: &mut [f64]) {
-        self.held(self.slip(y).signum(), cosine, y, rates);
-    }
-
-    /// Product of the Jacobian with a vector, for a held sign.
-    #[inline]
-    pub fn jacobian(&self, sign: f64, y: &[f64], by: &[f64], out: &mut [f64]) {
-        out[0] = by[1];
-        out[1] = -self.spring * by[0] - self.friction * by[2];
-        out[2] = self.kappa * (by[1] * (1.0 - sign * y[2]) - self.slip(y) * sign * by[2]);
-        out[3] = self.share * by[2];
-    }
-}
 
 #[cfg(test)]
 mod tests {
-    use super::*;
+    use contact::table_4_1::COULOMB_N;
 
-    #[test]
-    fn jacobian_is_the_derivative_of_the_rates() {
-        let scaled = Case::new(10).scaled;
-        let (y, by) = ([0.3, -0.8, 0.6, 0.1], [0.2, -0.5, 0.7, 0.3]);
-        let at = |size: f64| {
-            let mut rates = [0.0; 4];
-            let moved: Vec<f64> = y.iter().zip(by).map(|(y, by)| y + size * by).collect();
-            scaled.held(-1.0, 0.4, &moved, &mut rates);
-            rates
-        };
-        let mut product = [0.0; 4];
-        scaled.jacobian(-1.0, &y, &by, &mut product);
-        // Rates are quadratic, so a central difference is exact but for round-off.
-        let (ahead, behind) = (at(1e-3), at(-1e-3));
-        for i in 0..4 {
-            assert!((product[i] - (ahead[i] - behind[i]) / 2e-3).abs() < 1e-12, "{i}");
-        }
-    }
+    use super::*;
 
     #[test]
     fn scales_of_table_4_1() {
         // Friction is 5.1e-5 of the forcing; kappa 0.40452.
-        let scaled = Case::new(10).scaled;
+        let scaled = Case::new(Kind::Ordinary, 10).scaled;
         assert!((scaled.friction / scaled.forcing - COULOMB_N / FORCE_N).abs() < 1e-15);
         assert!((scaled.kappa - 0.404_52).abs() < 1e-5);
         assert!((scaled.forcing - (1.0 - scaled.spring)).abs() < 1e-12);
+    }
+
+    #[test]
+    fn strong_coupling_is_strong() {
+        let scaled = Case::new(Kind::Strong, 10).scaled;
+        assert!((scaled.kappa - STRONG_KAPPA).abs() < 1e-12 && (scaled.friction - 0.25).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_chirp_ends_at_its_last_frequency() {
+        let case = Case::new(Kind::Chirp, 10);
+        let at_end = case.scaled.start + case.scaled.rate * case.length();
+        assert!((at_end - 80.0 / 60.0).abs() < 1e-14);
+        // The same force in both units.
+        let time = 0.3 * case.length();
+        let force = case.problem.waveform.value(time / (TAU * DRIVE_HZ)) / FORCE_N;
+        let phase = time * (case.scaled.start + 0.5 * case.scaled.rate * time);
+        assert!((force - phase.cos()).abs() < 1e-12);
     }
 }

@@ -1,25 +1,29 @@
-//! Peers side by side: other projects' integrators and ours on the same case, compared at the same error.
+//! Peers side by side: other projects' integrators and ours on the same cases, compared at the same error.
 //!
 //! ```text
-//! cargo run --release -p peers                     ours, diffsol, ode_solvers, and SciPy if `python3` has it
-//! cargo run --release -p peers -- --quick          a coarse look in seconds
+//! cargo run --release -p peers                     ours, diffsol, ode_solvers, and what is installed of the others
+//! cargo run --release -p peers -- --quick          a coarse look
 //! ```
 //!
-//! Each peer is used as well as its interface allows: reversals of the slip as located events with the sign as discrete state, where it
-//! can; the sign in the right-hand side, where that is better. What is compared is cost at equal error, in the mean friction ratio and
-//! in friction over time; what is printed are ratios, since times are those of one machine.
+//! The others are heyoka and SciPy (`pip install heyoka scipy`), SUNDIALS and LSODAR (`apt-get install libsundials-dev r-cran-desolve` and
+//! a C compiler); one that is not there is skipped, and said to be. Each peer is used as well as its interface allows: reversals of the slip
+//! as located events with the sign as discrete state, or the sign in the right-hand side; a search over its ways and tolerances finds what
+//! is cheapest for each error. Times are wall times around the integration, and those of one machine: ratios count.
 
 mod bench;
+mod c_peers;
 mod case;
+mod choice;
 mod diffsol_peer;
-mod dop853_peer;
+mod dop853;
 mod files;
-mod interpolate;
 mod ode_solvers_peer;
 mod ours;
 mod peer;
+mod process;
+mod python_peers;
 mod reference;
-mod scipy_peer;
+mod scaled;
 mod table;
 
 use std::io::Write;
@@ -27,32 +31,40 @@ use std::path::PathBuf;
 
 use clap::Parser;
 
-use bench::Entry;
+use c_peers::Compiled;
+use case::{Case, Kind};
 use peer::Peer;
+use python_peers::{Heyoka, Scipy};
 
-/// Other projects' integrators and ours on the same case, compared at the same error.
+/// Tolerance at which the cost of heyoka's events is looked at.
+const EVENTS_AT: f64 = 1e-8;
+
+/// Other projects' integrators and ours on the same cases, compared at the same error.
 #[derive(Parser)]
 #[command(version)]
 struct Arguments {
-    /// Periods of the case for Rust; the means are over the second half.
+    /// Periods of a case; the means are over the second half.
     #[arg(long, value_name = "N", default_value_t = 1000)]
     periods: u32,
-    /// Periods of the case for Python, which is slow.
+    /// Periods of a case for SciPy, which is slow.
     #[arg(long, value_name = "N", default_value_t = 100)]
     python_periods: u32,
-    /// How often everything is run in turn; the least time counts.
+    /// How often the cheapest settings are run in turn; the median counts.
     #[arg(long, value_name = "N", default_value_t = 5)]
     rounds: u32,
-    /// Two rounds of a tenth of the periods, 20 for Python.
+    /// One round of a tenth of the periods, 20 for SciPy.
     #[arg(long)]
     quick: bool,
-    /// The interpreter that has SciPy.
+    /// Only these cases.
+    #[arg(long, value_name = "CASE", value_delimiter = ',')]
+    cases: Vec<Kind>,
+    /// The interpreter that has heyoka and SciPy.
     #[arg(long, value_name = "PATH", default_value = "python3")]
     python: String,
-    /// Print a table of times too, which are this machine's.
+    /// Print the tables as Markdown.
     #[arg(long)]
-    times: bool,
-    /// Folder for points, ratios, report and figures.
+    markdown: bool,
+    /// Folder for points, costs, report, figures, and the C programs.
     #[arg(short, long = "output", value_name = "DIR", default_value = "out/peers")]
     output: PathBuf,
 }
@@ -60,52 +72,77 @@ struct Arguments {
 fn main() -> anyhow::Result<()> {
     let mut arguments = Arguments::parse();
     if arguments.quick {
-        (arguments.periods, arguments.python_periods, arguments.rounds) = (arguments.periods.div_ceil(10), 20, 2);
+        (arguments.periods, arguments.python_periods, arguments.rounds) = (arguments.periods.div_ceil(10), 20, 1);
     }
     let mut out = std::io::stdout().lock();
-    let mut facts = vec![("Rust peers".to_string(), "versions in Cargo.lock".to_string())];
-    let mut entries: Vec<Entry> = rust_peers().into_iter().map(|peer| Entry::new(peer, arguments.periods)).collect();
-    match scipy_peer::all(&arguments.python) {
-        Ok((peers, version)) => {
-            facts.push(("Python peers".into(), version));
-            entries.extend(peers.into_iter().map(|peer| Entry::new(Box::new(peer), arguments.python_periods)));
+    let (mut peers, mut notes) = peers(&arguments);
+    for note in &notes {
+        writeln!(out, "{note}")?;
+    }
+    let kinds = if arguments.cases.is_empty() { Kind::ALL.to_vec() } else { arguments.cases.clone() };
+    let mut all = Vec::new();
+    for kind in kinds {
+        let periods = (arguments.periods, arguments.python_periods);
+        all.push(bench::run(kind, &mut peers, periods, arguments.rounds, &|line| eprintln!("{line}"))?);
+    }
+    for results in &all {
+        for block in [table::costs(results), table::settings(results)] {
+            let text = if arguments.markdown { block.markdown() } else { block.terminal(false) };
+            writeln!(out, "{text}")?;
         }
-        Err(error) => writeln!(
-            out,
-            "SKIPPED   SciPy: {error:#}. To have it: python3 -m venv DIR && DIR/bin/pip install scipy==1.17.1, then --python DIR/bin/python"
-        )?,
     }
-    for (whose, periods) in [("Rust", arguments.periods), ("Python", arguments.python_periods)] {
-        facts.push((format!("periods, {whose}"), periods.to_string()));
+    let said = notes.len();
+    notes.extend(all.iter().flat_map(|results| std::iter::once(results.reference.clone()).chain(table::troubles(results))));
+    for note in &notes[said..] {
+        writeln!(out, "{note}")?;
     }
-    facts.push(("rounds".into(), arguments.rounds.to_string()));
-
-    bench::run(&mut entries, arguments.rounds, |line| eprintln!("{line}"))?;
-
-    writeln!(out, "{}", table::ratios(&entries).terminal(false))?;
-    if arguments.times {
-        writeln!(out, "{}", table::costs(&entries).terminal(false))?;
-    }
-    for line in table::troubles(&entries) {
-        writeln!(out, "{line}")?;
-    }
-    files::write(&entries, &facts, &arguments.output)?;
-    writeln!(out, "{}: report.html, points.csv, ratios.csv and figures", arguments.output.display())?;
+    let facts = [
+        ("periods".to_string(), arguments.periods.to_string()),
+        ("periods, SciPy".to_string(), arguments.python_periods.to_string()),
+        ("rounds".to_string(), arguments.rounds.to_string()),
+        ("Rust peers".to_string(), "versions in Cargo.lock".to_string()),
+    ];
+    files::write(&all, &notes, &facts, &arguments.output)?;
+    writeln!(out, "{}: report.html, points.csv, costs.csv and figures", arguments.output.display())?;
     Ok(())
 }
 
-/// Ours first, then those of the Rust libraries.
-fn rust_peers() -> Vec<Box<dyn Peer>> {
-    use diffsol_peer::{Diffsol, Method};
-    use dop853_peer::Dop853Peer;
-    use ode_solvers_peer::Dopri5Peer;
-
-    let mut peers: Vec<Box<dyn Peer>> = Vec::new();
-    peers.extend(ours::METHODS.iter().map(|method| Box::new(method) as Box<dyn Peer>));
-    peers.extend([Method::Tsit45, Method::Bdf, Method::Esdirk34].map(|method| Box::new(Diffsol(method)) as Box<dyn Peer>));
-    peers.extend([Dopri5Peer::Events, Dopri5Peer::Plain].map(|way| Box::new(way) as Box<dyn Peer>));
-    peers.extend(
-        [Dop853Peer::AutonomousEvents, Dop853Peer::Autonomous, Dop853Peer::Plain].map(|way| Box::new(way) as Box<dyn Peer>),
-    );
-    peers
+/// Ours first, then all that are there; and what is to be said of them.
+fn peers(arguments: &Arguments) -> (Vec<Box<dyn Peer>>, Vec<String>) {
+    let mut peers: Vec<Box<dyn Peer>> = vec![Box::new(ours::Ours)];
+    let mut notes = Vec::new();
+    let skipped = |name: &str, error: anyhow::Error, how: &str| format!("SKIPPED   {name}: {error:#}. To have it: {how}");
+    let pip = "python3 -m venv DIR && DIR/bin/pip install heyoka scipy, then --python DIR/bin/python";
+    match Heyoka::start(&arguments.python) {
+        Ok(mut heyoka) => {
+            match heyoka.event_share(&Case::new(Kind::Ordinary, arguments.periods), EVENTS_AT) {
+                Ok(share) => notes.push(share.to_string()),
+                Err(error) => notes.push(format!("FAILED    heyoka's events: {error:#}")),
+            }
+            peers.push(Box::new(heyoka));
+        }
+        Err(error) => notes.push(skipped("heyoka", error, pip)),
+    }
+    let apt = "apt-get install --no-install-recommends gcc libsundials-dev r-cran-desolve";
+    match Compiled::lsodar(&arguments.output) {
+        Ok(lsodar) => {
+            notes.push(lsodar.compiling());
+            peers.push(Box::new(lsodar));
+        }
+        Err(error) => notes.push(skipped("LSODAR", error, apt)),
+    }
+    match Compiled::sundials(&arguments.output) {
+        Ok(both) => {
+            notes.extend(both.iter().map(Compiled::compiling));
+            peers.extend(both.map(|peer| Box::new(peer) as Box<dyn Peer>));
+        }
+        Err(error) => notes.push(skipped("CVODE, ERKStep", error, apt)),
+    }
+    peers.push(Box::new(ode_solvers_peer::OdeSolvers));
+    peers.push(Box::new(diffsol_peer::Diffsol));
+    match Scipy::start(&arguments.python) {
+        Ok(scipy) => peers.push(Box::new(scipy)),
+        Err(error) => notes.push(skipped("SciPy", error, pip)),
+    }
+    (peers, notes)
 }

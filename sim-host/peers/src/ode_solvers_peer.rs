@@ -1,10 +1,9 @@
-//! ode_solvers: the Runge-Kutta method of Dormand and Prince of order five.
+//! ode_solvers: the Runge-Kutta methods of Dormand and Prince, Dopri5 of order five (here) and Dop853 of order eight (`dop853`).
 //!
 //! The library has no root finding, so it is used in two ways: with the sign of the slip in the right-hand side, as one does first; and
 //! with the sign held, stopped by its stop function after the step in which the slip reverses, the reversal found on its continuous
 //! output, and started again from there with the step it had.
 
-use std::f64::consts::TAU;
 use std::time::Instant;
 
 use anyhow::Context;
@@ -12,95 +11,105 @@ use ode_solvers::continuous_output_model::ContinuousOutputModel;
 use ode_solvers::dop_shared::IntegrationError;
 use ode_solvers::{Dopri5, OutputType, SVector, System};
 
-use crate::case::{Case, LONGEST_FIRST_STEP, LONGEST_STEP, Scaled, quarter};
-use crate::peer::{Family, Outcome, Peer, Samples, Setting, tolerances};
+use crate::case::{Case, Kind, LONGEST_FIRST_STEP, LONGEST_STEP};
+use crate::dop853;
+use crate::peer::{Family, Outcome, Peer, Setting, Way, fine_tolerances, with_longest_steps};
+use crate::scaled::{Clock, Scaled};
 
-/// x, v, f, q, then cosine and sine of the phase, of which only an autonomous form makes use.
+/// x, v, f, q, then phase and frequency of the forcing, of which only an autonomous form makes use.
 pub type Y = SVector<f64, 6>;
 
-/// Steps in a period after which a run is given up.
-pub const MOST_STEPS: u32 = 2000;
+/// Most steps of a run.
+pub const MOST_STEPS: u32 = 200_000_000;
 /// Steps between tests for stiffness: the library's default.
 pub const STIFFNESS_TESTS: u32 = 1000;
 /// The library's defaults: safety, beta of the controller, smallest and largest change of the step.
 const CONTROL: [f64; 4] = [0.9, 0.04, 0.2, 10.0];
 
-/// The peer, by how it treats reversals.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Dopri5Peer {
-    /// Sign in the right-hand side.
-    Plain,
-    /// From reversal to reversal.
-    Events,
-}
+/// The library.
+pub struct OdeSolvers;
 
-impl Peer for Dopri5Peer {
+const WAYS: [&str; 4] = [
+    "Dopri5, located reversals",
+    "Dopri5, sgn V in f",
+    "Dop853, autonomous, located reversals",
+    "Dop853, autonomous, sgn V in f",
+];
+
+impl Peer for OdeSolvers {
     fn name(&self) -> String {
-        let way = if *self == Dopri5Peer::Events { "events" } else { "sgn V in f" };
-        format!("ode_solvers Dopri5, {way}")
+        "ode_solvers".into()
     }
 
     fn family(&self) -> Family {
         Family::Rust
     }
 
-    fn settings(&self) -> Vec<Setting> {
-        tolerances()
+    fn ways(&self, kind: Kind) -> Vec<Way> {
+        let ways = WAYS.into_iter().enumerate().map(|(number, name)| Way::new(number, name, fine_tolerances(4, 14)));
+        with_longest_steps(kind, ways.collect())
     }
 
-    fn run(&mut self, case: &Case, setting: Setting) -> anyhow::Result<Outcome> {
-        let Setting::Tolerance(tolerance) = setting else { anyhow::bail!("ode_solvers has no fixed step") };
-        let mut samples = Samples::new(case);
-        let mut leg = Leg { tolerance, start: 0.0, end: quarter(case.last_quarter()), step: 0.0, most_steps: MOST_STEPS };
-        let mut contact = Contact { scaled: case.scaled, sign: None, stops: false, autonomous: false };
+    fn run(&mut self, case: &Case, way: &Way, setting: Setting) -> anyhow::Result<Outcome> {
+        let (dopri5, events) = (way.number < 2, way.number.is_multiple_of(2));
+        let longest = way.longest.unwrap_or(if events { LONGEST_STEP } else { case.length() });
+        let leg = Leg { tolerance: setting.tolerance()?, end: 0.0, step: 0.0, longest };
+        let mut contact = Contact {
+            scaled: case.scaled,
+            clock: Clock::new(&case.scaled),
+            sign: events.then_some(1.0),
+            stops: events,
+            autonomous: !dopri5,
+        };
         let began = Instant::now();
-        match self {
-            Dopri5Peer::Plain => {
-                leg.most_steps = MOST_STEPS.saturating_mul(case.periods);
-                let path = leg.go(contact, at_rest())?;
-                while let Some(next) = samples.next() {
-                    samples.push(path.at(quarter(next))?.as_slice());
+        let [middle, end] = match (dopri5, events) {
+            (true, true) => from_reversal_to_reversal(leg, &mut contact, case)?,
+            (false, true) => dop853::from_reversal_to_reversal(leg, &mut contact, case)?,
+            (_, false) => {
+                let mut y = at_rest(&contact);
+                let mut states = [y; 2];
+                for (mark, state) in case.marks().into_iter().zip(&mut states) {
+                    let length = contact.clock.until(mark);
+                    let leg = Leg { end: length, ..leg };
+                    y = if dopri5 { leg.go(&contact, y)?.at(length)? } else { dop853::end(&leg, &contact, y)? };
+                    contact.clock.advance(length);
+                    *state = y;
                 }
+                states
             }
-            Dopri5Peer::Events => {
-                (contact.sign, contact.stops) = (Some(1.0), true);
-                from_reversal_to_reversal(leg, contact, &mut samples)?;
-            }
-        }
-        Ok(samples.outcome(began.elapsed().as_secs_f64() * 1e9))
+        };
+        let wall_ns = began.elapsed().as_secs_f64() * 1e9;
+        let sign = contact.sign.unwrap_or(contact.scaled.slip(end.as_slice()).signum());
+        Ok(Outcome::new(&case.scaled, sign, middle.as_slice(), end.as_slice(), wall_ns))
     }
 }
 
-fn from_reversal_to_reversal(mut leg: Leg, mut contact: Contact, samples: &mut Samples) -> anyhow::Result<()> {
-    let mut y = at_rest();
-    let mut turns = 0;
-    loop {
-        // Two turns are enough: a reversal comes within one.
-        leg.end = leg.start + 2.0 * TAU;
-        let path = leg.go(contact, y)?;
-        let reversal = path.reversal(&contact)?;
+fn from_reversal_to_reversal(mut leg: Leg, contact: &mut Contact, case: &Case) -> anyhow::Result<[Y; 2]> {
+    let mut y = at_rest(contact);
+    let mut states = [y; 2];
+    for (mark, state) in case.marks().into_iter().zip(&mut states) {
         loop {
-            let Some(next) = samples.next() else { return Ok(()) };
-            let phase = quarter(next - 4 * turns);
-            if phase > reversal {
+            leg.end = contact.clock.until(mark);
+            let path = leg.go(contact, y)?;
+            y = path.at(path.last.1)?;
+            if contact.forward(&y) >= 0.0 {
                 break;
             }
-            samples.push(path.at(phase)?.as_slice());
+            let reversal = path.reversal(contact)?;
+            y = path.at(reversal)?;
+            contact.reverse(reversal, &mut y);
+            leg.step = (path.last.1 - path.last.0).min(LONGEST_FIRST_STEP);
         }
-        y = path.at(reversal)?;
-        contact.reverse(&mut y);
-        (leg.start, leg.step) = (reversal, (path.last.1 - path.last.0).min(LONGEST_FIRST_STEP));
-        if reversal >= TAU {
-            leg.start -= TAU;
-            turns += 1;
-        }
+        contact.clock.advance(leg.end);
+        *state = y;
     }
+    Ok(states)
 }
 
 /// State at the beginning, at rest.
-pub fn at_rest() -> Y {
+pub fn at_rest(contact: &Contact) -> Y {
     let mut y = Y::zeros();
-    y[4] = 1.0;
+    y[5] = contact.clock.frequency;
     y
 }
 
@@ -109,11 +118,13 @@ pub fn at_rest() -> Y {
 pub struct Contact {
     /// Coefficients of the scaled equations.
     pub scaled: Scaled,
+    /// When the leg began.
+    pub clock: Clock,
     /// The sign of the slip, where it is held.
     pub sign: Option<f64>,
     /// An integration stops after the step in which the slip reverses.
     pub stops: bool,
-    /// The cosine is a state.
+    /// Phase and frequency are states.
     pub autonomous: bool,
 }
 
@@ -123,48 +134,51 @@ impl Contact {
         self.sign.unwrap_or(0.0) * self.scaled.slip(y.as_slice())
     }
 
-    /// At a reversal: the slip is zero exactly, and the sign flips.
-    pub fn reverse(&mut self, y: &mut Y) {
+    /// At a reversal: the slip is zero exactly, the sign flips, and the next leg begins.
+    pub fn reverse(&mut self, time: f64, y: &mut Y) {
         y[1] = -self.scaled.sliding;
         self.sign = self.sign.map(|sign| -sign);
+        self.clock.advance(time);
+        (y[4], y[5]) = (self.clock.phase(), self.clock.frequency);
     }
 }
 
 impl System<f64, Y> for Contact {
-    fn system(&self, phase: f64, y: &Y, rates: &mut Y) {
-        let cosine = if self.autonomous { y[4] } else { phase.cos() };
+    fn system(&self, time: f64, y: &Y, rates: &mut Y) {
+        let phase = if self.autonomous { y[4] } else { self.clock.phase_at(time) };
         match self.sign {
-            Some(sign) => self.scaled.held(sign, cosine, y.as_slice(), rates.as_mut_slice()),
-            None => self.scaled.free(cosine, y.as_slice(), rates.as_mut_slice()),
+            Some(sign) => self.scaled.held(sign, phase.cos(), y.as_slice(), rates.as_mut_slice()),
+            None => self.scaled.free(phase.cos(), y.as_slice(), rates.as_mut_slice()),
         }
-        (rates[4], rates[5]) = if self.autonomous { (-y[5], y[4]) } else { (0.0, 0.0) };
+        (rates[4], rates[5]) = if self.autonomous { (y[5], self.scaled.rate) } else { (0.0, 0.0) };
     }
 
-    fn solout(&mut self, _phase: f64, y: &Y, _rates: &Y) -> bool {
+    fn solout(&mut self, _time: f64, y: &Y, _rates: &Y) -> bool {
         self.stops && self.forward(y) < 0.0
     }
 }
 
-/// One integration.
+/// One integration, from a clock at zero.
 #[derive(Clone, Copy)]
-struct Leg {
-    tolerance: f64,
-    start: f64,
-    end: f64,
+pub struct Leg {
+    /// Absolute and relative tolerance.
+    pub tolerance: f64,
+    /// Where it ends, if no reversal ends it.
+    pub end: f64,
     /// First step; zero: the method's own choice.
-    step: f64,
-    most_steps: u32,
+    pub step: f64,
+    /// Longest step.
+    pub longest: f64,
 }
 
 impl Leg {
-    fn go(&self, contact: Contact, y: Y) -> Result<Path, IntegrationError> {
-        let Leg { tolerance, start, end, step, most_steps } = *self;
+    fn go(&self, contact: &Contact, y: Y) -> Result<Path, IntegrationError> {
+        let Leg { tolerance, end, step, longest } = *self;
         let [safety, beta, least, largest] = CONTROL;
-        let longest = if contact.sign.is_some() { LONGEST_STEP } else { end - start };
         let kind = OutputType::Continuous;
         let mut method = Dopri5::from_param(
-            contact,
-            start,
+            *contact,
+            0.0,
             end,
             0.0,
             y,
@@ -176,15 +190,15 @@ impl Leg {
             largest,
             longest,
             step,
-            most_steps,
+            MOST_STEPS,
             STIFFNESS_TESTS,
             kind,
         );
         let mut output = ContinuousOutputModel::default();
         method.integrate_with_continuous_output_model(&mut output)?;
         let ends = method.x_out();
-        let before = ends.len().checked_sub(2).map_or(start, |index| ends[index]);
-        Ok(Path { output, last: (before, ends.last().copied().unwrap_or(start)) })
+        let before = ends.len().checked_sub(2).map_or(0.0, |index| ends[index]);
+        Ok(Path { output, last: (before, ends.last().copied().unwrap_or(0.0)) })
     }
 }
 
@@ -196,9 +210,9 @@ struct Path {
 }
 
 impl Path {
-    fn at(&self, phase: f64) -> anyhow::Result<Y> {
+    fn at(&self, time: f64) -> anyhow::Result<Y> {
         // The last step may end a few units in the last place before the end asked for.
-        self.output.evaluate(phase.min(self.last.1)).context("ode_solvers has no output there")
+        self.output.evaluate(time.min(self.last.1)).context("ode_solvers has no output there")
     }
 
     /// The reversal within the last step, by bisection.

@@ -1,106 +1,84 @@
-//! This project's own methods, as peers among peers.
+//! This project's own methods, as a peer among peers.
 
 use std::time::Instant;
 
-use anyhow::ensure;
 use contact::linexp::{self, Options};
 use contact::tally::Ratios;
-use contact::{Problem, SolveError, State, Tally, rk4, rk4_events, rk4_tabulated, taylor};
+use contact::{Problem, SolveError, Tally, midpoint, rk4_events, taylor};
 
-use crate::case::Case;
-use crate::peer::{Family, Outcome, Peer, Setting};
+use crate::case::{Case, Kind};
+use crate::peer::{Family, Outcome, Peer, Setting, Way};
 
-/// A method of `contact`.
-pub struct Ours {
+/// The methods of `contact`.
+pub struct Ours;
+
+type Run = fn(&Problem, u32) -> Result<Tally, SolveError>;
+
+/// A method with the steps a period that it is run with.
+struct Method {
     name: &'static str,
     steps: &'static [u32],
-    run: fn(&Problem, u32, &mut Quarters) -> Result<Tally, SolveError>,
+    run: Run,
+    /// Whether it does LuGre's friction.
+    lugre: bool,
 }
 
-/// All of them: a new method is a new entry here. Steps a period are multiples of four, so that quarter periods end steps.
-pub const METHODS: &[Ours] = &[
-    Ours {
+const LINEXP_STEPS: &[u32] = &[2, 3, 4, 5, 6, 7, 8, 10, 12, 16, 20, 24, 32, 48, 64, 96, 128, 192, 256];
+const TAYLOR_STEPS: &[u32] = &[2, 3, 4, 5, 6, 8, 10, 12, 16, 24];
+const FIXED_STEPS: &[u32] = &[20, 40, 60, 100, 150, 200, 300, 400, 1000, 2000, 4000];
+
+/// All that are ever the cheapest: a new method is a new entry here.
+const METHODS: &[Method] = &[
+    Method {
         name: "linexp of order 2",
-        steps: &[4, 8, 12, 16, 24, 32, 64],
-        run: |problem, steps, quarters| linexp::run(problem, steps, 2, Options::Plain, &mut |state| quarters.see(state)),
+        steps: LINEXP_STEPS,
+        lugre: false,
+        run: |p, n| linexp::run(p, n, 2, Options::Plain, &mut |_| ()),
     },
-    Ours {
+    Method {
         name: "linexp of order 4",
-        steps: &[4, 8, 12, 16, 24, 32, 64],
-        run: |problem, steps, quarters| linexp::run(problem, steps, 4, Options::Plain, &mut |state| quarters.see(state)),
+        steps: LINEXP_STEPS,
+        lugre: false,
+        run: |p, n| linexp::run(p, n, 4, Options::Plain, &mut |_| ()),
     },
-    Ours {
+    Method {
         name: "linexp of order 6",
-        steps: &[4, 8, 12, 16, 24, 32],
-        run: |problem, steps, quarters| linexp::run(problem, steps, 6, Options::Plain, &mut |state| quarters.see(state)),
+        steps: LINEXP_STEPS,
+        lugre: false,
+        run: |p, n| linexp::run(p, n, 6, Options::Plain, &mut |_| ()),
     },
-    Ours {
-        name: "Taylor of order 16",
-        steps: &[4, 8, 12, 16],
-        run: |problem, steps, quarters| taylor::run(problem, steps, 16, &mut |state| quarters.see(state)),
-    },
-    Ours {
-        name: "rk4 with events",
-        steps: &[20, 40, 100, 200, 400, 1000],
-        run: |problem, steps, quarters| rk4_events::run_plain(problem, steps, &mut |state| quarters.see(state)),
-    },
-    Ours {
-        name: "rk4 as the thesis steps it",
-        steps: &[20, 40, 100, 200, 400, 1000, 2000, 4000, 10_000],
-        run: |problem, steps, quarters| rk4::run_plain(problem, steps, &mut |state| quarters.see(state)),
-    },
-    Ours {
-        name: "the same, cosines from a table",
-        steps: &[20, 40, 100, 200, 400, 1000, 2000, 4000, 10_000],
-        run: |problem, steps, quarters| rk4_tabulated::run(problem, steps, &mut |state| quarters.see(state)),
-    },
+    Method { name: "taylor of order 8", steps: TAYLOR_STEPS, lugre: true, run: |p, n| taylor::run(p, n, 8, &mut |_| ()) },
+    Method { name: "taylor of order 12", steps: TAYLOR_STEPS, lugre: true, run: |p, n| taylor::run(p, n, 12, &mut |_| ()) },
+    Method { name: "taylor of order 16", steps: TAYLOR_STEPS, lugre: true, run: |p, n| taylor::run(p, n, 16, &mut |_| ()) },
+    Method { name: "taylor of order 20", steps: TAYLOR_STEPS, lugre: true, run: |p, n| taylor::run(p, n, 20, &mut |_| ()) },
+    Method { name: "rk4-events", steps: FIXED_STEPS, lugre: true, run: |p, n| rk4_events::run_plain(p, n, &mut |_| ()) },
+    Method { name: "midpoint", steps: FIXED_STEPS, lugre: true, run: |p, n| midpoint::run(p, n, &mut |_| ()) },
 ];
 
-/// Friction at the ends of those steps that end at quarter periods.
-pub struct Quarters {
-    per_second: f64,
-    per_newton: f64,
-    forces: Vec<f64>,
-}
-
-impl Quarters {
-    #[inline]
-    fn see(&mut self, state: &State) {
-        let late = state.time_s * self.per_second - self.forces.len() as f64;
-        if late.abs() < 1e-6 {
-            self.forces.push(state.force_n * self.per_newton);
-        }
-    }
-}
-
-impl Peer for &Ours {
+impl Peer for Ours {
     fn name(&self) -> String {
-        format!("ours: {}", self.name)
+        "ours".into()
     }
 
     fn family(&self) -> Family {
         Family::Ours
     }
 
-    fn settings(&self) -> Vec<Setting> {
-        self.steps.iter().map(|&steps| Setting::Steps(steps)).collect()
+    fn ways(&self, kind: Kind) -> Vec<Way> {
+        let suited = METHODS.iter().enumerate().filter(|(_, method)| method.lugre || kind != Kind::Lugre);
+        let settings = |method: &Method| method.steps.iter().map(|&steps| Setting::Steps(steps)).collect();
+        suited.map(|(number, method)| Way::new(number, method.name, settings(method))).collect()
     }
 
-    fn run(&mut self, case: &Case, setting: Setting) -> anyhow::Result<Outcome> {
-        let Setting::Steps(steps) = setting else { anyhow::bail!("{} has a fixed step", self.name) };
+    fn run(&mut self, case: &Case, way: &Way, setting: Setting) -> anyhow::Result<Outcome> {
+        let Setting::Steps(steps) = setting else { anyhow::bail!("{} has a fixed step", way.name) };
         let problem = &case.problem;
-        let mut quarters = Quarters {
-            per_second: 4.0 * problem.waveform.frequency_hz(),
-            per_newton: 1.0 / problem.coulomb_n,
-            forces: Vec::with_capacity(case.last_quarter() as usize + 1),
-        };
         let began = Instant::now();
-        quarters.see(&problem.start);
-        let tally = (self.run)(problem, steps, &mut quarters)?;
+        let tally = (METHODS[way.number].run)(problem, steps)?;
         let mean = Ratios::of(problem, &tally).friction;
         let wall_ns = began.elapsed().as_secs_f64() * 1e9;
-        let seen = quarters.forces.len();
-        ensure!(seen == case.last_quarter() as usize + 1, "{} ended a step at {seen} quarter periods only", self.name);
-        Ok(Outcome { mean, forces: quarters.forces, wall_ns })
+        let [length, velocity, force] = case.scales();
+        let last = tally.last;
+        Ok(Outcome { mean, end: [last.x_m / length, last.v_m_per_s / velocity, last.force_n / force], wall_ns })
     }
 }

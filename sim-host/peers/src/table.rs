@@ -1,130 +1,118 @@
-//! The comparison: at the same error, every peer's cost over the cheapest of ours.
+//! The comparison of a case: what each peer takes for each error, over the cheapest of ours, and by which setting.
 
 use report::TableBlock;
 
-use crate::bench::{Entry, Quantity};
-use crate::interpolate::{Cost, cost};
-use crate::peer::Family;
-
-/// Errors at which peers are compared.
-pub const TARGETS: [(Quantity, f64); 5] =
-    [(Quantity::Mean, 1e-4), (Quantity::Mean, 1e-6), (Quantity::Mean, 1e-8), (Quantity::Force, 1e-6), (Quantity::Force, 1e-8)];
-
-/// A peer whose mean is never this good is of no use: the coarsest target.
-const USELESS: f64 = 1e-4;
+use crate::bench::{Entry, Quantity, Results};
+use crate::choice::{self, TARGETS};
 
 /// One peer's cell of the comparison.
 pub struct Cell {
-    /// What the error costs.
-    pub cost: Option<Cost>,
-    /// The cheapest of ours.
-    pub ours: Option<Cost>,
+    /// What the error costs, ns a period.
+    pub ns: Option<f64>,
+    /// Over the cheapest of ours.
+    pub ratio: Option<f64>,
+    /// The setting that does it.
+    pub setting: Option<String>,
+    /// Its error.
+    pub error: Option<f64>,
+    /// The least error of the peer.
+    pub least_error: Option<f64>,
+}
+
+/// What a peer takes for an error.
+pub fn cell(results: &Results, entry: &Entry, quantity: Quantity, level: f64) -> Cell {
+    let point = choice::cheapest(&entry.points, quantity, level);
+    let ns = point.and_then(|point| point.ns());
+    let ours = choice::ours(&results.entries, quantity, level);
+    Cell {
+        ns,
+        ratio: ns.zip(ours).map(|(ns, ours)| ns / ours),
+        setting: point.map(|point| format!("{}, {}", point.way.name, point.setting)),
+        error: point.and_then(|point| Some(point.result.as_ref().ok()?.error(quantity))),
+        least_error: choice::least_error(&entry.points, quantity),
+    }
 }
 
 impl Cell {
-    /// Cost of the peer over that of our method.
-    pub fn ratio(&self) -> Option<f64> {
-        Some(self.cost?.value()? / self.ours?.value()?)
-    }
-
-    /// How the ratio is to be read: exactly, or as a bound.
-    pub fn bound(&self) -> &'static str {
-        match (self.cost, self.ours) {
-            (Some(Cost::AtMost(_)), Some(Cost::AtMost(_))) => "~",
-            (Some(Cost::AtMost(_)), _) => "<=",
-            (_, Some(Cost::AtMost(_))) => ">=",
-            _ => "",
-        }
-    }
-
-    fn ratio_text(&self) -> String {
-        match (self.ratio(), self.cost) {
-            (Some(ratio), _) => format!("{} {}", self.bound(), three_digits(ratio)).trim().to_string(),
-            (None, Some(Cost::NotReached(best))) => format!("best: {:.0e}", best.error),
-            (None, Some(_)) => "ours: not reached".into(),
-            (None, None) => "unusable".into(),
-        }
-    }
-
-    fn cost_text(&self) -> String {
-        match self.cost {
-            Some(Cost::At(ns)) => three_digits(1e-3 * ns),
-            Some(Cost::AtMost(ns)) => format!("<= {}", three_digits(1e-3 * ns)),
-            Some(Cost::NotReached(best)) => format!("best: {:.0e} at {}", best.error, three_digits(1e-3 * best.cost)),
-            None => "unusable".into(),
+    fn text(&self) -> String {
+        match (self.ns, self.ratio) {
+            (Some(ns), Some(ratio)) => format!("{} ({})", grouped(ns), two_digits(ratio)),
+            (Some(ns), None) => format!("{} (ours: not met)", grouped(ns)),
+            (None, _) => self.least_error.map_or("none".into(), |error| format!("no: {error:.0e}")),
         }
     }
 }
 
-/// A peer's cells, in the order of the targets.
-pub fn cells(entries: &[Entry], entry: &Entry) -> Vec<Cell> {
-    let of = |entry: &Entry, (quantity, target)| if usable(entry) { cost(&entry.curve(quantity), target) } else { None };
-    let ours = |target| {
-        let all = entries.iter().filter(|entry| entry.family == Family::Ours).filter_map(|entry| of(entry, target));
-        let number = |cost: &Cost| cost.value().unwrap_or(f64::INFINITY);
-        all.min_by(|a, b| number(a).total_cmp(&number(b)))
-    };
-    TARGETS.iter().map(|&target| Cell { cost: of(entry, target), ours: ours(target) }).collect()
+fn heading((quantity, level): (Quantity, f64)) -> String {
+    format!("{} {level:.0e}", quantity.name())
 }
 
-/// Whether a peer has a point that is of any use.
-pub fn usable(entry: &Entry) -> bool {
-    entry.curve(Quantity::Mean).iter().any(|point| point.error < USELESS)
-}
-
-/// Table of costs over those of our method.
-pub fn ratios(entries: &[Entry]) -> TableBlock {
-    let caption = "Cost at the same error, over the cheapest of ours at that error: interpolated on each peer's own work-precision curve, \
-                   never beyond it. >= and <=: one side is better than asked at its coarsest already; ~: both are. best: the error is \
-                   not reached, this is the least.";
-    table("ratios", "Cost over ours, at the same error", caption, entries, Cell::ratio_text)
-}
-
-/// Table of the costs themselves.
-pub fn costs(entries: &[Entry]) -> TableBlock {
-    let caption = "Wall time, us a period, on this machine in this run: good for ratios only.";
-    table("costs", "Cost at the same error, us a period", caption, entries, Cell::cost_text)
-}
-
-fn table(id: &str, title: &str, caption: &str, entries: &[Entry], text: fn(&Cell) -> String) -> TableBlock {
-    let heading = |(quantity, target): (Quantity, f64)| match quantity {
-        Quantity::Mean => format!("mean {target:.0e}"),
-        Quantity::Force => format!("F(t) {target:.0e}"),
-    };
+/// Table of times, and in brackets of times over ours.
+pub fn costs(results: &Results) -> TableBlock {
     let row = |entry: &Entry| {
-        let cells = cells(entries, entry);
-        std::iter::once(entry.name.clone()).chain(cells.iter().map(text)).collect()
+        let cells = TARGETS.map(|(quantity, level)| cell(results, entry, quantity, level).text());
+        std::iter::once(entry.name.clone()).chain(cells).collect()
+    };
+    let name = results.kind.name();
+    TableBlock {
+        id: format!("costs-{}", results.kind.stem()),
+        title: format!("{name}: ns a period at an error, and over ours"),
+        caption: "The cheapest setting of each peer that meets the error of the mean friction ratio, or of the state at the end. no: not \
+                  met, with its least error."
+            .into(),
+        header: std::iter::once("peer".into()).chain(TARGETS.map(heading)).collect(),
+        rows: results.entries.iter().map(row).collect(),
+    }
+}
+
+/// Table of the settings behind the times.
+pub fn settings(results: &Results) -> TableBlock {
+    let rows = |entry: &Entry| {
+        let row = |(quantity, level)| {
+            let cell = cell(results, entry, quantity, level);
+            Some(vec![entry.name.clone(), heading((quantity, level)), cell.setting?, format!("{:.1e}", cell.error?)])
+        };
+        TARGETS.into_iter().filter_map(row).collect::<Vec<_>>()
     };
     TableBlock {
-        id: id.into(),
-        title: title.into(),
-        caption: caption.into(),
-        header: std::iter::once("peer".into()).chain(TARGETS.into_iter().map(heading)).collect(),
-        rows: entries.iter().map(row).collect(),
+        id: format!("settings-{}", results.kind.stem()),
+        title: format!("{}: the settings", results.kind.name()),
+        caption: "Tolerances are absolute and relative; ours: steps a period.".into(),
+        header: ["peer", "error", "cheapest setting", "its error"].map(String::from).to_vec(),
+        rows: results.entries.iter().flat_map(rows).collect(),
     }
 }
 
-/// Peers that are of no use, and runs that gave nothing, one a line.
-pub fn troubles(entries: &[Entry]) -> Vec<String> {
+/// Runs that gave nothing, one line a peer.
+pub fn troubles(results: &Results) -> Vec<String> {
     let of = |entry: &Entry| {
-        let mut failures = entry.failures();
-        let count = entry.failures().count();
-        let first =
-            failures.next().map(|(setting, why)| format!("{count} of {} runs failed, at {setting}: {why}", entry.points.len()));
-        if usable(entry) {
-            return first.map(|failure| format!("FAILED    {}: {failure}", entry.name));
-        }
-        let best = entry.curve(Quantity::Mean).iter().map(|point| point.error).reduce(f64::min);
-        let best = best.map(|error| format!("least error of the mean {error:.0e}"));
-        let what: Vec<String> = best.into_iter().chain(first).collect();
-        Some(format!("UNUSABLE  {}: {}", entry.name, what.join("; ")))
+        let mut failures = entry.points.iter().filter_map(|point| Some((point, point.result.as_ref().err()?)));
+        let count = failures.clone().count();
+        let (point, why) = failures.next()?;
+        let (name, all) = (&entry.name, entry.points.len());
+        let case = results.kind.name();
+        Some(format!("FAILED    {case}, {name}: {count} of {all} settings, first {}, {}: {why}", point.way.name, point.setting))
     };
-    entries.iter().filter_map(of).collect()
+    results.entries.iter().filter_map(of).collect()
 }
 
-fn three_digits(value: f64) -> String {
-    let decimals = (2.0 - value.log10().floor()).clamp(0.0, 3.0) as usize;
+fn two_digits(value: f64) -> String {
+    let decimals = (1.0 - value.log10().floor()).clamp(0.0, 3.0) as usize;
     format!("{value:.decimals$}")
+}
+
+/// Digits in groups of three.
+fn grouped(value: f64) -> String {
+    let digits = format!("{value:.0}");
+    let count = digits.len();
+    let mut text = String::new();
+    for (index, digit) in digits.chars().enumerate() {
+        if index > 0 && (count - index).is_multiple_of(3) {
+            text.push(' ');
+        }
+        text.push(digit);
+    }
+    text
 }
 
 #[cfg(test)]
@@ -132,14 +120,12 @@ mod tests {
     use super::*;
 
     #[test]
-    fn ratios_say_what_they_are() {
-        let cell = |cost, ours| Cell { cost: Some(cost), ours: Some(ours) }.ratio_text();
-        assert_eq!(cell(Cost::At(20.0), Cost::At(10.0)), "2.00");
-        assert_eq!(cell(Cost::AtMost(20.0), Cost::At(10.0)), "<= 2.00");
-        assert_eq!(cell(Cost::At(12345.0), Cost::AtMost(10.0)), ">= 1234");
-        assert_eq!(cell(Cost::AtMost(5.0), Cost::AtMost(10.0)), "~ 0.500");
-        let best = crate::interpolate::Measured { error: 3e-7, cost: 1.0 };
-        assert_eq!(cell(Cost::NotReached(best), Cost::At(10.0)), "best: 3e-7");
-        assert_eq!(cell(Cost::At(1.0), Cost::NotReached(best)), "ours: not reached");
+    fn cells_say_what_they_are() {
+        let cell = |ns, ratio| Cell { ns, ratio, setting: None, error: None, least_error: Some(3e-7) }.text();
+        assert_eq!(cell(Some(12_345.0), Some(7.06)), "12 345 (7.1)");
+        assert_eq!(cell(Some(500.0), Some(0.944)), "500 (0.94)");
+        assert_eq!(cell(Some(500.0), Some(1234.0)), "500 (1234)");
+        assert_eq!(cell(Some(500.0), None), "500 (ours: not met)");
+        assert_eq!(cell(None, None), "no: 3e-7");
     }
 }
