@@ -7,6 +7,7 @@
 //! | Dahl, bristles shorter than round-off | linexp of Coulomb's law | its limit, with a note |
 //! | LuGre, bristles too short for the steps of Runge-Kutta | midpoint, then rk4-events | bounded at any stiffness |
 //! | other LuGre | rk4-events, then midpoint | order four, stable from a number of steps on that is known |
+//! | LuGre at tight tolerances, and whatever these have no answer to | taylor | at round-off at any stiffness, and dear |
 //!
 //! `frozen` is never chosen: it costs what linexp costs, and leaves out what linexp has. How finely is found by runs on a
 //! `ladder` of settings: `refine` estimates the error of each from how the runs close in on each other. The coarsest that meets the
