@@ -82,6 +82,8 @@ pub struct Meter {
     pub tally: Tally,
     opened: Option<(Totals, State)>,
     closed: bool,
+    /// Coulomb force of the stretch that is under way, N.
+    coulomb_n: f64,
 }
 
 impl Meter {
@@ -90,14 +92,15 @@ impl Meter {
         Meter { tally: Tally { accounted, ..Tally::default() }, ..Meter::default() }
     }
 
-    /// A stretch begins in this state.
+    /// A stretch begins in this state. A force that is new from here on is none of the window that ends here.
     pub fn at(&mut self, stretch: &Stretch, state: &State, coulomb_n: f64) {
         if stretch.opens {
             self.opened = Some((self.totals, *state));
         }
         if stretch.closes {
-            self.close(state, coulomb_n);
+            self.close(state, self.coulomb_n);
         }
+        self.coulomb_n = coulomb_n;
         if self.is_open() {
             self.tally.marks.add(stretch.start_s, self.totals.friction_n_s);
         }

@@ -155,3 +155,42 @@ fn an_answer_that_nobody_watches_is_the_same() {
         }
     }
 }
+
+/// What comes behind the window, be it a new load at its very end, moves no mean; peaks and reversals are of all that is run.
+#[test]
+fn what_is_behind_the_window_moves_no_mean() {
+    let short = table_4_1(0.5, 200.0);
+    for load_steps in [vec![], vec![(short.duration_s, 2.0 * short.coulomb_n)]] {
+        let long = Problem { duration_s: 10.0 * short.duration_s, load_steps, ..short.clone() };
+        for (method, energies) in [(Method::Auto, true), (Method::Auto, false), (Method::Midpoint, false)] {
+            let numerics = Numerics { method, energies, tolerance: 1e-6, ..Numerics::default() };
+            let alone = solve_unwatched(&short, &numerics, &|| ()).unwrap();
+            let mut last_s = 0.0;
+            let watched = solve(&long, &numerics, &mut |state| last_s = state.time_s).unwrap();
+            assert_eq!(watched.ratios, alone.ratios, "{method:?} {energies}");
+            assert!((last_s - long.duration_s).abs() < 1e-9 * last_s, "{last_s}");
+            let unwatched = solve_unwatched(&long, &numerics, &|| ()).unwrap();
+            assert_eq!(unwatched.ratios, alone.ratios);
+            let only_means = solve_unwatched(&long, &Numerics { whole_run: false, ..numerics }, &|| ()).unwrap();
+            assert_eq!(only_means.ratios, alone.ratios);
+            let [all, means] = [&unwatched, &only_means].map(|solution| solution.tally.unwrap());
+            assert_eq!(all.coulomb_n, short.coulomb_n, "{method:?} {energies}");
+            assert!(all.steps > 5 * means.steps && (method == Method::Midpoint || all.reversals > 9 * means.reversals));
+        }
+    }
+}
+
+/// Dahl bristles so stiff that no step of linexp that can be afforded is at round-off, and LuGre's at a tolerance that is dear by order four.
+#[test]
+fn what_no_other_method_can_do_the_series_does() {
+    let lugre = Law::Lugre { stiffness_n_per_m: 56e3, static_ratio: 1.5, stribeck_m_per_s: 0.01, sigma1: 0.05, sigma2: 0.025 };
+    for (law, coulomb) in [(Law::Dahl { stiffness_n_per_m: 0.056e6 * 3e6 }, 100.0), (lugre, 1.0)] {
+        let problem = Problem { law, ..table_4_1(0.5, 30.0) };
+        let problem = Problem { coulomb_n: coulomb * problem.coulomb_n, ..problem };
+        let numerics = Numerics { tolerance: 1e-12, energies: false, ..Numerics::default() };
+        let solution = solve_unwatched(&problem, &numerics, &|| ()).unwrap();
+        let truth = Ratios::of(&problem, &taylor::run(&problem, 4, 28, &mut |_| ()).unwrap()).friction;
+        assert_eq!(solution.method, Method::Taylor, "{solution:?}");
+        assert!(solution.tolerance_met && (solution.ratios.friction - truth).abs() < 1e-12, "{truth}, {solution:?}");
+    }
+}
