@@ -115,7 +115,8 @@ impl Method {
         match self {
             Method::Linexp if problem.law == Law::Coulomb => coulomb::run(problem, steps, watch),
             Method::Linexp | Method::Frozen => linexp::run(problem, steps, order, extent, watch),
-            Method::Taylor => taylor::run(problem, steps, order, watch),
+            Method::Taylor if accounted => taylor::run(problem, steps, order, watch),
+            Method::Taylor => taylor::run_plain(problem, steps, order, watch),
             Method::Rk4 if accounted => rk4::run(problem, steps, watch),
             Method::Rk4 => rk4::run_plain(problem, steps, watch),
             Method::Rk4Events if accounted => rk4_events::run(problem, steps, watch),

@@ -33,14 +33,33 @@ const SATURATED: f64 = 1e-15;
 
 /// Runs a problem of Dahl or LuGre friction; `watch` sees the state after every step.
 pub fn run(problem: &Problem, steps_per_period: u32, order: u32, watch: &mut impl FnMut(&State)) -> Result<Tally, SolveError> {
+    of_order(problem, (steps_per_period, order), true, watch)
+}
+
+/// The same without what forcing and damper do, and what mass and spring hold: three products of series less a part.
+pub fn run_plain(
+    problem: &Problem,
+    steps_per_period: u32,
+    order: u32,
+    watch: &mut impl FnMut(&State),
+) -> Result<Tally, SolveError> {
+    of_order(problem, (steps_per_period, order), false, watch)
+}
+
+fn of_order(
+    problem: &Problem,
+    (steps, order): (u32, u32),
+    accounted: bool,
+    watch: &mut impl FnMut(&State),
+) -> Result<Tally, SolveError> {
     match order {
-        8 => Run::<9>::new(problem)?.all(steps_per_period, watch),
-        12 => Run::<13>::new(problem)?.all(steps_per_period, watch),
-        16 => Run::<17>::new(problem)?.all(steps_per_period, watch),
-        20 => Run::<21>::new(problem)?.all(steps_per_period, watch),
-        24 => Run::<25>::new(problem)?.all(steps_per_period, watch),
-        28 => Run::<29>::new(problem)?.all(steps_per_period, watch),
-        32 => Run::<33>::new(problem)?.all(steps_per_period, watch),
+        8 => Run::<9>::new(problem, accounted)?.all(steps, watch),
+        12 => Run::<13>::new(problem, accounted)?.all(steps, watch),
+        16 => Run::<17>::new(problem, accounted)?.all(steps, watch),
+        20 => Run::<21>::new(problem, accounted)?.all(steps, watch),
+        24 => Run::<25>::new(problem, accounted)?.all(steps, watch),
+        28 => Run::<29>::new(problem, accounted)?.all(steps, watch),
+        32 => Run::<33>::new(problem, accounted)?.all(steps, watch),
         _ => Err(SolveError::Unsuited { method: METHOD, reason: format!("order {order} is none of {ORDERS:?}") }),
     }
 }
@@ -59,14 +78,14 @@ struct Run<'a, const N: usize> {
 }
 
 impl<'a, const N: usize> Run<'a, N> {
-    fn new(problem: &'a Problem) -> Result<Self, SolveError> {
+    fn new(problem: &'a Problem, accounted: bool) -> Result<Self, SolveError> {
         if problem.law == Law::Coulomb {
             let reason = "it integrates friction with bristles; linexp has Coulomb's".into();
             return Err(SolveError::Unsuited { method: METHOD, reason });
         }
         let State { x_m, v_m_per_s, force_n, .. } = problem.start;
         let coulomb_n = problem.coulomb_n;
-        let meter = Meter::new(true);
+        let meter = Meter::new(accounted);
         let bristle = force_n / coulomb_n;
         Ok(Run { problem, coulomb_n, x: x_m, v: v_m_per_s, bristle, f: bristle, sense: 0.0, meter })
     }
@@ -167,6 +186,17 @@ impl<'a, const N: usize> Run<'a, N> {
         totals.friction_n_s += h * self.coulomb_n * integral(&series.f, s);
         totals.friction_work_j += h * self.coulomb_n * integral(&series.power, s);
         (totals.felt_n_s, totals.felt_work_j) = (totals.friction_n_s, totals.friction_work_j);
+        if self.meter.tally.accounted {
+            self.add_energies(series, s);
+        }
+        (self.x, self.v) = (value(&series.x, s), value(&series.v, s));
+        (self.bristle, self.f) = (value(&series.bristle, s), value(&series.f, s));
+    }
+
+    /// Adds what forcing and damper do up to the part `s`, and what mass and spring hold.
+    fn add_energies(&mut self, series: &Series<N>, s: f64) {
+        let h = series.unit_s;
+        let totals = &mut self.meter.totals;
         match self.problem.motion {
             Motion::Kinematic => {
                 totals.input_j += h * self.coulomb_n * integral(&product(&series.f, &series.v), s);
@@ -179,8 +209,6 @@ impl<'a, const N: usize> Run<'a, N> {
                 totals.potential_j_s += 0.5 * stiffness_n_per_m * h * integral(&product(&series.x, &series.x), s);
             }
         }
-        (self.x, self.v) = (value(&series.x, s), value(&series.v, s));
-        (self.bristle, self.f) = (value(&series.bristle, s), value(&series.f, s));
     }
 }
 
@@ -206,6 +234,22 @@ mod tests {
         // The thesis's own solver at its own step, which has an error of 3e-8 there.
         let thesis = Ratios::of(&problem, &rk4::run(&problem, 1000, &mut |_| ()).unwrap());
         assert!((thesis.friction - fine.friction).abs() < 1e-7);
+    }
+
+    #[test]
+    fn a_plain_run_is_the_same_motion_without_energies() {
+        let mut lugre = table_4_1(0.5, 40.0);
+        lugre.law =
+            Law::Lugre { stiffness_n_per_m: 0.056e6, static_ratio: 1.6, stribeck_m_per_s: 1e-2, sigma1: 1.0, sigma2: 1e-3 };
+        for problem in [table_4_1(0.5, 40.0), lugre] {
+            let whole = run(&problem, 12, 16, &mut |_| ()).unwrap();
+            let plain = run_plain(&problem, 12, 16, &mut |_| ()).unwrap();
+            assert!(whole.accounted && !plain.accounted);
+            assert_eq!((plain.last, plain.reversals, plain.steps), (whole.last, whole.reversals, whole.steps));
+            let [whole, plain] = [whole, plain].map(|tally| Ratios::of(&problem, &tally));
+            assert_eq!(plain, Ratios { friction: whole.friction, power: whole.power, ..Ratios::default() });
+            assert!(whole.power.is_some() && whole.input.is_some());
+        }
     }
 
     #[test]
