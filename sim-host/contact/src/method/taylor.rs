@@ -36,7 +36,7 @@ pub fn run(problem: &Problem, steps_per_period: u32, order: u32, watch: &mut imp
     of_order(problem, (steps_per_period, order), true, watch)
 }
 
-/// The same without what forcing and damper do, and what mass and spring hold: three products of series less a part.
+/// The same without what forcing and damper do, and what mass and spring hold: up to three products of series less a part.
 pub fn run_plain(
     problem: &Problem,
     steps_per_period: u32,
