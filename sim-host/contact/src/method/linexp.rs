@@ -15,6 +15,7 @@
 //!
 //! The flows of whole periods are made once: a step costs a few multiplications and one exponential a node, one more at its end.
 
+mod abreast;
 mod decay;
 mod energy_sums;
 mod exact_step;
@@ -23,6 +24,7 @@ mod quadrature;
 mod simd_nodes;
 mod substep;
 
+pub use abreast::run_abreast;
 use exact_step::Exact;
 use fast_step::{Table, fast_step};
 use quadrature::Nodes;

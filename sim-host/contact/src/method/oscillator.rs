@@ -80,7 +80,7 @@ impl Oscillator {
 /// Most coefficients of a series.
 const LARGEST: usize = 34;
 /// One over the index.
-const INVERSE: [f64; LARGEST] = {
+pub(super) const INVERSE: [f64; LARGEST] = {
     let mut inverse = [0.0; LARGEST];
     let mut k = 1;
     while k < LARGEST {

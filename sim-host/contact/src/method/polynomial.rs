@@ -47,7 +47,7 @@ struct Point {
 }
 
 /// A step this much shorter than the one before is of a method that converges by squares.
-const SQUARES: f64 = 0.2;
+pub(super) const SQUARES: f64 = 0.2;
 
 /// The root between a point and `high`, where the polynomial has the value `last` of opposite sign: Newton's method, bracketed by the
 /// bracket.
@@ -88,7 +88,7 @@ fn root<const N: usize>(c: &[f64; N], from: Point, high: f64, last: f64, enough:
 }
 
 /// Parts of a step that are looked at one by one: between two of them a velocity turns at most once.
-const PARTS: u32 = 2;
+pub(super) const PARTS: u32 = 2;
 
 /// The first moment of the step at which a velocity of sign `sense` goes through zero.
 ///

@@ -5,7 +5,7 @@
 use super::simd_nodes::SimdNodes;
 
 /// Up to here the series is good to a few units of the last place: the term left out is below 1e-15.
-const SHORT: f64 = 0.5;
+pub(super) const SHORT: f64 = 0.5;
 
 /// `exp(-x)` of each. A slip against its sign is round-off: it does not grow beyond `exp(0.5)`, so that nothing times it is nothing.
 #[inline]
@@ -24,7 +24,7 @@ pub(super) fn decay<L: SimdNodes>(x: L) -> L {
 }
 
 /// One over the factorial.
-const INVERSE: [f64; 14] = {
+pub(super) const INVERSE: [f64; 14] = {
     let mut inverse = [1.0; 14];
     let mut k = 1;
     while k < 14 {

@@ -19,11 +19,11 @@ use crate::tally::{Meter, State};
 /// Steepest part, times the steps a period: the exponent of friction over one part is at most this over the steps.
 const STEEPEST: f64 = 64.0;
 /// Longest part in units of the time constant of mass and contact stiffness, sqrt(m / Kt).
-const LONGEST: f64 = 0.5;
+pub(super) const LONGEST: f64 = 0.5;
 /// Shortest part of a step.
-const SHORTEST: f64 = 1e-12;
+pub(super) const SHORTEST: f64 = 1e-12;
 /// A reversal is located to the square of this part of a step; friction, which is level there, is then off by the fourth power.
-const LOCATED: f64 = 3e-4;
+pub(super) const LOCATED: f64 = 3e-4;
 /// Friction this close to its bound does not change any more.
 const SATURATED: f64 = 1e-15;
 /// Below this the third power is round-off.
@@ -57,7 +57,7 @@ pub(super) struct Exact<const K: usize, const N: usize> {
     pub saturated: f64,
     pub meter: Meter,
     kt: f64,
-    kernel: [f64; KERNEL],
+    pub kernel: [f64; KERNEL],
     /// Whether the energies are added up.
     pub with_sums: bool,
     /// Whether friction acts on the motion.
@@ -193,7 +193,7 @@ where
     }
 
     /// Goes along a part at whose beginning the slip velocity only touches zero: it has a sign, and no reversal.
-    fn touch(&mut self, part: &mut Substep<N>) -> f64 {
+    pub fn touch(&mut self, part: &mut Substep<N>) -> f64 {
         let slip = self.sliding + self.sign * value(&part.v, 0.5);
         if slip * self.sense < 0.0 {
             self.sense = -self.sense;
@@ -223,7 +223,7 @@ where
     }
 
     /// The motion over `unit_s` seconds, with friction as its own series begins.
-    fn part(&self, forcing: &Forcing, at_s: f64, unit_s: f64) -> Substep<N> {
+    pub fn part(&self, forcing: &Forcing, at_s: f64, unit_s: f64) -> Substep<N> {
         let u: [f64; N] = self.oscillator.forcing(forcing, at_s, unit_s);
         let f = self.friction_terms(unit_s);
         let mut driven = u;
@@ -238,7 +238,7 @@ where
     fn piece(&self, part: &mut Substep<N>, from: f64, to: f64) -> Piece<K> {
         let (length, s, excess) = (to - from, self.sense, self.f - self.sense);
         let end = Lanes::<K>::END;
-        let places = Lanes::<K>::each(|lane| if lane == end { to } else { from + length * place::<K>(lane) });
+        let places = Lanes::<K>::each(|lane| if lane < K { from + length * place::<K>(lane) } else { to });
         // The slip by the polynomial, and what friction is then; kicks of this part come on top, to second order.
         let slide = (places - Lanes::<K>::all(from)) * Lanes::<K>::all(self.sliding * part.unit_s);
         let there = values(&part.x, places);

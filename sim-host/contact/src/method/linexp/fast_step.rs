@@ -59,7 +59,7 @@ pub(super) struct Forced<L, const N: usize> {
 }
 
 /// Coefficients with which the tables are made: exact to round-off for steps of up to a radian.
-const EXACT: usize = 24;
+pub(super) const EXACT: usize = 24;
 
 impl<const K: usize, const N: usize> Table<K, N>
 where

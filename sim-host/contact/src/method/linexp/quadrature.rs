@@ -13,9 +13,9 @@ impl<const K: usize> Nodes<K> {
     /// Weights of the nodes, whose sum is one.
     pub const WEIGHT: [f64; K] = pick([1.0], [0.5, 0.5], [5.0 / 18.0, 8.0 / 18.0, 5.0 / 18.0]);
     /// Weights of a mean that knows the ends, their slopes and their curvatures, too; exact for degree 7, 7 and 9.
-    const MEAN: [f64; K] = pick([16.0 / 35.0], [27.0 / 35.0; 2], [125.0 / 189.0, 352.0 / 945.0, 125.0 / 189.0]);
+    pub const MEAN: [f64; K] = pick([16.0 / 35.0], [27.0 / 35.0; 2], [125.0 / 189.0, 352.0 / 945.0, 125.0 / 189.0]);
     /// Weights of the ends, of their slopes and of their curvatures: one number for each K.
-    const OUTER: (f64, f64, f64) = match K {
+    pub const OUTER: (f64, f64, f64) = match K {
         1 => (19.0 / 70.0, 1.0 / 35.0, 1.0 / 840.0),
         2 => (-19.0 / 70.0, -1.0 / 20.0, -1.0 / 420.0),
         _ => (-73.0 / 210.0, -13.0 / 420.0, -1.0 / 1260.0),

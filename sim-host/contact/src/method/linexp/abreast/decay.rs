@@ -1,0 +1,33 @@
+//! `exp(-x)` at the places of a step, as [`decay`](super::super::decay) has it.
+
+use fearless_simd::{Simd, SimdBase};
+
+use super::super::decay::{INVERSE, SHORT};
+use super::vector::{Each, Which, all, numbers};
+
+/// `exp(-x)` of the contacts that are `on`, at all their places: by the short series where all of a contact's are short.
+#[inline(always)]
+pub(super) fn decay<S: Simd, const P: usize>(x: &[Each<S>; P], on: Which<S>) -> [Each<S>; P] {
+    let mut long = x[0].abs().simd_gt(SHORT);
+    for x in &x[1..] {
+        long |= x.abs().simd_gt(SHORT);
+    }
+    let mut out = x.map(series);
+    for number in numbers(long & on) {
+        for (out, x) in out.iter_mut().zip(x) {
+            out[number] = (-x[number]).min(SHORT).exp();
+        }
+    }
+    out
+}
+
+#[inline(always)]
+fn series<S: Simd>(x: Each<S>) -> Each<S> {
+    let pair = |even: usize| all(x.simd, INVERSE[even]) - x * INVERSE[even + 1];
+    let x2 = x * x;
+    let x4 = x2 * x2;
+    let low = pair(0) + x2 * pair(2);
+    let low = low + x4 * (pair(4) + x2 * pair(6));
+    let high = pair(8) + x2 * pair(10) + x4 * pair(12);
+    low + (x4 * x4) * high
+}

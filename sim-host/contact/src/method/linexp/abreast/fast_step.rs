@@ -1,0 +1,81 @@
+//! The fast step of eight contacts: [`fast_step`](super::super::fast_step) abreast.
+
+use fearless_simd::{Simd, SimdBase, SimdMask};
+
+use super::super::exact_step::SMALL;
+use super::super::quadrature::Nodes;
+use super::super::simd_nodes::Places;
+use super::exact_step::decay_at;
+use super::state::Abreast;
+use super::table::Tables;
+use super::vector::{Each, Which, all, put};
+
+/// One step by the tables of those that are `on`; tells who has done it. Nothing is done with who has a reversal or is steep.
+#[inline(always)]
+pub(super) fn fast_step<S: Simd, const K: usize, const N: usize>(
+    runs: &mut Abreast<S, K, N>,
+    table: &Tables<S, K, N>,
+    step: usize,
+    on: Which<S>,
+) -> Which<S>
+where
+    Nodes<K>: Places,
+{
+    let simd = runs.simd;
+    let none = on & !on;
+    let Some(forced) = table.forced.get(step) else { return none };
+    let (zero, one) = (all(simd, 0.0), all(simd, 1.0));
+    let (x, v, s) = (runs.x, runs.v, runs.sense);
+    let excess = runs.f - s;
+    let steep = runs.per_metre * s;
+    let rate = runs.here.slope;
+    let (push, push_rate) = (runs.push * runs.f, runs.push * rate);
+    let [by_x, by_v, by_push, by_rate] = table.v_end;
+    let v_free = by_x * x + by_v * v + forced.v_end - by_push * push - by_rate * push_rate;
+    let on = on & !((runs.sliding + runs.sign * v_free) * s).simd_lt(0.0);
+    if !on.any_true() {
+        return none;
+    }
+    let mut there = [zero; 4];
+    let mut slips = [zero; 4];
+    let mut exponents = [zero; 4];
+    for lane in 0..=K {
+        let pushed = table.x.push[lane] * push + table.x.push_rate[lane] * push_rate;
+        there[lane] = table.x.x[lane] * x + table.x.v[lane] * v + forced.x[lane] - pushed;
+        slips[lane] = table.slide[lane] + (there[lane] - x) * runs.sign;
+        exponents[lane] = slips[lane] * steep;
+    }
+    let decays = decay_at::<S, K>(&exponents, on);
+    let answer = |lane: usize, kicks: &[Each<S>; K]| {
+        let mut sum = all(simd, -0.0);
+        for (kick, by) in kicks.iter().zip(&table.kick[lane]) {
+            sum += *kick * *by;
+        }
+        sum
+    };
+    let force = |lane: usize, late: Each<S>| s + excess * decays[lane] * (one + late * (one + late * 0.5));
+    let (mut kicks, mut forces) = ([zero; K], [zero; K]);
+    for i in 0..K {
+        forces[i] = force(i, steep * runs.sign * answer(i, &kicks));
+        kicks[i] = table.h * Nodes::<K>::WEIGHT[i] * runs.push * (forces[i] - runs.f - rate * table.at_s[i]);
+    }
+    let back = answer(K, &kicks);
+    let late = steep * runs.sign * back;
+    let f_end = force(K, late);
+    let x_end = there[K] - back;
+    let mut v_kicks = all(simd, -0.0);
+    for (kick, by) in kicks.iter().zip(&table.kick_end) {
+        v_kicks += *kick * *by;
+    }
+    let v_end = v_free - v_kicks;
+    let slip = slips[K] - runs.sign * back;
+    let slip_velocity = runs.sliding + runs.sign * v_end;
+    let a_end = runs.sign * runs.acceleration(forced.last, x_end, v_end, f_end);
+    let dips = (runs.a * s).simd_lt(0.0) & (a_end * s).simd_gt(0.0);
+    let too_steep = exponents[K].simd_gt(runs.steepest) & excess.abs().simd_gt(runs.saturated);
+    let done = on & !((slip_velocity * s).simd_lt(0.0) | dips | too_steep | late.abs().simd_gt(SMALL));
+    put(&mut runs.x, done, x_end);
+    put(&mut runs.v, done, v_end);
+    runs.add_friction(done, table.h, &forces, (f_end, slip_velocity, a_end), slip);
+    done
+}

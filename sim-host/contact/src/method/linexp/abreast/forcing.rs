@@ -1,0 +1,74 @@
+//! The forcing of eight contacts over a stretch: of all a cosine of constant frequency, or of all a straight line.
+
+use std::f64::consts::TAU;
+
+use fearless_simd::Simd;
+
+use super::vector::{Each, WIDTH, Which, all, each, numbers};
+use crate::forcing::{Forcing, INVERSE};
+
+/// A forcing of each, of one kind.
+#[derive(Clone, Copy)]
+pub(super) enum Forcings<S: Simd> {
+    Cosine { size: Each<S>, turns: Each<S>, hz: Each<S> },
+    Line { value: Each<S>, slope: Each<S> },
+}
+
+impl<S: Simd> Forcings<S> {
+    /// The forcings, if they are of one kind.
+    #[inline(always)]
+    pub fn of_all(simd: S, forcings: &[Forcing; WIDTH]) -> Option<Self> {
+        let cosine = |forcing: &Forcing| match *forcing {
+            Forcing::Cosine { size, turns, hz, hz_per_s: 0.0 } => Some([size, turns, hz]),
+            _ => None,
+        };
+        let line = |forcing: &Forcing| match *forcing {
+            Forcing::Line { value, slope } => Some([value, slope]),
+            Forcing::Cosine { .. } => None,
+        };
+        if forcings.iter().all(|forcing| cosine(forcing).is_some()) {
+            let of = |k: usize| each(simd, |number| cosine(&forcings[number]).map_or(0.0, |cosine| cosine[k]));
+            return Some(Forcings::Cosine { size: of(0), turns: of(1), hz: of(2) });
+        }
+        let of = |k: usize| each(simd, |number| line(&forcings[number]).map_or(0.0, |line| line[k]));
+        forcings.iter().all(|forcing| line(forcing).is_some()).then(|| Forcings::Line { value: of(0), slope: of(1) })
+    }
+
+    /// That of one.
+    #[inline(always)]
+    pub fn one(&self, number: usize) -> Forcing {
+        match self {
+            Forcings::Cosine { size, turns, hz } => {
+                Forcing::Cosine { size: size[number], turns: turns[number], hz: hz[number], hz_per_s: 0.0 }
+            }
+            Forcings::Line { value, slope } => Forcing::Line { value: value[number], slope: slope[number] },
+        }
+    }
+
+    /// As [`Oscillator::forcing`](crate::method::oscillator::Oscillator::forcing), of those that are `on`.
+    #[inline(always)]
+    pub fn taylor_in<const N: usize>(&self, s: Each<S>, unit: Each<S>, per_mass: Each<S>, on: Which<S>) -> [Each<S>; N] {
+        let mut out = [all(s.simd, 0.0); N];
+        match *self {
+            Forcings::Cosine { size, turns, hz } => {
+                let omega = hz * TAU * unit;
+                let angle = (turns + s * hz) * TAU;
+                let (mut sine, mut cosine) = (angle, angle);
+                for number in numbers(on) {
+                    (sine[number], cosine[number]) = angle[number].sin_cos();
+                }
+                let (mut y, mut z) = (size * cosine, size * sine);
+                for (coefficient, over) in out.iter_mut().zip(INVERSE) {
+                    *coefficient = y;
+                    let by = omega * over;
+                    (y, z) = (-by * z, by * y);
+                }
+            }
+            Forcings::Line { value, slope } => {
+                out[0] = value + slope * s;
+                out[1] = slope * unit;
+            }
+        }
+        out.map(|c| c * per_mass)
+    }
+}

@@ -1,0 +1,216 @@
+//! Eight runs from beginning to end, stretch by stretch in step.
+
+use fearless_simd::{Simd, SimdBase, SimdFloat, SimdMask};
+
+use super::super::METHOD;
+use super::super::exact_step::Exact;
+use super::super::quadrature::Nodes;
+use super::super::simd_nodes::Places;
+use super::fast_step::fast_step;
+use super::forcing::Forcings;
+use super::state::Abreast;
+use super::table::Tables;
+use super::vector::{Each, WIDTH, Which, all, each, numbers, put};
+use crate::SolveError;
+use crate::problem::Problem;
+use crate::state::State;
+use crate::tally::Tally;
+use crate::timeline::{Stretch, Timeline};
+
+/// Steps of all together between two pauses.
+const PAUSE: u32 = 1 << 16;
+
+/// What a run has come to.
+pub(super) type Outcome = Result<Tally, SolveError>;
+
+/// Largest sizes at the steps' ends.
+struct Peaks<S: Simd> {
+    velocity: Each<S>,
+    displacement: Each<S>,
+    force: Each<S>,
+    steps: u64,
+}
+
+/// Runs of eight contacts, of which the first `count` are asked for; none if their stretches are not alike.
+#[inline(always)]
+pub(super) fn run<S: Simd, const K: usize, const N: usize>(
+    simd: S,
+    problems: &[&Problem; WIDTH],
+    count: usize,
+    alone: [Exact<K, N>; WIDTH],
+    steps_per_period: u32,
+    pause: &dyn Fn(),
+) -> Option<Vec<Outcome>>
+where
+    Nodes<K>: Places,
+{
+    let zero = all(simd, 0.0);
+    let mut runs = Abreast::new(simd, alone);
+    let mut peaks = Peaks { velocity: zero, displacement: zero, force: zero, steps: 0 };
+    let mut timelines = problems.map(Timeline::new);
+    let mut tables: Vec<Option<Tables<S, K, N>>> = Vec::new();
+    let mut outcomes: [Option<Outcome>; WIDTH] = std::array::from_fn(|_| None);
+    let mut on = Which::from_bitmask(simd, (1 << count) - 1);
+    let mut now_s = [0.0; WIDTH];
+    let mut since_pause = 0;
+    while let Some(stretches) = alike(&mut timelines, steps_per_period)? {
+        let Some(forcings) = Forcings::of_all(simd, &stretches.each_ref().map(|stretch| stretch.forcing)) else { return None };
+        begin(&mut runs, &stretches, &forcings, now_s, on);
+        let steps = stretches[0].steps(steps_per_period);
+        let h = each(simd, |number| stretches[number].length_s / f64::from(steps));
+        let mut tabled = on & on;
+        for number in numbers(on) {
+            if runs.alone[number].is_stiff(h[number]) {
+                tabled.set(number, false);
+            }
+        }
+        let template = stretches[0].template.filter(|_| tabled.any_true());
+        if let Some(template) = template {
+            if tables.len() <= template {
+                tables.resize_with(template + 1, || None);
+            }
+            if tables[template].is_none() {
+                tables[template] = Some(Tables::new(&runs, &forcings, on, steps, h));
+            }
+        }
+        let table = template.and_then(|template| tables.get(template)).and_then(Option::as_ref);
+        let behind_n_s = std::mem::replace(&mut runs.friction_n_s, zero);
+        for step in 0..steps {
+            go(&mut runs, table, (&forcings, step, h), (on, tabled));
+            peaks.see(&runs, on);
+        }
+        since_pause += steps * WIDTH as u32;
+        if since_pause >= PAUSE {
+            since_pause = 0;
+            pause();
+        }
+        runs.friction_n_s += behind_n_s;
+        now_s = std::array::from_fn(|number| stretches[number].start_s + f64::from(steps) * h[number]);
+        let finite = runs.x.is_finite() & (runs.coulomb_n * runs.f).is_finite();
+        for number in numbers(on & !finite) {
+            outcomes[number] = Some(Err(SolveError::Diverged { method: METHOD, time_s: now_s[number] }));
+        }
+        on &= finite;
+        if !on.any_true() {
+            break;
+        }
+    }
+    for number in numbers(on) {
+        outcomes[number] = Some(Ok(peaks.finish(&mut runs, number, now_s[number])));
+    }
+    outcomes.into_iter().take(count).collect()
+}
+
+/// The next stretch of each; nothing when all are over, and none if they are not alike.
+#[inline(always)]
+fn alike(timelines: &mut [Timeline; WIDTH], steps_per_period: u32) -> Option<Option<[Stretch; WIDTH]>> {
+    let next = timelines.each_mut().map(Iterator::next);
+    let Some(first) = next[0] else { return next.iter().all(Option::is_none).then_some(None) };
+    let like = |stretch: &Stretch| {
+        stretch.template == first.template
+            && (stretch.opens, stretch.closes) == (first.opens, first.closes)
+            && stretch.load.is_none()
+            && stretch.steps(steps_per_period) == first.steps(steps_per_period)
+    };
+    next.iter().all(|stretch| stretch.as_ref().is_some_and(like)).then(|| Some(next.map(|stretch| stretch.unwrap_or(first))))
+}
+
+/// A stretch begins, as [`Exact::face`] and the meter have it.
+#[inline(always)]
+fn begin<S: Simd, const K: usize, const N: usize>(
+    runs: &mut Abreast<S, K, N>,
+    stretches: &[Stretch; WIDTH],
+    forcings: &Forcings<S>,
+    now_s: [f64; WIDTH],
+    on: Which<S>,
+) where
+    Nodes<K>: Places,
+{
+    if matches!(forcings, Forcings::Cosine { .. }) && !(on & runs.sense.simd_eq(0.0)).any_true() {
+        // A cosine goes on where the last one ended.
+        runs.face(on, runs.end(runs.f, runs.slip_velocity, runs.a));
+    } else {
+        for number in numbers(on) {
+            let Stretch { forcing, length_s, .. } = stretches[number];
+            runs.let_one(number, |run| run.face(&forcing, length_s));
+        }
+    }
+    for number in numbers(on) {
+        let state = state(runs, number, now_s[number]);
+        let run = &mut runs.alone[number];
+        run.meter.totals.friction_n_s = runs.friction_n_s[number];
+        run.meter.totals.friction_work_j = runs.friction_work_j[number];
+        run.meter.at(&stretches[number], &state, run.coulomb_n);
+    }
+}
+
+#[inline(always)]
+fn state<S: Simd, const K: usize, const N: usize>(runs: &Abreast<S, K, N>, number: usize, time_s: f64) -> State
+where
+    Nodes<K>: Places,
+{
+    let force_n = runs.coulomb_n[number] * runs.f[number];
+    State { time_s, x_m: runs.x[number], v_m_per_s: runs.v[number], force_n }
+}
+
+/// One step of those that are `on`: by the table, or with one reversal by the table, or in parts.
+#[inline(always)]
+fn go<S: Simd, const K: usize, const N: usize>(
+    runs: &mut Abreast<S, K, N>,
+    table: Option<&Tables<S, K, N>>,
+    (forcings, step, h): (&Forcings<S>, u32, Each<S>),
+    (on, tabled): (Which<S>, Which<S>),
+) where
+    Nodes<K>: Places,
+{
+    let mut todo = on;
+    let mut done = all(runs.simd, 0.0);
+    if let Some(table) = table {
+        todo &= !fast_step(runs, table, step as usize, tabled);
+        let short = todo & tabled & h.simd_le(runs.longest());
+        if short.any_true()
+            && let Some(mut part) = table.part(runs, step as usize)
+        {
+            let end = runs.go(&mut part, short);
+            put(&mut done, short, end);
+        }
+    }
+    todo &= done.simd_lt(1.0);
+    if todo.any_true() {
+        runs.step(forcings, h * f64::from(step), h, done * h, todo);
+    }
+}
+
+impl<S: Simd> Peaks<S> {
+    /// A step has ended.
+    #[inline(always)]
+    fn see<const K: usize, const N: usize>(&mut self, runs: &Abreast<S, K, N>, on: Which<S>)
+    where
+        Nodes<K>: Places,
+    {
+        let larger = |peak: &mut Each<S>, size: Each<S>| put(peak, on & size.simd_gt(*peak), size);
+        larger(&mut self.velocity, runs.v.abs());
+        larger(&mut self.displacement, runs.x.abs());
+        larger(&mut self.force, runs.f.abs());
+        self.steps += 1;
+    }
+
+    /// What one has added up.
+    #[inline(always)]
+    fn finish<const K: usize, const N: usize>(&self, runs: &mut Abreast<S, K, N>, number: usize, time_s: f64) -> Tally
+    where
+        Nodes<K>: Places,
+    {
+        let state = state(runs, number, time_s);
+        let run = &mut runs.alone[number];
+        run.meter.totals.friction_n_s = runs.friction_n_s[number];
+        run.meter.totals.friction_work_j = runs.friction_work_j[number];
+        let tally = &mut run.meter.tally;
+        tally.peak_velocity_m_per_s = self.velocity[number];
+        tally.peak_displacement_m = self.displacement[number];
+        tally.peak_force_ratio = self.force[number];
+        tally.steps = self.steps;
+        tally.reversals = runs.reversals[number] as u64;
+        run.meter.finish(&state, run.coulomb_n)
+    }
+}
