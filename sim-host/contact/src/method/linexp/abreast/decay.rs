@@ -12,7 +12,10 @@ pub(super) fn decay<S: Simd, const P: usize>(x: &[Each<S>; P], on: Which<S>) -> 
     for x in &x[1..] {
         long |= x.abs().simd_gt(SHORT);
     }
-    let mut out = x.map(series);
+    let mut out = *x;
+    for k in 0..P {
+        out[k] = series(x[k]);
+    }
     for number in numbers(long & on) {
         for (out, x) in out.iter_mut().zip(x) {
             out[number] = (-x[number]).min(SHORT).exp();
@@ -23,11 +26,15 @@ pub(super) fn decay<S: Simd, const P: usize>(x: &[Each<S>; P], on: Which<S>) -> 
 
 #[inline(always)]
 fn series<S: Simd>(x: Each<S>) -> Each<S> {
-    let pair = |even: usize| all(x.simd, INVERSE[even]) - x * INVERSE[even + 1];
     let x2 = x * x;
     let x4 = x2 * x2;
-    let low = pair(0) + x2 * pair(2);
-    let low = low + x4 * (pair(4) + x2 * pair(6));
-    let high = pair(8) + x2 * pair(10) + x4 * pair(12);
+    let low = pair(x, 0) + x2 * pair(x, 2);
+    let low = low + x4 * (pair(x, 4) + x2 * pair(x, 6));
+    let high = pair(x, 8) + x2 * pair(x, 10) + x4 * pair(x, 12);
     low + (x4 * x4) * high
+}
+
+#[inline(always)]
+fn pair<S: Simd>(x: Each<S>, even: usize) -> Each<S> {
+    all(x.simd, INVERSE[even]) - x * INVERSE[even + 1]
 }

@@ -35,15 +35,33 @@ impl<S: Simd, const N: usize> Substeps<S, N> {
         Substeps { unit_s, x, v, u, f, kicks: [(zero, zero); KICKS], count: 0 }
     }
 
-    /// As [`Exact::answer`](super::super::exact_step::Exact::answer), with the kernel or its slopes.
+    /// As [`Exact::answer`](super::super::exact_step::Exact::answer).
     #[inline(always)]
-    fn answer(&self, at: Each<S>, kernel: impl Fn(Each<S>) -> Each<S>) -> Each<S> {
+    fn answer(&self, at: Each<S>, kernel: &[Each<S>; KERNEL]) -> Each<S> {
         let mut sum = all(at.simd, -0.0);
         for (when, kick) in &self.kicks[..self.count] {
-            sum += *kick * kernel((at - *when) * self.unit_s);
+            sum += *kick * value(kernel, (at - *when) * self.unit_s);
         }
         sum
     }
+
+    /// As [`Exact::answer_velocity`](super::super::exact_step::Exact::answer_velocity), of the kernel's slopes.
+    #[inline(always)]
+    fn answer_velocity(&self, at: Each<S>, kernel: &[Each<S>; KERNEL]) -> Each<S> {
+        let mut sum = all(at.simd, -0.0);
+        for (when, kick) in &self.kicks[..self.count] {
+            sum += *kick * slope(kernel, (at - *when) * self.unit_s);
+        }
+        sum
+    }
+}
+
+/// What is known of a piece before its kicks: friction less its bound at the beginning, its exponent over the slip, slips and decays.
+struct Ahead<S: Simd> {
+    excess: Each<S>,
+    steep: Each<S>,
+    slips: [Each<S>; 4],
+    decays: [Each<S>; 4],
 }
 
 /// Stretches of parts without a reversal, and the states at their ends.
@@ -125,7 +143,10 @@ where
     fn go_within(&mut self, part: &mut Substeps<S, N>, on: Which<S>) -> Each<S> {
         let simd = self.simd;
         let (zero, one) = (all(simd, 0.0), all(simd, 1.0));
-        let mut slip_velocity = part.v.map(|c| c * self.sign);
+        let mut slip_velocity = part.v;
+        for c in &mut slip_velocity {
+            *c *= self.sign;
+        }
         slip_velocity[0] += self.sliding;
         let (reverses, end) = reversals(&slip_velocity, self.sense, LOCATED, on);
         let first = on & end.simd_gt(0.0);
@@ -157,42 +178,48 @@ where
     #[inline(always)]
     fn piece_within(&self, part: &mut Substeps<S, N>, from: Each<S>, to: Each<S>, on: Which<S>) -> Pieces<S, K> {
         let simd = self.simd;
-        let (one, zero) = (all(simd, 1.0), all(simd, 0.0));
+        let zero = all(simd, 0.0);
         let (length, s) = (to - from, self.sense);
         let excess = self.f - s;
-        let places: [Each<S>; 4] = std::array::from_fn(|lane| if lane < K { from + length * place::<K>(lane) } else { to });
         let sliding = self.sliding * part.unit_s;
         let steep = self.per_metre * s;
-        let there: [Each<S>; 4] = std::array::from_fn(|lane| if lane <= K { value(&part.x, places[lane]) } else { zero });
-        let slips: [Each<S>; 4] =
-            std::array::from_fn(|lane| (places[lane] - from) * sliding + (there[lane] - self.x) * self.sign);
-        let decays = decay_at::<S, K>(&slips.map(|slip| slip * steep), on);
-        let force = |lane: usize, back: Each<S>| {
-            let late = steep * self.sign * back;
-            let near = excess * decays[lane] * (one + late * (one + late * 0.5));
-            let mut force = s + near;
-            let far = on & !late.abs().simd_lt(SMALL);
-            for number in numbers(far) {
-                let exponent = late[number] - steep[number] * slips[lane][number];
-                force[number] = s[number] + excess[number] * exponent.min(0.0).exp();
+        let (mut places, mut there, mut slips, mut exponents) = ([to; 4], [zero; 4], [zero; 4], [zero; 4]);
+        for lane in 0..=K {
+            if lane < K {
+                places[lane] = from + length * place::<K>(lane);
             }
-            force
-        };
-        let by_kernel = |since: Each<S>| value::<S, KERNEL>(&self.kernel, since);
-        let by_slope = |since: Each<S>| slope::<S, KERNEL>(&self.kernel_slopes, since);
+            there[lane] = value(&part.x, places[lane]);
+            slips[lane] = (places[lane] - from) * sliding + (there[lane] - self.x) * self.sign;
+            exponents[lane] = slips[lane] * steep;
+        }
+        let ahead = Ahead { excess, steep, slips, decays: decay_at::<S, K>(&exponents, on) };
         let mut forces = [zero; K];
         for lane in 0..K {
             let at = places[lane];
-            forces[lane] = force(lane, part.answer(at, by_kernel));
+            forces[lane] = self.force(&ahead, lane, part.answer(at, &self.kernel), on);
             let weight = length * Nodes::<K>::WEIGHT[lane] * part.unit_s;
             let kick = weight * self.push * (forces[lane] - value(&part.f, at));
             part.kicks[part.count] = (at, on.select(kick, zero));
             part.count += 1;
         }
-        let back = part.answer(to, by_kernel);
-        let (x, v) = (there[K] - back, value(&part.v, to) - part.answer(to, by_slope));
-        let slip = slips[K] - self.sign * back;
-        Pieces { forces, x, v, f: force(K, back), slip, slip_velocity: self.sliding + self.sign * v, steepness: steep * slip }
+        let back = part.answer(to, &self.kernel);
+        let (x, v) = (there[K] - back, value(&part.v, to) - part.answer_velocity(to, &self.kernel_slopes));
+        let slip = ahead.slips[K] - self.sign * back;
+        Pieces { forces, x, v, f: self.force(&ahead, K, back, on), slip, slip_velocity: self.sliding + self.sign * v, steepness: steep * slip }
+    }
+
+    /// Friction at a place, where the kicks so far have set the slip back.
+    #[inline(always)]
+    fn force(&self, ahead: &Ahead<S>, lane: usize, back: Each<S>, on: Which<S>) -> Each<S> {
+        let Ahead { excess, steep, slips, decays } = ahead;
+        let (s, one) = (self.sense, all(self.simd, 1.0));
+        let late = *steep * self.sign * back;
+        let mut force = s + *excess * decays[lane] * (one + late * (one + late * 0.5));
+        for number in numbers(on & !late.abs().simd_lt(SMALL)) {
+            let exponent = late[number] - steep[number] * slips[lane][number];
+            force[number] = s[number] + excess[number] * exponent.min(0.0).exp();
+        }
+        force
     }
 
     /// As [`Exact::take`](super::super::exact_step::Exact::take), of those that are chosen.

@@ -46,28 +46,17 @@ where
         exponents[lane] = slips[lane] * steep;
     }
     let decays = decay_at::<S, K>(&exponents, on);
-    let answer = |lane: usize, kicks: &[Each<S>; K]| {
-        let mut sum = all(simd, -0.0);
-        for (kick, by) in kicks.iter().zip(&table.kick[lane]) {
-            sum += *kick * *by;
-        }
-        sum
-    };
-    let force = |lane: usize, late: Each<S>| s + excess * decays[lane] * (one + late * (one + late * 0.5));
     let (mut kicks, mut forces) = ([zero; K], [zero; K]);
     for i in 0..K {
-        forces[i] = force(i, steep * runs.sign * answer(i, &kicks));
+        let late = steep * runs.sign * sum(&kicks, &table.kick[i]);
+        forces[i] = s + excess * decays[i] * (one + late * (one + late * 0.5));
         kicks[i] = table.h * Nodes::<K>::WEIGHT[i] * runs.push * (forces[i] - runs.f - rate * table.at_s[i]);
     }
-    let back = answer(K, &kicks);
+    let back = sum(&kicks, &table.kick[K]);
     let late = steep * runs.sign * back;
-    let f_end = force(K, late);
+    let f_end = s + excess * decays[K] * (one + late * (one + late * 0.5));
     let x_end = there[K] - back;
-    let mut v_kicks = all(simd, -0.0);
-    for (kick, by) in kicks.iter().zip(&table.kick_end) {
-        v_kicks += *kick * *by;
-    }
-    let v_end = v_free - v_kicks;
+    let v_end = v_free - sum(&kicks, &table.kick_end);
     let slip = slips[K] - runs.sign * back;
     let slip_velocity = runs.sliding + runs.sign * v_end;
     let a_end = runs.sign * runs.acceleration(forced.last, x_end, v_end, f_end);
@@ -78,4 +67,14 @@ where
     put(&mut runs.v, done, v_end);
     runs.add_friction(done, table.h, &forces, (f_end, slip_velocity, a_end), slip);
     done
+}
+
+/// What kicks have done, each by as much.
+#[inline(always)]
+fn sum<S: Simd, const K: usize>(kicks: &[Each<S>; K], by: &[Each<S>; K]) -> Each<S> {
+    let mut sum = all(by[0].simd, -0.0);
+    for (kick, by) in kicks.iter().zip(by) {
+        sum += *kick * *by;
+    }
+    sum
 }

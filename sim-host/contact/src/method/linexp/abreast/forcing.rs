@@ -69,6 +69,9 @@ impl<S: Simd> Forcings<S> {
                 out[1] = slope * unit;
             }
         }
-        out.map(|c| c * per_mass)
+        for c in &mut out {
+            *c *= per_mass;
+        }
+        out
     }
 }

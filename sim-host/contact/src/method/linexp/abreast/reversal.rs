@@ -74,9 +74,8 @@ fn root<S: Simd, const N: usize>(c: &[Each<S>; N], last: Each<S>, enough: f64, o
     let square = steep * steep - bend * 4.0 * first;
     let under = square.simd_gt(0.0).select(square, zero).sqrt().copysign(steep);
     let far = (steep + under) * -0.5;
-    let inside = |part: Each<S>| part.simd_gt(0.0) & part.simd_lt(1.0);
     let (near, other) = (first / far, far / bend);
-    let part = inside(near).select(near, inside(other).select(other, half));
+    let part = is_inside(near).select(near, is_inside(other).select(other, half));
     let mut s = low + (high - low) * part;
     let mut slopes: [Each<S>; N] = [zero; N];
     for k in 1..N {
@@ -102,4 +101,9 @@ fn root<S: Simd, const N: usize>(c: &[Each<S>; N], last: Each<S>, enough: f64, o
         }
     }
     found
+}
+
+#[inline(always)]
+fn is_inside<S: Simd>(part: Each<S>) -> Which<S> {
+    part.simd_gt(0.0) & part.simd_lt(1.0)
 }

@@ -188,10 +188,9 @@ impl<S: Simd> Peaks<S> {
     where
         Nodes<K>: Places,
     {
-        let larger = |peak: &mut Each<S>, size: Each<S>| put(peak, on & size.simd_gt(*peak), size);
-        larger(&mut self.velocity, runs.v.abs());
-        larger(&mut self.displacement, runs.x.abs());
-        larger(&mut self.force, runs.f.abs());
+        larger(&mut self.velocity, runs.v.abs(), on);
+        larger(&mut self.displacement, runs.x.abs(), on);
+        larger(&mut self.force, runs.f.abs(), on);
         self.steps += 1;
     }
 
@@ -213,4 +212,9 @@ impl<S: Simd> Peaks<S> {
         tally.reversals = runs.reversals[number] as u64;
         run.meter.finish(&state, run.coulomb_n)
     }
+}
+
+#[inline(always)]
+fn larger<S: Simd>(peak: &mut Each<S>, size: Each<S>, on: Which<S>) {
+    put(peak, on & size.simd_gt(*peak), size);
 }

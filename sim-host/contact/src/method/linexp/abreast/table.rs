@@ -50,51 +50,52 @@ where
     #[inline(always)]
     pub fn new(runs: &Abreast<S, K, N>, forcings: &Forcings<S>, on: Which<S>, steps: u32, h: Each<S>) -> Self {
         let simd = runs.simd;
-        let oscillator = (runs.damping, runs.stiffness);
         let (zero, unit) = (all(simd, 0.0), all(simd, 1.0));
         let none = [zero; EXACT];
-        let with = |k: usize, value: Each<S>| {
-            let mut c = none;
-            c[k] = value;
-            c
-        };
-        let at = |lane: usize| if lane < K { place::<K>(lane) } else { 1.0 };
-        let value_at = |c: &[Each<S>; EXACT], s: f64| {
-            simd.vectorize(
-                #[inline(always)]
-                || value(c, all(simd, s)),
-            )
-        };
-        let places = |c: &[Each<S>; EXACT]| -> [Each<S>; 4] {
-            std::array::from_fn(|lane| if lane <= K { value_at(c, at(lane)) } else { zero })
-        };
-        let from = |x: Each<S>, v: Each<S>, u: &[Each<S>; EXACT]| {
-            simd.vectorize(
-                #[inline(always)]
-                || series(oscillator, (x, v), u, h),
-            )
-        };
-        let [by_x, by_v, by_push, by_rate] =
-            [from(unit, zero, &none), from(zero, unit, &none), from(zero, zero, &with(0, unit)), from(zero, zero, &with(1, h))];
-        let [by_linear, by_square] = [1, 2].map(|k| from(zero, zero, &with(k, unit)));
+        let (mut push, mut linear, mut square, mut rate) = (none, none, none, none);
+        (push[0], linear[1], square[2], rate[1]) = (unit, unit, unit, h);
+        let by_x = flow(runs, (unit, zero), &none, h);
+        let by_v = flow(runs, (zero, unit), &none, h);
+        let by_push = flow(runs, (zero, zero), &push, h);
+        let by_rate = flow(runs, (zero, zero), &rate, h);
+        let by_linear = flow(runs, (zero, zero), &linear, h);
+        let by_square = flow(runs, (zero, zero), &square, h);
         let (mut forced, mut curves) = (Vec::with_capacity(steps as usize), Vec::with_capacity(steps as usize));
         for step in 0..steps {
             let u: [Each<S>; EXACT] = forcings.taylor_in(h * f64::from(step), h, runs.per_mass, on);
-            let (xs, vs) = from(zero, zero, &u);
-            forced.push(Forced { x: places(&xs), v_end: value_at(&vs, 1.0), last: value_at(&u, 1.0) });
+            let (xs, vs) = flow(runs, (zero, zero), &u, h);
+            forced.push(Forced { x: places::<S, K>(&xs), v_end: value_at(&vs, 1.0), last: value_at(&u, 1.0) });
             curves.push((short(&(xs, vs)), cut(&u)));
         }
         let nodes = Nodes::<K>::AT;
-        let kick = |from: f64, to: f64| if to > from { value_at(&by_v.0, to - from) } else { zero };
+        let (mut kick, mut slide) = ([[zero; K]; 4], [zero; 4]);
+        for (lane, kick) in kick.iter_mut().enumerate() {
+            slide[lane] = runs.sliding * part_of::<K>(lane) * h;
+            for (kick, from) in kick.iter_mut().zip(nodes) {
+                if part_of::<K>(lane) > from {
+                    *kick = value_at(&by_v.0, part_of::<K>(lane) - from);
+                }
+            }
+        }
+        let (mut kick_end, mut at_s) = ([zero; K], [zero; K]);
+        for (k, from) in nodes.into_iter().enumerate() {
+            kick_end[k] = value_at(&by_v.1, 1.0 - from);
+            at_s[k] = h * from;
+        }
         Tables {
             h,
-            x: By { x: places(&by_x.0), v: places(&by_v.0), push: places(&by_push.0), push_rate: places(&by_rate.0) },
-            v_end: [&by_x, &by_v, &by_push, &by_rate].map(|by| value_at(&by.1, 1.0)),
-            slide: std::array::from_fn(|lane| runs.sliding * at(lane) * h),
-            kick: std::array::from_fn(|lane| nodes.map(|from| kick(from, at(lane)))),
-            kick_end: nodes.map(|from| value_at(&by_v.1, 1.0 - from)),
-            at_s: nodes.map(|s| h * s),
-            by: [&by_x, &by_v, &by_push, &by_linear, &by_square].map(short),
+            x: By {
+                x: places::<S, K>(&by_x.0),
+                v: places::<S, K>(&by_v.0),
+                push: places::<S, K>(&by_push.0),
+                push_rate: places::<S, K>(&by_rate.0),
+            },
+            v_end: [value_at(&by_x.1, 1.0), value_at(&by_v.1, 1.0), value_at(&by_push.1, 1.0), value_at(&by_rate.1, 1.0)],
+            slide,
+            kick,
+            kick_end,
+            at_s,
+            by: [short(&by_x), short(&by_v), short(&by_push), short(&by_linear), short(&by_square)],
             forced,
             curves,
         }
@@ -116,10 +117,53 @@ where
     }
 }
 
+/// The flow from displacements and velocities under forcings over a step.
+#[inline(always)]
+fn flow<S: Simd, const K: usize, const N: usize>(
+    runs: &Abreast<S, K, N>,
+    from: (Each<S>, Each<S>),
+    u: &[Each<S>; EXACT],
+    h: Each<S>,
+) -> Series<S, EXACT>
+where
+    Nodes<K>: Places,
+{
+    runs.simd.vectorize(
+        #[inline(always)]
+        || series((runs.damping, runs.stiffness), from, u, h),
+    )
+}
+
+/// Where in a step from 0 to 1 a place is: a node, or the end.
+#[inline(always)]
+fn part_of<const K: usize>(lane: usize) -> f64 {
+    if lane < K { place::<K>(lane) } else { 1.0 }
+}
+
+#[inline(always)]
+fn value_at<S: Simd>(c: &[Each<S>; EXACT], s: f64) -> Each<S> {
+    let simd = c[0].simd;
+    simd.vectorize(
+        #[inline(always)]
+        || value(c, all(simd, s)),
+    )
+}
+
+#[inline(always)]
+fn places<S: Simd, const K: usize>(c: &[Each<S>; EXACT]) -> [Each<S>; 4] {
+    let mut out = [all(c[0].simd, 0.0); 4];
+    for (lane, out) in out.iter_mut().enumerate().take(K + 1) {
+        *out = value_at(c, part_of::<K>(lane));
+    }
+    out
+}
+
 /// The first coefficients.
 #[inline(always)]
 fn cut<S: Simd, const N: usize>(c: &[Each<S>; EXACT]) -> [Each<S>; N] {
-    std::array::from_fn(|k| c[k])
+    let mut out = [c[0]; N];
+    out.copy_from_slice(&c[..N]);
+    out
 }
 
 #[inline(always)]

@@ -1,5 +1,8 @@
 //! Eight numbers side by side, one of each contact, and polynomials of them: the operations of [`polynomial`](crate::method::polynomial) in
 //! the same order.
+//!
+//! Nothing here or beside it hands numbers to a closure, or to what calls one: a closure that is not put in line has none of the
+//! instructions chosen at run time. What is called as a function is called by [`Simd::vectorize`].
 
 use fearless_simd::{Select, Simd, SimdBase, SimdMask, f64x8, mask64x8};
 
@@ -59,7 +62,11 @@ pub(super) fn slope<S: Simd, const N: usize>(times_k: &[Each<S>; N], s: Each<S>)
 /// The coefficients times their index.
 #[inline(always)]
 pub(super) fn times_k<S: Simd, const N: usize>(c: &[Each<S>; N]) -> [Each<S>; N] {
-    std::array::from_fn(|k| c[k] * k as f64)
+    let mut out = *c;
+    for k in 0..N {
+        out[k] = c[k] * k as f64;
+    }
+    out
 }
 
 /// Every second coefficient from `first` on, by Horner's rule.
