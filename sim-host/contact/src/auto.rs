@@ -17,8 +17,10 @@
 use std::time::Duration;
 
 mod ladder;
+mod many;
 mod pilot;
 mod refine;
+mod runs;
 mod stepped;
 
 use super::closed;
@@ -27,6 +29,8 @@ use super::problem::{Law, Motion, Problem};
 use super::tally::{Ratios, State, Tally};
 use super::{Shape, SolveError};
 pub use ladder::stable_steps;
+pub use many::solve_many;
+use runs::Runs;
 
 /// How a problem is to be solved.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -105,7 +109,7 @@ pub fn solve_with(
     watch: &mut impl FnMut(&State),
 ) -> Result<Solution, SolveError> {
     let began = clock.map(|clock| clock());
-    let mut solution = by_method(problem, numerics, pause, Some(watch))?;
+    let mut solution = by_method(problem, numerics, &pause, Some(watch))?;
     let periods = problem.duration_s * problem.waveform.frequency_hz();
     solution.ns_per_period = clock.zip(began).map(|(clock, began)| (clock() - began).as_secs_f64() * 1e9 / periods);
     Ok(solution)
@@ -116,13 +120,13 @@ pub fn solve_with(
 /// # Errors
 /// The errors of [`solve`].
 pub fn solve_unwatched(problem: &Problem, numerics: &Numerics, pause: &dyn Fn()) -> Result<Solution, SolveError> {
-    by_method(problem, numerics, pause, None::<&mut fn(&State)>)
+    by_method(problem, numerics, &pause, None::<&mut fn(&State)>)
 }
 
 fn by_method<W: FnMut(&State)>(
     problem: &Problem,
     numerics: &Numerics,
-    pause: &dyn Fn(),
+    runs: &dyn Runs,
     watch: Option<&mut W>,
 ) -> Result<Solution, SolveError> {
     match numerics.method {
@@ -131,8 +135,8 @@ fn by_method<W: FnMut(&State)>(
             in_closed_form(problem, numerics, why, watch)
         }
         Method::Closed => in_closed_form(problem, numerics, "asked for".into(), watch),
-        Method::Auto => stepped::chosen(problem, numerics, pause, watch),
-        method => stepped::solve(problem, numerics, (method, "asked for".to_owned()), pause, watch),
+        Method::Auto => stepped::chosen(problem, numerics, runs, watch),
+        method => stepped::solve(problem, numerics, (method, "asked for".to_owned()), runs, watch),
     }
 }
 

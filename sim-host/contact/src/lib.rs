@@ -41,7 +41,7 @@ pub mod tally;
 pub mod timeline;
 pub mod waveform;
 
-pub use auto::{Clock, Numerics, Solution, closed_point, solve, solve_unwatched, solve_with};
+pub use auto::{Clock, Numerics, Solution, closed_point, solve, solve_many, solve_unwatched, solve_with};
 pub use forcing::Forcing;
 pub use method::{Method, coulomb, linexp, midpoint, rk4, rk4_events, rk4_tabulated, taylor};
 pub use problem::{Law, Motion, Problem, Sign};

@@ -2,7 +2,8 @@
 
 use super::ladder::{Ladder, Setting, stable_steps};
 use super::pilot::Pilot;
-use super::refine::{Found, ROUND_OFF_OF_SUMS, Runs};
+use super::refine::{self, Found, ROUND_OFF_OF_SUMS};
+use super::runs::Runs;
 use super::{Numerics, Solution};
 use crate::SolveError;
 use crate::method::Method;
@@ -12,8 +13,6 @@ use crate::waveform::Shape;
 
 /// A run goes on for long behind its window if it is so many times as long.
 const LONG: f64 = 2.0;
-/// Steps between two pauses.
-const PAUSE: u32 = 1 << 16;
 /// Below this tolerance methods of order four take more time than the Taylor series.
 const ORDER_FOUR: f64 = 1e-10;
 /// Steps a period that stability may ask of Runge-Kutta before midpoint is tried first.
@@ -47,7 +46,7 @@ const MOST_FOR_ENERGIES: u32 = 32;
 pub fn chosen<W: FnMut(&State)>(
     problem: &Problem,
     numerics: &Numerics,
-    pause: &dyn Fn(),
+    runs: &dyn Runs,
     mut watch: Option<&mut W>,
 ) -> Result<Solution, SolveError> {
     let kappa = problem.kappa();
@@ -73,7 +72,7 @@ pub fn chosen<W: FnMut(&State)>(
     let mut best: Option<(Method, String, Found)> = None;
     let mut failed = Vec::new();
     for (method, why) in choices {
-        match find(problem, numerics, method, pause) {
+        match find(problem, numerics, method, runs) {
             Ok(found) => {
                 let met = found.error <= numerics.tolerance;
                 if best.as_ref().is_none_or(|(.., best)| found.error < best.error) {
@@ -93,10 +92,10 @@ pub fn chosen<W: FnMut(&State)>(
         }
     }
     if let Some((method, why, found)) = best {
-        return answer(problem, numerics, (method, why), found, pause, watch);
+        return answer(problem, numerics, (method, why), found, runs, watch);
     }
     if matches!(problem.law, Law::Dahl { .. }) && kappa > RIGID {
-        return coulomb_limit(problem, numerics, pause, watch.take());
+        return coulomb_limit(problem, numerics, runs, watch.take());
     }
     let reason = format!("the numbers grow without bound ({})", failed.join(", "));
     let advice = "give a smaller stiffness or bristle damping, a larger friction or mass, or a shorter run".into();
@@ -109,13 +108,13 @@ pub fn chosen<W: FnMut(&State)>(
 fn coulomb_limit<W: FnMut(&State)>(
     problem: &Problem,
     numerics: &Numerics,
-    pause: &dyn Fn(),
+    runs: &dyn Runs,
     watch: Option<&mut W>,
 ) -> Result<Solution, SolveError> {
     let kappa = problem.kappa();
     let why = format!("Dahl friction with rigid bristles, kappa {kappa:.1e}: its limit, Coulomb friction");
     let rigid = Problem { law: Law::Coulomb, ..problem.clone() };
-    let mut solution = solve(&rigid, numerics, (Method::Linexp, why), pause, watch)?;
+    let mut solution = solve(&rigid, numerics, (Method::Linexp, why), runs, watch)?;
     let lag = 2.0 * (2.0 / kappa).sqrt() / std::f64::consts::PI;
     solution.warnings =
         vec![format!("the bristles are rigid (kappa {kappa:.1e}): solved with Coulomb friction, off by {lag:.1e} at most")];
@@ -137,28 +136,11 @@ pub fn solve<W: FnMut(&State)>(
     problem: &Problem,
     numerics: &Numerics,
     (method, why): (Method, String),
-    pause: &dyn Fn(),
+    runs: &dyn Runs,
     watch: Option<&mut W>,
 ) -> Result<Solution, SolveError> {
-    let found = find(problem, numerics, method, pause)?;
-    answer(problem, numerics, (method, why), found, pause, watch)
-}
-
-/// A run without a watch, which pauses now and then.
-fn run(
-    problem: &Problem,
-    method: Method,
-    setting: (u32, Option<u32>),
-    accounted: bool,
-    pause: &dyn Fn(),
-) -> Result<Tally, SolveError> {
-    let mut count = 0u32;
-    method.run(problem, setting, accounted, &mut |_: &State| {
-        count = count.wrapping_add(1);
-        if count.is_multiple_of(PAUSE) {
-            pause();
-        }
-    })
+    let found = find(problem, numerics, method, runs)?;
+    answer(problem, numerics, (method, why), found, runs, watch)
 }
 
 /// What an estimate is multiplied by. Where short bristles make the mass ring, `Kt / (m w^2)` no longer small, errors fall unevenly from rung to
@@ -181,10 +163,10 @@ fn doubt(problem: &Problem) -> f64 {
 }
 
 /// The settings that are asked for, or the cheapest of the method that meet the tolerance, with their run and its error.
-fn find(problem: &Problem, numerics: &Numerics, method: Method, pause: &dyn Fn()) -> Result<Found, SolveError> {
+fn find(problem: &Problem, numerics: &Numerics, method: Method, runs: &dyn Runs) -> Result<Found, SolveError> {
     let problem = &problem.of_window();
     let ladder = Ladder::of(method, problem, numerics.order);
-    let by = |problem: &Problem, setting| run(problem, method, setting, false, pause);
+    let by = |problem: &Problem, setting| runs.run(problem, method, setting, false);
     let fixed = || method.steps(problem.kappa()).filter(|_| method == Method::Rk4);
     if let Some(steps) = numerics.steps_per_period.or_else(fixed) {
         // What was asked for is what is shown; half the step tells its error.
@@ -198,17 +180,17 @@ fn find(problem: &Problem, numerics: &Numerics, method: Method, pause: &dyn Fn()
     let first = usize::from(doubt > 1.0);
     let start = ladder.start(tolerance).max(first);
     let mut whole = match method {
-        Method::Linexp | Method::Frozen => Runs::of_two(doubt),
-        Method::Taylor => Runs::of_two(1.0),
+        Method::Linexp | Method::Frozen => refine::Runs::of_two(doubt),
+        Method::Taylor => refine::Runs::of_two(1.0),
         // Two runs of Runge-Kutta were seen to agree on what both are off by, and three where the bristles are long.
-        _ if problem.kappa() < LONG_BRISTLES => Runs::of_three(UNEVEN_IN_TIME),
-        _ => Runs::of_three(1.0),
+        _ if problem.kappa() < LONG_BRISTLES => refine::Runs::of_three(UNEVEN_IN_TIME),
+        _ => refine::Runs::of_three(1.0),
     };
     let Some(pilot) = Pilot::of(problem) else {
         return whole.climb(&ladder, start, tolerance, &mut |setting| by(problem, setting));
     };
     let goal = pilot.goal(tolerance);
-    let found = Runs::of_three(1.0).climb(&ladder.lower(), start, goal, &mut |setting| by(&pilot.problem, setting))?;
+    let found = refine::Runs::of_three(1.0).climb(&ladder.lower(), start, goal, &mut |setting| by(&pilot.problem, setting))?;
     if pilot.stands_for_the_record(found.error, found.growth, tolerance) {
         return Ok(Found { tally: None, error: found.error * pilot.growth, ..found });
     }
@@ -245,7 +227,7 @@ fn shown<W: FnMut(&State)>(
     problem: &Problem,
     numerics: &Numerics,
     (method, setting, apart): (Method, Setting, bool),
-    pause: &dyn Fn(),
+    runs: &dyn Runs,
     watch: Option<&mut W>,
 ) -> Result<Tally, SolveError> {
     let window = problem.of_window();
@@ -256,13 +238,13 @@ fn shown<W: FnMut(&State)>(
     let (by, energies) = if long { (for_curves(problem, numerics, method, setting), false) } else { (finer, numerics.energies) };
     let tally = match watch {
         Some(watch) => method.run(whole, by, energies, watch)?,
-        None => run(whole, method, by, energies, pause)?,
+        None => runs.run(whole, method, by, energies)?,
     };
     if !long {
         return Ok(tally);
     }
     let Tally { peak_velocity_m_per_s, peak_displacement_m, peak_force_ratio, steps, reversals, .. } = tally;
-    let of_window = run(&window, method, finer, true, pause)?;
+    let of_window = runs.run(&window, method, finer, true)?;
     Ok(Tally { peak_velocity_m_per_s, peak_displacement_m, peak_force_ratio, steps, reversals, ..of_window })
 }
 
@@ -272,19 +254,19 @@ fn answer<W: FnMut(&State)>(
     numerics: &Numerics,
     (method, why): (Method, String),
     found: Found,
-    pause: &dyn Fn(),
+    runs: &dyn Runs,
     watch: Option<&mut W>,
 ) -> Result<Solution, SolveError> {
     let setting = found.setting;
     // Energies are added up in a run of their own; the friction is that of the run without them, so that it is the same whether or not somebody asks for them.
     let apart = numerics.energies && method != Method::Midpoint && method != Method::Taylor;
     let plain = match found.tally {
-        None if apart => Some(run(&problem.of_window(), method, setting, false, pause)?),
+        None if apart => Some(runs.run(&problem.of_window(), method, setting, false)?),
         tally => tally,
     };
     let shown = match plain.filter(|_| !apart && watch.is_none() && !goes_on(problem, numerics)) {
         Some(plain) => plain,
-        None => shown(problem, numerics, (method, setting, apart), pause, watch)?,
+        None => shown(problem, numerics, (method, setting, apart), runs, watch)?,
     };
     let (mut ratios, mut error) = (Ratios::of(problem, &shown), found.error);
     if let Some(plain) = plain {
@@ -293,7 +275,7 @@ fn answer<W: FnMut(&State)>(
     }
     let mut warnings = Vec::new();
     if method == Method::Frozen {
-        let coupled = run(&problem.of_window(), Method::Linexp, setting, false, pause)?;
+        let coupled = runs.run(&problem.of_window(), Method::Linexp, setting, false)?;
         let left_out = (ratios.friction - Ratios::of(problem, &coupled).friction).abs();
         warnings
             .push(format!("what friction does to the motion is left out; with it the friction ratio moves by {left_out:.1e}"));

@@ -24,7 +24,7 @@ mod quadrature;
 mod simd_nodes;
 mod substep;
 
-pub use abreast::run_abreast;
+pub use abreast::{is_for_lanes, run_abreast};
 use exact_step::Exact;
 use fast_step::{Table, fast_step};
 use quadrature::Nodes;

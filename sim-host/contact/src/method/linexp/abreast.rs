@@ -63,7 +63,7 @@ fn chunk<const K: usize>(level: Level, problems: &[&Problem], steps_per_period: 
 where
     Nodes<K>: Places,
 {
-    if problems.len() < 2 || !problems.iter().all(|problem| is_suited(problem)) {
+    if problems.len() < 2 || !problems.iter().all(|problem| is_for_lanes(problem)) {
         return None;
     }
     let last = *problems.last()?;
@@ -95,7 +95,7 @@ where
 }
 
 /// Whether the lanes can do a problem: an oscillator with Dahl friction under one load and a periodic forcing.
-fn is_suited(problem: &Problem) -> bool {
+pub fn is_for_lanes(problem: &Problem) -> bool {
     let periodic =
         matches!(problem.waveform.shape(), Shape::Sine | Shape::Square | Shape::Sawtooth | Shape::Triangle | Shape::Still);
     let oscillates = matches!(problem.motion, Motion::Sdof { .. });

@@ -205,7 +205,15 @@ where
         let back = part.answer(to, &self.kernel);
         let (x, v) = (there[K] - back, value(&part.v, to) - part.answer_velocity(to, &self.kernel_slopes));
         let slip = ahead.slips[K] - self.sign * back;
-        Pieces { forces, x, v, f: self.force(&ahead, K, back, on), slip, slip_velocity: self.sliding + self.sign * v, steepness: steep * slip }
+        Pieces {
+            forces,
+            x,
+            v,
+            f: self.force(&ahead, K, back, on),
+            slip,
+            slip_velocity: self.sliding + self.sign * v,
+            steepness: steep * slip,
+        }
     }
 
     /// Friction at a place, where the kicks so far have set the slip back.
