@@ -42,6 +42,7 @@ pub mod settings;
 pub mod settings_page;
 
 pub mod nearest;
+pub mod numbers;
 mod overlay;
 mod plant;
 mod stator;

@@ -8,6 +8,7 @@ mod keys;
 mod kinds;
 mod layers;
 mod motor;
+mod numbers;
 mod rules;
 mod settings_page;
 mod vary;

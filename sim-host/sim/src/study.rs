@@ -11,6 +11,7 @@ pub mod matching;
 pub mod monte_carlo;
 mod plan;
 pub mod playback;
+mod points;
 mod stopped;
 pub mod suite;
 

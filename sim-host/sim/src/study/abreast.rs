@@ -1,6 +1,6 @@
 //! Contact studies that have a closed form, many at once: the means of a steady sine follow from two numbers, and are computed in SIMD lanes.
 
-use contact::{self, closed, lanes};
+use contact::{self, Numerics, Problem, closed, lanes};
 use scene::{Excited, problem};
 
 /// A study that is solved beside others.
@@ -49,6 +49,11 @@ impl Mean {
 /// The study of a scene that has a closed form for a sine and is to be solved by it; none of any other.
 pub(super) fn steady(scene: &Excited) -> Option<Steady> {
     let problem = problem::problem(scene, problem::law(&scene.model)?).ok()?;
-    let point = contact::closed_point(&problem, &problem::numerics(scene, None))?;
+    of_problem(&problem, &problem::numerics(scene, None))
+}
+
+/// The same of a problem.
+pub(super) fn of_problem(problem: &Problem, numerics: &Numerics) -> Option<Steady> {
+    let point = contact::closed_point(problem, numerics)?;
     Some(Steady { point, coulomb_n: problem.coulomb_n })
 }

@@ -2,9 +2,11 @@
 
 use std::sync::atomic::AtomicBool;
 
+use rayon::prelude::*;
+
 use super::StudyError;
-use super::abreast::{self, Mean, Steady};
-use super::plan::{Cell, Made, Plan};
+use super::plan::{Cell, Plan};
+use super::points::{BESIDE, Points};
 use scene::Grid;
 use scene::load::Loaded;
 
@@ -17,35 +19,26 @@ pub struct GridResult {
     pub cells: Vec<Vec<Option<f64>>>,
 }
 
-/// The metric of a cell, or the steady state that alone gives it.
-enum Value {
-    Measured(Option<f64>),
-    Steady(Steady),
-}
-
 /// Runs every cell of a grid, in parallel; nothing if it is stopped.
 pub(super) fn run(loaded: &Loaded, grid: &Grid, stop: &AtomicBool) -> Result<Option<GridResult>, StudyError> {
-    let mean = Mean::named(&grid.metric);
     let plan = Plan::new(loaded, stop)?;
-    let values = plan.run(places(grid), |place| cell(grid, *place), |_, made| value(made, grid, mean))?;
-    let Some(values) = values.into_iter().collect::<Option<Vec<Value>>>() else { return Ok(None) };
-    let steady: Vec<Steady> = values.iter().filter_map(|value| value.steady()).collect();
-    let mut means = mean.map_or_else(Vec::new, |mean| mean.of(&steady)).into_iter();
-    let metric = |value: Value| match value {
-        Value::Measured(metric) => metric,
-        Value::Steady(_) => means.next().flatten(),
+    let places = places(grid);
+    let Some(&first) = places.first() else { return Ok(None) };
+    // Cells that the firmware drives take long enough to be shared out one by one.
+    let beside = if loaded.scene.controller.is_some() {
+        1
+    } else {
+        places.len().div_ceil(4 * rayon::current_num_threads()).clamp(8, BESIDE)
     };
-    let metrics: Vec<Option<f64>> = values.into_iter().map(metric).collect();
-    Ok(Some(GridResult { grid: grid.clone(), cells: metrics.chunks(grid.columns.len()).map(<[_]>::to_vec).collect() }))
-}
-
-impl Value {
-    fn steady(&self) -> Option<Steady> {
-        match self {
-            Value::Measured(_) => None,
-            Value::Steady(steady) => Some(*steady),
-        }
+    let points = Points::new(&plan, cell(grid, first), &[&grid.row_key, &grid.column_key], &grid.metric);
+    let of = |places: &[(f64, f64)]| points.metrics(places, |&(row, column)| [row, column], |&place| cell(grid, place));
+    let metrics: Vec<_> = places.par_chunks(beside).map(of).collect();
+    let Some(metrics) = metrics.into_iter().collect::<Option<Vec<_>>>() else { return Ok(None) };
+    let metrics = metrics.into_iter().flatten().collect::<Result<Vec<Option<f64>>, StudyError>>()?;
+    if plan.is_stopped() {
+        return Ok(None);
     }
+    Ok(Some(GridResult { grid: grid.clone(), cells: metrics.chunks(grid.columns.len()).map(<[_]>::to_vec).collect() }))
 }
 
 /// Row and column of every cell, row by row.
@@ -58,16 +51,11 @@ fn cell(grid: &Grid, (row, column): (f64, f64)) -> Cell {
     Cell { label: keys.join(", "), sets: [grid.set.as_slice(), &keys].concat() }
 }
 
-fn value(made: &Made, grid: &Grid, mean: Option<Mean>) -> Result<Value, StudyError> {
-    match made.scene.excited().filter(|_| mean.is_some()).and_then(|scene| abreast::steady(&scene)) {
-        Some(steady) => Ok(Value::Steady(steady)),
-        None => Ok(Value::Measured(made.metric(&grid.metric)?)),
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::study::abreast::{self, Mean};
+    use crate::study::plan::Made;
     use scene::load::load;
 
     fn grid(scene: &str, sets: &[&str], grid: &Grid) -> (Loaded, GridResult) {
@@ -103,7 +91,8 @@ mod tests {
 
     /// For each cell, whether its steady state alone gives the metric.
     fn steady(loaded: &Loaded, grid: &Grid) -> Vec<bool> {
-        read(loaded, grid, |made| value(made, grid, Mean::named(&grid.metric)).map(|value| value.steady().is_some()))
+        let is_mean = Mean::named(&grid.metric).is_some();
+        read(loaded, grid, |made| Ok(is_mean && made.scene.excited().is_some_and(|scene| abreast::steady(&scene).is_some())))
     }
 
     /// Means in lanes are those of the scalar closed form: 5e-16 apart at most here, with and without reversals, and of Coulomb friction.

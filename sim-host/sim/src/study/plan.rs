@@ -99,6 +99,11 @@ impl<'a> Plan<'a> {
         }
     }
 
+    /// What says that the study is to end.
+    pub(super) fn stop(&self) -> &AtomicBool {
+        self.stop
+    }
+
     /// Whether the study is to end.
     pub(super) fn is_stopped(&self) -> bool {
         self.stop.load(Ordering::Relaxed)
