@@ -2,6 +2,8 @@
 
 use std::f64::consts::TAU;
 
+use super::turn::sine_cosine;
+
 /// The forcing within a piece, as a function of the time since its beginning.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Forcing {
@@ -67,7 +69,7 @@ impl Forcing {
         match *self {
             Forcing::Cosine { size, turns, hz, hz_per_s } => {
                 let (omega, rate) = (TAU * (hz + hz_per_s * s) * unit, TAU * hz_per_s * unit * unit);
-                let (sine, cosine) = (TAU * (turns + s * (hz + 0.5 * hz_per_s * s))).sin_cos();
+                let (sine, cosine) = sine_cosine(turns + s * (hz + 0.5 * hz_per_s * s));
                 let (mut y, mut z) = (size * cosine, size * sine);
                 if rate == 0.0 {
                     // Without a slope each coefficient is the quarter turn of the one before.

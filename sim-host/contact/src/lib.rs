@@ -39,6 +39,7 @@ pub mod state;
 pub mod table_4_1;
 pub mod tally;
 pub mod timeline;
+mod turn;
 pub mod waveform;
 
 pub use auto::{Clock, Numerics, Solution, closed_point, solve, solve_many, solve_unwatched, solve_with};

@@ -121,3 +121,6 @@ impl Runs for Beside<'_> {
         Err(SolveError::Unsuited { method: method.name(), reason: String::new() })
     }
 }
+
+#[cfg(test)]
+mod tests;

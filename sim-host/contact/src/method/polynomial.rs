@@ -4,7 +4,7 @@
 #[inline]
 pub fn value<const N: usize>(c: &[f64; N], s: f64) -> f64 {
     let square = s * s;
-    let part = |first: usize| c.iter().skip(first).step_by(2).rev().fold(0.0, |sum, c| sum * square + c);
+    let part = |first: usize| c.iter().skip(first).step_by(2).rev().copied().reduce(|sum, c| sum * square + c).unwrap_or(0.0);
     part(0) + s * part(1)
 }
 
@@ -13,7 +13,8 @@ pub fn value<const N: usize>(c: &[f64; N], s: f64) -> f64 {
 pub fn slope<const N: usize>(c: &[f64; N], s: f64) -> f64 {
     let square = s * s;
     let term = |(k, c): (usize, &f64)| k as f64 * c;
-    let part = |first: usize| c.iter().enumerate().skip(first).step_by(2).rev().map(term).fold(0.0, |sum, c| sum * square + c);
+    let terms = |first: usize| c.iter().enumerate().skip(first).step_by(2).rev().map(term);
+    let part = |first: usize| terms(first).reduce(|sum, c| sum * square + c).unwrap_or(0.0);
     part(1) + s * part(2)
 }
 

@@ -19,6 +19,7 @@ mod reversal;
 mod run;
 mod state;
 mod table;
+mod turn;
 mod vector;
 
 use fearless_simd::{Level, Simd};
@@ -85,13 +86,37 @@ where
     Nodes<K>: Places,
 {
     #[cfg(target_arch = "x86_64")]
-    if let Some(simd) = level.as_avx512() {
-        return simd.vectorize(
-            #[inline(always)]
-            || run::run(simd, problems, count, alone, steps_per_period, pause),
-        );
+    {
+        if let Some(simd) = level.as_avx512() {
+            return with(simd, problems, count, alone, steps_per_period, pause);
+        }
+        if let Some(simd) = level.as_avx2() {
+            return with(simd, problems, count, alone, steps_per_period, pause);
+        }
+        with(level.as_sse2()?, problems, count, alone, steps_per_period, pause)
     }
-    None
+    #[cfg(target_arch = "aarch64")]
+    return with(level.as_neon()?, problems, count, alone, steps_per_period, pause);
+    // Without instructions of that kind lanes gain nothing.
+    #[cfg(not(any(target_arch = "x86_64", target_arch = "aarch64")))]
+    return None;
+}
+
+fn with<S: Simd, const K: usize>(
+    simd: S,
+    problems: &[&Problem; WIDTH],
+    count: usize,
+    alone: [Exact<K, PLAIN>; WIDTH],
+    steps_per_period: u32,
+    pause: &dyn Fn(),
+) -> Option<Vec<Outcome>>
+where
+    Nodes<K>: Places,
+{
+    simd.vectorize(
+        #[inline(always)]
+        || run::run(simd, problems, count, alone, steps_per_period, pause),
+    )
 }
 
 /// Whether the lanes can do a problem: an oscillator with Dahl friction under one load and a periodic forcing.

@@ -2,7 +2,8 @@
 
 use std::ops::{Add, Mul, Sub};
 
-use wide::{f64x2, f64x4};
+use wide::bytemuck::cast;
+use wide::{f64x2, f64x4, i64x2, i64x4};
 
 use super::quadrature::Nodes;
 
@@ -19,6 +20,15 @@ pub(super) trait SimdNodes: Copy + Add<Output = Self> + Sub<Output = Self> + Mul
 
     /// The number in a lane.
     fn lane(self, lane: usize) -> f64;
+
+    /// The numbers, but no more than a bound; the bound where there is none.
+    fn at_most(self, bound: f64) -> Self;
+
+    /// The numbers, but no less than a bound.
+    fn at_least(self, bound: f64) -> Self;
+
+    /// Times the power of two that is in the lowest bits of another number each.
+    fn times_two_to(self, whole: Self) -> Self;
 }
 
 impl SimdNodes for f64x2 {
@@ -38,6 +48,22 @@ impl SimdNodes for f64x2 {
     fn lane(self, lane: usize) -> f64 {
         self.to_array()[lane]
     }
+
+    #[inline]
+    fn at_most(self, bound: f64) -> Self {
+        self.simd_lt(Self::splat(bound)).select(self, Self::splat(bound))
+    }
+
+    #[inline]
+    fn at_least(self, bound: f64) -> Self {
+        self.simd_gt(Self::splat(bound)).select(self, Self::splat(bound))
+    }
+
+    #[inline]
+    fn times_two_to(self, whole: Self) -> Self {
+        let bits: i64x2 = cast(whole);
+        cast(cast::<Self, i64x2>(self) + (bits << 52))
+    }
 }
 
 impl SimdNodes for f64x4 {
@@ -56,6 +82,22 @@ impl SimdNodes for f64x4 {
     #[inline]
     fn lane(self, lane: usize) -> f64 {
         self.to_array()[lane]
+    }
+
+    #[inline]
+    fn at_most(self, bound: f64) -> Self {
+        self.simd_lt(Self::splat(bound)).select(self, Self::splat(bound))
+    }
+
+    #[inline]
+    fn at_least(self, bound: f64) -> Self {
+        self.simd_gt(Self::splat(bound)).select(self, Self::splat(bound))
+    }
+
+    #[inline]
+    fn times_two_to(self, whole: Self) -> Self {
+        let bits: i64x4 = cast(whole);
+        cast(cast::<Self, i64x4>(self) + (bits << 52))
     }
 }
 
@@ -89,6 +131,7 @@ pub(super) fn place<const K: usize>(lane: usize) -> f64 {
 #[inline]
 pub(super) fn values<L: SimdNodes, const N: usize>(c: &[f64; N], s: L) -> L {
     let square = s * s;
-    let part = |first: usize| c.iter().skip(first).step_by(2).rev().fold(L::all(0.0), |sum, c| sum * square + L::all(*c));
+    let terms = |first: usize| c.iter().skip(first).step_by(2).rev().map(|c| L::all(*c));
+    let part = |first: usize| terms(first).reduce(|sum, c| sum * square + c).unwrap_or(L::all(0.0));
     part(0) + s * part(1)
 }

@@ -1,9 +1,10 @@
 //! `exp(-x)` at the places of a step, as [`decay`](super::super::decay) has it.
 
-use fearless_simd::{Simd, SimdBase};
+use fearless_simd::{Bytes, Select, Simd, SimdBase, SimdFloat, SimdMask};
 
-use super::super::decay::{INVERSE, SHORT};
-use super::vector::{Each, Which, all, numbers};
+use super::super::decay::{INVERSE, LEAST, LN_2, SHORT};
+use super::vector::{Each, Which, all};
+use crate::turn::WHOLE;
 
 /// `exp(-x)` of the contacts that are `on`, at all their places: by the short series where all of a contact's are short.
 #[inline(always)]
@@ -12,16 +13,29 @@ pub(super) fn decay<S: Simd, const P: usize>(x: &[Each<S>; P], on: Which<S>) -> 
     for x in &x[1..] {
         long |= x.abs().simd_gt(SHORT);
     }
+    let long = long & on;
     let mut out = *x;
     for k in 0..P {
         out[k] = series(x[k]);
     }
-    for number in numbers(long & on) {
-        for (out, x) in out.iter_mut().zip(x) {
-            out[number] = (-x[number]).min(SHORT).exp();
+    if long.any_true() {
+        for k in 0..P {
+            out[k] = long.select(exponential(x[k]), out[k]);
         }
     }
     out
+}
+
+/// As [`exponential`](super::super::decay::exponential).
+#[inline(always)]
+fn exponential<S: Simd>(x: Each<S>) -> Each<S> {
+    let y = -x;
+    let y = y.simd_lt(SHORT).select(y, all(x.simd, SHORT));
+    let y = y.simd_gt(LEAST).select(y, all(x.simd, LEAST));
+    let whole = y * std::f64::consts::LOG2_E + WHOLE;
+    let n = whole - WHOLE;
+    let small = series(-(y - n * LN_2.0 - n * LN_2.1));
+    (small.to_bits() + (whole.to_bits() << 52)).bitcast()
 }
 
 #[inline(always)]

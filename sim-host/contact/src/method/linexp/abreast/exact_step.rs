@@ -100,7 +100,7 @@ where
             let go = on & !touch;
             let mut end = all(simd, 1.0);
             if go.any_true() {
-                let mut part = self.part(forcings, at_s, unit_s, go);
+                let mut part = self.part(forcings, at_s, unit_s);
                 end = self.go(&mut part, go);
             }
             for number in numbers(touch) {
@@ -119,8 +119,8 @@ where
 
     /// As [`Exact::part`](super::super::exact_step::Exact::part).
     #[inline(always)]
-    fn part(&self, forcings: &Forcings<S>, at_s: Each<S>, unit_s: Each<S>, on: Which<S>) -> Substeps<S, N> {
-        let u = forcings.taylor_in(at_s, unit_s, self.per_mass, on);
+    fn part(&self, forcings: &Forcings<S>, at_s: Each<S>, unit_s: Each<S>) -> Substeps<S, N> {
+        let u = forcings.taylor_in(at_s, unit_s, self.per_mass);
         let f = self.friction_terms(unit_s);
         let mut driven = u;
         for (u, f) in driven.iter_mut().zip(&f) {

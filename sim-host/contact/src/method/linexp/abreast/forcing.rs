@@ -4,7 +4,8 @@ use std::f64::consts::TAU;
 
 use fearless_simd::Simd;
 
-use super::vector::{Each, WIDTH, Which, all, each, numbers};
+use super::turn::sine_cosine;
+use super::vector::{Each, WIDTH, all, each};
 use crate::forcing::{Forcing, INVERSE};
 
 /// A forcing of each, of one kind.
@@ -45,18 +46,14 @@ impl<S: Simd> Forcings<S> {
         }
     }
 
-    /// As [`Oscillator::forcing`](crate::method::oscillator::Oscillator::forcing), of those that are `on`.
+    /// As [`Oscillator::forcing`](crate::method::oscillator::Oscillator::forcing).
     #[inline(always)]
-    pub fn taylor_in<const N: usize>(&self, s: Each<S>, unit: Each<S>, per_mass: Each<S>, on: Which<S>) -> [Each<S>; N] {
+    pub fn taylor_in<const N: usize>(&self, s: Each<S>, unit: Each<S>, per_mass: Each<S>) -> [Each<S>; N] {
         let mut out = [all(s.simd, 0.0); N];
         match *self {
             Forcings::Cosine { size, turns, hz } => {
                 let omega = hz * TAU * unit;
-                let angle = (turns + s * hz) * TAU;
-                let (mut sine, mut cosine) = (angle, angle);
-                for number in numbers(on) {
-                    (sine[number], cosine[number]) = angle[number].sin_cos();
-                }
+                let (sine, cosine) = sine_cosine(turns + s * hz);
                 let (mut y, mut z) = (size * cosine, size * sine);
                 for (coefficient, over) in out.iter_mut().zip(INVERSE) {
                     *coefficient = y;

@@ -70,7 +70,7 @@ where
                 tables.resize_with(template + 1, || None);
             }
             if tables[template].is_none() {
-                tables[template] = Some(Tables::new(&runs, &forcings, on, steps, h));
+                tables[template] = Some(Tables::new(&runs, &forcings, steps, h));
             }
         }
         let table = template.and_then(|template| tables.get(template)).and_then(Option::as_ref);

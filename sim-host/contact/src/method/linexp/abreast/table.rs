@@ -8,7 +8,7 @@ use super::super::simd_nodes::{Places, place};
 use super::exact_step::{Substeps, series};
 use super::forcing::Forcings;
 use super::state::Abreast;
-use super::vector::{Each, Which, all, value};
+use super::vector::{Each, all, value};
 
 /// With the names of [`Table`](super::super::fast_step::Table). Places are the nodes, and then the end.
 pub(super) struct Tables<S: Simd, const K: usize, const N: usize> {
@@ -48,7 +48,7 @@ where
     Nodes<K>: Places,
 {
     #[inline(always)]
-    pub fn new(runs: &Abreast<S, K, N>, forcings: &Forcings<S>, on: Which<S>, steps: u32, h: Each<S>) -> Self {
+    pub fn new(runs: &Abreast<S, K, N>, forcings: &Forcings<S>, steps: u32, h: Each<S>) -> Self {
         let simd = runs.simd;
         let (zero, unit) = (all(simd, 0.0), all(simd, 1.0));
         let none = [zero; EXACT];
@@ -62,7 +62,7 @@ where
         let by_square = flow(runs, (zero, zero), &square, h);
         let (mut forced, mut curves) = (Vec::with_capacity(steps as usize), Vec::with_capacity(steps as usize));
         for step in 0..steps {
-            let u: [Each<S>; EXACT] = forcings.taylor_in(h * f64::from(step), h, runs.per_mass, on);
+            let u: [Each<S>; EXACT] = forcings.taylor_in(h * f64::from(step), h, runs.per_mass);
             let (xs, vs) = flow(runs, (zero, zero), &u, h);
             forced.push(Forced { x: places::<S, K>(&xs), v_end: value_at(&vs, 1.0), last: value_at(&u, 1.0) });
             curves.push((short(&(xs, vs)), cut(&u)));

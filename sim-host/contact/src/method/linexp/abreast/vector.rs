@@ -72,13 +72,9 @@ pub(super) fn times_k<S: Simd, const N: usize>(c: &[Each<S>; N]) -> [Each<S>; N]
 /// Every second coefficient from `first` on, by Horner's rule.
 #[inline(always)]
 fn chain<S: Simd, const N: usize>(c: &[Each<S>; N], first: usize, square: Each<S>) -> Each<S> {
-    let mut sum = square * 0.0;
-    let mut k = N;
-    while k > first {
-        k -= 1;
-        if (k - first).is_multiple_of(2) {
-            sum = if k + 2 < N { sum * square + c[k] } else { sum + c[k] };
-        }
+    let mut sum = all(square.simd, 0.0);
+    for k in (first..N).rev().filter(|k| (k - first).is_multiple_of(2)) {
+        sum = if k + 2 < N { sum * square + c[k] } else { c[k] };
     }
     sum
 }

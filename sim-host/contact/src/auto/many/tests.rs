@@ -1,0 +1,56 @@
+//! Problems that are solved beside each other are solved as they are alone.
+
+use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
+
+use super::*;
+use crate::table_4_1::table_4_1;
+use crate::{Law, Motion, Shape, Waveform, solve_unwatched};
+
+/// A map over the stiffness, whatever is asked for: pilots, two runs of the record, the Taylor series where nothing else will do.
+#[test]
+fn a_map_is_solved_as_its_points_are() {
+    for (tolerance, periods, energies, count) in [(1e-6, 200.0, false, 100), (1e-11, 40.0, false, 10), (1e-7, 50.0, true, 10)] {
+        let numerics = Numerics { tolerance, energies, whole_run: false, ..Numerics::default() };
+        let problems: Vec<Problem> = (0..count)
+            .map(|i| {
+                let stiffness_n_per_m = 1e4 * 1e3f64.powf(f64::from(i % 10) / 9.0);
+                let velocity_ratio = 0.05 + 1.2 * f64::from(i) / f64::from(count);
+                Problem { law: Law::Dahl { stiffness_n_per_m }, ..table_4_1(velocity_ratio, periods) }
+            })
+            .collect();
+        for (problem, many) in problems.iter().zip(solve_many(&problems, &numerics, &|| ())) {
+            assert_eq!(many, solve_unwatched(problem, &numerics, &|| ()), "{problem:?}");
+        }
+    }
+}
+
+/// Problems of every kind together, in the order they are given.
+#[test]
+fn what_lanes_cannot_do_is_among_them() {
+    let mut problems = vec![table_4_1(0.5, 60.0); 8];
+    problems[1].law = Law::Coulomb;
+    problems[2].law =
+        Law::Lugre { stiffness_n_per_m: 56e3, static_ratio: 1.5, stribeck_m_per_s: 0.01, sigma1: 0.05, sigma2: 0.0 };
+    problems[3].motion = Motion::Kinematic;
+    problems[3].waveform = Waveform::new(Shape::Sine, problems[0].vibration_m_per_s(), 60e3, problems[0].duration_s);
+    problems[4].load_steps = vec![(5e-4, 0.03)];
+    problems[5].waveform = Waveform::new(Shape::Random { hold_s: 2e-5, seed: 5 }, 384.0, 60e3, problems[0].duration_s);
+    problems[6].coulomb_n *= 1e-18;
+    for method in [Method::Auto, Method::Linexp, Method::Frozen, Method::Taylor, Method::Closed] {
+        let numerics = Numerics { tolerance: 1e-5, energies: false, method, ..Numerics::default() };
+        let many = solve_many(&problems, &numerics, &|| ());
+        assert_eq!(many.len(), problems.len());
+        for (number, (problem, many)) in problems.iter().zip(many).enumerate() {
+            assert_eq!(many, solve_unwatched(problem, &numerics, &|| ()), "{number}, {method:?}");
+        }
+    }
+}
+
+/// Whoever wants no more leaves by unwinding.
+#[test]
+fn it_can_be_left_on_its_way() {
+    let numerics = Numerics { energies: false, ..Numerics::default() };
+    let problems = vec![table_4_1(0.5, 20_000.0); 16];
+    let left = catch_unwind(AssertUnwindSafe(|| solve_many(&problems, &numerics, &|| resume_unwind(Box::new("left")))));
+    assert!(left.is_err_and(|cause| cause.is::<&str>()));
+}
