@@ -19,8 +19,11 @@ pub struct GridResult {
     pub cells: Vec<Vec<Option<f64>>>,
 }
 
-/// Runs every cell of a grid, in parallel; nothing if it is stopped.
-pub(super) fn run(loaded: &Loaded, grid: &Grid, stop: &AtomicBool) -> Result<Option<GridResult>, StudyError> {
+/// Runs every cell of a grid of a scene, in parallel; nothing if it is stopped. The grid need not be the scene's own, and may have any size.
+///
+/// # Errors
+/// If a cell is no valid scene, or has no result.
+pub fn run(loaded: &Loaded, grid: &Grid, stop: &AtomicBool) -> Result<Option<GridResult>, StudyError> {
     let plan = Plan::new(loaded, stop)?;
     let places = places(grid);
     let Some(&first) = places.first() else { return Ok(None) };
@@ -132,6 +135,40 @@ mod tests {
             assert!(!steady(&loaded, &asked).into_iter().any(|steady| steady), "{metric}, {set}");
             assert_eq!(result.cells.concat(), one_by_one(&loaded, &asked));
         }
+    }
+
+    /// A thousand points of a map of contacts with a mass: what is solved abreast has the metric of a run of its own, bit for bit, as have the cells that
+    /// the rules judge (a velocity ratio of zero) among them.
+    #[test]
+    fn a_map_of_contacts_is_its_runs() {
+        let stiffness: Vec<f64> = (0..25).map(|row| 1e4 * 1e3f64.powf(f64::from(row) / 24.0)).collect();
+        let ratios: Vec<f64> = (0..40).map(|column| 0.03 * f64::from(column)).collect();
+        let mut asked =
+            over("friction_ratio", ("contact.dahl.stiffness_n_per_m", &stiffness), ("excitation.velocity_ratio", &ratios));
+        asked.set = vec!["integrator.window_periods=[40, 80]".to_owned(), "duration_s=0.001334".to_owned()];
+        let (loaded, result) = grid("contact", &["integrator.tolerance=1e-6"], &asked);
+        assert_eq!(result.cells.concat(), one_by_one_for(&loaded, &asked));
+        for metric in ["power_ratio", "kappa", "error_estimate", "input_ratio", "peak_velocity_m_per_s"] {
+            let asked = Grid { metric: metric.to_owned(), rows: stiffness[..2].to_vec(), ..asked.clone() };
+            let result = run(&loaded, &asked, &AtomicBool::new(false)).expect("a result").expect("not stopped");
+            assert_eq!(result.cells.concat(), one_by_one_for(&loaded, &asked), "{metric}");
+        }
+    }
+
+    /// Each cell as a run of its own that is asked for the metric only.
+    fn one_by_one_for(loaded: &Loaded, grid: &Grid) -> Vec<Option<f64>> {
+        read(loaded, grid, |made| made.metric(&grid.metric))
+    }
+
+    /// A cell without an answer is named, and a grid that is to end has no result.
+    #[test]
+    fn a_cell_that_is_wrong_is_named_and_a_stop_is_heeded() {
+        let asked = over("friction_ratio", ("contact.dahl.mu", &[0.1, 0.0]), ("excitation.velocity_ratio", &[0.3, 0.5]));
+        let loaded = load("contact", &[]).expect("built in");
+        let error = run(&loaded, &asked, &AtomicBool::new(false)).expect_err("no friction");
+        assert!(matches!(&error, StudyError::Cell(label, _) if label.starts_with("contact.dahl.mu=0,")), "{error}");
+        let stopped = run(&loaded, &Grid { rows: vec![0.1], ..asked }, &AtomicBool::new(true));
+        assert!(stopped.expect("no error").is_none());
     }
 
     /// A cell is the scene with its keys set, as if it were read from its file.

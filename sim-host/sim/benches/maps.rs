@@ -1,0 +1,146 @@
+//! What a map of a contact study costs, a point: `cargo bench -p sonoglide-sim --bench maps`.
+//!
+//! Times are of the processor on one thread, so that others on the machine count for little; two cores take half of that. The kinematic map is a
+//! whole million of points; of the others every fiftieth row is run, each with all its columns, so that neighbours are what they are in the whole
+//! map. Every map is held against a thousand of its points run alone, without lanes, through the text of their scenes.
+
+use std::fs;
+use std::hint::black_box;
+use std::sync::atomic::AtomicBool;
+use std::time::Instant;
+
+use contact::{solve_many, solve_unwatched};
+use scene::load::{Loaded, load};
+use scene::numbers::Numbers;
+use scene::{Grid, problem};
+use sonoglide_sim::study::grid;
+
+/// Columns of a map, and rows of a whole one.
+const SIDE: u32 = 1000;
+/// Of a map that is sampled, so many rows are run.
+const ROWS: u32 = 20;
+
+const STIFFNESS: &str = "contact.dahl.stiffness_n_per_m";
+const RATIO: &str = "excitation.velocity_ratio";
+const MU: &str = "contact.dahl.mu";
+
+/// Processor time of this thread, s; wall time where the system does not say.
+fn cpu_s(began: Instant) -> f64 {
+    let text = fs::read_to_string("/proc/thread-self/schedstat").unwrap_or_default();
+    let ns: Option<f64> = text.split(' ').next().and_then(|ns| ns.parse().ok());
+    ns.map_or_else(|| began.elapsed().as_secs_f64(), |ns| 1e-9 * ns)
+}
+
+/// Microseconds a point that `work` takes.
+fn micros<T>(points: usize, work: impl FnOnce() -> T) -> (f64, T) {
+    let began = Instant::now();
+    let before = cpu_s(began);
+    let out = black_box(work());
+    (1e6 * (cpu_s(began) - before) / points as f64, out)
+}
+
+fn spread(least: f64, most: f64, count: u32) -> Vec<f64> {
+    (0..count).map(|i| least * (most / least).powf(f64::from(i) / f64::from(count - 1))).collect()
+}
+
+fn map(metric: &str, (row_key, rows): (&str, Vec<f64>), set: &[&str]) -> Grid {
+    Grid {
+        title: String::new(),
+        metric: metric.to_owned(),
+        row_key: row_key.to_owned(),
+        rows,
+        column_key: RATIO.to_owned(),
+        columns: (1..=SIDE).map(|column| 1.2 * f64::from(column) / f64::from(SIDE)).collect(),
+        set: set.iter().map(|&set| set.to_owned()).collect(),
+    }
+}
+
+fn loaded(scene: &str, sets: &[&str]) -> Loaded {
+    let sets: Vec<String> = sets.iter().map(|&set| set.to_owned()).collect();
+    load(scene, &sets).unwrap_or_else(|error| panic!("{error}"))
+}
+
+/// A map, measured: microseconds a point, and by what a thousand of its points run alone are off at most.
+fn measured(name: &str, loaded: &Loaded, grid: &Grid) {
+    let points = grid.rows.len() * grid.columns.len();
+    let never = AtomicBool::new(false);
+    let (micros, result) = micros(points, || grid::run(loaded, grid, &never).expect("a result").expect("not stopped"));
+    let template = loaded.template().expect("a template");
+    let mut worst = 0.0f64;
+    for sample in 0..1000 {
+        // A step that has no divisor in common with either side.
+        let place = sample * 7919 % points;
+        let (row, column) = (place / grid.columns.len(), place % grid.columns.len());
+        let axes = [format!("{}={}", grid.row_key, grid.rows[row]), format!("{RATIO}={}", grid.columns[column])];
+        let scene = template.scene(&[grid.set.as_slice(), &axes].concat()).expect("valid");
+        let study = scene.excited().expect("a contact study");
+        let problem = problem::problem(&study, problem::law(&study.model).expect("a law")).expect("a problem");
+        let numerics = problem::numerics(&study, Some(&grid.metric));
+        let alone = solve_unwatched(&problem, &numerics, &|| ()).expect("an answer").ratios.friction;
+        worst = worst.max((result.cells[row][column].expect("a metric") - alone).abs());
+    }
+    println!("{name:44} {micros:8.2} us a point   a million on two cores {:6.1} s   off by {worst:.1e}", micros / 2.0);
+}
+
+/// The parts of a kinematic point, and how much of a contact with a mass lanes save.
+fn parts() {
+    let kinematic = loaded("contact-kinematic", &[]);
+    let template = kinematic.template().expect("a template");
+    let sets = |value: f64| [format!("{MU}=0.1"), format!("{RATIO}={value}")];
+    let base = template.scene(&sets(0.5)).expect("valid");
+    let count = 2000;
+    let (text, ()) = micros(count, || {
+        (0..count).for_each(|i| drop(black_box(template.scene(&sets(1e-3 + 1e-4 * i as f64)).expect("valid"))));
+    });
+    let mut numbers = Numbers::of(base, &[MU, RATIO]).expect("numbers");
+    let count = 200_000;
+    let (set, ()) = micros(count, || {
+        for i in 0..count {
+            let scene = numbers.set(&[0.1, 1e-3 + 1e-6 * i as f64]).expect("valid");
+            let study = scene.excited().expect("a contact study");
+            black_box(problem::problem(&study, problem::law(&study.model).expect("a law")).expect("a problem"));
+        }
+    });
+    println!("a point's scene of its text {text:8.2} us, of its numbers with its problem {set:5.2} us");
+
+    let sdof = loaded("contact", &["integrator.tolerance=1e-6", "duration_s=0.00334", "integrator.window_periods=[100, 200]"]);
+    let template = sdof.template().expect("a template");
+    for stiffness in [5.6e4, 1e6, 1e7] {
+        let problem = |i: u32| {
+            let sets = [format!("{STIFFNESS}={stiffness}"), format!("{RATIO}={}", 0.4 + 1.2e-3 * f64::from(i))];
+            let scene = template.scene(&sets).expect("valid");
+            let study = scene.excited().expect("a contact study");
+            let problem = problem::problem(&study, problem::law(&study.model).expect("a law")).expect("a problem");
+            (problem, problem::numerics(&study, Some("friction_ratio")))
+        };
+        let (problems, numerics): (Vec<_>, Vec<_>) = (0..256).map(problem).unzip();
+        let (abreast, many) = micros(problems.len(), || solve_many(&problems, &numerics[0], &|| ()));
+        let (alone, one) = micros(problems.len(), || {
+            problems.iter().map(|problem| solve_unwatched(problem, &numerics[0], &|| ())).collect::<Vec<_>>()
+        });
+        assert_eq!(many, one);
+        println!(
+            "256 neighbours at Kt {stiffness:7.1e} N/m: alone {alone:7.1} us, abreast {abreast:6.1} us, {:4.1} times",
+            alone / abreast
+        );
+    }
+}
+
+fn main() {
+    // `cargo test --benches` only asks whether it compiles.
+    if std::env::args().any(|argument| argument == "--test") {
+        return;
+    }
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("a thread");
+    pool.install(|| {
+        parts();
+        let kinematic = loaded("contact-kinematic", &[]);
+        measured("kinematic, a million points", &kinematic, &map("friction_ratio", (MU, spread(0.01, 1.0, SIDE)), &[]));
+        let sdof = loaded("contact", &["integrator.tolerance=1e-6"]);
+        let window = ["duration_s=0.00334", "integrator.window_periods=[100, 200]"];
+        for (name, most) in [("one mass, kappa up to 1, tolerance 1e-6", 1.38e5), ("one mass, Kt from 1e4 to 1e7 N/m, 1e-6", 1e7)]
+        {
+            measured(name, &sdof, &map("friction_ratio", (STIFFNESS, spread(1e4, most, ROWS)), &window));
+        }
+    });
+}
