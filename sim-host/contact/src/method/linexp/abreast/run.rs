@@ -54,11 +54,11 @@ where
     let mut now_s = [0.0; WIDTH];
     let mut since_pause = 0;
     while let Some(stretches) = alike(&mut timelines, steps_per_period)? {
-        let Some(forcings) = Forcings::of_all(simd, &stretches.each_ref().map(|stretch| stretch.forcing)) else { return None };
+        let forcings = Forcings::of_all(simd, &stretches.each_ref().map(|stretch| stretch.forcing))?;
         begin(&mut runs, &stretches, &forcings, now_s, on);
         let steps = stretches[0].steps(steps_per_period);
         let h = each(simd, |number| stretches[number].length_s / f64::from(steps));
-        let mut tabled = on & on;
+        let mut tabled = on;
         for number in numbers(on) {
             if runs.alone[number].is_stiff(h[number]) {
                 tabled.set(number, false);
