@@ -4,12 +4,15 @@
 //! exponential; what the converters see between two steps, from others ([`StepFlow`]). A network that drifts has them as a
 //! series in what drifts ([`Expansion`]). A stack without further modes, or a drive without a delay, pays for neither.
 
+pub(crate) mod lanes;
+
 use wide::f64x2;
 
 use crate::circuit::Circuit;
 use crate::expansion::{Expansion, Path};
 use crate::network::{I, STATES, V0, VC};
 use crate::parts::Parts;
+use crate::quad::Quad;
 use crate::step_flow::{Layout, Pairs, StepFlow, TOTAL};
 use crate::timing::Timing;
 use scene::Amplifier;
@@ -42,6 +45,8 @@ pub struct Stack {
     further: Vec<[f64; 2]>,
     further_before: Vec<[f64; 2]>,
     flow: StepFlow,
+    /// How often the flow was made anew.
+    remade: u64,
     expansion: Option<Box<Expansion>>,
     /// What moved at the last change.
     moved: Option<Path>,
@@ -59,6 +64,7 @@ impl Stack {
         let layout = Layout { timing, late_s, source_ohm: amplifier.source_ohm, further: modes };
         let mut stack = Stack {
             flow: StepFlow::of(&parts, amplifier, &layout),
+            remade: 0,
             parts,
             amplifier: amplifier.clone(),
             layout,
@@ -117,6 +123,7 @@ impl Stack {
     /// Brings the flow to the present elements: by the series where it reaches, by a new one where the same moves again, or
     /// else exactly.
     fn remake(&mut self, moved: Option<Path>) {
+        self.remade += 1;
         let last = std::mem::replace(&mut self.moved, moved);
         if self.expansion.as_ref().is_some_and(|expansion| expansion.lead(&self.parts, &mut self.flow)) {
             return;
@@ -139,7 +146,7 @@ impl Stack {
     }
 
     /// What the drive does in every step during which it is held at `volts`.
-    #[inline]
+    #[inline(always)]
     pub fn held(&self, volts: f64) -> Held {
         Held { pairs: self.flow.drive.map(|row| row * volts), volts, before: 0.0, step: 0 }
     }
@@ -157,7 +164,7 @@ impl Stack {
     }
 
     /// Moves by one step with the drive held and the friction held at `newtons`.
-    #[inline]
+    #[inline(always)]
     pub fn advance(&mut self, drive: &Held, newtons: f64) {
         let flow = &self.flow;
         let [[e, d], [v0, i], [vc, _]] = self.x.map(f64x2::to_array);
@@ -194,7 +201,7 @@ impl Stack {
     }
 
     /// Adds what a friction larger by `newtons` over the step just made would have done.
-    #[inline]
+    #[inline(always)]
     pub fn correct_force(&mut self, newtons: f64) {
         self.x[1] += self.flow.force[1] * newtons;
         self.x[2] += self.flow.force[2] * newtons;
@@ -307,10 +314,10 @@ impl Stack {
         Some(modes.fold((0.0, 0.0), |(sum, lost), (branch, [i, _])| (sum + i, lost + branch.rm_ohm * i * i)))
     }
 
-    /// Hands voltage and current at each conversion within step `step` of a sample to `convert`. The step has just been made with
-    /// this drive and a mean friction of `newtons`.
-    #[inline]
-    pub fn sample(&self, step: usize, drive: &Held, newtons: f64, mut convert: impl FnMut(f64x2)) {
+    /// Hands voltage and current at the conversions within step `step` of a sample to `convert`, those of two conversions at a time, and how
+    /// many there are. The step has just been made with this drive and a mean friction of `newtons`.
+    #[inline(always)]
+    pub fn sample(&self, step: usize, drive: &Held, newtons: f64, mut convert: impl FnMut(Quad, usize)) {
         let [[e, d], [v0, i], [vc, _]] = self.before.map(f64x2::to_array);
         for look in &self.flow.looks[step] {
             let [ke, kd, kv, ki, kc] = look.state;
@@ -321,7 +328,7 @@ impl Stack {
             for ([a, b], &[ik, vk]) in look.further.iter().zip(&self.further_before) {
                 both += *a * ik + *b * vk;
             }
-            convert(both);
+            convert(both, look.conversions);
         }
     }
 }

@@ -1,5 +1,8 @@
 //! What is added up over the steps of one block.
 
+use crate::quad::Quad;
+use crate::stack::Stack;
+
 /// Sums over the steps of a block.
 #[derive(Clone, Debug)]
 pub(super) struct Sums {
@@ -41,6 +44,18 @@ pub(super) struct Step {
 }
 
 impl Step {
+    /// A step that a stack has just made.
+    #[inline(always)]
+    pub(super) fn of(stack: &Stack, friction: Option<Rubbing>) -> Self {
+        Step {
+            friction,
+            voltage: stack.voltage(),
+            current: stack.motional_current(),
+            motional_voltage: stack.motional_voltage(),
+            further: stack.further(),
+        }
+    }
+
     /// Mean friction, N.
     pub(super) fn friction_n(&self) -> f64 {
         self.friction.map_or(0.0, |friction| friction.mean_n)
@@ -64,7 +79,7 @@ impl Sums {
     }
 
     /// Adds a step.
-    #[inline]
+    #[inline(always)]
     pub(super) fn add(&mut self, step: &Step) {
         if let Some(Rubbing { mean_n: mean, work_j: work, .. }) = step.friction {
             self.friction += mean;
@@ -82,5 +97,31 @@ impl Sums {
             self.further_supplied += v * current;
             self.further_lost += lost;
         }
+    }
+}
+
+/// The sums of several stacks without contact and further modes, side by side.
+#[derive(Clone, Debug, Default)]
+pub(super) struct SumsAbreast {
+    lost: Quad,
+    current_peak: Quad,
+    in_phase: Quad,
+    quadrature: Quad,
+}
+
+impl SumsAbreast {
+    /// Adds a step of each, as [`Sums::add`] does.
+    #[inline(always)]
+    pub(super) fn add(&mut self, v: Quad, i: Quad, motional_voltage: Quad) {
+        self.in_phase += v * i;
+        self.quadrature += v * motional_voltage;
+        self.lost += i * i;
+        self.current_peak = i.map(f64::abs).larger(self.current_peak);
+    }
+
+    /// Gives a stack the sums of its lane; it has none of its own yet.
+    pub(super) fn give(&self, lane: usize, sums: &mut Sums) {
+        (sums.lost, sums.current_peak) = (self.lost[lane], self.current_peak[lane]);
+        (sums.in_phase, sums.quadrature) = (self.in_phase[lane], self.quadrature[lane]);
     }
 }

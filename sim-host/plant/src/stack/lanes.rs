@@ -1,0 +1,138 @@
+//! Networks of several stacks side by side, one a lane, each with a flow of its own: [`Stack::advance`] and [`Stack::sample`] without friction, further
+//! modes and a late drive, in the same order of the same operations.
+
+use super::{STILL, Stack};
+use crate::network::{D, E, I, STATES, V0, VC};
+use crate::quad::{LANES, Quad};
+use crate::step_flow::{Look, StepFlow, TOTAL};
+use wide::f64x2;
+
+/// What a number follows from: the drive, and each state.
+type Row = [Quad; 1 + STATES];
+/// Place of the drive in a row; the states come after it.
+const DRIVE: usize = 0;
+/// The states, and the total current.
+const NUMBERS: usize = TOTAL + 1;
+
+/// The flows of several stacks.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Flows {
+    rows: [Row; NUMBERS],
+    /// Of each conversion in a step the voltage and the current.
+    looks: Vec<[Row; 2]>,
+    /// Which of a stack's flows each lane has, from one.
+    remade: [Option<u64>; LANES],
+}
+
+/// The states of several stacks and their total currents at the end of a step, and at its beginning.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct States {
+    x: [Quad; NUMBERS],
+    before: [Quad; NUMBERS],
+}
+
+/// The pair of a flow, and the place in it, of a state or of the total current.
+fn place(state: usize) -> (usize, usize) {
+    (state / 2, state % 2)
+}
+
+impl Flows {
+    /// Brings a lane to the present flow of its stack.
+    pub(crate) fn take(&mut self, lane: usize, stack: &Stack) {
+        if self.remade[lane].replace(stack.remade) == Some(stack.remade) {
+            return;
+        }
+        let StepFlow { state, drive, looks, .. } = &stack.flow;
+        for (n, row) in self.rows.iter_mut().enumerate() {
+            let (pair, number) = place(n);
+            let of = |column: &[f64x2; 3]| column[pair].to_array()[number];
+            row[DRIVE][lane] = of(drive);
+            row[1..].iter_mut().zip(state).for_each(|(quad, column)| quad[lane] = of(column));
+        }
+        let conversions: usize = looks[0].iter().map(|look| look.conversions).sum();
+        self.looks.resize(conversions, [[Quad::default(); 1 + STATES]; 2]);
+        for (n, rows) in self.looks.iter_mut().enumerate() {
+            let Look { state, drive, .. } = &looks[0][n / 2];
+            for (channel, row) in rows.iter_mut().enumerate() {
+                let number = n % 2 * 2 + channel;
+                row[DRIVE][lane] = drive[number];
+                row[1..].iter_mut().zip(state).for_each(|(quad, column)| quad[lane] = column[number]);
+            }
+        }
+    }
+
+    /// How many conversions there are in a step.
+    #[inline(always)]
+    pub(crate) fn conversions(&self) -> usize {
+        self.looks.len()
+    }
+
+    /// Moves by one step with the drives held.
+    #[inline(always)]
+    pub(crate) fn advance(&self, states: &mut States, volts: Quad) {
+        let x = states.x;
+        let amplifier = |row: &Row| row[DRIVE] * volts + row[1 + E] * x[E] + row[1 + D] * x[D];
+        let [e, d, rows @ ..] = &self.rows;
+        let [v0, i, vc, total] = rows.each_ref().map(|row| response(row, &x, volts));
+        let next = [amplifier(e), amplifier(d), v0, i, vc, total];
+        *states = States { x: next, before: x };
+    }
+
+    /// Voltage and current at a conversion within the step just made.
+    #[inline(always)]
+    pub(crate) fn look(&self, conversion: usize, states: &States, volts: Quad) -> [Quad; 2] {
+        let [v, i] = &self.looks[conversion];
+        [response(v, &states.before, volts), response(i, &states.before, volts)]
+    }
+}
+
+#[inline(always)]
+fn response(row: &Row, x: &[Quad; NUMBERS], volts: Quad) -> Quad {
+    let [drive, ce, cd, cv, ci, cc] = *row;
+    drive * volts + ce * x[E] + cd * x[D] + cv * x[V0] + ci * x[I] + cc * x[VC]
+}
+
+impl States {
+    /// Takes the state of a stack.
+    pub(crate) fn take(&mut self, lane: usize, stack: &Stack) {
+        self.x.iter_mut().enumerate().for_each(|(n, quad)| quad[lane] = stack.state(n));
+    }
+
+    /// Gives a stack its state, which the last step has led to with its drive held at `volts`.
+    pub(crate) fn give_back(&self, lane: usize, stack: &mut Stack, volts: f64) {
+        for (n, quad) in self.before.iter().enumerate() {
+            let (pair, number) = place(n);
+            stack.x[pair].as_mut_array()[number] = quad[lane];
+        }
+        stack.advance(&stack.held(volts), 0.0);
+        debug_assert!((0..NUMBERS).all(|n| stack.state(n) == self.x[n][lane]), "a lane is what its stack is alone");
+    }
+
+    /// Which of them have not moved in the last step, as [`Stack::is_still`] says it.
+    pub(crate) fn are_still(&self) -> [bool; LANES] {
+        let (mut moved, mut largest) = (Quad::splat(0.0), Quad::splat(0.1));
+        for (x, before) in self.x.iter().zip(&self.before) {
+            moved = moved.larger((*x - *before).map(f64::abs));
+            largest = largest.larger(x.map(f64::abs));
+        }
+        std::array::from_fn(|lane| moved[lane] <= STILL * largest[lane])
+    }
+
+    /// Voltage at the stack, V.
+    #[inline(always)]
+    pub(crate) fn voltage(&self) -> Quad {
+        self.x[V0]
+    }
+
+    /// Motional current of the working mode, A.
+    #[inline(always)]
+    pub(crate) fn motional_current(&self) -> Quad {
+        self.x[I]
+    }
+
+    /// Voltage of the motional capacitor, V.
+    #[inline(always)]
+    pub(crate) fn motional_voltage(&self) -> Quad {
+        self.x[VC]
+    }
+}
