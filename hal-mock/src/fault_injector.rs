@@ -198,6 +198,13 @@ impl<A> FaultInjector<A> {
 impl<A: Analog> Analog for FaultInjector<A> {
     fn exchange(&mut self, drive: &DriveBlock, sense: &mut SenseBlock) {
         self.inner.exchange(drive, sense);
+        self.damage(sense);
+    }
+}
+
+impl<A> FaultInjector<A> {
+    /// Damages the block that was just sampled: the second half of an exchange, where the first was made by other means.
+    pub fn damage(&mut self, sense: &mut SenseBlock) {
         let events = self.strikes();
         let measures =
             |kind: &FaultKind| !matches!(kind, FaultKind::BeltStopped | FaultKind::EncoderStuck | FaultKind::EncoderLies);

@@ -1,0 +1,70 @@
+//! Several runs at once, whose plants go side by side; each has its own controller, its own orders and its own record.
+
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use super::recorder::Watched;
+use super::session::Session;
+use super::{LOOK_EVERY, RunError};
+use crate::processor::{Here, Processor};
+use crate::record::Record;
+use plant::Plant;
+use plant::driven_stack::abreast::{Abreast, Voice};
+use scene::{Driven, settings};
+
+pub use plant::quad::LANES;
+
+/// A run in a lane.
+struct Lane {
+    processor: Here,
+    session: Session,
+}
+
+/// Runs up to [`LANES`] scenes with their controllers in this process. Each record is what [`run`](super::run) makes of its scene alone, bit for bit; a
+/// plant that is no stack, or a scene that ends before the others, goes its own way.
+pub fn run_abreast(scenes: &[Driven], stop: Option<&AtomicBool>) -> Vec<Result<Record, RunError>> {
+    let mut lanes: Vec<Result<Lane, RunError>> = scenes.iter().map(Lane::new).collect();
+    let mut abreast = Abreast::default();
+    let mut block = 0_u64;
+    while lanes.iter().flatten().any(|lane| lane.session.next().is_some()) {
+        if block.is_multiple_of(LOOK_EVERY) && stop.is_some_and(|stop| stop.load(Ordering::Relaxed)) {
+            lanes.iter_mut().flatten().for_each(|lane| lane.session.interrupt());
+            break;
+        }
+        tick(&mut lanes, &mut abreast);
+        block += 1;
+    }
+    lanes.into_iter().map(|lane| lane.and_then(|Lane { mut processor, session }| session.finish(&mut processor))).collect()
+}
+
+impl Lane {
+    fn new(scene: &Driven) -> Result<Self, RunError> {
+        let processor = Here::new(&settings::config(scene))?;
+        let session = Session::new(scene, Vec::new(), &processor.silence());
+        Ok(Lane { processor, session })
+    }
+}
+
+/// A block of every run that has one.
+fn tick(lanes: &mut [Result<Lane, RunError>], abreast: &mut Abreast) {
+    let mut voices: [Option<Voice>; LANES] = [const { None }; LANES];
+    let mut watched: [Option<Watched>; LANES] = [const { None }; LANES];
+    let going = lanes.iter_mut().map(|lane| lane.as_mut().ok().filter(|lane| lane.session.next().is_some()));
+    for ((lane, voice), watched) in going.zip(&mut voices).zip(&mut watched) {
+        let Some(lane) = lane else { continue };
+        lane.session.begin();
+        let (recorder, drive, sense) = lane.session.converters();
+        *watched = Some(recorder.begin(drive));
+        match &mut recorder.plant.inner {
+            Plant::Stack(plant) => *voice = Some(Voice { plant, drive, sense }),
+            other => hal_mock::analog::Analog::exchange(other, drive, sense),
+        }
+    }
+    abreast.exchange(&mut voices);
+    for (lane, watched) in lanes.iter_mut().zip(&watched) {
+        let (Ok(running), Some(watched)) = (&mut *lane, watched) else { continue };
+        running.session.played(watched);
+        if let Err(lost) = running.session.answer(&mut running.processor) {
+            *lane = Err(lost.into());
+        }
+    }
+}
