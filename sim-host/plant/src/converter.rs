@@ -6,7 +6,7 @@
 use wide::f64x2;
 
 use crate::noise::Noise;
-use crate::quad::{LANES, Quad};
+use crate::quad::{Four, LANES, Portable, Quad, Wide};
 use scene::{Amplifier, Sensors};
 
 /// DAC of one lane, whose output is held between samples.
@@ -70,21 +70,23 @@ impl Adc {
     #[inline]
     pub fn convert(&mut self, values: impl Into<f64x2>) -> [u16; 2] {
         let [v, i] = values.into().to_array();
-        let scaled = self.scaled(Quad([v, i, 0.0, 0.0]));
+        let scaled = self.scaled(Quad([v, i, 0.0, 0.0]).wide(Portable));
         self.digitize(scaled, 1)
     }
 
     /// Voltages and currents of two conversions in LSB, before their noise.
     #[inline(always)]
-    pub(crate) fn scaled(&self, values: Quad) -> Quad {
-        values * self.lsb_per_unit + self.zero
+    pub(crate) fn scaled<F: Four>(&self, values: Wide<F>) -> Wide<F> {
+        let four = values.four();
+        values * self.lsb_per_unit.wide(four) + self.zero.wide(four)
     }
 
     /// The sums of so many conversions' codes, 1 or 2.
     #[inline(always)]
-    pub(crate) fn digitize(&mut self, scaled: Quad, conversions: usize) -> [u16; 2] {
-        let noisy = scaled + self.noise.quad(conversions) * self.noise_lsb;
-        let [v, i, later_v, later_i] = truncated(noisy, Quad::splat(self.top));
+    pub(crate) fn digitize<F: Four>(&mut self, scaled: Wide<F>, conversions: usize) -> [u16; 2] {
+        let four = scaled.four();
+        let noisy = scaled + self.noise.quad(conversions).wide(four) * Wide::splat(four, self.noise_lsb);
+        let [v, i, later_v, later_i] = codes(noisy, Wide::splat(four, self.top));
         if conversions > 1 { [v + later_v, i + later_i] } else { [v, i] }.map(|code| code as u16)
     }
 
@@ -96,8 +98,8 @@ impl Adc {
 
 /// Codes from zero to the top. Truncation rounds to nearest because of the half in the zero; what is no number is zero.
 #[inline(always)]
-pub(crate) fn truncated(noisy: Quad, top: Quad) -> [i32; LANES] {
-    noisy.larger(Quad::default()).smaller(top).0.map(|code| code as i32)
+pub(crate) fn codes<F: Four>(noisy: Wide<F>, top: Wide<F>) -> [i32; LANES] {
+    noisy.larger(Wide::splat(noisy.four(), 0.0)).smaller(top).truncated()
 }
 
 #[cfg(test)]

@@ -27,7 +27,7 @@ use crate::encoder::Encoder;
 use crate::energy::Energy;
 use crate::force_channel::ForceChannel;
 use crate::load_cell::LoadCell;
-use crate::quad::{Quad, widest};
+use crate::quad::{Four, Portable, Quad, Work, widest};
 use crate::sliding::{Sliding, steps_per_sample};
 use crate::stack::{Held, Stack};
 use crate::sums::{Rubbing, Step, Sums};
@@ -263,6 +263,12 @@ impl DrivenStack {
     /// Plays one code, and returns the codes of voltage and current that were sampled meanwhile.
     #[inline(always)]
     pub(crate) fn play(&mut self, code: u16, sums: &mut Sums) -> (u16, u16) {
+        self.play_in(Portable, code, sums)
+    }
+
+    /// The same in certain registers.
+    #[inline(always)]
+    fn play_in<F: Four>(&mut self, four: F, code: u16, sums: &mut Sums) -> (u16, u16) {
         let (steps, step_s) = (self.timing.steps as usize, self.timing.step_s());
         let volts = self.dac.volts(code);
         let (volts, before) = self.delay.as_mut().map_or((volts, volts), |delay| delay.pass(volts));
@@ -273,7 +279,7 @@ impl DrivenStack {
             // Nothing moves: the steps are all like the last one, and so is what is seen.
             (0..steps).for_each(|_| sums.add(&self.last));
             for &(scaled, conversions) in &self.seen {
-                let [voltage, current] = self.adc.digitize(scaled, conversions);
+                let [voltage, current] = self.adc.digitize(scaled.wide(four), conversions);
                 v += voltage;
                 i += current;
             }
@@ -290,10 +296,10 @@ impl DrivenStack {
                 let force = self.last.friction_n();
                 friction += force;
                 let (adc, seen) = (&mut self.adc, &mut self.seen);
-                self.stack.sample(step, &drive, force, |both, conversions| {
+                self.stack.sample(four, step, &drive, force, |both, conversions| {
                     let scaled = adc.scaled(both);
                     if held {
-                        seen.push((scaled, conversions));
+                        seen.push((scaled.quad(), conversions));
                     }
                     let [voltage, current] = adc.digitize(scaled, conversions);
                     v += voltage;
@@ -319,24 +325,16 @@ impl DrivenStack {
 
     /// Plays what of a block has not been played yet.
     fn play_all(&mut self, drive: &DriveBlock, sums: &mut Sums, sense: &mut SenseBlock) {
-        let codes = drive.lanes.first().map_or(&[][..], |lane| lane.as_slice());
-        widest(
-            #[inline(always)]
-            || {
-                for &code in codes.iter().skip(sense.v.len()) {
-                    let (v, i) = self.play(code, sums);
-                    // A sense block holds as many samples as the longest drive block.
-                    let _ = (sense.v.push(v), sense.i.push(i));
-                }
-            },
-        );
+        widest(PlayAll { plant: self, drive, sums, sense });
     }
 
     /// Rests after a sample in which nothing has moved, of one step without friction: what is seen from now on is what is seen in it.
     fn rest(&mut self) {
         let DrivenStack { stack, adc, seen, held_v, .. } = self;
         seen.clear();
-        stack.sample(0, &stack.held(*held_v), 0.0, |both, conversions| seen.push((adc.scaled(both), conversions)));
+        stack.sample(Portable, 0, &stack.held(*held_v), 0.0, |both, conversions| {
+            seen.push((adc.scaled(both).quad(), conversions))
+        });
         self.last = Step::of(stack, None);
         self.at_rest = true;
     }
@@ -345,6 +343,29 @@ impl DrivenStack {
     pub(crate) fn end(&mut self, sums: &Sums, samples: usize) -> SlowSense {
         self.account(sums, (samples * self.timing.steps as usize) as f64);
         self.slow()
+    }
+}
+
+/// Plays what of a block has not been played yet.
+struct PlayAll<'a> {
+    plant: &'a mut DrivenStack,
+    drive: &'a DriveBlock,
+    sums: &'a mut Sums,
+    sense: &'a mut SenseBlock,
+}
+
+impl Work for PlayAll<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with<F: Four>(self, four: F) {
+        let PlayAll { plant, drive, sums, sense } = self;
+        let codes = drive.lanes.first().map_or(&[][..], |lane| lane.as_slice());
+        for &code in codes.iter().skip(sense.v.len()) {
+            let (v, i) = plant.play_in(four, code, sums);
+            // A sense block holds as many samples as the longest drive block.
+            let _ = (sense.v.push(v), sense.i.push(i));
+        }
     }
 }
 

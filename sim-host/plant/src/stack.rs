@@ -12,7 +12,7 @@ use crate::circuit::Circuit;
 use crate::expansion::{Expansion, Path};
 use crate::network::{I, STATES, V0, VC};
 use crate::parts::Parts;
-use crate::quad::Quad;
+use crate::quad::{Four, Wide};
 use crate::step_flow::{Layout, Pairs, StepFlow, TOTAL};
 use crate::timing::Timing;
 use scene::Amplifier;
@@ -317,16 +317,28 @@ impl Stack {
     /// Hands voltage and current at the conversions within step `step` of a sample to `convert`, those of two conversions at a time, and how
     /// many there are. The step has just been made with this drive and a mean friction of `newtons`.
     #[inline(always)]
-    pub fn sample(&self, step: usize, drive: &Held, newtons: f64, mut convert: impl FnMut(Quad, usize)) {
+    pub(crate) fn sample<F: Four>(
+        &self,
+        four: F,
+        step: usize,
+        drive: &Held,
+        newtons: f64,
+        mut convert: impl FnMut(Wide<F>, usize),
+    ) {
         let [[e, d], [v0, i], [vc, _]] = self.before.map(f64x2::to_array);
+        let (volts, newtons) = (Wide::splat(four, drive.volts), Wide::splat(four, newtons));
+        let (e, d, v0) = (Wide::splat(four, e), Wide::splat(four, d), Wide::splat(four, v0));
+        let (i, vc) = (Wide::splat(four, i), Wide::splat(four, vc));
         for look in &self.flow.looks[step] {
-            let [ke, kd, kv, ki, kc] = look.state;
-            let mut both = look.drive * drive.volts + look.force * newtons + ke * e + kd * d + kv * v0 + ki * i + kc * vc;
+            let [ke, kd, kv, ki, kc] = &look.state;
+            let inputs = look.drive.wide(four) * volts + look.force.wide(four) * newtons;
+            let amplifier = inputs + ke.wide(four) * e + kd.wide(four) * d;
+            let mut both = amplifier + kv.wide(four) * v0 + ki.wide(four) * i + kc.wide(four) * vc;
             if drive.before != 0.0 {
-                both += look.late * drive.before;
+                both = both + look.late.wide(four) * Wide::splat(four, drive.before);
             }
             for ([a, b], &[ik, vk]) in look.further.iter().zip(&self.further_before) {
-                both += *a * ik + *b * vk;
+                both = both + (a.wide(four) * Wide::splat(four, ik) + b.wide(four) * Wide::splat(four, vk));
             }
             convert(both, look.conversions);
         }

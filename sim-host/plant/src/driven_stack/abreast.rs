@@ -7,9 +7,9 @@
 use firmware::seam::block::{DriveBlock, MAX_BLOCK_SAMPLES, SenseBlock};
 
 use super::DrivenStack;
-use crate::converter::truncated;
+use crate::converter;
 use crate::noise;
-use crate::quad::{LANES, Quad, widest};
+use crate::quad::{Four, LANES, Quad, Work, widest};
 use crate::stack::lanes::{Flows, States};
 use crate::sums::{Sums, SumsAbreast};
 
@@ -37,14 +37,8 @@ pub struct Abreast {
     codes: [[[u16; LANES]; 2]; MAX_BLOCK_SAMPLES],
 }
 
-/// Scales of a channel's converters.
-#[derive(Clone, Copy, Debug, Default)]
-struct Scales {
-    lsb_per_unit: Quad,
-    zero: Quad,
-    noise_lsb: Quad,
-    top: Quad,
-}
+/// What a channel's numbers are multiplied by, what is added, what the noise is multiplied by, and the largest code.
+type Scales = [Quad; 4];
 
 /// A block of several plants on its way.
 struct Block {
@@ -63,7 +57,7 @@ impl Default for Abreast {
             noise: noise::Abreast::new(),
             holds: [false; LANES],
             flows: Flows::default(),
-            scales: [Scales::default(); 2],
+            scales: [[Quad::default(); 4]; 2],
             volts: [Quad::default(); MAX_BLOCK_SAMPLES],
             codes: [[[0; LANES]; 2]; MAX_BLOCK_SAMPLES],
         }
@@ -142,10 +136,7 @@ impl Abreast {
     fn play(&mut self, voices: &mut [Option<Voice>; LANES], mut lanes: [bool; LANES], sums: &mut [Sums; LANES]) {
         let mut block = self.begin(voices, lanes);
         while block.played < block.samples {
-            let resting = widest(
-                #[inline(always)]
-                || self.play_on(&mut block, lanes),
-            );
+            let resting = widest(PlayOn { abreast: self, block: &mut block, lanes });
             for lane in (0..LANES).filter(|&lane| resting[lane]) {
                 if let Some(voice) = &mut voices[lane] {
                     self.leave(lane, voice, &block, &mut sums[lane]);
@@ -177,50 +168,12 @@ impl Abreast {
             block.states.take(lane, stack);
             block.held_v[lane] = *held_v;
             for (channel, scales) in self.scales.iter_mut().enumerate() {
-                let [lsb_per_unit, zero, noise_lsb, top] = adc.scales(channel);
-                (scales.lsb_per_unit[lane], scales.zero[lane]) = (lsb_per_unit, zero);
-                (scales.noise_lsb[lane], scales.top[lane]) = (noise_lsb, top);
+                scales.iter_mut().zip(adc.scales(channel)).for_each(|(quad, scale)| quad[lane] = scale);
             }
             self.volts.iter_mut().zip(voice.codes()).for_each(|(volts, code)| volts[lane] = dac.volts(*code));
             block.samples = voice.codes().len();
         }
         block
-    }
-
-    /// Plays on until one of `lanes` rests, or to the block's end. Returns who rests.
-    #[inline(always)]
-    fn play_on(&mut self, block: &mut Block, lanes: [bool; LANES]) -> [bool; LANES] {
-        let Abreast { noise, flows, scales, volts, codes, .. } = self;
-        let (mut states, mut sums, mut held_v) = (block.states, block.sums.clone(), block.held_v);
-        let mut resting = [false; LANES];
-        for (&volts, codes) in volts.iter().zip(codes).take(block.samples).skip(block.played) {
-            flows.advance(&mut states, volts);
-            sums.add(states.voltage(), states.motional_current(), states.motional_voltage());
-            let mut seen = [[0; LANES]; 2];
-            for conversion in 0..flows.conversions() {
-                let looks = flows.look(conversion, &states, volts);
-                let normal = noise.pair();
-                for channel in 0..2 {
-                    let Scales { lsb_per_unit, zero, noise_lsb, top } = scales[channel];
-                    let noisy = (looks[channel] * lsb_per_unit + zero) + normal[channel] * noise_lsb;
-                    let converted = truncated(noisy, top);
-                    seen[channel] = std::array::from_fn(|lane| seen[channel][lane] + converted[lane]);
-                }
-            }
-            *codes = seen.map(|channel| channel.map(|sum| sum as u16));
-            block.played += 1;
-            let holds = (0..LANES).fold(false, |holds, lane| holds | (held_v[lane] == volts[lane]));
-            let held = std::mem::replace(&mut held_v, volts);
-            if holds {
-                let still = states.are_still();
-                resting = std::array::from_fn(|lane| lanes[lane] && held[lane] == volts[lane] && still[lane]);
-                if resting != [false; LANES] {
-                    break;
-                }
-            }
-        }
-        (block.states, block.sums, block.held_v) = (states, sums, held_v);
-        resting
     }
 
     /// Gives a plant what has come of it.
@@ -232,5 +185,60 @@ impl Abreast {
             // A sense block holds as many samples as the longest drive block.
             let _ = (voice.sense.v.push(v[lane]), voice.sense.i.push(i[lane]));
         }
+    }
+}
+
+/// Plays on until one of `lanes` rests, or to the block's end. Says who rests.
+struct PlayOn<'a> {
+    abreast: &'a mut Abreast,
+    block: &'a mut Block,
+    lanes: [bool; LANES],
+}
+
+impl Work for PlayOn<'_> {
+    type Output = [bool; LANES];
+
+    #[inline(always)]
+    fn with<F: Four>(self, four: F) -> [bool; LANES] {
+        let PlayOn { abreast, block, lanes } = self;
+        let Abreast { noise, flows, scales, volts, codes, .. } = abreast;
+        let (mut states, mut sums) = (block.states.wide(four), block.sums.wide(four));
+        let mut held_v = block.held_v;
+        let mut resting = [false; LANES];
+        for (&played, codes) in volts.iter().zip(codes).take(block.samples).skip(block.played) {
+            let volts = played.wide(four);
+            flows.advance(&mut states, volts);
+            sums.add(states.voltage(), states.motional_current(), states.motional_voltage());
+            let mut sensed = [[0; LANES]; 2];
+            for conversion in 0..flows.conversions() {
+                let looks = flows.look(conversion, &states, volts);
+                let normal = noise.pair();
+                for channel in 0..2 {
+                    let [lsb_per_unit, zero, noise_lsb, top] = &scales[channel];
+                    let scaled = looks[channel] * lsb_per_unit.wide(four) + zero.wide(four);
+                    let noisy = scaled + normal[channel].wide(four) * noise_lsb.wide(four);
+                    let converted = converter::codes(noisy, top.wide(four));
+                    for lane in 0..LANES {
+                        sensed[channel][lane] += converted[lane];
+                    }
+                }
+            }
+            for channel in 0..2 {
+                for lane in 0..LANES {
+                    codes[channel][lane] = sensed[channel][lane] as u16;
+                }
+            }
+            block.played += 1;
+            let held = std::mem::replace(&mut held_v, played);
+            if held.wide(four).equals_any(volts) {
+                let still = states.stored().are_still();
+                resting = std::array::from_fn(|lane| lanes[lane] && held[lane] == played[lane] && still[lane]);
+                if resting != [false; LANES] {
+                    break;
+                }
+            }
+        }
+        (block.states, block.sums, block.held_v) = (states.stored(), sums.stored(), held_v);
+        resting
     }
 }

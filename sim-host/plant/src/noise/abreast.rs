@@ -9,7 +9,7 @@ use rand_distr::{Distribution, StandardNormal};
 
 use super::{DRAWN, Noise};
 use crate::noise::generator::{Generator, Resumed, Scripted};
-use crate::quad::{LANES, Quad, widest};
+use crate::quad::{Four, LANES, Quad, Wide, Work, widest};
 
 /// Layers of the ziggurat.
 const LAYERS: usize = 256;
@@ -92,43 +92,64 @@ impl Abreast {
 
     #[inline(never)]
     fn draw(&mut self) {
-        let Abreast { states: [v, i], drawn, .. } = self;
-        let layers = &*LAYER;
-        widest(
-            #[inline(always)]
-            || {
-                for pair in drawn {
-                    *pair = [normal(v, layers), normal(i, layers)];
-                }
-            },
-        );
+        widest(Draw(self));
         self.next = 0;
+    }
+}
+
+/// Draws ahead.
+struct Draw<'a>(&'a mut Abreast);
+
+impl Work for Draw<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with<F: Four>(self, four: F) {
+        let Abreast { states, drawn, .. } = self.0;
+        let layers = &*LAYER;
+        let [v, i] = *states;
+        let mut v = [four.words(v[0]), four.words(v[1]), four.words(v[2]), four.words(v[3])];
+        let mut i = [four.words(i[0]), four.words(i[1]), four.words(i[2]), four.words(i[3])];
+        for pair in drawn {
+            *pair = [normal(four, &mut v, layers), normal(four, &mut i, layers)];
+        }
+        for n in 0..4 {
+            (states[0][n], states[1][n]) = (four.array(v[n]), four.array(i[n]));
+        }
     }
 }
 
 /// The next normal number of each generator.
 #[inline(always)]
-fn normal(states: &mut [Words; 4], layers: &[[f64; 2]; LAYERS]) -> Quad {
-    let mut bits = [0; LANES];
-    let mut moved = *states;
+fn normal<F: Four>(four: F, states: &mut [F::Words; 4], layers: &[[f64; 2]; LAYERS]) -> Quad {
+    let [s0, s1, s2, s3] = *states;
+    let bits = four.wrapping_sum(four.rotated::<23, 41>(four.wrapping_sum(s0, s3)), s0);
+    let (later2, later3) = (four.xor(s2, s0), four.xor(s3, s1));
+    let last = four.xor(later2, four.left::<17>(s1));
+    *states = [four.xor(s0, later3), four.xor(s1, later2), last, four.rotated::<45, 19>(later3)];
+
+    let fraction = four.right::<12>(bits);
+    let part = Wide::of_bits(four, four.xor(fraction, four.words([TWO_BITS; LANES]))) - Wide::splat(four, 3.0);
+    let (mut edge, mut inner) = (Quad::default(), Quad::default());
+    let words = four.array(bits);
     for lane in 0..LANES {
-        let (word, state) = Generator::step(states.map(|words| words[lane]));
-        bits[lane] = word;
-        (0..4).for_each(|n| moved[n][lane] = state[n]);
+        [edge[lane], inner[lane]] = layers[(words[lane] & 0xff) as usize];
     }
-    *states = moved;
-    let layer = bits.map(|bits| layers[(bits & 0xff) as usize]);
-    let part = Quad(bits.map(|bits| f64::from_bits(bits >> 12 | TWO_BITS) - 3.0));
-    let drawn = part * Quad(layer.map(|[edge, _]| edge));
-    let inner = layer.map(|[_, next]| next);
-    let beyond = drawn.0.iter().zip(inner).fold(false, |beyond, (x, next)| beyond | !(x.abs() < next));
-    if beyond { outer(drawn, inner, bits, states) } else { drawn }
+    let drawn = part * edge.wide(four);
+    if drawn.abs().is_below(inner.wide(four)) {
+        return drawn.quad();
+    }
+    let [s0, s1, s2, s3] = *states;
+    let mut later = [four.array(s0), four.array(s1), four.array(s2), four.array(s3)];
+    let drawn = outer(drawn.quad(), inner, words, &mut later);
+    *states = [four.words(later[0]), four.words(later[1]), four.words(later[2]), four.words(later[3])];
+    drawn
 }
 
 /// The same, where some are not of an inner layer: those are drawn by the library.
 #[cold]
 #[inline(never)]
-fn outer(mut drawn: Quad, inner: [f64; LANES], bits: Words, states: &mut [Words; 4]) -> Quad {
+fn outer(mut drawn: Quad, inner: Quad, bits: Words, states: &mut [Words; 4]) -> Quad {
     for lane in 0..LANES {
         if drawn[lane].abs() < inner[lane] {
             continue;

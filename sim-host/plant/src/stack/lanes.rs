@@ -3,7 +3,7 @@
 
 use super::{STILL, Stack};
 use crate::network::{D, E, I, STATES, V0, VC};
-use crate::quad::{LANES, Quad};
+use crate::quad::{Four, LANES, Quad, Wide};
 use crate::step_flow::{Look, StepFlow, TOTAL};
 use wide::f64x2;
 
@@ -29,6 +29,13 @@ pub(crate) struct Flows {
 pub(crate) struct States {
     x: [Quad; NUMBERS],
     before: [Quad; NUMBERS],
+}
+
+/// The same in registers.
+#[derive(Clone, Copy)]
+pub(crate) struct StatesIn<F: Four> {
+    x: [Wide<F>; NUMBERS],
+    before: [Wide<F>; NUMBERS],
 }
 
 /// The pair of a flow, and the place in it, of a state or of the total current.
@@ -69,27 +76,71 @@ impl Flows {
 
     /// Moves by one step with the drives held.
     #[inline(always)]
-    pub(crate) fn advance(&self, states: &mut States, volts: Quad) {
+    pub(crate) fn advance<F: Four>(&self, states: &mut StatesIn<F>, volts: Wide<F>) {
         let x = states.x;
-        let amplifier = |row: &Row| row[DRIVE] * volts + row[1 + E] * x[E] + row[1 + D] * x[D];
-        let [e, d, rows @ ..] = &self.rows;
-        let [v0, i, vc, total] = rows.each_ref().map(|row| response(row, &x, volts));
-        let next = [amplifier(e), amplifier(d), v0, i, vc, total];
-        *states = States { x: next, before: x };
+        let [e, d, v0, i, vc, total] = &self.rows;
+        let next = [
+            amplified(e, &x, volts),
+            amplified(d, &x, volts),
+            response(v0, &x, volts),
+            response(i, &x, volts),
+            response(vc, &x, volts),
+            response(total, &x, volts),
+        ];
+        *states = StatesIn { x: next, before: x };
     }
 
     /// Voltage and current at a conversion within the step just made.
     #[inline(always)]
-    pub(crate) fn look(&self, conversion: usize, states: &States, volts: Quad) -> [Quad; 2] {
+    pub(crate) fn look<F: Four>(&self, conversion: usize, states: &StatesIn<F>, volts: Wide<F>) -> [Wide<F>; 2] {
         let [v, i] = &self.looks[conversion];
         [response(v, &states.before, volts), response(i, &states.before, volts)]
     }
 }
 
+/// The amplifier's states, on which the stack does not act back. Here and below no closure and no adapter is between the registers and their
+/// instructions: what is not inlined is not compiled for them.
 #[inline(always)]
-fn response(row: &Row, x: &[Quad; NUMBERS], volts: Quad) -> Quad {
-    let [drive, ce, cd, cv, ci, cc] = *row;
-    drive * volts + ce * x[E] + cd * x[D] + cv * x[V0] + ci * x[I] + cc * x[VC]
+fn amplified<F: Four>(row: &Row, x: &[Wide<F>; NUMBERS], volts: Wide<F>) -> Wide<F> {
+    let four = volts.four();
+    row[DRIVE].wide(four) * volts + row[1 + E].wide(four) * x[E] + row[1 + D].wide(four) * x[D]
+}
+
+#[inline(always)]
+fn response<F: Four>(row: &Row, x: &[Wide<F>; NUMBERS], volts: Wide<F>) -> Wide<F> {
+    let four = volts.four();
+    let amplifier = amplified(row, x, volts);
+    amplifier + row[1 + V0].wide(four) * x[V0] + row[1 + I].wide(four) * x[I] + row[1 + VC].wide(four) * x[VC]
+}
+
+impl<F: Four> StatesIn<F> {
+    /// Puts them into memory.
+    #[inline(always)]
+    pub(crate) fn stored(&self) -> States {
+        let mut states = States::default();
+        for n in 0..NUMBERS {
+            (states.x[n], states.before[n]) = (self.x[n].quad(), self.before[n].quad());
+        }
+        states
+    }
+
+    /// Voltage at the stack, V.
+    #[inline(always)]
+    pub(crate) fn voltage(&self) -> Wide<F> {
+        self.x[V0]
+    }
+
+    /// Motional current of the working mode, A.
+    #[inline(always)]
+    pub(crate) fn motional_current(&self) -> Wide<F> {
+        self.x[I]
+    }
+
+    /// Voltage of the motional capacitor, V.
+    #[inline(always)]
+    pub(crate) fn motional_voltage(&self) -> Wide<F> {
+        self.x[VC]
+    }
 }
 
 impl States {
@@ -108,31 +159,24 @@ impl States {
         debug_assert!((0..NUMBERS).all(|n| stack.state(n) == self.x[n][lane]), "a lane is what its stack is alone");
     }
 
+    /// Takes them into registers.
+    #[inline(always)]
+    pub(crate) fn wide<F: Four>(&self, four: F) -> StatesIn<F> {
+        let zero = Wide::splat(four, 0.0);
+        let mut states = StatesIn { x: [zero; NUMBERS], before: [zero; NUMBERS] };
+        for n in 0..NUMBERS {
+            (states.x[n], states.before[n]) = (self.x[n].wide(four), self.before[n].wide(four));
+        }
+        states
+    }
+
     /// Which of them have not moved in the last step, as [`Stack::is_still`] says it.
     pub(crate) fn are_still(&self) -> [bool; LANES] {
-        let (mut moved, mut largest) = (Quad::splat(0.0), Quad::splat(0.1));
-        for (x, before) in self.x.iter().zip(&self.before) {
-            moved = moved.larger((*x - *before).map(f64::abs));
-            largest = largest.larger(x.map(f64::abs));
-        }
-        std::array::from_fn(|lane| moved[lane] <= STILL * largest[lane])
-    }
-
-    /// Voltage at the stack, V.
-    #[inline(always)]
-    pub(crate) fn voltage(&self) -> Quad {
-        self.x[V0]
-    }
-
-    /// Motional current of the working mode, A.
-    #[inline(always)]
-    pub(crate) fn motional_current(&self) -> Quad {
-        self.x[I]
-    }
-
-    /// Voltage of the motional capacitor, V.
-    #[inline(always)]
-    pub(crate) fn motional_voltage(&self) -> Quad {
-        self.x[VC]
+        std::array::from_fn(|lane| {
+            let pairs = self.x.iter().zip(&self.before).map(|(x, before)| (x[lane], before[lane]));
+            let (moved, largest) = pairs
+                .fold((0.0f64, 0.1f64), |(moved, largest), (x, before)| (moved.max((x - before).abs()), largest.max(x.abs())));
+            moved <= STILL * largest
+        })
     }
 }
