@@ -146,6 +146,9 @@ impl<A> FaultInjector<A> {
 
     /// What strikes this block, besides what is broken already.
     fn strikes(&mut self) -> Vec<FaultKind> {
+        if self.scheduled.is_empty() && self.by_chance.is_empty() {
+            return Vec::new();
+        }
         let block = self.block;
         let due = self.scheduled.extract_if(.., |fault| fault.at_block <= block).map(|fault| fault.kind);
         let (lasting, mut events): (Vec<_>, Vec<_>) = due.partition(|kind| kind.lasts());

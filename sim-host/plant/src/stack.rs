@@ -167,12 +167,18 @@ impl Stack {
     #[inline(always)]
     pub fn advance(&mut self, drive: &Held, newtons: f64) {
         let flow = &self.flow;
-        let [[e, d], [v0, i], [vc, _]] = self.x.map(f64x2::to_array);
+        let now = self.x.map(f64x2::to_array);
+        let [[e, d], [v0, i], [vc, _]] = now;
         let [ce, cd, cv, ci, cc] = &flow.state;
         let held = &drive.pairs;
         let amplifier = held[0] + ce[0] * e + cd[0] * d;
         let row = |r: usize| held[r] + flow.force[r] * newtons + ce[r] * e + cd[r] * d + cv[r] * v0 + ci[r] * i + cc[r] * vc;
-        self.before = std::mem::replace(&mut self.x, [amplifier, row(1), row(2)]);
+        // One by one: a copy of all at once would read across what was just written.
+        let x = [amplifier, row(1), row(2)];
+        for (n, next) in x.into_iter().enumerate() {
+            self.before[n] = f64x2::new(now[n]);
+            self.x[n] = next;
+        }
         if !self.further.is_empty() {
             self.advance_further(drive, newtons);
         }

@@ -92,12 +92,12 @@ impl Session {
     pub(super) fn answer(&mut self, processor: &mut (impl Processor + ?Sized)) -> Result<(), Lost> {
         let Session { sample_hz, script, clock, record, block, .. } = self;
         let (block, sample_hz) = (*block, *sample_hz);
-        let telemetry = clock.answer(|sense, drive| {
-            let telemetry = processor.process(&script.orders, sense, drive);
-            (telemetry, processor.silent_from())
+        clock.answer(|sense, drive| {
+            let processed = processor.process_into(&script.orders, sense, drive, &mut record.last);
+            (processed, processor.silent_from())
         })?;
-        script.follow(telemetry.mode);
-        clock.analog.running = telemetry.mode == Mode::Run;
+        script.follow(record.last.mode);
+        clock.analog.running = record.last.mode == Mode::Run;
         if let Some(instructions) = processor.instructions() {
             record.instructions.get_or_insert_default().add(instructions);
         }
@@ -105,14 +105,14 @@ impl Session {
             record.cycles.get_or_insert_default().add(cycles);
         }
         let slot = &mut self.pending[(block % LATENCY_BLOCKS as u64) as usize];
-        let played = std::mem::replace(slot, Command::of(&telemetry));
+        let played = std::mem::replace(slot, Command::of(&record.last));
         self.pending[((block + 1) % LATENCY_BLOCKS as u64) as usize].dropped_s = clock.dropped() as f64 / sample_hz;
         let time_s = (block + 1) as f64 * self.samples as f64 / sample_hz;
         if (block + 1).is_multiple_of(record.every) {
             let happened = (clock.analog.swing, clock.analog.slow, clock.analog.plant.inner.truth());
-            record.rows.push(Row::new(time_s, sample_hz, &played, &telemetry, happened));
+            record.rows.push(Row::new(record.rows.len() as u32, (time_s, sample_hz), &played, &record.last, happened));
+            record.motors.extend(clock.analog.plant.inner.motor_truth());
         }
-        record.last = telemetry;
         self.block += 1;
         Ok(())
     }
