@@ -43,7 +43,7 @@ pub mod force_channel;
 pub mod load_cell;
 pub mod motor;
 pub mod network;
-pub mod noise;
+mod noise;
 pub mod parts;
 pub mod quad;
 pub mod shift;

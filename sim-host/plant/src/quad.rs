@@ -65,7 +65,7 @@ impl<F: Four> Wide<F> {
     /// Numbers of these bits.
     #[inline(always)]
     pub(crate) fn of_bits(four: F, bits: F::Words) -> Self {
-        Wide(four, four.from_bits(bits))
+        Wide(four, four.numbers(bits))
     }
 
     /// The registers that it is in.

@@ -98,7 +98,7 @@ impl Abreast {
             let Some(voice) = voice else { continue };
             let samples = voice.codes().len();
             // Those that go alone from the beginning, or from where they came to rest.
-            voice.plant.play_all(&voice.drive, sums, voice.sense);
+            voice.plant.play_all(voice.drive, sums, voice.sense);
             voice.sense.slow = voice.plant.end(sums, samples);
         }
     }

@@ -94,7 +94,7 @@ impl Four for V3 {
         self.avx2._mm256_srli_epi64::<BITS>(a)
     }
     #[inline(always)]
-    fn from_bits(self, bits: __m256i) -> __m256d {
+    fn numbers(self, bits: __m256i) -> __m256d {
         self.avx._mm256_castsi256_pd(bits)
     }
 }

@@ -9,11 +9,17 @@ pub(crate) trait Four: Copy {
     /// Four words.
     type Words: Copy;
 
+    /// From memory.
     fn load(self, quad: Quad) -> Self::Numbers;
+    /// Into memory.
     fn store(self, numbers: Self::Numbers) -> Quad;
+    /// `a + b`
     fn add(self, a: Self::Numbers, b: Self::Numbers) -> Self::Numbers;
+    /// `a - b`
     fn sub(self, a: Self::Numbers, b: Self::Numbers) -> Self::Numbers;
+    /// `a * b`
     fn mul(self, a: Self::Numbers, b: Self::Numbers) -> Self::Numbers;
+    /// Without signs.
     fn abs(self, a: Self::Numbers) -> Self::Numbers;
     /// `if a > b { a } else { b }`
     fn larger(self, a: Self::Numbers, b: Self::Numbers) -> Self::Numbers;
@@ -23,15 +29,23 @@ pub(crate) trait Four: Copy {
     fn are_below(self, a: Self::Numbers, b: Self::Numbers) -> bool;
     /// Whether some `a == b`.
     fn any_equal(self, a: Self::Numbers, b: Self::Numbers) -> bool;
+    /// Towards zero, of what fits into 32 bits.
     fn truncated(self, a: Self::Numbers) -> [i32; LANES];
 
+    /// From an array.
     fn words(self, words: [u64; LANES]) -> Self::Words;
+    /// Into an array.
     fn array(self, words: Self::Words) -> [u64; LANES];
+    /// `a + b`, modulo 2^64.
     fn wrapping_sum(self, a: Self::Words, b: Self::Words) -> Self::Words;
+    /// The bits that are different.
     fn xor(self, a: Self::Words, b: Self::Words) -> Self::Words;
+    /// Shifted towards the upper bits.
     fn left<const BITS: i32>(self, a: Self::Words) -> Self::Words;
+    /// Shifted towards the lower bits.
     fn right<const BITS: i32>(self, a: Self::Words) -> Self::Words;
-    fn from_bits(self, bits: Self::Words) -> Self::Numbers;
+    /// The numbers that have these bits.
+    fn numbers(self, bits: Self::Words) -> Self::Numbers;
 
     /// Rotated to the left by `LEFT`, which with `RIGHT` is 64.
     #[inline(always)]
@@ -55,6 +69,7 @@ impl Four for Portable {
     type Words = [u64; LANES];
 
     #[inline(always)]
+    /// From memory.
     fn load(self, quad: Quad) -> [f64; LANES] {
         quad.0
     }
@@ -124,7 +139,7 @@ impl Four for Portable {
         a.map(|a| a >> BITS)
     }
     #[inline(always)]
-    fn from_bits(self, bits: [u64; LANES]) -> [f64; LANES] {
+    fn numbers(self, bits: [u64; LANES]) -> [f64; LANES] {
         bits.map(f64::from_bits)
     }
 }

@@ -68,3 +68,60 @@ fn tick(lanes: &mut [Result<Lane, RunError>], abreast: &mut Abreast) {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::instruments;
+    use crate::run::{Watch, run};
+    use scene::load::{Loaded, load};
+
+    fn scene(name: &str, sets: &[&str]) -> Loaded {
+        let sets: Vec<String> = sets.iter().map(|&set| set.to_owned()).collect();
+        load(name, &sets).unwrap_or_else(|error| panic!("{error}"))
+    }
+
+    fn compare(group: &[Loaded]) {
+        let scenes: Vec<Driven> = group.iter().map(|loaded| loaded.scene.driven().unwrap()).collect();
+        for ((together, scene), loaded) in run_abreast(&scenes, None).into_iter().zip(&scenes).zip(group) {
+            let (together, alone) = (together.unwrap(), run(scene, Watch::default()).unwrap());
+            let what = format!("{} {:?}", loaded.name, loaded.sets);
+            assert_eq!(together.drive_hash, alone.drive_hash, "{what}");
+            assert!(!alone.rows.is_empty() && together.energy == alone.energy, "{what}");
+            assert_eq!(instruments::measure(scene, &together), instruments::measure(scene, &alone), "{what}");
+            assert!(format!("{:?}", together.rows) == format!("{:?}", alone.rows), "{what}");
+        }
+    }
+
+    /// Cold starts of different nominal values, a fault that mutes one of them on the way, and one that ends before the others.
+    #[test]
+    fn cold_starts_side_by_side_are_what_each_is_alone() {
+        compare(&[
+            scene("lock-cold", &["seed=5", "controller.drive.frequency_hz=39.4e3"]),
+            scene("lock-cold", &["seed=6", "controller.tracking.nominal_q=40", "stack.bvd.q=120"]),
+            scene("lock-cold", &["seed=7", "fault.0.kind=open", "fault.0.at_s=0.058"]),
+            scene("lock-cold", &["seed=8", "duration_s=0.04"]),
+        ]);
+    }
+
+    /// Bursts with silence between them, a resonance that drifts, a contact, and a motor: what does not fit goes alone.
+    #[test]
+    fn different_scenes_side_by_side_are_what_each_is_alone() {
+        let short = "duration_s=0.15";
+        compare(&[scene("burst", &[short]), scene("lock-drift", &[short]), scene("lock-step", &[short])]);
+        compare(&[
+            scene("experiment-1", &[short]),
+            scene("usm", &["duration_s=0.02"]),
+            scene("belt-stop", &[short]),
+            scene("lock", &[short]),
+        ]);
+    }
+
+    #[test]
+    fn runs_that_are_stopped_say_so() {
+        let loaded = scene("lock-cold", &[]);
+        let scenes = [loaded.scene.driven().unwrap(); 2];
+        let records = run_abreast(&scenes, Some(&AtomicBool::new(true)));
+        assert!(records.iter().all(|record| record.as_ref().is_ok_and(|record| record.interrupted && record.rows.is_empty())));
+    }
+}

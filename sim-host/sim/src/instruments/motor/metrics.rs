@@ -69,7 +69,7 @@ impl View<'_> {
             let mut before: Option<&Row> = None;
             for row in self.rows.iter().filter(|row| row.time_s >= from) {
                 if there(part(row)) {
-                    return before.map(|last| 1e3 * (crossing(last, row, there, &part) - from));
+                    return before.map(|last| 1e3 * (crossing(last, row, there, part) - from));
                 }
                 before = Some(row);
             }
