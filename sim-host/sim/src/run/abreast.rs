@@ -107,14 +107,10 @@ mod tests {
     /// Bursts with silence between them, a resonance that drifts, a contact, and a motor: what does not fit goes alone.
     #[test]
     fn different_scenes_side_by_side_are_what_each_is_alone() {
-        let short = "duration_s=0.15";
-        compare(&[scene("burst", &[short]), scene("lock-drift", &[short]), scene("lock-step", &[short])]);
-        compare(&[
-            scene("experiment-1", &[short]),
-            scene("usm", &["duration_s=0.02"]),
-            scene("belt-stop", &[short]),
-            scene("lock", &[short]),
-        ]);
+        compare(&[scene("burst", &[]), scene("lock", &[]), scene("lock-step", &[])]);
+        let contact = ["duration_s=0.15", "controller.burst.on_s=[0.06]", "controller.burst.off_s=[0.12]"];
+        let motor = ["duration_s=0.02", "controller.burst.on_s=[0.01]", "controller.burst.off_s=[0.015]"];
+        compare(&[scene("experiment-1", &contact), scene("usm", &motor), scene("belt-stop", &[]), scene("burst", &["seed=2"])]);
     }
 
     #[test]

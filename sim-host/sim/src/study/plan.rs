@@ -95,11 +95,11 @@ impl<'a> Plan<'a> {
             }
             let make = |item: I| self.make(cell(&item)).map(|made| (item, made));
             let results = read(items.into_iter().map(make).collect::<Result<_, _>>()?)?;
-            // A contact study that is stopped has no metrics, and a cell that had just ended is left out with it.
-            if self.is_stopped() {
-                return Ok(stopped.collect());
-            }
             let count = |result: T| {
+                // A contact study that is stopped has no metrics, and a cell that had just ended is left out with it.
+                if self.is_stopped() {
+                    return None;
+                }
                 let done = f64::from(self.done.fetch_add(1, Ordering::Relaxed) + 1);
                 if let Some(progress) = self.progress.lock().unwrap_or_else(PoisonError::into_inner).as_mut() {
                     progress(done);
