@@ -41,8 +41,20 @@ impl<A: Analog> BlockClock<A> {
 
     /// The same, where `process` also returns from which sample of the next block on a queue that it drops was silent, if that is known.
     pub fn tick_with<T>(&mut self, process: impl FnOnce(&SenseBlock, &mut DriveBlock) -> (T, Option<usize>)) -> T {
+        let (analog, drive, sense) = self.converters();
+        analog.exchange(drive, sense);
+        self.answer(process)
+    }
+
+    /// The converters, the block that plays next, and where to put what is sampled meanwhile: the first half of a tick, for who plays blocks by other
+    /// means than [`Analog::exchange`].
+    pub fn converters(&mut self) -> (&mut A, &DriveBlock, &mut SenseBlock) {
+        (&mut self.analog, &self.pending[(self.block % LATENCY_BLOCKS as u64) as usize], &mut self.sense)
+    }
+
+    /// The second half of a tick: hands the codes that were sampled to `process`.
+    pub fn answer<T>(&mut self, process: impl FnOnce(&SenseBlock, &mut DriveBlock) -> (T, Option<usize>)) -> T {
         let slot = (self.block % LATENCY_BLOCKS as u64) as usize;
-        self.analog.exchange(&self.pending[slot], &mut self.sense);
         self.block += 1;
         let answer = &mut self.pending[slot];
         let (answered, silent_from) = process(&self.sense, answer);

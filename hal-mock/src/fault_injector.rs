@@ -146,6 +146,9 @@ impl<A> FaultInjector<A> {
 
     /// What strikes this block, besides what is broken already.
     fn strikes(&mut self) -> Vec<FaultKind> {
+        if self.scheduled.is_empty() && self.by_chance.is_empty() {
+            return Vec::new();
+        }
         let block = self.block;
         let due = self.scheduled.extract_if(.., |fault| fault.at_block <= block).map(|fault| fault.kind);
         let (lasting, mut events): (Vec<_>, Vec<_>) = due.partition(|kind| kind.lasts());
@@ -198,6 +201,13 @@ impl<A> FaultInjector<A> {
 impl<A: Analog> Analog for FaultInjector<A> {
     fn exchange(&mut self, drive: &DriveBlock, sense: &mut SenseBlock) {
         self.inner.exchange(drive, sense);
+        self.damage(sense);
+    }
+}
+
+impl<A> FaultInjector<A> {
+    /// Damages the block that was just sampled: the second half of an exchange, where the first was made by other means.
+    pub fn damage(&mut self, sense: &mut SenseBlock) {
         let events = self.strikes();
         let measures =
             |kind: &FaultKind| !matches!(kind, FaultKind::BeltStopped | FaultKind::EncoderStuck | FaultKind::EncoderLies);

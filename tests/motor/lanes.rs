@@ -41,10 +41,6 @@ fn record(changes: &[String]) -> Record {
     run(&scene.driven().unwrap(), Watch::default()).unwrap()
 }
 
-fn rotor(row: &Row) -> f64 {
-    row.truth.motor.expect("a motor").rotor_rad_per_s
-}
-
 /// Runs these in as many threads as there are processors.
 fn all<T: Send, R: Send>(cases: Vec<T>, one: impl Fn(T) -> R + Sync) -> Vec<R> {
     let threads = thread::available_parallelism().map_or(1, |count| count.get());
@@ -96,7 +92,7 @@ fn a_wrong_lane_is_named_before_anything_runs() {
             assert_eq!(fault, case.3.code(), "{changes:?} {case:?} at {time_s} s");
             assert!(time_s < 0.05, "{changes:?} {case:?}: {time_s} s");
             assert!(record.rows.iter().all(|row| row.mode != Mode::Run), "{changes:?} {case:?}");
-            turned = record.rows.iter().fold(turned, |most, row| most.max(rotor(row).abs()));
+            turned = record.motors.iter().fold(turned, |most, motor| most.max(motor.rotor_rad_per_s.abs()));
             times.push(1e3 * time_s);
         }
         println!(

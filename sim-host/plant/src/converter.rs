@@ -3,11 +3,10 @@
 //! A DAC code is held for a sample. An ADC conversion adds an offset and white Gaussian noise (both in LSB, before rounding),
 //! rounds and saturates; the conversions of one sample are summed, as a hardware oversampler does.
 
-use rand_core::SeedableRng;
-use rand_distr::{Distribution, StandardNormal};
-use rand_xoshiro::Xoshiro256PlusPlus;
 use wide::f64x2;
 
+use crate::noise::Noise;
+use crate::quad::{Four, LANES, Portable, Quad, Wide};
 use scene::{Amplifier, Sensors};
 
 /// DAC of one lane, whose output is held between samples.
@@ -44,59 +43,63 @@ impl Dac {
 /// The two channels of the ADC, voltage and current, side by side; each with a noise of its own.
 #[derive(Clone, Debug)]
 pub struct Adc {
-    lsb_per_unit: f64x2,
-    zero: f64x2,
-    noise: f64x2,
-    top: i32,
-    random: [Xoshiro256PlusPlus; 2],
-    /// Normal numbers drawn ahead, and how many of them are left.
-    drawn: [f64x2; DRAWN],
-    left: usize,
+    /// Of voltage and current in turn, as the numbers of two conversions are.
+    lsb_per_unit: Quad,
+    zero: Quad,
+    noise_lsb: f64,
+    top: f64,
+    pub(crate) noise: Noise,
 }
-
-/// Normal numbers that are drawn at a time: what the generators work with stays in registers.
-const DRAWN: usize = 64;
 
 impl Adc {
     /// The channels of these sensors.
     pub fn new(sensors: &Sensors, seed: u64) -> Self {
         let mid = f64::from(1u32 << (sensors.adc_bits - 1));
+        let (v, i) = (mid / sensors.v_full_scale_v, mid / sensors.i_full_scale_a);
         Adc {
-            lsb_per_unit: f64x2::new([mid / sensors.v_full_scale_v, mid / sensors.i_full_scale_a]),
+            lsb_per_unit: Quad([v, i, v, i]),
             // The half makes truncation round to nearest.
-            zero: f64x2::splat(mid + sensors.offset_lsb + 0.5),
-            noise: f64x2::splat(sensors.noise_lsb),
-            top: 2 * mid as i32 - 1,
-            // Two streams that never meet, whatever the seed: the halves of a 64-bit space apart.
-            random: [seed, seed ^ (1 << 63)].map(Xoshiro256PlusPlus::seed_from_u64),
-            drawn: [f64x2::splat(0.0); DRAWN],
-            left: 0,
+            zero: Quad::splat(mid + sensors.offset_lsb + 0.5),
+            noise_lsb: sensors.noise_lsb,
+            top: 2.0 * mid - 1.0,
+            noise: Noise::new(seed),
         }
     }
 
     /// Converts voltage and current to codes.
     #[inline]
     pub fn convert(&mut self, values: impl Into<f64x2>) -> [u16; 2] {
-        if self.left == 0 {
-            self.draw();
-        }
-        self.left -= 1;
-        let normal = self.drawn[self.left % DRAWN];
-        // Truncation rounds to nearest because of the half in the zero; below zero the code is clamped anyway.
-        let codes = values.into() * self.lsb_per_unit + self.zero + self.noise * normal;
-        codes.to_array().map(|code| (code as i32).clamp(0, self.top) as u16)
+        let [v, i] = values.into().to_array();
+        let scaled = self.scaled(Quad([v, i, 0.0, 0.0]).wide(Portable));
+        self.digitize(scaled, 1)
     }
 
-    /// Draws normal numbers, of which the first is taken first.
-    #[inline(never)]
-    fn draw(&mut self) {
-        let [mut v, mut i] = self.random.clone();
-        for both in self.drawn.iter_mut().rev() {
-            *both = f64x2::new([StandardNormal.sample(&mut v), StandardNormal.sample(&mut i)]);
-        }
-        self.random = [v, i];
-        self.left = DRAWN;
+    /// Voltages and currents of two conversions in LSB, before their noise.
+    #[inline(always)]
+    pub(crate) fn scaled<F: Four>(&self, values: Wide<F>) -> Wide<F> {
+        let four = values.four();
+        values * self.lsb_per_unit.wide(four) + self.zero.wide(four)
     }
+
+    /// The sums of so many conversions' codes, 1 or 2.
+    #[inline(always)]
+    pub(crate) fn digitize<F: Four>(&mut self, scaled: Wide<F>, conversions: usize) -> [u16; 2] {
+        let four = scaled.four();
+        let noisy = scaled + self.noise.quad(conversions).wide(four) * Wide::splat(four, self.noise_lsb);
+        let [v, i, later_v, later_i] = codes(noisy, Wide::splat(four, self.top));
+        if conversions > 1 { [v + later_v, i + later_i] } else { [v, i] }.map(|code| code as u16)
+    }
+
+    /// What one channel's numbers are multiplied by, what is added, what the noise is multiplied by, and the largest code.
+    pub(crate) fn scales(&self, channel: usize) -> [f64; 4] {
+        [self.lsb_per_unit[channel], self.zero[channel], self.noise_lsb, self.top]
+    }
+}
+
+/// Codes from zero to the top. Truncation rounds to nearest because of the half in the zero; what is no number is zero.
+#[inline(always)]
+pub(crate) fn codes<F: Four>(noisy: Wide<F>, top: Wide<F>) -> [i32; LANES] {
+    noisy.larger(Wide::splat(noisy.four(), 0.0)).smaller(top).truncated()
 }
 
 #[cfg(test)]

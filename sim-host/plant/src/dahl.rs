@@ -41,7 +41,7 @@ impl Dahl {
     }
 
     /// Slips by `slip` metres within `step` seconds, from velocity `v0` to `v1`. Returns the time mean of the friction, N.
-    #[inline]
+    #[inline(always)]
     pub fn slip(&mut self, v0: f64, v1: f64, slip: f64, step: f64) -> f64 {
         if self.fc == 0.0 {
             self.force = 0.0;
@@ -56,7 +56,7 @@ impl Dahl {
         part * first + (1.0 - part) * second
     }
 
-    #[inline]
+    #[inline(always)]
     fn one_way(&mut self, v0: f64, v1: f64, slip: f64, step: f64) -> f64 {
         let limit = self.fc.copysign(v0 + v1);
         let before = self.force - limit;
@@ -69,6 +69,7 @@ impl Dahl {
 }
 
 /// Where in the step, 0 to 1, the velocity passes zero, and the slip until then.
+#[inline(always)]
 fn reversal(v0: f64, v1: f64, slip: f64, step: f64) -> (f64, f64) {
     let curve = 3.0 * (v0 + v1) - 6.0 * slip / step;
     let slope = v1 - v0 - curve;
@@ -79,7 +80,7 @@ fn reversal(v0: f64, v1: f64, slip: f64, step: f64) -> (f64, f64) {
 }
 
 /// `exp(-x)` for `x >= 0`. Steps are small, so the short series is the usual way.
-#[inline]
+#[inline(always)]
 fn decay(x: f64) -> f64 {
     if x > 0.125 {
         return libm::exp(-x);

@@ -11,11 +11,11 @@
 //! linear part by its exact flow with the friction held at its last value, the contact exactly in the slip that results, and then
 //! the stack is corrected by what the mean friction over the step was instead. Second order in the coupling, exact without it.
 
+pub mod abreast;
 mod changes;
 
 use firmware::seam::block::{DriveBlock, SenseBlock, SlowSense};
 use hal_mock::analog::Analog;
-use wide::f64x2;
 
 use crate::belt_motion::BeltMotion;
 use crate::circuit::Circuit;
@@ -27,6 +27,7 @@ use crate::encoder::Encoder;
 use crate::energy::Energy;
 use crate::force_channel::ForceChannel;
 use crate::load_cell::LoadCell;
+use crate::quad::{Four, Portable, Quad, Work, widest};
 use crate::sliding::{Sliding, steps_per_sample};
 use crate::stack::{Held, Stack};
 use crate::sums::{Rubbing, Step, Sums};
@@ -61,8 +62,8 @@ pub struct DrivenStack {
     last: Step,
     held_v: f64,
     at_rest: bool,
-    /// What the converters have seen in the last sample that was held.
-    seen: Vec<f64x2>,
+    /// What the converters have seen in the last sample that was held, in LSB, of two conversions or one.
+    seen: Vec<(Quad, usize)>,
 }
 
 impl DrivenStack {
@@ -151,7 +152,7 @@ impl DrivenStack {
     }
 
     /// One step with the drive held.
-    #[inline]
+    #[inline(always)]
     fn step(stack: &mut Stack, sliding: Option<&mut Sliding>, drive: &Held, step_s: f64) -> Step {
         let friction = match sliding {
             None => {
@@ -168,13 +169,7 @@ impl DrivenStack {
                 Some(Rubbing { mean_n: mean, work_j: mean * moved, changed: sliding.force() != held })
             }
         };
-        Step {
-            friction,
-            voltage: stack.voltage(),
-            current: stack.motional_current(),
-            motional_voltage: stack.motional_voltage(),
-            further: stack.further(),
-        }
+        Step::of(stack, friction)
     }
 
     /// Whether nothing has moved in the last step, and friction is what it was: so it goes on while nothing is changed from outside.
@@ -246,7 +241,6 @@ impl DrivenStack {
                 peak_m_per_s: sums.current_peak / circuit.force_factor_n_per_v,
             }),
             horn: self.webbing.as_ref().map(Webbing::truth),
-            motor: None,
         };
         self.time_s += block_s;
     }
@@ -266,27 +260,31 @@ impl DrivenStack {
     }
 
     /// Plays one code, and returns the codes of voltage and current that were sampled meanwhile.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn play(&mut self, code: u16, sums: &mut Sums) -> (u16, u16) {
+        self.play_in(Portable, code, sums)
+    }
+
+    /// The same in certain registers.
+    #[inline(always)]
+    fn play_in<F: Four>(&mut self, four: F, code: u16, sums: &mut Sums) -> (u16, u16) {
         let (steps, step_s) = (self.timing.steps as usize, self.timing.step_s());
         let volts = self.dac.volts(code);
         let (volts, before) = self.delay.as_mut().map_or((volts, volts), |delay| delay.pass(volts));
-        let mut drive = self.stack.held(volts);
         let held = before == volts && self.held_v == volts;
         self.held_v = volts;
         let (mut v, mut i, mut friction) = (0, 0, 0.0);
-        let adc = &mut self.adc;
-        let mut convert = |seen| {
-            let [voltage, current] = adc.convert(seen);
-            v += voltage;
-            i += current;
-        };
         if held && self.at_rest {
             // Nothing moves: the steps are all like the last one, and so is what is seen.
             (0..steps).for_each(|_| sums.add(&self.last));
-            self.seen.iter().copied().for_each(convert);
+            for &(scaled, conversions) in &self.seen {
+                let [voltage, current] = self.adc.digitize(scaled.wide(four), conversions);
+                v += voltage;
+                i += current;
+            }
             friction += steps as f64 * self.last.friction_n();
         } else {
+            let mut drive = self.stack.held(volts);
             self.seen.clear();
             for step in 0..steps {
                 if before != volts {
@@ -296,12 +294,15 @@ impl DrivenStack {
                 sums.add(&self.last);
                 let force = self.last.friction_n();
                 friction += force;
-                let seen = &mut self.seen;
-                self.stack.sample(step, &drive, force, |both| {
+                let (adc, seen) = (&mut self.adc, &mut self.seen);
+                self.stack.sample(four, step, &drive, force, |both, conversions| {
+                    let scaled = adc.scaled(both);
                     if held {
-                        seen.push(both);
+                        seen.push((scaled.quad(), conversions));
                     }
-                    convert(both);
+                    let [voltage, current] = adc.digitize(scaled, conversions);
+                    v += voltage;
+                    i += current;
                 });
             }
             self.at_rest = held && self.is_still();
@@ -321,6 +322,46 @@ impl DrivenStack {
         (v, i)
     }
 
+    /// Plays what of a block has not been played yet.
+    fn play_all(&mut self, drive: &DriveBlock, sums: &mut Sums, sense: &mut SenseBlock) {
+        widest(PlayAll { plant: self, drive, sums, sense });
+    }
+
+    /// Whether nothing moves while this code is played, and nothing is recorded of it.
+    #[inline(always)]
+    fn rests_at(&self, code: u16) -> bool {
+        self.at_rest && self.samples.is_none() && self.delay.is_none() && self.dac.volts(code) == self.held_v
+    }
+
+    /// Plays so many codes at rest: the steps are all like the last one, and so is what is seen.
+    #[inline(always)]
+    fn rest_on<F: Four>(&mut self, four: F, codes: usize, sums: &mut Sums, sense: &mut SenseBlock) {
+        let last = self.last;
+        for _ in 0..codes * self.timing.steps as usize {
+            sums.add(&last);
+        }
+        for _ in 0..codes {
+            let (mut v, mut i) = (0, 0);
+            for &(scaled, conversions) in &self.seen {
+                let [voltage, current] = self.adc.digitize(scaled.wide(four), conversions);
+                v += voltage;
+                i += current;
+            }
+            let _ = (sense.v.push(v), sense.i.push(i));
+        }
+    }
+
+    /// Rests after a sample in which nothing has moved, of one step without friction: what is seen from now on is what is seen in it.
+    fn rest(&mut self) {
+        let DrivenStack { stack, adc, seen, held_v, .. } = self;
+        seen.clear();
+        stack.sample(Portable, 0, &stack.held(*held_v), 0.0, |both, conversions| {
+            seen.push((adc.scaled(both).quad(), conversions))
+        });
+        self.last = Step::of(stack, None);
+        self.at_rest = true;
+    }
+
     /// Ends a block of `samples` samples, and reads the slow sensors.
     pub(crate) fn end(&mut self, sums: &Sums, samples: usize) -> SlowSense {
         self.account(sums, (samples * self.timing.steps as usize) as f64);
@@ -328,17 +369,46 @@ impl DrivenStack {
     }
 }
 
+/// Plays what of a block has not been played yet.
+struct PlayAll<'a> {
+    plant: &'a mut DrivenStack,
+    drive: &'a DriveBlock,
+    sums: &'a mut Sums,
+    sense: &'a mut SenseBlock,
+}
+
+impl Work for PlayAll<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with<F: Four>(self, four: F) {
+        let PlayAll { plant, drive, sums, sense } = self;
+        let codes = drive.lanes.first().map_or(&[][..], |lane| lane.as_slice());
+        // A copy, which no other pointer reaches: sums that are read back from memory wait for what was written there.
+        let mut local = sums.clone();
+        while let Some(&code) = codes.get(sense.v.len()) {
+            let left = &codes[sense.v.len()..];
+            let resting = left.iter().take_while(|&&code| plant.rests_at(code)).count();
+            if resting > 0 {
+                plant.rest_on(four, resting, &mut local, sense);
+                continue;
+            }
+            let (v, i) = plant.play_in(four, code, &mut local);
+            // A sense block holds as many samples as the longest drive block.
+            if sense.v.push(v).is_err() || sense.i.push(i).is_err() {
+                break;
+            }
+        }
+        *sums = local;
+    }
+}
+
 impl Analog for DrivenStack {
     fn exchange(&mut self, drive: &DriveBlock, sense: &mut SenseBlock) {
-        let codes = drive.lanes.first().map_or(&[][..], |lane| lane.as_slice());
         let mut sums = self.begin();
         sense.v.clear();
         sense.i.clear();
-        for &code in codes {
-            let (v, i) = self.play(code, &mut sums);
-            // A sense block holds as many samples as the longest drive block.
-            let _ = (sense.v.push(v), sense.i.push(i));
-        }
-        sense.slow = self.end(&sums, codes.len());
+        self.play_all(drive, &mut sums, sense);
+        sense.slow = self.end(&sums, sense.v.len());
     }
 }

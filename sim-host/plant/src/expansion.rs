@@ -5,8 +5,6 @@
 //! any change. The coefficients up to the fourth are exact ([`exponential_series`]); the fifth says how far they
 //! reach: up to where its term is `NEGLECTED`. Beyond, a new series is made.
 
-use wide::f64x2;
-
 use crate::network::{DRIVE, FORCE, FURTHER, I, V0, VC, network};
 use crate::parts::Parts;
 use crate::step_flow::{Layout, StepFlow};
@@ -87,7 +85,8 @@ pub struct Expansion {
     parts: Parts,
     path: Path,
     reach: f64,
-    coefficients: Vec<[f64x2; USED]>,
+    /// Of each degree those of every number of the flow, in order.
+    coefficients: [Vec<f64>; USED],
 }
 
 impl Expansion {
@@ -116,16 +115,9 @@ impl Expansion {
         let mut flows: Vec<_> = (0..USED).map(|degree| StepFlow::new(layout, &mut |seconds| over(seconds)[degree])).collect();
         let most = known.iter().map(|(_, series)| size(&series[USED], parts)).fold(0.0, f64::max);
         let reach = (NEGLECTED / most).powf(1.0 / USED as f64).min(FARTHEST);
-        let mut coefficients = Vec::new();
-        for (degree, flow) in flows.iter_mut().enumerate() {
-            let mut index = 0;
-            flow.each(|x| {
-                if degree == 0 {
-                    coefficients.push([f64x2::default(); USED]);
-                }
-                coefficients[index][degree] = *x;
-                index += 1;
-            });
+        let mut coefficients = [const { Vec::new() }; USED];
+        for (flow, coefficients) in flows.iter_mut().zip(&mut coefficients) {
+            flow.each(|numbers| coefficients.extend_from_slice(numbers));
         }
         (Expansion { parts: parts.clone(), path, reach, coefficients }, flows.swap_remove(0))
     }
@@ -135,12 +127,13 @@ impl Expansion {
         let Some((_, s)) = self.distance(parts).filter(|(path, s)| *path == self.path && s.abs() <= self.reach) else {
             return false;
         };
-        let s = f64x2::splat(s);
-        let mut coefficients = self.coefficients.iter();
-        flow.each(|x| {
-            if let Some([a, b, c, d, e]) = coefficients.next() {
-                *x = *a + s * (*b + s * (*c + s * (*d + s * *e)));
+        let mut begin = 0;
+        flow.each(|numbers| {
+            let [a, b, c, d, e] = self.coefficients.each_ref().map(|degree| &degree[begin..begin + numbers.len()]);
+            for (n, x) in numbers.iter_mut().enumerate() {
+                *x = a[n] + s * (b[n] + s * (c[n] + s * (d[n] + s * e[n])));
             }
+            begin += numbers.len();
         });
         true
     }
@@ -209,7 +202,7 @@ mod tests {
     /// Every number of a flow.
     fn numbers(flow: &mut StepFlow) -> Vec<f64> {
         let mut numbers = Vec::new();
-        flow.each(|pair| numbers.extend(pair.to_array()));
+        flow.each(|some| numbers.extend_from_slice(some));
         numbers
     }
 

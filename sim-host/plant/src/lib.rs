@@ -43,7 +43,9 @@ pub mod force_channel;
 pub mod load_cell;
 pub mod motor;
 pub mod network;
+mod noise;
 pub mod parts;
+pub mod quad;
 pub mod shift;
 pub mod sliding;
 pub mod stack;
@@ -67,7 +69,7 @@ use crate::energy::Energy;
 use crate::motor::Motor;
 use crate::motor::model::Model;
 use crate::shift::Shift;
-use crate::truth::{Sample, Truth};
+use crate::truth::{MotorTruth, Sample, Truth};
 use scene::{Driven, Transducer};
 
 /// The circuit of what a scene drives, at the beginning of its run: of a stator, what its first lane shows while all play.
@@ -124,6 +126,14 @@ impl Plant {
     /// The truth about the last block.
     pub fn truth(&self) -> &Truth {
         of_any!(self, plant => plant.truth())
+    }
+
+    /// What only a motor has of the truth about the last block.
+    pub fn motor_truth(&self) -> Option<&MotorTruth> {
+        match self {
+            Plant::Motor(motor) => Some(motor.motor_truth()),
+            Plant::Stack(_) | Plant::Crash(_) => None,
+        }
     }
 
     /// The circuit that the sense channels measure, as it is now.

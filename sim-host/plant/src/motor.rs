@@ -48,7 +48,7 @@ use crate::motor::rotor::{Dragged, Rotor};
 use crate::motor::wave::Tone;
 use crate::sums::Sums;
 use crate::timing::Timing;
-use crate::truth::{Sample, Truth};
+use crate::truth::{MotorTruth, Sample, Truth};
 use scene::{Amplifier, Direction, DisturbedKey, Driven, Stator};
 
 /// Steps in a period, unless the scene says otherwise. Two in a sample at 40 kHz and 1 MHz, so that the converter's first images do
@@ -82,6 +82,7 @@ pub struct Motor {
     time_s: f64,
     energy: Energy,
     truth: Truth,
+    motor_truth: MotorTruth,
     /// The samples of the last block, where they are recorded.
     samples: Option<Vec<Sample>>,
 }
@@ -130,8 +131,14 @@ impl Motor {
             time_s: 0.0,
             energy: Energy::default(),
             truth: Truth::default(),
+            motor_truth: MotorTruth::default(),
             samples: None,
         }
+    }
+
+    /// What only a motor has of the truth about the last block.
+    pub fn motor_truth(&self) -> &MotorTruth {
+        &self.motor_truth
     }
 
     /// The truth about the last block.

@@ -47,7 +47,7 @@ impl Sliding {
     }
 
     /// Slides for `step_s` seconds, in which the tip moves by `moved` metres, from velocity `v0` to `v1`. Returns the mean friction, N.
-    #[inline]
+    #[inline(always)]
     pub fn slide(&mut self, v0: f64, v1: f64, moved: f64, step_s: f64) -> f64 {
         let speed = self.belt.speed_m_per_s();
         self.dahl.slip(speed + v0, speed + v1, speed * step_s + moved, step_s)

@@ -4,12 +4,15 @@
 //! exponential; what the converters see between two steps, from others ([`StepFlow`]). A network that drifts has them as a
 //! series in what drifts ([`Expansion`]). A stack without further modes, or a drive without a delay, pays for neither.
 
+pub(crate) mod lanes;
+
 use wide::f64x2;
 
 use crate::circuit::Circuit;
 use crate::expansion::{Expansion, Path};
 use crate::network::{I, STATES, V0, VC};
 use crate::parts::Parts;
+use crate::quad::{Four, Wide};
 use crate::step_flow::{Layout, Pairs, StepFlow, TOTAL};
 use crate::timing::Timing;
 use scene::Amplifier;
@@ -42,6 +45,8 @@ pub struct Stack {
     further: Vec<[f64; 2]>,
     further_before: Vec<[f64; 2]>,
     flow: StepFlow,
+    /// How often the flow was made anew.
+    remade: u64,
     expansion: Option<Box<Expansion>>,
     /// What moved at the last change.
     moved: Option<Path>,
@@ -59,6 +64,7 @@ impl Stack {
         let layout = Layout { timing, late_s, source_ohm: amplifier.source_ohm, further: modes };
         let mut stack = Stack {
             flow: StepFlow::of(&parts, amplifier, &layout),
+            remade: 0,
             parts,
             amplifier: amplifier.clone(),
             layout,
@@ -117,6 +123,7 @@ impl Stack {
     /// Brings the flow to the present elements: by the series where it reaches, by a new one where the same moves again, or
     /// else exactly.
     fn remake(&mut self, moved: Option<Path>) {
+        self.remade += 1;
         let last = std::mem::replace(&mut self.moved, moved);
         if self.expansion.as_ref().is_some_and(|expansion| expansion.lead(&self.parts, &mut self.flow)) {
             return;
@@ -139,7 +146,7 @@ impl Stack {
     }
 
     /// What the drive does in every step during which it is held at `volts`.
-    #[inline]
+    #[inline(always)]
     pub fn held(&self, volts: f64) -> Held {
         Held { pairs: self.flow.drive.map(|row| row * volts), volts, before: 0.0, step: 0 }
     }
@@ -157,15 +164,21 @@ impl Stack {
     }
 
     /// Moves by one step with the drive held and the friction held at `newtons`.
-    #[inline]
+    #[inline(always)]
     pub fn advance(&mut self, drive: &Held, newtons: f64) {
         let flow = &self.flow;
-        let [[e, d], [v0, i], [vc, _]] = self.x.map(f64x2::to_array);
+        let now = self.x.map(f64x2::to_array);
+        let [[e, d], [v0, i], [vc, _]] = now;
         let [ce, cd, cv, ci, cc] = &flow.state;
         let held = &drive.pairs;
         let amplifier = held[0] + ce[0] * e + cd[0] * d;
         let row = |r: usize| held[r] + flow.force[r] * newtons + ce[r] * e + cd[r] * d + cv[r] * v0 + ci[r] * i + cc[r] * vc;
-        self.before = std::mem::replace(&mut self.x, [amplifier, row(1), row(2)]);
+        // One by one: a copy of all at once would read across what was just written.
+        let x = [amplifier, row(1), row(2)];
+        for (n, next) in x.into_iter().enumerate() {
+            self.before[n] = f64x2::new(now[n]);
+            self.x[n] = next;
+        }
         if !self.further.is_empty() {
             self.advance_further(drive, newtons);
         }
@@ -194,7 +207,7 @@ impl Stack {
     }
 
     /// Adds what a friction larger by `newtons` over the step just made would have done.
-    #[inline]
+    #[inline(always)]
     pub fn correct_force(&mut self, newtons: f64) {
         self.x[1] += self.flow.force[1] * newtons;
         self.x[2] += self.flow.force[2] * newtons;
@@ -307,21 +320,33 @@ impl Stack {
         Some(modes.fold((0.0, 0.0), |(sum, lost), (branch, [i, _])| (sum + i, lost + branch.rm_ohm * i * i)))
     }
 
-    /// Hands voltage and current at each conversion within step `step` of a sample to `convert`. The step has just been made with
-    /// this drive and a mean friction of `newtons`.
-    #[inline]
-    pub fn sample(&self, step: usize, drive: &Held, newtons: f64, mut convert: impl FnMut(f64x2)) {
+    /// Hands voltage and current at the conversions within step `step` of a sample to `convert`, those of two conversions at a time, and how
+    /// many there are. The step has just been made with this drive and a mean friction of `newtons`.
+    #[inline(always)]
+    pub(crate) fn sample<F: Four>(
+        &self,
+        four: F,
+        step: usize,
+        drive: &Held,
+        newtons: f64,
+        mut convert: impl FnMut(Wide<F>, usize),
+    ) {
         let [[e, d], [v0, i], [vc, _]] = self.before.map(f64x2::to_array);
+        let (volts, newtons) = (Wide::splat(four, drive.volts), Wide::splat(four, newtons));
+        let (e, d, v0) = (Wide::splat(four, e), Wide::splat(four, d), Wide::splat(four, v0));
+        let (i, vc) = (Wide::splat(four, i), Wide::splat(four, vc));
         for look in &self.flow.looks[step] {
-            let [ke, kd, kv, ki, kc] = look.state;
-            let mut both = look.drive * drive.volts + look.force * newtons + ke * e + kd * d + kv * v0 + ki * i + kc * vc;
+            let [ke, kd, kv, ki, kc] = &look.state;
+            let inputs = look.drive.wide(four) * volts + look.force.wide(four) * newtons;
+            let amplifier = inputs + ke.wide(four) * e + kd.wide(four) * d;
+            let mut both = amplifier + kv.wide(four) * v0 + ki.wide(four) * i + kc.wide(four) * vc;
             if drive.before != 0.0 {
-                both += look.late * drive.before;
+                both = both + look.late.wide(four) * Wide::splat(four, drive.before);
             }
             for ([a, b], &[ik, vk]) in look.further.iter().zip(&self.further_before) {
-                both += *a * ik + *b * vk;
+                both = both + (a.wide(four) * Wide::splat(four, ik) + b.wide(four) * Wide::splat(four, vk));
             }
-            convert(both);
+            convert(both, look.conversions);
         }
     }
 }

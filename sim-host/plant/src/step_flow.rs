@@ -6,6 +6,7 @@ use wide::f64x2;
 
 use crate::network::{D, DRIVE, E, FORCE, FURTHER, I, STATES, V0, VC, network};
 use crate::parts::Parts;
+use crate::quad::Quad;
 use crate::timing::Timing;
 use contact::flow::{Matrix, exponential};
 use scene::Amplifier;
@@ -33,17 +34,19 @@ pub struct Layout {
     pub further: usize,
 }
 
-/// A look at voltage and current (the two lanes) some time into a step, along the exact flow from its beginning, with drive and
+/// Two looks at voltage and current (v, i, v, i) some time into a step, along the exact flow from its beginning, with drive and
 /// friction as they are held. Looking back from its end would be unstable: the clamped capacitance settles within nanoseconds.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Look {
-    pub(super) state: [f64x2; STATES],
-    pub(super) drive: f64x2,
-    pub(super) force: f64x2,
+    /// Conversions that these are, 1 or 2; of one, the second half is zero.
+    pub(super) conversions: usize,
+    pub(super) state: [Quad; STATES],
+    pub(super) drive: Quad,
+    pub(super) force: Quad,
     /// Response to what the drive was before, less what it is.
-    pub(super) late: f64x2,
+    pub(super) late: Quad,
     /// For each further mode, of its current and its voltage.
-    pub(super) further: Vec<[f64x2; 2]>,
+    pub(super) further: Vec<[Quad; 2]>,
 }
 
 /// What a further mode does and suffers in a step. Its own states are a pair: current, voltage of its capacitor.
@@ -133,21 +136,21 @@ impl StepFlow {
         }
     }
 
-    /// Hands every number of the flow to `with`, always in the same order.
-    pub(super) fn each(&mut self, mut with: impl FnMut(&mut f64x2)) {
-        self.state.iter_mut().flatten().for_each(&mut with);
-        self.drive.iter_mut().chain(&mut self.force).for_each(&mut with);
-        self.late.iter_mut().flatten().for_each(&mut with);
-        for look in self.looks.iter_mut().flatten() {
-            look.state.iter_mut().for_each(&mut with);
-            [&mut look.drive, &mut look.force, &mut look.late].into_iter().for_each(&mut with);
-            look.further.iter_mut().flatten().for_each(&mut with);
-        }
+    /// Hands every number of the flow to `with`, always in the same order, two or four at a time.
+    pub(super) fn each(&mut self, mut with: impl FnMut(&mut [f64])) {
+        let mut pair = |pair: &mut f64x2| with(pair.as_mut_array());
+        self.state.iter_mut().flatten().for_each(&mut pair);
+        self.drive.iter_mut().chain(&mut self.force).for_each(&mut pair);
+        self.late.iter_mut().flatten().for_each(&mut pair);
         for mode in &mut self.further {
-            mode.onto.iter_mut().flatten().for_each(&mut with);
-            mode.state.iter_mut().chain(&mut mode.late).for_each(&mut with);
-            [&mut mode.drive, &mut mode.force].into_iter().for_each(&mut with);
-            mode.modes.iter_mut().flatten().for_each(&mut with);
+            mode.onto.iter_mut().flatten().for_each(&mut pair);
+            mode.state.iter_mut().chain(&mut mode.late).for_each(&mut pair);
+            [&mut mode.drive, &mut mode.force].into_iter().for_each(&mut pair);
+            mode.modes.iter_mut().flatten().for_each(&mut pair);
+        }
+        for look in self.looks.iter_mut().flatten() {
+            let quads = look.state.iter_mut().chain([&mut look.drive, &mut look.force, &mut look.late]);
+            quads.chain(look.further.iter_mut().flatten()).for_each(|quad| with(&mut quad.0));
         }
     }
 }
@@ -174,18 +177,28 @@ fn looks<const N: usize>(
     let steps = layout.timing.instants().into_iter().enumerate();
     let of_step = |(number, instants): (usize, Vec<[f64; 2]>)| {
         let late_s = layout.late_s - number as f64 * step_s;
-        let look = |[v, i]: [f64; 2]| {
-            let [early, lately] = [over(v), over(i)];
-            let column = |c: usize| f64x2::new([early[V0][c], total(&lately, c)]);
+        let look = |instants: &[[f64; 2]]| {
+            let mut flows = [[[0.0; N]; N]; 4];
+            let mut lates = [0.0; 4];
+            for (n, &[v, i]) in instants.iter().enumerate() {
+                flows[2 * n..][..2].copy_from_slice(&[over(v), over(i)]);
+                let [early, lately] = [late(over, late_s, v), late(over, late_s, i)];
+                lates[2 * n..][..2].copy_from_slice(&[early[V0][DRIVE], total(&lately, DRIVE)]);
+            }
+            let column = |c: usize| {
+                let seen = |n: usize| if n.is_multiple_of(2) { flows[n][V0][c] } else { total(&flows[n], c) };
+                Quad(std::array::from_fn(seen))
+            };
             Look {
+                conversions: instants.len(),
                 state: std::array::from_fn(column),
                 drive: column(DRIVE),
                 force: column(FORCE),
-                late: f64x2::new([late(over, late_s, v)[V0][DRIVE], total(&late(over, late_s, i), DRIVE)]),
+                late: Quad(lates),
                 further: (0..layout.further).map(|k| [FURTHER + 2 * k, FURTHER + 2 * k + 1].map(column)).collect(),
             }
         };
-        instants.into_iter().map(look).collect()
+        instants.chunks(2).map(look).collect()
     };
     steps.map(of_step).collect()
 }

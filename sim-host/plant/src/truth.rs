@@ -34,8 +34,6 @@ pub struct Truth {
     pub tip: Option<TipMotion>,
     /// What only a horn on a belt has.
     pub horn: Option<HornTruth>,
-    /// What only a motor has.
-    pub motor: Option<MotorTruth>,
 }
 
 /// How the tip of a stack moved within a block, whatever the waveform.

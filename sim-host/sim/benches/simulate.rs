@@ -14,6 +14,7 @@ use scene::Scene;
 use scene::load::load;
 use scene::settings;
 use sonoglide_sim::run::{Watch, run};
+use sonoglide_sim::study::{self, Options};
 
 fn scene(name: &str, sets: &[&str]) -> Scene {
     let sets: Vec<String> = sets.iter().map(|&set| set.to_owned()).collect();
@@ -28,6 +29,24 @@ fn experiment_1(criterion: &mut Criterion) {
     group.throughput(Throughput::Elements((scene.duration_s * scene.sensors.sample_hz) as u64)).sample_size(10);
     group
         .bench_function("experiment-1", |bencher| bencher.iter(|| run(&scene, Watch::default()).map(|record| record.drive_hash)));
+    group.finish();
+}
+
+/// Cold starts on one thread: each by itself, and several side by side as a Monte Carlo has them, with their scenes and metrics.
+fn cold_starts(criterion: &mut Criterion) {
+    const RUNS: u32 = 16;
+    let sets = [format!("runs={RUNS}")];
+    let loaded = load("lock-cold", &sets).unwrap_or_else(|error| panic!("{error}"));
+    let scene = loaded.scene.driven().expect("a driven scene");
+    let one_thread = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("a thread");
+    let samples = (scene.duration_s * scene.sensors.sample_hz) as u64;
+    let mut group = criterion.benchmark_group("cold starts");
+    group.throughput(Throughput::Elements(samples)).sample_size(10);
+    group.bench_function("alone", |bencher| bencher.iter(|| run(&scene, Watch::default()).map(|record| record.drive_hash)));
+    group.throughput(Throughput::Elements(u64::from(RUNS) * samples));
+    group.bench_function("side by side", |bencher| {
+        bencher.iter(|| one_thread.install(|| study::run(&loaded, Options::default()).map(|study| study.metrics)));
+    });
     group.finish();
 }
 
@@ -102,5 +121,5 @@ fn halves(criterion: &mut Criterion) {
     group.finish();
 }
 
-criterion_group!(benches, experiment_1, halves);
+criterion_group!(benches, experiment_1, cold_starts, halves);
 criterion_main!(benches);

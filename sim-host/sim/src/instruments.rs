@@ -86,11 +86,15 @@ pub fn windows(scene: &Driven) -> Vec<Window> {
 
 /// The metrics of a driven run.
 pub fn measure(scene: &Driven, record: &Record) -> Metrics {
+    metrics(&View::new(scene, record))
+}
+
+/// The metrics of a driven run that is looked at already.
+pub fn metrics(view: &View) -> Metrics {
     let mut metrics = Metrics::default();
-    let view = View::new(scene, record);
     for instrument in DRIVEN {
-        instrument.metrics(&view, &mut metrics);
+        instrument.metrics(view, &mut metrics);
     }
-    metrics.put("plant_states", record.plant_states as f64);
+    metrics.put("plant_states", view.record.plant_states as f64);
     metrics
 }

@@ -13,6 +13,18 @@ pub trait Processor {
     /// One block. Fails only where the controller runs elsewhere and is lost.
     fn process(&mut self, orders: &Orders, sense: &SenseBlock, drive: &mut DriveBlock) -> Result<Telemetry, Lost>;
 
+    /// The same, with the report in the place of an earlier one.
+    fn process_into(
+        &mut self,
+        orders: &Orders,
+        sense: &SenseBlock,
+        drive: &mut DriveBlock,
+        report: &mut Telemetry,
+    ) -> Result<(), Lost> {
+        *report = self.process(orders, sense, drive)?;
+        Ok(())
+    }
+
     /// The sample of the block after the latest one from which a [dropped](DriveBlock::drops_queue) queue was silent, where that was measured.
     fn silent_from(&self) -> Option<usize> {
         None
@@ -100,5 +112,16 @@ impl Processor for Here {
 
     fn process(&mut self, orders: &Orders, sense: &SenseBlock, drive: &mut DriveBlock) -> Result<Telemetry, Lost> {
         Ok(self.0.process(orders, sense, drive))
+    }
+
+    fn process_into(
+        &mut self,
+        orders: &Orders,
+        sense: &SenseBlock,
+        drive: &mut DriveBlock,
+        report: &mut Telemetry,
+    ) -> Result<(), Lost> {
+        self.0.process_into(orders, sense, drive, report);
+        Ok(())
     }
 }

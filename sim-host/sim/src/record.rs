@@ -14,11 +14,13 @@ use crate::swing::Swing;
 use crate::trace::Tracer;
 use plant::dring::crash::Playback;
 use plant::energy::Energy;
-use plant::truth::{Sample, Truth};
+use plant::truth::{MotorTruth, Sample, Truth};
 
 /// Record of one block: command, estimate, measurement and truth.
 #[derive(Clone, Copy, Debug)]
 pub struct Row {
+    /// Place of the row in its record.
+    pub number: u32,
     /// Time at the block's end, s.
     pub time_s: f64,
     /// Mode of the controller after it had measured this block.
@@ -135,6 +137,8 @@ pub struct Record {
     pub every: u64,
     /// Every block, or every few.
     pub rows: Vec<Row>,
+    /// What only a motor has of the truth about each row's block; empty without one.
+    pub motors: Vec<MotorTruth>,
     /// Windows sample by sample.
     pub windows: Vec<Window>,
     /// The edges of bursts.
@@ -204,8 +208,8 @@ impl Row {
 
     /// The row of a block in which `command` played.
     pub fn new(
-        time_s: f64,
-        sample_hz: f64,
+        number: u32,
+        (time_s, sample_hz): (f64, f64),
         command: &Command,
         telemetry: &Telemetry,
         (swing, slow, truth): (Swing, SlowSense, &Truth),
@@ -216,6 +220,7 @@ impl Row {
             (y.re.into(), y.im.into())
         };
         Row {
+            number,
             time_s,
             mode: telemetry.mode,
             fault: telemetry.fault.map_or(0, |fault| fault as u8),

@@ -27,9 +27,14 @@ impl SwingMeter {
     /// The swing of a block.
     pub fn measure(&self, drive: &DriveBlock) -> Swing {
         let codes = drive.lanes.first().map_or(&[][..], |lane| lane.as_slice());
-        let (peak_v, sum) = codes.iter().fold((0.0f64, 0.0), |(peak, sum), &code| {
+        let silence = self.0.mid_code();
+        if codes.iter().all(|&code| code == silence) {
+            return Swing::default();
+        }
+        let (peak_v, sum) = codes.iter().fold((0.0, 0.0), |(peak, sum), &code| {
             let volts = self.0.volts(code);
-            (peak.max(volts.abs()), sum + volts * volts)
+            // Not f64::max, which minds not-a-number.
+            (if volts.abs() > peak { volts.abs() } else { peak }, sum + volts * volts)
         });
         Swing { peak_v, square_v2: sum / codes.len().max(1) as f64 }
     }

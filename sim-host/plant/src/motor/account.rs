@@ -44,12 +44,12 @@ impl Motor {
             belt_speed_m_per_s: 0.0,
             tip: None,
             horn: None,
-            motor: Some(self.motor_truth(drive, &waves, mean, block.normal / steps)),
         };
+        self.motor_truth = self.truth_of_motor(drive, &waves, mean, block.normal / steps);
         self.time_s += block_s;
     }
 
-    fn motor_truth(&self, drive: &DriveBlock, waves: &Waves, force_n: f64, normal_n: f64) -> MotorTruth {
+    fn truth_of_motor(&self, drive: &DriveBlock, waves: &Waves, force_n: f64, normal_n: f64) -> MotorTruth {
         let surface = |amplitude: f64| waves.omega * self.model.slope * amplitude;
         let played = |lane: usize| drive.lanes.get(self.lanes.sources()[lane]).into_iter().flatten();
         let codes: Vec<Vec<f64>> =

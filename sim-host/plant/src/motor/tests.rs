@@ -39,6 +39,12 @@ struct Bench {
 
 const BLOCK: usize = 32;
 
+/// The truth about a block, and what only a motor has of it.
+struct BlockTruth {
+    all: Truth,
+    motor: MotorTruth,
+}
+
 impl Bench {
     fn new(sets: &[&str]) -> Self {
         let fine = [&["sensors.dac_bits=16"], sets].concat();
@@ -50,12 +56,12 @@ impl Bench {
     }
 
     /// Plays for so long, s. Returns the truth of every block.
-    fn play(&mut self, seconds: f64) -> Vec<Truth> {
+    fn play(&mut self, seconds: f64) -> Vec<BlockTruth> {
         let blocks = (seconds / (BLOCK as f64 * self.motor.sample_s())).round() as u64;
         (0..blocks).map(|_| self.play_block()).collect()
     }
 
-    fn play_block(&mut self) -> Truth {
+    fn play_block(&mut self) -> BlockTruth {
         let mut drive = DriveBlock::silent(4, BLOCK, self.motor.dac.mid_code());
         let first = self.block * BLOCK as u64;
         for (lane, codes) in drive.lanes.iter_mut().enumerate() {
@@ -67,11 +73,11 @@ impl Bench {
         }
         self.block += 1;
         self.motor.exchange(&drive, &mut self.sense);
-        *self.motor.truth()
+        BlockTruth { all: *self.motor.truth(), motor: *self.motor.motor_truth() }
     }
 }
 
 /// Mean of a value over the last so many blocks.
-fn mean(truths: &[Truth], last: usize, value: impl Fn(&MotorTruth) -> f64) -> f64 {
-    truths[truths.len() - last..].iter().map(|truth| value(&truth.motor.unwrap())).sum::<f64>() / last as f64
+fn mean(truths: &[BlockTruth], last: usize, value: impl Fn(&MotorTruth) -> f64) -> f64 {
+    truths[truths.len() - last..].iter().map(|truth| value(&truth.motor)).sum::<f64>() / last as f64
 }

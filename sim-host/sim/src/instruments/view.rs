@@ -7,6 +7,7 @@
 use firmware::seam::mode::Mode;
 
 use crate::record::{Record, Row};
+use plant::truth::MotorTruth;
 use scene::Driven;
 
 /// After an edge or a disturbance, this long is not counted as steady, s,
@@ -117,6 +118,11 @@ impl<'a> View<'a> {
     pub fn after(&self, time_s: f64) -> &'a [Row] {
         let half_s = 0.5 * self.block_s;
         &self.rows[self.rows.partition_point(|row| row.time_s - self.block_s < time_s - half_s)..]
+    }
+
+    /// What only a motor has of the truth about a row's block.
+    pub(super) fn motor_truth(&self, row: &Row) -> Option<&'a MotorTruth> {
+        self.record.motors.get(row.number as usize)
     }
 
     /// When the first block of this mode begins to play, s.

@@ -78,11 +78,9 @@ fn run_where(scene: &Driven, start: Option<Start>, watch: Watch) -> Result<Recor
     }
 }
 
-/// Runs a scene, and measures it.
-pub(super) fn measured(scene: &Driven, start: Option<Start>, stop: &AtomicBool) -> Result<(Record, Metrics), StudyError> {
-    let record = run_where(scene, start, Watch { stop: Some(stop), ..Watch::default() })?;
-    let metrics = instruments::measure(scene, &record);
-    Ok((record, metrics))
+/// Runs a scene for its metrics: without what its figures need.
+pub(super) fn record(scene: &Driven, start: Option<Start>, stop: &AtomicBool) -> Result<Record, StudyError> {
+    Ok(run_where(scene, start, Watch { stop: Some(stop), ..Watch::default() })?)
 }
 
 /// The sweep of a scene that is a cell, sample by sample.

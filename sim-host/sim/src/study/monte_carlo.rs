@@ -21,10 +21,12 @@ use self::statistics::Statistics;
 use super::driven::Level;
 use super::plan::{Cell, Made, Plan, Progress};
 use super::{Options, StudyError};
-use crate::instruments::View;
 use crate::instruments::lock::claims;
+use crate::instruments::{self, View};
 use crate::metrics::Metrics;
-use crate::record::text_hash;
+use crate::record::{Record, text_hash};
+use crate::run::LANES;
+use scene::Driven;
 use scene::load::Loaded;
 
 /// What it is called, and whether a run has it.
@@ -88,10 +90,26 @@ impl OneRun {
             let metrics = made.metrics()?;
             return Ok(OneRun { draw, metrics, locked: false, drive_hash: None, error_hz: Vec::new() });
         };
-        let (record, metrics) = made.recorded(&scene)?;
-        let locked = claims::of(&View::new(&scene, &record)).is_some_and(|claims| claims.true_lock);
-        let error_hz = grid.map_or_else(Vec::new, |grid| grid.errors_hz(&scene, &record));
-        Ok(OneRun { draw, metrics, locked, drive_hash: Some(record.drive_hash), error_hz })
+        Ok(OneRun::of(draw, &scene, &made.record(&scene)?, grid))
+    }
+
+    /// Runs several side by side, and keeps their numbers.
+    fn read_abreast(group: Vec<(Draw, Made)>, grid: Option<&Grid>) -> Result<Vec<Self>, StudyError> {
+        let cells: Vec<&Made> = group.iter().map(|(_, made)| made).collect();
+        let records = Made::abreast(&cells)?;
+        let read = |((draw, made), record): ((Draw, Made), Option<Record>)| match made.scene.driven().zip(record) {
+            Some((scene, record)) => Ok(OneRun::of(draw, &scene, &record, grid)),
+            None => OneRun::read(draw, &made, grid),
+        };
+        group.into_iter().zip(records).map(read).collect()
+    }
+
+    /// The numbers of a run.
+    fn of(draw: Draw, scene: &Driven, record: &Record, grid: Option<&Grid>) -> Self {
+        let view = View::new(scene, record);
+        let locked = claims::of(&view).is_some_and(|claims| claims.true_lock);
+        let error_hz = grid.map_or_else(Vec::new, |grid| grid.errors_hz(&view));
+        OneRun { draw, metrics: instruments::metrics(&view), locked, drive_hash: Some(record.drive_hash), error_hz }
     }
 
     /// Whether it ended in a fault.
@@ -152,7 +170,10 @@ pub(super) fn run(loaded: &Loaded, options: Options, stop: &AtomicBool) -> Resul
         let sets = draw.sets(&draws.keys);
         Cell { label: format!("of run {} of `{}` ({})", draw.number, loaded.name, sets.join(", ")), sets }
     };
-    let runs = plan.run(drawn, cell, |draw, made| OneRun::read(draw, made, grid.as_ref()))?;
+    let runs = match start {
+        Some(_) => plan.run(drawn, cell, |draw, made| OneRun::read(draw, made, grid.as_ref()))?,
+        None => plan.run_groups(drawn, LANES, cell, |group| OneRun::read_abreast(group, grid.as_ref()))?,
+    };
     let runs: Vec<OneRun> = runs.into_iter().flatten().collect();
     let wall_s = clock.zip(began).map(|(clock, began)| (clock() - began).as_secs_f64());
     let Statistics { mut metrics, endless } = statistics::of(runs.iter().map(|run| &run.metrics));

@@ -49,7 +49,7 @@ fn friction_only_takes() {
     let mut truths = bench.play(0.02);
     bench.volts = 0.0;
     truths.extend(bench.play(0.005));
-    let heat = |truth: &Truth| truth.friction_on_tip_w + truth.friction_on_slider_w;
+    let heat = |truth: &BlockTruth| truth.all.friction_on_tip_w + truth.all.friction_on_slider_w;
     let least = truths.iter().map(heat).fold(f64::INFINITY, f64::min);
     assert!(least > -1e-6, "{least}");
 }

@@ -67,7 +67,7 @@ fn off_is_a_stop() {
     bench.play(SETTLED_S);
     bench.volts = 0.0;
     let after = bench.play(0.02);
-    let stopped = after.iter().position(|truth| truth.motor.unwrap().rotor_rad_per_s == 0.0).map(|n| n as f64 * 0.032);
+    let stopped = after.iter().position(|truth| truth.motor.rotor_rad_per_s == 0.0).map(|n| n as f64 * 0.032);
     assert!(stopped.is_some_and(|ms| (0.1..5.0).contains(&ms)), "{stopped:?}");
     assert_eq!(mean(&after, 100, |motor| motor.rotor_rad_per_s.abs()), 0.0);
 }

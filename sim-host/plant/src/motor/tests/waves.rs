@@ -68,7 +68,7 @@ fn a_split_ring_has_a_backward_wave_without_any_lane_error() {
 fn lane_errors_are_seen() {
     let mut bench =
         Bench::new(&["amplifier.lane_phase_error_deg=[2, 10, -5, 7]", "amplifier.lane_gain_error=[0, 0.06, -0.03, 0.04]"]);
-    let truth = bench.play(SETTLED_S).pop().and_then(|truth| truth.motor).unwrap();
+    let truth = bench.play(SETTLED_S).pop().map(|truth| truth.motor).unwrap();
     let (phase, gain) = (truth.lane_phase_error_deg.unwrap(), truth.lane_gain_error_percent.unwrap());
     // The frequency is that of a wave with some harmonics of friction, and the block is no whole number of periods: 2e-3 measured.
     assert!((phase - 8.0).abs() < 4e-3 && (gain - 6.0).abs() < 4e-3, "{phase} {gain}");

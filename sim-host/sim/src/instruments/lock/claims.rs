@@ -108,7 +108,7 @@ mod tests {
     fn blocks(count: usize, off_hz: f64, locked: bool, drive_v: f64) -> Vec<Row> {
         let truth = Truth { series_resonance_hz: RESONANCE_HZ, ..Truth::default() };
         let played = (Swing::default(), Default::default(), &truth);
-        let row = Row::new(0.0, 1e6, &Command::default(), &Telemetry::default(), played);
+        let row = Row::new(0, (0.0, 1e6), &Command::default(), &Telemetry::default(), played);
         let row = Row { mode: Mode::Run, frequency_hz: RESONANCE_HZ + off_hz, locked, drive_v, ..row };
         vec![row; count]
     }

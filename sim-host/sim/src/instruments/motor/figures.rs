@@ -10,8 +10,8 @@ use report::{Figure, Series, Style};
 /// Periods in which lanes and surface are shown.
 const PERIODS: f64 = 3.0;
 
-fn of_motor(value: impl Fn(&MotorTruth) -> f64) -> impl Fn(&Row) -> f64 {
-    move |row| row.truth.motor.as_ref().map_or(f64::NAN, &value)
+fn of_motor<'a>(run: &'a View, value: impl Fn(&MotorTruth) -> f64 + 'a) -> impl Fn(&Row) -> f64 + 'a {
+    move |row| run.motor_truth(row).map_or(f64::NAN, &value)
 }
 
 /// All of them, the most telling first.
@@ -43,8 +43,8 @@ fn rotor_speed(run: &View) -> Option<Figure> {
         x: axis("time [s]"),
         y: axis("speed [rad/s]"),
         series: vec![
-            curve(rows, "rotor", "rotor_rad_per_s", Style::Line, of_motor(|motor| motor.rotor_rad_per_s)),
-            curve(rows, "crests: forward less backward wave", "crests_rad_per_s", Style::Dashed, of_motor(crests)),
+            curve(rows, "rotor", "rotor_rad_per_s", Style::Line, of_motor(run, |motor| motor.rotor_rad_per_s)),
+            curve(rows, "crests: forward less backward wave", "crests_rad_per_s", Style::Dashed, of_motor(run, crests)),
         ],
         shaded: shaded(run),
         hlines: vec![(0.0, String::new())],
@@ -55,8 +55,8 @@ fn rotor_speed(run: &View) -> Option<Figure> {
 
 fn waves(run: &View) -> Figure {
     let rows = run.rows;
-    let micrometres = |value: fn(&MotorTruth) -> f64| of_motor(move |motor| 1e6 * value(motor));
-    let most = binned(rows).flatten().filter_map(|row| row.truth.motor).map(|motor| motor.forward_m.max(motor.backward_m));
+    let micrometres = |value: fn(&MotorTruth) -> f64| of_motor(run, move |motor| 1e6 * value(motor));
+    let most = binned(rows).flatten().filter_map(|row| run.motor_truth(row)).map(|motor| motor.forward_m.max(motor.backward_m));
     let top = 2e6 * most.fold(0.0, f64::max).max(1e-12);
     Figure {
         id: "waves".into(),

@@ -14,7 +14,7 @@ const STOPPED: f64 = 1e-3;
 
 impl View<'_> {
     fn steadily(&self, value: impl Fn(&MotorTruth) -> Option<f64>) -> Option<f64> {
-        mean(self.steady().filter_map(|row| row.truth.motor.as_ref().and_then(&value)))
+        mean(self.steady().filter_map(|row| self.motor_truth(row).and_then(&value)))
     }
 
     pub(super) fn motor(&self, metrics: &mut Metrics) {
@@ -64,7 +64,7 @@ impl View<'_> {
     fn start_and_stop(&self, steady: f64, metrics: &mut Metrics) {
         let run_from = self.plays_from(firmware::seam::mode::Mode::Run).unwrap_or(f64::INFINITY);
         let window = self.scene.controller.burst.as_ref().and_then(|burst| first_window(burst, run_from));
-        let part = |row: &Row| row.truth.motor.map_or(0.0, |motor| motor.rotor_rad_per_s / steady);
+        let part = |row: &Row| self.motor_truth(row).map_or(0.0, |motor| motor.rotor_rad_per_s / steady);
         let reaches = |from: f64, there: &dyn Fn(f64) -> bool| {
             let mut before: Option<&Row> = None;
             for row in self.rows.iter().filter(|row| row.time_s >= from) {

@@ -3,7 +3,6 @@
 use firmware::seam::mode::Mode;
 
 use crate::instruments::View;
-use crate::record::Record;
 use scene::Driven;
 
 /// From one moment to the next, once that is a block and more.
@@ -27,8 +26,8 @@ impl Grid {
 
     /// How far the drive of a run is from the true resonance at these moments, Hz. Infinite where it never comes to lock and where a fault
     /// has muted it; not a number without drive and after the end.
-    pub fn errors_hz(&self, scene: &Driven, record: &Record) -> Vec<f32> {
-        let view = View::new(scene, record);
+    pub fn errors_hz(&self, view: &View) -> Vec<f32> {
+        let record = view.record;
         let Some(from_s) = view.plays_from(Mode::Lock) else { return vec![f32::INFINITY; self.times_s.len()] };
         let rows = view.after(from_s);
         let half_s = 0.5 * record.sample_s * record.block_samples as f64;
