@@ -77,6 +77,12 @@ impl Loaded {
         Ok(Self { name: self.name, ..loaded(&self.origin, &self.input, &sets, |_| ())? })
     }
 
+    /// The scene with further changes, and all else that it has.
+    pub fn changed(&self, sets: &[String]) -> Result<Self, LoadError> {
+        let sets = [self.sets.as_slice(), sets].concat();
+        Ok(Self { name: self.name.clone(), ..loaded(&self.origin, &self.input, &sets, |_| ())? })
+    }
+
     /// The scene with further changes, without its grid and comparison: a cell of its grid, or a case of its comparison.
     pub fn cell(&self, sets: &[String]) -> Result<Self, LoadError> {
         let sets = [self.sets.as_slice(), sets].concat();

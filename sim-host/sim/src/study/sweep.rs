@@ -1,0 +1,293 @@
+//! A sweep: metrics of a scene at many points, each the scene with some keys set.
+//!
+//! ```text
+//! axes, or a list --> design --> points (number -> values) --> scenes, run in parallel --> rows (point, values, metrics, or why not)
+//! ```
+//!
+//! A row follows from the scene and the point alone, so that neither the number of threads nor how the points are divided changes it. Every
+//! point has the scene's own seed: points differ by their keys, and not by their noise. A scene of several `runs` has the statistics of
+//! its runs at each point. A point whose scene is not valid, or that has no result, is a row as well, with the reason.
+
+pub mod axis;
+pub mod design;
+
+#[cfg(test)]
+mod tests;
+
+use std::ops::Range;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use rayon::prelude::*;
+
+use self::design::{Design, MOST_POINTS};
+use super::abreast::{self, Mean, Steady};
+use super::plan::{Cell, Made, Plan};
+use super::{Options, StudyError, monte_carlo};
+use crate::metrics::Metrics;
+use scene::load::{LoadError, Loaded};
+use scene::metrics::{self, METRICS, OF_RUNS};
+use scene::nearest::{listed, nearest, short};
+use scene::schema::{Kind, Schema};
+use scene::shown;
+
+/// What is no number of a cell.
+const NOT_OF_A_POINT: [&str; 6] = ["seed", "runs", "vary", "grid", "comparison", "expect"];
+
+/// Why there is no sweep.
+#[derive(Debug, thiserror::Error)]
+pub enum SweepError {
+    /// An axis cannot be read.
+    #[error("`{text}` is no axis: {why} (for example `contact.dahl.mu=0.1:0.4:7`)")]
+    Axis {
+        /// As it was written.
+        text: String,
+        /// What is wrong.
+        why: String,
+    },
+    /// A file of points cannot be read.
+    #[error("{file}, line {line}: {why}")]
+    File {
+        /// The file.
+        file: String,
+        /// The line, from 1.
+        line: u64,
+        /// What is wrong.
+        why: String,
+    },
+    /// A key is there twice.
+    #[error("the key `{0}` is there twice")]
+    Twice(String),
+    /// No points, or too many.
+    #[error("{0} points: a sweep has from 1 to {MOST_POINTS}")]
+    Points(u128),
+    /// A key is no number of a scene.
+    #[error("`{key}` {why}")]
+    Key {
+        /// The key.
+        key: String,
+        /// Why not.
+        why: String,
+    },
+    /// A metric is not known, or not of such a scene.
+    #[error("`{metric}` {why}")]
+    Metric {
+        /// The metric.
+        metric: String,
+        /// Why not.
+        why: String,
+    },
+    /// Neither the first nor the last point makes a scene.
+    #[error("neither the first nor the last point is a valid scene")]
+    Scene(#[from] LoadError),
+}
+
+/// Metrics of a scene at many points.
+#[derive(Clone, Debug)]
+pub struct Sweep<'a> {
+    /// The scene that the points change.
+    pub loaded: &'a Loaded,
+    /// The points.
+    pub design: Design,
+    /// The metrics of each, in the order they were asked for.
+    pub metrics: Vec<&'static str>,
+}
+
+/// The rows of some points, by columns.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Rows {
+    /// The numbers of the points, from zero.
+    pub points: Vec<i64>,
+    /// For each key its values.
+    pub keys: Vec<Vec<f64>>,
+    /// For each metric its values, where a point has it.
+    pub metrics: Vec<Vec<Option<f64>>>,
+    /// Hash of every drive code of a driven run, in hexadecimal digits.
+    pub drive_hashes: Vec<Option<String>>,
+    /// Why a point has no result.
+    pub failures: Vec<Option<String>>,
+}
+
+/// What came of a point.
+struct Measured {
+    metrics: Vec<Option<f64>>,
+    drive_hash: Option<String>,
+}
+
+/// A point that was run, or the steady state that alone gives its metrics.
+enum Point {
+    Measured(Measured),
+    Steady(Steady),
+}
+
+impl<'a> Sweep<'a> {
+    /// A sweep of a scene. Without names it has all metrics.
+    ///
+    /// # Errors
+    /// If a key is no number of a scene or leaves its range, a metric is not known, or neither the first nor the last point is a valid scene.
+    pub fn new(loaded: &'a Loaded, design: Design, names: &[String]) -> Result<Self, SweepError> {
+        for (place, key) in design.keys().into_iter().enumerate() {
+            check_key(key, design.ends(place))?;
+        }
+        let sweep = Sweep { loaded, metrics: wanted(names, loaded.scene.runs > 1)?, design };
+        let point = |point| sweep.loaded.cell(&sweep.sets(point)).map(drop);
+        point(0).or_else(|error| point(sweep.design.count() - 1).map_err(|_| error))?;
+        Ok(sweep)
+    }
+
+    /// What a point changes, as `key=value`. A number is written so that it is read back exactly.
+    pub fn sets(&self, point: u64) -> Vec<String> {
+        let value = |(key, value): (&str, f64)| format!("{key}={value:?}");
+        self.design.keys().into_iter().zip(self.design.values(point)).map(value).collect()
+    }
+
+    /// The rows of some points, run in parallel; none if they are stopped. `done` is called after each point.
+    pub fn rows(&self, points: Range<u64>, stop: &AtomicBool, done: &(dyn Fn() + Sync)) -> Result<Option<Rows>, StudyError> {
+        let plan = Plan::new(self.loaded, stop)?;
+        let means: Option<Vec<Mean>> = self.metrics.iter().map(|name| Mean::named(name)).collect();
+        let one = |point: u64| {
+            let run = (!plan.is_stopped()).then(|| self.point(&plan, point, means.is_some()));
+            done();
+            run
+        };
+        let found: Vec<Option<Result<Point, String>>> = points.clone().into_par_iter().map(one).collect();
+        if stop.load(Ordering::Relaxed) {
+            return Ok(None);
+        }
+        let found: Vec<Result<Point, String>> = found.into_iter().flatten().collect();
+        let steady: Vec<Steady> = found.iter().filter_map(|point| point.as_ref().ok()?.steady()).collect();
+        let abreast: Vec<Vec<Option<f64>>> = means.iter().flatten().map(|mean| mean.of(&steady)).collect();
+        let mut rows = Rows::new(self.design.keys().len(), self.metrics.len());
+        let mut next = 0;
+        for (point, found) in points.zip(found) {
+            let measured = found.map(|found| match found {
+                Point::Measured(measured) => measured,
+                Point::Steady(_) => {
+                    next += 1;
+                    Measured { metrics: abreast.iter().map(|of| of[next - 1]).collect(), drive_hash: None }
+                }
+            });
+            rows.push(point, &self.design.values(point), measured);
+        }
+        Ok(Some(rows))
+    }
+
+    /// Runs a point, or says why it has no result.
+    fn point(&self, plan: &Plan, point: u64, means_only: bool) -> Result<Point, String> {
+        let sets = self.sets(point);
+        let whole = |error: StudyError| format!("{:#}", anyhow::Error::from(error));
+        if self.loaded.scene.runs > 1 {
+            let changed = self.loaded.changed(&sets).map_err(|error| error.to_string())?;
+            let (runs, metrics) = monte_carlo::run(&changed, Options::default(), plan.stop()).map_err(whole)?;
+            let drive_hash = runs.drive_hash().map(|hash| format!("{hash:016x}"));
+            return Ok(Point::Measured(Measured { metrics: self.read(&metrics), drive_hash }));
+        }
+        let made = plan.make(Cell { label: sets.join(", "), sets }).map_err(|error| match error {
+            StudyError::Cell(_, error) => error.to_string(),
+            error => whole(error),
+        })?;
+        if let Some(steady) = made.scene.excited().filter(|_| means_only).and_then(|scene| abreast::steady(&scene)) {
+            return Ok(Point::Steady(steady));
+        }
+        self.measured(&made).map(Point::Measured).map_err(|error| match error {
+            StudyError::EmptyCell(_, error) => whole(*error),
+            error => whole(error),
+        })
+    }
+
+    fn measured(&self, made: &Made) -> Result<Measured, StudyError> {
+        match made.scene.driven() {
+            Some(scene) => {
+                let (record, metrics) = made.recorded(&scene)?;
+                Ok(Measured { metrics: self.read(&metrics), drive_hash: Some(format!("{:016x}", record.drive_hash)) })
+            }
+            None => Ok(Measured { metrics: self.read(&made.metrics_for(Some(&self.metrics))?), drive_hash: None }),
+        }
+    }
+
+    fn read(&self, metrics: &Metrics) -> Vec<Option<f64>> {
+        self.metrics.iter().map(|name| metrics.find(name)).collect()
+    }
+}
+
+impl Point {
+    fn steady(&self) -> Option<Steady> {
+        match self {
+            Point::Measured(_) => None,
+            Point::Steady(steady) => Some(*steady),
+        }
+    }
+}
+
+impl Rows {
+    /// No rows, of so many keys and metrics.
+    pub fn new(keys: usize, metrics: usize) -> Self {
+        Rows { keys: vec![Vec::new(); keys], metrics: vec![Vec::new(); metrics], ..Rows::default() }
+    }
+
+    fn push(&mut self, point: u64, values: &[f64], measured: Result<Measured, String>) {
+        self.points.push(point as i64);
+        self.keys.iter_mut().zip(values).for_each(|(column, &value)| column.push(value));
+        let (measured, failure) = match measured {
+            Ok(measured) => (measured, None),
+            Err(why) => (Measured { metrics: vec![None; self.metrics.len()], drive_hash: None }, Some(why)),
+        };
+        self.metrics.iter_mut().zip(measured.metrics).for_each(|(column, value)| column.push(value));
+        self.drive_hashes.push(measured.drive_hash);
+        self.failures.push(failure);
+    }
+}
+
+/// A key must be a number of a scene, and its values such as that number may have.
+fn check_key(key: &str, (least, most): (f64, f64)) -> Result<(), SweepError> {
+    let wrong = |why: String| Err(SweepError::Key { key: short(key), why });
+    let Some(schema) = Schema::root().at(key).filter(|schema| schema.is_number()) else {
+        let numbers = Schema::numbers();
+        return wrong(match nearest(key, numbers.iter().map(String::as_str)).first() {
+            Some(meant) => format!("is no number of a scene; did you mean `{meant}`?"),
+            None => "is no number of a scene: tables and key, with points between, as `contact.dahl.mu` (`sim-host show SCENE`)"
+                .to_owned(),
+        });
+    };
+    if NOT_OF_A_POINT.contains(&key.split('.').next().unwrap_or(key)) {
+        return wrong("is the same at every point: sweep a number of the plant, the contact or the controller".to_owned());
+    }
+    let (low, high) = schema.range();
+    let below =
+        low.filter(|&low| least < low).map(|low| format!("must be at least {}, and goes down to {}", shown(low), shown(least)));
+    let above =
+        high.filter(|&high| most > high).map(|high| format!("must be at most {}, and goes up to {}", shown(high), shown(most)));
+    if let Some(out) = below.or(above) {
+        return wrong(out);
+    }
+    if schema.kind() == Kind::Integer && (least.fract() != 0.0 || most.fract() != 0.0) {
+        return wrong("is a whole number".to_owned());
+    }
+    Ok(())
+}
+
+/// The metrics of these names; all, without names.
+fn wanted(names: &[String], several: bool) -> Result<Vec<&'static str>, SweepError> {
+    let of_runs = OF_RUNS.iter().filter(|_| several).flat_map(|of| [of.p95.as_str(), of.max.as_str()]);
+    let known: Vec<&'static str> = METRICS.iter().map(|metric| metric.name).chain(of_runs).collect();
+    if names.is_empty() {
+        return Ok(known);
+    }
+    let mut wanted = Vec::new();
+    for name in names {
+        let wrong = |why: String| SweepError::Metric { metric: short(name), why };
+        let present = metrics::renamed(name).filter(|_| metrics::metric(name).is_none()).unwrap_or(name);
+        let Some(&metric) = known.iter().find(|known| **known == present) else {
+            let meant = nearest(name, known.iter().copied());
+            return Err(wrong(match metrics::of_one_run(name) {
+                Some(_) => "is of several runs, and the scene is run once: `--set runs=100`".to_owned(),
+                None if meant.is_empty() => "is no metric; `sim-host explain` lists them".to_owned(),
+                None => format!("is no metric; did you mean {}?", listed(meant.into_iter().take(3), "or")),
+            }));
+        };
+        if wanted.contains(&metric) {
+            return Err(wrong("is asked for twice".to_owned()));
+        }
+        wanted.push(metric);
+    }
+    Ok(wanted)
+}
