@@ -10,6 +10,7 @@
 
 pub mod axis;
 pub mod design;
+pub mod sensitivity;
 
 #[cfg(test)]
 mod tests;
@@ -19,7 +20,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use rayon::prelude::*;
 
-use self::design::{Design, MOST_POINTS};
+use self::design::{Design, MOST_DRAWS, MOST_POINTS};
 use super::abreast::{self, Mean, Steady};
 use super::plan::{Cell, Made, Plan};
 use super::{Options, StudyError, monte_carlo};
@@ -30,6 +31,8 @@ use scene::nearest::{listed, nearest, short};
 use scene::schema::{Kind, Schema};
 use scene::shown;
 
+/// The metric that has a column of its own in every row.
+const FAULT_CODE: &str = "fault_code";
 /// What is no number of a cell.
 const NOT_OF_A_POINT: [&str; 6] = ["seed", "runs", "vary", "grid", "comparison", "expect"];
 
@@ -60,6 +63,12 @@ pub enum SweepError {
     /// No points, or too many.
     #[error("{0} points: a sweep has from 1 to {MOST_POINTS}")]
     Points(u128),
+    /// A sample of no keys, or of too many.
+    #[error("a sample of {0} keys: it has from 1 to 128, each given as `--over key=least:most`")]
+    Sampled(usize),
+    /// A sample of too few draws, or of too many.
+    #[error("a sample of {0} draws: it has from 2 to {MOST_DRAWS}, and for indices a power of two is best")]
+    Draws(u64),
     /// A key is no number of a scene.
     #[error("`{key}` {why}")]
     Key {
@@ -88,8 +97,10 @@ pub struct Sweep<'a> {
     pub loaded: &'a Loaded,
     /// The points.
     pub design: Design,
-    /// The metrics of each, in the order they were asked for.
+    /// The metrics of each, in the order they were asked for, but the fault code, which every row has.
     pub metrics: Vec<&'static str>,
+    /// Whether all metrics were asked for, rather than some by name.
+    pub all: bool,
 }
 
 /// The rows of some points, by columns.
@@ -103,14 +114,18 @@ pub struct Rows {
     pub metrics: Vec<Vec<Option<f64>>>,
     /// Hash of every drive code of a driven run, in hexadecimal digits.
     pub drive_hashes: Vec<Option<String>>,
+    /// Number of the fault that a driven run ended in; 0 of none.
+    pub fault_codes: Vec<Option<i32>>,
     /// Why a point has no result.
     pub failures: Vec<Option<String>>,
 }
 
 /// What came of a point.
+#[derive(Default)]
 struct Measured {
     metrics: Vec<Option<f64>>,
     drive_hash: Option<String>,
+    fault_code: Option<i32>,
 }
 
 /// A point that was run, or the steady state that alone gives its metrics.
@@ -126,9 +141,14 @@ impl<'a> Sweep<'a> {
     /// If a key is no number of a scene or leaves its range, a metric is not known, or neither the first nor the last point is a valid scene.
     pub fn new(loaded: &'a Loaded, design: Design, names: &[String]) -> Result<Self, SweepError> {
         for (place, key) in design.keys().into_iter().enumerate() {
-            check_key(key, design.ends(place))?;
+            check_key(key, design.ends(place), matches!(design, Design::Sample { .. }))?;
         }
-        let sweep = Sweep { loaded, metrics: wanted(names, loaded.scene.runs > 1)?, design };
+        if design.count() == 0 || design.count() > MOST_POINTS {
+            return Err(SweepError::Points(design.count().into()));
+        }
+        let mut metrics = wanted(names, loaded.scene.runs > 1)?;
+        metrics.retain(|&metric| metric != FAULT_CODE);
+        let sweep = Sweep { loaded, metrics, all: names.is_empty(), design };
         let point = |point| sweep.loaded.cell(&sweep.sets(point)).map(drop);
         point(0).or_else(|error| point(sweep.design.count() - 1).map_err(|_| error))?;
         Ok(sweep)
@@ -163,7 +183,7 @@ impl<'a> Sweep<'a> {
                 Point::Measured(measured) => measured,
                 Point::Steady(_) => {
                     next += 1;
-                    Measured { metrics: abreast.iter().map(|of| of[next - 1]).collect(), drive_hash: None }
+                    Measured { metrics: abreast.iter().map(|of| of[next - 1]).collect(), ..Measured::default() }
                 }
             });
             rows.push(point, &self.design.values(point), measured);
@@ -179,7 +199,7 @@ impl<'a> Sweep<'a> {
             let changed = self.loaded.changed(&sets).map_err(|error| error.to_string())?;
             let (runs, metrics) = monte_carlo::run(&changed, Options::default(), plan.stop()).map_err(whole)?;
             let drive_hash = runs.drive_hash().map(|hash| format!("{hash:016x}"));
-            return Ok(Point::Measured(Measured { metrics: self.read(&metrics), drive_hash }));
+            return Ok(Point::Measured(Measured { drive_hash, ..self.read(&metrics) }));
         }
         let made = plan.make(Cell { label: sets.join(", "), sets }).map_err(|error| match error {
             StudyError::Cell(_, error) => error.to_string(),
@@ -198,14 +218,15 @@ impl<'a> Sweep<'a> {
         match made.scene.driven() {
             Some(scene) => {
                 let (record, metrics) = made.recorded(&scene)?;
-                Ok(Measured { metrics: self.read(&metrics), drive_hash: Some(format!("{:016x}", record.drive_hash)) })
+                Ok(Measured { drive_hash: Some(format!("{:016x}", record.drive_hash)), ..self.read(&metrics) })
             }
-            None => Ok(Measured { metrics: self.read(&made.metrics_for(Some(&self.metrics))?), drive_hash: None }),
+            None => Ok(self.read(&made.metrics_for(Some(&self.metrics))?)),
         }
     }
 
-    fn read(&self, metrics: &Metrics) -> Vec<Option<f64>> {
-        self.metrics.iter().map(|name| metrics.find(name)).collect()
+    fn read(&self, metrics: &Metrics) -> Measured {
+        let fault_code = metrics.get(FAULT_CODE).map(|code| code as i32);
+        Measured { metrics: self.metrics.iter().map(|name| metrics.find(name)).collect(), drive_hash: None, fault_code }
     }
 }
 
@@ -229,16 +250,17 @@ impl Rows {
         self.keys.iter_mut().zip(values).for_each(|(column, &value)| column.push(value));
         let (measured, failure) = match measured {
             Ok(measured) => (measured, None),
-            Err(why) => (Measured { metrics: vec![None; self.metrics.len()], drive_hash: None }, Some(why)),
+            Err(why) => (Measured { metrics: vec![None; self.metrics.len()], ..Measured::default() }, Some(why)),
         };
         self.metrics.iter_mut().zip(measured.metrics).for_each(|(column, value)| column.push(value));
         self.drive_hashes.push(measured.drive_hash);
+        self.fault_codes.push(measured.fault_code);
         self.failures.push(failure);
     }
 }
 
 /// A key must be a number of a scene, and its values such as that number may have.
-fn check_key(key: &str, (least, most): (f64, f64)) -> Result<(), SweepError> {
+fn check_key(key: &str, (least, most): (f64, f64), sampled: bool) -> Result<(), SweepError> {
     let wrong = |why: String| Err(SweepError::Key { key: short(key), why });
     let Some(schema) = Schema::root().at(key).filter(|schema| schema.is_number()) else {
         let numbers = Schema::numbers();
@@ -258,6 +280,9 @@ fn check_key(key: &str, (least, most): (f64, f64)) -> Result<(), SweepError> {
         high.filter(|&high| most > high).map(|high| format!("must be at most {}, and goes up to {}", shown(high), shown(most)));
     if let Some(out) = below.or(above) {
         return wrong(out);
+    }
+    if schema.kind() == Kind::Integer && sampled {
+        return wrong("is a whole number, and a sample takes any number of its range: give its values with `--over`".to_owned());
     }
     if schema.kind() == Kind::Integer && (least.fract() != 0.0 || most.fract() != 0.0) {
         return wrong("is a whole number".to_owned());

@@ -9,6 +9,24 @@ use std::str::FromStr;
 
 use super::SweepError;
 
+/// A key of a scene with the range that a sample is drawn from, as a user writes it: `key=least:most` or `key=least:most:log`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Range {
+    /// Path of the key: tables and key, with points between.
+    pub key: String,
+    /// The smallest and the largest value.
+    pub ends: (f64, f64),
+    /// The logarithm is drawn evenly, and not the value.
+    pub log: bool,
+}
+
+impl Range {
+    /// The value at a part of the range, from 0 to 1.
+    pub fn value(&self, part: f64) -> f64 {
+        between(self.ends.0, self.ends.1, self.log, part)
+    }
+}
+
 /// A key of a scene with the values it takes.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Axis {
@@ -38,7 +56,7 @@ impl Axis {
             Values::List(list) => list.get(index as usize).copied().unwrap_or(f64::NAN),
             // The end is the number that was asked for, to the last bit.
             Values::Range { stop, count, .. } if index + 1 == *count => *stop,
-            Values::Range { start, stop, count, log } => self::between(*start, *stop, *log, index as f64 / (count - 1) as f64),
+            Values::Range { start, stop, count, log } => between(*start, *stop, *log, index as f64 / (count - 1) as f64),
         }
     }
 
@@ -50,6 +68,16 @@ impl Axis {
                 list.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(least, most), &value| (least.min(value), most.max(value)))
             }
         }
+    }
+
+    /// Whether neighbours have the same ratio, and not the same distance.
+    pub fn is_log(&self) -> bool {
+        matches!(self.values, Values::Range { log: true, .. })
+    }
+
+    /// Whether the values are given one by one, and so may lie anywhere.
+    pub fn is_list(&self) -> bool {
+        matches!(self.values, Values::List(_))
     }
 
     /// All values, if they are no more than so many.
@@ -68,53 +96,78 @@ impl FromStr for Axis {
     type Err = SweepError;
 
     fn from_str(text: &str) -> Result<Self, SweepError> {
-        let wrong = |why: String| SweepError::Axis { text: text.to_owned(), why };
-        let (key, values) = text
-            .split_once('=')
-            .map(|(key, values)| (key.trim(), values.trim()))
-            .filter(|(key, values)| !key.is_empty() && !values.is_empty())
-            .ok_or_else(|| wrong("it lacks its key, its `=` or its values".to_owned()))?;
-        let number = |text: &str| {
-            let number = text.trim().parse::<f64>().ok().filter(|number| number.is_finite());
-            number.ok_or_else(|| wrong(format!("`{}` is no number", text.trim())))
-        };
+        let (key, values) = split(text)?;
         let values = if values.contains(':') {
-            range(&values.split(':').collect::<Vec<_>>(), number, &wrong)?
+            range(text, &values.split(':').collect::<Vec<_>>())?
         } else {
-            let list = values.split(',').map(number).collect::<Result<Vec<_>, _>>()?;
+            let list = values.split(',').map(|value| number(text, value)).collect::<Result<Vec<_>, _>>()?;
             if let Some((at, twice)) = list.iter().enumerate().find(|&(at, value)| list[..at].contains(value)) {
-                return Err(wrong(format!("value {} is {twice} again", at + 1)));
+                return Err(wrong(text, format!("value {} is {twice} again", at + 1)));
             }
             Values::List(list)
         };
-        Ok(Axis { key: key.to_owned(), values })
+        Ok(Axis { key, values })
     }
 }
 
-fn range(
-    parts: &[&str],
-    number: impl Fn(&str) -> Result<f64, SweepError>,
-    wrong: &dyn Fn(String) -> SweepError,
-) -> Result<Values, SweepError> {
-    let (ends, log) = match parts {
-        [start, stop, count] => ((start, stop, count), false),
-        [start, stop, count, way] if way.trim() == "log" => ((start, stop, count), true),
-        [_, _, _, way] => return Err(wrong(format!("`{}` is no spacing: leave it out, or write `log`", way.trim()))),
-        _ => return Err(wrong("a range is start:stop:n or start:stop:n:log".to_owned())),
-    };
-    let (start, stop) = (number(ends.0)?, number(ends.1)?);
-    let count = number(ends.2)?;
-    if count.fract() != 0.0 || !(2.0..=1e15).contains(&count) {
-        return Err(wrong(format!("`{}` is no number of values: a whole number from 2", ends.2.trim())));
+impl FromStr for Range {
+    type Err = SweepError;
+
+    fn from_str(text: &str) -> Result<Self, SweepError> {
+        let (key, values) = split(text)?;
+        let parts: Vec<&str> = values.split(':').collect();
+        let (ends, log) = match parts[..] {
+            [least, most] => ((least, most), false),
+            [least, most, way] if way.trim() == "log" => ((least, most), true),
+            _ => return Err(wrong(text, "a sample is drawn from a range least:most or least:most:log".to_owned())),
+        };
+        Ok(Range { key, ends: self::ends(text, ends, log)?, log })
     }
+}
+
+fn wrong(text: &str, why: String) -> SweepError {
+    SweepError::Axis { text: text.to_owned(), why }
+}
+
+/// The key of an axis, and what stands behind its `=`.
+fn split(text: &str) -> Result<(String, &str), SweepError> {
+    text.split_once('=')
+        .map(|(key, values)| (key.trim().to_owned(), values.trim()))
+        .filter(|(key, values)| !key.is_empty() && !values.is_empty())
+        .ok_or_else(|| wrong(text, "it lacks its key, its `=` or its values".to_owned()))
+}
+
+fn number(text: &str, number: &str) -> Result<f64, SweepError> {
+    let value = number.trim().parse::<f64>().ok().filter(|number| number.is_finite());
+    value.ok_or_else(|| wrong(text, format!("`{}` is no number", number.trim())))
+}
+
+/// The two ends of a range, in order.
+fn ends(text: &str, (start, stop): (&str, &str), log: bool) -> Result<(f64, f64), SweepError> {
+    let (start, stop) = (number(text, start)?, number(text, stop)?);
     if start >= stop {
         let how = if start == stop { "is empty" } else { "runs backwards" };
-        return Err(wrong(format!("the range from {start} to {stop} {how}: write the smaller end first")));
+        return Err(wrong(text, format!("the range from {start} to {stop} {how}: write the smaller end first")));
     }
     if log && start <= 0.0 {
-        return Err(wrong(format!("the range from {start} cannot be logarithmic: it must begin above zero")));
+        return Err(wrong(text, format!("the range from {start} cannot be logarithmic: it must begin above zero")));
     }
-    Ok(Values::Range { start, stop, count: count as u64, log })
+    Ok((start, stop))
+}
+
+fn range(text: &str, parts: &[&str]) -> Result<Values, SweepError> {
+    let (asked, count, log) = match parts {
+        [start, stop, count] => ((*start, *stop), count, false),
+        [start, stop, count, way] if way.trim() == "log" => ((*start, *stop), count, true),
+        [_, _, _, way] => return Err(wrong(text, format!("`{}` is no spacing: leave it out, or write `log`", way.trim()))),
+        _ => return Err(wrong(text, "a range is start:stop:n or start:stop:n:log".to_owned())),
+    };
+    let asked_count = number(text, count)?;
+    if asked_count.fract() != 0.0 || !(2.0..=1e15).contains(&asked_count) {
+        return Err(wrong(text, format!("`{}` is no number of values: a whole number from 2", count.trim())));
+    }
+    let (start, stop) = ends(text, asked, log)?;
+    Ok(Values::Range { start, stop, count: asked_count as u64, log })
 }
 
 #[cfg(test)]
@@ -134,6 +187,18 @@ mod tests {
         // The end is met although thirds are not exact.
         assert_eq!(axis("a=0.1:0.7:4").value(3), 0.7);
         assert_eq!(axis("a=0:1:1e12").listed(100), None);
+    }
+
+    #[test]
+    fn a_sample_is_drawn_from_a_range() {
+        let range: Range = "a.b=1:100:log".parse().expect("a range");
+        assert_eq!((range.ends, range.value(0.5)), ((1.0, 100.0), 10.0));
+        assert_eq!("a=-1:1".parse::<Range>().expect("a range").value(0.25), -0.5);
+        for (text, why) in [("a=1:2:3", "least:most"), ("a=1", "least:most"), ("a=2:1", "backwards"), ("a=0:1:log", "above zero")]
+        {
+            let error = text.parse::<Range>().expect_err(text).to_string();
+            assert!(error.contains(why) && error.contains(text), "{text}: {error}");
+        }
     }
 
     #[test]

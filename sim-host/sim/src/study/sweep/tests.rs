@@ -24,7 +24,7 @@ fn a_point_is_a_run_of_its_own() {
     for (scene, axis, metrics) in [
         ("contact-kinematic", "excitation.velocity_ratio=0.2:1.4:4", &["friction_ratio", "power_ratio"][..]),
         ("contact-kinematic", "excitation.velocity_ratio=0.2:1.4:4", &["friction_ratio", "reversals", "input_ratio"]),
-        ("lock", "stack.bvd.q=60,70", &["lock_time_20hz_ms", "fault_code"]),
+        ("lock", "stack.bvd.q=60,70", &["lock_time_20hz_ms", "q"]),
     ] {
         let loaded = loaded(scene, &[]);
         let sweep = sweep(&loaded, &[axis], metrics).unwrap_or_else(|error| panic!("{error}"));
@@ -59,6 +59,7 @@ fn rows_do_not_depend_on_their_division() {
             parts.keys.iter_mut().zip(part.keys).for_each(|(all, some)| all.extend(some));
             parts.metrics.iter_mut().zip(part.metrics).for_each(|(all, some)| all.extend(some));
             parts.drive_hashes.extend(part.drive_hashes);
+            parts.fault_codes.extend(part.fault_codes);
             parts.failures.extend(part.failures);
         }
         assert_eq!(parts, whole);
