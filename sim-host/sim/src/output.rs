@@ -3,6 +3,7 @@
 mod comparison;
 mod folder;
 mod runs_file;
+pub mod sweep;
 mod trace_file;
 
 use std::fs;

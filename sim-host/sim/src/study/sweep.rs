@@ -10,6 +10,7 @@
 
 pub mod axis;
 pub mod design;
+pub mod rows;
 pub mod sensitivity;
 
 #[cfg(test)]
@@ -21,7 +22,9 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use rayon::prelude::*;
 
 use self::design::{Design, MOST_DRAWS, MOST_POINTS};
-use super::abreast::{self, Mean, Steady};
+use self::rows::Measured;
+pub use self::rows::Rows;
+use super::abreast::{self, Mean};
 use super::plan::{Cell, Made, Plan};
 use super::{Options, StudyError, monte_carlo};
 use crate::metrics::Metrics;
@@ -46,6 +49,18 @@ pub enum SweepError {
         text: String,
         /// What is wrong.
         why: String,
+    },
+    /// A kind of sample that there is not.
+    #[error("`{0}` is no sample: write `sobol:N`, with the number of pairs of draws, as `sobol:1024`")]
+    Sample(String),
+    /// A file of points cannot be opened.
+    #[error("cannot read the points `{file}`: {io}")]
+    Open {
+        /// The file.
+        file: String,
+        /// Why.
+        #[source]
+        io: std::io::Error,
     },
     /// A file of points cannot be read.
     #[error("{file}, line {line}: {why}")]
@@ -103,37 +118,6 @@ pub struct Sweep<'a> {
     pub all: bool,
 }
 
-/// The rows of some points, by columns.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Rows {
-    /// The numbers of the points, from zero.
-    pub points: Vec<i64>,
-    /// For each key its values.
-    pub keys: Vec<Vec<f64>>,
-    /// For each metric its values, where a point has it.
-    pub metrics: Vec<Vec<Option<f64>>>,
-    /// Hash of every drive code of a driven run, in hexadecimal digits.
-    pub drive_hashes: Vec<Option<String>>,
-    /// Number of the fault that a driven run ended in; 0 of none.
-    pub fault_codes: Vec<Option<i32>>,
-    /// Why a point has no result.
-    pub failures: Vec<Option<String>>,
-}
-
-/// What came of a point.
-#[derive(Default)]
-struct Measured {
-    metrics: Vec<Option<f64>>,
-    drive_hash: Option<String>,
-    fault_code: Option<i32>,
-}
-
-/// A point that was run, or the steady state that alone gives its metrics.
-enum Point {
-    Measured(Measured),
-    Steady(Steady),
-}
-
 impl<'a> Sweep<'a> {
     /// A sweep of a scene. Without names it has all metrics.
     ///
@@ -165,50 +149,42 @@ impl<'a> Sweep<'a> {
         let plan = Plan::new(self.loaded, stop)?;
         let means: Option<Vec<Mean>> = self.metrics.iter().map(|name| Mean::named(name)).collect();
         let one = |point: u64| {
-            let run = (!plan.is_stopped()).then(|| self.point(&plan, point, means.is_some()));
+            let run = (!plan.is_stopped()).then(|| self.point(&plan, point, means.as_deref()));
             done();
             run
         };
-        let found: Vec<Option<Result<Point, String>>> = points.clone().into_par_iter().map(one).collect();
+        let found: Vec<Option<Result<Measured, String>>> = points.clone().into_par_iter().map(one).collect();
         if stop.load(Ordering::Relaxed) {
             return Ok(None);
         }
-        let found: Vec<Result<Point, String>> = found.into_iter().flatten().collect();
-        let steady: Vec<Steady> = found.iter().filter_map(|point| point.as_ref().ok()?.steady()).collect();
-        let abreast: Vec<Vec<Option<f64>>> = means.iter().flatten().map(|mean| mean.of(&steady)).collect();
         let mut rows = Rows::new(self.design.keys().len(), self.metrics.len());
-        let mut next = 0;
-        for (point, found) in points.zip(found) {
-            let measured = found.map(|found| match found {
-                Point::Measured(measured) => measured,
-                Point::Steady(_) => {
-                    next += 1;
-                    Measured { metrics: abreast.iter().map(|of| of[next - 1]).collect(), ..Measured::default() }
-                }
-            });
+        for (point, measured) in points.zip(found.into_iter().flatten()) {
             rows.push(point, &self.design.values(point), measured);
         }
         Ok(Some(rows))
     }
 
     /// Runs a point, or says why it has no result.
-    fn point(&self, plan: &Plan, point: u64, means_only: bool) -> Result<Point, String> {
+    fn point(&self, plan: &Plan, point: u64, means: Option<&[Mean]>) -> Result<Measured, String> {
         let sets = self.sets(point);
         let whole = |error: StudyError| format!("{:#}", anyhow::Error::from(error));
         if self.loaded.scene.runs > 1 {
             let changed = self.loaded.changed(&sets).map_err(|error| error.to_string())?;
             let (runs, metrics) = monte_carlo::run(&changed, Options::default(), plan.stop()).map_err(whole)?;
             let drive_hash = runs.drive_hash().map(|hash| format!("{hash:016x}"));
-            return Ok(Point::Measured(Measured { drive_hash, ..self.read(&metrics) }));
+            return Ok(Measured { drive_hash, ..self.read(&metrics) });
         }
         let made = plan.make(Cell { label: sets.join(", "), sets }).map_err(|error| match error {
             StudyError::Cell(_, error) => error.to_string(),
             error => whole(error),
         })?;
-        if let Some(steady) = made.scene.excited().filter(|_| means_only).and_then(|scene| abreast::steady(&scene)) {
-            return Ok(Point::Steady(steady));
+        let excited = made.scene.excited();
+        if let Some((steady, means)) = excited.as_ref().and_then(abreast::steady).zip(means) {
+            // One by one, as what lanes give depends in its last bit on what is beside a point.
+            let metrics = means.iter().map(|mean| mean.of(&[steady]).into_iter().next().flatten()).collect();
+            return Ok(Measured { metrics, ..Measured::default() });
         }
-        self.measured(&made).map(Point::Measured).map_err(|error| match error {
+        self.measured(&made).map_err(|error| match error {
             StudyError::EmptyCell(_, error) => whole(*error),
             error => whole(error),
         })
@@ -227,35 +203,6 @@ impl<'a> Sweep<'a> {
     fn read(&self, metrics: &Metrics) -> Measured {
         let fault_code = metrics.get(FAULT_CODE).map(|code| code as i32);
         Measured { metrics: self.metrics.iter().map(|name| metrics.find(name)).collect(), drive_hash: None, fault_code }
-    }
-}
-
-impl Point {
-    fn steady(&self) -> Option<Steady> {
-        match self {
-            Point::Measured(_) => None,
-            Point::Steady(steady) => Some(*steady),
-        }
-    }
-}
-
-impl Rows {
-    /// No rows, of so many keys and metrics.
-    pub fn new(keys: usize, metrics: usize) -> Self {
-        Rows { keys: vec![Vec::new(); keys], metrics: vec![Vec::new(); metrics], ..Rows::default() }
-    }
-
-    fn push(&mut self, point: u64, values: &[f64], measured: Result<Measured, String>) {
-        self.points.push(point as i64);
-        self.keys.iter_mut().zip(values).for_each(|(column, &value)| column.push(value));
-        let (measured, failure) = match measured {
-            Ok(measured) => (measured, None),
-            Err(why) => (Measured { metrics: vec![None; self.metrics.len()], ..Measured::default() }, Some(why)),
-        };
-        self.metrics.iter_mut().zip(measured.metrics).for_each(|(column, value)| column.push(value));
-        self.drive_hashes.push(measured.drive_hash);
-        self.fault_codes.push(measured.fault_code);
-        self.failures.push(failure);
     }
 }
 

@@ -4,6 +4,8 @@
 //! even   value i of n = start + (stop - start) i / (n - 1)
 //! log    value i of n = start (stop / start)^(i / (n - 1))
 //! ```
+//!
+//! Values between the ends are rounded to fifteen digits.
 
 use std::str::FromStr;
 
@@ -56,7 +58,11 @@ impl Axis {
             Values::List(list) => list.get(index as usize).copied().unwrap_or(f64::NAN),
             // The end is the number that was asked for, to the last bit.
             Values::Range { stop, count, .. } if index + 1 == *count => *stop,
-            Values::Range { start, stop, count, log } => between(*start, *stop, *log, index as f64 / (count - 1) as f64),
+            Values::Range { start, stop, count, log } => {
+                let value = between(*start, *stop, *log, index as f64 / (count - 1) as f64);
+                // The last digit is rounding: 0.2 reads better than 0.19999999999999996.
+                format!("{value:.14e}").parse().unwrap_or(value)
+            }
         }
     }
 

@@ -161,7 +161,7 @@ impl Design {
             Design::Product(axes) => {
                 let axis = |axis: &Axis| {
                     let (least, most) = axis.ends();
-                    json!({ "key": axis.key, "count": axis.count(), "least": least, "most": most, "values": axis.listed(WRITTEN) })
+                    json!({ "key": axis.key, "count": axis.count(), "least": least, "most": most, "log": axis.is_log(), "list": axis.is_list(), "values": axis.listed(WRITTEN) })
                 };
                 json!({ "axes": axes.iter().map(axis).collect::<Vec<_>>() })
             }

@@ -168,7 +168,7 @@ mod tests {
         assert!(a.keys.iter().zip(&b.keys).all(|(a, b)| (a.first.value - b.first.value).abs() < 1e-8));
         let mut holed = plain.clone();
         (holed[3], holed[4], holed[777]) = (None, None, None);
-        assert_eq!(of(3, &holed).expect("indices").used, 253);
+        assert_eq!(of(3, &holed).expect("indices").used, 254);
         assert_eq!(of(3, &sample(256, |_| 0.3)), None);
         assert_eq!(of(3, &plain[..35]), None);
     }

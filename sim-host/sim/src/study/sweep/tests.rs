@@ -54,15 +54,12 @@ fn rows_do_not_depend_on_their_division() {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(thread).build().unwrap();
         let mut parts = Rows::new(2, 1);
         for part in [0..5, 5..6, 6..14] {
-            let part = pool.install(|| rows(&sweep, part));
-            parts.points.extend(part.points);
-            parts.keys.iter_mut().zip(part.keys).for_each(|(all, some)| all.extend(some));
-            parts.metrics.iter_mut().zip(part.metrics).for_each(|(all, some)| all.extend(some));
-            parts.drive_hashes.extend(part.drive_hashes);
-            parts.fault_codes.extend(part.fault_codes);
-            parts.failures.extend(part.failures);
+            parts.append(pool.install(|| rows(&sweep, part)));
         }
         assert_eq!(parts, whole);
+        let rest = parts.split_off(9);
+        parts.drop_first(2);
+        assert_eq!((&parts.points[..], &rest.metrics[0][..]), (&whole.points[2..9], &whole.metrics[0][9..]));
     }
 }
 
