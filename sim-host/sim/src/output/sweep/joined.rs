@@ -6,8 +6,9 @@ use std::io::BufWriter;
 use std::path::{Path, PathBuf};
 
 use super::parts::{self, Part};
-use super::rows_file::{GROUP, Layout, RowsFile, RowsWriter};
+use super::rows_file::{Layout, RowsFile, RowsWriter};
 use super::{FAILURES, FolderError, INDICES, PLAN, PlanFile, ROWS, TABLE, page, put, unfinished, write};
+use crate::output::parquet_file::GROUP;
 use crate::study::sweep::Rows;
 use crate::study::sweep::sensitivity::{self, Sensitivity};
 use report::TableBlock;

@@ -12,27 +12,23 @@
 //! The bytes follow from the rows alone: no times, and the name of the program without the library's version.
 
 use std::fs::{self, File};
-use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use parquet::basic::{Compression, ConvertedType, Encoding, LogicalType, Repetition, Type as Physical, ZstdLevel};
+use parquet::basic::{ConvertedType, Encoding, LogicalType, Repetition, Type as Physical};
 use parquet::column::reader::{ColumnReader, get_typed_column_reader};
 use parquet::data_type::{ByteArray, ByteArrayType, DataType, DoubleType, Int32Type, Int64Type};
 use parquet::errors::ParquetError;
 use parquet::file::metadata::KeyValue;
-use parquet::file::properties::{EnabledStatistics, WriterProperties};
+use parquet::file::properties::WriterProperties;
 use parquet::file::reader::{FileReader, RowGroupReader, SerializedFileReader};
 use parquet::file::writer::{SerializedFileWriter, SerializedRowGroupWriter};
 use parquet::schema::types::{ColumnPath, Type};
 
 use super::FolderError;
+use crate::output::parquet_file::{GROUP, builder, column, io_error, whole};
 use crate::study::sweep::Rows;
 
-/// Rows of a row group.
-pub(super) const GROUP: usize = 65_536;
-/// Level of the compression.
-const LEVEL: i32 = 3;
 /// Name of the column that says why a point of a part has no result.
 const FAILURE: &str = "failure";
 
@@ -135,11 +131,7 @@ fn properties(layout: &Layout, hash: &str) -> Result<WriterProperties, ParquetEr
     let units: serde_json::Map<String, serde_json::Value> = units.collect();
     let entry = |name: &str, value: String| KeyValue::new(format!("sonoglide.{name}"), value);
     let entries = vec![entry("plan_hash", hash.to_owned()), entry("units", serde_json::Value::from(units).to_string())];
-    let mut properties = WriterProperties::builder()
-        .set_created_by(format!("sim-host {}", crate::VERSION))
-        .set_compression(Compression::ZSTD(ZstdLevel::try_new(LEVEL)?))
-        .set_statistics_enabled(EnabledStatistics::Chunk)
-        .set_key_value_metadata(Some(entries));
+    let mut properties = builder()?.set_key_value_metadata(Some(entries));
     // Values of a metric hardly repeat; their bytes, sorted by significance, do.
     for metric in &layout.metrics {
         let column = ColumnPath::new(vec![metric.clone()]);
@@ -173,11 +165,6 @@ fn write_group(
     Ok(())
 }
 
-/// Writes the next column, which has a value in each row.
-fn whole<T: DataType>(group: &mut SerializedRowGroupWriter<File>, values: &[T::T]) -> Result<(), ParquetError> {
-    column::<T>(group, values, None)
-}
-
 /// Writes the next column, which has a value in some rows.
 fn some<T: DataType, V>(
     group: &mut SerializedRowGroupWriter<File>,
@@ -187,16 +174,6 @@ fn some<T: DataType, V>(
     let levels: Vec<i16> = values.iter().map(|value| i16::from(value.is_some())).collect();
     let stored: Vec<T::T> = values.iter().flatten().map(as_stored).collect();
     column::<T>(group, &stored, Some(&levels))
-}
-
-fn column<T: DataType>(
-    group: &mut SerializedRowGroupWriter<File>,
-    values: &[T::T],
-    levels: Option<&[i16]>,
-) -> Result<(), ParquetError> {
-    let mut column = group.next_column()?.ok_or_else(|| ParquetError::General("a column too many".to_owned()))?;
-    column.typed::<T>().write_batch(values, levels, None)?;
-    column.close()
 }
 
 /// A file of rows.
@@ -314,17 +291,6 @@ fn texts(group: &dyn RowGroupReader, place: usize) -> Result<Vec<Option<String>>
 fn written(path: &Path) -> impl FnOnce(ParquetError) -> FolderError + use<> {
     let path = path.to_owned();
     move |error| FolderError::Write { path, io: io_error(error) }
-}
-
-/// What the system said, where it did.
-fn io_error(error: ParquetError) -> io::Error {
-    match error {
-        ParquetError::External(inner) => match inner.downcast::<io::Error>() {
-            Ok(io) => *io,
-            Err(inner) => io::Error::other(inner),
-        },
-        error => io::Error::other(error),
-    }
 }
 
 fn read(path: &Path) -> impl FnOnce(ParquetError) -> FolderError + use<> {
