@@ -116,7 +116,12 @@ fn a_sweep_that_is_stopped_goes_on_where_it_was() {
     let sent = Command::new("kill").args(["-INT", &child.id().to_string()]).status();
     assert!(sent.expect("`kill` starts").success());
     let output = child.wait_with_output().expect("an end");
-    assert_eq!((code(&output), stderr(&output).contains("the same command goes on from there")), (130, true), "{}", stderr(&output));
+    assert_eq!(
+        (code(&output), stderr(&output).contains("the same command goes on from there")),
+        (130, true),
+        "{}",
+        stderr(&output)
+    );
     for stopped in [&killed, &asked] {
         assert!(!names(stopped).contains("sweep.csv"), "it was stopped within the sweep");
         let again = slow(stopped).output().expect("sim-host starts");
@@ -126,7 +131,10 @@ fn a_sweep_that_is_stopped_goes_on_where_it_was() {
     }
     // What a killed process was writing stays, under a name of its own, and is none of the result.
     let text = String::from_utf8(bytes(&whole, "sweep.csv")).expect("text");
-    assert!(text.lines().skip(1).all(|row| row.split(',').nth(4).is_some_and(|hash| hash.len() == 16) && row.ends_with(",0")), "{text}");
+    assert!(
+        text.lines().skip(1).all(|row| row.split(',').nth(4).is_some_and(|hash| hash.len() == 16) && row.ends_with(",0")),
+        "{text}"
+    );
 }
 
 #[test]
@@ -184,7 +192,14 @@ fn several_runs_have_their_statistics_at_each_point() {
 fn a_sample_has_indices() {
     let folder = Folder::new("sweep-sample");
     let target = within(&folder, "out");
-    let over = ["--over", "excitation.velocity_ratio=0.2:0.9", "--over", "contact.dahl.mu=0.1:0.3", "--over", "contact.dahl.normal_n=1:2"];
+    let over = [
+        "--over",
+        "excitation.velocity_ratio=0.2:0.9",
+        "--over",
+        "contact.dahl.mu=0.1:0.3",
+        "--over",
+        "contact.dahl.normal_n=1:2",
+    ];
     let metric = ["--metric", "friction_ratio"];
     sweep(&[&["sweep", "contact-kinematic", "--sample", "sobol:64"][..], &over, &metric].concat(), &target);
     let text = String::from_utf8(bytes(&target, "indices.csv")).expect("text");
@@ -226,7 +241,10 @@ fn a_plan_is_told_and_nothing_is_written() {
     assert_eq!(code(&output), 0, "{}", stderr(&output));
     let plan: Value = serde_json::from_str(&stdout(&output)).expect("JSON");
     assert_eq!(plan["points"], 180);
-    assert!(plan["cpu_s"].as_f64().is_some_and(|s| s > 0.0 && s < 60.0) && plan["bytes"].as_f64().is_some_and(|b| b > 1e4), "{plan}");
+    assert!(
+        plan["cpu_s"].as_f64().is_some_and(|s| s > 0.0 && s < 60.0) && plan["bytes"].as_f64().is_some_and(|b| b > 1e4),
+        "{plan}"
+    );
     assert!(!Path::new(&target).exists());
 }
 
@@ -266,7 +284,8 @@ fn a_trace_has_the_form_that_is_asked_for() {
     let npy = trace("npy");
     let bytes_of = bytes(&npy, "trace.npy");
     let begin = 10 + usize::from(u16::from_le_bytes([bytes_of[8], bytes_of[9]]));
-    let values: Vec<f64> = bytes_of[begin..].chunks_exact(8).map(|chunk| f64::from_le_bytes(chunk.try_into().expect("eight"))).collect();
+    let values: Vec<f64> =
+        bytes_of[begin..].chunks_exact(8).map(|chunk| f64::from_le_bytes(chunk.try_into().expect("eight"))).collect();
     assert_eq!(values, rows.concat());
     assert!(!names(&npy).contains("trace.csv"));
     let parquet = bytes(&trace("parquet"), "trace.parquet");

@@ -75,4 +75,3 @@ pub(super) fn io_error(error: ParquetError) -> io::Error {
         error => io::Error::other(error),
     }
 }
-

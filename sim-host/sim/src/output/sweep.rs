@@ -28,8 +28,8 @@ pub use self::joined::{Joined, join};
 pub use self::parts::{Part, Shard};
 pub use self::plan_file::PlanFile;
 use self::rows_file::RowsWriter;
-use super::parquet_file::GROUP;
 pub use self::rows_file::{Layout, RowsFile};
+use super::parquet_file::GROUP;
 use crate::study::StudyError;
 use crate::study::sweep::Sweep;
 
@@ -171,6 +171,10 @@ impl SweepFolder {
         if living.try_lock().is_err() {
             return Err(FolderError::Held { path: dir.to_owned(), shard });
         }
+        // Nobody else writes parts of this shard.
+        parts::unfinished(dir, shard, plan.count())?.iter().for_each(|path| {
+            let _ = fs::remove_file(path);
+        });
         Ok(SweepFolder { dir: dir.to_owned(), plan, shard, lock, _living: living })
     }
 

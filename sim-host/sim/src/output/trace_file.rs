@@ -32,7 +32,9 @@ pub(super) fn write(study: &Study, dir: &Path) -> Result<(), OutputError> {
     let path = |end: &str| dir.join(format!("trace.{end}"));
     let written = |path: PathBuf| |io| OutputError::Write { path, io };
     match traced.map(|(tracer, trace)| (tracer, trace.format)) {
-        Some((tracer, TraceFormat::Npy)) => npy::write(&columns(tracer), tracer.rows(), &path("npy")).map_err(written(path("npy"))),
+        Some((tracer, TraceFormat::Npy)) => {
+            npy::write(&columns(tracer), tracer.rows(), &path("npy")).map_err(written(path("npy")))
+        }
         Some((tracer, TraceFormat::Parquet)) => {
             parquet_file::write_table(&columns(tracer), tracer.rows(), &path("parquet")).map_err(written(path("parquet")))
         }

@@ -75,6 +75,9 @@ pub enum SweepError {
     /// A key is there twice.
     #[error("the key `{0}` is there twice")]
     Twice(String),
+    /// Nothing says which points.
+    #[error("no points: give `--over key=start:stop:n` for each key, a `--sample` of ranges, or `--points FILE`")]
+    None,
     /// No points, or too many.
     #[error("{0} points: a sweep has from 1 to {MOST_POINTS}")]
     Points(u128),

@@ -31,6 +31,8 @@ struct Data<'a> {
     /// For each key its values.
     values: &'a [Vec<f64>],
     metric: &'a str,
+    /// For each key whether its values are spread by ratios.
+    logs: Vec<bool>,
     /// The metric at each point; not a number where it is missing.
     results: Vec<f64>,
 }
@@ -52,16 +54,15 @@ pub(super) fn of(plan: &PlanFile, layout: &Layout, file: &RowsFile) -> Result<Ve
             continue;
         }
         metrics += 1;
-        figures.extend(figures_of(plan, &Data { keys: &layout.keys, values: &values, metric, results }));
+        figures.extend(figures_of(plan, &Data { keys: &layout.keys, values: &values, metric, logs: plan.logs(), results }));
     }
     Ok(figures)
 }
 
 fn figures_of(plan: &PlanFile, data: &Data) -> Vec<Figure> {
     let axes = plan.axes();
-    let log = axes.as_ref().is_some_and(|axes| axes[0].0);
     match (data.keys.len(), axes.as_deref()) {
-        (1, _) => vec![lines::curve(data, log)],
+        (1, _) => vec![lines::curve(data)],
         (2, Some(&[rows, columns])) => {
             let few = rows.1.min(columns.1) <= FAMILY;
             let uneven = plan.lists().contains(&true);

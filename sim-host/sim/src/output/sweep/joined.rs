@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 
 use super::parts::{self, Part};
 use super::rows_file::{Layout, RowsFile, RowsWriter};
-use super::{FAILURES, FolderError, INDICES, PLAN, PlanFile, ROWS, TABLE, page, put, unfinished, write};
+use super::{FAILURES, FolderError, INDICES, PLAN, PlanFile, ROWS, TABLE, UNFINISHED, page, put, unfinished, write};
 use crate::output::parquet_file::GROUP;
 use crate::study::sweep::Rows;
 use crate::study::sweep::sensitivity::{self, Sensitivity};
@@ -51,6 +51,9 @@ pub fn join(dirs: &[PathBuf], target: &Path) -> Result<Joined, FolderError> {
         return Err(FolderError::Missing { missing, count, ranges: ranges + &more });
     }
     fs::create_dir_all(target).map_err(write(target))?;
+    // One at a time, where the system locks folders: two shards of a folder may end at once.
+    let _alone = File::open(target).ok().filter(|folder| folder.lock().is_ok());
+    remove_left(target);
     let (layout, absent) = present(&plan, &parts)?;
     let failures = rows(&plan, &parts, &layout, target)?;
     let path = target.join(PLAN);
@@ -61,6 +64,17 @@ pub fn join(dirs: &[PathBuf], target: &Path) -> Result<Joined, FolderError> {
     let indices = if plan.is_sample() { indices(&layout, &file, target)? } else { Vec::new() };
     let written = page::write(&plan, &layout, &file, failures, &indices, target)?;
     Ok(Joined { points: plan.count(), failures, absent, tables: written, page: target.join(super::PAGE) })
+}
+
+/// Removes what a process has left that was killed while it joined parts.
+fn remove_left(target: &Path) {
+    for entry in fs::read_dir(target).into_iter().flatten().flatten() {
+        let name = entry.file_name().to_string_lossy().into_owned();
+        let mine = [ROWS, TABLE, FAILURES, INDICES].iter().any(|file| name.starts_with(&format!("{file}.")));
+        if mine && name.ends_with(UNFINISHED) {
+            let _ = fs::remove_file(entry.path());
+        }
+    }
 }
 
 /// The plan that all folders have.

@@ -100,6 +100,21 @@ pub(super) fn of(dir: &Path) -> Result<Vec<Part>, FolderError> {
     Ok(parts)
 }
 
+/// What killed processes have left of parts of this shard that they were writing.
+pub(super) fn unfinished(dir: &Path, shard: Shard, count: u64) -> Result<Vec<PathBuf>, FolderError> {
+    let ranges = shard.ranges(count);
+    let mut left = Vec::new();
+    for entry in fs::read_dir(dir).map_err(super::read(dir))? {
+        let path = entry.map_err(super::read(dir))?.path();
+        // `part-….parquet` and the process behind it.
+        let whole = path.with_extension("").with_extension("");
+        let part = path.extension().is_some_and(|end| end == "tmp").then(|| Part::named(whole)).flatten();
+        let mine = |part: &Part| ranges.iter().any(|range| range.start <= part.points.start && part.points.end <= range.end);
+        left.extend(part.filter(mine).map(|_| path));
+    }
+    Ok(left)
+}
+
 /// Brings parts into the order of their points.
 pub(super) fn sort(parts: &mut [Part]) {
     parts.sort_by(|a, b| (a.points.start, a.points.end, &a.path).cmp(&(b.points.start, b.points.end, &b.path)));
@@ -138,6 +153,19 @@ mod tests {
         }
         assert!(["0/2", "3/2", "1", "a/2", "1/0"].iter().all(|text| text.parse::<Shard>().is_err()));
         assert_eq!("2/3".parse::<Shard>().map(|shard| shard.to_string()), Ok("2/3".to_owned()));
+    }
+
+    /// Of what was not ended only that of the own shard is to be cleared away.
+    #[test]
+    fn what_killed_processes_left_is_known_by_its_points() {
+        let dir = std::env::temp_dir().join(format!("left-{}", std::process::id()));
+        fs::create_dir_all(&dir).expect("a folder");
+        let written = |points: Range<u64>| super::super::unfinished(&Part::new(&dir, points).path);
+        for path in [written(0..10), written(10..20), dir.join("sweep.csv.7.tmp"), Part::new(&dir, 20..30).path] {
+            fs::write(path, "").expect("a file");
+        }
+        assert_eq!(unfinished(&dir, Shard { number: 2, of: 2 }, 160).expect("a folder"), [written(10..20)]);
+        fs::remove_dir_all(&dir).expect("removed");
     }
 
     #[test]

@@ -142,6 +142,14 @@ impl PlanFile {
         axes.iter().map(|axis| Some((axis["log"].as_bool()?, axis["count"].as_u64()?))).collect()
     }
 
+    /// For each key whether its values are spread by ratios.
+    pub fn logs(&self) -> Vec<bool> {
+        let design = &self.json["design"];
+        let spread = design["axes"].as_array().or_else(|| design["ranges"].as_array());
+        let log = |key: usize| spread.is_some_and(|spread| spread.get(key).is_some_and(|of| of["log"] == true));
+        (0..self.layout.keys.len()).map(log).collect()
+    }
+
     /// Whether each axis has its values given one by one.
     pub fn lists(&self) -> Vec<bool> {
         let axes = self.json["design"]["axes"].as_array().into_iter().flatten();

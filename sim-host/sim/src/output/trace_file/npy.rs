@@ -44,6 +44,9 @@ mod tests {
         assert_eq!((&head[..8], head.len() % ALIGN, head.last()), (&MAGIC[..], 0, Some(&b'\n')));
         assert_eq!(usize::from(u16::from_le_bytes([head[8], head[9]])), head.len() - 10);
         let text = String::from_utf8_lossy(&head[10..]);
-        assert!(text.starts_with("{'descr': [('time_s', '<f8'), ('v_code', '<f8'), ], 'fortran_order': False, 'shape': (3,), }"), "{text}");
+        assert!(
+            text.starts_with("{'descr': [('time_s', '<f8'), ('v_code', '<f8'), ], 'fortran_order': False, 'shape': (3,), }"),
+            "{text}"
+        );
     }
 }

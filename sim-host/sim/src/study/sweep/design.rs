@@ -46,7 +46,10 @@ impl Design {
     pub fn product(axes: Vec<Axis>) -> Result<Self, SweepError> {
         each_once(axes.iter().map(|axis| &axis.key))?;
         let points = axes.iter().map(|axis| u128::from(axis.count())).product::<u128>();
-        if axes.is_empty() || points > MOST_POINTS.into() {
+        if axes.is_empty() {
+            return Err(SweepError::None);
+        }
+        if points > MOST_POINTS.into() {
             return Err(SweepError::Points(points));
         }
         Ok(Design::Product(axes))

@@ -5,14 +5,14 @@ use crate::numbers::number;
 use report::{Figure, Series, Style};
 
 /// The metric over the only key.
-pub(super) fn curve(data: &Data, log: bool) -> Figure {
+pub(super) fn curve(data: &Data) -> Figure {
     let key = &data.keys[0];
     let mut points: Vec<(f64, f64)> = data.values[0].iter().copied().zip(data.results.iter().copied()).collect();
     points.sort_by(|a, b| a.0.total_cmp(&b.0));
     let (x, y) = points.into_iter().unzip();
     let title = format!("{} over {key}", data.metric);
     Figure {
-        x: axis(key, log),
+        x: axis(key, data.logs[0]),
         y: axis(data.metric, false),
         series: vec![series(data.metric, data.metric, x, y, Style::Line)],
         interactive: true,
@@ -67,7 +67,7 @@ pub(super) fn dots(data: &Data, key: usize) -> Figure {
     );
     Figure {
         id: format!("{}-{}", figure.id, name.replace('.', "-")),
-        x: axis(name, false),
+        x: axis(name, data.logs[key]),
         y: axis(data.metric, false),
         series: vec![series(data.metric, data.metric, of(&data.values[key]), of(&data.results), Style::Points)],
         ..figure

@@ -69,7 +69,8 @@ mod tests {
     fn a_cell_is_at_its_keys() {
         let keys = ["a".to_owned(), "b".to_owned()];
         let values = [vec![1.0, 1.0, 1.0, 2.0, 2.0, 2.0], vec![10.0, 20.0, 30.0, 10.0, 20.0, 30.0]];
-        let data = Data { keys: &keys, values: &values, metric: "m", results: (0..6).map(f64::from).collect() };
+        let data =
+            Data { keys: &keys, values: &values, metric: "m", logs: vec![false; 2], results: (0..6).map(f64::from).collect() };
         let map = of(&data, (false, 2), (false, 3)).map.expect("a map");
         assert_eq!(map.columns, [[0.0, 3.0], [1.0, 4.0], [2.0, 5.0]]);
         assert_eq!((map.x, map.y, map.range), ((5.0, 35.0), (0.5, 2.5), (0.0, 5.0)));
