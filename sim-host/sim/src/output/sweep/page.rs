@@ -2,10 +2,13 @@
 
 use std::path::Path;
 
-use super::{FolderError, Layout, PlanFile, RowsFile, figures, unit};
+use super::{FolderError, Layout, PlanFile, ROWS, RowsFile, figures, unit};
 use crate::numbers::number;
 use crate::study::sweep::sensitivity::{Estimate, Sensitivity};
 use report::{Report, TableBlock};
+
+/// Most points that are drawn: a figure holds all of its columns.
+const DRAWN: u64 = 4_000_000;
 
 /// Writes the page and the figures; the tables that answer what was asked.
 pub(super) fn write(
@@ -23,13 +26,17 @@ pub(super) fn write(
     if !changes.is_empty() {
         paragraphs.push(format!("Changed by hand at all points: {changes}."));
     }
+    let drawn = plan.count() <= DRAWN;
+    if !drawn {
+        paragraphs.push(format!("No figures: they are of at most {DRAWN} points. The rows are in {ROWS}."));
+    }
     let report = Report {
         title: format!("Sweep: {title}"),
         subtitle: if source.is_empty() { String::new() } else { format!("Source: {source}") },
         summary: vec![("points".to_owned(), plan.count().to_string()), ("without result".to_owned(), failures.to_string())],
         paragraphs,
         tables: [vec![keys(layout, file)?], tables.clone()].concat(),
-        figures: figures::of(plan, layout, file)?,
+        figures: if drawn { figures::of(plan, layout, file)? } else { Vec::new() },
         footer: [("scene", plan.scene()), ("plan", plan.hash()), ("sim-host", crate::VERSION)]
             .map(|(label, value)| (label.to_owned(), value.to_owned()))
             .into(),

@@ -30,7 +30,11 @@ impl Shard {
         // Points times blocks is beyond 64 bits at no count that a sweep may have.
         let begin = |block: u64| (u128::from(count) * u128::from(block) / u128::from(blocks)) as u64;
         let mine = (0..blocks).filter(|block| block % self.of == self.number - 1);
-        if self.of == 1 { vec![0..count] } else { mine.map(|block| begin(block)..begin(block + 1)).collect() }
+        if self.of == 1 {
+            std::iter::once(0..count).collect()
+        } else {
+            mine.map(|block| begin(block)..begin(block + 1)).collect()
+        }
     }
 
     /// The ranges of its points that no part has.
@@ -172,9 +176,9 @@ mod tests {
     fn what_no_part_has_is_missing() {
         let parts: Vec<Part> = [0..3, 5..6, 5..9].map(|points| Part::new(Path::new("d"), points)).into();
         assert_eq!(gaps(0..12, &parts), [3..5, 9..12]);
-        assert_eq!(gaps(4..8, &parts), [4..5]);
+        assert!(gaps(4..8, &parts).into_iter().eq(std::iter::once(4..5)));
         assert_eq!(gaps(6..8, &parts), []);
-        assert_eq!(Shard::WHOLE.missing(9, &parts), [3..5]);
+        assert!(Shard::WHOLE.missing(9, &parts).into_iter().eq(std::iter::once(3..5)));
         let named = |name: &str| Part::named(PathBuf::from(name));
         assert_eq!(named(&Part::new(Path::new("d"), 5..9).path.to_string_lossy()).map(|part| part.points), Some(5..9));
         assert!(

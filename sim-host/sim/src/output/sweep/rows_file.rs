@@ -16,7 +16,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use parquet::basic::{ConvertedType, Encoding, LogicalType, Repetition, Type as Physical};
-use parquet::column::reader::{ColumnReader, get_typed_column_reader};
+use parquet::column::reader::get_typed_column_reader;
 use parquet::data_type::{ByteArray, ByteArrayType, DataType, DoubleType, Int32Type, Int64Type};
 use parquet::errors::ParquetError;
 use parquet::file::metadata::KeyValue;
@@ -68,12 +68,11 @@ impl RowsWriter {
         let Some(writer) = &mut self.writer else { return Ok(()) };
         for from in (0..rows.points.len()).step_by(GROUP) {
             let to = rows.points.len().min(from + GROUP);
-            let group = || -> Result<(), ParquetError> {
+            let mut group = || -> Result<(), ParquetError> {
                 let mut group = writer.next_row_group()?;
                 write_group(&mut group, rows, from..to, &layout, part)?;
                 group.close().map(drop)
             };
-            let mut group = group;
             group().map_err(written(&self.path))?;
         }
         Ok(())
@@ -82,11 +81,10 @@ impl RowsWriter {
     /// Ends the file, and gives it its name.
     pub(super) fn finish(mut self) -> Result<(), FolderError> {
         let Some(mut writer) = self.writer.take() else { return Ok(()) };
-        let end = || -> Result<(), ParquetError> {
+        let mut end = || -> Result<(), ParquetError> {
             writer.finish()?;
             Ok(writer.inner().sync_all()?)
         };
-        let mut end = end;
         end().map_err(written(&self.path))?;
         drop(writer);
         fs::rename(&self.unfinished, &self.path).map_err(super::write(&self.path))
@@ -259,10 +257,7 @@ impl RowsFile {
 }
 
 /// A column that has a value in each row.
-fn each<T: DataType>(group: &dyn RowGroupReader, place: usize) -> Result<Vec<T::T>, ParquetError>
-where
-    ColumnReader: Sized,
-{
+fn each<T: DataType>(group: &dyn RowGroupReader, place: usize) -> Result<Vec<T::T>, ParquetError> {
     let mut values = Vec::new();
     let rows = group.metadata().num_rows().max(0) as usize;
     let mut reader = get_typed_column_reader::<T>(group.get_column_reader(place)?);

@@ -70,7 +70,7 @@ impl Design {
     /// Points of a CSV: a head with the keys, and a line a point.
     pub fn read(file: &str, text: impl std::io::Read) -> Result<Self, SweepError> {
         let wrong = |line: u64, why: String| SweepError::File { file: file.to_owned(), line, why };
-        let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).from_reader(text);
+        let mut reader = csv::ReaderBuilder::new().flexible(true).trim(csv::Trim::All).from_reader(text);
         let of_csv = |error: csv::Error| wrong(error.position().map_or(1, csv::Position::line), error.to_string());
         let keys: Vec<String> = reader.headers().map_err(of_csv)?.iter().map(str::to_owned).collect();
         if let Some(number) = keys.iter().find(|key| key.parse::<f64>().is_ok()) {
@@ -82,6 +82,10 @@ impl Design {
         for record in reader.records() {
             let record = record.map_err(of_csv)?;
             let line = record.position().map_or(0, csv::Position::line);
+            if record.len() != keys.len() {
+                let (values, keys) = (record.len(), keys.len());
+                return Err(wrong(line, format!("{values} values for {keys} keys")));
+            }
             let number = |(key, cell): (&String, &str)| {
                 let number = cell.parse::<f64>().ok().filter(|number| number.is_finite());
                 number.ok_or_else(|| wrong(line, format!("`{cell}` is no number for `{key}`")))
@@ -242,7 +246,8 @@ mod tests {
             ("", "no points"),
             ("a\n", "no points"),
             ("1,2\n3,4\n", "`1` is no key"),
-            ("a,b\n1\n", "p.csv"),
+            ("a,b\n1\n", "line 2: 1 values for 2 keys"),
+            ("a\n1,2\n", "2 values for 1 keys"),
             ("a\n1\nx\n", "line 3"),
             ("a,a\n1,2\n", "`a`"),
         ] {

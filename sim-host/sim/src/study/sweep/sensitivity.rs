@@ -104,21 +104,23 @@ pub fn of(keys: usize, values: &[Option<f64>]) -> Option<Sensitivity> {
     let resample = |number: usize| {
         let mut random = Xoshiro256PlusPlus::seed_from_u64(number as u64);
         // Of 64 random bits the upper half times the count, as a fraction of two to the 32.
-        let draw: Vec<usize> = (0..used).map(|_| ((random.next_u64() >> 32) * used as u64 >> 32) as usize).collect();
+        let draw: Vec<usize> = (0..used).map(|_| (((random.next_u64() >> 32) * used as u64) >> 32) as usize).collect();
         pairs.indices(draw.iter().copied())
     };
     let resampled: Vec<Vec<(f64, f64)>> = (0..RESAMPLES).into_par_iter().filter_map(resample).collect();
-    let estimate = |value: f64, of: &dyn Fn(&Vec<(f64, f64)>) -> f64| {
-        let mut all: Vec<f64> = resampled.iter().map(of).collect();
-        all.sort_by(f64::total_cmp);
-        let at = |part: f64| all.get((part * (all.len().max(1) - 1) as f64).round() as usize).copied().unwrap_or(value);
-        Estimate { value, interval: (at(0.5 - CONFIDENCE / 2.0), at(0.5 + CONFIDENCE / 2.0)) }
-    };
-    let indices = |(key, &(first, total)): (usize, &(f64, f64))| Indices {
-        first: estimate(first, &|all| all[key].0),
-        total: estimate(total, &|all| all[key].1),
+    let indices = |(key, &(first, total)): (usize, &(f64, f64))| {
+        let (firsts, totals) = resampled.iter().map(|all| all[key]).unzip();
+        Indices { first: estimate(first, firsts), total: estimate(total, totals) }
     };
     Some(Sensitivity { keys: values.iter().enumerate().map(indices).collect(), used })
+}
+
+/// An estimate with the interval that holds most of those of a bootstrap.
+fn estimate(value: f64, mut resampled: Vec<f64>) -> Estimate {
+    resampled.sort_by(f64::total_cmp);
+    let last = resampled.len().max(1) - 1;
+    let at = |part: f64| resampled.get((part * last as f64).round() as usize).copied().unwrap_or(value);
+    Estimate { value, interval: (at(0.5 - CONFIDENCE / 2.0), at(0.5 + CONFIDENCE / 2.0)) }
 }
 
 #[cfg(test)]
