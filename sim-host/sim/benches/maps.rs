@@ -75,7 +75,7 @@ fn measured(name: &str, loaded: &Loaded, grid: &Grid) {
         let scene = template.scene(&[grid.set.as_slice(), &axes].concat()).expect("valid");
         let study = scene.excited().expect("a contact study");
         let problem = problem::problem(&study, problem::law(&study.model).expect("a law")).expect("a problem");
-        let numerics = problem::numerics(&study, Some(&grid.metric));
+        let numerics = problem::numerics(&study, Some(&[&grid.metric]));
         let alone = solve_unwatched(&problem, &numerics, &|| ()).expect("an answer").ratios.friction;
         worst = worst.max((result.cells[row][column].expect("a metric") - alone).abs());
     }
@@ -111,7 +111,7 @@ fn parts() {
             let scene = template.scene(&sets).expect("valid");
             let study = scene.excited().expect("a contact study");
             let problem = problem::problem(&study, problem::law(&study.model).expect("a law")).expect("a problem");
-            (problem, problem::numerics(&study, Some("friction_ratio")))
+            (problem, problem::numerics(&study, Some(&["friction_ratio"])))
         };
         let (problems, numerics): (Vec<_>, Vec<_>) = (0..256).map(problem).unzip();
         let (abreast, many) = micros(problems.len(), || solve_many(&problems, &numerics[0], &|| ()));

@@ -14,6 +14,7 @@ pub mod playback;
 mod points;
 mod stopped;
 pub mod suite;
+pub mod sweep;
 
 use std::sync::atomic::{AtomicBool, Ordering};
 

@@ -6,7 +6,7 @@ use rayon::prelude::*;
 
 use super::StudyError;
 use super::plan::{Cell, Plan};
-use super::points::{BESIDE, Points};
+use super::points::{BESIDE, Measured, Points};
 use scene::Grid;
 use scene::load::Loaded;
 
@@ -33,11 +33,13 @@ pub fn run(loaded: &Loaded, grid: &Grid, stop: &AtomicBool) -> Result<Option<Gri
     } else {
         places.len().div_ceil(4 * rayon::current_num_threads()).clamp(8, BESIDE)
     };
-    let points = Points::new(&plan, cell(grid, first), &[&grid.row_key, &grid.column_key], &grid.metric);
+    let metric = [grid.metric.as_str()];
+    let points = Points::new(&plan, cell(grid, first), &[&grid.row_key, &grid.column_key], &metric);
     let of = |places: &[(f64, f64)]| points.metrics(places, |&(row, column)| [row, column], |&place| cell(grid, place));
     let metrics: Vec<_> = places.par_chunks(beside).map(of).collect();
     let Some(metrics) = metrics.into_iter().collect::<Option<Vec<_>>>() else { return Ok(None) };
-    let metrics = metrics.into_iter().flatten().collect::<Result<Vec<Option<f64>>, StudyError>>()?;
+    let metric = |measured: Measured| measured.map(|metrics| metrics.into_iter().next().flatten());
+    let metrics = metrics.into_iter().flatten().map(metric).collect::<Result<Vec<Option<f64>>, StudyError>>()?;
     if plan.is_stopped() {
         return Ok(None);
     }

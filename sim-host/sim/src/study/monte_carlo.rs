@@ -96,11 +96,12 @@ impl OneRun {
     /// Runs several side by side, and keeps their numbers.
     fn read_abreast(group: Vec<(Draw, Made)>, grid: Option<&Grid>) -> Result<Vec<Self>, StudyError> {
         let cells: Vec<&Made> = group.iter().map(|(_, made)| made).collect();
-        let records = Made::abreast(&cells)?;
-        let read = |((draw, made), record): ((Draw, Made), Option<Record>)| match made.scene.driven().zip(record) {
-            Some((scene, record)) => Ok(OneRun::of(draw, &scene, &record, grid)),
-            None => OneRun::read(draw, &made, grid),
-        };
+        let records = Made::abreast(&cells);
+        let read =
+            |((draw, made), record): ((Draw, Made), Result<Option<Record>, StudyError>)| match made.scene.driven().zip(record?) {
+                Some((scene, record)) => Ok(OneRun::of(draw, &scene, &record, grid)),
+                None => OneRun::read(draw, &made, grid),
+            };
         group.into_iter().zip(records).map(read).collect()
     }
 

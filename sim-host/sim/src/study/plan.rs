@@ -122,8 +122,8 @@ impl<'a> Plan<'a> {
         }
     }
 
-    /// What says that the study is to end.
-    pub(super) fn stop(&self) -> &AtomicBool {
+    /// The flag that ends the study.
+    pub(super) fn stop(&self) -> &'a AtomicBool {
         self.stop
     }
 
@@ -141,13 +141,14 @@ impl Made<'_, '_> {
 
     /// Runs the cell for one metric: what only others need may be missing.
     pub(super) fn metric(&self, name: &str) -> Result<Option<f64>, StudyError> {
-        Ok(self.metrics_for(Some(name))?.find(name))
+        Ok(self.metrics_for(Some(&[name]))?.find(name))
     }
 
-    fn metrics_for(&self, metric: Option<&str>) -> Result<Metrics, StudyError> {
+    /// Runs the cell for some metrics, or for all.
+    pub(super) fn metrics_for(&self, wanted: Option<&[&str]>) -> Result<Metrics, StudyError> {
         match self.scene.kind().ok_or(StudyError::Incomplete)? {
             Kind::Driven(scene) => self.record(&scene).map(|record| instruments::measure(&scene, &record)),
-            Kind::Excited(scene) => contact::cell(&scene, metric, self.plan.stop).map_err(|error| self.empty(error)),
+            Kind::Excited(scene) => contact::cell(&scene, wanted, self.plan.stop).map_err(|error| self.empty(error)),
         }
     }
 
@@ -157,7 +158,7 @@ impl Made<'_, '_> {
     }
 
     /// Runs cells that the firmware drives in this process, side by side. A cell of another kind has no record.
-    pub(super) fn abreast(cells: &[&Self]) -> Result<Vec<Option<Record>>, StudyError> {
+    pub(super) fn abreast(cells: &[&Self]) -> Vec<Result<Option<Record>, StudyError>> {
         let driven: Vec<(&Self, Driven)> = cells.iter().filter_map(|made| Some((*made, made.scene.driven()?))).collect();
         let scenes: Vec<Driven> = driven.iter().map(|(_, scene)| *scene).collect();
         let stop = cells.first().map(|made| made.plan.stop);

@@ -1,4 +1,4 @@
-//! One metric of a contact study at many points, which differ in some of its numbers: what the points have in common is made once.
+//! Some metrics of a contact study at many points, which differ in some of its numbers: what the points have in common is made once.
 //!
 //! ```text
 //! point --> numbers of the scene --> a steady sine       --> closed form in lanes
@@ -12,6 +12,7 @@ use super::answer::Answer;
 use super::contact::metrics;
 use super::plan::{Cell, Plan};
 use super::stopped::{leave_if, unless_stopped};
+use crate::metrics::Metrics;
 use contact::{self, Numerics, Problem};
 use scene::numbers::Numbers;
 use scene::{Excited, problem};
@@ -19,36 +20,47 @@ use scene::{Excited, problem};
 /// Points that are solved beside each other; so many that those of one setting fill the lanes.
 pub(super) const BESIDE: usize = 512;
 
-/// A metric at points of a scene.
+/// Some metrics of a point, each where it has it; or why there are none.
+pub(super) type Measured = Result<Vec<Option<f64>>, StudyError>;
+
+/// Metrics at points of a scene.
 pub(super) struct Points<'p, 'a> {
     plan: &'p Plan<'a>,
-    metric: &'p str,
-    mean: Option<Mean>,
+    metrics: &'p [&'p str],
+    /// The same, if all of them are means.
+    means: Option<Vec<Mean>>,
     numbers: Option<Numbers>,
+    /// Whether steady states are computed in lanes, which in the last bit depend on what is beside them.
+    lanes: bool,
 }
 
-/// What a point's metric comes of.
+/// What a point's metrics come of.
 enum Found {
-    Metric(Result<Option<f64>, StudyError>),
+    Metrics(Measured),
     Steady(Steady),
     Problem(Box<Problem>),
 }
 
 impl<'p, 'a> Points<'p, 'a> {
     /// Points that set these keys, the first of which is this cell.
-    pub(super) fn new(plan: &'p Plan<'a>, first: Cell, keys: &[&str], metric: &'p str) -> Self {
+    pub(super) fn new(plan: &'p Plan<'a>, first: Cell, keys: &[&str], metrics: &'p [&'p str]) -> Self {
         let numbers = plan.make(first).ok().and_then(|made| Numbers::of(made.scene, keys));
-        Points { plan, metric, mean: Mean::named(metric), numbers }
+        Points { plan, metrics, means: metrics.iter().map(|metric| Mean::named(metric)).collect(), numbers, lanes: true }
     }
 
-    /// The metric of each of some points, as a run of its cell has it; nothing if they are stopped. `values` are those of the keys, in their
+    /// The same points, whose metrics do not depend on which of them are asked for together.
+    pub(super) fn alone(self) -> Self {
+        Points { lanes: false, ..self }
+    }
+
+    /// The metrics of each of some points, as a run of its cell has them; nothing if they are stopped. `values` are those of the keys, in their
     /// order.
     pub(super) fn metrics<P, V: AsRef<[f64]>>(
         &self,
         points: &[P],
         values: impl Fn(&P) -> V,
         cell: impl Fn(&P) -> Cell,
-    ) -> Option<Vec<Result<Option<f64>, StudyError>>> {
+    ) -> Option<Vec<Measured>> {
         let mut numbers = self.numbers.clone();
         let mut numerics = None;
         let mut found = Vec::with_capacity(points.len());
@@ -58,48 +70,58 @@ impl<'p, 'a> Points<'p, 'a> {
             }
             let set = numbers.as_mut().and_then(|numbers| numbers.set(values(point).as_ref())?.excited());
             let by_numbers = set.and_then(|scene| self.by_numbers(&scene, numerics.get_or_insert_with(|| self.numerics(&scene))));
-            found.push(by_numbers.unwrap_or_else(|| Found::Metric(self.by_text(cell(point)))));
+            found.push(by_numbers.unwrap_or_else(|| Found::Metrics(self.by_text(cell(point)))));
         }
         let steady: Vec<Steady> = found.iter().filter_map(Found::steady).collect();
-        let mut means = self.mean.map_or_else(Vec::new, |mean| mean.of(&steady)).into_iter();
+        let beside = if self.lanes { steady.len().max(1) } else { 1 };
+        let of = |mean: &Mean| steady.chunks(beside).flat_map(|steady| mean.of(steady)).collect::<Vec<_>>();
+        let means: Vec<_> = self.means.iter().flatten().map(of).collect();
+        let mut place = 0..;
         let problems: Vec<Problem> = found.iter().filter_map(Found::problem).cloned().collect();
         let solutions =
             numerics.map(|numerics| unless_stopped(|| contact::solve_many(&problems, &numerics, &|| leave_if(self.plan.stop()))));
         let mut solutions = solutions.map_or(Some(Vec::new()), |solved| solved)?.into_iter();
-        let mut metric = |(point, found): (&P, Found)| match found {
-            Found::Metric(metric) => metric,
-            Found::Steady(_) => Ok(means.next().flatten()),
+        let mut measured = |(point, found): (&P, Found)| match found {
+            Found::Metrics(measured) => measured,
+            Found::Steady(_) => {
+                let place = place.next().unwrap_or_default();
+                Ok(means.iter().map(|mean| mean[place]).collect())
+            }
             Found::Problem(problem) => {
                 let empty = |error| StudyError::EmptyCell(cell(point).label, Box::new(error));
                 let solution = solutions.next().ok_or(StudyError::Incomplete)?.map_err(|error| empty(error.into()))?;
                 let answer = Answer { problem: *problem, solution, across: None };
                 let set = numbers.as_mut().and_then(|numbers| numbers.set(values(point).as_ref())?.excited());
                 let scene = set.ok_or(StudyError::Incomplete)?;
-                Ok(metrics::of(&scene, &answer).find(self.metric))
+                Ok(self.read(&metrics::of(&scene, &answer)))
             }
         };
-        Some(points.iter().zip(found).map(&mut metric).collect())
+        Some(points.iter().zip(found).map(&mut measured).collect())
+    }
+
+    fn read(&self, metrics: &Metrics) -> Vec<Option<f64>> {
+        self.metrics.iter().map(|name| metrics.find(name)).collect()
     }
 
     fn numerics(&self, scene: &Excited) -> Numerics {
-        problem::numerics(scene, Some(self.metric))
+        problem::numerics(scene, Some(self.metrics))
     }
 
     /// What is to be solved; none where that takes the slow way.
     fn by_numbers(&self, scene: &Excited, numerics: &Numerics) -> Option<Found> {
         let problem = problem::problem(scene, problem::law(&scene.model)?).ok()?;
-        Some(match self.mean.and_then(|_| abreast::of_problem(&problem, numerics)) {
+        Some(match self.means.as_ref().and_then(|_| abreast::of_problem(&problem, numerics)) {
             Some(steady) => Found::Steady(steady),
             None => Found::Problem(Box::new(problem)),
         })
     }
 
-    /// The metric of a cell that is a scene of its own.
-    fn by_text(&self, cell: Cell) -> Result<Option<f64>, StudyError> {
+    /// The metrics of a cell that is a scene of its own.
+    fn by_text(&self, cell: Cell) -> Measured {
         let made = self.plan.make(cell)?;
-        match self.mean.and_then(|mean| Some((mean, abreast::steady(&made.scene.excited()?)?))) {
-            Some((mean, steady)) => Ok(mean.of(&[steady]).pop().flatten()),
-            None => made.metric(self.metric),
+        match self.means.as_ref().and_then(|means| Some((means, abreast::steady(&made.scene.excited()?)?))) {
+            Some((means, steady)) => Ok(means.iter().map(|mean| mean.of(&[steady]).pop().flatten()).collect()),
+            None => Ok(self.read(&made.metrics_for(Some(self.metrics))?)),
         }
     }
 }
