@@ -99,7 +99,7 @@ impl Forcing {
 }
 
 /// One over the number of the next coefficient.
-const INVERSE: [f64; 64] = {
+pub(crate) const INVERSE: [f64; 64] = {
     let mut inverse = [0.0; 64];
     let mut k = 0;
     while k < 64 {
