@@ -151,6 +151,11 @@ impl Waveform {
         Piece { start_s, length_s, template, forcing }
     }
 
+    /// Whether one period is like the other.
+    pub fn is_periodic(&self) -> bool {
+        matches!(self.shape, Shape::Sine | Shape::Square | Shape::Sawtooth | Shape::Triangle)
+    }
+
     /// Moments at which the forcing changes its form inside a piece, s: the end of a sweep.
     pub fn breaks(&self) -> Vec<f64> {
         match self.shape {

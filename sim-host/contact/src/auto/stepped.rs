@@ -14,8 +14,11 @@ use crate::waveform::Shape;
 const LONG: f64 = 2.0;
 /// Steps between two pauses.
 const PAUSE: u32 = 1 << 16;
-/// Below this tolerance methods of order four take more time than the Taylor series.
-const ORDER_FOUR: f64 = 1e-10;
+/// Below this tolerance methods of order four take more time than the Taylor series, and linexp where errors fall unevenly, or where no period is like
+/// another.
+const ORDER_FOUR: f64 = 1e-6;
+/// Below this one linexp does, whatever the contact.
+const ORDER_SIX: f64 = 1e-10;
 /// Steps a period that stability may ask of Runge-Kutta before midpoint is tried first.
 const MANY_STEPS: f64 = 1000.0;
 /// From this kappa on errors fall unevenly.
@@ -29,11 +32,13 @@ const HOLDS: f64 = 0.1;
 /// What estimates are multiplied by then; `sim-host validate contacts` holds them against the truth.
 const UNEVEN: f64 = 3.0;
 const VERY_UNEVEN: f64 = 10.0;
+/// And what the error of a pilot is multiplied by otherwise.
+const OF_PILOT: f64 = 1.5;
 /// Below this kappa bristles outlast many periods; and what estimates of the methods that step in time are multiplied by there.
 const LONG_BRISTLES: f64 = 1.0;
 const UNEVEN_IN_TIME: f64 = 10.0;
 /// No less is stated of what settings are chosen for, of the tolerance: two coarse runs may agree better than they know.
-const LEAST_STATED: f64 = 0.01;
+const LEAST_STATED: f64 = 1e-4;
 /// Bristles this many times shorter than the vibration are rigid.
 const RIGID: f64 = 1e10;
 
@@ -56,7 +61,10 @@ pub fn chosen<W: FnMut(&State)>(
     let choices = match problem.law {
         Law::Coulomb => vec![(Method::Linexp, "Coulomb friction: exact from reversal to reversal".to_owned())],
         Law::Dahl { .. } => {
-            vec![(Method::Linexp, format!("Dahl friction, kappa {kappa:.3}: exact flow, friction exact in slip")), series()]
+            let exact = (Method::Linexp, format!("Dahl friction, kappa {kappa:.3}: exact flow, friction exact in slip"));
+            let uneven = spring(problem) > RINGS || kappa > SMOOTH || !problem.waveform.is_periodic();
+            let tight = if uneven { ORDER_FOUR } else { ORDER_SIX };
+            if numerics.tolerance < tight { vec![series(), exact] } else { vec![exact, series()] }
         }
         Law::Lugre { .. } => {
             let stable = stable_steps(problem);
@@ -161,16 +169,20 @@ fn run(
     })
 }
 
+/// The contact spring, of `m w^2`; zero of a motion that is given, and of Coulomb friction.
+fn spring(problem: &Problem) -> f64 {
+    let omega = std::f64::consts::TAU * problem.waveform.frequency_hz();
+    match (problem.law.stiffness_n_per_m(), problem.motion) {
+        (Some(kt), Motion::Sdof { mass_kg, .. }) => kt / (mass_kg * omega * omega),
+        _ => 0.0,
+    }
+}
+
 /// What an estimate is multiplied by. Where short bristles make the mass ring, `Kt / (m w^2)` no longer small, errors fall unevenly from rung to
 /// rung, as they do where every change of the forcing is another; and more so where the bristles are stiffer than the mass is heavy, or where
 /// friction is no small part of the force.
 fn doubt(problem: &Problem) -> f64 {
-    let Some(kt) = problem.law.stiffness_n_per_m() else { return 1.0 };
-    let omega = std::f64::consts::TAU * problem.waveform.frequency_hz();
-    let spring = match problem.motion {
-        Motion::Kinematic => 0.0,
-        Motion::Sdof { mass_kg, .. } => kt / (mass_kg * omega * omega),
-    };
+    let spring = spring(problem);
     let holds = problem.coulomb_n > HOLDS * problem.waveform.amplitude();
     match spring > RINGS {
         true if holds || spring > STIFF => VERY_UNEVEN,
@@ -194,12 +206,11 @@ fn find(problem: &Problem, numerics: &Numerics, method: Method, pause: &dyn Fn()
         return Ok(Found { setting: (steps, order), tally: Some(tally), error: off.max(ROUND_OFF_OF_SUMS), growth: 1.0 });
     }
     // Where errors fall unevenly, order two says nothing of the next rung.
-    let (doubt, tolerance) = (doubt(problem), numerics.tolerance);
+    let (doubt, tolerance) = (if method == Method::Taylor { 1.0 } else { doubt(problem) }, numerics.tolerance);
     let first = usize::from(doubt > 1.0);
     let start = ladder.start(tolerance).max(first);
     let mut whole = match method {
-        Method::Linexp | Method::Frozen => Runs::of_two(doubt),
-        Method::Taylor => Runs::of_two(1.0),
+        Method::Linexp | Method::Frozen | Method::Taylor => Runs::of_two(doubt),
         // Two runs of Runge-Kutta were seen to agree on what both are off by, and three where the bristles are long.
         _ if problem.kappa() < LONG_BRISTLES => Runs::of_three(UNEVEN_IN_TIME),
         _ => Runs::of_three(1.0),
@@ -208,12 +219,17 @@ fn find(problem: &Problem, numerics: &Numerics, method: Method, pause: &dyn Fn()
         return whole.climb(&ladder, start, tolerance, &mut |setting| by(problem, setting));
     };
     let goal = pilot.goal(tolerance);
-    let found = Runs::of_three(1.0).climb(&ladder.lower(), start, goal, &mut |setting| by(&pilot.problem, setting))?;
+    let mut first_periods =
+        if method == Method::Linexp || method == Method::Taylor { Runs::of_two(1.0) } else { Runs::of_three(1.0) };
+    let found = first_periods.climb(&ladder.lower(), start, goal, &mut |setting| by(&pilot.problem, setting))?;
     if pilot.stands_for_the_record(found.error, found.growth, tolerance) {
-        return Ok(Found { tally: None, error: found.error * pilot.growth, ..found });
+        // A contact that friction pumps may yet become too stiff for a series.
+        let tally = if method == Method::Taylor { Some(by(problem, found.setting)?) } else { None };
+        let doubt = if spring(problem) > RINGS { UNEVEN } else { OF_PILOT };
+        return Ok(Found { tally, error: doubt * found.error * pilot.growth, ..found });
     }
     // What the pilot has found is compared with a coarser run on the whole record.
-    whole.climb(&ladder, ladder.position(found.setting).saturating_sub(2).max(first), tolerance, &mut |setting| {
+    whole.climb(&ladder, ladder.position(found.setting).saturating_sub(ladder.apart()).max(first), tolerance, &mut |setting| {
         by(problem, setting)
     })
 }

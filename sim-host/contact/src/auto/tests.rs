@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::table_4_1::table_4_1;
-use crate::{linexp, taylor};
+use crate::{Shape, linexp, taylor};
 
 fn with(change: impl Fn(&mut Problem)) -> Problem {
     let mut problem = table_4_1(0.5, 200.0);

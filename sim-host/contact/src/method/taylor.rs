@@ -33,8 +33,10 @@ const MOST_UNITS: usize = 8;
 const FAR_SHORTER: f64 = 1e-3;
 /// A reversal is located to the square of this part of a step.
 const LOCATED: f64 = 1e-8;
-/// Friction this close to its bound does not change any more; at the bound itself its series ends after the first term.
+/// Friction this close to its bound does not change any more, or closer than this part of what its series is good for: it would stay about there, in
+/// short steps. At the bound itself its series ends after the first term.
 const SATURATED: f64 = 1e-15;
+const PART_OF_ERROR: f64 = 0.1;
 
 /// Runs a problem of Dahl or LuGre friction; `watch` sees the state after every step.
 pub fn run(problem: &Problem, steps_per_period: u32, order: u32, watch: &mut impl FnMut(&State)) -> Result<Tally, SolveError> {
@@ -130,6 +132,7 @@ impl<'a, const N: usize> Run<'a, N> {
         let h = stretch.length_s / f64::from(steps);
         let same_s = SAME * h;
         let end_s = |step: u32| if step == steps { stretch.length_s } else { f64::from(step) * h };
+        let saturated = SATURATED.max(PART_OF_ERROR * Series::<N>::largest_last_term());
         let coulomb_n = self.coulomb_n;
         let mut seen = |meter: &mut Meter, state: &State| {
             meter.step(state, state.force_n / coulomb_n);
@@ -138,7 +141,7 @@ impl<'a, const N: usize> Run<'a, N> {
         let (mut at_s, mut step, mut flips, mut parts) = (0.0, 1, 0, 0u64);
         let mut state = self.state(stretch.start_s);
         while step <= steps {
-            if self.of_bristles && (self.bristle - self.sense).abs() <= SATURATED {
+            if self.of_bristles && (self.bristle - self.sense).abs() <= saturated {
                 self.bristle = self.sense;
             }
             let left_s = stretch.length_s - at_s;

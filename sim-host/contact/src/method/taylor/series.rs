@@ -164,6 +164,11 @@ impl<const N: usize> Series<N> {
         self.x[k + 1] = motion.unit_s * INVERSE[k] * self.v[k];
     }
 
+    /// As large the last terms may be.
+    pub fn largest_last_term() -> f64 {
+        LARGEST_LAST_TERM.iter().find(|(order, _)| order + 1 == N).map_or(f64::EPSILON, |(_, most)| *most)
+    }
+
     /// Friction over Fc.
     pub fn friction(&self, law: &Law) -> &[f64; N] {
         if matches!(law, Law::Lugre { .. }) { &self.f } else { &self.bristle }
@@ -176,7 +181,7 @@ impl<const N: usize> Series<N> {
         // A slip that changes by nothing has no size.
         let of_slip = if size > 0.0 { last(&self.slip) / size } else { 0.0 };
         let last = last(&self.bristle).max(last(self.friction(law))).max(of_slip);
-        let most = LARGEST_LAST_TERM.iter().find(|(order, _)| order + 1 == N).map_or(f64::EPSILON, |(_, most)| *most);
+        let most = Self::largest_last_term();
         let by_terms = if last <= most { 1.0 } else { power(most / last, 1.0 / (N - 2) as f64) };
         let part = self.before_the_peak(law, by_terms);
         if part == 1.0 {
