@@ -14,6 +14,7 @@
 use std::f64::consts::TAU;
 
 use super::refine::ROUND_OFF_OF_SUMS;
+use crate::method::Method;
 use crate::problem::{Law, Motion, Problem, Sign};
 
 /// Fewest periods of a pilot; as many as it has where the record is long enough, and part of the record that it is in a longer one.
@@ -45,8 +46,8 @@ pub struct Pilot {
 }
 
 impl Pilot {
-    /// The pilot of a problem; none where its first periods do not stand for the others.
-    pub fn of(problem: &Problem) -> Option<Self> {
+    /// The pilot of a problem for a method; none where its first periods do not stand for the others.
+    pub fn of(method: Method, problem: &Problem) -> Option<Self> {
         if !problem.waveform.is_periodic() || !problem.load_steps.is_empty() || problem.law == Law::Coulomb {
             return None;
         }
@@ -54,9 +55,9 @@ impl Pilot {
         let own = problem.motion.natural_hz().map_or(0.0, |natural| OWN_PERIODS * hz / natural);
         let most = (problem.duration_s * hz / WORTH).floor();
         let periods = (PART * problem.duration_s * hz).clamp(PERIODS, LONGEST).max(own).ceil().min(most);
-        // What friction pumps is another motion a few periods later.
+        // A mass that has not come back may do so with reversals that it has not had, and what friction pumps is another motion a few periods later.
         let short = periods < PERIODS;
-        if periods < FEWEST || short && problem.sign == Sign::Literal {
+        if periods < FEWEST.max(own) || short && problem.sign == Sign::Literal {
             return None;
         }
         // Where the record's window begins or ends within a period, so does that of the pilot: half a period has an error that two do not.
@@ -68,9 +69,12 @@ impl Pilot {
         let slipped_m = 4.0 * problem.vibration_m_per_s() / (TAU * hz) * periods + problem.sliding_m_per_s.abs() * duration_s;
         let kt = problem.law.stiffness_n_per_m();
         let forgets = kt.is_none_or(|kt| slipped_m.min(1e6) * kt > FORGETS * problem.coulomb_n);
+        let longer = problem.duration_s / duration_s;
         let growth = match problem.motion {
-            // What is off with bristles that remember, or a mass that has not come back, and with the motion under them, grows by powers of the time.
-            _ if !forgets || own > periods || short => (problem.duration_s / duration_s).powi(3),
+            // What is off with bristles that remember, and with the motion under them, grows by powers of the time.
+            _ if !forgets || short => longer.powi(3),
+            // The same truncation in every period is no random walk.
+            _ if method == Method::Taylor => longer.powi(2),
             Motion::Kinematic => 1.0,
             Motion::Sdof { mass_kg, damping_n_s_per_m, .. } => {
                 let damped_s = 2.0 * mass_kg / damping_n_s_per_m;

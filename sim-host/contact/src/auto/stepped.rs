@@ -38,7 +38,7 @@ const OF_PILOT: f64 = 1.5;
 const LONG_BRISTLES: f64 = 1.0;
 const UNEVEN_IN_TIME: f64 = 10.0;
 /// No less is stated of what settings are chosen for, of the tolerance: two coarse runs may agree better than they know.
-const LEAST_STATED: f64 = 1e-4;
+const LEAST_STATED: f64 = 1e-3;
 /// Bristles this many times shorter than the vibration are rigid.
 const RIGID: f64 = 1e10;
 
@@ -63,7 +63,12 @@ pub fn chosen<W: FnMut(&State)>(
         Law::Dahl { .. } => {
             let exact = (Method::Linexp, format!("Dahl friction, kappa {kappa:.3}: exact flow, friction exact in slip"));
             let uneven = spring(problem) > RINGS || kappa > SMOOTH || !problem.waveform.is_periodic();
-            let tight = if uneven { ORDER_FOUR } else { ORDER_SIX };
+            let tight = match uneven {
+                // Friction that holds the mass is no small change of its motion, as which linexp treats it.
+                _ if spring(problem) > RINGS && holds(problem) => f64::INFINITY,
+                true => ORDER_FOUR,
+                false => ORDER_SIX,
+            };
             if numerics.tolerance < tight { vec![series(), exact] } else { vec![exact, series()] }
         }
         Law::Lugre { .. } => {
@@ -178,14 +183,18 @@ fn spring(problem: &Problem) -> f64 {
     }
 }
 
+/// Whether friction is no small part of the force, and holds the mass at times.
+fn holds(problem: &Problem) -> bool {
+    problem.coulomb_n > HOLDS * problem.waveform.amplitude()
+}
+
 /// What an estimate is multiplied by. Where short bristles make the mass ring, `Kt / (m w^2)` no longer small, errors fall unevenly from rung to
 /// rung, as they do where every change of the forcing is another; and more so where the bristles are stiffer than the mass is heavy, or where
 /// friction is no small part of the force.
 fn doubt(problem: &Problem) -> f64 {
     let spring = spring(problem);
-    let holds = problem.coulomb_n > HOLDS * problem.waveform.amplitude();
     match spring > RINGS {
-        true if holds || spring > STIFF => VERY_UNEVEN,
+        true if holds(problem) || spring > STIFF => VERY_UNEVEN,
         true if problem.kappa() > SMOOTH => UNEVEN,
         _ if matches!(problem.waveform.shape(), Shape::Random { .. }) => UNEVEN,
         _ => 1.0,
@@ -215,7 +224,7 @@ fn find(problem: &Problem, numerics: &Numerics, method: Method, pause: &dyn Fn()
         _ if problem.kappa() < LONG_BRISTLES => Runs::of_three(UNEVEN_IN_TIME),
         _ => Runs::of_three(1.0),
     };
-    let Some(pilot) = Pilot::of(problem) else {
+    let Some(pilot) = Pilot::of(method, problem) else {
         return whole.climb(&ladder, start, tolerance, &mut |setting| by(problem, setting));
     };
     let goal = pilot.goal(tolerance);
