@@ -85,8 +85,8 @@ mod tests {
             (385, "the same, whose error grows by the same in every period"),
             (773, "the same, with a stiff contact"),
             (957, "the same, with bristles as long as a tenth of the vibration"),
-            (679, "a stated error that was too low"),
-            (785, "the same"),
+            (679, "a damped mass under a stiff contact"),
+            (785, "a given motion of stiff bristles"),
         ];
         for (number, what) in found {
             let contact = Contact::draw(number, Friction::Dahl);

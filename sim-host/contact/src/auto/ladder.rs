@@ -27,7 +27,7 @@ const FINEST_OF_ORDER_SIX: f64 = 2048.0;
 /// Most steps of one run of it, where fewer can be expected to do.
 const MOST_STEPS_OF_ORDER_SIX: f64 = 1e7;
 /// Steps a period of the Taylor series: few enough to bound none of them.
-const STEPS_OF_SERIES: f64 = 2.0;
+const STEPS_OF_SERIES: f64 = 4.0;
 /// Most steps of one run that stability may ask for.
 const MOST_STEPS: f64 = 1e8;
 /// Largest change of the slip in a step, in Stribeck velocities.
@@ -203,7 +203,7 @@ mod tests {
             let ladder = Ladder::of(Method::Taylor, &standard(), order);
             (0..).map_while(|rung| ladder.setting(rung)).collect::<Vec<Setting>>()
         };
-        assert_eq!(rungs(None), taylor::ORDERS.map(|order| (2, Some(order))));
+        assert_eq!(rungs(None), taylor::ORDERS.map(|order| (4, Some(order))));
         assert_eq!(rungs(Some(20))[..3], [6, 9, 12].map(|steps| (steps, Some(20))));
     }
 

@@ -45,6 +45,8 @@ const RIGID: f64 = 1e10;
 /// The energies are added up so many rungs above what the friction needs, and not below this one.
 const FINER: usize = 3;
 const FIRST_ENERGIES: usize = 2;
+/// Moments a period at which the Taylor series is shown, which takes few steps.
+const STEPS_OF_CURVES: u32 = 12;
 /// Nor beyond so many times the steps of the first rung.
 const MOST_FOR_ENERGIES: u32 = 32;
 
@@ -245,6 +247,9 @@ fn find(problem: &Problem, numerics: &Numerics, method: Method, pause: &dyn Fn()
 
 /// The setting of a run that is only to be looked at.
 fn for_curves(problem: &Problem, numerics: &Numerics, method: Method, setting: Setting) -> Setting {
+    if method == Method::Taylor && numerics.steps_per_period.is_none() {
+        return (setting.0.max(STEPS_OF_CURVES), setting.1);
+    }
     let ladder = Ladder::of(method, problem, numerics.order);
     let shown = ladder.setting(FIRST_ENERGIES + FINER).filter(|shown| shown.0 > setting.0);
     shown.filter(|_| numerics.steps_per_period.is_none()).unwrap_or(setting)
@@ -257,7 +262,8 @@ fn for_energies(problem: &Problem, numerics: &Numerics, method: Method, setting:
     let most = setting.0.max(MOST_FOR_ENERGIES * ladder.setting(0).map_or(1, |first| first.0));
     let rung = ladder.position(setting).max(FIRST_ENERGIES);
     let mut finer = (0..=FINER).rev().filter_map(|finer| ladder.setting(rung + finer));
-    finer.find(|finer| finer.0 <= most).unwrap_or(setting)
+    let finer = finer.find(|finer| finer.0 <= most).unwrap_or(setting);
+    if method == Method::Taylor { for_curves(problem, numerics, method, finer) } else { finer }
 }
 
 /// Whether somebody asks for what is behind the window.
@@ -275,8 +281,11 @@ fn shown<W: FnMut(&State)>(
 ) -> Result<Tally, SolveError> {
     let window = problem.of_window();
     let whole = if watch.is_some() || goes_on(problem, numerics) { problem } else { &window };
-    let finer =
-        if apart && numerics.steps_per_period.is_none() { for_energies(problem, numerics, method, setting) } else { setting };
+    let finer = match method {
+        _ if apart && numerics.steps_per_period.is_none() => for_energies(problem, numerics, method, setting),
+        Method::Taylor => for_curves(problem, numerics, method, setting),
+        _ => setting,
+    };
     let long = apart && whole.duration_s > LONG * window.duration_s;
     let (by, energies) = if long { (for_curves(problem, numerics, method, setting), false) } else { (finer, numerics.energies) };
     let tally = match watch {
@@ -302,7 +311,7 @@ fn answer<W: FnMut(&State)>(
 ) -> Result<Solution, SolveError> {
     let setting = found.setting;
     // Energies are added up in a run of their own; the friction is that of the run without them, so that it is the same whether or not somebody asks for them.
-    let apart = numerics.energies && method != Method::Midpoint && method != Method::Taylor;
+    let apart = numerics.energies && method != Method::Midpoint;
     let plain = match found.tally {
         None if apart => Some(run(&problem.of_window(), method, setting, false, pause)?),
         tally => tally,
