@@ -23,11 +23,11 @@ mod refine;
 mod runs;
 mod stepped;
 
+use super::SolveError;
 use super::closed;
 use super::method::Method;
 use super::problem::{Law, Motion, Problem};
 use super::tally::{Ratios, State, Tally};
-use super::{Shape, SolveError};
 pub use ladder::stable_steps;
 pub use many::solve_many;
 use runs::Runs;
@@ -162,8 +162,7 @@ fn is_steady(problem: &Problem, tolerance: f64) -> bool {
     if matches!(problem.law, Law::Lugre { .. }) {
         return false;
     }
-    let periodic = matches!(problem.waveform.shape(), Shape::Sine | Shape::Square | Shape::Sawtooth | Shape::Triangle);
-    if problem.motion != Motion::Kinematic || !periodic || !of_whole_periods(problem) {
+    if problem.motion != Motion::Kinematic || !problem.waveform.is_periodic() || !of_whole_periods(problem) {
         return false;
     }
     let from = problem.window_s.0 * problem.waveform.frequency_hz();

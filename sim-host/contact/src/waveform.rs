@@ -141,14 +141,18 @@ impl Waveform {
             }
             Shape::Chirp { start_hz, stop_hz, sweep_s } => {
                 let chirp = Sweep { start_hz, stop_hz, sweep_s };
-                let (start_s, end_s) = (chirp.at_turns(count), chirp.at_turns(count + 1.0));
                 // One part of the sweep ends where its frequency stays: a cycle with the end inside is cut there by the timeline.
-                let forcing = chirp.forcing(a, start_s);
-                (start_s, end_s - start_s, None, forcing)
+                let (hz, hz_per_s) = chirp.frequency_at(count);
+                (chirp.at_turns(count), chirp.cycle_s(count), None, Forcing::Cosine { size: a, turns: 0.0, hz, hz_per_s })
             }
             Shape::Still => (count * period_s, period_s, Some(0), Forcing::Line { value: 0.0, slope: 0.0 }),
         };
         Piece { start_s, length_s, template, forcing }
+    }
+
+    /// Whether one period is like the other.
+    pub fn is_periodic(&self) -> bool {
+        matches!(self.shape, Shape::Sine | Shape::Square | Shape::Sawtooth | Shape::Triangle)
     }
 
     /// Moments at which the forcing changes its form inside a piece, s: the end of a sweep.
@@ -215,6 +219,26 @@ impl Sweep {
         2.0 * turns / (self.start_hz + (self.start_hz * self.start_hz + 2.0 * self.slope() * turns).max(0.0).sqrt())
     }
 
+    /// Frequency, Hz, and its slope, Hz/s, after so many turns.
+    fn frequency_at(&self, turns: f64) -> (f64, f64) {
+        if turns >= self.turns(self.sweep_s) {
+            return (self.stop_hz, 0.0);
+        }
+        ((self.start_hz * self.start_hz + 2.0 * self.slope() * turns).max(0.0).sqrt(), self.slope())
+    }
+
+    /// Length of the cycle that begins after so many whole turns, s, by its mean frequency: as a difference of two late moments it would be off by the
+    /// round-off of these.
+    fn cycle_s(&self, turns: f64) -> f64 {
+        let (first, last) = (self.frequency_at(turns).0, self.frequency_at(turns + 1.0).0);
+        let whole = self.turns(self.sweep_s);
+        if turns < whole && turns + 1.0 > whole {
+            self.at_turns(turns + 1.0) - self.at_turns(turns)
+        } else {
+            2.0 / (first + last)
+        }
+    }
+
     fn forcing(&self, size: f64, time_s: f64) -> Forcing {
         let turns = self.turns(time_s).fract();
         if time_s >= self.sweep_s {
@@ -276,6 +300,19 @@ mod tests {
         assert!((sweep.turns(1e-3) - 110.0).abs() < 1e-9 && (sweep.at_turns(110.0) - 1e-3).abs() < 1e-15);
         let waveform = Waveform::new(shape, 1.0, 60e3, 1e-3);
         assert!((waveform.piece(109).forcing.fastest_hz(waveform.piece(109).length_s).unwrap() - 200e3).abs() < 1.0);
+    }
+
+    #[test]
+    fn every_cycle_of_a_sweep_is_a_whole_turn_to_round_off() {
+        let shape = Shape::Chirp { start_hz: 40e3, stop_hz: 80e3, sweep_s: 1.0 };
+        let waveform = Waveform::new(shape, 1.0, 60e3, 1.0);
+        for index in [0, 1, 999, 10_000, 59_000] {
+            let piece = waveform.piece(index);
+            let Forcing::Cosine { turns, hz, hz_per_s, .. } = piece.forcing else { panic!("{piece:?}") };
+            let end = turns + piece.length_s * (hz + 0.5 * hz_per_s * piece.length_s);
+            assert!(turns == 0.0 && (end - 1.0).abs() < 5e-16, "{index}: {end:e}");
+            assert!((piece.start_s + piece.length_s - waveform.piece(index + 1).start_s).abs() < 1e-15, "{index}");
+        }
     }
 
     #[test]

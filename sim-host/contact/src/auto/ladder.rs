@@ -5,24 +5,29 @@
 //! | linexp, frozen | 2/4 4/4 4/6 6/6 6/8 6/12 6/16 6/24 6/32 ...; of a stiff contact more | 1/4 ... 1/11 |
 //! | rk4-events | steps times 1.5 | 1.5^-4 = 1/5 |
 //! | midpoint | steps times 2 | 1/4 with bristle damping, 1/16 without |
-//! | taylor | steps times 1.5 | below any of these |
+//! | taylor | order 8, 12, 16 ... 32, whose steps end by their last terms; of an order that is asked for steps times 1.5 | 1e-2 or less |
 //!
 //! The step of a Runge-Kutta method is bounded by its stability, `|rate| h < 2.785`: the first rung follows from the fastest rate of the
 //! contact, which [`stable_steps`] has.
 
 use std::f64::consts::TAU;
 
-use crate::method::Method;
+use crate::method::{Method, taylor};
 use crate::problem::{Law, Motion, Problem};
 
 /// Part of the error that is expected to be left on the next rung.
 pub const CONTRACTION: f64 = 0.25;
+/// What a rung of order six leaves of the error at best, and one of the Taylor series.
+const STRIDE: f64 = 0.125;
+const ORDER_STRIDE: f64 = 1e-2;
 /// Finest step that is tried, per period, where stability needs none finer.
 const FINEST: u32 = 1 << 14;
 /// The same of order six, which is at round-off there.
 const FINEST_OF_ORDER_SIX: f64 = 2048.0;
 /// Most steps of one run of it, where fewer can be expected to do.
 const MOST_STEPS_OF_ORDER_SIX: f64 = 1e7;
+/// Steps a period of the Taylor series: few enough to bound none of them.
+const STEPS_OF_SERIES: f64 = 4.0;
 /// Most steps of one run that stability may ask for.
 const MOST_STEPS: f64 = 1e8;
 /// Largest change of the slip in a step, in Stribeck velocities.
@@ -41,6 +46,8 @@ pub struct Ladder {
     order: Option<u32>,
     /// Whether the order goes with the rung.
     climbs: bool,
+    /// Whether the rungs are orders of the series, all in steps of the same number.
+    by_order: bool,
     finest: u32,
 }
 
@@ -48,6 +55,7 @@ impl Ladder {
     /// The ladder of a method; with an order, all its rungs have that.
     pub fn of(method: Method, problem: &Problem, order: Option<u32>) -> Self {
         let has_order = method.order().is_some() && problem.law != Law::Coulomb;
+        let by_order = method == Method::Taylor && order.is_none();
         let climbs = has_order && order.is_none() && method != Method::Taylor;
         let periods = (problem.duration_s * problem.waveform.frequency_hz()).max(1.0);
         let (first_steps, finest) = match method {
@@ -63,9 +71,10 @@ impl Ladder {
                 (stable.max(24.0), FINEST.max((16.0 * stable).min(MOST_STEPS / periods) as u32))
             }
             Method::Midpoint => (stribeck_steps(problem).max(32.0), FINEST),
+            Method::Taylor if by_order => (STEPS_OF_SERIES, FINEST),
             _ => (f64::from(method.steps(problem.kappa()).unwrap_or(1)), FINEST),
         };
-        Ladder { method, first_steps, order: order.or(method.order()).filter(|_| has_order), climbs, finest }
+        Ladder { method, first_steps, order: order.or(method.order()).filter(|_| has_order), climbs, by_order, finest }
     }
 
     /// The lower rungs: what is not settled there is not worth a pilot.
@@ -76,6 +85,9 @@ impl Ladder {
 
     /// Steps and order of a rung; none above the finest.
     pub fn setting(&self, rung: usize) -> Option<Setting> {
+        if self.by_order {
+            return taylor::ORDERS.get(rung).map(|&order| (self.first_steps as u32, Some(order)));
+        }
         let by_half = |first: f64, rung: usize| {
             let doubled = first * f64::from(rung as u32 / 2).exp2();
             (if rung.is_multiple_of(2) { doubled } else { 1.5 * doubled }).ceil()
@@ -95,6 +107,16 @@ impl Ladder {
         (steps <= f64::from(self.finest)).then_some((steps as u32, order))
     }
 
+    /// How many rungs two runs are apart that are compared.
+    pub fn apart(&self) -> usize {
+        if self.by_order { 1 } else { 2 }
+    }
+
+    /// What a rung leaves of the error at best: the rungs to be left out are counted by it.
+    pub fn stride(&self) -> f64 {
+        if self.by_order { ORDER_STRIDE } else { STRIDE }
+    }
+
     /// The rung of a setting.
     pub fn position(&self, setting: Setting) -> usize {
         (0..).map_while(|rung| self.setting(rung)).position(|on| on == setting).unwrap_or(0)
@@ -105,6 +127,7 @@ impl Ladder {
         let decades = -tolerance.log10();
         match self.method {
             Method::Linexp | Method::Frozen if self.climbs => ((decades - 6.2) * 1.3).max(0.0) as usize,
+            Method::Taylor if self.by_order => ((decades - 4.0) * 0.4).clamp(0.0, 3.0) as usize,
             Method::Rk4Events => ((decades - 5.0) * 1.2).max(0.0) as usize,
             Method::Midpoint => ((decades - 4.0) * 1.2).max(0.0) as usize,
             _ => 0,
@@ -163,7 +186,7 @@ mod tests {
 
     #[test]
     fn every_rung_costs_more_than_the_one_before() {
-        for method in [Method::Linexp, Method::Rk4Events, Method::Midpoint, Method::Taylor] {
+        for method in [Method::Linexp, Method::Rk4Events, Method::Midpoint] {
             let ladder = Ladder::of(method, &standard(), None);
             let rungs: Vec<Setting> = (0..).map_while(|rung| ladder.setting(rung)).collect();
             assert!(rungs.len() >= 9 && rungs[rungs.len() - 1].0 > ladder.finest / 2, "{method:?}: {rungs:?}");
@@ -172,6 +195,16 @@ mod tests {
                 assert!(pair[1].0 <= 2 * pair[0].0, "{method:?}: {pair:?}");
             }
         }
+    }
+
+    #[test]
+    fn the_series_climbs_by_its_order_and_by_steps_where_that_is_given() {
+        let rungs = |order| {
+            let ladder = Ladder::of(Method::Taylor, &standard(), order);
+            (0..).map_while(|rung| ladder.setting(rung)).collect::<Vec<Setting>>()
+        };
+        assert_eq!(rungs(None), taylor::ORDERS.map(|order| (4, Some(order))));
+        assert_eq!(rungs(Some(20))[..3], [6, 9, 12].map(|steps| (steps, Some(20))));
     }
 
     #[test]

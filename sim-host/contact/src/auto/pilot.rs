@@ -14,10 +14,11 @@
 use std::f64::consts::TAU;
 
 use super::refine::ROUND_OFF_OF_SUMS;
-use crate::problem::{Law, Motion, Problem};
-use crate::waveform::Shape;
+use crate::method::Method;
+use crate::problem::{Law, Motion, Problem, Sign};
 
-/// Fewest periods of a pilot, and part of the record that it is in a longer one.
+/// Fewest periods of a pilot; as many as it has where the record is long enough, and part of the record that it is in a longer one.
+const FEWEST: f64 = 6.0;
 const PERIODS: f64 = 15.0;
 const PART: f64 = 1.0 / 16.0;
 /// Longest pilot, in periods.
@@ -29,7 +30,7 @@ const WORTH: f64 = 4.0;
 /// Lengths of the bristles that the contact slips over until they have forgotten.
 const FORGETS: f64 = 3.0;
 /// Largest error of a pilot that is to be believed: a coarser run may yet lose its way.
-const MOST: f64 = 1e-6;
+const MOST: f64 = 1e-5;
 /// By this the record's error is smaller than the pilot's times its growth in nearly all contacts: an estimate within this part is enough.
 const MARGIN: f64 = 0.1;
 /// Growth of the error from the first half of the pilot to the second up to which it does.
@@ -45,28 +46,35 @@ pub struct Pilot {
 }
 
 impl Pilot {
-    /// The pilot of a problem; none where its first periods do not stand for the others.
-    pub fn of(problem: &Problem) -> Option<Self> {
-        let periodic = matches!(problem.waveform.shape(), Shape::Sine | Shape::Square | Shape::Sawtooth | Shape::Triangle);
-        if !periodic || !problem.load_steps.is_empty() || problem.law == Law::Coulomb {
+    /// The pilot of a problem for a method; none where its first periods do not stand for the others.
+    pub fn of(method: Method, problem: &Problem) -> Option<Self> {
+        if !problem.waveform.is_periodic() || !problem.load_steps.is_empty() || problem.law == Law::Coulomb {
             return None;
         }
         let hz = problem.waveform.frequency_hz();
         let own = problem.motion.natural_hz().map_or(0.0, |natural| OWN_PERIODS * hz / natural);
-        let periods = (PART * problem.duration_s * hz).clamp(PERIODS, LONGEST).max(own).ceil();
-        if WORTH * periods > problem.duration_s * hz {
+        let most = (problem.duration_s * hz / WORTH).floor();
+        let periods = (PART * problem.duration_s * hz).clamp(PERIODS, LONGEST).max(own).ceil().min(most);
+        // A mass that has not come back may do so with reversals that it has not had, and what friction pumps is another motion a few periods later.
+        let short = periods < PERIODS;
+        if periods < FEWEST.max(own) || short && problem.sign == Sign::Literal {
             return None;
         }
         // Where the record's window begins or ends within a period, so does that of the pilot: half a period has an error that two do not.
         let (from, to) = (problem.window_s.0 * hz, problem.window_s.1 * hz);
         let duration_s = (periods + part(to)) / hz;
-        let first = Problem { window_s: (part(from) / hz, duration_s), duration_s, ..problem.clone() };
+        // What is off at the start counts for nothing where the record's window begins later.
+        let settled = if from > periods { (0.5 * periods).floor() } else { 0.0 };
+        let first = Problem { window_s: ((settled + part(from)) / hz, duration_s), duration_s, ..problem.clone() };
         let slipped_m = 4.0 * problem.vibration_m_per_s() / (TAU * hz) * periods + problem.sliding_m_per_s.abs() * duration_s;
         let kt = problem.law.stiffness_n_per_m();
         let forgets = kt.is_none_or(|kt| slipped_m.min(1e6) * kt > FORGETS * problem.coulomb_n);
+        let longer = problem.duration_s / duration_s;
         let growth = match problem.motion {
             // What is off with bristles that remember, and with the motion under them, grows by powers of the time.
-            _ if !forgets => (problem.duration_s / duration_s).powi(3),
+            _ if !forgets || short => longer.powi(3),
+            // The same truncation in every period is no random walk.
+            _ if method == Method::Taylor => longer.powi(2),
             Motion::Kinematic => 1.0,
             Motion::Sdof { mass_kg, damping_n_s_per_m, .. } => {
                 let damped_s = 2.0 * mass_kg / damping_n_s_per_m;

@@ -27,8 +27,6 @@ const MARGIN: f64 = 0.6;
 const MARGIN_OF_TWO: f64 = 0.5;
 /// Distances below this that do not fall any more are round-off, of a stiff contact or a long run.
 const SMALL: f64 = 1e-9;
-/// What a rung of order six leaves of the error: the rungs to be left out are counted by it.
-const STRIDE: f64 = 0.125;
 /// Most rungs at once.
 const LONGEST_STRIDE: f64 = 3.0;
 
@@ -100,14 +98,15 @@ impl Runs {
             }
             let errors = self.errors();
             let Some(&least) = errors.last().filter(|_| self.runs.len() > 2 || self.of_two) else {
-                next += if self.of_two { 2 } else { 1 };
+                next += if self.of_two { ladder.apart() } else { 1 };
                 continue;
             };
             let enough = self.margin() * tolerance;
             if errors.iter().any(|&error| error <= enough) || self.is_round_off() {
                 break;
             }
-            let rungs = (least / enough).ln() / (1.0 / self.seen().unwrap_or(STRIDE).clamp(STRIDE, CONTRACTS)).ln();
+            let stride = ladder.stride();
+            let rungs = (least / enough).ln() / (1.0 / self.seen().unwrap_or(stride).clamp(stride, CONTRACTS)).ln();
             next += rungs.ceil().clamp(1.0, LONGEST_STRIDE) as usize;
         }
         self.coarsest(self.margin() * tolerance).ok_or_else(|| SolveError::Refused {

@@ -13,8 +13,11 @@ use crate::waveform::Shape;
 
 /// A run goes on for long behind its window if it is so many times as long.
 const LONG: f64 = 2.0;
-/// Below this tolerance methods of order four take more time than the Taylor series.
-const ORDER_FOUR: f64 = 1e-10;
+/// Below this tolerance methods of order four take more time than the Taylor series, and linexp where errors fall unevenly, or where no period is like
+/// another.
+const ORDER_FOUR: f64 = 1e-6;
+/// Below this one linexp does, whatever the contact.
+const ORDER_SIX: f64 = 1e-10;
 /// Steps a period that stability may ask of Runge-Kutta before midpoint is tried first.
 const MANY_STEPS: f64 = 1000.0;
 /// From this kappa on errors fall unevenly.
@@ -28,17 +31,21 @@ const HOLDS: f64 = 0.1;
 /// What estimates are multiplied by then; `sim-host validate contacts` holds them against the truth.
 const UNEVEN: f64 = 3.0;
 const VERY_UNEVEN: f64 = 10.0;
+/// And what the error of a pilot is multiplied by otherwise.
+const OF_PILOT: f64 = 1.5;
 /// Below this kappa bristles outlast many periods; and what estimates of the methods that step in time are multiplied by there.
 const LONG_BRISTLES: f64 = 1.0;
 const UNEVEN_IN_TIME: f64 = 10.0;
 /// No less is stated of what settings are chosen for, of the tolerance: two coarse runs may agree better than they know.
-const LEAST_STATED: f64 = 0.01;
+const LEAST_STATED: f64 = 1e-3;
 /// Bristles this many times shorter than the vibration are rigid.
 const RIGID: f64 = 1e10;
 
 /// The energies are added up so many rungs above what the friction needs, and not below this one.
 const FINER: usize = 3;
 const FIRST_ENERGIES: usize = 2;
+/// Moments a period at which the Taylor series is shown, which takes few steps.
+const STEPS_OF_CURVES: u32 = 12;
 /// Nor beyond so many times the steps of the first rung.
 const MOST_FOR_ENERGIES: u32 = 32;
 
@@ -55,7 +62,15 @@ pub fn chosen<W: FnMut(&State)>(
     let choices = match problem.law {
         Law::Coulomb => vec![(Method::Linexp, "Coulomb friction: exact from reversal to reversal".to_owned())],
         Law::Dahl { .. } => {
-            vec![(Method::Linexp, format!("Dahl friction, kappa {kappa:.3}: exact flow, friction exact in slip")), series()]
+            let exact = (Method::Linexp, format!("Dahl friction, kappa {kappa:.3}: exact flow, friction exact in slip"));
+            let uneven = spring(problem) > RINGS || kappa > SMOOTH || !problem.waveform.is_periodic();
+            let tight = match uneven {
+                // Friction that holds the mass is no small change of its motion, as which linexp treats it.
+                _ if spring(problem) > RINGS && holds(problem) => f64::INFINITY,
+                true => ORDER_FOUR,
+                false => ORDER_SIX,
+            };
+            if numerics.tolerance < tight { vec![series(), exact] } else { vec![exact, series()] }
         }
         Law::Lugre { .. } => {
             let stable = stable_steps(problem);
@@ -143,19 +158,27 @@ pub fn solve<W: FnMut(&State)>(
     answer(problem, numerics, (method, why), found, runs, watch)
 }
 
+/// The contact spring, of `m w^2`; zero of a motion that is given, and of Coulomb friction.
+fn spring(problem: &Problem) -> f64 {
+    let omega = std::f64::consts::TAU * problem.waveform.frequency_hz();
+    match (problem.law.stiffness_n_per_m(), problem.motion) {
+        (Some(kt), Motion::Sdof { mass_kg, .. }) => kt / (mass_kg * omega * omega),
+        _ => 0.0,
+    }
+}
+
+/// Whether friction is no small part of the force, and holds the mass at times.
+fn holds(problem: &Problem) -> bool {
+    problem.coulomb_n > HOLDS * problem.waveform.amplitude()
+}
+
 /// What an estimate is multiplied by. Where short bristles make the mass ring, `Kt / (m w^2)` no longer small, errors fall unevenly from rung to
 /// rung, as they do where every change of the forcing is another; and more so where the bristles are stiffer than the mass is heavy, or where
 /// friction is no small part of the force.
 fn doubt(problem: &Problem) -> f64 {
-    let Some(kt) = problem.law.stiffness_n_per_m() else { return 1.0 };
-    let omega = std::f64::consts::TAU * problem.waveform.frequency_hz();
-    let spring = match problem.motion {
-        Motion::Kinematic => 0.0,
-        Motion::Sdof { mass_kg, .. } => kt / (mass_kg * omega * omega),
-    };
-    let holds = problem.coulomb_n > HOLDS * problem.waveform.amplitude();
+    let spring = spring(problem);
     match spring > RINGS {
-        true if holds || spring > STIFF => VERY_UNEVEN,
+        true if holds(problem) || spring > STIFF => VERY_UNEVEN,
         true if problem.kappa() > SMOOTH => UNEVEN,
         _ if matches!(problem.waveform.shape(), Shape::Random { .. }) => UNEVEN,
         _ => 1.0,
@@ -176,32 +199,42 @@ fn find(problem: &Problem, numerics: &Numerics, method: Method, runs: &dyn Runs)
         return Ok(Found { setting: (steps, order), tally: Some(tally), error: off.max(ROUND_OFF_OF_SUMS), growth: 1.0 });
     }
     // Where errors fall unevenly, order two says nothing of the next rung.
-    let (doubt, tolerance) = (doubt(problem), numerics.tolerance);
+    let (doubt, tolerance) = (if method == Method::Taylor { 1.0 } else { doubt(problem) }, numerics.tolerance);
     let first = usize::from(doubt > 1.0);
     let start = ladder.start(tolerance).max(first);
     let mut whole = match method {
-        Method::Linexp | Method::Frozen => refine::Runs::of_two(doubt),
-        Method::Taylor => refine::Runs::of_two(1.0),
+        Method::Linexp | Method::Frozen | Method::Taylor => refine::Runs::of_two(doubt),
         // Two runs of Runge-Kutta were seen to agree on what both are off by, and three where the bristles are long.
         _ if problem.kappa() < LONG_BRISTLES => refine::Runs::of_three(UNEVEN_IN_TIME),
         _ => refine::Runs::of_three(1.0),
     };
-    let Some(pilot) = Pilot::of(problem) else {
+    let Some(pilot) = Pilot::of(method, problem) else {
         return whole.climb(&ladder, start, tolerance, &mut |setting| by(problem, setting));
     };
     let goal = pilot.goal(tolerance);
-    let found = refine::Runs::of_three(1.0).climb(&ladder.lower(), start, goal, &mut |setting| by(&pilot.problem, setting))?;
+    let mut first_periods = if method == Method::Linexp || method == Method::Taylor {
+        refine::Runs::of_two(1.0)
+    } else {
+        refine::Runs::of_three(1.0)
+    };
+    let found = first_periods.climb(&ladder.lower(), start, goal, &mut |setting| by(&pilot.problem, setting))?;
     if pilot.stands_for_the_record(found.error, found.growth, tolerance) {
-        return Ok(Found { tally: None, error: found.error * pilot.growth, ..found });
+        // A contact that friction pumps may yet become too stiff for a series.
+        let tally = if method == Method::Taylor { Some(by(problem, found.setting)?) } else { None };
+        let doubt = if spring(problem) > RINGS { UNEVEN } else { OF_PILOT };
+        return Ok(Found { tally, error: doubt * found.error * pilot.growth, ..found });
     }
     // What the pilot has found is compared with a coarser run on the whole record.
-    whole.climb(&ladder, ladder.position(found.setting).saturating_sub(2).max(first), tolerance, &mut |setting| {
+    whole.climb(&ladder, ladder.position(found.setting).saturating_sub(ladder.apart()).max(first), tolerance, &mut |setting| {
         by(problem, setting)
     })
 }
 
 /// The setting of a run that is only to be looked at.
 fn for_curves(problem: &Problem, numerics: &Numerics, method: Method, setting: Setting) -> Setting {
+    if method == Method::Taylor && numerics.steps_per_period.is_none() {
+        return (setting.0.max(STEPS_OF_CURVES), setting.1);
+    }
     let ladder = Ladder::of(method, problem, numerics.order);
     let shown = ladder.setting(FIRST_ENERGIES + FINER).filter(|shown| shown.0 > setting.0);
     shown.filter(|_| numerics.steps_per_period.is_none()).unwrap_or(setting)
@@ -214,7 +247,8 @@ fn for_energies(problem: &Problem, numerics: &Numerics, method: Method, setting:
     let most = setting.0.max(MOST_FOR_ENERGIES * ladder.setting(0).map_or(1, |first| first.0));
     let rung = ladder.position(setting).max(FIRST_ENERGIES);
     let mut finer = (0..=FINER).rev().filter_map(|finer| ladder.setting(rung + finer));
-    finer.find(|finer| finer.0 <= most).unwrap_or(setting)
+    let finer = finer.find(|finer| finer.0 <= most).unwrap_or(setting);
+    if method == Method::Taylor { for_curves(problem, numerics, method, finer) } else { finer }
 }
 
 /// Whether somebody asks for what is behind the window.
@@ -232,8 +266,11 @@ fn shown<W: FnMut(&State)>(
 ) -> Result<Tally, SolveError> {
     let window = problem.of_window();
     let whole = if watch.is_some() || goes_on(problem, numerics) { problem } else { &window };
-    let finer =
-        if apart && numerics.steps_per_period.is_none() { for_energies(problem, numerics, method, setting) } else { setting };
+    let finer = match method {
+        _ if apart && numerics.steps_per_period.is_none() => for_energies(problem, numerics, method, setting),
+        Method::Taylor => for_curves(problem, numerics, method, setting),
+        _ => setting,
+    };
     let long = apart && whole.duration_s > LONG * window.duration_s;
     let (by, energies) = if long { (for_curves(problem, numerics, method, setting), false) } else { (finer, numerics.energies) };
     let tally = match watch {
@@ -259,7 +296,7 @@ fn answer<W: FnMut(&State)>(
 ) -> Result<Solution, SolveError> {
     let setting = found.setting;
     // Energies are added up in a run of their own; the friction is that of the run without them, so that it is the same whether or not somebody asks for them.
-    let apart = numerics.energies && method != Method::Midpoint && method != Method::Taylor;
+    let apart = numerics.energies && method != Method::Midpoint;
     let plain = match found.tally {
         None if apart => Some(runs.run(&problem.of_window(), method, setting, false)?),
         tally => tally,

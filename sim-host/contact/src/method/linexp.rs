@@ -265,6 +265,16 @@ mod tests {
         }
     }
 
+    /// A reversal that falls on the end of a step within round-off is found on one side of it or the other, and not on both.
+    #[test]
+    fn a_reversal_at_a_steps_end_counts_once() {
+        let problem = table_4_1(0.0, 30_000.0);
+        for (steps, order) in [(4, 4), (4, 6), (12, 2)] {
+            let tally = run(&problem, steps, order, Options::Plain, &mut |_| ()).unwrap();
+            assert_eq!(tally.reversals, 60_000, "order {order}, {steps} steps");
+        }
+    }
+
     /// Short parts take less than round-off from what friction is off its bound: that ends.
     #[test]
     fn short_steps_come_to_an_end() {

@@ -1,5 +1,7 @@
 //! Polynomials over one step, `p(s) = sum of c[k] s^k` for s from 0 to 1: values, roots, and the first reversal of a velocity.
 
+use crate::forcing::INVERSE;
+
 /// The value at `s`, by its even and its odd part: two short chains rather than a long one.
 #[inline]
 pub fn value<const N: usize>(c: &[f64; N], s: f64) -> f64 {
@@ -21,7 +23,12 @@ pub fn slope<const N: usize>(c: &[f64; N], s: f64) -> f64 {
 /// The integral from 0 to `s`.
 #[inline]
 pub fn integral<const N: usize>(c: &[f64; N], s: f64) -> f64 {
-    c.iter().enumerate().rev().fold(0.0, |sum, (k, c)| sum * s + c / (k + 1) as f64) * s
+    let square = s * s;
+    let term = |(c, over): (&f64, &f64)| c * over;
+    let part = |first: usize| {
+        c.iter().zip(&INVERSE[..N]).skip(first).step_by(2).rev().map(term).fold(0.0, |sum, term| sum * square + term)
+    };
+    (part(0) + s * part(1)) * s
 }
 
 /// The product, cut after as many coefficients.

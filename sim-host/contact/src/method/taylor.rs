@@ -18,18 +18,25 @@ use crate::SolveError;
 use crate::forcing::Forcing;
 use crate::problem::{Law, Motion, Problem};
 use crate::tally::{Meter, State, Tally};
-use crate::timeline::Timeline;
+use crate::timeline::{Stretch, Timeline};
 
 const METHOD: &str = "taylor";
 
 /// Orders of the series that can be chosen.
 pub const ORDERS: [u32; 7] = [8, 12, 16, 20, 24, 28, 32];
 /// Most parts of a step.
-const MOST_PARTS: u32 = 5_000;
+const MOST_PARTS: u64 = 5_000;
+/// Moments closer than this part of a step are one.
+const SAME: f64 = 1e-13;
+/// Units of time, each so much shorter, of which one has numbers for coefficients.
+const MOST_UNITS: usize = 8;
+const FAR_SHORTER: f64 = 1e-3;
 /// A reversal is located to the square of this part of a step.
 const LOCATED: f64 = 1e-8;
-/// Friction this close to its bound does not change any more; at the bound itself its series ends after the first term.
+/// Friction this close to its bound does not change any more, or closer than this part of what its series is good for: it would stay about there, in
+/// short steps. At the bound itself its series ends after the first term.
 const SATURATED: f64 = 1e-15;
+const PART_OF_ERROR: f64 = 0.1;
 
 /// Runs a problem of Dahl or LuGre friction; `watch` sees the state after every step.
 pub fn run(problem: &Problem, steps_per_period: u32, order: u32, watch: &mut impl FnMut(&State)) -> Result<Tally, SolveError> {
@@ -72,6 +79,8 @@ struct Run<'a, const N: usize> {
     v: f64,
     bristle: f64,
     f: f64,
+    /// Whether friction is the force in the bristles, and nothing besides.
+    of_bristles: bool,
     /// Sign of the slip velocity.
     sense: f64,
     meter: Meter,
@@ -87,30 +96,22 @@ impl<'a, const N: usize> Run<'a, N> {
         let coulomb_n = problem.coulomb_n;
         let meter = Meter::new(accounted);
         let bristle = force_n / coulomb_n;
-        Ok(Run { problem, coulomb_n, x: x_m, v: v_m_per_s, bristle, f: bristle, sense: 0.0, meter })
+        let of_bristles = matches!(problem.law, Law::Dahl { .. });
+        Ok(Run { problem, coulomb_n, x: x_m, v: v_m_per_s, bristle, f: bristle, of_bristles, sense: 0.0, meter })
     }
 
     fn all(mut self, steps_per_period: u32, watch: &mut impl FnMut(&State)) -> Result<Tally, SolveError> {
         let mut state = self.state(0.0);
+        let mut series = Series::new();
         for stretch in Timeline::new(self.problem) {
             if let Some(force) = stretch.load {
                 self.bristle *= self.coulomb_n / force;
                 self.f *= self.coulomb_n / force;
                 self.coulomb_n = force;
             }
-            self.face(&stretch.forcing, stretch.length_s);
+            self.face(&mut series, &stretch.forcing, stretch.length_s);
             self.meter.at(&stretch, &state, self.coulomb_n);
-            let steps = stretch.steps(steps_per_period);
-            let h = stretch.length_s / f64::from(steps);
-            for step in 0..steps {
-                self.step(&stretch.forcing, f64::from(step) * h, h)?;
-                state = self.state(stretch.start_s + f64::from(step + 1) * h);
-                if !(self.x.is_finite() && self.v.is_finite() && self.f.is_finite()) {
-                    return Err(SolveError::Diverged { method: METHOD, time_s: state.time_s });
-                }
-                self.meter.step(&state, state.force_n / self.coulomb_n);
-                watch(&state);
-            }
+            state = self.go(&mut series, &stretch, stretch.steps(steps_per_period), watch)?;
         }
         Ok(self.meter.finish(&state, self.coulomb_n))
     }
@@ -119,33 +120,36 @@ impl<'a, const N: usize> Run<'a, N> {
         State { time_s, x_m: self.x, v_m_per_s: self.v, force_n: self.coulomb_n * self.f }
     }
 
-    /// Finds the sign of the slip where it is not a matter of history: at the start, and where a given velocity jumps.
-    fn face(&mut self, forcing: &Forcing, length_s: f64) {
-        let kinematic = self.problem.motion == Motion::Kinematic;
-        if self.sense != 0.0 && !kinematic {
-            return;
-        }
-        let series = self.expand(forcing, 0.0, 1e-3 * length_s);
-        // A slip that is zero, but for round-off, goes where its first derivative that is not zero leads.
-        let size = self.problem.sliding_m_per_s.abs() + series.v.iter().map(|c| c.abs()).fold(0.0, f64::max);
-        let first = series.slip.iter().find(|c| c.abs() > 1e-12 * size);
-        self.sense = first.map_or(1.0, |c| c.signum());
-    }
-
-    /// One step, in as many parts as it has reversals, or as the series needs.
-    fn step(&mut self, forcing: &Forcing, from_s: f64, h: f64) -> Result<(), SolveError> {
-        let mut done_s = 0.0;
-        let (mut flips, mut parts) = (0, 0u32);
-        let is_dahl = matches!(self.problem.law, Law::Dahl { .. });
-        // The last part ends at the step's end within round-off.
-        while h - done_s > 1e-13 * h {
-            if is_dahl && (self.bristle - self.sense).abs() <= SATURATED {
+    /// Goes along a stretch by series that are at most a step long. One that begins at a reversal goes on over the end of its step, which is looked up in
+    /// it.
+    fn go(
+        &mut self,
+        series: &mut Series<N>,
+        stretch: &Stretch,
+        steps: u32,
+        watch: &mut impl FnMut(&State),
+    ) -> Result<State, SolveError> {
+        let h = stretch.length_s / f64::from(steps);
+        let same_s = SAME * h;
+        let end_s = |step: u32| if step == steps { stretch.length_s } else { f64::from(step) * h };
+        let saturated = SATURATED.max(PART_OF_ERROR * Series::<N>::largest_last_term());
+        let coulomb_n = self.coulomb_n;
+        let mut seen = |meter: &mut Meter, state: &State| {
+            meter.step(state, state.force_n / coulomb_n);
+            watch(state);
+        };
+        let (mut at_s, mut step, mut flips, mut parts) = (0.0, 1, 0, 0u64);
+        let mut state = self.state(stretch.start_s);
+        while step <= steps {
+            if self.of_bristles && (self.bristle - self.sense).abs() <= saturated {
                 self.bristle = self.sense;
             }
-            let mut series = self.expand(forcing, from_s + done_s, h - done_s);
-            let part = series.shorten(&self.problem.law);
+            let left_s = stretch.length_s - at_s;
+            let unit_s = if left_s > h + same_s { h } else { left_s };
+            self.expand(series, &stretch.forcing, at_s, unit_s);
+            series.shorten(&self.problem.law);
             parts += 1;
-            if parts > MOST_PARTS {
+            if parts > MOST_PARTS * u64::from(steps) {
                 let reason =
                     "the contact is too stiff for a series, which needs thousands of parts a step; linexp follows it".into();
                 return Err(SolveError::Unsuited { method: METHOD, reason });
@@ -156,10 +160,18 @@ impl<'a, const N: usize> Run<'a, N> {
                 // A velocity that only touches zero has a sign, and no reversal.
                 let sense = value(&series.slip, 0.5).signum();
                 (self.sense, reversal) = (sense, None);
-                series = self.expand(forcing, from_s + done_s, h - done_s);
+                self.expand(series, &stretch.forcing, at_s, unit_s);
                 series.shorten(&self.problem.law);
             }
-            self.advance(&series, reversal.unwrap_or(1.0));
+            let begin_s = at_s;
+            let whole = reversal.is_none() && series.unit_s == unit_s;
+            at_s = if whole && unit_s == left_s { stretch.length_s } else { at_s + reversal.unwrap_or(1.0) * series.unit_s };
+            while step <= steps && end_s(step) < at_s - same_s {
+                state = self.inside(series, (end_s(step) - begin_s) / series.unit_s, stretch.start_s + end_s(step));
+                seen(&mut self.meter, &state);
+                step += 1;
+            }
+            self.advance(series, reversal.unwrap_or(1.0));
             if reversal.is_some() {
                 self.sense = -self.sense;
                 self.meter.tally.reversals += 1;
@@ -167,30 +179,74 @@ impl<'a, const N: usize> Run<'a, N> {
                     self.v = -self.problem.sign.factor() * self.problem.sliding_m_per_s;
                 }
             }
-            let whole = reversal.is_none() && part == 1.0;
-            done_s = if whole { h } else { done_s + reversal.unwrap_or(1.0) * series.unit_s };
+            if step <= steps && end_s(step) <= at_s + same_s {
+                state = self.state(stretch.start_s + end_s(step));
+                if !(self.x.is_finite() && self.v.is_finite() && self.f.is_finite()) {
+                    return Err(SolveError::Diverged { method: METHOD, time_s: state.time_s });
+                }
+                seen(&mut self.meter, &state);
+                step += 1;
+            }
         }
-        Ok(())
+        Ok(state)
     }
 
-    /// The series from the present state on.
-    fn expand(&self, forcing: &Forcing, at_s: f64, unit_s: f64) -> Series<N> {
+    /// Finds the sign of the slip where it is not a matter of history: at the start, and where a given velocity jumps.
+    fn face(&mut self, series: &mut Series<N>, forcing: &Forcing, length_s: f64) {
+        let kinematic = self.problem.motion == Motion::Kinematic;
+        if self.sense != 0.0 && !kinematic {
+            return;
+        }
+        self.expand(series, forcing, 0.0, 1e-3 * length_s);
+        // A slip that is zero, but for round-off, goes where its first derivative that is not zero leads.
+        let size = self.problem.sliding_m_per_s.abs() + series.v.iter().map(|c| c.abs()).fold(0.0, f64::max);
+        let first = series.slip.iter().find(|c| c.abs() > 1e-12 * size);
+        self.sense = first.map_or(1.0, |c| c.signum());
+    }
+
+    /// The series from the present state on, in units of so many seconds, or fewer.
+    fn expand(&self, series: &mut Series<N>, forcing: &Forcing, at_s: f64, unit_s: f64) {
         let begin = Begin { x: self.x, v: self.v, bristle: self.bristle, sense: self.sense, coulomb_n: self.coulomb_n };
-        Series::new(self.problem, &begin, forcing.taylor_in(at_s, unit_s), unit_s)
+        let units = std::iter::successors(Some(unit_s), |unit_s| Some(unit_s * FAR_SHORTER)).take(MOST_UNITS);
+        for unit_s in units {
+            series.expand(self.problem, &begin, forcing.taylor_in(at_s, unit_s), unit_s);
+            if series.is_finite() {
+                return;
+            }
+        }
+    }
+
+    /// The state at the part `s` of the series' step.
+    fn inside(&self, series: &Series<N>, s: f64, time_s: f64) -> State {
+        let f = value(series.friction(&self.problem.law), s);
+        let (x_m, v_m_per_s) = (value(&series.x, s), value(&series.v, s));
+        State { time_s, x_m, v_m_per_s, force_n: self.coulomb_n * f }
     }
 
     /// Goes to the part `s` of the series' step.
     fn advance(&mut self, series: &Series<N>, s: f64) {
-        let h = series.unit_s;
-        let totals = &mut self.meter.totals;
-        totals.friction_n_s += h * self.coulomb_n * integral(&series.f, s);
-        totals.friction_work_j += h * self.coulomb_n * integral(&series.power, s);
-        (totals.felt_n_s, totals.felt_work_j) = (totals.friction_n_s, totals.friction_work_j);
-        if self.meter.tally.accounted {
-            self.add_energies(series, s);
+        let (x, v, bristle) = (value(&series.x, s), value(&series.v, s), value(&series.bristle, s));
+        // What is before the window counts for nothing.
+        if self.meter.is_open() {
+            let h = series.unit_s;
+            let totals = &mut self.meter.totals;
+            totals.friction_n_s += h * self.coulomb_n * integral(series.friction(&self.problem.law), s);
+            totals.friction_work_j += match self.problem.law {
+                // f' = (Kt / Fc) (V - s f V): the work is exact in slip.
+                Law::Dahl { stiffness_n_per_m } => {
+                    let slip_m = h * s * self.problem.sliding_m_per_s + self.problem.sign.factor() * (x - self.x);
+                    let stretched_m = (bristle - self.bristle) * self.coulomb_n / stiffness_n_per_m;
+                    self.coulomb_n * self.sense * (slip_m - stretched_m)
+                }
+                _ => h * self.coulomb_n * integral(&product(&series.slip, &series.f), s),
+            };
+            (totals.felt_n_s, totals.felt_work_j) = (totals.friction_n_s, totals.friction_work_j);
+            if self.meter.tally.accounted {
+                self.add_energies(series, s);
+            }
         }
-        (self.x, self.v) = (value(&series.x, s), value(&series.v, s));
-        (self.bristle, self.f) = (value(&series.bristle, s), value(&series.f, s));
+        (self.x, self.v, self.bristle) = (x, v, bristle);
+        self.f = if self.of_bristles { bristle } else { value(&series.f, s) };
     }
 
     /// Adds what forcing and damper do up to the part `s`, and what mass and spring hold.
@@ -199,7 +255,7 @@ impl<'a, const N: usize> Run<'a, N> {
         let totals = &mut self.meter.totals;
         match self.problem.motion {
             Motion::Kinematic => {
-                totals.input_j += h * self.coulomb_n * integral(&product(&series.f, &series.v), s);
+                totals.input_j += h * self.coulomb_n * integral(&product(series.friction(&self.problem.law), &series.v), s);
             }
             Motion::Sdof { mass_kg, stiffness_n_per_m, damping_n_s_per_m } => {
                 totals.input_j += h * integral(&product(&series.u, &series.v), s);

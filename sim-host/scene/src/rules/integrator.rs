@@ -39,7 +39,7 @@ impl Rules<'_> {
     fn suited(&mut self, method: &str) {
         let has = |path: &str| self.given(path);
         let reason = match method {
-            "linexp" | "frozen" | "taylor" | "closed" if has("contact.lugre") => "LuGre friction is for rk4-events and midpoint",
+            "linexp" | "frozen" | "closed" if has("contact.lugre") => "LuGre friction is for taylor, rk4-events and midpoint",
             "frozen" | "taylor" | "rk4" | "rk4-events" | "midpoint" if has("contact.coulomb") => {
                 "Coulomb friction jumps at every reversal: linexp follows it exactly"
             }
