@@ -26,7 +26,7 @@ fn main() {
                     ratios[k].push(v[k].sd / b[k]);
                 }
                 if verbose && (worst > 3.5 || a.modes.len() != e.truth.branches.len()) {
-                    println!("{i} {:?} worst {worst:.1} modes {}/{} corr {:.2} infl {:.2} ratio {:.2} {}", e.kind, a.modes.len(), e.truth.branches.len(), a.correlation, a.inflation, v[0].sd / b[0], e.hz.len());
+                    println!("{i} {:?} worst {worst:.1} modes {}/{} corr {:.2} infl {:.2} ratio {:.2} {} noise {:?}", e.kind, a.modes.len(), e.truth.branches.len(), a.correlation, a.inflation, v[0].sd / b[0], e.hz.len(), e.noise); for k in 0..8 { println!("      {} {:.7e} {:.2e} z {:.2} ratio {:.2}", NAMES[k], t[k], v[k].sd, (v[k].value-t[k])/v[k].sd, v[k].sd/b[k]); } println!("{:?} {:?}", e.truth, a.equivalent);
                 }
             }
         }

@@ -28,7 +28,7 @@ pub(crate) fn of(
     let admittance: Vec<Complex64> = hz.iter().map(|hz| truth.admittance(*hz)).collect();
     let seen = |at: usize, y: Complex64| fixture.get(at).map_or(y, |fixture| fixture.seen(y).0);
     let seen: Vec<Complex64> = admittance.iter().enumerate().map(|(at, y)| seen(at, *y)).collect();
-    let weights = Weights { sd: seen.iter().map(|y| sd(noise, *y)).collect(), ..Weights::equal(noise.coordinate, &seen) };
+    let weights = Weights(seen.iter().map(|y| sd(noise, *y)).collect());
     let measured = Measured { hz: hz.to_vec(), seen: admittance.clone(), admittance, fixture: fixture.to_vec(), coordinate: noise.coordinate, remarks: Vec::new() };
     let fitter = Fitter::new(&measured);
     let parameters = truth.parameters(fitter.farad);

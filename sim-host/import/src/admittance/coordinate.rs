@@ -4,7 +4,7 @@
 //! one port          S11 = (1 - Z0 Y) / (1 + Z0 Y)
 //! series-through    S21 = 2 Z0 Y / (1 + 2 Z0 Y)           the transducer between two ports
 //! shunt-through     S21 = 2 / (2 + Z0 Y)                  the transducer across the line
-//! immittance        Y, or 1 / Y
+//! immittance        ln Y: size and angle, of impedance and admittance alike
 //! ```
 //!
 //! The noise of a network analyser is that of its scattering parameter, and is nearly the same at all frequencies. An impedance analyser errs by a part
@@ -14,6 +14,8 @@
 
 use num_complex::Complex64;
 use serde::Serialize;
+
+use crate::complex::{angle, polar};
 
 /// How a transducer is connected to a network analyser.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -37,7 +39,7 @@ pub enum Coordinate {
 }
 
 impl Coordinate {
-    /// The reading of an admittance, S; of an immittance, the admittance itself.
+    /// The reading of an admittance, S.
     pub fn of(self, admittance: Complex64) -> Complex64 {
         match self {
             Coordinate::Scattering(Topology::OnePort, ohm) => (1.0 - ohm * admittance) / (1.0 + ohm * admittance),
@@ -45,7 +47,7 @@ impl Coordinate {
                 2.0 * ohm * admittance / (1.0 + 2.0 * ohm * admittance)
             }
             Coordinate::Scattering(Topology::ShuntThrough, ohm) => 2.0 / (2.0 + ohm * admittance),
-            Coordinate::Immittance => admittance,
+            Coordinate::Immittance => Complex64::new(0.5 * libm::log(admittance.norm_sqr()), angle(admittance)),
         }
     }
 
@@ -56,7 +58,7 @@ impl Coordinate {
             Coordinate::Scattering(Topology::OnePort, ohm) => -2.0 * ohm / square(1.0 + ohm * admittance),
             Coordinate::Scattering(Topology::SeriesThrough, ohm) => 2.0 * ohm / square(1.0 + 2.0 * ohm * admittance),
             Coordinate::Scattering(Topology::ShuntThrough, ohm) => -2.0 * ohm / square(2.0 + ohm * admittance),
-            Coordinate::Immittance => 1.0.into(),
+            Coordinate::Immittance => admittance.inv(),
         }
     }
 
@@ -66,7 +68,19 @@ impl Coordinate {
             Coordinate::Scattering(Topology::OnePort, ohm) => (1.0 - reading) / (1.0 + reading) / ohm,
             Coordinate::Scattering(Topology::SeriesThrough, ohm) => reading / (1.0 - reading) / (2.0 * ohm),
             Coordinate::Scattering(Topology::ShuntThrough, ohm) => 2.0 * (1.0 - reading) / reading / ohm,
-            Coordinate::Immittance => reading,
+            Coordinate::Immittance => polar(libm::exp(reading.re), reading.im),
+        }
+    }
+
+    /// A reading less another; angles are the same after a whole turn.
+    pub fn difference(self, one: Complex64, other: Complex64) -> Complex64 {
+        let difference = one - other;
+        match self {
+            Coordinate::Immittance => {
+                let turns = (difference.im / std::f64::consts::TAU).round();
+                Complex64::new(difference.re, difference.im - std::f64::consts::TAU * turns)
+            }
+            Coordinate::Scattering(..) => difference,
         }
     }
 }

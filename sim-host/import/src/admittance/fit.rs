@@ -26,6 +26,10 @@ pub const MOST_MODES: usize = 3;
 const SPARE_POINTS: usize = 4;
 /// What a further resonance must gain beyond Bayes's criterion.
 const MARGIN: f64 = 12.0;
+/// Quality factors within which a fit stays, and how far outside the sweep a resonance may go on the way, as the logarithm of a ratio: beyond, a branch is
+/// none that a sweep shows, and a fit that lacks a resonance would go there.
+const QUALITIES: (f64, f64) = (0.5, 1e5);
+const OUTSIDE: f64 = 0.1;
 /// Rounds of weights and least squares.
 const ROUNDS: usize = 3;
 /// Largest correlation of neighbours that is whitened.
@@ -134,23 +138,31 @@ impl<'a> Fitter<'a> {
     /// The circuit with one resonance more than the known ones; with those alone where there are no weights yet.
     fn stage(&self, known: &[Branch], before: Option<&Weights>) -> Option<Stage> {
         let measured = self.measured;
-        let weights = before.cloned().unwrap_or_else(|| Weights::equal(measured.coordinate, &measured.seen));
+        let weights = before.cloned().unwrap_or_else(|| Weights::equal(measured.seen.len()));
         let weight: Vec<Complex64> = measured
             .admittance
             .iter()
-            .zip(weights.unit.iter().zip(&weights.sd))
+            .zip(&weights.0)
             .enumerate()
-            .map(|(at, (y, (unit, sd)))| measured.reading(at, *y).1 / unit / (0.5 * (sd[0] + sd[1])))
+            .map(|(at, (y, sd))| measured.reading(at, *y).1 / (0.5 * (sd[0] + sd[1])))
             .collect();
         let points = Points { hz: &measured.hz, admittance: &measured.admittance, weight: &weight };
-        let start = if before.is_some() { start::next(&points, known)? } else { start::clamped(&points)? };
-        let solution = self.solve(&start.parameters(self.farad), &weights, 0.0)?;
-        Some(Stage { solution, weights })
+        let starts = if before.is_some() { start::next(&points, known) } else { start::clamped(&points).into_iter().collect() };
+        let solutions = starts.iter().filter_map(|start| self.solve(&start.parameters(self.farad), &weights, 0.0));
+        let best = solutions.filter(|found| found.cost.is_finite()).min_by(|a, b| a.cost.total_cmp(&b.cost));
+        best.map(|solution| Stage { solution, weights })
     }
 
     /// Least squares with these weights, whitened by a correlation of neighbours.
     fn solve(&self, start: &[f64], weights: &Weights, correlation: f64) -> Option<Solution> {
+        let (from, to) = (libm::log(self.measured.hz[0]), libm::log(self.measured.hz[self.measured.hz.len() - 1]));
+        let is_resonance = |own: &[f64]| {
+            (from - OUTSIDE..=to + OUTSIDE).contains(&own[0]) && (libm::log(QUALITIES.0)..=libm::log(QUALITIES.1)).contains(&own[1])
+        };
         minimise(start, |parameters| {
+            if !parameters[CLAMPED..].chunks_exact(BRANCH).all(is_resonance) {
+                return None;
+            }
             let linear = self.linear(parameters, weights)?;
             Some(if correlation == 0.0 { linear } else { whitened(&linear, correlation) })
         })
@@ -164,11 +176,10 @@ impl<'a> Fitter<'a> {
         let mut slopes = Vec::with_capacity(n);
         for at in 0..points {
             let y = admittance(parameters, self.farad, self.measured.hz[at], Some(&mut slopes));
-            let (unit, [re, im]) = (weights.unit[at], weights.sd[at]);
+            let [re, im] = weights.0[at];
             let (reading, slope) = self.measured.reading(at, y);
-            let error = (reading - self.readings[at]) / unit;
+            let error = self.measured.coordinate.difference(reading, self.readings[at]);
             (residuals[at], residuals[points + at]) = (error.re / re, error.im / im);
-            let slope = slope / unit;
             for (column, by) in columns.iter_mut().zip(&slopes) {
                 let change = slope * by;
                 (column[at], column[points + at]) = (change.re / re, change.im / im);
@@ -183,15 +194,14 @@ impl<'a> Fitter<'a> {
         let mut stage = stage;
         for _ in 0..ROUNDS {
             let fitted = self.seen(&stage.solution.parameters);
-            let unit = Weights::equal(self.measured.coordinate, &fitted).unit;
+            let coordinate = self.measured.coordinate;
             let freedom = (1.0 - 0.5 * stage.solution.parameters.len() as f64 / self.readings.len() as f64).sqrt();
             let errors: Vec<Complex64> = fitted
                 .iter()
                 .zip(&self.readings)
-                .zip(&unit)
-                .map(|((y, reading), unit)| (self.measured.coordinate.of(*y) - reading) / unit / freedom)
+                .map(|(y, reading)| coordinate.difference(coordinate.of(*y), *reading) / freedom)
                 .collect();
-            let weights = Weights::of(self.measured.coordinate, &fitted, &errors);
+            let weights = Weights::of(coordinate, &fitted, &errors);
             match self.solve(&stage.solution.parameters, &weights, 0.0) {
                 Some(solution) => stage = Stage { solution, weights },
                 None => break,
@@ -258,8 +268,8 @@ impl<'a> Fitter<'a> {
             return Err(ImportError::NoResonance { from_hz, to_hz, why: format!("the nearest that explains the data lies outside, at {hz:.1} Hz") });
         }
         let mean = |part: usize| {
-            let squares = weights.sd.iter().map(|sd| sd[part] * sd[part]).sum::<f64>();
-            (squares / weights.sd.len() as f64).sqrt()
+            let squares = weights.0.iter().map(|sd| sd[part] * sd[part]).sum::<f64>();
+            (squares / weights.0.len() as f64).sqrt()
         };
         Ok(Fit {
             parameters: solution.parameters.clone(),

@@ -65,11 +65,14 @@ impl Measured {
         (self.coordinate.of(seen), self.coordinate.slope(seen) * slope)
     }
 
-    /// A sweep in order of frequency, once its points are known.
+    /// A sweep in order of frequency, once its points are known; the readings of an immittance are admittances.
     fn new(lines: &[usize], hz: Vec<f64>, readings: &[Complex64], coordinate: Coordinate, remarks: Vec<String>) -> Result<Self, ImportError> {
         let mut admittance = Vec::with_capacity(hz.len());
         for (reading, line) in readings.iter().zip(lines) {
-            let y = coordinate.admittance(*reading);
+            let y = if coordinate == Coordinate::Immittance { *reading } else { coordinate.admittance(*reading) };
+            if y == Complex64::ZERO {
+                return Err(ImportError::BadLine { line: *line, what: "an admittance of zero has no angle".into() });
+            }
             // What is out of all proportion would leave the range of numbers on the way.
             if !(y.re.abs().max(y.im.abs()) < 1e12) {
                 let what = format!("the value {reading} has no admittance, as of an ideal short or an open");

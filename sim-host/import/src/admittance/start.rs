@@ -50,11 +50,14 @@ pub(super) fn clamped(points: &Points) -> Option<Equivalent> {
     linear(points, &[])
 }
 
-/// The circuit with one more resonance than `known` has: the one that explains most. Nothing if none has a positive conductance.
-pub(super) fn next(points: &Points, known: &[Branch]) -> Option<Equivalent> {
+/// Circuits with one more resonance than `known` has: of each quality the one that explains most, and of these the best few. A single one may lead the
+/// fit astray, where much of a circle is lost in noise. None if none has a positive conductance.
+pub(super) fn next(points: &Points, known: &[Branch]) -> Vec<Equivalent> {
+    const FEW: usize = 5;
     let shapes: Vec<(f64, f64)> = known.iter().map(|branch| (branch.hz, branch.q)).collect();
-    let best = search(points, &shapes)?;
-    linear(points, &[shapes, vec![best]].concat())
+    let mut found = search(points, &shapes).unwrap_or_default();
+    found.sort_by(|(a, _), (b, _)| b.total_cmp(a));
+    found.into_iter().take(FEW).filter_map(|(_, shape)| linear(points, &[shapes.as_slice(), &[shape]].concat())).collect()
 }
 
 /// The circuit with resonances of these frequencies and qualities.
@@ -93,8 +96,11 @@ fn base(points: &Points) -> Vec<Vector> {
     vec![column(points, |hz| Complex64::new(0.0, TAU * hz)), column(points, |hz| Complex64::new(TAU * hz, 0.0))]
 }
 
-/// The candidate that takes most from the sum of squares.
-fn search(points: &Points, known: &[(f64, f64)]) -> Option<(f64, f64)> {
+/// A candidate: what it takes from the sum of squares, its frequency and quality.
+type Candidate = (f64, (f64, f64));
+
+/// Of each quality the candidate that takes most from the sum of squares.
+fn search(points: &Points, known: &[(f64, f64)]) -> Option<Vec<Candidate>> {
     let stride = points.hz.len().div_ceil(MOST_POINTS);
     let all = View::new(points, known)?;
     let hz: Vec<f64> = points.hz.iter().copied().step_by(stride).collect();
@@ -104,15 +110,16 @@ fn search(points: &Points, known: &[(f64, f64)]) -> Option<(f64, f64)> {
     let thin = View::new(&thin_points, known)?;
     let (from, to) = (points.hz[0], points.hz[points.hz.len() - 1]);
     let spacing = (to - from) / (hz.len() - 1).max(1) as f64;
-    let mut best: Option<(f64, (f64, f64))> = None;
-    let mut consider = |gain: Option<f64>, shape: (f64, f64)| {
-        if let Some(gain) = gain.filter(|gain| best.is_none_or(|(most, _)| *gain > most)) {
-            best = Some((gain, shape));
-        }
-    };
+    let mut found = Vec::new();
     let mut q = QUALITIES.0;
     let finest = points.hz.windows(2).map(|pair| pair[1] - pair[0]).fold(f64::INFINITY, f64::min);
     while q <= QUALITIES.1 && from / q > 0.25 * finest {
+        let mut best: Option<Candidate> = None;
+        let mut consider = |gain: Option<f64>, shape: (f64, f64)| {
+            if let Some(gain) = gain.filter(|gain| best.is_none_or(|(most, _)| *gain > most)) {
+                best = Some((gain, shape));
+            }
+        };
         let step = (from.max(to / 4.0) / q / STEPS).min(to - from);
         let count = ((to - from) / step).ceil() as usize + 1;
         if count <= MOST_FREQUENCIES && (stride == 1 || from / q > 4.0 * spacing) {
@@ -128,9 +135,10 @@ fn search(points: &Points, known: &[(f64, f64)]) -> Option<(f64, f64)> {
                 }
             }
         }
+        found.extend(best);
         q *= QUALITY_STEP;
     }
-    best.map(|(_, shape)| shape)
+    Some(found)
 }
 
 /// Points with the known part projected out.

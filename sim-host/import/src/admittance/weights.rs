@@ -1,7 +1,7 @@
 //! Weights: how large the noise is in each coordinate of each point, found from residuals.
 //!
-//! A residual `e` is taken in the coordinate of the instrument: of a scattering parameter as it is, of an immittance as a part of the admittance and turned by
-//! its angle, so that its real part is an error of size and its imaginary part one of angle. Its variance is
+//! A residual `e` is one of the coordinate of the instrument: of a scattering parameter as it is, of an immittance its logarithm, whose real part is an error of
+//! size and whose imaginary part is one of angle. Its variance is
 //!
 //! ```text
 //! scattering    v = a + b |S|^2                          receiver noise, trace noise
@@ -17,32 +17,31 @@ use crate::complex::size;
 
 /// Smallest standard deviation that is believed, part of one of a scattering parameter or of an admittance.
 const FLOOR: f64 = 1e-8;
+/// Least variance of a scattering parameter, part of the mean.
+const LEAST_PART: f64 = 0.3;
 
-/// The scale of each point's residual: what it is divided by, and the standard deviations of its real and imaginary part after that.
+/// Standard deviations of the real and imaginary part of each point's residual.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Weights {
-    /// Complex unit of a residual at each point.
-    pub(super) unit: Vec<Complex64>,
-    /// Standard deviations of real and imaginary part in that unit.
-    pub(super) sd: Vec<[f64; 2]>,
-}
+pub(super) struct Weights(pub(super) Vec<[f64; 2]>);
 
 impl Weights {
-    /// Equal weights: of scattering parameters as they are, of immittances as parts.
-    pub(super) fn equal(coordinate: Coordinate, admittance: &[Complex64]) -> Self {
-        Weights { unit: units(coordinate, admittance), sd: vec![[1.0; 2]; admittance.len()] }
+    /// Equal weights of so many points.
+    pub(super) fn equal(points: usize) -> Self {
+        Weights(vec![[1.0; 2]; points])
     }
 
-    /// Weights from the residuals of a fit: `fitted` are its admittances, `residuals` in these admittances' units.
+    /// Weights from the residuals of a fit; `fitted` are its admittances.
     pub(super) fn of(coordinate: Coordinate, fitted: &[Complex64], residuals: &[Complex64]) -> Self {
-        let unit = units(coordinate, fitted);
         let square = |of: &dyn Fn(&Complex64) -> f64| residuals.iter().map(of).map(|e| e * e).collect::<Vec<f64>>();
         let (re, im) = (square(&|e| e.re), square(&|e| e.im));
         let (of_re, of_im) = match coordinate {
             Coordinate::Scattering(..) => {
                 let terms = [fitted.iter().map(|_| 1.0).collect(), fitted.iter().map(|y| coordinate.of(*y).norm_sqr()).collect()];
                 let both: Vec<f64> = re.iter().zip(&im).map(|(re, im)| 0.5 * (re + im)).collect();
-                let variance = variances(&terms, &both);
+                let mut variance = variances(&terms, &both);
+                // No receiver is without noise where little comes back to it: a few points there must not count for everything.
+                let least = LEAST_PART * variance.iter().sum::<f64>() / variance.len().max(1) as f64;
+                variance.iter_mut().for_each(|v| *v = v.max(least));
                 (variance.clone(), variance)
             }
             Coordinate::Immittance => {
@@ -58,18 +57,8 @@ impl Weights {
                 (variances(&terms, &re), variances(&terms, &im))
             }
         };
-        let sd = of_re.iter().zip(&of_im).map(|(re, im)| [re, im].map(|v| v.sqrt().max(FLOOR))).collect();
-        Weights { unit, sd }
+        Weights(of_re.iter().zip(&of_im).map(|(re, im)| [re, im].map(|v| v.sqrt().max(FLOOR))).collect())
     }
-}
-
-fn units(coordinate: Coordinate, admittance: &[Complex64]) -> Vec<Complex64> {
-    let unit = |y: &Complex64| match coordinate {
-        Coordinate::Scattering(..) => 1.0.into(),
-        Coordinate::Immittance if y.norm_sqr() > 0.0 => *y,
-        Coordinate::Immittance => 1e-30.into(),
-    };
-    admittance.iter().map(unit).collect()
 }
 
 /// The variances that explain these squares best, as a sum of some of the terms.
