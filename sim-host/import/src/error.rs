@@ -81,7 +81,7 @@ pub enum ImportError {
         needed: usize,
     },
     /// No resonance stands out of the noise within the sweep.
-    #[error("no resonance in the range: from {from_hz} to {to_hz} Hz {why}")]
+    #[error("no resonance in the range from {from_hz} to {to_hz} Hz: {why}")]
     NoResonance {
         /// Beginning of the sweep, Hz.
         from_hz: f64,

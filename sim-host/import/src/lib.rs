@@ -1,4 +1,4 @@
-//! Measured data as parameters: an admittance becomes an equivalent circuit with standard deviations, and a scene that runs.
+//! Measured data as parameters: an admittance becomes an equivalent circuit with standard deviations, a friction log a contact, and either a scene that runs.
 //!
 //! ```text
 //! file -> text -> table or Touchstone -> sweep -> fixture -> fit -> circuit, figures, scene
@@ -24,6 +24,7 @@ pub mod admittance;
 mod complex;
 mod delimited;
 pub mod error;
+pub mod friction;
 mod heading;
 mod least_squares;
 pub mod synthetic;

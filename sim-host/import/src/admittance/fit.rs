@@ -18,6 +18,7 @@ use super::measured::Measured;
 use super::start::{self, Points};
 use super::weights::Weights;
 use crate::error::ImportError;
+use crate::stated::rounded;
 use crate::least_squares::{Linear, Solution, minimise};
 
 /// Most resonances that a circuit has.
@@ -130,9 +131,12 @@ impl<'a> Fitter<'a> {
         let hz = &self.measured.hz;
         let why = match modes {
             Some(modes) if modes > 1 => format!("there are not {modes} of them that can be told apart"),
-            _ => "a capacitance with its loss explains the data as well as a circuit with a resonance".to_owned(),
+            _ => "a capacitance with its loss explains the data as well as a circuit with a resonance. Sweep where the transducer resonates, with several \
+                  points in its bandwidth"
+                .to_owned(),
         };
-        ImportError::NoResonance { from_hz: hz[0], to_hz: hz[hz.len() - 1], why }
+        let [from_hz, to_hz] = [hz[0], hz[hz.len() - 1]].map(|hz| rounded(hz, 9));
+        ImportError::NoResonance { from_hz, to_hz, why }
     }
 
     /// The circuit with one resonance more than the known ones; with those alone where there are no weights yet.
@@ -264,7 +268,7 @@ impl<'a> Fitter<'a> {
         }
         if let Some(at) = (CLAMPED..solution.parameters.len()).step_by(BRANCH).find(|at| !self.is_inside(solution.parameters[*at])) {
             let hz = libm::exp(solution.parameters[at]);
-            let (from_hz, to_hz) = (self.measured.hz[0], self.measured.hz[self.measured.hz.len() - 1]);
+            let [from_hz, to_hz] = [self.measured.hz[0], self.measured.hz[self.measured.hz.len() - 1]].map(|hz| rounded(hz, 9));
             return Err(ImportError::NoResonance { from_hz, to_hz, why: format!("the nearest that explains the data lies outside, at {hz:.1} Hz") });
         }
         let mean = |part: usize| {

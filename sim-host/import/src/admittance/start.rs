@@ -12,7 +12,7 @@ use num_complex::Complex64;
 use super::circuit::{Branch, Equivalent};
 
 /// Least and largest quality factor that is tried, and the step between two.
-const QUALITIES: (f64, f64) = (2.0, 2e5);
+const QUALITIES: (f64, f64) = (2.0, 1e5);
 const QUALITY_STEP: f64 = 1.8;
 /// Steps of the frequency in a bandwidth.
 const STEPS: f64 = 3.0;

@@ -4,7 +4,7 @@ use report::{Report, TableBlock};
 
 use super::figures;
 use super::result::{Admittance, Mode, Value};
-use crate::stated::stated;
+use crate::stated::{rounded, stated};
 
 impl Admittance {
     /// Tables of the result.
@@ -83,7 +83,8 @@ impl Admittance {
 
     fn data_table(&self) -> TableBlock {
         let hz = &self.measured.hz;
-        let range = format!("{} to {} Hz", hz.first().copied().unwrap_or(0.0), hz.last().copied().unwrap_or(0.0));
+        let [from, to] = [hz.first(), hz.last()].map(|hz| rounded(hz.copied().unwrap_or(0.0), 9));
+        let range = format!("{from} to {to} Hz");
         let mut rows = vec![vec!["points".to_owned(), hz.len().to_string()], vec!["range".to_owned(), range]];
         let noise = match self.measured.coordinate {
             super::coordinate::Coordinate::Scattering(..) => format!("{:.1e} of the scattering parameter", self.noise[0]),
