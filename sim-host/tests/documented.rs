@@ -121,7 +121,8 @@ fn measured_files() -> Vec<(&'static str, String)> {
         (s.re, s.im)
     };
     let in_khz = |text: String| -> String {
-        let line = |line: &str| line.split_once(',').map(|(hz, rest)| format!("{},{rest}\n", hz.parse::<f64>().unwrap_or(0.0) / 1e3));
+        let line =
+            |line: &str| line.split_once(',').map(|(hz, rest)| format!("{},{rest}\n", hz.parse::<f64>().unwrap_or(0.0) / 1e3));
         text.lines().filter_map(line).collect()
     };
     let parts = "f [Hz],R [ohm],X [ohm]\n";
@@ -156,7 +157,8 @@ fn every_documented_command_works() {
         }
         let mut words = shlex::split(&command).unwrap_or_else(|| panic!("{page}: {command}"));
         // A verb alone, in a sentence, is its name.
-        let named = words.len() == 1 && !["list", "schema"].contains(&words[0].as_str()) || words.len() == 2 && words[0] == "import";
+        let named =
+            words.len() == 1 && !["list", "schema"].contains(&words[0].as_str()) || words.len() == 2 && words[0] == "import";
         if named {
             words.push("--help".into());
         }
@@ -255,8 +257,21 @@ fn every_documented_test_is_there() {
         ["firmware", "firmware/update", "hal-mock", "sim-host", "tests", "firmware/boards/common", "firmware/boards/on-target"]
             .into_iter()
             .map(str::to_owned);
-    let crates =
-        ["board", "contact", "cortex-m4", "import", "scene", "plant", "report", "sim", "pil", "link", "proof", "peers", "stm32g474"];
+    let crates = [
+        "board",
+        "contact",
+        "cortex-m4",
+        "import",
+        "scene",
+        "plant",
+        "report",
+        "sim",
+        "pil",
+        "link",
+        "proof",
+        "peers",
+        "stm32g474",
+    ];
     let folders: Vec<_> = folders.chain(crates.map(|name| format!("sim-host/{name}"))).collect();
     let named = |folder: &&String, package: &str| {
         let manifest = fs::read_to_string(root().join(folder).join("Cargo.toml")).expect("a manifest");

@@ -137,7 +137,9 @@ pub(crate) fn read(text: &str, columns: Option<&str>) -> Result<Table, ImportErr
     if let Some(rest) = lines[end..].iter().position(|line| numbers(line, form).is_some()) {
         return Err(broken(&lines, end, end + rest));
     }
-    if let Some(before) = lines[..start].iter().position(|line| numbers(line, form).is_some_and(|row| row.len() == table.columns.len())) {
+    if let Some(before) =
+        lines[..start].iter().position(|line| numbers(line, form).is_some_and(|row| row.len() == table.columns.len()))
+    {
         return Err(broken(&lines, before + 1, start));
     }
     check_width(&table)?;

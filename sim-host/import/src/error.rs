@@ -69,7 +69,9 @@ pub enum ImportError {
         hz: f64,
     },
     /// There are fewer points than a fit needs.
-    #[error("too few points: {points}, and a circuit with {modes} resonance(s) has {parameters} parameters and needs {needed} points")]
+    #[error(
+        "too few points: {points}, and a circuit with {modes} resonance(s) has {parameters} parameters and needs {needed} points"
+    )]
     TooFewPoints {
         /// Points of the file.
         points: usize,

@@ -167,8 +167,8 @@ fn quantity(name: &str) -> Option<Quantity> {
             Quantity::Impedance
         }
         "|y|" | "y" | "yabs" | "absy" | "ymag" | "magy" | "admittance" | "admittanz" => Quantity::Admittance,
-        "θ" | "φ" | "theta" | "thetaz" | "thetay" | "phase" | "phi" | "phasez" | "zphase" | "phasey" | "yphase" | "angle" | "argz" | "argy" | "anglez"
-        | "zangle" | "zarg" | "thz" | "phasen" | "winkel" | "phaseangle" => Quantity::Angle,
+        "θ" | "φ" | "theta" | "thetaz" | "thetay" | "phase" | "phi" | "phasez" | "zphase" | "phasey" | "yphase" | "angle"
+        | "argz" | "argy" | "anglez" | "zangle" | "zarg" | "thz" | "phasen" | "winkel" | "phaseangle" => Quantity::Angle,
         "r" | "rs" | "rez" | "zre" | "zreal" | "realz" | "z'" | "resistance" | "esr" => Quantity::Resistance,
         "x" | "xs" | "imz" | "zim" | "zimag" | "imagz" | "z''" | "reactance" => Quantity::Reactance,
         "g" | "gp" | "rey" | "yre" | "yreal" | "realy" | "conductance" => Quantity::Conductance,

@@ -154,9 +154,7 @@ mod tests {
 
     #[test]
     fn parameters_that_cannot_be_told_apart_have_no_covariance() {
-        let same = |p: &[f64]| {
-            Some(Linear { residuals: vec![p[0] + p[1] - 1.0; 3], columns: vec![vec![1.0; 3], vec![1.0; 3]] })
-        };
+        let same = |p: &[f64]| Some(Linear { residuals: vec![p[0] + p[1] - 1.0; 3], columns: vec![vec![1.0; 3], vec![1.0; 3]] });
         assert!(minimise(&[0.0, 0.0], same).unwrap().covariance().is_none());
     }
 }

@@ -44,9 +44,11 @@ mod tests {
     fn numbers_have_a_point_or_a_comma_and_never_both() {
         assert_eq!(number(" \"1,5e3\" ", true), Some(1500.0));
         assert_eq!((number("1.5", false), number("-.5", false)), (Some(1.5), Some(-0.5)));
-        assert!([("1.000,5", true), ("1,5", false), ("nan", false), ("inf", false), ("1e999", false), ("", false)]
-            .iter()
-            .all(|(field, comma)| number(field, *comma).is_none()));
+        assert!(
+            [("1.000,5", true), ("1,5", false), ("nan", false), ("inf", false), ("1e999", false), ("", false)]
+                .iter()
+                .all(|(field, comma)| number(field, *comma).is_none())
+        );
     }
 
     #[test]

@@ -111,7 +111,9 @@ pub(crate) fn read(text: &str, ports: Option<usize>) -> Result<Touchstone, Impor
 fn points(numbers: &[(usize, f64)], width: usize, options: &Options) -> Result<Touchstone, ImportError> {
     if let Some((line, _)) = numbers.last().filter(|_| numbers.len() % width != 0) {
         let rest = numbers.len() % width;
-        let what = format!("the file ends within a point: {rest} of {width} numbers; a line is cut short, or it has another number of ports");
+        let what = format!(
+            "the file ends within a point: {rest} of {width} numbers; a line is cut short, or it has another number of ports"
+        );
         return Err(ImportError::BadLine { line: *line, what });
     }
     let mut file = Touchstone {

@@ -78,7 +78,8 @@ fn found(heading: &Heading, values: &[f64], remarks: &mut Vec<String>) -> Result
                 remarks.push(format!("{column} has no unit: angles to {largest} are degrees"));
                 Ok(std::f64::consts::PI / 180.0)
             } else if (LEAST_RADIANS..=MOST_RADIANS.0).contains(&largest) {
-                remarks.push(format!("{column} has no unit: angles to {largest} are radians, as a capacitance has a quarter turn"));
+                remarks
+                    .push(format!("{column} has no unit: angles to {largest} are radians, as a capacitance has a quarter turn"));
                 Ok(1.0)
             } else {
                 Err(ImportError::AngleDoubtful { column, largest })

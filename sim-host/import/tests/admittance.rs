@@ -39,24 +39,25 @@ fn table(g: f64, hz: impl Iterator<Item = f64>) -> String {
 fn stated_deviations_cover_the_truths_of_many_formats() {
     let within = |value: Value, truth: f64| (value.value - truth).abs() <= 2.0 * value.sd;
     let (mut covered, mut all) = (0, 0);
-    for number in 1000..1060 {
-        let example = Example::draw(number);
+    let few = (1000..).map(|number| (number, Example::draw(number))).filter(|(_, example)| example.hz.len() <= 401);
+    for (number, example) in few.take(40) {
         let found = example.import().unwrap_or_else(|error| panic!("{number} {:?}: {error}", example.kind));
         let (c, truth) = (&found.circuit, example.true_values());
         let values = [c.series_resonance_hz, c.parallel_resonance_hz, c.q, c.rm_ohm, c.lm_h, c.cm_f, c.c0_f, c.coupling];
         covered += values.iter().zip(truth).filter(|(value, truth)| within(**value, *truth)).count();
         all += values.len();
     }
-    // Numbers of a file are correlated: 480 of them are some 200 that are independent.
+    // Numbers of a file are correlated: 320 of them are some 130 that are independent.
     let part = covered as f64 / all as f64;
-    assert!((0.91..=0.99).contains(&part), "{covered} of {all}");
+    assert!((0.89..=0.995).contains(&part), "{covered} of {all}");
 }
 
 #[test]
 fn damaged_files_are_no_panic() {
+    let small: Vec<Example> = (0..).map(Example::draw).filter(|example| example.hz.len() == 101).take(12).collect();
     for number in 0..150 {
-        let example = (number..).map(Example::draw).find(|example| example.hz.len() == 101).unwrap();
-        let bytes = mutated(&example, number);
+        let example = &small[number as usize % small.len()];
+        let bytes = mutated(example, number);
         let _ = Measured::parse(&example.name, &bytes, &example.options).and_then(|sweep| fit("damaged", sweep, None));
     }
 }
@@ -70,7 +71,9 @@ fn without_noise_the_circuit_comes_back() {
             format!("{hz} {:e} {:e}\n", y.inv().re, y.inv().im)
         })
         .collect();
-    let found = parse("exact.txt", &format!("f_hz R_ohm X_ohm\n{text}"), &Options::default()).and_then(|s| fit("exact", s, None)).unwrap();
+    let found = parse("exact.txt", &format!("f_hz R_ohm X_ohm\n{text}"), &Options::default())
+        .and_then(|s| fit("exact", s, None))
+        .unwrap();
     let c = found.circuit;
     for (value, truth) in [(c.series_resonance_hz, 40e3), (c.q, 100.0), (c.rm_ohm, 500.0), (c.c0_f, 1e-9)] {
         assert!((value.value / truth - 1.0).abs() < 1e-6, "{c:?}");
@@ -79,8 +82,8 @@ fn without_noise_the_circuit_comes_back() {
 
 #[test]
 fn every_scene_that_is_written_is_valid() {
-    for number in 2000..2020 {
-        let example = Example::draw(number);
+    let few = (2000..).map(|number| (number, Example::draw(number))).filter(|(_, example)| example.hz.len() <= 201);
+    for (number, example) in few.take(12) {
         let found: Admittance = example.import().unwrap();
         let text = found.scene("a \"file\".s1p").unwrap();
         let loaded = scene::load::load_text("imported", &text, &[]);
@@ -90,7 +93,7 @@ fn every_scene_that_is_written_is_valid() {
 
 #[test]
 fn a_second_resonance_is_found_and_the_working_mode_named() {
-    let example = (0..).map(Example::draw).find(|example| example.truth.branches.len() == 2 && example.hz.len() > 400).unwrap();
+    let example = (0..).map(Example::draw).find(|example| example.truth.branches.len() == 2 && example.hz.len() == 401).unwrap();
     let found = example.import().unwrap();
     assert_eq!((found.modes.len(), found.modes.iter().filter(|mode| mode.working).count()), (2, 1));
 }
@@ -101,10 +104,8 @@ fn a_circuit_that_does_not_fit_is_said_and_its_deviations_grow() {
         let other = num_complex::Complex64::new(1.0, 80.0 * (hz / 40.6e3 - 40.6e3 / hz));
         admittance(hz, 2e-3) + 4e-4 * other.inv()
     };
-    let text: String = (0..401)
-        .map(|n| 39e3 + 6.0 * f64::from(n))
-        .map(|hz| format!("{hz},{:e},{:e}\n", two(hz).re, two(hz).im))
-        .collect();
+    let text: String =
+        (0..401).map(|n| 39e3 + 6.0 * f64::from(n)).map(|hz| format!("{hz},{:e},{:e}\n", two(hz).re, two(hz).im)).collect();
     let sweep = parse("two.csv", &format!("f [Hz],G [S],B [S]\n{text}"), &Options::default()).unwrap();
     let one = fit("two", sweep.clone(), Some(1)).unwrap();
     assert!(one.warnings.iter().any(|warning| warning.contains("does not describe the data")), "{:?}", one.warnings);

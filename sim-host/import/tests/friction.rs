@@ -45,8 +45,7 @@ fn dahl(samples: &[(f64, f64, f64)], fc: f64, kt: f64) -> Vec<f64> {
 #[test]
 fn a_dahl_contact_comes_back_with_its_stiffness() {
     let samples = run(1500, 20e-6);
-    let force: Vec<f64> =
-        dahl(&samples, 0.6, 2e5).iter().enumerate().map(|(n, force)| force + noise(n, 0.005)).collect();
+    let force: Vec<f64> = dahl(&samples, 0.6, 2e5).iter().enumerate().map(|(n, force)| force + noise(n, 0.005)).collect();
     let found = log_of(&samples, &force, |_| false);
     assert_eq!(found.chosen().model, Model::Dahl, "{:?}", found.models);
     for (name, truth) in [("mu", 0.3), ("stiffness_n_per_m", 2e5)] {

@@ -2,8 +2,8 @@
 
 use crate::evidence::{Error, Evidence, Options, built_in};
 use crate::{
-    board_faults, board_scenes, commission, contacts, crash, faults, features, field_update, friction, fuzz, guard, imports, instructions,
-    precision, thesis, transducers,
+    board_faults, board_scenes, commission, contacts, crash, faults, features, field_update, friction, fuzz, guard, imports,
+    instructions, precision, thesis, transducers,
 };
 use scene::load::LoadError;
 use scene::suite::{self, LoadedSuite};

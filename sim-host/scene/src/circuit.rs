@@ -196,14 +196,13 @@ mod tests {
             let given = some(mask);
             let resistive = given.rm_ohm.is_some() || given.q.is_some();
             let strength = given.cm_f.is_some() || given.coupling.is_some();
-            let kinds = [given.lm_h.is_some(), given.series_resonance_hz.is_some(), given.parallel_resonance_hz.is_some(), strength];
+            let kinds =
+                [given.lm_h.is_some(), given.series_resonance_hz.is_some(), given.parallel_resonance_hz.is_some(), strength];
             let complete = resistive && kinds.into_iter().filter(|given| *given).count() >= 2;
             match given.resolve() {
                 Ok(found) => {
                     assert!(complete, "{given:?}");
-                    for (found, truth) in
-                        [(found.cm_f, TRUTH.cm_f), (found.lm_h, TRUTH.lm_h), (found.rm_ohm, TRUTH.rm_ohm)]
-                    {
+                    for (found, truth) in [(found.cm_f, TRUTH.cm_f), (found.lm_h, TRUTH.lm_h), (found.rm_ohm, TRUTH.rm_ohm)] {
                         assert!((found / truth - 1.0).abs() < 1e-9, "{given:?}: {found:?}");
                     }
                 }

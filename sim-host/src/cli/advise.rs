@@ -63,7 +63,8 @@ pub(super) struct AdviseArgs {
 }
 
 /// What a complete set of numbers is.
-const COMPLETE: &str = "beside --c0-f give --q or --rm-ohm, and two of --frequency-hz, --parallel-resonance-hz, --lm-h, and --cm-f or --coupling";
+const COMPLETE: &str =
+    "beside --c0-f give --q or --rm-ohm, and two of --frequency-hz, --parallel-resonance-hz, --lm-h, and --cm-f or --coupling";
 
 impl AdviseArgs {
     /// The numbers of a transducer.

@@ -165,8 +165,7 @@ fn of_admittance(args: &AdmittanceArgs, color: Color) -> anyhow::Result<ExitCode
 
 fn of_friction(args: &FrictionArgs, color: Color) -> anyhow::Result<ExitCode> {
     let common = &args.common;
-    let options =
-        friction::Options { columns: common.columns.clone(), normal_n: args.normal_n, on_s: args.on.clone() };
+    let options = friction::Options { columns: common.columns.clone(), normal_n: args.normal_n, on_s: args.on.clone() };
     match friction::import(&common.file, &options) {
         Ok(found) => finish(common, &found, color),
         Err(error) => Ok(refused(&common.file, &error)),

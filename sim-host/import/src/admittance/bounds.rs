@@ -3,8 +3,8 @@
 use num_complex::Complex64;
 
 use super::circuit::Equivalent;
-use super::fixture::Fixture;
 use super::fit::{Fitter, whitened};
+use super::fixture::Fixture;
 use super::measured::Measured;
 use super::result::{derived, propagated};
 use super::weights::Weights;
@@ -29,7 +29,14 @@ pub(crate) fn of(
     let seen = |at: usize, y: Complex64| fixture.get(at).map_or(y, |fixture| fixture.seen(y).0);
     let seen: Vec<Complex64> = admittance.iter().enumerate().map(|(at, y)| seen(at, *y)).collect();
     let weights = Weights(seen.iter().map(|y| sd(noise, *y)).collect());
-    let measured = Measured { hz: hz.to_vec(), seen: admittance.clone(), admittance, fixture: fixture.to_vec(), coordinate: noise.coordinate, remarks: Vec::new() };
+    let measured = Measured {
+        hz: hz.to_vec(),
+        seen: admittance.clone(),
+        admittance,
+        fixture: fixture.to_vec(),
+        coordinate: noise.coordinate,
+        remarks: Vec::new(),
+    };
     let fitter = Fitter::new(&measured);
     let parameters = truth.parameters(fitter.farad);
     let linear = whitened(&fitter.linear(&parameters, &weights)?, noise.correlation);

@@ -112,10 +112,7 @@ mod tests {
     use super::*;
 
     fn example() -> Equivalent {
-        let branches = vec![
-            Branch { hz: 40e3, q: 65.0, siemens: 0.3 },
-            Branch { hz: 42e3, q: 300.0, siemens: 0.02 },
-        ];
+        let branches = vec![Branch { hz: 40e3, q: 65.0, siemens: 0.3 }, Branch { hz: 42e3, q: 300.0, siemens: 0.02 }];
         Equivalent { c0_f: 300e-9, loss_tangent: 0.004, branches }
     }
 
@@ -124,9 +121,7 @@ mod tests {
         let circuit = example();
         let hz = 40.3e3;
         let omega = TAU * hz;
-        let series = |b: &Branch| {
-            Complex64::new(b.rm_ohm(), omega * b.lm_h() - 1.0 / (omega * b.cm_f())).inv()
-        };
+        let series = |b: &Branch| Complex64::new(b.rm_ohm(), omega * b.lm_h() - 1.0 / (omega * b.cm_f())).inv();
         let clamped = omega * circuit.c0_f * Complex64::new(circuit.loss_tangent, 1.0);
         let expected: Complex64 = clamped + circuit.branches.iter().map(series).sum::<Complex64>();
         assert!((circuit.admittance(hz) / expected - 1.0).norm_sqr() < 1e-24);

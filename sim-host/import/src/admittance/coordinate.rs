@@ -43,9 +43,7 @@ impl Coordinate {
     pub fn of(self, admittance: Complex64) -> Complex64 {
         match self {
             Coordinate::Scattering(Topology::OnePort, ohm) => (1.0 - ohm * admittance) / (1.0 + ohm * admittance),
-            Coordinate::Scattering(Topology::SeriesThrough, ohm) => {
-                2.0 * ohm * admittance / (1.0 + 2.0 * ohm * admittance)
-            }
+            Coordinate::Scattering(Topology::SeriesThrough, ohm) => 2.0 * ohm * admittance / (1.0 + 2.0 * ohm * admittance),
             Coordinate::Scattering(Topology::ShuntThrough, ohm) => 2.0 / (2.0 + ohm * admittance),
             Coordinate::Immittance => Complex64::new(0.5 * libm::log(admittance.norm_sqr()), angle(admittance)),
         }

@@ -18,8 +18,8 @@ use super::measured::Measured;
 use super::start::{self, Points};
 use super::weights::Weights;
 use crate::error::ImportError;
-use crate::stated::rounded;
 use crate::least_squares::{Linear, Solution, minimise};
+use crate::stated::rounded;
 
 /// Most resonances that a circuit has.
 pub const MOST_MODES: usize = 3;
@@ -161,7 +161,8 @@ impl<'a> Fitter<'a> {
     fn solve(&self, start: &[f64], weights: &Weights, correlation: f64) -> Option<Solution> {
         let (from, to) = (libm::log(self.measured.hz[0]), libm::log(self.measured.hz[self.measured.hz.len() - 1]));
         let is_resonance = |own: &[f64]| {
-            (from - OUTSIDE..=to + OUTSIDE).contains(&own[0]) && (libm::log(QUALITIES.0)..=libm::log(QUALITIES.1)).contains(&own[1])
+            (from - OUTSIDE..=to + OUTSIDE).contains(&own[0])
+                && (libm::log(QUALITIES.0)..=libm::log(QUALITIES.1)).contains(&own[1])
         };
         minimise(start, |parameters| {
             if !parameters[CLAMPED..].chunks_exact(BRANCH).all(is_resonance) {
@@ -262,14 +263,21 @@ impl<'a> Fitter<'a> {
         }
         let free = 2 * self.readings.len() - solution.parameters.len();
         let variance = solution.cost / free as f64 * inflation;
-        let covariance = solution.covariance().ok_or_else(|| no_fit("the data do not determine all parameters of the circuit"))?;
+        let covariance =
+            solution.covariance().ok_or_else(|| no_fit("the data do not determine all parameters of the circuit"))?;
         if !solution.converged {
             return Err(no_fit("the search does not come to an end"));
         }
-        if let Some(at) = (CLAMPED..solution.parameters.len()).step_by(BRANCH).find(|at| !self.is_inside(solution.parameters[*at])) {
+        if let Some(at) =
+            (CLAMPED..solution.parameters.len()).step_by(BRANCH).find(|at| !self.is_inside(solution.parameters[*at]))
+        {
             let hz = libm::exp(solution.parameters[at]);
             let [from_hz, to_hz] = [self.measured.hz[0], self.measured.hz[self.measured.hz.len() - 1]].map(|hz| rounded(hz, 9));
-            return Err(ImportError::NoResonance { from_hz, to_hz, why: format!("the nearest that explains the data lies outside, at {hz:.1} Hz") });
+            return Err(ImportError::NoResonance {
+                from_hz,
+                to_hz,
+                why: format!("the nearest that explains the data lies outside, at {hz:.1} Hz"),
+            });
         }
         let mean = |part: usize| {
             let squares = weights.0.iter().map(|sd| sd[part] * sd[part]).sum::<f64>();

@@ -66,7 +66,13 @@ impl Measured {
     }
 
     /// A sweep in order of frequency, once its points are known; the readings of an immittance are admittances.
-    fn new(lines: &[usize], hz: Vec<f64>, readings: &[Complex64], coordinate: Coordinate, remarks: Vec<String>) -> Result<Self, ImportError> {
+    fn new(
+        lines: &[usize],
+        hz: Vec<f64>,
+        readings: &[Complex64],
+        coordinate: Coordinate,
+        remarks: Vec<String>,
+    ) -> Result<Self, ImportError> {
         let mut admittance = Vec::with_capacity(hz.len());
         for (reading, line) in readings.iter().zip(lines) {
             let y = if coordinate == Coordinate::Immittance { *reading } else { coordinate.admittance(*reading) };
@@ -123,7 +129,9 @@ fn of_table(text: &str, options: &Options) -> Result<Measured, ImportError> {
         return Err(ImportError::UnknownForm { seen });
     };
     let known: Vec<Option<Heading>> = names.iter().map(|name| heading(name)).collect();
-    let column = |quantity: Quantity| known.iter().position(|heading| heading.as_ref().is_some_and(|heading| heading.quantity == quantity));
+    let column = |quantity: Quantity| {
+        known.iter().position(|heading| heading.as_ref().is_some_and(|heading| heading.quantity == quantity))
+    };
     let mut take = |quantity: Quantity| -> Result<Option<Vec<f64>>, ImportError> {
         let Some(at) = column(quantity) else { return Ok(None) };
         let mut values = table.columns[at].clone();

@@ -136,7 +136,8 @@ impl Admittance {
     pub(super) fn of(name: &str, measured: Measured, fit: Fit) -> Result<Self, ImportError> {
         let equivalent = Equivalent::of(&fit.parameters, fit.farad);
         if !(equivalent.c0_f > 0.0) {
-            let what = format!("the fit gives a clamped capacitance of {:.3e} F; check topology, units and fixture", equivalent.c0_f);
+            let what =
+                format!("the fit gives a clamped capacitance of {:.3e} F; check topology, units and fixture", equivalent.c0_f);
             return Err(ImportError::NotATransducer(what));
         }
         let capacitance = |branch: &Branch| branch.cm_f();
@@ -144,8 +145,7 @@ impl Admittance {
         let working = equivalent.branches.iter().enumerate().max_by(by_capacitance).map_or(0, |(at, _)| at);
         let of = |at: usize| propagated(&fit.parameters, &fit.covariance, |parameters| derived(parameters, fit.farad, at));
         let [series_resonance_hz, parallel_resonance_hz, q, rm_ohm, lm_h, cm_f, c0_f, coupling, loss_tangent] = of(working);
-        let circuit =
-            Circuit { series_resonance_hz, parallel_resonance_hz, q, rm_ohm, lm_h, cm_f, c0_f, coupling, loss_tangent };
+        let circuit = Circuit { series_resonance_hz, parallel_resonance_hz, q, rm_ohm, lm_h, cm_f, c0_f, coupling, loss_tangent };
         let mode = |at: usize| {
             let [series_resonance_hz, _, q, rm_ohm, lm_h, cm_f, ..] = of(at);
             Mode { series_resonance_hz, q, rm_ohm, lm_h, cm_f, working: at == working }
@@ -193,11 +193,17 @@ fn warnings(measured: &Measured, circuit: &Circuit, fit: &Fit) -> Vec<String> {
     let band = hz / q;
     let inside = measured.hz.iter().filter(|point| (*point - hz).abs() < 0.5 * band).count();
     if inside < FEW_POINTS {
-        warnings.push(format!("{inside} points lie within the bandwidth of {band:.1} Hz about the resonance; sweep a narrower range, or more points"));
+        warnings.push(format!(
+            "{inside} points lie within the bandwidth of {band:.1} Hz about the resonance; sweep a narrower range, or more points"
+        ));
     }
     let ends = [measured.hz.first(), measured.hz.last()];
     if ends.into_iter().flatten().any(|end| (end - hz).abs() < band) {
-        warnings.push(format!("the resonance lies within a bandwidth of the end of the sweep; sweep from {:.0} to {:.0} Hz", hz - 5.0 * band, hz + 5.0 * band));
+        warnings.push(format!(
+            "the resonance lies within a bandwidth of the end of the sweep; sweep from {:.0} to {:.0} Hz",
+            hz - 5.0 * band,
+            hz + 5.0 * band
+        ));
     }
     let uncertain: Vec<&str> = [("Q", circuit.q), ("Rm", circuit.rm_ohm), ("C0", circuit.c0_f), ("coupling", circuit.coupling)]
         .into_iter()
@@ -206,7 +212,9 @@ fn warnings(measured: &Measured, circuit: &Circuit, fit: &Fit) -> Vec<String> {
         .collect();
     if !uncertain.is_empty() {
         let hint = match measured.coordinate {
-            Coordinate::Scattering(Topology::OnePort, ohm) if circuit.rm_ohm.value > 20.0 * ohm || circuit.rm_ohm.value < 0.05 * ohm => {
+            Coordinate::Scattering(Topology::OnePort, ohm)
+                if circuit.rm_ohm.value > 20.0 * ohm || circuit.rm_ohm.value < 0.05 * ohm =>
+            {
                 "; one port says little of an impedance so far from its own: measure through two ports (series-through for a high one, shunt-through for a low one)"
             }
             _ => "",
@@ -214,7 +222,9 @@ fn warnings(measured: &Measured, circuit: &Circuit, fit: &Fit) -> Vec<String> {
         warnings.push(format!("the data hardly determine {}{hint}", uncertain.join(", ")));
     }
     if circuit.loss_tangent.value < -3.0 * circuit.loss_tangent.sd {
-        warnings.push("the loss tangent is negative, as an error of angle makes it: correct the fixture, or calibrate again".to_owned());
+        warnings.push(
+            "the loss tangent is negative, as an error of angle makes it: correct the fixture, or calibrate again".to_owned(),
+        );
     }
     warnings
 }

@@ -86,8 +86,8 @@ impl Admittance {
 }
 
 fn further(text: &mut String, mode: &Mode) {
-    let numbers =
-        [("series_resonance_hz", mode.series_resonance_hz), ("q", mode.q), ("lm_h", mode.lm_h)].map(|(key, value)| (key, value.value));
+    let numbers = [("series_resonance_hz", mode.series_resonance_hz), ("q", mode.q), ("lm_h", mode.lm_h)]
+        .map(|(key, value)| (key, value.value));
     let _ = writeln!(text, "\n[[stack.mode]]");
     for (key, value) in numbers {
         let _ = writeln!(text, "{key} = {:?}", rounded(value, 7));

@@ -13,13 +13,13 @@ use super::circuit::{Branch, Equivalent};
 
 /// Least and largest quality factor that is tried, and the step between two.
 const QUALITIES: (f64, f64) = (2.0, 1e5);
-const QUALITY_STEP: f64 = 1.8;
+const QUALITY_STEP: f64 = 2.0;
 /// Steps of the frequency in a bandwidth.
-const STEPS: f64 = 3.0;
+const STEPS: f64 = 2.0;
 /// Most points that a search looks at: it leaves some out of more.
-const MOST_POINTS: usize = 1200;
+const MOST_POINTS: usize = 500;
 /// Most frequencies that are tried of one quality.
-const MOST_FREQUENCIES: usize = 600;
+const MOST_FREQUENCIES: usize = 400;
 /// A candidate is looked at within so many of its bandwidths where these are few of the sweep's points.
 const WINDOW: f64 = 24.0;
 
@@ -67,9 +67,8 @@ fn linear(points: &Points, shapes: &[(f64, f64)]) -> Option<Equivalent> {
     let target: Vector = points.admittance.iter().zip(points.weight).map(|(y, w)| y * w).collect();
     let scales: Vec<f64> = columns.iter().map(|column| dot(column, column).sqrt().max(f64::MIN_POSITIVE)).collect();
     let n = columns.len();
-    let matrix = DMatrix::from_fn(n, n, |i, j| {
-        dot(&columns[i], &columns[j]) / scales[i] / scales[j] + if i == j { 1e-12 } else { 0.0 }
-    });
+    let matrix =
+        DMatrix::from_fn(n, n, |i, j| dot(&columns[i], &columns[j]) / scales[i] / scales[j] + if i == j { 1e-12 } else { 0.0 });
     let right = DVector::from_fn(n, |i, _| dot(&columns[i], &target) / scales[i]);
     let found = Cholesky::new(matrix)?.solve(&right);
     let value = |at: usize| found[at] / scales[at];
@@ -181,8 +180,7 @@ impl<'a> View<'a> {
     fn gain(&self, (own, q): (f64, f64), window: Option<f64>) -> Option<f64> {
         let reach = window.map_or(f64::INFINITY, |window| window * own / q);
         let range = self.hz.partition_point(|hz| *hz < own - reach)..self.hz.partition_point(|hz| *hz <= own + reach);
-        let shape: Vector =
-            range.clone().map(|at| unit(self.hz[at], (own, q)) * self.weight[at]).collect();
+        let shape: Vector = range.clone().map(|at| unit(self.hz[at], (own, q)) * self.weight[at]).collect();
         let along = dot(&shape, &self.residual[range.clone()]);
         let mut square = dot(&shape, &shape);
         if window.is_none() {

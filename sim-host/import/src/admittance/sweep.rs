@@ -14,7 +14,8 @@ pub(super) fn ordered(lines: &[usize], mut sweep: Measured) -> Result<Measured, 
         return Err(ImportError::BadLine { line: lines[at], what });
     }
     if let Some(at) = hz.windows(2).position(|pair| pair[0] == pair[1]) {
-        let step = STEPS_HZ.iter().find(|(step, _)| hz.iter().all(|hz| (hz / step).fract().min(1.0 - (hz / step).fract()) < 1e-9));
+        let step =
+            STEPS_HZ.iter().find(|(step, _)| hz.iter().all(|hz| (hz / step).fract().min(1.0 - (hz / step).fract()) < 1e-9));
         let step = step.map_or_else(String::new, |(_, name)| format!(" to {name}"));
         return Err(ImportError::FrequenciesEqual { first: lines[at], second: lines[at + 1], hz: hz[at], step });
     }

@@ -84,13 +84,7 @@ fn variances(terms: &[Vec<f64>], squares: &[f64]) -> Vec<f64> {
 }
 
 /// Coefficients of the terms used, by scoring; nothing if one becomes negative.
-fn likely(
-    terms: &[Vec<f64>],
-    used: &[usize],
-    squares: &[f64],
-    mean: f64,
-    sum: &dyn Fn(&[f64]) -> Vec<f64>,
-) -> Option<Vec<f64>> {
+fn likely(terms: &[Vec<f64>], used: &[usize], squares: &[f64], mean: f64, sum: &dyn Fn(&[f64]) -> Vec<f64>) -> Option<Vec<f64>> {
     const ROUNDS: usize = 12;
     let n = used.len();
     let mut variance = vec![mean; squares.len()];

@@ -66,7 +66,8 @@ fn residuals(model: Model, fitted: &[f64], log: &Log, used: &[bool]) -> Option<V
 /// Starts across what the log resolves.
 fn starts(model: Model, log: &Log, used: &[bool]) -> Vec<Vec<f64>> {
     let of_used = |values: &[f64]| {
-        let mut sizes: Vec<f64> = values.iter().zip(used).filter(|(_, used)| **used).map(|(v, _)| v.abs()).filter(|v| *v > 0.0).collect();
+        let mut sizes: Vec<f64> =
+            values.iter().zip(used).filter(|(_, used)| **used).map(|(v, _)| v.abs()).filter(|v| *v > 0.0).collect();
         sizes.sort_by(f64::total_cmp);
         sizes
     };

@@ -204,7 +204,9 @@ mod tests {
     #[test]
     fn units_and_columns_of_a_log_are_found() {
         let lines: String = (0..30).map(|n| format!("{n};{},5;2;{}\n", n, n / 20)).collect();
-        let log = Log::parse(&format!("t [ms];x [um];F [mN];on\n{lines}"), &Options { normal_n: Some(2.0), ..Options::default() }).unwrap();
+        let log =
+            Log::parse(&format!("t [ms];x [um];F [mN];on\n{lines}"), &Options { normal_n: Some(2.0), ..Options::default() })
+                .unwrap();
         assert!((log.slip_m[1] - 1e-6).abs() < 1e-18 && (log.velocity_m_per_s[3] - 1e-3).abs() < 1e-12);
         assert_eq!((log.on[19], log.on[20], log.force_n[0]), (false, true, 2e-3));
     }

@@ -8,7 +8,7 @@ use nalgebra::{Cholesky, DMatrix, DVector};
 use super::log::Log;
 
 /// Springs of the model.
-const SPRINGS: usize = 5;
+const SPRINGS: usize = 8;
 
 /// A fitted model.
 #[derive(Clone, Debug, PartialEq)]
@@ -25,8 +25,10 @@ pub(super) struct Maxwell {
 
 /// Fits the samples that are `used`; nothing if the log resolves no deflection.
 pub(super) fn fit(log: &Log, used: &[bool]) -> Option<Maxwell> {
-    let steps = log.slip_m.iter().map(|slip| slip.abs()).filter(|slip| *slip > 0.0);
-    let least = steps.fold(f64::INFINITY, f64::min);
+    // About a reversal steps are as short as one likes: the median is what the log resolves.
+    let mut steps: Vec<f64> = log.slip_m.iter().map(|slip| slip.abs()).filter(|slip| *slip > 0.0).collect();
+    steps.sort_by(f64::total_cmp);
+    let least = steps.get(steps.len() / 2).copied().unwrap_or(f64::INFINITY);
     let mut at = 0.0_f64;
     let (mut low, mut high) = (0.0_f64, 0.0_f64);
     for slip in &log.slip_m {

@@ -56,7 +56,13 @@ impl Friction {
             std::iter::once((*name).to_owned()).chain(row.iter().map(|c| format!("{c:.2}"))).collect()
         };
         let rows = chosen.names.iter().zip(&chosen.correlations).map(row).collect();
-        TableBlock::new("correlation", "Correlation of the fitted parameters", "Zero of what the log does not determine.", &header, rows)
+        TableBlock::new(
+            "correlation",
+            "Correlation of the fitted parameters",
+            "Zero of what the log does not determine.",
+            &header,
+            rows,
+        )
     }
 
     fn figures(&self) -> Vec<Figure> {
@@ -82,7 +88,8 @@ impl Friction {
         let figure = |id: &str, title: &str, label: &str, x: &[f64]| Figure {
             id: id.into(),
             title: title.into(),
-            caption: "Dots: as measured, ON and OFF. Line: the model chosen, which is of the OFF part, along the same slip.".into(),
+            caption: "Dots: as measured, ON and OFF. Line: the model chosen, which is of the OFF part, along the same slip."
+                .into(),
             x: axis(label),
             y: axis("friction [N]"),
             series: vec![
@@ -127,9 +134,8 @@ impl Friction {
         let log = &self.log;
         let speeds: Vec<f64> = log.velocity_m_per_s.iter().map(|v| v.abs()).filter(|v| *v > 0.0).collect();
         let speed = rounded(speeds.iter().sum::<f64>() / speeds.len().max(1) as f64, 4);
-        let value = |name: &str| {
-            self.chosen().parameters.iter().find(|(own, ..)| own == name).map(|(_, value, _)| rounded(*value, 6))
-        };
+        let value =
+            |name: &str| self.chosen().parameters.iter().find(|(own, ..)| own == name).map(|(_, value, _)| rounded(*value, 6));
         let quoted = |text: &str| text.replace(['"', '\\'], "'");
         let mut text = format!(
             "title = \"Measured contact {}: friction under a {} kHz vibration\"\nsource = \"contact fitted to {} by `sim-host import friction`\"\n\

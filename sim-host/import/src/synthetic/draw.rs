@@ -28,7 +28,8 @@ pub(super) fn draw(number: u64) -> Example {
         Coordinate::Scattering(..) => (random.log(1e-4, 3e-3), random.log(1e-5, 1e-3)),
         Coordinate::Immittance => (random.log(2e-4, 1e-2), random.log(2e-4, 1e-2)),
     };
-    let with_fixture = random.chance(0.2) && !matches!(coordinate, Coordinate::Scattering(Topology::SeriesThrough | Topology::ShuntThrough, _));
+    let with_fixture =
+        random.chance(0.2) && !matches!(coordinate, Coordinate::Scattering(Topology::SeriesThrough | Topology::ShuntThrough, _));
     let series_ohm = if random.chance(0.1) { truth.branches[0].rm_ohm() * random.between(0.05, 0.5) } else { 0.0 };
     // A fixture of a few nanohenries and picofarads beside the transducer.
     let (lead_ohm, lead_h) = (random.log(1e-3, 1e-1), random.log(1e-9, 3e-7));

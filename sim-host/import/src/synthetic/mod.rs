@@ -120,5 +120,4 @@ impl Example {
 }
 
 /// Names of the numbers of a working mode.
-pub const NAMES: [&str; 8] =
-    ["series_resonance_hz", "parallel_resonance_hz", "q", "rm_ohm", "lm_h", "cm_f", "c0_f", "coupling"];
+pub const NAMES: [&str; 8] = ["series_resonance_hz", "parallel_resonance_hz", "q", "rm_ohm", "lm_h", "cm_f", "c0_f", "coupling"];

@@ -47,16 +47,8 @@ pub(super) fn judge(number: u64) -> Judged {
     match (example.import(), bounds) {
         (Ok(found), Some(bounds)) => {
             let c = &found.circuit;
-            let values: [Value; 8] = [
-                c.series_resonance_hz,
-                c.parallel_resonance_hz,
-                c.q,
-                c.rm_ohm,
-                c.lm_h,
-                c.cm_f,
-                c.c0_f,
-                c.coupling,
-            ];
+            let values: [Value; 8] =
+                [c.series_resonance_hz, c.parallel_resonance_hz, c.q, c.rm_ohm, c.lm_h, c.cm_f, c.c0_f, c.coupling];
             let truth = example.true_values();
             let number = |at: usize| Number {
                 deviations: (values[at].value - truth[at]) / values[at].sd,
@@ -88,7 +80,8 @@ pub(super) struct Statistics {
 /// Statistics of each number over the files that were not refused.
 pub(super) fn statistics<'a>(set: impl IntoIterator<Item = &'a Judged> + Clone) -> Vec<Statistics> {
     let of = |(at, name): (usize, &&'static str)| {
-        let numbers: Vec<Number> = set.clone().into_iter().filter_map(|judged| judged.numbers.map(|numbers| numbers[at])).collect();
+        let numbers: Vec<Number> =
+            set.clone().into_iter().filter_map(|judged| judged.numbers.map(|numbers| numbers[at])).collect();
         let count = numbers.len().max(1) as f64;
         let mut ratios: Vec<f64> = numbers.iter().map(|number| number.over_bound).collect();
         ratios.sort_by(f64::total_cmp);
@@ -130,7 +123,8 @@ pub(super) fn damaged(number: u64) -> Damaged {
     let small = (first..).map(Example::draw).find(|example| example.hz.len() <= FEW_POINTS);
     let Some(example) = small else { return Damaged { number, end: End::Taken } };
     let bytes = mutated(&example, number);
-    let tried = catch_unwind(|| Measured::parse(&example.name, &bytes, &example.options).and_then(|sweep| fit("damaged", sweep, None)));
+    let tried =
+        catch_unwind(|| Measured::parse(&example.name, &bytes, &example.options).and_then(|sweep| fit("damaged", sweep, None)));
     let end = match tried {
         Ok(Ok(_)) => End::Taken,
         Ok(Err(error)) => End::Refused(called(&error)),

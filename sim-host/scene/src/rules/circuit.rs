@@ -42,7 +42,8 @@ pub(crate) fn complete(root: &mut Node) {
     let Ok(elements) = given(root).resolve() else { return };
     let Some(Value::Table(stack)) = root.entry_mut("stack").map(|node| &mut node.value) else { return };
     let Some(Value::Table(table)) = stack.get_mut("bvd").map(|entry| &mut entry.node.value) else { return };
-    let Some((key, place)) = present.first().and_then(|key| table.get(*key)).map(|entry| (entry.key.clone(), entry.node.place.clone()))
+    let Some((key, place)) =
+        present.first().and_then(|key| table.get(*key)).map(|entry| (entry.key.clone(), entry.node.place.clone()))
     else {
         return;
     };
