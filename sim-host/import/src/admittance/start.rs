@@ -13,13 +13,13 @@ use super::circuit::{Branch, Equivalent};
 
 /// Least and largest quality factor that is tried, and the step between two.
 const QUALITIES: (f64, f64) = (2.0, 1e5);
-const QUALITY_STEP: f64 = 2.0;
+const QUALITY_STEP: f64 = 1.8;
 /// Steps of the frequency in a bandwidth.
-const STEPS: f64 = 2.0;
+const STEPS: f64 = 3.0;
 /// Most points that a search looks at: it leaves some out of more.
-const MOST_POINTS: usize = 500;
+const MOST_POINTS: usize = 1200;
 /// Most frequencies that are tried of one quality.
-const MOST_FREQUENCIES: usize = 400;
+const MOST_FREQUENCIES: usize = 600;
 /// A candidate is looked at within so many of its bandwidths where these are few of the sweep's points.
 const WINDOW: f64 = 24.0;
 
