@@ -25,7 +25,7 @@ fn the_drive_is_complete_and_within_its_limits() {
 fn any_complete_set_of_circuit_values_is_the_same_stack() {
     let stack = |lines: &str| {
         let head = example().find("cm_f").expect("the stack");
-        let tail = example().find("force_factor_n_per_v = 5").expect("its end");
+        let tail = example().find("\nforce_factor_n_per_v = 5").expect("its end") + 1;
         format!("{}{lines}{}", &example()[..head], &example()[tail..])
     };
     let bvd = |text: &str| load_text("a.toml", text, &[]).unwrap_or_else(|error| panic!("{error}")).scene.stack.unwrap().bvd;
